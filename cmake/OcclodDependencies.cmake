@@ -1,0 +1,19 @@
+# Every third-party package, in one place. scripts/packages.txt lists the Debian packages that bring them.
+find_package(glm REQUIRED)
+find_package(fmt REQUIRED)
+find_package(nlohmann_json REQUIRED)
+
+# xxHash is used as a header: XXH_INLINE_ALL leaves nothing to link.
+find_path(OCCLOD_XXHASH_INCLUDE_DIR xxhash.h REQUIRED)
+add_library(occlod_xxhash INTERFACE)
+target_include_directories(occlod_xxhash SYSTEM INTERFACE ${OCCLOD_XXHASH_INCLUDE_DIR})
+target_compile_definitions(occlod_xxhash INTERFACE XXH_INLINE_ALL)
+
+if(OCCLOD_BUILD_TOOLS)
+  find_package(CLI11 REQUIRED)
+endif()
+if(OCCLOD_BUILD_TESTS)
+  find_package(GTest REQUIRED)
+  find_package(Python3 REQUIRED COMPONENTS Interpreter)
+  include(GoogleTest)
+endif()

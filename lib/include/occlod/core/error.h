@@ -1,0 +1,28 @@
+// The one exception type of the library. Thrown at the API edge for bad files, meshes and set-ups;
+// broken preconditions are assertions instead.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+namespace occlod {
+
+// What went wrong, in the four parts that a user needs.
+struct Diagnosis {
+  std::string subject;  // the file or object, e.g. "bunny.ply"
+  std::string place;    // where in it, e.g. "line 12" or "vertex 4711"; may be empty
+  std::string problem;  // e.g. "x is not a number"
+  std::string mend;     // what to do about it, e.g. "export the mesh again"; may be empty
+};
+
+// what() is one line: "subject: place: problem; mend".
+class Error : public std::runtime_error {
+ public:
+  explicit Error(Diagnosis diagnosis);
+  [[nodiscard]] const Diagnosis& diagnosis() const noexcept { return diagnosis_; }
+
+ private:
+  Diagnosis diagnosis_;
+};
+
+}  // namespace occlod

@@ -1,0 +1,69 @@
+// What refinement, occlusion and drawing need to know about a camera, computed once per view.
+#pragma once
+
+#include <array>
+#include <glm/mat4x4.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+
+#include "occlod/math/bounds.h"
+#include "occlod/view/camera.h"
+
+namespace occlod {
+
+// An immutable view in world space. Clip space is OpenGL's: x, y, z in [-w, w], z = -w on the near plane,
+// w = distance from the eye plane. Pixel (0, 0) is the top left; its centre is (0.5, 0.5).
+class View {
+ public:
+  // Throws Error when the camera is not finite, has no direction, or a size, angle or range that makes no image.
+  explicit View(const Camera& camera);
+
+  [[nodiscard]] const Camera& camera() const noexcept { return camera_; }
+  [[nodiscard]] int width() const noexcept { return camera_.width; }
+  [[nodiscard]] int height() const noexcept { return camera_.height; }
+  [[nodiscard]] const glm::dmat4& world_to_clip() const noexcept { return world_to_clip_; }
+  [[nodiscard]] const glm::dvec3& direction() const noexcept { return direction_; }  // unit, from the eye
+  // Pixels that a unit length across the axis covers at distance 1 along it.
+  [[nodiscard]] double focal_length_px() const noexcept { return focal_length_px_; }
+  // Cosine of the angle between the axis and the corners of the image.
+  [[nodiscard]] double cos_corner_angle() const noexcept { return cos_corner_angle_; }
+
+ private:
+  Camera camera_;
+  glm::dmat4 world_to_clip_{1.0};
+  glm::dvec3 direction_{0.0, 0.0, -1.0};
+  double focal_length_px_ = 0.0;
+  double cos_corner_angle_ = 1.0;
+};
+
+// A view seen from one object: the same questions, asked in the object's own space.
+class ObjectView {
+ public:
+  // Throws Error when `object_to_world` is not finite, not affine or cannot be inverted.
+  ObjectView(const View& view, const glm::dmat4& object_to_world);
+
+  [[nodiscard]] const glm::mat4& object_to_clip() const noexcept { return object_to_clip_; }
+  [[nodiscard]] const glm::vec3& eye() const noexcept { return eye_; }  // object space
+  // True when the transform turns triangles inside out (negative determinant).
+  [[nodiscard]] bool mirrored() const noexcept { return mirrored_; }
+  // False only when no point of the sphere is inside the frustum.
+  [[nodiscard]] bool may_be_inside(const Sphere& sphere) const noexcept;
+  // The frustum planes, inward, unit normals, object space: left, right, bottom, top, near, far.
+  [[nodiscard]] const std::array<glm::vec4, 6>& planes() const noexcept { return planes_; }
+  // The largest number of pixels that a displacement of one object unit at any point of the sphere that is inside the
+  // frustum can cover on the screen. Infinite when the eye may be inside the sphere.
+  [[nodiscard]] float largest_scale_px(const Sphere& sphere) const noexcept;
+
+ private:
+  glm::mat4 object_to_clip_{1.0F};
+  glm::mat4x3 object_to_eye_{1.0F};  // world units, relative to the eye
+  std::array<glm::vec4, 6> planes_{};
+  glm::vec3 eye_{0.0F};
+  glm::vec3 direction_{0.0F, 0.0F, -1.0F};  // world space
+  float largest_stretch_ = 1.0F;            // world units per object unit
+  float focal_length_px_ = 0.0F;
+  float cos_corner_angle_ = 1.0F;
+  bool mirrored_ = false;
+};
+
+}  // namespace occlod

@@ -1,0 +1,20 @@
+#include "occlod/core/error.h"
+
+#include <utility>
+
+namespace occlod {
+namespace {
+
+std::string one_line(const Diagnosis& diagnosis) {
+  std::string line = diagnosis.subject;
+  if (!diagnosis.place.empty()) line += ": " + diagnosis.place;
+  line += ": " + diagnosis.problem;
+  if (!diagnosis.mend.empty()) line += "; " + diagnosis.mend;
+  return line;
+}
+
+}  // namespace
+
+Error::Error(Diagnosis diagnosis) : std::runtime_error(one_line(diagnosis)), diagnosis_(std::move(diagnosis)) {}
+
+}  // namespace occlod

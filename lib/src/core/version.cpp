@@ -1,0 +1,7 @@
+#include "occlod/core/version.h"
+
+namespace occlod {
+
+const char* version() noexcept { return OCCLOD_VERSION; }
+
+}  // namespace occlod

@@ -1,0 +1,159 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/ext/matrix_transform.hpp>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <random>
+
+#include "occlod/core/error.h"
+#include "occlod/view/view.h"
+
+namespace occlod {
+namespace {
+
+Camera camera() {
+  Camera c;
+  c.eye = {1, 2, 6};
+  c.target = {0, 0.5, 0};
+  c.fov_y_deg = 70.0;
+  c.near = 0.1;
+  c.far = 50.0;
+  return c;
+}
+
+class RandomNumbers {
+ public:
+  explicit RandomNumbers(unsigned seed) : random_(seed) {}
+  double between(double a, double b) { return std::uniform_real_distribution<double>(a, b)(random_); }
+  glm::dvec3 in_cube(double half) { return {between(-half, half), between(-half, half), between(-half, half)}; }
+  glm::dvec3 in_unit_ball() {
+    glm::dvec3 p;
+    do p = in_cube(1.0);
+    while (glm::length(p) > 1.0);
+    return p;
+  }
+
+ private:
+  std::mt19937 random_;
+};
+
+glm::dmat4 random_transform(RandomNumbers& random) {
+  glm::dmat4 m = glm::translate(glm::dmat4(1.0), random.in_cube(2.0));
+  m = glm::rotate(m, random.between(0, 6.28), random.in_unit_ball() + glm::dvec3(0.01));
+  return glm::scale(m, {random.between(0.2, 3), random.between(0.2, 3), random.between(-3, 3) + 0.01});
+}
+
+bool inside_frustum(const glm::dvec4& clip) {
+  return std::abs(clip.x) <= clip.w && std::abs(clip.y) <= clip.w && std::abs(clip.z) <= clip.w;
+}
+
+TEST(ObjectView, ASphereWithAPointInTheFrustumIsNeverOutside) {
+  RandomNumbers random(1);
+  const View view(camera());
+  int outside = 0;
+  for (int n = 0; n < 4000; ++n) {
+    const glm::dmat4 transform = random_transform(random);
+    const ObjectView object(view, transform);
+    const Sphere sphere{glm::vec3(random.in_cube(4.0)), static_cast<float>(random.between(0, 1))};
+    if (!object.may_be_inside(sphere)) ++outside;
+    for (int k = 0; k < 20; ++k) {
+      const glm::dvec3 p =
+          glm::dvec3(sphere.center) + 0.999 * static_cast<double>(sphere.radius) * random.in_unit_ball();
+      if (inside_frustum(view.world_to_clip() * transform * glm::dvec4(p, 1.0))) {
+        ASSERT_TRUE(object.may_be_inside(sphere));
+      }
+    }
+  }
+  EXPECT_GT(outside, 400);
+}
+
+TEST(ObjectView, EachPlaneCutsWhereItShould) {
+  // Eye at the origin, looking along -z, 90 degrees high and wide: a unit sphere at depth 10 touches the side planes
+  // when its centre is 10 + sqrt(2) off the axis.
+  Camera c;
+  c.eye = {0, 0, 0};
+  c.target = {0, 0, -1};
+  c.fov_y_deg = 90.0;
+  c.width = c.height = 100;
+  c.near = 2.0;
+  c.far = 20.0;
+  const ObjectView object(View(c), glm::dmat4(1.0));
+  const float touching = 10.0F + std::sqrt(2.0F);
+  for (const glm::vec3 side : {glm::vec3(1, 0, 0), glm::vec3(-1, 0, 0), glm::vec3(0, 1, 0), glm::vec3(0, -1, 0)}) {
+    EXPECT_TRUE(object.may_be_inside({glm::vec3(0, 0, -10) + (touching - 0.01F) * side, 1.0F}));
+    EXPECT_FALSE(object.may_be_inside({glm::vec3(0, 0, -10) + (touching + 0.01F) * side, 1.0F}));
+  }
+  EXPECT_TRUE(object.may_be_inside({{0, 0, -1.01F}, 1.0F}));
+  EXPECT_FALSE(object.may_be_inside({{0, 0, -0.99F}, 1.0F}));
+  EXPECT_TRUE(object.may_be_inside({{0, 0, -20.99F}, 1.0F}));
+  EXPECT_FALSE(object.may_be_inside({{0, 0, -21.01F}, 1.0F}));
+}
+
+TEST(ObjectView, NoDisplacementCoversMorePixelsThanTheLargestScale) {
+  RandomNumbers random(2);
+  const View view(camera());
+  int compared = 0;
+  double tightest = 0.0;
+  for (int n = 0; n < 3000; ++n) {
+    const glm::dmat4 transform = random_transform(random);
+    const ObjectView object(view, transform);
+    const Sphere sphere{glm::vec3(random.in_cube(3.0)), static_cast<float>(random.between(0, 0.5))};
+    const auto scale = static_cast<double>(object.largest_scale_px(sphere));
+    const auto to_pixels = [&](const glm::dvec3& p) {
+      const glm::dvec4 clip = view.world_to_clip() * transform * glm::dvec4(p, 1.0);
+      return glm::dvec2(clip) / clip.w * glm::dvec2(view.width(), view.height()) / 2.0;
+    };
+    for (int k = 0; k < 10; ++k) {
+      const glm::dvec3 p = glm::dvec3(sphere.center) + static_cast<double>(sphere.radius) * random.in_unit_ball();
+      if (!inside_frustum(view.world_to_clip() * transform * glm::dvec4(p, 1.0))) continue;
+      const glm::dvec3 step = 1e-6 * glm::normalize(random.in_unit_ball() + glm::dvec3(1e-9));
+      const double pixels = glm::length(to_pixels(p + step) - to_pixels(p)) / 1e-6;
+      ASSERT_LE(pixels, scale * (1.0 + 1e-5));
+      if (std::isfinite(scale)) tightest = std::max(tightest, pixels / scale);
+      ++compared;
+    }
+  }
+  EXPECT_GT(compared, 1000);
+  EXPECT_GT(tightest, 0.7);  // a bound, but not one that is far from the truth everywhere
+}
+
+TEST(ObjectView, ScaleAtTheCentreOfTheImageIsTheFocalLengthOverTheDistance) {
+  Camera c;
+  c.eye = {0, 0, 0};
+  c.target = {0, 0, -1};
+  c.fov_y_deg = 90.0;
+  c.width = c.height = 100;  // focal length 50 px
+  const ObjectView object(View(c), glm::dmat4(1.0));
+  EXPECT_NEAR(object.largest_scale_px({{0, 0, -10}, 0.0F}), 5.0F, 1e-5F);
+  // Nearest at 8; seen under the angle asin(2 / 10) to the side: / cos^2.
+  EXPECT_NEAR(object.largest_scale_px({{0, 0, -10}, 2.0F}), 50.0F / 8.0F / 0.96F, 1e-4F);
+  EXPECT_EQ(object.largest_scale_px({{0, 0, -1}, 1.5F}), std::numeric_limits<float>::infinity());
+  // Twice the size is twice the pixels for the same object length.
+  const ObjectView doubled(View(c), glm::scale(glm::dmat4(1.0), glm::dvec3(2.0)));
+  EXPECT_NEAR(doubled.largest_scale_px({{0, 0, -5}, 0.0F}), 10.0F, 1e-5F);
+}
+
+TEST(ObjectView, EyeAndMirroringAreTheObjects) {
+  const View view(camera());
+  const ObjectView moved(view, glm::translate(glm::dmat4(1.0), {1, 2, 3}));
+  EXPECT_NEAR(moved.eye().x, 0.0F, 1e-6F);
+  EXPECT_NEAR(moved.eye().y, 0.0F, 1e-6F);
+  EXPECT_NEAR(moved.eye().z, 3.0F, 1e-6F);
+  EXPECT_FALSE(moved.mirrored());
+  EXPECT_TRUE(ObjectView(view, glm::scale(glm::dmat4(1.0), {1, -1, 1})).mirrored());
+}
+
+TEST(ObjectView, RefusesTransformsWithoutAnInverse) {
+  const View view(camera());
+  EXPECT_THROW(ObjectView(view, glm::scale(glm::dmat4(1.0), {1, 0, 1})), Error);
+  glm::dmat4 nan(1.0);
+  nan[3].x = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(ObjectView(view, nan), Error);
+  glm::dmat4 projective(1.0);
+  projective[2].w = 1.0;
+  EXPECT_THROW(ObjectView(view, projective), Error);
+}
+
+}  // namespace
+}  // namespace occlod
