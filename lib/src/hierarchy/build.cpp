@@ -1,0 +1,39 @@
+#include "occlod/hierarchy/build.h"
+
+#include <cmath>
+
+#include "assemble.h"
+#include "occlod/core/error.h"
+#include "simplify.h"
+#include "subtree_bounds.h"
+
+namespace occlod {
+namespace {
+
+void check_input(const TriangleMesh& mesh) {
+  if (mesh.triangles.empty()) throw Error({"mesh", "", "has no triangles", "give a mesh with at least one"});
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    const glm::vec3& p = mesh.positions[v];
+    if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
+      throw Error({"mesh", "vertex " + std::to_string(v), "is not finite", "run clean() on the mesh first"});
+  }
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Triangle& corners = mesh.triangles[t];
+    const std::size_t n = mesh.vertex_count();
+    if (corners.x >= n || corners.y >= n || corners.z >= n || corners.x == corners.y || corners.y == corners.z ||
+        corners.z == corners.x)
+      throw Error({"mesh", "triangle " + std::to_string(t), "repeats a corner or refers to a vertex that is not there",
+                   "run clean() on the mesh first"});
+  }
+}
+
+}  // namespace
+
+Hierarchy build_hierarchy(const TriangleMesh& mesh, const BuildOptions& options) {
+  check_input(mesh);
+  HierarchyData data = assemble(mesh, simplify(mesh, options));
+  bound_subtrees(data);
+  return Hierarchy(std::move(data));
+}
+
+}  // namespace occlod

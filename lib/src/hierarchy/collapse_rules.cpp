@@ -1,0 +1,108 @@
+#include "collapse_rules.h"
+
+#include <algorithm>
+#include <cassert>
+#include <glm/geometric.hpp>
+#include <numeric>
+
+namespace occlod {
+namespace {
+
+constexpr double min_cos_turn = 0.25;  // cosine of the largest turn of a face's normal in one collapse
+
+std::size_t index_of(std::span<const VertexId> sorted, VertexId v) {
+  const auto at = std::lower_bound(sorted.begin(), sorted.end(), v);
+  assert(at != sorted.end() && *at == v);
+  return static_cast<std::size_t>(at - sorted.begin());
+}
+
+bool has_face(const StarMesh& mesh, VertexId a, VertexId b, VertexId c) {
+  const auto star = mesh.star(a);
+  return std::any_of(star.begin(), star.end(),
+                     [&](FaceId f) { return contains(mesh.face(f), b) && contains(mesh.face(f), c); });
+}
+
+}  // namespace
+
+void VertexRing::gather(const StarMesh& mesh, VertexId v) {
+  vertex_ = v;
+  mesh.neighbours(v, neighbours_);
+  degrees_.assign(neighbours_.size(), 0);
+  for (const FaceId f : mesh.star(v)) {
+    const OppositeEdge e = opposite_edge(mesh.face(f), v);
+    ++degrees_[index_of(neighbours_, e.next)];
+    ++degrees_[index_of(neighbours_, e.last)];
+  }
+  int features = 0;
+  int feature_degree = 0;
+  bool constant = true;
+  for (const int degree : degrees_) {
+    if (degree == 2) continue;
+    constant = constant && (features == 0 || degree == feature_degree);
+    feature_degree = degree;
+    ++features;
+  }
+  on_feature_ = features > 0;
+  movable_ = (features == 0 || (features == 2 && constant)) && one_fan(mesh);
+}
+
+bool VertexRing::one_fan(const StarMesh& mesh) const {
+  // Union-find over the neighbours; every face at v joins two of them.
+  fan_of_.resize(neighbours_.size());
+  std::iota(fan_of_.begin(), fan_of_.end(), 0U);
+  const auto root = [&](std::size_t i) {
+    while (fan_of_[i] != i) i = fan_of_[i] = fan_of_[fan_of_[i]];
+    return static_cast<std::uint32_t>(i);
+  };
+  std::size_t fans = neighbours_.size();
+  for (const FaceId f : mesh.star(vertex_)) {
+    const OppositeEdge e = opposite_edge(mesh.face(f), vertex_);
+    const std::uint32_t a = root(index_of(neighbours_, e.next));
+    const std::uint32_t b = root(index_of(neighbours_, e.last));
+    if (a == b) continue;
+    fan_of_[a] = b;
+    --fans;
+  }
+  return fans == 1;
+}
+
+bool keeps_topology(const StarMesh& mesh, const VertexRing& ring, std::size_t i) {
+  const VertexId v = ring.vertex();
+  const VertexId u = ring.neighbours()[i];
+  if (!ring.movable() || (ring.on_feature() && ring.degree(i) == 2)) return false;
+  for (std::size_t k = 0; k < ring.neighbours().size(); ++k) {
+    const VertexId w = ring.neighbours()[k];
+    if (w == u) continue;
+    const int degree_uw = mesh.edge_degree(u, w);
+    if (degree_uw == 0) continue;
+    // A vertex of both links is one of the edge's link, and the edges to it are not both features.
+    if (!has_face(mesh, v, u, w) || (degree_uw != 2 && ring.degree(k) != 2)) return false;
+  }
+  // No edge is in both links: no moved face meets an old one.
+  const auto star = mesh.star(v);
+  return std::none_of(star.begin(), star.end(), [&](FaceId f) {
+    const OppositeEdge e = opposite_edge(mesh.face(f), v);
+    return e.next != u && e.last != u && has_face(mesh, u, e.next, e.last);
+  });
+}
+
+bool keeps_orientation(const StarMesh& mesh, std::span<const glm::vec3> positions, VertexId v, VertexId u) {
+  const glm::dvec3 from(positions[v]);
+  const glm::dvec3 to(positions[u]);
+  for (const FaceId f : mesh.star(v)) {
+    const OppositeEdge e = opposite_edge(mesh.face(f), v);
+    if (e.next == u || e.last == u) continue;
+    const glm::dvec3 a(positions[e.next]);
+    const glm::dvec3 edge = glm::dvec3(positions[e.last]) - a;
+    const glm::dvec3 before = glm::cross(edge, from - a);
+    const glm::dvec3 after = glm::cross(edge, to - a);
+    const double area_before = glm::dot(before, before);
+    if (area_before == 0.0) continue;
+    const double turn = glm::dot(before, after);
+    if (!(turn > 0.0 && turn * turn >= min_cos_turn * min_cos_turn * area_before * glm::dot(after, after)))
+      return false;
+  }
+  return true;
+}
+
+}  // namespace occlod

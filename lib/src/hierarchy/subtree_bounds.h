@@ -1,0 +1,12 @@
+// Bounds and normal cones of split subtrees.
+#pragma once
+
+#include "occlod/hierarchy/hierarchy.h"
+
+namespace occlod {
+
+// Fills SplitNode::sphere and ::cone, boxes and cylinders. Everything else of `data` is complete.
+// O(n * depth / 64 + n * 128) worst case; close to O(n) on meshes as they are.
+void bound_subtrees(HierarchyData& data);
+
+}  // namespace occlod

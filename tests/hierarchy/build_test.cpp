@@ -1,0 +1,158 @@
+#include "occlod/hierarchy/build.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <glm/geometric.hpp>
+#include <limits>
+
+#include "occlod/core/error.h"
+#include "occlod/hierarchy/validate.h"
+#include "support/meshes.h"
+
+namespace occlod {
+namespace {
+
+struct NamedMesh {
+  const char* name;
+  TriangleMesh mesh;
+};
+
+std::vector<NamedMesh> all_meshes() {
+  return {{"single_triangle", test::single_triangle()},
+          {"grid", test::grid(12, 9)},
+          {"fan", test::fan(200)},
+          {"moebius", test::moebius(20)},
+          {"tetrahedron", test::tetrahedron()},
+          {"sphere", test::octahedron_sphere(4)},
+          {"noisy_sphere", test::noisy_sphere(5, 1)},
+          {"torus", test::torus(24, 12)},
+          {"double_sided_quad", test::double_sided_quad()},
+          {"bow_tie", test::bow_tie()},
+          {"book", test::book(5)},
+          {"two_components", test::two_components()},
+          {"many_tetrahedra", test::many_tetrahedra(40)}};
+}
+
+template <typename T>
+bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
+}
+
+TEST(BuildHierarchy, EveryKindOfMeshBuildsValidatesAndComesBack) {
+  for (const std::size_t base : {0U, 4U, 64U}) {
+    for (const NamedMesh& input : all_meshes()) {
+      SCOPED_TRACE(input.name);
+      BuildOptions options;
+      options.base_triangles = base;
+      const Hierarchy hierarchy = build_hierarchy(input.mesh, options);
+      const std::vector<std::string> violations = validate(hierarchy);
+      EXPECT_TRUE(violations.empty()) << violations[0];
+      EXPECT_TRUE(restores(hierarchy, input.mesh));
+      EXPECT_LE(hierarchy.base_triangle_count(), base);  // any mesh can be taken apart down to nothing
+      EXPECT_EQ(hierarchy.vertex_count(), input.mesh.vertex_count());
+    }
+  }
+}
+
+TEST(BuildHierarchy, SameInputGivesTheSameBytes) {
+  const TriangleMesh mesh = test::noisy_sphere(4, 3);
+  const Hierarchy a = build_hierarchy(mesh);
+  const Hierarchy b = build_hierarchy(mesh);
+  EXPECT_TRUE(same_bytes(a.data().nodes, b.data().nodes));
+  EXPECT_TRUE(same_bytes(a.data().faces, b.data().faces));
+  EXPECT_TRUE(same_bytes(a.data().positions, b.data().positions));
+  EXPECT_TRUE(same_bytes(a.data().dependencies, b.data().dependencies));
+}
+
+TEST(BuildHierarchy, FlatSurfaceCollapsesWithoutError) {
+  // Every collapse inside a flat square, or along its sides, leaves the same square until only its two triangles are
+  // left.
+  BuildOptions options;
+  options.base_triangles = 2;
+  const Hierarchy hierarchy = build_hierarchy(test::grid(10, 10), options);
+  EXPECT_EQ(hierarchy.base_triangle_count(), 2U);
+  EXPECT_LT(hierarchy.error_bound(), 1e-6F);
+  const Box& box = hierarchy.box();
+  std::vector<glm::vec3> corners;
+  for (FaceId f = 0; f < 2; ++f)
+    for (int k = 0; k < 3; ++k) corners.push_back(hierarchy.positions()[hierarchy.face(f)[k]]);
+  const Box base_box = bounding_box(corners);
+  EXPECT_EQ(base_box.min, box.min);
+  EXPECT_EQ(base_box.max, box.max);
+}
+
+TEST(BuildHierarchy, ClosedSurfaceStaysClosedAndOfItsGenus) {
+  // As long as only legal collapses are needed, V - E + F of a torus is 0; with E = 3F/2, V = F/2.
+  BuildOptions options;
+  options.base_triangles = 100;
+  const Hierarchy hierarchy = build_hierarchy(test::torus(40, 20), options);
+  EXPECT_EQ(hierarchy.base_triangle_count(), 100U);
+  EXPECT_EQ(hierarchy.base_vertex_count(), 50U);
+}
+
+TEST(BuildHierarchy, ComponentThatVanishesHasItsExtentAsError) {
+  // Forty tetrahedra, far fewer triangles allowed: whole components go. The split that brings one back removes no face
+  // and must not claim a smaller error than what is missing without it.
+  BuildOptions options;
+  options.base_triangles = 0;
+  const Hierarchy hierarchy = build_hierarchy(test::many_tetrahedra(40), options);
+  int vanished = 0;
+  for (SplitId s = 0; s < hierarchy.split_count(); ++s) {
+    if (!hierarchy.removed(s).empty()) continue;
+    ++vanished;
+    std::vector<glm::vec3> corners;
+    for (const Triangle& t : hierarchy.inserted(s))
+      for (int k = 0; k < 3; ++k) corners.push_back(hierarchy.positions()[t[k]]);
+    const Box box = bounding_box(corners);
+    EXPECT_GE(hierarchy.node(s).guaranteed_error, glm::length(box.max - box.min) / std::sqrt(3.0F));
+  }
+  EXPECT_EQ(vanished, 40);
+}
+
+TEST(BuildHierarchy, AttributesFollowTheirVertices) {
+  TriangleMesh mesh = test::octahedron_sphere(3);
+  for (const glm::vec3& p : mesh.positions) {
+    mesh.normals.push_back(p);
+    mesh.colors.emplace_back(glm::u8vec4(glm::vec4(127.0F * p + 128.0F, 255.0F)));
+  }
+  const Hierarchy hierarchy = build_hierarchy(mesh);
+  ASSERT_EQ(hierarchy.data().normals.size(), mesh.vertex_count());
+  ASSERT_EQ(hierarchy.data().colors.size(), mesh.vertex_count());
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+    const glm::vec3& p = hierarchy.positions()[v];
+    EXPECT_EQ(hierarchy.data().normals[v], p);
+    EXPECT_EQ(hierarchy.data().colors[v], glm::u8vec4(glm::vec4(127.0F * p + 128.0F, 255.0F)));
+  }
+}
+
+TEST(BuildHierarchy, RefusesWhatCannotBeBuilt) {
+  EXPECT_THROW((void)build_hierarchy(TriangleMesh{}), Error);
+  TriangleMesh nan = test::tetrahedron();
+  nan.positions[2].y = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_THROW((void)build_hierarchy(nan), Error);
+  TriangleMesh out_of_range = test::tetrahedron();
+  out_of_range.triangles[1].z = 4;
+  EXPECT_THROW((void)build_hierarchy(out_of_range), Error);
+  TriangleMesh repeated = test::tetrahedron();
+  repeated.triangles[1].z = repeated.triangles[1].x;
+  EXPECT_THROW((void)build_hierarchy(repeated), Error);
+}
+
+TEST(BuildHierarchy, CancelsWhenProgressSaysSo) {
+  BuildOptions options;
+  double last = 0.0;
+  options.progress = [&](double done) {
+    EXPECT_GE(done, last);
+    EXPECT_LE(done, 1.0);
+    last = done;
+    return false;
+  };
+  EXPECT_THROW((void)build_hierarchy(test::noisy_sphere(6, 1), options), Error);
+  EXPECT_GT(last, 0.0);
+}
+
+}  // namespace
+}  // namespace occlod
