@@ -1,0 +1,100 @@
+// Refines one or more hierarchies for one view inside a hard triangle budget.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <glm/mat4x4.hpp>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "occlod/hierarchy/hierarchy.h"
+#include "occlod/refine/visibility.h"
+#include "occlod/view/view.h"
+
+namespace occlod {
+
+// One placed object. Several may share a hierarchy. Its front is where the winding of its triangles says in object
+// space, also under a mirroring transform.
+struct RefineObject {
+  const Hierarchy* hierarchy = nullptr;  // outlives the Refiner
+  glm::dmat4 object_to_world{1.0};       // affine, invertible
+  bool two_sided = false;                // back faces are seen: no back-face culling
+};
+
+enum class Culling {
+  subtree,  // the paper's one question: a split is applied when the bounds of its subtree may be seen
+  star,     // the design's two: descend by the subtree's bounds, apply by the faces that the split itself changes
+};
+
+enum class Proxy { sphere, box, cylinder };
+
+struct RefineOptions {
+  std::size_t budget = 10'000;  // triangles over all objects; never exceeded
+  double tolerance_px = 0.0;  // stop when no visible split has a larger guaranteed screen error; 0 = use the budget up
+  Culling culling = Culling::star;
+  double visible_exponent =
+      1.0;  // star: a split's priority is multiplied by (visible share of its faces)^this; 0 = no weight
+  std::vector<std::uint32_t> occluder_splits = {300,
+                                                2500};  // draw the occluder when so many splits are applied; ascending
+  Proxy proxy = Proxy::cylinder;                        // the bounds of a subtree that are asked about
+  std::uint32_t level_step =
+      2;  // ask about subtrees on every n-th forest level only (2 = odd levels, as in the paper); >= 1
+};
+
+struct RefineStats {
+  std::size_t budget = 0;
+  std::size_t triangles = 0;
+  std::size_t splits = 0;            // applied
+  std::size_t forced_splits = 0;     // of those, applied only because another depends on them
+  std::size_t rejected_splits = 0;   // visible, but would have broken the budget
+  std::size_t visits = 0;            // nodes looked at
+  std::size_t culled_frustum = 0;    // nodes and stars outside the frustum
+  std::size_t culled_backface = 0;   // and facing away
+  std::size_t culled_occlusion = 0;  // and hidden at the end
+  std::size_t queries = 0;           // asked of the backend
+  std::size_t queries_hidden = 0;    // answered "hidden"
+  std::size_t occluder_draws = 0;
+  double max_error_px = 0.0;  // largest guaranteed screen error left on surface held to be visible; infinite when the
+                              // eye is inside the bounds of a split that is not applied
+  double refine_ms = 0.0;     // wall time without occlusion_ms
+  double occlusion_ms = 0.0;  // drawing occluders, asking and waiting for answers
+};
+
+// The active triangles of one object: ids into the hierarchy's vertices, ascending by face id.
+struct RefinedObject {
+  std::vector<Triangle> triangles;
+  std::vector<FaceId> faces;    // the face of each triangle
+  std::vector<SplitId> splits;  // applied, ascending: the whole state
+};
+
+struct Refinement {
+  std::vector<RefinedObject> objects;  // as given to the Refiner
+  RefineStats stats;
+  // FNV-1a over the face ids of every object in order: equal iff the triangles are, for all practical purposes.
+  [[nodiscard]] std::uint64_t hash() const noexcept;
+};
+
+// Reuses its memory from view to view; one thread at a time.
+class Refiner {
+ public:
+  // Throws Error when a hierarchy is missing.
+  explicit Refiner(std::span<const RefineObject> objects);
+  ~Refiner();
+  Refiner(Refiner&&) noexcept;
+  Refiner& operator=(Refiner&&) noexcept;
+
+  // Triangles of all base meshes: the smallest budget that can be kept.
+  [[nodiscard]] std::size_t base_triangles() const noexcept;
+  [[nodiscard]] std::size_t full_triangles() const noexcept;
+
+  // Refines from the base meshes. Throws Error when the budget is smaller than base_triangles(). The result is valid
+  // until the next call. Deterministic for a backend whose answers are.
+  const Refinement& refine(const View& view, const RefineOptions& options, Visibility& visibility);
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace occlod

@@ -1,0 +1,54 @@
+// The state of one refined object: which splits are applied. Always closed under dependency.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "occlod/hierarchy/hierarchy.h"
+
+namespace occlod {
+
+class Cut {
+ public:
+  explicit Cut(const Hierarchy& hierarchy);
+
+  // Back to the base mesh. O(applied splits).
+  void clear();
+
+  [[nodiscard]] const Hierarchy& hierarchy() const noexcept { return *hierarchy_; }
+  [[nodiscard]] bool applied(SplitId s) const noexcept { return state_[s] == applied_state; }
+  [[nodiscard]] std::span<const SplitId> applied_splits() const noexcept {
+    return applied_;
+  }  // in the order of application
+  [[nodiscard]] std::size_t triangle_count() const noexcept { return triangles_; }
+
+  // What it takes to apply s: itself and every unapplied split that it needs, directly or not.
+  struct Closure {
+    std::span<const SplitId> splits;  // valid until the next call
+    std::size_t triangles = 0;        // that the cut would gain; splits never lose any on balance
+  };
+  // Precondition: s is not applied. O(closure).
+  [[nodiscard]] Closure closure(SplitId s);
+  // Applies what the last closure() found.
+  void apply_closure();
+
+  // Active faces: base faces and faces of applied splits that no applied split removes. Ascending iff `sorted`; sorting
+  // also sorts applied_splits().
+  void active_faces(std::vector<FaceId>& out, bool sorted);
+
+ private:
+  static constexpr std::uint8_t coarse_state = 0;
+  static constexpr std::uint8_t applied_state = 1;
+  static constexpr std::uint8_t in_closure_state = 2;
+
+  const Hierarchy* hierarchy_;
+  std::vector<std::uint8_t> state_;  // of each split
+  std::vector<SplitId> applied_;
+  std::vector<SplitId> closure_;
+  std::ptrdiff_t closure_gain_ = 0;
+  std::size_t triangles_ = 0;
+};
+
+}  // namespace occlod

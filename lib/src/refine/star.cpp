@@ -1,0 +1,71 @@
+#include "star.h"
+
+#include <algorithm>
+#include <glm/geometric.hpp>
+
+namespace occlod {
+namespace {
+
+// Which side of its plane the eye is on does not change under an affine map, mirrored or not.
+bool faces_eye(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, const ObjectView& view) {
+  return glm::dot(glm::cross(b - a, c - a), view.eye() - a) > 0.0F;
+}
+
+// False only when all corners are outside one plane.
+bool may_be_inside(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, const ObjectView& view) {
+  return std::all_of(view.planes().begin(), view.planes().end(), [&](const glm::vec4& plane) {
+    const auto inside = [&](const glm::vec3& p) { return !(glm::dot(glm::vec3(plane), p) + plane.w < 0.0F); };
+    return inside(a) || inside(b) || inside(c);
+  });
+}
+
+bool wholly_inside(const Sphere& sphere, const ObjectView& view) {
+  return std::all_of(view.planes().begin(), view.planes().end(), [&](const glm::vec4& plane) {
+    return glm::dot(glm::vec3(plane), sphere.center) + plane.w > sphere.radius;
+  });
+}
+
+template <typename Visit>
+void for_each_face(const Hierarchy& hierarchy, SplitId s, const Visit& visit) {
+  for (const Triangle& t : hierarchy.inserted(s)) visit(t);
+  for (const FaceId f : hierarchy.removed(s)) visit(hierarchy.face(f));
+}
+
+}  // namespace
+
+StarView StarLook::look(const Hierarchy& hierarchy, SplitId s, const ObjectView& view, bool two_sided) {
+  gather(hierarchy, s);
+  const Box box = bounding_box(points_);
+  StarView star;
+  star.sphere.center = 0.5F * box.min + 0.5F * box.max;
+  for (const glm::vec3& p : points_)
+    star.sphere.radius = std::max(star.sphere.radius, glm::distance(star.sphere.center, p));
+  const bool inside = wholly_inside(star.sphere, view);
+  const std::span<const glm::vec3> positions = hierarchy.positions();
+  int faces = 0;
+  int visible = 0;
+  for_each_face(hierarchy, s, [&](const Triangle& t) {
+    const glm::vec3 &a = positions[t.x], &b = positions[t.y], &c = positions[t.z];
+    ++faces;
+    if ((two_sided || faces_eye(a, b, c, view)) && (inside || may_be_inside(a, b, c, view))) ++visible;
+  });
+  if (faces > 0) star.visible_share = static_cast<float>(visible) / static_cast<float>(faces);
+  return star;
+}
+
+std::span<const glm::vec3> StarLook::points(const Hierarchy& hierarchy, SplitId s) {
+  gather(hierarchy, s);
+  return points_;
+}
+
+void StarLook::gather(const Hierarchy& hierarchy, SplitId s) {
+  ids_.assign(1, hierarchy.vertex_of(s));
+  for_each_face(hierarchy, s, [&](const Triangle& t) {
+    for (int k = 0; k < 3; ++k)
+      if (std::find(ids_.begin(), ids_.end(), t[k]) == ids_.end()) ids_.push_back(t[k]);
+  });
+  points_.resize(ids_.size());
+  std::transform(ids_.begin(), ids_.end(), points_.begin(), [&](VertexId v) { return hierarchy.positions()[v]; });
+}
+
+}  // namespace occlod

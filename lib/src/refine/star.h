@@ -1,0 +1,33 @@
+// The few faces that one split removes and inserts, looked at from one eye.
+#pragma once
+
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
+#include "occlod/hierarchy/hierarchy.h"
+#include "occlod/view/view.h"
+
+namespace occlod {
+
+struct StarView {
+  float visible_share = 0.0F;  // of the faces, those that face the eye and are not outside the frustum; in [0, 1]
+  Sphere sphere;               // around all corners
+};
+
+// Reuses its memory.
+class StarLook {
+ public:
+  // `two_sided`: back faces count as facing the eye.
+  [[nodiscard]] StarView look(const Hierarchy& hierarchy, SplitId s, const ObjectView& view, bool two_sided);
+  // The corners of the star of s, each once: what an occlusion query asks about.
+  [[nodiscard]] std::span<const glm::vec3> points(const Hierarchy& hierarchy, SplitId s);
+
+ private:
+  void gather(const Hierarchy& hierarchy, SplitId s);
+
+  std::vector<VertexId> ids_;
+  std::vector<glm::vec3> points_;
+};
+
+}  // namespace occlod

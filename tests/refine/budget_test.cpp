@@ -1,0 +1,94 @@
+#include <gtest/gtest.h>
+
+#include <array>
+#include <glm/ext/matrix_transform.hpp>
+
+#include "occlod/core/error.h"
+#include "refine_support.h"
+
+namespace occlod {
+namespace {
+
+TEST(Budget, IsNeverExceededAndNearlyUsedUpAtAnySize) {
+  const Hierarchy hierarchy = build_hierarchy(test::noisy_sphere(3, 1));
+  std::array<RefineObject, 1> objects{{{&hierarchy, glm::dmat4(1.0), true}}};  // two-sided: everything is worth a split
+  Refiner refiner(objects);
+  NoOcclusion none;
+  for (const Culling culling : {Culling::subtree, Culling::star})
+    for (std::size_t budget = refiner.base_triangles(); budget <= refiner.full_triangles() + 2; ++budget) {
+      RefineOptions options;
+      options.budget = budget;
+      options.culling = culling;
+      const Refinement& result = refiner.refine(View(test::front_camera()), options, none);
+      ASSERT_LE(result.stats.triangles, budget);
+      ASSERT_EQ(result.stats.triangles, result.objects[0].triangles.size());
+      // Splits of a closed surface come with two triangles each, so at most one is left over until nothing is left to
+      // split.
+      ASSERT_GE(result.stats.triangles + 1, std::min(budget, refiner.full_triangles()));
+    }
+}
+
+TEST(Budget, FullBudgetGivesTheInput) {
+  const TriangleMesh mesh = test::noisy_sphere(4, 1);
+  const Hierarchy hierarchy = build_hierarchy(mesh);
+  std::array<RefineObject, 1> objects{{{&hierarchy, glm::dmat4(1.0), true}}};
+  Refiner refiner(objects);
+  NoOcclusion none;
+  RefineOptions options;
+  options.budget = mesh.triangle_count();
+  const Refinement& result = refiner.refine(View(test::front_camera()), options, none);
+  EXPECT_EQ(result.stats.splits, hierarchy.split_count());
+  for (const FaceId f : result.objects[0].faces) EXPECT_EQ(hierarchy.data().died[f], no_id);
+  EXPECT_EQ(result.objects[0].triangles.size(), mesh.triangle_count());
+  EXPECT_EQ(result.stats.max_error_px, 0.0);
+}
+
+TEST(Budget, SmallerThanTheBaseIsRefused) {
+  const Hierarchy hierarchy = build_hierarchy(test::noisy_sphere(3, 1));
+  std::array<RefineObject, 1> objects{{{&hierarchy, glm::dmat4(1.0), false}}};
+  Refiner refiner(objects);
+  NoOcclusion none;
+  RefineOptions options;
+  options.budget = refiner.base_triangles() - 1;
+  EXPECT_THROW((void)refiner.refine(View(test::front_camera()), options, none), Error);
+  options.budget = refiner.base_triangles();
+  EXPECT_EQ(refiner.refine(View(test::front_camera()), options, none).stats.splits, 0U);
+}
+
+TEST(Budget, IsSharedBySeveralObjects) {
+  const Hierarchy hierarchy = build_hierarchy(test::noisy_sphere(4, 1));
+  std::array<RefineObject, 2> objects{{{&hierarchy, glm::translate(glm::dmat4(1.0), {-1.2, 0, 0}), false},
+                                       {&hierarchy, glm::translate(glm::dmat4(1.0), {1.2, 0, -20}), false}}};
+  Refiner refiner(objects);
+  NoOcclusion none;
+  RefineOptions options;
+  options.budget = 1500;
+  const Refinement& result = refiner.refine(View(test::front_camera()), options, none);
+  EXPECT_EQ(result.objects[0].triangles.size() + result.objects[1].triangles.size(), result.stats.triangles);
+  EXPECT_LE(result.stats.triangles, options.budget);
+  // The same surface at six times the distance is six times smaller on screen: the near one gets more.
+  EXPECT_GT(result.objects[0].triangles.size(), 2 * result.objects[1].triangles.size());
+  for (const RefinedObject& object : result.objects) test::expect_valid_cut(hierarchy, object);
+}
+
+TEST(Refiner, ResultsDoNotDependOnWhatCameBefore) {
+  const Hierarchy hierarchy = build_hierarchy(test::noisy_sphere(4, 1));
+  std::array<RefineObject, 1> objects{{{&hierarchy, glm::dmat4(1.0), false}}};
+  NoOcclusion none;
+  RefineOptions options;
+  options.budget = 700;
+  Refiner fresh(objects);
+  const std::uint64_t expected = fresh.refine(View(test::front_camera(3.0)), options, none).hash();
+  Refiner used(objects);
+  const std::uint64_t other = used.refine(View(test::front_camera(1.5)), options, none).hash();
+  EXPECT_NE(other, expected);
+  EXPECT_EQ(used.refine(View(test::front_camera(3.0)), options, none).hash(), expected);
+}
+
+TEST(Refiner, NeedsAHierarchy) {
+  std::array<RefineObject, 1> objects{};
+  EXPECT_THROW(Refiner{objects}, Error);
+}
+
+}  // namespace
+}  // namespace occlod

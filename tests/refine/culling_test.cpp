@@ -1,0 +1,118 @@
+// Each test fails if its culling test is inverted, left out or too eager.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <glm/ext/matrix_transform.hpp>
+#include <glm/geometric.hpp>
+
+#include "refine_support.h"
+
+namespace occlod {
+namespace {
+
+std::size_t splits_of(const Hierarchy& hierarchy, const glm::dmat4& transform, Culling culling,
+                      bool two_sided = false) {
+  std::array<RefineObject, 1> objects{{{&hierarchy, transform, two_sided}}};
+  Refiner refiner(objects);
+  NoOcclusion none;
+  RefineOptions options;
+  options.budget = refiner.full_triangles();
+  options.culling = culling;
+  return refiner.refine(View(test::front_camera()), options, none).stats.splits;
+}
+
+// A bumpy sheet that faces +z everywhere.
+const Hierarchy& sheet() {
+  static const Hierarchy hierarchy = [] {
+    TriangleMesh mesh = test::grid(12, 12);
+    for (glm::vec3& p : mesh.positions)
+      p = {p.x - 0.5F, p.y - 0.5F, 0.004F * std::sin(40.0F * p.x) * std::cos(33.0F * p.y)};
+    BuildOptions options;
+    options.base_triangles = 2;
+    return build_hierarchy(mesh, options);
+  }();
+  return hierarchy;
+}
+
+class CullingTest : public ::testing::TestWithParam<Culling> {};
+
+TEST_P(CullingTest, FrustumKeepsWhatIsInsideAndDropsWhatIsOutside) {
+  EXPECT_EQ(splits_of(sheet(), glm::dmat4(1.0), GetParam()), sheet().split_count());
+  for (const glm::dvec3 away : {glm::dvec3(20, 0, 0), glm::dvec3(-20, 0, 0), glm::dvec3(0, 20, 0),
+                                glm::dvec3(0, -20, 0), glm::dvec3(0, 0, 20), glm::dvec3(0, 0, -200)})
+    EXPECT_EQ(splits_of(sheet(), glm::translate(glm::dmat4(1.0), away), GetParam()), 0U);
+}
+
+TEST_P(CullingTest, SurfaceThatFacesAwayGetsNothing) {
+  const glm::dmat4 turned = glm::rotate(glm::dmat4(1.0), 3.14159265358979, {0, 1, 0});
+  EXPECT_EQ(splits_of(sheet(), turned, GetParam()), 0U);
+  EXPECT_EQ(splits_of(sheet(), turned, GetParam(), true), sheet().split_count());  // unless its back is seen
+}
+
+TEST_P(CullingTest, MirroredSurfaceKeepsItsOutside) {
+  // The outside of the sheet is +z. Mirrored in z that is -z, away from the eye; turned round first, it is +z again.
+  const glm::dmat4 mirrored = glm::scale(glm::dmat4(1.0), {1, 1, -1});
+  EXPECT_EQ(splits_of(sheet(), mirrored, GetParam()), 0U);
+  EXPECT_EQ(splits_of(sheet(), glm::rotate(mirrored, 3.14159265358979, {0, 1, 0}), GetParam()), sheet().split_count());
+}
+
+INSTANTIATE_TEST_SUITE_P(BothQuestions, CullingTest, ::testing::Values(Culling::subtree, Culling::star),
+                         [](const auto& instance) { return instance.param == Culling::star ? "star" : "subtree"; });
+
+bool star_is_seen(const Hierarchy& hierarchy, SplitId s, const View& view) {
+  const glm::dvec3 eye = view.camera().eye;
+  const auto seen = [&](const Triangle& t) {
+    const glm::dvec3 a(hierarchy.positions()[t.x]), b(hierarchy.positions()[t.y]), c(hierarchy.positions()[t.z]);
+    return glm::dot(glm::cross(b - a, c - a), eye - a) > -1e-9;
+  };
+  for (const Triangle& t : hierarchy.inserted(s))
+    if (seen(t)) return true;
+  for (const FaceId f : hierarchy.removed(s))
+    if (seen(hierarchy.face(f))) return true;
+  return false;
+}
+
+TEST(StarCulling, SplitsAreTakenOnlyWhereTheirOwnFacesAreSeen) {
+  const Hierarchy hierarchy = build_hierarchy(test::noisy_sphere(5, 4));
+  std::array<RefineObject, 1> objects{{{&hierarchy, glm::dmat4(1.0), false}}};
+  Refiner refiner(objects);
+  NoOcclusion none;
+  const View view(test::front_camera());
+  RefineOptions options;
+  options.budget = 2000;
+  const Refinement& star = refiner.refine(view, options, none);
+  test::expect_valid_cut(hierarchy, star.objects[0]);
+  for (const SplitId s : test::unforced_splits(hierarchy, star.objects[0]))
+    EXPECT_TRUE(star_is_seen(hierarchy, s, view));
+  // The paper's one question takes splits whose own faces all turn away: that is what the second question is for.
+  options.culling = Culling::subtree;
+  const Refinement& subtree = refiner.refine(view, options, none);
+  test::expect_valid_cut(hierarchy, subtree.objects[0]);
+  std::size_t wasted = 0;
+  for (const SplitId s : test::unforced_splits(hierarchy, subtree.objects[0]))
+    wasted += star_is_seen(hierarchy, s, view) ? 0U : 1U;
+  EXPECT_GT(wasted, 25U);
+}
+
+TEST(StarCulling, WeightMovesTrianglesOffTheSilhouette) {
+  const Hierarchy hierarchy = build_hierarchy(test::noisy_sphere(5, 4));
+  std::array<RefineObject, 1> objects{{{&hierarchy, glm::dmat4(1.0), false}}};
+  Refiner refiner(objects);
+  NoOcclusion none;
+  const View view(test::front_camera());
+  const auto front_faces = [&](double exponent) {
+    RefineOptions options;
+    options.budget = 1500;
+    options.visible_exponent = exponent;
+    const Refinement& result = refiner.refine(view, options, none);
+    return std::count_if(
+        result.objects[0].triangles.begin(), result.objects[0].triangles.end(), [&](const Triangle& t) {
+          const glm::dvec3 a(hierarchy.positions()[t.x]), b(hierarchy.positions()[t.y]), c(hierarchy.positions()[t.z]);
+          return glm::dot(glm::cross(b - a, c - a), view.camera().eye - a) > 0.0;
+        });
+  };
+  EXPECT_GT(front_faces(1.0), front_faces(0.0));
+}
+
+}  // namespace
+}  // namespace occlod
