@@ -1,0 +1,30 @@
+// The backend `gl-query`: OpenGL occlusion queries in flights, as in Birkholz & Rahn, sec. 3.1 and 3.3.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+
+#include "occlod/gl/context.h"
+#include "occlod/refine/visibility.h"
+
+namespace occlod::gl {
+
+struct QueryOcclusionOptions {
+  std::size_t flight = 8;     // queries under way at once, >= 1
+  bool count_pixels = false;  // GL_SAMPLES_PASSED instead of GL_ANY_SAMPLES_PASSED
+};
+
+// Draws the occluder, both faces, into a depth target of the view's size and asks with proxy volumes: boxes of 12
+// triangles (PointHull too), spheres of 32 and cylinders of 64, each circumscribed and grown by 3/4 pixel so that a
+// bound is never missed between two samples. Answered visible without a query: bounds that are not finite or inside
+// out, whose proxy reaches the near plane, or whose image is larger than the screen, that is in both directions or in
+// one by more than eight times. Answered hidden without a query: off the screen. A count is at most the pixels of the
+// proxy's screen rectangle; all pixels of the image where nothing is known.
+//
+// Between begin_view and the last collect the context is this backend's alone; it leaves the state behind that it has
+// set. collect() throws Error when the driver has not answered after 10 s, begin_view and draw_occluder when it reports
+// an error. Throws Error for no context or a flight of 0.
+[[nodiscard]] std::unique_ptr<Visibility> make_query_occlusion(std::shared_ptr<Context> context,
+                                                               const QueryOcclusionOptions& options = {});
+
+}  // namespace occlod::gl

@@ -1,0 +1,90 @@
+#include "gl/functions.h"
+
+#include <string_view>
+
+#include "occlod/core/error.h"
+
+namespace occlod::gl {
+namespace {
+
+const char* error_name(GLenum code) {
+  switch (code) {
+    case GL_INVALID_ENUM:
+      return "GL_INVALID_ENUM";
+    case GL_INVALID_VALUE:
+      return "GL_INVALID_VALUE";
+    case GL_INVALID_OPERATION:
+      return "GL_INVALID_OPERATION";
+    case GL_INVALID_FRAMEBUFFER_OPERATION:
+      return "GL_INVALID_FRAMEBUFFER_OPERATION";
+    case GL_OUT_OF_MEMORY:
+      return "GL_OUT_OF_MEMORY";
+    default:
+      return "an unknown error";
+  }
+}
+
+void require_version(const Functions& gl, const std::string& subject) {
+  GLint major = 0;
+  GLint minor = 0;
+  gl.GetIntegerv(GL_MAJOR_VERSION, &major);
+  gl.GetIntegerv(GL_MINOR_VERSION, &minor);
+  if (major > 3 || (major == 3 && minor >= 3)) return;
+  throw Error({subject, "", "offers OpenGL " + std::to_string(major) + "." + std::to_string(minor) + " only",
+               "install a driver with OpenGL 3.3 core, or use the software backend"});
+}
+
+#ifndef NDEBUG
+void APIENTRY keep_message(GLenum, GLenum type, GLuint, GLenum, GLsizei, const GLchar* message, const void* user) {
+  if (type == GL_DEBUG_TYPE_ERROR) *static_cast<std::string*>(const_cast<void*>(user)) = message;
+}
+
+void listen_to_driver(Functions& gl, GetProc get_proc) {
+  GLint extensions = 0;
+  gl.GetIntegerv(GL_NUM_EXTENSIONS, &extensions);
+  for (GLuint i = 0; i < static_cast<GLuint>(extensions); ++i) {
+    const GLubyte* name = gl.GetStringi(GL_EXTENSIONS, i);
+    if (name == nullptr || std::string_view(reinterpret_cast<const char*>(name)) != "GL_KHR_debug") continue;
+    const auto set_callback = reinterpret_cast<PFNGLDEBUGMESSAGECALLBACKPROC>(get_proc("glDebugMessageCallback"));
+    if (set_callback == nullptr) return;
+    gl.driver_message = std::make_shared<std::string>();
+    gl.Enable(GL_DEBUG_OUTPUT);
+    gl.Enable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
+    set_callback(keep_message, gl.driver_message.get());
+    return;
+  }
+}
+#endif
+
+}  // namespace
+
+Functions load_functions(GetProc get_proc, const std::string& subject) {
+  Functions gl;
+#define OCCLOD_GL_LOAD(TYPE, name)                                     \
+  gl.name = reinterpret_cast<PFNGL##TYPE##PROC>(get_proc("gl" #name)); \
+  if (gl.name == nullptr)                                              \
+    throw Error({subject, "", "has no function gl" #name,              \
+                 "install a driver with OpenGL 3.3 core, or use the software backend"});
+  OCCLOD_GL_FUNCTIONS(OCCLOD_GL_LOAD)
+#undef OCCLOD_GL_LOAD
+  require_version(gl, subject);
+#ifndef NDEBUG
+  listen_to_driver(gl, get_proc);
+#endif
+  return gl;
+}
+
+void check(const Functions& gl, const char* where) {
+  const GLenum first = gl.GetError();
+  if (first == GL_NO_ERROR) return;
+  // One flag for each kind of error; bounded, because a lost context never runs out of them.
+  for (int i = 0; i < 8 && gl.GetError() != GL_NO_ERROR; ++i) {
+  }
+  std::string problem = error_name(first);
+  if (gl.driver_message && !gl.driver_message->empty()) problem += " (" + *gl.driver_message + ")";
+  throw Error({"OpenGL", where, problem,
+               first == GL_OUT_OF_MEMORY ? "use a smaller image or a smaller occluder"
+                                         : "try another driver, or use the software backend"});
+}
+
+}  // namespace occlod::gl

@@ -1,0 +1,159 @@
+#include "gl/proxies.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/gtc/matrix_access.hpp>
+#include <glm/matrix.hpp>
+#include <limits>
+
+namespace occlod::gl {
+namespace {
+
+// A pixel is touched at most half its diagonal, 0.708 pixels, away from its centre. The rest is for the 1/256 pixel of
+// the rasteriser and for rounding.
+constexpr double growth_px = 0.75;
+
+// Proxies whose image is so many times the screen are not drawn: far outside, single precision is coarser than
+// growth_px allows.
+constexpr double largest_image = 8.0;
+
+bool finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
+std::optional<Placement> place_shape(const Sphere& sphere) {
+  if (!finite(sphere.center) || !std::isfinite(sphere.radius) || !(sphere.radius >= 0.0F)) return std::nullopt;
+  return Placement{ProxyShape::sphere, sphere.center, glm::dmat3(1.0), glm::dvec3(sphere.radius)};
+}
+
+std::optional<Placement> place_shape(const Box& box) {
+  if (!finite(box.min) || !finite(box.max) || glm::any(glm::lessThan(box.max, box.min))) return std::nullopt;
+  const glm::dvec3 min(box.min);
+  const glm::dvec3 max(box.max);
+  return Placement{ProxyShape::box, (min + max) / 2.0, glm::dmat3(1.0), (max - min) / 2.0};
+}
+
+std::optional<Placement> place_shape(const Cylinder& cylinder) {
+  const glm::dvec3 axis = glm::normalize(glm::dvec3(cylinder.axis));
+  if (!finite(cylinder.center) || !finite(glm::vec3(axis)) || !std::isfinite(cylinder.radius) ||
+      !(cylinder.radius >= 0.0F) || !std::isfinite(cylinder.t_min) || !std::isfinite(cylinder.t_max) ||
+      !(cylinder.t_min <= cylinder.t_max))
+    return std::nullopt;
+  // Any vector that is not parallel to the axis spans the plane with it.
+  const glm::dvec3 other = std::abs(axis.x) < 0.6 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
+  const glm::dvec3 u = glm::normalize(glm::cross(axis, other));
+  const double t_min = cylinder.t_min;
+  const double t_max = cylinder.t_max;
+  return Placement{ProxyShape::cylinder,
+                   glm::dvec3(cylinder.center) + (t_min + t_max) / 2.0 * axis,
+                   glm::dmat3(u, glm::cross(axis, u), axis),
+                   {cylinder.radius, cylinder.radius, (t_max - t_min) / 2.0}};
+}
+
+std::optional<Placement> place_shape(const PointHull& hull) {
+  // Checked one by one: a minimum over coordinates passes over NaN.
+  if (hull.points.empty() || !std::all_of(hull.points.begin(), hull.points.end(), finite)) return std::nullopt;
+  return place_shape(bounding_box(hull.points));
+}
+
+// Where the corners of a placed proxy are on the screen, in pixels, unclipped.
+struct Image {
+  glm::dvec2 min{std::numeric_limits<double>::infinity()};
+  glm::dvec2 max{-std::numeric_limits<double>::infinity()};
+  double nearest_w = std::numeric_limits<double>::infinity();
+};
+
+Image project(const Screen& screen, const glm::dmat4& unit_to_clip, ProxyShape shape) {
+  const glm::dvec2 half_size = glm::dvec2(screen.width, screen.height) / 2.0;
+  Image image;
+  for (const glm::vec3& vertex : unit_proxy(shape).vertices) {
+    const glm::dvec4 clip = unit_to_clip * glm::dvec4(vertex, 1.0);
+    const glm::dvec2 pixel = (glm::dvec2(clip) / clip.w + 1.0) * half_size;
+    image.min = glm::min(image.min, pixel);
+    image.max = glm::max(image.max, pixel);
+    image.nearest_w = std::min(image.nearest_w, clip.w);
+  }
+  return image;
+}
+
+glm::dmat4 unit_to_object(const Placement& placement) {
+  glm::dmat4 matrix(1.0);
+  for (int i = 0; i < 3; ++i) matrix[i] = glm::dvec4(placement.half[i] * placement.directions[i], 0.0);
+  matrix[3] = glm::dvec4(placement.center, 1.0);
+  return matrix;
+}
+
+bool all_finite(const glm::mat4& m) {
+  for (int column = 0; column < 4; ++column)
+    for (int row = 0; row < 4; ++row)
+      if (!std::isfinite(m[column][row])) return false;
+  return true;
+}
+
+// Square root of the largest absolute row sum of M M^T: at least the largest stretch of M, and equal to it for a
+// rotation times a scale.
+double largest_stretch(const glm::dmat3& m) {
+  const glm::dmat3 square = m * glm::transpose(m);
+  double largest = 0.0;
+  for (int column = 0; column < 3; ++column) {
+    const glm::dvec3 c = glm::abs(square[column]);
+    largest = std::max(largest, c.x + c.y + c.z);
+  }
+  return std::sqrt(largest);
+}
+
+}  // namespace
+
+Screen::Screen(const View& view)
+    : width(view.width()), height(view.height()), near(view.camera().near), focal_length_px(view.focal_length_px()) {}
+
+ProxySpace::ProxySpace(const Screen& screen, const ObjectView& object)
+    : object_to_clip(object.object_to_clip()), mirrored(object.mirrored()) {
+  // Rows of clip space scaled to pixels times depth: x and y in pixels once divided by w, and w scaled like y.
+  const glm::dvec3 x = glm::dvec3(glm::row(object_to_clip, 0)) * (screen.width / 2.0);
+  const glm::dvec3 y = glm::dvec3(glm::row(object_to_clip, 1)) * (screen.height / 2.0);
+  const glm::dvec3 w(glm::row(object_to_clip, 3));
+  object_from_pixels = glm::inverse(glm::transpose(glm::dmat3(x, y, screen.focal_length_px * w)));
+  reach = largest_stretch(object_from_pixels);
+}
+
+std::optional<Placement> place(const VisibilityQuery& query) {
+  return std::visit([](const auto& shape) { return place_shape(shape); }, query.shape);
+}
+
+Placement grown(const Placement& placement, const ProxySpace& space) {
+  const glm::dvec4 w = glm::row(space.object_to_clip, 3);
+  double farthest_w = glm::dot(w, glm::dvec4(placement.center, 1.0));
+  for (int i = 0; i < 3; ++i)
+    farthest_w += std::abs(glm::dot(glm::dvec3(w), placement.directions[i])) * placement.half[i];
+  // A point at depth w is half a diagonal of a pixel away from that pixel's centre: growth_px * w in pixels times
+  // depth.
+  const double growth = growth_px * std::max(farthest_w, 0.0);
+  Placement result = placement;
+  for (int i = 0; i < 3; ++i) {
+    const bool round = placement.shape == ProxyShape::sphere || (placement.shape == ProxyShape::cylinder && i < 2);
+    result.half[i] += growth * (round ? space.reach : glm::length(placement.directions[i] * space.object_from_pixels));
+  }
+  return result;
+}
+
+QueryPlan plan_query(const Screen& screen, const ProxySpace& space, const VisibilityQuery& query) {
+  const std::optional<Placement> placement = place(query);
+  if (!placement) return {std::nullopt, true};
+  const glm::dmat4 unit_to_clip = space.object_to_clip * unit_to_object(grown(*placement, space));
+  const Image image = project(screen, unit_to_clip, placement->shape);
+  // The near plane lies in front of the eye, so this holds back bounds around the eye too. Written so that NaN counts
+  // as visible.
+  if (!(image.nearest_w > screen.near) || !all_finite(glm::mat4(unit_to_clip))) return {std::nullopt, true};
+  const glm::dvec2 size(screen.width, screen.height);
+  if (glm::any(glm::lessThan(image.max, glm::dvec2(0.0))) || glm::any(glm::greaterThan(image.min, size)))
+    return {std::nullopt, false};
+  const glm::dvec2 screens = (image.max - image.min) / size;
+  if (glm::all(glm::greaterThanEqual(screens, glm::dvec2(1.0))) ||
+      glm::any(glm::greaterThan(screens, glm::dvec2(largest_image))))
+    return {std::nullopt, true};
+  const glm::dvec2 pixels = glm::ceil(glm::min(image.max, size)) - glm::floor(glm::max(image.min, glm::dvec2(0.0)));
+  return {ProxyDraw{placement->shape, glm::mat4(unit_to_clip), static_cast<std::uint32_t>(pixels.x * pixels.y)}, false};
+}
+
+}  // namespace occlod::gl

@@ -1,0 +1,78 @@
+// The volumes that are drawn in place of bounds, and the cases that are decided without drawing. No OpenGL here.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <glm/mat3x3.hpp>
+#include <glm/mat4x4.hpp>
+#include <glm/vec3.hpp>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "occlod/refine/visibility.h"
+#include "occlod/view/view.h"
+
+namespace occlod::gl {
+
+enum class ProxyShape { sphere, box, cylinder };
+inline constexpr std::size_t proxy_shape_count = 3;
+
+// Convex, closed, counter-clockwise seen from outside, circumscribed: contains the unit ball (32 triangles), the cube
+// [-1, 1]^3 (12), or the cylinder of radius 1 around z in [-1, 1] (64).
+struct ProxyMesh {
+  std::vector<glm::vec3> vertices;
+  std::vector<std::uint16_t> indices;
+};
+[[nodiscard]] const ProxyMesh& unit_proxy(ProxyShape shape);
+
+struct Screen {
+  Screen() = default;
+  explicit Screen(const View& view);
+
+  int width = 0;   // pixels
+  int height = 0;  // pixels
+  double near = 0.0;
+  double focal_length_px = 0.0;
+};
+
+// One object's view in double precision, with what growing a bound by pixels needs.
+struct ProxySpace {
+  ProxySpace(const Screen& screen, const ObjectView& object);
+
+  glm::dmat4 object_to_clip;
+  // Object units that move a point at depth 1 by one pixel, in any direction across or along the line of sight: the
+  // image of that unit ball reaches length(row(d)) along the unit vector d, and never more than reach.
+  glm::dmat3 object_from_pixels;
+  double reach = 0.0;
+  bool mirrored = false;
+};
+
+// A bound as the image center + directions * (half * u) of a unit shape.
+struct Placement {
+  ProxyShape shape = ProxyShape::box;
+  glm::dvec3 center{0.0};
+  glm::dmat3 directions{1.0};  // orthonormal, right-handed
+  glm::dvec3 half{0.0};        // object units, >= 0
+};
+
+struct ProxyDraw {
+  ProxyShape shape = ProxyShape::box;
+  glm::mat4 unit_to_clip{1.0F};
+  std::uint32_t most_pixels = 0;  // that the proxy can cover
+};
+
+// What to do about one query: draw, or answer at once.
+struct QueryPlan {
+  std::optional<ProxyDraw> draw;
+  bool visible = true;  // the answer when nothing is drawn
+};
+
+// Nothing for bounds that are not finite or inside out.
+[[nodiscard]] std::optional<Placement> place(const VisibilityQuery& query);
+// Grows the placement so that it covers the centre of every pixel that it touches, at no greater depth than where it
+// touches it.
+[[nodiscard]] Placement grown(const Placement& placement, const ProxySpace& space);
+[[nodiscard]] QueryPlan plan_query(const Screen& screen, const ProxySpace& space, const VisibilityQuery& query);
+
+}  // namespace occlod::gl

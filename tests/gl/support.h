@@ -1,0 +1,56 @@
+// A view of 64 x 48 pixels along -z, a wall in the plane z = 0, and bounds of each kind.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <glm/ext/matrix_transform.hpp>
+#include <memory>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "gl/functions.h"
+#include "gl/proxies.h"
+#include "occlod/gl/context.h"
+#include "occlod/gl/query_occlusion.h"
+#include "occlod/refine/visibility.h"
+#include "occlod/view/view.h"
+
+namespace occlod::gl {
+
+// Null, with the reason in `why`, where the machine has no such platform.
+[[nodiscard]] std::shared_ptr<Context> context_or_null(Platform platform, std::string& why);
+
+[[nodiscard]] std::string platform_label(Platform platform);
+[[nodiscard]] std::string shape_label(ProxyShape shape);
+
+// Eye at (0, 0, 3), 45 degrees up and down: a pixel at z = 0 is 3 * 2 tan(22.5 deg) / 48 wide.
+inline constexpr double pixel_at_wall = 0.05177669529663688;
+[[nodiscard]] View test_view();
+
+// What the tests draw: positions and triangles that live as long as needed.
+struct Soup {
+  std::vector<glm::vec3> positions;
+  std::vector<Triangle> triangles;
+  void add_quad(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, const glm::vec3& d);
+  [[nodiscard]] OccluderPart part(std::uint32_t object = 0) const { return {object, positions, triangles}; }
+};
+// [-1, 1]^2 in the plane z = 0.
+[[nodiscard]] Soup wall();
+// The same with a hole over [x0, x1] x [y0, y1].
+[[nodiscard]] Soup wall_with_hole(float x0, float x1, float y0, float y1);
+
+// A bound of the kind with these half extents along the axes; spheres take the smallest, cylinders (around z) the
+// smaller of x and y, so that it never reaches farther than the box.
+[[nodiscard]] VisibilityQuery bound(ProxyShape shape, const glm::vec3& center, const glm::vec3& half,
+                                    std::uint32_t object = 0);
+
+// Random bound, and random points of its surface.
+[[nodiscard]] VisibilityQuery random_bound(ProxyShape shape, const glm::vec3& center, float size, std::mt19937& random);
+[[nodiscard]] glm::vec3 random_point(const VisibilityQuery& query, std::mt19937& random);
+[[nodiscard]] float uniform(std::mt19937& random, float low, float high);
+
+// A rotation times a scale of 0.4 to 2.5 along each axis, mirrored every second time, that leaves the origin in place.
+[[nodiscard]] glm::dmat4 random_linear(std::mt19937& random);
+
+}  // namespace occlod::gl
