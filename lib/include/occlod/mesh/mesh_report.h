@@ -1,0 +1,32 @@
+// What was found in an input mesh and what was done about it.
+#pragma once
+
+#include <cstdint>
+
+namespace occlod {
+
+// Counts over one mesh. "Before welding" counts describe the file; the topology counts describe the
+// welded mesh, the one a hierarchy is built from.
+struct MeshReport {
+  // As read.
+  std::uint64_t vertices_read = 0;
+  std::uint64_t polygons_read = 0;          // faces of any size in the file
+  std::uint64_t polygons_triangulated = 0;  // faces with more than three corners, cut into triangles
+  std::uint64_t triangles_read = 0;         // after triangulation
+  // Changed on the way in.
+  std::uint64_t vertices_welded = 0;        // merged into another with exactly the same position
+  std::uint64_t attribute_conflicts = 0;    // welded positions whose normals or colours differed; averaged
+  std::uint64_t unreferenced_vertices = 0;  // used by no triangle; dropped
+  std::uint64_t nonfinite_vertices = 0;     // NaN or infinite and unreferenced; dropped (a referenced one is an error)
+  std::uint64_t repeated_index_triangles = 0;  // two corners at one position after welding; dropped
+  // Kept as they are.
+  std::uint64_t zero_area_triangles = 0;   // three different corners on one line
+  std::uint64_t repeated_triangles = 0;    // the same three corners as an earlier triangle, in any order
+  std::uint64_t boundary_edges = 0;        // used by one triangle
+  std::uint64_t nonmanifold_edges = 0;     // used by three or more triangles
+  std::uint64_t inconsistent_edges = 0;    // two triangles run through it in the same direction
+  std::uint64_t nonmanifold_vertices = 0;  // corners whose triangles form more than one fan
+  std::uint64_t components = 0;            // connected through shared vertices
+};
+
+}  // namespace occlod

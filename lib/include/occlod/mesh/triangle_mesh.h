@@ -1,0 +1,26 @@
+// An indexed triangle mesh: what readers and generators make and what hierarchies are built from.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+#include <vector>
+
+#include "occlod/core/ids.h"
+
+namespace occlod {
+
+using Triangle = glm::u32vec3;  // three vertex ids, counter-clockwise seen from outside
+
+struct TriangleMesh {
+  std::vector<glm::vec3> positions;  // object units
+  std::vector<glm::vec3> normals;    // unit length; empty or one per vertex
+  std::vector<glm::u8vec4> colors;   // sRGB and alpha; empty or one per vertex
+  std::vector<Triangle> triangles;   // every index < positions.size()
+
+  [[nodiscard]] std::size_t vertex_count() const noexcept { return positions.size(); }
+  [[nodiscard]] std::size_t triangle_count() const noexcept { return triangles.size(); }
+};
+
+}  // namespace occlod

@@ -1,0 +1,45 @@
+#include "mesh/octahedron_lattice.h"
+
+namespace occlod {
+
+OctahedronLattice::OctahedronLattice(int subdivisions) : n_(1 << subdivisions) {
+  warp_.reserve(size_t_n() + 1);
+  for (int i = 0; i <= n_; ++i) warp_.push_back(sine_of_quarter_turns(static_cast<double>(i) / n_));
+}
+
+void OctahedronLattice::append_triangles(VertexId first_vertex, std::vector<Triangle>& triangles) const {
+  triangles.reserve(triangles.size() + triangle_count());
+  const auto ring_start_north = [&](int m) {
+    const auto rings = static_cast<VertexId>(m);
+    return m == 0 ? first_vertex : first_vertex + 1 + 2 * rings * (rings - 1);
+  };
+  const auto ring_start_south = [&](int m) {
+    const auto rings = static_cast<VertexId>(m);
+    return first_vertex + static_cast<VertexId>(vertex_count()) - 1 - 2 * rings * (rings + 1);
+  };
+  for (int m = 0; m < n_; ++m) append_band(ring_start_north(m), ring_start_north(m + 1), m, true, triangles);
+  for (int m = n_ - 1; m >= 0; --m) {
+    const VertexId wide = m + 1 == n_ ? ring_start_north(n_) : ring_start_south(m + 1);
+    append_band(ring_start_south(m), wide, m, false, triangles);
+  }
+}
+
+// The band between the ring of 4 m points that starts at `narrow` and that of 4 (m + 1) points at `wide`.
+void OctahedronLattice::append_band(VertexId narrow, VertexId wide, int m, bool north,
+                                    std::vector<Triangle>& triangles) const {
+  const auto inner = static_cast<VertexId>(m);
+  const VertexId outer = inner + 1;
+  const auto push = [&](VertexId a, VertexId b, VertexId c) {
+    triangles.push_back(north ? Triangle(a, b, c) : Triangle(a, c, b));
+  };
+  for (VertexId quadrant = 0; quadrant < 4; ++quadrant) {
+    const auto near_pole = [&](VertexId i) { return m == 0 ? narrow : narrow + (quadrant * inner + i) % (4 * inner); };
+    const auto far_from_pole = [&](VertexId i) { return wide + (quadrant * outer + i) % (4 * outer); };
+    for (VertexId i = 0; i < outer; ++i) {
+      push(near_pole(i), far_from_pole(i), far_from_pole(i + 1));
+      if (i < inner) push(near_pole(i), far_from_pole(i + 1), near_pole(i + 1));
+    }
+  }
+}
+
+}  // namespace occlod

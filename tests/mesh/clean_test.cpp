@@ -1,0 +1,122 @@
+#include "occlod/mesh/clean.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "occlod/core/error.h"
+#include "support/meshes.h"
+
+namespace occlod {
+namespace {
+
+// The unit square as two triangles that share no vertex: 0-1-2 and 3-4-5, with 3 = 0 and 4 = 2 in position.
+TriangleMesh split_square() {
+  TriangleMesh mesh;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+  mesh.triangles = {{0, 1, 2}, {3, 4, 5}};
+  return mesh;
+}
+
+TEST(Clean, KeepsACleanMeshAsItIs) {
+  const TriangleMesh mesh = test::torus(5, 4);
+  const CleanMesh result = clean(mesh, {}, "torus");
+  EXPECT_EQ(result.mesh.positions, mesh.positions);
+  EXPECT_EQ(result.mesh.triangles, mesh.triangles);
+  EXPECT_EQ(result.report.vertices_welded, 0u);
+  EXPECT_EQ(result.report.vertices_read, 20u);   // 5 * 4, filled in from the mesh
+  EXPECT_EQ(result.report.triangles_read, 40u);  // 2 * 5 * 4
+}
+
+TEST(Clean, WeldsOntoTheFirstVertexAtAPosition) {
+  const CleanMesh result = clean(split_square(), {}, "square");
+  const std::vector<glm::vec3> expected = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+  EXPECT_EQ(result.mesh.positions, expected);
+  // 3 -> 0, 4 -> 2, and 5 moves up behind the three that stay.
+  EXPECT_EQ(result.mesh.triangles, (std::vector<Triangle>{{0, 1, 2}, {0, 2, 3}}));
+  EXPECT_EQ(result.report.vertices_welded, 2u);
+  EXPECT_EQ(result.report.boundary_edges, 4u);
+}
+
+TEST(Clean, WeldsNegativeZeroOntoZeroAndNothingElse) {
+  TriangleMesh mesh = split_square();
+  mesh.positions[3] = {-0.0f, 0.0f, -0.0f};
+  mesh.positions[4].x = std::nextafter(1.0f, 2.0f);  // the nearest other float stays apart
+  EXPECT_EQ(clean(mesh, {}, "square").report.vertices_welded, 1u);
+}
+
+TEST(Clean, AveragesAttributesOfWeldedVertices) {
+  TriangleMesh mesh = split_square();
+  mesh.normals.assign(6, {0, 0, 1});
+  mesh.normals[3] = {1, 0, 0};  // with (0, 0, 1) of vertex 0: the diagonal between
+  mesh.colors.assign(6, {10, 10, 10, 255});
+  mesh.colors[4] = {21, 10, 10, 255};  // (10 + 21) / 2 = 15.5, rounded up
+  const CleanMesh result = clean(mesh, {}, "square");
+  EXPECT_FLOAT_EQ(result.mesh.normals[0].x, std::sqrt(0.5f));
+  EXPECT_FLOAT_EQ(result.mesh.normals[0].z, std::sqrt(0.5f));
+  EXPECT_EQ(result.mesh.colors[2], glm::u8vec4(16, 10, 10, 255));
+  EXPECT_EQ(result.mesh.colors[1], glm::u8vec4(10, 10, 10, 255));
+  EXPECT_EQ(result.report.attribute_conflicts, 2u);  // the normal at 0 and the colour at 2
+}
+
+TEST(Clean, ComputesUnusableNormalsFromTheTriangles) {
+  TriangleMesh mesh = test::grid(1, 1);  // faces +z
+  mesh.normals = {{0, 0, 0}, {std::numeric_limits<float>::quiet_NaN(), 0, 0}, {0, 3, 0}, {0, 0, -1}};
+  const CleanMesh result = clean(mesh, {}, "grid");
+  const std::vector<glm::vec3> expected = {{0, 0, 1}, {0, 0, 1}, {0, 1, 0}, {0, 0, -1}};
+  EXPECT_EQ(result.mesh.normals, expected);
+}
+
+TEST(Clean, DropsAndCountsTrianglesThatWeldingDegenerates) {
+  TriangleMesh mesh = split_square();
+  mesh.positions.emplace_back(1, 1, 0);  // 6 = 2 in position
+  mesh.positions.emplace_back(9, 9, 9);  // 7, used only by the triangle that goes
+  mesh.triangles.emplace_back(2, 6, 7);  // two corners at (1, 1, 0)
+  const CleanMesh result = clean(mesh, {}, "square");
+  EXPECT_EQ(result.report.repeated_index_triangles, 1u);
+  EXPECT_EQ(result.report.unreferenced_vertices, 1u);  // 7
+  EXPECT_EQ(result.report.vertices_welded, 3u);
+  EXPECT_EQ(result.mesh.vertex_count(), 4u);
+  EXPECT_EQ(result.mesh.triangle_count(), 2u);
+}
+
+// Every vertex that was read is kept, welded away or dropped for one counted reason.
+TEST(Clean, AccountsForEveryVertex) {
+  TriangleMesh mesh = split_square();
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  mesh.positions.insert(mesh.positions.begin() + 6, {{1, 1, 0}, {9, 9, 9}, {nan, 0, 0}, {5, 5, 5}, {0, 0, 0}});
+  mesh.triangles.emplace_back(2, 6, 7);
+  const CleanMesh result = clean(mesh, {}, "square");
+  const MeshReport& r = result.report;
+  EXPECT_EQ(r.nonfinite_vertices, 1u);
+  EXPECT_EQ(r.unreferenced_vertices, 3u);  // 7, whose triangle went; 9; and 10, though it lies on a used position
+  EXPECT_EQ(r.vertices_read - r.vertices_welded - r.unreferenced_vertices - r.nonfinite_vertices,
+            result.mesh.vertex_count());
+}
+
+TEST(Clean, RefusesWhatCannotBeAMesh) {
+  TriangleMesh far = test::tetrahedron();
+  far.triangles[2].y = 4;
+  TriangleMesh infinite = test::tetrahedron();
+  infinite.positions[3].y = -std::numeric_limits<float>::infinity();
+  TriangleMesh collapsed = test::single_triangle();
+  collapsed.triangles[0] = {1, 1, 2};
+  const auto place_of = [](const TriangleMesh& mesh) {
+    try {
+      static_cast<void>(clean(mesh, {}, "it.ply"));
+    } catch (const Error& error) {
+      EXPECT_EQ(error.diagnosis().subject, "it.ply");
+      EXPECT_FALSE(error.diagnosis().mend.empty());
+      return "at " + error.diagnosis().place;
+    }
+    return std::string("accepted");
+  };
+  EXPECT_EQ(place_of(far), "at triangle 2");
+  EXPECT_EQ(place_of(infinite), "at vertex 3, numbered from 0");
+  EXPECT_EQ(place_of(collapsed), "at ");
+  EXPECT_EQ(place_of({}), "at ");
+}
+
+}  // namespace
+}  // namespace occlod

@@ -1,0 +1,172 @@
+#include "occlod/mesh/generate.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <functional>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <vector>
+
+#include "occlod/core/error.h"
+#include "occlod/mesh/clean.h"
+
+namespace occlod {
+namespace {
+
+double signed_volume(const TriangleMesh& mesh) {
+  double volume = 0.0;
+  for (const Triangle& t : mesh.triangles) {
+    volume += glm::dot(glm::dvec3(mesh.positions[t.x]),
+                       glm::cross(glm::dvec3(mesh.positions[t.y]), glm::dvec3(mesh.positions[t.z]))) /
+              6.0;
+  }
+  return volume;
+}
+
+// Closed, oriented, manifold, welded, without degenerate triangles: what every generator promises.
+void expect_closed(const TriangleMesh& mesh, std::uint64_t components) {
+  const CleanMesh result = clean(mesh, {}, "generated");
+  EXPECT_EQ(result.mesh.positions, mesh.positions);  // nothing to weld or drop
+  EXPECT_EQ(result.mesh.triangles, mesh.triangles);
+  const MeshReport& r = result.report;
+  EXPECT_EQ(r.boundary_edges, 0u);
+  EXPECT_EQ(r.nonmanifold_edges, 0u);
+  EXPECT_EQ(r.nonmanifold_vertices, 0u);
+  EXPECT_EQ(r.inconsistent_edges, 0u);
+  EXPECT_EQ(r.zero_area_triangles, 0u);
+  EXPECT_EQ(r.repeated_triangles, 0u);
+  EXPECT_EQ(r.components, components);
+}
+
+// The components of a mesh whose vertices come component by component, as generators make them.
+std::vector<TriangleMesh> split(const TriangleMesh& mesh) {
+  std::vector<TriangleMesh> parts;
+  VertexId begin = 0;
+  VertexId end = 0;
+  for (const Triangle& t : mesh.triangles) {
+    if (std::min({t.x, t.y, t.z}) >= end && !parts.empty()) begin = end;
+    if (parts.empty() || std::min({t.x, t.y, t.z}) >= end) parts.emplace_back();
+    end = std::max({end, t.x + 1, t.y + 1, t.z + 1});
+    parts.back().triangles.push_back(t - Triangle(begin));
+    parts.back().positions.assign(mesh.positions.begin() + begin, mesh.positions.begin() + end);
+  }
+  return parts;
+}
+
+TEST(RoughPlanet, HasTheCountsOfASubdividedOctahedron) {
+  std::size_t quarter = 1;
+  for (int level = 0; level <= 5; ++level, quarter *= 4) {
+    const TriangleMesh mesh = generate_rough_planet({.level = level});
+    EXPECT_EQ(mesh.vertex_count(), 4 * quarter + 2);
+    EXPECT_EQ(mesh.triangle_count(), 8 * quarter);
+    expect_closed(mesh, 1);
+  }
+}
+
+TEST(RoughPlanet, StaysWithinItsAmplitudeAndFacesOutward) {
+  const TriangleMesh mesh = generate_rough_planet({.level = 6, .amplitude = 0.05});
+  double lowest = 2.0;
+  double highest = 0.0;
+  for (const glm::vec3& p : mesh.positions) {
+    lowest = std::min(lowest, glm::length(glm::dvec3(p)));
+    highest = std::max(highest, glm::length(glm::dvec3(p)));
+  }
+  EXPECT_GE(lowest, 0.95 - 1e-6);
+  EXPECT_LE(highest, 1.05 + 1e-6);
+  EXPECT_GT(highest - lowest, 0.03);  // it is rough
+  // The surface is a graph over the sphere: every triangle sees the centre from behind.
+  for (const Triangle& t : mesh.triangles) {
+    const glm::dvec3 a(mesh.positions[t.x]);
+    EXPECT_GT(glm::dot(a, glm::cross(glm::dvec3(mesh.positions[t.y]) - a, glm::dvec3(mesh.positions[t.z]) - a)), 0.0);
+  }
+}
+
+// The warp of the lattice: areas differ by sqrt(3) in the limit, between face centres and octahedron corners.
+TEST(RoughPlanet, HasEvenTrianglesWithoutNoise) {
+  const TriangleMesh mesh = generate_rough_planet({.level = 6, .amplitude = 0.0});
+  double smallest = 1.0;
+  double largest = 0.0;
+  for (const Triangle& t : mesh.triangles) {
+    const glm::dvec3 a(mesh.positions[t.x]);
+    const double area =
+        glm::length(glm::cross(glm::dvec3(mesh.positions[t.y]) - a, glm::dvec3(mesh.positions[t.z]) - a));
+    smallest = std::min(smallest, area);
+    largest = std::max(largest, area);
+  }
+  EXPECT_LT(largest / smallest, 1.8);
+}
+
+TEST(RoughPlanet, DependsOnTheSeedOnly) {
+  const auto positions = [](std::uint64_t seed) { return generate_rough_planet({.level = 4, .seed = seed}).positions; };
+  EXPECT_EQ(positions(1), positions(1));
+  EXPECT_NE(positions(1), positions(2));
+}
+
+TEST(City, IsMadeOfClosedBoxes) {
+  const CityOptions options{.blocks = 3, .facade_cells = 4, .seed = 2};
+  const TriangleMesh mesh = generate_city(options);
+  expect_closed(mesh, 1 + 4 * 9);  // the ground and four buildings a block
+  for (const TriangleMesh& part : split(mesh)) EXPECT_GT(signed_volume(part), 0.0);
+  // The ground has 6 x 6 x 1 cells: 2 * 2 * (36 + 6 + 6) triangles; a building 6 sides of 2 * 4^2.
+  EXPECT_EQ(mesh.triangle_count(), 192u + 36u * 6u * 32u);
+  const auto below_zero = [](const glm::vec3& p) { return p.z < -4.0f; };
+  EXPECT_TRUE(std::none_of(mesh.positions.begin(), mesh.positions.end(), below_zero));
+}
+
+TEST(City, WorksWithOneCell) { expect_closed(generate_city({.blocks = 1, .facade_cells = 1}), 5); }
+
+TEST(Pipes, AreClosedAndInTheUnitCube) {
+  const TriangleMesh mesh = generate_pipes({.pipes = 20, .bends = 9, .sides = 7, .seed = 3});
+  expect_closed(mesh, 20);
+  // A pipe has bends + 1 rings and two centres; two triangles for each side of each piece and one for each side of a
+  // cap.
+  EXPECT_EQ(mesh.vertex_count(), 20u * (10u * 7u + 2u));
+  EXPECT_EQ(mesh.triangle_count(), 20u * (2u * 9u * 7u + 2u * 7u));
+  for (const TriangleMesh& part : split(mesh)) EXPECT_GT(signed_volume(part), 0.0);
+  for (const glm::vec3& p : mesh.positions) {
+    for (int axis = 0; axis < 3; ++axis) {
+      EXPECT_GE(p[axis], 0.0f);
+      EXPECT_LE(p[axis], 1.0f);
+    }
+  }
+}
+
+TEST(Pipes, OneStraightPipeHasTheVolumeOfAPrism) {
+  // A regular n-gon of radius r has area n/2 r^2 sin(2 pi / n); r lies in [0.003, 0.009] and the length in [2/48,
+  // 16/48].
+  const double volume = signed_volume(generate_pipes({.pipes = 1, .bends = 1, .sides = 4}));
+  EXPECT_GT(volume, 2.0 * 0.003 * 0.003 * 2.0 / 48.0 * 0.999);
+  EXPECT_LT(volume, 2.0 * 0.009 * 0.009 * 16.0 / 48.0 * 1.001);
+}
+
+TEST(SpheresBehindWall, HidesTheSpheresBehindAClosedWall) {
+  const TriangleMesh mesh = generate_spheres_behind_wall({.spheres = 10, .level = 2, .wall_cells = 3});
+  expect_closed(mesh, 11);
+  const std::vector<TriangleMesh> parts = split(mesh);
+  ASSERT_EQ(parts.size(), 11u);
+  for (const TriangleMesh& part : parts) EXPECT_GT(signed_volume(part), 0.0);
+  const auto wall_front = [](const glm::vec3& p) { return p.x == 0.0f; };
+  EXPECT_EQ(std::count_if(mesh.positions.begin(), mesh.positions.end(), wall_front), 16);  // (3 + 1)^2
+  for (std::size_t i = 1; i < parts.size(); ++i) {
+    EXPECT_EQ(parts[i].vertex_count(), 66u);  // 4^3 + 2
+    for (const glm::vec3& p : parts[i].positions) {
+      EXPECT_LT(p.x, -0.05f);  // behind the wall's back
+      EXPECT_LT(std::max(std::abs(p.y), std::abs(p.z)), 1.0f);
+    }
+  }
+}
+
+TEST(Generators, RefuseOptionsOutOfRange) {
+  EXPECT_THROW(static_cast<void>(generate_rough_planet({.level = 12})), Error);
+  EXPECT_THROW(static_cast<void>(generate_rough_planet({.level = -1})), Error);
+  EXPECT_THROW(static_cast<void>(generate_rough_planet({.amplitude = std::numeric_limits<double>::quiet_NaN()})),
+               Error);
+  EXPECT_THROW(static_cast<void>(generate_city({.blocks = 0})), Error);
+  EXPECT_THROW(static_cast<void>(generate_city({.blocks = 256, .facade_cells = 256})), Error);
+  EXPECT_THROW(static_cast<void>(generate_pipes({.sides = 2})), Error);
+  EXPECT_THROW(static_cast<void>(generate_spheres_behind_wall({.level = 9})), Error);
+}
+
+}  // namespace
+}  // namespace occlod
