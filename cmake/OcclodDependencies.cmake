@@ -2,12 +2,16 @@
 find_package(glm REQUIRED)
 find_package(fmt REQUIRED)
 find_package(nlohmann_json REQUIRED)
+find_package(TinyGLTF REQUIRED)
 
 # xxHash is used as a header: XXH_INLINE_ALL leaves nothing to link.
 find_path(OCCLOD_XXHASH_INCLUDE_DIR xxhash.h REQUIRED)
 add_library(occlod_xxhash INTERFACE)
 target_include_directories(occlod_xxhash SYSTEM INTERFACE ${OCCLOD_XXHASH_INCLUDE_DIR})
 target_compile_definitions(occlod_xxhash INTERFACE XXH_INLINE_ALL)
+
+# stb is used as a header as well.
+find_path(OCCLOD_STB_INCLUDE_DIR stb/stb_image_write.h REQUIRED)
 
 if(OCCLOD_BUILD_TOOLS)
   find_package(CLI11 REQUIRED)

@@ -1,0 +1,17 @@
+// Reads PLY (ascii, little and big endian), OBJ, OFF, STL (ascii, binary) and glTF (text, binary) into a plain indexed
+// mesh.
+#pragma once
+
+#include <filesystem>
+
+#include "occlod/mesh/clean.h"
+
+namespace occlod {
+
+// Reads and cleans (mesh/clean.h). The format is told by the extension, case ignored. Polygons are cut into triangles:
+// convex ones as fans, others by ear clipping in their plane. Throws Error that names the file, the line or element and
+// the mend for anything missing, empty, truncated, malformed or not finite. Memory is bounded by a small multiple of
+// the file's size.
+[[nodiscard]] CleanMesh read_mesh(const std::filesystem::path& path);
+
+}  // namespace occlod

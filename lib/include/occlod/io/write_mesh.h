@@ -1,0 +1,14 @@
+// Writes a mesh as PLY (little endian), OBJ, OFF or STL (binary), told by the extension.
+#pragma once
+
+#include <filesystem>
+
+#include "occlod/mesh/triangle_mesh.h"
+
+namespace occlod {
+
+// Writes beside the target and renames, so that a failure leaves the old file as it was. Normals and colours are
+// written where the format has them (PLY). Throws Error.
+void write_mesh(const std::filesystem::path& path, const TriangleMesh& mesh);
+
+}  // namespace occlod

@@ -1,0 +1,15 @@
+// Which mesh format a file name stands for.
+#pragma once
+
+#include <filesystem>
+
+#include "io/file_input.h"
+
+namespace occlod {
+
+enum class MeshFormat { ply, obj, off, stl, gltf };
+
+// By the extension, case ignored. Throws Error for any other.
+[[nodiscard]] MeshFormat format_of(const std::filesystem::path& path, const FileErrors& errors);
+
+}  // namespace occlod

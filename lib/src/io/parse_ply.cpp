@@ -1,0 +1,263 @@
+// A reader of our own: OpenMesh's allocates as many list values as the file claims, reads double as float and names no
+// place in its messages.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "io/byte_order.h"
+#include "io/ply_header.h"
+#include "io/polygon_soup.h"
+#include "io/text_cursor.h"
+
+namespace occlod {
+namespace {
+
+constexpr const char* cut_short = "the file is cut short or its header is wrong; export the mesh again";
+
+// The two encodings of the body, as numbers: a double holds every PLY type exactly. A record is one instance of an
+// element.
+class AsciiValues {
+ public:
+  AsciiValues(std::string_view bytes, const PlyHeader& header, const FileErrors& errors)
+      : cursor_(bytes.substr(header.body_offset), errors, {}, header.body_line) {}
+
+  void begin_element(const PlyElement& element) {
+    element_ = &element;
+    what_ = fmt::format("a value of element {}", in_quotes(element.name));
+  }
+  void begin_record(std::uint64_t i) {
+    if (cursor_.find_word()) return;
+    fail(fmt::format("the file ends before {} {} of {}", element_->name, i + 1, element_->count), cut_short);
+  }
+  [[nodiscard]] double next(PlyType) { return cursor_.number(what_.c_str()); }
+  void end_record() {
+    if (!cursor_.at_line_end()) fail("the line has more values than the header names", "export the mesh again");
+    cursor_.skip_line();
+  }
+
+  [[nodiscard]] std::uint64_t line() const { return cursor_.line(); }
+  [[noreturn]] void fail(std::string problem, std::string mend) const {
+    cursor_.fail(std::move(problem), std::move(mend));
+  }
+
+ private:
+  TextCursor cursor_;
+  const PlyElement* element_ = nullptr;
+  std::string what_;
+};
+
+class BinaryValues {
+ public:
+  BinaryValues(std::string_view bytes, const PlyHeader& header, const FileErrors& errors)
+      : bytes_(bytes), at_(header.body_offset), order_(*header.binary_order), errors_(errors) {}
+
+  void begin_element(const PlyElement& element) { element_ = &element; }
+  void begin_record(std::uint64_t i) { record_ = i; }
+  [[nodiscard]] double next(PlyType type) {
+    const std::size_t size = size_of(type);
+    if (bytes_.size() - at_ < size)
+      fail(fmt::format("the file ends here, within {} {}s", element_->count, element_->name), cut_short);
+    const char* const value = bytes_.data() + at_;
+    at_ += size;
+    switch (type) {
+      case PlyType::int8:
+        return load<std::int8_t>(value, order_);
+      case PlyType::uint8:
+        return load<std::uint8_t>(value, order_);
+      case PlyType::int16:
+        return load<std::int16_t>(value, order_);
+      case PlyType::uint16:
+        return load<std::uint16_t>(value, order_);
+      case PlyType::int32:
+        return load<std::int32_t>(value, order_);
+      case PlyType::uint32:
+        return load<std::uint32_t>(value, order_);
+      case PlyType::float32:
+        return load<float>(value, order_);
+      case PlyType::float64:
+        return load<double>(value, order_);
+    }
+    return 0.0;
+  }
+  void end_record() {}
+
+  [[nodiscard]] std::uint64_t line() const { return 0; }
+  [[noreturn]] void fail(std::string problem, std::string mend) const {
+    errors_.fail(fmt::format("{} {}, byte {}", element_->name, record_, at_), std::move(problem), std::move(mend));
+  }
+
+ private:
+  std::string_view bytes_;
+  std::size_t at_;
+  std::endian order_;
+  const FileErrors& errors_;
+  const PlyElement* element_ = nullptr;
+  std::uint64_t record_ = 0;
+};
+
+// Where a vertex property goes; coordinates, normals and colours lie next to each other.
+enum Slot : std::size_t { slot_x, slot_normal = 3, slot_red = 6, slot_alpha = 9, slot_count, no_slot = slot_count };
+
+Slot slot_of(std::string_view name) {
+  constexpr std::array<std::string_view, slot_count> names{"x",  "y",   "z",     "nx",   "ny",
+                                                           "nz", "red", "green", "blue", "alpha"};
+  constexpr std::array<std::string_view, 4> short_colors{"r", "g", "b", "a"};
+  const auto place = static_cast<std::size_t>(std::ranges::find(names, name) - names.begin());
+  const auto color = static_cast<std::size_t>(std::ranges::find(short_colors, name) - short_colors.begin());
+  return static_cast<Slot>(color < short_colors.size() ? slot_red + color : place);
+}
+
+// What one unit of a colour of this type is worth.
+double color_scale(PlyType type) {
+  if (!is_integer(type)) return 1.0;
+  return type == PlyType::uint16 ? 1.0 / 65535.0 : 1.0 / 255.0;
+}
+
+struct VertexLayout {
+  explicit VertexLayout(const PlyElement& element) {
+    color_scales.fill(1.0);
+    for (const PlyProperty& property : element.properties) {
+      const Slot slot = property.count_type ? no_slot : slot_of(property.name);
+      slots.push_back(slot);
+      if (slot == no_slot) continue;
+      present[slot] = true;
+      if (slot >= slot_red) color_scales[slot - slot_red] = color_scale(property.type);
+    }
+  }
+  [[nodiscard]] bool has(std::size_t first, std::size_t count) const {
+    return std::all_of(present.begin() + static_cast<std::ptrdiff_t>(first),
+                       present.begin() + static_cast<std::ptrdiff_t>(first + count), [](bool p) { return p; });
+  }
+
+  std::vector<Slot> slots;  // of each property
+  std::array<bool, slot_count> present{};
+  std::array<double, 4> color_scales;
+};
+
+template <class Values>
+class BodyParser {
+ public:
+  BodyParser(std::string_view bytes, const PlyHeader& header, const FileErrors& errors)
+      : values_(bytes, header, errors), errors_(errors) {}
+
+  PolygonSoup parse(const PlyHeader& header) && {
+    for (const PlyElement& element : header.elements) {
+      values_.begin_element(element);
+      if (element.name == "vertex")
+        read_vertices(element);
+      else if (element.name == "face")
+        read_faces(element);
+      else
+        skip_element(element);
+    }
+    soup_.check(errors_);
+    return std::move(soup_);
+  }
+
+ private:
+  void read_vertices(const PlyElement& element) {
+    const VertexLayout layout(element);
+    if (!layout.has(slot_x, 3)) errors_.fail("header", "vertices lack x, y or z", "export the mesh with coordinates");
+    const bool normals = layout.has(slot_normal, 3);
+    const bool colors = layout.has(slot_red, 3);
+    soup_.positions.reserve(element.count);
+    std::array<double, slot_count + 1> value{};  // the last takes what is not used
+    value[slot_alpha] = 1.0;                     // opaque where there is no alpha
+    for (std::uint64_t i = 0; i < element.count; ++i) {
+      values_.begin_record(i);
+      for (std::size_t p = 0; p < layout.slots.size(); ++p) {
+        if (element.properties[p].count_type)
+          skip_list(element.properties[p]);
+        else
+          value[layout.slots[p]] = values_.next(element.properties[p].type);
+      }
+      soup_.add_vertex(value[0], value[1], value[2], values_.line());
+      if (normals) soup_.normals.emplace_back(to_float(value[3]), to_float(value[4]), to_float(value[5]));
+      if (colors) soup_.colors.push_back(color(&value[slot_red], layout));
+      values_.end_record();
+    }
+  }
+
+  static glm::u8vec4 color(const double* rgba, const VertexLayout& layout) {
+    glm::u8vec4 result;
+    for (int i = 0; i < 4; ++i) result[i] = color_component(rgba[i] * layout.color_scales[static_cast<std::size_t>(i)]);
+    return result;
+  }
+
+  void read_faces(const PlyElement& element) {
+    const auto is_corner_list = [](const PlyProperty& p) {
+      return p.count_type && (p.name == "vertex_indices" || p.name == "vertex_index");
+    };
+    if (element.count > 0 && std::ranges::none_of(element.properties, is_corner_list)) {
+      errors_.fail("header", "faces have no list 'vertex_indices'", "export the mesh with its faces");
+    }
+    for (std::uint64_t i = 0; i < element.count; ++i) {
+      values_.begin_record(i);
+      for (const PlyProperty& property : element.properties) {
+        if (is_corner_list(property))
+          read_corners(property);
+        else
+          skip(property);
+      }
+      soup_.end_polygon(values_.line());
+      values_.end_record();
+    }
+  }
+
+  void read_corners(const PlyProperty& property) {
+    const std::uint64_t count = next_count(property);
+    for (std::uint64_t corner = 0; corner < count; ++corner) {
+      const double index = values_.next(property.type);
+      if (!(index >= 0.0 && index < double{no_id}) || index != std::floor(index)) {
+        values_.fail(fmt::format("a face uses vertex {}, which is out of range", index), "export the mesh again");
+      }
+      soup_.add_corner(static_cast<VertexId>(index));
+    }
+  }
+
+  std::uint64_t next_count(const PlyProperty& list) {
+    const double count = values_.next(*list.count_type);
+    if (!(count >= 0.0 && count <= 4294967295.0) || count != std::floor(count)) {
+      values_.fail(fmt::format("the list {} has {} entries", in_quotes(list.name), count), "export the mesh again");
+    }
+    return static_cast<std::uint64_t>(count);
+  }
+
+  void skip_element(const PlyElement& element) {
+    if (element.properties.empty()) return;
+    for (std::uint64_t i = 0; i < element.count; ++i) {
+      values_.begin_record(i);
+      for (const PlyProperty& property : element.properties) skip(property);
+      values_.end_record();
+    }
+  }
+
+  void skip(const PlyProperty& property) {
+    if (property.count_type)
+      skip_list(property);
+    else
+      static_cast<void>(values_.next(property.type));
+  }
+
+  void skip_list(const PlyProperty& property) {
+    const std::uint64_t count = next_count(property);
+    for (std::uint64_t i = 0; i < count; ++i) static_cast<void>(values_.next(property.type));
+  }
+
+  Values values_;
+  const FileErrors& errors_;
+  PolygonSoup soup_;
+};
+
+}  // namespace
+
+PolygonSoup parse_ply(std::string_view bytes, const FileErrors& errors) {
+  const PlyHeader header = parse_ply_header(bytes, errors);
+  if (header.binary_order) return BodyParser<BinaryValues>(bytes, header, errors).parse(header);
+  return BodyParser<AsciiValues>(bytes, header, errors).parse(header);
+}
+
+}  // namespace occlod

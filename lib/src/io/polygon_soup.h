@@ -1,0 +1,79 @@
+// What every reader makes: vertices and polygons just as the file has them, indices not checked yet.
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "io/file_input.h"
+#include "occlod/core/ids.h"
+#include "occlod/mesh/mesh_report.h"
+#include "occlod/mesh/triangle_mesh.h"
+
+namespace occlod {
+
+class PolygonSoup {
+ public:
+  std::vector<glm::vec3> positions;
+  std::vector<glm::vec3> normals;   // empty or one per vertex, of any length
+  std::vector<glm::u8vec4> colors;  // empty or one per vertex
+  std::uint64_t attribute_conflicts = 0;
+
+  // `line` is 0 in binary files.
+  void add_vertex(double x, double y, double z, std::uint64_t line);
+  // A polygon is begun, given its corners, and ended.
+  void add_corner(VertexId vertex) { corners_.push_back(vertex); }
+  void end_polygon(std::uint64_t line) {
+    polygon_ends_.push_back(corners_.size());
+    if (line != 0) polygon_lines_.push_back(static_cast<std::uint32_t>(line));
+  }
+
+  // Throws Error when a polygon has fewer than three corners, uses a vertex that there is not or one that is not
+  // finite, or when there is no polygon. The file calls its first vertex `first_index`.
+  void check(const FileErrors& errors, std::uint64_t first_index = 0) const;
+
+  // Cuts the polygons of a checked soup into triangles; leaves the soup empty.
+  [[nodiscard]] TriangleMesh take_mesh(MeshReport& report, const FileErrors& errors);
+
+ private:
+  struct NonfiniteVertex {
+    VertexId vertex;
+    std::uint64_t line;
+  };
+
+  [[nodiscard]] std::string polygon_place(std::size_t polygon) const;
+  void check_finite(const FileErrors& errors) const;
+  [[nodiscard]] std::size_t first_corner(std::size_t polygon) const {
+    return polygon == 0 ? 0 : polygon_ends_[polygon - 1];
+  }
+
+  std::vector<VertexId> corners_;             // of all polygons, one after the other
+  std::vector<std::size_t> polygon_ends_;     // into corners_
+  std::vector<std::uint32_t> polygon_lines_;  // empty for binary files
+  std::vector<NonfiniteVertex> nonfinite_;
+};
+
+// The largest number of vertices that ids can count.
+inline constexpr std::uint64_t max_vertices = no_id;
+
+// The nearest float; infinite where that would be beyond its range.
+[[nodiscard]] inline float to_float(double value) noexcept {
+  static_assert(std::numeric_limits<float>::is_iec559);
+  return static_cast<float>(value);
+}
+
+// A colour component from [0, 1]; values outside are clamped, NaN is 0.
+[[nodiscard]] std::uint8_t color_component(double unit_value) noexcept;
+
+// The parsers. `bytes` is the whole file.
+[[nodiscard]] PolygonSoup parse_ply(std::string_view bytes, const FileErrors& errors);
+[[nodiscard]] PolygonSoup parse_obj(std::string_view bytes, const FileErrors& errors);
+[[nodiscard]] PolygonSoup parse_off(std::string_view bytes, const FileErrors& errors);
+[[nodiscard]] PolygonSoup parse_gltf(std::string_view bytes, const FileErrors& errors);
+[[nodiscard]] PolygonSoup parse_stl(std::string_view bytes, const FileErrors& errors);
+
+}  // namespace occlod

@@ -1,0 +1,41 @@
+#include "occlod/io/read_mesh.h"
+
+#include <utility>
+
+#include "io/file_format.h"
+#include "io/file_input.h"
+#include "io/polygon_soup.h"
+
+namespace occlod {
+namespace {
+
+// The bytes of the file are freed on return.
+PolygonSoup parse_file(const std::filesystem::path& path, const FileErrors& errors) {
+  const MeshFormat format = format_of(path, errors);
+  const std::string bytes = read_file(path, errors);
+  switch (format) {
+    case MeshFormat::ply:
+      return parse_ply(bytes, errors);
+    case MeshFormat::obj:
+      return parse_obj(bytes, errors);
+    case MeshFormat::off:
+      return parse_off(bytes, errors);
+    case MeshFormat::stl:
+      return parse_stl(bytes, errors);
+    case MeshFormat::gltf:
+      return parse_gltf(bytes, errors);
+  }
+  return {};
+}
+
+}  // namespace
+
+CleanMesh read_mesh(const std::filesystem::path& path) {
+  const FileErrors errors(path);
+  PolygonSoup soup = parse_file(path, errors);
+  MeshReport report;
+  TriangleMesh mesh = soup.take_mesh(report, errors);
+  return clean(std::move(mesh), report, errors.subject());
+}
+
+}  // namespace occlod

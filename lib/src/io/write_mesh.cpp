@@ -1,0 +1,136 @@
+// Writers of our own: OpenMesh's exporters want a half-edge mesh behind an interface of forty functions, and round
+// coordinates in text. Numbers in text are the shortest that read back to the same bits.
+#include "occlod/io/write_mesh.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cassert>
+#include <cstdint>
+#include <glm/geometric.hpp>
+#include <iterator>
+#include <span>
+#include <utility>
+
+#include "io/file_format.h"
+#include "io/file_input.h"
+#include "occlod/io/atomic_file.h"
+
+namespace occlod {
+namespace {
+
+// Collects bytes and hands them on in large pieces.
+class ChunkedWriter {
+ public:
+  explicit ChunkedWriter(AtomicFile& file) : file_(file) {}
+
+  template <class... Args>
+  void text(fmt::format_string<Args...> format, Args&&... args) {
+    fmt::format_to(std::back_inserter(chunk_), format, std::forward<Args>(args)...);
+    if (chunk_.size() >= chunk_size) flush();
+  }
+  // The bytes of `value` in little-endian order.
+  template <class Number>
+  void number(Number value) {
+    auto bytes = std::bit_cast<std::array<char, sizeof(Number)>>(value);
+    if constexpr (std::endian::native == std::endian::big) std::reverse(bytes.begin(), bytes.end());
+    chunk_.append(bytes.data(), bytes.data() + bytes.size());
+    if (chunk_.size() >= chunk_size) flush();
+  }
+  void vector(const glm::vec3& v) {
+    for (int i = 0; i < 3; ++i) number(v[i]);
+  }
+  void flush() {
+    file_.write(std::as_bytes(std::span(chunk_.data(), chunk_.size())));
+    chunk_.clear();
+  }
+
+ private:
+  static constexpr std::size_t chunk_size = std::size_t{1} << 18;
+
+  AtomicFile& file_;
+  fmt::memory_buffer chunk_;
+};
+
+void write_ply(ChunkedWriter& out, const TriangleMesh& mesh) {
+  out.text("ply\nformat binary_little_endian 1.0\nelement vertex {}\n", mesh.vertex_count());
+  out.text("property float x\nproperty float y\nproperty float z\n");
+  if (!mesh.normals.empty()) out.text("property float nx\nproperty float ny\nproperty float nz\n");
+  if (!mesh.colors.empty()) {
+    out.text("property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n");
+  }
+  out.text("element face {}\nproperty list uchar uint vertex_indices\nend_header\n", mesh.triangle_count());
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+    out.vector(mesh.positions[v]);
+    if (!mesh.normals.empty()) out.vector(mesh.normals[v]);
+    if (mesh.colors.empty()) continue;
+    for (int i = 0; i < 4; ++i) out.number(mesh.colors[v][i]);
+  }
+  for (const Triangle& t : mesh.triangles) {
+    out.number(std::uint8_t{3});
+    for (int corner = 0; corner < 3; ++corner) out.number(t[corner]);
+  }
+}
+
+void write_obj(ChunkedWriter& out, const TriangleMesh& mesh) {
+  for (const glm::vec3& p : mesh.positions) out.text("v {} {} {}\n", p.x, p.y, p.z);
+  for (const Triangle& t : mesh.triangles) {
+    out.text("f {} {} {}\n", std::uint64_t{t.x} + 1, std::uint64_t{t.y} + 1, std::uint64_t{t.z} + 1);
+  }
+}
+
+void write_off(ChunkedWriter& out, const TriangleMesh& mesh) {
+  out.text("OFF\n{} {} 0\n", mesh.vertex_count(), mesh.triangle_count());
+  for (const glm::vec3& p : mesh.positions) out.text("{} {} {}\n", p.x, p.y, p.z);
+  for (const Triangle& t : mesh.triangles) out.text("3 {} {} {}\n", t.x, t.y, t.z);
+}
+
+glm::vec3 facet_normal(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
+  const glm::dvec3 area = glm::cross(b - a, c - a);
+  const double length = glm::length(area);
+  return length > 0.0 ? glm::vec3(area / length) : glm::vec3(0.0f);
+}
+
+void write_stl(ChunkedWriter& out, const TriangleMesh& mesh) {
+  out.text("{:80}", "binary STL");
+  out.number(static_cast<std::uint32_t>(mesh.triangle_count()));
+  for (const Triangle& t : mesh.triangles) {
+    out.vector(facet_normal(mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]));
+    for (int corner = 0; corner < 3; ++corner) out.vector(mesh.positions[t[corner]]);
+    out.number(std::uint16_t{0});
+  }
+}
+
+}  // namespace
+
+void write_mesh(const std::filesystem::path& path, const TriangleMesh& mesh) {
+  assert(mesh.normals.empty() || mesh.normals.size() == mesh.vertex_count());
+  assert(mesh.colors.empty() || mesh.colors.size() == mesh.vertex_count());
+  const FileErrors errors(path);
+  const MeshFormat format = format_of(path, errors);
+  if (format == MeshFormat::gltf) errors.fail("", "glTF is read but not written", "use .ply, .obj, .off or .stl");
+  AtomicFile file(path);
+  ChunkedWriter out(file);
+  switch (format) {
+    case MeshFormat::ply:
+      write_ply(out, mesh);
+      break;
+    case MeshFormat::obj:
+      write_obj(out, mesh);
+      break;
+    case MeshFormat::off:
+      write_off(out, mesh);
+      break;
+    case MeshFormat::stl:
+      write_stl(out, mesh);
+      break;
+    case MeshFormat::gltf:  // refused above
+      break;
+  }
+  out.flush();
+  file.commit();
+}
+
+}  // namespace occlod

@@ -1,0 +1,119 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "io/mesh_files.h"
+
+namespace occlod {
+namespace {
+
+constexpr const char* three_vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+
+class ReadObj : public testing::Test {
+ protected:
+  [[nodiscard]] CleanMesh read(const std::string& text) const { return folder_.read("a.obj", text); }
+  [[nodiscard]] std::string complaint(const std::string& text) const { return folder_.complaint("a.obj", text); }
+
+  test::TestFolder folder_;
+};
+
+TEST_F(ReadObj, TakesEveryFormOfFaceCorner) {
+  for (const char* face : {"f 1 2 3", "f 1/7 2/8 3/9", "f 1//1 2//1 3//1", "f 1/7/1 2/8/1 3/9/1", "f -3 -2 -1",
+                           "f -3//-1 -2//-1 -1//-1", "f 1 \\\n 2 3", "f 1 2\\\r\n3", "  f\t1 2 3  # it"}) {
+    const CleanMesh result = read(std::string(three_vertices) + "vn 0 0 2\n" + face + "\n");
+    ASSERT_EQ(result.mesh.triangles.size(), 1u) << face;
+    EXPECT_EQ(result.mesh.triangles[0], Triangle(0, 1, 2)) << face;
+    const bool has_normals = std::string_view(face).find("//") != std::string_view::npos || std::strstr(face, "/1 ");
+    EXPECT_EQ(result.mesh.normals.size(), has_normals ? 3u : 0u) << face;
+    for (const glm::vec3& normal : result.mesh.normals) EXPECT_EQ(normal, glm::vec3(0, 0, 1)) << face;
+  }
+}
+
+TEST_F(ReadObj, LineEndsAndTheLastLineMayVary) {
+  for (const char* text : {"v 0 0 0\r\nv 1 0 0\r\nv 0 1 0\r\nf 1 2 3\r\n", "v 0 0 0\rv 1 0 0\rv 0 1 0\rf 1 2 3",
+                           "\n\n# c \\\nv 0 0 0\nv 1 0 0\n\nv 0 1 0\nf 1 2 3"}) {
+    EXPECT_EQ(read(text).mesh.vertex_count(), 3u) << text;
+  }
+}
+
+TEST_F(ReadObj, NegativeIndicesCountFromTheNewestVertexSoFar) {
+  const CleanMesh result = read("v 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\nv 5 5 5\nf -4 -1 -2\n");
+  // Before the second face there are four vertices: -4 is the first, -1 the fourth, -2 the third.
+  EXPECT_EQ(result.mesh.triangles, (std::vector<Triangle>{{0, 1, 2}, {0, 3, 2}}));
+}
+
+TEST_F(ReadObj, FacesMayComeBeforeTheirVertices) {
+  EXPECT_EQ(read(std::string("f 1 2 3\n") + three_vertices).mesh.triangles[0], Triangle(0, 1, 2));
+}
+
+TEST_F(ReadObj, ReadsColoursOfEitherScaleAndIgnoresW) {
+  const auto second = [&](const std::string& extra) {
+    return read("v 0 0 0 0 0 0\nv 1 0 0 " + extra + "\nv 0 1 0 0 0 0\nf 1 2 3\n").mesh.colors.at(1);
+  };
+  EXPECT_EQ(second("1 0.5 0"), glm::u8vec4(255, 128, 0, 255));  // 0.5 * 255 + 0.5 = 128
+  EXPECT_EQ(second("255 17 0"), glm::u8vec4(255, 17, 0, 255));
+  EXPECT_TRUE(read("v 0 0 0 1\nv 1 0 0 0.5\nv 0 1 0 1\nf 1 2 3\n").mesh.colors.empty());
+  const CleanMesh mixed = read("v 0 0 0\nv 1 0 0 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  EXPECT_EQ(mixed.mesh.colors,
+            (std::vector<glm::u8vec4>{{255, 255, 255, 255}, {255, 0, 0, 255}, {255, 255, 255, 255}}));
+}
+
+TEST_F(ReadObj, AveragesTheNormalsOfOneVertex) {
+  const CleanMesh result =
+      read("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvn 0 0 1\nvn 1 0 0\nf 1//1 2//1 3//1\nf 1//2 3//2 4//2\n");
+  // Vertex 1 and 3 have both normals, so the diagonal between; 2 and 4 have one.
+  EXPECT_FLOAT_EQ(result.mesh.normals[0].x, std::sqrt(0.5f));
+  EXPECT_FLOAT_EQ(result.mesh.normals[0].z, std::sqrt(0.5f));
+  EXPECT_EQ(result.mesh.normals[1], glm::vec3(0, 0, 1));
+  EXPECT_EQ(result.mesh.normals[3], glm::vec3(1, 0, 0));
+  EXPECT_EQ(result.report.attribute_conflicts, 2u);
+}
+
+TEST_F(ReadObj, IgnoresWhatHasNoPartInTheSurface) {
+  const CleanMesh result = read(std::string("mtllib a.mtl\no x\ng y\ns off\nusemtl z\nvt 0 0\nvp 1\nl 1 2\np 1\n") +
+                                three_vertices + "f 1 2 3\n");
+  EXPECT_EQ(result.report.vertices_read, 3u);
+  EXPECT_EQ(result.report.polygons_read, 1u);
+}
+
+TEST_F(ReadObj, ReadsNumbersInEveryNotation) {
+  const CleanMesh result = read("v +1 -.5 1e2\nv 1. 2E-1 -0\nv 0.1 1e-50 3\nf 1 2 3\n");
+  EXPECT_EQ(result.mesh.positions[0], glm::vec3(1, -0.5f, 100));
+  EXPECT_EQ(result.mesh.positions[1], glm::vec3(1, 0.2f, 0));
+  EXPECT_EQ(result.mesh.positions[2], glm::vec3(0.1f, 0, 3));  // 1e-50 is below the smallest float
+}
+
+TEST_F(ReadObj, NamesTheLineOfEveryFault) {
+  const std::string v = three_vertices;
+  EXPECT_CONTAINS(complaint("v 0 0 0\nv 1 0\n"), "line 2: z of a vertex is missing");
+  EXPECT_CONTAINS(complaint("v 0 0 0\nv 1 zero 0\n"), "line 2: y of a vertex is 'zero', which is not a number");
+  EXPECT_CONTAINS(complaint("v 0 0 1,5\n"), "line 1: z of a vertex is '1,5'");
+  EXPECT_CONTAINS(complaint("v 0 0 1.#INF\n"), "'1.#INF'");  // no comment begins inside a word
+  EXPECT_CONTAINS(complaint("v 0 0 +-1\n"), "not a number");
+  EXPECT_CONTAINS(complaint("v 0 0 1 x\n"), "line 1: the fourth number");
+  EXPECT_CONTAINS(complaint("vn 0 0\n"), "line 1: z of a normal is missing");
+  EXPECT_CONTAINS(complaint(v + "f 1 2 4\nf 1 2 3\n"), "line 4: a face uses vertex 4, but there are only 3");
+  EXPECT_CONTAINS(complaint(v + "f 1 2 3\nf 0 1 2\n"), "line 5: the face corner '0' is out of range");
+  EXPECT_CONTAINS(complaint(v + "f 1 2 -4\n"), "line 4: the face corner '-4' is out of range");
+  EXPECT_CONTAINS(complaint(v + "f 1 2 4294967296\n"), "line 4");
+  EXPECT_CONTAINS(complaint(v + "f 1 2 99999999999999999999\n"), "line 4");
+  EXPECT_CONTAINS(complaint(v + "\nf 1 \\\n 2\n"), "line 5: a face needs three corners or more, but has 2");
+  EXPECT_CONTAINS(complaint(v + "vn 0 0 1\nf 1//1 2//2 3//1\n"), "line 5: a face uses normal 2, but there are 1");
+  for (const char* corner : {"1/", "1//", "1/2/", "1///1", "1/2/3/4", "x", "1.5", "1/x", "//1", "1//0"}) {
+    EXPECT_CONTAINS(complaint(v + "f 2 3 " + corner + "\n"), "line 4: the face corner") << corner;
+  }
+  EXPECT_CONTAINS(complaint("v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n"), "line 2: a coordinate of a vertex is NaN");
+  EXPECT_CONTAINS(complaint("v 0 0 0\nv 0 0 0\nv 0 1e39 0\nf 1 2 3\n"), "line 3: a coordinate");
+  EXPECT_CONTAINS(complaint(v), "has no faces");
+  EXPECT_CONTAINS(complaint("v 0 0 0\nv 0 0 0\nv 0 0 0\nf 1 2 3\n"), "no triangle with three different corners");
+}
+
+TEST_F(ReadObj, AcceptsANonFiniteVertexThatNothingUses) {
+  const CleanMesh result = read(std::string(three_vertices) + "v inf 0 0\nf 1 2 3\n");
+  EXPECT_EQ(result.report.nonfinite_vertices, 1u);
+  EXPECT_EQ(result.mesh.vertex_count(), 3u);
+}
+
+}  // namespace
+}  // namespace occlod
