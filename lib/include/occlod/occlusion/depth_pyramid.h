@@ -1,0 +1,55 @@
+// Hierarchical z-buffer (Greene, Kass, Miller 1993): each level holds the farthest depth of 2x2 texels of the level
+// below.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "occlod/raster/item_buffer.h"
+
+namespace occlod {
+
+// Pixels [x0, x1) x [y0, y1).
+struct PixelRect {
+  int x0 = 0;
+  int y0 = 0;
+  int x1 = 0;
+  int y1 = 0;
+};
+
+class DepthPyramid {
+ public:
+  // Copies the depth, of at least one pixel, as level 0 and reduces until one texel is left. Odd sizes round up.
+  // O(pixels). Reuses its memory.
+  void build(const DepthBuffer& depth);
+
+  [[nodiscard]] int level_count() const noexcept { return static_cast<int>(levels_.size()); }
+  [[nodiscard]] int width() const noexcept { return levels_.empty() ? 0 : levels_[0].width; }
+  [[nodiscard]] int height() const noexcept { return levels_.empty() ? 0 : levels_[0].height; }
+  // Smallest inverse depth (farthest occluder) of the texel.
+  [[nodiscard]] float farthest(int level, int x, int y) const noexcept;
+
+  // True iff at some pixel of `rect` (inside the image) the occluder is not nearer than nearest_inverse_depth, that is
+  // farthest <= nearest. Exact: descends only where a coarser texel cannot decide. An empty rectangle shows nothing.
+  [[nodiscard]] bool any_visible(const PixelRect& rect, float nearest_inverse_depth) const;
+  // How many such pixels there are. O(pixels of the rectangle).
+  [[nodiscard]] std::uint32_t count_visible(const PixelRect& rect, float nearest_inverse_depth) const;
+
+ private:
+  struct Level {
+    int width = 0;
+    int height = 0;
+    std::size_t first = 0;  // into texels_
+  };
+  void lay_out(int width, int height);
+  [[nodiscard]] const float* row(const Level& level, int y) const noexcept;
+  [[nodiscard]] bool any_visible_at(int level, const PixelRect& rect, float nearest) const;
+  [[nodiscard]] bool any_visible_pixel(const PixelRect& rect, float nearest) const;
+
+  std::vector<Level> levels_;
+  std::vector<float> texels_;
+};
+
+}  // namespace occlod

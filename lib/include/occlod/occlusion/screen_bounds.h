@@ -1,0 +1,24 @@
+// From a bound in object space to the pixels it may touch and its nearest depth.
+#pragma once
+
+#include <optional>
+
+#include "occlod/occlusion/depth_pyramid.h"
+#include "occlod/refine/visibility.h"
+#include "occlod/view/view.h"
+
+namespace occlod {
+
+struct ScreenBounds {
+  PixelRect rect;  // every pixel that the bound touches, even in part; clipped to the image; empty when it lies beside
+                   // the image
+  float nearest_inverse_depth = 0.0F;  // >= 1 / w of every point of the bound
+};
+
+// Nothing when no such rectangle can be trusted: the bound crosses the near plane, holds the eye or is not finite.
+// Rounds outwards, so that what rounding in object_to_clip and in the rasteriser may add is inside. Spheres and
+// cylinders are bounded by their true outlines, not by their corners.
+[[nodiscard]] std::optional<ScreenBounds> screen_bounds(const View& view, const ObjectView& object,
+                                                        const VisibilityQuery& query);
+
+}  // namespace occlod

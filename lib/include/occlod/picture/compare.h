@@ -1,0 +1,22 @@
+// How far a picture is from the picture of the full mesh.
+#pragma once
+
+#include "occlod/picture/picture.h"
+#include "occlod/raster/item_buffer.h"
+#include "occlod/view/view.h"
+
+namespace occlod {
+
+struct PictureDistance {
+  double depth_rms_px =
+      0.0;  // root mean square depth difference over pixels covered by both, in pixels at that depth, each capped at 10
+  double silhouette_mismatch = 0.0;  // pixels covered by only one of the two, in percent of those the reference covers;
+                                     // infinite when it covers none
+  double psnr_y = 0.0;  // of luma (Rec. 601) between the two images, best shaded without wire, dB; infinite when equal
+};
+
+// Both buffers were drawn for `view`; images have the same size.
+[[nodiscard]] PictureDistance compare_pictures(const View& view, const DepthBuffer& depth, const Image& image,
+                                               const DepthBuffer& reference_depth, const Image& reference_image);
+
+}  // namespace occlod

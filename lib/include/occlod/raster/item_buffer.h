@@ -1,0 +1,51 @@
+// Exact z-buffer rasterisation on the CPU: one sample at each pixel centre, watertight (top-left rule), clipped at the
+// near plane, both sides of every triangle. Shared by the software occlusion backend and by everything that measures or
+// draws pictures.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <glm/mat4x4.hpp>
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
+#include "occlod/core/ids.h"
+#include "occlod/mesh/triangle_mesh.h"
+
+namespace occlod {
+
+// Inverse depth 1 / w for each pixel, rows from the top. w is the distance from the eye plane; 0 = nothing there.
+// Larger is nearer.
+struct DepthBuffer {
+  int width = 0;
+  int height = 0;
+  std::vector<float> inverse_depth;  // width * height
+
+  void reset(int new_width, int new_height);  // resizes and empties; reuses memory
+};
+
+inline constexpr std::uint32_t no_item = no_id;
+
+// Depth, and which triangle owns each pixel.
+struct ItemBuffer {
+  DepthBuffer depth;
+  std::vector<std::uint32_t> items;  // width * height; no_item = background
+
+  void reset(int width, int height);
+};
+
+// Draws triangles of `positions` (object space) through object_to_clip (OpenGL clip space). Nearer wins; at equal depth
+// the one drawn first. Triangles with a corner that is not finite after transformation are skipped. O(triangles +
+// pixels covered).
+void draw_depth(DepthBuffer& target, std::span<const glm::vec3> positions, std::span<const Triangle> triangles,
+                const glm::mat4& object_to_clip);
+
+// The same, and triangle i of the call owns its pixels as item first_item + i.
+void draw_items(ItemBuffer& target, std::span<const glm::vec3> positions, std::span<const Triangle> triangles,
+                const glm::mat4& object_to_clip, std::uint32_t first_item);
+
+// The number of different items that own at least one pixel. item_count: items are < item_count.
+[[nodiscard]] std::size_t count_visible_items(const ItemBuffer& buffer, std::size_t item_count);
+
+}  // namespace occlod

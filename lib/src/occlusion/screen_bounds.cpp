@@ -1,0 +1,170 @@
+#include "occlod/occlusion/screen_bounds.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/gtc/matrix_access.hpp>
+#include <limits>
+
+namespace occlod {
+namespace {
+
+// Pixels by which every rectangle grows: the rasteriser moves corners by up to half of 1/256.
+constexpr double slack_px = 1.0 / 256.0;
+// Relative error of an entry of the single-precision object_to_clip and of the inverse depths that the rasteriser
+// stores, with room to spare.
+constexpr double rounding = 2.0 * std::numeric_limits<float>::epsilon();
+
+// Grows around the convex parts of one bound: the range of x / w and y / w, and the smallest w.
+class Extent {
+ public:
+  Extent(const View& view, const ObjectView& object)
+      : x_(glm::row(object.object_to_clip(), 0)),
+        y_(glm::row(object.object_to_clip(), 1)),
+        z_(glm::row(object.object_to_clip(), 2)),
+        w_(glm::row(object.object_to_clip(), 3)),
+        size_(view.width(), view.height()) {}
+
+  void add_point(const glm::dvec3& p) {
+    const double w = add_depths(p, [](const glm::dvec3&) { return 0.0; });
+    if (!trusted_) return;
+    add_range(0, at(x_, p) / w, at(x_, p) / w);
+    add_range(1, at(y_, p) / w, at(y_, p) / w);
+  }
+
+  void add_sphere(const glm::dvec3& center, double radius) {
+    add_round(center, radius, [](const glm::dvec3& a, const glm::dvec3& b) { return glm::dot(a, b); });
+  }
+
+  // A disc around `center`, normal to the unit vector `axis`.
+  void add_disc(const glm::dvec3& center, double radius, const glm::dvec3& axis) {
+    add_round(center, radius, [&](const glm::dvec3& a, const glm::dvec3& b) {
+      return glm::dot(a, b) - glm::dot(a, axis) * glm::dot(b, axis);
+    });
+  }
+
+  [[nodiscard]] std::optional<ScreenBounds> result() const {
+    if (!trusted_) return std::nullopt;
+    const double w_error = rounding * magnitude(w_);
+    const double nearest_w = smallest_w_ - w_error;
+    if (!(nearest_w > 0.0)) return std::nullopt;
+    ScreenBounds bounds;
+    bounds.nearest_inverse_depth =
+        std::nextafter(static_cast<float>((1.0 + rounding) / nearest_w), std::numeric_limits<float>::infinity());
+    const glm::dvec2 error((rounding * magnitude(x_) + w_error * largest_ratio(0)) / nearest_w,
+                           (rounding * magnitude(y_) + w_error * largest_ratio(1)) / nearest_w);
+    const glm::dvec2 slack = error * (size_ / 2.0) + slack_px;
+    const glm::dvec2 low = (glm::dvec2(low_.x, -high_.y) * 0.5 + 0.5) * size_ - slack;
+    const glm::dvec2 high = (glm::dvec2(high_.x, -low_.y) * 0.5 + 0.5) * size_ + slack;
+    if (!(low.x <= high.x && low.y <= high.y)) return std::nullopt;
+    // The last pixel is the one that holds the high end, even at its very border.
+    bounds.rect.x0 = static_cast<int>(std::clamp(std::floor(low.x), 0.0, size_.x));
+    bounds.rect.y0 = static_cast<int>(std::clamp(std::floor(low.y), 0.0, size_.y));
+    bounds.rect.x1 = static_cast<int>(std::clamp(std::floor(high.x) + 1.0, 0.0, size_.x));
+    bounds.rect.y1 = static_cast<int>(std::clamp(std::floor(high.y) + 1.0, 0.0, size_.y));
+    return bounds;
+  }
+
+ private:
+  static double at(const glm::dvec4& row, const glm::dvec3& p) { return glm::dot(glm::dvec3(row), p) + row.w; }
+
+  // How large the sum row * p can be before its terms cancel, for every point seen so far: rounding is relative to
+  // this.
+  [[nodiscard]] double magnitude(const glm::dvec4& row) const {
+    return glm::dot(glm::abs(glm::dvec3(row)), largest_coordinate_) + std::abs(row.w);
+  }
+  [[nodiscard]] double largest_ratio(int axis) const { return std::max(std::abs(low_[axis]), std::abs(high_[axis])); }
+
+  // Takes the part's smallest w and its distance to the near plane z = -w; spread(v) is how far v . p reaches below its
+  // value at the centre. Returns w at the centre.
+  template <class Spread>
+  double add_depths(const glm::dvec3& center, Spread spread) {
+    const double w = at(w_, center);
+    const double smallest_w = w - spread(glm::dvec3(w_));
+    const double before_near = at(z_ + w_, center) - spread(glm::dvec3(z_ + w_));
+    // Written so that NaN is not trusted; infinite corners make one of these NaN or infinite.
+    if (!(smallest_w > 0.0 && smallest_w < std::numeric_limits<double>::infinity() && before_near >= 0.0))
+      trusted_ = false;
+    smallest_w_ = std::min(smallest_w_, smallest_w);
+    largest_coordinate_ = glm::max(largest_coordinate_, glm::abs(center));
+    return w;
+  }
+
+  // `dot` is the inner product whose unit ball is the shape: a plane n . p + d = 0 touches the shape of radius r around
+  // c iff (n . c + d)^2 = r^2 dot(n, n).
+  template <class Dot>
+  void add_round(const glm::dvec3& center, double radius, Dot dot) {
+    const double w =
+        add_depths(center, [&](const glm::dvec3& v) { return radius * std::sqrt(std::max(dot(v, v), 0.0)); });
+    if (!(radius >= 0.0)) trusted_ = false;
+    if (!trusted_) return;
+    largest_coordinate_ = glm::max(largest_coordinate_, glm::abs(center) + radius);
+    add_silhouette(0, x_, center, radius, w, dot);
+    add_silhouette(1, y_, center, radius, w, dot);
+  }
+
+  // The planes through the eye with x = s w touch the shape where (X - s W)^2 = r^2 |a - s b|^2: a quadratic equation
+  // for the two ends of x / w. With a, b the directions of the rows for x and w, and X, W their values at the centre.
+  template <class Dot>
+  void add_silhouette(int axis, const glm::dvec4& row, const glm::dvec3& center, double radius, double w, Dot dot) {
+    const glm::dvec3 a(row);
+    const glm::dvec3 b(w_);
+    const double x = at(row, center);
+    const double aa = dot(a, a), ab = dot(a, b), bb = dot(b, b);
+    const double rr = radius * radius;
+    const glm::dvec3 across = x * b - w * a;
+    // Not negative where w > r |b|; rounding may make it slightly so.
+    const double root = radius * std::sqrt(std::max(dot(across, across) - rr * (aa * bb - ab * ab), 0.0));
+    const double middle = x * w - rr * ab;
+    const double lead = w * w - rr * bb;  // > 0: the whole shape has w > 0
+    if (!(lead > 0.0)) {
+      trusted_ = false;
+      return;
+    }
+    add_range(axis, (middle - root) / lead, (middle + root) / lead);
+  }
+
+  void add_range(int axis, double low, double high) {
+    low_[axis] = std::min(low_[axis], low);
+    high_[axis] = std::max(high_[axis], high);
+    if (!(low <= high)) trusted_ = false;
+  }
+
+  glm::dvec4 x_, y_, z_, w_;  // rows of object_to_clip
+  glm::dvec2 size_;
+  glm::dvec2 low_{std::numeric_limits<double>::infinity()};
+  glm::dvec2 high_{-std::numeric_limits<double>::infinity()};
+  glm::dvec3 largest_coordinate_{0.0};
+  double smallest_w_ = std::numeric_limits<double>::infinity();
+  bool trusted_ = true;
+};
+
+struct AddShape {
+  Extent& extent;
+
+  void operator()(const Sphere& sphere) const { extent.add_sphere(sphere.center, sphere.radius); }
+  void operator()(const Box& box) const {
+    for (int i = 0; i < 8; ++i) extent.add_point(corner(box, i));
+  }
+  // The hull of its two end discs.
+  void operator()(const Cylinder& cylinder) const {
+    const glm::dvec3 axis(cylinder.axis);
+    for (const float t : {cylinder.t_min, cylinder.t_max})
+      extent.add_disc(glm::dvec3(cylinder.center) + double{t} * axis, cylinder.radius, axis);
+  }
+  void operator()(const PointHull& hull) const {
+    for (const glm::vec3& p : hull.points) extent.add_point(p);
+  }
+};
+
+}  // namespace
+
+std::optional<ScreenBounds> screen_bounds(const View& view, const ObjectView& object, const VisibilityQuery& query) {
+  Extent extent(view, object);
+  std::visit(AddShape{extent}, query.shape);
+  return extent.result();
+}
+
+}  // namespace occlod

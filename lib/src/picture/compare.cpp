@@ -1,0 +1,57 @@
+#include "occlod/picture/compare.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+namespace occlod {
+namespace {
+
+constexpr double largest_difference_px = 10.0;
+
+// ITU-R BT.601, of the encoded values.
+double luma(const glm::u8vec4& p) { return 0.299 * p.x + 0.587 * p.y + 0.114 * p.z; }
+
+double psnr_of_luma(const Image& image, const Image& reference) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+    const double difference = luma(image.pixels[i]) - luma(reference.pixels[i]);
+    sum += difference * difference;
+  }
+  if (sum == 0.0) return std::numeric_limits<double>::infinity();
+  return 10.0 * std::log10(255.0 * 255.0 * static_cast<double>(image.pixels.size()) / sum);
+}
+
+// Infinite when there is something and nothing is expected.
+double percent(std::size_t part, std::size_t whole) {
+  if (part == 0) return 0.0;
+  return whole == 0 ? std::numeric_limits<double>::infinity()
+                    : 100.0 * static_cast<double>(part) / static_cast<double>(whole);
+}
+
+}  // namespace
+
+PictureDistance compare_pictures(const View& view, const DepthBuffer& depth, const Image& image,
+                                 const DepthBuffer& reference_depth, const Image& reference_image) {
+  assert(depth.inverse_depth.size() == reference_depth.inverse_depth.size() &&
+         image.pixels.size() == reference_image.pixels.size());
+  std::size_t in_reference = 0, in_one = 0, in_both = 0;
+  double sum = 0.0;
+  for (std::size_t i = 0; i < depth.inverse_depth.size(); ++i) {
+    const double here = depth.inverse_depth[i];
+    const double there = reference_depth.inverse_depth[i];
+    in_reference += there > 0.0 ? 1 : 0;
+    in_one += (here > 0.0) != (there > 0.0) ? 1 : 0;
+    if (!(here > 0.0 && there > 0.0)) continue;
+    ++in_both;
+    // A length across the axis covers focal_length_px / w pixels at the reference depth w = 1 / there.
+    const double difference = std::abs(1.0 / here - 1.0 / there) * view.focal_length_px() * there;
+    sum += std::pow(std::min(difference, largest_difference_px), 2);
+  }
+  return {in_both > 0 ? std::sqrt(sum / static_cast<double>(in_both)) : 0.0, percent(in_one, in_reference),
+          psnr_of_luma(image, reference_image)};
+}
+
+}  // namespace occlod

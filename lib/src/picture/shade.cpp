@@ -1,0 +1,224 @@
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/exponential.hpp>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <optional>
+
+#include "picture/color.h"
+#include "picture/shading.h"
+
+namespace occlod {
+namespace picture {
+namespace {
+
+// Lights, relative to the viewer so that no side of an object that one looks at lies in the dark.
+class Lights {
+ public:
+  Lights(const View& view, const glm::dvec3& key_light) : eye_(view.camera().eye) {
+    const glm::dvec3 forward = view.direction();
+    const glm::dvec3 right = glm::normalize(glm::cross(forward, view.camera().up));
+    up_ = glm::cross(right, forward);
+    key_ = glm::normalize(key_light.x * right + key_light.y * up_ - key_light.z * forward);
+  }
+
+  // Light on a flat two-sided surface through `position`.
+  [[nodiscard]] glm::vec3 on(const glm::dvec3& position, glm::dvec3 normal) const {
+    const glm::dvec3 to_eye = glm::normalize(eye_ - position);
+    if (glm::dot(normal, to_eye) < 0.0) normal = -normal;
+    const auto head = static_cast<float>(glm::dot(normal, to_eye));
+    const auto key = static_cast<float>(std::max(glm::dot(normal, key_), 0.0));
+    const auto sky = static_cast<float>(0.5 + 0.5 * glm::dot(normal, up_));
+    return 0.12F * head + 0.98F * key * glm::vec3(1.0F, 0.94F, 0.84F) +
+           glm::mix(glm::vec3(0.045F, 0.036F, 0.034F), glm::vec3(0.12F, 0.15F, 0.20F), sky);
+  }
+
+ private:
+  glm::dvec3 eye_;
+  glm::dvec3 up_;
+  glm::dvec3 key_;
+};
+
+double smooth_step(double low, double high, double x) {
+  const double t = std::clamp((x - low) / (high - low), 0.0, 1.0);
+  return t * t * (3.0 - 2.0 * t);
+}
+
+// The three edge functions of a triangle in homogeneous pixel coordinates (Olano & Greer 1997): linear over the image
+// and valid for triangles that reach behind the eye. Their ratios are perspective-correct barycentric coordinates.
+class ScreenTriangle {
+ public:
+  ScreenTriangle(const std::array<glm::dvec3, 3>& corners, const View& view) {
+    std::array<glm::dvec3, 3> p;
+    const glm::dvec2 half = glm::dvec2(view.width(), view.height()) / 2.0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const glm::dvec4 clip = view.world_to_clip() * glm::dvec4(corners[i], 1.0);
+      p[i] = {(clip.w + clip.x) * half.x, (clip.w - clip.y) * half.y, clip.w};
+    }
+    for (std::size_t i = 0; i < 3; ++i) edges_[i] = glm::cross(p[(i + 1) % 3], p[(i + 2) % 3]);
+    diameter_px_ = inscribed_diameter(p);
+  }
+
+  [[nodiscard]] glm::vec3 barycentric(const glm::dvec2& pixel) const {
+    const glm::dvec3 q(pixel, 1.0);
+    const glm::dvec3 e(glm::dot(edges_[0], q), glm::dot(edges_[1], q), glm::dot(edges_[2], q));
+    const double sum = e.x + e.y + e.z;
+    return sum == 0.0 ? glm::vec3(1.0F / 3.0F) : glm::clamp(glm::vec3(e / sum), 0.0F, 1.0F);
+  }
+
+  // From the pixel to the nearest edge.
+  [[nodiscard]] double edge_distance_px(const glm::dvec2& pixel) const {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const glm::dvec3& edge : edges_)
+      nearest = std::min(nearest, std::abs(glm::dot(edge, glm::dvec3(pixel, 1.0))) / glm::length(glm::dvec2(edge)));
+    return nearest;
+  }
+
+  // Of the inscribed circle; infinite when the triangle reaches behind the eye.
+  [[nodiscard]] double diameter_px() const { return diameter_px_; }
+
+ private:
+  static double inscribed_diameter(const std::array<glm::dvec3, 3>& p) {
+    if (!(p[0].z > 0.0 && p[1].z > 0.0 && p[2].z > 0.0)) return std::numeric_limits<double>::infinity();
+    const glm::dvec2 a = glm::dvec2(p[0]) / p[0].z;
+    const glm::dvec2 b = glm::dvec2(p[1]) / p[1].z;
+    const glm::dvec2 c = glm::dvec2(p[2]) / p[2].z;
+    const glm::dvec2 ab = b - a, ac = c - a;
+    const double perimeter = glm::length(ab) + glm::length(ac) + glm::length(c - b);
+    return perimeter > 0.0 ? 2.0 * std::abs(ab.x * ac.y - ab.y * ac.x) / perimeter : 0.0;
+  }
+
+  std::array<glm::dvec3, 3> edges_;
+  double diameter_px_;
+};
+
+// What is the same for all pixels of one item.
+struct Appearance {
+  Appearance(const ItemTable::Owner& owner, const View& view, const Lights& lights, const CornerColors& corner_colors)
+      : Appearance(world_corners(owner), view, lights, corner_colors) {}
+  Appearance(const std::array<glm::dvec3, 3>& corners, const View& view, const Lights& lights,
+             const CornerColors& corner_colors)
+      : screen(corners, view), colors(corner_colors) {
+    const glm::dvec3 normal = glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
+    const double length = glm::length(normal);
+    const glm::dvec3 center = (corners[0] + corners[1] + corners[2]) / 3.0;
+    light = lights.on(center, length > 0.0 ? normal / length : -view.direction());
+    // Lines fade out where they would fill their triangles.
+    wire_strength = 0.6 * smooth_step(1.2, 6.0, screen.diameter_px());
+  }
+
+  ScreenTriangle screen;
+  CornerColors colors;
+  glm::vec3 light{0.0F};
+  double wire_strength = 0.0;
+};
+
+// How dark the outline is at a pixel that something farther shows up beside, in [0, 1]. A plane has a linear inverse
+// depth on the screen: only what falls faster to one side than it rises from the other is a step.
+float outline(const DepthBuffer& depth, int x, int y) {
+  const auto at = [&](int px, int py) {
+    return depth.inverse_depth[static_cast<std::size_t>(py) * static_cast<std::size_t>(depth.width) +
+                               static_cast<std::size_t>(px)];
+  };
+  const float here = at(x, y);
+  float steepest = 0.0F;
+  const auto look = [&](int dx, int dy) {
+    const int nx = x + dx, ny = y + dy, ox = x - dx, oy = y - dy;
+    if (nx < 0 || ny < 0 || nx >= depth.width || ny >= depth.height) return;
+    const bool inside = ox >= 0 && oy >= 0 && ox < depth.width && oy < depth.height;
+    const float rise = inside ? std::max(at(ox, oy) - here, 0.0F) : 0.0F;
+    steepest = std::max(steepest, (here - at(nx, ny) - rise) / here);
+  };
+  look(1, 0);
+  look(-1, 0);
+  look(0, 1);
+  look(0, -1);
+  return static_cast<float>(smooth_step(0.015, 0.05, steepest));
+}
+
+class Painter {
+ public:
+  Painter(const ItemBuffer& items, std::span<const DrawObject> objects, const View& view, const Style& style,
+          const ColorOfItem& color_of_item)
+      : items_(items),
+        table_(objects),
+        view_(view),
+        style_(style),
+        lights_(view, style.key_light),
+        color_of_item_(color_of_item) {}
+
+  [[nodiscard]] Image paint() {
+    const int width = items_.depth.width;
+    const int height = items_.depth.height;
+    Image image{width, height, {}};
+    image.pixels.reserve(items_.items.size());
+    for (int y = 0; y < height; ++y) {
+      const glm::u8vec4 background = to_srgb(glm::mix(style_.background_top, style_.background_bottom,
+                                                      (static_cast<float>(y) + 0.5F) / static_cast<float>(height)));
+      for (int x = 0; x < width; ++x) {
+        const std::uint32_t item = items_.items[image.pixels.size()];
+        image.pixels.push_back(item == no_item ? background : to_srgb(surface(item, x, y)));
+      }
+    }
+    return image;
+  }
+
+ private:
+  glm::vec3 surface(std::uint32_t item, int x, int y) {
+    const Appearance& a = appearance(item);
+    const glm::dvec2 pixel(x + 0.5, y + 0.5);
+    const glm::vec3 weights = a.screen.barycentric(pixel);
+    glm::vec3 color = a.light * (weights.x * a.colors[0] + weights.y * a.colors[1] + weights.z * a.colors[2]);
+    if (style_.wire && a.wire_strength > 0.0) {
+      const double line = 1.0 - smooth_step(0.2, 1.1, a.screen.edge_distance_px(pixel));
+      color *= static_cast<float>(1.0 - a.wire_strength * line);
+    }
+    return color * (1.0F - 0.65F * outline(items_.depth, x, y));
+  }
+
+  // Neighbouring pixels mostly belong to one item.
+  const Appearance& appearance(std::uint32_t item) {
+    if (!last_ || last_item_ != item) {
+      const ItemTable::Owner owner = table_.owner(item);
+      last_.emplace(owner, view_, lights_, color_of_item_(item, owner));
+      last_item_ = item;
+    }
+    return *last_;
+  }
+
+  const ItemBuffer& items_;
+  ItemTable table_;
+  const View& view_;
+  const Style& style_;
+  Lights lights_;
+  const ColorOfItem& color_of_item_;
+  std::optional<Appearance> last_;
+  std::uint32_t last_item_ = no_item;
+};
+
+}  // namespace
+
+Image shade_items(const ItemBuffer& items, std::span<const DrawObject> objects, const View& view, const Style& style,
+                  const ColorOfItem& color_of_item) {
+  assert(items.depth.width == view.width() && items.depth.height == view.height());
+  return Painter(items, objects, view, style, color_of_item).paint();
+}
+
+}  // namespace picture
+
+Image shade(const ItemBuffer& items, std::span<const DrawObject> objects, const View& view,
+            const ShadeOptions& options) {
+  const picture::Style style{
+      .wire = options.wire, .background_top = {0.33F, 0.41F, 0.52F}, .background_bottom = {0.80F, 0.83F, 0.86F}};
+  return picture::shade_items(
+      items, objects, view, style, [&](std::uint32_t, const picture::ItemTable::Owner& owner) -> picture::CornerColors {
+        const auto& colors = owner.object->colors;
+        if (colors.empty()) return {options.base, options.base, options.base};
+        const Triangle& t = *owner.triangle;
+        return {picture::to_linear(colors[t.x]), picture::to_linear(colors[t.y]), picture::to_linear(colors[t.z])};
+      });
+}
+
+}  // namespace occlod

@@ -1,0 +1,153 @@
+#include "occlod/raster/item_buffer.h"
+
+#include <algorithm>
+#include <cassert>
+
+#include "raster/clip.h"
+#include "raster/projection.h"
+#include "raster/scan.h"
+
+namespace occlod {
+namespace {
+
+using raster::DepthPlane;
+using raster::ScreenVertex;
+using raster::TriangleBatch;
+
+// Inverse depth of `count` neighbouring pixels, one after another in a row, each handed to write(pixel, depth).
+// The plane is evaluated in double for each pixel: across a long span of a steep triangle single precision would lose
+// the far end.
+template <class Write>
+inline void for_each_depth(const DepthPlane& plane, std::int32_t row, std::int32_t begin, std::int32_t end,
+                           Write write) {
+  const double start = plane.at_origin + plane.per_row * row + plane.per_column * begin;
+  const double step = plane.per_column;
+  const float smallest = plane.smallest;
+  const float largest = plane.largest;
+  for (std::int32_t i = 0; i < end - begin; ++i) {
+    float z = static_cast<float>(start + step * i);
+    z = z > smallest ? z : smallest;
+    write(i, z < largest ? z : largest);
+  }
+}
+
+// Where spans are written to.
+struct DepthWriter {
+  float* inverse_depth;
+  std::size_t width;
+
+  void draw(const raster::TriangleSetup& triangle, std::uint32_t) const {
+    raster::scan(triangle, static_cast<int>(width), [&](std::int32_t row, std::int32_t begin, std::int32_t end) {
+      float* depth = inverse_depth + static_cast<std::size_t>(row) * width + begin;
+      for_each_depth(triangle.depth, row, begin, end,
+                     [=](std::int32_t i, float z) { depth[i] = depth[i] < z ? z : depth[i]; });
+    });
+  }
+};
+
+struct ItemWriter {
+  float* inverse_depth;
+  std::uint32_t* items;
+  std::size_t width;
+
+  void draw(const raster::TriangleSetup& triangle, std::uint32_t item) const {
+    raster::scan(triangle, static_cast<int>(width), [&](std::int32_t row, std::int32_t begin, std::int32_t end) {
+      const std::size_t first = static_cast<std::size_t>(row) * width + static_cast<std::size_t>(begin);
+      float* depth = inverse_depth + first;
+      std::uint32_t* owner = items + first;
+      for_each_depth(triangle.depth, row, begin, end, [=](std::int32_t i, float z) {
+        const bool nearer = z > depth[i];
+        owner[i] = nearer ? item : owner[i];
+        depth[i] = nearer ? z : depth[i];
+      });
+    });
+  }
+};
+
+// Draws through `writer`; triangle i of the call is item first_item + i.
+template <class Writer>
+class Rasterizer {
+ public:
+  Rasterizer(const glm::mat4& object_to_clip, int width, int height, Writer writer)
+      : projection_(object_to_clip, width, height), width_(width), height_(height), writer_(writer) {}
+
+  void draw(std::span<const glm::vec3> positions, std::span<const Triangle> triangles, std::uint32_t first_item) {
+    TriangleBatch batch;
+    for (std::size_t first = 0; first < triangles.size(); first += raster::batch_triangles) {
+      projection_.project(positions,
+                          triangles.subspan(first, std::min(raster::batch_triangles, triangles.size() - first)), batch);
+      draw_batch(batch, first_item + static_cast<std::uint32_t>(first));
+    }
+  }
+
+ private:
+  void draw_batch(const TriangleBatch& batch, std::uint32_t first_item) {
+    for (std::size_t i = 0; i < batch.size; ++i) {
+      const std::uint32_t item = first_item + static_cast<std::uint32_t>(i);
+      if ((batch.drawable[0][i] & batch.drawable[1][i] & batch.drawable[2][i]) != 0) {
+        draw_triangle(batch.screen_vertex(0, i), batch.screen_vertex(1, i), batch.screen_vertex(2, i), item);
+      } else {
+        draw_clipped({batch.clip_position(0, i), batch.clip_position(1, i), batch.clip_position(2, i)}, item);
+      }
+    }
+  }
+
+  void draw_triangle(const ScreenVertex& a, const ScreenVertex& b, const ScreenVertex& c, std::uint32_t item) {
+    raster::TriangleSetup setup;
+    if (raster::set_up(a, b, c, width_, height_, setup)) writer_.draw(setup, item);
+  }
+
+  void draw_clipped(const std::array<glm::dvec4, 3>& triangle, std::uint32_t item) {
+    const raster::ClipPolygon polygon = raster::clip_triangle(triangle, projection_.guard());
+    std::array<ScreenVertex, raster::largest_clip_polygon> corners;
+    for (std::size_t i = 0; i < polygon.size; ++i) {
+      if (!(polygon.corners[i].w > 0.0)) return;
+      corners[i] = projection_.snap(polygon.corners[i]);
+    }
+    for (std::size_t i = 2; i < polygon.size; ++i) draw_triangle(corners[0], corners[i - 1], corners[i], item);
+  }
+
+  raster::Projection projection_;
+  int width_;
+  int height_;
+  Writer writer_;
+};
+
+}  // namespace
+
+void DepthBuffer::reset(int new_width, int new_height) {
+  assert(new_width >= 0 && new_height >= 0);
+  width = new_width;
+  height = new_height;
+  inverse_depth.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), 0.0F);
+}
+
+void ItemBuffer::reset(int width, int height) {
+  depth.reset(width, height);
+  items.assign(depth.inverse_depth.size(), no_item);
+}
+
+void draw_depth(DepthBuffer& target, std::span<const glm::vec3> positions, std::span<const Triangle> triangles,
+                const glm::mat4& object_to_clip) {
+  const DepthWriter writer{target.inverse_depth.data(), static_cast<std::size_t>(target.width)};
+  Rasterizer(object_to_clip, target.width, target.height, writer).draw(positions, triangles, 0);
+}
+
+void draw_items(ItemBuffer& target, std::span<const glm::vec3> positions, std::span<const Triangle> triangles,
+                const glm::mat4& object_to_clip, std::uint32_t first_item) {
+  DepthBuffer& depth = target.depth;
+  const ItemWriter writer{depth.inverse_depth.data(), target.items.data(), static_cast<std::size_t>(depth.width)};
+  Rasterizer(object_to_clip, depth.width, depth.height, writer).draw(positions, triangles, first_item);
+}
+
+std::size_t count_visible_items(const ItemBuffer& buffer, std::size_t item_count) {
+  std::vector<bool> seen(item_count);
+  for (const std::uint32_t item : buffer.items) {
+    if (item == no_item) continue;
+    assert(item < item_count);
+    seen[item] = true;
+  }
+  return static_cast<std::size_t>(std::count(seen.begin(), seen.end(), true));
+}
+
+}  // namespace occlod

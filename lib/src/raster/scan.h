@@ -1,0 +1,134 @@
+// Triangle setup and rows of pixels: integer corners in, exact pixel spans out.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <utility>
+
+#include "raster/projection.h"
+
+namespace occlod::raster {
+
+inline constexpr std::int32_t half_pixel = subpixels / 2;
+
+// The first pixel whose centre is not before `subpixel`, in one axis: ceil((subpixel - 128) / 256).
+[[nodiscard]] inline std::int32_t first_pixel(std::int32_t subpixel) noexcept {
+  return (subpixel + half_pixel - 1) >> subpixel_bits;
+}
+
+// A non-horizontal edge, asked row by row which pixel is the first whose centre is on it or right of it. The same
+// number starts the span of the triangle on its right and ends that of the one on its left, which is the top-left rule
+// and leaves neither gap nor overlap.
+//
+// On the row with centre Y the edge from p to q is at X = p.x + (Y - p.y) dx / dy, and the pixel is ceil((X - 128) /
+// 256) = ceil(n / d) with integers n = (Y - p.y) dx + (p.x - 128) dy and d = 256 dy. (n - 1/2) / d has the same ceiling
+// and is at least 1 / (2 d) >= 2^-33 away from every integer; near the image it is below 2^15, where two roundings in
+// double are below 2^-36: evaluating it in double is exact.
+class EdgeWalk {
+ public:
+  // p.y < q.y; `row` is the first row that next() is asked for.
+  EdgeWalk(const ScreenVertex& p, const ScreenVertex& q, std::int32_t row) noexcept {
+    const std::int64_t dx = q.x - p.x;
+    const std::int64_t dy = q.y - p.y;
+    const std::int64_t y = std::int64_t{row} * subpixels + half_pixel - p.y;
+    numerator_ = static_cast<double>(y * dx + (p.x - half_pixel) * dy) - 0.5;
+    step_ = static_cast<double>(dx * subpixels);
+    inverse_ = 1.0 / static_cast<double>(dy * subpixels);
+  }
+  // Clamped to [0, limit].
+  [[nodiscard]] std::int32_t next(double limit) noexcept {
+    // Written as the SIMD minimum and maximum; std::min and std::max become branches here.
+    double crossing = numerator_ * inverse_;
+    numerator_ += step_;
+    crossing = crossing > -1.0 ? crossing : -1.0;
+    crossing += 1.0;
+    return static_cast<std::int32_t>(crossing < limit ? crossing : limit);
+  }
+
+ private:
+  double numerator_, step_, inverse_;
+};
+
+// Inverse depth as a linear function of the pixel centre, and the range that it may not leave by rounding.
+struct DepthPlane {
+  double at_origin;  // at the centre of pixel (0, 0)
+  double per_column, per_row;
+  float smallest, largest;
+};
+
+// A triangle that is ready to be scanned: corners from top to bottom.
+struct TriangleSetup {
+  ScreenVertex top, middle, bottom;
+  std::int32_t first_row, middle_row, end_row;  // [first, middle) and [middle, end), inside the image
+  bool middle_is_right;                         // of the long edge from top to bottom
+  DepthPlane depth;
+};
+
+inline DepthPlane depth_plane(const ScreenVertex& a, const ScreenVertex& b, const ScreenVertex& c,
+                              std::int64_t twice_area) noexcept {
+  const double scale = subpixels / static_cast<double>(twice_area);
+  const double db = b.inverse_w - a.inverse_w;
+  const double dc = c.inverse_w - a.inverse_w;
+  DepthPlane plane{};
+  plane.per_column = (db * (c.y - a.y) - dc * (b.y - a.y)) * scale;
+  plane.per_row = (dc * (b.x - a.x) - db * (c.x - a.x)) * scale;
+  const double pixel = 1.0 / subpixels;
+  plane.at_origin = a.inverse_w + plane.per_column * (0.5 - a.x * pixel) + plane.per_row * (0.5 - a.y * pixel);
+  plane.smallest = static_cast<float>(std::min({a.inverse_w, b.inverse_w, c.inverse_w}));
+  plane.largest = static_cast<float>(std::max({a.inverse_w, b.inverse_w, c.inverse_w}));
+  return plane;
+}
+
+// False when the triangle has no area or its box holds no pixel centre of the image.
+[[nodiscard]] inline bool set_up(ScreenVertex a, ScreenVertex b, ScreenVertex c, int width, int height,
+                                 TriangleSetup& setup) noexcept {
+  const std::int32_t first_column = std::max(first_pixel(std::min({a.x, b.x, c.x})), 0);
+  const std::int32_t end_column = std::min(first_pixel(std::max({a.x, b.x, c.x})), width);
+  if (first_column >= end_column) return false;
+  if (a.y > b.y) std::swap(a, b);
+  if (b.y > c.y) std::swap(b, c);
+  if (a.y > b.y) std::swap(a, b);
+  setup.first_row = std::max(first_pixel(a.y), 0);
+  setup.end_row = std::min(first_pixel(c.y), height);
+  if (setup.first_row >= setup.end_row) return false;
+  const std::int64_t twice_area = std::int64_t{b.x - a.x} * (c.y - a.y) - std::int64_t{c.x - a.x} * (b.y - a.y);
+  if (twice_area == 0) return false;
+  setup.middle_row = std::clamp(first_pixel(b.y), setup.first_row, setup.end_row);
+  setup.middle_is_right = twice_area > 0;
+  setup.depth = depth_plane(a, b, c, twice_area);
+  setup.top = a;
+  setup.middle = b;
+  setup.bottom = c;
+  return true;
+}
+
+// Calls span(row, first column, end column) for rows [row, end_row) between two edges.
+template <class Span>
+void scan_rows(EdgeWalk left, EdgeWalk right, std::int32_t row, std::int32_t end_row, int width, Span&& span) {
+  const double limit = width;
+  for (; row < end_row; ++row) {
+    const std::int32_t begin = left.next(limit);
+    const std::int32_t end = right.next(limit);
+    if (begin < end) span(row, begin, end);
+  }
+}
+
+// Calls span(row, first column, end column) for every row that has pixels.
+template <class Span>
+void scan(const TriangleSetup& t, int width, Span&& span) {
+  const auto half = [&](const ScreenVertex& p, const ScreenVertex& q, std::int32_t row, std::int32_t end_row) {
+    if (row >= end_row) return;
+    const EdgeWalk long_edge(t.top, t.bottom, row);
+    const EdgeWalk short_edge(p, q, row);
+    if (t.middle_is_right) {
+      scan_rows(long_edge, short_edge, row, end_row, width, span);
+    } else {
+      scan_rows(short_edge, long_edge, row, end_row, width, span);
+    }
+  };
+  half(t.top, t.middle, t.first_row, t.middle_row);
+  half(t.middle, t.bottom, t.middle_row, t.end_row);
+}
+
+}  // namespace occlod::raster

@@ -1,0 +1,187 @@
+// The backend `software`: what is in front is never hidden, what is behind a wall is.
+#include "occlod/occlusion/software_occlusion.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "occlod/raster/item_buffer.h"
+#include "occlusion/random_shapes.h"
+
+namespace occlod {
+namespace {
+
+using test::project;
+using test::Projected;
+using test::RandomShapes;
+
+// The eye at the origin looks along -z; f = 50 px, image 100 x 100. The wall is a square at z = -5 from -half to half.
+class WallScene {
+ public:
+  explicit WallScene(float half, const SoftwareOcclusionOptions& options = {})
+      : positions_{{-half, -half, -5}, {half, -half, -5}, {half, half, -5}, {-half, half, -5}},
+        backend_(make_software_occlusion(options)) {
+    const std::vector<ObjectView> objects(1, ObjectView(view(), glm::dmat4(1.0)));
+    backend_->begin_view(view(), objects);
+    const std::vector<OccluderPart> parts = {{0, positions_, triangles_}};
+    backend_->draw_occluder(parts);
+  }
+
+  static View view() {
+    Camera camera;
+    camera.eye = {0, 0, 0};
+    camera.target = {0, 0, -1};
+    camera.fov_y_deg = 90.0;
+    camera.width = camera.height = 100;
+    camera.near = 0.5;
+    camera.far = 10'000.0;
+    return View(camera);
+  }
+
+  std::uint32_t ask(const VisibilityQuery& query) {
+    backend_->submit(query);
+    return backend_->collect();
+  }
+  Visibility& backend() { return *backend_; }
+
+ private:
+  std::vector<glm::vec3> positions_;
+  std::vector<Triangle> triangles_ = {{0, 1, 2}, {0, 2, 3}};
+  std::unique_ptr<Visibility> backend_;
+};
+
+TEST(SoftwareOcclusion, ASmallSphereAndAWall) {
+  WallScene scene(2.0F);                                             // pixels 30 to 69
+  EXPECT_EQ(scene.ask({0, Sphere{{0, 0, -8}, 1.0F}}), 0U);           // behind
+  EXPECT_EQ(scene.ask({0, Sphere{{0, 0, -3}, 0.5F}}), 1U);           // in front
+  EXPECT_EQ(scene.ask({0, Sphere{{0, 0, -5}, 0.5F}}), 1U);           // through it
+  EXPECT_EQ(scene.ask({0, Sphere{{0, 0, -5.4F}, 0.5F}}), 1U);        // its front pokes out by 0.1
+  EXPECT_EQ(scene.ask({0, Sphere{{0, 0, -5.6F}, 0.5F}}), 0U);        // 0.1 behind
+  EXPECT_EQ(scene.ask({0, Sphere{{3.2F, 0, -8}, 0.5F}}), 1U);        // straddles the wall's border at x / z = 0.4
+  EXPECT_EQ(scene.ask({0, Sphere{{0, -3.2F, -8}, 0.5F}}), 1U);       // and below
+  EXPECT_EQ(scene.ask({0, Sphere{{2.2F, 0, -8}, 0.5F}}), 0U);        // within it
+  EXPECT_EQ(scene.ask({0, Sphere{{5, 0, -8}, 0.5F}}), 1U);           // beside it
+  EXPECT_EQ(scene.ask({0, Sphere{{30, 0, -8}, 0.5F}}), 0U);          // beside the image
+  EXPECT_EQ(scene.ask({0, Sphere{{0, 0, -8}, 1e-6F}}), 0U);          // less than a pixel, behind
+  EXPECT_EQ(scene.ask({0, Sphere{{0.33F, 0.21F, -3}, 1e-6F}}), 1U);  // in front
+  EXPECT_EQ(scene.ask({0, Sphere{{0, 0, 0}, 0.1F}}), 1U);            // the eye inside
+  EXPECT_EQ(scene.ask({0, Sphere{{0, 0, -2}, 1.7F}}), 1U);           // crosses the near plane
+  EXPECT_EQ(scene.ask({0, Sphere{{0, 0, 5}, 1.0F}}), 1U);            // behind the eye: not ours to decide
+}
+
+TEST(SoftwareOcclusion, WhatIsLargerThanTheScreen) {
+  WallScene everything(6.0F);
+  EXPECT_EQ(everything.ask({0, Sphere{{0, 0, -1000}, 990.0F}}), 0U);  // all of it behind the wall
+  EXPECT_EQ(everything.ask({0, Sphere{{0, 0, -1000}, 996.0F}}), 1U);  // nearest at 4
+  EXPECT_EQ(everything.ask({0, Box{{-99, -99, -99}, {99, 99, -6}}}), 0U);
+  EXPECT_EQ(everything.ask({0, Box{{-99, -99, -99}, {99, 99, -4}}}), 1U);
+  EXPECT_EQ(everything.ask({0, Cylinder{{0, 0, -50}, 44.0F, {0, 1, 0}, -100, 100}}), 0U);
+  EXPECT_EQ(everything.ask({0, Cylinder{{0, 0, -50}, 46.0F, {0, 1, 0}, -100, 100}}), 1U);
+  WallScene most(4.9F);  // pixels 1 to 98: a border of a pixel is open
+  EXPECT_EQ(most.ask({0, Sphere{{0, 0, -1000}, 990.0F}}), 1U);
+}
+
+TEST(SoftwareOcclusion, CountsThePixelsOfTheRectangle) {
+  WallScene scene(2.0F, {.count_pixels = true});  // pixels 30 to 69, both ways
+  // Faces at z = -8 and -10: 50 * x / 8 px. From x = -2.32 to 2.32: 35.5 to 64.5, so pixels 35 to 64: all behind the
+  // wall.
+  EXPECT_EQ(scene.ask({0, Box{{-2.32F, -2.32F, -10}, {2.32F, 2.32F, -8}}}), 0U);
+  // To x = 4: 75 +- slack, so pixels 35 to 75; those from 70 on are beside the wall: 6 columns of 30 rows.
+  EXPECT_EQ(scene.ask({0, Box{{-2.32F, -2.32F, -10}, {4.0F, 2.32F, -8}}}), 6U * 30U);
+  // Before the wall: 50 * 0.45 / 3 = 7.5, pixels 42 to 57.
+  EXPECT_EQ(scene.ask({0, Box{{-0.45F, -0.45F, -4}, {0.45F, 0.45F, -3}}}), 16U * 16U);
+  EXPECT_EQ(scene.ask({0, Sphere{{0, 0, 0}, 0.1F}}), 100U * 100U);
+}
+
+TEST(SoftwareOcclusion, AnswersInOrder) {
+  WallScene scene(2.0F);
+  const VisibilityQuery hidden{0, Sphere{{0, 0, -8}, 1.0F}}, visible{0, Sphere{{0, 0, -3}, 0.5F}};
+  for (const bool first : {true, false, false, true, true, false}) scene.backend().submit(first ? visible : hidden);
+  EXPECT_EQ(scene.backend().collect(), 1U);
+  EXPECT_EQ(scene.backend().collect(), 0U);
+  scene.backend().submit(visible);  // between collects
+  for (const std::uint32_t expected : {0U, 1U, 1U, 0U, 1U}) EXPECT_EQ(scene.backend().collect(), expected);
+  EXPECT_EQ(scene.backend().flight(), 1U);
+  EXPECT_TRUE(scene.backend().can_hide());
+}
+
+TEST(SoftwareOcclusion, ANewViewForgetsTheOccluderAndItsQuestions) {
+  WallScene scene(2.0F);
+  const VisibilityQuery hidden{0, Sphere{{0, 0, -8}, 1.0F}};
+  EXPECT_EQ(scene.ask(hidden), 0U);
+  scene.backend().submit(hidden);  // never collected
+  const std::vector<ObjectView> objects(1, ObjectView(WallScene::view(), glm::dmat4(1.0)));
+  scene.backend().begin_view(WallScene::view(), objects);
+  EXPECT_EQ(scene.ask(hidden), 1U);
+  scene.backend().draw_occluder({});
+  EXPECT_EQ(scene.ask(hidden), 1U);
+}
+
+TEST(SoftwareOcclusion, DrawsEachObjectWhereItIs) {
+  // The wall of the object's own space, moved behind the sphere and then before it.
+  const std::vector<glm::vec3> wall = {{-2, -2, 0}, {2, -2, 0}, {2, 2, 0}, {-2, 2, 0}};
+  const std::vector<Triangle> triangles = {{0, 1, 2}, {0, 2, 3}};
+  const View view = WallScene::view();
+  const auto backend = make_software_occlusion();
+  for (const double z : {-20.0, -5.0}) {
+    const std::vector<ObjectView> objects = {ObjectView(view, glm::dmat4(1.0)),
+                                             ObjectView(view, glm::translate(glm::dmat4(1.0), glm::dvec3(0, 0, z)))};
+    backend->begin_view(view, objects);
+    const std::vector<OccluderPart> parts = {{1, wall, triangles}};
+    backend->draw_occluder(parts);
+    backend->submit({0, Sphere{{0, 0, -8}, 0.5F}});
+    EXPECT_EQ(backend->collect(), z == -20.0 ? 1U : 0U);
+  }
+}
+
+// Random occluders and bounds: every point of a hidden bound that is inside the image lies strictly behind the occluder
+// at its pixel.
+TEST(SoftwareOcclusion, NothingInFrontIsEverHidden) {
+  RandomShapes random(4);
+  std::vector<glm::vec3> storage;
+  int hidden = 0, visible = 0;
+  for (int n = 0; n < 150; ++n) {
+    const View view = random.view();
+    const std::vector<glm::dmat4> placements = {random.placement(), random.placement()};
+    const std::vector<ObjectView> objects = {ObjectView(view, placements[0]), ObjectView(view, placements[1])};
+    std::vector<glm::vec3> positions;
+    std::vector<Triangle> triangles;
+    for (std::uint32_t i = 0; i < 12; ++i) {
+      for (int k = 0; k < 3; ++k) positions.emplace_back(random.point(4.0));
+      triangles.emplace_back(3 * i, 3 * i + 1, 3 * i + 2);
+    }
+    const auto backend = make_software_occlusion();
+    backend->begin_view(view, objects);
+    const std::vector<OccluderPart> parts = {{1, positions, triangles}};
+    backend->draw_occluder(parts);
+    DepthBuffer occluder;
+    occluder.reset(view.width(), view.height());
+    draw_depth(occluder, positions, triangles, objects[1].object_to_clip());
+    for (int q = 0; q < 100; ++q) {
+      const VisibilityQuery query = random.query(q % 4, 0.3, storage);
+      backend->submit(query);
+      if (backend->collect() != 0) {
+        ++visible;
+        continue;
+      }
+      bool on_screen = false;
+      for (int i = 0; i < 200; ++i) {
+        const std::optional<Projected> p = project(view, placements[0], random.sample(query));
+        ASSERT_TRUE(p);
+        const double x = std::floor(p->x), y = std::floor(p->y);
+        if (x < 0 || y < 0 || x >= view.width() || y >= view.height()) continue;
+        on_screen = true;
+        ASSERT_LT(p->inverse_w,
+                  occluder.inverse_depth[static_cast<std::size_t>(y) * static_cast<std::size_t>(view.width()) +
+                                         static_cast<std::size_t>(x)]);
+      }
+      hidden += on_screen ? 1 : 0;
+    }
+  }
+  EXPECT_GT(hidden, 200);
+  EXPECT_GT(visible, 200);
+}
+
+}  // namespace
+}  // namespace occlod

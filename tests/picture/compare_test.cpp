@@ -1,0 +1,81 @@
+// Distances between pictures that can be worked out by hand.
+#include "occlod/picture/compare.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "picture/quads.h"
+
+namespace occlod {
+namespace {
+
+using test::front_view;
+
+constexpr std::size_t pixels = 100 * 80;
+
+DepthBuffer flat(double w) {
+  DepthBuffer depth;
+  depth.reset(100, 80);
+  std::fill(depth.inverse_depth.begin(), depth.inverse_depth.end(), static_cast<float>(1.0 / w));
+  return depth;
+}
+
+Image gray(std::uint8_t level) {
+  return {100, 80, std::vector<glm::u8vec4>(pixels, glm::u8vec4(level, level, level, 255))};
+}
+
+TEST(ComparePictures, OfTheSameIsNothing) {
+  const PictureDistance d = compare_pictures(front_view(), flat(3), gray(9), flat(3), gray(9));
+  EXPECT_EQ(d.depth_rms_px, 0.0);
+  EXPECT_EQ(d.silhouette_mismatch, 0.0);
+  EXPECT_EQ(d.psnr_y, std::numeric_limits<double>::infinity());
+}
+
+TEST(ComparePictures, OfAShiftedPlaneIsTheShiftInPixels) {
+  // 0.5 units at depth 10 with f = 40 px cover 40 * 0.5 / 10 = 2 px, nearer or farther; at depth 5 they cover 4 px.
+  EXPECT_NEAR(compare_pictures(front_view(), flat(10.5), gray(9), flat(10), gray(9)).depth_rms_px, 2.0, 1e-4);
+  EXPECT_NEAR(compare_pictures(front_view(), flat(9.5), gray(9), flat(10), gray(9)).depth_rms_px, 2.0, 1e-4);
+  EXPECT_NEAR(compare_pictures(front_view(), flat(5.5), gray(9), flat(5), gray(9)).depth_rms_px, 4.0, 1e-4);
+}
+
+TEST(ComparePictures, CapsEachPixelAtTen) {
+  // A quarter of the pixels is 1000 units off, the rest equal: sqrt(100 / 4).
+  DepthBuffer depth = flat(10);
+  std::fill_n(depth.inverse_depth.begin(), pixels / 4, 0.001F);
+  EXPECT_NEAR(compare_pictures(front_view(), depth, gray(9), flat(10), gray(9)).depth_rms_px, 5.0, 1e-9);
+}
+
+TEST(ComparePictures, CountsTheSilhouetteAgainstTheReference) {
+  // The reference covers 4000 pixels; 100 of them are missing and 300 are covered that it does not cover: 400 / 4000.
+  DepthBuffer depth = flat(10), reference = flat(10);
+  std::fill_n(reference.inverse_depth.begin(), pixels / 2, 0.0F);
+  std::fill_n(depth.inverse_depth.begin(), pixels / 2 - 300, 0.0F);
+  std::fill_n(depth.inverse_depth.end() - 100, 100, 0.0F);
+  const PictureDistance d = compare_pictures(front_view(), depth, gray(9), reference, gray(9));
+  EXPECT_NEAR(d.silhouette_mismatch, 10.0, 1e-9);
+  EXPECT_EQ(d.depth_rms_px, 0.0);  // where both cover they agree
+}
+
+TEST(ComparePictures, OfNothingAndSomething) {
+  DepthBuffer nothing;
+  nothing.reset(100, 80);
+  EXPECT_EQ(compare_pictures(front_view(), nothing, gray(9), nothing, gray(9)).silhouette_mismatch, 0.0);
+  EXPECT_EQ(compare_pictures(front_view(), nothing, gray(9), flat(3), gray(9)).silhouette_mismatch, 100.0);
+  EXPECT_EQ(compare_pictures(front_view(), flat(3), gray(9), nothing, gray(9)).silhouette_mismatch,
+            std::numeric_limits<double>::infinity());
+}
+
+TEST(ComparePictures, MeasuresLuma) {
+  // Gray 10 levels apart: 20 log10(255 / 10). Green alone counts 0.587 of that.
+  EXPECT_NEAR(compare_pictures(front_view(), flat(3), gray(100), flat(3), gray(110)).psnr_y, 20.0 * std::log10(25.5),
+              1e-9);
+  Image green = gray(100);
+  for (glm::u8vec4& p : green.pixels) p.y = 110;
+  EXPECT_NEAR(compare_pictures(front_view(), flat(3), green, flat(3), gray(100)).psnr_y,
+              20.0 * std::log10(25.5 / 0.587), 1e-9);
+}
+
+}  // namespace
+}  // namespace occlod

@@ -1,0 +1,173 @@
+// How deep, and whose: interpolation, the nearer one, ties, item numbers.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "occlod/view/view.h"
+#include "raster/pixel_space.h"
+
+namespace occlod {
+namespace {
+
+using test::pixel_to_clip;
+
+View test_view() {
+  Camera camera;
+  camera.eye = {0, 0, 0};
+  camera.target = {0, 0, -1};
+  camera.fov_y_deg = 90.0;
+  camera.width = 80;
+  camera.height = 60;
+  return View(camera);
+}
+
+// Looking along -z with f = 30 px: the ray through pixel (x, y) at depth 1 is ((x - 39.5) / 30, (29.5 - y) / 30, -1).
+// It meets the plane n . p = d at depth d / (n . ray), so 1 / w = (n . ray) / d.
+double inverse_depth_on_plane(const glm::dvec3& normal, double d, int x, int y) {
+  return (normal.x * (x - 39.5) / 30.0 + normal.y * (29.5 - y) / 30.0 - normal.z) / d;
+}
+
+TEST(Depth, IsThatOfThePlaneAtThePixelCentre) {
+  const View view = test_view();
+  const ObjectView object(view, glm::dmat4(1.0));
+  std::mt19937 random(4);
+  std::uniform_real_distribution<float> across(-8.0F, 8.0F), along(-20.0F, -2.0F);
+  std::size_t checked = 0;
+  for (int n = 0; n < 400; ++n) {
+    std::vector<glm::vec3> p;
+    for (int i = 0; i < 3; ++i) p.emplace_back(across(random), across(random), along(random));
+    const glm::dvec3 normal = glm::cross(glm::dvec3(p[1] - p[0]), glm::dvec3(p[2] - p[0]));
+    const double d = glm::dot(normal, glm::dvec3(p[0]));
+    const Triangle triangle(0, 1, 2);
+    DepthBuffer depth;
+    depth.reset(80, 60);
+    draw_depth(depth, p, {&triangle, 1}, object.object_to_clip());
+    for (int y = 0; y < 60; ++y) {
+      for (int x = 0; x < 80; ++x) {
+        const double drawn = depth.inverse_depth[static_cast<std::size_t>(80 * y + x)];
+        if (drawn == 0.0) continue;
+        const double exact = inverse_depth_on_plane(normal, d, x, y);
+        // Snapping moves each corner by at most 1/512 px along both axes, and with it the plane by what it rises in
+        // that distance; twice that is allowed because a sliver's slope is itself changed.
+        const double slope = std::abs(inverse_depth_on_plane(normal, d, x + 1, y) - exact) +
+                             std::abs(inverse_depth_on_plane(normal, d, x, y + 1) - exact);
+        if (slope > 0.02) continue;  // seen edge-on
+        EXPECT_NEAR(drawn, exact, 1e-6 + slope / 256.0) << n << ": " << x << "," << y;
+        ++checked;
+      }
+    }
+  }
+  EXPECT_GT(checked, 10'000U);
+}
+
+TEST(Depth, NeverLeavesTheRangeOfTheCorners) {
+  // Slivers whose depth gradient is enormous: a sample cannot be nearer than the nearest corner.
+  const View view = test_view();
+  const glm::mat4 to_clip = ObjectView(view, glm::dmat4(1.0)).object_to_clip();
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> jitter(-0.01F, 0.01F), along(-90.0F, -0.1F);
+  for (int n = 0; n < 2000; ++n) {
+    const float nearest = along(random), farthest = along(random);
+    const std::vector<glm::vec3> p = {{-0.5F * nearest + jitter(random), 0.3F * nearest, nearest},
+                                      {0.5F * farthest, -0.3F * farthest + jitter(random), farthest},
+                                      {0.49F * farthest, -0.3F * farthest, farthest}};
+    const Triangle triangle(0, 1, 2);
+    DepthBuffer depth;
+    depth.reset(80, 60);
+    draw_depth(depth, p, {&triangle, 1}, to_clip);
+    const auto largest = static_cast<float>(1.0 / std::min(-double{nearest}, -double{farthest}));
+    const auto smallest = static_cast<float>(1.0 / std::max(-double{nearest}, -double{farthest}));
+    for (const float z : depth.inverse_depth)
+      EXPECT_TRUE(z == 0.0F || (z >= smallest * 0.999999F && z <= largest * 1.000001F)) << n;
+  }
+}
+
+// Two full-screen triangles at w = 5 and w = 4, in either order.
+TEST(Depth, NearerWinsWhateverIsDrawnFirst) {
+  const glm::mat4 to_clip = ObjectView(test_view(), glm::dmat4(1.0)).object_to_clip();
+  const std::vector<glm::vec3> p = {{-50, -50, -5}, {50, -50, -5}, {0, 90, -5},
+                                    {-50, -50, -4}, {50, -50, -4}, {0, 90, -4}};
+  for (const std::vector<Triangle>& triangles :
+       {std::vector<Triangle>{{0, 1, 2}, {3, 4, 5}}, std::vector<Triangle>{{3, 4, 5}, {0, 1, 2}}}) {
+    ItemBuffer buffer;
+    buffer.reset(80, 60);
+    draw_items(buffer, p, triangles, to_clip, 0);
+    for (const std::uint32_t item : buffer.items) ASSERT_EQ(item, triangles[0] == Triangle(3, 4, 5) ? 0U : 1U);
+    for (const float z : buffer.depth.inverse_depth) ASSERT_FLOAT_EQ(z, 0.25F);
+  }
+}
+
+TEST(Depth, FirstWinsAtEqualDepth) {
+  const std::vector<glm::vec3> p = {{-10, -10, 0}, {200, -10, 0}, {-10, 200, 0}};
+  ItemBuffer buffer;
+  buffer.reset(32, 32);
+  draw_items(buffer, p, std::vector<Triangle>{{0, 1, 2}, {2, 1, 0}}, pixel_to_clip(32, 32), 7);
+  draw_items(buffer, p, std::vector<Triangle>{{1, 2, 0}}, pixel_to_clip(32, 32), 100);
+  for (const std::uint32_t item : buffer.items) ASSERT_EQ(item, 7U);
+}
+
+TEST(Items, AreNumberedThroughAllBatches) {
+  // Triangle i covers the centre of pixel i and no other.
+  constexpr int width = 20, height = 10;
+  std::vector<glm::vec3> p;
+  std::vector<Triangle> triangles;
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const auto first = static_cast<std::uint32_t>(p.size());
+      p.emplace_back(x + 0.25, y + 0.25, 0);
+      p.emplace_back(x + 0.9, y + 0.25, 0);
+      p.emplace_back(x + 0.25, y + 0.9, 0);
+      triangles.emplace_back(first, first + 1, first + 2);
+    }
+  }
+  ItemBuffer buffer;
+  buffer.reset(width, height);
+  draw_items(buffer, p, triangles, pixel_to_clip(width, height), 1000);
+  for (std::uint32_t i = 0; i < width * height; ++i) ASSERT_EQ(buffer.items[i], 1000 + i);
+  EXPECT_EQ(count_visible_items(buffer, 1200), 200U);
+}
+
+TEST(Items, CountsEachVisibleItemOnce) {
+  ItemBuffer buffer;
+  buffer.reset(3, 2);
+  EXPECT_EQ(count_visible_items(buffer, 5), 0U);
+  buffer.items = {4, 4, no_item, 0, 4, no_item};
+  EXPECT_EQ(count_visible_items(buffer, 5), 2U);
+}
+
+TEST(Items, AndDepthAloneAgree) {
+  const View view = test_view();
+  const glm::mat4 to_clip = ObjectView(view, glm::dmat4(1.0)).object_to_clip();
+  std::mt19937 random(6);
+  std::uniform_real_distribution<float> any(-10.0F, 10.0F);
+  std::vector<glm::vec3> p;
+  std::vector<Triangle> triangles;
+  for (std::uint32_t i = 0; i < 300; ++i) {
+    for (int k = 0; k < 3; ++k) p.emplace_back(any(random), any(random), any(random));
+    triangles.emplace_back(3 * i, 3 * i + 1, 3 * i + 2);
+  }
+  DepthBuffer depth;
+  depth.reset(80, 60);
+  draw_depth(depth, p, triangles, to_clip);
+  ItemBuffer buffer;
+  buffer.reset(80, 60);
+  draw_items(buffer, p, triangles, to_clip, 0);
+  EXPECT_EQ(depth.inverse_depth, buffer.depth.inverse_depth);
+}
+
+TEST(DepthBuffer, ResetEmptiesAndResizes) {
+  ItemBuffer buffer;
+  buffer.reset(4, 3);
+  buffer.items[5] = 1;
+  buffer.depth.inverse_depth[5] = 1.0F;
+  buffer.reset(5, 2);
+  EXPECT_EQ(buffer.depth.width, 5);
+  EXPECT_EQ(buffer.depth.height, 2);
+  EXPECT_EQ(buffer.items, std::vector<std::uint32_t>(10, no_item));
+  EXPECT_EQ(buffer.depth.inverse_depth, std::vector<float>(10, 0.0F));
+}
+
+}  // namespace
+}  // namespace occlod
