@@ -27,6 +27,28 @@ TEST(KeepsTopology, NotWhenATetrahedronWouldFoldFlat) {
   EXPECT_FALSE(legal(test::tetrahedron(), 0, 1));  // the edge opposite to 0-1 is in both links
 }
 
+TEST(KeepsTopology, NotAroundAHandleOfThreeEdges) {
+  // The cross-section of this torus is a triangle of edges without a face: merging two of its corners would pinch the
+  // tube.
+  const TriangleMesh torus = test::torus(12, 3);
+  const StarMesh mesh(torus.triangles, torus.vertex_count());
+  int empty_triangles = 0;
+  for (VertexId a = 0; a < torus.vertex_count(); ++a) {
+    std::vector<VertexId> around_a, around_b;
+    mesh.neighbours(a, around_a);
+    for (const VertexId b : around_a) {
+      mesh.neighbours(b, around_b);
+      std::vector<VertexId> common;
+      std::set_intersection(around_a.begin(), around_a.end(), around_b.begin(), around_b.end(),
+                            std::back_inserter(common));
+      if (common.size() <= 2) continue;  // the two faces of the edge
+      ++empty_triangles;
+      EXPECT_FALSE(legal(torus, a, b));
+    }
+  }
+  EXPECT_EQ(empty_triangles, 12 * 6);  // twelve cross-sections with three edges, seen from both ends
+}
+
 TEST(KeepsTopology, BoundaryVerticesMoveAlongTheBoundaryOnly) {
   const TriangleMesh grid = test::grid(4, 4);
   const auto at = [&](float x, float y) {

@@ -77,5 +77,40 @@ TEST(ComparePictures, MeasuresLuma) {
               20.0 * std::log10(25.5 / 0.587), 1e-9);
 }
 
+// A step in depth from 10 to 20 at column `edge`.
+DepthBuffer step(int edge) {
+  DepthBuffer depth = flat(20);
+  for (int y = 0; y < 80; ++y)
+    for (int x = 0; x < edge; ++x) depth.inverse_depth[static_cast<std::size_t>(100 * y + x)] = 0.1F;
+  return depth;
+}
+
+TEST(CountUnexplainedPixels, DepthMayDifferByWhatIsAllowed) {
+  // f = 40 px: 2 px at depth 10 are 0.5 units.
+  EXPECT_EQ(count_unexplained_pixels(front_view(), flat(10), flat(10.45), 2.0), 0U);
+  EXPECT_EQ(count_unexplained_pixels(front_view(), flat(10), flat(10.55), 2.0), pixels);
+  EXPECT_EQ(count_unexplained_pixels(front_view(), flat(10), flat(9.55), 2.0), 0U);
+  EXPECT_EQ(count_unexplained_pixels(front_view(), flat(10), flat(9.45), 2.0), pixels);
+}
+
+TEST(CountUnexplainedPixels, SilhouettesMayMoveByWhatIsAllowed) {
+  // The step moved by 2 columns: all explained at 2 px. By 5: in each of 80 rows columns 52, 53, 54 are nearer than
+  // anything within 2 px.
+  EXPECT_EQ(count_unexplained_pixels(front_view(), step(52), step(50), 2.0), 0U);
+  EXPECT_EQ(count_unexplained_pixels(front_view(), step(55), step(50), 2.0), 3U * 80U);
+  EXPECT_EQ(count_unexplained_pixels(front_view(), step(50), step(55), 2.0), 3U * 80U);  // and farther
+}
+
+TEST(CountUnexplainedPixels, BackgroundIsInfinitelyFar) {
+  DepthBuffer hole = flat(10);
+  for (std::size_t y = 20; y < 30; ++y)
+    std::fill_n(hole.inverse_depth.begin() + static_cast<std::ptrdiff_t>(100 * y + 20), 10, 0.0F);
+  // A hole of 10 x 10 that should not be there: all but a rim of 1 px is unexplained.
+  EXPECT_EQ(count_unexplained_pixels(front_view(), flat(10), hole, 1.0), 8U * 8U);
+  // A hole that is missing: every one of its pixels.
+  EXPECT_EQ(count_unexplained_pixels(front_view(), hole, flat(10), 1.0), 100U);
+  EXPECT_EQ(count_unexplained_pixels(front_view(), hole, hole, 0.0), 0U);
+}
+
 }  // namespace
 }  // namespace occlod

@@ -94,6 +94,20 @@ TEST(StarCulling, SplitsAreTakenOnlyWhereTheirOwnFacesAreSeen) {
   EXPECT_GT(wasted, 25U);
 }
 
+TEST(StarCulling, UnseenSplitsAreLeftEvenWhenTheBudgetHasRoom) {
+  const Hierarchy hierarchy = build_hierarchy(test::noisy_sphere(5, 4));
+  std::array<RefineObject, 1> objects{{{&hierarchy, glm::dmat4(1.0), false}}};
+  Refiner refiner(objects);
+  NoOcclusion none;
+  const View view(test::front_camera());
+  RefineOptions options;
+  options.budget = refiner.full_triangles();
+  const Refinement& result = refiner.refine(view, options, none);
+  EXPECT_LT(result.stats.triangles, options.budget * 3 / 4);  // the far side of a sphere is about half of it
+  for (const SplitId s : test::unforced_splits(hierarchy, result.objects[0]))
+    EXPECT_TRUE(star_is_seen(hierarchy, s, view));
+}
+
 TEST(StarCulling, WeightMovesTrianglesOffTheSilhouette) {
   const Hierarchy hierarchy = build_hierarchy(test::noisy_sphere(5, 4));
   std::array<RefineObject, 1> objects{{{&hierarchy, glm::dmat4(1.0), false}}};

@@ -9,6 +9,8 @@
 #include <limits>
 #include <random>
 
+#include "star_mesh.h"
+
 namespace occlod {
 namespace {
 
@@ -53,6 +55,7 @@ class Validator {
       return violations_;
     }
     check_saturation();
+    check_corners();
     check_bounds();
     replay();
     check_random_cuts();
@@ -76,6 +79,25 @@ class Validator {
       for (const SplitId t : h_.dependencies(s)) check(t, s, "depends on it");
       for (const SplitId child : {d_.nodes[s].child_u, d_.nodes[s].child_v})
         if (child != no_id) check(s, child, "is below it in the forest");
+    }
+  }
+
+  // Part of invariant 4: every corner of a face that a split inserts is there when it is applied, because it is in the
+  // base mesh, is the split's own vertex, is a corner of a removed face or is brought by a split that this one depends
+  // on.
+  void check_corners() {
+    const std::size_t base_vertices = h_.base_vertex_count();
+    for (SplitId s = 0; s < splits_; ++s) {
+      const auto is_there = [&](VertexId v) {
+        const auto removed = h_.removed(s);
+        const auto needed = h_.dependencies(s);
+        return v < base_vertices || v == h_.vertex_of(s) ||
+               std::any_of(removed.begin(), removed.end(), [&](FaceId f) { return contains(d_.faces[f], v); }) ||
+               std::find(needed.begin(), needed.end(), v - base_vertices) != needed.end();
+      };
+      for (const Triangle& t : h_.inserted(s))
+        for (int k = 0; k < 3; ++k)
+          if (!is_there(t[k])) report("split {} inserts a face at vertex {}, which may be missing", s, t[k]);
     }
   }
 

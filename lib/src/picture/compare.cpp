@@ -4,7 +4,9 @@
 #include <cassert>
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <limits>
+#include <vector>
 
 namespace occlod {
 namespace {
@@ -31,6 +33,32 @@ double percent(std::size_t part, std::size_t whole) {
                     : 100.0 * static_cast<double>(part) / static_cast<double>(whole);
 }
 
+// The smallest (or, by std::greater, the largest) value within `radius` along rows, then along columns.
+template <typename Better>
+std::vector<float> extreme_around(const DepthBuffer& depth, int radius, const Better& better) {
+  const int width = depth.width, height = depth.height;
+  const auto pick = [&](float a, float b) { return better(b, a) ? b : a; };
+  const auto at = [&](int x, int y) {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
+  };
+  std::vector<float> rows(depth.inverse_depth.size()), result(rows.size());
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      float best = depth.inverse_depth[at(x, y)];
+      for (int k = std::max(x - radius, 0); k <= std::min(x + radius, width - 1); ++k)
+        best = pick(best, depth.inverse_depth[at(k, y)]);
+      rows[at(x, y)] = best;
+    }
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      float best = rows[at(x, y)];
+      for (int k = std::max(y - radius, 0); k <= std::min(y + radius, height - 1); ++k)
+        best = pick(best, rows[at(x, k)]);
+      result[at(x, y)] = best;
+    }
+  return result;
+}
+
 }  // namespace
 
 PictureDistance compare_pictures(const View& view, const DepthBuffer& depth, const Image& image,
@@ -52,6 +80,26 @@ PictureDistance compare_pictures(const View& view, const DepthBuffer& depth, con
   }
   return {in_both > 0 ? std::sqrt(sum / static_cast<double>(in_both)) : 0.0, percent(in_one, in_reference),
           psnr_of_luma(image, reference_image)};
+}
+
+std::size_t count_unexplained_pixels(const View& view, const DepthBuffer& expected, const DepthBuffer& found,
+                                     double allowed_px) {
+  assert(expected.inverse_depth.size() == found.inverse_depth.size() && allowed_px >= 0.0);
+  const int radius =
+      static_cast<int>(std::min(std::ceil(allowed_px), static_cast<double>(std::max(found.width, found.height))));
+  const std::vector<float> farthest = extreme_around(found, radius, std::less<>());
+  const std::vector<float> nearest = extreme_around(found, radius, std::greater<>());
+  std::size_t unexplained = 0;
+  for (std::size_t i = 0; i < expected.inverse_depth.size(); ++i) {
+    const double inverse = expected.inverse_depth[i];
+    // allowed_px pixels at depth d are allowed_px * d / f long: depths d (1 -+ share), inverse depths inverse / (1 -+
+    // share).
+    const double share = allowed_px / view.focal_length_px();
+    const bool near_enough = static_cast<double>(nearest[i]) >= inverse / (1.0 + share);
+    const bool far_enough = share >= 1.0 || static_cast<double>(farthest[i]) <= inverse / (1.0 - share);
+    unexplained += near_enough && far_enough ? 0U : 1U;
+  }
+  return unexplained;
 }
 
 }  // namespace occlod
