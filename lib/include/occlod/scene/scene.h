@@ -1,0 +1,85 @@
+// Scenes as data: objects, named cameras and camera paths. The file format is described in docs/scenes.md.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <glm/mat4x4.hpp>
+#include <map>
+#include <memory>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "occlod/hierarchy/build.h"
+#include "occlod/hierarchy/hierarchy.h"
+#include "occlod/mesh/generate.h"
+#include "occlod/mesh/mesh_report.h"
+#include "occlod/view/camera.h"
+
+namespace occlod {
+
+// A mesh or .olod file: the first of these names that is found, beside the scene file, in the folders of the
+// environment variable OCCLOD_MESHES (separated by ':'), or in the user's mesh folder (where scripts put the meshes of
+// system packages).
+struct MeshFile {
+  std::vector<std::string> names;
+};
+
+using MeshSource = std::variant<MeshFile, RoughPlanetOptions, CityOptions, PipesOptions, SpheresBehindWallOptions>;
+
+struct SceneObject {
+  MeshSource source;
+  glm::dmat4 object_to_world{1.0};
+  bool two_sided = false;
+};
+
+struct CameraPath {
+  std::vector<Camera> keys;  // at least one; frames interpolate between them
+  int frames = 1;
+};
+
+struct SceneDescription {
+  std::string name;
+  std::string about;
+  std::vector<SceneObject> objects;
+  std::map<std::string, Camera> cameras;  // "default" is always there
+  std::map<std::string, CameraPath> paths;
+};
+
+// What the file says, checked as far as that goes without loading: types, ranges of placements and cameras. Keys that
+// are not known, given twice or missing are mistakes too. The name of the scene is that of the file without its
+// extension. Throws Error that names the file and the JSON path of the mistake.
+[[nodiscard]] SceneDescription read_scene(const std::filesystem::path& path);
+
+// The camera of frame i of a path, 0 <= i < frames: eyes, targets, angles and ranges linear between keys that are
+// spread evenly over the frames; up directions linear too, then of unit length. The size is the first key's.
+[[nodiscard]] Camera camera_at(const CameraPath& path, int frame);
+
+struct LoadOptions {
+  BuildOptions build;
+  // Keep hierarchies in ${XDG_CACHE_HOME:-~/.cache}/occlod under a hash of the input's bytes, the options and the
+  // builder's sources.
+  bool use_cache = true;
+  std::function<void(const std::string& what, double done)> progress;  // done in [0, 1]
+  std::function<void(const std::string& line)>
+      note;  // told of a cache that cannot be used; the hierarchy is built all the same
+};
+
+struct LoadedObject {
+  std::shared_ptr<const Hierarchy> hierarchy;  // shared by objects with the same source
+  glm::dmat4 object_to_world{1.0};
+  bool two_sided = false;
+  std::string source_name;  // file or generator, for people
+};
+
+// Reads or generates the meshes and builds or fetches their hierarchies. `folder`: where relative names start, the
+// scene file's own. Throws Error.
+[[nodiscard]] std::vector<LoadedObject> load_objects(const SceneDescription& scene, const std::filesystem::path& folder,
+                                                     const LoadOptions& options = {});
+
+// Where a mesh of this name is found, or an empty path. Same search as for MeshFile; an absolute name is taken as it
+// is.
+[[nodiscard]] std::filesystem::path find_mesh(const std::string& name, const std::filesystem::path& folder);
+
+}  // namespace occlod

@@ -1,0 +1,13 @@
+// The user's own folders, as the XDG Base Directory Specification places them.
+#pragma once
+
+#include <filesystem>
+
+namespace occlod {
+
+// ${XDG_CACHE_HOME:-~/.cache}/occlod; empty when neither variable nor HOME is set to an absolute path.
+[[nodiscard]] std::filesystem::path user_cache_folder();
+// ${XDG_DATA_HOME:-~/.local/share}/occlod/meshes; empty likewise.
+[[nodiscard]] std::filesystem::path user_mesh_folder();
+
+}  // namespace occlod

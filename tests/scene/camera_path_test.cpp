@@ -1,0 +1,40 @@
+#include <gtest/gtest.h>
+
+#include "occlod/scene/scene.h"
+
+namespace occlod {
+namespace {
+
+Camera camera_from(double x, double fov_y_deg) {
+  Camera camera;
+  camera.eye = {x, 0.0, 5.0};
+  camera.target = {x, 1.0, 0.0};
+  camera.fov_y_deg = fov_y_deg;
+  return camera;
+}
+
+// Three keys over five frames: keys stand at frames 0, 2 and 4, frames 1 and 3 lie half way between two of them.
+TEST(CameraPath, PassesThroughItsKeysAndHalfWayBetween) {
+  const CameraPath path{{camera_from(0, 30), camera_from(4, 40), camera_from(10, 90)}, 5};
+  const double eyes[] = {0, 2, 4, 7, 10};
+  const double angles[] = {30, 35, 40, 65, 90};
+  for (int frame = 0; frame < 5; ++frame) {
+    const Camera camera = camera_at(path, frame);
+    EXPECT_DOUBLE_EQ(camera.eye.x, eyes[frame]) << frame;
+    EXPECT_DOUBLE_EQ(camera.target.x, eyes[frame]) << frame;
+    EXPECT_DOUBLE_EQ(camera.fov_y_deg, angles[frame]) << frame;
+  }
+}
+
+TEST(CameraPath, OneFrameIsTheFirstKey) {
+  const CameraPath path{{camera_from(3, 30), camera_from(4, 40)}, 1};
+  EXPECT_EQ(camera_at(path, 0).eye.x, 3.0);
+}
+
+TEST(CameraPath, OneKeyStandsStill) {
+  const CameraPath path{{camera_from(3, 30)}, 7};
+  EXPECT_EQ(camera_at(path, 6).eye.x, 3.0);
+}
+
+}  // namespace
+}  // namespace occlod

@@ -1,0 +1,158 @@
+#include <iterator>
+#include <vector>
+
+#include "occlod/core/error.h"
+#include "occlod/io/olod.h"
+#include "occlod/scene/scene.h"
+#include "scene/scene_folder.h"
+
+namespace occlod {
+namespace {
+
+constexpr int level = 2;
+constexpr int reporting_level = 6;  // 16,386 vertices: builds of a few vertices are over before they report progress
+constexpr std::size_t planet_triangles = 128;  // 8 * 4^level
+
+SceneObject planet_that_reports() { return {.source = RoughPlanetOptions{.level = reporting_level}}; }
+
+SceneObject small_planet(std::uint64_t seed = 1) {
+  return {.source = RoughPlanetOptions{.level = level, .seed = seed}};
+}
+
+SceneDescription scene_of(std::vector<SceneObject> objects) {
+  SceneDescription scene;
+  scene.name = "test";
+  scene.objects = std::move(objects);
+  return scene;
+}
+
+class LoadObjects : public test::SceneFolder {
+ protected:
+  std::vector<LoadedObject> load(const SceneDescription& scene) {
+    LoadOptions options;
+    options.note = [this](const std::string& line) { notes_.push_back(line); };
+    options.progress = [this](const std::string&, double) { ++progress_; };
+    options.use_cache = use_cache_;
+    options.build.base_triangles = base_triangles_;
+    return load_objects(scene, folder(), options);
+  }
+
+  [[nodiscard]] std::vector<std::filesystem::path> cached() const {
+    const std::filesystem::path cache = folder() / "cache" / "occlod";
+    if (!std::filesystem::exists(cache)) return {};
+    return {std::filesystem::directory_iterator(cache), {}};
+  }
+
+  std::vector<std::string> notes_;
+  int progress_ = 0;
+  bool use_cache_ = true;
+  std::size_t base_triangles_ = 16;
+};
+
+const char* quad = "OFF\n4 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 0 2 3\n";
+
+TEST_F(LoadObjects, SharesHierarchiesOfEqualSources) {
+  const auto objects = load(scene_of({small_planet(1), small_planet(2), small_planet(1)}));
+  ASSERT_EQ(objects.size(), 3U);
+  EXPECT_EQ(objects[0].hierarchy, objects[2].hierarchy);
+  EXPECT_NE(objects[0].hierarchy, objects[1].hierarchy);
+  EXPECT_EQ(objects[0].hierarchy->input_triangle_count(), planet_triangles);
+}
+
+TEST_F(LoadObjects, KeepsPlacementAndSides) {
+  SceneObject object = small_planet();
+  object.object_to_world[3] = {1, 2, 3, 1};
+  object.two_sided = true;
+  const auto objects = load(scene_of({object}));
+  EXPECT_EQ(objects[0].object_to_world, object.object_to_world);
+  EXPECT_TRUE(objects[0].two_sided);
+}
+
+TEST_F(LoadObjects, ReadsTheFirstMeshThatIsFound) {
+  (void)write("b.off", quad);
+  const auto objects = load(scene_of({{.source = MeshFile{{"a.off", "b.off", "c.off"}}}}));
+  EXPECT_EQ(objects[0].hierarchy->input_triangle_count(), 2U);
+  EXPECT_EQ(objects[0].source_name, (folder() / "b.off").string());
+}
+
+TEST_F(LoadObjects, SaysWhichMeshIsMissing) {
+  try {
+    (void)load(scene_of({small_planet(), {.source = MeshFile{{"a.off", "b.off"}}}}));
+    FAIL() << "nothing was missed";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.diagnosis().place, "/objects/1/mesh");
+    EXPECT_NE(error.diagnosis().problem.find("a.off, b.off"), std::string::npos);
+  }
+}
+
+TEST_F(LoadObjects, TakesHierarchiesAsTheyAre) {
+  const auto planet = load(scene_of({small_planet()}))[0].hierarchy;
+  write_olod(folder() / "planet.OLOD", *planet, MeshReport{});
+  const std::size_t cached_before = cached().size();
+  const auto objects = load(scene_of({{.source = MeshFile{{"planet.OLOD"}}}}));
+  EXPECT_EQ(objects[0].hierarchy->data().faces, planet->data().faces);
+  EXPECT_EQ(cached().size(), cached_before);
+}
+
+// Progress is told by the build alone: none means that nothing was built.
+TEST_F(LoadObjects, BuildsOnceAndThenReadsTheCache) {
+  const auto built = load(scene_of({planet_that_reports()}));
+  EXPECT_GT(progress_, 0);
+  EXPECT_EQ(cached().size(), 1U);
+  progress_ = 0;
+  const auto fetched = load(scene_of({planet_that_reports()}));
+  EXPECT_EQ(progress_, 0);
+  EXPECT_EQ(fetched[0].hierarchy->data().faces, built[0].hierarchy->data().faces);
+  EXPECT_EQ(fetched[0].hierarchy->data().positions, built[0].hierarchy->data().positions);
+  EXPECT_TRUE(notes_.empty());
+}
+
+TEST_F(LoadObjects, CachesUnderInputAndOptions) {
+  (void)load(scene_of({small_planet(1)}));
+  (void)load(scene_of({small_planet(2)}));  // another generator option
+  EXPECT_EQ(cached().size(), 2U);
+  base_triangles_ = 32;  // another build option
+  (void)load(scene_of({small_planet(1)}));
+  EXPECT_EQ(cached().size(), 3U);
+  (void)write("m.off", quad);
+  (void)load(scene_of({{.source = MeshFile{{"m.off"}}}}));
+  EXPECT_EQ(cached().size(), 4U);
+  (void)write("m.off", std::string(quad) + "\n");  // other bytes under the same name
+  (void)load(scene_of({{.source = MeshFile{{"m.off"}}}}));
+  EXPECT_EQ(cached().size(), 5U);
+  (void)write("n.off", quad);  // the same bytes under another name
+  (void)load(scene_of({{.source = MeshFile{{"n.off"}}}}));
+  EXPECT_EQ(cached().size(), 5U);
+}
+
+TEST_F(LoadObjects, BuildsAnewWhatTheCacheHoldsDamaged) {
+  (void)load(scene_of({small_planet()}));
+  const std::filesystem::path file = cached().at(0);
+  std::filesystem::resize_file(file, std::filesystem::file_size(file) / 2);
+  EXPECT_EQ(load(scene_of({small_planet()}))[0].hierarchy->input_triangle_count(), planet_triangles);
+  ASSERT_EQ(notes_.size(), 1U);
+  EXPECT_NE(notes_[0].find(file.string()), std::string::npos);
+  EXPECT_NO_THROW((void)read_olod(file)) << "the damaged file was not replaced";
+}
+
+// A file stands where the folder should be, so that it cannot be made, whoever runs the test.
+TEST_F(LoadObjects, LoadsWithoutACacheThatCannotBeWritten) {
+  (void)write("cache", "a file");
+  EXPECT_EQ(load(scene_of({small_planet()}))[0].hierarchy->input_triangle_count(), planet_triangles);
+  EXPECT_EQ(notes_.size(), 1U);
+}
+
+TEST_F(LoadObjects, LeavesTheCacheAloneWhenAsked) {
+  use_cache_ = false;
+  (void)load(scene_of({small_planet()}));
+  EXPECT_TRUE(cached().empty());
+}
+
+TEST_F(LoadObjects, CanBeCancelled) {
+  LoadOptions options;
+  options.build.progress = [](double) { return false; };
+  EXPECT_THROW((void)load_objects(scene_of({planet_that_reports()}), folder(), options), Error);
+}
+
+}  // namespace
+}  // namespace occlod

@@ -1,0 +1,27 @@
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "occlod/scene/scene.h"
+#include "occlod/view/view.h"
+
+namespace occlod {
+namespace {
+
+class ShippedScene : public ::testing::TestWithParam<const char*> {};
+
+// Strict reading is the check: unknown keys, missing cameras and impossible views are errors. Every frame of a path is
+// a view too.
+TEST_P(ShippedScene, Reads) {
+  const SceneDescription scene = read_scene(std::filesystem::path(OCCLOD_SCENES) / (std::string(GetParam()) + ".json"));
+  EXPECT_EQ(scene.name, GetParam());
+  for (const auto& [name, path] : scene.paths)
+    for (int frame = 0; frame < path.frames; ++frame)
+      EXPECT_NO_THROW((void)View(camera_at(path, frame))) << name << " " << frame;
+}
+
+INSTANTIATE_TEST_SUITE_P(All, ShippedScene,
+                         ::testing::Values("armadillo", "armadillo_group", "planet_full", "planet_near"));
+
+}  // namespace
+}  // namespace occlod
