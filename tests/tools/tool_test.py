@@ -1,0 +1,314 @@
+"""Drives the built command `occlod` (environment variable OCCLOD) from generating a mesh to rendering it."""
+import json
+import os
+import pathlib
+import struct
+import subprocess
+import tempfile
+import unittest
+
+OCCLOD = os.environ["OCCLOD"]
+SCENES = pathlib.Path(os.environ["SCENES"])
+LEVEL = 4
+TRIANGLES = 8 * 4**LEVEL
+VERTICES = 4 ** (LEVEL + 1) + 2
+
+
+class ToolTest(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix="occlod-tool-")
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+        self.environment = dict(os.environ, XDG_CACHE_HOME=str(self.folder / "cache"), XDG_DATA_HOME=str(self.folder / "data"))
+
+    def run_tool(self, *arguments):
+        return subprocess.run([OCCLOD, *map(str, arguments)], cwd=self.folder, env=self.environment, capture_output=True, text=True)
+
+    def succeed(self, *arguments):
+        done = self.run_tool(*arguments)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return done.stdout
+
+    def json_of(self, *arguments):
+        """The one object on standard output: json.loads refuses anything beside it."""
+        result = json.loads(self.succeed(*arguments, "--json"))
+        self.assertIsInstance(result, dict)
+        return result
+
+    def make_planet(self, name="planet.ply", seed=1):
+        return self.json_of("generate", "rough-planet", "--level", LEVEL, "--seed", seed, "-o", name)
+
+    def make_hierarchy(self):
+        self.make_planet()
+        return self.json_of("build", "planet.ply", "-o", "planet.olod")
+
+    def write_scene(self, text):
+        (self.folder / "scene.json").write_text(text)
+
+    def assert_has_keys(self, result, keys):
+        self.assertEqual(sorted(set(keys.split()) - set(result)), [])
+
+    def same_bytes(self, a, b):
+        return (self.folder / a).read_bytes() == (self.folder / b).read_bytes()
+
+
+class GenerateBuildValidate(ToolTest):
+    def test_generate_counts(self):
+        result = self.make_planet()
+        self.assertEqual((result["vertices"], result["triangles"]), (VERTICES, TRIANGLES))
+
+    def test_generate_every_kind_in_every_format(self):
+        for kind, options in [("rough-planet", ["--level", "1"]), ("city", ["--blocks", "1", "--facade-cells", "1"]),
+                              ("pipes", ["--pipes", "1"]), ("spheres-behind-wall", ["--spheres", "1", "--level", "0"])]:
+            for extension in ("ply", "obj", "off", "stl"):
+                made = self.json_of("generate", kind, *options, "-o", f"m.{extension}")
+                built = self.json_of("build", f"m.{extension}", "-o", "m.olod")
+                self.assertEqual(built["triangles"], made["triangles"], f"{kind} {extension}")
+
+    def test_generate_is_reproducible_and_seeded(self):
+        for name, seed in [("a.ply", 1), ("b.ply", 1), ("c.ply", 2)]:
+            self.make_planet(name, seed)
+        self.assertTrue(self.same_bytes("a.ply", "b.ply"))
+        self.assertFalse(self.same_bytes("a.ply", "c.ply"))
+
+    def test_build_reports(self):
+        result = self.make_hierarchy()
+        self.assert_has_keys(result, "vertices triangles base_triangles splits faces build_ms peak_bytes bytes_per_vertex error_bound report")
+        self.assertEqual((result["vertices"], result["triangles"]), (VERTICES, TRIANGLES))
+        self.assertLessEqual(result["base_triangles"], 64)
+        # On a closed surface each split adds exactly two triangles and one vertex.
+        self.assertEqual(result["triangles"], result["base_triangles"] + 2 * result["splits"])
+        self.assertEqual(result["report"]["triangles_read"], TRIANGLES)
+        self.assertEqual(result["report"]["components"], 1)
+        self.assertEqual(result["report"]["boundary_edges"], 0)
+
+    def test_build_is_reproducible(self):
+        self.make_planet()
+        for name in ("a.olod", "b.olod"):
+            self.succeed("build", "planet.ply", "-o", name)
+        self.assertTrue(self.same_bytes("a.olod", "b.olod"))
+
+    def test_build_options_are_used(self):
+        self.make_planet()
+        coarse = self.json_of("build", "planet.ply", "-o", "a.olod", "--base-triangles", 200)
+        self.assertTrue(64 < coarse["base_triangles"] <= 200)
+
+    def test_info_agrees_with_build(self):
+        built = self.make_hierarchy()
+        info = self.json_of("info", "planet.olod")
+        for key in ("vertices", "triangles", "base_triangles", "splits", "faces", "bytes_per_vertex", "error_bound", "report"):
+            self.assertEqual(info[key], built[key], key)
+        # The planet's radius is 1, and its hills are at most 0.08 of it.
+        for low, high in zip(info["box"]["min"], info["box"]["max"]):
+            self.assertTrue(-1.08 <= low < -0.5 and 0.5 < high <= 1.08)
+
+    def test_validate_accepts(self):
+        self.make_hierarchy()
+        self.assertEqual(self.json_of("validate", "planet.olod", "--input", "planet.ply"),
+                         {"file": "planet.olod", "valid": True, "violations": []})
+
+    def test_validate_tells_another_mesh_apart(self):
+        self.make_hierarchy()
+        self.make_planet("other.ply", seed=2)
+        done = self.run_tool("validate", "planet.olod", "--input", "other.ply", "--json")
+        self.assertEqual(done.returncode, 1)
+        self.assertEqual(len(json.loads(done.stdout)["violations"]), 1)
+
+    def test_text_output(self):
+        self.make_hierarchy()
+        for command in (["info", "planet.olod"], ["validate", "planet.olod"], ["build", "planet.ply", "-o", "a.olod"]):
+            self.assertNotEqual(self.succeed(*command), "")
+
+
+class Render(ToolTest):
+    BUDGET = 1000
+
+    def setUp(self):
+        super().setUp()
+        self.make_hierarchy()
+
+    def render(self, *arguments, budget=BUDGET):
+        return self.json_of("render", "--budget", budget, "--size", "320x240", "--occluder-splits", "50,200", "planet.olod", *arguments)
+
+    def test_report(self):
+        result = self.render()
+        self.assert_has_keys(result, "scene culling occlusion budget triangles visible_triangles visible_share splits forced_splits "
+                                     "queries refine_ms occlusion_ms draw_ms max_error_px hash camera objects")
+        self.assert_has_keys(result["camera"], "eye target up fov_y_deg width height near far")
+        self.assertEqual((result["scene"], result["culling"], result["occlusion"]), ("planet", "star", "software"))
+        # Two triangles a split on a closed surface: a budget that is used up is missed by a few forced ones at most.
+        self.assertTrue(0.9 * self.BUDGET < result["triangles"] <= self.BUDGET, result["triangles"])
+        self.assertEqual(result["visible_share"], result["visible_triangles"] / result["triangles"])
+        self.assertEqual(result["objects"][0]["triangles"], result["triangles"])
+        self.assertEqual(result["objects"][0]["full_triangles"], TRIANGLES)
+        self.assertEqual((result["camera"]["width"], result["camera"]["height"]), (320, 240))
+        self.assertRegex(result["hash"], "^[0-9a-f]{16}$")
+
+    def test_is_reproducible(self):
+        hashes = {self.render("--repeat", repeat)["hash"] for repeat in (1, 1, 3)}
+        self.assertEqual(len(hashes), 1)
+
+    def test_options_change_the_refinement(self):
+        hashes = [self.render(*options)["hash"] for options in ([], ["--culling", "subtree"], ["--occlusion", "none", "--culling", "subtree"],
+                                                                ["--visible-exponent", 0])]
+        hashes.append(self.render(budget=500)["hash"])
+        self.assertEqual(len(set(hashes)), len(hashes), hashes)
+
+    def test_without_occlusion_nothing_is_asked(self):
+        self.assertEqual(self.render("--occlusion", "none")["queries"], 0)
+        self.assertGreater(self.render("--occlusion", "software")["queries"], 0)
+
+    def test_proxy_and_levels_reach_the_backend(self):
+        sparse = self.render("--levels", 4)
+        self.assertEqual(sparse["level_step"], 4)
+        self.assertNotEqual(sparse["queries"], self.render("--levels", 1)["queries"])
+        self.assertEqual(self.render("--proxy", "box")["proxy"], "box")
+
+    def test_tolerance_stops_early(self):
+        self.assertLess(self.render("--tolerance", 50)["triangles"], self.BUDGET)
+
+    def test_whole_budget_is_the_full_mesh(self):
+        """Everything that is seen is refined, so that the picture is the full mesh's own."""
+        result = self.render("--culling", "subtree", "--occlusion", "none", "--reference", budget=TRIANGLES)
+        self.assertEqual((result["depth_rms_px"], result["silhouette_mismatch"]), (0, 0))
+        self.assertIsNone(result["psnr_y"])  # infinite
+
+    def test_coarse_pictures_differ_from_the_full_mesh(self):
+        result = self.render("--reference", budget=200)
+        self.assertGreater(result["depth_rms_px"], 0)
+        self.assertGreater(result["silhouette_mismatch"], 0)
+        self.assertLess(result["psnr_y"], 60)
+
+    def test_pictures(self):
+        self.render("--png", "view.png", "--birdseye", "top.png")
+        for name in ("view.png", "top.png"):
+            data = (self.folder / name).read_bytes()
+            self.assertEqual(data[:8], b"\x89PNG\r\n\x1a\n")
+        width, height = struct.unpack(">II", (self.folder / "view.png").read_bytes()[16:24])
+        self.assertEqual((width, height), (320, 240))
+
+    def test_mesh_in_world_space(self):
+        """The second object is mirrored and moved by 10: its half of the mesh lies there, and its outside stays outside."""
+        self.write_scene("""{"objects": [{"mesh": "planet.olod"}, {"mesh": "planet.olod", "scale": -1, "position": [10, 0, 0]}],
+                             "cameras": {"default": {"eye": [5, 0, 30], "target": [5, 0, 0]}}}""")
+        result = self.json_of("render", "scene.json", "--budget", 1000, "--mesh", "refined.off")
+        lines = (self.folder / "refined.off").read_text().split("\n")
+        vertex_count, triangle_count = map(int, lines[1].split()[:2])
+        self.assertEqual(triangle_count, result["triangles"])
+        points = [tuple(map(float, line.split()[:3])) for line in lines[2:2 + vertex_count]]
+        triangles = [tuple(map(int, line.split()[1:4])) for line in lines[2 + vertex_count:2 + vertex_count + triangle_count]]
+        used = {corner for triangle in triangles for corner in triangle}
+        self.assertEqual(len(used), vertex_count)
+        volumes = {0: 0.0, 10: 0.0}
+        for triangle in triangles:
+            center = 0 if points[triangle[0]][0] < 5 else 10
+            (ax, ay, az), (bx, by, bz), (cx, cy, cz) = [(points[i][0] - center, points[i][1], points[i][2]) for i in triangle]
+            volumes[center] += (ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx)) / 6
+        # A ball of radius 1 has 4.19; hills and a coarse far side take some of it.
+        for center, volume in volumes.items():
+            self.assertTrue(2.5 < volume < 5.3, (center, volume))
+
+    def test_scene_by_generator_is_cached(self):
+        self.write_scene("""{"objects": [{"generator": "rough-planet", "options": {"level": 3}}],
+                             "cameras": {"default": {"eye": [0, 0, 3], "target": [0, 0, 0]}, "low": {"eye": [0, 1.2, 0], "target": [0, 0.8, -1]}}}""")
+        first = self.json_of("render", "scene.json", "--budget", 300)
+        cache = list((self.folder / "cache/occlod").iterdir())
+        self.assertEqual(len(cache), 1)
+        self.assertEqual(self.json_of("render", "scene.json", "--budget", 300)["hash"], first["hash"])
+        self.assertEqual(self.json_of("render", "scene.json", "--budget", 300, "--no-cache")["hash"], first["hash"])
+        low = self.json_of("render", "scene.json", "--budget", 300, "--camera", "low")
+        self.assertEqual(low["camera"]["eye"], [0, 1.2, 0])
+        cache[0].write_bytes(b"not a hierarchy")
+        done = self.run_tool("render", "scene.json", "--budget", 300, "--json")
+        self.assertEqual(json.loads(done.stdout)["hash"], first["hash"])
+        self.assertTrue(done.stderr.startswith("occlod: note: "), done.stderr)
+
+    def test_mesh_directly(self):
+        result = self.json_of("render", "planet.ply", "--budget", 500)
+        self.assertEqual(result["scene"], "planet")
+        self.assertGreater(result["visible_triangles"], 100)
+
+
+class Mistakes(ToolTest):
+    def fail(self, *arguments):
+        """Failed: exit 1, nothing on standard output, one line on standard error. Returns the line."""
+        done = self.run_tool(*arguments)
+        self.assertEqual(done.returncode, 1, f"{arguments}: {done.stderr}")
+        self.assertEqual(done.stdout, "")
+        self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+        self.assertTrue(done.stderr.startswith("occlod: error: "), done.stderr)
+        return done.stderr
+
+    def test_bad_inputs(self):
+        (self.folder / "empty.ply").write_bytes(b"")
+        (self.folder / "text.olod").write_text("not a hierarchy")
+        (self.folder / "nan.obj").write_text("v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+        (self.folder / "what.xyz").write_text("1 2 3\n")
+        for subject, arguments in [
+            ("none.ply", ["build", "none.ply", "-o", "a.olod"]),
+            ("empty.ply", ["build", "empty.ply", "-o", "a.olod"]),
+            ("nan.obj", ["build", "nan.obj", "-o", "a.olod"]),
+            ("what.xyz", ["build", "what.xyz", "-o", "a.olod"]),
+            ("none.olod", ["info", "none.olod"]),
+            ("text.olod", ["info", "text.olod"]),
+            ("text.olod", ["validate", "text.olod", "--json"]),
+            ("none.json", ["render", "none.json"]),
+            ("none.ply", ["render", "none.ply"]),
+            ("text.olod", ["render", "text.olod"]),
+            ("rough planet", ["generate", "rough-planet", "--level", "99", "-o", "a.ply"]),
+            ("nowhere", ["generate", "rough-planet", "--level", "1", "-o", "nowhere/a.ply"]),
+        ]:
+            self.assertIn(subject, self.fail(*arguments))
+        self.assertFalse((self.folder / "a.olod").exists())
+
+    def test_truncated_hierarchy(self):
+        self.make_hierarchy()
+        data = (self.folder / "planet.olod").read_bytes()
+        for size in (0, 7, len(data) // 2, len(data) - 1):
+            (self.folder / "cut.olod").write_bytes(data[:size])
+            self.assertIn("cut.olod", self.fail("info", "cut.olod"))
+
+    def test_scene_mistakes_name_file_and_place(self):
+        self.write_scene("""{"objects": [{"generator": "rough-planet", "scale": "big"}],
+                             "cameras": {"default": {"eye": [0, 0, 3], "target": [0, 0, 0]}}}""")
+        self.assertIn("scene.json: /objects/0/scale", self.fail("render", "scene.json"))
+
+    def test_render_mistakes(self):
+        self.make_hierarchy()
+        self.fail("render", "planet.olod", "--budget", "1")
+        self.write_scene("""{"objects": [{"mesh": "planet.olod"}], "cameras": {"default": {"eye": [0, 0, 3], "target": [0, 0, 0]}}}""")
+        self.assertIn("default", self.fail("render", "scene.json", "--camera", "other"))
+
+    def test_output_that_cannot_be_written(self):
+        self.make_planet()
+        with open("/dev/full", "w") as full:
+            done = subprocess.run([OCCLOD, "build", "planet.ply", "-o", "a.olod", "--json"], cwd=self.folder, stdout=full,
+                                  stderr=subprocess.PIPE, text=True)
+        self.assertEqual(done.returncode, 1)
+
+    def test_wrong_use(self):
+        for arguments in [[], ["paint"], ["build"], ["build", "a.ply"], ["info", "a", "b"], ["generate"], ["generate", "rough-planet"],
+                          ["render"], ["render", "x", "--budget", "many"], ["render", "x", "--occlusion", "magic"],
+                          ["render", "x", "--culling", "all"], ["render", "x", "--size", "0x3"], ["render", "x", "--size", "3"],
+                          ["render", "x", "--repeat", "0"], ["render", "x", "--colour"]]:
+            done = self.run_tool(*arguments)
+            self.assertEqual(done.returncode, 2, f"{arguments}: {done.stderr}")
+            self.assertEqual(done.stdout, "")
+            self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+            self.assertIn("--help", done.stderr)
+
+    def test_help_and_version(self):
+        self.assertRegex(self.succeed("--version"), r"^\d+\.\d+\.\d+\n$")
+        for command in ([], ["generate"], ["generate", "city"], ["build"], ["info"], ["validate"], ["render"]):
+            self.assertIn("Usage", self.succeed(*command, "--help"))
+
+    def test_missing_mesh_of_a_scene(self):
+        environment = dict(self.environment)
+        environment.pop("OCCLOD_MESHES", None)
+        done = subprocess.run([OCCLOD, "render", SCENES / "armadillo.json"], env=environment, capture_output=True, text=True)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("armadillo.off", done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=1)

@@ -1,0 +1,15 @@
+// The subcommands. Each adds itself to the command line and does its work when it is chosen, throwing Error when that
+// fails.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace occlod::tool {
+
+void add_build(CLI::App& app);
+void add_generate(CLI::App& app);
+void add_info(CLI::App& app);
+void add_render(CLI::App& app);
+void add_validate(CLI::App& app);
+
+}  // namespace occlod::tool

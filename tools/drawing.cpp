@@ -1,0 +1,28 @@
+#include "drawing.h"
+
+namespace occlod::tool {
+
+std::vector<RefineObject> refine_objects(const std::vector<LoadedObject>& objects) {
+  std::vector<RefineObject> result;
+  for (const LoadedObject& object : objects)
+    result.push_back({object.hierarchy.get(), object.object_to_world, object.two_sided});
+  return result;
+}
+
+DrawObject draw_object(const LoadedObject& object, std::span<const Triangle> triangles) {
+  return {object.hierarchy->positions(), object.hierarchy->data().colors, triangles, object.object_to_world};
+}
+
+std::vector<DrawObject> draw_objects(const std::vector<LoadedObject>& objects, const Refinement& refinement) {
+  std::vector<DrawObject> result;
+  for (std::size_t i = 0; i < objects.size(); ++i)
+    result.push_back(draw_object(objects[i], refinement.objects[i].triangles));
+  return result;
+}
+
+void redraw(ItemBuffer& items, std::span<const DrawObject> objects, const View& view) {
+  items.reset(view.width(), view.height());
+  draw_items(items, objects, view);
+}
+
+}  // namespace occlod::tool

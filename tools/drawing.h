@@ -1,0 +1,25 @@
+// From loaded objects to what is refined and what is drawn.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "occlod/picture/picture.h"
+#include "occlod/raster/item_buffer.h"
+#include "occlod/refine/refiner.h"
+#include "occlod/scene/scene.h"
+#include "occlod/view/view.h"
+
+namespace occlod::tool {
+
+[[nodiscard]] std::vector<RefineObject> refine_objects(const std::vector<LoadedObject>& objects);
+
+// Both point into their arguments.
+[[nodiscard]] DrawObject draw_object(const LoadedObject& object, std::span<const Triangle> triangles);
+[[nodiscard]] std::vector<DrawObject> draw_objects(const std::vector<LoadedObject>& objects,
+                                                   const Refinement& refinement);
+
+// Empties the buffer and draws all objects.
+void redraw(ItemBuffer& items, std::span<const DrawObject> objects, const View& view);
+
+}  // namespace occlod::tool

@@ -1,0 +1,74 @@
+#include "json_output.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <glm/gtc/type_ptr.hpp>
+#include <string>
+#include <vector>
+
+namespace occlod::tool {
+
+Json to_json(const glm::dvec3& vector) { return {vector.x, vector.y, vector.z}; }
+
+Json to_json(const glm::dmat4& matrix) {
+  const double* numbers = glm::value_ptr(matrix);
+  return std::vector<double>(numbers, numbers + 16);
+}
+
+Json to_json(const Camera& camera) {
+  return {{"eye", to_json(camera.eye)}, {"target", to_json(camera.target)},
+          {"up", to_json(camera.up)},   {"fov_y_deg", camera.fov_y_deg},
+          {"width", camera.width},      {"height", camera.height},
+          {"near", camera.near},        {"far", camera.far}};
+}
+
+Json to_json(const MeshReport& report) {
+  return {{"vertices_read", report.vertices_read},
+          {"polygons_read", report.polygons_read},
+          {"polygons_triangulated", report.polygons_triangulated},
+          {"triangles_read", report.triangles_read},
+          {"vertices_welded", report.vertices_welded},
+          {"attribute_conflicts", report.attribute_conflicts},
+          {"unreferenced_vertices", report.unreferenced_vertices},
+          {"nonfinite_vertices", report.nonfinite_vertices},
+          {"repeated_index_triangles", report.repeated_index_triangles},
+          {"zero_area_triangles", report.zero_area_triangles},
+          {"repeated_triangles", report.repeated_triangles},
+          {"boundary_edges", report.boundary_edges},
+          {"nonmanifold_edges", report.nonmanifold_edges},
+          {"inconsistent_edges", report.inconsistent_edges},
+          {"nonmanifold_vertices", report.nonmanifold_vertices},
+          {"components", report.components}};
+}
+
+Json counts_of(const Hierarchy& hierarchy) {
+  const std::size_t vertices = hierarchy.vertex_count();
+  return {{"vertices", vertices},
+          {"triangles", hierarchy.input_triangle_count()},
+          {"base_triangles", hierarchy.base_triangle_count()},
+          {"splits", hierarchy.split_count()},
+          {"faces", hierarchy.face_count()},
+          {"bytes", hierarchy.bytes()},
+          {"bytes_per_vertex",
+           static_cast<double>(hierarchy.bytes()) / static_cast<double>(std::max<std::size_t>(vertices, 1))},
+          {"error_bound", hierarchy.error_bound()}};
+}
+
+// Names of files need not be UTF-8, JSON has to be.
+void print_json(const Json& object) { fmt::print("{}\n", object.dump(2, ' ', false, Json::error_handler_t::replace)); }
+
+void print_lines(const Json& object) {
+  std::size_t width = 0;
+  for (const auto& [key, value] : object.items()) width = std::max(width, key.size());
+  for (const auto& [key, value] : object.items()) {
+    if (value.is_structured()) continue;
+    const std::string text = value.is_string()         ? value.get<std::string>()
+                             : value.is_number_float() ? fmt::format("{:.6g}", value.get<double>())
+                                                       : value.dump();
+    fmt::print("{:<{}}  {}\n", key, width, text);
+  }
+}
+
+}  // namespace occlod::tool

@@ -1,0 +1,58 @@
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <exception>
+#include <string>
+#include <system_error>
+
+#include "commands.h"
+#include "occlod/core/error.h"
+#include "occlod/core/version.h"
+
+namespace occlod::tool {
+namespace {
+
+constexpr int exit_failed = 1;
+constexpr int exit_wrong_use = 2;
+
+void print_error(const std::string& line) { fmt::print(stderr, "occlod: error: {}\n", line); }
+
+int wrong_use(const CLI::App& app, const CLI::ParseError& error) {
+  std::string command = "occlod";
+  for (const CLI::App* chosen : app.get_subcommands()) command += " " + chosen->get_name();
+  print_error(fmt::format("{}; see {} --help", error.what(), command));
+  return exit_wrong_use;
+}
+
+// A full disk shows when the last of the output is written.
+void flush_output() {
+  if (std::fflush(stdout) != 0)
+    throw Error({"standard output", "", std::generic_category().message(errno), "free some space"});
+}
+
+int run(int argc, char** argv) {
+  CLI::App app("Continuous level of detail under a hard triangle budget, controlled by occlusion.", "occlod");
+  app.set_version_flag("--version", version());
+  app.require_subcommand(1);
+  add_generate(app);
+  add_build(app);
+  add_info(app);
+  add_validate(app);
+  add_render(app);
+  try {
+    app.parse(argc, argv);
+    flush_output();
+  } catch (const CLI::ParseError& error) {
+    return error.get_exit_code() == 0 ? app.exit(error) : wrong_use(app, error);
+  } catch (const std::exception& error) {
+    print_error(error.what());
+    return exit_failed;
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace occlod::tool
+
+int main(int argc, char** argv) { return occlod::tool::run(argc, argv); }

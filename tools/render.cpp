@@ -1,0 +1,201 @@
+// occlod render SCENE.json|MESH|FILE.olod: refines one view and measures, draws or saves what comes of it.
+#include <algorithm>
+#include <charconv>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "accuracy.h"
+#include "backend.h"
+#include "commands.h"
+#include "drawing.h"
+#include "json_output.h"
+#include "occlod/io/write_mesh.h"
+#include "occlod/picture/compare.h"
+#include "occlod/picture/picture.h"
+#include "occlod/raster/item_buffer.h"
+#include "occlod/refine/refiner.h"
+#include "occlod/view/view.h"
+#include "render_input.h"
+#include "render_report.h"
+#include "stopwatch.h"
+#include "world_mesh.h"
+
+namespace occlod::tool {
+namespace {
+
+struct Options {
+  RenderInputOptions input;
+  RefineOptions refine;
+  BackendOptions backend;
+  std::string png;
+  std::string birdseye;
+  std::string mesh;
+  bool reference = false;
+  int repeat = 1;
+  bool json = false;
+};
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const std::size_t half = values.size() / 2;
+  return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2.0;
+}
+
+// Refines and draws `repeat` times; the refinement and the item buffer are those of the last time.
+class Measurement {
+ public:
+  Measurement(const RenderInput& input, const View& view)
+      : input_(input), view_(view), refiner_(refine_objects(input.objects)) {}
+
+  void run(const Options& options, Visibility& visibility) {
+    for (int i = 0; i < options.repeat; ++i) {
+      refinement_ = &refiner_.refine(view_, options.refine, visibility);
+      objects_ = draw_objects(input_.objects, *refinement_);
+      const Stopwatch stopwatch;
+      redraw(items_, objects_, view_);
+      draw_ms_.push_back(stopwatch.milliseconds());
+      refine_ms_.push_back(refinement_->stats.refine_ms);
+      occlusion_ms_.push_back(refinement_->stats.occlusion_ms);
+    }
+  }
+
+  [[nodiscard]] const Refinement& refinement() const { return *refinement_; }
+  [[nodiscard]] const ItemBuffer& items() const { return items_; }
+  [[nodiscard]] std::span<const DrawObject> objects() const { return objects_; }
+  [[nodiscard]] RenderTimes times() const { return {median(refine_ms_), median(occlusion_ms_), median(draw_ms_)}; }
+
+ private:
+  const RenderInput& input_;
+  const View& view_;
+  Refiner refiner_;
+  const Refinement* refinement_ = nullptr;
+  std::vector<DrawObject> objects_;
+  ItemBuffer items_;
+  std::vector<double> refine_ms_;
+  std::vector<double> occlusion_ms_;
+  std::vector<double> draw_ms_;
+};
+
+void write_outputs(const Options& options, const Measurement& measurement, const View& view) {
+  const std::span<const DrawObject> objects = measurement.objects();
+  if (!options.png.empty()) write_png(options.png, shade(measurement.items(), objects, view));
+  if (!options.birdseye.empty())
+    write_png(options.birdseye, birdseye(objects, measurement.items(), view, View(birdseye_camera(objects, view))));
+  if (!options.mesh.empty()) write_mesh(options.mesh, world_mesh(objects));
+}
+
+void run(const Options& options) {
+  const Backend backend = make_backend(options.backend);
+  const RenderInput input = load_render_input(options.input);
+  const View view(input.camera);
+  Measurement measurement(input, view);
+  measurement.run(options, *backend.visibility);
+  write_outputs(options, measurement, view);
+
+  RenderResult result{input,
+                      options.refine,
+                      backend,
+                      measurement.refinement(),
+                      count_visible_items(measurement.items(), measurement.refinement().stats.triangles),
+                      measurement.times(),
+                      {},
+                      {}};
+  if (options.reference) {
+    result.distance = distance_to_full_mesh(input.objects, view, measurement.items(), measurement.objects());
+    result.wrongly_hidden_px = count_wrongly_hidden(input.objects, view, options.refine, *backend.visibility);
+  }
+  const Json report = report_of(result);
+  options.json ? print_json(report) : print_lines(report);
+}
+
+bool parse_size(const std::string& text, ImageSize& size) {
+  const char* end = text.data() + text.size();
+  const auto width = std::from_chars(text.data(), end, size.width);
+  if (width.ec != std::errc() || width.ptr == end || *width.ptr != 'x') return false;
+  const auto height = std::from_chars(width.ptr + 1, end, size.height);
+  return height.ec == std::errc() && height.ptr == end && size.width > 0 && size.height > 0;
+}
+
+void add_input_options(CLI::App& command, Options& options) {
+  command.add_option("SCENE", options.input.file, "A scene (.json), a mesh or a hierarchy (.olod)")->required();
+  command.add_option("--camera", options.input.camera, "A camera of the scene by name")->capture_default_str();
+  command
+      .add_option_function<std::string>(
+          "--size",
+          [&options](const std::string& text) {
+            ImageSize size;
+            if (!parse_size(text, size)) throw CLI::ValidationError("--size", "is not WIDTHxHEIGHT in pixels: " + text);
+            options.input.size = size;
+          },
+          "Size of the image instead of the camera's own")
+      ->type_name("WxH");
+  command.add_flag("!--no-cache", options.input.use_cache, "Build hierarchies anew and keep none");
+}
+
+void add_refine_options(CLI::App& command, RefineOptions& refine) {
+  static const std::map<std::string, Culling> cullings = {{"subtree", Culling::subtree}, {"star", Culling::star}};
+  static const std::map<std::string, Proxy> proxies = {
+      {"sphere", Proxy::sphere}, {"box", Proxy::box}, {"cylinder", Proxy::cylinder}};
+  command.add_option("--budget", refine.budget, "Triangles over all objects; never exceeded")->capture_default_str();
+  command.add_option("--tolerance", refine.tolerance_px, "Stop at this screen error, pixels; 0 = use the budget up")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber);
+  command.add_option("--culling", refine.culling, "subtree (the paper) or star; star when not given")
+      ->transform(CLI::CheckedTransformer(cullings));
+  command.add_option("--proxy", refine.proxy, "Bounds to ask about: cylinder, box or sphere; cylinder when not given")
+      ->transform(CLI::CheckedTransformer(proxies));
+  command.add_option("--levels", refine.level_step, "Ask about occlusion on every N-th level of the forest")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
+  command
+      .add_option("--occluder-splits", refine.occluder_splits, "Draw the occluder after so many splits, e.g. 300,2500")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  command
+      .add_option("--visible-exponent", refine.visible_exponent,
+                  "Weight of the visible share of a split's faces; 0 = none")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber);
+}
+
+void add_backend_options(CLI::App& command, BackendOptions& backend) {
+  command.add_option("--occlusion", backend.occlusion, "Who decides what is hidden")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"none", "software", "gl-query"}));
+  command
+      .add_option("--gl-platform", backend.gl_platform,
+                  "Where gl-query gets its context; what the machine offers when not given")
+      ->check(CLI::IsMember({"egl", "osmesa"}));
+  command.add_option("--flight", backend.flight, "gl-query: queries under way at once")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
+}
+
+void add_output_options(CLI::App& command, Options& options) {
+  command.add_option("--png", options.png, "Write a picture of the view");
+  command.add_option("--birdseye", options.birdseye,
+                     "Write a picture from above: seen triangles bright, unseen ones dark");
+  command.add_option("--mesh", options.mesh, "Write the refined mesh, all objects in world space");
+  command.add_flag("--reference", options.reference,
+                   "Compare the picture with that of the full mesh, and count what occlusion hides wrongly");
+  command.add_option("--repeat", options.repeat, "Refine so often; times are medians")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
+  command.add_flag("--json", options.json, "Print one JSON object");
+}
+
+}  // namespace
+
+void add_render(CLI::App& app) {
+  CLI::App& command = *app.add_subcommand("render", "Refine one view of a scene and measure, draw or save it");
+  const auto options = std::make_shared<Options>();
+  add_input_options(command, *options);
+  add_refine_options(command, options->refine);
+  add_backend_options(command, options->backend);
+  add_output_options(command, *options);
+  command.callback([options] { run(*options); });
+}
+
+}  // namespace occlod::tool

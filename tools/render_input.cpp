@@ -1,0 +1,91 @@
+#include "render_input.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
+#include <glm/vec4.hpp>
+#include <limits>
+
+#include "occlod/core/error.h"
+#include "occlod/math/bounds.h"
+#include "progress.h"
+
+namespace occlod::tool {
+namespace {
+
+SceneDescription scene_of_one(const std::filesystem::path& file) {
+  if (!std::filesystem::exists(file)) throw Error({file.string(), "", "is not there", "check the name"});
+  SceneDescription scene;
+  scene.name = file.stem().string();
+  scene.objects.push_back({.source = MeshFile{{std::filesystem::absolute(file).string()}}});
+  return scene;
+}
+
+std::vector<LoadedObject> load(const SceneDescription& scene, const RenderInputOptions& options) {
+  Progress progress;
+  LoadOptions load_options;
+  load_options.use_cache = options.use_cache;
+  load_options.progress = [&](const std::string& what, double done) { progress.show(what, done); };
+  load_options.note = [](const std::string& line) { fmt::print(stderr, "occlod: note: {}\n", line); };
+  return load_objects(scene, options.file.parent_path(), load_options);
+}
+
+Camera named_camera(const SceneDescription& scene, const RenderInputOptions& options) {
+  const auto found = scene.cameras.find(options.camera);
+  if (found != scene.cameras.end()) return found->second;
+  std::vector<std::string> names;
+  for (const auto& [name, camera] : scene.cameras) names.push_back(name);
+  throw Error({options.file.string(), "/cameras", fmt::format("has no \"{}\"", options.camera),
+               fmt::format("use one of: {}", fmt::join(names, ", "))});
+}
+
+// Looks at the sphere around all objects, from a little above and to the right, as near as the smaller side of the
+// image allows.
+Camera camera_that_sees(const std::vector<LoadedObject>& objects, const ImageSize& size) {
+  glm::dvec3 low(std::numeric_limits<double>::infinity());
+  glm::dvec3 high = -low;
+  for (const LoadedObject& object : objects) {
+    for (int i = 0; i < 8; ++i) {
+      const glm::dvec3 point(object.object_to_world * glm::dvec4(corner(object.hierarchy->box(), i), 1.0));
+      low = glm::min(low, point);
+      high = glm::max(high, point);
+    }
+  }
+  const double radius = std::max(glm::length(high - low) / 2.0, std::numeric_limits<float>::min() * 1.0);
+  Camera camera;
+  camera.width = size.width;
+  camera.height = size.height;
+  camera.target = (low + high) / 2.0;
+  const double half_angle_y = glm::radians(camera.fov_y_deg) / 2.0;
+  const double half_angle =
+      std::atan(std::tan(half_angle_y) * std::min(1.0, static_cast<double>(size.width) / size.height));
+  const double distance = 1.02 * radius / std::sin(half_angle);
+  camera.eye = camera.target + distance * glm::normalize(glm::dvec3(1.0, 1.0, 2.0));
+  camera.near = (distance - radius) / 2.0;
+  camera.far = distance + 2.0 * radius;
+  return camera;
+}
+
+}  // namespace
+
+RenderInput load_render_input(const RenderInputOptions& options) {
+  const bool is_scene = options.file.extension() == ".json";
+  const SceneDescription scene = is_scene ? read_scene(options.file) : scene_of_one(options.file);
+  RenderInput input;
+  input.name = scene.name;
+  if (is_scene) input.camera = named_camera(scene, options);
+  if (options.size) {
+    input.camera.width = options.size->width;
+    input.camera.height = options.size->height;
+  }
+  input.objects = load(scene, options);
+  if (!is_scene) input.camera = camera_that_sees(input.objects, {input.camera.width, input.camera.height});
+  return input;
+}
+
+}  // namespace occlod::tool

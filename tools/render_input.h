@@ -1,0 +1,35 @@
+// What `occlod render` is given: a scene file, or a single mesh or hierarchy with a camera that sees all of it.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "occlod/scene/scene.h"
+#include "occlod/view/camera.h"
+
+namespace occlod::tool {
+
+struct ImageSize {
+  int width = 0;
+  int height = 0;
+};
+
+struct RenderInputOptions {
+  std::filesystem::path file;
+  std::string camera = "default";
+  std::optional<ImageSize> size;  // instead of the camera's own
+  bool use_cache = true;
+};
+
+struct RenderInput {
+  std::string name;
+  std::vector<LoadedObject> objects;
+  Camera camera;
+};
+
+// Shows progress and notes on standard error. Throws Error.
+[[nodiscard]] RenderInput load_render_input(const RenderInputOptions& options);
+
+}  // namespace occlod::tool

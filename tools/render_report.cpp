@@ -1,0 +1,94 @@
+#include "render_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace occlod::tool {
+namespace {
+
+void add_what_was_asked(Json& report, const RenderResult& result) {
+  const RefineOptions& options = result.options;
+  report["scene"] = result.input.name;
+  report["culling"] = name_of(options.culling);
+  report["occlusion"] = result.backend.visibility->name();
+  if (!result.backend.gl.is_null()) report["gl"] = result.backend.gl;
+  report["budget"] = options.budget;
+  report["tolerance_px"] = options.tolerance_px;
+  report["visible_exponent"] = options.visible_exponent;
+  report["proxy"] = name_of(options.proxy);
+  report["level_step"] = options.level_step;
+  report["occluder_splits"] = options.occluder_splits;
+}
+
+void add_stats(Json& report, const RenderResult& result) {
+  const RefineStats& stats = result.refinement.stats;
+  report["triangles"] = stats.triangles;
+  report["visible_triangles"] = result.visible_triangles;
+  report["visible_share"] =
+      static_cast<double>(result.visible_triangles) / static_cast<double>(std::max<std::size_t>(stats.triangles, 1));
+  report["splits"] = stats.splits;
+  report["forced_splits"] = stats.forced_splits;
+  report["rejected_splits"] = stats.rejected_splits;
+  report["visits"] = stats.visits;
+  report["culled_frustum"] = stats.culled_frustum;
+  report["culled_backface"] = stats.culled_backface;
+  report["culled_occlusion"] = stats.culled_occlusion;
+  report["queries"] = stats.queries;
+  report["queries_hidden"] = stats.queries_hidden;
+  report["occluder_draws"] = stats.occluder_draws;
+  report["refine_ms"] = result.times.refine_ms;
+  report["occlusion_ms"] = result.times.occlusion_ms;
+  report["draw_ms"] = result.times.draw_ms;
+  report["max_error_px"] = stats.max_error_px;
+  report["hash"] = fmt::format("{:016x}", result.refinement.hash());
+}
+
+Json objects_of(const RenderResult& result) {
+  Json objects = Json::array();
+  for (std::size_t i = 0; i < result.input.objects.size(); ++i) {
+    const LoadedObject& object = result.input.objects[i];
+    const RefinedObject& refined = result.refinement.objects[i];
+    objects.push_back({{"source", object.source_name},
+                       {"triangles", refined.triangles.size()},
+                       {"base_triangles", object.hierarchy->base_triangle_count()},
+                       {"full_triangles", object.hierarchy->input_triangle_count()},
+                       {"splits", refined.splits.size()},
+                       {"two_sided", object.two_sided},
+                       {"object_to_world", to_json(object.object_to_world)}});
+  }
+  return objects;
+}
+
+}  // namespace
+
+const char* name_of(Culling culling) { return culling == Culling::subtree ? "subtree" : "star"; }
+
+const char* name_of(Proxy proxy) {
+  switch (proxy) {
+    case Proxy::sphere:
+      return "sphere";
+    case Proxy::box:
+      return "box";
+    case Proxy::cylinder:
+      break;
+  }
+  return "cylinder";
+}
+
+Json report_of(const RenderResult& result) {
+  Json report;
+  add_what_was_asked(report, result);
+  add_stats(report, result);
+  report["wrongly_hidden_px"] = result.wrongly_hidden_px ? Json(*result.wrongly_hidden_px) : Json();
+  if (result.distance) {
+    report["depth_rms_px"] = result.distance->depth_rms_px;
+    report["silhouette_mismatch"] = result.distance->silhouette_mismatch;
+    report["psnr_y"] = result.distance->psnr_y;
+  }
+  report["camera"] = to_json(result.input.camera);
+  report["objects"] = objects_of(result);
+  return report;
+}
+
+}  // namespace occlod::tool
