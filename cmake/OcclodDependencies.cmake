@@ -18,6 +18,7 @@ if(OCCLOD_BUILD_TOOLS)
 endif()
 if(OCCLOD_BUILD_TESTS)
   find_package(GTest REQUIRED)
+  find_package(OpenMesh REQUIRED)  # for interop/openmesh.h
   find_package(Python3 REQUIRED COMPONENTS Interpreter)
   include(GoogleTest)
 endif()

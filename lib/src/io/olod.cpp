@@ -26,6 +26,7 @@ static_assert(std::endian::native == std::endian::little, ".olod files are littl
 constexpr std::array<char, 8> magic = {'O', 'L', 'O', 'D', '\r', '\n', '\x1a', '\n'};
 constexpr std::uint64_t alignment = 64;  // of every section
 constexpr std::uint32_t most_sections = 64;
+constexpr const char* rebuild = "build it again with 'occlod build'";
 
 struct FileHeader {
   std::array<char, 8> magic{};
@@ -131,16 +132,16 @@ class Reader {
   void read(std::string_view name, std::vector<T>& out) {
     static_assert(std::is_trivially_copyable_v<T>);
     const auto found = std::find_if(table_.begin(), table_.end(), [&](const Section& s) { return name_of(s) == name; });
-    if (found == table_.end()) refuse("", fmt::format("has no section {}", name), mend_);
+    if (found == table_.end()) refuse("", fmt::format("has no section {}", name), rebuild);
     if (found->element_bytes != sizeof(T) || found->bytes % sizeof(T) != 0)
-      refuse(place_of(*found), "has elements of another size", mend_);
+      refuse(place_of(*found), "has elements of another size", rebuild);
     // Bounded by the file's own size, which was checked.
     out.resize(found->bytes / sizeof(T));
     stream_.seekg(static_cast<std::streamoff>(found->offset));
     stream_.read(reinterpret_cast<char*>(out.data()), static_cast<std::streamsize>(found->bytes));
     if (!stream_) refuse(place_of(*found), "cannot be read", "check the disk");
     if (XXH3_64bits(out.data(), found->bytes) != found->checksum)
-      refuse(place_of(*found), "is damaged: its checksum is wrong", mend_);
+      refuse(place_of(*found), "is damaged: its checksum is wrong", rebuild);
   }
 
  private:
@@ -151,25 +152,25 @@ class Reader {
     if (header.version != olod_version)
       refuse("byte 8",
              fmt::format("is an .olod file of version {}, this program reads version {}", header.version, olod_version),
-             mend_);
+             rebuild);
     if (header.file_bytes != file_bytes_)
       refuse(
           "byte 16",
           fmt::format("has {} bytes, but says that it has {}: it was cut or added to", file_bytes_, header.file_bytes),
-          mend_);
+          rebuild);
     if (header.section_count > most_sections)
-      refuse("byte 12", fmt::format("claims {} sections", header.section_count), mend_);
+      refuse("byte 12", fmt::format("claims {} sections", header.section_count), rebuild);
     table_.resize(header.section_count);
     stream_.read(reinterpret_cast<char*>(table_.data()), static_cast<std::streamsize>(table_.size() * sizeof(Section)));
-    if (!stream_) refuse("byte 32", "ends inside its section table", mend_);
+    if (!stream_) refuse("byte 32", "ends inside its section table", rebuild);
     if (XXH3_64bits(table_.data(), table_.size() * sizeof(Section)) != header.table_checksum)
-      refuse("byte 32", "has a damaged section table: its checksum is wrong", mend_);
+      refuse("byte 32", "has a damaged section table: its checksum is wrong", rebuild);
   }
 
   void read_table() const {
     for (const Section& section : table_)
       if (section.offset > file_bytes_ || section.bytes > file_bytes_ - section.offset)
-        refuse(place_of(section), "lies outside the file", mend_);
+        refuse(place_of(section), "lies outside the file", rebuild);
   }
 
   static std::string_view name_of(const Section& section) { return {section.name.data(), section.name.size()}; }
@@ -177,7 +178,6 @@ class Reader {
     return fmt::format("section {} at byte {}", name_of(section), section.offset);
   }
 
-  static constexpr const char* mend_ = "build it again with 'occlod build'";
   std::filesystem::path path_;
   std::ifstream stream_;
   std::uint64_t file_bytes_ = 0;
@@ -202,10 +202,8 @@ OlodFile read_olod(const std::filesystem::path& path) {
   for_each_array(data, [&](std::string_view name, auto& array) { reader.read(name, array); });
   std::vector<MeshReport> report;
   reader.read(report_name, report);
-  if (report.size() != 1)
-    reader.refuse("section REPO", "does not hold one report", "build it again with 'occlod build'");
-  if (const auto problem = check_structure(data))
-    reader.refuse("", "holds no hierarchy: " + *problem, "build it again with 'occlod build'");
+  if (report.size() != 1) reader.refuse("section REPO", "does not hold one report", rebuild);
+  if (const auto problem = check_structure(data)) reader.refuse("", "holds no hierarchy: " + *problem, rebuild);
   return {Hierarchy(std::move(data)), report[0]};
 }
 

@@ -13,7 +13,7 @@ namespace occlod {
 
 std::uint8_t color_component(double unit_value) noexcept {
   if (!(unit_value > 0.0)) return 0;
-  return static_cast<std::uint8_t>(std::min(unit_value, 1.0) * 255.0 + 0.5);
+  return static_cast<std::uint8_t>(std::lround(std::min(unit_value, 1.0) * 255.0));
 }
 
 void PolygonSoup::add_vertex(double x, double y, double z, std::uint64_t line) {
