@@ -17,7 +17,7 @@ if [ -z "${OCCLOD_MESHES:-}" ] && [ -d ../shared/meshes ]; then
 fi
 
 scripts/setup.sh
-scripts/build.sh release
+scripts/build.sh release -DOCCLOD_BUILD_TESTS=OFF
 scripts/get_demo_meshes.sh || echo "demo: going on with the meshes that are there" >&2
 
 rm -rf "$out"
