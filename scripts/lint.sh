@@ -8,7 +8,8 @@ cd "$(dirname "$0")/.."
 only_changed=0
 if [ "${1:-}" = --changed ]; then only_changed=1; shift; fi
 build_dir=${1:-build/release}
-folders=(lib tools tests examples bench viewer)
+folders=()
+for folder in lib tools tests examples bench viewer; do [ -d "$folder" ] && folders+=("$folder"); done
 status=0
 
 # The name of version 14 of a tool, or nothing.
@@ -19,7 +20,7 @@ tool_14() {
   done
 }
 
-sources() { find "${folders[@]}" \( -name '*.cpp' -o -name '*.h' \) -print 2>/dev/null | LC_ALL=C sort; }
+sources() { find "${folders[@]}" \( -name '*.cpp' -o -name '*.h' \) -print | LC_ALL=C sort; }
 
 changed() {
   { git diff --name-only --diff-filter=d HEAD; git ls-files --others --exclude-standard; } 2>/dev/null | grep '\.cpp$' || true
