@@ -2,6 +2,7 @@
 find_package(glm REQUIRED)
 find_package(fmt REQUIRED)
 find_package(nlohmann_json REQUIRED)
+find_package(Threads REQUIRED)
 find_package(TinyGLTF REQUIRED)
 
 # xxHash is used as a header: XXH_INLINE_ALL leaves nothing to link.
@@ -15,6 +16,22 @@ find_path(OCCLOD_STB_INCLUDE_DIR stb/stb_image_write.h REQUIRED)
 
 if(OCCLOD_BUILD_TOOLS)
   find_package(CLI11 REQUIRED)
+endif()
+if(OCCLOD_WITH_CGAL AND (OCCLOD_BUILD_TOOLS OR OCCLOD_BUILD_BENCH))
+  set(CGAL_DO_NOT_WARN_ABOUT_CMAKE_BUILD_TYPE ON)
+  set(occlod_module_path ${CMAKE_MODULE_PATH})
+  find_package(CGAL QUIET)
+  set(CMAKE_MODULE_PATH ${occlod_module_path})  # CGAL puts its own search modules for OpenMesh and others in front
+  if(NOT CGAL_FOUND)
+    message(FATAL_ERROR "CGAL was not found: install it (libcgal-dev), or configure with -DOCCLOD_WITH_CGAL=OFF and go without `occlod compare`")
+  endif()
+endif()
+if(OCCLOD_BUILD_BENCH)
+  find_package(benchmark REQUIRED)
+  find_package(CLI11 REQUIRED)
+  # The peers that we measure ourselves against; those that are missing are left out of the table.
+  find_package(meshoptimizer QUIET)
+  find_package(OpenMesh QUIET)
 endif()
 if(OCCLOD_BUILD_TESTS)
   find_package(GTest REQUIRED)

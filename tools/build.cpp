@@ -71,6 +71,9 @@ void add_build(CLI::App& app) {
       .add_option("--boundary-weight", options->build.boundary_weight,
                   "How firmly boundaries are held, relative to the surface")
       ->capture_default_str();
+  command.add_option("--threads", options->build.threads, "Threads; 0 = one for each core. The result is the same")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber);
   command.add_flag("--json", options->json, "Print one JSON object");
   command.callback([options] { run(*options); });
 }

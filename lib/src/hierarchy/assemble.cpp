@@ -1,7 +1,7 @@
 #include "assemble.h"
 
 #include <algorithm>
-#include <array>
+#include <span>
 
 #include "star_mesh.h"
 
@@ -48,14 +48,19 @@ class Assembler {
     permute(mesh_.colors, data_.colors);
   }
 
-  // Base faces first, then those that each split inserts: the faces that its collapse ended.
+  // Base faces first, then those that each split inserts: the faces that its collapse ended. A face dies with the split
+  // that undoes the collapse which made it.
   void make_faces() {
-    const std::size_t faces = sequence_.faces.size();
-    face_id_.assign(faces, no_id);
+    const std::vector<SplitId> split_of = number_collapses();
+    const std::size_t faces = sequence_.base.size() + sequence_.ended.size();
     data_.faces.reserve(faces);
-    born_.reserve(faces);
+    data_.died.reserve(faces);
     data_.nodes.resize(split_count_ + 1);
-    for (const FaceId f : sequence_.base) add_face(f, no_id);
+    const auto add = [&](const LevelFace& face) {
+      data_.faces.emplace_back(new_id_[face.corners.x], new_id_[face.corners.y], new_id_[face.corners.z]);
+      data_.died.push_back(face.made_by == no_id ? no_id : split_of[face.made_by]);
+    };
+    for (const LevelFace& face : sequence_.base) add(face);
     for (SplitId s = 0; s < split_count_; ++s) {
       SplitNode& node = data_.nodes[s];
       const Collapse& collapse = collapse_of(s);
@@ -64,31 +69,33 @@ class Assembler {
       node.guaranteed_error = collapse.guaranteed_error;
       node.first_inserted = static_cast<FaceId>(data_.faces.size());
       const std::size_t end = sequence_.collapses[collapse_index(s) + 1].first_ended;
-      for (std::size_t i = collapse.first_ended; i < end; ++i) add_face(sequence_.ended[i], s);
+      for (std::size_t i = collapse.first_ended; i < end; ++i) add(sequence_.ended[i]);
     }
     data_.nodes[split_count_].first_inserted = static_cast<FaceId>(data_.faces.size());
     remove_faces();
   }
 
-  void add_face(FaceId old_id, SplitId born) {
-    face_id_[old_id] = static_cast<FaceId>(data_.faces.size());
-    const Triangle& t = sequence_.faces[old_id];
-    data_.faces.emplace_back(new_id_[t.x], new_id_[t.y], new_id_[t.z]);
-    born_.push_back(born);
+  [[nodiscard]] std::vector<SplitId> number_collapses() const {
+    CollapseId end = 0;
+    for (std::size_t i = 0; i < split_count_; ++i) end = std::max(end, sequence_.collapses[i].id + 1);
+    std::vector<SplitId> split_of(end, no_id);
+    for (SplitId s = 0; s < split_count_; ++s) split_of[collapse_of(s).id] = s;
+    return split_of;
   }
 
-  // A split removes the faces that its collapse made.
+  // Sorts the faces by the split that removes them.
   void remove_faces() {
-    data_.died.assign(data_.faces.size(), no_id);
+    std::vector<std::uint32_t> next(split_count_ + 1, 0);
+    for (const SplitId s : data_.died)
+      if (s != no_id) ++next[s + 1];
     for (SplitId s = 0; s < split_count_; ++s) {
-      data_.nodes[s].first_removed = static_cast<std::uint32_t>(data_.removed_faces.size());
-      const FaceId end = sequence_.collapses[collapse_index(s) + 1].first_made;
-      for (FaceId f = collapse_of(s).first_made; f < end; ++f) {
-        data_.removed_faces.push_back(face_id_[f]);
-        data_.died[face_id_[f]] = s;
-      }
+      next[s + 1] += next[s];
+      data_.nodes[s].first_removed = next[s];
     }
-    data_.nodes[split_count_].first_removed = static_cast<std::uint32_t>(data_.removed_faces.size());
+    data_.nodes[split_count_].first_removed = next[split_count_];
+    data_.removed_faces.resize(next[split_count_]);
+    for (FaceId f = 0; f < data_.faces.size(); ++f)
+      if (data_.died[f] != no_id) data_.removed_faces[next[data_.died[f]]++] = f;
   }
 
   void link_forest() {
@@ -114,22 +121,21 @@ class Assembler {
   // it inserts, which matters only where no removed face brings it along: at ears of a boundary and for components that
   // vanish.
   void find_dependencies() {
+    const std::vector<SplitId> born = births();
     data_.first_dependency.reserve(split_count_ + 1);
+    data_.dependencies.reserve(data_.removed_faces.size());
     std::vector<SplitId> needs;
-    std::vector<VertexId> brought;
     for (SplitId s = 0; s < split_count_; ++s) {
       data_.first_dependency.push_back(static_cast<std::uint32_t>(data_.dependencies.size()));
       needs.clear();
-      brought.assign(1, base_vertices_ + s);
-      for (std::uint32_t i = data_.nodes[s].first_removed; i < data_.nodes[s + 1].first_removed; ++i) {
-        const FaceId f = data_.removed_faces[i];
-        if (born_[f] != no_id) needs.push_back(born_[f]);
-        for (int k = 0; k < 3; ++k) brought.push_back(data_.faces[f][k]);
-      }
+      const std::span<const FaceId> removed(data_.removed_faces.data() + data_.nodes[s].first_removed,
+                                            data_.nodes[s + 1].first_removed - data_.nodes[s].first_removed);
+      for (const FaceId f : removed)
+        if (born[f] != no_id) needs.push_back(born[f]);
       for (FaceId f = data_.nodes[s].first_inserted; f < data_.nodes[s + 1].first_inserted; ++f)
         for (int k = 0; k < 3; ++k) {
           const VertexId w = data_.faces[f][k];
-          if (w >= base_vertices_ && std::find(brought.begin(), brought.end(), w) == brought.end())
+          if (w >= base_vertices_ && w != base_vertices_ + s && !is_corner(w, removed))
             needs.push_back(w - base_vertices_);
         }
       std::sort(needs.begin(), needs.end());
@@ -137,6 +143,18 @@ class Assembler {
       data_.dependencies.insert(data_.dependencies.end(), needs.begin(), needs.end());
     }
     data_.first_dependency.push_back(static_cast<std::uint32_t>(data_.dependencies.size()));
+  }
+
+  [[nodiscard]] bool is_corner(VertexId w, std::span<const FaceId> faces) const {
+    return std::any_of(faces.begin(), faces.end(), [&](FaceId f) { return contains(data_.faces[f], w); });
+  }
+
+  // The split that inserts each face.
+  [[nodiscard]] std::vector<SplitId> births() const {
+    std::vector<SplitId> born(data_.faces.size(), no_id);
+    for (SplitId s = 0; s < split_count_; ++s)
+      std::fill(born.begin() + data_.nodes[s].first_inserted, born.begin() + data_.nodes[s + 1].first_inserted, s);
+    return born;
   }
 
   // From fine to coarse, so that each split has its final errors before they are handed on.
@@ -160,8 +178,6 @@ class Assembler {
   SplitId split_count_ = 0;
   VertexId base_vertices_ = 0;
   std::vector<VertexId> new_id_;  // of each input vertex
-  std::vector<FaceId> face_id_;   // of each face of the sequence
-  std::vector<SplitId> born_;     // of each new face
   HierarchyData data_;
 };
 

@@ -4,7 +4,9 @@
 
 #include "assemble.h"
 #include "occlod/core/error.h"
+#include "parallel.h"
 #include "simplify.h"
+#include "spatial_order.h"
 #include "subtree_bounds.h"
 
 namespace occlod {
@@ -31,8 +33,9 @@ void check_input(const TriangleMesh& mesh) {
 
 Hierarchy build_hierarchy(const TriangleMesh& mesh, const BuildOptions& options) {
   check_input(mesh);
-  HierarchyData data = assemble(mesh, simplify(mesh, options));
-  bound_subtrees(data);
+  const TriangleMesh ordered = in_spatial_order(mesh);
+  HierarchyData data = assemble(ordered, simplify(ordered, options));
+  bound_subtrees(data, thread_count(options.threads));
   return Hierarchy(std::move(data));
 }
 

@@ -104,12 +104,13 @@ double ChangeBound::page_bound(const glm::dvec3& apex, const glm::dvec3& target)
   const glm::dvec2 t = project(target);
   flat_.resize(n);
   std::transform(p.begin(), p.end(), flat_.begin(), [&](const glm::dvec3& corner) { return project(corner); });
-  // Both fans must cover the same polygon once: no triangle turned over (for the apex on a feature line: or flat).
+  // Both fans must cover the same polygon once: no triangle turned over. An old one may stand upright: its heights are
+  // those of its edges.
   const double smallest = 1e-12 * length;
   for (std::size_t i = 0; i < edges; ++i) {
     const glm::dvec2& b = flat_[i];
     const glm::dvec2& c = flat_[(i + 1) % n];
-    if (cross2(b - a, c - a) < -smallest * (page_.closed ? 0.0 : 1.0)) return unbounded;
+    if (cross2(b - a, c - a) < -smallest) return unbounded;
     if (p[i] != target && p[(i + 1) % n] != target && !(cross2(b - t, c - t) > smallest)) return unbounded;
   }
   double largest = 0.0;

@@ -9,6 +9,8 @@ namespace occlod {
 namespace {
 
 constexpr double min_cos_turn = 0.25;  // cosine of the largest turn of a face's normal in one collapse
+// A corner flatter than this, as the square of its sine, is what rounding makes of three points on a line.
+constexpr double min_sin2_corner = 1e-11;
 
 std::size_t index_of(std::span<const VertexId> sorted, VertexId v) {
   const auto at = std::lower_bound(sorted.begin(), sorted.end(), v);
@@ -98,6 +100,8 @@ bool keeps_orientation(const StarMesh& mesh, std::span<const glm::vec3> position
     const glm::dvec3 after = glm::cross(edge, to - a);
     const double area_before = glm::dot(before, before);
     if (area_before == 0.0) continue;
+    const glm::dvec3 side = to - a;
+    if (!(glm::dot(after, after) > min_sin2_corner * glm::dot(edge, edge) * glm::dot(side, side))) return false;
     const double turn = glm::dot(before, after);
     if (!(turn > 0.0 && turn * turn >= min_cos_turn * min_cos_turn * area_before * glm::dot(after, after)))
       return false;

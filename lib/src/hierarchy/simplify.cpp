@@ -1,207 +1,124 @@
 #include "simplify.h"
 
 #include <algorithm>
-#include <cmath>
-#include <glm/geometric.hpp>
+#include <atomic>
 #include <limits>
-#include <queue>
+#include <thread>
 
-#include "change_bound.h"
-#include "collapse_rules.h"
+#include "collapse_worker.h"
 #include "occlod/core/error.h"
-#include "quadric.h"
-#include "star_mesh.h"
+#include "parallel.h"
 
 namespace occlod {
 namespace {
 
-// Of two collapses of equal quadric error the shorter goes first: on flat surface, where every error is zero, this
-// keeps triangles well shaped.
-constexpr double edge_length_weight = 1e-8;
-constexpr std::size_t collapses_between_reports = 8192;
+constexpr std::size_t block_size = 4096;  // vertices of a block; what it touches fits into a core's second-level cache
+constexpr std::size_t single_block_size = 8192;  // from here on the rest is one block
+constexpr double cheap_share = 0.5;  // of the vertices, those with the cheapest collapses have their turn in a pass
+constexpr double least_progress = 1.0 / 128;  // of the vertices; a pass that collapses fewer is the last
 
-float round_up(double x) {
-  const auto f = static_cast<float>(x);
-  return static_cast<double>(f) >= x ? f : std::nextafter(f, std::numeric_limits<float>::infinity());
-}
-
-struct Candidate {
-  double cost = 0.0;  // mean square error, object units squared; a lower bound until checked
-  VertexId v = no_id;
-  std::uint32_t stamp = 0;  // of v when this was computed
-
-  // std::priority_queue pops the largest: the cheapest candidate, ties by id.
-  bool operator<(const Candidate& other) const { return cost != other.cost ? cost > other.cost : v > other.v; }
-};
-
-struct Choice {
-  VertexId u = no_id;
-  double cost = std::numeric_limits<double>::infinity();
-  bool keeps_topology = false;
-};
-
+// Passes over all blocks, each as far as a threshold of cost below which half of the vertices lie; then the rest in
+// one. Blocks are runs of vertices in spatial order and shift by half a block from pass to pass, so that what a border
+// kept has its turn in the next. Blocks do not touch each other, and their records are joined in their order: the
+// result does not depend on which thread ran which.
 class Simplifier {
  public:
   Simplifier(const TriangleMesh& mesh, const BuildOptions& options)
-      : options_(options),
-        positions_(mesh.positions),
-        mesh_(mesh.triangles, mesh.vertex_count()),
-        quadrics_(mesh.vertex_count()),
-        stamps_(mesh.vertex_count(), 0),
-        face_errors_(mesh.triangle_count(), 0.0) {}
+      : options_(options), state_(mesh, options.boundary_weight), live_faces_(mesh.triangle_count()) {
+    live_.reserve(mesh.vertex_count());
+    for (VertexId v = 0; v < mesh.vertex_count(); ++v) live_.push_back(v);
+    const unsigned threads = thread_count(options.threads);
+    for (unsigned i = 0; i < threads; ++i) workers_.emplace_back(state_);
+  }
 
   CollapseSequence run() {
-    make_quadrics();
-    for (VertexId v = 0; v < positions_.size(); ++v) propose(v);
-    while (mesh_.live_face_count() > options_.base_triangles && !queue_.empty()) {
-      const Candidate candidate = queue_.top();
-      queue_.pop();
-      if (candidate.stamp == stamps_[candidate.v]) consider(candidate);
+    const std::size_t vertices = live_.size();
+    for (std::size_t pass = 0; many_left(); ++pass) {
+      const std::size_t made = run_pass(make_blocks(pass % 2 == 0 ? block_size : block_size / 2, threshold()));
+      if (static_cast<double>(made) < least_progress * static_cast<double>(live_.size())) break;
+      drop_dead();
+      report(1.0 - static_cast<double>(live_.size()) / static_cast<double>(vertices));
     }
-    sequence_.collapses.push_back(
-        {no_id, no_id, sequence_.ended.size(), static_cast<FaceId>(mesh_.face_count()), 0.0F, 0.0F});
-    sequence_.base = mesh_.live_faces();
-    sequence_.faces = mesh_.release_faces();
+    drop_dead();
+    // Down to the base, however long that takes: each run ends with a block that has nothing left or is small enough.
+    if (live_faces_ > options_.base_triangles) run_pass(make_blocks(live_.size(), std::numeric_limits<float>::max()));
+    sequence_.collapses.push_back({no_id, no_id, no_id, sequence_.ended.size(), 0.0F, 0.0F});
+    for (const FaceId f : state_.mesh.live_faces()) sequence_.base.push_back({state_.mesh.face(f), state_.made_by[f]});
     return std::move(sequence_);
   }
 
  private:
-  void make_quadrics() {
-    for (FaceId f = 0; f < mesh_.face_count(); ++f) {
-      const Triangle& t = mesh_.face(f);
-      const glm::dvec3 a(positions_[t.x]), b(positions_[t.y]), c(positions_[t.z]);
-      const glm::dvec3 cross = glm::cross(b - a, c - a);
-      const double twice_area = glm::length(cross);
-      if (!(twice_area > 0.0)) continue;
-      const glm::dvec3 normal = cross / twice_area;
-      Quadric plane;
-      plane.add_plane(normal, -glm::dot(normal, a), twice_area);
-      plane.weight = twice_area;
-      for (int i = 0; i < 3; ++i) {
-        quadrics_[t[i]] += plane;
-        hold_feature_edge(t[i], t[(i + 1) % 3], normal);
+  // Blocks may take away far more than a fine base mesh allows, so they stop well before it.
+  [[nodiscard]] bool many_left() const {
+    return live_.size() > single_block_size && live_faces_ > 4 * options_.base_triangles;
+  }
+
+  [[nodiscard]] float threshold() {
+    costs_.clear();
+    for (const VertexId v : live_) costs_.push_back(state_.costs[v]);
+    const auto middle = costs_.begin() + static_cast<std::ptrdiff_t>(cheap_share * static_cast<double>(costs_.size()));
+    std::nth_element(costs_.begin(), middle, costs_.end());
+    return std::min(*middle, std::numeric_limits<float>::max());
+  }
+
+  // The first block has `first_size` vertices, the others block_size or, when that is more, as many.
+  [[nodiscard]] std::vector<Block> make_blocks(std::size_t first_size, float threshold) {
+    std::vector<Block> blocks;
+    std::size_t end = first_size;
+    for (std::size_t begin = 0; begin < live_.size(); begin = end, end += block_size) {
+      const auto vertices = std::span<const VertexId>(live_).subspan(begin, std::min(end, live_.size()) - begin);
+      const auto number = static_cast<std::uint32_t>(blocks.size());
+      for (const VertexId v : vertices) state_.block_of[v] = number;
+      blocks.push_back(
+          {vertices, number, next_id_, threshold, live_faces_ - std::min(live_faces_, options_.base_triangles)});
+      next_id_ += static_cast<CollapseId>(vertices.size());
+    }
+    return blocks;
+  }
+
+  // Returns how many collapses were made.
+  std::size_t run_pass(const std::vector<Block>& blocks) {
+    records_.assign(blocks.size(), {});
+    std::atomic<std::size_t> next = 0;
+    const auto work = [&](CollapseWorker& worker) {
+      for (std::size_t i = next++; i < blocks.size(); i = next++) worker.run(blocks[i], records_[i]);
+    };
+    {
+      std::vector<std::jthread> threads;
+      for (std::size_t i = 1; i < std::min(workers_.size(), blocks.size()); ++i)
+        threads.emplace_back([&, i] { work(workers_[i]); });
+      work(workers_[0]);
+    }
+    std::size_t made = 0;
+    for (const BlockRecord& record : records_) {
+      for (Collapse collapse : record.collapses) {
+        collapse.first_ended += sequence_.ended.size();
+        sequence_.collapses.push_back(collapse);
       }
+      sequence_.ended.insert(sequence_.ended.end(), record.ended.begin(), record.ended.end());
+      live_faces_ -= record.faces_gone;
+      made += record.collapses.size();
     }
+    return made;
   }
 
-  // A plane through a boundary or non-manifold edge, upright on the face: leaving the line costs.
-  void hold_feature_edge(VertexId p, VertexId q, const glm::dvec3& face_normal) {
-    if (mesh_.edge_degree(p, q) == 2) return;
-    const glm::dvec3 a(positions_[p]);
-    const glm::dvec3 edge = glm::dvec3(positions_[q]) - a;
-    const double length2 = glm::dot(edge, edge);
-    const glm::dvec3 across = glm::cross(edge, face_normal);
-    const double length = glm::length(across);
-    if (!(length > 0.0)) return;
-    const glm::dvec3 normal = across / length;
-    Quadric plane;
-    plane.add_plane(normal, -glm::dot(normal, a), options_.boundary_weight * length2);
-    quadrics_[p] += plane;
-    quadrics_[q] += plane;
+  void drop_dead() {
+    std::erase_if(live_, [&](VertexId v) { return state_.mesh.star(v).empty(); });
   }
 
-  [[nodiscard]] double cost(VertexId v, VertexId u) const {
-    const glm::dvec3 from(positions_[v]);
-    const glm::dvec3 to(positions_[u]);
-    const glm::dvec3 edge = to - from;
-    return quadrics_[v].mean_square(to) + edge_length_weight * glm::dot(edge, edge);
-  }
-
-  // Puts v's cheapest collapse into the queue, unchecked.
-  void propose(VertexId v) {
-    ++stamps_[v];
-    double cheapest = std::numeric_limits<double>::infinity();
-    for (const FaceId f : mesh_.star(v)) {
-      const OppositeEdge e = opposite_edge(mesh_.face(f), v);
-      cheapest = std::min({cheapest, cost(v, e.next), cost(v, e.last)});
-    }
-    if (cheapest < std::numeric_limits<double>::infinity()) queue_.push({cheapest, v, stamps_[v]});
-  }
-
-  // Checks a candidate whose turn has come; makes the collapse, or puts it back where it belongs.
-  void consider(const Candidate& candidate) {
-    ring_.gather(mesh_, candidate.v);
-    const Choice choice = choose();
-    if (choice.cost > candidate.cost) {
-      queue_.push({choice.cost, candidate.v, candidate.stamp});
-      return;
-    }
-    collapse(choice);
-  }
-
-  // The cheapest collapse of the ring's vertex that the rules allow. Where they allow none, the cheapest that breaks
-  // the topology, at the price of the square of all that it may take away: a handle, a sliver or a component goes when
-  // errors have reached its size.
-  [[nodiscard]] Choice choose() {
-    const VertexId v = ring_.vertex();
-    const auto neighbours = ring_.neighbours();
-    Choice best, breaking;
-    double extent2 = 0.0;
-    for (std::size_t i = 0; i < neighbours.size(); ++i) {
-      const VertexId u = neighbours[i];
-      const glm::dvec3 edge = glm::dvec3(positions_[u]) - glm::dvec3(positions_[v]);
-      extent2 = std::max(extent2, glm::dot(edge, edge));
-      const double c = cost(v, u);
-      if (c < breaking.cost) breaking = {u, c, false};
-      if (c < best.cost && keeps_topology(mesh_, ring_, i) && keeps_orientation(mesh_, positions_, v, u))
-        best = {u, c, true};
-    }
-    if (best.u != no_id) return best;
-    breaking.cost = std::max(breaking.cost, 4.0 * extent2);
-    return breaking;
-  }
-
-  void collapse(const Choice& choice) {
-    const VertexId v = ring_.vertex();
-    const VertexId u = choice.u;
-    double moved = change_bound_(mesh_, positions_, ring_, u);
-    double error = std::sqrt(quadrics_[v].mean_square(glm::dvec3(positions_[u])));
-    const std::size_t first_ended = sequence_.ended.size();
-    const auto first_made = static_cast<FaceId>(mesh_.face_count());
-    mesh_.collapse(v, u, sequence_.ended);
-    double before = 0.0;
-    double extent = 0.0;
-    for (std::size_t i = first_ended; i < sequence_.ended.size(); ++i) {
-      before = std::max(before, face_errors_[sequence_.ended[i]]);
-      extent = std::max(extent, longest_edge(mesh_.face(sequence_.ended[i])));
-    }
-    if (!choice.keeps_topology) {
-      // What ended may have left nothing near it: its own extent is missing.
-      moved = extent;
-      error = std::max(error, extent);
-    }
-    const double after = before + moved;
-    face_errors_.resize(mesh_.face_count(), after);
-    sequence_.collapses.push_back({v, u, first_ended, first_made, round_up(error), round_up(after)});
-    quadrics_[u] += quadrics_[v];
-    ++stamps_[v];
-    // Costs change only where a quadric or the set of neighbours did: u and the ring that it shares.
-    for (const VertexId w : ring_.neighbours()) propose(w);
-    report_progress();
-  }
-
-  [[nodiscard]] double longest_edge(const Triangle& t) const {
-    const glm::dvec3 a(positions_[t.x]), b(positions_[t.y]), c(positions_[t.z]);
-    return std::max({glm::distance(a, b), glm::distance(b, c), glm::distance(c, a)});
-  }
-
-  void report_progress() {
-    if (!options_.progress || sequence_.collapses.size() % collapses_between_reports != 0) return;
-    const double vertices = static_cast<double>(positions_.size());
-    if (!options_.progress(static_cast<double>(sequence_.collapses.size()) / vertices))
-      throw Error({"build", "", "was cancelled", ""});
+  void report(double done) const {
+    if (options_.progress && !options_.progress(done)) throw Error({"build", "", "was cancelled", ""});
   }
 
   const BuildOptions& options_;
-  const std::vector<glm::vec3>& positions_;
-  StarMesh mesh_;
-  std::vector<Quadric> quadrics_;
-  std::vector<std::uint32_t> stamps_;
-  std::vector<double> face_errors_;  // distance of each face from the input, object units
-  std::priority_queue<Candidate> queue_;
+  SimplifyState state_;
+  std::vector<CollapseWorker> workers_;
+  std::vector<VertexId> live_;  // in spatial order
+  std::size_t live_faces_ = 0;
+  CollapseId next_id_ = 0;
+  std::vector<float> costs_;
+  std::vector<BlockRecord> records_;
   CollapseSequence sequence_;
-  VertexRing ring_;
-  ChangeBound change_bound_;
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Half-edge collapses from the input mesh down to the base mesh, in the order of their error, recorded.
+// Half-edge collapses from the input mesh down to the base mesh, cheapest first, recorded.
 #pragma once
 
 #include <cstdint>
@@ -10,24 +10,32 @@
 
 namespace occlod {
 
-// v was merged into u: ended faces are gone, faces [first_made, next collapse's first_made) came in their place.
+using CollapseId = std::uint32_t;  // names a collapse; ids ascend in the order in which collapses were made, with gaps
+
+// v was merged into u.
 struct Collapse {
   VertexId v = no_id;
   VertexId u = no_id;
-  std::size_t first_ended = 0;  // into CollapseSequence::ended
-  FaceId first_made = 0;
+  CollapseId id = no_id;
+  std::size_t first_ended = 0;    // into CollapseSequence::ended
   float error = 0.0F;             // quadric error, object units
   float guaranteed_error = 0.0F;  // distance of the faces made from the input, object units
 };
 
-struct CollapseSequence {
-  std::vector<Triangle> faces;  // every face there ever was; the input's first, in their order
-  std::vector<Collapse>
-      collapses;  // in the order in which they were made; then a sentinel that ends the last one's ranges
-  std::vector<FaceId> ended;
-  std::vector<FaceId> base;  // faces that are left, ascending
+// One face of one level: its corners, and the collapse that made it; no_id for faces of the input.
+struct LevelFace {
+  Triangle corners;
+  CollapseId made_by = no_id;
 };
 
+struct CollapseSequence {
+  std::vector<Collapse> collapses;  // in order; then a sentinel that ends the last one's range
+  std::vector<LevelFace> ended;     // the faces that each collapse ended
+  std::vector<LevelFace> base;      // those that are left
+};
+
+// `mesh` has passed build_hierarchy's checks. Quick when its vertices are in spatial order. The result does not depend
+// on the number of threads.
 [[nodiscard]] CollapseSequence simplify(const TriangleMesh& mesh, const BuildOptions& options);
 
 }  // namespace occlod

@@ -15,20 +15,28 @@ bool reversed(const Triangle& a, const Triangle& b) {
 
 }  // namespace
 
+FaceId* StarArena::allocate(std::size_t count) {
+  if (count > left_) {
+    left_ = std::max(count, chunk_size);
+    chunks_.push_back(std::make_unique_for_overwrite<FaceId[]>(left_));
+  }
+  left_ -= count;
+  return chunks_.back().get() + left_;
+}
+
 StarMesh::StarMesh(std::span<const Triangle> faces, std::size_t vertex_count)
-    : faces_(faces.begin(), faces.end()), stars_(vertex_count), live_(faces.size()) {
+    : faces_(faces.begin(), faces.end()), stars_(vertex_count), pool_(3 * faces.size()) {
   for (const Triangle& t : faces_)
     for (int i = 0; i < 3; ++i) ++stars_[t[i]].capacity;
-  std::size_t first = 0;
+  FaceId* place = pool_.data();
   for (Star& star : stars_) {
-    star.first = first;
-    first += star.capacity;
+    star.faces = place;
+    place += star.capacity;
   }
-  pool_.resize(first);
   for (FaceId f = 0; f < faces_.size(); ++f)
     for (int i = 0; i < 3; ++i) {
       Star& star = stars_[faces_[f][i]];
-      pool_[star.first + star.count++] = f;
+      star.faces[star.count++] = f;
     }
 }
 
@@ -49,89 +57,40 @@ void StarMesh::neighbours(VertexId v, std::vector<VertexId>& out) const {
   out.erase(std::unique(out.begin(), out.end()), out.end());
 }
 
-void StarMesh::collapse(VertexId v, VertexId u, std::vector<FaceId>& ended) {
-  assert(v != u);
-  const auto first_new = static_cast<FaceId>(faces_.size());
-  // add_to_star(u) may move the pool, so the star of v is read by index.
-  for (std::uint32_t i = 0; i < stars_[v].count; ++i) {
-    const FaceId f = pool_[stars_[v].first + i];
-    const OppositeEdge e = opposite_edge(faces_[f], v);
-    ended.push_back(f);
-    --live_;
-    if (e.next == u || e.last == u) {
-      remove_from_star(e.next, f);
-      remove_from_star(e.last, f);
-      continue;
-    }
-    const Triangle moved(u, e.next, e.last);
-    const FaceId twin = find_reverse(moved, u, first_new);
-    if (twin != no_id) {
-      for (const VertexId w : {e.next, e.last}) {
-        remove_from_star(w, f);
-        remove_from_star(w, twin);
-      }
-      remove_from_star(u, twin);
-      ended.push_back(twin);
-      --live_;
-      continue;
-    }
-    const auto made = static_cast<FaceId>(faces_.size());
-    faces_.push_back(moved);
-    replace_in_star(e.next, f, made);
-    replace_in_star(e.last, f, made);
-    add_to_star(u, made);
-    ++live_;
-  }
-  stars_[v].count = 0;
-}
-
 std::vector<FaceId> StarMesh::live_faces() const {
-  std::vector<FaceId> faces;
-  faces.reserve(live_);
+  std::vector<FaceId> live;
   for (VertexId v = 0; v < stars_.size(); ++v)
     for (const FaceId f : star(v))
-      if (faces_[f].x == v) faces.push_back(f);
-  std::sort(faces.begin(), faces.end());
-  return faces;
+      if (faces_[f].x == v) live.push_back(f);
+  std::sort(live.begin(), live.end());
+  return live;
 }
 
-void StarMesh::add_to_star(VertexId v, FaceId f) {
+void StarMesh::add_to_star(VertexId v, FaceId f, StarArena& arena) {
   Star& star = stars_[v];
   if (star.count == star.capacity) {
-    // Move to the end of the pool with twice the room; the old place is given up, which at most triples the pool.
-    const std::uint32_t capacity = std::max(8U, 2 * star.capacity);
-    const std::size_t first = pool_.size();
-    pool_.resize(first + capacity);
-    std::copy_n(pool_.begin() + static_cast<std::ptrdiff_t>(star.first), star.count,
-                pool_.begin() + static_cast<std::ptrdiff_t>(first));
-    star.first = first;
-    star.capacity = capacity;
+    star.capacity = std::max(8U, 2 * star.capacity);
+    FaceId* const place = arena.allocate(star.capacity);
+    std::copy_n(star.faces, star.count, place);
+    star.faces = place;
   }
-  pool_[star.first + star.count++] = f;
+  star.faces[star.count++] = f;
 }
 
-void StarMesh::remove_from_star(VertexId v, FaceId f) {
+// Keeps the order of the others: what was there before a collapse stays in front of what the collapse adds.
+void StarMesh::remove_from_star(VertexId v, FaceId f) noexcept {
   Star& star = stars_[v];
-  FaceId* const begin = pool_.data() + star.first;
-  FaceId* const end = begin + star.count;
-  FaceId* const found = std::find(begin, end, f);
+  FaceId* const end = star.faces + star.count;
+  FaceId* const found = std::find(star.faces, end, f);
   assert(found != end);
-  *found = *(end - 1);
+  std::copy(found + 1, end, found);
   --star.count;
 }
 
-void StarMesh::replace_in_star(VertexId v, FaceId old_face, FaceId new_face) {
-  Star& star = stars_[v];
-  FaceId* const begin = pool_.data() + star.first;
-  FaceId* const found = std::find(begin, begin + star.count, old_face);
-  assert(found != begin + star.count);
-  *found = new_face;
-}
-
-FaceId StarMesh::find_reverse(const Triangle& t, VertexId at, FaceId end) const noexcept {
-  for (const FaceId f : star(at))
-    if (f < end && reversed(t, faces_[f])) return f;
-  return no_id;
+FaceId StarMesh::find_reverse(const Triangle& t, VertexId u, std::uint32_t count) const noexcept {
+  const auto old_faces = star(u).first(count);
+  const auto found = std::find_if(old_faces.begin(), old_faces.end(), [&](FaceId f) { return reversed(t, faces_[f]); });
+  return found == old_faces.end() ? no_id : *found;
 }
 
 }  // namespace occlod

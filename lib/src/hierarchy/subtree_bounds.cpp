@@ -1,10 +1,13 @@
 #include "subtree_bounds.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
+
+#include "parallel.h"
 
 namespace occlod {
 namespace {
@@ -40,7 +43,8 @@ glm::vec3 unit_or(const glm::dvec3& v, const glm::vec3& otherwise) {
 
 class SubtreeBounds {
  public:
-  explicit SubtreeBounds(HierarchyData& data) : data_(data), splits_(data.nodes.size() - 1) {}
+  SubtreeBounds(HierarchyData& data, unsigned threads)
+      : data_(data), threads_(threads), splits_(data.nodes.size() - 1) {}
 
   void run() {
     order_depth_first();
@@ -49,7 +53,7 @@ class SubtreeBounds {
     join(patches_, blocks_);
     join(blocks_, large_blocks_);
     data_.cylinders.resize(splits_);
-    for (SplitId s = 0; s < splits_; ++s) bound(s);
+    for_each_split([&](SplitId s) { bound(s); });
   }
 
  private:
@@ -80,14 +84,21 @@ class SubtreeBounds {
       visit(data_.faces[data_.removed_faces[i]]);
   }
 
+  template <typename Visit>
+  void for_each_split(const Visit& visit) const {
+    for_each_range(splits_, threads_, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t s = begin; s < end; ++s) visit(static_cast<SplitId>(s));
+    });
+  }
+
   // Patches of own faces; boxes and mean normals of subtrees, from fine to coarse.
   void boxes_of_subtrees() {
     data_.boxes.resize(splits_);
+    for_each_split([&](SplitId s) { data_.boxes[s] = own_patch(s, patches_[place_[s]]); });
     mean_normals_.assign(splits_, glm::dvec3(0.0));
     for (std::size_t i = splits_; i-- > 0;) {
       const auto s = static_cast<SplitId>(i);
       Box& box = data_.boxes[s];
-      box = own_patch(s, patches_[place_[s]]);
       if (patches_[place_[s]].has_normal) mean_normals_[s] += glm::dvec3(patches_[place_[s]].axis);
       for (const SplitId child : {data_.nodes[s].child_u, data_.nodes[s].child_v}) {
         if (child == no_id) continue;
@@ -100,29 +111,38 @@ class SubtreeBounds {
 
   // Returns the box of the split's own faces.
   Box own_patch(SplitId s, Patch& patch) const {
-    Box box{data_.positions[data_.positions.size() - splits_ + s],
-            data_.positions[data_.positions.size() - splits_ + s]};
-    glm::dvec3 sum(0.0);
+    const glm::vec3& own = data_.positions[data_.positions.size() - splits_ + s];
+    Box box{own, own};
+    glm::vec3 sum(0.0F);
+    std::array<glm::vec3, 32> normals;  // of the first faces; few splits have more
+    std::size_t faces = 0;
     for_each_own_face(s, [&](const Triangle& t) {
       const glm::vec3 &a = data_.positions[t.x], &b = data_.positions[t.y], &c = data_.positions[t.z];
       box.min = glm::min(box.min, glm::min(a, glm::min(b, c)));
       box.max = glm::max(box.max, glm::max(a, glm::max(b, c)));
-      sum += unit_normal(t);
+      const glm::vec3 normal = unit_normal(a, b, c);
+      if (faces < normals.size()) normals[faces] = normal;
+      ++faces;
+      sum += normal;
     });
-    patch.axis = unit_or(sum, glm::vec3(0, 0, 1));
+    patch.axis = unit_or(glm::dvec3(sum), glm::vec3(0, 0, 1));
     patch.sphere.center = 0.5F * box.min + 0.5F * box.max;
-    patch.sphere.radius = glm::distance(patch.sphere.center, data_.positions[data_.positions.size() - splits_ + s]);
+    const auto distance2 = [&](const glm::vec3& p) {
+      return glm::dot(p - patch.sphere.center, p - patch.sphere.center);
+    };
+    float radius2 = distance2(own);
+    std::size_t i = 0;
     for_each_own_face(s, [&](const Triangle& t) {
-      for (int k = 0; k < 3; ++k)
-        patch.sphere.radius = std::max(patch.sphere.radius, glm::distance(patch.sphere.center, data_.positions[t[k]]));
-      const glm::dvec3 normal = unit_normal(t);
-      if (normal == glm::dvec3(0.0)) return;
+      const glm::vec3 &a = data_.positions[t.x], &b = data_.positions[t.y], &c = data_.positions[t.z];
+      radius2 = std::max({radius2, distance2(a), distance2(b), distance2(c)});
+      const glm::vec3 normal = i < normals.size() ? normals[i] : unit_normal(a, b, c);
+      ++i;
+      if (normal == glm::vec3(0.0F)) return;
       patch.has_normal = true;
-      const glm::dvec3 axis(patch.axis);
-      patch.cos_angle = std::min(patch.cos_angle, static_cast<float>(glm::dot(axis, normal)));
-      patch.sin_angle = std::max(patch.sin_angle, static_cast<float>(glm::length(glm::cross(axis, normal))));
+      patch.cos_angle = std::min(patch.cos_angle, glm::dot(patch.axis, normal));
+      patch.sin_angle = std::max(patch.sin_angle, glm::length(glm::cross(patch.axis, normal)));
     });
-    patch.sphere.radius *= grow;
+    patch.sphere.radius = std::sqrt(radius2) * grow;
     if (patch.cos_angle <= 0.0F) patch.cos_angle = -1.0F;
     return box;
   }
@@ -132,12 +152,13 @@ class SubtreeBounds {
     return glm::length(glm::max(box.max - center, center - box.min)) * grow;
   }
 
-  // Zero for a face without area: it covers no pixel and faces nowhere.
-  [[nodiscard]] glm::dvec3 unit_normal(const Triangle& t) const {
-    const glm::dvec3 a(data_.positions[t.x]), b(data_.positions[t.y]), c(data_.positions[t.z]);
-    const glm::dvec3 normal = glm::cross(b - a, c - a);
-    const double length = glm::length(normal);
-    return length > 0.0 ? normal / length : glm::dvec3(0.0);
+  // Zero for a face without area: it covers no pixel and faces nowhere. In double precision: the corners of a sliver
+  // are nearly on a line.
+  static glm::vec3 unit_normal(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
+    const glm::dvec3 from(a);
+    const glm::dvec3 normal = glm::cross(glm::dvec3(b) - from, glm::dvec3(c) - from);
+    const double length2 = glm::dot(normal, normal);
+    return length2 > 0.0 ? glm::vec3(normal / std::sqrt(length2)) : glm::vec3(0.0F);
   }
 
   // One patch for each block_size patches in a row.
@@ -217,6 +238,7 @@ class SubtreeBounds {
   }
 
   HierarchyData& data_;
+  unsigned threads_;
   std::size_t splits_;
   std::vector<std::uint32_t> place_;  // of each split in depth-first order
   std::vector<std::uint32_t> sizes_;  // of each split's subtree
@@ -227,6 +249,6 @@ class SubtreeBounds {
 
 }  // namespace
 
-void bound_subtrees(HierarchyData& data) { SubtreeBounds(data).run(); }
+void bound_subtrees(HierarchyData& data, unsigned threads) { SubtreeBounds(data, threads).run(); }
 
 }  // namespace occlod

@@ -1,0 +1,108 @@
+#include "occlod/hierarchy/cut_mesh.h"
+
+#include <algorithm>
+#include <cassert>
+#include <numeric>
+#include <utility>
+
+namespace occlod {
+namespace {
+
+// How many triangles there are after split s when there were `triangles` before it.
+std::size_t grown(const Hierarchy& hierarchy, std::size_t triangles, SplitId s) {
+  return triangles + hierarchy.inserted_count(s) - hierarchy.removed(s).size();
+}
+
+template <class IsApplied>
+FixedCut make_cut(const Hierarchy& hierarchy, const IsApplied& is_applied) {
+  FixedCut cut;
+  cut.applied.resize(hierarchy.split_count());
+  cut.triangles = hierarchy.base_triangle_count();
+  for (SplitId s = 0; s < hierarchy.split_count(); ++s) {
+    const SplitNode& node = hierarchy.node(s);
+    if (is_applied(s)) {
+      cut.applied[s] = true;
+      ++cut.splits;
+      cut.triangles = grown(hierarchy, cut.triangles, s);
+    } else {
+      cut.guaranteed_error = std::max(cut.guaranteed_error, node.guaranteed_error);
+      cut.error = std::max(cut.error, node.error);
+    }
+  }
+  return cut;
+}
+
+class Compaction {
+ public:
+  explicit Compaction(const HierarchyData& data) : data_(data), new_ids_(data.positions.size(), no_id) {}
+
+  void add(Triangle triangle) {
+    for (int corner = 0; corner < 3; ++corner) triangle[corner] = new_id(triangle[corner]);
+    mesh_.triangles.push_back(triangle);
+  }
+  [[nodiscard]] TriangleMesh take() { return std::move(mesh_); }
+
+ private:
+  VertexId new_id(VertexId v) {
+    if (new_ids_[v] == no_id) {
+      new_ids_[v] = static_cast<VertexId>(mesh_.positions.size());
+      mesh_.positions.push_back(data_.positions[v]);
+      if (!data_.normals.empty()) mesh_.normals.push_back(data_.normals[v]);
+      if (!data_.colors.empty()) mesh_.colors.push_back(data_.colors[v]);
+    }
+    return new_ids_[v];
+  }
+
+  const HierarchyData& data_;
+  std::vector<VertexId> new_ids_;
+  TriangleMesh mesh_;
+};
+
+}  // namespace
+
+FixedCut full_cut(const Hierarchy& hierarchy) {
+  return make_cut(hierarchy, [](SplitId) { return true; });
+}
+
+FixedCut cut_to_triangles(const Hierarchy& hierarchy, std::size_t max_triangles) {
+  // Errors are saturated, so with ties by number every split comes after those that it depends on.
+  std::vector<SplitId> order(hierarchy.split_count());
+  std::iota(order.begin(), order.end(), 0U);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](SplitId a, SplitId b) { return hierarchy.node(a).error > hierarchy.node(b).error; });
+  std::vector<bool> applied(order.size(), false);
+  std::size_t triangles = hierarchy.base_triangle_count();
+  for (const SplitId s : order) {
+    triangles = grown(hierarchy, triangles, s);
+    if (triangles > max_triangles) break;
+    applied[s] = true;
+  }
+  return make_cut(hierarchy, [&](SplitId s) { return applied[s]; });
+}
+
+FixedCut cut_to_error(const Hierarchy& hierarchy, double max_error) {
+  return make_cut(hierarchy, [&](SplitId s) { return hierarchy.node(s).guaranteed_error > max_error; });
+}
+
+std::vector<Triangle> triangles_of(const Hierarchy& hierarchy, const FixedCut& cut) {
+  assert(cut.applied.size() == hierarchy.split_count());
+  const HierarchyData& data = hierarchy.data();
+  std::vector<Triangle> triangles;
+  triangles.reserve(cut.triangles);
+  const auto add_living = [&](FaceId begin, FaceId end) {
+    for (FaceId f = begin; f < end; ++f)
+      if (data.died[f] == no_id || !cut.applied[data.died[f]]) triangles.push_back(data.faces[f]);
+  };
+  add_living(0, data.nodes[0].first_inserted);
+  for (SplitId s = 0; s < hierarchy.split_count(); ++s)
+    if (cut.applied[s]) add_living(data.nodes[s].first_inserted, data.nodes[s + 1].first_inserted);
+  return triangles;
+}
+
+TriangleMesh cut_mesh(const Hierarchy& hierarchy, const FixedCut& cut) {
+  Compaction compaction(hierarchy.data());
+  for (const Triangle& triangle : triangles_of(hierarchy, cut)) compaction.add(triangle);
+  return compaction.take();
+}
+
+}  // namespace occlod
