@@ -41,6 +41,7 @@ void add_stats(Json& report, const RenderResult& result) {
   report["occlusion_ms"] = result.times.occlusion_ms;
   report["draw_ms"] = result.times.draw_ms;
   report["max_error_px"] = stats.max_error_px;
+  report["max_quadric_error_px"] = stats.max_quadric_error_px;
   report["hash"] = fmt::format("{:016x}", result.refinement.hash());
 }
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <deque>
 #include <limits>
-#include <queue>
+#include <span>
 
 #include "cut.h"
 #include "occlod/core/error.h"
@@ -22,14 +22,30 @@ double ms_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
+// What a split that is not applied leaves on the screen, at most.
+struct ScreenError {
+  float quadric_px = 0.0F;
+  float guaranteed_px = 0.0F;
+
+  ScreenError() = default;
+  ScreenError(const SplitNode& node, float scale_px)
+      : quadric_px(in_pixels(node.error, scale_px)), guaranteed_px(in_pixels(node.guaranteed_error, scale_px)) {}
+  // Where an unlimited scale leaves no error at 0.
+  static float in_pixels(float error, float scale_px) { return error > 0.0F ? error * scale_px : 0.0F; }
+  void include(const ScreenError& o) {
+    quadric_px = std::max(quadric_px, o.quadric_px);
+    guaranteed_px = std::max(guaranteed_px, o.guaranteed_px);
+  }
+};
+
 // Something that refinement may do next.
 struct Entry {
   enum class Kind : std::uint8_t {
     visit,  // look at a node: descend below it
     apply,  // apply the split itself
   };
-  float priority = 0.0F;       // screen error in pixels, weighted
-  float guaranteed_px = 0.0F;  // screen error that is promised, unweighted
+  float priority = 0.0F;  // quadric screen error in pixels, weighted
+  ScreenError error;      // unweighted
   SplitId split = no_id;
   std::uint32_t object = 0;
   std::uint32_t asked_occluder = 0;  // number of the occluder that it was last found visible against; 0 = never asked
@@ -44,8 +60,27 @@ struct Entry {
   }
 };
 
-// error times scale, where an unlimited scale leaves no error at 0.
-float screen_error(float error, float scale_px) { return error > 0.0F ? error * scale_px : 0.0F; }
+// A heap that keeps its memory and lets its entries be looked through.
+class Queue {
+ public:
+  [[nodiscard]] bool empty() const noexcept { return entries_.empty(); }
+  [[nodiscard]] const Entry& top() const noexcept { return entries_.front(); }
+  [[nodiscard]] std::span<const Entry> entries() const noexcept { return entries_; }
+  void clear() noexcept { entries_.clear(); }
+  void push(const Entry& entry) {
+    entries_.push_back(entry);
+    std::push_heap(entries_.begin(), entries_.end());
+  }
+  Entry pop() {
+    std::pop_heap(entries_.begin(), entries_.end());
+    const Entry entry = entries_.back();
+    entries_.pop_back();
+    return entry;
+  }
+
+ private:
+  std::vector<Entry> entries_;
+};
 
 }  // namespace
 
@@ -99,7 +134,7 @@ class Refiner::Impl {
     views_.clear();
     for (const RefineObject& object : objects_) views_.emplace_back(view, object.object_to_world);
     for (Cut& cut : cuts_) cut.clear();
-    queue_ = {};
+    queue_.clear();
     pending_.clear();
     hidden_.clear();
     stats_ = {};
@@ -108,7 +143,7 @@ class Refiner::Impl {
     occluder_ = 0;
     splits_at_occluder_ = 0;
     rejections_in_a_row_ = 0;
-    max_error_px_ = 0.0F;
+    left_ = {};
     occlusion_ms_ = 0.0;
   }
 
@@ -120,16 +155,12 @@ class Refiner::Impl {
       }
       // Top the flight up from the global queue.
       while (!queue_.empty() && pending_.size() < visibility_->flight() && must_ask(queue_.top())) {
-        const Entry entry = queue_.top();
-        queue_.pop();
-        ask(entry);
+        ask(queue_.pop());
       }
       if (!pending_.empty() && (queue_.empty() || pending_.size() >= visibility_->flight())) {
         settle();
       } else if (!queue_.empty()) {
-        const Entry entry = queue_.top();
-        queue_.pop();
-        process(entry);
+        process(queue_.pop());
       } else {
         break;
       }
@@ -153,13 +184,17 @@ class Refiner::Impl {
       ++stats_.culled_backface;
       return;
     }
-    const float scale = view.largest_scale_px(node.sphere);
-    const float guaranteed_px = screen_error(node.guaranteed_error, scale);
-    if (guaranteed_px <= static_cast<float>(options_.tolerance_px) && options_.tolerance_px > 0.0) {
-      max_error_px_ = std::max(max_error_px_, guaranteed_px);
-      return;
-    }
-    offer({screen_error(node.error, scale), guaranteed_px, s, object, 0, Entry::Kind::visit});
+    const ScreenError error(node, view.largest_scale_px(node.sphere));
+    if (is_tolerated(error)) return;
+    offer({error.quadric_px, error, s, object, 0, Entry::Kind::visit});
+  }
+
+  // Small enough to be left as it is, and noted as such.
+  bool is_tolerated(const ScreenError& error) {
+    if (!(options_.tolerance_px > 0.0 && error.guaranteed_px <= static_cast<float>(options_.tolerance_px)))
+      return false;
+    left_.include(error);
+    return true;
   }
 
   [[nodiscard]] bool faces_away(const SplitNode& node, std::uint32_t object) const {
@@ -290,14 +325,10 @@ class Refiner::Impl {
       ++stats_.culled_backface;
       return;
     }
-    const float scale = view.largest_scale_px(star.sphere);
-    const float guaranteed_px = screen_error(node.guaranteed_error, scale);
-    if (guaranteed_px <= static_cast<float>(options_.tolerance_px) && options_.tolerance_px > 0.0) {
-      max_error_px_ = std::max(max_error_px_, guaranteed_px);
-      return;
-    }
+    const ScreenError error(node, view.largest_scale_px(star.sphere));
+    if (is_tolerated(error)) return;
     const float weight = std::pow(star.visible_share, static_cast<float>(options_.visible_exponent));
-    offer({screen_error(node.error, scale) * weight, guaranteed_px, entry.split, entry.object, 0, Entry::Kind::apply});
+    offer({error.quadric_px * weight, error, entry.split, entry.object, 0, Entry::Kind::apply});
   }
 
   void apply(const Entry& entry) {
@@ -307,7 +338,7 @@ class Refiner::Impl {
     if (triangles_ + closure.triangles > options_.budget) {
       ++stats_.rejected_splits;
       ++rejections_in_a_row_;
-      max_error_px_ = std::max(max_error_px_, entry.guaranteed_px);
+      left_.include(entry.error);
       return;
     }
     rejections_in_a_row_ = 0;
@@ -332,11 +363,10 @@ class Refiner::Impl {
     stats_.triangles = triangles_;
     stats_.splits = splits_applied();
     stats_.culled_occlusion = hidden_.size();
-    for (; !queue_.empty(); queue_.pop()) {
-      const Entry& entry = queue_.top();
-      if (!cuts_[entry.object].applied(entry.split)) max_error_px_ = std::max(max_error_px_, entry.guaranteed_px);
-    }
-    stats_.max_error_px = static_cast<double>(max_error_px_);
+    for (const Entry& entry : queue_.entries())
+      if (!cuts_[entry.object].applied(entry.split)) left_.include(entry.error);
+    stats_.max_error_px = static_cast<double>(left_.guaranteed_px);
+    stats_.max_quadric_error_px = static_cast<double>(left_.quadric_px);
     result_.stats = stats_;
   }
 
@@ -352,7 +382,7 @@ class Refiner::Impl {
   std::vector<ObjectView> views_;
   RefineOptions options_;
   Visibility* visibility_ = nullptr;
-  std::priority_queue<Entry> queue_;
+  Queue queue_;
   std::deque<Entry> pending_;  // asked, oldest first
   std::vector<Entry> hidden_;  // found hidden by the occluder of their time
   std::vector<OccluderPart> parts_;
@@ -361,7 +391,7 @@ class Refiner::Impl {
   std::uint32_t occluder_ = 0;          // how many have been drawn
   std::size_t splits_at_occluder_ = 0;  // applied when the last was drawn
   std::size_t rejections_in_a_row_ = 0;
-  float max_error_px_ = 0.0F;
+  ScreenError left_;  // the largest of what is held to be visible and is not refined
   double occlusion_ms_ = 0.0;
   RefineStats stats_;
   Refinement result_;

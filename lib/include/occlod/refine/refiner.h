@@ -57,6 +57,8 @@ struct RefineStats {
   std::size_t occluder_draws = 0;
   double max_error_px = 0.0;  // largest guaranteed screen error left on surface held to be visible; infinite when the
                               // eye is inside the bounds of a split that is not applied
+  double max_quadric_error_px =
+      0.0;                    // the same of the quadric error: about the root mean square distance instead of a bound
   double refine_ms = 0.0;     // wall time without occlusion_ms
   double occlusion_ms = 0.0;  // drawing occluders, asking and waiting for answers
 };
