@@ -7,6 +7,8 @@
 namespace occlod::tool {
 
 void add_build(CLI::App& app);
+void add_compare(CLI::App& app);  // where OCCLOD_HAS_COMPARE is defined
+void add_cut(CLI::App& app);
 void add_generate(CLI::App& app);
 void add_info(CLI::App& app);
 void add_render(CLI::App& app);

@@ -40,6 +40,10 @@ int run(int argc, char** argv) {
   add_info(app);
   add_validate(app);
   add_render(app);
+  add_cut(app);
+#ifdef OCCLOD_HAS_COMPARE
+  add_compare(app);
+#endif
   try {
     app.parse(argc, argv);
     flush_output();

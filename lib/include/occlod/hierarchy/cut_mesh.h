@@ -17,14 +17,15 @@ struct FixedCut {
   float error = 0.0F;             // largest quadric error of what is not applied, object units
 };
 
-// All splits applied: the input mesh. O(n), as are the others.
+// All splits applied: the input mesh. O(n).
 [[nodiscard]] FixedCut full_cut(const Hierarchy& hierarchy);
 
-// The splits with the largest quadric errors, as many as leave no more than `max_triangles`; the base mesh when even that
-// has more. O(n log n).
+// The splits with the largest quadric errors, as many as leave no more than `max_triangles`; the base mesh when even
+// that has more. O(n log n).
 [[nodiscard]] FixedCut cut_to_triangles(const Hierarchy& hierarchy, std::size_t max_triangles);
 
-// The smallest cut whose guaranteed error is at most `max_error` (>= 0, object units): all splits that promise less.
+// The smallest cut whose guaranteed error is at most `max_error` (>= 0, object units): the splits that promise more are
+// applied, no others. O(n).
 [[nodiscard]] FixedCut cut_to_error(const Hierarchy& hierarchy, double max_error);
 
 // The triangles of a cut, by the vertices of the hierarchy, in the order of its faces.

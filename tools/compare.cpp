@@ -1,0 +1,97 @@
+// occlod compare A B
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "commands.h"
+#include "json_output.h"
+#include "measure/surface_distance.h"
+#include "occlod/hierarchy/cut_mesh.h"
+#include "occlod/io/olod.h"
+#include "occlod/io/read_mesh.h"
+
+namespace occlod::tool {
+namespace {
+
+using measure::OneWayDistance;
+using measure::SurfaceDistance;
+
+struct Options {
+  std::string a;
+  std::string b;
+  measure::SampleOptions sampling;
+  bool json = false;
+};
+
+// A mesh, or a hierarchy with all of its splits applied.
+TriangleMesh read_surface(const std::filesystem::path& file) {
+  if (file.extension() != ".olod") return read_mesh(file).mesh;
+  const Hierarchy hierarchy = read_olod(file).hierarchy;
+  return cut_mesh(hierarchy, full_cut(hierarchy));
+}
+
+Json to_json(double rms, const OneWayDistance& farthest, double percent) {
+  return {{"rms", rms},
+          {"rms_percent", percent * rms},
+          {"max", farthest.max},
+          {"max_percent", percent * farthest.max},
+          {"max_at", tool::to_json(farthest.max_at)}};
+}
+
+Json report_of(const Options& options, const SurfaceDistance& distance, double diagonal) {
+  const double percent = 100.0 / diagonal;
+  Json report = {{"a", options.a},
+                 {"b", options.b},
+                 {"samples", options.sampling.samples},
+                 {"seed", options.sampling.seed},
+                 {"diagonal", diagonal}};
+  report.update(to_json(distance.rms(), distance.farther(), percent));
+  report["a_to_b"] = to_json(distance.a_to_b.rms, distance.a_to_b, percent);
+  report["b_to_a"] = to_json(distance.b_to_a.rms, distance.b_to_a, percent);
+  return report;
+}
+
+void print_row(const std::string& name, const Json& way) {
+  const Json& at = way["max_at"];
+  fmt::print("{:<7} {:>12.6g} {:>9.4f} {:>12.6g} {:>9.4f}  {:.6g} {:.6g} {:.6g}\n", name, way["rms"].get<double>(),
+             way["rms_percent"].get<double>(), way["max"].get<double>(), way["max_percent"].get<double>(),
+             at[0].get<double>(), at[1].get<double>(), at[2].get<double>());
+}
+
+void print_table(const Json& report) {
+  fmt::print("{:<7} {:>12} {:>9} {:>12} {:>9}  {}\n", "", "rms", "rms %", "max", "max %", "max at");
+  print_row("a to b", report["a_to_b"]);
+  print_row("b to a", report["b_to_a"]);
+  print_row("larger", report);
+}
+
+void run(const Options& options) {
+  const TriangleMesh a = read_surface(options.a), b = read_surface(options.b);
+  const measure::Surface surface_a(a.positions, a.triangles), surface_b(b.positions, b.triangles);
+  const SurfaceDistance distance = surface_distance(surface_a, surface_b, options.sampling);
+  const Json report = report_of(options, distance, surface_a.diagonal());
+  options.json ? print_json(report) : print_table(report);
+}
+
+}  // namespace
+
+void add_compare(CLI::App& app) {
+  CLI::App& command = *app.add_subcommand("compare", "Measure the distance between two meshes, both ways");
+  command.footer(
+      "Lengths are those of the meshes; percent are of the diagonal of A's box. RMS is taken over samples spread by "
+      "area,\n"
+      "the maximum over these and all vertices. A program with this command contains parts of CGAL under the GPL.");
+  const auto options = std::make_shared<Options>();
+  command.add_option("A", options->a, "A mesh, or an .olod file: all splits applied")->required();
+  command.add_option("B", options->b, "Another")->required();
+  command.add_option("--samples", options->sampling.samples, "Points on each surface")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
+  command.add_option("--seed", options->sampling.seed, "Seed of the points")->capture_default_str();
+  command.add_flag("--json", options->json, "Print one JSON object");
+  command.callback([options] { run(*options); });
+}
+
+}  // namespace occlod::tool
