@@ -83,6 +83,19 @@ TEST(BuildHierarchy, ThreadsDoNotChangeTheBytes) {
   }
 }
 
+TEST(BuildHierarchy, BlocksLeaveNoSeam) {
+  // Morton curves are cut by the planes through the middle of their grid. Were that the same plane in every pass,
+  // vertices near it could not collapse before the last block and would crowd there. Of a sphere's surface the slab |x|
+  // < h holds the share h; the sphere is finer than that nowhere.
+  const Hierarchy hierarchy = build_hierarchy(test::noisy_sphere(8, 1));
+  const std::size_t coarse = 80'000;  // vertices, long before the last block
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto in_slab = std::count_if(hierarchy.positions().begin(), hierarchy.positions().begin() + coarse,
+                                       [&](const glm::vec3& p) { return std::abs(p[axis]) < 0.02F; });
+    EXPECT_LT(static_cast<double>(in_slab), 1.35 * 0.02 * static_cast<double>(coarse));
+  }
+}
+
 TEST(BuildHierarchy, FlatSurfaceCollapsesWithoutError) {
   // Every collapse inside a flat square, or along its sides, leaves the same square until only its two triangles are
   // left.

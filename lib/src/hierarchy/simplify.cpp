@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <atomic>
+#include <glm/common.hpp>
 #include <limits>
 #include <thread>
 
 #include "collapse_worker.h"
 #include "occlod/core/error.h"
 #include "parallel.h"
+#include "spatial_order.h"
 
 namespace occlod {
 namespace {
@@ -18,10 +20,16 @@ constexpr std::size_t block_size = 16384;
 constexpr double cheap_share = 0.35;  // of the vertices, those with the cheapest collapses have their turn in a pass
 constexpr double least_progress = 1.0 / 128;  // of the vertices; a pass that collapses fewer is the last
 
+// The fractional parts of multiples of irrational numbers: no two passes cut space in the same place.
+glm::dvec3 shift_of(std::size_t pass) {
+  const glm::dvec3 shift = static_cast<double>(pass) * glm::dvec3(0.6180339887, 0.4142135624, 0.7320508076);
+  return shift - glm::floor(shift);
+}
+
 // Passes over all blocks, each as far as a threshold of cost below which a third of the vertices lie; then the rest in
-// one. Blocks are runs of vertices in spatial order and shift by half a block from pass to pass, so that what a border
-// kept has its turn in the next. Blocks do not touch each other, and their records are joined in their order: the
-// result does not depend on which thread ran which.
+// one. Blocks are runs of vertices along a Morton curve, another curve in each pass, so that what a border kept has its
+// turn in the next. Blocks do not touch each other, and their records are joined in their order: the result does not
+// depend on which thread ran which.
 class Simplifier {
  public:
   Simplifier(const TriangleMesh& mesh, const BuildOptions& options)
@@ -35,7 +43,8 @@ class Simplifier {
   CollapseSequence run() {
     const std::size_t vertices = live_.size();
     for (std::size_t pass = 0; many_left(); ++pass) {
-      const std::size_t made = run_pass(make_blocks(pass % 2 == 0 ? block_size : block_size / 2, threshold()));
+      sort_spatially(state_.positions, shift_of(pass), live_);
+      const std::size_t made = run_pass(make_blocks(block_size, threshold()));
       if (static_cast<double>(made) < least_progress * static_cast<double>(live_.size())) break;
       drop_dead();
       report(1.0 - static_cast<double>(live_.size()) / static_cast<double>(vertices));
@@ -62,12 +71,10 @@ class Simplifier {
     return std::min(*middle, std::numeric_limits<float>::max());
   }
 
-  // The first block has `first_size` vertices, the others block_size or, when that is more, as many.
-  [[nodiscard]] std::vector<Block> make_blocks(std::size_t first_size, float threshold) {
+  [[nodiscard]] std::vector<Block> make_blocks(std::size_t size, float threshold) {
     std::vector<Block> blocks;
-    std::size_t end = first_size;
-    for (std::size_t begin = 0; begin < live_.size(); begin = end, end += block_size) {
-      const auto vertices = std::span<const VertexId>(live_).subspan(begin, std::min(end, live_.size()) - begin);
+    for (std::size_t begin = 0; begin < live_.size(); begin += size) {
+      const auto vertices = std::span<const VertexId>(live_).subspan(begin, std::min(size, live_.size() - begin));
       const auto number = static_cast<std::uint32_t>(blocks.size());
       for (const VertexId v : vertices) state_.block_of[v] = number;
       blocks.push_back(
@@ -114,7 +121,7 @@ class Simplifier {
   const BuildOptions& options_;
   SimplifyState state_;
   std::vector<CollapseWorker> workers_;
-  std::vector<VertexId> live_;  // in spatial order
+  std::vector<VertexId> live_;  // in the order of the pass
   std::size_t live_faces_ = 0;
   CollapseId next_id_ = 0;
   std::vector<float> costs_;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <glm/common.hpp>
+#include <numeric>
 
 #include "occlod/math/bounds.h"
 
@@ -18,19 +19,26 @@ std::uint32_t spread(std::uint32_t x) {
   return (x | x << 2) & 0x09249249U;
 }
 
-std::vector<std::uint32_t> morton_codes(const std::vector<glm::vec3>& positions) {
-  const Box box = bounding_box(positions);
-  const glm::dvec3 low(box.min), size = glm::dvec3(box.max) - low;
-  const double extent = std::max({size.x, size.y, size.z});
-  const double scale = extent > 0.0 ? 1023.999 / extent : 0.0;
-  std::vector<std::uint32_t> codes(positions.size());
-  std::transform(positions.begin(), positions.end(), codes.begin(), [&](const glm::vec3& p) {
-    const glm::dvec3 cell = (glm::dvec3(p) - low) * scale;
+// Positions to codes on a grid of 1024^3 cells over twice the extent of `all`, moved by `shift` of it.
+class MortonGrid {
+ public:
+  MortonGrid(std::span<const glm::vec3> all, const glm::dvec3& shift) {
+    const Box box = bounding_box(all);
+    const glm::dvec3 size = glm::dvec3(box.max) - glm::dvec3(box.min);
+    const double extent = std::max({size.x, size.y, size.z});
+    origin_ = glm::dvec3(box.min) - shift * extent;
+    cells_per_unit_ = extent > 0.0 ? 1023.999 / (2.0 * extent) : 0.0;
+  }
+  [[nodiscard]] std::uint32_t code(const glm::vec3& p) const {
+    const glm::dvec3 cell = (glm::dvec3(p) - origin_) * cells_per_unit_;
     return spread(static_cast<std::uint32_t>(cell.x)) | spread(static_cast<std::uint32_t>(cell.y)) << 1 |
            spread(static_cast<std::uint32_t>(cell.z)) << 2;
-  });
-  return codes;
-}
+  }
+
+ private:
+  glm::dvec3 origin_{0.0};
+  double cells_per_unit_ = 0.0;
+};
 
 // Indices in ascending order of their keys, equal keys in their old order: radix sort by 11 bits.
 std::vector<std::uint32_t> sorted_by(const std::vector<std::uint32_t>& keys) {
@@ -57,9 +65,18 @@ std::vector<T> permuted(const std::vector<T>& values, const std::vector<std::uin
 
 }  // namespace
 
+void sort_spatially(std::span<const glm::vec3> positions, const glm::dvec3& shift, std::vector<VertexId>& vertices) {
+  const MortonGrid grid(positions, shift);
+  std::vector<std::uint32_t> codes(vertices.size());
+  std::transform(vertices.begin(), vertices.end(), codes.begin(), [&](VertexId v) { return grid.code(positions[v]); });
+  vertices = permuted(vertices, sorted_by(codes));
+}
+
 TriangleMesh in_spatial_order(const TriangleMesh& mesh) {
   TriangleMesh result;
-  const std::vector<std::uint32_t> order = sorted_by(morton_codes(mesh.positions));
+  std::vector<VertexId> order(mesh.vertex_count());
+  std::iota(order.begin(), order.end(), 0U);
+  sort_spatially(mesh.positions, glm::dvec3(0.0), order);
   result.positions = permuted(mesh.positions, order);
   result.normals = permuted(mesh.normals, order);
   result.colors = permuted(mesh.colors, order);
