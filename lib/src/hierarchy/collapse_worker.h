@@ -18,7 +18,7 @@ namespace occlod {
 // What all workers share. A worker touches only vertices of its block, faces with all corners in it, and reads faces at
 // those vertices.
 struct SimplifyState {
-  SimplifyState(const TriangleMesh& mesh, double boundary_weight);
+  SimplifyState(const TriangleMesh& input, double boundary_weight);
 
   std::span<const glm::vec3> positions;
   float unit = 1.0F;  // 1 / extent of the mesh: quadrics and costs are in a mesh of size 1
