@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <array>
-#include <cmath>
 #include <glm/geometric.hpp>
 #include <random>
 
@@ -26,35 +25,6 @@ TEST(Bounds, BoxHoldsItsPointsAndNoMore) {
   EXPECT_EQ(corner(box, 0), box.min);
   EXPECT_EQ(corner(box, 7), box.max);
   EXPECT_EQ(corner(box, 1), glm::vec3(1, -2, 0));  // bit 0 is x
-}
-
-TEST(Bounds, PrismHoldsTheCylinder) {
-  // A point of the cylinder's rim is inside the prism iff it is on the inner side of every side plane.
-  std::mt19937 random(1);
-  constexpr int sides = 8;
-  for (int n = 0; n < 200; ++n) {
-    Cylinder cylinder;
-    cylinder.center = random_unit(random) * 3.0F;
-    cylinder.axis = random_unit(random);
-    cylinder.radius = 0.5F;
-    cylinder.t_min = -1.0F;
-    cylinder.t_max = 2.0F;
-    std::array<glm::vec3, 2 * sides> prism;
-    circumscribed_prism(cylinder, sides, prism);
-    const glm::vec3 u = glm::normalize(prism[0] - cylinder.center - cylinder.t_min * cylinder.axis);
-    const glm::vec3 w = glm::cross(cylinder.axis, u);
-    for (int k = 0; k < 64; ++k) {
-      const float angle = static_cast<float>(k) * 0.0981748F;
-      const glm::vec3 rim = cylinder.center + cylinder.radius * (std::cos(angle) * u + std::sin(angle) * w);
-      for (std::size_t i = 0; i < sides; ++i) {
-        const glm::vec3 a = prism[i], b = prism[(i + 1) % sides];
-        const glm::vec3 outward = glm::normalize(glm::cross(b - a, cylinder.axis));
-        EXPECT_LE(glm::dot(rim - a, outward), 1e-5F);
-      }
-    }
-    EXPECT_NEAR(glm::dot(prism[0] - cylinder.center, cylinder.axis), cylinder.t_min, 1e-5F);
-    EXPECT_NEAR(glm::dot(prism[sides] - cylinder.center, cylinder.axis), cylinder.t_max, 1e-5F);
-  }
 }
 
 // True iff a face with normal n through p shows its front to the eye.

@@ -2,10 +2,8 @@
 
 #include <cassert>
 #include <cmath>
-#include <cstddef>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
-#include <numbers>
 
 namespace occlod {
 
@@ -22,25 +20,6 @@ Box bounding_box(std::span<const glm::vec3> points) {
 glm::vec3 corner(const Box& box, int i) {
   return {(i & 1) != 0 ? box.max.x : box.min.x, (i & 2) != 0 ? box.max.y : box.min.y,
           (i & 4) != 0 ? box.max.z : box.min.z};
-}
-
-void circumscribed_prism(const Cylinder& cylinder, int sides, std::span<glm::vec3> out) {
-  assert(sides >= 3 && out.size() == 2 * static_cast<std::size_t>(sides));
-  const glm::vec3 axis = cylinder.axis;
-  // Any vector that is not parallel to the axis spans the plane with it.
-  const glm::vec3 other = std::abs(axis.x) < 0.6F ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0);
-  const glm::vec3 u = glm::normalize(glm::cross(axis, other));
-  const glm::vec3 v = glm::cross(axis, u);
-  const double step = 2.0 * std::numbers::pi / sides;
-  // Corners at radius / cos(step / 2) make the flat sides touch the cylinder; the factor covers rounding.
-  const float r = cylinder.radius * static_cast<float>(1.000001 / std::cos(step / 2.0));
-  for (int i = 0; i < sides; ++i) {
-    const auto c = static_cast<float>(std::cos(step * i));
-    const auto s = static_cast<float>(std::sin(step * i));
-    const glm::vec3 side = cylinder.center + r * (c * u + s * v);
-    out[static_cast<std::size_t>(i)] = side + cylinder.t_min * axis;
-    out[static_cast<std::size_t>(i + sides)] = side + cylinder.t_max * axis;
-  }
 }
 
 bool faces_away(const NormalCone& cone, const Sphere& sphere, const glm::vec3& eye) {

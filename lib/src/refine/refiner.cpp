@@ -4,11 +4,10 @@
 #include <chrono>
 #include <cmath>
 #include <deque>
-#include <limits>
-#include <span>
 
 #include "cut.h"
 #include "occlod/core/error.h"
+#include "queue.h"
 #include "star.h"
 
 namespace occlod {
@@ -21,66 +20,6 @@ using Clock = std::chrono::steady_clock;
 double ms_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
-
-// What a split that is not applied leaves on the screen, at most.
-struct ScreenError {
-  float quadric_px = 0.0F;
-  float guaranteed_px = 0.0F;
-
-  ScreenError() = default;
-  ScreenError(const SplitNode& node, float scale_px)
-      : quadric_px(in_pixels(node.error, scale_px)), guaranteed_px(in_pixels(node.guaranteed_error, scale_px)) {}
-  // Where an unlimited scale leaves no error at 0.
-  static float in_pixels(float error, float scale_px) { return error > 0.0F ? error * scale_px : 0.0F; }
-  void include(const ScreenError& o) {
-    quadric_px = std::max(quadric_px, o.quadric_px);
-    guaranteed_px = std::max(guaranteed_px, o.guaranteed_px);
-  }
-};
-
-// Something that refinement may do next.
-struct Entry {
-  enum class Kind : std::uint8_t {
-    visit,  // look at a node: descend below it
-    apply,  // apply the split itself
-  };
-  float priority = 0.0F;  // quadric screen error in pixels, weighted
-  ScreenError error;      // unweighted
-  SplitId split = no_id;
-  std::uint32_t object = 0;
-  std::uint32_t asked_occluder = 0;  // number of the occluder that it was last found visible against; 0 = never asked
-  Kind kind = Kind::visit;
-
-  // For heaps that pop the largest: highest priority first, ties by object and split, visits before applications.
-  bool operator<(const Entry& o) const {
-    if (priority != o.priority) return priority < o.priority;
-    if (object != o.object) return object > o.object;
-    if (split != o.split) return split > o.split;
-    return kind > o.kind;
-  }
-};
-
-// A heap that keeps its memory and lets its entries be looked through.
-class Queue {
- public:
-  [[nodiscard]] bool empty() const noexcept { return entries_.empty(); }
-  [[nodiscard]] const Entry& top() const noexcept { return entries_.front(); }
-  [[nodiscard]] std::span<const Entry> entries() const noexcept { return entries_; }
-  void clear() noexcept { entries_.clear(); }
-  void push(const Entry& entry) {
-    entries_.push_back(entry);
-    std::push_heap(entries_.begin(), entries_.end());
-  }
-  Entry pop() {
-    std::pop_heap(entries_.begin(), entries_.end());
-    const Entry entry = entries_.back();
-    entries_.pop_back();
-    return entry;
-  }
-
- private:
-  std::vector<Entry> entries_;
-};
 
 }  // namespace
 
@@ -275,14 +214,9 @@ class Refiner::Impl {
   // At its step, and when all that is left is hidden by an occluder that has since been refined.
   [[nodiscard]] bool occluder_due() const {
     if (!visibility_->can_hide()) return false;
-    if (occluder_ < options_.occluder_splits.size() && splits_applied() >= options_.occluder_splits[occluder_])
+    if (occluder_ < options_.occluder_splits.size() && stats_.splits >= options_.occluder_splits[occluder_])
       return true;
-    return queue_.empty() && pending_.empty() && !hidden_.empty() && splits_applied() > splits_at_occluder_;
-  }
-  [[nodiscard]] std::size_t splits_applied() const {
-    std::size_t splits = 0;
-    for (const Cut& cut : cuts_) splits += cut.applied_splits().size();
-    return splits;
+    return queue_.empty() && pending_.empty() && !hidden_.empty() && stats_.splits > splits_at_occluder_;
   }
 
   void draw_occluder() {
@@ -291,7 +225,7 @@ class Refiner::Impl {
     for (std::uint32_t i = 0; i < objects_.size(); ++i)
       parts_.push_back({i, objects_[i].hierarchy->positions(), result_.objects[i].triangles});
     timed([&] { visibility_->draw_occluder(parts_); });
-    splits_at_occluder_ = splits_applied();
+    splits_at_occluder_ = stats_.splits;
     ++occluder_;
     ++stats_.occluder_draws;
     // What the older occluder hid is asked about again (sec. 3.2).
@@ -342,6 +276,7 @@ class Refiner::Impl {
       return;
     }
     rejections_in_a_row_ = 0;
+    stats_.splits += closure.splits.size();
     stats_.forced_splits += closure.splits.size() - 1;
     triangles_ -= cut.triangle_count();
     cut.apply_closure();
@@ -361,7 +296,6 @@ class Refiner::Impl {
 
   void finish_stats() {
     stats_.triangles = triangles_;
-    stats_.splits = splits_applied();
     stats_.culled_occlusion = hidden_.size();
     for (const Entry& entry : queue_.entries())
       if (!cuts_[entry.object].applied(entry.split)) left_.include(entry.error);

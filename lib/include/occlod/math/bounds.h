@@ -40,10 +40,6 @@ struct NormalCone {
 // The corners of a box, x fastest: corner i has max.x iff bit 0 of i, max.y iff bit 1, max.z iff bit 2.
 [[nodiscard]] glm::vec3 corner(const Box& box, int i);
 
-// Points whose convex hull contains the cylinder: a prism with `sides` sides (>= 3), 2 * sides points.
-// out.size() == 2 * sides; the first half lies in the plane t = t_min.
-void circumscribed_prism(const Cylinder& cylinder, int sides, std::span<glm::vec3> out);
-
 // True iff every point of the surface inside `sphere`, with normals inside `cone`, faces away from
 // an eye at `eye`: no front face of it can be seen. Exact up to rounding, which errs towards false.
 [[nodiscard]] bool faces_away(const NormalCone& cone, const Sphere& sphere, const glm::vec3& eye);
