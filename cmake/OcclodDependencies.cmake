@@ -4,6 +4,7 @@ find_package(fmt REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(Threads REQUIRED)
 find_package(TinyGLTF REQUIRED)
+find_package(zstd REQUIRED)
 
 # xxHash is used as a header: XXH_INLINE_ALL leaves nothing to link.
 find_path(OCCLOD_XXHASH_INCLUDE_DIR xxhash.h REQUIRED)

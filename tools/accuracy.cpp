@@ -1,16 +1,13 @@
 #include "accuracy.h"
 
 #include "drawing.h"
+#include "occlod/hierarchy/cut_mesh.h"
 
 namespace occlod::tool {
 namespace {
 
 std::vector<Triangle> full_triangles(const Hierarchy& hierarchy) {
-  std::vector<Triangle> triangles;
-  triangles.reserve(hierarchy.input_triangle_count());
-  for (FaceId f = 0; f < hierarchy.face_count(); ++f)
-    if (hierarchy.data().died[f] == no_id) triangles.push_back(hierarchy.face(f));
-  return triangles;
+  return triangles_of(hierarchy, full_cut(hierarchy));
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <sys/resource.h>
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <string>
 
@@ -21,6 +22,7 @@ struct Options {
   std::string input;
   std::string output;
   BuildOptions build;
+  OlodCompression compression = OlodCompression::none;
   bool json = false;
 };
 
@@ -46,7 +48,7 @@ void run(const Options& options) {
   const Stopwatch stopwatch;
   const Hierarchy hierarchy = build_with_progress(options, input.mesh);
   const double build_ms = stopwatch.milliseconds();
-  write_olod(options.output, hierarchy, input.report);
+  write_olod(options.output, hierarchy, input.report, options.compression);
 
   Json result = {{"input", options.input}, {"file", options.output}};
   result.update(counts_of(hierarchy));
@@ -74,6 +76,12 @@ void add_build(CLI::App& app) {
   command.add_option("--threads", options->build.threads, "Threads; 0 = one for each core. The result is the same")
       ->capture_default_str()
       ->check(CLI::NonNegativeNumber);
+  command
+      .add_option("--compress", options->compression,
+                  "none: the file is mapped when used; zstd: smaller, unpacked into memory when used")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, OlodCompression>{{"none", OlodCompression::none}, {"zstd", OlodCompression::zstd}}))
+      ->default_str("none");
   command.add_flag("--json", options->json, "Print one JSON object");
   command.callback([options] { run(*options); });
 }

@@ -37,7 +37,7 @@ std::vector<NamedMesh> all_meshes() {
 }
 
 template <typename T>
-bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
+bool same_bytes(std::span<const T> a, std::span<const T> b) {
   return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
 }
 
@@ -62,9 +62,8 @@ TEST(BuildHierarchy, SameInputGivesTheSameBytes) {
   const Hierarchy a = build_hierarchy(mesh);
   const Hierarchy b = build_hierarchy(mesh);
   EXPECT_TRUE(same_bytes(a.data().nodes, b.data().nodes));
-  EXPECT_TRUE(same_bytes(a.data().faces, b.data().faces));
+  EXPECT_TRUE(same_bytes(a.data().stars, b.data().stars));
   EXPECT_TRUE(same_bytes(a.data().positions, b.data().positions));
-  EXPECT_TRUE(same_bytes(a.data().dependencies, b.data().dependencies));
 }
 
 TEST(BuildHierarchy, ThreadsDoNotChangeTheBytes) {
@@ -77,9 +76,8 @@ TEST(BuildHierarchy, ThreadsDoNotChangeTheBytes) {
     options.threads = threads;
     const Hierarchy many = build_hierarchy(mesh, options);
     EXPECT_TRUE(same_bytes(one.data().nodes, many.data().nodes));
-    EXPECT_TRUE(same_bytes(one.data().faces, many.data().faces));
-    EXPECT_TRUE(same_bytes(one.data().died, many.data().died));
-    EXPECT_TRUE(same_bytes(one.data().cylinders, many.data().cylinders));
+    EXPECT_TRUE(same_bytes(one.data().stars, many.data().stars));
+    EXPECT_TRUE(same_bytes(one.data().positions, many.data().positions));
   }
 }
 
@@ -106,8 +104,8 @@ TEST(BuildHierarchy, FlatSurfaceCollapsesWithoutError) {
   EXPECT_LT(hierarchy.error_bound(), 1e-5F);  // what rounding upwards adds over some collapses in a row
   const Box& box = hierarchy.box();
   std::vector<glm::vec3> corners;
-  for (FaceId f = 0; f < 2; ++f)
-    for (int k = 0; k < 3; ++k) corners.push_back(hierarchy.positions()[hierarchy.face(f)[k]]);
+  for (const Triangle& t : hierarchy.data().base_faces)
+    for (int k = 0; k < 3; ++k) corners.push_back(hierarchy.positions()[t[k]]);
   const Box base_box = bounding_box(corners);
   EXPECT_EQ(base_box.min, box.min);
   EXPECT_EQ(base_box.max, box.max);
@@ -130,11 +128,13 @@ TEST(BuildHierarchy, ComponentThatVanishesHasItsExtentAsError) {
   const Hierarchy hierarchy = build_hierarchy(test::many_tetrahedra(40), options);
   int vanished = 0;
   for (SplitId s = 0; s < hierarchy.split_count(); ++s) {
-    if (!hierarchy.removed(s).empty()) continue;
+    const SplitStar star = hierarchy.star(s);
+    if (star.removed_count() > 0) continue;
     ++vanished;
     std::vector<glm::vec3> corners;
-    for (const Triangle& t : hierarchy.inserted(s))
+    star.for_each_inserted([&](const Triangle& t) {
       for (int k = 0; k < 3; ++k) corners.push_back(hierarchy.positions()[t[k]]);
+    });
     const Box box = bounding_box(corners);
     EXPECT_GE(hierarchy.node(s).guaranteed_error, glm::length(box.max - box.min) / std::sqrt(3.0F));
   }

@@ -21,7 +21,7 @@ Hierarchy build(const TriangleMesh& mesh, std::size_t base_triangles) {
 // Every dependency of an applied split is applied.
 bool is_closed(const Hierarchy& hierarchy, const FixedCut& cut) {
   for (SplitId s = 0; s < hierarchy.split_count(); ++s)
-    for (const SplitId needed : hierarchy.dependencies(s))
+    for (const SplitId needed : hierarchy.star(s).dependencies())
       if (cut.applied[s] && !cut.applied[needed]) return false;
   return true;
 }

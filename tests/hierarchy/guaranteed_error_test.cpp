@@ -8,6 +8,7 @@
 #include <random>
 
 #include "occlod/hierarchy/build.h"
+#include "occlod/hierarchy/cut_mesh.h"
 #include "support/meshes.h"
 
 namespace occlod {
@@ -57,21 +58,17 @@ void expect_promise_kept(const TriangleMesh& mesh, std::size_t base_triangles) {
   BuildOptions options;
   options.base_triangles = base_triangles;
   const Hierarchy hierarchy = build_hierarchy(mesh, options);
-  const auto& data = hierarchy.data();
-  std::vector<Triangle> input;
-  for (FaceId f = 0; f < data.faces.size(); ++f)
-    if (data.died[f] == no_id) input.push_back(data.faces[f]);
+  const std::vector<Triangle> input = triangles_of(hierarchy, full_cut(hierarchy));
   std::mt19937 random(1);
   const auto splits = static_cast<SplitId>(hierarchy.split_count());
   for (int step = 0; step < 6; ++step) {
     const SplitId applied = splits * static_cast<SplitId>(step) / 6;  // the first so many: closed under dependency
-    std::vector<Triangle> cut;
-    const FaceId end = data.nodes[applied].first_inserted;
-    for (FaceId f = 0; f < end; ++f)
-      if (data.died[f] >= applied) cut.push_back(data.faces[f]);
+    FixedCut cut_splits{std::vector<bool>(splits, false)};
+    std::fill_n(cut_splits.applied.begin(), applied, true);
+    const std::vector<Triangle> cut = triangles_of(hierarchy, cut_splits);
     double promised = 0.0;
     for (SplitId s = applied; s < splits; ++s)
-      promised = std::max(promised, static_cast<double>(data.nodes[s].guaranteed_error));
+      promised = std::max(promised, static_cast<double>(hierarchy.node(s).guaranteed_error));
     const double there = sampled_distance(hierarchy.positions(), input, cut, 1, random);
     const double back = sampled_distance(hierarchy.positions(), cut, input, 4, random);
     EXPECT_LE(there, promised) << "after " << applied << " of " << splits << " splits";

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <set>
 
 #include "occlod/hierarchy/build.h"
 #include "support/meshes.h"
@@ -19,7 +20,7 @@ const Hierarchy& good() {
 // Changes one thing and expects a violation that says so.
 template <typename Change>
 void expect_violation(const std::string& text, const Change& change) {
-  HierarchyData data = good().data();
+  HierarchyData data = good().copy_data();
   change(data);
   const std::vector<std::string> violations = validate(Hierarchy(std::move(data)));
   const bool found = std::any_of(violations.begin(), violations.end(),
@@ -30,7 +31,7 @@ void expect_violation(const std::string& text, const Change& change) {
 // A split with both kinds of neighbours in the forest, well inside.
 SplitId inner_split() {
   for (SplitId s = 10; s < good().split_count(); ++s)
-    if (good().node(s).child_u != no_id && good().node(s).child_v != no_id && good().node(s).cone.culls()) return s;
+    if (good().node(s).child_u != no_id && good().node(s).child_v != no_id && good().node(s).cone().culls()) return s;
   return no_id;
 }
 
@@ -45,45 +46,65 @@ TEST(Validate, FindsAnErrorThatIsNotSaturated) {
 TEST(Validate, FindsBoundsThatAreTooSmall) {
   const SplitId s = inner_split();
   expect_violation("sphere", [&](HierarchyData& d) { d.nodes[s].sphere.radius *= 0.85F; });
-  expect_violation("box", [&](HierarchyData& d) { d.boxes[s].max.y -= 0.02F * (d.boxes[s].max.y - d.boxes[s].min.y); });
-  expect_violation("cylinder", [&](HierarchyData& d) { d.cylinders[s].radius *= 0.7F; });
-  expect_violation("cylinder", [&](HierarchyData& d) { d.cylinders[s].t_max *= 0.3F; });
-  expect_violation("normal cone",
-                   [&](HierarchyData& d) { d.nodes[s].cone.cos_angle += 0.5F * (1.0F - d.nodes[s].cone.cos_angle); });
+  const auto shrink = [](std::uint16_t& step, double factor) { step = static_cast<std::uint16_t>(step * factor); };
+  expect_violation("box", [&](HierarchyData& d) { d.nodes[s].bounds.box_max[1] -= 1000; });  // 3 % of the sphere
+  expect_violation("box", [&](HierarchyData& d) { d.nodes[s].bounds.box_min[2] += 1000; });
+  expect_violation("cylinder", [&](HierarchyData& d) { shrink(d.nodes[s].bounds.cylinder_radius, 0.7); });
+  expect_violation("cylinder", [&](HierarchyData& d) { shrink(d.nodes[s].bounds.cylinder_t[1], 0.6); });
+  expect_violation("normal cone", [&](HierarchyData& d) {
+    std::uint16_t& cos = d.nodes[s].bounds.cone_cos;
+    cos = static_cast<std::uint16_t>(cos + (65535 - cos) / 2);
+  });
 }
 
-TEST(Validate, FindsADroppedDependency) {
-  // Without it some closed set applies a split whose faces do not fit what is there. Which random set shows it is luck,
-  // so many are dropped.
-  expect_violation("", [](HierarchyData& d) {
-    for (SplitId s = 100; s + 1 < d.nodes.size(); s += 3) {
-      const std::uint32_t first = d.first_dependency[s];
-      if (d.first_dependency[s + 1] == first) continue;
-      d.dependencies.erase(d.dependencies.begin() + first);
-      for (std::size_t t = s + 1; t < d.first_dependency.size(); ++t) --d.first_dependency[t];
+TEST(Validate, FindsAWrongDependency) {
+  // The face that is removed belongs to the split that is named: named one lower, it is another face, or none.
+  expect_violation("removes", [](HierarchyData& d) {
+    for (SplitId s = 100;; ++s) {
+      const SplitStar star = good().star(s);
+      if (!star.is_fan() || star.dependencies().empty() || star.dependencies()[0] == 0) continue;
+      --d.stars[d.nodes[s].star + 1 + star.ring().size()];
+      return;
     }
   });
 }
 
 TEST(Validate, FindsAFaceThatDoesNotFit) {
   // A face turned over breaks the oriented boundary of every cut that has it.
-  expect_violation("conforming", [](HierarchyData& d) { std::swap(d.faces[0].x, d.faces[0].y); });
+  expect_violation("conforming", [](HierarchyData& d) { std::swap(d.base_faces[0].x, d.base_faces[0].y); });
+}
+
+TEST(Validate, FindsAFaceThatIsRemovedTwice) {
+  // Two bytes of a star that name the same face: the first is no longer active when the second removes it, or is
+  // another face than its place in the star says.
+  expect_violation("removes", [](HierarchyData& d) {
+    for (SplitId s = 50;; ++s) {
+      const SplitStar star = good().star(s);
+      if (!star.is_fan() || star.removed_count() < 2) continue;
+      std::uint32_t& bytes = d.stars[d.nodes[s].star + 1 + star.ring().size() + star.dependencies().size()];
+      bytes = (bytes & ~0xFFU) | ((bytes >> 8U) & 0xFFU);
+      return;
+    }
+  });
+}
+
+TEST(Validate, FindsCountsThatLie) {
+  expect_violation("triangles, not", [](HierarchyData& d) { --d.input_triangle_count; });
+  expect_violation("faces, not", [](HierarchyData& d) { ++d.face_count; });
 }
 
 TEST(Validate, EachDroppedDependencyLeavesAnOpenCut) {
-  // The dependency itself, shown to be needed: apply s with all that it needs except one direct dependency, and the cut
-  // has a face removed that is not active, or lacks a corner. Counted over all splits: at least nine in ten
-  // dependencies are needed for the faces that they inserted.
-  const HierarchyData& d = good().data();
-  std::size_t needed = 0;
-  for (SplitId s = 0; s < good().split_count(); ++s)
-    for (const SplitId t : good().dependencies(s)) {
-      const auto removed = good().removed(s);
-      if (std::any_of(removed.begin(), removed.end(),
-                      [&](FaceId f) { return f >= d.nodes[t].first_inserted && f < d.nodes[t + 1].first_inserted; }))
-        ++needed;
-    }
-  EXPECT_GT(needed, d.dependencies.size() * 9 / 10);
+  // At least nine in ten dependencies are splits that inserted a face which this one removes: without them the face is
+  // not there.
+  std::size_t all = 0, needed = 0;
+  for (SplitId s = 0; s < good().split_count(); ++s) {
+    const SplitStar star = good().star(s);
+    all += star.dependencies().size();
+    std::set<SplitId> of_removed;
+    star.for_each_removed([&](const FaceRef& face, const Triangle&) { of_removed.insert(face.split); });
+    for (const SplitId t : star.dependencies()) needed += of_removed.count(t);
+  }
+  EXPECT_GT(needed, all * 9 / 10);
 }
 
 }  // namespace

@@ -1,12 +1,14 @@
 #include "occlod/io/olod.h"
 
 #include <gtest/gtest.h>
+#include <xxhash.h>
 
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <random>
+#include <span>
 
 #include "occlod/core/error.h"
 #include "occlod/hierarchy/build.h"
@@ -44,9 +46,10 @@ class OlodTest : public ::testing::Test {
     std::ofstream(path, std::ios::binary) << bytes;
     return path;
   }
+  // Opens the file and checks all of it.
   static std::string refusal(const std::filesystem::path& path) {
     try {
-      (void)read_olod(path);
+      read_olod(path).hierarchy.require_all();
     } catch (const Error& error) {
       return error.what();
     }
@@ -60,31 +63,37 @@ class OlodTest : public ::testing::Test {
 };
 
 template <typename T>
-bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
-  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
+bool same_bytes(std::span<const T> a, std::span<const T> b) {
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size_bytes()) == 0);
 }
 
 TEST_F(OlodTest, ComesBackByteForByte) {
-  const OlodFile file = read_olod(write_good());
-  const HierarchyData &a = hierarchy_.data(), &b = file.hierarchy.data();
-  EXPECT_TRUE(same_bytes(a.positions, b.positions));
-  EXPECT_TRUE(same_bytes(a.normals, b.normals));
-  EXPECT_TRUE(same_bytes(a.colors, b.colors));
-  EXPECT_TRUE(same_bytes(a.nodes, b.nodes));
-  EXPECT_TRUE(same_bytes(a.roots, b.roots));
-  EXPECT_TRUE(same_bytes(a.first_dependency, b.first_dependency));
-  EXPECT_TRUE(same_bytes(a.dependencies, b.dependencies));
-  EXPECT_TRUE(same_bytes(a.faces, b.faces));
-  EXPECT_TRUE(same_bytes(a.died, b.died));
-  EXPECT_TRUE(same_bytes(a.removed_faces, b.removed_faces));
-  EXPECT_TRUE(same_bytes(a.boxes, b.boxes));
-  EXPECT_TRUE(same_bytes(a.cylinders, b.cylinders));
-  EXPECT_EQ(file.report.vertices_read, 1234U);
-  EXPECT_EQ(file.report.components, 3U);
-  EXPECT_TRUE(validate(file.hierarchy).empty());
-  EXPECT_TRUE(restores(file.hierarchy, mesh_));
-  write_olod(folder_ / "again.olod", file.hierarchy, file.report);
-  EXPECT_EQ(bytes_of(folder_ / "again.olod"), bytes_of(folder_ / "good.olod"));
+  for (const OlodCompression compression : {OlodCompression::none, OlodCompression::zstd}) {
+    write_olod(folder_ / "good.olod", hierarchy_, report_, compression);
+    const OlodFile file = read_olod(folder_ / "good.olod");
+    const HierarchyView &a = hierarchy_.data(), &b = file.hierarchy.data();
+    EXPECT_TRUE(same_bytes(a.positions, b.positions));
+    EXPECT_TRUE(same_bytes(a.normals, b.normals));
+    EXPECT_TRUE(same_bytes(a.colors, b.colors));
+    EXPECT_TRUE(same_bytes(a.nodes, b.nodes));
+    EXPECT_TRUE(same_bytes(a.stars, b.stars));
+    EXPECT_TRUE(same_bytes(a.roots, b.roots));
+    EXPECT_TRUE(same_bytes(a.base_faces, b.base_faces));
+    EXPECT_EQ(a.face_count, b.face_count);
+    EXPECT_EQ(a.error_bound, b.error_bound);
+    EXPECT_EQ(file.compression, compression);
+    EXPECT_EQ(file.report.vertices_read, 1234U);
+    EXPECT_EQ(file.report.components, 3U);
+    EXPECT_TRUE(validate(file.hierarchy).empty());
+    EXPECT_TRUE(restores(file.hierarchy, mesh_));
+    write_olod(folder_ / "again.olod", file.hierarchy, file.report, compression);
+    EXPECT_EQ(bytes_of(folder_ / "again.olod"), bytes_of(folder_ / "good.olod"));
+  }
+}
+
+TEST_F(OlodTest, CompressionMakesFilesSmaller) {
+  write_olod(folder_ / "small.olod", hierarchy_, report_, OlodCompression::zstd);
+  EXPECT_LT(std::filesystem::file_size(folder_ / "small.olod"), std::filesystem::file_size(write_good()) * 9 / 10);
 }
 
 TEST_F(OlodTest, HierarchyWithoutSplitsIsAFileToo) {
@@ -102,8 +111,8 @@ TEST_F(OlodTest, EveryTruncationIsRefused) {
 }
 
 TEST_F(OlodTest, EveryFlippedBitIsRefused) {
-  // Only padding between sections, which nothing reads, may change unseen: less than 64 bytes before each of 13
-  // sections.
+  // Only padding between sections, which nothing reads, may change unseen: less than 64 bytes before each of 10
+  // sections, of some 40,000 bytes.
   const std::string good = bytes_of(write_good());
   std::mt19937 random(3);
   int unseen = 0;
@@ -131,10 +140,51 @@ TEST_F(OlodTest, SaysWhatIsWrong) {
 
 TEST_F(OlodTest, ConsistentChecksumsDoNotMakeAHierarchy) {
   // A hostile file can have right checksums: the structure is checked as well.
-  HierarchyData data = hierarchy_.data();
+  HierarchyData data = hierarchy_.copy_data();
   data.nodes[20].child_u = 4'000'000'000U;
   write_olod(folder_ / "hostile.olod", Hierarchy(std::move(data)), report_);
+  EXPECT_NE(refusal(folder_ / "hostile.olod").find("are no part of a hierarchy"), std::string::npos);
+  data = hierarchy_.copy_data();
+  data.base_faces[0].x = 4'000'000'000U;
+  write_olod(folder_ / "hostile.olod", Hierarchy(std::move(data)), report_);
   EXPECT_NE(refusal(folder_ / "hostile.olod").find("holds no hierarchy"), std::string::npos);
+}
+
+// Opening looks at the base mesh only; a block of splits is checked when one of them is first needed.
+TEST_F(OlodTest, OnlyWhatIsUsedIsChecked) {
+  const Hierarchy large = build_hierarchy(test::noisy_sphere(5, 1));
+  ASSERT_GT(large.split_count(), 2 * SplitGuard::block_size);
+  write_olod(folder_ / "large.olod", large, report_);
+  std::string bytes = bytes_of(folder_ / "large.olod");
+  const auto* last = reinterpret_cast<const char*>(&large.node(static_cast<SplitId>(large.split_count() - 1)));
+  const std::size_t at = bytes.find(std::string(last, sizeof(SplitNode)));
+  ASSERT_NE(at, std::string::npos);
+  bytes[at] = static_cast<char>(~bytes[at]);
+  const OlodFile file = read_olod(write_bytes(bytes));
+  file.hierarchy.require(0);
+  file.hierarchy.require(SplitGuard::block_size);
+  EXPECT_THROW(file.hierarchy.require(static_cast<SplitId>(large.split_count() - 1)), Error);
+  EXPECT_THROW(file.hierarchy.require_all(), Error);
+}
+
+// Sizes that lie are refused before memory is given to them, with checksums that are right.
+TEST_F(OlodTest, ClaimsOfHugeSectionsAreRefused) {
+  write_olod(folder_ / "small.olod", hierarchy_, report_, OlodCompression::zstd);
+  const std::string good = bytes_of(folder_ / "small.olod");
+  const auto with_claim = [&](std::size_t section, std::size_t field, std::uint64_t value) {
+    std::string bad = good;
+    std::uint32_t sections = 0;
+    std::memcpy(&sections, &bad[12], sizeof(sections));
+    std::memcpy(&bad[32 + 48 * section + field], &value, sizeof(value));
+    const std::uint64_t checksum = XXH3_64bits(&bad[32], 48 * std::size_t{sections});
+    std::memcpy(&bad[24], &checksum, sizeof(checksum));
+    return refusal(write_bytes(bad));
+  };
+  constexpr std::uint64_t huge = std::uint64_t{3} << 60U;
+  EXPECT_NE(with_claim(0, 8, huge).find("outside the file"), std::string::npos);      // where it starts
+  EXPECT_NE(with_claim(0, 16, huge).find("outside the file"), std::string::npos);     // its bytes in the file
+  EXPECT_NE(with_claim(0, 24, huge).find("unpacked"), std::string::npos);             // and unpacked
+  EXPECT_NE(with_claim(0, 24, 12 * 100).find("does not unpack"), std::string::npos);  // fewer than there are
 }
 
 TEST_F(OlodTest, FailedWriteLeavesTheOldFile) {

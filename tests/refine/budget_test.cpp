@@ -4,6 +4,7 @@
 #include <glm/ext/matrix_transform.hpp>
 
 #include "occlod/core/error.h"
+#include "occlod/hierarchy/cut_mesh.h"
 #include "refine_support.h"
 
 namespace occlod {
@@ -38,7 +39,7 @@ TEST(Budget, FullBudgetGivesTheInput) {
   options.budget = mesh.triangle_count();
   const Refinement& result = refiner.refine(View(test::front_camera()), options, none);
   EXPECT_EQ(result.stats.splits, hierarchy.split_count());
-  for (const FaceId f : result.objects[0].faces) EXPECT_EQ(hierarchy.data().died[f], no_id);
+  EXPECT_EQ(result.objects[0].triangles, triangles_of(hierarchy, full_cut(hierarchy)));  // `restores` is tested of it
   EXPECT_EQ(result.objects[0].triangles.size(), mesh.triangle_count());
   EXPECT_EQ(result.stats.max_error_px, 0.0);
 }

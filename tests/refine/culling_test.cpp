@@ -65,11 +65,10 @@ bool star_is_seen(const Hierarchy& hierarchy, SplitId s, const View& view) {
     const glm::dvec3 a(hierarchy.positions()[t.x]), b(hierarchy.positions()[t.y]), c(hierarchy.positions()[t.z]);
     return glm::dot(glm::cross(b - a, c - a), eye - a) > -1e-9;
   };
-  for (const Triangle& t : hierarchy.inserted(s))
-    if (seen(t)) return true;
-  for (const FaceId f : hierarchy.removed(s))
-    if (seen(hierarchy.face(f))) return true;
-  return false;
+  bool any = false;
+  hierarchy.star(s).for_each_inserted([&](const Triangle& t) { any = any || seen(t); });
+  hierarchy.star(s).for_each_removed([&](const FaceRef&, const Triangle& t) { any = any || seen(t); });
+  return any;
 }
 
 TEST(StarCulling, SplitsAreTakenOnlyWhereTheirOwnFacesAreSeen) {

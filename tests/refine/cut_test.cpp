@@ -23,7 +23,7 @@ std::set<SplitId> closure_by_definition(SplitId s, const Cut& cut) {
     const SplitId t = open.back();
     open.pop_back();
     if (cut.applied(t) || !closure.insert(t).second) continue;
-    for (const SplitId needed : hierarchy().dependencies(t)) open.push_back(needed);
+    for (const SplitId needed : hierarchy().star(t).dependencies()) open.push_back(needed);
   }
   return closure;
 }
@@ -40,10 +40,10 @@ TEST(Cut, ClosureIsEverythingThatIsNeededAndMissing) {
     const std::size_t gain = closure.triangles;
     cut.apply_closure();
     EXPECT_EQ(cut.triangle_count(), before + gain);
-    std::vector<FaceId> faces;
-    cut.active_faces(faces, true);
-    EXPECT_EQ(faces.size(), cut.triangle_count());
-    EXPECT_TRUE(std::is_sorted(faces.begin(), faces.end()));
+    std::vector<Triangle> triangles;
+    cut.active_triangles(triangles, true);
+    EXPECT_EQ(triangles.size(), cut.triangle_count());
+    EXPECT_TRUE(std::is_sorted(cut.applied_splits().begin(), cut.applied_splits().end()));
   }
 }
 
@@ -66,9 +66,10 @@ TEST(Cut, AllSplitsGiveTheInputAndClearGivesTheBase) {
   EXPECT_EQ(cut.triangle_count(), hierarchy().input_triangle_count());
   cut.clear();
   EXPECT_EQ(cut.triangle_count(), hierarchy().base_triangle_count());
-  std::vector<FaceId> faces;
-  cut.active_faces(faces, false);
-  EXPECT_EQ(faces.size(), hierarchy().base_triangle_count());
+  std::vector<Triangle> triangles;
+  cut.active_triangles(triangles, false);
+  const auto base = hierarchy().data().base_faces;
+  EXPECT_EQ(triangles, std::vector<Triangle>(base.begin(), base.end()));
 }
 
 }  // namespace

@@ -137,11 +137,13 @@ TEST_F(OcclusionControl, SubtreesAreAskedAboutOnOddLevelsOnly) {
   ASSERT_FALSE(visible.spheres.empty());
   // A node and its only child may have the same sphere, so: some node on an odd level has it, and no question is about
   // one that only even levels have.
+  std::vector<std::uint32_t> levels(hierarchy_.split_count(), 0);
+  for (SplitId s = 0; s < hierarchy_.split_count(); ++s)
+    if (const SplitId parent = hierarchy_.node(s).parent; parent != no_id) levels[s] = levels[parent] + 1;
   const auto on_odd_level = [&](const Sphere& sphere) {
     for (SplitId s = 0; s < hierarchy_.split_count(); ++s) {
       const SplitNode& node = hierarchy_.node(s);
-      if (node.level % 2 == 1 && node.sphere.center == sphere.center && node.sphere.radius == sphere.radius)
-        return true;
+      if (levels[s] % 2 == 1 && node.sphere.center == sphere.center && node.sphere.radius == sphere.radius) return true;
     }
     return false;
   };

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <set>
+#include <utility>
 #include <vector>
 
 #include "occlod/hierarchy/build.h"
@@ -29,30 +31,32 @@ inline std::vector<bool> applied_bits(const Hierarchy& hierarchy, const RefinedO
 }
 
 // The applied splits are closed under dependency, and the triangles are those of the design's definition: a face is
-// active iff the split that inserts it is applied and the one that removes it is not.
+// active iff the split that inserts it is applied and none that removes it is.
 inline void expect_valid_cut(const Hierarchy& hierarchy, const RefinedObject& object) {
   const std::vector<bool> applied = applied_bits(hierarchy, object);
   for (const SplitId s : object.splits)
-    for (const SplitId t : hierarchy.dependencies(s)) ASSERT_TRUE(applied[t]) << "split " << s << " without " << t;
-  std::vector<FaceId> active;
-  const auto& data = hierarchy.data();
-  SplitId born = no_id;  // of face f: base faces first, then those of split 0, 1, ...
-  for (FaceId f = 0; f < data.faces.size(); ++f) {
-    while (born + 1 < hierarchy.split_count() && f >= data.nodes[born + 1].first_inserted) ++born;
-    const bool is_born = born == no_id || applied[born];
-    const bool has_died = data.died[f] != no_id && applied[data.died[f]];
-    if (is_born && !has_died) active.push_back(f);
-  }
-  EXPECT_EQ(object.faces, active);
-  ASSERT_EQ(object.triangles.size(), active.size());
-  for (std::size_t i = 0; i < active.size(); ++i) EXPECT_EQ(object.triangles[i], hierarchy.face(active[i]));
+    for (const SplitId t : hierarchy.star(s).dependencies())
+      ASSERT_TRUE(applied[t]) << "split " << s << " without " << t;
+  std::set<std::pair<SplitId, std::uint32_t>> removed;
+  for (const SplitId s : object.splits)
+    hierarchy.star(s).for_each_removed([&](const FaceRef& f, const Triangle&) { removed.emplace(f.split, f.slot); });
+  std::vector<Triangle> active;
+  const auto add = [&](const Triangle& t, SplitId split, std::uint32_t slot) {
+    if (!removed.contains({split, slot})) active.push_back(t);
+  };
+  for (std::uint32_t slot = 0; slot < hierarchy.base_triangle_count(); ++slot)
+    add(hierarchy.data().base_faces[slot], no_id, slot);
+  for (const SplitId s : object.splits)
+    for (std::uint32_t slot = 0; slot < hierarchy.star(s).inserted_count(); ++slot)
+      add(hierarchy.star(s).inserted(slot), s, slot);
+  EXPECT_EQ(object.triangles, active);
 }
 
 // Applied splits that no other applied split depends on: taken for their own sake.
 inline std::vector<SplitId> unforced_splits(const Hierarchy& hierarchy, const RefinedObject& object) {
   std::vector<bool> forced(hierarchy.split_count(), false);
   for (const SplitId s : object.splits)
-    for (const SplitId t : hierarchy.dependencies(s)) forced[t] = true;
+    for (const SplitId t : hierarchy.star(s).dependencies()) forced[t] = true;
   std::vector<SplitId> unforced;
   std::copy_if(object.splits.begin(), object.splits.end(), std::back_inserter(unforced),
                [&](SplitId s) { return !forced[s]; });

@@ -90,7 +90,7 @@ TEST_F(LoadObjects, TakesHierarchiesAsTheyAre) {
   write_olod(folder() / "planet.OLOD", *planet, MeshReport{});
   const std::size_t cached_before = cached().size();
   const auto objects = load(scene_of({{.source = MeshFile{{"planet.OLOD"}}}}));
-  EXPECT_EQ(objects[0].hierarchy->data().faces, planet->data().faces);
+  EXPECT_EQ(objects[0].hierarchy->copy_data().stars, planet->copy_data().stars);
   EXPECT_EQ(cached().size(), cached_before);
 }
 
@@ -102,8 +102,8 @@ TEST_F(LoadObjects, BuildsOnceAndThenReadsTheCache) {
   progress_ = 0;
   const auto fetched = load(scene_of({planet_that_reports()}));
   EXPECT_EQ(progress_, 0);
-  EXPECT_EQ(fetched[0].hierarchy->data().faces, built[0].hierarchy->data().faces);
-  EXPECT_EQ(fetched[0].hierarchy->data().positions, built[0].hierarchy->data().positions);
+  EXPECT_EQ(fetched[0].hierarchy->copy_data().stars, built[0].hierarchy->copy_data().stars);
+  EXPECT_EQ(fetched[0].hierarchy->copy_data().positions, built[0].hierarchy->copy_data().positions);
   EXPECT_TRUE(notes_.empty());
 }
 

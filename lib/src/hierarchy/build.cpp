@@ -34,8 +34,9 @@ void check_input(const TriangleMesh& mesh) {
 Hierarchy build_hierarchy(const TriangleMesh& mesh, const BuildOptions& options) {
   check_input(mesh);
   const TriangleMesh ordered = in_spatial_order(mesh);
-  HierarchyData data = assemble(ordered, simplify(ordered, options));
-  bound_subtrees(data, thread_count(options.threads));
+  const unsigned threads = thread_count(options.threads);
+  HierarchyData data = assemble(ordered, simplify(ordered, options), threads);
+  bound_subtrees(data, threads);
   return Hierarchy(std::move(data));
 }
 

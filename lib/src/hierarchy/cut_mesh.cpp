@@ -5,16 +5,20 @@
 #include <numeric>
 #include <utility>
 
+#include "active_faces.h"
+
 namespace occlod {
 namespace {
 
 // How many triangles there are after split s when there were `triangles` before it.
 std::size_t grown(const Hierarchy& hierarchy, std::size_t triangles, SplitId s) {
-  return triangles + hierarchy.inserted_count(s) - hierarchy.removed(s).size();
+  const SplitStar star = hierarchy.star(s);
+  return triangles + star.inserted_count() - star.removed_count();
 }
 
 template <class IsApplied>
 FixedCut make_cut(const Hierarchy& hierarchy, const IsApplied& is_applied) {
+  hierarchy.require_all();
   FixedCut cut;
   cut.applied.resize(hierarchy.split_count());
   cut.triangles = hierarchy.base_triangle_count();
@@ -34,7 +38,7 @@ FixedCut make_cut(const Hierarchy& hierarchy, const IsApplied& is_applied) {
 
 class Compaction {
  public:
-  explicit Compaction(const HierarchyData& data) : data_(data), new_ids_(data.positions.size(), no_id) {}
+  explicit Compaction(const HierarchyView& data) : data_(data), new_ids_(data.positions.size(), no_id) {}
 
   void add(Triangle triangle) {
     for (int corner = 0; corner < 3; ++corner) triangle[corner] = new_id(triangle[corner]);
@@ -53,7 +57,7 @@ class Compaction {
     return new_ids_[v];
   }
 
-  const HierarchyData& data_;
+  const HierarchyView& data_;
   std::vector<VertexId> new_ids_;
   TriangleMesh mesh_;
 };
@@ -65,6 +69,7 @@ FixedCut full_cut(const Hierarchy& hierarchy) {
 }
 
 FixedCut cut_to_triangles(const Hierarchy& hierarchy, std::size_t max_triangles) {
+  hierarchy.require_all();
   // Errors are saturated, so with ties by number every split comes after those that it depends on.
   std::vector<SplitId> order(hierarchy.split_count());
   std::iota(order.begin(), order.end(), 0U);
@@ -86,17 +91,7 @@ FixedCut cut_to_error(const Hierarchy& hierarchy, double max_error) {
 
 std::vector<Triangle> triangles_of(const Hierarchy& hierarchy, const FixedCut& cut) {
   assert(cut.applied.size() == hierarchy.split_count());
-  const HierarchyData& data = hierarchy.data();
-  std::vector<Triangle> triangles;
-  triangles.reserve(cut.triangles);
-  const auto add_living = [&](FaceId begin, FaceId end) {
-    for (FaceId f = begin; f < end; ++f)
-      if (data.died[f] == no_id || !cut.applied[data.died[f]]) triangles.push_back(data.faces[f]);
-  };
-  add_living(0, data.nodes[0].first_inserted);
-  for (SplitId s = 0; s < hierarchy.split_count(); ++s)
-    if (cut.applied[s]) add_living(data.nodes[s].first_inserted, data.nodes[s + 1].first_inserted);
-  return triangles;
+  return active_triangles(hierarchy, cut.applied);
 }
 
 TriangleMesh cut_mesh(const Hierarchy& hierarchy, const FixedCut& cut) {

@@ -2,30 +2,61 @@
 
 #include <algorithm>
 #include <cassert>
+#include <utility>
 
 namespace occlod {
 namespace {
 
 template <typename T>
-std::size_t bytes_of(const std::vector<T>& v) {
-  return v.size() * sizeof(T);
+std::vector<T> to_vector(std::span<const T> values) {
+  return {values.begin(), values.end()};
 }
 
 }  // namespace
 
-Hierarchy::Hierarchy(HierarchyData data) : data_(std::move(data)) {
-  assert(!data_.nodes.empty() && !data_.positions.empty());
-  box_ = bounding_box(data_.positions);
-  input_triangle_count_ = static_cast<std::size_t>(std::count(data_.died.begin(), data_.died.end(), no_id));
-  for (std::size_t s = 0; s < split_count(); ++s)
-    error_bound_ = std::max(error_bound_, data_.nodes[s].guaranteed_error);
+std::size_t SplitGuard::checked_block_count() const noexcept {
+  return static_cast<std::size_t>(
+      std::count_if(checked_.begin(), checked_.end(), [](const auto& checked) { return checked.load(); }));
+}
+
+HierarchyView view_of(const HierarchyData& data) {
+  return {data.positions,  data.normals,    data.colors,
+          data.nodes,      data.stars,      data.roots,
+          data.base_faces, data.box,        data.input_triangle_count,
+          data.face_count, data.error_bound};
+}
+
+Hierarchy::Hierarchy(HierarchyData data) {
+  const auto owned = std::make_shared<const HierarchyData>(std::move(data));
+  view_ = view_of(*owned);
+  owner_ = owned;
+  assert(!view_.nodes.empty() && !view_.positions.empty());
+}
+
+Hierarchy::Hierarchy(const HierarchyView& view, std::shared_ptr<const void> owner, std::shared_ptr<SplitGuard> guard)
+    : view_(view), owner_(std::move(owner)), guard_(std::move(guard)) {}
+
+HierarchyData Hierarchy::copy_data() const {
+  return {to_vector(view_.positions),
+          to_vector(view_.normals),
+          to_vector(view_.colors),
+          to_vector(view_.nodes),
+          to_vector(view_.stars),
+          to_vector(view_.roots),
+          to_vector(view_.base_faces),
+          view_.box,
+          view_.input_triangle_count,
+          view_.face_count,
+          view_.error_bound};
+}
+
+void Hierarchy::require_all() const {
+  for (std::size_t s = 0; s < split_count(); s += SplitGuard::block_size) require(static_cast<SplitId>(s));
 }
 
 std::size_t Hierarchy::bytes() const noexcept {
-  const HierarchyData& d = data_;
-  return bytes_of(d.positions) + bytes_of(d.normals) + bytes_of(d.colors) + bytes_of(d.nodes) + bytes_of(d.roots) +
-         bytes_of(d.first_dependency) + bytes_of(d.dependencies) + bytes_of(d.faces) + bytes_of(d.died) +
-         bytes_of(d.removed_faces) + bytes_of(d.boxes) + bytes_of(d.cylinders);
+  return view_.positions.size_bytes() + view_.normals.size_bytes() + view_.colors.size_bytes() +
+         view_.nodes.size_bytes() + view_.stars.size_bytes() + view_.roots.size_bytes() + view_.base_faces.size_bytes();
 }
 
 }  // namespace occlod

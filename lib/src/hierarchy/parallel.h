@@ -14,18 +14,19 @@ namespace occlod {
   return asked > 0 ? static_cast<unsigned>(asked) : std::max(1U, std::thread::hardware_concurrency());
 }
 
-// Calls visit(begin, end) for consecutive ranges that together are [0, count), each on some thread; visits must not
-// touch what others write.
+inline constexpr std::size_t range_size = 8192;
+
+// Calls visit(begin, end) for consecutive ranges of range_size that together are [0, count), each on some thread;
+// visits must not touch what others write.
 template <typename Visit>
 void for_each_range(std::size_t count, unsigned threads, const Visit& visit) {
-  constexpr std::size_t range = 8192;
   std::atomic<std::size_t> next = 0;
   const auto work = [&] {
-    for (std::size_t begin = next.fetch_add(range); begin < count; begin = next.fetch_add(range))
-      visit(begin, std::min(begin + range, count));
+    for (std::size_t begin = next.fetch_add(range_size); begin < count; begin = next.fetch_add(range_size))
+      visit(begin, std::min(begin + range_size, count));
   };
   std::vector<std::jthread> others;
-  for (unsigned i = 1; i < threads && i * range < count; ++i) others.emplace_back(work);
+  for (unsigned i = 1; i < threads && i * range_size < count; ++i) others.emplace_back(work);
   work();
 }
 

@@ -3,6 +3,7 @@
 #include <bit>
 #include <tuple>
 
+#include "occlod/hierarchy/cut_mesh.h"
 #include "occlod/hierarchy/validate.h"
 
 namespace occlod {
@@ -33,9 +34,8 @@ bool restores(const Hierarchy& hierarchy, const TriangleMesh& mesh) {
   std::vector<Key> restored, input;
   restored.reserve(mesh.triangle_count());
   input.reserve(mesh.triangle_count());
-  const HierarchyData& data = hierarchy.data();
-  for (FaceId f = 0; f < data.faces.size(); ++f)
-    if (data.died[f] == no_id) restored.push_back(key_of(data.faces[f], data.positions));
+  for (const Triangle& t : triangles_of(hierarchy, full_cut(hierarchy)))
+    restored.push_back(key_of(t, hierarchy.positions()));
   for (const Triangle& t : mesh.triangles) input.push_back(key_of(t, mesh.positions));
   std::sort(restored.begin(), restored.end());
   std::sort(input.begin(), input.end());

@@ -52,7 +52,6 @@ class SubtreeBounds {
     boxes_of_subtrees();
     join(patches_, blocks_);
     join(blocks_, large_blocks_);
-    data_.cylinders.resize(splits_);
     for_each_split([&](SplitId s) { bound(s); });
   }
 
@@ -79,9 +78,10 @@ class SubtreeBounds {
 
   template <typename Visit>
   void for_each_own_face(SplitId s, const Visit& visit) const {
-    for (FaceId f = data_.nodes[s].first_inserted; f < data_.nodes[s + 1].first_inserted; ++f) visit(data_.faces[f]);
-    for (std::uint32_t i = data_.nodes[s].first_removed; i < data_.nodes[s + 1].first_removed; ++i)
-      visit(data_.faces[data_.removed_faces[i]]);
+    const SplitStar star(data_.stars.data() + data_.nodes[s].star,
+                         static_cast<VertexId>(data_.positions.size() - splits_ + s));
+    star.for_each_inserted(visit);
+    star.for_each_removed([&](const FaceRef&, const Triangle& t) { visit(t); });
   }
 
   template <typename Visit>
@@ -93,17 +93,17 @@ class SubtreeBounds {
 
   // Patches of own faces; boxes and mean normals of subtrees, from fine to coarse.
   void boxes_of_subtrees() {
-    data_.boxes.resize(splits_);
-    for_each_split([&](SplitId s) { data_.boxes[s] = own_patch(s, patches_[place_[s]]); });
+    boxes_.resize(splits_);
+    for_each_split([&](SplitId s) { boxes_[s] = own_patch(s, patches_[place_[s]]); });
     mean_normals_.assign(splits_, glm::dvec3(0.0));
     for (std::size_t i = splits_; i-- > 0;) {
       const auto s = static_cast<SplitId>(i);
-      Box& box = data_.boxes[s];
+      Box& box = boxes_[s];
       if (patches_[place_[s]].has_normal) mean_normals_[s] += glm::dvec3(patches_[place_[s]].axis);
       for (const SplitId child : {data_.nodes[s].child_u, data_.nodes[s].child_v}) {
         if (child == no_id) continue;
-        box.min = glm::min(box.min, data_.boxes[child].min);
-        box.max = glm::max(box.max, data_.boxes[child].max);
+        box.min = glm::min(box.min, boxes_[child].min);
+        box.max = glm::max(box.max, boxes_[child].max);
         mean_normals_[s] += mean_normals_[child];
       }
     }
@@ -206,35 +206,37 @@ class SubtreeBounds {
     }
   }
 
+  // All bounds are around the middle of the box. The paper's axis is the normal of the split vertex; the mean normal of
+  // the subtree is that of its surface at every level.
   void bound(SplitId s) {
     SplitNode& node = data_.nodes[s];
-    const Box& box = data_.boxes[s];
-    Cylinder& cylinder = data_.cylinders[s];
+    const Box& box = boxes_[s];
     const glm::vec3 center = 0.5F * box.min + 0.5F * box.max;
-    node.sphere = {center, 0.0F};
-    node.cone = {unit_or(mean_normals_[s], glm::vec3(0, 0, 1)), 1.0F};
-    // The paper's axis is the normal of the split vertex; the mean normal of the subtree is that of its surface at
-    // every level.
-    cylinder = {center, 0.0F, node.cone.axis, std::numeric_limits<float>::max(), std::numeric_limits<float>::lowest()};
+    node.bounds.set_axis(unit_or(mean_normals_[s], glm::vec3(0, 0, 1)));
+    const glm::vec3 axis = node.bounds.unpack_axis();
+    Cylinder cylinder{center, 0.0F, axis, std::numeric_limits<float>::max(), std::numeric_limits<float>::lowest()};
+    float radius = 0.0F;
+    float cos_angle = 1.0F;
     bool has_normal = false;
     for_each_patch(place_[s], place_[s] + sizes_[s], [&](const Patch& patch) {
       const glm::vec3 offset = patch.sphere.center - center;
-      const float along = glm::dot(offset, cylinder.axis);
-      const float radius = patch.sphere.radius;
-      node.sphere.radius = std::max(node.sphere.radius, glm::length(offset) + radius);
-      cylinder.radius = std::max(cylinder.radius, glm::length(offset - along * cylinder.axis) + radius);
-      cylinder.t_min = std::min(cylinder.t_min, along - radius);
-      cylinder.t_max = std::max(cylinder.t_max, along + radius);
-      node.cone.cos_angle = widen(node.cone.cos_angle, node.cone.axis, patch);
+      const float along = glm::dot(offset, axis);
+      radius = std::max(radius, glm::length(offset) + patch.sphere.radius);
+      cylinder.radius = std::max(cylinder.radius, glm::length(offset - along * axis) + patch.sphere.radius);
+      cylinder.t_min = std::min(cylinder.t_min, along - patch.sphere.radius);
+      cylinder.t_max = std::max(cylinder.t_max, along + patch.sphere.radius);
+      cos_angle = widen(cos_angle, axis, patch);
       has_normal = has_normal || patch.has_normal;
     });
-    const float slack = node.sphere.radius * (grow - 1.0F);
+    const float slack = radius * (grow - 1.0F);
     // A sphere around the box holds everything as well.
-    node.sphere.radius = std::min(node.sphere.radius + slack, reach(center, box));
+    node.sphere = {center, std::min(radius + slack, reach(center, box))};
     cylinder.radius = std::min(cylinder.radius + slack, node.sphere.radius);
     cylinder.t_min = std::max(cylinder.t_min - slack, -node.sphere.radius);
     cylinder.t_max = std::min(cylinder.t_max + slack, node.sphere.radius);
-    if (!has_normal || node.cone.cos_angle <= 0.0F) node.cone.cos_angle = -1.0F;
+    node.bounds.set_cone(has_normal ? cos_angle : -1.0F);
+    node.bounds.set_cylinder(node.sphere, cylinder);
+    node.bounds.set_box(node.sphere, box);
   }
 
   HierarchyData& data_;
@@ -244,6 +246,7 @@ class SubtreeBounds {
   std::vector<std::uint32_t> sizes_;  // of each split's subtree
   std::vector<Patch> patches_;        // of each split's own faces, in depth-first order
   std::vector<Patch> blocks_, large_blocks_;
+  std::vector<Box> boxes_;  // of subtrees
   std::vector<glm::dvec3> mean_normals_;
 };
 

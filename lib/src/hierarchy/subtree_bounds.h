@@ -5,7 +5,7 @@
 
 namespace occlod {
 
-// Fills SplitNode::sphere and ::cone, boxes and cylinders. Everything else of `data` is complete.
+// Fills SplitNode::sphere and ::bounds. Everything else of `data` is complete.
 // O(n * depth / 64 + n * 128) worst case; close to O(n) on meshes as they are.
 void bound_subtrees(HierarchyData& data, unsigned threads);
 

@@ -9,6 +9,8 @@
 #include <limits>
 #include <random>
 
+#include "active_faces.h"
+#include "occlod/hierarchy/cut_mesh.h"
 #include "star_mesh.h"
 
 namespace occlod {
@@ -50,6 +52,7 @@ class Validator {
         splits_(static_cast<SplitId>(hierarchy.split_count())) {}
 
   std::vector<std::string> run() {
+    h_.require_all();
     if (const auto problem = check_structure(d_)) {
       report("{}", *problem);
       return violations_;
@@ -76,7 +79,7 @@ class Validator {
         report("split {} has a smaller error than split {}, which {}", coarse, fine, relation);
     };
     for (SplitId s = 0; s < splits_; ++s) {
-      for (const SplitId t : h_.dependencies(s)) check(t, s, "depends on it");
+      for (const SplitId t : h_.star(s).dependencies()) check(t, s, "depends on it");
       for (const SplitId child : {d_.nodes[s].child_u, d_.nodes[s].child_v})
         if (child != no_id) check(s, child, "is below it in the forest");
     }
@@ -87,17 +90,20 @@ class Validator {
   // on.
   void check_corners() {
     const std::size_t base_vertices = h_.base_vertex_count();
+    std::vector<VertexId> corners;
     for (SplitId s = 0; s < splits_; ++s) {
-      const auto is_there = [&](VertexId v) {
-        const auto removed = h_.removed(s);
-        const auto needed = h_.dependencies(s);
-        return v < base_vertices || v == h_.vertex_of(s) ||
-               std::any_of(removed.begin(), removed.end(), [&](FaceId f) { return contains(d_.faces[f], v); }) ||
-               std::find(needed.begin(), needed.end(), v - base_vertices) != needed.end();
-      };
-      for (const Triangle& t : h_.inserted(s))
+      const SplitStar star = h_.star(s);
+      corners.clear();
+      star.for_each_removed([&](const FaceRef&, const Triangle& t) { corners.insert(corners.end(), {t.x, t.y, t.z}); });
+      std::sort(corners.begin(), corners.end());
+      const auto needed = star.dependencies();
+      star.for_each_inserted([&](const Triangle& t) {
         for (int k = 0; k < 3; ++k)
-          if (!is_there(t[k])) report("split {} inserts a face at vertex {}, which may be missing", s, t[k]);
+          if (t[k] >= base_vertices && t[k] != h_.vertex_of(s) &&
+              !std::binary_search(corners.begin(), corners.end(), t[k]) &&
+              !std::binary_search(needed.begin(), needed.end(), t[k] - base_vertices))
+            report("split {} inserts a face at vertex {}, which may be missing", s, t[k]);
+      });
     }
   }
 
@@ -109,9 +115,9 @@ class Validator {
     make_segments();
     for (SplitId s = 0; s < splits_; ++s) {
       const Sphere& sphere = d_.nodes[s].sphere;
-      const Box& box = d_.boxes[s];
-      const Cylinder& cylinder = d_.cylinders[s];
-      const NormalCone& cone = d_.nodes[s].cone;
+      const Box box = d_.nodes[s].box();
+      const Cylinder cylinder = d_.nodes[s].cylinder();
+      const NormalCone cone = d_.nodes[s].cone();
       if (!holds_points(s, [&](const glm::vec3& p) { return holds(sphere, p); }))
         report("the sphere of split {} is too small", s);
       if (!holds_points(s, [&](const glm::vec3& p) { return holds(box, p); }))
@@ -181,8 +187,9 @@ class Validator {
   }
   template <typename Visit>
   void for_each_own_face(SplitId s, const Visit& visit) const {
-    for (const Triangle& t : h_.inserted(s)) visit(t);
-    for (const FaceId f : h_.removed(s)) visit(d_.faces[f]);
+    const SplitStar star = h_.star(s);
+    star.for_each_inserted(visit);
+    star.for_each_removed([&](const FaceRef&, const Triangle& t) { visit(t); });
   }
 
   // Entry leaves_ + i of a segment tree bounds place i of the order; inner entries bound their two children. A box with
@@ -242,20 +249,23 @@ class Validator {
            holds_run(tree, wanted, 2 * entry + 1, {middle, covered.end}, inside, own_inside);
   }
 
-  // Invariant 4, first half: splits applied in order remove only active faces, and what is left is the input.
+  // Invariant 4, first half: splits applied in order remove only active faces, those that they say, and what is left
+  // has as many faces as the input.
   void replay() {
-    std::vector<bool> active(d_.faces.size(), false);
-    std::fill_n(active.begin(), d_.nodes[0].first_inserted, true);
+    ActiveFaces active(h_);
     for (SplitId s = 0; s < splits_; ++s) {
-      for (const FaceId f : h_.removed(s)) {
-        if (!active[f]) report("split {} removes face {}, which is not active", s, f);
-        active[f] = false;
-      }
-      for (FaceId f = d_.nodes[s].first_inserted; f < d_.nodes[s + 1].first_inserted; ++f) active[f] = true;
+      h_.star(s).for_each_removed([&](const FaceRef& ref, const Triangle& t) {
+        if (!active.remove(ref))
+          report("split {} removes a face of split {} that is not active", s, ref.split);
+        else if (!same_triangle(t, face_at(h_, ref)))
+          report("split {} removes another face of split {} than it says", s, ref.split);
+      });
+      active.apply(s);
     }
-    for (FaceId f = 0; f < d_.faces.size(); ++f)
-      if (active[f] != (d_.died[f] == no_id))
-        report("face {} is active after all splits and should not be, or the reverse", f);
+    if (active.face_count() != h_.face_count())
+      report("there are {} faces, not {}", active.face_count(), h_.face_count());
+    if (active.count() != h_.input_triangle_count())
+      report("all splits together leave {} triangles, not {}", active.count(), h_.input_triangle_count());
   }
 
   // Invariant 4, second half. In a closed set every vertex that is not brought back stands for its nearest ancestor
@@ -263,8 +273,7 @@ class Validator {
   // edge inside is shared exactly as often as in the input, and no crack opens.
   void check_random_cuts() {
     std::vector<DirectedEdge> input_boundary;
-    for (FaceId f = 0; f < d_.faces.size(); ++f)
-      if (d_.died[f] == no_id) add_edges(d_.faces[f], input_boundary);
+    for (const Triangle& t : triangles_of(h_, full_cut(h_))) add_edges(t, input_boundary);
     input_boundary = reduce_chain(std::move(input_boundary));
     std::mt19937_64 random(20070308);  // any fixed seed
     for (int i = 0; i <= options_.random_cuts && splits_ > 0; ++i) {
@@ -286,7 +295,7 @@ class Validator {
       stack_.pop_back();
       if (applied[t]) continue;
       applied[t] = true;
-      for (const SplitId needed : h_.dependencies(t)) stack_.push_back(needed);
+      for (const SplitId needed : h_.star(t).dependencies()) stack_.push_back(needed);
     }
   }
 
@@ -294,23 +303,14 @@ class Validator {
     const std::size_t base_vertices = h_.base_vertex_count();
     std::vector<VertexId> stands_for(d_.positions.size());
     for (VertexId v = 0; v < stands_for.size(); ++v)
-      stands_for[v] =
-          v < base_vertices || applied[v - base_vertices] ? v : stands_for[d_.nodes[v - base_vertices].parent_vertex];
+      stands_for[v] = v < base_vertices || applied[v - base_vertices]
+                          ? v
+                          : stands_for[h_.star(static_cast<SplitId>(v - base_vertices)).parent_vertex()];
     std::vector<DirectedEdge> edges;
-    FaceId f = 0;
-    const auto add_active = [&](FaceId end) {
-      for (; f < end; ++f) {
-        if (d_.died[f] != no_id && applied[d_.died[f]]) continue;
-        add_edges(d_.faces[f], edges);
-        for (int k = 0; k < 3; ++k)
-          if (stands_for[d_.faces[f][k]] != d_.faces[f][k])
-            report("face {} is active in a cut that lacks its vertex {}", f, d_.faces[f][k]);
-      }
-    };
-    add_active(d_.nodes[0].first_inserted);
-    for (SplitId s = 0; s < splits_; ++s) {
-      if (applied[s]) add_active(d_.nodes[s + 1].first_inserted);
-      f = d_.nodes[s + 1].first_inserted;
+    for (const Triangle& t : active_triangles(h_, applied)) {
+      add_edges(t, edges);
+      for (int k = 0; k < 3; ++k)
+        if (stands_for[t[k]] != t[k]) report("a cut lacks vertex {} of one of its faces", t[k]);
     }
     std::vector<DirectedEdge> expected;
     for (const auto& [from, to] : input_boundary) expected.emplace_back(stands_for[from], stands_for[to]);
@@ -319,7 +319,7 @@ class Validator {
   }
 
   const Hierarchy& h_;
-  const HierarchyData& d_;
+  const HierarchyView& d_;
   ValidateOptions options_;
   SplitId splits_;
   std::vector<std::string> violations_;

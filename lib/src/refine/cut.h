@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <unordered_set>
 #include <vector>
 
 #include "occlod/hierarchy/hierarchy.h"
@@ -18,7 +19,7 @@ class Cut {
   void clear();
 
   [[nodiscard]] const Hierarchy& hierarchy() const noexcept { return *hierarchy_; }
-  [[nodiscard]] bool applied(SplitId s) const noexcept { return state_[s] == applied_state; }
+  [[nodiscard]] bool applied(SplitId s) const noexcept { return (state_[s] & applied_bit) != 0; }
   [[nodiscard]] std::span<const SplitId> applied_splits() const noexcept {
     return applied_;
   }  // in the order of application
@@ -29,22 +30,27 @@ class Cut {
     std::span<const SplitId> splits;  // valid until the next call
     std::size_t triangles = 0;        // that the cut would gain; splits never lose any on balance
   };
-  // Precondition: s is not applied. O(closure).
+  // Precondition: s is not applied. O(closure). Throws Error when a needed split is damaged.
   [[nodiscard]] Closure closure(SplitId s);
   // Applies what the last closure() found.
   void apply_closure();
 
-  // Active faces: base faces and faces of applied splits that no applied split removes. Ascending iff `sorted`; sorting
-  // also sorts applied_splits().
-  void active_faces(std::vector<FaceId>& out, bool sorted);
+  // Active faces: base faces and faces of applied splits that no applied split removes; base faces first, then by
+  // split and slot iff `sorted`; sorting also sorts applied_splits().
+  void active_triangles(std::vector<Triangle>& out, bool sorted);
 
  private:
-  static constexpr std::uint8_t coarse_state = 0;
-  static constexpr std::uint8_t applied_state = 1;
-  static constexpr std::uint8_t in_closure_state = 2;
+  static constexpr std::uint32_t applied_bit = 1U << 31U;
+  static constexpr std::uint32_t closure_bit = 1U << 30U;
+  static constexpr std::uint32_t mask_slots = 30;  // low bits: the faces of these slots have been removed
+
+  void remove(const FaceRef& face);
+  [[nodiscard]] bool removed(SplitId s, std::uint32_t slot) const;
 
   const Hierarchy* hierarchy_;
-  std::vector<std::uint8_t> state_;  // of each split
+  std::vector<std::uint32_t> state_;                  // of each split
+  std::vector<bool> base_removed_;                    // of each base face
+  std::unordered_set<std::uint64_t> others_removed_;  // split << 32 | slot, of slots that have no bit
   std::vector<SplitId> applied_;
   std::vector<SplitId> closure_;
   std::ptrdiff_t closure_gain_ = 0;

@@ -36,6 +36,7 @@ struct Entry {
   ScreenError error;      // unweighted
   SplitId split = no_id;
   std::uint32_t object = 0;
+  std::uint32_t level = 0;           // of the split in the forest, 0 at roots
   std::uint32_t asked_occluder = 0;  // number of the occluder that it was last found visible against; 0 = never asked
   Kind kind = Kind::visit;
 

@@ -47,7 +47,7 @@ class Refiner::Impl {
     const Clock::time_point start = Clock::now();
     timed([&] { visibility.begin_view(view, views_); });
     for (std::uint32_t i = 0; i < objects_.size(); ++i)
-      for (const SplitId root : cuts_[i].hierarchy().data().roots) meet(i, root);
+      for (const SplitId root : cuts_[i].hierarchy().data().roots) meet(i, root, no_id, 0);
     run();
     drain();
     emit();
@@ -111,8 +111,12 @@ class Refiner::Impl {
   }
 
   // A node comes into sight of the refinement: dropped for good, or offered.
-  void meet(std::uint32_t object, SplitId s) {
-    const SplitNode& node = cuts_[object].hierarchy().node(s);
+  void meet(std::uint32_t object, SplitId s, SplitId parent, std::uint32_t level) {
+    const Hierarchy& hierarchy = cuts_[object].hierarchy();
+    hierarchy.require(s);
+    const SplitNode& node = hierarchy.node(s);
+    if (node.parent != parent)  // else a file that lies about its forest could be walked without an end
+      throw Error({"hierarchy", "split " + std::to_string(s), "is not where its parent says", "build it again"});
     const ObjectView& view = views_[object];
     ++stats_.visits;
     if (!view.may_be_inside(node.sphere)) {
@@ -125,7 +129,7 @@ class Refiner::Impl {
     }
     const ScreenError error(node, view.largest_scale_px(node.sphere));
     if (is_tolerated(error)) return;
-    offer({error.quadric_px, error, s, object, 0, Entry::Kind::visit});
+    offer({error.quadric_px, error, s, object, level, 0, Entry::Kind::visit});
   }
 
   // Small enough to be left as it is, and noted as such.
@@ -137,7 +141,7 @@ class Refiner::Impl {
   }
 
   [[nodiscard]] bool faces_away(const SplitNode& node, std::uint32_t object) const {
-    return !objects_[object].two_sided && occlod::faces_away(node.cone, node.sphere, views_[object].eye());
+    return !objects_[object].two_sided && occlod::faces_away(node.cone(), node.sphere, views_[object].eye());
   }
 
   // Into the flight if it has room for a question that must be asked, else into the global queue.
@@ -151,8 +155,7 @@ class Refiner::Impl {
   [[nodiscard]] bool must_ask(const Entry& entry) const {
     if (occluder_ == 0 || entry.asked_occluder == occluder_) return false;
     if (entry.kind == Entry::Kind::apply) return true;
-    const std::uint32_t level = cuts_[entry.object].hierarchy().node(entry.split).level;
-    return level % options_.level_step == options_.level_step - 1;
+    return entry.level % options_.level_step == options_.level_step - 1;
   }
 
   void ask(const Entry& entry) {
@@ -166,10 +169,10 @@ class Refiner::Impl {
           query.shape = hierarchy.node(entry.split).sphere;
           break;
         case Proxy::box:
-          query.shape = hierarchy.data().boxes[entry.split];
+          query.shape = hierarchy.node(entry.split).box();
           break;
         case Proxy::cylinder:
-          query.shape = hierarchy.data().cylinders[entry.split];
+          query.shape = hierarchy.node(entry.split).cylinder();
           break;
       }
     }
@@ -242,7 +245,7 @@ class Refiner::Impl {
       else
         consider(entry);
       for (const SplitId child : {node.child_u, node.child_v})
-        if (child != no_id) meet(entry.object, child);
+        if (child != no_id) meet(entry.object, child, entry.split, entry.level + 1);
     } else {
       apply(entry);
     }
@@ -262,7 +265,7 @@ class Refiner::Impl {
     const ScreenError error(node, view.largest_scale_px(star.sphere));
     if (is_tolerated(error)) return;
     const float weight = std::pow(star.visible_share, static_cast<float>(options_.visible_exponent));
-    offer({error.quadric_px * weight, error, entry.split, entry.object, 0, Entry::Kind::apply});
+    offer({error.quadric_px * weight, error, entry.split, entry.object, entry.level, 0, Entry::Kind::apply});
   }
 
   void apply(const Entry& entry) {
@@ -286,10 +289,7 @@ class Refiner::Impl {
   void emit() {
     for (std::size_t i = 0; i < cuts_.size(); ++i) {
       RefinedObject& object = result_.objects[i];
-      cuts_[i].active_faces(object.faces, true);
-      object.triangles.resize(object.faces.size());
-      std::transform(object.faces.begin(), object.faces.end(), object.triangles.begin(),
-                     [&](FaceId f) { return cuts_[i].hierarchy().face(f); });
+      cuts_[i].active_triangles(object.triangles, true);
       object.splits.assign(cuts_[i].applied_splits().begin(), cuts_[i].applied_splits().end());
     }
   }
@@ -347,8 +347,9 @@ std::uint64_t Refinement::hash() const noexcept {
   std::uint64_t hash = 0xcbf29ce484222325ULL;
   const auto add = [&](std::uint64_t value) { hash = (hash ^ value) * 0x100000001b3ULL; };
   for (const RefinedObject& object : objects) {
-    add(object.faces.size());
-    for (const FaceId f : object.faces) add(f);
+    add(object.triangles.size());
+    for (const Triangle& t : object.triangles)
+      for (int k = 0; k < 3; ++k) add(t[k]);
   }
   return hash;
 }

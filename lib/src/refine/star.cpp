@@ -26,9 +26,9 @@ bool wholly_inside(const Sphere& sphere, const ObjectView& view) {
 }
 
 template <typename Visit>
-void for_each_face(const Hierarchy& hierarchy, SplitId s, const Visit& visit) {
-  for (const Triangle& t : hierarchy.inserted(s)) visit(t);
-  for (const FaceId f : hierarchy.removed(s)) visit(hierarchy.face(f));
+void for_each_face(const SplitStar& star, const Visit& visit) {
+  star.for_each_inserted(visit);
+  star.for_each_removed([&](const FaceRef&, const Triangle& t) { visit(t); });
 }
 
 }  // namespace
@@ -44,7 +44,7 @@ StarView StarLook::look(const Hierarchy& hierarchy, SplitId s, const ObjectView&
   const std::span<const glm::vec3> positions = hierarchy.positions();
   int faces = 0;
   int visible = 0;
-  for_each_face(hierarchy, s, [&](const Triangle& t) {
+  for_each_face(hierarchy.star(s), [&](const Triangle& t) {
     const glm::vec3 &a = positions[t.x], &b = positions[t.y], &c = positions[t.z];
     ++faces;
     if ((two_sided || faces_eye(a, b, c, view)) && (inside || may_be_inside(a, b, c, view))) ++visible;
@@ -59,13 +59,23 @@ std::span<const glm::vec3> StarLook::points(const Hierarchy& hierarchy, SplitId 
 }
 
 void StarLook::gather(const Hierarchy& hierarchy, SplitId s) {
-  ids_.assign(1, hierarchy.vertex_of(s));
-  for_each_face(hierarchy, s, [&](const Triangle& t) {
-    for (int k = 0; k < 3; ++k)
-      if (std::find(ids_.begin(), ids_.end(), t[k]) == ids_.end()) ids_.push_back(t[k]);
-  });
+  const SplitStar star = hierarchy.star(s);
+  ids_.assign(1, star.vertex());
+  if (star.is_fan())  // u and the corners of removed faces are in the ring
+    ids_.insert(ids_.end(), star.ring().begin(), star.ring().end());
+  else
+    gather_corners(star);
   points_.resize(ids_.size());
-  std::transform(ids_.begin(), ids_.end(), points_.begin(), [&](VertexId v) { return hierarchy.positions()[v]; });
+  std::transform(ids_.begin(), ids_.end(), points_.begin(), [&](VertexId v) {
+    hierarchy.require_vertex(v);
+    return hierarchy.positions()[v];
+  });
+}
+
+void StarLook::gather_corners(const SplitStar& star) {
+  for_each_face(star, [&](const Triangle& t) { ids_.insert(ids_.end(), {t.x, t.y, t.z}); });
+  std::sort(ids_.begin(), ids_.end());
+  ids_.erase(std::unique(ids_.begin(), ids_.end()), ids_.end());
 }
 
 }  // namespace occlod

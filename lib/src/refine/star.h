@@ -25,6 +25,7 @@ class StarLook {
 
  private:
   void gather(const Hierarchy& hierarchy, SplitId s);
+  void gather_corners(const SplitStar& star);
 
   std::vector<VertexId> ids_;
   std::vector<glm::vec3> points_;

@@ -6,102 +6,89 @@
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "occlod/core/ids.h"
+#include "occlod/hierarchy/split_guard.h"
+#include "occlod/hierarchy/split_node.h"
+#include "occlod/hierarchy/split_star.h"
 #include "occlod/math/bounds.h"
 #include "occlod/mesh/triangle_mesh.h"
 
 namespace occlod {
 
-// What refinement reads for every split it looks at: one cache line. Split s brings back vertex base_vertex_count + s.
-struct SplitNode {
-  Sphere sphere;       // around every face that this split or one below it in the forest removes or inserts
-  NormalCone cone;     // of the normals of those faces
-  float error = 0.0F;  // quadric error: root mean square distance, ordered collapses; >= that of every
-                       // split that depends on this one or stands below it in the forest
-  float guaranteed_error =
-      0.0F;  // bound on the distance between the surface without this split and the input; saturated alike
-  SplitId child_u = no_id;          // forest: the next split of the same parent vertex
-  SplitId child_v = no_id;          // forest: the first split of the vertex that this one brings back
-  VertexId parent_vertex = no_id;   // u, the vertex that v is split from
-  std::uint32_t level = 0;          // depth in the split forest, 0 at roots
-  FaceId first_inserted = 0;        // this split inserts faces [first_inserted, next node's first_inserted)
-  std::uint32_t first_removed = 0;  // and removes removed_faces [first_removed, next node's first_removed)
-};
-static_assert(sizeof(SplitNode) == 64, "one cache line");
-
-// The arrays of a hierarchy, as built and as stored in an .olod file.
-struct HierarchyData {
+// The arrays of a hierarchy. Array<T> is a vector where they are built and a span where they are read.
+template <template <typename> typename Array>
+struct HierarchyFields {
   // Vertices: first those of the base mesh, then vertex base_vertex_count + s for each split s.
-  std::vector<glm::vec3> positions;
-  std::vector<glm::vec3> normals;   // unit; empty when the input had none
-  std::vector<glm::u8vec4> colors;  // empty when the input had none
-  // Splits from coarse to fine, and one sentinel that ends the ranges of the last.
-  std::vector<SplitNode> nodes;
-  std::vector<SplitId> roots;                   // splits without a forest parent, ascending
-  std::vector<std::uint32_t> first_dependency;  // nodes.size() entries; split s needs dependencies [s, s+1)
-  std::vector<SplitId> dependencies;            // ascending for each split, all smaller than it
-  // Faces: those of the base mesh, then those that split 0 inserts, split 1, ...
-  std::vector<Triangle> faces;
-  std::vector<SplitId> died;  // the split that removes the face; no_id for faces of the input mesh
-  std::vector<FaceId> removed_faces;
-  // Bounds of the same faces as SplitNode::sphere, one per split, for those who draw them as query proxies.
-  std::vector<Box> boxes;
-  std::vector<Cylinder> cylinders;  // along the normal of the vertex that the split brings back
+  Array<glm::vec3> positions;
+  Array<glm::vec3> normals;    // unit; empty when the input had none
+  Array<glm::u8vec4> colors;   // empty when the input had none
+  Array<SplitNode> nodes;      // from coarse to fine, and a sentinel that ends the last one's star
+  Array<std::uint32_t> stars;  // the records of all splits in their order, see SplitStar
+  Array<SplitId> roots;        // splits without a forest parent, ascending
+  Array<Triangle> base_faces;
+  Box box;                                 // of all positions
+  std::uint64_t input_triangle_count = 0;  // when all splits are applied
+  std::uint64_t face_count = 0;            // that ever existed: of the base mesh and of all stars
+  float error_bound = 0.0F;                // the largest guaranteed error of any split: what the base mesh promises
 };
+template <typename T>
+using OwnedArray = std::vector<T>;
+template <typename T>
+using ReadArray = std::span<const T>;
+using HierarchyData = HierarchyFields<OwnedArray>;
+using HierarchyView = HierarchyFields<ReadArray>;
+
+[[nodiscard]] HierarchyView view_of(const HierarchyData& data);
 
 class Hierarchy {
  public:
   Hierarchy() = default;
   // Takes arrays whose sizes and indices fit together (see check_structure in validate.h).
   explicit Hierarchy(HierarchyData data);
+  // Arrays that `owner` keeps alive, of which `guard` (if any) checks each part before it is used for the first time.
+  Hierarchy(const HierarchyView& view, std::shared_ptr<const void> owner, std::shared_ptr<SplitGuard> guard);
 
-  [[nodiscard]] const HierarchyData& data() const noexcept { return data_; }
+  // Of a hierarchy in a mapped file only what require() was called for has been checked.
+  [[nodiscard]] const HierarchyView& data() const noexcept { return view_; }
+  [[nodiscard]] HierarchyData copy_data() const;
 
-  [[nodiscard]] std::size_t vertex_count() const noexcept { return data_.positions.size(); }
-  [[nodiscard]] std::size_t split_count() const noexcept { return data_.nodes.empty() ? 0 : data_.nodes.size() - 1; }
-  [[nodiscard]] std::size_t face_count() const noexcept { return data_.faces.size(); }
+  [[nodiscard]] std::size_t vertex_count() const noexcept { return view_.positions.size(); }
+  [[nodiscard]] std::size_t split_count() const noexcept { return view_.nodes.empty() ? 0 : view_.nodes.size() - 1; }
   [[nodiscard]] std::size_t base_vertex_count() const noexcept { return vertex_count() - split_count(); }
-  [[nodiscard]] std::size_t base_triangle_count() const noexcept {
-    return data_.nodes.empty() ? 0 : data_.nodes[0].first_inserted;
-  }
-  [[nodiscard]] std::size_t input_triangle_count() const noexcept { return input_triangle_count_; }
+  [[nodiscard]] std::size_t base_triangle_count() const noexcept { return view_.base_faces.size(); }
+  [[nodiscard]] std::size_t face_count() const noexcept { return view_.face_count; }
+  [[nodiscard]] std::size_t input_triangle_count() const noexcept { return view_.input_triangle_count; }
 
-  [[nodiscard]] const SplitNode& node(SplitId s) const noexcept { return data_.nodes[s]; }
+  // Makes sure that node, star and vertex of s may be used; splits of base vertices and no_id need nothing. Throws
+  // Error when they are damaged. Quick when they have been used before.
+  void require(SplitId s) const {
+    if (guard_ && s < split_count()) guard_->require(s);
+  }
+  void require_vertex(VertexId v) const {
+    if (v >= base_vertex_count()) require(static_cast<SplitId>(v - base_vertex_count()));
+  }
+  void require_all() const;
+
+  [[nodiscard]] const SplitNode& node(SplitId s) const noexcept { return view_.nodes[s]; }
+  [[nodiscard]] SplitStar star(SplitId s) const noexcept {
+    return {view_.stars.data() + view_.nodes[s].star, vertex_of(s)};
+  }
   [[nodiscard]] VertexId vertex_of(SplitId s) const noexcept { return static_cast<VertexId>(base_vertex_count() + s); }
-  [[nodiscard]] std::span<const glm::vec3> positions() const noexcept { return data_.positions; }
-  [[nodiscard]] const Triangle& face(FaceId f) const noexcept { return data_.faces[f]; }
+  [[nodiscard]] std::span<const glm::vec3> positions() const noexcept { return view_.positions; }
 
-  // The faces that split s inserts: consecutive ids.
-  [[nodiscard]] std::span<const Triangle> inserted(SplitId s) const noexcept {
-    return {data_.faces.data() + data_.nodes[s].first_inserted, inserted_count(s)};
-  }
-  [[nodiscard]] std::size_t inserted_count(SplitId s) const noexcept {
-    return data_.nodes[s + 1].first_inserted - data_.nodes[s].first_inserted;
-  }
-  [[nodiscard]] std::span<const FaceId> removed(SplitId s) const noexcept {
-    return {data_.removed_faces.data() + data_.nodes[s].first_removed,
-            data_.nodes[s + 1].first_removed - data_.nodes[s].first_removed};
-  }
-  [[nodiscard]] std::span<const SplitId> dependencies(SplitId s) const noexcept {
-    return {data_.dependencies.data() + data_.first_dependency[s],
-            data_.first_dependency[s + 1] - data_.first_dependency[s]};
-  }
-
-  // A sphere around the whole mesh, and its box.
-  [[nodiscard]] const Box& box() const noexcept { return box_; }
-  // The largest guaranteed error of any split: what the base mesh promises.
-  [[nodiscard]] float error_bound() const noexcept { return error_bound_; }
+  [[nodiscard]] const Box& box() const noexcept { return view_.box; }
+  [[nodiscard]] float error_bound() const noexcept { return view_.error_bound; }
   // Bytes that the arrays occupy.
   [[nodiscard]] std::size_t bytes() const noexcept;
 
  private:
-  HierarchyData data_;
-  Box box_;
-  std::size_t input_triangle_count_ = 0;
-  float error_bound_ = 0.0F;
+  HierarchyView view_;
+  std::shared_ptr<const void> owner_;
+  std::shared_ptr<SplitGuard> guard_;
 };
 
 }  // namespace occlod

@@ -9,10 +9,15 @@
 
 namespace occlod {
 
-// Sizes and indices of the arrays fit together, so that a Hierarchy made from them can be walked safely: ranges ascend
-// and end at the sizes, ids are in range, dependencies and forest parents come first, each face dies at most once.
-// Returns what is wrong, or nothing. O(size).
-[[nodiscard]] std::optional<std::string> check_structure(const HierarchyData& data);
+// Sizes and indices of the arrays fit together, so that a Hierarchy made from them can be walked safely: stars end
+// where the next begins, ids are in range, dependencies and forest parents come first, every split is once in the
+// forest. Returns what is wrong, or nothing. O(size).
+[[nodiscard]] std::optional<std::string> check_structure(const HierarchyView& data);
+
+// The same in parts: sizes, base mesh and roots; then splits [first, end), each on its own. What only a look at all of
+// them shows is left to refinement, which descends to a child only if the child names its parent.
+[[nodiscard]] std::optional<std::string> check_base(const HierarchyView& data);
+[[nodiscard]] std::optional<std::string> check_splits(const HierarchyView& data, SplitId first, SplitId end);
 
 struct ValidateOptions {
   int random_cuts = 16;  // random dependency-closed sets that are extracted and checked for conformity

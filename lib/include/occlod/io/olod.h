@@ -9,18 +9,26 @@
 
 namespace occlod {
 
-inline constexpr std::uint32_t olod_version = 1;
+inline constexpr std::uint32_t olod_version = 2;
+
+enum class OlodCompression {
+  none,  // mapped when read: opening takes no time, and only what is used is ever loaded
+  zstd,  // half the size; unpacked into memory when read
+};
 
 struct OlodFile {
   Hierarchy hierarchy;
   MeshReport report;  // of the mesh it was built from
+  OlodCompression compression = OlodCompression::none;
 };
 
 // Throws Error; a file that was there stays as it was when writing fails.
-void write_olod(const std::filesystem::path& path, const Hierarchy& hierarchy, const MeshReport& report);
+void write_olod(const std::filesystem::path& path, const Hierarchy& hierarchy, const MeshReport& report,
+                OlodCompression compression = OlodCompression::none);
 
-// Checks magic, version, sizes, checksums and structure before anything is used. Throws Error that says which of them
-// failed and where.
+// Checks magic, version, sizes, the table of sections and the base mesh. The rest is checked (checksum and structure)
+// in blocks of splits when Hierarchy::require is first called for one of them; require_all() checks the whole file.
+// Both throw Error that says what failed and where. The file must not be changed while the hierarchy lives.
 [[nodiscard]] OlodFile read_olod(const std::filesystem::path& path);
 
 }  // namespace occlod

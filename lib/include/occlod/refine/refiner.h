@@ -63,17 +63,16 @@ struct RefineStats {
   double occlusion_ms = 0.0;  // drawing occluders, asking and waiting for answers
 };
 
-// The active triangles of one object: ids into the hierarchy's vertices, ascending by face id.
+// The active triangles of one object: ids into the hierarchy's vertices, base faces first, then by split and slot.
 struct RefinedObject {
   std::vector<Triangle> triangles;
-  std::vector<FaceId> faces;    // the face of each triangle
   std::vector<SplitId> splits;  // applied, ascending: the whole state
 };
 
 struct Refinement {
   std::vector<RefinedObject> objects;  // as given to the Refiner
   RefineStats stats;
-  // FNV-1a over the face ids of every object in order: equal iff the triangles are, for all practical purposes.
+  // FNV-1a over the corners of all triangles of every object in order: equal iff they are, for all practical purposes.
   [[nodiscard]] std::uint64_t hash() const noexcept;
 };
 

@@ -1,0 +1,64 @@
+#include "olod_format.h"
+
+#include <xxhash.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "occlod/hierarchy/split_guard.h"
+
+namespace occlod::olod {
+namespace {
+
+class Digest {
+ public:
+  Digest() { XXH3_64bits_reset(&state_); }
+  template <typename T>
+  void add(std::span<const T> values) {
+    XXH3_64bits_update(&state_, values.data(), values.size_bytes());
+  }
+  // Attributes may be absent.
+  template <typename T>
+  void add(std::span<const T> values, std::size_t first, std::size_t count) {
+    if (!values.empty()) add(values.subspan(first, count));
+  }
+  [[nodiscard]] std::uint64_t value() const { return XXH3_64bits_digest(&state_); }
+
+ private:
+  XXH3_state_t state_;
+};
+
+void add_vertices(const HierarchyView& view, std::size_t first, std::size_t count, Digest& digest) {
+  digest.add(view.positions, first, count);
+  digest.add(view.normals, first, count);
+  digest.add(view.colors, first, count);
+}
+
+std::size_t split_count(const HierarchyView& view) { return view.nodes.size() - 1; }
+
+}  // namespace
+
+std::uint64_t checksum_of(std::span<const std::byte> bytes) { return XXH3_64bits(bytes.data(), bytes.size()); }
+
+std::uint64_t digest_of_base(const HierarchyView& view) {
+  Digest digest;
+  add_vertices(view, 0, view.positions.size() - split_count(view), digest);
+  return digest.value();
+}
+
+BlockRange range_of_block(const HierarchyView& view, std::size_t block) {
+  const std::size_t first = block * SplitGuard::block_size;
+  return {first, std::min(first + SplitGuard::block_size, split_count(view))};
+}
+
+std::uint64_t digest_of_block(const HierarchyView& view, std::size_t block) {
+  const auto [first, end] = range_of_block(view, block);
+  Digest digest;
+  digest.add(view.nodes, first, end - first);
+  const std::size_t star = view.nodes[first].star;
+  digest.add(view.stars, star, view.nodes[end].star - star);
+  add_vertices(view, view.positions.size() - split_count(view) + first, end - first, digest);
+  return digest.value();
+}
+
+}  // namespace occlod::olod

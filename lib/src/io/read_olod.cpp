@@ -1,0 +1,165 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+#include <memory>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "mapped_file.h"
+#include "occlod/core/error.h"
+#include "occlod/hierarchy/validate.h"
+#include "occlod/io/olod.h"
+#include "olod_codec.h"
+#include "olod_format.h"
+
+namespace occlod {
+namespace {
+
+using namespace olod;
+
+std::string_view name_of(const Section& section) { return {section.name.data(), section.name.size()}; }
+std::string place_of(const Section& section) {
+  return fmt::format("section {} at byte {}", name_of(section), section.offset);
+}
+
+// What a hierarchy that was read stands on: the mapping, and the sections that had to be unpacked.
+class Reader {
+ public:
+  explicit Reader(const std::filesystem::path& path) : path_(path.string()), file_(path) {
+    read_header();
+    read_table();
+  }
+
+  [[noreturn]] void refuse(const std::string& place, const std::string& problem, const std::string& mend) const {
+    throw Error({path_, place, problem, mend});
+  }
+
+  // Elements of a section, in the mapping or unpacked. Only sections without blocks are checked here.
+  template <typename T>
+  std::span<const T> read(std::string_view name, bool has_blocks) {
+    static_assert(std::is_trivially_copyable_v<T> && alignof(T) <= alignment);
+    const auto found = std::find_if(table_.begin(), table_.end(), [&](const Section& s) { return name_of(s) == name; });
+    if (found == table_.end()) refuse("", fmt::format("has no section {}", name), rebuild);
+    if (found->element_bytes != sizeof(T) || found->raw_bytes % sizeof(T) != 0)
+      refuse(place_of(*found), "has elements of another size", rebuild);
+    const std::span<const std::byte> bytes = found->codec == Codec::stored ? stored(*found) : unpacked(*found);
+    if (!has_blocks && checksum_of(bytes) != found->checksum)
+      refuse(place_of(*found), "is damaged: its checksum is wrong", rebuild);
+    return {reinterpret_cast<const T*>(bytes.data()), bytes.size() / sizeof(T)};
+  }
+
+  [[nodiscard]] bool is_compressed() const noexcept { return !unpacked_.empty(); }
+  [[nodiscard]] const std::string& path() const noexcept { return path_; }
+
+ private:
+  void read_header() {
+    const std::span<const std::byte> bytes = file_.bytes();
+    FileHeader header;
+    if (bytes.size() >= sizeof(header)) std::memcpy(&header, bytes.data(), sizeof(header));
+    if (header.magic != magic) refuse("byte 0", "is not an .olod file", "make one with 'occlod build'");
+    if (header.version != olod_version)
+      refuse("byte 8",
+             fmt::format("is an .olod file of version {}, this program reads version {}", header.version, olod_version),
+             rebuild);
+    if (header.file_bytes != bytes.size())
+      refuse(
+          "byte 16",
+          fmt::format("has {} bytes, but says that it has {}: it was cut or added to", bytes.size(), header.file_bytes),
+          rebuild);
+    if (header.section_count > most_sections)
+      refuse("byte 12", fmt::format("claims {} sections", header.section_count), rebuild);
+    table_.resize(header.section_count);
+    const auto table = std::as_writable_bytes(std::span(table_));
+    if (bytes.size() - sizeof(header) < table.size()) refuse("byte 32", "ends inside its section table", rebuild);
+    std::memcpy(table.data(), bytes.data() + sizeof(header), table.size());
+    if (checksum_of(table) != header.table_checksum)
+      refuse("byte 32", "has a damaged section table: its checksum is wrong", rebuild);
+  }
+
+  void read_table() const {
+    const std::uint64_t size = file_.bytes().size();
+    for (const Section& section : table_) {
+      if (section.offset > size || section.bytes > size - section.offset)
+        refuse(place_of(section), "lies outside the file", rebuild);
+      if (section.offset % alignment != 0) refuse(place_of(section), "does not start at a multiple of 64", rebuild);
+      if (section.codec != Codec::stored && section.codec != Codec::zstd)
+        refuse(place_of(section), fmt::format("is packed in way {}", static_cast<std::uint32_t>(section.codec)),
+               "use a newer program");
+      if (section.codec == Codec::stored && section.bytes != section.raw_bytes)
+        refuse(place_of(section), "has another size than it says", rebuild);
+      if (!is_plausible(section.bytes, section.raw_bytes))
+        refuse(place_of(section), fmt::format("claims {} bytes unpacked", section.raw_bytes), rebuild);
+    }
+  }
+
+  [[nodiscard]] std::span<const std::byte> stored(const Section& section) const {
+    return file_.bytes().subspan(section.offset, section.bytes);
+  }
+
+  std::span<const std::byte> unpacked(const Section& section) {
+    std::vector<std::byte>& raw = unpacked_.emplace_back(section.raw_bytes);
+    if (!unpack(stored(section), section.element_bytes, raw))
+      refuse(place_of(section), "is damaged: it does not unpack", rebuild);
+    return raw;
+  }
+
+  std::string path_;
+  MappedFile file_;
+  std::vector<Section> table_;
+  std::vector<std::vector<std::byte>> unpacked_;
+};
+
+class FileGuard final : public SplitGuard {
+ public:
+  FileGuard(std::shared_ptr<const Reader> reader, const HierarchyView& view, std::span<const std::uint64_t> digests)
+      : SplitGuard(view.nodes.size() - 1), reader_(std::move(reader)), view_(view), digests_(digests) {}
+
+ private:
+  void check_block(std::size_t block) override {
+    const auto [first, end] = range_of_block(view_, block);
+    const std::uint32_t star = view_.nodes[first].star, star_end = view_.nodes[end].star;
+    if (star > star_end || star_end > view_.stars.size() || digest_of_block(view_, block) != digests_[block])
+      refuse(first, end, "are damaged: their checksum is wrong");
+    if (const auto problem = check_splits(view_, static_cast<SplitId>(first), static_cast<SplitId>(end)))
+      refuse(first, end, "are no part of a hierarchy: " + *problem);
+  }
+
+  [[noreturn]] void refuse(std::size_t first, std::size_t end, const std::string& problem) const {
+    reader_->refuse(fmt::format("splits {} to {}", first, end - 1), problem, rebuild);
+  }
+
+  std::shared_ptr<const Reader> reader_;
+  HierarchyView view_;
+  std::span<const std::uint64_t> digests_;
+};
+
+}  // namespace
+
+OlodFile read_olod(const std::filesystem::path& path) {
+  const auto reader = std::make_shared<Reader>(path);
+  HierarchyView view;
+  for_each_array(view, [&](std::string_view name, auto& array, bool has_blocks) {
+    using T = typename std::decay_t<decltype(array)>::value_type;
+    array = reader->template read<T>(name, has_blocks);
+  });
+  const auto summary = reader->read<Summary>(summary_name, false);
+  const auto report = reader->read<MeshReport>(report_name, false);
+  const auto digests = reader->read<std::uint64_t>(digests_name, false);
+  if (summary.size() != 1 || report.size() != 1)
+    reader->refuse("", "does not hold one summary and one report", rebuild);
+  view.box = summary[0].box;
+  view.input_triangle_count = summary[0].input_triangle_count;
+  view.face_count = summary[0].face_count;
+  view.error_bound = summary[0].error_bound;
+  if (const auto problem = check_base(view)) reader->refuse("", "holds no hierarchy: " + *problem, rebuild);
+  const auto guard = std::make_shared<FileGuard>(reader, view, digests.subspan(digests.empty() ? 0 : 1));
+  if (digests.size() != guard->block_count() + 1)
+    reader->refuse("section BLOK", "does not have a checksum for every block", rebuild);
+  if (digest_of_base(view) != digests[0]) reader->refuse("base mesh", "is damaged: its checksum is wrong", rebuild);
+  return {Hierarchy(view, reader, guard), report[0],
+          reader->is_compressed() ? OlodCompression::zstd : OlodCompression::none};
+}
+
+}  // namespace occlod
