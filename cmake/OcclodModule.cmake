@@ -14,7 +14,8 @@ function(occlod_module name)
   set_target_properties(occlod_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
   target_compile_features(occlod_${name} PUBLIC cxx_std_20)
   # No fused multiply-add that the source does not ask for: results are the same on every machine with IEEE arithmetic.
-  target_compile_options(occlod_${name} PRIVATE -ffp-contract=off)
+  # Nobody looks at errno or at floating-point traps, so roots and conditions on floats may be compiled to instructions.
+  target_compile_options(occlod_${name} PRIVATE -ffp-contract=off -fno-math-errno -fno-trapping-math)
   target_include_directories(occlod_${name}
     PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/lib/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>
     PRIVATE ${PROJECT_SOURCE_DIR}/lib/src)

@@ -1,9 +1,10 @@
 #include "assemble.h"
 
 #include <algorithm>
-#include <atomic>
 #include <limits>
+#include <mutex>
 #include <span>
+#include <tuple>
 
 #include "occlod/core/error.h"
 #include "parallel.h"
@@ -12,13 +13,6 @@
 
 namespace occlod {
 namespace {
-
-// A face that a split removes: face `slot` of the faces that collapse `collapse` ended, or of the base.
-struct DeadFace {
-  SplitId born = no_id;  // the split that inserts it; none = the base mesh
-  std::uint32_t slot = 0;
-  friend auto operator<=>(const DeadFace&, const DeadFace&) = default;
-};
 
 // Brings faces that are one fan around v into ring order, each with v first.
 StarShape order_fan(VertexId v, std::span<LevelFace> faces) {
@@ -35,14 +29,32 @@ StarShape order_fan(VertexId v, std::span<LevelFace> faces) {
   const auto start = std::find_if(faces.begin(), faces.end(),
                                   [&](const LevelFace& f) { return leads_to(f.corners.y) == faces.end(); });
   if (start != faces.end()) std::swap(faces[0], *start);
+  // No vertex of the ring twice: then no two faces have the same outer edge.
+  const auto in_ring = [&](VertexId w, std::size_t size) {
+    return std::any_of(faces.begin(), faces.begin() + static_cast<std::ptrdiff_t>(size),
+                       [&](const LevelFace& f) { return f.corners.y == w; });
+  };
   for (std::size_t i = 1; i < faces.size(); ++i) {
+    const VertexId from = faces[i - 1].corners.z;
     std::size_t k = i;
-    while (k < faces.size() && faces[k].corners.y != faces[i - 1].corners.z) ++k;
-    if (k == faces.size()) return StarShape::other;
+    while (k < faces.size() && faces[k].corners.y != from) ++k;
+    if (k == faces.size() || in_ring(from, i)) return StarShape::other;
     std::swap(faces[i], faces[k]);
   }
-  return faces.back().corners.z == faces[0].corners.y ? StarShape::closed_fan : StarShape::open_fan;
+  const VertexId last = faces.back().corners.z;
+  if (last != faces[0].corners.y && in_ring(last, faces.size())) return StarShape::other;
+  return last == faces[0].corners.y ? StarShape::closed_fan : StarShape::open_fan;
 }
+
+// A split removes the faces that its collapse made. Those of a fan lie where the star's own faces will be: the one in
+// place of slot j has the outer edge of slot j. Others are kept in a list.
+struct MisplacedFace {
+  SplitId split = no_id;  // that removes it
+  FaceRef face;
+  friend bool operator<(const MisplacedFace& a, const MisplacedFace& b) {
+    return std::tuple(a.split, a.face.split, a.face.slot) < std::tuple(b.split, b.face.split, b.face.slot);
+  }
+};
 
 class Assembler {
  public:
@@ -52,7 +64,7 @@ class Assembler {
         threads_(threads),
         split_count_(static_cast<SplitId>(sequence_.collapses.size() - 1)) {}
 
-  HierarchyData run() {
+  Assembly run() {
     number_vertices();
     copy_vertices();
     number_collapses();
@@ -61,7 +73,7 @@ class Assembler {
     write_stars();
     link_forest();
     saturate_errors();
-    return std::move(data_);
+    return std::move(result_);
   }
 
  private:
@@ -98,12 +110,12 @@ class Assembler {
         for (std::size_t v = begin; v < end; ++v) to[new_id_[v]] = from[v];
       });
     };
-    permute(mesh_.positions, data_.positions);
-    permute(mesh_.normals, data_.normals);
-    permute(mesh_.colors, data_.colors);
-    data_.box = bounding_box(data_.positions);
-    data_.input_triangle_count = mesh_.triangle_count();
-    data_.face_count = sequence_.base.size() + sequence_.ended.size();
+    permute(mesh_.positions, result_.data.positions);
+    permute(mesh_.normals, result_.data.normals);
+    permute(mesh_.colors, result_.data.colors);
+    result_.data.box = bounding_box(result_.data.positions);
+    result_.data.input_triangle_count = mesh_.triangle_count();
+    result_.data.face_count = sequence_.base.size() + sequence_.ended.size();
   }
 
   void number_collapses() {
@@ -119,43 +131,55 @@ class Assembler {
     for_each_split([&](SplitId s) { shapes_[s] = order_fan(collapse_of(s).v, star_of(s)); });
   }
 
-  // A face dies with the split that undoes the collapse which made it. Sorts the faces by the splits that remove them,
-  // then by those that insert them.
+  // A face dies with the split that undoes the collapse which made it.
   void find_removed() {
-    first_removed_.assign(split_count_ + 1, 0);
-    const auto for_each_dead = [&](const auto& visit) {
-      for (std::uint32_t slot = 0; slot < sequence_.base.size(); ++slot)
-        if (sequence_.base[slot].made_by != no_id)
-          visit(split_of_[sequence_.base[slot].made_by], DeadFace{no_id, slot});
-      for_each_split([&](SplitId s) {
+    removed_.resize(sequence_.ended.size());
+    for (std::uint32_t slot = 0; slot < sequence_.base.size(); ++slot)
+      if (const LevelFace& face = sequence_.base[slot]; face.made_by != no_id)
+        misplaced_.push_back({split_of_[face.made_by], {no_id, slot}});
+    std::mutex mutex;
+    for_each_range(split_count_, threads_, [&](std::size_t begin, std::size_t end) {
+      std::vector<MisplacedFace> misplaced;
+      for (auto s = static_cast<SplitId>(begin); s < end; ++s) {
         const std::span<const LevelFace> star = star_of(s);
-        for (std::uint32_t slot = 0; slot < star.size(); ++slot)
-          if (star[slot].made_by != no_id) visit(split_of_[star[slot].made_by], DeadFace{s, slot});
-      });
-    };
-    for_each_dead([&](SplitId s, const DeadFace&) {
-      std::atomic_ref(first_removed_[s]).fetch_add(1, std::memory_order_relaxed);
+        for (std::uint32_t slot = 0; slot < star.size(); ++slot) {
+          if (star[slot].made_by == no_id) continue;
+          const SplitId remover = split_of_[star[slot].made_by];
+          if (!place_removed(remover, star[slot].corners, {s, slot})) misplaced.push_back({remover, {s, slot}});
+        }
+      }
+      const std::lock_guard lock(mutex);
+      misplaced_.insert(misplaced_.end(), misplaced.begin(), misplaced.end());
     });
-    std::uint32_t sum = 0;
-    for (std::uint32_t& first : first_removed_) first = sum += first;  // the end of each run, moved to its start below
-    removed_.resize(sum);
-    for_each_dead([&](SplitId s, const DeadFace& face) {
-      removed_[std::atomic_ref(first_removed_[s]).fetch_sub(1, std::memory_order_relaxed) - 1] = face;
-    });
-    for_each_split(
-        [&](SplitId s) { std::sort(removed_.begin() + first_removed_[s], removed_.begin() + first_removed_[s + 1]); });
+    std::sort(misplaced_.begin(), misplaced_.end());
+  }
+
+  // Each face of a manifold fan has its own place, so threads do not meet; elsewhere two faces may ask for one place,
+  // and those stars are lists.
+  bool place_removed(SplitId s, const Triangle& corners, const FaceRef& face) {
+    if (shapes_[s] == StarShape::other) return false;
+    const VertexId u = collapse_of(s).u;
+    if (!contains(corners, u)) return false;
+    const OppositeEdge outer = opposite_edge(corners, u);
+    const std::span<const LevelFace> star = star_of(s);
+    for (std::size_t slot = 0; slot < star.size(); ++slot)
+      if (star[slot].corners.y == outer.next && star[slot].corners.z == outer.last) {
+        removed_[collapse_of(s).first_ended + slot] = face;
+        return true;
+      }
+    return false;
   }
 
   // Ranges of splits write their records on their own; then these are joined.
   void write_stars() {
-    data_.nodes.resize(split_count_ + 1);
+    result_.stars.resize(split_count_ + 1);
     std::vector<std::vector<std::uint32_t>> ranges((split_count_ + range_size - 1) / range_size);
     for_each_range(split_count_, threads_, [&](std::size_t begin, std::size_t end) {
       std::vector<std::uint32_t>& words = ranges[begin / range_size];
-      words.reserve((end - begin) * 11);
+      words.reserve((end - begin) * 12);
       StarWriter writer(*this);
       for (std::size_t s = begin; s < end; ++s) {
-        data_.nodes[s].star = static_cast<std::uint32_t>(words.size());
+        result_.stars[s] = static_cast<std::uint32_t>(words.size());
         writer.write(static_cast<SplitId>(s), words);
       }
     });
@@ -163,15 +187,17 @@ class Assembler {
     for (std::size_t i = 0; i < ranges.size(); ++i) starts[i + 1] = starts[i] + ranges[i].size();
     if (starts.back() > std::numeric_limits<std::uint32_t>::max())
       throw Error({"mesh", "", "is too large for 32-bit places of stars", "split it into several meshes"});
-    data_.stars.resize(starts.back());
+    std::vector<std::uint32_t>& stars = result_.data.stars;
+    stars.resize(starts.back());
     for_each_range(split_count_, threads_, [&](std::size_t begin, std::size_t end) {
       const std::size_t start = starts[begin / range_size];
-      const std::vector<std::uint32_t>& words = ranges[begin / range_size];
-      std::copy(words.begin(), words.end(), data_.stars.begin() + static_cast<std::ptrdiff_t>(start));
-      for (std::size_t s = begin; s < end; ++s) data_.nodes[s].star += static_cast<std::uint32_t>(start);
+      std::vector<std::uint32_t>& words = ranges[begin / range_size];
+      std::copy(words.begin(), words.end(), stars.begin() + static_cast<std::ptrdiff_t>(start));
+      std::vector<std::uint32_t>().swap(words);
+      for (std::size_t s = begin; s < end; ++s) result_.stars[s] += static_cast<std::uint32_t>(start);
     });
-    data_.nodes[split_count_].star = static_cast<std::uint32_t>(data_.stars.size());
-    for (const LevelFace& face : sequence_.base) data_.base_faces.push_back(renumbered(face.corners));
+    result_.stars.back() = static_cast<std::uint32_t>(stars.size());
+    for (const LevelFace& face : sequence_.base) result_.data.base_faces.push_back(renumbered(face.corners));
   }
 
   class StarWriter {
@@ -179,26 +205,43 @@ class Assembler {
     explicit StarWriter(Assembler& assembler) : a_(assembler) {}
 
     void write(SplitId s, std::vector<std::uint32_t>& words) {
+      star_ = a_.star_of(s);
       inserted_.clear();
-      for (const LevelFace& face : a_.star_of(s)) inserted_.push_back(a_.renumbered(face.corners));
-      removed_.clear();
-      for (std::uint32_t i = a_.first_removed_[s]; i < a_.first_removed_[s + 1]; ++i) {
-        const DeadFace& dead = a_.removed_[i];
-        const LevelFace& face = dead.born == no_id ? a_.sequence_.base[dead.slot] : a_.star_of(dead.born)[dead.slot];
-        removed_.push_back({{dead.born, dead.slot}, a_.renumbered(face.corners)});
-      }
+      for (const LevelFace& face : star_) inserted_.push_back(a_.renumbered(face.corners));
+      gather_removed(s);
       find_dependencies(s);
       append_star({a_.new_id_[a_.collapse_of(s).u], a_.shapes_[s], inserted_, removed_, dependencies_}, words);
     }
 
    private:
+    void gather_removed(SplitId s) {
+      removed_.clear();
+      const VertexId u = a_.new_id_[a_.collapse_of(s).u];
+      const std::span<const FaceRef> places(a_.removed_.data() + a_.collapse_of(s).first_ended, star_.size());
+      for (std::size_t slot = 0; slot < places.size(); ++slot)
+        if (places[slot].split != no_id) removed_.push_back({places[slot], {u, inserted_[slot].y, inserted_[slot].z}});
+      const auto first = std::lower_bound(a_.misplaced_.begin(), a_.misplaced_.end(), s,
+                                          [](const MisplacedFace& face, SplitId split) { return face.split < split; });
+      for (auto at = first; at != a_.misplaced_.end() && at->split == s; ++at) {
+        const FaceRef& ref = at->face;
+        const LevelFace& face = ref.split == no_id ? a_.sequence_.base[ref.slot] : a_.star_of(ref.split)[ref.slot];
+        removed_.push_back({ref, a_.renumbered(face.corners)});
+      }
+    }
+
     // A split needs the faces that it removes, so the splits that inserted them; and every other corner of the faces
     // that it inserts, which matters only where no removed face brings it along: at ears of a boundary and for
-    // components that vanish.
+    // components that vanish. The faces that a closed fan removes have all of its ring as corners.
     void find_dependencies(SplitId s) {
       dependencies_.clear();
       for (const RemovedFace& face : removed_)
         if (face.ref.split != no_id) dependencies_.push_back(face.ref.split);
+      if (a_.shapes_[s] != StarShape::closed_fan || removed_.size() + 2 != inserted_.size()) add_lone_corners(s);
+      std::sort(dependencies_.begin(), dependencies_.end());
+      dependencies_.erase(std::unique(dependencies_.begin(), dependencies_.end()), dependencies_.end());
+    }
+
+    void add_lone_corners(SplitId s) {
       corners_.clear();
       for (const RemovedFace& face : removed_)
         for (int k = 0; k < 3; ++k) corners_.push_back(face.corners[k]);
@@ -208,11 +251,10 @@ class Assembler {
         for (int k = 0; k < 3; ++k)
           if (t[k] >= base && t[k] != base + s && !std::binary_search(corners_.begin(), corners_.end(), t[k]))
             dependencies_.push_back(t[k] - base);
-      std::sort(dependencies_.begin(), dependencies_.end());
-      dependencies_.erase(std::unique(dependencies_.begin(), dependencies_.end()), dependencies_.end());
     }
 
     Assembler& a_;
+    std::span<const LevelFace> star_;
     std::vector<Triangle> inserted_;
     std::vector<RemovedFace> removed_;
     std::vector<VertexId> corners_;  // of removed faces
@@ -220,18 +262,19 @@ class Assembler {
   };
 
   void link_forest() {
-    std::vector<SplitId> last_at(data_.positions.size(),
-                                 no_id);  // the newest split that has the vertex at one of its ends
+    result_.parents.resize(split_count_);
+    result_.children_u.assign(split_count_, no_id);
+    result_.children_v.assign(split_count_, no_id);
+    // The newest split that has the vertex at one of its ends.
+    std::vector<SplitId> last_at(mesh_.vertex_count(), no_id);
     for (SplitId s = 0; s < split_count_; ++s) {
       const VertexId u = new_id_[collapse_of(s).u];
       const SplitId parent = last_at[u];
-      data_.nodes[s].parent = parent;
-      if (parent == no_id) {
-        data_.roots.push_back(s);
-      } else {
-        SplitNode& above = data_.nodes[parent];
-        (base_vertices_ + parent == u ? above.child_v : above.child_u) = s;
-      }
+      result_.parents[s] = parent;
+      if (parent == no_id)
+        result_.data.roots.push_back(s);
+      else
+        (base_vertices_ + parent == u ? result_.children_v : result_.children_u)[parent] = s;
       last_at[u] = s;
       last_at[base_vertices_ + s] = s;
     }
@@ -239,25 +282,21 @@ class Assembler {
 
   // From fine to coarse, so that each split has its final errors before they are handed on.
   void saturate_errors() {
-    struct Errors {
-      float quadric, guaranteed;
-    };
-    std::vector<Errors> errors(split_count_);
+    std::vector<Assembly::Errors>& errors = result_.errors;
+    errors.resize(split_count_);
     for_each_split([&](SplitId s) { errors[s] = {collapse_of(s).error, collapse_of(s).guaranteed_error}; });
     for (SplitId s = split_count_; s-- > 0;) {
+      const Assembly::Errors own = errors[s];
       const auto raise = [&](SplitId coarse) {
-        Errors& e = errors[coarse];
-        e = {std::max(e.quadric, errors[s].quadric), std::max(e.guaranteed, errors[s].guaranteed)};
+        Assembly::Errors& e = errors[coarse];
+        e = {std::max(e.quadric, own.quadric), std::max(e.guaranteed, own.guaranteed)};
       };
-      SplitNode& node = data_.nodes[s];
-      node.error = errors[s].quadric;
-      node.guaranteed_error = errors[s].guaranteed;
-      if (node.parent != no_id) raise(node.parent);
-      const SplitStar star(data_.stars.data() + node.star, base_vertices_ + s);
+      if (const SplitId parent = result_.parents[s]; parent != no_id) raise(parent);
+      const SplitStar star(result_.data.stars.data() + result_.stars[s], base_vertices_ + s);
       for (const SplitId needed : star.dependencies()) raise(needed);
     }
-    for (const SplitId root : data_.roots)
-      data_.error_bound = std::max(data_.error_bound, data_.nodes[root].guaranteed_error);
+    for (const SplitId root : result_.data.roots)
+      result_.data.error_bound = std::max(result_.data.error_bound, errors[root].guaranteed);
   }
 
   const TriangleMesh& mesh_;
@@ -268,14 +307,14 @@ class Assembler {
   std::vector<VertexId> new_id_;   // of each input vertex
   std::vector<SplitId> split_of_;  // each collapse id
   std::vector<StarShape> shapes_;
-  std::vector<std::uint32_t> first_removed_;  // into removed_, for each split
-  std::vector<DeadFace> removed_;
-  HierarchyData data_;
+  std::vector<FaceRef> removed_;  // for each ended face the face that its split removes in its place, or none
+  std::vector<MisplacedFace> misplaced_;
+  Assembly result_;
 };
 
 }  // namespace
 
-HierarchyData assemble(const TriangleMesh& mesh, CollapseSequence sequence, unsigned threads) {
+Assembly assemble(const TriangleMesh& mesh, CollapseSequence sequence, unsigned threads) {
   return Assembler(mesh, std::move(sequence), threads).run();
 }
 

@@ -1,13 +1,27 @@
 // From a collapse sequence to the arrays of a hierarchy.
 #pragma once
 
+#include <cstdint>
+#include <vector>
+
 #include "occlod/hierarchy/hierarchy.h"
 #include "occlod/mesh/triangle_mesh.h"
 #include "simplify.h"
 
 namespace occlod {
 
-// Everything but the bounds (see subtree_bounds.h). O(n).
-[[nodiscard]] HierarchyData assemble(const TriangleMesh& mesh, CollapseSequence sequence, unsigned threads);
+// A hierarchy but for its nodes, and what goes into them beside bounds, split by split.
+struct Assembly {
+  struct Errors {
+    float quadric = 0.0F, guaranteed = 0.0F;  // saturated
+  };
+  HierarchyData data;
+  std::vector<std::uint32_t> stars;  // where records start; one more, where the last ends
+  std::vector<SplitId> parents, children_u, children_v;
+  std::vector<Errors> errors;
+};
+
+// `mesh` is what the sequence was made from. O(n).
+[[nodiscard]] Assembly assemble(const TriangleMesh& mesh, CollapseSequence sequence, unsigned threads);
 
 }  // namespace occlod

@@ -35,9 +35,7 @@ Hierarchy build_hierarchy(const TriangleMesh& mesh, const BuildOptions& options)
   check_input(mesh);
   const TriangleMesh ordered = in_spatial_order(mesh);
   const unsigned threads = thread_count(options.threads);
-  HierarchyData data = assemble(ordered, simplify(ordered, options), threads);
-  bound_subtrees(data, threads);
-  return Hierarchy(std::move(data));
+  return Hierarchy(bound_subtrees(assemble(ordered, simplify(ordered, options), threads), threads));
 }
 
 }  // namespace occlod

@@ -23,22 +23,25 @@ double step_of(double middle, double half, std::uint16_t q) { return middle + (2
 // Step q of [0, end].
 double step_of(double end, std::uint16_t q) { return end * (q / steps); }
 
+// Truncates: steps are not negative.
 std::uint16_t clamped(double q) { return static_cast<std::uint16_t>(std::clamp(q, 0.0, steps)); }
 
-// The last step that unpacks to no more than x.
+// Where x lies in the range, in steps. Wrong by rounding by far less than step_slack: differences of single-precision
+// numbers are exact in double precision, or the range is smaller than the last place of what it unpacks to.
+double steps_to(double middle, double half, float x) {
+  return ((static_cast<double>(x) - middle) / half + 1.0) * (0.5 * steps);
+}
+constexpr double step_slack = 1e-6;
+
+// The last step that unpacks to no more than x, or one before it.
 std::uint16_t pack_down(double middle, double half, float x) {
-  std::uint16_t q =
-      half > 0.0 ? clamped(std::floor(((static_cast<double>(x) - middle) / half + 1.0) * 0.5 * steps)) : 0;
-  while (q > 0 && down(step_of(middle, half, q)) > x) --q;
+  const std::uint16_t q = half > 0.0 ? clamped(steps_to(middle, half, x) - step_slack) : std::uint16_t{0};
   assert(down(step_of(middle, half, q)) <= x);
   return q;
 }
-// The first that unpacks to no less.
+// The first that unpacks to no less, or one after it.
 std::uint16_t pack_up(double middle, double half, float x) {
-  constexpr std::uint16_t last = 65535;
-  std::uint16_t q =
-      half > 0.0 ? clamped(std::ceil(((static_cast<double>(x) - middle) / half + 1.0) * 0.5 * steps)) : last;
-  while (q < last && up(step_of(middle, half, q)) < x) ++q;
+  const std::uint16_t q = half > 0.0 ? clamped(steps_to(middle, half, x) + step_slack + 1.0) : std::uint16_t{65535};
   assert(up(step_of(middle, half, q)) >= x);
   return q;
 }
@@ -56,7 +59,7 @@ void PackedBounds::set_axis(const glm::vec3& direction) {
     x = std::copysign(1.0 - std::abs(n.y), n.x);
     y = std::copysign(1.0 - std::abs(n.x), n.y);
   }
-  const auto pack = [](double coordinate) { return clamped(std::round((coordinate + 1.0) * 0.5 * steps)); };
+  const auto pack = [](double coordinate) { return clamped((coordinate + 1.0) * 0.5 * steps + 0.5); };
   axis = {pack(x), pack(y)};
 }
 
@@ -75,8 +78,8 @@ void PackedBounds::set_cone(float cos_angle) {
     cone_cos = 0;
     return;
   }
-  cone_cos = clamped(std::floor(static_cast<double>(cos_angle) * steps));
-  while (cone_cos > 0 && cone().cos_angle > cos_angle) --cone_cos;
+  cone_cos = clamped(static_cast<double>(cos_angle) * steps);
+  if (cone_cos > 0 && cone().cos_angle > cos_angle) --cone_cos;  // unpacked with a rounding of its own
 }
 
 NormalCone PackedBounds::cone() const noexcept {
@@ -85,8 +88,9 @@ NormalCone PackedBounds::cone() const noexcept {
 
 void PackedBounds::set_cylinder(const Sphere& sphere, const Cylinder& cylinder) {
   const double r = static_cast<double>(sphere.radius);
-  cylinder_radius = r > 0.0 ? clamped(std::ceil(static_cast<double>(cylinder.radius) / r * steps)) : std::uint16_t{0};
-  while (cylinder_radius < 65535 && up(step_of(r, cylinder_radius)) < cylinder.radius) ++cylinder_radius;
+  cylinder_radius =
+      r > 0.0 ? clamped(static_cast<double>(cylinder.radius) / r * steps + step_slack + 1.0) : std::uint16_t{0};
+  assert(up(step_of(r, cylinder_radius)) >= cylinder.radius);
   cylinder_t = {pack_down(0.0, r, cylinder.t_min), pack_up(0.0, r, cylinder.t_max)};
 }
 

@@ -1,30 +1,16 @@
 #include "subtree_bounds.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
 
 #include "parallel.h"
+#include "star_patch.h"
 
 namespace occlod {
 namespace {
-
-// Factors that keep bounds outside through the roundings of this file: differences of single-precision positions are
-// correct to half a unit in their own last place, and no sum here is longer than a dozen terms.
-constexpr float grow = 1.0F + 4e-6F;
-constexpr float cone_slack = 4e-6F;
-
-// What one split's own faces, or a run of splits, occupy: a sphere and the cone of their normals.
-struct Patch {
-  Sphere sphere;
-  glm::vec3 axis{0.0F};
-  float cos_angle = 1.0F;  // of the half angle; -1 = every direction
-  float sin_angle = 0.0F;
-  bool has_normal = false;  // false: only faces without area
-};
 
 // Extends a cone around `axis` so that it holds the patch's cone; -1 once it holds a half space or more.
 float widen(float cos_angle, const glm::vec3& axis, const Patch& patch) {
@@ -36,52 +22,50 @@ float widen(float cos_angle, const glm::vec3& axis, const Patch& patch) {
   return std::min(cos_angle, cos_between * patch.cos_angle - sin_between * patch.sin_angle - cone_slack);
 }
 
-glm::vec3 unit_or(const glm::dvec3& v, const glm::vec3& otherwise) {
-  const double length = glm::length(v);
-  return length > 0.0 && std::isfinite(length) ? glm::vec3(v / length) : otherwise;
+glm::vec3 unit_or(const glm::vec3& v, const glm::vec3& otherwise) {
+  const float length = glm::length(v);
+  return length > 1e-6F && std::isfinite(length) ? v / length : otherwise;
 }
 
+// Works in depth-first order: subtrees become runs, that of the split at place p is places [p, p + size).
 class SubtreeBounds {
  public:
-  SubtreeBounds(HierarchyData& data, unsigned threads)
-      : data_(data), threads_(threads), splits_(data.nodes.size() - 1) {}
+  SubtreeBounds(Assembly assembly, unsigned threads)
+      : assembly_(std::move(assembly)), threads_(threads), splits_(static_cast<SplitId>(assembly_.parents.size())) {}
 
-  void run() {
+  HierarchyData run() {
     order_depth_first();
-    patches_.resize(splits_);
-    boxes_of_subtrees();
-    join(patches_, blocks_);
-    join(blocks_, large_blocks_);
-    for_each_split([&](SplitId s) { bound(s); });
+    bound_stars();
+    join_boxes();
+    join_patches(patches_, blocks_);
+    join_patches(blocks_, large_blocks_);
+    data().nodes.resize(std::size_t{splits_} + 1);
+    for_each_split([&](SplitId s) { make_node(s); });
+    data().nodes.back().star = assembly_.stars.back();
+    return std::move(assembly_.data);
   }
 
  private:
   static constexpr std::size_t block_size = 64;
 
-  // Subtrees become runs: that of the split at place p of the order is places [p, p + size).
-  void order_depth_first() {
-    place_.resize(splits_);
-    sizes_.assign(splits_, 1);
-    for (std::size_t s = splits_; s-- > 0;)
-      for (const SplitId child : {data_.nodes[s].child_u, data_.nodes[s].child_v})
-        if (child != no_id) sizes_[s] += sizes_[child];
-    std::vector<SplitId> stack(data_.roots.rbegin(), data_.roots.rend());
-    std::uint32_t next = 0;
-    while (!stack.empty()) {
-      const SplitId s = stack.back();
-      stack.pop_back();
-      place_[s] = next++;
-      for (const SplitId child : {data_.nodes[s].child_v, data_.nodes[s].child_u})
-        if (child != no_id) stack.push_back(child);
-    }
-  }
+  [[nodiscard]] HierarchyData& data() noexcept { return assembly_.data; }
 
-  template <typename Visit>
-  void for_each_own_face(SplitId s, const Visit& visit) const {
-    const SplitStar star(data_.stars.data() + data_.nodes[s].star,
-                         static_cast<VertexId>(data_.positions.size() - splits_ + s));
-    star.for_each_inserted(visit);
-    star.for_each_removed([&](const FaceRef&, const Triangle& t) { visit(t); });
+  void order_depth_first() {
+    sizes_.assign(splits_, 1);
+    for (SplitId s = splits_; s-- > 0;)
+      if (const SplitId parent = assembly_.parents[s]; parent != no_id) sizes_[parent] += sizes_[s];
+    place_.resize(splits_);
+    std::uint32_t next_root = 0;
+    for (SplitId s = 0; s < splits_; ++s) {
+      const SplitId parent = assembly_.parents[s];
+      if (parent == no_id) {
+        place_[s] = next_root;
+        next_root += sizes_[s];
+        continue;
+      }
+      const SplitId sibling = assembly_.children_u[parent];
+      place_[s] = place_[parent] + 1 + (sibling == s || sibling == no_id ? 0 : sizes_[sibling]);
+    }
   }
 
   template <typename Visit>
@@ -91,85 +75,41 @@ class SubtreeBounds {
     });
   }
 
-  // Patches of own faces; boxes and mean normals of subtrees, from fine to coarse.
-  void boxes_of_subtrees() {
-    boxes_.resize(splits_);
-    for_each_split([&](SplitId s) { boxes_[s] = own_patch(s, patches_[place_[s]]); });
-    mean_normals_.assign(splits_, glm::dvec3(0.0));
-    for (std::size_t i = splits_; i-- > 0;) {
-      const auto s = static_cast<SplitId>(i);
-      Box& box = boxes_[s];
-      if (patches_[place_[s]].has_normal) mean_normals_[s] += glm::dvec3(patches_[place_[s]].axis);
-      for (const SplitId child : {data_.nodes[s].child_u, data_.nodes[s].child_v}) {
-        if (child == no_id) continue;
-        box.min = glm::min(box.min, boxes_[child].min);
-        box.max = glm::max(box.max, boxes_[child].max);
-        mean_normals_[s] += mean_normals_[child];
-      }
+  void bound_stars() {
+    patches_.resize(splits_);
+    regions_.resize(splits_);
+    const auto base_vertices = static_cast<VertexId>(data().positions.size() - splits_);
+    for_each_split([&](SplitId s) {
+      const SplitStar star(data().stars.data() + assembly_.stars[s], base_vertices + s);
+      const BoundedPatch own = bound_star(star, data().positions);
+      const SplitId parent = assembly_.parents[s];
+      patches_[place_[s]] = own.patch;
+      regions_[place_[s]] = {own.box, own.patch.has_normal ? own.patch.axis : glm::vec3(0.0F),
+                             parent == no_id ? no_id : place_[parent]};
+    });
+  }
+
+  // From own faces to subtrees: below a split means behind it in the order.
+  void join_boxes() {
+    for (std::size_t p = splits_; p-- > 0;) {
+      const Region& region = regions_[p];
+      if (region.parent == no_id) continue;
+      Region& above = regions_[region.parent];
+      above.box.min = glm::min(above.box.min, region.box.min);
+      above.box.max = glm::max(above.box.max, region.box.max);
+      above.normal += region.normal;
     }
   }
 
-  // Returns the box of the split's own faces.
-  Box own_patch(SplitId s, Patch& patch) const {
-    const glm::vec3& own = data_.positions[data_.positions.size() - splits_ + s];
-    Box box{own, own};
-    glm::vec3 sum(0.0F);
-    std::array<glm::vec3, 32> normals;  // of the first faces; few splits have more
-    std::size_t faces = 0;
-    for_each_own_face(s, [&](const Triangle& t) {
-      const glm::vec3 &a = data_.positions[t.x], &b = data_.positions[t.y], &c = data_.positions[t.z];
-      box.min = glm::min(box.min, glm::min(a, glm::min(b, c)));
-      box.max = glm::max(box.max, glm::max(a, glm::max(b, c)));
-      const glm::vec3 normal = unit_normal(a, b, c);
-      if (faces < normals.size()) normals[faces] = normal;
-      ++faces;
-      sum += normal;
-    });
-    patch.axis = unit_or(glm::dvec3(sum), glm::vec3(0, 0, 1));
-    patch.sphere.center = 0.5F * box.min + 0.5F * box.max;
-    const auto distance2 = [&](const glm::vec3& p) {
-      return glm::dot(p - patch.sphere.center, p - patch.sphere.center);
-    };
-    float radius2 = distance2(own);
-    std::size_t i = 0;
-    for_each_own_face(s, [&](const Triangle& t) {
-      const glm::vec3 &a = data_.positions[t.x], &b = data_.positions[t.y], &c = data_.positions[t.z];
-      radius2 = std::max({radius2, distance2(a), distance2(b), distance2(c)});
-      const glm::vec3 normal = i < normals.size() ? normals[i] : unit_normal(a, b, c);
-      ++i;
-      if (normal == glm::vec3(0.0F)) return;
-      patch.has_normal = true;
-      patch.cos_angle = std::min(patch.cos_angle, glm::dot(patch.axis, normal));
-      patch.sin_angle = std::max(patch.sin_angle, glm::length(glm::cross(patch.axis, normal)));
-    });
-    patch.sphere.radius = std::sqrt(radius2) * grow;
-    if (patch.cos_angle <= 0.0F) patch.cos_angle = -1.0F;
-    return box;
-  }
-
-  // The largest distance from `center` to a point of the box.
-  static float reach(const glm::vec3& center, const Box& box) {
-    return glm::length(glm::max(box.max - center, center - box.min)) * grow;
-  }
-
-  // Zero for a face without area: it covers no pixel and faces nowhere. In double precision: the corners of a sliver
-  // are nearly on a line.
-  static glm::vec3 unit_normal(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
-    const glm::dvec3 from(a);
-    const glm::dvec3 normal = glm::cross(glm::dvec3(b) - from, glm::dvec3(c) - from);
-    const double length2 = glm::dot(normal, normal);
-    return length2 > 0.0 ? glm::vec3(normal / std::sqrt(length2)) : glm::vec3(0.0F);
-  }
-
   // One patch for each block_size patches in a row.
-  static void join(const std::vector<Patch>& patches, std::vector<Patch>& blocks) {
+  static void join_patches(const std::vector<Patch>& patches, std::vector<Patch>& blocks) {
     for (std::size_t first = 0; first < patches.size(); first += block_size) {
       const std::size_t end = std::min(first + block_size, patches.size());
       Patch block;
-      glm::dvec3 normal(0.0);
+      glm::vec3 normal(0.0F);
       glm::vec3 low(std::numeric_limits<float>::max()), high(std::numeric_limits<float>::lowest());
       for (std::size_t i = first; i < end; ++i) {
-        if (patches[i].has_normal) normal += glm::dvec3(patches[i].axis);
+        if (patches[i].has_normal) normal += patches[i].axis;
         low = glm::min(low, patches[i].sphere.center - patches[i].sphere.radius);
         high = glm::max(high, patches[i].sphere.center + patches[i].sphere.radius);
       }
@@ -206,19 +146,34 @@ class SubtreeBounds {
     }
   }
 
+  // The largest distance from `center` to a point of the box.
+  static float reach(const glm::vec3& center, const Box& box) {
+    return glm::length(glm::max(box.max - center, center - box.min)) * grow;
+  }
+
+  void make_node(SplitId s) {
+    SplitNode& node = data().nodes[s];
+    node.error = assembly_.errors[s].quadric;
+    node.guaranteed_error = assembly_.errors[s].guaranteed;
+    node.child_u = assembly_.children_u[s];
+    node.child_v = assembly_.children_v[s];
+    node.parent = assembly_.parents[s];
+    node.star = assembly_.stars[s];
+    bound(node, place_[s], sizes_[s]);
+  }
+
   // All bounds are around the middle of the box. The paper's axis is the normal of the split vertex; the mean normal of
   // the subtree is that of its surface at every level.
-  void bound(SplitId s) {
-    SplitNode& node = data_.nodes[s];
-    const Box& box = boxes_[s];
+  void bound(SplitNode& node, std::size_t place, std::size_t size) {
+    const Box& box = regions_[place].box;
     const glm::vec3 center = 0.5F * box.min + 0.5F * box.max;
-    node.bounds.set_axis(unit_or(mean_normals_[s], glm::vec3(0, 0, 1)));
+    node.bounds.set_axis(unit_or(regions_[place].normal, glm::vec3(0, 0, 1)));
     const glm::vec3 axis = node.bounds.unpack_axis();
     Cylinder cylinder{center, 0.0F, axis, std::numeric_limits<float>::max(), std::numeric_limits<float>::lowest()};
     float radius = 0.0F;
     float cos_angle = 1.0F;
     bool has_normal = false;
-    for_each_patch(place_[s], place_[s] + sizes_[s], [&](const Patch& patch) {
+    for_each_patch(place, place + size, [&](const Patch& patch) {
       const glm::vec3 offset = patch.sphere.center - center;
       const float along = glm::dot(offset, axis);
       radius = std::max(radius, glm::length(offset) + patch.sphere.radius);
@@ -239,19 +194,28 @@ class SubtreeBounds {
     node.bounds.set_box(node.sphere, box);
   }
 
-  HierarchyData& data_;
+  // What own faces occupy, later whole subtrees.
+  struct Region {
+    Box box;
+    glm::vec3 normal{0.0F};        // sum of unit normals
+    std::uint32_t parent = no_id;  // place of the forest parent
+  };
+
+  Assembly assembly_;
   unsigned threads_;
-  std::size_t splits_;
-  std::vector<std::uint32_t> place_;  // of each split in depth-first order
+  SplitId splits_;
+  std::vector<std::uint32_t> place_;  // of each split
   std::vector<std::uint32_t> sizes_;  // of each split's subtree
-  std::vector<Patch> patches_;        // of each split's own faces, in depth-first order
+  // By place:
+  std::vector<Patch> patches_;  // of own faces
   std::vector<Patch> blocks_, large_blocks_;
-  std::vector<Box> boxes_;  // of subtrees
-  std::vector<glm::dvec3> mean_normals_;
+  std::vector<Region> regions_;
 };
 
 }  // namespace
 
-void bound_subtrees(HierarchyData& data, unsigned threads) { SubtreeBounds(data, threads).run(); }
+HierarchyData bound_subtrees(Assembly assembly, unsigned threads) {
+  return SubtreeBounds(std::move(assembly), threads).run();
+}
 
 }  // namespace occlod
