@@ -3,9 +3,16 @@
 #include <algorithm>
 #include <bit>
 #include <cassert>
+#include <new>
 
 namespace occlod {
 namespace {
+
+std::unique_ptr<std::uint32_t[], decltype(&std::free)> zeros(std::size_t count) {
+  void* const memory = std::calloc(std::max<std::size_t>(count, 1), sizeof(std::uint32_t));
+  if (memory == nullptr) throw std::bad_alloc();
+  return {static_cast<std::uint32_t*>(memory), &std::free};
+}
 
 std::uint64_t key_of(SplitId s, std::uint32_t slot) { return std::uint64_t{s} << 32U | slot; }
 
@@ -13,7 +20,7 @@ std::uint64_t key_of(SplitId s, std::uint32_t slot) { return std::uint64_t{s} <<
 
 Cut::Cut(const Hierarchy& hierarchy)
     : hierarchy_(&hierarchy),
-      state_(hierarchy.split_count(), 0),
+      state_(zeros(hierarchy.split_count())),
       base_removed_(hierarchy.base_triangle_count(), false),
       triangles_(hierarchy.base_triangle_count()) {}
 

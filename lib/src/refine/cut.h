@@ -3,6 +3,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
+#include <memory>
 #include <span>
 #include <unordered_set>
 #include <vector>
@@ -48,7 +50,8 @@ class Cut {
   [[nodiscard]] bool removed(SplitId s, std::uint32_t slot) const;
 
   const Hierarchy* hierarchy_;
-  std::vector<std::uint32_t> state_;                  // of each split
+  // Of each split. From calloc: pages that are never touched, of a hierarchy larger than any view, are never there.
+  std::unique_ptr<std::uint32_t[], decltype(&std::free)> state_;
   std::vector<bool> base_removed_;                    // of each base face
   std::unordered_set<std::uint64_t> others_removed_;  // split << 32 | slot, of slots that have no bit
   std::vector<SplitId> applied_;
