@@ -6,9 +6,11 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "commands.h"
+#include "interrupt.h"
 #include "json_output.h"
 #include "occlod/io/olod.h"
 #include "occlod/io/read_mesh.h"
@@ -23,6 +25,7 @@ struct Options {
   std::string output;
   BuildOptions build;
   OlodCompression compression = OlodCompression::none;
+  ShowProgress progress = ShowProgress::automatic;
   bool json = false;
 };
 
@@ -33,26 +36,45 @@ std::uint64_t peak_bytes() {
   return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;  // Linux counts KiB
 }
 
-Hierarchy build_with_progress(const Options& options, const TriangleMesh& mesh) {
-  Progress progress;
+CleanMesh read(const Options& options, Progress& progress) {
+  return read_mesh(options.input, [&](double done) {
+    if (done < 1.0)
+      progress.show("reading " + options.input, done);
+    else
+      progress.show("cleaning " + options.input, std::nullopt);
+  });
+}
+
+Hierarchy build(const Options& options, const TriangleMesh& mesh, Progress& progress) {
+  const std::string what = "building " + options.output;
+  progress.show(what, 0.0);
   BuildOptions build = options.build;
   build.progress = [&](double done) {
-    progress.show(options.input, done);
+    progress.show(what, done, mesh.triangle_count());
     return true;
   };
   return build_hierarchy(mesh, build);
 }
 
 void run(const Options& options) {
-  const CleanMesh input = read_mesh(options.input);
-  const Stopwatch stopwatch;
-  const Hierarchy hierarchy = build_with_progress(options, input.mesh);
-  const double build_ms = stopwatch.milliseconds();
-  write_olod(options.output, hierarchy, input.report, options.compression);
+  handle_interrupts("build");
+  Progress progress(options.progress);
+  Stopwatch stopwatch;
+  const CleanMesh input = read(options, progress);
+  const double read_ms = stopwatch.restart();
+  const Hierarchy hierarchy = build(options, input.mesh, progress);
+  const double build_ms = stopwatch.restart();
+  write_interruptibly(options.output, hierarchy.bytes(), progress,
+                      [&] { write_olod(options.output, hierarchy, input.report, options.compression); });
+  const double write_ms = stopwatch.milliseconds();
+  progress.clear();
 
   Json result = {{"input", options.input}, {"file", options.output}};
   result.update(counts_of(hierarchy));
+  result["read_ms"] = read_ms;
   result["build_ms"] = build_ms;
+  result["write_ms"] = write_ms;
+  result["triangles_per_s"] = 1e3 * static_cast<double>(input.mesh.triangle_count()) / build_ms;
   result["peak_bytes"] = peak_bytes();
   result["report"] = to_json(input.report);
   if (options.json) return print_json(result);
@@ -82,6 +104,7 @@ void add_build(CLI::App& app) {
       ->transform(CLI::CheckedTransformer(
           std::map<std::string, OlodCompression>{{"none", OlodCompression::none}, {"zstd", OlodCompression::zstd}}))
       ->default_str("none");
+  add_progress_option(command, options->progress);
   command.add_flag("--json", options->json, "Print one JSON object");
   command.callback([options] { run(*options); });
 }

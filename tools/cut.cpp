@@ -8,11 +8,13 @@
 #include <string>
 
 #include "commands.h"
+#include "interrupt.h"
 #include "json_output.h"
 #include "occlod/core/error.h"
 #include "occlod/hierarchy/cut_mesh.h"
 #include "occlod/io/olod.h"
 #include "occlod/io/write_mesh.h"
+#include "progress.h"
 
 namespace occlod::tool {
 namespace {
@@ -22,6 +24,7 @@ struct Options {
   std::string output;
   std::optional<std::size_t> triangles;
   std::optional<double> error;
+  ShowProgress progress = ShowProgress::automatic;
   bool json = false;
 };
 
@@ -36,10 +39,14 @@ FixedCut chosen_cut(const Options& options, const Hierarchy& hierarchy) {
 }
 
 void run(const Options& options) {
+  handle_interrupts("cut");
+  Progress progress(options.progress);
+  progress.show("reading " + options.file, std::nullopt);
   const Hierarchy hierarchy = read_olod(options.file).hierarchy;
   const FixedCut cut = chosen_cut(options, hierarchy);
   const TriangleMesh mesh = cut_mesh(hierarchy, cut);
-  write_mesh(options.output, mesh);
+  write_interruptibly(options.output, 0, progress, [&] { write_mesh(options.output, mesh); });
+  progress.clear();
   const Json result = {{"input", options.file},
                        {"file", options.output},
                        {"vertices", mesh.vertex_count()},
@@ -70,6 +77,7 @@ void add_cut(CLI::App& app) {
       "As few triangles as a guaranteed distance to the full mesh allows, object units");
   size.require_option(1);
   command.add_option("-o,--output", options->output, "Mesh to write: .ply, .obj, .off or .stl")->required();
+  add_progress_option(command, options->progress);
   command.add_flag("--json", options->json, "Print one JSON object");
   command.callback([options] { run(*options); });
 }

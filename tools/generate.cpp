@@ -2,11 +2,14 @@
 #include "occlod/mesh/generate.h"
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "commands.h"
+#include "interrupt.h"
 #include "json_output.h"
 #include "occlod/io/write_mesh.h"
+#include "progress.h"
 #include "stopwatch.h"
 
 namespace occlod::tool {
@@ -14,15 +17,20 @@ namespace {
 
 struct Output {
   std::string file;
+  ShowProgress progress = ShowProgress::automatic;
   bool json = false;
 };
 
 template <class Options, class Generate>
 void run(const std::string& kind, const Options& options, const Output& output, const Generate& generate) {
+  handle_interrupts("generate");
+  Progress progress(output.progress);
+  progress.show("generating " + output.file, std::nullopt);
   const Stopwatch stopwatch;
   const TriangleMesh mesh = generate(options);
   const double generate_ms = stopwatch.milliseconds();
-  write_mesh(output.file, mesh);
+  write_interruptibly(output.file, 0, progress, [&] { write_mesh(output.file, mesh); });
+  progress.clear();
   const Json result = {{"generator", kind},
                        {"file", output.file},
                        {"vertices", mesh.vertex_count()},
@@ -41,6 +49,7 @@ void add_kind(CLI::App& generate_command, const std::string& kind, const std::st
   add_options(command, *options);
   command.add_option("--seed", options->seed, "Seed of everything random")->capture_default_str();
   command.add_option("-o,--output", output->file, "Mesh to write: .ply, .obj, .off or .stl")->required();
+  add_progress_option(command, output->progress);
   command.add_flag("--json", output->json, "Print one JSON object");
   command.callback([=] { run(kind, *options, *output, generate); });
 }

@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "commands.h"
+#include "interrupt.h"
 #include "occlod/core/error.h"
 #include "occlod/core/version.h"
 
@@ -49,6 +50,9 @@ int run(int argc, char** argv) {
     flush_output();
   } catch (const CLI::ParseError& error) {
     return error.get_exit_code() == 0 ? app.exit(error) : wrong_use(app, error);
+  } catch (const Interrupted& interrupted) {
+    print_error(interrupted.what());
+    return interrupted.exit_code();
   } catch (const std::exception& error) {
     print_error(error.what());
     return exit_failed;

@@ -4,26 +4,80 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cstddef>
+#include <cmath>
 #include <cstdio>
+#include <map>
 
 namespace occlod::tool {
+namespace {
 
-Progress::Progress() : is_terminal_(isatty(STDERR_FILENO) == 1) {}
+constexpr double bar_interval_ms = 100.0;
+constexpr double line_interval_ms = 1000.0;
+constexpr double least_ms = 1000.0;  // rates of less time are noise
 
-Progress::~Progress() {
-  if (!line_.empty()) fmt::print(stderr, "\r\x1b[K");
+std::string bar(double done) {
+  constexpr int width = 40;
+  return fmt::format("[{:-<{}}] {:3.0f} % ", std::string(static_cast<std::size_t>(width * done), '#'), width,
+                     100.0 * done);
 }
 
-void Progress::show(const std::string& what, double done) {
-  if (!is_terminal_) return;
-  constexpr int width = 40;
-  const auto filled = static_cast<std::size_t>(width * std::clamp(done, 0.0, 1.0));
-  std::string line = fmt::format("[{:-<{}}] {:3.0f} % {}", std::string(filled, '#'), width, 100.0 * done, what);
-  if (line == line_) return;
-  fmt::print(stderr, "\r\x1b[K{}", line);
+std::string rate_and_rest(double done, double elapsed_ms, std::size_t triangles) {
+  if (done <= 0.0 || elapsed_ms < least_ms) return "";
+  std::string text;
+  if (triangles > 0) {
+    text += fmt::format(", {:.2f} M triangles/s", 1e-3 * done * static_cast<double>(triangles) / elapsed_ms);
+  }
+  const auto seconds = static_cast<long>(std::ceil(1e-3 * elapsed_ms * (1.0 - done) / done));
+  return text + (seconds < 120 ? fmt::format(", {} s left", seconds) : fmt::format(", {} min left", seconds / 60));
+}
+
+}  // namespace
+
+void add_progress_option(CLI::App& command, ShowProgress& when) {
+  const std::map<std::string, ShowProgress> words = {
+      {"always", ShowProgress::always}, {"auto", ShowProgress::automatic}, {"never", ShowProgress::never}};
+  command
+      .add_option(
+          "--progress", when,
+          "Tell on standard error how far it is: always (lines where that is no terminal), auto (on a terminal) "
+          "or never")
+      ->transform(CLI::CheckedTransformer(words))
+      ->option_text("always|auto|never [auto]");
+}
+
+Progress::Progress(ShowProgress when)
+    : is_terminal_(isatty(STDERR_FILENO) == 1),
+      is_shown_(when == ShowProgress::always || (when == ShowProgress::automatic && is_terminal_)) {}
+
+void Progress::clear() {
+  if (has_bar_) fmt::print(stderr, "\r\x1b[K");
+  has_bar_ = false;
+}
+
+bool Progress::is_due(bool new_stage) const {
+  return new_stage || !since_line_ ||
+         since_line_->milliseconds() >= (is_terminal_ ? bar_interval_ms : line_interval_ms);
+}
+
+void Progress::show(const std::string& what, std::optional<double> done, std::size_t triangles) {
+  const bool new_stage = what != what_;
+  if (new_stage) {
+    what_ = what;
+    stage_ = {};
+  }
+  if (!is_shown_ || !is_due(new_stage)) return;
+  since_line_.emplace();
+  std::string line = what;
+  if (done) {
+    const double share = std::clamp(*done, 0.0, 1.0);
+    line = bar(share) + what + rate_and_rest(share, stage_.milliseconds(), triangles);
+  }
+  has_bar_ = is_terminal_;
+  if (is_terminal_)
+    fmt::print(stderr, "\r\x1b[K{}", line);
+  else
+    fmt::print(stderr, "{}\n", line);
   std::fflush(stderr);
-  line_ = std::move(line);
 }
 
 }  // namespace occlod::tool

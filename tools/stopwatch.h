@@ -10,6 +10,12 @@ class Stopwatch {
   [[nodiscard]] double milliseconds() const {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_).count();
   }
+  // The time so far; starts again from 0.
+  double restart() {
+    const double elapsed = milliseconds();
+    *this = {};
+    return elapsed;
+  }
 
  private:
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();

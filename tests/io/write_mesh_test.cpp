@@ -5,6 +5,8 @@
 #include <iterator>
 #include <limits>
 #include <span>
+#include <stdexcept>
+#include <vector>
 
 #include "io/mesh_files.h"
 #include "occlod/io/atomic_file.h"
@@ -127,6 +129,45 @@ TEST(AtomicFile, KeepsPermissionsAndFollowsLinks) {
   EXPECT_TRUE(fs::is_symlink(folder.path() / "link"));
   EXPECT_EQ(test::bytes_of(path), "new");
   EXPECT_EQ(fs::status(path).permissions(), fs::perms::owner_read | fs::perms::owner_write);
+}
+
+// Two blocks' worth of bytes: the monitor sees the file before it is begun, each block and the commit, and counts
+// whole.
+TEST(WriteMonitor, SeesEveryBlock) {
+  const test::TestFolder folder;
+  const std::vector<std::byte> bytes((std::size_t{1} << 22) + 1);
+  std::vector<std::uint64_t> seen;
+  {
+    const WriteMonitor monitor([&](std::uint64_t written) {
+      EXPECT_EQ(files_in(folder.path()), seen.empty() ? 0u : 1u);
+      seen.push_back(written);
+    });
+    AtomicFile file(folder.path() / "a");
+    file.write(bytes);
+    file.commit();
+  }
+  AtomicFile unseen(folder.path() / "b");
+  EXPECT_EQ(seen, (std::vector<std::uint64_t>{0, 0, bytes.size() - 1, bytes.size()}));
+  EXPECT_EQ(test::bytes_of(folder.path() / "a").size(), bytes.size());
+}
+
+TEST(WriteMonitor, EndsTheWritingAtAnyPointWithTheOldFileInPlace) {
+  const test::TestFolder folder;
+  const fs::path path = folder.write("a.ply", "old");
+  const TriangleMesh mesh = test::octahedron_sphere(2);
+  int calls = 0;
+  const WriteMonitor count([&](std::uint64_t) { ++calls; });
+  write_mesh(folder.path() / "b.ply", mesh);
+  ASSERT_GE(calls, 3);  // begin, one block, commit
+  for (int last = 1; last <= calls; ++last) {
+    int left = last;
+    const WriteMonitor stop([&](std::uint64_t) {
+      if (--left == 0) throw std::runtime_error("stop");
+    });
+    EXPECT_THROW(write_mesh(path, mesh), std::runtime_error);
+    EXPECT_EQ(test::bytes_of(path), "old");
+    EXPECT_EQ(files_in(folder.path()), 2u);
+  }
 }
 
 TEST(AtomicFile, RefusesDevices) { EXPECT_THROW(AtomicFile("/dev/null"), Error); }

@@ -32,7 +32,8 @@ class GenerateBuildValidate(ToolTest):
 
     def test_build_reports(self):
         result = self.make_hierarchy()
-        self.assert_has_keys(result, "vertices triangles base_triangles splits faces build_ms peak_bytes bytes_per_vertex error_bound report")
+        self.assert_has_keys(result, "vertices triangles base_triangles splits faces read_ms build_ms write_ms triangles_per_s "
+                                     "peak_bytes bytes_per_vertex error_bound report")
         self.assertEqual((result["vertices"], result["triangles"]), (VERTICES, TRIANGLES))
         self.assertLessEqual(result["base_triangles"], 64)
         # On a closed surface each split adds exactly two triangles and one vertex.

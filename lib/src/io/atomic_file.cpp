@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <system_error>
@@ -20,6 +21,10 @@ namespace fs = std::filesystem;
 }
 
 std::string reason(int error_number) { return std::generic_category().message(error_number); }
+
+constexpr std::size_t block_bytes = std::size_t{1} << 22;
+
+thread_local WriteMonitor* innermost_monitor = nullptr;
 
 // Unique among the running processes and among the files of this one.
 fs::path hidden_neighbour(const fs::path& target) {
@@ -39,6 +44,7 @@ AtomicFile::AtomicFile(fs::path path) : path_(std::move(path)) {
   if (!fs::is_directory(folder, ignored)) {
     fail(path_, fmt::format("the folder {} does not exist", folder.string()), "create it first");
   }
+  WriteMonitor::notify(0);
   temporary_ = hidden_neighbour(target_);
   errno = 0;
   stream_.open(temporary_, std::ios::binary | std::ios::trunc);
@@ -58,10 +64,17 @@ AtomicFile::~AtomicFile() {
 }
 
 void AtomicFile::write(std::span<const std::byte> bytes) {
-  stream_.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  while (!bytes.empty()) {
+    WriteMonitor::notify(written_);
+    const std::span<const std::byte> block = bytes.first(std::min(bytes.size(), block_bytes));
+    stream_.write(reinterpret_cast<const char*>(block.data()), static_cast<std::streamsize>(block.size()));
+    written_ += block.size();
+    bytes = bytes.subspan(block.size());
+  }
 }
 
 void AtomicFile::commit() {
+  WriteMonitor::notify(written_);
   errno = 0;
   stream_.close();
   if (!stream_) {
@@ -71,6 +84,16 @@ void AtomicFile::commit() {
   fs::rename(temporary_, target_, error);
   if (error) fail(path_, fmt::format("cannot be replaced: {}", error.message()), "check the permissions of the folder");
   temporary_.clear();
+}
+
+WriteMonitor::WriteMonitor(Progress progress) : progress_(std::move(progress)), outer_(innermost_monitor) {
+  innermost_monitor = this;
+}
+
+WriteMonitor::~WriteMonitor() { innermost_monitor = outer_; }
+
+void WriteMonitor::notify(std::uint64_t bytes) {
+  if (innermost_monitor != nullptr) innermost_monitor->progress_(bytes);
 }
 
 }  // namespace occlod

@@ -30,11 +30,13 @@ PolygonSoup parse_file(const std::filesystem::path& path, const FileErrors& erro
 
 }  // namespace
 
-CleanMesh read_mesh(const std::filesystem::path& path) {
+CleanMesh read_mesh(const std::filesystem::path& path, const std::function<void(double)>& progress) {
   const FileErrors errors(path);
+  if (progress) progress(0.0);
   PolygonSoup soup = parse_file(path, errors);
   MeshReport report;
   TriangleMesh mesh = soup.take_mesh(report, errors);
+  if (progress) progress(1.0);
   return clean(std::move(mesh), report, errors.subject());
 }
 

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <span>
 
 namespace occlod {
@@ -27,6 +29,28 @@ class AtomicFile {
   std::filesystem::path target_;     // with symbolic links followed
   std::filesystem::path temporary_;  // empty after commit()
   std::ofstream stream_;
+  std::uint64_t written_ = 0;  // bytes, by write()
+};
+
+// Watches the AtomicFiles of this thread while it lives, through whatever writes them: `progress` is called before a
+// file is begun, before each block of write() and before commit() puts it in place, with the bytes that write() has
+// taken so far. What it throws leaves the AtomicFile, whose destructor removes the file. Of nested monitors the
+// innermost is called.
+class WriteMonitor {
+ public:
+  using Progress = std::function<void(std::uint64_t bytes)>;
+
+  explicit WriteMonitor(Progress progress);
+  ~WriteMonitor();
+  WriteMonitor(const WriteMonitor&) = delete;
+  WriteMonitor& operator=(const WriteMonitor&) = delete;
+
+  // Calls the monitor of this thread, if there is one.
+  static void notify(std::uint64_t bytes);
+
+ private:
+  Progress progress_;
+  WriteMonitor* outer_;
 };
 
 }  // namespace occlod

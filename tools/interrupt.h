@@ -1,0 +1,43 @@
+// What SIGINT (Ctrl-C) and SIGTERM do to a command that writes a file: they end it at once while it has not begun to
+// write, as nothing has to be undone then; while it writes, they end it after the current block, which removes what is
+// half written and leaves the old file; once the file is in place they come too late and the command ends as usual.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <exception>
+#include <optional>
+#include <string>
+
+#include "occlod/io/atomic_file.h"
+#include "progress.h"
+
+namespace occlod::tool {
+
+class Interrupted : public std::exception {
+ public:
+  [[nodiscard]] const char* what() const noexcept override;  // "build: was cancelled"
+  [[nodiscard]] int exit_code() const noexcept;              // 128 + the signal's number, as shells have it
+};
+
+// From now on signals are handled in this way. Once a process. A signal that the parent has set to be ignored
+// (nohup, background jobs of scripts) stays ignored.
+void handle_interrupts(const std::string& command);
+
+// From now on a signal is only noted; throws Interrupted when one has been.
+void note_interrupts();
+
+// Calls write(), which writes one file of about `bytes` (0 = unknown) through an AtomicFile, so that signals can end
+// it, and shows how far it is.
+template <class Write>
+void write_interruptibly(const std::string& file, std::size_t bytes, Progress& progress, const Write& write) {
+  const WriteMonitor monitor([&](std::uint64_t written) {
+    note_interrupts();
+    std::optional<double> done;
+    if (bytes > 0) done = static_cast<double>(written) / static_cast<double>(bytes);
+    progress.show("writing " + file, done);
+  });
+  write();
+}
+
+}  // namespace occlod::tool
