@@ -2,12 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
 #include <cassert>
 #include <cmath>
 #include <cstring>
 #include <glm/geometric.hpp>
+#include <numeric>
 #include <utility>
+#include <vector>
 
 #include "mesh/portable_math.h"
 #include "occlod/core/error.h"
@@ -19,29 +22,70 @@ bool is_finite(const glm::vec3& p) { return std::isfinite(p.x) && std::isfinite(
 
 bool has_repeated_corner(const Triangle& t) { return t.x == t.y || t.y == t.z || t.z == t.x; }
 
+// Equal for equal positions, +0 and -0 being equal.
+std::size_t hash_of(const glm::vec3& p) {
+  const glm::vec3 positive_zero = p + 0.0f;
+  std::uint32_t bits[3];
+  std::memcpy(bits, &positive_zero, sizeof bits);
+  return scatter(scatter(bits[0] | std::uint64_t{bits[1]} << 32) + bits[2]);
+}
+
+// Tells most vertices that have a position of their own from those that may share it, in a byte or two a vertex: bits
+// for many more slots than vertices, in cache for all but the largest meshes.
+class SharedSlots {
+ public:
+  explicit SharedSlots(std::size_t vertices)
+      : mask_(std::bit_ceil(slots_per_vertex * vertices + 64) - 1),
+        taken_((mask_ + 1) / 64),
+        shared_((mask_ + 1) / 64) {}
+
+  void add(const glm::vec3& p) {
+    const auto [word, bit] = slot_of(p);
+    if ((taken_[word] & bit) != 0)
+      shared_[word] |= bit;
+    else
+      taken_[word] |= bit;
+  }
+  // Whether another position has been added that equals `p` or happens to have its slot.
+  [[nodiscard]] bool is_shared(const glm::vec3& p) const {
+    const auto [word, bit] = slot_of(p);
+    return (shared_[word] & bit) != 0;
+  }
+
+ private:
+  static constexpr std::size_t slots_per_vertex = 8;  // one vertex in ten or so shares a slot by chance
+
+  struct Slot {
+    std::size_t word;
+    std::uint64_t bit;
+  };
+
+  [[nodiscard]] Slot slot_of(const glm::vec3& p) const {
+    const std::size_t slot = hash_of(p) & mask_;
+    return {slot / 64, std::uint64_t{1} << (slot % 64)};
+  }
+
+  std::size_t mask_;
+  std::vector<std::uint64_t> taken_;
+  std::vector<std::uint64_t> shared_;  // taken twice or more often
+};
+
 // Finds the first vertex with the same coordinates: open addressing over vertex ids, at most half full.
 class PositionTable {
  public:
-  explicit PositionTable(const std::vector<glm::vec3>& positions)
-      : positions_(positions), slots_(std::bit_ceil(2 * positions.size() + 1), no_id) {}
+  PositionTable(const std::vector<glm::vec3>& positions, std::size_t most_vertices)
+      : positions_(positions), slots_(std::bit_ceil(2 * most_vertices + 1), no_id) {}
 
   // The vertex inserted earlier at the position of `vertex`, or `vertex` itself.
   VertexId find_or_insert(VertexId vertex) {
     const std::size_t mask = slots_.size() - 1;
-    std::size_t slot = hash(positions_[vertex]) & mask;
+    std::size_t slot = hash_of(positions_[vertex]) & mask;
     while (slots_[slot] != no_id && positions_[slots_[slot]] != positions_[vertex]) slot = (slot + 1) & mask;
     if (slots_[slot] == no_id) slots_[slot] = vertex;
     return slots_[slot];
   }
 
  private:
-  static std::size_t hash(const glm::vec3& p) {
-    const glm::vec3 positive_zero = p + 0.0f;
-    std::uint32_t bits[3];
-    std::memcpy(bits, &positive_zero, sizeof bits);
-    return scatter(scatter(bits[0] | std::uint64_t{bits[1]} << 32) + bits[2]);
-  }
-
   const std::vector<glm::vec3>& positions_;
   std::vector<VertexId> slots_;
 };
@@ -49,7 +93,7 @@ class PositionTable {
 class Cleaner {
  public:
   Cleaner(TriangleMesh mesh, const MeshReport& report, const std::string& subject)
-      : mesh_(std::move(mesh)), report_(report), subject_(subject), leader_(mesh_.vertex_count(), no_id) {
+      : mesh_(std::move(mesh)), report_(report), subject_(subject) {
     assert(mesh_.normals.empty() || mesh_.normals.size() == mesh_.vertex_count());
     assert(mesh_.colors.empty() || mesh_.colors.size() == mesh_.vertex_count());
     if (report_.vertices_read == 0) {
@@ -61,6 +105,8 @@ class Cleaner {
   CleanMesh run() && {
     if (mesh_.triangles.empty()) fail("", "has no triangles", "give a mesh with at least one");
     check_indices();
+    used_ = used_vertices();
+    check_positions();
     find_leaders();
     average_attributes();
     relabel_triangles();
@@ -79,6 +125,9 @@ class Cleaner {
   }
 
   void check_indices() const {
+    VertexId largest = 0;
+    for (const Triangle& t : mesh_.triangles) largest = std::max({largest, t.x, t.y, t.z});
+    if (largest < mesh_.vertex_count()) return;
     for (std::size_t t = 0; t < mesh_.triangle_count(); ++t) {
       for (int corner = 0; corner < 3; ++corner) {
         const VertexId v = mesh_.triangles[t][corner];
@@ -90,26 +139,55 @@ class Cleaner {
     }
   }
 
-  // leader_[v]: the first used vertex at the position of v, or no_id where no triangle uses v.
-  void find_leaders() {
-    for (const Triangle& t : mesh_.triangles) leader_[t.x] = leader_[t.y] = leader_[t.z] = 0;
-    PositionTable table(mesh_.positions);
+  // 1 for each vertex that a triangle uses. Bytes: they are stored without being loaded.
+  [[nodiscard]] std::vector<std::uint8_t> used_vertices() const {
+    std::vector<std::uint8_t> used(mesh_.vertex_count(), 0);
+    for (const Triangle& t : mesh_.triangles) used[t.x] = used[t.y] = used[t.z] = 1;
+    return used;
+  }
+
+  void check_positions() {
     for (VertexId v = 0; v < mesh_.vertex_count(); ++v) {
       const bool finite = is_finite(mesh_.positions[v]);
-      if (leader_[v] == no_id) {
+      if (used_[v] == 0) {
         ++(finite ? report_.unreferenced_vertices : report_.nonfinite_vertices);
-        continue;
-      }
-      if (!finite) {
+      } else if (!finite) {
         fail(fmt::format("vertex {}, numbered from 0", v), "a coordinate is NaN or infinite",
              "remove the vertex and its faces, or export the mesh again");
       }
-      leader_[v] = table.find_or_insert(v);
-      if (leader_[v] != v) ++report_.vertices_welded;
+    }
+  }
+
+  // Used vertices that may lie at the position of another, ascending.
+  [[nodiscard]] std::vector<VertexId> maybe_shared() const {
+    SharedSlots slots(mesh_.vertex_count());
+    for (VertexId v = 0; v < mesh_.vertex_count(); ++v) {
+      if (used_[v] != 0) slots.add(mesh_.positions[v]);
+    }
+    std::vector<VertexId> vertices;
+    for (VertexId v = 0; v < mesh_.vertex_count(); ++v) {
+      if (used_[v] != 0 && slots.is_shared(mesh_.positions[v])) vertices.push_back(v);
+    }
+    return vertices;
+  }
+
+  void find_leaders() {
+    const std::vector<VertexId> vertices = maybe_shared();
+    PositionTable table(mesh_.positions, vertices.size());
+    for (const VertexId v : vertices) {
+      const VertexId first = table.find_or_insert(v);
+      if (first == v) continue;
+      if (leader_.empty()) {
+        leader_.resize(mesh_.vertex_count());
+        std::iota(leader_.begin(), leader_.end(), VertexId{0});
+      }
+      leader_[v] = first;
+      ++report_.vertices_welded;
     }
   }
 
   void average_attributes() {
+    if (leader_.empty()) return;
     std::vector<bool> conflict(mesh_.vertex_count());
     average_normals(conflict);
     average_colors(conflict);
@@ -119,11 +197,11 @@ class Cleaner {
   // Sums now; repair_normals() brings them to unit length.
   void average_normals(std::vector<bool>& conflict) {
     std::vector<glm::vec3>& normals = mesh_.normals;
-    if (normals.empty() || report_.vertices_welded == 0) return;
+    if (normals.empty()) return;
     const std::vector<glm::vec3> original = normals;
     for (VertexId v = 0; v < normals.size(); ++v) {
       const VertexId leader = leader_[v];
-      if (leader == no_id || leader == v) continue;
+      if (leader == v) continue;
       if (original[v] != original[leader]) conflict[leader] = true;
       normals[leader] += original[v];
     }
@@ -131,12 +209,11 @@ class Cleaner {
 
   void average_colors(std::vector<bool>& conflict) {
     std::vector<glm::u8vec4>& colors = mesh_.colors;
-    if (colors.empty() || report_.vertices_welded == 0) return;
+    if (colors.empty()) return;
     std::vector<glm::u64vec4> sums(colors.size(), glm::u64vec4(0));
     std::vector<std::uint32_t> counts(colors.size(), 0);
     for (VertexId v = 0; v < colors.size(); ++v) {
       const VertexId leader = leader_[v];
-      if (leader == no_id) continue;
       if (colors[v] != colors[leader]) conflict[leader] = true;
       sums[leader] += glm::u64vec4(colors[v]);
       ++counts[leader];
@@ -147,18 +224,22 @@ class Cleaner {
   }
 
   void relabel_triangles() {
-    for (Triangle& t : mesh_.triangles) t = {leader_[t.x], leader_[t.y], leader_[t.z]};
+    if (!leader_.empty()) {
+      for (Triangle& t : mesh_.triangles) t = {leader_[t.x], leader_[t.y], leader_[t.z]};
+    }
     report_.repeated_index_triangles += std::erase_if(mesh_.triangles, has_repeated_corner);
   }
 
   // Also drops leaders whose triangles were all dropped.
   void drop_unused_vertices() {
-    std::vector<VertexId> new_id(mesh_.vertex_count(), no_id);
-    for (const Triangle& t : mesh_.triangles) new_id[t.x] = new_id[t.y] = new_id[t.z] = 0;
+    const bool triangles_changed = !leader_.empty() || report_.repeated_index_triangles > 0;
+    const std::vector<std::uint8_t> still_used = triangles_changed ? used_vertices() : used_;
+    if (std::ranges::find(still_used, 0) == still_used.end()) return;
+    std::vector<VertexId> new_id(mesh_.vertex_count());
     VertexId kept = 0;
     for (VertexId v = 0; v < new_id.size(); ++v) {
-      if (new_id[v] == no_id) {
-        report_.unreferenced_vertices += leader_[v] == v;
+      if (still_used[v] == 0) {
+        report_.unreferenced_vertices += used_[v] != 0 && (leader_.empty() || leader_[v] == v);
         continue;
       }
       new_id[v] = kept;
@@ -207,7 +288,8 @@ class Cleaner {
   TriangleMesh mesh_;
   MeshReport report_;
   const std::string& subject_;
-  std::vector<VertexId> leader_;
+  std::vector<std::uint8_t> used_;  // as read
+  std::vector<VertexId> leader_;    // the first used vertex at the position of each; empty where none is welded
 };
 
 }  // namespace

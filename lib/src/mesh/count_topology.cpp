@@ -1,6 +1,12 @@
 #include <algorithm>
+#include <glm/common.hpp>
+#include <mutex>
 #include <numeric>
+#include <span>
+#include <utility>
+#include <vector>
 
+#include "mesh/share_tasks.h"
 #include "occlod/mesh/clean.h"
 
 namespace occlod {
@@ -43,29 +49,78 @@ bool has_zero_area(const TriangleMesh& mesh, const Triangle& t) {
   return u.y * v.z == u.z * v.y && u.z * v.x == u.x * v.z && u.x * v.y == u.y * v.x;
 }
 
-// The triangles round each vertex, as one array with offsets.
-class Stars {
+// Smallest and largest vertex of each run of triangles: in most meshes triangles near each other in the list use
+// vertices near each other.
+class VertexRanges {
  public:
-  explicit Stars(const TriangleMesh& mesh) : offsets_(mesh.vertex_count() + 1, 0) {
-    for_each_corner(mesh, [&](VertexId v, std::uint32_t) { ++offsets_[v]; });
-    std::partial_sum(offsets_.begin(), offsets_.end(), offsets_.begin());
-    triangles_.resize(offsets_.back());
-    for_each_corner(mesh, [&](VertexId v, std::uint32_t t) { triangles_[--offsets_[v]] = t; });
+  explicit VertexRanges(const TriangleMesh& mesh) : mesh_(mesh), ranges_((mesh.triangle_count() + run - 1) / run) {
+    constexpr std::size_t runs_a_task = 256;
+    share_tasks(1 + ranges_.size() / runs_a_task, [&](TaskQueue& queue) {
+      while (const auto task = queue.next()) {
+        const std::size_t end = std::min((*task + 1) * runs_a_task, ranges_.size());
+        for (std::size_t i = *task * runs_a_task; i < end; ++i) ranges_[i] = range_of(i);
+      }
+    });
   }
 
-  [[nodiscard]] std::size_t begin(VertexId v) const { return offsets_[v]; }
-  [[nodiscard]] std::size_t size(VertexId v) const { return offsets_[v + 1] - offsets_[v]; }
-  [[nodiscard]] std::uint32_t triangle(std::size_t i) const { return triangles_[i]; }
-
- private:
+  // Calls visit(vertex, triangle) for every corner at a vertex in [begin, end), by ascending triangles; triangles with
+  // a repeated corner are left out.
   template <class Visit>
-  static void for_each_corner(const TriangleMesh& mesh, Visit visit) {
-    for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
-      if (has_repeated_corner(mesh.triangles[t])) continue;
-      for (int corner = 0; corner < 3; ++corner) visit(mesh.triangles[t][corner], t);
+  void for_each_corner(VertexId begin, VertexId end, Visit visit) const {
+    for (std::size_t i = 0; i < ranges_.size(); ++i) {
+      if (ranges_[i].largest < begin || ranges_[i].smallest >= end) continue;
+      for (std::size_t t = i * run; t < run_end(i * run); ++t) {
+        const Triangle& corners = mesh_.triangles[t];
+        if (has_repeated_corner(corners)) continue;
+        for (int corner = 0; corner < 3; ++corner) {
+          if (corners[corner] >= begin && corners[corner] < end) visit(corners[corner], static_cast<std::uint32_t>(t));
+        }
+      }
     }
   }
 
+ private:
+  static constexpr std::size_t run = 1024;  // triangles
+
+  struct Range {
+    VertexId smallest;
+    VertexId largest;
+  };
+
+  [[nodiscard]] Range range_of(std::size_t i) const {
+    Triangle smallest(no_id);
+    Triangle largest(0);
+    for (std::size_t t = i * run; t < run_end(i * run); ++t) {
+      smallest = glm::min(smallest, mesh_.triangles[t]);
+      largest = glm::max(largest, mesh_.triangles[t]);
+    }
+    return {std::min({smallest.x, smallest.y, smallest.z}), std::max({largest.x, largest.y, largest.z})};
+  }
+  [[nodiscard]] std::size_t run_end(std::size_t begin) const { return std::min(begin + run, mesh_.triangle_count()); }
+
+  const TriangleMesh& mesh_;
+  std::vector<Range> ranges_;
+};
+
+// The triangles round each of some consecutive vertices, as one array with offsets.
+class Stars {
+ public:
+  void collect(const VertexRanges& ranges, VertexId begin, VertexId end) {
+    first_ = begin;
+    offsets_.assign(std::size_t{end} - begin + 1, 0);
+    ranges.for_each_corner(begin, end, [&](VertexId v, std::uint32_t) { ++offsets_[v - first_]; });
+    std::partial_sum(offsets_.begin(), offsets_.end(), offsets_.begin());
+    triangles_.resize(offsets_.back());
+    ranges.for_each_corner(begin, end, [&](VertexId v, std::uint32_t t) { triangles_[--offsets_[v - first_]] = t; });
+  }
+
+  [[nodiscard]] std::span<const std::uint32_t> triangles(VertexId v) const {
+    const std::size_t begin = offsets_[v - first_];
+    return {triangles_.data() + begin, offsets_[v - first_ + 1] - begin};
+  }
+
+ private:
+  VertexId first_ = 0;
   std::vector<std::size_t> offsets_;
   std::vector<std::uint32_t> triangles_;
 };
@@ -74,18 +129,21 @@ class Stars {
 // smallest.
 class StarCounter {
  public:
-  StarCounter(const TriangleMesh& mesh, MeshReport& report) : mesh_(mesh), stars_(mesh), report_(report) {}
+  StarCounter(const TriangleMesh& mesh, const VertexRanges& ranges) : mesh_(mesh), ranges_(ranges) {}
 
-  void count(VertexId center) {
-    spokes_.clear();
-    opposite_.clear();
-    for (std::uint32_t slot = 0; slot < stars_.size(center); ++slot) add_triangle(center, slot);
-    std::sort(spokes_.begin(), spokes_.end(), [](const Spoke& a, const Spoke& b) { return a.rim < b.rim; });
-    count_spokes(center);
-    count_repeated();
+  void count(VertexId begin, VertexId end) {
+    stars_.collect(ranges_, begin, end);
+    for (VertexId v = begin; v < end; ++v) count(v);
   }
 
+  [[nodiscard]] const MeshReport& report() const { return report_; }
+
  private:
+  // The edge of a triangle that does not touch the centre, in the triangle's direction.
+  struct RimEdge {
+    VertexId from;
+    VertexId to;
+  };
   // One triangle's use of the edge between the centre and `rim`.
   struct Spoke {
     VertexId rim;
@@ -93,18 +151,51 @@ class StarCounter {
     bool outward;        // the triangle runs from the centre to the rim
   };
 
+  void count(VertexId center) {
+    rim_.clear();
+    for (const std::uint32_t triangle : stars_.triangles(center)) {
+      const Triangle& t = mesh_.triangles[triangle];
+      const int corner = t.x == center ? 0 : t.y == center ? 1 : 2;
+      rim_.push_back({t[(corner + 1) % 3], t[(corner + 2) % 3]});
+    }
+    if (sort_closed_rim()) return;
+    spokes_.clear();
+    opposite_.clear();
+    for (std::uint32_t slot = 0; slot < rim_.size(); ++slot) add_triangle(center, slot);
+    std::sort(spokes_.begin(), spokes_.end(), [](const Spoke& a, const Spoke& b) { return a.rim < b.rim; });
+    count_spokes(center);
+    count_repeated();
+  }
+
+  // Whether the rim is one loop of three edges or more through different vertices, as round nearly every vertex. Every
+  // edge at the centre then has two triangles that run through it in opposite directions, they are one fan, and no two
+  // have the same corners: there is nothing to count. Puts the edges into the loop's order as far as it gets.
+  [[nodiscard]] bool sort_closed_rim() {
+    if (rim_.size() < 3) return false;
+    for (std::size_t i = 1; i < rim_.size(); ++i) {
+      const VertexId at = rim_[i - 1].to;
+      if (at == rim_[0].from) return false;
+      std::size_t next = rim_.size();
+      for (std::size_t j = i; j < rim_.size(); ++j) {
+        if (rim_[j].from != at) continue;
+        if (next != rim_.size()) return false;
+        next = j;
+      }
+      if (next == rim_.size()) return false;
+      std::swap(rim_[i], rim_[next]);
+    }
+    return rim_.back().to == rim_[0].from;
+  }
+
   void add_triangle(VertexId center, std::uint32_t slot) {
-    const Triangle& t = mesh_.triangles[stars_.triangle(stars_.begin(center) + slot)];
-    const int corner = t.x == center ? 0 : t.y == center ? 1 : 2;
-    const VertexId next = t[(corner + 1) % 3];
-    const VertexId previous = t[(corner + 2) % 3];
+    const auto [next, previous] = rim_[slot];
     spokes_.push_back({next, slot, true});
     spokes_.push_back({previous, slot, false});
     if (center < next && center < previous) opposite_.emplace_back(std::min(next, previous), std::max(next, previous));
   }
 
   void count_spokes(VertexId center) {
-    const std::size_t star_size = stars_.size(center);
+    const std::size_t star_size = rim_.size();
     std::size_t fans = star_size;
     fans_.reset(star_size);
     for (std::size_t first = 0, last = 0; first < spokes_.size(); first = last) {
@@ -128,8 +219,10 @@ class StarCounter {
   }
 
   const TriangleMesh& mesh_;
+  const VertexRanges& ranges_;
   Stars stars_;
-  MeshReport& report_;
+  MeshReport report_;  // of all vertices so far; topology only
+  std::vector<RimEdge> rim_;
   std::vector<Spoke> spokes_;
   std::vector<std::pair<VertexId, VertexId>> opposite_;  // the other two corners of each triangle counted here
   DisjointSets fans_;
@@ -148,18 +241,75 @@ std::uint64_t count_components(const TriangleMesh& mesh) {
   return static_cast<std::uint64_t>(std::count(used.begin(), used.end(), true)) - joins;
 }
 
+std::uint64_t count_zero_areas(const TriangleMesh& mesh, std::size_t begin, std::size_t end) {
+  std::uint64_t count = 0;
+  for (std::size_t t = begin; t < end; ++t) {
+    count += !has_repeated_corner(mesh.triangles[t]) && has_zero_area(mesh, mesh.triangles[t]);
+  }
+  return count;
+}
+
+// Splits the counting into tasks that any threads may take: sums do not depend on who did what.
+class TopologyCounter {
+ public:
+  explicit TopologyCounter(const TriangleMesh& mesh)
+      : mesh_(mesh), ranges_(mesh), parts_(1 + std::min<std::size_t>(15, mesh.vertex_count() / least_vertices)) {}
+
+  MeshReport run() {
+    share_tasks(parts_ + 1, [this](TaskQueue& queue) { work(queue); });
+    return total_;
+  }
+
+ private:
+  // Fewer are not worth a part; 16 parts keep the lists of a large mesh small and are many enough for its threads.
+  static constexpr std::size_t least_vertices = 32768;
+
+  void work(TaskQueue& queue) {
+    StarCounter stars(mesh_, ranges_);
+    std::uint64_t zero_areas = 0;
+    std::uint64_t components = 0;
+    while (const auto task = queue.next()) {
+      if (*task == 0) {  // the longest comes first
+        components = count_components(mesh_);
+        continue;
+      }
+      const std::size_t part = *task - 1;
+      const auto part_of = [&](std::size_t count) {
+        return std::pair{part * count / parts_, (part + 1) * count / parts_};
+      };
+      const auto [first_vertex, last_vertex] = part_of(mesh_.vertex_count());
+      stars.count(static_cast<VertexId>(first_vertex), static_cast<VertexId>(last_vertex));
+      const auto [first_triangle, last_triangle] = part_of(mesh_.triangle_count());
+      zero_areas += count_zero_areas(mesh_, first_triangle, last_triangle);
+    }
+    const std::scoped_lock lock(mutex_);
+    total_.zero_area_triangles += zero_areas;
+    total_.components += components;
+    total_.repeated_triangles += stars.report().repeated_triangles;
+    total_.boundary_edges += stars.report().boundary_edges;
+    total_.nonmanifold_edges += stars.report().nonmanifold_edges;
+    total_.inconsistent_edges += stars.report().inconsistent_edges;
+    total_.nonmanifold_vertices += stars.report().nonmanifold_vertices;
+  }
+
+  const TriangleMesh& mesh_;
+  const VertexRanges ranges_;
+  const std::size_t parts_;
+  std::mutex mutex_;
+  MeshReport total_;
+};
+
 }  // namespace
 
 void count_topology(const TriangleMesh& mesh, MeshReport& report) {
-  report.zero_area_triangles = 0;
-  for (const Triangle& t : mesh.triangles) {
-    report.zero_area_triangles += !has_repeated_corner(t) && has_zero_area(mesh, t);
-  }
-  report.repeated_triangles = 0;
-  report.boundary_edges = report.nonmanifold_edges = report.inconsistent_edges = report.nonmanifold_vertices = 0;
-  StarCounter counter(mesh, report);
-  for (VertexId v = 0; v < mesh.vertex_count(); ++v) counter.count(v);
-  report.components = count_components(mesh);
+  const MeshReport counted = TopologyCounter(mesh).run();
+  report.zero_area_triangles = counted.zero_area_triangles;
+  report.repeated_triangles = counted.repeated_triangles;
+  report.boundary_edges = counted.boundary_edges;
+  report.nonmanifold_edges = counted.nonmanifold_edges;
+  report.inconsistent_edges = counted.inconsistent_edges;
+  report.nonmanifold_vertices = counted.nonmanifold_vertices;
+  report.components = counted.components;
 }
 
 }  // namespace occlod

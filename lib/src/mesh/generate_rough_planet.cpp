@@ -1,62 +1,88 @@
 #include <cmath>
+#include <cstddef>
+#include <limits>
+#include <vector>
 
 #include "mesh/generator_options.h"
 #include "mesh/octahedron_lattice.h"
 #include "mesh/portable_math.h"
+#include "mesh/share_tasks.h"
 #include "occlod/mesh/generate.h"
 
 namespace occlod {
 namespace {
 
-struct NoiseCell {
-  std::int64_t corner;  // the lattice coordinate below
-  double blend;         // smoothstep of the place between it and the next
-};
-
-NoiseCell noise_cell(double coordinate) noexcept {
-  const double below = std::floor(coordinate);
-  const double t = coordinate - below;
-  return {static_cast<std::int64_t>(below), t * t * (3.0 - 2.0 * t)};
-}
-
 double mix(double a, double b, double t) noexcept { return a + (b - a) * t; }
 
-// Value noise in [-1, 1]: random numbers on the integer lattice, blended smoothly between.
-double value_noise(const glm::dvec3& p, std::uint64_t seed) noexcept {
-  const NoiseCell x = noise_cell(p.x);
-  const NoiseCell y = noise_cell(p.y);
-  const NoiseCell z = noise_cell(p.z);
-  double along_x[2];
-  for (int i = 0; i < 2; ++i) {
-    const std::uint64_t hash_x = scatter(seed + static_cast<std::uint64_t>(x.corner + i));
-    double along_y[2];
-    for (int j = 0; j < 2; ++j) {
-      const std::uint64_t hash_y = scatter(hash_x + static_cast<std::uint64_t>(y.corner + j));
-      const auto at = [&](std::int64_t corner) {
-        const std::uint64_t hash = scatter(hash_y + static_cast<std::uint64_t>(corner));
-        return static_cast<double>(static_cast<std::int64_t>(hash)) * 0x1p-63;
-      };
-      along_y[j] = mix(at(z.corner), at(z.corner + 1), z.blend);
+double smoothstep(double t) noexcept { return t * t * (3.0 - 2.0 * t); }
+
+// Value noise in [-1, 1]: random numbers on the integer lattice, blended smoothly between. The numbers round the last
+// point are kept: the next point is near it, and mostly in the same cell.
+class ValueNoise {
+ public:
+  explicit ValueNoise(std::uint64_t seed) noexcept : seed_(seed) {}
+
+  double at(const glm::dvec3& p) noexcept {
+    const glm::dvec3 below(std::floor(p.x), std::floor(p.y), std::floor(p.z));
+    if (below != below_) enter_cell(below);
+    const double x = smoothstep(p.x - below.x);
+    const double y = smoothstep(p.y - below.y);
+    const double z = smoothstep(p.z - below.z);
+    double along_x[2];
+    for (int i = 0; i < 2; ++i) {
+      along_x[i] = mix(mix(corners_[i][0][0], corners_[i][0][1], z), mix(corners_[i][1][0], corners_[i][1][1], z), y);
     }
-    along_x[i] = mix(along_y[0], along_y[1], y.blend);
+    return mix(along_x[0], along_x[1], x);
   }
-  return mix(along_x[0], along_x[1], x.blend);
-}
+
+ private:
+  void enter_cell(const glm::dvec3& below) noexcept {
+    below_ = below;
+    const glm::i64vec3 cell(below);
+    for (int i = 0; i < 2; ++i) {
+      const std::uint64_t hash_x = scatter(seed_ + static_cast<std::uint64_t>(cell.x + i));
+      for (int j = 0; j < 2; ++j) {
+        const std::uint64_t hash_y = scatter(hash_x + static_cast<std::uint64_t>(cell.y + j));
+        for (int k = 0; k < 2; ++k) {
+          const std::uint64_t hash = scatter(hash_y + static_cast<std::uint64_t>(cell.z + k));
+          corners_[i][j][k] = static_cast<double>(static_cast<std::int64_t>(hash)) * 0x1p-63;
+        }
+      }
+    }
+  }
+
+  std::uint64_t seed_;
+  glm::dvec3 below_{std::numeric_limits<double>::infinity()};  // the smallest corner of the cell; of none yet
+  double corners_[2][2][2] = {};                               // along x, y, z
+};
 
 // Octaves with halving heights whose sum is 1: the result lies in [-1, 1].
-double fractal_noise(const glm::dvec3& direction, const RoughPlanetOptions& options) noexcept {
-  double sum = 0.0;
-  double heights = 0.0;
-  double height = 1.0;
-  double frequency = options.frequency;
-  for (int octave = 0; octave < options.octaves; ++octave) {
-    sum += height * value_noise(direction * frequency, scatter(options.seed + static_cast<std::uint64_t>(octave)));
-    heights += height;
-    height *= 0.5;
-    frequency *= 2.0;
+class FractalNoise {
+ public:
+  explicit FractalNoise(const RoughPlanetOptions& options) : frequency_(options.frequency) {
+    for (int octave = 0; octave < options.octaves; ++octave) {
+      octaves_.emplace_back(scatter(options.seed + static_cast<std::uint64_t>(octave)));
+    }
   }
-  return heights > 0.0 ? sum / heights : 0.0;
-}
+
+  double at(const glm::dvec3& direction) noexcept {
+    double sum = 0.0;
+    double heights = 0.0;
+    double height = 1.0;
+    double frequency = frequency_;
+    for (ValueNoise& octave : octaves_) {
+      sum += height * octave.at(direction * frequency);
+      heights += height;
+      height *= 0.5;
+      frequency *= 2.0;
+    }
+    return heights > 0.0 ? sum / heights : 0.0;
+  }
+
+ private:
+  double frequency_;
+  std::vector<ValueNoise> octaves_;
+};
 
 }  // namespace
 
@@ -69,10 +95,16 @@ TriangleMesh generate_rough_planet(const RoughPlanetOptions& options) {
 
   const OctahedronLattice lattice(options.level);
   TriangleMesh mesh;
-  mesh.positions.reserve(lattice.vertex_count());
-  lattice.for_each_direction([&](const glm::dvec3& direction) {
-    const double radius = 1.0 + options.amplitude * fractal_noise(direction, options);
-    mesh.positions.emplace_back(direction * radius);
+  mesh.positions.resize(lattice.vertex_count());
+  share_tasks(lattice.ring_count(), [&](TaskQueue& rings) {
+    FractalNoise noise(options);
+    while (const auto ring = rings.next()) {
+      auto position = mesh.positions.begin() + static_cast<std::ptrdiff_t>(lattice.ring_start(*ring));
+      lattice.for_each_direction(*ring, [&](const glm::dvec3& direction) {
+        const double radius = 1.0 + options.amplitude * noise.at(direction);
+        *position++ = direction * radius;
+      });
+    }
   });
   lattice.append_triangles(0, mesh.triangles);
   return mesh;

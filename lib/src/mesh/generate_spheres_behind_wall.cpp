@@ -25,8 +25,11 @@ void append_sphere(TriangleMesh& mesh, const OctahedronLattice& lattice, RandomS
   const double x = random.between(-2.2, -0.3);
   const double y = random.between(-0.8, 0.8);
   const double z = random.between(-0.8, 0.8);
-  lattice.for_each_direction(
-      [&](const glm::dvec3& direction) { mesh.positions.emplace_back(glm::dvec3(x, y, z) + radius * direction); });
+  for (std::size_t ring = 0; ring < lattice.ring_count(); ++ring) {
+    lattice.for_each_direction(ring, [&](const glm::dvec3& direction) {
+      mesh.positions.emplace_back(glm::dvec3(x, y, z) + radius * direction);
+    });
+  }
   lattice.append_triangles(first, mesh.triangles);
 }
 

@@ -9,19 +9,18 @@ OctahedronLattice::OctahedronLattice(int subdivisions) : n_(1 << subdivisions) {
 
 void OctahedronLattice::append_triangles(VertexId first_vertex, std::vector<Triangle>& triangles) const {
   triangles.reserve(triangles.size() + triangle_count());
-  const auto ring_start_north = [&](int m) {
-    const auto rings = static_cast<VertexId>(m);
-    return m == 0 ? first_vertex : first_vertex + 1 + 2 * rings * (rings - 1);
+  const auto vertex_of = [&](int ring) {
+    return first_vertex + static_cast<VertexId>(ring_start(static_cast<std::size_t>(ring)));
   };
-  const auto ring_start_south = [&](int m) {
-    const auto rings = static_cast<VertexId>(m);
-    return first_vertex + static_cast<VertexId>(vertex_count()) - 1 - 2 * rings * (rings + 1);
-  };
-  for (int m = 0; m < n_; ++m) append_band(ring_start_north(m), ring_start_north(m + 1), m, true, triangles);
-  for (int m = n_ - 1; m >= 0; --m) {
-    const VertexId wide = m + 1 == n_ ? ring_start_north(n_) : ring_start_south(m + 1);
-    append_band(ring_start_south(m), wide, m, false, triangles);
-  }
+  for (int m = 0; m < n_; ++m) append_band(vertex_of(m), vertex_of(m + 1), m, true, triangles);
+  for (int m = n_ - 1; m >= 0; --m) append_band(vertex_of(2 * n_ - m), vertex_of(2 * n_ - m - 1), m, false, triangles);
+}
+
+std::size_t OctahedronLattice::ring_start(std::size_t ring) const noexcept {
+  if (ring == 0) return 0;
+  if (ring <= size_t_n()) return 1 + 2 * ring * (ring - 1);
+  const std::size_t m = 2 * size_t_n() - ring;
+  return vertex_count() - 1 - 2 * m * (m + 1);
 }
 
 // The band between the ring of 4 m points that starts at `narrow` and that of 4 (m + 1) points at `wide`.

@@ -20,9 +20,15 @@ class OctahedronLattice {
   [[nodiscard]] std::size_t vertex_count() const noexcept { return 4 * size_t_n() * size_t_n() + 2; }
   [[nodiscard]] std::size_t triangle_count() const noexcept { return 8 * size_t_n() * size_t_n(); }
 
-  // Calls visit(direction) once a vertex in the order of their indices. Directions have unit length (to a few ulp).
+  // Rings of equal z, from 0 at the north pole.
+  [[nodiscard]] std::size_t ring_count() const noexcept { return 2 * size_t_n() + 1; }
+  // The index of the first vertex of a ring.
+  [[nodiscard]] std::size_t ring_start(std::size_t ring) const noexcept;
+
+  // Calls visit(direction) once a vertex of a ring in the order of their indices. Directions have unit length (to a few
+  // ulp).
   template <class Visit>
-  void for_each_direction(Visit visit) const;
+  void for_each_direction(std::size_t ring, Visit visit) const;
 
   // Appends the triangles, counter-clockwise from outside, with `first_vertex` added to every index.
   void append_triangles(VertexId first_vertex, std::vector<Triangle>& triangles) const;
@@ -40,15 +46,14 @@ class OctahedronLattice {
 };
 
 template <class Visit>
-void OctahedronLattice::for_each_direction(Visit visit) const {
-  for (int z = n_; z >= -n_; --z) {
-    const int m = n_ - std::abs(z);
-    if (m == 0) visit(direction(0, 0, z));
-    for (int i = 0; i < m; ++i) visit(direction(m - i, i, z));
-    for (int i = 0; i < m; ++i) visit(direction(-i, m - i, z));
-    for (int i = 0; i < m; ++i) visit(direction(i - m, -i, z));
-    for (int i = 0; i < m; ++i) visit(direction(i, i - m, z));
-  }
+void OctahedronLattice::for_each_direction(std::size_t ring, Visit visit) const {
+  const int z = n_ - static_cast<int>(ring);
+  const int m = n_ - std::abs(z);
+  if (m == 0) visit(direction(0, 0, z));
+  for (int i = 0; i < m; ++i) visit(direction(m - i, i, z));
+  for (int i = 0; i < m; ++i) visit(direction(-i, m - i, z));
+  for (int i = 0; i < m; ++i) visit(direction(i - m, -i, z));
+  for (int i = 0; i < m; ++i) visit(direction(i, i - m, z));
 }
 
 inline glm::dvec3 OctahedronLattice::direction(int x, int y, int z) const noexcept {
