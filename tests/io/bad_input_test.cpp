@@ -36,9 +36,10 @@ std::multiset<Corners, CornersLess> triangles_of(const TriangleMesh& mesh) {
 // read_mesh() without the file, for the many inputs of these tests.
 TriangleMesh read_bytes(const std::string& name, std::string_view bytes) {
   const FileErrors errors(name);
+  InputBytes input(bytes);
   PolygonSoup soup = name.ends_with(".obj")   ? parse_obj(bytes, errors)
                      : name.ends_with(".off") ? parse_off(bytes, errors)
-                     : name.ends_with(".ply") ? parse_ply(bytes, errors)
+                     : name.ends_with(".ply") ? parse_ply(input, errors)
                                               : parse_stl(bytes, errors);
   MeshReport report;
   TriangleMesh mesh = soup.take_mesh(report, errors);

@@ -2,7 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
+#include <algorithm>
+#include <cstring>
 #include <system_error>
 #include <utility>
 
@@ -19,6 +20,12 @@ void FileErrors::fail_at_line(std::uint64_t line, std::string problem, std::stri
   fail(fmt::format("line {}", line), std::move(problem), std::move(mend));
 }
 
+namespace {
+
+constexpr std::size_t block_bytes = std::size_t{1} << 20;
+
+}  // namespace
+
 std::string in_quotes(std::string_view text) {
   constexpr std::size_t longest = 40;
   std::string shown = "'";
@@ -26,22 +33,46 @@ std::string in_quotes(std::string_view text) {
   return shown + (text.size() > longest ? "...'" : "'");
 }
 
-std::string read_file(const fs::path& path, const FileErrors& errors) {
+InputBytes::InputBytes(const fs::path& path, const FileErrors& errors, std::function<void(double)> progress)
+    : errors_(&errors), progress_(std::move(progress)) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
   if (!fs::exists(status)) errors.fail("", "no such file", "check the path");
   if (fs::is_directory(status)) errors.fail("", "is a folder", "name a mesh file in it");
   if (!fs::is_regular_file(status)) errors.fail("", "is not a regular file", "save the mesh to a file first");
-  const std::uintmax_t size = fs::file_size(path, error);
-  std::ifstream stream(path, std::ios::binary);
-  if (error || !stream) errors.fail("", "cannot be opened", "check its permissions");
-  if (size == 0) errors.fail("", "is empty", "export the mesh again");
-  std::string bytes(size, '\0');
-  stream.read(bytes.data(), static_cast<std::streamsize>(size));
-  if (static_cast<std::uintmax_t>(stream.gcount()) != size) {
-    errors.fail(fmt::format("byte {}", stream.gcount()), "cannot be read further", "check the disk");
+  size_ = fs::file_size(path, error);
+  stream_.open(path, std::ios::binary);
+  if (error || !stream_) errors.fail("", "cannot be opened", "check its permissions");
+  if (size_ == 0) errors.fail("", "is empty", "export the mesh again");
+}
+
+std::string_view InputBytes::window(std::size_t least) {
+  const std::uint64_t left = size_ - offset_;
+  if (window_.size() >= least || window_.size() == left) return window_;
+  const auto wanted = static_cast<std::size_t>(std::min<std::uint64_t>(left, std::max(least, block_bytes)));
+  if (wanted > capacity_) {
+    auto larger = std::make_unique_for_overwrite<char[]>(wanted);
+    std::memcpy(larger.get(), window_.data(), window_.size());
+    buffer_ = std::move(larger);
+    capacity_ = wanted;
+  } else {
+    std::memmove(buffer_.get(), window_.data(), window_.size());
   }
-  return bytes;
+  read_to(wanted);
+  return window_;
+}
+
+// Reads until the window, which is at the beginning of the buffer, has `bytes` bytes.
+void InputBytes::read_to(std::size_t bytes) {
+  for (std::size_t have = window_.size(); have < bytes;) {
+    const std::size_t block = std::min(bytes - have, block_bytes);
+    stream_.read(buffer_.get() + have, static_cast<std::streamsize>(block));
+    const auto got = static_cast<std::size_t>(stream_.gcount());
+    have += got;
+    if (got != block) errors_->fail(fmt::format("byte {}", offset_ + have), "cannot be read further", "check the disk");
+    if (progress_) progress_(static_cast<double>(offset_ + have) / static_cast<double>(size_));
+  }
+  window_ = {buffer_.get(), bytes};
 }
 
 }  // namespace occlod

@@ -1,8 +1,11 @@
-// A file read as a whole, and errors that name it.
+// A file read in blocks or as a whole, and errors that name it.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
+#include <fstream>
+#include <functional>
+#include <memory>
 #include <string>
 #include <string_view>
 
@@ -24,7 +27,39 @@ class FileErrors {
 // `text` in quotation marks, on one line, printable and short, for messages.
 [[nodiscard]] std::string in_quotes(std::string_view text);
 
-// All bytes of a regular file. Throws Error for a file that is missing, empty, not regular or not readable.
-[[nodiscard]] std::string read_file(const std::filesystem::path& path, const FileErrors& errors);
+// The bytes of a file, or of a text in memory, from its beginning to its end.
+class InputBytes {
+ public:
+  // Throws Error for a file that is missing, empty, not regular or not readable. `progress` is called now and then with
+  // the share that has been read.
+  InputBytes(const std::filesystem::path& path, const FileErrors& errors, std::function<void(double)> progress);
+  // `bytes` outlives it.
+  explicit InputBytes(std::string_view bytes) : size_(bytes.size()), window_(bytes) {}
+
+  [[nodiscard]] std::uint64_t size() const noexcept { return size_; }
+  // Of the window's first byte.
+  [[nodiscard]] std::uint64_t offset() const noexcept { return offset_; }
+
+  // The bytes from here on: `least` or more, or all that are left. Valid until the next call. Throws Error when the
+  // file cannot be read.
+  [[nodiscard]] std::string_view window(std::size_t least);
+  // Goes on by `count` bytes, no more than the window has.
+  void skip(std::size_t count) {
+    window_.remove_prefix(count);
+    offset_ += count;
+  }
+
+ private:
+  void read_to(std::size_t bytes);
+
+  const FileErrors* errors_ = nullptr;
+  std::function<void(double)> progress_;
+  std::ifstream stream_;
+  std::uint64_t size_ = 0;
+  std::uint64_t offset_ = 0;
+  std::unique_ptr<char[]> buffer_;  // of a file
+  std::size_t capacity_ = 0;
+  std::string_view window_;  // into buffer_, or what is left of the text
+};
 
 }  // namespace occlod

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <type_traits>
 #include <utility>
 
 #include "io/byte_order.h"
@@ -49,19 +50,22 @@ class AsciiValues {
   std::string what_;
 };
 
+constexpr std::size_t triangle_bytes = 13;  // a count of one byte and three indices of 32 bits
+
 class BinaryValues {
  public:
-  BinaryValues(std::string_view bytes, const PlyHeader& header, const FileErrors& errors)
-      : bytes_(bytes), at_(header.body_offset), order_(*header.binary_order), errors_(errors) {}
+  // `input` is at the beginning of the body.
+  BinaryValues(InputBytes& input, const PlyHeader& header, const FileErrors& errors)
+      : input_(input), order_(*header.binary_order), errors_(errors) {}
 
   void begin_element(const PlyElement& element) { element_ = &element; }
   void begin_record(std::uint64_t i) { record_ = i; }
   [[nodiscard]] double next(PlyType type) {
     const std::size_t size = size_of(type);
-    if (bytes_.size() - at_ < size)
+    if (left_.size() < size && look_further(size).size() < size)
       fail(fmt::format("the file ends here, within {} {}s", element_->count, element_->name), cut_short);
-    const char* const value = bytes_.data() + at_;
-    at_ += size;
+    const char* const value = left_.data();
+    left_.remove_prefix(size);
     switch (type) {
       case PlyType::int8:
         return load<std::int8_t>(value, order_);
@@ -84,14 +88,55 @@ class BinaryValues {
   }
   void end_record() {}
 
+  // Takes up to `most` vertices whose records begin with x, y and z as float32; returns how many. Some are left where
+  // the bytes at hand end, for the careful way.
+  std::uint64_t take_float_vertices(std::uint64_t most, std::size_t record_bytes, PolygonSoup& soup) {
+    const std::uint64_t count = std::min<std::uint64_t>(most, left_.size() / record_bytes);
+    const char* at = left_.data();
+    for (std::uint64_t i = 0; i < count; ++i, at += record_bytes) {
+      soup.add_vertex(load<float>(at, order_), load<float>(at + 4, order_), load<float>(at + 8, order_), 0);
+    }
+    left_.remove_prefix(count * record_bytes);
+    return count;
+  }
+
+  // The same for triangles whose records are a count of one byte and three indices of 32 bits, up to the first face
+  // that is no triangle or has an index for the careful way to refuse.
+  std::uint64_t take_triangles(std::uint64_t most, PolygonSoup& soup) {
+    const std::uint64_t count = std::min<std::uint64_t>(most, left_.size() / triangle_bytes);
+    const char* at = left_.data();
+    std::uint64_t taken = 0;
+    for (; taken < count && *at == 3; ++taken, at += triangle_bytes) {
+      const Triangle triangle(load<VertexId>(at + 1, order_), load<VertexId>(at + 5, order_),
+                              load<VertexId>(at + 9, order_));
+      if (std::max({triangle.x, triangle.y, triangle.z}) > largest_int) break;
+      soup.add_triangle(triangle);
+    }
+    left_.remove_prefix(taken * triangle_bytes);
+    return taken;
+  }
+
+  [[nodiscard]] std::uint64_t bytes_left() const { return input_.size() - input_.offset() - (seen_ - left_.size()); }
   [[nodiscard]] std::uint64_t line() const { return 0; }
   [[noreturn]] void fail(std::string problem, std::string mend) const {
-    errors_.fail(fmt::format("{} {}, byte {}", element_->name, record_, at_), std::move(problem), std::move(mend));
+    const std::uint64_t byte = input_.offset() + (seen_ - left_.size());
+    errors_.fail(fmt::format("{} {}, byte {}", element_->name, record_, byte), std::move(problem), std::move(mend));
   }
 
  private:
-  std::string_view bytes_;
-  std::size_t at_;
+  // The largest index that signed and unsigned 32-bit integers write alike.
+  static constexpr VertexId largest_int = 0x7fffffff;
+
+  std::string_view look_further(std::size_t least) {
+    input_.skip(seen_ - left_.size());
+    left_ = input_.window(least);
+    seen_ = left_.size();
+    return left_;
+  }
+
+  InputBytes& input_;
+  std::string_view left_;  // of the window
+  std::size_t seen_ = 0;   // size of the window
   std::endian order_;
   const FileErrors& errors_;
   const PlyElement* element_ = nullptr;
@@ -127,6 +172,14 @@ struct VertexLayout {
       if (slot >= slot_red) color_scales[slot - slot_red] = color_scale(property.type);
     }
   }
+  // Whether x, y and z come first, as float32, and nothing else is of use.
+  [[nodiscard]] bool is_float_xyz(const PlyElement& element) const {
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (slots[i] != slot_x + i || element.properties[i].type != PlyType::float32) return false;
+    }
+    return std::all_of(slots.begin() + 3, slots.end(), [](Slot slot) { return slot == no_slot; }) &&
+           std::ranges::none_of(element.properties, [](const PlyProperty& p) { return p.count_type.has_value(); });
+  }
   [[nodiscard]] bool has(std::size_t first, std::size_t count) const {
     return std::all_of(present.begin() + static_cast<std::ptrdiff_t>(first),
                        present.begin() + static_cast<std::ptrdiff_t>(first + count), [](bool p) { return p; });
@@ -140,8 +193,7 @@ struct VertexLayout {
 template <class Values>
 class BodyParser {
  public:
-  BodyParser(std::string_view bytes, const PlyHeader& header, const FileErrors& errors)
-      : values_(bytes, header, errors), errors_(errors) {}
+  BodyParser(Values values, const FileErrors& errors) : values_(std::move(values)), errors_(errors) {}
 
   PolygonSoup parse(const PlyHeader& header) && {
     for (const PlyElement& element : header.elements) {
@@ -166,7 +218,12 @@ class BodyParser {
     soup_.positions.reserve(element.count);
     std::array<double, slot_count + 1> value{};  // the last takes what is not used
     value[slot_alpha] = 1.0;                     // opaque where there is no alpha
+    const bool is_float_xyz = layout.is_float_xyz(element);
     for (std::uint64_t i = 0; i < element.count; ++i) {
+      if constexpr (is_binary) {
+        if (is_float_xyz) i += values_.take_float_vertices(element.count - i, record_bytes(element), soup_);
+        if (i == element.count) break;
+      }
       values_.begin_record(i);
       for (std::size_t p = 0; p < layout.slots.size(); ++p) {
         if (element.properties[p].count_type)
@@ -179,6 +236,12 @@ class BodyParser {
       if (colors) soup_.colors.push_back(color(&value[slot_red], layout));
       values_.end_record();
     }
+  }
+
+  static std::size_t record_bytes(const PlyElement& element) {
+    std::size_t bytes = 0;
+    for (const PlyProperty& property : element.properties) bytes += size_of(property.type);
+    return bytes;
   }
 
   static glm::u8vec4 color(const double* rgba, const VertexLayout& layout) {
@@ -194,7 +257,15 @@ class BodyParser {
     if (element.count > 0 && std::ranges::none_of(element.properties, is_corner_list)) {
       errors_.fail("header", "faces have no list 'vertex_indices'", "export the mesh with its faces");
     }
+    const bool has_short_lists = has_short_lists_only(element);
+    if constexpr (is_binary) {
+      if (has_short_lists) soup_.reserve_polygons(std::min(element.count, values_.bytes_left() / triangle_bytes));
+    }
     for (std::uint64_t i = 0; i < element.count; ++i) {
+      if constexpr (is_binary) {
+        if (has_short_lists) i += values_.take_triangles(element.count - i, soup_);
+        if (i == element.count) break;
+      }
       values_.begin_record(i);
       for (const PlyProperty& property : element.properties) {
         if (is_corner_list(property))
@@ -205,6 +276,14 @@ class BodyParser {
       soup_.end_polygon(values_.line());
       values_.end_record();
     }
+  }
+
+  // Whether faces are nothing but lists of 32-bit indices with a count of one byte.
+  static bool has_short_lists_only(const PlyElement& element) {
+    if (element.properties.size() != 1) return false;
+    const PlyProperty& property = element.properties[0];
+    return property.count_type && size_of(*property.count_type) == 1 && is_integer(property.type) &&
+           size_of(property.type) == 4;
   }
 
   void read_corners(const PlyProperty& property) {
@@ -247,17 +326,35 @@ class BodyParser {
     for (std::uint64_t i = 0; i < count; ++i) static_cast<void>(values_.next(property.type));
   }
 
+  static constexpr bool is_binary = std::is_same_v<Values, BinaryValues>;
+
   Values values_;
   const FileErrors& errors_;
   PolygonSoup soup_;
 };
 
+// The beginning of the file with the whole header. Its last line is looked for as nearly every file has it; for others
+// this is the whole file.
+std::string_view window_with_header(InputBytes& input) {
+  constexpr std::string_view last_line = "\nend_header";
+  std::string_view head = input.window(1);
+  while (head.size() < input.size()) {
+    const std::size_t end = head.find(last_line);
+    if (end != std::string_view::npos && head.find('\n', end + last_line.size()) != std::string_view::npos) break;
+    head = input.window(2 * head.size());
+  }
+  return head;
+}
+
 }  // namespace
 
-PolygonSoup parse_ply(std::string_view bytes, const FileErrors& errors) {
-  const PlyHeader header = parse_ply_header(bytes, errors);
-  if (header.binary_order) return BodyParser<BinaryValues>(bytes, header, errors).parse(header);
-  return BodyParser<AsciiValues>(bytes, header, errors).parse(header);
+PolygonSoup parse_ply(InputBytes& input, const FileErrors& errors) {
+  const PlyHeader header = parse_ply_header(window_with_header(input), input.size(), errors);
+  if (header.binary_order) {
+    input.skip(header.body_offset);
+    return BodyParser(BinaryValues(input, header, errors), errors).parse(header);
+  }
+  return BodyParser(AsciiValues(input.window(input.size()), header, errors), errors).parse(header);
 }
 
 }  // namespace occlod

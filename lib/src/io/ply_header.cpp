@@ -35,7 +35,8 @@ constexpr std::array<TypeName, 16> type_names{{{"char", PlyType::int8},
 
 class HeaderParser {
  public:
-  HeaderParser(std::string_view bytes, const FileErrors& errors) : cursor_(bytes, errors, {}) {}
+  HeaderParser(std::string_view bytes, std::uint64_t file_bytes, const FileErrors& errors)
+      : cursor_(bytes, errors, {}), file_bytes_(file_bytes) {}
 
   PlyHeader parse() && {
     if (next_line() != "ply") cursor_.fail("the file does not begin with 'ply'", "check that it is a PLY file");
@@ -125,7 +126,8 @@ class HeaderParser {
     for (const PlyProperty& property : element.properties) {
       smallest += header_.binary_order ? size_of(property.count_type.value_or(property.type)) : 2;
     }
-    const std::size_t room = cursor_.bytes_left() + (header_.binary_order ? 0 : 1);  // no break after the last line
+    // There need be no break after the last line.
+    const std::uint64_t room = file_bytes_ - header_.body_offset + (header_.binary_order ? 0 : 1);
     if (smallest == 0 || element.count <= room / smallest) return;
     cursor_.errors().fail(
         "header",
@@ -134,6 +136,7 @@ class HeaderParser {
   }
 
   TextCursor cursor_;
+  std::uint64_t file_bytes_;
   PlyHeader header_;
   bool has_format_ = false;
 };
@@ -145,8 +148,8 @@ std::size_t size_of(PlyType type) noexcept {
   return sizes[static_cast<std::size_t>(type)];
 }
 
-PlyHeader parse_ply_header(std::string_view bytes, const FileErrors& errors) {
-  return HeaderParser(bytes, errors).parse();
+PlyHeader parse_ply_header(std::string_view bytes, std::uint64_t file_bytes, const FileErrors& errors) {
+  return HeaderParser(bytes, file_bytes, errors).parse();
 }
 
 }  // namespace occlod

@@ -38,6 +38,7 @@ struct PlyHeader {
 };
 
 // Throws Error for anything that is not a PLY header, or that promises more elements than the file has room for.
-[[nodiscard]] PlyHeader parse_ply_header(std::string_view bytes, const FileErrors& errors);
+// `bytes` is the beginning of a file of `file_bytes` bytes, up to the end of its header or beyond.
+[[nodiscard]] PlyHeader parse_ply_header(std::string_view bytes, std::uint64_t file_bytes, const FileErrors& errors);
 
 }  // namespace occlod

@@ -29,31 +29,79 @@ std::string PolygonSoup::polygon_place(std::size_t polygon) const {
   return fmt::format("face {}, numbered from 0", polygon);
 }
 
+void PolygonSoup::end_polygon(std::uint64_t line) {
+  if (line != 0) polygon_lines_.push_back(static_cast<std::uint32_t>(line));
+  if (polygon_ends_.empty() && corners_.size() == 3) {
+    triangles_.emplace_back(corners_[0], corners_[1], corners_[2]);
+    corners_.clear();
+    return;
+  }
+  if (!triangles_.empty()) unpack_triangles();
+  polygon_ends_.push_back(corners_.size());
+}
+
+void PolygonSoup::add_polygon(const Triangle& triangle) {
+  for (int corner = 0; corner < 3; ++corner) add_corner(triangle[corner]);
+  end_polygon(0);
+}
+
+// What corners_ holds is the first polygon that is no triangle.
+void PolygonSoup::unpack_triangles() {
+  const std::vector<VertexId> last = std::move(corners_);
+  corners_.clear();
+  corners_.reserve(3 * triangles_.size() + last.size());
+  for (const Triangle& t : triangles_) {
+    corners_.insert(corners_.end(), {t.x, t.y, t.z});
+    polygon_ends_.push_back(corners_.size());
+  }
+  corners_.insert(corners_.end(), last.begin(), last.end());
+  triangles_ = {};
+}
+
+std::span<const VertexId> PolygonSoup::corners_of(std::size_t polygon) const {
+  if (!triangles_.empty()) return {&triangles_[polygon].x, 3};
+  const std::size_t begin = polygon == 0 ? 0 : polygon_ends_[polygon - 1];
+  return {corners_.data() + begin, polygon_ends_[polygon] - begin};
+}
+
+bool PolygonSoup::has_only_valid_triangles() const {
+  if (triangles_.empty()) return false;
+  VertexId largest = 0;
+  for (const Triangle& t : triangles_) largest = std::max({largest, t.x, t.y, t.z});
+  return largest < positions.size();
+}
+
 void PolygonSoup::check(const FileErrors& errors, std::uint64_t first_index) const {
-  if (polygon_ends_.empty()) errors.fail("", "has no faces", "export the mesh with its faces");
+  if (polygon_count() == 0) errors.fail("", "has no faces", "export the mesh with its faces");
   if (positions.size() >= max_vertices) errors.fail("", "has too many vertices", "cut the mesh into parts");
-  for (std::size_t polygon = 0; polygon < polygon_ends_.size(); ++polygon) {
-    const std::size_t begin = first_corner(polygon);
-    const std::size_t end = polygon_ends_[polygon];
-    if (end - begin < 3) {
-      errors.fail(polygon_place(polygon), fmt::format("a face needs three corners or more, but has {}", end - begin),
+  check_corners(errors, first_index);
+  check_finite(errors);
+}
+
+void PolygonSoup::check_corners(const FileErrors& errors, std::uint64_t first_index) const {
+  if (has_only_valid_triangles()) return;
+  for (std::size_t polygon = 0; polygon < polygon_count(); ++polygon) {
+    const std::span<const VertexId> corners = corners_of(polygon);
+    if (corners.size() < 3) {
+      errors.fail(polygon_place(polygon), fmt::format("a face needs three corners or more, but has {}", corners.size()),
                   "remove the face or export the mesh again");
     }
-    for (std::size_t i = begin; i < end; ++i) {
-      if (corners_[i] < positions.size()) continue;
+    for (const VertexId corner : corners) {
+      if (corner < positions.size()) continue;
       errors.fail(polygon_place(polygon),
                   fmt::format("a face uses vertex {}, but there are only {} vertices, numbered from {}",
-                              corners_[i] + first_index, positions.size(), first_index),
+                              corner + first_index, positions.size(), first_index),
                   "remove the face or export the mesh again");
     }
   }
-  check_finite(errors);
 }
 
 void PolygonSoup::check_finite(const FileErrors& errors) const {
   if (nonfinite_.empty()) return;
   std::vector<bool> used(positions.size());
-  for (const VertexId corner : corners_) used[corner] = true;
+  for (std::size_t polygon = 0; polygon < polygon_count(); ++polygon) {
+    for (const VertexId corner : corners_of(polygon)) used[corner] = true;
+  }
   for (const auto& [vertex, line] : nonfinite_) {
     if (!used[vertex]) continue;
     errors.fail(line != 0 ? fmt::format("line {}", line) : fmt::format("vertex {}, numbered from 0", vertex),
@@ -64,26 +112,31 @@ void PolygonSoup::check_finite(const FileErrors& errors) const {
 
 TriangleMesh PolygonSoup::take_mesh(MeshReport& report, const FileErrors& errors) {
   report.vertices_read = positions.size();
-  report.polygons_read = polygon_ends_.size();
+  report.polygons_read = polygon_count();
   report.attribute_conflicts = attribute_conflicts;
   TriangleMesh mesh;
-  mesh.triangles.reserve(corners_.size() - 2 * polygon_ends_.size());
-  Triangulator triangulator(positions);
-  for (std::size_t polygon = 0; polygon < polygon_ends_.size(); ++polygon) {
-    const std::size_t begin = first_corner(polygon);
-    const std::span<const VertexId> corners(corners_.data() + begin, polygon_ends_[polygon] - begin);
-    if (corners.size() > 3) ++report.polygons_triangulated;
-    if (triangulator.append(corners, mesh.triangles)) continue;
-    errors.fail(polygon_place(polygon),
-                fmt::format("a face with {} corners is too large to triangulate", corners.size()),
-                "triangulate the mesh before exporting it");
-  }
+  mesh.triangles = triangles_.empty() ? triangulate(report, errors) : std::move(triangles_);
   report.triangles_read = mesh.triangle_count();
   mesh.positions = std::move(positions);
   mesh.normals = std::move(normals);
   mesh.colors = std::move(colors);
   *this = {};
   return mesh;
+}
+
+std::vector<Triangle> PolygonSoup::triangulate(MeshReport& report, const FileErrors& errors) const {
+  std::vector<Triangle> triangles;
+  triangles.reserve(corners_.size() - 2 * polygon_ends_.size());
+  Triangulator triangulator(positions);
+  for (std::size_t polygon = 0; polygon < polygon_ends_.size(); ++polygon) {
+    const std::span<const VertexId> corners = corners_of(polygon);
+    if (corners.size() > 3) ++report.polygons_triangulated;
+    if (triangulator.append(corners, triangles)) continue;
+    errors.fail(polygon_place(polygon),
+                fmt::format("a face with {} corners is too large to triangulate", corners.size()),
+                "triangulate the mesh before exporting it");
+  }
+  return triangles;
 }
 
 }  // namespace occlod

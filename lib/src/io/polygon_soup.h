@@ -5,6 +5,7 @@
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 #include <limits>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -27,10 +28,15 @@ class PolygonSoup {
   void add_vertex(double x, double y, double z, std::uint64_t line);
   // A polygon is begun, given its corners, and ended.
   void add_corner(VertexId vertex) { corners_.push_back(vertex); }
-  void end_polygon(std::uint64_t line) {
-    polygon_ends_.push_back(corners_.size());
-    if (line != 0) polygon_lines_.push_back(static_cast<std::uint32_t>(line));
+  void end_polygon(std::uint64_t line);
+  // A whole polygon of a binary file.
+  void add_triangle(const Triangle& triangle) {
+    if (polygon_ends_.empty())
+      triangles_.push_back(triangle);
+    else
+      add_polygon(triangle);
   }
+  void reserve_polygons(std::size_t count) { triangles_.reserve(count); }
 
   // Throws Error when a polygon has fewer than three corners, uses a vertex that there is not or one that is not
   // finite, or when there is no polygon. The file calls its first vertex `first_index`.
@@ -46,12 +52,18 @@ class PolygonSoup {
   };
 
   [[nodiscard]] std::string polygon_place(std::size_t polygon) const;
+  void check_corners(const FileErrors& errors, std::uint64_t first_index) const;
   void check_finite(const FileErrors& errors) const;
-  [[nodiscard]] std::size_t first_corner(std::size_t polygon) const {
-    return polygon == 0 ? 0 : polygon_ends_[polygon - 1];
-  }
+  [[nodiscard]] std::vector<Triangle> triangulate(MeshReport& report, const FileErrors& errors) const;
+  [[nodiscard]] std::size_t polygon_count() const { return triangles_.size() + polygon_ends_.size(); }
+  [[nodiscard]] std::span<const VertexId> corners_of(std::size_t polygon) const;
+  [[nodiscard]] bool has_only_valid_triangles() const;
+  void add_polygon(const Triangle& triangle);
+  void unpack_triangles();
 
-  std::vector<VertexId> corners_;             // of all polygons, one after the other
+  // Triangles only, as long as every polygon is one; then all polygons are unpacked into corners_.
+  std::vector<Triangle> triangles_;
+  std::vector<VertexId> corners_;             // of all polygons, one after the other; the last may not have ended
   std::vector<std::size_t> polygon_ends_;     // into corners_
   std::vector<std::uint32_t> polygon_lines_;  // empty for binary files
   std::vector<NonfiniteVertex> nonfinite_;
@@ -69,8 +81,8 @@ inline constexpr std::uint64_t max_vertices = no_id;
 // A colour component from [0, 1]; values outside are clamped, NaN is 0.
 [[nodiscard]] std::uint8_t color_component(double unit_value) noexcept;
 
-// The parsers. `bytes` is the whole file.
-[[nodiscard]] PolygonSoup parse_ply(std::string_view bytes, const FileErrors& errors);
+// The parsers. `bytes` is the whole file, `input` too, at its beginning.
+[[nodiscard]] PolygonSoup parse_ply(InputBytes& input, const FileErrors& errors);
 [[nodiscard]] PolygonSoup parse_obj(std::string_view bytes, const FileErrors& errors);
 [[nodiscard]] PolygonSoup parse_off(std::string_view bytes, const FileErrors& errors);
 [[nodiscard]] PolygonSoup parse_gltf(std::string_view bytes, const FileErrors& errors);

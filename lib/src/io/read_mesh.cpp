@@ -1,5 +1,6 @@
 #include "occlod/io/read_mesh.h"
 
+#include <string_view>
 #include <utility>
 
 #include "io/file_format.h"
@@ -10,12 +11,13 @@ namespace occlod {
 namespace {
 
 // The bytes of the file are freed on return.
-PolygonSoup parse_file(const std::filesystem::path& path, const FileErrors& errors) {
+PolygonSoup parse_file(const std::filesystem::path& path, const FileErrors& errors,
+                       const std::function<void(double)>& progress) {
   const MeshFormat format = format_of(path, errors);
-  const std::string bytes = read_file(path, errors);
+  InputBytes input(path, errors, progress);
+  if (format == MeshFormat::ply) return parse_ply(input, errors);
+  const std::string_view bytes = input.window(input.size());
   switch (format) {
-    case MeshFormat::ply:
-      return parse_ply(bytes, errors);
     case MeshFormat::obj:
       return parse_obj(bytes, errors);
     case MeshFormat::off:
@@ -24,6 +26,8 @@ PolygonSoup parse_file(const std::filesystem::path& path, const FileErrors& erro
       return parse_stl(bytes, errors);
     case MeshFormat::gltf:
       return parse_gltf(bytes, errors);
+    case MeshFormat::ply:  // above
+      break;
   }
   return {};
 }
@@ -32,8 +36,7 @@ PolygonSoup parse_file(const std::filesystem::path& path, const FileErrors& erro
 
 CleanMesh read_mesh(const std::filesystem::path& path, const std::function<void(double)>& progress) {
   const FileErrors errors(path);
-  if (progress) progress(0.0);
-  PolygonSoup soup = parse_file(path, errors);
+  PolygonSoup soup = parse_file(path, errors, progress);
   MeshReport report;
   TriangleMesh mesh = soup.take_mesh(report, errors);
   if (progress) progress(1.0);

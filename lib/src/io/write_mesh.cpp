@@ -9,6 +9,7 @@
 #include <bit>
 #include <cassert>
 #include <cstdint>
+#include <cstring>
 #include <glm/geometric.hpp>
 #include <iterator>
 #include <span>
@@ -31,17 +32,16 @@ class ChunkedWriter {
     fmt::format_to(std::back_inserter(chunk_), format, std::forward<Args>(args)...);
     if (chunk_.size() >= chunk_size) flush();
   }
-  // The bytes of `value` in little-endian order.
-  template <class Number>
-  void number(Number value) {
-    auto bytes = std::bit_cast<std::array<char, sizeof(Number)>>(value);
-    if constexpr (std::endian::native == std::endian::big) std::reverse(bytes.begin(), bytes.end());
-    chunk_.append(bytes.data(), bytes.data() + bytes.size());
+  // The bytes of `values` in little-endian order, without gaps.
+  template <class... Numbers>
+  void numbers(Numbers... values) {
+    constexpr std::size_t size = (sizeof(Numbers) + ...);
+    chunk_.resize(chunk_.size() + size);
+    char* at = chunk_.data() + chunk_.size() - size;
+    ((put(at, values), at += sizeof(Numbers)), ...);
     if (chunk_.size() >= chunk_size) flush();
   }
-  void vector(const glm::vec3& v) {
-    for (int i = 0; i < 3; ++i) number(v[i]);
-  }
+  void vector(const glm::vec3& v) { numbers(v.x, v.y, v.z); }
   void flush() {
     file_.write(std::as_bytes(std::span(chunk_.data(), chunk_.size())));
     chunk_.clear();
@@ -49,6 +49,13 @@ class ChunkedWriter {
 
  private:
   static constexpr std::size_t chunk_size = std::size_t{1} << 18;
+
+  template <class Number>
+  static void put(char* at, Number value) {
+    auto bytes = std::bit_cast<std::array<char, sizeof(Number)>>(value);
+    if constexpr (std::endian::native == std::endian::big) std::reverse(bytes.begin(), bytes.end());
+    std::memcpy(at, bytes.data(), bytes.size());
+  }
 
   AtomicFile& file_;
   fmt::memory_buffer chunk_;
@@ -66,12 +73,10 @@ void write_ply(ChunkedWriter& out, const TriangleMesh& mesh) {
     out.vector(mesh.positions[v]);
     if (!mesh.normals.empty()) out.vector(mesh.normals[v]);
     if (mesh.colors.empty()) continue;
-    for (int i = 0; i < 4; ++i) out.number(mesh.colors[v][i]);
+    const glm::u8vec4& color = mesh.colors[v];
+    out.numbers(color.r, color.g, color.b, color.a);
   }
-  for (const Triangle& t : mesh.triangles) {
-    out.number(std::uint8_t{3});
-    for (int corner = 0; corner < 3; ++corner) out.number(t[corner]);
-  }
+  for (const Triangle& t : mesh.triangles) out.numbers(std::uint8_t{3}, t.x, t.y, t.z);
 }
 
 void write_obj(ChunkedWriter& out, const TriangleMesh& mesh) {
@@ -95,11 +100,11 @@ glm::vec3 facet_normal(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec
 
 void write_stl(ChunkedWriter& out, const TriangleMesh& mesh) {
   out.text("{:80}", "binary STL");
-  out.number(static_cast<std::uint32_t>(mesh.triangle_count()));
+  out.numbers(static_cast<std::uint32_t>(mesh.triangle_count()));
   for (const Triangle& t : mesh.triangles) {
     out.vector(facet_normal(mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]));
     for (int corner = 0; corner < 3; ++corner) out.vector(mesh.positions[t[corner]]);
-    out.number(std::uint16_t{0});
+    out.numbers(std::uint16_t{0});
   }
 }
 
