@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <vector>
+
 #include "io/mesh_files.h"
 
 namespace occlod {
@@ -58,6 +61,56 @@ TEST_F(ReadPly, ReadsBinaryOfEitherOrderWithAllThatMayStandInIt) {
     EXPECT_EQ(result.mesh.colors, (std::vector<glm::u8vec4>{{255, 7, 0, 255}, {255, 7, 1, 255}, {255, 7, 2, 255}}));
     EXPECT_EQ(result.mesh.triangles, (std::vector<Triangle>{{2, 0, 1}}));
   }
+}
+
+// A zigzag strip in a file of several blocks, with records that straddle their ends at every offset: 13 bytes a vertex
+// and a face. Quads in between switch from packed triangles to polygons; each is a parallelogram, so a fan from its
+// first corner.
+TEST_F(ReadPly, ReadsRecordsAcrossBlocks) {
+  constexpr std::uint32_t vertices = 200'000;
+  for (const std::uint32_t quad_every : {0u, 90'001u}) {
+    for (const std::endian order : {std::endian::little, std::endian::big}) {
+      const std::string format = order == std::endian::little ? "binary_little_endian" : "binary_big_endian";
+      const std::string elements = "element vertex " + std::to_string(vertices) + "\n" + xyz +
+                                   "property uchar flag\nelement face " + std::to_string(vertices - 3) + "\n" + faces;
+      test::Bytes bytes(header(format, elements), order);
+      TriangleMesh expected;
+      for (std::uint32_t v = 0; v < vertices; ++v) {
+        expected.positions.emplace_back(v, v % 2, 0.0f);
+        bytes.add(static_cast<float>(v)).add(static_cast<float>(v % 2)).add(0.0f).add(std::uint8_t{9});
+      }
+      for (std::uint32_t v = 0; v + 3 < vertices; ++v) {
+        const bool is_quad = quad_every != 0 && v % quad_every == quad_every - 1;
+        bytes.add(static_cast<std::uint8_t>(is_quad ? 4 : 3)).add(v).add(v + 1).add(is_quad ? v + 3 : v + 2);
+        expected.triangles.emplace_back(v, v + 1, is_quad ? v + 3 : v + 2);
+        if (!is_quad) continue;
+        bytes.add(v + 2);
+        expected.triangles.emplace_back(v, v + 3, v + 2);
+      }
+      // The last vertex is used by no triangle of the strip, and dropped.
+      expected.positions.pop_back();
+      const CleanMesh result = read(bytes.str());
+      EXPECT_EQ(result.mesh.positions, expected.positions);
+      EXPECT_EQ(result.mesh.triangles, expected.triangles);
+      EXPECT_EQ(result.report.polygons_triangulated, quad_every == 0 ? 0u : 2u);
+
+      const std::string whole = bytes.str();
+      EXPECT_NE(complaint(whole.substr(0, whole.size() - 1)), "accepted");
+    }
+  }
+}
+
+// A long header makes the file take several blocks; the share never falls, and 1 announces the cleaning.
+TEST_F(ReadPly, TellsHowMuchIsRead) {
+  const std::string comments(3'000'000, 'c');
+  std::string text = ascii_triangle();
+  text.insert(text.find("comment it") + 10, comments);
+  std::vector<double> shares;
+  const CleanMesh result = read_mesh(folder_.write("a.ply", text), [&](double done) { shares.push_back(done); });
+  EXPECT_EQ(result.mesh.triangle_count(), 1u);
+  EXPECT_GE(shares.size(), 3u);  // blocks are smaller than the 3 MB
+  EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
+  EXPECT_EQ(shares.back(), 1.0);
 }
 
 TEST_F(ReadPly, ScalesColoursByTheirType) {
