@@ -81,6 +81,31 @@ TEST(Clean, DropsAndCountsTrianglesThatWeldingDegenerates) {
   EXPECT_EQ(result.mesh.triangle_count(), 2u);
 }
 
+// As STL has it, with a vertex for each corner: what is welded is exactly what was taken apart, and leaders are
+// numbered in the order in which corners first name them.
+TEST(Clean, WeldsASoupBackIntoTheSurface) {
+  const TriangleMesh surface = test::noisy_sphere(5, 1);
+  TriangleMesh soup;
+  for (const Triangle& t : surface.triangles) {
+    const auto first = static_cast<VertexId>(soup.vertex_count());
+    for (int corner = 0; corner < 3; ++corner) soup.positions.push_back(surface.positions[t[corner]]);
+    soup.triangles.emplace_back(first, first + 1, first + 2);
+  }
+  const CleanMesh result = clean(soup, {}, "soup");
+  EXPECT_EQ(result.mesh.vertex_count(), surface.vertex_count());
+  EXPECT_EQ(result.report.vertices_welded, soup.vertex_count() - surface.vertex_count());
+  EXPECT_EQ(result.report.boundary_edges, 0u);
+  VertexId seen = 0;
+  for (std::size_t t = 0; t < surface.triangle_count(); ++t) {
+    for (int corner = 0; corner < 3; ++corner) {
+      const VertexId v = result.mesh.triangles[t][corner];
+      ASSERT_LE(v, seen);
+      seen += v == seen;
+      ASSERT_EQ(result.mesh.positions[v], surface.positions[surface.triangles[t][corner]]);
+    }
+  }
+}
+
 // Every vertex that was read is kept, welded away or dropped for one counted reason.
 TEST(Clean, AccountsForEveryVertex) {
   TriangleMesh mesh = split_square();

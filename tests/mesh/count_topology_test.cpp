@@ -46,6 +46,48 @@ TEST(CountTopology, BoundariesAreTheRims) {
   EXPECT_EQ(count(test::single_triangle()).boundary_edges, 3u);
 }
 
+// Round vertex 0 the rim is a closed walk 1-2-3-1-4-5-1 that meets vertex 1 twice: four triangles share the edge 0-1,
+// which holds all of them together at both of its ends.
+TEST(CountTopology, ARimThatMeetsAVertexTwiceIsNoFan) {
+  TriangleMesh mesh;
+  mesh.positions = {{0, 0, 1}, {0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {-1, 0, 0}, {-1, -1, 0}};
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {0, 1, 4}, {0, 4, 5}, {0, 5, 1}};
+  for (int turn = 0; turn < 6; ++turn) {  // whichever triangle comes first
+    std::rotate(mesh.triangles.begin(), mesh.triangles.begin() + 1, mesh.triangles.end());
+    const MeshReport r = count(mesh);
+    EXPECT_EQ(r.nonmanifold_edges, 1u);
+    EXPECT_EQ(r.boundary_edges, 6u);
+    EXPECT_EQ(r.inconsistent_edges, 0u);
+    EXPECT_EQ(r.nonmanifold_vertices, 0u);
+  }
+}
+
+// Large enough to be counted in parts, with neighbours scattered over all of them. The repeated triangle lies inside:
+// each of its three edges then has three triangles.
+TEST(CountTopology, PartsOfALargeMeshAddUp) {
+  constexpr int side = 300;
+  TriangleMesh mesh = test::grid(side, side);
+  const auto vertices = static_cast<VertexId>(mesh.vertex_count());
+  constexpr VertexId stride = 48'271;  // a prime that does not divide 301 * 301: a permutation
+  std::vector<glm::vec3> positions(vertices);
+  for (VertexId v = 0; v < vertices; ++v) positions[std::uint64_t{v} * stride % vertices] = mesh.positions[v];
+  mesh.positions = positions;
+  for (Triangle& t : mesh.triangles) {
+    for (int corner = 0; corner < 3; ++corner) {
+      t[corner] = static_cast<VertexId>(std::uint64_t{t[corner]} * stride % vertices);
+    }
+  }
+  const Triangle inside = mesh.triangles[mesh.triangle_count() / 2 + side];
+  mesh.triangles.emplace_back(inside.y, inside.z, inside.x);
+  const MeshReport r = count(mesh);
+  EXPECT_EQ(r.boundary_edges, 4u * side);
+  EXPECT_EQ(r.components, 1u);
+  EXPECT_EQ(r.repeated_triangles, 1u);
+  EXPECT_EQ(r.nonmanifold_edges, 3u);
+  EXPECT_EQ(r.nonmanifold_vertices, 0u);
+  EXPECT_EQ(r.zero_area_triangles, 0u);
+}
+
 // A one-sided strip cannot be oriented: at least one edge is run through twice in one direction, and a strip whose
 // cells are wound alike up to the seam has exactly that one. Its single rim has 2 n edges.
 TEST(CountTopology, MoebiusStripHasOneInconsistentSeam) {

@@ -1,0 +1,81 @@
+#!/usr/bin/env python3
+"""check_meshes.py [OCCLOD]: builds and validates every mesh below the folders that OCCLOD_MESHES names, separated by ':'. One line each: built and
+valid, or refused with the reason. Exit 1 when any crashes, hangs, is refused without a single line that says why, or is not valid.
+OCCLOD defaults to build/release/tools/occlod."""
+import json
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+EXTENSIONS = {".ply", ".obj", ".off", ".stl", ".gltf", ".glb"}
+LIMIT_S = 600  # a command
+
+
+class Failure(Exception):
+    """What a command did that it must not do."""
+
+
+class Refused(Exception):
+    """The line that says why."""
+
+
+def run(*command):
+    """The JSON object that a command prints. Raises Refused when it ends with exit code 1 and one line on standard error."""
+    name = command[1]
+    try:
+        done = subprocess.run([*map(str, command), "--json"], capture_output=True, timeout=LIMIT_S)
+    except subprocess.TimeoutExpired:
+        raise Failure(f"{name} took more than {LIMIT_S} s") from None
+    errors = done.stderr.decode(errors="replace")
+    if done.returncode < 0:
+        raise Failure(f"{name} was ended by {signal.Signals(-done.returncode).name}")
+    if done.returncode == 1 and errors.count("\n") == 1 and errors.endswith("\n"):
+        raise Refused(errors.strip().removeprefix("occlod: error: "))
+    if done.returncode != 0 or errors:
+        raise Failure(f"{name} ended with {done.returncode} and {errors.count(chr(10))} lines: {errors.strip()[:200]!r}")
+    return json.loads(done.stdout)
+
+
+def check(occlod, mesh, hierarchy):
+    """What is to be told about one mesh that was built and is valid."""
+    built = run(occlod, "build", mesh, "-o", hierarchy)
+    try:
+        run(occlod, "validate", hierarchy, "--input", mesh)
+    except Refused as refusal:
+        raise Failure(f"validate: {refusal}") from None
+    return f"{built['triangles']:>9} triangles {built['build_ms']:>8.0f} ms {built['peak_bytes'] / 1e6:>6.0f} MB"
+
+
+def meshes():
+    """Every mesh with the name to show for it."""
+    for folder in filter(None, os.environ.get("OCCLOD_MESHES", "").split(":")):
+        for path in sorted(pathlib.Path(folder).rglob("*")):
+            if path.suffix.lower() in EXTENSIONS and path.is_file():
+                yield path, path.relative_to(folder)
+
+
+def main():
+    occlod = sys.argv[1] if len(sys.argv) > 1 else ROOT / "build/release/tools/occlod"
+    counts = {"valid": 0, "refused": 0, "FAILED": 0}
+    with tempfile.TemporaryDirectory(prefix="occlod-check-") as folder:
+        for path, name in meshes():
+            try:
+                verdict, told = "valid", check(occlod, path, pathlib.Path(folder) / "mesh.olod")
+            except Refused as refusal:
+                verdict, told = "refused", str(refusal).replace(str(path), path.name)
+            except Failure as failure:
+                verdict, told = "FAILED", str(failure)
+            counts[verdict] += 1
+            print(f"{verdict:<8} {str(name):<52} {told}", flush=True)
+    if not sum(counts.values()):
+        sys.exit("check_meshes: no meshes; OCCLOD_MESHES names the folders, separated by ':'")
+    print(", ".join(f"{count} {verdict}" for verdict, count in counts.items()))
+    sys.exit(1 if counts["FAILED"] else 0)
+
+
+if __name__ == "__main__":
+    main()
