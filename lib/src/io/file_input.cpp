@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstring>
 #include <system_error>
 #include <utility>
 
@@ -52,11 +51,11 @@ std::string_view InputBytes::window(std::size_t least) {
   const auto wanted = static_cast<std::size_t>(std::min<std::uint64_t>(left, std::max(least, block_bytes)));
   if (wanted > capacity_) {
     auto larger = std::make_unique_for_overwrite<char[]>(wanted);
-    std::memcpy(larger.get(), window_.data(), window_.size());
+    std::ranges::copy(window_, larger.get());
     buffer_ = std::move(larger);
     capacity_ = wanted;
   } else {
-    std::memmove(buffer_.get(), window_.data(), window_.size());
+    std::ranges::copy(window_, buffer_.get());  // to the front, over what has been skipped
   }
   read_to(wanted);
   return window_;
