@@ -64,12 +64,12 @@ std::string_view InputBytes::window(std::size_t least) {
 // Reads until the window, which is at the beginning of the buffer, has `bytes` bytes.
 void InputBytes::read_to(std::size_t bytes) {
   for (std::size_t have = window_.size(); have < bytes;) {
+    if (progress_) progress_(static_cast<double>(offset_ + have) / static_cast<double>(size_));
     const std::size_t block = std::min(bytes - have, block_bytes);
     stream_.read(buffer_.get() + have, static_cast<std::streamsize>(block));
     const auto got = static_cast<std::size_t>(stream_.gcount());
     have += got;
     if (got != block) errors_->fail(fmt::format("byte {}", offset_ + have), "cannot be read further", "check the disk");
-    if (progress_) progress_(static_cast<double>(offset_ + have) / static_cast<double>(size_));
   }
   window_ = {buffer_.get(), bytes};
 }

@@ -30,8 +30,8 @@ class FileErrors {
 // The bytes of a file, or of a text in memory, from its beginning to its end.
 class InputBytes {
  public:
-  // Throws Error for a file that is missing, empty, not regular or not readable. `progress` is called now and then with
-  // the share that has been read.
+  // Throws Error for a file that is missing, empty, not regular or not readable. `progress` is called before each
+  // block with the share that has been read.
   InputBytes(const std::filesystem::path& path, const FileErrors& errors, std::function<void(double)> progress);
   // `bytes` outlives it.
   explicit InputBytes(std::string_view bytes) : size_(bytes.size()), window_(bytes) {}
