@@ -45,12 +45,12 @@ TEST(Validate, FindsAnErrorThatIsNotSaturated) {
 
 TEST(Validate, FindsBoundsThatAreTooSmall) {
   const SplitId s = inner_split();
-  expect_violation("sphere", [&](HierarchyData& d) { d.nodes[s].sphere.radius *= 0.85F; });
+  expect_violation("sphere", [&](HierarchyData& d) { d.nodes[s].sphere.radius *= 0.5F; });
   const auto shrink = [](std::uint16_t& step, double factor) { step = static_cast<std::uint16_t>(step * factor); };
   expect_violation("box", [&](HierarchyData& d) { d.nodes[s].bounds.box_max[1] -= 1000; });  // 3 % of the sphere
   expect_violation("box", [&](HierarchyData& d) { d.nodes[s].bounds.box_min[2] += 1000; });
-  expect_violation("cylinder", [&](HierarchyData& d) { shrink(d.nodes[s].bounds.cylinder_radius, 0.7); });
-  expect_violation("cylinder", [&](HierarchyData& d) { shrink(d.nodes[s].bounds.cylinder_t[1], 0.6); });
+  expect_violation("cylinder", [&](HierarchyData& d) { shrink(d.nodes[s].bounds.cylinder_radius, 0.4); });
+  expect_violation("cylinder", [&](HierarchyData& d) { shrink(d.nodes[s].bounds.cylinder_t[1], 0.5); });
   expect_violation("normal cone", [&](HierarchyData& d) {
     std::uint16_t& cos = d.nodes[s].bounds.cone_cos;
     cos = static_cast<std::uint16_t>(cos + (65535 - cos) / 2);

@@ -33,8 +33,8 @@ void check_input(const TriangleMesh& mesh) {
 
 Hierarchy build_hierarchy(const TriangleMesh& mesh, const BuildOptions& options) {
   check_input(mesh);
-  const TriangleMesh ordered = in_spatial_order(mesh);
   const unsigned threads = thread_count(options.threads);
+  const TriangleMesh ordered = in_spatial_order(mesh, threads);
   return Hierarchy(bound_subtrees(assemble(ordered, simplify(ordered, options), threads), threads));
 }
 

@@ -45,10 +45,10 @@ double ChangeBound::operator()(const StarMesh& mesh, std::span<const glm::vec3> 
       if (ring.degree(i) != 2 && ring.neighbours()[i] != u)
         apex = closest_on_segment(v, target, glm::dvec3(positions[ring.neighbours()[i]]));
   double height = 0.0;
-  const auto star = mesh.star(ring.vertex());
-  open_faces_.assign(star.begin(), star.end());
+  open_faces_.clear();
+  for (const StarFace f : mesh.star(ring.vertex())) open_faces_.push_back(f);
   while (height < slide && !open_faces_.empty()) {
-    if (!next_page(mesh, positions, ring)) return slide;
+    if (!next_page(positions, ring)) return slide;
     height = std::max(height, page_bound(apex, target));
   }
   const double bound = std::min(slide, glm::distance(v, apex) + height);
@@ -57,8 +57,7 @@ double ChangeBound::operator()(const StarMesh& mesh, std::span<const glm::vec3> 
 
 // Takes the faces of one fan out of open_faces_ and puts their outer corners into page_ in order. False when they do
 // not form a fan.
-bool ChangeBound::next_page(const StarMesh& mesh, std::span<const glm::vec3> positions, const VertexRing& ring) {
-  const VertexId v = ring.vertex();
+bool ChangeBound::next_page(std::span<const glm::vec3> positions, const VertexRing& ring) {
   const auto is_feature = [&](VertexId w) {
     const auto neighbours = ring.neighbours();
     const auto at = std::lower_bound(neighbours.begin(), neighbours.end(), w);
@@ -66,21 +65,19 @@ bool ChangeBound::next_page(const StarMesh& mesh, std::span<const glm::vec3> pos
   };
   // Start at a feature edge if there is one, so that the walk to the other end covers the whole fan.
   VertexId start = no_id;
-  for (const FaceId f : open_faces_) {
-    const OppositeEdge e = opposite_edge(mesh.face(f), v);
-    if (is_feature(e.next)) start = e.next;
-    if (is_feature(e.last)) start = e.last;
+  for (const StarFace& f : open_faces_) {
+    if (is_feature(f.next)) start = f.next;
+    if (is_feature(f.last)) start = f.last;
   }
   page_.closed = start == no_id;
-  if (page_.closed) start = opposite_edge(mesh.face(open_faces_[0]), v).next;
+  if (page_.closed) start = open_faces_[0].next;
   page_.corners.assign(1, glm::dvec3(positions[start]));
   VertexId at = start;
   do {
     const auto f =
-        std::find_if(open_faces_.begin(), open_faces_.end(), [&](FaceId id) { return contains(mesh.face(id), at); });
+        std::find_if(open_faces_.begin(), open_faces_.end(), [&](const StarFace& face) { return contains(face, at); });
     if (f == open_faces_.end()) return false;
-    const OppositeEdge e = opposite_edge(mesh.face(*f), v);
-    at = e.next == at ? e.last : e.next;
+    at = f->next == at ? f->last : f->next;
     *f = open_faces_.back();
     open_faces_.pop_back();
     if (at != start) page_.corners.emplace_back(positions[at]);

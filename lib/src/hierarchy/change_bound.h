@@ -33,11 +33,11 @@ class ChangeBound {
     std::vector<glm::dvec3> corners;
     bool closed = false;
   };
-  [[nodiscard]] bool next_page(const StarMesh& mesh, std::span<const glm::vec3> positions, const VertexRing& ring);
+  [[nodiscard]] bool next_page(std::span<const glm::vec3> positions, const VertexRing& ring);
   [[nodiscard]] double page_bound(const glm::dvec3& apex, const glm::dvec3& target);
 
   Page page_;
-  std::vector<FaceId> open_faces_;
+  std::vector<StarFace> open_faces_;
   std::vector<glm::dvec2> flat_;
 };
 

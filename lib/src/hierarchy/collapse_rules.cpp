@@ -19,9 +19,9 @@ std::size_t index_of(std::span<const VertexId> sorted, VertexId v) {
 }
 
 bool has_face(const StarMesh& mesh, VertexId a, VertexId b, VertexId c) {
-  const auto star = mesh.star(a);
-  return std::any_of(star.begin(), star.end(),
-                     [&](FaceId f) { return contains(mesh.face(f), b) && contains(mesh.face(f), c); });
+  for (const StarFace f : mesh.star(a))
+    if (contains(f, b) && contains(f, c)) return true;
+  return false;
 }
 
 }  // namespace
@@ -30,10 +30,9 @@ void VertexRing::gather(const StarMesh& mesh, VertexId v) {
   vertex_ = v;
   mesh.neighbours(v, neighbours_);
   degrees_.assign(neighbours_.size(), 0);
-  for (const FaceId f : mesh.star(v)) {
-    const OppositeEdge e = opposite_edge(mesh.face(f), v);
-    ++degrees_[index_of(neighbours_, e.next)];
-    ++degrees_[index_of(neighbours_, e.last)];
+  for (const StarFace f : mesh.star(v)) {
+    ++degrees_[index_of(neighbours_, f.next)];
+    ++degrees_[index_of(neighbours_, f.last)];
   }
   int features = 0;
   int feature_degree = 0;
@@ -57,10 +56,9 @@ bool VertexRing::one_fan(const StarMesh& mesh) const {
     return static_cast<std::uint32_t>(i);
   };
   std::size_t fans = neighbours_.size();
-  for (const FaceId f : mesh.star(vertex_)) {
-    const OppositeEdge e = opposite_edge(mesh.face(f), vertex_);
-    const std::uint32_t a = root(index_of(neighbours_, e.next));
-    const std::uint32_t b = root(index_of(neighbours_, e.last));
+  for (const StarFace f : mesh.star(vertex_)) {
+    const std::uint32_t a = root(index_of(neighbours_, f.next));
+    const std::uint32_t b = root(index_of(neighbours_, f.last));
     if (a == b) continue;
     fan_of_[a] = b;
     --fans;
@@ -81,21 +79,18 @@ bool keeps_topology(const StarMesh& mesh, const VertexRing& ring, std::size_t i)
     if (!has_face(mesh, v, u, w) || (degree_uw != 2 && ring.degree(k) != 2)) return false;
   }
   // No edge is in both links: no moved face meets an old one.
-  const auto star = mesh.star(v);
-  return std::none_of(star.begin(), star.end(), [&](FaceId f) {
-    const OppositeEdge e = opposite_edge(mesh.face(f), v);
-    return e.next != u && e.last != u && has_face(mesh, u, e.next, e.last);
-  });
+  for (const StarFace f : mesh.star(v))
+    if (!contains(f, u) && has_face(mesh, u, f.next, f.last)) return false;
+  return true;
 }
 
 bool keeps_orientation(const StarMesh& mesh, std::span<const glm::vec3> positions, VertexId v, VertexId u) {
   const glm::dvec3 from(positions[v]);
   const glm::dvec3 to(positions[u]);
-  for (const FaceId f : mesh.star(v)) {
-    const OppositeEdge e = opposite_edge(mesh.face(f), v);
-    if (e.next == u || e.last == u) continue;
-    const glm::dvec3 a(positions[e.next]);
-    const glm::dvec3 edge = glm::dvec3(positions[e.last]) - a;
+  for (const StarFace f : mesh.star(v)) {
+    if (contains(f, u)) continue;
+    const glm::dvec3 a(positions[f.next]);
+    const glm::dvec3 edge = glm::dvec3(positions[f.last]) - a;
     const glm::dvec3 before = glm::cross(edge, from - a);
     const glm::dvec3 after = glm::cross(edge, to - a);
     const double area_before = glm::dot(before, before);

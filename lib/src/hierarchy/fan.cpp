@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <glm/vec2.hpp>
 
 namespace occlod {
 namespace {
@@ -13,123 +12,204 @@ constexpr float min_cos_turn = 0.25F;
 constexpr float min_sin2_corner = 1e-11F;
 constexpr float round_up = 1.0F + 1e-5F;
 
-float cross2(const glm::vec2& a, const glm::vec2& b) { return a.x * b.y - a.y * b.x; }
+// Two axes that with `normal` (unit) make an orthonormal frame (Duff et al. 2017).
+struct Frame {
+  glm::vec3 x, y;
+  explicit Frame(const glm::vec3& normal) {
+    const float sign = std::copysign(1.0F, normal.z);
+    const float a = -1.0F / (sign + normal.z);
+    const float b = normal.x * normal.y * a;
+    x = {1.0F + sign * normal.x * normal.x * a, sign * b, -sign * normal.x};
+    y = {b, sign + normal.y * normal.y * a, -normal.y};
+  }
+};
 
 }  // namespace
 
 bool Fan::gather(const StarMesh& mesh, VertexId v) {
+  const Star star = mesh.star(v);
   vertex_ = v;
-  const auto star = mesh.star(v);
   size_ = star.size();
-  if (size_ < 3 || size_ > most_neighbours) return false;
-  std::array<OppositeEdge, most_neighbours> edges;
-  for (std::size_t i = 0; i < size_; ++i) edges[i] = opposite_edge(mesh.face(star[i]), v);
-  // Chain the outer edges: each must start where the one before ended, and the last must end at the start.
-  ring_[0] = edges[0].next;
-  for (std::size_t i = 1; i < size_; ++i) {
-    const VertexId from = edges[i - 1].last;
-    // Closed too early: there is another fan, or the ring passes a neighbour twice.
-    if (std::find(ring_.begin(), ring_.begin() + static_cast<std::ptrdiff_t>(i), from) !=
-        ring_.begin() + static_cast<std::ptrdiff_t>(i))
-      return false;
-    std::size_t k = i;
-    while (k < size_ && edges[k].next != from) ++k;
-    if (k == size_) return false;
-    std::swap(edges[i], edges[k]);
-    ring_[i] = from;
+  if (!star.is_ring() || size_ > most_neighbours) return false;
+  padded_ = (size_ + 3) & ~std::size_t{3};
+  const auto ring = star.ring();
+  for (std::size_t i = 0; i < size_; ++i) ring_[i] = ring[i];
+  for (std::size_t i = size_; i < padded_; ++i) ring_[i] = no_id;
+  return true;
+}
+
+void Fan::measure_offsets(std::span<const glm::vec3> positions) {
+  const glm::vec3 origin = positions[vertex_];
+  for (std::size_t i = 0; i < size_; ++i) {
+    const glm::vec3& p = positions[ring_[i]];
+    x_[i] = p.x - origin.x;
+    y_[i] = p.y - origin.y;
+    z_[i] = p.z - origin.z;
   }
-  return edges[size_ - 1].last == ring_[0];
+  for (std::size_t i = size_; i <= padded_; ++i) {
+    x_[i] = x_[0];
+    y_[i] = y_[0];
+    z_[i] = z_[0];
+  }
 }
 
 void Fan::measure(std::span<const glm::vec3> positions) {
-  const glm::vec3 origin = positions[vertex_];
-  for (std::size_t i = 0; i < size_; ++i) offsets_[i] = positions[ring_[i]] - origin;
-  for (std::size_t i = 0; i < size_; ++i) normals_[i] = glm::cross(offsets_[i], offsets_[after(i)]);
+  measure_offsets(positions);
+  for (std::size_t i = 0; i < padded_; ++i) {
+    normal_x_[i] = y_[i] * z_[i + 1] - z_[i] * y_[i + 1];
+    normal_y_[i] = z_[i] * x_[i + 1] - x_[i] * z_[i + 1];
+    normal_z_[i] = x_[i] * y_[i + 1] - y_[i] * x_[i + 1];
+    area2_[i] = normal_x_[i] * normal_x_[i] + normal_y_[i] * normal_y_[i] + normal_z_[i] * normal_z_[i];
+  }
+}
+
+VertexQuadric Fan::quadric() const {
+  VertexQuadric q;
+  for (std::size_t i = 0; i < size_; ++i) {
+    const float twice_area = std::sqrt(area2_[i]);
+    if (!(twice_area > 0.0F)) continue;
+    const float inverse = 1.0F / twice_area;  // unit normals, weighted by area
+    const float x = normal_x_[i], y = normal_y_[i], z = normal_z_[i];
+    q.xx += x * x * inverse, q.xy += x * y * inverse, q.xz += x * z * inverse;
+    q.yy += y * y * inverse, q.yz += y * z * inverse, q.zz += z * z * inverse;
+    q.weight += twice_area;
+  }
+  return q;
+}
+
+std::span<float> Fan::costs(const VertexQuadric& quadric) {
+  const VertexQuadric q = quadric;  // no alias of the rows
+  const float inverse = q.inverse_weight(), order = q.order();
+  const float bx = 2.0F * q.b.x, by = 2.0F * q.b.y, bz = 2.0F * q.b.z;
+  for (std::size_t i = 0; i < padded_; ++i) {
+    const float x = x_[i], y = y_[i], z = z_[i];
+    const float sum = x * (q.xx * x + bx + 2.0F * (q.xy * y + q.xz * z)) + y * (q.yy * y + by + 2.0F * q.yz * z) +
+                      z * (q.zz * z + bz) + q.c;
+    const float mean = (sum > 0.0F ? sum : 0.0F) * inverse;
+    costs_[i] = order * (mean + VertexQuadric::edge_length_weight * (x * x + y * y + z * z));
+  }
+  return {costs_.data(), size_};
 }
 
 // The vertex is inside the surface, so its link is the ring, and only the plain link condition is left: the ring meets
 // the link of ring_[i] in the two corners beside it, and in no edge.
 bool Fan::keeps_topology(const StarMesh& mesh, std::size_t i) const {
   const VertexId u = ring_[i];
+  const Star star = mesh.star(u);
+  if (star.is_ring()) {
+    std::uint32_t common = 0;
+    for (const VertexId w : star.ring())
+      for (std::size_t k = 0; k < padded_; ++k) common += ring_[k] == w ? 1U : 0U;
+    return common == 2 && (size_ > 3 || star.size() > 3);  // a tetrahedron would fold flat
+  }
   const VertexId left = ring_[before(i)], right = ring_[after(i)];
   const auto is_elsewhere_in_ring = [&](VertexId w) {
-    return w != left && w != right &&
-           std::find(ring_.begin(), ring_.begin() + static_cast<std::ptrdiff_t>(size_), w) !=
-               ring_.begin() + static_cast<std::ptrdiff_t>(size_);
+    const auto around = ring();
+    return w != left && w != right && std::find(around.begin(), around.end(), w) != around.end();
   };
-  for (const FaceId f : mesh.star(u)) {
-    const Triangle& t = mesh.face(f);
-    if (contains(t, vertex_)) continue;
-    const OppositeEdge e = opposite_edge(t, u);
-    if (is_elsewhere_in_ring(e.next) || is_elsewhere_in_ring(e.last)) return false;
-    if (size_ == 3 && contains(t, left) && contains(t, right)) return false;  // a tetrahedron would fold flat
+  for (const StarFace f : star) {
+    if (contains(f, vertex_)) continue;
+    if (is_elsewhere_in_ring(f.next) || is_elsewhere_in_ring(f.last)) return false;
+    if (size_ == 3 && contains(f, left) && contains(f, right)) return false;
   }
   return true;
 }
 
 bool Fan::keeps_orientation(std::size_t i) const {
-  const glm::vec3& target = offsets_[i];
-  for (std::size_t k = after(i); k != before(i); k = after(k)) {
-    const glm::vec3& normal = normals_[k];
-    const float area2 = glm::dot(normal, normal);
-    if (area2 == 0.0F) continue;
-    const glm::vec3 a = offsets_[k] - target, b = offsets_[after(k)] - target;
-    const glm::vec3 moved = glm::cross(a, b);
-    const float moved2 = glm::dot(moved, moved);
-    const float turn = glm::dot(normal, moved);
-    if (!(turn > 0.0F && turn * turn >= min_cos_turn * min_cos_turn * area2 * moved2)) return false;
-    if (!(moved2 > min_sin2_corner * glm::dot(a, a) * glm::dot(b, b))) return false;
+  const float tx = x_[i], ty = y_[i], tz = z_[i];
+  alignas(16) std::array<std::int32_t, most_neighbours> fails;
+  for (std::size_t k = 0; k < padded_; ++k) {
+    const float ax = x_[k] - tx, ay = y_[k] - ty, az = z_[k] - tz;
+    const float bx = x_[k + 1] - tx, by = y_[k + 1] - ty, bz = z_[k + 1] - tz;
+    const float mx = ay * bz - az * by, my = az * bx - ax * bz, mz = ax * by - ay * bx;
+    const float moved2 = mx * mx + my * my + mz * mz;
+    const float turn = normal_x_[k] * mx + normal_y_[k] * my + normal_z_[k] * mz;
+    const float sides = (ax * ax + ay * ay + az * az) * (bx * bx + by * by + bz * bz);
+    const std::int32_t turns = turn > 0.0F ? 0 : 1;
+    const std::int32_t far = turn * turn >= min_cos_turn * min_cos_turn * area2_[k] * moved2 ? 0 : 1;
+    const std::int32_t flat = moved2 > min_sin2_corner * sides ? 0 : 1;
+    const std::int32_t counts = area2_[k] == 0.0F ? 0 : 1;
+    fails[k] = (turns | far | flat) & counts;
   }
-  return true;
+  fails[i] = fails[before(i)] = 0;  // these end
+  std::int32_t fail = 0;
+  for (std::size_t k = 0; k < padded_; ++k) fail |= fails[k];
+  return fail == 0;
 }
 
-// See change_bound.h. The apex is the origin; the polygon is the ring; new triangles are fans from the target.
+// The fan in a frame along its mean normal, turned so that the target is the first corner. Then the apex is the origin,
+// new triangles are (0, k, k + 1), and heights are linear over each triangle.
+struct Fan::Overlay {
+  std::size_t size;
+  alignas(16) Row x, y, height;
+  float smallest;        // of areas that count
+  std::size_t home = 0;  // the new triangle above or below the apex
+
+  // Both fans must cover the polygon once. An old face may stand upright.
+  [[nodiscard]] bool covers_once() const {
+    float least_old = 0.0F, least_new = 2.0F * smallest;
+    for (std::size_t k = 0; k < size; ++k) least_old = std::min(least_old, x[k] * y[k + 1] - y[k] * x[k + 1]);
+    for (std::size_t k = 1; k + 1 < size; ++k)
+      least_new = std::min(least_new, (x[k] - x[0]) * (y[k + 1] - y[0]) - (y[k] - y[0]) * (x[k + 1] - x[0]));
+    return least_old >= -smallest && least_new > smallest;
+  }
+
+  // The distance of the apex from the new fan; negative when it is above none of its triangles.
+  float at_apex() {
+    for (std::size_t k = 1; k + 1 < size; ++k) {
+      const float bx = x[k] - x[0], by = y[k] - y[0], cx = x[k + 1] - x[0], cy = y[k + 1] - y[0];
+      const float s = y[0] * cx - x[0] * cy, r = by * x[0] - bx * y[0];
+      const float area = bx * cy - by * cx;
+      if (s < -1e-5F * area || r < -1e-5F * area || s + r > (1.0F + 1e-5F) * area) continue;
+      home = k;
+      return std::abs(height[0] + (s * (height[k] - height[0]) + r * (height[k + 1] - height[0])) / area);
+    }
+    return -1.0F;
+  }
+
+  // The largest distance where old spokes cross new diagonals. Those to corners beyond the diagonal do.
+  [[nodiscard]] float at_crossings() const {
+    float largest = 0.0F;
+    for (std::size_t j = 2; j + 1 < size; ++j) {
+      const float dx = x[j] - x[0], dy = y[j] - y[0], rise = height[j] - height[0];
+      const float along_old = y[0] * dx - x[0] * dy;
+      const std::size_t begin = j <= home ? 1 : j + 1, end = j <= home ? j : size;
+      for (std::size_t k = begin; k < end; ++k) {
+        const float det = dx * y[k] - dy * x[k], along_new = y[0] * x[k] - x[0] * y[k];
+        const float gap = along_old * height[k] - along_new * rise - det * height[0];
+        // Within both lines, but for rounding.
+        if (det != 0.0F && std::abs(along_new) <= std::abs(det) && std::abs(along_old) <= std::abs(det))
+          largest = std::max(largest, std::abs(gap / det));
+      }
+    }
+    return largest;
+  }
+};
+
+// See change_bound.h.
 float Fan::change_bound(std::size_t i) const {
-  const glm::vec3 target = offsets_[i];
-  const float slide = glm::length(target) * round_up;
+  const float slide = glm::length(offset(i)) * round_up;
   glm::vec3 normal(0.0F);
-  for (std::size_t k = 0; k < size_; ++k) normal += normals_[k];
+  for (std::size_t k = 0; k < size_; ++k) normal += glm::vec3(normal_x_[k], normal_y_[k], normal_z_[k]);
   const float length = glm::length(normal);
   if (!(length > 0.0F)) return slide;
   normal /= length;
-  const glm::vec3 other = std::abs(normal.x) < 0.6F ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0);
-  const glm::vec3 x = glm::normalize(glm::cross(other, normal));
-  const glm::vec3 y = glm::cross(normal, x);
-  std::array<glm::vec2, most_neighbours> flat;
-  for (std::size_t k = 0; k < size_; ++k) flat[k] = {glm::dot(offsets_[k], x), glm::dot(offsets_[k], y)};
-  const glm::vec2 t = flat[i];
-  const float smallest = 1e-6F * length;
-  float largest = -1.0F;
-  for (std::size_t k = 0; k < size_; ++k) {
-    const glm::vec2 &b = flat[k], &c = flat[after(k)];
-    if (!(cross2(b, c) >= -smallest)) return slide;  // an old face may stand upright
-    if (k == i || after(k) == i) continue;
-    const glm::vec2 tb = b - t, tc = c - t;
-    const float area = cross2(tb, tc);
-    if (!(area > smallest)) return slide;
-    // The apex, if it lies in this new triangle.
-    const float s = cross2(-t, tc) / area, r = cross2(tb, -t) / area;
-    if (s < -1e-5F || r < -1e-5F || s + r > 1.0F + 1e-5F) continue;
-    largest = std::max(largest, glm::length(target + s * (offsets_[k] - target) + r * (offsets_[after(k)] - target)));
+  const Frame frame(normal);
+  Overlay overlay;
+  overlay.size = size_;
+  overlay.smallest = 1e-6F * length;
+  float reach2 = 0.0F;
+  for (std::size_t k = 0, from = i; k <= size_; ++k, from = after(from)) {
+    const glm::vec3 corner = offset(from);
+    overlay.x[k] = glm::dot(corner, frame.x);
+    overlay.y[k] = glm::dot(corner, frame.y);
+    overlay.height[k] = glm::dot(corner, normal);
+    reach2 = std::max(reach2, glm::dot(corner, corner));
   }
-  if (largest < 0.0F) return slide;
-  // Crossings of old spokes (origin to ring k) with new diagonals (target to ring j).
-  for (std::size_t j = after(after(i)); j != before(i); j = after(j)) {
-    const glm::vec2 diagonal = flat[j] - t;
-    for (std::size_t k = 0; k < size_; ++k) {
-      if (k == i || k == j) continue;
-      const float det = cross2(diagonal, flat[k]);
-      const float along_new = cross2(-t, flat[k]), along_old = cross2(-t, diagonal);
-      // Both in (0, det), whatever its sign.
-      if (!(along_new * det > 0.0F && along_old * det > 0.0F && std::abs(along_new) < std::abs(det) &&
-            std::abs(along_old) < std::abs(det)))
-        continue;
-      const glm::vec3 old_point = along_old / det * offsets_[k];
-      const glm::vec3 new_point = target + along_new / det * (offsets_[j] - target);
-      largest = std::max(largest, glm::distance(old_point, new_point));
-    }
-  }
-  return std::min(slide, largest * round_up + 1e-6F * slide);
+  if (!overlay.covers_once()) return slide;
+  const float at_apex = overlay.at_apex();
+  if (at_apex < 0.0F) return slide;
+  return std::min(slide, std::max(at_apex, overlay.at_crossings()) * round_up + 5e-7F * std::sqrt(reach2));
 }
 
 }  // namespace occlod

@@ -2,28 +2,36 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <glm/vec3.hpp>
 #include <span>
 
 #include "star_mesh.h"
+#include "vertex_quadric.h"
 
 namespace occlod {
 
 // The ring of neighbours of such a vertex, in order, and what its collapses have in common. Positions are relative to
-// the vertex.
+// the vertex. Loops run over arrays of one coordinate each, filled up to a multiple of four, so that they vectorize.
 class Fan {
  public:
   static constexpr std::size_t most_neighbours = 24;
 
-  // False when the star of v is no closed fan, or too large; nothing else may be asked then.
+  // False when the star of v is no ring, or too large; nothing else may be asked then.
   [[nodiscard]] bool gather(const StarMesh& mesh, VertexId v);
-  // After gather(): positions and normals of the fan.
+  // After gather(): where the neighbours are.
+  void measure_offsets(std::span<const glm::vec3> positions);
+  // After gather(): that, and the normals of the fan.
   void measure(std::span<const glm::vec3> positions);
 
   [[nodiscard]] VertexId vertex() const noexcept { return vertex_; }
   [[nodiscard]] std::size_t size() const noexcept { return size_; }
   [[nodiscard]] std::span<const VertexId> ring() const noexcept { return {ring_.data(), size_}; }
-  [[nodiscard]] const glm::vec3& offset(std::size_t i) const noexcept { return offsets_[i]; }  // ring()[i] - v
+
+  // After measure(): the planes of its faces, weighted by area.
+  [[nodiscard]] VertexQuadric quadric() const;
+  // After measure_offsets(): the cost of merging the vertex, whose quadric is given, into each of its neighbours.
+  [[nodiscard]] std::span<float> costs(const VertexQuadric& quadric);
 
   // The same three questions that collapse_rules.h and change_bound.h answer for any star, for merging v into
   // ring()[i].
@@ -32,14 +40,21 @@ class Fan {
   [[nodiscard]] float change_bound(std::size_t i) const;
 
  private:
+  struct Overlay;
+  using Row = std::array<float, most_neighbours + 4>;  // a column for each neighbour; the first once more at the end
+
   [[nodiscard]] std::size_t after(std::size_t i) const noexcept { return i + 1 == size_ ? 0 : i + 1; }
   [[nodiscard]] std::size_t before(std::size_t i) const noexcept { return i == 0 ? size_ - 1 : i - 1; }
+  [[nodiscard]] glm::vec3 offset(std::size_t i) const noexcept { return {x_[i], y_[i], z_[i]}; }
 
   VertexId vertex_ = no_id;
   std::size_t size_ = 0;
+  std::size_t padded_ = 0;  // size_, rounded up to a multiple of four
   std::array<VertexId, most_neighbours> ring_{};
-  std::array<glm::vec3, most_neighbours> offsets_{};
-  std::array<glm::vec3, most_neighbours> normals_{};  // of the face between ring i and its next, twice its area long
+  alignas(16) Row x_{}, y_{}, z_{};                       // ring()[i] - v
+  alignas(16) Row normal_x_{}, normal_y_{}, normal_z_{};  // of the face between ring i and its next, twice its area
+  alignas(16) Row area2_{};                               // their squared lengths
+  alignas(16) Row costs_{};
 };
 
 }  // namespace occlod

@@ -30,4 +30,13 @@ void for_each_range(std::size_t count, unsigned threads, const Visit& visit) {
   work();
 }
 
+// Calls visit(begin, end, part) for `threads` consecutive parts of [0, count), each on a thread of its own.
+template <typename Visit>
+void for_each_part(std::size_t count, unsigned threads, const Visit& visit) {
+  std::vector<std::jthread> others;
+  for (std::size_t i = 1; i < threads; ++i)
+    others.emplace_back([&, i] { visit(count * i / threads, count * (i + 1) / threads, i); });
+  visit(std::size_t{0}, count / threads, std::size_t{0});
+}
+
 }  // namespace occlod

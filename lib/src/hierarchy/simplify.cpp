@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <glm/common.hpp>
 #include <limits>
+#include <memory>
 #include <thread>
 
+#include "build_progress.h"
 #include "collapse_worker.h"
 #include "occlod/core/error.h"
 #include "parallel.h"
@@ -16,8 +19,8 @@ namespace {
 
 // Vertices of a block: large enough for a good order, small enough for a cache. Once no more are left, the rest is one
 // block.
-constexpr std::size_t block_size = 16384;
-constexpr double cheap_share = 0.35;  // of the vertices, those with the cheapest collapses have their turn in a pass
+constexpr std::size_t block_size = 8192;
+constexpr double cheap_share = 0.5;  // of the vertices, those with the cheapest collapses have their turn in a pass
 constexpr double least_progress = 1.0 / 128;  // of the vertices; a pass that collapses fewer is the last
 
 // The fractional parts of multiples of irrational numbers: no two passes cut space in the same place.
@@ -26,35 +29,37 @@ glm::dvec3 shift_of(std::size_t pass) {
   return shift - glm::floor(shift);
 }
 
-// Passes over all blocks, each as far as a threshold of cost below which a third of the vertices lie; then the rest in
+// Passes over all blocks, each as far as a threshold of cost below which half of the vertices lie; then the rest in
 // one. Blocks are runs of vertices along a Morton curve, another curve in each pass, so that what a border kept has its
 // turn in the next. Blocks do not touch each other, and their records are joined in their order: the result does not
 // depend on which thread ran which.
 class Simplifier {
  public:
   Simplifier(const TriangleMesh& mesh, const BuildOptions& options)
-      : options_(options), state_(mesh, options.boundary_weight), live_faces_(mesh.triangle_count()) {
+      : options_(options),
+        threads_(thread_count(options.threads)),
+        progress_(options.progress, 0.1, 0.8, mesh.triangle_count()),
+        state_(std::make_unique<SimplifyState>(mesh, options.boundary_weight, threads_)),
+        box_(bounding_box(state_->positions)),
+        live_faces_(mesh.triangle_count()) {
     live_.reserve(mesh.vertex_count());
     for (VertexId v = 0; v < mesh.vertex_count(); ++v) live_.push_back(v);
-    const unsigned threads = thread_count(options.threads);
-    for (unsigned i = 0; i < threads; ++i) workers_.emplace_back(state_);
+    drop_dead();
+    for (unsigned i = 0; i < threads_; ++i)
+      workers_.push_back(std::make_unique<CollapseWorker>(*state_, BuildProgress::Reporter(progress_, i == 0)));
   }
 
   CollapseSequence run() {
-    const std::size_t vertices = live_.size();
     for (std::size_t pass = 0; many_left(); ++pass) {
-      sort_spatially(state_.positions, shift_of(pass), live_);
+      if (pass > 0) sort_live(pass);
       const std::size_t made = run_pass(make_blocks(block_size, threshold()));
       if (static_cast<double>(made) < least_progress * static_cast<double>(live_.size())) break;
       drop_dead();
-      report(1.0 - static_cast<double>(live_.size()) / static_cast<double>(vertices));
     }
-    drop_dead();
     // Down to the base, however long that takes: each run ends with a block that has nothing left or is small enough.
+    drop_dead();
     if (live_faces_ > options_.base_triangles) run_pass(make_blocks(live_.size(), std::numeric_limits<float>::max()));
-    sequence_.collapses.push_back({no_id, no_id, no_id, sequence_.ended.size(), 0.0F, 0.0F});
-    for (const FaceId f : state_.mesh.live_faces()) sequence_.base.push_back({state_.mesh.face(f), state_.made_by[f]});
-    return std::move(sequence_);
+    return join();
   }
 
  private:
@@ -63,22 +68,31 @@ class Simplifier {
     return live_.size() > block_size && live_faces_ > 4 * options_.base_triangles;
   }
 
-  [[nodiscard]] float threshold() {
-    costs_.clear();
-    for (const VertexId v : live_) costs_.push_back(state_.costs[v]);
-    const auto middle = costs_.begin() + static_cast<std::ptrdiff_t>(cheap_share * static_cast<double>(costs_.size()));
-    std::nth_element(costs_.begin(), middle, costs_.end());
+  // Coarse cells do to cut blocks: some hundred for each on a surface.
+  void sort_live(std::size_t pass) {
+    const auto blocks = static_cast<unsigned>(live_.size() / block_size + 1);
+    const unsigned bits = std::min(10U, 5U + static_cast<unsigned>(std::bit_width(blocks)) / 2);
+    sort_spatially(state_->positions, {box_, shift_of(pass), bits}, live_, threads_);
+  }
+
+  // The cost below which the cheap share lies, by every sixteenth vertex.
+  [[nodiscard]] float threshold() const {
+    std::vector<float> costs;
+    for (std::size_t i = 0; i < live_.size(); i += 16) costs.push_back(state_->costs[live_[i]]);
+    const auto middle = costs.begin() + static_cast<std::ptrdiff_t>(cheap_share * static_cast<double>(costs.size()));
+    std::nth_element(costs.begin(), middle, costs.end());
     return std::min(*middle, std::numeric_limits<float>::max());
   }
 
   [[nodiscard]] std::vector<Block> make_blocks(std::size_t size, float threshold) {
+    for_each_range(live_.size(), threads_, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) state_->ranks[live_[i]] = static_cast<std::uint32_t>(i);
+    });
     std::vector<Block> blocks;
     for (std::size_t begin = 0; begin < live_.size(); begin += size) {
       const auto vertices = std::span<const VertexId>(live_).subspan(begin, std::min(size, live_.size() - begin));
-      const auto number = static_cast<std::uint32_t>(blocks.size());
-      for (const VertexId v : vertices) state_.block_of[v] = number;
-      blocks.push_back(
-          {vertices, number, next_id_, threshold, live_faces_ - std::min(live_faces_, options_.base_triangles)});
+      blocks.push_back({vertices, static_cast<std::uint32_t>(begin), next_id_, threshold,
+                        live_faces_ - std::min(live_faces_, options_.base_triangles)});
       next_id_ += static_cast<CollapseId>(vertices.size());
     }
     return blocks;
@@ -86,47 +100,75 @@ class Simplifier {
 
   // Returns how many collapses were made.
   std::size_t run_pass(const std::vector<Block>& blocks) {
-    records_.assign(blocks.size(), {});
+    const std::size_t first_record = records_.size();
+    records_.resize(first_record + blocks.size());
     std::atomic<std::size_t> next = 0;
     const auto work = [&](CollapseWorker& worker) {
-      for (std::size_t i = next++; i < blocks.size(); i = next++) worker.run(blocks[i], records_[i]);
+      for (std::size_t i = next++; i < blocks.size() && !progress_.is_cancelled(); i = next++)
+        records_[first_record + i] = worker.run(blocks[i]);
     };
     {
       std::vector<std::jthread> threads;
       for (std::size_t i = 1; i < std::min(workers_.size(), blocks.size()); ++i)
-        threads.emplace_back([&, i] { work(workers_[i]); });
-      work(workers_[0]);
+        threads.emplace_back([&, i] { work(*workers_[i]); });
+      work(*workers_[0]);
     }
+    if (progress_.is_cancelled()) throw Error({"build", "", "was cancelled", ""});
     std::size_t made = 0;
-    for (const BlockRecord& record : records_) {
-      for (Collapse collapse : record.collapses) {
-        collapse.first_ended += sequence_.ended.size();
-        sequence_.collapses.push_back(collapse);
-      }
-      sequence_.ended.insert(sequence_.ended.end(), record.ended.begin(), record.ended.end());
-      live_faces_ -= record.faces_gone;
-      made += record.collapses.size();
+    for (std::size_t i = first_record; i < records_.size(); ++i) {
+      live_faces_ -= records_[i].faces_gone;
+      made += records_[i].collapses.size();
     }
     return made;
   }
 
   void drop_dead() {
-    std::erase_if(live_, [&](VertexId v) { return state_.mesh.star(v).empty(); });
+    std::erase_if(live_, [&](VertexId v) { return state_->mesh.star(v).empty(); });
   }
 
-  void report(double done) const {
-    if (options_.progress && !options_.progress(done)) throw Error({"build", "", "was cancelled", ""});
+  // The records of all blocks as one sequence. The state goes first: both need much memory.
+  CollapseSequence join() {
+    CollapseSequence sequence;
+    sequence.base = state_->mesh.faces();
+    workers_.clear();
+    state_.reset();
+    std::vector<std::size_t> first_collapse, first_ended;
+    std::size_t collapses = 0, ended = 0;
+    for (const BlockRecord& record : records_) {
+      first_collapse.push_back(collapses);
+      first_ended.push_back(ended);
+      collapses += record.collapses.size();
+      ended += record.ended.size();
+    }
+    sequence.collapses.resize(collapses + 1);
+    sequence.ended.resize(ended);
+    std::atomic<std::size_t> next = 0;
+    for_each_part(threads_, threads_, [&](std::size_t, std::size_t, std::size_t) {
+      for (std::size_t i = next++; i < records_.size(); i = next++) {
+        const BlockRecord record = std::move(records_[i]);
+        std::copy(record.ended.begin(), record.ended.end(),
+                  sequence.ended.begin() + static_cast<std::ptrdiff_t>(first_ended[i]));
+        for (std::size_t k = 0; k < record.collapses.size(); ++k) {
+          Collapse& collapse = sequence.collapses[first_collapse[i] + k];
+          collapse = record.collapses[k];
+          collapse.first_ended += first_ended[i];
+        }
+      }
+    });
+    sequence.collapses.back().first_ended = ended;
+    return sequence;
   }
 
   const BuildOptions& options_;
-  SimplifyState state_;
-  std::vector<CollapseWorker> workers_;
+  unsigned threads_;
+  BuildProgress progress_;
+  std::unique_ptr<SimplifyState> state_;
+  Box box_;
+  std::vector<std::unique_ptr<CollapseWorker>> workers_;
   std::vector<VertexId> live_;  // in the order of the pass
   std::size_t live_faces_ = 0;
   CollapseId next_id_ = 0;
-  std::vector<float> costs_;
   std::vector<BlockRecord> records_;
-  CollapseSequence sequence_;
 };
 
 }  // namespace

@@ -30,8 +30,11 @@ struct LevelFace {
 
 struct CollapseSequence {
   std::vector<Collapse> collapses;  // in order; then a sentinel that ends the last one's range
-  std::vector<LevelFace> ended;     // the faces that each collapse ended
-  std::vector<LevelFace> base;      // those that are left
+  // The faces that each collapse ended: first the star of v, each face with v as its first corner; in ring order when
+  // the star was one closed fan, so face j is (v, r_j, r_j+1) and the last one ends with r_0. Then faces without v,
+  // which others were folded onto.
+  std::vector<LevelFace> ended;
+  std::vector<LevelFace> base;  // those that are left
 };
 
 // `mesh` has passed build_hierarchy's checks. Quick when its vertices are in spatial order. The result does not depend

@@ -1,12 +1,12 @@
 #include "spatial_order.h"
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
 #include <glm/common.hpp>
 #include <numeric>
+#include <utility>
 
-#include "occlod/math/bounds.h"
+#include "parallel.h"
 
 namespace occlod {
 namespace {
@@ -19,15 +19,15 @@ std::uint32_t spread(std::uint32_t x) {
   return (x | x << 2) & 0x09249249U;
 }
 
-// Positions to codes on a grid of 1024^3 cells over twice the extent of `all`, moved by `shift` of it.
+// Positions to codes.
 class MortonGrid {
  public:
-  MortonGrid(std::span<const glm::vec3> all, const glm::dvec3& shift) {
-    const Box box = bounding_box(all);
-    const glm::dvec3 size = glm::dvec3(box.max) - glm::dvec3(box.min);
+  explicit MortonGrid(const MortonCurve& curve) {
+    const glm::dvec3 size = glm::dvec3(curve.box.max) - glm::dvec3(curve.box.min);
     const double extent = std::max({size.x, size.y, size.z});
-    origin_ = glm::dvec3(box.min) - shift * extent;
-    cells_per_unit_ = extent > 0.0 ? 1023.999 / (2.0 * extent) : 0.0;
+    const double cells = static_cast<double>(1U << curve.bits) * 0.999999;
+    origin_ = glm::dvec3(curve.box.min) - curve.shift * extent;
+    cells_per_unit_ = extent > 0.0 ? cells / (2.0 * extent) : 0.0;
   }
   [[nodiscard]] std::uint32_t code(const glm::vec3& p) const {
     const glm::dvec3 cell = (glm::dvec3(p) - origin_) * cells_per_unit_;
@@ -40,54 +40,81 @@ class MortonGrid {
   double cells_per_unit_ = 0.0;
 };
 
-// Indices in ascending order of their keys, equal keys in their old order: radix sort by 11 bits.
-std::vector<std::uint32_t> sorted_by(const std::vector<std::uint32_t>& keys) {
-  std::vector<std::uint32_t> order(keys.size()), other(keys.size());
-  for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
-  for (const unsigned shift : {0U, 11U, 22U}) {
-    std::array<std::size_t, 2049> starts{};
-    for (const std::uint32_t key : keys) ++starts[(key >> shift & 2047U) + 1];
-    for (std::size_t i = 1; i < starts.size(); ++i) starts[i] += starts[i - 1];
-    for (const std::uint32_t i : order) other[starts[keys[i] >> shift & 2047U]++] = i;
-    order.swap(other);
+struct Keyed {
+  std::uint32_t key;
+  VertexId vertex;
+};
+
+// Ascending keys of so many bits, equal keys in their old order: radix sort. Each thread has a part of the items: with
+// parts in order within each digit, their number does not change the result.
+void sort_by_key(std::vector<Keyed>& items, unsigned key_bits, unsigned threads) {
+  if (items.empty()) return;
+  const unsigned rounds = std::max(1U, (key_bits + 10) / 11), digit_bits = (key_bits + rounds - 1) / rounds;
+  const std::size_t digits = std::size_t{1} << digit_bits;
+  std::vector<Keyed> other(items.size());
+  std::vector<std::size_t> starts(threads * digits);
+  for (unsigned round = 0; round < rounds; ++round) {
+    const auto digit_of = [&](const Keyed& item) { return item.key >> (round * digit_bits) & (digits - 1); };
+    std::fill(starts.begin(), starts.end(), 0);
+    for_each_part(items.size(), threads, [&](std::size_t begin, std::size_t end, std::size_t part) {
+      std::size_t* const counts = starts.data() + part * digits;
+      for (std::size_t i = begin; i < end; ++i) ++counts[digit_of(items[i])];
+    });
+    std::size_t sum = 0;
+    for (std::size_t digit = 0; digit < digits; ++digit)
+      for (unsigned t = 0; t < threads; ++t) sum += std::exchange(starts[t * digits + digit], sum);
+    for_each_part(items.size(), threads, [&](std::size_t begin, std::size_t end, std::size_t part) {
+      std::size_t* const next = starts.data() + part * digits;
+      for (std::size_t i = begin; i < end; ++i) other[next[digit_of(items[i])]++] = items[i];
+    });
+    items.swap(other);
   }
-  return order;
 }
 
 template <typename T>
-std::vector<T> permuted(const std::vector<T>& values, const std::vector<std::uint32_t>& order) {
-  std::vector<T> result;
-  result.reserve(values.size());
+std::vector<T> permuted(const std::vector<T>& values, const std::vector<VertexId>& order, unsigned threads) {
+  std::vector<T> result(values.size());
   if (!values.empty())
-    for (const std::uint32_t i : order) result.push_back(values[i]);
+    for_each_range(order.size(), threads, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) result[i] = values[order[i]];
+    });
   return result;
 }
 
 }  // namespace
 
-void sort_spatially(std::span<const glm::vec3> positions, const glm::dvec3& shift, std::vector<VertexId>& vertices) {
-  const MortonGrid grid(positions, shift);
-  std::vector<std::uint32_t> codes(vertices.size());
-  std::transform(vertices.begin(), vertices.end(), codes.begin(), [&](VertexId v) { return grid.code(positions[v]); });
-  vertices = permuted(vertices, sorted_by(codes));
+void sort_spatially(std::span<const glm::vec3> positions, const MortonCurve& curve, std::vector<VertexId>& vertices,
+                    unsigned threads) {
+  const MortonGrid grid(curve);
+  std::vector<Keyed> keyed(vertices.size());
+  for_each_range(vertices.size(), threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) keyed[i] = {grid.code(positions[vertices[i]]), vertices[i]};
+  });
+  sort_by_key(keyed, 3 * curve.bits, threads);
+  for_each_range(vertices.size(), threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) vertices[i] = keyed[i].vertex;
+  });
 }
 
-TriangleMesh in_spatial_order(const TriangleMesh& mesh) {
+TriangleMesh in_spatial_order(const TriangleMesh& mesh, unsigned threads) {
   TriangleMesh result;
   std::vector<VertexId> order(mesh.vertex_count());
   std::iota(order.begin(), order.end(), 0U);
-  sort_spatially(mesh.positions, glm::dvec3(0.0), order);
-  result.positions = permuted(mesh.positions, order);
-  result.normals = permuted(mesh.normals, order);
-  result.colors = permuted(mesh.colors, order);
+  sort_spatially(mesh.positions, {bounding_box(mesh.positions), glm::dvec3(0.0), 10}, order, threads);
+  result.positions = permuted(mesh.positions, order, threads);
+  result.normals = permuted(mesh.normals, order, threads);
+  result.colors = permuted(mesh.colors, order, threads);
   std::vector<VertexId> new_id(order.size());
-  for (VertexId v = 0; v < order.size(); ++v) new_id[order[v]] = v;
-  std::vector<std::uint32_t> first_vertex(mesh.triangles.size());
-  std::transform(mesh.triangles.begin(), mesh.triangles.end(), first_vertex.begin(), [&](const Triangle& t) {
-    return std::min({new_id[t.x], new_id[t.y], new_id[t.z]});
+  for_each_range(order.size(), threads, [&](std::size_t begin, std::size_t end) {
+    for (auto i = static_cast<VertexId>(begin); i < end; ++i) new_id[order[i]] = i;
   });
-  result.triangles = permuted(mesh.triangles, sorted_by(first_vertex));
-  for (Triangle& t : result.triangles) t = {new_id[t.x], new_id[t.y], new_id[t.z]};
+  result.triangles.resize(mesh.triangles.size());
+  for_each_range(mesh.triangles.size(), threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f) {
+      const Triangle& t = mesh.triangles[f];
+      result.triangles[f] = {new_id[t.x], new_id[t.y], new_id[t.z]};
+    }
+  });
   return result;
 }
 

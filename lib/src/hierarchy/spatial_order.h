@@ -1,21 +1,28 @@
 // Neighbours in space become neighbours in memory.
 #pragma once
 
+#include <cstddef>
 #include <glm/vec3.hpp>
 #include <span>
 #include <vector>
 
+#include "occlod/math/bounds.h"
 #include "occlod/mesh/triangle_mesh.h"
 
 namespace occlod {
 
-// The same mesh with its vertices along a Morton curve through its box and its triangles in the order of their first
-// vertices. O(n).
-[[nodiscard]] TriangleMesh in_spatial_order(const TriangleMesh& mesh);
+// The same mesh with its vertices along a Morton curve through its box; triangles keep their order. O(n).
+[[nodiscard]] TriangleMesh in_spatial_order(const TriangleMesh& mesh, unsigned threads = 1);
 
-// Sorts vertices along a Morton curve; those in one cell of its grid keep their order. The curve's grid is moved by
-// `shift`, in [0, 1] of the positions' extent along each axis: curves with different shifts cut space in different
-// places. O(n).
-void sort_spatially(std::span<const glm::vec3> positions, const glm::dvec3& shift, std::vector<VertexId>& vertices);
+struct MortonCurve {
+  Box box;                // around all positions
+  glm::dvec3 shift{0.0};  // of its grid, in [0, 1] of the box's extent along each axis: curves with different shifts
+                          // cut space in different places
+  unsigned bits = 10;  // the grid has 2^bits cells along each axis, over twice the box's extent; at most 10
+};
+
+// Sorts vertices along a Morton curve; those in one cell of its grid keep their order. O(n).
+void sort_spatially(std::span<const glm::vec3> positions, const MortonCurve& curve, std::vector<VertexId>& vertices,
+                    unsigned threads = 1);
 
 }  // namespace occlod

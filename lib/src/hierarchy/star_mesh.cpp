@@ -2,95 +2,321 @@
 
 #include <algorithm>
 #include <cassert>
+#include <mutex>
+#include <utility>
+
+#include "parallel.h"
 
 namespace occlod {
 namespace {
 
-// True iff the triangles have the same corners in opposite winding order.
-bool reversed(const Triangle& a, const Triangle& b) {
-  if (!contains(b, a.x)) return false;
-  const OppositeEdge e = opposite_edge(b, a.x);
-  return e.next == a.z && e.last == a.y;
+constexpr std::uint32_t first_capacity = 8;  // with as many CollapseIds, one cache line
+
+// Puts faces into ring order, starting with the first. False, in any order, when they are not one closed fan.
+bool chain(std::span<StarFace> faces) {
+  const std::size_t n = faces.size();
+  if (n < 3) return false;
+  for (std::size_t i = 1; i < n; ++i) {
+    const VertexId from = faces[i - 1].last;
+    // Closed too early: there is another fan, or the ring passes a neighbour twice.
+    for (std::size_t k = 0; k < i; ++k)
+      if (faces[k].next == from) return false;
+    std::size_t k = i;
+    while (k < n && faces[k].next != from) ++k;
+    if (k == n) return false;
+    std::swap(faces[i], faces[k]);
+  }
+  return faces[n - 1].last == faces[0].next;
 }
+
+// The faces at every vertex.
+struct Incidences {
+  std::vector<std::size_t> first;  // those at v are [first[v], first[v + 1])
+  std::vector<std::pair<VertexId, VertexId>> opposite;
+
+  // Each thread looks at all faces and minds the vertices of its part.
+  Incidences(std::span<const Triangle> faces, std::size_t vertices, unsigned threads)
+      : first(vertices + 2, 0), opposite(3 * faces.size()) {
+    const auto for_each_corner = [&](const auto& visit) {
+      for_each_part(vertices, threads, [&](std::size_t begin, std::size_t end, std::size_t) {
+        for (const Triangle& t : faces)
+          for (int i = 0; i < 3; ++i)
+            if (t[i] >= begin && t[i] < end) visit(t[i], t[(i + 1) % 3], t[(i + 2) % 3]);
+      });
+    };
+    for_each_corner([&](VertexId v, VertexId, VertexId) { ++first[v + 2]; });
+    for (std::size_t v = 2; v < first.size(); ++v) first[v] += first[v - 1];
+    // Until here first[v + 1] is where v's begin; writing moves it to where they end.
+    for_each_corner([&](VertexId v, VertexId next, VertexId last) { opposite[first[v + 1]++] = {next, last}; });
+  }
+};
 
 }  // namespace
 
-FaceId* StarArena::allocate(std::size_t count) {
+std::uint32_t* StarArena::allocate(std::size_t count) {
   if (count > left_) {
     left_ = std::max(count, chunk_size);
-    chunks_.push_back(std::make_unique_for_overwrite<FaceId[]>(left_));
+    chunks_.push_back(std::make_unique_for_overwrite<std::uint32_t[]>(left_));
   }
   left_ -= count;
   return chunks_.back().get() + left_;
 }
 
-StarMesh::StarMesh(std::span<const Triangle> faces, std::size_t vertex_count)
-    : faces_(faces.begin(), faces.end()), stars_(vertex_count), pool_(3 * faces.size()) {
-  for (const Triangle& t : faces_)
-    for (int i = 0; i < 3; ++i) ++stars_[t[i]].capacity;
-  FaceId* place = pool_.data();
-  for (Star& star : stars_) {
-    star.faces = place;
-    place += star.capacity;
+StarMesh::StarMesh(std::span<const Triangle> faces, std::size_t vertex_count, unsigned threads)
+    : places_(vertex_count) {
+  const Incidences incidences(faces, vertex_count, threads);
+  std::size_t slots = 0;
+  for (VertexId v = 0; v < vertex_count; ++v) {
+    const std::size_t size = incidences.first[v + 1] - incidences.first[v];
+    places_[v].capacity = std::max(first_capacity, static_cast<std::uint32_t>(size)) & 0x7fffffffU;
+    slots += 2 * std::size_t{places_[v].capacity};
   }
-  for (FaceId f = 0; f < faces_.size(); ++f)
-    for (int i = 0; i < 3; ++i) {
-      Star& star = stars_[faces_[f][i]];
-      star.faces[star.count++] = f;
+  pool_ = std::make_unique_for_overwrite<std::uint32_t[]>(slots);
+  std::uint32_t* next_place = pool_.get();
+  for (Place& place : places_) {
+    place.ids = next_place;
+    next_place += 2 * std::size_t{place.capacity};
+  }
+  std::mutex arena_mutex;
+  for_each_range(vertex_count, threads, [&](std::size_t begin, std::size_t end) {
+    std::vector<StarFace> star;
+    for (std::size_t v = begin; v < end; ++v) {
+      star.clear();
+      for (std::size_t i = incidences.first[v]; i < incidences.first[v + 1]; ++i)
+        star.push_back({incidences.opposite[i].first, incidences.opposite[i].second, no_id});
+      const bool is_ring = chain(star);
+      std::unique_lock lock(arena_mutex, std::defer_lock);
+      if (!is_ring && 2 * star.size() > places_[v].capacity) lock.lock();  // does not fit
+      store(places_[v], star, is_ring, arena_);
     }
+  });
 }
 
 int StarMesh::edge_degree(VertexId a, VertexId b) const noexcept {
-  if (stars_[a].count > stars_[b].count) std::swap(a, b);
-  const auto at_a = star(a);
-  return static_cast<int>(std::count_if(at_a.begin(), at_a.end(), [&](FaceId f) { return contains(faces_[f], b); }));
+  if (places_[a].size > places_[b].size) std::swap(a, b);
+  int degree = 0;
+  for (const StarFace f : star(a)) degree += contains(f, b) ? 1 : 0;
+  return degree;
 }
 
 void StarMesh::neighbours(VertexId v, std::vector<VertexId>& out) const {
   out.clear();
-  for (const FaceId f : star(v)) {
-    const OppositeEdge e = opposite_edge(faces_[f], v);
-    out.push_back(e.next);
-    out.push_back(e.last);
+  for (const StarFace f : star(v)) {
+    out.push_back(f.next);
+    out.push_back(f.last);
   }
   std::sort(out.begin(), out.end());
   out.erase(std::unique(out.begin(), out.end()), out.end());
 }
 
-std::vector<FaceId> StarMesh::live_faces() const {
-  std::vector<FaceId> live;
-  for (VertexId v = 0; v < stars_.size(); ++v)
-    for (const FaceId f : star(v))
-      if (faces_[f].x == v) live.push_back(f);
-  std::sort(live.begin(), live.end());
-  return live;
+std::vector<LevelFace> StarMesh::faces() const {
+  std::vector<LevelFace> result;
+  for (VertexId v = 0; v < places_.size(); ++v)
+    for (const StarFace f : star(v))
+      if (v < f.next && v < f.last) result.push_back({{v, f.next, f.last}, f.made_by});
+  return result;
 }
 
-void StarMesh::add_to_star(VertexId v, FaceId f, StarArena& arena) {
-  Star& star = stars_[v];
-  if (star.count == star.capacity) {
-    star.capacity = std::max(8U, 2 * star.capacity);
-    FaceId* const place = arena.allocate(star.capacity);
-    std::copy_n(star.faces, star.count, place);
-    star.faces = place;
+void StarMesh::reserve(Place& place, std::size_t slots, StarArena& arena) {
+  if (slots <= place.capacity) return;
+  const auto capacity = static_cast<std::uint32_t>(std::max<std::size_t>(slots, 2 * std::size_t{place.capacity}));
+  std::uint32_t* const ids = arena.allocate(2 * static_cast<std::size_t>(capacity));
+  const std::size_t used = place.is_ring != 0 ? place.size : 2 * static_cast<std::size_t>(place.size);
+  std::copy_n(place.ids, used, ids);
+  std::copy_n(place.ids + place.capacity, used, ids + capacity);
+  place.ids = ids;
+  place.capacity = capacity & 0x7fffffffU;
+}
+
+void StarMesh::store(Place& place, std::span<const StarFace> faces, bool is_ring, StarArena& arena) {
+  place.is_ring = is_ring ? 1 : 0;
+  place.size = 0;
+  const std::size_t stride = place.is_ring != 0 ? 1 : 2;
+  reserve(place, stride * faces.size(), arena);
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    place.ids[stride * i] = faces[i].next;
+    if (place.is_ring == 0) place.ids[2 * i + 1] = faces[i].last;
+    place.ids[place.capacity + stride * i] = faces[i].made_by;
   }
-  star.faces[star.count++] = f;
+  place.size = static_cast<std::uint32_t>(faces.size());
 }
 
-// Keeps the order of the others: what was there before a collapse stays in front of what the collapse adds.
-void StarMesh::remove_from_star(VertexId v, FaceId f) noexcept {
-  Star& star = stars_[v];
-  FaceId* const end = star.faces + star.count;
-  FaceId* const found = std::find(star.faces, end, f);
-  assert(found != end);
-  std::copy(found + 1, end, found);
-  --star.count;
+void StarMesh::make_list(Place& place, StarArena& arena) {
+  if (place.is_ring == 0) return;
+  reserve(place, 2 * static_cast<std::size_t>(place.size), arena);
+  std::uint32_t* const made_by = place.ids + place.capacity;
+  VertexId last = place.ids[0];
+  for (std::size_t i = place.size; i-- > 0;) {
+    const VertexId next = place.ids[i];
+    place.ids[2 * i] = next;
+    place.ids[2 * i + 1] = last;
+    made_by[2 * i] = made_by[i];
+    last = next;
+  }
+  place.is_ring = 0;
 }
 
-FaceId StarMesh::find_reverse(const Triangle& t, VertexId u, std::uint32_t count) const noexcept {
-  const auto old_faces = star(u).first(count);
-  const auto found = std::find_if(old_faces.begin(), old_faces.end(), [&](FaceId f) { return reversed(t, faces_[f]); });
-  return found == old_faces.end() ? no_id : *found;
+// From a list that has it.
+void StarMesh::remove(Place& place, const StarFace& face) noexcept {
+  const Star star = view(place);
+  std::size_t i = 0;
+  while (i < star.size() && star[i] != face) ++i;
+  assert(i < star.size() && place.is_ring == 0);
+  std::uint32_t* const made_by = place.ids + place.capacity;
+  std::copy(place.ids + 2 * i + 2, place.ids + 2 * star.size(), place.ids + 2 * i);
+  std::copy(made_by + 2 * i + 2, made_by + 2 * star.size(), made_by + 2 * i);
+  --place.size;
+}
+
+// Makes v u in the star of a neighbour of both; faces with both end. In a ring they may be neighbours only.
+void StarMesh::replace(Place& place, VertexId v, VertexId u, CollapseId id) noexcept {
+  std::uint32_t* const ids = place.ids;
+  std::uint32_t* const made_by = ids + place.capacity;
+  if (place.is_ring == 0) {
+    std::uint32_t kept = 0;
+    for (std::uint32_t i = 0; i < place.size; ++i) {
+      StarFace f{ids[2 * i], ids[2 * i + 1], made_by[2 * i]};
+      if (contains(f, v)) {
+        if (contains(f, u)) continue;
+        (f.next == v ? f.next : f.last) = u;
+        f.made_by = id;
+      }
+      ids[2 * kept] = f.next;
+      ids[2 * kept + 1] = f.last;
+      made_by[2 * kept++] = f.made_by;
+    }
+    place.size = kept;
+    return;
+  }
+  const std::uint32_t n = place.size;
+  std::uint32_t at = 0;
+  while (at < n && ids[at] != v) ++at;
+  if (at == n) return;
+  const std::uint32_t before = at == 0 ? n - 1 : at - 1;
+  made_by[before] = id;
+  if (ids[before] != u && ids[at + 1 == n ? 0 : at + 1] != u) {
+    ids[at] = u;
+    made_by[at] = id;
+    return;
+  }
+  for (std::uint32_t i = at + 1; i < n; ++i) {
+    ids[i - 1] = ids[i];
+    made_by[i - 1] = made_by[i];
+  }
+  --place.size;
+}
+
+// Puts the ring of v into that of u = ring[i], where v was: all but ring[i] and the neighbours beside it, which are
+// there already.
+void StarMesh::splice(Place& place, std::span<const VertexId> ring, std::size_t i, VertexId v, CollapseId id,
+                      StarArena& arena) {
+  const std::size_t n = place.size;
+  const std::size_t added = ring.size() - 3;
+  reserve(place, n + added, arena);
+  std::uint32_t* const ids = place.ids;
+  std::uint32_t* const made_by = ids + place.capacity;
+  std::size_t at = 0;
+  while (ids[at] != v) ++at;
+  made_by[at == 0 ? n - 1 : at - 1] = id;
+  if (added == 0) {
+    std::copy(ids + at + 1, ids + n, ids + at);
+    std::copy(made_by + at + 1, made_by + n, made_by + at);
+  } else {
+    std::copy_backward(ids + at + 1, ids + n, ids + n + added - 1);
+    std::copy_backward(made_by + at + 1, made_by + n, made_by + n + added - 1);
+    std::size_t from = i + 2;
+    for (std::size_t k = 0; k < added; ++k, ++from) {
+      if (from >= ring.size()) from -= ring.size();
+      ids[at + k] = ring[from];
+      made_by[at + k] = id;
+    }
+  }
+  place.size = static_cast<std::uint32_t>(n + added - 1);
+}
+
+void StarMesh::take_over(VertexId v, VertexId u, CollapseId id, StarArena& arena) {
+  Place& place = places_[u];
+  const Star of_v = star(v);
+  if (of_v.is_ring() && place.is_ring != 0) {
+    const auto ring = of_v.ring();
+    const auto i = static_cast<std::size_t>(std::find(ring.begin(), ring.end(), u) - ring.begin());
+    return splice(place, ring, i, v, id, arena);
+  }
+  arena.scratch.clear();
+  for (const StarFace f : star(u))
+    if (!contains(f, v)) arena.scratch.push_back(f);
+  for (const StarFace f : of_v)
+    if (!contains(f, u)) arena.scratch.push_back({f.next, f.last, id});
+  make_list(place, arena);
+  reserve(place, 2 * arena.scratch.size(), arena);
+  place.size = 0;
+  for (const StarFace& f : arena.scratch) {
+    place.ids[2 * place.size] = f.next;
+    place.ids[2 * place.size + 1] = f.last;
+    place.ids[place.capacity + 2 * place.size++] = f.made_by;
+  }
+}
+
+// Among lists: faces of v that moved to u and met an older one turned over end with it.
+std::size_t StarMesh::cancel_folds(VertexId v, VertexId u, CollapseId id, std::vector<LevelFace>& ended) {
+  std::size_t gone = 0;
+  for (const StarFace moved : star(v)) {
+    if (contains(moved, u)) continue;
+    const StarFace f{moved.next, moved.last, id};
+    const Star of_u = star(u);
+    const auto is_twin = [&](const StarFace& g) { return g.made_by != id && g.next == f.last && g.last == f.next; };
+    std::size_t i = 0;
+    while (i < of_u.size() && !is_twin(of_u[i])) ++i;
+    if (i == of_u.size()) continue;
+    const StarFace twin = of_u[i];
+    ended.push_back({{u, twin.next, twin.last}, twin.made_by});
+    for (const StarFace& face : {f, twin}) {
+      remove(places_[u], face);
+      remove(places_[face.next], {face.last, u, face.made_by});
+      remove(places_[face.last], {u, face.next, face.made_by});
+    }
+    gone += 2;
+  }
+  return gone;
+}
+
+// Makes rings of what has become one.
+void StarMesh::settle(VertexId v, VertexId u, StarArena& arena) {
+  const auto settle_one = [&](Place& place) {
+    if (place.is_ring != 0) return;
+    arena.scratch.clear();
+    for (const StarFace f : view(place)) arena.scratch.push_back(f);
+    store(place, arena.scratch, chain(arena.scratch), arena);
+  };
+  for (const StarFace f : star(v)) {
+    settle_one(places_[f.next]);
+    settle_one(places_[f.last]);
+  }
+  settle_one(places_[u]);
+}
+
+std::size_t StarMesh::collapse(VertexId v, VertexId u, CollapseId id, bool may_fold, StarArena& arena,
+                               std::vector<LevelFace>& ended) {
+  const Star of_v = star(v);
+  std::size_t gone = 0;
+  for (const StarFace f : of_v) {
+    ended.push_back({{v, f.next, f.last}, f.made_by});
+    gone += contains(f, u) ? 1U : 0U;
+  }
+  if (may_fold) make_list(places_[u], arena);
+  for (const StarFace f : of_v)
+    for (const VertexId w : {f.next, f.last}) {
+      if (w == u || (w == f.last && of_v.is_ring())) continue;
+      if (may_fold) make_list(places_[w], arena);
+      replace(places_[w], v, u, id);
+    }
+  take_over(v, u, id, arena);
+  if (may_fold) {
+    gone += cancel_folds(v, u, id, ended);
+    settle(v, u, arena);
+  }
+  places_[v].size = 0;
+  return gone;
 }
 
 }  // namespace occlod

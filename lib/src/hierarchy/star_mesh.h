@@ -1,13 +1,14 @@
-// The mesh while it is being simplified: plain indices, faces around every vertex, any topology.
+// The mesh while it is being simplified: around every vertex the edges opposite to it, any topology.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <vector>
 
-#include "occlod/core/ids.h"
 #include "occlod/mesh/triangle_mesh.h"
+#include "simplify.h"
 
 namespace occlod {
 
@@ -15,108 +16,115 @@ namespace occlod {
   return t.x == v || t.y == v || t.z == v;
 }
 
-// The corners of a triangle that follow `v` in its winding order. Precondition: contains(t, v).
-struct OppositeEdge {
+// A face as one of its vertices sees it: its other corners, in winding order, and the collapse that made it.
+struct StarFace {
   VertexId next;
   VertexId last;
+  CollapseId made_by;
+  friend bool operator==(const StarFace&, const StarFace&) = default;
 };
-[[nodiscard]] constexpr OppositeEdge opposite_edge(const Triangle& t, VertexId v) noexcept {
-  if (t.x == v) return {t.y, t.z};
-  if (t.y == v) return {t.z, t.x};
-  return {t.x, t.y};
-}
+[[nodiscard]] constexpr bool contains(const StarFace& f, VertexId w) noexcept { return f.next == w || f.last == w; }
+
+// The faces at one vertex. A star that is one closed fan of at least three faces, all wound alike, is kept as a ring:
+// its neighbours in order, face i being that between neighbour i and the next; any other as a list of faces. Views stay
+// valid until the star changes.
+class Star {
+ public:
+  Star(const VertexId* ids, const CollapseId* made_by, std::size_t size, bool is_ring) noexcept
+      : ids_(ids), made_by_(made_by), size_(size), is_ring_(is_ring) {}
+
+  [[nodiscard]] std::size_t size() const noexcept { return size_; }
+  [[nodiscard]] bool empty() const noexcept { return size_ == 0; }
+  [[nodiscard]] bool is_ring() const noexcept { return is_ring_; }
+  [[nodiscard]] std::span<const VertexId> ring() const noexcept { return {ids_, size_}; }  // of a ring only
+  [[nodiscard]] StarFace operator[](std::size_t i) const noexcept {
+    if (is_ring_) return {ids_[i], ids_[i + 1 == size_ ? 0 : i + 1], made_by_[i]};
+    return {ids_[2 * i], ids_[2 * i + 1], made_by_[2 * i]};
+  }
+
+  class Iterator {
+   public:
+    Iterator(const Star& star, std::size_t i) noexcept : star_(&star), i_(i) {}
+    StarFace operator*() const noexcept { return (*star_)[i_]; }
+    Iterator& operator++() noexcept { return ++i_, *this; }
+    bool operator!=(const Iterator& o) const noexcept { return i_ != o.i_; }
+
+   private:
+    const Star* star_;
+    std::size_t i_;
+  };
+  [[nodiscard]] Iterator begin() const noexcept { return {*this, 0}; }
+  [[nodiscard]] Iterator end() const noexcept { return {*this, size_}; }
+
+ private:
+  const VertexId* ids_;
+  const CollapseId* made_by_;
+  std::size_t size_;
+  bool is_ring_;
+};
 
 // Memory for stars that outgrow their first place. Given back all at once, so it outlives the mesh; one for each thread
 // that collapses.
 class StarArena {
  public:
-  [[nodiscard]] FaceId* allocate(std::size_t count);
+  [[nodiscard]] std::uint32_t* allocate(std::size_t count);
+  std::vector<StarFace> scratch;  // for whoever works on a star
 
  private:
   static constexpr std::size_t chunk_size = 1U << 16;
-  std::vector<std::unique_ptr<FaceId[]>> chunks_;
+  std::vector<std::unique_ptr<std::uint32_t[]>> chunks_;
   std::size_t left_ = 0;
 };
 
-// Faces are slots: a face that a collapse moves keeps its slot and changes a corner. Collapses whose stars, rings
-// included, are disjoint may run in parallel, each with an arena of its own.
+// Collapses whose stars, rings included, are disjoint may run in parallel, each with an arena of its own.
 class StarMesh {
  public:
-  StarMesh(std::span<const Triangle> faces, std::size_t vertex_count);
+  StarMesh(std::span<const Triangle> faces, std::size_t vertex_count, unsigned threads = 1);
 
-  [[nodiscard]] const Triangle& face(FaceId f) const noexcept { return faces_[f]; }
-  [[nodiscard]] std::size_t face_count() const noexcept { return faces_.size(); }  // slots
-  [[nodiscard]] std::span<const FaceId> star(VertexId v) const noexcept { return {stars_[v].faces, stars_[v].count}; }
+  [[nodiscard]] std::size_t vertex_count() const noexcept { return places_.size(); }
+  [[nodiscard]] Star star(VertexId v) const noexcept { return view(places_[v]); }
+  void prefetch(VertexId v) const { __builtin_prefetch(places_[v].ids); }
   // The number of faces at edge ab.
   [[nodiscard]] int edge_degree(VertexId a, VertexId b) const noexcept;
   // The vertices that share a face with v, each once, ascending. `out` is cleared first.
   void neighbours(VertexId v, std::vector<VertexId>& out) const;
-  // Slots in use, ascending.
-  [[nodiscard]] std::vector<FaceId> live_faces() const;
+  // All faces, by their smallest corners.
+  [[nodiscard]] std::vector<LevelFace> faces() const;
 
-  // Merges v into u: faces with both end, the others at v get u in its place. `may_fold`: a moved face may meet an old
-  // one turned over; then both end, so that the oriented boundary (as a chain) stays that of the merged input. Calls
-  // end(f) for every face that ends or moves while its slot still holds the old corners. Returns how many slots fall
-  // out of use.
-  template <typename End>
-  std::size_t collapse(VertexId v, VertexId u, bool may_fold, StarArena& arena, const End& end);
+  // Merges v into u: faces with both end, the others at v get u in its place and are made by `id`. `may_fold`: a moved
+  // face may meet an old one turned over; then both end, so that the oriented boundary (as a chain) stays that of the
+  // merged input. Without it, the collapse keeps the topology (see collapse_rules.h). Appends every face that ends or
+  // moves to `ended`: those at v in the order of its star, with v first; then those that others were folded onto.
+  // Returns how many faces there are fewer.
+  std::size_t collapse(VertexId v, VertexId u, CollapseId id, bool may_fold, StarArena& arena,
+                       std::vector<LevelFace>& ended);
 
  private:
-  struct Star {
-    FaceId* faces = nullptr;
-    std::uint32_t count = 0;
-    std::uint32_t capacity = 0;
+  // Where a star is: `capacity` ids, then as many CollapseIds. Rings use one of each for a face, lists two.
+  struct Place {
+    std::uint32_t* ids = nullptr;
+    std::uint32_t size = 0;  // faces
+    std::uint32_t capacity : 31 = 0;
+    std::uint32_t is_ring : 1 = 0;
   };
 
-  void add_to_star(VertexId v, FaceId f, StarArena& arena);
-  void remove_from_star(VertexId v, FaceId f) noexcept;
-  // Among the first `count` faces of u the one with the corners of t in opposite winding order, or no_id.
-  [[nodiscard]] FaceId find_reverse(const Triangle& t, VertexId u, std::uint32_t count) const noexcept;
+  [[nodiscard]] static Star view(const Place& p) noexcept {
+    return {p.ids, p.ids + p.capacity, p.size, p.is_ring != 0};
+  }
+  static void reserve(Place& place, std::size_t slots, StarArena& arena);
+  static void store(Place& place, std::span<const StarFace> faces, bool is_ring, StarArena& arena);
+  static void make_list(Place& place, StarArena& arena);
+  static void remove(Place& place, const StarFace& face) noexcept;
+  static void replace(Place& place, VertexId v, VertexId u, CollapseId id) noexcept;
+  static void splice(Place& place, std::span<const VertexId> ring, std::size_t i, VertexId v, CollapseId id,
+                     StarArena& arena);
+  void take_over(VertexId v, VertexId u, CollapseId id, StarArena& arena);
+  void settle(VertexId v, VertexId u, StarArena& arena);
+  std::size_t cancel_folds(VertexId v, VertexId u, CollapseId id, std::vector<LevelFace>& ended);
 
-  std::vector<Triangle> faces_;
-  std::vector<Star> stars_;
-  std::vector<FaceId> pool_;  // the first places of all stars
+  std::vector<Place> places_;
+  std::unique_ptr<std::uint32_t[]> pool_;  // the first places of all stars
+  StarArena arena_;                        // for those that are longer from the start
 };
-
-template <typename End>
-std::size_t StarMesh::collapse(VertexId v, VertexId u, bool may_fold, StarArena& arena, const End& end) {
-  const Star star = stars_[v];
-  stars_[v].count = 0;
-  std::size_t gone = 0;
-  std::uint32_t moving = 0;
-  for (std::uint32_t i = 0; i < star.count; ++i) {
-    const FaceId f = star.faces[i];
-    end(f);
-    if (!contains(faces_[f], u)) {
-      star.faces[moving++] = f;
-      continue;
-    }
-    const OppositeEdge e = opposite_edge(faces_[f], v);
-    remove_from_star(e.next, f);
-    remove_from_star(e.last, f);
-    ++gone;
-  }
-  std::uint32_t old_faces_of_u = stars_[u].count;
-  for (std::uint32_t i = 0; i < moving; ++i) {
-    const FaceId f = star.faces[i];
-    const OppositeEdge e = opposite_edge(faces_[f], v);
-    const Triangle moved(u, e.next, e.last);
-    const FaceId twin = may_fold ? find_reverse(moved, u, old_faces_of_u) : no_id;
-    if (twin == no_id) {
-      faces_[f] = moved;
-      add_to_star(u, f, arena);
-      continue;
-    }
-    end(twin);
-    for (const VertexId w : {e.next, e.last}) {
-      remove_from_star(w, f);
-      remove_from_star(w, twin);
-    }
-    remove_from_star(u, twin);
-    --old_faces_of_u;
-    gone += 2;
-  }
-  return gone;
-}
 
 }  // namespace occlod
