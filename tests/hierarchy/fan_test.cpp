@@ -16,7 +16,8 @@ namespace {
 void expect_same_answers(const StarMesh& mesh, std::span<const glm::vec3> positions, VertexId v, int& compared) {
   Fan fan;
   if (!fan.gather(mesh, v)) return;
-  fan.measure(positions);
+  fan.measure_offsets([&](VertexId w) { return positions[w]; });
+  fan.measure_normals();
   VertexRing ring;
   ring.gather(mesh, v);
   ASSERT_EQ(fan.size(), ring.neighbours().size());

@@ -32,7 +32,7 @@ struct Projection {
 
 }  // namespace
 
-double ChangeBound::operator()(const StarMesh& mesh, std::span<const glm::vec3> positions, const VertexRing& ring,
+double ChangeBound::operator()(const StarMesh& mesh, const PositionView& positions, const VertexRing& ring,
                                VertexId u) {
   const glm::dvec3 v(positions[ring.vertex()]);
   const glm::dvec3 target(positions[u]);
@@ -57,7 +57,7 @@ double ChangeBound::operator()(const StarMesh& mesh, std::span<const glm::vec3> 
 
 // Takes the faces of one fan out of open_faces_ and puts their outer corners into page_ in order. False when they do
 // not form a fan.
-bool ChangeBound::next_page(std::span<const glm::vec3> positions, const VertexRing& ring) {
+bool ChangeBound::next_page(const PositionView& positions, const VertexRing& ring) {
   const auto is_feature = [&](VertexId w) {
     const auto neighbours = ring.neighbours();
     const auto at = std::lower_bound(neighbours.begin(), neighbours.end(), w);

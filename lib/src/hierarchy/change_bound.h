@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "collapse_rules.h"
+#include "position_view.h"
 #include "star_mesh.h"
 
 namespace occlod {
@@ -24,7 +25,7 @@ namespace occlod {
 class ChangeBound {
  public:
   // Object units, rounded upwards. `ring` has been gathered for v.
-  [[nodiscard]] double operator()(const StarMesh& mesh, std::span<const glm::vec3> positions, const VertexRing& ring,
+  [[nodiscard]] double operator()(const StarMesh& mesh, const PositionView& positions, const VertexRing& ring,
                                   VertexId u);
 
  private:
@@ -33,7 +34,7 @@ class ChangeBound {
     std::vector<glm::dvec3> corners;
     bool closed = false;
   };
-  [[nodiscard]] bool next_page(std::span<const glm::vec3> positions, const VertexRing& ring);
+  [[nodiscard]] bool next_page(const PositionView& positions, const VertexRing& ring);
   [[nodiscard]] double page_bound(const glm::dvec3& apex, const glm::dvec3& target);
 
   Page page_;

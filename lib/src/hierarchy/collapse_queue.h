@@ -51,6 +51,9 @@ class CollapseQueue {
     return item;
   }
 
+  // Most likely the next item to pop; `none` when unknown.
+  [[nodiscard]] std::uint32_t likely_next() const { return cursor_ < level_count ? heads_[cursor_] : none; }
+
   static constexpr std::uint32_t none = UINT32_MAX;
 
  private:

@@ -84,7 +84,7 @@ bool keeps_topology(const StarMesh& mesh, const VertexRing& ring, std::size_t i)
   return true;
 }
 
-bool keeps_orientation(const StarMesh& mesh, std::span<const glm::vec3> positions, VertexId v, VertexId u) {
+bool keeps_orientation(const StarMesh& mesh, const PositionView& positions, VertexId v, VertexId u) {
   const glm::dvec3 from(positions[v]);
   const glm::dvec3 to(positions[u]);
   for (const StarFace f : mesh.star(v)) {

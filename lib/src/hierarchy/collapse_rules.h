@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "position_view.h"
 #include "star_mesh.h"
 
 namespace occlod {
@@ -42,7 +43,6 @@ class VertexRing {
 
 // True iff no face that merging v into u moves turns by more than about 75 degrees or degenerates. Faces without area
 // before may do anything.
-[[nodiscard]] bool keeps_orientation(const StarMesh& mesh, std::span<const glm::vec3> positions, VertexId v,
-                                     VertexId u);
+[[nodiscard]] bool keeps_orientation(const StarMesh& mesh, const PositionView& positions, VertexId v, VertexId u);
 
 }  // namespace occlod

@@ -20,12 +20,12 @@ const BlockRecord& CollapseWorker::run(const Block& block) {
   record_.ended.clear();
   record_.faces_gone = 0;
   queue_.reset(block.vertices.size());
-  for (const VertexId v : block.vertices) state_.prefetch(v);
   for (std::uint32_t i = 0; i < block.vertices.size(); ++i)
-    if (const float cost = state_.costs[block.vertices[i]]; cost <= block.threshold) queue_.push(i, cost);
+    if (const float cost = state_.vertices[block.vertices[i]].cost; cost <= block.threshold) queue_.push(i, cost);
   std::size_t reported = 0;
   std::size_t steps = 0;
   for (std::uint32_t i = queue_.pop(); i != CollapseQueue::none; i = queue_.pop()) {
+    prefetch_next();
     consider(block.vertices[i]);
     if (record_.faces_gone >= block.stop_after) break;
     if (++steps % steps_between_reports != 0) continue;
@@ -36,9 +36,17 @@ const BlockRecord& CollapseWorker::run(const Block& block) {
   return record_;
 }
 
+// What consider() will read first.
+void CollapseWorker::prefetch_next() const {
+  const std::uint32_t next = queue_.likely_next();
+  if (next == CollapseQueue::none) return;
+  prefetch(&state_.vertices[block_->vertices[next]]);
+  state_.mesh.prefetch(block_->vertices[next]);
+}
+
 // Of a vertex of the block.
 void CollapseWorker::set_cost(VertexId v, float cost) {
-  state_.costs[v] = cost;
+  state_.vertices[v].cost = cost;
   const std::uint32_t item = state_.ranks[v] - block_->first_rank;
   queue_.remove(item);
   if (cost <= block_->threshold) queue_.push(item, cost);
@@ -50,8 +58,9 @@ void CollapseWorker::consider(VertexId v) {
   if (!is_fan) ring_.gather(state_.mesh, v);
   const std::span<const VertexId> ring = is_fan ? fan_.ring() : ring_.neighbours();
   if (!in_block(ring)) return;
+  for (const VertexId w : ring) state_.mesh.prefetch(w);
   const Choice choice = is_fan ? choose_in_fan() : choose_in_ring();
-  if (CollapseQueue::level(choice.cost) > CollapseQueue::level(state_.costs[v]))
+  if (CollapseQueue::level(choice.cost) > CollapseQueue::level(state_.vertices[v].cost))
     set_cost(v, choice.cost);
   else
     collapse(v, choice, ring);
@@ -64,9 +73,10 @@ bool CollapseWorker::in_block(std::span<const VertexId> vertices) const {
 
 // The cheapest collapse that the rules allow. Where they allow none, the cheapest that breaks the topology.
 CollapseWorker::Choice CollapseWorker::choose_in_fan() {
-  fan_.measure(state_.positions);
+  fan_.measure_offsets(state_.position_of());
+  fan_.measure_normals();
   const VertexId v = fan_.vertex();
-  const std::span<float> costs = fan_.costs(state_.quadrics[v]);
+  const std::span<float> costs = fan_.costs(state_.vertices[v].quadric);
   for (std::size_t tries = 0; tries < costs.size(); ++tries) {
     const auto cheapest = std::min_element(costs.begin(), costs.end());
     if (!(*cheapest < infinity)) break;
@@ -85,11 +95,11 @@ CollapseWorker::Choice CollapseWorker::choose_in_ring() {
   for (std::size_t i = 0; i < neighbours.size(); ++i) {
     const float c = state_.cost(v, neighbours[i]);
     if (c < best.cost && keeps_topology(state_.mesh, ring_, i) &&
-        keeps_orientation(state_.mesh, state_.positions, v, neighbours[i]))
+        keeps_orientation(state_.mesh, state_.positions(), v, neighbours[i]))
       best = {neighbours[i], c, 0.0F, true};
   }
   if (best.u == no_id) return break_topology(neighbours, v);
-  best.moved = static_cast<float>(change_bound_(state_.mesh, state_.positions, ring_, best.u)) * round_up;
+  best.moved = static_cast<float>(change_bound_(state_.mesh, state_.positions(), ring_, best.u)) * round_up;
   return best;
 }
 
@@ -99,12 +109,12 @@ CollapseWorker::Choice CollapseWorker::break_topology(std::span<const VertexId> 
   Choice cheapest{no_id, infinity, 0.0F, false};
   float extent2 = 0.0F;
   for (const VertexId u : neighbours) {
-    const glm::vec3 edge = state_.positions[u] - state_.positions[v];
+    const glm::vec3 edge = state_.edge(v, u);
     extent2 = std::max(extent2, glm::dot(edge, edge));
     const float c = state_.cost(v, u);
     if (c < cheapest.cost) cheapest = {u, c, 0.0F, false};
   }
-  cheapest.cost = std::max(cheapest.cost, state_.quadrics[v].order() * 4.0F * extent2);
+  cheapest.cost = std::max(cheapest.cost, state_.vertices[v].quadric.order() * 4.0F * extent2);
   return cheapest;
 }
 
@@ -113,8 +123,8 @@ void CollapseWorker::collapse(VertexId v, const Choice& choice, std::span<const 
   const auto id = static_cast<CollapseId>(block_->first_id + record_.collapses.size());
   const std::size_t first_ended = record_.ended.size();
   record_.faces_gone += state_.mesh.collapse(v, u, id, !choice.keeps_topology, arena_, record_.ended);
-  const glm::vec3 edge = state_.positions[u] - state_.positions[v];
-  float error = std::sqrt(state_.quadrics[v].mean_square(edge));
+  const glm::vec3 edge = state_.edge(v, u);
+  float error = std::sqrt(state_.vertices[v].quadric.mean_square(edge));
   float extent = 0.0F;
   // What ended without keeping the topology may have left nothing near it: its own extent is missing.
   if (!choice.keeps_topology) {
@@ -124,27 +134,27 @@ void CollapseWorker::collapse(VertexId v, const Choice& choice, std::span<const 
   const float after = pass_on_errors(choice, v, ring, extent);
   record_.collapses.push_back(
       {v, u, id, first_ended, error * round_up / state_.scale, after * round_up / state_.scale});
-  state_.quadrics[u].add(state_.quadrics[v], edge);
-  state_.costs[v] = infinity;
+  state_.vertices[u].quadric.add(state_.vertices[v].quadric, edge);
+  state_.vertices[v].cost = infinity;
   for (const VertexId w : ring) update(w, u);
 }
 
 // Faces that a collapse makes are as far from the input as the worst of those that it ends, plus how far it moves the
 // surface. Each vertex of the ring has one of them. Returns their error.
 float CollapseWorker::pass_on_errors(const Choice& choice, VertexId v, std::span<const VertexId> ring, float extent) {
-  float before = state_.errors[v];
+  float before = state_.vertices[v].error;
   // Faces that others were folded onto lie at the ring.
   if (!choice.keeps_topology)
-    for (const VertexId w : ring) before = std::max(before, state_.errors[w]);
+    for (const VertexId w : ring) before = std::max(before, state_.vertices[w].error);
   const float after = (before + (choice.keeps_topology ? choice.moved : extent)) * round_up;
-  for (const VertexId w : ring) state_.errors[w] = std::max(state_.errors[w], after);
+  for (const VertexId w : ring) state_.vertices[w].error = std::max(state_.vertices[w].error, after);
   return after;
 }
 
 // After a collapse into u: w, of the ring, has lost one neighbour, which leaves its cost a lower bound, and may have
 // gained u. Only u's quadric has changed.
 void CollapseWorker::update(VertexId w, VertexId u) {
-  const float old_cost = state_.costs[w];
+  const float old_cost = state_.vertices[w].cost;
   float cost = old_cost;
   if (w == u) {
     cost = state_.propose(w, fan_of_u_);
@@ -158,8 +168,7 @@ float CollapseWorker::longest_edge(std::span<const LevelFace> faces) const {
   float longest = 0.0F;
   for (const LevelFace& face : faces)
     for (int i = 0; i < 3; ++i)
-      longest = std::max(longest,
-                         glm::distance(state_.positions[face.corners[i]], state_.positions[face.corners[(i + 1) % 3]]));
+      longest = std::max(longest, glm::length(state_.edge(face.corners[i], face.corners[(i + 1) % 3])));
   return longest;
 }
 

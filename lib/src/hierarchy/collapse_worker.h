@@ -44,6 +44,7 @@ class CollapseWorker {
     bool keeps_topology = false;
   };
 
+  void prefetch_next() const;
   void set_cost(VertexId v, float cost);
   void consider(VertexId v);
   [[nodiscard]] bool in_block(std::span<const VertexId> vertices) const;

@@ -1,8 +1,10 @@
 #include "fan.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <limits>
 
 namespace occlod {
 namespace {
@@ -10,6 +12,7 @@ namespace {
 // As in collapse_rules.cpp.
 constexpr float min_cos_turn = 0.25F;
 constexpr float min_sin2_corner = 1e-11F;
+constexpr float unbounded = std::numeric_limits<float>::infinity();
 constexpr float round_up = 1.0F + 1e-5F;
 
 // Two axes that with `normal` (unit) make an orthonormal frame (Duff et al. 2017).
@@ -38,28 +41,16 @@ bool Fan::gather(const StarMesh& mesh, VertexId v) {
   return true;
 }
 
-void Fan::measure_offsets(std::span<const glm::vec3> positions) {
-  const glm::vec3 origin = positions[vertex_];
-  for (std::size_t i = 0; i < size_; ++i) {
-    const glm::vec3& p = positions[ring_[i]];
-    x_[i] = p.x - origin.x;
-    y_[i] = p.y - origin.y;
-    z_[i] = p.z - origin.z;
-  }
-  for (std::size_t i = size_; i <= padded_; ++i) {
-    x_[i] = x_[0];
-    y_[i] = y_[0];
-    z_[i] = z_[0];
-  }
-}
-
-void Fan::measure(std::span<const glm::vec3> positions) {
-  measure_offsets(positions);
-  for (std::size_t i = 0; i < padded_; ++i) {
-    normal_x_[i] = y_[i] * z_[i + 1] - z_[i] * y_[i + 1];
-    normal_y_[i] = z_[i] * x_[i + 1] - x_[i] * z_[i + 1];
-    normal_z_[i] = x_[i] * y_[i + 1] - y_[i] * x_[i + 1];
-    area2_[i] = normal_x_[i] * normal_x_[i] + normal_y_[i] * normal_y_[i] + normal_z_[i] * normal_z_[i];
+void Fan::measure_normals() {
+  const std::size_t n = columns();
+  for (std::size_t i = 0; i < n; ++i) {
+    const float x = y_[i] * z_[i + 1] - z_[i] * y_[i + 1];
+    const float y = z_[i] * x_[i + 1] - x_[i] * z_[i + 1];
+    const float z = x_[i] * y_[i + 1] - y_[i] * x_[i + 1];
+    normal_x_[i] = x;
+    normal_y_[i] = y;
+    normal_z_[i] = z;
+    area2_[i] = x * x + y * y + z * z;
   }
 }
 
@@ -81,7 +72,8 @@ std::span<float> Fan::costs(const VertexQuadric& quadric) {
   const VertexQuadric q = quadric;  // no alias of the rows
   const float inverse = q.inverse_weight(), order = q.order();
   const float bx = 2.0F * q.b.x, by = 2.0F * q.b.y, bz = 2.0F * q.b.z;
-  for (std::size_t i = 0; i < padded_; ++i) {
+  const std::size_t n = columns();
+  for (std::size_t i = 0; i < n; ++i) {
     const float x = x_[i], y = y_[i], z = z_[i];
     const float sum = x * (q.xx * x + bx + 2.0F * (q.xy * y + q.xz * z)) + y * (q.yy * y + by + 2.0F * q.yz * z) +
                       z * (q.zz * z + bz) + q.c;
@@ -97,9 +89,10 @@ bool Fan::keeps_topology(const StarMesh& mesh, std::size_t i) const {
   const VertexId u = ring_[i];
   const Star star = mesh.star(u);
   if (star.is_ring()) {
+    const std::size_t n = columns();
     std::uint32_t common = 0;
     for (const VertexId w : star.ring())
-      for (std::size_t k = 0; k < padded_; ++k) common += ring_[k] == w ? 1U : 0U;
+      for (std::size_t k = 0; k < n; ++k) common += ring_[k] == w ? 1U : 0U;
     return common == 2 && (size_ > 3 || star.size() > 3);  // a tetrahedron would fold flat
   }
   const VertexId left = ring_[before(i)], right = ring_[after(i)];
@@ -118,7 +111,8 @@ bool Fan::keeps_topology(const StarMesh& mesh, std::size_t i) const {
 bool Fan::keeps_orientation(std::size_t i) const {
   const float tx = x_[i], ty = y_[i], tz = z_[i];
   alignas(16) std::array<std::int32_t, most_neighbours> fails;
-  for (std::size_t k = 0; k < padded_; ++k) {
+  const std::size_t n = columns();
+  for (std::size_t k = 0; k < n; ++k) {
     const float ax = x_[k] - tx, ay = y_[k] - ty, az = z_[k] - tz;
     const float bx = x_[k + 1] - tx, by = y_[k + 1] - ty, bz = z_[k + 1] - tz;
     const float mx = ay * bz - az * by, my = az * bx - ax * bz, mz = ax * by - ay * bx;
@@ -133,7 +127,7 @@ bool Fan::keeps_orientation(std::size_t i) const {
   }
   fails[i] = fails[before(i)] = 0;  // these end
   std::int32_t fail = 0;
-  for (std::size_t k = 0; k < padded_; ++k) fail |= fails[k];
+  for (std::size_t k = 0; k < n; ++k) fail |= fails[k];
   return fail == 0;
 }
 
@@ -142,47 +136,64 @@ bool Fan::keeps_orientation(std::size_t i) const {
 struct Fan::Overlay {
   std::size_t size;
   alignas(16) Row x, y, height;
-  float smallest;        // of areas that count
-  std::size_t home = 0;  // the new triangle above or below the apex
+  alignas(16) Row dx, dy, side;  // the diagonal from corner 0 to k; < 0 where the apex is on its left
+
+  [[nodiscard]] std::size_t columns() const { return (size + 3) & ~std::size_t{3}; }
+
+  void make_diagonals() {
+    for (std::size_t k = 0; k < columns(); ++k) {
+      dx[k] = x[k] - x[0];
+      dy[k] = y[k] - y[0];
+      side[k] = y[0] * dx[k] - x[0] * dy[k];
+    }
+    dx[columns()] = dy[columns()] = 0.0F;
+  }
 
   // Both fans must cover the polygon once. An old face may stand upright.
-  [[nodiscard]] bool covers_once() const {
-    float least_old = 0.0F, least_new = 2.0F * smallest;
-    for (std::size_t k = 0; k < size; ++k) least_old = std::min(least_old, x[k] * y[k + 1] - y[k] * x[k + 1]);
-    for (std::size_t k = 1; k + 1 < size; ++k)
-      least_new = std::min(least_new, (x[k] - x[0]) * (y[k + 1] - y[0]) - (y[k] - y[0]) * (x[k + 1] - x[0]));
-    return least_old >= -smallest && least_new > smallest;
-  }
-
-  // The distance of the apex from the new fan; negative when it is above none of its triangles.
-  float at_apex() {
-    for (std::size_t k = 1; k + 1 < size; ++k) {
-      const float bx = x[k] - x[0], by = y[k] - y[0], cx = x[k + 1] - x[0], cy = y[k + 1] - y[0];
-      const float s = y[0] * cx - x[0] * cy, r = by * x[0] - bx * y[0];
-      const float area = bx * cy - by * cx;
-      if (s < -1e-5F * area || r < -1e-5F * area || s + r > (1.0F + 1e-5F) * area) continue;
-      home = k;
-      return std::abs(height[0] + (s * (height[k] - height[0]) + r * (height[k + 1] - height[0])) / area);
+  [[nodiscard]] bool covers_once(float smallest_area) const {
+    alignas(16) std::array<std::int32_t, most_neighbours> fails;
+    for (std::size_t k = 0; k < columns(); ++k) {
+      const float old_area = x[k] * y[k + 1] - y[k] * x[k + 1], new_area = dx[k] * dy[k + 1] - dy[k] * dx[k + 1];
+      const std::int32_t is_end = k == 0 || k + 1 >= size ? 1 : 0;
+      fails[k] = (old_area >= -smallest_area ? 0 : 1) | ((new_area > smallest_area ? 0 : 1) & ~is_end);
     }
-    return -1.0F;
+    std::int32_t fail = 0;
+    for (std::size_t k = 0; k < columns(); ++k) fail |= fails[k];
+    return fail == 0;
   }
 
-  // The largest distance where old spokes cross new diagonals. Those to corners beyond the diagonal do.
-  [[nodiscard]] float at_crossings() const {
-    float largest = 0.0F;
+  // The new triangle above or below the apex; 0 when rounding leaves none.
+  [[nodiscard]] std::size_t home() const {
+    std::size_t k = 1;
+    while (k + 1 < size && !(side[k] <= 0.0F && side[k + 1] >= 0.0F)) ++k;
+    return k + 1 < size ? k : 0;
+  }
+
+  [[nodiscard]] float at_apex(std::size_t k) const {
+    const float area = dx[k] * dy[k + 1] - dy[k] * dx[k + 1];
+    const float rise = side[k + 1] * (height[k] - height[0]) - side[k] * (height[k + 1] - height[0]);
+    return std::abs(height[0] + rise / area);
+  }
+
+  // The largest distance where old spokes cross new diagonals: those to corners beyond the diagonal do.
+  [[nodiscard]] float at_crossings(std::size_t home) const {
+    alignas(16) std::array<std::int32_t, most_neighbours> gaps{};  // bits of positive floats compare like them
     for (std::size_t j = 2; j + 1 < size; ++j) {
-      const float dx = x[j] - x[0], dy = y[j] - y[0], rise = height[j] - height[0];
-      const float along_old = y[0] * dx - x[0] * dy;
-      const std::size_t begin = j <= home ? 1 : j + 1, end = j <= home ? j : size;
-      for (std::size_t k = begin; k < end; ++k) {
-        const float det = dx * y[k] - dy * x[k], along_new = y[0] * x[k] - x[0] * y[k];
-        const float gap = along_old * height[k] - along_new * rise - det * height[0];
+      const float jx = dx[j], jy = dy[j], rise = height[j] - height[0], along_old = side[j];
+      const auto begin = static_cast<std::int32_t>(j <= home ? 1 : j + 1);
+      const auto end = static_cast<std::int32_t>(j <= home ? j : size);
+      for (std::size_t k = 0; k < columns(); ++k) {
+        const float det = jx * y[k] - jy * x[k], along_new = y[0] * x[k] - x[0] * y[k];
+        const float gap = std::abs((along_old * height[k] - along_new * rise) / det - height[0]);
+        const auto at = static_cast<std::int32_t>(k);
         // Within both lines, but for rounding.
-        if (det != 0.0F && std::abs(along_new) <= std::abs(det) && std::abs(along_old) <= std::abs(det))
-          largest = std::max(largest, std::abs(gap / det));
+        const bool crosses = (at >= begin) & (at < end) & (std::abs(along_new) <= std::abs(det)) &
+                             (std::abs(along_old) <= std::abs(det)) & (gap < unbounded);
+        const std::int32_t bits = crosses ? std::bit_cast<std::int32_t>(gap) : 0;
+        gaps[k] = bits > gaps[k] ? bits : gaps[k];
       }
     }
-    return largest;
+    return std::bit_cast<float>(*std::max_element(gaps.begin(), gaps.begin() + static_cast<std::ptrdiff_t>(size)));
   }
 };
 
@@ -197,19 +208,29 @@ float Fan::change_bound(std::size_t i) const {
   const Frame frame(normal);
   Overlay overlay;
   overlay.size = size_;
-  overlay.smallest = 1e-6F * length;
   float reach2 = 0.0F;
-  for (std::size_t k = 0, from = i; k <= size_; ++k, from = after(from)) {
-    const glm::vec3 corner = offset(from);
-    overlay.x[k] = glm::dot(corner, frame.x);
-    overlay.y[k] = glm::dot(corner, frame.y);
-    overlay.height[k] = glm::dot(corner, normal);
-    reach2 = std::max(reach2, glm::dot(corner, corner));
+  for (std::size_t k = 0, from = i; k <= padded_; ++k, from = after(from)) {
+    overlay.dx[k] = x_[from];
+    overlay.dy[k] = y_[from];
+    overlay.side[k] = z_[from];
   }
-  if (!overlay.covers_once()) return slide;
-  const float at_apex = overlay.at_apex();
-  if (at_apex < 0.0F) return slide;
-  return std::min(slide, std::max(at_apex, overlay.at_crossings()) * round_up + 5e-7F * std::sqrt(reach2));
+  alignas(16) Row reach;
+  for (std::size_t k = 0; k < columns(); ++k) {
+    const float x = overlay.dx[k], y = overlay.dy[k], z = overlay.side[k];
+    overlay.x[k] = x * frame.x.x + y * frame.x.y + z * frame.x.z;
+    overlay.y[k] = x * frame.y.x + y * frame.y.y + z * frame.y.z;
+    overlay.height[k] = x * normal.x + y * normal.y + z * normal.z;
+    reach[k] = x * x + y * y + z * z;
+  }
+  overlay.x[columns()] = overlay.x[columns() - size_];
+  overlay.y[columns()] = overlay.y[columns() - size_];
+  for (std::size_t k = 0; k < size_; ++k) reach2 = std::max(reach2, reach[k]);
+  overlay.make_diagonals();
+  if (!overlay.covers_once(1e-6F * length)) return slide;
+  const std::size_t home = overlay.home();
+  if (home == 0) return slide;
+  const float largest = std::max(overlay.at_apex(home), overlay.at_crossings(home));
+  return std::min(slide, largest * round_up + 5e-7F * std::sqrt(reach2));
 }
 
 }  // namespace occlod

@@ -19,16 +19,17 @@ class Fan {
 
   // False when the star of v is no ring, or too large; nothing else may be asked then.
   [[nodiscard]] bool gather(const StarMesh& mesh, VertexId v);
-  // After gather(): where the neighbours are.
-  void measure_offsets(std::span<const glm::vec3> positions);
-  // After gather(): that, and the normals of the fan.
-  void measure(std::span<const glm::vec3> positions);
+  // After gather(): where the neighbours are; position_of(w) is a glm::vec3.
+  template <typename PositionOf>
+  void measure_offsets(const PositionOf& position_of);
+  // After measure_offsets(): the normals of the fan.
+  void measure_normals();
 
   [[nodiscard]] VertexId vertex() const noexcept { return vertex_; }
   [[nodiscard]] std::size_t size() const noexcept { return size_; }
   [[nodiscard]] std::span<const VertexId> ring() const noexcept { return {ring_.data(), size_}; }
 
-  // After measure(): the planes of its faces, weighted by area.
+  // After measure_normals(): the planes of its faces, weighted by area.
   [[nodiscard]] VertexQuadric quadric() const;
   // After measure_offsets(): the cost of merging the vertex, whose quadric is given, into each of its neighbours.
   [[nodiscard]] std::span<float> costs(const VertexQuadric& quadric);
@@ -45,6 +46,7 @@ class Fan {
 
   [[nodiscard]] std::size_t after(std::size_t i) const noexcept { return i + 1 == size_ ? 0 : i + 1; }
   [[nodiscard]] std::size_t before(std::size_t i) const noexcept { return i == 0 ? size_ - 1 : i - 1; }
+  [[nodiscard]] std::size_t columns() const noexcept { return padded_ & ~std::size_t{3}; }  // so that compilers know
   [[nodiscard]] glm::vec3 offset(std::size_t i) const noexcept { return {x_[i], y_[i], z_[i]}; }
 
   VertexId vertex_ = no_id;
@@ -56,5 +58,21 @@ class Fan {
   alignas(16) Row area2_{};                               // their squared lengths
   alignas(16) Row costs_{};
 };
+
+template <typename PositionOf>
+void Fan::measure_offsets(const PositionOf& position_of) {
+  const glm::vec3 origin = position_of(vertex_);
+  for (std::size_t i = 0; i < size_; ++i) {
+    const glm::vec3& p = position_of(ring_[i]);
+    x_[i] = p.x - origin.x;
+    y_[i] = p.y - origin.y;
+    z_[i] = p.z - origin.z;
+  }
+  for (std::size_t i = size_; i <= padded_; ++i) {
+    x_[i] = x_[0];
+    y_[i] = y_[0];
+    z_[i] = z_[0];
+  }
+}
 
 }  // namespace occlod

@@ -29,6 +29,13 @@ glm::dvec3 shift_of(std::size_t pass) {
   return shift - glm::floor(shift);
 }
 
+Box scaled_box(const TriangleMesh& mesh, float scale) {
+  Box box = bounding_box(mesh.positions);
+  box.min *= scale;
+  box.max *= scale;
+  return box;
+}
+
 // Passes over all blocks, each as far as a threshold of cost below which half of the vertices lie; then the rest in
 // one. Blocks are runs of vertices along a Morton curve, another curve in each pass, so that what a border kept has its
 // turn in the next. Blocks do not touch each other, and their records are joined in their order: the result does not
@@ -40,7 +47,7 @@ class Simplifier {
         threads_(thread_count(options.threads)),
         progress_(options.progress, 0.1, 0.8, mesh.triangle_count()),
         state_(std::make_unique<SimplifyState>(mesh, options.boundary_weight, threads_)),
-        box_(bounding_box(state_->positions)),
+        box_(scaled_box(mesh, state_->scale)),
         live_faces_(mesh.triangle_count()) {
     live_.reserve(mesh.vertex_count());
     for (VertexId v = 0; v < mesh.vertex_count(); ++v) live_.push_back(v);
@@ -72,13 +79,13 @@ class Simplifier {
   void sort_live(std::size_t pass) {
     const auto blocks = static_cast<unsigned>(live_.size() / block_size + 1);
     const unsigned bits = std::min(10U, 5U + static_cast<unsigned>(std::bit_width(blocks)) / 2);
-    sort_spatially(state_->positions, {box_, shift_of(pass), bits}, live_, threads_);
+    sort_spatially(state_->positions(), {box_, shift_of(pass), bits}, live_, threads_);
   }
 
   // The cost below which the cheap share lies, by every sixteenth vertex.
   [[nodiscard]] float threshold() const {
     std::vector<float> costs;
-    for (std::size_t i = 0; i < live_.size(); i += 16) costs.push_back(state_->costs[live_[i]]);
+    for (std::size_t i = 0; i < live_.size(); i += 16) costs.push_back(state_->vertices[live_[i]].cost);
     const auto middle = costs.begin() + static_cast<std::ptrdiff_t>(cheap_share * static_cast<double>(costs.size()));
     std::nth_element(costs.begin(), middle, costs.end());
     return std::min(*middle, std::numeric_limits<float>::max());

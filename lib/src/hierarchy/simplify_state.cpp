@@ -26,16 +26,13 @@ float power_of_two_scale(std::span<const glm::vec3> positions) {
 
 SimplifyState::SimplifyState(const TriangleMesh& input, double boundary_weight, unsigned threads)
     : scale(power_of_two_scale(input.positions)),
-      positions(input.vertex_count()),
+      vertices(input.vertex_count()),
       mesh(input.triangles, input.vertex_count(), threads),
-      quadrics(input.vertex_count()),
-      costs(input.vertex_count(), infinity),
-      errors(input.vertex_count(), 0.0F),
-      ranks(input.vertex_count(), 0) {
-  for_each_range(positions.size(), threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t v = begin; v < end; ++v) positions[v] = input.positions[v] * scale;
+      ranks(input.vertex_count()) {
+  for_each_range(vertices.size(), threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v) vertices[v] = {input.positions[v] * scale, infinity, 0.0F, {}};
   });
-  for_each_range(positions.size(), threads, [&](std::size_t begin, std::size_t end) {
+  for_each_range(vertices.size(), threads, [&](std::size_t begin, std::size_t end) {
     Fan fan;
     for (auto v = static_cast<VertexId>(begin); v < end; ++v) make_quadric(v, fan, boundary_weight);
   });
@@ -44,34 +41,35 @@ SimplifyState::SimplifyState(const TriangleMesh& input, double boundary_weight, 
 // And proposes.
 void SimplifyState::make_quadric(VertexId v, Fan& fan, double boundary_weight) {
   if (fan.gather(mesh, v)) {
-    fan.measure(positions);
-    quadrics[v] = fan.quadric();
-    const auto fan_costs = fan.costs(quadrics[v]);
-    costs[v] = *std::min_element(fan_costs.begin(), fan_costs.end());
+    fan.measure_offsets(position_of());
+    fan.measure_normals();
+    vertices[v].quadric = fan.quadric();
+    const auto fan_costs = fan.costs(vertices[v].quadric);
+    vertices[v].cost = *std::min_element(fan_costs.begin(), fan_costs.end());
     return;
   }
   for (const StarFace f : mesh.star(v)) {
-    const glm::vec3 normal = glm::cross(positions[f.next] - positions[v], positions[f.last] - positions[v]);
+    const glm::vec3 normal = glm::cross(edge(v, f.next), edge(v, f.last));
     const float twice_area = glm::length(normal);
     if (!(twice_area > 0.0F)) continue;
-    quadrics[v].add_plane(normal / twice_area, twice_area);
-    quadrics[v].weight += twice_area;
+    vertices[v].quadric.add_plane(normal / twice_area, twice_area);
+    vertices[v].quadric.weight += twice_area;
   }
   if (!mesh.star(v).is_ring()) hold_edges(v, boundary_weight);
-  costs[v] = propose(v, fan);
+  vertices[v].cost = propose(v, fan);
 }
 
 // Planes through the feature edges at v, upright on their faces: leaving the line costs.
 void SimplifyState::hold_edges(VertexId v, double boundary_weight) {
   for (const StarFace f : mesh.star(v)) {
-    const glm::vec3 to_next = positions[f.next] - positions[v], to_last = positions[f.last] - positions[v];
+    const glm::vec3 to_next = edge(v, f.next), to_last = edge(v, f.last);
     const glm::vec3 face_normal = glm::cross(to_next, to_last);
-    for (const auto& [w, edge] : {std::pair(f.next, to_next), std::pair(f.last, to_last)}) {
+    for (const auto& [w, along] : {std::pair(f.next, to_next), std::pair(f.last, to_last)}) {
       if (mesh.edge_degree(v, w) == 2) continue;
-      const glm::vec3 across = glm::cross(edge, face_normal);
+      const glm::vec3 across = glm::cross(along, face_normal);
       const float length = glm::length(across);
       if (length > 0.0F)
-        quadrics[v].add_plane(across / length, static_cast<float>(boundary_weight) * glm::dot(edge, edge));
+        vertices[v].quadric.add_plane(across / length, static_cast<float>(boundary_weight) * glm::dot(along, along));
     }
   }
 }
@@ -79,8 +77,8 @@ void SimplifyState::hold_edges(VertexId v, double boundary_weight) {
 float SimplifyState::propose(VertexId v, Fan& fan) const {
   float cheapest = infinity;
   if (fan.gather(mesh, v)) {
-    fan.measure_offsets(positions);
-    const auto fan_costs = fan.costs(quadrics[v]);
+    fan.measure_offsets(position_of());
+    const auto fan_costs = fan.costs(vertices[v].quadric);
     cheapest = *std::min_element(fan_costs.begin(), fan_costs.end());
   } else {
     for (const StarFace f : mesh.star(v)) cheapest = std::min({cheapest, cost(v, f.next), cost(v, f.last)});

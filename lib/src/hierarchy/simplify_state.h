@@ -6,35 +6,38 @@
 #include <vector>
 
 #include "fan.h"
+#include "position_view.h"
 #include "star_mesh.h"
 #include "vertex_quadric.h"
 
 namespace occlod {
 
+// What is asked of a vertex together. All lengths are of the state's scale.
+struct alignas(64) VertexState {
+  glm::vec3 position;
+  float cost;   // of the cheapest collapse; a lower bound until checked; infinite without faces
+  float error;  // distance of the worst face at the vertex from the input
+  VertexQuadric quadric;
+};
+static_assert(sizeof(VertexState) == 64, "one cache line");
+
 // Indexed by vertex. A worker touches only vertices of its block and reads stars of those.
 struct SimplifyState {
   SimplifyState(const TriangleMesh& input, double boundary_weight, unsigned threads);
 
-  float scale = 1.0F;                // a power of two: scaling is exact
-  std::vector<glm::vec3> positions;  // the input's x scale: an extent in [1/2, 1]. All lengths here are of this scale
+  float scale = 1.0F;  // a power of two, so that scaling is exact; takes the extent of the input into [1/2, 1]
+  std::vector<VertexState> vertices;
   StarMesh mesh;
-  std::vector<VertexQuadric> quadrics;
-  std::vector<float> costs;          // of the cheapest collapse; a lower bound until checked; infinite without faces
-  std::vector<float> errors;         // distance of the worst face at the vertex from the input
-  std::vector<std::uint32_t> ranks;  // the vertex's place in the order of the pass that runs
+  std::vector<std::uint32_t> ranks;  // places in the order of the pass that runs
 
-  [[nodiscard]] float cost(VertexId v, VertexId u) const { return quadrics[v].cost(positions[u] - positions[v]); }
+  [[nodiscard]] PositionView positions() const { return {vertices, &VertexState::position}; }
+  [[nodiscard]] auto position_of() const {
+    return [first = vertices.data()](VertexId v) -> const glm::vec3& { return first[v].position; };
+  }
+  [[nodiscard]] glm::vec3 edge(VertexId v, VertexId u) const { return vertices[u].position - vertices[v].position; }
+  [[nodiscard]] float cost(VertexId v, VertexId u) const { return vertices[v].quadric.cost(edge(v, u)); }
   // The cost of v's cheapest collapse, unchecked.
   [[nodiscard]] float propose(VertexId v, Fan& fan) const;
-  // Hints that all of v will soon be used.
-  void prefetch(VertexId v) const {
-    __builtin_prefetch(&positions[v]);
-    __builtin_prefetch(&quadrics[v]);
-    __builtin_prefetch(&costs[v]);
-    __builtin_prefetch(&errors[v]);
-    __builtin_prefetch(&ranks[v]);
-    mesh.prefetch(v);
-  }
 
  private:
   void make_quadric(VertexId v, Fan& fan, double boundary_weight);

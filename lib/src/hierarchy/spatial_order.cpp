@@ -25,19 +25,21 @@ class MortonGrid {
   explicit MortonGrid(const MortonCurve& curve) {
     const glm::dvec3 size = glm::dvec3(curve.box.max) - glm::dvec3(curve.box.min);
     const double extent = std::max({size.x, size.y, size.z});
-    const double cells = static_cast<double>(1U << curve.bits) * 0.999999;
-    origin_ = glm::dvec3(curve.box.min) - curve.shift * extent;
-    cells_per_unit_ = extent > 0.0 ? cells / (2.0 * extent) : 0.0;
+    const double cells = static_cast<double>(1U << curve.bits);
+    last_cell_ = static_cast<float>(cells - 1.0);
+    origin_ = glm::vec3(glm::dvec3(curve.box.min) - curve.shift * extent);
+    cells_per_unit_ = extent > 0.0 ? static_cast<float>(cells / (2.0 * extent)) : 0.0F;
   }
   [[nodiscard]] std::uint32_t code(const glm::vec3& p) const {
-    const glm::dvec3 cell = (glm::dvec3(p) - origin_) * cells_per_unit_;
+    const glm::vec3 cell = glm::min((p - origin_) * cells_per_unit_, last_cell_);
     return spread(static_cast<std::uint32_t>(cell.x)) | spread(static_cast<std::uint32_t>(cell.y)) << 1 |
            spread(static_cast<std::uint32_t>(cell.z)) << 2;
   }
 
  private:
-  glm::dvec3 origin_{0.0};
-  double cells_per_unit_ = 0.0;
+  glm::vec3 origin_{0.0F};
+  float cells_per_unit_ = 0.0F;
+  float last_cell_ = 0.0F;
 };
 
 struct Keyed {
@@ -83,7 +85,7 @@ std::vector<T> permuted(const std::vector<T>& values, const std::vector<VertexId
 
 }  // namespace
 
-void sort_spatially(std::span<const glm::vec3> positions, const MortonCurve& curve, std::vector<VertexId>& vertices,
+void sort_spatially(const PositionView& positions, const MortonCurve& curve, std::vector<VertexId>& vertices,
                     unsigned threads) {
   const MortonGrid grid(curve);
   std::vector<Keyed> keyed(vertices.size());

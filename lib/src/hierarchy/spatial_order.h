@@ -8,6 +8,7 @@
 
 #include "occlod/math/bounds.h"
 #include "occlod/mesh/triangle_mesh.h"
+#include "position_view.h"
 
 namespace occlod {
 
@@ -18,11 +19,11 @@ struct MortonCurve {
   Box box;                // around all positions
   glm::dvec3 shift{0.0};  // of its grid, in [0, 1] of the box's extent along each axis: curves with different shifts
                           // cut space in different places
-  unsigned bits = 10;  // the grid has 2^bits cells along each axis, over twice the box's extent; at most 10
+  unsigned bits = 10;     // the grid has 2^bits cells along each axis, over twice the box's extent; at most 10
 };
 
 // Sorts vertices along a Morton curve; those in one cell of its grid keep their order. O(n).
-void sort_spatially(std::span<const glm::vec3> positions, const MortonCurve& curve, std::vector<VertexId>& vertices,
+void sort_spatially(const PositionView& positions, const MortonCurve& curve, std::vector<VertexId>& vertices,
                     unsigned threads = 1);
 
 }  // namespace occlod

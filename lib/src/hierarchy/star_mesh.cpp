@@ -1,6 +1,7 @@
 #include "star_mesh.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <mutex>
 #include <utility>
@@ -71,7 +72,7 @@ StarMesh::StarMesh(std::span<const Triangle> faces, std::size_t vertex_count, un
     places_[v].capacity = std::max(first_capacity, static_cast<std::uint32_t>(size)) & 0x7fffffffU;
     slots += 2 * std::size_t{places_[v].capacity};
   }
-  pool_ = std::make_unique_for_overwrite<std::uint32_t[]>(slots);
+  pool_.reset(static_cast<std::uint32_t*>(operator new(slots * sizeof(std::uint32_t), cache_line)));
   std::uint32_t* next_place = pool_.get();
   for (Place& place : places_) {
     place.ids = next_place;
@@ -135,7 +136,7 @@ void StarMesh::store(Place& place, std::span<const StarFace> faces, bool is_ring
   reserve(place, stride * faces.size(), arena);
   for (std::size_t i = 0; i < faces.size(); ++i) {
     place.ids[stride * i] = faces[i].next;
-    if (place.is_ring == 0) place.ids[2 * i + 1] = faces[i].last;
+    if (!is_ring) place.ids[2 * i + 1] = faces[i].last;
     place.ids[place.capacity + stride * i] = faces[i].made_by;
   }
   place.size = static_cast<std::uint32_t>(faces.size());
@@ -168,42 +169,75 @@ void StarMesh::remove(Place& place, const StarFace& face) noexcept {
   --place.size;
 }
 
-// Makes v u in the star of a neighbour of both; faces with both end. In a ring they may be neighbours only.
-void StarMesh::replace(Place& place, VertexId v, VertexId u, CollapseId id) noexcept {
+// Makes v u in a list; faces with both end.
+void StarMesh::replace_in_list(Place& place, VertexId v, VertexId u, CollapseId id) noexcept {
   std::uint32_t* const ids = place.ids;
   std::uint32_t* const made_by = ids + place.capacity;
-  if (place.is_ring == 0) {
-    std::uint32_t kept = 0;
-    for (std::uint32_t i = 0; i < place.size; ++i) {
-      StarFace f{ids[2 * i], ids[2 * i + 1], made_by[2 * i]};
-      if (contains(f, v)) {
-        if (contains(f, u)) continue;
-        (f.next == v ? f.next : f.last) = u;
-        f.made_by = id;
-      }
-      ids[2 * kept] = f.next;
-      ids[2 * kept + 1] = f.last;
-      made_by[2 * kept++] = f.made_by;
+  std::uint32_t kept = 0;
+  for (std::uint32_t i = 0; i < place.size; ++i) {
+    StarFace f{ids[2 * i], ids[2 * i + 1], made_by[2 * i]};
+    if (contains(f, v)) {
+      if (contains(f, u)) continue;
+      (f.next == v ? f.next : f.last) = u;
+      f.made_by = id;
     }
-    place.size = kept;
-    return;
+    ids[2 * kept] = f.next;
+    ids[2 * kept + 1] = f.last;
+    made_by[2 * kept++] = f.made_by;
   }
-  const std::uint32_t n = place.size;
+  place.size = kept;
+}
+
+// Where v is in a ring that has it. Without a branch in the usual first place.
+std::uint32_t StarMesh::find_in_ring(const Place& place, VertexId v) noexcept {
   std::uint32_t at = 0;
-  while (at < n && ids[at] != v) ++at;
-  if (at == n) return;
-  const std::uint32_t before = at == 0 ? n - 1 : at - 1;
-  made_by[before] = id;
-  if (ids[before] != u && ids[at + 1 == n ? 0 : at + 1] != u) {
-    ids[at] = u;
-    made_by[at] = id;
+  if (place.capacity == first_capacity) {
+    for (std::uint32_t k = 0; k < first_capacity; ++k) at |= (place.ids[k] == v) & (k < place.size) ? k : 0U;
+  } else {
+    while (place.ids[at] != v) ++at;
+  }
+  return at;
+}
+
+// In a ring: v, which is there, becomes u.
+void StarMesh::replace_in_ring(Place& place, VertexId v, VertexId u, CollapseId id) noexcept {
+  std::uint32_t* const made_by = place.ids + place.capacity;
+  const std::uint32_t at = find_in_ring(place, v);
+  place.ids[at] = u;
+  made_by[at] = id;
+  made_by[at == 0 ? place.size - 1 : at - 1] = id;
+}
+
+// In a ring that has v beside u: v goes.
+void StarMesh::remove_from_ring(Place& place, VertexId v, CollapseId id) noexcept {
+  std::uint32_t* const ids = place.ids;
+  std::uint32_t* const made_by = ids + place.capacity;
+  const std::uint32_t at = find_in_ring(place, v);
+  made_by[at == 0 ? place.size - 1 : at - 1] = id;
+  --place.size;
+  if (place.capacity == first_capacity) {
+    std::array<std::uint32_t, first_capacity - 1> new_ids, new_made_by;
+    for (std::uint32_t k = 0; k + 1 < first_capacity; ++k) {
+      new_ids[k] = k >= at ? ids[k + 1] : ids[k];
+      new_made_by[k] = k >= at ? made_by[k + 1] : made_by[k];
+    }
+    std::copy(new_ids.begin(), new_ids.end(), ids);
+    std::copy(new_made_by.begin(), new_made_by.end(), made_by);
     return;
   }
-  for (std::uint32_t i = at + 1; i < n; ++i) {
-    ids[i - 1] = ids[i];
-    made_by[i - 1] = made_by[i];
-  }
-  --place.size;
+  std::copy(ids + at + 1, ids + place.size + 1, ids + at);
+  std::copy(made_by + at + 1, made_by + place.size + 1, made_by + at);
+}
+
+// Makes v u in the star of a neighbour of both. In a ring they may be neighbours only.
+void StarMesh::replace(Place& place, VertexId v, VertexId u, CollapseId id) noexcept {
+  if (place.is_ring == 0) return replace_in_list(place, v, u, id);
+  const auto ring = view(place).ring();
+  const auto found = std::find(ring.begin(), ring.end(), v);
+  if (found == ring.end()) return;  // done before
+  const auto at = static_cast<std::size_t>(found - ring.begin());
+  const bool is_beside = ring[at == 0 ? ring.size() - 1 : at - 1] == u || ring[at + 1 == ring.size() ? 0 : at + 1] == u;
+  is_beside ? remove_from_ring(place, v, id) : replace_in_ring(place, v, u, id);
 }
 
 // Puts the ring of v into that of u = ring[i], where v was: all but ring[i] and the neighbours beside it, which are
@@ -215,8 +249,7 @@ void StarMesh::splice(Place& place, std::span<const VertexId> ring, std::size_t 
   reserve(place, n + added, arena);
   std::uint32_t* const ids = place.ids;
   std::uint32_t* const made_by = ids + place.capacity;
-  std::size_t at = 0;
-  while (ids[at] != v) ++at;
+  const std::size_t at = find_in_ring(place, v);
   made_by[at == 0 ? n - 1 : at - 1] = id;
   if (added == 0) {
     std::copy(ids + at + 1, ids + n, ids + at);
@@ -234,18 +267,13 @@ void StarMesh::splice(Place& place, std::span<const VertexId> ring, std::size_t 
   place.size = static_cast<std::uint32_t>(n + added - 1);
 }
 
+// Gives u, as a list, the faces of v.
 void StarMesh::take_over(VertexId v, VertexId u, CollapseId id, StarArena& arena) {
   Place& place = places_[u];
-  const Star of_v = star(v);
-  if (of_v.is_ring() && place.is_ring != 0) {
-    const auto ring = of_v.ring();
-    const auto i = static_cast<std::size_t>(std::find(ring.begin(), ring.end(), u) - ring.begin());
-    return splice(place, ring, i, v, id, arena);
-  }
   arena.scratch.clear();
   for (const StarFace f : star(u))
     if (!contains(f, v)) arena.scratch.push_back(f);
-  for (const StarFace f : of_v)
+  for (const StarFace f : star(v))
     if (!contains(f, u)) arena.scratch.push_back({f.next, f.last, id});
   make_list(place, arena);
   reserve(place, 2 * arena.scratch.size(), arena);
@@ -298,6 +326,7 @@ void StarMesh::settle(VertexId v, VertexId u, StarArena& arena) {
 std::size_t StarMesh::collapse(VertexId v, VertexId u, CollapseId id, bool may_fold, StarArena& arena,
                                std::vector<LevelFace>& ended) {
   const Star of_v = star(v);
+  if (of_v.is_ring() && !may_fold) return collapse_ring(v, u, id, arena, ended);
   std::size_t gone = 0;
   for (const StarFace f : of_v) {
     ended.push_back({{v, f.next, f.last}, f.made_by});
@@ -306,7 +335,7 @@ std::size_t StarMesh::collapse(VertexId v, VertexId u, CollapseId id, bool may_f
   if (may_fold) make_list(places_[u], arena);
   for (const StarFace f : of_v)
     for (const VertexId w : {f.next, f.last}) {
-      if (w == u || (w == f.last && of_v.is_ring())) continue;
+      if (w == u) continue;
       if (may_fold) make_list(places_[w], arena);
       replace(places_[w], v, u, id);
     }
@@ -317,6 +346,33 @@ std::size_t StarMesh::collapse(VertexId v, VertexId u, CollapseId id, bool may_f
   }
   places_[v].size = 0;
   return gone;
+}
+
+std::size_t StarMesh::collapse_ring(VertexId v, VertexId u, CollapseId id, StarArena& arena,
+                                    std::vector<LevelFace>& ended) {
+  const std::span<const VertexId> ring = star(v).ring();
+  const CollapseId* const made_by = places_[v].ids + places_[v].capacity;
+  std::size_t i = 0;
+  for (std::size_t k = 0; k + 1 < ring.size(); ++k) {
+    ended.push_back({{v, ring[k], ring[k + 1]}, made_by[k]});
+    if (ring[k + 1] == u) i = k + 1;
+  }
+  ended.push_back({{v, ring.back(), ring[0]}, made_by[ring.size() - 1]});
+  const auto place_at = [&](std::size_t k) -> Place& { return places_[ring[k < ring.size() ? k : k - ring.size()]]; };
+  for (const std::size_t beside : {i + 1, i + ring.size() - 1}) {
+    Place& place = place_at(beside);
+    place.is_ring != 0 ? remove_from_ring(place, v, id) : replace_in_list(place, v, u, id);
+  }
+  for (std::size_t k = i + 2; k + 1 < i + ring.size(); ++k) {
+    Place& place = place_at(k);
+    place.is_ring != 0 ? replace_in_ring(place, v, u, id) : replace_in_list(place, v, u, id);
+  }
+  if (places_[u].is_ring != 0)
+    splice(places_[u], ring, i, v, id, arena);
+  else
+    take_over(v, u, id, arena);
+  places_[v].size = 0;
+  return 2;
 }
 
 }  // namespace occlod

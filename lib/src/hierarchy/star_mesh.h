@@ -4,10 +4,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <new>
 #include <span>
 #include <vector>
 
 #include "occlod/mesh/triangle_mesh.h"
+#include "prefetch.h"
 #include "simplify.h"
 
 namespace occlod {
@@ -83,7 +85,8 @@ class StarMesh {
 
   [[nodiscard]] std::size_t vertex_count() const noexcept { return places_.size(); }
   [[nodiscard]] Star star(VertexId v) const noexcept { return view(places_[v]); }
-  void prefetch(VertexId v) const { __builtin_prefetch(places_[v].ids); }
+  // A hint that the star of v will soon be asked for.
+  void prefetch(VertexId v) const noexcept { occlod::prefetch(places_[v].ids); }
   // The number of faces at edge ab.
   [[nodiscard]] int edge_degree(VertexId a, VertexId b) const noexcept;
   // The vertices that share a face with v, each once, ascending. `out` is cleared first.
@@ -115,16 +118,26 @@ class StarMesh {
   static void store(Place& place, std::span<const StarFace> faces, bool is_ring, StarArena& arena);
   static void make_list(Place& place, StarArena& arena);
   static void remove(Place& place, const StarFace& face) noexcept;
+  static void replace_in_list(Place& place, VertexId v, VertexId u, CollapseId id) noexcept;
+  [[nodiscard]] static std::uint32_t find_in_ring(const Place& place, VertexId v) noexcept;
+  static void replace_in_ring(Place& place, VertexId v, VertexId u, CollapseId id) noexcept;
+  static void remove_from_ring(Place& place, VertexId v, CollapseId id) noexcept;
   static void replace(Place& place, VertexId v, VertexId u, CollapseId id) noexcept;
   static void splice(Place& place, std::span<const VertexId> ring, std::size_t i, VertexId v, CollapseId id,
                      StarArena& arena);
+  std::size_t collapse_ring(VertexId v, VertexId u, CollapseId id, StarArena& arena, std::vector<LevelFace>& ended);
   void take_over(VertexId v, VertexId u, CollapseId id, StarArena& arena);
   void settle(VertexId v, VertexId u, StarArena& arena);
   std::size_t cancel_folds(VertexId v, VertexId u, CollapseId id, std::vector<LevelFace>& ended);
 
+  static constexpr std::align_val_t cache_line{64};
+  struct Delete {
+    void operator()(std::uint32_t* pool) const noexcept { operator delete(pool, cache_line); }
+  };
+
   std::vector<Place> places_;
-  std::unique_ptr<std::uint32_t[]> pool_;  // the first places of all stars
-  StarArena arena_;                        // for those that are longer from the start
+  std::unique_ptr<std::uint32_t, Delete> pool_;  // the first places of all stars
+  StarArena arena_;                              // for those that are longer from the start
 };
 
 }  // namespace occlod
