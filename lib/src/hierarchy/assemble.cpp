@@ -14,36 +14,60 @@
 namespace occlod {
 namespace {
 
-// Brings faces that are one fan around v into ring order, each with v first.
-StarShape order_fan(VertexId v, std::span<LevelFace> faces) {
-  if (faces.empty() || faces.size() > SplitStar::most_ring) return StarShape::other;
-  for (LevelFace& face : faces) {
-    if (!contains(face.corners, v)) return StarShape::other;
-    const OppositeEdge e = opposite_edge(face.corners, v);
-    face.corners = {v, e.next, e.last};
+// The same face with v as its first corner; v is a corner.
+Triangle rotated(const Triangle& t, VertexId v) {
+  if (t.x == v) return t;
+  return t.y == v ? Triangle(t.y, t.z, t.x) : Triangle(t.z, t.x, t.y);
+}
+
+// No vertex of the ring twice: then no two faces have the same outer edge.
+bool is_simple(std::span<const LevelFace> fan) {
+  const VertexId last = fan.back().corners.z;
+  for (std::size_t i = 0; i < fan.size(); ++i) {
+    const VertexId w = fan[i].corners.y;
+    if (i > 0 && w == last) return false;
+    for (std::size_t k = 0; k < i; ++k)
+      if (fan[k].corners.y == w) return false;
   }
-  // An open fan starts at the face that none leads to.
-  const auto leads_to = [&](VertexId w) {
-    return std::find_if(faces.begin(), faces.end(), [&](const LevelFace& f) { return f.corners.z == w; });
+  return true;
+}
+
+bool is_closed_fan(std::span<const LevelFace> faces) {
+  VertexId from = faces.back().corners.z;
+  for (const LevelFace& face : faces) {
+    if (face.corners.y != from) return false;
+    from = face.corners.z;
+  }
+  return true;
+}
+
+// Brings faces at v that are one open fan into ring order.
+bool order_open_fan(std::span<LevelFace> faces) {
+  // It starts at the face that none leads to.
+  const auto follows_another = [&](const LevelFace& f) {
+    return std::any_of(faces.begin(), faces.end(), [&](const LevelFace& g) { return g.corners.z == f.corners.y; });
   };
-  const auto start = std::find_if(faces.begin(), faces.end(),
-                                  [&](const LevelFace& f) { return leads_to(f.corners.y) == faces.end(); });
-  if (start != faces.end()) std::swap(faces[0], *start);
-  // No vertex of the ring twice: then no two faces have the same outer edge.
-  const auto in_ring = [&](VertexId w, std::size_t size) {
-    return std::any_of(faces.begin(), faces.begin() + static_cast<std::ptrdiff_t>(size),
-                       [&](const LevelFace& f) { return f.corners.y == w; });
-  };
+  const auto start = std::find_if_not(faces.begin(), faces.end(), follows_another);
+  if (start == faces.end()) return false;
+  std::swap(faces[0], *start);
   for (std::size_t i = 1; i < faces.size(); ++i) {
-    const VertexId from = faces[i - 1].corners.z;
     std::size_t k = i;
-    while (k < faces.size() && faces[k].corners.y != from) ++k;
-    if (k == faces.size() || in_ring(from, i)) return StarShape::other;
+    while (k < faces.size() && faces[k].corners.y != faces[i - 1].corners.z) ++k;
+    if (k == faces.size()) return false;
     std::swap(faces[i], faces[k]);
   }
-  const VertexId last = faces.back().corners.z;
-  if (last != faces[0].corners.y && in_ring(last, faces.size())) return StarShape::other;
-  return last == faces[0].corners.y ? StarShape::closed_fan : StarShape::open_fan;
+  return true;
+}
+
+// The shape of the faces that one collapse of v ended, brought into ring order if they are one fan.
+StarShape shape_of(VertexId v, std::span<LevelFace> faces) {
+  if (faces.empty() || faces.size() > SplitStar::most_ring) return StarShape::other;
+  for (const LevelFace& face : faces)
+    if (face.corners.x != v) return StarShape::other;
+  const bool closed = is_closed_fan(faces);
+  if (!closed && !order_open_fan(faces)) return StarShape::other;
+  if (!is_simple(faces)) return StarShape::other;
+  return closed ? StarShape::closed_fan : StarShape::open_fan;
 }
 
 // A split removes the faces that its collapse made. Those of a fan lie where the star's own faces will be: the one in
@@ -128,7 +152,7 @@ class Assembler {
   // The faces that the collapse of split s ended are those that it inserts; their places are their slots.
   void order_stars() {
     shapes_.resize(split_count_);
-    for_each_split([&](SplitId s) { shapes_[s] = order_fan(collapse_of(s).v, star_of(s)); });
+    for_each_split([&](SplitId s) { shapes_[s] = shape_of(collapse_of(s).v, star_of(s)); });
   }
 
   // A face dies with the split that undoes the collapse which made it.
@@ -160,10 +184,10 @@ class Assembler {
     if (shapes_[s] == StarShape::other) return false;
     const VertexId u = collapse_of(s).u;
     if (!contains(corners, u)) return false;
-    const OppositeEdge outer = opposite_edge(corners, u);
+    const Triangle at_u = rotated(corners, u);
     const std::span<const LevelFace> star = star_of(s);
     for (std::size_t slot = 0; slot < star.size(); ++slot)
-      if (star[slot].corners.y == outer.next && star[slot].corners.z == outer.last) {
+      if (star[slot].corners.y == at_u.y && star[slot].corners.z == at_u.z) {
         removed_[collapse_of(s).first_ended + slot] = face;
         return true;
       }
