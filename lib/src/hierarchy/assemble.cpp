@@ -8,6 +8,7 @@
 
 #include "occlod/core/error.h"
 #include "parallel.h"
+#include "prefetch.h"
 #include "star_mesh.h"
 #include "star_record.h"
 
@@ -163,19 +164,31 @@ class Assembler {
         misplaced_.push_back({split_of_[face.made_by], {no_id, slot}});
     std::mutex mutex;
     for_each_range(split_count_, threads_, [&](std::size_t begin, std::size_t end) {
-      std::vector<MisplacedFace> misplaced;
-      for (auto s = static_cast<SplitId>(begin); s < end; ++s) {
-        const std::span<const LevelFace> star = star_of(s);
-        for (std::uint32_t slot = 0; slot < star.size(); ++slot) {
-          if (star[slot].made_by == no_id) continue;
-          const SplitId remover = split_of_[star[slot].made_by];
-          if (!place_removed(remover, star[slot].corners, {s, slot})) misplaced.push_back({remover, {s, slot}});
-        }
-      }
+      const std::vector<MisplacedFace> misplaced =
+          place_removed_of(static_cast<SplitId>(begin), static_cast<SplitId>(end));
       const std::lock_guard lock(mutex);
       misplaced_.insert(misplaced_.end(), misplaced.begin(), misplaced.end());
     });
     std::sort(misplaced_.begin(), misplaced_.end());
+  }
+
+  // Of faces inserted by splits [begin, end). Removers are anywhere in memory, so what is known of them is fetched
+  // ahead.
+  std::vector<MisplacedFace> place_removed_of(SplitId begin, SplitId end) {
+    constexpr std::size_t ahead = 12;
+    std::vector<MisplacedFace> faces, misplaced;
+    for (SplitId s = begin; s < end; ++s) {
+      const std::span<const LevelFace> star = star_of(s);
+      for (std::uint32_t slot = 0; slot < star.size(); ++slot)
+        if (star[slot].made_by != no_id) faces.push_back({split_of_[star[slot].made_by], {s, slot}});
+    }
+    for (std::size_t i = 0; i < faces.size(); ++i) {
+      if (i + 2 * ahead < faces.size()) prefetch(&collapse_of(faces[i + 2 * ahead].split));
+      if (i + ahead < faces.size()) prefetch(star_of(faces[i + ahead].split).data());
+      const auto& [remover, face] = faces[i];
+      if (!place_removed(remover, star_of(face.split)[face.slot].corners, face)) misplaced.push_back(faces[i]);
+    }
+    return misplaced;
   }
 
   // Each face of a manifold fan has its own place, so threads do not meet; elsewhere two faces may ask for one place,

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "parallel.h"
+#include "prefetch.h"
 #include "star_patch.h"
 
 namespace occlod {
@@ -80,6 +81,13 @@ class SubtreeBounds {
     regions_.resize(splits_);
     const auto base_vertices = static_cast<VertexId>(data().positions.size() - splits_);
     for_each_split([&](SplitId s) {
+      // Ring vertices are anywhere in memory.
+      if (s + 4 < splits_) {
+        const SplitStar next(data().stars.data() + assembly_.stars[s + 4], base_vertices + s + 4);
+        for (const VertexId w : next.ring()) prefetch(&data().positions[w]);
+        prefetch(&patches_[place_[s + 4]]);
+        prefetch(&regions_[place_[s + 4]]);
+      }
       const SplitStar star(data().stars.data() + assembly_.stars[s], base_vertices + s);
       const BoundedPatch own = bound_star(star, data().positions);
       const SplitId parent = assembly_.parents[s];
@@ -152,6 +160,12 @@ class SubtreeBounds {
   }
 
   void make_node(SplitId s) {
+    if (s + 6 < splits_) {
+      const Patch* const first = &patches_[place_[s + 6]];
+      prefetch(first);
+      prefetch(first + 2);
+      prefetch(&regions_[place_[s + 6]]);
+    }
     SplitNode& node = data().nodes[s];
     node.error = assembly_.errors[s].quadric;
     node.guaranteed_error = assembly_.errors[s].guaranteed;
