@@ -224,7 +224,7 @@ class Assembler {
     for (std::size_t i = 0; i < ranges.size(); ++i) starts[i + 1] = starts[i] + ranges[i].size();
     if (starts.back() > std::numeric_limits<std::uint32_t>::max())
       throw Error({"mesh", "", "is too large for 32-bit places of stars", "split it into several meshes"});
-    std::vector<std::uint32_t>& stars = result_.data.stars;
+    LargeVector<std::uint32_t>& stars = result_.data.stars;
     stars.resize(starts.back());
     for_each_range(split_count_, threads_, [&](std::size_t begin, std::size_t end) {
       const std::size_t start = starts[begin / range_size];
@@ -303,7 +303,7 @@ class Assembler {
     result_.children_u.assign(split_count_, no_id);
     result_.children_v.assign(split_count_, no_id);
     // The newest split that has the vertex at one of its ends.
-    std::vector<SplitId> last_at(mesh_.vertex_count(), no_id);
+    LargeVector<SplitId> last_at(mesh_.vertex_count(), no_id);
     for (SplitId s = 0; s < split_count_; ++s) {
       const VertexId u = new_id_[collapse_of(s).u];
       const SplitId parent = last_at[u];
@@ -319,7 +319,7 @@ class Assembler {
 
   // From fine to coarse, so that each split has its final errors before they are handed on.
   void saturate_errors() {
-    std::vector<Assembly::Errors>& errors = result_.errors;
+    LargeVector<Assembly::Errors>& errors = result_.errors;
     errors.resize(split_count_);
     for_each_split([&](SplitId s) { errors[s] = {collapse_of(s).error, collapse_of(s).guaranteed_error}; });
     for (SplitId s = split_count_; s-- > 0;) {
@@ -341,10 +341,10 @@ class Assembler {
   unsigned threads_;
   SplitId split_count_ = 0;
   VertexId base_vertices_ = 0;
-  std::vector<VertexId> new_id_;   // of each input vertex
-  std::vector<SplitId> split_of_;  // each collapse id
-  std::vector<StarShape> shapes_;
-  std::vector<FaceRef> removed_;  // for each ended face the face that its split removes in its place, or none
+  LargeVector<VertexId> new_id_;   // of each input vertex
+  LargeVector<SplitId> split_of_;  // each collapse id
+  LargeVector<StarShape> shapes_;
+  LargeVector<FaceRef> removed_;  // for each ended face the face that its split removes in its place, or none
   std::vector<MisplacedFace> misplaced_;
   Assembly result_;
 };

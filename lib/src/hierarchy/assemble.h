@@ -2,8 +2,8 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
+#include "occlod/core/large_vector.h"
 #include "occlod/hierarchy/hierarchy.h"
 #include "occlod/mesh/triangle_mesh.h"
 #include "simplify.h"
@@ -16,9 +16,9 @@ struct Assembly {
     float quadric = 0.0F, guaranteed = 0.0F;  // saturated
   };
   HierarchyData data;
-  std::vector<std::uint32_t> stars;  // where records start; one more, where the last ends
-  std::vector<SplitId> parents, children_u, children_v;
-  std::vector<Errors> errors;
+  LargeVector<std::uint32_t> stars;  // where records start; one more, where the last ends
+  LargeVector<SplitId> parents, children_u, children_v;
+  LargeVector<Errors> errors;
 };
 
 // `mesh` is what the sequence was made from. O(n).

@@ -8,7 +8,7 @@ namespace occlod {
 namespace {
 
 template <typename T>
-std::vector<T> to_vector(std::span<const T> values) {
+LargeVector<T> to_vector(std::span<const T> values) {
   return {values.begin(), values.end()};
 }
 

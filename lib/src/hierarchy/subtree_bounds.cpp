@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
+#include "occlod/core/large_vector.h"
 #include "parallel.h"
 #include "prefetch.h"
 #include "star_patch.h"
@@ -110,7 +111,7 @@ class SubtreeBounds {
   }
 
   // One patch for each block_size patches in a row.
-  static void join_patches(const std::vector<Patch>& patches, std::vector<Patch>& blocks) {
+  static void join_patches(const LargeVector<Patch>& patches, LargeVector<Patch>& blocks) {
     for (std::size_t first = 0; first < patches.size(); first += block_size) {
       const std::size_t end = std::min(first + block_size, patches.size());
       Patch block;
@@ -218,12 +219,12 @@ class SubtreeBounds {
   Assembly assembly_;
   unsigned threads_;
   SplitId splits_;
-  std::vector<std::uint32_t> place_;  // of each split
-  std::vector<std::uint32_t> sizes_;  // of each split's subtree
+  LargeVector<std::uint32_t> place_;  // of each split
+  LargeVector<std::uint32_t> sizes_;  // of each split's subtree
   // By place:
-  std::vector<Patch> patches_;  // of own faces
-  std::vector<Patch> blocks_, large_blocks_;
-  std::vector<Region> regions_;
+  LargeVector<Patch> patches_;  // of own faces
+  LargeVector<Patch> blocks_, large_blocks_;
+  LargeVector<Region> regions_;
 };
 
 }  // namespace

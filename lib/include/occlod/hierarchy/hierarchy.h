@@ -8,9 +8,9 @@
 #include <glm/vec4.hpp>
 #include <memory>
 #include <span>
-#include <vector>
 
 #include "occlod/core/ids.h"
+#include "occlod/core/large_vector.h"
 #include "occlod/hierarchy/split_guard.h"
 #include "occlod/hierarchy/split_node.h"
 #include "occlod/hierarchy/split_star.h"
@@ -36,7 +36,7 @@ struct HierarchyFields {
   float error_bound = 0.0F;                // the largest guaranteed error of any split: what the base mesh promises
 };
 template <typename T>
-using OwnedArray = std::vector<T>;
+using OwnedArray = LargeVector<T>;
 template <typename T>
 using ReadArray = std::span<const T>;
 using HierarchyData = HierarchyFields<OwnedArray>;
