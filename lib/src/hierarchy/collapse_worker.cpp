@@ -17,6 +17,7 @@ constexpr std::size_t steps_between_reports = 512;
 const BlockRecord& CollapseWorker::run(const Block& block) {
   block_ = &block;
   record_.collapses.clear();
+  record_.ranks.clear();
   record_.ended.clear();
   record_.faces_gone = 0;
   queue_.reset(block.vertices.size());
@@ -47,7 +48,7 @@ void CollapseWorker::prefetch_next() const {
 // Of a vertex of the block.
 void CollapseWorker::set_cost(VertexId v, float cost) {
   state_.vertices[v].cost = cost;
-  const std::uint32_t item = state_.ranks[v] - block_->first_rank;
+  const std::uint32_t item = state_.turns[v] - block_->first_turn;
   queue_.remove(item);
   if (cost <= block_->threshold) queue_.push(item, cost);
 }
@@ -68,7 +69,7 @@ void CollapseWorker::consider(VertexId v) {
 
 bool CollapseWorker::in_block(std::span<const VertexId> vertices) const {
   return std::all_of(vertices.begin(), vertices.end(),
-                     [&](VertexId w) { return state_.ranks[w] - block_->first_rank < block_->vertices.size(); });
+                     [&](VertexId w) { return state_.turns[w] - block_->first_turn < block_->vertices.size(); });
 }
 
 // The cheapest collapse that the rules allow. Where they allow none, the cheapest that breaks the topology.
@@ -114,7 +115,9 @@ CollapseWorker::Choice CollapseWorker::break_topology(std::span<const VertexId> 
     const float c = state_.cost(v, u);
     if (c < cheapest.cost) cheapest = {u, c, 0.0F, false};
   }
-  cheapest.cost = std::max(cheapest.cost, state_.vertices[v].quadric.order() * 4.0F * extent2);
+  // A star without area has no weight to order it by.
+  const float order = std::max(state_.vertices[v].quadric.order(), std::sqrt(extent2));
+  cheapest.cost = std::max(cheapest.cost, order * 4.0F * extent2);
   return cheapest;
 }
 
@@ -134,6 +137,7 @@ void CollapseWorker::collapse(VertexId v, const Choice& choice, std::span<const 
   const float after = pass_on_errors(choice, v, ring, extent);
   record_.collapses.push_back(
       {v, u, id, first_ended, error * round_up / state_.scale, after * round_up / state_.scale});
+  rank(v, choice.cost, ring);
   state_.vertices[u].quadric.add(state_.vertices[v].quadric, edge);
   state_.vertices[v].cost = infinity;
   for (const VertexId w : ring) update(w, u);
@@ -149,6 +153,13 @@ float CollapseWorker::pass_on_errors(const Choice& choice, VertexId v, std::span
   const float after = (before + (choice.keeps_topology ? choice.moved : extent)) * round_up;
   for (const VertexId w : ring) state_.vertices[w].error = std::max(state_.vertices[w].error, after);
   return after;
+}
+
+// What a collapse comes after had its vertex in the ring: it made faces there, or holds a corner that this one needs.
+void CollapseWorker::rank(VertexId v, float cost, std::span<const VertexId> ring) {
+  const float rank = std::max(cost, state_.ranks[v]);
+  for (const VertexId w : ring) state_.ranks[w] = std::max(state_.ranks[w], rank);
+  record_.ranks.push_back(rank);
 }
 
 // After a collapse into u: w, of the ring, has lost one neighbour, which leaves its cost a lower bound, and may have

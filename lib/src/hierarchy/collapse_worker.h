@@ -17,13 +17,14 @@ namespace occlod {
 
 struct BlockRecord {
   std::vector<Collapse> collapses;  // first_ended counts from this record's own `ended`
+  std::vector<float> ranks;         // of each collapse: its cost, no less than that of any that it comes after
   std::vector<LevelFace> ended;
   std::size_t faces_gone = 0;
 };
 
 struct Block {
   std::span<const VertexId> vertices;
-  std::uint32_t first_rank = 0;  // theirs ascend from here
+  std::uint32_t first_turn = 0;  // theirs ascend from here
   CollapseId first_id = 0;       // for its collapses
   float threshold = 0.0F;        // collapses that cost no more are made, cheapest first
   std::size_t stop_after = 0;    // ends early when so many faces have gone
@@ -53,6 +54,7 @@ class CollapseWorker {
   [[nodiscard]] Choice break_topology(std::span<const VertexId> neighbours, VertexId v) const;
   void collapse(VertexId v, const Choice& choice, std::span<const VertexId> ring);
   float pass_on_errors(const Choice& choice, VertexId v, std::span<const VertexId> ring, float extent);
+  void rank(VertexId v, float cost, std::span<const VertexId> ring);
   void update(VertexId w, VertexId u);
   [[nodiscard]] float longest_edge(std::span<const LevelFace> faces) const;
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <numeric>
 #include <utility>
 
 #include "active_faces.h"
@@ -70,19 +69,13 @@ FixedCut full_cut(const Hierarchy& hierarchy) {
 
 FixedCut cut_to_triangles(const Hierarchy& hierarchy, std::size_t max_triangles) {
   hierarchy.require_all();
-  // Errors are saturated, so with ties by number every split comes after those that it depends on.
-  std::vector<SplitId> order(hierarchy.split_count());
-  std::iota(order.begin(), order.end(), 0U);
-  std::stable_sort(order.begin(), order.end(),
-                   [&](SplitId a, SplitId b) { return hierarchy.node(a).error > hierarchy.node(b).error; });
-  std::vector<bool> applied(order.size(), false);
+  SplitId end = 0;
   std::size_t triangles = hierarchy.base_triangle_count();
-  for (const SplitId s : order) {
-    triangles = grown(hierarchy, triangles, s);
+  for (; end < hierarchy.split_count(); ++end) {
+    triangles = grown(hierarchy, triangles, end);
     if (triangles > max_triangles) break;
-    applied[s] = true;
   }
-  return make_cut(hierarchy, [&](SplitId s) { return applied[s]; });
+  return make_cut(hierarchy, [&](SplitId s) { return s < end; });
 }
 
 FixedCut cut_to_error(const Hierarchy& hierarchy, double max_error) {

@@ -10,6 +10,7 @@
 
 #include "build_progress.h"
 #include "collapse_worker.h"
+#include "join_records.h"
 #include "occlod/core/error.h"
 #include "parallel.h"
 #include "spatial_order.h"
@@ -93,7 +94,7 @@ class Simplifier {
 
   [[nodiscard]] std::vector<Block> make_blocks(std::size_t size, float threshold) {
     for_each_range(live_.size(), threads_, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) state_->ranks[live_[i]] = static_cast<std::uint32_t>(i);
+      for (std::size_t i = begin; i < end; ++i) state_->turns[live_[i]] = static_cast<std::uint32_t>(i);
     });
     std::vector<Block> blocks;
     for (std::size_t begin = 0; begin < live_.size(); begin += size) {
@@ -133,37 +134,13 @@ class Simplifier {
     std::erase_if(live_, [&](VertexId v) { return state_->mesh.star(v).empty(); });
   }
 
-  // The records of all blocks as one sequence. The state goes first: both need much memory.
+  // The records of all blocks as one sequence, in the order of their ranks. The state goes first: both need much
+  // memory.
   CollapseSequence join() {
-    CollapseSequence sequence;
-    sequence.base = state_->mesh.faces();
+    std::vector<LevelFace> base = state_->mesh.faces();
     workers_.clear();
     state_.reset();
-    std::vector<std::size_t> first_collapse, first_ended;
-    std::size_t collapses = 0, ended = 0;
-    for (const BlockRecord& record : records_) {
-      first_collapse.push_back(collapses);
-      first_ended.push_back(ended);
-      collapses += record.collapses.size();
-      ended += record.ended.size();
-    }
-    sequence.collapses.resize(collapses + 1);
-    sequence.ended.resize(ended);
-    std::atomic<std::size_t> next = 0;
-    for_each_part(threads_, threads_, [&](std::size_t, std::size_t, std::size_t) {
-      for (std::size_t i = next++; i < records_.size(); i = next++) {
-        const BlockRecord record = std::move(records_[i]);
-        std::copy(record.ended.begin(), record.ended.end(),
-                  sequence.ended.begin() + static_cast<std::ptrdiff_t>(first_ended[i]));
-        for (std::size_t k = 0; k < record.collapses.size(); ++k) {
-          Collapse& collapse = sequence.collapses[first_collapse[i] + k];
-          collapse = record.collapses[k];
-          collapse.first_ended += first_ended[i];
-        }
-      }
-    });
-    sequence.collapses.back().first_ended = ended;
-    return sequence;
+    return join_records(records_, std::move(base), threads_);
   }
 
   const BuildOptions& options_;

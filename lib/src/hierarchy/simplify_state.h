@@ -28,7 +28,8 @@ struct SimplifyState {
   float scale = 1.0F;  // a power of two, so that scaling is exact; takes the extent of the input into [1/2, 1]
   std::vector<VertexState> vertices;
   StarMesh mesh;
-  std::vector<std::uint32_t> ranks;  // places in the order of the pass that runs
+  std::vector<std::uint32_t> turns;  // places in the order of the pass that runs
+  std::vector<float> ranks;          // the largest of any collapse that had the vertex in its ring
 
   [[nodiscard]] PositionView positions() const { return {vertices, &VertexState::position}; }
   [[nodiscard]] auto position_of() const {

@@ -28,8 +28,9 @@ struct VertexQuadric {
   // keeps triangles well shaped.
   static constexpr float edge_length_weight = 1e-8F;
   [[nodiscard]] float inverse_weight() const { return weight > 0.0F ? 1.0F / weight : 0.0F; }
-  // Collapses are ordered by this times their mean square.
-  [[nodiscard]] float order() const { return 1.0F; }
+  // Collapses are ordered by this times their mean square: half-way, in powers of the weight, between the mean and the
+  // sum of squares. The mean spends triangles on small features, the sum loses them; see docs/internals.md.
+  [[nodiscard]] float order() const { return std::sqrt(weight); }
   // What merging the vertex into the one at position + x costs.
   [[nodiscard]] float cost(const glm::vec3& x) const {
     return order() * (mean_square(x) + edge_length_weight * glm::dot(x, x));
