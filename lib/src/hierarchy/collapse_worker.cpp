@@ -48,7 +48,7 @@ void CollapseWorker::prefetch_next() const {
 // Of a vertex of the block.
 void CollapseWorker::set_cost(VertexId v, float cost) {
   state_.vertices[v].cost = cost;
-  const std::uint32_t item = state_.turns[v] - block_->first_turn;
+  const std::uint32_t item = state_.turns[v].place - block_->first_turn;
   queue_.remove(item);
   if (cost <= block_->threshold) queue_.push(item, cost);
 }
@@ -69,7 +69,7 @@ void CollapseWorker::consider(VertexId v) {
 
 bool CollapseWorker::in_block(std::span<const VertexId> vertices) const {
   return std::all_of(vertices.begin(), vertices.end(),
-                     [&](VertexId w) { return state_.turns[w] - block_->first_turn < block_->vertices.size(); });
+                     [&](VertexId w) { return state_.turns[w].place - block_->first_turn < block_->vertices.size(); });
 }
 
 // The cheapest collapse that the rules allow. Where they allow none, the cheapest that breaks the topology.
@@ -157,8 +157,8 @@ float CollapseWorker::pass_on_errors(const Choice& choice, VertexId v, std::span
 
 // What a collapse comes after had its vertex in the ring: it made faces there, or holds a corner that this one needs.
 void CollapseWorker::rank(VertexId v, float cost, std::span<const VertexId> ring) {
-  const float rank = std::max(cost, state_.ranks[v]);
-  for (const VertexId w : ring) state_.ranks[w] = std::max(state_.ranks[w], rank);
+  const float rank = std::max(cost, state_.turns[v].rank);
+  for (const VertexId w : ring) state_.turns[w].rank = std::max(state_.turns[w].rank, rank);
   record_.ranks.push_back(rank);
 }
 

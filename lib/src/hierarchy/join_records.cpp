@@ -1,5 +1,7 @@
 #include "join_records.h"
 
+#include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cstdint>
 #include <utility>
@@ -10,67 +12,78 @@
 namespace occlod {
 namespace {
 
-// Where a collapse is recorded.
-struct Source {
-  std::uint32_t record;
-  std::uint32_t index;
+// All collapses one after the other, as recorded.
+class Recorded {
+ public:
+  explicit Recorded(const std::vector<BlockRecord>& records) : records_(records), first_{0} {
+    for (const BlockRecord& record : records) first_.push_back(first_.back() + record.collapses.size());
+  }
+  [[nodiscard]] std::size_t count() const { return first_.back(); }
+
+  // Calls visit(place among all, record, index in it) for every collapse, each record on some thread.
+  template <typename Visit>
+  void for_each(unsigned threads, const Visit& visit) const {
+    std::atomic<std::size_t> next = 0;
+    for_each_part(threads, threads, [&](std::size_t, std::size_t, std::size_t) {
+      for (std::size_t r = next++; r < records_.size(); r = next++)
+        for (std::size_t i = 0; i < records_[r].collapses.size(); ++i) visit(first_[r] + i, records_[r], i);
+    });
+  }
+
+ private:
+  const std::vector<BlockRecord>& records_;
+  std::vector<std::size_t> first_;
 };
 
-std::size_t ended_count(const BlockRecord& record, std::size_t index) {
-  const std::size_t end =
-      index + 1 < record.collapses.size() ? record.collapses[index + 1].first_ended : record.ended.size();
-  return end - record.collapses[index].first_ended;
+// Each collapse's place in the order of ranks, equal ranks as recorded.
+std::vector<CollapseId> places_by_rank(const Recorded& recorded, unsigned threads) {
+  // Ranks are not negative, so their bits ascend with them. Half of the mantissa does: what is cut off leaves equals.
+  constexpr unsigned dropped_bits = 10;
+  std::vector<Keyed> keyed(recorded.count());
+  recorded.for_each(threads, [&](std::size_t k, const BlockRecord& record, std::size_t i) {
+    keyed[k] = {std::bit_cast<std::uint32_t>(record.ranks[i]) >> dropped_bits, static_cast<std::uint32_t>(k)};
+  });
+  sort_by_key(keyed, 32 - dropped_bits, threads);
+  std::vector<CollapseId> places(keyed.size());
+  for_each_range(keyed.size(), threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) places[keyed[i].item] = static_cast<CollapseId>(i);
+  });
+  return places;
 }
 
-// All collapses by ascending rank, equal ranks as recorded. Ranks are not negative, so their bits ascend with them.
-std::vector<Source> ranked(const std::vector<BlockRecord>& records, unsigned threads) {
-  std::vector<Source> sources;
-  std::vector<Keyed> keyed;
-  for (std::uint32_t r = 0; r < records.size(); ++r)
-    for (std::uint32_t i = 0; i < records[r].collapses.size(); ++i) {
-      keyed.push_back({std::bit_cast<std::uint32_t>(records[r].ranks[i]), static_cast<std::uint32_t>(sources.size())});
-      sources.push_back({r, i});
-    }
-  sort_by_key(keyed, 32, threads);
-  std::vector<Source> result(sources.size());
-  for_each_range(result.size(), threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) result[i] = sources[keyed[i].item];
-  });
-  return result;
+std::size_t ended_count(const BlockRecord& record, std::size_t i) {
+  const std::size_t end = i + 1 < record.collapses.size() ? record.collapses[i + 1].first_ended : record.ended.size();
+  return end - record.collapses[i].first_ended;
 }
 
 }  // namespace
 
 CollapseSequence join_records(std::vector<BlockRecord>& records, std::vector<LevelFace> base, unsigned threads) {
-  const std::vector<Source> order = ranked(records, threads);
+  const Recorded recorded(records);
+  const std::vector<CollapseId> places = places_by_rank(recorded, threads);
   CollapseSequence sequence;
-  sequence.collapses.resize(order.size() + 1);
-  std::vector<CollapseId> new_id;
+  sequence.collapses.resize(recorded.count() + 1);
+  CollapseId ids = 0;
+  for (const BlockRecord& record : records)
+    if (!record.collapses.empty()) ids = std::max(ids, record.collapses.back().id + 1);
+  std::vector<CollapseId> new_id(ids);
+  recorded.for_each(threads, [&](std::size_t k, const BlockRecord& record, std::size_t i) {
+    Collapse& collapse = sequence.collapses[places[k]];
+    collapse = record.collapses[i];
+    new_id[collapse.id] = places[k];
+    collapse.id = places[k];
+    collapse.first_ended = ended_count(record, i);
+  });
   std::size_t ended = 0;
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    const BlockRecord& record = records[order[i].record];
-    Collapse& collapse = sequence.collapses[i] = record.collapses[order[i].index];
-    if (collapse.id >= new_id.size()) new_id.resize(std::bit_ceil(std::size_t{collapse.id} + 1), no_id);
-    new_id[collapse.id] = static_cast<CollapseId>(i);
-    collapse.id = static_cast<CollapseId>(i);
-    collapse.first_ended = ended;
-    ended += ended_count(record, order[i].index);
-  }
-  sequence.collapses.back().first_ended = ended;
+  for (Collapse& collapse : sequence.collapses) ended += std::exchange(collapse.first_ended, ended);
   sequence.ended.resize(ended);
   const auto renumber = [&](LevelFace& face) {
     if (face.made_by != no_id) face.made_by = new_id[face.made_by];
   };
-  for_each_range(order.size(), threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const BlockRecord& record = records[order[i].record];
-      const std::size_t first = record.collapses[order[i].index].first_ended;
-      LevelFace* to = sequence.ended.data() + sequence.collapses[i].first_ended;
-      for (std::size_t k = 0, count = ended_count(record, order[i].index); k < count; ++k) {
-        to[k] = record.ended[first + k];
-        renumber(to[k]);
-      }
-    }
+  recorded.for_each(threads, [&](std::size_t k, const BlockRecord& record, std::size_t i) {
+    LevelFace* const to = sequence.ended.data() + sequence.collapses[places[k]].first_ended;
+    const LevelFace* const from = record.ended.data() + record.collapses[i].first_ended;
+    for (std::size_t f = 0, count = ended_count(record, i); f < count; ++f) renumber(to[f] = from[f]);
   });
   for (LevelFace& face : base) renumber(face);
   sequence.base = std::move(base);

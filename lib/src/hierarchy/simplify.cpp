@@ -94,7 +94,7 @@ class Simplifier {
 
   [[nodiscard]] std::vector<Block> make_blocks(std::size_t size, float threshold) {
     for_each_range(live_.size(), threads_, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) state_->turns[live_[i]] = static_cast<std::uint32_t>(i);
+      for (std::size_t i = begin; i < end; ++i) state_->turns[live_[i]].place = static_cast<std::uint32_t>(i);
     });
     std::vector<Block> blocks;
     for (std::size_t begin = 0; begin < live_.size(); begin += size) {

@@ -10,7 +10,7 @@
 
 namespace occlod {
 
-using CollapseId = std::uint32_t;  // names a collapse; ids ascend in the order in which collapses were made, with gaps
+using CollapseId = std::uint32_t;  // names a collapse: its place in the sequence
 
 // v was merged into u.
 struct Collapse {

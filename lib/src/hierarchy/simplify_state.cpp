@@ -28,8 +28,7 @@ SimplifyState::SimplifyState(const TriangleMesh& input, double boundary_weight, 
     : scale(power_of_two_scale(input.positions)),
       vertices(input.vertex_count()),
       mesh(input.triangles, input.vertex_count(), threads),
-      turns(input.vertex_count()),
-      ranks(input.vertex_count(), 0.0F) {
+      turns(input.vertex_count()) {
   for_each_range(vertices.size(), threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) vertices[v] = {input.positions[v] * scale, infinity, 0.0F, {}};
   });

@@ -21,6 +21,11 @@ struct alignas(64) VertexState {
 };
 static_assert(sizeof(VertexState) == 64, "one cache line");
 
+struct Turn {
+  std::uint32_t place = 0;  // in the order of the pass that runs
+  float rank = 0.0F;        // the largest of any collapse that had the vertex in its ring
+};
+
 // Indexed by vertex. A worker touches only vertices of its block and reads stars of those.
 struct SimplifyState {
   SimplifyState(const TriangleMesh& input, double boundary_weight, unsigned threads);
@@ -28,8 +33,7 @@ struct SimplifyState {
   float scale = 1.0F;  // a power of two, so that scaling is exact; takes the extent of the input into [1/2, 1]
   std::vector<VertexState> vertices;
   StarMesh mesh;
-  std::vector<std::uint32_t> turns;  // places in the order of the pass that runs
-  std::vector<float> ranks;          // the largest of any collapse that had the vertex in its ring
+  std::vector<Turn> turns;
 
   [[nodiscard]] PositionView positions() const { return {vertices, &VertexState::position}; }
   [[nodiscard]] auto position_of() const {
