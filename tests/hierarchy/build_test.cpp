@@ -7,6 +7,9 @@
 #include <cstring>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <stdexcept>
+#include <thread>
+#include <vector>
 
 #include "occlod/core/error.h"
 #include "occlod/hierarchy/validate.h"
@@ -170,17 +173,48 @@ TEST(BuildHierarchy, RefusesWhatCannotBeBuilt) {
   EXPECT_THROW((void)build_hierarchy(repeated), Error);
 }
 
+// From the thread that builds, ascending shares, and often: a third of the build never passes without a call.
+TEST(BuildHierarchy, TellsItsProgress) {
+  for (const int threads : {1, 3}) {
+    BuildOptions options;
+    options.threads = threads;
+    std::vector<double> shares;
+    const std::thread::id caller = std::this_thread::get_id();
+    options.progress = [&](double done) {
+      EXPECT_EQ(std::this_thread::get_id(), caller);
+      shares.push_back(done);
+      return true;
+    };
+    (void)build_hierarchy(test::noisy_sphere(8, 1), options);
+    ASSERT_GE(shares.size(), 4U);
+    EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
+    EXPECT_GE(shares.front(), 0.0);
+    EXPECT_LE(shares.back(), 1.0);
+    EXPECT_GT(shares.back(), 0.6);
+    for (std::size_t i = 1; i < shares.size(); ++i) EXPECT_LT(shares[i] - shares[i - 1], 1.0 / 3);
+  }
+}
+
+// Wherever it is cancelled, by an answer or by an exception, the build ends with all its threads: nothing calls later.
 TEST(BuildHierarchy, CancelsWhenProgressSaysSo) {
-  BuildOptions options;
-  double last = 0.0;
-  options.progress = [&](double done) {
-    EXPECT_GE(done, last);
-    EXPECT_LE(done, 1.0);
-    last = done;
-    return false;
-  };
-  EXPECT_THROW((void)build_hierarchy(test::noisy_sphere(6, 1), options), Error);
-  EXPECT_GT(last, 0.0);
+  const TriangleMesh mesh = test::noisy_sphere(7, 1);
+  for (const int threads : {1, 3})
+    for (const double limit : {0.0, 0.2, 0.5}) {
+      BuildOptions options;
+      options.threads = threads;
+      int calls_after = 0;
+      bool cancelled = false;
+      options.progress = [&](double done) {
+        calls_after += cancelled ? 1 : 0;
+        cancelled = done >= limit;
+        return !cancelled;
+      };
+      EXPECT_THROW((void)build_hierarchy(mesh, options), Error);
+      EXPECT_TRUE(cancelled);
+      EXPECT_EQ(calls_after, 0);
+      options.progress = [](double) -> bool { throw std::domain_error("stop"); };
+      EXPECT_THROW((void)build_hierarchy(mesh, options), std::domain_error);
+    }
 }
 
 }  // namespace

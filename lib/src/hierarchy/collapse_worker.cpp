@@ -104,8 +104,8 @@ CollapseWorker::Choice CollapseWorker::choose_in_ring() {
   return best;
 }
 
-// At the price of the square of all that it may take away: a handle, a sliver or a component goes when errors have
-// reached its size.
+// A handle, a sliver or a component goes when errors have reached its size: at the price of the mean square of lengths
+// spread evenly about the middle of its extent.
 CollapseWorker::Choice CollapseWorker::break_topology(std::span<const VertexId> neighbours, VertexId v) const {
   Choice cheapest{no_id, infinity, 0.0F, false};
   float extent2 = 0.0F;
@@ -117,7 +117,7 @@ CollapseWorker::Choice CollapseWorker::break_topology(std::span<const VertexId> 
   }
   // A star without area has no weight to order it by.
   const float order = std::max(state_.vertices[v].quadric.order(), std::sqrt(extent2));
-  cheapest.cost = std::max(cheapest.cost, order * 4.0F * extent2);
+  cheapest.cost = std::max(cheapest.cost, order * extent2 / 12.0F);
   return cheapest;
 }
 

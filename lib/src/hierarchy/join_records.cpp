@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "huge_pages.h"
 #include "parallel.h"
 #include "sort_by_key.h"
 
@@ -62,7 +63,7 @@ CollapseSequence join_records(std::vector<BlockRecord>& records, std::vector<Lev
   const Recorded recorded(records);
   const std::vector<CollapseId> places = places_by_rank(recorded, threads);
   CollapseSequence sequence;
-  sequence.collapses.resize(recorded.count() + 1);
+  sequence.collapses = large_array<Collapse>(recorded.count() + 1);
   CollapseId ids = 0;
   for (const BlockRecord& record : records)
     if (!record.collapses.empty()) ids = std::max(ids, record.collapses.back().id + 1);
@@ -76,7 +77,7 @@ CollapseSequence join_records(std::vector<BlockRecord>& records, std::vector<Lev
   });
   std::size_t ended = 0;
   for (Collapse& collapse : sequence.collapses) ended += std::exchange(collapse.first_ended, ended);
-  sequence.ended.resize(ended);
+  sequence.ended = large_array<LevelFace>(ended);
   const auto renumber = [&](LevelFace& face) {
     if (face.made_by != no_id) face.made_by = new_id[face.made_by];
   };

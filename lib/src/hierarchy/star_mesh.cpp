@@ -6,6 +6,7 @@
 #include <mutex>
 #include <utility>
 
+#include "huge_pages.h"
 #include "parallel.h"
 
 namespace occlod {
@@ -37,7 +38,8 @@ struct Incidences {
 
   // Each thread looks at all faces and minds the vertices of its part.
   Incidences(std::span<const Triangle> faces, std::size_t vertices, unsigned threads)
-      : first(vertices + 2, 0), opposite(3 * faces.size()) {
+      : first(large_array<std::size_t>(vertices + 2)),
+        opposite(large_array<std::pair<VertexId, VertexId>>(3 * faces.size())) {
     const auto for_each_corner = [&](const auto& visit) {
       for_each_part(vertices, threads, [&](std::size_t begin, std::size_t end, std::size_t) {
         for (const Triangle& t : faces)
@@ -64,7 +66,7 @@ std::uint32_t* StarArena::allocate(std::size_t count) {
 }
 
 StarMesh::StarMesh(std::span<const Triangle> faces, std::size_t vertex_count, unsigned threads)
-    : places_(vertex_count) {
+    : places_(large_array<Place>(vertex_count)) {
   const Incidences incidences(faces, vertex_count, threads);
   std::size_t slots = 0;
   for (VertexId v = 0; v < vertex_count; ++v) {
@@ -73,6 +75,7 @@ StarMesh::StarMesh(std::span<const Triangle> faces, std::size_t vertex_count, un
     slots += 2 * std::size_t{places_[v].capacity};
   }
   pool_.reset(static_cast<std::uint32_t*>(operator new(slots * sizeof(std::uint32_t), cache_line)));
+  prefer_huge_pages(pool_.get(), slots * sizeof(std::uint32_t));
   std::uint32_t* next_place = pool_.get();
   for (Place& place : places_) {
     place.ids = next_place;

@@ -11,7 +11,7 @@ namespace occlod {
 
 struct BuildOptions {
   std::size_t base_triangles = 64;  // stop when the mesh has no more triangles than this; the base may have fewer
-  double boundary_weight = 10.0;    // weight of the planes that hold boundary and non-manifold edges in place, relative
+  double boundary_weight = 1.0;     // weight of the planes that hold boundary and non-manifold edges in place, relative
                                     // to the triangles beside them
   int threads = 0;                  // 0 = one for each core; the result does not depend on it
   // Called now and then with the share done, in [0, 1]; returning false cancels the build, which then throws Error.
