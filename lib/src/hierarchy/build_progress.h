@@ -7,53 +7,52 @@
 #include <cstddef>
 #include <functional>
 
+#include "occlod/core/error.h"
+
 namespace occlod {
 
-// Work is counted in any unit. The callback is only ever called by the thread that builds.
+// The callback is only ever called by the thread that builds, at most every 20 ms, with shares that never fall.
 class BuildProgress {
  public:
-  // How one thread reports. `calls_back`: it is the one that builds.
-  class Reporter {
-   public:
-    Reporter(BuildProgress& progress, bool calls_back) : progress_(&progress), calls_back_(calls_back) {}
-    // Counts work that has been done. False when the build is to end.
-    [[nodiscard]] bool done(std::size_t work) { return progress_->done(work, calls_back_); }
+  explicit BuildProgress(const std::function<bool(double)>& callback) : callback_(callback) {}
 
-   private:
-    BuildProgress* progress_;
-    bool calls_back_;
-  };
-
-  // Shares from `first` to `last` of the whole are told while `work` is being done.
-  BuildProgress(const std::function<bool(double)>& callback, double first, double last, std::size_t work)
-      : callback_(callback), first_(first), per_work_((last - first) / static_cast<double>(work)), last_(last) {}
-
+  // For any thread: whether to go on.
   [[nodiscard]] bool is_cancelled() const noexcept { return is_cancelled_; }
 
- private:
-  using Clock = std::chrono::steady_clock;
-  static constexpr std::chrono::milliseconds interval{20};
-
-  bool done(std::size_t work, bool calls_back) {
-    done_ += work;
-    if (!callback_ || !calls_back || is_cancelled_) return !is_cancelled_;
+  // For the thread that builds: so much is done. Throws Error when the callback says that the build is to end, after
+  // which is_cancelled(), and whatever the callback throws, likewise.
+  void reach(double share) {
+    if (!callback_) return;
     const auto now = Clock::now();
-    if (now < next_call_) return true;
-    next_call_ = now + interval;
+    if (now < next_call_) return;
+    next_call_ = now + std::chrono::milliseconds(20);
+    last_share_ = std::clamp(share, last_share_, 1.0);
     try {
-      if (!callback_(std::min(first_ + per_work_ * static_cast<double>(done_), last_))) is_cancelled_ = true;
+      if (!callback_(last_share_)) throw Error({"build", "", "was cancelled", ""});
     } catch (...) {
       is_cancelled_ = true;  // or the other threads would go on to the end
       throw;
     }
-    return !is_cancelled_;
   }
 
+ private:
+  using Clock = std::chrono::steady_clock;
+
   const std::function<bool(double)>& callback_;
-  double first_, per_work_, last_;
-  std::atomic<std::size_t> done_ = 0;
   std::atomic<bool> is_cancelled_ = false;
+  double last_share_ = 0.0;
   Clock::time_point next_call_{};
+};
+
+// The part of the whole that one piece of work is. `done` and its unit are the caller's.
+struct ProgressPart {
+  BuildProgress& progress;
+  double first = 0.0, last = 1.0;  // shares of the whole
+  double total = 1.0;              // what there is to do
+
+  void reach(std::size_t done) const {
+    progress.reach(first + (last - first) * std::min(static_cast<double>(done) / total, 1.0));
+  }
 };
 
 }  // namespace occlod

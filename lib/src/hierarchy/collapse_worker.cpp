@@ -10,11 +10,10 @@ namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
 constexpr float round_up = 1.0F + 1e-6F;
-constexpr std::size_t steps_between_reports = 512;
 
 }  // namespace
 
-const BlockRecord& CollapseWorker::run(const Block& block) {
+void CollapseWorker::start(const Block& block) {
   block_ = &block;
   record_.collapses.clear();
   record_.ranks.clear();
@@ -23,18 +22,19 @@ const BlockRecord& CollapseWorker::run(const Block& block) {
   queue_.reset(block.vertices.size());
   for (std::uint32_t i = 0; i < block.vertices.size(); ++i)
     if (const float cost = state_.vertices[block.vertices[i]].cost; cost <= block.threshold) queue_.push(i, cost);
-  std::size_t reported = 0;
-  std::size_t steps = 0;
-  for (std::uint32_t i = queue_.pop(); i != CollapseQueue::none; i = queue_.pop()) {
+}
+
+// Some more of the block, less than a millisecond's work; false when nothing is left to do.
+bool CollapseWorker::take_steps() {
+  constexpr int steps = 512;
+  for (int step = 0; step < steps; ++step) {
+    if (record_.faces_gone >= block_->stop_after) return false;
+    const std::uint32_t i = queue_.pop();
+    if (i == CollapseQueue::none) return false;
     prefetch_next();
-    consider(block.vertices[i]);
-    if (record_.faces_gone >= block.stop_after) break;
-    if (++steps % steps_between_reports != 0) continue;
-    if (!progress_.done(record_.faces_gone - reported)) break;
-    reported = record_.faces_gone;
+    consider(block_->vertices[i]);
   }
-  (void)progress_.done(record_.faces_gone - reported);
-  return record_;
+  return true;
 }
 
 // What consider() will read first.

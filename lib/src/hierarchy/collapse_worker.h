@@ -5,7 +5,6 @@
 #include <span>
 #include <vector>
 
-#include "build_progress.h"
 #include "change_bound.h"
 #include "collapse_queue.h"
 #include "collapse_rules.h"
@@ -32,10 +31,15 @@ struct Block {
 
 class CollapseWorker {
  public:
-  CollapseWorker(SimplifyState& state, BuildProgress::Reporter progress) : state_(state), progress_(progress) {}
-  // Vertices whose ring leaves the block are left alone. Ends early when the build is cancelled. The record is valid
-  // until the next run.
-  const BlockRecord& run(const Block& block);
+  explicit CollapseWorker(SimplifyState& state) : state_(state) {}
+  // Vertices whose ring leaves the block are left alone. Now and then it calls go_on(faces gone) and ends when the
+  // answer is no. The record is valid until the next run.
+  template <typename GoOn>
+  const BlockRecord& run(const Block& block, const GoOn& go_on) {
+    start(block);
+    while (go_on(record_.faces_gone) && take_steps()) continue;
+    return record_;
+  }
 
  private:
   struct Choice {
@@ -45,6 +49,8 @@ class CollapseWorker {
     bool keeps_topology = false;
   };
 
+  void start(const Block& block);
+  bool take_steps();
   void prefetch_next() const;
   void set_cost(VertexId v, float cost);
   void consider(VertexId v);
@@ -59,7 +65,6 @@ class CollapseWorker {
   [[nodiscard]] float longest_edge(std::span<const LevelFace> faces) const;
 
   SimplifyState& state_;
-  BuildProgress::Reporter progress_;
   StarArena arena_;
   CollapseQueue queue_;
   Fan fan_;

@@ -1,7 +1,6 @@
 #include "join_records.h"
 
 #include <algorithm>
-#include <atomic>
 #include <bit>
 #include <cstdint>
 #include <utility>
@@ -13,67 +12,60 @@
 namespace occlod {
 namespace {
 
-// All collapses one after the other, as recorded.
-class Recorded {
- public:
-  explicit Recorded(const std::vector<BlockRecord>& records) : records_(records), first_{0} {
-    for (const BlockRecord& record : records) first_.push_back(first_.back() + record.collapses.size());
-  }
-  [[nodiscard]] std::size_t count() const { return first_.back(); }
-
-  // Calls visit(place among all, record, index in it) for every collapse, each record on some thread.
-  template <typename Visit>
-  void for_each(unsigned threads, const Visit& visit) const {
-    std::atomic<std::size_t> next = 0;
-    for_each_part(threads, threads, [&](std::size_t, std::size_t, std::size_t) {
-      for (std::size_t r = next++; r < records_.size(); r = next++)
-        for (std::size_t i = 0; i < records_[r].collapses.size(); ++i) visit(first_[r] + i, records_[r], i);
-    });
-  }
-
- private:
-  const std::vector<BlockRecord>& records_;
-  std::vector<std::size_t> first_;
+// Where a collapse is recorded.
+struct Source {
+  std::uint32_t record;
+  std::uint32_t index;
 };
-
-// Each collapse's place in the order of ranks, equal ranks as recorded.
-std::vector<CollapseId> places_by_rank(const Recorded& recorded, unsigned threads) {
-  // Ranks are not negative, so their bits ascend with them. Half of the mantissa does: what is cut off leaves equals.
-  constexpr unsigned dropped_bits = 10;
-  std::vector<Keyed> keyed(recorded.count());
-  recorded.for_each(threads, [&](std::size_t k, const BlockRecord& record, std::size_t i) {
-    keyed[k] = {std::bit_cast<std::uint32_t>(record.ranks[i]) >> dropped_bits, static_cast<std::uint32_t>(k)};
-  });
-  sort_by_key(keyed, 32 - dropped_bits, threads);
-  std::vector<CollapseId> places(keyed.size());
-  for_each_range(keyed.size(), threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) places[keyed[i].item] = static_cast<CollapseId>(i);
-  });
-  return places;
-}
 
 std::size_t ended_count(const BlockRecord& record, std::size_t i) {
   const std::size_t end = i + 1 < record.collapses.size() ? record.collapses[i + 1].first_ended : record.ended.size();
   return end - record.collapses[i].first_ended;
 }
 
+// All collapses by ascending rank, equal ranks as recorded.
+std::vector<Source> by_rank(const std::vector<BlockRecord>& records, unsigned threads) {
+  // Ranks are not negative, so their bits ascend with them. Half of the mantissa does: what is cut off leaves equals.
+  constexpr unsigned dropped_bits = 10;
+  std::size_t count = 0;
+  for (const BlockRecord& record : records) count += record.collapses.size();
+  std::vector<Source> sources;
+  std::vector<Keyed> keyed;
+  sources.reserve(count);
+  keyed.reserve(count);
+  for (std::uint32_t r = 0; r < records.size(); ++r)
+    for (std::uint32_t i = 0; i < records[r].ranks.size(); ++i) {
+      keyed.push_back({std::bit_cast<std::uint32_t>(records[r].ranks[i]) >> dropped_bits,
+                       static_cast<std::uint32_t>(sources.size())});
+      sources.push_back({r, i});
+    }
+  sort_by_key(keyed, 32 - dropped_bits, threads);
+  std::vector<Source> result(count);
+  for_each_range(count, threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) result[i] = sources[keyed[i].item];
+  });
+  return result;
+}
+
 }  // namespace
 
-CollapseSequence join_records(std::vector<BlockRecord>& records, std::vector<LevelFace> base, unsigned threads) {
-  const Recorded recorded(records);
-  const std::vector<CollapseId> places = places_by_rank(recorded, threads);
-  CollapseSequence sequence;
-  sequence.collapses = large_array<Collapse>(recorded.count() + 1);
+CollapseSequence join_records(std::vector<BlockRecord>& records, std::vector<LevelFace> base, unsigned threads,
+                              const ProgressPart& progress) {
+  const std::vector<Source> order = by_rank(records, threads);
   CollapseId ids = 0;
   for (const BlockRecord& record : records)
     if (!record.collapses.empty()) ids = std::max(ids, record.collapses.back().id + 1);
   std::vector<CollapseId> new_id(ids);
-  recorded.for_each(threads, [&](std::size_t k, const BlockRecord& record, std::size_t i) {
-    Collapse& collapse = sequence.collapses[places[k]];
-    collapse = record.collapses[i];
-    new_id[collapse.id] = places[k];
-    collapse.id = places[k];
-    collapse.first_ended = ended_count(record, i);
+  CollapseSequence sequence;
+  sequence.collapses = large_array<Collapse>(order.size() + 1);
+  for_each_range(order.size(), threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const BlockRecord& record = records[order[i].record];
+      Collapse& collapse = sequence.collapses[i] = record.collapses[order[i].index];
+      new_id[collapse.id] = static_cast<CollapseId>(i);
+      collapse.id = static_cast<CollapseId>(i);
+      collapse.first_ended = ended_count(record, order[i].index);
+    }
   });
   std::size_t ended = 0;
   for (Collapse& collapse : sequence.collapses) ended += std::exchange(collapse.first_ended, ended);
@@ -81,11 +73,18 @@ CollapseSequence join_records(std::vector<BlockRecord>& records, std::vector<Lev
   const auto renumber = [&](LevelFace& face) {
     if (face.made_by != no_id) face.made_by = new_id[face.made_by];
   };
-  recorded.for_each(threads, [&](std::size_t k, const BlockRecord& record, std::size_t i) {
-    LevelFace* const to = sequence.ended.data() + sequence.collapses[places[k]].first_ended;
-    const LevelFace* const from = record.ended.data() + record.collapses[i].first_ended;
-    for (std::size_t f = 0, count = ended_count(record, i); f < count; ++f) renumber(to[f] = from[f]);
-  });
+  const ProgressPart part{progress.progress, progress.first, progress.last, static_cast<double>(order.size())};
+  for_each_range(
+      order.size(), threads,
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+          const BlockRecord& record = records[order[i].record];
+          const LevelFace* from = record.ended.data() + record.collapses[order[i].index].first_ended;
+          for (std::size_t k = sequence.collapses[i].first_ended; k < sequence.collapses[i + 1].first_ended; ++k)
+            renumber(sequence.ended[k] = *from++);
+        }
+      },
+      [&](std::size_t done) { part.reach(done); });
   for (LevelFace& face : base) renumber(face);
   sequence.base = std::move(base);
   records.clear();

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "build_progress.h"
 #include "collapse_worker.h"
 #include "simplify.h"
 
@@ -11,6 +12,6 @@ namespace occlod {
 // Records are in an order in which their collapses can be made. The sequence is in the order of ranks, which is another
 // such order; ids become places in the sequence. `records` is taken apart.
 [[nodiscard]] CollapseSequence join_records(std::vector<BlockRecord>& records, std::vector<LevelFace> base,
-                                            unsigned threads);
+                                            unsigned threads, const ProgressPart& progress);
 
 }  // namespace occlod

@@ -16,18 +16,31 @@ namespace occlod {
 
 inline constexpr std::size_t range_size = 8192;
 
-// Calls visit(begin, end) for consecutive ranges of range_size that together are [0, count), each on some thread;
-// visits must not touch what others write.
-template <typename Visit>
-void for_each_range(std::size_t count, unsigned threads, const Visit& visit) {
+// Calls visit(begin, end) for consecutive ranges of range_size that together are [0, count), each on some thread; visits must not
+// touch what others write. Between its ranges the calling thread calls between(next), where all ranges before `next`
+// are done or under way; should it throw, the others end after their range.
+template <typename Visit, typename Between>
+void for_each_range(std::size_t count, unsigned threads, const Visit& visit, const Between& between) {
   std::atomic<std::size_t> next = 0;
-  const auto work = [&] {
-    for (std::size_t begin = next.fetch_add(range_size); begin < count; begin = next.fetch_add(range_size))
+  const auto work = [&](const auto& after) {
+    for (std::size_t begin = next.fetch_add(range_size); begin < count; begin = next.fetch_add(range_size)) {
       visit(begin, std::min(begin + range_size, count));
+      after();
+    }
   };
   std::vector<std::jthread> others;
-  for (unsigned i = 1; i < threads && i * range_size < count; ++i) others.emplace_back(work);
-  work();
+  for (unsigned i = 1; i < threads && i * range_size < count; ++i) others.emplace_back([&] { work([] {}); });
+  try {
+    work([&] { between(std::min(next.load(), count)); });
+  } catch (...) {
+    next = count;
+    throw;
+  }
+}
+
+template <typename Visit>
+void for_each_range(std::size_t count, unsigned threads, const Visit& visit) {
+  for_each_range(count, threads, visit, [](std::size_t) {});
 }
 
 // Calls visit(begin, end, part) for `threads` consecutive parts of [0, count), each on a thread of its own.

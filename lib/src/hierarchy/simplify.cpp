@@ -11,7 +11,6 @@
 #include "build_progress.h"
 #include "collapse_worker.h"
 #include "join_records.h"
-#include "occlod/core/error.h"
 #include "parallel.h"
 #include "spatial_order.h"
 
@@ -23,6 +22,9 @@ namespace {
 constexpr std::size_t block_size = 8192;
 constexpr double cheap_share = 0.5;  // of the vertices, those with the cheapest collapses have their turn in a pass
 constexpr double least_progress = 1.0 / 128;  // of the vertices; a pass that collapses fewer is the last
+
+// Shares of the whole build's time: passes begin and end, the sequence is joined. The rest is for what comes after.
+constexpr double passes_first = 0.15, passes_last = 0.7, joined = 0.75;
 
 // The fractional parts of multiples of irrational numbers: no two passes cut space in the same place.
 glm::dvec3 shift_of(std::size_t pass) {
@@ -44,17 +46,18 @@ Box scaled_box(const TriangleMesh& mesh, float scale) {
 class Simplifier {
  public:
   Simplifier(const TriangleMesh& mesh, const BuildOptions& options)
-      : options_(options),
+      : mesh_(mesh),
+        options_(options),
         threads_(thread_count(options.threads)),
-        progress_(options.progress, 0.1, 0.8, mesh.triangle_count()),
-        state_(std::make_unique<SimplifyState>(mesh, options.boundary_weight, threads_)),
+        progress_(options.progress),
+        state_(std::make_unique<SimplifyState>(mesh, options.boundary_weight, threads_,
+                                               ProgressPart{progress_, 0.0, passes_first, 1.0})),
         box_(scaled_box(mesh, state_->scale)),
         live_faces_(mesh.triangle_count()) {
     live_.reserve(mesh.vertex_count());
     for (VertexId v = 0; v < mesh.vertex_count(); ++v) live_.push_back(v);
     drop_dead();
-    for (unsigned i = 0; i < threads_; ++i)
-      workers_.push_back(std::make_unique<CollapseWorker>(*state_, BuildProgress::Reporter(progress_, i == 0)));
+    for (unsigned i = 0; i < threads_; ++i) workers_.push_back(std::make_unique<CollapseWorker>(*state_));
   }
 
   CollapseSequence run() {
@@ -111,17 +114,21 @@ class Simplifier {
     const std::size_t first_record = records_.size();
     records_.resize(first_record + blocks.size());
     std::atomic<std::size_t> next = 0;
-    const auto work = [&](CollapseWorker& worker) {
-      for (std::size_t i = next++; i < blocks.size() && !progress_.is_cancelled(); i = next++)
-        records_[first_record + i] = worker.run(blocks[i]);
+    const auto work = [&](CollapseWorker& worker, const auto& go_on) {
+      for (std::size_t i = next++; i < blocks.size() && !progress_.is_cancelled(); i = next++) {
+        records_[first_record + i] = worker.run(blocks[i], go_on);
+        faces_gone_ += records_[first_record + i].faces_gone;
+      }
     };
+    const ProgressPart part{progress_, passes_first, passes_last, static_cast<double>(mesh_.triangle_count())};
+    const auto report = [&](std::size_t gone) { return part.reach(faces_gone_ + gone), true; };
+    const auto heed = [&](std::size_t) { return !progress_.is_cancelled(); };
     {
       std::vector<std::jthread> threads;
       for (std::size_t i = 1; i < std::min(workers_.size(), blocks.size()); ++i)
-        threads.emplace_back([&, i] { work(*workers_[i]); });
-      work(*workers_[0]);
+        threads.emplace_back([&, i] { work(*workers_[i], heed); });
+      work(*workers_[0], report);
     }
-    if (progress_.is_cancelled()) throw Error({"build", "", "was cancelled", ""});
     std::size_t made = 0;
     for (std::size_t i = first_record; i < records_.size(); ++i) {
       live_faces_ -= records_[i].faces_gone;
@@ -140,9 +147,10 @@ class Simplifier {
     std::vector<LevelFace> base = state_->mesh.faces();
     workers_.clear();
     state_.reset();
-    return join_records(records_, std::move(base), threads_);
+    return join_records(records_, std::move(base), threads_, ProgressPart{progress_, passes_last, joined, 1.0});
   }
 
+  const TriangleMesh& mesh_;
   const BuildOptions& options_;
   unsigned threads_;
   BuildProgress progress_;
@@ -151,6 +159,7 @@ class Simplifier {
   std::vector<std::unique_ptr<CollapseWorker>> workers_;
   std::vector<VertexId> live_;  // in the order of the pass
   std::size_t live_faces_ = 0;
+  std::atomic<std::size_t> faces_gone_ = 0;
   CollapseId next_id_ = 0;
   std::vector<BlockRecord> records_;
 };

@@ -25,7 +25,8 @@ float power_of_two_scale(std::span<const glm::vec3> positions) {
 
 }  // namespace
 
-SimplifyState::SimplifyState(const TriangleMesh& input, double boundary_weight, unsigned threads)
+SimplifyState::SimplifyState(const TriangleMesh& input, double boundary_weight, unsigned threads,
+                             const ProgressPart& progress)
     : scale(power_of_two_scale(input.positions)),
       vertices(large_array<VertexState>(input.vertex_count())),
       mesh(input.triangles, input.vertex_count(), threads),
@@ -33,10 +34,14 @@ SimplifyState::SimplifyState(const TriangleMesh& input, double boundary_weight, 
   for_each_range(vertices.size(), threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) vertices[v] = {input.positions[v] * scale, infinity, 0.0F, {}};
   });
-  for_each_range(vertices.size(), threads, [&](std::size_t begin, std::size_t end) {
-    Fan fan;
-    for (auto v = static_cast<VertexId>(begin); v < end; ++v) make_quadric(v, fan, boundary_weight);
-  });
+  const ProgressPart part{progress.progress, progress.first, progress.last, static_cast<double>(vertices.size())};
+  for_each_range(
+      vertices.size(), threads,
+      [&](std::size_t begin, std::size_t end) {
+        Fan fan;
+        for (auto v = static_cast<VertexId>(begin); v < end; ++v) make_quadric(v, fan, boundary_weight);
+      },
+      [&](std::size_t done) { part.reach(done); });
 }
 
 // And proposes.

@@ -5,6 +5,7 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
+#include "build_progress.h"
 #include "fan.h"
 #include "position_view.h"
 #include "star_mesh.h"
@@ -28,7 +29,7 @@ struct Turn {
 
 // Indexed by vertex. A worker touches only vertices of its block and reads stars of those.
 struct SimplifyState {
-  SimplifyState(const TriangleMesh& input, double boundary_weight, unsigned threads);
+  SimplifyState(const TriangleMesh& input, double boundary_weight, unsigned threads, const ProgressPart& progress);
 
   float scale = 1.0F;  // a power of two, so that scaling is exact; takes the extent of the input into [1/2, 1]
   std::vector<VertexState> vertices;
