@@ -20,8 +20,8 @@ struct FixedCut {
 // All splits applied: the input mesh. O(n).
 [[nodiscard]] FixedCut full_cut(const Hierarchy& hierarchy);
 
-// The first splits, those of the last and dearest collapses, as many as leave no more than `max_triangles`; the base mesh
-// when even that has more. O(n).
+// The first splits, those of the last and dearest collapses, as many as leave no more than `max_triangles`; the base
+// mesh when even that has more. O(n).
 [[nodiscard]] FixedCut cut_to_triangles(const Hierarchy& hierarchy, std::size_t max_triangles);
 
 // The smallest cut whose guaranteed error is at most `max_error` (>= 0, object units): the splits that promise more are
