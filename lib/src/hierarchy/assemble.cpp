@@ -92,7 +92,6 @@ class Assembler {
   Assembly run() {
     number_vertices();
     copy_vertices();
-    number_collapses();
     order_stars();
     find_removed();
     write_stars();
@@ -102,7 +101,8 @@ class Assembler {
   }
 
  private:
-  // Split s undoes the s-th last collapse.
+  // Split s undoes the s-th last collapse; ids of collapses are their places.
+  [[nodiscard]] SplitId split_of(CollapseId id) const { return split_count_ - 1 - id; }
   [[nodiscard]] std::size_t collapse_index(SplitId s) const { return split_count_ - 1 - s; }
   [[nodiscard]] const Collapse& collapse_of(SplitId s) const { return sequence_.collapses[collapse_index(s)]; }
   [[nodiscard]] std::span<LevelFace> star_of(SplitId s) {
@@ -143,13 +143,6 @@ class Assembler {
     result_.data.face_count = sequence_.base.size() + sequence_.ended.size();
   }
 
-  void number_collapses() {
-    CollapseId end = 0;
-    for (std::size_t i = 0; i < split_count_; ++i) end = std::max(end, sequence_.collapses[i].id + 1);
-    split_of_.assign(end, no_id);
-    for_each_split([&](SplitId s) { split_of_[collapse_of(s).id] = s; });
-  }
-
   // The faces that the collapse of split s ended are those that it inserts; their places are their slots.
   void order_stars() {
     shapes_.resize(split_count_);
@@ -161,7 +154,7 @@ class Assembler {
     removed_.resize(sequence_.ended.size());
     for (std::uint32_t slot = 0; slot < sequence_.base.size(); ++slot)
       if (const LevelFace& face = sequence_.base[slot]; face.made_by != no_id)
-        misplaced_.push_back({split_of_[face.made_by], {no_id, slot}});
+        misplaced_.push_back({split_of(face.made_by), {no_id, slot}});
     std::mutex mutex;
     for_each_range(split_count_, threads_, [&](std::size_t begin, std::size_t end) {
       const std::vector<MisplacedFace> misplaced =
@@ -180,7 +173,7 @@ class Assembler {
     for (SplitId s = begin; s < end; ++s) {
       const std::span<const LevelFace> star = star_of(s);
       for (std::uint32_t slot = 0; slot < star.size(); ++slot)
-        if (star[slot].made_by != no_id) faces.push_back({split_of_[star[slot].made_by], {s, slot}});
+        if (star[slot].made_by != no_id) faces.push_back({split_of(star[slot].made_by), {s, slot}});
     }
     for (std::size_t i = 0; i < faces.size(); ++i) {
       if (i + 2 * ahead < faces.size()) prefetch(&collapse_of(faces[i + 2 * ahead].split));
@@ -341,8 +334,7 @@ class Assembler {
   unsigned threads_;
   SplitId split_count_ = 0;
   VertexId base_vertices_ = 0;
-  LargeVector<VertexId> new_id_;   // of each input vertex
-  LargeVector<SplitId> split_of_;  // each collapse id
+  LargeVector<VertexId> new_id_;  // of each input vertex
   LargeVector<StarShape> shapes_;
   LargeVector<FaceRef> removed_;  // for each ended face the face that its split removes in its place, or none
   std::vector<MisplacedFace> misplaced_;

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "huge_pages.h"
+#include "occlod/core/large_vector.h"
 #include "parallel.h"
 #include "sort_by_key.h"
 
@@ -24,13 +24,13 @@ std::size_t ended_count(const BlockRecord& record, std::size_t i) {
 }
 
 // All collapses by ascending rank, equal ranks as recorded.
-std::vector<Source> by_rank(const std::vector<BlockRecord>& records, unsigned threads) {
+LargeVector<Source> by_rank(const std::vector<BlockRecord>& records, unsigned threads) {
   // Ranks are not negative, so their bits ascend with them. Half of the mantissa does: what is cut off leaves equals.
   constexpr unsigned dropped_bits = 10;
   std::size_t count = 0;
   for (const BlockRecord& record : records) count += record.collapses.size();
-  std::vector<Source> sources;
-  std::vector<Keyed> keyed;
+  LargeVector<Source> sources;
+  LargeVector<Keyed> keyed;
   sources.reserve(count);
   keyed.reserve(count);
   for (std::uint32_t r = 0; r < records.size(); ++r)
@@ -40,7 +40,7 @@ std::vector<Source> by_rank(const std::vector<BlockRecord>& records, unsigned th
       sources.push_back({r, i});
     }
   sort_by_key(keyed, 32 - dropped_bits, threads);
-  std::vector<Source> result(count);
+  LargeVector<Source> result(count);
   for_each_range(count, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) result[i] = sources[keyed[i].item];
   });
@@ -51,13 +51,13 @@ std::vector<Source> by_rank(const std::vector<BlockRecord>& records, unsigned th
 
 CollapseSequence join_records(std::vector<BlockRecord>& records, std::vector<LevelFace> base, unsigned threads,
                               const ProgressPart& progress) {
-  const std::vector<Source> order = by_rank(records, threads);
+  const LargeVector<Source> order = by_rank(records, threads);
   CollapseId ids = 0;
   for (const BlockRecord& record : records)
     if (!record.collapses.empty()) ids = std::max(ids, record.collapses.back().id + 1);
-  std::vector<CollapseId> new_id(ids);
+  LargeVector<CollapseId> new_id(ids);
   CollapseSequence sequence;
-  sequence.collapses = large_array<Collapse>(order.size() + 1);
+  sequence.collapses.resize(order.size() + 1);
   for_each_range(order.size(), threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const BlockRecord& record = records[order[i].record];
@@ -69,7 +69,7 @@ CollapseSequence join_records(std::vector<BlockRecord>& records, std::vector<Lev
   });
   std::size_t ended = 0;
   for (Collapse& collapse : sequence.collapses) ended += std::exchange(collapse.first_ended, ended);
-  sequence.ended = large_array<LevelFace>(ended);
+  sequence.ended.resize(ended);
   const auto renumber = [&](LevelFace& face) {
     if (face.made_by != no_id) face.made_by = new_id[face.made_by];
   };

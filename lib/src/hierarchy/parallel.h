@@ -16,9 +16,9 @@ namespace occlod {
 
 inline constexpr std::size_t range_size = 8192;
 
-// Calls visit(begin, end) for consecutive ranges of range_size that together are [0, count), each on some thread; visits must not
-// touch what others write. Between its ranges the calling thread calls between(next), where all ranges before `next`
-// are done or under way; should it throw, the others end after their range.
+// Calls visit(begin, end) for consecutive ranges of range_size that together are [0, count), each on some thread;
+// visits must not touch what others write. Between its ranges the calling thread calls between(next), where all ranges
+// before `next` are done or under way; should it throw, the others end after their range.
 template <typename Visit, typename Between>
 void for_each_range(std::size_t count, unsigned threads, const Visit& visit, const Between& between) {
   std::atomic<std::size_t> next = 0;

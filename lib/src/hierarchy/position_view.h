@@ -16,7 +16,7 @@ class PositionView {
   PositionView(std::span<const glm::vec3> positions) : first_(positions.data()), stride_(sizeof(glm::vec3)) {}
   PositionView(const std::vector<glm::vec3>& positions) : PositionView(std::span(positions)) {}
   template <typename Record>
-  PositionView(const std::vector<Record>& records, glm::vec3 Record::*member)
+  PositionView(std::span<const Record> records, glm::vec3 Record::*member)
       : first_(records.empty() ? nullptr : &(records[0].*member)), stride_(sizeof(Record)) {}
 
   const glm::vec3& operator[](std::size_t v) const noexcept {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "occlod/core/ids.h"
+#include "occlod/core/large_vector.h"
 #include "occlod/hierarchy/build.h"
 #include "occlod/mesh/triangle_mesh.h"
 
@@ -29,11 +30,11 @@ struct LevelFace {
 };
 
 struct CollapseSequence {
-  std::vector<Collapse> collapses;  // in order; then a sentinel that ends the last one's range
+  LargeVector<Collapse> collapses;  // in order; then a sentinel that ends the last one's range
   // The faces that each collapse ended: first the star of v, each face with v as its first corner; in ring order when
   // the star was one closed fan, so face j is (v, r_j, r_j+1) and the last one ends with r_0. Then faces without v,
   // which others were folded onto.
-  std::vector<LevelFace> ended;
+  LargeVector<LevelFace> ended;
   std::vector<LevelFace> base;  // those that are left
 };
 

@@ -5,7 +5,6 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
-#include "huge_pages.h"
 #include "occlod/math/bounds.h"
 #include "parallel.h"
 
@@ -28,9 +27,9 @@ float power_of_two_scale(std::span<const glm::vec3> positions) {
 SimplifyState::SimplifyState(const TriangleMesh& input, double boundary_weight, unsigned threads,
                              const ProgressPart& progress)
     : scale(power_of_two_scale(input.positions)),
-      vertices(large_array<VertexState>(input.vertex_count())),
+      vertices(input.vertex_count()),
       mesh(input.triangles, input.vertex_count(), threads),
-      turns(large_array<Turn>(input.vertex_count())) {
+      turns(input.vertex_count()) {
   for_each_range(vertices.size(), threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) vertices[v] = {input.positions[v] * scale, infinity, 0.0F, {}};
   });

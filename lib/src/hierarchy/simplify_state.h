@@ -3,10 +3,10 @@
 
 #include <cstdint>
 #include <glm/vec3.hpp>
-#include <vector>
 
 #include "build_progress.h"
 #include "fan.h"
+#include "occlod/core/large_vector.h"
 #include "position_view.h"
 #include "star_mesh.h"
 #include "vertex_quadric.h"
@@ -32,11 +32,11 @@ struct SimplifyState {
   SimplifyState(const TriangleMesh& input, double boundary_weight, unsigned threads, const ProgressPart& progress);
 
   float scale = 1.0F;  // a power of two, so that scaling is exact; takes the extent of the input into [1/2, 1]
-  std::vector<VertexState> vertices;
+  LargeVector<VertexState> vertices;
   StarMesh mesh;
-  std::vector<Turn> turns;
+  LargeVector<Turn> turns;
 
-  [[nodiscard]] PositionView positions() const { return {vertices, &VertexState::position}; }
+  [[nodiscard]] PositionView positions() const { return {std::span<const VertexState>(vertices), &VertexState::position}; }
   [[nodiscard]] auto position_of() const {
     return [first = vertices.data()](VertexId v) -> const glm::vec3& { return first[v].position; };
   }

@@ -57,7 +57,7 @@ std::vector<T> permuted(const std::vector<T>& values, const std::vector<VertexId
 void sort_spatially(const PositionView& positions, const MortonCurve& curve, std::vector<VertexId>& vertices,
                     unsigned threads) {
   const MortonGrid grid(curve);
-  std::vector<Keyed> keyed(vertices.size());
+  LargeVector<Keyed> keyed(vertices.size());
   for_each_range(vertices.size(), threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) keyed[i] = {grid.code(positions[vertices[i]]), vertices[i]};
   });

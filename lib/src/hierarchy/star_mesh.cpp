@@ -6,7 +6,6 @@
 #include <mutex>
 #include <utility>
 
-#include "huge_pages.h"
 #include "parallel.h"
 
 namespace occlod {
@@ -33,13 +32,12 @@ bool chain(std::span<StarFace> faces) {
 
 // The faces at every vertex.
 struct Incidences {
-  std::vector<std::size_t> first;  // those at v are [first[v], first[v + 1])
-  std::vector<std::pair<VertexId, VertexId>> opposite;
+  LargeVector<std::size_t> first;  // those at v are [first[v], first[v + 1])
+  LargeVector<std::pair<VertexId, VertexId>> opposite;
 
   // Each thread looks at all faces and minds the vertices of its part.
   Incidences(std::span<const Triangle> faces, std::size_t vertices, unsigned threads)
-      : first(large_array<std::size_t>(vertices + 2)),
-        opposite(large_array<std::pair<VertexId, VertexId>>(3 * faces.size())) {
+      : first(vertices + 2), opposite(3 * faces.size()) {
     const auto for_each_corner = [&](const auto& visit) {
       for_each_part(vertices, threads, [&](std::size_t begin, std::size_t end, std::size_t) {
         for (const Triangle& t : faces)
@@ -66,7 +64,7 @@ std::uint32_t* StarArena::allocate(std::size_t count) {
 }
 
 StarMesh::StarMesh(std::span<const Triangle> faces, std::size_t vertex_count, unsigned threads)
-    : places_(large_array<Place>(vertex_count)) {
+    : places_(vertex_count) {
   const Incidences incidences(faces, vertex_count, threads);
   std::size_t slots = 0;
   for (VertexId v = 0; v < vertex_count; ++v) {
@@ -74,8 +72,8 @@ StarMesh::StarMesh(std::span<const Triangle> faces, std::size_t vertex_count, un
     places_[v].capacity = std::max(first_capacity, static_cast<std::uint32_t>(size)) & 0x7fffffffU;
     slots += 2 * std::size_t{places_[v].capacity};
   }
-  pool_.reset(static_cast<std::uint32_t*>(operator new(slots * sizeof(std::uint32_t), cache_line)));
-  prefer_huge_pages(pool_.get(), slots * sizeof(std::uint32_t));
+  const std::size_t bytes = slots * sizeof(std::uint32_t);
+  pool_ = {static_cast<std::uint32_t*>(allocate_large(bytes)), Delete{bytes}};
   std::uint32_t* next_place = pool_.get();
   for (Place& place : places_) {
     place.ids = next_place;

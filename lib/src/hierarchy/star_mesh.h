@@ -4,10 +4,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <new>
 #include <span>
 #include <vector>
 
+#include "occlod/core/large_vector.h"
 #include "occlod/mesh/triangle_mesh.h"
 #include "prefetch.h"
 #include "simplify.h"
@@ -130,12 +130,12 @@ class StarMesh {
   void settle(VertexId v, VertexId u, StarArena& arena);
   std::size_t cancel_folds(VertexId v, VertexId u, CollapseId id, std::vector<LevelFace>& ended);
 
-  static constexpr std::align_val_t cache_line{64};
   struct Delete {
-    void operator()(std::uint32_t* pool) const noexcept { operator delete(pool, cache_line); }
+    std::size_t bytes;
+    void operator()(std::uint32_t* pool) const noexcept { free_large(pool, bytes); }
   };
 
-  std::vector<Place> places_;
+  LargeVector<Place> places_;
   std::unique_ptr<std::uint32_t, Delete> pool_;  // the first places of all stars
   StarArena arena_;                              // for those that are longer from the start
 };
