@@ -98,6 +98,12 @@ void add_build(CLI::App& app) {
       .add_option("--boundary-weight", options->build.boundary_weight,
                   "How firmly boundaries are held, relative to the surface")
       ->capture_default_str();
+  command
+      .add_option("--error-bound", options->build.error_bound,
+                  "Guaranteed errors: accumulated (quick) or measured (tight, several times the building time)")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, ErrorBound>{{"measured", ErrorBound::measured},
+                                                                            {"accumulated", ErrorBound::accumulated}}))
+      ->default_str("accumulated");
   command.add_option("--threads", options->build.threads, "Threads; 0 = one for each core. The result is the same")
       ->capture_default_str()
       ->check(CLI::NonNegativeNumber);

@@ -15,12 +15,6 @@
 namespace occlod {
 namespace {
 
-// The same face with v as its first corner; v is a corner.
-Triangle rotated(const Triangle& t, VertexId v) {
-  if (t.x == v) return t;
-  return t.y == v ? Triangle(t.y, t.z, t.x) : Triangle(t.z, t.x, t.y);
-}
-
 // No vertex of the ring twice: then no two faces have the same outer edge.
 bool is_simple(std::span<const LevelFace> fan) {
   const VertexId last = fan.back().corners.z;

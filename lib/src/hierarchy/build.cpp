@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "assemble.h"
+#include "measure_error.h"
 #include "occlod/core/error.h"
 #include "parallel.h"
 #include "simplify.h"
@@ -35,7 +36,9 @@ Hierarchy build_hierarchy(const TriangleMesh& mesh, const BuildOptions& options)
   check_input(mesh);
   const unsigned threads = thread_count(options.threads);
   const TriangleMesh ordered = in_spatial_order(mesh, threads);
-  return Hierarchy(bound_subtrees(assemble(ordered, simplify(ordered, options), threads), threads));
+  CollapseSequence sequence = simplify(ordered, options);
+  if (options.error_bound == ErrorBound::measured) measure_errors(ordered, sequence);
+  return Hierarchy(bound_subtrees(assemble(ordered, std::move(sequence), threads), threads));
 }
 
 }  // namespace occlod

@@ -134,9 +134,10 @@ void CollapseWorker::collapse(VertexId v, const Choice& choice, std::span<const 
     extent = longest_edge(std::span(record_.ended).subspan(first_ended));
     error = std::max(error, extent);
   }
-  const float after = pass_on_errors(choice, v, ring, extent);
-  record_.collapses.push_back(
-      {v, u, id, first_ended, error * round_up / state_.scale, after * round_up / state_.scale});
+  const float moved = choice.keeps_topology ? choice.moved : extent;
+  const float after = pass_on_errors(choice, v, ring, moved);
+  const float to_object = round_up / state_.scale;
+  record_.collapses.push_back({v, u, id, first_ended, error * to_object, after * to_object, moved * to_object});
   rank(v, choice.cost, ring);
   state_.vertices[u].quadric.add(state_.vertices[v].quadric, edge);
   state_.vertices[v].cost = infinity;
@@ -145,12 +146,12 @@ void CollapseWorker::collapse(VertexId v, const Choice& choice, std::span<const 
 
 // Faces that a collapse makes are as far from the input as the worst of those that it ends, plus how far it moves the
 // surface. Each vertex of the ring has one of them. Returns their error.
-float CollapseWorker::pass_on_errors(const Choice& choice, VertexId v, std::span<const VertexId> ring, float extent) {
+float CollapseWorker::pass_on_errors(const Choice& choice, VertexId v, std::span<const VertexId> ring, float moved) {
   float before = state_.vertices[v].error;
   // Faces that others were folded onto lie at the ring.
   if (!choice.keeps_topology)
     for (const VertexId w : ring) before = std::max(before, state_.vertices[w].error);
-  const float after = (before + (choice.keeps_topology ? choice.moved : extent)) * round_up;
+  const float after = (before + moved) * round_up;
   for (const VertexId w : ring) state_.vertices[w].error = std::max(state_.vertices[w].error, after);
   return after;
 }

@@ -21,6 +21,7 @@ struct Collapse {
   std::size_t first_ended = 0;    // into CollapseSequence::ended
   float error = 0.0F;             // quadric error, object units
   float guaranteed_error = 0.0F;  // distance of the faces made from the input, object units
+  float moved = 0.0F;  // bound on the distance between what the collapse ended and what it made, object units
 };
 
 // One face of one level: its corners, and the collapse that made it; no_id for faces of the input.

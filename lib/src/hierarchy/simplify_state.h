@@ -36,7 +36,9 @@ struct SimplifyState {
   StarMesh mesh;
   LargeVector<Turn> turns;
 
-  [[nodiscard]] PositionView positions() const { return {std::span<const VertexState>(vertices), &VertexState::position}; }
+  [[nodiscard]] PositionView positions() const {
+    return {std::span<const VertexState>(vertices), &VertexState::position};
+  }
   [[nodiscard]] auto position_of() const {
     return [first = vertices.data()](VertexId v) -> const glm::vec3& { return first[v].position; };
   }

@@ -18,6 +18,12 @@ namespace occlod {
   return t.x == v || t.y == v || t.z == v;
 }
 
+// The same face with v as its first corner; v is a corner.
+[[nodiscard]] constexpr Triangle rotated(const Triangle& t, VertexId v) noexcept {
+  if (t.x == v) return t;
+  return t.y == v ? Triangle(t.y, t.z, t.x) : Triangle(t.z, t.x, t.y);
+}
+
 // A face as one of its vertices sees it: its other corners, in winding order, and the collapse that made it.
 struct StarFace {
   VertexId next;

@@ -41,7 +41,8 @@ TriangleMesh generate(const PipesOptions& options) { return generate_pipes(optio
 TriangleMesh generate(const SpheresBehindWallOptions& options) { return generate_spheres_behind_wall(options); }
 
 std::string describe(const BuildOptions& options) {
-  return fmt::format("base_triangles={} boundary_weight={}", options.base_triangles, options.boundary_weight);
+  return fmt::format("base_triangles={} boundary_weight={} measured={}", options.base_triangles,
+                     options.boundary_weight, options.error_bound == ErrorBound::measured);
 }
 
 bool is_olod(const std::filesystem::path& path) {

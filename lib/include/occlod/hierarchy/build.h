@@ -9,11 +9,18 @@
 
 namespace occlod {
 
+// How SplitNode::guaranteed_error comes about. Both are bounds; docs/benchmarks.md compares them.
+enum class ErrorBound {
+  accumulated,  // the movements of all collapses that led to a face, added up: several times too large on coarse meshes
+  measured      // against the input mesh: tight, at several times the building time
+};
+
 struct BuildOptions {
   std::size_t base_triangles = 64;  // stop when the mesh has no more triangles than this; the base may have fewer
   double boundary_weight = 1.0;     // weight of the planes that hold boundary and non-manifold edges in place, relative
                                     // to the triangles beside them
-  int threads = 0;                  // 0 = one for each core; the result does not depend on it
+  ErrorBound error_bound = ErrorBound::accumulated;
+  int threads = 0;  // 0 = one for each core; the result does not depend on it
   // Called now and then with the share done, in [0, 1]; returning false cancels the build, which then throws Error.
   std::function<bool(double)> progress;
 };

@@ -1,0 +1,14 @@
+// Guaranteed errors that are measured instead of added up. docs/error_metric.md has the proofs.
+#pragma once
+
+#include "occlod/mesh/triangle_mesh.h"
+#include "simplify.h"
+
+namespace occlod {
+
+// Sets guaranteed_error of all collapses of `sequence`, which simplify() made of `mesh`, so that no cut is farther from
+// the input, both ways, than the largest of the collapses that it has made: measured against the input where errors are
+// larger than its triangles; below that they stay added up, as simplify() left them. O(n log n).
+void measure_errors(const TriangleMesh& mesh, CollapseSequence& sequence);
+
+}  // namespace occlod
