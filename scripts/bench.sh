@@ -22,4 +22,7 @@ build/bench/bench/bench_build --benchmark_repetitions=3 --benchmark_report_aggre
 echo "bench_build_peers" >&2
 build/bench/bench/bench_build_peers --repeat 5 --json "$out/build_peers.json" | tee "$out/build_peers.txt"
 
+echo "bench_error_bound" >&2
+build/bench/bench/bench_error_bound | tee "$out/error_bound.md"
+
 echo "Results: $PWD/$out"
