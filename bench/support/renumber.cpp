@@ -22,14 +22,15 @@ class Renumbering {
     permute(old.positions, data.positions);
     permute(old.normals, data.normals);
     permute(old.colors, data.colors);
-    data.stars.clear();
+    std::vector<std::uint32_t> stars;
     for (std::size_t i = 0; i < order_.size(); ++i) {
       SplitNode node = hierarchy_.node(order_[i]);
       for (SplitId* link : {&node.child_u, &node.child_v, &node.parent}) *link = split(*link);
-      node.star = static_cast<std::uint32_t>(data.stars.size());
+      node.star = static_cast<std::uint32_t>(stars.size());
       data.nodes[i] = node;
-      append(hierarchy_.star(order_[i]), data.stars);
+      append(hierarchy_.star(order_[i]), stars);
     }
+    data.stars.assign(stars.begin(), stars.end());
     std::transform(old.roots.begin(), old.roots.end(), data.roots.begin(), [&](SplitId s) { return split(s); });
     std::sort(data.roots.begin(), data.roots.end());
     return data;
@@ -44,7 +45,7 @@ class Renumbering {
   [[nodiscard]] Triangle triangle(const Triangle& t) const { return {vertex(t.x), vertex(t.y), vertex(t.z)}; }
 
   template <typename T>
-  void permute(std::span<const T> from, std::vector<T>& to) const {
+  void permute(std::span<const T> from, LargeVector<T>& to) const {
     for (VertexId v = 0; v < from.size(); ++v) to[vertex(v)] = from[v];
   }
 
