@@ -109,8 +109,9 @@ class Render(ToolTest):
         self.assertEqual(len(hashes), 1)
 
     def test_options_change_the_refinement(self):
-        hashes = [self.render(*options)["hash"] for options in ([], ["--culling", "subtree", "--occluder-splits", 100], ["--occlusion", "none", "--culling", "subtree"],
-                                                                ["--visible-exponent", 0])]
+        hashes = [self.render(*options, budget=1500)["hash"]
+                  for options in ([], ["--culling", "subtree"], ["--occlusion", "none", "--culling", "subtree"],
+                                  ["--visible-exponent", 0])]
         hashes.append(self.render(budget=500)["hash"])
         self.assertEqual(len(set(hashes)), len(hashes), hashes)
 
