@@ -138,6 +138,8 @@ void add_refine_options(CLI::App& command, RefineOptions& refine) {
   static const std::map<std::string, Culling> cullings = {{"subtree", Culling::subtree}, {"star", Culling::star}};
   static const std::map<std::string, Proxy> proxies = {
       {"sphere", Proxy::sphere}, {"box", Proxy::box}, {"cylinder", Proxy::cylinder}};
+  static const std::map<std::string, OccluderMode> modes = {{"paper", OccluderMode::paper},
+                                                            {"conservative", OccluderMode::conservative}};
   command.add_option("--budget", refine.budget, "Triangles over all objects; never exceeded")->capture_default_str();
   command.add_option("--tolerance", refine.tolerance_px, "Stop at this screen error, pixels; 0 = use the budget up")
       ->capture_default_str()
@@ -149,6 +151,12 @@ void add_refine_options(CLI::App& command, RefineOptions& refine) {
   command.add_option("--levels", refine.level_step, "Ask about occlusion on every N-th level of the forest")
       ->capture_default_str()
       ->check(CLI::PositiveNumber);
+  command
+      .add_option(
+          "--mode", refine.occluder_mode,
+          "paper: the occluder is the current mesh as it is; conservative: moved back by its error bounds, so that "
+          "it hides nothing that is visible; paper when not given")
+      ->transform(CLI::CheckedTransformer(modes));
   command
       .add_option("--occluder-splits", refine.occluder_splits, "Draw the occluder after so many splits, e.g. 300,2500")
       ->delimiter(',')

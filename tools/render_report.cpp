@@ -11,6 +11,7 @@ void add_what_was_asked(Json& report, const RenderResult& result) {
   const RefineOptions& options = result.options;
   report["scene"] = result.input.name;
   report["culling"] = name_of(options.culling);
+  report["mode"] = options.occluder_mode == OccluderMode::conservative ? "conservative" : "paper";
   report["occlusion"] = result.backend.visibility->name();
   if (!result.backend.gl.is_null()) report["gl"] = result.backend.gl;
   report["budget"] = options.budget;

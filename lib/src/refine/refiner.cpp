@@ -7,6 +7,7 @@
 
 #include "cut.h"
 #include "occlod/core/error.h"
+#include "occluder.h"
 #include "queue.h"
 #include "star.h"
 
@@ -223,11 +224,8 @@ class Refiner::Impl {
   }
 
   void draw_occluder() {
-    emit();
-    parts_.clear();
-    for (std::uint32_t i = 0; i < objects_.size(); ++i)
-      parts_.push_back({i, objects_[i].hierarchy->positions(), result_.objects[i].triangles});
-    timed([&] { visibility_->draw_occluder(parts_); });
+    const std::span<const OccluderPart> parts = occluder_mesh_.build(cuts_, views_, options_.occluder_mode);
+    timed([&] { visibility_->draw_occluder(parts); });
     splits_at_occluder_ = stats_.splits;
     ++occluder_;
     ++stats_.occluder_draws;
@@ -319,7 +317,7 @@ class Refiner::Impl {
   Queue queue_;
   std::deque<Entry> pending_;  // asked, oldest first
   std::vector<Entry> hidden_;  // found hidden by the occluder of their time
-  std::vector<OccluderPart> parts_;
+  Occluder occluder_mesh_;
   StarLook star_;
   std::size_t triangles_ = 0;           // of all cuts
   std::uint32_t occluder_ = 0;          // how many have been drawn

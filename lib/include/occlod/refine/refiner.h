@@ -29,6 +29,13 @@ enum class Culling {
 
 enum class Proxy { sphere, box, cylinder };
 
+// What the current mesh hides.
+enum class OccluderMode {
+  paper,        // whatever is behind its triangles as they are: where they bulge out of the true surface, too much
+  conservative  // front faces only, each moved back along its normal by the bound on its distance from the input: what
+                // it hides, the input hides, where solid parts are thicker than the bounds
+};
+
 struct RefineOptions {
   std::size_t budget = 10'000;  // triangles over all objects; never exceeded
   double tolerance_px = 0.0;  // stop when no visible split has a larger guaranteed screen error; 0 = use the budget up
@@ -37,7 +44,8 @@ struct RefineOptions {
       1.0;  // star: a split's priority is multiplied by (visible share of its faces)^this; 0 = no weight
   std::vector<std::uint32_t> occluder_splits = {300,
                                                 2500};  // draw the occluder when so many splits are applied; ascending
-  Proxy proxy = Proxy::cylinder;                        // the bounds of a subtree that are asked about
+  OccluderMode occluder_mode = OccluderMode::paper;
+  Proxy proxy = Proxy::cylinder;  // the bounds of a subtree that are asked about
   std::uint32_t level_step =
       2;  // ask about subtrees on every n-th forest level only (2 = odd levels, as in the paper); >= 1
 };
