@@ -2,6 +2,7 @@
 """check_meshes.py [OCCLOD]: builds and validates every mesh below the folders that OCCLOD_MESHES names, separated by ':'. One line each: built and
 valid, or refused with the reason. Exit 1 when any crashes, hangs, is refused without a single line that says why, or is not valid.
 OCCLOD defaults to build/release/tools/occlod."""
+import argparse
 import json
 import os
 import pathlib
@@ -59,7 +60,11 @@ def meshes():
 
 
 def main():
-    occlod = sys.argv[1] if len(sys.argv) > 1 else ROOT / "build/release/tools/occlod"
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("occlod", nargs="?", type=pathlib.Path, default=ROOT / "build/release/tools/occlod", help="the command to run")
+    occlod = parser.parse_args().occlod
+    if not occlod.is_file():
+        parser.error(f"{occlod} is not there; build it with scripts/build.sh")
     counts = {"valid": 0, "refused": 0, "FAILED": 0}
     with tempfile.TemporaryDirectory(prefix="occlod-check-") as folder:
         for path, name in meshes():
