@@ -7,12 +7,14 @@
 #include <cstring>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <random>
 #include <stdexcept>
 #include <thread>
 #include <vector>
 
 #include "occlod/core/error.h"
 #include "occlod/hierarchy/validate.h"
+#include "occlod/mesh/clean.h"
 #include "support/meshes.h"
 
 namespace occlod {
@@ -57,6 +59,54 @@ TEST(BuildHierarchy, EveryKindOfMeshBuildsValidatesAndComesBack) {
       EXPECT_LE(hierarchy.base_triangle_count(), base);  // any mesh can be taken apart down to nothing
       EXPECT_EQ(hierarchy.vertex_count(), input.mesh.vertex_count());
     }
+  }
+}
+
+// Triangles between random vertices: edges of any degree, faces back to back, faces repeated and turned over, so that
+// collapses fold faces onto each other and take whole pieces away in every way there is. Whatever comes, what is
+// applied must conform, and all of it must be the input.
+TEST(BuildHierarchy, RandomSoupsAreValid) {
+  for (unsigned seed = 0; seed < 60; ++seed) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<float> coordinate(-1.0F, 1.0F);
+    TriangleMesh soup;
+    const std::size_t vertices = 6 + random() % 60, triangles = vertices / 2 + random() % (3 * vertices);
+    for (std::size_t v = 0; v < vertices; ++v)
+      soup.positions.emplace_back(coordinate(random), coordinate(random), coordinate(random));
+    while (soup.triangles.size() < triangles) {
+      // Near in number, so that triangles often share edges.
+      const auto a = static_cast<VertexId>(random() % vertices);
+      const auto near = [&] { return static_cast<VertexId>((a + 1 + random() % 4) % vertices); };
+      const Triangle t(a, near(), near());
+      if (t.x != t.y && t.y != t.z && t.z != t.x) soup.triangles.push_back(t);
+    }
+    const TriangleMesh mesh = clean(soup, {}, "soup").mesh;
+    BuildOptions options;
+    options.base_triangles = seed % 3 == 0 ? 8 : 0;
+    const Hierarchy hierarchy = build_hierarchy(mesh, options);
+    const std::vector<std::string> violations = validate(hierarchy);
+    ASSERT_TRUE(violations.empty()) << "seed " << seed << ": " << violations[0];
+    ASSERT_TRUE(restores(hierarchy, mesh)) << "seed " << seed;
+  }
+}
+
+// The same for surfaces that are pinched together where they should not be.
+TEST(BuildHierarchy, PinchedSurfacesAreValid) {
+  for (unsigned seed = 0; seed < 40; ++seed) {
+    std::mt19937 random(seed);
+    TriangleMesh pinched = seed % 2 == 0 ? test::noisy_sphere(3, seed) : test::grid(12, 12);
+    const std::size_t vertices = pinched.positions.size();
+    std::vector<VertexId> merged(vertices);
+    for (VertexId v = 0; v < vertices; ++v)
+      merged[v] = random() % 4 == 0 ? static_cast<VertexId>((v + 1 + random() % 30) % vertices) : v;
+    for (Triangle& t : pinched.triangles) t = {merged[t.x], merged[t.y], merged[t.z]};
+    const TriangleMesh mesh = clean(pinched, {}, "pinched").mesh;
+    BuildOptions options;
+    options.base_triangles = seed % 3 == 0 ? 8 : 0;
+    const Hierarchy hierarchy = build_hierarchy(mesh, options);
+    const std::vector<std::string> violations = validate(hierarchy);
+    ASSERT_TRUE(violations.empty()) << "seed " << seed << ": " << violations[0];
+    ASSERT_TRUE(restores(hierarchy, mesh)) << "seed " << seed;
   }
 }
 

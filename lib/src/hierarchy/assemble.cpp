@@ -246,6 +246,7 @@ class Assembler {
         if (places[slot].split != no_id) removed_.push_back({places[slot], {u, inserted_[slot].y, inserted_[slot].z}});
       const auto first = std::lower_bound(a_.misplaced_.begin(), a_.misplaced_.end(), s,
                                           [](const MisplacedFace& face, SplitId split) { return face.split < split; });
+      in_places_ = first == a_.misplaced_.end() || first->split != s;
       for (auto at = first; at != a_.misplaced_.end() && at->split == s; ++at) {
         const FaceRef& ref = at->face;
         const LevelFace& face = ref.split == no_id ? a_.sequence_.base[ref.slot] : a_.star_of(ref.split)[ref.slot];
@@ -260,7 +261,9 @@ class Assembler {
       dependencies_.clear();
       for (const RemovedFace& face : removed_)
         if (face.ref.split != no_id) dependencies_.push_back(face.ref.split);
-      if (a_.shapes_[s] != StarShape::closed_fan || removed_.size() + 2 != inserted_.size()) add_lone_corners(s);
+      const bool covers_ring = a_.shapes_[s] == StarShape::closed_fan && inserted_.size() > 2 &&
+                               removed_.size() == inserted_.size() - 2 && in_places_;
+      if (!covers_ring) add_lone_corners(s);
       std::sort(dependencies_.begin(), dependencies_.end());
       dependencies_.erase(std::unique(dependencies_.begin(), dependencies_.end()), dependencies_.end());
     }
@@ -281,6 +284,7 @@ class Assembler {
     std::span<const LevelFace> star_;
     std::vector<Triangle> inserted_;
     std::vector<RemovedFace> removed_;
+    bool in_places_ = true;          // of the star's own faces, all of removed_
     std::vector<VertexId> corners_;  // of removed faces
     std::vector<SplitId> dependencies_;
   };

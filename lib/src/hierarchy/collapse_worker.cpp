@@ -138,7 +138,7 @@ void CollapseWorker::collapse(VertexId v, const Choice& choice, std::span<const 
   const float after = pass_on_errors(choice, v, ring, moved);
   const float to_object = round_up / state_.scale;
   record_.collapses.push_back({v, u, id, first_ended, error * to_object, after * to_object, moved * to_object});
-  rank(v, choice.cost, ring);
+  rank(v, choice, ring);
   state_.vertices[u].quadric.add(state_.vertices[v].quadric, edge);
   state_.vertices[v].cost = infinity;
   for (const VertexId w : ring) update(w, u);
@@ -157,8 +157,11 @@ float CollapseWorker::pass_on_errors(const Choice& choice, VertexId v, std::span
 }
 
 // What a collapse comes after had its vertex in the ring: it made faces there, or holds a corner that this one needs.
-void CollapseWorker::rank(VertexId v, float cost, std::span<const VertexId> ring) {
-  const float rank = std::max(cost, state_.turns[v].rank);
+// Faces that others are folded onto are not at v, but all their corners are in its ring.
+void CollapseWorker::rank(VertexId v, const Choice& choice, std::span<const VertexId> ring) {
+  float rank = std::max(choice.cost, state_.turns[v].rank);
+  if (!choice.keeps_topology)
+    for (const VertexId w : ring) rank = std::max(rank, state_.turns[w].rank);
   for (const VertexId w : ring) state_.turns[w].rank = std::max(state_.turns[w].rank, rank);
   record_.ranks.push_back(rank);
 }

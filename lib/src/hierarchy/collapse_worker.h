@@ -60,7 +60,7 @@ class CollapseWorker {
   [[nodiscard]] Choice break_topology(std::span<const VertexId> neighbours, VertexId v) const;
   void collapse(VertexId v, const Choice& choice, std::span<const VertexId> ring);
   float pass_on_errors(const Choice& choice, VertexId v, std::span<const VertexId> ring, float moved);
-  void rank(VertexId v, float cost, std::span<const VertexId> ring);
+  void rank(VertexId v, const Choice& choice, std::span<const VertexId> ring);
   void update(VertexId w, VertexId u);
   [[nodiscard]] float longest_edge(std::span<const LevelFace> faces) const;
 
