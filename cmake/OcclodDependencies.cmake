@@ -1,6 +1,7 @@
 # Every third-party package, in one place. scripts/packages.txt lists the Debian packages that bring them.
 find_package(glm REQUIRED)
 find_package(fmt REQUIRED)
+find_package(hwy REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(Threads REQUIRED)
 find_package(TinyGLTF REQUIRED)

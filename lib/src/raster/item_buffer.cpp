@@ -4,6 +4,7 @@
 #include <cassert>
 
 #include "raster/clip.h"
+#include "raster/depth_raster.h"
 #include "raster/projection.h"
 #include "raster/scan.h"
 
@@ -15,17 +16,15 @@ using raster::ScreenVertex;
 using raster::TriangleBatch;
 
 // Inverse depth of `count` neighbouring pixels, one after another in a row, each handed to write(pixel, depth).
-// The plane is evaluated in double for each pixel: across a long span of a steep triangle single precision would lose
-// the far end.
 template <class Write>
 inline void for_each_depth(const DepthPlane& plane, std::int32_t row, std::int32_t begin, std::int32_t end,
                            Write write) {
-  const double start = plane.at_origin + plane.per_row * row + plane.per_column * begin;
+  const double start = plane.at_origin + plane.per_row * row;
   const double step = plane.per_column;
   const float smallest = plane.smallest;
   const float largest = plane.largest;
   for (std::int32_t i = 0; i < end - begin; ++i) {
-    float z = static_cast<float>(start + step * i);
+    float z = static_cast<float>(start + step * (begin + i));
     z = z > smallest ? z : smallest;
     write(i, z < largest ? z : largest);
   }
@@ -35,6 +34,14 @@ inline void for_each_depth(const DepthPlane& plane, std::int32_t row, std::int32
 struct DepthWriter {
   float* inverse_depth;
   std::size_t width;
+  int height;
+
+  // True when it has drawn all that is drawable without clipping.
+  bool draw_batch(const TriangleBatch& batch) const {
+    if (width < raster::narrowest_simd_image) return false;
+    raster::draw_depth_batch(batch, {inverse_depth, static_cast<int>(width), height});
+    return true;
+  }
 
   void draw(const raster::TriangleSetup& triangle, std::uint32_t) const {
     raster::scan(triangle, static_cast<int>(width), [&](std::int32_t row, std::int32_t begin, std::int32_t end) {
@@ -49,6 +56,8 @@ struct ItemWriter {
   float* inverse_depth;
   std::uint32_t* items;
   std::size_t width;
+
+  static bool draw_batch(const TriangleBatch&) { return false; }
 
   void draw(const raster::TriangleSetup& triangle, std::uint32_t item) const {
     raster::scan(triangle, static_cast<int>(width), [&](std::int32_t row, std::int32_t begin, std::int32_t end) {
@@ -82,10 +91,12 @@ class Rasterizer {
 
  private:
   void draw_batch(const TriangleBatch& batch, std::uint32_t first_item) {
+    const bool drawn = writer_.draw_batch(batch);
     for (std::size_t i = 0; i < batch.size; ++i) {
       const std::uint32_t item = first_item + static_cast<std::uint32_t>(i);
       if ((batch.drawable[0][i] & batch.drawable[1][i] & batch.drawable[2][i]) != 0) {
-        draw_triangle(batch.screen_vertex(0, i), batch.screen_vertex(1, i), batch.screen_vertex(2, i), item);
+        if (!drawn)
+          draw_triangle(batch.screen_vertex(0, i), batch.screen_vertex(1, i), batch.screen_vertex(2, i), item);
       } else {
         draw_clipped({batch.clip_position(0, i), batch.clip_position(1, i), batch.clip_position(2, i)}, item);
       }
@@ -129,7 +140,7 @@ void ItemBuffer::reset(int width, int height) {
 
 void draw_depth(DepthBuffer& target, std::span<const glm::vec3> positions, std::span<const Triangle> triangles,
                 const glm::mat4& object_to_clip) {
-  const DepthWriter writer{target.inverse_depth.data(), static_cast<std::size_t>(target.width)};
+  const DepthWriter writer{target.inverse_depth.data(), static_cast<std::size_t>(target.width), target.height};
   Rasterizer(object_to_clip, target.width, target.height, writer).draw(positions, triangles, 0);
 }
 

@@ -1,16 +1,87 @@
 #include "raster/projection.h"
 
 #include <cassert>
-#include <cmath>
 
+// Compiles this file once for every instruction set.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "raster/projection.cpp"
+#include "hwy/foreach_target.h"
+#include "hwy/highway.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace occlod::raster::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+using Doubles = hn::ScalableTag<double>;
+using Vec = hn::Vec<Doubles>;
+constexpr hn::Rebind<std::int32_t, Doubles> ints;
+constexpr hn::Rebind<float, Doubles> floats;
+
+// Row `row` of the matrix times (x, y, z, 1), summed from the left.
+HWY_INLINE Vec transform(const glm::dmat4& m, int row, Vec x, Vec y, Vec z) {
+  const Doubles d;
+  const Vec xy = hn::Add(hn::Mul(hn::Set(d, m[0][row]), x), hn::Mul(hn::Set(d, m[1][row]), y));
+  return hn::Add(hn::Add(xy, hn::Mul(hn::Set(d, m[2][row]), z)), hn::Set(d, m[3][row]));
+}
+
+// Rounds to the nearest integer, halves up, as round_subpixel.
+HWY_INLINE hn::Vec<decltype(ints)> round_to_subpixel(Vec value) {
+  const Doubles d;
+  return hn::Sub(hn::DemoteTo(ints, hn::Add(value, hn::Set(d, rounding_bias + 0.5))),
+                 hn::Set(ints, static_cast<std::int32_t>(rounding_bias)));
+}
+
+// The corners from i on, one to a lane.
+HWY_INLINE void project_lanes(const Projection& projection, std::size_t k, std::size_t i, TriangleBatch& batch) {
+  const Doubles d;
+  const Vec px = hn::PromoteTo(d, hn::LoadU(floats, batch.object_x[k].data() + i));
+  const Vec py = hn::PromoteTo(d, hn::LoadU(floats, batch.object_y[k].data() + i));
+  const Vec pz = hn::PromoteTo(d, hn::LoadU(floats, batch.object_z[k].data() + i));
+  const Vec x = transform(projection.to_clip(), 0, px, py, pz);
+  const Vec y = transform(projection.to_clip(), 1, px, py, pz);
+  const Vec z = transform(projection.to_clip(), 2, px, py, pz);
+  const Vec w = transform(projection.to_clip(), 3, px, py, pz);
+  hn::StoreU(x, d, batch.clip_x[k].data() + i);
+  hn::StoreU(y, d, batch.clip_y[k].data() + i);
+  hn::StoreU(z, d, batch.clip_z[k].data() + i);
+  hn::StoreU(w, d, batch.clip_w[k].data() + i);
+
+  // False for NaN. An infinite x, y or w fails a comparison; an infinite z with a finite w cannot come from finite
+  // positions.
+  const Vec guard_x = hn::Mul(hn::Set(d, projection.guard().x), w);
+  const Vec guard_y = hn::Mul(hn::Set(d, projection.guard().y), w);
+  const auto before = hn::And(hn::And(hn::Gt(w, hn::Zero(d)), hn::Lt(w, hn::Set(d, 1e300))), hn::Ge(z, hn::Neg(w)));
+  const auto inside = hn::And(before, hn::And(hn::Le(hn::Abs(x), guard_x), hn::Le(hn::Abs(y), guard_y)));
+  const Vec inverse_w = hn::Div(hn::Set(d, 1.0), w);
+  const Vec half_x = hn::Set(d, projection.half_size().x);
+  const Vec half_y = hn::Set(d, projection.half_size().y);
+  const Vec screen_x = hn::Add(half_x, hn::Mul(hn::Mul(x, inverse_w), half_x));
+  const Vec screen_y = hn::Sub(half_y, hn::Mul(hn::Mul(y, inverse_w), half_y));
+  hn::StoreU(inverse_w, d, batch.inverse_w[k].data() + i);
+  hn::StoreU(hn::DemoteTo(ints, hn::IfThenElseZero(inside, hn::Set(d, 1.0))), ints, batch.drawable[k].data() + i);
+  hn::StoreU(round_to_subpixel(hn::IfThenElseZero(inside, screen_x)), ints, batch.x[k].data() + i);
+  hn::StoreU(round_to_subpixel(hn::IfThenElseZero(inside, screen_y)), ints, batch.y[k].data() + i);
+}
+
+void project_batch(const Projection& projection, TriangleBatch& batch) {
+  for (std::size_t corner = 0; corner < 3; ++corner)
+    for (std::size_t i = 0; i < batch.size; i += hn::Lanes(Doubles())) project_lanes(projection, corner, i, batch);
+}
+
+}  // namespace occlod::raster::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
 namespace occlod::raster {
 namespace {
 
+HWY_EXPORT(project_batch);
+
 // Rounds to the nearest integer, halves up. The bias makes the operand positive, where truncation is floor and has a
 // SIMD instruction. |value| <= 2^24.
-inline std::int32_t round_subpixel(double value) {
-  constexpr std::int32_t bias = 1 << 25;
-  return static_cast<std::int32_t>(value + (bias + 0.5)) - bias;
+std::int32_t round_subpixel(double value) {
+  return static_cast<std::int32_t>(value + (rounding_bias + 0.5)) - static_cast<std::int32_t>(rounding_bias);
 }
 
 }  // namespace
@@ -24,45 +95,15 @@ void Projection::project(std::span<const glm::vec3> positions, std::span<const T
                          TriangleBatch& batch) const {
   assert(triangles.size() <= batch_triangles);
   batch.size = triangles.size();
-  std::array<glm::vec3, batch_triangles> points;
   for (std::size_t corner = 0; corner < 3; ++corner) {
-    for (std::size_t i = 0; i < triangles.size(); ++i) points[i] = positions[triangles[i][static_cast<int>(corner)]];
-    project_corners(corner, points, batch);
+    for (std::size_t i = 0; i < triangles.size(); ++i) {
+      const glm::vec3& p = positions[triangles[i][static_cast<int>(corner)]];
+      batch.object_x[corner][i] = p.x;
+      batch.object_y[corner][i] = p.y;
+      batch.object_z[corner][i] = p.z;
+    }
   }
-}
-
-void Projection::project_corners(std::size_t corner, const std::array<glm::vec3, batch_triangles>& points,
-                                 TriangleBatch& batch) const {
-  const glm::dmat4& m = to_clip_;
-  const glm::dvec2 half = half_size_;
-  const glm::dvec2 guard = guard_;
-  double* clip_x = batch.clip_x[corner].data();
-  double* clip_y = batch.clip_y[corner].data();
-  double* clip_z = batch.clip_z[corner].data();
-  double* clip_w = batch.clip_w[corner].data();
-  for (std::size_t i = 0; i < batch.size; ++i) {
-    const double px = points[i].x, py = points[i].y, pz = points[i].z;
-    clip_x[i] = m[0][0] * px + m[1][0] * py + m[2][0] * pz + m[3][0];
-    clip_y[i] = m[0][1] * px + m[1][1] * py + m[2][1] * pz + m[3][1];
-    clip_z[i] = m[0][2] * px + m[1][2] * py + m[2][2] * pz + m[3][2];
-    clip_w[i] = m[0][3] * px + m[1][3] * py + m[2][3] * pz + m[3][3];
-  }
-  double* inverse_w = batch.inverse_w[corner].data();
-  std::int32_t* drawable = batch.drawable[corner].data();
-  std::int32_t* x = batch.x[corner].data();
-  std::int32_t* y = batch.y[corner].data();
-  for (std::size_t i = 0; i < batch.size; ++i) {
-    const double w = clip_w[i];
-    // False for NaN. An infinite x, y or w fails a comparison; an infinite z with a finite w cannot come from finite
-    // positions.
-    // Without branches, for SIMD.
-    const int inside = int{w > 0.0} & int{w < 1e300} & int{clip_z[i] >= -w} & int{std::abs(clip_x[i]) <= guard.x * w} &
-                       int{std::abs(clip_y[i]) <= guard.y * w};
-    inverse_w[i] = 1.0 / w;
-    drawable[i] = inside;
-    x[i] = round_subpixel(inside != 0 ? half.x + clip_x[i] * inverse_w[i] * half.x : 0.0);
-    y[i] = round_subpixel(inside != 0 ? half.y - clip_y[i] * inverse_w[i] * half.y : 0.0);
-  }
+  HWY_DYNAMIC_DISPATCH(project_batch)(*this, batch);
 }
 
 ScreenVertex Projection::snap(const glm::dvec4& clip) const noexcept {
@@ -72,3 +113,4 @@ ScreenVertex Projection::snap(const glm::dvec4& clip) const noexcept {
 }
 
 }  // namespace occlod::raster
+#endif  // HWY_ONCE

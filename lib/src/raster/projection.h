@@ -27,14 +27,20 @@ struct ScreenVertex {
   double inverse_w = 0.0;
 };
 
+// Added before truncation so that coordinates within the guard band are rounded as positive numbers.
+inline constexpr double rounding_bias = 1 << 25;
+
+// A multiple of the lanes of every vector.
 inline constexpr std::size_t batch_triangles = 64;
 
 // Corner k of triangle i is at [k][i].
 template <class T>
 using Corners = std::array<std::array<T, batch_triangles>, 3>;
 
+// Loops over a batch may write up to the end of its arrays, whatever its size.
 struct TriangleBatch {
   std::size_t size = 0;
+  Corners<float> object_x, object_y, object_z;
   Corners<double> clip_x, clip_y, clip_z, clip_w;
   Corners<std::int32_t> x, y;  // subpixels; 0 where not drawable
   Corners<double> inverse_w;
@@ -52,17 +58,16 @@ class Projection {
  public:
   Projection(const glm::mat4& object_to_clip, int width, int height);
 
-  // Fills the batch with at most batch_triangles triangles.
+  // Fills the batch with at most batch_triangles triangles. The same bits with every instruction set.
   void project(std::span<const glm::vec3> positions, std::span<const Triangle> triangles, TriangleBatch& batch) const;
   // The same arithmetic for one corner that is before the near plane and inside the guard band.
   [[nodiscard]] ScreenVertex snap(const glm::dvec4& clip) const noexcept;
+  [[nodiscard]] const glm::dmat4& to_clip() const noexcept { return to_clip_; }
+  [[nodiscard]] const glm::dvec2& half_size() const noexcept { return half_size_; }  // subpixels
   // |x| <= guard().x * w and |y| <= guard().y * w inside the guard band.
   [[nodiscard]] const glm::dvec2& guard() const noexcept { return guard_; }
 
  private:
-  void project_corners(std::size_t corner, const std::array<glm::vec3, batch_triangles>& points,
-                       TriangleBatch& batch) const;
-
   glm::dmat4 to_clip_;
   glm::dvec2 half_size_;  // subpixels
   glm::dvec2 guard_;

@@ -50,7 +50,10 @@ class EdgeWalk {
   double numerator_, step_, inverse_;
 };
 
-// Inverse depth as a linear function of the pixel centre, and the range that it may not leave by rounding.
+// Inverse depth as a linear function of the pixel centre, and the range that it may not leave by rounding. A pixel's
+// depth depends on the plane and the pixel alone, not on the span that it is in:
+// clamp(float((at_origin + per_row * row) + per_column * column)), in double so that steep triangles keep their far
+// end.
 struct DepthPlane {
   double at_origin;  // at the centre of pixel (0, 0)
   double per_column, per_row;
@@ -65,9 +68,15 @@ struct TriangleSetup {
   DepthPlane depth;
 };
 
+// Of the corners in subpixels; exact.
+[[nodiscard]] inline std::int64_t twice_area(const ScreenVertex& a, const ScreenVertex& b,
+                                             const ScreenVertex& c) noexcept {
+  return std::int64_t{b.x - a.x} * (c.y - a.y) - std::int64_t{c.x - a.x} * (b.y - a.y);
+}
+
 inline DepthPlane depth_plane(const ScreenVertex& a, const ScreenVertex& b, const ScreenVertex& c,
-                              std::int64_t twice_area) noexcept {
-  const double scale = subpixels / static_cast<double>(twice_area);
+                              std::int64_t area) noexcept {
+  const double scale = subpixels / static_cast<double>(area);
   const double db = b.inverse_w - a.inverse_w;
   const double dc = c.inverse_w - a.inverse_w;
   DepthPlane plane{};
@@ -86,17 +95,17 @@ inline DepthPlane depth_plane(const ScreenVertex& a, const ScreenVertex& b, cons
   const std::int32_t first_column = std::max(first_pixel(std::min({a.x, b.x, c.x})), 0);
   const std::int32_t end_column = std::min(first_pixel(std::max({a.x, b.x, c.x})), width);
   if (first_column >= end_column) return false;
+  setup.depth = depth_plane(a, b, c, twice_area(a, b, c));
   if (a.y > b.y) std::swap(a, b);
   if (b.y > c.y) std::swap(b, c);
   if (a.y > b.y) std::swap(a, b);
   setup.first_row = std::max(first_pixel(a.y), 0);
   setup.end_row = std::min(first_pixel(c.y), height);
   if (setup.first_row >= setup.end_row) return false;
-  const std::int64_t twice_area = std::int64_t{b.x - a.x} * (c.y - a.y) - std::int64_t{c.x - a.x} * (b.y - a.y);
-  if (twice_area == 0) return false;
+  const std::int64_t area = twice_area(a, b, c);
+  if (area == 0) return false;
   setup.middle_row = std::clamp(first_pixel(b.y), setup.first_row, setup.end_row);
-  setup.middle_is_right = twice_area > 0;
-  setup.depth = depth_plane(a, b, c, twice_area);
+  setup.middle_is_right = area > 0;
   setup.top = a;
   setup.middle = b;
   setup.bottom = c;

@@ -1,0 +1,23 @@
+// Draws batches of projected triangles into inverse depth, with the widest vectors that the machine has.
+#pragma once
+
+#include <cstddef>
+
+#include "raster/projection.h"
+
+namespace occlod::raster {
+
+// Narrower images are drawn without vectors: a block of pixels is moved left to end at the image's border.
+inline constexpr int narrowest_simd_image = 16;
+
+struct DepthTarget {
+  float* inverse_depth = nullptr;
+  int width = 0;  // >= narrowest_simd_image
+  int height = 0;
+};
+
+// The triangles of the batch that are drawable at all corners; the others are left to the caller. The same bits with
+// every instruction set, and those of scan() and DepthPlane.
+void draw_depth_batch(const TriangleBatch& batch, const DepthTarget& target);
+
+}  // namespace occlod::raster
