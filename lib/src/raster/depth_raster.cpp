@@ -12,9 +12,9 @@
 #define OCCLOD_RASTER_DEPTH_RASTER_ONCE
 namespace occlod::raster {
 
-// Triangles of at most this many pixels a side are drawn by edge functions, larger ones by rows. Seen from a corner, a
-// pixel of a block is then less than 2^14 + 2 * 16 * 2^8 subpixels away, and edge functions stay below 2^30.
-inline constexpr std::int32_t small_triangle_px = 64;
+// Small triangles, of at most depth_reach pixels a side, are drawn by edge functions, larger ones by rows. Seen from a
+// corner, a pixel of a block is then less than 2^14 + 2 * 16 * 2^8 subpixels away, and edge functions stay below 2^30.
+static_assert(depth_reach <= 64);
 
 template <class T>
 using PerTriangle = std::array<T, batch_triangles>;
@@ -28,14 +28,10 @@ struct EdgeFunctions {
 // A batch that is set up. Boxes are in the image: [first, end).
 struct SetupBatch {
   PerTriangle<std::int32_t> first_column, end_column, first_row, end_row;
-  PerTriangle<std::int32_t> kind;      // of TriangleKind
-  std::array<EdgeFunctions, 3> edges;  // of small triangles
-  PerTriangle<double> at_origin, per_column, per_row;
+  PerTriangle<std::int32_t> kind;                 // of TriangleKind
+  std::array<EdgeFunctions, 3> edges;             // of small triangles
+  PerTriangle<float> depth, per_column, per_row;  // from the first pixel of the box
   PerTriangle<float> smallest, largest;
-
-  [[nodiscard]] DepthPlane plane(std::size_t i) const noexcept {
-    return {at_origin[i], per_column[i], per_row[i], smallest[i], largest[i]};
-  }
 };
 
 enum TriangleKind : std::int32_t { nothing = 0, small_triangle = 1, large_triangle = 2 };
@@ -98,9 +94,13 @@ HWY_INLINE void store_edge(const CornerLanes& a, const CornerLanes& b, IntVec fl
   hn::StoreU(hn::ShiftLeft<subpixel_bits>(dx), d, edge.step_row.data() + i);
 }
 
-// The arithmetic of depth_plane.
+struct BoxLanes {
+  IntVec first_column, end_column, first_row, end_row;
+};
+
+// The arithmetic of depth_plane and DepthPlane::at.
 HWY_INLINE void store_plane(const CornerLanes& a, const CornerLanes& b, const CornerLanes& c, DoubleVec twice_area,
-                            SetupBatch& setup, std::size_t i) {
+                            const BoxLanes& box, SetupBatch& setup, std::size_t i) {
   const Doubles d;
   const DoubleVec scale = hn::Div(hn::Set(d, double{subpixels}), twice_area);
   const DoubleVec db = hn::Sub(b.inverse_w, a.inverse_w);
@@ -114,21 +114,19 @@ HWY_INLINE void store_plane(const CornerLanes& a, const CornerLanes& b, const Co
   const DoubleVec columns = hn::Sub(half, hn::Mul(hn::PromoteTo(d, a.x), pixel));
   const DoubleVec rows = hn::Sub(half, hn::Mul(hn::PromoteTo(d, a.y), pixel));
   const DoubleVec at_origin = hn::Add(hn::Add(a.inverse_w, hn::Mul(per_column, columns)), hn::Mul(per_row, rows));
-  hn::StoreU(per_column, d, setup.per_column.data() + i);
-  hn::StoreU(per_row, d, setup.per_row.data() + i);
-  hn::StoreU(at_origin, d, setup.at_origin.data() + i);
+  const DoubleVec at_row = hn::Add(at_origin, hn::Mul(per_row, hn::PromoteTo(d, box.first_row)));
+  const DoubleVec at_first = hn::Add(at_row, hn::Mul(per_column, hn::PromoteTo(d, box.first_column)));
+  hn::StoreU(hn::DemoteTo(Floats(), per_column), Floats(), setup.per_column.data() + i);
+  hn::StoreU(hn::DemoteTo(Floats(), per_row), Floats(), setup.per_row.data() + i);
+  hn::StoreU(hn::DemoteTo(Floats(), at_first), Floats(), setup.depth.data() + i);
   hn::StoreU(hn::DemoteTo(Floats(), smallest_of(a.inverse_w, b.inverse_w, c.inverse_w)), Floats(),
              setup.smallest.data() + i);
   hn::StoreU(hn::DemoteTo(Floats(), largest_of(a.inverse_w, b.inverse_w, c.inverse_w)), Floats(),
              setup.largest.data() + i);
 }
 
-struct BoxLanes {
-  IntVec first_column, end_column, first_row, end_row;
-};
-
 HWY_INLINE BoxLanes pixel_box(const CornerLanes& a, const CornerLanes& b, const CornerLanes& c,
-                              const DepthTarget& target) {
+                              const DepthImage& target) {
   const Ints d;
   const IntVec zero = hn::Zero(d);
   return {hn::Max(first_pixel_lanes(smallest_of(a.x, b.x, c.x)), zero),
@@ -140,7 +138,7 @@ HWY_INLINE BoxLanes pixel_box(const CornerLanes& a, const CornerLanes& b, const 
 // `small` where the triangle's extent, inside the image or not, is that of a small one.
 HWY_INLINE IntVec extent(IntVec a, IntVec b, IntVec c) { return hn::Sub(largest_of(a, b, c), smallest_of(a, b, c)); }
 
-HWY_INLINE void set_up_lanes(const TriangleBatch& batch, std::size_t i, const DepthTarget& target, SetupBatch& setup) {
+HWY_INLINE void set_up_lanes(const TriangleBatch& batch, std::size_t i, const DepthImage& target, SetupBatch& setup) {
   const Ints d;
   const CornerLanes a = load_corner(batch, 0, i), b = load_corner(batch, 1, i), c = load_corner(batch, 2, i);
   const BoxLanes box = pixel_box(a, b, c, target);
@@ -152,7 +150,7 @@ HWY_INLINE void set_up_lanes(const TriangleBatch& batch, std::size_t i, const De
   // Exact: products below 2^48.
   const DoubleVec twice_area =
       hn::Sub(hn::Mul(difference(b.x, a.x), difference(c.y, a.y)), hn::Mul(difference(c.x, a.x), difference(b.y, a.y)));
-  store_plane(a, b, c, twice_area, setup, i);
+  store_plane(a, b, c, twice_area, box, setup, i);
   // -1, 0 or 1.
   const Doubles dd;
   const IntVec sign = hn::DemoteTo(Ints(), hn::Min(hn::Max(twice_area, hn::Set(dd, -1.0)), hn::Set(dd, 1.0)));
@@ -169,7 +167,7 @@ HWY_INLINE void set_up_lanes(const TriangleBatch& batch, std::size_t i, const De
   const auto covers = hn::And(hn::And(hn::Lt(box.first_column, box.end_column), hn::Lt(box.first_row, box.end_row)),
                               hn::And(hn::Ne(sign, hn::Zero(d)), hn::Ne(drawable, hn::Zero(d))));
   const IntVec size = hn::Max(extent(a.x, b.x, c.x), extent(a.y, b.y, c.y));
-  const auto large = hn::Gt(size, hn::Set(d, small_triangle_px * subpixels));
+  const auto large = hn::Gt(size, hn::Set(d, depth_reach * subpixels));
   const IntVec kind =
       hn::IfThenElse(large, hn::Set(d, std::int32_t{large_triangle}), hn::Set(d, std::int32_t{small_triangle}));
   hn::StoreU(hn::IfThenElseZero(covers, kind), d, setup.kind.data() + i);
@@ -183,37 +181,10 @@ using PixelVec = hn::Vec<Pixels>;
 using PixelIntVec = hn::Vec<PixelInts>;
 constexpr int block = static_cast<int>(hn::MaxLanes(Pixels()));
 
-#if HWY_TARGET == HWY_SCALAR
-constexpr int half_block = 1;
-#else
-constexpr int half_block = block / 2;
-#endif
-using HalfDoubles = hn::CappedTag<double, static_cast<std::size_t>(half_block)>;
-using HalfFloats = hn::Rebind<float, HalfDoubles>;
-using HalfVec = hn::Vec<HalfDoubles>;
-
-// What the columns of one block add to the plane; unused `high` where a block is one pixel.
-struct BlockColumns {
-  HalfVec low, high;
-};
-
-HWY_INLINE BlockColumns block_columns(double per_column, std::int32_t column) {
-  const HalfDoubles d;
-  const HalfVec step = hn::Set(d, per_column);
-  return {hn::Mul(step, hn::Iota(d, static_cast<double>(column))),
-          hn::Mul(step, hn::Iota(d, static_cast<double>(column + half_block)))};
-}
-
-// Inverse depth on one row: at_origin + per_row * row is `base`.
-HWY_INLINE PixelVec block_depth(HalfVec base, const BlockColumns& columns, PixelVec smallest, PixelVec largest) {
-  const HalfFloats half;
-#if HWY_TARGET == HWY_SCALAR
-  const PixelVec z = hn::DemoteTo(half, hn::Add(base, columns.low));
-#else
-  const PixelVec z = hn::Combine(Pixels(), hn::DemoteTo(half, hn::Add(base, columns.high)),
-                                 hn::DemoteTo(half, hn::Add(base, columns.low)));
-#endif
-  return hn::Min(hn::Max(z, smallest), largest);
+// first, first + 1, ... A constant and a broadcast; hn::Iota of a variable goes through memory.
+template <class D>
+HWY_INLINE hn::Vec<D> counting_from(D d, hn::TFromD<D> first) {
+  return hn::Add(hn::Iota(d, hn::TFromD<D>{0}), hn::Set(d, first));
 }
 
 struct EdgeLanes {
@@ -226,74 +197,93 @@ HWY_INLINE EdgeLanes load_edge(const EdgeFunctions& edge, std::size_t i, PixelIn
           hn::Set(d, edge.step_row[i])};
 }
 
-// All rows of a small triangle in the block of columns from x on.
-HWY_INLINE void draw_columns(const SetupBatch& setup, std::size_t i, std::int32_t x, const DepthTarget& target) {
+HWY_INLINE PixelVec clamp(PixelVec z, PixelVec smallest, PixelVec largest) {
+  return hn::Min(hn::Max(z, smallest), largest);
+}
+
+// Draws the nearer depth where the sign bit of `outside` is clear.
+HWY_INLINE void draw_block(PixelVec z, PixelIntVec outside, float* depth) {
   const Pixels d;
-  const PixelIntVec columns = hn::Iota(PixelInts(), x - setup.first_column[i]);
+  const PixelVec old = hn::LoadU(d, depth);
+  hn::StoreU(hn::IfNegativeThenElse(hn::BitCast(d, outside), old, hn::Max(old, z)), d, depth);
+}
+
+// All rows of a small triangle in the block of columns from x on.
+HWY_INLINE void draw_columns(const SetupBatch& setup, std::size_t i, std::int32_t x, const DepthImage& target) {
+  const Pixels d;
+  const PixelIntVec columns = counting_from(PixelInts(), x - setup.first_column[i]);
   EdgeLanes e0 = load_edge(setup.edges[0], i, columns);
   EdgeLanes e1 = load_edge(setup.edges[1], i, columns);
   EdgeLanes e2 = load_edge(setup.edges[2], i, columns);
-  const BlockColumns along = block_columns(setup.per_column[i], x);
-  const HalfDoubles dd;
-  const HalfVec at_origin = hn::Set(dd, setup.at_origin[i]);
-  const HalfVec per_row = hn::Set(dd, setup.per_row[i]);
+  const PixelVec on_first_row =
+      hn::Add(hn::Set(d, setup.depth[i]), hn::Mul(hn::Set(d, setup.per_column[i]), hn::ConvertTo(d, columns)));
+  const PixelVec per_row = hn::Set(d, setup.per_row[i]);
   const PixelVec smallest = hn::Set(d, setup.smallest[i]);
   const PixelVec largest = hn::Set(d, setup.largest[i]);
-  HalfVec row = hn::Set(dd, static_cast<double>(setup.first_row[i]));
-  float* depth = target.inverse_depth + static_cast<std::ptrdiff_t>(setup.first_row[i]) * target.width + x;
-  for (std::int32_t y = setup.first_row[i]; y < setup.end_row[i]; ++y) {
-    const PixelVec outside = hn::BitCast(d, hn::Or(hn::Or(e0.value, e1.value), e2.value));
-    const PixelVec z = block_depth(hn::Add(at_origin, hn::Mul(per_row, row)), along, smallest, largest);
-    const PixelVec drawn = hn::IfNegativeThenElse(outside, hn::Zero(d), z);
-    hn::StoreU(hn::Max(hn::LoadU(d, depth), drawn), d, depth);
+  PixelVec row = hn::Zero(d);
+  const std::ptrdiff_t stride = target.stride;
+  float* depth = target.inverse_depth + setup.first_row[i] * stride + x;
+  const std::int32_t rows = setup.end_row[i] - setup.first_row[i];
+  for (std::int32_t y = 0; y < rows; ++y) {
+    const PixelVec z = hn::Add(on_first_row, hn::Mul(per_row, row));
+    draw_block(clamp(z, smallest, largest), hn::Or(hn::Or(e0.value, e1.value), e2.value), depth);
     e0.value = hn::Add(e0.value, e0.step_row);
     e1.value = hn::Add(e1.value, e1.step_row);
     e2.value = hn::Add(e2.value, e2.step_row);
-    row = hn::Add(row, hn::Set(dd, 1.0));
-    depth += target.width;
+    row = hn::Add(row, hn::Set(d, 1.0F));
+    depth += stride;
   }
 }
 
-HWY_INLINE void draw_small(const SetupBatch& setup, std::size_t i, const DepthTarget& target) {
+HWY_INLINE void draw_small(const SetupBatch& setup, std::size_t i, const DepthImage& target) {
   for (std::int32_t x = setup.first_column[i]; x < setup.end_column[i]; x += block)
     draw_columns(setup, i, HWY_MIN(x, target.width - block), target);
 }
 
-// Pixels [begin, end) of the block from x on.
-HWY_INLINE void draw_block(const DepthPlane& plane, HalfVec base, std::int32_t x, std::int32_t begin, std::int32_t end,
-                           float* row) {
+// Pixels [begin, end) of a row of a large triangle, all within the reach of `depth`. `last` is the last column from
+// which a block stays inside the image.
+HWY_INLINE void draw_span(const DepthRow& depth, const DepthPlane& plane, std::int32_t begin, std::int32_t end,
+                          std::int32_t last, float* row) {
   const Pixels d;
   const PixelInts di;
-  const PixelVec z =
-      block_depth(base, block_columns(plane.per_column, x), hn::Set(d, plane.smallest), hn::Set(d, plane.largest));
-  const PixelIntVec columns = hn::Iota(di, x);
-  const PixelIntVec outside = hn::Or(hn::Sub(columns, hn::Set(di, begin)), hn::Sub(hn::Set(di, end - 1), columns));
-  const PixelVec drawn = hn::IfNegativeThenElse(hn::BitCast(d, outside), hn::Zero(d), z);
-  hn::StoreU(hn::Max(hn::LoadU(d, row + x), drawn), d, row + x);
+  const PixelVec start = hn::Set(d, depth.start);
+  const PixelVec step = hn::Set(d, depth.step);
+  const PixelVec smallest = hn::Set(d, plane.smallest);
+  const PixelVec largest = hn::Set(d, plane.largest);
+  for (std::int32_t from = begin; from < end; from += block) {
+    const std::int32_t x = HWY_MIN(from, last);
+    const PixelIntVec columns = counting_from(di, x - depth.origin);
+    const PixelVec z = hn::Add(start, hn::Mul(step, hn::ConvertTo(d, columns)));
+    const PixelIntVec outside = hn::Or(hn::Sub(columns, hn::Set(di, begin - depth.origin)),
+                                       hn::Sub(hn::Set(di, end - 1 - depth.origin), columns));
+    draw_block(clamp(z, smallest, largest), outside, row + x);
+  }
 }
 
-HWY_INLINE void draw_large(const TriangleBatch& batch, std::size_t i, const DepthPlane& plane,
-                           const DepthTarget& target) {
+HWY_INLINE void draw_large(const TriangleBatch& batch, std::size_t i, const DepthImage& target) {
   TriangleSetup setup;
   if (!set_up(batch.screen_vertex(0, i), batch.screen_vertex(1, i), batch.screen_vertex(2, i), target.width,
               target.height, setup))
     return;
   scan(setup, target.width, [&](std::int32_t y, std::int32_t begin, std::int32_t end) {
-    const HalfVec base = hn::Set(HalfDoubles(), plane.at_origin + plane.per_row * y);
-    float* row = target.inverse_depth + static_cast<std::ptrdiff_t>(y) * target.width;
-    for (std::int32_t x = begin; x < end; x += block)
-      draw_block(plane, base, HWY_MIN(x, target.width - block), begin, end, row);
+    float* row = target.inverse_depth + y * target.stride;
+    for (std::int32_t from = begin; from < end;) {
+      const DepthRow depth = setup.depth_row(from, y);
+      const std::int32_t to = HWY_MIN(end, depth.origin + depth_reach);
+      draw_span(depth, setup.depth, from, to, target.width - block, row);
+      from = to;
+    }
   });
 }
 
-void draw_batch(const TriangleBatch& batch, const DepthTarget& target) {
+void draw_batch(const TriangleBatch& batch, const DepthImage& target) {
   SetupBatch setup;
   for (std::size_t i = 0; i < batch.size; i += hn::Lanes(Doubles())) set_up_lanes(batch, i, target, setup);
   for (std::size_t i = 0; i < batch.size; ++i) {
     if (setup.kind[i] == small_triangle) {
       draw_small(setup, i, target);
     } else if (setup.kind[i] == large_triangle) {
-      draw_large(batch, i, setup.plane(i), target);
+      draw_large(batch, i, target);
     }
   }
 }
@@ -306,7 +296,7 @@ namespace occlod::raster {
 
 HWY_EXPORT(draw_batch);
 
-void draw_depth_batch(const TriangleBatch& batch, const DepthTarget& target) {
+void draw_depth_batch(const TriangleBatch& batch, const DepthImage& target) {
   HWY_DYNAMIC_DISPATCH(draw_batch)(batch, target);
 }
 

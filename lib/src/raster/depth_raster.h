@@ -3,6 +3,7 @@
 
 #include <cstddef>
 
+#include "occlod/raster/item_buffer.h"
 #include "raster/projection.h"
 
 namespace occlod::raster {
@@ -10,14 +11,8 @@ namespace occlod::raster {
 // Narrower images are drawn without vectors: a block of pixels is moved left to end at the image's border.
 inline constexpr int narrowest_simd_image = 16;
 
-struct DepthTarget {
-  float* inverse_depth = nullptr;
-  int width = 0;  // >= narrowest_simd_image
-  int height = 0;
-};
-
 // The triangles of the batch that are drawable at all corners; the others are left to the caller. The same bits with
-// every instruction set, and those of scan() and DepthPlane.
-void draw_depth_batch(const TriangleBatch& batch, const DepthTarget& target);
+// every instruction set, and those of scan() and DepthPlane. target.width >= narrowest_simd_image.
+void draw_depth_batch(const TriangleBatch& batch, const DepthImage& target);
 
 }  // namespace occlod::raster

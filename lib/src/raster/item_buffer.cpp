@@ -11,42 +11,43 @@
 namespace occlod {
 namespace {
 
-using raster::DepthPlane;
 using raster::ScreenVertex;
 using raster::TriangleBatch;
+using raster::TriangleSetup;
 
-// Inverse depth of `count` neighbouring pixels, one after another in a row, each handed to write(pixel, depth).
+// Inverse depth of the pixels [begin, end) of a row, each handed to write(pixel - begin, depth).
 template <class Write>
-inline void for_each_depth(const DepthPlane& plane, std::int32_t row, std::int32_t begin, std::int32_t end,
+inline void for_each_depth(const TriangleSetup& triangle, std::int32_t row, std::int32_t begin, std::int32_t end,
                            Write write) {
-  const double start = plane.at_origin + plane.per_row * row;
-  const double step = plane.per_column;
-  const float smallest = plane.smallest;
-  const float largest = plane.largest;
-  for (std::int32_t i = 0; i < end - begin; ++i) {
-    float z = static_cast<float>(start + step * (begin + i));
-    z = z > smallest ? z : smallest;
-    write(i, z < largest ? z : largest);
+  const float smallest = triangle.depth.smallest;
+  const float largest = triangle.depth.largest;
+  for (std::int32_t from = begin; from < end;) {
+    const raster::DepthRow depth = triangle.depth_row(from, row);
+    const std::int32_t to = triangle.small ? end : std::min(end, depth.origin + raster::depth_reach);
+    for (std::int32_t i = from; i < to; ++i) {
+      float z = (depth.start + depth.step * static_cast<float>(i - depth.origin)) + depth.row_term;
+      z = z > smallest ? z : smallest;
+      write(i - begin, z < largest ? z : largest);
+    }
+    from = to;
   }
 }
 
 // Where spans are written to.
 struct DepthWriter {
-  float* inverse_depth;
-  std::size_t width;
-  int height;
+  DepthImage image;
 
   // True when it has drawn all that is drawable without clipping.
   bool draw_batch(const TriangleBatch& batch) const {
-    if (width < raster::narrowest_simd_image) return false;
-    raster::draw_depth_batch(batch, {inverse_depth, static_cast<int>(width), height});
+    if (image.width < raster::narrowest_simd_image) return false;
+    raster::draw_depth_batch(batch, image);
     return true;
   }
 
-  void draw(const raster::TriangleSetup& triangle, std::uint32_t) const {
-    raster::scan(triangle, static_cast<int>(width), [&](std::int32_t row, std::int32_t begin, std::int32_t end) {
-      float* depth = inverse_depth + static_cast<std::size_t>(row) * width + begin;
-      for_each_depth(triangle.depth, row, begin, end,
+  void draw(const TriangleSetup& triangle, std::uint32_t) const {
+    raster::scan(triangle, image.width, [&](std::int32_t row, std::int32_t begin, std::int32_t end) {
+      float* depth = image.inverse_depth + row * image.stride + begin;
+      for_each_depth(triangle, row, begin, end,
                      [=](std::int32_t i, float z) { depth[i] = depth[i] < z ? z : depth[i]; });
     });
   }
@@ -59,12 +60,12 @@ struct ItemWriter {
 
   static bool draw_batch(const TriangleBatch&) { return false; }
 
-  void draw(const raster::TriangleSetup& triangle, std::uint32_t item) const {
+  void draw(const TriangleSetup& triangle, std::uint32_t item) const {
     raster::scan(triangle, static_cast<int>(width), [&](std::int32_t row, std::int32_t begin, std::int32_t end) {
       const std::size_t first = static_cast<std::size_t>(row) * width + static_cast<std::size_t>(begin);
       float* depth = inverse_depth + first;
       std::uint32_t* owner = items + first;
-      for_each_depth(triangle.depth, row, begin, end, [=](std::int32_t i, float z) {
+      for_each_depth(triangle, row, begin, end, [=](std::int32_t i, float z) {
         const bool nearer = z > depth[i];
         owner[i] = nearer ? item : owner[i];
         depth[i] = nearer ? z : depth[i];
@@ -140,8 +141,13 @@ void ItemBuffer::reset(int width, int height) {
 
 void draw_depth(DepthBuffer& target, std::span<const glm::vec3> positions, std::span<const Triangle> triangles,
                 const glm::mat4& object_to_clip) {
-  const DepthWriter writer{target.inverse_depth.data(), static_cast<std::size_t>(target.width), target.height};
-  Rasterizer(object_to_clip, target.width, target.height, writer).draw(positions, triangles, 0);
+  draw_depth(DepthImage{target.inverse_depth.data(), target.width, target.height, target.width}, positions, triangles,
+             object_to_clip);
+}
+
+void draw_depth(const DepthImage& target, std::span<const glm::vec3> positions, std::span<const Triangle> triangles,
+                const glm::mat4& object_to_clip) {
+  Rasterizer(object_to_clip, target.width, target.height, DepthWriter{target}).draw(positions, triangles, 0);
 }
 
 void draw_items(ItemBuffer& target, std::span<const glm::vec3> positions, std::span<const Triangle> triangles,

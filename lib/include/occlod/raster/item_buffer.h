@@ -25,6 +25,15 @@ struct DepthBuffer {
   void reset(int new_width, int new_height);  // resizes and empties; reuses memory
 };
 
+// The same in memory of the caller's, row y at inverse_depth + y * stride. A stride that is a multiple of 1024 costs a
+// factor of two: neighbouring pixels of a column then share their place in the cache.
+struct DepthImage {
+  float* inverse_depth = nullptr;
+  int width = 0;
+  int height = 0;
+  std::ptrdiff_t stride = 0;  // >= width
+};
+
 inline constexpr std::uint32_t no_item = no_id;
 
 // Depth, and which triangle owns each pixel.
@@ -39,6 +48,8 @@ struct ItemBuffer {
 // the one drawn first. Triangles with a corner that is not finite after transformation are skipped. O(triangles +
 // pixels covered).
 void draw_depth(DepthBuffer& target, std::span<const glm::vec3> positions, std::span<const Triangle> triangles,
+                const glm::mat4& object_to_clip);
+void draw_depth(const DepthImage& target, std::span<const glm::vec3> positions, std::span<const Triangle> triangles,
                 const glm::mat4& object_to_clip);
 
 // The same, and triangle i of the call owns its pixels as item first_item + i.
