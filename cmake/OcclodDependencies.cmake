@@ -1,7 +1,6 @@
 # Every third-party package, in one place. scripts/packages.txt lists the Debian packages that bring them.
 find_package(glm REQUIRED)
 find_package(fmt REQUIRED)
-find_package(hwy REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(Threads REQUIRED)
 find_package(TinyGLTF REQUIRED)
@@ -12,6 +11,11 @@ find_path(OCCLOD_XXHASH_INCLUDE_DIR xxhash.h REQUIRED)
 add_library(occlod_xxhash INTERFACE)
 target_include_directories(occlod_xxhash SYSTEM INTERFACE ${OCCLOD_XXHASH_INCLUDE_DIR})
 target_compile_definitions(occlod_xxhash INTERFACE XXH_INLINE_ALL)
+
+# Highway compiles our vector code for plain C++, SSSE3, AVX2 and AVX-512 (NEON on ARM) and chooses at run time. What lies
+# between gains nothing here; vectors whose size only the machine knows cannot be halved as we do.
+find_package(hwy REQUIRED)
+set(OCCLOD_HWY_TARGETS "HWY_DISABLED_TARGETS=(HWY_SSE4|HWY_AVX3_DL|HWY_SVE|HWY_SVE2|HWY_SVE_256|HWY_SVE2_128)")
 
 # stb is used as a header as well.
 find_path(OCCLOD_STB_INCLUDE_DIR stb/stb_image_write.h REQUIRED)

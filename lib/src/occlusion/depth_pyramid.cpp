@@ -1,7 +1,11 @@
 #include "occlod/occlusion/depth_pyramid.h"
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
+#include <limits>
+
+#include "occlusion/depth_kernels.h"
 
 namespace occlod {
 namespace {
@@ -10,15 +14,12 @@ namespace {
 constexpr int direct_size = 8;
 // The descent starts on the level where the rectangle meets at most this many texels, or one more, in each direction.
 constexpr int first_texels = 2;
+// Counting leaves out hidden texels of this level.
+constexpr std::size_t count_level = 4;
+// Rows this many texels apart share their place in the cache.
+constexpr std::ptrdiff_t bad_stride = 256;
 
-// One row of a level from two of the level below; `below_width` may be odd, and then the last texel has one column
-// only.
-void reduce_row(const float* upper, const float* lower, int below_width, float* out) {
-  const auto pairs = static_cast<std::size_t>(below_width / 2);
-  for (std::size_t x = 0; x < pairs; ++x)
-    out[x] = std::min(std::min(upper[2 * x], upper[2 * x + 1]), std::min(lower[2 * x], lower[2 * x + 1]));
-  if (below_width % 2 != 0) out[pairs] = std::min(upper[below_width - 1], lower[below_width - 1]);
-}
+constexpr float infinity = std::numeric_limits<float>::infinity();
 
 int halved(int size) { return (size + 1) / 2; }
 
@@ -30,34 +31,46 @@ bool empty(const PixelRect& rect) { return rect.x0 >= rect.x1 || rect.y0 >= rect
 
 }  // namespace
 
-void DepthPyramid::build(const DepthBuffer& depth) {
-  lay_out(depth.width, depth.height);
-  std::copy(depth.inverse_depth.begin(), depth.inverse_depth.end(), texels_.begin());
-  for (std::size_t i = 1; i < levels_.size(); ++i) {
-    const Level& below = levels_[i - 1];
-    for (int y = 0; y < levels_[i].height; ++y) {
-      const int lower = std::min(2 * y + 1, below.height - 1);
-      reduce_row(
-          row(below, 2 * y), row(below, lower), below.width,
-          texels_.data() + levels_[i].first + static_cast<std::size_t>(y) * static_cast<std::size_t>(levels_[i].width));
-    }
+DepthImage DepthPyramid::begin(int width, int height) {
+  lay_out(width, height);
+  const Level& level = levels_[0];
+  float* texels = texels_.data() + level.first;
+  for (int y = 0; y < height; ++y, texels += level.stride) {
+    std::fill_n(texels, width, 0.0F);
+    std::fill(texels + width, texels + level.stride, infinity);
   }
+  return {texels_.data() + level.first, width, height, level.stride};
+}
+
+void DepthPyramid::finish() {
+  const auto view = [this](const Level& level) {
+    return DepthLevelView{texels_.data() + level.first, level.width, level.height, level.stride};
+  };
+  for (std::size_t i = 1; i < levels_.size(); ++i) reduce_depth(view(levels_[i - 1]), view(levels_[i]));
+}
+
+void DepthPyramid::build(const DepthBuffer& depth) {
+  const DepthImage image = begin(depth.width, depth.height);
+  for (int y = 0; y < depth.height; ++y)
+    std::copy_n(depth.inverse_depth.begin() + static_cast<std::ptrdiff_t>(y) * depth.width, depth.width,
+                image.inverse_depth + y * image.stride);
+  finish();
 }
 
 void DepthPyramid::lay_out(int width, int height) {
   assert(width >= 1 && height >= 1);
+  if (!levels_.empty() && levels_[0].width == width && levels_[0].height == height) return;
   levels_.clear();
   std::size_t size = 0;
   for (;; width = halved(width), height = halved(height)) {
-    levels_.push_back({width, height, size});
-    size += static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+    std::ptrdiff_t stride = (width + depth_row_texels - 1) / depth_row_texels * depth_row_texels;
+    if (stride % bad_stride == 0) stride += depth_row_texels;
+    levels_.push_back({width, height, stride, size});
+    size += static_cast<std::size_t>(stride) * static_cast<std::size_t>(height);
     if (width == 1 && height == 1) break;
   }
-  texels_.resize(size);
-}
-
-const float* DepthPyramid::row(const Level& level, int y) const noexcept {
-  return texels_.data() + level.first + static_cast<std::size_t>(y) * static_cast<std::size_t>(level.width);
+  // Infinite for good where a level has padding that no reduction writes.
+  texels_.assign(size, infinity);
 }
 
 float DepthPyramid::farthest(int level, int x, int y) const noexcept {
@@ -67,10 +80,12 @@ float DepthPyramid::farthest(int level, int x, int y) const noexcept {
 bool DepthPyramid::any_visible(const PixelRect& rect, float nearest_inverse_depth) const {
   if (empty(rect)) return false;
   assert(rect.x0 >= 0 && rect.y0 >= 0 && rect.x1 <= width() && rect.y1 <= height());
+  // What is visible at all is most often visible in its middle.
+  const int x = (rect.x0 + rect.x1) / 2, y = (rect.y0 + rect.y1) / 2;
+  if (row(levels_[0], y)[x] <= nearest_inverse_depth) return true;
   const int size = std::max(rect.x1 - rect.x0, rect.y1 - rect.y0);
-  int level = 0;
-  if (size > direct_size)
-    while ((size >> level) > first_texels) ++level;
+  const int level =
+      size > direct_size ? static_cast<int>(std::bit_width(static_cast<unsigned>(size / (first_texels + 1)))) : 0;
   return any_visible_at(level, rect, nearest_inverse_depth);
 }
 
@@ -102,10 +117,18 @@ bool DepthPyramid::any_visible_pixel(const PixelRect& rect, float nearest) const
 }
 
 std::uint32_t DepthPyramid::count_visible(const PixelRect& rect, float nearest_inverse_depth) const {
+  if (empty(rect)) return 0;
+  const Level& coarse = levels_[std::min(levels_.size() - 1, std::size_t{count_level})];
+  const int shift = static_cast<int>(&coarse - levels_.data());
   std::uint32_t count = 0;
-  for (int y = rect.y0; y < rect.y1; ++y) {
-    const float* pixels = row(levels_[0], y);
-    for (int x = rect.x0; x < rect.x1; ++x) count += pixels[x] <= nearest_inverse_depth ? 1U : 0U;
+  for (int y = rect.y0 >> shift; y <= (rect.y1 - 1) >> shift; ++y) {
+    const float* texels = row(coarse, y);
+    for (int x = rect.x0 >> shift; x <= (rect.x1 - 1) >> shift; ++x) {
+      if (texels[x] > nearest_inverse_depth) continue;
+      const PixelRect part = intersection(rect, {x << shift, y << shift, (x + 1) << shift, (y + 1) << shift});
+      count += count_not_nearer(row(levels_[0], part.y0) + part.x0, levels_[0].stride, part.x1 - part.x0,
+                                part.y1 - part.y0, nearest_inverse_depth);
+    }
   }
   return count;
 }

@@ -8,14 +8,10 @@
 #include <glm/gtc/matrix_access.hpp>
 #include <limits>
 
+#include "occlusion/bounds_slack.h"
+
 namespace occlod {
 namespace {
-
-// Pixels by which every rectangle grows: the rasteriser moves corners by up to half of 1/256.
-constexpr double slack_px = 1.0 / 256.0;
-// Relative error of an entry of the single-precision object_to_clip and of the inverse depths that the rasteriser
-// stores, with room to spare.
-constexpr double rounding = 2.0 * std::numeric_limits<float>::epsilon();
 
 // Grows around the convex parts of one bound: the range of x / w and y / w, and the smallest w.
 class Extent {
@@ -47,15 +43,15 @@ class Extent {
 
   [[nodiscard]] std::optional<ScreenBounds> result() const {
     if (!trusted_) return std::nullopt;
-    const double w_error = rounding * magnitude(w_);
+    const double w_error = bounds_rounding * magnitude(w_);
     const double nearest_w = smallest_w_ - w_error;
     if (!(nearest_w > 0.0)) return std::nullopt;
     ScreenBounds bounds;
     bounds.nearest_inverse_depth =
-        std::nextafter(static_cast<float>((1.0 + rounding) / nearest_w), std::numeric_limits<float>::infinity());
-    const glm::dvec2 error((rounding * magnitude(x_) + w_error * largest_ratio(0)) / nearest_w,
-                           (rounding * magnitude(y_) + w_error * largest_ratio(1)) / nearest_w);
-    const glm::dvec2 slack = error * (size_ / 2.0) + slack_px;
+        std::nextafter(static_cast<float>((1.0 + bounds_rounding) / nearest_w), std::numeric_limits<float>::infinity());
+    const glm::dvec2 error((bounds_rounding * magnitude(x_) + w_error * largest_ratio(0)) / nearest_w,
+                           (bounds_rounding * magnitude(y_) + w_error * largest_ratio(1)) / nearest_w);
+    const glm::dvec2 slack = error * (size_ / 2.0) + bounds_slack_px;
     const glm::dvec2 low = (glm::dvec2(low_.x, -high_.y) * 0.5 + 0.5) * size_ - slack;
     const glm::dvec2 high = (glm::dvec2(high_.x, -low_.y) * 0.5 + 0.5) * size_ + slack;
     if (!(low.x <= high.x && low.y <= high.y)) return std::nullopt;

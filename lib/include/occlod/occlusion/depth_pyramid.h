@@ -21,8 +21,12 @@ struct PixelRect {
 
 class DepthPyramid {
  public:
-  // Copies the depth, of at least one pixel, as level 0 and reduces until one texel is left. Odd sizes round up.
-  // O(pixels). Reuses its memory.
+  // Lays out levels for an image of at least one pixel and empties level 0, which the caller then draws into. Odd sizes
+  // round up. The image is valid until the next begin(). Reuses its memory.
+  [[nodiscard]] DepthImage begin(int width, int height);
+  // Reduces level 0 until one texel is left. O(pixels). Everything below needs it.
+  void finish();
+  // Both, with a copy of `depth` as level 0.
   void build(const DepthBuffer& depth);
 
   [[nodiscard]] int level_count() const noexcept { return static_cast<int>(levels_.size()); }
@@ -41,10 +45,13 @@ class DepthPyramid {
   struct Level {
     int width = 0;
     int height = 0;
-    std::size_t first = 0;  // into texels_
+    std::ptrdiff_t stride = 0;  // texels beyond the width are infinite
+    std::size_t first = 0;      // into texels_
   };
   void lay_out(int width, int height);
-  [[nodiscard]] const float* row(const Level& level, int y) const noexcept;
+  [[nodiscard]] const float* row(const Level& level, int y) const noexcept {
+    return texels_.data() + level.first + static_cast<std::size_t>(y * level.stride);
+  }
   [[nodiscard]] bool any_visible_at(int level, const PixelRect& rect, float nearest) const;
   [[nodiscard]] bool any_visible_pixel(const PixelRect& rect, float nearest) const;
 

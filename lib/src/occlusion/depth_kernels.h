@@ -1,0 +1,26 @@
+// The loops of the depth pyramid, with the widest vectors that the machine has.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace occlod {
+
+// Rows of every level are padded to a multiple of this many texels, so that vectors need no remainder.
+inline constexpr int depth_row_texels = 32;
+
+struct DepthLevelView {
+  float* texels;  // row y at texels + y * stride
+  int width, height;
+  std::ptrdiff_t stride;
+};
+
+// Each texel of `level` becomes the smallest of 2x2 texels of `below`; what lies beyond the last column or row is
+// infinite, and stays so.
+void reduce_depth(const DepthLevelView& below, const DepthLevelView& level);
+
+// How many of width x height texels are <= limit.
+[[nodiscard]] std::uint32_t count_not_nearer(const float* texels, std::ptrdiff_t stride, int width, int height,
+                                             float limit);
+
+}  // namespace occlod
