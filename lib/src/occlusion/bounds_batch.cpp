@@ -12,6 +12,21 @@
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
 
+#ifndef OCCLOD_OCCLUSION_BOUNDS_BATCH_ONCE
+#define OCCLOD_OCCLUSION_BOUNDS_BATCH_ONCE
+namespace occlod {
+
+// Of each kind the fields that it has. Lanes from `size` on hold any numbers.
+struct BoundsInput {
+  std::size_t size = 0;
+  std::array<PerBound<float>, 3> center, axis;  // spheres; cylinders
+  PerBound<float> radius, t_min, t_max;
+  std::array<PerBound<float>, 3> low, high;  // boxes
+};
+
+}  // namespace occlod
+#endif  // OCCLOD_OCCLUSION_BOUNDS_BATCH_ONCE
+
 HWY_BEFORE_NAMESPACE();
 namespace occlod::HWY_NAMESPACE {
 
@@ -63,6 +78,24 @@ struct DiscProduct {
   }
 };
 
+// A row of the matrix at the corners of a box, numbered as by corner().
+struct BoxRow {
+  HWY_INLINE BoxRow(const glm::dvec4& row, const Vec3& low, const Vec3& high) : w(constant(row.w)) {
+    const Vec3 r = constant(glm::dvec3(row));
+    const Vec low_x = hn::Mul(r.x, low.x), high_x = hn::Mul(r.x, high.x);
+    const Vec low_y = hn::Mul(r.y, low.y), high_y = hn::Mul(r.y, high.y);
+    xy[0] = hn::Add(low_x, low_y);
+    xy[1] = hn::Add(high_x, low_y);
+    xy[2] = hn::Add(low_x, high_y);
+    xy[3] = hn::Add(high_x, high_y);
+    z[0] = hn::Mul(r.z, low.z);
+    z[1] = hn::Mul(r.z, high.z);
+  }
+  HWY_INLINE Vec at(int i) const { return hn::Add(hn::Add(xy[i & 3], z[i >> 2]), w); }
+
+  Vec xy[4], z[2], w;
+};
+
 // As Extent in screen_bounds.cpp, operation by operation.
 class ExtentLanes {
  public:
@@ -76,19 +109,13 @@ class ExtentLanes {
         largest_(constant(glm::dvec3(0.0))),
         trusted_(hn::Eq(low_x_, low_x_)) {}
 
+  // Corners share the products of their coordinates and the sums of the first two.
   HWY_INLINE void add_box(const Vec3& low, const Vec3& high) {
-    for (int i = 0; i < 8; ++i)
-      add_point({(i & 1) != 0 ? high.x : low.x, (i & 2) != 0 ? high.y : low.y, (i & 4) != 0 ? high.z : low.z});
-  }
-
-  HWY_INLINE void add_point(const Vec3& p) {
-    const Vec w = at(view_.w, p);
-    add_depths(w, at(view_.z + view_.w, p));
-    largest_ = max(largest_, abs(p));
-    const Vec x = hn::Div(at(view_.x, p), w);
-    const Vec y = hn::Div(at(view_.y, p), w);
-    add_range(low_x_, high_x_, x, x);
-    add_range(low_y_, high_y_, y, y);
+    const BoxRow x(view_.x, low, high), y(view_.y, low, high), w(view_.w, low, high),
+        near(view_.z + view_.w, low, high);
+    largest_ = max(largest_, max(abs(low), abs(high)));
+    HWY_UNROLL(8)
+    for (int i = 0; i < 8; ++i) add_projected(x.at(i), y.at(i), w.at(i), near.at(i));
   }
 
   template <class Product>
@@ -112,26 +139,15 @@ class ExtentLanes {
     const Vec nearest_w = hn::Sub(smallest_w_, w_error);
     const Vec ratio_x = hn::Max(hn::Abs(low_x_), hn::Abs(high_x_));
     const Vec ratio_y = hn::Max(hn::Abs(low_y_), hn::Abs(high_y_));
-    const Vec error_x = hn::Div(hn::Add(hn::Mul(rounding, magnitude(view_.x)), hn::Mul(w_error, ratio_x)), nearest_w);
-    const Vec error_y = hn::Div(hn::Add(hn::Mul(rounding, magnitude(view_.y)), hn::Mul(w_error, ratio_y)), nearest_w);
+    const Vec inverse_w = hn::Div(constant(1.0), nearest_w);
+    const Vec error_x = hn::Mul(hn::Add(hn::Mul(rounding, magnitude(view_.x)), hn::Mul(w_error, ratio_x)), inverse_w);
+    const Vec error_y = hn::Mul(hn::Add(hn::Mul(rounding, magnitude(view_.y)), hn::Mul(w_error, ratio_y)), inverse_w);
     const Mask rows = store_range(low_x_, high_x_, error_x, view_.size.x, output.x0.data() + i, output.x1.data() + i);
     const Mask columns = store_range(hn::Neg(high_y_), hn::Neg(low_y_), error_y, view_.size.y, output.y0.data() + i,
                                      output.y1.data() + i);
-    store_nearest(hn::Div(constant(1.0 + bounds_rounding), nearest_w), output.nearest_inverse_depth.data() + i);
+    store_nearest(hn::Mul(constant(1.0 + bounds_rounding), inverse_w), output.nearest_inverse_depth.data() + i);
     const Mask trusted = hn::And(hn::And(trusted_, hn::Gt(nearest_w, constant(0.0))), hn::And(rows, columns));
     hn::StoreU(hn::DemoteTo(Ints(), hn::IfThenElseZero(trusted, constant(1.0))), Ints(), output.trusted.data() + i);
-  }
-
-  // Lane 0 of the result holds the extent of all lanes.
-  HWY_INLINE void reduce() {
-    const Doubles d;
-    low_x_ = hn::MinOfLanes(d, low_x_);
-    high_x_ = hn::MaxOfLanes(d, high_x_);
-    low_y_ = hn::MinOfLanes(d, low_y_);
-    high_y_ = hn::MaxOfLanes(d, high_y_);
-    smallest_w_ = hn::MinOfLanes(d, smallest_w_);
-    largest_ = {hn::MaxOfLanes(d, largest_.x), hn::MaxOfLanes(d, largest_.y), hn::MaxOfLanes(d, largest_.z)};
-    if (!hn::AllTrue(d, trusted_)) trusted_ = hn::Lt(constant(0.0), constant(0.0));
   }
 
  private:
@@ -142,6 +158,15 @@ class ExtentLanes {
                           hn::Lt(smallest_w, constant(std::numeric_limits<double>::infinity()))),
                   hn::Ge(before_near, constant(0.0))));
     smallest_w_ = hn::Min(smallest_w_, smallest_w);
+  }
+
+  HWY_INLINE void add_projected(Vec x, Vec y, Vec w, Vec before_near) {
+    add_depths(w, before_near);
+    const Vec inverse_w = hn::Div(constant(1.0), w);
+    const Vec ratio_x = hn::Mul(x, inverse_w);
+    const Vec ratio_y = hn::Mul(y, inverse_w);
+    add_range(low_x_, high_x_, ratio_x, ratio_x);
+    add_range(low_y_, high_y_, ratio_y, ratio_y);
   }
 
   HWY_INLINE void add_range(Vec& low, Vec& high, Vec new_low, Vec new_high) {
@@ -164,7 +189,8 @@ class ExtentLanes {
     const Vec middle = hn::Sub(hn::Mul(x, w), hn::Mul(rr, ab));
     const Vec lead = hn::Sub(hn::Mul(w, w), hn::Mul(rr, bb));
     trust(hn::Gt(lead, constant(0.0)));
-    add_range(low, high, hn::Div(hn::Sub(middle, root), lead), hn::Div(hn::Add(middle, root), lead));
+    const Vec inverse = hn::Div(constant(1.0), lead);
+    add_range(low, high, hn::Mul(hn::Sub(middle, root), inverse), hn::Mul(hn::Add(middle, root), inverse));
   }
 
   HWY_INLINE Vec magnitude(const glm::dvec4& row) const {
@@ -239,24 +265,6 @@ void bound_cylinders(const BoundsView& view, const BoundsInput& input, BoundsOut
   });
 }
 
-// A point to a lane, the last one repeated.
-void bound_hull(const BoundsView& view, const glm::vec3* points, std::size_t count, BoundsOutput& output) {
-  std::array<PerBound<float>, 3> group;
-  ExtentLanes extent(view);
-  const std::size_t lanes = hn::Lanes(Doubles());
-  for (std::size_t first = 0; first < count; first += lanes) {
-    for (std::size_t i = 0; i < lanes; ++i) {
-      const glm::vec3& p = points[HWY_MIN(first + i, count - 1)];
-      group[0][i] = p.x;
-      group[1][i] = p.y;
-      group[2][i] = p.z;
-    }
-    extent.add_point(load(group, 0));
-  }
-  extent.reduce();
-  extent.store(output, 0);
-}
-
 }  // namespace occlod::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -267,8 +275,6 @@ namespace {
 HWY_EXPORT(bound_boxes);
 HWY_EXPORT(bound_spheres);
 HWY_EXPORT(bound_cylinders);
-HWY_EXPORT(bound_hull);
-
 void put(std::array<PerBound<float>, 3>& lanes, std::size_t i, const glm::vec3& v) {
   lanes[0][i] = v.x;
   lanes[1][i] = v.y;
@@ -284,44 +290,37 @@ BoundsView::BoundsView(const View& view, const ObjectView& object)
       w(glm::row(object.object_to_clip(), 3)),
       size(view.width(), view.height()) {}
 
-void BoundsInput::push(const Sphere& sphere) {
-  assert(size < bounds_batch_size);
-  put(center, size, sphere.center);
-  radius[size++] = sphere.radius;
-}
-
-void BoundsInput::push(const Box& box) {
-  assert(size < bounds_batch_size);
-  put(low, size, box.min);
-  put(high, size++, box.max);
-}
-
-void BoundsInput::push(const Cylinder& cylinder) {
-  assert(size < bounds_batch_size);
-  put(center, size, cylinder.center);
-  put(axis, size, cylinder.axis);
-  t_min[size] = cylinder.t_min;
-  t_max[size] = cylinder.t_max;
-  radius[size++] = cylinder.radius;
-}
-
-template <>
-void find_screen_bounds<Sphere>(const BoundsView& view, const BoundsInput& input, BoundsOutput& output) {
+void find_screen_bounds(const BoundsView& view, std::span<const Sphere> spheres, BoundsOutput& output) {
+  assert(spheres.size() <= bounds_batch_size);
+  BoundsInput input;
+  for (const Sphere& sphere : spheres) {
+    put(input.center, input.size, sphere.center);
+    input.radius[input.size++] = sphere.radius;
+  }
   HWY_DYNAMIC_DISPATCH(bound_spheres)(view, input, output);
 }
 
-template <>
-void find_screen_bounds<Box>(const BoundsView& view, const BoundsInput& input, BoundsOutput& output) {
+void find_screen_bounds(const BoundsView& view, std::span<const Box> boxes, BoundsOutput& output) {
+  assert(boxes.size() <= bounds_batch_size);
+  BoundsInput input;
+  for (const Box& box : boxes) {
+    put(input.low, input.size, box.min);
+    put(input.high, input.size++, box.max);
+  }
   HWY_DYNAMIC_DISPATCH(bound_boxes)(view, input, output);
 }
 
-template <>
-void find_screen_bounds<Cylinder>(const BoundsView& view, const BoundsInput& input, BoundsOutput& output) {
+void find_screen_bounds(const BoundsView& view, std::span<const Cylinder> cylinders, BoundsOutput& output) {
+  assert(cylinders.size() <= bounds_batch_size);
+  BoundsInput input;
+  for (const Cylinder& cylinder : cylinders) {
+    put(input.center, input.size, cylinder.center);
+    put(input.axis, input.size, cylinder.axis);
+    input.t_min[input.size] = cylinder.t_min;
+    input.t_max[input.size] = cylinder.t_max;
+    input.radius[input.size++] = cylinder.radius;
+  }
   HWY_DYNAMIC_DISPATCH(bound_cylinders)(view, input, output);
-}
-
-void find_screen_bounds(const BoundsView& view, std::span<const glm::vec3> points, BoundsOutput& output) {
-  HWY_DYNAMIC_DISPATCH(bound_hull)(view, points.data(), points.size(), output);
 }
 
 }  // namespace occlod

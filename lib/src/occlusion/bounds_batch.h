@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <glm/vec2.hpp>
-#include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 #include <span>
 
@@ -28,30 +27,15 @@ struct BoundsView {
 template <class T>
 using PerBound = std::array<T, bounds_batch_size>;
 
-// Of each kind the fields that it has: a sphere its center and radius, a cylinder all but `high`, a box low and high.
-// Lanes that are not in use hold any numbers.
-struct BoundsInput {
-  std::size_t size = 0;
-  std::array<PerBound<float>, 3> center{}, axis{};
-  PerBound<float> radius{}, t_min{}, t_max{};
-  std::array<PerBound<float>, 3> low{}, high{};
-
-  void push(const Sphere& sphere);
-  void push(const Box& box);
-  void push(const Cylinder& cylinder);
-};
-
 // ScreenBounds in lanes; no rectangle where not trusted.
 struct BoundsOutput {
   PerBound<std::int32_t> x0, y0, x1, y1, trusted;
   PerBound<float> nearest_inverse_depth;
 };
 
-// The bounds of input, all of one kind. Shape: Sphere, Box or Cylinder.
-template <class Shape>
-void find_screen_bounds(const BoundsView& view, const BoundsInput& input, BoundsOutput& output);
-
-// The hull of the points, at least one, as bound 0.
-void find_screen_bounds(const BoundsView& view, std::span<const glm::vec3> points, BoundsOutput& output);
+// At most bounds_batch_size shapes.
+void find_screen_bounds(const BoundsView& view, std::span<const Sphere> spheres, BoundsOutput& output);
+void find_screen_bounds(const BoundsView& view, std::span<const Box> boxes, BoundsOutput& output);
+void find_screen_bounds(const BoundsView& view, std::span<const Cylinder> cylinders, BoundsOutput& output);
 
 }  // namespace occlod

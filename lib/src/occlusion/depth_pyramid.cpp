@@ -10,10 +10,6 @@
 namespace occlod {
 namespace {
 
-// Rectangles of at most this many pixels in each direction are read directly.
-constexpr int direct_size = 8;
-// The descent starts on the level where the rectangle meets at most this many texels, or one more, in each direction.
-constexpr int first_texels = 2;
 // Counting leaves out hidden texels of this level.
 constexpr std::size_t count_level = 4;
 // Rows this many texels apart share their place in the cache.
@@ -27,7 +23,14 @@ PixelRect intersection(const PixelRect& a, const PixelRect& b) {
   return {std::max(a.x0, b.x0), std::max(a.y0, b.y0), std::min(a.x1, b.x1), std::min(a.y1, b.y1)};
 }
 
-bool empty(const PixelRect& rect) { return rect.x0 >= rect.x1 || rect.y0 >= rect.y1; }
+bool empty(const PixelRect& rect) { return (rect.x0 >= rect.x1) | (rect.y0 >= rect.y1); }
+
+// The finest level on which the rectangle meets at most three texels in each direction.
+int first_level(const PixelRect& rect) {
+  // That of at most 2 * 2^level + 1 pixels.
+  const int size = std::max(std::max(rect.x1 - rect.x0, rect.y1 - rect.y0), 2);
+  return static_cast<int>(std::bit_width(static_cast<unsigned>(size - 2) / 2));
+}
 
 }  // namespace
 
@@ -77,16 +80,31 @@ float DepthPyramid::farthest(int level, int x, int y) const noexcept {
   return row(levels_[static_cast<std::size_t>(level)], y)[x];
 }
 
+DepthPyramid::Verdict DepthPyramid::quick_verdict(const PixelRect& rect, float nearest_inverse_depth) const noexcept {
+  const int index = first_level(rect);
+  const Level& level = levels_[static_cast<std::size_t>(index)];
+  // Inside the image even where the rectangle is empty.
+  const int x0 = std::min(rect.x0 >> index, level.width - 1), x2 = std::max((rect.x1 - 1) >> index, x0);
+  const int y0 = std::min(rect.y0 >> index, level.height - 1), y2 = std::max((rect.y1 - 1) >> index, y0);
+  const int x1 = std::min(x0 + 1, x2), y1 = std::min(y0 + 1, y2);
+  const auto farthest_in_row = [=, this](int y) {
+    const float* texels = row(level, y);
+    return std::min(std::min(texels[x0], texels[x1]), texels[x2]);
+  };
+  const float farthest = std::min(std::min(farthest_in_row(y0), farthest_in_row(y1)), farthest_in_row(y2));
+  const Level& image = levels_[0];
+  const float middle = row(
+      image, std::min((rect.y0 + rect.y1) / 2, image.height - 1))[std::min((rect.x0 + rect.x1) / 2, image.width - 1)];
+  const bool hidden = empty(rect) | (farthest > nearest_inverse_depth);
+  const Verdict otherwise = middle <= nearest_inverse_depth ? Verdict::visible : Verdict::unknown;
+  return hidden ? Verdict::hidden : otherwise;
+}
+
 bool DepthPyramid::any_visible(const PixelRect& rect, float nearest_inverse_depth) const {
-  if (empty(rect)) return false;
-  assert(rect.x0 >= 0 && rect.y0 >= 0 && rect.x1 <= width() && rect.y1 <= height());
-  // What is visible at all is most often visible in its middle.
-  const int x = (rect.x0 + rect.x1) / 2, y = (rect.y0 + rect.y1) / 2;
-  if (row(levels_[0], y)[x] <= nearest_inverse_depth) return true;
-  const int size = std::max(rect.x1 - rect.x0, rect.y1 - rect.y0);
-  const int level =
-      size > direct_size ? static_cast<int>(std::bit_width(static_cast<unsigned>(size / (first_texels + 1)))) : 0;
-  return any_visible_at(level, rect, nearest_inverse_depth);
+  assert(empty(rect) || (rect.x0 >= 0 && rect.y0 >= 0 && rect.x1 <= width() && rect.y1 <= height()));
+  const Verdict verdict = quick_verdict(rect, nearest_inverse_depth);
+  if (verdict != Verdict::unknown) return verdict == Verdict::visible;
+  return any_visible_at(first_level(rect), rect, nearest_inverse_depth);
 }
 
 bool DepthPyramid::any_visible_at(int level, const PixelRect& rect, float nearest) const {

@@ -26,8 +26,9 @@ class Extent {
   void add_point(const glm::dvec3& p) {
     const double w = add_depths(p, [](const glm::dvec3&) { return 0.0; });
     if (!trusted_) return;
-    add_range(0, at(x_, p) / w, at(x_, p) / w);
-    add_range(1, at(y_, p) / w, at(y_, p) / w);
+    const double inverse_w = 1.0 / w;
+    add_range(0, at(x_, p) * inverse_w, at(x_, p) * inverse_w);
+    add_range(1, at(y_, p) * inverse_w, at(y_, p) * inverse_w);
   }
 
   void add_sphere(const glm::dvec3& center, double radius) {
@@ -46,11 +47,12 @@ class Extent {
     const double w_error = bounds_rounding * magnitude(w_);
     const double nearest_w = smallest_w_ - w_error;
     if (!(nearest_w > 0.0)) return std::nullopt;
+    const double inverse_w = 1.0 / nearest_w;
     ScreenBounds bounds;
     bounds.nearest_inverse_depth =
-        std::nextafter(static_cast<float>((1.0 + bounds_rounding) / nearest_w), std::numeric_limits<float>::infinity());
-    const glm::dvec2 error((bounds_rounding * magnitude(x_) + w_error * largest_ratio(0)) / nearest_w,
-                           (bounds_rounding * magnitude(y_) + w_error * largest_ratio(1)) / nearest_w);
+        std::nextafter(static_cast<float>((1.0 + bounds_rounding) * inverse_w), std::numeric_limits<float>::infinity());
+    const glm::dvec2 error((bounds_rounding * magnitude(x_) + w_error * largest_ratio(0)) * inverse_w,
+                           (bounds_rounding * magnitude(y_) + w_error * largest_ratio(1)) * inverse_w);
     const glm::dvec2 slack = error * (size_ / 2.0) + bounds_slack_px;
     const glm::dvec2 low = (glm::dvec2(low_.x, -high_.y) * 0.5 + 0.5) * size_ - slack;
     const glm::dvec2 high = (glm::dvec2(high_.x, -low_.y) * 0.5 + 0.5) * size_ + slack;
@@ -119,7 +121,8 @@ class Extent {
       trusted_ = false;
       return;
     }
-    add_range(axis, (middle - root) / lead, (middle + root) / lead);
+    const double inverse = 1.0 / lead;
+    add_range(axis, (middle - root) * inverse, (middle + root) * inverse);
   }
 
   void add_range(int axis, double low, double high) {

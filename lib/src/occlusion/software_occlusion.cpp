@@ -1,9 +1,12 @@
 #include "occlod/occlusion/software_occlusion.h"
 
+#include <array>
 #include <cassert>
+#include <optional>
 #include <vector>
 
 #include "occlod/occlusion/depth_pyramid.h"
+#include "occlod/occlusion/screen_bounds.h"
 #include "occlod/raster/item_buffer.h"
 #include "occlusion/bounds_batch.h"
 
@@ -13,12 +16,13 @@ namespace {
 // Bounds of one kind and one object that are not tested yet, and where their answers belong.
 template <class Shape>
 struct Pending {
+  std::size_t size = 0;
   std::uint32_t object = 0;
-  BoundsInput bounds;
+  std::array<Shape, bounds_batch_size> shapes;
   PerBound<std::uint32_t> answer;
 
   [[nodiscard]] bool takes(std::uint32_t other_object) const {
-    return bounds.size == 0 || (bounds.size < bounds_batch_size && object == other_object);
+    return size == 0 || (size < bounds_batch_size && object == other_object);
   }
 };
 
@@ -30,22 +34,19 @@ class SoftwareOcclusion final : public Visibility {
   [[nodiscard]] std::string_view name() const noexcept override { return "software"; }
 
   void begin_view(const View& view, std::span<const ObjectView> objects) override {
-    width_ = view.width();
-    height_ = view.height();
-    objects_.clear();
+    view_ = view;
+    objects_.assign(objects.begin(), objects.end());
     bounds_views_.clear();
-    for (const ObjectView& object : objects) {
-      objects_.push_back(object.object_to_clip());
-      bounds_views_.emplace_back(view, object);
-    }
+    for (const ObjectView& object : objects) bounds_views_.emplace_back(view, object);
     occluder_drawn_ = false;
     forget_answers();
   }
 
   void draw_occluder(std::span<const OccluderPart> parts) override {
-    assert(width_ > 0 && next_answer_ == answers_.size());
-    const DepthImage image = pyramid_.begin(width_, height_);
-    for (const OccluderPart& part : parts) draw_depth(image, part.positions, part.triangles, objects_[part.object]);
+    assert(view_ && next_answer_ == answers_.size());
+    const DepthImage image = pyramid_.begin(view_->width(), view_->height());
+    for (const OccluderPart& part : parts)
+      draw_depth(image, part.positions, part.triangles, objects_[part.object].object_to_clip());
     pyramid_.finish();
     occluder_drawn_ = true;
   }
@@ -69,7 +70,7 @@ class SoftwareOcclusion final : public Visibility {
     answers_.clear();
     next_answer_ = 0;
     tested_ = 0;
-    spheres_.bounds.size = boxes_.bounds.size = cylinders_.bounds.size = 0;
+    spheres_.size = boxes_.size = cylinders_.size = 0;
   }
 
   Pending<Sphere>& pending(const Sphere&) { return spheres_; }
@@ -81,13 +82,12 @@ class SoftwareOcclusion final : public Visibility {
     Pending<Shape>& batch = pending(shape);
     if (!batch.takes(object)) test(batch);
     batch.object = object;
-    batch.answer[batch.bounds.size] = answer;
-    batch.bounds.push(shape);
+    batch.answer[batch.size] = answer;
+    batch.shapes[batch.size++] = shape;
   }
   // At once: its points need not live on.
   void submit(std::uint32_t object, const PointHull& hull, std::uint32_t answer) {
-    find_screen_bounds(bounds_views_[object], hull.points, found_);
-    answers_[answer] = visible_pixels(0);
+    answers_[answer] = visible_pixels(screen_bounds(*view_, objects_[object], {object, hull}));
   }
 
   void test_all() {
@@ -99,18 +99,47 @@ class SoftwareOcclusion final : public Visibility {
 
   template <class Shape>
   void test(Pending<Shape>& batch) {
-    if (batch.bounds.size == 0) return;
-    find_screen_bounds<Shape>(bounds_views_[batch.object], batch.bounds, found_);
-    for (std::size_t i = 0; i < batch.bounds.size; ++i) answers_[batch.answer[i]] = visible_pixels(i);
-    batch.bounds.size = 0;
+    if (batch.size == 1) {  // vectors would have one lane to work on
+      answers_[batch.answer[0]] =
+          visible_pixels(screen_bounds(*view_, objects_[batch.object], {batch.object, batch.shapes[0]}));
+    } else if (batch.size > 1) {
+      find_screen_bounds(bounds_views_[batch.object], std::span<const Shape>(batch.shapes.data(), batch.size), found_);
+      if (options_.count_pixels || !occluder_drawn_) {
+        for (std::size_t i = 0; i < batch.size; ++i) answers_[batch.answer[i]] = visible_pixels(found(i));
+      } else {
+        test_any(batch.answer, batch.size);
+      }
+    }
+    batch.size = 0;
   }
 
-  [[nodiscard]] std::uint32_t visible_pixels(std::size_t i) const {
-    if (found_.trusted[i] == 0) return options_.count_pixels ? area({0, 0, width_, height_}) : 1;
-    const PixelRect rect = {found_.x0[i], found_.y0[i], found_.x1[i], found_.y1[i]};
-    if (!occluder_drawn_) return options_.count_pixels ? area(rect) : (area(rect) > 0 ? 1 : 0);
-    if (options_.count_pixels) return pyramid_.count_visible(rect, found_.nearest_inverse_depth[i]);
-    return pyramid_.any_visible(rect, found_.nearest_inverse_depth[i]) ? 1 : 0;
+  // First what a few texels decide, without branches that nobody can predict, then the rest.
+  void test_any(const PerBound<std::uint32_t>& answer, std::size_t count) {
+    PerBound<std::uint8_t> open;
+    std::size_t open_count = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      const DepthPyramid::Verdict verdict = pyramid_.quick_verdict(found_rect(i), found_.nearest_inverse_depth[i]);
+      const bool trusted = found_.trusted[i] != 0;
+      answers_[answer[i]] = !trusted | (verdict == DepthPyramid::Verdict::visible) ? 1 : 0;
+      open[open_count] = static_cast<std::uint8_t>(i);
+      open_count += trusted & (verdict == DepthPyramid::Verdict::unknown) ? 1 : 0;
+    }
+    for (std::size_t k = 0; k < open_count; ++k) answers_[answer[open[k]]] = visible_pixels(found(open[k]));
+  }
+
+  [[nodiscard]] PixelRect found_rect(std::size_t i) const {
+    return {found_.x0[i], found_.y0[i], found_.x1[i], found_.y1[i]};
+  }
+  [[nodiscard]] std::optional<ScreenBounds> found(std::size_t i) const {
+    if (found_.trusted[i] == 0) return std::nullopt;
+    return ScreenBounds{found_rect(i), found_.nearest_inverse_depth[i]};
+  }
+
+  [[nodiscard]] std::uint32_t visible_pixels(const std::optional<ScreenBounds>& bounds) const {
+    if (!bounds) return options_.count_pixels ? area({0, 0, view_->width(), view_->height()}) : 1;
+    if (!occluder_drawn_) return options_.count_pixels ? area(bounds->rect) : (area(bounds->rect) > 0 ? 1 : 0);
+    if (options_.count_pixels) return pyramid_.count_visible(bounds->rect, bounds->nearest_inverse_depth);
+    return pyramid_.any_visible(bounds->rect, bounds->nearest_inverse_depth) ? 1 : 0;
   }
 
   static std::uint32_t area(const PixelRect& rect) {
@@ -118,9 +147,8 @@ class SoftwareOcclusion final : public Visibility {
   }
 
   SoftwareOcclusionOptions options_;
-  int width_ = 0;
-  int height_ = 0;
-  std::vector<glm::mat4> objects_;  // to clip space
+  std::optional<View> view_;
+  std::vector<ObjectView> objects_;
   std::vector<BoundsView> bounds_views_;
   DepthPyramid pyramid_;
   bool occluder_drawn_ = false;

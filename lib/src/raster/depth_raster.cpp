@@ -16,6 +16,9 @@ namespace occlod::raster {
 // corner, a pixel of a block is then less than 2^14 + 2 * 16 * 2^8 subpixels away, and edge functions stay below 2^30.
 static_assert(depth_reach <= 64);
 
+// Pixels.
+inline constexpr int widest_block = 16;
+
 template <class T>
 using PerTriangle = std::array<T, batch_triangles>;
 
@@ -41,6 +44,13 @@ enum TriangleKind : std::int32_t { nothing = 0, small_triangle = 1, large_triang
 
 HWY_BEFORE_NAMESPACE();
 namespace occlod::raster::HWY_NAMESPACE {
+
+#if HWY_TARGET == HWY_SCALAR
+
+// One pixel to a vector: rows are faster.
+bool draw_batch(const TriangleBatch&, const DepthImage&) { return false; }
+
+#else
 
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -175,7 +185,7 @@ HWY_INLINE void set_up_lanes(const TriangleBatch& batch, std::size_t i, const De
 
 // ---- Filling: a pixel to a lane.
 
-using Pixels = hn::CappedTag<float, narrowest_simd_image>;
+using Pixels = hn::CappedTag<float, widest_block>;
 using PixelInts = hn::RebindToSigned<Pixels>;
 using PixelVec = hn::Vec<Pixels>;
 using PixelIntVec = hn::Vec<PixelInts>;
@@ -276,7 +286,8 @@ HWY_INLINE void draw_large(const TriangleBatch& batch, std::size_t i, const Dept
   });
 }
 
-void draw_batch(const TriangleBatch& batch, const DepthImage& target) {
+bool draw_batch(const TriangleBatch& batch, const DepthImage& target) {
+  if (target.width < block) return false;
   SetupBatch setup;
   for (std::size_t i = 0; i < batch.size; i += hn::Lanes(Doubles())) set_up_lanes(batch, i, target, setup);
   for (std::size_t i = 0; i < batch.size; ++i) {
@@ -286,7 +297,10 @@ void draw_batch(const TriangleBatch& batch, const DepthImage& target) {
       draw_large(batch, i, target);
     }
   }
+  return true;
 }
+
+#endif
 
 }  // namespace occlod::raster::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
@@ -296,8 +310,8 @@ namespace occlod::raster {
 
 HWY_EXPORT(draw_batch);
 
-void draw_depth_batch(const TriangleBatch& batch, const DepthImage& target) {
-  HWY_DYNAMIC_DISPATCH(draw_batch)(batch, target);
+bool draw_depth_batch(const TriangleBatch& batch, const DepthImage& target) {
+  return HWY_DYNAMIC_DISPATCH(draw_batch)(batch, target);
 }
 
 }  // namespace occlod::raster

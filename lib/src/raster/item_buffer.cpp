@@ -38,11 +38,7 @@ struct DepthWriter {
   DepthImage image;
 
   // True when it has drawn all that is drawable without clipping.
-  bool draw_batch(const TriangleBatch& batch) const {
-    if (image.width < raster::narrowest_simd_image) return false;
-    raster::draw_depth_batch(batch, image);
-    return true;
-  }
+  bool draw_batch(const TriangleBatch& batch) const { return raster::draw_depth_batch(batch, image); }
 
   void draw(const TriangleSetup& triangle, std::uint32_t) const {
     raster::scan(triangle, image.width, [&](std::int32_t row, std::int32_t begin, std::int32_t end) {

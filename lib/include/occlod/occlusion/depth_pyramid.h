@@ -38,6 +38,9 @@ class DepthPyramid {
   // True iff at some pixel of `rect` (inside the image) the occluder is not nearer than nearest_inverse_depth, that is
   // farthest <= nearest. Exact: descends only where a coarser texel cannot decide. An empty rectangle shows nothing.
   [[nodiscard]] bool any_visible(const PixelRect& rect, float nearest_inverse_depth) const;
+  // The same where a few texels and the pixel in the middle decide it, which is most often; without branches.
+  enum class Verdict : std::uint8_t { hidden, visible, unknown };
+  [[nodiscard]] Verdict quick_verdict(const PixelRect& rect, float nearest_inverse_depth) const noexcept;
   // How many such pixels there are. O(pixels of the rectangle).
   [[nodiscard]] std::uint32_t count_visible(const PixelRect& rect, float nearest_inverse_depth) const;
 
