@@ -214,6 +214,9 @@ HWY_INLINE PixelVec clamp(PixelVec z, PixelVec smallest, PixelVec largest) {
 // Draws the nearer depth where the sign bit of `outside` is clear.
 HWY_INLINE void draw_block(PixelVec z, PixelIntVec outside, float* depth) {
   const Pixels d;
+#if HWY_TARGET == HWY_SSSE3
+  outside = hn::BroadcastSignBit(outside);  // Highway 1.0 forgets to, and would choose bit by bit
+#endif
   const PixelVec old = hn::LoadU(d, depth);
   hn::StoreU(hn::IfNegativeThenElse(hn::BitCast(d, outside), old, hn::Max(old, z)), d, depth);
 }

@@ -1,0 +1,184 @@
+// Batches find the rectangles that single bounds have, bit for bit, with every instruction set; so do the answers.
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <vector>
+
+#include "occlod/occlusion/depth_pyramid.h"
+#include "occlod/occlusion/screen_bounds.h"
+#include "occlod/occlusion/software_occlusion.h"
+#include "occlusion/bounds_batch.h"
+#include "occlusion/random_shapes.h"
+#include "raster/every_target.h"
+
+namespace occlod {
+namespace {
+
+using test::for_every_target;
+using test::RandomShapes;
+
+template <class Shape>
+void expect_lanes_equal_singles(const View& view, const ObjectView& object, const std::vector<Shape>& shapes,
+                                const char* target) {
+  BoundsOutput found;
+  find_screen_bounds(BoundsView(view, object), shapes, found);
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    const std::optional<ScreenBounds> expected = screen_bounds(view, object, {0, shapes[i]});
+    ASSERT_EQ(found.trusted[i], expected ? 1 : 0) << target << " " << i;
+    if (!expected) continue;
+    ASSERT_EQ(found.nearest_inverse_depth[i], expected->nearest_inverse_depth) << target;
+    ASSERT_EQ(found.x0[i], expected->rect.x0) << target;
+    ASSERT_EQ(found.y0[i], expected->rect.y0) << target;
+    ASSERT_EQ(found.x1[i], expected->rect.x1) << target;
+    ASSERT_EQ(found.y1[i], expected->rect.y1) << target;
+  }
+}
+
+// What no rectangle can be trusted for, and what is all but that.
+void add_adversaries(std::vector<Sphere>& spheres, std::vector<Box>& boxes, std::vector<Cylinder>& cylinders) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const float infinity = std::numeric_limits<float>::infinity();
+  const float huge = std::numeric_limits<float>::max();
+  for (const float bad : {nan, infinity, -infinity, huge, -huge, -1.0F, 0.0F, 1e-40F, 1e-12F, 1e12F}) {
+    spheres.push_back({{0.1F, 0.2F, -5.0F}, bad});
+    spheres.push_back({{bad, 0.2F, -5.0F}, 0.5F});
+    boxes.push_back({{bad, -1.0F, -5.0F}, {1.0F, 1.0F, -4.0F}});
+    boxes.push_back({{-1.0F, -1.0F, -5.0F}, {1.0F, bad, -4.0F}});
+    cylinders.push_back({{0.0F, 0.0F, -5.0F}, bad, {0.0F, 1.0F, 0.0F}, -1.0F, 1.0F});
+    cylinders.push_back({{0.0F, 0.0F, -5.0F}, 0.5F, {0.0F, 1.0F, 0.0F}, bad, 1.0F});
+    cylinders.push_back({{0.0F, 0.0F, -5.0F}, 0.5F, {0.0F, bad, 0.0F}, -1.0F, 1.0F});
+  }
+}
+
+template <class Shape>
+void keep_a_batch(std::vector<Shape>& shapes) {
+  shapes.resize(std::min(shapes.size(), bounds_batch_size));
+}
+
+TEST(Targets, FindTheRectanglesOfSingleBounds) {
+  for_every_target([](const char* target) {
+    RandomShapes random(5);
+    std::vector<glm::vec3> storage;
+    for (int n = 0; n < 200; ++n) {
+      const View view = random.view();
+      const ObjectView object(view, random.placement());
+      std::vector<Sphere> spheres;
+      std::vector<Box> boxes;
+      std::vector<Cylinder> cylinders;
+      if (n % 10 == 0) add_adversaries(spheres, boxes, cylinders);
+      for (int i = 0; i < 5 + n % 20; ++i) {
+        const double size = random.in(0.001, 3.0);
+        spheres.push_back(std::get<Sphere>(random.query(0, size, storage).shape));
+        boxes.push_back(std::get<Box>(random.query(1, size, storage).shape));
+        cylinders.push_back(std::get<Cylinder>(random.query(2, size, storage).shape));
+      }
+      keep_a_batch(spheres);
+      keep_a_batch(boxes);
+      keep_a_batch(cylinders);
+      expect_lanes_equal_singles(view, object, spheres, target);
+      expect_lanes_equal_singles(view, object, boxes, target);
+      expect_lanes_equal_singles(view, object, cylinders, target);
+      if (testing::Test::HasFatalFailure()) return;
+    }
+  });
+}
+
+struct Scene {
+  View view;
+  std::vector<ObjectView> objects;
+  std::vector<glm::vec3> positions;
+  std::vector<Triangle> triangles;
+  std::vector<std::vector<glm::vec3>> hulls;
+  std::vector<VisibilityQuery> queries;
+};
+
+Scene random_scene(RandomShapes& random) {
+  Scene scene{random.view(), {}, {}, {}, {}, {}};
+  for (int i = 0; i < 2; ++i) scene.objects.emplace_back(scene.view, random.placement());
+  for (std::uint32_t i = 0; i < 15; ++i) {
+    for (int k = 0; k < 3; ++k) scene.positions.emplace_back(random.point(4.0));
+    scene.triangles.emplace_back(3 * i, 3 * i + 1, 3 * i + 2);
+  }
+  scene.hulls.resize(300);
+  for (std::size_t i = 0; i < scene.hulls.size(); ++i) {
+    VisibilityQuery query = random.query(static_cast<int>(random.in(0.0, 3.99)), 0.4, scene.hulls[i]);
+    query.object = random.in(0.0, 1.0) < 0.5 ? 0U : 1U;
+    scene.queries.push_back(query);
+  }
+  return scene;
+}
+
+void show(Visibility& backend, const Scene& scene) {
+  backend.begin_view(scene.view, scene.objects);
+  const std::vector<OccluderPart> parts = {{1, scene.positions, scene.triangles}};
+  backend.draw_occluder(parts);
+}
+
+std::vector<std::uint32_t> one_by_one(Visibility& backend, const Scene& scene) {
+  std::vector<std::uint32_t> answers;
+  for (const VisibilityQuery& query : scene.queries) {
+    backend.submit(query);
+    answers.push_back(backend.collect());
+  }
+  return answers;
+}
+
+// Kinds and objects mixed, so that batches are cut short, answered from the middle and filled again.
+std::vector<std::uint32_t> together(Visibility& backend, const Scene& scene) {
+  std::vector<std::uint32_t> answers;
+  for (std::size_t i = 0; i < scene.queries.size(); ++i) {
+    backend.submit(scene.queries[i]);
+    if (i % 150 == 149)
+      for (int k = 0; k < 70; ++k) answers.push_back(backend.collect());
+  }
+  while (answers.size() < scene.queries.size()) answers.push_back(backend.collect());
+  return answers;
+}
+
+TEST(Targets, AnswerTheSameTogetherAndOneByOne) {
+  for (const bool count : {false, true}) {
+    std::vector<std::vector<std::uint32_t>> expected;
+    for_every_target([&](const char* target) {
+      RandomShapes random(6);
+      const auto backend = make_software_occlusion({.count_pixels = count});
+      for (std::size_t n = 0; n < 20; ++n) {
+        const Scene scene = random_scene(random);
+        show(*backend, scene);
+        const std::vector<std::uint32_t> singles = one_by_one(*backend, scene);
+        ASSERT_EQ(together(*backend, scene), singles) << target;
+        if (expected.size() == n) expected.push_back(singles);
+        ASSERT_EQ(singles, expected[n]) << target;
+      }
+    });
+    std::size_t hidden = 0, visible = 0;
+    for (const auto& answers : expected)
+      for (const std::uint32_t answer : answers) ++(answer == 0 ? hidden : visible);
+    EXPECT_GT(hidden, 500U);
+    EXPECT_GT(visible, 500U);
+  }
+}
+
+TEST(Targets, ReduceTheSamePyramid) {
+  for (const auto& [width, height] : {std::pair{1, 1}, {1, 9}, {31, 33}, {64, 2}, {65, 66}, {256, 3}, {1025, 35}}) {
+    RandomShapes random(7);
+    DepthBuffer depth;
+    depth.reset(width, height);
+    for (float& z : depth.inverse_depth) z = static_cast<float>(random.in(0.0, 1.0));
+    for_every_target([&, w = width, h = height](const char* target) {
+      DepthPyramid pyramid;
+      pyramid.build(depth);
+      for (int level = 1; level < pyramid.level_count(); ++level)
+        for (int y = 0; y << level < h; ++y)
+          for (int x = 0; x << level < w; ++x) {
+            float expected = std::numeric_limits<float>::infinity();
+            for (int j = 2 * y; j <= 2 * y + 1 && j << (level - 1) < h; ++j)
+              for (int i = 2 * x; i <= 2 * x + 1 && i << (level - 1) < w; ++i)
+                expected = std::min(expected, pyramid.farthest(level - 1, i, j));
+            ASSERT_EQ(pyramid.farthest(level, x, y), expected) << target << " level " << level << ": " << x << "," << y;
+          }
+    });
+  }
+}
+
+}  // namespace
+}  // namespace occlod
