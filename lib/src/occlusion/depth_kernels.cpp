@@ -41,17 +41,15 @@ void reduce_level(const DepthLevelView& below, const DepthLevelView& level) {
   }
 }
 
-std::uint32_t count_rows(const float* texels, std::ptrdiff_t stride, int width, int height, float limit) {
+std::uint32_t count_row(const float* texels, int count, float limit) {
   const Floats d;
   const int lanes = static_cast<int>(hn::Lanes(d));
   const Vec limits = hn::Set(d, limit);
-  std::size_t count = 0;
-  for (int y = 0; y < height; ++y, texels += stride) {
-    int x = 0;
-    for (; x + lanes <= width; x += lanes) count += hn::CountTrue(d, hn::Le(hn::LoadU(d, texels + x), limits));
-    for (; x < width; ++x) count += texels[x] <= limit ? 1 : 0;
-  }
-  return static_cast<std::uint32_t>(count);
+  std::size_t found = 0;
+  int x = 0;
+  for (; x + lanes <= count; x += lanes) found += hn::CountTrue(d, hn::Le(hn::LoadU(d, texels + x), limits));
+  for (; x < count; ++x) found += texels[x] <= limit ? 1 : 0;
+  return static_cast<std::uint32_t>(found);
 }
 
 }  // namespace occlod::HWY_NAMESPACE
@@ -61,14 +59,14 @@ HWY_AFTER_NAMESPACE();
 namespace occlod {
 
 HWY_EXPORT(reduce_level);
-HWY_EXPORT(count_rows);
+HWY_EXPORT(count_row);
 
 void reduce_depth(const DepthLevelView& below, const DepthLevelView& level) {
   HWY_DYNAMIC_DISPATCH(reduce_level)(below, level);
 }
 
-std::uint32_t count_not_nearer(const float* texels, std::ptrdiff_t stride, int width, int height, float limit) {
-  return HWY_DYNAMIC_DISPATCH(count_rows)(texels, stride, width, height, limit);
+std::uint32_t count_not_nearer(const float* texels, int count, float limit) {
+  return HWY_DYNAMIC_DISPATCH(count_row)(texels, count, limit);
 }
 
 }  // namespace occlod

@@ -19,8 +19,7 @@ struct DepthLevelView {
 // infinite, and stays so.
 void reduce_depth(const DepthLevelView& below, const DepthLevelView& level);
 
-// How many of width x height texels are <= limit.
-[[nodiscard]] std::uint32_t count_not_nearer(const float* texels, std::ptrdiff_t stride, int width, int height,
-                                             float limit);
+// How many of `count` texels are <= limit.
+[[nodiscard]] std::uint32_t count_not_nearer(const float* texels, int count, float limit);
 
 }  // namespace occlod

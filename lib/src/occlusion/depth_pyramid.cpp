@@ -10,8 +10,6 @@
 namespace occlod {
 namespace {
 
-// Counting leaves out hidden texels of this level.
-constexpr std::size_t count_level = 4;
 // Rows this many texels apart share their place in the cache.
 constexpr std::ptrdiff_t bad_stride = 256;
 
@@ -24,6 +22,11 @@ PixelRect intersection(const PixelRect& a, const PixelRect& b) {
 }
 
 bool empty(const PixelRect& rect) { return (rect.x0 >= rect.x1) | (rect.y0 >= rect.y1); }
+
+PixelRect middle_pixel(const PixelRect& rect) {
+  const int x = (rect.x0 + rect.x1) / 2, y = (rect.y0 + rect.y1) / 2;
+  return {x, y, x + 1, y + 1};
+}
 
 // The finest level on which the rectangle meets at most three texels in each direction.
 int first_level(const PixelRect& rect) {
@@ -100,15 +103,15 @@ DepthPyramid::Verdict DepthPyramid::quick_verdict(const PixelRect& rect, float n
   return hidden ? Verdict::hidden : otherwise;
 }
 
-bool DepthPyramid::any_visible(const PixelRect& rect, float nearest_inverse_depth) const {
+bool DepthPyramid::any_visible(const PixelRect& rect, float nearest_inverse_depth, const Diagonals& diagonals) const {
   assert(empty(rect) || (rect.x0 >= 0 && rect.y0 >= 0 && rect.x1 <= width() && rect.y1 <= height()));
   const Verdict verdict = quick_verdict(rect, nearest_inverse_depth);
-  if (verdict != Verdict::unknown) return verdict == Verdict::visible;
-  return any_visible_at(first_level(rect), rect, nearest_inverse_depth);
+  if (verdict == Verdict::hidden) return false;
+  if (verdict == Verdict::visible && diagonals.meet(middle_pixel(rect))) return true;
+  return any_visible_at(first_level(rect), rect, diagonals, nearest_inverse_depth);
 }
 
-bool DepthPyramid::any_visible_at(int level, const PixelRect& rect, float nearest) const {
-  if (level == 0) return any_visible_pixel(rect, nearest);
+bool DepthPyramid::any_visible_at(int level, const PixelRect& rect, const Diagonals& diagonals, float nearest) const {
   for (int y = rect.y0 >> level; y <= (rect.y1 - 1) >> level; ++y) {
     const float* texels = row(levels_[static_cast<std::size_t>(level)], y);
     for (int x = rect.x0 >> level; x <= (rect.x1 - 1) >> level; ++x) {
@@ -116,37 +119,26 @@ bool DepthPyramid::any_visible_at(int level, const PixelRect& rect, float neares
       const PixelRect texel = {x << level, y << level, std::min((x + 1) << level, width()),
                                std::min((y + 1) << level, height())};
       const PixelRect part = intersection(rect, texel);
+      if (!diagonals.meet(part)) continue;
       const bool whole = part.x0 == texel.x0 && part.y0 == texel.y0 && part.x1 == texel.x1 && part.y1 == texel.y1;
-      // The farthest pixel of the texel is visible; when the texel lies in the rectangle, so does that pixel.
-      if (whole || any_visible_at(level - 1, part, nearest)) return true;
+      // The farthest pixel of the texel is visible; when the texel is asked about as a whole, so is that pixel.
+      if (level == 0 || (whole && diagonals.hold(texel)) || any_visible_at(level - 1, part, diagonals, nearest))
+        return true;
     }
   }
   return false;
 }
 
-bool DepthPyramid::any_visible_pixel(const PixelRect& rect, float nearest) const {
-  for (int y = rect.y0; y < rect.y1; ++y) {
-    const float* pixels = row(levels_[0], y);
-    float farthest_in_row = pixels[rect.x0];
-    for (int x = rect.x0; x < rect.x1; ++x) farthest_in_row = std::min(farthest_in_row, pixels[x]);
-    if (farthest_in_row <= nearest) return true;
-  }
-  return false;
-}
-
-std::uint32_t DepthPyramid::count_visible(const PixelRect& rect, float nearest_inverse_depth) const {
-  if (empty(rect)) return 0;
-  const Level& coarse = levels_[std::min(levels_.size() - 1, std::size_t{count_level})];
-  const int shift = static_cast<int>(&coarse - levels_.data());
+std::uint32_t DepthPyramid::count_visible(const PixelRect& rect, float nearest_inverse_depth,
+                                          const Diagonals& diagonals) const {
+  if (quick_verdict(rect, nearest_inverse_depth) == Verdict::hidden) return 0;
   std::uint32_t count = 0;
-  for (int y = rect.y0 >> shift; y <= (rect.y1 - 1) >> shift; ++y) {
-    const float* texels = row(coarse, y);
-    for (int x = rect.x0 >> shift; x <= (rect.x1 - 1) >> shift; ++x) {
-      if (texels[x] > nearest_inverse_depth) continue;
-      const PixelRect part = intersection(rect, {x << shift, y << shift, (x + 1) << shift, (y + 1) << shift});
-      count += count_not_nearer(row(levels_[0], part.y0) + part.x0, levels_[0].stride, part.x1 - part.x0,
-                                part.y1 - part.y0, nearest_inverse_depth);
-    }
+  for (int y = rect.y0; y < rect.y1; ++y) {
+    // The pixels that meet the diagonals follow each other.
+    int x0 = rect.x0, x1 = rect.x1;
+    while (x0 < x1 && !diagonals.meet({x0, y, x0 + 1, y + 1})) ++x0;
+    while (x0 < x1 && !diagonals.meet({x1 - 1, y, x1, y + 1})) --x1;
+    count += count_not_nearer(row(levels_[0], y) + x0, x1 - x0, nearest_inverse_depth);
   }
   return count;
 }

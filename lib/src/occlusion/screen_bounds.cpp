@@ -13,22 +13,26 @@
 namespace occlod {
 namespace {
 
-// Grows around the convex parts of one bound: the range of x / w and y / w, and the smallest w.
+// Grows around the convex parts of one bound: the range of x / w and y / w, and the smallest w. With `diagonal` the
+// ranges are those of the sum and the difference of the pixel coordinates, from the middle of the image.
 class Extent {
  public:
-  Extent(const View& view, const ObjectView& object)
+  Extent(const View& view, const ObjectView& object, bool diagonal)
       : x_(glm::row(object.object_to_clip(), 0)),
         y_(glm::row(object.object_to_clip(), 1)),
         z_(glm::row(object.object_to_clip(), 2)),
         w_(glm::row(object.object_to_clip(), 3)),
-        size_(view.width(), view.height()) {}
+        size_(view.width(), view.height()),
+        // Clip space's y is up.
+        first_(diagonal ? (size_.x * x_ - size_.y * y_) * 0.5 : x_),
+        second_(diagonal ? (size_.x * x_ + size_.y * y_) * 0.5 : y_) {}
 
   void add_point(const glm::dvec3& p) {
     const double w = add_depths(p, [](const glm::dvec3&) { return 0.0; });
     if (!trusted_) return;
     const double inverse_w = 1.0 / w;
-    add_range(0, at(x_, p) * inverse_w, at(x_, p) * inverse_w);
-    add_range(1, at(y_, p) * inverse_w, at(y_, p) * inverse_w);
+    add_range(0, at(first_, p) * inverse_w, at(first_, p) * inverse_w);
+    add_range(1, at(second_, p) * inverse_w, at(second_, p) * inverse_w);
   }
 
   void add_sphere(const glm::dvec3& center, double radius) {
@@ -65,6 +69,18 @@ class Extent {
     return bounds;
   }
 
+  [[nodiscard]] Diagonals diagonals() const {
+    if (!trusted_) return {};
+    const double w_error = bounds_rounding * magnitude(w_);
+    const double nearest_w = smallest_w_ - w_error;
+    if (!(nearest_w > 0.0)) return {};
+    const double error = bounds_rounding * (size_.x * magnitude(x_) + size_.y * magnitude(y_)) / 2.0;
+    const double largest = std::max(largest_ratio(0), largest_ratio(1));
+    const double slack = (error + w_error * largest) / nearest_w + 2.0 * bounds_slack_px;
+    const double sum = (size_.x + size_.y) / 2.0, difference = (size_.x - size_.y) / 2.0;
+    return {sum + low_[0] - slack, sum + high_[0] + slack, difference + low_[1] - slack, difference + high_[1] + slack};
+  }
+
  private:
   static double at(const glm::dvec4& row, const glm::dvec3& p) { return glm::dot(glm::dvec3(row), p) + row.w; }
 
@@ -99,8 +115,8 @@ class Extent {
     if (!(radius >= 0.0)) trusted_ = false;
     if (!trusted_) return;
     largest_coordinate_ = glm::max(largest_coordinate_, glm::abs(center) + radius);
-    add_silhouette(0, x_, center, radius, w, dot);
-    add_silhouette(1, y_, center, radius, w, dot);
+    add_silhouette(0, first_, center, radius, w, dot);
+    add_silhouette(1, second_, center, radius, w, dot);
   }
 
   // The planes through the eye with x = s w touch the shape where (X - s W)^2 = r^2 |a - s b|^2: a quadratic equation
@@ -133,6 +149,7 @@ class Extent {
 
   glm::dvec4 x_, y_, z_, w_;  // rows of object_to_clip
   glm::dvec2 size_;
+  glm::dvec4 first_, second_;
   glm::dvec2 low_{std::numeric_limits<double>::infinity()};
   glm::dvec2 high_{-std::numeric_limits<double>::infinity()};
   glm::dvec3 largest_coordinate_{0.0};
@@ -161,9 +178,15 @@ struct AddShape {
 }  // namespace
 
 std::optional<ScreenBounds> screen_bounds(const View& view, const ObjectView& object, const VisibilityQuery& query) {
-  Extent extent(view, object);
+  Extent extent(view, object, false);
   std::visit(AddShape{extent}, query.shape);
   return extent.result();
+}
+
+Diagonals screen_diagonals(const View& view, const ObjectView& object, const VisibilityQuery& query) {
+  Extent extent(view, object, true);
+  std::visit(AddShape{extent}, query.shape);
+  return extent.diagonals();
 }
 
 }  // namespace occlod

@@ -1,5 +1,6 @@
 #include "occlod/occlusion/software_occlusion.h"
 
+#include <algorithm>
 #include <array>
 #include <cassert>
 #include <optional>
@@ -21,6 +22,7 @@ struct Pending {
   std::array<Shape, bounds_batch_size> shapes;
   PerBound<std::uint32_t> answer;
 
+  [[nodiscard]] VisibilityQuery query(std::size_t i) const { return {object, shapes[i]}; }
   [[nodiscard]] bool takes(std::uint32_t other_object) const {
     return size == 0 || (size < bounds_batch_size && object == other_object);
   }
@@ -87,7 +89,7 @@ class SoftwareOcclusion final : public Visibility {
   }
   // At once: its points need not live on.
   void submit(std::uint32_t object, const PointHull& hull, std::uint32_t answer) {
-    answers_[answer] = visible_pixels(screen_bounds(*view_, objects_[object], {object, hull}));
+    answers_[answer] = visible_pixels({object, hull});
   }
 
   void test_all() {
@@ -100,31 +102,35 @@ class SoftwareOcclusion final : public Visibility {
   template <class Shape>
   void test(Pending<Shape>& batch) {
     if (batch.size == 1) {  // vectors would have one lane to work on
-      answers_[batch.answer[0]] =
-          visible_pixels(screen_bounds(*view_, objects_[batch.object], {batch.object, batch.shapes[0]}));
+      answers_[batch.answer[0]] = visible_pixels(batch.query(0));
     } else if (batch.size > 1) {
       find_screen_bounds(bounds_views_[batch.object], std::span<const Shape>(batch.shapes.data(), batch.size), found_);
       if (options_.count_pixels || !occluder_drawn_) {
-        for (std::size_t i = 0; i < batch.size; ++i) answers_[batch.answer[i]] = visible_pixels(found(i));
+        for (std::size_t i = 0; i < batch.size; ++i)
+          answers_[batch.answer[i]] = visible_pixels(batch.query(i), found(i));
       } else {
-        test_any(batch.answer, batch.size);
+        test_any(batch);
       }
     }
     batch.size = 0;
   }
 
   // First what a few texels decide, without branches that nobody can predict, then the rest.
-  void test_any(const PerBound<std::uint32_t>& answer, std::size_t count) {
+  template <class Shape>
+  void test_any(const Pending<Shape>& batch) {
     PerBound<std::uint8_t> open;
     std::size_t open_count = 0;
-    for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t i = 0; i < batch.size; ++i) {
       const DepthPyramid::Verdict verdict = pyramid_.quick_verdict(found_rect(i), found_.nearest_inverse_depth[i]);
       const bool trusted = found_.trusted[i] != 0;
-      answers_[answer[i]] = !trusted | (verdict == DepthPyramid::Verdict::visible) ? 1 : 0;
+      answers_[batch.answer[i]] = !trusted | (verdict == DepthPyramid::Verdict::visible) ? 1 : 0;
       open[open_count] = static_cast<std::uint8_t>(i);
       open_count += trusted & (verdict == DepthPyramid::Verdict::unknown) ? 1 : 0;
     }
-    for (std::size_t k = 0; k < open_count; ++k) answers_[answer[open[k]]] = visible_pixels(found(open[k]));
+    for (std::size_t k = 0; k < open_count; ++k) {
+      const std::size_t i = open[k];
+      answers_[batch.answer[i]] = visible_pixels(batch.query(i), found(i));
+    }
   }
 
   [[nodiscard]] PixelRect found_rect(std::size_t i) const {
@@ -135,11 +141,26 @@ class SoftwareOcclusion final : public Visibility {
     return ScreenBounds{found_rect(i), found_.nearest_inverse_depth[i]};
   }
 
-  [[nodiscard]] std::uint32_t visible_pixels(const std::optional<ScreenBounds>& bounds) const {
+  [[nodiscard]] std::uint32_t visible_pixels(const VisibilityQuery& query) const {
+    return visible_pixels(query, screen_bounds(*view_, objects_[query.object], query));
+  }
+
+  [[nodiscard]] std::uint32_t visible_pixels(const VisibilityQuery& query,
+                                             const std::optional<ScreenBounds>& bounds) const {
     if (!bounds) return options_.count_pixels ? area({0, 0, view_->width(), view_->height()}) : 1;
     if (!occluder_drawn_) return options_.count_pixels ? area(bounds->rect) : (area(bounds->rect) > 0 ? 1 : 0);
-    if (options_.count_pixels) return pyramid_.count_visible(bounds->rect, bounds->nearest_inverse_depth);
-    return pyramid_.any_visible(bounds->rect, bounds->nearest_inverse_depth) ? 1 : 0;
+    const float nearest = bounds->nearest_inverse_depth;
+    const DepthPyramid::Verdict verdict = pyramid_.quick_verdict(bounds->rect, nearest);
+    if (verdict == DepthPyramid::Verdict::hidden) return 0;
+    // The middle of the rectangle is taken to be inside the outline: that errs to visible.
+    const std::uint32_t at_least = verdict == DepthPyramid::Verdict::visible ? 1 : 0;
+    if (at_least != 0 && !options_.count_pixels) return 1;
+    // Boxes gain next to nothing from theirs.
+    const Diagonals diagonals = std::holds_alternative<Box>(query.shape)
+                                    ? Diagonals{}
+                                    : screen_diagonals(*view_, objects_[query.object], query);
+    if (options_.count_pixels) return std::max(at_least, pyramid_.count_visible(bounds->rect, nearest, diagonals));
+    return pyramid_.any_visible(bounds->rect, nearest, diagonals) ? 1 : 0;
   }
 
   static std::uint32_t area(const PixelRect& rect) {

@@ -4,7 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <span>
+#include <limits>
 #include <vector>
 
 #include "occlod/raster/item_buffer.h"
@@ -17,6 +17,25 @@ struct PixelRect {
   int y0 = 0;
   int x1 = 0;
   int y1 = 0;
+};
+
+// Cuts off the corners of a rectangle: x + y and x - y of the points that are left, in pixels; y down.
+struct Diagonals {
+  double sum_low = -std::numeric_limits<double>::infinity();
+  double sum_high = std::numeric_limits<double>::infinity();
+  double difference_low = -std::numeric_limits<double>::infinity();
+  double difference_high = std::numeric_limits<double>::infinity();
+
+  // False when no point of `rect` is left.
+  [[nodiscard]] bool meet(const PixelRect& rect) const noexcept {
+    return rect.x1 + rect.y1 >= sum_low && rect.x0 + rect.y0 <= sum_high && rect.x1 - rect.y0 >= difference_low &&
+           rect.x0 - rect.y1 <= difference_high;
+  }
+  // True when all of it is left.
+  [[nodiscard]] bool hold(const PixelRect& rect) const noexcept {
+    return rect.x0 + rect.y0 >= sum_low && rect.x1 + rect.y1 <= sum_high && rect.x0 - rect.y1 >= difference_low &&
+           rect.x1 - rect.y0 <= difference_high;
+  }
 };
 
 class DepthPyramid {
@@ -37,12 +56,15 @@ class DepthPyramid {
 
   // True iff at some pixel of `rect` (inside the image) the occluder is not nearer than nearest_inverse_depth, that is
   // farthest <= nearest. Exact: descends only where a coarser texel cannot decide. An empty rectangle shows nothing.
-  [[nodiscard]] bool any_visible(const PixelRect& rect, float nearest_inverse_depth) const;
+  // With diagonals only of those that they meet.
+  [[nodiscard]] bool any_visible(const PixelRect& rect, float nearest_inverse_depth,
+                                 const Diagonals& diagonals = {}) const;
   // The same where a few texels and the pixel in the middle decide it, which is most often; without branches.
   enum class Verdict : std::uint8_t { hidden, visible, unknown };
   [[nodiscard]] Verdict quick_verdict(const PixelRect& rect, float nearest_inverse_depth) const noexcept;
   // How many such pixels there are. O(pixels of the rectangle).
-  [[nodiscard]] std::uint32_t count_visible(const PixelRect& rect, float nearest_inverse_depth) const;
+  [[nodiscard]] std::uint32_t count_visible(const PixelRect& rect, float nearest_inverse_depth,
+                                            const Diagonals& diagonals = {}) const;
 
  private:
   struct Level {
@@ -55,8 +77,7 @@ class DepthPyramid {
   [[nodiscard]] const float* row(const Level& level, int y) const noexcept {
     return texels_.data() + level.first + static_cast<std::size_t>(y * level.stride);
   }
-  [[nodiscard]] bool any_visible_at(int level, const PixelRect& rect, float nearest) const;
-  [[nodiscard]] bool any_visible_pixel(const PixelRect& rect, float nearest) const;
+  [[nodiscard]] bool any_visible_at(int level, const PixelRect& rect, const Diagonals& diagonals, float nearest) const;
 
   std::vector<Level> levels_;
   std::vector<float> texels_;

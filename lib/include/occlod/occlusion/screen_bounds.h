@@ -21,4 +21,8 @@ struct ScreenBounds {
 [[nodiscard]] std::optional<ScreenBounds> screen_bounds(const View& view, const ObjectView& object,
                                                         const VisibilityQuery& query);
 
+// The same for the diagonals: with the rectangle they leave an octagon around the outline. Infinite where they cannot
+// be trusted.
+[[nodiscard]] Diagonals screen_diagonals(const View& view, const ObjectView& object, const VisibilityQuery& query);
+
 }  // namespace occlod
