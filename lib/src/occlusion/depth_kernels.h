@@ -4,6 +4,9 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "occlod/occlusion/depth_pyramid.h"
+#include "occlusion/bounds_batch.h"
+
 namespace occlod {
 
 // Rows of every level are padded to a multiple of this many texels, so that vectors need no remainder.
@@ -21,5 +24,10 @@ void reduce_depth(const DepthLevelView& below, const DepthLevelView& level);
 
 // How many of `count` texels are <= limit.
 [[nodiscard]] std::uint32_t count_not_nearer(const float* texels, int count, float limit);
+
+// DepthPyramid::quick_verdict of the rectangles [0, count) of `bounds`. Verdicts are numbers of DepthPyramid::Verdict;
+// those from count on mean nothing. Every rectangle, used or not, begins at no negative pixel.
+void find_quick_verdicts(const DepthPyramid::Levels& levels, const BoundsOutput& bounds, std::size_t count,
+                         PerBound<std::int32_t>& verdicts);
 
 }  // namespace occlod

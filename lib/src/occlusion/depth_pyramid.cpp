@@ -83,6 +83,19 @@ float DepthPyramid::farthest(int level, int x, int y) const noexcept {
   return row(levels_[static_cast<std::size_t>(level)], y)[x];
 }
 
+DepthPyramid::Levels DepthPyramid::levels() const noexcept {
+  Levels table;
+  table.texels = texels_.data();
+  table.top = level_count() - 1;
+  for (std::size_t i = 0; i < levels_.size(); ++i) {
+    table.first[i] = static_cast<std::int32_t>(levels_[i].first);
+    table.stride[i] = static_cast<std::int32_t>(levels_[i].stride);
+    table.last_x[i] = levels_[i].width - 1;
+    table.last_y[i] = levels_[i].height - 1;
+  }
+  return table;
+}
+
 DepthPyramid::Verdict DepthPyramid::quick_verdict(const PixelRect& rect, float nearest_inverse_depth) const noexcept {
   const int index = first_level(rect);
   const Level& level = levels_[static_cast<std::size_t>(index)];

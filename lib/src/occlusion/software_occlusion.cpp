@@ -10,6 +10,7 @@
 #include "occlod/occlusion/screen_bounds.h"
 #include "occlod/raster/item_buffer.h"
 #include "occlusion/bounds_batch.h"
+#include "occlusion/depth_kernels.h"
 
 namespace occlod {
 namespace {
@@ -50,6 +51,7 @@ class SoftwareOcclusion final : public Visibility {
     for (const OccluderPart& part : parts)
       draw_depth(image, part.positions, part.triangles, objects_[part.object].object_to_clip());
     pyramid_.finish();
+    levels_ = pyramid_.levels();
     occluder_drawn_ = true;
   }
 
@@ -118,10 +120,12 @@ class SoftwareOcclusion final : public Visibility {
   // First what a few texels decide, without branches that nobody can predict, then the rest.
   template <class Shape>
   void test_any(const Pending<Shape>& batch) {
+    PerBound<std::int32_t> verdicts;
+    find_quick_verdicts(levels_, found_, batch.size, verdicts);
     PerBound<std::uint8_t> open;
     std::size_t open_count = 0;
     for (std::size_t i = 0; i < batch.size; ++i) {
-      const DepthPyramid::Verdict verdict = pyramid_.quick_verdict(found_rect(i), found_.nearest_inverse_depth[i]);
+      const auto verdict = static_cast<DepthPyramid::Verdict>(verdicts[i]);
       const bool trusted = found_.trusted[i] != 0;
       answers_[batch.answer[i]] = !trusted | (verdict == DepthPyramid::Verdict::visible) ? 1 : 0;
       open[open_count] = static_cast<std::uint8_t>(i);
@@ -172,11 +176,12 @@ class SoftwareOcclusion final : public Visibility {
   std::vector<ObjectView> objects_;
   std::vector<BoundsView> bounds_views_;
   DepthPyramid pyramid_;
+  DepthPyramid::Levels levels_;
   bool occluder_drawn_ = false;
   Pending<Sphere> spheres_;
   Pending<Box> boxes_;
   Pending<Cylinder> cylinders_;
-  BoundsOutput found_;
+  BoundsOutput found_{};
   std::vector<std::uint32_t> answers_;  // since the queue was last empty; those before next_answer_ are collected
   std::size_t next_answer_ = 0;
   std::size_t tested_ = 0;  // answers before this one are known

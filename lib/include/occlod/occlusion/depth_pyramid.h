@@ -2,6 +2,7 @@
 // below.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -62,6 +63,15 @@ class DepthPyramid {
   // The same where a few texels and the pixel in the middle decide it, which is most often; without branches.
   enum class Verdict : std::uint8_t { hidden, visible, unknown };
   [[nodiscard]] Verdict quick_verdict(const PixelRect& rect, float nearest_inverse_depth) const noexcept;
+
+  // The levels as vectors gather them. Images have at most 2^14 pixels a side, so at most 15 levels.
+  struct Levels {
+    static constexpr std::size_t capacity = 16;
+    const float* texels = nullptr;
+    std::int32_t top = 0;                                                      // the last level
+    std::array<std::int32_t, capacity> first{}, stride{}, last_x{}, last_y{};  // texel (x, y) at first + y * stride + x
+  };
+  [[nodiscard]] Levels levels() const noexcept;
   // How many such pixels there are. O(pixels of the rectangle).
   [[nodiscard]] std::uint32_t count_visible(const PixelRect& rect, float nearest_inverse_depth,
                                             const Diagonals& diagonals = {}) const;
