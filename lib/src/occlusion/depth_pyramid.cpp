@@ -121,6 +121,11 @@ bool DepthPyramid::any_visible(const PixelRect& rect, float nearest_inverse_dept
   const Verdict verdict = quick_verdict(rect, nearest_inverse_depth);
   if (verdict == Verdict::hidden) return false;
   if (verdict == Verdict::visible && diagonals.meet(middle_pixel(rect))) return true;
+  // What the middle does not show, the border often does: half of a bound behind an edge of the occluder.
+  const int middle_x = (rect.x0 + rect.x1) / 2, middle_y = (rect.y0 + rect.y1) / 2;
+  for (const int y : {rect.y0, middle_y, rect.y1 - 1})
+    for (const int x : {rect.x0, middle_x, rect.x1 - 1})
+      if (row(levels_[0], y)[x] <= nearest_inverse_depth && diagonals.meet({x, y, x + 1, y + 1})) return true;
   return any_visible_at(first_level(rect), rect, diagonals, nearest_inverse_depth);
 }
 
