@@ -140,11 +140,12 @@ void measure_occluders(const Scene& scene, std::int64_t target, int repeat) {
   for (const Occluder& occluder : scene.occluders) {
     DepthPyramid pyramid;
     DepthImage image;
+    PixelRect drawn;
     const double draw_ms = median_ms(repeat, [&] {
       image = pyramid.begin(scene.view.width(), scene.view.height());
-      draw_depth(image, scene.positions, occluder.triangles, scene.object.object_to_clip());
+      drawn = draw_depth(image, scene.positions, occluder.triangles, scene.object.object_to_clip());
     });
-    const double reduce_ms = median_ms(repeat, [&] { pyramid.finish(); });
+    const double reduce_ms = median_ms(repeat, [&] { pyramid.finish(drawn); });
     Hash hash;
     for (int y = 0; y < image.height; ++y)
       for (int x = 0; x < image.width; ++x) hash.add(std::bit_cast<std::uint32_t>(pyramid.farthest(0, x, y)));

@@ -118,6 +118,37 @@ TEST(SoftwareOcclusion, ANewViewForgetsTheOccluderAndItsQuestions) {
   EXPECT_EQ(scene.ask(hidden), 1U);
 }
 
+// Only what has changed is emptied and reduced again: a backend that has seen other occluders answers as a new one
+// does.
+TEST(SoftwareOcclusion, AnOccluderLeavesNothingBehind) {
+  RandomShapes random(8);
+  std::vector<glm::vec3> storage;
+  const View view = WallScene::view();
+  const std::vector<ObjectView> objects(1, ObjectView(view, glm::dmat4(1.0)));
+  const auto used = make_software_occlusion({.count_pixels = true});
+  used->begin_view(view, objects);
+  std::size_t hidden = 0;
+  for (int n = 0; n < 60; ++n) {
+    // A triangle somewhere, some of them through the near plane, some beside the image, and now and then none at all.
+    std::vector<glm::vec3> positions;
+    for (int k = 0; k < 3; ++k) positions.emplace_back(random.point(n % 3 == 0 ? 12.0 : 3.0) - glm::dvec3(0, 0, 3));
+    const std::vector<Triangle> triangles = n % 7 == 6 ? std::vector<Triangle>{} : std::vector<Triangle>{{0, 1, 2}};
+    const std::vector<OccluderPart> parts = {{0, positions, triangles}};
+    const auto fresh = make_software_occlusion({.count_pixels = true});
+    fresh->begin_view(view, objects);
+    for (Visibility* backend : {used.get(), fresh.get()}) backend->draw_occluder(parts);
+    for (int i = 0; i < 100; ++i) {
+      VisibilityQuery query = random.query(i % 3, 0.5, storage);
+      if (i % 3 == 0) query.shape = Sphere{glm::vec3(random.point(6.0) - glm::dvec3(0, 0, 8)), 0.1F};
+      for (Visibility* backend : {used.get(), fresh.get()}) backend->submit(query);
+      const std::uint32_t answer = used->collect();
+      ASSERT_EQ(answer, fresh->collect()) << n << " " << i;
+      hidden += answer == 0 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(hidden, 100U);
+}
+
 TEST(SoftwareOcclusion, DrawsEachObjectWhereItIs) {
   // The wall of the object's own space, moved behind the sphere and then before it.
   const std::vector<glm::vec3> wall = {{-2, -2, 0}, {2, -2, 0}, {2, 2, 0}, {-2, 2, 0}};

@@ -26,14 +26,14 @@ HWY_INLINE Vec smallest_of_pairs(Vec low, Vec high) {
 #endif
 }
 
-void reduce_level(const DepthLevelView& below, const DepthLevelView& level) {
+void reduce_level(const DepthLevelView& below, const DepthLevelView& level, const PixelRect& changed) {
   const Floats d;
   const int lanes = static_cast<int>(hn::Lanes(d));
-  for (int y = 0; y < level.height; ++y) {
+  for (int y = changed.y0; y < changed.y1; ++y) {
     const float* upper = below.texels + 2 * y * below.stride;
     const float* lower = below.texels + std::min(2 * y + 1, below.height - 1) * below.stride;
     float* out = level.texels + y * level.stride;
-    for (int x = 0; x < level.width; x += lanes) {
+    for (int x = changed.x0 & -lanes; x < changed.x1; x += lanes) {
       const Vec low = hn::Min(hn::LoadU(d, upper + 2 * x), hn::LoadU(d, lower + 2 * x));
       const Vec high = hn::Min(hn::LoadU(d, upper + 2 * x + lanes), hn::LoadU(d, lower + 2 * x + lanes));
       hn::StoreU(smallest_of_pairs(low, high), d, out + x);
@@ -129,8 +129,8 @@ HWY_EXPORT(reduce_level);
 HWY_EXPORT(count_row);
 HWY_EXPORT(quick_verdicts);
 
-void reduce_depth(const DepthLevelView& below, const DepthLevelView& level) {
-  HWY_DYNAMIC_DISPATCH(reduce_level)(below, level);
+void reduce_depth(const DepthLevelView& below, const DepthLevelView& level, const PixelRect& changed) {
+  HWY_DYNAMIC_DISPATCH(reduce_level)(below, level, changed);
 }
 
 std::uint32_t count_not_nearer(const float* texels, int count, float limit) {

@@ -18,9 +18,9 @@ struct DepthLevelView {
   std::ptrdiff_t stride;
 };
 
-// Each texel of `level` becomes the smallest of 2x2 texels of `below`; what lies beyond the last column or row is
-// infinite, and stays so.
-void reduce_depth(const DepthLevelView& below, const DepthLevelView& level);
+// Each texel of `level` in `changed` becomes the smallest of 2x2 texels of `below`; what lies beyond the last column or
+// row is infinite, and stays so.
+void reduce_depth(const DepthLevelView& below, const DepthLevelView& level, const PixelRect& changed);
 
 // How many of `count` texels are <= limit.
 [[nodiscard]] std::uint32_t count_not_nearer(const float* texels, int count, float limit);

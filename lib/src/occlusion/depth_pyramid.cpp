@@ -21,8 +21,6 @@ PixelRect intersection(const PixelRect& a, const PixelRect& b) {
   return {std::max(a.x0, b.x0), std::max(a.y0, b.y0), std::min(a.x1, b.x1), std::min(a.y1, b.y1)};
 }
 
-bool empty(const PixelRect& rect) { return (rect.x0 >= rect.x1) | (rect.y0 >= rect.y1); }
-
 PixelRect middle_pixel(const PixelRect& rect) {
   const int x = (rect.x0 + rect.x1) / 2, y = (rect.y0 + rect.y1) / 2;
   return {x, y, x + 1, y + 1};
@@ -40,19 +38,23 @@ int first_level(const PixelRect& rect) {
 DepthImage DepthPyramid::begin(int width, int height) {
   lay_out(width, height);
   const Level& level = levels_[0];
-  float* texels = texels_.data() + level.first;
-  for (int y = 0; y < height; ++y, texels += level.stride) {
-    std::fill_n(texels, width, 0.0F);
-    std::fill(texels + width, texels + level.stride, infinity);
-  }
-  return {texels_.data() + level.first, width, height, level.stride};
+  float* image = texels_.data() + level.first;
+  for (int y = drawn_.y0; y < drawn_.y1; ++y)
+    std::fill(image + y * level.stride + drawn_.x0, image + y * level.stride + drawn_.x1, 0.0F);
+  return {image, width, height, level.stride};
 }
 
-void DepthPyramid::finish() {
+void DepthPyramid::finish(const PixelRect& drawn) {
+  PixelRect changed = united(drawn_, drawn);
+  drawn_ = drawn;
+  if (changed.empty()) return;
   const auto view = [this](const Level& level) {
     return DepthLevelView{texels_.data() + level.first, level.width, level.height, level.stride};
   };
-  for (std::size_t i = 1; i < levels_.size(); ++i) reduce_depth(view(levels_[i - 1]), view(levels_[i]));
+  for (std::size_t i = 1; i < levels_.size(); ++i) {
+    changed = {changed.x0 / 2, changed.y0 / 2, halved(changed.x1), halved(changed.y1)};
+    reduce_depth(view(levels_[i - 1]), view(levels_[i]), changed);
+  }
 }
 
 void DepthPyramid::build(const DepthBuffer& depth) {
@@ -60,12 +62,13 @@ void DepthPyramid::build(const DepthBuffer& depth) {
   for (int y = 0; y < depth.height; ++y)
     std::copy_n(depth.inverse_depth.begin() + static_cast<std::ptrdiff_t>(y) * depth.width, depth.width,
                 image.inverse_depth + y * image.stride);
-  finish();
+  finish({0, 0, depth.width, depth.height});
 }
 
 void DepthPyramid::lay_out(int width, int height) {
   assert(width >= 1 && height >= 1);
   if (!levels_.empty() && levels_[0].width == width && levels_[0].height == height) return;
+  drawn_ = {};
   levels_.clear();
   std::size_t size = 0;
   for (;; width = halved(width), height = halved(height)) {
@@ -75,8 +78,10 @@ void DepthPyramid::lay_out(int width, int height) {
     size += static_cast<std::size_t>(stride) * static_cast<std::size_t>(height);
     if (width == 1 && height == 1) break;
   }
-  // Infinite for good where a level has padding that no reduction writes.
   texels_.assign(size, infinity);
+  for (const Level& level : levels_)
+    for (int y = 0; y < level.height; ++y)
+      std::fill_n(texels_.data() + level.first + static_cast<std::size_t>(y * level.stride), level.width, 0.0F);
 }
 
 float DepthPyramid::farthest(int level, int x, int y) const noexcept {
@@ -111,13 +116,13 @@ DepthPyramid::Verdict DepthPyramid::quick_verdict(const PixelRect& rect, float n
   const Level& image = levels_[0];
   const float middle = row(
       image, std::min((rect.y0 + rect.y1) / 2, image.height - 1))[std::min((rect.x0 + rect.x1) / 2, image.width - 1)];
-  const bool hidden = empty(rect) | (farthest > nearest_inverse_depth);
+  const bool hidden = rect.empty() | (farthest > nearest_inverse_depth);
   const Verdict otherwise = middle <= nearest_inverse_depth ? Verdict::visible : Verdict::unknown;
   return hidden ? Verdict::hidden : otherwise;
 }
 
 bool DepthPyramid::any_visible(const PixelRect& rect, float nearest_inverse_depth, const Diagonals& diagonals) const {
-  assert(empty(rect) || (rect.x0 >= 0 && rect.y0 >= 0 && rect.x1 <= width() && rect.y1 <= height()));
+  assert(rect.empty() || (rect.x0 >= 0 && rect.y0 >= 0 && rect.x1 <= width() && rect.y1 <= height()));
   const Verdict verdict = quick_verdict(rect, nearest_inverse_depth);
   if (verdict == Verdict::hidden) return false;
   if (verdict == Verdict::visible && diagonals.meet(middle_pixel(rect))) return true;

@@ -48,9 +48,10 @@ class SoftwareOcclusion final : public Visibility {
   void draw_occluder(std::span<const OccluderPart> parts) override {
     assert(view_ && next_answer_ == answers_.size());
     const DepthImage image = pyramid_.begin(view_->width(), view_->height());
+    PixelRect drawn;
     for (const OccluderPart& part : parts)
-      draw_depth(image, part.positions, part.triangles, objects_[part.object].object_to_clip());
-    pyramid_.finish();
+      drawn = united(drawn, draw_depth(image, part.positions, part.triangles, objects_[part.object].object_to_clip()));
+    pyramid_.finish(drawn);
     levels_ = pyramid_.levels();
     occluder_drawn_ = true;
   }

@@ -48,7 +48,7 @@ namespace occlod::raster::HWY_NAMESPACE {
 #if HWY_TARGET == HWY_SCALAR
 
 // One pixel to a vector: rows are faster.
-bool draw_batch(const TriangleBatch&, const DepthImage&) { return false; }
+bool draw_batch(const TriangleBatch&, const DepthImage&, PixelRect&) { return false; }
 
 #else
 
@@ -148,7 +148,8 @@ HWY_INLINE BoxLanes pixel_box(const CornerLanes& a, const CornerLanes& b, const 
 // `small` where the triangle's extent, inside the image or not, is that of a small one.
 HWY_INLINE IntVec extent(IntVec a, IntVec b, IntVec c) { return hn::Sub(largest_of(a, b, c), smallest_of(a, b, c)); }
 
-HWY_INLINE void set_up_lanes(const TriangleBatch& batch, std::size_t i, const DepthImage& target, SetupBatch& setup) {
+HWY_INLINE void set_up_lanes(const TriangleBatch& batch, std::size_t i, const DepthImage& target, SetupBatch& setup,
+                             BoxLanes& around) {
   const Ints d;
   const CornerLanes a = load_corner(batch, 0, i), b = load_corner(batch, 1, i), c = load_corner(batch, 2, i);
   const BoxLanes box = pixel_box(a, b, c, target);
@@ -181,6 +182,16 @@ HWY_INLINE void set_up_lanes(const TriangleBatch& batch, std::size_t i, const De
   const IntVec kind =
       hn::IfThenElse(large, hn::Set(d, std::int32_t{large_triangle}), hn::Set(d, std::int32_t{small_triangle}));
   hn::StoreU(hn::IfThenElseZero(covers, kind), d, setup.kind.data() + i);
+  around.first_column = hn::IfThenElse(covers, hn::Min(around.first_column, box.first_column), around.first_column);
+  around.end_column = hn::IfThenElse(covers, hn::Max(around.end_column, box.end_column), around.end_column);
+  around.first_row = hn::IfThenElse(covers, hn::Min(around.first_row, box.first_row), around.first_row);
+  around.end_row = hn::IfThenElse(covers, hn::Max(around.end_row, box.end_row), around.end_row);
+}
+
+HWY_INLINE PixelRect reduced(const BoxLanes& box) {
+  const Ints d;
+  return {hn::GetLane(hn::MinOfLanes(d, box.first_column)), hn::GetLane(hn::MinOfLanes(d, box.first_row)),
+          hn::GetLane(hn::MaxOfLanes(d, box.end_column)), hn::GetLane(hn::MaxOfLanes(d, box.end_row))};
 }
 
 // ---- Filling: a pixel to a lane.
@@ -289,10 +300,12 @@ HWY_INLINE void draw_large(const TriangleBatch& batch, std::size_t i, const Dept
   });
 }
 
-bool draw_batch(const TriangleBatch& batch, const DepthImage& target) {
+bool draw_batch(const TriangleBatch& batch, const DepthImage& target, PixelRect& drawn) {
   if (target.width < block) return false;
   SetupBatch setup;
-  for (std::size_t i = 0; i < batch.size; i += hn::Lanes(Doubles())) set_up_lanes(batch, i, target, setup);
+  BoxLanes around = {hn::Set(Ints(), target.width), hn::Zero(Ints()), hn::Set(Ints(), target.height), hn::Zero(Ints())};
+  for (std::size_t i = 0; i < batch.size; i += hn::Lanes(Doubles())) set_up_lanes(batch, i, target, setup, around);
+  drawn = united(drawn, reduced(around));
   for (std::size_t i = 0; i < batch.size; ++i) {
     if (setup.kind[i] == small_triangle) {
       draw_small(setup, i, target);
@@ -313,8 +326,8 @@ namespace occlod::raster {
 
 HWY_EXPORT(draw_batch);
 
-bool draw_depth_batch(const TriangleBatch& batch, const DepthImage& target) {
-  return HWY_DYNAMIC_DISPATCH(draw_batch)(batch, target);
+bool draw_depth_batch(const TriangleBatch& batch, const DepthImage& target, PixelRect& drawn) {
+  return HWY_DYNAMIC_DISPATCH(draw_batch)(batch, target, drawn);
 }
 
 }  // namespace occlod::raster

@@ -10,7 +10,7 @@ namespace occlod::raster {
 
 // Draws the triangles of the batch that are drawable at all corners; the others are left to the caller. The same bits
 // with every instruction set, and those of scan() and DepthRow. False, and nothing drawn, where the image is narrower
-// than a block of pixels or the machine has no vectors.
-bool draw_depth_batch(const TriangleBatch& batch, const DepthImage& target);
+// than a block of pixels or the machine has no vectors. `drawn` grows around every pixel drawn.
+bool draw_depth_batch(const TriangleBatch& batch, const DepthImage& target, PixelRect& drawn);
 
 }  // namespace occlod::raster

@@ -36,11 +36,13 @@ inline void for_each_depth(const TriangleSetup& triangle, std::int32_t row, std:
 // Where spans are written to.
 struct DepthWriter {
   DepthImage image;
+  PixelRect* drawn;  // grows
 
   // True when it has drawn all that is drawable without clipping.
-  bool draw_batch(const TriangleBatch& batch) const { return raster::draw_depth_batch(batch, image); }
+  bool draw_batch(const TriangleBatch& batch) const { return raster::draw_depth_batch(batch, image, *drawn); }
 
   void draw(const TriangleSetup& triangle, std::uint32_t) const {
+    *drawn = united(*drawn, {triangle.first_column, triangle.first_row, triangle.end_column, triangle.end_row});
     raster::scan(triangle, image.width, [&](std::int32_t row, std::int32_t begin, std::int32_t end) {
       float* depth = image.inverse_depth + row * image.stride + begin;
       for_each_depth(triangle, row, begin, end,
@@ -141,9 +143,11 @@ void draw_depth(DepthBuffer& target, std::span<const glm::vec3> positions, std::
              object_to_clip);
 }
 
-void draw_depth(const DepthImage& target, std::span<const glm::vec3> positions, std::span<const Triangle> triangles,
-                const glm::mat4& object_to_clip) {
-  Rasterizer(object_to_clip, target.width, target.height, DepthWriter{target}).draw(positions, triangles, 0);
+PixelRect draw_depth(const DepthImage& target, std::span<const glm::vec3> positions,
+                     std::span<const Triangle> triangles, const glm::mat4& object_to_clip) {
+  PixelRect drawn;
+  Rasterizer(object_to_clip, target.width, target.height, DepthWriter{target, &drawn}).draw(positions, triangles, 0);
+  return drawn;
 }
 
 void draw_items(ItemBuffer& target, std::span<const glm::vec3> positions, std::span<const Triangle> triangles,

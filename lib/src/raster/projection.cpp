@@ -96,8 +96,10 @@ void Projection::project(std::span<const glm::vec3> positions, std::span<const T
   assert(triangles.size() <= batch_triangles);
   batch.size = triangles.size();
   for (std::size_t corner = 0; corner < 3; ++corner) {
-    for (std::size_t i = 0; i < triangles.size(); ++i) {
-      const glm::vec3& p = positions[triangles[i][static_cast<int>(corner)]];
+    for (std::size_t i = 0; i < batch_triangles; ++i) {
+      // Lanes beyond the last triangle hold a point three times, which covers nothing.
+      const glm::vec3& p =
+          i < triangles.size() ? positions[triangles[i][static_cast<int>(corner)]] : positions[triangles[0][0]];
       batch.object_x[corner][i] = p.x;
       batch.object_y[corner][i] = p.y;
       batch.object_z[corner][i] = p.z;

@@ -77,7 +77,7 @@ struct TriangleSetup {
   ScreenVertex top, middle, bottom;
   std::int32_t first_row, middle_row, end_row;  // [first, middle) and [middle, end), inside the image
   bool middle_is_right;                         // of the long edge from top to bottom
-  std::int32_t first_column;                    // in the image
+  std::int32_t first_column, end_column;        // of the box, inside the image
   bool small;                                   // at most depth_reach pixels in both directions
   DepthPlane depth;
 
@@ -121,6 +121,7 @@ inline DepthPlane depth_plane(const ScreenVertex& a, const ScreenVertex& b, cons
   const std::int32_t end_column = std::min(first_pixel(std::max({a.x, b.x, c.x})), width);
   if (first_column >= end_column) return false;
   setup.first_column = first_column;
+  setup.end_column = end_column;
   setup.depth = depth_plane(a, b, c, twice_area(a, b, c));
   if (a.y > b.y) std::swap(a, b);
   if (b.y > c.y) std::swap(b, c);

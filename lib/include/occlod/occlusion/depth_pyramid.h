@@ -12,14 +12,6 @@
 
 namespace occlod {
 
-// Pixels [x0, x1) x [y0, y1).
-struct PixelRect {
-  int x0 = 0;
-  int y0 = 0;
-  int x1 = 0;
-  int y1 = 0;
-};
-
 // Cuts off the corners of a rectangle: x + y and x - y of the points that are left, in pixels; y down.
 struct Diagonals {
   double sum_low = -std::numeric_limits<double>::infinity();
@@ -44,8 +36,9 @@ class DepthPyramid {
   // Lays out levels for an image of at least one pixel and empties level 0, which the caller then draws into. Odd sizes
   // round up. The image is valid until the next begin(). Reuses its memory.
   [[nodiscard]] DepthImage begin(int width, int height);
-  // Reduces level 0 until one texel is left. O(pixels). Everything below needs it.
-  void finish();
+  // Reduces level 0 until one texel is left, where it has changed. drawn: holds every pixel that is not empty.
+  // Everything below needs it. O(pixels drawn now or before).
+  void finish(const PixelRect& drawn);
   // Both, with a copy of `depth` as level 0.
   void build(const DepthBuffer& depth);
 
@@ -89,6 +82,8 @@ class DepthPyramid {
   }
   [[nodiscard]] bool any_visible_at(int level, const PixelRect& rect, const Diagonals& diagonals, float nearest) const;
 
+  // All levels are empty outside of it.
+  PixelRect drawn_;
   std::vector<Level> levels_;
   std::vector<float> texels_;
 };

@@ -34,6 +34,23 @@ struct DepthImage {
   std::ptrdiff_t stride = 0;  // >= width
 };
 
+// Pixels [x0, x1) x [y0, y1).
+struct PixelRect {
+  int x0 = 0;
+  int y0 = 0;
+  int x1 = 0;
+  int y1 = 0;
+
+  [[nodiscard]] bool empty() const noexcept { return (x0 >= x1) | (y0 >= y1); }
+};
+
+// The smallest rectangle around both; an empty one adds nothing.
+[[nodiscard]] constexpr PixelRect united(const PixelRect& a, const PixelRect& b) noexcept {
+  if (a.x0 >= a.x1 || a.y0 >= a.y1) return b;
+  if (b.x0 >= b.x1 || b.y0 >= b.y1) return a;
+  return {a.x0 < b.x0 ? a.x0 : b.x0, a.y0 < b.y0 ? a.y0 : b.y0, a.x1 > b.x1 ? a.x1 : b.x1, a.y1 > b.y1 ? a.y1 : b.y1};
+}
+
 inline constexpr std::uint32_t no_item = no_id;
 
 // Depth, and which triangle owns each pixel.
@@ -49,8 +66,9 @@ struct ItemBuffer {
 // pixels covered).
 void draw_depth(DepthBuffer& target, std::span<const glm::vec3> positions, std::span<const Triangle> triangles,
                 const glm::mat4& object_to_clip);
-void draw_depth(const DepthImage& target, std::span<const glm::vec3> positions, std::span<const Triangle> triangles,
-                const glm::mat4& object_to_clip);
+// Returns a rectangle that holds every pixel drawn.
+PixelRect draw_depth(const DepthImage& target, std::span<const glm::vec3> positions,
+                     std::span<const Triangle> triangles, const glm::mat4& object_to_clip);
 
 // The same, and triangle i of the call owns its pixels as item first_item + i.
 void draw_items(ItemBuffer& target, std::span<const glm::vec3> positions, std::span<const Triangle> triangles,
