@@ -92,6 +92,43 @@ TEST(DepthPyramid, AnswersAsALoopOverThePixels) {
   EXPECT_GT(hidden, 5000U);
 }
 
+// With diagonals: a loop over the pixels that they meet.
+TEST(DepthPyramid, AnswersAsALoopOverThePixelsOfAnOctagon) {
+  std::mt19937 random(3);
+  std::uniform_int_distribution<int> level(0, 6);
+  std::size_t visible = 0, hidden = 0;
+  for (int round = 0; round < 20; ++round) {
+    for (const auto& [width, height] : sizes) {
+      const DepthBuffer depth = random_depth(random, width, height);
+      DepthPyramid pyramid;
+      pyramid.build(depth);
+      for (int n = 0; n < 200; ++n) {
+        std::uniform_int_distribution<int> x(0, width), y(0, height);
+        const auto [x0, x1] = std::minmax({x(random), x(random)});
+        const auto [y0, y1] = std::minmax({y(random), y(random)});
+        // Through the middle of the rectangle, half a band wide; on quarters, where pixels just meet or just do not.
+        std::uniform_int_distribution<int> half_band(0, 4 * std::max({x1 - x0, y1 - y0, 1}));
+        const double sum = 0.5 * (x0 + x1 + y0 + y1), difference = 0.5 * (x0 + x1 - y0 - y1);
+        const Diagonals diagonals = {sum - 0.25 * half_band(random), sum + 0.25 * half_band(random),
+                                     difference - 0.25 * half_band(random), difference + 0.25 * half_band(random)};
+        const float nearest = 0.125F * static_cast<float>(level(random));
+        std::uint32_t expected = 0;
+        for (int j = y0; j < y1; ++j)
+          for (int i = x0; i < x1; ++i) {
+            const bool meets = i + j + 2 >= diagonals.sum_low && i + j <= diagonals.sum_high &&
+                               i + 1 - j >= diagonals.difference_low && i - j - 1 <= diagonals.difference_high;
+            expected += meets ? count_by_pixels(depth, {i, j, i + 1, j + 1}, nearest) : 0U;
+          }
+        ASSERT_EQ(pyramid.count_visible({x0, y0, x1, y1}, nearest, diagonals), expected);
+        ASSERT_EQ(pyramid.any_visible({x0, y0, x1, y1}, nearest, diagonals), expected > 0);
+        (expected > 0 ? visible : hidden) += x0 < x1 && y0 < y1 ? 1 : 0;
+      }
+    }
+  }
+  EXPECT_GT(visible, 3000U);
+  EXPECT_GT(hidden, 3000U);
+}
+
 // One visible pixel anywhere in a large hidden rectangle is found, one beside it is not.
 TEST(DepthPyramid, FindsOnePixel) {
   DepthBuffer depth;

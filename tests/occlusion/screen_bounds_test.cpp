@@ -45,6 +45,39 @@ TEST(ScreenBounds, ContainManySamplesOfEveryShape) {
   }
 }
 
+TEST(ScreenBounds, DiagonalsContainManySamplesAndFewMore) {
+  RandomShapes random(5);
+  std::vector<glm::vec3> storage;
+  int checked = 0;
+  for (int n = 0; n < 2000; ++n) {
+    const View view = random.view();
+    const glm::dmat4 placement = random.placement();
+    const VisibilityQuery query = random.query(n % 4, random.in(0.01, 2.0), storage);
+    const ObjectView object(view, placement);
+    if (!screen_bounds(view, object, query)) continue;
+    const Diagonals diagonals = screen_diagonals(view, object, query);
+    double sum_low = 1e9, sum_high = -1e9, difference_low = 1e9, difference_high = -1e9;
+    for (int i = 0; i < 1000; ++i) {
+      const std::optional<Projected> p = project(view, placement, random.sample(query));
+      ASSERT_TRUE(p);
+      sum_low = std::min(sum_low, p->x + p->y), sum_high = std::max(sum_high, p->x + p->y);
+      difference_low = std::min(difference_low, p->x - p->y), difference_high = std::max(difference_high, p->x - p->y);
+    }
+    ASSERT_GE(sum_low, diagonals.sum_low);
+    ASSERT_LE(sum_high, diagonals.sum_high);
+    ASSERT_GE(difference_low, diagonals.difference_low);
+    ASSERT_LE(difference_high, diagonals.difference_high);
+    // 1000 samples leave a cap of a few percent unseen.
+    const double gap = 0.1 * std::max(sum_high - sum_low, difference_high - difference_low) + 0.1;
+    ASSERT_LE(sum_low - diagonals.sum_low, gap);
+    ASSERT_LE(diagonals.sum_high - sum_high, gap);
+    ASSERT_LE(difference_low - diagonals.difference_low, gap);
+    ASSERT_LE(diagonals.difference_high - difference_high, gap);
+    ++checked;
+  }
+  EXPECT_GT(checked, 200);
+}
+
 // The outline of a round shape is its own, not that of a box around it: the rectangle is at most 1 + 2 / 256 pixels and
 // the gap between samples larger than the range of the samples.
 TEST(ScreenBounds, AreTight) {

@@ -8,6 +8,7 @@
 
 #include "occlod/raster/item_buffer.h"
 #include "occlusion/random_shapes.h"
+#include "support/ray_oracle.h"
 
 namespace occlod {
 namespace {
@@ -68,6 +69,18 @@ TEST(SoftwareOcclusion, ASmallSphereAndAWall) {
   EXPECT_EQ(scene.ask({0, Sphere{{0, 0, 0}, 0.1F}}), 1U);            // the eye inside
   EXPECT_EQ(scene.ask({0, Sphere{{0, 0, -2}, 1.7F}}), 1U);           // crosses the near plane
   EXPECT_EQ(scene.ask({0, Sphere{{0, 0, 5}, 1.0F}}), 1U);            // behind the eye: not ours to decide
+}
+
+// The occluder must be strictly nearer: what touches it is visible, whatever its shape.
+TEST(SoftwareOcclusion, WhatTouchesTheOccluderIsVisible) {
+  WallScene scene(2.0F);
+  const std::vector<glm::vec3> on_the_wall = {{0.1F, 0.1F, -5}, {0.3F, 0.1F, -5}, {0.2F, 0.2F, -6}};
+  EXPECT_EQ(scene.ask({0, Box{{-0.5F, -0.5F, -6}, {0.5F, 0.5F, -5}}}), 1U);
+  EXPECT_EQ(scene.ask({0, Box{{-0.5F, -0.5F, -6}, {0.5F, 0.5F, -5.001F}}}), 0U);
+  EXPECT_EQ(scene.ask({0, Sphere{{0, 0, -5.5F}, 0.5F}}), 1U);
+  EXPECT_EQ(scene.ask({0, Cylinder{{0, 0, -5.5F}, 0.5F, {0, 1, 0}, -0.5F, 0.5F}}), 1U);
+  EXPECT_EQ(scene.ask({0, Cylinder{{0, 0, -5.5F}, 0.2F, {0, 0, 1}, -0.5F, 0.5F}}), 1U);
+  EXPECT_EQ(scene.ask({0, PointHull{on_the_wall}}), 1U);
 }
 
 TEST(SoftwareOcclusion, WhatIsLargerThanTheScreen) {
@@ -212,6 +225,45 @@ TEST(SoftwareOcclusion, NothingInFrontIsEverHidden) {
   }
   EXPECT_GT(hidden, 200);
   EXPECT_GT(visible, 200);
+}
+
+// The slow oracle: a ray through each pixel centre. What it sees is never hidden; and of what it does not see, most is
+// found (bounds are large here and occluders small triangles, so that borders cost more than on real meshes).
+TEST(SoftwareOcclusion, NeverHidesWhatRaysSee) {
+  RandomShapes random(9);
+  std::vector<glm::vec3> storage;
+  int hidden = 0, found = 0, seen = 0;
+  for (int n = 0; n < 60; ++n) {
+    const View view = random.view();
+    const std::vector<ObjectView> objects = {ObjectView(view, random.placement()),
+                                             ObjectView(view, random.placement())};
+    std::vector<glm::vec3> positions;
+    std::vector<Triangle> triangles;
+    for (std::uint32_t i = 0; i < 12; ++i) {
+      for (int k = 0; k < 3; ++k) positions.emplace_back(random.point(4.0));
+      triangles.emplace_back(3 * i, 3 * i + 1, 3 * i + 2);
+    }
+    const auto backend = make_software_occlusion();
+    backend->begin_view(view, objects);
+    const std::vector<OccluderPart> parts = {{1, positions, triangles}};
+    backend->draw_occluder(parts);
+    DepthBuffer occluder;
+    occluder.reset(view.width(), view.height());
+    draw_depth(occluder, positions, triangles, objects[1].object_to_clip());
+    for (int q = 0; q < 90; ++q) {
+      const VisibilityQuery query = random.query(q % 3, 0.3, storage);
+      const bench::RayVerdict rays = bench::cast_rays(view, objects[0], query, occluder);
+      backend->submit(query);
+      const bool says_hidden = backend->collect() == 0;
+      ASSERT_FALSE(rays.visible > 0 && says_hidden) << n << " " << q;
+      seen += rays.visible > 0 ? 1 : 0;
+      hidden += rays.covered > 0 && rays.visible == 0 ? 1 : 0;
+      found += rays.covered > 0 && says_hidden ? 1 : 0;
+    }
+  }
+  EXPECT_GT(seen, 200);
+  EXPECT_GT(hidden, 100);
+  EXPECT_GT(found * 10, hidden * 7);
 }
 
 }  // namespace

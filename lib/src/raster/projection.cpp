@@ -93,7 +93,7 @@ Projection::Projection(const glm::mat4& object_to_clip, int width, int height)
 
 void Projection::project(std::span<const glm::vec3> positions, std::span<const Triangle> triangles,
                          TriangleBatch& batch) const {
-  assert(triangles.size() <= batch_triangles);
+  assert(!triangles.empty() && triangles.size() <= batch_triangles);
   batch.size = triangles.size();
   for (std::size_t corner = 0; corner < 3; ++corner) {
     for (std::size_t i = 0; i < batch_triangles; ++i) {

@@ -58,7 +58,7 @@ class Projection {
  public:
   Projection(const glm::mat4& object_to_clip, int width, int height);
 
-  // Fills the batch with at most batch_triangles triangles. The same bits with every instruction set.
+  // Fills the batch with one to batch_triangles triangles. The same bits with every instruction set.
   void project(std::span<const glm::vec3> positions, std::span<const Triangle> triangles, TriangleBatch& batch) const;
   // The same arithmetic for one corner that is before the near plane and inside the guard band.
   [[nodiscard]] ScreenVertex snap(const glm::dvec4& clip) const noexcept;
