@@ -32,4 +32,7 @@ build/bench/bench/bench_refine --folder "$out/planets" | tee "$out/refine.md"
 echo "bench_locality" >&2
 build/bench/bench/bench_locality | tee "$out/locality.md"
 
+echo "bench_software_occlusion" >&2
+build/bench/bench/bench_software_occlusion | tee "$out/software_occlusion.txt"
+
 echo "Results: $PWD/$out"
