@@ -105,6 +105,13 @@ Scene random_scene(RandomShapes& random) {
     query.object = random.in(0.0, 1.0) < 0.5 ? 0U : 1U;
     scene.queries.push_back(query);
   }
+  std::vector<Sphere> spheres;
+  std::vector<Box> boxes;
+  std::vector<Cylinder> cylinders;
+  add_adversaries(spheres, boxes, cylinders);
+  for (const Sphere& sphere : spheres) scene.queries.push_back({0, sphere});
+  for (const Box& box : boxes) scene.queries.push_back({1, box});
+  for (const Cylinder& cylinder : cylinders) scene.queries.push_back({0, cylinder});
   return scene;
 }
 

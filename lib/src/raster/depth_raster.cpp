@@ -145,7 +145,7 @@ HWY_INLINE BoxLanes pixel_box(const CornerLanes& a, const CornerLanes& b, const 
           hn::Min(first_pixel_lanes(largest_of(a.y, b.y, c.y)), hn::Set(d, target.height))};
 }
 
-// `small` where the triangle's extent, inside the image or not, is that of a small one.
+// Of the triangle along one axis, whether inside the image or not.
 HWY_INLINE IntVec extent(IntVec a, IntVec b, IntVec c) { return hn::Sub(largest_of(a, b, c), smallest_of(a, b, c)); }
 
 HWY_INLINE void set_up_lanes(const TriangleBatch& batch, std::size_t i, const DepthImage& target, SetupBatch& setup,
