@@ -91,7 +91,7 @@ TEST(Proxies, ContainThePixelCentresOfEveryPointAtItsOwnDepth) {
       const VisibilityQuery query = random_bound(shape, glm::vec3(0.0F), std::exp(uniform(random, -7, 0)), random);
       const auto placement = place(query);
       ASSERT_TRUE(placement);
-      const Placement proxy = grown(*placement, space);
+      const Placement proxy = grown(*placement, screen, space);
       const glm::dmat4 clip_to_object = glm::inverse(space.object_to_clip);
       for (int k = 0; k < 50; ++k) {
         const glm::dvec4 clip = space.object_to_clip * glm::dvec4(random_point(query, random), 1.0);
@@ -115,7 +115,7 @@ TEST(Proxies, GrowByThreeQuartersOfAPixel) {
   for (const double scale : {1.0, 4.0}) {
     const ObjectView object(view,
                             glm::scale(glm::rotate(glm::dmat4(1.0), 0.7, glm::dvec3(1, 2, 3)), glm::dvec3(scale)));
-    const Placement proxy = grown(*place({0, Sphere{{0, 0, 0}, 0.0F}}), ProxySpace(Screen(view), object));
+    const Placement proxy = grown(*place({0, Sphere{{0, 0, 0}, 0.0F}}), Screen(view), ProxySpace(Screen(view), object));
     EXPECT_NEAR(proxy.half.x, 0.75 * pixel_at_wall / scale, 1e-6);
   }
 }
@@ -124,7 +124,8 @@ TEST(Proxies, GrowByThreeQuartersOfAPixel) {
 TEST(Proxies, GrowBoxesAlongEachAxisByItsOwnScale) {
   const View view = test_view();
   const ObjectView object(view, glm::scale(glm::dmat4(1.0), glm::dvec3(1.0, 1.0, 0.01)));
-  const Placement proxy = grown(*place({0, Box{{-0.1F, -0.1F, 0}, {0.1F, 0.1F, 0}}}), ProxySpace(Screen(view), object));
+  const Placement proxy =
+      grown(*place({0, Box{{-0.1F, -0.1F, 0}, {0.1F, 0.1F, 0}}}), Screen(view), ProxySpace(Screen(view), object));
   EXPECT_NEAR(proxy.half.x, 0.1 + 0.75 * pixel_at_wall, 1e-6);
   EXPECT_NEAR(proxy.half.z, 75.0 * pixel_at_wall, 1e-4);
 }

@@ -24,15 +24,15 @@ const char* error_name(GLenum code) {
   }
 }
 
-void require_version(const Functions& gl, const std::string& subject) {
+int version_of(const Functions& gl) {
   GLint major = 0;
   GLint minor = 0;
   gl.GetIntegerv(GL_MAJOR_VERSION, &major);
   gl.GetIntegerv(GL_MINOR_VERSION, &minor);
-  if (major > 3 || (major == 3 && minor >= 3)) return;
-  throw Error({subject, "", "offers OpenGL " + std::to_string(major) + "." + std::to_string(minor) + " only",
-               "install a driver with OpenGL 3.3 core, or use the software backend"});
+  return 10 * major + minor;
 }
+
+std::string dotted(int version) { return std::to_string(version / 10) + "." + std::to_string(version % 10); }
 
 #ifndef NDEBUG
 void APIENTRY keep_message(GLenum, GLenum type, GLuint, GLenum, GLsizei, const GLchar* message, const void* user) {
@@ -67,11 +67,23 @@ Functions load_functions(GetProc get_proc, const std::string& subject) {
                  "install a driver with OpenGL 3.3 core, or use the software backend"});
   OCCLOD_GL_FUNCTIONS(OCCLOD_GL_LOAD)
 #undef OCCLOD_GL_LOAD
-  require_version(gl, subject);
+#define OCCLOD_GL_LOAD_NEWER(TYPE, name) gl.name = reinterpret_cast<PFNGL##TYPE##PROC>(get_proc("gl" #name));
+  OCCLOD_GL_NEWER_FUNCTIONS(OCCLOD_GL_LOAD_NEWER)
+#undef OCCLOD_GL_LOAD_NEWER
+  gl.version = version_of(gl);
+  if (gl.version < 33)
+    throw Error({subject, "", "offers OpenGL " + dotted(gl.version) + " only",
+                 "install a driver with OpenGL 3.3 core, or use the software backend"});
 #ifndef NDEBUG
   listen_to_driver(gl, get_proc);
 #endif
   return gl;
+}
+
+void require_version(const Functions& gl, int version, const char* user) {
+  if (gl.version >= version) return;
+  throw Error({user, "", "needs OpenGL " + dotted(version) + ", and this context offers " + dotted(gl.version),
+               "use a newer driver, gl-query with its default target (OpenGL 3.3), or the software backend"});
 }
 
 void check(const Functions& gl, const char* where) {

@@ -11,16 +11,22 @@ namespace occlod::gl {
 
 // X(the middle of the PFNGL...PROC type, the name without "gl")
 #define OCCLOD_GL_FUNCTIONS(X)                        \
+  X(ACTIVETEXTURE, ActiveTexture)                     \
   X(ATTACHSHADER, AttachShader)                       \
   X(BEGINQUERY, BeginQuery)                           \
   X(BINDBUFFER, BindBuffer)                           \
+  X(BINDBUFFERBASE, BindBufferBase)                   \
   X(BINDFRAMEBUFFER, BindFramebuffer)                 \
-  X(BINDRENDERBUFFER, BindRenderbuffer)               \
+  X(BINDTEXTURE, BindTexture)                         \
   X(BINDVERTEXARRAY, BindVertexArray)                 \
+  X(BLENDEQUATION, BlendEquation)                     \
   X(BUFFERDATA, BufferData)                           \
+  X(BUFFERSUBDATA, BufferSubData)                     \
   X(CHECKFRAMEBUFFERSTATUS, CheckFramebufferStatus)   \
   X(CLEAR, Clear)                                     \
+  X(CLEARBUFFERFV, ClearBufferfv)                     \
   X(CLEARDEPTH, ClearDepth)                           \
+  X(CLIENTWAITSYNC, ClientWaitSync)                   \
   X(COMPILESHADER, CompileShader)                     \
   X(CREATEPROGRAM, CreateProgram)                     \
   X(CREATESHADER, CreateShader)                       \
@@ -29,26 +35,30 @@ namespace occlod::gl {
   X(DELETEFRAMEBUFFERS, DeleteFramebuffers)           \
   X(DELETEPROGRAM, DeleteProgram)                     \
   X(DELETEQUERIES, DeleteQueries)                     \
-  X(DELETERENDERBUFFERS, DeleteRenderbuffers)         \
   X(DELETESHADER, DeleteShader)                       \
+  X(DELETESYNC, DeleteSync)                           \
+  X(DELETETEXTURES, DeleteTextures)                   \
   X(DELETEVERTEXARRAYS, DeleteVertexArrays)           \
   X(DEPTHFUNC, DepthFunc)                             \
   X(DEPTHMASK, DepthMask)                             \
   X(DEPTHRANGE, DepthRange)                           \
   X(DISABLE, Disable)                                 \
+  X(DRAWARRAYS, DrawArrays)                           \
   X(DRAWBUFFER, DrawBuffer)                           \
   X(DRAWELEMENTS, DrawElements)                       \
   X(ENABLE, Enable)                                   \
   X(ENABLEVERTEXATTRIBARRAY, EnableVertexAttribArray) \
   X(ENDQUERY, EndQuery)                               \
+  X(FENCESYNC, FenceSync)                             \
   X(FLUSH, Flush)                                     \
-  X(FRAMEBUFFERRENDERBUFFER, FramebufferRenderbuffer) \
+  X(FRAMEBUFFERTEXTURE2D, FramebufferTexture2D)       \
   X(FRONTFACE, FrontFace)                             \
   X(GENBUFFERS, GenBuffers)                           \
   X(GENFRAMEBUFFERS, GenFramebuffers)                 \
   X(GENQUERIES, GenQueries)                           \
-  X(GENRENDERBUFFERS, GenRenderbuffers)               \
+  X(GENTEXTURES, GenTextures)                         \
   X(GENVERTEXARRAYS, GenVertexArrays)                 \
+  X(GETBUFFERSUBDATA, GetBufferSubData)               \
   X(GETERROR, GetError)                               \
   X(GETINTEGERV, GetIntegerv)                         \
   X(GETPROGRAMINFOLOG, GetProgramInfoLog)             \
@@ -60,19 +70,36 @@ namespace occlod::gl {
   X(GETSTRINGI, GetStringi)                           \
   X(GETUNIFORMLOCATION, GetUniformLocation)           \
   X(LINKPROGRAM, LinkProgram)                         \
+  X(PIXELSTOREI, PixelStorei)                         \
   X(POLYGONOFFSET, PolygonOffset)                     \
   X(READBUFFER, ReadBuffer)                           \
-  X(RENDERBUFFERSTORAGE, RenderbufferStorage)         \
+  X(READPIXELS, ReadPixels)                           \
   X(SHADERSOURCE, ShaderSource)                       \
+  X(TEXIMAGE2D, TexImage2D)                           \
+  X(TEXPARAMETERI, TexParameteri)                     \
+  X(UNIFORM1I, Uniform1i)                             \
+  X(UNIFORM1UI, Uniform1ui)                           \
+  X(UNIFORM2IV, Uniform2iv)                           \
+  X(UNIFORM3I, Uniform3i)                             \
   X(UNIFORMMATRIX4FV, UniformMatrix4fv)               \
   X(USEPROGRAM, UseProgram)                           \
+  X(VERTEXATTRIBDIVISOR, VertexAttribDivisor)         \
+  X(VERTEXATTRIBIPOINTER, VertexAttribIPointer)       \
   X(VERTEXATTRIBPOINTER, VertexAttribPointer)         \
   X(VIEWPORT, Viewport)
+
+// Of OpenGL 4.2 and 4.3: null where the driver has none. Whoever calls them asks require_version(43) first.
+#define OCCLOD_GL_NEWER_FUNCTIONS(X)                                      \
+  X(DISPATCHCOMPUTE, DispatchCompute)                                     \
+  X(DRAWELEMENTSINSTANCEDBASEINSTANCE, DrawElementsInstancedBaseInstance) \
+  X(MEMORYBARRIER, MemoryBarrier)
 
 struct Functions {
 #define OCCLOD_GL_MEMBER(TYPE, name) PFNGL##TYPE##PROC name = nullptr;
   OCCLOD_GL_FUNCTIONS(OCCLOD_GL_MEMBER)
+  OCCLOD_GL_NEWER_FUNCTIONS(OCCLOD_GL_MEMBER)
 #undef OCCLOD_GL_MEMBER
+  int version = 0;  // 10 * major + minor
   // The driver's last complaint, filled in debug builds where it offers KHR_debug; check() quotes it. Else null.
   std::shared_ptr<std::string> driver_message;
 };
@@ -83,6 +110,9 @@ using GetProc = Proc (*)(const char* name);
 // Needs the context to be current. `subject` names it in errors. Throws Error that names a missing function, or for a
 // context older than 3.3.
 [[nodiscard]] Functions load_functions(GetProc get_proc, const std::string& subject);
+
+// Throws Error that names `user` and what to use instead when the context is older than `version` (43 = 4.3).
+void require_version(const Functions& gl, int version, const char* user);
 
 // Throws Error when OpenGL has recorded one since the last check. `where`: the step that has just been done.
 void check(const Functions& gl, const char* where);

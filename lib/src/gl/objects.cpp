@@ -1,6 +1,9 @@
 #include "gl/objects.h"
 
+#include <cstdint>
+#include <memory>
 #include <string>
+#include <vector>
 
 #include "occlod/core/error.h"
 
@@ -8,10 +11,16 @@ namespace occlod::gl {
 namespace {
 
 constexpr GLsizei longest_log = 2048;  // characters
+// Drivers answer within milliseconds. One that has not after this long never will.
+constexpr std::uint64_t longest_wait_ns = 10'000'000'000;
 
 [[noreturn]] void refuse_shader(const char* stage, const std::string& log) {
   throw Error(
       {"OpenGL", stage, log.empty() ? "does not compile" : log, "try another driver, or use the software backend"});
+}
+
+const char* stage_name(GLenum kind) {
+  return kind == GL_VERTEX_SHADER ? "vertex shader" : kind == GL_FRAGMENT_SHADER ? "fragment shader" : "compute shader";
 }
 
 // The shader only has to live until the program is linked.
@@ -46,14 +55,12 @@ class Shader {
 
 }  // namespace
 
-Program::Program(const Functions& gl, const char* vertex_source, const char* fragment_source) : gl_(&gl) {
-  const Shader vertex(gl, GL_VERTEX_SHADER, vertex_source);
-  vertex.require("vertex shader");
-  const Shader fragment(gl, GL_FRAGMENT_SHADER, fragment_source);
-  fragment.require("fragment shader");
+Program::Program(const Functions& gl, std::initializer_list<ShaderSource> sources) : gl_(&gl) {
+  std::vector<std::unique_ptr<Shader>> shaders;
+  for (const ShaderSource& source : sources)
+    shaders.emplace_back(std::make_unique<Shader>(gl, source.kind, source.text))->require(stage_name(source.kind));
   id_ = gl.CreateProgram();
-  gl.AttachShader(id_, vertex.id());
-  gl.AttachShader(id_, fragment.id());
+  for (const auto& shader : shaders) gl.AttachShader(id_, shader->id());
   gl.LinkProgram(id_);
   GLint linked = GL_FALSE;
   gl.GetProgramiv(id_, GL_LINK_STATUS, &linked);
@@ -66,27 +73,48 @@ Program::Program(const Functions& gl, const char* vertex_source, const char* fra
   refuse_shader("program", log);
 }
 
-DepthTarget::DepthTarget(const Functions& gl) : gl_(&gl), framebuffer_(gl), depth_(gl) {}
+FloatTarget::FloatTarget(const Functions& gl, Kind kind) : gl_(&gl), kind_(kind), framebuffer_(gl), texture_(gl) {}
 
-void DepthTarget::bind(int width, int height) {
+void FloatTarget::bind(int width, int height) {
   gl_->BindFramebuffer(GL_FRAMEBUFFER, framebuffer_.id());
   if (width == width_ && height == height_) return;
   GLint largest = 0;
-  gl_->GetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &largest);
+  gl_->GetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
   if (width > largest || height > largest)
-    throw Error({"OpenGL", "depth target", "the driver holds at most " + std::to_string(largest) + " pixels a side",
+    throw Error({"OpenGL", "occlusion target", "the driver holds at most " + std::to_string(largest) + " pixels a side",
                  "use a smaller image, or the software backend"});
-  gl_->BindRenderbuffer(GL_RENDERBUFFER, depth_.id());
-  gl_->RenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH_COMPONENT32F, width, height);
-  gl_->FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth_.id());
-  gl_->DrawBuffer(GL_NONE);
-  gl_->ReadBuffer(GL_NONE);
-  check(*gl_, "depth target");
-  if (gl_->CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
-    throw Error({"OpenGL", "depth target", "the driver refuses a framebuffer with depth only",
-                 "try another driver, or use the software backend"});
   width_ = width;
   height_ = height;
+  allocate();
+}
+
+void FloatTarget::allocate() const {
+  const bool depth = kind_ == Kind::depth;
+  gl_->BindTexture(GL_TEXTURE_2D, texture_.id());
+  gl_->TexImage2D(GL_TEXTURE_2D, 0, depth ? GL_DEPTH_COMPONENT32F : GL_R32F, width_, height_, 0,
+                  depth ? GL_DEPTH_COMPONENT : GL_RED, GL_FLOAT, nullptr);
+  gl_->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  gl_->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+  gl_->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
+  gl_->FramebufferTexture2D(GL_FRAMEBUFFER, depth ? GL_DEPTH_ATTACHMENT : GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D,
+                            texture_.id(), 0);
+  gl_->DrawBuffer(depth ? GL_NONE : GL_COLOR_ATTACHMENT0);
+  gl_->ReadBuffer(depth ? GL_NONE : GL_COLOR_ATTACHMENT0);
+  check(*gl_, "occlusion target");
+  if (gl_->CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
+    throw Error({"OpenGL", "occlusion target", "the driver refuses a framebuffer with one image of floats",
+                 "try another driver, or use the software backend"});
+}
+
+void read_back(const Functions& gl, std::span<std::uint32_t> words, const char* work) {
+  gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+  const GLsync fence = gl.FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
+  const GLenum state = gl.ClientWaitSync(fence, GL_SYNC_FLUSH_COMMANDS_BIT, longest_wait_ns);
+  gl.DeleteSync(fence);
+  check(gl, work);
+  if (state != GL_ALREADY_SIGNALED && state != GL_CONDITION_SATISFIED)
+    throw Error({"OpenGL", work, "the driver gave no answer", "use another driver, or the software backend"});
+  gl.GetBufferSubData(GL_SHADER_STORAGE_BUFFER, 0, static_cast<GLsizeiptr>(words.size_bytes()), words.data());
 }
 
 }  // namespace occlod::gl

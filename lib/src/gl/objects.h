@@ -1,6 +1,9 @@
 // Owners of OpenGL objects. All need their context to be current when they are made, used and destroyed.
 #pragma once
 
+#include <cstdint>
+#include <initializer_list>
+#include <span>
 #include <utility>
 
 #include "gl/functions.h"
@@ -24,8 +27,6 @@ class Object {
     if (id_ != 0) (gl_->*destroy)(1, &id_);
   }
   [[nodiscard]] GLuint id() const noexcept { return id_; }
-  // Leaves the object to the end of its context.
-  void abandon() noexcept { id_ = 0; }
 
  private:
   const Functions* gl_;
@@ -35,39 +36,59 @@ class Object {
 using Buffer = Object<&Functions::GenBuffers, &Functions::DeleteBuffers>;
 using VertexArray = Object<&Functions::GenVertexArrays, &Functions::DeleteVertexArrays>;
 using Framebuffer = Object<&Functions::GenFramebuffers, &Functions::DeleteFramebuffers>;
-using Renderbuffer = Object<&Functions::GenRenderbuffers, &Functions::DeleteRenderbuffers>;
+using Texture = Object<&Functions::GenTextures, &Functions::DeleteTextures>;
 using Query = Object<&Functions::GenQueries, &Functions::DeleteQueries>;
+
+struct ShaderSource {
+  GLenum kind;
+  const char* text;
+};
 
 class Program {
  public:
   // Throws Error with the compiler's or linker's log.
-  Program(const Functions& gl, const char* vertex_source, const char* fragment_source);
+  Program(const Functions& gl, std::initializer_list<ShaderSource> sources);
   Program(const Program&) = delete;
   Program(Program&&) = delete;
   Program& operator=(const Program&) = delete;
   Program& operator=(Program&&) = delete;
   ~Program() { gl_->DeleteProgram(id_); }
   [[nodiscard]] GLuint id() const noexcept { return id_; }
+  [[nodiscard]] GLint uniform(const char* name) const { return gl_->GetUniformLocation(id_, name); }
 
  private:
   const Functions* gl_;
   GLuint id_ = 0;
 };
 
-// A framebuffer with a 32-bit float depth buffer and no colour.
-class DepthTarget {
+// A framebuffer with one image, of 32-bit floats, that shaders can read: a depth buffer or one channel of colour.
+class FloatTarget {
  public:
-  explicit DepthTarget(const Functions& gl);
-  // Binds the framebuffer for drawing, with storage of this size in pixels. Throws Error for more than the driver can
-  // hold.
+  enum class Kind { depth, red };
+  FloatTarget(const Functions& gl, Kind kind);
+  // Binds the framebuffer, with storage of this size in pixels. Throws Error for more than the driver can hold.
   void bind(int width, int height);
+  [[nodiscard]] GLuint texture() const noexcept { return texture_.id(); }
 
  private:
+  void allocate() const;
+
   const Functions* gl_;
+  Kind kind_;
   Framebuffer framebuffer_;
-  Renderbuffer depth_;
+  Texture texture_;
   int width_ = 0;
   int height_ = 0;
 };
+
+// Replaces what the buffer bound to `target` holds.
+template <class T>
+void fill(const Functions& gl, GLenum target, std::span<const T> data, GLenum usage) {
+  gl.BufferData(target, static_cast<GLsizeiptr>(data.size_bytes()), data.data(), usage);
+}
+
+// What shaders have written into the start of the buffer bound to GL_SHADER_STORAGE_BUFFER. Waits until `work` is done;
+// throws Error that names it when it is not after 10 s, or failed.
+void read_back(const Functions& gl, std::span<std::uint32_t> words, const char* work);
 
 }  // namespace occlod::gl

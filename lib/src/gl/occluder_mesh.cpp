@@ -6,12 +6,12 @@
 
 namespace occlod::gl {
 
-void OccluderMesh::assign(std::span<const OccluderPart> parts, std::span<const ProxySpace> objects) {
+void OccluderMesh::assign(std::span<const OccluderPart> parts, std::span<const ObjectView> objects) {
   vertices_.clear();
   indices_.clear();
   for (const OccluderPart& part : parts) {
     assert(part.object < objects.size());
-    append(part, objects[part.object].object_to_clip);
+    append(part, objects[part.object].object_to_clip());
   }
 }
 
@@ -30,6 +30,23 @@ void OccluderMesh::append(const OccluderPart& part, const glm::dmat4& object_to_
   }
   for (const Triangle& triangle : part.triangles)
     for (int k = 0; k < 3; ++k) slots_[triangle[k]] = no_id;
+}
+
+OccluderBuffer::OccluderBuffer(const Functions& gl) : array_(gl), vertices_(gl), indices_(gl) {
+  gl.BindVertexArray(array_.id());
+  gl.BindBuffer(GL_ARRAY_BUFFER, vertices_.id());
+  gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_.id());
+  gl.EnableVertexAttribArray(0);
+  gl.VertexAttribPointer(0, 4, GL_FLOAT, GL_FALSE, 0, nullptr);
+}
+
+void OccluderBuffer::draw(const Functions& gl, const OccluderMesh& mesh) const {
+  if (mesh.indices().empty()) return;
+  gl.BindVertexArray(array_.id());
+  gl.BindBuffer(GL_ARRAY_BUFFER, vertices_.id());
+  fill(gl, GL_ARRAY_BUFFER, mesh.vertices(), GL_STREAM_DRAW);
+  fill(gl, GL_ELEMENT_ARRAY_BUFFER, mesh.indices(), GL_STREAM_DRAW);
+  gl.DrawElements(GL_TRIANGLES, static_cast<GLsizei>(mesh.indices().size()), GL_UNSIGNED_INT, nullptr);
 }
 
 }  // namespace occlod::gl

@@ -1,4 +1,4 @@
-// The occluder of one view as a single indexed mesh in clip space. No OpenGL here.
+// The occluder of one view as a single indexed mesh in clip space.
 #pragma once
 
 #include <cstdint>
@@ -7,19 +7,20 @@
 #include <span>
 #include <vector>
 
-#include "gl/proxies.h"
+#include "gl/objects.h"
 #include "occlod/refine/visibility.h"
+#include "occlod/view/view.h"
 
 namespace occlod::gl {
 
 // Only the vertices that some triangle uses, each once, transformed in double precision: the product of a matrix and a
 // point close to the eye cancels, and single precision would move the occluder there. An occluder uses few of its
 // object's vertices, so streaming them costs less than telling whether a copy of them all on the GPU is still the same.
-// Reuses its memory.
+// Reuses its memory. No OpenGL here.
 class OccluderMesh {
  public:
   // O(triangles), and O(vertices) the first time that a part is so large.
-  void assign(std::span<const OccluderPart> parts, std::span<const ProxySpace> objects);
+  void assign(std::span<const OccluderPart> parts, std::span<const ObjectView> objects);
 
   [[nodiscard]] std::span<const glm::vec4> vertices() const noexcept { return vertices_; }  // clip space
   [[nodiscard]] std::span<const std::uint32_t> indices() const noexcept { return indices_; }
@@ -30,6 +31,18 @@ class OccluderMesh {
   std::vector<glm::vec4> vertices_;
   std::vector<std::uint32_t> indices_;
   std::vector<std::uint32_t> slots_;  // of a part's vertices in vertices_; all no_id between calls
+};
+
+// The same on its way to OpenGL: positions at location 0, in clip space.
+class OccluderBuffer {
+ public:
+  explicit OccluderBuffer(const Functions& gl);
+  void draw(const Functions& gl, const OccluderMesh& mesh) const;
+
+ private:
+  VertexArray array_;
+  Buffer vertices_;
+  Buffer indices_;
 };
 
 }  // namespace occlod::gl

@@ -11,8 +11,8 @@
 namespace occlod::gl {
 namespace {
 
-// A pixel is touched at most half its diagonal, 0.708 pixels, away from its centre. The rest is for the 1/256 pixel of
-// the rasteriser and for rounding.
+// A pixel of the target is touched at most half its diagonal, 0.708 pixels, away from its centre. The rest is for the
+// 1/256 pixel of the rasteriser and for rounding.
 constexpr double growth_px = 0.75;
 
 // Proxies whose image is so many times the screen are not drawn: far outside, single precision is coarser than
@@ -83,6 +83,20 @@ glm::dmat4 unit_to_object(const Placement& placement) {
   return matrix;
 }
 
+// To the clip space of a target that reaches beyond the image at its right and upper border.
+glm::dmat4 target_from_clip(const Screen& screen) {
+  const glm::dvec2 share =
+      glm::dvec2(screen.width, screen.height) /
+      (static_cast<double>(screen.divisor) * glm::dvec2(screen.target_width(), screen.target_height()));
+  // The left and lower borders stay: x' + w = share (x + w).
+  glm::dmat4 matrix(1.0);
+  matrix[0].x = share.x;
+  matrix[1].y = share.y;
+  matrix[3].x = share.x - 1.0;
+  matrix[3].y = share.y - 1.0;
+  return matrix;
+}
+
 bool all_finite(const glm::mat4& m) {
   for (int column = 0; column < 4; ++column)
     for (int row = 0; row < 4; ++row)
@@ -104,8 +118,12 @@ double largest_stretch(const glm::dmat3& m) {
 
 }  // namespace
 
-Screen::Screen(const View& view)
-    : width(view.width()), height(view.height()), near(view.camera().near), focal_length_px(view.focal_length_px()) {}
+Screen::Screen(const View& view, int target_divisor)
+    : width(view.width()),
+      height(view.height()),
+      divisor(target_divisor),
+      near(view.camera().near),
+      focal_length_px(view.focal_length_px()) {}
 
 ProxySpace::ProxySpace(const Screen& screen, const ObjectView& object)
     : object_to_clip(object.object_to_clip()), mirrored(object.mirrored()) {
@@ -121,14 +139,14 @@ std::optional<Placement> place(const VisibilityQuery& query) {
   return std::visit([](const auto& shape) { return place_shape(shape); }, query.shape);
 }
 
-Placement grown(const Placement& placement, const ProxySpace& space) {
+Placement grown(const Placement& placement, const Screen& screen, const ProxySpace& space) {
   const glm::dvec4 w = glm::row(space.object_to_clip, 3);
   double farthest_w = glm::dot(w, glm::dvec4(placement.center, 1.0));
   for (int i = 0; i < 3; ++i)
     farthest_w += std::abs(glm::dot(glm::dvec3(w), placement.directions[i])) * placement.half[i];
-  // A point at depth w is half a diagonal of a pixel away from that pixel's centre: growth_px * w in pixels times
-  // depth.
-  const double growth = growth_px * std::max(farthest_w, 0.0);
+  // A point at depth w is half a diagonal of a pixel away from that pixel's centre: growth_px * w in pixels of the
+  // target times depth.
+  const double growth = growth_px * screen.divisor * std::max(farthest_w, 0.0);
   Placement result = placement;
   for (int i = 0; i < 3; ++i) {
     const bool round = placement.shape == ProxyShape::sphere || (placement.shape == ProxyShape::cylinder && i < 2);
@@ -140,7 +158,7 @@ Placement grown(const Placement& placement, const ProxySpace& space) {
 QueryPlan plan_query(const Screen& screen, const ProxySpace& space, const VisibilityQuery& query) {
   const std::optional<Placement> placement = place(query);
   if (!placement) return {std::nullopt, true};
-  const glm::dmat4 unit_to_clip = space.object_to_clip * unit_to_object(grown(*placement, space));
+  const glm::dmat4 unit_to_clip = space.object_to_clip * unit_to_object(grown(*placement, screen, space));
   const Image image = project(screen, unit_to_clip, placement->shape);
   // The near plane lies in front of the eye, so this holds back bounds around the eye too. Written so that NaN counts
   // as visible.
@@ -153,7 +171,11 @@ QueryPlan plan_query(const Screen& screen, const ProxySpace& space, const Visibi
       glm::any(glm::greaterThan(screens, glm::dvec2(largest_image))))
     return {std::nullopt, true};
   const glm::dvec2 pixels = glm::ceil(glm::min(image.max, size)) - glm::floor(glm::max(image.min, glm::dvec2(0.0)));
-  return {ProxyDraw{placement->shape, glm::mat4(unit_to_clip), static_cast<std::uint32_t>(pixels.x * pixels.y)}, false};
+  glm::dmat4 unit_to_target = screen.divisor == 1 ? unit_to_clip : target_from_clip(screen) * unit_to_clip;
+  // Unit proxies are their own mirror images, so one more reflection turns the winding and nothing else.
+  if (space.mirrored) unit_to_target[2] = -unit_to_target[2];
+  return {ProxyDraw{placement->shape, glm::mat4(unit_to_target), static_cast<std::uint32_t>(pixels.x * pixels.y)},
+          false};
 }
 
 }  // namespace occlod::gl

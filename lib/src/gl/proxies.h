@@ -19,19 +19,24 @@ enum class ProxyShape { sphere, box, cylinder };
 inline constexpr std::size_t proxy_shape_count = 3;
 
 // Convex, closed, counter-clockwise seen from outside, circumscribed: contains the unit ball (32 triangles), the cube
-// [-1, 1]^3 (12), or the cylinder of radius 1 around z in [-1, 1] (64).
+// [-1, 1]^3 (12), or the cylinder of radius 1 around z in [-1, 1] (64). Symmetric about z = 0.
 struct ProxyMesh {
   std::vector<glm::vec3> vertices;
   std::vector<std::uint16_t> indices;
 };
 [[nodiscard]] const ProxyMesh& unit_proxy(ProxyShape shape);
 
+// The view's image and the smaller one that proxies are drawn into: one sample for divisor x divisor pixels, the last
+// column and row for what is left of them.
 struct Screen {
   Screen() = default;
-  explicit Screen(const View& view);
+  explicit Screen(const View& view, int target_divisor = 1);
+  [[nodiscard]] int target_width() const noexcept { return (width + divisor - 1) / divisor; }
+  [[nodiscard]] int target_height() const noexcept { return (height + divisor - 1) / divisor; }
 
   int width = 0;   // pixels
   int height = 0;  // pixels
+  int divisor = 1;
   double near = 0.0;
   double focal_length_px = 0.0;
 };
@@ -58,8 +63,8 @@ struct Placement {
 
 struct ProxyDraw {
   ProxyShape shape = ProxyShape::box;
-  glm::mat4 unit_to_clip{1.0F};
-  std::uint32_t most_pixels = 0;  // that the proxy can cover
+  glm::mat4 unit_to_clip{1.0F};   // of the target; front faces are counter-clockwise, also for mirrored objects
+  std::uint32_t most_pixels = 0;  // of the view that the proxy can cover
 };
 
 // What to do about one query: draw, or answer at once.
@@ -70,9 +75,9 @@ struct QueryPlan {
 
 // Nothing for bounds that are not finite or inside out.
 [[nodiscard]] std::optional<Placement> place(const VisibilityQuery& query);
-// Grows the placement so that it covers the centre of every pixel that it touches, at no greater depth than where it
+// Grows the placement so that it covers the sample of every pixel that it touches, at no greater depth than where it
 // touches it.
-[[nodiscard]] Placement grown(const Placement& placement, const ProxySpace& space);
+[[nodiscard]] Placement grown(const Placement& placement, const Screen& screen, const ProxySpace& space);
 [[nodiscard]] QueryPlan plan_query(const Screen& screen, const ProxySpace& space, const VisibilityQuery& query);
 
 }  // namespace occlod::gl

@@ -9,9 +9,22 @@
 
 namespace occlod::gl {
 
+enum class QueryTarget {
+  any,               // GL_ANY_SAMPLES_PASSED
+  any_conservative,  // GL_ANY_SAMPLES_PASSED_CONSERVATIVE, OpenGL 4.3: may say visible where nothing is, never hidden
+  count,             // GL_SAMPLES_PASSED: answers with a number of pixels
+};
+
 struct QueryOcclusionOptions {
-  std::size_t flight = 8;     // queries under way at once, >= 1
-  bool count_pixels = false;  // GL_SAMPLES_PASSED instead of GL_ANY_SAMPLES_PASSED
+  // Questions that refinement keeps under way, >= 1. The order of its questions, hence its result, depends on this.
+  std::size_t flight = 8;
+  // Of those, queries that OpenGL holds at once. Nothing but time depends on it. 0 = measured in the first view: as
+  // many as can be issued between issuing one and its answer, and at most the flight.
+  std::size_t window = 0;
+  QueryTarget target = QueryTarget::any;
+  // Proxies are drawn into a target with one sample for divisor x divisor pixels, >= 1. Each holds the farthest depth
+  // of the occluder on its pixels, and proxies grow by so many times more: as conservative, less tight.
+  int divisor = 1;
 };
 
 // Draws the occluder, both faces, into a depth target of the view's size and asks with proxy volumes: boxes of 12
@@ -23,7 +36,7 @@ struct QueryOcclusionOptions {
 //
 // Between begin_view and the last collect the context is this backend's alone; it leaves the state behind that it has
 // set. collect() throws Error when the driver has not answered after 10 s, begin_view and draw_occluder when it reports
-// an error. Throws Error for no context or a flight of 0.
+// an error. Throws Error for no context, a flight of 0, a divisor below 1, or a target that the context is too old for.
 [[nodiscard]] std::unique_ptr<Visibility> make_query_occlusion(std::shared_ptr<Context> context,
                                                                const QueryOcclusionOptions& options = {});
 

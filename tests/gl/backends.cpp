@@ -1,0 +1,90 @@
+#include "gl/backends.h"
+
+#include <array>
+#include <utility>
+
+#include "occlod/gl/compute_occlusion.h"
+#include "occlod/gl/mark_occlusion.h"
+#include "occlod/occlusion/software_occlusion.h"
+
+namespace occlod::gl {
+namespace {
+
+std::string name_of(Backend backend) {
+  constexpr std::array<const char*, 7> names{"software",   "query",  "query_conservative", "query_half", "mark",
+                                             "mark_third", "compute"};
+  return names[static_cast<std::size_t>(backend)];
+}
+
+int version_needed(Backend backend) { return backend == Backend::query || backend == Backend::query_half ? 33 : 43; }
+
+}  // namespace
+
+std::string TestedBackend::label() const {
+  return backend == Backend::software ? "software" : name_of(backend) + "_" + platform_label(platform);
+}
+
+void PrintTo(const TestedBackend& tested, std::ostream* out) { *out << tested.label(); }
+
+std::shared_ptr<Context> TestedBackend::context(std::string& why) const {
+  if (backend == Backend::software) return nullptr;
+  std::shared_ptr<Context> context = context_or_null(platform, why);
+  if (!context || context->functions().version >= version_needed(backend)) return context;
+  why = "OpenGL " + context->version();
+  return nullptr;
+}
+
+std::unique_ptr<Visibility> TestedBackend::make(std::shared_ptr<Context> context, bool count_pixels) const {
+  switch (backend) {
+    case Backend::software:
+      return make_software_occlusion({.count_pixels = count_pixels});
+    case Backend::mark:
+    case Backend::mark_third: {
+      MarkOcclusionOptions options;
+      options.count_pixels = count_pixels;
+      options.divisor = divisor();
+      return make_mark_occlusion(std::move(context), options);
+    }
+    case Backend::compute: {
+      ComputeOcclusionOptions options;
+      options.count_pixels = count_pixels;
+      return make_compute_occlusion(std::move(context), options);
+    }
+    default: {
+      QueryOcclusionOptions options;
+      options.target = count_pixels                             ? QueryTarget::count
+                       : backend == Backend::query_conservative ? QueryTarget::any_conservative
+                                                                : QueryTarget::any;
+      options.divisor = divisor();
+      return make_query_occlusion(std::move(context), options);
+    }
+  }
+}
+
+std::vector<TestedBackend> tested_backends(Needs least) {
+  std::vector<TestedBackend> chosen;
+  if (least == Needs::nothing) chosen.push_back({Backend::software, Platform::egl});
+  for (const Platform platform : {Platform::egl, Platform::osmesa}) {
+    if (least != Needs::storage_buffers)
+      for (const Backend backend : {Backend::query, Backend::query_conservative, Backend::query_half})
+        chosen.push_back({backend, platform});
+    for (const Backend backend : {Backend::mark, Backend::mark_third, Backend::compute})
+      chosen.push_back({backend, platform});
+  }
+  return chosen;
+}
+
+void EachBackend::SetUp() {
+  std::string why;
+  context_ = GetParam().context(why);
+  if (!context_ && GetParam().backend != Backend::software) GTEST_SKIP() << "no context: " << why;
+}
+
+void EachBackend::start(Visibility& visibility, const Soup& occluder, const glm::dmat4& transform) const {
+  const std::array<ObjectView, 1> objects{ObjectView(view_, transform)};
+  visibility.begin_view(view_, objects);
+  const std::array<OccluderPart, 1> parts{occluder.part()};
+  visibility.draw_occluder(parts);
+}
+
+}  // namespace occlod::gl
