@@ -5,7 +5,9 @@
 #include "occlod/core/error.h"
 #include "occlod/occlusion/software_occlusion.h"
 #ifdef OCCLOD_HAS_GL
+#include "occlod/gl/compute_occlusion.h"
 #include "occlod/gl/context.h"
+#include "occlod/gl/mark_occlusion.h"
 #include "occlod/gl/query_occlusion.h"
 #endif
 
@@ -18,26 +20,62 @@ std::shared_ptr<gl::Context> create_context(const std::string& platform) {
   return gl::create_context(platform == "egl" ? gl::Platform::egl : gl::Platform::osmesa);
 }
 
-Backend make_gl_query(const BackendOptions& options) {
-  std::shared_ptr<gl::Context> context = create_context(options.gl_platform);
-  Json about = {
-      {"platform", context->platform_name()}, {"renderer", context->renderer()}, {"version", context->version()}};
-  gl::QueryOcclusionOptions query_options;
-  query_options.flight = options.flight;
-  return {gl::make_query_occlusion(std::move(context), query_options), std::move(about)};
+std::unique_ptr<Visibility> make_gl(const BackendOptions& options, std::shared_ptr<gl::Context> context) {
+  if (options.occlusion == "gl-compute") {
+    gl::ComputeOcclusionOptions compute;
+    compute.flight = options.flight.value_or(compute.flight);
+    return gl::make_compute_occlusion(std::move(context), compute);
+  }
+  if (options.occlusion == "gl-mark") {
+    gl::MarkOcclusionOptions mark;
+    mark.flight = options.flight.value_or(mark.flight);
+    mark.divisor = options.divisor.value_or(mark.divisor);
+    return gl::make_mark_occlusion(std::move(context), mark);
+  }
+  gl::QueryOcclusionOptions query;
+  query.flight = options.flight.value_or(query.flight);
+  query.window = options.window.value_or(query.window);
+  query.divisor = options.divisor.value_or(query.divisor);
+  if (options.conservative) query.target = gl::QueryTarget::any_conservative;
+  return gl::make_query_occlusion(std::move(context), query);
+}
+
+Backend make_gl_backend(const BackendOptions& options) {
+  const std::shared_ptr<gl::Context> context = create_context(options.gl_platform);
+  std::unique_ptr<Visibility> visibility = make_gl(options, context);
+  Json about = {{"platform", context->platform_name()},
+                {"renderer", context->renderer()},
+                {"version", context->version()},
+                {"flight", visibility->flight()}};
+  return {std::move(visibility), std::move(about)};
 }
 #else
-Backend make_gl_query(const BackendOptions&) {
-  throw Error({"gl-query", "", "was not built", "configure with OCCLOD_BUILD_GL=ON"});
+Backend make_gl_backend(const BackendOptions& options) {
+  throw Error({options.occlusion, "", "was not built", "configure with OCCLOD_BUILD_GL=ON"});
 }
 #endif
+
+void refuse_if(bool given, const BackendOptions& options, const char* option, const char* owners) {
+  if (given) throw Error({options.occlusion, option, "means nothing to it", std::string("use it with ") + owners});
+}
+
+void refuse_foreign_options(const BackendOptions& options) {
+  const bool query = options.occlusion == "gl-query";
+  const bool proxies = query || options.occlusion == "gl-mark";
+  const bool gl = proxies || options.occlusion == "gl-compute";
+  refuse_if(!gl && options.flight, options, "--flight", "gl-query, gl-mark or gl-compute");
+  refuse_if(!query && options.window, options, "--query-window", "gl-query");
+  refuse_if(!query && options.conservative, options, "--conservative-queries", "gl-query");
+  refuse_if(!proxies && options.divisor, options, "--occlusion-divisor", "gl-query or gl-mark");
+}
 
 }  // namespace
 
 Backend make_backend(const BackendOptions& options) {
+  refuse_foreign_options(options);
   if (options.occlusion == "none") return {std::make_unique<NoOcclusion>(), nullptr};
   if (options.occlusion == "software") return {make_software_occlusion(), nullptr};
-  return make_gl_query(options);
+  return make_gl_backend(options);
 }
 
 }  // namespace occlod::tool

@@ -171,14 +171,24 @@ void add_refine_options(CLI::App& command, RefineOptions& refine) {
 void add_backend_options(CLI::App& command, BackendOptions& backend) {
   command.add_option("--occlusion", backend.occlusion, "Who decides what is hidden")
       ->capture_default_str()
-      ->check(CLI::IsMember({"none", "software", "gl-query"}));
+      ->check(CLI::IsMember({"none", "software", "gl-query", "gl-mark", "gl-compute"}));
   command
       .add_option("--gl-platform", backend.gl_platform,
-                  "Where gl-query gets its context; what the machine offers when not given")
+                  "Where OpenGL gets its context; what the machine offers when not given")
       ->check(CLI::IsMember({"egl", "osmesa"}));
-  command.add_option("--flight", backend.flight, "gl-query: queries under way at once")
-      ->capture_default_str()
+  command
+      .add_option("--flight", backend.flight, "OpenGL: questions under way at once; the backend's own when not given")
       ->check(CLI::PositiveNumber);
+  command
+      .add_option("--query-window", backend.window,
+                  "gl-query: of those, queries that OpenGL holds at once; 0 or not given = measured")
+      ->check(CLI::NonNegativeNumber);
+  command
+      .add_option("--occlusion-divisor", backend.divisor,
+                  "gl-query, gl-mark: draw proxies into a target smaller by so much in each direction")
+      ->check(CLI::PositiveNumber);
+  command.add_flag("--conservative-queries", backend.conservative,
+                   "gl-query: let the driver say visible where it is quicker (OpenGL 4.3)");
 }
 
 void add_output_options(CLI::App& command, Options& options) {

@@ -126,6 +126,19 @@ TEST_P(BackendLifetime, AnySizeOfTheViewWorks) {
   }
 }
 
+// More pixels than llvmpipe's 65,535 rounds of a loop could count on one invocation of 64: a sphere that is wider and
+// higher than the image, in front of nothing, shows at each of them.
+TEST_P(BackendLifetime, LargeImagesAreCountedToTheLastPixel) {
+  const auto occlusion = make(true);
+  Camera camera = view_.camera();
+  camera.width = 4096;
+  camera.height = 2304;
+  view_ = View(camera);
+  start(*occlusion, Soup{});
+  occlusion->submit({0, Sphere{{0, 0, -3}, 5.0F}});
+  EXPECT_EQ(occlusion->collect(), 4096U * 2304U);
+}
+
 TEST_P(BackendLifetime, BothKindsOfAnswerLiveInOneContext) {
   for (int round = 0; round < 4; ++round) {
     const auto any = make(false);

@@ -69,9 +69,9 @@ void main() {
 }
 )";
 
-// One group a question, whose invocations share the pixels of the rectangle.
+// The groups of one column share a question, and their invocations its rectangle's pixels.
 constexpr const char* count_source = R"(#version 430 core
-layout(local_size_x = 256) in;
+layout(local_size_x = 64) in;
 struct Question { ivec4 rect; float nearest; };
 layout(std430, binding = 0) readonly buffer Pyramid { float texels[]; };
 layout(std430, binding = 1) readonly buffer Questions { Question questions[]; };
@@ -84,10 +84,11 @@ void main() {
   float nearest = questions[question].nearest;
   int width = rect.z - rect.x;
   int area = width * (rect.w - rect.y);
+  int step = int(64u * gl_NumWorkGroups.y);
   uint count = 0u;
-  for (int i = int(gl_LocalInvocationIndex); i < area; i += 256)
+  for (int i = int(gl_LocalInvocationIndex + 64u * gl_WorkGroupID.y); i < area; i += step)
     if (texels[(rect.y + i / width) * levels[0].y + rect.x + i % width] <= nearest) ++count;
-  atomicAdd(answers[question], count);
+  if (count > 0u) atomicAdd(answers[question], count);
 }
 )";
 
@@ -101,6 +102,8 @@ static_assert(sizeof(Question) == 32);
 
 // Groups in one dispatch that every driver takes.
 constexpr std::size_t most_groups = 65'535;
+// Pixels that one group counts at most: half of llvmpipe's rounds.
+constexpr std::uint32_t pixels_per_group = 64 * 32'768;
 
 // Everything that lives in the context.
 struct Resources {
@@ -112,7 +115,8 @@ struct Resources {
         answers(functions) {
     check(functions, "set-up of compute shaders");
   }
-  void dispatch(std::size_t count, bool counts) const;
+  void test(std::size_t asked) const;
+  void count(std::size_t asked, std::uint32_t pixels) const;  // pixels: of the image
 
   const Functions& gl;
   GpuPyramid pyramid;
@@ -121,15 +125,15 @@ struct Resources {
   Buffer answers;
 };
 
-void Resources::dispatch(std::size_t count, bool counts) const {
-  if (!counts) {
-    gl.Uniform1ui(program.uniform("question_count"), static_cast<GLuint>(count));
-    gl.DispatchCompute(static_cast<GLuint>((count + 63) / 64), 1, 1);
-    return;
-  }
-  for (std::size_t first = 0; first < count; first += most_groups) {
+void Resources::test(std::size_t asked) const {
+  gl.Uniform1ui(program.uniform("question_count"), static_cast<GLuint>(asked));
+  gl.DispatchCompute(static_cast<GLuint>((asked + 63) / 64), 1, 1);
+}
+
+void Resources::count(std::size_t asked, std::uint32_t pixels) const {
+  for (std::size_t first = 0; first < asked; first += most_groups) {
     gl.Uniform1ui(program.uniform("first_question"), static_cast<GLuint>(first));
-    gl.DispatchCompute(static_cast<GLuint>(std::min(count - first, most_groups)), 1, 1);
+    gl.DispatchCompute(static_cast<GLuint>(std::min(asked - first, most_groups)), 1 + pixels / pixels_per_group, 1);
   }
 }
 
@@ -162,6 +166,8 @@ class ComputeOcclusion final : public BatchedVisibility {
   void answer_all(std::vector<std::uint32_t>& answers) override;
 
  private:
+  [[nodiscard]] std::uint32_t image_area() const { return area({0, 0, view_->width(), view_->height()}); }
+
   InContext<Resources> resources_;
   bool counts_;
   std::optional<View> view_;
@@ -173,7 +179,7 @@ class ComputeOcclusion final : public BatchedVisibility {
 
 std::optional<std::uint32_t> ComputeOcclusion::ask(const VisibilityQuery& query) {
   const std::optional<ScreenBounds> bounds = screen_bounds(*view_, objects_[query.object], query);
-  const std::uint32_t most = bounds ? area(bounds->rect) : area({0, 0, view_->width(), view_->height()});
+  const std::uint32_t most = bounds ? area(bounds->rect) : image_area();
   if (!bounds || most == 0 || !occluder_drawn_) return counts_ ? most : std::min(most, 1U);
   const PixelRect& rect = bounds->rect;
   questions_.push_back({{rect.x0, rect.y0, rect.x1, rect.y1}, bounds->nearest_inverse_depth});
@@ -190,7 +196,10 @@ void ComputeOcclusion::answer_all(std::vector<std::uint32_t>& answers) {
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, resources.answers.id());
   answers.assign(questions_.size(), 0);
   fill(gl, GL_SHADER_STORAGE_BUFFER, std::span<const std::uint32_t>(answers), GL_DYNAMIC_READ);
-  resources.dispatch(questions_.size(), counts_);
+  if (counts_)
+    resources.count(questions_.size(), image_area());
+  else
+    resources.test(questions_.size());
   read_back(gl, std::span(answers), "testing bounds");
   questions_.clear();
 }

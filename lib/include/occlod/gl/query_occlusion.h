@@ -17,7 +17,7 @@ enum class QueryTarget {
 
 struct QueryOcclusionOptions {
   // Questions that refinement keeps under way, >= 1. The order of its questions, hence its result, depends on this.
-  std::size_t flight = 8;
+  std::size_t flight = 32;
   // Of those, queries that OpenGL holds at once. Nothing but time depends on it. 0 = measured in the first view: as
   // many as can be issued between issuing one and its answer, and at most the flight.
   std::size_t window = 0;
