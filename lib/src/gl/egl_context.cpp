@@ -6,6 +6,7 @@
 #include <array>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include "gl/context_base.h"
 #include "gl/shared_library.h"
@@ -104,9 +105,15 @@ EGLConfig any_config(EGLDisplay display) {
 
 EGLContext create_core_context(EGLDisplay display) {
   if (egl().bind_api(EGL_OPENGL_API) != EGL_TRUE) throw egl().failure("", "OpenGL is not offered");
-  constexpr std::array<EGLint, 7> attributes{
-      EGL_CONTEXT_MAJOR_VERSION,           3,       EGL_CONTEXT_MINOR_VERSION, 3, EGL_CONTEXT_OPENGL_PROFILE_MASK,
-      EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
+  std::vector<EGLint> attributes{EGL_CONTEXT_MAJOR_VERSION,       3,
+                                 EGL_CONTEXT_MINOR_VERSION,       3,
+                                 EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT};
+#ifndef NDEBUG
+  // The driver explains its errors: see Functions::driver_message.
+  if (egl().has_extension(display, "EGL_KHR_create_context"))
+    attributes.insert(attributes.end(), {EGL_CONTEXT_FLAGS_KHR, EGL_CONTEXT_OPENGL_DEBUG_BIT_KHR});
+#endif
+  attributes.push_back(EGL_NONE);
   const EGLContext context = egl().create_context(display, any_config(display), EGL_NO_CONTEXT, attributes.data());
   if (context == EGL_NO_CONTEXT) throw egl().failure("", "no OpenGL 3.3 core context can be made");
   return context;

@@ -1,0 +1,81 @@
+"""The OpenGL backends on the command line, with EGL and OSMesa as far as the machine has them."""
+import unittest
+
+from tool_case import ToolTest
+
+BACKENDS = ["gl-query", "gl-mark", "gl-compute"]
+
+
+class GlBackends(ToolTest):
+    def setUp(self):
+        super().setUp()
+        self.make_hierarchy()
+
+    def arguments(self, *options):
+        return ["render", "--budget", 1000, "--size", "320x240", "--occluder-splits", "50,200", "planet.olod", *options]
+
+    def render(self, *options):
+        return self.json_of(*self.arguments(*options))
+
+    def platforms(self):
+        found = [name for name in ("egl", "osmesa")
+                 if self.run_tool(*self.arguments("--occlusion", "gl-query", "--gl-platform", name)).returncode == 0]
+        if not found:
+            self.skipTest("no OpenGL context")
+        return found
+
+    def modern_platforms(self):
+        """Those of OpenGL 4.3, which storage buffers need."""
+        found = [name for name in self.platforms()
+                 if self.run_tool(*self.arguments("--occlusion", "gl-mark", "--gl-platform", name)).returncode == 0]
+        if not found:
+            self.skipTest("no OpenGL 4.3")
+        return found
+
+    def test_report(self):
+        for platform in self.modern_platforms():
+            for backend in BACKENDS:
+                result = self.render("--occlusion", backend, "--gl-platform", platform)
+                self.assertEqual(result["occlusion"], backend)
+                self.assertTrue(result["gl"]["platform"].startswith(platform), result["gl"])
+                self.assert_has_keys(result["gl"], "platform renderer version flight")
+                # The planet hides its far side, so what is refined is not what is refined without.
+                self.assertGreater(result["queries"], 0)
+                self.assertNotEqual(result["hash"], self.render("--occlusion", "none")["hash"])
+
+    def test_is_reproducible(self):
+        """Whatever the measured window, which depends on the machine's mood."""
+        for platform in self.platforms():
+            hashes = {self.render("--occlusion", "gl-query", "--gl-platform", platform, *options)["hash"]
+                      for options in ([], [], ["--query-window", 0], ["--query-window", 1], ["--query-window", 64])}
+            self.assertEqual(len(hashes), 1)
+
+    def test_marks_refine_as_queries(self):
+        """The same proxies in the same order, so that the same triangles are left."""
+        for platform in self.modern_platforms():
+            hashes = {self.render("--occlusion", backend, "--gl-platform", platform, "--flight", 16)["hash"]
+                      for backend in ("gl-query", "gl-mark")}
+            self.assertEqual(len(hashes), 1)
+
+    def test_flight_is_as_given(self):
+        platform = self.modern_platforms()[0]
+        for backend in BACKENDS:
+            result = self.render("--occlusion", backend, "--gl-platform", platform, "--flight", 5)
+            self.assertEqual(result["gl"]["flight"], 5)
+
+    def test_smaller_targets_and_conservative_queries(self):
+        platform = self.modern_platforms()[0]
+        for options in (["gl-query", "--occlusion-divisor", 2], ["gl-mark", "--occlusion-divisor", 3], ["gl-query", "--conservative-queries"]):
+            self.assertGreater(self.render("--gl-platform", platform, "--occlusion", *options)["queries"], 0)
+
+    def test_options_of_other_backends_are_refused(self):
+        for backend, option, owner in (("software", ["--flight", 8], "gl-query"), ("none", ["--occlusion-divisor", 2], "gl-mark"),
+                                       ("gl-compute", ["--occlusion-divisor", 2], "gl-mark"), ("gl-mark", ["--query-window", 4], "gl-query"),
+                                       ("gl-compute", ["--conservative-queries"], "gl-query")):
+            line = self.fail(*self.arguments("--occlusion", backend, *option))
+            self.assertIn(option[0], line)
+            self.assertIn(owner, line)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=1)
