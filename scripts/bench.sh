@@ -35,4 +35,7 @@ build/bench/bench/bench_locality | tee "$out/locality.md"
 echo "bench_software_occlusion" >&2
 build/bench/bench/bench_software_occlusion | tee "$out/software_occlusion.txt"
 
+echo "bench_gl_occlusion" >&2
+build/bench/bench/bench_gl_occlusion | tee "$out/gl_occlusion.txt" || echo "bench_gl_occlusion is left out" >&2
+
 echo "Results: $PWD/$out"

@@ -24,7 +24,7 @@ std::string TestedBackend::label() const {
   return backend == Backend::software ? "software" : name_of(backend) + "_" + platform_label(platform);
 }
 
-void PrintTo(const TestedBackend& tested, std::ostream* out) { *out << tested.label(); }
+std::ostream& operator<<(std::ostream& out, const TestedBackend& tested) { return out << tested.label(); }
 
 std::shared_ptr<Context> TestedBackend::context(std::string& why) const {
   if (backend == Backend::software) return nullptr;

@@ -28,7 +28,7 @@ struct TestedBackend {
   [[nodiscard]] std::shared_ptr<Context> context(std::string& why) const;
   [[nodiscard]] std::unique_ptr<Visibility> make(std::shared_ptr<Context> context, bool count_pixels = false) const;
 };
-void PrintTo(const TestedBackend& tested, std::ostream* out);  // GoogleTest's name for it
+std::ostream& operator<<(std::ostream& out, const TestedBackend& tested);
 
 enum class Needs { nothing, context, storage_buffers };
 // Those that need at least so much.

@@ -27,6 +27,7 @@ namespace occlod::gl {
   X(CLEARBUFFERFV, ClearBufferfv)                     \
   X(CLEARDEPTH, ClearDepth)                           \
   X(CLIENTWAITSYNC, ClientWaitSync)                   \
+  X(COLORMASK, ColorMask)                             \
   X(COMPILESHADER, CompileShader)                     \
   X(CREATEPROGRAM, CreateProgram)                     \
   X(CREATESHADER, CreateShader)                       \

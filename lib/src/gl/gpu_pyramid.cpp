@@ -75,9 +75,10 @@ void GpuPyramid::lay_out(int width, int height) {
 // No depth buffer: the nearest inverse depth wins by blending, at full precision however far away it is.
 void GpuPyramid::draw(const OccluderMesh& occluder) const {
   gl_->Viewport(0, 0, levels_[0].width, levels_[0].height);
-  for (const int capability :
-       {GL_SCISSOR_TEST, GL_STENCIL_TEST, GL_CULL_FACE, GL_DEPTH_TEST, GL_POLYGON_OFFSET_FILL, GL_DEPTH_CLAMP})
+  for (const int capability : {GL_SCISSOR_TEST, GL_STENCIL_TEST, GL_CULL_FACE, GL_DEPTH_TEST, GL_POLYGON_OFFSET_FILL,
+                               GL_DEPTH_CLAMP, GL_COLOR_LOGIC_OP})
     gl_->Disable(static_cast<GLenum>(capability));
+  gl_->ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   constexpr std::array<GLfloat, 4> nothing{};
   gl_->ClearBufferfv(GL_COLOR, 0, nothing.data());
   gl_->Enable(GL_BLEND);
@@ -90,6 +91,8 @@ void GpuPyramid::draw(const OccluderMesh& occluder) const {
 void GpuPyramid::copy_finest() const {
   gl_->BindBuffer(GL_PIXEL_PACK_BUFFER, texels_.id());
   gl_->PixelStorei(GL_PACK_ALIGNMENT, 4);
+  for (const int skip : {GL_PACK_ROW_LENGTH, GL_PACK_SKIP_ROWS, GL_PACK_SKIP_PIXELS})
+    gl_->PixelStorei(static_cast<GLenum>(skip), 0);
   gl_->ReadPixels(0, 0, levels_[0].width, levels_[0].height, GL_RED, GL_FLOAT, nullptr);
   gl_->BindBuffer(GL_PIXEL_PACK_BUFFER, 0);
 }

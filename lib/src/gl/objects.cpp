@@ -91,6 +91,7 @@ void FloatTarget::bind(int width, int height) {
 void FloatTarget::allocate() const {
   const bool depth = kind_ == Kind::depth;
   gl_->BindTexture(GL_TEXTURE_2D, texture_.id());
+  gl_->BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
   gl_->TexImage2D(GL_TEXTURE_2D, 0, depth ? GL_DEPTH_COMPONENT32F : GL_R32F, width_, height_, 0,
                   depth ? GL_DEPTH_COMPONENT : GL_RED, GL_FLOAT, nullptr);
   gl_->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
