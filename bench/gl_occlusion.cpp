@@ -139,7 +139,6 @@ int ask(Visibility& visibility, const std::vector<VisibilityQuery>& questions) {
     --under_way;
   };
   for (const VisibilityQuery& question : questions) {
-    // Those that answer together are emptied before they are filled again.
     if (under_way >= visibility.flight()) collect();
     visibility.submit(question);
     ++under_way;
