@@ -6,6 +6,7 @@
 #include <hwy/targets.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <exception>

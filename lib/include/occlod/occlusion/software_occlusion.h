@@ -8,8 +8,7 @@
 namespace occlod {
 
 struct SoftwareOcclusionOptions {
-  bool count_pixels =
-      false;  // answer with the number of visible pixels that the bound may touch instead of 0 or 1
+  bool count_pixels = false;  // answer with the number of visible pixels that the bound may touch instead of 0 or 1
 };
 
 // Occluder and tests at the view's own resolution. A bound is hidden only if the occluder is strictly nearer than the

@@ -25,8 +25,8 @@ struct DepthBuffer {
   void reset(int new_width, int new_height);  // resizes and empties; reuses memory
 };
 
-// The same in memory of the caller's, row y at inverse_depth + y * stride. A stride that is a multiple of 1024 costs a
-// factor of two: neighbouring pixels of a column then share their place in the cache.
+// The same in memory of the caller's, row y at inverse_depth + y * stride. A stride that is a multiple of 1024 makes
+// drawing a third slower: the pixels of a column then share their place in the cache.
 struct DepthImage {
   float* inverse_depth = nullptr;
   int width = 0;
