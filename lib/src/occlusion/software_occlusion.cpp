@@ -128,9 +128,9 @@ class SoftwareOcclusion final : public Visibility {
     for (std::size_t i = 0; i < batch.size; ++i) {
       const auto verdict = static_cast<DepthPyramid::Verdict>(verdicts[i]);
       const bool trusted = found_.trusted[i] != 0;
-      answers_[batch.answer[i]] = !trusted | (verdict == DepthPyramid::Verdict::visible) ? 1 : 0;
+      answers_[batch.answer[i]] = (!trusted | (verdict == DepthPyramid::Verdict::visible)) ? 1 : 0;
       open[open_count] = static_cast<std::uint8_t>(i);
-      open_count += trusted & (verdict == DepthPyramid::Verdict::unknown) ? 1 : 0;
+      open_count += (trusted & (verdict == DepthPyramid::Verdict::unknown)) ? 1 : 0;
     }
     for (std::size_t k = 0; k < open_count; ++k) {
       const std::size_t i = open[k];
