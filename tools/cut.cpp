@@ -65,8 +65,7 @@ void add_cut(CLI::App& app) {
   const auto options = std::make_shared<Options>();
   command.add_option("FILE", options->file, "An .olod file")->required();
   CLI::Option_group& size = *command.add_option_group("size", "How fine; exactly one of");
-  size.add_option("--triangles", options->triangles,
-                  "At most so many triangles: the splits of the dearest collapses")
+  size.add_option("--triangles", options->triangles, "At most so many triangles: the splits of the dearest collapses")
       ->check(CLI::PositiveNumber);
   size.add_option_function<double>(
       "--error",

@@ -43,7 +43,8 @@ float FaceDistance::bound(const Triangle& corners, float wanted, float useful) {
   pieces_left_ = most_pieces;
   gather(corners);
   refine({mesh_.position(corners.x), mesh_.position(corners.y), mesh_.position(corners.z)}, 0);
-  return bound_ < useful ? bound_ : infinity;
+  if (bound_ < useful) return bound_;
+  return infinity;
 }
 
 // Into near_ and candidates_: the faces near the triangle, as far as they hang together with its corners.
@@ -62,8 +63,10 @@ void FaceDistance::gather(const Triangle& corners) {
   };
   for (int k = 0; k < 3; ++k) take_star(corners[k]);
   const TriangleBatch triangle(mesh_.position(corners.x), mesh_.position(corners.y), mesh_.position(corners.z));
-  for (std::size_t i = 0; i < taken_.size(); ++i) {
-    const std::uint32_t f = taken_[i];
+  // taken_ grows on the way.
+  std::size_t next = 0;
+  while (next < taken_.size()) {
+    const std::uint32_t f = taken_[next++];
     const ReferenceMesh::Ball& ball = mesh_.ball(f);
     const float reach = reach_of_faces * wanted_ + ball.radius;
     if (triangle.squared_distance(ball.center) > reach * reach) continue;

@@ -29,8 +29,8 @@ struct StarContents {
   std::span<const SplitId> dependencies;  // ascending
 };
 
-// Appends the shortest record that holds the contents.
-void append_star(const StarContents& contents, std::vector<std::uint32_t>& words);
+// Appends the shortest record that holds the star.
+void append_star(const StarContents& star, std::vector<std::uint32_t>& words);
 
 // Whether record and its ids can be read safely: it ends where the next begins, corners are vertices that are there
 // once split s is applied (smaller than or equal to its own), dependencies and the splits of removed faces are smaller

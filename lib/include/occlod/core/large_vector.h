@@ -7,8 +7,8 @@
 
 namespace occlod {
 
-// Memory for an array, at a cache line: from huge pages when it is large and the system has them, which saves most of the time that
-// address translation and first touches take. Throws std::bad_alloc.
+// Memory for an array, at a cache line: from huge pages when it is large and the system has them, which saves most of
+// the time that address translation and first touches take. Throws std::bad_alloc.
 [[nodiscard]] void* allocate_large(std::size_t bytes);
 void free_large(void* memory, std::size_t bytes) noexcept;
 
