@@ -64,7 +64,7 @@ void CollapseWorker::consider(VertexId v) {
   if (CollapseQueue::level(choice.cost) > CollapseQueue::level(state_.vertices[v].cost))
     set_cost(v, choice.cost);
   else
-    collapse(v, choice, ring);
+    collapse(v, choice, ring, choice.keeps_topology ? movement(choice, is_fan) : 0.0F);
 }
 
 bool CollapseWorker::in_block(std::span<const VertexId> vertices) const {
@@ -82,8 +82,7 @@ CollapseWorker::Choice CollapseWorker::choose_in_fan() {
     const auto cheapest = std::min_element(costs.begin(), costs.end());
     if (!(*cheapest < infinity)) break;
     const auto i = static_cast<std::size_t>(cheapest - costs.begin());
-    if (fan_.keeps_orientation(i) && fan_.keeps_topology(state_.mesh, i))
-      return {fan_.ring()[i], *cheapest, fan_.change_bound(i), true};
+    if (fan_.keeps_orientation(i) && fan_.keeps_topology(state_.mesh, i)) return {fan_.ring()[i], *cheapest, true, i};
     *cheapest = infinity;
   }
   return break_topology(fan_.ring(), v);
@@ -92,28 +91,26 @@ CollapseWorker::Choice CollapseWorker::choose_in_fan() {
 CollapseWorker::Choice CollapseWorker::choose_in_ring() {
   const VertexId v = ring_.vertex();
   const auto neighbours = ring_.neighbours();
-  Choice best{no_id, infinity, 0.0F, true};
+  Choice best{no_id, infinity, true};
   for (std::size_t i = 0; i < neighbours.size(); ++i) {
     const float c = state_.cost(v, neighbours[i]);
     if (c < best.cost && keeps_topology(state_.mesh, ring_, i) &&
         keeps_orientation(state_.mesh, state_.positions(), v, neighbours[i]))
-      best = {neighbours[i], c, 0.0F, true};
+      best = {neighbours[i], c, true, i};
   }
-  if (best.u == no_id) return break_topology(neighbours, v);
-  best.moved = static_cast<float>(change_bound_(state_.mesh, state_.positions(), ring_, best.u)) * round_up;
-  return best;
+  return best.u == no_id ? break_topology(neighbours, v) : best;
 }
 
 // A handle, a sliver or a component goes when errors have reached its size: at the price of the mean square of lengths
 // spread evenly about the middle of its extent.
 CollapseWorker::Choice CollapseWorker::break_topology(std::span<const VertexId> neighbours, VertexId v) const {
-  Choice cheapest{no_id, infinity, 0.0F, false};
+  Choice cheapest{no_id, infinity, false};
   float extent2 = 0.0F;
   for (const VertexId u : neighbours) {
     const glm::vec3 edge = state_.edge(v, u);
     extent2 = std::max(extent2, glm::dot(edge, edge));
     const float c = state_.cost(v, u);
-    if (c < cheapest.cost) cheapest = {u, c, 0.0F, false};
+    if (c < cheapest.cost) cheapest = {u, c, false};
   }
   // A star without area has no weight to order it by.
   const float order = std::max(state_.vertices[v].quadric.order(), std::sqrt(extent2));
@@ -121,20 +118,25 @@ CollapseWorker::Choice CollapseWorker::break_topology(std::span<const VertexId> 
   return cheapest;
 }
 
-void CollapseWorker::collapse(VertexId v, const Choice& choice, std::span<const VertexId> ring) {
+// A bound on how far a collapse that keeps the topology moves the surface.
+float CollapseWorker::movement(const Choice& choice, bool is_fan) {
+  if (is_fan) return fan_.change_bound(choice.place);
+  return static_cast<float>(change_bound_(state_.mesh, state_.positions(), ring_, choice.u)) * round_up;
+}
+
+// `moved`: how far the surface moves at most, if the topology is kept.
+void CollapseWorker::collapse(VertexId v, const Choice& choice, std::span<const VertexId> ring, float moved) {
   const VertexId u = choice.u;
   const auto id = static_cast<CollapseId>(block_->first_id + record_.collapses.size());
   const std::size_t first_ended = record_.ended.size();
   record_.faces_gone += state_.mesh.collapse(v, u, id, !choice.keeps_topology, arena_, record_.ended);
   const glm::vec3 edge = state_.edge(v, u);
   float error = std::sqrt(state_.vertices[v].quadric.mean_square(edge));
-  float extent = 0.0F;
   // What ended without keeping the topology may have left nothing near it: its own extent is missing.
   if (!choice.keeps_topology) {
-    extent = longest_edge(std::span(record_.ended).subspan(first_ended));
-    error = std::max(error, extent);
+    moved = longest_edge(std::span(record_.ended).subspan(first_ended));
+    error = std::max(error, moved);
   }
-  const float moved = choice.keeps_topology ? choice.moved : extent;
   const float after = pass_on_errors(choice, v, ring, moved);
   const float to_object = round_up / state_.scale;
   record_.collapses.push_back({v, u, id, first_ended, error * to_object, after * to_object, moved * to_object});

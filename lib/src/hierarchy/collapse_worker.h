@@ -45,8 +45,8 @@ class CollapseWorker {
   struct Choice {
     VertexId u = no_id;
     float cost = 0.0F;
-    float moved = 0.0F;  // bound on how far the surface moves
     bool keeps_topology = false;
+    std::size_t place = 0;  // of u in the ring
   };
 
   void start(const Block& block);
@@ -58,7 +58,8 @@ class CollapseWorker {
   [[nodiscard]] Choice choose_in_fan();
   [[nodiscard]] Choice choose_in_ring();
   [[nodiscard]] Choice break_topology(std::span<const VertexId> neighbours, VertexId v) const;
-  void collapse(VertexId v, const Choice& choice, std::span<const VertexId> ring);
+  [[nodiscard]] float movement(const Choice& choice, bool is_fan);
+  void collapse(VertexId v, const Choice& choice, std::span<const VertexId> ring, float moved);
   float pass_on_errors(const Choice& choice, VertexId v, std::span<const VertexId> ring, float moved);
   void rank(VertexId v, const Choice& choice, std::span<const VertexId> ring);
   void update(VertexId w, VertexId u);
