@@ -4,7 +4,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
-#include <exception>
 #include <fstream>
 #include <string>
 #include <thread>
@@ -14,6 +13,7 @@
 #include "peers/peers.h"
 #include "peers/peers_table.h"
 #include "support/bench_meshes.h"
+#include "support/run_app.h"
 
 namespace occlod::bench {
 namespace {
@@ -107,21 +107,12 @@ int run(int argc, char** argv) {
   CLI::App app("Building a hierarchy beside simplifying with other tools: speed and quality.", "bench_build_peers");
   Options options;
   app.add_option("MESHES", options.meshes, "Files in folders of OCCLOD_MESHES, or planet:LEVEL")->capture_default_str();
-  app.add_option("--repeat", options.repeat, "Rounds; times are medians")
-      ->capture_default_str()
-      ->check(CLI::PositiveNumber);
+  add_repeat_option(app, options.repeat, "Rounds");
   app.add_option("--slow-repeat", options.slow_repeat, "Rounds in which slow tools take part")
       ->capture_default_str()
       ->check(CLI::PositiveNumber);
   app.add_option("--json", options.json, "Write the table, with the time of every run, as JSON");
-  CLI11_PARSE(app, argc, argv);
-  try {
-    run(options);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "bench_build_peers: error: {}\n", error.what());
-    return 1;
-  }
-  return 0;
+  return run_app(app, argc, argv, [&] { run(options); });
 }
 
 }  // namespace

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <ctime>
-#include <exception>
 #include <string>
 #include <utility>
 #include <vector>
@@ -14,6 +13,8 @@
 #include "occlod/hierarchy/build.h"
 #include "occlod/hierarchy/cut_mesh.h"
 #include "support/bench_meshes.h"
+#include "support/median.h"
+#include "support/run_app.h"
 
 namespace occlod::bench {
 namespace {
@@ -39,12 +40,6 @@ struct Bound {
   std::string name;
   BuildOptions options;
 };
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // And its time in milliseconds: processor time of one thread, which other programs disturb little.
 std::pair<Hierarchy, double> build_timed(const TriangleMesh& mesh, BuildOptions options, int repeat) {
@@ -101,17 +96,8 @@ int run(int argc, char** argv) {
   app.add_option("MESHES", options.meshes, "Files in folders of OCCLOD_MESHES, or planet:LEVEL")->capture_default_str();
   app.add_option("--tolerances", options.tolerances, "Percent of the diagonal, ascending")->capture_default_str();
   app.add_option("--samples", options.samples, "Points on each surface")->capture_default_str();
-  app.add_option("--repeat", options.repeat, "Builds; times are medians")
-      ->capture_default_str()
-      ->check(CLI::PositiveNumber);
-  CLI11_PARSE(app, argc, argv);
-  try {
-    run(options);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "bench_error_bound: error: {}\n", error.what());
-    return 1;
-  }
-  return 0;
+  add_repeat_option(app, options.repeat, "Builds");
+  return run_app(app, argc, argv, [&] { run(options); });
 }
 
 }  // namespace

@@ -4,7 +4,6 @@
 
 #include <CLI/CLI.hpp>
 #include <array>
-#include <exception>
 #include <functional>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -20,9 +19,10 @@
 #include "occlod/gl/mark_occlusion.h"
 #include "occlod/gl/query_occlusion.h"
 #include "occlod/occlusion/software_occlusion.h"
+#include "stopwatch.h"
 #include "support/bench_meshes.h"
 #include "support/median.h"
-#include "support/stopwatch.h"
+#include "support/run_app.h"
 
 namespace occlod::bench {
 namespace {
@@ -152,13 +152,13 @@ void measure(Contestant& contestant, const Scene& scene, bool keep) {
   const std::array<OccluderPart, 1> parts{{{0, scene.planet.positions, scene.planet.triangles}}};
   Visibility& visibility = *contestant.visibility;
   visibility.begin_view(scene.view, objects);
-  const Stopwatch drawing;
+  const tool::Stopwatch drawing;
   visibility.draw_occluder(parts);
   // OpenGL draws when somebody wants to know: the first answer waits for the occluder.
   ask(visibility, {scene.questions[0].front()});
   if (keep) contestant.occluder_ms.push_back(drawing.milliseconds());
   for (std::size_t shape = 0; shape < contestant.ms.size(); ++shape) {
-    const Stopwatch asking;
+    const tool::Stopwatch asking;
     contestant.hidden[shape] = ask(visibility, scene.questions[shape]);
     if (keep) contestant.ms[shape].push_back(asking.milliseconds());
   }
@@ -174,7 +174,7 @@ double read_back_ms(gl::Context& context, std::size_t words, int repeat) {
   for (int i = 0; i < repeat; ++i) {
     gl.BindBuffer(GL_SHADER_STORAGE_BUFFER, buffer.id());
     gl::fill(gl, GL_SHADER_STORAGE_BUFFER, std::span<const std::uint32_t>(answers), GL_DYNAMIC_READ);
-    const Stopwatch reading;
+    const tool::Stopwatch reading;
     gl::read_back(gl, answers, "reading back");
     ms.push_back(reading.milliseconds());
   }
@@ -217,17 +217,8 @@ int run(int argc, char** argv) {
       ->check(CLI::PositiveNumber);
   app.add_option("--width", options.width, "Pixels")->capture_default_str();
   app.add_option("--height", options.height, "Pixels")->capture_default_str();
-  app.add_option("--repeat", options.repeat, "Rounds after the first; times are medians")
-      ->capture_default_str()
-      ->check(CLI::PositiveNumber);
-  CLI11_PARSE(app, argc, argv);
-  try {
-    run(options);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "bench_gl_occlusion: error: {}\n", error.what());
-    return 1;
-  }
-  return 0;
+  add_repeat_option(app, options.repeat, "Rounds after the first");
+  return run_app(app, argc, argv, [&] { run(options); });
 }
 
 }  // namespace

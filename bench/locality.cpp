@@ -5,17 +5,17 @@
 
 #include <CLI/CLI.hpp>
 #include <array>
-#include <exception>
 #include <string>
 #include <vector>
 
 #include "occlod/hierarchy/build.h"
 #include "occlod/refine/refiner.h"
+#include "stopwatch.h"
 #include "support/bench_meshes.h"
 #include "support/median.h"
 #include "support/planet_views.h"
 #include "support/renumber.h"
-#include "support/stopwatch.h"
+#include "support/run_app.h"
 
 namespace occlod::bench {
 namespace {
@@ -28,7 +28,7 @@ struct Options {
 
 double refine_ms(Refiner& refiner, const Camera& camera, const RefineOptions& options) {
   NoOcclusion none;
-  const Stopwatch stopwatch;
+  const tool::Stopwatch stopwatch;
   static_cast<void>(refiner.refine(View(camera), options, none));
   return stopwatch.milliseconds();
 }
@@ -64,17 +64,8 @@ int run(int argc, char** argv) {
   Options options;
   app.add_option("MESH", options.mesh, "planet:LEVEL")->capture_default_str();
   app.add_option("--budgets", options.budgets, "Triangles")->capture_default_str();
-  app.add_option("--repeat", options.repeat, "Rounds after the first; times are medians")
-      ->capture_default_str()
-      ->check(CLI::PositiveNumber);
-  CLI11_PARSE(app, argc, argv);
-  try {
-    run(options);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "bench_locality: error: {}\n", error.what());
-    return 1;
-  }
-  return 0;
+  add_repeat_option(app, options.repeat, "Rounds after the first");
+  return run_app(app, argc, argv, [&] { run(options); });
 }
 
 }  // namespace

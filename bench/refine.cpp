@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <exception>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -11,11 +10,12 @@
 #include "occlod/hierarchy/build.h"
 #include "occlod/io/olod.h"
 #include "occlod/refine/refiner.h"
+#include "stopwatch.h"
 #include "support/bench_meshes.h"
 #include "support/median.h"
 #include "support/memory.h"
 #include "support/planet_views.h"
-#include "support/stopwatch.h"
+#include "support/run_app.h"
 
 namespace occlod::bench {
 namespace {
@@ -52,7 +52,7 @@ Planet open(int level, const fs::path& folder) {
   Planet planet;
   planet.level = level;
   planet.file_mb = static_cast<double>(fs::file_size(file)) / 1e6;
-  const Stopwatch stopwatch;
+  const tool::Stopwatch stopwatch;
   planet.hierarchy = std::make_shared<const Hierarchy>(read_olod(file).hierarchy);
   planet.refiner =
       std::make_unique<Refiner>(std::vector<RefineObject>{{planet.hierarchy.get(), glm::dmat4(1.0), false}});
@@ -69,7 +69,7 @@ struct Run {
 
 void refine(const Planet& planet, const Camera& camera, const RefineOptions& options, Run& run) {
   NoOcclusion none;
-  const Stopwatch stopwatch;
+  const tool::Stopwatch stopwatch;
   const Refinement& refinement = planet.refiner->refine(View(camera), options, none);
   const double ms = stopwatch.milliseconds();
   (run.first_ms == 0.0 ? run.first_ms : run.ms.emplace_back()) = ms;
@@ -125,17 +125,8 @@ int run(int argc, char** argv) {
   app.add_option("LEVELS", options.levels, "Levels of the rough planet")->capture_default_str();
   app.add_option("--budgets", options.budgets, "Triangles")->capture_default_str();
   app.add_option("--folder", options.folder, "Where the planets' hierarchies are kept")->capture_default_str();
-  app.add_option("--repeat", options.repeat, "Rounds after the first; times are medians")
-      ->capture_default_str()
-      ->check(CLI::PositiveNumber);
-  CLI11_PARSE(app, argc, argv);
-  try {
-    run(options);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "bench_refine: error: {}\n", error.what());
-    return 1;
-  }
-  return 0;
+  add_repeat_option(app, options.repeat, "Rounds after the first");
+  return run_app(app, argc, argv, [&] { run(options); });
 }
 
 }  // namespace

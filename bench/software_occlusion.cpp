@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <exception>
 #include <glm/geometric.hpp>
 #include <random>
 #include <span>
@@ -20,11 +19,12 @@
 #include "occlod/hierarchy/build.h"
 #include "occlod/occlusion/depth_pyramid.h"
 #include "occlod/refine/refiner.h"
+#include "stopwatch.h"
 #include "support/bench_meshes.h"
 #include "support/median.h"
 #include "support/planet_views.h"
 #include "support/ray_oracle.h"
-#include "support/stopwatch.h"
+#include "support/run_app.h"
 
 namespace occlod::bench {
 namespace {
@@ -120,7 +120,7 @@ template <class Work>
 double median_ms(int repeat, Work work) {
   std::vector<double> ms;
   for (int i = 0; i <= repeat; ++i) {
-    const Stopwatch stopwatch;
+    const tool::Stopwatch stopwatch;
     work();
     if (i > 0) ms.push_back(stopwatch.milliseconds());
   }
@@ -242,17 +242,8 @@ void run(int repeat) {
 int run(int argc, char** argv) {
   CLI::App app("Occluders and tests on the CPU, by instruction set.", "bench_software_occlusion");
   int repeat = 51;
-  app.add_option("--repeat", repeat, "Runs after the first; times are medians")
-      ->capture_default_str()
-      ->check(CLI::PositiveNumber);
-  CLI11_PARSE(app, argc, argv);
-  try {
-    run(repeat);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "bench_software_occlusion: error: {}\n", error.what());
-    return 1;
-  }
-  return 0;
+  add_repeat_option(app, repeat, "Runs after the first");
+  return run_app(app, argc, argv, [&] { run(repeat); });
 }
 
 }  // namespace

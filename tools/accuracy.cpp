@@ -4,13 +4,6 @@
 #include "occlod/hierarchy/cut_mesh.h"
 
 namespace occlod::tool {
-namespace {
-
-std::vector<Triangle> full_triangles(const Hierarchy& hierarchy) {
-  return triangles_of(hierarchy, full_cut(hierarchy));
-}
-
-}  // namespace
 
 PictureDistance distance_to_full_mesh(const std::vector<LoadedObject>& objects, const View& view,
                                       const ItemBuffer& items, std::span<const DrawObject> refined) {
@@ -18,7 +11,7 @@ PictureDistance distance_to_full_mesh(const std::vector<LoadedObject>& objects, 
   triangles.reserve(objects.size());
   std::vector<DrawObject> full;
   for (const LoadedObject& object : objects) {
-    triangles.push_back(full_triangles(*object.hierarchy));
+    triangles.push_back(triangles_of(*object.hierarchy, full_cut(*object.hierarchy)));
     full.push_back(draw_object(object, triangles.back()));
   }
   ItemBuffer full_items;

@@ -66,8 +66,7 @@ bool star_is_seen(const Hierarchy& hierarchy, SplitId s, const View& view) {
     return glm::dot(glm::cross(b - a, c - a), eye - a) > -1e-9;
   };
   bool any = false;
-  hierarchy.star(s).for_each_inserted([&](const Triangle& t) { any = any || seen(t); });
-  hierarchy.star(s).for_each_removed([&](const FaceRef&, const Triangle& t) { any = any || seen(t); });
+  hierarchy.star(s).for_each_face([&](const Triangle& t) { any = any || seen(t); });
   return any;
 }
 

@@ -95,21 +95,18 @@ class Assembler {
   }
 
  private:
-  // Split s undoes the s-th last collapse; ids of collapses are their places.
-  [[nodiscard]] SplitId split_of(CollapseId id) const { return split_count_ - 1 - id; }
-  [[nodiscard]] std::size_t collapse_index(SplitId s) const { return split_count_ - 1 - s; }
-  [[nodiscard]] const Collapse& collapse_of(SplitId s) const { return sequence_.collapses[collapse_index(s)]; }
+  // Split s undoes the s-th last collapse; ids of collapses are their places. Either from the other.
+  [[nodiscard]] std::uint32_t reversed(std::uint32_t id) const { return split_count_ - 1 - id; }
+  [[nodiscard]] const Collapse& collapse_of(SplitId s) const { return sequence_.collapses[reversed(s)]; }
   [[nodiscard]] std::span<LevelFace> star_of(SplitId s) {
     const std::size_t begin = collapse_of(s).first_ended;
-    return {sequence_.ended.data() + begin, sequence_.collapses[collapse_index(s) + 1].first_ended - begin};
+    return {sequence_.ended.data() + begin, sequence_.collapses[reversed(s) + 1].first_ended - begin};
   }
   [[nodiscard]] Triangle renumbered(const Triangle& t) const { return {new_id_[t.x], new_id_[t.y], new_id_[t.z]}; }
 
   template <typename Visit>
   void for_each_split(const Visit& visit) const {
-    for_each_range(split_count_, threads_, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t s = begin; s < end; ++s) visit(static_cast<SplitId>(s));
-    });
+    for_each_id(split_count_, threads_, visit);
   }
 
   void number_vertices() {
@@ -125,9 +122,7 @@ class Assembler {
   void copy_vertices() {
     const auto permute = [&](const auto& from, auto& to) {
       to.resize(from.size());
-      for_each_range(from.size(), threads_, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t v = begin; v < end; ++v) to[new_id_[v]] = from[v];
-      });
+      for_each_id(from.size(), threads_, [&](VertexId v) { to[new_id_[v]] = from[v]; });
     };
     permute(mesh_.positions, result_.data.positions);
     permute(mesh_.normals, result_.data.normals);
@@ -148,7 +143,7 @@ class Assembler {
     removed_.resize(sequence_.ended.size());
     for (std::uint32_t slot = 0; slot < sequence_.base.size(); ++slot)
       if (const LevelFace& face = sequence_.base[slot]; face.made_by != no_id)
-        misplaced_.push_back({split_of(face.made_by), {no_id, slot}});
+        misplaced_.push_back({reversed(face.made_by), {no_id, slot}});
     std::mutex mutex;
     for_each_range(split_count_, threads_, [&](std::size_t begin, std::size_t end) {
       const std::vector<MisplacedFace> misplaced =
@@ -167,7 +162,7 @@ class Assembler {
     for (SplitId s = begin; s < end; ++s) {
       const std::span<const LevelFace> star = star_of(s);
       for (std::uint32_t slot = 0; slot < star.size(); ++slot)
-        if (star[slot].made_by != no_id) faces.push_back({split_of(star[slot].made_by), {s, slot}});
+        if (star[slot].made_by != no_id) faces.push_back({reversed(star[slot].made_by), {s, slot}});
     }
     for (std::size_t i = 0; i < faces.size(); ++i) {
       if (i + 2 * ahead < faces.size()) prefetch(&collapse_of(faces[i + 2 * ahead].split));

@@ -1,6 +1,5 @@
 #include "occlod/hierarchy/hierarchy.h"
 
-#include <algorithm>
 #include <cassert>
 #include <utility>
 
@@ -13,11 +12,6 @@ LargeVector<T> to_vector(std::span<const T> values) {
 }
 
 }  // namespace
-
-std::size_t SplitGuard::checked_block_count() const noexcept {
-  return static_cast<std::size_t>(
-      std::count_if(checked_.begin(), checked_.end(), [](const auto& checked) { return checked.load(); }));
-}
 
 HierarchyView view_of(const HierarchyData& data) {
   return {data.positions,  data.normals,    data.colors,

@@ -42,9 +42,7 @@ LargeVector<Source> by_rank(const std::vector<BlockRecord>& records, unsigned th
     }
   sort_by_key(keyed, 32 - dropped_bits, threads);
   LargeVector<Source> result(count);
-  for_each_range(count, threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) result[i] = sources[keyed[i].item];
-  });
+  for_each_id(count, threads, [&](CollapseId i) { result[i] = sources[keyed[i].item]; });
   return result;
 }
 
@@ -59,14 +57,12 @@ CollapseSequence join_records(std::vector<BlockRecord>& records, std::vector<Lev
   LargeVector<CollapseId> new_id(ids);
   CollapseSequence sequence;
   sequence.collapses.resize(order.size() + 1);
-  for_each_range(order.size(), threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const BlockRecord& record = records[order[i].record];
-      Collapse& collapse = sequence.collapses[i] = record.collapses[order[i].index];
-      new_id[collapse.id] = static_cast<CollapseId>(i);
-      collapse.id = static_cast<CollapseId>(i);
-      collapse.first_ended = ended_count(record, order[i].index);
-    }
+  for_each_id(order.size(), threads, [&](CollapseId i) {
+    const BlockRecord& record = records[order[i].record];
+    Collapse& collapse = sequence.collapses[i] = record.collapses[order[i].index];
+    new_id[collapse.id] = i;
+    collapse.id = i;
+    collapse.first_ended = ended_count(record, order[i].index);
   });
   std::size_t ended = 0;
   for (Collapse& collapse : sequence.collapses) ended += std::exchange(collapse.first_ended, ended);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <thread>
 #include <vector>
 
@@ -41,6 +42,14 @@ void for_each_range(std::size_t count, unsigned threads, const Visit& visit, con
 template <typename Visit>
 void for_each_range(std::size_t count, unsigned threads, const Visit& visit) {
   for_each_range(count, threads, visit, [](std::size_t) {});
+}
+
+// Calls visit(i) for every i of [0, count), likewise; all are ids, so below 2^32.
+template <typename Visit>
+void for_each_id(std::size_t count, unsigned threads, const Visit& visit) {
+  for_each_range(count, threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) visit(static_cast<std::uint32_t>(i));
+  });
 }
 
 // Calls visit(begin, end, part) for `threads` consecutive parts of [0, count), each on a thread of its own.

@@ -96,9 +96,7 @@ class Simplifier {
   }
 
   [[nodiscard]] std::vector<Block> make_blocks(std::size_t size, float threshold) {
-    for_each_range(live_.size(), threads_, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) state_->turns[live_[i]].place = static_cast<std::uint32_t>(i);
-    });
+    for_each_id(live_.size(), threads_, [&](std::uint32_t i) { state_->turns[live_[i]].place = i; });
     std::vector<Block> blocks;
     for (std::size_t begin = 0; begin < live_.size(); begin += size) {
       const auto vertices = std::span<const VertexId>(live_).subspan(begin, std::min(size, live_.size() - begin));

@@ -30,8 +30,8 @@ SimplifyState::SimplifyState(const TriangleMesh& input, double boundary_weight, 
       vertices(input.vertex_count()),
       mesh(input.triangles, input.vertex_count(), threads),
       turns(input.vertex_count()) {
-  for_each_range(vertices.size(), threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t v = begin; v < end; ++v) vertices[v] = {input.positions[v] * scale, infinity, 0.0F, {}};
+  for_each_id(vertices.size(), threads, [&](VertexId v) {
+    vertices[v] = {input.positions[v] * scale, infinity, 0.0F, {}};
   });
   const ProgressPart part{progress.progress, progress.first, progress.last, static_cast<double>(vertices.size())};
   for_each_range(

@@ -45,10 +45,7 @@ class MortonGrid {
 template <typename T>
 std::vector<T> permuted(const std::vector<T>& values, const std::vector<VertexId>& order, unsigned threads) {
   std::vector<T> result(values.size());
-  if (!values.empty())
-    for_each_range(order.size(), threads, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) result[i] = values[order[i]];
-    });
+  if (!values.empty()) for_each_id(order.size(), threads, [&](std::uint32_t i) { result[i] = values[order[i]]; });
   return result;
 }
 
@@ -58,13 +55,11 @@ void sort_spatially(const PositionView& positions, const MortonCurve& curve, std
                     unsigned threads) {
   const MortonGrid grid(curve);
   LargeVector<Keyed> keyed(vertices.size());
-  for_each_range(vertices.size(), threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) keyed[i] = {grid.code(positions[vertices[i]]), vertices[i]};
+  for_each_id(vertices.size(), threads, [&](std::uint32_t i) {
+    keyed[i] = {grid.code(positions[vertices[i]]), vertices[i]};
   });
   sort_by_key(keyed, 3 * curve.bits, threads);
-  for_each_range(vertices.size(), threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) vertices[i] = keyed[i].item;
-  });
+  for_each_id(vertices.size(), threads, [&](std::uint32_t i) { vertices[i] = keyed[i].item; });
 }
 
 TriangleMesh in_spatial_order(const TriangleMesh& mesh, unsigned threads) {
@@ -76,15 +71,11 @@ TriangleMesh in_spatial_order(const TriangleMesh& mesh, unsigned threads) {
   result.normals = permuted(mesh.normals, order, threads);
   result.colors = permuted(mesh.colors, order, threads);
   std::vector<VertexId> new_id(order.size());
-  for_each_range(order.size(), threads, [&](std::size_t begin, std::size_t end) {
-    for (auto i = static_cast<VertexId>(begin); i < end; ++i) new_id[order[i]] = i;
-  });
+  for_each_id(order.size(), threads, [&](VertexId i) { new_id[order[i]] = i; });
   result.triangles.resize(mesh.triangles.size());
-  for_each_range(mesh.triangles.size(), threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t f = begin; f < end; ++f) {
-      const Triangle& t = mesh.triangles[f];
-      result.triangles[f] = {new_id[t.x], new_id[t.y], new_id[t.z]};
-    }
+  for_each_id(mesh.triangles.size(), threads, [&](FaceId f) {
+    const Triangle& t = mesh.triangles[f];
+    result.triangles[f] = {new_id[t.x], new_id[t.y], new_id[t.z]};
   });
   return result;
 }

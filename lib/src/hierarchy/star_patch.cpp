@@ -107,18 +107,12 @@ class FanPatch {
   std::size_t normal_count_ = 0;
 };
 
-template <typename Visit>
-void for_each_face(const SplitStar& star, const Visit& visit) {
-  star.for_each_inserted(visit);
-  star.for_each_removed([&](const FaceRef&, const Triangle& t) { visit(t); });
-}
-
 BoundedPatch bound_any(const SplitStar& star, std::span<const glm::vec3> positions) {
   const glm::vec3& own = positions[star.vertex()];
   BoundedPatch result{{}, {own, own}};
   Patch& patch = result.patch;
   glm::vec3 sum(0.0F);
-  for_each_face(star, [&](const Triangle& t) {
+  star.for_each_face([&](const Triangle& t) {
     for (int k = 0; k < 3; ++k) {
       result.box.min = glm::min(result.box.min, positions[t[k]]);
       result.box.max = glm::max(result.box.max, positions[t[k]]);
@@ -128,7 +122,7 @@ BoundedPatch bound_any(const SplitStar& star, std::span<const glm::vec3> positio
   patch.axis = axis_of(sum);
   patch.sphere.center = 0.5F * result.box.min + 0.5F * result.box.max;
   float radius = glm::distance(own, patch.sphere.center);
-  for_each_face(star, [&](const Triangle& t) {
+  star.for_each_face([&](const Triangle& t) {
     for (int k = 0; k < 3; ++k) radius = std::max(radius, glm::distance(positions[t[k]], patch.sphere.center));
     const glm::vec3 normal = unit_normal(positions[t.x], positions[t.y], positions[t.z]);
     if (normal != glm::vec3(0.0F)) include_normal(patch, normal);

@@ -72,9 +72,7 @@ class SubtreeBounds {
 
   template <typename Visit>
   void for_each_split(const Visit& visit) const {
-    for_each_range(splits_, threads_, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t s = begin; s < end; ++s) visit(static_cast<SplitId>(s));
-    });
+    for_each_id(splits_, threads_, visit);
   }
 
   void bound_stars() {

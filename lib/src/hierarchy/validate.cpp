@@ -177,27 +177,20 @@ class Validator {
   template <typename Visit>
   void for_each_own_point(SplitId s, const Visit& visit) const {
     visit(d_.positions[h_.vertex_of(s)]);
-    for_each_own_face(s, [&](const Triangle& t) {
+    h_.star(s).for_each_face([&](const Triangle& t) {
       for (int k = 0; k < 3; ++k) visit(d_.positions[t[k]]);
     });
   }
   // The unit normals of those that have an area.
   template <typename Visit>
   void for_each_own_normal(SplitId s, const Visit& visit) const {
-    for_each_own_face(s, [&](const Triangle& t) {
+    h_.star(s).for_each_face([&](const Triangle& t) {
       const glm::dvec3 a(d_.positions[t.x]), b(d_.positions[t.y]), c(d_.positions[t.z]);
       const glm::dvec3 normal = glm::cross(b - a, c - a);
       const double length = glm::length(normal);
       if (length > 0.0) visit(glm::vec3(normal / length));
     });
   }
-  template <typename Visit>
-  void for_each_own_face(SplitId s, const Visit& visit) const {
-    const SplitStar star = h_.star(s);
-    star.for_each_inserted(visit);
-    star.for_each_removed([&](const FaceRef&, const Triangle& t) { visit(t); });
-  }
-
   // Entry leaves_ + i of a segment tree bounds place i of the order; inner entries bound their two children. A box with
   // min > max is empty.
   void make_segments() {

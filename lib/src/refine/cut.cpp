@@ -1,7 +1,6 @@
 #include "cut.h"
 
 #include <algorithm>
-#include <bit>
 #include <cassert>
 #include <new>
 

@@ -25,12 +25,6 @@ bool wholly_inside(const Sphere& sphere, const ObjectView& view) {
   });
 }
 
-template <typename Visit>
-void for_each_face(const SplitStar& star, const Visit& visit) {
-  star.for_each_inserted(visit);
-  star.for_each_removed([&](const FaceRef&, const Triangle& t) { visit(t); });
-}
-
 }  // namespace
 
 StarView StarLook::look(const Hierarchy& hierarchy, SplitId s, const ObjectView& view, bool two_sided) {
@@ -44,7 +38,7 @@ StarView StarLook::look(const Hierarchy& hierarchy, SplitId s, const ObjectView&
   const std::span<const glm::vec3> positions = hierarchy.positions();
   int faces = 0;
   int visible = 0;
-  for_each_face(hierarchy.star(s), [&](const Triangle& t) {
+  hierarchy.star(s).for_each_face([&](const Triangle& t) {
     const glm::vec3 &a = positions[t.x], &b = positions[t.y], &c = positions[t.z];
     ++faces;
     if ((two_sided || faces_eye(a, b, c, view)) && (inside || may_be_inside(a, b, c, view))) ++visible;
@@ -73,7 +67,7 @@ void StarLook::gather(const Hierarchy& hierarchy, SplitId s) {
 }
 
 void StarLook::gather_corners(const SplitStar& star) {
-  for_each_face(star, [&](const Triangle& t) { ids_.insert(ids_.end(), {t.x, t.y, t.z}); });
+  star.for_each_face([&](const Triangle& t) { ids_.insert(ids_.end(), {t.x, t.y, t.z}); });
   std::sort(ids_.begin(), ids_.end());
   ids_.erase(std::unique(ids_.begin(), ids_.end()), ids_.end());
 }

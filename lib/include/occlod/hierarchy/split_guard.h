@@ -16,8 +16,7 @@ class SplitGuard {
   static constexpr std::uint32_t block_bits = 10;
   static constexpr std::size_t block_size = std::size_t{1} << block_bits;
 
-  explicit SplitGuard(std::size_t split_count)
-      : split_count_(split_count), checked_((split_count + block_size - 1) / block_size) {}
+  explicit SplitGuard(std::size_t split_count) : checked_((split_count + block_size - 1) / block_size) {}
   SplitGuard(const SplitGuard&) = delete;
   SplitGuard& operator=(const SplitGuard&) = delete;
   virtual ~SplitGuard() = default;
@@ -30,14 +29,11 @@ class SplitGuard {
     checked.store(true, std::memory_order_release);
   }
 
-  [[nodiscard]] std::size_t split_count() const noexcept { return split_count_; }
   [[nodiscard]] std::size_t block_count() const noexcept { return checked_.size(); }
-  [[nodiscard]] std::size_t checked_block_count() const noexcept;
 
  private:
   virtual void check_block(std::size_t block) = 0;
 
-  std::size_t split_count_;
   std::vector<std::atomic<bool>> checked_;
 };
 

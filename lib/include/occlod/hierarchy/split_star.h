@@ -74,6 +74,13 @@ class SplitStar {
   template <typename Visit>
   void for_each_removed(const Visit& visit) const;
 
+  // Calls visit(Triangle) for all of them, inserted faces first.
+  template <typename Visit>
+  void for_each_face(const Visit& visit) const {
+    for_each_inserted(visit);
+    for_each_removed([&](const FaceRef&, const Triangle& t) { visit(t); });
+  }
+
   // How many words the record has.
   [[nodiscard]] std::size_t word_count() const noexcept {
     const std::size_t head = dependency_count_ + std::size_t{is_fan() ? 1 + ring_size_ : 5 + 3 * inserted_count_};
