@@ -134,6 +134,26 @@ void add_input_options(CLI::App& command, Options& options) {
   command.add_flag("!--no-cache", options.input.use_cache, "Build hierarchies anew and keep none");
 }
 
+// Of "none", "adaptive" or ascending numbers.
+std::optional<std::vector<std::uint32_t>> parse_occluder_splits(const std::vector<std::string>& steps) {
+  if (steps.size() == 1 && steps[0] == "adaptive") return std::nullopt;
+  std::vector<std::uint32_t> splits;
+  if (steps.size() == 1 && steps[0] == "none") return splits;
+  for (const std::string& step : steps) {
+    std::uint32_t value = 0;
+    if (!CLI::detail::lexical_cast(step, value) || (!splits.empty() && value <= splits.back()))
+      throw CLI::ValidationError("--occluder-splits", "is not adaptive, none or ascending numbers: " + step);
+    splits.push_back(value);
+  }
+  return splits;
+}
+
+void add_weight(CLI::App& command, const std::string& name, double& exponent, const std::string& of) {
+  command.add_option(name, exponent, "star: exponent of " + of + " in a split's priority; 0 = not weighed")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber);
+}
+
 void add_refine_options(CLI::App& command, RefineOptions& refine) {
   static const std::map<std::string, Culling> cullings = {{"subtree", Culling::subtree}, {"star", Culling::star}};
   static const std::map<std::string, Proxy> proxies = {
@@ -146,7 +166,7 @@ void add_refine_options(CLI::App& command, RefineOptions& refine) {
       ->check(CLI::NonNegativeNumber);
   command.add_option("--culling", refine.culling, "subtree (the paper) or star; star when not given")
       ->transform(CLI::CheckedTransformer(cullings));
-  command.add_option("--proxy", refine.proxy, "Bounds to ask about: cylinder, box or sphere; cylinder when not given")
+  command.add_option("--proxy", refine.proxy, "Bounds to ask about: box, cylinder or sphere; box when not given")
       ->transform(CLI::CheckedTransformer(proxies));
   command.add_option("--levels", refine.level_step, "Ask about occlusion on every N-th level of the forest")
       ->capture_default_str()
@@ -158,14 +178,18 @@ void add_refine_options(CLI::App& command, RefineOptions& refine) {
           "it hides nothing that is visible; paper when not given")
       ->transform(CLI::CheckedTransformer(modes));
   command
-      .add_option("--occluder-splits", refine.occluder_splits, "Draw the occluder after so many splits, e.g. 300,2500")
+      .add_option_function<std::vector<std::string>>(
+          "--occluder-splits",
+          [&refine](const std::vector<std::string>& steps) { refine.occluder_splits = parse_occluder_splits(steps); },
+          "Draw the occluder after so many splits, e.g. 300,2500; never for `none`; when it has changed enough for "
+          "`adaptive` or when not given")
       ->delimiter(',')
       ->allow_extra_args(false);
-  command
-      .add_option("--visible-exponent", refine.visible_exponent,
-                  "Weight of the visible share of a split's faces; 0 = none")
-      ->capture_default_str()
-      ->check(CLI::NonNegativeNumber);
+  command.add_flag("!--no-retest", refine.retest_hidden, "Do not ask again about what an older occluder hid");
+  command.add_flag("!--no-final-check", refine.final_check, "Do not ask about hidden parts before the final mesh");
+  add_weight(command, "--visible-exponent", refine.visible_exponent, "the visible share of a split's faces");
+  add_weight(command, "--grazing-exponent", refine.grazing_exponent, "one over the cosine under which they are seen");
+  add_weight(command, "--forced-exponent", refine.forced_exponent, "one over the unseen splits that it forces");
 }
 
 void add_backend_options(CLI::App& command, BackendOptions& backend) {

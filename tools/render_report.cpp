@@ -19,7 +19,11 @@ void add_what_was_asked(Json& report, const RenderResult& result) {
   report["visible_exponent"] = options.visible_exponent;
   report["proxy"] = name_of(options.proxy);
   report["level_step"] = options.level_step;
-  report["occluder_splits"] = options.occluder_splits;
+  report["grazing_exponent"] = options.grazing_exponent;
+  report["forced_exponent"] = options.forced_exponent;
+  report["occluder_splits"] = options.occluder_splits ? Json(*options.occluder_splits) : Json("adaptive");
+  report["retest_hidden"] = options.retest_hidden;
+  report["final_check"] = options.final_check;
 }
 
 void add_stats(Json& report, const RenderResult& result) {
@@ -30,6 +34,7 @@ void add_stats(Json& report, const RenderResult& result) {
       static_cast<double>(result.visible_triangles) / static_cast<double>(std::max<std::size_t>(stats.triangles, 1));
   report["splits"] = stats.splits;
   report["forced_splits"] = stats.forced_splits;
+  report["forced_unseen_splits"] = stats.forced_unseen_splits;
   report["rejected_splits"] = stats.rejected_splits;
   report["visits"] = stats.visits;
   report["culled_frustum"] = stats.culled_frustum;
@@ -38,6 +43,8 @@ void add_stats(Json& report, const RenderResult& result) {
   report["queries"] = stats.queries;
   report["queries_hidden"] = stats.queries_hidden;
   report["occluder_draws"] = stats.occluder_draws;
+  report["readmitted"] = stats.readmitted;
+  report["taken_back"] = stats.taken_back;
   report["refine_ms"] = result.times.refine_ms;
   report["occlusion_ms"] = result.times.occlusion_ms;
   report["draw_ms"] = result.times.draw_ms;

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <random>
 #include <set>
+#include <string>
 
 #include "occlod/hierarchy/build.h"
 #include "support/meshes.h"
@@ -71,6 +73,76 @@ TEST(Cut, AllSplitsGiveTheInputAndClearGivesTheBase) {
   const auto base = hierarchy().data().base_faces;
   EXPECT_EQ(triangles, std::vector<Triangle>(base.begin(), base.end()));
 }
+
+// By definition: nothing that is applied depends on it.
+bool is_leaf_by_definition(SplitId s, const Cut& cut) {
+  for (SplitId t = s + 1; t < cut.hierarchy().split_count(); ++t) {
+    if (!cut.applied(t)) continue;
+    const std::span<const SplitId> needed = cut.hierarchy().star(t).dependencies();
+    if (std::find(needed.begin(), needed.end(), s) != needed.end()) return false;
+  }
+  return true;
+}
+
+std::vector<Triangle> triangles_of(Cut& cut) {
+  std::vector<Triangle> triangles;
+  cut.active_triangles(triangles, true);
+  return triangles;
+}
+
+// Random steps forth and back. Afterwards the state is that of a fresh cut with the same splits: nothing of the way
+// there is left. Open grids have ears, whose splits are needed for a corner alone; tetrahedra
+// vanish.
+class CutForthAndBack : public ::testing::TestWithParam<const char*> {
+ protected:
+  static TriangleMesh mesh() {
+    const std::string kind = GetParam();
+    if (kind == "sphere") return test::noisy_sphere(3, 1);
+    if (kind == "grid") return test::grid(9, 7);
+    return test::many_tetrahedra(12);
+  }
+};
+
+TEST_P(CutForthAndBack, EqualsAFreshCutWithTheSameSplits) {
+  BuildOptions options;
+  options.base_triangles = 2;
+  const Hierarchy hierarchy = build_hierarchy(mesh(), options);
+  Cut cut(hierarchy);
+  std::mt19937 random(7);
+  const auto count = static_cast<std::uint32_t>(hierarchy.split_count());
+  ASSERT_GT(count, 0U);
+  std::size_t taken_back = 0;
+  for (int step = 0; step < 2000; ++step) {
+    const SplitId s = random() % count;
+    if (!cut.applied(s)) {
+      (void)cut.closure(s);
+      cut.apply_closure();
+    } else {
+      const bool leaf = cut.is_leaf(s);
+      ASSERT_EQ(leaf, is_leaf_by_definition(s, cut)) << "split " << s << " at step " << step;
+      if (!leaf) continue;
+      cut.take_back(s);
+      ++taken_back;
+      EXPECT_FALSE(cut.applied(s));
+    }
+    if (step % 100 != 0) continue;
+    const std::vector<Triangle> triangles = triangles_of(cut);
+    ASSERT_EQ(triangles.size(), cut.triangle_count());
+    Cut fresh(hierarchy);
+    for (SplitId t = 0; t < count; ++t)
+      if (cut.applied(t)) {
+        (void)fresh.closure(t);
+        fresh.apply_closure();
+      }
+    ASSERT_EQ(triangles_of(fresh), triangles);
+    ASSERT_TRUE(std::equal(cut.applied_splits().begin(), cut.applied_splits().end(), fresh.applied_splits().begin(),
+                           fresh.applied_splits().end()));
+  }
+  EXPECT_GT(taken_back, 100U);
+}
+
+INSTANTIATE_TEST_SUITE_P(Meshes, CutForthAndBack, ::testing::Values("sphere", "grid", "tetrahedra"),
+                         [](const auto& instance) { return instance.param; });
 
 }  // namespace
 }  // namespace occlod

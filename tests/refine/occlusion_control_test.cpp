@@ -63,7 +63,7 @@ class OcclusionControl : public ::testing::Test {
     objects_[0].object_to_world = glm::translate(glm::dmat4(1.0), {-1.2, 0, 0});
     objects_[1].object_to_world = glm::translate(glm::dmat4(1.0), {1.2, 0, 0});
     options_.budget = 3000;
-    options_.occluder_splits = {100, 600};
+    options_.occluder_splits = {{100, 600}};
   }
   const Refinement& refine(Visibility& visibility) {
     refiner_ = std::make_unique<Refiner>(objects_);
@@ -110,7 +110,7 @@ TEST_F(OcclusionControl, OccludersAreDrawnAtTheStepsAndWhatTheyHidIsAskedAgain) 
   ScriptedVisibility recovering(
       [](const VisibilityQuery& q, std::size_t occluders) { return occluders >= 2 || q.object != 1; });
   const Refinement& result = refine(recovering);
-  ASSERT_EQ(recovering.occluders.size(), 2U);
+  ASSERT_EQ(recovering.occluders.size(), 2U);  // nothing was hidden at the end, so nothing had to be checked
   EXPECT_EQ(result.stats.occluder_draws, 2U);
   // Drawn when 100 (600) splits are applied; each closed-surface split has two triangles, forced ones may overshoot a
   // little.
@@ -123,8 +123,58 @@ TEST_F(OcclusionControl, OccludersAreDrawnAtTheStepsAndWhatTheyHidIsAskedAgain) 
   EXPECT_GT(result.objects[1].splits.size(), 300U);
 }
 
+// The given occluders hide the second object; the final mesh does not.
+TEST_F(OcclusionControl, FinalCheckReadmitsWhatTheFinalMeshShows) {
+  for (const std::size_t flight : {1U, 8U}) {
+    const auto rule = [](const VisibilityQuery& q, std::size_t occluders) { return occluders >= 3 || q.object != 1; };
+    options_.final_check = false;
+    ScriptedVisibility unchecked(rule, flight);
+    const Refinement& without = refine(unchecked);
+    EXPECT_EQ(without.stats.occluder_draws, 2U);
+    EXPECT_LE(without.objects[1].splits.size(), 110U);
+    const double most_error_px = without.stats.max_quadric_error_px;
+
+    options_.final_check = true;
+    ScriptedVisibility checked(rule, flight);
+    const Refinement& result = refine(checked);
+    EXPECT_EQ(result.stats.occluder_draws, 3U);
+    EXPECT_GT(result.stats.readmitted, 0U);
+    EXPECT_GT(result.stats.taken_back, 0U);  // the budget had been used up
+    EXPECT_LE(result.stats.triangles, options_.budget);
+    EXPECT_EQ(result.stats.culled_occlusion, 0U);
+    // Both objects are the same and as near: each has about half of the splits in the end.
+    const auto splits = static_cast<double>(result.stats.splits);
+    EXPECT_NEAR(static_cast<double>(result.objects[1].splits.size()), splits / 2, splits / 10);
+    EXPECT_EQ(result.stats.splits, result.objects[0].splits.size() + result.objects[1].splits.size());
+    EXPECT_GT(result.stats.max_quadric_error_px, most_error_px);  // which the other run did not know of
+    for (const RefinedObject& object : result.objects) test::expect_valid_cut(hierarchy_, object);
+  }
+}
+
+TEST_F(OcclusionControl, WithoutRetestHiddenStaysHiddenUntilTheFinalCheck) {
+  ScriptedVisibility recovering(
+      [](const VisibilityQuery& q, std::size_t occluders) { return occluders >= 2 || q.object != 1; });
+  options_.retest_hidden = false;
+  options_.final_check = false;
+  const Refinement& result = refine(recovering);
+  EXPECT_EQ(result.stats.occluder_draws, 2U);
+  EXPECT_LE(result.objects[1].splits.size(), 110U);
+  EXPECT_GT(result.stats.culled_occlusion, 0U);
+}
+
+TEST_F(OcclusionControl, SplitsThatForceUnseenOnesWait) {
+  NoOcclusion none;
+  options_.forced_exponent = 0.0;
+  const std::size_t careless = refine(none).stats.forced_unseen_splits;
+  options_.forced_exponent = 0.5;
+  const Refinement& result = refine(none);
+  EXPECT_LT(result.stats.forced_unseen_splits, careless * 3 / 4);
+  EXPECT_GE(result.stats.triangles + 1, options_.budget);
+  for (const RefinedObject& object : result.objects) test::expect_valid_cut(hierarchy_, object);
+}
+
 TEST_F(OcclusionControl, NoOccluderNoQuestions) {
-  options_.occluder_splits.clear();
+  options_.occluder_splits.emplace();
   ScriptedVisibility hides_all([](const VisibilityQuery&, std::size_t) { return false; });
   EXPECT_EQ(refine(hides_all).stats.queries, 0U);
   EXPECT_EQ(hides_all.views, 2U);

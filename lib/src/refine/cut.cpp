@@ -2,16 +2,9 @@
 
 #include <algorithm>
 #include <cassert>
-#include <new>
 
 namespace occlod {
 namespace {
-
-std::unique_ptr<std::uint32_t[], decltype(&std::free)> zeros(std::size_t count) {
-  void* const memory = std::calloc(std::max<std::size_t>(count, 1), sizeof(std::uint32_t));
-  if (memory == nullptr) throw std::bad_alloc();
-  return {static_cast<std::uint32_t*>(memory), &std::free};
-}
 
 std::uint64_t key_of(SplitId s, std::uint32_t slot) { return std::uint64_t{s} << 32U | slot; }
 
@@ -19,7 +12,7 @@ std::uint64_t key_of(SplitId s, std::uint32_t slot) { return std::uint64_t{s} <<
 
 Cut::Cut(const Hierarchy& hierarchy)
     : hierarchy_(&hierarchy),
-      state_(zeros(hierarchy.split_count())),
+      state_(zeroed_array<std::uint32_t>(hierarchy.split_count())),
       base_removed_(hierarchy.base_triangle_count(), false),
       triangles_(hierarchy.base_triangle_count()) {}
 
@@ -27,7 +20,9 @@ void Cut::clear() {
   for (const SplitId s : applied_) state_[s] = 0;
   base_removed_.assign(base_removed_.size(), false);
   others_removed_.clear();
+  corner_needs_.clear();
   applied_.clear();
+  some_taken_back_ = false;
   triangles_ = hierarchy_->base_triangle_count();
 }
 
@@ -53,23 +48,69 @@ Cut::Closure Cut::closure(SplitId s) {
 }
 
 void Cut::apply_closure() {
-  for (const SplitId s : closure_) {
-    state_[s] |= applied_bit;
-    hierarchy_->star(s).for_each_removed([&](const FaceRef& face, const Triangle&) { remove(face); });
-  }
-  applied_.insert(applied_.end(), closure_.begin(), closure_.end());
+  for (const SplitId s : closure_) apply(s);
   triangles_ = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(triangles_) + closure_gain_);
   closure_.clear();
   closure_gain_ = 0;
 }
 
-void Cut::remove(const FaceRef& face) {
+void Cut::apply(SplitId s) {
+  const SplitStar star = hierarchy_->star(s);
+  star.for_each_removed([&](const FaceRef& face, const Triangle&) { set_removed(face, true); });
+  for_each_corner_need(star, [&](SplitId needed) { ++corner_needs_[needed]; });
+  if ((state_[s] & listed_bit) == 0) applied_.push_back(s);
+  state_[s] |= applied_bit | listed_bit;
+}
+
+bool Cut::is_leaf(SplitId s) const {
+  assert(applied(s));
+  if ((state_[s] & mask_bits) != 0 || corner_needs_.contains(s)) return false;
+  for (std::uint32_t slot = mask_slots; slot < hierarchy_->star(s).inserted_count(); ++slot)
+    if (removed(s, slot)) return false;
+  return true;
+}
+
+void Cut::take_back(SplitId s) {
+  assert(applied(s) && is_leaf(s));
+  const SplitStar star = hierarchy_->star(s);
+  star.for_each_removed([&](const FaceRef& face, const Triangle&) { set_removed(face, false); });
+  for_each_corner_need(star, [&](SplitId needed) {
+    const auto at = corner_needs_.find(needed);
+    if (--at->second == 0) corner_needs_.erase(at);
+  });
+  state_[s] &= ~applied_bit;
+  triangles_ = triangles_ + star.removed_count() - star.inserted_count();
+  some_taken_back_ = true;
+}
+
+void Cut::drop_taken_back() {
+  if (!some_taken_back_) return;
+  const auto taken_back = [&](SplitId s) { return !applied(s); };
+  for (const SplitId s : applied_)
+    if (taken_back(s)) state_[s] &= ~listed_bit;
+  applied_.erase(std::remove_if(applied_.begin(), applied_.end(), taken_back), applied_.end());
+  some_taken_back_ = false;
+}
+
+// Only ears of a boundary and stars that are no fan have any.
+template <typename Visit>
+void Cut::for_each_corner_need(const SplitStar& star, const Visit& visit) {
+  if (star.is_fan() && star.inserted_count() == star.ring().size()) return;
+  removed_from_.clear();
+  star.for_each_removed([&](const FaceRef& face, const Triangle&) { removed_from_.push_back(face.split); });
+  for (const SplitId needed : star.dependencies())
+    if (std::find(removed_from_.begin(), removed_from_.end(), needed) == removed_from_.end()) visit(needed);
+}
+
+void Cut::set_removed(const FaceRef& face, bool removed) {
   if (face.split == no_id)
-    base_removed_[face.slot] = true;
+    base_removed_[face.slot] = removed;
   else if (face.slot < mask_slots)
-    state_[face.split] |= 1U << face.slot;
-  else
+    state_[face.split] = removed ? state_[face.split] | 1U << face.slot : state_[face.split] & ~(1U << face.slot);
+  else if (removed)
     others_removed_.insert(key_of(face.split, face.slot));
+  else
+    others_removed_.erase(key_of(face.split, face.slot));
 }
 
 bool Cut::removed(SplitId s, std::uint32_t slot) const {
@@ -78,6 +119,7 @@ bool Cut::removed(SplitId s, std::uint32_t slot) const {
 
 void Cut::active_triangles(std::vector<Triangle>& out, bool sorted) {
   out.clear();
+  drop_taken_back();
   if (sorted) std::sort(applied_.begin(), applied_.end());
   const std::span<const Triangle> base = hierarchy_->data().base_faces;
   for (std::size_t f = 0; f < base.size(); ++f)

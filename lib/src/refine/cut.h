@@ -3,13 +3,13 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
-#include <memory>
 #include <span>
+#include <unordered_map>
 #include <unordered_set>
 #include <vector>
 
 #include "occlod/hierarchy/hierarchy.h"
+#include "zeroed_array.h"
 
 namespace occlod {
 
@@ -22,9 +22,9 @@ class Cut {
 
   [[nodiscard]] const Hierarchy& hierarchy() const noexcept { return *hierarchy_; }
   [[nodiscard]] bool applied(SplitId s) const noexcept { return (state_[s] & applied_bit) != 0; }
-  [[nodiscard]] std::span<const SplitId> applied_splits() const noexcept {
-    return applied_;
-  }  // in the order of application
+  // In the order of application until active_triangles() sorts them. Where some have been taken back, only
+  // active_triangles() drops those.
+  [[nodiscard]] std::span<const SplitId> applied_splits() const noexcept { return applied_; }
   [[nodiscard]] std::size_t triangle_count() const noexcept { return triangles_; }
 
   // What it takes to apply s: itself and every unapplied split that it needs, directly or not.
@@ -37,6 +37,11 @@ class Cut {
   // Applies what the last closure() found.
   void apply_closure();
 
+  // Whether no applied split needs s. Precondition: s is applied.
+  [[nodiscard]] bool is_leaf(SplitId s) const;
+  // Takes a leaf back.
+  void take_back(SplitId s);
+
   // Active faces: base faces and faces of applied splits that no applied split removes; base faces first, then by
   // split and slot iff `sorted`; sorting also sorts applied_splits().
   void active_triangles(std::vector<Triangle>& out, bool sorted);
@@ -44,18 +49,27 @@ class Cut {
  private:
   static constexpr std::uint32_t applied_bit = 1U << 31U;
   static constexpr std::uint32_t closure_bit = 1U << 30U;
-  static constexpr std::uint32_t mask_slots = 30;  // low bits: the faces of these slots have been removed
+  static constexpr std::uint32_t listed_bit = 1U << 29U;  // is in applied_, where a split stays that is taken back
+  static constexpr std::uint32_t mask_slots = 29;         // low bits: the faces of these slots have been removed
+  static constexpr std::uint32_t mask_bits = (1U << mask_slots) - 1;
 
-  void remove(const FaceRef& face);
+  void apply(SplitId s);
+  void drop_taken_back();
+  void set_removed(const FaceRef& face, bool removed);
   [[nodiscard]] bool removed(SplitId s, std::uint32_t slot) const;
+  // Calls visit(SplitId) for each split that s needs though s removes no face of it, for a corner alone.
+  template <typename Visit>
+  void for_each_corner_need(const SplitStar& star, const Visit& visit);
 
   const Hierarchy* hierarchy_;
-  // Of each split. From calloc: pages that are never touched, of a hierarchy larger than any view, are never there.
-  std::unique_ptr<std::uint32_t[], decltype(&std::free)> state_;
-  std::vector<bool> base_removed_;                    // of each base face
-  std::unordered_set<std::uint64_t> others_removed_;  // split << 32 | slot, of slots that have no bit
-  std::vector<SplitId> applied_;
+  ZeroedArray<std::uint32_t> state_;                         // of each split
+  std::vector<bool> base_removed_;                           // of each base face
+  std::unordered_set<std::uint64_t> others_removed_;         // split << 32 | slot, of slots that have no bit
+  std::unordered_map<SplitId, std::uint32_t> corner_needs_;  // how many applied splits need this one for a corner alone
+  std::vector<SplitId> applied_;                             // and splits that have been taken back, if any
+  bool some_taken_back_ = false;
   std::vector<SplitId> closure_;
+  std::vector<SplitId> removed_from_;  // scratch
   std::ptrdiff_t closure_gain_ = 0;
   std::size_t triangles_ = 0;
 };

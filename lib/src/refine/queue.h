@@ -39,6 +39,7 @@ struct Entry {
   std::uint32_t level = 0;           // of the split in the forest, 0 at roots
   std::uint32_t asked_occluder = 0;  // number of the occluder that it was last found visible against; 0 = never asked
   Kind kind = Kind::visit;
+  bool weighed = false;  // priority includes what the split forces
 
   // For heaps that pop the largest: highest priority first, ties by object and split, visits before applications.
   bool operator<(const Entry& o) const {

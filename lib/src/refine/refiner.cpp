@@ -1,15 +1,19 @@
 #include "occlod/refine/refiner.h"
 
 #include <algorithm>
-#include <chrono>
-#include <cmath>
-#include <deque>
+#include <optional>
+#include <vector>
 
 #include "cut.h"
+#include "importance.h"
+#include "milliseconds_since.h"
 #include "occlod/core/error.h"
 #include "occluder.h"
+#include "occluder_steps.h"
+#include "questions.h"
 #include "queue.h"
 #include "star.h"
+#include "victims.h"
 
 namespace occlod {
 namespace {
@@ -17,18 +21,14 @@ namespace {
 // When so many visible splits in a row need more triangles than are left, the budget counts as used up.
 constexpr std::size_t most_rejections_in_a_row = 64;
 
-using Clock = std::chrono::steady_clock;
-double ms_since(Clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
-
 }  // namespace
 
 // One refinement, from the base meshes to the end of the budget:
 //   while there is something that may matter: take the worst; ask whether it is seen; descend below it, or apply it.
-// (Birkholz & Rahn, sec. 3.2 and 3.3.) Two deviations: nodes are asked about when their turn comes rather than when
-// they are found, so that nothing is spent on those whose turn never comes, except that children of a visible node go
-// straight into a flight that has room; and with Culling::star a node is descended and applied by separate questions.
+// (Birkholz & Rahn, sec. 3.2 and 3.3.) Deviations: nodes are asked about when their turn comes rather than when they
+// are found, so that nothing is spent on those whose turn never comes, except that children of a visible node go
+// straight into a flight that has room; with Culling::star a node is descended and applied by separate questions, and a
+// split waits for as long as what it forces is not worth it; and what is hidden at the end is asked about once more.
 class Refiner::Impl {
  public:
   explicit Impl(std::span<const RefineObject> objects) : objects_(objects.begin(), objects.end()) {
@@ -36,6 +36,7 @@ class Refiner::Impl {
       if (object.hierarchy == nullptr)
         throw Error({"refiner", "object " + std::to_string(cuts_.size()), "has no hierarchy", "build one first"});
       cuts_.emplace_back(*object.hierarchy);
+      importances_.emplace_back(object);
     }
     result_.objects.resize(objects_.size());
   }
@@ -44,17 +45,16 @@ class Refiner::Impl {
   [[nodiscard]] std::size_t full_triangles() const noexcept { return sum(&Hierarchy::input_triangle_count); }
 
   const Refinement& refine(const View& view, const RefineOptions& options, Visibility& visibility) {
-    begin(view, options, visibility);
     const Clock::time_point start = Clock::now();
-    timed([&] { visibility.begin_view(view, views_); });
+    begin(view, options, visibility);
     for (std::uint32_t i = 0; i < objects_.size(); ++i)
       for (const SplitId root : cuts_[i].hierarchy().data().roots) meet(i, root, no_id, 0);
     run();
-    drain();
+    if (options_.final_check) readmit();
     emit();
     finish_stats();
-    result_.stats.occlusion_ms = occlusion_ms_;
-    result_.stats.refine_ms = ms_since(start) - occlusion_ms_;
+    result_.stats.occlusion_ms = questions_.milliseconds();
+    result_.stats.refine_ms = milliseconds_since(start) - result_.stats.occlusion_ms;
     return result_;
   }
 
@@ -70,21 +70,24 @@ class Refiner::Impl {
       throw Error({"budget", "", "of " + std::to_string(options.budget) + " triangles is smaller than the base meshes",
                    "give at least " + std::to_string(base_triangles())});
     options_ = options;
-    visibility_ = &visibility;
     views_.clear();
     for (const RefineObject& object : objects_) views_.emplace_back(view, object.object_to_world);
-    for (Cut& cut : cuts_) cut.clear();
+    for (std::size_t i = 0; i < objects_.size(); ++i) {
+      cuts_[i].clear();
+      importances_[i].begin(views_[i], options_);
+    }
+    questions_.begin(visibility, view, views_);
+    steps_.begin(options_);
     queue_.clear();
-    pending_.clear();
     hidden_.clear();
+    victims_.clear();
     stats_ = {};
     stats_.budget = options.budget;
     triangles_ = base_triangles();
     occluder_ = 0;
-    splits_at_occluder_ = 0;
     rejections_in_a_row_ = 0;
     left_ = {};
-    occlusion_ms_ = 0.0;
+    level_.reset();
   }
 
   void run() {
@@ -94,21 +97,46 @@ class Refiner::Impl {
         draw_occluder();
       }
       // Top the flight up from the global queue.
-      while (!queue_.empty() && pending_.size() < visibility_->flight() && must_ask(queue_.top())) {
+      while (!queue_.empty() && questions_.has_room() && matters(queue_.top()) && must_ask(queue_.top()))
         ask(queue_.pop());
-      }
-      if (!pending_.empty() && (queue_.empty() || pending_.size() >= visibility_->flight())) {
+      const bool anything = !queue_.empty() && matters(queue_.top());
+      if (!questions_.none_open() && (!anything || !questions_.has_room())) {
         settle();
-      } else if (!queue_.empty()) {
+      } else if (anything) {
         process(queue_.pop());
       } else {
         break;
       }
     }
+    drain();
   }
 
   [[nodiscard]] bool used_up() const {
-    return triangles_ >= options_.budget || rejections_in_a_row_ >= most_rejections_in_a_row;
+    if (rejections_in_a_row_ >= most_rejections_in_a_row) return true;
+    if (level_) return questions_.none_open() && (queue_.empty() || !matters(queue_.top()));
+    return triangles_ >= options_.budget;
+  }
+
+  // When the budget is used up, only what matters more than what it went to.
+  [[nodiscard]] bool matters(const Entry& entry) const { return !level_ || entry.priority > *level_; }
+
+  // What earlier occluders hid is asked about once more, before the mesh as it is now. What this mesh shows takes the
+  // place of what matters less.
+  void readmit() {
+    if (occluder_ == 0 || hidden_.empty() || stats_.splits == steps_.splits_at_last()) return;
+    level_ = queue_.empty() ? 0.0F : queue_.top().priority;
+    rejections_in_a_row_ = 0;
+    doubtful_.swap(hidden_);
+    draw_occluder();
+    for (const Entry& entry : doubtful_) {
+      if (!questions_.has_room()) settle_later();
+      doubt(entry);
+      ask(entry);
+    }
+    drain();
+    stats_.readmitted = doubtful_.size() - hidden_.size();
+    doubtful_.clear();
+    run();
   }
 
   // A node comes into sight of the refinement: dropped for good, or offered.
@@ -147,7 +175,7 @@ class Refiner::Impl {
 
   // Into the flight if it has room for a question that must be asked, else into the global queue.
   void offer(const Entry& entry) {
-    if (visibility_->flight() > 1 && pending_.size() < visibility_->flight() && must_ask(entry))
+    if (questions_.in_flights() && questions_.has_room() && matters(entry) && must_ask(entry))
       ask(entry);
     else
       queue_.push(entry);
@@ -177,17 +205,15 @@ class Refiner::Impl {
           break;
       }
     }
-    timed([&] { visibility_->submit(query); });
-    pending_.push_back(entry);
+    questions_.ask(entry, query);
     ++stats_.queries;
   }
 
   // Takes the oldest answer; what is visible is processed if its turn is still now.
   void settle() {
-    Entry entry;
-    timed([&] { entry = take_answer(); });
+    const Entry entry = take_answer();
     if (entry.split == no_id) return;
-    if (queue_.empty() || queue_.top() < entry)
+    if (matters(entry) && (queue_.empty() || queue_.top() < entry))
       process(entry);
     else
       queue_.push(entry);
@@ -195,43 +221,51 @@ class Refiner::Impl {
 
   // Takes all answers that are still under way, without acting on them.
   void drain() {
-    while (!pending_.empty()) {
-      Entry entry;
-      timed([&] { entry = take_answer(); });
-      if (entry.split != no_id) queue_.push(entry);
-    }
+    while (!questions_.none_open()) settle_later();
+  }
+  void settle_later() {
+    const Entry entry = take_answer();
+    if (entry.split != no_id) queue_.push(entry);
   }
 
   // The oldest entry asked about, if it is visible; else it joins the hidden ones and no entry comes back.
   Entry take_answer() {
-    Entry entry = pending_.front();
-    pending_.pop_front();
-    if (visibility_->collect() == 0) {
+    Questions::Answer answer = questions_.take();
+    if (!answer.visible) {
       ++stats_.queries_hidden;
-      hidden_.push_back(entry);
+      hidden_.push_back(answer.entry);
+      if (answer.entry.kind == Entry::Kind::apply)
+        importances_[answer.entry.object].set_hidden(answer.entry.split, true);
       return {};
     }
-    entry.asked_occluder = occluder_;
-    return entry;
+    answer.entry.asked_occluder = occluder_;
+    return answer.entry;
   }
 
   // At its step, and when all that is left is hidden by an occluder that has since been refined.
   [[nodiscard]] bool occluder_due() const {
-    if (!visibility_->can_hide()) return false;
-    if (occluder_ < options_.occluder_splits.size() && stats_.splits >= options_.occluder_splits[occluder_])
-      return true;
-    return queue_.empty() && pending_.empty() && !hidden_.empty() && stats_.splits > splits_at_occluder_;
+    if (!questions_.can_hide() || level_) return false;
+    if (steps_.due(stats_.splits)) return true;
+    return options_.retest_hidden && queue_.empty() && questions_.none_open() && !hidden_.empty() &&
+           stats_.splits > steps_.splits_at_last();
   }
 
   void draw_occluder() {
-    const std::span<const OccluderPart> parts = occluder_mesh_.build(cuts_, views_, options_.occluder_mode);
-    timed([&] { visibility_->draw_occluder(parts); });
-    splits_at_occluder_ = stats_.splits;
+    questions_.draw_occluder(occluder_mesh_.build(cuts_, views_, options_.occluder_mode));
+    steps_.drawn(stats_.splits);
     ++occluder_;
     ++stats_.occluder_draws;
-    // What the older occluder hid is asked about again (sec. 3.2).
-    for (const Entry& entry : hidden_) queue_.push(entry);
+    if (!options_.retest_hidden) return;
+    for (const Entry& entry : hidden_) {  // (sec. 3.2)
+      doubt(entry);
+      queue_.push(entry);
+    }
     hidden_.clear();
+  }
+
+  // An older occluder hid it: that is no longer held to be true.
+  void doubt(const Entry& entry) {
+    if (entry.kind == Entry::Kind::apply) importances_[entry.object].set_hidden(entry.split, false);
   }
 
   // An entry that is visible as far as we know.
@@ -251,37 +285,70 @@ class Refiner::Impl {
 
   // Culling::star: does the split itself change anything that is seen, and how much of what it changes?
   void consider(const Entry& entry) {
-    const Cut& cut = cuts_[entry.object];
-    if (cut.applied(entry.split)) return;
-    const ObjectView& view = views_[entry.object];
-    const SplitNode& node = cut.hierarchy().node(entry.split);
-    const StarView star = star_.look(cut.hierarchy(), entry.split, view, objects_[entry.object].two_sided);
-    if (star.visible_share == 0.0F) {
+    if (cuts_[entry.object].applied(entry.split)) return;
+    const Importance::Value value = importances_[entry.object].of(entry.split);
+    if (value.visible_share == 0.0F) {
       ++stats_.culled_backface;
       return;
     }
-    const ScreenError error(node, view.largest_scale_px(star.sphere));
-    if (is_tolerated(error)) return;
-    const float weight = std::pow(star.visible_share, static_cast<float>(options_.visible_exponent));
-    offer({error.quadric_px * weight, error, entry.split, entry.object, entry.level, 0, Entry::Kind::apply});
+    if (is_tolerated(value.error)) return;
+    offer({value.priority, value.error, entry.split, entry.object, entry.level, 0, Entry::Kind::apply});
   }
 
   void apply(const Entry& entry) {
     Cut& cut = cuts_[entry.object];
     if (cut.applied(entry.split)) return;
-    const Cut::Closure closure = cut.closure(entry.split);
-    if (triangles_ + closure.triangles > options_.budget) {
-      ++stats_.rejected_splits;
-      ++rejections_in_a_row_;
-      left_.include(entry.error);
-      return;
+    Cut::Closure closure = cut.closure(entry.split);
+    if (waits(entry, closure)) return;
+    while (triangles_ + closure.triangles > options_.budget) {
+      if (!make_room(entry)) {
+        ++stats_.rejected_splits;
+        ++rejections_in_a_row_;
+        left_.include(entry.error);
+        return;
+      }
+      closure = cut.closure(entry.split);
     }
     rejections_in_a_row_ = 0;
-    stats_.splits += closure.splits.size();
-    stats_.forced_splits += closure.splits.size() - 1;
+    count(entry, closure);
     triangles_ -= cut.triangle_count();
     cut.apply_closure();
     triangles_ += cut.triangle_count();
+  }
+
+  // Culling::star: a split that forces others which nobody sees steps back in the queue, once.
+  bool waits(const Entry& entry, const Cut::Closure& closure) {
+    if (options_.culling != Culling::star || entry.weighed || closure.splits.size() == 1 || queue_.empty())
+      return false;
+    Entry later = entry;
+    later.weighed = true;
+    later.priority *= importances_[entry.object].forced_weight(closure.splits);
+    if (!(later < queue_.top())) return false;
+    queue_.push(later);
+    return true;
+  }
+
+  // After the final check: gives up the least important leaf, if it matters less than `entry`. It may come back.
+  bool make_room(const Entry& entry) {
+    if (!level_) return false;
+    if (!victims_.gathered()) victims_.gather(cuts_, importances_);
+    const std::optional<Victims::Victim> victim = victims_.take_back_below(entry.priority, cuts_, importances_);
+    if (!victim) return false;
+    triangles_ -= victim->triangles;
+    --stats_.splits;
+    ++stats_.taken_back;
+    if (victim->priority > 0.0F)
+      queue_.push({victim->priority, victim->error, victim->split, victim->object, 0, occluder_, Entry::Kind::apply});
+    return true;
+  }
+
+  void count(const Entry& entry, const Cut::Closure& closure) {
+    steps_.split_applied(entry.error.quadric_px);
+    stats_.splits += closure.splits.size();
+    stats_.forced_splits += closure.splits.size() - 1;
+    if (options_.culling != Culling::star) return;
+    for (const SplitId s : closure.splits.subspan(1))
+      if (importances_[entry.object].visible_share(s) == 0.0F) ++stats_.forced_unseen_splits;
   }
 
   void emit() {
@@ -302,29 +369,24 @@ class Refiner::Impl {
     result_.stats = stats_;
   }
 
-  template <typename Work>
-  void timed(const Work& work) {
-    const Clock::time_point start = Clock::now();
-    work();
-    occlusion_ms_ += ms_since(start);
-  }
-
   std::vector<RefineObject> objects_;
   std::vector<Cut> cuts_;
   std::vector<ObjectView> views_;
+  std::vector<Importance> importances_;
   RefineOptions options_;
-  Visibility* visibility_ = nullptr;
+  Questions questions_;
+  OccluderSteps steps_;
   Queue queue_;
-  std::deque<Entry> pending_;  // asked, oldest first
-  std::vector<Entry> hidden_;  // found hidden by the occluder of their time
+  std::vector<Entry> hidden_;    // found hidden by the occluder of their time
+  std::vector<Entry> doubtful_;  // found hidden by earlier occluders than that before which they are now asked about
   Occluder occluder_mesh_;
   StarLook star_;
-  std::size_t triangles_ = 0;           // of all cuts
-  std::uint32_t occluder_ = 0;          // how many have been drawn
-  std::size_t splits_at_occluder_ = 0;  // applied when the last was drawn
+  Victims victims_;
+  std::size_t triangles_ = 0;   // of all cuts
+  std::uint32_t occluder_ = 0;  // how many have been drawn
   std::size_t rejections_in_a_row_ = 0;
-  ScreenError left_;  // the largest of what is held to be visible and is not refined
-  double occlusion_ms_ = 0.0;
+  std::optional<float> level_;  // of priorities, where the budget ended: set when what was hidden is checked
+  ScreenError left_;            // the largest of what is held to be visible and is not refined
   RefineStats stats_;
   Refinement result_;
 };
@@ -339,17 +401,6 @@ std::size_t Refiner::full_triangles() const noexcept { return impl_->full_triang
 
 const Refinement& Refiner::refine(const View& view, const RefineOptions& options, Visibility& visibility) {
   return impl_->refine(view, options, visibility);
-}
-
-std::uint64_t Refinement::hash() const noexcept {
-  std::uint64_t hash = 0xcbf29ce484222325ULL;
-  const auto add = [&](std::uint64_t value) { hash = (hash ^ value) * 0x100000001b3ULL; };
-  for (const RefinedObject& object : objects) {
-    add(object.triangles.size());
-    for (const Triangle& t : object.triangles)
-      for (int k = 0; k < 3; ++k) add(t[k]);
-  }
-  return hash;
 }
 
 }  // namespace occlod

@@ -1,15 +1,19 @@
 #include "star.h"
 
 #include <algorithm>
+#include <cmath>
 #include <glm/geometric.hpp>
 
 namespace occlod {
 namespace {
 
-// Which side of its plane the eye is on does not change under an affine map, mirrored or not.
-bool faces_eye(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, const ObjectView& view) {
-  return glm::dot(glm::cross(b - a, c - a), view.eye() - a) > 0.0F;
-}
+// Sums over the faces that are seen, of twice their area, and of that part of it that faces the eye.
+struct SeenArea {
+  float whole = 0.0F;
+  float facing = 0.0F;
+
+  [[nodiscard]] float cosine() const { return whole > 0.0F ? std::min(facing / whole, 1.0F) : 1.0F; }
+};
 
 // False only when all corners are outside one plane.
 bool may_be_inside(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, const ObjectView& view) {
@@ -38,12 +42,20 @@ StarView StarLook::look(const Hierarchy& hierarchy, SplitId s, const ObjectView&
   const std::span<const glm::vec3> positions = hierarchy.positions();
   int faces = 0;
   int visible = 0;
+  SeenArea seen;
   hierarchy.star(s).for_each_face([&](const Triangle& t) {
     const glm::vec3 &a = positions[t.x], &b = positions[t.y], &c = positions[t.z];
     ++faces;
-    if ((two_sided || faces_eye(a, b, c, view)) && (inside || may_be_inside(a, b, c, view))) ++visible;
+    // Which side of its plane the eye is on does not change under an affine map, mirrored or not.
+    const glm::vec3 normal = glm::cross(b - a, c - a), to_eye = view.eye() - a;
+    const float facing = glm::dot(normal, to_eye);
+    if (!((two_sided || facing > 0.0F) && (inside || may_be_inside(a, b, c, view)))) return;
+    ++visible;
+    seen.whole += glm::length(normal);
+    seen.facing += std::abs(facing) / glm::length(to_eye);
   });
   if (faces > 0) star.visible_share = static_cast<float>(visible) / static_cast<float>(faces);
+  star.cosine = seen.cosine();
   return star;
 }
 

@@ -12,6 +12,7 @@ namespace occlod {
 
 struct StarView {
   float visible_share = 0.0F;  // of the faces, those that face the eye and are not outside the frustum; in [0, 1]
+  float cosine = 1.0F;         // between the eye's rays and the normals of these, their mean by area; 1 = head-on
   Sphere sphere;               // around all corners
 };
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <glm/mat4x4.hpp>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -40,12 +41,18 @@ struct RefineOptions {
   std::size_t budget = 10'000;  // triangles over all objects; never exceeded
   double tolerance_px = 0.0;  // stop when no visible split has a larger guaranteed screen error; 0 = use the budget up
   Culling culling = Culling::star;
-  double visible_exponent =
-      1.0;  // star: a split's priority is multiplied by (visible share of its faces)^this; 0 = no weight
-  std::vector<std::uint32_t> occluder_splits = {300,
-                                                2500};  // draw the occluder when so many splits are applied; ascending
+  // star: a split's priority is its error in pixels * (visible share of its faces)^visible_exponent
+  // * (cosine under which the eye sees them)^-grazing_exponent * (1 + unseen splits that it forces)^-forced_exponent.
+  double visible_exponent = 1.0;
+  double grazing_exponent = 0.5;
+  double forced_exponent = 0.5;
+  // Draw the occluder when so many splits are applied; ascending, empty = never. Not given: when the mesh has changed
+  // enough.
+  std::optional<std::vector<std::uint32_t>> occluder_splits;
+  bool retest_hidden = true;  // ask again about what an older occluder hid whenever a new one is drawn
+  bool final_check = true;    // and before the final mesh; what that shows takes the place of what matters less
   OccluderMode occluder_mode = OccluderMode::paper;
-  Proxy proxy = Proxy::cylinder;  // the bounds of a subtree that are asked about
+  Proxy proxy = Proxy::box;  // the bounds of a subtree that are asked about
   std::uint32_t level_step =
       2;  // ask about subtrees on every n-th forest level only (2 = odd levels, as in the paper); >= 1
 };
@@ -53,18 +60,21 @@ struct RefineOptions {
 struct RefineStats {
   std::size_t budget = 0;
   std::size_t triangles = 0;
-  std::size_t splits = 0;            // applied
-  std::size_t forced_splits = 0;     // of those, applied only because another depends on them
-  std::size_t rejected_splits = 0;   // visible, but would have broken the budget
-  std::size_t visits = 0;            // nodes looked at
-  std::size_t culled_frustum = 0;    // nodes and stars outside the frustum
-  std::size_t culled_backface = 0;   // and facing away
-  std::size_t culled_occlusion = 0;  // and hidden at the end
-  std::size_t queries = 0;           // asked of the backend
-  std::size_t queries_hidden = 0;    // answered "hidden"
+  std::size_t splits = 0;                // applied
+  std::size_t forced_splits = 0;         // of those, applied only because another depends on them
+  std::size_t forced_unseen_splits = 0;  // star: and change nothing that is seen: what conformity costs
+  std::size_t rejected_splits = 0;       // visible, but would have broken the budget
+  std::size_t visits = 0;                // nodes looked at
+  std::size_t culled_frustum = 0;        // nodes and stars outside the frustum
+  std::size_t culled_backface = 0;       // and facing away
+  std::size_t culled_occlusion = 0;      // and hidden at the end
+  std::size_t queries = 0;               // asked of the backend
+  std::size_t queries_hidden = 0;        // answered "hidden"
   std::size_t occluder_draws = 0;
-  double max_error_px = 0.0;  // largest guaranteed screen error left on surface held to be visible; infinite when the
-                              // eye is inside the bounds of a split that is not applied
+  std::size_t readmitted = 0;  // hidden by an earlier occluder and not by the final mesh
+  std::size_t taken_back = 0;  // splits that made room for these
+  double max_error_px = 0.0;   // largest guaranteed screen error left on surface held to be visible; infinite when the
+                               // eye is inside the bounds of a split that is not applied
   double max_quadric_error_px =
       0.0;                    // the same of the quadric error: about the root mean square distance instead of a bound
   double refine_ms = 0.0;     // wall time without occlusion_ms

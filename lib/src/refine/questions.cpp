@@ -1,0 +1,40 @@
+#include "questions.h"
+
+#include <cassert>
+
+namespace occlod {
+
+void Questions::begin(Visibility& visibility, const View& view, std::span<const ObjectView> objects) {
+  visibility_ = &visibility;
+  open_.clear();
+  const Clock::time_point start = Clock::now();
+  visibility_->begin_view(view, objects);
+  milliseconds_ = milliseconds_since(start);
+}
+
+void Questions::ask(const Entry& entry, const VisibilityQuery& query) {
+  asked_ = Clock::now();
+  visibility_->submit(query);
+  if (in_flights()) milliseconds_ += milliseconds_since(asked_);
+  open_.push_back(entry);
+}
+
+Questions::Answer Questions::take() {
+  assert(!open_.empty());
+  Answer answer{open_.front()};
+  open_.pop_front();
+  // A clock costs as much as a test: a question that is answered at once is timed from asking to answering.
+  const Clock::time_point start = in_flights() ? Clock::now() : asked_;
+  answer.visible = visibility_->collect() != 0;
+  milliseconds_ += milliseconds_since(start);
+  return answer;
+}
+
+void Questions::draw_occluder(std::span<const OccluderPart> parts) {
+  assert(open_.empty());
+  const Clock::time_point start = Clock::now();
+  visibility_->draw_occluder(parts);
+  milliseconds_ += milliseconds_since(start);
+}
+
+}  // namespace occlod

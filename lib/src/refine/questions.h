@@ -1,0 +1,43 @@
+// What has been asked of a backend and is not answered yet.
+#pragma once
+
+#include <deque>
+#include <span>
+
+#include "milliseconds_since.h"
+#include "occlod/refine/visibility.h"
+#include "queue.h"
+
+namespace occlod {
+
+// Answers come in the order of the questions. Counts time spent in the backend.
+class Questions {
+ public:
+  void begin(Visibility& visibility, const View& view, std::span<const ObjectView> objects);
+
+  [[nodiscard]] bool can_hide() const { return visibility_->can_hide(); }
+  [[nodiscard]] bool none_open() const noexcept { return open_.empty(); }
+  [[nodiscard]] bool has_room() const { return open_.size() < visibility_->flight(); }
+  // Whether several questions should be under way at once.
+  [[nodiscard]] bool in_flights() const { return visibility_->flight() > 1; }
+
+  void ask(const Entry& entry, const VisibilityQuery& query);
+  struct Answer {
+    Entry entry;
+    bool visible = true;
+  };
+  // To the oldest question. Precondition: one is open.
+  [[nodiscard]] Answer take();
+  // Precondition: none is open.
+  void draw_occluder(std::span<const OccluderPart> parts);
+
+  [[nodiscard]] double milliseconds() const noexcept { return milliseconds_; }
+
+ private:
+  Visibility* visibility_ = nullptr;
+  std::deque<Entry> open_;   // oldest first
+  Clock::time_point asked_;  // the last of them
+  double milliseconds_ = 0.0;
+};
+
+}  // namespace occlod

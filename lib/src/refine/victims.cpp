@@ -1,0 +1,54 @@
+#include "victims.h"
+
+#include <algorithm>
+
+namespace occlod {
+namespace {
+
+// For a heap with the least important on top; ties by object and split, fine ones first.
+bool less_urgent(const Victims::Victim& a, const Victims::Victim& b) {
+  if (a.priority != b.priority) return a.priority > b.priority;
+  if (a.object != b.object) return a.object > b.object;
+  return a.split < b.split;
+}
+
+}  // namespace
+
+void Victims::clear() noexcept {
+  heap_.clear();
+  gathered_ = false;
+}
+
+void Victims::gather(std::span<Cut> cuts, std::span<Importance> importances) {
+  clear();
+  for (std::uint32_t i = 0; i < cuts.size(); ++i)
+    for (const SplitId s : cuts[i].applied_splits())
+      if (cuts[i].applied(s) && cuts[i].is_leaf(s)) push(i, s, importances[i]);
+  gathered_ = true;
+}
+
+std::optional<Victims::Victim> Victims::take_back_below(float priority, std::span<Cut> cuts,
+                                                        std::span<Importance> importances) {
+  while (!heap_.empty() && heap_.front().priority < priority) {
+    std::pop_heap(heap_.begin(), heap_.end(), less_urgent);
+    Victim victim = heap_.back();
+    heap_.pop_back();
+    Cut& cut = cuts[victim.object];
+    if (!cut.applied(victim.split) || !cut.is_leaf(victim.split)) continue;  // since it was put here
+    victim.triangles = cut.triangle_count();
+    cut.take_back(victim.split);
+    victim.triangles -= cut.triangle_count();
+    for (const SplitId needed : cut.hierarchy().star(victim.split).dependencies())
+      if (cut.is_leaf(needed)) push(victim.object, needed, importances[victim.object]);
+    return victim;
+  }
+  return std::nullopt;
+}
+
+void Victims::push(std::uint32_t object, SplitId s, Importance& importance) {
+  const Importance::Value value = importance.of(s);
+  heap_.push_back({object, s, 0, value.priority, value.error});
+  std::push_heap(heap_.begin(), heap_.end(), less_urgent);
+}
+
+}  // namespace occlod

@@ -1,0 +1,40 @@
+// Applied splits that could be given up for something better.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "cut.h"
+#include "importance.h"
+#include "queue.h"
+
+namespace occlod {
+
+// Leaves of the cuts of all objects, the least important on top.
+class Victims {
+ public:
+  void clear() noexcept;
+  [[nodiscard]] bool gathered() const noexcept { return gathered_; }
+
+  // Looks at every applied split. O(n log n).
+  void gather(std::span<Cut> cuts, std::span<Importance> importances);
+
+  struct Victim {
+    std::uint32_t object = 0;
+    SplitId split = no_id;
+    std::size_t triangles = 0;  // that it has more than the mesh without it
+    float priority = 0.0F;      // as in Importance::Value; of splits that change nothing that is seen 0
+    ScreenError error;
+  };
+  // Takes back the least important leaf, if that is worth less than `priority`.
+  std::optional<Victim> take_back_below(float priority, std::span<Cut> cuts, std::span<Importance> importances);
+
+ private:
+  void push(std::uint32_t object, SplitId s, Importance& importance);
+
+  bool gathered_ = false;
+  std::vector<Victim> heap_;
+};
+
+}  // namespace occlod
