@@ -7,16 +7,16 @@
 namespace occlod {
 namespace {
 
-// Splits one by one, each of the given error; when the occluder is drawn.
+// Splits one by one, each of two triangles and the given error: at which of them the occluder is drawn.
 std::vector<std::size_t> draws(const RefineOptions& options, std::size_t splits, float error_px) {
   OccluderSteps steps;
   steps.begin(options);
   std::vector<std::size_t> drawn;
   for (std::size_t n = 1; n <= splits; ++n) {
     steps.split_applied(error_px);
-    if (!steps.due(n)) continue;
+    if (!steps.due({n, 2 * n})) continue;
     drawn.push_back(n);
-    steps.drawn(n);
+    steps.drawn({n, 2 * n});
   }
   return drawn;
 }
@@ -34,10 +34,10 @@ TEST(OccluderSteps, AnExtraDrawDoesNotUseUpALaterStep) {
   options.occluder_splits = {{300, 2500}};
   OccluderSteps steps;
   steps.begin(options);
-  steps.drawn(100);  // since all that was left was hidden
-  EXPECT_TRUE(steps.due(300));
-  steps.drawn(2600);  // one that is late is both
-  EXPECT_FALSE(steps.due(3000));
+  steps.drawn({100, 100});  // since all that was left was hidden
+  EXPECT_TRUE(steps.due({300, 300}));
+  steps.drawn({2600, 2600});  // one that is late is both
+  EXPECT_FALSE(steps.due({3000, 3000}));
 }
 
 TEST(OccluderSteps, AdaptiveStepsGrowWithTheMesh) {
@@ -47,17 +47,27 @@ TEST(OccluderSteps, AdaptiveStepsGrowWithTheMesh) {
   for (std::size_t i = 1; i < drawn.size(); ++i) EXPECT_EQ(drawn[i], 6 * drawn[i - 1]);
 }
 
+TEST(OccluderSteps, AdaptiveStepsCountTriangles) {
+  // A split that brings a whole component back brings many: a budget may be used up after a few of them.
+  OccluderSteps steps;
+  const RefineOptions options;
+  steps.begin(options);
+  steps.split_applied(50.0F);
+  EXPECT_FALSE(steps.due({100, 100}));
+  EXPECT_TRUE(steps.due({10, 500}));
+}
+
 TEST(OccluderSteps, AdaptiveStepsEndWhenNothingMovesByAPixel) {
   EXPECT_TRUE(draws({}, 100'000, 0.9F).empty());
   OccluderSteps steps;
   const RefineOptions options;
   steps.begin(options);
   steps.split_applied(50.0F);
-  EXPECT_TRUE(steps.due(1000));
-  steps.drawn(1000);
-  EXPECT_FALSE(steps.due(100'000));  // nothing has moved since
+  EXPECT_TRUE(steps.due({1000, 1000}));
+  steps.drawn({1000, 1000});
+  EXPECT_FALSE(steps.due({100'000, 100'000}));  // nothing has moved since
   steps.split_applied(1.5F);
-  EXPECT_TRUE(steps.due(100'000));
+  EXPECT_TRUE(steps.due({100'000, 100'000}));
 }
 
 }  // namespace

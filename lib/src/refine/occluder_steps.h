@@ -8,42 +8,49 @@
 
 namespace occlod {
 
+// How far refinement has come.
+struct Growth {
+  std::size_t splits = 0;     // applied
+  std::size_t triangles = 0;  // more than the base meshes have
+};
+
 // Either at given numbers of applied splits or, where none are given, when the mesh has grown by a factor since the
 // last one and some split has moved its surface far enough to be worth it. So the work of drawing is a geometric series
-// whose sum is at most a few times that of the last.
+// whose sum is little more than its last member.
 class OccluderSteps {
  public:
   void begin(const RefineOptions& options) {
     options_ = &options;
     next_ = 0;
-    splits_at_last_ = 0;
+    last_ = {};
     moved_px_ = 0.0F;
   }
 
   void split_applied(float quadric_error_px) { moved_px_ = std::max(moved_px_, quadric_error_px); }
 
-  [[nodiscard]] bool due(std::size_t splits) const {
+  [[nodiscard]] bool due(const Growth& now) const {
     if (options_->occluder_splits)
-      return next_ < options_->occluder_splits->size() && splits >= (*options_->occluder_splits)[next_];
-    return splits >= std::max(first_splits, growth * splits_at_last_) && moved_px_ >= least_move_px;
+      return next_ < options_->occluder_splits->size() && now.splits >= (*options_->occluder_splits)[next_];
+    return now.triangles >= std::max(first_triangles, factor * last_.triangles) && moved_px_ >= least_move_px;
   }
 
-  void drawn(std::size_t splits) {
+  void drawn(const Growth& now) {
     if (options_->occluder_splits)
-      while (due(splits)) ++next_;
-    splits_at_last_ = splits;
+      while (due(now)) ++next_;
+    last_ = now;
     moved_px_ = 0.0F;
   }
-  [[nodiscard]] std::size_t splits_at_last() const noexcept { return splits_at_last_; }
+  // When it was drawn last.
+  [[nodiscard]] const Growth& last() const noexcept { return last_; }
 
  private:
-  static constexpr std::size_t first_splits = 64;
-  static constexpr std::size_t growth = 6;
+  static constexpr std::size_t first_triangles = 128;
+  static constexpr std::size_t factor = 6;
   static constexpr float least_move_px = 1.0F;
 
   const RefineOptions* options_ = nullptr;
   std::size_t next_ = 0;  // of the given ones
-  std::size_t splits_at_last_ = 0;
+  Growth last_;
   float moved_px_ = 0.0F;  // since then
 };
 

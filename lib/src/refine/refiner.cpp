@@ -39,9 +39,10 @@ class Refiner::Impl {
       importances_.emplace_back(object);
     }
     result_.objects.resize(objects_.size());
+    base_triangles_ = sum(&Hierarchy::base_triangle_count);
   }
 
-  [[nodiscard]] std::size_t base_triangles() const noexcept { return sum(&Hierarchy::base_triangle_count); }
+  [[nodiscard]] std::size_t base_triangles() const noexcept { return base_triangles_; }
   [[nodiscard]] std::size_t full_triangles() const noexcept { return sum(&Hierarchy::input_triangle_count); }
 
   const Refinement& refine(const View& view, const RefineOptions& options, Visibility& visibility) {
@@ -123,7 +124,7 @@ class Refiner::Impl {
   // What earlier occluders hid is asked about once more, before the mesh as it is now. What this mesh shows takes the
   // place of what matters less.
   void readmit() {
-    if (occluder_ == 0 || hidden_.empty() || stats_.splits == steps_.splits_at_last()) return;
+    if (occluder_ == 0 || hidden_.empty() || stats_.splits == steps_.last().splits) return;
     level_ = queue_.empty() ? 0.0F : queue_.top().priority;
     rejections_in_a_row_ = 0;
     doubtful_.swap(hidden_);
@@ -242,17 +243,19 @@ class Refiner::Impl {
     return answer.entry;
   }
 
+  [[nodiscard]] Growth growth() const { return {stats_.splits, triangles_ - base_triangles_}; }
+
   // At its step, and when all that is left is hidden by an occluder that has since been refined.
   [[nodiscard]] bool occluder_due() const {
     if (!questions_.can_hide() || level_) return false;
-    if (steps_.due(stats_.splits)) return true;
+    if (steps_.due(growth())) return true;
     return options_.retest_hidden && queue_.empty() && questions_.none_open() && !hidden_.empty() &&
-           stats_.splits > steps_.splits_at_last();
+           stats_.splits > steps_.last().splits;
   }
 
   void draw_occluder() {
     questions_.draw_occluder(occluder_mesh_.build(cuts_, views_, options_.occluder_mode));
-    steps_.drawn(stats_.splits);
+    steps_.drawn(growth());
     ++occluder_;
     ++stats_.occluder_draws;
     if (!options_.retest_hidden) return;
@@ -382,6 +385,7 @@ class Refiner::Impl {
   Occluder occluder_mesh_;
   StarLook star_;
   Victims victims_;
+  std::size_t base_triangles_ = 0;
   std::size_t triangles_ = 0;   // of all cuts
   std::uint32_t occluder_ = 0;  // how many have been drawn
   std::size_t rejections_in_a_row_ = 0;
