@@ -1,25 +1,22 @@
-// occlod render SCENE.json|MESH|FILE.olod: refines one view and measures, draws or saves what comes of it.
-#include <algorithm>
+// occlod render SCENE.json|MESH|FILE.olod: refines one view, or every frame of a camera path, and measures, draws or
+// saves what comes of it.
 #include <charconv>
+#include <map>
 #include <memory>
-#include <optional>
 #include <string>
-#include <vector>
 
 #include "accuracy.h"
 #include "backend.h"
 #include "commands.h"
-#include "drawing.h"
 #include "json_output.h"
+#include "measurement.h"
 #include "occlod/io/write_mesh.h"
-#include "occlod/picture/compare.h"
 #include "occlod/picture/picture.h"
-#include "occlod/raster/item_buffer.h"
 #include "occlod/refine/refiner.h"
 #include "occlod/view/view.h"
 #include "render_input.h"
+#include "render_path.h"
 #include "render_report.h"
-#include "stopwatch.h"
 #include "world_mesh.h"
 
 namespace occlod::tool {
@@ -37,47 +34,6 @@ struct Options {
   bool json = false;
 };
 
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const std::size_t half = values.size() / 2;
-  return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2.0;
-}
-
-// Refines and draws `repeat` times; the refinement and the item buffer are those of the last time.
-class Measurement {
- public:
-  Measurement(const RenderInput& input, const View& view)
-      : input_(input), view_(view), refiner_(refine_objects(input.objects)) {}
-
-  void run(const Options& options, Visibility& visibility) {
-    for (int i = 0; i < options.repeat; ++i) {
-      refinement_ = &refiner_.refine(view_, options.refine, visibility);
-      objects_ = draw_objects(input_.objects, *refinement_);
-      const Stopwatch stopwatch;
-      redraw(items_, objects_, view_);
-      draw_ms_.push_back(stopwatch.milliseconds());
-      refine_ms_.push_back(refinement_->stats.refine_ms);
-      occlusion_ms_.push_back(refinement_->stats.occlusion_ms);
-    }
-  }
-
-  [[nodiscard]] const Refinement& refinement() const { return *refinement_; }
-  [[nodiscard]] const ItemBuffer& items() const { return items_; }
-  [[nodiscard]] std::span<const DrawObject> objects() const { return objects_; }
-  [[nodiscard]] RenderTimes times() const { return {median(refine_ms_), median(occlusion_ms_), median(draw_ms_)}; }
-
- private:
-  const RenderInput& input_;
-  const View& view_;
-  Refiner refiner_;
-  const Refinement* refinement_ = nullptr;
-  std::vector<DrawObject> objects_;
-  ItemBuffer items_;
-  std::vector<double> refine_ms_;
-  std::vector<double> occlusion_ms_;
-  std::vector<double> draw_ms_;
-};
-
 void write_outputs(const Options& options, const Measurement& measurement, const View& view) {
   const std::span<const DrawObject> objects = measurement.objects();
   if (!options.png.empty()) write_png(options.png, shade(measurement.items(), objects, view));
@@ -86,28 +42,28 @@ void write_outputs(const Options& options, const Measurement& measurement, const
   if (!options.mesh.empty()) write_mesh(options.mesh, world_mesh(objects));
 }
 
-void run(const Options& options) {
-  const Backend backend = make_backend(options.backend);
-  const RenderInput input = load_render_input(options.input);
+void render_view(const RenderInput& input, const Options& options, const Backend& backend) {
   const View view(input.camera);
-  Measurement measurement(input, view);
-  measurement.run(options, *backend.visibility);
+  Measurement measurement(input.objects);
+  for (int i = 0; i < options.repeat; ++i) measurement.repeat(view, options.refine, *backend.visibility);
   write_outputs(options, measurement, view);
 
-  RenderResult result{input,
-                      options.refine,
-                      backend,
-                      measurement.refinement(),
-                      count_visible_items(measurement.items(), measurement.refinement().stats.triangles),
-                      measurement.times(),
-                      {},
-                      {}};
+  RenderResult result{input, options.refine, backend, measurement, {}, {}};
   if (options.reference) {
     result.distance = distance_to_full_mesh(input.objects, view, measurement.items(), measurement.objects());
     result.wrongly_hidden_px = count_wrongly_hidden(input.objects, view, options.refine, *backend.visibility);
   }
   const Json report = report_of(result);
   options.json ? print_json(report) : print_lines(report);
+}
+
+void run(const Options& options) {
+  const Backend backend = make_backend(options.backend);
+  const RenderInput input = load_render_input(options.input);
+  if (input.path)
+    render_path(input, options.refine, backend, {options.png, options.repeat, options.json});
+  else
+    render_view(input, options, backend);
 }
 
 bool parse_size(const std::string& text, ImageSize& size) {
@@ -120,7 +76,10 @@ bool parse_size(const std::string& text, ImageSize& size) {
 
 void add_input_options(CLI::App& command, Options& options) {
   command.add_option("SCENE", options.input.file, "A scene (.json), a mesh or a hierarchy (.olod)")->required();
-  command.add_option("--camera", options.input.camera, "A camera of the scene by name")->capture_default_str();
+  CLI::Option* camera =
+      command.add_option("--camera", options.input.camera, "A camera of the scene by name")->capture_default_str();
+  command.add_option("--path", options.input.path, "Every frame of a camera path of the scene, by name")
+      ->excludes(camera);
   command
       .add_option_function<std::string>(
           "--size",
@@ -216,12 +175,16 @@ void add_backend_options(CLI::App& command, BackendOptions& backend) {
 }
 
 void add_output_options(CLI::App& command, Options& options) {
-  command.add_option("--png", options.png, "Write a picture of the view");
-  command.add_option("--birdseye", options.birdseye,
-                     "Write a picture from above: seen triangles bright, unseen ones dark");
-  command.add_option("--mesh", options.mesh, "Write the refined mesh, all objects in world space");
-  command.add_flag("--reference", options.reference,
-                   "Compare the picture with that of the full mesh, and count what occlusion hides wrongly");
+  CLI::Option* path = command.get_option("--path");
+  command.add_option("--png", options.png, "Write a picture of the view; with --path one of each frame, numbered");
+  command
+      .add_option("--birdseye", options.birdseye, "Write a picture from above: seen triangles bright, unseen ones dark")
+      ->excludes(path);
+  command.add_option("--mesh", options.mesh, "Write the refined mesh, all objects in world space")->excludes(path);
+  command
+      .add_flag("--reference", options.reference,
+                "Compare the picture with that of the full mesh, and count what occlusion hides wrongly")
+      ->excludes(path);
   command.add_option("--repeat", options.repeat, "Refine so often; times are medians")
       ->capture_default_str()
       ->check(CLI::PositiveNumber);
@@ -231,7 +194,8 @@ void add_output_options(CLI::App& command, Options& options) {
 }  // namespace
 
 void add_render(CLI::App& app) {
-  CLI::App& command = *app.add_subcommand("render", "Refine one view of a scene and measure, draw or save it");
+  CLI::App& command =
+      *app.add_subcommand("render", "Refine a view or a camera path of a scene and measure, draw or save it");
   const auto options = std::make_shared<Options>();
   add_input_options(command, *options);
   add_refine_options(command, options->refine);

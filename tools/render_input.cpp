@@ -35,13 +35,22 @@ std::vector<LoadedObject> load(const SceneDescription& scene, const RenderInputO
   return load_objects(scene, options.file.parent_path(), load_options);
 }
 
-Camera named_camera(const SceneDescription& scene, const RenderInputOptions& options) {
-  const auto found = scene.cameras.find(options.camera);
-  if (found != scene.cameras.end()) return found->second;
+// What has this name among the cameras or paths of a scene.
+template <typename Named>
+const Named& find_named(const std::map<std::string, Named>& all, const std::string& name, const char* place,
+                        const RenderInputOptions& options) {
+  const auto found = all.find(name);
+  if (found != all.end()) return found->second;
   std::vector<std::string> names;
-  for (const auto& [name, camera] : scene.cameras) names.push_back(name);
-  throw Error({options.file.string(), "/cameras", fmt::format("has no \"{}\"", options.camera),
-               fmt::format("use one of: {}", fmt::join(names, ", "))});
+  for (const auto& [other, ignored] : all) names.push_back(other);
+  throw Error({options.file.string(), place, fmt::format("has no \"{}\"", name),
+               names.empty() ? "add it" : fmt::format("use one of: {}", fmt::join(names, ", "))});
+}
+
+void resize(Camera& camera, const std::optional<ImageSize>& size) {
+  if (!size) return;
+  camera.width = size->width;
+  camera.height = size->height;
 }
 
 // Looks at the sphere around all objects, from a little above and to the right, as near as the smaller side of the
@@ -75,14 +84,19 @@ Camera camera_that_sees(const std::vector<LoadedObject>& objects, const ImageSiz
 
 RenderInput load_render_input(const RenderInputOptions& options) {
   const bool is_scene = options.file.extension() == ".json";
+  if (!is_scene && !options.path.empty())
+    throw Error({options.file.string(), "--path", "means nothing to a single mesh", "give a scene that has the path"});
   const SceneDescription scene = is_scene ? read_scene(options.file) : scene_of_one(options.file);
   RenderInput input;
   input.name = scene.name;
-  if (is_scene) input.camera = named_camera(scene, options);
-  if (options.size) {
-    input.camera.width = options.size->width;
-    input.camera.height = options.size->height;
+  if (!options.path.empty()) {
+    input.path = find_named(scene.paths, options.path, "/paths", options);
+    resize(input.path->keys.front(), options.size);  // the size of all frames
+    input.camera = camera_at(*input.path, 0);
+  } else if (is_scene) {
+    input.camera = find_named(scene.cameras, options.camera, "/cameras", options);
   }
+  resize(input.camera, options.size);
   input.objects = load(scene, options);
   if (!is_scene) input.camera = camera_that_sees(input.objects, {input.camera.width, input.camera.height});
   return input;

@@ -19,6 +19,7 @@ struct ImageSize {
 struct RenderInputOptions {
   std::filesystem::path file;
   std::string camera = "default";
+  std::string path;               // instead of the camera
   std::optional<ImageSize> size;  // instead of the camera's own
   bool use_cache = true;
 };
@@ -27,6 +28,7 @@ struct RenderInput {
   std::string name;
   std::vector<LoadedObject> objects;
   Camera camera;
+  std::optional<CameraPath> path;  // when one was asked for; `camera` is its first frame then
 };
 
 // Shows progress and notes on standard error. Throws Error.

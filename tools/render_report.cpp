@@ -7,57 +7,11 @@
 namespace occlod::tool {
 namespace {
 
-void add_what_was_asked(Json& report, const RenderResult& result) {
-  const RefineOptions& options = result.options;
-  report["scene"] = result.input.name;
-  report["culling"] = name_of(options.culling);
-  report["mode"] = options.occluder_mode == OccluderMode::conservative ? "conservative" : "paper";
-  report["occlusion"] = result.backend.visibility->name();
-  if (!result.backend.gl.is_null()) report["gl"] = result.backend.gl;
-  report["budget"] = options.budget;
-  report["tolerance_px"] = options.tolerance_px;
-  report["visible_exponent"] = options.visible_exponent;
-  report["proxy"] = name_of(options.proxy);
-  report["level_step"] = options.level_step;
-  report["grazing_exponent"] = options.grazing_exponent;
-  report["forced_exponent"] = options.forced_exponent;
-  report["occluder_splits"] = options.occluder_splits ? Json(*options.occluder_splits) : Json("adaptive");
-  report["retest_hidden"] = options.retest_hidden;
-  report["final_check"] = options.final_check;
-}
-
-void add_stats(Json& report, const RenderResult& result) {
-  const RefineStats& stats = result.refinement.stats;
-  report["triangles"] = stats.triangles;
-  report["visible_triangles"] = result.visible_triangles;
-  report["visible_share"] =
-      static_cast<double>(result.visible_triangles) / static_cast<double>(std::max<std::size_t>(stats.triangles, 1));
-  report["splits"] = stats.splits;
-  report["forced_splits"] = stats.forced_splits;
-  report["forced_unseen_splits"] = stats.forced_unseen_splits;
-  report["rejected_splits"] = stats.rejected_splits;
-  report["visits"] = stats.visits;
-  report["culled_frustum"] = stats.culled_frustum;
-  report["culled_backface"] = stats.culled_backface;
-  report["culled_occlusion"] = stats.culled_occlusion;
-  report["queries"] = stats.queries;
-  report["queries_hidden"] = stats.queries_hidden;
-  report["occluder_draws"] = stats.occluder_draws;
-  report["readmitted"] = stats.readmitted;
-  report["taken_back"] = stats.taken_back;
-  report["refine_ms"] = result.times.refine_ms;
-  report["occlusion_ms"] = result.times.occlusion_ms;
-  report["draw_ms"] = result.times.draw_ms;
-  report["max_error_px"] = stats.max_error_px;
-  report["max_quadric_error_px"] = stats.max_quadric_error_px;
-  report["hash"] = fmt::format("{:016x}", result.refinement.hash());
-}
-
 Json objects_of(const RenderResult& result) {
   Json objects = Json::array();
   for (std::size_t i = 0; i < result.input.objects.size(); ++i) {
     const LoadedObject& object = result.input.objects[i];
-    const RefinedObject& refined = result.refinement.objects[i];
+    const RefinedObject& refined = result.measurement.refinement().objects[i];
     objects.push_back({{"source", object.source_name},
                        {"triangles", refined.triangles.size()},
                        {"base_triangles", object.hierarchy->base_triangle_count()},
@@ -85,10 +39,60 @@ const char* name_of(Proxy proxy) {
   return "cylinder";
 }
 
-Json report_of(const RenderResult& result) {
+Json asked_of(const RenderInput& input, const RefineOptions& options, const Backend& backend) {
   Json report;
-  add_what_was_asked(report, result);
-  add_stats(report, result);
+  report["scene"] = input.name;
+  report["culling"] = name_of(options.culling);
+  report["mode"] = options.occluder_mode == OccluderMode::conservative ? "conservative" : "paper";
+  report["occlusion"] = backend.visibility->name();
+  if (!backend.gl.is_null()) report["gl"] = backend.gl;
+  report["budget"] = options.budget;
+  report["tolerance_px"] = options.tolerance_px;
+  report["visible_exponent"] = options.visible_exponent;
+  report["proxy"] = name_of(options.proxy);
+  report["level_step"] = options.level_step;
+  report["grazing_exponent"] = options.grazing_exponent;
+  report["forced_exponent"] = options.forced_exponent;
+  report["occluder_splits"] = options.occluder_splits ? Json(*options.occluder_splits) : Json("adaptive");
+  report["retest_hidden"] = options.retest_hidden;
+  report["final_check"] = options.final_check;
+  return report;
+}
+
+Json stats_of(const Measurement& measurement) {
+  const RefineStats& stats = measurement.refinement().stats;
+  const RenderTimes times = measurement.times();
+  const std::size_t visible = measurement.visible_triangles();
+  Json report;
+  report["triangles"] = stats.triangles;
+  report["visible_triangles"] = visible;
+  report["visible_share"] =
+      static_cast<double>(visible) / static_cast<double>(std::max<std::size_t>(stats.triangles, 1));
+  report["splits"] = stats.splits;
+  report["forced_splits"] = stats.forced_splits;
+  report["forced_unseen_splits"] = stats.forced_unseen_splits;
+  report["rejected_splits"] = stats.rejected_splits;
+  report["visits"] = stats.visits;
+  report["culled_frustum"] = stats.culled_frustum;
+  report["culled_backface"] = stats.culled_backface;
+  report["culled_occlusion"] = stats.culled_occlusion;
+  report["queries"] = stats.queries;
+  report["queries_hidden"] = stats.queries_hidden;
+  report["occluder_draws"] = stats.occluder_draws;
+  report["readmitted"] = stats.readmitted;
+  report["taken_back"] = stats.taken_back;
+  report["refine_ms"] = times.refine_ms;
+  report["occlusion_ms"] = times.occlusion_ms;
+  report["draw_ms"] = times.draw_ms;
+  report["max_error_px"] = stats.max_error_px;
+  report["max_quadric_error_px"] = stats.max_quadric_error_px;
+  report["hash"] = fmt::format("{:016x}", measurement.refinement().hash());
+  return report;
+}
+
+Json report_of(const RenderResult& result) {
+  Json report = asked_of(result.input, result.options, result.backend);
+  report.update(stats_of(result.measurement));
   report["wrongly_hidden_px"] = result.wrongly_hidden_px ? Json(*result.wrongly_hidden_px) : Json();
   if (result.distance) {
     report["depth_rms_px"] = result.distance->depth_rms_px;

@@ -7,31 +7,27 @@
 
 #include "backend.h"
 #include "json_output.h"
+#include "measurement.h"
 #include "occlod/picture/compare.h"
 #include "occlod/refine/refiner.h"
 #include "render_input.h"
 
 namespace occlod::tool {
 
-// Medians over all repetitions.
-struct RenderTimes {
-  double refine_ms = 0.0;
-  double occlusion_ms = 0.0;
-  double draw_ms = 0.0;
-};
-
 struct RenderResult {
   const RenderInput& input;
   const RefineOptions& options;
   const Backend& backend;
-  const Refinement& refinement;
-  std::size_t visible_triangles;
-  RenderTimes times;
+  const Measurement& measurement;
   std::optional<PictureDistance> distance;       // to the full mesh
   std::optional<std::size_t> wrongly_hidden_px;  // see accuracy.h
 };
 
 [[nodiscard]] Json report_of(const RenderResult& result);
+
+// Parts of it: scene (and path), backend and options; and what came of the last repetition, with the median times.
+[[nodiscard]] Json asked_of(const RenderInput& input, const RefineOptions& options, const Backend& backend);
+[[nodiscard]] Json stats_of(const Measurement& measurement);
 
 [[nodiscard]] const char* name_of(Culling culling);
 [[nodiscard]] const char* name_of(Proxy proxy);

@@ -36,5 +36,23 @@ TEST(CameraPath, OneKeyStandsStill) {
   EXPECT_EQ(camera_at(path, 6).eye.x, 3.0);
 }
 
+// Three keys over seven frames: key floor(3 i / 7), exactly as it is given, and nothing between.
+TEST(CameraPath, JumpHoldsEachKey) {
+  const CameraPath path{{camera_from(0, 30), camera_from(4, 40), camera_from(10, 90)}, 7, true};
+  const double eyes[] = {0, 0, 0, 4, 4, 10, 10};
+  const double angles[] = {30, 30, 30, 40, 40, 90, 90};
+  for (int frame = 0; frame < 7; ++frame) {
+    EXPECT_EQ(camera_at(path, frame).eye.x, eyes[frame]) << frame;
+    EXPECT_EQ(camera_at(path, frame).fov_y_deg, angles[frame]) << frame;
+  }
+}
+
+// Frames of one path are one film: a key's own size does not change it.
+TEST(CameraPath, JumpKeepsTheSizeOfTheFirstKey) {
+  CameraPath path{{camera_from(0, 30), camera_from(4, 40)}, 2, true};
+  path.keys[1].width = 17;
+  EXPECT_EQ(camera_at(path, 1).width, path.keys[0].width);
+}
+
 }  // namespace
 }  // namespace occlod

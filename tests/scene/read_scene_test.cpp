@@ -97,6 +97,24 @@ TEST_F(ReadScene, ReadsCamerasAndPaths) {
   EXPECT_EQ(scene.cameras.at("b").width, Camera{}.width);
   EXPECT_EQ(scene.paths.at("p").frames, 5);
   EXPECT_EQ(scene.paths.at("p").keys.size(), 1U);
+  EXPECT_FALSE(scene.paths.at("p").jump);
+}
+
+TEST_F(ReadScene, ReadsPathsThatJump) {
+  const auto text = [](const std::string& path) {
+    return R"({"objects": [{"mesh": "m"}], "cameras": {"default": )" + std::string(a_camera) + R"(}, "paths": {"p": )" +
+           path + "}}";
+  };
+  const std::string one = std::string("[") + a_camera + "]";
+  const std::string two = std::string("[") + a_camera + ", " + a_camera + "]";
+  EXPECT_TRUE(read(text(R"({"frames": 2, "jump": true, "keys": )" + two + "}")).paths.at("p").jump);
+  EXPECT_FALSE(read(text(R"({"frames": 1, "jump": false, "keys": )" + two + "}")).paths.at("p").jump);
+  const std::vector<std::pair<std::string, std::string>> mistakes = {
+      {R"({"frames": 2, "jump": 1, "keys": )" + two + "}", "/paths/p/jump"},
+      {R"({"frames": 1, "jump": true, "keys": )" + two + "}", "/paths/p/frames"},
+      {R"({"frames": 2, "jump": true, "keys": )" + one + "}", "/paths/p/keys"},
+  };
+  for (const auto& [path, place] : mistakes) EXPECT_EQ(place_of_mistake(text(path)), place) << path;
 }
 
 TEST_F(ReadScene, NamesTheFile) {

@@ -21,7 +21,8 @@ TEST_P(ShippedScene, Reads) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, ShippedScene,
-                         ::testing::Values("armadillo", "armadillo_group", "planet_full", "planet_near"));
+                         ::testing::Values("armadillo", "armadillo_group", "planet_full", "planet_near", "sponza",
+                                           "sibenik", "city", "ww2_city"));
 
 }  // namespace
 }  // namespace occlod

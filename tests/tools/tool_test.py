@@ -184,6 +184,43 @@ class Render(ToolTest):
         self.assertEqual(json.loads(done.stdout)["hash"], first["hash"])
         self.assertTrue(done.stderr.startswith("occlod: note: "), done.stderr)
 
+    def write_scene_with_paths(self):
+        """A path that jumps from the default camera to one close by, and one that moves from the first to the second."""
+        keys = """[{"eye": [0, 0, 3], "target": [0, 0, 0], "width": 160, "height": 120}, {"eye": [0, 1.3, 0], "target": [0, 0.8, -1]}]"""
+        self.write_scene("""{"objects": [{"mesh": "planet.olod"}],
+                             "cameras": {"default": {"eye": [0, 0, 3], "target": [0, 0, 0], "width": 160, "height": 120}},
+                             "paths": {"jump": {"frames": 4, "jump": true, "keys": %s}, "move": {"frames": 3, "keys": %s}}}""" % (keys, keys))
+
+    def test_path(self):
+        """Frames 0 and 1 hold the default camera: the Refiner that is used again must give what a fresh one gives, at once and after the jump."""
+        self.write_scene_with_paths()
+        alone = self.json_of("render", "scene.json", "--budget", 500)
+        result = self.json_of("render", "scene.json", "--budget", 500, "--path", "jump")
+        frames = result["frames"]
+        self.assertEqual([frame["frame"] for frame in frames], [0, 1, 2, 3])
+        self.assertEqual([frame["hash"] for frame in frames[:2]], [alone["hash"]] * 2)
+        self.assertEqual(frames[0]["camera"], alone["camera"])
+        self.assertEqual(frames[2]["camera"]["eye"], [0, 1.3, 0])
+        self.assertEqual(frames[2]["hash"], frames[3]["hash"])
+        self.assertNotEqual(frames[2]["hash"], alone["hash"])
+        for frame in frames:
+            self.assert_has_keys(frame, "triangles visible_triangles hash refine_ms occlusion_ms draw_ms camera")
+            self.assertLessEqual(frame["triangles"], 500)
+
+    def test_path_as_table_and_pictures(self):
+        self.write_scene_with_paths()
+        lines = self.succeed("render", "scene.json", "--budget", 500, "--path", "move", "--size", "64x48", "--png", "view.png").splitlines()
+        hashes = [frame["hash"] for frame in self.json_of("render", "scene.json", "--budget", 500, "--path", "move", "--size", "64x48")["frames"]]
+        self.assertEqual([line.split()[-1] for line in lines[1:]], hashes)
+        self.assertEqual(len(set(hashes)), 3)
+        self.assertEqual(sorted(path.name for path in self.folder.glob("*.png")), [f"view_{i:05}.png" for i in range(3)])
+        self.assertEqual(struct.unpack(">II", (self.folder / "view_00002.png").read_bytes()[16:24]), (64, 48))
+
+    def test_path_mistakes(self):
+        self.write_scene_with_paths()
+        self.assertIn("jump, move", self.fail("render", "scene.json", "--path", "other"))
+        self.assertIn("--path", self.fail("render", "planet.olod", "--path", "jump"))
+
     def test_mesh_directly(self):
         result = self.json_of("render", "planet.ply", "--budget", 500)
         self.assertEqual(result["scene"], "planet")
@@ -242,7 +279,9 @@ class Mistakes(ToolTest):
         for arguments in [[], ["paint"], ["build"], ["build", "a.ply"], ["info", "a", "b"], ["generate"], ["generate", "rough-planet"],
                           ["render"], ["render", "x", "--budget", "many"], ["render", "x", "--occlusion", "magic"],
                           ["render", "x", "--culling", "all"], ["render", "x", "--size", "0x3"], ["render", "x", "--size", "3"],
-                          ["render", "x", "--repeat", "0"], ["render", "x", "--colour"]]:
+                          ["render", "x", "--repeat", "0"], ["render", "x", "--colour"], ["render", "x", "--path", "p", "--camera", "c"],
+                          ["render", "x", "--path", "p", "--birdseye", "b.png"], ["render", "x", "--path", "p", "--mesh", "m.ply"],
+                          ["render", "x", "--path", "p", "--reference"]]:
             done = self.run_tool(*arguments)
             self.assertEqual(done.returncode, 2, f"{arguments}: {done.stderr}")
             self.assertEqual(done.stdout, "")

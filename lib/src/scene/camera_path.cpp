@@ -7,9 +7,20 @@
 #include "occlod/scene/scene.h"
 
 namespace occlod {
+namespace {
+
+Camera held_key(const CameraPath& path, int frame) {
+  Camera camera = path.keys[static_cast<std::size_t>(frame) * path.keys.size() / static_cast<std::size_t>(path.frames)];
+  camera.width = path.keys.front().width;
+  camera.height = path.keys.front().height;
+  return camera;
+}
+
+}  // namespace
 
 Camera camera_at(const CameraPath& path, int frame) {
   assert(!path.keys.empty() && frame >= 0 && frame < path.frames);
+  if (path.jump) return held_key(path, frame);
   const auto last = path.keys.size() - 1;
   const double place = path.frames > 1 ? static_cast<double>(last) * frame / (path.frames - 1) : 0.0;
   const std::size_t i = std::min(static_cast<std::size_t>(place), last);

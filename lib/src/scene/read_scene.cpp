@@ -161,10 +161,14 @@ Camera read_camera(const JsonPlace& place) {
 }
 
 CameraPath read_path(const JsonPlace& place) {
-  place.expect_keys({"frames", "keys"});
+  place.expect_keys({"frames", "keys", "jump"});
   CameraPath path;
   path.frames = place.at("frames").integer(1);
   for (const JsonPlace& key : place.at("keys").elements()) path.keys.push_back(read_camera(key));
+  if (const auto jump = place.find("jump")) path.jump = jump->boolean();
+  if (path.jump && path.keys.size() < 2) place.at("keys").fail("is one key, from which nothing jumps", "give another");
+  if (path.jump && path.keys.size() > static_cast<std::size_t>(path.frames))
+    place.at("frames").fail("is less than the keys that each hold a frame at least", "give more frames or fewer keys");
   return path;
 }
 

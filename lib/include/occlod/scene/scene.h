@@ -35,8 +35,9 @@ struct SceneObject {
 };
 
 struct CameraPath {
-  std::vector<Camera> keys;  // at least one; frames interpolate between them
+  std::vector<Camera> keys;  // at least one; with `jump` at most as many as frames
   int frames = 1;
+  bool jump = false;  // every key is held for its share of the frames instead of moving on to the next
 };
 
 struct SceneDescription {
@@ -53,7 +54,8 @@ struct SceneDescription {
 [[nodiscard]] SceneDescription read_scene(const std::filesystem::path& path);
 
 // The camera of frame i of a path, 0 <= i < frames: eyes, targets, angles and ranges linear between keys that are
-// spread evenly over the frames; up directions linear too, then of unit length. The size is the first key's.
+// spread evenly over the frames; up directions linear too, then of unit length. With `jump`, key floor(i * keys /
+// frames) as it is. The size is the first key's.
 [[nodiscard]] Camera camera_at(const CameraPath& path, int frame);
 
 struct LoadOptions {

@@ -1,0 +1,55 @@
+// Refines and draws views of the same objects, one after the other, and takes the time.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "occlod/picture/picture.h"
+#include "occlod/raster/item_buffer.h"
+#include "occlod/refine/refiner.h"
+#include "occlod/scene/scene.h"
+#include "occlod/view/view.h"
+
+namespace occlod::tool {
+
+// Medians over all repetitions.
+struct RenderTimes {
+  double refine_ms = 0.0;
+  double occlusion_ms = 0.0;
+  double draw_ms = 0.0;
+
+  [[nodiscard]] double frame_ms() const { return refine_ms + occlusion_ms + draw_ms; }
+};
+
+// At least one value; the mean of the two in the middle of an even number.
+[[nodiscard]] double median(std::vector<double> values);
+
+// One Refiner and one item buffer for all views. `objects` outlive it.
+class Measurement {
+ public:
+  explicit Measurement(const std::vector<LoadedObject>& objects);
+
+  // Forgets earlier times.
+  void begin();
+  // One more repetition; what the accessors tell is that of the last one.
+  void repeat(const View& view, const RefineOptions& options, Visibility& visibility);
+
+  [[nodiscard]] const Refiner& refiner() const { return refiner_; }
+  [[nodiscard]] const Refinement& refinement() const { return *refinement_; }
+  [[nodiscard]] const ItemBuffer& items() const { return items_; }
+  [[nodiscard]] std::span<const DrawObject> objects() const { return drawn_; }
+  [[nodiscard]] std::size_t visible_triangles() const;
+  [[nodiscard]] RenderTimes times() const;  // since begin()
+
+ private:
+  const std::vector<LoadedObject>& objects_;
+  Refiner refiner_;
+  const Refinement* refinement_ = nullptr;
+  std::vector<DrawObject> drawn_;
+  ItemBuffer items_;
+  std::vector<double> refine_ms_;
+  std::vector<double> occlusion_ms_;
+  std::vector<double> draw_ms_;
+};
+
+}  // namespace occlod::tool

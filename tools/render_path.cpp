@@ -1,0 +1,59 @@
+#include "render_path.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "measurement.h"
+#include "occlod/picture/picture.h"
+#include "render_report.h"
+
+namespace occlod::tool {
+namespace {
+
+void print_header() {
+  fmt::print("{:>5}  {:>9}  {:>9}  {:>7}  {:>9}  {:>9}  {:>12}  {:>8}  {}\n", "frame", "triangles", "visible",
+             "share %", "queries", "refine ms", "occlusion ms", "draw ms", "hash");
+}
+
+void print_row(const Json& frame) {
+  fmt::print("{:>5}  {:>9}  {:>9}  {:>7.1f}  {:>9}  {:>9.2f}  {:>12.2f}  {:>8.2f}  {}\n", frame["frame"].get<int>(),
+             frame["triangles"].get<std::size_t>(), frame["visible_triangles"].get<std::size_t>(),
+             100.0 * frame["visible_share"].get<double>(), frame["queries"].get<std::size_t>(),
+             frame["refine_ms"].get<double>(), frame["occlusion_ms"].get<double>(), frame["draw_ms"].get<double>(),
+             frame["hash"].get<std::string>());
+}
+
+}  // namespace
+
+std::filesystem::path numbered(const std::filesystem::path& file, int frame) {
+  std::filesystem::path name = file.stem();
+  name += fmt::format("_{:05}", frame);
+  name += file.extension();
+  return file.parent_path() / name;
+}
+
+void render_path(const RenderInput& input, const RefineOptions& options, const Backend& backend,
+                 const PathOutput& output) {
+  Measurement measurement(input.objects);
+  Json frames = Json::array();
+  if (!output.json) print_header();
+  for (int i = 0; i < input.path->frames; ++i) {
+    const View view(camera_at(*input.path, i));
+    measurement.begin();
+    for (int round = 0; round < output.repeat; ++round) measurement.repeat(view, options, *backend.visibility);
+    Json frame = {{"frame", i}};
+    frame.update(stats_of(measurement));
+    frame["camera"] = to_json(view.camera());
+    if (!output.png.empty())
+      write_png(numbered(output.png, i), shade(measurement.items(), measurement.objects(), view));
+    if (!output.json) print_row(frame);
+    frames.push_back(std::move(frame));
+  }
+  if (!output.json) return;
+  Json report = asked_of(input, options, backend);
+  report["frames"] = std::move(frames);
+  print_json(report);
+}
+
+}  // namespace occlod::tool

@@ -1,0 +1,27 @@
+// occlod render --path: every frame of a camera path, one after the other.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "backend.h"
+#include "occlod/refine/refiner.h"
+#include "render_input.h"
+
+namespace occlod::tool {
+
+struct PathOutput {
+  std::string png;  // frame i of view.png becomes view_0000i.png; empty = no pictures
+  int repeat = 1;
+  bool json = false;
+};
+
+// Refines with one Refiner, frame by frame, the cameras of camera_at(*input.path, frame), and prints for each of them
+// what came of it: a table for people, or one JSON object with an array `frames`.
+void render_path(const RenderInput& input, const RefineOptions& options, const Backend& backend,
+                 const PathOutput& output);
+
+// "folder/view.png", 7 -> "folder/view_00007.png": five digits, more where a frame needs them.
+[[nodiscard]] std::filesystem::path numbered(const std::filesystem::path& file, int frame);
+
+}  // namespace occlod::tool
