@@ -4,9 +4,23 @@
 #include "occlod/hierarchy/cut_mesh.h"
 
 namespace occlod::tool {
+namespace {
 
-PictureDistance distance_to_full_mesh(const std::vector<LoadedObject>& objects, const View& view,
-                                      const ItemBuffer& items, std::span<const DrawObject> refined) {
+Image shade_without_wire(const ItemBuffer& items, std::span<const DrawObject> objects, const View& view) {
+  ShadeOptions shading;
+  shading.wire = false;
+  return shade(items, objects, view, shading);
+}
+
+RefineOptions to_one_pixel(RefineOptions options, const Refiner& refiner) {
+  options.budget = refiner.full_triangles();
+  options.tolerance_px = 1.0;
+  return options;
+}
+
+}  // namespace
+
+FullMeshPicture::FullMeshPicture(const std::vector<LoadedObject>& objects, const View& view) : view_(view) {
   std::vector<std::vector<Triangle>> triangles;
   triangles.reserve(objects.size());
   std::vector<DrawObject> full;
@@ -14,30 +28,32 @@ PictureDistance distance_to_full_mesh(const std::vector<LoadedObject>& objects, 
     triangles.push_back(triangles_of(*object.hierarchy, full_cut(*object.hierarchy)));
     full.push_back(draw_object(object, triangles.back()));
   }
-  ItemBuffer full_items;
-  redraw(full_items, full, view);
-  ShadeOptions shading;
-  shading.wire = false;
-  return compare_pictures(view, items.depth, shade(items, refined, view, shading), full_items.depth,
-                          shade(full_items, full, view, shading));
+  redraw(items_, full, view);
+  image_ = shade_without_wire(items_, full, view);
 }
 
-std::size_t count_wrongly_hidden(const std::vector<LoadedObject>& objects, const View& view,
-                                 const RefineOptions& options, Visibility& visibility) {
-  if (!visibility.can_hide()) return 0;
-  Refiner refiner(refine_objects(objects));
-  RefineOptions to_one_pixel = options;
-  to_one_pixel.budget = refiner.full_triangles();
-  to_one_pixel.tolerance_px = 1.0;
-  ItemBuffer with, without;
+PictureDistance FullMeshPicture::distance_to(const ItemBuffer& items, std::span<const DrawObject> refined) const {
+  return compare_pictures(view_, items.depth, shade_without_wire(items, refined, view_), items_.depth, image_);
+}
+
+WronglyHidden::WronglyHidden(const std::vector<LoadedObject>& objects)
+    : objects_(objects), reference_refiner_(refine_objects(objects)), refiner_(refine_objects(objects)) {}
+
+void WronglyHidden::set_view(const View& view, const RefineOptions& options) {
+  view_ = &view;
   NoOcclusion none;
-  double allowed_px = 0.0;
-  for (const auto& [backend, items] : {std::pair<Visibility*, ItemBuffer*>(&visibility, &with), {&none, &without}}) {
-    const Refinement& refinement = refiner.refine(view, to_one_pixel, *backend);
-    redraw(*items, draw_objects(objects, refinement), view);
-    allowed_px += refinement.stats.max_error_px;
-  }
-  return count_unexplained_pixels(view, without.depth, with.depth, allowed_px);
+  const Refinement& refinement = reference_refiner_.refine(view, to_one_pixel(options, refiner_), none);
+  drawn_ = draw_objects(objects_, refinement);
+  redraw(without_, drawn_, view);
+  reference_error_px_ = refinement.stats.max_error_px;
+}
+
+std::size_t WronglyHidden::count(const RefineOptions& options, Visibility& visibility) {
+  if (!visibility.can_hide()) return 0;
+  const Refinement& refinement = refiner_.refine(*view_, to_one_pixel(options, refiner_), visibility);
+  redraw(with_, draw_objects(objects_, refinement), *view_);
+  allowed_px_ = reference_error_px_ + refinement.stats.max_error_px;
+  return count_unexplained_pixels(*view_, without_.depth, with_.depth, allowed_px_);
 }
 
 }  // namespace occlod::tool

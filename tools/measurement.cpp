@@ -6,12 +6,16 @@
 #include "stopwatch.h"
 
 namespace occlod::tool {
+namespace {
 
+// Of at least one value; the mean of the two in the middle of an even number.
 double median(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   const std::size_t half = values.size() / 2;
   return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2.0;
 }
+
+}  // namespace
 
 Measurement::Measurement(const std::vector<LoadedObject>& objects)
     : objects_(objects), refiner_(refine_objects(objects)) {}

@@ -21,9 +21,6 @@ struct RenderTimes {
   [[nodiscard]] double frame_ms() const { return refine_ms + occlusion_ms + draw_ms; }
 };
 
-// At least one value; the mean of the two in the middle of an even number.
-[[nodiscard]] double median(std::vector<double> values);
-
 // One Refiner and one item buffer for all views. `objects` outlive it.
 class Measurement {
  public:

@@ -50,8 +50,10 @@ void render_view(const RenderInput& input, const Options& options, const Backend
 
   RenderResult result{input, options.refine, backend, measurement, {}, {}};
   if (options.reference) {
-    result.distance = distance_to_full_mesh(input.objects, view, measurement.items(), measurement.objects());
-    result.wrongly_hidden_px = count_wrongly_hidden(input.objects, view, options.refine, *backend.visibility);
+    result.distance = FullMeshPicture(input.objects, view).distance_to(measurement.items(), measurement.objects());
+    WronglyHidden wrongly_hidden(input.objects);
+    wrongly_hidden.set_view(view, options.refine);
+    result.wrongly_hidden_px = wrongly_hidden.count(options.refine, *backend.visibility);
   }
   const Json report = report_of(result);
   options.json ? print_json(report) : print_lines(report);

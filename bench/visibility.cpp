@@ -1,0 +1,134 @@
+// bench_visibility: the evaluation of Birkholz & Rahn on our scenes, and what it leaves open. Prints markdown; --out
+// also writes every table as CSV, all of them as one JSON file, and pictures.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "support/run_app.h"
+#include "visibility/subjects.h"
+
+namespace occlod::bench {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::vector<std::string> all_scenes = {"armadillo", "armadillo_group", "planet_full", "planet_near",
+                                             "sponza",    "sibenik",         "city",        "ww2_city"};
+
+struct Options {
+  std::vector<std::string> scenes = all_scenes;
+  VisibilityOptions visibility;
+  bool wrongly_hidden = false;
+};
+
+fs::path file_of(const std::string& scene) {
+  const bool is_file = fs::path(scene).extension() == ".json";
+  return is_file ? fs::path(scene) : fs::path(OCCLOD_SCENES) / (scene + ".json");
+}
+
+// Small enough to be run by a test.
+void make_quick(VisibilityOptions& options) {
+  options.budgets = {500, 1'000};
+  options.table_budget = 1'000;
+  options.repeat = 1;
+  options.views = 3;
+  options.path_frames = 2;
+  options.size = {160, 120};
+  options.hidden_size = {96, 72};
+}
+
+// All tables as NAME.json and each as a CSV file of its own.
+void write_tables(const fs::path& folder, const char* name, const std::vector<Table>& tables) {
+  if (folder.empty()) return;
+  tool::Json all;
+  for (const Table& table : tables) {
+    all[table.name] = table.rows;
+    write_text(folder / (table.name + ".csv"), csv(table));
+  }
+  write_text(folder / (std::string(name) + ".json"), all.dump(1) + "\n");
+}
+
+// Does each subject for each scene; `finish` makes the tables from them, after every scene, so that a run that is cut
+// short leaves what it has.
+template <typename Finish>
+void run_subjects(const Options& options, const char* name, std::vector<Subject>& subjects, const Finish& finish) {
+  const VisibilityOptions& visibility = options.visibility;
+  if (!visibility.out.empty()) fs::create_directories(visibility.out);
+  for (const std::string& scene : options.scenes) {
+    const std::unique_ptr<SceneRun> scene_run = load_scene(file_of(scene), visibility);
+    if (!scene_run) continue;
+    for (Subject& subject : subjects) {
+      fmt::print(stderr, "{}: {}\n", scene_run->description.name, subject.table.name);
+      subject.add_rows(subject.table, *scene_run, visibility);
+    }
+    write_tables(visibility.out, name, finish(*scene_run));
+  }
+}
+
+void print_tables(const std::vector<Table>& tables) {
+  for (const Table& table : tables) fmt::print("{}", markdown(table));
+}
+
+void count_wrongly_hidden(const Options& options) {
+  Table views = wrongly_hidden_views();
+  std::vector<Subject> subjects = {wrongly_hidden_subject(views)};
+  const auto tables = [&] { return std::vector<Table>{subjects[0].table, views}; };
+  run_subjects(options, "wrongly_hidden", subjects, [&](SceneRun&) { return tables(); });
+  print_tables(tables());
+}
+
+void run(const Options& options) {
+  if (options.wrongly_hidden) {
+    count_wrongly_hidden(options);
+    return;
+  }
+  const VisibilityOptions& visibility = options.visibility;
+  std::vector<Subject> subjects = {shares_subject(),
+                                   meshes_subject(),
+                                   table_2_subject(visibility),
+                                   quality_subject(visibility),
+                                   equal_error_subject(visibility),
+                                   variants_subject(visibility),
+                                   times_subject()};
+  const auto tables = [&subjects] {
+    std::vector<Table> all = {shares_made_smaller(subjects[0].table)};
+    for (const Subject& subject : subjects) all.push_back(subject.table);
+    return all;
+  };
+  run_subjects(options, "visibility", subjects, [&](SceneRun& scene_run) {
+    write_pictures(scene_run, visibility);
+    return tables();
+  });
+  print_tables(tables());
+}
+
+void add_options(CLI::App& app, Options& options) {
+  VisibilityOptions& visibility = options.visibility;
+  app.add_option("--scene", options.scenes, "Shipped scenes by name, or scene files")->capture_default_str();
+  app.add_option("--budget", visibility.budgets, "Triangles, for shares and times")->capture_default_str();
+  app.add_option("--out", visibility.out, "Folder for CSV, JSON and pictures");
+  add_repeat_option(app, visibility.repeat, "Rounds");
+  app.add_option("--views", visibility.views, "Random views of each scene, for --wrongly-hidden")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber);
+  app.add_flag("--wrongly-hidden", options.wrongly_hidden,
+               "Count wrongly hidden pixels over many views instead: takes minutes a scene");
+  app.add_flag_callback(
+         "--quick", [&visibility] { make_quick(visibility); }, "Small pictures and budgets, one round: for tests")
+      ->trigger_on_parse();
+}
+
+int run(int argc, char** argv) {
+  CLI::App app("Where triangles go without and with occlusion, after Birkholz & Rahn.", "bench_visibility");
+  Options options;
+  add_options(app, options);
+  return run_app(app, argc, argv, [&] { run(options); });
+}
+
+}  // namespace
+}  // namespace occlod::bench
+
+int main(int argc, char** argv) { return occlod::bench::run(argc, argv); }

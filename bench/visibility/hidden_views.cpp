@@ -1,0 +1,136 @@
+#include "visibility/hidden_views.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/gtc/constants.hpp>
+#include <glm/matrix.hpp>
+#include <limits>
+
+namespace occlod::bench {
+namespace {
+
+constexpr double least_covered = 0.05;  // of the picture
+constexpr double most_backs = 0.001;    // of the covered pixels
+
+void set_size(Camera& camera, const tool::ImageSize& size) {
+  camera.width = size.width;
+  camera.height = size.height;
+}
+
+// Any direction that is not along the line of sight.
+glm::dvec3 up_for(const glm::dvec3& along, const glm::dvec3& wanted) {
+  if (glm::length(glm::cross(glm::normalize(along), glm::normalize(wanted))) > 0.1) return wanted;
+  return std::abs(wanted.x) < 0.5 ? glm::dvec3(1.0, 0.0, 0.0) : glm::dvec3(0.0, 1.0, 0.0);
+}
+
+}  // namespace
+
+RandomCameras::RandomCameras(const SceneRun& run, const VisibilityOptions& options, std::uint64_t seed)
+    : run_(run), size_(options.hidden_size), state_(seed) {
+  glm::dvec3 low(std::numeric_limits<double>::infinity()), high = -low;
+  for (const LoadedObject& object : run.objects)
+    for (int i = 0; i < 8; ++i) {
+      const glm::dvec3 p(object.object_to_world * glm::dvec4(corner(object.hierarchy->box(), i), 1.0));
+      low = glm::min(low, p);
+      high = glm::max(high, p);
+    }
+  middle_ = (low + high) / 2.0;
+  radius_ = glm::length(high - low) / 2.0;
+}
+
+// SplitMix64 (Steele, Lea, Flood 2014): the same everywhere, unlike the distributions of the standard library.
+double RandomCameras::between(double low, double high) {
+  state_ += 0x9e3779b97f4a7c15ULL;
+  std::uint64_t z = state_;
+  z = (z ^ (z >> 30U)) * 0xbf58476d1ce4e5b9ULL;
+  z = (z ^ (z >> 27U)) * 0x94d049bb133111ebULL;
+  z ^= z >> 31U;
+  return low + (high - low) * static_cast<double>(z >> 11U) * 0x1p-53;
+}
+
+// Evenly over the sphere (Archimedes).
+glm::dvec3 RandomCameras::direction() {
+  const double z = between(-1.0, 1.0);
+  const double angle = between(0.0, 2.0 * glm::pi<double>());
+  const double r = std::sqrt(1.0 - z * z);
+  return {r * std::cos(angle), r * std::sin(angle), z};
+}
+
+glm::dvec3 RandomCameras::surface_point() {
+  const auto pick = [this](std::size_t count) {
+    return static_cast<std::size_t>(between(0.0, static_cast<double>(count)));
+  };
+  const LoadedObject& object = run_.objects[pick(run_.objects.size())];
+  const auto positions = object.hierarchy->positions();
+  return {object.object_to_world * glm::dvec4(positions[pick(positions.size())], 1.0)};
+}
+
+Camera RandomCameras::on_walk(const CameraPath& walk) {
+  Camera camera = camera_at(walk, static_cast<int>(between(0.0, walk.frames)));
+  const glm::dvec3 along = direction();
+  camera.up = up_for(along, camera.up);
+  camera.target = camera.eye + along;
+  return camera;
+}
+
+Camera RandomCameras::outside() {
+  const glm::dvec3 on_surface = surface_point();
+  glm::dvec3 away = direction();
+  if (glm::dot(away, on_surface - middle_) < 0.0) away = -away;
+  const double distance = 0.01 * radius_ * std::pow(250.0, between(0.0, 1.0));
+  Camera camera;
+  camera.eye = on_surface + distance * away;
+  // Not only straight down: the nearer, the more towards the horizon.
+  camera.target = glm::mix(on_surface, surface_point(), between(0.0, 0.5));
+  camera.up = up_for(camera.target - camera.eye, {0.0, 1.0, 0.0});
+  camera.fov_y_deg = between(30.0, 75.0);
+  camera.near = 1e-3 * radius_;
+  camera.far = 10.0 * radius_;
+  return camera;
+}
+
+Camera RandomCameras::next() {
+  const auto walk = run_.description.paths.find("walk");
+  Camera camera = walk == run_.description.paths.end() ? outside() : on_walk(walk->second);
+  set_size(camera, size_);
+  return camera;
+}
+
+std::vector<HiddenView> path_views(const SceneRun& run, const VisibilityOptions& options) {
+  std::vector<HiddenView> views;
+  for (const auto& [name, path] : run.description.paths) {
+    // A path that jumps has only its keys to show.
+    const int shown = path.jump ? static_cast<int>(path.keys.size()) : std::min(path.frames, options.path_frames);
+    for (int i = 0; i < shown; ++i) {
+      const int frame =
+          path.jump ? (i * path.frames + shown - 1) / shown : (shown > 1 ? i * (path.frames - 1) / (shown - 1) : 0);
+      views.push_back({fmt::format("{} {}", name, frame), camera_at(path, frame)});
+      set_size(views.back().camera, options.hidden_size);
+    }
+  }
+  return views;
+}
+
+bool is_fair(const SceneRun& run, const View& view, const ItemBuffer& items, std::span<const DrawObject> drawn) {
+  std::vector<bool> is_back;  // by item
+  for (std::size_t i = 0; i < drawn.size(); ++i) {
+    const glm::dvec3 eye(glm::inverse(drawn[i].object_to_world) * glm::dvec4(view.camera().eye, 1.0));
+    for (const Triangle& t : drawn[i].triangles) {
+      const glm::dvec3 a(drawn[i].positions[t.x]), b(drawn[i].positions[t.y]), c(drawn[i].positions[t.z]);
+      is_back.push_back(!run.objects[i].two_sided && glm::dot(glm::cross(b - a, c - a), eye - a) < 0.0);
+    }
+  }
+  std::size_t covered = 0, backs = 0;
+  for (const std::uint32_t item : items.items) {
+    if (item == no_item) continue;
+    ++covered;
+    backs += is_back[item] ? 1U : 0U;
+  }
+  return static_cast<double>(covered) >= least_covered * static_cast<double>(items.items.size()) &&
+         static_cast<double>(backs) <= most_backs * static_cast<double>(covered);
+}
+
+}  // namespace occlod::bench

@@ -1,0 +1,41 @@
+// The tables of bench_visibility. Each subject is asked for its empty table once and then for its rows of each scene.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "visibility/scene_run.h"
+#include "visibility/table.h"
+
+namespace occlod::bench {
+
+struct Subject {
+  Table table;
+  std::function<void(Table& table, SceneRun& run, const VisibilityOptions& options)> add_rows;
+};
+
+// Birkholz & Rahn, table 1: what the meshes are.
+[[nodiscard]] Subject meshes_subject();
+// Table 2: visible triangles at the paper's budget, the paper's own figures beside them.
+[[nodiscard]] Subject table_2_subject(const VisibilityOptions& options);
+// The same four ways: share, and distance from the picture of the full meshes.
+[[nodiscard]] Subject quality_subject(const VisibilityOptions& options);
+// Visible shares with and without occlusion at every budget that decides.
+[[nodiscard]] Subject shares_subject();
+// The triangles that the paper's LOD needs for the depth error that ours has at the paper's budget.
+[[nodiscard]] Subject equal_error_subject(const VisibilityOptions& options);
+// Bounding volumes, levels and occluder steps.
+[[nodiscard]] Subject variants_subject(const VisibilityOptions& options);
+// Refinement, occlusion and drawing, with and without occlusion in turns.
+[[nodiscard]] Subject times_subject();
+// Pixels that occlusion hides wrongly: sums and maxima, a row for each mode; `views`: those with any, to be seen again.
+[[nodiscard]] Subject wrongly_hidden_subject(Table& views);
+[[nodiscard]] Table wrongly_hidden_views();
+
+// Rows of the table of shares where occlusion made the share smaller.
+[[nodiscard]] Table shares_made_smaller(const Table& shares);
+
+// SCENE_view.png and SCENE_birdseye.png in the folder: the paper's LOD left, ours right.
+void write_pictures(SceneRun& run, const VisibilityOptions& options);
+
+}  // namespace occlod::bench
