@@ -4,7 +4,9 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "support/run_app.h"
@@ -34,6 +36,7 @@ void make_quick(VisibilityOptions& options) {
   options.budgets = {500, 1'000};
   options.table_budget = 1'000;
   options.repeat = 1;
+  options.share_frames = 2;
   options.views = 3;
   options.path_frames = 2;
   options.size = {160, 120};
@@ -93,16 +96,17 @@ void run(const Options& options) {
                                    equal_error_subject(visibility),
                                    variants_subject(visibility),
                                    times_subject()};
-  const auto tables = [&subjects] {
-    std::vector<Table> all = {shares_made_smaller(subjects[0].table)};
-    for (const Subject& subject : subjects) all.push_back(subject.table);
-    return all;
+  Subject& shares = subjects.front();
+  const auto with_summaries = [&](Table first) {
+    std::vector<Table> tables = {shares_made_smaller(shares.table), shares_summary(shares.table), std::move(first)};
+    for (std::size_t i = 1; i < subjects.size(); ++i) tables.push_back(subjects[i].table);
+    return tables;
   };
   run_subjects(options, "visibility", subjects, [&](SceneRun& scene_run) {
     write_pictures(scene_run, visibility);
-    return tables();
+    return with_summaries(shares.table);
   });
-  print_tables(tables());
+  print_tables(with_summaries(shares_of_default_views(shares.table)));
 }
 
 void add_options(CLI::App& app, Options& options) {

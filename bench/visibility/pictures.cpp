@@ -1,7 +1,10 @@
 // Pairs of pictures as in figures 2 to 7 of Birkholz & Rahn.
 #include <algorithm>
 #include <cstddef>
+#include <glm/geometric.hpp>
+#include <span>
 
+#include "drawing.h"
 #include "occlod/picture/picture.h"
 #include "visibility/subjects.h"
 
@@ -28,18 +31,39 @@ struct Pictures {
   Image birdseye;
 };
 
+bool is_roofed(std::span<const DrawObject> objects, const Camera& camera) {
+  Camera upwards = camera;
+  upwards.target = camera.eye + glm::normalize(camera.up);
+  upwards.up = View(camera).direction();
+  upwards.fov_y_deg = 1.0;
+  upwards.width = upwards.height = 1;
+  ItemBuffer items;
+  tool::redraw(items, objects, View(upwards));
+  return items.items[0] != no_item;
+}
+
+// From above; a roof over the eye is cut off, together with the upper half of what is higher than the eye.
+View above(std::span<const DrawObject> objects, const View& view) {
+  Camera camera = birdseye_camera(objects, view);
+  if (is_roofed(objects, view.camera())) {
+    const double to_eye = glm::dot(camera.eye - view.camera().eye, glm::normalize(view.camera().up));
+    camera.near = (camera.near * 2.0 + to_eye) / 2.0;  // birdseye_camera: the top is at twice the near plane's distance
+  }
+  return View(camera);
+}
+
 Pictures draw(const SceneRun& run, const tool::Measurement& measurement) {
   const auto objects = measurement.objects();
   return {shade(measurement.items(), objects, run.view),
-          birdseye(objects, measurement.items(), run.view, View(birdseye_camera(objects, run.view)))};
+          birdseye(objects, measurement.items(), run.view, above(objects, run.view))};
 }
 
 }  // namespace
 
 void write_pictures(SceneRun& run, const VisibilityOptions& options) {
   if (options.out.empty() || !run.is_decided_by(options.table_budget)) return;
-  (void)measure_share(run, run.without, refine_options(options.table_budget, Culling::subtree), run.none);
-  (void)measure_share(run, run.with, refine_options(options.table_budget, Culling::star), *run.software);
+  (void)measure_share(run.without, run.view, refine_options(options.table_budget, Culling::subtree), run.none);
+  (void)measure_share(run.with, run.view, refine_options(options.table_budget, Culling::star), *run.software);
   const Pictures papers = draw(run, run.without), ours = draw(run, run.with);
   write_png(options.out / (run.description.name + "_view.png"), beside(papers.view, ours.view));
   write_png(options.out / (run.description.name + "_birdseye.png"), beside(papers.birdseye, ours.birdseye));

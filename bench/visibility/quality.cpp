@@ -41,7 +41,7 @@ constexpr std::array ways = {Way{"paper's LOD", "lod", Culling::subtree, false},
 
 Share measure(SceneRun& run, const Way& way, std::size_t budget) {
   Visibility& visibility = way.occlusion ? *run.software : run.none;
-  return measure_share(run, run.with, refine_options(budget, way.culling), visibility);
+  return measure_share(run.with, run.view, refine_options(budget, way.culling), visibility);
 }
 
 double improvement(std::size_t visible, std::size_t start) {

@@ -48,10 +48,10 @@ double Share::percent() const {
   return 100.0 * static_cast<double>(visible) / static_cast<double>(std::max<std::size_t>(triangles, 1));
 }
 
-Share measure_share(const SceneRun& run, tool::Measurement& measurement, const RefineOptions& options,
+Share measure_share(tool::Measurement& measurement, const View& view, const RefineOptions& options,
                     Visibility& visibility) {
   measurement.begin();
-  measurement.repeat(run.view, options, visibility);
+  measurement.repeat(view, options, visibility);
   return {measurement.refinement().stats.triangles, measurement.visible_triangles(),
           fmt::format("{:016x}", measurement.refinement().hash())};
 }

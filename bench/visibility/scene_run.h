@@ -20,6 +20,7 @@ struct VisibilityOptions {
   std::vector<std::size_t> budgets = {1'000, 10'000, 100'000, 1'000'000};
   std::size_t table_budget = 10'000;      // the paper's
   int repeat = 5;                         // times are medians of so many rounds
+  int share_frames = 8;                   // of each path at most, for shares
   int views = 200;                        // random ones, for wrongly hidden pixels
   int path_frames = 40;                   // of each path at most, likewise
   std::optional<tool::ImageSize> size;    // of pictures instead of the cameras' own
@@ -62,7 +63,7 @@ struct Share {
   std::string hash;
   [[nodiscard]] double percent() const;
 };
-[[nodiscard]] Share measure_share(const SceneRun& run, tool::Measurement& measurement, const RefineOptions& options,
+[[nodiscard]] Share measure_share(tool::Measurement& measurement, const View& view, const RefineOptions& options,
                                   Visibility& visibility);
 
 [[nodiscard]] RefineOptions refine_options(std::size_t budget, Culling culling);

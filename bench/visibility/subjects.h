@@ -20,7 +20,7 @@ struct Subject {
 [[nodiscard]] Subject table_2_subject(const VisibilityOptions& options);
 // The same four ways: share, and distance from the picture of the full meshes.
 [[nodiscard]] Subject quality_subject(const VisibilityOptions& options);
-// Visible shares with and without occlusion at every budget that decides.
+// Visible shares with and without occlusion at every budget that decides, from every camera and frames of every path.
 [[nodiscard]] Subject shares_subject();
 // The triangles that the paper's LOD needs for the depth error that ours has at the paper's budget.
 [[nodiscard]] Subject equal_error_subject(const VisibilityOptions& options);
@@ -32,8 +32,10 @@ struct Subject {
 [[nodiscard]] Subject wrongly_hidden_subject(Table& views);
 [[nodiscard]] Table wrongly_hidden_views();
 
-// Rows of the table of shares where occlusion made the share smaller.
+// Of the table of shares: rows of default cameras, rows where occlusion made the share smaller, and how often it did.
+[[nodiscard]] Table shares_of_default_views(const Table& shares);
 [[nodiscard]] Table shares_made_smaller(const Table& shares);
+[[nodiscard]] Table shares_summary(const Table& shares);
 
 // SCENE_view.png and SCENE_birdseye.png in the folder: the paper's LOD left, ours right.
 void write_pictures(SceneRun& run, const VisibilityOptions& options);

@@ -6,8 +6,8 @@
 
 #include "accuracy.h"
 #include "stopwatch.h"
-#include "visibility/hidden_views.h"
 #include "visibility/subjects.h"
+#include "visibility/views.h"
 
 namespace occlod::bench {
 namespace {
@@ -42,7 +42,7 @@ class Hunt {
     RandomCameras cameras(run_, options_, seed);
     for (int tries = 0; random_ < options_.views && tries < options_.views * most_tries_a_view; ++tries)
       if (look({fmt::format("random {}", tries), cameras.next()})) ++random_;
-    for (const HiddenView& view : path_views(run_, options_))
+    for (const NamedView& view : path_views(run_, options_.path_frames, options_.hidden_size))
       if (look(view)) ++on_paths_;
   }
 
@@ -62,8 +62,8 @@ class Hunt {
 
  private:
   // False when the view is not fair.
-  bool look(const HiddenView& hidden_view) {
-    const View view(hidden_view.camera);
+  bool look(const NamedView& named) {
+    const View view(named.camera);
     RefineOptions refine;
     counter_.set_view(view, refine);
     if (!is_fair(run_, view, counter_.items(), counter_.drawn())) {
@@ -77,10 +77,10 @@ class Hunt {
       if (pixels == 0) continue;
       found_.add({{"scene", run_.description.name},
                   {"mode", name_of(modes[i])},
-                  {"view", hidden_view.source},
+                  {"view", named.name},
                   {"pixels", pixels},
                   {"allowed_px", counter_.allowed_px()},
-                  {"camera", tool::to_json(hidden_view.camera)}});
+                  {"camera", tool::to_json(named.camera)}});
     }
     return true;
   }

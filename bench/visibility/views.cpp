@@ -1,4 +1,4 @@
-#include "visibility/hidden_views.h"
+#include "visibility/views.h"
 
 #include <fmt/format.h>
 
@@ -14,11 +14,6 @@ namespace {
 
 constexpr double least_covered = 0.05;  // of the picture
 constexpr double most_backs = 0.001;    // of the covered pixels
-
-void set_size(Camera& camera, const tool::ImageSize& size) {
-  camera.width = size.width;
-  camera.height = size.height;
-}
 
 // Any direction that is not along the line of sight.
 glm::dvec3 up_for(const glm::dvec3& along, const glm::dvec3& wanted) {
@@ -94,21 +89,26 @@ Camera RandomCameras::outside() {
 
 Camera RandomCameras::next() {
   const auto walk = run_.description.paths.find("walk");
-  Camera camera = walk == run_.description.paths.end() ? outside() : on_walk(walk->second);
-  set_size(camera, size_);
+  return sized(walk == run_.description.paths.end() ? outside() : on_walk(walk->second), size_);
+}
+
+Camera sized(Camera camera, const std::optional<tool::ImageSize>& size) {
+  if (!size) return camera;
+  camera.width = size->width;
+  camera.height = size->height;
   return camera;
 }
 
-std::vector<HiddenView> path_views(const SceneRun& run, const VisibilityOptions& options) {
-  std::vector<HiddenView> views;
+std::vector<NamedView> path_views(const SceneRun& run, int most, const std::optional<tool::ImageSize>& size) {
+  std::vector<NamedView> views;
   for (const auto& [name, path] : run.description.paths) {
-    // A path that jumps has only its keys to show.
-    const int shown = path.jump ? static_cast<int>(path.keys.size()) : std::min(path.frames, options.path_frames);
+    const int shown = std::min(path.jump ? static_cast<int>(path.keys.size()) : path.frames, most);
     for (int i = 0; i < shown; ++i) {
-      const int frame =
-          path.jump ? (i * path.frames + shown - 1) / shown : (shown > 1 ? i * (path.frames - 1) / (shown - 1) : 0);
-      views.push_back({fmt::format("{} {}", name, frame), camera_at(path, frame)});
-      set_size(views.back().camera, options.hidden_size);
+      // Of a path that jumps the first frame of key i.
+      const int keys = static_cast<int>(path.keys.size());
+      const int last = path.frames - 1;
+      const int frame = path.jump ? (i * path.frames + keys - 1) / keys : shown > 1 ? i * last / (shown - 1) : 0;
+      views.push_back({fmt::format("{} {}", name, frame), sized(camera_at(path, frame), size)});
     }
   }
   return views;

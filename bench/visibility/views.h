@@ -1,4 +1,4 @@
-// The views in which wrongly hidden pixels are looked for.
+// Views of a scene beside its default camera: frames of its paths and random ones.
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@
 
 namespace occlod::bench {
 
-struct HiddenView {
-  std::string source;  // "random 17", or path and frame: "walk 40"
+struct NamedView {
+  std::string name;  // of a camera, path and frame ("walk 40") or number of a random one ("random 17")
   Camera camera;
 };
 
@@ -34,8 +34,11 @@ class RandomCameras {
   double radius_ = 1.0;  // of the sphere around the boxes of all objects
 };
 
-// Frames of all paths, at most so many of each and no camera twice in a row.
-[[nodiscard]] std::vector<HiddenView> path_views(const SceneRun& run, const VisibilityOptions& options);
+[[nodiscard]] Camera sized(Camera camera, const std::optional<tool::ImageSize>& size);
+
+// Frames of all paths, at most `most` of each: spread evenly over those that move, one for each key of those that jump.
+[[nodiscard]] std::vector<NamedView> path_views(const SceneRun& run, int most,
+                                                const std::optional<tool::ImageSize>& size);
 
 // Whether a picture shows enough of the scene, and its front sides: from within a solid one sees the backs of faces
 // that are not two-sided, which culling takes as unseen.
