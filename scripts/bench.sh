@@ -35,6 +35,10 @@ build/bench/bench/bench_locality | tee "$out/locality.md"
 echo "bench_software_occlusion" >&2
 build/bench/bench/bench_software_occlusion | tee "$out/software_occlusion.txt"
 
+echo "bench_visibility" >&2
+build/bench/bench/visibility/bench_visibility --out "$out/visibility" | tee "$out/visibility.md"
+build/bench/bench/visibility/bench_visibility --wrongly-hidden --out "$out/visibility" | tee "$out/wrongly_hidden.md"
+
 echo "bench_gl_occlusion" >&2
 build/bench/bench/bench_gl_occlusion | tee "$out/gl_occlusion.txt" || echo "bench_gl_occlusion is left out" >&2
 
