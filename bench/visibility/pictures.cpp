@@ -42,12 +42,15 @@ bool is_roofed(std::span<const DrawObject> objects, const Camera& camera) {
   return items.items[0] != no_item;
 }
 
-// From above; a roof over the eye is cut off, together with the upper half of what is higher than the eye.
+constexpr double share_above_eye = 0.15;  // of what is higher than an eye under a roof: what is left of it
+
+// From above; a roof over the eye is cut off, with most of what is higher than the eye.
 View above(std::span<const DrawObject> objects, const View& view) {
   Camera camera = birdseye_camera(objects, view);
   if (is_roofed(objects, view.camera())) {
     const double to_eye = glm::dot(camera.eye - view.camera().eye, glm::normalize(view.camera().up));
-    camera.near = (camera.near * 2.0 + to_eye) / 2.0;  // birdseye_camera: the top is at twice the near plane's distance
+    const double to_top = 2.0 * camera.near;  // as birdseye_camera() places the near plane
+    camera.near = to_eye + share_above_eye * (to_top - to_eye);
   }
   return View(camera);
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <utility>
 #include <vector>
 
 #include "visibility/subjects.h"
@@ -40,12 +41,23 @@ void add_shares_of(Table& table, SceneRun& run, const NamedView& named, std::siz
   }
 }
 
-void add_shares(Table& table, SceneRun& run, const VisibilityOptions& options) {
+// The default camera first; paths may pass through cameras that were there before.
+std::vector<NamedView> views_of(const SceneRun& run, const VisibilityOptions& options) {
   std::vector<NamedView> views = {{default_view, run.view.camera()}};
-  for (const auto& [name, camera] : run.description.cameras)
-    if (name != "default") views.push_back({name, sized(camera, options.size)});
-  for (const NamedView& view : path_views(run, options.share_frames, options.size)) views.push_back(view);
-  for (const NamedView& view : views)
+  std::vector<NamedView> others;
+  for (const auto& [name, camera] : run.description.cameras) others.push_back({name, sized(camera, options.size)});
+  for (NamedView& view : path_views(run, options.share_frames, options.size)) others.push_back(std::move(view));
+  for (NamedView& other : others) {
+    const auto is_same = [&](const NamedView& view) {
+      return tool::to_json(view.camera) == tool::to_json(other.camera);
+    };
+    if (std::none_of(views.begin(), views.end(), is_same)) views.push_back(std::move(other));
+  }
+  return views;
+}
+
+void add_shares(Table& table, SceneRun& run, const VisibilityOptions& options) {
+  for (const NamedView& view : views_of(run, options))
     for (const Culling culling : {Culling::subtree, Culling::star})
       for (const std::size_t budget : options.budgets) add_shares_of(table, run, view, budget, culling);
 }
