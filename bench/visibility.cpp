@@ -89,24 +89,30 @@ void run(const Options& options) {
     return;
   }
   const VisibilityOptions& visibility = options.visibility;
-  std::vector<Subject> subjects = {shares_subject(),
-                                   meshes_subject(),
+  std::vector<Subject> subjects = {meshes_subject(),
                                    table_2_subject(visibility),
                                    quality_subject(visibility),
                                    equal_error_subject(visibility),
-                                   variants_subject(visibility),
-                                   times_subject()};
-  Subject& shares = subjects.front();
-  const auto with_summaries = [&](Table first) {
-    std::vector<Table> tables = {shares_made_smaller(shares.table), shares_summary(shares.table), std::move(first)};
-    for (std::size_t i = 1; i < subjects.size(); ++i) tables.push_back(subjects[i].table);
+                                   times_subject(),
+                                   shares_subject(),
+                                   variants_subject(visibility)};
+  const Table& shares = subjects[subjects.size() - 2].table;
+  const Table& variants = subjects.back().table;
+  // All rows are for machines; people get the same in fewer.
+  const auto for_people = [&] {
+    std::vector<Table> tables = {shares_summary(shares), shares_made_smaller(shares)};
+    for (Table& table : variants_by_scene(variants)) tables.push_back(std::move(table));
     return tables;
   };
   run_subjects(options, "visibility", subjects, [&](SceneRun& scene_run) {
     write_pictures(scene_run, visibility);
-    return with_summaries(shares.table);
+    std::vector<Table> tables = for_people();
+    for (const Subject& subject : subjects) tables.push_back(subject.table);
+    return tables;
   });
-  print_tables(with_summaries(shares_of_default_views(shares.table)));
+  for (const Subject& subject : subjects)
+    if (&subject.table != &shares && &subject.table != &variants) fmt::print("{}", markdown(subject.table));
+  print_tables(for_people());
 }
 
 void add_options(CLI::App& app, Options& options) {
@@ -115,6 +121,9 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--budget", visibility.budgets, "Triangles, for shares and times")->capture_default_str();
   app.add_option("--out", visibility.out, "Folder for CSV, JSON and pictures");
   add_repeat_option(app, visibility.repeat, "Rounds");
+  app.add_option("--frames", visibility.share_frames, "Frames of each path at most, for shares")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber);
   app.add_option("--views", visibility.views, "Random views of each scene, for --wrongly-hidden")
       ->capture_default_str()
       ->check(CLI::NonNegativeNumber);

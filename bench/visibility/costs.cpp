@@ -1,12 +1,18 @@
 // What the parts of occlusion are worth and what they cost.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <deque>
+#include <iterator>
+#include <string>
+#include <vector>
 
 #include "visibility/subjects.h"
 
 namespace occlod::bench {
 namespace {
+
+using tool::Json;
 
 template <typename Change>
 RefineOptions with(RefineOptions options, const Change& change) {
@@ -59,6 +65,7 @@ void add_variants_of(Table& table, SceneRun& run, const VisibilityOptions& optio
                {"occluder_draws", stats.occluder_draws},
                {"refine_ms", times.refine_ms},
                {"occlusion_ms", times.occlusion_ms},
+               {"both_ms", times.refine_ms + times.occlusion_ms},
                {"hash", fmt::format("{:016x}", measurements[i].refinement().hash())}});
   }
 }
@@ -94,6 +101,24 @@ void add_times(Table& table, SceneRun& run, const VisibilityOptions& options) {
     }
 }
 
+// A row for each culling and variant, a column for each scene.
+Table by_scene(const Table& variants, const std::string& key, const std::string& what, int digits) {
+  Table table{"variants_" + key, "Variants: " + what, {{"culling", "culling"}, {"variant", "variant"}}, {}};
+  for (const Json& row : variants.rows) {
+    const auto scene = row["scene"].get<std::string>();
+    if (table.columns.back().key != scene) table.columns.push_back({scene, scene, digits});
+    auto found = std::find_if(table.rows.begin(), table.rows.end(), [&](const Json& other) {
+      return other["culling"] == row["culling"] && other["variant"] == row["variant"];
+    });
+    if (found == table.rows.end()) {
+      table.add({{"culling", row["culling"]}, {"variant", row["variant"]}});
+      found = std::prev(table.rows.end());
+    }
+    (*found)[scene] = row[key];
+  }
+  return table;
+}
+
 }  // namespace
 
 Subject variants_subject(const VisibilityOptions& options) {
@@ -116,9 +141,17 @@ Subject variants_subject(const VisibilityOptions& options) {
         {"occluder_draws", "occluder draws"},
         {"refine_ms", "refine"},
         {"occlusion_ms", "occlusion"},
+        {"both_ms", "both"},
         {"hash", ""}},
        {}},
       add_variants};
+}
+
+std::vector<Table> variants_by_scene(const Table& variants) {
+  return {by_scene(variants, "share", "share of visible triangles, %", 1), by_scene(variants, "queries", "queries", 0),
+          by_scene(variants, "wasted", "of them answered visible", 0),
+          by_scene(variants, "occlusion_ms", "occlusion, ms", 1),
+          by_scene(variants, "both_ms", "refinement and occlusion, ms", 1)};
 }
 
 Subject times_subject() {

@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <iterator>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -64,6 +64,37 @@ void add_shares(Table& table, SceneRun& run, const VisibilityOptions& options) {
 
 bool is_smaller(const tool::Json& row) { return row["gain"].get<double>() < 0.0; }
 
+// The row of the summary that a row of the shares counts for; a new one when it is the first.
+tool::Json& summary_row(Table& summary, const tool::Json& row) {
+  for (tool::Json& found : summary.rows)
+    if (found["scene"] == row["scene"] && found["culling"] == row["culling"] && found["budget"] == row["budget"])
+      return found;
+  summary.add({{"scene", row["scene"]},
+               {"culling", row["culling"]},
+               {"budget", row["budget"]},
+               {"views", 0},
+               {"mean_paper", 0.0},
+               {"smaller_paper", 0},
+               {"mean_conservative", 0.0},
+               {"smaller_conservative", 0}});
+  return summary.rows.back();
+}
+
+void add_to_summary(Table& summary, const tool::Json& row) {
+  tool::Json& target = summary_row(summary, row);
+  const auto mode = row["mode"].get<std::string>();
+  const bool is_first = mode == name_of(OccluderMode::paper);  // of the rows of one view
+  const int views = target["views"].get<int>() + (is_first ? 1 : 0);
+  target["views"] = views;
+  tool::Json& mean = target["mean_" + mode];
+  mean = mean.get<double>() + (row["gain"].get<double>() - mean.get<double>()) / views;
+  tool::Json& smaller = target["smaller_" + mode];
+  smaller = smaller.get<int>() + (is_smaller(row) ? 1 : 0);
+  if (row["view"] != default_view) return;
+  target["default_without"] = row["share_without"];
+  target["default_" + mode] = row["share"];
+}
+
 }  // namespace
 
 Subject shares_subject() {
@@ -88,65 +119,34 @@ Subject shares_subject() {
           add_shares};
 }
 
-Table shares_of_default_views(const Table& shares) {
-  Table chosen = shares;
-  std::erase_if(chosen.rows, [](const tool::Json& row) { return row["view"] != default_view; });
-  return chosen;
-}
-
 Table shares_made_smaller(const Table& shares) {
   Table offenders = shares;
   offenders.name = "shares_made_smaller";
   std::erase_if(offenders.rows, [](const tool::Json& row) { return !is_smaller(row); });
-  offenders.about =
-      fmt::format("Where occlusion made the visible share smaller: {} of {} (all cameras, frames of paths).",
-                  offenders.rows.size(), shares.rows.size());
-  for (Column& column : offenders.columns)
-    if (column.key == "camera") column.heading = "camera";
+  offenders.about = fmt::format(
+      "Where occlusion made the visible share smaller: {} of {} measurements (all cameras, frames of paths).",
+      offenders.rows.size(), shares.rows.size());
   return offenders;
 }
 
 Table shares_summary(const Table& shares) {
   Table table{"shares_summary",
-              "Gain in points over all cameras and frames of paths: how often occlusion made the share smaller.",
+              "Share of visible triangles, %, in the default view without occlusion, with it and with conservative "
+              "occluders; then over all cameras and frames of paths the mean gain in points and how often the share "
+              "became smaller.",
               {{"scene", "scene"},
                {"culling", "culling"},
                {"budget", "budget"},
-               {"mode", "mode"},
+               {"default_without", "without", 1},
+               {"default_paper", "with", 1},
+               {"default_conservative", "conservative", 1},
                {"views", "views"},
-               {"smaller", "smaller"},
-               {"least", "least gain"},
-               {"mean", "mean gain"},
-               {"most", "most"}},
+               {"mean_paper", "mean gain"},
+               {"smaller_paper", "smaller"},
+               {"mean_conservative", "conservative: mean gain"},
+               {"smaller_conservative", "smaller"}},
               {}};
-  std::vector<tool::Json>& rows = table.rows;
-  const auto same = [](const tool::Json& a, const tool::Json& b) {
-    const auto has_equal = [&](const char* key) { return a[key] == b[key]; };
-    return has_equal("scene") && has_equal("culling") && has_equal("budget") && has_equal("mode");
-  };
-  for (const tool::Json& row : shares.rows) {
-    const double gain = row["gain"].get<double>();
-    auto found = std::find_if(rows.begin(), rows.end(), [&](const tool::Json& other) { return same(row, other); });
-    if (found == rows.end()) {
-      table.add({{"scene", row["scene"]},
-                 {"culling", row["culling"]},
-                 {"budget", row["budget"]},
-                 {"mode", row["mode"]},
-                 {"views", 0},
-                 {"smaller", 0},
-                 {"least", gain},
-                 {"mean", 0.0},
-                 {"most", gain}});
-      found = std::prev(rows.end());
-    }
-    const int views = (*found)["views"].get<int>() + 1;
-    const double mean = (*found)["mean"].get<double>();
-    (*found)["views"] = views;
-    (*found)["smaller"] = (*found)["smaller"].get<int>() + (is_smaller(row) ? 1 : 0);
-    (*found)["least"] = std::min((*found)["least"].get<double>(), gain);
-    (*found)["mean"] = mean + (gain - mean) / views;
-    (*found)["most"] = std::max((*found)["most"].get<double>(), gain);
-  }
+  for (const tool::Json& row : shares.rows) add_to_summary(table, row);
   return table;
 }
 

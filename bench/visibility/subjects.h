@@ -32,10 +32,13 @@ struct Subject {
 [[nodiscard]] Subject wrongly_hidden_subject(Table& views);
 [[nodiscard]] Table wrongly_hidden_views();
 
-// Of the table of shares: rows of default cameras, rows where occlusion made the share smaller, and how often it did.
-[[nodiscard]] Table shares_of_default_views(const Table& shares);
+// Of the table of shares: the rows where occlusion made the share smaller, and a row for each scene, culling and
+// budget.
 [[nodiscard]] Table shares_made_smaller(const Table& shares);
 [[nodiscard]] Table shares_summary(const Table& shares);
+
+// Of the table of variants: one of their numbers, a row for each variant and a column for each scene.
+[[nodiscard]] std::vector<Table> variants_by_scene(const Table& variants);
 
 // SCENE_view.png and SCENE_birdseye.png in the folder: the paper's LOD left, ours right.
 void write_pictures(SceneRun& run, const VisibilityOptions& options);

@@ -13,7 +13,7 @@ SCENE = """{"objects": [{"generator": "rough-planet", "options": {"level": 5}}],
             "cameras": {"default": {"eye": [0, 0, 3], "target": [0, 0, 0], "near": 0.1}, "low": {"eye": [0, 1.2, 0], "target": [0, 0.9, -1]}},
             "paths": {"teleports": {"frames": 6, "jump": true, "keys": [{"eye": [0, 0, 3], "target": [0, 0, 0]}, {"eye": [2, 1, 0], "target": [0, 0, 0]}]},
                       "around": {"frames": 9, "keys": [{"eye": [0, 0, 3], "target": [0, 0, 0]}, {"eye": [3, 0, 0], "target": [0, 0, 0]}]}}}"""
-TIMES = ("refine_ms", "occlusion_ms", "draw_ms", "frame_ms", "refine_ms_without", "draw_ms_without", "frame_ms_without", "ratio", "seconds")
+TIMES = ("refine_ms", "occlusion_ms", "draw_ms", "frame_ms", "refine_ms_without", "draw_ms_without", "frame_ms_without", "ratio", "both_ms", "seconds")
 
 
 class Visibility(unittest.TestCase):
@@ -65,8 +65,17 @@ class Visibility(unittest.TestCase):
 
     def test_smaller_shares_are_found(self):
         self.assertEqual(self.tables["shares_made_smaller"], [row for row in self.tables["shares"] if row["gain"] < 0])
-        self.assertEqual(sum(row["smaller"] for row in self.tables["shares_summary"]), len(self.tables["shares_made_smaller"]))
-        self.assertEqual(sum(row["views"] for row in self.tables["shares_summary"]), len(self.tables["shares"]))
+        summary = self.tables["shares_summary"]
+        self.assertEqual(sum(row["smaller_paper"] + row["smaller_conservative"] for row in summary), len(self.tables["shares_made_smaller"]))
+        self.assertEqual(2 * sum(row["views"] for row in summary), len(self.tables["shares"]))
+        for row in summary:
+            for mode in ("paper", "conservative"):
+                gains = [share["gain"] for share in self.rows("shares", culling=row["culling"], budget=row["budget"], mode=mode)]
+                self.assertAlmostEqual(row[f"mean_{mode}"], sum(gains) / len(gains))
+
+    def test_variants_by_scene(self):
+        for key in ("share", "queries", "wasted"):
+            self.assertEqual([row["small"] for row in self.tables[f"variants_{key}"]], [row[key] for row in self.tables["variants"]])
 
     def test_tables_agree(self):
         """The same scene, view, budget and options are measured for several tables."""
@@ -88,7 +97,8 @@ class Visibility(unittest.TestCase):
 
     def test_second_run_is_the_same(self):
         def without_times(tables):
-            return {name: [{key: value for key, value in row.items() if key not in TIMES} for row in rows] for name, rows in tables.items()}
+            return {name: [{key: value for key, value in row.items() if key not in TIMES} for row in rows] for name, rows in tables.items()
+                    if not name.endswith("_ms")}
         self.assertEqual(without_times(self.run_bench("second")["visibility"]), without_times(self.tables))
 
     def test_wrongly_hidden(self):
