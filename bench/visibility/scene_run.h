@@ -38,6 +38,8 @@ struct SceneRun {
   std::unique_ptr<Visibility> software;
 
   SceneRun(SceneDescription scene, tool::RenderInput input);
+  SceneRun(const SceneRun&) = delete;  // the measurements refer to the objects
+  SceneRun& operator=(const SceneRun&) = delete;
 
   [[nodiscard]] std::size_t base_triangles() const { return with.refiner().base_triangles(); }
   [[nodiscard]] std::size_t full_triangles() const { return with.refiner().full_triangles(); }
