@@ -24,19 +24,29 @@ RefineOptions with(RefineOptions options, const Change& change) {
 std::vector<Variant> variants(const RefineOptions& base) {
   using O = RefineOptions;
   return {
-      {"default", base},
-      {"box", with(base, [](O& o) { o.proxy = Proxy::box; })},
-      {"sphere", with(base, [](O& o) { o.proxy = Proxy::sphere; })},
+      {"as it is", base},
+      {"proxy box", with(base, [](O& o) { o.proxy = Proxy::box; })},
+      {"proxy sphere", with(base, [](O& o) { o.proxy = Proxy::sphere; })},
+      {"proxy cylinder", with(base, [](O& o) { o.proxy = Proxy::cylinder; })},
       {"levels 1", with(base, [](O& o) { o.level_step = 1; })},
       {"levels 3", with(base, [](O& o) { o.level_step = 3; })},
       {"levels 4", with(base, [](O& o) { o.level_step = 4; })},
-      {"no occluder steps", with(base, [](O& o) { o.occluder_splits = {}; })},
-      {"steps 300", with(base, [](O& o) { o.occluder_splits = {300}; })},
+      {"steps adaptive", with(base, [](O& o) { o.occluder_splits.reset(); })},
+      {"steps none", with(base, [](O& o) { o.occluder_splits.emplace(); })},
+      {"steps 300", with(base, [](O& o) { o.occluder_splits = {{300}}; })},
+      {"steps 300,2500", with(base,
+                              [](O& o) {
+                                o.occluder_splits = {{300, 2500}};
+                              })},
       {"steps 300,1000,2500,5000", with(base,
                                         [](O& o) {
-                                          o.occluder_splits = {300, 1000, 2500, 5000};
+                                          o.occluder_splits = {{300, 1000, 2500, 5000}};
                                         })},
-      {"no weight", with(base, [](O& o) { o.visible_exponent = 0.0; })},
+      {"no retest", with(base, [](O& o) { o.retest_hidden = false; })},
+      {"no final check", with(base, [](O& o) { o.final_check = false; })},
+      {"no weight of the visible share", with(base, [](O& o) { o.visible_exponent = 0.0; })},
+      {"no weight of grazing faces", with(base, [](O& o) { o.grazing_exponent = 0.0; })},
+      {"no weight of what is forced", with(base, [](O& o) { o.forced_exponent = 0.0; })},
       {"conservative", with(base, [](O& o) { o.occluder_mode = OccluderMode::conservative; })},
   };
 }

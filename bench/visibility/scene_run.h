@@ -68,6 +68,7 @@ struct Share {
 [[nodiscard]] Share measure_share(tool::Measurement& measurement, const View& view, const RefineOptions& options,
                                   Visibility& visibility);
 
+// With Culling::subtree the paper's own choices: cylinders, occluders after 300 and 2,500 splits, no final check.
 [[nodiscard]] RefineOptions refine_options(std::size_t budget, Culling culling);
 [[nodiscard]] const char* name_of(Culling culling);
 [[nodiscard]] const char* name_of(OccluderMode mode);

@@ -113,7 +113,7 @@ TEST_P(CutForthAndBack, EqualsAFreshCutWithTheSameSplits) {
   ASSERT_GT(count, 0U);
   std::size_t taken_back = 0;
   for (int step = 0; step < 2000; ++step) {
-    const SplitId s = random() % count;
+    const auto s = static_cast<SplitId>(random() % count);
     if (!cut.applied(s)) {
       (void)cut.closure(s);
       cut.apply_closure();

@@ -313,7 +313,7 @@ class Refiner::Impl {
       closure = cut.closure(entry.split);
     }
     rejections_in_a_row_ = 0;
-    count(entry, closure);
+    count_splits(entry, closure);
     triangles_ -= cut.triangle_count();
     cut.apply_closure();
     triangles_ += cut.triangle_count();
@@ -345,7 +345,7 @@ class Refiner::Impl {
     return true;
   }
 
-  void count(const Entry& entry, const Cut::Closure& closure) {
+  void count_splits(const Entry& entry, const Cut::Closure& closure) {
     steps_.split_applied(entry.error.quadric_px);
     stats_.splits += closure.splits.size();
     stats_.forced_splits += closure.splits.size() - 1;
