@@ -8,6 +8,7 @@
 #include <map>
 #include <numbers>
 
+#include "gl/clip_matrix.h"
 #include "gl/support.h"
 
 namespace occlod::gl {
@@ -87,7 +88,7 @@ TEST(Proxies, ContainThePixelCentresOfEveryPointAtItsOwnDepth) {
       glm::dmat4 transform = random_linear(random);
       transform[3] = glm::dvec4(uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -4, 1), 1);
       const ObjectView object(view, transform);
-      const ProxySpace space(screen, object);
+      const ProxySpace space(screen, clip_matrix(view.camera(), object), object.mirrored());
       const VisibilityQuery query = random_bound(shape, glm::vec3(0.0F), std::exp(uniform(random, -7, 0)), random);
       const auto placement = place(query);
       ASSERT_TRUE(placement);
@@ -115,7 +116,8 @@ TEST(Proxies, GrowByThreeQuartersOfAPixel) {
   for (const double scale : {1.0, 4.0}) {
     const ObjectView object(view,
                             glm::scale(glm::rotate(glm::dmat4(1.0), 0.7, glm::dvec3(1, 2, 3)), glm::dvec3(scale)));
-    const Placement proxy = grown(*place({0, Sphere{{0, 0, 0}, 0.0F}}), Screen(view), ProxySpace(Screen(view), object));
+    const ProxySpace space(Screen(view), clip_matrix(view.camera(), object), object.mirrored());
+    const Placement proxy = grown(*place({0, Sphere{{0, 0, 0}, 0.0F}}), Screen(view), space);
     EXPECT_NEAR(proxy.half.x, 0.75 * pixel_at_wall / scale, 1e-6);
   }
 }
@@ -124,8 +126,8 @@ TEST(Proxies, GrowByThreeQuartersOfAPixel) {
 TEST(Proxies, GrowBoxesAlongEachAxisByItsOwnScale) {
   const View view = test_view();
   const ObjectView object(view, glm::scale(glm::dmat4(1.0), glm::dvec3(1.0, 1.0, 0.01)));
-  const Placement proxy =
-      grown(*place({0, Box{{-0.1F, -0.1F, 0}, {0.1F, 0.1F, 0}}}), Screen(view), ProxySpace(Screen(view), object));
+  const ProxySpace space(Screen(view), clip_matrix(view.camera(), object), object.mirrored());
+  const Placement proxy = grown(*place({0, Box{{-0.1F, -0.1F, 0}, {0.1F, 0.1F, 0}}}), Screen(view), space);
   EXPECT_NEAR(proxy.half.x, 0.1 + 0.75 * pixel_at_wall, 1e-6);
   EXPECT_NEAR(proxy.half.z, 75.0 * pixel_at_wall, 1e-4);
 }
@@ -141,7 +143,7 @@ class Plan : public testing::Test {
   }
   View view_ = test_view();
   Screen screen_{view_};
-  ProxySpace space_{screen_, ObjectView(view_, glm::dmat4(1.0))};
+  ProxySpace space_{screen_, clip_matrix(view_.camera(), ObjectView(view_, glm::dmat4(1.0))), false};
 };
 
 TEST_F(Plan, NotFiniteOrInsideOutIsVisible) {

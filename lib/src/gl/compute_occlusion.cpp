@@ -8,6 +8,7 @@
 
 #include "gl/backend_options.h"
 #include "gl/batched_visibility.h"
+#include "gl/clip_matrix.h"
 #include "gl/gpu_pyramid.h"
 #include "gl/in_context.h"
 #include "gl/objects.h"
@@ -154,11 +155,12 @@ class ComputeOcclusion final : public BatchedVisibility {
   void start_view(const View& view, std::span<const ObjectView> objects) override {
     view_ = view;
     objects_.assign(objects.begin(), objects.end());
+    object_to_clip_ = clip_matrices(view.camera(), objects);
     questions_.clear();
     occluder_drawn_ = false;
   }
   void start_occluder(std::span<const OccluderPart> parts) override {
-    mesh_.assign(parts, objects_);
+    mesh_.assign(parts, object_to_clip_);
     resources_.use().pyramid.build(mesh_, view_->width(), view_->height());
     occluder_drawn_ = true;
   }
@@ -172,6 +174,7 @@ class ComputeOcclusion final : public BatchedVisibility {
   bool counts_;
   std::optional<View> view_;
   std::vector<ObjectView> objects_;
+  std::vector<glm::dmat4> object_to_clip_;  // of the occluder
   OccluderMesh mesh_;
   bool occluder_drawn_ = false;
   std::vector<Question> questions_;

@@ -6,12 +6,12 @@
 
 namespace occlod::gl {
 
-void OccluderMesh::assign(std::span<const OccluderPart> parts, std::span<const ObjectView> objects) {
+void OccluderMesh::assign(std::span<const OccluderPart> parts, std::span<const glm::dmat4> object_to_clip) {
   vertices_.clear();
   indices_.clear();
   for (const OccluderPart& part : parts) {
-    assert(part.object < objects.size());
-    append(part, objects[part.object].object_to_clip());
+    assert(part.object < object_to_clip.size());
+    append(part, object_to_clip[part.object]);
   }
 }
 

@@ -9,7 +9,6 @@
 
 #include "gl/objects.h"
 #include "occlod/refine/visibility.h"
-#include "occlod/view/view.h"
 
 namespace occlod::gl {
 
@@ -19,8 +18,8 @@ namespace occlod::gl {
 // Reuses its memory. No OpenGL here.
 class OccluderMesh {
  public:
-  // O(triangles), and O(vertices) the first time that a part is so large.
-  void assign(std::span<const OccluderPart> parts, std::span<const ObjectView> objects);
+  // object_to_clip by object. O(triangles), and O(vertices) the first time that a part is so large.
+  void assign(std::span<const OccluderPart> parts, std::span<const glm::dmat4> object_to_clip);
 
   [[nodiscard]] std::span<const glm::vec4> vertices() const noexcept { return vertices_; }  // clip space
   [[nodiscard]] std::span<const std::uint32_t> indices() const noexcept { return indices_; }

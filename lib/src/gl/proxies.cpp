@@ -125,8 +125,8 @@ Screen::Screen(const View& view, int target_divisor)
       near(view.camera().near),
       focal_length_px(view.focal_length_px()) {}
 
-ProxySpace::ProxySpace(const Screen& screen, const ObjectView& object)
-    : object_to_clip(object.object_to_clip()), mirrored(object.mirrored()) {
+ProxySpace::ProxySpace(const Screen& screen, const glm::dmat4& to_clip, bool is_mirrored)
+    : object_to_clip(to_clip), mirrored(is_mirrored) {
   // Rows of clip space scaled to pixels times depth: x and y in pixels once divided by w, and w scaled like y.
   const glm::dvec3 x = glm::dvec3(glm::row(object_to_clip, 0)) * (screen.width / 2.0);
   const glm::dvec3 y = glm::dvec3(glm::row(object_to_clip, 1)) * (screen.height / 2.0);

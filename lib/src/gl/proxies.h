@@ -43,7 +43,8 @@ struct Screen {
 
 // One object's view in double precision, with what growing a bound by pixels needs.
 struct ProxySpace {
-  ProxySpace(const Screen& screen, const ObjectView& object);
+  // to_clip: see clip_matrix.
+  ProxySpace(const Screen& screen, const glm::dmat4& to_clip, bool is_mirrored);
 
   glm::dmat4 object_to_clip;
   // Object units that move a point at depth 1 by one pixel, in any direction across or along the line of sight: the

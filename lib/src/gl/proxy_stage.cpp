@@ -4,6 +4,8 @@
 #include <cassert>
 #include <glm/gtc/type_ptr.hpp>
 
+#include "gl/clip_matrix.h"
+
 namespace occlod::gl {
 namespace {
 
@@ -60,9 +62,10 @@ ProxyStage::ProxyStage(const Functions& gl, int divisor)
 
 void ProxyStage::begin_view(const View& view, std::span<const ObjectView> objects) {
   screen_ = Screen(view, divisor_);
-  objects_.assign(objects.begin(), objects.end());
+  object_to_clip_ = clip_matrices(view.camera(), objects);
   spaces_.clear();
-  for (const ObjectView& object : objects) spaces_.emplace_back(screen_, object);
+  for (std::size_t i = 0; i < objects.size(); ++i)
+    spaces_.emplace_back(screen_, object_to_clip_[i], objects[i].mirrored());
   bind_target();
   start_occluder();
   start_proxies();
@@ -70,7 +73,7 @@ void ProxyStage::begin_view(const View& view, std::span<const ObjectView> object
 }
 
 void ProxyStage::draw_occluder(std::span<const OccluderPart> parts) {
-  mesh_.assign(parts, objects_);
+  mesh_.assign(parts, object_to_clip_);
   full_.bind(screen_.width, screen_.height);
   gl().Viewport(0, 0, screen_.width, screen_.height);
   start_occluder();

@@ -44,7 +44,7 @@ class ProxyStage {
   const Functions* gl_;
   int divisor_;
   Screen screen_;
-  std::vector<ObjectView> objects_;
+  std::vector<glm::dmat4> object_to_clip_;
   std::vector<ProxySpace> spaces_;
   OccluderMesh mesh_;
   FloatTarget full_;
