@@ -19,11 +19,11 @@
 #include "occlod/hierarchy/build.h"
 #include "occlod/occlusion/depth_pyramid.h"
 #include "occlod/refine/refiner.h"
+#include "oracle/ray_oracle.h"
 #include "stopwatch.h"
 #include "support/bench_meshes.h"
 #include "support/median.h"
 #include "support/planet_views.h"
-#include "support/ray_oracle.h"
 #include "support/run_app.h"
 
 namespace occlod::bench {
@@ -188,23 +188,21 @@ void measure_whole(const Scene& scene, std::int64_t target, int repeat) {
 // Bounds that cover no pixel centre say nothing and are left out.
 void measure_tightness(const Scene& scene) {
   for (const Occluder& occluder : scene.occluders) {
-    DepthBuffer depth;
-    depth.reset(scene.view.width(), scene.view.height());
-    draw_depth(depth, scene.positions, occluder.triangles, scene.object.object_to_clip());
     const auto backend = make_software_occlusion();
     backend->begin_view(scene.view, {&scene.object, 1});
     const std::vector<OccluderPart> parts = {{0, scene.positions, occluder.triangles}};
+    const test::RayOracle rays(scene.view, std::array{glm::dmat4(1.0)}, parts);
     backend->draw_occluder(parts);
     for (std::size_t k = 0; k < 3; ++k) {
       std::size_t hidden = 0, found = 0, wrong = 0;
       for (const VisibilityQuery& query : std::span(scene.kinds[k].queries).first(rays_bound_count)) {
-        const RayVerdict rays = cast_rays(scene.view, scene.object, query, depth);
-        if (rays.covered == 0) continue;
+        const test::Sight sight = rays.look(query);
+        if (sight.covered == 0 || sight.at_eye) continue;
         backend->submit(query);
         const bool says_hidden = backend->collect() == 0;
-        hidden += rays.visible == 0 ? 1 : 0;
-        found += rays.visible == 0 && says_hidden ? 1 : 0;
-        wrong += rays.visible != 0 && says_hidden ? 1 : 0;
+        hidden += sight.visible == 0 ? 1 : 0;
+        found += sight.visible == 0 && says_hidden ? 1 : 0;
+        wrong += sight.visible != 0 && says_hidden && rays.certainly_visible(query) ? 1 : 0;
       }
       fmt::print("| {} | {} | {} | {} | {:.2f} | {} |\n", scene.name, occluder.triangles.size(), scene.kinds[k].name,
                  hidden, 100.0 * static_cast<double>(found) / static_cast<double>(std::max<std::size_t>(hidden, 1)),

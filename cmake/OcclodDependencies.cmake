@@ -39,6 +39,9 @@ if(OCCLOD_BUILD_BENCH)
   find_package(meshoptimizer QUIET)
   find_package(OpenMesh QUIET)
 endif()
+if(OCCLOD_BUILD_TESTS OR OCCLOD_BUILD_BENCH)
+  find_package(embree REQUIRED)  # 3 or 4: rays that occlusion is judged by
+endif()
 if(OCCLOD_BUILD_TESTS)
   find_package(GTest REQUIRED)
   find_package(OpenMesh REQUIRED)  # for interop/openmesh.h

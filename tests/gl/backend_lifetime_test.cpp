@@ -1,6 +1,7 @@
 // Order, epochs, several backends in one process, and what is left behind, for every backend.
 #include <array>
 #include <deque>
+#include <random>
 
 #include "gl/backends.h"
 #include "gl/counting_context.h"

@@ -10,6 +10,7 @@
 
 #include "gl/clip_matrix.h"
 #include "gl/support.h"
+#include "oracle/random_shapes.h"
 
 namespace occlod::gl {
 namespace {
@@ -80,30 +81,31 @@ TEST(Proxies, AreCircumscribedTightly) {
 TEST(Proxies, ContainThePixelCentresOfEveryPointAtItsOwnDepth) {
   const View view = test_view();
   const Screen screen(view);
-  std::mt19937 random(11);
-  for (const ProxyShape shape : all_shapes) {
-    const std::vector<Plane> planes = planes_of(shape);
+  test::RandomShapes random(11);
+  for (int kind = 0; kind < test::bound_kinds; ++kind) {
     for (int trial = 0; trial < 200; ++trial) {
       // Centres within the frustum, sizes from sub-pixel to most of the screen, transforms that shear the growth.
-      glm::dmat4 transform = random_linear(random);
-      transform[3] = glm::dvec4(uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -4, 1), 1);
+      glm::dmat4 transform = random.linear();
+      transform[3] = glm::dvec4(random.point(1.0) * glm::dvec3(1.0, 1.0, 2.5) - glm::dvec3(0.0, 0.0, 1.5), 1.0);
       const ObjectView object(view, transform);
       const ProxySpace space(screen, clip_matrix(view.camera(), object), object.mirrored());
-      const VisibilityQuery query = random_bound(shape, glm::vec3(0.0F), std::exp(uniform(random, -7, 0)), random);
+      const VisibilityQuery query =
+          random.bound(static_cast<test::BoundKind>(kind), glm::vec3(0.0F), std::exp(random.in(-7.0, 0.0)));
       const auto placement = place(query);
       ASSERT_TRUE(placement);
       const Placement proxy = grown(*placement, screen, space);
+      const std::vector<Plane> planes = planes_of(proxy.shape);
       const glm::dmat4 clip_to_object = glm::inverse(space.object_to_clip);
       for (int k = 0; k < 50; ++k) {
-        const glm::dvec4 clip = space.object_to_clip * glm::dvec4(random_point(query, random), 1.0);
+        const glm::dvec4 clip = space.object_to_clip * glm::dvec4(random.sample(query), 1.0);
         if (clip.w <= 0.0) continue;
-        const double angle = uniform(random, 0, 2 * std::numbers::pi_v<float>);
+        const double angle = random.in(0.0, 2.0 * std::numbers::pi);
         const glm::dvec4 offset(std::cos(angle) * std::sqrt(0.5) * 2.0 / screen.width * clip.w,
                                 std::sin(angle) * std::sqrt(0.5) * 2.0 / screen.height * clip.w, 0.0, 0.0);
         const glm::dvec3 moved(clip_to_object * (clip + offset));
         const glm::dvec3 unit = ((moved - proxy.center) * proxy.directions) / proxy.half;
         for (const Plane& plane : planes)
-          ASSERT_LE(glm::dot(plane.normal, unit), plane.offset) << shape_label(shape) << " trial " << trial;
+          ASSERT_LE(glm::dot(plane.normal, unit), plane.offset) << shape_label(proxy.shape) << " trial " << trial;
       }
     }
   }

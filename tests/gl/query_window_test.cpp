@@ -4,6 +4,7 @@
 #include "gl/counting_context.h"
 #include "gl/support.h"
 #include "occlod/core/error.h"
+#include "oracle/random_shapes.h"
 
 namespace occlod::gl {
 namespace {
@@ -46,11 +47,10 @@ TEST_P(QueryWindow, DoesNotChangeAnswers) {
     const auto occlusion =
         make_query_occlusion(context_, {.flight = 20, .window = window, .target = QueryTarget::count});
     start(*occlusion, wall_with_hole(-0.4F, 0.3F, -0.2F, 0.5F));
-    std::mt19937 random(8);
+    test::RandomShapes random(8);
     std::vector<std::uint32_t>& of_window = answers.emplace_back();
     for (int i = 0; i < 300; ++i) {
-      occlusion->submit(
-          random_bound(ProxyShape::box, {uniform(random, -1, 1), uniform(random, -1, 1), -0.5F}, 0.3F, random));
+      occlusion->submit(random.bound(test::BoundKind::box, glm::vec3(glm::dvec2(random.point(1.0)), -0.5F), 0.3));
       if (i >= 20) of_window.push_back(occlusion->collect());
     }
     for (int i = 0; i < 20; ++i) of_window.push_back(occlusion->collect());

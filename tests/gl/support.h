@@ -1,11 +1,10 @@
-// A view of 64 x 48 pixels along -z, a wall in the plane z = 0, and bounds of each kind.
+// A view of 64 x 48 pixels along -z, and a wall in the plane z = 0.
 #pragma once
 
 #include <gtest/gtest.h>
 
 #include <glm/ext/matrix_transform.hpp>
 #include <memory>
-#include <random>
 #include <string>
 #include <vector>
 
@@ -39,18 +38,5 @@ struct Soup {
 [[nodiscard]] Soup wall();
 // The same with a hole over [x0, x1] x [y0, y1].
 [[nodiscard]] Soup wall_with_hole(float x0, float x1, float y0, float y1);
-
-// A bound of the kind with these half extents along the axes; spheres take the smallest, cylinders (around z) the
-// smaller of x and y, so that it never reaches farther than the box.
-[[nodiscard]] VisibilityQuery bound(ProxyShape shape, const glm::vec3& center, const glm::vec3& half,
-                                    std::uint32_t object = 0);
-
-// Random bound, and random points of its surface.
-[[nodiscard]] VisibilityQuery random_bound(ProxyShape shape, const glm::vec3& center, float size, std::mt19937& random);
-[[nodiscard]] glm::vec3 random_point(const VisibilityQuery& query, std::mt19937& random);
-[[nodiscard]] float uniform(std::mt19937& random, float low, float high);
-
-// A rotation times a scale of 0.4 to 2.5 along each axis, mirrored every second time, that leaves the origin in place.
-[[nodiscard]] glm::dmat4 random_linear(std::mt19937& random);
 
 }  // namespace occlod::gl

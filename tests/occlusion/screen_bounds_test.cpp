@@ -4,28 +4,29 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <glm/ext/matrix_transform.hpp>
 #include <limits>
 #include <vector>
 
-#include "occlusion/random_shapes.h"
+#include "oracle/random_shapes.h"
 
 namespace occlod {
 namespace {
 
+using test::BoundKind;
 using test::project;
 using test::Projected;
 using test::RandomShapes;
 
 TEST(ScreenBounds, ContainManySamplesOfEveryShape) {
   RandomShapes random(1);
-  std::vector<glm::vec3> storage;
   std::array<int, 4> trusted{}, refused{};
   for (int n = 0; n < 3000; ++n) {
     const View view = random.view();
     const glm::dmat4 placement = random.placement();
     const ObjectView object(view, placement);
     const int kind = n % 4;
-    const VisibilityQuery query = random.query(kind, random.in(0.01, 2.0), storage);
+    const VisibilityQuery query = random.bound(static_cast<BoundKind>(kind), random.in(0.01, 2.0));
     const std::optional<ScreenBounds> bounds = screen_bounds(view, object, query);
     ++(bounds ? trusted : refused)[static_cast<std::size_t>(kind)];
     for (int i = 0; i < 300; ++i) {
@@ -47,12 +48,11 @@ TEST(ScreenBounds, ContainManySamplesOfEveryShape) {
 
 TEST(ScreenBounds, DiagonalsContainManySamplesAndFewMore) {
   RandomShapes random(5);
-  std::vector<glm::vec3> storage;
   int checked = 0;
   for (int n = 0; n < 2000; ++n) {
     const View view = random.view();
     const glm::dmat4 placement = random.placement();
-    const VisibilityQuery query = random.query(n % 4, random.in(0.01, 2.0), storage);
+    const VisibilityQuery query = random.bound(static_cast<BoundKind>(n % 4), random.in(0.01, 2.0));
     const ObjectView object(view, placement);
     if (!screen_bounds(view, object, query)) continue;
     const Diagonals diagonals = screen_diagonals(view, object, query);
@@ -82,12 +82,11 @@ TEST(ScreenBounds, DiagonalsContainManySamplesAndFewMore) {
 // the gap between samples larger than the range of the samples.
 TEST(ScreenBounds, AreTight) {
   RandomShapes random(2);
-  std::vector<glm::vec3> storage;
   int checked = 0;
   for (int n = 0; n < 2000; ++n) {
     const View view = random.view();
     const glm::dmat4 placement = random.placement();
-    const VisibilityQuery query = random.query(n % 4, 0.8, storage);
+    const VisibilityQuery query = random.bound(static_cast<BoundKind>(n % 4), 0.8);
     const std::optional<ScreenBounds> bounds = screen_bounds(view, ObjectView(view, placement), query);
     if (!bounds) continue;
     double x0 = 1e9, x1 = -1e9, y0 = 1e9, y1 = -1e9, nearest = 0.0;
@@ -190,7 +189,6 @@ TEST(ScreenBounds, AreRefusedWhereTheyCannotBeTrusted) {
 // must cover them.
 TEST(ScreenBounds, CoverTheRoundingOfTheMatrix) {
   RandomShapes random(3);
-  std::vector<glm::vec3> storage;
   for (int n = 0; n < 2000; ++n) {
     const View view = random.view();
     // Object coordinates near (1000, 2000, -500), moved back to where the eye is.

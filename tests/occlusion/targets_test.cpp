@@ -8,12 +8,13 @@
 #include "occlod/occlusion/screen_bounds.h"
 #include "occlod/occlusion/software_occlusion.h"
 #include "occlusion/bounds_batch.h"
-#include "occlusion/random_shapes.h"
+#include "oracle/random_shapes.h"
 #include "raster/every_target.h"
 
 namespace occlod {
 namespace {
 
+using test::BoundKind;
 using test::for_every_target;
 using test::RandomShapes;
 
@@ -58,7 +59,6 @@ void keep_a_batch(std::vector<Shape>& shapes) {
 TEST(Targets, FindTheRectanglesOfSingleBounds) {
   for_every_target([](const char* target) {
     RandomShapes random(5);
-    std::vector<glm::vec3> storage;
     for (int n = 0; n < 200; ++n) {
       const View view = random.view();
       const ObjectView object(view, random.placement());
@@ -68,9 +68,9 @@ TEST(Targets, FindTheRectanglesOfSingleBounds) {
       if (n % 10 == 0) add_adversaries(spheres, boxes, cylinders);
       for (int i = 0; i < 5 + n % 20; ++i) {
         const double size = random.in(0.001, 3.0);
-        spheres.push_back(std::get<Sphere>(random.query(0, size, storage).shape));
-        boxes.push_back(std::get<Box>(random.query(1, size, storage).shape));
-        cylinders.push_back(std::get<Cylinder>(random.query(2, size, storage).shape));
+        spheres.push_back(std::get<Sphere>(random.bound(BoundKind::sphere, size).shape));
+        boxes.push_back(std::get<Box>(random.bound(BoundKind::box, size).shape));
+        cylinders.push_back(std::get<Cylinder>(random.bound(BoundKind::cylinder, size).shape));
       }
       keep_a_batch(spheres);
       keep_a_batch(boxes);
@@ -88,20 +88,19 @@ struct Scene {
   std::vector<ObjectView> objects;
   std::vector<glm::vec3> positions;
   std::vector<Triangle> triangles;
-  std::vector<std::vector<glm::vec3>> hulls;
   std::vector<VisibilityQuery> queries;
 };
 
 Scene random_scene(RandomShapes& random) {
-  Scene scene{random.view(), {}, {}, {}, {}, {}};
+  Scene scene{random.view(), {}, {}, {}, {}};
   for (int i = 0; i < 2; ++i) scene.objects.emplace_back(scene.view, random.placement());
   for (std::uint32_t i = 0; i < 15; ++i) {
     for (int k = 0; k < 3; ++k) scene.positions.emplace_back(random.point(4.0));
     scene.triangles.emplace_back(3 * i, 3 * i + 1, 3 * i + 2);
   }
-  scene.hulls.resize(300);
-  for (std::size_t i = 0; i < scene.hulls.size(); ++i) {
-    VisibilityQuery query = random.query(static_cast<int>(random.in(0.0, 3.99)), 0.4, scene.hulls[i]);
+  for (int i = 0; i < 300; ++i) {
+    const BoundKind kind = random.kind();
+    VisibilityQuery query = random.bound(kind, 0.4);
     query.object = random.in(0.0, 1.0) < 0.5 ? 0U : 1U;
     scene.queries.push_back(query);
   }

@@ -2,32 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <glm/geometric.hpp>
-#include <limits>
 #include <random>
 
+#include "oracle/ray_scene.h"
 #include "refine_support.h"
 
 namespace occlod {
 namespace {
-
-constexpr double no_hit = std::numeric_limits<double>::infinity();
-
-// Distance along a ray to the nearest triangle, either side of it (Moeller & Trumbore 1997, in double precision).
-double first_hit(const glm::dvec3& eye, const glm::dvec3& ray, std::span<const glm::vec3> positions,
-                 std::span<const Triangle> triangles) {
-  double nearest = no_hit;
-  for (const Triangle& t : triangles) {
-    const glm::dvec3 a(positions[t.x]), u = glm::dvec3(positions[t.y]) - a, v = glm::dvec3(positions[t.z]) - a;
-    const glm::dvec3 p = glm::cross(ray, v);
-    const double det = glm::dot(u, p);
-    if (det == 0.0) continue;
-    const glm::dvec3 s = eye - a, q = glm::cross(s, u);
-    const double x = glm::dot(s, p) / det, y = glm::dot(ray, q) / det, along = glm::dot(v, q) / det;
-    if (x >= 0.0 && y >= 0.0 && x + y <= 1.0 && along > 0.0) nearest = std::min(nearest, along);
-  }
-  return nearest;
-}
 
 struct Count {
   int hidden = 0;  // rays on which the occluder hides what is behind it
@@ -38,6 +21,7 @@ struct Count {
 Count count_wrongly_hidden(OccluderMode mode) {
   const TriangleMesh mesh = test::noisy_sphere(4, 6);
   const Hierarchy hierarchy = build_hierarchy(mesh);
+  const test::RayScene input_rays(mesh.positions, mesh.triangles);
   std::mt19937 random(5);
   std::normal_distribution<double> normal;
   const auto direction = [&] { return glm::normalize(glm::dvec3(normal(random), normal(random), normal(random))); };
@@ -56,12 +40,13 @@ Count count_wrongly_hidden(OccluderMode mode) {
     camera.eye = 3.0 * direction();
     const std::vector<ObjectView> views = {ObjectView(View(camera), glm::dmat4(1.0))};
     const std::span<const OccluderPart> parts = occluder.build(cuts, views, mode);
+    const test::RayScene occluder_rays(parts[0].positions, parts[0].triangles);
     for (int i = 0; i < 60; ++i) {
       const glm::dvec3 ray = glm::normalize(1.05 * direction() - camera.eye);
-      const double hit = first_hit(camera.eye, ray, parts[0].positions, parts[0].triangles);
-      if (hit == no_hit) continue;
+      const double hit = occluder_rays.first_hit(camera.eye, ray);
+      if (!std::isfinite(hit)) continue;
       ++count.hidden;
-      if (first_hit(camera.eye, ray, mesh.positions, mesh.triangles) > hit + 1e-6) ++count.wrong;
+      if (input_rays.first_hit(camera.eye, ray) > hit + 1e-6) ++count.wrong;
     }
   }
   return count;
