@@ -193,20 +193,19 @@ void measure_tightness(const Scene& scene) {
     const std::vector<OccluderPart> parts = {{0, scene.positions, occluder.triangles}};
     const test::RayOracle rays(scene.view, std::array{glm::dmat4(1.0)}, parts);
     backend->draw_occluder(parts);
-    for (std::size_t k = 0; k < 3; ++k) {
+    for (const Kind& kind : scene.kinds) {
       std::size_t hidden = 0, found = 0, wrong = 0;
-      for (const VisibilityQuery& query : std::span(scene.kinds[k].queries).first(rays_bound_count)) {
+      for (const VisibilityQuery& query : std::span(kind.queries).first(rays_bound_count)) {
         const test::Sight sight = rays.look(query);
         if (sight.covered == 0 || sight.at_eye) continue;
         backend->submit(query);
         const bool says_hidden = backend->collect() == 0;
         hidden += sight.visible == 0 ? 1 : 0;
         found += sight.visible == 0 && says_hidden ? 1 : 0;
-        wrong += sight.visible != 0 && says_hidden && rays.certainly_visible(query) ? 1 : 0;
+        wrong += sight.visible != 0 && says_hidden && rays.certainly_visible(query) ? 1U : 0U;
       }
-      fmt::print("| {} | {} | {} | {} | {:.2f} | {} |\n", scene.name, occluder.triangles.size(), scene.kinds[k].name,
-                 hidden, 100.0 * static_cast<double>(found) / static_cast<double>(std::max<std::size_t>(hidden, 1)),
-                 wrong);
+      fmt::print("| {} | {} | {} | {} | {:.2f} | {} |\n", scene.name, occluder.triangles.size(), kind.name, hidden,
+                 100.0 * static_cast<double>(found) / static_cast<double>(std::max<std::size_t>(hidden, 1)), wrong);
     }
   }
 }
