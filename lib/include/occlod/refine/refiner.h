@@ -34,7 +34,7 @@ enum class Proxy { sphere, box, cylinder };
 enum class OccluderMode {
   paper,        // whatever is behind its triangles as they are: where they bulge out of the true surface, too much
   conservative  // front faces only, each moved back along its normal by the bound on its distance from the input: what
-                // it hides, the input hides, where solid parts are thicker than the bounds
+                // it hides, the input hides, where solid parts are thicker than the bounds, seen from outside
 };
 
 struct RefineOptions {
