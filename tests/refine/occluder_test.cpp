@@ -19,7 +19,7 @@ struct Count {
 };
 
 // Random cuts of a mesh of about unit size around the origin, looked at from all around.
-Count count_wrongly_hidden(const TriangleMesh& mesh, OccluderMode mode) {
+Count count_wrongly_hidden(const TriangleMesh& mesh, OccluderMode mode, bool two_sided = false) {
   const Hierarchy hierarchy = build_hierarchy(mesh);
   const test::RayScene input_rays(mesh.positions, mesh.triangles);
   std::mt19937 random(5);
@@ -39,7 +39,8 @@ Count count_wrongly_hidden(const TriangleMesh& mesh, OccluderMode mode) {
     Camera camera;
     camera.eye = 3.0 * direction();
     const std::vector<ObjectView> views = {ObjectView(View(camera), glm::dmat4(1.0))};
-    const std::span<const OccluderPart> parts = occluder.build(cuts, views, mode);
+    const std::vector<RefineObject> objects = {{&hierarchy, glm::dmat4(1.0), two_sided}};
+    const std::span<const OccluderPart> parts = occluder.build(objects, cuts, views, mode);
     const test::RayScene occluder_rays(parts[0].positions, parts[0].triangles);
     for (int i = 0; i < 5000; ++i) {
       const glm::dvec3 ray = glm::normalize(1.05 * direction() - camera.eye);
@@ -72,6 +73,22 @@ TEST(Occluder, ConservativeLeavesOutWhatIsThinnerThanItsError) {
   EXPECT_GT(count_wrongly_hidden(mesh, OccluderMode::paper).wrong, 100);
 }
 
+// A wavy sheet with a hole in it, seen from either side: near its borders the coarse sheet hides what is seen past the
+// fine one.
+TEST(Occluder, ConservativeSheetsHideNothingAtTheirBorders) {
+  TriangleMesh mesh = test::grid(40, 40);
+  for (glm::vec3& p : mesh.positions)
+    p = {2.0F * p.x - 1.0F, 2.0F * p.y - 1.0F, 0.05F * std::sin(11.0F * p.x) * std::cos(13.0F * p.y)};
+  std::erase_if(mesh.triangles, [&](const Triangle& t) {
+    const glm::vec3& p = mesh.positions[t.x];
+    return p.x * p.x + p.y * p.y < 0.1F;
+  });
+  const Count conservative = count_wrongly_hidden(mesh, OccluderMode::conservative, true);
+  EXPECT_EQ(conservative.wrong, 0);
+  EXPECT_GT(conservative.hidden, 500);
+  EXPECT_GT(count_wrongly_hidden(mesh, OccluderMode::paper, true).wrong, 100);
+}
+
 TEST(Occluder, PaperIsTheCutItself) {
   const Hierarchy hierarchy = build_hierarchy(test::noisy_sphere(3, 1));
   std::vector<Cut> cuts;
@@ -80,7 +97,8 @@ TEST(Occluder, PaperIsTheCutItself) {
   cuts[0].apply_closure();
   const std::vector<ObjectView> views = {ObjectView(View(test::front_camera()), glm::dmat4(1.0))};
   Occluder occluder;
-  const std::span<const OccluderPart> parts = occluder.build(cuts, views, OccluderMode::paper);
+  const std::vector<RefineObject> objects = {{&hierarchy}};
+  const std::span<const OccluderPart> parts = occluder.build(objects, cuts, views, OccluderMode::paper);
   std::vector<Triangle> expected;
   cuts[0].active_triangles(expected, true);
   ASSERT_EQ(parts.size(), 1U);
@@ -102,7 +120,8 @@ TEST(Occluder, FrontOfTheFullMeshIsNotMoved) {
     }
   const std::vector<ObjectView> views = {ObjectView(View(test::front_camera()), glm::dmat4(1.0))};
   Occluder occluder;
-  const std::span<const OccluderPart> parts = occluder.build(cuts, views, OccluderMode::conservative);
+  const std::vector<RefineObject> objects = {{&hierarchy}};
+  const std::span<const OccluderPart> parts = occluder.build(objects, cuts, views, OccluderMode::conservative);
   std::vector<glm::vec3> expected;
   std::vector<Triangle> cut;
   cuts[0].active_triangles(cut, true);

@@ -60,7 +60,7 @@ LoadedObject loaded(const TriangleMesh& mesh, std::size_t base_triangles = Build
 RefineOptions options_of(OccluderMode mode) {
   RefineOptions options;
   options.occluder_mode = mode;
-  options.occluder_splits = {30, 300};
+  options.occluder_splits = {{30, 300}};
   return options;
 }
 
@@ -73,6 +73,13 @@ std::size_t count_hidden(const std::vector<LoadedObject>& objects, const View& v
   return refiner.refine(view, options, visibility).stats.queries_hidden;
 }
 
+std::size_t count_wrong(const std::vector<LoadedObject>& objects, const View& view, const RefineOptions& options,
+                        Visibility& visibility) {
+  WronglyHidden wrongly_hidden(objects);
+  wrongly_hidden.set_view(view, options);
+  return wrongly_hidden.count(options, visibility);
+}
+
 // Conservative occluders promise that what they hide the input hides: not one pixel of any view may show it.
 void expect_nothing_wrongly_hidden(SceneKind kind, Visibility& visibility) {
   const TriangleMesh mesh = test::scene_mesh(kind);
@@ -82,24 +89,24 @@ void expect_nothing_wrongly_hidden(SceneKind kind, Visibility& visibility) {
   std::size_t hidden = 0;
   for (int v = 0; v < view_count; ++v) {
     const View view(random_camera_outside(mesh, random));
-    EXPECT_EQ(count_wrongly_hidden(objects, view, options, visibility), 0U) << "view " << v;
+    EXPECT_EQ(count_wrong(objects, view, options, visibility), 0U) << "view " << v;
     hidden += count_hidden(objects, view, options, visibility);
   }
   EXPECT_GT(hidden, 20U);
 }
 
-class WronglyHidden : public testing::TestWithParam<SceneKind> {};
-INSTANTIATE_TEST_SUITE_P(Scenes, WronglyHidden,
+class ConservativeMode : public testing::TestWithParam<SceneKind> {};
+INSTANTIATE_TEST_SUITE_P(Scenes, ConservativeMode,
                          testing::Values(SceneKind::planet, SceneKind::pipes, SceneKind::city,
                                          SceneKind::spheres_behind_wall),
                          [](const auto& param) { return test::label(param.param); });
 
-TEST_P(WronglyHidden, NothingByConservativeSoftware) {
+TEST_P(ConservativeMode, HidesNothingWronglyBySoftware) {
   expect_nothing_wrongly_hidden(GetParam(), *make_software_occlusion());
 }
 
 #ifdef OCCLOD_HAS_GL
-TEST_P(WronglyHidden, NothingByConservativeMarks) {
+TEST_P(ConservativeMode, HidesNothingWronglyByMarks) {
   std::unique_ptr<Visibility> marks;
   try {
     marks = gl::make_mark_occlusion(gl::create_any_context());
@@ -158,12 +165,12 @@ TEST(WronglyHiddenMeasure, CountsWhatACoarseOccluderHidesInPaperModeOnly) {
   const View view(camera);
   FirstOccluderOnly first;
   RefineOptions options;
-  options.occluder_splits = {0};
-  const std::size_t wrong = count_wrongly_hidden(objects, view, options, first);
+  options.occluder_splits = {{0}};
+  const std::size_t wrong = count_wrong(objects, view, options, first);
   EXPECT_GT(wrong, 60U);
   EXPECT_LT(wrong, 110U);
   options.occluder_mode = OccluderMode::conservative;
-  EXPECT_EQ(count_wrongly_hidden(objects, view, options, first), 0U);
+  EXPECT_EQ(count_wrong(objects, view, options, first), 0U);
 }
 
 }  // namespace

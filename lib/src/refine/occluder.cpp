@@ -1,6 +1,7 @@
 #include "occluder.h"
 
 #include <algorithm>
+#include <cmath>
 #include <glm/geometric.hpp>
 
 namespace occlod {
@@ -19,41 +20,37 @@ float chain_error(const Cut& cut, SplitId first) {
   return 0.0F;
 }
 
-// How a front face is moved inwards so that it is inside the true surface, which is no farther away than `error`. False
-// for faces that are no use then: those that face away, and those that would be moved by more than half of their
-// smallest height. A face may be long and its solid thin all the same: the flattest closed section over a face of width
-// w that is not a sheet, a regular triangle, is 0.87 w deep, and moved farther a face comes out at the back and hides
-// what is seen beside the solid.
-bool find_push(const Triangle& t, float error, std::span<const glm::vec3> positions, const glm::vec3& eye,
-               glm::vec3& push) {
-  const glm::vec3 &a = positions[t.x], &b = positions[t.y], &c = positions[t.z];
+// Where a face of a solid can be moved by more than half of its smallest height it is no use as an occluder: it may be
+// long and the solid thin all the same. The flattest closed section over a face of width w that is not a sheet, a
+// regular triangle, is 0.87 w deep, and moved farther a face comes out at the back and hides what is seen beside it.
+bool is_thick(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, float error) {
+  const float longest = std::max({glm::length(b - a), glm::length(c - b), glm::length(a - c)});
+  return 2.0F * error * longest < glm::length(glm::cross(b - a, c - a));
+}
+
+// Away from the eye, so far that the true surface, which is no farther from the face than `error`, is in front of it.
+glm::vec3 push_of(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, float error, const glm::vec3& eye) {
   const glm::vec3 normal = glm::cross(b - a, c - a);
   const float twice_area = glm::length(normal);
-  if (!(glm::dot(normal, eye - a) > 0.0F)) return false;
-  const float longest = std::max({glm::length(b - a), glm::length(c - b), glm::length(a - c)});
-  if (!(2.0F * error * longest < twice_area)) return false;
-  push = normal * (-error * round_up / twice_area);
-  return true;
+  return normal * (std::copysign(error * round_up, glm::dot(normal, a - eye)) / twice_area);
 }
 
 }  // namespace
 
-std::span<const OccluderPart> Occluder::build(std::span<Cut> cuts, std::span<const ObjectView> views,
-                                              OccluderMode mode) {
+std::span<const OccluderPart> Occluder::build(std::span<const RefineObject> objects, std::span<Cut> cuts,
+                                              std::span<const ObjectView> views, OccluderMode mode) {
   parts_.resize(cuts.size());
   result_.clear();
   for (std::size_t i = 0; i < cuts.size(); ++i) {
     Part& part = parts_[i];
     cuts[i].active_triangles(part.cut, true);
     part.positions.clear();
-    if (mode == OccluderMode::conservative) find_errors(cuts[i]);
-    const std::span<const glm::vec3> positions = cuts[i].hierarchy().positions();
-    for (const Triangle& t : part.cut) {
-      const glm::vec3 &a = positions[t.x], &b = positions[t.y], &c = positions[t.z];
-      glm::vec3 back(0.0F);
-      if (mode == OccluderMode::conservative && !find_push(t, error_of(cuts[i], t), positions, views[i].eye(), back))
-        continue;
-      part.positions.insert(part.positions.end(), {a + back, b + back, c + back});
+    if (mode == OccluderMode::paper) {
+      add_as_it_is(cuts[i], part);
+    } else {
+      find_errors(cuts[i]);
+      find_faces(cuts[i], part.cut, objects[i].two_sided, views[i].eye());
+      add_moved_back(cuts[i], views[i].eye(), part);
     }
     for (auto v = static_cast<VertexId>(3 * part.triangles.size()); v < part.positions.size(); v += 3)
       part.triangles.emplace_back(v, v + 1, v + 2);
@@ -61,6 +58,39 @@ std::span<const OccluderPart> Occluder::build(std::span<Cut> cuts, std::span<con
     result_.push_back({static_cast<std::uint32_t>(i), part.positions, part.triangles});
   }
   return result_;
+}
+
+void Occluder::add_as_it_is(const Cut& cut, Part& part) {
+  const std::span<const glm::vec3> positions = cut.hierarchy().positions();
+  for (const Triangle& t : part.cut)
+    part.positions.insert(part.positions.end(), {positions[t.x], positions[t.y], positions[t.z]});
+}
+
+// Of a solid, front faces that can be moved inwards; of sheets, which have two sides and no inside, faces far from any
+// border.
+void Occluder::find_faces(const Cut& cut, std::span<const Triangle> triangles, bool two_sided, const glm::vec3& eye) {
+  const std::span<const glm::vec3> positions = cut.hierarchy().positions();
+  faces_.clear();
+  for (const Triangle& t : triangles) {
+    const glm::vec3 &a = positions[t.x], &b = positions[t.y], &c = positions[t.z];
+    const float facing = glm::dot(glm::cross(b - a, c - a), eye - a);
+    const float error = error_of(cut, t);
+    if (two_sided ? facing != 0.0F : facing > 0.0F && is_thick(a, b, c, error)) faces_.push_back({t, error});
+  }
+  if (!two_sided) return;
+  const std::span<const std::uint8_t> kept = erosion_.kept(faces_, positions, eye);
+  std::size_t f = 0;
+  std::erase_if(faces_, [&](const SheetFace&) { return kept[f++] == 0; });
+}
+
+void Occluder::add_moved_back(const Cut& cut, const glm::vec3& eye, Part& part) const {
+  const std::span<const glm::vec3> positions = cut.hierarchy().positions();
+  for (const SheetFace& face : faces_) {
+    const Triangle& t = face.corners;
+    const glm::vec3 &a = positions[t.x], &b = positions[t.y], &c = positions[t.z];
+    const glm::vec3 back = push_of(a, b, c, face.error, eye);
+    part.positions.insert(part.positions.end(), {a + back, b + back, c + back});
+  }
 }
 
 void Occluder::find_errors(const Cut& cut) {

@@ -7,14 +7,16 @@
 #include "cut.h"
 #include "occlod/refine/refiner.h"
 #include "occlod/refine/visibility.h"
+#include "sheet_erosion.h"
 
 namespace occlod {
 
 // Reuses its memory. Triangles do not share vertices, so that a part holds only what it needs of a hierarchy.
 class Occluder {
  public:
-  // `views` by object. The result is valid until the next call. O(n log n) for n triangles.
-  std::span<const OccluderPart> build(std::span<Cut> cuts, std::span<const ObjectView> views, OccluderMode mode);
+  // `cuts` and `views` by object. The result is valid until the next call. O(n log n) for n triangles.
+  std::span<const OccluderPart> build(std::span<const RefineObject> objects, std::span<Cut> cuts,
+                                      std::span<const ObjectView> views, OccluderMode mode);
 
  private:
   struct Part {
@@ -23,13 +25,18 @@ class Occluder {
     std::vector<Triangle> triangles;
   };
 
+  static void add_as_it_is(const Cut& cut, Part& part);
   void find_errors(const Cut& cut);
+  void find_faces(const Cut& cut, std::span<const Triangle> triangles, bool two_sided, const glm::vec3& eye);
+  void add_moved_back(const Cut& cut, const glm::vec3& eye, Part& part) const;
   [[nodiscard]] float error_of(const Cut& cut, const Triangle& t) const;
 
   std::vector<Part> parts_;
   std::vector<OccluderPart> result_;
   std::vector<float> errors_;  // of one cut: base vertices, then the vertices of its applied splits in their order
   std::vector<SplitId> base_roots_;
+  std::vector<SheetFace> faces_;  // of one cut: those that are moved back
+  SheetErosion erosion_;
 };
 
 }  // namespace occlod

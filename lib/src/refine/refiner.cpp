@@ -254,7 +254,7 @@ class Refiner::Impl {
   }
 
   void draw_occluder() {
-    questions_.draw_occluder(occluder_mesh_.build(cuts_, views_, options_.occluder_mode));
+    questions_.draw_occluder(occluder_mesh_.build(objects_, cuts_, views_, options_.occluder_mode));
     steps_.drawn(growth());
     ++occluder_;
     ++stats_.occluder_draws;

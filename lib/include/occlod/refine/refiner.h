@@ -33,8 +33,9 @@ enum class Proxy { sphere, box, cylinder };
 // What the current mesh hides.
 enum class OccluderMode {
   paper,        // whatever is behind its triangles as they are: where they bulge out of the true surface, too much
-  conservative  // front faces only, each moved back along its normal by the bound on its distance from the input: what
-                // it hides, the input hides, where solid parts are thicker than the bounds, seen from outside
+  conservative  // only faces moved back by the bound on their distance from the input: what they hide, the input hides.
+                // Of solids, seen from outside and thicker than the bounds, front faces; of two-sided objects, faces
+                // farther from every border than that may have moved
 };
 
 struct RefineOptions {
@@ -48,7 +49,7 @@ struct RefineOptions {
   double forced_exponent = 0.5;
   // Draw the occluder when so many splits are applied; ascending, empty = never. Not given: when the mesh has changed
   // enough.
-  std::optional<std::vector<std::uint32_t>> occluder_splits;
+  std::optional<std::vector<std::uint32_t>> occluder_splits = std::nullopt;
   bool retest_hidden = true;  // ask again about what an older occluder hid whenever a new one is drawn
   bool final_check = true;    // and before the final mesh; what that shows takes the place of what matters less
   OccluderMode occluder_mode = OccluderMode::paper;
