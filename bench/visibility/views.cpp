@@ -71,7 +71,7 @@ Camera RandomCameras::on_walk(const CameraPath& walk) {
   return camera;
 }
 
-Camera RandomCameras::outside() {
+Camera RandomCameras::near_surface() {
   const glm::dvec3 on_surface = surface_point();
   glm::dvec3 away = direction();
   if (glm::dot(away, on_surface - middle_) < 0.0) away = -away;
@@ -80,7 +80,7 @@ Camera RandomCameras::outside() {
   camera.eye = on_surface + distance * away;
   // Not only straight down: the nearer, the more towards the horizon.
   camera.target = glm::mix(on_surface, surface_point(), between(0.0, 0.5));
-  camera.up = up_for(camera.target - camera.eye, {0.0, 1.0, 0.0});
+  camera.up = up_for(camera.target - camera.eye, run_.view.camera().up);
   camera.fov_y_deg = between(30.0, 75.0);
   camera.near = 1e-3 * radius_;
   camera.far = 10.0 * radius_;
@@ -89,7 +89,8 @@ Camera RandomCameras::outside() {
 
 Camera RandomCameras::next() {
   const auto walk = run_.description.paths.find("walk");
-  return sized(walk == run_.description.paths.end() ? outside() : on_walk(walk->second), size_);
+  is_walking_ = walk != run_.description.paths.end() && !is_walking_;
+  return sized(is_walking_ ? on_walk(walk->second) : near_surface(), size_);
 }
 
 Camera sized(Camera camera, const std::optional<tool::ImageSize>& size) {

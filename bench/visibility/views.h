@@ -13,8 +13,9 @@ struct NamedView {
   Camera camera;
 };
 
-// Makes random cameras. Where the scene has a path "walk": its eyes, looking anywhere; else eyes from close above the
-// surface to where all of it is seen, looking at the surface. The same seed and scene give the same cameras.
+// Makes random cameras: eyes from close above the surface to where all of it is seen, looking at the surface; where the
+// scene has a path "walk", every other one has its eye on that and looks anywhere. The same seed and scene give the
+// same cameras.
 class RandomCameras {
  public:
   RandomCameras(const SceneRun& run, const VisibilityOptions& options, std::uint64_t seed);
@@ -25,13 +26,14 @@ class RandomCameras {
   [[nodiscard]] glm::dvec3 direction();
   [[nodiscard]] glm::dvec3 surface_point();
   [[nodiscard]] Camera on_walk(const CameraPath& walk);
-  [[nodiscard]] Camera outside();
+  [[nodiscard]] Camera near_surface();
 
   const SceneRun& run_;
   tool::ImageSize size_;
   std::uint64_t state_;
   glm::dvec3 middle_{0.0};
-  double radius_ = 1.0;  // of the sphere around the boxes of all objects
+  double radius_ = 1.0;      // of the sphere around the boxes of all objects
+  bool is_walking_ = false;  // in the camera made last
 };
 
 [[nodiscard]] Camera sized(Camera camera, const std::optional<tool::ImageSize>& size);
