@@ -91,6 +91,7 @@ RenderInput load_render_input(const RenderInputOptions& options) {
   input.name = scene.name;
   if (!options.path.empty()) {
     input.path = find_named(scene.paths, options.path, "/paths", options);
+    input.path_name = options.path;
     resize(input.path->keys.front(), options.size);  // the size of all frames
     input.camera = camera_at(*input.path, 0);
   } else if (is_scene) {

@@ -29,6 +29,7 @@ struct RenderInput {
   std::vector<LoadedObject> objects;
   Camera camera;
   std::optional<CameraPath> path;  // when one was asked for; `camera` is its first frame then
+  std::string path_name;
 };
 
 // Shows progress and notes on standard error. Throws Error.

@@ -42,6 +42,7 @@ const char* name_of(Proxy proxy) {
 Json asked_of(const RenderInput& input, const RefineOptions& options, const Backend& backend) {
   Json report;
   report["scene"] = input.name;
+  if (input.path) report["path"] = input.path_name;
   report["culling"] = name_of(options.culling);
   report["mode"] = options.occluder_mode == OccluderMode::conservative ? "conservative" : "paper";
   report["occlusion"] = backend.visibility->name();

@@ -196,6 +196,8 @@ class Render(ToolTest):
         self.write_scene_with_paths()
         alone = self.json_of("render", "scene.json", "--budget", 500)
         result = self.json_of("render", "scene.json", "--budget", 500, "--path", "jump")
+        self.assertEqual(result["path"], "jump")
+        self.assertNotIn("path", alone)
         frames = result["frames"]
         self.assertEqual([frame["frame"] for frame in frames], [0, 1, 2, 3])
         self.assertEqual([frame["hash"] for frame in frames[:2]], [alone["hash"]] * 2)
