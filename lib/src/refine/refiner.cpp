@@ -214,7 +214,7 @@ class Refiner::Impl {
   void settle() {
     const Entry entry = take_answer();
     if (entry.split == no_id) return;
-    if (matters(entry) && (queue_.empty() || queue_.top() < entry))
+    if (matters(entry) && queue_.would_be_next(entry))
       process(entry);
     else
       queue_.push(entry);
@@ -321,12 +321,11 @@ class Refiner::Impl {
 
   // Culling::star: a split that forces others which nobody sees steps back in the queue, once.
   bool waits(const Entry& entry, const Cut::Closure& closure) {
-    if (options_.culling != Culling::star || entry.weighed || closure.splits.size() == 1 || queue_.empty())
-      return false;
+    if (options_.culling != Culling::star || entry.weighed || closure.splits.size() == 1) return false;
     Entry later = entry;
     later.weighed = true;
     later.priority *= importances_[entry.object].forced_weight(closure.splits);
-    if (!(later < queue_.top())) return false;
+    if (queue_.would_be_next(later)) return false;
     queue_.push(later);
     return true;
   }
@@ -365,8 +364,9 @@ class Refiner::Impl {
   void finish_stats() {
     stats_.triangles = triangles_;
     stats_.culled_occlusion = hidden_.size();
-    for (const Entry& entry : queue_.entries())
+    queue_.for_each([&](const Entry& entry) {
       if (!cuts_[entry.object].applied(entry.split)) left_.include(entry.error);
+    });
     stats_.max_error_px = static_cast<double>(left_.guaranteed_px);
     stats_.max_quadric_error_px = static_cast<double>(left_.quadric_px);
     result_.stats = stats_;
