@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
 #include <optional>
 #include <vector>
 
@@ -147,6 +149,7 @@ class SoftwareOcclusion final : public Visibility {
   }
 
   [[nodiscard]] std::uint32_t visible_pixels(const VisibilityQuery& query) const {
+    if (occluder_drawn_ && !options_.count_pixels && one_point_shows(query)) return 1;
     return visible_pixels(query, screen_bounds(*view_, objects_[query.object], query));
   }
 
@@ -166,6 +169,27 @@ class SoftwareOcclusion final : public Visibility {
                                     : screen_diagonals(*view_, objects_[query.object], query);
     if (options_.count_pixels) return std::max(at_least, pyramid_.count_visible(bounds->rect, nearest, diagonals));
     return pyramid_.any_visible(bounds->rect, nearest, diagonals) ? 1 : 0;
+  }
+
+  // Most bounds show, and one of their points says so at once. Gives no other answer than the whole test: the point's
+  // pixel is one that the bound touches, and the bound's nearest point is no farther.
+  [[nodiscard]] bool one_point_shows(const VisibilityQuery& query) const {
+    const BoundsView& view = bounds_views_[query.object];
+    if (const auto* hull = std::get_if<PointHull>(&query.shape)) return shows(view, hull->points.front());
+    if (const auto* box = std::get_if<Box>(&query.shape))
+      return shows(view, glm::clamp(objects_[query.object].eye(), box->min, box->max));
+    return false;
+  }
+
+  // Whether the occluder is no nearer than p at p's pixel. False where p is not on the screen.
+  [[nodiscard]] bool shows(const BoundsView& view, const glm::dvec3& p) const {
+    const glm::dvec4 point(p, 1.0);
+    const double w = glm::dot(view.w, point);
+    if (!(w > 0.0) || !(glm::dot(view.z, point) + w >= 0.0)) return false;
+    const double x = (glm::dot(view.x, point) / w * 0.5 + 0.5) * view.size.x;
+    const double y = (0.5 - glm::dot(view.y, point) / w * 0.5) * view.size.y;
+    if (!(x >= 0.0 && x < view.size.x && y >= 0.0 && y < view.size.y)) return false;
+    return pyramid_.farthest(0, static_cast<int>(x), static_cast<int>(y)) <= static_cast<float>(1.0 / w);
   }
 
   static std::uint32_t area(const PixelRect& rect) {
