@@ -88,7 +88,11 @@ class Loader {
   SharedHierarchy load_source(const MeshFile&, const std::string& name) {
     if (is_olod(name)) return std::make_shared<const Hierarchy>(read_olod(name).hierarchy);
     const std::string key = cache_ ? cache_key_of_file(name, describe(options_.build)) : "";
-    return find_or_build(key, name, [&] { return read_mesh(name); });
+    return find_or_build(key, name, [&] {
+      return read_mesh(name, [&](double done) {
+        if (options_.progress) options_.progress("reading " + name, done);
+      });
+    });
   }
   template <class Generator>
   SharedHierarchy load_source(const Generator& options, const std::string& name) {

@@ -92,7 +92,7 @@ void JsonPlace::expect_object() const {
   if (!value_->is_object()) fail(fmt::format("is {}, not an object", value_->type_name()));
 }
 
-void JsonPlace::expect_keys(std::initializer_list<std::string_view> keys) const {
+void JsonPlace::expect_keys(std::span<const std::string_view> keys) const {
   for (const auto& [key, place] : members())
     if (std::find(keys.begin(), keys.end(), key) == keys.end())
       place.fail("is not a key that is known here", fmt::format("use one of: {}", fmt::join(keys, ", ")));
@@ -120,9 +120,9 @@ std::vector<std::pair<std::string, JsonPlace>> JsonPlace::members() const {
   return result;
 }
 
-std::vector<JsonPlace> JsonPlace::elements() const {
+std::vector<JsonPlace> JsonPlace::elements(std::size_t least) const {
   if (!value_->is_array()) fail(fmt::format("is {}, not an array", value_->type_name()));
-  if (value_->empty()) fail("is an empty array", "give at least one element");
+  if (value_->size() < least) fail("is an empty array", "give at least one element");
   std::vector<JsonPlace> result;
   for (std::size_t i = 0; i < value_->size(); ++i) result.push_back(below((*value_)[i], std::to_string(i)));
   return result;

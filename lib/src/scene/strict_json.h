@@ -1,11 +1,13 @@
 // Strict reading of JSON: every mistake is an Error that names the file and the place in it.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <initializer_list>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -24,13 +26,14 @@ class JsonPlace {
   [[noreturn]] void fail(const std::string& problem, const std::string& mend = {}) const;
 
   // Of an object: it is one, with no other keys than these.
-  void expect_keys(std::initializer_list<std::string_view> keys) const;
+  void expect_keys(std::span<const std::string_view> keys) const;
+  void expect_keys(std::initializer_list<std::string_view> keys) const { expect_keys(std::span(keys)); }
   [[nodiscard]] bool has(std::string_view key) const;
   [[nodiscard]] JsonPlace at(std::string_view key) const;  // the key must be there
   [[nodiscard]] std::optional<JsonPlace> find(std::string_view key) const;
   [[nodiscard]] std::vector<std::pair<std::string, JsonPlace>> members() const;
-  // Of an array with at least one element.
-  [[nodiscard]] std::vector<JsonPlace> elements() const;
+  // Of an array with at least so many elements.
+  [[nodiscard]] std::vector<JsonPlace> elements(std::size_t least = 1) const;
 
   [[nodiscard]] double number() const;
   [[nodiscard]] int integer(int least) const;  // >= least

@@ -26,6 +26,11 @@ std::filesystem::path user_cache_folder() {
   return base.empty() ? base : base / "occlod";
 }
 
+std::filesystem::path user_config_folder() {
+  const std::filesystem::path base = base_folder("XDG_CONFIG_HOME", ".config");
+  return base.empty() ? base : base / "occlod";
+}
+
 std::filesystem::path user_mesh_folder() {
   const std::filesystem::path base = base_folder("XDG_DATA_HOME", ".local/share");
   return base.empty() ? base : base / "occlod" / "meshes";

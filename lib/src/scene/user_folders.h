@@ -7,6 +7,8 @@ namespace occlod {
 
 // ${XDG_CACHE_HOME:-~/.cache}/occlod; empty when neither variable nor HOME is set to an absolute path.
 [[nodiscard]] std::filesystem::path user_cache_folder();
+// ${XDG_CONFIG_HOME:-~/.config}/occlod; empty likewise.
+[[nodiscard]] std::filesystem::path user_config_folder();
 // ${XDG_DATA_HOME:-~/.local/share}/occlod/meshes; empty likewise.
 [[nodiscard]] std::filesystem::path user_mesh_folder();
 

@@ -53,6 +53,10 @@ struct SceneDescription {
 // extension. Throws Error that names the file and the JSON path of the mistake.
 [[nodiscard]] SceneDescription read_scene(const std::filesystem::path& path);
 
+// Writes what read_scene() reads: every placement as a matrix, every field of a camera, so that the same numbers come
+// back. Throws Error for a scene without objects or without the camera "default", or when the file cannot be written.
+void write_scene(const std::filesystem::path& path, const SceneDescription& scene);
+
 // The camera of frame i of a path, 0 <= i < frames: eyes, targets, angles and ranges linear between keys that are
 // spread evenly over the frames; up directions linear too, then of unit length. With `jump`, key floor(i * keys /
 // frames) as it is. The size is the first key's.
@@ -63,7 +67,8 @@ struct LoadOptions {
   // Keep hierarchies in ${XDG_CACHE_HOME:-~/.cache}/occlod under a hash of the input's bytes, the options and the
   // builder's sources.
   bool use_cache = true;
-  std::function<void(const std::string& what, double done)> progress;  // done in [0, 1]
+  // done in [0, 1]; what it throws ends the loading.
+  std::function<void(const std::string& what, double done)> progress;
   std::function<void(const std::string& line)>
       note;  // told of a cache that cannot be used; the hierarchy is built all the same
 };

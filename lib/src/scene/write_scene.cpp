@@ -1,0 +1,78 @@
+// The format is described in docs/scenes.md.
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "occlod/core/error.h"
+#include "occlod/io/atomic_file.h"
+#include "occlod/scene/scene.h"
+
+namespace occlod {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json vector_json(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
+
+Json source_json(const MeshFile& file) { return {{"mesh", file.names}}; }
+Json source_json(const RoughPlanetOptions& o) {
+  return {{"generator", "rough-planet"},
+          {"options",
+           {{"level", o.level},
+            {"seed", o.seed},
+            {"amplitude", o.amplitude},
+            {"frequency", o.frequency},
+            {"octaves", o.octaves}}}};
+}
+Json source_json(const CityOptions& o) {
+  return {{"generator", "city"},
+          {"options", {{"blocks", o.blocks}, {"facade_cells", o.facade_cells}, {"seed", o.seed}}}};
+}
+Json source_json(const PipesOptions& o) {
+  return {{"generator", "pipes"},
+          {"options", {{"pipes", o.pipes}, {"bends", o.bends}, {"sides", o.sides}, {"seed", o.seed}}}};
+}
+Json source_json(const SpheresBehindWallOptions& o) {
+  return {
+      {"generator", "spheres-behind-wall"},
+      {"options", {{"spheres", o.spheres}, {"level", o.level}, {"wall_cells", o.wall_cells}, {"seed", o.seed}}}};
+}
+
+Json object_json(const SceneObject& object) {
+  Json json = std::visit([](const auto& source) { return source_json(source); }, object.source);
+  Json matrix = Json::array();
+  for (int column = 0; column < 4; ++column)
+    for (int row = 0; row < 4; ++row) matrix.push_back(object.object_to_world[column][row]);
+  json["matrix"] = std::move(matrix);
+  json["two_sided"] = object.two_sided;
+  return json;
+}
+
+Json camera_json(const Camera& camera) {
+  return {{"eye", vector_json(camera.eye)}, {"target", vector_json(camera.target)}, {"up", vector_json(camera.up)},
+          {"fov_y_deg", camera.fov_y_deg},  {"near", camera.near},                  {"far", camera.far},
+          {"width", camera.width},          {"height", camera.height}};
+}
+
+Json path_json(const CameraPath& path) {
+  Json keys = Json::array();
+  for (const Camera& key : path.keys) keys.push_back(camera_json(key));
+  return {{"frames", path.frames}, {"keys", std::move(keys)}};
+}
+
+}  // namespace
+
+void write_scene(const std::filesystem::path& path, const SceneDescription& scene) {
+  if (scene.objects.empty()) throw Error({path.string(), "", "would have no objects", "open a mesh first"});
+  if (!scene.cameras.contains("default"))
+    throw Error({path.string(), "", "would have no camera \"default\"", "name the camera to start with"});
+  Json document = Json::object();
+  if (!scene.about.empty()) document["about"] = scene.about;
+  for (const SceneObject& object : scene.objects) document["objects"].push_back(object_json(object));
+  for (const auto& [name, camera] : scene.cameras) document["cameras"][name] = camera_json(camera);
+  for (const auto& [name, camera_path] : scene.paths) document["paths"][name] = path_json(camera_path);
+  AtomicFile file(path);
+  file.stream() << document.dump(1) << '\n';
+  file.commit();
+}
+
+}  // namespace occlod

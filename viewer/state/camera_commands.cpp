@@ -1,0 +1,201 @@
+// Where the camera is, and bookmarks.
+#include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+#include "arguments.h"
+#include "command.h"
+#include "navigation.h"
+#include "occlod/core/error.h"
+#include "occlod/view/view.h"
+#include "pick.h"
+#include "session.h"
+
+namespace occlod::viewer {
+namespace {
+
+void fit(Session& session) { fit_range(session.state().camera, bounds_of(*session.state().objects)); }
+
+// Every field that is given; planes that are not given fit the scene.
+void camera(Session& session, const JsonPlace& action) {
+  State& state = session.state();
+  Camera camera = state.camera;
+  if (action.has("eye")) camera.eye = vector_at(action, "eye");
+  if (action.has("target")) camera.target = vector_at(action, "target");
+  if (action.has("up")) camera.up = vector_at(action, "up");
+  camera.fov_y_deg = number_or(action, "fov_y_deg", camera.fov_y_deg);
+  if (!action.has("near") || !action.has("far")) fit_range(camera, bounds_of(*state.objects));
+  camera.near = number_or(action, "near", camera.near);
+  camera.far = number_or(action, "far", camera.far);
+  try {
+    const View check(camera);
+  } catch (const Error& error) {
+    action.fail(error.diagnosis().place + " " + error.diagnosis().problem, error.diagnosis().mend);
+  }
+  state.camera = camera;
+}
+
+void picture_size(Session& session, const JsonPlace& action) {
+  State& state = session.state();
+  if (action.has("width") != action.has("height")) action.fail("gives one of width and height", "give both or none");
+  if (!action.has("width")) {
+    state.fixed_size.reset();
+    return;
+  }
+  constexpr int most = 8192;
+  const ImageSize size{action.at("width").integer(1), action.at("height").integer(1)};
+  if (size.width > most || size.height > most) action.fail("is larger than 8192 pixels");
+  state.fixed_size = size;
+  state.camera.width = size.width;
+  state.camera.height = size.height;
+}
+
+void frame_all(Session& session, const JsonPlace&) {
+  frame(session.state().camera, bounds_of(*session.state().objects));
+  fit(session);
+}
+
+void frame_selected(Session& session, const JsonPlace& action) {
+  State& state = session.state();
+  for (const PlacedObject& object : *state.objects) {
+    if (object.id != state.selected) continue;
+    frame(state.camera, bounds_of(object));
+    fit(session);
+    return;
+  }
+  action.fail("no object is selected", "click one first");
+}
+
+void look_along(Session& session, const JsonPlace& action) {
+  if (!view_from(session.state().camera, action.at("side").string(), bounds_of(*session.state().objects)))
+    action.at("side").fail("is no side", "use one of: front, back, left, right, top, bottom");
+  fit(session);
+}
+
+void orbit_camera(Session& session, const JsonPlace& action) {
+  orbit(session.state().camera, action.at("right").number(), action.at("up").number());
+  fit(session);
+}
+
+void look(Session& session, const JsonPlace& action) {
+  look_around(session.state().camera, action.at("right").number(), action.at("up").number());
+}
+
+void pan_camera(Session& session, const JsonPlace& action) {
+  pan(session.state().camera, action.at("right").number(), action.at("up").number());
+  fit(session);
+}
+
+void zoom_camera(Session& session, const JsonPlace& action) {
+  const double factor = action.at("factor").number();
+  if (!(factor > 0.0 && factor < 1e6)) action.at("factor").fail("is not larger than 0");
+  zoom(session.state().camera, factor, place_of(action));
+  fit(session);
+}
+
+// The eye keeps its height above the ground: of what is straight below, found within the scene.
+void stay_on_ground(Session& session) {
+  State& state = session.state();
+  if (!session.frame()) return;
+  const glm::dvec3 up = glm::normalize(state.camera.up);
+  const auto below = cast_ray(*session.frame(), state.camera.eye, -up);
+  if (!below) return;
+  if (state.walking_height == 0.0) state.walking_height = below->distance;
+  // A step at a time, so that stairs do not jolt.
+  const double rise = 0.3 * (state.walking_height - below->distance);
+  state.camera.eye += rise * up;
+  state.camera.target += rise * up;
+}
+
+void move_camera(Session& session, const JsonPlace& action) {
+  State& state = session.state();
+  const double seconds = std::clamp(number_or(action, "seconds", 1.0), 0.0, 1.0);
+  const double step = seconds * state.settings.speed * bounds_of(*state.objects).radius;
+  const glm::dvec3 by = step * glm::dvec3(number_or(action, "right", 0.0), number_or(action, "up", 0.0),
+                                          number_or(action, "ahead", 0.0));
+  if (state.settings.steering == Steering::walk) {
+    move_level(state.camera, {by.x, 0.0, by.z});
+    stay_on_ground(session);
+  } else {
+    move(state.camera, by);
+  }
+  fit(session);
+}
+
+// What is clicked on becomes what is looked at and orbited around, half as far away.
+void look_at(Session& session, const JsonPlace& action) {
+  State& state = session.state();
+  if (!session.frame()) action.fail("nothing is open", "open a mesh first");
+  const auto hit =
+      cast_ray(*session.frame(), state.camera.eye, ray_through(state.camera, place_of(action)));
+  if (!hit) return;
+  state.camera.eye += hit->point - state.camera.target;
+  state.camera.target = hit->point;
+  zoom(state.camera, 0.5);
+  fit(session);
+}
+
+void turn_up(Session& session, const JsonPlace& action) {
+  State& state = session.state();
+  const std::string axis = action.at("axis").string();
+  if (axis != "y" && axis != "z") action.at("axis").fail("is no axis that can point up", "use y or z");
+  state.camera.up = axis == "y" ? glm::dvec3(0.0, 1.0, 0.0) : glm::dvec3(0.0, 0.0, 1.0);
+  static_cast<void>(view_from(state.camera, "front", bounds_of(*state.objects)));
+  fit(session);
+}
+
+void bookmark(Session& session, const JsonPlace& action) {
+  session.state().bookmarks[action.at("name").string()] = session.state().camera;
+}
+
+void go_to(Session& session, const JsonPlace& action) {
+  State& state = session.state();
+  const auto found = state.bookmarks.find(action.at("name").string());
+  if (found == state.bookmarks.end()) action.at("name").fail("is no bookmark");
+  const ImageSize size{state.camera.width, state.camera.height};
+  state.camera = found->second;
+  state.camera.width = size.width;
+  state.camera.height = size.height;
+}
+
+void forget(Session& session, const JsonPlace& action) {
+  if (session.state().bookmarks.erase(action.at("name").string()) == 0) action.at("name").fail("is no bookmark");
+}
+
+}  // namespace
+
+std::span<const Command> camera_commands() {
+  const Parameter right{"right", "degrees"}, up{"up", "degrees"}, name{"name", "text"};
+  static const std::vector<Command> commands = {
+      {"camera", "Camera", "Put the camera somewhere; what is not given stays", "",
+       {{"eye", "x, y, z", false}, {"target", "x, y, z", false}, {"up", "x, y, z", false},
+        {"fov_y_deg", "vertical angle", false}, {"near", "plane", false}, {"far", "plane", false}},
+       camera},
+      {"picture_size", "Picture size", "A fixed size in pixels; none: that of the window", "",
+       {{"width", "pixels", false}, {"height", "pixels", false}}, picture_size},
+      {"frame_all", "Frame all", "See everything", "A", {}, frame_all},
+      {"frame_selected", "Frame selected", "See the selected object", "F", {}, frame_selected},
+      {"view_from", "View from", "Look along an axis", "Numpad 1, 3, 7",
+       {{"side", "front, back, left, right, top, bottom"}}, look_along},
+      {"orbit", "Orbit", "Turn around what is looked at", "left drag", {right, up}, orbit_camera, false},
+      {"look", "Look around", "Turn the head", "left drag (fly, walk)", {right, up}, look, false},
+      {"pan", "Pan", "Shift sideways", "right drag, Shift + drag",
+       {{"right", "share of the width"}, {"up", "share of the height"}}, pan_camera, false},
+      {"zoom", "Zoom", "Go nearer to what is under the cursor", "wheel",
+       {{"factor", "of the distance"}, {"x", "in [0, 1]", false}, {"y", "in [0, 1]", false}}, zoom_camera, false},
+      {"move", "Move", "Fly or walk", "W A S D, Q E",
+       {{"right", "-1 to 1", false}, {"up", "-1 to 1", false}, {"ahead", "-1 to 1", false},
+        {"seconds", "at the speed that is set, up to 1", false}},
+       move_camera, false},
+      {"look_at", "Look at", "Look at the point under the cursor, from half as far", "double click",
+       {{"x", "in [0, 1]", false}, {"y", "in [0, 1]", false}}, look_at},
+      {"turn_up", "Up axis", "Which axis points up", "", {{"axis", "y or z"}}, turn_up},
+      {"bookmark", "Bookmark", "Keep this view under a name", "B", {name}, bookmark},
+      {"go_to", "Go to", "Back to a bookmark", "1 to 9", {name}, go_to},
+      {"forget", "Forget", "Remove a bookmark", "", {name}, forget},
+  };
+  return commands;
+}
+
+}  // namespace occlod::viewer

@@ -1,0 +1,34 @@
+// Says of every triangle of a refined mesh how it came about and what it is good for.
+#pragma once
+
+#include <glm/vec4.hpp>
+#include <span>
+#include <vector>
+
+#include "objects.h"
+#include "occlod/occlusion/depth_pyramid.h"
+#include "occlod/raster/item_buffer.h"
+#include "occlod/refine/refiner.h"
+#include "palette.h"
+
+namespace occlod::viewer {
+
+// The split that inserted each triangle, no_id for those of the base mesh. O(splits applied).
+[[nodiscard]] std::vector<SplitId> born_splits(const Hierarchy& hierarchy, const RefinedObject& refined);
+
+// `items` was drawn for `view` with triangle i as item first_item + i.
+[[nodiscard]] std::vector<Seen> classify(const PlacedObject& object, std::span<const Triangle> triangles,
+                                         const View& view, const std::vector<bool>& owns_pixel, std::size_t first_item);
+
+// Which of `count` items own a pixel.
+[[nodiscard]] std::vector<bool> owners(const ItemBuffer& items, std::size_t count);
+
+// `occluder`: null = nothing is hidden. O(triangles * log(splits)).
+[[nodiscard]] std::vector<Outcome> outcomes(const PlacedObject& object, const RefinedObject& refined, const View& view,
+                                            const DepthPyramid* occluder);
+
+// What one triangle may differ from the input by, in pixels: the quadric error of the largest split that has not been
+// applied at its corners; 0 when there is none.
+[[nodiscard]] std::vector<double> errors_px(const PlacedObject& object, const RefinedObject& refined, const View& view);
+
+}  // namespace occlod::viewer

@@ -1,0 +1,69 @@
+// Opens files on a thread of its own: meshes are read and built there, hierarchies and scenes loaded.
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <deque>
+#include <filesystem>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "objects.h"
+#include "occlod/scene/scene.h"
+
+namespace occlod::viewer {
+
+// What came of one file.
+struct LoadedFile {
+  std::filesystem::path file;
+  std::string error;  // one line; empty = all went well
+  bool cancelled = false;
+  std::vector<PlacedObject> objects;      // without ids
+  std::map<std::string, Camera> cameras;  // of a scene
+  std::map<std::string, CameraPath> paths;
+  std::string about;
+};
+
+struct LoadProgress {
+  std::string what;    // empty = nothing is being loaded
+  double done = 0.0;   // in [0, 1]
+  int waiting = 0;     // files that come after it
+};
+
+class Loader {
+ public:
+  // `use_cache`: keep hierarchies that are built in the user's cache folder.
+  explicit Loader(bool use_cache);
+  Loader(const Loader&) = delete;
+  Loader& operator=(const Loader&) = delete;
+  ~Loader();  // cancels what is under way
+
+  void open(const std::filesystem::path& file);
+  void cancel();  // all of it
+  [[nodiscard]] LoadProgress progress() const;
+  [[nodiscard]] bool busy() const;
+  // The oldest file that has been finished and not been taken.
+  [[nodiscard]] std::optional<LoadedFile> take();
+
+ private:
+  void run();
+  [[nodiscard]] LoadedFile load(const std::filesystem::path& file);
+  void report(const std::string& what, double done);  // throws when cancelled
+
+  bool use_cache_;
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<std::filesystem::path> waiting_;
+  std::deque<LoadedFile> finished_;
+  LoadProgress progress_;
+  bool working_ = false;
+  bool end_ = false;
+  std::atomic<bool> cancelled_ = false;
+  std::thread thread_;
+};
+
+}  // namespace occlod::viewer

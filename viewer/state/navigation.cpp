@@ -1,0 +1,130 @@
+#include "navigation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/ext/matrix_transform.hpp>
+#include <glm/geometric.hpp>
+#include <glm/mat4x4.hpp>
+#include <glm/trigonometric.hpp>
+#include <glm/vec4.hpp>
+
+namespace occlod::viewer {
+namespace {
+
+constexpr double most_elevation_deg = 89.0;
+
+struct Axes {
+  glm::dvec3 right, up, ahead;  // unit; up and ahead as in the picture
+  glm::dvec3 world_up;          // unit
+};
+
+Axes axes_of(const Camera& camera) {
+  Axes axes;
+  axes.world_up = glm::normalize(camera.up);
+  axes.ahead = glm::normalize(camera.target - camera.eye);
+  axes.right = glm::normalize(glm::cross(axes.ahead, axes.world_up));
+  axes.up = glm::cross(axes.right, axes.ahead);
+  return axes;
+}
+
+// The direction turned right and up, kept from the poles.
+glm::dvec3 turned(const Axes& axes, const glm::dvec3& direction, double right_deg, double up_deg) {
+  const double elevation = glm::degrees(std::asin(std::clamp(glm::dot(direction, axes.world_up), -1.0, 1.0)));
+  const double up = std::clamp(elevation + up_deg, -most_elevation_deg, most_elevation_deg) - elevation;
+  glm::dmat4 turn = glm::rotate(glm::dmat4(1.0), glm::radians(-right_deg), axes.world_up);
+  turn = glm::rotate(turn, glm::radians(up), axes.right);
+  return glm::dvec3(turn * glm::dvec4(direction, 0.0));
+}
+
+void shift(Camera& camera, const glm::dvec3& by) {
+  camera.eye += by;
+  camera.target += by;
+}
+
+}  // namespace
+
+void orbit(Camera& camera, double right_deg, double up_deg) {
+  const double distance = glm::length(camera.target - camera.eye);
+  const Axes axes = axes_of(camera);
+  camera.eye = camera.target - distance * turned(axes, axes.ahead, right_deg, up_deg);
+}
+
+void look_around(Camera& camera, double right_deg, double up_deg) {
+  const double distance = glm::length(camera.target - camera.eye);
+  const Axes axes = axes_of(camera);
+  camera.target = camera.eye + distance * turned(axes, axes.ahead, right_deg, up_deg);
+}
+
+void pan(Camera& camera, double right, double up) {
+  const Axes axes = axes_of(camera);
+  const double height =
+      2.0 * glm::length(camera.target - camera.eye) * std::tan(glm::radians(camera.fov_y_deg) / 2.0);
+  shift(camera, right * height * camera.width / camera.height * axes.right + up * height * axes.up);
+}
+
+void zoom(Camera& camera, double factor, const glm::dvec2& place) {
+  const double distance = glm::length(camera.target - camera.eye);
+  const glm::dvec3 ray = ray_through(camera, place);
+  const glm::dvec3 fixed = camera.eye + ray * (distance / glm::dot(ray, axes_of(camera).ahead));
+  camera.eye = fixed + factor * (camera.eye - fixed);
+  camera.target = fixed + factor * (camera.target - fixed);
+}
+
+void move(Camera& camera, const glm::dvec3& by) {
+  const Axes axes = axes_of(camera);
+  shift(camera, by.x * axes.right + by.y * axes.world_up + by.z * axes.ahead);
+}
+
+void move_level(Camera& camera, const glm::dvec3& by) {
+  const Axes axes = axes_of(camera);
+  shift(camera, by.x * axes.right + by.y * axes.world_up + by.z * glm::cross(axes.world_up, axes.right));
+}
+
+glm::dvec3 ray_through(const Camera& camera, const glm::dvec2& place) {
+  const Axes axes = axes_of(camera);
+  const double half_height = std::tan(glm::radians(camera.fov_y_deg) / 2.0);
+  const double half_width = half_height * camera.width / camera.height;
+  return axes.ahead + (2.0 * place.x - 1.0) * half_width * axes.right + (1.0 - 2.0 * place.y) * half_height * axes.up;
+}
+
+void frame(Camera& camera, const SceneBounds& bounds) {
+  const glm::dvec3 ahead = glm::normalize(camera.target - camera.eye);
+  const double half_y = glm::radians(camera.fov_y_deg) / 2.0;
+  const double half = std::atan(std::tan(half_y) * std::min(1.0, static_cast<double>(camera.width) / camera.height));
+  camera.target = bounds.center;
+  camera.eye = bounds.center - 1.02 * bounds.radius / std::sin(half) * ahead;
+}
+
+bool view_from(Camera& camera, std::string_view side, const SceneBounds& bounds) {
+  const bool z_up = std::abs(camera.up.z) > std::abs(camera.up.y);
+  const auto turn = [&](const glm::dvec3& d) { return z_up ? glm::dvec3(d.x, -d.z, d.y) : d; };
+  constexpr double off_pole = 0.0175;  // one degree, so that the picture has an up direction
+  glm::dvec3 from;
+  if (side == "front") {
+    from = {0.0, 0.0, 1.0};
+  } else if (side == "back") {
+    from = {0.0, 0.0, -1.0};
+  } else if (side == "left") {
+    from = {-1.0, 0.0, 0.0};
+  } else if (side == "right") {
+    from = {1.0, 0.0, 0.0};
+  } else if (side == "top") {
+    from = {0.0, 1.0, off_pole};
+  } else if (side == "bottom") {
+    from = {0.0, -1.0, off_pole};
+  } else {
+    return false;
+  }
+  camera.target = bounds.center;
+  camera.eye = bounds.center + bounds.radius * turn(from);
+  frame(camera, bounds);
+  return true;
+}
+
+void fit_range(Camera& camera, const SceneBounds& bounds) {
+  const double distance = glm::length(bounds.center - camera.eye);
+  camera.far = 1.01 * (distance + bounds.radius);
+  camera.near = std::max(0.99 * (distance - bounds.radius), camera.far * 1e-4);
+}
+
+}  // namespace occlod::viewer

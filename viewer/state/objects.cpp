@@ -1,0 +1,117 @@
+#include "objects.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/ext/matrix_transform.hpp>
+#include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <glm/trigonometric.hpp>
+#include <glm/vec4.hpp>
+#include <limits>
+
+#include "occlod/hierarchy/cut_mesh.h"
+
+namespace occlod::viewer {
+namespace {
+
+std::vector<glm::vec3> normals_of_full_mesh(const Hierarchy& hierarchy) {
+  const std::span<const glm::vec3> positions = hierarchy.positions();
+  std::vector<glm::vec3> normals(positions.size(), glm::vec3(0.0F));
+  for (const Triangle& t : triangles_of(hierarchy, full_cut(hierarchy))) {
+    const glm::vec3 weighted = glm::cross(positions[t.y] - positions[t.x], positions[t.z] - positions[t.x]);
+    for (int k = 0; k < 3; ++k) normals[t[k]] += weighted;
+  }
+  for (glm::vec3& normal : normals) {
+    const float length = glm::length(normal);
+    normal = length > 0.0F ? normal / length : glm::vec3(0.0F, 0.0F, 1.0F);
+  }
+  return normals;
+}
+
+void include(glm::dvec3& low, glm::dvec3& high, const PlacedObject& object) {
+  for (int i = 0; i < 8; ++i) {
+    const glm::dvec3 point(object.object_to_world * glm::dvec4(corner(object.mesh->hierarchy->box(), i), 1.0));
+    low = glm::min(low, point);
+    high = glm::max(high, point);
+  }
+}
+
+SceneBounds around(const glm::dvec3& low, const glm::dvec3& high) {
+  return {(low + high) / 2.0, std::max(glm::length(high - low) / 2.0, 1e-30)};
+}
+
+glm::dmat3 rotation_of(const glm::dvec3& degrees) {
+  const glm::dvec3 r = glm::radians(degrees);
+  glm::dmat4 m(1.0);
+  m = glm::rotate(m, r.z, {0.0, 0.0, 1.0});
+  m = glm::rotate(m, r.y, {0.0, 1.0, 0.0});
+  return glm::dmat3(glm::rotate(m, r.x, {1.0, 0.0, 0.0}));
+}
+
+// Of a rotation Rz * Ry * Rx.
+glm::dvec3 angles_of(const glm::dmat3& m) {
+  const double y = std::asin(std::clamp(-m[0][2], -1.0, 1.0));
+  if (std::abs(m[0][2]) > 1.0 - 1e-12)  // x and z turn around the same axis
+    return glm::degrees(glm::dvec3(0.0, y, std::atan2(-m[1][0], m[1][1])));
+  return glm::degrees(glm::dvec3(std::atan2(m[1][2], m[2][2]), y, std::atan2(m[0][1], m[0][0])));
+}
+
+}  // namespace
+
+std::shared_ptr<const ViewMesh> make_view_mesh(std::shared_ptr<const Hierarchy> hierarchy) {
+  hierarchy->require_all();
+  auto mesh = std::make_shared<ViewMesh>();
+  const std::span<const glm::vec3> own = hierarchy->data().normals;
+  mesh->normals = own.empty() ? normals_of_full_mesh(*hierarchy) : std::vector<glm::vec3>(own.begin(), own.end());
+  mesh->levels.resize(hierarchy->split_count());
+  for (SplitId s = 0; s < hierarchy->split_count(); ++s) {
+    const SplitId parent = hierarchy->node(s).parent;  // smaller than s
+    const int level = parent == no_id ? 0 : mesh->levels[parent] + 1;
+    mesh->levels[s] = static_cast<std::uint16_t>(std::min(level, 0xFFFF));
+    mesh->level_count = std::max(mesh->level_count, level + 1);
+  }
+  mesh->hierarchy = std::move(hierarchy);
+  return mesh;
+}
+
+Placement placement_of(const glm::dmat4& object_to_world) {
+  Placement placement;
+  placement.position = glm::dvec3(object_to_world[3]);
+  const glm::dmat3 linear(object_to_world);
+  const double scale = std::cbrt(glm::determinant(linear));
+  const glm::dmat3 rotation = linear / scale;
+  const glm::dmat3 rest = glm::transpose(rotation) * rotation - glm::dmat3(1.0);
+  const double off = std::max({glm::length(rest[0]), glm::length(rest[1]), glm::length(rest[2])});
+  if (off < 1e-9) {
+    placement.scale = scale;
+    placement.rotation_deg = angles_of(rotation);
+  } else {
+    placement.shape = linear;
+  }
+  return placement;
+}
+
+glm::dmat4 matrix_of(const Placement& placement) {
+  glm::dmat4 matrix(rotation_of(placement.rotation_deg) * placement.scale * placement.shape);
+  matrix[3] = glm::dvec4(placement.position, 1.0);
+  return matrix;
+}
+
+SceneBounds bounds_of(const Objects& objects) {
+  glm::dvec3 low(std::numeric_limits<double>::infinity());
+  glm::dvec3 high = -low;
+  for (const PlacedObject& object : objects)
+    if (object.shown) include(low, high, object);
+  if (!(low.x <= high.x)) return {};
+  return around(low, high);
+}
+
+SceneBounds bounds_of(const PlacedObject& object) {
+  glm::dvec3 low(std::numeric_limits<double>::infinity());
+  glm::dvec3 high = -low;
+  include(low, high, object);
+  return around(low, high);
+}
+
+}  // namespace occlod::viewer

@@ -1,0 +1,59 @@
+// The objects of the scene that is shown.
+#pragma once
+
+#include <cstdint>
+#include <glm/mat4x4.hpp>
+#include <glm/vec3.hpp>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "occlod/hierarchy/hierarchy.h"
+#include "occlod/math/bounds.h"
+#include "occlod/scene/scene.h"
+
+namespace occlod::viewer {
+
+// A hierarchy and what is drawn with it, computed once. Immutable.
+struct ViewMesh {
+  std::shared_ptr<const Hierarchy> hierarchy;
+  std::vector<glm::vec3> normals;     // by vertex: the file's own, else of the full mesh
+  std::vector<std::uint16_t> levels;  // by split: how deep it stands in the forest
+  int level_count = 0;
+};
+
+// Throws Error when part of the hierarchy is damaged. O(size).
+[[nodiscard]] std::shared_ptr<const ViewMesh> make_view_mesh(std::shared_ptr<const Hierarchy> hierarchy);
+
+// Scaled, turned around x, then y, then z, moved. `shape` comes before it all: what is no such placement, e.g. a shear.
+struct Placement {
+  glm::dvec3 position{0.0};
+  glm::dvec3 rotation_deg{0.0};
+  double scale = 1.0;
+  glm::dmat3 shape{1.0};
+};
+[[nodiscard]] Placement placement_of(const glm::dmat4& object_to_world);
+[[nodiscard]] glm::dmat4 matrix_of(const Placement& placement);
+
+struct PlacedObject {
+  std::uint64_t id = 0;  // unique in a session
+  std::string name;      // for people
+  MeshSource source;
+  std::shared_ptr<const ViewMesh> mesh;
+  glm::dmat4 object_to_world{1.0};  // exactly as loaded until `placement` is edited
+  Placement placement;
+  bool two_sided = false;
+  bool shown = true;
+};
+
+using Objects = std::vector<PlacedObject>;
+
+// A sphere around the boxes of all that are shown, in world space; radius 1 around the origin when there are none.
+struct SceneBounds {
+  glm::dvec3 center{0.0};
+  double radius = 1.0;
+};
+[[nodiscard]] SceneBounds bounds_of(const Objects& objects);
+[[nodiscard]] SceneBounds bounds_of(const PlacedObject& object);
+
+}  // namespace occlod::viewer

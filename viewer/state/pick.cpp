@@ -1,0 +1,62 @@
+#include "pick.h"
+
+#include <glm/geometric.hpp>
+#include <glm/mat4x4.hpp>
+#include <glm/matrix.hpp>
+#include <limits>
+
+#include "explain.h"
+
+namespace occlod::viewer {
+namespace {
+
+// Moeller & Trumbore 1997, both faces. The distance along `direction`, or nothing.
+std::optional<double> meet(const glm::dvec3& origin, const glm::dvec3& direction, const glm::dvec3& a,
+                           const glm::dvec3& b, const glm::dvec3& c) {
+  const glm::dvec3 ab = b - a;
+  const glm::dvec3 ac = c - a;
+  const glm::dvec3 p = glm::cross(direction, ac);
+  const double determinant = glm::dot(ab, p);
+  if (determinant == 0.0) return std::nullopt;
+  const glm::dvec3 from_a = origin - a;
+  const double u = glm::dot(from_a, p) / determinant;
+  if (!(u >= 0.0 && u <= 1.0)) return std::nullopt;
+  const glm::dvec3 q = glm::cross(from_a, ab);
+  const double v = glm::dot(direction, q) / determinant;
+  if (!(v >= 0.0 && u + v <= 1.0)) return std::nullopt;
+  const double distance = glm::dot(ac, q) / determinant;
+  return distance > 0.0 ? std::optional(distance) : std::nullopt;
+}
+
+}  // namespace
+
+std::optional<Hit> cast_ray(const RefinedFrame& frame, const glm::dvec3& origin, const glm::dvec3& direction) {
+  if (frame.sides.empty()) return std::nullopt;
+  std::optional<Hit> nearest;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < frame.job.objects->size(); ++i) {
+    const PlacedObject& object = (*frame.job.objects)[i];
+    const glm::dmat4 to_object = glm::inverse(object.object_to_world);
+    const glm::dvec3 o(to_object * glm::dvec4(origin, 1.0));
+    const glm::dvec3 d(to_object * glm::dvec4(direction, 0.0));
+    const std::span<const glm::vec3> positions = object.mesh->hierarchy->positions();
+    const std::vector<Triangle>& triangles = frame.sides[0].refinement.objects[i].triangles;
+    for (std::size_t t = 0; t < triangles.size(); ++t) {
+      const auto distance =
+          meet(o, d, positions[triangles[t].x], positions[triangles[t].y], positions[triangles[t].z]);
+      if (!distance || *distance >= least) continue;
+      least = *distance;
+      nearest = Hit{i, t, origin + least * direction, least};
+    }
+  }
+  return nearest;
+}
+
+Pick pick_of(const RefinedFrame& frame, const Hit& hit) {
+  const PlacedObject& object = (*frame.job.objects)[hit.object];
+  const RefinedObject& refined = frame.sides[0].refinement.objects[hit.object];
+  return {object.id, born_splits(*object.mesh->hierarchy, refined)[hit.triangle], refined.triangles[hit.triangle],
+          hit.point};
+}
+
+}  // namespace occlod::viewer

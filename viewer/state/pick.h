@@ -1,0 +1,32 @@
+// Which triangle is there?
+#pragma once
+
+#include <cstddef>
+#include <glm/vec3.hpp>
+#include <optional>
+
+#include "refine_worker.h"
+
+namespace occlod::viewer {
+
+struct Hit {
+  std::size_t object = 0;  // of the frame's job
+  std::size_t triangle = 0;
+  glm::dvec3 point{0.0};  // world space
+  double distance = 0.0;  // in lengths of the ray's direction
+};
+
+// The nearest triangle of the frame's first side that a ray meets, either face. O(triangles).
+[[nodiscard]] std::optional<Hit> cast_ray(const RefinedFrame& frame, const glm::dvec3& origin,
+                                          const glm::dvec3& direction);
+
+// What was picked: a triangle and the split that made it.
+struct Pick {
+  std::uint64_t object = 0;  // id
+  SplitId split = no_id;     // no_id: a triangle of the base mesh
+  Triangle triangle{0, 0, 0};
+  glm::dvec3 point{0.0};  // world space
+};
+[[nodiscard]] Pick pick_of(const RefinedFrame& frame, const Hit& hit);
+
+}  // namespace occlod::viewer

@@ -1,0 +1,196 @@
+#include "refine_worker.h"
+
+#include <algorithm>
+#include <chrono>
+#include <exception>
+#include <map>
+
+#include "explain.h"
+#include "occlod/picture/picture.h"
+#include "occlod/raster/item_buffer.h"
+#include "recorded_occlusion.h"
+
+namespace occlod::viewer {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+std::vector<DrawObject> draw_objects(const Objects& objects, const Refinement& refinement) {
+  std::vector<DrawObject> result;
+  for (std::size_t i = 0; i < objects.size(); ++i)
+    result.push_back({objects[i].mesh->hierarchy->positions(), {}, refinement.objects[i].triangles,
+                      objects[i].object_to_world});
+  return result;
+}
+
+std::vector<glm::u8vec4> level_colors(const ViewMesh& mesh, const RefinedObject& refined) {
+  const double deepest = std::max(mesh.level_count - 1, 1);
+  std::vector<glm::u8vec4> colors;
+  for (const SplitId s : born_splits(*mesh.hierarchy, refined))
+    colors.push_back(s == no_id ? base_mesh_color : level_color(mesh.levels[s] / deepest));
+  return colors;
+}
+
+template <class Values, class Color>
+std::vector<glm::u8vec4> colored(const Values& values, const Color& color) {
+  std::vector<glm::u8vec4> colors;
+  colors.reserve(values.size());
+  for (const auto& value : values) colors.push_back(color(value));
+  return colors;
+}
+
+// What lives as long as the thread.
+class Bench {
+ public:
+  explicit Bench(const MakeVisibility& make) : make_(make) {}
+
+  [[nodiscard]] RefinedFrame work(RefineJob job) {
+    const Clock::time_point start = Clock::now();
+    RefinedFrame frame;
+    frame.job = std::move(job);
+    try {
+      refine(frame);
+    } catch (const std::exception& error) {
+      frame.sides.clear();
+      frame.error = error.what();
+      refiner_.reset();  // whatever it was about is not to be gone on with
+      backends_.clear();
+    }
+    frame.total_ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+    return frame;
+  }
+
+ private:
+  void refine(RefinedFrame& frame) {
+    place(frame.job.objects);
+    frame.job.options.budget = std::max(frame.job.options.budget, refiner_->base_triangles());
+    const View view(frame.job.camera);
+    frame.sides.push_back(side(frame.job, view, frame.job.occlusion));
+    frame.hash = frame.sides[0].refinement.hash();
+    if (frame.job.compare) frame.sides.push_back(side(frame.job, view, Occlusion::none));
+  }
+
+  void place(const std::shared_ptr<const Objects>& objects) {
+    if (refiner_ && objects == objects_) return;
+    objects_ = objects;
+    std::vector<RefineObject> list;
+    for (const PlacedObject& object : *objects)
+      list.push_back({object.mesh->hierarchy.get(), object.object_to_world, object.two_sided});
+    refiner_.emplace(list);
+  }
+
+  [[nodiscard]] RefinedSide side(const RefineJob& job, const View& view, Occlusion occlusion) {
+    Visibility& backend = visibility(occlusion);
+    RefinedSide result;
+    if (job.keep_occluder || job.color_by == ColorBy::outcome) {
+      RecordedOcclusion recorded(backend);
+      result.refinement = refiner_->refine(view, job.options, recorded);
+      result.occluder = recorded.depth();
+    } else {
+      result.refinement = refiner_->refine(view, job.options, backend);
+    }
+    explain(result, job, view);
+    return result;
+  }
+
+  [[nodiscard]] Visibility& visibility(Occlusion occlusion) {
+    std::unique_ptr<Visibility>& backend = backends_[occlusion];
+    if (!backend) backend = make_(occlusion);
+    return *backend;
+  }
+
+  void explain(RefinedSide& side, const RefineJob& job, const View& view) {
+    const Objects& objects = *job.objects;
+    std::vector<bool> owns_pixel;
+    if (job.count_visible || job.color_by == ColorBy::visibility) {
+      items_.reset(view.width(), view.height());
+      draw_items(items_, draw_objects(objects, side.refinement), view);
+      owns_pixel = owners(items_, side.refinement.stats.triangles);
+      side.visible_triangles = static_cast<std::size_t>(std::count(owns_pixel.begin(), owns_pixel.end(), true));
+    }
+    std::size_t first_item = 0;
+    for (std::size_t i = 0; i < objects.size(); ++i) {
+      const RefinedObject& refined = side.refinement.objects[i];
+      side.colors.push_back(colors(job, view, objects[i], refined, owns_pixel, first_item, side.occluder.get()));
+      first_item += refined.triangles.size();
+    }
+  }
+
+  [[nodiscard]] static std::vector<glm::u8vec4> colors(const RefineJob& job, const View& view,
+                                                       const PlacedObject& object, const RefinedObject& refined,
+                                                       const std::vector<bool>& owns_pixel, std::size_t first_item,
+                                                       const DepthPyramid* occluder) {
+    switch (job.color_by) {
+      case ColorBy::plain:
+      case ColorBy::vertices:
+        return {};
+      case ColorBy::level:
+        return level_colors(*object.mesh, refined);
+      case ColorBy::error:
+        return colored(errors_px(object, refined, view), [](double px) { return error_color(px); });
+      case ColorBy::visibility:
+        return colored(classify(object, refined.triangles, view, owns_pixel, first_item),
+                       [](Seen seen) { return color_of(seen); });
+      case ColorBy::outcome:
+        return colored(outcomes(object, refined, view, occluder), [](Outcome outcome) { return color_of(outcome); });
+    }
+    return {};
+  }
+
+  const MakeVisibility& make_;
+  std::shared_ptr<const Objects> objects_;
+  std::optional<Refiner> refiner_;
+  std::map<Occlusion, std::unique_ptr<Visibility>> backends_;
+  ItemBuffer items_;
+};
+
+}  // namespace
+
+RefineWorker::RefineWorker(MakeVisibility make_visibility)
+    : make_visibility_(std::move(make_visibility)), thread_([this] { run(); }) {}
+
+RefineWorker::~RefineWorker() {
+  {
+    const std::lock_guard lock(mutex_);
+    end_ = true;
+  }
+  changed_.notify_all();
+  thread_.join();
+}
+
+void RefineWorker::request(RefineJob job) {
+  {
+    const std::lock_guard lock(mutex_);
+    next_ = std::move(job);
+  }
+  changed_.notify_all();
+}
+
+std::shared_ptr<const RefinedFrame> RefineWorker::latest() const {
+  const std::lock_guard lock(mutex_);
+  return latest_;
+}
+
+void RefineWorker::wait_for(std::uint64_t number, double milliseconds) const {
+  std::unique_lock lock(mutex_);
+  changed_.wait_for(lock, std::chrono::duration<double, std::milli>(milliseconds),
+                    [&] { return latest_ && latest_->job.number >= number; });
+}
+
+void RefineWorker::run() {
+  Bench bench(make_visibility_);
+  std::unique_lock lock(mutex_);
+  while (true) {
+    changed_.wait(lock, [this] { return end_ || next_; });
+    if (end_) return;
+    RefineJob job = std::move(*next_);
+    next_.reset();
+    lock.unlock();
+    auto frame = std::make_shared<const RefinedFrame>(bench.work(std::move(job)));
+    lock.lock();
+    latest_ = std::move(frame);
+    changed_.notify_all();
+  }
+}
+
+}  // namespace occlod::viewer

@@ -1,0 +1,80 @@
+// Refines on a thread of its own, so that the window answers while a large budget is being spent. OpenGL backends live
+// on that thread, in contexts of their own.
+#pragma once
+
+#include <array>
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "objects.h"
+#include "occlod/occlusion/depth_pyramid.h"
+#include "occlod/refine/refiner.h"
+#include "settings.h"
+
+namespace occlod::viewer {
+
+struct RefineJob {
+  std::uint64_t number = 0;                // ascending
+  std::shared_ptr<const Objects> objects;  // all are refined, shown or not
+  Camera camera;
+  RefineOptions options;  // the budget is raised to the base meshes where it is smaller
+  Occlusion occlusion = Occlusion::software;
+  bool compare = false;
+  bool count_visible = true;
+  bool keep_occluder = false;
+  ColorBy color_by = ColorBy::plain;
+};
+
+struct RefinedSide {
+  Refinement refinement;
+  std::optional<std::size_t> visible_triangles;       // that own a pixel, when asked for
+  std::vector<std::vector<glm::u8vec4>> colors;       // by object and triangle; empty where colours tell nothing
+  std::shared_ptr<const DepthPyramid> occluder;       // when asked for and one was drawn
+};
+
+// Immutable once it is handed over.
+struct RefinedFrame {
+  RefineJob job;
+  std::vector<RefinedSide> sides;  // as asked; with `compare` the same without occlusion as well
+  std::uint64_t hash = 0;          // of the first side
+  double total_ms = 0.0;           // from taking the job to handing the frame over
+  std::string error;               // one line; then there are no sides
+};
+
+// Makes a backend, on the worker's thread. Throws Error when this machine has none such.
+using MakeVisibility = std::function<std::unique_ptr<Visibility>(Occlusion)>;
+
+class RefineWorker {
+ public:
+  explicit RefineWorker(MakeVisibility make_visibility);
+  RefineWorker(const RefineWorker&) = delete;
+  RefineWorker& operator=(const RefineWorker&) = delete;
+  ~RefineWorker();
+
+  // Replaces a job that has not been begun.
+  void request(RefineJob job);
+  // The last frame that was finished; null before the first.
+  [[nodiscard]] std::shared_ptr<const RefinedFrame> latest() const;
+  // Waits until the frame of job `number`, or a later one, is finished, or the time is over.
+  void wait_for(std::uint64_t number, double milliseconds) const;
+
+ private:
+  void run();
+
+  MakeVisibility make_visibility_;
+  mutable std::mutex mutex_;
+  mutable std::condition_variable changed_;
+  std::optional<RefineJob> next_;
+  std::shared_ptr<const RefinedFrame> latest_;
+  bool end_ = false;
+  std::thread thread_;
+};
+
+}  // namespace occlod::viewer

@@ -1,0 +1,280 @@
+#include "session.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "command.h"
+#include "navigation.h"
+#include "occlod/core/error.h"
+#include "setting_table.h"
+
+namespace occlod::viewer {
+namespace {
+
+constexpr double recording_step_s = 1.0 / 30.0;
+constexpr std::size_t most_recent = 12;
+constexpr std::size_t most_notices = 4;
+
+nlohmann::json key_of(const Camera& c) {
+  return {c.eye.x, c.eye.y,     c.eye.z, c.target.x, c.target.y, c.target.z, c.up.x,
+          c.up.y,  c.up.z,      c.fov_y_deg, c.near, c.far,      c.width,    c.height};
+}
+
+// Equal exactly when jobs for the same objects are.
+nlohmann::json key_of(const RefineJob& job, const Settings& settings) {
+  nlohmann::json key = nlohmann::json::array({key_of(job.camera), job.keep_occluder, static_cast<int>(job.color_by)});
+  for (const Setting& setting : refine_settings()) key.push_back(setting.get(settings));
+  return key;
+}
+
+void check_parameters(const Command& command, const JsonPlace& action) {
+  std::vector<std::string_view> keys = {"do"};
+  for (const Parameter& parameter : command.parameters) keys.emplace_back(parameter.name);
+  action.expect_keys(keys);
+  for (const Parameter& parameter : command.parameters)
+    if (parameter.required) static_cast<void>(action.at(parameter.name));
+}
+
+}  // namespace
+
+Session::Session(MakeVisibility make_visibility, bool use_cache)
+    : loader_(use_cache), worker_(std::move(make_visibility)) {}
+
+void Session::perform(const JsonPlace& action) {
+  const JsonPlace name = action.at("do");
+  const Command* command = find_command(name.string());
+  if (command == nullptr) name.fail(fmt::format("\"{}\" is no command", name.string()), "see occlod-view --actions");
+  check_parameters(*command, action);
+  touched_ = true;
+  command->run(*this, action);
+}
+
+void Session::perform(const nlohmann::json& action) {
+  static const std::string from = "viewer";
+  try {
+    perform(JsonPlace(action, from));
+  } catch (const Error& error) {
+    const Diagnosis& d = error.diagnosis();
+    notify(d.subject == from ? d.problem + (d.mend.empty() ? "" : "; " + d.mend) : error.what(), true);
+  }
+}
+
+void Session::update(double seconds, double patience_ms) {
+  for (Notice& notice : state_.notices) notice.age_s += seconds;
+  take_loaded();
+  go_on_playing();
+  go_on_recording(seconds);
+  request_mesh();
+  if (requested_ > 0 && !shown_->empty()) worker_.wait_for(requested_, patience_ms);
+  auto latest = worker_.latest();
+  if (shown_->empty()) latest = nullptr;
+  if (latest && latest != frame_ && !latest->error.empty()) notify(latest->error, true);
+  // After a failure the mesh of before is not what is asked for: nothing is drawn.
+  frame_ = std::move(latest);
+  touched_ = false;
+}
+
+void Session::picture_drawn(double upload_ms, double draw_ms) {
+  ++pictures_;
+  if (!frame_ || frame_->sides.empty()) return;
+  const RefineStats& stats = frame_->sides[0].refinement.stats;
+  PictureRecord record;
+  record.picture = pictures_;
+  if (!state_.playback.path.empty() && frame_->job.number == requested_)
+    record.path_frame = static_cast<int>(state_.playback.at);
+  if (frame_->job.number != drawn_) {
+    record.refine_ms = stats.refine_ms;
+    record.occlusion_ms = stats.occlusion_ms;
+  }
+  drawn_ = frame_->job.number;
+  record.upload_ms = upload_ms;
+  record.draw_ms = draw_ms;
+  record.budget = stats.budget;
+  record.triangles = stats.triangles;
+  record.visible_triangles = frame_->sides[0].visible_triangles.value_or(0);
+  record.splits = stats.splits;
+  record.forced_splits = stats.forced_splits;
+  record.queries = stats.queries;
+  record.queries_hidden = stats.queries_hidden;
+  record.max_error_px = stats.max_error_px;
+  record.memory_mb = resident_memory_mb();
+  record.hash = frame_->hash;
+  timeline_.add(record);
+}
+
+bool Session::settled() const noexcept {
+  if (touched_ || loader_.busy()) return false;
+  return shown_->empty() || (frame_ && frame_->job.number == requested_);
+}
+
+const Camera& Session::refine_camera() const noexcept {
+  return state_.settings.freeze ? state_.frozen : state_.camera;
+}
+
+void Session::set_view_size(const ImageSize& size) {
+  view_size_ = {std::max(size.width, 1), std::max(size.height, 1)};
+  if (!state_.playback.path.empty()) return;
+  const ImageSize& used = state_.fixed_size.value_or(view_size_);
+  state_.camera.width = used.width;
+  state_.camera.height = used.height;
+}
+
+void Session::edit_objects(const std::function<void(Objects&)>& edit) {
+  auto objects = std::make_shared<Objects>(*state_.objects);
+  edit(*objects);
+  state_.objects = std::move(objects);
+}
+
+void Session::notify(const std::string& text, bool is_error) {
+  state_.notices.push_back({text, is_error, 0.0});
+  if (state_.notices.size() > most_notices) state_.notices.pop_front();
+  if (is_error) ++state_.errors;
+}
+
+void Session::setting_changed() {
+  if (state_.settings.freeze && !was_frozen_) state_.frozen = state_.camera;
+  was_frozen_ = state_.settings.freeze;
+  if (state_.settings.steering != Steering::walk) state_.walking_height = 0.0;
+}
+
+void Session::take_loaded() {
+  while (auto file = loader_.take()) {
+    if (file->cancelled)
+      notify(file->file.filename().string() + ": cancelled");
+    else if (!file->error.empty())
+      notify(file->error, true);
+    else
+      add(*std::move(file));
+  }
+}
+
+void Session::add(LoadedFile file) {
+  const bool first = state_.objects->empty();
+  edit_objects([&](Objects& objects) {
+    for (PlacedObject& object : file.objects) {
+      object.id = next_id_++;
+      objects.push_back(std::move(object));
+    }
+  });
+  for (const auto& [name, camera] : file.cameras) state_.bookmarks[name] = camera;
+  for (const auto& [name, path] : file.paths) state_.paths[name] = path;
+  if (!file.about.empty()) state_.about = file.about;
+  const auto path = std::filesystem::absolute(file.file);
+  std::erase(state_.recent, path);
+  state_.recent.insert(state_.recent.begin(), path);
+  if (state_.recent.size() > most_recent) state_.recent.resize(most_recent);
+  if (!first || state_.settings.freeze) return;
+  if (const auto found = file.cameras.find("default"); found != file.cameras.end()) {
+    state_.camera = found->second;
+  } else {
+    const SceneBounds bounds = bounds_of(*state_.objects);
+    state_.camera = Camera{};
+    state_.camera.eye = {1.0, 1.0, 2.0};
+    set_view_size(view_size_);
+    viewer::frame(state_.camera, bounds);
+    fit_range(state_.camera, bounds);
+  }
+  set_view_size(view_size_);
+}
+
+// A path shows each of its frames: the next one comes when the mesh of this one has been drawn and kept.
+void Session::go_on_playing() {
+  Playback& playback = state_.playback;
+  if (playback.path.empty()) return;
+  const auto found = state_.paths.find(playback.path);
+  if (found == state_.paths.end()) {
+    playback = {};
+    return;
+  }
+  const bool begun = frame_ && drawn_ == requested_ && frame_->job.number == requested_ && !touched_;
+  if (begun && state_.captures.empty()) {
+    playback.at += playback.pictures.empty() ? state_.settings.playback_rate : 1.0;
+    if (playback.at > found->second.frames - 1) {
+      playback = {};
+      set_view_size(view_size_);
+      return;
+    }
+  }
+  const int number = static_cast<int>(playback.at);
+  const bool is_new = state_.captures.empty();
+  state_.camera = camera_at(found->second, number);
+  if (!playback.pictures.empty() && is_new)
+    state_.captures.push_back({playback.pictures / fmt::format("frame_{:05}.png", number), false});
+}
+
+void Session::go_on_recording(double seconds) {
+  Recording& recording = state_.recording;
+  if (recording.path.empty() || state_.objects->empty()) return;
+  recording.since_key_s += seconds;
+  while (recording.since_key_s >= recording_step_s) {
+    recording.since_key_s -= recording_step_s;
+    recording.keys.keys.push_back(state_.camera);
+  }
+}
+
+RefineJob Session::wanted_job() const {
+  const Settings& settings = state_.settings;
+  RefineJob job;
+  job.number = requested_ + 1;
+  job.objects = shown_;
+  job.camera = refine_camera();
+  job.options = settings.refine;
+  job.occlusion = settings.occlusion;
+  job.compare = settings.compare;
+  job.count_visible = settings.count_visible || settings.compare;
+  job.keep_occluder = settings.insets.occluder;
+  job.color_by = settings.look.color_by;
+  return job;
+}
+
+void Session::request_mesh() {
+  if (shown_of_ != state_.objects) {
+    shown_of_ = state_.objects;
+    auto shown = std::make_shared<Objects>();
+    for (const PlacedObject& object : *shown_of_)
+      if (object.shown) shown->push_back(object);
+    shown_ = std::move(shown);
+    requested_key_ = nullptr;
+  }
+  if (shown_->empty()) return;
+  RefineJob job = wanted_job();
+  nlohmann::json key = key_of(job, state_.settings);
+  if (key == requested_key_) return;
+  requested_key_ = std::move(key);
+  requested_ = job.number;
+  worker_.request(std::move(job));
+}
+
+std::map<std::string, double> Session::figures() const {
+  std::map<std::string, double> figures = {{"objects", static_cast<double>(state_.objects->size())},
+                                           {"bookmarks", static_cast<double>(state_.bookmarks.size())},
+                                           {"paths", static_cast<double>(state_.paths.size())},
+                                           {"pictures", static_cast<double>(pictures_)},
+                                           {"errors", static_cast<double>(state_.errors)},
+                                           {"picked", state_.pick ? 1.0 : 0.0},
+                                           {"memory_mb", resident_memory_mb()}};
+  if (!frame_ || frame_->sides.empty()) return figures;
+  const RefineStats& stats = frame_->sides[0].refinement.stats;
+  figures["budget"] = static_cast<double>(stats.budget);
+  figures["triangles"] = static_cast<double>(stats.triangles);
+  figures["splits"] = static_cast<double>(stats.splits);
+  figures["forced_splits"] = static_cast<double>(stats.forced_splits);
+  figures["queries"] = static_cast<double>(stats.queries);
+  figures["queries_hidden"] = static_cast<double>(stats.queries_hidden);
+  figures["occluder_draws"] = static_cast<double>(stats.occluder_draws);
+  figures["max_error_px"] = stats.max_error_px;
+  figures["refine_ms"] = stats.refine_ms;
+  figures["occlusion_ms"] = stats.occlusion_ms;
+  if (const auto& visible = frame_->sides[0].visible_triangles) {
+    figures["visible_triangles"] = static_cast<double>(*visible);
+    figures["visible_share"] = static_cast<double>(*visible) / static_cast<double>(stats.triangles);
+  }
+  if (frame_->sides.size() > 1)
+    figures["visible_triangles_without"] = static_cast<double>(frame_->sides[1].visible_triangles.value_or(0));
+  return figures;
+}
+
+}  // namespace occlod::viewer

@@ -1,0 +1,140 @@
+// The viewer without its window: everything that is shown, and the one way to change it. Panels, keys, the mouse and
+// scripts all perform actions: {"do": COMMAND, ...parameters}, see command.h.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "loader.h"
+#include "objects.h"
+#include "pick.h"
+#include "refine_worker.h"
+#include "scene/strict_json.h"
+#include "settings.h"
+#include "timeline.h"
+
+namespace occlod::viewer {
+
+struct Notice {
+  std::string text;
+  bool is_error = false;
+  double age_s = 0.0;
+};
+
+// A picture that is to be taken of what is drawn next.
+struct Capture {
+  std::filesystem::path file;
+  bool panels = false;  // the whole window; else the view alone
+};
+
+struct ImageSize {
+  int width = 0;
+  int height = 0;
+};
+
+// A camera path that is shown: `at` is between 0 and its frames - 1.
+struct Playback {
+  std::string path;  // empty = none
+  double at = 0.0;
+  std::filesystem::path pictures;  // a folder, or empty
+};
+
+// A camera path that is being recorded, one key for each time step.
+struct Recording {
+  std::string path;  // empty = none
+  CameraPath keys;
+  double since_key_s = 0.0;
+};
+
+struct State {
+  Settings settings;
+  std::shared_ptr<const Objects> objects = std::make_shared<Objects>();
+  std::uint64_t selected = 0;  // id of an object; 0 = none
+  std::map<std::string, Camera> bookmarks;
+  std::map<std::string, CameraPath> paths;
+  std::string about;
+  Camera camera;                      // of the picture; its size is kept up to date
+  std::optional<ImageSize> fixed_size;  // of the picture, instead of the window's
+  Camera frozen;                      // what is refined for while settings.freeze
+  std::optional<Pick> pick;
+  Playback playback;
+  Recording recording;
+  double walking_height = 0.0;  // of the eye above the ground; 0 = not known yet
+  std::deque<Notice> notices;
+  int errors = 0;  // notices of errors so far
+  std::deque<Capture> captures;
+  std::vector<std::filesystem::path> recent;
+  std::optional<ImageSize> wanted_window;
+  bool wants_quit = false;
+};
+
+class Session {
+ public:
+  // `use_cache`: of hierarchies that are built.
+  Session(MakeVisibility make_visibility, bool use_cache);
+
+  // Throws Error that names the action's place: an unknown command or parameter, a value that does not fit, something
+  // that cannot be done now.
+  void perform(const JsonPlace& action);
+  // The same for panels, keys and mouse: what is thrown becomes a notice.
+  void perform(const nlohmann::json& action);
+
+  // Once before each picture: takes what has been loaded, goes on with playing and recording, and asks for a mesh where
+  // something has changed, for which it waits at most `patience_ms`.
+  void update(double seconds, double patience_ms);
+  // Once after each picture.
+  void picture_drawn(double upload_ms, double draw_ms);
+
+  [[nodiscard]] State& state() noexcept { return state_; }
+  [[nodiscard]] const State& state() const noexcept { return state_; }
+  [[nodiscard]] Loader& loader() noexcept { return loader_; }
+  [[nodiscard]] const Loader& loader() const noexcept { return loader_; }
+  [[nodiscard]] const Timeline& timeline() const noexcept { return timeline_; }
+  // The mesh to draw; null when there is none.
+  [[nodiscard]] const std::shared_ptr<const RefinedFrame>& frame() const noexcept { return frame_; }
+  // Nothing is being loaded, and frame() is what the state asks for.
+  [[nodiscard]] bool settled() const noexcept;
+  [[nodiscard]] const Camera& refine_camera() const noexcept;
+  // What numbers there are, by name: for panels and for scripts to check.
+  [[nodiscard]] std::map<std::string, double> figures() const;
+
+  // Pixels of the view area; half of it with the split screen.
+  void set_view_size(const ImageSize& size);
+  void edit_objects(const std::function<void(Objects&)>& edit);
+  void notify(const std::string& text, bool is_error = false);
+  void setting_changed();  // after state().settings has been
+
+ private:
+  void take_loaded();
+  void add(LoadedFile file);
+  void go_on_playing();
+  void go_on_recording(double seconds);
+  void request_mesh();
+  [[nodiscard]] RefineJob wanted_job() const;
+
+  State state_;
+  Loader loader_;
+  RefineWorker worker_;
+  Timeline timeline_;
+  ImageSize view_size_{1024, 768};
+  std::shared_ptr<const Objects> shown_of_;  // whose shown objects
+  std::shared_ptr<const Objects> shown_;     // these are
+  std::shared_ptr<const RefinedFrame> frame_;
+  std::uint64_t requested_ = 0;  // number of the last job
+  nlohmann::json requested_key_;
+  std::uint64_t drawn_ = 0;     // number of the last job whose mesh was drawn
+  std::uint64_t pictures_ = 0;  // drawn
+  std::uint64_t next_id_ = 1;
+  bool touched_ = true;  // something was performed since the last update
+  bool was_frozen_ = false;
+};
+
+}  // namespace occlod::viewer

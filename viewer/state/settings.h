@@ -1,0 +1,63 @@
+// All that a user can set, as plain data. state/setting_table.h says how each is named, shown, limited and saved.
+#pragma once
+
+#include "occlod/refine/refiner.h"
+
+namespace occlod::viewer {
+
+enum class Occlusion { none, software, gl_query, gl_mark, gl_compute };
+
+enum class Shading { smooth, flat };
+
+// What a triangle's colour tells.
+enum class ColorBy {
+  plain,       // nothing: one colour for everything
+  vertices,    // the colours of the file
+  level,       // how deep in the forest the split stands that made it
+  error,       // how far it may be from the input, in pixels
+  visibility,  // whether it owns a pixel, and if not, why
+  outcome,     // what ended refinement here
+};
+
+// How mouse and keys move the camera.
+enum class Steering { orbit, fly, walk };
+
+struct LookSettings {
+  Shading shading = Shading::smooth;
+  ColorBy color_by = ColorBy::plain;
+  bool wire = false;
+  bool bounds = true;      // of the picked split: its sphere or box or cylinder
+  bool cone = true;        // of the picked split: its normals
+  bool antialias = true;   // four samples a pixel
+  bool back_faces = true;  // draw them, darker
+};
+
+struct InsetSettings {
+  bool birdseye = false;
+  bool occluder = false;
+  int pyramid_level = 0;  // of the occluder's depth
+};
+
+struct WindowSettings {
+  bool sidebar = true;
+  bool graph = true;
+  bool help = false;
+  bool legend = true;
+  double scale = 0.0;  // of text and panels; 0 = as the display says
+};
+
+struct Settings {
+  RefineOptions refine;
+  Occlusion occlusion = Occlusion::software;
+  bool freeze = false;         // refine for the camera of the moment when it was set
+  bool compare = false;        // beside it the same without occlusion
+  bool count_visible = true;   // triangles that own a pixel, by the item buffer
+  double playback_rate = 1.0;  // of camera paths, frames for each picture
+  LookSettings look;
+  InsetSettings insets;
+  Steering steering = Steering::orbit;
+  double speed = 0.5;  // fly and walk, scene radii a second
+  WindowSettings window;
+};
+
+}  // namespace occlod::viewer

@@ -1,0 +1,43 @@
+#include "settings_file.h"
+
+#include "occlod/io/atomic_file.h"
+#include "scene/user_folders.h"
+#include "setting_table.h"
+
+namespace occlod::viewer {
+
+std::filesystem::path default_settings_file() {
+  const std::filesystem::path folder = user_config_folder();
+  return folder.empty() ? folder : folder / "view.json";
+}
+
+void read_settings(const std::filesystem::path& file, Session& session, RememberedWindow& window) {
+  if (!std::filesystem::exists(file)) return;
+  const nlohmann::json document = parse_json_file(file);
+  const std::string name = file.string();
+  const JsonPlace root(document, name);
+  if (const auto settings = root.find("settings"))
+    for (const auto& [key, place] : settings->members())
+      if (const Setting* setting = find_setting(key); setting != nullptr && setting->kept)
+        setting->set(session.state().settings, place);
+  if (const auto recent = root.find("recent"))
+    for (const JsonPlace& path : recent->elements(0)) session.state().recent.emplace_back(path.string());
+  if (const auto size = root.find("window"))
+    window.size = {size->at("width").integer(320), size->at("height").integer(240)};
+  session.setting_changed();
+}
+
+void write_settings(const std::filesystem::path& file, const State& state, const RememberedWindow& window) {
+  nlohmann::ordered_json document;
+  for (const Setting* setting : all_settings())
+    if (setting->kept) document["settings"][setting->name] = setting->get(state.settings);
+  document["recent"] = nlohmann::json::array();
+  for (const std::filesystem::path& path : state.recent) document["recent"].push_back(path.string());
+  document["window"] = {{"width", window.size.width}, {"height", window.size.height}};
+  std::filesystem::create_directories(file.parent_path());
+  AtomicFile target(file);
+  target.stream() << document.dump(1) << '\n';
+  target.commit();
+}
+
+}  // namespace occlod::viewer

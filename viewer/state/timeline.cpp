@@ -1,0 +1,37 @@
+#include "timeline.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <fstream>
+
+#include "occlod/io/atomic_file.h"
+
+namespace occlod::viewer {
+
+void Timeline::add(const PictureRecord& record) {
+  records_.push_back(record);
+  if (records_.size() > capacity) records_.pop_front();
+}
+
+void Timeline::write_csv(const std::filesystem::path& file) const {
+  AtomicFile target(file);
+  target.stream() << "picture,path_frame,refine_ms,occlusion_ms,upload_ms,draw_ms,budget,triangles,visible_triangles,"
+                     "splits,forced_splits,queries,queries_hidden,max_error_px,memory_mb,hash\n";
+  for (const PictureRecord& r : records_)
+    target.stream() << fmt::format("{},{},{:.3f},{:.3f},{:.3f},{:.3f},{},{},{},{},{},{},{},{:.4f},{:.1f},{:016x}\n",
+                                   r.picture, r.path_frame, r.refine_ms, r.occlusion_ms, r.upload_ms, r.draw_ms,
+                                   r.budget, r.triangles, r.visible_triangles, r.splits, r.forced_splits, r.queries,
+                                   r.queries_hidden, r.max_error_px, r.memory_mb, r.hash);
+  target.commit();
+}
+
+double resident_memory_mb() {
+  std::ifstream statm("/proc/self/statm");  // pages: all, resident, ...
+  double all = 0.0;
+  double resident = 0.0;
+  if (!(statm >> all >> resident)) return 0.0;
+  return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6;
+}
+
+}  // namespace occlod::viewer
