@@ -23,8 +23,6 @@ double number_or(const JsonPlace& action, std::string_view key, double value) {
   return place ? place->number() : value;
 }
 
-glm::dvec2 place_of(const JsonPlace& action) {
-  return {share_or_middle(action, "x"), share_or_middle(action, "y")};
-}
+glm::dvec2 place_of(const JsonPlace& action) { return {share_or_middle(action, "x"), share_or_middle(action, "y")}; }
 
 }  // namespace occlod::viewer

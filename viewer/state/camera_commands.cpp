@@ -112,8 +112,8 @@ void move_camera(Session& session, const JsonPlace& action) {
   State& state = session.state();
   const double seconds = std::clamp(number_or(action, "seconds", 1.0), 0.0, 1.0);
   const double step = seconds * state.settings.speed * bounds_of(*state.objects).radius;
-  const glm::dvec3 by = step * glm::dvec3(number_or(action, "right", 0.0), number_or(action, "up", 0.0),
-                                          number_or(action, "ahead", 0.0));
+  const glm::dvec3 by =
+      step * glm::dvec3(number_or(action, "right", 0.0), number_or(action, "up", 0.0), number_or(action, "ahead", 0.0));
   if (state.settings.steering == Steering::walk) {
     move_level(state.camera, {by.x, 0.0, by.z});
     stay_on_ground(session);
@@ -127,8 +127,7 @@ void move_camera(Session& session, const JsonPlace& action) {
 void look_at(Session& session, const JsonPlace& action) {
   State& state = session.state();
   if (!session.frame()) action.fail("nothing is open", "open a mesh first");
-  const auto hit =
-      cast_ray(*session.frame(), state.camera.eye, ray_through(state.camera, place_of(action)));
+  const auto hit = cast_ray(*session.frame(), state.camera.eye, ray_through(state.camera, place_of(action)));
   if (!hit) return;
   state.camera.eye += hit->point - state.camera.target;
   state.camera.target = hit->point;
@@ -168,32 +167,56 @@ void forget(Session& session, const JsonPlace& action) {
 std::span<const Command> camera_commands() {
   const Parameter right{"right", "degrees"}, up{"up", "degrees"}, name{"name", "text"};
   static const std::vector<Command> commands = {
-      {"camera", "Camera", "Put the camera somewhere; what is not given stays", "",
-       {{"eye", "x, y, z", false}, {"target", "x, y, z", false}, {"up", "x, y, z", false},
-        {"fov_y_deg", "vertical angle", false}, {"near", "plane", false}, {"far", "plane", false}},
+      {"camera",
+       "Camera",
+       "Put the camera somewhere; what is not given stays",
+       {{"eye", "x, y, z", false},
+        {"target", "x, y, z", false},
+        {"up", "x, y, z", false},
+        {"fov_y_deg", "vertical angle", false},
+        {"near", "plane", false},
+        {"far", "plane", false}},
        camera},
-      {"picture_size", "Picture size", "A fixed size in pixels; none: that of the window", "",
-       {{"width", "pixels", false}, {"height", "pixels", false}}, picture_size},
-      {"frame_all", "Frame all", "See everything", "A", {}, frame_all},
-      {"frame_selected", "Frame selected", "See the selected object", "F", {}, frame_selected},
-      {"view_from", "View from", "Look along an axis", "Numpad 1, 3, 7",
-       {{"side", "front, back, left, right, top, bottom"}}, look_along},
-      {"orbit", "Orbit", "Turn around what is looked at", "left drag", {right, up}, orbit_camera, false},
-      {"look", "Look around", "Turn the head", "left drag (fly, walk)", {right, up}, look, false},
-      {"pan", "Pan", "Shift sideways", "right drag, Shift + drag",
-       {{"right", "share of the width"}, {"up", "share of the height"}}, pan_camera, false},
-      {"zoom", "Zoom", "Go nearer to what is under the cursor", "wheel",
-       {{"factor", "of the distance"}, {"x", "in [0, 1]", false}, {"y", "in [0, 1]", false}}, zoom_camera, false},
-      {"move", "Move", "Fly or walk", "W A S D, Q E",
-       {{"right", "-1 to 1", false}, {"up", "-1 to 1", false}, {"ahead", "-1 to 1", false},
+      {"picture_size",
+       "Picture size",
+       "A fixed size in pixels; none: that of the window",
+       {{"width", "pixels", false}, {"height", "pixels", false}},
+       picture_size},
+      {"frame_all", "Frame all", "See everything", {}, frame_all},
+      {"frame_selected", "Frame selected", "See the selected object", {}, frame_selected},
+      {"view_from", "View from", "Look along an axis", {{"side", "front, back, left, right, top, bottom"}}, look_along},
+      {"orbit", "Orbit", "Turn around what is looked at", {right, up}, orbit_camera, false},
+      {"look", "Look around", "Turn the head", {right, up}, look, false},
+      {"pan",
+       "Pan",
+       "Shift sideways",
+       {{"right", "share of the width"}, {"up", "share of the height"}},
+       pan_camera,
+       false},
+      {"zoom",
+       "Zoom",
+       "Go nearer to what is under the cursor",
+       {{"factor", "of the distance"}, {"x", "in [0, 1]", false}, {"y", "in [0, 1]", false}},
+       zoom_camera,
+       false},
+      {"move",
+       "Move",
+       "Fly or walk",
+       {{"right", "-1 to 1", false},
+        {"up", "-1 to 1", false},
+        {"ahead", "-1 to 1", false},
         {"seconds", "at the speed that is set, up to 1", false}},
-       move_camera, false},
-      {"look_at", "Look at", "Look at the point under the cursor, from half as far", "double click",
-       {{"x", "in [0, 1]", false}, {"y", "in [0, 1]", false}}, look_at},
-      {"turn_up", "Up axis", "Which axis points up", "", {{"axis", "y or z"}}, turn_up},
-      {"bookmark", "Bookmark", "Keep this view under a name", "B", {name}, bookmark},
-      {"go_to", "Go to", "Back to a bookmark", "1 to 9", {name}, go_to},
-      {"forget", "Forget", "Remove a bookmark", "", {name}, forget},
+       move_camera,
+       false},
+      {"look_at",
+       "Look at",
+       "Look at the point under the cursor, from half as far",
+       {{"x", "in [0, 1]", false}, {"y", "in [0, 1]", false}},
+       look_at},
+      {"turn_up", "Up axis", "Which axis points up", {{"axis", "y or z"}}, turn_up},
+      {"bookmark", "Bookmark", "Keep this view under a name", {name}, bookmark},
+      {"go_to", "Go to", "Back to a bookmark", {name}, go_to},
+      {"forget", "Forget", "Remove a bookmark", {name}, forget},
   };
   return commands;
 }

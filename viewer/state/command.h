@@ -22,7 +22,6 @@ struct Command {
   const char* name = "";   // in scripts
   const char* label = "";  // in panels
   const char* help = "";   // one sentence
-  const char* keys = "";   // that do it, for people; may be empty
   std::vector<Parameter> parameters{};
   std::function<void(Session&, const JsonPlace&)> run{};  // the parameters have been checked to be there
   bool settled = true;  // scripts wait before it until nothing is loaded and the mesh is what was asked for

@@ -27,9 +27,8 @@ class NextSplits {
   [[nodiscard]] SplitId of(VertexId v) {
     const auto known = known_.find(v);
     if (known != known_.end()) return known->second;
-    SplitId s = v < base_roots_.size()
-                    ? base_roots_[v]
-                    : hierarchy_.node(static_cast<SplitId>(v - base_roots_.size())).child_v;
+    SplitId s =
+        v < base_roots_.size() ? base_roots_[v] : hierarchy_.node(static_cast<SplitId>(v - base_roots_.size())).child_v;
     while (s != no_id && applied_[s]) s = hierarchy_.node(s).child_u;
     known_.emplace(v, s);
     return s;
@@ -120,9 +119,7 @@ Outcome weightier(Outcome a, Outcome b) {
 std::vector<SplitId> born_splits(const Hierarchy& hierarchy, const RefinedObject& refined) {
   std::vector<SplitId> born(refined.triangles.size(), no_id);
   std::size_t i = 0;
-  const auto is_of_base = [&](const Triangle& t) {
-    return std::max({t.x, t.y, t.z}) < hierarchy.base_vertex_count();
-  };
+  const auto is_of_base = [&](const Triangle& t) { return std::max({t.x, t.y, t.z}) < hierarchy.base_vertex_count(); };
   while (i < born.size() && is_of_base(refined.triangles[i])) ++i;
   for (const SplitId s : refined.splits) {
     hierarchy.star(s).for_each_inserted([&](const Triangle& t) {

@@ -29,9 +29,9 @@ struct LoadedFile {
 };
 
 struct LoadProgress {
-  std::string what;    // empty = nothing is being loaded
-  double done = 0.0;   // in [0, 1]
-  int waiting = 0;     // files that come after it
+  std::string what;   // empty = nothing is being loaded
+  double done = 0.0;  // in [0, 1]
+  int waiting = 0;    // files that come after it
 };
 
 class Loader {

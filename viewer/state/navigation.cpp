@@ -57,8 +57,7 @@ void look_around(Camera& camera, double right_deg, double up_deg) {
 
 void pan(Camera& camera, double right, double up) {
   const Axes axes = axes_of(camera);
-  const double height =
-      2.0 * glm::length(camera.target - camera.eye) * std::tan(glm::radians(camera.fov_y_deg) / 2.0);
+  const double height = 2.0 * glm::length(camera.target - camera.eye) * std::tan(glm::radians(camera.fov_y_deg) / 2.0);
   shift(camera, right * height * camera.width / camera.height * axes.right + up * height * axes.up);
 }
 

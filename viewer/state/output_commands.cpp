@@ -81,19 +81,23 @@ void quit(Session& session, const JsonPlace&) { session.state().wants_quit = tru
 }  // namespace
 
 std::span<const Command> output_commands() {
-  const Parameter file{"file", "path"}, x{"x", "in [0, 1], from the left", false}, y{"y", "in [0, 1], from the top", false};
+  const Parameter file{"file", "path"}, x{"x", "in [0, 1], from the left", false},
+      y{"y", "in [0, 1], from the top", false};
   static const std::vector<Command> commands = {
-      {"set", "Set", "Change a setting", "", {{"setting", "name"}, {"value", "as its kind asks for"}}, set},
-      {"flip", "Flip", "Turn a switch over, or take the next choice", "", {{"setting", "name"}}, flip, false},
-      {"reset", "Default settings", "All settings as they were at first", "", {}, reset},
-      {"pick", "Pick", "Pick the triangle under the cursor, its split and its object", "click", {x, y}, pick},
-      {"unpick", "Unpick", "Pick nothing", "Esc", {}, unpick},
-      {"screenshot", "Screenshot", "Write the picture as PNG", "P, Shift + P with panels",
-       {file, {"panels", "true: the whole window", false}}, screenshot},
-      {"export_csv", "Export CSV", "Write the numbers of the last 10,000 pictures", "", {file}, export_csv},
-      {"window_size", "Window size", "Resize the window", "", {{"width", "pixels"}, {"height", "pixels"}}, window_size},
-      {"dismiss", "Dismiss", "Hide messages", "", {}, dismiss, false},
-      {"quit", "Quit", "Close the viewer", "Ctrl + Q", {}, quit},
+      {"set", "Set", "Change a setting", {{"setting", "name"}, {"value", "as its kind asks for"}}, set},
+      {"flip", "Flip", "Turn a switch over, or take the next choice", {{"setting", "name"}}, flip, false},
+      {"reset", "Default settings", "All settings as they were at first", {}, reset},
+      {"pick", "Pick", "Pick the triangle under the cursor, its split and its object", {x, y}, pick},
+      {"unpick", "Unpick", "Pick nothing", {}, unpick},
+      {"screenshot",
+       "Screenshot",
+       "Write the picture as PNG",
+       {file, {"panels", "true: the whole window", false}},
+       screenshot},
+      {"export_csv", "Export CSV", "Write the numbers of the last 10,000 pictures", {file}, export_csv},
+      {"window_size", "Window size", "Resize the window", {{"width", "pixels"}, {"height", "pixels"}}, window_size},
+      {"dismiss", "Dismiss", "Hide messages", {}, dismiss, false},
+      {"quit", "Quit", "Close the viewer", {}, quit},
   };
   return commands;
 }

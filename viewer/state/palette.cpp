@@ -14,9 +14,11 @@ namespace {
 using Stops = std::array<glm::vec3, 6>;
 
 // From dark blue over green to yellow: levels. After viridis (Smith & van der Walt), lightened at the dark end.
-constexpr Stops level_stops = {{{74, 60, 130}, {60, 96, 146}, {42, 136, 142}, {53, 176, 120}, {132, 206, 80}, {246, 222, 60}}};
+constexpr Stops level_stops = {
+    {{74, 60, 130}, {60, 96, 146}, {42, 136, 142}, {53, 176, 120}, {132, 206, 80}, {246, 222, 60}}};
 // From pale to dark red: errors.
-constexpr Stops error_stops = {{{232, 236, 230}, {196, 218, 200}, {246, 218, 140}, {242, 160, 88}, {214, 88, 68}, {142, 34, 66}}};
+constexpr Stops error_stops = {
+    {{232, 236, 230}, {196, 218, 200}, {246, 218, 140}, {242, 160, 88}, {214, 88, 68}, {142, 34, 66}}};
 
 glm::u8vec4 mix(const Stops& stops, double share) {
   const double place = std::clamp(share, 0.0, 1.0) * static_cast<double>(stops.size() - 1);
@@ -29,9 +31,9 @@ constexpr std::array<const char*, seen_count> seen_words = {"visible", "hidden, 
                                                             "off screen"};
 constexpr std::array<glm::u8vec4, seen_count> seen_colors = {
     {{238, 174, 92, 255}, {62, 96, 158, 255}, {128, 92, 148, 255}, {112, 118, 126, 255}}};
-constexpr std::array<const char*, outcome_count> outcome_words = {
-    "budget or tolerance", "next split is hidden",  "next split faces away", "next split is off screen",
-    "nothing left to refine", "forced by a dependency"};
+constexpr std::array<const char*, outcome_count> outcome_words = {"budget or tolerance",    "next split is hidden",
+                                                                  "next split faces away",  "next split is off screen",
+                                                                  "nothing left to refine", "forced by a dependency"};
 constexpr std::array<glm::u8vec4, outcome_count> outcome_colors = {{{238, 174, 92, 255},
                                                                     {62, 96, 158, 255},
                                                                     {128, 92, 148, 255},
@@ -71,7 +73,7 @@ std::vector<LegendEntry> legend_of(ColorBy color_by, int level_count) {
       break;
     case ColorBy::error:
       for (double px = least_error_px; px <= most_error_px; px *= 4.0)
-        legend.push_back({error_color(px), px == least_error_px ? fmt::format("{:g} px or less", px)
+        legend.push_back({error_color(px), px == least_error_px       ? fmt::format("{:g} px or less", px)
                                            : px * 4.0 > most_error_px ? fmt::format("{:g} px or more", most_error_px)
                                                                       : fmt::format("{:g} px", px)});
       break;

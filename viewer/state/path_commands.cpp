@@ -71,13 +71,16 @@ void delete_path(Session& session, const JsonPlace& action) {
 std::span<const Command> path_commands() {
   const Parameter name{"name", "of a path"};
   static const std::vector<Command> commands = {
-      {"record", "Record", "Record the camera, 30 keys a second", "R", {name}, record},
-      {"stop", "Stop", "End recording or playing", "R, Space", {}, stop, false},
-      {"play", "Play", "Show every frame of a path", "Space", {name}, play},
-      {"picture_sequence", "Write pictures", "Play a path and write each frame as a PNG", "",
-       {name, {"folder", "path"}}, picture_sequence},
-      {"seek", "Seek", "Go to one frame of a path", "", {name, {"frame", "from 0"}}, seek, false},
-      {"delete_path", "Delete path", "Remove a path", "", {name}, delete_path},
+      {"record", "Record", "Record the camera, 30 keys a second", {name}, record},
+      {"stop", "Stop", "End recording or playing", {}, stop, false},
+      {"play", "Play", "Show every frame of a path", {name}, play},
+      {"picture_sequence",
+       "Write pictures",
+       "Play a path and write each frame as a PNG",
+       {name, {"folder", "path"}},
+       picture_sequence},
+      {"seek", "Seek", "Go to one frame of a path", {name, {"frame", "from 0"}}, seek, false},
+      {"delete_path", "Delete path", "Remove a path", {name}, delete_path},
   };
   return commands;
 }

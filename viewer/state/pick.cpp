@@ -42,8 +42,7 @@ std::optional<Hit> cast_ray(const RefinedFrame& frame, const glm::dvec3& origin,
     const std::span<const glm::vec3> positions = object.mesh->hierarchy->positions();
     const std::vector<Triangle>& triangles = frame.sides[0].refinement.objects[i].triangles;
     for (std::size_t t = 0; t < triangles.size(); ++t) {
-      const auto distance =
-          meet(o, d, positions[triangles[t].x], positions[triangles[t].y], positions[triangles[t].z]);
+      const auto distance = meet(o, d, positions[triangles[t].x], positions[triangles[t].y], positions[triangles[t].z]);
       if (!distance || *distance >= least) continue;
       least = *distance;
       nearest = Hit{i, t, origin + least * direction, least};

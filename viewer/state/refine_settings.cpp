@@ -5,30 +5,42 @@ namespace occlod::viewer {
 
 std::span<const Setting> refine_settings() {
   static const std::vector<Setting> settings = {
-      integer({"budget", "Triangles", "No more triangles than this, whatever the view"},
-              {1'000, 10'000'000, true, ""}, [](auto& s) -> auto& { return s.refine.budget; }),
-      number({"tolerance", "Tolerance", "Stop where the guaranteed error is below this; 0 uses the budget up"},
-             {0.0, 16.0, false, "px"}, [](auto& s) -> auto& { return s.refine.tolerance_px; }),
-      choice({"occlusion", "Occlusion", "Who answers whether a part of the mesh is hidden"},
-             {"none", "software", "gl-query", "gl-mark", "gl-compute"}, [](auto& s) -> auto& { return s.occlusion; }),
-      choice({"mode", "Occluder", "paper: the coarse mesh as it is; conservative: moved back by its error bounds"},
-             {"paper", "conservative"}, [](auto& s) -> auto& { return s.refine.occluder_mode; }),
-      choice({"culling", "Culling", "subtree: the paper's one question; star: ask of each split whether it is seen"},
-             {"subtree", "star"}, [](auto& s) -> auto& { return s.refine.culling; }),
-      choice({"proxy", "Proxy", "The bounds of a subtree that are asked about"}, {"sphere", "box", "cylinder"},
-             [](auto& s) -> auto& { return s.refine.proxy; }),
-      number({"visible_exponent", "Visible weight", "Priority is multiplied by (visible share of a split)^this"},
-             {0.0, 8.0, false, ""}, [](auto& s) -> auto& { return s.refine.visible_exponent; }),
-      integer({"level_step", "Level step", "Ask about subtrees on every n-th level of the forest only"},
-              {1, 16, false, ""}, [](auto& s) -> auto& { return s.refine.level_step; }),
-      integers({"occluder_splits", "Occluder after", "Draw the occluder when so many splits are applied"},
-               [](auto& s) -> auto& { return s.refine.occluder_splits; }),
-      not_kept(toggle({"freeze", "Freeze refinement", "Keep the mesh of this moment and look at it from elsewhere"},
-                      [](auto& s) -> auto& { return s.freeze; })),
-      not_kept(toggle({"compare", "Split screen", "Beside it the same view and budget without occlusion"},
-                      [](auto& s) -> auto& { return s.compare; })),
-      toggle({"count_visible", "Count visible triangles", "Those that own at least one pixel, by an item buffer"},
-             [](auto& s) -> auto& { return s.count_visible; }),
+      integer(
+          {"budget", "Triangles", "No more triangles than this, whatever the view"}, {1'000, 10'000'000, true, ""},
+          [](auto& s) -> auto& { return s.refine.budget; }),
+      number(
+          {"tolerance", "Tolerance", "Stop where the guaranteed error is below this; 0 uses the budget up"},
+          {0.0, 16.0, false, "px"}, [](auto& s) -> auto& { return s.refine.tolerance_px; }),
+      choice(
+          {"occlusion", "Occlusion", "Who answers whether a part of the mesh is hidden"},
+          {"none", "software", "gl-query", "gl-mark", "gl-compute"}, [](auto& s) -> auto& { return s.occlusion; }),
+      choice(
+          {"mode", "Occluder", "paper: the coarse mesh as it is; conservative: moved back by its error bounds"},
+          {"paper", "conservative"}, [](auto& s) -> auto& { return s.refine.occluder_mode; }),
+      choice(
+          {"culling", "Culling", "subtree: the paper's one question; star: ask of each split whether it is seen"},
+          {"subtree", "star"}, [](auto& s) -> auto& { return s.refine.culling; }),
+      choice(
+          {"proxy", "Proxy", "The bounds of a subtree that are asked about"}, {"sphere", "box", "cylinder"},
+          [](auto& s) -> auto& { return s.refine.proxy; }),
+      number(
+          {"visible_exponent", "Visible weight", "Priority is multiplied by (visible share of a split)^this"},
+          {0.0, 8.0, false, ""}, [](auto& s) -> auto& { return s.refine.visible_exponent; }),
+      integer(
+          {"level_step", "Level step", "Ask about subtrees on every n-th level of the forest only"}, {1, 16, false, ""},
+          [](auto& s) -> auto& { return s.refine.level_step; }),
+      integers(
+          {"occluder_splits", "Occluder after", "Draw the occluder when so many splits are applied"},
+          [](auto& s) -> auto& { return s.refine.occluder_splits; }),
+      not_kept(toggle(
+          {"freeze", "Freeze refinement", "Keep the mesh of this moment and look at it from elsewhere"},
+          [](auto& s) -> auto& { return s.freeze; })),
+      not_kept(toggle(
+          {"compare", "Split screen", "Beside it the same view and budget without occlusion"},
+          [](auto& s) -> auto& { return s.compare; })),
+      toggle(
+          {"count_visible", "Count visible triangles", "Those that own at least one pixel, by an item buffer"},
+          [](auto& s) -> auto& { return s.count_visible; }),
   };
   return settings;
 }

@@ -18,8 +18,8 @@ using Clock = std::chrono::steady_clock;
 std::vector<DrawObject> draw_objects(const Objects& objects, const Refinement& refinement) {
   std::vector<DrawObject> result;
   for (std::size_t i = 0; i < objects.size(); ++i)
-    result.push_back({objects[i].mesh->hierarchy->positions(), {}, refinement.objects[i].triangles,
-                      objects[i].object_to_world});
+    result.push_back(
+        {objects[i].mesh->hierarchy->positions(), {}, refinement.objects[i].triangles, objects[i].object_to_world});
   return result;
 }
 

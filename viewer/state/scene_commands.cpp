@@ -39,9 +39,8 @@ void cancel(Session& session, const JsonPlace&) { session.loader().cancel(); }
 
 void close(Session& session, const JsonPlace& action) {
   const std::uint64_t id = object_of(session, action);
-  session.edit_objects([&](Objects& objects) {
-    std::erase_if(objects, [&](const PlacedObject& object) { return object.id == id; });
-  });
+  session.edit_objects(
+      [&](Objects& objects) { std::erase_if(objects, [&](const PlacedObject& object) { return object.id == id; }); });
   State& state = session.state();
   if (state.selected == id) state.selected = 0;
   if (state.pick && state.pick->object == id) state.pick.reset();
@@ -120,24 +119,41 @@ void forget_recent(Session& session, const JsonPlace&) { session.state().recent.
 std::span<const Command> scene_commands() {
   const Parameter object{"object", "a name or number; the selected one when not given", false};
   static const std::vector<Command> commands = {
-      {"open", "Open", "Open a mesh, a hierarchy (.olod) or a scene (.json) beside what is there", "drop a file",
-       {{"file", "path"}}, open},
-      {"cancel", "Cancel", "Stop building", "", {}, cancel, false},
-      {"close", "Close", "Close one object", "Del", {object}, close},
-      {"close_all", "Close all", "Close everything", "", {}, close_all, false},
-      {"select", "Select", "Select an object", "click", {object}, select},
-      {"place", "Place", "Move, turn or scale an object", "",
-       {object, {"position", "x, y, z", false}, {"rotation", "degrees around x, then y, then z", false},
+      {"open",
+       "Open",
+       "Open a mesh, a hierarchy (.olod) or a scene (.json) beside what is there",
+       {{"file", "path"}},
+       open},
+      {"cancel", "Cancel", "Stop building", {}, cancel, false},
+      {"close", "Close", "Close one object", {object}, close},
+      {"close_all", "Close all", "Close everything", {}, close_all, false},
+      {"select", "Select", "Select an object", {object}, select},
+      {"place",
+       "Place",
+       "Move, turn or scale an object",
+       {object,
+        {"position", "x, y, z", false},
+        {"rotation", "degrees around x, then y, then z", false},
         {"scale", "larger than 0", false}},
        place},
-      {"drag", "Drag", "Move an object across the picture", "Ctrl + drag",
-       {object, {"right", "share of the width"}, {"up", "share of the height"}}, drag, false},
-      {"show", "Shown", "Show an object, or leave it out", "", {object, {"shown", "true or false"}}, show},
-      {"two_sided", "Two-sided", "Back faces of the object are seen: none is culled", "",
-       {object, {"value", "true or false"}}, two_sided},
-      {"save_scene", "Save scene", "Write objects, bookmarks and camera paths to a scene file", "Ctrl + S",
-       {{"file", "path"}}, save_scene},
-      {"forget_recent", "Forget recent files", "Empty the list of recent files", "", {}, forget_recent, false},
+      {"drag",
+       "Drag",
+       "Move an object across the picture",
+       {object, {"right", "share of the width"}, {"up", "share of the height"}},
+       drag,
+       false},
+      {"show", "Shown", "Show an object, or leave it out", {object, {"shown", "true or false"}}, show},
+      {"two_sided",
+       "Two-sided",
+       "Back faces of the object are seen: none is culled",
+       {object, {"value", "true or false"}},
+       two_sided},
+      {"save_scene",
+       "Save scene",
+       "Write objects, bookmarks and camera paths to a scene file",
+       {{"file", "path"}},
+       save_scene},
+      {"forget_recent", "Forget recent files", "Empty the list of recent files", {}, forget_recent, false},
   };
   return commands;
 }

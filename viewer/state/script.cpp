@@ -98,8 +98,8 @@ void Script::begin_repeat(const JsonPlace& action) {
   Level level{action.at("actions").elements(), 0, 1, Clock::time_point::max()};
   if (const auto seconds = action.find("seconds")) {
     level.times_left = 0;
-    level.until = Clock::now() + std::chrono::duration_cast<Clock::duration>(
-                                     std::chrono::duration<double>(seconds->number()));
+    level.until =
+        Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds->number()));
   } else {
     level.times_left = action.at("times").integer(1);
   }

@@ -19,8 +19,8 @@ constexpr std::size_t most_recent = 12;
 constexpr std::size_t most_notices = 4;
 
 nlohmann::json key_of(const Camera& c) {
-  return {c.eye.x, c.eye.y,     c.eye.z, c.target.x, c.target.y, c.target.z, c.up.x,
-          c.up.y,  c.up.z,      c.fov_y_deg, c.near, c.far,      c.width,    c.height};
+  return {c.eye.x, c.eye.y, c.eye.z,     c.target.x, c.target.y, c.target.z, c.up.x,
+          c.up.y,  c.up.z,  c.fov_y_deg, c.near,     c.far,      c.width,    c.height};
 }
 
 // Equal exactly when jobs for the same objects are.
@@ -107,12 +107,10 @@ void Session::picture_drawn(double upload_ms, double draw_ms) {
 
 bool Session::settled() const noexcept {
   if (touched_ || loader_.busy()) return false;
-  return shown_->empty() || (frame_ && frame_->job.number == requested_);
+  return shown_->empty() || is_current();
 }
 
-const Camera& Session::refine_camera() const noexcept {
-  return state_.settings.freeze ? state_.frozen : state_.camera;
-}
+const Camera& Session::refine_camera() const noexcept { return state_.settings.freeze ? state_.frozen : state_.camera; }
 
 void Session::set_view_size(const ImageSize& size) {
   view_size_ = {std::max(size.width, 1), std::max(size.height, 1)};

@@ -61,9 +61,9 @@ struct State {
   std::map<std::string, Camera> bookmarks;
   std::map<std::string, CameraPath> paths;
   std::string about;
-  Camera camera;                      // of the picture; its size is kept up to date
+  Camera camera;                        // of the picture; its size is kept up to date
   std::optional<ImageSize> fixed_size;  // of the picture, instead of the window's
-  Camera frozen;                      // what is refined for while settings.freeze
+  Camera frozen;                        // what is refined for while settings.freeze
   std::optional<Pick> pick;
   Playback playback;
   Recording recording;
@@ -102,6 +102,8 @@ class Session {
   [[nodiscard]] const std::shared_ptr<const RefinedFrame>& frame() const noexcept { return frame_; }
   // Nothing is being loaded, and frame() is what the state asks for.
   [[nodiscard]] bool settled() const noexcept;
+  // frame() is what was last asked for.
+  [[nodiscard]] bool is_current() const noexcept { return frame_ && frame_->job.number == requested_; }
   [[nodiscard]] const Camera& refine_camera() const noexcept;
   // What numbers there are, by name: for panels and for scripts to check.
   [[nodiscard]] std::map<std::string, double> figures() const;

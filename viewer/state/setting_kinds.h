@@ -39,8 +39,8 @@ Setting toggle(const Label& label, Access at) {
 
 template <class Access>
 Setting number(const Label& label, const Range& range, Access at) {
-  Setting setting{label.name, label.label, label.help, Setting::Kind::number, range.least, range.most,
-                  range.logarithmic, range.unit};
+  Setting setting{label.name,  label.label, label.help,        Setting::Kind::number,
+                  range.least, range.most,  range.logarithmic, range.unit};
   setting.get = [at](const Settings& s) { return nlohmann::json(at(s)); };
   setting.set = [at, range](Settings& s, const JsonPlace& place) { at(s) = number_in(range, place); };
   return setting;
@@ -48,8 +48,8 @@ Setting number(const Label& label, const Range& range, Access at) {
 
 template <class Access>
 Setting integer(const Label& label, const Range& range, Access at) {
-  Setting setting{label.name, label.label, label.help, Setting::Kind::integer, range.least, range.most,
-                  range.logarithmic, range.unit};
+  Setting setting{label.name,  label.label, label.help,        Setting::Kind::integer,
+                  range.least, range.most,  range.logarithmic, range.unit};
   setting.get = [at](const Settings& s) { return nlohmann::json(at(s)); };
   setting.set = [at, range](Settings& s, const JsonPlace& place) {
     const double value = number_in(range, place);

@@ -32,9 +32,8 @@ Json source_json(const PipesOptions& o) {
           {"options", {{"pipes", o.pipes}, {"bends", o.bends}, {"sides", o.sides}, {"seed", o.seed}}}};
 }
 Json source_json(const SpheresBehindWallOptions& o) {
-  return {
-      {"generator", "spheres-behind-wall"},
-      {"options", {{"spheres", o.spheres}, {"level", o.level}, {"wall_cells", o.wall_cells}, {"seed", o.seed}}}};
+  return {{"generator", "spheres-behind-wall"},
+          {"options", {{"spheres", o.spheres}, {"level", o.level}, {"wall_cells", o.wall_cells}, {"seed", o.seed}}}};
 }
 
 Json object_json(const SceneObject& object) {
@@ -48,9 +47,14 @@ Json object_json(const SceneObject& object) {
 }
 
 Json camera_json(const Camera& camera) {
-  return {{"eye", vector_json(camera.eye)}, {"target", vector_json(camera.target)}, {"up", vector_json(camera.up)},
-          {"fov_y_deg", camera.fov_y_deg},  {"near", camera.near},                  {"far", camera.far},
-          {"width", camera.width},          {"height", camera.height}};
+  return {{"eye", vector_json(camera.eye)},
+          {"target", vector_json(camera.target)},
+          {"up", vector_json(camera.up)},
+          {"fov_y_deg", camera.fov_y_deg},
+          {"near", camera.near},
+          {"far", camera.far},
+          {"width", camera.width},
+          {"height", camera.height}};
 }
 
 Json path_json(const CameraPath& path) {

@@ -1,0 +1,259 @@
+#include "application.h"
+
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+#include <backends/imgui_impl_glfw.h>
+#include <backends/imgui_impl_opengl3.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+
+#include "backend.h"
+#include "draw/overlays.h"
+#include "draw/render_target.h"
+#include "occlod/core/error.h"
+#include "panels/theme.h"
+#include "setting_table.h"
+
+namespace occlod::viewer {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// Pictures that are drawn after something has happened, before the window sleeps.
+constexpr int restless_pictures = 4;
+// How long a picture waits for its mesh: small budgets never show one that is out of date, large ones do not stall.
+constexpr double patience_ms = 25.0;
+
+double ms_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+ImTextureID texture_id(GLuint texture) {
+  return reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(texture));  // NOLINT: Dear ImGui's way
+}
+
+// The names of occlusion backends are those of the command line.
+std::unique_ptr<Visibility> make_visibility(Occlusion occlusion) {
+  Settings settings;
+  settings.occlusion = occlusion;
+  tool::BackendOptions options;
+  options.occlusion = find_setting("occlusion")->get(settings).get<std::string>();
+  return tool::make_backend(options).visibility;
+}
+
+Image side_by_side(const Image& left, const Image& right) {
+  Image image{left.width + right.width, left.height, {}};
+  for (int y = 0; y < left.height; ++y)
+    for (const Image* half : {&left, &right})
+      image.pixels.insert(image.pixels.end(), half->pixels.begin() + static_cast<std::ptrdiff_t>(y) * half->width,
+                          half->pixels.begin() + static_cast<std::ptrdiff_t>(y + 1) * half->width);
+  return image;
+}
+
+}  // namespace
+
+struct Application::Drawings {
+  explicit Drawings(const gl::Functions& gl) : scene(gl), depth(gl), birdseye(gl), timer(gl) {
+    for (int i = 0; i < 2; ++i) sides.push_back(std::make_unique<RenderTarget>(gl));
+  }
+
+  SceneDrawing scene;
+  DepthTexture depth;
+  std::vector<std::unique_ptr<RenderTarget>> sides;
+  RenderTarget birdseye;
+  GpuTimer timer;
+  double upload_ms = 0.0;
+};
+
+class Application::Gui {
+ public:
+  explicit Gui(GLFWwindow* window) {
+    ImGui::CreateContext();
+    ImGui::GetIO().IniFilename = nullptr;
+    ImGui_ImplGlfw_InitForOpenGL(window, true);
+    ImGui_ImplOpenGL3_Init("#version 330 core");
+  }
+  Gui(const Gui&) = delete;
+  Gui& operator=(const Gui&) = delete;
+  ~Gui() {
+    ImGui_ImplOpenGL3_Shutdown();
+    ImGui_ImplGlfw_Shutdown();
+    ImGui::DestroyContext();
+  }
+
+  void begin(float scale) {
+    if (scale != scale_) {
+      if (scale_ > 0.0F) ImGui_ImplOpenGL3_DestroyFontsTexture();
+      apply_theme(scale);
+      if (scale_ > 0.0F) ImGui_ImplOpenGL3_CreateFontsTexture();
+      scale_ = scale;
+    }
+    ImGui_ImplOpenGL3_NewFrame();
+    ImGui_ImplGlfw_NewFrame();
+    ImGui::NewFrame();
+  }
+
+ private:
+  float scale_ = 0.0F;
+};
+
+Application::Application(const ApplicationOptions& options) : options_(options) {
+  if (options.script) script_.emplace(*options.script);
+  session_ = std::make_unique<Session>(make_visibility, options.use_cache);
+  if (!options.settings_file.empty()) {
+    try {
+      read_settings(options.settings_file, *session_, remembered_);
+    } catch (const Error& error) {
+      session_->notify(error.what(), true);
+    }
+  }
+  window_ = std::make_unique<Window>(WindowOptions{options.size.value_or(remembered_.size), options.debug_gl});
+  // The window's own driver has started by now. Contexts of occlusion backends are made by another thread, which must
+  // not set this then: see gl/context.h.
+  setenv("LP_NUM_THREADS", "0", 0);
+  panels_ = std::make_unique<Panels>(Panels{*session_, {}, 1.0F, {}, false, {}});
+  window_->on_key = [this](int key, int mods) {
+    calm_pictures_ = 0;
+    if (!ImGui::GetIO().WantTextInput) press_key(*panels_, key, mods);
+  };
+  window_->on_drop = [this](const std::filesystem::path& file) { panels_->perform("open", {{"file", file.string()}}); };
+  gui_ = std::make_unique<Gui>(window_->handle());
+  drawings_ = std::make_unique<Drawings>(window_->functions());
+  for (const std::filesystem::path& file : options.files) panels_->perform("open", {{"file", file.string()}});
+  last_time_ = glfwGetTime();
+}
+
+Application::~Application() {
+  if (options_.settings_file.empty()) return;
+  try {
+    remembered_.size = window_->size();
+    write_settings(options_.settings_file, session_->state(), remembered_);
+  } catch (const std::exception&) {
+    // Nobody is left to be told; the next run starts as this one did.
+  }
+}
+
+float Application::scale() const {
+  const double wanted = session_->state().settings.window.scale;
+  return static_cast<float>(std::clamp(wanted > 0.0 ? wanted : window_->content_scale(), 0.5, 4.0));
+}
+
+// Nothing to wait for while something goes on.
+double Application::wait_s() const {
+  const State& state = session_->state();
+  const bool goes_on = script_ || input_.is_busy() || !state.playback.path.empty() || !state.recording.path.empty() ||
+                       !session_->settled() || calm_pictures_ < restless_pictures;
+  return goes_on ? 0.0 : 0.5;
+}
+
+bool Application::step() {
+  const double before = glfwGetTime();
+  window_->poll(wait_s());
+  const double now = glfwGetTime();
+  // Woken by an event rather than by the clock.
+  calm_pictures_ = wait_s() > 0.0 && now - before < 0.49 ? 0 : calm_pictures_ + 1;
+  const double seconds = now - last_time_;
+  last_time_ = now;
+
+  State& state = session_->state();
+  if (state.wanted_window) window_->resize(*std::exchange(state.wanted_window, std::nullopt));
+  const ImageSize size = window_->size();
+  const ImageSize pixels = window_->picture_size();
+  if (pixels.width == 0 || pixels.height == 0) return !window_->wants_to_close();  // minimised
+  panels_->scale = scale();
+  gui_->begin(panels_->scale);
+  const ImVec2 window_area(static_cast<float>(size.width), static_cast<float>(size.height));
+  const Layout before_picture = lay_out(*session_, window_area, panels_->scale);
+  input_.update(*panels_, before_picture, window_->held_keys(), seconds);
+  const double pixel_ratio = static_cast<double>(pixels.width) / size.width;
+  const double parts = state.settings.compare ? 2.0 : 1.0;
+  session_->set_view_size({static_cast<int>(before_picture.view.width() * pixel_ratio / parts),
+                           static_cast<int>(before_picture.view.height() * pixel_ratio)});
+  session_->update(seconds, patience_ms);
+  const Layout layout = lay_out(*session_, window_area, panels_->scale);
+  draw_pictures(layout);
+  ImGui::Render();
+  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+  take_captures();
+  gl::check(window_->functions(), "drawing a picture");
+  for (const std::string& complaint : window_->take_complaints()) session_->notify("OpenGL: " + complaint, true);
+  window_->swap();
+  session_->picture_drawn(drawings_->upload_ms, drawings_->timer.milliseconds());
+  const auto report = [](const nlohmann::json& figures) { fmt::print("{}\n", figures.dump()); };
+  if (script_ && !script_->step(*session_, report)) return false;
+  return !window_->wants_to_close() && !state.wants_quit;
+}
+
+void Application::run() {
+  while (step()) {
+  }
+}
+
+void Application::draw_pictures(const Layout& layout) {
+  const gl::Functions& gl = window_->functions();
+  const State& state = session_->state();
+  const Clock::time_point start = Clock::now();
+  drawings_->scene.upload(session_->frame());
+  drawings_->upload_ms = ms_since(start);
+  drawings_->timer.begin();
+  const std::vector<Line> lines = main_overlay(*session_);
+  std::vector<ImTextureID> pictures;
+  for (std::size_t i = 0; i < layout.pictures.size(); ++i) {
+    drawings_->scene.draw(*drawings_->sides[i], state.camera, i, state.settings.look, lines);
+    pictures.push_back(texture_id(drawings_->sides[i]->texture()));
+  }
+  draw_insets();
+  drawings_->timer.end();
+  const ImageSize pixels = window_->picture_size();
+  gl.BindFramebuffer(GL_FRAMEBUFFER, 0);
+  gl.Viewport(0, 0, pixels.width, pixels.height);
+  draw_panels(*panels_, layout, pictures);
+}
+
+void Application::draw_insets() {
+  const State& state = session_->state();
+  panels_->insets = {};
+  const auto& frame = session_->frame();
+  if (!frame || frame->sides.empty()) return;
+  if (state.settings.insets.birdseye) {
+    LookSettings look = state.settings.look;
+    look.wire = false;
+    const int width = static_cast<int>(280.0F * panels_->scale);
+    drawings_->scene.draw(drawings_->birdseye, birdseye_camera(*session_, width, width * 3 / 4), 0, look,
+                          birdseye_overlay(*session_));
+    panels_->insets.birdseye = texture_id(drawings_->birdseye.texture());
+  }
+  if (state.settings.insets.occluder && frame->sides[0].occluder) {
+    drawings_->depth.show(frame->sides[0].occluder, state.settings.insets.pyramid_level);
+    panels_->insets.occluder = &drawings_->depth;
+  }
+}
+
+Image Application::picture() const {
+  const Image left = drawings_->sides[0]->read();
+  return session_->state().settings.compare ? side_by_side(left, drawings_->sides[1]->read()) : left;
+}
+
+// Of what has just been drawn, when that is what the state asks for.
+void Application::take_captures() {
+  State& state = session_->state();
+  const auto& frame = session_->frame();
+  const bool is_current = session_->settled() || (!state.playback.path.empty() && frame && session_->is_current());
+  if (state.captures.empty() || !is_current) return;
+  const ImageSize pixels = window_->picture_size();
+  for (; !state.captures.empty(); state.captures.pop_front()) {
+    const Capture& capture = state.captures.front();
+    try {
+      write_png(capture.file,
+                capture.panels ? read_pixels(window_->functions(), 0, 0, pixels.width, pixels.height) : picture());
+    } catch (const Error& error) {
+      session_->notify(error.what(), true);
+    }
+  }
+}
+
+}  // namespace occlod::viewer

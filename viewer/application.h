@@ -1,0 +1,70 @@
+// The viewer: a session, a window, and what goes between them for each picture.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "draw/gpu_timer.h"
+#include "draw/scene_drawing.h"
+#include "panels/panels.h"
+#include "panels/view_input.h"
+#include "script.h"
+#include "session.h"
+#include "settings_file.h"
+#include "window.h"
+
+namespace occlod::viewer {
+
+struct ApplicationOptions {
+  std::vector<std::filesystem::path> files;
+  std::optional<std::filesystem::path> script;
+  std::filesystem::path settings_file;  // empty = remember nothing
+  std::optional<ImageSize> size;        // of the window, instead of the remembered one
+  bool use_cache = true;
+  bool debug_gl = false;
+};
+
+class Application {
+ public:
+  // Throws Error, also for a file or script that is missing or broken.
+  explicit Application(const ApplicationOptions& options);
+  Application(const Application&) = delete;
+  Application& operator=(const Application&) = delete;
+  ~Application();
+
+  // One picture; false when the window is to be closed or the script has ended. Throws Error that names the action of
+  // the script that failed.
+  bool step();
+  void run();
+
+  [[nodiscard]] Session& session() noexcept { return *session_; }
+  [[nodiscard]] Panels& panels() noexcept { return *panels_; }
+  [[nodiscard]] const Window& window() const noexcept { return *window_; }
+
+ private:
+  struct Drawings;  // lives in the window's context
+  class Gui;        // Dear ImGui's own context
+  void draw_pictures(const Layout& layout);
+  void draw_insets();
+  void take_captures();
+  [[nodiscard]] Image picture() const;
+  [[nodiscard]] double wait_s() const;
+  [[nodiscard]] float scale() const;
+
+  ApplicationOptions options_;
+  RememberedWindow remembered_;
+  std::unique_ptr<Window> window_;
+  std::unique_ptr<Session> session_;
+  std::unique_ptr<Gui> gui_;
+  std::unique_ptr<Drawings> drawings_;
+  std::unique_ptr<Panels> panels_;
+  ViewInput input_;
+  std::optional<Script> script_;
+  double last_time_ = 0.0;
+  int calm_pictures_ = 0;  // drawn since something last happened
+};
+
+}  // namespace occlod::viewer

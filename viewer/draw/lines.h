@@ -1,0 +1,47 @@
+// Lines in world space, as wide as one likes.
+#pragma once
+
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+#include <vector>
+
+#include "gl/objects.h"
+#include "occlod/view/view.h"
+
+namespace occlod::viewer {
+
+struct Pen {
+  glm::vec4 color{1.0F};  // sRGB and alpha
+  double width_px = 1.5;
+  double hidden_alpha = 0.15;  // of what the mesh hides, times the colour's own
+};
+
+struct Line {
+  glm::dvec3 a{0.0};
+  glm::dvec3 b{0.0};
+  Pen pen;
+};
+
+class LineDrawing {
+ public:
+  explicit LineDrawing(const gl::Functions& gl);
+  // Over a mesh that has been drawn with depth.
+  void draw(const std::vector<Line>& lines, const View& view);
+
+ private:
+  struct Vertex {
+    glm::vec4 clip{0.0F};
+    glm::vec4 color{0.0F};
+    float hidden_alpha = 0.0F;
+  };
+  void append(const Line& line, const View& view);
+
+  const gl::Functions* gl_;
+  gl::Program program_;
+  GLint hidden_;
+  gl::VertexArray array_;
+  gl::Buffer buffer_;
+  std::vector<Vertex> vertices_;
+};
+
+}  // namespace occlod::viewer

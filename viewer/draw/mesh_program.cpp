@@ -1,0 +1,150 @@
+#include "mesh_program.h"
+
+#include <glm/gtc/type_ptr.hpp>
+#include <string>
+
+namespace occlod::viewer {
+namespace {
+
+constexpr const char* vertex_shader = R"(#version 330 core
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec3 normal;
+layout(location = 2) in vec4 color;
+uniform mat4 object_to_clip;
+uniform mat4 object_to_eye;
+uniform mat3 normal_to_eye;
+out VertexOut { vec3 position; vec3 normal; vec3 color; } vertex;
+void main() {
+  gl_Position = object_to_clip * vec4(position, 1.0);
+  vertex.position = vec3(object_to_eye * vec4(position, 1.0));
+  vertex.normal = normal_to_eye * normal;
+  vertex.color = color.rgb;
+}
+)";
+
+constexpr const char* geometry_shader = R"(#version 330 core
+layout(triangles) in;
+layout(triangle_strip, max_vertices = 3) out;
+in VertexOut { vec3 position; vec3 normal; vec3 color; } corners[];
+out VertexOut { vec3 position; vec3 normal; vec3 color; } vertex;
+out vec3 barycentric;
+void main() {
+  for (int i = 0; i < 3; ++i) {
+    gl_Position = gl_in[i].gl_Position;
+    gl_PrimitiveID = gl_PrimitiveIDIn;
+    vertex.position = corners[i].position;
+    vertex.normal = corners[i].normal;
+    vertex.color = corners[i].color;
+    barycentric = vec3(i == 0, i == 1, i == 2);
+    EmitVertex();
+  }
+  EndPrimitive();
+}
+)";
+
+// Lights and line widths as in src/picture/shade.cpp.
+constexpr const char* fragment_shader = R"(
+in VertexOut { vec3 position; vec3 normal; vec3 color; } vertex;
+uniform int color_mode;
+uniform bool flat_shading;
+uniform bool dim_back_faces;
+uniform sampler2D triangle_colors;
+out vec4 target;
+
+vec3 to_linear(vec3 srgb) { return pow(srgb, vec3(2.2)); }
+
+vec3 surface_color() {
+  if (color_mode == 1) return to_linear(vertex.color);
+  if (color_mode == 2)
+    return to_linear(texelFetch(triangle_colors, ivec2(gl_PrimitiveID % 4096, gl_PrimitiveID / 4096), 0).rgb);
+  return vec3(0.80, 0.70, 0.58);
+}
+
+vec3 light_on(vec3 normal, vec3 to_eye) {
+  float head = max(dot(normal, to_eye), 0.0);
+  float key = max(dot(normal, normalize(vec3(-0.60, 0.75, 0.45))), 0.0);
+  float sky = 0.5 + 0.5 * normal.y;
+  return 0.12 * head + 0.98 * key * vec3(1.0, 0.94, 0.84) + mix(vec3(0.045, 0.036, 0.034), vec3(0.12, 0.15, 0.20), sky);
+}
+
+void main() {
+  vec3 to_eye = normalize(-vertex.position);
+  vec3 normal = flat_shading ? cross(dFdx(vertex.position), dFdy(vertex.position)) : vertex.normal;
+  normal = dot(normal, normal) > 0.0 ? normalize(normal) : to_eye;
+  if (flat_shading ? dot(normal, to_eye) < 0.0 : !gl_FrontFacing) normal = -normal;
+  vec3 color = surface_color() * light_on(normal, to_eye);
+  // Colours that tell something must be told apart in the dark too.
+  if (color_mode == 2) color = mix(color, surface_color(), 0.35);
+  if (dim_back_faces && !gl_FrontFacing) color *= 0.35;
+#ifdef WIRE
+  vec3 pixel = fwidth(barycentric);
+  vec3 distances = barycentric / max(pixel, vec3(1e-9));
+  float nearest = min(distances.x, min(distances.y, distances.z));
+  float size = 1.0 / max(max(pixel.x, max(pixel.y, pixel.z)), 1e-9);
+  color *= 1.0 - 0.6 * smoothstep(1.2, 6.0, size) * (1.0 - smoothstep(0.2, 1.1, nearest));
+#endif
+  target = vec4(pow(color, vec3(1.0 / 2.2)), 1.0);
+}
+)";
+
+constexpr const char* background_vertex_shader = R"(#version 330 core
+out float height;
+void main() {
+  vec2 corner = vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0);
+  height = 0.5 + 0.5 * corner.y;
+  gl_Position = vec4(corner, 1.0, 1.0);
+}
+)";
+
+constexpr const char* background_fragment_shader = R"(#version 330 core
+in float height;
+out vec4 target;
+void main() {
+  vec3 color = mix(vec3(0.80, 0.83, 0.86), vec3(0.33, 0.41, 0.52), height);
+  target = vec4(pow(color, vec3(1.0 / 2.2)), 1.0);
+}
+)";
+
+std::string fragment_source(bool wire) {
+  return std::string("#version 330 core\n") + (wire ? "#define WIRE\nin vec3 barycentric;\n" : "") + fragment_shader;
+}
+
+}  // namespace
+
+MeshProgram::MeshProgram(const gl::Functions& gl, bool wire)
+    : gl_(&gl),
+      program_(wire ? gl::Program(gl, {{GL_VERTEX_SHADER, vertex_shader},
+                                       {GL_GEOMETRY_SHADER, geometry_shader},
+                                       {GL_FRAGMENT_SHADER, fragment_source(true).c_str()}})
+                    : gl::Program(gl, {{GL_VERTEX_SHADER, vertex_shader},
+                                       {GL_FRAGMENT_SHADER, fragment_source(false).c_str()}})),
+      object_to_clip_(program_.uniform("object_to_clip")),
+      object_to_eye_(program_.uniform("object_to_eye")),
+      normal_to_eye_(program_.uniform("normal_to_eye")),
+      color_(program_.uniform("color_mode")),
+      flat_(program_.uniform("flat_shading")),
+      dim_(program_.uniform("dim_back_faces")) {}
+
+void MeshProgram::use(const Uniforms& uniforms) const {
+  gl_->UseProgram(program_.id());
+  gl_->UniformMatrix4fv(object_to_clip_, 1, GL_FALSE, glm::value_ptr(uniforms.object_to_clip));
+  gl_->UniformMatrix4fv(object_to_eye_, 1, GL_FALSE, glm::value_ptr(uniforms.object_to_eye));
+  gl_->UniformMatrix3fv(normal_to_eye_, 1, GL_FALSE, glm::value_ptr(uniforms.normal_to_eye));
+  gl_->Uniform1i(color_, static_cast<GLint>(uniforms.color));
+  gl_->Uniform1i(flat_, uniforms.flat ? 1 : 0);
+  gl_->Uniform1i(dim_, uniforms.dim_back_faces ? 1 : 0);
+}
+
+BackgroundProgram::BackgroundProgram(const gl::Functions& gl)
+    : gl_(&gl),
+      program_(gl, {{GL_VERTEX_SHADER, background_vertex_shader}, {GL_FRAGMENT_SHADER, background_fragment_shader}}),
+      array_(gl) {}
+
+void BackgroundProgram::draw() const {
+  gl_->Disable(GL_DEPTH_TEST);
+  gl_->UseProgram(program_.id());
+  gl_->BindVertexArray(array_.id());
+  gl_->DrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+}  // namespace occlod::viewer

@@ -1,0 +1,49 @@
+// The shaders that draw meshes and the background.
+#pragma once
+
+#include <glm/mat3x3.hpp>
+#include <glm/mat4x4.hpp>
+
+#include "gl/objects.h"
+
+namespace occlod::viewer {
+
+// Attributes: 0 position, 1 normal, 2 colour (sRGB). Lit like the pictures of occlod::shade, as seen by the eye.
+class MeshProgram {
+ public:
+  // `wire`: with lines along edges, which takes a geometry shader.
+  MeshProgram(const gl::Functions& gl, bool wire);
+
+  enum class Color { plain, vertices, triangles };
+  struct Uniforms {
+    glm::mat4 object_to_clip{1.0F};
+    glm::mat4 object_to_eye{1.0F};
+    glm::mat3 normal_to_eye{1.0F};
+    Color color = Color::plain;
+    bool flat = false;
+    bool dim_back_faces = false;
+  };
+  // By-triangle colours are texels of texture unit 0: triangle i at (i % texels_a_row, i / texels_a_row).
+  void use(const Uniforms& uniforms) const;
+
+  static constexpr int texels_a_row = 4096;
+
+ private:
+  const gl::Functions* gl_;
+  gl::Program program_;
+  GLint object_to_clip_, object_to_eye_, normal_to_eye_, color_, flat_, dim_;
+};
+
+// A vertical gradient over the whole target.
+class BackgroundProgram {
+ public:
+  explicit BackgroundProgram(const gl::Functions& gl);
+  void draw() const;
+
+ private:
+  const gl::Functions* gl_;
+  gl::Program program_;
+  gl::VertexArray array_;
+};
+
+}  // namespace occlod::viewer

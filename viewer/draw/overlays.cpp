@@ -1,0 +1,187 @@
+#include "overlays.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+#include <glm/trigonometric.hpp>
+#include <numbers>
+
+namespace occlod::viewer {
+namespace {
+
+constexpr Pen frustum_pen{{0.98F, 0.80F, 0.20F, 1.0F}, 2.0, 0.35};
+constexpr Pen bounds_pen{{0.16F, 0.55F, 0.83F, 1.0F}, 1.5, 0.3};
+constexpr Pen star_pen{{0.10F, 0.10F, 0.12F, 1.0F}, 1.5, 0.1};
+constexpr Pen triangle_pen{{0.86F, 0.20F, 0.27F, 1.0F}, 3.0, 0.3};
+constexpr Pen cone_pen{{0.30F, 0.65F, 0.25F, 1.0F}, 1.5, 0.3};
+constexpr Pen path_pen{{0.86F, 0.36F, 0.20F, 1.0F}, 1.5, 0.6};
+
+// Lines of one object, given in its own space.
+class ObjectLines {
+ public:
+  ObjectLines(std::vector<Line>& lines, const glm::dmat4& object_to_world) : lines_(lines), matrix_(object_to_world) {}
+
+  void line(const glm::dvec3& a, const glm::dvec3& b, const Pen& pen) {
+    lines_.push_back({glm::dvec3(matrix_ * glm::dvec4(a, 1.0)), glm::dvec3(matrix_ * glm::dvec4(b, 1.0)), pen});
+  }
+  void triangle(const std::array<glm::dvec3, 3>& corners, const Pen& pen) {
+    for (std::size_t i = 0; i < 3; ++i) line(corners[i], corners[(i + 1) % 3], pen);
+  }
+  void circle(const glm::dvec3& center, const glm::dvec3& x, const glm::dvec3& y, const Pen& pen) {
+    constexpr int pieces = 64;
+    glm::dvec3 last = center + x;
+    for (int i = 1; i <= pieces; ++i) {
+      const double angle = 2.0 * std::numbers::pi * i / pieces;
+      const glm::dvec3 next = center + std::cos(angle) * x + std::sin(angle) * y;
+      line(last, next, pen);
+      last = next;
+    }
+  }
+
+ private:
+  std::vector<Line>& lines_;
+  glm::dmat4 matrix_;
+};
+
+struct Frame {
+  glm::dvec3 x, y, z;
+};
+
+Frame around(const glm::dvec3& axis) {
+  const glm::dvec3 other = std::abs(axis.x) < 0.5 ? glm::dvec3(1.0, 0.0, 0.0) : glm::dvec3(0.0, 1.0, 0.0);
+  const glm::dvec3 x = glm::normalize(glm::cross(axis, other));
+  return {x, glm::cross(axis, x), axis};
+}
+
+void add_sphere(ObjectLines& lines, const Sphere& sphere) {
+  const glm::dvec3 center(sphere.center);
+  const auto r = static_cast<double>(sphere.radius);
+  const std::array<glm::dvec3, 3> axes = {{{r, 0.0, 0.0}, {0.0, r, 0.0}, {0.0, 0.0, r}}};
+  for (std::size_t i = 0; i < 3; ++i) lines.circle(center, axes[i], axes[(i + 1) % 3], bounds_pen);
+}
+
+void add_box(ObjectLines& lines, const Box& box) {
+  for (int i = 0; i < 8; ++i)
+    for (const int bit : {1, 2, 4})
+      if ((i & bit) == 0) lines.line(glm::dvec3(corner(box, i)), glm::dvec3(corner(box, i | bit)), bounds_pen);
+}
+
+void add_cylinder(ObjectLines& lines, const Cylinder& cylinder) {
+  const Frame frame = around(glm::dvec3(cylinder.axis));
+  const auto r = static_cast<double>(cylinder.radius);
+  const glm::dvec3 low = glm::dvec3(cylinder.center) + static_cast<double>(cylinder.t_min) * frame.z;
+  const glm::dvec3 high = glm::dvec3(cylinder.center) + static_cast<double>(cylinder.t_max) * frame.z;
+  lines.circle(low, r * frame.x, r * frame.y, bounds_pen);
+  lines.circle(high, r * frame.x, r * frame.y, bounds_pen);
+  for (const glm::dvec3& side : {frame.x, frame.y, -frame.x, -frame.y})
+    lines.line(low + r * side, high + r * side, bounds_pen);
+}
+
+void add_cone(ObjectLines& lines, const SplitNode& node) {
+  const NormalCone cone = node.cone();
+  if (!cone.culls()) return;
+  const Frame frame = around(glm::dvec3(cone.axis));
+  const glm::dvec3 apex(node.sphere.center);
+  const double length = static_cast<double>(node.sphere.radius);
+  const auto cosine = static_cast<double>(cone.cos_angle);
+  const double sine = std::sqrt(std::max(1.0 - cosine * cosine, 0.0));
+  const glm::dvec3 rim = apex + length * cosine * frame.z;
+  lines.circle(rim, length * sine * frame.x, length * sine * frame.y, cone_pen);
+  for (const glm::dvec3& side : {frame.x, frame.y, -frame.x, -frame.y})
+    lines.line(apex, rim + length * sine * side, cone_pen);
+  lines.line(apex, apex + length * frame.z, cone_pen);
+}
+
+void add_pick(std::vector<Line>& all, const Session& session, const PlacedObject& object) {
+  const Pick& pick = *session.state().pick;
+  const Settings& settings = session.state().settings;
+  const Hierarchy& hierarchy = *object.mesh->hierarchy;
+  ObjectLines lines(all, object.object_to_world);
+  const auto corners = [&](const Triangle& t) {
+    return std::array<glm::dvec3, 3>{hierarchy.positions()[t.x], hierarchy.positions()[t.y],
+                                     hierarchy.positions()[t.z]};
+  };
+  if (pick.split != no_id) {
+    const SplitNode& node = hierarchy.node(pick.split);
+    hierarchy.star(pick.split).for_each_inserted([&](const Triangle& t) { lines.triangle(corners(t), star_pen); });
+    if (settings.look.bounds && settings.refine.proxy == Proxy::sphere) add_sphere(lines, node.sphere);
+    if (settings.look.bounds && settings.refine.proxy == Proxy::box) add_box(lines, node.box());
+    if (settings.look.bounds && settings.refine.proxy == Proxy::cylinder) add_cylinder(lines, node.cylinder());
+    if (settings.look.cone) add_cone(lines, node);
+  }
+  lines.triangle(corners(pick.triangle), triangle_pen);
+}
+
+void add_frustum(std::vector<Line>& lines, const Session& session) {
+  const Camera& camera = session.refine_camera();
+  const SceneBounds bounds = bounds_of(*session.state().objects);
+  const glm::dvec3 ahead = glm::normalize(camera.target - camera.eye);
+  const double reach = glm::dot(bounds.center - camera.eye, ahead) + bounds.radius;
+  const double length = reach > 0.0 ? std::min(reach, camera.far) : camera.far;
+  const glm::dvec3 right = glm::normalize(glm::cross(ahead, camera.up));
+  const glm::dvec3 up = glm::cross(right, ahead);
+  const double half_height = length * std::tan(glm::radians(camera.fov_y_deg) / 2.0);
+  const double half_width = half_height * camera.width / camera.height;
+  const glm::dvec3 middle = camera.eye + length * ahead;
+  const std::array<glm::dvec3, 4> corners = {
+      middle - half_width * right - half_height * up, middle + half_width * right - half_height * up,
+      middle + half_width * right + half_height * up, middle - half_width * right + half_height * up};
+  for (std::size_t i = 0; i < 4; ++i) {
+    lines.push_back({camera.eye, corners[i], frustum_pen});
+    lines.push_back({corners[i], corners[(i + 1) % 4], frustum_pen});
+  }
+}
+
+}  // namespace
+
+std::vector<Line> main_overlay(const Session& session) {
+  std::vector<Line> lines;
+  const State& state = session.state();
+  if (state.settings.freeze) add_frustum(lines, session);
+  if (state.pick)
+    for (const PlacedObject& object : *state.objects)
+      if (object.id == state.pick->object && object.shown) add_pick(lines, session, object);
+  return lines;
+}
+
+std::vector<Line> birdseye_overlay(const Session& session) {
+  std::vector<Line> lines;
+  add_frustum(lines, session);
+  for (const auto& [name, path] : session.state().paths)
+    for (std::size_t i = 1; i < path.keys.size(); ++i)
+      lines.push_back({path.keys[i - 1].eye, path.keys[i].eye, path_pen});
+  return lines;
+}
+
+Camera birdseye_camera(const Session& session, int width, int height) {
+  const SceneBounds bounds = bounds_of(*session.state().objects);
+  const Camera& refined = session.refine_camera();
+  const glm::dvec3 up = glm::normalize(refined.up);
+  const glm::dvec3 direction = glm::normalize(refined.target - refined.eye);
+  const glm::dvec3 ahead = glm::normalize(direction - glm::dot(direction, up) * up);
+  // A circle seen from above around the scene and the eye.
+  const glm::dvec3 to_eye = refined.eye - bounds.center;
+  const glm::dvec3 aside = to_eye - glm::dot(to_eye, up) * up;
+  const double distance = glm::length(aside);
+  const double radius = std::max((distance + bounds.radius) / 2.0, bounds.radius);
+  Camera camera;
+  camera.width = width;
+  camera.height = height;
+  camera.fov_y_deg = 30.0;
+  camera.target = bounds.center;
+  if (distance > 0.0) camera.target += aside * ((radius - bounds.radius) / distance);
+  const double half = glm::radians(camera.fov_y_deg) / 2.0;
+  const double above = std::max(glm::dot(to_eye, up), bounds.radius);
+  const double smaller = std::min(1.0, static_cast<double>(width) / height);
+  camera.eye = camera.target + (radius / std::tan(half) / smaller + above) * up;
+  camera.up = ahead;
+  const double depth = glm::length(camera.eye - camera.target);
+  camera.far = depth + 2.0 * radius;
+  camera.near = camera.far * 1e-3;
+  return camera;
+}
+
+}  // namespace occlod::viewer

@@ -1,0 +1,92 @@
+// Where the camera is and how it moves.
+#include <imgui.h>
+#include <imgui_stdlib.h>
+
+#include <array>
+#include <cmath>
+#include <string>
+
+#include "controls.h"
+#include "panels.h"
+
+namespace occlod::viewer {
+namespace {
+
+void draw_vector(Panels& panels, const char* label, const char* key, const glm::dvec3& value) {
+  draw_label(panels, label);
+  std::array<double, 3> numbers = {value.x, value.y, value.z};
+  ImGui::PushID(key);
+  const double radius = bounds_of(*panels.session.state().objects).radius;
+  if (ImGui::DragScalarN("##value", ImGuiDataType_Double, numbers.data(), 3, static_cast<float>(0.002 * radius),
+                         nullptr, nullptr, "%.3g"))
+    panels.perform("camera", {{key, numbers}});
+  ImGui::PopID();
+}
+
+void draw_sides(Panels& panels) {
+  const float width = (ImGui::GetContentRegionAvail().x - 2.0F * ImGui::GetStyle().ItemSpacing.x) / 3.0F;
+  int i = 0;
+  for (const auto& [side, label] :
+       {std::pair("front", "Front"), std::pair("right", "Right"), std::pair("top", "Top"), std::pair("back", "Back"),
+        std::pair("left", "Left"), std::pair("bottom", "Bottom")}) {
+    if (i++ % 3 != 0) ImGui::SameLine();
+    draw_button(panels, "view_from", {{"side", side}}, label, width);
+  }
+  draw_button(panels, "frame_all", nlohmann::json::object(), nullptr, width);
+  ImGui::SameLine();
+  draw_button(panels, "turn_up", {{"axis", "y"}}, "Y up", width);
+  ImGui::SameLine();
+  draw_button(panels, "turn_up", {{"axis", "z"}}, "Z up", width);
+}
+
+void draw_bookmarks(Panels& panels) {
+  draw_button(panels, "bookmark", {{"name", panels.fields.bookmark}});
+  ImGui::SameLine();
+  ImGui::SetNextItemWidth(-1.0F);
+  ImGui::InputText("##name", &panels.fields.bookmark);
+  const auto bookmarks = panels.session.state().bookmarks;  // actions change it
+  for (const auto& [name, camera] : bookmarks) {
+    ImGui::PushID(name.c_str());
+    draw_button(panels, "go_to", {{"name", name}}, name.c_str(), ImGui::GetContentRegionAvail().x * 0.7F);
+    ImGui::SameLine();
+    draw_button(panels, "forget", {{"name", name}}, nullptr, -1.0F);
+    ImGui::PopID();
+  }
+}
+
+void draw_picture_size(Panels& panels) {
+  draw_label(panels, "Picture");
+  const State& state = panels.session.state();
+  std::string shown = std::to_string(state.camera.width) + " x " + std::to_string(state.camera.height);
+  if (!state.fixed_size) shown += ", the window's";
+  panels.drawn.insert("picture_size");
+  if (!ImGui::BeginCombo("##size", shown.c_str())) return;
+  if (ImGui::Selectable("the window's")) panels.perform("picture_size");
+  for (const auto& [width, height] : {std::pair(640, 480), std::pair(1024, 768), std::pair(1920, 1080)})
+    if (ImGui::Selectable((std::to_string(width) + " x " + std::to_string(height)).c_str()))
+      panels.perform("picture_size", {{"width", width}, {"height", height}});
+  ImGui::EndCombo();
+}
+
+}  // namespace
+
+void draw_camera(Panels& panels) {
+  if (!begin_section(panels, "Camera", false)) return;
+  for (const Setting& setting : camera_settings())
+    if (std::string(setting.name) != "playback_rate") draw_setting(panels, setting);
+  draw_sides(panels);
+  panels.drawn.insert("camera");
+  const Camera camera = panels.session.state().camera;
+  draw_vector(panels, "Eye", "eye", camera.eye);
+  draw_vector(panels, "Target", "target", camera.target);
+  draw_label(panels, "Angle");
+  double angle = camera.fov_y_deg;
+  const double least = 5.0, most = 120.0;
+  if (ImGui::SliderScalar("##angle", ImGuiDataType_Double, &angle, &least, &most, "%.1f degrees",
+                          ImGuiSliderFlags_AlwaysClamp))
+    panels.perform("camera", {{"fov_y_deg", angle}});
+  draw_picture_size(panels);
+  draw_bookmarks(panels);
+}
+
+}  // namespace occlod::viewer

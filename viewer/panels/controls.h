@@ -1,0 +1,27 @@
+// Controls made from the tables of settings and commands.
+#pragma once
+
+#include <string>
+
+#include "panels.h"
+#include "setting_table.h"
+
+namespace occlod::viewer {
+
+// A slider, box, list or field, with its label before it and its help when hovered.
+void draw_setting(Panels& panels, const Setting& setting);
+void draw_setting(Panels& panels, const char* name);
+
+// A button that performs a command; true when it was pressed. `width` 0: as wide as its text, -1: what is left.
+bool draw_button(Panels& panels, const char* command, const nlohmann::json& arguments = nlohmann::json::object(),
+                 const char* label = nullptr, float width = 0.0F);
+
+// A label in the first column; what comes next stands in the second.
+void draw_label(Panels& panels, const char* text);
+void draw_help_of_item(const char* text);
+// "12,345".
+[[nodiscard]] std::string grouped(double number);
+// A section of the sidebar that folds; true when it is open.
+bool begin_section(Panels& panels, const char* title, bool open = true);
+
+}  // namespace occlod::viewer

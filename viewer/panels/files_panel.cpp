@@ -1,0 +1,116 @@
+// Opening and saving.
+#include <imgui.h>
+#include <imgui_stdlib.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <system_error>
+
+#include "controls.h"
+#include "panels.h"
+
+namespace occlod::viewer {
+namespace {
+
+bool can_be_opened(const std::filesystem::path& file) {
+  std::string extension = file.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  for (const char* known : {".ply", ".obj", ".off", ".stl", ".gltf", ".glb", ".olod", ".json"})
+    if (extension == known) return true;
+  return false;
+}
+
+struct Folder {
+  std::vector<std::filesystem::path> folders;
+  std::vector<std::filesystem::path> files;
+};
+
+Folder list(const std::filesystem::path& folder) {
+  Folder result;
+  std::error_code failed;
+  for (std::filesystem::directory_iterator at(folder, failed), end; !failed && at != end; at.increment(failed)) {
+    std::error_code ignored;
+    if (at->path().filename().string().starts_with('.')) continue;
+    if (at->is_directory(ignored))
+      result.folders.push_back(at->path());
+    else if (can_be_opened(at->path()))
+      result.files.push_back(at->path());
+  }
+  std::sort(result.folders.begin(), result.folders.end());
+  std::sort(result.files.begin(), result.files.end());
+  return result;
+}
+
+void open(Panels& panels, const std::filesystem::path& file) {
+  panels.perform("open", {{"file", file.string()}});
+  panels.fields.opens = false;
+}
+
+void draw_folder(Panels& panels) {
+  std::string& folder = panels.fields.open_folder;
+  const Folder content = list(folder);
+  const std::filesystem::path parent = std::filesystem::path(folder).parent_path();
+  if (ImGui::Selectable("..")) folder = parent.string();
+  for (const std::filesystem::path& path : content.folders)
+    if (ImGui::Selectable((path.filename().string() + "/").c_str())) folder = path.string();
+  for (const std::filesystem::path& path : content.files)
+    if (ImGui::Selectable(path.filename().string().c_str())) open(panels, path);
+}
+
+}  // namespace
+
+void draw_files(Panels& panels) {
+  const float third = (ImGui::GetContentRegionAvail().x - 2.0F * ImGui::GetStyle().ItemSpacing.x) / 3.0F;
+  panels.drawn.insert("open");
+  if (ImGui::Button("Open...", ImVec2(third, 0.0F))) panels.fields.opens = true;
+  draw_help_of_item("Meshes, hierarchies (.olod) and scenes (.json); files can be dropped on the window, too");
+  ImGui::SameLine();
+  ImGui::SetNextItemWidth(third);
+  if (ImGui::BeginCombo("##recent", "Recent")) {
+    const auto recent = panels.session.state().recent;  // opening changes it
+    for (const std::filesystem::path& file : recent)
+      if (ImGui::Selectable(file.filename().string().c_str())) open(panels, file);
+    ImGui::Separator();
+    if (ImGui::Selectable("Forget all")) panels.perform("forget_recent");
+    ImGui::EndCombo();
+  }
+  panels.drawn.insert("forget_recent");
+  ImGui::SameLine();
+  draw_button(panels, "close_all", nlohmann::json::object(), nullptr, third);
+
+  draw_button(panels, "save_scene", {{"file", panels.fields.save_scene}}, nullptr, third);
+  ImGui::SameLine();
+  ImGui::SetNextItemWidth(-1.0F);
+  ImGui::InputText("##scene", &panels.fields.save_scene);
+  draw_button(panels, "screenshot", {{"file", panels.fields.screenshot}}, nullptr, third);
+  ImGui::SameLine();
+  ImGui::SetNextItemWidth(-1.0F);
+  ImGui::InputText("##screenshot", &panels.fields.screenshot);
+}
+
+void draw_open_dialogue(Panels& panels, const Layout& layout) {
+  if (!panels.fields.opens) return;
+  Fields& fields = panels.fields;
+  if (fields.open_folder.empty()) fields.open_folder = std::filesystem::current_path().string();
+  const ImVec2 middle((layout.view.low.x + layout.view.high.x) / 2.0F, (layout.view.low.y + layout.view.high.y) / 2.0F);
+  ImGui::SetNextWindowPos(middle, ImGuiCond_Appearing, ImVec2(0.5F, 0.5F));
+  ImGui::SetNextWindowSize(ImVec2(520.0F * panels.scale, 420.0F * panels.scale), ImGuiCond_Appearing);
+  if (ImGui::Begin("Open", &fields.opens, ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings)) {
+    ImGui::SetNextItemWidth(-1.0F);
+    ImGui::InputText("##folder", &fields.open_folder);
+    const float line = ImGui::GetFrameHeightWithSpacing();
+    ImGui::BeginChild("content", ImVec2(0.0F, -line), true);
+    draw_folder(panels);
+    ImGui::EndChild();
+    ImGui::SetNextItemWidth(-80.0F * panels.scale);
+    const bool entered = ImGui::InputTextWithHint("##file", "or the path of a file", &fields.open_file,
+                                                  ImGuiInputTextFlags_EnterReturnsTrue);
+    ImGui::SameLine();
+    if ((ImGui::Button("Open", ImVec2(-1.0F, 0.0F)) || entered) && !fields.open_file.empty())
+      open(panels, fields.open_file);
+  }
+  ImGui::End();
+}
+
+}  // namespace occlod::viewer

@@ -1,0 +1,66 @@
+// F1: keys and mouse.
+#include <array>
+
+#include "keys.h"
+#include "panels.h"
+
+namespace occlod::viewer {
+namespace {
+
+struct Line {
+  const char* keys;
+  const char* what;
+};
+constexpr std::array<Line, 17> mouse = {{{"left drag", "orbit; look around when flying or walking"},
+                                         {"right or middle drag", "pan, also Shift + left drag"},
+                                         {"wheel", "nearer to what is under the cursor; speed of flying"},
+                                         {"click", "pick a triangle, its split and its object"},
+                                         {"double click", "go to the point under the cursor"},
+                                         {"Ctrl + drag", "move the object under the cursor"},
+                                         {"drop a file", "open it beside what is there"},
+                                         {"W A S D, Q E", "fly or walk, down and up; Shift is four times as fast"},
+                                         {"1 to 9", "bookmarks in their order"},
+                                         {"B", "bookmark this view"},
+                                         {"Space", "play the first camera path, or stop"},
+                                         {"R", "record a camera path, or stop"},
+                                         {"P", "screenshot, Shift + P with panels"},
+                                         {"+ -", "twice or half the budget"},
+                                         {"Ctrl + O", "open"},
+                                         {"Ctrl + S", "save the scene"},
+                                         {"Ctrl + click", "on a slider: type its value"}}};
+
+void draw_line(const char* keys, const char* what) {
+  ImGui::TableNextRow();
+  ImGui::TableNextColumn();
+  ImGui::TextColored(ImVec4(0.93F, 0.68F, 0.36F, 1.0F), "%s", keys);
+  ImGui::TableNextColumn();
+  ImGui::TextUnformatted(what);
+}
+
+}  // namespace
+
+void draw_help(Panels& panels, const Layout& layout) {
+  if (!panels.session.state().settings.window.help) return;
+  bool open = true;
+  const ImVec2 middle((layout.view.low.x + layout.view.high.x) / 2.0F, (layout.view.low.y + layout.view.high.y) / 2.0F);
+  ImGui::SetNextWindowPos(middle, ImGuiCond_Always, ImVec2(0.5F, 0.5F));
+  ImGui::Begin("Keys and mouse", &open,
+               ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings);
+  if (ImGui::BeginTable("help", 2, ImGuiTableFlags_SizingFixedFit)) {
+    ImGui::TableNextColumn();
+    if (ImGui::BeginTable("mouse", 2, ImGuiTableFlags_SizingFixedFit)) {
+      for (const Line& line : mouse) draw_line(line.keys, line.what);
+      ImGui::EndTable();
+    }
+    ImGui::TableNextColumn();
+    if (ImGui::BeginTable("keys", 2, ImGuiTableFlags_SizingFixedFit)) {
+      for (const KeyBinding& binding : key_bindings()) draw_line(binding.keys, binding.what);
+      ImGui::EndTable();
+    }
+    ImGui::EndTable();
+  }
+  ImGui::End();
+  if (!open) panels.perform("set", {{"setting", "help"}, {"value", false}});
+}
+
+}  // namespace occlod::viewer

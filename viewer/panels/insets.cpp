@@ -1,0 +1,106 @@
+// What lies over the view: insets on the right, the legend on the left, the words of the split screen.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "controls.h"
+#include "palette.h"
+#include "panels.h"
+
+namespace occlod::viewer {
+namespace {
+
+constexpr ImGuiWindowFlags inset_flags = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
+                                         ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_AlwaysAutoResize |
+                                         ImGuiWindowFlags_NoFocusOnAppearing;
+
+// In the right upper corner, one below the other; `below` is where this one begins and then where it ends.
+void draw_inset(const char* title, ImTextureID texture, const ImVec2& size, bool flipped, const Layout& layout,
+                float& below, float margin) {
+  ImGui::SetNextWindowPos(ImVec2(layout.view.high.x - margin, below), ImGuiCond_Always, ImVec2(1.0F, 0.0F));
+  ImGui::SetNextWindowBgAlpha(0.85F);
+  ImGui::Begin(title, nullptr, inset_flags);
+  ImGui::TextUnformatted(title);
+  const ImVec2 low = flipped ? ImVec2(0.0F, 1.0F) : ImVec2(0.0F, 0.0F);
+  const ImVec2 high = flipped ? ImVec2(1.0F, 0.0F) : ImVec2(1.0F, 1.0F);
+  ImGui::Image(texture, size, low, high);
+  below += ImGui::GetWindowHeight() + margin;
+  ImGui::End();
+}
+
+void draw_tag(const char* name, const Area& picture, const std::string& text, float margin) {
+  ImGui::SetNextWindowPos(ImVec2((picture.low.x + picture.high.x) / 2.0F, picture.low.y + margin), ImGuiCond_Always,
+                          ImVec2(0.5F, 0.0F));
+  ImGui::SetNextWindowBgAlpha(0.85F);
+  ImGui::Begin(name, nullptr, inset_flags | ImGuiWindowFlags_NoInputs);
+  ImGui::TextUnformatted(text.c_str());
+  ImGui::End();
+}
+
+std::string count_text(const RefinedSide& side, const char* occlusion) {
+  const auto triangles = static_cast<double>(side.refinement.stats.triangles);
+  const auto visible = static_cast<double>(side.visible_triangles.value_or(0));
+  return fmt::format("{}: {} of {} visible, {:.1f} %", occlusion, grouped(visible), grouped(triangles),
+                     100.0 * visible / std::max(triangles, 1.0));
+}
+
+void draw_tags(const Session& session, const Layout& layout, float margin) {
+  const Settings& settings = session.state().settings;
+  if (settings.compare && layout.pictures.size() == 2 && session.frame() && session.frame()->sides.size() == 2) {
+    const std::string name = find_setting("occlusion")->get(settings).get<std::string>();
+    draw_tag("with", layout.pictures[0], count_text(session.frame()->sides[0], ("occlusion " + name).c_str()), margin);
+    draw_tag("without", layout.pictures[1], count_text(session.frame()->sides[1], "no occlusion"), margin);
+  } else if (settings.freeze) {
+    draw_tag("frozen", layout.view, "Refinement is frozen (Z)", margin);
+  }
+}
+
+}  // namespace
+
+void draw_insets(Panels& panels, const Layout& layout) {
+  const float margin = 10.0F * panels.scale;
+  const Session& session = panels.session;
+  draw_tags(session, layout, margin);
+  const Settings& settings = session.state().settings;
+  const float width = std::min(280.0F * panels.scale, layout.view.width() * 0.35F);
+  float below = layout.view.low.y + margin;
+  if (settings.insets.birdseye && panels.insets.birdseye != nullptr)
+    draw_inset("From above", panels.insets.birdseye, ImVec2(width, width * 0.75F), true, layout, below, margin);
+  if (settings.insets.occluder && panels.insets.occluder != nullptr) {
+    const DepthTexture& depth = *panels.insets.occluder;
+    const std::string title =
+        fmt::format("Occluder, level {}: {} x {}###occluder", depth.level(), depth.width(), depth.height());
+    const float height = width * static_cast<float>(depth.height()) / static_cast<float>(std::max(depth.width(), 1));
+    ImGui::PushID("occluder");
+    draw_inset(title.c_str(),
+               reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(depth.texture())),  // NOLINT: ImGui's way
+               ImVec2(width, height), false, layout, below, margin);
+    ImGui::PopID();
+  }
+}
+
+void draw_legend(Panels& panels, const Layout& layout) {
+  const Settings& settings = panels.session.state().settings;
+  int levels = 0;
+  for (const PlacedObject& object : *panels.session.state().objects)
+    levels = std::max(levels, object.mesh->level_count);
+  const std::vector<LegendEntry> entries = legend_of(settings.look.color_by, levels);
+  if (!settings.window.legend || entries.empty()) return;
+  const float margin = 10.0F * panels.scale;
+  ImGui::SetNextWindowPos(ImVec2(layout.view.low.x + margin, layout.view.high.y - margin), ImGuiCond_Always,
+                          ImVec2(0.0F, 1.0F));
+  ImGui::SetNextWindowBgAlpha(0.85F);
+  ImGui::Begin("legend", nullptr, inset_flags | ImGuiWindowFlags_NoInputs);
+  const float side = ImGui::GetTextLineHeight();
+  for (const LegendEntry& entry : entries) {
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    ImGui::GetWindowDrawList()->AddRectFilled(at, ImVec2(at.x + side, at.y + side),
+                                              IM_COL32(entry.color.r, entry.color.g, entry.color.b, 255), 2.0F);
+    ImGui::Dummy(ImVec2(side, side));
+    ImGui::SameLine();
+    ImGui::TextUnformatted(entry.text.c_str());
+  }
+  ImGui::End();
+}
+
+}  // namespace occlod::viewer

@@ -1,0 +1,41 @@
+#include "keys.h"
+
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+
+namespace occlod::viewer {
+namespace {
+
+nlohmann::json flip(const char* setting) { return {{"do", "flip"}, {"setting", setting}}; }
+nlohmann::json from(const char* side) { return {{"do", "view_from"}, {"side", side}}; }
+
+}  // namespace
+
+const std::vector<KeyBinding>& key_bindings() {
+  constexpr int control = GLFW_MOD_CONTROL;
+  static const std::vector<KeyBinding> bindings = {
+      {GLFW_KEY_F1, 0, "F1", "this help", flip("help")},
+      {GLFW_KEY_TAB, 0, "Tab", "sidebar", flip("sidebar")},
+      {GLFW_KEY_G, 0, "G", "numbers and time graph", flip("graph")},
+      {GLFW_KEY_HOME, 0, "Home", "see everything", {{"do", "frame_all"}}},
+      {GLFW_KEY_F, 0, "F", "see the selected object", {{"do", "frame_selected"}}},
+      {GLFW_KEY_KP_1, 0, "Numpad 1", "from the front", from("front")},
+      {GLFW_KEY_KP_3, 0, "Numpad 3", "from the right", from("right")},
+      {GLFW_KEY_KP_7, 0, "Numpad 7", "from the top", from("top")},
+      {GLFW_KEY_M, 0, "M", "orbit, fly or walk", flip("steering")},
+      {GLFW_KEY_C, 0, "C", "next colouring", flip("color_by")},
+      {GLFW_KEY_V, 0, "V", "smooth or flat", flip("shading")},
+      {GLFW_KEY_X, 0, "X", "wire", flip("wire")},
+      {GLFW_KEY_O, 0, "O", "next occlusion backend", flip("occlusion")},
+      {GLFW_KEY_Z, 0, "Z", "freeze the refinement", flip("freeze")},
+      {GLFW_KEY_T, 0, "T", "split screen: with and without occlusion", flip("compare")},
+      {GLFW_KEY_I, 0, "I", "bird's-eye inset", flip("birdseye")},
+      {GLFW_KEY_U, 0, "U", "occluder inset", flip("occluder")},
+      {GLFW_KEY_ESCAPE, 0, "Esc", "pick nothing", {{"do", "unpick"}}},
+      {GLFW_KEY_DELETE, 0, "Del", "close the selected object", {{"do", "close"}}},
+      {GLFW_KEY_Q, control, "Ctrl + Q", "quit", {{"do", "quit"}}},
+  };
+  return bindings;
+}
+
+}  // namespace occlod::viewer

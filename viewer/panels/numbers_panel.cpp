@@ -1,0 +1,130 @@
+// The strip at the bottom: what the last picture cost, and the pictures before it.
+#include <fmt/format.h>
+#include <imgui.h>
+#include <imgui_stdlib.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "controls.h"
+#include "panels.h"
+
+namespace occlod::viewer {
+namespace {
+
+struct Part {
+  const char* name;
+  ImU32 color;
+  double PictureRecord::*milliseconds;
+};
+constexpr std::array<Part, 4> parts = {{{"refine", IM_COL32(226, 164, 84, 255), &PictureRecord::refine_ms},
+                                        {"occlusion", IM_COL32(84, 132, 196, 255), &PictureRecord::occlusion_ms},
+                                        {"upload", IM_COL32(140, 108, 160, 255), &PictureRecord::upload_ms},
+                                        {"draw", IM_COL32(106, 160, 108, 255), &PictureRecord::draw_ms}}};
+
+void draw_cell(const char* name, const std::string& value) {
+  ImGui::TableNextColumn();
+  ImGui::TextDisabled("%s", name);
+  ImGui::TableNextColumn();
+  ImGui::TextUnformatted(value.c_str());
+}
+
+std::string share(std::size_t part, std::size_t whole) {
+  if (whole == 0) return "0";
+  return fmt::format("{} ({:.1f} %)", grouped(static_cast<double>(part)),
+                     100.0 * static_cast<double>(part) / static_cast<double>(whole));
+}
+
+std::string pixels(double px) {
+  if (!std::isfinite(px)) return "unlimited";
+  return px < 1000.0 ? fmt::format("{:.2f} px", px) : grouped(px) + " px";
+}
+
+void draw_table(const PictureRecord& last, const Session& session) {
+  if (!ImGui::BeginTable("numbers", 4, ImGuiTableFlags_SizingFixedFit)) return;
+  draw_cell("triangles", grouped(static_cast<double>(last.triangles)));
+  draw_cell("splits", grouped(static_cast<double>(last.splits)));
+  draw_cell("visible", session.frame()->sides[0].visible_triangles ? share(last.visible_triangles, last.triangles)
+                                                                   : std::string("not counted"));
+  draw_cell("forced", share(last.forced_splits, last.splits));
+  draw_cell("largest error", pixels(last.max_error_px));
+  draw_cell("queries", grouped(static_cast<double>(last.queries)));
+  draw_cell("memory", grouped(last.memory_mb) + " MB");
+  draw_cell("hidden", share(last.queries_hidden, last.queries));
+  ImGui::EndTable();
+}
+
+// The scale of the graph: the first of 5, 10, 20, 50, ... that holds nearly all pictures.
+double top_of(const std::deque<PictureRecord>& records, std::size_t first) {
+  std::vector<double> totals;
+  for (std::size_t i = first; i < records.size(); ++i) totals.push_back(records[i].total_ms());
+  const auto place = totals.begin() + static_cast<std::ptrdiff_t>(totals.size() * 98 / 100);
+  std::nth_element(totals.begin(), place, totals.end());
+  double top = 5.0;
+  for (const double factor : {2.0, 2.0, 2.5, 2.0, 2.0, 2.5, 2.0, 2.0, 2.5})
+    if (*place > top) top *= factor;
+  return top;
+}
+
+void draw_bars(ImDrawList& list, const Area& area, const std::deque<PictureRecord>& records, float bar) {
+  const auto count = std::min(records.size(), static_cast<std::size_t>(area.width() / bar));
+  const std::size_t first = records.size() - count;
+  const double top = top_of(records, first);
+  float x = area.high.x - static_cast<float>(count) * bar;
+  for (std::size_t i = first; i < records.size(); ++i, x += bar) {
+    float y = area.high.y;
+    for (const Part& part : parts) {
+      const auto height = static_cast<float>(records[i].*part.milliseconds / top) * area.height();
+      const float next = std::max(y - height, area.low.y);
+      list.AddRectFilled(ImVec2(x, next), ImVec2(x + bar, y), part.color);
+      y = next;
+    }
+  }
+  list.AddText(ImVec2(area.low.x + 4.0F, area.low.y + 2.0F), ImGui::GetColorU32(ImGuiCol_TextDisabled),
+               fmt::format("{:g} ms", top).c_str());
+}
+
+void draw_times(const PictureRecord& last) {
+  for (const Part& part : parts) {
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    const float side = ImGui::GetFontSize() * 0.7F;
+    const float low = at.y + (ImGui::GetTextLineHeight() - side) / 2.0F;
+    ImGui::GetWindowDrawList()->AddRectFilled(ImVec2(at.x, low), ImVec2(at.x + side, low + side), part.color);
+    ImGui::Dummy(ImVec2(side, side));
+    ImGui::SameLine();
+    ImGui::Text("%s %.1f ms", part.name, last.*part.milliseconds);
+    ImGui::SameLine(0.0F, 16.0F);
+  }
+}
+
+}  // namespace
+
+void draw_numbers(Panels& panels, const Area& area) {
+  const auto& records = panels.session.timeline().records();
+  const auto& frame = panels.session.frame();
+  if (records.empty() || !frame || frame->sides.empty()) {
+    ImGui::TextDisabled("Nothing has been drawn yet");
+    return;
+  }
+  const PictureRecord& last = records.back();
+  ImGui::BeginGroup();
+  draw_table(last, panels.session);
+  draw_button(panels, "export_csv", {{"file", panels.fields.csv}});
+  ImGui::SameLine();
+  ImGui::SetNextItemWidth(150.0F * panels.scale);
+  ImGui::InputText("##csv", &panels.fields.csv);
+  ImGui::EndGroup();
+  ImGui::SameLine(0.0F, 20.0F * panels.scale);
+  ImGui::BeginGroup();
+  draw_times(last);
+  ImGui::NewLine();
+  const ImVec2 low = ImGui::GetCursorScreenPos();
+  const Area graph{low, ImVec2(area.high.x - 10.0F * panels.scale, area.high.y - 8.0F * panels.scale)};
+  ImDrawList& list = *ImGui::GetWindowDrawList();
+  list.AddRectFilled(graph.low, graph.high, ImGui::GetColorU32(ImGuiCol_FrameBg), 3.0F);
+  if (graph.width() > 20.0F && graph.height() > 10.0F) draw_bars(list, graph, records, 3.0F * panels.scale);
+  ImGui::EndGroup();
+}
+
+}  // namespace occlod::viewer

@@ -1,0 +1,73 @@
+// What is open, and where it stands.
+#include <array>
+#include <cstdint>
+
+#include "controls.h"
+#include "panels.h"
+
+namespace occlod::viewer {
+namespace {
+
+void draw_row(Panels& panels, const PlacedObject& object) {
+  ImGui::PushID(static_cast<int>(object.id));
+  panels.drawn.insert({"show", "select"});
+  bool shown = object.shown;
+  if (ImGui::Checkbox("##shown", &shown)) panels.perform("show", {{"object", object.id}, {"shown", shown}});
+  draw_help_of_item("Shown");
+  ImGui::SameLine();
+  const bool selected = panels.session.state().selected == object.id;
+  if (ImGui::Selectable(object.name.c_str(), selected)) panels.perform("select", {{"object", object.id}});
+  const Hierarchy& hierarchy = *object.mesh->hierarchy;
+  draw_help_of_item((grouped(static_cast<double>(hierarchy.input_triangle_count())) + " triangles, " +
+                     grouped(static_cast<double>(hierarchy.bytes()) / 1e6) + " MB")
+                        .c_str());
+  ImGui::PopID();
+}
+
+void draw_vector(Panels& panels, const PlacedObject& object, const char* label, const char* key,
+                 const glm::dvec3& value, double speed) {
+  draw_label(panels, label);
+  std::array<double, 3> numbers = {value.x, value.y, value.z};
+  ImGui::PushID(key);
+  if (ImGui::DragScalarN("##value", ImGuiDataType_Double, numbers.data(), 3, static_cast<float>(speed), nullptr,
+                         nullptr, "%.3g"))
+    panels.perform("place", {{"object", object.id}, {key, numbers}});
+  ImGui::PopID();
+}
+
+void draw_placement(Panels& panels, const PlacedObject& object) {
+  panels.drawn.insert({"place", "two_sided"});
+  const double radius = bounds_of(object).radius;
+  draw_vector(panels, object, "Position", "position", object.placement.position, 0.005 * radius);
+  draw_vector(panels, object, "Rotation", "rotation", object.placement.rotation_deg, 0.5);
+  draw_label(panels, "Scale");
+  double scale = object.placement.scale;
+  const double least = 1e-6, most = 1e6;
+  if (ImGui::DragScalar("##scale", ImGuiDataType_Double, &scale, static_cast<float>(0.005 * scale), &least, &most,
+                        "%.4g", ImGuiSliderFlags_AlwaysClamp))
+    panels.perform("place", {{"object", object.id}, {"scale", scale}});
+  bool two_sided = object.two_sided;
+  if (ImGui::Checkbox("Two-sided", &two_sided))
+    panels.perform("two_sided", {{"object", object.id}, {"value", two_sided}});
+  draw_help_of_item("Back faces are seen: none is culled");
+  ImGui::SameLine();
+  draw_button(panels, "frame_selected");
+  ImGui::SameLine();
+  draw_button(panels, "close");
+}
+
+}  // namespace
+
+void draw_objects(Panels& panels) {
+  if (!begin_section(panels, "Objects")) return;
+  const auto objects = panels.session.state().objects;  // actions replace it
+  if (objects->empty()) ImGui::TextDisabled("Drop a mesh, a hierarchy or a scene here");
+  const PlacedObject* selected = nullptr;
+  for (const PlacedObject& object : *objects) {
+    draw_row(panels, object);
+    if (panels.session.state().selected == object.id) selected = &object;
+  }
+  if (selected != nullptr) draw_placement(panels, *selected);
+}
+
+}  // namespace occlod::viewer

@@ -1,0 +1,88 @@
+// The panels around the view. Every control of theirs performs an action of the session; none changes its state itself.
+#pragma once
+
+#include <imgui.h>
+
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "draw/depth_texture.h"
+#include "session.h"
+
+namespace occlod::viewer {
+
+// A rectangle of the window, in the window's coordinates.
+struct Area {
+  ImVec2 low{0.0F, 0.0F};
+  ImVec2 high{0.0F, 0.0F};
+
+  [[nodiscard]] float width() const { return high.x - low.x; }
+  [[nodiscard]] float height() const { return high.y - low.y; }
+  [[nodiscard]] bool holds(const ImVec2& p) const {
+    return p.x >= low.x && p.x < high.x && p.y >= low.y && p.y < high.y;
+  }
+};
+
+// Where everything is.
+struct Layout {
+  Area sidebar;
+  Area graph;
+  Area view;                   // what is left
+  std::vector<Area> pictures;  // inside the view: one, or two with the split screen; in the proportions of the picture
+};
+
+// What is typed into text fields until it is used.
+struct Fields {
+  std::string open_folder;
+  std::string open_file;
+  std::string save_scene = "scene.json";
+  std::string screenshot = "occlod-view.png";
+  std::string csv = "occlod-view.csv";
+  std::string bookmark = "view 1";
+  std::string path = "path 1";
+  std::string pictures = "pictures";
+  std::string occluder_splits;
+  bool opens = false;  // the dialogue "open"
+};
+
+struct Insets {
+  ImTextureID birdseye = nullptr;
+  const DepthTexture* occluder = nullptr;  // null = there is none
+};
+
+struct Panels {
+  Session& session;
+  Fields fields;
+  float scale = 1.0F;  // of text and panels
+  Insets insets;
+  bool unfold = false;          // all sections of the sidebar
+  std::set<std::string> drawn;  // settings and commands that had a control since this was emptied
+
+  // Performs {"do": command, ...arguments}.
+  void perform(const char* command, nlohmann::json arguments = nlohmann::json::object());
+};
+
+[[nodiscard]] Layout lay_out(const Session& session, const ImVec2& window, float scale);
+
+// All of it, with the pictures of the sides as textures. Between ImGui::NewFrame and ImGui::Render.
+void draw_panels(Panels& panels, const Layout& layout, const std::vector<ImTextureID>& pictures);
+
+// Its parts, one source each.
+void draw_files(Panels& panels);
+void draw_open_dialogue(Panels& panels, const Layout& layout);
+void draw_objects(Panels& panels);
+void draw_refinement(Panels& panels);
+void draw_look(Panels& panels);
+void draw_pick(Panels& panels);
+void draw_camera(Panels& panels);
+void draw_paths(Panels& panels);
+void draw_window_settings(Panels& panels);
+void draw_numbers(Panels& panels, const Area& area);
+void draw_insets(Panels& panels, const Layout& layout);
+void draw_legend(Panels& panels, const Layout& layout);
+void draw_messages(Panels& panels, const Layout& layout);
+void draw_help(Panels& panels, const Layout& layout);
+
+}  // namespace occlod::viewer

@@ -1,0 +1,91 @@
+#include "theme.h"
+
+#include <imgui.h>
+
+#include <cmath>
+#include <filesystem>
+
+namespace occlod::viewer {
+namespace {
+
+constexpr float font_px = 15.0F;
+
+// Sans-serif fonts of the usual systems; the built-in one, of fixed width, where there is none of them.
+const char* find_font() {
+  constexpr const char* candidates[] = {"/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
+                                        "/usr/share/fonts/TTF/DejaVuSans.ttf",
+                                        "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf",
+                                        "/usr/share/fonts/truetype/liberation/LiberationSans-Regular.ttf",
+                                        "/usr/share/fonts/truetype/noto/NotoSans-Regular.ttf"};
+  std::error_code ignored;
+  for (const char* candidate : candidates)
+    if (std::filesystem::exists(candidate, ignored)) return candidate;
+  return nullptr;
+}
+
+void load_font(float scale) {
+  ImFontAtlas& fonts = *ImGui::GetIO().Fonts;
+  fonts.Clear();
+  const float size = std::round(font_px * scale);
+  static const ImWchar glyphs[] = {0x0020, 0x00FF, 0x2010, 0x2026, 0x2190, 0x2193, 0};
+  const char* file = find_font();
+  if (file != nullptr && fonts.AddFontFromFileTTF(file, size, nullptr, glyphs) != nullptr) return;
+  ImFontConfig config;
+  config.SizePixels = size;
+  fonts.AddFontDefault(&config);
+}
+
+void color(ImGuiCol which, float r, float g, float b, float alpha = 1.0F) {
+  ImGui::GetStyle().Colors[which] = ImVec4(r, g, b, alpha);
+}
+
+void set_surfaces() {
+  color(ImGuiCol_Text, 0.88F, 0.90F, 0.92F);
+  color(ImGuiCol_TextDisabled, 0.56F, 0.60F, 0.65F);
+  color(ImGuiCol_WindowBg, 0.125F, 0.140F, 0.160F, 0.98F);
+  color(ImGuiCol_PopupBg, 0.150F, 0.165F, 0.190F, 0.98F);
+  color(ImGuiCol_Border, 0.25F, 0.28F, 0.32F);
+  color(ImGuiCol_FrameBg, 0.190F, 0.210F, 0.240F);
+  color(ImGuiCol_FrameBgHovered, 0.235F, 0.260F, 0.300F);
+  color(ImGuiCol_FrameBgActive, 0.270F, 0.300F, 0.345F);
+  color(ImGuiCol_TitleBg, 0.150F, 0.165F, 0.190F);
+  color(ImGuiCol_TitleBgActive, 0.170F, 0.190F, 0.220F);
+  color(ImGuiCol_ScrollbarBg, 0.0F, 0.0F, 0.0F, 0.0F);
+  color(ImGuiCol_Separator, 0.25F, 0.28F, 0.32F);
+}
+
+void set_accents() {
+  color(ImGuiCol_CheckMark, 0.93F, 0.68F, 0.36F);
+  color(ImGuiCol_SliderGrab, 0.62F, 0.50F, 0.34F);
+  color(ImGuiCol_SliderGrabActive, 0.93F, 0.68F, 0.36F);
+  color(ImGuiCol_Button, 0.225F, 0.255F, 0.295F);
+  color(ImGuiCol_ButtonHovered, 0.290F, 0.330F, 0.385F);
+  color(ImGuiCol_ButtonActive, 0.340F, 0.385F, 0.450F);
+  color(ImGuiCol_Header, 0.175F, 0.200F, 0.235F);
+  color(ImGuiCol_HeaderHovered, 0.225F, 0.260F, 0.305F);
+  color(ImGuiCol_HeaderActive, 0.260F, 0.300F, 0.350F);
+  color(ImGuiCol_PlotHistogram, 0.93F, 0.68F, 0.36F);
+}
+
+}  // namespace
+
+void apply_theme(float scale) {
+  ImGuiStyle& style = ImGui::GetStyle();
+  style = ImGuiStyle();
+  ImGui::StyleColorsDark();
+  set_surfaces();
+  set_accents();
+  style.WindowRounding = 0.0F;
+  style.FrameRounding = 3.0F;
+  style.GrabRounding = 3.0F;
+  style.PopupRounding = 4.0F;
+  style.WindowBorderSize = 0.0F;
+  style.WindowPadding = ImVec2(10.0F, 8.0F);
+  style.FramePadding = ImVec2(6.0F, 3.0F);
+  style.ItemSpacing = ImVec2(6.0F, 5.0F);
+  style.ScrollbarSize = 11.0F;
+  style.ScaleAllSizes(scale);
+  load_font(scale);
+}
+
+}  // namespace occlod::viewer

@@ -1,0 +1,54 @@
+// A window with OpenGL 3.3 core.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <glm/vec3.hpp>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "gl/functions.h"
+#include "session.h"
+
+struct GLFWwindow;
+
+namespace occlod::viewer {
+
+struct WindowOptions {
+  ImageSize size{1440, 900};
+  bool debug_gl = false;  // ask for a debug context and keep what it complains about
+};
+
+// One at a time. Throws Error when there is no display or no OpenGL 3.3.
+class Window {
+ public:
+  explicit Window(const WindowOptions& options);
+  Window(const Window&) = delete;
+  Window& operator=(const Window&) = delete;
+  ~Window();
+
+  [[nodiscard]] const gl::Functions& functions() const noexcept { return functions_; }
+  [[nodiscard]] GLFWwindow* handle() const noexcept { return window_; }
+  [[nodiscard]] bool wants_to_close() const;
+  [[nodiscard]] ImageSize size() const;          // in the units of the mouse
+  [[nodiscard]] ImageSize picture_size() const;  // in pixels
+  [[nodiscard]] double content_scale() const;    // as the display says; 1 = 96 dots an inch
+  [[nodiscard]] glm::dvec3 held_keys() const;    // W A S D, Q E: right, up, ahead
+  void resize(const ImageSize& size);
+  void swap();
+  // Takes what has happened; waits for something to happen at most so long.
+  void poll(double wait_s);
+  // What the driver has complained about since the last call.
+  [[nodiscard]] std::vector<std::string> take_complaints();
+
+  std::function<void(int key, int mods)> on_key;
+  std::function<void(const std::filesystem::path&)> on_drop;
+
+ private:
+  GLFWwindow* window_ = nullptr;
+  gl::Functions functions_;
+  std::vector<std::string> complaints_;
+};
+
+}  // namespace occlod::viewer
