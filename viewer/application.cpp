@@ -121,6 +121,9 @@ Application::Application(const ApplicationOptions& options) : options_(options) 
     if (!ImGui::GetIO().WantTextInput) press_key(*panels_, key, mods);
   };
   window_->on_drop = [this](const std::filesystem::path& file) { panels_->perform("open", {{"file", file.string()}}); };
+  // Four samples a pixel take a CPU twice as long; who has set them once keeps them.
+  if (window_->is_software() && !std::filesystem::exists(options.settings_file))
+    panels_->perform("set", {{"setting", "antialias"}, {"value", false}});
   gui_ = std::make_unique<Gui>(window_->handle());
   drawings_ = std::make_unique<Drawings>(window_->functions());
   for (const std::filesystem::path& file : options.files) panels_->perform("open", {{"file", file.string()}});

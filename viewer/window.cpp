@@ -87,6 +87,13 @@ Window::~Window() {
   glfwTerminate();
 }
 
+bool Window::is_software() const {
+  const std::string renderer = reinterpret_cast<const char*>(functions_.GetString(GL_RENDERER));
+  for (const char* name : {"llvmpipe", "softpipe", "swrast", "SWR"})
+    if (renderer.find(name) != std::string::npos) return true;
+  return false;
+}
+
 bool Window::wants_to_close() const { return glfwWindowShouldClose(window_) != 0; }
 
 ImageSize Window::size() const {

@@ -30,6 +30,8 @@ class Window {
 
   [[nodiscard]] const gl::Functions& functions() const noexcept { return functions_; }
   [[nodiscard]] GLFWwindow* handle() const noexcept { return window_; }
+  // OpenGL is drawn by the CPU.
+  [[nodiscard]] bool is_software() const;
   [[nodiscard]] bool wants_to_close() const;
   [[nodiscard]] ImageSize size() const;          // in the units of the mouse
   [[nodiscard]] ImageSize picture_size() const;  // in pixels

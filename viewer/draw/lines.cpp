@@ -85,6 +85,7 @@ void LineDrawing::draw(const std::vector<Line>& lines, const View& view) {
   gl.Enable(GL_BLEND);
   gl.BlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
   gl.DepthMask(GL_FALSE);
+  gl.Enable(GL_DEPTH_CLAMP);  // the frustum may reach behind the far plane
   const auto count = static_cast<GLsizei>(vertices_.size());
   gl.Disable(GL_DEPTH_TEST);
   gl.Uniform1i(hidden_, 1);
@@ -93,6 +94,7 @@ void LineDrawing::draw(const std::vector<Line>& lines, const View& view) {
   gl.DepthFunc(GL_LEQUAL);
   gl.Uniform1i(hidden_, 0);
   gl.DrawArrays(GL_TRIANGLES, 0, count);
+  gl.Disable(GL_DEPTH_CLAMP);
   gl.DepthMask(GL_TRUE);
   gl.Disable(GL_BLEND);
 }

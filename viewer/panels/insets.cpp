@@ -15,11 +15,11 @@ constexpr ImGuiWindowFlags inset_flags = ImGuiWindowFlags_NoDecoration | ImGuiWi
                                          ImGuiWindowFlags_NoFocusOnAppearing;
 
 // In the right upper corner, one below the other; `below` is where this one begins and then where it ends.
-void draw_inset(const char* title, ImTextureID texture, const ImVec2& size, bool flipped, const Layout& layout,
-                float& below, float margin) {
+void draw_inset(const char* name, const char* title, ImTextureID texture, const ImVec2& size, bool flipped,
+                const Layout& layout, float& below, float margin) {
   ImGui::SetNextWindowPos(ImVec2(layout.view.high.x - margin, below), ImGuiCond_Always, ImVec2(1.0F, 0.0F));
   ImGui::SetNextWindowBgAlpha(0.85F);
-  ImGui::Begin(title, nullptr, inset_flags);
+  ImGui::Begin(name, nullptr, inset_flags);
   ImGui::TextUnformatted(title);
   const ImVec2 low = flipped ? ImVec2(0.0F, 1.0F) : ImVec2(0.0F, 0.0F);
   const ImVec2 high = flipped ? ImVec2(1.0F, 0.0F) : ImVec2(1.0F, 1.0F);
@@ -65,17 +65,15 @@ void draw_insets(Panels& panels, const Layout& layout) {
   const float width = std::min(280.0F * panels.scale, layout.view.width() * 0.35F);
   float below = layout.view.low.y + margin;
   if (settings.insets.birdseye && panels.insets.birdseye != nullptr)
-    draw_inset("From above", panels.insets.birdseye, ImVec2(width, width * 0.75F), true, layout, below, margin);
+    draw_inset("birdseye", "From above", panels.insets.birdseye, ImVec2(width, width * 0.75F), true, layout, below,
+               margin);
   if (settings.insets.occluder && panels.insets.occluder != nullptr) {
     const DepthTexture& depth = *panels.insets.occluder;
-    const std::string title =
-        fmt::format("Occluder, level {}: {} x {}###occluder", depth.level(), depth.width(), depth.height());
+    const std::string title = fmt::format("Occluder, level {}: {} x {}", depth.level(), depth.width(), depth.height());
     const float height = width * static_cast<float>(depth.height()) / static_cast<float>(std::max(depth.width(), 1));
-    ImGui::PushID("occluder");
-    draw_inset(title.c_str(),
+    draw_inset("occluder", title.c_str(),
                reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(depth.texture())),  // NOLINT: ImGui's way
                ImVec2(width, height), false, layout, below, margin);
-    ImGui::PopID();
   }
 }
 

@@ -3,21 +3,34 @@
 #include "panels.h"
 
 namespace occlod::viewer {
+namespace {
+
+// In their order, switches two a row.
+void draw_settings(Panels& panels, std::span<const Setting> settings) {
+  bool beside = false;
+  for (const Setting& setting : settings) {
+    const bool toggle = setting.kind == Setting::Kind::toggle;
+    if (toggle && beside) ImGui::SameLine(ImGui::GetWindowContentRegionMax().x * 0.5F);
+    draw_setting(panels, setting);
+    beside = toggle && !beside;
+  }
+}
+
+}  // namespace
 
 void draw_refinement(Panels& panels) {
   if (!begin_section(panels, "Refinement")) return;
-  for (const Setting& setting : refine_settings()) draw_setting(panels, setting);
+  draw_settings(panels, refine_settings());
 }
 
 void draw_look(Panels& panels) {
   if (!begin_section(panels, "Look")) return;
-  for (const Setting& setting : look_settings()) draw_setting(panels, setting);
+  draw_settings(panels, look_settings());
 }
 
 void draw_window_settings(Panels& panels) {
   if (!begin_section(panels, "Window", false)) return;
-  for (const Setting& setting : window_settings()) draw_setting(panels, setting);
-  ImGui::AlignTextToFramePadding();
+  draw_settings(panels, window_settings());
   draw_label(panels, "Size");
   for (const auto& [label, width, height] :
        {std::tuple("1280 x 800", 1280, 800), std::tuple("1920 x 1080", 1920, 1080)}) {

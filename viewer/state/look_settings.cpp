@@ -21,10 +21,10 @@ std::span<const Setting> look_settings() {
       toggle(
           {"legend", "Legend", "What the colours mean"}, [](auto& s) -> auto& { return s.window.legend; }),
       toggle(
-          {"bounds", "Bounds of the picked split", "The proxy that is asked about: sphere, box or cylinder"},
+          {"bounds", "Picked: bounds", "Of the picked split: the proxy that is asked about, sphere, box or cylinder"},
           [](auto& s) -> auto& { return s.look.bounds; }),
       toggle(
-          {"cone", "Normals of the picked split", "The cone that holds the normals of all faces below it"},
+          {"cone", "Picked: normals", "Of the picked split: the cone that holds the normals of all faces below it"},
           [](auto& s) -> auto& { return s.look.cone; }),
       not_kept(toggle(
           {"birdseye", "Bird's-eye inset", "From above, with the frustum that is refined for"},

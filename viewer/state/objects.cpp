@@ -51,7 +51,8 @@ glm::dmat3 rotation_of(const glm::dvec3& degrees) {
 
 // Of a rotation Rz * Ry * Rx.
 glm::dvec3 angles_of(const glm::dmat3& m) {
-  const double y = std::asin(std::clamp(-m[0][2], -1.0, 1.0));
+  // Adding 0 makes -0 what people write.
+  const double y = 0.0 + std::asin(std::clamp(-m[0][2], -1.0, 1.0));
   if (std::abs(m[0][2]) > 1.0 - 1e-12)  // x and z turn around the same axis
     return glm::degrees(glm::dvec3(0.0, y, std::atan2(-m[1][0], m[1][1])));
   return glm::degrees(glm::dvec3(std::atan2(m[1][2], m[2][2]), y, std::atan2(m[0][1], m[0][0])));

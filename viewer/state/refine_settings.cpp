@@ -33,13 +33,13 @@ std::span<const Setting> refine_settings() {
           {"occluder_splits", "Occluder after", "Draw the occluder when so many splits are applied"},
           [](auto& s) -> auto& { return s.refine.occluder_splits; }),
       not_kept(toggle(
-          {"freeze", "Freeze refinement", "Keep the mesh of this moment and look at it from elsewhere"},
+          {"freeze", "Freeze", "Keep the mesh of this moment and look at it from elsewhere"},
           [](auto& s) -> auto& { return s.freeze; })),
       not_kept(toggle(
           {"compare", "Split screen", "Beside it the same view and budget without occlusion"},
           [](auto& s) -> auto& { return s.compare; })),
       toggle(
-          {"count_visible", "Count visible triangles", "Those that own at least one pixel, by an item buffer"},
+          {"count_visible", "Count visible", "Triangles that own at least one pixel, by an item buffer"},
           [](auto& s) -> auto& { return s.count_visible; }),
   };
   return settings;

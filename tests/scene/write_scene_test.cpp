@@ -1,0 +1,65 @@
+#include <gtest/gtest.h>
+
+#include "occlod/core/error.h"
+#include "occlod/scene/scene.h"
+#include "scene/scene_folder.h"
+
+namespace occlod {
+namespace {
+
+using WriteScene = test::SceneFolder;
+
+SceneDescription some_scene() {
+  SceneDescription scene;
+  scene.about = "two of a kind";
+  scene.objects.push_back({MeshFile{{"a.ply", "b.ply"}}, glm::dmat4(1.0), true});
+  scene.objects.push_back({CityOptions{3, 2, 7}, glm::dmat4(1.0), false});
+  scene.objects.push_back({PipesOptions{5, 4, 3, 2}, glm::dmat4(1.0), false});
+  scene.objects.push_back({RoughPlanetOptions{3, 2, 0.1, 3.3, 4}, glm::dmat4(1.0), false});
+  scene.objects.push_back({SpheresBehindWallOptions{8, 2, 16, 5}, glm::dmat4(1.0), false});
+  scene.objects[1].object_to_world[3] = glm::dvec4(0.1, 1.0 / 3.0, -1e-17, 1.0);  // no short decimal
+  scene.cameras["default"] = Camera{{0.1, 0.2, 1.0 / 7.0}, {0.0, 0.0, -1.0}, {0.0, 1.0, 0.0}, 33.3, 640, 480, 0.1, 9.9};
+  scene.paths["by"] = {{scene.cameras["default"], Camera{}}, 17};
+  return scene;
+}
+
+bool same(const Camera& a, const Camera& b) {
+  return a.eye == b.eye && a.target == b.target && a.up == b.up && a.fov_y_deg == b.fov_y_deg && a.width == b.width &&
+         a.height == b.height && a.near == b.near && a.far == b.far;
+}
+
+// Numbers are written with as many digits as bring back the same bits.
+TEST_F(WriteScene, ComesBackExactly) {
+  const SceneDescription written = some_scene();
+  write_scene(folder() / "scene.json", written);
+  const SceneDescription read = read_scene(folder() / "scene.json");
+  EXPECT_EQ(read.about, written.about);
+  ASSERT_EQ(read.objects.size(), written.objects.size());
+  for (std::size_t i = 0; i < read.objects.size(); ++i) {
+    EXPECT_EQ(read.objects[i].source.index(), written.objects[i].source.index());
+    EXPECT_EQ(read.objects[i].object_to_world, written.objects[i].object_to_world);
+    EXPECT_EQ(read.objects[i].two_sided, written.objects[i].two_sided);
+  }
+  EXPECT_EQ(std::get<MeshFile>(read.objects[0].source).names, std::get<MeshFile>(written.objects[0].source).names);
+  EXPECT_EQ(std::get<CityOptions>(read.objects[1].source).seed, 7U);
+  EXPECT_EQ(std::get<PipesOptions>(read.objects[2].source).sides, 3);
+  EXPECT_EQ(std::get<RoughPlanetOptions>(read.objects[3].source).frequency, 3.3);
+  EXPECT_EQ(std::get<SpheresBehindWallOptions>(read.objects[4].source).wall_cells, 16);
+  EXPECT_TRUE(same(read.cameras.at("default"), written.cameras.at("default")));
+  ASSERT_EQ(read.paths.at("by").keys.size(), 2U);
+  EXPECT_EQ(read.paths.at("by").frames, 17);
+  EXPECT_TRUE(same(read.paths.at("by").keys[0], written.paths.at("by").keys[0]));
+}
+
+TEST_F(WriteScene, RefusesWhatCouldNotBeRead) {
+  SceneDescription scene = some_scene();
+  scene.cameras.clear();
+  EXPECT_THROW(write_scene(folder() / "scene.json", scene), Error);
+  scene = some_scene();
+  scene.objects.clear();
+  EXPECT_THROW(write_scene(folder() / "scene.json", scene), Error);
+  EXPECT_THROW(write_scene(folder() / "nowhere" / "scene.json", some_scene()), Error);
+}
+
+}  // namespace
+}  // namespace occlod

@@ -1,0 +1,100 @@
+#!/usr/bin/env python3
+"""The program occlod-view as people and scripts start it."""
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import on_virtual_display
+
+VIEW = os.environ["OCCLOD_VIEW"]
+PLANET = {"objects": [{"generator": "rough-planet", "options": {"level": 4}}],
+          "cameras": {"default": {"eye": [0, 1.3, 0.3], "target": [0, 1, -0.8]}}}
+
+
+def view(*arguments, environment=None):
+    return subprocess.run([VIEW, *arguments], env=environment, capture_output=True, text=True, check=False, timeout=300)
+
+
+class CommandLine(unittest.TestCase):
+    def test_help_and_version_need_no_display(self):
+        for option, words in [("--help", "occlod render"), ("--version", "."), ("--actions", "color_by")]:
+            result = view(option, environment={})
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertIn(words, result.stdout)
+
+    def test_no_display_names_the_way_without(self):
+        environment = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY")}
+        result = view("--settings", "/nonexistent/view.json", environment=environment)
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("occlod render", result.stderr)
+        self.assertEqual(result.stderr.count("\n"), 1)
+
+    def test_wrong_use(self):
+        for arguments in [("--nonsense",), ("--size", "big"), ("--size", "10x10")]:
+            result = view(*arguments)
+            self.assertEqual(result.returncode, 2, arguments)
+            self.assertIn("--help", result.stderr)
+
+    def test_missing_script(self):
+        result = view("--script", "nowhere.json")
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("nowhere.json", result.stderr)
+
+
+class Script(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+        self.path = pathlib.Path(self.folder.name)
+        (self.path / "planet.json").write_text(json.dumps(PLANET))
+        display = on_virtual_display.VirtualDisplay()
+        self.environment = dict(display.__enter__(), XDG_CONFIG_HOME=str(self.path / "config"),
+                                XDG_CACHE_HOME=str(self.path / "cache"))
+        self.addCleanup(display.__exit__)
+
+    def run_script(self, actions, *arguments):
+        (self.path / "script.json").write_text(json.dumps({"actions": actions}))
+        return view("--script", str(self.path / "script.json"), *arguments, environment=self.environment)
+
+    def test_everything_ends_well(self):
+        picture, numbers = self.path / "picture.png", self.path / "numbers.csv"
+        result = self.run_script([
+            {"do": "open", "file": str(self.path / "planet.json")},
+            {"do": "set", "setting": "budget", "value": 1500},
+            {"do": "screenshot", "file": str(picture), "panels": True},
+            {"do": "export_csv", "file": str(numbers)},
+            {"do": "expect", "figure": "triangles", "at_least": 1400, "at_most": 1500},
+            {"do": "report"}], "--debug-gl")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertLessEqual(json.loads(result.stdout)["triangles"], 1500)
+        self.assertEqual(picture.read_bytes()[:4], b"\x89PNG")
+        self.assertIn("1500", numbers.read_text())
+        self.assertFalse((self.path / "config").exists(), "a script remembers nothing")
+
+    def test_failures_are_one_line_that_names_the_action(self):
+        for actions, place in [
+                ([{"do": "open", "file": "nowhere.ply"}], "/actions/0"),
+                ([{"do": "open", "file": str(self.path / "planet.json")}, {"do": "set", "setting": "budget", "value": 3}],
+                 "/actions/1/value"),
+                ([{"do": "screenshot", "file": "/nonexistent/picture.png"}], "/actions/0")]:
+            result = self.run_script(actions)
+            self.assertEqual(result.returncode, 1, result.stdout)
+            self.assertIn(place, result.stderr)
+            self.assertEqual(result.stderr.count("\n"), 1, result.stderr)
+
+    def test_settings_are_remembered(self):
+        settings = self.path / "view.json"
+        for action, expected in [({"do": "set", "setting": "budget", "value": 4321}, 4321), ({"do": "report"}, 4321)]:
+            result = self.run_script([action], "--settings", str(settings))
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertEqual(json.loads(settings.read_text())["settings"]["budget"], expected)
+
+
+if __name__ == "__main__":
+    if sys.argv[1:] == ["Script"] and not on_virtual_display.is_available():
+        sys.exit(on_virtual_display.SKIPPED)
+    unittest.main()

@@ -1,0 +1,60 @@
+#include "viewer/support.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <fstream>
+
+#include "occlod/occlusion/software_occlusion.h"
+
+namespace occlod::viewer::test {
+
+Folder::Folder() {
+  std::string name = (std::filesystem::temp_directory_path() / "occlod_viewer_XXXXXX").string();
+  folder_ = mkdtemp(name.data());
+}
+
+Folder::~Folder() {
+  std::error_code ignored;
+  std::filesystem::remove_all(folder_, ignored);
+}
+
+std::filesystem::path Folder::write(const std::string& name, const nlohmann::json& content) const {
+  std::ofstream(path(name)) << content.dump(1);
+  return path(name);
+}
+
+nlohmann::json planet_scene(int level) {
+  const nlohmann::json near = {{"eye", {0.0, 1.3, 0.3}}, {"target", {0.0, 1.0, -0.8}}, {"near", 0.01}, {"far", 5.0}};
+  const nlohmann::json far = {
+      {"eye", {0.0, 0.5, 3.5}}, {"target", {0.0, 0.0, 0.0}}, {"near", 0.5}, {"far", 10.0}, {"width", 320},
+      {"height", 240}};
+  nlohmann::json beside = far;
+  beside["eye"] = {2.5, 0.8, 1.5};
+  return {{"objects", {{{"generator", "rough-planet"}, {"options", {{"level", level}}}}}},
+          {"cameras", {{"default", near}, {"far", far}}},
+          {"paths", {{"by", {{"frames", 5}, {"keys", {far, beside}}}}}}};
+}
+
+std::unique_ptr<Visibility> make_portable_visibility(Occlusion occlusion) {
+  if (occlusion == Occlusion::none) return std::make_unique<NoOcclusion>();
+  return make_software_occlusion();
+}
+
+void settle(Session& session) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(1);
+  do {
+    session.update(0.01, 100.0);
+    session.picture_drawn(0.0, 0.0);
+    ASSERT_LT(std::chrono::steady_clock::now(), end) << "the session does not settle";
+  } while (!session.settled());
+}
+
+void act(Session& session, const nlohmann::json& action) {
+  const std::string from = "test";
+  session.perform(JsonPlace(action, from));
+  settle(session);
+}
+
+}  // namespace occlod::viewer::test

@@ -1,0 +1,39 @@
+// Sessions over generated scenes.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "session.h"
+
+namespace occlod::viewer::test {
+
+// Removed with what is in it.
+class Folder {
+ public:
+  Folder();
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+  ~Folder();
+  [[nodiscard]] std::filesystem::path path(const std::string& name) const { return folder_ / name; }
+  // Writes a file and says where.
+  [[nodiscard]] std::filesystem::path write(const std::string& name, const nlohmann::json& content) const;
+
+ private:
+  std::filesystem::path folder_;
+};
+
+// A planet of 8 * 4^level triangles in a scene with a camera near it, the bookmark "far" and the path "by" of 5 frames.
+[[nodiscard]] nlohmann::json planet_scene(int level = 5);
+
+// The software backend and none, no OpenGL.
+[[nodiscard]] std::unique_ptr<Visibility> make_portable_visibility(Occlusion occlusion);
+
+// Draws pictures, as far as a session knows, until it has settled. Fails after a minute.
+void settle(Session& session);
+
+// Performs {"do": ...} and settles. Throws Error.
+void act(Session& session, const nlohmann::json& action);
+
+}  // namespace occlod::viewer::test

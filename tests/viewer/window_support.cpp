@@ -1,0 +1,51 @@
+#include <gtest/gtest.h>
+
+#define GLFW_INCLUDE_NONE
+#include <GL/glcorearb.h>
+#include <GLFW/glfw3.h>
+
+#include <chrono>
+
+#include "viewer/window_support.h"
+
+namespace occlod::viewer::test {
+
+void WindowTest::start(const nlohmann::json& scene, ImageSize size) {
+  ApplicationOptions options;
+  options.files = {folder.write("planet.json", scene)};
+  options.size = size;
+  options.use_cache = false;
+  options.debug_gl = true;
+  application = std::make_unique<Application>(options);
+  act({{"do", "set"}, {"setting", "scale"}, {"value", 1.0}});
+}
+
+void WindowTest::act(const nlohmann::json& action) {
+  session().perform(action);
+  const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(2);
+  do {
+    ASSERT_TRUE(application->step());
+    ASSERT_LT(std::chrono::steady_clock::now(), end) << action;
+  } while (!session().settled() || !session().state().captures.empty());
+}
+
+void WindowTest::set(const char* setting, const nlohmann::json& value) {
+  act({{"do", "set"}, {"setting", setting}, {"value", value}});
+}
+
+void WindowTest::draw(int pictures) {
+  for (int i = 0; i < pictures; ++i) ASSERT_TRUE(application->step());
+}
+
+std::map<std::string, int> count_gl_objects() {
+  std::map<std::string, int> counts;
+  for (const char* kind :
+       {"Buffer", "Framebuffer", "Program", "Query", "Renderbuffer", "Shader", "Texture", "VertexArray"}) {
+    const auto is_one =
+        reinterpret_cast<GLboolean (*)(GLuint)>(glfwGetProcAddress((std::string("glIs") + kind).c_str()));
+    for (GLuint name = 1; name <= 4096; ++name) counts[kind] += is_one(name) == GL_TRUE ? 1 : 0;
+  }
+  return counts;
+}
+
+}  // namespace occlod::viewer::test
