@@ -25,6 +25,7 @@ using Clock = std::chrono::steady_clock;
 
 // Pictures that are drawn after something has happened, before the window sleeps.
 constexpr int restless_pictures = 4;
+constexpr double idle_s = 0.5;
 // How long a picture waits for its mesh: small budgets never show one that is out of date, large ones do not stall.
 constexpr double patience_ms = 25.0;
 
@@ -145,20 +146,23 @@ float Application::scale() const {
   return static_cast<float>(std::clamp(wanted > 0.0 ? wanted : window_->content_scale(), 0.5, 4.0));
 }
 
-// Nothing to wait for while something goes on.
+// Nothing to wait for while something goes on; a progress bar needs few pictures.
 double Application::wait_s() const {
   const State& state = session_->state();
-  const bool goes_on = script_ || input_.is_busy() || !state.playback.path.empty() || !state.recording.path.empty() ||
-                       !session_->settled() || calm_pictures_ < restless_pictures;
-  return goes_on ? 0.0 : 0.5;
+  if (input_.is_busy() || calm_pictures_ < restless_pictures) return 0.0;
+  if (session_->loader().busy()) return 0.03;
+  const bool goes_on =
+      script_ || !state.playback.path.empty() || !state.recording.path.empty() || !session_->settled();
+  return goes_on ? 0.0 : idle_s;
 }
 
 bool Application::step() {
   const double before = glfwGetTime();
-  window_->poll(wait_s());
+  const double wait = wait_s();
+  window_->poll(wait);
   const double now = glfwGetTime();
   // Woken by an event rather than by the clock.
-  calm_pictures_ = wait_s() > 0.0 && now - before < 0.49 ? 0 : calm_pictures_ + 1;
+  calm_pictures_ = wait == idle_s && now - before < 0.98 * idle_s ? 0 : calm_pictures_ + 1;
   const double seconds = now - last_time_;
   last_time_ = now;
 
@@ -182,13 +186,21 @@ bool Application::step() {
   ImGui::Render();
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
   take_captures();
-  gl::check(window_->functions(), "drawing a picture");
-  for (const std::string& complaint : window_->take_complaints()) session_->notify("OpenGL: " + complaint, true);
+  tell_complaints();
   window_->swap();
   session_->picture_drawn(drawings_->upload_ms, drawings_->timer.milliseconds());
   const auto report = [](const nlohmann::json& figures) { fmt::print("{}\n", figures.dump()); };
   if (script_ && !script_->step(*session_, report)) return false;
   return !window_->wants_to_close() && !state.wants_quit;
+}
+
+void Application::tell_complaints() {
+  try {
+    gl::check(window_->functions(), "drawing a picture");
+  } catch (const Error& error) {
+    session_->notify(error.what(), true);
+  }
+  for (const std::string& complaint : window_->take_complaints()) session_->notify("OpenGL: " + complaint, true);
 }
 
 void Application::run() {

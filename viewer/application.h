@@ -50,6 +50,7 @@ class Application {
   void draw_pictures(const Layout& layout);
   void draw_insets();
   void take_captures();
+  void tell_complaints();
   [[nodiscard]] Image picture() const;
   [[nodiscard]] double wait_s() const;
   [[nodiscard]] float scale() const;

@@ -47,7 +47,8 @@ TEST_F(Controls, KeysPerformTheirActions) {
   for (const KeyBinding& binding : key_bindings()) {
     const std::string command = binding.action.at("do").get<std::string>();
     if (command == "quit" || command == "close") continue;
-    act({{"do", "pick"}, {"x", 0.5}, {"y", 0.9}});
+    act({{"do", "frame_all"}});
+    act({{"do", "pick"}, {"x", 0.5}, {"y", 0.5}});
     const int errors = session().state().errors;
     press_key(application->panels(), binding.key, binding.mods);
     draw(2);

@@ -39,7 +39,10 @@ TEST_F(Golden, SmoothFlatAndWire) {
   expect_golden("wire");
 }
 
+// From the side of what was refined for the front: each class is in the picture.
 TEST_F(Golden, Colours) {
+  set("freeze", true);
+  act({{"do", "orbit"}, {"right", 70}, {"up", -20}});
   for (const char* by : {"level", "error", "visibility", "outcome"}) {
     set("color_by", by);
     expect_golden(by);
@@ -51,6 +54,7 @@ TEST_F(Golden, FrozenFromBehind) {
   set("color_by", "visibility");
   set("freeze", true);
   act({{"do", "go_to"}, {"name", "far"}});
+  act({{"do", "orbit"}, {"right", 30}, {"up", -50}});
   expect_golden("frozen");
 }
 

@@ -14,6 +14,7 @@ class ScriptTest : public ::testing::Test {
  protected:
   // Runs to the end; the error's words, or "".
   std::string run(const json& actions) {
+    session.state().errors = 0;
     try {
       Script script(folder.write("script.json", {{"actions", actions}}));
       const auto report = [&](const json& figures) { reports.push_back(figures); };
@@ -33,7 +34,7 @@ class ScriptTest : public ::testing::Test {
     EXPECT_NE(words.find("script.json: " + place), std::string::npos) << words;
   }
   [[nodiscard]] json open() const {
-    return {{"do", "open"}, {"file", folder.write("planet.json", test::planet_scene(4)).string()}};
+    return {{"do", "open"}, {"file", folder.write("planet.json", test::planet_scene()).string()}};
   }
 
   test::Folder folder;

@@ -71,6 +71,7 @@ TEST_F(SessionTest, FrozenMeshStaysWhileTheCameraFlies) {
 
 TEST_F(SessionTest, SplitScreenHasTheSameBudgetWithoutOcclusion) {
   open();
+  set("budget", 2000);
   set("compare", true);
   ASSERT_EQ(session.frame()->sides.size(), 2U);
   const RefinedSide& without = session.frame()->sides[1];
@@ -137,7 +138,7 @@ TEST_F(SessionTest, ReplayedPathGivesTheMeshesOfTheLibrary) {
     const int frame = static_cast<int>(session.state().playback.at);
     if (hashes.size() == static_cast<std::size_t>(frame)) hashes.push_back(session.frame()->hash);
     session.picture_drawn(0.0, 0.0);
-    ASSERT_LT(session.figures().at("pictures"), 1000.0);
+    ASSERT_LT(hashes.size(), 10U);
   }
   const PlacedObject& object = session.state().objects->at(0);
   const RefineObject objects[] = {{object.mesh->hierarchy.get(), object.object_to_world, object.two_sided}};

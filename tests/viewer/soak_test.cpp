@@ -29,8 +29,8 @@ class Soak : public WindowTest {
 TEST_F(Soak, ObjectsAndMemoryStay) {
   start();
   const char* wanted = std::getenv("OCCLOD_SOAK_ROUNDS");
-  const int rounds = wanted != nullptr ? std::atoi(wanted) : 6;
-  for (int i = 0; i < 3; ++i) one_round();
+  const int rounds = wanted != nullptr ? std::atoi(wanted) : 3;
+  for (int i = 0; i < 2; ++i) one_round();
   const std::map<std::string, int> objects = count_gl_objects();
   const double memory = resident_memory_mb();
   for (int i = 0; i < rounds; ++i) one_round();

@@ -25,7 +25,7 @@ class Folder {
 };
 
 // A planet of 8 * 4^level triangles in a scene with a camera near it, the bookmark "far" and the path "by" of 5 frames.
-[[nodiscard]] nlohmann::json planet_scene(int level = 5);
+[[nodiscard]] nlohmann::json planet_scene(int level = 7);
 
 // The software backend and none, no OpenGL.
 [[nodiscard]] std::unique_ptr<Visibility> make_portable_visibility(Occlusion occlusion);

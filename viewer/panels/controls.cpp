@@ -114,7 +114,7 @@ void draw_setting(Panels& panels, const Setting& setting) {
   }
   draw_help_of_item(setting.help);
   ImGui::PopID();
-  panels.drawn.insert(setting.name);
+  panels.drawn.insert({setting.name, "set"});
 }
 
 void draw_setting(Panels& panels, const char* name) {
