@@ -151,8 +151,7 @@ double Application::wait_s() const {
   const State& state = session_->state();
   if (input_.is_busy() || calm_pictures_ < restless_pictures) return 0.0;
   if (session_->loader().busy()) return 0.03;
-  const bool goes_on =
-      script_ || !state.playback.path.empty() || !state.recording.path.empty() || !session_->settled();
+  const bool goes_on = script_ || !state.playback.path.empty() || !state.recording.path.empty() || !session_->settled();
   return goes_on ? 0.0 : idle_s;
 }
 
@@ -239,7 +238,7 @@ void Application::draw_insets() {
     look.wire = false;
     const int width = static_cast<int>(280.0F * panels_->scale);
     drawings_->scene.draw(drawings_->birdseye, birdseye_camera(*session_, width, width * 3 / 4), 0, look,
-                          birdseye_overlay(*session_));
+                          birdseye_overlay(*session_), SceneDrawing::Colors::seen);
     panels_->insets.birdseye = texture_id(drawings_->birdseye.texture());
   }
   if (state.settings.insets.occluder && frame->sides[0].occluder) {

@@ -7,16 +7,16 @@
 namespace occlod::viewer {
 namespace {
 
-void attribute(const gl::Functions& gl, const gl::Buffer& buffer, GLuint location, GLint size, GLenum type) {
+// Of the buffer that is bound.
+void attribute(const gl::Functions& gl, GLuint location, GLint size, GLenum type) {
   gl.EnableVertexAttribArray(location);
   gl.VertexAttribPointer(location, size, type, type == GL_UNSIGNED_BYTE ? GL_TRUE : GL_FALSE, 0, nullptr);
-  static_cast<void>(buffer);
 }
 
 template <class T>
-void store(const gl::Functions& gl, const gl::Buffer& buffer, std::span<const T> data) {
+void store(const gl::Functions& gl, const gl::Buffer& buffer, std::span<const T> data, GLenum usage) {
   gl.BindBuffer(GL_ARRAY_BUFFER, buffer.id());
-  gl::fill(gl, GL_ARRAY_BUFFER, data, GL_STATIC_DRAW);
+  gl::fill(gl, GL_ARRAY_BUFFER, data, usage);
 }
 
 }  // namespace
@@ -29,38 +29,44 @@ VertexBuffers::VertexBuffers(const gl::Functions& gl, const ViewMesh& mesh)
       colors_(gl),
       has_colors_(!mesh.hierarchy->data().colors.empty()) {
   gl.BindVertexArray(array_.id());
-  store(gl, positions_, mesh.hierarchy->positions());
-  attribute(gl, positions_, 0, 3, GL_FLOAT);
-  store(gl, normals_, std::span<const glm::vec3>(mesh.normals));
-  attribute(gl, normals_, 1, 3, GL_FLOAT);
+  store(gl, positions_, mesh.hierarchy->positions(), GL_STATIC_DRAW);
+  attribute(gl, 0, 3, GL_FLOAT);
+  store(gl, normals_, std::span<const glm::vec3>(mesh.normals), GL_STATIC_DRAW);
+  attribute(gl, 1, 3, GL_FLOAT);
   if (!has_colors_) return;
-  store(gl, colors_, mesh.hierarchy->data().colors);
-  attribute(gl, colors_, 2, 4, GL_UNSIGNED_BYTE);
+  store(gl, colors_, mesh.hierarchy->data().colors, GL_STATIC_DRAW);
+  attribute(gl, 2, 4, GL_UNSIGNED_BYTE);
 }
 
 void VertexBuffers::bind() const { gl_->BindVertexArray(array_.id()); }
 
-TriangleBuffers::TriangleBuffers(const gl::Functions& gl) : gl_(&gl), indices_(gl), colors_(gl) {
-  gl.BindTexture(GL_TEXTURE_2D, colors_.id());
+TriangleBuffers::TriangleBuffers(const gl::Functions& gl) : gl_(&gl), indices_(gl) {}
+
+void TriangleBuffers::fill(std::span<const Triangle> triangles) {
+  gl_->BindVertexArray(0);  // whose index buffer this would become
+  store(*gl_, indices_, triangles, GL_STREAM_DRAW);
+  index_count_ = static_cast<GLsizei>(3 * triangles.size());
+}
+
+void TriangleBuffers::draw() const {
+  gl_->BindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_.id());
+  gl_->DrawElements(GL_TRIANGLES, index_count_, GL_UNSIGNED_INT, nullptr);
+}
+
+TriangleColors::TriangleColors(const gl::Functions& gl) : gl_(&gl), texture_(gl) {
+  gl.BindTexture(GL_TEXTURE_2D, texture_.id());
   gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
   gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
 }
 
-void TriangleBuffers::fill(std::span<const Triangle> triangles) {
-  gl_->BindVertexArray(0);  // whose index buffer this would become
-  gl_->BindBuffer(GL_ARRAY_BUFFER, indices_.id());
-  gl::fill(*gl_, GL_ARRAY_BUFFER, triangles, GL_STREAM_DRAW);
-  index_count_ = static_cast<GLsizei>(3 * triangles.size());
-}
-
-void TriangleBuffers::fill_colors(std::span<const glm::u8vec4> colors) {
-  has_colors_ = !colors.empty();
-  if (!has_colors_) return;
+void TriangleColors::fill(std::span<const glm::u8vec4> colors) {
+  any_ = !colors.empty();
+  if (!any_) return;
   constexpr int a_row = MeshProgram::texels_a_row;
   const int full_rows = static_cast<int>(colors.size() / a_row);
   const int rest = static_cast<int>(colors.size() % a_row);
   gl_->PixelStorei(GL_UNPACK_ALIGNMENT, 4);
-  gl_->BindTexture(GL_TEXTURE_2D, colors_.id());
+  gl_->BindTexture(GL_TEXTURE_2D, texture_.id());
   if (full_rows + 1 > rows_) {
     rows_ = full_rows + 1;
     gl_->TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, a_row, rows_, 0, GL_RGBA, GL_UNSIGNED_BYTE, nullptr);
@@ -72,11 +78,9 @@ void TriangleBuffers::fill_colors(std::span<const glm::u8vec4> colors) {
                        colors.data() + static_cast<std::size_t>(full_rows) * a_row);
 }
 
-void TriangleBuffers::draw() const {
+void TriangleColors::bind() const {
   gl_->ActiveTexture(GL_TEXTURE0);
-  gl_->BindTexture(GL_TEXTURE_2D, colors_.id());
-  gl_->BindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_.id());
-  gl_->DrawElements(GL_TRIANGLES, index_count_, GL_UNSIGNED_INT, nullptr);
+  gl_->BindTexture(GL_TEXTURE_2D, texture_.id());
 }
 
 }  // namespace occlod::viewer

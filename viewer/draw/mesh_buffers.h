@@ -29,19 +29,29 @@ class TriangleBuffers {
  public:
   explicit TriangleBuffers(const gl::Functions& gl);
   void fill(std::span<const Triangle> triangles);
-  // One for each triangle, or none.
-  void fill_colors(std::span<const glm::u8vec4> colors);
-  [[nodiscard]] bool has_colors() const noexcept { return has_colors_; }
-  // With the vertex buffers and the program bound; colours go to texture unit 0.
+  // With the vertex buffers and the program bound.
   void draw() const;
 
  private:
   const gl::Functions* gl_;
   gl::Buffer indices_;
-  gl::Texture colors_;
   GLsizei index_count_ = 0;
-  int rows_ = 0;  // of the texture
-  bool has_colors_ = false;
+};
+
+// Colours of triangles, sRGB.
+class TriangleColors {
+ public:
+  explicit TriangleColors(const gl::Functions& gl);
+  // One for each triangle, or none.
+  void fill(std::span<const glm::u8vec4> colors);
+  [[nodiscard]] bool any() const noexcept { return any_; }
+  void bind() const;  // to texture unit 0, as MeshProgram reads them
+
+ private:
+  const gl::Functions* gl_;
+  gl::Texture texture_;
+  int rows_ = 0;
+  bool any_ = false;
 };
 
 }  // namespace occlod::viewer

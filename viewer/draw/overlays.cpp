@@ -150,6 +150,7 @@ std::vector<Line> main_overlay(const Session& session) {
 std::vector<Line> birdseye_overlay(const Session& session) {
   std::vector<Line> lines;
   add_frustum(lines, session);
+  for (Line& line : lines) line.pen.hidden_alpha = 1.0;
   for (const auto& [name, path] : session.state().paths)
     for (std::size_t i = 1; i < path.keys.size(); ++i)
       lines.push_back({path.keys[i - 1].eye, path.keys[i].eye, path_pen});
@@ -181,6 +182,9 @@ Camera birdseye_camera(const Session& session, int width, int height) {
   const double depth = glm::length(camera.eye - camera.target);
   camera.far = depth + 2.0 * radius;
   camera.near = camera.far * 1e-3;
+  // From above a building shows its roof: inside one, what is higher than the eye is cut off.
+  if (any_box_holds(*session.state().objects, refined.eye))
+    camera.near = std::max(camera.near, glm::dot(camera.eye - refined.eye, up));
   return camera;
 }
 

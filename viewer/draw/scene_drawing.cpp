@@ -27,14 +27,16 @@ void SceneDrawing::upload(std::shared_ptr<const RefinedFrame> frame) {
     while (side.size() > objects.size()) side.pop_back();
     while (side.size() < objects.size()) side.emplace_back(*gl_);
     for (std::size_t i = 0; i < objects.size(); ++i) {
-      side[i].fill(frame_->sides[s].refinement.objects[i].triangles);
-      side[i].fill_colors(frame_->sides[s].colors[i]);
+      const RefinedSide& refined = frame_->sides[s];
+      side[i].triangles.fill(refined.refinement.objects[i].triangles);
+      side[i].colors.fill(refined.colors[i]);
+      side[i].seen.fill(refined.seen_colors.empty() ? std::span<const glm::u8vec4>() : refined.seen_colors[i]);
     }
   }
 }
 
 void SceneDrawing::draw(RenderTarget& target, const Camera& camera, std::size_t side, const LookSettings& look,
-                        const std::vector<Line>& lines) {
+                        const std::vector<Line>& lines, Colors colors) {
   const gl::Functions& gl = *gl_;
   target.begin(camera.width, camera.height, look.antialias ? 4 : 1);
   gl.DepthMask(GL_TRUE);
@@ -46,7 +48,9 @@ void SceneDrawing::draw(RenderTarget& target, const Camera& camera, std::size_t 
   gl.DepthFunc(GL_LESS);
   if (!sides_.empty()) {
     const Side& drawn = sides_[std::min(side, sides_.size() - 1)];
-    for (std::size_t i = 0; i < drawn.size(); ++i) draw_object((*frame_->job.objects)[i], drawn[i], view, look);
+    for (std::size_t i = 0; i < drawn.size(); ++i)
+      draw_object((*frame_->job.objects)[i], drawn[i].triangles,
+                  colors == Colors::seen ? drawn[i].seen : drawn[i].colors, view, look);
   }
   gl.Disable(GL_CULL_FACE);
   gl.FrontFace(GL_CCW);
@@ -56,8 +60,8 @@ void SceneDrawing::draw(RenderTarget& target, const Camera& camera, std::size_t 
   target.finish();
 }
 
-void SceneDrawing::draw_object(const PlacedObject& object, const TriangleBuffers& triangles, const View& view,
-                               const LookSettings& look) const {
+void SceneDrawing::draw_object(const PlacedObject& object, const TriangleBuffers& triangles,
+                               const TriangleColors& colors, const View& view, const LookSettings& look) const {
   const Camera& camera = view.camera();
   const ObjectView object_view(view, object.object_to_world);
   const glm::dmat4 object_to_eye = glm::lookAt(camera.eye, camera.target, camera.up) * object.object_to_world;
@@ -68,7 +72,7 @@ void SceneDrawing::draw_object(const PlacedObject& object, const TriangleBuffers
   uniforms.normal_to_eye = glm::mat3(glm::transpose(glm::inverse(glm::dmat3(object_to_eye))));
   uniforms.flat = look.shading == Shading::flat;
   uniforms.dim_back_faces = !object.two_sided;
-  if (triangles.has_colors())
+  if (colors.any())
     uniforms.color = MeshProgram::Color::triangles;
   else if (look.color_by == ColorBy::vertices && vertices.has_colors())
     uniforms.color = MeshProgram::Color::vertices;
@@ -81,6 +85,7 @@ void SceneDrawing::draw_object(const PlacedObject& object, const TriangleBuffers
     gl_->CullFace(GL_BACK);
   }
   vertices.bind();
+  colors.bind();
   triangles.draw();
 }
 

@@ -20,15 +20,21 @@ class SceneDrawing {
   // Brings the buffers up to date with a frame; null draws nothing. Does nothing for the frame that it has already.
   void upload(std::shared_ptr<const RefinedFrame> frame);
 
+  enum class Colors { as_looked_at, seen };
   // Draws side `side` of the frame (the first where it has fewer) over the background, then lines.
   void draw(RenderTarget& target, const Camera& camera, std::size_t side, const LookSettings& look,
-            const std::vector<Line>& lines);
+            const std::vector<Line>& lines, Colors colors = Colors::as_looked_at);
 
  private:
-  // For each object, in the frame's order.
-  using Side = std::vector<TriangleBuffers>;
-  void draw_object(const PlacedObject& object, const TriangleBuffers& triangles, const View& view,
-                   const LookSettings& look) const;
+  struct Drawn {
+    explicit Drawn(const gl::Functions& gl) : triangles(gl), colors(gl), seen(gl) {}
+    TriangleBuffers triangles;
+    TriangleColors colors;
+    TriangleColors seen;
+  };
+  using Side = std::vector<Drawn>;  // for each object, in the frame's order
+  void draw_object(const PlacedObject& object, const TriangleBuffers& triangles, const TriangleColors& colors,
+                   const View& view, const LookSettings& look) const;
 
   const gl::Functions* gl_;
   MeshProgram plain_;

@@ -1,4 +1,5 @@
 // F1: keys and mouse.
+#include <algorithm>
 #include <array>
 
 #include "keys.h"
@@ -29,12 +30,11 @@ constexpr std::array<Line, 17> mouse = {{{"left drag", "orbit; look around when 
                                          {"Ctrl + S", "save the scene"},
                                          {"Ctrl + click", "on a slider: type its value"}}};
 
-void draw_line(const char* keys, const char* what) {
-  ImGui::TableNextRow();
+void draw_cells(const char* keys, const char* what) {
   ImGui::TableNextColumn();
   ImGui::TextColored(ImVec4(0.93F, 0.68F, 0.36F, 1.0F), "%s", keys);
   ImGui::TableNextColumn();
-  ImGui::TextUnformatted(what);
+  ImGui::Text("%s    ", what);
 }
 
 }  // namespace
@@ -46,16 +46,13 @@ void draw_help(Panels& panels, const Layout& layout) {
   ImGui::SetNextWindowPos(middle, ImGuiCond_Always, ImVec2(0.5F, 0.5F));
   ImGui::Begin("Keys and mouse", &open,
                ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings);
-  if (ImGui::BeginTable("help", 2, ImGuiTableFlags_SizingFixedFit)) {
-    ImGui::TableNextColumn();
-    if (ImGui::BeginTable("mouse", 2, ImGuiTableFlags_SizingFixedFit)) {
-      for (const Line& line : mouse) draw_line(line.keys, line.what);
-      ImGui::EndTable();
-    }
-    ImGui::TableNextColumn();
-    if (ImGui::BeginTable("keys", 2, ImGuiTableFlags_SizingFixedFit)) {
-      for (const KeyBinding& binding : key_bindings()) draw_line(binding.keys, binding.what);
-      ImGui::EndTable();
+  const std::vector<KeyBinding>& bindings = key_bindings();
+  if (ImGui::BeginTable("help", 4, ImGuiTableFlags_SizingFixedFit)) {
+    for (std::size_t i = 0; i < std::max(mouse.size(), bindings.size()); ++i) {
+      ImGui::TableNextRow();
+      const Line& line = i < mouse.size() ? mouse[i] : Line{"", ""};
+      draw_cells(line.keys, line.what);
+      if (i < bindings.size()) draw_cells(bindings[i].keys, bindings[i].what);
     }
     ImGui::EndTable();
   }

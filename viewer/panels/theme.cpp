@@ -56,8 +56,8 @@ void set_surfaces() {
 
 void set_accents() {
   color(ImGuiCol_CheckMark, 0.93F, 0.68F, 0.36F);
-  color(ImGuiCol_SliderGrab, 0.62F, 0.50F, 0.34F);
-  color(ImGuiCol_SliderGrabActive, 0.93F, 0.68F, 0.36F);
+  color(ImGuiCol_SliderGrab, 0.93F, 0.68F, 0.36F, 0.45F);  // the value shows through
+  color(ImGuiCol_SliderGrabActive, 0.93F, 0.68F, 0.36F, 0.65F);
   color(ImGuiCol_Button, 0.225F, 0.255F, 0.295F);
   color(ImGuiCol_ButtonHovered, 0.290F, 0.330F, 0.385F);
   color(ImGuiCol_ButtonActive, 0.340F, 0.385F, 0.450F);

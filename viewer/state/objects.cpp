@@ -6,8 +6,10 @@
 #include <glm/ext/matrix_transform.hpp>
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
+#include <glm/matrix.hpp>
 #include <glm/trigonometric.hpp>
 #include <glm/vec4.hpp>
+#include <glm/vector_relational.hpp>
 #include <limits>
 
 #include "occlod/hierarchy/cut_mesh.h"
@@ -113,6 +115,14 @@ SceneBounds bounds_of(const PlacedObject& object) {
   glm::dvec3 high = -low;
   include(low, high, object);
   return around(low, high);
+}
+
+bool any_box_holds(const Objects& objects, const glm::dvec3& point) {
+  return std::any_of(objects.begin(), objects.end(), [&](const PlacedObject& object) {
+    const Box& box = object.mesh->hierarchy->box();
+    const glm::vec3 p(glm::inverse(object.object_to_world) * glm::dvec4(point, 1.0));
+    return object.shown && glm::all(glm::greaterThan(p, box.min)) && glm::all(glm::lessThan(p, box.max));
+  });
 }
 
 }  // namespace occlod::viewer

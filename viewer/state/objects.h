@@ -55,5 +55,7 @@ struct SceneBounds {
 };
 [[nodiscard]] SceneBounds bounds_of(const Objects& objects);
 [[nodiscard]] SceneBounds bounds_of(const PlacedObject& object);
+// True when the box of one that is shown holds the point, given in world space.
+[[nodiscard]] bool any_box_holds(const Objects& objects, const glm::dvec3& point);
 
 }  // namespace occlod::viewer

@@ -102,7 +102,7 @@ class Bench {
   void explain(RefinedSide& side, const RefineJob& job, const View& view) {
     const Objects& objects = *job.objects;
     std::vector<bool> owns_pixel;
-    if (job.count_visible || job.color_by == ColorBy::visibility) {
+    if (job.count_visible || job.keep_seen || job.color_by == ColorBy::visibility) {
       items_.reset(view.width(), view.height());
       draw_items(items_, draw_objects(objects, side.refinement), view);
       owns_pixel = owners(items_, side.refinement.stats.triangles);
@@ -111,26 +111,35 @@ class Bench {
     std::size_t first_item = 0;
     for (std::size_t i = 0; i < objects.size(); ++i) {
       const RefinedObject& refined = side.refinement.objects[i];
-      side.colors.push_back(colors(job, view, objects[i], refined, owns_pixel, first_item, side.occluder.get()));
+      if (job.keep_seen || job.color_by == ColorBy::visibility)
+        side.seen_colors.push_back(seen_colors(view, objects[i], refined, owns_pixel, first_item));
+      side.colors.push_back(job.color_by == ColorBy::visibility
+                                ? side.seen_colors.back()
+                                : colors(job, view, objects[i], refined, side.occluder.get()));
       first_item += refined.triangles.size();
     }
   }
 
+  [[nodiscard]] static std::vector<glm::u8vec4> seen_colors(const View& view, const PlacedObject& object,
+                                                            const RefinedObject& refined,
+                                                            const std::vector<bool>& owns_pixel,
+                                                            std::size_t first_item) {
+    return colored(classify(object, refined.triangles, view, owns_pixel, first_item),
+                   [](Seen seen) { return color_of(seen); });
+  }
+
   [[nodiscard]] static std::vector<glm::u8vec4> colors(const RefineJob& job, const View& view,
                                                        const PlacedObject& object, const RefinedObject& refined,
-                                                       const std::vector<bool>& owns_pixel, std::size_t first_item,
                                                        const DepthPyramid* occluder) {
     switch (job.color_by) {
       case ColorBy::plain:
       case ColorBy::vertices:
+      case ColorBy::visibility:  // are there already
         return {};
       case ColorBy::level:
         return level_colors(*object.mesh, refined);
       case ColorBy::error:
         return colored(errors_px(object, refined, view), [](double px) { return error_color(px); });
-      case ColorBy::visibility:
-        return colored(classify(object, refined.triangles, view, owns_pixel, first_item),
-                       [](Seen seen) { return color_of(seen); });
       case ColorBy::outcome:
         return colored(outcomes(object, refined, view, occluder), [](Outcome outcome) { return color_of(outcome); });
     }

@@ -29,14 +29,16 @@ struct RefineJob {
   bool compare = false;
   bool count_visible = true;
   bool keep_occluder = false;
+  bool keep_seen = false;
   ColorBy color_by = ColorBy::plain;
 };
 
 struct RefinedSide {
   Refinement refinement;
-  std::optional<std::size_t> visible_triangles;  // that own a pixel, when asked for
-  std::vector<std::vector<glm::u8vec4>> colors;  // by object and triangle; empty where colours tell nothing
-  std::shared_ptr<const DepthPyramid> occluder;  // when asked for and one was drawn
+  std::optional<std::size_t> visible_triangles;       // that own a pixel, when asked for
+  std::vector<std::vector<glm::u8vec4>> seen_colors;  // those of ColorBy::visibility, when asked for
+  std::vector<std::vector<glm::u8vec4>> colors;       // by object and triangle; empty where colours tell nothing
+  std::shared_ptr<const DepthPyramid> occluder;       // when asked for and one was drawn
 };
 
 // Immutable once it is handed over.

@@ -25,7 +25,8 @@ nlohmann::json key_of(const Camera& c) {
 
 // Equal exactly when jobs for the same objects are.
 nlohmann::json key_of(const RefineJob& job, const Settings& settings) {
-  nlohmann::json key = nlohmann::json::array({key_of(job.camera), job.keep_occluder, static_cast<int>(job.color_by)});
+  nlohmann::json key =
+      nlohmann::json::array({key_of(job.camera), job.keep_occluder, job.keep_seen, static_cast<int>(job.color_by)});
   for (const Setting& setting : refine_settings()) key.push_back(setting.get(settings));
   return key;
 }
@@ -224,6 +225,7 @@ RefineJob Session::wanted_job() const {
   job.compare = settings.compare;
   job.count_visible = settings.count_visible || settings.compare;
   job.keep_occluder = settings.insets.occluder;
+  job.keep_seen = settings.insets.birdseye;
   job.color_by = settings.look.color_by;
   return job;
 }
