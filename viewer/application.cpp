@@ -225,6 +225,7 @@ void Application::draw_pictures(const Layout& layout) {
   const ImageSize pixels = window_->picture_size();
   gl.BindFramebuffer(GL_FRAMEBUFFER, 0);
   gl.Viewport(0, 0, pixels.width, pixels.height);
+  gl.Clear(GL_COLOR_BUFFER_BIT);
   draw_panels(*panels_, layout, pictures);
 }
 

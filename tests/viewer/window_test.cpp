@@ -104,6 +104,30 @@ TEST_F(Window, WindowPictureHasPanelsAndView) {
   EXPECT_GT(pixel(990, 5).x, 120);  // the sky is bright
 }
 
+// A script's picture shows what there was when its turn came, not what the next action made of it.
+TEST_F(Window, ScriptTakesPicturesInTheirTurn) {
+  const auto script =
+      folder.write("script.json", {{"actions",
+                                    {{{"do", "open"}, {"file", folder.write("planet.json", planet_scene()).string()}},
+                                     {{"do", "screenshot"}, {"file", folder.path("before.png").string()}},
+                                     {{"do", "orbit"}, {"right", 90}, {"up", 0}},
+                                     {{"do", "screenshot"}, {"file", folder.path("after.png").string()}},
+                                     {{"do", "close_all"}},
+                                     {{"do", "screenshot"}, {"file", folder.path("empty.png").string()}}}}});
+  ApplicationOptions options;
+  options.script = script;
+  options.size = {800, 600};
+  application = std::make_unique<Application>(options);
+  application->run();
+  application.reset();
+  const Image before = read_png(folder.path("before.png"));
+  const Image after = read_png(folder.path("after.png"));
+  const Image empty = read_png(folder.path("empty.png"));
+  EXPECT_NE(difference(before, after), "");
+  EXPECT_NE(difference(after, empty), "");
+  EXPECT_NE(difference(before, empty), "");
+}
+
 TEST_F(Window, SecondViewerOpensAfterTheFirst) {
   start();
   application.reset();

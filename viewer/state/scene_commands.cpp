@@ -126,7 +126,7 @@ std::span<const Command> scene_commands() {
        open},
       {"cancel", "Cancel", "Stop building", {}, cancel, false},
       {"close", "Close", "Close one object", {object}, close},
-      {"close_all", "Close all", "Close everything", {}, close_all, false},
+      {"close_all", "Close all", "Close everything", {}, close_all},
       {"select", "Select", "Select an object", {object}, select},
       {"place",
        "Place",

@@ -58,8 +58,8 @@ bool Script::may_go_on(const Session& session, const JsonPlace& action) const {
   if (session.figures().at("pictures") < pictures_to_wait_for_) return false;
   if (waits_for_path_ && !session.state().playback.path.empty()) return false;
   const Command* command = find_command(action.at("do").string());
-  if (command != nullptr && !command->settled) return true;
-  return session.settled() && session.state().captures.empty();
+  if (!session.state().captures.empty()) return false;
+  return session.settled() || (command != nullptr && !command->settled);
 }
 
 void Script::perform(Session& session, const JsonPlace& action,

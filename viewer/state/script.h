@@ -17,7 +17,7 @@ namespace occlod::viewer {
 //   {"do": "repeat", "times": n, "actions": [...]}                           or "seconds": until they are over
 //   {"do": "report"}                                                         one line of JSON with all figures
 // Before an action the script waits until everything before it has taken effect: files are loaded, the mesh is
-// refined, pictures are written; except before those that Command::settled excepts.
+// refined, pictures are written. Commands that Command::settled excepts wait for pictures only.
 class Script {
  public:
   // Throws Error for a file that cannot be read or is no such list. Actions are checked when their turn comes.
