@@ -17,7 +17,7 @@ class Controls : public WindowTest {};
 const std::set<std::string> by_mouse_and_keys = {"orbit", "look", "pan", "zoom", "move", "look_at", "drag", "pick"};
 
 TEST_F(Controls, EverySettingAndCommandHasOne) {
-  start(planet_scene(8));  // large enough for "cancel" to be seen while it is built
+  start(planet_scene());  // large enough for "cancel" to be seen while it is built
   Panels& panels = application->panels();
   panels.unfold = true;
   draw(3);

@@ -91,7 +91,7 @@ void ViewInput::drag(Panels& panels, const ImVec2& by) {
   } else if (button_ != 0 || ImGui::GetIO().KeyShift) {
     panels.perform("pan", {{"right", -right}, {"up", -up}});
   } else if (state.settings.steering == Steering::orbit) {
-    panels.perform("orbit", {{"right", -right * aspect * orbit_deg}, {"up", -up * orbit_deg}});
+    panels.perform("orbit", {{"right", right * aspect * orbit_deg}, {"up", up * orbit_deg}});
   } else {
     panels.perform("look", {{"right", right * aspect * look_deg}, {"up", up * look_deg}});
   }

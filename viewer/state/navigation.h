@@ -10,7 +10,7 @@
 
 namespace occlod::viewer {
 
-// Around the target; never over the poles.
+// Around the target, so that what is seen turns right and up; never over the poles.
 void orbit(Camera& camera, double right_deg, double up_deg);
 // The eye stays, the target turns around it; never over the poles.
 void look_around(Camera& camera, double right_deg, double up_deg);
