@@ -1,4 +1,5 @@
 // The same things again and again: nothing piles up.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -33,7 +34,14 @@ TEST_F(Soak, ObjectsAndMemoryStay) {
   for (int i = 0; i < 2; ++i) one_round();
   const std::map<std::string, int> objects = count_gl_objects();
   const double memory = resident_memory_mb();
-  for (int i = 0; i < rounds; ++i) one_round();
+  for (int i = 1; i <= rounds; ++i) {
+    one_round();
+    if (i % 10 != 0) continue;
+    int all = 0;
+    for (const auto& [kind, count] : count_gl_objects()) all += count;
+    fmt::print("{} rounds, {:.0f} pictures: {:.1f} MB, {} OpenGL objects\n", i, session().figures().at("pictures"),
+               resident_memory_mb(), all);
+  }
   EXPECT_EQ(count_gl_objects(), objects);
   EXPECT_LT(resident_memory_mb(), memory + 24.0);
   EXPECT_EQ(session().state().errors, 0);
