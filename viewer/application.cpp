@@ -105,30 +105,33 @@ class Application::Gui {
 Application::Application(const ApplicationOptions& options) : options_(options) {
   if (options.script) script_.emplace(*options.script);
   session_ = std::make_unique<Session>(make_visibility, options.use_cache);
-  if (!options.settings_file.empty()) {
-    try {
-      read_settings(options.settings_file, *session_, remembered_);
-    } catch (const Error& error) {
-      session_->notify(error.what(), true);
-    }
-  }
+  read_remembered();
   window_ = std::make_unique<Window>(WindowOptions{options.size.value_or(remembered_.size), options.debug_gl});
   // The window's own driver has started by now. Contexts of occlusion backends are made by another thread, which must
   // not set this then: see gl/context.h.
   setenv("LP_NUM_THREADS", "0", 0);
   panels_ = std::make_unique<Panels>(Panels{*session_, {}, 1.0F, {}, false, {}});
+  // Four samples a pixel take a CPU twice as long; who has set them once keeps them.
+  if (window_->is_software()) session_->state().defaults.look.antialias = false;
+  if (!remembers_) session_->state().settings = session_->state().defaults;
   window_->on_key = [this](int key, int mods) {
     calm_pictures_ = 0;
     if (!ImGui::GetIO().WantTextInput) press_key(*panels_, key, mods);
   };
   window_->on_drop = [this](const std::filesystem::path& file) { panels_->perform("open", {{"file", file.string()}}); };
-  // Four samples a pixel take a CPU twice as long; who has set them once keeps them.
-  if (window_->is_software() && !std::filesystem::exists(options.settings_file))
-    panels_->perform("set", {{"setting", "antialias"}, {"value", false}});
   gui_ = std::make_unique<Gui>(window_->handle());
   drawings_ = std::make_unique<Drawings>(window_->functions());
   for (const std::filesystem::path& file : options.files) panels_->perform("open", {{"file", file.string()}});
   last_time_ = glfwGetTime();
+}
+
+void Application::read_remembered() {
+  if (options_.settings_file.empty()) return;
+  try {
+    remembers_ = read_settings(options_.settings_file, *session_, remembered_);
+  } catch (const Error& error) {
+    session_->notify(error.what(), true);
+  }
 }
 
 Application::~Application() {

@@ -47,6 +47,7 @@ class Application {
  private:
   struct Drawings;  // lives in the window's context
   class Gui;        // Dear ImGui's own context
+  void read_remembered();
   void draw_pictures(const Layout& layout);
   void draw_insets();
   void take_captures();
@@ -57,6 +58,7 @@ class Application {
 
   ApplicationOptions options_;
   RememberedWindow remembered_;
+  bool remembers_ = false;  // there was a settings file
   std::unique_ptr<Window> window_;
   std::unique_ptr<Session> session_;
   std::unique_ptr<Gui> gui_;

@@ -12,10 +12,14 @@ SKIPPED = 77
 class VirtualDisplay:
     """Xvfb picks a free display and tells its number: no two of them race for one."""
 
+    def __init__(self, *options):
+        self.options = options
+
     def __enter__(self):
         read, write = os.pipe()
         self.server = subprocess.Popen(
-            ["Xvfb", "-displayfd", str(write), "-screen", "0", "1920x1200x24", "-nolisten", "tcp", "-noreset"],
+            ["Xvfb", "-displayfd", str(write), "-screen", "0", "1920x1200x24", "-nolisten", "tcp", "-noreset",
+             *self.options],
             pass_fds=[write], stderr=subprocess.DEVNULL)
         os.close(write)
         with os.fdopen(read) as numbers:

@@ -11,7 +11,7 @@ import unittest
 import on_virtual_display
 
 VIEW = os.environ["OCCLOD_VIEW"]
-PLANET = {"objects": [{"generator": "rough-planet", "options": {"level": 4}}],
+PLANET = {"objects": [{"generator": "rough-planet", "options": {"level": 6}}],
           "cameras": {"default": {"eye": [0, 1.3, 0.3], "target": [0, 1, -0.8]}}}
 
 
@@ -85,6 +85,13 @@ class Script(unittest.TestCase):
             self.assertEqual(result.returncode, 1, result.stdout)
             self.assertIn(place, result.stderr)
             self.assertEqual(result.stderr.count("\n"), 1, result.stderr)
+
+    def test_display_without_opengl_names_the_way_without(self):
+        with on_virtual_display.VirtualDisplay("-extension", "GLX") as environment:
+            result = view("--settings", str(self.path / "view.json"), environment=environment)
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("OpenGL", result.stderr)
+        self.assertIn("occlod render", result.stderr)
 
     def test_settings_are_remembered(self):
         settings = self.path / "view.json"

@@ -37,9 +37,9 @@ void draw_sidebar(Panels& panels, const Area& area) {
   begin_fixed("sidebar", area);
   draw_files(panels);
   draw_objects(panels);
+  draw_pick(panels);
   draw_refinement(panels);
   draw_look(panels);
-  draw_pick(panels);
   draw_camera(panels);
   draw_paths(panels);
   draw_window_settings(panels);

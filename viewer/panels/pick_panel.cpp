@@ -21,7 +21,7 @@ void draw_split(const PlacedObject& object, SplitId split) {
   const SplitStar star = hierarchy.star(split);
   draw_row("Split", fmt::format("{} of {}", grouped(split), grouped(static_cast<double>(hierarchy.split_count()))));
   draw_row("Level", std::to_string(object.mesh->levels[split]));
-  draw_row("Depends on", fmt::format("{} splits", star.dependencies().size()));
+  draw_row("Dependencies", std::to_string(star.dependencies().size()));
   draw_row("Faces", fmt::format("{} for {}", star.inserted_count(), star.removed_count()));
   draw_row("Error", fmt::format("{:.3g}, at most {:.3g}", node.error, node.guaranteed_error));
   draw_row("Radius below", fmt::format("{:.3g}", node.sphere.radius));

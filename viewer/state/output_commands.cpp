@@ -41,7 +41,7 @@ void flip(Session& session, const JsonPlace& action) {
 }
 
 void reset(Session& session, const JsonPlace&) {
-  session.state().settings = {};
+  session.state().settings = session.state().defaults;
   session.setting_changed();
 }
 

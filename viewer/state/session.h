@@ -55,6 +55,7 @@ struct Recording {
 };
 
 struct State {
+  Settings defaults;  // what "reset" goes back to
   Settings settings;
   std::shared_ptr<const Objects> objects = std::make_shared<Objects>();
   std::uint64_t selected = 0;  // id of an object; 0 = none

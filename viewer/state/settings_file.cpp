@@ -11,8 +11,8 @@ std::filesystem::path default_settings_file() {
   return folder.empty() ? folder : folder / "view.json";
 }
 
-void read_settings(const std::filesystem::path& file, Session& session, RememberedWindow& window) {
-  if (!std::filesystem::exists(file)) return;
+bool read_settings(const std::filesystem::path& file, Session& session, RememberedWindow& window) {
+  if (!std::filesystem::exists(file)) return false;
   const nlohmann::json document = parse_json_file(file);
   const std::string name = file.string();
   const JsonPlace root(document, name);
@@ -25,6 +25,7 @@ void read_settings(const std::filesystem::path& file, Session& session, Remember
   if (const auto size = root.find("window"))
     window.size = {size->at("width").integer(320), size->at("height").integer(240)};
   session.setting_changed();
+  return true;
 }
 
 void write_settings(const std::filesystem::path& file, const State& state, const RememberedWindow& window) {
