@@ -2,8 +2,6 @@
 #include <imgui.h>
 #include <imgui_stdlib.h>
 
-#include <array>
-#include <cmath>
 #include <string>
 
 #include "controls.h"
@@ -11,17 +9,6 @@
 
 namespace occlod::viewer {
 namespace {
-
-void draw_vector(Panels& panels, const char* label, const char* key, const glm::dvec3& value) {
-  draw_label(panels, label);
-  std::array<double, 3> numbers = {value.x, value.y, value.z};
-  ImGui::PushID(key);
-  const double radius = bounds_of(*panels.session.state().objects).radius;
-  if (ImGui::DragScalarN("##value", ImGuiDataType_Double, numbers.data(), 3, static_cast<float>(0.002 * radius),
-                         nullptr, nullptr, "%.3g"))
-    panels.perform("camera", {{key, numbers}});
-  ImGui::PopID();
-}
 
 void draw_sides(Panels& panels) {
   const float width = (ImGui::GetContentRegionAvail().x - 2.0F * ImGui::GetStyle().ItemSpacing.x) / 3.0F;
@@ -55,7 +42,7 @@ void draw_bookmarks(Panels& panels) {
 }
 
 void draw_picture_size(Panels& panels) {
-  draw_label(panels, "Picture");
+  draw_label("Picture");
   const State& state = panels.session.state();
   std::string shown = std::to_string(state.camera.width) + " x " + std::to_string(state.camera.height);
   if (!state.fixed_size) shown += ", the window's";
@@ -77,9 +64,11 @@ void draw_camera(Panels& panels) {
   draw_sides(panels);
   panels.drawn.insert("camera");
   const Camera camera = panels.session.state().camera;
-  draw_vector(panels, "Eye", "eye", camera.eye);
-  draw_vector(panels, "Target", "target", camera.target);
-  draw_label(panels, "Angle");
+  const double speed = 0.002 * bounds_of(*panels.session.state().objects).radius;
+  if (glm::dvec3 eye = camera.eye; draw_vector("Eye", eye, speed)) panels.perform("camera", {{"eye", as_json(eye)}});
+  if (glm::dvec3 target = camera.target; draw_vector("Target", target, speed))
+    panels.perform("camera", {{"target", as_json(target)}});
+  draw_label("Angle");
   double angle = camera.fov_y_deg;
   const double least = 5.0, most = 120.0;
   if (ImGui::SliderScalar("##angle", ImGuiDataType_Double, &angle, &least, &most, "%.1f degrees",

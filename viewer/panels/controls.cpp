@@ -74,13 +74,23 @@ void draw_integers(Panels& panels, const Setting& setting, const nlohmann::json&
 
 }  // namespace
 
-void draw_label(Panels& panels, const char* text) {
-  static_cast<void>(panels);
+void draw_label(const char* text) {
   ImGui::AlignTextToFramePadding();
   ImGui::TextUnformatted(text);
   ImGui::SameLine(ImGui::GetWindowContentRegionMax().x * label_share);
   ImGui::SetNextItemWidth(-1.0F);
 }
+
+bool draw_vector(const char* label, glm::dvec3& value, double speed) {
+  draw_label(label);
+  ImGui::PushID(label);
+  const bool changed = ImGui::DragScalarN("##value", ImGuiDataType_Double, &value.x, 3, static_cast<float>(speed),
+                                          nullptr, nullptr, "%.3g");
+  ImGui::PopID();
+  return changed;
+}
+
+nlohmann::json as_json(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
 
 void draw_help_of_item(const char* text) {
   if (!ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) return;
@@ -94,7 +104,7 @@ void draw_help_of_item(const char* text) {
 void draw_setting(Panels& panels, const Setting& setting) {
   const nlohmann::json value = setting.get(panels.session.state().settings);
   ImGui::PushID(setting.name);
-  if (setting.kind != Setting::Kind::toggle) draw_label(panels, setting.label);
+  if (setting.kind != Setting::Kind::toggle) draw_label(setting.label);
   switch (setting.kind) {
     case Setting::Kind::toggle:
       draw_toggle(panels, setting, value);

@@ -17,7 +17,10 @@ bool draw_button(Panels& panels, const char* command, const nlohmann::json& argu
                  const char* label = nullptr, float width = 0.0F);
 
 // A label in the first column; what comes next stands in the second.
-void draw_label(Panels& panels, const char* text);
+void draw_label(const char* text);
+// Three numbers to drag; true when they have been changed. `speed`: a pixel.
+bool draw_vector(const char* label, glm::dvec3& value, double speed);
+[[nodiscard]] nlohmann::json as_json(const glm::dvec3& v);
 void draw_help_of_item(const char* text);
 // "12,345".
 [[nodiscard]] std::string grouped(double number);

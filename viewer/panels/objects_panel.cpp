@@ -1,5 +1,4 @@
 // What is open, and where it stands.
-#include <array>
 #include <cstdint>
 
 #include "controls.h"
@@ -24,23 +23,14 @@ void draw_row(Panels& panels, const PlacedObject& object) {
   ImGui::PopID();
 }
 
-void draw_vector(Panels& panels, const PlacedObject& object, const char* label, const char* key,
-                 const glm::dvec3& value, double speed) {
-  draw_label(panels, label);
-  std::array<double, 3> numbers = {value.x, value.y, value.z};
-  ImGui::PushID(key);
-  if (ImGui::DragScalarN("##value", ImGuiDataType_Double, numbers.data(), 3, static_cast<float>(speed), nullptr,
-                         nullptr, "%.3g"))
-    panels.perform("place", {{"object", object.id}, {key, numbers}});
-  ImGui::PopID();
-}
-
 void draw_placement(Panels& panels, const PlacedObject& object) {
   panels.drawn.insert({"place", "two_sided"});
   const double radius = bounds_of(object).radius;
-  draw_vector(panels, object, "Position", "position", object.placement.position, 0.005 * radius);
-  draw_vector(panels, object, "Rotation", "rotation", object.placement.rotation_deg, 0.5);
-  draw_label(panels, "Scale");
+  if (glm::dvec3 position = object.placement.position; draw_vector("Position", position, 0.005 * radius))
+    panels.perform("place", {{"object", object.id}, {"position", as_json(position)}});
+  if (glm::dvec3 rotation = object.placement.rotation_deg; draw_vector("Rotation", rotation, 0.5))
+    panels.perform("place", {{"object", object.id}, {"rotation", as_json(rotation)}});
+  draw_label("Scale");
   double scale = object.placement.scale;
   const double least = 1e-6, most = 1e6;
   if (ImGui::DragScalar("##scale", ImGuiDataType_Double, &scale, static_cast<float>(0.005 * scale), &least, &most,

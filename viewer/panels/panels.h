@@ -43,7 +43,6 @@ struct Fields {
   std::string bookmark = "view 1";
   std::string path = "path 1";
   std::string pictures = "pictures";
-  std::string occluder_splits;
   bool opens = false;  // the dialogue "open"
 };
 

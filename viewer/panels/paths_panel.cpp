@@ -45,7 +45,7 @@ void draw_paths(Panels& panels) {
                                : fmt::format("recording, {} keys", state.recording.keys.keys.size()).c_str());
   }
   draw_setting(panels, "playback_rate");
-  draw_label(panels, "Pictures to");
+  draw_label("Pictures to");
   ImGui::InputText("##folder", &panels.fields.pictures);
   const auto paths = state.paths;  // actions change it
   for (const auto& [name, path] : paths) draw_path(panels, name, path);

@@ -31,7 +31,7 @@ void draw_look(Panels& panels) {
 void draw_window_settings(Panels& panels) {
   if (!begin_section(panels, "Window", false)) return;
   draw_settings(panels, window_settings());
-  draw_label(panels, "Size");
+  draw_label("Size");
   for (const auto& [label, width, height] :
        {std::tuple("1280 x 800", 1280, 800), std::tuple("1920 x 1080", 1920, 1080)}) {
     draw_button(panels, "window_size", {{"width", width}, {"height", height}}, label);

@@ -13,8 +13,6 @@
 namespace occlod::viewer {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 std::vector<DrawObject> draw_objects(const Objects& objects, const Refinement& refinement) {
   std::vector<DrawObject> result;
   for (std::size_t i = 0; i < objects.size(); ++i)
@@ -45,7 +43,6 @@ class Bench {
   explicit Bench(const MakeVisibility& make) : make_(make) {}
 
   [[nodiscard]] RefinedFrame work(RefineJob job) {
-    const Clock::time_point start = Clock::now();
     RefinedFrame frame;
     frame.job = std::move(job);
     try {
@@ -56,7 +53,6 @@ class Bench {
       refiner_.reset();  // whatever it was about is not to be gone on with
       backends_.clear();
     }
-    frame.total_ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
     return frame;
   }
 

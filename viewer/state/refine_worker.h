@@ -46,7 +46,6 @@ struct RefinedFrame {
   RefineJob job;
   std::vector<RefinedSide> sides;  // as asked; with `compare` the same without occlusion as well
   std::uint64_t hash = 0;          // of the first side
-  double total_ms = 0.0;           // from taking the job to handing the frame over
   std::string error;               // one line; then there are no sides
 };
 

@@ -14,8 +14,8 @@ struct RememberedWindow {
   ImageSize size{1440, 900};
 };
 
-// Reads what is there into the session; false for a missing file, which changes nothing. What a newer or older version wrote and this
-// one does not know is left out. Throws Error for a file that is no JSON or has values that do not fit.
+// Reads what is there into the session; false for a missing file, which changes nothing. What a newer or older version
+// wrote and this one does not know is left out. Throws Error for a file that is no JSON or has values that do not fit.
 bool read_settings(const std::filesystem::path& file, Session& session, RememberedWindow& window);
 
 // Throws Error.

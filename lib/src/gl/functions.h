@@ -87,12 +87,9 @@ namespace occlod::gl {
   X(TEXIMAGE2D, TexImage2D)                                         \
   X(TEXPARAMETERI, TexParameteri)                                   \
   X(TEXSUBIMAGE2D, TexSubImage2D)                                   \
-  X(UNIFORM1F, Uniform1f)                                           \
   X(UNIFORM1I, Uniform1i)                                           \
   X(UNIFORM1UI, Uniform1ui)                                         \
-  X(UNIFORM2F, Uniform2f)                                           \
   X(UNIFORM2IV, Uniform2iv)                                         \
-  X(UNIFORM3F, Uniform3f)                                           \
   X(UNIFORM3I, Uniform3i)                                           \
   X(UNIFORMMATRIX3FV, UniformMatrix3fv)                             \
   X(UNIFORMMATRIX4FV, UniformMatrix4fv)                             \
