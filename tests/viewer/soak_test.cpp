@@ -1,8 +1,9 @@
 // The same things again and again: nothing piles up.
-#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cstdlib>
+#include <iostream>
 
 #include "viewer/window_support.h"
 
@@ -26,21 +27,26 @@ class Soak : public WindowTest {
   }
 };
 
-// Memory: the heap's own unevenness is a few MB in the first rounds.
+int all_gl_objects() {
+  int all = 0;
+  for (const auto& [kind, count] : count_gl_objects()) all += count;
+  return all;
+}
+
+// OCCLOD_SOAK_S: for so many seconds, with a line of numbers every ten rounds. Memory: the heap's own unevenness is a
+// few MB in the first rounds.
 TEST_F(Soak, ObjectsAndMemoryStay) {
   start();
-  const char* wanted = std::getenv("OCCLOD_SOAK_ROUNDS");
-  const int rounds = wanted != nullptr ? std::atoi(wanted) : 3;
+  const char* wanted = std::getenv("OCCLOD_SOAK_S");
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(wanted != nullptr ? std::atoi(wanted) : 0);
   for (int i = 0; i < 2; ++i) one_round();
   const std::map<std::string, int> objects = count_gl_objects();
   const double memory = resident_memory_mb();
-  for (int i = 1; i <= rounds; ++i) {
+  for (int i = 1; i <= 3 || std::chrono::steady_clock::now() < end; ++i) {
     one_round();
-    if (i % 10 != 0) continue;
-    int all = 0;
-    for (const auto& [kind, count] : count_gl_objects()) all += count;
-    fmt::print("{} rounds, {:.0f} pictures: {:.1f} MB, {} OpenGL objects\n", i, session().figures().at("pictures"),
-               resident_memory_mb(), all);
+    if (wanted == nullptr || i % 10 != 0) continue;
+    std::cout << i << " rounds, " << session().figures().at("pictures") << " pictures: " << resident_memory_mb()
+              << " MB, " << all_gl_objects() << " OpenGL objects" << std::endl;
   }
   EXPECT_EQ(count_gl_objects(), objects);
   EXPECT_LT(resident_memory_mb(), memory + 24.0);
