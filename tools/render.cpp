@@ -95,15 +95,14 @@ void add_input_options(CLI::App& command, Options& options) {
   command.add_flag("!--no-cache", options.input.use_cache, "Build hierarchies anew and keep none");
 }
 
-// Of "none", "adaptive" or ascending numbers.
-std::optional<std::vector<std::uint32_t>> parse_occluder_splits(const std::vector<std::string>& steps) {
-  if (steps.size() == 1 && steps[0] == "adaptive") return std::nullopt;
+// Of "adaptive" or ascending numbers.
+std::vector<std::uint32_t> parse_occluder_splits(const std::vector<std::string>& steps) {
   std::vector<std::uint32_t> splits;
-  if (steps.size() == 1 && steps[0] == "none") return splits;
+  if (steps.size() == 1 && steps[0] == "adaptive") return splits;
   for (const std::string& step : steps) {
     std::uint32_t value = 0;
     if (!CLI::detail::lexical_cast(step, value) || (!splits.empty() && value <= splits.back()))
-      throw CLI::ValidationError("--occluder-splits", "is not adaptive, none or ascending numbers: " + step);
+      throw CLI::ValidationError("--occluder-splits", "is not adaptive or ascending numbers: " + step);
     splits.push_back(value);
   }
   return splits;
@@ -142,8 +141,8 @@ void add_refine_options(CLI::App& command, RefineOptions& refine) {
       .add_option_function<std::vector<std::string>>(
           "--occluder-splits",
           [&refine](const std::vector<std::string>& steps) { refine.occluder_splits = parse_occluder_splits(steps); },
-          "Draw the occluder after so many splits, e.g. 300,2500; never for `none`; when it has changed enough for "
-          "`adaptive` or when not given")
+          "Draw the occluder after so many splits, e.g. 300,2500; adaptive or not given: when the mesh has changed "
+          "enough")
       ->delimiter(',')
       ->allow_extra_args(false);
   command.add_flag("!--no-retest", refine.retest_hidden, "Do not ask again about what an older occluder hid");

@@ -54,7 +54,7 @@ Json asked_of(const RenderInput& input, const RefineOptions& options, const Back
   report["level_step"] = options.level_step;
   report["grazing_exponent"] = options.grazing_exponent;
   report["forced_exponent"] = options.forced_exponent;
-  report["occluder_splits"] = options.occluder_splits ? Json(*options.occluder_splits) : Json("adaptive");
+  report["occluder_splits"] = options.occluder_splits.empty() ? Json("adaptive") : Json(options.occluder_splits);
   report["retest_hidden"] = options.retest_hidden;
   report["final_check"] = options.final_check;
   return report;

@@ -31,16 +31,15 @@ std::vector<Variant> variants(const RefineOptions& base) {
       {"levels 1", with(base, [](O& o) { o.level_step = 1; })},
       {"levels 3", with(base, [](O& o) { o.level_step = 3; })},
       {"levels 4", with(base, [](O& o) { o.level_step = 4; })},
-      {"steps adaptive", with(base, [](O& o) { o.occluder_splits.reset(); })},
-      {"steps none", with(base, [](O& o) { o.occluder_splits.emplace(); })},
-      {"steps 300", with(base, [](O& o) { o.occluder_splits = {{300}}; })},
+      {"steps adaptive", with(base, [](O& o) { o.occluder_splits.clear(); })},
+      {"steps 300", with(base, [](O& o) { o.occluder_splits = {300}; })},
       {"steps 300,2500", with(base,
                               [](O& o) {
-                                o.occluder_splits = {{300, 2500}};
+                                o.occluder_splits = {300, 2500};
                               })},
       {"steps 300,1000,2500,5000", with(base,
                                         [](O& o) {
-                                          o.occluder_splits = {{300, 1000, 2500, 5000}};
+                                          o.occluder_splits = {300, 1000, 2500, 5000};
                                         })},
       {"no retest", with(base, [](O& o) { o.retest_hidden = false; })},
       {"no final check", with(base, [](O& o) { o.final_check = false; })},

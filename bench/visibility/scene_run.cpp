@@ -61,7 +61,7 @@ RefineOptions refine_options(std::size_t budget, Culling culling) {
   options.budget = budget;
   options.culling = culling;
   if (culling == Culling::subtree) {
-    options.occluder_splits = {{300, 2500}};
+    options.occluder_splits = {300, 2500};
     options.proxy = Proxy::cylinder;
     options.final_check = false;
   }

@@ -63,7 +63,7 @@ class OcclusionControl : public ::testing::Test {
     objects_[0].object_to_world = glm::translate(glm::dmat4(1.0), {-1.2, 0, 0});
     objects_[1].object_to_world = glm::translate(glm::dmat4(1.0), {1.2, 0, 0});
     options_.budget = 3000;
-    options_.occluder_splits = {{100, 600}};
+    options_.occluder_splits = {100, 600};
   }
   const Refinement& refine(Visibility& visibility) {
     refiner_ = std::make_unique<Refiner>(objects_);
@@ -174,7 +174,7 @@ TEST_F(OcclusionControl, SplitsThatForceUnseenOnesWait) {
 }
 
 TEST_F(OcclusionControl, NoOccluderNoQuestions) {
-  options_.occluder_splits.emplace();
+  options_.occluder_splits = {1'000'000};
   ScriptedVisibility hides_all([](const VisibilityQuery&, std::size_t) { return false; });
   EXPECT_EQ(refine(hides_all).stats.queries, 0U);
   EXPECT_EQ(hides_all.views, 2U);

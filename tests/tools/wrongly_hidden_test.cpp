@@ -60,7 +60,7 @@ LoadedObject loaded(const TriangleMesh& mesh, std::size_t base_triangles = Build
 RefineOptions options_of(OccluderMode mode) {
   RefineOptions options;
   options.occluder_mode = mode;
-  options.occluder_splits = {{30, 300}};
+  options.occluder_splits = {30, 300};
   return options;
 }
 
@@ -165,7 +165,7 @@ TEST(WronglyHiddenMeasure, CountsWhatACoarseOccluderHidesInPaperModeOnly) {
   const View view(camera);
   FirstOccluderOnly first;
   RefineOptions options;
-  options.occluder_splits = {{0}};
+  options.occluder_splits = {0};
   const std::size_t wrong = count_wrong(objects, view, options, first);
   EXPECT_GT(wrong, 60U);
   EXPECT_LT(wrong, 110U);

@@ -26,12 +26,25 @@ std::span<const Setting> refine_settings() {
       number(
           {"visible_exponent", "Visible weight", "Priority is multiplied by (visible share of a split)^this"},
           {0.0, 8.0, false, ""}, [](auto& s) -> auto& { return s.refine.visible_exponent; }),
+      number(
+          {"grazing_exponent", "Grazing weight", "Priority is divided by (cosine under which a split is seen)^this"},
+          {0.0, 8.0, false, ""}, [](auto& s) -> auto& { return s.refine.grazing_exponent; }),
+      number(
+          {"forced_exponent", "Forced weight", "Priority is divided by (1 + unseen splits that a split forces)^this"},
+          {0.0, 8.0, false, ""}, [](auto& s) -> auto& { return s.refine.forced_exponent; }),
       integer(
           {"level_step", "Level step", "Ask about subtrees on every n-th level of the forest only"}, {1, 16, false, ""},
           [](auto& s) -> auto& { return s.refine.level_step; }),
       integers(
-          {"occluder_splits", "Occluder after", "Draw the occluder when so many splits are applied"},
+          {"occluder_splits", "Occluder after",
+           "Draw the occluder when so many splits are applied; none: when it pays"},
           [](auto& s) -> auto& { return s.refine.occluder_splits; }),
+      toggle(
+          {"retest_hidden", "Ask again", "What an older occluder hid, whenever a new one is drawn"},
+          [](auto& s) -> auto& { return s.refine.retest_hidden; }),
+      toggle(
+          {"final_check", "Final check", "Ask about all that is hidden once more, before the final mesh"},
+          [](auto& s) -> auto& { return s.refine.final_check; }),
       not_kept(toggle(
           {"freeze", "Freeze", "Keep the mesh of this moment and look at it from elsewhere"},
           [](auto& s) -> auto& { return s.freeze; })),

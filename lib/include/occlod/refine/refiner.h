@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <glm/mat4x4.hpp>
 #include <memory>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -47,9 +46,8 @@ struct RefineOptions {
   double visible_exponent = 1.0;
   double grazing_exponent = 0.5;
   double forced_exponent = 0.5;
-  // Draw the occluder when so many splits are applied; ascending, empty = never. Not given: when the mesh has changed
-  // enough.
-  std::optional<std::vector<std::uint32_t>> occluder_splits = std::nullopt;
+  // Draw the occluder when so many splits are applied; ascending. Empty: whenever the mesh has changed enough.
+  std::vector<std::uint32_t> occluder_splits = {};
   bool retest_hidden = true;  // ask again about what an older occluder hid whenever a new one is drawn
   bool final_check = true;    // and before the final mesh; what that shows takes the place of what matters less
   OccluderMode occluder_mode = OccluderMode::paper;
