@@ -115,7 +115,6 @@ const Camera& Session::refine_camera() const noexcept { return state_.settings.f
 
 void Session::set_view_size(const ImageSize& size) {
   view_size_ = {std::max(size.width, 1), std::max(size.height, 1)};
-  if (!state_.playback.path.empty()) return;
   const ImageSize& used = state_.fixed_size.value_or(view_size_);
   state_.camera.width = used.width;
   state_.camera.height = used.height;
