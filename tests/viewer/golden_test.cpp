@@ -4,7 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <glm/common.hpp>
 
+#include "occlod/io/write_mesh.h"
+#include "occlod/mesh/generate.h"
 #include "viewer/window_support.h"
 
 namespace occlod::viewer::test {
@@ -47,6 +50,19 @@ TEST_F(Golden, Colours) {
     set("color_by", by);
     expect_golden(by);
   }
+}
+
+// Red to the right, green up, blue towards the eye.
+TEST_F(Golden, VertexColours) {
+  TriangleMesh mesh = generate_rough_planet({.level = 5});
+  for (const glm::vec3& p : mesh.positions)
+    mesh.colors.emplace_back(glm::clamp(127.0F + 120.0F * p, 0.0F, 255.0F), 255);
+  write_mesh(folder.path("coloured.ply"), mesh);
+  act({{"do", "close_all"}});
+  act({{"do", "open"}, {"file", folder.path("coloured.ply").string()}});
+  act({{"do", "view_from"}, {"side", "front"}});
+  set("color_by", "vertices");
+  expect_golden("vertices");
 }
 
 TEST_F(Golden, FrozenFromBehind) {

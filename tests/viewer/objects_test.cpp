@@ -58,6 +58,20 @@ TEST(ViewMesh, HasUnitNormalsOutwardsAndLevelsByParents) {
   }
 }
 
+// A sphere of radius 1 fits a planet of radius 1 to within its hills; the corners of its box are 1.7 away.
+TEST(SceneBounds, FitsTheVerticesAndTheirPlacement) {
+  PlacedObject object;
+  object.mesh = make_view_mesh(std::make_shared<const Hierarchy>(build_hierarchy(generate_rough_planet({.level = 3}))));
+  object.placement = {{1.0, 2.0, 3.0}, {10.0, 20.0, 30.0}, 2.0, glm::dmat3(1.0)};
+  object.object_to_world = matrix_of(object.placement);
+  for (const SceneBounds& bounds : {bounds_of(object), bounds_of(Objects{object})}) {
+    EXPECT_LT(bounds.radius, 2.0 * 1.15);
+    for (const glm::vec3& p : object.mesh->hierarchy->positions())
+      EXPECT_LE(glm::distance(glm::dvec3(object.object_to_world * glm::dvec4(p, 1.0)), bounds.center),
+                bounds.radius + 1e-5);
+  }
+}
+
 TEST(SceneBounds, LeavesOutWhatIsNotShown) {
   const auto mesh =
       make_view_mesh(std::make_shared<const Hierarchy>(build_hierarchy(generate_rough_planet({.level = 2}))));

@@ -50,6 +50,9 @@ void draw_tags(const Session& session, const Layout& layout, float margin) {
     const std::string name = find_setting("occlusion")->get(settings).get<std::string>();
     draw_tag("with", layout.pictures[0], count_text(session.frame()->sides[0], ("occlusion " + name).c_str()), margin);
     draw_tag("without", layout.pictures[1], count_text(session.frame()->sides[1], "no occlusion"), margin);
+  } else if (session.state().objects->empty() && !session.loader().busy()) {
+    draw_tag("empty", layout.view,
+             "Drop a mesh, a hierarchy or a scene here, or open one: Ctrl + O. F1 shows keys and mouse.", margin);
   } else if (settings.freeze) {
     draw_tag("frozen", layout.view, "Refinement is frozen (Z)", margin);
   }

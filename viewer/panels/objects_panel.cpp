@@ -51,7 +51,7 @@ void draw_placement(Panels& panels, const PlacedObject& object) {
 void draw_objects(Panels& panels) {
   if (!begin_section(panels, "Objects")) return;
   const auto objects = panels.session.state().objects;  // actions replace it
-  if (objects->empty()) ImGui::TextDisabled("Drop a mesh, a hierarchy or a scene here");
+  if (objects->empty()) ImGui::TextDisabled("none");
   const PlacedObject* selected = nullptr;
   for (const PlacedObject& object : *objects) {
     draw_row(panels, object);

@@ -31,18 +31,6 @@ std::vector<glm::vec3> normals_of_full_mesh(const Hierarchy& hierarchy) {
   return normals;
 }
 
-void include(glm::dvec3& low, glm::dvec3& high, const PlacedObject& object) {
-  for (int i = 0; i < 8; ++i) {
-    const glm::dvec3 point(object.object_to_world * glm::dvec4(corner(object.mesh->hierarchy->box(), i), 1.0));
-    low = glm::min(low, point);
-    high = glm::max(high, point);
-  }
-}
-
-SceneBounds around(const glm::dvec3& low, const glm::dvec3& high) {
-  return {(low + high) / 2.0, std::max(glm::length(high - low) / 2.0, 1e-30)};
-}
-
 glm::dmat3 rotation_of(const glm::dvec3& degrees) {
   const glm::dvec3 r = glm::radians(degrees);
   glm::dmat4 m(1.0);
@@ -67,6 +55,10 @@ std::shared_ptr<const ViewMesh> make_view_mesh(std::shared_ptr<const Hierarchy> 
   auto mesh = std::make_shared<ViewMesh>();
   const std::span<const glm::vec3> own = hierarchy->data().normals;
   mesh->normals = own.empty() ? normals_of_full_mesh(*hierarchy) : std::vector<glm::vec3>(own.begin(), own.end());
+  const Box& box = hierarchy->box();
+  mesh->sphere.center = 0.5F * box.min + 0.5F * box.max;
+  for (const glm::vec3& p : hierarchy->positions())
+    mesh->sphere.radius = std::max(mesh->sphere.radius, glm::distance(mesh->sphere.center, p));
   mesh->levels.resize(hierarchy->split_count());
   for (SplitId s = 0; s < hierarchy->split_count(); ++s) {
     const SplitId parent = hierarchy->node(s).parent;  // smaller than s
@@ -104,17 +96,30 @@ glm::dmat4 matrix_of(const Placement& placement) {
 SceneBounds bounds_of(const Objects& objects) {
   glm::dvec3 low(std::numeric_limits<double>::infinity());
   glm::dvec3 high = -low;
-  for (const PlacedObject& object : objects)
-    if (object.shown) include(low, high, object);
+  for (const PlacedObject& object : objects) {
+    if (!object.shown) continue;
+    const SceneBounds one = bounds_of(object);
+    low = glm::min(low, one.center - one.radius);
+    high = glm::max(high, one.center + one.radius);
+  }
   if (!(low.x <= high.x)) return {};
-  return around(low, high);
+  SceneBounds all{(low + high) / 2.0, 0.0};
+  for (const PlacedObject& object : objects) {
+    if (!object.shown) continue;
+    const SceneBounds one = bounds_of(object);
+    all.radius = std::max(all.radius, glm::length(one.center - all.center) + one.radius);
+  }
+  return all;
 }
 
 SceneBounds bounds_of(const PlacedObject& object) {
-  glm::dvec3 low(std::numeric_limits<double>::infinity());
-  glm::dvec3 high = -low;
-  include(low, high, object);
-  return around(low, high);
+  const glm::dmat3 linear(object.object_to_world);
+  // Exact for placements; else no smaller than the largest stretch.
+  double stretch = std::max({glm::length(linear[0]), glm::length(linear[1]), glm::length(linear[2])});
+  if (object.placement.shape != glm::dmat3(1.0)) stretch *= std::sqrt(3.0);
+  const Sphere& sphere = object.mesh->sphere;
+  return {glm::dvec3(object.object_to_world * glm::dvec4(sphere.center, 1.0)),
+          std::max(static_cast<double>(sphere.radius) * stretch, 1e-30)};
 }
 
 bool any_box_holds(const Objects& objects, const glm::dvec3& point) {

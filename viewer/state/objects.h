@@ -20,6 +20,7 @@ struct ViewMesh {
   std::vector<glm::vec3> normals;     // by vertex: the file's own, else of the full mesh
   std::vector<std::uint16_t> levels;  // by split: how deep it stands in the forest
   int level_count = 0;
+  Sphere sphere;  // around all vertices and the middle of their box
 };
 
 // Throws Error when part of the hierarchy is damaged. O(size).
@@ -48,7 +49,7 @@ struct PlacedObject {
 
 using Objects = std::vector<PlacedObject>;
 
-// A sphere around the boxes of all that are shown, in world space; radius 1 around the origin when there are none.
+// A sphere around all that are shown, in world space; radius 1 around the origin when there are none.
 struct SceneBounds {
   glm::dvec3 center{0.0};
   double radius = 1.0;
