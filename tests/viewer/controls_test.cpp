@@ -18,7 +18,7 @@ const std::set<std::string> by_mouse_and_keys = {"orbit", "look", "pan", "zoom",
 
 TEST_F(Controls, EverySettingAndCommandHasOne) {
   start(planet_scene());  // large enough for "cancel" to be seen while it is built
-  Panels& panels = application->panels();
+  Panels& panels = application_->panels();
   panels.unfold = true;
   draw(3);
   act({{"do", "wait_no_such"}});  // a notice, which "dismiss" hides
@@ -50,13 +50,13 @@ TEST_F(Controls, KeysPerformTheirActions) {
     act({{"do", "frame_all"}});
     act({{"do", "pick"}, {"x", 0.5}, {"y", 0.5}});
     const int errors = session().state().errors;
-    press_key(application->panels(), binding.key, binding.mods);
+    press_key(application_->panels(), binding.key, binding.mods);
     draw(2);
     EXPECT_EQ(session().state().errors, errors) << binding.keys;
   }
   act({{"do", "reset"}});
   const std::size_t budget = session().state().settings.refine.budget;
-  press_key(application->panels(), '=', 0);
+  press_key(application_->panels(), '=', 0);
   EXPECT_EQ(session().state().settings.refine.budget, 2 * budget);
 }
 

@@ -18,26 +18,26 @@ namespace {
 class Explain : public ::testing::Test {
  protected:
   void refine(const Camera& camera, Visibility& visibility) {
-    const RefineObject objects[] = {{object.mesh->hierarchy.get(), object.object_to_world, false}};
+    const RefineObject objects[] = {{object_.mesh->hierarchy.get(), object_.object_to_world, false}};
     Refiner refiner(objects);
-    refinement = refiner.refine(View(camera), {.budget = 1500, .occluder_splits = {100}}, visibility);
+    refinement_ = refiner.refine(View(camera), {.budget = 1500, .occluder_splits = {100}}, visibility);
   }
-  [[nodiscard]] const Hierarchy& hierarchy() const { return *object.mesh->hierarchy; }
+  [[nodiscard]] const Hierarchy& hierarchy() const { return *object_.mesh->hierarchy; }
 
   static PlacedObject make_object() {
     PlacedObject made;
     made.mesh = make_view_mesh(std::make_shared<const Hierarchy>(build_hierarchy(generate_rough_planet({.level = 5}))));
     return made;
   }
-  PlacedObject object = make_object();
-  Refinement refinement;
+  PlacedObject object_ = make_object();
+  Refinement refinement_;
 };
 
 // Whoever inserts a triangle has it in its star; triangles that no split inserts are those of the base mesh.
 TEST_F(Explain, EveryTriangleIsInTheStarOfTheSplitThatMadeIt) {
   NoOcclusion none;
   refine(Camera{}, none);
-  const RefinedObject& refined = refinement.objects[0];
+  const RefinedObject& refined = refinement_.objects[0];
   const std::vector<SplitId> born = born_splits(hierarchy(), refined);
   ASSERT_EQ(born.size(), refined.triangles.size());
   std::size_t of_base = 0;
@@ -62,12 +62,12 @@ TEST_F(Explain, ClassesAgreeWithTheItemBuffer) {
   Camera camera;
   camera.eye = {0.0, 0.0, 1.6};  // so near that much of the planet is beside the picture
   refine(camera, none);
-  const RefinedObject& refined = refinement.objects[0];
+  const RefinedObject& refined = refinement_.objects[0];
   const View view(camera);
   const DrawObject drawn[] = {{hierarchy().positions(), {}, refined.triangles, glm::dmat4(1.0)}};
   ItemBuffer items;
   draw_items(items, drawn, view);
-  const std::vector<Seen> seen = classify(object, refined.triangles, view, owners(items, refined.triangles.size()), 0);
+  const std::vector<Seen> seen = classify(object_, refined.triangles, view, owners(items, refined.triangles.size()), 0);
   const auto count = [&](Seen which) { return static_cast<std::size_t>(std::count(seen.begin(), seen.end(), which)); };
   EXPECT_EQ(count(Seen::visible), count_visible_items(items, refined.triangles.size()));
   EXPECT_GT(count(Seen::back_facing), 0U);
@@ -82,11 +82,11 @@ TEST_F(Explain, ClassesAgreeWithTheItemBuffer) {
 // Nothing else ends refinement with room in the budget and nothing hidden: what is seen is complete.
 TEST_F(Explain, FullMeshIsCompleteWhereItIsSeen) {
   NoOcclusion none;
-  const RefineObject objects[] = {{object.mesh->hierarchy.get(), glm::dmat4(1.0), false}};
+  const RefineObject objects[] = {{object_.mesh->hierarchy.get(), glm::dmat4(1.0), false}};
   Refiner refiner(objects);
   const View view{Camera{}};
-  refinement = refiner.refine(view, {.budget = 1'000'000}, none);
-  const std::vector<Outcome> found = outcomes(object, refinement.objects[0], view, nullptr);
+  refinement_ = refiner.refine(view, {.budget = 1'000'000}, none);
+  const std::vector<Outcome> found = outcomes(object_, refinement_.objects[0], view, nullptr);
   EXPECT_EQ(std::count(found.begin(), found.end(), Outcome::budget), 0);
   EXPECT_EQ(std::count(found.begin(), found.end(), Outcome::hidden), 0);
   EXPECT_GT(std::count(found.begin(), found.end(), Outcome::complete), 0);
@@ -96,7 +96,7 @@ TEST_F(Explain, FullMeshIsCompleteWhereItIsSeen) {
 TEST_F(Explain, SmallBudgetEndsRefinementWhereItIsSeen) {
   NoOcclusion none;
   refine(Camera{}, none);
-  const std::vector<Outcome> found = outcomes(object, refinement.objects[0], View(Camera{}), nullptr);
+  const std::vector<Outcome> found = outcomes(object_, refinement_.objects[0], View(Camera{}), nullptr);
   EXPECT_GT(std::count(found.begin(), found.end(), Outcome::budget), 100);
   EXPECT_EQ(std::count(found.begin(), found.end(), Outcome::off_screen), 0);  // all of the planet is in the picture
 }
@@ -107,7 +107,7 @@ TEST_F(Explain, RecordedOccluderIsWhatTheBackendWasGiven) {
   RecordedOcclusion recorded(*software);
   EXPECT_EQ(recorded.depth(), nullptr);
   refine(Camera{}, recorded);
-  const Refinement with = refinement;
+  const Refinement with = refinement_;
   const auto depth = recorded.depth();
   ASSERT_NE(depth, nullptr);
   EXPECT_EQ(depth->width(), Camera{}.width);
@@ -115,33 +115,33 @@ TEST_F(Explain, RecordedOccluderIsWhatTheBackendWasGiven) {
   EXPECT_EQ(depth->farthest(0, 0, 0), 0.0F);                         // and not in the corner
   EXPECT_EQ(depth->farthest(depth->level_count() - 1, 0, 0), 0.0F);  // nor everywhere
   refine(Camera{}, *software);
-  EXPECT_EQ(refinement.hash(), with.hash());  // looking on changes nothing
+  EXPECT_EQ(refinement_.hash(), with.hash());  // looking on changes nothing
 }
 
 TEST_F(Explain, ErrorsAreZeroWhereNothingIsLeft) {
   NoOcclusion none;
-  const RefineObject objects[] = {{object.mesh->hierarchy.get(), glm::dmat4(1.0), true}};
+  const RefineObject objects[] = {{object_.mesh->hierarchy.get(), glm::dmat4(1.0), true}};
   Refiner refiner(objects);
-  object.two_sided = true;
+  object_.two_sided = true;
   const View view{Camera{}};
-  refinement = refiner.refine(view, {.budget = 1'000'000, .culling = Culling::subtree}, none);
-  ASSERT_EQ(refinement.stats.triangles, hierarchy().input_triangle_count());
-  for (const double error : errors_px(object, refinement.objects[0], view)) EXPECT_EQ(error, 0.0);
+  refinement_ = refiner.refine(view, {.budget = 1'000'000, .culling = Culling::subtree}, none);
+  ASSERT_EQ(refinement_.stats.triangles, hierarchy().input_triangle_count());
+  for (const double error : errors_px(object_, refinement_.objects[0], view)) EXPECT_EQ(error, 0.0);
 }
 
 TEST_F(Explain, RayMeetsTheNearestTriangle) {
   NoOcclusion none;
   refine(Camera{}, none);
   RefinedFrame frame;
-  frame.job.objects = std::make_shared<Objects>(Objects{object});
+  frame.job.objects = std::make_shared<Objects>(Objects{object_});
   frame.sides.resize(1);
-  frame.sides[0].refinement = refinement;
+  frame.sides[0].refinement = refinement_;
   const auto hit = cast_ray(frame, {0.1, 0.2, 3.0}, {0.0, 0.0, -1.0});
   ASSERT_TRUE(hit);
   EXPECT_NEAR(hit->point.x, 0.1, 1e-6);
   EXPECT_GT(hit->point.z, 0.8);  // the near side of a planet of radius 0.92 to 1.08
   const Pick pick = pick_of(frame, *hit);
-  EXPECT_EQ(pick.triangle, refinement.objects[0].triangles[hit->triangle]);
+  EXPECT_EQ(pick.triangle, refinement_.objects[0].triangles[hit->triangle]);
   EXPECT_FALSE(cast_ray(frame, {0.0, 0.0, 3.0}, {0.0, 0.0, 1.0}));   // behind
   EXPECT_FALSE(cast_ray(frame, {2.0, 0.0, 3.0}, {0.0, 0.0, -1.0}));  // beside
 }

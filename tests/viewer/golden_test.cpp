@@ -23,8 +23,8 @@ class Golden : public WindowTest {
     set("antialias", false);
   }
   [[nodiscard]] Image picture() {
-    act({{"do", "screenshot"}, {"file", folder.path("picture.png").string()}});
-    return read_png(folder.path("picture.png"));
+    act({{"do", "screenshot"}, {"file", folder_.path("picture.png").string()}});
+    return read_png(folder_.path("picture.png"));
   }
   void expect_golden(const std::string& name) {
     const std::filesystem::path file = std::filesystem::path(OCCLOD_GOLDEN) / (name + ".png");
@@ -57,9 +57,9 @@ TEST_F(Golden, VertexColours) {
   TriangleMesh mesh = generate_rough_planet({.level = 5});
   for (const glm::vec3& p : mesh.positions)
     mesh.colors.emplace_back(glm::clamp(127.0F + 120.0F * p, 0.0F, 255.0F), 255);
-  write_mesh(folder.path("coloured.ply"), mesh);
+  write_mesh(folder_.path("coloured.ply"), mesh);
   act({{"do", "close_all"}});
-  act({{"do", "open"}, {"file", folder.path("coloured.ply").string()}});
+  act({{"do", "open"}, {"file", folder_.path("coloured.ply").string()}});
   act({{"do", "view_from"}, {"side", "front"}});
   set("color_by", "vertices");
   expect_golden("vertices");

@@ -20,11 +20,11 @@ class Input : public ::testing::Test {
     int width = 0;
     int height = 0;
     io.Fonts->GetTexDataAsRGBA32(&pixels, &width, &height);
-    layout.view = {ImVec2(0.0F, 0.0F), ImVec2(800.0F, 600.0F)};
-    layout.pictures = {layout.view};
-    session.set_view_size({800, 600});
-    act(session, {{"do", "open"}, {"file", folder.write("planet.json", planet_scene()).string()}});
-    act(session, {{"do", "go_to"}, {"name", "far"}});
+    layout_.view = {ImVec2(0.0F, 0.0F), ImVec2(800.0F, 600.0F)};
+    layout_.pictures = {layout_.view};
+    session_.set_view_size({800, 600});
+    act(session_, {{"do", "open"}, {"file", folder_.write("planet.json", planet_scene()).string()}});
+    act(session_, {{"do", "go_to"}, {"name", "far"}});
     frame(400.0F, 300.0F);
   }
   Input(const Input&) = delete;
@@ -37,10 +37,10 @@ class Input : public ::testing::Test {
     io.MousePos = ImVec2(x, y);
     io.DeltaTime = 0.5F;  // no two clicks are a double click unless a test says so
     ImGui::NewFrame();
-    input.update(panels, layout, held, 0.1);
+    input_.update(panels_, layout_, held, 0.1);
     ImGui::EndFrame();
     io.MouseWheel = 0.0F;
-    settle(session);
+    settle(session_);
   }
   void drag(int button, float dx, float dy) {
     ImGui::GetIO().MouseDown[button] = true;
@@ -50,13 +50,13 @@ class Input : public ::testing::Test {
     ImGui::GetIO().MouseDown[button] = false;
     frame(400.0F + dx, 300.0F + dy);
   }
-  [[nodiscard]] const Camera& camera() const { return session.state().camera; }
+  [[nodiscard]] const Camera& camera() const { return session_.state().camera; }
 
-  Folder folder;
-  Session session{make_portable_visibility, false};
-  Panels panels{session, {}, 1.0F, {}, false, {}};
-  Layout layout;
-  ViewInput input;
+  Folder folder_;
+  Session session_{make_portable_visibility, false};
+  Panels panels_{session_, {}, 1.0F, {}, false, {}};
+  Layout layout_;
+  ViewInput input_;
 };
 
 // The object follows the mouse: dragged to the right, the eye goes to the left.
@@ -68,8 +68,8 @@ TEST_F(Input, LeftDragOrbits) {
   const double height = camera().eye.y;
   drag(0, 0.0F, -60.0F);  // up
   EXPECT_LT(camera().eye.y, height - 0.1);
-  EXPECT_FALSE(session.state().pick);  // a drag is no click
-  EXPECT_FALSE(input.is_busy());
+  EXPECT_FALSE(session_.state().pick);  // a drag is no click
+  EXPECT_FALSE(input_.is_busy());
 }
 
 TEST_F(Input, RightDragAndShiftPan) {
@@ -86,7 +86,7 @@ TEST_F(Input, RightDragAndShiftPan) {
 
 TEST_F(Input, ClickPicksAndDoubleClickGoesThere) {
   drag(0, 1.0F, 0.0F);  // less than a drag
-  EXPECT_TRUE(session.state().pick);
+  EXPECT_TRUE(session_.state().pick);
   const double before = glm::distance(camera().eye, camera().target);
   ImGui::GetIO().MouseDoubleClickTime = 10.0F;
   drag(0, 0.0F, 0.0F);
@@ -100,11 +100,11 @@ TEST_F(Input, WheelGoesNearerOrFaster) {
   ImGui::GetIO().MouseWheel = 2.0F;
   frame(400.0F, 300.0F);
   EXPECT_LT(glm::distance(camera().eye, camera().target), 0.9 * before);
-  act(session, {{"do", "set"}, {"setting", "steering"}, {"value", "fly"}});
-  const double speed = session.state().settings.speed;
+  act(session_, {{"do", "set"}, {"setting", "steering"}, {"value", "fly"}});
+  const double speed = session_.state().settings.speed;
   ImGui::GetIO().MouseWheel = 1.0F;
   frame(400.0F, 300.0F);
-  EXPECT_GT(session.state().settings.speed, speed);
+  EXPECT_GT(session_.state().settings.speed, speed);
 }
 
 TEST_F(Input, ControlDragMovesTheObject) {
@@ -112,11 +112,11 @@ TEST_F(Input, ControlDragMovesTheObject) {
   const Camera before = camera();
   drag(0, 80.0F, 0.0F);
   EXPECT_EQ(camera().eye, before.eye);
-  EXPECT_GT(session.state().objects->at(0).placement.position.x, 0.1);
+  EXPECT_GT(session_.state().objects->at(0).placement.position.x, 0.1);
 }
 
 TEST_F(Input, HeldKeysFly) {
-  act(session, {{"do", "set"}, {"setting", "steering"}, {"value", "fly"}});
+  act(session_, {{"do", "set"}, {"setting", "steering"}, {"value", "fly"}});
   const Camera before = camera();
   frame(400.0F, 300.0F, {0.0, 0.0, 1.0});
   const glm::dvec3 ahead = glm::normalize(before.target - before.eye);
@@ -129,11 +129,11 @@ TEST_F(Input, HeldKeysFly) {
 
 // What is beside the view is not the view's.
 TEST_F(Input, BesideThePictureNothingHappens) {
-  layout.pictures = {{ImVec2(500.0F, 0.0F), ImVec2(800.0F, 600.0F)}};
+  layout_.pictures = {{ImVec2(500.0F, 0.0F), ImVec2(800.0F, 600.0F)}};
   const Camera before = camera();
   drag(0, 60.0F, 0.0F);
   EXPECT_EQ(camera().eye, before.eye);
-  EXPECT_FALSE(session.state().pick);
+  EXPECT_FALSE(session_.state().pick);
 }
 
 }  // namespace

@@ -14,15 +14,15 @@ class ScriptTest : public ::testing::Test {
  protected:
   // Runs to the end; the error's words, or "".
   std::string run(const json& actions) {
-    session.state().errors = 0;
+    session_.state().errors = 0;
     try {
-      Script script(folder.write("script.json", {{"actions", actions}}));
-      const auto report = [&](const json& figures) { reports.push_back(figures); };
+      Script script(folder_.write("script.json", {{"actions", actions}}));
+      const auto report = [&](const json& figures) { reports_.push_back(figures); };
       do {
-        session.update(0.01, 100.0);
-        session.state().captures.clear();  // as if they had been taken
-        session.picture_drawn(0.0, 0.0);
-      } while (script.step(session, report));
+        session_.update(0.01, 100.0);
+        session_.state().captures.clear();  // as if they had been taken
+        session_.picture_drawn(0.0, 0.0);
+      } while (script.step(session_, report));
     } catch (const Error& error) {
       return error.what();
     }
@@ -34,12 +34,12 @@ class ScriptTest : public ::testing::Test {
     EXPECT_NE(words.find("script.json: " + place), std::string::npos) << words;
   }
   [[nodiscard]] json open() const {
-    return {{"do", "open"}, {"file", folder.write("planet.json", test::planet_scene()).string()}};
+    return {{"do", "open"}, {"file", folder_.write("planet.json", test::planet_scene()).string()}};
   }
 
-  test::Folder folder;
-  Session session{test::make_portable_visibility, false};
-  std::vector<json> reports;
+  test::Folder folder_;
+  Session session_{test::make_portable_visibility, false};
+  std::vector<json> reports_;
 };
 
 TEST_F(ScriptTest, EveryActionSeesWhatTheOnesBeforeHaveDone) {
@@ -51,8 +51,8 @@ TEST_F(ScriptTest, EveryActionSeesWhatTheOnesBeforeHaveDone) {
                  {{"do", "expect"}, {"figure", "triangles"}, {"at_least", 1400}},
                  {{"do", "report"}}}),
             "");
-  ASSERT_EQ(reports.size(), 1U);
-  EXPECT_GE(reports[0].at("triangles"), 1400);
+  ASSERT_EQ(reports_.size(), 1U);
+  EXPECT_GE(reports_[0].at("triangles"), 1400);
 }
 
 TEST_F(ScriptTest, RepeatsAndWaits) {
@@ -66,10 +66,10 @@ TEST_F(ScriptTest, RepeatsAndWaits) {
                  {{"do", "wait"}, {"for", "path"}},
                  {{"do", "report"}}}),
             "");
-  ASSERT_EQ(reports.size(), 7U);
-  EXPECT_GE(reports[2].at("pictures").get<double>(), reports[1].at("pictures").get<double>() + 4);
+  ASSERT_EQ(reports_.size(), 7U);
+  EXPECT_GE(reports_[2].at("pictures").get<double>(), reports_[1].at("pictures").get<double>() + 4);
   // Five frames, each drawn.
-  EXPECT_GE(reports[6].at("pictures").get<double>(), reports[5].at("pictures").get<double>() + 9);
+  EXPECT_GE(reports_[6].at("pictures").get<double>(), reports_[5].at("pictures").get<double>() + 9);
 }
 
 TEST_F(ScriptTest, FailuresNameTheAction) {
@@ -85,10 +85,10 @@ TEST_F(ScriptTest, FailuresNameTheAction) {
 }
 
 TEST_F(ScriptTest, IsReadStrictly) {
-  EXPECT_THROW(Script(folder.write("a.json", {{"steps", json::array()}})), Error);
-  EXPECT_THROW(Script(folder.write("b.json", {{"actions", json::array()}})), Error);
-  EXPECT_THROW(Script(folder.write("c.json", {{"actions", {{{"do", "report"}}}}, {"more", 1}})), Error);
-  EXPECT_THROW(Script(folder.path("none.json")), Error);
+  EXPECT_THROW(Script(folder_.write("a.json", {{"steps", json::array()}})), Error);
+  EXPECT_THROW(Script(folder_.write("b.json", {{"actions", json::array()}})), Error);
+  EXPECT_THROW(Script(folder_.write("c.json", {{"actions", {{{"do", "report"}}}}, {"more", 1}})), Error);
+  EXPECT_THROW(Script(folder_.path("none.json")), Error);
 }
 
 }  // namespace

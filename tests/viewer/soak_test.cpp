@@ -14,7 +14,7 @@ class Soak : public WindowTest {
  protected:
   // Something is open all the time, so that what has been closed must be let go one by one.
   void one_round() {
-    act({{"do", "open"}, {"file", folder.path("planet.json").string()}});
+    act({{"do", "open"}, {"file", folder_.path("planet.json").string()}});
     for (const char* by : {"level", "visibility", "outcome", "plain"}) set("color_by", by);
     set("compare", true);
     set("birdseye", true);

@@ -12,11 +12,11 @@ namespace occlod::viewer::test {
 
 void WindowTest::start(const nlohmann::json& scene, ImageSize size) {
   ApplicationOptions options;
-  options.files = {folder.write("planet.json", scene)};
+  options.files = {folder_.write("planet.json", scene)};
   options.size = size;
   options.use_cache = false;
   options.debug_gl = true;
-  application = std::make_unique<Application>(options);
+  application_ = std::make_unique<Application>(options);
   act({{"do", "set"}, {"setting", "scale"}, {"value", 1.0}});
 }
 
@@ -24,7 +24,7 @@ void WindowTest::act(const nlohmann::json& action) {
   session().perform(action);
   const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(2);
   do {
-    ASSERT_TRUE(application->step());
+    ASSERT_TRUE(application_->step());
     ASSERT_LT(std::chrono::steady_clock::now(), end) << action;
   } while (!session().settled() || !session().state().captures.empty());
 }
@@ -34,7 +34,7 @@ void WindowTest::set(const char* setting, const nlohmann::json& value) {
 }
 
 void WindowTest::draw(int pictures) {
-  for (int i = 0; i < pictures; ++i) ASSERT_TRUE(application->step());
+  for (int i = 0; i < pictures; ++i) ASSERT_TRUE(application_->step());
 }
 
 std::map<std::string, int> count_gl_objects() {

@@ -18,10 +18,10 @@ class WindowTest : public ::testing::Test {
   void act(const nlohmann::json& action);
   void set(const char* setting, const nlohmann::json& value);
   void draw(int pictures = 1);
-  [[nodiscard]] Session& session() { return application->session(); }
+  [[nodiscard]] Session& session() { return application_->session(); }
 
-  Folder folder;
-  std::unique_ptr<Application> application;
+  Folder folder_;
+  std::unique_ptr<Application> application_;
 };
 
 // How many objects of each kind the current context has, up to the name 4096.

@@ -50,7 +50,7 @@ TEST_F(Window, OpenGlBackendsRefine) {
 // The debug context is heard: the test above would fail.
 TEST_F(Window, ComplaintsOfTheDriverAreErrors) {
   start();
-  application->window().functions().Enable(0xDEAD);
+  application_->window().functions().Enable(0xDEAD);
   draw(1);
   EXPECT_GE(session().state().errors, 1);
 }
@@ -78,7 +78,7 @@ TEST_F(Window, ReplayedPathGivesTheMeshesOfTheLibrary) {
 
 TEST_F(Window, SequenceHasAPictureOfEachFrameAtThePathsSize) {
   start();
-  const auto pictures = folder.path("pictures");
+  const auto pictures = folder_.path("pictures");
   session().perform(nlohmann::json{{"do", "picture_sequence"}, {"name", "by"}, {"folder", pictures.string()}});
   draw(2);
   while (!session().state().playback.path.empty()) draw(1);
@@ -95,8 +95,8 @@ TEST_F(Window, SequenceHasAPictureOfEachFrameAtThePathsSize) {
 // Panels stand beside the view, never over it: what is not sidebar or numbers shows the picture.
 TEST_F(Window, WindowPictureHasPanelsAndView) {
   start();
-  act({{"do", "screenshot"}, {"file", folder.path("window.png").string()}, {"panels", true}});
-  const Image window = read_png(folder.path("window.png"));
+  act({{"do", "screenshot"}, {"file", folder_.path("window.png").string()}, {"panels", true}});
+  const Image window = read_png(folder_.path("window.png"));
   EXPECT_EQ(window.width, 1000);
   EXPECT_EQ(window.height, 700);
   const auto pixel = [&](int x, int y) { return window.pixels[static_cast<std::size_t>(y * window.width + x)]; };
@@ -107,22 +107,22 @@ TEST_F(Window, WindowPictureHasPanelsAndView) {
 // A script's picture shows what there was when its turn came, not what the next action made of it.
 TEST_F(Window, ScriptTakesPicturesInTheirTurn) {
   const auto script =
-      folder.write("script.json", {{"actions",
-                                    {{{"do", "open"}, {"file", folder.write("planet.json", planet_scene()).string()}},
-                                     {{"do", "screenshot"}, {"file", folder.path("before.png").string()}},
-                                     {{"do", "orbit"}, {"right", 90}, {"up", 0}},
-                                     {{"do", "screenshot"}, {"file", folder.path("after.png").string()}},
-                                     {{"do", "close_all"}},
-                                     {{"do", "screenshot"}, {"file", folder.path("empty.png").string()}}}}});
+      folder_.write("script.json", {{"actions",
+                                     {{{"do", "open"}, {"file", folder_.write("planet.json", planet_scene()).string()}},
+                                      {{"do", "screenshot"}, {"file", folder_.path("before.png").string()}},
+                                      {{"do", "orbit"}, {"right", 90}, {"up", 0}},
+                                      {{"do", "screenshot"}, {"file", folder_.path("after.png").string()}},
+                                      {{"do", "close_all"}},
+                                      {{"do", "screenshot"}, {"file", folder_.path("empty.png").string()}}}}});
   ApplicationOptions options;
   options.script = script;
   options.size = {800, 600};
-  application = std::make_unique<Application>(options);
-  application->run();
-  application.reset();
-  const Image before = read_png(folder.path("before.png"));
-  const Image after = read_png(folder.path("after.png"));
-  const Image empty = read_png(folder.path("empty.png"));
+  application_ = std::make_unique<Application>(options);
+  application_->run();
+  application_.reset();
+  const Image before = read_png(folder_.path("before.png"));
+  const Image after = read_png(folder_.path("after.png"));
+  const Image empty = read_png(folder_.path("empty.png"));
   EXPECT_NE(difference(before, after), "");
   EXPECT_NE(difference(after, empty), "");
   EXPECT_NE(difference(before, empty), "");
@@ -130,7 +130,7 @@ TEST_F(Window, ScriptTakesPicturesInTheirTurn) {
 
 TEST_F(Window, SecondViewerOpensAfterTheFirst) {
   start();
-  application.reset();
+  application_.reset();
   start();
   EXPECT_EQ(session().state().errors, 0);
 }
