@@ -40,7 +40,7 @@ if(OCCLOD_WITH_CGAL AND (OCCLOD_BUILD_TOOLS OR OCCLOD_BUILD_BENCH))
   find_package(CGAL QUIET)
   set(CMAKE_MODULE_PATH ${occlod_module_path})  # CGAL puts its own search modules for OpenMesh and others in front
   if(NOT CGAL_FOUND)
-    message(FATAL_ERROR "CGAL was not found: install it (libcgal-dev), or configure with -DOCCLOD_WITH_CGAL=OFF and go without `occlod compare`")
+    message(FATAL_ERROR "CGAL was not found: install it (libcgal-dev), or configure with -DOCCLOD_WITH_CGAL=OFF and go without `occlod compare` and `occlod repair`")
   endif()
 endif()
 if(OCCLOD_BUILD_BENCH)

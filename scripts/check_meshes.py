@@ -1,15 +1,17 @@
 #!/usr/bin/env python3
-"""check_meshes.py [OCCLOD]: builds and validates every mesh below the folders that OCCLOD_MESHES names, separated by ':'. One line each: built and
-valid, or refused with the reason. Exit 1 when any crashes, hangs, is refused without a single line that says why, or is not valid.
-OCCLOD defaults to build/release/tools/occlod."""
+"""check_meshes.py [--repair] [OCCLOD]: builds and validates every mesh below the folders that OCCLOD_MESHES names, separated by ':'. One line each:
+built and valid, or refused with the reason. Exit 1 when any crashes, hangs, is refused without a single line that says why, or is not valid.
+--repair: repairs each first, and builds and validates what comes out. OCCLOD defaults to build/release/tools/occlod."""
 import argparse
 import json
 import os
 import pathlib
+import resource
 import signal
 import subprocess
 import sys
 import tempfile
+import time
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 EXTENSIONS = {".ply", ".obj", ".off", ".stl", ".gltf", ".glb"}
@@ -51,6 +53,25 @@ def check(occlod, mesh, hierarchy):
     return f"{built['triangles']:>9} triangles {built['build_ms']:>8.0f} ms {built['peak_bytes'] / 1e6:>6.0f} MB"
 
 
+def check_repaired(occlod, mesh, hierarchy):
+    """The same about what `repair` makes of it."""
+    repaired = hierarchy.with_suffix(".ply")
+    begin = time.monotonic()
+    told = run(occlod, "repair", mesh, "-o", repaired)
+    seconds = time.monotonic() - begin
+    try:
+        run(occlod, "build", repaired, "-o", hierarchy)
+        run(occlod, "validate", hierarchy, "--input", repaired)
+    except Refused as refusal:
+        raise Failure(f"after repair: {refusal}") from None
+    after = told["after"]
+    for fault in ("nonmanifold_edges", "nonmanifold_vertices", "inconsistent_edges", "repeated_triangles"):
+        if after[fault]:
+            raise Failure(f"repair left {after[fault]} {fault}")
+    changed = ", ".join(f"{key} {count}" for key, count in told["changes"].items() if count)
+    return f"{after['triangles']:>9} triangles {1e3 * seconds:>8.0f} ms {changed}"
+
+
 def meshes():
     """Every mesh with the name to show for it."""
     for folder in filter(None, os.environ.get("OCCLOD_MESHES", "").split(":")):
@@ -62,14 +83,16 @@ def meshes():
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("occlod", nargs="?", type=pathlib.Path, default=ROOT / "build/release/tools/occlod", help="the command to run")
-    occlod = parser.parse_args().occlod
+    parser.add_argument("--repair", action="store_true", help="repair each mesh first")
+    arguments = parser.parse_args()
+    occlod, check_one = arguments.occlod, check_repaired if arguments.repair else check
     if not occlod.is_file():
         parser.error(f"{occlod} is not there; build it with scripts/build.sh")
     counts = {"valid": 0, "refused": 0, "FAILED": 0}
     with tempfile.TemporaryDirectory(prefix="occlod-check-") as folder:
         for path, name in meshes():
             try:
-                verdict, told = "valid", check(occlod, path, pathlib.Path(folder) / "mesh.olod")
+                verdict, told = "valid", check_one(occlod, path, pathlib.Path(folder) / "mesh.olod")
             except Refused as refusal:
                 verdict, told = "refused", str(refusal).replace(str(path), path.name)
             except Failure as failure:
@@ -79,6 +102,7 @@ def main():
     if not sum(counts.values()):
         sys.exit("check_meshes: no meshes; OCCLOD_MESHES names the folders, separated by ':'")
     print(", ".join(f"{count} {verdict}" for verdict, count in counts.items()))
+    print(f"most memory that a command held: {resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024:.0f} MB")
     sys.exit(1 if counts["FAILED"] else 0)
 
 

@@ -15,6 +15,7 @@
 #include "occlod/io/olod.h"
 #include "occlod/io/read_mesh.h"
 #include "progress.h"
+#include "repair_advice.h"
 #include "stopwatch.h"
 
 namespace occlod::tool {
@@ -79,6 +80,7 @@ void run(const Options& options) {
   result["write_ms"] = write_ms;
   result["triangles_per_s"] = 1e3 * static_cast<double>(input.mesh.triangle_count()) / build_ms;
   result["peak_bytes"] = peak_bytes();
+  if (const auto advice = repair_advice(input.report)) result["advice"] = *advice;
   result["report"] = to_json(input.report);
   if (options.json) return print_json(result);
   print_lines(result);

@@ -7,11 +7,12 @@
 namespace occlod::tool {
 
 void add_build(CLI::App& app);
-void add_compare(CLI::App& app);  // where OCCLOD_HAS_COMPARE is defined
+void add_compare(CLI::App& app);  // where OCCLOD_HAS_CGAL is defined, as repair
 void add_cut(CLI::App& app);
 void add_generate(CLI::App& app);
 void add_info(CLI::App& app);
 void add_render(CLI::App& app);
+void add_repair(CLI::App& app);
 void add_validate(CLI::App& app);
 
 }  // namespace occlod::tool

@@ -1,14 +1,17 @@
-// occlod info FILE.olod
+// occlod info FILE
 #include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "commands.h"
 #include "json_output.h"
 #include "occlod/io/olod.h"
+#include "occlod/io/read_mesh.h"
+#include "repair_advice.h"
 
 namespace occlod::tool {
 namespace {
@@ -38,7 +41,31 @@ Counts count_all(const Hierarchy& hierarchy) {
   return counts;
 }
 
-void run(const Options& options) {
+// `reported` says what was found when the mesh was read.
+void print(const Options& options, Json result, const MeshReport& reported) {
+  if (const auto advice = repair_advice(reported)) result["advice"] = *advice;
+  result["report"] = to_json(reported);
+  if (options.json) return print_json(result);
+  print_lines(result);
+  print_lines(result["report"]);
+}
+
+Json to_json(const Box& box) {
+  return {{"min", tool::to_json(glm::dvec3(box.min))}, {"max", tool::to_json(glm::dvec3(box.max))}};
+}
+
+void tell_mesh(const Options& options) {
+  const CleanMesh file = read_mesh(options.file);
+  const Json result = {{"file", options.file},
+                       {"vertices", file.mesh.vertex_count()},
+                       {"triangles", file.mesh.triangle_count()},
+                       {"normals", !file.mesh.normals.empty()},
+                       {"colors", !file.mesh.colors.empty()},
+                       {"box", to_json(bounding_box(file.mesh.positions))}};
+  print(options, result, file.report);
+}
+
+void tell_hierarchy(const Options& options) {
   const OlodFile file = read_olod(options.file);
   const Hierarchy& hierarchy = file.hierarchy;
   Json result = {{"file", options.file}, {"format", olod_version}};
@@ -47,28 +74,27 @@ void run(const Options& options) {
   result["file_bytes"] = std::filesystem::file_size(options.file);
   result["normals"] = !hierarchy.data().normals.empty();
   result["colors"] = !hierarchy.data().colors.empty();
-  result["box"] = {{"min", to_json(glm::dvec3(hierarchy.box().min))},
-                   {"max", to_json(glm::dvec3(hierarchy.box().max))}};
+  result["box"] = to_json(hierarchy.box());
   if (options.check) {
     const Counts counts = count_all(hierarchy);
     result["dependencies"] = counts.dependencies;
     result["levels"] = counts.levels;
   }
-  result["report"] = to_json(file.report);
-  if (options.json) return print_json(result);
-  print_lines(result);
-  print_lines(result["report"]);
+  print(options, std::move(result), file.report);
 }
+
+bool is_hierarchy(const std::string& file) { return std::filesystem::path(file).extension() == ".olod"; }
 
 }  // namespace
 
 void add_info(CLI::App& app) {
-  CLI::App& command = *app.add_subcommand("info", "Say what a hierarchy holds");
+  CLI::App& command = *app.add_subcommand("info", "Say what a hierarchy or a mesh holds");
   const auto options = std::make_shared<Options>();
-  command.add_option("FILE", options->file, "An .olod file")->required();
-  command.add_flag("--check", options->check, "Read and check the whole file; count dependencies and levels too");
+  command.add_option("FILE", options->file, "An .olod file, or a mesh: what reading it finds")->required();
+  command.add_flag("--check", options->check,
+                   "Read and check all of an .olod file, as is done with meshes anyway; count dependencies and levels");
   command.add_flag("--json", options->json, "Print one JSON object");
-  command.callback([options] { run(*options); });
+  command.callback([options] { is_hierarchy(options->file) ? tell_hierarchy(*options) : tell_mesh(*options); });
 }
 
 }  // namespace occlod::tool

@@ -25,16 +25,21 @@ Json to_json(const Camera& camera) {
 }
 
 Json to_json(const MeshReport& report) {
-  return {{"vertices_read", report.vertices_read},
-          {"polygons_read", report.polygons_read},
-          {"polygons_triangulated", report.polygons_triangulated},
-          {"triangles_read", report.triangles_read},
-          {"vertices_welded", report.vertices_welded},
-          {"attribute_conflicts", report.attribute_conflicts},
-          {"unreferenced_vertices", report.unreferenced_vertices},
-          {"nonfinite_vertices", report.nonfinite_vertices},
-          {"repeated_index_triangles", report.repeated_index_triangles},
-          {"zero_area_triangles", report.zero_area_triangles},
+  Json json = {{"vertices_read", report.vertices_read},
+               {"polygons_read", report.polygons_read},
+               {"polygons_triangulated", report.polygons_triangulated},
+               {"triangles_read", report.triangles_read},
+               {"vertices_welded", report.vertices_welded},
+               {"attribute_conflicts", report.attribute_conflicts},
+               {"unreferenced_vertices", report.unreferenced_vertices},
+               {"nonfinite_vertices", report.nonfinite_vertices},
+               {"repeated_index_triangles", report.repeated_index_triangles}};
+  json.update(topology_to_json(report));
+  return json;
+}
+
+Json topology_to_json(const MeshReport& report) {
+  return {{"zero_area_triangles", report.zero_area_triangles},
           {"repeated_triangles", report.repeated_triangles},
           {"boundary_edges", report.boundary_edges},
           {"nonmanifold_edges", report.nonmanifold_edges},

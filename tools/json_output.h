@@ -17,6 +17,7 @@ using Json = nlohmann::ordered_json;
 [[nodiscard]] Json to_json(const glm::dmat4& matrix);  // 16 numbers, by columns
 [[nodiscard]] Json to_json(const Camera& camera);
 [[nodiscard]] Json to_json(const MeshReport& report);
+[[nodiscard]] Json topology_to_json(const MeshReport& report);  // the last part of it: what is kept as it is
 // vertices, triangles, base_triangles, splits, faces, bytes, bytes_per_vertex, error_bound.
 [[nodiscard]] Json counts_of(const Hierarchy& hierarchy);
 

@@ -32,6 +32,17 @@ void flush_output() {
     throw Error({"standard output", "", std::generic_category().message(errno), "free some space"});
 }
 
+#ifndef OCCLOD_HAS_CGAL
+// A command that says why it is not there.
+void add_without_cgal(CLI::App& app, const std::string& name) {
+  CLI::App& command = *app.add_subcommand(name, "Left out: this program was built without CGAL");
+  command.allow_extras();
+  command.callback([name] {
+    throw Error({name, "", "this program was built without CGAL", "configure the build with -DOCCLOD_WITH_CGAL=ON"});
+  });
+}
+#endif
+
 int run(int argc, char** argv) {
   CLI::App app("Continuous level of detail under a hard triangle budget, controlled by occlusion.", "occlod");
   app.set_version_flag("--version", version());
@@ -42,8 +53,12 @@ int run(int argc, char** argv) {
   add_validate(app);
   add_render(app);
   add_cut(app);
-#ifdef OCCLOD_HAS_COMPARE
+#ifdef OCCLOD_HAS_CGAL
   add_compare(app);
+  add_repair(app);
+#else
+  add_without_cgal(app, "compare");
+  add_without_cgal(app, "repair");
 #endif
   try {
     app.parse(argc, argv);

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <glm/geometric.hpp>
 #include <limits>
 #include <random>
@@ -12,6 +11,7 @@
 #include <thread>
 #include <vector>
 
+#include "hierarchy/hierarchy_bytes.h"
 #include "occlod/core/error.h"
 #include "occlod/hierarchy/validate.h"
 #include "occlod/mesh/clean.h"
@@ -39,11 +39,6 @@ std::vector<NamedMesh> all_meshes() {
           {"book", test::book(5)},
           {"two_components", test::two_components()},
           {"many_tetrahedra", test::many_tetrahedra(40)}};
-}
-
-template <typename T>
-bool same_bytes(std::span<const T> a, std::span<const T> b) {
-  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
 }
 
 TEST(BuildHierarchy, EveryKindOfMeshBuildsValidatesAndComesBack) {
@@ -114,9 +109,7 @@ TEST(BuildHierarchy, SameInputGivesTheSameBytes) {
   const TriangleMesh mesh = test::noisy_sphere(4, 3);
   const Hierarchy a = build_hierarchy(mesh);
   const Hierarchy b = build_hierarchy(mesh);
-  EXPECT_TRUE(same_bytes(a.data().nodes, b.data().nodes));
-  EXPECT_TRUE(same_bytes(a.data().stars, b.data().stars));
-  EXPECT_TRUE(same_bytes(a.data().positions, b.data().positions));
+  EXPECT_TRUE(test::same_bytes(a, b));
 }
 
 TEST(BuildHierarchy, ThreadsDoNotChangeTheBytes) {
@@ -128,9 +121,7 @@ TEST(BuildHierarchy, ThreadsDoNotChangeTheBytes) {
   for (const int threads : {2, 5}) {
     options.threads = threads;
     const Hierarchy many = build_hierarchy(mesh, options);
-    EXPECT_TRUE(same_bytes(one.data().nodes, many.data().nodes));
-    EXPECT_TRUE(same_bytes(one.data().stars, many.data().stars));
-    EXPECT_TRUE(same_bytes(one.data().positions, many.data().positions));
+    EXPECT_TRUE(test::same_bytes(one, many));
   }
 }
 

@@ -11,7 +11,7 @@ OLD = b"what was there before"
 ATTEMPTS = 20
 
 
-class Interrupt(ToolTest):
+class Interrupting(ToolTest):
     def start(self, *arguments):
         """With SIGINT handled even where this test runs in the background of a script, which has its children ignore it."""
         return subprocess.Popen([OCCLOD, *map(str, arguments), "--progress", "always"], cwd=self.folder, stdout=subprocess.PIPE,
@@ -77,6 +77,8 @@ class Interrupt(ToolTest):
     def make_large_planet(self, level):
         self.succeed("generate", "rough-planet", "--level", level, "-o", "planet.ply")
 
+
+class Interrupt(Interrupting):
     def test_build(self):
         self.make_large_planet(8)
         for number in (signal.SIGINT, signal.SIGTERM):
@@ -101,6 +103,13 @@ class Interrupt(ToolTest):
         self.wait_for_stage(process, "generating")
         process.send_signal(signal.SIGINT)
         self.assertEqual(self.end_of(process)[0], 0)
+
+
+class InterruptRepair(Interrupting):
+    def test_repair(self):
+        self.make_large_planet(7)
+        self.cancel("orienting", signal.SIGINT, "repair", "planet.ply", target="target.obj")
+        self.cancel_while_writing(signal.SIGTERM, "repair", "planet.ply", target="target.obj")
 
 
 class ShowProgress(ToolTest):

@@ -110,5 +110,14 @@ class Compare(ToolTest):
             self.assertEqual((done.returncode, done.stdout, done.stderr.count("\n")), (2, "", 1), arguments)
 
 
+class WithoutCgal(ToolTest):
+    def test_commands_say_why_they_are_not_there(self):
+        for command in ("compare", "repair"):
+            for arguments in ([], ["a.off", "b.off"], ["a.off", "-o", "b.off", "--json"]):
+                line = self.fail(command, *arguments)
+                self.assertIn(command, line)
+                self.assertIn("OCCLOD_WITH_CGAL", line)
+
+
 if __name__ == "__main__":
     unittest.main(verbosity=1)

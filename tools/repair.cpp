@@ -1,0 +1,146 @@
+// occlod repair MESH -o OUT
+#include "repair/repair.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "commands.h"
+#include "interrupt.h"
+#include "json_output.h"
+#include "occlod/core/error.h"
+#include "occlod/io/read_mesh.h"
+#include "occlod/io/write_mesh.h"
+#include "progress.h"
+#include "stopwatch.h"
+
+namespace occlod::tool {
+namespace {
+
+using repair::RepairCounts;
+using repair::RepairedMesh;
+
+struct Options {
+  std::string input;
+  std::string output;
+  repair::RepairOptions repair;
+  ShowProgress progress = ShowProgress::automatic;
+  bool json = false;
+};
+
+CleanMesh read(const Options& options, Progress& progress) {
+  return read_mesh(options.input, [&](double done) { progress.show("reading " + options.input, done); });
+}
+
+RepairedMesh repair_input(const Options& options, const TriangleMesh& mesh, Progress& progress) {
+  repair::RepairOptions with_progress = options.repair;
+  with_progress.progress = [&](const std::string& what, std::optional<double> done) { progress.show(what, done); };
+  RepairedMesh repaired = repair::repair_mesh(mesh, with_progress);
+  if (repaired.mesh.triangles.empty())
+    throw Error({options.input, "", fmt::format("nothing is left of {} triangles", mesh.triangle_count()),
+                 "give a mesh with a triangle that has an area, or a smaller --weld"});
+  return repaired;
+}
+
+Json to_json(const RepairCounts& counts) {
+  return {{"vertices_welded", counts.vertices_welded},
+          {"collapsed_triangles_dropped", counts.collapsed_dropped},
+          {"repeated_triangles_dropped", counts.repeated_dropped},
+          {"opposite_triangles_dropped", counts.opposite_dropped},
+          {"zero_area_triangles_dropped", counts.zero_area_dropped},
+          {"zero_area_triangles_flipped", counts.zero_area_flipped},
+          {"zero_area_triangles_kept", counts.zero_area_kept},
+          {"triangles_turned", counts.triangles_turned},
+          {"unorientable_edges", counts.unorientable_edges},
+          {"vertices_duplicated", counts.vertices_duplicated},
+          {"edges_stitched", counts.edges_stitched},
+          {"holes_filled", counts.holes_filled},
+          {"triangles_added", counts.triangles_added},
+          {"borders_left", counts.borders_left}};
+}
+
+Json topology_of(const TriangleMesh& mesh, const MeshReport& report) {
+  Json topology = {{"vertices", mesh.vertex_count()}, {"triangles", mesh.triangle_count()}};
+  topology.update(topology_to_json(report));
+  return topology;
+}
+
+// `after` takes vertices at one place for different ones, as the file has them; `after_welding` is what the next reader
+// that welds will have.
+Json report_of(const Options& options, const CleanMesh& input, const RepairedMesh& repaired) {
+  MeshReport after;
+  count_topology(repaired.mesh, after);
+  const CleanMesh welded = clean(repaired.mesh, {}, options.output);
+  Json report = {{"input", options.input}, {"file", options.output}};
+  report["orientable"] = repaired.changes.unorientable_edges == 0;
+  report["changes"] = to_json(repaired.changes);
+  report["before"] = topology_of(input.mesh, input.report);
+  report["after"] = topology_of(repaired.mesh, after);
+  report["after_welding"] = topology_of(welded.mesh, welded.report);
+  report["report"] = tool::to_json(input.report);
+  return report;
+}
+
+void print_topology(const Json& report) {
+  const char* const row = "{:<22} {:>12} {:>12} {:>12}\n";
+  fmt::print(fmt::runtime(row), "", "before", "after", "welded again");
+  for (const auto& [key, before] : report["before"].items())
+    fmt::print(fmt::runtime(row), key, before.dump(), report["after"][key].dump(), report["after_welding"][key].dump());
+}
+
+void print_report(const Json& report, const RepairCounts& changes) {
+  print_lines(report);
+  print_lines(report["changes"]);
+  print_topology(report);
+  if (changes.unorientable_edges > 0)
+    fmt::print("{}: cannot be oriented, it has one side only, as a Moebius band has: cut along {} edges\n",
+               report["input"].get<std::string>(), changes.unorientable_edges);
+}
+
+void run(const Options& options) {
+  handle_interrupts("repair");
+  Progress progress(options.progress);
+  const CleanMesh input = read(options, progress);
+  const Stopwatch stopwatch;
+  const RepairedMesh repaired = repair_input(options, input.mesh, progress);
+  const double repair_ms = stopwatch.milliseconds();
+  write_interruptibly(options.output, 0, progress, [&] { write_mesh(options.output, repaired.mesh); });
+  progress.clear();
+  Json report = report_of(options, input, repaired);
+  report["repair_ms"] = repair_ms;
+  options.json ? print_json(report) : print_report(report, repaired.changes);
+}
+
+}  // namespace
+
+void add_repair(CLI::App& app) {
+  CLI::App& command = *app.add_subcommand("repair", "Make an oriented manifold of a mesh, and count what that takes");
+  command.footer(
+      "Vertices at exactly one place are welded on reading. The copies that take non-manifold edges and vertices apart "
+      "lie\n"
+      "at one place too: programs that weld, as occlod does, join them again. A program with this command contains "
+      "parts of\n"
+      "CGAL under the GPL.");
+  const auto options = std::make_shared<Options>();
+  command.add_option("MESH", options->input, "Mesh to read: .ply, .obj, .off, .stl, .gltf or .glb")->required();
+  command.add_option("-o,--output", options->output, "Mesh to write: .ply, .obj, .off or .stl")->required();
+  command.add_option_function<double>(
+      "--weld",
+      [options](double distance) {
+        if (!std::isfinite(distance) || distance < 0.0) throw CLI::ValidationError("--weld", "is not a length");
+        options->repair.weld = distance;
+      },
+      "Also merge vertices that are no farther apart than this, object units");
+  command.add_option("--fill-holes", options->repair.fill_holes, "Close borders of at most so many edges")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber);
+  add_progress_option(command, options->progress);
+  command.add_flag("--json", options->json, "Print one JSON object");
+  command.callback([options] { run(*options); });
+}
+
+}  // namespace occlod::tool

@@ -1,0 +1,13 @@
+// One direction for each piece of a triangle soup, and no edge or vertex that is not that of a surface.
+#pragma once
+
+#include "repair/halfedge_mesh.h"
+#include "repair/repair.h"
+
+namespace occlod::repair {
+
+// No two triangles may have the same corners. Counts triangles_turned, vertices_duplicated, unorientable_edges and
+// edges_stitched.
+[[nodiscard]] HalfedgeMesh oriented_mesh(Soup soup, RepairCounts& counts);
+
+}  // namespace occlod::repair

@@ -1,0 +1,64 @@
+#include "repair/repair.h"
+
+#include <algorithm>
+#include <array>
+#include <boost/functional/hash.hpp>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "repair/collinear_faces.h"
+#include "repair/fill_holes.h"
+#include "repair/orient.h"
+#include "repair/weld.h"
+
+namespace occlod::repair {
+namespace {
+
+void weld(TriangleMesh& mesh, double distance, RepairCounts& counts) {
+  const std::vector<VertexId> targets = weld_targets(mesh, distance);
+  for (VertexId v = 0; v < targets.size(); ++v) counts.vertices_welded += targets[v] == v ? 0 : 1;
+  for (Triangle& t : mesh.triangles) t = {targets[t.x], targets[t.y], targets[t.z]};
+  counts.collapsed_dropped =
+      std::erase_if(mesh.triangles, [](const Triangle& t) { return t.x == t.y || t.y == t.z || t.z == t.x; });
+}
+
+bool is_odd(const Triangle& t) { return (t.x > t.y) != (t.y > t.z) != (t.z > t.x); }
+
+// Of triangles with the same corners the first stays.
+void drop_repeated(TriangleMesh& mesh, RepairCounts& counts) {
+  using Key = std::array<VertexId, 3>;
+  std::unordered_map<Key, bool, boost::hash<Key>> first_is_odd;
+  first_is_odd.reserve(mesh.triangle_count());
+  std::erase_if(mesh.triangles, [&](const Triangle& t) {
+    Key key = {t.x, t.y, t.z};
+    std::sort(key.begin(), key.end());
+    const auto [first, is_new] = first_is_odd.emplace(key, is_odd(t));
+    if (!is_new) ++(first->second == is_odd(t) ? counts.repeated_dropped : counts.opposite_dropped);
+    return !is_new;
+  });
+}
+
+}  // namespace
+
+RepairedMesh repair_mesh(const TriangleMesh& mesh, const RepairOptions& options) {
+  const auto tell = [&](const char* what, std::optional<double> done) {
+    if (options.progress) options.progress(what, done);
+  };
+  RepairCounts counts;
+  TriangleMesh soup = mesh;
+  if (options.weld > 0.0) {
+    tell("welding", std::nullopt);
+    weld(soup, options.weld, counts);
+  }
+  drop_repeated(soup, counts);
+  tell("orienting", std::nullopt);
+  HalfedgeMesh halfedges = oriented_mesh(soup_of(soup), counts);
+  tell("removing triangles without area", std::nullopt);
+  remove_collinear_faces(halfedges, counts);
+  fill_holes(
+      halfedges, options.fill_holes, [&](double done) { tell("filling holes", done); }, counts);
+  return {triangle_mesh_of(std::move(halfedges), soup), counts};
+}
+
+}  // namespace occlod::repair

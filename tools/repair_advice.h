@@ -1,0 +1,15 @@
+// When `occlod repair` would change a mesh.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "occlod/mesh/mesh_report.h"
+
+namespace occlod::tool {
+
+// One line, or nothing where nothing in the report is what a repair mends. Edges and vertices that are not manifold are
+// no reason: taking them apart is undone by welding, and hierarchies are built from them as they are.
+[[nodiscard]] std::optional<std::string> repair_advice(const MeshReport& report);
+
+}  // namespace occlod::tool
