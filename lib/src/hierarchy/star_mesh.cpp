@@ -13,10 +13,35 @@ namespace {
 
 constexpr std::uint32_t first_capacity = 8;  // with as many CollapseIds, one cache line
 
+// chain() of so many faces that looking for each next one would take too long.
+bool chain_by_sorting(std::span<StarFace> faces) {
+  // In a ring each vertex is once the next and once the last.
+  std::uint32_t difference = 0;
+  for (const StarFace& f : faces) difference += f.next - f.last;
+  if (difference != 0) return false;
+  std::vector<StarFace> sorted(faces.begin(), faces.end());
+  std::sort(sorted.begin(), sorted.end(), [](const StarFace& a, const StarFace& b) { return a.next < b.next; });
+  const auto same_next = [](const StarFace& a, const StarFace& b) { return a.next == b.next; };
+  if (std::adjacent_find(sorted.begin(), sorted.end(), same_next) != sorted.end()) return false;
+  std::vector<StarFace> ring = {faces[0]};
+  while (ring.size() < faces.size()) {
+    const VertexId from = ring.back().last;
+    const auto found = std::lower_bound(sorted.begin(), sorted.end(), from,
+                                        [](const StarFace& f, VertexId next) { return f.next < next; });
+    if (from == ring[0].next || found == sorted.end() || found->next != from) return false;
+    ring.push_back(*found);
+  }
+  if (ring.back().last != ring[0].next) return false;
+  std::copy(ring.begin(), ring.end(), faces.begin());
+  return true;
+}
+
 // Puts faces into ring order, starting with the first. False, in any order, when they are not one closed fan.
 bool chain(std::span<StarFace> faces) {
+  constexpr std::size_t most_by_search = 64;
   const std::size_t n = faces.size();
   if (n < 3) return false;
+  if (n > most_by_search) return chain_by_sorting(faces);
   for (std::size_t i = 1; i < n; ++i) {
     const VertexId from = faces[i - 1].last;
     // Closed too early: there is another fan, or the ring passes a neighbour twice.
@@ -51,6 +76,29 @@ struct Incidences {
     for_each_corner([&](VertexId v, VertexId next, VertexId last) { opposite[first[v + 1]++] = {next, last}; });
   }
 };
+
+// Where v is in a ring, or its size. Without a branch for each of many.
+std::uint32_t position_of(std::span<const VertexId> ring, VertexId v) {
+  constexpr std::size_t step = 32;
+  std::size_t at = 0;
+  for (; at + step <= ring.size(); at += step) {
+    std::uint32_t found = 0;
+    for (std::size_t k = 0; k < step; ++k) found |= ring[at + k] == v ? 1U : 0U;
+    if (found != 0) break;
+  }
+  while (at < ring.size() && ring[at] != v) ++at;
+  return static_cast<std::uint32_t>(at);
+}
+
+// The same, of a vertex that is there, starting near `hint`.
+std::uint32_t position_near(std::span<const VertexId> ring, VertexId v, std::size_t hint) {
+  for (std::size_t reach = 64;; reach *= 8) {
+    const std::size_t begin = hint > reach ? std::min(hint - reach, ring.size()) : 0;
+    const std::size_t end = std::min(hint + reach, ring.size());
+    const std::uint32_t at = position_of(ring.subspan(begin, end - begin), v);
+    if (begin + at < end || (begin == 0 && end == ring.size())) return static_cast<std::uint32_t>(begin + at);
+  }
+}
 
 }  // namespace
 
@@ -174,46 +222,51 @@ void StarMesh::remove(Place& place, const StarFace& face) noexcept {
 void StarMesh::replace_in_list(Place& place, VertexId v, VertexId u, CollapseId id) noexcept {
   std::uint32_t* const ids = place.ids;
   std::uint32_t* const made_by = ids + place.capacity;
-  std::uint32_t kept = 0;
-  for (std::uint32_t i = 0; i < place.size; ++i) {
-    StarFace f{ids[2 * i], ids[2 * i + 1], made_by[2 * i]};
-    if (contains(f, v)) {
-      if (contains(f, u)) continue;
-      (f.next == v ? f.next : f.last) = u;
-      f.made_by = id;
+  const std::size_t size = place.size;
+  std::size_t kept = 0;
+  for (std::size_t from = 0;; ++from) {
+    const std::size_t found = from + position_of({ids + 2 * from, 2 * (size - from)}, v) / 2;
+    if (kept != from) {
+      std::copy(ids + 2 * from, ids + 2 * found, ids + 2 * kept);
+      std::copy(made_by + 2 * from, made_by + 2 * found, made_by + 2 * kept);
     }
-    ids[2 * kept] = f.next;
-    ids[2 * kept + 1] = f.last;
-    made_by[2 * kept++] = f.made_by;
+    kept += found - from;
+    if (found == size) break;
+    from = found;
+    const VertexId next = ids[2 * found], last = ids[2 * found + 1];
+    if (next == u || last == u) continue;
+    ids[2 * kept] = next == v ? u : next;
+    ids[2 * kept + 1] = last == v ? u : last;
+    made_by[2 * kept++] = id;
   }
-  place.size = kept;
+  place.size = static_cast<std::uint32_t>(kept);
 }
 
-// Where v is in a ring that has it. Without a branch in the usual first place.
-std::uint32_t StarMesh::find_in_ring(const Place& place, VertexId v) noexcept {
+// Where v is in the ring of w, which has it. Without a branch in the usual first place.
+std::uint32_t StarMesh::find_in_ring(VertexId w, VertexId v, StarArena& arena) const noexcept {
+  const Place& place = places_[w];
   std::uint32_t at = 0;
   if (place.capacity == first_capacity) {
     for (std::uint32_t k = 0; k < first_capacity; ++k) at |= (place.ids[k] == v) & (k < place.size) ? k : 0U;
   } else {
-    while (place.ids[at] != v) ++at;
+    std::uint32_t& hint = arena.hints[w % arena.hints.size()];
+    at = hint = position_near({place.ids, place.size}, v, hint);
   }
   return at;
 }
 
-// In a ring: v, which is there, becomes u.
-void StarMesh::replace_in_ring(Place& place, VertexId v, VertexId u, CollapseId id) noexcept {
+// In a ring: what is at place `at` becomes u.
+void StarMesh::replace_in_ring(Place& place, std::uint32_t at, VertexId u, CollapseId id) noexcept {
   std::uint32_t* const made_by = place.ids + place.capacity;
-  const std::uint32_t at = find_in_ring(place, v);
   place.ids[at] = u;
   made_by[at] = id;
   made_by[at == 0 ? place.size - 1 : at - 1] = id;
 }
 
-// In a ring that has v beside u: v goes.
-void StarMesh::remove_from_ring(Place& place, VertexId v, CollapseId id) noexcept {
+// In a ring that has it beside the vertex that it is merged into: what is at place `at` goes.
+void StarMesh::remove_from_ring(Place& place, std::uint32_t at, CollapseId id) noexcept {
   std::uint32_t* const ids = place.ids;
   std::uint32_t* const made_by = ids + place.capacity;
-  const std::uint32_t at = find_in_ring(place, v);
   made_by[at == 0 ? place.size - 1 : at - 1] = id;
   --place.size;
   if (place.capacity == first_capacity) {
@@ -230,27 +283,27 @@ void StarMesh::remove_from_ring(Place& place, VertexId v, CollapseId id) noexcep
   std::copy(made_by + at + 1, made_by + place.size + 1, made_by + at);
 }
 
-// Makes v u in the star of a neighbour of both. In a ring they may be neighbours only.
-void StarMesh::replace(Place& place, VertexId v, VertexId u, CollapseId id) noexcept {
+// Makes v u in the star of a neighbour w of both. In a ring they may be neighbours only.
+void StarMesh::replace(VertexId w, VertexId v, VertexId u, CollapseId id, StarArena& arena) noexcept {
+  Place& place = places_[w];
   if (place.is_ring == 0) return replace_in_list(place, v, u, id);
   const auto ring = view(place).ring();
-  const auto found = std::find(ring.begin(), ring.end(), v);
-  if (found == ring.end()) return;  // done before
-  const auto at = static_cast<std::size_t>(found - ring.begin());
+  const std::uint32_t at = find_in_ring(w, v, arena);
   const bool is_beside = ring[at == 0 ? ring.size() - 1 : at - 1] == u || ring[at + 1 == ring.size() ? 0 : at + 1] == u;
-  is_beside ? remove_from_ring(place, v, id) : replace_in_ring(place, v, u, id);
+  is_beside ? remove_from_ring(place, at, id) : replace_in_ring(place, at, u, id);
 }
 
 // Puts the ring of v into that of u = ring[i], where v was: all but ring[i] and the neighbours beside it, which are
 // there already.
-void StarMesh::splice(Place& place, std::span<const VertexId> ring, std::size_t i, VertexId v, CollapseId id,
+void StarMesh::splice(VertexId u, std::span<const VertexId> ring, std::size_t i, VertexId v, CollapseId id,
                       StarArena& arena) {
+  Place& place = places_[u];
   const std::size_t n = place.size;
   const std::size_t added = ring.size() - 3;
   reserve(place, n + added, arena);
   std::uint32_t* const ids = place.ids;
   std::uint32_t* const made_by = ids + place.capacity;
-  const std::size_t at = find_in_ring(place, v);
+  const std::size_t at = find_in_ring(u, v, arena);
   made_by[at == 0 ? n - 1 : at - 1] = id;
   if (added == 0) {
     std::copy(ids + at + 1, ids + n, ids + at);
@@ -310,18 +363,15 @@ std::size_t StarMesh::cancel_folds(VertexId v, VertexId u, CollapseId id, std::v
 }
 
 // Makes rings of what has become one.
-void StarMesh::settle(VertexId v, VertexId u, StarArena& arena) {
+void StarMesh::settle(VertexId v, StarArena& arena) {
   const auto settle_one = [&](Place& place) {
     if (place.is_ring != 0) return;
     arena.scratch.clear();
     for (const StarFace f : view(place)) arena.scratch.push_back(f);
     store(place, arena.scratch, chain(arena.scratch), arena);
   };
-  for (const StarFace f : star(v)) {
-    settle_one(places_[f.next]);
-    settle_one(places_[f.last]);
-  }
-  settle_one(places_[u]);
+  neighbours(v, arena.ring);  // u is one of them
+  for (const VertexId w : arena.ring) settle_one(places_[w]);
 }
 
 std::size_t StarMesh::collapse(VertexId v, VertexId u, CollapseId id, bool may_fold, StarArena& arena,
@@ -334,16 +384,16 @@ std::size_t StarMesh::collapse(VertexId v, VertexId u, CollapseId id, bool may_f
     gone += contains(f, u) ? 1U : 0U;
   }
   if (may_fold) make_list(places_[u], arena);
-  for (const StarFace f : of_v)
-    for (const VertexId w : {f.next, f.last}) {
-      if (w == u) continue;
-      if (may_fold) make_list(places_[w], arena);
-      replace(places_[w], v, u, id);
-    }
+  neighbours(v, arena.ring);
+  for (const VertexId w : arena.ring) {
+    if (w == u) continue;
+    if (may_fold) make_list(places_[w], arena);
+    replace(w, v, u, id, arena);
+  }
   take_over(v, u, id, arena);
   if (may_fold) {
     gone += cancel_folds(v, u, id, ended);
-    settle(v, u, arena);
+    settle(v, arena);
   }
   places_[v].size = 0;
   return gone;
@@ -359,17 +409,18 @@ std::size_t StarMesh::collapse_ring(VertexId v, VertexId u, CollapseId id, StarA
     if (ring[k + 1] == u) i = k + 1;
   }
   ended.push_back({{v, ring.back(), ring[0]}, made_by[ring.size() - 1]});
-  const auto place_at = [&](std::size_t k) -> Place& { return places_[ring[k < ring.size() ? k : k - ring.size()]]; };
-  for (const std::size_t beside : {i + 1, i + ring.size() - 1}) {
-    Place& place = place_at(beside);
-    place.is_ring != 0 ? remove_from_ring(place, v, id) : replace_in_list(place, v, u, id);
+  const auto at = [&](std::size_t k) { return ring[k < ring.size() ? k : k - ring.size()]; };
+  for (const VertexId w : {at(i + 1), at(i + ring.size() - 1)}) {
+    Place& place = places_[w];
+    place.is_ring != 0 ? remove_from_ring(place, find_in_ring(w, v, arena), id) : replace_in_list(place, v, u, id);
   }
   for (std::size_t k = i + 2; k + 1 < i + ring.size(); ++k) {
-    Place& place = place_at(k);
-    place.is_ring != 0 ? replace_in_ring(place, v, u, id) : replace_in_list(place, v, u, id);
+    Place& place = places_[at(k)];
+    place.is_ring != 0 ? replace_in_ring(place, find_in_ring(at(k), v, arena), u, id)
+                       : replace_in_list(place, v, u, id);
   }
   if (places_[u].is_ring != 0)
-    splice(places_[u], ring, i, v, id, arena);
+    splice(u, ring, i, v, id, arena);
   else
     take_over(v, u, id, arena);
   places_[v].size = 0;

@@ -1,6 +1,7 @@
 // The mesh while it is being simplified: around every vertex the edges opposite to it, any topology.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -77,6 +78,9 @@ class StarArena {
  public:
   [[nodiscard]] std::uint32_t* allocate(std::size_t count);
   std::vector<StarFace> scratch;  // for whoever works on a star
+  std::vector<VertexId> ring;     // or on its neighbours
+  // Where in the long ring of a vertex with this remainder something was last found: the next is most likely near.
+  std::array<std::uint32_t, 64> hints{};
 
  private:
   static constexpr std::size_t chunk_size = 1U << 16;
@@ -125,15 +129,14 @@ class StarMesh {
   static void make_list(Place& place, StarArena& arena);
   static void remove(Place& place, const StarFace& face) noexcept;
   static void replace_in_list(Place& place, VertexId v, VertexId u, CollapseId id) noexcept;
-  [[nodiscard]] static std::uint32_t find_in_ring(const Place& place, VertexId v) noexcept;
-  static void replace_in_ring(Place& place, VertexId v, VertexId u, CollapseId id) noexcept;
-  static void remove_from_ring(Place& place, VertexId v, CollapseId id) noexcept;
-  static void replace(Place& place, VertexId v, VertexId u, CollapseId id) noexcept;
-  static void splice(Place& place, std::span<const VertexId> ring, std::size_t i, VertexId v, CollapseId id,
-                     StarArena& arena);
+  [[nodiscard]] std::uint32_t find_in_ring(VertexId w, VertexId v, StarArena& arena) const noexcept;
+  static void replace_in_ring(Place& place, std::uint32_t at, VertexId u, CollapseId id) noexcept;
+  static void remove_from_ring(Place& place, std::uint32_t at, CollapseId id) noexcept;
+  void replace(VertexId w, VertexId v, VertexId u, CollapseId id, StarArena& arena) noexcept;
+  void splice(VertexId u, std::span<const VertexId> ring, std::size_t i, VertexId v, CollapseId id, StarArena& arena);
   std::size_t collapse_ring(VertexId v, VertexId u, CollapseId id, StarArena& arena, std::vector<LevelFace>& ended);
   void take_over(VertexId v, VertexId u, CollapseId id, StarArena& arena);
-  void settle(VertexId v, VertexId u, StarArena& arena);
+  void settle(VertexId v, StarArena& arena);
   std::size_t cancel_folds(VertexId v, VertexId u, CollapseId id, std::vector<LevelFace>& ended);
 
   struct Delete {
