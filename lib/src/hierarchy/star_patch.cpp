@@ -58,13 +58,7 @@ class FanPatch {
     }
     Patch& patch = result.patch;
     patch.sphere.center = 0.5F * result.box.min + 0.5F * result.box.max;
-    const glm::vec3 middle = patch.sphere.center - origin_;
-    float radius2 = glm::dot(middle, middle);
-    for (std::size_t i = 0; i < size_; ++i) {
-      const glm::vec3 offset = positions_[star_.ring()[i]] - patch.sphere.center;
-      radius2 = std::max(radius2, glm::dot(offset, offset));
-    }
-    patch.sphere.radius = std::sqrt(radius2) * grow;
+    patch.sphere.radius = radius_around(patch.sphere.center) * grow + denormal_slack;
     glm::vec3 sum(0.0F);
     for (std::size_t i = 0; i < normal_count_; ++i) sum += normals_[i];
     patch.axis = axis_of(sum);
@@ -74,6 +68,19 @@ class FanPatch {
   }
 
  private:
+  [[nodiscard]] float radius_around(const glm::vec3& center) const {
+    const glm::vec3 middle = center - origin_;
+    float radius2 = glm::dot(middle, middle);
+    for (std::size_t i = 0; i < size_; ++i) {
+      const glm::vec3 offset = positions_[star_.ring()[i]] - center;
+      radius2 = std::max(radius2, glm::dot(offset, offset));
+    }
+    if (radius2 > 1e-30F && radius2 < 1e30F) return std::sqrt(radius2);
+    float radius = length_of(middle);
+    for (std::size_t i = 0; i < size_; ++i) radius = std::max(radius, length_of(positions_[star_.ring()[i]] - center));
+    return radius;
+  }
+
   void make_normals() {
     std::size_t parent = 0;
     while (star_.ring()[parent] != star_.parent_vertex()) ++parent;
@@ -121,13 +128,13 @@ BoundedPatch bound_any(const SplitStar& star, std::span<const glm::vec3> positio
   });
   patch.axis = axis_of(sum);
   patch.sphere.center = 0.5F * result.box.min + 0.5F * result.box.max;
-  float radius = glm::distance(own, patch.sphere.center);
+  float radius = length_of(own - patch.sphere.center);
   star.for_each_face([&](const Triangle& t) {
-    for (int k = 0; k < 3; ++k) radius = std::max(radius, glm::distance(positions[t[k]], patch.sphere.center));
+    for (int k = 0; k < 3; ++k) radius = std::max(radius, length_of(positions[t[k]] - patch.sphere.center));
     const glm::vec3 normal = unit_normal(positions[t.x], positions[t.y], positions[t.z]);
     if (normal != glm::vec3(0.0F)) include_normal(patch, normal);
   });
-  patch.sphere.radius = radius * grow;
+  patch.sphere.radius = radius * grow + denormal_slack;
   close_cone(patch);
   return result;
 }

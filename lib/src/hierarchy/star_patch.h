@@ -1,6 +1,8 @@
 // What the own faces of one split occupy.
 #pragma once
 
+#include <cmath>
+#include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 #include <span>
 
@@ -30,5 +32,13 @@ struct BoundedPatch {
 // unit in their own last place, and no sum is longer than a dozen terms.
 inline constexpr float grow = 1.0F + 4e-6F;
 inline constexpr float cone_slack = 4e-6F;
+// What roundings make of numbers so small that their last place no longer shrinks with them: some twenty of it.
+inline constexpr float denormal_slack = 3e-44F;
+
+// Also of vectors whose squares no float holds.
+[[nodiscard]] inline float length_of(const glm::vec3& v) {
+  const float square = glm::dot(v, v);
+  return square > 1e-30F && square < 1e30F ? std::sqrt(square) : static_cast<float>(glm::length(glm::dvec3(v)));
+}
 
 }  // namespace occlod

@@ -125,11 +125,11 @@ class SubtreeBounds {
       for (std::size_t i = first; i < end; ++i) {
         const Sphere& sphere = patches[i].sphere;
         block.sphere.radius =
-            std::max(block.sphere.radius, glm::distance(block.sphere.center, sphere.center) + sphere.radius);
+            std::max(block.sphere.radius, length_of(sphere.center - block.sphere.center) + sphere.radius);
         block.cos_angle = widen(block.cos_angle, block.axis, patches[i]);
         block.has_normal = block.has_normal || patches[i].has_normal;
       }
-      block.sphere.radius *= grow;
+      block.sphere.radius = block.sphere.radius * grow + denormal_slack;
       if (block.cos_angle <= 0.0F) block.cos_angle = -1.0F;
       block.sin_angle = std::sqrt(std::max(0.0F, (1.0F - block.cos_angle) * (1.0F + block.cos_angle)));
       blocks.push_back(block);
@@ -155,7 +155,7 @@ class SubtreeBounds {
 
   // The largest distance from `center` to a point of the box.
   static float reach(const glm::vec3& center, const Box& box) {
-    return glm::length(glm::max(box.max - center, center - box.min)) * grow;
+    return length_of(glm::max(box.max - center, center - box.min)) * grow + denormal_slack;
   }
 
   void make_node(SplitId s) {
@@ -189,14 +189,14 @@ class SubtreeBounds {
     for_each_patch(place, place + size, [&](const Patch& patch) {
       const glm::vec3 offset = patch.sphere.center - center;
       const float along = glm::dot(offset, axis);
-      radius = std::max(radius, glm::length(offset) + patch.sphere.radius);
-      cylinder.radius = std::max(cylinder.radius, glm::length(offset - along * axis) + patch.sphere.radius);
+      radius = std::max(radius, length_of(offset) + patch.sphere.radius);
+      cylinder.radius = std::max(cylinder.radius, length_of(offset - along * axis) + patch.sphere.radius);
       cylinder.t_min = std::min(cylinder.t_min, along - patch.sphere.radius);
       cylinder.t_max = std::max(cylinder.t_max, along + patch.sphere.radius);
       cos_angle = widen(cos_angle, axis, patch);
       has_normal = has_normal || patch.has_normal;
     });
-    const float slack = radius * (grow - 1.0F);
+    const float slack = radius * (grow - 1.0F) + denormal_slack;
     // A sphere around the box holds everything as well.
     node.sphere = {center, std::min(radius + slack, reach(center, box))};
     cylinder.radius = std::min(cylinder.radius + slack, node.sphere.radius);
