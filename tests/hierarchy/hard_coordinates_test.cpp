@@ -68,14 +68,24 @@ TEST(HardCoordinates, PowersOfTwoScaleExactly) {
 }
 
 TEST(HardCoordinates, ErrorsScaleWithTheMesh) {
+  // Added up or measured: what is promised of a mesh 2^n times as large is 2^n times as much, exactly, up to where its
+  // largest coordinates, 160 * 2^n, and its smallest errors leave the range.
   const TriangleMesh mesh = terrain();
-  const Hierarchy small = build_soundly(mesh);
-  const float scale = std::ldexp(1.0F, 33);
-  const Hierarchy large = build_soundly(mapped(mesh, [&](const glm::vec3& p) { return scale * p; }));
-  ASSERT_EQ(small.split_count(), large.split_count());
-  for (SplitId s = 0; s < small.split_count(); ++s) {
-    EXPECT_EQ(scale * small.node(s).error, large.node(s).error);
-    EXPECT_EQ(scale * small.node(s).guaranteed_error, large.node(s).guaranteed_error);
+  for (const ErrorBound kind : {ErrorBound::accumulated, ErrorBound::measured}) {
+    BuildOptions options;
+    options.error_bound = kind;
+    const Hierarchy unit = build_hierarchy(mesh, options);
+    for (const int power : {33, -47, 119, -70}) {
+      const float scale = std::ldexp(1.0F, power);
+      const Hierarchy copy = build_hierarchy(mapped(mesh, [&](const glm::vec3& p) { return scale * p; }), options);
+      ASSERT_EQ(unit.split_count(), copy.split_count());
+      std::size_t different = 0;
+      for (SplitId s = 0; s < unit.split_count(); ++s) {
+        different += scale * unit.node(s).error != copy.node(s).error ? 1U : 0U;
+        different += scale * unit.node(s).guaranteed_error != copy.node(s).guaranteed_error ? 1U : 0U;
+      }
+      EXPECT_EQ(different, 0U) << "2^" << power;
+    }
   }
 }
 

@@ -35,7 +35,7 @@ void check_input(const TriangleMesh& mesh) {
 Hierarchy build_hierarchy(const TriangleMesh& mesh, const BuildOptions& options) {
   check_input(mesh);
   const unsigned threads = thread_count(options.threads);
-  const TriangleMesh ordered = in_spatial_order(mesh, threads);
+  TriangleMesh ordered = in_spatial_order(mesh, threads);
   CollapseSequence sequence = simplify(ordered, options);
   if (options.error_bound == ErrorBound::measured) measure_errors(ordered, sequence);
   return Hierarchy(bound_subtrees(assemble(ordered, std::move(sequence), threads), threads));

@@ -5,6 +5,8 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
+#include "unit_scale.h"
+
 namespace occlod {
 namespace {
 
@@ -139,7 +141,8 @@ void CollapseWorker::collapse(VertexId v, const Choice& choice, std::span<const 
   }
   const float after = pass_on_errors(choice, v, ring, moved);
   const float to_object = round_up / state_.scale;
-  record_.collapses.push_back({v, u, id, first_ended, error * to_object, after * to_object, moved * to_object});
+  record_.collapses.push_back(
+      {v, u, id, first_ended, scaled_up(error, to_object), scaled_up(after, to_object), scaled_up(moved, to_object)});
   rank(v, choice, ring);
   state_.vertices[u].quadric.add(state_.vertices[v].quadric, edge);
   state_.vertices[v].cost = infinity;

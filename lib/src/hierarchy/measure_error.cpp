@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "backward_error.h"
 #include "forward_error.h"
 #include "level_faces.h"
+#include "unit_scale.h"
 
 namespace occlod {
 namespace {
@@ -27,9 +29,8 @@ float position_rounding(const TriangleMesh& mesh) {
   return 16.0F * std::numeric_limits<float>::epsilon() * largest;
 }
 
-}  // namespace
-
-void measure_errors(const TriangleMesh& mesh, CollapseSequence& sequence) {
+// Of a mesh and a sequence in units in which squares stay in range.
+void measure_scaled(const TriangleMesh& mesh, CollapseSequence& sequence) {
   const LevelFaces levels(sequence);
   const ForwardErrors forward = forward_errors(mesh, levels);
   const std::vector<float> backward = backward_errors(mesh, levels, saturated(levels, forward.errors));
@@ -39,6 +40,25 @@ void measure_errors(const TriangleMesh& mesh, CollapseSequence& sequence) {
     const bool is_fine = error <= forward.floor && forward.errors[c] <= forward.floor;
     if (!is_fine) error = std::max(forward.errors[c], backward[c]) + rounding;
   }
+}
+
+}  // namespace
+
+void measure_errors(TriangleMesh& mesh, CollapseSequence& sequence) {
+  const float scale = power_of_two_scale(mesh.positions);
+  std::vector<glm::vec3> positions = mesh.positions;
+  for (glm::vec3& p : mesh.positions) p *= scale;
+  for (Collapse& collapse : sequence.collapses) {
+    collapse.guaranteed_error = scaled_up(collapse.guaranteed_error, scale);
+    collapse.moved = scaled_up(collapse.moved, scale);
+  }
+  measure_scaled(mesh, sequence);
+  const float to_object = 1.0F / scale;
+  for (Collapse& collapse : sequence.collapses) {
+    collapse.guaranteed_error = scaled_up(collapse.guaranteed_error, to_object);
+    collapse.moved = scaled_up(collapse.moved, to_object);
+  }
+  mesh.positions = std::move(positions);
 }
 
 }  // namespace occlod

@@ -5,22 +5,13 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
-#include "occlod/math/bounds.h"
 #include "parallel.h"
+#include "unit_scale.h"
 
 namespace occlod {
 namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
-
-// The power of two that takes the extent into [1/2, 1].
-float power_of_two_scale(std::span<const glm::vec3> positions) {
-  const Box box = bounding_box(positions);
-  const glm::dvec3 size = glm::dvec3(box.max) - glm::dvec3(box.min);
-  int exponent = 0;
-  (void)std::frexp(std::max({size.x, size.y, size.z}), &exponent);
-  return std::ldexp(1.0F, -std::clamp(exponent, -120, 120));
-}
 
 }  // namespace
 
