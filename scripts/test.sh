@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Sets up, builds with warnings as errors, runs every test, then lints. The last line is "N passed, N failed", where lint
-# counts as one when it fails.
+# Sets up, builds with warnings as errors, runs every test, then lints; with CI=true also fuzzes every reader for a few
+# seconds, where Clang can. The last line is "N passed, N failed", where lint and fuzzing count as one each when they fail.
 # OCCLOD_MESHES: folders with real meshes, separated by ':'; tests that miss one are skipped and say so.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -22,12 +22,15 @@ lint_status=0
 scripts/lint.sh build/release || lint_status=$?
 if [ "$lint_status" -eq 0 ]; then echo "lint: clean"; else echo "lint: failed"; fi
 
+fuzz_status=0
+if [ "${CI:-}" = true ]; then scripts/fuzz.sh 5 || fuzz_status=$?; fi
+
 # ctest: "98% tests passed, 2 tests failed out of 110"
-python3 - "$log" "$lint_status" <<'PY'
+python3 - "$log" "$lint_status" "$fuzz_status" <<'PY'
 import re, sys
 found = re.search(r"(\d+) tests? failed out of (\d+)", open(sys.argv[1], errors="replace").read())
 failed, total = map(int, found.groups()) if found else (1, 1)
-lint_failed = sys.argv[2] != "0"
-print(f"{total - failed} passed, {failed + lint_failed} failed")
+others_failed = sum(status != "0" for status in sys.argv[2:])
+print(f"{total - failed} passed, {failed + others_failed} failed")
 PY
-[ "$tests_status" -eq 0 ] && [ "$lint_status" -eq 0 ]
+[ "$tests_status" -eq 0 ] && [ "$lint_status" -eq 0 ] && [ "$fuzz_status" -eq 0 ]

@@ -1,0 +1,58 @@
+// One mesh format: whatever the bytes, the parser makes a mesh that builds, or throws an Error with a message.
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <string_view>
+#include <utility>
+
+#include "io/polygon_soup.h"
+#include "occlod/core/error.h"
+#include "occlod/hierarchy/build.h"
+#include "occlod/hierarchy/validate.h"
+#include "occlod/mesh/clean.h"
+
+namespace occlod {
+namespace {
+
+PolygonSoup parse(PolygonSoup (*parser)(InputBytes&, const FileErrors&), std::string_view bytes,
+                  const FileErrors& errors) {
+  InputBytes input(bytes);
+  return parser(input, errors);
+}
+PolygonSoup parse(PolygonSoup (*parser)(std::string_view, const FileErrors&), std::string_view bytes,
+                  const FileErrors& errors) {
+  return parser(bytes, errors);
+}
+
+void expect(bool holds) {
+  if (!holds) std::abort();
+}
+
+void read_and_build(std::string_view bytes) {
+  constexpr std::size_t most_to_build = 500;  // triangles; larger meshes are no harder and take longer
+  const FileErrors errors("fuzz");
+  PolygonSoup soup = parse(OCCLOD_FUZZ_PARSER, bytes, errors);
+  MeshReport report;
+  TriangleMesh mesh = soup.take_mesh(report, errors);
+  const CleanMesh cleaned = clean(std::move(mesh), report, errors.subject());
+  expect(cleaned.mesh.triangle_count() + cleaned.report.repeated_index_triangles == cleaned.report.triangles_read);
+  if (cleaned.mesh.triangle_count() > most_to_build) return;
+  BuildOptions options;
+  options.base_triangles = 0;
+  options.threads = 1;
+  const Hierarchy hierarchy = build_hierarchy(cleaned.mesh, options);
+  expect(validate(hierarchy, {2}).empty());
+  expect(restores(hierarchy, cleaned.mesh));
+}
+
+}  // namespace
+}  // namespace occlod
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  try {
+    occlod::read_and_build({reinterpret_cast<const char*>(data), size});
+  } catch (const occlod::Error& error) {
+    if (std::string_view(error.what()).find('\n') != std::string_view::npos) std::abort();  // one line
+  }
+  return 0;
+}

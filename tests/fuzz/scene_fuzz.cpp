@@ -1,0 +1,20 @@
+// Scene descriptions: whatever the text, it is read, or refused with an Error. Nothing is loaded.
+#include <cstddef>
+#include <cstdint>
+
+#include "fuzz/memory_file.h"
+#include "occlod/core/error.h"
+#include "occlod/scene/scene.h"
+#include "occlod/view/view.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const occlod::fuzz::MemoryFile file(data, size);
+  try {
+    const occlod::SceneDescription scene = occlod::read_scene(file.path());
+    for (const auto& [name, path] : scene.paths)
+      for (const int frame : {0, path.frames / 2, path.frames - 1}) (void)occlod::View(occlod::camera_at(path, frame));
+  } catch (const occlod::Error&) {
+    return 0;  // refused
+  }
+  return 0;
+}
