@@ -14,13 +14,13 @@
 namespace occlod {
 namespace {
 
-PolygonSoup parse(PolygonSoup (*parser)(InputBytes&, const FileErrors&), std::string_view bytes,
-                  const FileErrors& errors) {
+[[maybe_unused]] PolygonSoup parse(PolygonSoup (*parser)(InputBytes&, const FileErrors&), std::string_view bytes,
+                                   const FileErrors& errors) {
   InputBytes input(bytes);
   return parser(input, errors);
 }
-PolygonSoup parse(PolygonSoup (*parser)(std::string_view, const FileErrors&), std::string_view bytes,
-                  const FileErrors& errors) {
+[[maybe_unused]] PolygonSoup parse(PolygonSoup (*parser)(std::string_view, const FileErrors&), std::string_view bytes,
+                                   const FileErrors& errors) {
   return parser(bytes, errors);
 }
 

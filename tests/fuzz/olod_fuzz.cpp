@@ -35,6 +35,7 @@ class Signer {
     const std::size_t room = (file_.size() - sizeof(header)) / sizeof(Section);
     table_.resize(std::min<std::size_t>({header.section_count, room, most_sections}));
     const auto table = std::as_writable_bytes(std::span(table_));
+    if (table_.empty()) return;
     std::memcpy(table.data(), file_.data() + sizeof(header), table.size());
     sign_blocks();
     for (Section& section : table_)

@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "hierarchy/hard_geometry.h"
+#include "hierarchy/spatial_order.h"
 #include "occlod/mesh/clean.h"
 #include "support/meshes.h"
 
@@ -147,6 +148,14 @@ TEST(HardCoordinates, Denormals) {
         mapped(mesh, [&](const glm::vec3& p) { return glm::vec3(scale * p.x, scale * p.y, scale * p.z); });
     (void)build_soundly(clean(tiny, {}, "sphere").mesh);
   }
+}
+
+TEST(HardCoordinates, DenormalExtentIsOneCell) {
+  // 1024 cells in an extent of 1e-44 are more cells a unit than a float can count: infinitely many, and none of 0.
+  const std::vector<glm::vec3> positions = {{1.4e-44F, 0, 0}, {0, 0, 0}, {0, 1e-44F, 0}};
+  std::vector<VertexId> vertices = {2, 0, 1};
+  sort_spatially(positions, {bounding_box(positions), glm::dvec3(0.0), 10}, vertices, 1);
+  EXPECT_EQ(vertices, (std::vector<VertexId>{2, 0, 1}));  // all in one cell, so as they came
 }
 
 TEST(HardCoordinates, DenormalsBesideLargeOnes) {

@@ -37,22 +37,25 @@ struct Square {
   int mode = 4;
   std::vector<std::uint16_t> indices = {0, 1, 2, 2, 1, 3};
   std::size_t index_count = 6;
+  bool has_int_indices = false;
   std::string extra;
 
   [[nodiscard]] std::string gltf() const {
     std::string bytes;
     for (const glm::vec3 p : {glm::vec3(0, 0, 0), glm::vec3(1, 0, 0), glm::vec3(0, 1, 0), glm::vec3(1, 1, 0)})
       for (int k = 0; k < 3; ++k) put(bytes, p[k]);
-    for (const std::uint16_t i : indices) put(bytes, i);
+    for (const std::uint16_t i : indices) has_int_indices ? put(bytes, std::int32_t{i}) : put(bytes, i);
     return R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": )" + nodes + extra +
            R"(, "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "mode": )" +
            std::to_string(mode) +
            R"(}]}], "accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"},
-               {"bufferView": 1, "componentType": 5123, "count": )" +
-           std::to_string(index_count) + R"(, "type": "SCALAR"}],
+               {"bufferView": 1, "componentType": )" +
+           std::to_string(has_int_indices ? 5124 : 5123) + R"(, "count": )" + std::to_string(index_count) +
+           R"(, "type": "SCALAR"}],
                "bufferViews": [{"buffer": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 48, "byteLength": )" +
-           std::to_string(2 * indices.size()) + R"(}], "buffers": [{"byteLength": )" + std::to_string(bytes.size()) +
-           R"(, "uri": "data:application/octet-stream;base64,)" + base64(bytes) + R"("}]})";
+           std::to_string((has_int_indices ? 4 : 2) * indices.size()) + R"(}], "buffers": [{"byteLength": )" +
+           std::to_string(bytes.size()) + R"(, "uri": "data:application/octet-stream;base64,)" + base64(bytes) +
+           R"("}]})";
   }
 };
 
@@ -117,6 +120,14 @@ TEST(ReadGltf, SaysWhatIsWrong) {
   EXPECT_NE(complaint(compressed).find("EXT_meshopt_compression"), std::string::npos);
   EXPECT_NE(folder.complaint("text.gltf", "{ \"asset\": "), "accepted");
   EXPECT_NE(folder.complaint("short.glb", "glTF"), "accepted");
+}
+
+TEST(ReadGltf, IntsAreReadAsTheyAre) {
+  // Type 5124 is in no standard, but the parser knows its size: four bytes, the last four of the buffer for index 5.
+  const test::TestFolder folder;
+  Square square;
+  square.has_int_indices = true;
+  EXPECT_EQ(area_vector(folder.read("a.gltf", square.gltf()).mesh), glm::vec3(0, 0, 1));
 }
 
 TEST(ReadGltf, EveryTruncationOfABinaryFileIsRefusedOrWhole) {

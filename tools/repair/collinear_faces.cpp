@@ -66,7 +66,7 @@ class CollinearFaces {
     if (b == d || point(b) == point(d) || mesh_.halfedge(b, d).is_valid()) return;
     if (both && !is_between(a, d, c)) return;  // the longest side of the other one has its turn first
     CGAL::Euler::flip_edge(longest, mesh_);
-    counts.zero_area_flipped += both ? 0 : 1;
+    counts.zero_area_flipped += both ? 0U : 1U;
     for (const Halfedge side : {longest, mesh_.opposite(longest)}) {
       for (const Halfedge h : CGAL::halfedges_around_face(side, mesh_)) wait(mesh_.face(mesh_.opposite(h)));
       wait(mesh_.face(side));

@@ -17,13 +17,13 @@ namespace {
 
 void weld(TriangleMesh& mesh, double distance, RepairCounts& counts) {
   const std::vector<VertexId> targets = weld_targets(mesh, distance);
-  for (VertexId v = 0; v < targets.size(); ++v) counts.vertices_welded += targets[v] == v ? 0 : 1;
+  for (VertexId v = 0; v < targets.size(); ++v) counts.vertices_welded += targets[v] == v ? 0U : 1U;
   for (Triangle& t : mesh.triangles) t = {targets[t.x], targets[t.y], targets[t.z]};
   counts.collapsed_dropped =
       std::erase_if(mesh.triangles, [](const Triangle& t) { return t.x == t.y || t.y == t.z || t.z == t.x; });
 }
 
-bool is_odd(const Triangle& t) { return (t.x > t.y) != (t.y > t.z) != (t.z > t.x); }
+bool is_odd(const Triangle& t) { return ((t.x > t.y) != (t.y > t.z)) != (t.z > t.x); }
 
 // Of triangles with the same corners the first stays.
 void drop_repeated(TriangleMesh& mesh, RepairCounts& counts) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <glm/common.hpp>
+#include <limits>
 #include <numeric>
 
 #include "parallel.h"
@@ -28,7 +29,9 @@ class MortonGrid {
     const double cells = static_cast<double>(1U << curve.bits);
     last_cell_ = static_cast<float>(cells - 1.0);
     origin_ = glm::vec3(glm::dvec3(curve.box.min) - curve.shift * extent);
-    cells_per_unit_ = extent > 0.0 ? static_cast<float>(cells / (2.0 * extent)) : 0.0F;
+    // Finite also where the extent is denormal: cells are wider than it then.
+    constexpr double most = std::numeric_limits<float>::max();
+    cells_per_unit_ = extent > 0.0 ? static_cast<float>(std::min(cells / (2.0 * extent), most)) : 0.0F;
   }
   [[nodiscard]] std::uint32_t code(const glm::vec3& p) const {
     const glm::vec3 cell = glm::min((p - origin_) * cells_per_unit_, last_cell_);

@@ -40,21 +40,21 @@ void close_cone(Patch& patch) {
   patch.cos_angle = patch.cos_angle > normal_slack ? patch.cos_angle - normal_slack : -1.0F;
 }
 
-// The corners of a fan relative to its middle vertex.
+// The corners of a fan.
 class FanPatch {
  public:
   FanPatch(const SplitStar& star, std::span<const glm::vec3> positions)
-      : star_(star), positions_(positions), origin_(positions[star.vertex()]), size_(star.ring().size()) {
-    for (std::size_t i = 0; i < size_; ++i) spokes_[i] = positions_[star.ring()[i]] - origin_;
+      : star_(star), origin_(positions[star.vertex()]), size_(star.ring().size()) {
+    for (std::size_t i = 0; i < size_; ++i) corners_[i] = positions[star.ring()[i]];
   }
 
   BoundedPatch bound() {
     make_normals();
     BoundedPatch result;
     result.box = {origin_, origin_};
-    for (const VertexId w : star_.ring()) {
-      result.box.min = glm::min(result.box.min, positions_[w]);
-      result.box.max = glm::max(result.box.max, positions_[w]);
+    for (std::size_t i = 0; i < size_; ++i) {
+      result.box.min = glm::min(result.box.min, corners_[i]);
+      result.box.max = glm::max(result.box.max, corners_[i]);
     }
     Patch& patch = result.patch;
     patch.sphere.center = 0.5F * result.box.min + 0.5F * result.box.max;
@@ -72,12 +72,12 @@ class FanPatch {
     const glm::vec3 middle = center - origin_;
     float radius2 = glm::dot(middle, middle);
     for (std::size_t i = 0; i < size_; ++i) {
-      const glm::vec3 offset = positions_[star_.ring()[i]] - center;
+      const glm::vec3 offset = corners_[i] - center;
       radius2 = std::max(radius2, glm::dot(offset, offset));
     }
     if (radius2 > 1e-30F && radius2 < 1e30F) return std::sqrt(radius2);
     float radius = length_of(middle);
-    for (std::size_t i = 0; i < size_; ++i) radius = std::max(radius, length_of(positions_[star_.ring()[i]] - center));
+    for (std::size_t i = 0; i < size_; ++i) radius = std::max(radius, length_of(corners_[i] - center));
     return radius;
   }
 
@@ -86,30 +86,28 @@ class FanPatch {
     while (star_.ring()[parent] != star_.parent_vertex()) ++parent;
     for (std::size_t slot = 0; slot < star_.inserted_count(); ++slot) {
       const std::size_t next = slot + 1 == size_ ? 0 : slot + 1;
-      add_normal(glm::vec3(0.0F), star_.vertex(), slot, next);
-      if (slot != parent && next != parent) add_normal(spokes_[parent], star_.parent_vertex(), slot, next);
+      add_normal(origin_, slot, next);
+      if (slot != parent && next != parent) add_normal(corners_[parent], slot, next);
     }
   }
 
   // Of the triangle from apex to two places of the ring.
-  void add_normal(const glm::vec3& apex, VertexId apex_vertex, std::size_t i, std::size_t j) {
-    const glm::vec3 a = spokes_[i] - apex, b = spokes_[j] - apex;
+  void add_normal(const glm::vec3& apex, std::size_t i, std::size_t j) {
+    const glm::vec3 a = corners_[i] - apex, b = corners_[j] - apex;
     const glm::vec3 normal = glm::cross(a, b);
     const float length2 = glm::dot(normal, normal);
     if (length2 > min_sin2 * glm::dot(a, a) * glm::dot(b, b) && length2 > 1e-30F && length2 < 1e30F) {
       normals_[normal_count_++] = normal * (1.0F / std::sqrt(length2));
       return;
     }
-    const glm::vec3 exact =
-        unit_normal(positions_[apex_vertex], positions_[star_.ring()[i]], positions_[star_.ring()[j]]);
+    const glm::vec3 exact = unit_normal(apex, corners_[i], corners_[j]);
     if (exact != glm::vec3(0.0F)) normals_[normal_count_++] = exact;
   }
 
   const SplitStar& star_;
-  std::span<const glm::vec3> positions_;
   glm::vec3 origin_;
   std::size_t size_;
-  std::array<glm::vec3, SplitStar::most_ring> spokes_;
+  std::array<glm::vec3, SplitStar::most_ring> corners_;
   std::array<glm::vec3, 2 * SplitStar::most_ring> normals_;
   std::size_t normal_count_ = 0;
 };

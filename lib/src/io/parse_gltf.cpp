@@ -73,6 +73,8 @@ class Accessor {
         return fraction(load<std::int8_t>(i, k));
       case TINYGLTF_COMPONENT_TYPE_SHORT:
         return fraction(load<std::int16_t>(i, k));
+      case TINYGLTF_COMPONENT_TYPE_INT:
+        return load<std::int32_t>(i, k);
       case TINYGLTF_COMPONENT_TYPE_FLOAT:
         return static_cast<double>(load<float>(i, k));
       default:
@@ -216,10 +218,11 @@ class GltfReader {
       const Accessor accessor(model_, primitive.indices, 1, errors_);
       indices.resize(accessor.count());
       for (std::size_t i = 0; i < indices.size(); ++i) {
-        indices[i] = static_cast<std::uint64_t>(accessor.value(i, 0));
-        if (indices[i] >= vertices)
+        const double index = accessor.value(i, 0);
+        if (!(index >= 0.0 && index < static_cast<double>(vertices)))
           errors_.fail(fmt::format("accessor {}", primitive.indices),
-                       fmt::format("uses vertex {}, but the primitive has only {}", indices[i], vertices), mend);
+                       fmt::format("uses vertex {}, but the primitive has only {}", index, vertices), mend);
+        indices[i] = static_cast<std::uint64_t>(index);
       }
     }
     const std::size_t triangles =

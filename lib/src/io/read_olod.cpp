@@ -73,7 +73,7 @@ class Reader {
     table_.resize(header.section_count);
     const auto table = std::as_writable_bytes(std::span(table_));
     if (bytes.size() - sizeof(header) < table.size()) refuse("byte 32", "ends inside its section table", rebuild);
-    std::memcpy(table.data(), bytes.data() + sizeof(header), table.size());
+    std::ranges::copy(bytes.subspan(sizeof(header), table.size()), table.begin());
     if (checksum_of(table) != header.table_checksum)
       refuse("byte 32", "has a damaged section table: its checksum is wrong", rebuild);
   }
