@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <glm/geometric.hpp>
 #include <random>
 
@@ -247,6 +248,18 @@ TEST(HardGeometry, FanOfAHundredThousandSpokes) {
   const TriangleMesh mesh = test::fan(100'000);
   const Hierarchy hierarchy = build_soundly(mesh);
   EXPECT_LT(hierarchy.bytes(), 400 * mesh.vertex_count());
+}
+
+TEST(HardGeometry, ShortEdgesBesideLongOnes) {
+  // Stars of which some corners are 1e-4 apart and others 1e4: bounds and cones are made of differences of both.
+  for (unsigned seed = 0; seed < 30; ++seed) {
+    SCOPED_TRACE(seed);
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<float> exponent(-4.0F, 4.0F);
+    TriangleMesh mesh = test::octahedron_sphere(2);
+    for (glm::vec3& p : mesh.positions) p *= std::pow(10.0F, exponent(random));
+    (void)build_soundly(mesh);
+  }
 }
 
 TEST(HardGeometry, AttributeSeamsDoNotOpen) {

@@ -119,6 +119,8 @@ TEST(ReadGltf, SaysWhatIsWrong) {
       R"(, "extensionsUsed": ["EXT_meshopt_compression"], "extensionsRequired": ["EXT_meshopt_compression"])";
   EXPECT_NE(complaint(compressed).find("EXT_meshopt_compression"), std::string::npos);
   EXPECT_NE(folder.complaint("text.gltf", "{ \"asset\": "), "accepted");
+  const std::string folder_as_buffer = R"({"asset": {"version": "2.0"}, "buffers": [{"byteLength": 4, "uri": "."}]})";
+  EXPECT_NE(folder.complaint("folder.gltf", folder_as_buffer).find("is no file"), std::string::npos);
   EXPECT_NE(folder.complaint("short.glb", "glTF"), "accepted");
 }
 

@@ -14,6 +14,7 @@
 #include <glm/gtc/type_ptr.hpp>
 #include <glm/matrix.hpp>
 #include <limits>
+#include <new>
 
 #include "io/polygon_soup.h"
 
@@ -266,11 +267,15 @@ PolygonSoup parse_gltf(std::string_view bytes, const FileErrors& errors) {
   std::string problem, warning;
   const std::string folder = std::filesystem::path(errors.subject()).parent_path().string();
   const auto size = static_cast<unsigned int>(std::min<std::size_t>(bytes.size(), 0xffffffffU));
-  const bool read =
-      bytes.substr(0, 4) == "glTF"
-          ? loader.LoadBinaryFromMemory(&model, &problem, &warning,
-                                        reinterpret_cast<const unsigned char*>(bytes.data()), size, folder)
-          : loader.LoadASCIIFromString(&model, &problem, &warning, bytes.data(), size, folder);
+  bool read = false;
+  try {
+    read = bytes.substr(0, 4) == "glTF"
+               ? loader.LoadBinaryFromMemory(&model, &problem, &warning,
+                                             reinterpret_cast<const unsigned char*>(bytes.data()), size, folder)
+               : loader.LoadASCIIFromString(&model, &problem, &warning, bytes.data(), size, folder);
+  } catch (const std::bad_alloc&) {  // tinygltf takes a folder for a file of 2^63 bytes
+    problem = "a buffer is no file or too large";
+  }
   if (!read) {
     std::replace(problem.begin(), problem.end(), '\n', ' ');
     errors.fail("", "is not a glTF file that can be read: " + in_quotes(problem), mend);
