@@ -169,8 +169,8 @@ class StarCounter {
 
   // Whether the rim is one loop of three edges or more through different vertices, as round nearly every vertex. Every
   // edge at the centre then has two triangles that run through it in opposite directions, they are one fan, and no two
-  // have the same corners: there is nothing to count. Puts the edges into the loop's order as far as it gets. Long rims,
-  // where looking for each next edge takes longer than sorting them all, are not tried.
+  // have the same corners: there is nothing to count. Puts the edges into the loop's order as far as it gets. Long
+  // rims, where looking for each next edge takes longer than sorting them all, are not tried.
   [[nodiscard]] bool sort_closed_rim() {
     constexpr std::size_t longest = 64;
     if (rim_.size() < 3 || rim_.size() > longest) return false;
