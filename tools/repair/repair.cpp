@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <boost/functional/hash.hpp>
 #include <unordered_map>
 #include <utility>
 #include <vector>
 
+#include "repair/array_hash.h"
 #include "repair/collinear_faces.h"
 #include "repair/fill_holes.h"
 #include "repair/orient.h"
@@ -28,7 +28,7 @@ bool is_odd(const Triangle& t) { return ((t.x > t.y) != (t.y > t.z)) != (t.z > t
 // Of triangles with the same corners the first stays.
 void drop_repeated(TriangleMesh& mesh, RepairCounts& counts) {
   using Key = std::array<VertexId, 3>;
-  std::unordered_map<Key, bool, boost::hash<Key>> first_is_odd;
+  std::unordered_map<Key, bool, ArrayHash<Key>> first_is_odd;
   first_is_odd.reserve(mesh.triangle_count());
   std::erase_if(mesh.triangles, [&](const Triangle& t) {
     Key key = {t.x, t.y, t.z};

@@ -1,10 +1,11 @@
 #include "repair/weld.h"
 
 #include <array>
-#include <boost/functional/hash.hpp>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <unordered_map>
+
+#include "repair/array_hash.h"
 
 namespace occlod::repair {
 namespace {
@@ -44,7 +45,7 @@ class Grid {
 
   const TriangleMesh& mesh_;
   double distance_;
-  std::unordered_map<Cell, std::vector<VertexId>, boost::hash<Cell>> cells_;
+  std::unordered_map<Cell, std::vector<VertexId>, ArrayHash<Cell>> cells_;
 };
 
 }  // namespace
