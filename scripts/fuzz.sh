@@ -34,9 +34,6 @@ seeds() {
   done
 }
 
-# Sizes that lie may be asked for as long as a refusal is handled.
-export ASAN_OPTIONS=${ASAN_OPTIONS:-allocator_may_return_null=1}
-
 for reader in "${readers[@]}"; do
   corpus=build/fuzz/corpus/$reader
   mkdir -p "$corpus" "$probe/$reader"

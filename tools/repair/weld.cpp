@@ -25,7 +25,8 @@ class Grid {
     VertexId best = no_id;
     double best_distance = distance_;
     for (int i = 0; i < 27; ++i) {
-      const auto found = cells_.find({center[0] + i % 3 - 1, center[1] + i / 3 % 3 - 1, center[2] + i / 9 - 1});
+      const int x = i % 3 - 1, y = i / 3 % 3 - 1, z = i / 9 - 1;
+      const auto found = cells_.find({center[0] + x, center[1] + y, center[2] + z});
       if (found == cells_.end()) continue;
       for (const VertexId w : found->second) {
         const double distance = glm::distance(p, glm::dvec3(mesh_.positions[w]));
