@@ -82,7 +82,7 @@ class Visibility(unittest.TestCase):
         [table_2] = self.tables["table_2"]
         for culling, without, with_occlusion in (("subtree", "lod", "lod_oc"), ("star", "ours", "ours_oc")):
             [share] = self.rows("shares", view="default", culling=culling, budget=1000, mode="paper")
-            [variant] = self.rows("variants", culling=culling, variant="default")
+            [variant] = self.rows("variants", culling=culling, variant="as it is")
             self.assertEqual((share["visible_without"], share["visible"]), (table_2[without], table_2[with_occlusion]))
             self.assertEqual((variant["visible"], variant["hash"]), (share["visible"], share["hash"]))
             [no_steps] = self.rows("variants", culling=culling, variant="no occluder steps")
