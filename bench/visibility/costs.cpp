@@ -32,6 +32,7 @@ std::vector<Variant> variants(const RefineOptions& base) {
       {"levels 3", with(base, [](O& o) { o.level_step = 3; })},
       {"levels 4", with(base, [](O& o) { o.level_step = 4; })},
       {"steps adaptive", with(base, [](O& o) { o.occluder_splits.clear(); })},
+      {"no occluder", with(base, [](O& o) { o.occluder_splits = {no_id}; })},  // so many splits there are never
       {"steps 300", with(base, [](O& o) { o.occluder_splits = {300}; })},
       {"steps 300,2500", with(base,
                               [](O& o) {

@@ -85,7 +85,7 @@ class Visibility(unittest.TestCase):
             [variant] = self.rows("variants", culling=culling, variant="as it is")
             self.assertEqual((share["visible_without"], share["visible"]), (table_2[without], table_2[with_occlusion]))
             self.assertEqual((variant["visible"], variant["hash"]), (share["visible"], share["hash"]))
-            [no_steps] = self.rows("variants", culling=culling, variant="no occluder steps")
+            [no_steps] = self.rows("variants", culling=culling, variant="no occluder")
             self.assertEqual((no_steps["visible"], no_steps["queries"]), (share["visible_without"], 0))
         self.assertEqual([row["visible"] for row in self.tables["quality"]], [table_2[way] for way in ("lod", "lod_oc", "ours", "ours_oc")])
         for row in self.tables["variants"]:
