@@ -30,15 +30,11 @@ inline std::vector<bool> applied_bits(const Hierarchy& hierarchy, const RefinedO
   return applied;
 }
 
-// The applied splits are closed under dependency, and the triangles are those of the design's definition: a face is
-// active iff the split that inserts it is applied and none that removes it is.
-inline void expect_valid_cut(const Hierarchy& hierarchy, const RefinedObject& object) {
-  const std::vector<bool> applied = applied_bits(hierarchy, object);
-  for (const SplitId s : object.splits)
-    for (const SplitId t : hierarchy.star(s).dependencies())
-      ASSERT_TRUE(applied[t]) << "split " << s << " without " << t;
+// By the design's definition: a face is active iff the split that inserts it is applied and none that removes it is.
+// Base faces first, then by split and slot.
+inline std::vector<Triangle> active_triangles(const Hierarchy& hierarchy, const std::vector<SplitId>& splits) {
   std::set<std::pair<SplitId, std::uint32_t>> removed;
-  for (const SplitId s : object.splits)
+  for (const SplitId s : splits)
     hierarchy.star(s).for_each_removed([&](const FaceRef& f, const Triangle&) { removed.emplace(f.split, f.slot); });
   std::vector<Triangle> active;
   const auto add = [&](const Triangle& t, SplitId split, std::uint32_t slot) {
@@ -46,10 +42,23 @@ inline void expect_valid_cut(const Hierarchy& hierarchy, const RefinedObject& ob
   };
   for (std::uint32_t slot = 0; slot < hierarchy.base_triangle_count(); ++slot)
     add(hierarchy.data().base_faces[slot], no_id, slot);
-  for (const SplitId s : object.splits)
+  for (const SplitId s : splits)
     for (std::uint32_t slot = 0; slot < hierarchy.star(s).inserted_count(); ++slot)
       add(hierarchy.star(s).inserted(slot), s, slot);
-  EXPECT_EQ(object.triangles, active);
+  return active;
+}
+
+inline void expect_closed(const Hierarchy& hierarchy, const RefinedObject& object) {
+  const std::vector<bool> applied = applied_bits(hierarchy, object);
+  for (const SplitId s : object.splits)
+    for (const SplitId t : hierarchy.star(s).dependencies())
+      ASSERT_TRUE(applied[t]) << "split " << s << " without " << t;
+}
+
+// The applied splits are closed under dependency, and the triangles are the active ones in order.
+inline void expect_valid_cut(const Hierarchy& hierarchy, const RefinedObject& object) {
+  expect_closed(hierarchy, object);
+  EXPECT_EQ(object.triangles, active_triangles(hierarchy, object.splits));
 }
 
 // Applied splits that no other applied split depends on: taken for their own sake.

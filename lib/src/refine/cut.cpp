@@ -121,14 +121,7 @@ void Cut::active_triangles(std::vector<Triangle>& out, bool sorted) {
   out.clear();
   drop_taken_back();
   if (sorted) std::sort(applied_.begin(), applied_.end());
-  const std::span<const Triangle> base = hierarchy_->data().base_faces;
-  for (std::size_t f = 0; f < base.size(); ++f)
-    if (!base_removed_[f]) out.push_back(base[f]);
-  for (const SplitId s : applied_) {
-    const SplitStar star = hierarchy_->star(s);
-    for (std::uint32_t slot = 0; slot < star.inserted_count(); ++slot)
-      if (!removed(s, slot)) out.push_back(star.inserted(slot));
-  }
+  for_each_active([&](const FaceRef&, const Triangle& triangle) { out.push_back(triangle); });
   assert(out.size() == triangles_);
 }
 

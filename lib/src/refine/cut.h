@@ -45,6 +45,9 @@ class Cut {
   // Active faces: base faces and faces of applied splits that no applied split removes; base faces first, then by
   // split and slot iff `sorted`; sorting also sorts applied_splits().
   void active_triangles(std::vector<Triangle>& out, bool sorted);
+  // Calls visit(FaceRef, Triangle) for each active face in the order of applied_splits().
+  template <typename Visit>
+  void for_each_active(const Visit& visit) const;
 
  private:
   static constexpr std::uint32_t applied_bit = 1U << 31U;
@@ -73,5 +76,18 @@ class Cut {
   std::ptrdiff_t closure_gain_ = 0;
   std::size_t triangles_ = 0;
 };
+
+template <typename Visit>
+void Cut::for_each_active(const Visit& visit) const {
+  const std::span<const Triangle> base = hierarchy_->data().base_faces;
+  for (std::uint32_t f = 0; f < base.size(); ++f)
+    if (!base_removed_[f]) visit(FaceRef{no_id, f}, base[f]);
+  for (const SplitId s : applied_) {
+    if (!applied(s)) continue;
+    const SplitStar star = hierarchy_->star(s);
+    for (std::uint32_t slot = 0; slot < star.inserted_count(); ++slot)
+      if (!removed(s, slot)) visit(FaceRef{s, slot}, star.inserted(slot));
+  }
+}
 
 }  // namespace occlod

@@ -33,13 +33,18 @@ void Importance::begin(const ObjectView& view, const RefineOptions& options) {
   known_.clear();
 }
 
-// A surface that is off by e along its normal is off by e / cos along the eye's ray.
 Importance::Value Importance::of(SplitId s) {
   const StarView star = star_.look(*hierarchy_, s, *view_, two_sided_);
   remember(s, star.visible_share);
+  const SplitNode& node = hierarchy_->node(s);
+  return of(star, node.error, node.guaranteed_error);
+}
+
+// A surface that is off by e along its normal is off by e / cos along the eye's ray.
+Importance::Value Importance::of(const StarView& star, float error, float guaranteed_error) const {
   Value value;
   value.visible_share = star.visible_share;
-  value.error = ScreenError(hierarchy_->node(s), view_->largest_scale_px(star.sphere));
+  value.error = ScreenError(error, guaranteed_error, view_->largest_scale_px(star.sphere));
   value.priority = value.error.quadric_px * power(star.visible_share, options_->visible_exponent) /
                    power(std::max(star.cosine, least_cosine), options_->grazing_exponent);
   return value;

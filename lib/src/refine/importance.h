@@ -27,6 +27,8 @@ class Importance {
   };
   // By the split's own star.
   [[nodiscard]] Value of(SplitId s);
+  // The same for a star that has been looked at, of a split with these errors.
+  [[nodiscard]] Value of(const StarView& star, float error, float guaranteed_error) const;
 
   // closure[0] is a split, the others are what it forces. The factor by which its priority sinks for stars among
   // these that are not seen, in (0, 1].

@@ -28,6 +28,10 @@ class Questions {
   };
   // To the oldest question. Precondition: one is open.
   [[nodiscard]] Answer take();
+  // Asks about each of `entries`, as many at once as the backend likes, and calls answered(entry, visible) in their
+  // order. query_of(entry) makes the question. Precondition: none is open.
+  template <typename QueryOf, typename Answered>
+  void ask_all(std::span<const Entry> entries, const QueryOf& query_of, const Answered& answered);
   // Precondition: none is open.
   void draw_occluder(std::span<const OccluderPart> parts);
 
@@ -39,5 +43,22 @@ class Questions {
   Clock::time_point asked_;  // the last of them
   double milliseconds_ = 0.0;
 };
+
+template <typename QueryOf, typename Answered>
+void Questions::ask_all(std::span<const Entry> entries, const QueryOf& query_of, const Answered& answered) {
+  const Clock::time_point start = Clock::now();
+  const std::size_t most_open = in_flights() ? visibility_->flight() : entries.size();
+  std::size_t answers = 0;
+  const auto take_one = [&] {
+    const bool visible = visibility_->collect() != 0;
+    answered(entries[answers++], visible);
+  };
+  for (std::size_t asked = 0; asked < entries.size(); ++asked) {
+    if (asked - answers >= most_open) take_one();
+    visibility_->submit(query_of(entries[asked]));
+  }
+  while (answers < entries.size()) take_one();
+  milliseconds_ += milliseconds_since(start);
+}
 
 }  // namespace occlod

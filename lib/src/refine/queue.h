@@ -18,8 +18,9 @@ struct ScreenError {
   float guaranteed_px = 0.0F;
 
   ScreenError() = default;
-  ScreenError(const SplitNode& node, float scale_px)
-      : quadric_px(in_pixels(node.error, scale_px)), guaranteed_px(in_pixels(node.guaranteed_error, scale_px)) {}
+  ScreenError(float error, float guaranteed_error, float scale_px)
+      : quadric_px(in_pixels(error, scale_px)), guaranteed_px(in_pixels(guaranteed_error, scale_px)) {}
+  ScreenError(const SplitNode& node, float scale_px) : ScreenError(node.error, node.guaranteed_error, scale_px) {}
   // Where an unlimited scale leaves no error at 0.
   static float in_pixels(float error, float scale_px) { return error > 0.0F ? error * scale_px : 0.0F; }
   void include(const ScreenError& o) {

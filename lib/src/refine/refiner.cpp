@@ -5,11 +5,13 @@
 #include <vector>
 
 #include "cut.h"
+#include "frames.h"
 #include "importance.h"
 #include "milliseconds_since.h"
 #include "occlod/core/error.h"
 #include "occluder.h"
 #include "occluder_steps.h"
+#include "query_shape.h"
 #include "questions.h"
 #include "queue.h"
 #include "star.h"
@@ -48,14 +50,34 @@ class Refiner::Impl {
   const Refinement& refine(const View& view, const RefineOptions& options, Visibility& visibility) {
     const Clock::time_point start = Clock::now();
     begin(view, options, visibility);
-    for (std::uint32_t i = 0; i < objects_.size(); ++i)
-      for (const SplitId root : cuts_[i].hierarchy().data().roots) meet(i, root, no_id, 0);
-    run();
-    if (options_.final_check) readmit();
+    frames_.reset();
+    refine_from_scratch();
     emit();
-    finish_stats();
-    result_.stats.occlusion_ms = questions_.milliseconds();
-    result_.stats.refine_ms = milliseconds_since(start) - result_.stats.occlusion_ms;
+    finish(start);
+    return result_;
+  }
+
+  const Refinement& update(const View& view, const RefineOptions& options, Visibility& visibility) {
+    const Clock::time_point start = Clock::now();
+    const bool moved = !last_ || last_->visibility != &visibility || last_->camera != view.camera();
+    if (frames_ && !moved && options_ == options && frames_->at_rest()) return repeat(start);
+    const bool same_backend = last_ && last_->visibility == &visibility;
+    begin(view, options, visibility);
+    last_ = {view.camera(), &visibility};
+    if (frames_ && !same_backend) frames_->forget_hidden();
+    const bool limited = options.most_changes > 0 || options.time_limit_ms > 0.0;
+    const RefinedCuts refined{objects_, cuts_, views_, importances_};
+    if (frames_ && (frames_->weigh(refined, options_) || limited)) {
+      frames_->advance(questions_, occluder_mesh_, moved, start, stats_);
+    } else {
+      refine_from_scratch();
+      if (!frames_) frames_.emplace(objects_);
+      frames_->adopt(refined, options_, end_level_, hidden_);
+    }
+    for (std::uint32_t i = 0; i < objects_.size(); ++i) frames_->emit(i, result_.objects[i], stats_);
+    stats_.splits = 0;
+    for (const RefinedObject& object : result_.objects) stats_.splits += object.splits.size();
+    finish(start);
     return result_;
   }
 
@@ -73,22 +95,35 @@ class Refiner::Impl {
     options_ = options;
     views_.clear();
     for (const RefineObject& object : objects_) views_.emplace_back(view, object.object_to_world);
-    for (std::size_t i = 0; i < objects_.size(); ++i) {
-      cuts_[i].clear();
-      importances_[i].begin(views_[i], options_);
-    }
+    for (std::size_t i = 0; i < objects_.size(); ++i) importances_[i].begin(views_[i], options_);
     questions_.begin(visibility, view, views_);
+    stats_ = {};
+    stats_.budget = options.budget;
+  }
+
+  void refine_from_scratch() {
+    for (Cut& cut : cuts_) cut.clear();
     steps_.begin(options_);
     queue_.clear();
     hidden_.clear();
     victims_.clear();
-    stats_ = {};
-    stats_.budget = options.budget;
     triangles_ = base_triangles();
     occluder_ = 0;
     rejections_in_a_row_ = 0;
     left_ = {};
     level_.reset();
+    for (std::uint32_t i = 0; i < objects_.size(); ++i)
+      for (const SplitId root : cuts_[i].hierarchy().data().roots) meet(i, root, no_id, 0);
+    run();
+    end_level_ = queue_.empty() ? 0.0F : queue_.top().priority;
+    if (options_.final_check) readmit();
+    stats_.triangles = triangles_;
+    stats_.culled_occlusion = hidden_.size();
+    queue_.for_each([&](const Entry& entry) {
+      if (!cuts_[entry.object].applied(entry.split)) left_.include(entry.error);
+    });
+    stats_.max_error_px = static_cast<double>(left_.guaranteed_px);
+    stats_.max_quadric_error_px = static_cast<double>(left_.quadric_px);
   }
 
   void run() {
@@ -189,24 +224,7 @@ class Refiner::Impl {
   }
 
   void ask(const Entry& entry) {
-    const Hierarchy& hierarchy = cuts_[entry.object].hierarchy();
-    VisibilityQuery query{entry.object, {}};
-    if (entry.kind == Entry::Kind::apply) {
-      query.shape = PointHull{star_.points(hierarchy, entry.split)};
-    } else {
-      switch (options_.proxy) {
-        case Proxy::sphere:
-          query.shape = hierarchy.node(entry.split).sphere;
-          break;
-        case Proxy::box:
-          query.shape = hierarchy.node(entry.split).box();
-          break;
-        case Proxy::cylinder:
-          query.shape = hierarchy.node(entry.split).cylinder();
-          break;
-      }
-    }
-    questions_.ask(entry, query);
+    questions_.ask(entry, query_about(entry, cuts_[entry.object].hierarchy(), options_.proxy, star_));
     ++stats_.queries;
   }
 
@@ -358,17 +376,29 @@ class Refiner::Impl {
       RefinedObject& object = result_.objects[i];
       cuts_[i].active_triangles(object.triangles, true);
       object.splits.assign(cuts_[i].applied_splits().begin(), cuts_[i].applied_splits().end());
+      object.changes.assign(1, {0, static_cast<std::uint32_t>(object.triangles.size())});
+      object.geomorphs.clear();
     }
+    stats_.new_splits = stats_.splits;
+    stats_.changed_triangles = triangles_;
   }
 
-  void finish_stats() {
-    stats_.triangles = triangles_;
-    stats_.culled_occlusion = hidden_.size();
-    queue_.for_each([&](const Entry& entry) {
-      if (!cuts_[entry.object].applied(entry.split)) left_.include(entry.error);
-    });
-    stats_.max_error_px = static_cast<double>(left_.guaranteed_px);
-    stats_.max_quadric_error_px = static_cast<double>(left_.quadric_px);
+  // Nothing has changed since the call before.
+  const Refinement& repeat(Clock::time_point start) {
+    for (RefinedObject& object : result_.objects) object.changes.clear();
+    stats_ = result_.stats;
+    stats_.new_splits = stats_.merged_splits = stats_.forced_splits = stats_.changed_triangles = 0;
+    stats_.visits = stats_.queries = stats_.queries_hidden = stats_.occluder_draws = 0;
+    stats_.rejected_splits = stats_.readmitted = stats_.taken_back = 0;
+    stats_.occlusion_ms = 0.0;
+    stats_.refine_ms = milliseconds_since(start);
+    result_.stats = stats_;
+    return result_;
+  }
+
+  void finish(Clock::time_point start) {
+    stats_.occlusion_ms = questions_.milliseconds();
+    stats_.refine_ms = milliseconds_since(start) - stats_.occlusion_ms;
     result_.stats = stats_;
   }
 
@@ -393,7 +423,19 @@ class Refiner::Impl {
   ScreenError left_;            // the largest of what is held to be visible and is not refined
   RefineStats stats_;
   Refinement result_;
+
+  struct Last {
+    Camera camera;
+    const Visibility* visibility;  // only compared
+  };
+  std::optional<Last> last_;      // of update()
+  float end_level_ = 0.0F;        // the priority where the budget ended, before the final check
+  std::optional<Frames> frames_;  // of update(), since the last refine()
 };
+
+const Refinement& Refiner::update(const View& view, const RefineOptions& options, Visibility& visibility) {
+  return impl_->update(view, options, visibility);
+}
 
 Refiner::Refiner(std::span<const RefineObject> objects) : impl_(std::make_unique<Impl>(objects)) {}
 Refiner::~Refiner() = default;

@@ -23,13 +23,13 @@ bool may_be_inside(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, c
   });
 }
 
-bool wholly_inside(const Sphere& sphere, const ObjectView& view) {
+}  // namespace
+
+bool is_wholly_inside(const Sphere& sphere, const ObjectView& view) {
   return std::all_of(view.planes().begin(), view.planes().end(), [&](const glm::vec4& plane) {
     return glm::dot(glm::vec3(plane), sphere.center) + plane.w > sphere.radius;
   });
 }
-
-}  // namespace
 
 StarView StarLook::look(const Hierarchy& hierarchy, SplitId s, const ObjectView& view, bool two_sided) {
   gather(hierarchy, s);
@@ -38,7 +38,7 @@ StarView StarLook::look(const Hierarchy& hierarchy, SplitId s, const ObjectView&
   star.sphere.center = 0.5F * box.min + 0.5F * box.max;
   for (const glm::vec3& p : points_)
     star.sphere.radius = std::max(star.sphere.radius, glm::distance(star.sphere.center, p));
-  const bool inside = wholly_inside(star.sphere, view);
+  const bool inside = is_wholly_inside(star.sphere, view);
   const std::span<const glm::vec3> positions = hierarchy.positions();
   int faces = 0;
   int visible = 0;

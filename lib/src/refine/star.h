@@ -16,6 +16,9 @@ struct StarView {
   Sphere sphere;               // around all corners
 };
 
+// True only when every point of the sphere is inside the frustum.
+[[nodiscard]] bool is_wholly_inside(const Sphere& sphere, const ObjectView& view);
+
 // Reuses its memory.
 class StarLook {
  public:

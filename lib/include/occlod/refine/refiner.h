@@ -54,6 +54,14 @@ struct RefineOptions {
   Proxy proxy = Proxy::box;  // the bounds of a subtree that are asked about
   std::uint32_t level_step =
       2;  // ask about subtrees on every n-th forest level only (2 = odd levels, as in the paper); >= 1
+
+  // Refiner::update() only.
+  double hysteresis = 0.05;      // a split that is applied gives way only to what matters more by this part; in [0, 1)
+  std::size_t most_changes = 0;  // splits and merges in one call, but for what the budget forces; 0 = no limit
+  double time_limit_ms = 0.0;    // no further splits and merges after so long; 0 = no limit. Depends on a clock
+  std::uint32_t geomorph_frames = 0;  // vertices that appear slide from their parents for so many calls
+
+  friend bool operator==(const RefineOptions&, const RefineOptions&) = default;
 };
 
 struct RefineStats {
@@ -75,15 +83,34 @@ struct RefineStats {
   double max_error_px = 0.0;   // largest guaranteed screen error left on surface held to be visible; infinite when the
                                // eye is inside the bounds of a split that is not applied
   double max_quadric_error_px =
-      0.0;                    // the same of the quadric error: about the root mean square distance instead of a bound
-  double refine_ms = 0.0;     // wall time without occlusion_ms
-  double occlusion_ms = 0.0;  // drawing occluders, asking and waiting for answers
+      0.0;                     // the same of the quadric error: about the root mean square distance instead of a bound
+  std::size_t new_splits = 0;  // applied in this call
+  std::size_t merged_splits = 0;      // taken back in this call, applied in an earlier one
+  std::size_t changed_triangles = 0;  // places of the index buffers that differ from those of the call before
+  bool pending = false;               // update(): a limit ended the call before its work was done
+  double refine_ms = 0.0;             // wall time without occlusion_ms
+  double occlusion_ms = 0.0;          // drawing occluders, asking and waiting for answers
 };
 
-// The active triangles of one object: ids into the hierarchy's vertices, base faces first, then by split and slot.
+struct TriangleRange {
+  std::uint32_t first = 0;
+  std::uint32_t count = 0;
+};
+
+// Draw `vertex` at mix(position of parent, its own position, t).
+struct Geomorph {
+  VertexId vertex = no_id;
+  VertexId parent = no_id;
+  float t = 1.0F;
+};
+
+// The active triangles of one object: ids into the hierarchy's vertices. From refine(): base faces first, then by split
+// and slot. From update(): those that stay active keep their places, but for those that fill holes.
 struct RefinedObject {
   std::vector<Triangle> triangles;
-  std::vector<SplitId> splits;  // applied, ascending: the whole state
+  std::vector<SplitId> splits;         // applied, ascending: the whole state
+  std::vector<TriangleRange> changes;  // of `triangles` since the call before, ascending; the size may change too
+  std::vector<Geomorph> geomorphs;     // under way
 };
 
 struct Refinement {
@@ -109,6 +136,12 @@ class Refiner {
   // Refines from the base meshes. Throws Error when the budget is smaller than base_triangles(). The result is valid
   // until the next call. Deterministic for a backend whose answers are.
   const Refinement& refine(const View& view, const RefineOptions& options, Visibility& visibility);
+
+  // Goes on from the cut of the call before, merging what has lost importance and splitting what has gained. Refines
+  // from the base meshes when there is none, when options that weigh or cull have changed, or when most of the cut is
+  // worth nothing any more (a jump of the camera; not with limits). The same budget and validity as refine(), nearly
+  // the same errors; deterministic for the same sequence of calls, unless time_limit_ms is set.
+  const Refinement& update(const View& view, const RefineOptions& options, Visibility& visibility);
 
  private:
   class Impl;

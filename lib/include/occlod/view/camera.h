@@ -15,6 +15,8 @@ struct Camera {
   int height = 768;         // pixels, >= 1
   double near = 0.01;       // distance to the near plane, > 0
   double far = 100.0;       // distance to the far plane, > near
+
+  friend bool operator==(const Camera&, const Camera&) = default;
 };
 
 }  // namespace occlod

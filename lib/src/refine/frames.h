@@ -1,0 +1,158 @@
+// Refinement that goes on from the frame before.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "cut.h"
+#include "face_list.h"
+#include "front.h"
+#include "importance.h"
+#include "milliseconds_since.h"
+#include "occlod/refine/refiner.h"
+#include "occluder.h"
+#include "questions.h"
+#include "queue.h"
+#include "star.h"
+
+namespace occlod {
+
+// What both ways of refinement work on, by object.
+struct RefinedCuts {
+  std::span<const RefineObject> objects;
+  std::span<Cut> cuts;
+  std::span<const ObjectView> views;
+  std::span<Importance> importances;
+};
+
+// One frame: every node that refinement has reached is weighed for the new view; then, worst first, candidates are
+// descended or applied, and take the place of applied leaves that matter less (the dual queues of Duchaineau et al.,
+// ROAMing Terrain, 1997, here over the dependencies of splits). The nodes are about twice as many as applied splits,
+// and weighing one costs some 20 ns; all else is in proportion to what changes. The priority where the budget ended is
+// kept: only what is near that is queued.
+class Frames {
+ public:
+  explicit Frames(std::span<const RefineObject> objects);
+
+  // Takes over cuts that refinement from scratch has made: `level` is the priority where the budget ended, `hidden`
+  // what was hidden at the end. All outlive the frame.
+  void adopt(const RefinedCuts& refined, const RefineOptions& options, float level, std::span<const Entry> hidden);
+
+  // Weighs all for a new view. False when most of the cut is worth nothing any more: then it is better to start from
+  // scratch. Options that differ from those of the frame before are no reason to.
+  [[nodiscard]] bool weigh(const RefinedCuts& refined, const RefineOptions& options);
+  // After weigh(). `moved`: the view, or what the backend would answer, differs from that of the frame before.
+  void advance(Questions& questions, Occluder& occluder, bool moved, Clock::time_point start, RefineStats& stats);
+  void forget_hidden();
+
+  // After adopt() or advance(), with what the frame before got.
+  void emit(std::uint32_t object, RefinedObject& out, RefineStats& stats);
+  // The next frame will change nothing unless the view or the options do.
+  [[nodiscard]] bool at_rest() const noexcept { return at_rest_; }
+
+ private:
+  struct Object {
+    explicit Object(const Hierarchy& hierarchy) : front(hierarchy), faces(hierarchy) {}
+
+    Front front;
+    FaceList faces;
+    std::vector<SplitId> born, died;                        // in this frame
+    std::vector<std::pair<SplitId, std::uint32_t>> morphs;  // splits with the frames in which they were applied
+  };
+
+  // What one split is worth in this view.
+  struct Worth {
+    float key = 0.0F;  // its priority; 0 = changes nothing that is seen
+    float raw = 0.0F;  // without what it forces
+    ScreenError error;
+  };
+
+  // Candidates and leaves are queued when their keys are within this factor of the level of the frame before; all are
+  // when those do not suffice.
+  static constexpr float band = 1.25F;
+  // A split's priority is at most its subtree's error times this: Importance counts no face as seen more edge-on than
+  // under a cosine of 0.2.
+  static constexpr float most_grazing = 2.3F;
+
+  void begin(const RefinedCuts& refined, const RefineOptions& options);
+  void adopt_forest(std::uint32_t object);
+  [[nodiscard]] float scale_of(std::uint32_t object, const FrontNode& node);
+  [[nodiscard]] Worth worth(std::uint32_t object, FrontNode& node);
+  [[nodiscard]] bool is_tolerated(const ScreenError& error) const;
+  void reach(std::uint32_t object, SplitId s, SplitId parent, std::uint16_t level);
+  template <typename Visit>
+  void descend_from(std::uint32_t object, SplitId s, const Visit& visit_child);
+
+  void close(std::uint32_t object);
+  [[nodiscard]] bool is_closable(const FrontNode& node) const;
+  bool close_one(std::uint32_t object, SplitId s);
+  void gather();
+  void gather_candidates(float low, float high);
+  void gather_leaves(float low, float high);
+  bool gather_more_candidates();
+  bool gather_more_leaves();
+  void push_leaf(std::uint32_t object, SplitId s, float key);
+  void measure_errors();
+
+  void ask_again(Occluder& occluder, bool moved);
+  [[nodiscard]] std::optional<Entry::Kind> question_about(std::uint32_t object, const FrontNode& node, bool due) const;
+  void note(const Entry& entry, bool visible);
+  [[nodiscard]] bool is_hidden(const Entry& entry);
+
+  void run();
+  [[nodiscard]] bool limit_reached() const;
+  void descend(const Entry& entry);
+  bool apply(const Entry& entry);
+  bool waits(const Entry& entry, const Cut::Closure& closure);
+  void apply_closure(std::uint32_t object, const Cut::Closure& closure);
+  bool make_room(float key);
+  [[nodiscard]] bool is_old_leaf(const Entry& leaf);
+  bool take_back_least();
+  void take_back_needless();
+  void take_back(std::uint32_t object, SplitId s);
+  void emit_splits(Object& object, const Cut& cut, RefinedObject& out, RefineStats& stats);
+  void emit_geomorphs(Object& object, const Cut& cut, std::vector<Geomorph>& out) const;
+
+  RefinedCuts refined_;
+  const RefineOptions* options_ = nullptr;
+  Questions* questions_ = nullptr;
+  RefineStats* stats_ = nullptr;
+  Clock::time_point start_;
+  std::vector<Object> objects_;
+  bool adopted_ = false;  // in this frame
+  bool at_rest_ = false;
+  std::uint32_t frame_ = 0;
+  float level_ = 0.0F;             // the priority where the budget ended
+  float candidates_above_ = 0.0F;  // queued are candidates with larger keys
+  float leaves_below_ = 0.0F;      // and leaves with smaller ones
+  Queue candidates_;
+  Queue leaves_;  // by 1 / key
+  std::size_t triangles_ = 0;
+  std::size_t changes_ = 0;  // splits and merges in this frame
+  std::size_t outside_ = 0;  // nodes that were weighed
+  std::size_t facing_away_ = 0;
+  ScreenError left_;
+  StarLook star_;
+  std::vector<Entry> asked_;  // scratch, all of them
+  std::vector<SplitId> sorted_;
+  std::vector<SplitId> open_;
+};
+
+// Calls visit_child(SplitId) for each child that is now reached. Throws Error for a file that lies about its forest.
+template <typename Visit>
+void Frames::descend_from(std::uint32_t object, SplitId s, const Visit& visit_child) {
+  FrontNode& node = *objects_[object].front.find(s);
+  node.set(FrontNode::descended, true);
+  const std::uint16_t level = node.level;  // reach() moves nodes
+  const SplitNode& split = refined_.cuts[object].hierarchy().node(s);
+  for (const SplitId child : {split.child_u, split.child_v}) {
+    if (child == no_id) continue;
+    reach(object, child, s, FrontNode::below(level));
+    visit_child(child);
+  }
+}
+
+}  // namespace occlod

@@ -1,0 +1,320 @@
+#include <algorithm>
+#include <iterator>
+#include <optional>
+
+#include "frames.h"
+#include "query_shape.h"
+
+namespace occlod {
+namespace {
+
+// Of what is held to be visible, one in so many is asked about again in each frame.
+constexpr std::size_t asking_rounds = 8;
+// When so many candidates in a row need more triangles than are left, the budget counts as used up.
+constexpr std::size_t most_rejections_in_a_row = 16;
+
+}  // namespace
+
+void Frames::advance(Questions& questions, Occluder& occluder, bool moved, Clock::time_point start,
+                     RefineStats& stats) {
+  questions_ = &questions;
+  stats_ = &stats;
+  start_ = start;
+  ask_again(occluder, moved);
+  gather();
+  run();
+  take_back_needless();
+  measure_errors();
+  at_rest_ = changes_ == 0 && !stats.pending;
+  stats.triangles = triangles_;
+  stats.culled_frustum = outside_;
+  stats.culled_backface = facing_away_;
+  stats.max_error_px = static_cast<double>(left_.guaranteed_px);
+  stats.max_quadric_error_px = static_cast<double>(left_.quadric_px);
+}
+
+// Hidden things that would matter are asked about before the mesh as it is now, in the new view; so is a rotating share
+// of what the budget has been spent on. What is met for the first time is asked about when its turn comes.
+void Frames::ask_again(Occluder& occluder, bool moved) {
+  if (!questions_->can_hide()) return forget_hidden();
+  if (!moved && at_rest_) return;
+  questions_->draw_occluder(occluder.build(refined_.objects, refined_.cuts, refined_.views, options_->occluder_mode));
+  ++stats_->occluder_draws;
+  asked_.clear();
+  for (std::uint32_t i = 0; i < objects_.size(); ++i) {
+    const std::span<FrontNode> nodes = objects_[i].front.nodes();
+    for (std::size_t k = 0; k < nodes.size(); ++k) {
+      const bool due = moved && (k + frame_) % asking_rounds == 0;
+      if (const std::optional<Entry::Kind> kind = question_about(i, nodes[k], due))
+        asked_.push_back({0.0F, {}, nodes[k].split, i, nodes[k].level, 0, *kind});
+    }
+  }
+  questions_->ask_all(
+      asked_,
+      [&](const Entry& entry) {
+        return query_about(entry, refined_.cuts[entry.object].hierarchy(), options_->proxy, star_);
+      },
+      [&](const Entry& entry, bool visible) { note(entry, visible); });
+  stats_->queries += asked_.size();
+}
+
+// What has to be asked about a node, if anything. `due`: also about what was visible.
+std::optional<Entry::Kind> Frames::question_about(std::uint32_t object, const FrontNode& node, bool due) const {
+  const float bound = node.quadric_px();
+  if (!(bound > 0.0F)) return std::nullopt;
+  const bool would_matter = bound * most_grazing > level_ / band;
+  if (node.is(FrontNode::subtree_hidden)) return would_matter ? std::optional(Entry::Kind::visit) : std::nullopt;
+  const Entry::Kind kind = options_->culling == Culling::star ? Entry::Kind::apply : Entry::Kind::visit;
+  if (node.is(FrontNode::star_hidden)) return would_matter ? std::optional(kind) : std::nullopt;
+  if (questions_->in_flights() && would_matter && !node.is(FrontNode::applied))
+    return node.is(FrontNode::descended) ? kind : Entry::Kind::visit;
+  if (due && node.is(FrontNode::applied) && refined_.cuts[object].is_leaf(node.split)) return kind;
+  return std::nullopt;
+}
+
+void Frames::note(const Entry& entry, bool visible) {
+  FrontNode& node = *objects_[entry.object].front.find(entry.split);
+  const bool subtree = entry.kind == Entry::Kind::visit;
+  node.set(subtree ? FrontNode::subtree_hidden : FrontNode::star_hidden, !visible);
+  if (visible) (subtree ? node.subtree_asked : node.star_asked) = static_cast<std::uint16_t>(frame_);
+  if (!visible) ++stats_->queries_hidden;
+}
+
+void Frames::forget_hidden() {
+  for (Object& object : objects_)
+    for (FrontNode& node : object.front.nodes()) {
+      node.set(FrontNode::subtree_hidden, false);
+      node.set(FrontNode::star_hidden, false);
+    }
+}
+
+// Whether the occluder of this frame hides it: asked now, unless it has been.
+bool Frames::is_hidden(const Entry& entry) {
+  if (!questions_->can_hide() || stats_->occluder_draws == 0) return false;
+  const bool subtree = entry.kind == Entry::Kind::visit;
+  if (!subtree && options_->culling == Culling::subtree) return false;
+  if (subtree && entry.level % options_->level_step != options_->level_step - 1) return false;
+  const FrontNode& node = *objects_[entry.object].front.find(entry.split);
+  if (questions_->in_flights()) return false;  // it would be waited for: asked about before the next frame
+  if ((subtree ? node.subtree_asked : node.star_asked) == static_cast<std::uint16_t>(frame_)) return false;
+  questions_->ask(entry, query_about(entry, refined_.cuts[entry.object].hierarchy(), options_->proxy, star_));
+  ++stats_->queries;
+  const bool visible = questions_->take().visible;
+  note(entry, visible);
+  return !visible;
+}
+
+void Frames::run() {
+  std::size_t rejections = 0;
+  level_ = 0.0F;
+  while (true) {
+    if (triangles_ > options_->budget) {
+      if (!take_back_least()) break;
+      continue;
+    }
+    if (candidates_.empty() && !gather_more_candidates()) return;
+    if (limit_reached()) break;
+    const Entry entry = candidates_.pop();
+    ++stats_->visits;
+    if (is_hidden(entry)) continue;
+    if (entry.kind == Entry::Kind::visit) {
+      descend(entry);
+    } else if (!apply(entry)) {
+      level_ = std::max(level_, entry.priority);
+      ++stats_->rejected_splits;
+      left_.include(entry.error);
+      if (++rejections == most_rejections_in_a_row) return;
+      continue;
+    }
+    rejections = 0;
+  }
+  stats_->pending = !candidates_.empty();
+  if (stats_->pending) level_ = std::max(level_, candidates_.top().priority);
+}
+
+bool Frames::limit_reached() const {
+  if (options_->most_changes > 0 && changes_ >= options_->most_changes) return true;
+  return options_->time_limit_ms > 0.0 && milliseconds_since(start_) >= options_->time_limit_ms;
+}
+
+void Frames::descend(const Entry& entry) {
+  const std::uint32_t i = entry.object;
+  descend_from(i, entry.split, [&](SplitId child) {
+    const FrontNode& node = *objects_[i].front.find(child);
+    const ScreenError error(node.error, node.guaranteed_error, node.scale_px);
+    if (error.quadric_px > 0.0F && !node.is(FrontNode::subtree_hidden) && !is_tolerated(error))
+      candidates_.push({error.quadric_px, error, child, i, node.level, 0, Entry::Kind::visit});
+  });
+  FrontNode& node = *objects_[i].front.find(entry.split);
+  if (node.is(FrontNode::applied)) return;
+  const Worth value = worth(i, node);
+  if (value.raw > 0.0F && !is_tolerated(value.error))
+    candidates_.push({value.raw, value.error, entry.split, i, entry.level, 0, Entry::Kind::apply});
+}
+
+// False when there is no room for it.
+bool Frames::apply(const Entry& entry) {
+  Cut& cut = refined_.cuts[entry.object];
+  if (cut.applied(entry.split)) return true;
+  Cut::Closure closure = cut.closure(entry.split);
+  if (waits(entry, closure)) return true;
+  while (triangles_ + closure.triangles > options_->budget) {
+    if (!make_room(entry.priority)) return false;
+    closure = cut.closure(entry.split);
+  }
+  apply_closure(entry.object, closure);
+  return true;
+}
+
+// Culling::star: a split that forces others which nobody sees steps back in the queue, once in a frame.
+bool Frames::waits(const Entry& entry, const Cut::Closure& closure) {
+  if (options_->culling != Culling::star || entry.weighed) return false;
+  FrontNode& node = *objects_[entry.object].front.find(entry.split);
+  node.forced_weight =
+      closure.splits.size() == 1 ? 1.0F : refined_.importances[entry.object].forced_weight(closure.splits);
+  Entry later = entry;
+  later.weighed = true;
+  later.priority *= node.forced_weight;
+  if (node.forced_weight == 1.0F || candidates_.would_be_next(later)) return false;
+  candidates_.push(later);
+  return true;
+}
+
+void Frames::apply_closure(std::uint32_t i, const Cut::Closure& closure) {
+  Object& object = objects_[i];
+  Cut& cut = refined_.cuts[i];
+  stats_->forced_splits += closure.splits.size() - 1;
+  sorted_.assign(closure.splits.begin(), closure.splits.end());
+  std::sort(sorted_.begin(), sorted_.end());  // what is needed comes first
+  triangles_ -= cut.triangle_count();
+  cut.apply_closure();
+  triangles_ += cut.triangle_count();
+  for (const SplitId s : sorted_) {
+    object.faces.apply(s);
+    FrontNode* node = object.front.find(s);
+    if (node == nullptr) {
+      node = &object.front.obtain(s);
+      node->scale_px = scale_of(i, *node);
+    }
+    node->set(FrontNode::applied, true);
+    node->set(FrontNode::is_new, true);
+    object.born.push_back(s);
+  }
+  changes_ += sorted_.size();
+}
+
+// Gives up the least important leaf, if that is worth it for what matters `key`.
+bool Frames::make_room(float key) {
+  if (leaves_.empty() && !gather_more_leaves()) return false;
+  const Entry leaf = leaves_.top();
+  if (!(1.0F / leaf.priority < key * (1.0F - static_cast<float>(options_->hysteresis)))) return false;
+  return take_back_least();
+}
+
+// Still what it was when it was queued.
+bool Frames::is_old_leaf(const Entry& leaf) {
+  const Cut& cut = refined_.cuts[leaf.object];
+  return cut.applied(leaf.split) && cut.is_leaf(leaf.split) &&
+         !objects_[leaf.object].front.find(leaf.split)->is(FrontNode::is_new);
+}
+
+// False when there is none left.
+bool Frames::take_back_least() {
+  while (!leaves_.empty() || gather_more_leaves()) {
+    const Entry leaf = leaves_.pop();
+    if (!is_old_leaf(leaf)) continue;
+    take_back(leaf.object, leaf.split);
+    return true;
+  }
+  return false;
+}
+
+void Frames::take_back(std::uint32_t i, SplitId s) {
+  Object& object = objects_[i];
+  Cut& cut = refined_.cuts[i];
+  triangles_ -= cut.triangle_count();
+  cut.take_back(s);
+  triangles_ += cut.triangle_count();
+  object.faces.take_back(s);
+  object.died.push_back(s);
+  ++changes_;
+  FrontNode& node = *object.front.find(s);
+  node.set(FrontNode::applied, false);
+  node.set(FrontNode::is_new, false);
+  if (!node.is(FrontNode::reached)) object.front.remove(node);
+  for (const SplitId needed : cut.hierarchy().star(s).dependencies()) {
+    FrontNode& below = *object.front.find(needed);
+    if (!cut.is_leaf(needed) || below.is(FrontNode::is_new)) continue;
+    const float key = worth(i, below).key;
+    if (key < leaves_below_) push_leaf(i, needed, key);
+  }
+}
+
+// Where the tolerance decides and not the budget: leaves that are seen by nobody, or well within the tolerance.
+void Frames::take_back_needless() {
+  if (!(options_->tolerance_px > 0.0) || stats_->pending || level_ > 0.0F) return;
+  while (!limit_reached() && (!leaves_.empty() || gather_more_leaves())) {
+    const Entry leaf = leaves_.pop();
+    if (!is_old_leaf(leaf)) continue;
+    FrontNode& node = *objects_[leaf.object].front.find(leaf.split);
+    const Worth value = worth(leaf.object, node);
+    const double needless = options_->tolerance_px * (1.0 - options_->hysteresis);
+    if (value.raw == 0.0F || static_cast<double>(value.error.guaranteed_px) <= needless)
+      take_back(leaf.object, leaf.split);
+  }
+}
+
+void Frames::emit(std::uint32_t i, RefinedObject& out, RefineStats& stats) {
+  Object& object = objects_[i];
+  object.faces.changes(out.changes);
+  const std::vector<Triangle>& triangles = object.faces.triangles();
+  out.triangles.resize(triangles.size());
+  for (const TriangleRange& range : out.changes) {
+    std::copy_n(triangles.begin() + range.first, range.count, out.triangles.begin() + range.first);
+    stats.changed_triangles += range.count;
+  }
+  emit_splits(object, refined_.cuts[i], out, stats);
+  emit_geomorphs(object, refined_.cuts[i], out.geomorphs);
+  at_rest_ = at_rest_ && out.geomorphs.empty();
+}
+
+void Frames::emit_splits(Object& object, const Cut& cut, RefinedObject& out, RefineStats& stats) {
+  if (adopted_) {
+    stats.merged_splits += out.splits.size();
+    out.splits.clear();
+    for (const FrontNode& node : object.front.nodes())
+      if (node.is(FrontNode::applied)) out.splits.push_back(node.split);
+    std::sort(out.splits.begin(), out.splits.end());
+    stats.new_splits += out.splits.size();
+    return;
+  }
+  // What was given up and came back is no change.
+  std::sort(object.died.begin(), object.died.end());
+  const auto came_back = [&](SplitId s) { return std::binary_search(object.died.begin(), object.died.end(), s); };
+  for (const SplitId s : object.born) object.front.find(s)->set(FrontNode::is_new, false);
+  std::erase_if(object.born, came_back);
+  std::sort(object.born.begin(), object.born.end());
+  std::erase_if(object.died, [&](SplitId s) { return cut.applied(s); });
+  stats.new_splits += object.born.size();
+  stats.merged_splits += object.died.size();
+  if (object.born.empty() && object.died.empty()) return;
+  sorted_.clear();
+  std::set_difference(out.splits.begin(), out.splits.end(), object.died.begin(), object.died.end(),
+                      std::back_inserter(sorted_));
+  out.splits.clear();
+  std::merge(sorted_.begin(), sorted_.end(), object.born.begin(), object.born.end(), std::back_inserter(out.splits));
+}
+
+void Frames::emit_geomorphs(Object& object, const Cut& cut, std::vector<Geomorph>& out) const {
+  out.clear();
+  const std::uint32_t frames = options_->geomorph_frames;
+  if (frames > 0 && !adopted_)
+    for (const SplitId s : object.born) object.morphs.emplace_back(s, frame_);
+  std::erase_if(object.morphs,
+                [&](const auto& morph) { return !cut.applied(morph.first) || frame_ - morph.second >= frames; });
+  for (const auto& [s, born] : object.morphs)
+    out.push_back({cut.hierarchy().vertex_of(s), cut.hierarchy().star(s).parent_vertex(),
+                   static_cast<float>(frame_ - born + 1) / static_cast<float>(frames + 1)});
+}
+
+}  // namespace occlod

@@ -1,0 +1,95 @@
+#include "front.h"
+
+#include <algorithm>
+#include <glm/geometric.hpp>
+#include <limits>
+
+namespace occlod {
+namespace {
+
+// Around the corners of all faces.
+Sphere sphere_around(const SplitStar& star, std::span<const glm::vec3> positions) {
+  Box box{positions[star.vertex()], positions[star.vertex()]};
+  const auto for_each_corner = [&](const auto& visit) {
+    star.for_each_face([&](const Triangle& t) {
+      for (int k = 0; k < 3; ++k) visit(positions[t[k]]);
+    });
+  };
+  for_each_corner([&](const glm::vec3& p) { box = {glm::min(box.min, p), glm::max(box.max, p)}; });
+  Sphere sphere{0.5F * box.min + 0.5F * box.max, 0.0F};
+  for_each_corner(
+      [&](const glm::vec3& p) { sphere.radius = std::max(sphere.radius, glm::distance(sphere.center, p)); });
+  return sphere;
+}
+
+FrontStar planes_of(const SplitStar& star, std::span<const glm::vec3> positions) {
+  FrontStar planes;
+  planes.has_too_many = star.inserted_count() + star.removed_count() > FrontStar::most_faces;
+  if (planes.has_too_many) return planes;
+  planes.sphere = sphere_around(star, positions);
+  star.for_each_face([&](const Triangle& t) {
+    const glm::vec3 &a = positions[t.x], &b = positions[t.y], &c = positions[t.z];
+    const glm::vec3 normal = glm::cross(b - a, c - a);
+    const std::size_t i = planes.faces++;
+    planes.normal_x[i] = normal.x;
+    planes.normal_y[i] = normal.y;
+    planes.normal_z[i] = normal.z;
+    planes.offset[i] = glm::dot(normal, planes.sphere.center - a);
+    planes.length[i] = glm::length(normal);
+  });
+  return planes;
+}
+
+}  // namespace
+
+Front::Front(const Hierarchy& hierarchy)
+    : hierarchy_(&hierarchy), slots_(zeroed_array<std::uint32_t>(hierarchy.split_count())) {}
+
+void Front::clear() {
+  for (const FrontNode& node : nodes_) slots_[node.split] = 0;
+  nodes_.clear();
+  stars_.clear();
+  free_stars_.clear();
+}
+
+FrontNode& Front::obtain(SplitId s) {
+  if (FrontNode* const there = find(s)) return *there;
+  hierarchy_->require(s);
+  const SplitNode& split = hierarchy_->node(s);
+  FrontNode& node = nodes_.emplace_back();
+  slots_[s] = static_cast<std::uint32_t>(nodes_.size());
+  node.sphere = split.sphere;
+  node.cone = split.cone();
+  node.error = split.error;
+  node.guaranteed_error = split.guaranteed_error;
+  node.split = s;
+  return node;
+}
+
+void Front::remove(FrontNode& node) {
+  if (node.star != FrontNode::no_star) free_stars_.push_back(node.star);
+  const SplitId gone = node.split;
+  slots_[nodes_.back().split] = slots_[gone];
+  slots_[gone] = 0;
+  if (&node != &nodes_.back()) node = nodes_.back();
+  nodes_.pop_back();
+}
+
+const FrontStar& Front::star(FrontNode& node) {
+  if (node.star == FrontNode::no_star) {
+    const SplitStar star = hierarchy_->star(node.split);
+    star.for_each_face([&](const Triangle& t) {
+      for (int k = 0; k < 3; ++k) hierarchy_->require_vertex(t[k]);
+    });
+    if (free_stars_.empty()) {
+      free_stars_.push_back(static_cast<std::uint32_t>(stars_.size()));
+      stars_.emplace_back();
+    }
+    node.star = free_stars_.back();
+    free_stars_.pop_back();
+    stars_[node.star] = planes_of(star, hierarchy_->positions());
+  }
+  return stars_[node.star];
+}
+
+}  // namespace occlod

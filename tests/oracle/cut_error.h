@@ -1,0 +1,21 @@
+// What a cut leaves undone, found by walking the whole forest instead of believing what refinement kept book of.
+#pragma once
+
+#include <span>
+
+#include "occlod/refine/refiner.h"
+#include "occlod/refine/visibility.h"
+#include "occlod/view/view.h"
+
+namespace occlod::oracle {
+
+// In pixels, of splits that are not applied and of whose own faces the eye sees some: the largest error of each kind.
+// Not those whose star the refined meshes hide, as `visibility` answers.
+struct CutError {
+  double quadric_px = 0.0;
+  double guaranteed_px = 0.0;
+};
+[[nodiscard]] CutError cut_error(std::span<const RefineObject> objects, const Refinement& refinement, const View& view,
+                                 Visibility& visibility);
+
+}  // namespace occlod::oracle

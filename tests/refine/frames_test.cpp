@@ -1,0 +1,237 @@
+// Refinement from frame to frame.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
+#include <memory>
+#include <numbers>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "occlod/occlusion/software_occlusion.h"
+#include "oracle/cut_error.h"
+#include "refine_support.h"
+
+namespace occlod {
+namespace {
+
+const Hierarchy& planet() {
+  static const Hierarchy h = build_hierarchy(test::noisy_sphere(5, 3));
+  return h;
+}
+
+Camera orbiting(double degrees, double distance = 3.0) {
+  Camera camera = test::front_camera();
+  const double angle = degrees * std::numbers::pi / 180.0;
+  camera.eye = {distance * std::sin(angle), 0.4, distance * std::cos(angle)};
+  return camera;
+}
+
+std::vector<Triangle> sorted(std::vector<Triangle> triangles) {
+  std::sort(triangles.begin(), triangles.end(),
+            [](const Triangle& a, const Triangle& b) { return std::tuple(a.x, a.y, a.z) < std::tuple(b.x, b.y, b.z); });
+  return triangles;
+}
+
+// As test::expect_valid_cut, in any order of triangles.
+void expect_valid(const Hierarchy& hierarchy, const RefinedObject& object) {
+  ASSERT_TRUE(std::is_sorted(object.splits.begin(), object.splits.end()));
+  test::expect_closed(hierarchy, object);
+  EXPECT_TRUE(sorted(object.triangles) == sorted(test::active_triangles(hierarchy, object.splits)));
+}
+
+struct Way {
+  Culling culling;
+  bool occlusion;
+};
+
+class Frames : public testing::TestWithParam<Way> {
+ protected:
+  std::unique_ptr<Visibility> backend_ =
+      GetParam().occlusion ? make_software_occlusion() : std::unique_ptr<Visibility>(new NoOcclusion);
+  RefineOptions options(std::size_t budget) const {
+    RefineOptions options;
+    options.budget = budget;
+    options.culling = GetParam().culling;
+    return options;
+  }
+};
+
+// Two statues that hide each other in turn.
+std::vector<RefineObject> two_planets() {
+  return {{&planet(), glm::dmat4(1.0), false},
+          {&planet(), glm::translate(glm::dmat4(1.0), glm::dvec3(0.0, 0.3, 2.5)), false}};
+}
+
+// An orbit, a jump to the other side, and a look away and back: whatever happens, a frame is a mesh within the budget,
+// and what it tells about its changes makes the buffer of the frame before that of this frame.
+TEST_P(Frames, EveryFrameIsAValidMeshWithinTheBudget) {
+  const std::vector<RefineObject> objects = two_planets();
+  Refiner refiner(objects);
+  std::vector<Camera> cameras;
+  for (int i = 0; i < 20; ++i) cameras.push_back(orbiting(3.0 * i, 6.0));
+  cameras.push_back(orbiting(240.0, 6.0));
+  for (int i = 0; i < 10; ++i) cameras.push_back(orbiting(240.0 + i, 6.0 - 0.3 * i));
+  Camera away = orbiting(250.0, 6.0);
+  away.target = 2.0 * away.eye;
+  cameras.push_back(away);
+  cameras.push_back(orbiting(251.0, 6.0));
+  std::vector<std::vector<Triangle>> buffers(objects.size());
+  std::size_t budget = 3000;
+  for (std::size_t frame = 0; frame < cameras.size(); ++frame) {
+    SCOPED_TRACE(frame);
+    if (frame == 8) budget = 1200;  // less from one frame to the next
+    if (frame == 12) budget = 5000;
+    const Refinement& refinement = refiner.update(View(cameras[frame]), options(budget), *backend_);
+    std::size_t triangles = 0, changed = 0;
+    for (std::size_t i = 0; i < objects.size(); ++i) {
+      const RefinedObject& object = refinement.objects[i];
+      expect_valid(planet(), object);
+      triangles += object.triangles.size();
+      buffers[i].resize(object.triangles.size());
+      for (const TriangleRange& range : object.changes) {
+        std::copy_n(object.triangles.begin() + range.first, range.count, buffers[i].begin() + range.first);
+        changed += range.count;
+      }
+      EXPECT_TRUE(buffers[i] == object.triangles);
+    }
+    EXPECT_LE(triangles, budget);
+    EXPECT_EQ(refinement.stats.triangles, triangles);
+    EXPECT_EQ(refinement.stats.changed_triangles, changed);
+  }
+}
+
+// The queues take and give by the same priorities as refinement from scratch, so that errors are the same but for the
+// hysteresis, and for what the order of equally important splits decides.
+TEST_P(Frames, ErrorsAreNearlyThoseFromScratch) {
+  const std::vector<RefineObject> objects = two_planets();
+  Refiner frames(objects), scratch(objects);
+  double sum = 0.0;
+  constexpr int count = 30;
+  for (int i = 0; i < count; ++i) {
+    const View view(orbiting(i < 20 ? 2.0 * i : 180.0 + i, 5.0));
+    const Refinement& kept = frames.update(view, options(3000), *backend_);
+    const Refinement& fresh = scratch.refine(view, options(3000), *backend_);
+    const double kept_px = oracle::cut_error(objects, kept, view, *backend_).quadric_px;
+    const double fresh_px = oracle::cut_error(objects, fresh, view, *backend_).quadric_px;
+    EXPECT_LE(kept_px, 1.25 * fresh_px) << i;
+    sum += kept_px / fresh_px;
+  }
+  EXPECT_LE(sum / count, 1.05);
+}
+
+// Nothing changes for an eye that stands still, once a frame has found nothing to do.
+TEST_P(Frames, AStillCameraComesToRest) {
+  const std::vector<RefineObject> objects = two_planets();
+  Refiner refiner(objects);
+  const View view(orbiting(10.0));
+  static_cast<void>(refiner.update(View(orbiting(5.0)), options(3000), *backend_));
+  std::uint64_t hash = 0;
+  int frames = 0;
+  for (std::size_t changes = 1; changes > 0 && frames < 50; ++frames) {
+    const Refinement& refinement = refiner.update(view, options(3000), *backend_);
+    changes = refinement.stats.new_splits + refinement.stats.merged_splits;
+    hash = refinement.hash();
+  }
+  EXPECT_LT(frames, 50);
+  const Refinement& again = refiner.update(view, options(3000), *backend_);
+  EXPECT_EQ(again.hash(), hash);
+  EXPECT_EQ(again.stats.changed_triangles, 0U);
+  EXPECT_EQ(again.stats.visits, 0U);  // it was not even looked at
+}
+
+TEST_P(Frames, TheSameCallsGiveTheSameBytes) {
+  const std::vector<RefineObject> objects = two_planets();
+  Refiner a(objects), b(objects);
+  for (int i = 0; i < 12; ++i) {
+    const View view(orbiting(2.5 * i));
+    const std::uint64_t hash = a.update(view, options(2000), *backend_).hash();
+    EXPECT_EQ(b.update(view, options(2000), *backend_).hash(), hash) << i;
+  }
+}
+
+// A limit of 40 changes a frame: a jump is caught up with in steps, and the end is as if there had been no limit.
+TEST_P(Frames, WorkIsLimitedAndFollows) {
+  const std::vector<RefineObject> objects = two_planets();
+  Refiner refiner(objects);
+  RefineOptions limited = options(3000);
+  static_cast<void>(refiner.update(View(orbiting(0.0, 6.0)), limited, *backend_));
+  limited.most_changes = 40;
+  const View view(orbiting(100.0, 6.0));
+  int frames = 0;
+  bool pending = true;
+  for (; pending && frames < 500; ++frames) {
+    const Refinement& refinement = refiner.update(view, limited, *backend_);
+    for (std::size_t i = 0; i < objects.size(); ++i) expect_valid(planet(), refinement.objects[i]);
+    // One step may make room by a few merges and force a few splits.
+    EXPECT_LE(refinement.stats.new_splits + refinement.stats.merged_splits, 40U + 64U);
+    pending = refinement.stats.pending;
+  }
+  EXPECT_GT(frames, 5);
+  EXPECT_LT(frames, 500);
+  limited.most_changes = 0;
+  const Refinement& caught_up = refiner.update(view, limited, *backend_);
+  Refiner scratch(objects);
+  const double fresh = oracle::cut_error(objects, scratch.refine(view, limited, *backend_), view, *backend_).quadric_px;
+  EXPECT_LE(oracle::cut_error(objects, caught_up, view, *backend_).quadric_px, 1.25 * fresh);
+}
+
+INSTANTIATE_TEST_SUITE_P(Ways, Frames,
+                         testing::Values(Way{Culling::subtree, false}, Way{Culling::subtree, true},
+                                         Way{Culling::star, false}, Way{Culling::star, true}),
+                         [](const auto& way) {
+                           return std::string(way.param.culling == Culling::star ? "star" : "subtree") +
+                                  (way.param.occlusion ? "_software" : "_none");
+                         });
+
+// What is refined to a tolerance is merged again where the tolerance allows, as the eye moves away.
+TEST(FramesTolerance, DetailGoesAsTheEyeGoes) {
+  const std::vector<RefineObject> objects = {{&planet(), glm::dmat4(1.0), false}};
+  Refiner refiner(objects), scratch(objects);
+  NoOcclusion none;
+  RefineOptions options;
+  options.budget = refiner.full_triangles();
+  options.tolerance_px = 2.0;
+  const std::size_t near = refiner.update(View(orbiting(0.0, 2.0)), options, none).stats.triangles;
+  Refinement far;
+  for (int i = 1; i <= 20; ++i) far = refiner.update(View(orbiting(0.0, 2.0 + 0.5 * i)), options, none);
+  const View last(orbiting(0.0, 12.0));
+  const std::size_t fresh = scratch.refine(last, options, none).stats.triangles;
+  EXPECT_LT(far.stats.triangles, near / 2);
+  EXPECT_LE(far.stats.triangles, fresh + fresh / 5);
+  EXPECT_LE(far.stats.max_error_px, 2.0);
+}
+
+// A vertex that appears starts beside its parent and arrives after as many calls as asked for.
+TEST(FramesGeomorph, VerticesSlideFromTheirParents) {
+  const std::vector<RefineObject> objects = {{&planet(), glm::dmat4(1.0), false}};
+  Refiner refiner(objects);
+  NoOcclusion none;
+  RefineOptions options;
+  options.budget = 2000;
+  options.geomorph_frames = 4;
+  EXPECT_TRUE(refiner.update(View(orbiting(0.0)), options, none).objects[0].geomorphs.empty());
+  const Refinement first = refiner.update(View(orbiting(3.0)), options, none);
+  ASSERT_FALSE(first.objects[0].geomorphs.empty());
+  const Geomorph moving = first.objects[0].geomorphs[0];
+  EXPECT_EQ(moving.parent,
+            planet().star(moving.vertex - static_cast<VertexId>(planet().base_vertex_count())).parent_vertex());
+  float last = 0.0F;
+  int calls = 0;
+  for (Refinement now = first; !now.objects[0].geomorphs.empty() && calls < 20; ++calls) {
+    for (const Geomorph& g : now.objects[0].geomorphs)
+      if (g.vertex == moving.vertex) {
+        EXPECT_GT(g.t, last);
+        EXPECT_LT(g.t, 1.0F);
+        last = g.t;
+      }
+    now = refiner.update(View(orbiting(3.0)), options, none);
+  }
+  EXPECT_FLOAT_EQ(last, 0.8F);  // 1/5, 2/5, 3/5, 4/5
+  EXPECT_LT(calls, 20);
+}
+
+}  // namespace
+}  // namespace occlod
