@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <string>
 #include <vector>
@@ -62,6 +63,13 @@ double percentile(std::vector<double> values, double part) {
   return values[static_cast<std::size_t>(part * static_cast<double>(values.size() - 1))];
 }
 
+// Errors below a tenth of a pixel are all alike; both may be unlimited, where the eye is inside bounds.
+double ratio_of(double a, double b) {
+  constexpr double nobody_sees = 0.1;
+  if (std::isinf(a) && std::isinf(b)) return 1.0;
+  return std::max(a, nobody_sees) / std::max(b, nobody_sees);
+}
+
 void run_path(const Options& options, PathRun& run, const std::vector<RefineObject>& objects) {
   const std::unique_ptr<Visibility> software = make_software_occlusion();
   NoOcclusion none;
@@ -75,8 +83,8 @@ void run_path(const Options& options, PathRun& run, const std::vector<RefineObje
     if (!options.errors) continue;
     const oracle::CutError scratch = oracle::cut_error(objects, *run.scratch.last, view, visibility);
     const oracle::CutError frame = oracle::cut_error(objects, *run.frames.last, view, visibility);
-    const double ratio = frame.guaranteed_px / std::max(scratch.guaranteed_px, 1e-9);
-    const double quadric = frame.quadric_px / std::max(scratch.quadric_px, 1e-9);
+    const double ratio = ratio_of(frame.guaranteed_px, scratch.guaranteed_px);
+    const double quadric = ratio_of(frame.quadric_px, scratch.quadric_px);
     run.worst_ratio = std::max(run.worst_ratio, ratio);
     run.worst_quadric_ratio = std::max(run.worst_quadric_ratio, quadric);
     sum += ratio;

@@ -39,8 +39,6 @@ void Frames::begin(const RefinedCuts& refined, const RefineOptions& options) {
     object.born.clear();
     object.died.clear();
   }
-  candidates_.clear();
-  leaves_.clear();
   left_ = {};
 }
 
@@ -213,6 +211,8 @@ void Frames::push_leaf(std::uint32_t object, SplitId s, float key) {
 }
 
 void Frames::gather() {
+  candidates_.clear();
+  leaves_.clear();
   for (std::uint32_t i = 0; i < objects_.size(); ++i) close(i);
   candidates_above_ = level_ / band;
   leaves_below_ = level_ * band;
@@ -220,12 +220,10 @@ void Frames::gather() {
   gather_leaves(0.0F, leaves_below_);
 }
 
-// Queues the rest, once. False when nothing more is there.
-bool Frames::gather_more_candidates() {
-  if (candidates_above_ == 0.0F) return false;
+// Queues the rest, once.
+void Frames::gather_more_candidates() {
   const float below = std::exchange(candidates_above_, 0.0F);
-  gather_candidates(0.0F, below);
-  return !candidates_.empty();
+  if (below > 0.0F) gather_candidates(0.0F, below);
 }
 
 bool Frames::gather_more_leaves() {

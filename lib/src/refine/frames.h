@@ -92,16 +92,19 @@ class Frames {
   void gather();
   void gather_candidates(float low, float high);
   void gather_leaves(float low, float high);
-  bool gather_more_candidates();
+  void gather_more_candidates();
   bool gather_more_leaves();
   void push_leaf(std::uint32_t object, SplitId s, float key);
   void measure_errors();
 
-  void ask_again(Occluder& occluder, bool moved);
+  void ask_again(Occluder& occluder, bool all);
+  [[nodiscard]] bool is_asked_since(const FrontNode& node, Entry::Kind kind, std::uint32_t frame) const;
+  [[nodiscard]] Entry leaf_question(std::uint32_t object, const FrontNode& node) const;
   [[nodiscard]] std::optional<Entry::Kind> question_about(std::uint32_t object, const FrontNode& node, bool due) const;
   void note(const Entry& entry, bool visible);
   [[nodiscard]] bool is_hidden(const Entry& entry);
 
+  [[nodiscard]] bool has_changed_much() const;
   void run();
   [[nodiscard]] bool limit_reached() const;
   void descend(const Entry& entry);
@@ -112,6 +115,7 @@ class Frames {
   [[nodiscard]] bool is_old_leaf(const Entry& leaf);
   bool take_back_least();
   void take_back_needless();
+  void offer_again(std::uint32_t object, FrontNode& node);
   void take_back(std::uint32_t object, SplitId s);
   void emit_splits(Object& object, const Cut& cut, RefinedObject& out, RefineStats& stats);
   void emit_geomorphs(Object& object, const Cut& cut, std::vector<Geomorph>& out) const;
@@ -124,7 +128,9 @@ class Frames {
   std::vector<Object> objects_;
   bool adopted_ = false;  // in this frame
   bool at_rest_ = false;
+  bool asks_leaves_ = false;  // when they become leaves
   std::uint32_t frame_ = 0;
+  std::uint32_t moved_frame_ = 0;  // in which the view moved last
   float level_ = 0.0F;             // the priority where the budget ended
   float candidates_above_ = 0.0F;  // queued are candidates with larger keys
   float leaves_below_ = 0.0F;      // and leaves with smaller ones

@@ -10,8 +10,12 @@ namespace {
 
 // Of what is held to be visible, one in so many is asked about again in each frame.
 constexpr std::size_t asking_rounds = 8;
-// When so many candidates in a row need more triangles than are left, the budget counts as used up.
-constexpr std::size_t most_rejections_in_a_row = 16;
+constexpr std::uint32_t most_age = 0xFFFF;  // that a node can tell, in frames
+// More changes than this part of the nodes of the front.
+constexpr double much_change = 0.02;
+// When so many candidates need more triangles than are left, the budget counts as used up.
+constexpr std::size_t most_rejections = 16;
+constexpr std::size_t least_gain = 1;  // of triangles, by a split: one at a border
 
 }  // namespace
 
@@ -20,12 +24,23 @@ void Frames::advance(Questions& questions, Occluder& occluder, bool moved, Clock
   questions_ = &questions;
   stats_ = &stats;
   start_ = start;
-  ask_again(occluder, moved);
+  if (moved) moved_frame_ = frame_;
+  const bool can_hide = questions.can_hide();
+  if (!can_hide) forget_hidden();
+  if (can_hide && !at_rest_) ask_again(occluder, false);
   gather();
   run();
+  if (can_hide && options_->final_check && has_changed_much()) {
+    asks_leaves_ = true;
+    ask_again(occluder, true);
+    gather();
+    run();
+    asks_leaves_ = false;
+  }
   take_back_needless();
   measure_errors();
-  at_rest_ = changes_ == 0 && !stats.pending;
+  const bool all_asked = !can_hide || frame_ - moved_frame_ >= asking_rounds;
+  at_rest_ = changes_ == 0 && !stats.pending && all_asked;
   stats.triangles = triangles_;
   stats.culled_frustum = outside_;
   stats.culled_backface = facing_away_;
@@ -34,17 +49,16 @@ void Frames::advance(Questions& questions, Occluder& occluder, bool moved, Clock
 }
 
 // Hidden things that would matter are asked about before the mesh as it is now, in the new view; so is a rotating share
-// of what the budget has been spent on. What is met for the first time is asked about when its turn comes.
-void Frames::ask_again(Occluder& occluder, bool moved) {
-  if (!questions_->can_hide()) return forget_hidden();
-  if (!moved && at_rest_) return;
+// of what the budget has been spent on, or all of that. What is met for the first time is asked about when its turn
+// comes.
+void Frames::ask_again(Occluder& occluder, bool all) {
   questions_->draw_occluder(occluder.build(refined_.objects, refined_.cuts, refined_.views, options_->occluder_mode));
   ++stats_->occluder_draws;
   asked_.clear();
   for (std::uint32_t i = 0; i < objects_.size(); ++i) {
     const std::span<FrontNode> nodes = objects_[i].front.nodes();
     for (std::size_t k = 0; k < nodes.size(); ++k) {
-      const bool due = moved && (k + frame_) % asking_rounds == 0;
+      const bool due = all || (k + frame_) % asking_rounds == 0;
       if (const std::optional<Entry::Kind> kind = question_about(i, nodes[k], due))
         asked_.push_back({0.0F, {}, nodes[k].split, i, nodes[k].level, 0, *kind});
     }
@@ -64,12 +78,21 @@ std::optional<Entry::Kind> Frames::question_about(std::uint32_t object, const Fr
   if (!(bound > 0.0F)) return std::nullopt;
   const bool would_matter = bound * most_grazing > level_ / band;
   if (node.is(FrontNode::subtree_hidden)) return would_matter ? std::optional(Entry::Kind::visit) : std::nullopt;
-  const Entry::Kind kind = options_->culling == Culling::star ? Entry::Kind::apply : Entry::Kind::visit;
+  const Entry::Kind kind = leaf_question(object, node).kind;
   if (node.is(FrontNode::star_hidden)) return would_matter ? std::optional(kind) : std::nullopt;
   if (questions_->in_flights() && would_matter && !node.is(FrontNode::applied))
     return node.is(FrontNode::descended) ? kind : Entry::Kind::visit;
-  if (due && node.is(FrontNode::applied) && refined_.cuts[object].is_leaf(node.split)) return kind;
+  // What was visible before a mesh of this view is not asked about again until the view moves: it would come and go.
+  if (due && node.is(FrontNode::applied) && !is_asked_since(node, kind, moved_frame_) &&
+      refined_.cuts[object].is_leaf(node.split))
+    return kind;
   return std::nullopt;
+}
+
+// Whether it was found visible in that frame or later.
+bool Frames::is_asked_since(const FrontNode& node, Entry::Kind kind, std::uint32_t frame) const {
+  const std::uint16_t asked = kind == Entry::Kind::visit ? node.subtree_asked : node.star_asked;
+  return static_cast<std::uint16_t>(frame_ - asked) <= std::min<std::uint32_t>(frame_ - frame, most_age);
 }
 
 void Frames::note(const Entry& entry, bool visible) {
@@ -96,12 +119,19 @@ bool Frames::is_hidden(const Entry& entry) {
   if (subtree && entry.level % options_->level_step != options_->level_step - 1) return false;
   const FrontNode& node = *objects_[entry.object].front.find(entry.split);
   if (questions_->in_flights()) return false;  // it would be waited for: asked about before the next frame
-  if ((subtree ? node.subtree_asked : node.star_asked) == static_cast<std::uint16_t>(frame_)) return false;
+  if (is_asked_since(node, entry.kind, frame_)) return false;
   questions_->ask(entry, query_about(entry, refined_.cuts[entry.object].hierarchy(), options_->proxy, star_));
   ++stats_->queries;
   const bool visible = questions_->take().visible;
   note(entry, visible);
   return !visible;
+}
+
+// So much that the mesh which hid things in this frame is not the one that is handed over.
+bool Frames::has_changed_much() const {
+  std::size_t nodes = 0;
+  for (const Object& object : objects_) nodes += object.front.nodes().size();
+  return static_cast<double>(changes_) > much_change * static_cast<double>(nodes);
 }
 
 void Frames::run() {
@@ -112,7 +142,8 @@ void Frames::run() {
       if (!take_back_least()) break;
       continue;
     }
-    if (candidates_.empty() && !gather_more_candidates()) return;
+    if (candidates_.empty() || candidates_.top().priority <= candidates_above_) gather_more_candidates();
+    if (candidates_.empty()) return;
     if (limit_reached()) break;
     const Entry entry = candidates_.pop();
     ++stats_->visits;
@@ -120,13 +151,12 @@ void Frames::run() {
     if (entry.kind == Entry::Kind::visit) {
       descend(entry);
     } else if (!apply(entry)) {
+      // What comes later matters less and takes no room from leaves either: it can only fit into what is left.
       level_ = std::max(level_, entry.priority);
       ++stats_->rejected_splits;
       left_.include(entry.error);
-      if (++rejections == most_rejections_in_a_row) return;
-      continue;
+      if (++rejections == most_rejections || triangles_ + least_gain > options_->budget) return;
     }
-    rejections = 0;
   }
   stats_->pending = !candidates_.empty();
   if (stats_->pending) level_ = std::max(level_, candidates_.top().priority);
@@ -241,13 +271,30 @@ void Frames::take_back(std::uint32_t i, SplitId s) {
   FrontNode& node = *object.front.find(s);
   node.set(FrontNode::applied, false);
   node.set(FrontNode::is_new, false);
-  if (!node.is(FrontNode::reached)) object.front.remove(node);
+  if (node.is(FrontNode::reached))
+    offer_again(i, node);
+  else
+    object.front.remove(node);
   for (const SplitId needed : cut.hierarchy().star(s).dependencies()) {
     FrontNode& below = *object.front.find(needed);
     if (!cut.is_leaf(needed) || below.is(FrontNode::is_new)) continue;
+    // It may well be hidden too, and then its room is wanted now.
+    if (asks_leaves_) static_cast<void>(is_hidden(leaf_question(i, below)));
     const float key = worth(i, below).key;
     if (key < leaves_below_) push_leaf(i, needed, key);
   }
+}
+
+Entry Frames::leaf_question(std::uint32_t i, const FrontNode& node) const {
+  const Entry::Kind kind = options_->culling == Culling::star ? Entry::Kind::apply : Entry::Kind::visit;
+  return {0.0F, {}, node.split, i, node.level, 0, kind};
+}
+
+// What has been taken back may be wanted again once better leaves have come up.
+void Frames::offer_again(std::uint32_t i, FrontNode& node) {
+  const Worth value = worth(i, node);
+  if (value.raw > 0.0F && !is_tolerated(value.error))
+    candidates_.push({value.raw, value.error, node.split, i, node.level, 0, Entry::Kind::apply});
 }
 
 // Where the tolerance decides and not the budget: leaves that are seen by nobody, or well within the tolerance.
