@@ -30,8 +30,7 @@ void Frames::begin(const RefinedCuts& refined, const RefineOptions& options) {
   ++frame_;
   adopted_ = false;
   changes_ = 0;
-  outside_ = 0;
-  facing_away_ = 0;
+  unseen_ = {};
   triangles_ = 0;
   for (const Cut& cut : refined_.cuts) triangles_ += cut.triangle_count();
   for (Object& object : objects_) {
@@ -91,34 +90,24 @@ void Frames::reach(std::uint32_t object, SplitId s, SplitId parent, std::uint16_
   FrontNode& node = objects_[object].front.obtain(s);
   node.set(FrontNode::reached, true);
   node.level = level;
-  node.scale_px = scale_of(object, node);
+  node.scale_px = scale_px_of(node, refined_.views[object], refined_.objects[object].two_sided, unseen_);
 }
 
 bool Frames::weigh(const RefinedCuts& refined, const RefineOptions& options) {
   begin(refined, options);
   std::size_t applied = 0, lost = 0;
-  for (std::uint32_t i = 0; i < objects_.size(); ++i)
-    for (FrontNode& node : objects_[i].front.nodes()) {
-      node.scale_px = scale_of(i, node);
+  for (std::uint32_t i = 0; i < objects_.size(); ++i) {
+    const std::span<FrontNode> nodes = objects_[i].front.nodes();
+    const WeighedNodes counts = weigh_nodes(nodes, refined_.views[i], refined_.objects[i].two_sided);
+    unseen_.outside += counts.outside;
+    unseen_.facing_away += counts.facing_away;
+    for (const FrontNode& node : nodes) {
       if (!node.is(FrontNode::applied)) continue;
       ++applied;
       if (!(node.quadric_px() > 0.0F)) ++lost;
     }
+  }
   return static_cast<double>(lost) <= lost_part * static_cast<double>(applied);
-}
-
-// In pixels per object unit; 0 where nothing of the subtree is seen.
-float Frames::scale_of(std::uint32_t object, const FrontNode& node) {
-  const ObjectView& view = refined_.views[object];
-  if (!view.may_be_inside(node.sphere)) {
-    ++outside_;
-    return 0.0F;
-  }
-  if (!refined_.objects[object].two_sided && faces_away(node.cone, node.sphere, view.eye())) {
-    ++facing_away_;
-    return 0.0F;
-  }
-  return view.largest_scale_px(node.sphere);
 }
 
 // What the split of a node is worth.

@@ -17,6 +17,7 @@
 #include "questions.h"
 #include "queue.h"
 #include "star.h"
+#include "weigh_nodes.h"
 
 namespace occlod {
 
@@ -79,7 +80,6 @@ class Frames {
 
   void begin(const RefinedCuts& refined, const RefineOptions& options);
   void adopt_forest(std::uint32_t object);
-  [[nodiscard]] float scale_of(std::uint32_t object, const FrontNode& node);
   [[nodiscard]] Worth worth(std::uint32_t object, FrontNode& node);
   [[nodiscard]] bool is_tolerated(const ScreenError& error) const;
   void reach(std::uint32_t object, SplitId s, SplitId parent, std::uint16_t level);
@@ -138,8 +138,7 @@ class Frames {
   Queue leaves_;  // by 1 / key
   std::size_t triangles_ = 0;
   std::size_t changes_ = 0;  // splits and merges in this frame
-  std::size_t outside_ = 0;  // nodes that were weighed
-  std::size_t facing_away_ = 0;
+  WeighedNodes unseen_;
   ScreenError left_;
   StarLook star_;
   std::vector<Entry> asked_;  // scratch, all of them

@@ -42,8 +42,8 @@ void Frames::advance(Questions& questions, Occluder& occluder, bool moved, Clock
   const bool all_asked = !can_hide || frame_ - moved_frame_ >= asking_rounds;
   at_rest_ = changes_ == 0 && !stats.pending && all_asked;
   stats.triangles = triangles_;
-  stats.culled_frustum = outside_;
-  stats.culled_backface = facing_away_;
+  stats.culled_frustum = unseen_.outside;
+  stats.culled_backface = unseen_.facing_away;
   stats.max_error_px = static_cast<double>(left_.guaranteed_px);
   stats.max_quadric_error_px = static_cast<double>(left_.quadric_px);
 }
@@ -224,7 +224,7 @@ void Frames::apply_closure(std::uint32_t i, const Cut::Closure& closure) {
     FrontNode* node = object.front.find(s);
     if (node == nullptr) {
       node = &object.front.obtain(s);
-      node->scale_px = scale_of(i, *node);
+      node->scale_px = scale_px_of(*node, refined_.views[i], refined_.objects[i].two_sided, unseen_);
     }
     node->set(FrontNode::applied, true);
     node->set(FrontNode::is_new, true);

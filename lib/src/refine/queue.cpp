@@ -9,8 +9,11 @@ void Queue::clear() noexcept {
   free_ = none;
   size_ = 0;
   top_ = 0;
-  std::fill(first_.begin(), first_.end(), none);
-  occupied_.fill(0);
+  for (std::size_t word = 0; word < occupied_.size(); ++word) {
+    if (occupied_[word] == 0) continue;
+    std::fill_n(first_.begin() + static_cast<std::ptrdiff_t>(word * word_bits), word_bits, none);
+    occupied_[word] = 0;
+  }
 }
 
 void Queue::push(const Entry& entry) {

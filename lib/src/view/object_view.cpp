@@ -13,7 +13,7 @@ namespace {
 
 // Bounds of the largest factor by which the linear map stretches a vector: the square root of the infinity norm of M^T
 // M, which is at least its largest eigenvalue; exact for rotations times a uniform scale.
-double largest_stretch(const glm::dmat3& m) {
+double stretch_of(const glm::dmat3& m) {
   const glm::dmat3 square = glm::transpose(m) * m;
   double largest = 0.0;
   for (int column = 0; column < 3; ++column) {
@@ -49,7 +49,7 @@ ObjectView::ObjectView(const View& view, const glm::dmat4& object_to_world) {
   glm::dmat4 to_eye = object_to_world;
   to_eye[3] -= glm::dvec4(view.camera().eye, 0.0);
   object_to_eye_ = glm::mat4x3(to_eye);
-  largest_stretch_ = static_cast<float>(largest_stretch(linear));
+  largest_stretch_ = static_cast<float>(stretch_of(linear));
   focal_length_px_ = static_cast<float>(view.focal_length_px());
   cos_corner_angle_ = static_cast<float>(view.cos_corner_angle());
   mirrored_ = determinant < 0.0;

@@ -54,6 +54,13 @@ class ObjectView {
   // frustum can cover on the screen. Infinite when the eye may be inside the sphere.
   [[nodiscard]] float largest_scale_px(const Sphere& sphere) const noexcept;
 
+  // What that is made of, for those who ask about many at once.
+  [[nodiscard]] const glm::mat4x3& object_to_eye() const noexcept { return object_to_eye_; }  // world units
+  [[nodiscard]] const glm::vec3& direction() const noexcept { return direction_; }   // of the view, world space
+  [[nodiscard]] float largest_stretch() const noexcept { return largest_stretch_; }  // world units per object unit
+  [[nodiscard]] float focal_length_px() const noexcept { return focal_length_px_; }
+  [[nodiscard]] float cos_corner_angle() const noexcept { return cos_corner_angle_; }
+
  private:
   glm::mat4 object_to_clip_{1.0F};
   glm::mat4x3 object_to_eye_{1.0F};  // world units, relative to the eye

@@ -1,0 +1,23 @@
+// How large an object unit is on the screen at every node of a front.
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "front.h"
+#include "occlod/view/view.h"
+
+namespace occlod {
+
+struct WeighedNodes {
+  std::size_t outside = 0;      // the frustum
+  std::size_t facing_away = 0;  // inside it
+};
+
+// Sets scale_px of each node to what scale_px_of() tells, many at once. O(nodes), in the order of memory.
+WeighedNodes weigh_nodes(std::span<FrontNode> nodes, const ObjectView& view, bool two_sided);
+
+// In pixels per object unit, at most; 0 where nothing of the node's subtree is seen. Counts where it is not.
+[[nodiscard]] float scale_px_of(const FrontNode& node, const ObjectView& view, bool two_sided, WeighedNodes& counts);
+
+}  // namespace occlod
