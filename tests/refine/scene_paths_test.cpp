@@ -1,0 +1,90 @@
+// Refinement from frame to frame along the camera paths of every scene.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "occlod/occlusion/software_occlusion.h"
+#include "occlod/scene/scene.h"
+#include "oracle/cut_error.h"
+#include "refine_support.h"
+
+namespace occlod {
+namespace {
+
+constexpr std::size_t budget = 10'000;
+constexpr int frames_of_a_path = 10;
+// Errors that nobody sees are all alike.
+constexpr double unseen_px = 0.1;
+
+struct Way {
+  Culling culling;
+  bool occlusion;
+};
+
+class ScenePaths : public testing::TestWithParam<const char*> {
+ protected:
+  // Each frame is a valid mesh within the budget; over a path the largest visible error is on average at most 1.05
+  // times that from scratch.
+  void follow(const CameraPath& path, const std::vector<RefineObject>& objects, const Way& way) const {
+    const std::unique_ptr<Visibility> software = make_software_occlusion();
+    NoOcclusion none;
+    Visibility& visibility = way.occlusion ? *software : static_cast<Visibility&>(none);
+    Refiner frames(objects), scratch(objects);
+    RefineOptions options;
+    options.budget = std::max(budget, frames.base_triangles());
+    options.culling = way.culling;
+    double sum = 0.0;
+    for (int i = 0; i < frames_of_a_path; ++i) {
+      SCOPED_TRACE(i);
+      const View view(camera_at(path, i * std::max(1, path.frames / 120)));
+      const Refinement& kept = frames.update(view, options, visibility);
+      std::size_t triangles = 0;
+      for (std::size_t k = 0; k < objects.size(); ++k) {
+        test::expect_closed(*objects[k].hierarchy, kept.objects[k]);
+        triangles += kept.objects[k].triangles.size();
+        ASSERT_EQ(kept.objects[k].triangles.size(),
+                  test::active_triangles(*objects[k].hierarchy, kept.objects[k].splits).size());
+      }
+      ASSERT_LE(triangles, options.budget);
+      const double kept_px = oracle::cut_error(objects, kept, view, visibility).quadric_px;
+      const double fresh_px =
+          oracle::cut_error(objects, scratch.refine(view, options, visibility), view, visibility).quadric_px;
+      sum += std::max(kept_px, unseen_px) / std::max(fresh_px, unseen_px);
+    }
+    EXPECT_LE(sum / frames_of_a_path, 1.05);
+  }
+};
+
+TEST_P(ScenePaths, FramesAreValidAndNoWorseThanFromScratch) {
+  const std::filesystem::path folder = OCCLOD_SCENES;
+  const SceneDescription scene = read_scene(folder / (std::string(GetParam()) + ".json"));
+  for (const SceneObject& object : scene.objects)
+    if (const auto* file = std::get_if<MeshFile>(&object.source); file != nullptr)
+      if (find_mesh(file->names.front(), folder).empty())
+        GTEST_SKIP() << "SKIPPED: " << file->names.front() << " is in no folder of OCCLOD_MESHES";
+  LoadOptions load;
+  load.use_cache = false;
+  const std::vector<LoadedObject> loaded = load_objects(scene, folder, load);
+  std::vector<RefineObject> objects;
+  for (const LoadedObject& object : loaded)
+    objects.push_back({object.hierarchy.get(), object.object_to_world, object.two_sided});
+  ASSERT_FALSE(scene.paths.empty());
+  for (const auto& [name, path] : scene.paths)
+    for (const Culling culling : {Culling::subtree, Culling::star})
+      for (const bool occlusion : {false, true}) {
+        SCOPED_TRACE(name + (culling == Culling::star ? " star" : " subtree") + (occlusion ? " software" : " none"));
+        follow(path, objects, {culling, occlusion});
+      }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, ScenePaths,
+                         testing::Values("armadillo", "armadillo_group", "planet_full", "planet_near", "sponza",
+                                         "sibenik", "city", "ww2_city"),
+                         [](const auto& scene) { return std::string(scene.param); });
+
+}  // namespace
+}  // namespace occlod
