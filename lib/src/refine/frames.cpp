@@ -14,9 +14,9 @@ namespace {
 // Nodes are no longer descended when they matter less than this part of the level.
 constexpr float closing = 0.5F;
 // What a split forces is looked at again in one frame of so many.
-constexpr std::uint32_t weighing_rounds = 16;
-// More than this part of the applied splits is worth nothing any more.
-constexpr double lost_part = 0.5;
+constexpr std::uint32_t weighing_rounds = 4;
+// More than this part of the applied splits matters much less than what the budget goes to.
+constexpr double lost_part = 0.25;
 
 }  // namespace
 
@@ -60,6 +60,7 @@ void Frames::adopt(const RefinedCuts& refined, const RefineOptions& options, flo
         .front.obtain(entry.split)
         .set(entry.kind == Entry::Kind::visit ? FrontNode::subtree_hidden : FrontNode::star_hidden, true);
   for (std::uint32_t i = 0; i < objects_.size(); ++i) adopt_forest(i);
+  before_ = count_applied();
 }
 
 void Frames::adopt_forest(std::uint32_t object) {
@@ -95,19 +96,26 @@ void Frames::reach(std::uint32_t object, SplitId s, SplitId parent, std::uint16_
 
 bool Frames::weigh(const RefinedCuts& refined, const RefineOptions& options) {
   begin(refined, options);
-  std::size_t applied = 0, lost = 0;
   for (std::uint32_t i = 0; i < objects_.size(); ++i) {
     const std::span<FrontNode> nodes = objects_[i].front.nodes();
     const WeighedNodes counts = weigh_nodes(nodes, refined_.views[i], refined_.objects[i].two_sided);
     unseen_.outside += counts.outside;
     unseen_.facing_away += counts.facing_away;
-    for (const FrontNode& node : nodes) {
-      if (!node.is(FrontNode::applied)) continue;
-      ++applied;
-      if (!(node.quadric_px() > 0.0F)) ++lost;
-    }
   }
-  return static_cast<double>(lost) <= lost_part * static_cast<double>(applied);
+  const Applied now = count_applied();
+  const double newly_lost = static_cast<double>(now.worthless) - static_cast<double>(before_.worthless);
+  return newly_lost <= lost_part * static_cast<double>(now.all);
+}
+
+Frames::Applied Frames::count_applied() const {
+  Applied count;
+  for (const Object& object : objects_)
+    for (const FrontNode& node : object.front.nodes()) {
+      if (!node.is(FrontNode::applied)) continue;
+      ++count.all;
+      if (is_closable(node)) ++count.worthless;
+    }
+  return count;
 }
 
 // What the split of a node is worth.

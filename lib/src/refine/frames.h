@@ -78,6 +78,12 @@ class Frames {
   // under a cosine of 0.2.
   static constexpr float most_grazing = 2.3F;
 
+  struct Applied {
+    std::size_t all = 0;        // splits
+    std::size_t worthless = 0;  // of those, that matter much less than what the budget goes to
+  };
+  [[nodiscard]] Applied count_applied() const;
+
   void begin(const RefinedCuts& refined, const RefineOptions& options);
   void adopt_forest(std::uint32_t object);
   [[nodiscard]] Worth worth(std::uint32_t object, FrontNode& node);
@@ -98,13 +104,14 @@ class Frames {
   void measure_errors();
 
   void ask_again(Occluder& occluder, bool all);
-  [[nodiscard]] bool is_asked_since(const FrontNode& node, Entry::Kind kind, std::uint32_t frame) const;
+  [[nodiscard]] bool is_shown_since(std::uint32_t draw, const FrontNode& node, Entry::Kind kind) const;
   [[nodiscard]] Entry leaf_question(std::uint32_t object, const FrontNode& node) const;
   [[nodiscard]] std::optional<Entry::Kind> question_about(std::uint32_t object, const FrontNode& node, bool due) const;
   void note(const Entry& entry, bool visible);
   [[nodiscard]] bool is_hidden(const Entry& entry);
 
   [[nodiscard]] bool has_changed_much() const;
+  void let_new_ones_go();
   void run();
   [[nodiscard]] bool limit_reached() const;
   void descend(const Entry& entry);
@@ -131,6 +138,8 @@ class Frames {
   bool asks_leaves_ = false;  // when they become leaves
   std::uint32_t frame_ = 0;
   std::uint32_t moved_frame_ = 0;  // in which the view moved last
+  std::uint32_t draw_ = 0;         // occluders so far
+  std::uint32_t fresh_draw_ = 0;   // verdicts before earlier ones are out of date
   float level_ = 0.0F;             // the priority where the budget ended
   float candidates_above_ = 0.0F;  // queued are candidates with larger keys
   float leaves_below_ = 0.0F;      // and leaves with smaller ones
@@ -139,6 +148,7 @@ class Frames {
   std::size_t triangles_ = 0;
   std::size_t changes_ = 0;  // splits and merges in this frame
   WeighedNodes unseen_;
+  Applied before_;  // when the last frame ended
   ScreenError left_;
   StarLook star_;
   std::vector<Entry> asked_;  // scratch, all of them

@@ -10,7 +10,7 @@ namespace {
 
 // Of what is held to be visible, one in so many is asked about again in each frame.
 constexpr std::size_t asking_rounds = 8;
-constexpr std::uint32_t most_age = 0xFFFF;  // that a node can tell, in frames
+constexpr std::uint32_t most_age = 0xFFFF;  // that a node can tell, in occluders
 // More changes than this part of the nodes of the front.
 constexpr double much_change = 0.02;
 // When so many candidates need more triangles than are left, the budget counts as used up.
@@ -25,12 +25,15 @@ void Frames::advance(Questions& questions, Occluder& occluder, bool moved, Clock
   stats_ = &stats;
   start_ = start;
   if (moved) moved_frame_ = frame_;
+  if (moved) fresh_draw_ = draw_ + 1;
   const bool can_hide = questions.can_hide();
   if (!can_hide) forget_hidden();
   if (can_hide && !at_rest_) ask_again(occluder, false);
   gather();
   run();
-  if (can_hide && options_->final_check && has_changed_much()) {
+  if (can_hide && moved && options_->final_check && has_changed_much()) {
+    let_new_ones_go();
+    fresh_draw_ = draw_ + 1;
     asks_leaves_ = true;
     ask_again(occluder, true);
     gather();
@@ -39,6 +42,7 @@ void Frames::advance(Questions& questions, Occluder& occluder, bool moved, Clock
   }
   take_back_needless();
   measure_errors();
+  before_ = count_applied();
   const bool all_asked = !can_hide || frame_ - moved_frame_ >= asking_rounds;
   at_rest_ = changes_ == 0 && !stats.pending && all_asked;
   stats.triangles = triangles_;
@@ -54,6 +58,7 @@ void Frames::advance(Questions& questions, Occluder& occluder, bool moved, Clock
 void Frames::ask_again(Occluder& occluder, bool all) {
   questions_->draw_occluder(occluder.build(refined_.objects, refined_.cuts, refined_.views, options_->occluder_mode));
   ++stats_->occluder_draws;
+  ++draw_;
   asked_.clear();
   for (std::uint32_t i = 0; i < objects_.size(); ++i) {
     const std::span<FrontNode> nodes = objects_[i].front.nodes();
@@ -82,24 +87,25 @@ std::optional<Entry::Kind> Frames::question_about(std::uint32_t object, const Fr
   if (node.is(FrontNode::star_hidden)) return would_matter ? std::optional(kind) : std::nullopt;
   if (questions_->in_flights() && would_matter && !node.is(FrontNode::applied))
     return node.is(FrontNode::descended) ? kind : Entry::Kind::visit;
-  // What was visible before a mesh of this view is not asked about again until the view moves: it would come and go.
-  if (due && node.is(FrontNode::applied) && !is_asked_since(node, kind, moved_frame_) &&
+  // What this view has shown is not asked about again until it moves: it would come and go.
+  if (due && node.is(FrontNode::applied) && !is_shown_since(fresh_draw_, node, kind) &&
       refined_.cuts[object].is_leaf(node.split))
     return kind;
   return std::nullopt;
 }
 
-// Whether it was found visible in that frame or later.
-bool Frames::is_asked_since(const FrontNode& node, Entry::Kind kind, std::uint32_t frame) const {
-  const std::uint16_t asked = kind == Entry::Kind::visit ? node.subtree_asked : node.star_asked;
-  return static_cast<std::uint16_t>(frame_ - asked) <= std::min<std::uint32_t>(frame_ - frame, most_age);
+// Whether it was found visible before that occluder or a later one.
+bool Frames::is_shown_since(std::uint32_t draw, const FrontNode& node, Entry::Kind kind) const {
+  if (draw > draw_) return false;
+  const std::uint16_t shown = kind == Entry::Kind::visit ? node.subtree_shown : node.star_shown;
+  return static_cast<std::uint16_t>(draw_ - shown) <= std::min(draw_ - draw, most_age);
 }
 
 void Frames::note(const Entry& entry, bool visible) {
   FrontNode& node = *objects_[entry.object].front.find(entry.split);
   const bool subtree = entry.kind == Entry::Kind::visit;
   node.set(subtree ? FrontNode::subtree_hidden : FrontNode::star_hidden, !visible);
-  if (visible) (subtree ? node.subtree_asked : node.star_asked) = static_cast<std::uint16_t>(frame_);
+  if (visible) (subtree ? node.subtree_shown : node.star_shown) = static_cast<std::uint16_t>(draw_);
   if (!visible) ++stats_->queries_hidden;
 }
 
@@ -119,7 +125,7 @@ bool Frames::is_hidden(const Entry& entry) {
   if (subtree && entry.level % options_->level_step != options_->level_step - 1) return false;
   const FrontNode& node = *objects_[entry.object].front.find(entry.split);
   if (questions_->in_flights()) return false;  // it would be waited for: asked about before the next frame
-  if (is_asked_since(node, entry.kind, frame_)) return false;
+  if (is_shown_since(draw_, node, entry.kind)) return false;
   questions_->ask(entry, query_about(entry, refined_.cuts[entry.object].hierarchy(), options_->proxy, star_));
   ++stats_->queries;
   const bool visible = questions_->take().visible;
@@ -132,6 +138,12 @@ bool Frames::has_changed_much() const {
   std::size_t nodes = 0;
   for (const Object& object : objects_) nodes += object.front.nodes().size();
   return static_cast<double>(changes_) > much_change * static_cast<double>(nodes);
+}
+
+// Splits of this frame may be taken back too, once a better occluder is there.
+void Frames::let_new_ones_go() {
+  for (Object& object : objects_)
+    for (FrontNode& node : object.front.nodes()) node.set(FrontNode::is_new, false);
 }
 
 void Frames::run() {
@@ -335,13 +347,18 @@ void Frames::emit_splits(Object& object, const Cut& cut, RefinedObject& out, Ref
     stats.new_splits += out.splits.size();
     return;
   }
-  // What was given up and came back is no change.
-  std::sort(object.died.begin(), object.died.end());
-  const auto came_back = [&](SplitId s) { return std::binary_search(object.died.begin(), object.died.end(), s); };
-  for (const SplitId s : object.born) object.front.find(s)->set(FrontNode::is_new, false);
-  std::erase_if(object.born, came_back);
-  std::sort(object.born.begin(), object.born.end());
-  std::erase_if(object.died, [&](SplitId s) { return cut.applied(s); });
+  // What came and went, or went and came, is no change.
+  const auto settle = [&](std::vector<SplitId>& splits, bool applied) {
+    std::sort(splits.begin(), splits.end());
+    splits.erase(std::unique(splits.begin(), splits.end()), splits.end());
+    std::erase_if(splits, [&](SplitId s) {
+      return cut.applied(s) != applied || std::binary_search(out.splits.begin(), out.splits.end(), s) == applied;
+    });
+  };
+  for (const SplitId s : object.born)
+    if (FrontNode* const node = object.front.find(s)) node->set(FrontNode::is_new, false);
+  settle(object.born, true);
+  settle(object.died, false);
   stats.new_splits += object.born.size();
   stats.merged_splits += object.died.size();
   if (object.born.empty() && object.died.empty()) return;

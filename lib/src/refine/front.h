@@ -36,8 +36,8 @@ struct FrontNode {
   float forced_weight = 1.0F;       // see Importance, when its closure was last looked at
   std::uint32_t star = no_star;     // see Front::star
   std::uint16_t level = 0;          // in the forest, 0 at roots; stays at the largest number
-  std::uint16_t subtree_asked = 0;  // low bits of the frame in which its subtree was last found visible
-  std::uint16_t star_asked = 0;     // and its star
+  std::uint16_t subtree_shown = 0;  // low bits of the number of the occluder before which its subtree was last visible
+  std::uint16_t star_shown = 0;     // and its star
   std::uint8_t flags = 0;
 
   static std::uint16_t below(std::uint16_t level) noexcept {

@@ -56,7 +56,7 @@ struct RefineOptions {
       2;  // ask about subtrees on every n-th forest level only (2 = odd levels, as in the paper); >= 1
 
   // Refiner::update() only.
-  double hysteresis = 0.05;      // a split that is applied gives way only to what matters more by this part; in [0, 1)
+  double hysteresis = 0.03;      // a split that is applied gives way only to what matters more by this part; in [0, 1)
   std::size_t most_changes = 0;  // splits and merges in one call, but for what the budget forces; 0 = no limit
   double time_limit_ms = 0.0;    // no further splits and merges after so long; 0 = no limit. Depends on a clock
   std::uint32_t geomorph_frames = 0;  // vertices that appear slide from their parents for so many calls
