@@ -35,6 +35,9 @@ build/bench/bench/bench_locality | tee "$out/locality.md"
 echo "bench_software_occlusion" >&2
 build/bench/bench/bench_software_occlusion | tee "$out/software_occlusion.txt"
 
+echo "bench_frames" >&2
+build/bench/bench/bench_frames | tee "$out/frames.md"
+
 echo "bench_visibility" >&2
 build/bench/bench/visibility/bench_visibility --out "$out/visibility" | tee "$out/visibility.md"
 build/bench/bench/visibility/bench_visibility --wrongly-hidden --out "$out/visibility" | tee "$out/wrongly_hidden.md"
