@@ -20,8 +20,8 @@ struct Recorder : pmp::Default_orientation_visitor {
   std::vector<bool>* turned;       // of each triangle
   std::vector<VertexId>* sources;  // of each point
 
-  void polygon_orientation_reversed(std::size_t triangle) { (*turned)[triangle] = true; }
-  void duplicated_vertex(std::size_t original, std::size_t /*copy*/) { sources->push_back((*sources)[original]); }
+  void polygon_orientation_reversed(std::size_t triangle) const { (*turned)[triangle] = true; }
+  void duplicated_vertex(std::size_t original, std::size_t /*copy*/) const { sources->push_back((*sources)[original]); }
 };
 
 // Edges of two triangles that run through it in the same direction although all is oriented: no direction is right.
