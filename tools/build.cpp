@@ -3,6 +3,7 @@
 
 #include <sys/resource.h>
 
+#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <map>
 #include <memory>

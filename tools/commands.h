@@ -2,7 +2,9 @@
 // fails.
 #pragma once
 
-#include <CLI/CLI.hpp>
+namespace CLI {
+class App;
+}
 
 namespace occlod::tool {
 

@@ -1,6 +1,7 @@
 // occlod compare A B
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <memory>
 #include <string>

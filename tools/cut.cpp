@@ -1,6 +1,7 @@
 // occlod cut FILE.olod (--triangles N | --error E) -o MESH
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstddef>
 #include <memory>

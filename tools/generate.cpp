@@ -1,6 +1,7 @@
 // occlod generate KIND ... -o FILE
 #include "occlod/mesh/generate.h"
 
+#include <CLI/CLI.hpp>
 #include <memory>
 #include <optional>
 #include <string>

@@ -1,4 +1,5 @@
 // occlod info FILE
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdint>
 #include <filesystem>

@@ -1,12 +1,15 @@
 // How far a command is, on standard error: a bar that is drawn over and over on a terminal, lines elsewhere.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <cstddef>
 #include <optional>
 #include <string>
 
 #include "stopwatch.h"
+
+namespace CLI {
+class App;
+}
 
 namespace occlod::tool {
 

@@ -1,5 +1,6 @@
 // occlod render SCENE.json|MESH|FILE.olod: refines one view, or every frame of a camera path, and measures, draws or
 // saves what comes of it.
+#include <CLI/CLI.hpp>
 #include <charconv>
 #include <map>
 #include <memory>
