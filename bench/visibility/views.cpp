@@ -24,7 +24,7 @@ glm::dvec3 up_for(const glm::dvec3& along, const glm::dvec3& wanted) {
 }  // namespace
 
 RandomCameras::RandomCameras(const SceneRun& run, const VisibilityOptions& options, std::uint64_t seed)
-    : run_(run), size_(options.hidden_size), state_(seed) {
+    : run_(run), size_(options.hidden_size), random_(seed) {
   glm::dvec3 low(std::numeric_limits<double>::infinity()), high = -low;
   for (const LoadedObject& object : run.objects)
     for (int i = 0; i < 8; ++i) {
@@ -36,27 +36,17 @@ RandomCameras::RandomCameras(const SceneRun& run, const VisibilityOptions& optio
   radius_ = glm::length(high - low) / 2.0;
 }
 
-// SplitMix64 (Steele, Lea, Flood 2014): the same everywhere, unlike the distributions of the standard library.
-double RandomCameras::between(double low, double high) {
-  state_ += 0x9e3779b97f4a7c15ULL;
-  std::uint64_t z = state_;
-  z = (z ^ (z >> 30U)) * 0xbf58476d1ce4e5b9ULL;
-  z = (z ^ (z >> 27U)) * 0x94d049bb133111ebULL;
-  z ^= z >> 31U;
-  return low + (high - low) * static_cast<double>(z >> 11U) * 0x1p-53;
-}
-
 // Evenly over the sphere (Archimedes).
 glm::dvec3 RandomCameras::direction() {
-  const double z = between(-1.0, 1.0);
-  const double angle = between(0.0, 2.0 * glm::pi<double>());
+  const double z = random_.between(-1.0, 1.0);
+  const double angle = random_.between(0.0, 2.0 * glm::pi<double>());
   const double r = std::sqrt(1.0 - z * z);
   return {r * std::cos(angle), r * std::sin(angle), z};
 }
 
 glm::dvec3 RandomCameras::surface_point() {
   const auto pick = [this](std::size_t count) {
-    return static_cast<std::size_t>(between(0.0, static_cast<double>(count)));
+    return static_cast<std::size_t>(random_.between(0.0, static_cast<double>(count)));
   };
   const LoadedObject& object = run_.objects[pick(run_.objects.size())];
   const auto positions = object.hierarchy->positions();
@@ -64,7 +54,7 @@ glm::dvec3 RandomCameras::surface_point() {
 }
 
 Camera RandomCameras::on_walk(const CameraPath& walk) {
-  Camera camera = camera_at(walk, static_cast<int>(between(0.0, walk.frames)));
+  Camera camera = camera_at(walk, static_cast<int>(random_.between(0.0, walk.frames)));
   const glm::dvec3 along = direction();
   camera.up = up_for(along, camera.up);
   camera.target = camera.eye + along;
@@ -75,13 +65,13 @@ Camera RandomCameras::near_surface() {
   const glm::dvec3 on_surface = surface_point();
   glm::dvec3 away = direction();
   if (glm::dot(away, on_surface - middle_) < 0.0) away = -away;
-  const double distance = 0.01 * radius_ * std::pow(250.0, between(0.0, 1.0));
+  const double distance = 0.01 * radius_ * std::pow(250.0, random_.between(0.0, 1.0));
   Camera camera;
   camera.eye = on_surface + distance * away;
   // Not only straight down: the nearer, the more towards the horizon.
-  camera.target = glm::mix(on_surface, surface_point(), between(0.0, 0.5));
+  camera.target = glm::mix(on_surface, surface_point(), random_.between(0.0, 0.5));
   camera.up = up_for(camera.target - camera.eye, run_.view.camera().up);
-  camera.fov_y_deg = between(30.0, 75.0);
+  camera.fov_y_deg = random_.between(30.0, 75.0);
   camera.near = 1e-3 * radius_;
   camera.far = 10.0 * radius_;
   return camera;

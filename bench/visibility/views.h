@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "mesh/portable_math.h"
 #include "visibility/scene_run.h"
 
 namespace occlod::bench {
@@ -22,7 +23,6 @@ class RandomCameras {
   [[nodiscard]] Camera next();
 
  private:
-  [[nodiscard]] double between(double low, double high);
   [[nodiscard]] glm::dvec3 direction();
   [[nodiscard]] glm::dvec3 surface_point();
   [[nodiscard]] Camera on_walk(const CameraPath& walk);
@@ -30,7 +30,7 @@ class RandomCameras {
 
   const SceneRun& run_;
   tool::ImageSize size_;
-  std::uint64_t state_;
+  RandomStream random_;
   glm::dvec3 middle_{0.0};
   double radius_ = 1.0;      // of the sphere around the boxes of all objects
   bool is_walking_ = false;  // in the camera made last
