@@ -5,15 +5,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
 #include <glm/vec4.hpp>
 #include <limits>
 
 #include "occlod/core/error.h"
-#include "occlod/math/bounds.h"
 #include "progress.h"
+#include "world_box.h"
 
 namespace occlod::tool {
 namespace {
@@ -56,20 +55,12 @@ void resize(Camera& camera, const std::optional<ImageSize>& size) {
 // Looks at the sphere around all objects, from a little above and to the right, as near as the smaller side of the
 // image allows.
 Camera camera_that_sees(const std::vector<LoadedObject>& objects, const ImageSize& size) {
-  glm::dvec3 low(std::numeric_limits<double>::infinity());
-  glm::dvec3 high = -low;
-  for (const LoadedObject& object : objects) {
-    for (int i = 0; i < 8; ++i) {
-      const glm::dvec3 point(object.object_to_world * glm::dvec4(corner(object.hierarchy->box(), i), 1.0));
-      low = glm::min(low, point);
-      high = glm::max(high, point);
-    }
-  }
-  const double radius = std::max(glm::length(high - low) / 2.0, std::numeric_limits<float>::min() * 1.0);
+  const WorldBox box = world_box(objects);
+  const double radius = std::max(box.radius(), std::numeric_limits<float>::min() * 1.0);
   Camera camera;
   camera.width = size.width;
   camera.height = size.height;
-  camera.target = (low + high) / 2.0;
+  camera.target = box.center();
   const double half_angle_y = glm::radians(camera.fov_y_deg) / 2.0;
   const double half_angle =
       std::atan(std::tan(half_angle_y) * std::min(1.0, static_cast<double>(size.width) / size.height));

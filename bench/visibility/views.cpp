@@ -7,7 +7,8 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/constants.hpp>
 #include <glm/matrix.hpp>
-#include <limits>
+
+#include "world_box.h"
 
 namespace occlod::bench {
 namespace {
@@ -25,15 +26,9 @@ glm::dvec3 up_for(const glm::dvec3& along, const glm::dvec3& wanted) {
 
 RandomCameras::RandomCameras(const SceneRun& run, const VisibilityOptions& options, std::uint64_t seed)
     : run_(run), size_(options.hidden_size), random_(seed) {
-  glm::dvec3 low(std::numeric_limits<double>::infinity()), high = -low;
-  for (const LoadedObject& object : run.objects)
-    for (int i = 0; i < 8; ++i) {
-      const glm::dvec3 p(object.object_to_world * glm::dvec4(corner(object.hierarchy->box(), i), 1.0));
-      low = glm::min(low, p);
-      high = glm::max(high, p);
-    }
-  middle_ = (low + high) / 2.0;
-  radius_ = glm::length(high - low) / 2.0;
+  const tool::WorldBox box = tool::world_box(run.objects);
+  middle_ = box.center();
+  radius_ = box.radius();
 }
 
 // Evenly over the sphere (Archimedes).
