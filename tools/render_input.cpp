@@ -4,9 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cmath>
 #include <glm/geometric.hpp>
-#include <glm/trigonometric.hpp>
 #include <glm/vec4.hpp>
 #include <limits>
 
@@ -52,8 +50,7 @@ void resize(Camera& camera, const std::optional<ImageSize>& size) {
   camera.height = size->height;
 }
 
-// Looks at the sphere around all objects, from a little above and to the right, as near as the smaller side of the
-// image allows.
+// Looks at the sphere around all objects, from a little above and to the right, as near as shows all of it.
 Camera camera_that_sees(const std::vector<LoadedObject>& objects, const ImageSize& size) {
   const WorldBox box = world_box(objects);
   const double radius = std::max(box.radius(), std::numeric_limits<float>::min() * 1.0);
@@ -61,10 +58,7 @@ Camera camera_that_sees(const std::vector<LoadedObject>& objects, const ImageSiz
   camera.width = size.width;
   camera.height = size.height;
   camera.target = box.center();
-  const double half_angle_y = glm::radians(camera.fov_y_deg) / 2.0;
-  const double half_angle =
-      std::atan(std::tan(half_angle_y) * std::min(1.0, static_cast<double>(size.width) / size.height));
-  const double distance = 1.02 * radius / std::sin(half_angle);
+  const double distance = fitting_distance(camera, radius);
   camera.eye = camera.target + distance * glm::normalize(glm::dvec3(1.0, 1.0, 2.0));
   camera.near = (distance - radius) / 2.0;
   camera.far = distance + 2.0 * radius;

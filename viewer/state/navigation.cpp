@@ -88,10 +88,8 @@ glm::dvec3 ray_through(const Camera& camera, const glm::dvec2& place) {
 
 void frame(Camera& camera, const SceneBounds& bounds) {
   const glm::dvec3 ahead = glm::normalize(camera.target - camera.eye);
-  const double half_y = glm::radians(camera.fov_y_deg) / 2.0;
-  const double half = std::atan(std::tan(half_y) * std::min(1.0, static_cast<double>(camera.width) / camera.height));
   camera.target = bounds.center;
-  camera.eye = bounds.center - 1.02 * bounds.radius / std::sin(half) * ahead;
+  camera.eye = bounds.center - fitting_distance(camera, bounds.radius) * ahead;
 }
 
 bool view_from(Camera& camera, std::string_view side, const SceneBounds& bounds) {
