@@ -10,6 +10,7 @@
 
 #include "occlod/hierarchy/build.h"
 #include "occlod/refine/refiner.h"
+#include "option_names.h"
 #include "stopwatch.h"
 #include "support/bench_meshes.h"
 #include "support/median.h"
@@ -54,8 +55,7 @@ void run(const Options& options) {
           }
         const double as_built = median(ms[0]), as_shuffled = median(ms[1]);
         fmt::print("| {} | {} | {} | {} | {:.2f} | {:.2f} | {:.2f} |\n", options.mesh, view.name,
-                   culling == Culling::star ? "star" : "subtree", budget, as_built, as_shuffled,
-                   as_shuffled / as_built);
+                   tool::name_of(culling), budget, as_built, as_shuffled, as_shuffled / as_built);
       }
 }
 

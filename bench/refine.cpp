@@ -10,6 +10,7 @@
 #include "occlod/hierarchy/build.h"
 #include "occlod/io/olod.h"
 #include "occlod/refine/refiner.h"
+#include "option_names.h"
 #include "stopwatch.h"
 #include "support/bench_meshes.h"
 #include "support/median.h"
@@ -87,9 +88,8 @@ void measure(const std::vector<Planet>& planets, const NamedCamera& view, const 
     if (runs[i].ms.empty()) continue;
     const double ms = median(runs[i].ms);
     fmt::print("| {} | {} | {} | {} | {} | {} | {:.2f} | {:.2f} | {:.1f} | {} | {:016x} |\n", view.name,
-               options.culling == Culling::star ? "star" : "subtree", options.budget, planets[i].level,
-               runs[i].stats.triangles, runs[i].stats.visits, runs[i].first_ms, ms,
-               static_cast<double>(runs[i].stats.triangles) / ms / 1e3,
+               tool::name_of(options.culling), options.budget, planets[i].level, runs[i].stats.triangles,
+               runs[i].stats.visits, runs[i].first_ms, ms, static_cast<double>(runs[i].stats.triangles) / ms / 1e3,
                runs[0].ms.empty() ? "" : fmt::format("{:.2f}", ms / median(runs[0].ms)), runs[i].hash);
   }
 }

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "option_names.h"
+
 namespace occlod::tool {
 namespace {
 
@@ -25,26 +27,12 @@ Json objects_of(const RenderResult& result) {
 
 }  // namespace
 
-const char* name_of(Culling culling) { return culling == Culling::subtree ? "subtree" : "star"; }
-
-const char* name_of(Proxy proxy) {
-  switch (proxy) {
-    case Proxy::sphere:
-      return "sphere";
-    case Proxy::box:
-      return "box";
-    case Proxy::cylinder:
-      break;
-  }
-  return "cylinder";
-}
-
 Json asked_of(const RenderInput& input, const RefineOptions& options, const Backend& backend) {
   Json report;
   report["scene"] = input.name;
   if (input.path) report["path"] = input.path_name;
   report["culling"] = name_of(options.culling);
-  report["mode"] = options.occluder_mode == OccluderMode::conservative ? "conservative" : "paper";
+  report["mode"] = name_of(options.occluder_mode);
   report["occlusion"] = backend.visibility->name();
   if (!backend.gl.is_null()) report["gl"] = backend.gl;
   report["budget"] = options.budget;

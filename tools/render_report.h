@@ -29,7 +29,4 @@ struct RenderResult {
 [[nodiscard]] Json asked_of(const RenderInput& input, const RefineOptions& options, const Backend& backend);
 [[nodiscard]] Json stats_of(const Measurement& measurement);
 
-[[nodiscard]] const char* name_of(Culling culling);
-[[nodiscard]] const char* name_of(Proxy proxy);
-
 }  // namespace occlod::tool

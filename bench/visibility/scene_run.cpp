@@ -68,8 +68,4 @@ RefineOptions refine_options(std::size_t budget, Culling culling) {
   return options;
 }
 
-const char* name_of(Culling culling) { return culling == Culling::star ? "star" : "subtree"; }
-
-const char* name_of(OccluderMode mode) { return mode == OccluderMode::conservative ? "conservative" : "paper"; }
-
 }  // namespace occlod::bench

@@ -70,7 +70,5 @@ struct Share {
 
 // With Culling::subtree the paper's own choices: cylinders, occluders after 300 and 2,500 splits, no final check.
 [[nodiscard]] RefineOptions refine_options(std::size_t budget, Culling culling);
-[[nodiscard]] const char* name_of(Culling culling);
-[[nodiscard]] const char* name_of(OccluderMode mode);
 
 }  // namespace occlod::bench

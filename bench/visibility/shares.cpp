@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "option_names.h"
 #include "visibility/subjects.h"
 #include "visibility/views.h"
 
@@ -26,9 +27,9 @@ void add_shares_of(Table& table, SceneRun& run, const NamedView& named, std::siz
     const Share software = measure_share(run.with, view, with, *run.software);
     table.add({{"scene", run.description.name},
                {"view", named.name},
-               {"culling", name_of(culling)},
+               {"culling", tool::name_of(culling)},
                {"budget", budget},
-               {"mode", name_of(mode)},
+               {"mode", tool::name_of(mode)},
                {"triangles_without", none.triangles},
                {"triangles", software.triangles},
                {"visible_without", none.visible},
@@ -83,7 +84,7 @@ tool::Json& summary_row(Table& summary, const tool::Json& row) {
 void add_to_summary(Table& summary, const tool::Json& row) {
   tool::Json& target = summary_row(summary, row);
   const auto mode = row["mode"].get<std::string>();
-  const bool is_first = mode == name_of(OccluderMode::paper);  // of the rows of one view
+  const bool is_first = mode == tool::name_of(OccluderMode::paper);  // of the rows of one view
   const int views = target["views"].get<int>() + (is_first ? 1 : 0);
   target["views"] = views;
   tool::Json& mean = target["mean_" + mode];

@@ -5,6 +5,7 @@
 #include <array>
 
 #include "accuracy.h"
+#include "option_names.h"
 #include "stopwatch.h"
 #include "visibility/subjects.h"
 #include "visibility/views.h"
@@ -49,7 +50,7 @@ class Hunt {
   void add_rows(Table& table) const {
     for (std::size_t i = 0; i < modes.size(); ++i)
       table.add({{"scene", run_.description.name},
-                 {"mode", name_of(modes[i])},
+                 {"mode", tool::name_of(modes[i])},
                  {"random_views", random_},
                  {"path_views", on_paths_},
                  {"refused", refused_},
@@ -76,7 +77,7 @@ class Hunt {
       tallies_[i].add(pixels, counter_.allowed_px());
       if (pixels == 0) continue;
       found_.add({{"scene", run_.description.name},
-                  {"mode", name_of(modes[i])},
+                  {"mode", tool::name_of(modes[i])},
                   {"view", named.name},
                   {"pixels", pixels},
                   {"allowed_px", counter_.allowed_px()},

@@ -1,0 +1,21 @@
+#include "option_names.h"
+
+namespace occlod::tool {
+
+const char* name_of(Culling culling) { return culling == Culling::subtree ? "subtree" : "star"; }
+
+const char* name_of(OccluderMode mode) { return mode == OccluderMode::conservative ? "conservative" : "paper"; }
+
+const char* name_of(Proxy proxy) {
+  switch (proxy) {
+    case Proxy::sphere:
+      return "sphere";
+    case Proxy::box:
+      return "box";
+    case Proxy::cylinder:
+      break;
+  }
+  return "cylinder";
+}
+
+}  // namespace occlod::tool
