@@ -8,6 +8,7 @@
 #include "occlod/mesh/generate.h"
 #include "occlod/occlusion/software_occlusion.h"
 #include "occlod/picture/picture.h"
+#include "occlod/raster/item_buffer.h"
 #include "pick.h"
 #include "recorded_occlusion.h"
 
@@ -67,7 +68,8 @@ TEST_F(Explain, ClassesAgreeWithTheItemBuffer) {
   const DrawObject drawn[] = {{hierarchy().positions(), {}, refined.triangles, glm::dmat4(1.0)}};
   ItemBuffer items;
   draw_items(items, drawn, view);
-  const std::vector<Seen> seen = classify(object_, refined.triangles, view, owners(items, refined.triangles.size()), 0);
+  const std::vector<Seen> seen =
+      classify(object_, refined.triangles, view, visible_items(items, refined.triangles.size()), 0);
   const auto count = [&](Seen which) { return static_cast<std::size_t>(std::count(seen.begin(), seen.end(), which)); };
   EXPECT_EQ(count(Seen::visible), count_visible_items(items, refined.triangles.size()));
   EXPECT_GT(count(Seen::back_facing), 0U);

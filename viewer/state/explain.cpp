@@ -129,13 +129,6 @@ std::vector<SplitId> born_splits(const Hierarchy& hierarchy, const RefinedObject
   return born;
 }
 
-std::vector<bool> owners(const ItemBuffer& items, std::size_t count) {
-  std::vector<bool> owns(count);
-  for (const std::uint32_t item : items.items)
-    if (item != no_item) owns[item] = true;
-  return owns;
-}
-
 std::vector<Seen> classify(const PlacedObject& object, std::span<const Triangle> triangles, const View& view,
                            const std::vector<bool>& owns_pixel, std::size_t first_item) {
   const std::span<const glm::vec3> positions = object.mesh->hierarchy->positions();

@@ -7,7 +7,6 @@
 
 #include "objects.h"
 #include "occlod/occlusion/depth_pyramid.h"
-#include "occlod/raster/item_buffer.h"
 #include "occlod/refine/refiner.h"
 #include "palette.h"
 
@@ -19,9 +18,6 @@ namespace occlod::viewer {
 // `items` was drawn for `view` with triangle i as item first_item + i.
 [[nodiscard]] std::vector<Seen> classify(const PlacedObject& object, std::span<const Triangle> triangles,
                                          const View& view, const std::vector<bool>& owns_pixel, std::size_t first_item);
-
-// Which of `count` items own a pixel.
-[[nodiscard]] std::vector<bool> owners(const ItemBuffer& items, std::size_t count);
 
 // `occluder`: null = nothing is hidden. O(triangles * log(splits)).
 [[nodiscard]] std::vector<Outcome> outcomes(const PlacedObject& object, const RefinedObject& refined, const View& view,

@@ -101,7 +101,7 @@ class Bench {
     if (job.count_visible || job.keep_seen || job.color_by == ColorBy::visibility) {
       items_.reset(view.width(), view.height());
       draw_items(items_, draw_objects(objects, side.refinement), view);
-      owns_pixel = owners(items_, side.refinement.stats.triangles);
+      owns_pixel = visible_items(items_, side.refinement.stats.triangles);
       side.visible_triangles = static_cast<std::size_t>(std::count(owns_pixel.begin(), owns_pixel.end(), true));
     }
     std::size_t first_item = 0;

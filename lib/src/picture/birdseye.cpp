@@ -23,13 +23,6 @@ std::vector<glm::dvec3> scene_corners(std::span<const DrawObject> objects) {
   return corners;
 }
 
-std::vector<bool> visible_items(const ItemBuffer& buffer, std::size_t count) {
-  std::vector<bool> visible(count);
-  for (const std::uint32_t item : buffer.items)
-    if (item != no_item) visible[item] = true;
-  return visible;
-}
-
 // How far along the axis the frustum is drawn: to the farthest part of the scene, to the far plane when nothing of it
 // lies ahead.
 double frustum_length(std::span<const glm::dvec3> corners, const View& view) {

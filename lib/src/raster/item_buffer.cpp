@@ -157,13 +157,18 @@ void draw_items(ItemBuffer& target, std::span<const glm::vec3> positions, std::s
   Rasterizer(object_to_clip, depth.width, depth.height, writer).draw(positions, triangles, first_item);
 }
 
-std::size_t count_visible_items(const ItemBuffer& buffer, std::size_t item_count) {
+std::vector<bool> visible_items(const ItemBuffer& buffer, std::size_t item_count) {
   std::vector<bool> seen(item_count);
   for (const std::uint32_t item : buffer.items) {
     if (item == no_item) continue;
     assert(item < item_count);
     seen[item] = true;
   }
+  return seen;
+}
+
+std::size_t count_visible_items(const ItemBuffer& buffer, std::size_t item_count) {
+  const std::vector<bool> seen = visible_items(buffer, item_count);
   return static_cast<std::size_t>(std::count(seen.begin(), seen.end(), true));
 }
 

@@ -74,7 +74,8 @@ PixelRect draw_depth(const DepthImage& target, std::span<const glm::vec3> positi
 void draw_items(ItemBuffer& target, std::span<const glm::vec3> positions, std::span<const Triangle> triangles,
                 const glm::mat4& object_to_clip, std::uint32_t first_item);
 
-// The number of different items that own at least one pixel. item_count: items are < item_count.
+// Which items own at least one pixel, and how many. item_count: items are < item_count.
+[[nodiscard]] std::vector<bool> visible_items(const ItemBuffer& buffer, std::size_t item_count);
 [[nodiscard]] std::size_t count_visible_items(const ItemBuffer& buffer, std::size_t item_count);
 
 }  // namespace occlod
