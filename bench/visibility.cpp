@@ -26,11 +26,6 @@ struct Options {
   bool wrongly_hidden = false;
 };
 
-fs::path file_of(const std::string& scene) {
-  const bool is_file = fs::path(scene).extension() == ".json";
-  return is_file ? fs::path(scene) : fs::path(OCCLOD_SCENES) / (scene + ".json");
-}
-
 // Small enough to be run by a test.
 void make_quick(VisibilityOptions& options) {
   options.budgets = {500, 1'000};
@@ -61,7 +56,7 @@ void run_subjects(const Options& options, const char* name, std::vector<Subject>
   const VisibilityOptions& visibility = options.visibility;
   if (!visibility.out.empty()) fs::create_directories(visibility.out);
   for (const std::string& scene : options.scenes) {
-    const std::unique_ptr<SceneRun> scene_run = load_scene(file_of(scene), visibility);
+    const std::unique_ptr<SceneRun> scene_run = load_scene(scene_file(scene), visibility.size);
     if (!scene_run) continue;
     for (Subject& subject : subjects) {
       fmt::print(stderr, "{}: {}\n", scene_run->description.name, subject.table.name);

@@ -17,6 +17,9 @@ class FullMeshPicture {
   // The view outlives it.
   FullMeshPicture(const std::vector<LoadedObject>& objects, const View& view);
 
+  [[nodiscard]] const ItemBuffer& items() const { return items_; }
+  [[nodiscard]] const Image& image() const { return image_; }
+
   // Of a drawn refinement of the same objects in the same view.
   [[nodiscard]] PictureDistance distance_to(const ItemBuffer& items, std::span<const DrawObject> refined) const;
 

@@ -87,6 +87,8 @@ Json report_of(const RenderResult& result) {
     report["depth_rms_px"] = result.distance->depth_rms_px;
     report["silhouette_mismatch"] = result.distance->silhouette_mismatch;
     report["psnr_y"] = result.distance->psnr_y;
+    report["psnr_cb"] = result.distance->psnr_cb;
+    report["psnr_cr"] = result.distance->psnr_cr;
   }
   report["camera"] = to_json(result.input.camera);
   report["objects"] = objects_of(result);

@@ -32,7 +32,12 @@ SceneRun::SceneRun(SceneDescription scene, tool::RenderInput input)
       with(objects),
       software(make_software_occlusion()) {}
 
-std::unique_ptr<SceneRun> load_scene(const std::filesystem::path& file, const VisibilityOptions& options) {
+std::filesystem::path scene_file(const std::string& name) {
+  const bool is_file = std::filesystem::path(name).extension() == ".json";
+  return is_file ? std::filesystem::path(name) : std::filesystem::path(OCCLOD_SCENES) / (name + ".json");
+}
+
+std::unique_ptr<SceneRun> load_scene(const std::filesystem::path& file, const std::optional<tool::ImageSize>& size) {
   SceneDescription scene = read_scene(file);
   if (const std::string missing = missing_mesh(scene, file.parent_path()); !missing.empty()) {
     fmt::print(stderr, "SKIPPED: {}: {} is in no folder of OCCLOD_MESHES\n", scene.name, missing);
@@ -40,7 +45,7 @@ std::unique_ptr<SceneRun> load_scene(const std::filesystem::path& file, const Vi
   }
   tool::RenderInputOptions input;
   input.file = file;
-  input.size = options.size;
+  input.size = size;
   return std::make_unique<SceneRun>(std::move(scene), tool::load_render_input(input));
 }
 

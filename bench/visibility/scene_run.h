@@ -49,8 +49,12 @@ struct SceneRun {
   }
 };
 
-// Nothing when a mesh is missing, with a line on standard error. Throws Error for a bad scene.
-[[nodiscard]] std::unique_ptr<SceneRun> load_scene(const std::filesystem::path& file, const VisibilityOptions& options);
+// "planet_full" is a scene that comes with the project, anything that ends in .json a file.
+[[nodiscard]] std::filesystem::path scene_file(const std::string& name);
+// With pictures of `size` instead of the cameras' own. Nothing when a mesh is missing, with a line on standard error.
+// Throws Error for a bad scene.
+[[nodiscard]] std::unique_ptr<SceneRun> load_scene(const std::filesystem::path& file,
+                                                   const std::optional<tool::ImageSize>& size);
 
 // One of the ways to refine that are compared.
 struct Variant {

@@ -77,6 +77,19 @@ TEST(ComparePictures, MeasuresLuma) {
               20.0 * std::log10(25.5 / 0.587), 1e-9);
 }
 
+TEST(ComparePictures, MeasuresColourDifferences) {
+  // JPEG's Cb of blue alone is half its level, its Cr -0.114 / 1.402 of it (B - Y = 0.886 B, over 1.772; R - Y = -0.114
+  // B, over 1.402). Gray has none of either.
+  Image blue = gray(100);
+  for (glm::u8vec4& p : blue.pixels) p.z = 120;
+  const PictureDistance d = compare_pictures(front_view(), flat(3), blue, flat(3), gray(100));
+  EXPECT_NEAR(d.psnr_cb, 20.0 * std::log10(255.0 / 10.0), 1e-9);
+  EXPECT_NEAR(d.psnr_cr, 20.0 * std::log10(255.0 / (20.0 * 0.114 / 1.402)), 1e-9);
+  const PictureDistance of_gray = compare_pictures(front_view(), flat(3), gray(110), flat(3), gray(100));
+  EXPECT_GT(of_gray.psnr_cb, 200.0);  // 0 but for rounding
+  EXPECT_GT(of_gray.psnr_cr, 200.0);
+}
+
 // A step in depth from 10 to 20 at column `edge`.
 DepthBuffer step(int edge) {
   DepthBuffer depth = flat(20);
@@ -110,6 +123,42 @@ TEST(CountUnexplainedPixels, BackgroundIsInfinitelyFar) {
   // A hole that is missing: every one of its pixels.
   EXPECT_EQ(count_unexplained_pixels(front_view(), hole, flat(10), 1.0), 100U);
   EXPECT_EQ(count_unexplained_pixels(front_view(), hole, hole, 0.0), 0U);
+}
+
+TEST(LargestMotion, OfAShiftedPlaneIsTheShift) {
+  // As in ComparePictures: 0.5 units at depth 10 are 2 px. The other way round they are seen from depth 10.5: the
+  // larger of both counts.
+  EXPECT_NEAR(largest_motion_px(front_view(), flat(10), flat(10.5)), 2.0, 1e-4);
+  EXPECT_NEAR(largest_motion_px(front_view(), flat(10.5), flat(10)), 2.0, 1e-4);
+  EXPECT_EQ(largest_motion_px(front_view(), flat(10), flat(10)), 0.0);
+  EXPECT_EQ(largest_motion_px(front_view(), flat(10), flat(20), 8.0), 8.0);  // 40 px
+}
+
+TEST(LargestMotion, OfASilhouetteIsTheDistanceItMoved) {
+  // The sides of the step are 40 px apart in depth, so that columns decide.
+  EXPECT_EQ(largest_motion_px(front_view(), step(52), step(50)), 2.0);
+  EXPECT_EQ(largest_motion_px(front_view(), step(50), step(57)), 7.0);
+  // Columns 90 to 94 are explained by depth before distance: seen from depth 10, depth 20 is 40 px away.
+  EXPECT_NEAR(largest_motion_px(front_view(), step(50), step(95)), 40.0, 1e-4);
+}
+
+TEST(LargestMotion, OfWhatTheOtherImageLacksHasNoEnd) {
+  // A hole that is nowhere near: from depth 10 to infinity is all of the focal length, 40 px.
+  DepthBuffer hole = flat(10);
+  hole.inverse_depth[100 * 40 + 50] = 0.0F;
+  EXPECT_NEAR(largest_motion_px(front_view(), hole, flat(10)), 40.0, 1e-4);
+  EXPECT_NEAR(largest_motion_px(front_view(), flat(10), hole), 40.0, 1e-4);
+  EXPECT_EQ(largest_motion_px(front_view(), flat(10), hole, 16.0), 16.0);
+}
+
+TEST(MeasurePopping, TellsMotionDepthAndSilhouette) {
+  // 4 px nearer everywhere (1 unit at depth 10, seen from the later), and the upper half of the rows appears.
+  DepthBuffer before = flat(9);
+  std::fill_n(before.inverse_depth.begin(), pixels / 2, 0.0F);
+  const Popping popping = measure_popping(front_view(), before, flat(10));
+  EXPECT_NEAR(popping.rms_px, 4.0, 1e-4);
+  EXPECT_NEAR(popping.silhouette_mismatch, 50.0, 1e-9);
+  EXPECT_NEAR(popping.largest_px, 40.0, 1e-9);  // from or to infinity
 }
 
 }  // namespace

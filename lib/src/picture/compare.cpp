@@ -5,7 +5,9 @@
 #include <cmath>
 #include <cstddef>
 #include <functional>
+#include <glm/vec3.hpp>
 #include <limits>
+#include <numeric>
 #include <vector>
 
 namespace occlod {
@@ -13,17 +15,28 @@ namespace {
 
 constexpr double largest_difference_px = 10.0;
 
-// ITU-R BT.601, of the encoded values.
-double luma(const glm::u8vec4& p) { return 0.299 * p.x + 0.587 * p.y + 0.114 * p.z; }
+struct SquaredDifferences {
+  double y = 0.0;
+  double cb = 0.0;
+  double cr = 0.0;
+};
 
-double psnr_of_luma(const Image& image, const Image& reference) {
-  double sum = 0.0;
+// Sums over all pixels. ITU-R BT.601, of the encoded values; the colour differences at JPEG's scale.
+SquaredDifferences squared_differences(const Image& image, const Image& reference) {
+  SquaredDifferences sum;
   for (std::size_t i = 0; i < image.pixels.size(); ++i) {
-    const double difference = luma(image.pixels[i]) - luma(reference.pixels[i]);
-    sum += difference * difference;
+    const glm::dvec3 d = glm::dvec3(image.pixels[i]) - glm::dvec3(reference.pixels[i]);
+    const double y = 0.299 * d.x + 0.587 * d.y + 0.114 * d.z;
+    sum.y += y * y;
+    sum.cb += std::pow((d.z - y) / 1.772, 2);
+    sum.cr += std::pow((d.x - y) / 1.402, 2);
   }
-  if (sum == 0.0) return std::numeric_limits<double>::infinity();
-  return 10.0 * std::log10(255.0 * 255.0 * static_cast<double>(image.pixels.size()) / sum);
+  return sum;
+}
+
+double psnr(double squared_sum, std::size_t pixels) {
+  if (squared_sum == 0.0) return std::numeric_limits<double>::infinity();
+  return 10.0 * std::log10(255.0 * 255.0 * static_cast<double>(pixels) / squared_sum);
 }
 
 // Infinite when there is something and nothing is expected.
@@ -59,17 +72,68 @@ std::vector<float> extreme_around(const DepthBuffer& depth, int radius, const Be
   return result;
 }
 
-}  // namespace
+// Every value by the best within one pixel around it; `rows` is scratch.
+template <typename Pick>
+void spread(std::vector<float>& values, std::vector<float>& rows, int width, int height, const Pick& pick) {
+  const auto w = static_cast<std::size_t>(width), h = static_cast<std::size_t>(height);
+  rows.resize(values.size());
+  for (std::size_t y = 0; y < h; ++y) {
+    const float* from = &values[y * w];
+    float* to = &rows[y * w];
+    to[0] = pick(from[0], from[std::min<std::size_t>(1, w - 1)]);
+    for (std::size_t x = 1; x + 1 < w; ++x) to[x] = pick(pick(from[x - 1], from[x]), from[x + 1]);
+    if (w > 1) to[w - 1] = pick(from[w - 2], from[w - 1]);
+  }
+  for (std::size_t y = 0; y < h; ++y) {
+    const float* above = &rows[(y > 0 ? y - 1 : y) * w];
+    const float* here = &rows[y * w];
+    const float* below = &rows[(y + 1 < h ? y + 1 : y) * w];
+    float* to = &values[y * w];
+    for (std::size_t x = 0; x < w; ++x) to[x] = pick(pick(above[x], here[x]), below[x]);
+  }
+}
 
-PictureDistance compare_pictures(const View& view, const DepthBuffer& depth, const Image& image,
-                                 const DepthBuffer& reference_depth, const Image& reference_image) {
-  assert(depth.inverse_depth.size() == reference_depth.inverse_depth.size() &&
-         image.pixels.size() == reference_image.pixels.size());
+// The share of its own depth that a pixel must be allowed to move by, to lie between `farthest` and `nearest`: inverse
+// depths, 0 = infinitely far.
+double depth_share(double inverse, double nearest, double farthest) {
+  double share = 0.0;
+  if (inverse > nearest) share = nearest > 0.0 ? inverse / nearest - 1.0 : std::numeric_limits<double>::infinity();
+  if (inverse < farthest) share = std::max(share, 1.0 - inverse / farthest);
+  return share;
+}
+
+// The largest motion of any pixel of `expected`.
+double motion_into(const View& view, const DepthBuffer& expected, const DepthBuffer& found, double most_px) {
+  std::vector<float> nearest = found.inverse_depth, farthest = found.inverse_depth, rows;
+  std::vector<std::size_t> open(expected.inverse_depth.size());
+  std::iota(open.begin(), open.end(), std::size_t{0});
+  double largest = 0.0;
+  for (int radius = 0; radius < most_px; ++radius) {
+    const auto is_explained = [&](std::size_t i) {
+      const double px = view.focal_length_px() * depth_share(expected.inverse_depth[i], nearest[i], farthest[i]);
+      if (px >= radius + 1) return false;
+      largest = std::max(largest, std::max(px, static_cast<double>(radius)));
+      return true;
+    };
+    open.erase(std::remove_if(open.begin(), open.end(), is_explained), open.end());
+    if (open.empty()) return std::min(largest, most_px);
+    spread(nearest, rows, found.width, found.height, [](float a, float b) { return a > b ? a : b; });
+    spread(farthest, rows, found.width, found.height, [](float a, float b) { return a < b ? a : b; });
+  }
+  return most_px;
+}
+
+struct DepthDistance {
+  double rms_px = 0.0;
+  double silhouette_mismatch = 0.0;
+};
+
+DepthDistance depth_distance(const View& view, const DepthBuffer& depth, const DepthBuffer& reference) {
   std::size_t in_reference = 0, in_one = 0, in_both = 0;
   double sum = 0.0;
   for (std::size_t i = 0; i < depth.inverse_depth.size(); ++i) {
     const double here = depth.inverse_depth[i];
-    const double there = reference_depth.inverse_depth[i];
+    const double there = reference.inverse_depth[i];
     in_reference += there > 0.0 ? 1 : 0;
     in_one += (here > 0.0) != (there > 0.0) ? 1 : 0;
     if (!(here > 0.0 && there > 0.0)) continue;
@@ -78,8 +142,30 @@ PictureDistance compare_pictures(const View& view, const DepthBuffer& depth, con
     const double difference = std::abs(1.0 / here - 1.0 / there) * view.focal_length_px() * there;
     sum += std::pow(std::min(difference, largest_difference_px), 2);
   }
-  return {in_both > 0 ? std::sqrt(sum / static_cast<double>(in_both)) : 0.0, percent(in_one, in_reference),
-          psnr_of_luma(image, reference_image)};
+  return {in_both > 0 ? std::sqrt(sum / static_cast<double>(in_both)) : 0.0, percent(in_one, in_reference)};
+}
+
+}  // namespace
+
+PictureDistance compare_pictures(const View& view, const DepthBuffer& depth, const Image& image,
+                                 const DepthBuffer& reference_depth, const Image& reference_image) {
+  assert(depth.inverse_depth.size() == reference_depth.inverse_depth.size() &&
+         image.pixels.size() == reference_image.pixels.size());
+  const DepthDistance distance = depth_distance(view, depth, reference_depth);
+  const SquaredDifferences sums = squared_differences(image, reference_image);
+  const std::size_t pixels = image.pixels.size();
+  return {distance.rms_px, distance.silhouette_mismatch, psnr(sums.y, pixels), psnr(sums.cb, pixels),
+          psnr(sums.cr, pixels)};
+}
+
+double largest_motion_px(const View& view, const DepthBuffer& one, const DepthBuffer& other, double most_px) {
+  assert(one.inverse_depth.size() == other.inverse_depth.size() && most_px >= 0.0);
+  return std::max(motion_into(view, one, other, most_px), motion_into(view, other, one, most_px));
+}
+
+Popping measure_popping(const View& view, const DepthBuffer& before, const DepthBuffer& after) {
+  const DepthDistance distance = depth_distance(view, before, after);
+  return {largest_motion_px(view, before, after), distance.rms_px, distance.silhouette_mismatch};
 }
 
 std::size_t count_unexplained_pixels(const View& view, const DepthBuffer& expected, const DepthBuffer& found,
