@@ -6,12 +6,6 @@
 namespace occlod::tool {
 namespace {
 
-Image shade_without_wire(const ItemBuffer& items, std::span<const DrawObject> objects, const View& view) {
-  ShadeOptions shading;
-  shading.wire = false;
-  return shade(items, objects, view, shading);
-}
-
 RefineOptions to_one_pixel(RefineOptions options, const Refiner& refiner) {
   options.budget = refiner.full_triangles();
   options.tolerance_px = 1.0;
@@ -19,6 +13,12 @@ RefineOptions to_one_pixel(RefineOptions options, const Refiner& refiner) {
 }
 
 }  // namespace
+
+Image shade_without_wire(const ItemBuffer& items, std::span<const DrawObject> objects, const View& view) {
+  ShadeOptions shading;
+  shading.wire = false;
+  return shade(items, objects, view, shading);
+}
 
 FullMeshPicture::FullMeshPicture(const std::vector<LoadedObject>& objects, const View& view) : view_(view) {
   std::vector<std::vector<Triangle>> triangles;

@@ -11,6 +11,9 @@
 
 namespace occlod::tool {
 
+// As pictures are compared.
+[[nodiscard]] Image shade_without_wire(const ItemBuffer& items, std::span<const DrawObject> objects, const View& view);
+
 // The picture of the full meshes in one view, to compare refinements with.
 class FullMeshPicture {
  public:

@@ -1,0 +1,36 @@
+#include "report/coarse_occlusion.h"
+
+#include "occlod/occlusion/software_occlusion.h"
+
+namespace occlod::bench {
+namespace {
+
+// Shows its backend a smaller picture of the same view.
+class CoarseOcclusion final : public Visibility {
+ public:
+  explicit CoarseOcclusion(int divisor) : divisor_(divisor), software_(make_software_occlusion()) {}
+
+  [[nodiscard]] std::string_view name() const noexcept override { return "coarse software"; }
+  void begin_view(const View& view, std::span<const ObjectView> objects) override {
+    Camera camera = view.camera();
+    camera.width = (camera.width + divisor_ - 1) / divisor_;
+    camera.height = (camera.height + divisor_ - 1) / divisor_;
+    software_->begin_view(View(camera), objects);
+  }
+  void draw_occluder(std::span<const OccluderPart> parts) override { software_->draw_occluder(parts); }
+  void submit(const VisibilityQuery& query) override { software_->submit(query); }
+  [[nodiscard]] std::uint32_t collect() override { return software_->collect(); }
+
+ private:
+  int divisor_;
+  std::unique_ptr<Visibility> software_;
+};
+
+}  // namespace
+
+std::unique_ptr<Visibility> make_coarse_occlusion(int divisor) {
+  if (divisor == 1) return make_software_occlusion();
+  return std::make_unique<CoarseOcclusion>(divisor);
+}
+
+}  // namespace occlod::bench

@@ -1,0 +1,75 @@
+#include "report/setting_run.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <limits>
+
+#include "drawing.h"
+#include "report/coarse_occlusion.h"
+#include "support/median.h"
+
+namespace occlod::bench {
+namespace {
+
+constexpr double not_measured = std::numeric_limits<double>::quiet_NaN();
+
+// FNV-1a, of words.
+std::uint64_t combined(std::uint64_t hash, std::uint64_t word) { return (hash ^ word) * 1099511628211U; }
+
+}  // namespace
+
+std::unique_ptr<Visibility> make_visibility(const Setting& setting) {
+  if (!setting.occlusion) return std::make_unique<NoOcclusion>();
+  return make_coarse_occlusion(setting.raster_divisor);
+}
+
+std::string what_hides(const Setting& setting) {
+  const RefineOptions& o = setting.refine;
+  if (!setting.occlusion) return {};
+  return fmt::format("{} {} {} {} {} {} {} {} {} {} {}", setting.raster_divisor, static_cast<int>(o.culling),
+                     o.visible_exponent, o.grazing_exponent, o.forced_exponent, fmt::join(o.occluder_splits, ","),
+                     o.retest_hidden, o.final_check, static_cast<int>(o.occluder_mode), static_cast<int>(o.proxy),
+                     o.level_step);
+}
+
+SettingRun::SettingRun(const Setting& setting, const std::vector<LoadedObject>& objects)
+    : setting_(setting), measurement_(objects), visibility_(make_visibility(setting)) {}
+
+void SettingRun::refine(const View& view) {
+  measurement_.begin();
+  measurement_.repeat(view, setting_.refine, *visibility_);
+  hash_ = combined(hash_, measurement_.refinement().hash());
+}
+
+void SettingRun::start(const View& view) { refine(view); }
+
+void SettingRun::next(const View& view) {
+  refine(view);
+  const tool::RenderTimes times = measurement_.times();
+  refine_ms_.push_back(times.refine_ms);
+  occlusion_ms_.push_back(times.occlusion_ms);
+  ms_.push_back(times.refine_ms + times.occlusion_ms);
+  draw_ms_.push_back(times.draw_ms);
+  triangles_.push_back(static_cast<double>(measurement_.refinement().stats.triangles));
+}
+
+void SettingRun::next(const View& view, const tool::FullMeshPicture& full) {
+  ItemBuffer before;
+  tool::redraw(before, measurement_.objects(), view);
+  next(view);
+  const PictureDistance distance = full.distance_to(measurement_.items(), measurement_.objects());
+  const double largest_px = largest_motion_px(view, full.items().depth, measurement_.items().depth);
+  const Popping popping = measure_popping(view, before.depth, measurement_.items().depth);
+  const Share share{measurement_.refinement().stats.triangles, measurement_.visible_triangles(), {}};
+  pictures_.push_back({distance.depth_rms_px, largest_px, distance.psnr_y, distance.psnr_cb, distance.psnr_cr,
+                       distance.silhouette_mismatch, share.percent(), not_measured, popping.rms_px, popping.largest_px,
+                       measurement_.refinement().stats.max_error_px});
+}
+
+Outcome SettingRun::outcome() const {
+  return {median(refine_ms_), median(occlusion_ms_), median(ms_), median(draw_ms_),
+          median(triangles_), mean_of(pictures_),    hash_,       pictures_};
+}
+
+}  // namespace occlod::bench
