@@ -57,7 +57,7 @@ std::vector<Setting> side_by_side(const std::vector<Setting>& settings, const Ch
   std::vector<Setting> chosen;
   for (const Setting& s : settings)
     if (s.series == "paper's LOD" && s.refine.budget == recommended.refine.budget) chosen.push_back(s);
-  for (const std::size_t i : {choice.fastest, choice.recommended, choice.most_accurate}) {
+  for (const std::size_t i : {choice.fastest, choice.recommended, choice.as_accurate, choice.most_accurate}) {
     const auto is_same = [&](const Setting& s) { return s.name == settings[i].name; };
     if (std::none_of(chosen.begin(), chosen.end(), is_same)) chosen.push_back(settings[i]);
   }
@@ -90,7 +90,7 @@ void run(const Options& options) {
   const std::vector<Setting> settings = all_settings(options.sweep.budgets, options.sweep.knob_budget);
   const std::vector<SceneOutcomes> scenes = sweep_all(settings, options.sweep);
   const std::vector<Outcome> over_all = over_all_scenes(scenes);
-  const Choice choice = choose(over_all);
+  const Choice choice = choose(settings, over_all, options.sweep.knob_budget);
   const Table points = points_table(settings, scenes, over_all);
 
   Json report = {{"machine", about_this_machine()}, {"commit", options.commit}, {"small", options.is_small}};

@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "occlod/core/error.h"
 #include "report/choice.h"
 #include "report/measures.h"
 
@@ -26,6 +27,12 @@ std::vector<Cost> costs(const std::vector<Outcome>& outcomes, std::size_t measur
   return result;
 }
 
+Json names_of(const std::vector<std::size_t>& places, const std::vector<Setting>& settings) {
+  Json names = Json::array();
+  for (const std::size_t i : places) names.push_back(settings[i].name);
+  return names;
+}
+
 Json to_json(const Choice& choice, const std::vector<Setting>& settings) {
   Json within = Json::array();
   for (std::size_t i = 0; i < choice.within.size(); ++i) {
@@ -33,11 +40,14 @@ Json to_json(const Choice& choice, const std::vector<Setting>& settings) {
     within.push_back({{"limit", error_limits_px[i]}, {"setting", found ? Json(settings[*found].name) : Json()}});
   }
   return {{"measure", measures[main_measure].key},
-          {"limit", recommended_error_px},
-          {"fastest", settings[choice.fastest].name},
+          {"near_best", near_best},
+          {"time_noise", time_noise},
           {"recommended", settings[choice.recommended].name},
+          {"fastest", settings[choice.fastest].name},
           {"most_accurate", settings[choice.most_accurate].name},
-          {"within", within}};
+          {"as_accurate", settings[choice.as_accurate].name},
+          {"within", within},
+          {"budget_front", names_of(choice.budget_front, settings)}};
 }
 
 Json row_of(const std::string& scene, const std::string& path, const Setting& setting, const Outcome& outcome) {
@@ -77,8 +87,12 @@ Json knobs_json() {
 Json settings_json(const std::vector<Setting>& settings) {
   Json all = Json::array();
   for (const Setting& s : settings)
-    all.push_back(
-        {{"name", s.name}, {"series", s.series}, {"knob", s.knob}, {"budget", s.refine.budget}, {"flags", s.flags}});
+    all.push_back({{"name", s.name},
+                   {"series", s.series},
+                   {"knob", s.knob},
+                   {"budget", s.refine.budget},
+                   {"flags", s.flags},
+                   {"offered", s.is_offered()}});
   return all;
 }
 
@@ -91,25 +105,45 @@ Json scenes_json(const std::vector<SceneOutcomes>& scenes) {
 
 Json fronts_json(const std::vector<Setting>& settings, const std::vector<Outcome>& over_all) {
   Json all = Json::object();
-  for (std::size_t m = 0; m < measures.size(); ++m) {
-    Json names = Json::array();
-    for (const std::size_t i : pareto_front(costs(over_all, m))) names.push_back(settings[i].name);
-    all[measures[m].key] = std::move(names);
-  }
+  for (std::size_t m = 0; m < measures.size(); ++m)
+    all[measures[m].key] = names_of(pareto_front(costs(over_all, m)), settings);
   return all;
+}
+
+// Costs that are not to be chosen have no error that could be.
+template <typename Keep>
+std::vector<Cost> only(std::vector<Cost> costs, const std::vector<Setting>& settings, const Keep& keep) {
+  for (std::size_t i = 0; i < costs.size(); ++i)
+    if (!keep(settings[i])) costs[i].error = std::numeric_limits<double>::infinity();
+  return costs;
+}
+
+std::size_t recommended(const std::vector<Cost>& in_budget, const std::vector<Setting>& settings, std::size_t budget) {
+  const double enough = near_best * in_budget[pareto_front(in_budget).back()].error;
+  const std::size_t fastest = *fastest_within(in_budget, enough);
+  for (std::size_t i = 0; i < settings.size(); ++i) {
+    const bool is_default = settings[i].series == series().front().name && settings[i].refine.budget == budget;
+    if (is_default && in_budget[i].error <= enough && in_budget[i].ms <= time_noise * in_budget[fastest].ms) return i;
+  }
+  return fastest;
 }
 
 }  // namespace
 
-Choice choose(const std::vector<Outcome>& over_all) {
-  const std::vector<Cost> all = costs(over_all, main_measure);
-  const std::vector<std::size_t> front = pareto_front(all);
+Choice choose(const std::vector<Setting>& settings, const std::vector<Outcome>& over_all, std::size_t budget) {
+  const std::vector<Cost> offered =
+      only(costs(over_all, main_measure), settings, [](const Setting& s) { return s.is_offered(); });
+  const std::vector<Cost> in_budget =
+      only(offered, settings, [&](const Setting& s) { return s.refine.budget <= budget; });
+  const std::vector<std::size_t> front = pareto_front(offered);
+  if (front.empty()) throw Error({"bench_report", "", "has measured no error", "give it other scenes"});
   Choice choice;
-  if (front.empty()) return choice;
+  choice.recommended = recommended(in_budget, settings, budget);
   choice.fastest = front.front();
   choice.most_accurate = front.back();
-  choice.recommended = fastest_within(all, recommended_error_px).value_or(choice.most_accurate);
-  for (const double limit : error_limits_px) choice.within.push_back(fastest_within(all, limit));
+  choice.as_accurate = *fastest_within(offered, offered[choice.recommended].error);
+  for (const double limit : error_limits_px) choice.within.push_back(fastest_within(offered, limit));
+  choice.budget_front = pareto_front(in_budget);
   return choice;
 }
 

@@ -1,6 +1,7 @@
 // What bench_report writes: all of it as JSON, the points as a table.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <optional>
 #include <vector>
@@ -12,20 +13,24 @@
 
 namespace occlod::bench {
 
-// The places of settings.
+// The places of settings, of those that are offered.
 struct Choice {
-  std::size_t fastest = 0;
   std::size_t recommended = 0;
-  std::size_t most_accurate = 0;
+  std::size_t fastest = 0;                         // of the front of all
+  std::size_t most_accurate = 0;                   // likewise
+  std::size_t as_accurate = 0;                     // the fastest as accurate as the recommended, whatever its budget
   std::vector<std::optional<std::size_t>> within;  // the fastest within each of `error_limits_px`
+  std::vector<std::size_t> budget_front;           // by time and error, of budgets no larger than the knobs'
 };
 
-inline constexpr double recommended_error_px = 1.0;
-inline constexpr double error_limits_px[] = {4.0, 2.0, 1.0, 0.5, 0.25};
+inline constexpr double near_best = 1.05;  // times the least error
+inline constexpr double time_noise = 1.1;  // times the least time
+inline constexpr std::array error_limits_px = {4.0, 2.0, 1.0, 0.5, 0.25};
 
-// By time and `main_measure`. The fastest within recommended_error_px is recommended, the most accurate if there is
-// none.
-[[nodiscard]] Choice choose(const std::vector<Outcome>& over_all);
+// By time and `main_measure`. Recommended is, of all settings with no more triangles than `budget` whose error is
+// within near_best of the least of them, the fastest; the default there if it takes no more than time_noise of that.
+[[nodiscard]] Choice choose(const std::vector<Setting>& settings, const std::vector<Outcome>& over_all,
+                            std::size_t budget);
 
 // A row for each scene and setting; the scene "all" is all of them.
 [[nodiscard]] Table points_table(const std::vector<Setting>& settings, const std::vector<SceneOutcomes>& scenes,

@@ -15,10 +15,13 @@ struct Setting {
   std::string name;    // unique
   std::string series;  // settings of a series differ in nothing but their budget; empty when one knob was turned
   std::string knob;    // that one
-  std::string flags;   // of `occlod render`; a backend that it has no flag for is told in brackets
+  std::string flags;   // of `occlod render`; in brackets what it does not offer
   RefineOptions refine;
   bool occlusion = true;   // by the software backend
   int raster_divisor = 1;  // one sample of its occluder for so many pixels in each direction
+
+  // Others are measured to see what they would be worth, and never recommended.
+  [[nodiscard]] bool is_offered() const { return raster_divisor == 1; }
 };
 
 // What one value of a knob does to a setting.

@@ -1,0 +1,247 @@
+#!/usr/bin/env python3
+"""page.py FOLDER: makes FOLDER/report.html, one page that needs nothing else, from the report.json, points.csv and pictures that bench_report left
+there; its main plot alone as FOLDER/main_plot.svg, and its tables as FOLDER/report.md."""
+import base64
+import html
+import json
+import pathlib
+import sys
+
+import plot
+from plot import Plot, short
+
+CSS = """
+:root{color-scheme:light dark}
+body{font:16px/1.5 system-ui,sans-serif;color:var(--ink);background:var(--paper);max-width:76rem;margin:0 auto;padding:1rem}
+h1{font-size:1.5rem;margin:.2rem 0}h2{font-size:1.2rem;margin:2rem 0 .4rem}p{margin:.4rem 0;max-width:60rem}
+dl{display:grid;grid-template-columns:max-content 1fr;gap:.15rem 1rem;margin:.6rem 0}dt{font-weight:600}dd{margin:0}
+code{font:.92em ui-monospace,monospace;background:var(--grid);padding:.05em .35em;border-radius:3px}
+.pick{color:var(--mark);font-weight:600}.plots{display:flex;flex-wrap:wrap;gap:.8rem}.plots figure{margin:0;flex:1 1 27rem;max-width:37rem}
+svg.plot{width:100%;height:auto}figcaption{font-size:.9rem;color:var(--soft)}.legend{display:flex;flex-wrap:wrap;gap:.2rem 1.1rem;font-size:.9rem}
+.legend svg{vertical-align:-3px}table{border-collapse:collapse;font-size:.86rem;display:block;overflow-x:auto}
+td,th{padding:.15rem .55rem;border-bottom:1px solid var(--grid);text-align:right;white-space:nowrap}td:first-child,th:first-child{text-align:left}
+th{vertical-align:bottom;white-space:normal}.pictures{display:flex;flex-wrap:wrap;gap:.5rem}.pictures figure{margin:0;max-width:20rem}
+.pictures img{max-width:100%;display:block}.point:hover path,.point.lit path{stroke:var(--ink);stroke-width:3}@media(max-width:40rem){dl{grid-template-columns:1fr}}
+"""
+# The same setting lights up in every plot.
+SCRIPT = """
+const points = [...document.querySelectorAll('.point[data-setting]')];
+for (const point of points) for (const [event, lit] of [['mouseenter', true], ['mouseleave', false]])
+  point.addEventListener(event, () => points.forEach(p => p.dataset.setting === point.dataset.setting && p.classList.toggle('lit', lit)));
+"""
+X_LABEL = "refinement and occlusion, ms a frame"
+
+
+class Report:
+    def __init__(self, folder):
+        self.folder = folder
+        self.data = json.loads((folder / "report.json").read_text())
+        self.measures = {m["key"]: m for m in self.data["measures"]}
+        self.settings = {s["name"]: s for s in self.data["settings"]}
+        self.series = list(dict.fromkeys(s["series"] for s in self.data["settings"] if s["series"]))
+        self.choice = self.data["choice"]
+        self.main = self.measures[self.choice["measure"]]
+
+    def points(self, scene="all"):
+        return [p for p in self.data["points"] if p["scene"] == scene]
+
+    def point(self, setting, scene="all"):
+        return next(p for p in self.points(scene) if p["setting"] == setting)
+
+    def label(self, measure):
+        return f"{measure['name']}, {measure['unit']}"
+
+    def plot(self, measure, scene="all", **options):
+        result = Plot(self.points(scene), "ms", measure["key"], X_LABEL, self.label(measure), log_y=measure["unit"] == "px", **options)
+        result.series = self.series
+        result.fronts = {"front": self.data["fronts"][measure["key"]]} if scene == "all" else {}
+        result.marked = {self.choice["recommended"]: ""}
+        return result
+
+    def main_plot(self, **options):
+        result = self.plot(self.main, **options)
+        result.fronts["inner"] = self.choice["budget_front"]
+        result.marked = {self.choice["recommended"]: "recommended", **{self.choice[k]: "" for k in ("fastest", "as_accurate", "most_accurate")}}
+        return result
+
+    def fronts(self):
+        return {"front": "Pareto front", "inner": f"of at most {self.data['knob_budget']:,} triangles"}
+
+
+def command(setting):
+    return f"occlod render SCENE {setting['flags']}"
+
+
+def cost(report, name):
+    p = report.point(name)
+    return f"{short(p['ms'])} ms, {short(p[report.main['key']])} px, {p['triangles']:,.0f} triangles"
+
+
+def ratios(report, name, other):
+    a, b, key = report.point(name), report.point(other), report.main["key"]
+    return f"{short(a['ms'] / b['ms'])} times the time and {short(a[key] / b[key])} times the error"
+
+
+def answers(report):
+    choice = report.choice
+    recommended = choice["recommended"]
+
+    def row(question, name):
+        compared = "" if name == recommended else f", {ratios(report, name, recommended)} of the recommended"
+        told = f'<span class="pick">{html.escape(name)}</span>' if name == recommended else html.escape(name)
+        return question, f"{told}: {cost(report, name)}{compared}. <code>{html.escape(command(report.settings[name]))}</code>"
+
+    rows = [row("Which setting should I use?", recommended), row("The fastest?", choice["fastest"]), row("The most accurate?", choice["most_accurate"]),
+            row("The same error, any number of triangles?", choice["as_accurate"]), ("Why the recommended one?", rule(report))]
+    return "<dl>" + "".join(f"<dt>{q}</dt><dd>{a}</dd>" for q, a in rows) + "</dl>"
+
+
+def rule(report):
+    budget, choice = report.data["knob_budget"], report.choice
+    return (f"What is drawn is paid for by the triangle, so a budget is given, here {budget:,}. Of all settings that keep it and leave no more than "
+            f"{100 * (choice['near_best'] - 1):.0f} % above the least visible error, the fastest is recommended; the default if it is within {100 * (choice['time_noise'] - 1):.0f} % of that, "
+            "which noise in times can be. Error is against the full mesh, root mean square, in pixels.")
+
+
+def table(header, rows, marked=None):
+    head = "".join(f"<th>{html.escape(h)}</th>" for h in header)
+    body = "".join(f'<tr{" class=pick" if row[0] == marked else ""}>' + "".join(f"<td>{html.escape(str(c))}</td>" for c in row) + "</tr>" for row in rows)
+    return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+
+
+def within_rows(report):
+    """What each step towards accuracy costs."""
+    for entry in report.choice["within"]:
+        name = entry["setting"]
+        if name is None:
+            yield [f"≤ {entry['limit']:g} px", "none", "-", "-", "-", "-"]
+            continue
+        p = report.point(name)
+        yield [f"≤ {entry['limit']:g} px", name, short(p["ms"]), short(p[report.main["key"]]), f"{p['triangles']:,.0f}", short(p["draw_ms"])]
+
+
+WITHIN_HEADER = ["visible error", "fastest setting", "ms", "error px", "triangles", "drawn on the CPU, ms"]
+
+
+def point_header(report):
+    return ["setting", "triangles", "ms", "refine", "occlusion", "draw"] + [report.label(m) for m in report.measures.values()]
+
+
+def value(x):
+    return "-" if x is None else short(x)
+
+
+def point_rows(report, scene):
+    for p in report.points(scene):
+        yield [p["setting"], f"{p['triangles']:,.0f}", *(short(p[k]) for k in ("ms", "refine_ms", "occlusion_ms", "draw_ms")), *(value(p[k]) for k in report.measures)]
+
+
+def knob_rows(report):
+    """Each turned knob against the default at the same budget."""
+    default = report.point(next(s["name"] for s in report.data["settings"] if s["series"] == report.series[0] and s["budget"] == report.data["knob_budget"]))
+    key = report.main["key"]
+    yield [default["setting"], "-", short(default["ms"]), short(default[key]), "1.00", "1.00", value(default["wrongly_hidden_px"])]
+    for p in report.points():
+        if p["series"] == "":
+            yield [p["setting"], p["knob"], short(p["ms"]), short(p[key]), f"{p['ms'] / default['ms']:.2f}", f"{p[key] / default[key]:.2f}", value(p["wrongly_hidden_px"])]
+
+
+KNOB_HEADER = ["setting", "knob", "ms", "error px", "times the default's time", "times its error", "wrongly hidden px"]
+
+
+def data_uri(path, kind):
+    return f"data:{kind};base64,{base64.b64encode(path.read_bytes()).decode()}"
+
+
+def figure(svg, caption):
+    return f"<figure>{svg}<figcaption>{html.escape(caption)}</figcaption></figure>"
+
+
+def pictures(report):
+    parts = []
+    for scene in report.data["scenes"]:
+        shown = [p for p in report.data["pictures"] if p["scene"] == scene["name"]]
+        parts.append(f"<h3>{html.escape(scene['name'])}, {html.escape(scene['path'])}, frame {shown[0]['frame']}</h3><div class=pictures>")
+        for p in shown:
+            caption = "full mesh" if p["setting"] is None else picture_caption(report, p["setting"], scene["name"])
+            parts.append(f'<figure><img alt="{html.escape(caption)}" src="{data_uri(report.folder / p["file"], "image/png")}"><figcaption>{html.escape(caption)}</figcaption></figure>')
+        parts.append("</div>")
+    return "".join(parts)
+
+
+def picture_caption(report, setting, scene):
+    p = report.point(setting, scene)
+    mark = " (recommended)" if setting == report.choice["recommended"] else ""
+    return f"{setting}{mark}: {short(p['ms'])} ms, {short(p[report.main['key']])} px"
+
+
+def method(report):
+    d, m = report.data, report.data["machine"]
+    scenes = "; ".join(f"{s['name']} ({s['triangles']:,} triangles) along {s['path']}, frames {', '.join(map(str, s['frames']))}" for s in d["scenes"])
+    return (f"<p>{html.escape(m['cpu'])}, {m['cores']} cores; {html.escape(m['system'])}; {html.escape(m['compiler'])}, {html.escape(m['build'])}; occlod {html.escape(m['version'])}"
+            f", commit {html.escape(d['commit'] or 'not told')}; {html.escape(m['date'])}; {d['seconds']:.0f} s. Hash of all refinements: <code>{d['hash']}</code>.</p>"
+            f"<p>{html.escape(scenes)}. Pictures have {d['size'][0]}x{d['size'][1]} pixels, those that wrongly hidden pixels are counted in {d['hidden_size'][0]}x{d['hidden_size'][1]}.</p>"
+            f"<p>Each path is walked in {d['bursts']} bursts of {d['burst_frames']} consecutive frames; each frame is refined with every setting before the next frame is. "
+            "The first frame of a burst is not timed, the last is compared with the full mesh and, for popping, with the mesh of the frame before drawn by the same camera. "
+            "A scene's time is the median of its frames, that of all scenes their geometric mean; errors are taken over all pictures of all scenes. "
+            "Occlusion is the software backend's. Times are of one thread of a machine that others use as well: read their ratios. Drawing, which a GPU does "
+            "elsewhere, is not in them.</p>")
+
+
+def measures_list(report):
+    return "<dl>" + "".join(f"<dt>{html.escape(report.label(m))}</dt><dd>{html.escape(m['about'])}; {m['better']} is better</dd>" for m in report.measures.values()) + "</dl>"
+
+
+def downloads(report):
+    links = [("report.json", "application/json"), ("points.csv", "text/csv")]
+    return "<p>" + " ".join(f'<a download="{name}" href="{data_uri(report.folder / name, kind)}">{name}</a>' for name, kind in links) + "</p>"
+
+
+def page(report):
+    d = report.data
+    legend = plot.legend_html(report.series, {"front": "Pareto front"})
+    by_measure = "".join(figure(report.plot(m).svg(), m["about"]) for m in report.measures.values() if m is not report.main)
+    by_scene = "".join(figure(report.plot(report.main, s["name"]).svg(), s["name"]) for s in d["scenes"])
+    all_tables = "".join(f"<details><summary>{html.escape(s)}</summary>{table(point_header(report), point_rows(report, s), report.choice['recommended'])}</details>"
+                         for s in ["all"] + [s["name"] for s in d["scenes"]])
+    small = "<p><strong>This is the small form that tests make: it says nothing about which setting to use.</strong></p>" if d["small"] else ""
+    knobs = "".join(f"<dt>{html.escape(k['name'])}</dt><dd>{html.escape(k['about'])}</dd>" for k in d["knobs"])
+    return f"""<!doctype html>
+<html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width,initial-scale=1"><title>occlod: what accuracy costs in time</title>
+<style>{plot.style()}{CSS}</style></head><body>
+<h1>What accuracy costs in time</h1>{small}
+{answers(report)}
+<div id="main">{report.main_plot(size=(900, 420)).svg()}</div>{plot.legend_html(report.series, report.fronts())}
+<h2>What each step costs</h2>{table(WITHIN_HEADER, within_rows(report))}
+<h2>Other errors against time</h2><p>The recommended setting is ringed in each; the front is each plot's own. Crosses that are no settings of the command line are never recommended.</p><div class="plots" id="measures">{by_measure}</div>{legend}
+<h2>Scene by scene</h2><div class="plots" id="scenes">{by_scene}</div>{legend}
+<h2>One knob at a time</h2>{table(KNOB_HEADER, knob_rows(report))}<dl>{knobs}</dl>
+<h2>Side by side</h2><p>The part of each picture where the first setting is most wrong, pixel for pixel.</p>{pictures(report)}
+<h2>All points</h2>{all_tables}{downloads(report)}
+<h2>What is measured</h2>{measures_list(report)}
+<h2>How</h2>{method(report)}
+<script>{SCRIPT}</script></body></html>
+"""
+
+
+def markdown(header, rows):
+    lines = ["| " + " | ".join(header) + " |", "|" + "---|" * len(header)] + ["| " + " | ".join(map(str, row)) + " |" for row in rows]
+    return "\n".join(lines) + "\n"
+
+
+def tables_as_markdown(report):
+    return "\n".join([markdown(WITHIN_HEADER, within_rows(report)), markdown(point_header(report), point_rows(report, "all")), markdown(KNOB_HEADER, knob_rows(report))])
+
+
+def main():
+    report = Report(pathlib.Path(sys.argv[1]))
+    folder = report.folder
+    main_plot = report.main_plot(size=(760, 420)).svg(standalone=True)
+    (folder / "main_plot.svg").write_text(main_plot.replace("</svg>", plot.legend_svg(report.series, report.fronts(), 545, 16) + "</svg>") + "\n")
+    (folder / "report.md").write_text(tables_as_markdown(report))
+    (folder / "report.html").write_text(page(report))
+    print(f"{folder / 'report.html'}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,151 @@
+"""Scatter plots as SVG: error against time, with a Pareto front and marked settings."""
+import html
+import math
+
+# Okabe and Ito's colours, which people tell apart whatever they see, darker or lighter where the background asks for it; every series has a shape
+# of its own as well.
+LIGHT = {"ink": "#1b1f24", "soft": "#57606a", "grid": "#d9dee4", "paper": "#ffffff", "front": "#b8c0c8", "mark": "#b3261e",
+         "s0": "#0072b2", "s1": "#b45f00", "s2": "#00805d", "s3": "#8f3f78", "s4": "#5b5f00", "s5": "#00707a", "s6": "#7a4a2b", "s7": "#6a6f77"}
+DARK = {"ink": "#e6edf3", "soft": "#9da7b1", "grid": "#30363d", "paper": "#0d1117", "front": "#59636e", "mark": "#ff8a80",
+        "s0": "#56b4e9", "s1": "#e69f00", "s2": "#2ec4a0", "s3": "#e08fc4", "s4": "#d9d04a", "s5": "#4fd0dc", "s6": "#d4a27f", "s7": "#8b949e"}
+SHAPES = ["M-5 0A5 5 0 1 0 5 0A5 5 0 1 0 -5 0Z", "M-4.5 -4.5H4.5V4.5H-4.5Z", "M0 -6L5.5 4.5H-5.5Z", "M0 -6L6 0L0 6L-6 0Z", "M0 6L5.5 -4.5H-5.5Z",
+          "M-6 -2H-2V-6H2V-2H6V2H2V6H-2V2H-6Z", "M-5 -3L0 -6L5 -3V3L0 6L-5 3Z"]
+KNOB_SHAPE = "M-3.5 -3.5L3.5 3.5M-3.5 3.5L3.5 -3.5"
+KNOBS = "one knob turned"
+
+
+def style():
+    """Colours of both themes as CSS variables, and the classes that plots use."""
+    def variables(colours):
+        return ";".join(f"--{name}:{colour}" for name, colour in colours.items())
+    series = "".join(f".s{i}{{--c:var(--s{i})}}" for i in range(8))
+    return (f":root{{{variables(LIGHT)}}}@media (prefers-color-scheme:dark){{:root{{{variables(DARK)}}}}}"
+            "svg text{font:12px system-ui,sans-serif;fill:var(--ink)}.soft{fill:var(--soft)}.grid{stroke:var(--grid);fill:none}"
+            ".point path{fill:var(--c);stroke:var(--paper);stroke-width:1}.point.knob path{fill:none;stroke:var(--c);stroke-width:1.6}"
+            ".line{fill:none;stroke:var(--c);stroke-width:1.4;opacity:.65}.front{fill:none;stroke:var(--front);stroke-width:6;stroke-linejoin:round;"
+            "stroke-linecap:round}.inner{fill:none;stroke:var(--mark);stroke-width:3;stroke-dasharray:7 5;opacity:.6}.mark{fill:none;stroke:var(--mark);stroke-width:2.5}text.marked{fill:var(--mark);font-weight:600}" + series)
+
+
+def short(value):
+    """Three digits, without an exponent."""
+    if value == 0:
+        return "0"
+    digits = max(0, 2 - math.floor(math.log10(abs(value))))
+    return f"{value:,.{digits}f}"
+
+
+class Axis:
+    """Maps values to pixels; logarithmic where asked for and all values are positive."""
+
+    def __init__(self, values, first_px, last_px, logarithmic):
+        self.logarithmic = logarithmic and min(values) > 0
+        self.first_px, self.last_px = first_px, last_px
+        low, high = (self.scaled(min(values)), self.scaled(max(values)))
+        margin = 0.06 * (high - low) or (0.3 if self.logarithmic else max(1e-3, 0.1 * abs(low)))
+        self.low, self.high = low - margin, high + margin
+
+    def scaled(self, value):
+        return math.log10(value) if self.logarithmic else value
+
+    def px(self, value):
+        return self.first_px + (self.scaled(value) - self.low) / (self.high - self.low) * (self.last_px - self.first_px)
+
+    def ticks(self):
+        if self.logarithmic:
+            decades = range(math.floor(self.low), math.ceil(self.high) + 1)
+            for steps in ((1,), (1, 3), (1, 2, 5), (1, 1.5, 2, 3, 4, 5, 6, 8), [1 + i / 10 for i in range(90)]):
+                ticks = [m * 10.0**d for d in decades for m in steps if self.low <= math.log10(m * 10.0**d) <= self.high]
+                if len(ticks) >= 4:
+                    break
+            return ticks
+        step = 10.0 ** math.floor(math.log10((self.high - self.low) / 3))
+        step *= next(m for m in (1, 2, 5, 10) if (self.high - self.low) / (step * m) <= 6)
+        return [i * step for i in range(math.ceil(self.low / step), math.floor(self.high / step) + 1)]
+
+
+class Plot:
+    """`points`: dictionaries with setting, series (empty for a turned knob) and the keys x and y."""
+
+    def __init__(self, points, x, y, x_label, y_label, size=(460, 320), log_y=True):
+        self.points = [p for p in points if p[x] is not None and p[y] is not None]
+        self.missing = len(points) - len(self.points)
+        self.x, self.y, self.x_label, self.y_label, self.log_y = x, y, x_label, y_label, log_y
+        self.width, self.height = size
+        self.fronts, self.marked, self.series = {}, {}, []  # fronts by class: front, inner
+
+    def svg(self, standalone=False):
+        if not self.points:
+            return f"<p>{html.escape(self.y_label)}: nothing was measured.</p>"
+        across = Axis([p[self.x] for p in self.points], 58, self.width - 14, True)
+        up = Axis([p[self.y] for p in self.points], self.height - 46, 14, self.log_y)
+        place = {p["setting"]: (across.px(p[self.x]), up.px(p[self.y])) for p in self.points}
+        parts = [*self.grid(across, up), *self.front_lines(place), *self.lines(place), *self.marks(place), *self.dots(place), *self.labels(place)]
+        name = 'xmlns="http://www.w3.org/2000/svg" ' if standalone else ""
+        css = f"<style>{style()}svg{{background:var(--paper)}}</style>" if standalone else ""
+        log = f"{int(across.logarithmic)}{int(up.logarithmic)}"
+        return (f'<svg {name}class="plot" role="img" aria-label="{html.escape(self.y_label)} against {html.escape(self.x_label)}" data-log="{log}" data-x="{self.x}" '
+                f'data-y="{self.y}" viewBox="0 0 {self.width} {self.height}" width="{self.width}" height="{self.height}">{css}{"".join(parts)}</svg>')
+
+    def grid(self, across, up):
+        left, right, top, bottom = across.first_px, across.last_px, up.last_px, up.first_px
+        for tick in across.ticks():
+            x = across.px(tick)
+            yield f'<path class="grid" d="M{x:.1f} {top}V{bottom}"/><text class="soft" x="{x:.1f}" y="{bottom + 16}" text-anchor="middle">{tick:g}</text>'
+        for tick in up.ticks():
+            y = up.px(tick)
+            yield f'<path class="grid" d="M{left} {y:.1f}H{right}"/><text class="soft" x="{left - 6}" y="{y + 4:.1f}" text-anchor="end">{tick:g}</text>'
+        yield f'<text x="{(left + right) / 2}" y="{bottom + 36}" text-anchor="middle">{html.escape(self.x_label)}</text>'
+        yield f'<text transform="translate(14 {(top + bottom) / 2}) rotate(-90)" text-anchor="middle">{html.escape(self.y_label)}</text>'
+
+    def front_lines(self, place):
+        for kind, names in self.fronts.items():
+            corners = [place[name] for name in names if name in place]
+            if len(corners) > 1:
+                yield f'<path class="{kind}" d="M' + "L".join(f"{x:.1f} {y:.1f}" for x, y in corners) + '"/>'
+
+    def lines(self, place):
+        for name in self.series:
+            line = [place[p["setting"]] for p in self.points if p["series"] == name]
+            if len(line) > 1:
+                yield f'<path class="line s{self.series.index(name)}" d="M' + "L".join(f"{x:.1f} {y:.1f}" for x, y in line) + '"/>'
+
+    def dots(self, place):
+        for p in sorted(self.points, key=lambda p: p["series"] != ""):
+            x, y = place[p["setting"]]
+            is_knob = p["series"] == ""
+            kind, shape = ("knob s7", KNOB_SHAPE) if is_knob else (f"s{self.series.index(p['series'])}", SHAPES[self.series.index(p["series"]) % len(SHAPES)])
+            tip = html.escape(f"{p['setting']}\n{self.x_label}: {short(p[self.x])}\n{self.y_label}: {short(p[self.y])}")
+            yield (f'<g class="point {kind}" data-setting="{html.escape(p["setting"])}" data-x="{p[self.x]!r}" data-y="{p[self.y]!r}" '
+                   f'transform="translate({x:.2f} {y:.2f})"><title>{tip}</title><path d="{shape}"/></g>')
+
+    def marks(self, place):
+        return [f'<circle class="mark" data-marked="{html.escape(name)}" cx="{place[name][0]:.2f}" cy="{place[name][1]:.2f}" r="11"/>' for name in self.marked if name in place]
+
+    def labels(self, place):
+        """Beside their rings, on the side with more room."""
+        for name, text in self.marked.items():
+            if name not in place or not text:
+                continue
+            x, y = place[name]
+            side, anchor = (-16, "end") if x > self.width * 0.6 else (16, "start")
+            yield f'<text class="marked" x="{x + side:.1f}" y="{y - 10:.1f}" text-anchor="{anchor}">{html.escape(text)}</text>'
+
+
+def legend_rows(series, fronts):
+    """The drawing in a box of 24 x 16 pixels around (12, 8), and its name."""
+    for i, name in enumerate(series):
+        yield f'<g class="point s{i}" transform="translate(12 8)"><path d="{SHAPES[i % len(SHAPES)]}"/></g>', name
+    yield f'<g class="point knob s7" transform="translate(12 8)"><path d="{KNOB_SHAPE}"/></g>', KNOBS
+    for kind, name in fronts.items():
+        yield f'<path class="{kind}" d="M2 8H22"/>', name
+
+
+def legend_html(series, fronts):
+    items = (f'<span><svg viewBox="0 0 24 16" width="24" height="16">{drawing}</svg> {html.escape(name)}</span>' for drawing, name in legend_rows(series, fronts))
+    return f'<p class="legend">{"".join(items)}</p>'
+
+
+def legend_svg(series, fronts, x, y):
+    """Rows from (x, y) downwards, to be put into a standalone plot."""
+    return "".join(f'<g transform="translate({x} {y + 18 * i})">{drawing}<text x="30" y="12">{html.escape(name)}</text></g>'
+                   for i, (drawing, name) in enumerate(legend_rows(series, fronts)))

@@ -1,0 +1,36 @@
+#!/usr/bin/env bash
+# What accuracy costs in time: sweeps the knobs of refinement over scenes and camera paths and makes one page of it, out/report/report.html, with
+# report.json and points.csv beside it.
+# report.sh [--small] [--out FOLDER] [--bench FILE]
+#   --small  two scenes, small pictures and budgets: seconds, for tests
+#   --bench  a built bench_report; sets up and builds it when not given
+# OCCLOD_MESHES: folders with real meshes, separated by ':'; scenes that miss one are skipped and say so.
+set -euo pipefail
+root=$(cd "$(dirname "$0")/.." && pwd)
+
+out=$root/out/report
+bench=
+small=()
+while [ $# -gt 0 ]; do
+  case $1 in
+    --small) small=(--small); shift ;;
+    --out) out=${2:?report.sh: --out needs a folder}; shift 2 ;;
+    --bench) bench=${2:?report.sh: --bench needs a file}; shift 2 ;;
+    *) echo "report.sh: unknown option $1; see the head of $0" >&2; exit 2 ;;
+  esac
+done
+
+if [ -z "${OCCLOD_MESHES:-}" ] && [ -d "$root/../shared/meshes" ]; then
+  OCCLOD_MESHES=$(cd "$root/../shared/meshes" && pwd)
+  export OCCLOD_MESHES
+fi
+
+if [ -z "$bench" ]; then
+  "$root/scripts/setup.sh"
+  "$root/scripts/build.sh" bench
+  bench=$root/build/bench/bench/report/bench_report
+fi
+
+commit=$(git -C "$root" describe --always --dirty 2>/dev/null || true)
+"$bench" "${small[@]}" --out "$out" --commit "$commit"
+python3 -B "$root/bench/report/page.py" "$out"

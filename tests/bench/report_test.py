@@ -1,0 +1,184 @@
+"""scripts/report.sh --small with the built bench_report (environment variable BENCH_REPORT): the page needs nothing else, every plot has its points
+where its axes say, page, CSV and JSON agree, and what is recommended follows from the points."""
+import base64
+import csv
+import html.parser
+import io
+import json
+import math
+import os
+import pathlib
+import re
+import subprocess
+import tempfile
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+
+
+class Page(html.parser.HTMLParser):
+    """Links and other references, plots with their points, and the cells of tables."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.references, self.plots, self.tables, self.marked, self.in_cell = [], [], [], [], False
+        self.feed(text)
+
+    def handle_starttag(self, tag, attributes):
+        attributes = dict(attributes)
+        self.references += [attributes[key] for key in ("src", "href", "xlink:href", "srcset", "data") if key in attributes]
+        classes = (attributes.get("class") or "").split()
+        if tag == "svg" and "plot" in classes:
+            self.plots.append((attributes, []))
+        if tag == "g" and "data-setting" in attributes:
+            self.plots[-1][1].append(attributes)
+        if "data-marked" in attributes:
+            self.marked.append(attributes["data-marked"])
+        if tag == "table":
+            self.tables.append([])
+        if tag == "tr":
+            self.tables[-1].append([])
+        if tag in ("td", "th"):
+            self.in_cell = True
+            self.tables[-1][-1].append("")
+
+    def handle_endtag(self, tag):
+        if tag in ("td", "th"):
+            self.in_cell = False
+
+    def handle_data(self, data):
+        if self.in_cell:
+            self.tables[-1][-1][-1] += data
+
+
+def front(points, key, more_is_better):
+    """Straight from the definition: those that no other is at least as good as in both and better in one."""
+    def error(p):
+        return -p[key] if more_is_better else p[key]
+    known = [p for p in points if p[key] is not None]
+    return {p["setting"] for p in known
+            if not any(q["ms"] <= p["ms"] and error(q) <= error(p) and (q["ms"], error(q)) != (p["ms"], error(p)) for q in known)}
+
+
+class Report(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory(prefix="occlod-report-")
+        cls.addClassCleanup(folder.cleanup)
+        cls.out = pathlib.Path(os.environ.get("REPORT_OUT") or folder.name)
+        done = subprocess.run([ROOT / "scripts/report.sh", "--small", "--bench", os.environ["BENCH_REPORT"], "--out", cls.out], capture_output=True, text=True)
+        if done.returncode != 0:
+            raise AssertionError(done.stderr)
+        cls.stdout, cls.stderr = done.stdout, done.stderr
+        cls.text = (cls.out / "report.html").read_text()
+        cls.page = Page(cls.text)
+        cls.json = json.loads((cls.out / "report.json").read_text())
+        cls.points = {scene: [p for p in cls.json["points"] if p["scene"] == scene] for scene in ["all"] + [s["name"] for s in cls.json["scenes"]]}
+
+    def test_page_needs_nothing_else(self):
+        self.assertGreater(len(self.page.references), 2)
+        for reference in self.page.references:
+            self.assertTrue(reference.startswith("data:"), reference[:80])
+        self.assertIsNone(re.search(r"https?:|//[a-z]|@import|url\(|fetch\(|import\(", re.sub(r"data:[^\"]*", "", self.text)))
+
+    def test_pictures_are_those_beside_it(self):
+        embedded = [base64.b64decode(r.split(",", 1)[1]) for r in self.page.references if r.startswith("data:image/png")]
+        self.assertEqual(embedded, [(self.out / p["file"]).read_bytes() for p in self.json["pictures"]])
+        self.assertGreaterEqual(len(embedded), 3 * len(self.json["scenes"]))  # full mesh and two settings at least
+        self.assertEqual(len(set(embedded)), len(embedded))  # and no two of them show the same
+
+    def test_every_plot_has_its_points(self):
+        """The main plot, each other measure and each scene; a point for each setting that was measured, with the value of the JSON."""
+        keys = [m["key"] for m in self.json["measures"]]
+        wanted = [("all", key) for key in keys] + [(s["name"], keys[0]) for s in self.json["scenes"]]
+        self.assertEqual(len(self.page.plots), len(wanted))
+        for (scene, key), (attributes, shown) in zip(wanted, self.page.plots):
+            self.assertEqual((attributes["data-x"], attributes["data-y"]), ("ms", key))
+            values = {p["setting"]: (p["ms"], p[key]) for p in self.points[scene] if p[key] is not None}
+            self.assertGreater(len(values), 30)
+            self.assertEqual({p["data-setting"]: (float(p["data-x"]), float(p["data-y"])) for p in shown}, values, (scene, key))
+
+    def test_points_are_where_the_axes_say(self):
+        """Pixels are a straight line of the values or their logarithms, times to the right, values upwards."""
+        for attributes, shown in self.page.plots:
+            places = [tuple(map(float, re.findall(r"[-\d.]+", p["transform"]))) for p in shown]
+            for axis, sign in ((0, 1), (1, -1)):
+                values = [float(p["data-x" if axis == 0 else "data-y"]) for p in shown]
+                if attributes["data-log"][axis] == "1":
+                    values = [math.log(v) for v in values]
+                pixels = [place[axis] for place in places]
+                low, high = values.index(min(values)), values.index(max(values))
+                slope = (pixels[high] - pixels[low]) / ((values[high] - values[low]) or 1.0)
+                self.assertGreaterEqual(sign * slope, 0)
+                for value, pixel in zip(values, pixels):
+                    self.assertAlmostEqual(pixel, pixels[low] + slope * (value - values[low]), delta=0.05)
+                self.assertTrue(0 < min(pixels) and max(pixels) < float(attributes["width" if axis == 0 else "height"]))
+
+    def test_csv_says_what_json_says(self):
+        with open(self.out / "points.csv", newline="") as file:
+            text = file.read()
+        rows = list(csv.DictReader(io.StringIO(text)))
+        self.assertEqual(len(rows), len(self.json["points"]))
+        for row, point in zip(rows, self.json["points"]):
+            for key, value in point.items():
+                self.assertEqual(row[key] if isinstance(value, str) else json.loads(row[key] or "null"), value, key)
+        for name in ("report.json", "points.csv"):  # and the page holds both
+            coded = base64.b64encode((self.out / name).read_bytes()).decode()
+            self.assertIn(coded, self.text)
+
+    def test_tables_hold_every_point(self):
+        """The last tables are those of all points; their numbers are rounded to three digits."""
+        for table, (scene, points) in zip(self.page.tables[-len(self.points):], self.points.items()):
+            self.assertEqual(len(table), 1 + len(points), scene)
+            for row, point in zip(table[1:], points):
+                self.assertEqual(row[0], point["setting"])
+                shown, value = float(row[2].replace(",", "")), point["ms"]
+                self.assertAlmostEqual(shown, value, delta=0.006 * value)
+
+    def test_fronts(self):
+        for measure in self.json["measures"]:
+            names = self.json["fronts"][measure["key"]]
+            self.assertEqual(set(names), front(self.points["all"], measure["key"], measure["better"] == "more"), measure["key"])
+            times = [next(p["ms"] for p in self.points["all"] if p["setting"] == name) for name in names]
+            self.assertEqual(times, sorted(times))
+
+    def test_recommendation(self):
+        choice = self.json["choice"]
+        offered = {s["name"] for s in self.json["settings"] if s["offered"]}
+        points = {p["setting"]: p for p in self.points["all"] if p["setting"] in offered}
+        kept = [p for p in points.values() if p["budget"] <= self.json["knob_budget"]]
+        key = choice["measure"]
+        enough = choice["near_best"] * min(p[key] for p in kept)
+        least_ms = min(p["ms"] for p in kept if p[key] <= enough)
+        recommended = points[choice["recommended"]]
+        self.assertLessEqual(recommended[key], enough)
+        default = next(p for p in kept if p["series"] == "occlod" and p["budget"] == self.json["knob_budget"])
+        is_default_near = default[key] <= enough and default["ms"] <= choice["time_noise"] * least_ms
+        self.assertEqual(recommended["setting"] == default["setting"], is_default_near)
+        self.assertTrue(is_default_near or recommended["ms"] == least_ms)
+        self.assertEqual(choice["budget_front"], sorted(front(kept, key, False), key=lambda name: points[name]["ms"]))
+        self.assertIn(choice["recommended"], self.page.marked)
+        first_screen = self.text[:self.text.index("<svg")]
+        self.assertIn(self.json["settings"][[s["name"] for s in self.json["settings"]].index(choice["recommended"])]["flags"], first_screen)
+
+    def test_budgets_are_kept(self):
+        for point in self.json["points"]:
+            self.assertLessEqual(point["triangles"], 1.0000001 * point["budget"])
+
+    def test_hash_is_printed_and_shown(self):
+        self.assertIn(f"hash: {self.json['hash']}", self.stdout)
+        self.assertIn(self.json["hash"], re.sub(r"data:[^\"]*", "", self.text))
+
+    def test_missing_scene_is_told(self):
+        """With the real meshes out of reach, scenes that need them are skipped and named; without any scene there is nothing to write."""
+        (self.out / "gone.json").write_text("""{"objects": [{"mesh": "nowhere.ply"}], "cameras": {"default": {"eye": [0, 0, 3], "target": [0, 0, 0]}}}""")
+        done = subprocess.run([os.environ["BENCH_REPORT"], "--small", "--scene", f"{self.out / 'gone.json'}:orbit", "--out", self.out / "gone"],
+                              capture_output=True, text=True)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("SKIPPED: gone: nowhere.ply", done.stderr)
+        self.assertIn("has no scene to work on", done.stderr)
+        self.assertEqual(list((self.out / "gone").iterdir()), [])
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=1)
