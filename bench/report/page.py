@@ -16,7 +16,7 @@ body{font:16px/1.5 system-ui,sans-serif;color:var(--ink);background:var(--paper)
 h1{font-size:1.5rem;margin:.2rem 0}h2{font-size:1.2rem;margin:2rem 0 .4rem}p{margin:.4rem 0;max-width:60rem}
 dl{display:grid;grid-template-columns:max-content 1fr;gap:.15rem 1rem;margin:.6rem 0}dt{font-weight:600}dd{margin:0}
 code{font:.92em ui-monospace,monospace;background:var(--grid);padding:.05em .35em;border-radius:3px}
-.pick{color:var(--mark);font-weight:600}.plots{display:flex;flex-wrap:wrap;gap:.8rem}.plots figure{margin:0;flex:1 1 27rem;max-width:37rem}
+tr.pick td{color:var(--mark);font-weight:600}.plots{display:flex;flex-wrap:wrap;gap:.8rem}.plots figure{margin:0;flex:1 1 27rem;max-width:37rem}
 svg.plot{width:100%;height:auto}figcaption{font-size:.9rem;color:var(--soft)}.legend{display:flex;flex-wrap:wrap;gap:.2rem 1.1rem;font-size:.9rem}
 .legend svg{vertical-align:-3px}table{border-collapse:collapse;font-size:.86rem;display:block;overflow-x:auto}
 td,th{padding:.15rem .55rem;border-bottom:1px solid var(--grid);text-align:right;white-space:nowrap}td:first-child,th:first-child{text-align:left}
@@ -29,7 +29,7 @@ const points = [...document.querySelectorAll('.point[data-setting]')];
 for (const point of points) for (const [event, lit] of [['mouseenter', true], ['mouseleave', false]])
   point.addEventListener(event, () => points.forEach(p => p.dataset.setting === point.dataset.setting && p.classList.toggle('lit', lit)));
 """
-X_LABEL = "refinement and occlusion, ms a frame"
+X_LABELS = {"ms": "refinement and occlusion, ms a frame", "triangles": "triangles"}
 
 
 class Report:
@@ -51,10 +51,10 @@ class Report:
     def label(self, measure):
         return f"{measure['name']}, {measure['unit']}"
 
-    def plot(self, measure, scene="all", **options):
-        result = Plot(self.points(scene), "ms", measure["key"], X_LABEL, self.label(measure), log_y=measure["unit"] == "px", **options)
+    def plot(self, measure, scene="all", x="ms", **options):
+        result = Plot(self.points(scene), x, measure["key"], X_LABELS[x], self.label(measure), log_y=measure["unit"] == "px", **options)
         result.series = self.series
-        result.fronts = {"front": self.data["fronts"][measure["key"]]} if scene == "all" else {}
+        result.fronts = {"front": self.data["fronts"][measure["key"]]} if scene == "all" and x == "ms" else {}
         result.marked = {self.choice["recommended"]: ""}
         return result
 
@@ -72,35 +72,26 @@ def command(setting):
     return f"occlod render SCENE {setting['flags']}"
 
 
-def cost(report, name):
-    p = report.point(name)
-    return f"{short(p['ms'])} ms, {short(p[report.main['key']])} px, {p['triangles']:,.0f} triangles"
-
-
-def ratios(report, name, other):
-    a, b, key = report.point(name), report.point(other), report.main["key"]
-    return f"{short(a['ms'] / b['ms'])} times the time and {short(a[key] / b[key])} times the error"
+CHOICES = {"recommended": "Which setting should I use?", "fastest": "The fastest", "most_accurate": "The most accurate",
+           "as_accurate": "No less accurate, any number of triangles"}
 
 
 def answers(report):
-    choice = report.choice
-    recommended = choice["recommended"]
-
-    def row(question, name):
-        compared = "" if name == recommended else f", {ratios(report, name, recommended)} of the recommended"
-        told = f'<span class="pick">{html.escape(name)}</span>' if name == recommended else html.escape(name)
-        return question, f"{told}: {cost(report, name)}{compared}. <code>{html.escape(command(report.settings[name]))}</code>"
-
-    rows = [row("Which setting should I use?", recommended), row("The fastest?", choice["fastest"]), row("The most accurate?", choice["most_accurate"]),
-            row("The same error, any number of triangles?", choice["as_accurate"]), ("Why the recommended one?", rule(report))]
-    return "<dl>" + "".join(f"<dt>{q}</dt><dd>{a}</dd>" for q, a in rows) + "</dl>"
+    """Everything that the choice of a setting needs, above the first plot."""
+    recommended, key = report.point(report.choice["recommended"]), report.main["key"]
+    rows = []
+    for choice, question in CHOICES.items():
+        p = report.point(report.choice[choice])
+        rows.append([question, p["setting"], short(p["ms"]), short(p[key]), f"{p['triangles']:,.0f}", f"{p['ms'] / recommended['ms']:.2f}", f"{p[key] / recommended[key]:.2f}"])
+    header = ["", "setting", "ms a frame", "visible error, px", "triangles", "times the time", "times the error"]
+    return (table(header, rows, CHOICES["recommended"]) + f'<p>Use <code>{html.escape(command(report.settings[recommended["setting"]]))}</code>. {rule(report)}</p>')
 
 
 def rule(report):
     budget, choice = report.data["knob_budget"], report.choice
-    return (f"What is drawn is paid for by the triangle, so a budget is given, here {budget:,}. Of all settings that keep it and leave no more than "
+    return (f"A renderer pays by the triangle, so a budget is given, here {budget:,}. Of all settings that keep it and leave no more than "
             f"{100 * (choice['near_best'] - 1):.0f} % above the least visible error, the fastest is recommended; the default if it is within {100 * (choice['time_noise'] - 1):.0f} % of that, "
-            "which noise in times can be. Error is against the full mesh, root mean square, in pixels.")
+            "which noise in times can be. Milliseconds are those of refinement and occlusion on one core, the error is the root mean square distance from the full mesh.")
 
 
 def table(header, rows, marked=None):
@@ -200,7 +191,8 @@ def downloads(report):
 def page(report):
     d = report.data
     legend = plot.legend_html(report.series, {"front": "Pareto front"})
-    by_measure = "".join(figure(report.plot(m).svg(), m["about"]) for m in report.measures.values() if m is not report.main)
+    by_triangles = figure(report.plot(report.main, x="triangles").svg(), "what a renderer pays for instead of the time that it took to find out what to draw")
+    by_measure = by_triangles + "".join(figure(report.plot(m).svg(), m["about"]) for m in report.measures.values() if m is not report.main)
     by_scene = "".join(figure(report.plot(report.main, s["name"]).svg(), s["name"]) for s in d["scenes"])
     all_tables = "".join(f"<details><summary>{html.escape(s)}</summary>{table(point_header(report), point_rows(report, s), report.choice['recommended'])}</details>"
                          for s in ["all"] + [s["name"] for s in d["scenes"]])
@@ -213,7 +205,7 @@ def page(report):
 {answers(report)}
 <div id="main">{report.main_plot(size=(900, 420)).svg()}</div>{plot.legend_html(report.series, report.fronts())}
 <h2>What each step costs</h2>{table(WITHIN_HEADER, within_rows(report))}
-<h2>Other errors against time</h2><p>The recommended setting is ringed in each; the front is each plot's own. Crosses that are no settings of the command line are never recommended.</p><div class="plots" id="measures">{by_measure}</div>{legend}
+<h2>Triangles, and other errors</h2><p>The recommended setting is ringed in each; the front is each plot's own. Crosses that are no settings of the command line are never recommended.</p><div class="plots" id="measures">{by_measure}</div>{legend}
 <h2>Scene by scene</h2><div class="plots" id="scenes">{by_scene}</div>{legend}
 <h2>One knob at a time</h2>{table(KNOB_HEADER, knob_rows(report))}<dl>{knobs}</dl>
 <h2>Side by side</h2><p>The part of each picture where the first setting is most wrong, pixel for pixel.</p>{pictures(report)}

@@ -23,7 +23,7 @@ def style():
             "svg text{font:12px system-ui,sans-serif;fill:var(--ink)}.soft{fill:var(--soft)}.grid{stroke:var(--grid);fill:none}"
             ".point path{fill:var(--c);stroke:var(--paper);stroke-width:1}.point.knob path{fill:none;stroke:var(--c);stroke-width:1.6}"
             ".line{fill:none;stroke:var(--c);stroke-width:1.4;opacity:.65}.front{fill:none;stroke:var(--front);stroke-width:6;stroke-linejoin:round;"
-            "stroke-linecap:round}.inner{fill:none;stroke:var(--mark);stroke-width:3;stroke-dasharray:7 5;opacity:.6}.mark{fill:none;stroke:var(--mark);stroke-width:2.5}text.marked{fill:var(--mark);font-weight:600}" + series)
+            "stroke-linecap:round}.inner{fill:none;stroke:var(--mark);stroke-width:3;stroke-dasharray:7 5;opacity:.6}.mark{fill:none;stroke:var(--mark);stroke-width:2.5}text.marked{fill:var(--mark);font-weight:600;stroke:var(--paper);stroke-width:5;paint-order:stroke}" + series)
 
 
 def short(value):
@@ -41,7 +41,7 @@ class Axis:
         self.logarithmic = logarithmic and min(values) > 0
         self.first_px, self.last_px = first_px, last_px
         low, high = (self.scaled(min(values)), self.scaled(max(values)))
-        margin = 0.06 * (high - low) or (0.3 if self.logarithmic else max(1e-3, 0.1 * abs(low)))
+        margin = 0.06 * (high - low) or (0.3 if self.logarithmic else 1.0)
         self.low, self.high = low - margin, high + margin
 
     def scaled(self, value):
