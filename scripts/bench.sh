@@ -42,6 +42,9 @@ echo "bench_visibility" >&2
 build/bench/bench/visibility/bench_visibility --out "$out/visibility" | tee "$out/visibility.md"
 build/bench/bench/visibility/bench_visibility --wrongly-hidden --out "$out/visibility" | tee "$out/wrongly_hidden.md"
 
+echo "bench_report" >&2
+scripts/report.sh --bench build/bench/bench/report/bench_report --out "$out/report"
+
 echo "bench_gl_occlusion" >&2
 build/bench/bench/bench_gl_occlusion | tee "$out/gl_occlusion.txt" || echo "bench_gl_occlusion is left out" >&2
 

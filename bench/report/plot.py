@@ -90,10 +90,10 @@ class Plot:
         left, right, top, bottom = across.first_px, across.last_px, up.last_px, up.first_px
         for tick in across.ticks():
             x = across.px(tick)
-            yield f'<path class="grid" d="M{x:.1f} {top}V{bottom}"/><text class="soft" x="{x:.1f}" y="{bottom + 16}" text-anchor="middle">{tick:g}</text>'
+            yield f'<path class="grid" data-axis="0" data-at="{tick!r}" d="M{x:.2f} {top}V{bottom}"/><text class="soft" x="{x:.1f}" y="{bottom + 16}" text-anchor="middle">{tick:g}</text>'
         for tick in up.ticks():
             y = up.px(tick)
-            yield f'<path class="grid" d="M{left} {y:.1f}H{right}"/><text class="soft" x="{left - 6}" y="{y + 4:.1f}" text-anchor="end">{tick:g}</text>'
+            yield f'<path class="grid" data-axis="1" data-at="{tick!r}" d="M{left} {y:.2f}H{right}"/><text class="soft" x="{left - 6}" y="{y + 4:.1f}" text-anchor="end">{tick:g}</text>'
         yield f'<text x="{(left + right) / 2}" y="{bottom + 36}" text-anchor="middle">{html.escape(self.x_label)}</text>'
         yield f'<text transform="translate(14 {(top + bottom) / 2}) rotate(-90)" text-anchor="middle">{html.escape(self.y_label)}</text>'
 

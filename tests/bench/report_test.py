@@ -29,9 +29,11 @@ class Page(html.parser.HTMLParser):
         self.references += [attributes[key] for key in ("src", "href", "xlink:href", "srcset", "data") if key in attributes]
         classes = (attributes.get("class") or "").split()
         if tag == "svg" and "plot" in classes:
-            self.plots.append((attributes, []))
+            self.plots.append((attributes, [], []))
         if tag == "g" and "data-setting" in attributes:
             self.plots[-1][1].append(attributes)
+        if "data-at" in attributes:
+            self.plots[-1][2].append(attributes)
         if "data-marked" in attributes:
             self.marked.append(attributes["data-marked"])
         if tag == "table":
@@ -93,27 +95,29 @@ class Report(unittest.TestCase):
         wanted = [("all", "ms", keys[0]), ("all", "triangles", keys[0])] + [("all", "ms", key) for key in keys[1:]]
         wanted += [(s["name"], "ms", keys[0]) for s in self.json["scenes"]]
         self.assertEqual(len(self.page.plots), len(wanted))
-        for (scene, x, key), (attributes, shown) in zip(wanted, self.page.plots):
+        for (scene, x, key), (attributes, shown, _) in zip(wanted, self.page.plots):
             self.assertEqual((attributes["data-x"], attributes["data-y"]), (x, key))
             values = {p["setting"]: (p[x], p[key]) for p in self.points[scene] if p[key] is not None}
             self.assertGreater(len(values), 30)
             self.assertEqual({p["data-setting"]: (float(p["data-x"]), float(p["data-y"])) for p in shown}, values, (scene, key))
 
     def test_points_are_where_the_axes_say(self):
-        """Pixels are a straight line of the values or their logarithms, times to the right, values upwards."""
-        for attributes, shown in self.page.plots:
-            places = [tuple(map(float, re.findall(r"[-\d.]+", p["transform"]))) for p in shown]
+        """Pixels of points and grid lines are one straight line of the values or their logarithms, times to the right, values upwards."""
+        def numbers(text):
+            return tuple(map(float, re.findall(r"-?[\d.]+", text)))
+        for attributes, shown, grid in self.page.plots:
             for axis, sign in ((0, 1), (1, -1)):
-                values = [float(p["data-x" if axis == 0 else "data-y"]) for p in shown]
+                placed = [(float(p["data-y" if axis else "data-x"]), numbers(p["transform"])[axis]) for p in shown]
+                lines = [(float(line["data-at"]), numbers(line["d"])[axis]) for line in grid if line["data-axis"] == str(axis)]
+                self.assertGreaterEqual(len(lines), 2)
                 if attributes["data-log"][axis] == "1":
-                    values = [math.log(v) for v in values]
-                pixels = [place[axis] for place in places]
-                low, high = values.index(min(values)), values.index(max(values))
-                slope = (pixels[high] - pixels[low]) / ((values[high] - values[low]) or 1.0)
-                self.assertGreaterEqual(sign * slope, 0)
-                for value, pixel in zip(values, pixels):
-                    self.assertAlmostEqual(pixel, pixels[low] + slope * (value - values[low]), delta=0.05)
-                self.assertTrue(0 < min(pixels) and max(pixels) < float(attributes["width" if axis == 0 else "height"]))
+                    placed, lines = ([(math.log(value), pixel) for value, pixel in pairs] for pairs in (placed, lines))
+                (low, first), (high, last) = min(lines), max(lines)
+                slope = (last - first) / (high - low)
+                self.assertGreater(sign * slope, 0)
+                for value, pixel in placed + lines:
+                    self.assertAlmostEqual(pixel, first + slope * (value - low), delta=0.05)
+                    self.assertTrue(0 < pixel < float(attributes["height" if axis else "width"]))
 
     def test_csv_says_what_json_says(self):
         with open(self.out / "points.csv", newline="") as file:
