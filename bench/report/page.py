@@ -82,8 +82,9 @@ def answers(report):
     rows = []
     for choice, question in CHOICES.items():
         p = report.point(report.choice[choice])
-        rows.append([question, p["setting"], short(p["ms"]), short(p[key]), f"{p['triangles']:,.0f}", f"{p['ms'] / recommended['ms']:.2f}", f"{p[key] / recommended[key]:.2f}"])
-    header = ["", "setting", "ms a frame", "visible error, px", "triangles", "times the time", "times the error"]
+        rows.append([question, p["setting"], short(p["ms"]), short(p[key]), f"{p['triangles']:,.0f}", f"{p['ms'] / recommended['ms']:.2f}", f"{p[key] / recommended[key]:.2f}",
+                     short(p["draw_ms"])])
+    header = ["", "setting", "ms a frame", "visible error, px", "triangles", "times the time", "times the error", "drawing on the CPU, ms"]
     return (table(header, rows, CHOICES["recommended"]) + f'<p>Use <code>{html.escape(command(report.settings[recommended["setting"]]))}</code>. {rule(report)}</p>')
 
 
@@ -111,7 +112,7 @@ def within_rows(report):
         yield [f"≤ {entry['limit']:g} px", name, short(p["ms"]), short(p[report.main["key"]]), f"{p['triangles']:,.0f}", short(p["draw_ms"])]
 
 
-WITHIN_HEADER = ["visible error", "fastest setting", "ms", "error px", "triangles", "drawn on the CPU, ms"]
+WITHIN_HEADER = ["visible error", "fastest setting", "ms", "error px", "triangles", "drawing on the CPU, ms"]
 
 
 def point_header(report):
@@ -144,8 +145,9 @@ def data_uri(path, kind):
     return f"data:{kind};base64,{base64.b64encode(path.read_bytes()).decode()}"
 
 
-def figure(svg, caption):
-    return f"<figure>{svg}<figcaption>{html.escape(caption)}</figcaption></figure>"
+def figure(drawn, caption):
+    missing = f" ({drawn.missing} settings without a finite number are not shown)" if drawn.missing else ""
+    return f"<figure>{drawn.svg()}<figcaption>{html.escape(caption + missing)}</figcaption></figure>"
 
 
 def pictures(report):
@@ -191,9 +193,9 @@ def downloads(report):
 def page(report):
     d = report.data
     legend = plot.legend_html(report.series, {"front": "Pareto front"})
-    by_triangles = figure(report.plot(report.main, x="triangles").svg(), "what a renderer pays for instead of the time that it took to find out what to draw")
-    by_measure = by_triangles + "".join(figure(report.plot(m).svg(), m["about"]) for m in report.measures.values() if m is not report.main)
-    by_scene = "".join(figure(report.plot(report.main, s["name"]).svg(), s["name"]) for s in d["scenes"])
+    by_triangles = figure(report.plot(report.main, x="triangles"), "what a renderer pays for instead of the time that it took to find out what to draw")
+    by_measure = by_triangles + "".join(figure(report.plot(m), m["about"]) for m in report.measures.values() if m is not report.main)
+    by_scene = "".join(figure(report.plot(report.main, s["name"]), s["name"]) for s in d["scenes"])
     all_tables = "".join(f"<details><summary>{html.escape(s)}</summary>{table(point_header(report), point_rows(report, s), report.choice['recommended'])}</details>"
                          for s in ["all"] + [s["name"] for s in d["scenes"]])
     small = "<p><strong>This is the small form that tests make: it says nothing about which setting to use.</strong></p>" if d["small"] else ""
