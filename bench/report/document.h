@@ -24,7 +24,7 @@ struct Choice {
 };
 
 inline constexpr double near_best = 1.05;  // times the least error
-inline constexpr double time_noise = 1.1;  // times the least time
+inline constexpr double time_noise = 1.2;  // times the least time
 inline constexpr std::array error_limits_px = {4.0, 2.0, 1.0, 0.5, 0.25};
 
 // By time and `main_measure`. Recommended is, of all settings with no more triangles than `budget` whose error is

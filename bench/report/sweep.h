@@ -23,7 +23,7 @@ struct SweepOptions {
   std::vector<std::size_t> budgets = {1'000, 2'000, 5'000, 10'000, 20'000, 50'000, 100'000};
   std::size_t knob_budget = 10'000;
   tool::ImageSize size{1024, 768};
-  tool::ImageSize hidden_size{256, 192};  // of the pictures that wrongly hidden pixels are counted in
+  tool::ImageSize hidden_size{384, 288};  // of the pictures that wrongly hidden pixels are counted in
   int bursts = 3;                         // runs of consecutive frames, spread over a path
   int burst_frames = 6;                   // of which the first is not timed and the last is looked at; at least 2
 };
