@@ -27,7 +27,15 @@ void Measurement::begin() {
 }
 
 void Measurement::repeat(const View& view, const RefineOptions& options, Visibility& visibility) {
-  refinement_ = &refiner_.refine(view, options, visibility);
+  draw(view, refiner_.refine(view, options, visibility));
+}
+
+void Measurement::advance(const View& view, const RefineOptions& options, Visibility& visibility) {
+  draw(view, refiner_.update(view, options, visibility));
+}
+
+void Measurement::draw(const View& view, const Refinement& refinement) {
+  refinement_ = &refinement;
   drawn_ = draw_objects(objects_, *refinement_);
   const Stopwatch stopwatch;
   redraw(items_, drawn_, view);

@@ -30,6 +30,8 @@ class Measurement {
   void begin();
   // One more repetition; what the accessors tell is that of the last one.
   void repeat(const View& view, const RefineOptions& options, Visibility& visibility);
+  // The same from the cut of the frame before: Refiner::update().
+  void advance(const View& view, const RefineOptions& options, Visibility& visibility);
 
   [[nodiscard]] const Refiner& refiner() const { return refiner_; }
   [[nodiscard]] const Refinement& refinement() const { return *refinement_; }
@@ -39,6 +41,8 @@ class Measurement {
   [[nodiscard]] RenderTimes times() const;  // since begin()
 
  private:
+  void draw(const View& view, const Refinement& refinement);
+
   const std::vector<LoadedObject>& objects_;
   Refiner refiner_;
   const Refinement* refinement_ = nullptr;

@@ -36,16 +36,22 @@ std::string what_hides(const Setting& setting) {
 SettingRun::SettingRun(const Setting& setting, const std::vector<LoadedObject>& objects)
     : setting_(setting), measurement_(objects), visibility_(make_visibility(setting)) {}
 
-void SettingRun::refine(const View& view) {
-  measurement_.begin();
+void SettingRun::start(const View& view) {
   measurement_.repeat(view, setting_.refine, *visibility_);
-  hash_ = combined(hash_, measurement_.refinement().hash());
+  // After refine() there is no cut to go on from: this makes one.
+  if (setting_.frame_to_frame) measurement_.advance(view, setting_.refine, *visibility_);
+  record();
 }
 
-void SettingRun::start(const View& view) { refine(view); }
+void SettingRun::record() { hash_ = combined(hash_, measurement_.refinement().hash()); }
 
 void SettingRun::next(const View& view) {
-  refine(view);
+  measurement_.begin();
+  if (setting_.frame_to_frame)
+    measurement_.advance(view, setting_.refine, *visibility_);
+  else
+    measurement_.repeat(view, setting_.refine, *visibility_);
+  record();
   const tool::RenderTimes times = measurement_.times();
   refine_ms_.push_back(times.refine_ms);
   occlusion_ms_.push_back(times.occlusion_ms);

@@ -41,6 +41,24 @@ Change raster(int divisor) {
           [divisor](S& s) { s.raster_divisor = divisor; }};
 }
 
+void go_on(S& setting) { setting.frame_to_frame = true; }
+
+constexpr const char* update_flags = "(Refiner::update)";
+
+Change work_limit(std::size_t changes) {
+  return {fmt::format("{}", changes), fmt::format("(Refiner::update, most_changes {})", changes), [changes](S& s) {
+            go_on(s);
+            s.refine.most_changes = changes;
+          }};
+}
+
+Change hysteresis(double part) {
+  return {fmt::format("{}", part), fmt::format("(Refiner::update, hysteresis {})", part), [part](S& s) {
+            go_on(s);
+            s.refine.hysteresis = part;
+          }};
+}
+
 std::string joined(const std::string& a, const std::string& b) { return a.empty() || b.empty() ? a + b : a + " " + b; }
 
 }  // namespace
@@ -48,6 +66,12 @@ std::string joined(const std::string& a, const std::string& b) { return a.empty(
 const std::vector<Change>& series() {
   static const std::vector<Change> all = {
       {"occlod", "", [](S&) {}},
+      {"occlod, frame to frame", update_flags, go_on},
+      {"occlod, frame to frame, no occlusion", joined("--occlusion none", update_flags),
+       [](S& s) {
+         go_on(s);
+         s.occlusion = false;
+       }},
       {"occlod, no occlusion", "--occlusion none", [](S& s) { s.occlusion = false; }},
       {"occlod, conservative", "--mode conservative",
        [](S& s) { s.refine.occluder_mode = OccluderMode::conservative; }},
@@ -63,6 +87,13 @@ const std::vector<Change>& series() {
 
 const std::vector<Knob>& knobs() {
   static const std::vector<Knob> all = {
+      {"work limit",
+       "frame to frame, with no more splits and merges a frame",
+       {work_limit(100), work_limit(300), work_limit(1'000)}},
+      {"hysteresis",
+       "frame to frame; by how much more a split must matter than one that is applied, to take its place, instead of "
+       "0.05",
+       {hysteresis(0.0), hysteresis(0.2)}},
       {"tolerance",
        "stop when no error in sight is promised to be larger",
        {tolerance(128), tolerance(64), tolerance(32), tolerance(16)}},

@@ -17,8 +17,9 @@ struct Setting {
   std::string knob;    // that one
   std::string flags;   // of `occlod render`; in brackets what it does not offer
   RefineOptions refine;
-  bool occlusion = true;   // by the software backend
-  int raster_divisor = 1;  // one sample of its occluder for so many pixels in each direction
+  bool occlusion = true;        // by the software backend
+  bool frame_to_frame = false;  // Refiner::update() instead of refine()
+  int raster_divisor = 1;       // one sample of its occluder for so many pixels in each direction
 
   // Others are measured to see what they would be worth, and never recommended.
   [[nodiscard]] bool is_offered() const { return raster_divisor == 1; }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <deque>
+#include <limits>
 #include <map>
 #include <utility>
 
@@ -17,12 +18,14 @@
 namespace occlod::bench {
 namespace {
 
-// Wrongly hidden pixels of one view, counted once for all settings that hide the same.
+// Wrongly hidden pixels of one view, counted once for all settings that hide the same; they are counted in refinements
+// from scratch, so there is nothing to tell of settings that go from frame to frame.
 class HiddenCounts {
  public:
   HiddenCounts(const std::vector<LoadedObject>& objects, const View& view) : counter_(objects), view_(view) {}
 
   double of(const Setting& setting) {
+    if (setting.frame_to_frame) return std::numeric_limits<double>::quiet_NaN();
     const auto [found, is_new] = counts_.try_emplace(what_hides(setting), 0.0);
     if (!is_new || !setting.occlusion) return found->second;
     if (!culling_ || *culling_ != setting.refine.culling) counter_.set_view(view_, setting.refine);
