@@ -60,7 +60,7 @@ class Report:
 
     def main_plot(self, **options):
         result = self.plot(self.main, **options)
-        result.fronts["inner"] = self.choice["budget_front"]
+        result.fronts["inner"], result.front_names = self.choice["budget_front"], self.fronts()
         result.marked = {self.choice["recommended"]: "recommended", **{self.choice[k]: "" for k in ("fastest", "as_accurate", "most_accurate")}}
         return result
 
@@ -82,17 +82,19 @@ def answers(report):
     rows = []
     for choice, question in CHOICES.items():
         p = report.point(report.choice[choice])
-        rows.append([question, p["setting"], short(p["ms"]), short(p[key]), f"{p['triangles']:,.0f}", f"{p['ms'] / recommended['ms']:.2f}", f"{p[key] / recommended[key]:.2f}",
-                     short(p["draw_ms"])])
+        compared = [f"{p['ms'] / recommended['ms']:.2f}", f"{p[key] / recommended[key]:.2f}"]
+        rows.append([question, p["setting"], short(p["ms"]), short(p[key]), f"{p['triangles']:,.0f}", *compared, short(p["draw_ms"])])
     header = ["", "setting", "ms a frame", "visible error, px", "triangles", "times the time", "times the error", "drawing on the CPU, ms"]
-    return (table(header, rows, CHOICES["recommended"]) + f'<p>Use <code>{html.escape(command(report.settings[recommended["setting"]]))}</code>. {rule(report)}</p>')
+    use = html.escape(command(report.settings[recommended["setting"]]))
+    return f"{table(header, rows, CHOICES['recommended'])}<p>Use <code>{use}</code>. {rule(report)}</p>"
 
 
 def rule(report):
     budget, choice = report.data["knob_budget"], report.choice
-    return (f"A renderer pays by the triangle, so a budget is given, here {budget:,}. Of all settings that keep it and leave no more than "
-            f"{100 * (choice['near_best'] - 1):.0f} % above the least visible error, the fastest is recommended; the default if it is within {100 * (choice['time_noise'] - 1):.0f} % of that, "
-            "which noise in times can be. Milliseconds are those of refinement and occlusion on one core, the error is the root mean square distance from the full mesh.")
+    error, time = (f"{100 * (choice[key] - 1):.0f} %" for key in ("near_best", "time_noise"))
+    return (f"A renderer pays by the triangle, so a budget is given, here {budget:,}. Of all settings that keep it and leave no more than {error} above the "
+            f"least visible error, the fastest is recommended; the default if it is within {time} of that, which noise in times can be. Milliseconds are "
+            "those of refinement and occlusion on one core, the error is the root mean square distance from the full mesh.")
 
 
 def table(header, rows, marked=None):
@@ -125,7 +127,8 @@ def value(x):
 
 def point_rows(report, scene):
     for p in report.points(scene):
-        yield [p["setting"], f"{p['triangles']:,.0f}", *(short(p[k]) for k in ("ms", "refine_ms", "occlusion_ms", "draw_ms")), *(value(p[k]) for k in report.measures)]
+        times = [short(p[key]) for key in ("ms", "refine_ms", "occlusion_ms", "draw_ms")]
+        yield [p["setting"], f"{p['triangles']:,.0f}", *times, *(value(p[key]) for key in report.measures)]
 
 
 def knob_rows(report):
@@ -135,7 +138,8 @@ def knob_rows(report):
     yield [default["setting"], "-", short(default["ms"]), short(default[key]), "1.00", "1.00", value(default["wrongly_hidden_px"])]
     for p in report.points():
         if p["series"] == "":
-            yield [p["setting"], p["knob"], short(p["ms"]), short(p[key]), f"{p['ms'] / default['ms']:.2f}", f"{p[key] / default[key]:.2f}", value(p["wrongly_hidden_px"])]
+            compared = [f"{p['ms'] / default['ms']:.2f}", f"{p[key] / default[key]:.2f}"]
+            yield [p["setting"], p["knob"], short(p["ms"]), short(p[key]), *compared, value(p["wrongly_hidden_px"])]
 
 
 KNOB_HEADER = ["setting", "knob", "ms", "error px", "times the default's time", "times its error", "wrongly hidden px"]
@@ -157,7 +161,8 @@ def pictures(report):
         parts.append(f"<h3>{html.escape(scene['name'])}, {html.escape(scene['path'])}, frame {shown[0]['frame']}</h3><div class=pictures>")
         for p in shown:
             caption = "full mesh" if p["setting"] is None else picture_caption(report, p["setting"], scene["name"])
-            parts.append(f'<figure><img alt="{html.escape(caption)}" src="{data_uri(report.folder / p["file"], "image/png")}"><figcaption>{html.escape(caption)}</figcaption></figure>')
+            image = f'<img alt="{html.escape(caption)}" src="{data_uri(report.folder / p["file"], "image/png")}">'
+            parts.append(f"<figure>{image}<figcaption>{html.escape(caption)}</figcaption></figure>")
         parts.append("</div>")
     return "".join(parts)
 
@@ -170,15 +175,17 @@ def picture_caption(report, setting, scene):
 
 def method(report):
     d, m = report.data, report.data["machine"]
-    scenes = "; ".join(f"{s['name']} ({s['triangles']:,} triangles) along {s['path']}, frames {', '.join(map(str, s['frames']))}" for s in d["scenes"])
-    return (f"<p>{html.escape(m['cpu'])}, {m['cores']} cores; {html.escape(m['system'])}; {html.escape(m['compiler'])}, {html.escape(m['build'])}; occlod {html.escape(m['version'])}"
-            f", commit {html.escape(d['commit'] or 'not told')}; {html.escape(m['date'])}; {d['seconds']:.0f} s. Hash of all refinements: <code>{d['hash']}</code>.</p>"
-            f"<p>{html.escape(scenes)}. Pictures have {d['size'][0]}x{d['size'][1]} pixels, those that wrongly hidden pixels are counted in {d['hidden_size'][0]}x{d['hidden_size'][1]}.</p>"
-            f"<p>Each path is walked in {d['bursts']} bursts of {d['burst_frames']} consecutive frames; each frame is refined with every setting before the next frame is. "
-            "The first frame of a burst is not timed, the last is compared with the full mesh and, for popping, with the mesh of the frame before drawn by the same camera. "
-            "A scene's time is the median of its frames, that of all scenes their geometric mean; errors are taken over all pictures of all scenes. "
-            "Occlusion is the software backend's. Times are of one thread of a machine that others use as well: read their ratios. Drawing, which a GPU does "
-            "elsewhere, is not in them.</p>")
+    versions = [m["cpu"], f"{m['cores']} cores", m["system"], m["compiler"], m["build"], f"occlod {m['version']}", f"commit {d['commit'] or 'not told'}", m["date"],
+                f"{d['seconds']:.0f} s"]
+    scenes = (f"{s['name']} ({s['triangles']:,} triangles) along {s['path']}, frames {', '.join(map(str, s['frames']))}" for s in d["scenes"])
+    sizes = ["x".join(map(str, d[key])) for key in ("size", "hidden_size")]
+    return (f"<p>{html.escape('; '.join(versions))}. Hash of all refinements: <code>{d['hash']}</code>.</p>"
+            f"<p>{html.escape('; '.join(scenes))}. Pictures have {sizes[0]} pixels, those that wrongly hidden pixels are counted in {sizes[1]}.</p>"
+            f"<p>Each path is walked in {d['bursts']} bursts of {d['burst_frames']} consecutive frames; each frame is refined with every setting before the next "
+            "frame is. The first frame of a burst is refined from scratch by all and not timed; the last is compared with the full mesh and, for popping, with the "
+            "mesh of the frame before drawn by the same camera. A scene's time is the median of its frames, that of all scenes their geometric mean; errors are "
+            "taken over all pictures of all scenes. Occlusion is the software backend's. Times are of one thread of a machine that others use as well: read their "
+            "ratios. Drawing, which a GPU does elsewhere, is not in them.</p>")
 
 
 def measures_list(report):
@@ -230,8 +237,7 @@ def tables_as_markdown(report):
 def main():
     report = Report(pathlib.Path(sys.argv[1]))
     folder = report.folder
-    main_plot = report.main_plot(size=(760, 420)).svg(standalone=True)
-    (folder / "main_plot.svg").write_text(main_plot.replace("</svg>", plot.legend_svg(report.series, report.fronts(), 545, 16) + "</svg>") + "\n")
+    (folder / "main_plot.svg").write_text(report.main_plot(size=(880, 400), legend_px=250).svg(standalone=True) + "\n")
     (folder / "report.md").write_text(tables_as_markdown(report))
     (folder / "report.html").write_text(page(report))
     print(f"{folder / 'report.html'}")

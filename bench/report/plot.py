@@ -66,34 +66,40 @@ class Axis:
 class Plot:
     """`points`: dictionaries with setting, series (empty for a turned knob) and the keys x and y."""
 
-    def __init__(self, points, x, y, x_label, y_label, size=(460, 320), log_y=True):
+    def __init__(self, points, x, y, x_label, y_label, size=(460, 320), log_y=True, legend_px=0):
         self.points = [p for p in points if p[x] is not None and p[y] is not None]
         self.missing = len(points) - len(self.points)
         self.x, self.y, self.x_label, self.y_label, self.log_y = x, y, x_label, y_label, log_y
         self.width, self.height = size
-        self.fronts, self.marked, self.series = {}, {}, []  # fronts by class: front, inner
+        self.legend_px = legend_px  # on the right, where one is drawn in the plot itself
+        self.fronts, self.front_names, self.marked, self.series = {}, {}, {}, []  # fronts and their names by class: front, inner
 
     def svg(self, standalone=False):
         if not self.points:
             return f"<p>{html.escape(self.y_label)}: nothing was measured.</p>"
-        across = Axis([p[self.x] for p in self.points], 58, self.width - 14, True)
+        across = Axis([p[self.x] for p in self.points], 58, self.width - self.legend_px - 14, True)
         up = Axis([p[self.y] for p in self.points], self.height - 46, 14, self.log_y)
         place = {p["setting"]: (across.px(p[self.x]), up.px(p[self.y])) for p in self.points}
-        parts = [*self.grid(across, up), *self.front_lines(place), *self.lines(place), *self.marks(place), *self.dots(place), *self.labels(place)]
+        parts = [*self.grid(across, up)]
+        for layer in (self.front_lines, self.lines, self.marks, self.dots, self.labels):
+            parts += layer(place)
+        parts += self.legend() if self.legend_px else []
         name = 'xmlns="http://www.w3.org/2000/svg" ' if standalone else ""
         css = f"<style>{style()}svg{{background:var(--paper)}}</style>" if standalone else ""
         log = f"{int(across.logarithmic)}{int(up.logarithmic)}"
-        return (f'<svg {name}class="plot" role="img" aria-label="{html.escape(self.y_label)} against {html.escape(self.x_label)}" data-log="{log}" data-x="{self.x}" '
-                f'data-y="{self.y}" viewBox="0 0 {self.width} {self.height}" width="{self.width}" height="{self.height}">{css}{"".join(parts)}</svg>')
+        about = f'role="img" aria-label="{html.escape(self.y_label)} against {html.escape(self.x_label)}"'
+        return (f'<svg {name}class="plot" {about} data-log="{log}" data-x="{self.x}" data-y="{self.y}" viewBox="0 0 {self.width} {self.height}" width="{self.width}" height="{self.height}">{css}{"".join(parts)}</svg>')
 
     def grid(self, across, up):
         left, right, top, bottom = across.first_px, across.last_px, up.last_px, up.first_px
         for tick in across.ticks():
             x = across.px(tick)
-            yield f'<path class="grid" data-axis="0" data-at="{tick!r}" d="M{x:.2f} {top}V{bottom}"/><text class="soft" x="{x:.1f}" y="{bottom + 16}" text-anchor="middle">{tick:g}</text>'
+            yield f'<path class="grid" data-axis="0" data-at="{tick!r}" d="M{x:.2f} {top}V{bottom}"/>'
+            yield f'<text class="soft" x="{x:.1f}" y="{bottom + 16}" text-anchor="middle">{tick:g}</text>'
         for tick in up.ticks():
             y = up.px(tick)
-            yield f'<path class="grid" data-axis="1" data-at="{tick!r}" d="M{left} {y:.2f}H{right}"/><text class="soft" x="{left - 6}" y="{y + 4:.1f}" text-anchor="end">{tick:g}</text>'
+            yield f'<path class="grid" data-axis="1" data-at="{tick!r}" d="M{left} {y:.2f}H{right}"/>'
+            yield f'<text class="soft" x="{left - 6}" y="{y + 4:.1f}" text-anchor="end">{tick:g}</text>'
         yield f'<text x="{(left + right) / 2}" y="{bottom + 36}" text-anchor="middle">{html.escape(self.x_label)}</text>'
         yield f'<text transform="translate(14 {(top + bottom) / 2}) rotate(-90)" text-anchor="middle">{html.escape(self.y_label)}</text>'
 
@@ -112,14 +118,19 @@ class Plot:
     def dots(self, place):
         for p in sorted(self.points, key=lambda p: p["series"] != ""):
             x, y = place[p["setting"]]
-            is_knob = p["series"] == ""
-            kind, shape = ("knob s7", KNOB_SHAPE) if is_knob else (f"s{self.series.index(p['series'])}", SHAPES[self.series.index(p["series"]) % len(SHAPES)])
+            i = self.series.index(p["series"]) if p["series"] else None
+            kind, shape = ("knob s7", KNOB_SHAPE) if i is None else (f"s{i}", SHAPES[i])
             tip = html.escape(f"{p['setting']}\n{self.x_label}: {short(p[self.x])}\n{self.y_label}: {short(p[self.y])}")
             yield (f'<g class="point {kind}" data-setting="{html.escape(p["setting"])}" data-x="{p[self.x]!r}" data-y="{p[self.y]!r}" '
                    f'transform="translate({x:.2f} {y:.2f})"><title>{tip}</title><path d="{shape}"/></g>')
 
+    def legend(self):
+        for i, (drawing, name) in enumerate(legend_rows(self.series, self.front_names)):
+            yield f'<g transform="translate({self.width - self.legend_px} {20 + 22 * i})">{drawing}<text x="30" y="12">{html.escape(name)}</text></g>'
+
     def marks(self, place):
-        return [f'<circle class="mark" data-marked="{html.escape(name)}" cx="{place[name][0]:.2f}" cy="{place[name][1]:.2f}" r="11"/>' for name in self.marked if name in place]
+        return [f'<circle class="mark" data-marked="{html.escape(name)}" cx="{place[name][0]:.2f}" cy="{place[name][1]:.2f}" r="11"/>'
+                for name in self.marked if name in place]
 
     def labels(self, place):
         """Beside their rings, on the side with more room."""
@@ -127,14 +138,14 @@ class Plot:
             if name not in place or not text:
                 continue
             x, y = place[name]
-            side, anchor = (-16, "end") if x > self.width * 0.6 else (16, "start")
+            side, anchor = (-16, "end") if x > (self.width - self.legend_px) * 0.6 else (16, "start")
             yield f'<text class="marked" x="{x + side:.1f}" y="{y - 10:.1f}" text-anchor="{anchor}">{html.escape(text)}</text>'
 
 
 def legend_rows(series, fronts):
     """The drawing in a box of 24 x 16 pixels around (12, 8), and its name."""
     for i, name in enumerate(series):
-        yield f'<g class="point s{i}" transform="translate(12 8)"><path d="{SHAPES[i % len(SHAPES)]}"/></g>', name
+        yield f'<g class="point s{i}" transform="translate(12 8)"><path d="{SHAPES[i]}"/></g>', name
     yield f'<g class="point knob s7" transform="translate(12 8)"><path d="{KNOB_SHAPE}"/></g>', KNOBS
     for kind, name in fronts.items():
         yield f'<path class="{kind}" d="M2 8H22"/>', name
@@ -143,9 +154,3 @@ def legend_rows(series, fronts):
 def legend_html(series, fronts):
     items = (f'<span><svg viewBox="0 0 24 16" width="24" height="16">{drawing}</svg> {html.escape(name)}</span>' for drawing, name in legend_rows(series, fronts))
     return f'<p class="legend">{"".join(items)}</p>'
-
-
-def legend_svg(series, fronts, x, y):
-    """Rows from (x, y) downwards, to be put into a standalone plot."""
-    return "".join(f'<g transform="translate({x} {y + 18 * i})">{drawing}<text x="30" y="12">{html.escape(name)}</text></g>'
-                   for i, (drawing, name) in enumerate(legend_rows(series, fronts)))
