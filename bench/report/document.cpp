@@ -118,14 +118,12 @@ std::vector<Cost> only(std::vector<Cost> costs, const std::vector<Setting>& sett
   return costs;
 }
 
-std::size_t recommended(const std::vector<Cost>& in_budget, const std::vector<Setting>& settings, std::size_t budget) {
+std::size_t recommended(const std::vector<Cost>& in_budget) {
   const double enough = near_best * in_budget[pareto_front(in_budget).back()].error;
-  const std::size_t fastest = *fastest_within(in_budget, enough);
-  for (std::size_t i = 0; i < settings.size(); ++i) {
-    const bool is_default = settings[i].series == series().front().name && settings[i].refine.budget == budget;
-    if (is_default && in_budget[i].error <= enough && in_budget[i].ms <= time_noise * in_budget[fastest].ms) return i;
-  }
-  return fastest;
+  const double in_time = time_noise * in_budget[*fastest_within(in_budget, enough)].ms;
+  std::size_t i = 0;
+  while (in_budget[i].error > enough || in_budget[i].ms > in_time) ++i;
+  return i;
 }
 
 }  // namespace
@@ -138,7 +136,7 @@ Choice choose(const std::vector<Setting>& settings, const std::vector<Outcome>& 
   const std::vector<std::size_t> front = pareto_front(offered);
   if (front.empty()) throw Error({"bench_report", "", "has measured no error", "give it other scenes"});
   Choice choice;
-  choice.recommended = recommended(in_budget, settings, budget);
+  choice.recommended = recommended(in_budget);
   choice.fastest = front.front();
   choice.most_accurate = front.back();
   choice.as_accurate = *fastest_within(offered, offered[choice.recommended].error);

@@ -23,12 +23,13 @@ struct Choice {
   std::vector<std::size_t> budget_front;           // by time and error, of budgets no larger than the knobs'
 };
 
-inline constexpr double near_best = 1.05;  // times the least error
-inline constexpr double time_noise = 1.2;  // times the least time
+inline constexpr double near_best = 1.1;    // times the least error
+inline constexpr double time_noise = 1.25;  // times the least time
 inline constexpr std::array error_limits_px = {4.0, 2.0, 1.0, 0.5, 0.25};
 
-// By time and `main_measure`. Recommended is, of all settings with no more triangles than `budget` whose error is
-// within near_best of the least of them, the fastest; the default there if it takes no more than time_noise of that.
+// By time and `main_measure`. Recommended is one of the settings with no more triangles than `budget` whose error is
+// within near_best of the least of them: of those that take no more than time_noise of the fastest's time the first, so
+// that a knob is turned only for what noise cannot be.
 [[nodiscard]] Choice choose(const std::vector<Setting>& settings, const std::vector<Outcome>& over_all,
                             std::size_t budget);
 

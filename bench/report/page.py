@@ -92,9 +92,9 @@ def answers(report):
 def rule(report):
     budget, choice = report.data["knob_budget"], report.choice
     error, time = (f"{100 * (choice[key] - 1):.0f} %" for key in ("near_best", "time_noise"))
-    return (f"A renderer pays by the triangle, so a budget is given, here {budget:,}. Of all settings that keep it and leave no more than {error} above the "
-            f"least visible error, the fastest is recommended; the default if it is within {time} of that, which noise in times can be. Milliseconds are "
-            "those of refinement and occlusion on one core, the error is the root mean square distance from the full mesh.")
+    return (f"A renderer pays by the triangle, so a budget is given, here {budget:,}. Of all settings that keep it and leave no more than {error} above the least "
+            f"visible error that any does, the fastest is recommended; of those within {time} of its time, which noise can be, the plainest: no knob is turned for "
+            "nothing. Milliseconds are those of refinement and occlusion on one core, the error is the root mean square distance from the full mesh.")
 
 
 def table(header, rows, marked=None):

@@ -43,17 +43,19 @@ Change raster(int divisor) {
 
 void go_on(S& setting) { setting.frame_to_frame = true; }
 
-constexpr const char* update_flags = "(Refiner::update)";
+constexpr const char* update_flags = "(Refiner::update() for every frame)";
 
 Change work_limit(std::size_t changes) {
-  return {fmt::format("{}", changes), fmt::format("(Refiner::update, most_changes {})", changes), [changes](S& s) {
+  return {fmt::format("{}", changes), fmt::format("(Refiner::update() for every frame, most_changes {})", changes),
+          [changes](S& s) {
             go_on(s);
             s.refine.most_changes = changes;
           }};
 }
 
 Change hysteresis(double part) {
-  return {fmt::format("{}", part), fmt::format("(Refiner::update, hysteresis {})", part), [part](S& s) {
+  return {fmt::format("{}", part), fmt::format("(Refiner::update() for every frame, hysteresis {})", part),
+          [part](S& s) {
             go_on(s);
             s.refine.hysteresis = part;
           }};

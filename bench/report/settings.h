@@ -43,7 +43,8 @@ struct Knob {
 // Turned one at a time at one budget.
 [[nodiscard]] const std::vector<Knob>& knobs();
 
-// Every series at every budget, then every value of every knob at `knob_budget`.
+// Every series at every budget, then every value of every knob at `knob_budget`: the default first, what differs from
+// it later.
 [[nodiscard]] std::vector<Setting> all_settings(const std::vector<std::size_t>& budgets, std::size_t knob_budget);
 
 }  // namespace occlod::bench
