@@ -68,25 +68,31 @@ class Report:
         return {"front": "Pareto front", "inner": f"of at most {self.data['knob_budget']:,} triangles"}
 
 
-def command(setting):
-    return f"occlod render SCENE {setting['flags']}"
+def how_to(setting):
+    """The command, and what it has no flags for."""
+    flags, _, others = setting["flags"].partition("(")
+    return f"<code>{html.escape('occlod render SCENE ' + flags.strip())}</code>" + (f" with {html.escape(others.rstrip(')'))}" if others else "")
 
 
 CHOICES = {"recommended": "Which setting should I use?", "fastest": "The fastest", "most_accurate": "The most accurate",
            "as_accurate": "No less accurate, any number of triangles"}
 
 
-def answers(report):
-    """Everything that the choice of a setting needs, above the first plot."""
+ANSWER_HEADER = ["", "setting", "ms a frame", "visible error, px", "triangles", "times the time", "times the error", "drawing on the CPU, ms"]
+
+
+def answer_rows(report):
     recommended, key = report.point(report.choice["recommended"]), report.main["key"]
-    rows = []
     for choice, question in CHOICES.items():
         p = report.point(report.choice[choice])
         compared = [f"{p['ms'] / recommended['ms']:.2f}", f"{p[key] / recommended[key]:.2f}"]
-        rows.append([question, p["setting"], short(p["ms"]), short(p[key]), f"{p['triangles']:,.0f}", *compared, short(p["draw_ms"])])
-    header = ["", "setting", "ms a frame", "visible error, px", "triangles", "times the time", "times the error", "drawing on the CPU, ms"]
-    use = html.escape(command(report.settings[recommended["setting"]]))
-    return f"{table(header, rows, CHOICES['recommended'])}<p>Use <code>{use}</code>. {rule(report)}</p>"
+        yield [question, p["setting"], short(p["ms"]), short(p[key]), f"{p['triangles']:,.0f}", *compared, short(p["draw_ms"])]
+
+
+def answers(report):
+    """Everything that the choice of a setting needs, above the first plot."""
+    use = how_to(report.settings[report.choice["recommended"]])
+    return f"{table(ANSWER_HEADER, answer_rows(report), CHOICES['recommended'])}<p>Use {use}. {rule(report)}</p>"
 
 
 def rule(report):
@@ -214,10 +220,10 @@ def page(report):
 {answers(report)}
 <div id="main">{report.main_plot(size=(900, 420)).svg()}</div>{plot.legend_html(report.series, report.fronts())}
 <h2>What each step costs</h2>{table(WITHIN_HEADER, within_rows(report))}
-<h2>Triangles, and other errors</h2><p>The recommended setting is ringed in each; the front is each plot's own. Crosses that are no settings of the command line are never recommended.</p><div class="plots" id="measures">{by_measure}</div>{legend}
+<h2>Triangles, and other errors</h2><p>The recommended setting is ringed in each; the front is each plot's own. What is less than {plot.FLOOR} px is drawn there. Crosses that are no settings of the command line are never recommended.</p><div class="plots" id="measures">{by_measure}</div>{legend}
 <h2>Scene by scene</h2><div class="plots" id="scenes">{by_scene}</div>{legend}
 <h2>One knob at a time</h2>{table(KNOB_HEADER, knob_rows(report))}<dl>{knobs}</dl>
-<h2>Side by side</h2><p>The part of each picture where the first setting is most wrong, pixel for pixel.</p>{pictures(report)}
+<h2>Side by side</h2><p>The part of each picture where {html.escape(d["pictures"][1]["setting"])} is most wrong, pixel for pixel.</p>{pictures(report)}
 <h2>All points</h2>{all_tables}{downloads(report)}
 <h2>What is measured</h2>{measures_list(report)}
 <h2>How</h2>{method(report)}
@@ -231,7 +237,8 @@ def markdown(header, rows):
 
 
 def tables_as_markdown(report):
-    return "\n".join([markdown(WITHIN_HEADER, within_rows(report)), markdown(point_header(report), point_rows(report, "all")), markdown(KNOB_HEADER, knob_rows(report))])
+    return "\n".join([markdown(ANSWER_HEADER, answer_rows(report)), markdown(WITHIN_HEADER, within_rows(report)), markdown(KNOB_HEADER, knob_rows(report)),
+                      markdown(point_header(report), point_rows(report, "all"))])
 
 
 def main():

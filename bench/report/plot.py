@@ -34,18 +34,21 @@ def short(value):
     return f"{value:,.{digits}f}"
 
 
+FLOOR = 0.01  # of logarithmic axes: what is less, as errors of pictures that equal the full mesh are, is drawn there
+
+
 class Axis:
-    """Maps values to pixels; logarithmic where asked for and all values are positive."""
+    """Maps values to pixels; logarithmic where asked for and there is anything above the floor."""
 
     def __init__(self, values, first_px, last_px, logarithmic):
-        self.logarithmic = logarithmic and min(values) > 0
+        self.logarithmic = logarithmic and max(values) > FLOOR
         self.first_px, self.last_px = first_px, last_px
         low, high = (self.scaled(min(values)), self.scaled(max(values)))
         margin = 0.06 * (high - low) or (0.3 if self.logarithmic else 1.0)
         self.low, self.high = low - margin, high + margin
 
     def scaled(self, value):
-        return math.log10(value) if self.logarithmic else value
+        return math.log10(max(value, FLOOR)) if self.logarithmic else value
 
     def px(self, value):
         return self.first_px + (self.scaled(value) - self.low) / (self.high - self.low) * (self.last_px - self.first_px)
@@ -54,7 +57,8 @@ class Axis:
         if self.logarithmic:
             decades = range(math.floor(self.low), math.ceil(self.high) + 1)
             for steps in ((1,), (1, 3), (1, 2, 5), (1, 1.5, 2, 3, 4, 5, 6, 8), [1 + i / 10 for i in range(90)]):
-                ticks = [m * 10.0**d for d in decades for m in steps if self.low <= math.log10(m * 10.0**d) <= self.high]
+                ticks = [m * 10.0**d for d in decades for m in steps
+                         if max(self.low, math.log10(FLOOR)) <= math.log10(m * 10.0**d) <= self.high]
                 if len(ticks) >= 4:
                     break
             return ticks
@@ -88,7 +92,7 @@ class Plot:
         css = f"<style>{style()}svg{{background:var(--paper)}}</style>" if standalone else ""
         log = f"{int(across.logarithmic)}{int(up.logarithmic)}"
         about = f'role="img" aria-label="{html.escape(self.y_label)} against {html.escape(self.x_label)}"'
-        return (f'<svg {name}class="plot" {about} data-log="{log}" data-x="{self.x}" data-y="{self.y}" viewBox="0 0 {self.width} {self.height}" width="{self.width}" height="{self.height}">{css}{"".join(parts)}</svg>')
+        return (f'<svg {name}class="plot" {about} data-log="{log}" data-floor="{FLOOR}" data-x="{self.x}" data-y="{self.y}" viewBox="0 0 {self.width} {self.height}" width="{self.width}" height="{self.height}">{css}{"".join(parts)}</svg>')
 
     def grid(self, across, up):
         left, right, top, bottom = across.first_px, across.last_px, up.last_px, up.first_px

@@ -111,7 +111,8 @@ class Report(unittest.TestCase):
                 lines = [(float(line["data-at"]), numbers(line["d"])[axis]) for line in grid if line["data-axis"] == str(axis)]
                 self.assertGreaterEqual(len(lines), 2)
                 if attributes["data-log"][axis] == "1":
-                    placed, lines = ([(math.log(value), pixel) for value, pixel in pairs] for pairs in (placed, lines))
+                    floor = float(attributes["data-floor"])
+                    placed, lines = ([(math.log(max(value, floor)), pixel) for value, pixel in pairs] for pairs in (placed, lines))
                 (low, first), (high, last) = min(lines), max(lines)
                 slope = (last - first) / (high - low)
                 self.assertGreater(sign * slope, 0)
@@ -160,7 +161,7 @@ class Report(unittest.TestCase):
         self.assertEqual(choice["budget_front"], sorted(front(kept, key, False), key=lambda name: points[name]["ms"]))
         self.assertIn(choice["recommended"], self.page.marked)
         flags = next(s["flags"] for s in self.json["settings"] if s["name"] == choice["recommended"])
-        self.assertIn(flags, self.text[:self.text.index("<svg")])  # above the first plot
+        self.assertIn(f"<code>occlod render SCENE {flags.partition('(')[0].strip()}</code>", self.text[:self.text.index("<svg")])  # above the first plot
 
     def test_all_scenes_are_the_mean_of_each(self):
         """One picture a scene: squares, powers of ten and plain numbers are averaged as the measures are; times by their logarithms."""
