@@ -1,0 +1,163 @@
+// A refiner driven by bytes: whatever they ask for, its meshes are valid and within the budget.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <glm/gtc/matrix_transform.hpp>
+#include <memory>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "occlod/core/error.h"
+#include "occlod/hierarchy/build.h"
+#include "occlod/mesh/generate.h"
+#include "occlod/occlusion/software_occlusion.h"
+#include "occlod/refine/refiner.h"
+
+namespace occlod::fuzz {
+
+// Bytes as numbers; zeros when they are used up.
+class Bytes {
+ public:
+  explicit Bytes(std::span<const std::uint8_t> bytes) : left_(bytes) {}
+
+  [[nodiscard]] bool empty() const noexcept { return left_.empty(); }
+  std::uint32_t number(std::uint32_t below) {
+    std::uint16_t value = 0;
+    const std::size_t size = std::min(sizeof value, left_.size());
+    std::memcpy(&value, left_.data(), size);
+    left_ = left_.subspan(size);
+    return value % below;
+  }
+  double real(double low, double high) { return low + (high - low) * number(65536) / 65535.0; }
+
+ private:
+  std::span<const std::uint8_t> left_;
+};
+
+class RefinerOperations {
+ public:
+  RefinerOperations()
+      : objects_{{&planet(), glm::dmat4(1.0), false},
+                 {&planet(), glm::scale(glm::translate(glm::dmat4(1.0), {0.0, 0.5, 2.5}), {-1.0, 0.7, 1.0}), true}},
+        refiner_(objects_),
+        buffers_(objects_.size()) {}
+
+  // What went wrong, or nothing.
+  std::string run(Bytes bytes) {
+    while (!bytes.empty()) {
+      change(bytes);
+      std::string fault = bytes.number(8) == 0 ? call(false) : call(true);
+      if (!fault.empty()) return fault;
+    }
+    return {};
+  }
+
+ private:
+  static const Hierarchy& planet() {
+    static const Hierarchy hierarchy = build_hierarchy(generate_rough_planet({.level = 4}));
+    return hierarchy;
+  }
+
+  void change(Bytes& bytes) {
+    switch (bytes.number(12)) {
+      case 0:
+        options_.budget = refiner_.base_triangles() + bytes.number(5000);
+        break;
+      case 1:
+        options_.culling = bytes.number(2) == 0 ? Culling::subtree : Culling::star;
+        break;
+      case 2:
+        occlusion_ = bytes.number(2) == 0;
+        break;
+      case 3:
+        options_.most_changes = bytes.number(100);
+        break;
+      case 4:
+        options_.tolerance_px = bytes.number(2) == 0 ? 0.0 : bytes.real(0.0, 20.0);
+        break;
+      case 5:
+        options_.occluder_mode = bytes.number(2) == 0 ? OccluderMode::paper : OccluderMode::conservative;
+        break;
+      case 6:
+        options_.proxy = static_cast<Proxy>(bytes.number(3));
+        options_.level_step = 1 + bytes.number(4);
+        break;
+      case 7:
+        options_.hysteresis = bytes.real(0.0, 0.99);
+        options_.geomorph_frames = bytes.number(5);
+        break;
+      case 8:
+        camera_.eye = {bytes.real(-6.0, 6.0), bytes.real(-6.0, 6.0), bytes.real(-6.0, 6.0)};
+        break;
+      case 9:
+        camera_.fov_y_deg = bytes.real(1.0, 179.0);
+        camera_.width = 1 + static_cast<int>(bytes.number(300));
+        camera_.height = 1 + static_cast<int>(bytes.number(300));
+        break;
+      case 10:
+        camera_.target = {bytes.real(-2.0, 2.0), bytes.real(-2.0, 2.0), bytes.real(-2.0, 4.0)};
+        break;
+      default:
+        camera_.eye += glm::dvec3(bytes.real(-0.2, 0.2), bytes.real(-0.2, 0.2), bytes.real(-0.2, 0.2));
+    }
+  }
+
+  std::string call(bool goes_on) {
+    Visibility& visibility = occlusion_ ? *software_ : static_cast<Visibility&>(none_);
+    try {
+      const View view(camera_);
+      const Refinement& refined =
+          goes_on ? refiner_.update(view, options_, visibility) : refiner_.refine(view, options_, visibility);
+      return fault_of(refined);
+    } catch (const Error&) {
+      return {};  // a camera that is none
+    }
+  }
+
+  std::string fault_of(const Refinement& refined) {
+    std::size_t triangles = 0;
+    for (std::size_t i = 0; i < objects_.size(); ++i) {
+      const RefinedObject& object = refined.objects[i];
+      triangles += object.triangles.size();
+      std::vector<Triangle>& buffer = buffers_[i];
+      buffer.resize(object.triangles.size());
+      for (const TriangleRange& range : object.changes)
+        std::copy_n(object.triangles.begin() + range.first, range.count, buffer.begin() + range.first);
+      if (buffer != object.triangles) return "changes leave out a triangle";
+      if (std::string fault = fault_of(object); !fault.empty()) return fault;
+    }
+    if (triangles > options_.budget) return "more triangles than the budget";
+    if (triangles != refined.stats.triangles) return "a wrong number of triangles";
+    return {};
+  }
+
+  // Splits closed under dependency; as many triangles as they add to the base mesh.
+  static std::string fault_of(const RefinedObject& object) {
+    std::vector<bool> applied(planet().split_count(), false);
+    std::size_t triangles = planet().base_triangle_count();
+    for (const SplitId s : object.splits) {
+      const SplitStar star = planet().star(s);
+      for (const SplitId needed : star.dependencies())
+        if (!applied[needed]) return "a split without one that it needs";
+      applied[s] = true;
+      triangles = triangles + star.inserted_count() - star.removed_count();
+    }
+    return triangles == object.triangles.size() ? "" : "triangles that the splits do not make";
+  }
+
+  std::vector<RefineObject> objects_;
+  Refiner refiner_;
+  std::vector<std::vector<Triangle>> buffers_;  // kept by what changes tell
+  Camera camera_;
+  RefineOptions options_;
+  bool occlusion_ = false;
+  NoOcclusion none_;
+  std::unique_ptr<Visibility> software_ = make_software_occlusion();
+};
+
+}  // namespace occlod::fuzz
