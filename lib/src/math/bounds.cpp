@@ -5,8 +5,9 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-namespace occlod {
+#include "math/facing_slack.h"
 
+namespace occlod {
 Box bounding_box(std::span<const glm::vec3> points) {
   assert(!points.empty());
   Box box{points[0], points[0]};
@@ -27,14 +28,15 @@ bool faces_away(const NormalCone& cone, const Sphere& sphere, const glm::vec3& e
   // A face with normal n through p faces away iff dot(n, p - eye) > 0. With d = center - eye and angle a between d and
   // the cone's axis, the smallest dot(n, d) over the cone is |d| cos(a + half angle); points of the sphere take away at
   // most its radius.
-  const glm::vec3 d = sphere.center - eye;
-  const float along = glm::dot(d, cone.axis);
-  if (!(along > 0.0F)) return false;
-  const float across = std::sqrt(std::fmax(0.0F, glm::dot(d, d) - along * along));
-  const float sin_angle = std::sqrt(std::fmax(0.0F, (1.0F - cone.cos_angle) * (1.0F + cone.cos_angle)));
-  const float smallest = along * cone.cos_angle - across * sin_angle;
-  const float slack = 1e-5F * (along + across + sphere.radius);
-  return smallest > sphere.radius + slack;
+  const glm::dvec3 axis(cone.axis), d = glm::dvec3(sphere.center) - glm::dvec3(eye);
+  const double along = glm::dot(d, axis);
+  if (!(along > 0.0)) return false;
+  // Not the root of |d|^2 - along^2, which is rounding only where d is along the axis.
+  const double across = glm::length(d - along * axis);
+  const double cos_angle = cone.cos_angle, sin_angle = std::sqrt((1.0 - cos_angle) * (1.0 + cos_angle));
+  const double smallest = along * cos_angle - across * sin_angle;
+  const double slack = facing_slack * (along + across) + eye_slack * static_cast<double>(largest_coordinate(eye));
+  return smallest > static_cast<double>(sphere.radius) + slack;
 }
 
 }  // namespace occlod

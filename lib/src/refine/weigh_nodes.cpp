@@ -2,7 +2,10 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
+
+#include "math/facing_slack.h"
 
 // Compiles this file once for every instruction set.
 #undef HWY_TARGET_INCLUDE
@@ -15,25 +18,33 @@ namespace occlod::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-using Floats = hn::ScalableTag<float>;
-using Ints = hn::RebindToSigned<Floats>;
-using Vec = hn::Vec<Floats>;
-using Mask = hn::Mask<Floats>;
+using Doubles = hn::ScalableTag<double>;
+using Floats = hn::Rebind<float, Doubles>;
+using Ints = hn::Rebind<std::int32_t, Doubles>;
 
-HWY_INLINE Vec constant(float value) { return hn::Set(Floats(), value); }
-
+// Lanes of floats or of doubles.
+template <typename Tag>
 struct Vec3 {
-  Vec x, y, z;
+  hn::Vec<Tag> x, y, z;
 };
 
-HWY_INLINE Vec3 constant(const glm::vec3& v) { return {constant(v.x), constant(v.y), constant(v.z)}; }
-HWY_INLINE Vec3 subtract(const Vec3& a, const Vec3& b) {
+HWY_INLINE hn::Vec<Floats> constant(float value) { return hn::Set(Floats(), value); }
+HWY_INLINE hn::Vec<Doubles> constant(double value) { return hn::Set(Doubles(), value); }
+HWY_INLINE Vec3<Doubles> constant(const glm::dvec3& v) { return {constant(v.x), constant(v.y), constant(v.z)}; }
+
+HWY_INLINE hn::Vec<Doubles> wide(hn::Vec<Floats> v) { return hn::PromoteTo(Doubles(), v); }
+HWY_INLINE Vec3<Doubles> wide(const Vec3<Floats>& v) { return {wide(v.x), wide(v.y), wide(v.z)}; }
+
+HWY_INLINE Vec3<Doubles> subtract(const Vec3<Doubles>& a, const Vec3<Doubles>& b) {
   return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
 }
-HWY_INLINE Vec dot(const Vec3& a, const Vec3& b) {
+HWY_INLINE Vec3<Doubles> scale(hn::Vec<Doubles> s, const Vec3<Doubles>& v) {
+  return {hn::Mul(s, v.x), hn::Mul(s, v.y), hn::Mul(s, v.z)};
+}
+HWY_INLINE hn::Vec<Doubles> dot(const Vec3<Doubles>& a, const Vec3<Doubles>& b) {
   return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
 }
-HWY_INLINE Vec root(Vec square) { return hn::Sqrt(hn::Max(square, hn::Zero(Floats()))); }
+HWY_INLINE hn::Vec<Doubles> length(const Vec3<Doubles>& v) { return hn::Sqrt(dot(v, v)); }
 
 // The members of FrontNode that are read, a vector each: all nodes are one cache line.
 class NodeLanes {
@@ -42,10 +53,10 @@ class NodeLanes {
       : first_(&first->sphere.center.x),
         places_(hn::Mul(hn::Iota(Ints(), 0), hn::Set(Ints(), sizeof(FrontNode) / sizeof(float)))) {}
 
-  HWY_INLINE Vec read(std::size_t offset) const {
+  HWY_INLINE hn::Vec<Floats> read(std::size_t offset) const {
     return hn::GatherIndex(Floats(), first_ + offset / sizeof(float), places_);
   }
-  HWY_INLINE Vec3 read3(std::size_t offset) const {
+  HWY_INLINE Vec3<Floats> read3(std::size_t offset) const {
     return {read(offset), read(offset + sizeof(float)), read(offset + 2 * sizeof(float))};
   }
 
@@ -55,81 +66,91 @@ class NodeLanes {
 };
 
 // As ObjectView::may_be_inside, operation by operation.
-HWY_INLINE Mask is_outside(const Vec3& center, Vec radius, const ObjectView& view) {
-  Mask outside = hn::Lt(radius, radius);
+HWY_INLINE hn::Mask<Floats> is_outside(const Vec3<Floats>& center, hn::Vec<Floats> radius, const ObjectView& view) {
+  hn::Mask<Floats> outside = hn::Ne(radius, radius);
   for (const glm::vec4& plane : view.planes()) {
-    const Vec3 terms = {hn::Mul(constant(plane.x), center.x), hn::Mul(constant(plane.y), center.y),
-                        hn::Mul(constant(plane.z), center.z)};
-    const Vec reach =
-        hn::Add(hn::Add(hn::Add(hn::Abs(terms.x), hn::Abs(terms.y)), hn::Abs(terms.z)), hn::Abs(constant(plane.w)));
-    const Vec slack = hn::Mul(constant(1e-6F), hn::Add(reach, radius));
-    const Vec distance = hn::Add(hn::Add(hn::Add(terms.x, terms.y), terms.z), constant(plane.w));
+    const hn::Vec<Floats> x = hn::Mul(constant(plane.x), center.x), y = hn::Mul(constant(plane.y), center.y),
+                          z = hn::Mul(constant(plane.z), center.z), w = constant(plane.w);
+    const hn::Vec<Floats> reach = hn::Add(hn::Add(hn::Add(hn::Abs(x), hn::Abs(y)), hn::Abs(z)), hn::Abs(w));
+    const hn::Vec<Floats> slack = hn::Mul(constant(1e-6F), hn::Add(reach, radius));
+    const hn::Vec<Floats> distance = hn::Add(hn::Add(hn::Add(x, y), z), w);
     outside = hn::Or(outside, hn::Lt(distance, hn::Neg(hn::Add(radius, slack))));
   }
   return outside;
 }
 
 // As faces_away.
-HWY_INLINE Mask is_facing_away(const Vec3& center, Vec radius, const Vec3& axis, Vec cos_angle,
-                               const ObjectView& view) {
-  const Vec zero = hn::Zero(Floats()), one = constant(1.0F);
-  const Vec3 d = subtract(center, constant(view.eye()));
-  const Vec along = dot(d, axis);
-  const Vec across = root(hn::Sub(dot(d, d), hn::Mul(along, along)));
-  const Vec sin_angle = root(hn::Mul(hn::Sub(one, cos_angle), hn::Add(one, cos_angle)));
-  const Vec smallest = hn::Sub(hn::Mul(along, cos_angle), hn::Mul(across, sin_angle));
-  const Vec slack = hn::Mul(constant(1e-5F), hn::Add(hn::Add(along, across), radius));
+HWY_INLINE hn::Mask<Doubles> is_facing_away(const Vec3<Doubles>& center, hn::Vec<Doubles> radius,
+                                            const Vec3<Doubles>& axis, hn::Vec<Doubles> cos_angle,
+                                            const glm::vec3& eye) {
+  const hn::Vec<Doubles> zero = hn::Zero(Doubles()), one = constant(1.0);
+  const Vec3<Doubles> d = subtract(center, constant(glm::dvec3(eye)));
+  const hn::Vec<Doubles> along = dot(d, axis);
+  const hn::Vec<Doubles> across = length(subtract(d, scale(along, axis)));
+  const hn::Vec<Doubles> sin_angle = hn::Sqrt(hn::Mul(hn::Sub(one, cos_angle), hn::Add(one, cos_angle)));
+  const hn::Vec<Doubles> smallest = hn::Sub(hn::Mul(along, cos_angle), hn::Mul(across, sin_angle));
+  const hn::Vec<Doubles> slack = hn::Add(hn::Mul(constant(facing_slack), hn::Add(along, across)),
+                                         constant(eye_slack * static_cast<double>(largest_coordinate(eye))));
   return hn::And(hn::And(hn::Gt(cos_angle, zero), hn::Gt(along, zero)), hn::Gt(smallest, hn::Add(radius, slack)));
 }
 
 // As ObjectView::largest_scale_px.
-HWY_INLINE Vec scale_px(const Vec3& center_in_object, Vec object_radius, const ObjectView& view) {
-  const Vec one = constant(1.0F);
-  const glm::mat4x3& m = view.object_to_eye();
+HWY_INLINE hn::Vec<Floats> scale_px(const Vec3<Doubles>& center_in_object, hn::Vec<Doubles> object_radius,
+                                    const ObjectView& view) {
+  const hn::Vec<Doubles> one = constant(1.0);
+  const glm::dmat4x3& m = view.object_to_eye();
   const auto row = [&](int r) {
     return hn::Add(
         hn::Add(hn::Add(hn::Mul(constant(m[0][r]), center_in_object.x), hn::Mul(constant(m[1][r]), center_in_object.y)),
                 hn::Mul(constant(m[2][r]), center_in_object.z)),
         constant(m[3][r]));
   };
-  const Vec3 center = {row(0), row(1), row(2)};
-  const Vec radius = hn::Mul(object_radius, constant(view.largest_stretch()));
-  const Vec distance = hn::Sqrt(dot(center, center));
-  const Vec nearest = hn::Sub(distance, radius);
-  const Vec cos_center =
-      hn::Min(hn::Max(hn::Div(dot(center, constant(view.direction())), distance), constant(-1.0F)), one);
-  const Vec sin_center = root(hn::Sub(one, hn::Mul(cos_center, cos_center)));
-  const Vec sin_radius = hn::Min(one, hn::Div(radius, distance));
-  const Vec cos_radius = hn::Sqrt(hn::Sub(one, hn::Mul(sin_radius, sin_radius)));
-  const Vec cos_largest = hn::Max(constant(view.cos_corner_angle()),
-                                  hn::Sub(hn::Mul(cos_center, cos_radius), hn::Mul(sin_center, sin_radius)));
-  const Vec scale = hn::Div(constant(view.focal_length_px() * view.largest_stretch()),
-                            hn::Mul(hn::Mul(nearest, cos_largest), cos_largest));
-  return hn::IfThenElse(hn::Gt(nearest, hn::Zero(Floats())), scale, constant(std::numeric_limits<float>::infinity()));
+  const Vec3<Doubles> center = {row(0), row(1), row(2)};
+  const hn::Vec<Doubles> radius = hn::Mul(object_radius, constant(view.largest_stretch()));
+  const hn::Vec<Doubles> distance = length(center);
+  const hn::Vec<Doubles> nearest = hn::Sub(distance, radius);
+  const hn::Vec<Doubles> cos_center =
+      hn::Min(hn::Max(hn::Div(dot(center, constant(view.direction())), distance), constant(-1.0)), one);
+  const hn::Vec<Doubles> sin_center = hn::Sqrt(hn::Sub(one, hn::Mul(cos_center, cos_center)));
+  const hn::Vec<Doubles> sin_radius = hn::Div(radius, distance);
+  const hn::Vec<Doubles> cos_radius = hn::Sqrt(hn::Sub(one, hn::Mul(sin_radius, sin_radius)));
+  const hn::Vec<Doubles> cos_largest = hn::Max(
+      constant(view.cos_corner_angle()), hn::Sub(hn::Mul(cos_center, cos_radius), hn::Mul(sin_center, sin_radius)));
+  const hn::Vec<Doubles> result = hn::Div(constant(view.focal_length_px() * view.largest_stretch()),
+                                          hn::Mul(hn::Mul(nearest, cos_largest), cos_largest));
+  const hn::Vec<Doubles> seen =
+      hn::IfThenElse(hn::Gt(nearest, hn::Zero(Doubles())), result, constant(std::numeric_limits<double>::infinity()));
+  // Rounded up.
+  return hn::Add(hn::DemoteTo(Floats(), hn::Mul(seen, constant(1.0 + 2e-7))),
+                 constant(std::numeric_limits<float>::denorm_min()));
 }
 
 // Returns how many of the first nodes have been weighed: whole vectors.
 std::size_t weigh_vectors(std::span<FrontNode> nodes, const ObjectView& view, bool two_sided, WeighedNodes& counts) {
-  const Floats d;
-  const std::size_t lanes = hn::Lanes(d);
+  constexpr std::size_t bytes_of_mask = 8;  // at least, for any number of lanes
+  const std::size_t lanes = hn::Lanes(Doubles());
   HWY_ALIGN std::array<float, hn::MaxLanes(Floats())> scales;
+  std::array<std::uint8_t, bytes_of_mask> outside{}, facing_away{};
   std::size_t i = 0;
   for (; i + lanes <= nodes.size(); i += lanes) {
     const NodeLanes node(&nodes[i]);
-    const Vec3 center = node.read3(offsetof(FrontNode, sphere));
-    const Vec radius = node.read(offsetof(FrontNode, sphere) + offsetof(Sphere, radius));
-    const Mask outside = is_outside(center, radius, view);
-    Mask hidden = outside;
+    const Vec3<Floats> center = node.read3(offsetof(FrontNode, sphere));
+    const hn::Vec<Floats> radius = node.read(offsetof(FrontNode, sphere) + offsetof(Sphere, radius));
+    hn::StoreMaskBits(Floats(), is_outside(center, radius, view), outside.data());
     if (!two_sided) {
-      const Vec3 axis = node.read3(offsetof(FrontNode, cone));
-      const Vec cos_angle = node.read(offsetof(FrontNode, cone) + offsetof(NormalCone, cos_angle));
-      hidden = hn::Or(hidden, is_facing_away(center, radius, axis, cos_angle, view));
+      const Vec3<Doubles> axis = wide(node.read3(offsetof(FrontNode, cone)));
+      const hn::Vec<Doubles> cos_angle = wide(node.read(offsetof(FrontNode, cone) + offsetof(NormalCone, cos_angle)));
+      hn::StoreMaskBits(Doubles(), is_facing_away(wide(center), wide(radius), axis, cos_angle, view.eye()),
+                        facing_away.data());
     }
-    const std::size_t outside_count = hn::CountTrue(d, outside);
-    counts.outside += outside_count;
-    counts.facing_away += hn::CountTrue(d, hidden) - outside_count;
-    hn::Store(hn::IfThenElse(hidden, hn::Zero(d), scale_px(center, radius, view)), d, scales.data());
-    for (std::size_t lane = 0; lane < lanes; ++lane) nodes[i + lane].scale_px = scales[lane];
+    hn::Store(scale_px(wide(center), wide(radius), view), Floats(), scales.data());
+    for (std::size_t lane = 0; lane < lanes; ++lane) {
+      const auto is_set = [&](const auto& bits) { return (bits[lane / 8] >> (lane % 8) & 1U) != 0; };
+      const bool out = is_set(outside), away = !out && is_set(facing_away);
+      counts.outside += out ? 1 : 0;
+      counts.facing_away += away ? 1 : 0;
+      nodes[i + lane].scale_px = out || away ? 0.0F : scales[lane];
+    }
   }
   return i;
 }

@@ -30,36 +30,75 @@ bool finite(const glm::dmat4& m) {
   return true;
 }
 
-glm::vec4 unit_plane(const glm::dvec4& plane) { return glm::vec4(plane / glm::length(glm::dvec3(plane))); }
+// a * b - c * d to 1.5 units in the last place (Kahan; Jeannerod, Louvet & Muller 2013): std::fma rounds once.
+double difference_of_products(double a, double b, double c, double d) noexcept {
+  const double cd = c * d;
+  return std::fma(a, b, -cd) - std::fma(c, d, -cd);
+}
+
+glm::dvec3 accurate_cross(const glm::dvec3& a, const glm::dvec3& b) noexcept {
+  return {difference_of_products(a.y, b.z, a.z, b.y), difference_of_products(a.z, b.x, a.x, b.z),
+          difference_of_products(a.x, b.y, a.y, b.x)};
+}
+
+double determinant_of(const glm::dmat3& m) { return glm::dot(m[0], accurate_cross(m[1], m[2])); }
+
+// x with m * x = y, by Cramer's rule. Where m stretches by s in one direction and 1 / s in another, cofactors as
+// glm::inverse computes them are off by s^2 units in the last place of the largest.
+glm::dvec3 solve(const glm::dmat3& m, const glm::dvec3& y) {
+  const glm::dvec3 yz = accurate_cross(m[1], m[2]), zx = accurate_cross(m[2], m[0]), xy = accurate_cross(m[0], m[1]);
+  return glm::dvec3(glm::dot(yz, y), glm::dot(zx, y), glm::dot(xy, y)) / determinant_of(m);
+}
+
+// At least x, and hardly more.
+float rounded_up(double x) noexcept {
+  return static_cast<float>(x * (1.0 + 2e-7)) + std::numeric_limits<float>::denorm_min();
+}
+
+// A plane as the dot product with a point, object space. `normal` and `offset`: in world space relative to the eye.
+// Moved outwards by what sums in double precision may be off by.
+glm::vec4 unit_plane(const glm::dvec3& normal, double offset, const glm::dmat4x3& object_to_eye) {
+  const glm::dvec3 in_object = normal * glm::dmat3(object_to_eye);
+  const glm::dvec3 terms = normal * object_to_eye[3];
+  const double rounding = 1e-15 * (std::abs(terms.x) + std::abs(terms.y) + std::abs(terms.z) + std::abs(offset));
+  return glm::vec4(glm::dvec4(in_object, terms.x + terms.y + terms.z + offset + rounding) / glm::length(in_object));
+}
+
+// From the axes of the view and not, as usual, from sums of rows of the matrix to clip space: where the far plane is
+// 1e9 times as far away as the near one, or the eye far from the origin, their difference is rounding only.
+std::array<glm::vec4, 6> frustum_planes(const View& view, const glm::dmat4x3& object_to_eye) {
+  const glm::dvec3 across(glm::row(view.world_to_clip(), 0)), along(glm::row(view.world_to_clip(), 1));
+  const glm::dvec3& ahead = view.direction();
+  const glm::dvec3 right = ahead + across, left = ahead - across, top = ahead + along, bottom = ahead - along;
+  const auto plane = [&](const glm::dvec3& normal, double offset) { return unit_plane(normal, offset, object_to_eye); };
+  return {plane(right, 0.0),
+          plane(left, 0.0),
+          plane(top, 0.0),
+          plane(bottom, 0.0),
+          plane(ahead, -view.camera().near),
+          plane(-ahead, view.camera().far)};
+}
 
 }  // namespace
 
 ObjectView::ObjectView(const View& view, const glm::dmat4& object_to_world) {
   const glm::dmat3 linear(object_to_world);
-  const double determinant = glm::determinant(linear);
+  const double determinant = determinant_of(linear);
   if (!finite(object_to_world) || glm::row(object_to_world, 3) != glm::dvec4(0, 0, 0, 1) ||
       !std::isfinite(determinant) || determinant == 0.0)
     throw Error({"object", "transform", "is not an affine matrix with an inverse",
                  "give finite numbers, last row 0 0 0 1, and no zero scale"});
-  const glm::dmat4 to_clip = view.world_to_clip() * object_to_world;
-  object_to_clip_ = glm::mat4(to_clip);
-  const glm::dmat4 world_to_object = glm::inverse(object_to_world);
-  eye_ = glm::vec3(world_to_object * glm::dvec4(view.camera().eye, 1.0));
-  direction_ = glm::vec3(view.direction());
-  glm::dmat4 to_eye = object_to_world;
-  to_eye[3] -= glm::dvec4(view.camera().eye, 0.0);
-  object_to_eye_ = glm::mat4x3(to_eye);
-  largest_stretch_ = static_cast<float>(stretch_of(linear));
-  focal_length_px_ = static_cast<float>(view.focal_length_px());
-  cos_corner_angle_ = static_cast<float>(view.cos_corner_angle());
+  object_to_clip_ = glm::mat4(view.world_to_clip() * object_to_world);
+  // Far from the origin the difference of two places is rounded once, and little; their images under a matrix are not.
+  object_to_eye_ = glm::dmat4x3(object_to_world);
+  object_to_eye_[3] -= view.camera().eye;
+  eye_ = glm::vec3(solve(linear, -object_to_eye_[3]));
+  direction_ = view.direction();
+  largest_stretch_ = stretch_of(linear);
+  focal_length_px_ = view.focal_length_px();
+  cos_corner_angle_ = view.cos_corner_angle();
   mirrored_ = determinant < 0.0;
-  // Gribb & Hartmann: a clip-space plane is a sum of rows of the matrix, already in object space.
-  const glm::dvec4 w = glm::row(to_clip, 3);
-  for (int axis = 0; axis < 3; ++axis) {
-    const glm::dvec4 row = glm::row(to_clip, axis);
-    planes_[static_cast<std::size_t>(2 * axis)] = unit_plane(w + row);
-    planes_[static_cast<std::size_t>(2 * axis + 1)] = unit_plane(w - row);
-  }
+  planes_ = frustum_planes(view, object_to_eye_);
 }
 
 bool ObjectView::may_be_inside(const Sphere& sphere) const noexcept {
@@ -72,21 +111,23 @@ bool ObjectView::may_be_inside(const Sphere& sphere) const noexcept {
   });
 }
 
+// In double precision: the centre may be far from the object's origin and near the eye, and squares of tiny or huge
+// lengths leave the range of floats.
 float ObjectView::largest_scale_px(const Sphere& sphere) const noexcept {
-  const glm::vec3 center = object_to_eye_ * glm::vec4(sphere.center, 1.0F);
-  const float radius = sphere.radius * largest_stretch_;
-  const float distance = glm::length(center);
-  const float nearest = distance - radius;
-  if (!(nearest > 0.0F)) return std::numeric_limits<float>::infinity();
+  const glm::dvec3 center = object_to_eye_ * glm::dvec4(sphere.center, 1.0);
+  const double radius = static_cast<double>(sphere.radius) * largest_stretch_;
+  const double distance = glm::length(center);
+  const double nearest = distance - radius;
+  if (!(nearest > 0.0)) return std::numeric_limits<float>::infinity();
   // A displacement at distance d and angle a from the axis covers at most f / (d cos^2 a) pixels per unit: f / z for
   // the depth z = d cos a, and once more 1 / cos a in the radial direction. The largest angle: that of the centre plus
   // that under which the sphere is seen; the image ends at its corners.
-  const float cos_center = std::clamp(glm::dot(center, direction_) / distance, -1.0F, 1.0F);
-  const float sin_center = std::sqrt(std::fmax(0.0F, 1.0F - cos_center * cos_center));
-  const float sin_radius = std::fmin(1.0F, radius / distance);
-  const float cos_radius = std::sqrt(1.0F - sin_radius * sin_radius);
-  const float cos_largest = std::fmax(cos_corner_angle_, cos_center * cos_radius - sin_center * sin_radius);
-  return focal_length_px_ * largest_stretch_ / (nearest * cos_largest * cos_largest);
+  const double cos_center = std::clamp(glm::dot(center, direction_) / distance, -1.0, 1.0);
+  const double sin_center = std::sqrt(1.0 - cos_center * cos_center);
+  const double sin_radius = radius / distance;
+  const double cos_radius = std::sqrt(1.0 - sin_radius * sin_radius);
+  const double cos_largest = std::max(cos_corner_angle_, cos_center * cos_radius - sin_center * sin_radius);
+  return rounded_up(focal_length_px_ * largest_stretch_ / (nearest * cos_largest * cos_largest));
 }
 
 }  // namespace occlod

@@ -41,7 +41,7 @@ struct NormalCone {
 [[nodiscard]] glm::vec3 corner(const Box& box, int i);
 
 // True iff every point of the surface inside `sphere`, with normals inside `cone`, faces away from
-// an eye at `eye`: no front face of it can be seen. Exact up to rounding, which errs towards false.
+// an eye at `eye`, or at what was rounded to it: no front face of it can be seen. Rounding errs towards false.
 [[nodiscard]] bool faces_away(const NormalCone& cone, const Sphere& sphere, const glm::vec3& eye);
 
 }  // namespace occlod

@@ -19,7 +19,8 @@ struct Camera {
   friend bool operator==(const Camera&, const Camera&) = default;
 };
 
-// From how far away the camera sees all of a sphere of this radius in the middle of its image, with a fiftieth to spare.
+// From how far away the camera sees all of a sphere of this radius in the middle of its image, with a fiftieth to
+// spare.
 [[nodiscard]] double fitting_distance(const Camera& camera, double radius);
 
 }  // namespace occlod

@@ -55,21 +55,21 @@ class ObjectView {
   [[nodiscard]] float largest_scale_px(const Sphere& sphere) const noexcept;
 
   // What that is made of, for those who ask about many at once.
-  [[nodiscard]] const glm::mat4x3& object_to_eye() const noexcept { return object_to_eye_; }  // world units
-  [[nodiscard]] const glm::vec3& direction() const noexcept { return direction_; }   // of the view, world space
-  [[nodiscard]] float largest_stretch() const noexcept { return largest_stretch_; }  // world units per object unit
-  [[nodiscard]] float focal_length_px() const noexcept { return focal_length_px_; }
-  [[nodiscard]] float cos_corner_angle() const noexcept { return cos_corner_angle_; }
+  [[nodiscard]] const glm::dmat4x3& object_to_eye() const noexcept { return object_to_eye_; }  // world units
+  [[nodiscard]] const glm::dvec3& direction() const noexcept { return direction_; }   // of the view, world space
+  [[nodiscard]] double largest_stretch() const noexcept { return largest_stretch_; }  // world units per object unit
+  [[nodiscard]] double focal_length_px() const noexcept { return focal_length_px_; }
+  [[nodiscard]] double cos_corner_angle() const noexcept { return cos_corner_angle_; }
 
  private:
   glm::mat4 object_to_clip_{1.0F};
-  glm::mat4x3 object_to_eye_{1.0F};  // world units, relative to the eye
+  glm::dmat4x3 object_to_eye_{1.0};  // world units, relative to the eye
   std::array<glm::vec4, 6> planes_{};
   glm::vec3 eye_{0.0F};
-  glm::vec3 direction_{0.0F, 0.0F, -1.0F};  // world space
-  float largest_stretch_ = 1.0F;            // world units per object unit
-  float focal_length_px_ = 0.0F;
-  float cos_corner_angle_ = 1.0F;
+  glm::dvec3 direction_{0.0, 0.0, -1.0};  // world space
+  double largest_stretch_ = 1.0;          // world units per object unit
+  double focal_length_px_ = 0.0;
+  double cos_corner_angle_ = 1.0;
   bool mirrored_ = false;
 };
 
