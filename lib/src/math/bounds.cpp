@@ -8,6 +8,7 @@
 #include "math/facing_slack.h"
 
 namespace occlod {
+
 Box bounding_box(std::span<const glm::vec3> points) {
   assert(!points.empty());
   Box box{points[0], points[0]};

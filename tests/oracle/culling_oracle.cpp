@@ -1,0 +1,89 @@
+#include "oracle/culling_oracle.h"
+
+#include <cmath>
+#include <glm/trigonometric.hpp>
+
+namespace occlod::test {
+namespace {
+
+using Number = CullingOracle::Number;
+using Vector = CullingOracle::Vector;
+using Point = CullingOracle::Point;
+
+constexpr double margin = 1e-12;  // far above the error of a tangent of 89.5 degrees, 200 units in the last place
+
+Vector vector(const glm::dvec3& v) { return {Number(v.x), Number(v.y), Number(v.z)}; }
+Point point(const glm::vec3& p) {
+  return {static_cast<double>(p.x), static_cast<double>(p.y), static_cast<double>(p.z)};
+}
+
+double length(const Vector& v) { return std::sqrt(CGAL::to_double(v.squared_length())); }
+
+// Evaluated once, instead of anew in every predicate.
+Number settled(const Number& n) { return Number(CGAL::exact(n)); }
+Vector settled(const Vector& v) { return {settled(v.x()), settled(v.y()), settled(v.z())}; }
+
+}  // namespace
+
+CullingOracle::CullingOracle(const Camera& camera, const glm::dmat4& object_to_world) {
+  for (int row = 0; row < 3; ++row)
+    rows_[static_cast<std::size_t>(row)] =
+        vector({object_to_world[0][row], object_to_world[1][row], object_to_world[2][row]});
+  from_eye_ = settled(vector(glm::dvec3(object_to_world[3])) - vector(camera.eye));
+  ahead_ = settled(vector(camera.target) - vector(camera.eye));
+  right_ = settled(CGAL::cross_product(ahead_, vector(camera.up)));
+  up_ = settled(CGAL::cross_product(right_, ahead_));
+
+  const double tangent = std::tan(glm::radians(camera.fov_y_deg) / 2.0);
+  const double aspect = static_cast<double>(camera.width) / camera.height;
+  focal_length_px_ = Number(camera.height / 2.0 / tangent * (1.0 - margin));
+  const double one = length(ahead_);
+  const Vector across = Number(tangent * aspect * (1.0 - margin) * length(right_) / one) * ahead_;
+  const Vector along = Number(tangent * (1.0 - margin) * length(up_) / one) * ahead_;
+  planes_ = {plane(across + right_, 0),
+             plane(across - right_, 0),
+             plane(along + up_, 0),
+             plane(along - up_, 0),
+             plane(ahead_, Number(-camera.near * one * (1.0 + margin))),
+             plane(-ahead_, Number(camera.far * one * (1.0 - margin)))};
+
+  // Cramer's rule for rows * eye = -from_eye.
+  const auto& [r0, r1, r2] = rows_;
+  const Vector c12 = CGAL::cross_product(r1, r2), c20 = CGAL::cross_product(r2, r0), c01 = CGAL::cross_product(r0, r1);
+  const Vector eye = (from_eye_.x() * c12 + from_eye_.y() * c20 + from_eye_.z() * c01) / (r0 * c12);
+  eye_ = Point(settled(-eye.x()), settled(-eye.y()), settled(-eye.z()));
+}
+
+Vector CullingOracle::to_world(const Vector& v) const { return {rows_[0] * v, rows_[1] * v, rows_[2] * v}; }
+
+CullingOracle::Plane CullingOracle::plane(const Vector& normal, const Number& offset) const {
+  return {settled(normal.x() * rows_[0] + normal.y() * rows_[1] + normal.z() * rows_[2]),
+          settled(normal * from_eye_ + offset)};
+}
+
+std::uint32_t CullingOracle::planes_outside(const glm::vec3& p) const {
+  const Vector v = point(p) - Point(0, 0, 0);
+  std::uint32_t outside = 0;
+  for (std::size_t i = 0; i < planes_.size(); ++i)
+    if (planes_[i].normal * v + planes_[i].offset < 0) outside |= 1U << i;
+  return outside;
+}
+
+bool CullingOracle::faces_eye(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) const {
+  return CGAL::orientation(point(a), point(b), point(c), eye_) == CGAL::POSITIVE;
+}
+
+// The picture of d is at F (d.right / |right|, d.up / |up|) / (d.ahead / |ahead|). Its derivative along v has the
+// square F^2 |ahead|^2 (x^2 / |right|^2 + y^2 / |up|^2) / z^4 with x, y, z as below.
+bool CullingOracle::moves_more_than(float scale_px, const glm::vec3& p, const glm::vec3& displacement) const {
+  const Vector step = point(displacement) - Point(0, 0, 0);
+  const Vector d = to_world(point(p) - Point(0, 0, 0)) + from_eye_, v = to_world(step);
+  const Number z = d * ahead_, change = v * ahead_;
+  const Number x = (v * right_) * z - (d * right_) * change, y = (v * up_) * z - (d * up_) * change;
+  const Number scale(static_cast<double>(scale_px));
+  const Number pixels = focal_length_px_ * focal_length_px_ * ahead_.squared_length() *
+                        (x * x / right_.squared_length() + y * y / up_.squared_length());
+  return pixels > scale * scale * step.squared_length() * z * z * z * z;
+}
+
+}  // namespace occlod::test
