@@ -33,7 +33,7 @@ struct Options {
 void make_small(Options& options) {
   options.is_small = true;
   SweepOptions& sweep = options.sweep;
-  sweep.scenes = {{"armadillo", "orbit"}, {"planet_full", "orbit"}};
+  sweep.scenes = {{"armadillo", "orbit"}, {"planet_full", "orbit"}, {"city", "fly_over"}};
   sweep.budgets = {500, 1'000, 2'000, 4'000};
   sweep.knob_budget = 2'000;
   sweep.size = {320, 240};
@@ -105,7 +105,7 @@ void run(const Options& options) {
 
 void add_options(CLI::App& app, Options& options) {
   app.add_flag_callback(
-         "--small", [&options] { make_small(options); }, "Two scenes, small pictures and budgets: for tests")
+         "--small", [&options] { make_small(options); }, "Three scenes, small pictures and budgets: for tests")
       ->trigger_on_parse();
   app.add_option_function<std::vector<std::string>>(
          "--scene",

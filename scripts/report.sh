@@ -2,7 +2,7 @@
 # What accuracy costs in time: sweeps the knobs of refinement over scenes and camera paths and makes one page of it, out/report/report.html, with
 # report.json and points.csv beside it.
 # report.sh [--small] [--out FOLDER] [--bench FILE]
-#   --small  two scenes, small pictures and budgets: seconds, for tests
+#   --small  three scenes, small pictures and budgets: seconds, for tests
 #   --bench  a built bench_report; sets up and builds it when not given
 # OCCLOD_MESHES: folders with real meshes, separated by ':'; scenes that miss one are skipped and say so.
 set -euo pipefail

@@ -98,7 +98,8 @@ class Report(unittest.TestCase):
         for (scene, x, key), (attributes, shown, _) in zip(wanted, self.page.plots):
             self.assertEqual((attributes["data-x"], attributes["data-y"]), (x, key))
             values = {p["setting"]: (p[x], p[key]) for p in self.points[scene] if p[key] is not None}
-            self.assertGreater(len(values), 30)
+            if key != "max_error_px":  # unlimited where the eye is inside of bounds
+                self.assertGreater(len(values), 30)
             self.assertEqual({p["data-setting"]: (float(p["data-x"]), float(p["data-y"])) for p in shown}, values, (scene, key))
 
     def test_points_are_where_the_axes_say(self):
