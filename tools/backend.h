@@ -13,7 +13,7 @@ namespace occlod::tool {
 
 // What is not given is left to the backend.
 struct BackendOptions {
-  std::string occlusion = "software";  // none, software, gl-query, gl-mark, gl-compute
+  std::string occlusion = "software";  // none, software, gl-query, gl-mark, gl-compute; not auto
   std::string gl_platform;             // egl, osmesa; empty = what the machine offers
   std::optional<std::size_t> flight;   // gl-*: questions under way at once
   std::optional<std::size_t> window;   // gl-query: of those, queries that OpenGL holds; 0 = measured

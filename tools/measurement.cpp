@@ -30,6 +30,11 @@ void Measurement::repeat(const View& view, const RefineOptions& options, Visibil
   draw(view, refiner_.refine(view, options, visibility));
 }
 
+void Measurement::repeat(const View& view, const RefineOptions& options, AutoRefiner& refiner) {
+  draw(view, refiner.refine(view, options));
+  refine_ms_.back() += refiner.report().look_ms;
+}
+
 void Measurement::advance(const View& view, const RefineOptions& options, Visibility& visibility) {
   draw(view, refiner_.update(view, options, visibility));
 }

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "occlod/effects/auto_refiner.h"
 #include "occlod/picture/picture.h"
 #include "occlod/raster/item_buffer.h"
 #include "occlod/refine/refiner.h"
@@ -32,6 +33,7 @@ class Measurement {
   void repeat(const View& view, const RefineOptions& options, Visibility& visibility);
   // The same from the cut of the frame before: Refiner::update().
   void advance(const View& view, const RefineOptions& options, Visibility& visibility);
+  void repeat(const View& view, const RefineOptions& options, AutoRefiner& refiner);
 
   [[nodiscard]] const Refiner& refiner() const { return refiner_; }
   [[nodiscard]] const Refinement& refinement() const { return *refinement_; }

@@ -9,12 +9,15 @@
 #include "accuracy.h"
 #include "backend.h"
 #include "commands.h"
+#include "explanation.h"
 #include "json_output.h"
 #include "measurement.h"
+#include "occlod/core/error.h"
 #include "occlod/io/write_mesh.h"
 #include "occlod/picture/picture.h"
 #include "occlod/refine/refiner.h"
 #include "occlod/view/view.h"
+#include "refine_way.h"
 #include "render_input.h"
 #include "render_path.h"
 #include "render_report.h"
@@ -27,6 +30,9 @@ struct Options {
   RenderInputOptions input;
   RefineOptions refine;
   BackendOptions backend;
+  AutoWayOptions auto_way;
+  std::vector<std::string> fixed_effects;  // of the options given, those that auto would choose
+  bool explain = false;
   std::string png;
   std::string birdseye;
   std::string mesh;
@@ -43,30 +49,48 @@ void write_outputs(const Options& options, const Measurement& measurement, const
   if (!options.mesh.empty()) write_mesh(options.mesh, world_mesh(objects));
 }
 
-void render_view(const RenderInput& input, const Options& options, const Backend& backend) {
+void render_view(const RenderInput& input, const Options& options, RefineWay& way) {
   const View view(input.camera);
   Measurement measurement(input.objects);
-  for (int i = 0; i < options.repeat; ++i) measurement.repeat(view, options.refine, *backend.visibility);
+  for (int i = 0; i < options.repeat; ++i) way.repeat(measurement, view, options.refine);
   write_outputs(options, measurement, view);
 
-  RenderResult result{input, options.refine, backend, measurement, {}, {}};
+  RenderResult result{input, options.refine, way, measurement, {}, {}};
   if (options.reference) {
     result.distance = FullMeshPicture(input.objects, view).distance_to(measurement.items(), measurement.objects());
     WronglyHidden wrongly_hidden(input.objects);
-    wrongly_hidden.set_view(view, options.refine);
-    result.wrongly_hidden_px = wrongly_hidden.count(options.refine, *backend.visibility);
+    const RefineOptions fixed = way.fixed(options.refine);
+    wrongly_hidden.set_view(view, fixed);
+    result.wrongly_hidden_px = wrongly_hidden.count(fixed, way.visibility());
   }
   const Json report = report_of(result);
   options.json ? print_json(report) : print_lines(report);
+  if (options.explain) print_explanation(*way.chooser(), measurement.refinement().stats, input.objects);
+}
+
+// Effects that are given leave nothing to choose: then the software backend is the default.
+BackendOptions backend_options(const Options& options) {
+  BackendOptions backend = options.backend;
+  if (backend.occlusion.empty()) backend.occlusion = options.fixed_effects.empty() ? "auto" : "software";
+  const bool is_auto = backend.occlusion == "auto";
+  if (is_auto && !options.fixed_effects.empty())
+    throw Error({"auto", options.fixed_effects.front(), "is what it chooses", "leave it out or name a backend"});
+  if (!is_auto && options.explain)
+    throw Error({backend.occlusion, "--explain", "has nothing to explain", "use it with auto"});
+  if (options.json && options.explain)
+    throw Error({"auto", "--explain", "is for people", "leave it out: --json says why, too"});
+  return backend;
 }
 
 void run(const Options& options) {
-  const Backend backend = make_backend(options.backend);
+  const BackendOptions backend = backend_options(options);
+  if (backend.occlusion != "auto") (void)make_backend(backend);  // before much is read and built
   const RenderInput input = load_render_input(options.input);
+  RefineWay way(input.objects, backend, options.auto_way);
   if (input.path)
-    render_path(input, options.refine, backend, {options.png, options.repeat, options.json});
+    render_path(input, options.refine, way, {options.png, options.repeat, options.json, options.explain});
   else
-    render_view(input, options, backend);
+    render_view(input, options, way);
 }
 
 bool parse_size(const std::string& text, ImageSize& size) {
@@ -115,6 +139,44 @@ void add_weight(CLI::App& command, const std::string& name, double& exponent, co
       ->check(CLI::NonNegativeNumber);
 }
 
+// Options that fix what `auto` would choose.
+void add_effect_options(CLI::App& command, Options& options) {
+  RefineOptions& refine = options.refine;
+  const auto note = [&options](const char* name) { options.fixed_effects.emplace_back(name); };
+  command
+      .add_option_function<std::uint32_t>(
+          "--levels",
+          [&refine, note](const std::uint32_t& levels) {
+            refine.level_step = levels;
+            note("--levels");
+          },
+          "Ask about occlusion on every N-th level of the forest; 2 when not given")
+      ->check(CLI::PositiveNumber);
+  command
+      .add_option_function<std::vector<std::string>>(
+          "--occluder-splits",
+          [&refine, note](const std::vector<std::string>& steps) {
+            refine.occluder_splits = parse_occluder_splits(steps);
+            note("--occluder-splits");
+          },
+          "Draw the occluder after so many splits, e.g. 300,2500; adaptive or not given: when the mesh has changed "
+          "enough")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  const auto add_switch = [&command, note](const char* name, bool& on, const char* about) {
+    command.add_flag_callback(
+        name,
+        [&on, note, name] {
+          on = false;
+          note(name);
+        },
+        about);
+  };
+  add_switch("--no-retest", refine.retest_hidden, "Do not ask again about what an older occluder hid");
+  add_switch("--no-final-check", refine.final_check, "Do not ask about hidden parts before the final mesh");
+  add_switch("--no-stars", refine.ask_stars, "star: ask about subtrees only, not about what each split changes");
+}
+
 void add_refine_options(CLI::App& command, RefineOptions& refine) {
   static const std::map<std::string, Culling> cullings = {{"subtree", Culling::subtree}, {"star", Culling::star}};
   static const std::map<std::string, Proxy> proxies = {
@@ -129,34 +191,24 @@ void add_refine_options(CLI::App& command, RefineOptions& refine) {
       ->transform(CLI::CheckedTransformer(cullings));
   command.add_option("--proxy", refine.proxy, "Bounds to ask about: box, cylinder or sphere; box when not given")
       ->transform(CLI::CheckedTransformer(proxies));
-  command.add_option("--levels", refine.level_step, "Ask about occlusion on every N-th level of the forest")
-      ->capture_default_str()
-      ->check(CLI::PositiveNumber);
   command
       .add_option(
           "--mode", refine.occluder_mode,
           "paper: the occluder is the current mesh as it is; conservative: moved back by its error bounds, so that "
           "it hides nothing that is visible; paper when not given")
       ->transform(CLI::CheckedTransformer(modes));
-  command
-      .add_option_function<std::vector<std::string>>(
-          "--occluder-splits",
-          [&refine](const std::vector<std::string>& steps) { refine.occluder_splits = parse_occluder_splits(steps); },
-          "Draw the occluder after so many splits, e.g. 300,2500; adaptive or not given: when the mesh has changed "
-          "enough")
-      ->delimiter(',')
-      ->allow_extra_args(false);
-  command.add_flag("!--no-retest", refine.retest_hidden, "Do not ask again about what an older occluder hid");
-  command.add_flag("!--no-final-check", refine.final_check, "Do not ask about hidden parts before the final mesh");
   add_weight(command, "--visible-exponent", refine.visible_exponent, "the visible share of a split's faces");
   add_weight(command, "--grazing-exponent", refine.grazing_exponent, "one over the cosine under which they are seen");
   add_weight(command, "--forced-exponent", refine.forced_exponent, "one over the unseen splits that it forces");
 }
 
 void add_backend_options(CLI::App& command, BackendOptions& backend) {
-  command.add_option("--occlusion", backend.occlusion, "Who decides what is hidden")
-      ->capture_default_str()
-      ->check(CLI::IsMember({"none", "software", "gl-query", "gl-mark", "gl-compute"}));
+  command
+      .add_option(
+          "--occlusion", backend.occlusion,
+          "Who decides what is hidden; auto: whatever pays in each view; auto when not given, software when any "
+          "of what auto chooses is")
+      ->check(CLI::IsMember({"auto", "none", "software", "gl-query", "gl-mark", "gl-compute"}));
   command
       .add_option("--gl-platform", backend.gl_platform,
                   "Where OpenGL gets its context; what the machine offers when not given")
@@ -174,6 +226,19 @@ void add_backend_options(CLI::App& command, BackendOptions& backend) {
       ->check(CLI::PositiveNumber);
   command.add_flag("--conservative-queries", backend.conservative,
                    "gl-query: let the driver say visible where it is quicker (OpenGL 4.3)");
+}
+
+void add_auto_options(CLI::App& command, Options& options) {
+  command.add_option("--backends", options.auto_way.backends, "auto: backends to choose from")
+      ->capture_default_str()
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(CLI::IsMember({"software", "gl-query", "gl-mark", "gl-compute"}));
+  command.add_option("--calibration", options.auto_way.calibration,
+                     "auto: what this machine's parts of a frame cost, from a file; measured when not given");
+  command.add_option("--save-calibration", options.auto_way.save_calibration,
+                     "auto: write what was measured, to repeat this run exactly");
+  command.add_flag("--explain", options.explain, "auto: print what was on, what it cost and what it saved");
 }
 
 void add_output_options(CLI::App& command, Options& options) {
@@ -201,7 +266,10 @@ void add_render(CLI::App& app) {
   const auto options = std::make_shared<Options>();
   add_input_options(command, *options);
   add_refine_options(command, options->refine);
+  add_effect_options(command, *options);
+  options->backend.occlusion.clear();
   add_backend_options(command, options->backend);
+  add_auto_options(command, *options);
   add_output_options(command, *options);
   command.callback([options] { run(*options); });
 }

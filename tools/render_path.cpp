@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include "explanation.h"
 #include "measurement.h"
 #include "occlod/picture/picture.h"
 #include "render_report.h"
@@ -33,25 +34,26 @@ std::filesystem::path numbered(const std::filesystem::path& file, int frame) {
   return file.parent_path() / name;
 }
 
-void render_path(const RenderInput& input, const RefineOptions& options, const Backend& backend,
-                 const PathOutput& output) {
+void render_path(const RenderInput& input, const RefineOptions& options, RefineWay& way, const PathOutput& output) {
   Measurement measurement(input.objects);
   Json frames = Json::array();
   if (!output.json) print_header();
   for (int i = 0; i < input.path->frames; ++i) {
     const View view(camera_at(*input.path, i));
     measurement.begin();
-    for (int round = 0; round < output.repeat; ++round) measurement.repeat(view, options, *backend.visibility);
+    for (int round = 0; round < output.repeat; ++round) way.repeat(measurement, view, options);
     Json frame = {{"frame", i}};
     frame.update(stats_of(measurement));
     frame["camera"] = to_json(view.camera());
+    if (way.chooser() != nullptr) frame["auto"] = to_json(*way.chooser());
     if (!output.png.empty())
       write_png(numbered(output.png, i), shade(measurement.items(), measurement.objects(), view));
     if (!output.json) print_row(frame);
+    if (output.explain) print_explanation(*way.chooser(), measurement.refinement().stats, input.objects);
     frames.push_back(std::move(frame));
   }
   if (!output.json) return;
-  Json report = asked_of(input, options, backend);
+  Json report = asked_of(input, options, way);
   report["frames"] = std::move(frames);
   print_json(report);
 }

@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <string>
 
-#include "backend.h"
 #include "occlod/refine/refiner.h"
+#include "refine_way.h"
 #include "render_input.h"
 
 namespace occlod::tool {
@@ -14,12 +14,12 @@ struct PathOutput {
   std::string png;  // frame i of view.png becomes view_0000i.png; empty = no pictures
   int repeat = 1;
   bool json = false;
+  bool explain = false;
 };
 
 // Refines with one Refiner, frame by frame, the cameras of camera_at(*input.path, frame), and prints for each of them
 // what came of it: a table for people, or one JSON object with an array `frames`.
-void render_path(const RenderInput& input, const RefineOptions& options, const Backend& backend,
-                 const PathOutput& output);
+void render_path(const RenderInput& input, const RefineOptions& options, RefineWay& way, const PathOutput& output);
 
 // "folder/view.png", 7 -> "folder/view_00007.png": five digits, more where a frame needs them.
 [[nodiscard]] std::filesystem::path numbered(const std::filesystem::path& file, int frame);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "explanation.h"
 #include "option_names.h"
 
 namespace occlod::tool {
@@ -27,21 +28,26 @@ Json objects_of(const RenderResult& result) {
 
 }  // namespace
 
-Json asked_of(const RenderInput& input, const RefineOptions& options, const Backend& backend) {
+Json asked_of(const RenderInput& input, const RefineOptions& options, const RefineWay& way) {
   Json report;
   report["scene"] = input.name;
   if (input.path) report["path"] = input.path_name;
   report["culling"] = name_of(options.culling);
   report["mode"] = name_of(options.occluder_mode);
-  report["occlusion"] = backend.visibility->name();
-  if (!backend.gl.is_null()) report["gl"] = backend.gl;
+  report["occlusion"] = way.name();
+  if (!way.gl().is_null()) report["gl"] = way.gl();
   report["budget"] = options.budget;
   report["tolerance_px"] = options.tolerance_px;
   report["visible_exponent"] = options.visible_exponent;
   report["proxy"] = name_of(options.proxy);
-  report["level_step"] = options.level_step;
   report["grazing_exponent"] = options.grazing_exponent;
   report["forced_exponent"] = options.forced_exponent;
+  if (way.chooser() != nullptr) {  // what it chooses is told view by view
+    report["calibration"] = Json::parse(calibration_json(way.chooser()->calibration()));
+    return report;
+  }
+  report["level_step"] = options.level_step;
+  report["ask_stars"] = options.ask_stars;
   report["occluder_splits"] = options.occluder_splits.empty() ? Json("adaptive") : Json(options.occluder_splits);
   report["retest_hidden"] = options.retest_hidden;
   report["final_check"] = options.final_check;
@@ -80,8 +86,9 @@ Json stats_of(const Measurement& measurement) {
 }
 
 Json report_of(const RenderResult& result) {
-  Json report = asked_of(result.input, result.options, result.backend);
+  Json report = asked_of(result.input, result.options, result.way);
   report.update(stats_of(result.measurement));
+  if (result.way.chooser() != nullptr) report["auto"] = to_json(*result.way.chooser());
   report["wrongly_hidden_px"] = result.wrongly_hidden_px ? Json(*result.wrongly_hidden_px) : Json();
   if (result.distance) {
     report["depth_rms_px"] = result.distance->depth_rms_px;

@@ -5,11 +5,11 @@
 #include <optional>
 #include <string>
 
-#include "backend.h"
 #include "json_output.h"
 #include "measurement.h"
 #include "occlod/picture/compare.h"
 #include "occlod/refine/refiner.h"
+#include "refine_way.h"
 #include "render_input.h"
 
 namespace occlod::tool {
@@ -17,7 +17,7 @@ namespace occlod::tool {
 struct RenderResult {
   const RenderInput& input;
   const RefineOptions& options;
-  const Backend& backend;
+  const RefineWay& way;
   const Measurement& measurement;
   std::optional<PictureDistance> distance;       // to the full mesh
   std::optional<std::size_t> wrongly_hidden_px;  // see accuracy.h
@@ -26,7 +26,7 @@ struct RenderResult {
 [[nodiscard]] Json report_of(const RenderResult& result);
 
 // Parts of it: scene (and path), backend and options; and what came of the last repetition, with the median times.
-[[nodiscard]] Json asked_of(const RenderInput& input, const RefineOptions& options, const Backend& backend);
+[[nodiscard]] Json asked_of(const RenderInput& input, const RefineOptions& options, const RefineWay& way);
 [[nodiscard]] Json stats_of(const Measurement& measurement);
 
 }  // namespace occlod::tool

@@ -33,16 +33,16 @@ TEST(WeighNodes, ManyAtOnceAreAsOneByOne) {
   for (const glm::dmat4& placed :
        {glm::dmat4(1.0), glm::scale(glm::dmat4(1.0), glm::dvec3(-1.0, 2.0, 0.5)),
         glm::rotate(glm::translate(glm::dmat4(1.0), glm::dvec3(0.5, 0.0, 1.0)), 0.7, glm::dvec3(0.6, 0.0, 0.8))})
-    for (const bool two_sided : {false, true}) {
+    for (const bool tests_cones : {false, true}) {
       const ObjectView seen(view, placed);
       std::vector<FrontNode> nodes = random_nodes(4001, 3);
-      const WeighedNodes counts = weigh_nodes(nodes, seen, two_sided);
+      const WeighedNodes counts = weigh_nodes(nodes, seen, tests_cones);
       WeighedNodes expected;
-      for (const FrontNode& node : nodes) ASSERT_EQ(node.scale_px, scale_px_of(node, seen, two_sided, expected));
+      for (const FrontNode& node : nodes) ASSERT_EQ(node.scale_px, scale_px_of(node, seen, tests_cones, expected));
       EXPECT_EQ(counts.outside, expected.outside);
       EXPECT_EQ(counts.facing_away, expected.facing_away);
       EXPECT_GT(counts.outside, 100U);
-      EXPECT_EQ(counts.facing_away > 0U, !two_sided);
+      EXPECT_EQ(counts.facing_away > 0U, tests_cones);
     }
 }
 

@@ -173,15 +173,15 @@ class Render(ToolTest):
     def test_scene_by_generator_is_cached(self):
         self.write_scene("""{"objects": [{"generator": "rough-planet", "options": {"level": 3}}],
                              "cameras": {"default": {"eye": [0, 0, 3], "target": [0, 0, 0]}, "low": {"eye": [0, 1.2, 0], "target": [0, 0.8, -1]}}}""")
-        first = self.json_of("render", "scene.json", "--budget", 300)
+        first = self.json_of("render", "scene.json", "--occlusion", "software", "--budget", 300)
         cache = list((self.folder / "cache/occlod").iterdir())
         self.assertEqual(len(cache), 1)
-        self.assertEqual(self.json_of("render", "scene.json", "--budget", 300)["hash"], first["hash"])
-        self.assertEqual(self.json_of("render", "scene.json", "--budget", 300, "--no-cache")["hash"], first["hash"])
-        low = self.json_of("render", "scene.json", "--budget", 300, "--camera", "low")
+        self.assertEqual(self.json_of("render", "scene.json", "--occlusion", "software", "--budget", 300)["hash"], first["hash"])
+        self.assertEqual(self.json_of("render", "scene.json", "--occlusion", "software", "--budget", 300, "--no-cache")["hash"], first["hash"])
+        low = self.json_of("render", "scene.json", "--occlusion", "software", "--budget", 300, "--camera", "low")
         self.assertEqual(low["camera"]["eye"], [0, 1.2, 0])
         cache[0].write_bytes(b"not a hierarchy")
-        done = self.run_tool("render", "scene.json", "--budget", 300, "--json")
+        done = self.run_tool("render", "scene.json", "--occlusion", "software", "--budget", 300, "--json")
         self.assertEqual(json.loads(done.stdout)["hash"], first["hash"])
         self.assertTrue(done.stderr.startswith("occlod: note: "), done.stderr)
 
@@ -195,8 +195,8 @@ class Render(ToolTest):
     def test_path(self):
         """Frames 0 and 1 hold the default camera: the Refiner that is used again must give what a fresh one gives, at once and after the jump."""
         self.write_scene_with_paths()
-        alone = self.json_of("render", "scene.json", "--budget", 500)
-        result = self.json_of("render", "scene.json", "--budget", 500, "--path", "jump")
+        alone = self.json_of("render", "scene.json", "--occlusion", "software", "--budget", 500)
+        result = self.json_of("render", "scene.json", "--occlusion", "software", "--budget", 500, "--path", "jump")
         self.assertEqual(result["path"], "jump")
         self.assertNotIn("path", alone)
         frames = result["frames"]
@@ -212,8 +212,8 @@ class Render(ToolTest):
 
     def test_path_as_table_and_pictures(self):
         self.write_scene_with_paths()
-        lines = self.succeed("render", "scene.json", "--budget", 500, "--path", "move", "--size", "64x48", "--png", "view.png").splitlines()
-        hashes = [frame["hash"] for frame in self.json_of("render", "scene.json", "--budget", 500, "--path", "move", "--size", "64x48")["frames"]]
+        lines = self.succeed("render", "scene.json", "--occlusion", "software", "--budget", 500, "--path", "move", "--size", "64x48", "--png", "view.png").splitlines()
+        hashes = [frame["hash"] for frame in self.json_of("render", "scene.json", "--occlusion", "software", "--budget", 500, "--path", "move", "--size", "64x48")["frames"]]
         self.assertEqual([line.split()[-1] for line in lines[1:]], hashes)
         self.assertEqual(len(set(hashes)), 3)
         self.assertEqual(sorted(path.name for path in self.folder.glob("*.png")), [f"view_{i:05}.png" for i in range(3)])

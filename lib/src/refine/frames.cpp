@@ -91,14 +91,14 @@ void Frames::reach(std::uint32_t object, SplitId s, SplitId parent, std::uint16_
   FrontNode& node = objects_[object].front.obtain(s);
   node.set(FrontNode::reached, true);
   node.level = level;
-  node.scale_px = scale_px_of(node, refined_.views[object], refined_.objects[object].two_sided, unseen_);
+  node.scale_px = scale_px_of(node, refined_.views[object], refined_.gate->tests_cone(object), unseen_);
 }
 
 bool Frames::weigh(const RefinedCuts& refined, const RefineOptions& options) {
   begin(refined, options);
   for (std::uint32_t i = 0; i < objects_.size(); ++i) {
     const std::span<FrontNode> nodes = objects_[i].front.nodes();
-    const WeighedNodes counts = weigh_nodes(nodes, refined_.views[i], refined_.objects[i].two_sided);
+    const WeighedNodes counts = weigh_nodes(nodes, refined_.views[i], refined_.gate->tests_cone(i));
     unseen_.outside += counts.outside;
     unseen_.facing_away += counts.facing_away;
   }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "cut.h"
+#include "effect_gate.h"
 #include "face_list.h"
 #include "front.h"
 #include "importance.h"
@@ -27,6 +28,7 @@ struct RefinedCuts {
   std::span<Cut> cuts;
   std::span<const ObjectView> views;
   std::span<Importance> importances;
+  const EffectGate* gate = nullptr;  // what works on each object
 };
 
 // One frame: every node that refinement has reached is weighed for the new view; then, worst first, candidates are
@@ -107,6 +109,7 @@ class Frames {
   [[nodiscard]] bool is_shown_since(std::uint32_t draw, const FrontNode& node, Entry::Kind kind) const;
   [[nodiscard]] Entry leaf_question(std::uint32_t object, const FrontNode& node) const;
   [[nodiscard]] std::optional<Entry::Kind> question_about(std::uint32_t object, const FrontNode& node, bool due) const;
+  void forget_what_is_not_asked(std::uint32_t object, FrontNode& node) const;
   void note(const Entry& entry, bool visible);
   [[nodiscard]] bool is_hidden(const Entry& entry);
 

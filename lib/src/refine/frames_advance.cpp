@@ -63,6 +63,7 @@ void Frames::ask_again(Occluder& occluder, bool all) {
   for (std::uint32_t i = 0; i < objects_.size(); ++i) {
     const std::span<FrontNode> nodes = objects_[i].front.nodes();
     for (std::size_t k = 0; k < nodes.size(); ++k) {
+      forget_what_is_not_asked(i, nodes[k]);
       const bool due = all || (k + frame_) % asking_rounds == 0;
       if (const std::optional<Entry::Kind> kind = question_about(i, nodes[k], due))
         asked_.push_back({0.0F, {}, nodes[k].split, i, nodes[k].level, 0, *kind});
@@ -77,18 +78,26 @@ void Frames::ask_again(Occluder& occluder, bool all) {
   stats_->queries += asked_.size();
 }
 
+// Nothing stays hidden that no question could show again.
+void Frames::forget_what_is_not_asked(std::uint32_t object, FrontNode& node) const {
+  const bool asks = refined_.gate->asks(object, node.sphere.center);
+  if (!asks) node.set(FrontNode::subtree_hidden, false);
+  if (!asks || !options_->ask_stars) node.set(FrontNode::star_hidden, false);
+}
+
 // What has to be asked about a node, if anything. `due`: also about what was visible.
 std::optional<Entry::Kind> Frames::question_about(std::uint32_t object, const FrontNode& node, bool due) const {
   const float bound = node.quadric_px();
-  if (!(bound > 0.0F)) return std::nullopt;
+  if (!(bound > 0.0F) || !refined_.gate->asks(object, node.sphere.center)) return std::nullopt;
   const bool would_matter = bound * most_grazing > level_ / band;
   if (node.is(FrontNode::subtree_hidden)) return would_matter ? std::optional(Entry::Kind::visit) : std::nullopt;
   const Entry::Kind kind = leaf_question(object, node).kind;
+  const bool asks_stars = kind == Entry::Kind::visit || options_->ask_stars;
   if (node.is(FrontNode::star_hidden)) return would_matter ? std::optional(kind) : std::nullopt;
   if (questions_->in_flights() && would_matter && !node.is(FrontNode::applied))
-    return node.is(FrontNode::descended) ? kind : Entry::Kind::visit;
+    return node.is(FrontNode::descended) && asks_stars ? kind : Entry::Kind::visit;
   // What this view has shown is not asked about again until it moves: it would come and go.
-  if (due && node.is(FrontNode::applied) && !is_shown_since(fresh_draw_, node, kind) &&
+  if (due && asks_stars && node.is(FrontNode::applied) && !is_shown_since(fresh_draw_, node, kind) &&
       refined_.cuts[object].is_leaf(node.split))
     return kind;
   return std::nullopt;
@@ -121,9 +130,10 @@ void Frames::forget_hidden() {
 bool Frames::is_hidden(const Entry& entry) {
   if (!questions_->can_hide() || stats_->occluder_draws == 0) return false;
   const bool subtree = entry.kind == Entry::Kind::visit;
-  if (!subtree && options_->culling == Culling::subtree) return false;
+  if (!subtree && (options_->culling == Culling::subtree || !options_->ask_stars)) return false;
   if (subtree && entry.level % options_->level_step != options_->level_step - 1) return false;
   const FrontNode& node = *objects_[entry.object].front.find(entry.split);
+  if (!refined_.gate->asks(entry.object, node.sphere.center)) return false;
   if (questions_->in_flights()) return false;  // it would be waited for: asked about before the next frame
   if (is_shown_since(draw_, node, entry.kind)) return false;
   questions_->ask(entry, query_about(entry, refined_.cuts[entry.object].hierarchy(), options_->proxy, star_));
@@ -236,7 +246,7 @@ void Frames::apply_closure(std::uint32_t i, const Cut::Closure& closure) {
     FrontNode* node = object.front.find(s);
     if (node == nullptr) {
       node = &object.front.obtain(s);
-      node->scale_px = scale_px_of(*node, refined_.views[i], refined_.objects[i].two_sided, unseen_);
+      node->scale_px = scale_px_of(*node, refined_.views[i], refined_.gate->tests_cone(i), unseen_);
     }
     node->set(FrontNode::applied, true);
     node->set(FrontNode::is_new, true);

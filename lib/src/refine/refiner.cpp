@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "cut.h"
+#include "effect_gate.h"
 #include "frames.h"
 #include "importance.h"
 #include "milliseconds_since.h"
@@ -66,7 +67,7 @@ class Refiner::Impl {
     last_ = {view.camera(), &visibility};
     if (frames_ && !same_backend) frames_->forget_hidden();
     const bool limited = options.most_changes > 0 || options.time_limit_ms > 0.0;
-    const RefinedCuts refined{objects_, cuts_, views_, importances_};
+    const RefinedCuts refined{objects_, cuts_, views_, importances_, &gate_};
     if (frames_ && (frames_->weigh(refined, options_) || limited)) {
       frames_->advance(questions_, occluder_mesh_, moved, start, stats_);
     } else {
@@ -97,6 +98,7 @@ class Refiner::Impl {
     for (const RefineObject& object : objects_) views_.emplace_back(view, object.object_to_world);
     for (std::size_t i = 0; i < objects_.size(); ++i) importances_[i].begin(views_[i], options_);
     questions_.begin(visibility, view, views_);
+    gate_.begin(objects_, options_);
     stats_ = {};
     stats_.budget = options.budget;
   }
@@ -116,6 +118,7 @@ class Refiner::Impl {
       for (const SplitId root : cuts_[i].hierarchy().data().roots) meet(i, root, no_id, 0);
     run();
     end_level_ = queue_.empty() ? 0.0F : queue_.top().priority;
+    stats_.level_px = static_cast<double>(end_level_);
     if (options_.final_check) readmit();
     stats_.triangles = triangles_;
     stats_.culled_occlusion = hidden_.size();
@@ -205,8 +208,9 @@ class Refiner::Impl {
     return true;
   }
 
-  [[nodiscard]] bool faces_away(const SplitNode& node, std::uint32_t object) const {
-    return !objects_[object].two_sided && occlod::faces_away(node.cone(), node.sphere, views_[object].eye());
+  [[nodiscard]] bool faces_away(const SplitNode& node, std::uint32_t object) {
+    return gate_.tests_cone(object) &&
+           gate_.cone_culled(object, occlod::faces_away(node.cone(), node.sphere, views_[object].eye()));
   }
 
   // Into the flight if it has room for a question that must be asked, else into the global queue.
@@ -219,7 +223,8 @@ class Refiner::Impl {
 
   [[nodiscard]] bool must_ask(const Entry& entry) const {
     if (occluder_ == 0 || entry.asked_occluder == occluder_) return false;
-    if (entry.kind == Entry::Kind::apply) return true;
+    if (!gate_.asks(entry.object, cuts_[entry.object].hierarchy().node(entry.split).sphere.center)) return false;
+    if (entry.kind == Entry::Kind::apply) return options_.ask_stars;
     return entry.level % options_.level_step == options_.level_step - 1;
   }
 
@@ -250,6 +255,7 @@ class Refiner::Impl {
   // The oldest entry asked about, if it is visible; else it joins the hidden ones and no entry comes back.
   Entry take_answer() {
     Questions::Answer answer = questions_.take();
+    gate_.answered(answer.entry, cuts_[answer.entry.object].hierarchy().node(answer.entry.split), answer.visible);
     if (!answer.visible) {
       ++stats_.queries_hidden;
       hidden_.push_back(answer.entry);
@@ -400,6 +406,7 @@ class Refiner::Impl {
     stats_.occlusion_ms = questions_.milliseconds();
     stats_.refine_ms = milliseconds_since(start) - stats_.occlusion_ms;
     result_.stats = stats_;
+    result_.effects.assign(gate_.stats().begin(), gate_.stats().end());
   }
 
   std::vector<RefineObject> objects_;
@@ -409,6 +416,7 @@ class Refiner::Impl {
   RefineOptions options_;
   Questions questions_;
   OccluderSteps steps_;
+  EffectGate gate_;
   Queue queue_;
   std::vector<Entry> hidden_;    // found hidden by the occluder of their time
   std::vector<Entry> doubtful_;  // found hidden by earlier occluders than that before which they are now asked about

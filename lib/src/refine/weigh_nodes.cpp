@@ -126,7 +126,7 @@ HWY_INLINE hn::Vec<Floats> scale_px(const Vec3<Doubles>& center_in_object, hn::V
 }
 
 // Returns how many of the first nodes have been weighed: whole vectors.
-std::size_t weigh_vectors(std::span<FrontNode> nodes, const ObjectView& view, bool two_sided, WeighedNodes& counts) {
+std::size_t weigh_vectors(std::span<FrontNode> nodes, const ObjectView& view, bool tests_cones, WeighedNodes& counts) {
   constexpr std::size_t bytes_of_mask = 8;  // at least, for any number of lanes
   const std::size_t lanes = hn::Lanes(Doubles());
   HWY_ALIGN std::array<float, hn::MaxLanes(Floats())> scales;
@@ -137,7 +137,7 @@ std::size_t weigh_vectors(std::span<FrontNode> nodes, const ObjectView& view, bo
     const Vec3<Floats> center = node.read3(offsetof(FrontNode, sphere));
     const hn::Vec<Floats> radius = node.read(offsetof(FrontNode, sphere) + offsetof(Sphere, radius));
     hn::StoreMaskBits(Floats(), is_outside(center, radius, view), outside.data());
-    if (!two_sided) {
+    if (tests_cones) {
       const Vec3<Doubles> axis = wide(node.read3(offsetof(FrontNode, cone)));
       const hn::Vec<Doubles> cos_angle = wide(node.read(offsetof(FrontNode, cone) + offsetof(NormalCone, cos_angle)));
       hn::StoreMaskBits(Doubles(), is_facing_away(wide(center), wide(radius), axis, cos_angle, view.eye()),
@@ -166,19 +166,19 @@ HWY_EXPORT(weigh_vectors);
 
 }  // namespace
 
-WeighedNodes weigh_nodes(std::span<FrontNode> nodes, const ObjectView& view, bool two_sided) {
+WeighedNodes weigh_nodes(std::span<FrontNode> nodes, const ObjectView& view, bool tests_cones) {
   WeighedNodes counts;
-  for (std::size_t i = HWY_DYNAMIC_DISPATCH(weigh_vectors)(nodes, view, two_sided, counts); i < nodes.size(); ++i)
-    nodes[i].scale_px = scale_px_of(nodes[i], view, two_sided, counts);
+  for (std::size_t i = HWY_DYNAMIC_DISPATCH(weigh_vectors)(nodes, view, tests_cones, counts); i < nodes.size(); ++i)
+    nodes[i].scale_px = scale_px_of(nodes[i], view, tests_cones, counts);
   return counts;
 }
 
-float scale_px_of(const FrontNode& node, const ObjectView& view, bool two_sided, WeighedNodes& counts) {
+float scale_px_of(const FrontNode& node, const ObjectView& view, bool tests_cones, WeighedNodes& counts) {
   if (!view.may_be_inside(node.sphere)) {
     ++counts.outside;
     return 0.0F;
   }
-  if (!two_sided && faces_away(node.cone, node.sphere, view.eye())) {
+  if (tests_cones && faces_away(node.cone, node.sphere, view.eye())) {
     ++counts.facing_away;
     return 0.0F;
   }

@@ -15,9 +15,9 @@ struct WeighedNodes {
 };
 
 // Sets scale_px of each node to what scale_px_of() tells, many at once. O(nodes), in the order of memory.
-WeighedNodes weigh_nodes(std::span<FrontNode> nodes, const ObjectView& view, bool two_sided);
+WeighedNodes weigh_nodes(std::span<FrontNode> nodes, const ObjectView& view, bool tests_cones);
 
 // In pixels per object unit, at most; 0 where nothing of the node's subtree is seen. Counts where it is not.
-[[nodiscard]] float scale_px_of(const FrontNode& node, const ObjectView& view, bool two_sided, WeighedNodes& counts);
+[[nodiscard]] float scale_px_of(const FrontNode& node, const ObjectView& view, bool tests_cones, WeighedNodes& counts);
 
 }  // namespace occlod

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "occlod/hierarchy/hierarchy.h"
+#include "occlod/refine/object_effects.h"
 #include "occlod/refine/visibility.h"
 #include "occlod/view/view.h"
 
@@ -53,7 +54,9 @@ struct RefineOptions {
   OccluderMode occluder_mode = OccluderMode::paper;
   Proxy proxy = Proxy::box;  // the bounds of a subtree that are asked about
   std::uint32_t level_step =
-      2;  // ask about subtrees on every n-th forest level only (2 = odd levels, as in the paper); >= 1
+      2;                  // ask about subtrees on every n-th forest level only (2 = odd levels, as in the paper); >= 1
+  bool ask_stars = true;  // star: ask about each split's own star before it is applied
+  std::vector<ObjectEffects> effects = {};  // what works on each object; empty = everything on all of them
 
   // Refiner::update() only.
   double hysteresis = 0.03;      // a split that is applied gives way only to what matters more by this part; in [0, 1)
@@ -84,6 +87,7 @@ struct RefineStats {
                                // eye is inside the bounds of a split that is not applied
   double max_quadric_error_px =
       0.0;                     // the same of the quadric error: about the root mean square distance instead of a bound
+  double level_px = 0.0;       // priority of what would have been next when the budget was used up; 0 = nothing
   std::size_t new_splits = 0;  // applied in this call
   std::size_t merged_splits = 0;      // taken back in this call, applied in an earlier one
   std::size_t changed_triangles = 0;  // places of the index buffers that differ from those of the call before
@@ -116,6 +120,7 @@ struct RefinedObject {
 struct Refinement {
   std::vector<RefinedObject> objects;  // as given to the Refiner
   RefineStats stats;
+  std::vector<ObjectEffectStats> effects;  // by object
   // FNV-1a over the corners of all triangles of every object in order: equal iff they are, for all practical purposes.
   [[nodiscard]] std::uint64_t hash() const noexcept;
 };

@@ -1,0 +1,47 @@
+// Refinement that switches on only those effects that pay: the setting `auto` (docs/effects.md).
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "occlod/effects/effect_choice.h"
+#include "occlod/refine/refiner.h"
+
+namespace occlod {
+
+struct AutoOptions {
+  std::optional<Calibration> calibration;             // nothing: measured, some 40 ms
+  std::vector<std::unique_ptr<Visibility>> backends;  // to choose from; none: the software backend
+};
+
+// A Refiner that learns from view to view. Its choices depend on the calibration and on counts, never on a clock: the
+// same calibration, objects, views and options in the same order give the same meshes. One thread at a time.
+class AutoRefiner {
+ public:
+  // Throws Error when a hierarchy is missing or the calibration knows nothing of a backend.
+  explicit AutoRefiner(std::span<const RefineObject> objects, AutoOptions options = {});
+  ~AutoRefiner();
+  AutoRefiner(AutoRefiner&&) noexcept;
+  AutoRefiner& operator=(AutoRefiner&&) noexcept;
+
+  [[nodiscard]] const Calibration& calibration() const noexcept;
+  [[nodiscard]] std::size_t base_triangles() const noexcept;
+  [[nodiscard]] std::size_t full_triangles() const noexcept;
+
+  // As Refiner::refine(). What `options` say about effects (occluder_splits, retest_hidden, final_check, level_step,
+  // ask_stars, effects) is chosen instead. Throws Error likewise.
+  const Refinement& refine(const View& view, const RefineOptions& options);
+
+  // Of the last view.
+  [[nodiscard]] const EffectReport& report() const noexcept;
+  // The backend that choice().backend names.
+  [[nodiscard]] Visibility& backend(std::size_t index) const noexcept;
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace occlod

@@ -1,0 +1,268 @@
+#include "occlod/effects/auto_refiner.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "forecast.h"
+#include "occlod/core/error.h"
+#include "occlod/occlusion/software_occlusion.h"
+#include "probe.h"
+#include "refine/milliseconds_since.h"
+
+namespace occlod {
+namespace {
+
+constexpr std::size_t look_interval = 30;  // views from one look ahead to the next while the camera stays near
+constexpr double near_cosine = 0.94;       // of the angle that the camera may turn: 20 degrees
+constexpr double near_share = 0.1;         // of the scene's extent, that the eye may move
+constexpr double same_budget_factor = 2.0;
+constexpr double least_queries = 24.0;         // before a region is judged
+constexpr std::size_t least_cone_tests = 128;  // before an object's cones are
+constexpr std::size_t least_samples = 12;      // of an object that none of is hidden
+constexpr double visits_saved_by_cone = 4.0;   // what a culled subtree would have been looked at, at least
+constexpr double dense_hidden = 0.5;           // nodes hidden: from here every level is asked about
+
+// The calibration's backends in the order of those given.
+Calibration matched(Calibration calibration, std::span<const std::unique_ptr<Visibility>> backends) {
+  std::vector<BackendCosts> costs;
+  for (const std::unique_ptr<Visibility>& backend : backends) {
+    const auto found = std::find_if(calibration.backends.begin(), calibration.backends.end(),
+                                    [&](const BackendCosts& c) { return c.name == backend->name(); });
+    if (found == calibration.backends.end())
+      throw Error({"calibration", std::string(backend->name()), "is not in it", "measure it again with this backend"});
+    costs.push_back(*found);
+  }
+  calibration.backends = std::move(costs);
+  return calibration;
+}
+
+std::vector<std::unique_ptr<Visibility>> or_software(std::vector<std::unique_ptr<Visibility>> backends) {
+  if (backends.empty()) backends.push_back(make_software_occlusion());
+  return backends;
+}
+
+// A coarse occluder that bulges out of the surface seems to hide more than a fine one does.
+HiddenShares smaller(HiddenShares coarse, const HiddenShares& fine) {
+  coarse.visits_hidden = std::min(coarse.visits_hidden, fine.visits_hidden);
+  coarse.splits_hidden = std::min(coarse.splits_hidden, fine.splits_hidden);
+  coarse.stars_hidden = std::min(coarse.stars_hidden, fine.stars_hidden);
+  return coarse;
+}
+
+// Of all hierarchies, each once.
+std::size_t splits_of(std::span<const RefineObject> objects) {
+  std::vector<const Hierarchy*> hierarchies;
+  for (const RefineObject& object : objects) hierarchies.push_back(object.hierarchy);
+  std::sort(hierarchies.begin(), hierarchies.end());
+  hierarchies.erase(std::unique(hierarchies.begin(), hierarchies.end()), hierarchies.end());
+  std::size_t splits = 0;
+  for (const Hierarchy* hierarchy : hierarchies) splits += hierarchy->split_count();
+  return splits;
+}
+
+double extent_of(std::span<const RefineObject> objects) {
+  glm::dvec3 low(std::numeric_limits<double>::infinity()), high = -low;
+  for (const RefineObject& object : objects)
+    for (int i = 0; i < 8; ++i) {
+      const glm::dvec3 p(object.object_to_world * glm::dvec4(corner(object.hierarchy->box(), i), 1.0));
+      low = glm::min(low, p);
+      high = glm::max(high, p);
+    }
+  return glm::length(high - low);
+}
+
+}  // namespace
+
+// Before a view, sometimes, a look ahead; a choice by forecast; refinement; then its counts are learnt, and sometimes a
+// look back. Looks are rare, so that a scene without occlusion pays next to nothing for them.
+class AutoRefiner::Impl {
+ public:
+  Impl(std::span<const RefineObject> objects, AutoOptions options)
+      : refiner_(objects),
+        probe_(objects),
+        backends_(or_software(std::move(options.backends))),
+        calibration_(matched(options.calibration ? *options.calibration : measure_calibration(backends_), backends_)),
+        extent_(extent_of(objects)),
+        far_share_(far_share(splits_of(objects))),
+        effects_(objects.size()),
+        worths_(objects.size()) {}
+
+  [[nodiscard]] const Calibration& calibration() const { return calibration_; }
+  [[nodiscard]] const Refiner& refiner() const { return refiner_; }
+  [[nodiscard]] const EffectReport& report() const { return report_; }
+  [[nodiscard]] Visibility& backend(std::size_t index) const { return *backends_[index]; }
+
+  const Refinement& refine(const View& view, const RefineOptions& options) {
+    if (options.budget < refiner_.base_triangles()) return refiner_.refine(view, options, none_);  // throws
+    report_ = {};
+    if (must_look(view, options)) look_ahead(view, options);
+    ++views_since_look_;
+    choose(view, options);
+    const RefineOptions chosen = report_.choice.with(options);
+    const auto backend = report_.choice.backend;
+    const Refinement& refinement = refiner_.refine(view, chosen, backend ? *backends_[*backend] : none_);
+    learn(view, refinement);
+    if (back_due_ && views_since_look_ > 1 && options.occluder_mode == OccluderMode::paper)
+      look_back(view, options, refinement);
+    return refinement;
+  }
+
+ private:
+  [[nodiscard]] bool must_look(const View& view, const RefineOptions& options) const {
+    if (!looked_from_ || views_since_look_ >= look_interval) return true;
+    const double growth = static_cast<double>(options.budget) / static_cast<double>(looked_with_.budget);
+    return options.culling != looked_with_.culling || options.occluder_mode != looked_with_.occluder_mode ||
+           growth > same_budget_factor || growth * same_budget_factor < 1.0 ||
+           glm::dot(view.direction(), looked_from_->direction()) < near_cosine ||
+           glm::distance(view.camera().eye, looked_from_->camera().eye) > near_share * extent_;
+  }
+
+  void look_ahead(const View& view, const RefineOptions& options) {
+    const Clock::time_point start = Clock::now();
+    const Probe::Result& result = probe_.look_ahead(view, options);
+    const bool is_far = !looked_from_ || views_since_look_ < look_interval;
+    ahead_ = result.all;
+    if (is_far) {
+      back_.reset();
+      known_ = {};
+    }
+    for (std::size_t i = 0; i < effects_.size(); ++i) {
+      const HiddenShares& seen = result.objects[i];
+      effects_[i] = {};
+      effects_[i].occlusion =
+          seen.visits < least_samples || seen.visits_hidden + seen.splits_hidden + seen.stars_hidden > 0.0;
+      worths_[i] = {};
+    }
+    looked_from_ = view;
+    looked_with_ = options;
+    views_since_look_ = 0;
+    back_due_ = true;
+    report_.looked_ahead = true;
+    report_.look_ms += milliseconds_since(start);
+  }
+
+  void look_back(const View& view, const RefineOptions& options, const Refinement& refinement) {
+    const Clock::time_point start = Clock::now();
+    back_ = probe_.look_back(view, options, refinement).all;
+    back_due_ = false;
+    report_.looked_back = true;
+    report_.look_ms += milliseconds_since(start);
+  }
+
+  void choose(const View& view, const RefineOptions& options) {
+    const HiddenShares fine = back_.value_or(ahead_);
+    const Prospect prospect{known_.front().value_or(usual_counts(options.budget, view, far_share_)), known_,
+                            smaller(ahead_, fine), fine, rates_};
+    report_.forecasts = forecasts(calibration_, prospect);
+    // Where nothing may be asked about any object, occluders would be drawn for nothing.
+    const bool may_ask =
+        std::any_of(effects_.begin(), effects_.end(), [](const auto& e) { return e.occlusion && e.regions != 0; });
+    const auto best =
+        std::min_element(report_.forecasts.begin(), may_ask ? report_.forecasts.end() : report_.forecasts.begin() + 1,
+                         [](const auto& a, const auto& b) { return a.score() < b.score(); });
+    EffectChoice& choice = report_.choice;
+    choice.effort = best->effort;
+    choice.backend = best->backend;
+    const bool stars = best->effort == OcclusionEffort::stars || best->effort == OcclusionEffort::renewed_stars;
+    choice.level_step = stars && prospect.back.visits_hidden < dense_hidden ? 2 : 1;
+    choice.objects = effects_;
+    report_.ahead = ahead_;
+    report_.back = back_;
+    report_.saved_triangles = saved_triangles(prospect, *best);
+    report_.saved_ms = report_.forecasts.front().frame_ms * report_.saved_triangles / prospect.counts.triangles;
+  }
+
+  // What is freed would have to be there in addition.
+  [[nodiscard]] double saved_triangles(const Prospect& prospect, const EffortForecast& chosen) const {
+    if (!chosen.backend) return 0.0;
+    const double hidden = hidden_with(chosen.effort, prospect);
+    const double triangles = prospect.counts.triangles;
+    const auto more = static_cast<double>(refiner_.full_triangles()) - triangles;
+    return std::clamp(triangles * hidden / (1.0 - hidden), 0.0, std::max(more, 0.0));
+  }
+
+  void learn(const View& view, const Refinement& refinement) {
+    const RefineStats& stats = refinement.stats;
+    report_.objects = refinement.effects;
+    const auto triangles = static_cast<double>(std::max<std::size_t>(stats.triangles, 1));
+    const FrameCounts counts{triangles, static_cast<double>(stats.splits), static_cast<double>(stats.visits),
+                             static_cast<double>(view.width()) * view.height(), far_share_};
+    const auto effort = static_cast<std::size_t>(report_.choice.effort);
+    known_[effort] = counts;
+    if (stats.occluder_draws > 0) rates_[effort] = static_cast<double>(stats.queries) / triangles;
+    for (std::size_t i = 0; i < effects_.size(); ++i) {
+      judge_cones(refinement.effects[i], effects_[i]);
+      if (report_.choice.backend) judge_regions(refinement.effects[i], stats.level_px, counts, i);
+    }
+  }
+
+  // What does not pay on an object stays off until the next look ahead.
+  void judge_cones(const ObjectEffectStats& stats, ObjectEffects& effects) const {
+    if (stats.cone_tests < least_cone_tests) return;
+    effects.cones = static_cast<double>(stats.cone_culled) * visits_saved_by_cone * calibration_.visit_ns >=
+                    static_cast<double>(stats.cone_tests) * calibration_.cone_ns;
+  }
+  void judge_regions(const ObjectEffectStats& stats, double level_px, const FrameCounts& counts, std::size_t object) {
+    const double worth_ns = split_worth_ns(calibration_, counts);
+    const double query_ns = calibration_.backends[*report_.choice.backend].query_ns;
+    const auto is_vain = [&](const Worth& sum) {
+      return sum.queries >= least_queries && sum.splits * worth_ns < sum.queries * query_ns;
+    };
+    Worth whole;
+    for (std::size_t r = 0; r < effect_region_count; ++r) {
+      Worth& sum = worths_[object][r];
+      sum.queries += stats.regions[r].queries;
+      sum.splits += splits_freed(stats.regions[r], level_px);
+      if (is_vain(sum)) effects_[object].regions &= ~(std::uint64_t{1} << r);
+      whole.queries += sum.queries;
+      whole.splits += sum.splits;
+    }
+    if (is_vain(whole)) effects_[object].occlusion = false;
+  }
+
+  Refiner refiner_;
+  Probe probe_;
+  NoOcclusion none_;
+  std::vector<std::unique_ptr<Visibility>> backends_;
+  Calibration calibration_;
+  double extent_ = 0.0;
+  double far_share_ = 0.0;
+
+  std::optional<View> looked_from_;
+  RefineOptions looked_with_;
+  std::size_t views_since_look_ = 0;
+  bool back_due_ = false;
+  HiddenShares ahead_;
+  std::optional<HiddenShares> back_;
+  std::array<std::optional<FrameCounts>, occlusion_effort_count> known_;  // of views since the camera was far away
+  QueryRates rates_ = usual_query_rates();
+  std::vector<ObjectEffects> effects_;
+  struct Worth {
+    double queries = 0.0;
+    double splits = 0.0;  // freed
+  };
+  std::vector<std::array<Worth, effect_region_count>> worths_;  // since the last look ahead
+  EffectReport report_;
+};
+
+AutoRefiner::AutoRefiner(std::span<const RefineObject> objects, AutoOptions options)
+    : impl_(std::make_unique<Impl>(objects, std::move(options))) {}
+AutoRefiner::~AutoRefiner() = default;
+AutoRefiner::AutoRefiner(AutoRefiner&&) noexcept = default;
+AutoRefiner& AutoRefiner::operator=(AutoRefiner&&) noexcept = default;
+
+const Calibration& AutoRefiner::calibration() const noexcept { return impl_->calibration(); }
+std::size_t AutoRefiner::base_triangles() const noexcept { return impl_->refiner().base_triangles(); }
+std::size_t AutoRefiner::full_triangles() const noexcept { return impl_->refiner().full_triangles(); }
+const Refinement& AutoRefiner::refine(const View& view, const RefineOptions& options) {
+  return impl_->refine(view, options);
+}
+const EffectReport& AutoRefiner::report() const noexcept { return impl_->report(); }
+Visibility& AutoRefiner::backend(std::size_t index) const noexcept { return impl_->backend(index); }
+
+}  // namespace occlod

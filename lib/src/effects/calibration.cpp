@@ -1,0 +1,194 @@
+#include "occlod/effects/calibration.h"
+
+#include <algorithm>
+#include <array>
+#include <glm/gtc/matrix_transform.hpp>
+#include <limits>
+
+#include "occlod/hierarchy/build.h"
+#include "occlod/mesh/generate.h"
+#include "occlod/raster/item_buffer.h"
+#include "occlod/refine/refiner.h"
+#include "refine/milliseconds_since.h"
+#include "refine/star.h"
+
+namespace occlod {
+namespace {
+
+constexpr int rounds = 4;
+constexpr int image_side = 1024;   // as large as images usually are: smaller ones fit into caches
+constexpr double least_ns = 0.01;  // what a clock may miss
+
+// The shortest of a few rounds, ns: whatever else the machine does only makes it longer.
+template <typename Work>
+double fastest_ns(const Work& work) {
+  double best = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < rounds; ++i) {
+    const Clock::time_point start = Clock::now();
+    work();
+    best = std::min(best, 1e6 * milliseconds_since(start));
+  }
+  return best;
+}
+
+double per(double ns, std::size_t count) { return std::max(ns / static_cast<double>(count), least_ns); }
+
+View view_from(double distance) {
+  Camera camera;
+  camera.eye = {0.0, 0.0, distance};
+  camera.width = image_side;
+  camera.height = image_side;
+  camera.near = 0.001 * distance;
+  camera.far = 2.0 * distance;
+  return View(camera);
+}
+
+// Each split once, in an order that no prefetcher knows, after the caches have been filled with something else.
+template <typename Visit>
+double far_visit_ns(SplitId splits, const Visit& visit) {
+  constexpr std::size_t cache_bytes = std::size_t{24} << 20U;
+  constexpr SplitId stride = 389;  // prime: meets every split of a smaller or larger number that it does not divide
+  const std::vector<char> other(cache_bytes, 1);
+  volatile char sink = 0;
+  for (std::size_t i = 0; i < cache_bytes; i += 64) sink = static_cast<char>(sink + other[i]);
+  const Clock::time_point start = Clock::now();
+  for (SplitId i = 0, s = 0; i < splits; ++i, s = (s + stride) % splits) visit(s);
+  return per(1e6 * milliseconds_since(start), splits);
+}
+
+// O+ of Guthe's sec. 3.2.2, whose cost is by triangles, and O-, whose cost is by fragments.
+class Workload {
+ public:
+  void measure_refinement(Calibration& calibration) const;
+  void measure_drawing(Calibration& calibration) const;
+  // `calibration`: with what refinement costs.
+  [[nodiscard]] BackendCosts costs_of(Visibility& backend, const Calibration& calibration) const;
+
+ private:
+  [[nodiscard]] RefineOptions half_budget() const {
+    RefineOptions options;
+    options.budget = mesh_.triangle_count() / 2;
+    return options;
+  }
+  [[nodiscard]] double query_ns(Visibility& backend, const Calibration& calibration) const;
+  [[nodiscard]] std::vector<OccluderPart> planet() const { return {{0, mesh_.positions, mesh_.triangles}}; }
+  [[nodiscard]] std::vector<OccluderPart> wall() const { return {{0, wall_positions_, wall_triangles_}}; }
+
+  TriangleMesh mesh_ = generate_rough_planet({.level = 4});
+  Hierarchy hierarchy_ = build_hierarchy(mesh_);
+  std::vector<glm::vec3> wall_positions_ = {
+      {-9.0F, -9.0F, 0.0F}, {9.0F, -9.0F, 0.0F}, {9.0F, 9.0F, 0.0F}, {-9.0F, 9.0F, 0.0F}};
+  std::vector<Triangle> wall_triangles_ = {{0, 1, 2}, {0, 2, 3}};
+  View near_ = view_from(3.0);  // the planet is large in it, the wall beyond its edges
+  View far_ = view_from(20.0);  // its triangles are a few pixels wide
+};
+
+void Workload::measure_refinement(Calibration& calibration) const {
+  const ObjectView view(near_, glm::dmat4(1.0));
+  const auto splits = static_cast<SplitId>(hierarchy_.split_count());
+  volatile float sink = 0.0F;  // so that nothing is left out
+  StarLook star;
+  const auto visit = [&](SplitId s) {
+    const SplitNode& node = hierarchy_.node(s);
+    if (!view.may_be_inside(node.sphere)) return;
+    const StarView seen = star.look(hierarchy_, s, view, false);
+    sink = sink + view.largest_scale_px(node.sphere) + seen.visible_share;
+  };
+  calibration.visit_ns = per(fastest_ns([&] {
+                               for (SplitId s = 0; s < splits; ++s) visit(s);
+                             }),
+                             splits);
+  calibration.far_visit_ns = std::max(calibration.visit_ns, far_visit_ns(splits, visit));
+  calibration.cone_ns = per(fastest_ns([&] {
+                              for (SplitId s = 0; s < splits; ++s) {
+                                const SplitNode& node = hierarchy_.node(s);
+                                sink = sink + (faces_away(node.cone(), node.sphere, view.eye()) ? 1.0F : 0.0F);
+                              }
+                            }),
+                            splits);
+  const RefineObject objects[] = {{.hierarchy = &hierarchy_}};
+  Refiner refiner(objects);
+  NoOcclusion none;
+  RefineStats stats;
+  const double all = fastest_ns([&] { stats = refiner.refine(near_, half_budget(), none).stats; });
+  const double visits = static_cast<double>(stats.visits) * calibration.visit_ns;
+  calibration.split_ns = std::max(per(all - visits, stats.splits), calibration.visit_ns);
+}
+
+void Workload::measure_drawing(Calibration& calibration) const {
+  ItemBuffer items;
+  const auto draw = [&](const std::vector<OccluderPart>& parts, const View& view) {
+    return fastest_ns([&] {
+      items.reset(view.width(), view.height());
+      for (const OccluderPart& part : parts)
+        draw_items(items, part.positions, part.triangles, glm::mat4(view.world_to_clip()), 0);
+    });
+  };
+  const double empty = draw({}, far_);
+  calibration.triangle_ns = per(draw(planet(), far_) - empty, mesh_.triangle_count());
+  calibration.fragment_ns = per(draw(wall(), near_), std::size_t{image_side} * image_side);
+}
+
+// What refinement takes longer when it asks about stars as well as about subtrees, by questions: so the occluder drops
+// out, and gathering what is asked about and keeping what is answered are part of it.
+double Workload::query_ns(Visibility& backend, const Calibration& calibration) const {
+  const RefineObject objects[] = {{.hierarchy = &hierarchy_}};
+  Refiner refiner(objects);
+  RefineOptions options = half_budget();
+  options.occluder_splits = {64};
+  options.retest_hidden = options.final_check = false;
+  std::array<double, 2> ns{}, queries{};
+  for (const std::size_t stars : {0U, 1U}) {
+    options.ask_stars = stars != 0;
+    RefineStats stats;
+    const double all = fastest_ns([&] { stats = refiner.refine(near_, options, backend).stats; });
+    ns[stars] = all - static_cast<double>(stats.visits) * calibration.visit_ns -
+                static_cast<double>(stats.splits) * calibration.split_ns;
+    queries[stars] = static_cast<double>(stats.queries);
+  }
+  return std::max(ns[1] - ns[0], 0.0) / std::max(queries[1] - queries[0], 1.0);
+}
+
+BackendCosts Workload::costs_of(Visibility& backend, const Calibration& calibration) const {
+  BackendCosts costs;
+  costs.name = backend.name();
+  const auto begin = [&](const View& view) {
+    const ObjectView objects[] = {ObjectView(view, glm::dmat4(1.0))};
+    backend.begin_view(view, objects);
+  };
+  const auto draw = [&](const std::vector<OccluderPart>& parts) {
+    return fastest_ns([&] {
+      backend.draw_occluder(parts);
+      backend.submit({0, Sphere{{}, 0.1F}});
+      (void)backend.collect();  // a backend may not begin to draw before something is asked
+    });
+  };
+  begin(far_);
+  costs.occluder_triangle_ns = per(draw(planet()), mesh_.triangle_count());
+  begin(near_);
+  costs.occluder_pixel_ns = per(draw(wall()), std::size_t{image_side} * image_side);
+
+  backend.draw_occluder(planet());
+  costs.latency_ns = per(fastest_ns([&] {
+                           backend.submit({0, hierarchy_.node(0).box()});
+                           (void)backend.collect();
+                         }),
+                         1);
+  // Nothing is quicker than the fifth of a test that is waited for: what the clock missed.
+  costs.query_ns = std::max(query_ns(backend, calibration), 0.2 * costs.latency_ns);
+  return costs;
+}
+
+}  // namespace
+
+Calibration measure_calibration(std::span<const std::unique_ptr<Visibility>> backends) {
+  const Workload workload;
+  Calibration calibration;
+  workload.measure_refinement(calibration);
+  workload.measure_drawing(calibration);
+  for (const std::unique_ptr<Visibility>& backend : backends)
+    calibration.backends.push_back(workload.costs_of(*backend, calibration));
+  return calibration;
+}
+
+}  // namespace occlod

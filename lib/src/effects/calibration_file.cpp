@@ -1,0 +1,83 @@
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+
+#include "occlod/effects/calibration.h"
+#include "occlod/io/atomic_file.h"
+#include "scene/strict_json.h"
+
+namespace occlod {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Calls visit(key, value) for each number. `Costs` may be const.
+template <typename Costs, typename Visit>
+void for_each_backend_cost(Costs& costs, const Visit& visit) {
+  visit("occluder_triangle_ns", costs.occluder_triangle_ns);
+  visit("occluder_pixel_ns", costs.occluder_pixel_ns);
+  visit("query_ns", costs.query_ns);
+  visit("latency_ns", costs.latency_ns);
+}
+template <typename Costs, typename Visit>
+void for_each_cost(Costs& costs, const Visit& visit) {
+  visit("visit_ns", costs.visit_ns);
+  visit("far_visit_ns", costs.far_visit_ns);
+  visit("cone_ns", costs.cone_ns);
+  visit("split_ns", costs.split_ns);
+  visit("triangle_ns", costs.triangle_ns);
+  visit("fragment_ns", costs.fragment_ns);
+}
+
+double positive(const JsonPlace& place) {
+  const double value = place.number();
+  if (!(value > 0.0 && std::isfinite(value))) place.fail("is not larger than 0", "measure it again");
+  return value;
+}
+
+BackendCosts read_backend(const JsonPlace& place) {
+  place.expect_keys({"name", "occluder_triangle_ns", "occluder_pixel_ns", "query_ns", "latency_ns"});
+  BackendCosts costs;
+  costs.name = place.at("name").string();
+  for_each_backend_cost(costs, [&](const char* key, double& value) { value = positive(place.at(key)); });
+  return costs;
+}
+
+}  // namespace
+
+Calibration read_calibration(const std::filesystem::path& path) {
+  const nlohmann::json json = parse_json_file(path);
+  const std::string file = path.string();
+  const JsonPlace place(json, file);
+  place.expect_keys({"visit_ns", "far_visit_ns", "cone_ns", "split_ns", "triangle_ns", "fragment_ns", "backends"});
+  Calibration calibration;
+  for_each_cost(calibration, [&](const char* key, double& value) { value = positive(place.at(key)); });
+  for (const JsonPlace& backend : place.at("backends").elements()) {
+    calibration.backends.push_back(read_backend(backend));
+    for (std::size_t i = 0; i + 1 < calibration.backends.size(); ++i)
+      if (calibration.backends[i].name == calibration.backends.back().name)
+        backend.at("name").fail("is there twice", "leave one of them out");
+  }
+  return calibration;
+}
+
+std::string calibration_json(const Calibration& calibration) {
+  Json json;
+  for_each_cost(calibration, [&](const char* key, double value) { json[key] = value; });
+  json["backends"] = Json::array();
+  for (const BackendCosts& costs : calibration.backends) {
+    Json backend = {{"name", costs.name}};
+    for_each_backend_cost(costs, [&](const char* key, double value) { backend[key] = value; });
+    json["backends"].push_back(std::move(backend));
+  }
+  return json.dump(2) + "\n";
+}
+
+void write_calibration(const std::filesystem::path& path, const Calibration& calibration) {
+  AtomicFile file(path);
+  file.stream() << calibration_json(calibration);
+  file.commit();
+}
+
+}  // namespace occlod

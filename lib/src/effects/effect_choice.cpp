@@ -1,0 +1,35 @@
+#include "occlod/effects/effect_choice.h"
+
+#include "forecast.h"
+
+namespace occlod {
+
+std::string_view name_of(OcclusionEffort effort) noexcept {
+  switch (effort) {
+    case OcclusionEffort::none:
+      return "none";
+    case OcclusionEffort::subtrees:
+      return "subtrees";
+    case OcclusionEffort::renewed_subtrees:
+      return "renewed-subtrees";
+    case OcclusionEffort::stars:
+      return "stars";
+    case OcclusionEffort::renewed_stars:
+      break;
+  }
+  return "renewed-stars";
+}
+
+RefineOptions EffectChoice::with(RefineOptions options) const {
+  const bool renewed = effort == OcclusionEffort::renewed_subtrees || effort == OcclusionEffort::renewed_stars;
+  options.occluder_splits.clear();
+  if (!renewed) options.occluder_splits.push_back(single_occluder_splits(options.budget));
+  options.ask_stars = effort == OcclusionEffort::stars || effort == OcclusionEffort::renewed_stars;
+  options.level_step = level_step;
+  options.retest_hidden = false;
+  options.final_check = false;
+  options.effects = objects;
+  return options;
+}
+
+}  // namespace occlod

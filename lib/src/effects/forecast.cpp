@@ -1,0 +1,126 @@
+#include "forecast.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace occlod {
+namespace {
+
+constexpr double most_hidden = 0.95;         // of a small sample, all does not mean all
+constexpr double fragments_per_pixel = 2.0;  // Guthe, sec. 3.2.1
+constexpr double occluder_growth = 6.0;      // from one occluder to the next, see OccluderSteps
+constexpr double first_occluder_triangles = 128.0;
+
+bool is_renewed(OcclusionEffort effort) {
+  return effort == OcclusionEffort::renewed_subtrees || effort == OcclusionEffort::renewed_stars;
+}
+bool asks_stars(OcclusionEffort effort) {
+  return effort == OcclusionEffort::stars || effort == OcclusionEffort::renewed_stars;
+}
+
+struct OccluderCounts {
+  double draws = 0.0;
+  double triangles = 0.0;  // of all draws
+};
+
+OccluderCounts occluders_of(OcclusionEffort effort, double triangles) {
+  if (!is_renewed(effort)) return {1.0, 2.0 * single_occluder_splits(static_cast<std::size_t>(triangles))};
+  OccluderCounts counts;
+  for (double at = first_occluder_triangles; at < triangles; at *= occluder_growth) {
+    counts.draws += 1.0;
+    counts.triangles += at;
+  }
+  return counts;
+}
+
+// As counted with this effort, else with another, else as far as the shares say: what is not looked at where it is
+// hidden is looked at elsewhere, where the freed triangles go.
+FrameCounts counts_with(OcclusionEffort effort, const Prospect& prospect, const HiddenShares& shares) {
+  if (const auto& known = prospect.known[static_cast<std::size_t>(effort)]) return *known;
+  const auto other = std::find_if(prospect.known.begin() + 1, prospect.known.end(),
+                                  [](const auto& known) { return known.has_value(); });
+  if (other != prospect.known.end()) return **other;
+  FrameCounts with = prospect.counts;
+  with.visits *= (1.0 - shares.visits_hidden) / (1.0 - std::min(shares.splits_hidden, most_hidden));
+  return with;
+}
+
+EffortForecast forecast(const Calibration& calibration, std::size_t backend, OcclusionEffort effort,
+                        const Prospect& prospect) {
+  const BackendCosts& costs = calibration.backends[backend];
+  const FrameCounts& counts = prospect.counts;
+  const HiddenShares& shares = is_renewed(effort) ? prospect.back : prospect.ahead;
+  const OccluderCounts occluders = occluders_of(effort, counts.triangles);
+  const double queries = prospect.rates[static_cast<std::size_t>(effort)] * counts.triangles;
+  EffortForecast result{effort, backend, 0.0, 0.0, 1.0};
+  result.occlusion_ms = 1e-6 * (occluders.triangles * costs.occluder_triangle_ns +
+                                occluders.draws * (counts.pixels * costs.occluder_pixel_ns + costs.latency_ns) +
+                                queries * costs.query_ns);
+  const FrameCounts with = counts_with(effort, prospect, shares);
+  result.frame_ms = frame_ms_without(calibration, with) + result.occlusion_ms;
+  result.error = error_with(hidden_with(effort, prospect), shares.growth);
+  return result;
+}
+
+}  // namespace
+
+double hidden_with(OcclusionEffort effort, const Prospect& prospect) {
+  const HiddenShares& shares = is_renewed(effort) ? prospect.back : prospect.ahead;
+  return std::min(asks_stars(effort) ? shares.stars_hidden : shares.splits_hidden, most_hidden);
+}
+
+double frame_ms_without(const Calibration& calibration, const FrameCounts& counts) {
+  const double visit_ns =
+      calibration.visit_ns + counts.far_share * (calibration.far_visit_ns - calibration.visit_ns) + calibration.cone_ns;
+  return 1e-6 *
+         (counts.visits * visit_ns + counts.splits * calibration.split_ns + counts.triangles * calibration.triangle_ns +
+          fragments_per_pixel * counts.pixels * calibration.fragment_ns);
+}
+
+double error_with(double hidden, double growth) {
+  constexpr double picture_exponent = 0.4;
+  constexpr double least_growth = 0.1;
+  constexpr double least_error = 0.05;  // of a small sample, all does not mean all
+  const double exponent = picture_exponent * std::log(2.0) / std::log1p(std::clamp(growth, least_growth, 1.0));
+  return std::max(least_error, std::pow(1.0 - std::min(hidden, most_hidden), exponent));
+}
+
+std::vector<EffortForecast> forecasts(const Calibration& calibration, const Prospect& prospect) {
+  std::vector<EffortForecast> all;
+  all.push_back({OcclusionEffort::none, {}, frame_ms_without(calibration, prospect.counts), 0.0, 1.0});
+  for (std::size_t backend = 0; backend < calibration.backends.size(); ++backend)
+    for (std::size_t effort = 1; effort < occlusion_effort_count; ++effort)
+      all.push_back(forecast(calibration, backend, static_cast<OcclusionEffort>(effort), prospect));
+  return all;
+}
+
+// Errors fall with one over the number of triangles: below a node whose error is n times that at the end are n splits.
+double splits_freed(const ObjectEffectStats::Region& region, double level_px) {
+  constexpr double least_level_px = 0.1;
+  return region.hidden_stars + static_cast<double>(region.hidden_subtrees_px) / std::max(level_px, least_level_px);
+}
+
+double split_worth_ns(const Calibration& calibration, const FrameCounts& counts) {
+  return 1e6 * frame_ms_without(calibration, counts) / std::max(counts.splits, 1.0);
+}
+
+QueryRates usual_query_rates() noexcept { return {0.0, 0.68, 0.71, 0.92, 0.95}; }
+
+// A node, its star and the positions that it names are some 250 bytes: half of the visits are far where there are four
+// times as many as fill the caches of the machines that this was fitted on.
+double far_share(std::size_t splits) noexcept {
+  constexpr double half_far = 400'000.0;
+  const auto count = static_cast<double>(splits);
+  return count / (count + half_far);
+}
+
+FrameCounts usual_counts(std::size_t budget, const View& view, double far_share) noexcept {
+  const auto triangles = static_cast<double>(budget);
+  return {triangles, 0.5 * triangles, 1.6 * triangles, static_cast<double>(view.width()) * view.height(), far_share};
+}
+
+std::uint32_t single_occluder_splits(std::size_t budget) noexcept {
+  return static_cast<std::uint32_t>(std::clamp<std::size_t>(budget / 32, 64, 1U << 20U));
+}
+
+}  // namespace occlod

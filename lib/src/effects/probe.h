@@ -1,0 +1,86 @@
+// A glance at how much of a scene is hidden, before or after it is refined.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "occlod/effects/effect_choice.h"
+#include "occlod/refine/refiner.h"
+#include "refine/importance.h"
+#include "refine/star.h"
+
+namespace occlod {
+
+// Asks a backend of its own at a fraction of the view's resolution, so that a glance costs a small share of a frame.
+// Nothing is decided by its answers but what is worth asking: they need not be conservative.
+class Probe {
+ public:
+  explicit Probe(std::span<const RefineObject> objects);
+  Probe(const Probe&) = delete;
+  Probe& operator=(const Probe&) = delete;
+  ~Probe();
+
+  struct Result {
+    HiddenShares all;
+    std::vector<HiddenShares> objects;
+  };
+  // Before a view is refined: the occluder is a coarse mesh that is refined for it. The same arguments give the same
+  // result.
+  const Result& look_ahead(const View& view, const RefineOptions& options);
+  // Afterwards: the occluder is what has been refined, as it is.
+  const Result& look_back(const View& view, const RefineOptions& options, const Refinement& refinement);
+
+ private:
+  class SmallVisibility;
+  struct Sample {
+    std::uint32_t object = 0;
+    SplitId split = no_id;
+    float error_px = 0.0F;
+  };
+  // Of samples; all but the first two weighted.
+  struct Sums {
+    std::size_t samples = 0;
+    std::size_t split_samples = 0;
+    double visits = 0.0;
+    double visits_hidden = 0.0;
+    double splits = 0.0;
+    double splits_hidden = 0.0;
+    double stars_hidden = 0.0;
+    double seen = 0.0;   // splits that are not hidden
+    double below = 0.0;  // nodes below these whose error is at least half of the level
+
+    void add(const Sums& o);
+    [[nodiscard]] HiddenShares shares() const;
+  };
+
+  void begin(const View& view, const RefineOptions& options);
+  void find_roots();
+  void sample(double level_px, std::size_t walks);
+  [[nodiscard]] Sample walk(float level_px);
+  [[nodiscard]] float error_px(std::uint32_t object, SplitId s) const;
+  void count(const Sample& at, float level_px);
+  [[nodiscard]] std::size_t nodes_below(std::uint32_t object, SplitId s, float least_px, std::size_t most) const;
+  [[nodiscard]] double random();
+
+  std::vector<RefineObject> objects_;
+  Refiner scout_;
+  std::unique_ptr<SmallVisibility> visibility_;
+  std::vector<ObjectView> views_;
+  std::vector<Importance> importances_;
+  RefineOptions options_;
+  struct Root {
+    Sample node;
+    float weight_until = 0.0F;  // its error and those of all before it
+  };
+  std::vector<Root> roots_;
+  StarLook star_;
+  std::vector<std::vector<glm::vec3>> corners_;  // of the occluder of look_back(), by object
+  std::vector<std::vector<Triangle>> corner_triangles_;
+  std::vector<Sums> sums_;  // by object
+  std::uint64_t state_ = 0;
+  Result result_;
+};
+
+}  // namespace occlod

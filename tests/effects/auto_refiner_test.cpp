@@ -1,0 +1,167 @@
+#include "occlod/effects/auto_refiner.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include "effect_scenes.h"
+#include "occlod/core/error.h"
+#include "occlod/occlusion/software_occlusion.h"
+
+namespace occlod::test {
+namespace {
+
+AutoRefiner refiner_of(std::span<const RefineObject> objects) {
+  AutoOptions options;
+  options.calibration = round_calibration();
+  return AutoRefiner(objects, std::move(options));
+}
+
+RefineOptions budget_of(std::size_t triangles) {
+  RefineOptions options;
+  options.budget = triangles;
+  return options;
+}
+
+std::size_t queries_of(const ObjectEffectStats& stats) {
+  return std::accumulate(stats.regions.begin(), stats.regions.end(), std::size_t{0},
+                         [](std::size_t sum, const auto& region) { return sum + region.queries; });
+}
+
+// From above no part of a gentle height field is behind another: every question would be answered "visible".
+TEST(AutoRefiner, AsksNothingWhereNothingHides) {
+  const Hierarchy ground = open_ground();
+  const RefineObject objects[] = {{.hierarchy = &ground}};
+  AutoRefiner refiner = refiner_of(objects);
+  for (int i = 0; i < 4; ++i) {
+    const Refinement& refinement = refiner.refine(above_ground(), budget_of(3'000));
+    EXPECT_EQ(refiner.report().choice.effort, OcclusionEffort::none) << i;
+    EXPECT_EQ(refinement.stats.queries, 0U);
+    EXPECT_EQ(refinement.stats.occluder_draws, 0U);
+  }
+}
+
+// Then it refines exactly as without occlusion.
+TEST(AutoRefiner, IsTheSameAsNoOcclusionWhereNothingHides) {
+  const Hierarchy ground = open_ground();
+  const RefineObject objects[] = {{.hierarchy = &ground}};
+  AutoRefiner refiner = refiner_of(objects);
+  Refiner plain(objects);
+  NoOcclusion none;
+  EXPECT_EQ(refiner.refine(above_ground(), budget_of(3'000)).hash(),
+            plain.refine(above_ground(), budget_of(3'000), none).hash());
+}
+
+// Everything but the wall is hidden: what is not asked about takes nearly all of the budget.
+TEST(AutoRefiner, AsksWhereAWallHidesTheRest) {
+  const Hierarchy scene = wall_with_spheres();
+  const RefineObject objects[] = {{.hierarchy = &scene}};
+  AutoRefiner refiner = refiner_of(objects);
+  for (int i = 0; i < 3; ++i) {
+    const Refinement& refinement = refiner.refine(before_wall(), budget_of(5'000));
+    EXPECT_NE(refiner.report().choice.effort, OcclusionEffort::none) << i;
+    EXPECT_GT(refinement.stats.queries_hidden, 0U) << i;
+  }
+}
+
+// From behind, the wall hides nothing and the spheres hide little; the eye has moved across the scene in between.
+TEST(AutoRefiner, LooksAgainWhenTheCameraHasMoved) {
+  const Hierarchy scene = wall_with_spheres();
+  const RefineObject objects[] = {{.hierarchy = &scene}};
+  AutoRefiner refiner = refiner_of(objects);
+  (void)refiner.refine(before_wall(), budget_of(5'000));
+  EXPECT_TRUE(refiner.report().looked_ahead);
+  (void)refiner.refine(before_wall(), budget_of(5'000));
+  EXPECT_FALSE(refiner.report().looked_ahead);  // it has not moved
+  (void)refiner.refine(view_at({-4.0, 1.0, 1.0}, {0.0, 0.0, 0.0}), budget_of(5'000));
+  EXPECT_TRUE(refiner.report().looked_ahead);
+}
+
+// A sphere seen from outside: the cone of a patch is narrow and half of all patches face away. The spikes of a rough
+// one point everywhere, so that next to no subtree faces away as a whole.
+TEST(AutoRefiner, UsesConesWhereTheyCull) {
+  const Hierarchy smooth = build_hierarchy(octahedron_sphere(5));
+  const Hierarchy rough = build_hierarchy(generate_rough_planet({.level = 5, .amplitude = 0.4, .frequency = 24.0}));
+  const RefineObject objects[] = {
+      {.hierarchy = &smooth},
+      {.hierarchy = &rough, .object_to_world = glm::translate(glm::dmat4(1.0), {0.0, 3.0, 0.0})}};
+  AutoRefiner refiner = refiner_of(objects);
+  const View view = view_at({7.0, 1.5, 0.0}, {0.0, 1.5, 0.0});
+  (void)refiner.refine(view, budget_of(6'000));
+  const ObjectEffectStats first_rough = refiner.report().objects[1];
+  (void)refiner.refine(view, budget_of(6'000));
+  EXPECT_TRUE(refiner.report().choice.objects[0].cones);
+  EXPECT_FALSE(refiner.report().choice.objects[1].cones) << first_rough.cone_culled << " of " << first_rough.cone_tests;
+  EXPECT_EQ(refiner.report().objects[1].cone_tests, 0U);
+}
+
+// One object is behind the wall of another, a third stands in the open beside them.
+TEST(AutoRefiner, ChoosesObjectByObject) {
+  const Hierarchy scene = wall_with_spheres();
+  const Hierarchy ground = open_ground();
+  const RefineObject objects[] = {
+      {.hierarchy = &scene},
+      {.hierarchy = &ground,
+       .object_to_world = glm::rotate(glm::translate(glm::dmat4(1.0), {0.6, 0.1, -0.3}), 1.57, {0.0, 1.0, 0.0})}};
+  AutoRefiner refiner = refiner_of(objects);
+  const View view = before_wall();
+  for (int i = 0; i < 3; ++i) (void)refiner.refine(view, budget_of(6'000));
+  const EffectReport& report = refiner.report();
+  ASSERT_NE(report.choice.effort, OcclusionEffort::none);
+  const ObjectEffects& open = report.choice.objects[1];
+  EXPECT_TRUE(!open.occlusion || open.regions == 0) << queries_of(report.objects[1]);
+  EXPECT_GT(queries_of(report.objects[0]), 0U);
+  EXPECT_EQ(queries_of(report.objects[1]), 0U);
+}
+
+// Choices depend on counts and on the calibration alone.
+TEST(AutoRefiner, SameCalibrationSameMeshes) {
+  const Hierarchy scene = wall_with_spheres();
+  const RefineObject objects[] = {{.hierarchy = &scene}};
+  AutoRefiner a = refiner_of(objects), b = refiner_of(objects);
+  for (int i = 0; i < 40; ++i) {  // past one look_interval
+    const View view = view_at({1.0 + 0.1 * i, 0.05 * i, 0.05}, {-1.0, 0.0, 0.0});
+    ASSERT_EQ(a.refine(view, budget_of(4'000)).hash(), b.refine(view, budget_of(4'000)).hash()) << i;
+    ASSERT_EQ(a.report().choice, b.report().choice) << i;
+  }
+}
+
+// A choice is data: a Refiner that is given it comes to the same mesh.
+TEST(AutoRefiner, ChoicesCanBeReplayed) {
+  const Hierarchy scene = wall_with_spheres();
+  const RefineObject objects[] = {{.hierarchy = &scene}};
+  AutoRefiner refiner = refiner_of(objects);
+  Refiner plain(objects);
+  const std::unique_ptr<Visibility> software = make_software_occlusion();
+  for (int i = 0; i < 3; ++i) {
+    const std::uint64_t hash = refiner.refine(before_wall(), budget_of(5'000)).hash();
+    const EffectChoice choice = refiner.report().choice;
+    ASSERT_TRUE(choice.backend);
+    EXPECT_EQ(plain.refine(before_wall(), choice.with(budget_of(5'000)), *software).hash(), hash) << i;
+  }
+}
+
+TEST(AutoRefiner, KeepsTheBudget) {
+  const Hierarchy scene = wall_with_spheres();
+  const RefineObject objects[] = {{.hierarchy = &scene}};
+  AutoRefiner refiner = refiner_of(objects);
+  for (const std::size_t extra : {0U, 1U, 100U, 3'000U, 10U, 100'000U}) {
+    const std::size_t budget = refiner.base_triangles() + extra;
+    EXPECT_LE(refiner.refine(before_wall(), budget_of(budget)).stats.triangles, budget);
+  }
+  EXPECT_THROW((void)refiner.refine(before_wall(), budget_of(refiner.base_triangles() - 1)), Error);
+}
+
+TEST(AutoRefiner, WantsAllBackendsInTheCalibration) {
+  const Hierarchy ground = open_ground();
+  const RefineObject objects[] = {{.hierarchy = &ground}};
+  AutoOptions options;
+  options.calibration = round_calibration();
+  options.calibration->backends.front().name = "another";
+  EXPECT_THROW(AutoRefiner(objects, std::move(options)), Error);
+}
+
+}  // namespace
+}  // namespace occlod::test

@@ -1,0 +1,89 @@
+#include "occlod/effects/calibration.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "effect_scenes.h"
+#include "occlod/core/error.h"
+#include "occlod/occlusion/software_occlusion.h"
+
+namespace occlod::test {
+namespace {
+
+class CalibrationFile : public ::testing::Test {
+ protected:
+  void TearDown() override { std::filesystem::remove(path_); }
+
+  void write(const std::string& text) const { std::ofstream(path_) << text; }
+  // The message of the Error that reading it throws.
+  [[nodiscard]] std::string mistake() const {
+    try {
+      (void)read_calibration(path_);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "none";
+  }
+
+  std::filesystem::path path_ =
+      std::filesystem::temp_directory_path() /
+      ("occlod_calibration_" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()) + ".json");
+};
+
+// Numbers with more digits than are usually printed come back as they were.
+TEST_F(CalibrationFile, GivesTheSameNumbersBack) {
+  Calibration calibration = round_calibration();
+  calibration.visit_ns = 1.0 / 3.0;
+  calibration.backends.push_back({"gl-compute", 0.1 + 0.2, 1e-3, 123456.789, 1e7});
+  write_calibration(path_, calibration);
+  EXPECT_EQ(read_calibration(path_), calibration);
+}
+
+TEST_F(CalibrationFile, RefusesWhatIsNoCalibration) {
+  const std::string costs =
+      R"("visit_ns": 1, "far_visit_ns": 1, "cone_ns": 1, "split_ns": 1, "triangle_ns": 1, "fragment_ns": 1)";
+  const std::string backend =
+      R"({"name": "software", "occluder_triangle_ns": 1, "occluder_pixel_ns": 1, "query_ns": 1, "latency_ns": 1})";
+  write("{" + costs + R"(, "backends": [)" + backend + "]}");
+  EXPECT_EQ(mistake(), "none");
+  write("{");
+  EXPECT_NE(mistake().find(path_.string()), std::string::npos);
+  write("{" + costs + "}");
+  EXPECT_NE(mistake().find("backends"), std::string::npos);
+  write("{" + costs + R"(, "backends": [], "more": 1})");
+  EXPECT_NE(mistake().find("more"), std::string::npos);
+  write(
+      R"({"visit_ns": 0, "far_visit_ns": 1, "cone_ns": 1, "split_ns": 1, "triangle_ns": 1, "fragment_ns": 1, "backends": [)" +
+      backend + "]}");
+  EXPECT_NE(mistake().find("/visit_ns"), std::string::npos);
+  write(
+      R"({"visit_ns": "1", "far_visit_ns": 1, "cone_ns": 1, "split_ns": 1, "triangle_ns": 1, "fragment_ns": 1, "backends": [)" +
+      backend + "]}");
+  EXPECT_NE(mistake().find("/visit_ns"), std::string::npos);
+  write("{" + costs + R"(, "backends": [)" + backend + ", " + backend + "]}");
+  EXPECT_NE(mistake().find("/backends/1/name"), std::string::npos);
+}
+
+TEST_F(CalibrationFile, RefusesAFileThatIsNotThere) { EXPECT_NE(mistake().find(path_.string()), std::string::npos); }
+
+// Nothing takes no time; how much each thing takes is the machine's to say.
+TEST(Calibration, MeasuresEverything) {
+  std::vector<std::unique_ptr<Visibility>> backends;
+  backends.push_back(make_software_occlusion());
+  const Calibration calibration = measure_calibration(backends);
+  EXPECT_GE(calibration.far_visit_ns, calibration.visit_ns);
+  for (const double ns : {calibration.visit_ns, calibration.cone_ns, calibration.split_ns, calibration.triangle_ns,
+                          calibration.fragment_ns})
+    EXPECT_GT(ns, 0.0);
+  ASSERT_EQ(calibration.backends.size(), 1U);
+  const BackendCosts& costs = calibration.backends.front();
+  EXPECT_EQ(costs.name, "software");
+  for (const double ns : {costs.occluder_triangle_ns, costs.occluder_pixel_ns, costs.query_ns, costs.latency_ns})
+    EXPECT_GT(ns, 0.0);
+}
+
+}  // namespace
+}  // namespace occlod::test

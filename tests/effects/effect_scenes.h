@@ -1,0 +1,50 @@
+// Scenes whose answer is known without measuring, and a machine whose costs are round numbers.
+#pragma once
+
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
+#include <utility>
+#include <vector>
+
+#include "occlod/effects/calibration.h"
+#include "occlod/hierarchy/build.h"
+#include "occlod/mesh/generate.h"
+#include "occlod/refine/refiner.h"
+#include "support/meshes.h"
+
+namespace occlod::test {
+
+inline Calibration round_calibration() {
+  Calibration calibration{150.0, 600.0, 25.0, 350.0, 60.0, 1.0, {}};
+  calibration.backends.push_back({"software", 20.0, 0.4, 200.0, 200.0});
+  return calibration;
+}
+
+inline View view_at(const glm::dvec3& eye, const glm::dvec3& target, double fov_y_deg = 45.0) {
+  Camera camera;
+  camera.eye = eye;
+  camera.target = target;
+  camera.up = {0.0, 0.0, 1.0};
+  camera.fov_y_deg = fov_y_deg;
+  camera.width = 320;
+  camera.height = 240;
+  camera.near = 0.01;
+  camera.far = 50.0;
+  return View(camera);
+}
+
+// A height field over the unit square with waves too low to hide each other from above.
+inline Hierarchy open_ground() {
+  TriangleMesh mesh = grid(64, 64);
+  for (glm::vec3& p : mesh.positions) p.z = 0.02F * std::sin(20.0F * p.x) * std::cos(17.0F * p.y);
+  return build_hierarchy(mesh);
+}
+inline View above_ground() { return view_at({0.5, 0.49, 1.5}, {0.5, 0.5, 0.0}); }
+
+inline Hierarchy wall_with_spheres() {
+  return build_hierarchy(generate_spheres_behind_wall({.spheres = 32, .level = 4}));
+}
+// Before the wall, which covers all spheres.
+inline View before_wall() { return view_at({3.0, 0.05, 0.05}, {-1.0, 0.0, 0.0}); }
+
+}  // namespace occlod::test

@@ -1,0 +1,64 @@
+#include "effects/forecast.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "effect_scenes.h"
+
+namespace occlod::test {
+namespace {
+
+Prospect prospect_of(double hidden) {
+  Prospect prospect;
+  prospect.counts = {10'000.0, 5'000.0, 16'000.0, 320.0 * 240.0};
+  prospect.ahead = prospect.back = {64, 64, hidden, hidden, hidden};
+  prospect.rates = usual_query_rates();
+  return prospect;
+}
+
+OcclusionEffort best_of(const Calibration& calibration, const Prospect& prospect) {
+  const auto all = forecasts(calibration, prospect);
+  return std::min_element(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.score() < b.score(); })
+      ->effort;
+}
+
+// 16,000 visits at 150 + 25 ns, 5,000 splits at 350 ns, 10,000 triangles at 60 ns and two fragments for each of 76,800
+// pixels at 1 ns: 2.8 + 1.75 + 0.6 + 0.1536 ms.
+TEST(Forecast, AddsUpWhatAFrameTakes) {
+  EXPECT_NEAR(frame_ms_without(round_calibration(), prospect_of(0.0).counts), 5.3036, 1e-9);
+}
+
+// Where nothing is hidden occlusion saves nothing and costs something, on any machine; where nearly all is, it pays
+// unless a question costs more than everything else.
+TEST(Forecast, WeighsWhatIsHidden) {
+  Calibration calibration = round_calibration();
+  EXPECT_EQ(best_of(calibration, prospect_of(0.0)), OcclusionEffort::none);
+  EXPECT_NE(best_of(calibration, prospect_of(0.9)), OcclusionEffort::none);
+  calibration.backends.front().query_ns = 1e5;
+  EXPECT_EQ(best_of(calibration, prospect_of(0.9)), OcclusionEffort::none);
+}
+
+// Of two backends that find the same the cheaper one is taken.
+TEST(Forecast, TakesTheCheaperBackend) {
+  Calibration calibration = round_calibration();
+  calibration.backends.insert(calibration.backends.begin(), {"dear", 200.0, 4.0, 2000.0, 2000.0});
+  const auto all = forecasts(calibration, prospect_of(0.9));
+  const auto best =
+      std::min_element(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.score() < b.score(); });
+  ASSERT_TRUE(best->backend);
+  EXPECT_EQ(*best->backend, 1U);
+}
+
+// A hidden star is one split; a subtree whose error is eight times that at the end has about eight below it.
+TEST(Forecast, CountsWhatHiddenAnswersFree) {
+  ObjectEffectStats::Region region;
+  region.queries = 10;
+  region.hidden = 4;
+  region.hidden_stars = 3;
+  region.hidden_subtrees_px = 16.0F;
+  EXPECT_DOUBLE_EQ(splits_freed(region, 2.0), 11.0);
+}
+
+}  // namespace
+}  // namespace occlod::test

@@ -1,0 +1,81 @@
+"""Drives `occlod render --occlusion auto`: what it prints, and that a calibration repeats a run."""
+import json
+import unittest
+
+from tool_case import ToolTest
+
+CALIBRATION = {"visit_ns": 150.0, "far_visit_ns": 400.0, "cone_ns": 25.0, "split_ns": 350.0, "triangle_ns": 60.0, "fragment_ns": 1.0,
+               "backends": [{"name": "software", "occluder_triangle_ns": 20.0, "occluder_pixel_ns": 0.4, "query_ns": 200.0, "latency_ns": 200.0}]}
+# The wall covers all spheres; from above the planet's ground hides nothing.
+WALL = """{"objects": [{"generator": "spheres-behind-wall", "options": {"spheres": 32}}],
+           "cameras": {"default": {"eye": [3, 0.05, 0.05], "target": [-1, 0, 0], "up": [0, 0, 1], "width": 320, "height": 240, "near": 0.01}},
+           "paths": {"aside": {"frames": 5, "keys": [{"eye": [3, 0, 0.05], "target": [-1, 0, 0], "up": [0, 0, 1]},
+                                                     {"eye": [3, 0.5, 0.05], "target": [-1, 0, 0], "up": [0, 0, 1]}]}}}"""
+GROUND = """{"objects": [{"generator": "rough-planet", "options": {"level": 5, "amplitude": 0.005}}],
+             "cameras": {"default": {"eye": [0, 0, 1.5], "target": [0, 0, 0], "fov_y_deg": 30, "width": 320, "height": 240, "near": 0.05}}}"""
+
+
+class Auto(ToolTest):
+    def setUp(self):
+        super().setUp()
+        (self.folder / "calibration.json").write_text(json.dumps(CALIBRATION))
+        (self.folder / "wall.json").write_text(WALL)
+        (self.folder / "ground.json").write_text(GROUND)
+
+    def render(self, scene, *arguments):
+        return self.json_of("render", scene, "--budget", 5000, "--calibration", "calibration.json", *arguments)
+
+    def test_is_the_default_and_says_why(self):
+        result = self.render("wall.json")
+        self.assertEqual((result["occlusion"], result["calibration"]), ("auto", CALIBRATION))
+        why = result["auto"]
+        # The first forecast is that without occlusion; the chosen one scores best.
+        self.assertEqual((why["forecasts"][0]["effort"], why["forecasts"][0]["error"]), ("none", 1.0))
+        best = min(why["forecasts"], key=lambda forecast: forecast["score"])
+        self.assertEqual((why["effort"], why["backend"]), (best["effort"], best["backend"]))
+        self.assertTrue(why["looked_ahead"])
+        self.assertEqual(sum(o["queries"] for o in why["objects"]), result["queries"])
+
+    def test_asks_where_it_pays(self):
+        self.assertGreater(self.render("wall.json")["queries"], 0)
+        result = self.render("ground.json")
+        self.assertEqual((result["auto"]["effort"], result["queries"], result["occluder_draws"]), ("none", 0, 0))
+
+    def test_effects_that_are_given_are_not_chosen(self):
+        """Options that fix an effect mean the software backend."""
+        for options in (["--occluder-splits", 64], ["--levels", 1], ["--no-retest"], ["--no-final-check"], ["--no-stars"]):
+            self.assertEqual(self.json_of("render", "wall.json", "--budget", 3000, *options)["occlusion"], "software", options)
+            self.assertIn(options[0], self.fail("render", "wall.json", "--budget", 3000, "--occlusion", "auto", *options))
+
+    def test_a_calibration_repeats_a_run(self):
+        self.json_of("render", "wall.json", "--budget", 5000, "--save-calibration", "measured.json")
+        runs = [self.json_of("render", "wall.json", "--budget", 5000, "--path", "aside", "--calibration", "measured.json", "--save-calibration", copy)
+                for copy in ("a.json", "b.json")]
+        self.assertTrue(self.same_bytes("measured.json", "a.json") and self.same_bytes("a.json", "b.json"))
+        hashes, efforts = [[[frame["hash"] for frame in run["frames"]] for run in runs], [[frame["auto"]["effort"] for frame in run["frames"]] for run in runs]]
+        self.assertEqual((hashes[0], efforts[0]), (hashes[1], efforts[1]))
+
+    def test_explains_itself_to_people(self):
+        text = self.succeed("render", "wall.json", "--budget", 5000, "--calibration", "calibration.json", "--explain")
+        for part in ("a look ahead", "would take", "cones", "occlusion on"):
+            self.assertIn(part, text)
+        text = self.succeed("render", "ground.json", "--budget", 5000, "--calibration", "calibration.json", "--explain")
+        self.assertIn("occlusion off", text)
+        self.assertIn("--explain", self.fail("render", "wall.json", "--occlusion", "software", "--explain"))
+        self.assertIn("--explain", self.fail("render", "wall.json", "--explain", "--json"))
+
+    def test_bad_calibrations_are_refused(self):
+        self.assertIn("none.json", self.fail("render", "wall.json", "--calibration", "none.json"))
+        for key, value in (("visit_ns", -1), ("cone_ns", "fast"), ("backends", []), ("more", 1)):
+            (self.folder / "bad.json").write_text(json.dumps(dict(CALIBRATION, **{key: value})))
+            line = self.fail("render", "wall.json", "--calibration", "bad.json")
+            self.assertIn("bad.json", line)
+            self.assertIn(key, line)
+        other = dict(CALIBRATION, backends=[dict(CALIBRATION["backends"][0], name="gl-query")])
+        (self.folder / "bad.json").write_text(json.dumps(other))
+        self.assertIn("software", self.fail("render", "wall.json", "--calibration", "bad.json"))
+        self.assertIn("--calibration", self.fail("render", "wall.json", "--occlusion", "none", "--calibration", "calibration.json"))
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=1)

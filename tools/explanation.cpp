@@ -1,0 +1,123 @@
+#include "explanation.h"
+
+#include <fmt/format.h>
+
+#include <bit>
+
+namespace occlod::tool {
+namespace {
+
+Json to_json(const HiddenShares& shares) {
+  return {{"nodes", shares.visits},
+          {"splits", shares.splits},
+          {"nodes_hidden", shares.visits_hidden},
+          {"splits_hidden", shares.splits_hidden},
+          {"stars_hidden", shares.stars_hidden}};
+}
+
+std::string backend_of(const AutoRefiner& refiner, const std::optional<std::size_t>& index) {
+  return index ? std::string(refiner.backend(*index).name()) : "none";
+}
+
+Json to_json(const AutoRefiner& refiner, const EffortForecast& forecast) {
+  return {{"effort", name_of(forecast.effort)},
+          {"backend", backend_of(refiner, forecast.backend)},
+          {"frame_ms", forecast.frame_ms},
+          {"occlusion_ms", forecast.occlusion_ms},
+          {"error", forecast.error},
+          {"score", forecast.score()}};
+}
+
+// What was asked of one object.
+struct Questions {
+  std::size_t asked = 0;
+  std::size_t hidden = 0;
+  explicit Questions(const ObjectEffectStats& stats) {
+    for (const ObjectEffectStats::Region& region : stats.regions) {
+      asked += region.queries;
+      hidden += region.hidden;
+    }
+  }
+};
+
+int regions_on(const ObjectEffects& effects) { return effects.occlusion ? std::popcount(effects.regions) : 0; }
+
+Json to_json(const ObjectEffects& effects, const ObjectEffectStats& stats) {
+  const Questions questions(stats);
+  return {{"cones", effects.cones},
+          {"cone_tests", stats.cone_tests},
+          {"cone_culled", stats.cone_culled},
+          {"occlusion", effects.occlusion},
+          {"regions", regions_on(effects)},
+          {"queries", questions.asked},
+          {"queries_hidden", questions.hidden}};
+}
+
+void print_shares(const char* name, const HiddenShares& shares) {
+  fmt::print("  {}: of {} nodes {:.0f} % hidden; of {} splits {:.0f} % by their subtree, {:.0f} % by their star\n",
+             name, shares.visits, 100.0 * shares.visits_hidden, shares.splits, 100.0 * shares.splits_hidden,
+             100.0 * shares.stars_hidden);
+}
+
+void print_object(std::size_t i, const std::string& source, const AutoRefiner& refiner) {
+  const EffectReport& report = refiner.report();
+  const ObjectEffects& effects = report.choice.objects[i];
+  const ObjectEffectStats& stats = report.objects[i];
+  const Calibration& calibration = refiner.calibration();
+  const Questions questions(stats);
+  fmt::print("  object {} ({})\n", i, source);
+  fmt::print("    cones {}: {} of {} nodes dropped, about {:.3f} ms spent\n", effects.cones ? "on" : "off",
+             stats.cone_culled, stats.cone_tests, 1e-6 * static_cast<double>(stats.cone_tests) * calibration.cone_ns);
+  if (!report.choice.backend) return;
+  const double query_ns = calibration.backends[*report.choice.backend].query_ns;
+  fmt::print("    occlusion {}, {} of {} regions: {} of {} questions answered hidden, about {:.3f} ms spent\n",
+             effects.occlusion ? "on" : "off", regions_on(effects), effect_region_count, questions.hidden,
+             questions.asked, 1e-6 * static_cast<double>(questions.asked) * query_ns);
+}
+
+}  // namespace
+
+Json to_json(const AutoRefiner& refiner) {
+  const EffectReport& report = refiner.report();
+  Json json = {{"effort", name_of(report.choice.effort)},
+               {"backend", backend_of(refiner, report.choice.backend)},
+               {"level_step", report.choice.level_step}};
+  json["forecasts"] = Json::array();
+  for (const EffortForecast& forecast : report.forecasts) json["forecasts"].push_back(to_json(refiner, forecast));
+  json["ahead"] = to_json(report.ahead);
+  json["back"] = report.back ? to_json(*report.back) : Json();
+  json["looked_ahead"] = report.looked_ahead;
+  json["looked_back"] = report.looked_back;
+  json["look_ms"] = report.look_ms;
+  json["saved_triangles"] = report.saved_triangles;
+  json["saved_ms"] = report.saved_ms;
+  json["objects"] = Json::array();
+  for (std::size_t i = 0; i < report.objects.size(); ++i)
+    json["objects"].push_back(to_json(report.choice.objects[i], report.objects[i]));
+  return json;
+}
+
+void print_explanation(const AutoRefiner& refiner, const RefineStats& stats, const std::vector<LoadedObject>& objects) {
+  const EffectReport& report = refiner.report();
+  fmt::print("why:\n");
+  print_shares("a look ahead, at a coarse mesh", report.ahead);
+  if (report.back) print_shares("a look back, at a refined mesh", *report.back);
+  for (const EffortForecast& forecast : report.forecasts)
+    fmt::print(
+        "  {} {:<17} {:<10} would take {:6.2f} ms, {:5.2f} of it for occlusion, at {:.2f} of the error: score {:.2f}\n",
+        forecast.effort == report.choice.effort && forecast.backend == report.choice.backend ? "*" : " ",
+        name_of(forecast.effort), backend_of(refiner, forecast.backend), forecast.frame_ms, forecast.occlusion_ms,
+        forecast.error, forecast.score());
+  fmt::print("  looks cost {:.3f} ms in this view\n", report.look_ms);
+  if (report.choice.backend)
+    fmt::print(
+        "  occlusion on ({}): cost {:.2f} ms for {} occluders and {} questions; saves about {:.0f} triangles, {:.2f} "
+        "ms\n",
+        name_of(report.choice.effort), stats.occlusion_ms, stats.occluder_draws, stats.queries, report.saved_triangles,
+        report.saved_ms);
+  else
+    fmt::print("  occlusion off: it would cost more than it saves\n");
+  for (std::size_t i = 0; i < report.objects.size(); ++i) print_object(i, objects[i].source_name, refiner);
+}
+
+}  // namespace occlod::tool

@@ -1,0 +1,61 @@
+#include "refine_way.h"
+
+#include <utility>
+
+#include "drawing.h"
+#include "occlod/core/error.h"
+
+namespace occlod::tool {
+namespace {
+
+std::unique_ptr<AutoRefiner> make_auto(const std::vector<LoadedObject>& objects, const BackendOptions& options,
+                                       const AutoWayOptions& auto_options, Json& gl) {
+  AutoOptions result;
+  for (const std::string& name : auto_options.backends) {
+    BackendOptions one = options;
+    one.occlusion = name;
+    Backend backend = make_backend(one);
+    if (!backend.gl.is_null()) gl = backend.gl;
+    result.backends.push_back(std::move(backend.visibility));
+  }
+  if (!auto_options.calibration.empty()) result.calibration = read_calibration(auto_options.calibration);
+  auto refiner = std::make_unique<AutoRefiner>(refine_objects(objects), std::move(result));
+  if (!auto_options.save_calibration.empty()) write_calibration(auto_options.save_calibration, refiner->calibration());
+  return refiner;
+}
+
+}  // namespace
+
+RefineWay::RefineWay(const std::vector<LoadedObject>& objects, const BackendOptions& options,
+                     const AutoWayOptions& auto_options) {
+  if (options.occlusion == "auto") {
+    auto_ = make_auto(objects, options, auto_options, gl_);
+    return;
+  }
+  if (!auto_options.calibration.empty() || !auto_options.save_calibration.empty())
+    throw Error({options.occlusion, "--calibration", "means nothing to it", "use it with auto"});
+  Backend backend = make_backend(options);
+  visibility_ = std::move(backend.visibility);
+  gl_ = std::move(backend.gl);
+}
+
+std::string RefineWay::name() const { return auto_ ? "auto" : std::string(visibility_->name()); }
+
+void RefineWay::repeat(Measurement& measurement, const View& view, const RefineOptions& options) {
+  if (auto_)
+    measurement.repeat(view, options, *auto_);
+  else
+    measurement.repeat(view, options, *visibility_);
+}
+
+RefineOptions RefineWay::fixed(const RefineOptions& options) const {
+  return auto_ ? auto_->report().choice.with(options) : options;
+}
+
+Visibility& RefineWay::visibility() {
+  if (!auto_) return *visibility_;
+  const std::optional<std::size_t> backend = auto_->report().choice.backend;
+  return backend ? auto_->backend(*backend) : none_;
+}
+
+}  // namespace occlod::tool
