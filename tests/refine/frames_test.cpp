@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "occlod/occlusion/software_occlusion.h"
+#include "occlod/refine/geomorph.h"
 #include "oracle/cut_error.h"
 #include "refine_support.h"
 
@@ -178,6 +179,36 @@ TEST_P(Frames, WorkIsLimitedAndFollows) {
   EXPECT_LE(oracle::cut_error(objects, caught_up, view, *backend_).quadric_px, 1.25 * fresh);
 }
 
+// What was hidden from where the eye rested may be seen from where it goes.
+TEST(FramesOcclusion, AnEyeThatLeavesItsRestAsksAgain) {
+  const std::vector<RefineObject> objects = two_planets();
+  Refiner refiner(objects);
+  const auto software = make_software_occlusion();
+  RefineOptions options;
+  options.budget = 3000;
+  bool at_rest = false;
+  for (int frame = 0; !at_rest && frame < 50; ++frame)
+    at_rest = refiner.update(View(orbiting(10.0)), options, *software).stats.occluder_draws == 0;
+  ASSERT_TRUE(at_rest);
+  const RefineStats moved = refiner.update(View(orbiting(11.0)), options, *software).stats;
+  EXPECT_GT(moved.occluder_draws, 0U);
+  EXPECT_GT(moved.queries, 0U);
+}
+
+// Another weighing is another order of splits: the frame is that of a Refiner that has seen nothing before.
+TEST(FramesOptions, AnotherWeighingStartsFromTheBaseMeshes) {
+  const std::vector<RefineObject> objects = two_planets();
+  Refiner kept(objects), fresh(objects);
+  NoOcclusion none;
+  RefineOptions options;
+  options.budget = 3000;
+  for (int i = 0; i < 5; ++i) static_cast<void>(kept.update(View(orbiting(3.0 * i)), options, none));
+  options.visible_exponent = 0.0;
+  const View view(orbiting(15.0));
+  const std::uint64_t hash = kept.update(view, options, none).hash();
+  EXPECT_EQ(hash, fresh.update(view, options, none).hash());
+}
+
 INSTANTIATE_TEST_SUITE_P(Ways, Frames,
                          testing::Values(Way{Culling::subtree, false}, Way{Culling::subtree, true},
                                          Way{Culling::star, false}, Way{Culling::star, true}),
@@ -231,6 +262,46 @@ TEST(FramesGeomorph, VerticesSlideFromTheirParents) {
   }
   EXPECT_FLOAT_EQ(last, 0.8F);  // 1/5, 2/5, 3/5, 4/5
   EXPECT_LT(calls, 20);
+}
+
+// A child starts where its parent is drawn, not where that will be: 0 -> 1 at half is 0.5, and 0.5 -> 2 at half 1.25.
+TEST(FramesGeomorph, ChildrenFollowParentsThatSlide) {
+  const glm::vec3 own[] = {{0.0F, 0.0F, 0.0F}, {1.0F, 0.0F, 0.0F}, {2.0F, 0.0F, 0.0F}};
+  MorphedPositions positions(own);
+  const Geomorph both[] = {{1, 0, 0.5F}, {2, 1, 0.5F}};
+  positions.update(both);
+  EXPECT_FLOAT_EQ(positions.positions()[1].x, 0.5F);
+  EXPECT_FLOAT_EQ(positions.positions()[2].x, 1.25F);
+  const Geomorph last[] = {{2, 1, 0.75F}};  // the parent has arrived at 1: 1 -> 2 at three quarters
+  positions.update(last);
+  EXPECT_FLOAT_EQ(positions.positions()[1].x, 1.0F);
+  EXPECT_FLOAT_EQ(positions.positions()[2].x, 1.75F);
+  EXPECT_EQ(std::vector<VertexId>(positions.moved().begin(), positions.moved().end()), (std::vector<VertexId>{1, 2}));
+  positions.update({});
+  EXPECT_FLOAT_EQ(positions.positions()[2].x, 2.0F);
+  EXPECT_EQ(std::vector<VertexId>(positions.moved().begin(), positions.moved().end()), std::vector<VertexId>{2});
+}
+
+// Refinement lists a parent that slides before its children, which MorphedPositions relies on.
+TEST(FramesGeomorph, ParentsComeBeforeTheirChildren) {
+  const std::vector<RefineObject> objects = {{&planet(), glm::dmat4(1.0), false}};
+  Refiner refiner(objects);
+  NoOcclusion none;
+  RefineOptions options;
+  options.budget = 1500;
+  options.geomorph_frames = 6;
+  std::size_t pairs = 0;
+  for (int i = 0; i < 12; ++i) {
+    options.budget += 150;
+    const std::vector<Geomorph>& list = refiner.update(View(orbiting(4.0 * i)), options, none).objects[0].geomorphs;
+    for (std::size_t child = 0; child < list.size(); ++child)
+      for (std::size_t k = 0; k < list.size(); ++k) {
+        if (list[k].vertex != list[child].parent) continue;
+        EXPECT_LT(k, child);
+        ++pairs;
+      }
+  }
+  EXPECT_GT(pairs, 0U);
 }
 
 }  // namespace

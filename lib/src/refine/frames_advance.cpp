@@ -28,7 +28,7 @@ void Frames::advance(Questions& questions, Occluder& occluder, bool moved, Clock
   if (moved) fresh_draw_ = draw_ + 1;
   const bool can_hide = questions.can_hide();
   if (!can_hide) forget_hidden();
-  if (can_hide && !at_rest_) ask_again(occluder, false);
+  if (can_hide) ask_again(occluder, false);
   gather();
   run();
   if (can_hide && moved && options_->final_check && has_changed_much()) {

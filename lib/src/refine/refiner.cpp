@@ -24,6 +24,17 @@ namespace {
 // When so many visible splits in a row need more triangles than are left, the budget counts as used up.
 constexpr std::size_t most_rejections_in_a_row = 64;
 
+// Whether a cut that was refined with one can be gone on with by the other.
+bool go_on_alike(const RefineOptions& a, RefineOptions b) {
+  b.budget = a.budget;
+  b.tolerance_px = a.tolerance_px;
+  b.hysteresis = a.hysteresis;
+  b.most_changes = a.most_changes;
+  b.time_limit_ms = a.time_limit_ms;
+  b.geomorph_frames = a.geomorph_frames;
+  return a == b;
+}
+
 }  // namespace
 
 // One refinement, from the base meshes to the end of the budget:
@@ -63,6 +74,7 @@ class Refiner::Impl {
     const bool moved = !last_ || last_->visibility != &visibility || last_->camera != view.camera();
     if (frames_ && !moved && options_ == options && frames_->at_rest()) return repeat(start);
     const bool same_backend = last_ && last_->visibility == &visibility;
+    if (!go_on_alike(options_, options)) frames_.reset();
     begin(view, options, visibility);
     last_ = {view.camera(), &visibility};
     if (frames_ && !same_backend) frames_->forget_hidden();

@@ -101,7 +101,7 @@ struct TriangleRange {
   std::uint32_t count = 0;
 };
 
-// Draw `vertex` at mix(position of parent, its own position, t).
+// Draw `vertex` at mix(where its parent is drawn, its own position, t): see geomorph.h.
 struct Geomorph {
   VertexId vertex = no_id;
   VertexId parent = no_id;
@@ -114,7 +114,7 @@ struct RefinedObject {
   std::vector<Triangle> triangles;
   std::vector<SplitId> splits;         // applied, ascending: the whole state
   std::vector<TriangleRange> changes;  // of `triangles` since the call before, ascending; the size may change too
-  std::vector<Geomorph> geomorphs;     // under way
+  std::vector<Geomorph> geomorphs;     // under way, parents before their children
 };
 
 struct Refinement {
