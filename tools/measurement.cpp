@@ -17,8 +17,8 @@ double median(std::vector<double> values) {
 
 }  // namespace
 
-Measurement::Measurement(const std::vector<LoadedObject>& objects)
-    : objects_(objects), refiner_(refine_objects(objects)) {}
+Measurement::Measurement(const std::vector<LoadedObject>& objects, Following following)
+    : objects_(objects), following_(following), refiner_(refine_objects(objects)) {}
 
 void Measurement::begin() {
   refine_ms_.clear();
@@ -27,26 +27,34 @@ void Measurement::begin() {
 }
 
 void Measurement::repeat(const View& view, const RefineOptions& options, Visibility& visibility) {
-  draw(view, refiner_.refine(view, options, visibility));
+  take(following_ == Following::frame_to_frame ? refiner_.update(view, options, visibility)
+                                               : refiner_.refine(view, options, visibility));
+  draw(view, following_ == Following::frame_to_frame && options.geomorph_frames > 0);
 }
 
 void Measurement::repeat(const View& view, const RefineOptions& options, AutoRefiner& refiner) {
-  draw(view, refiner.refine(view, options));
+  take(refiner.refine(view, options));
   refine_ms_.back() += refiner.report().look_ms;
+  draw(view, false);
 }
 
-void Measurement::advance(const View& view, const RefineOptions& options, Visibility& visibility) {
-  draw(view, refiner_.update(view, options, visibility));
-}
-
-void Measurement::draw(const View& view, const Refinement& refinement) {
+void Measurement::take(const Refinement& refinement) {
   refinement_ = &refinement;
+  refine_ms_.push_back(refinement.stats.refine_ms);
+  occlusion_ms_.push_back(refinement.stats.occlusion_ms);
+}
+
+void Measurement::draw(const View& view, bool morph) {
   drawn_ = draw_objects(objects_, *refinement_);
+  if (morph && morphed_.empty())
+    for (const DrawObject& object : drawn_) morphed_.emplace_back(object.positions);
   const Stopwatch stopwatch;
+  for (std::size_t i = 0; i < morphed_.size(); ++i) {
+    morphed_[i].update(refinement_->objects[i].geomorphs);
+    drawn_[i].positions = morphed_[i].positions();
+  }
   redraw(items_, drawn_, view);
   draw_ms_.push_back(stopwatch.milliseconds());
-  refine_ms_.push_back(refinement_->stats.refine_ms);
-  occlusion_ms_.push_back(refinement_->stats.occlusion_ms);
 }
 
 std::size_t Measurement::visible_triangles() const { return count_visible_items(items_, refinement_->stats.triangles); }

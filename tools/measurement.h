@@ -7,6 +7,7 @@
 #include "occlod/effects/auto_refiner.h"
 #include "occlod/picture/picture.h"
 #include "occlod/raster/item_buffer.h"
+#include "occlod/refine/geomorph.h"
 #include "occlod/refine/refiner.h"
 #include "occlod/scene/scene.h"
 #include "occlod/view/view.h"
@@ -22,17 +23,18 @@ struct RenderTimes {
   [[nodiscard]] double frame_ms() const { return refine_ms + occlusion_ms + draw_ms; }
 };
 
+// How a view follows the one before: not at all (Refiner::refine()), or as the next frame (Refiner::update()).
+enum class Following { none, frame_to_frame };
+
 // One Refiner and one item buffer for all views. `objects` outlive it.
 class Measurement {
  public:
-  explicit Measurement(const std::vector<LoadedObject>& objects);
+  explicit Measurement(const std::vector<LoadedObject>& objects, Following following = Following::none);
 
   // Forgets earlier times.
   void begin();
-  // One more repetition; what the accessors tell is that of the last one.
+  // One more repetition; what the accessors tell is that of the last one. Frame to frame each is one more frame.
   void repeat(const View& view, const RefineOptions& options, Visibility& visibility);
-  // The same from the cut of the frame before: Refiner::update().
-  void advance(const View& view, const RefineOptions& options, Visibility& visibility);
   void repeat(const View& view, const RefineOptions& options, AutoRefiner& refiner);
 
   [[nodiscard]] const Refiner& refiner() const { return refiner_; }
@@ -43,11 +45,14 @@ class Measurement {
   [[nodiscard]] RenderTimes times() const;  // since begin()
 
  private:
-  void draw(const View& view, const Refinement& refinement);
+  void take(const Refinement& refinement);
+  void draw(const View& view, bool morph);
 
   const std::vector<LoadedObject>& objects_;
+  Following following_;
   Refiner refiner_;
   const Refinement* refinement_ = nullptr;
+  std::vector<MorphedPositions> morphed_;  // for each object, once there are geomorphs to draw
   std::vector<DrawObject> drawn_;
   ItemBuffer items_;
   std::vector<double> refine_ms_;

@@ -37,6 +37,7 @@ struct Options {
   std::string birdseye;
   std::string mesh;
   bool reference = false;
+  bool frame_to_frame = false;
   int repeat = 1;
   bool json = false;
 };
@@ -68,13 +69,17 @@ void render_view(const RenderInput& input, const Options& options, RefineWay& wa
   if (options.explain) print_explanation(*way.chooser(), measurement.refinement().stats, input.objects);
 }
 
-// Effects that are given leave nothing to choose: then the software backend is the default.
+// Effects that are given leave nothing to choose, and frames go on from each other with one backend: then software is
+// the default.
 BackendOptions backend_options(const Options& options) {
   BackendOptions backend = options.backend;
-  if (backend.occlusion.empty()) backend.occlusion = options.fixed_effects.empty() ? "auto" : "software";
+  if (backend.occlusion.empty())
+    backend.occlusion = options.fixed_effects.empty() && !options.frame_to_frame ? "auto" : "software";
   const bool is_auto = backend.occlusion == "auto";
   if (is_auto && !options.fixed_effects.empty())
     throw Error({"auto", options.fixed_effects.front(), "is what it chooses", "leave it out or name a backend"});
+  if (is_auto && options.frame_to_frame)
+    throw Error({"auto", "--frame-to-frame", "is for one backend on all frames", "name a backend"});
   if (!is_auto && options.explain)
     throw Error({backend.occlusion, "--explain", "has nothing to explain", "use it with auto"});
   if (options.json && options.explain)
@@ -88,7 +93,9 @@ void run(const Options& options) {
   const RenderInput input = load_render_input(options.input);
   RefineWay way(input.objects, backend, options.auto_way);
   if (input.path)
-    render_path(input, options.refine, way, {options.png, options.repeat, options.json, options.explain});
+    render_path(input, options.refine, way,
+                {options.png, options.frame_to_frame ? Following::frame_to_frame : Following::none, options.repeat,
+                 options.json, options.explain});
   else
     render_view(input, options, way);
 }
@@ -258,6 +265,41 @@ void add_output_options(CLI::App& command, Options& options) {
   command.add_flag("--json", options.json, "Print one JSON object");
 }
 
+// A frame that is refined again is the frame after it: there is nothing to repeat.
+void add_following_options(CLI::App& command, Options& options) {
+  RefineOptions& refine = options.refine;
+  CLI::Option* following = command
+                               .add_flag("--frame-to-frame", options.frame_to_frame,
+                                         "Go on from the mesh of the frame before instead of refining from scratch")
+                               ->needs(command.get_option("--path"))
+                               ->excludes(command.get_option("--repeat"));
+  command
+      .add_option("--hysteresis", refine.hysteresis,
+                  "A split that is applied gives way only to what matters more by this part; below 1")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 0.999))
+      ->needs(following);
+  command
+      .add_option("--most-changes", refine.most_changes,
+                  "Splits and merges in one frame, but for what the budget forces; 0 = no limit")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber)
+      ->needs(following);
+  command
+      .add_option("--time-limit", refine.time_limit_ms,
+                  "No further splits and merges in a frame after so many milliseconds; 0 = no limit. Results then "
+                  "depend on the clock")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber)
+      ->needs(following);
+  command
+      .add_option("--geomorph-frames", refine.geomorph_frames,
+                  "Vertices that appear slide from their parents for so many frames")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber)
+      ->needs(following);
+}
+
 }  // namespace
 
 void add_render(CLI::App& app) {
@@ -271,6 +313,7 @@ void add_render(CLI::App& app) {
   add_backend_options(command, options->backend);
   add_auto_options(command, *options);
   add_output_options(command, *options);
+  add_following_options(command, *options);
   command.callback([options] { run(*options); });
 }
 

@@ -5,24 +5,30 @@
 #include <utility>
 
 #include "explanation.h"
-#include "measurement.h"
 #include "occlod/picture/picture.h"
 #include "render_report.h"
 
 namespace occlod::tool {
 namespace {
 
-void print_header() {
-  fmt::print("{:>5}  {:>9}  {:>9}  {:>7}  {:>9}  {:>9}  {:>12}  {:>8}  {}\n", "frame", "triangles", "visible",
-             "share %", "queries", "refine ms", "occlusion ms", "draw ms", "hash");
+void print_header(Following following) {
+  fmt::print("{:>5}  {:>9}  {:>9}  {:>7}  {:>9}  {:>9}  {:>12}  {:>8}  ", "frame", "triangles", "visible", "share %",
+             "queries", "refine ms", "occlusion ms", "draw ms");
+  if (following == Following::frame_to_frame)
+    fmt::print("{:>10}  {:>13}  {:>17}  {:>7}  ", "new splits", "merged splits", "changed triangles", "pending");
+  fmt::print("hash\n");
 }
 
-void print_row(const Json& frame) {
-  fmt::print("{:>5}  {:>9}  {:>9}  {:>7.1f}  {:>9}  {:>9.2f}  {:>12.2f}  {:>8.2f}  {}\n", frame["frame"].get<int>(),
+void print_row(const Json& frame, Following following) {
+  fmt::print("{:>5}  {:>9}  {:>9}  {:>7.1f}  {:>9}  {:>9.2f}  {:>12.2f}  {:>8.2f}  ", frame["frame"].get<int>(),
              frame["triangles"].get<std::size_t>(), frame["visible_triangles"].get<std::size_t>(),
              100.0 * frame["visible_share"].get<double>(), frame["queries"].get<std::size_t>(),
-             frame["refine_ms"].get<double>(), frame["occlusion_ms"].get<double>(), frame["draw_ms"].get<double>(),
-             frame["hash"].get<std::string>());
+             frame["refine_ms"].get<double>(), frame["occlusion_ms"].get<double>(), frame["draw_ms"].get<double>());
+  if (following == Following::frame_to_frame)
+    fmt::print("{:>10}  {:>13}  {:>17}  {:>7}  ", frame["new_splits"].get<std::size_t>(),
+               frame["merged_splits"].get<std::size_t>(), frame["changed_triangles"].get<std::size_t>(),
+               frame["pending"].get<bool>() ? "yes" : "no");
+  fmt::print("{}\n", frame["hash"].get<std::string>());
 }
 
 }  // namespace
@@ -35,25 +41,28 @@ std::filesystem::path numbered(const std::filesystem::path& file, int frame) {
 }
 
 void render_path(const RenderInput& input, const RefineOptions& options, RefineWay& way, const PathOutput& output) {
-  Measurement measurement(input.objects);
+  Measurement measurement(input.objects, output.following);
   Json frames = Json::array();
-  if (!output.json) print_header();
+  if (!output.json) print_header(output.following);
   for (int i = 0; i < input.path->frames; ++i) {
     const View view(camera_at(*input.path, i));
     measurement.begin();
     for (int round = 0; round < output.repeat; ++round) way.repeat(measurement, view, options);
     Json frame = {{"frame", i}};
     frame.update(stats_of(measurement));
+    if (output.following == Following::frame_to_frame) frame.update(changes_of(measurement.refinement().stats));
     frame["camera"] = to_json(view.camera());
     if (way.chooser() != nullptr) frame["auto"] = to_json(*way.chooser());
     if (!output.png.empty())
       write_png(numbered(output.png, i), shade(measurement.items(), measurement.objects(), view));
-    if (!output.json) print_row(frame);
+    if (!output.json) print_row(frame, output.following);
     if (output.explain) print_explanation(*way.chooser(), measurement.refinement().stats, input.objects);
     frames.push_back(std::move(frame));
   }
   if (!output.json) return;
   Json report = asked_of(input, options, way);
+  report["frame_to_frame"] = output.following == Following::frame_to_frame;
+  if (output.following == Following::frame_to_frame) report.update(following_asked_of(options));
   report["frames"] = std::move(frames);
   print_json(report);
 }

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <string>
 
+#include "measurement.h"
 #include "occlod/refine/refiner.h"
 #include "refine_way.h"
 #include "render_input.h"
@@ -12,7 +13,8 @@ namespace occlod::tool {
 
 struct PathOutput {
   std::string png;  // frame i of view.png becomes view_0000i.png; empty = no pictures
-  int repeat = 1;
+  Following following = Following::none;
+  int repeat = 1;  // 1 when following
   bool json = false;
   bool explain = false;
 };

@@ -85,6 +85,20 @@ Json stats_of(const Measurement& measurement) {
   return report;
 }
 
+Json following_asked_of(const RefineOptions& options) {
+  return {{"hysteresis", options.hysteresis},
+          {"most_changes", options.most_changes},
+          {"time_limit_ms", options.time_limit_ms},
+          {"geomorph_frames", options.geomorph_frames}};
+}
+
+Json changes_of(const RefineStats& stats) {
+  return {{"new_splits", stats.new_splits},
+          {"merged_splits", stats.merged_splits},
+          {"changed_triangles", stats.changed_triangles},
+          {"pending", stats.pending}};
+}
+
 Json report_of(const RenderResult& result) {
   Json report = asked_of(result.input, result.options, result.way);
   report.update(stats_of(result.measurement));

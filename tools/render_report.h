@@ -29,4 +29,8 @@ struct RenderResult {
 [[nodiscard]] Json asked_of(const RenderInput& input, const RefineOptions& options, const RefineWay& way);
 [[nodiscard]] Json stats_of(const Measurement& measurement);
 
+// The same of what concerns Refiner::update() alone.
+[[nodiscard]] Json following_asked_of(const RefineOptions& options);
+[[nodiscard]] Json changes_of(const RefineStats& stats);
+
 }  // namespace occlod::tool

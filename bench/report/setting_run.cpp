@@ -34,12 +34,12 @@ std::string what_hides(const Setting& setting) {
 }
 
 SettingRun::SettingRun(const Setting& setting, const std::vector<LoadedObject>& objects)
-    : setting_(setting), measurement_(objects), visibility_(make_visibility(setting)) {}
+    : setting_(setting),
+      measurement_(objects, setting.frame_to_frame ? tool::Following::frame_to_frame : tool::Following::none),
+      visibility_(make_visibility(setting)) {}
 
 void SettingRun::start(const View& view) {
   measurement_.repeat(view, setting_.refine, *visibility_);
-  // After refine() there is no cut to go on from: this makes one.
-  if (setting_.frame_to_frame) measurement_.advance(view, setting_.refine, *visibility_);
   record();
 }
 
@@ -47,10 +47,7 @@ void SettingRun::record() { hash_ = combined(hash_, measurement_.refinement().ha
 
 void SettingRun::next(const View& view) {
   measurement_.begin();
-  if (setting_.frame_to_frame)
-    measurement_.advance(view, setting_.refine, *visibility_);
-  else
-    measurement_.repeat(view, setting_.refine, *visibility_);
+  measurement_.repeat(view, setting_.refine, *visibility_);
   record();
   const tool::RenderTimes times = measurement_.times();
   refine_ms_.push_back(times.refine_ms);

@@ -1,5 +1,6 @@
 """Drives the built command `occlod` from generating a mesh to rendering it."""
 import json
+import math
 import os
 import pathlib
 import struct
@@ -219,6 +220,68 @@ class Render(ToolTest):
         self.assertEqual(sorted(path.name for path in self.folder.glob("*.png")), [f"view_{i:05}.png" for i in range(3)])
         self.assertEqual(struct.unpack(">II", (self.folder / "view_00002.png").read_bytes()[16:24]), (64, 48))
 
+    def frames_of(self, *arguments):
+        return self.json_of("render", "scene.json", "--budget", 500, "--path", "orbit", "--frame-to-frame", *arguments)["frames"]
+
+    def write_scene_with_orbit(self):
+        """Twelve steps around a quarter of the planet: most of what is seen in one frame is seen in the next."""
+        keys = [{"eye": [3 * math.sin(a), 0.4, 3 * math.cos(a)], "target": [0, 0, 0], "width": 160, "height": 120}
+                for a in (0, math.pi / 4, math.pi / 2)]
+        self.write_scene(json.dumps({"objects": [{"mesh": "planet.olod"}], "cameras": {"default": keys[0]},
+                                     "paths": {"orbit": {"frames": 12, "keys": keys}}}))
+
+    def test_frame_to_frame(self):
+        self.write_scene_with_orbit()
+        result = self.json_of("render", "scene.json", "--budget", 500, "--path", "orbit", "--frame-to-frame")
+        self.assertTrue(result["frame_to_frame"])
+        self.assert_has_keys(result, "hysteresis most_changes time_limit_ms geomorph_frames")
+        frames = result["frames"]
+        scratch = self.json_of("render", "scene.json", "--budget", 500, "--path", "orbit")
+        self.assertFalse(scratch["frame_to_frame"])
+        self.assertEqual(len(frames), 12)
+        for frame in frames:
+            self.assertTrue(0.9 * 500 < frame["triangles"] <= 500, frame["triangles"])
+        # The first frame has nothing to go on from. A later one changes what it must: refining anew would change all.
+        self.assertEqual(frames[0]["new_splits"], frames[0]["splits"])
+        self.assertEqual(frames[0]["changed_triangles"], frames[0]["triangles"])
+        for before, frame in zip(frames, frames[1:]):
+            self.assertEqual(frame["splits"], before["splits"] + frame["new_splits"] - frame["merged_splits"])
+            self.assertLess(frame["changed_triangles"], frame["triangles"])
+        self.assertNotEqual([frame["hash"] for frame in frames], [frame["hash"] for frame in scratch["frames"]])
+        self.assertNotIn("new_splits", scratch["frames"][0])
+
+    def test_frame_to_frame_is_reproducible(self):
+        self.write_scene_with_orbit()
+        first, second = [[frame["hash"] for frame in self.frames_of("--most-changes", 20)] for _ in range(2)]
+        self.assertEqual(first, second)
+        self.assertGreater(len(set(first)), 6)
+        lines = self.succeed("render", "scene.json", "--budget", 500, "--path", "orbit", "--frame-to-frame", "--most-changes", 20).splitlines()
+        self.assertEqual([line.split()[-1] for line in lines[1:]], first)
+        for column in ("new splits", "merged splits", "changed triangles", "pending"):
+            self.assertIn(column, lines[0])
+
+    def test_work_of_a_frame_is_limited(self):
+        """One step may force a few splits beyond the limit and make room for them; what is left over is told."""
+        self.write_scene_with_orbit()
+        free, limited = self.frames_of()[1:], self.frames_of("--most-changes", 4)[1:]
+        changes = lambda frames: sum(frame["new_splits"] + frame["merged_splits"] for frame in frames)
+        self.assertLess(changes(limited), changes(free))
+        self.assertTrue(any(frame["pending"] for frame in limited))
+        self.assertFalse(any(frame["pending"] for frame in free))
+
+    def test_hysteresis_keeps_splits(self):
+        self.write_scene_with_orbit()
+        steady, nervous = [sum(frame["merged_splits"] for frame in self.frames_of("--hysteresis", h)[1:]) for h in (0.6, 0)]
+        self.assertLess(steady, nervous)
+
+    def test_geomorphs_are_drawn(self):
+        """The same triangles, in the first frame, which nothing precedes, at the same places: later vertices lag behind."""
+        self.write_scene_with_orbit()
+        frames, sliding = self.frames_of("--png", "a.png"), self.frames_of("--png", "b.png", "--geomorph-frames", 6)
+        self.assertEqual([frame["hash"] for frame in frames], [frame["hash"] for frame in sliding])
+        self.assertTrue(self.same_bytes("a_00000.png", "b_00000.png"))
+        self.assertFalse(self.same_bytes("a_00005.png", "b_00005.png"))
+
     def test_path_mistakes(self):
         self.write_scene_with_paths()
         self.assertIn("jump, move", self.fail("render", "scene.json", "--path", "other"))
@@ -284,7 +347,13 @@ class Mistakes(ToolTest):
                           ["render", "x", "--culling", "all"], ["render", "x", "--size", "0x3"], ["render", "x", "--size", "3"],
                           ["render", "x", "--repeat", "0"], ["render", "x", "--colour"], ["render", "x", "--path", "p", "--camera", "c"],
                           ["render", "x", "--path", "p", "--birdseye", "b.png"], ["render", "x", "--path", "p", "--mesh", "m.ply"],
-                          ["render", "x", "--path", "p", "--reference"]]:
+                          ["render", "x", "--path", "p", "--reference"], ["render", "x", "--frame-to-frame"],
+                          ["render", "x", "--path", "p", "--frame-to-frame", "--repeat", "2"],
+                          *(["render", "x", "--path", "p", option, "0"]
+                            for option in ("--hysteresis", "--most-changes", "--time-limit", "--geomorph-frames")),
+                          *(["render", "x", "--path", "p", "--frame-to-frame", *option]
+                            for option in (["--hysteresis", "1"], ["--hysteresis", "-0.1"], ["--most-changes", "-1"],
+                                           ["--time-limit", "-1"], ["--geomorph-frames", "x"]))]:
             done = self.run_tool(*arguments)
             self.assertEqual(done.returncode, 2, f"{arguments}: {done.stderr}")
             self.assertEqual(done.stdout, "")
