@@ -67,7 +67,7 @@ struct Application::Drawings {
   std::vector<std::unique_ptr<RenderTarget>> sides;
   RenderTarget birdseye;
   GpuTimer timer;
-  double upload_ms = 0.0;
+  PictureCost cost;
 };
 
 class Application::Gui {
@@ -190,7 +190,8 @@ bool Application::step() {
   take_captures();
   tell_complaints();
   window_->swap();
-  session_->picture_drawn(drawings_->upload_ms, drawings_->timer.milliseconds());
+  drawings_->cost.draw_ms = drawings_->timer.milliseconds();
+  session_->picture_drawn(drawings_->cost);
   const auto report = [](const nlohmann::json& figures) { fmt::print("{}\n", figures.dump()); };
   if (script_ && !script_->step(*session_, report)) return false;
   return !window_->wants_to_close() && !state.wants_quit;
@@ -214,8 +215,8 @@ void Application::draw_pictures(const Layout& layout) {
   const gl::Functions& gl = window_->functions();
   const State& state = session_->state();
   const Clock::time_point start = Clock::now();
-  drawings_->scene.upload(session_->frame());
-  drawings_->upload_ms = ms_since(start);
+  drawings_->cost.uploaded_bytes = drawings_->scene.upload(session_->frame());
+  drawings_->cost.upload_ms = ms_since(start);
   drawings_->timer.begin();
   const std::vector<Line> lines = main_overlay(*session_);
   std::vector<ImTextureID> pictures;

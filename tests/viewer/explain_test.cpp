@@ -39,7 +39,7 @@ TEST_F(Explain, EveryTriangleIsInTheStarOfTheSplitThatMadeIt) {
   NoOcclusion none;
   refine(Camera{}, none);
   const RefinedObject& refined = refinement_.objects[0];
-  const std::vector<SplitId> born = born_splits(hierarchy(), refined);
+  const std::vector<SplitId> born = born_splits(hierarchy(), refined.triangles);
   ASSERT_EQ(born.size(), refined.triangles.size());
   std::size_t of_base = 0;
   for (std::size_t i = 0; i < born.size(); ++i) {
@@ -56,6 +56,29 @@ TEST_F(Explain, EveryTriangleIsInTheStarOfTheSplitThatMadeIt) {
     EXPECT_TRUE(found) << i;
   }
   EXPECT_LT(of_base, born.size() / 2);
+}
+
+// From frame to frame triangles keep their places: their order says nothing. Whoever made them is the same.
+TEST_F(Explain, EveryTriangleIsTraceableInAnyOrder) {
+  NoOcclusion none;
+  const RefineObject objects[] = {{object_.mesh->hierarchy.get(), object_.object_to_world, false}};
+  Refiner refiner(objects);
+  Camera camera;
+  for (int i = 0; i < 10; ++i) {
+    refinement_ = refiner.update(View(camera), {.budget = 1500}, none);
+    camera.eye.x += 0.15;
+  }
+  const RefinedObject& refined = refinement_.objects[0];
+  const std::vector<SplitId> born = born_splits(hierarchy(), refined.triangles);
+  for (std::size_t i = 0; i < born.size(); ++i) {
+    if (born[i] == no_id) continue;
+    std::size_t times = 0;
+    hierarchy().star(born[i]).for_each_inserted(
+        [&](const Triangle& t) { times += t == refined.triangles[i] ? 1U : 0U; });
+    EXPECT_EQ(times, 1U) << i;
+    EXPECT_TRUE(std::binary_search(refined.splits.begin(), refined.splits.end(), born[i])) << i;
+  }
+  EXPECT_FALSE(std::is_sorted(born.begin(), born.end()));  // else the test would prove nothing
 }
 
 TEST_F(Explain, ClassesAgreeWithTheItemBuffer) {

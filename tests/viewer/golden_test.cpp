@@ -17,6 +17,7 @@ class Golden : public WindowTest {
  protected:
   void SetUp() override {
     start();
+    set("frame_to_frame", false);  // a picture is that of its view, whatever was looked at before
     act({{"do", "picture_size"}, {"width", 200}, {"height", 150}});
     act({{"do", "go_to"}, {"name", "far"}});
     set("budget", 1500);

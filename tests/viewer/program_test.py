@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """The program occlod-view as people and scripts start it."""
+import csv
 import json
 import os
 import pathlib
@@ -74,6 +75,31 @@ class Script(unittest.TestCase):
         self.assertEqual(picture.read_bytes()[:4], b"\x89PNG")
         self.assertIn("1500", numbers.read_text())
         self.assertFalse((self.path / "config").exists(), "a script remembers nothing")
+
+    @unittest.skipUnless("OCCLOD" in os.environ, "the command line is not built")
+    def test_path_is_that_of_the_command_line(self):
+        """Frame to frame, each frame is the same triangles in both programs, whatever the viewer has shown before."""
+        keys = [{"eye": [0, 0.5, 3], "target": [0, 0, 0], "width": 160, "height": 120},
+                {"eye": [1.5, 0.5, 2.5], "target": [0, 0, 0], "width": 160, "height": 120}]
+        (self.path / "path.json").write_text(json.dumps(dict(PLANET, paths={"by": {"frames": 8, "keys": keys}})))
+        numbers = self.path / "numbers.csv"
+        result = self.run_script([
+            {"do": "open", "file": str(self.path / "path.json")},
+            {"do": "set", "setting": "budget", "value": 1500},
+            {"do": "set", "setting": "most_changes", "value": 40},
+            {"do": "play", "name": "by"},
+            {"do": "wait", "for": "path"},
+            {"do": "export_csv", "file": str(numbers)}])
+        self.assertEqual(result.returncode, 0, result.stderr)
+        with open(numbers, newline="") as file:
+            shown = {int(row["path_frame"]): row for row in csv.DictReader(file) if row["path_frame"] != "-1"}
+        done = subprocess.run([os.environ["OCCLOD"], "render", str(self.path / "path.json"), "--path", "by", "--frame-to-frame",
+                               "--budget", "1500", "--most-changes", "40", "--json"], env=self.environment,
+                              capture_output=True, text=True, check=True, timeout=300)
+        frames = json.loads(done.stdout)["frames"]
+        self.assertEqual([shown[frame["frame"]]["hash"] for frame in frames], [frame["hash"] for frame in frames])
+        self.assertEqual([int(shown[frame["frame"]]["pending"]) for frame in frames], [frame["pending"] for frame in frames])
+        self.assertEqual(len({frame["hash"] for frame in frames}), 8)
 
     def test_failures_are_one_line_that_names_the_action(self):
         for actions, place in [

@@ -21,7 +21,7 @@ class ScriptTest : public ::testing::Test {
       do {
         session_.update(0.01, 100.0);
         session_.state().captures.clear();  // as if they had been taken
-        session_.picture_drawn(0.0, 0.0);
+        session_.picture_drawn({});
       } while (script.step(session_, report));
     } catch (const Error& error) {
       return error.what();

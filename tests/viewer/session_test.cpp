@@ -53,6 +53,7 @@ TEST_F(SessionTest, EveryChangeIsThereInTheNextMesh) {
   EXPECT_GT(stats().queries, 0U);
   set("occluder_splits", json({1'000'000}));
   EXPECT_EQ(stats().queries, 0U);  // nothing is asked where no occluder is drawn
+  set("frame_to_frame", false);    // splits that are applied may stay where larger errors elsewhere find no room
   set("tolerance", 16.0);
   EXPECT_LT(stats().triangles, 2900U);
 }
@@ -71,6 +72,7 @@ TEST_F(SessionTest, FrozenMeshStaysWhileTheCameraFlies) {
 
 TEST_F(SessionTest, SplitScreenHasTheSameBudgetWithoutOcclusion) {
   open();
+  set("frame_to_frame", false);  // both sides of the same age
   set("budget", 2000);
   set("compare", true);
   ASSERT_EQ(session_.frame()->sides.size(), 2U);
@@ -125,32 +127,117 @@ TEST_F(SessionTest, PickFindsTheSplitThatMadeTheTriangle) {
   EXPECT_FALSE(session_.state().pick);
 }
 
+// The meshes of the path "by", played.
+std::vector<std::uint64_t> played(Session& session) {
+  session.perform(json{{"do", "play"}, {"name", "by"}});
+  std::vector<std::uint64_t> hashes;
+  while (true) {
+    session.update(0.01, 1000.0);
+    if (session.state().playback.path.empty()) break;
+    if (!session.is_current()) continue;
+    const auto frame = static_cast<std::size_t>(session.state().playback.at);
+    if (hashes.size() == frame) hashes.push_back(session.frame()->hash);
+    session.picture_drawn({});
+  }
+  test::settle(session);
+  return hashes;
+}
+
+// The same by the library alone.
+std::vector<std::uint64_t> refined(const Session& session, const RefineOptions& options, bool frame_to_frame) {
+  const PlacedObject& object = session.state().objects->at(0);
+  const RefineObject objects[] = {{object.mesh->hierarchy.get(), object.object_to_world, object.two_sided}};
+  Refiner refiner(objects);
+  const auto software = make_software_occlusion();
+  std::vector<std::uint64_t> hashes;
+  for (int i = 0; i < 5; ++i) {
+    const View view(camera_at(session.state().paths.at("by"), i));
+    hashes.push_back(frame_to_frame ? refiner.update(view, options, *software).hash()
+                                    : refiner.refine(view, options, *software).hash());
+  }
+  return hashes;
+}
+
 // What a command-line replay does: the same cameras, options and backend give the same triangles.
 TEST_F(SessionTest, ReplayedPathGivesTheMeshesOfTheLibrary) {
   open();
   set("budget", 2000);
-  session_.perform(json{{"do", "play"}, {"name", "by"}});
-  std::vector<std::uint64_t> hashes;
-  while (true) {
-    session_.update(0.01, 1000.0);
-    if (session_.state().playback.path.empty()) break;
-    ASSERT_TRUE(session_.is_current());
-    const int frame = static_cast<int>(session_.state().playback.at);
-    if (hashes.size() == static_cast<std::size_t>(frame)) hashes.push_back(session_.frame()->hash);
-    session_.picture_drawn(0.0, 0.0);
-    ASSERT_LT(hashes.size(), 10U);
+  set("frame_to_frame", false);
+  const std::vector<std::uint64_t> hashes = played(session_);
+  EXPECT_EQ(hashes, refined(session_, session_.state().settings.refine, false));
+  EXPECT_NE(hashes[0], hashes[4]);
+}
+
+// Frame to frame as well, whatever was looked at before, and though each frame leaves work over.
+TEST_F(SessionTest, ReplayedPathGivesTheFramesOfTheLibrary) {
+  open();
+  set("budget", 2000);
+  for (const int most_changes : {0, 30}) {
+    set("most_changes", most_changes);
+    const std::vector<std::uint64_t> expected = refined(session_, session_.state().settings.refine, true);
+    EXPECT_EQ(played(session_), expected);
+    act(session_, {{"do", "orbit"}, {"right", 40}, {"up", 10}});
+    EXPECT_EQ(played(session_), expected);
+    EXPECT_NE(expected, refined(session_, session_.state().settings.refine, false));
   }
-  const PlacedObject& object = session_.state().objects->at(0);
-  const RefineObject objects[] = {{object.mesh->hierarchy.get(), object.object_to_world, object.two_sided}};
-  Refiner refiner(objects);
-  const auto software = make_software_occlusion();
-  RefineOptions options;
-  options.budget = 2000;
-  std::vector<std::uint64_t> expected;
-  for (int i = 0; i < 5; ++i)
-    expected.push_back(refiner.refine(View(camera_at(session_.state().paths.at("by"), i)), options, *software).hash());
-  EXPECT_EQ(hashes, expected);
-  EXPECT_NE(expected[0], expected[4]);
+}
+
+// A limit of 50 changes a picture: the mesh follows over many pictures, and then nothing goes on.
+TEST_F(SessionTest, WorkThatIsLeftOverIsDone) {
+  open();
+  act(session_, {{"do", "go_to"}, {"name", "far"}});
+  set("budget", 1000);
+  set("most_changes", 50);
+  session_.perform(json{{"do", "set"}, {"setting", "budget"}, {"value", 3000}});
+  std::size_t steps = 0;
+  bool was_pending = false;
+  for (std::uint64_t number = 0; !session_.settled(); session_.picture_drawn({})) {
+    session_.update(0.01, 1000.0);
+    if (!session_.is_current() || session_.frame()->job.number == number) continue;
+    number = session_.frame()->job.number;
+    was_pending = was_pending || stats().pending;
+    EXPECT_LE(stats().new_splits + stats().merged_splits, 50U + 64U);  // one step may force a few more
+    ++steps;
+  }
+  EXPECT_TRUE(was_pending);
+  EXPECT_GT(steps, 5U);
+  EXPECT_FALSE(stats().pending);
+  EXPECT_EQ(session_.figures().at("pending"), 0.0);
+  const auto last = session_.frame();
+  for (int i = 0; i < 5; ++i) session_.update(0.01, 100.0);
+  EXPECT_EQ(session_.frame(), last);  // the very same: nothing was refined
+}
+
+// Vertices that slide are on their way for as many pictures as asked for; then the picture is at rest.
+TEST_F(SessionTest, GeomorphsArrive) {
+  open();
+  act(session_, {{"do", "go_to"}, {"name", "far"}});
+  set("geomorph_frames", 6);
+  session_.perform(json{{"do", "orbit"}, {"right", 4}, {"up", 0}});
+  session_.update(0.01, 1000.0);
+  ASSERT_TRUE(session_.is_current());
+  EXPECT_FALSE(session_.frame()->sides[0].refinement.objects[0].geomorphs.empty());
+  EXPECT_FALSE(session_.settled());
+  test::settle(session_);
+  EXPECT_TRUE(session_.frame()->sides[0].refinement.objects[0].geomorphs.empty());
+}
+
+// Asking what a mesh is good for is not asking for another mesh.
+TEST_F(SessionTest, ExplanationsAreOfTheMeshThatIsThere) {
+  open();
+  act(session_, {{"do", "orbit"}, {"right", 5}, {"up", 0}});
+  const std::uint64_t number = session_.frame()->sides[0].number;
+  for (const char* by : {"level", "error", "visibility", "outcome"}) {
+    set("color_by", by);
+    const RefinedSide& side = session_.frame()->sides[0];
+    EXPECT_EQ(side.colors[0].size(), side.refinement.objects[0].triangles.size()) << by;
+    EXPECT_EQ(side.number, number) << by;
+  }
+  set("color_by", "plain");
+  EXPECT_EQ(session_.frame()->sides[0].occluder, nullptr);
+  set("occluder", true);
+  EXPECT_NE(session_.frame()->sides[0].occluder, nullptr);  // though none has been drawn since it was asked for
+  EXPECT_EQ(session_.frame()->sides[0].number, number);
 }
 
 TEST_F(SessionTest, RecordedPathIsSavedAndReadAgain) {

@@ -46,7 +46,7 @@ void settle(Session& session) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(1);
   do {
     session.update(0.01, 100.0);
-    session.picture_drawn(0.0, 0.0);
+    session.picture_drawn({});
     ASSERT_LT(std::chrono::steady_clock::now(), end) << "the session does not settle";
   } while (!session.settled());
 }

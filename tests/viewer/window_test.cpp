@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include "draw/render_target.h"
+#include "draw/scene_drawing.h"
 #include "occlod/core/error.h"
 #include "occlod/occlusion/software_occlusion.h"
 #include "viewer/golden.h"
@@ -55,7 +57,8 @@ TEST_F(Window, ComplaintsOfTheDriverAreErrors) {
   EXPECT_GE(session().state().errors, 1);
 }
 
-TEST_F(Window, ReplayedPathGivesTheMeshesOfTheLibrary) {
+// Frame to frame, whose buffers are changed here and there; nothing is uploaded while nothing changes.
+TEST_F(Window, ReplayedPathGivesTheFramesOfTheLibrary) {
   start();
   set("budget", 2000);
   session().perform(nlohmann::json{{"do", "play"}, {"name", "by"}});
@@ -73,7 +76,80 @@ TEST_F(Window, ReplayedPathGivesTheMeshesOfTheLibrary) {
   ASSERT_EQ(hashes.size(), 5U);
   for (const auto& [frame, hash] : hashes)
     EXPECT_EQ(hash,
-              refiner.refine(View(camera_at(session().state().paths.at("by"), frame)), options, *software).hash());
+              refiner.update(View(camera_at(session().state().paths.at("by"), frame)), options, *software).hash());
+}
+
+// What is uploaded for a frame that follows is in proportion to what has changed, and draws what everything would.
+TEST_F(Window, ChangedTrianglesAreUploadedAlone) {
+  start();
+  set("budget", 20'000);
+  act({{"do", "go_to"}, {"name", "far"}});
+  SceneDrawing kept(application_->window().functions());
+  RenderTarget kept_target(application_->window().functions()), fresh_target(application_->window().functions());
+  const LookSettings& look = session().state().settings.look;
+  const auto picture = [&](SceneDrawing& drawing, RenderTarget& target) {
+    drawing.draw(target, session().state().camera, 0, look, {});
+    return target.read();
+  };
+  const std::size_t everything = kept.upload(session().frame());
+  EXPECT_EQ(everything, session().frame()->sides[0].refinement.objects[0].triangles.size() * sizeof(Triangle));
+  for (const int geomorph_frames : {0, 5}) {
+    set("geomorph_frames", geomorph_frames);
+    for (int i = 0; i < 6; ++i) {
+      session().perform(nlohmann::json{{"do", "orbit"}, {"right", 1}, {"up", 0}});
+      do draw(1);
+      while (!session().is_current());
+      ASSERT_EQ(session().frame()->sides[0].refinement.objects[0].geomorphs.empty(), geomorph_frames == 0);
+      const std::size_t bytes = kept.upload(session().frame());
+      EXPECT_GT(bytes, 0U);
+      EXPECT_LT(bytes, geomorph_frames == 0 ? everything / 2 : 100 * everything);
+      SceneDrawing fresh(application_->window().functions());
+      static_cast<void>(fresh.upload(session().frame()));
+      EXPECT_TRUE(picture(kept, kept_target).pixels == picture(fresh, fresh_target).pixels) << i;
+    }
+    while (!session().settled()) draw(1);
+  }
+}
+
+TEST_F(Window, StillCameraUploadsNothing) {
+  start();
+  draw(3);
+  const std::size_t before = session().timeline().records().size();
+  draw(5);
+  const auto& records = session().timeline().records();
+  for (std::size_t i = before; i < records.size(); ++i) EXPECT_EQ(records[i].cost.uploaded_bytes, 0U);
+  EXPECT_GE(records.size(), before + 5);
+}
+
+// On its way a vertex is not at its own place; when all have arrived the picture is that of the mesh alone, to the
+// pixel.
+TEST_F(Window, GeomorphsAreDrawnAndArrive) {
+  start();
+  act({{"do", "go_to"}, {"name", "far"}});
+  set("budget", 1000);
+  set("geomorph_frames", 8);
+  session().perform(nlohmann::json{{"do", "set"}, {"setting", "budget"}, {"value", 1500}});
+  do draw(1);
+  while (!session().is_current());
+  ASSERT_FALSE(session().frame()->sides[0].refinement.objects[0].geomorphs.empty());
+  const gl::Functions& gl = application_->window().functions();
+  SceneDrawing drawing(gl);
+  RenderTarget target(gl);
+  const auto picture = [&](SceneDrawing& with, std::shared_ptr<const RefinedFrame> frame) {
+    static_cast<void>(with.upload(std::move(frame)));
+    with.draw(target, session().state().camera, 0, session().state().settings.look, {});
+    return target.read().pixels;
+  };
+  const auto without_geomorphs = [&] {
+    auto frame = std::make_shared<RefinedFrame>(*session().frame());
+    frame->sides[0].refinement.objects[0].geomorphs.clear();
+    SceneDrawing fresh(gl);
+    return picture(fresh, frame);
+  };
+  EXPECT_FALSE(picture(drawing, session().frame()) == without_geomorphs());
+  for (; !session().settled(); draw(1)) static_cast<void>(picture(drawing, session().frame()));
+  EXPECT_TRUE(session().frame()->sides[0].refinement.objects[0].geomorphs.empty());
+  EXPECT_TRUE(picture(drawing, session().frame()) == without_geomorphs());
 }
 
 TEST_F(Window, SequenceHasAPictureOfEachFrameAtThePathsSize) {

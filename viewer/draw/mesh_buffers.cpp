@@ -1,14 +1,16 @@
 #include "mesh_buffers.h"
 
 #include <algorithm>
+#include <vector>
 
 #include "mesh_program.h"
 
 namespace occlod::viewer {
 namespace {
 
-// Of the buffer that is bound.
-void attribute(const gl::Functions& gl, GLuint location, GLint size, GLenum type) {
+// Of the vertex array that is bound.
+void attribute(const gl::Functions& gl, const gl::Buffer& buffer, GLuint location, GLint size, GLenum type) {
+  gl.BindBuffer(GL_ARRAY_BUFFER, buffer.id());
   gl.EnableVertexAttribArray(location);
   gl.VertexAttribPointer(location, size, type, type == GL_UNSIGNED_BYTE ? GL_TRUE : GL_FALSE, 0, nullptr);
 }
@@ -17,6 +19,38 @@ template <class T>
 void store(const gl::Functions& gl, const gl::Buffer& buffer, std::span<const T> data, GLenum usage) {
   gl.BindBuffer(GL_ARRAY_BUFFER, buffer.id());
   gl::fill(gl, GL_ARRAY_BUFFER, data, usage);
+}
+
+// Elements [first, end) of a buffer.
+struct Run {
+  std::size_t first = 0;
+  std::size_t end = 0;
+};
+
+// So few elements between two runs are sooner uploaded than told to the driver to be left alone.
+constexpr std::size_t small_gap = 16;
+
+// `run` lies behind those that are there.
+void append(std::vector<Run>& runs, const Run& run) {
+  if (!runs.empty() && run.first <= runs.back().end + small_gap)
+    runs.back().end = run.end;
+  else
+    runs.push_back(run);
+}
+
+// Runs of `data` into the buffer, which is as large. Returns how many bytes.
+template <class T>
+std::size_t store_runs(const gl::Functions& gl, const gl::Buffer& buffer, std::span<const T> data,
+                       std::span<const Run> runs) {
+  gl.BindBuffer(GL_ARRAY_BUFFER, buffer.id());
+  std::size_t bytes = 0;
+  for (const Run& run : runs) {
+    const std::span<const T> part = data.subspan(run.first, run.end - run.first);
+    gl.BufferSubData(GL_ARRAY_BUFFER, static_cast<GLintptr>(run.first * sizeof(T)),
+                     static_cast<GLsizeiptr>(part.size_bytes()), part.data());
+    bytes += part.size_bytes();
+  }
+  return bytes;
 }
 
 }  // namespace
@@ -28,24 +62,54 @@ VertexBuffers::VertexBuffers(const gl::Functions& gl, const ViewMesh& mesh)
       normals_(gl),
       colors_(gl),
       has_colors_(!mesh.hierarchy->data().colors.empty()) {
-  gl.BindVertexArray(array_.id());
   store(gl, positions_, mesh.hierarchy->positions(), GL_STATIC_DRAW);
-  attribute(gl, 0, 3, GL_FLOAT);
   store(gl, normals_, std::span<const glm::vec3>(mesh.normals), GL_STATIC_DRAW);
-  attribute(gl, 1, 3, GL_FLOAT);
-  if (!has_colors_) return;
-  store(gl, colors_, mesh.hierarchy->data().colors, GL_STATIC_DRAW);
-  attribute(gl, 2, 4, GL_UNSIGNED_BYTE);
+  if (has_colors_) store(gl, colors_, mesh.hierarchy->data().colors, GL_STATIC_DRAW);
+  gl.BindVertexArray(array_.id());
+  describe(positions_);
+}
+
+void VertexBuffers::describe(const gl::Buffer& positions) const {
+  attribute(*gl_, positions, 0, 3, GL_FLOAT);
+  attribute(*gl_, normals_, 1, 3, GL_FLOAT);
+  if (has_colors_) attribute(*gl_, colors_, 2, 4, GL_UNSIGNED_BYTE);
 }
 
 void VertexBuffers::bind() const { gl_->BindVertexArray(array_.id()); }
 
+MorphBuffers::MorphBuffers(const gl::Functions& gl, const VertexBuffers& vertices, std::span<const glm::vec3> positions)
+    : gl_(&gl), array_(gl), positions_(gl), morphed_(positions) {
+  store(gl, positions_, positions, GL_DYNAMIC_DRAW);
+  gl.BindVertexArray(array_.id());
+  vertices.describe(positions_);
+}
+
+std::size_t MorphBuffers::update(std::span<const Geomorph> geomorphs) {
+  morphed_.update(geomorphs);
+  std::vector<Run> runs;
+  for (const VertexId v : morphed_.moved()) append(runs, {v, std::size_t{v} + 1});
+  return store_runs(*gl_, positions_, morphed_.positions(), runs);
+}
+
+void MorphBuffers::bind() const { gl_->BindVertexArray(array_.id()); }
+
 TriangleBuffers::TriangleBuffers(const gl::Functions& gl) : gl_(&gl), indices_(gl) {}
 
-void TriangleBuffers::fill(std::span<const Triangle> triangles) {
-  gl_->BindVertexArray(0);  // whose index buffer this would become
-  store(*gl_, indices_, triangles, GL_STREAM_DRAW);
+std::size_t TriangleBuffers::fill(std::span<const Triangle> triangles) {
+  capacity_ = triangles.size() + triangles.size() / 8;
+  gl_->BindBuffer(GL_ARRAY_BUFFER, indices_.id());
+  gl_->BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(capacity_ * sizeof(Triangle)), nullptr, GL_DYNAMIC_DRAW);
   index_count_ = static_cast<GLsizei>(3 * triangles.size());
+  const Run all[] = {{0, triangles.size()}};
+  return store_runs(*gl_, indices_, triangles, all);
+}
+
+std::size_t TriangleBuffers::change(std::span<const Triangle> triangles, std::span<const TriangleRange> changes) {
+  if (triangles.size() > capacity_) return fill(triangles);
+  std::vector<Run> runs;
+  for (const TriangleRange& range : changes) append(runs, {range.first, std::size_t{range.first} + range.count});
+  index_count_ = static_cast<GLsizei>(3 * triangles.size());
+  return store_runs(*gl_, indices_, triangles, runs);
 }
 
 void TriangleBuffers::draw() const {
@@ -59,9 +123,9 @@ TriangleColors::TriangleColors(const gl::Functions& gl) : gl_(&gl), texture_(gl)
   gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
 }
 
-void TriangleColors::fill(std::span<const glm::u8vec4> colors) {
+std::size_t TriangleColors::fill(std::span<const glm::u8vec4> colors) {
   any_ = !colors.empty();
-  if (!any_) return;
+  if (!any_) return 0;
   constexpr int a_row = MeshProgram::texels_a_row;
   const int full_rows = static_cast<int>(colors.size() / a_row);
   const int rest = static_cast<int>(colors.size() % a_row);
@@ -76,6 +140,7 @@ void TriangleColors::fill(std::span<const glm::u8vec4> colors) {
   if (rest > 0)
     gl_->TexSubImage2D(GL_TEXTURE_2D, 0, 0, full_rows, rest, 1, GL_RGBA, GL_UNSIGNED_BYTE,
                        colors.data() + static_cast<std::size_t>(full_rows) * a_row);
+  return colors.size_bytes();
 }
 
 void TriangleColors::bind() const {

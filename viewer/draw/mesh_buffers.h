@@ -1,4 +1,4 @@
-// Meshes in OpenGL: one static vertex buffer for each mesh, one index buffer for each object and refinement.
+// Meshes in OpenGL: one static vertex buffer for each mesh, one index buffer for each object and side of the picture.
 #pragma once
 
 #include <glm/vec4.hpp>
@@ -6,6 +6,7 @@
 
 #include "gl/objects.h"
 #include "objects.h"
+#include "occlod/refine/geomorph.h"
 
 namespace occlod::viewer {
 
@@ -14,6 +15,8 @@ class VertexBuffers {
   VertexBuffers(const gl::Functions& gl, const ViewMesh& mesh);
   // Binds the attributes of MeshProgram.
   void bind() const;
+  // Makes them those of the vertex array that is bound, with other positions.
+  void describe(const gl::Buffer& positions) const;
   [[nodiscard]] bool has_colors() const noexcept { return has_colors_; }
 
  private:
@@ -25,16 +28,35 @@ class VertexBuffers {
   bool has_colors_;
 };
 
+// The vertices of one object while some of them slide: positions of its own, here and there.
+class MorphBuffers {
+ public:
+  MorphBuffers(const gl::Functions& gl, const VertexBuffers& vertices, std::span<const glm::vec3> positions);
+  // As MorphedPositions::update(). Returns how many bytes it uploads.
+  std::size_t update(std::span<const Geomorph> geomorphs);
+  void bind() const;
+
+ private:
+  const gl::Functions* gl_;
+  gl::VertexArray array_;
+  gl::Buffer positions_;
+  MorphedPositions morphed_;
+};
+
 class TriangleBuffers {
  public:
   explicit TriangleBuffers(const gl::Functions& gl);
-  void fill(std::span<const Triangle> triangles);
+  // Both return how many bytes they upload.
+  std::size_t fill(std::span<const Triangle> triangles);
+  // The buffer holds the triangles of before, of which `changes`, ascending, and the size have changed.
+  std::size_t change(std::span<const Triangle> triangles, std::span<const TriangleRange> changes);
   // With the vertex buffers and the program bound.
   void draw() const;
 
  private:
   const gl::Functions* gl_;
   gl::Buffer indices_;
+  std::size_t capacity_ = 0;  // triangles
   GLsizei index_count_ = 0;
 };
 
@@ -42,8 +64,8 @@ class TriangleBuffers {
 class TriangleColors {
  public:
   explicit TriangleColors(const gl::Functions& gl);
-  // One for each triangle, or none.
-  void fill(std::span<const glm::u8vec4> colors);
+  // One for each triangle, or none. Returns how many bytes it uploads.
+  std::size_t fill(std::span<const glm::u8vec4> colors);
   [[nodiscard]] bool any() const noexcept { return any_; }
   void bind() const;  // to texture unit 0, as MeshProgram reads them
 

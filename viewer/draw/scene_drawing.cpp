@@ -10,29 +10,53 @@ namespace occlod::viewer {
 SceneDrawing::SceneDrawing(const gl::Functions& gl)
     : gl_(&gl), plain_(gl, false), wire_(gl, true), background_(gl), lines_(gl) {}
 
-void SceneDrawing::upload(std::shared_ptr<const RefinedFrame> frame) {
-  if (frame == frame_) return;
+std::size_t SceneDrawing::upload(std::shared_ptr<const RefinedFrame> frame) {
+  if (frame == frame_) return 0;
   frame_ = std::move(frame);
-  const std::size_t side_count = frame_ ? frame_->sides.size() : 0;
-  const Objects none;
-  const Objects& objects = frame_ ? *frame_->job.objects : none;
+  keep_vertices_of(frame_ ? *frame_->job.objects : Objects());
+  sides_.resize(frame_ ? frame_->sides.size() : 0);
+  std::size_t bytes = 0;
+  for (std::size_t s = 0; s < sides_.size(); ++s) bytes += upload(sides_[s], frame_->sides[s]);
+  return bytes;
+}
+
+void SceneDrawing::keep_vertices_of(const Objects& objects) {
   std::erase_if(vertices_, [&](const auto& entry) {
     return std::none_of(objects.begin(), objects.end(),
                         [&](const PlacedObject& object) { return object.mesh == entry.first; });
   });
   for (const PlacedObject& object : objects) vertices_.try_emplace(object.mesh, *gl_, *object.mesh);
-  sides_.resize(side_count);
-  for (std::size_t s = 0; s < side_count; ++s) {
-    Side& side = sides_[s];
-    while (side.size() > objects.size()) side.pop_back();
-    while (side.size() < objects.size()) side.emplace_back(*gl_);
-    for (std::size_t i = 0; i < objects.size(); ++i) {
-      const RefinedSide& refined = frame_->sides[s];
-      side[i].triangles.fill(refined.refinement.objects[i].triangles);
-      side[i].colors.fill(refined.colors[i]);
-      side[i].seen.fill(refined.seen_colors.empty() ? std::span<const glm::u8vec4>() : refined.seen_colors[i]);
+}
+
+std::size_t SceneDrawing::upload(Side& side, const RefinedSide& refined) {
+  const Objects& objects = *frame_->job.objects;
+  const bool is_there = side.number == refined.number;
+  const bool follows = refined.follows > 0 && side.number == refined.follows;
+  while (side.objects.size() > objects.size()) side.objects.pop_back();
+  while (side.objects.size() < objects.size()) side.objects.emplace_back(*gl_);
+  gl_->BindVertexArray(0);  // whose index buffer might be replaced
+  std::size_t bytes = 0;
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    Drawn& drawn = side.objects[i];
+    const RefinedObject& object = refined.refinement.objects[i];
+    if (!is_there) {
+      if (!follows) drawn.morphs.reset();  // of another mesh
+      bytes +=
+          follows ? drawn.triangles.change(object.triangles, object.changes) : drawn.triangles.fill(object.triangles);
+      bytes += upload_morphs(drawn, objects[i], object.geomorphs);
     }
+    bytes += drawn.colors.fill(refined.colors[i]);
+    bytes += drawn.seen.fill(refined.seen_colors.empty() ? std::span<const glm::u8vec4>() : refined.seen_colors[i]);
   }
+  side.number = refined.number;
+  return bytes;
+}
+
+std::size_t SceneDrawing::upload_morphs(Drawn& drawn, const PlacedObject& object, std::span<const Geomorph> geomorphs) {
+  if (frame_->job.options.geomorph_frames == 0) drawn.morphs.reset();
+  if (!drawn.morphs && geomorphs.empty()) return 0;
+  if (!drawn.morphs) drawn.morphs.emplace(*gl_, vertices_.at(object.mesh), object.mesh->hierarchy->positions());
+  return drawn.morphs->update(geomorphs);
 }
 
 void SceneDrawing::draw(RenderTarget& target, const Camera& camera, std::size_t side, const LookSettings& look,
@@ -47,10 +71,10 @@ void SceneDrawing::draw(RenderTarget& target, const Camera& camera, std::size_t 
   gl.Enable(GL_DEPTH_TEST);
   gl.DepthFunc(GL_LESS);
   if (!sides_.empty()) {
-    const Side& drawn = sides_[std::min(side, sides_.size() - 1)];
+    const std::vector<Drawn>& drawn = sides_[std::min(side, sides_.size() - 1)].objects;
     for (std::size_t i = 0; i < drawn.size(); ++i)
-      draw_object((*frame_->job.objects)[i], drawn[i].triangles,
-                  colors == Colors::seen ? drawn[i].seen : drawn[i].colors, view, look);
+      draw_object((*frame_->job.objects)[i], drawn[i], colors == Colors::seen ? drawn[i].seen : drawn[i].colors, view,
+                  look);
   }
   gl.Disable(GL_CULL_FACE);
   gl.FrontFace(GL_CCW);
@@ -60,8 +84,8 @@ void SceneDrawing::draw(RenderTarget& target, const Camera& camera, std::size_t 
   target.finish();
 }
 
-void SceneDrawing::draw_object(const PlacedObject& object, const TriangleBuffers& triangles,
-                               const TriangleColors& colors, const View& view, const LookSettings& look) const {
+void SceneDrawing::draw_object(const PlacedObject& object, const Drawn& drawn, const TriangleColors& colors,
+                               const View& view, const LookSettings& look) const {
   const Camera& camera = view.camera();
   const ObjectView object_view(view, object.object_to_world);
   const glm::dmat4 object_to_eye = glm::lookAt(camera.eye, camera.target, camera.up) * object.object_to_world;
@@ -84,9 +108,9 @@ void SceneDrawing::draw_object(const PlacedObject& object, const TriangleBuffers
     gl_->Enable(GL_CULL_FACE);
     gl_->CullFace(GL_BACK);
   }
-  vertices.bind();
+  drawn.morphs ? drawn.morphs->bind() : vertices.bind();
   colors.bind();
-  triangles.draw();
+  drawn.triangles.draw();
 }
 
 }  // namespace occlod::viewer

@@ -3,6 +3,8 @@
 
 #include <map>
 #include <memory>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "lines.h"
@@ -17,8 +19,9 @@ class SceneDrawing {
  public:
   explicit SceneDrawing(const gl::Functions& gl);
 
-  // Brings the buffers up to date with a frame; null draws nothing. Does nothing for the frame that it has already.
-  void upload(std::shared_ptr<const RefinedFrame> frame);
+  // Brings the buffers up to date with a frame; null draws nothing. Does nothing for the frame that it has already, and
+  // of one that follows it uploads what has changed. Returns how many bytes it uploads of what is not static.
+  std::size_t upload(std::shared_ptr<const RefinedFrame> frame);
 
   enum class Colors { as_looked_at, seen };
   // Draws side `side` of the frame (the first where it has fewer) over the background, then lines.
@@ -31,10 +34,17 @@ class SceneDrawing {
     TriangleBuffers triangles;
     TriangleColors colors;
     TriangleColors seen;
+    std::optional<MorphBuffers> morphs;  // while vertices may slide
   };
-  using Side = std::vector<Drawn>;  // for each object, in the frame's order
-  void draw_object(const PlacedObject& object, const TriangleBuffers& triangles, const TriangleColors& colors,
-                   const View& view, const LookSettings& look) const;
+  struct Side {
+    std::uint64_t number = 0;    // of the refinement
+    std::vector<Drawn> objects;  // in the frame's order
+  };
+  void keep_vertices_of(const Objects& objects);
+  std::size_t upload(Side& side, const RefinedSide& refined);
+  std::size_t upload_morphs(Drawn& drawn, const PlacedObject& object, std::span<const Geomorph> geomorphs);
+  void draw_object(const PlacedObject& object, const Drawn& drawn, const TriangleColors& colors, const View& view,
+                   const LookSettings& look) const;
 
   const gl::Functions* gl_;
   MeshProgram plain_;

@@ -8,7 +8,7 @@ namespace occlod::viewer {
 namespace {
 
 constexpr float sidebar_width = 330.0F;
-constexpr float graph_height = 132.0F;
+constexpr float graph_height = 150.0F;
 
 // The largest rectangle of these proportions in the middle of `area`.
 Area fitted(const Area& area, const Camera& camera) {

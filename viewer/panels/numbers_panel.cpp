@@ -16,12 +16,13 @@ namespace {
 struct Part {
   const char* name;
   ImU32 color;
-  double PictureRecord::*milliseconds;
+  double (*milliseconds)(const PictureRecord&);
 };
-constexpr std::array<Part, 4> parts = {{{"refine", IM_COL32(226, 164, 84, 255), &PictureRecord::refine_ms},
-                                        {"occlusion", IM_COL32(84, 132, 196, 255), &PictureRecord::occlusion_ms},
-                                        {"upload", IM_COL32(140, 108, 160, 255), &PictureRecord::upload_ms},
-                                        {"draw", IM_COL32(106, 160, 108, 255), &PictureRecord::draw_ms}}};
+constexpr std::array<Part, 4> parts = {
+    {{"refine", IM_COL32(226, 164, 84, 255), [](const PictureRecord& r) { return r.refine_ms; }},
+     {"occlusion", IM_COL32(84, 132, 196, 255), [](const PictureRecord& r) { return r.occlusion_ms; }},
+     {"upload", IM_COL32(140, 108, 160, 255), [](const PictureRecord& r) { return r.cost.upload_ms; }},
+     {"draw", IM_COL32(106, 160, 108, 255), [](const PictureRecord& r) { return r.cost.draw_ms; }}}};
 
 void draw_cell(const char* name, const std::string& value) {
   ImGui::TableNextColumn();
@@ -52,6 +53,10 @@ void draw_table(const PictureRecord& last, const Session& session) {
   draw_cell("queries", grouped(static_cast<double>(last.queries)));
   draw_cell("memory", grouped(last.memory_mb) + " MB");
   draw_cell("hidden", share(last.queries_hidden, last.queries));
+  draw_cell("split, merged",
+            fmt::format("{}, {}{}", grouped(static_cast<double>(last.new_splits)),
+                        grouped(static_cast<double>(last.merged_splits)), last.pending ? ", pending" : ""));
+  draw_cell("changed", share(last.changed_triangles, last.triangles));
   ImGui::EndTable();
 }
 
@@ -75,7 +80,7 @@ void draw_bars(ImDrawList& list, const Area& area, const std::deque<PictureRecor
   for (std::size_t i = first; i < records.size(); ++i, x += bar) {
     float y = area.high.y;
     for (const Part& part : parts) {
-      const auto height = static_cast<float>(records[i].*part.milliseconds / top) * area.height();
+      const auto height = static_cast<float>(part.milliseconds(records[i]) / top) * area.height();
       const float next = std::max(y - height, area.low.y);
       list.AddRectFilled(ImVec2(x, next), ImVec2(x + bar, y), part.color);
       y = next;
@@ -93,7 +98,7 @@ void draw_times(const PictureRecord& last) {
     ImGui::GetWindowDrawList()->AddRectFilled(ImVec2(at.x, low), ImVec2(at.x + side, low + side), part.color);
     ImGui::Dummy(ImVec2(side, side));
     ImGui::SameLine();
-    ImGui::Text("%s %.1f ms", part.name, last.*part.milliseconds);
+    ImGui::Text("%s %.1f ms", part.name, part.milliseconds(last));
     ImGui::SameLine(0.0F, 16.0F);
   }
 }

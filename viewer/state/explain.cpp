@@ -115,16 +115,15 @@ Outcome weightier(Outcome a, Outcome b) {
 
 }  // namespace
 
-// Refinement lists active triangles by split, then by slot: one walk over the applied splits meets them in order.
-std::vector<SplitId> born_splits(const Hierarchy& hierarchy, const RefinedObject& refined) {
-  std::vector<SplitId> born(refined.triangles.size(), no_id);
-  std::size_t i = 0;
-  const auto is_of_base = [&](const Triangle& t) { return std::max({t.x, t.y, t.z}) < hierarchy.base_vertex_count(); };
-  while (i < born.size() && is_of_base(refined.triangles[i])) ++i;
-  for (const SplitId s : refined.splits) {
-    hierarchy.star(s).for_each_inserted([&](const Triangle& t) {
-      if (i < born.size() && refined.triangles[i] == t) born[i++] = s;
-    });
+// A split inserts the star of its vertex, whose other vertices were all there before: the triangle's last vertex is
+// its.
+std::vector<SplitId> born_splits(const Hierarchy& hierarchy, std::span<const Triangle> triangles) {
+  std::vector<SplitId> born;
+  born.reserve(triangles.size());
+  for (const Triangle& t : triangles) {
+    const VertexId last = std::max({t.x, t.y, t.z});
+    const auto base = static_cast<VertexId>(hierarchy.base_vertex_count());
+    born.push_back(last < base ? no_id : static_cast<SplitId>(last - base));
   }
   return born;
 }
@@ -153,7 +152,7 @@ std::vector<Outcome> outcomes(const PlacedObject& object, const RefinedObject& r
   const Hierarchy& hierarchy = *object.mesh->hierarchy;
   NextSplits next_splits(hierarchy, refined.splits);
   Judge judge(object, view, occluder);
-  const std::vector<SplitId> born = born_splits(hierarchy, refined);
+  const std::vector<SplitId> born = born_splits(hierarchy, refined.triangles);
   std::vector<Outcome> result(refined.triangles.size(), Outcome::complete);
   for (std::size_t i = 0; i < result.size(); ++i) {
     if (born[i] != no_id && !judge.star_is_seen(born[i])) {

@@ -12,8 +12,8 @@
 
 namespace occlod::viewer {
 
-// The split that inserted each triangle, no_id for those of the base mesh. O(splits applied).
-[[nodiscard]] std::vector<SplitId> born_splits(const Hierarchy& hierarchy, const RefinedObject& refined);
+// The split that inserted each triangle, no_id for those of the base mesh. In any order. O(triangles).
+[[nodiscard]] std::vector<SplitId> born_splits(const Hierarchy& hierarchy, std::span<const Triangle> triangles);
 
 // `items` was drawn for `view` with triangle i as item first_item + i.
 [[nodiscard]] std::vector<Seen> classify(const PlacedObject& object, std::span<const Triangle> triangles,

@@ -34,7 +34,7 @@ void stop(Session& session, const JsonPlace&) {
 void play(Session& session, const JsonPlace& action) {
   static_cast<void>(path_at(session, action.at("name")));
   session.state().recording = {};
-  session.state().playback = {action.at("name").string(), 0.0, {}};
+  session.state().playback = {action.at("name").string(), 0.0, {}, false};
 }
 
 void picture_sequence(Session& session, const JsonPlace& action) {
@@ -44,7 +44,7 @@ void picture_sequence(Session& session, const JsonPlace& action) {
   std::filesystem::create_directories(folder, failed);
   if (failed) action.at("folder").fail(failed.message(), "give a folder that can be written");
   session.state().recording = {};
-  session.state().playback = {action.at("name").string(), 0.0, folder};
+  session.state().playback = {action.at("name").string(), 0.0, folder, false};
 }
 
 // One frame of a path, without playing it.

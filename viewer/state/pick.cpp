@@ -54,8 +54,8 @@ std::optional<Hit> cast_ray(const RefinedFrame& frame, const glm::dvec3& origin,
 Pick pick_of(const RefinedFrame& frame, const Hit& hit) {
   const PlacedObject& object = (*frame.job.objects)[hit.object];
   const RefinedObject& refined = frame.sides[0].refinement.objects[hit.object];
-  return {object.id, born_splits(*object.mesh->hierarchy, refined)[hit.triangle], refined.triangles[hit.triangle],
-          hit.point};
+  return {object.id, born_splits(*object.mesh->hierarchy, {&refined.triangles[hit.triangle], 1})[0],
+          refined.triangles[hit.triangle], hit.point};
 }
 
 }  // namespace occlod::viewer

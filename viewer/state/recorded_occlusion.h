@@ -9,7 +9,7 @@
 
 namespace occlod::viewer {
 
-// Passes everything on to `inner` and keeps a copy of the last occluder's triangles.
+// Passes everything on to `inner` and, unless told not to, keeps a copy of the last occluder's triangles.
 class RecordedOcclusion final : public Visibility {
  public:
   explicit RecordedOcclusion(Visibility& inner) : inner_(inner) {}
@@ -22,17 +22,21 @@ class RecordedOcclusion final : public Visibility {
   void submit(const VisibilityQuery& query) override { inner_.submit(query); }
   [[nodiscard]] std::uint32_t collect() override { return inner_.collect(); }
 
-  // Its depth, drawn by the CPU at the view's size whatever the backend does; null when none was drawn.
+  // Forgets the last occluder; whether those to come are kept.
+  void begin(bool keeps);
+  [[nodiscard]] bool keeps() const noexcept { return keeps_; }
+  // Its depth in the last view, though it may have been drawn for an earlier one that still tells what is hidden. Drawn
+  // by the CPU at the view's size whatever the backend does; null when there is none.
   [[nodiscard]] std::shared_ptr<const DepthPyramid> depth() const;
 
  private:
   struct Part {
-    glm::mat4 object_to_clip{1.0F};
-    std::vector<glm::vec3> positions;
-    std::vector<Triangle> triangles;
+    std::uint32_t object = 0;
+    std::vector<glm::vec3> corners;  // three of each triangle
   };
 
   Visibility& inner_;
+  bool keeps_ = true;
   std::vector<glm::mat4> object_to_clip_;
   int width_ = 0;
   int height_ = 0;

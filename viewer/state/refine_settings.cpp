@@ -1,4 +1,4 @@
-// How the mesh is refined: one entry for each field of RefineOptions, and the backend.
+// How the mesh is refined: one entry for each field of RefineOptions, the backend, and whether from frame to frame.
 #include "setting_kinds.h"
 
 namespace occlod::viewer {
@@ -45,6 +45,21 @@ std::span<const Setting> refine_settings() {
       toggle(
           {"final_check", "Final check", "Ask about all that is hidden once more, before the final mesh"},
           [](auto& s) -> auto& { return s.refine.final_check; }),
+      toggle(
+          {"frame_to_frame", "Frame to frame", "Go on from the mesh of the picture before instead of from scratch"},
+          [](auto& s) -> auto& { return s.frame_to_frame; }),
+      number(
+          {"hysteresis", "Hysteresis", "Frame to frame: a split gives way only to what matters more by this part"},
+          {0.0, 0.9, false, ""}, [](auto& s) -> auto& { return s.refine.hysteresis; }),
+      integer(
+          {"most_changes", "Changes", "Frame to frame: splits and merges for a picture; 0 sets no limit"},
+          {0, 100'000, true, ""}, [](auto& s) -> auto& { return s.refine.most_changes; }),
+      number(
+          {"time_limit", "Time limit", "Frame to frame: no more splits and merges for a picture after it; 0: none"},
+          {0.0, 100.0, false, "ms"}, [](auto& s) -> auto& { return s.refine.time_limit_ms; }),
+      integer(
+          {"geomorph_frames", "Geomorphs", "Frame to frame: pictures in which a new vertex slides to its place"},
+          {0, 120, false, ""}, [](auto& s) -> auto& { return s.refine.geomorph_frames; }),
       not_kept(toggle(
           {"freeze", "Freeze", "Keep the mesh of this moment and look at it from elsewhere"},
           [](auto& s) -> auto& { return s.freeze; })),

@@ -2,29 +2,41 @@
 
 #include <algorithm>
 #include <chrono>
+#include <deque>
 #include <exception>
 #include <map>
 
 #include "explain.h"
 #include "occlod/picture/picture.h"
 #include "occlod/raster/item_buffer.h"
-#include "recorded_occlusion.h"
+#include "side_refiner.h"
 
 namespace occlod::viewer {
 namespace {
 
-std::vector<DrawObject> draw_objects(const Objects& objects, const Refinement& refinement) {
+// Frames that change nothing though work is left over: nothing comes of it in the time that they have.
+constexpr int most_idle_frames = 8;
+
+std::vector<DrawObject> draw_objects(const Objects& objects, const SideRefiner& refiner, const Refinement& refinement) {
   std::vector<DrawObject> result;
   for (std::size_t i = 0; i < objects.size(); ++i)
-    result.push_back(
-        {objects[i].mesh->hierarchy->positions(), {}, refinement.objects[i].triangles, objects[i].object_to_world});
+    result.push_back({refiner.positions(i), {}, refinement.objects[i].triangles, objects[i].object_to_world});
   return result;
+}
+
+bool is_pending(const RefinedSide& side) { return side.refinement.stats.pending; }
+bool has_changed(const RefinedSide& side) {
+  return side.refinement.stats.new_splits + side.refinement.stats.merged_splits > 0;
+}
+bool is_sliding(const RefinedSide& side) {
+  return std::any_of(side.refinement.objects.begin(), side.refinement.objects.end(),
+                     [](const RefinedObject& object) { return !object.geomorphs.empty(); });
 }
 
 std::vector<glm::u8vec4> level_colors(const ViewMesh& mesh, const RefinedObject& refined) {
   const double deepest = std::max(mesh.level_count - 1, 1);
   std::vector<glm::u8vec4> colors;
-  for (const SplitId s : born_splits(*mesh.hierarchy, refined))
+  for (const SplitId s : born_splits(*mesh.hierarchy, refined.triangles))
     colors.push_back(s == no_id ? base_mesh_color : level_color(mesh.levels[s] / deepest));
   return colors;
 }
@@ -50,7 +62,7 @@ class Bench {
     } catch (const std::exception& error) {
       frame.sides.clear();
       frame.error = error.what();
-      refiner_.reset();  // whatever it was about is not to be gone on with
+      refiners_.clear();  // whatever it was about is not to be gone on with
       backends_.clear();
     }
     return frame;
@@ -58,34 +70,38 @@ class Bench {
 
  private:
   void refine(RefinedFrame& frame) {
-    place(frame.job.objects);
-    frame.job.options.budget = std::max(frame.job.options.budget, refiner_->base_triangles());
-    const View view(frame.job.camera);
-    frame.sides.push_back(side(frame.job, view, frame.job.occlusion));
+    RefineJob& job = frame.job;
+    place(job);
+    job.options.budget = std::max(job.options.budget, refiners_[0].base_triangles());
+    frame.sides.push_back(side(refiners_[0], job, job.occlusion));
     frame.hash = frame.sides[0].refinement.hash();
-    if (frame.job.compare) frame.sides.push_back(side(frame.job, view, Occlusion::none));
+    if (job.compare) frame.sides.push_back(side(refiners_[1], job, Occlusion::none));
+    frame.goes_on = job.frame_to_frame && goes_on(frame);
   }
 
-  void place(const std::shared_ptr<const Objects>& objects) {
-    if (refiner_ && objects == objects_) return;
-    objects_ = objects;
+  // One refiner for each side.
+  void place(const RefineJob& job) {
+    if (job.objects != objects_ || job.from_scratch) refiners_.clear();
+    objects_ = job.objects;
+    const std::size_t count = job.compare ? 2 : 1;
+    while (refiners_.size() > count) refiners_.pop_back();
+    if (refiners_.size() == count) return;
     std::vector<RefineObject> list;
-    for (const PlacedObject& object : *objects)
+    for (const PlacedObject& object : *objects_)
       list.push_back({object.mesh->hierarchy.get(), object.object_to_world, object.two_sided});
-    refiner_.emplace(list);
+    while (refiners_.size() < count) refiners_.emplace_back(list);
   }
 
-  [[nodiscard]] RefinedSide side(const RefineJob& job, const View& view, Occlusion occlusion) {
-    Visibility& backend = visibility(occlusion);
+  [[nodiscard]] bool goes_on(const RefinedFrame& frame) {
+    const auto any = [&](auto is) { return std::any_of(frame.sides.begin(), frame.sides.end(), is); };
+    idle_frames_ = frame.job.again && !any(has_changed) ? idle_frames_ + 1 : 0;
+    return any(is_sliding) || (any(is_pending) && idle_frames_ < most_idle_frames);
+  }
+
+  [[nodiscard]] RefinedSide side(SideRefiner& refiner, const RefineJob& job, Occlusion occlusion) {
     RefinedSide result;
-    if (job.keep_occluder || job.color_by == ColorBy::outcome) {
-      RecordedOcclusion recorded(backend);
-      result.refinement = refiner_->refine(view, job.options, recorded);
-      result.occluder = recorded.depth();
-    } else {
-      result.refinement = refiner_->refine(view, job.options, backend);
-    }
-    explain(result, job, view);
+    refiner.refine(result, job, occlusion, visibility(occlusion), ++refinements_);
+    explain(result, job, refiner);
     return result;
   }
 
@@ -95,12 +111,13 @@ class Bench {
     return *backend;
   }
 
-  void explain(RefinedSide& side, const RefineJob& job, const View& view) {
+  void explain(RefinedSide& side, const RefineJob& job, const SideRefiner& refiner) {
+    const View view(job.camera);
     const Objects& objects = *job.objects;
     std::vector<bool> owns_pixel;
     if (job.count_visible || job.keep_seen || job.color_by == ColorBy::visibility) {
       items_.reset(view.width(), view.height());
-      draw_items(items_, draw_objects(objects, side.refinement), view);
+      draw_items(items_, draw_objects(objects, refiner, side.refinement), view);
       owns_pixel = visible_items(items_, side.refinement.stats.triangles);
       side.visible_triangles = static_cast<std::size_t>(std::count(owns_pixel.begin(), owns_pixel.end(), true));
     }
@@ -144,8 +161,10 @@ class Bench {
 
   const MakeVisibility& make_;
   std::shared_ptr<const Objects> objects_;
-  std::optional<Refiner> refiner_;
   std::map<Occlusion, std::unique_ptr<Visibility>> backends_;
+  std::deque<SideRefiner> refiners_;  // that are not moved, nor their backends
+  std::uint64_t refinements_ = 0;
+  int idle_frames_ = 0;
   ItemBuffer items_;
 };
 
@@ -166,6 +185,7 @@ RefineWorker::~RefineWorker() {
 void RefineWorker::request(RefineJob job) {
   {
     const std::lock_guard lock(mutex_);
+    job.from_scratch = job.from_scratch || (next_ && next_->from_scratch);
     next_ = std::move(job);
   }
   changed_.notify_all();

@@ -26,6 +26,9 @@ struct RefineJob {
   Camera camera;
   RefineOptions options;  // the budget is raised to the base meshes where it is smaller
   Occlusion occlusion = Occlusion::software;
+  bool frame_to_frame = true;  // go on from the mesh of the job before, by Refiner::update()
+  bool from_scratch = false;   // but not from it: what comes depends on this job and those after it only
+  bool again = false;          // one more frame of the same view: see RefinedFrame::goes_on
   bool compare = false;
   bool count_visible = true;
   bool keep_occluder = false;
@@ -35,6 +38,8 @@ struct RefineJob {
 
 struct RefinedSide {
   Refinement refinement;
+  std::uint64_t number = 0;   // of the refinement, ascending; the same where nothing was refined for the job
+  std::uint64_t follows = 0;  // whose triangles its `changes` change; 0 = none
   std::optional<std::size_t> visible_triangles;       // that own a pixel, when asked for
   std::vector<std::vector<glm::u8vec4>> seen_colors;  // those of ColorBy::visibility, when asked for
   std::vector<std::vector<glm::u8vec4>> colors;       // by object and triangle; empty where colours tell nothing
@@ -46,6 +51,7 @@ struct RefinedFrame {
   RefineJob job;
   std::vector<RefinedSide> sides;  // as asked; with `compare` the same without occlusion as well
   std::uint64_t hash = 0;          // of the first side
+  bool goes_on = false;            // a limit has left work over, or vertices slide: one more frame is worth its while
   std::string error;               // one line; then there are no sides
 };
 
@@ -59,7 +65,7 @@ class RefineWorker {
   RefineWorker& operator=(const RefineWorker&) = delete;
   ~RefineWorker();
 
-  // Replaces a job that has not been begun.
+  // Replaces a job that has not been begun, but for its `from_scratch`.
   void request(RefineJob job);
   // The last frame that was finished; null before the first.
   [[nodiscard]] std::shared_ptr<const RefinedFrame> latest() const;

@@ -78,7 +78,7 @@ void Session::update(double seconds, double patience_ms) {
   touched_ = false;
 }
 
-void Session::picture_drawn(double upload_ms, double draw_ms) {
+void Session::picture_drawn(const PictureCost& cost) {
   ++pictures_;
   if (!frame_ || frame_->sides.empty()) return;
   const RefineStats& stats = frame_->sides[0].refinement.stats;
@@ -89,10 +89,13 @@ void Session::picture_drawn(double upload_ms, double draw_ms) {
   if (frame_->job.number != drawn_) {
     record.refine_ms = stats.refine_ms;
     record.occlusion_ms = stats.occlusion_ms;
+    record.new_splits = stats.new_splits;
+    record.merged_splits = stats.merged_splits;
+    record.changed_triangles = stats.changed_triangles;
   }
   drawn_ = frame_->job.number;
-  record.upload_ms = upload_ms;
-  record.draw_ms = draw_ms;
+  record.pending = stats.pending;
+  record.cost = cost;
   record.budget = stats.budget;
   record.triangles = stats.triangles;
   record.visible_triangles = frame_->sides[0].visible_triangles.value_or(0);
@@ -108,8 +111,10 @@ void Session::picture_drawn(double upload_ms, double draw_ms) {
 
 bool Session::settled() const noexcept {
   if (touched_ || loader_.busy()) return false;
-  return shown_->empty() || is_current();
+  return shown_->empty() || (is_current() && !goes_on());
 }
+
+bool Session::goes_on() const noexcept { return is_current() && frame_->goes_on && state_.playback.path.empty(); }
 
 const Camera& Session::refine_camera() const noexcept { return state_.settings.freeze ? state_.frozen : state_.camera; }
 
@@ -220,6 +225,7 @@ RefineJob Session::wanted_job() const {
   job.objects = shown_;
   job.camera = refine_camera();
   job.options = settings.refine;
+  job.frame_to_frame = settings.frame_to_frame;
   job.occlusion = settings.occlusion;
   job.compare = settings.compare;
   job.count_visible = settings.count_visible || settings.compare;
@@ -241,7 +247,10 @@ void Session::request_mesh() {
   if (shown_->empty()) return;
   RefineJob job = wanted_job();
   nlohmann::json key = key_of(job, state_.settings);
-  if (key == requested_key_) return;
+  Playback& playback = state_.playback;
+  job.from_scratch = !playback.path.empty() && !std::exchange(playback.begun, true);
+  job.again = key == requested_key_ && goes_on();
+  if (key == requested_key_ && !job.again && !job.from_scratch) return;
   requested_key_ = std::move(key);
   requested_ = job.number;
   worker_.request(std::move(job));
@@ -265,6 +274,10 @@ std::map<std::string, double> Session::figures() const {
   figures["queries_hidden"] = static_cast<double>(stats.queries_hidden);
   figures["occluder_draws"] = static_cast<double>(stats.occluder_draws);
   figures["max_error_px"] = stats.max_error_px;
+  figures["new_splits"] = static_cast<double>(stats.new_splits);
+  figures["merged_splits"] = static_cast<double>(stats.merged_splits);
+  figures["changed_triangles"] = static_cast<double>(stats.changed_triangles);
+  figures["pending"] = stats.pending ? 1.0 : 0.0;
   figures["refine_ms"] = stats.refine_ms;
   figures["occlusion_ms"] = stats.occlusion_ms;
   if (const auto& visible = frame_->sides[0].visible_triangles) {

@@ -45,6 +45,7 @@ struct Playback {
   std::string path;  // empty = none
   double at = 0.0;
   std::filesystem::path pictures;  // a folder, or empty
+  bool begun = false;              // its first frame has been asked for: from scratch, that each replay is the same
 };
 
 // A camera path that is being recorded, one key for each time step.
@@ -92,7 +93,7 @@ class Session {
   // something has changed, for which it waits at most `patience_ms`.
   void update(double seconds, double patience_ms);
   // Once after each picture.
-  void picture_drawn(double upload_ms, double draw_ms);
+  void picture_drawn(const PictureCost& cost);
 
   [[nodiscard]] State& state() noexcept { return state_; }
   [[nodiscard]] const State& state() const noexcept { return state_; }
@@ -101,7 +102,7 @@ class Session {
   [[nodiscard]] const Timeline& timeline() const noexcept { return timeline_; }
   // The mesh to draw; null when there is none.
   [[nodiscard]] const std::shared_ptr<const RefinedFrame>& frame() const noexcept { return frame_; }
-  // Nothing is being loaded, and frame() is what the state asks for.
+  // Nothing is being loaded, and frame() is what the state asks for, with nothing left over that goes on.
   [[nodiscard]] bool settled() const noexcept;
   // frame() is what was last asked for.
   [[nodiscard]] bool is_current() const noexcept { return frame_ && frame_->job.number == requested_; }
@@ -122,6 +123,8 @@ class Session {
   void go_on_recording(double seconds);
   void request_mesh();
   [[nodiscard]] RefineJob wanted_job() const;
+  // One more frame of the same view would change something; a path has one frame for each of its cameras.
+  [[nodiscard]] bool goes_on() const noexcept;
 
   State state_;
   Loader loader_;

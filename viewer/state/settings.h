@@ -48,6 +48,7 @@ struct WindowSettings {
 
 struct Settings {
   RefineOptions refine;
+  bool frame_to_frame = true;  // go on from the mesh of the picture before; else refine each from scratch
   Occlusion occlusion = Occlusion::software;
   bool freeze = false;         // refine for the camera of the moment when it was set
   bool compare = false;        // beside it the same without occlusion

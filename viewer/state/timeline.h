@@ -7,14 +7,24 @@
 
 namespace occlod::viewer {
 
+// Of a picture whose mesh was there.
+struct PictureCost {
+  double upload_ms = 0.0;
+  std::size_t uploaded_bytes = 0;  // of triangles, colours and vertices
+  double draw_ms = 0.0;
+};
+
 struct PictureRecord {
   std::uint64_t picture = 0;  // ascending
   int path_frame = -1;        // of the camera path that is played
-  // Milliseconds. Refinement and occlusion are 0 when the mesh of the picture before was drawn again.
+  // All 0 when the mesh of the picture before was drawn again.
   double refine_ms = 0.0;
   double occlusion_ms = 0.0;
-  double upload_ms = 0.0;
-  double draw_ms = 0.0;
+  std::size_t new_splits = 0;
+  std::size_t merged_splits = 0;
+  std::size_t changed_triangles = 0;
+  bool pending = false;  // a limit has left work over
+  PictureCost cost;
   std::size_t budget = 0;
   std::size_t triangles = 0;
   std::size_t visible_triangles = 0;  // 0 when they are not counted
@@ -26,7 +36,7 @@ struct PictureRecord {
   double memory_mb = 0.0;
   std::uint64_t hash = 0;  // of the refinement
 
-  [[nodiscard]] double total_ms() const { return refine_ms + occlusion_ms + upload_ms + draw_ms; }
+  [[nodiscard]] double total_ms() const { return refine_ms + occlusion_ms + cost.upload_ms + cost.draw_ms; }
 };
 
 class Timeline {
