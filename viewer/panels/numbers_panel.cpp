@@ -48,7 +48,8 @@ void draw_table(const PictureRecord& last, const Session& session) {
   draw_cell("splits", grouped(static_cast<double>(last.splits)));
   draw_cell("visible", session.frame()->sides[0].visible_triangles ? share(last.visible_triangles, last.triangles)
                                                                    : std::string("not counted"));
-  draw_cell("forced", share(last.forced_splits, last.splits));
+  // Frame to frame they are counted for the last mesh alone.
+  draw_cell("forced", share(last.forced_splits, session.frame()->sides[0].refinement.stats.new_splits));
   draw_cell("largest error", pixels(last.max_error_px));
   draw_cell("queries", grouped(static_cast<double>(last.queries)));
   draw_cell("memory", grouped(last.memory_mb) + " MB");
