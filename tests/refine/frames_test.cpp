@@ -235,6 +235,24 @@ TEST(FramesTolerance, DetailGoesAsTheEyeGoes) {
   EXPECT_LE(far.stats.max_error_px, 2.0);
 }
 
+// A coarser tolerance frees what the budget had been spent on: what remains is about what refinement from scratch
+// makes.
+TEST(FramesTolerance, ACoarserOneMergesAtOnce) {
+  const std::vector<RefineObject> objects = two_planets();
+  Refiner refiner(objects), scratch(objects);
+  NoOcclusion none;
+  RefineOptions options;
+  options.budget = 3000;
+  const View view(orbiting(0.0, 3.0));
+  EXPECT_EQ(refiner.update(view, options, none).stats.triangles, 3000U);
+  options.tolerance_px = 12.0;
+  const RefineStats fresh = scratch.refine(view, options, none).stats;
+  const RefineStats kept = refiner.update(view, options, none).stats;
+  ASSERT_LT(fresh.triangles, 2500U);
+  EXPECT_LE(kept.triangles, fresh.triangles + fresh.triangles / 5);
+  EXPECT_LE(kept.max_error_px, options.tolerance_px);
+}
+
 // A vertex that appears starts beside its parent and arrives after as many calls as asked for.
 TEST(FramesGeomorph, VerticesSlideFromTheirParents) {
   const std::vector<RefineObject> objects = {{&planet(), glm::dmat4(1.0), false}};

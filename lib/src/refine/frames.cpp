@@ -193,12 +193,19 @@ void Frames::gather_candidates(float low, float high) {
   }
 }
 
+// 0 for what a tolerance makes needless.
+float Frames::leaf_key(std::uint32_t object, FrontNode& node) {
+  const Worth value = worth(object, node);
+  const double needless = options_->tolerance_px * (1.0 - options_->hysteresis);
+  return static_cast<double>(value.error.guaranteed_px) <= needless ? 0.0F : value.key;
+}
+
 // Applied splits that none needs.
 void Frames::gather_leaves(float low, float high) {
   for (std::uint32_t i = 0; i < objects_.size(); ++i)
     for (FrontNode& node : objects_[i].front.nodes()) {
       if (!node.is(FrontNode::applied) || node.is(FrontNode::is_new) || !refined_.cuts[i].is_leaf(node.split)) continue;
-      const float key = worth(i, node).key;
+      const float key = leaf_key(i, node);
       if (key >= low && key < high) push_leaf(i, node.split, key);
     }
 }
@@ -213,6 +220,8 @@ void Frames::gather() {
   for (std::uint32_t i = 0; i < objects_.size(); ++i) close(i);
   candidates_above_ = level_ / band;
   leaves_below_ = level_ * band;
+  // All of them where the budget is enough: some may be needless.
+  if (level_ == 0.0F && options_->tolerance_px > 0.0) leaves_below_ = std::numeric_limits<float>::infinity();
   gather_candidates(candidates_above_, std::numeric_limits<float>::infinity());
   gather_leaves(0.0F, leaves_below_);
 }

@@ -102,6 +102,7 @@ class Frames {
   void gather_leaves(float low, float high);
   void gather_more_candidates();
   bool gather_more_leaves();
+  [[nodiscard]] float leaf_key(std::uint32_t object, FrontNode& node);
   void push_leaf(std::uint32_t object, SplitId s, float key);
   void measure_errors();
 

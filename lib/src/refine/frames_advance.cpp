@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <optional>
 
@@ -302,7 +303,7 @@ void Frames::take_back(std::uint32_t i, SplitId s) {
     if (!cut.is_leaf(needed) || below.is(FrontNode::is_new)) continue;
     // It may well be hidden too, and then its room is wanted now.
     if (asks_leaves_) static_cast<void>(is_hidden(leaf_question(i, below)));
-    const float key = worth(i, below).key;
+    const float key = leaf_key(i, below);
     if (key < leaves_below_) push_leaf(i, needed, key);
   }
 }
@@ -319,17 +320,12 @@ void Frames::offer_again(std::uint32_t i, FrontNode& node) {
     candidates_.push({value.raw, value.error, node.split, i, node.level, 0, Entry::Kind::apply});
 }
 
-// Where the tolerance decides and not the budget: leaves that are seen by nobody, or well within the tolerance.
+// Where a tolerance is given: leaves that are seen by nobody, or well within it.
 void Frames::take_back_needless() {
-  if (!(options_->tolerance_px > 0.0) || stats_->pending || level_ > 0.0F) return;
-  while (!limit_reached() && (!leaves_.empty() || gather_more_leaves())) {
+  if (!(options_->tolerance_px > 0.0) || stats_->pending) return;
+  while (!limit_reached() && !leaves_.empty() && std::isinf(leaves_.top().priority)) {
     const Entry leaf = leaves_.pop();
-    if (!is_old_leaf(leaf)) continue;
-    FrontNode& node = *objects_[leaf.object].front.find(leaf.split);
-    const Worth value = worth(leaf.object, node);
-    const double needless = options_->tolerance_px * (1.0 - options_->hysteresis);
-    if (value.raw == 0.0F || static_cast<double>(value.error.guaranteed_px) <= needless)
-      take_back(leaf.object, leaf.split);
+    if (is_old_leaf(leaf)) take_back(leaf.object, leaf.split);
   }
 }
 
