@@ -10,13 +10,14 @@
 #include <string>
 #include <vector>
 
+#include "frames_vdpm.h"
 #include "occlod/core/error.h"
 #include "occlod/occlusion/software_occlusion.h"
 #include "occlod/refine/refiner.h"
 #include "occlod/scene/scene.h"
 #include "oracle/cut_error.h"
 #include "render_input.h"
-#include "stopwatch.h"
+#include "support/frame_log.h"
 #include "support/median.h"
 #include "support/run_app.h"
 
@@ -26,6 +27,7 @@ namespace {
 struct Options {
   std::vector<std::string> scenes = {"armadillo", "armadillo_group", "planet_full", "planet_near",
                                      "sponza",    "sibenik",         "city",        "ww2_city"};
+  std::vector<std::string> tables = {"scenes", "vdpm"};
   std::string path;
   std::vector<std::size_t> budgets = {10'000};
   int most_frames = 120;
@@ -41,33 +43,6 @@ struct Subject {
   bool occlusion = false;
 };
 
-// One way to refine the frames of a path.
-struct Way {
-  explicit Way(const std::vector<RefineObject>& objects) : refiner(objects) {}
-
-  Refiner refiner;
-  const Refinement* last = nullptr;
-  std::vector<double> ms, changes, changed_triangles;  // of each frame
-  std::uint64_t hash = 0;                              // of all frames
-};
-
-void step(Way& way, const View& view, const RefineOptions& options, Visibility& visibility, bool goes_on) {
-  const tool::Stopwatch stopwatch;
-  way.last = goes_on ? &way.refiner.update(view, options, visibility) : &way.refiner.refine(view, options, visibility);
-  way.ms.push_back(stopwatch.milliseconds());
-  const RefineStats& stats = way.last->stats;
-  way.changes.push_back(static_cast<double>(stats.new_splits + stats.merged_splits));
-  way.changed_triangles.push_back(static_cast<double>(stats.changed_triangles));
-  way.hash = way.hash * 31 + way.last->hash();
-}
-
-// Of the values but the first, which starts from nothing.
-double percentile(const std::vector<double>& values, double part) {
-  std::vector<double> later(values.begin() + 1, values.end());
-  std::sort(later.begin(), later.end());
-  return later[static_cast<std::size_t>(part * static_cast<double>(later.size() - 1))];
-}
-
 // Errors below a tenth of a pixel are all alike; both may be unlimited, where the eye is inside bounds.
 double ratio_of(double a, double b) {
   constexpr double nobody_sees = 0.1;
@@ -79,13 +54,14 @@ void compare(const Options& options, const Subject& subject) {
   const std::unique_ptr<Visibility> software = make_software_occlusion();
   NoOcclusion none;
   Visibility& visibility = subject.occlusion ? *software : static_cast<Visibility&>(none);
-  Way scratch(*subject.objects), frames(*subject.objects);
-  std::vector<double> ratios;
+  RefinerLog scratch(*subject.objects), frames(*subject.objects);
+  std::vector<double> ratios, changed_triangles;
   const int count = std::min(subject.path->frames, options.most_frames);
   for (int i = 0; i < count; ++i) {
     const View view(camera_at(*subject.path, i));
-    step(scratch, view, subject.options, visibility, false);
-    step(frames, view, subject.options, visibility, true);
+    scratch.step(view, subject.options, visibility, false);
+    frames.step(view, subject.options, visibility, true);
+    changed_triangles.push_back(static_cast<double>(frames.last->stats.changed_triangles));
     if (!options.errors) continue;
     ratios.push_back(ratio_of(oracle::cut_error(*subject.objects, *frames.last, view, visibility).quadric_px,
                               oracle::cut_error(*subject.objects, *scratch.last, view, visibility).quadric_px));
@@ -94,10 +70,12 @@ void compare(const Options& options, const Subject& subject) {
       "| {} | {} | {} | {} | {} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.1f} | {:.0f} | {:.0f} | {} | {:016x} |\n",
       subject.scene, subject.path_name, subject.options.budget,
       subject.options.culling == Culling::star ? "star" : "subtree", subject.occlusion ? "software" : "none",
-      median(scratch.ms), percentile(frames.ms, 0.5), percentile(frames.ms, 0.95), percentile(frames.ms, 1.0),
-      median(scratch.ms) / std::max(percentile(frames.ms, 0.5), 1e-3), percentile(frames.changes, 0.5),
-      percentile(frames.changed_triangles, 0.5),
-      ratios.empty() ? "| " : fmt::format("{:.3f} | {:.3f}", median(ratios), percentile(ratios, 0.95)), frames.hash);
+      median(scratch.log.ms), later_percentile(frames.log.ms, 0.5), later_percentile(frames.log.ms, 0.95),
+      later_percentile(frames.log.ms, 1.0),
+      median(scratch.log.ms) / std::max(later_percentile(frames.log.ms, 0.5), 1e-3),
+      later_percentile(frames.log.changes, 0.5), later_percentile(changed_triangles, 0.5),
+      ratios.empty() ? "| " : fmt::format("{:.3f} | {:.3f}", median(ratios), later_percentile(ratios, 0.95)),
+      frames.log.hash);
   std::fflush(stdout);
 }
 
@@ -116,7 +94,7 @@ void compare_path(const Options& options, const std::string& scene, const tool::
       }
 }
 
-void run(const Options& options) {
+void compare_scenes(const Options& options) {
   fmt::print(
       "| scene | path | budget | culling | occlusion | scratch ms | frame ms | p95 | largest | times faster | changes "
       "| "
@@ -137,10 +115,26 @@ void run(const Options& options) {
   }
 }
 
+void run(const Options& options) {
+  const auto asked = [&](const char* table) {
+    return std::find(options.tables.begin(), options.tables.end(), table) != options.tables.end();
+  };
+  if (asked("scenes")) compare_scenes(options);
+  if (!asked("vdpm")) return;
+#ifdef OCCLOD_HAS_OPENMESH
+  compare_with_vdpm();
+#else
+  fmt::print(stderr, "SKIPPED: OpenMesh was not there when this was built\n");
+#endif
+}
+
 int run(int argc, char** argv) {
   CLI::App app("Refinement from frame to frame along the paths of scenes.", "bench_frames");
   Options options;
   app.add_option("SCENES", options.scenes, "Names of scenes in meshes/scenes")->capture_default_str();
+  app.add_option("--tables", options.tables, "Paths of scenes, and OpenMesh's VDPM beside ours")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"scenes", "vdpm"}));
   app.add_option("--path", options.path, "Only paths of this name");
   app.add_option("--budgets", options.budgets, "Triangles")->capture_default_str();
   app.add_option("--frames", options.most_frames, "Of each path at most")->capture_default_str();
