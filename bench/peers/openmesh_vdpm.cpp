@@ -14,6 +14,7 @@
 #include <numeric>
 #include <optional>
 #include <stdexcept>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -321,7 +322,7 @@ struct VdpmRefiner::Impl {
     if (!front.is_active(left) || !front.is_active(right)) return false;
     const VertexHandle v0 = forest.tree.vertex_handle(left);
     const VertexHandle v1 = forest.tree.vertex_handle(right);
-    const OpenMesh::HalfedgeHandle edge = mesh.find_halfedge(v0, v1);
+    const OpenMesh::HalfedgeHandle edge(mesh.find_halfedge(v0, v1).idx());
     if (!edge.is_valid() || !mesh.is_collapse_ok(edge) || wants(parent)) return false;
     mesh.collapse(edge);
     mesh.set_normal(v1, forest.tree.normal(parent));
@@ -372,7 +373,7 @@ VdpmChanges VdpmRefiner::refine_all() {
 std::size_t VdpmRefiner::triangles() const {
   const auto faces = impl_->mesh.all_faces();
   return static_cast<std::size_t>(
-      std::count_if(faces.begin(), faces.end(), [&](auto f) { return !impl_->mesh.status(f).deleted(); }));
+      std::count_if(faces.begin(), faces.end(), [](const auto& f) { return !f.deleted(); }));
 }
 
 std::uint64_t VdpmRefiner::hash() const {
