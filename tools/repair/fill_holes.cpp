@@ -12,7 +12,8 @@ namespace {
 
 namespace pmp = CGAL::Polygon_mesh_processing;
 
-// Where the points of a border have no useful Delaunay triangulation all its triangulations are tried, in cubic time.
+// Up to so many all triangulations of a border are tried, in cubic time: the best one does not depend on where things
+// lie in memory, as the pieces of a Delaunay triangulation do that are tried for longer borders.
 constexpr std::size_t most_edges_for_cubic = 256;
 
 bool is_single_triangle(Halfedge border, const HalfedgeMesh& mesh) {
@@ -23,7 +24,8 @@ bool is_single_triangle(Halfedge border, const HalfedgeMesh& mesh) {
 std::size_t fill(Halfedge border, std::size_t edges, HalfedgeMesh& mesh) {
   std::vector<Face> patch;
   pmp::triangulate_hole(mesh, border, std::back_inserter(patch),
-                        CGAL::parameters::do_not_use_cubic_algorithm(edges > most_edges_for_cubic));
+                        CGAL::parameters::use_delaunay_triangulation(edges > most_edges_for_cubic)
+                            .do_not_use_cubic_algorithm(edges > most_edges_for_cubic));
   return patch.size();
 }
 
