@@ -13,18 +13,18 @@ class CountingVisibility final : public Visibility {
  public:
   [[nodiscard]] std::string_view name() const noexcept override { return "counting"; }
   void begin_view(const View& /*view*/, std::span<const ObjectView> objects) override {
-    queries_.assign(objects.size(), 0);
-    stars_ = 0;
+    queries.assign(objects.size(), 0);
+    stars = 0;
   }
   void draw_occluder(std::span<const OccluderPart> /*parts*/) override {}
   void submit(const VisibilityQuery& query) override {
-    ++queries_[query.object];
-    if (std::holds_alternative<PointHull>(query.shape)) ++stars_;
+    ++queries[query.object];
+    if (std::holds_alternative<PointHull>(query.shape)) ++stars;
   }
   [[nodiscard]] std::uint32_t collect() override { return 1; }
 
-  std::vector<int> queries_;
-  int stars_ = 0;
+  std::vector<int> queries;
+  int stars = 0;
 };
 
 struct TwoSpheres {
@@ -55,11 +55,11 @@ TEST(EffectGate, RegionsAreCellsOfTheBox) {
 TEST(EffectGate, AsksOnlyAboutObjectsThatAreOn) {
   TwoSpheres scene;
   (void)scene.refine({});
-  EXPECT_GT(scene.visibility.queries_[0], 0);
-  EXPECT_GT(scene.visibility.queries_[1], 0);
+  EXPECT_GT(scene.visibility.queries[0], 0);
+  EXPECT_GT(scene.visibility.queries[1], 0);
   (void)scene.refine({{}, {.occlusion = false}});
-  EXPECT_GT(scene.visibility.queries_[0], 0);
-  EXPECT_EQ(scene.visibility.queries_[1], 0);
+  EXPECT_GT(scene.visibility.queries[0], 0);
+  EXPECT_EQ(scene.visibility.queries[1], 0);
 }
 
 // The stats say in which region each question was; one that is off has none.
@@ -79,10 +79,10 @@ TEST(EffectGate, AsksOnlyInRegionsThatAreOn) {
 TEST(EffectGate, AsksAboutStarsOnlyIfTold) {
   TwoSpheres scene;
   (void)scene.refine({});
-  EXPECT_GT(scene.visibility.stars_, 0);
+  EXPECT_GT(scene.visibility.stars, 0);
   (void)scene.refine({}, false);
-  EXPECT_EQ(scene.visibility.stars_, 0);
-  EXPECT_GT(scene.visibility.queries_[0], 0);
+  EXPECT_EQ(scene.visibility.stars, 0);
+  EXPECT_GT(scene.visibility.queries[0], 0);
 }
 
 // Without cones nothing is tested, and more nodes are looked at: those below what would have been dropped.

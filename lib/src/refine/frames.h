@@ -52,7 +52,7 @@ class Frames {
   void forget_hidden();
 
   // After adopt() or advance(), with what the frame before got.
-  void emit(std::uint32_t object, RefinedObject& out, RefineStats& stats);
+  void emit(std::uint32_t i, RefinedObject& out, RefineStats& stats);
   // The next frame will change nothing unless the view or the options do.
   [[nodiscard]] bool at_rest() const noexcept { return at_rest_; }
 
@@ -108,7 +108,7 @@ class Frames {
 
   void ask_again(Occluder& occluder, bool all);
   [[nodiscard]] bool is_shown_since(std::uint32_t draw, const FrontNode& node, Entry::Kind kind) const;
-  [[nodiscard]] Entry leaf_question(std::uint32_t object, const FrontNode& node) const;
+  [[nodiscard]] Entry leaf_question(std::uint32_t i, const FrontNode& node) const;
   [[nodiscard]] std::optional<Entry::Kind> question_about(std::uint32_t object, const FrontNode& node, bool due) const;
   void forget_what_is_not_asked(std::uint32_t object, FrontNode& node) const;
   void note(const Entry& entry, bool visible);
@@ -121,13 +121,13 @@ class Frames {
   void descend(const Entry& entry);
   bool apply(const Entry& entry);
   bool waits(const Entry& entry, const Cut::Closure& closure);
-  void apply_closure(std::uint32_t object, const Cut::Closure& closure);
+  void apply_closure(std::uint32_t i, const Cut::Closure& closure);
   bool make_room(float key);
   [[nodiscard]] bool is_old_leaf(const Entry& leaf);
   bool take_back_least();
   void take_back_needless();
-  void offer_again(std::uint32_t object, FrontNode& node);
-  void take_back(std::uint32_t object, SplitId s);
+  void offer_again(std::uint32_t i, FrontNode& node);
+  void take_back(std::uint32_t i, SplitId s);
   void emit_splits(Object& object, const Cut& cut, RefinedObject& out, RefineStats& stats);
   void emit_geomorphs(Object& object, const Cut& cut, std::vector<Geomorph>& out) const;
 
