@@ -69,12 +69,19 @@ void render_view(const RenderInput& input, const Options& options, RefineWay& wa
   if (options.explain) print_explanation(*way.chooser(), measurement.refinement().stats, input.objects);
 }
 
-// Effects that are given leave nothing to choose, and frames go on from each other with one backend: then software is
-// the default.
+// Choosing takes looks that pay over a path and not in a single view. Effects that are given leave nothing to choose,
+// and frames go on from each other with one backend.
+std::string default_occlusion(const Options& options) {
+  const AutoWayOptions& way = options.auto_way;
+  const bool is_asked_for = options.explain || !way.calibration.empty() || !way.save_calibration.empty() ||
+                            way.backends != AutoWayOptions().backends;
+  const bool can_choose = options.fixed_effects.empty() && !options.frame_to_frame;
+  return can_choose && (is_asked_for || !options.input.path.empty()) ? "auto" : "software";
+}
+
 BackendOptions backend_options(const Options& options) {
   BackendOptions backend = options.backend;
-  if (backend.occlusion.empty())
-    backend.occlusion = options.fixed_effects.empty() && !options.frame_to_frame ? "auto" : "software";
+  if (backend.occlusion.empty()) backend.occlusion = default_occlusion(options);
   const bool is_auto = backend.occlusion == "auto";
   if (is_auto && !options.fixed_effects.empty())
     throw Error({"auto", options.fixed_effects.front(), "is what it chooses", "leave it out or name a backend"});
@@ -213,8 +220,8 @@ void add_backend_options(CLI::App& command, BackendOptions& backend) {
   command
       .add_option(
           "--occlusion", backend.occlusion,
-          "Who decides what is hidden; auto: whatever pays in each view; auto when not given, software when any "
-          "of what auto chooses is")
+          "Who decides what is hidden; auto: whatever pays in each view. When not given, software; with --path, "
+          "--explain or a calibration auto, unless what it chooses is given")
       ->check(CLI::IsMember({"auto", "none", "software", "gl-query", "gl-mark", "gl-compute"}));
   command
       .add_option("--gl-platform", backend.gl_platform,

@@ -25,7 +25,13 @@ class Auto(ToolTest):
     def render(self, scene, *arguments):
         return self.json_of("render", scene, "--budget", 5000, "--calibration", "calibration.json", *arguments)
 
-    def test_is_the_default_and_says_why(self):
+    def test_is_the_default_along_paths(self):
+        """Over a path the looks pay for themselves; in a single view they do not."""
+        for options, expected in (([], "software"), (["--path", "aside"], "auto"), (["--path", "aside", "--frame-to-frame"], "software"),
+                                  (["--calibration", "calibration.json"], "auto")):
+            self.assertEqual(self.json_of("render", "wall.json", "--budget", 3000, *options)["occlusion"], expected, options)
+
+    def test_says_why(self):
         result = self.render("wall.json")
         self.assertEqual((result["occlusion"], result["calibration"]), ("auto", CALIBRATION))
         why = result["auto"]
