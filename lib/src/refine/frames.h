@@ -34,7 +34,7 @@ struct RefinedCuts {
 // One frame: every node that refinement has reached is weighed for the new view; then, worst first, candidates are
 // descended or applied, and take the place of applied leaves that matter less (the dual queues of Duchaineau et al.,
 // ROAMing Terrain, 1997, here over the dependencies of splits). The nodes are about twice as many as applied splits,
-// and weighing one costs some 20 ns; all else is in proportion to what changes. The priority where the budget ended is
+// and are weighed in vectors; what is queued is in proportion to what changes. The priority where the budget ended is
 // kept: only what is near that is queued.
 class Frames {
  public:
@@ -44,7 +44,7 @@ class Frames {
   // what was hidden at the end. All outlive the frame.
   void adopt(const RefinedCuts& refined, const RefineOptions& options, float level, std::span<const Entry> hidden);
 
-  // Weighs all for a new view. False when most of the cut is worth nothing any more: then it is better to start from
+  // Weighs all for a new view. False when a quarter of the cut has become worth little: then it is better to start from
   // scratch. Options that differ from those of the frame before are no reason to.
   [[nodiscard]] bool weigh(const RefinedCuts& refined, const RefineOptions& options);
   // After weigh(). `moved`: the view, or what the backend would answer, differs from that of the frame before.
@@ -119,6 +119,7 @@ class Frames {
   void run();
   [[nodiscard]] bool limit_reached() const;
   void descend(const Entry& entry);
+  void offer(std::uint32_t i, FrontNode& node);
   bool apply(const Entry& entry);
   bool waits(const Entry& entry, const Cut::Closure& closure);
   void apply_closure(std::uint32_t i, const Cut::Closure& closure);
@@ -126,7 +127,6 @@ class Frames {
   [[nodiscard]] bool is_old_leaf(const Entry& leaf);
   bool take_back_least();
   void take_back_needless();
-  void offer_again(std::uint32_t i, FrontNode& node);
   void take_back(std::uint32_t i, SplitId s);
   void emit_splits(Object& object, const Cut& cut, RefinedObject& out, RefineStats& stats);
   void emit_geomorphs(Object& object, const Cut& cut, std::vector<Geomorph>& out) const;

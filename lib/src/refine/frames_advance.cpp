@@ -199,10 +199,14 @@ void Frames::descend(const Entry& entry) {
       candidates_.push({error.quadric_px, error, child, i, node.level, 0, Entry::Kind::visit});
   });
   FrontNode& node = *objects_[i].front.find(entry.split);
-  if (node.is(FrontNode::applied)) return;
+  if (!node.is(FrontNode::applied)) offer(i, node);
+}
+
+// The split of a node that is reached, if it is worth anything.
+void Frames::offer(std::uint32_t i, FrontNode& node) {
   const Worth value = worth(i, node);
   if (value.raw > 0.0F && !is_tolerated(value.error))
-    candidates_.push({value.raw, value.error, entry.split, i, entry.level, 0, Entry::Kind::apply});
+    candidates_.push({value.raw, value.error, node.split, i, node.level, 0, Entry::Kind::apply});
 }
 
 // False when there is no room for it.
@@ -295,7 +299,7 @@ void Frames::take_back(std::uint32_t i, SplitId s) {
   node.set(FrontNode::applied, false);
   node.set(FrontNode::is_new, false);
   if (node.is(FrontNode::reached))
-    offer_again(i, node);
+    offer(i, node);  // it may be wanted again once better leaves have come up
   else
     object.front.remove(node);
   for (const SplitId needed : cut.hierarchy().star(s).dependencies()) {
@@ -311,13 +315,6 @@ void Frames::take_back(std::uint32_t i, SplitId s) {
 Entry Frames::leaf_question(std::uint32_t i, const FrontNode& node) const {
   const Entry::Kind kind = options_->culling == Culling::star ? Entry::Kind::apply : Entry::Kind::visit;
   return {0.0F, {}, node.split, i, node.level, 0, kind};
-}
-
-// What has been taken back may be wanted again once better leaves have come up.
-void Frames::offer_again(std::uint32_t i, FrontNode& node) {
-  const Worth value = worth(i, node);
-  if (value.raw > 0.0F && !is_tolerated(value.error))
-    candidates_.push({value.raw, value.error, node.split, i, node.level, 0, Entry::Kind::apply});
 }
 
 // Where a tolerance is given: leaves that are seen by nobody, or well within it.

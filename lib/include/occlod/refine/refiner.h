@@ -143,8 +143,9 @@ class Refiner {
   const Refinement& refine(const View& view, const RefineOptions& options, Visibility& visibility);
 
   // Goes on from the cut of the call before, merging what has lost importance and splitting what has gained. Refines
-  // from the base meshes when there is none, when options that weigh or cull have changed, or when most of the cut is
-  // worth nothing any more (a jump of the camera; not with limits). The same budget and validity as refine(), nearly
+  // from the base meshes when there is none, when options that weigh or cull have changed, or when a quarter of
+  // the cut has become worth little at once (a jump of the camera; not with limits). Draws an occluder in each frame:
+  // occluder_splits and retest_hidden are for refinement from scratch. The same budget and validity as refine(), nearly
   // the same errors; deterministic for the same sequence of calls, unless time_limit_ms is set.
   const Refinement& update(const View& view, const RefineOptions& options, Visibility& visibility);
 
