@@ -43,10 +43,10 @@ Change raster(int divisor) {
 
 void go_on(S& setting) { setting.frame_to_frame = true; }
 
-constexpr const char* update_flags = "(Refiner::update() for every frame)";
+constexpr const char* update_flags = "--path NAME --frame-to-frame";
 
 Change work_limit(std::size_t changes) {
-  return {fmt::format("{}", changes), fmt::format("(Refiner::update() for every frame, most_changes {})", changes),
+  return {fmt::format("{}", changes), fmt::format("--path NAME --frame-to-frame --most-changes {}", changes),
           [changes](S& s) {
             go_on(s);
             s.refine.most_changes = changes;
@@ -54,8 +54,7 @@ Change work_limit(std::size_t changes) {
 }
 
 Change hysteresis(double part) {
-  return {fmt::format("{}", part), fmt::format("(Refiner::update() for every frame, hysteresis {})", part),
-          [part](S& s) {
+  return {fmt::format("{}", part), fmt::format("--path NAME --frame-to-frame --hysteresis {}", part), [part](S& s) {
             go_on(s);
             s.refine.hysteresis = part;
           }};
