@@ -2,15 +2,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "occlod/occlusion/software_occlusion.h"
-#include "occlod/scene/scene.h"
 #include "oracle/cut_error.h"
 #include "refine_support.h"
+#include "support/shipped_scenes.h"
 
 namespace occlod {
 namespace {
@@ -61,22 +60,15 @@ class ScenePaths : public testing::TestWithParam<const char*> {
 };
 
 TEST_P(ScenePaths, FramesAreValidAndNoWorseThanFromScratch) {
-  const std::filesystem::path folder = OCCLOD_SCENES;
-  const SceneDescription scene = read_scene(folder / (std::string(GetParam()) + ".json"));
-  for (const SceneObject& object : scene.objects)
-    if (const auto* file = std::get_if<MeshFile>(&object.source); file != nullptr)
-      if (find_mesh(file->names.front(), folder).empty())
-        GTEST_SKIP() << "SKIPPED: " << file->names.front() << " is in no folder of OCCLOD_MESHES";
-  LoadOptions load;
-  load.use_cache = false;
-  const std::vector<LoadedObject> loaded = load_objects(scene, folder, load);
+  OCCLOD_READ_SCENE_OR_SKIP(scene, GetParam());
+  const std::vector<LoadedObject> loaded = test::load_objects(scene);
   std::vector<RefineObject> objects;
   for (const LoadedObject& object : loaded)
     objects.push_back({object.hierarchy.get(), object.object_to_world, object.two_sided});
-  ASSERT_FALSE(scene.paths.empty());
+  ASSERT_FALSE(scene.description.paths.empty());
   double sum = 0.0;
   int ways = 0;
-  for (const auto& [name, path] : scene.paths)
+  for (const auto& [name, path] : scene.description.paths)
     for (const Culling culling : {Culling::subtree, Culling::star})
       for (const bool occlusion : {false, true}) {
         SCOPED_TRACE(name + (culling == Culling::star ? " star" : " subtree") + (occlusion ? " software" : " none"));

@@ -1,12 +1,10 @@
 #include <gtest/gtest.h>
 
-#include <filesystem>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
-#include <string>
 
 #include "occlod/hierarchy/cut_mesh.h"
-#include "occlod/scene/scene.h"
+#include "support/shipped_scenes.h"
 
 namespace occlod {
 namespace {
@@ -39,16 +37,9 @@ class WalkablePaths : public ::testing::TestWithParam<const char*> {};
 // Frames run straight from key to key, so a path that passes no triangle between its keys runs through no wall. Paths
 // that jump need not.
 TEST_P(WalkablePaths, RunThroughNoWall) {
-  const std::filesystem::path folder = OCCLOD_SCENES;
-  const SceneDescription scene = read_scene(folder / (std::string(GetParam()) + ".json"));
-  for (const SceneObject& object : scene.objects)
-    if (const auto* file = std::get_if<MeshFile>(&object.source); file != nullptr)
-      if (find_mesh(file->names.front(), folder).empty())
-        GTEST_SKIP() << "SKIPPED: " << file->names.front() << " is in no folder of OCCLOD_MESHES";
-  LoadOptions options;
-  options.use_cache = false;
-  for (const LoadedObject& object : load_objects(scene, folder, options))
-    for (const auto& [name, path] : scene.paths) {
+  OCCLOD_READ_SCENE_OR_SKIP(scene, GetParam());
+  for (const LoadedObject& object : test::load_objects(scene))
+    for (const auto& [name, path] : scene.description.paths) {
       if (!path.jump) {
         EXPECT_EQ(count_crossings(object, path), 0U) << name;
       }
