@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <glm/ext/matrix_transform.hpp>
+#include <limits>
 
 #include "refine_support.h"
 
@@ -79,6 +80,18 @@ TEST_F(ImportanceTest, ForcedWeightCountsWhatIsNotSeen) {
     EXPECT_NEAR(importance.forced_weight(closure), std::pow(2.0, -exponent), 1e-6);
     importance.set_hidden(2, false);
     EXPECT_EQ(importance.forced_weight(closure), 1.0F);
+  }
+}
+
+TEST_F(ImportanceTest, EyeOnACornerOfATwoSidedSurface) {
+  // A ray from the eye to itself has no direction, so no cosine: the surface counts as seen head-on, and what is
+  // nearest has no limit to its size on the screen.
+  Importance two_sided(RefineObject{&square(), glm::dmat4(1.0), true});
+  for (const SplitId s : {SplitId{0}, static_cast<SplitId>(square().split_count() - 1)}) {
+    (void)seen_from(square().positions()[square().star(s).vertex()]);
+    ASSERT_EQ(object_view_->eye(), square().positions()[square().star(s).vertex()]);
+    two_sided.begin(*object_view_, options_);
+    EXPECT_EQ(two_sided.of(s).priority, std::numeric_limits<float>::infinity());
   }
 }
 

@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "math/facing_slack.h"
+#include "math/inverse_power_of_two.h"
 
 namespace occlod {
 

@@ -1,8 +1,11 @@
 #include "front.h"
 
 #include <algorithm>
+#include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
+
+#include "math/inverse_power_of_two.h"
 
 namespace occlod {
 namespace {
@@ -16,10 +19,14 @@ Sphere sphere_around(const SplitStar& star, std::span<const glm::vec3> positions
     });
   };
   for_each_corner([&](const glm::vec3& p) { box = {glm::min(box.min, p), glm::max(box.max, p)}; });
-  Sphere sphere{0.5F * box.min + 0.5F * box.max, 0.0F};
-  for_each_corner(
-      [&](const glm::vec3& p) { sphere.radius = std::max(sphere.radius, glm::distance(sphere.center, p)); });
-  return sphere;
+  const float unit = inverse_power_of_two(box.max - box.min);
+  const glm::vec3 center = 0.5F * box.min + 0.5F * box.max;
+  float square = 0.0F;
+  for_each_corner([&](const glm::vec3& p) {
+    const glm::vec3 d = unit * (p - center);
+    square = std::max(square, glm::dot(d, d));
+  });
+  return {center, std::sqrt(square) / unit};
 }
 
 FrontStar planes_of(const SplitStar& star, std::span<const glm::vec3> positions) {
@@ -27,9 +34,10 @@ FrontStar planes_of(const SplitStar& star, std::span<const glm::vec3> positions)
   planes.has_too_many = star.inserted_count() + star.removed_count() > FrontStar::most_faces;
   if (planes.has_too_many) return planes;
   planes.sphere = sphere_around(star, positions);
+  const float unit = inverse_power_of_two(planes.sphere.radius);
   star.for_each_face([&](const Triangle& t) {
     const glm::vec3 &a = positions[t.x], &b = positions[t.y], &c = positions[t.z];
-    const glm::vec3 normal = glm::cross(b - a, c - a);
+    const glm::vec3 normal = glm::cross(unit * (b - a), unit * (c - a));
     const std::size_t i = planes.faces++;
     planes.normal_x[i] = normal.x;
     planes.normal_y[i] = normal.y;

@@ -57,7 +57,7 @@ struct FrontStar {
   static constexpr std::size_t most_faces = 16;
   using Lanes = std::array<float, most_faces>;
 
-  // Of face i: its normal, twice its area long, and dot(normal, sphere.center - corner).
+  // Of face i: its normal, twice its area long in a unit near the star's size, and dot(normal, sphere.center - corner).
   alignas(64) Lanes normal_x{}, normal_y{}, normal_z{}, offset{}, length{};
   Sphere sphere;              // around all corners
   std::uint32_t faces = 0;    // in the first lanes; all other lanes are zero

@@ -4,14 +4,18 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "math/inverse_power_of_two.h"
+
 namespace occlod {
 
 // The rays to all of its faces count as parallel.
 StarView look(const FrontStar& star, const ObjectView& view, bool two_sided) {
-  const glm::vec3 eye = view.eye() - star.sphere.center;
+  const glm::vec3 from_center = view.eye() - star.sphere.center;
+  const float unit = inverse_power_of_two(from_center);
+  const glm::vec3 eye = unit * from_center;
   FrontStar::Lanes facing;
   for (std::size_t i = 0; i < FrontStar::most_faces; ++i)
-    facing[i] = star.normal_x[i] * eye.x + star.normal_y[i] * eye.y + star.normal_z[i] * eye.z + star.offset[i];
+    facing[i] = star.normal_x[i] * eye.x + star.normal_y[i] * eye.y + star.normal_z[i] * eye.z + unit * star.offset[i];
   if (two_sided)
     for (float& f : facing) f = std::abs(f);
   std::uint32_t seen_faces = 0;

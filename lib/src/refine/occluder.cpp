@@ -4,6 +4,8 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "math/inverse_power_of_two.h"
+
 namespace occlod {
 namespace {
 
@@ -20,19 +22,37 @@ float chain_error(const Cut& cut, SplitId first) {
   return 0.0F;
 }
 
+// A face in a unit near its size.
+struct ScaledFace {
+  ScaledFace(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c)
+      : unit(inverse_power_of_two(std::max(largest_coordinate(b - a), largest_coordinate(c - a)))),
+        ab(unit * (b - a)),
+        bc(unit * (c - b)),
+        ac(unit * (c - a)),
+        normal(glm::cross(ab, ac)) {}
+
+  // Of the plane through one of its corners; `to_point`, from there, is of any size.
+  [[nodiscard]] float side(const glm::vec3& to_point) const {
+    return glm::dot(normal, inverse_power_of_two(to_point) * to_point);
+  }
+
+  float unit;  // times lengths
+  glm::vec3 ab, bc, ac;
+  glm::vec3 normal;  // twice its area long
+};
+
 // Where a face of a solid can be moved by more than half of its smallest height it is no use as an occluder: it may be
 // long and the solid thin all the same. The flattest closed section over a face of width w that is not a sheet, a
 // regular triangle, is 0.87 w deep, and moved farther a face comes out at the back and hides what is seen beside it.
-bool is_thick(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, float error) {
-  const float longest = std::max({glm::length(b - a), glm::length(c - b), glm::length(a - c)});
-  return 2.0F * error * longest < glm::length(glm::cross(b - a, c - a));
+bool is_thick(const ScaledFace& face, float error) {
+  const float longest = std::max({glm::length(face.ab), glm::length(face.bc), glm::length(face.ac)});
+  return 2.0F * (face.unit * error) * longest < glm::length(face.normal);
 }
 
 // Away from the eye, so far that the true surface, which is no farther from the face than `error`, is in front of it.
 glm::vec3 push_of(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, float error, const glm::vec3& eye) {
-  const glm::vec3 normal = glm::cross(b - a, c - a);
-  const float twice_area = glm::length(normal);
-  return normal * (std::copysign(error * round_up, glm::dot(normal, a - eye)) / twice_area);
+  const ScaledFace face(a, b, c);
+  return face.normal * (std::copysign(error * round_up, face.side(a - eye)) / glm::length(face.normal));
 }
 
 }  // namespace
@@ -73,9 +93,10 @@ void Occluder::find_faces(const Cut& cut, std::span<const Triangle> triangles, b
   faces_.clear();
   for (const Triangle& t : triangles) {
     const glm::vec3 &a = positions[t.x], &b = positions[t.y], &c = positions[t.z];
-    const float facing = glm::dot(glm::cross(b - a, c - a), eye - a);
+    const ScaledFace face(a, b, c);
+    const float facing = face.side(eye - a);
     const float error = error_of(cut, t);
-    if (two_sided ? facing != 0.0F : facing > 0.0F && is_thick(a, b, c, error)) faces_.push_back({t, error});
+    if (two_sided ? facing != 0.0F : facing > 0.0F && is_thick(face, error)) faces_.push_back({t, error});
   }
   if (!two_sided) return;
   const std::span<const std::uint8_t> kept = erosion_.kept(faces_, positions, eye);

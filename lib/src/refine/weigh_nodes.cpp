@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "math/facing_slack.h"
+#include "math/inverse_power_of_two.h"
 
 // Compiles this file once for every instruction set.
 #undef HWY_TARGET_INCLUDE
