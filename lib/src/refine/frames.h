@@ -7,29 +7,18 @@
 #include <utility>
 #include <vector>
 
-#include "cut.h"
-#include "effect_gate.h"
 #include "face_list.h"
 #include "front.h"
-#include "importance.h"
 #include "milliseconds_since.h"
 #include "occlod/refine/refiner.h"
 #include "occluder.h"
 #include "questions.h"
 #include "queue.h"
+#include "refined_cuts.h"
 #include "star.h"
 #include "weigh_nodes.h"
 
 namespace occlod {
-
-// What both ways of refinement work on, by object.
-struct RefinedCuts {
-  std::span<const RefineObject> objects;
-  std::span<Cut> cuts;
-  std::span<const ObjectView> views;
-  std::span<Importance> importances;
-  const EffectGate* gate = nullptr;  // what works on each object
-};
 
 // One frame: every node that refinement has reached is weighed for the new view; then, worst first, candidates are
 // descended or applied, and take the place of applied leaves that matter less (the dual queues of Duchaineau et al.,
