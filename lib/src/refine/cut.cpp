@@ -1,12 +1,35 @@
 #include "cut.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cassert>
+#include <numeric>
 
 namespace occlod {
 namespace {
 
 std::uint64_t key_of(SplitId s, std::uint32_t slot) { return std::uint64_t{s} << 32U | slot; }
+
+std::ptrdiff_t gain_of(const SplitStar& star) {
+  return static_cast<std::ptrdiff_t>(star.inserted_count()) - static_cast<std::ptrdiff_t>(star.removed_count());
+}
+
+// Ascending, by their digits from the last on. `scratch`: as many.
+void sort_ids(std::vector<SplitId>& ids, std::vector<SplitId>& scratch) {
+  constexpr unsigned digit_bits = 11;
+  constexpr std::size_t digits = std::size_t{1} << digit_bits;
+  if (std::is_sorted(ids.begin(), ids.end())) return;
+  const unsigned bits = static_cast<unsigned>(std::bit_width(*std::max_element(ids.begin(), ids.end())));
+  scratch.resize(ids.size());
+  for (unsigned shift = 0; shift < bits; shift += digit_bits) {
+    std::array<std::uint32_t, digits> end{};
+    for (const SplitId s : ids) ++end[s >> shift & (digits - 1)];
+    std::exclusive_scan(end.begin(), end.end(), end.begin(), 0U);
+    for (const SplitId s : ids) scratch[end[s >> shift & (digits - 1)]++] = s;
+    ids.swap(scratch);
+  }
+}
 
 }  // namespace
 
@@ -29,14 +52,18 @@ void Cut::clear() {
 Cut::Closure Cut::closure(SplitId s) {
   assert(!applied(s));
   closure_.assign(1, s);
+  hierarchy_->require(s);
+  if (const SplitStar star = hierarchy_->star(s); needs_no_other(star)) {
+    closure_gain_ = gain_of(star);
+    return {closure_, static_cast<std::size_t>(std::max<std::ptrdiff_t>(closure_gain_, 0))};
+  }
   state_[s] |= closure_bit;
   closure_gain_ = 0;
   // closure_ is both the result and the queue of what is still to be looked at.
   for (std::size_t i = 0; i < closure_.size(); ++i) {
     hierarchy_->require(closure_[i]);
     const SplitStar star = hierarchy_->star(closure_[i]);
-    closure_gain_ +=
-        static_cast<std::ptrdiff_t>(star.inserted_count()) - static_cast<std::ptrdiff_t>(star.removed_count());
+    closure_gain_ += gain_of(star);
     for (const SplitId needed : star.dependencies())
       if ((state_[needed] & (applied_bit | closure_bit)) == 0) {
         state_[needed] |= closure_bit;
@@ -45,6 +72,12 @@ Cut::Closure Cut::closure(SplitId s) {
   }
   for (const SplitId t : closure_) state_[t] &= ~closure_bit;
   return {closure_, static_cast<std::size_t>(std::max<std::ptrdiff_t>(closure_gain_, 0))};
+}
+
+bool Cut::needs_no_other(const SplitStar& star) const {
+  std::uint32_t state = applied_bit;
+  for (const SplitId needed : star.dependencies()) state &= state_[needed];
+  return state != 0;
 }
 
 void Cut::apply_closure() {
@@ -56,7 +89,7 @@ void Cut::apply_closure() {
 
 void Cut::apply(SplitId s) {
   const SplitStar star = hierarchy_->star(s);
-  star.for_each_removed([&](const FaceRef& face, const Triangle&) { set_removed(face, true); });
+  star.for_each_removed_ref([&](const FaceRef& face) { set_removed(face, true); });
   for_each_corner_need(star, [&](SplitId needed) { ++corner_needs_[needed]; });
   if ((state_[s] & listed_bit) == 0) applied_.push_back(s);
   state_[s] |= applied_bit | listed_bit;
@@ -73,7 +106,7 @@ bool Cut::is_leaf(SplitId s) const {
 void Cut::take_back(SplitId s) {
   assert(applied(s) && is_leaf(s));
   const SplitStar star = hierarchy_->star(s);
-  star.for_each_removed([&](const FaceRef& face, const Triangle&) { set_removed(face, false); });
+  star.for_each_removed_ref([&](const FaceRef& face) { set_removed(face, false); });
   for_each_corner_need(star, [&](SplitId needed) {
     const auto at = corner_needs_.find(needed);
     if (--at->second == 0) corner_needs_.erase(at);
@@ -97,7 +130,7 @@ template <typename Visit>
 void Cut::for_each_corner_need(const SplitStar& star, const Visit& visit) {
   if (star.is_fan() && star.inserted_count() == star.ring().size()) return;
   removed_from_.clear();
-  star.for_each_removed([&](const FaceRef& face, const Triangle&) { removed_from_.push_back(face.split); });
+  star.for_each_removed_ref([&](const FaceRef& face) { removed_from_.push_back(face.split); });
   for (const SplitId needed : star.dependencies())
     if (std::find(removed_from_.begin(), removed_from_.end(), needed) == removed_from_.end()) visit(needed);
 }
@@ -118,11 +151,12 @@ bool Cut::removed(SplitId s, std::uint32_t slot) const {
 }
 
 void Cut::active_triangles(std::vector<Triangle>& out, bool sorted) {
-  out.clear();
   drop_taken_back();
-  if (sorted) std::sort(applied_.begin(), applied_.end());
-  for_each_active([&](const FaceRef&, const Triangle& triangle) { out.push_back(triangle); });
-  assert(out.size() == triangles_);
+  if (sorted) sort_ids(applied_, sorting_);
+  out.resize(triangles_);
+  Triangle* at = out.data();
+  for_each_active([&](const FaceRef&, const Triangle& triangle) { *at++ = triangle; });
+  assert(at == out.data() + triangles_);
 }
 
 }  // namespace occlod

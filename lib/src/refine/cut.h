@@ -1,6 +1,8 @@
 // The state of one refined object: which splits are applied. Always closed under dependency.
 #pragma once
 
+#include <algorithm>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -8,6 +10,7 @@
 #include <unordered_set>
 #include <vector>
 
+#include "hierarchy/prefetch.h"
 #include "occlod/hierarchy/hierarchy.h"
 #include "zeroed_array.h"
 
@@ -56,6 +59,7 @@ class Cut {
   static constexpr std::uint32_t mask_slots = 29;         // low bits: the faces of these slots have been removed
   static constexpr std::uint32_t mask_bits = (1U << mask_slots) - 1;
 
+  [[nodiscard]] bool needs_no_other(const SplitStar& star) const;
   void apply(SplitId s);
   void drop_taken_back();
   void set_removed(const FaceRef& face, bool removed);
@@ -72,20 +76,30 @@ class Cut {
   std::vector<SplitId> applied_;                             // and splits that have been taken back, if any
   bool some_taken_back_ = false;
   std::vector<SplitId> closure_;
-  std::vector<SplitId> removed_from_;  // scratch
+  std::vector<SplitId> removed_from_, sorting_;  // scratch
   std::ptrdiff_t closure_gain_ = 0;
   std::size_t triangles_ = 0;
 };
 
 template <typename Visit>
 void Cut::for_each_active(const Visit& visit) const {
+  constexpr std::size_t ahead = 8;  // stars are read in no order of memory
   const std::span<const Triangle> base = hierarchy_->data().base_faces;
   for (std::uint32_t f = 0; f < base.size(); ++f)
     if (!base_removed_[f]) visit(FaceRef{no_id, f}, base[f]);
-  for (const SplitId s : applied_) {
+  for (std::size_t i = 0; i < applied_.size(); ++i) {
+    if (i + 2 * ahead < applied_.size()) prefetch(&hierarchy_->node(applied_[i + 2 * ahead]));
+    if (i + ahead < applied_.size())
+      prefetch(hierarchy_->data().stars.data() + hierarchy_->node(applied_[i + ahead]).star);
+    const SplitId s = applied_[i];
     if (!applied(s)) continue;
     const SplitStar star = hierarchy_->star(s);
-    for (std::uint32_t slot = 0; slot < star.inserted_count(); ++slot)
+    const std::uint32_t in_mask = std::min(star.inserted_count(), mask_slots);
+    for (std::uint32_t left = ~state_[s] & ((1U << in_mask) - 1); left != 0; left &= left - 1) {
+      const auto slot = static_cast<std::uint32_t>(std::countr_zero(left));
+      visit(FaceRef{s, slot}, star.inserted(slot));
+    }
+    for (std::uint32_t slot = mask_slots; slot < star.inserted_count(); ++slot)
       if (!removed(s, slot)) visit(FaceRef{s, slot}, star.inserted(slot));
   }
 }

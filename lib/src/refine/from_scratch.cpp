@@ -3,6 +3,7 @@
 #include <string>
 
 #include "occlod/core/error.h"
+#include "weigh_nodes.h"
 
 namespace occlod {
 namespace {
@@ -36,14 +37,21 @@ void FromScratch::begin() {
   base_triangles_ = triangles_;
   steps_.begin(*options_);
   queue_.clear();
+  lookahead_.begin(refined_);
   hidden_.clear();
   victims_.clear();
   occluder_ = 0;
   rejections_in_a_row_ = 0;
   left_ = {};
   level_.reset();
-  for (std::uint32_t i = 0; i < refined_.objects.size(); ++i)
-    for (const SplitId root : refined_.cuts[i].hierarchy().data().roots) meet(i, root, no_id, 0);
+  for (std::uint32_t i = 0; i < refined_.objects.size(); ++i) meet_roots(i);
+}
+
+void FromScratch::meet_roots(std::uint32_t object) {
+  const std::span<const SplitId> roots = refined_.cuts[object].hierarchy().data().roots;
+  root_scales_px_.resize(roots.size());
+  lookahead_.weigh(object, roots, root_scales_px_);
+  for (std::size_t i = 0; i < roots.size(); ++i) meet(object, roots[i], root_scales_px_[i], no_id, 0);
 }
 
 void FromScratch::finish() {
@@ -103,23 +111,20 @@ void FromScratch::readmit() {
 }
 
 // A node comes into sight of the refinement: dropped for good, or offered.
-void FromScratch::meet(std::uint32_t object, SplitId s, SplitId parent, std::uint32_t level) {
-  const Hierarchy& hierarchy = refined_.cuts[object].hierarchy();
-  hierarchy.require(s);
-  const SplitNode& node = hierarchy.node(s);
+void FromScratch::meet(std::uint32_t object, SplitId s, float scale_px, SplitId parent, std::uint32_t level) {
+  const SplitNode& node = refined_.cuts[object].hierarchy().node(s);
   if (node.parent != parent)  // else a file that lies about its forest could be walked without an end
     throw Error({"hierarchy", "split " + std::to_string(s), "is not where its parent says", "build it again"});
-  const ObjectView& view = refined_.views[object];
   ++stats_->visits;
-  if (!view.may_be_inside(node.sphere)) {
+  if (scale_px == scale_outside) {
     ++stats_->culled_frustum;
     return;
   }
-  if (faces_away(node, object)) {
+  if (refined_.gate->tests_cone(object) && refined_.gate->cone_culled(object, scale_px == scale_facing_away)) {
     ++stats_->culled_backface;
     return;
   }
-  const ScreenError error(node, view.largest_scale_px(node.sphere));
+  const ScreenError error(node, scale_px);
   if (is_tolerated(error)) return;
   offer({error.quadric_px, error, s, object, level, 0, Entry::Kind::visit});
 }
@@ -132,21 +137,18 @@ bool FromScratch::is_tolerated(const ScreenError& error) {
   return true;
 }
 
-bool FromScratch::faces_away(const SplitNode& node, std::uint32_t object) {
-  return refined_.gate->tests_cone(object) &&
-         refined_.gate->cone_culled(object, occlod::faces_away(node.cone(), node.sphere, refined_.views[object].eye()));
-}
-
 // An entry that is visible as far as we know.
-void FromScratch::process(const Entry& entry) {
+void FromScratch::process(Entry entry) {
   if (entry.kind == Entry::Kind::visit) {
     const SplitNode& node = refined_.cuts[entry.object].hierarchy().node(entry.split);
     if (options_->culling == Culling::subtree)
       apply(entry);
     else
       consider(entry);
-    for (const SplitId child : {node.child_u, node.child_v})
-      if (child != no_id) meet(entry.object, child, entry.split, entry.level + 1);
+    if (!entry.children_weighed) lookahead_.weigh_children(entry, queue_);
+    const auto [scale_u, scale_v] = entry.child_scales_px;
+    if (node.child_u != no_id) meet(entry.object, node.child_u, scale_u, entry.split, entry.level + 1);
+    if (node.child_v != no_id) meet(entry.object, node.child_v, scale_v, entry.split, entry.level + 1);
   } else {
     apply(entry);
   }

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "lookahead.h"
 #include "occluder.h"
 #include "occluder_steps.h"
 #include "questions.h"
@@ -43,10 +44,10 @@ class FromScratch {
   void readmit();
   void finish();
 
-  void meet(std::uint32_t object, SplitId s, SplitId parent, std::uint32_t level);
+  void meet_roots(std::uint32_t object);
+  void meet(std::uint32_t object, SplitId s, float scale_px, SplitId parent, std::uint32_t level);
   bool is_tolerated(const ScreenError& error);
-  [[nodiscard]] bool faces_away(const SplitNode& node, std::uint32_t object);
-  void process(const Entry& entry);
+  void process(Entry entry);
   void consider(const Entry& entry);
   void apply(const Entry& entry);
   bool waits(const Entry& entry, const Cut::Closure& closure);
@@ -72,7 +73,9 @@ class FromScratch {
   RefineStats* stats_ = nullptr;
   OccluderSteps steps_;
   Queue queue_;
-  std::vector<Entry> hidden_;    // found hidden by the occluder of their time
+  Lookahead lookahead_;
+  std::vector<float> root_scales_px_;  // of one object
+  std::vector<Entry> hidden_;          // found hidden by the occluder of their time
   std::vector<Entry> doubtful_;  // found hidden by earlier occluders than that before which they are now asked about
   StarLook star_;
   Victims victims_;

@@ -5,7 +5,7 @@
 namespace occlod {
 
 void Queue::clear() noexcept {
-  nodes_.clear();
+  chunks_.clear();
   free_ = none;
   size_ = 0;
   top_ = 0;
@@ -16,17 +16,25 @@ void Queue::clear() noexcept {
   }
 }
 
-void Queue::push(const Entry& entry) {
+std::uint32_t Queue::obtain_chunk(std::uint32_t below) {
   std::uint32_t at = free_;
   if (at != none) {
-    free_ = nodes_[at].next;
+    free_ = chunks_[at].below;
   } else {
-    at = static_cast<std::uint32_t>(nodes_.size());
-    nodes_.emplace_back();
+    at = static_cast<std::uint32_t>(chunks_.size());
+    chunks_.emplace_back();
   }
+  chunks_[at].size = 0;
+  chunks_[at].below = below;
+  return at;
+}
+
+void Queue::push(const Entry& entry) {
   const std::size_t bucket = bucket_of(entry);
-  nodes_[at] = {entry, first_[bucket]};
-  first_[bucket] = at;
+  std::uint32_t& first = first_[bucket];
+  if (first == none || chunks_[first].size == Chunk::capacity) first = obtain_chunk(first);
+  Chunk& chunk = chunks_[first];
+  chunk.entries[chunk.size++] = entry;
   occupied_[bucket / word_bits] |= std::uint64_t{1} << (bucket % word_bits);
   if (size_ == 0 || bucket > top_) top_ = bucket;
   ++size_;
@@ -34,22 +42,29 @@ void Queue::push(const Entry& entry) {
 
 Entry Queue::pop() {
   assert(!empty());
-  const std::uint32_t at = first_[top_];
-  first_[top_] = nodes_[at].next;
-  nodes_[at].next = free_;
-  free_ = at;
+  std::uint32_t& first = first_[top_];
+  Chunk& chunk = chunks_[first];
+  const Entry entry = chunk.entries[--chunk.size];
   --size_;
-  if (first_[top_] == none) {
+  if (chunk.size > 0) return entry;
+  const std::uint32_t emptied = first;
+  first = chunk.below;
+  chunk.below = free_;
+  free_ = emptied;
+  if (first == none) {
     occupied_[top_ / word_bits] &= ~(std::uint64_t{1} << (top_ % word_bits));
-    if (size_ > 0) find_top();
+    if (size_ > 0) top_ = occupied_up_to(top_);
   }
-  return nodes_[at].entry;
+  return entry;
 }
 
-void Queue::find_top() noexcept {
-  std::size_t word = top_ / word_bits;
-  while (occupied_[word] == 0) --word;
-  top_ = word * word_bits + static_cast<std::size_t>(std::bit_width(occupied_[word])) - 1;
+std::size_t Queue::occupied_up_to(std::size_t bucket) const noexcept {
+  std::size_t word = bucket / word_bits;
+  std::uint64_t bits = occupied_[word] << (word_bits - 1 - bucket % word_bits);
+  if (bits != 0) return bucket - static_cast<std::size_t>(std::countl_zero(bits));
+  do --word;
+  while (occupied_[word] == 0);
+  return word * word_bits + static_cast<std::size_t>(std::bit_width(occupied_[word])) - 1;
 }
 
 }  // namespace occlod

@@ -1,6 +1,7 @@
 #include "refine/weigh_nodes.h"
 
 #include <array>
+#include <cassert>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -47,12 +48,13 @@ HWY_INLINE hn::Vec<Doubles> dot(const Vec3<Doubles>& a, const Vec3<Doubles>& b) 
 }
 HWY_INLINE hn::Vec<Doubles> length(const Vec3<Doubles>& v) { return hn::Sqrt(dot(v, v)); }
 
-// The members of FrontNode that are read, a vector each: all nodes are one cache line.
+// The members of nodes that are read, a vector each: nodes of either kind are one cache line and begin with a sphere.
+template <typename Node>
 class NodeLanes {
  public:
-  HWY_INLINE explicit NodeLanes(const FrontNode* first)
+  HWY_INLINE explicit NodeLanes(const Node* first)
       : first_(&first->sphere.center.x),
-        places_(hn::Mul(hn::Iota(Ints(), 0), hn::Set(Ints(), sizeof(FrontNode) / sizeof(float)))) {}
+        places_(hn::Mul(hn::Iota(Ints(), 0), hn::Set(Ints(), sizeof(Node) / sizeof(float)))) {}
 
   HWY_INLINE hn::Vec<Floats> read(std::size_t offset) const {
     return hn::GatherIndex(Floats(), first_ + offset / sizeof(float), places_);
@@ -60,11 +62,50 @@ class NodeLanes {
   HWY_INLINE Vec3<Floats> read3(std::size_t offset) const {
     return {read(offset), read(offset + sizeof(float)), read(offset + 2 * sizeof(float))};
   }
+  // Two 16-bit numbers, the first of which is in the lower half.
+  HWY_INLINE hn::Vec<Ints> read_pair(std::size_t offset) const { return hn::BitCast(Ints(), read(offset)); }
 
  private:
   const float* first_;
   hn::Vec<Ints> places_;
 };
+
+struct ConeLanes {
+  Vec3<Floats> axis;
+  hn::Vec<Floats> cos_angle;
+};
+
+HWY_INLINE ConeLanes read_cones(const NodeLanes<FrontNode>& nodes) {
+  return {nodes.read3(offsetof(FrontNode, cone)),
+          nodes.read(offsetof(FrontNode, cone) + offsetof(NormalCone, cos_angle))};
+}
+
+HWY_INLINE hn::Vec<Floats> low_half(hn::Vec<Ints> pair) {
+  return hn::ConvertTo(Floats(), hn::And(pair, hn::Set(Ints(), 0xFFFF)));
+}
+HWY_INLINE hn::Vec<Floats> high_half(hn::Vec<Ints> pair) {
+  return hn::ConvertTo(Floats(), hn::And(hn::ShiftRight<16>(pair), hn::Set(Ints(), 0xFFFF)));
+}
+
+// As PackedBounds::cone, operation by operation.
+HWY_INLINE ConeLanes read_cones(const NodeLanes<SplitNode>& nodes) {
+  constexpr float step = 2.0F / 65535.0F;
+  const hn::Vec<Floats> one = constant(1.0F), zero = constant(0.0F);
+  const hn::Vec<Ints> axis = nodes.read_pair(offsetof(SplitNode, bounds) + offsetof(PackedBounds, axis));
+  hn::Vec<Floats> x = hn::Sub(hn::Mul(low_half(axis), constant(step)), one);
+  hn::Vec<Floats> y = hn::Sub(hn::Mul(high_half(axis), constant(step)), one);
+  const hn::Vec<Floats> z = hn::Sub(hn::Sub(one, hn::Abs(x)), hn::Abs(y));
+  const hn::Vec<Floats> fold = hn::Max(hn::Neg(z), zero);
+  x = hn::Sub(x, hn::CopySign(fold, x));
+  y = hn::Sub(y, hn::CopySign(fold, y));
+  const hn::Vec<Floats> square = hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z));
+  const hn::Vec<Floats> scale = hn::Div(one, hn::Sqrt(square));
+  const hn::Vec<Floats> cone_cos =
+      low_half(nodes.read_pair(offsetof(SplitNode, bounds) + offsetof(PackedBounds, cone_cos)));
+  const hn::Vec<Floats> cos_angle = hn::IfThenElse(hn::Eq(cone_cos, zero), constant(-1.0F),
+                                                   hn::Mul(cone_cos, constant(static_cast<float>(1.0 / 65535.0))));
+  return {{hn::Mul(x, scale), hn::Mul(y, scale), hn::Mul(z, scale)}, cos_angle};
+}
 
 // As ObjectView::may_be_inside, operation by operation.
 HWY_INLINE hn::Mask<Floats> is_outside(const Vec3<Floats>& center, hn::Vec<Floats> radius, const ObjectView& view) {
@@ -126,34 +167,50 @@ HWY_INLINE hn::Vec<Floats> scale_px(const Vec3<Doubles>& center_in_object, hn::V
                  constant(std::numeric_limits<float>::denorm_min()));
 }
 
-// Returns how many of the first nodes have been weighed: whole vectors.
-std::size_t weigh_vectors(std::span<FrontNode> nodes, const ObjectView& view, bool tests_cones, WeighedNodes& counts) {
+// Calls put(i, outside, facing_away, scale_px) for each of the first nodes; returns how many: whole vectors.
+template <typename Node, typename Put>
+HWY_INLINE std::size_t weigh_vectors(std::span<const Node> nodes, const ObjectView& view, bool tests_cones,
+                                     const Put& put) {
   constexpr std::size_t bytes_of_mask = 8;  // at least, for any number of lanes
   const std::size_t lanes = hn::Lanes(Doubles());
   HWY_ALIGN std::array<float, hn::MaxLanes(Floats())> scales;
   std::array<std::uint8_t, bytes_of_mask> outside{}, facing_away{};
   std::size_t i = 0;
   for (; i + lanes <= nodes.size(); i += lanes) {
-    const NodeLanes node(&nodes[i]);
-    const Vec3<Floats> center = node.read3(offsetof(FrontNode, sphere));
-    const hn::Vec<Floats> radius = node.read(offsetof(FrontNode, sphere) + offsetof(Sphere, radius));
+    const NodeLanes<Node> node(&nodes[i]);
+    const Vec3<Floats> center = node.read3(offsetof(Node, sphere));
+    const hn::Vec<Floats> radius = node.read(offsetof(Node, sphere) + offsetof(Sphere, radius));
     hn::StoreMaskBits(Floats(), is_outside(center, radius, view), outside.data());
     if (tests_cones) {
-      const Vec3<Doubles> axis = wide(node.read3(offsetof(FrontNode, cone)));
-      const hn::Vec<Doubles> cos_angle = wide(node.read(offsetof(FrontNode, cone) + offsetof(NormalCone, cos_angle)));
-      hn::StoreMaskBits(Doubles(), is_facing_away(wide(center), wide(radius), axis, cos_angle, view.eye()),
+      const ConeLanes cone = read_cones(node);
+      hn::StoreMaskBits(Doubles(),
+                        is_facing_away(wide(center), wide(radius), wide(cone.axis), wide(cone.cos_angle), view.eye()),
                         facing_away.data());
     }
     hn::Store(scale_px(wide(center), wide(radius), view), Floats(), scales.data());
     for (std::size_t lane = 0; lane < lanes; ++lane) {
       const auto is_set = [&](const auto& bits) { return (bits[lane / 8] >> (lane % 8) & 1U) != 0; };
-      const bool out = is_set(outside), away = !out && is_set(facing_away);
-      counts.outside += out ? 1 : 0;
-      counts.facing_away += away ? 1 : 0;
-      nodes[i + lane].scale_px = out || away ? 0.0F : scales[lane];
+      put(i + lane, is_set(outside), is_set(facing_away), scales[lane]);
     }
   }
   return i;
+}
+
+std::size_t weigh_front(std::span<FrontNode> nodes, const ObjectView& view, bool tests_cones, WeighedNodes& counts) {
+  return weigh_vectors(std::span<const FrontNode>(nodes), view, tests_cones,
+                       [&](std::size_t i, bool out, bool faces_away, float scale) {
+                         const bool away = !out && faces_away;
+                         counts.outside += out ? 1 : 0;
+                         counts.facing_away += away ? 1 : 0;
+                         nodes[i].scale_px = out || away ? 0.0F : scale;
+                       });
+}
+
+std::size_t weigh_some_splits(std::span<const SplitNode> nodes, const ObjectView& view, bool tests_cones,
+                              float* scales) {
+  return weigh_vectors(nodes, view, tests_cones, [&](std::size_t i, bool out, bool away, float scale) {
+    scales[i] = out ? scale_outside : away ? scale_facing_away : scale;
+  });
 }
 
 }  // namespace occlod::HWY_NAMESPACE
@@ -163,15 +220,31 @@ HWY_AFTER_NAMESPACE();
 namespace occlod {
 namespace {
 
-HWY_EXPORT(weigh_vectors);
+HWY_EXPORT(weigh_front);
+HWY_EXPORT(weigh_some_splits);
 
 }  // namespace
 
 WeighedNodes weigh_nodes(std::span<FrontNode> nodes, const ObjectView& view, bool tests_cones) {
   WeighedNodes counts;
-  for (std::size_t i = HWY_DYNAMIC_DISPATCH(weigh_vectors)(nodes, view, tests_cones, counts); i < nodes.size(); ++i)
+  for (std::size_t i = HWY_DYNAMIC_DISPATCH(weigh_front)(nodes, view, tests_cones, counts); i < nodes.size(); ++i)
     nodes[i].scale_px = scale_px_of(nodes[i], view, tests_cones, counts);
   return counts;
+}
+
+void weigh_splits(std::span<const SplitNode> nodes, const ObjectView& view, bool tests_cones,
+                  std::span<float> scales_px) {
+  assert(scales_px.size() >= nodes.size());
+  for (std::size_t i = HWY_DYNAMIC_DISPATCH(weigh_some_splits)(nodes, view, tests_cones, scales_px.data());
+       i < nodes.size(); ++i) {
+    const SplitNode& node = nodes[i];
+    if (!view.may_be_inside(node.sphere))
+      scales_px[i] = scale_outside;
+    else if (tests_cones && faces_away(node.cone(), node.sphere, view.eye()))
+      scales_px[i] = scale_facing_away;
+    else
+      scales_px[i] = view.largest_scale_px(node.sphere);
+  }
 }
 
 float scale_px_of(const FrontNode& node, const ObjectView& view, bool tests_cones, WeighedNodes& counts) {

@@ -73,6 +73,9 @@ class SplitStar {
   // Calls visit(FaceRef, Triangle) for each removed face.
   template <typename Visit>
   void for_each_removed(const Visit& visit) const;
+  // Calls visit(FaceRef) for each, in the same order, where their corners are not wanted.
+  template <typename Visit>
+  void for_each_removed_ref(const Visit& visit) const;
 
   // Calls visit(Triangle) for all of them, inserted faces first.
   template <typename Visit>
@@ -97,6 +100,11 @@ class SplitStar {
   [[nodiscard]] std::uint32_t next(std::uint32_t place) const noexcept {
     return place + 1 == ring_size_ ? 0 : place + 1;
   }
+  // The i-th.
+  [[nodiscard]] FaceRef removed_from_fan(std::uint32_t i) const noexcept {
+    const std::uint32_t code = dependencies_[dependency_count_ + i / 4] >> (8 * (i % 4));
+    return {dependencies_[code & 0xFU], (code >> 4U) & 0xFU};
+  }
 
   VertexId vertex_;
   const std::uint32_t* ring_ = nullptr;   // of a fan
@@ -111,8 +119,8 @@ class SplitStar {
 
 template <typename Visit>
 void SplitStar::for_each_removed(const Visit& visit) const {
-  const std::uint32_t* const removed = dependencies_ + dependency_count_;
   if (!is_fan()) {
+    const std::uint32_t* const removed = dependencies_ + dependency_count_;
     for (const std::uint32_t* at = removed; at != removed + 5 * std::size_t{removed_count_}; at += 5)
       visit(FaceRef{at[0], at[1]}, Triangle(at[2], at[3], at[4]));
     return;
@@ -120,11 +128,16 @@ void SplitStar::for_each_removed(const Visit& visit) const {
   std::uint32_t i = 0;
   for (std::uint32_t slot = 0; slot < inserted_count_; ++slot) {
     if (slot == parent_place_ || next(slot) == parent_place_) continue;
-    const std::uint32_t code = removed[i / 4] >> (8 * (i % 4));
-    ++i;
-    visit(FaceRef{dependencies_[code & 0xFU], (code >> 4U) & 0xFU},
-          Triangle(ring_[parent_place_], ring_[slot], ring_[next(slot)]));
+    visit(removed_from_fan(i++), Triangle(ring_[parent_place_], ring_[slot], ring_[next(slot)]));
   }
+}
+
+template <typename Visit>
+void SplitStar::for_each_removed_ref(const Visit& visit) const {
+  if (is_fan())
+    for (std::uint32_t i = 0; i < removed_count_; ++i) visit(removed_from_fan(i));
+  else
+    for_each_removed([&](const FaceRef& face, const Triangle&) { visit(face); });
 }
 
 }  // namespace occlod

@@ -1,0 +1,50 @@
+#include "lookahead.h"
+
+#include <algorithm>
+#include <cassert>
+
+#include "hierarchy/prefetch.h"
+#include "weigh_nodes.h"
+
+namespace occlod {
+
+void Lookahead::weigh_children(Entry& entry, Queue& queue) {
+  size_ = 0;
+  add(entry);
+  std::size_t entries_left = most_entries;
+  queue.for_top([&](Entry& next) {
+    if (!next.children_weighed && next.kind == Entry::Kind::visit && next.object == entry.object) add(next);
+    return --entries_left > 0 && size_ < entries_.size();
+  });
+  std::array<float, batch_size> scales;
+  weigh(entry.object, std::span(splits_.data(), 2 * size_), scales);
+  for (std::size_t i = 0; i < size_; ++i) entries_[i]->child_scales_px = {scales[2 * i], scales[2 * i + 1]};
+}
+
+void Lookahead::add(Entry& entry) {
+  entry.children_weighed = true;
+  const SplitNode& node = refined_.cuts[entry.object].hierarchy().node(entry.split);
+  splits_[2 * size_] = node.child_u;
+  splits_[2 * size_ + 1] = node.child_v;
+  entries_[size_++] = &entry;
+}
+
+void Lookahead::weigh(std::uint32_t object, std::span<const SplitId> splits, std::span<float> scales_px) {
+  const Hierarchy& hierarchy = refined_.cuts[object].hierarchy();
+  std::array<float, batch_size> scales;
+  for (std::size_t first = 0; first < splits.size(); first += batch_size) {
+    const std::span<const SplitId> batch = splits.subspan(first, std::min(batch_size, splits.size() - first));
+    for (const SplitId s : batch) {
+      hierarchy.require(s);
+      if (s != no_id) prefetch(&hierarchy.node(s));
+    }
+    for (std::size_t i = 0; i < batch.size(); ++i)
+      if (batch[i] != no_id) nodes_[i] = hierarchy.node(batch[i]);
+    // Whole vectors: what earlier batches have left in the last one does no harm.
+    const std::size_t weighed = (batch.size() + lanes - 1) / lanes * lanes;
+    weigh_splits(std::span(nodes_.data(), weighed), refined_.views[object], refined_.gate->tests_cone(object), scales);
+    std::copy_n(scales.begin(), batch.size(), scales_px.begin() + static_cast<std::ptrdiff_t>(first));
+  }
+}
+
+}  // namespace occlod
