@@ -4,10 +4,12 @@
 #include <cerrno>
 #include <cstdio>
 #include <exception>
+#include <new>
 #include <string>
 #include <system_error>
 
 #include "commands.h"
+#include "file_faults.h"
 #include "interrupt.h"
 #include "occlod/core/error.h"
 #include "occlod/core/version.h"
@@ -17,6 +19,9 @@ namespace {
 
 constexpr int exit_failed = 1;
 constexpr int exit_wrong_use = 2;
+
+constexpr const char* out_of_memory =
+    "memory: there is not enough of it for this; end other programs, raise its limit, or take a smaller mesh";
 
 void print_error(const std::string& line) { fmt::print(stderr, "occlod: error: {}\n", line); }
 
@@ -69,6 +74,9 @@ int run(int argc, char** argv) {
   } catch (const Interrupted& interrupted) {
     print_error(interrupted.what());
     return interrupted.exit_code();
+  } catch (const std::bad_alloc&) {
+    print_error(out_of_memory);
+    return exit_failed;
   } catch (const std::exception& error) {
     print_error(error.what());
     return exit_failed;
@@ -79,4 +87,7 @@ int run(int argc, char** argv) {
 }  // namespace
 }  // namespace occlod::tool
 
-int main(int argc, char** argv) { return occlod::tool::run(argc, argv); }
+int main(int argc, char** argv) {
+  occlod::tool::handle_file_faults("occlod");
+  return occlod::tool::run(argc, argv);
+}

@@ -8,6 +8,7 @@
 
 #include "application.h"
 #include "command.h"
+#include "file_faults.h"
 #include "occlod/core/version.h"
 #include "setting_table.h"
 #include "settings_file.h"
@@ -119,4 +120,7 @@ int run(int argc, char** argv) {
 }  // namespace
 }  // namespace occlod::viewer
 
-int main(int argc, char** argv) { return occlod::viewer::run(argc, argv); }
+int main(int argc, char** argv) {
+  occlod::tool::handle_file_faults("occlod-view");
+  return occlod::viewer::run(argc, argv);
+}

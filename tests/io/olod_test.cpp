@@ -91,6 +91,18 @@ TEST_F(OlodTest, ComesBackByteForByte) {
   }
 }
 
+TEST_F(OlodTest, ACopyIsSafeFromWhatHappensToTheFile) {
+  // Of a mapped file the bytes that are cut off would be gone, and reading them end the program.
+  const std::filesystem::path path = write_good();
+  const OlodFile file = read_olod(path, OlodAccess::copied);
+  std::filesystem::resize_file(path, 0);
+  EXPECT_NO_THROW(file.hierarchy.require_all());
+  EXPECT_TRUE(restores(file.hierarchy, mesh_));
+  EXPECT_THROW((void)read_olod(path, OlodAccess::copied), Error);
+  EXPECT_THROW((void)read_olod(folder_, OlodAccess::copied), Error);
+  EXPECT_THROW((void)read_olod(folder_ / "missing.olod", OlodAccess::copied), Error);
+}
+
 TEST_F(OlodTest, CompressionMakesFilesSmaller) {
   write_olod(folder_ / "small.olod", hierarchy_, report_, OlodCompression::zstd);
   EXPECT_LT(std::filesystem::file_size(folder_ / "small.olod"), std::filesystem::file_size(write_good()) * 9 / 10);

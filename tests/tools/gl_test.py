@@ -6,7 +6,7 @@ from tool_case import ToolTest
 BACKENDS = ["gl-query", "gl-mark", "gl-compute"]
 
 
-class GlBackends(ToolTest):
+class GlTest(ToolTest):
     def setUp(self):
         super().setUp()
         self.make_hierarchy()
@@ -32,6 +32,8 @@ class GlBackends(ToolTest):
             self.skipTest("no OpenGL 4.3")
         return found
 
+
+class GlBackends(GlTest):
     def test_report(self):
         for platform in self.modern_platforms():
             for backend in BACKENDS:
@@ -75,6 +77,40 @@ class GlBackends(ToolTest):
             line = self.fail(*self.arguments("--occlusion", backend, *option))
             self.assertIn(option[0], line)
             self.assertIn(owner, line)
+
+
+class GlFaults(GlTest):
+    """Machines with old drivers or none, as Mesa and GLVND play them."""
+
+    def fail_with(self, variable, value, *options):
+        self.environment.update({variable: value, "EGL_LOG_LEVEL": "fatal"})
+        line = self.fail(*self.arguments(*options))
+        del self.environment[variable]
+        return line
+
+    def test_driver_too_old(self):
+        for platform in self.platforms():
+            for version in ("2.1", "3.0"):
+                line = self.fail_with("MESA_GL_VERSION_OVERRIDE", version, "--occlusion", "gl-query", "--gl-platform", platform)
+                self.assertIn("no OpenGL 3.3 core context", line)
+
+    def test_driver_without_storage_buffers(self):
+        for platform in self.modern_platforms():
+            for backend in ("gl-mark", "gl-compute"):
+                line = self.fail_with("MESA_EXTENSION_OVERRIDE", "-GL_ARB_shader_storage_buffer_object", "--occlusion", backend, "--gl-platform", platform)
+                self.assertIn(f"{backend}: needs OpenGL 4.3", line)
+
+    def test_no_driver(self):
+        if "egl" not in self.platforms():
+            self.skipTest("no EGL")
+        for variable, value in (("__EGL_VENDOR_LIBRARY_FILENAMES", "/dev/null"), ("LIBGL_DRIVERS_PATH", "/nonexistent")):
+            line = self.fail_with(variable, value, "--occlusion", "gl-query", "--gl-platform", "egl")
+            self.assertIn("EGL: no OpenGL context", line)
+            self.assertIn("install a driver", line)
+
+    def test_software_needs_no_driver(self):
+        self.environment.update(__EGL_VENDOR_LIBRARY_FILENAMES="/dev/null", LIBGL_DRIVERS_PATH="/nonexistent")
+        self.assertGreater(self.render("--occlusion", "software")["queries"], 0)
 
 
 if __name__ == "__main__":

@@ -6,7 +6,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <thread>
-#include <vector>
+
+#include "core/helper_threads.h"
 
 namespace occlod {
 
@@ -19,24 +20,26 @@ inline constexpr std::size_t range_size = 8192;
 
 // Calls visit(begin, end) for consecutive ranges of range_size that together are [0, count), each on some thread;
 // visits must not touch what others write. Between its ranges the calling thread calls between(next), where all ranges
-// before `next` are done or under way; should it throw, the others end after their range.
+// before `next` are done or under way. Should it or a visit throw, all end after their range, and it is thrown here.
 template <typename Visit, typename Between>
 void for_each_range(std::size_t count, unsigned threads, const Visit& visit, const Between& between) {
   std::atomic<std::size_t> next = 0;
   const auto work = [&](const auto& after) {
-    for (std::size_t begin = next.fetch_add(range_size); begin < count; begin = next.fetch_add(range_size)) {
-      visit(begin, std::min(begin + range_size, count));
-      after();
+    try {
+      for (std::size_t begin = next.fetch_add(range_size); begin < count; begin = next.fetch_add(range_size)) {
+        visit(begin, std::min(begin + range_size, count));
+        after();
+      }
+    } catch (...) {
+      next = count;
+      throw;
     }
   };
-  std::vector<std::jthread> others;
-  for (unsigned i = 1; i < threads && i * range_size < count; ++i) others.emplace_back([&] { work([] {}); });
-  try {
-    work([&] { between(std::min(next.load(), count)); });
-  } catch (...) {
-    next = count;
-    throw;
-  }
+  HelperThreads others;
+  for (unsigned i = 1; i < threads && i * range_size < count; ++i)
+    if (!others.start([&] { work([] {}); })) break;
+  work([&] { between(std::min(next.load(), count)); });
+  others.join();
 }
 
 template <typename Visit>
@@ -52,13 +55,17 @@ void for_each_id(std::size_t count, unsigned threads, const Visit& visit) {
   });
 }
 
-// Calls visit(begin, end, part) for `threads` consecutive parts of [0, count), each on a thread of its own.
+// Calls visit(begin, end, part) for `threads` consecutive parts of [0, count), each on a thread of its own where the
+// system grants as many.
 template <typename Visit>
 void for_each_part(std::size_t count, unsigned threads, const Visit& visit) {
-  std::vector<std::jthread> others;
-  for (std::size_t i = 1; i < threads; ++i)
-    others.emplace_back([&, i] { visit(count * i / threads, count * (i + 1) / threads, i); });
+  HelperThreads others;
+  for (std::size_t i = 1; i < threads; ++i) {
+    const auto part = [&, i] { visit(count * i / threads, count * (i + 1) / threads, i); };
+    if (!others.start(part)) part();
+  }
   visit(std::size_t{0}, count / threads, std::size_t{0});
+  others.join();
 }
 
 }  // namespace occlod

@@ -6,7 +6,6 @@
 #include <glm/common.hpp>
 #include <limits>
 #include <memory>
-#include <thread>
 
 #include "build_progress.h"
 #include "collapse_worker.h"
@@ -113,20 +112,24 @@ class Simplifier {
     records_.resize(first_record + blocks.size());
     std::atomic<std::size_t> next = 0;
     const auto work = [&](CollapseWorker& worker, const auto& go_on) {
-      for (std::size_t i = next++; i < blocks.size() && !progress_.is_cancelled(); i = next++) {
-        records_[first_record + i] = worker.run(blocks[i], go_on);
-        faces_gone_ += records_[first_record + i].faces_gone;
+      try {
+        for (std::size_t i = next++; i < blocks.size() && !progress_.is_cancelled(); i = next++) {
+          records_[first_record + i] = worker.run(blocks[i], go_on);
+          faces_gone_ += records_[first_record + i].faces_gone;
+        }
+      } catch (...) {
+        next = blocks.size();  // or the other threads would go on to the end
+        throw;
       }
     };
     const ProgressPart part{progress_, passes_first, passes_last, static_cast<double>(mesh_.triangle_count())};
     const auto report = [&](std::size_t gone) { return part.reach(faces_gone_ + gone), true; };
     const auto heed = [&](std::size_t) { return !progress_.is_cancelled(); };
-    {
-      std::vector<std::jthread> threads;
-      for (std::size_t i = 1; i < std::min(workers_.size(), blocks.size()); ++i)
-        threads.emplace_back([&, i] { work(*workers_[i], heed); });
-      work(*workers_[0], report);
-    }
+    HelperThreads others;
+    for (std::size_t i = 1; i < std::min(workers_.size(), blocks.size()); ++i)
+      if (!others.start([&, i] { work(*workers_[i], heed); })) break;
+    work(*workers_[0], report);
+    others.join();
     std::size_t made = 0;
     for (std::size_t i = first_record; i < records_.size(); ++i) {
       live_faces_ -= records_[i].faces_gone;

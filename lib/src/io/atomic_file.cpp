@@ -1,11 +1,15 @@
 #include "occlod/io/atomic_file.h"
 
 #include <fmt/format.h>
+#include <signal.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
+#include <charconv>
+#include <chrono>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -26,10 +30,37 @@ constexpr std::size_t block_bytes = std::size_t{1} << 22;
 
 thread_local WriteMonitor* innermost_monitor = nullptr;
 
+constexpr std::string_view hidden_suffix = ".tmp";
+
+std::string hidden_prefix(const fs::path& target) { return fmt::format(".{}.", target.filename().string()); }
+
 // Unique among the running processes and among the files of this one.
 fs::path hidden_neighbour(const fs::path& target) {
   static std::atomic<unsigned> counter = 0;
-  return target.parent_path() / fmt::format(".{}.{}-{}.tmp", target.filename().string(), getpid(), counter++);
+  return target.parent_path() / fmt::format("{}{}-{}{}", hidden_prefix(target), getpid(), counter++, hidden_suffix);
+}
+
+// What a process that was killed while it wrote `target` has left beside it. A process on another machine may be at
+// work in the same folder: then its file is new.
+bool is_leftover(const fs::directory_entry& entry, const std::string& prefix) {
+  const std::string name = entry.path().filename().string();
+  if (!name.starts_with(prefix) || !name.ends_with(hidden_suffix)) return false;
+  const char* const end = name.data() + name.size();
+  pid_t process = 0;
+  const auto [after, error] = std::from_chars(name.data() + prefix.size(), end, process);
+  if (error != std::errc() || after == end || *after != '-' || process <= 0) return false;
+  if (kill(process, 0) == 0 || errno != ESRCH) return false;
+  std::error_code unknown;
+  const auto age = fs::file_time_type::clock::now() - entry.last_write_time(unknown);
+  return !unknown && age > std::chrono::minutes(1);
+}
+
+void remove_leftovers(const fs::path& folder, const fs::path& target) {
+  const std::string prefix = hidden_prefix(target);
+  std::error_code ignored;
+  for (fs::directory_iterator entry(folder, ignored); !ignored && entry != fs::directory_iterator();
+       entry.increment(ignored))
+    if (std::error_code kept; is_leftover(*entry, prefix)) fs::remove(entry->path(), kept);
 }
 
 }  // namespace
@@ -45,6 +76,7 @@ AtomicFile::AtomicFile(fs::path path) : path_(std::move(path)) {
     fail(path_, fmt::format("the folder {} does not exist", folder.string()), "create it first");
   }
   WriteMonitor::notify(0);
+  remove_leftovers(folder, target_);
   temporary_ = hidden_neighbour(target_);
   errno = 0;
   stream_.open(temporary_, std::ios::binary | std::ios::trunc);
@@ -67,7 +99,9 @@ void AtomicFile::write(std::span<const std::byte> bytes) {
   while (!bytes.empty()) {
     WriteMonitor::notify(written_);
     const std::span<const std::byte> block = bytes.first(std::min(bytes.size(), block_bytes));
+    errno = 0;
     stream_.write(reinterpret_cast<const char*>(block.data()), static_cast<std::streamsize>(block.size()));
+    if (!stream_) fail_to_write();
     written_ += block.size();
     bytes = bytes.subspan(block.size());
   }
@@ -77,13 +111,15 @@ void AtomicFile::commit() {
   WriteMonitor::notify(written_);
   errno = 0;
   stream_.close();
-  if (!stream_) {
-    fail(path_, fmt::format("cannot be written: {}", reason(errno != 0 ? errno : EIO)), "check the space on the disk");
-  }
+  if (!stream_) fail_to_write();
   std::error_code error;
   fs::rename(temporary_, target_, error);
   if (error) fail(path_, fmt::format("cannot be replaced: {}", error.message()), "check the permissions of the folder");
   temporary_.clear();
+}
+
+void AtomicFile::fail_to_write() const {
+  fail(path_, fmt::format("cannot be written: {}", reason(errno != 0 ? errno : EIO)), "check the space on the disk");
 }
 
 WriteMonitor::WriteMonitor(Progress progress) : progress_(std::move(progress)), outer_(innermost_monitor) {

@@ -29,6 +29,13 @@ class Descriptor {
   Descriptor(const Descriptor&) = delete;
   Descriptor& operator=(const Descriptor&) = delete;
   [[nodiscard]] int get() const noexcept { return fd_; }
+  // Throws Error that names `path` when it is no regular file.
+  [[nodiscard]] std::size_t size(const std::filesystem::path& path) const {
+    struct stat status {};
+    if (fd_ < 0 || fstat(fd_, &status) != 0) refuse(path, errno);
+    if (!S_ISREG(status.st_mode)) refuse(path, S_ISDIR(status.st_mode) ? EISDIR : EINVAL);
+    return static_cast<std::size_t>(status.st_size);
+  }
 
  private:
   int fd_;
@@ -38,10 +45,7 @@ class Descriptor {
 
 MappedFile::MappedFile(const std::filesystem::path& path) {
   const Descriptor file(path);
-  struct stat status {};
-  if (file.get() < 0 || fstat(file.get(), &status) != 0) refuse(path, errno);
-  if (!S_ISREG(status.st_mode)) refuse(path, S_ISDIR(status.st_mode) ? EISDIR : EINVAL);
-  const auto size = static_cast<std::size_t>(status.st_size);
+  const std::size_t size = file.size(path);
   if (size == 0) return;  // an empty mapping is an error
   void* const begin = mmap(nullptr, size, PROT_READ, MAP_SHARED, file.get(), 0);
   if (begin == MAP_FAILED) refuse(path, errno);
@@ -50,6 +54,18 @@ MappedFile::MappedFile(const std::filesystem::path& path) {
 
 MappedFile::~MappedFile() {
   if (!bytes_.empty()) munmap(const_cast<std::byte*>(bytes_.data()), bytes_.size());
+}
+
+LargeVector<std::byte> read_whole(const std::filesystem::path& path) {
+  const Descriptor file(path);
+  LargeVector<std::byte> bytes(file.size(path));
+  for (std::size_t have = 0; have < bytes.size();) {
+    const ssize_t got = read(file.get(), bytes.data() + have, bytes.size() - have);
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) refuse(path, got < 0 ? errno : EIO);
+    have += static_cast<std::size_t>(got);
+  }
+  return bytes;
 }
 
 }  // namespace occlod

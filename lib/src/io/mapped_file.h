@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <span>
 
+#include "occlod/core/large_vector.h"
+
 namespace occlod {
 
 class MappedFile {
@@ -21,5 +23,8 @@ class MappedFile {
  private:
   std::span<const std::byte> bytes_;
 };
+
+// The same bytes in memory, at any alignment up to 64. Throws Error likewise, and when they cannot all be read.
+[[nodiscard]] LargeVector<std::byte> read_whole(const std::filesystem::path& path);
 
 }  // namespace occlod

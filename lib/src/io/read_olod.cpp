@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 #include <memory>
+#include <optional>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -27,7 +28,13 @@ std::string place_of(const Section& section) {
 // What a hierarchy that was read stands on: the mapping, and the sections that had to be unpacked.
 class Reader {
  public:
-  explicit Reader(const std::filesystem::path& path) : path_(path.string()), file_(path) {
+  Reader(const std::filesystem::path& path, OlodAccess access) : path_(path.string()) {
+    if (access == OlodAccess::mapped) {
+      bytes_ = file_.emplace(path).bytes();
+    } else {
+      copy_ = read_whole(path);
+      bytes_ = copy_;
+    }
     read_header();
     read_table();
   }
@@ -55,31 +62,30 @@ class Reader {
 
  private:
   void read_header() {
-    const std::span<const std::byte> bytes = file_.bytes();
     FileHeader header;
-    if (bytes.size() >= sizeof(header)) std::memcpy(&header, bytes.data(), sizeof(header));
+    if (bytes_.size() >= sizeof(header)) std::memcpy(&header, bytes_.data(), sizeof(header));
     if (header.magic != magic) refuse("byte 0", "is not an .olod file", "make one with 'occlod build'");
     if (header.version != olod_version)
       refuse("byte 8",
              fmt::format("is an .olod file of version {}, this program reads version {}", header.version, olod_version),
              rebuild);
-    if (header.file_bytes != bytes.size())
-      refuse(
-          "byte 16",
-          fmt::format("has {} bytes, but says that it has {}: it was cut or added to", bytes.size(), header.file_bytes),
-          rebuild);
+    if (header.file_bytes != bytes_.size())
+      refuse("byte 16",
+             fmt::format("has {} bytes, but says that it has {}: it was cut or added to", bytes_.size(),
+                         header.file_bytes),
+             rebuild);
     if (header.section_count > most_sections)
       refuse("byte 12", fmt::format("claims {} sections", header.section_count), rebuild);
     table_.resize(header.section_count);
     const auto table = std::as_writable_bytes(std::span(table_));
-    if (bytes.size() - sizeof(header) < table.size()) refuse("byte 32", "ends inside its section table", rebuild);
-    std::ranges::copy(bytes.subspan(sizeof(header), table.size()), table.begin());
+    if (bytes_.size() - sizeof(header) < table.size()) refuse("byte 32", "ends inside its section table", rebuild);
+    std::ranges::copy(bytes_.subspan(sizeof(header), table.size()), table.begin());
     if (checksum_of(table) != header.table_checksum)
       refuse("byte 32", "has a damaged section table: its checksum is wrong", rebuild);
   }
 
   void read_table() const {
-    const std::uint64_t size = file_.bytes().size();
+    const std::uint64_t size = bytes_.size();
     for (const Section& section : table_) {
       if (section.offset > size || section.bytes > size - section.offset)
         refuse(place_of(section), "lies outside the file", rebuild);
@@ -95,7 +101,7 @@ class Reader {
   }
 
   [[nodiscard]] std::span<const std::byte> stored(const Section& section) const {
-    return file_.bytes().subspan(section.offset, section.bytes);
+    return bytes_.subspan(section.offset, section.bytes);
   }
 
   std::span<const std::byte> unpacked(const Section& section) {
@@ -106,7 +112,9 @@ class Reader {
   }
 
   std::string path_;
-  MappedFile file_;
+  std::optional<MappedFile> file_;  // or a copy
+  LargeVector<std::byte> copy_;
+  std::span<const std::byte> bytes_;
   std::vector<Section> table_;
   std::vector<std::vector<std::byte>> unpacked_;
 };
@@ -137,8 +145,8 @@ class FileGuard final : public SplitGuard {
 
 }  // namespace
 
-OlodFile read_olod(const std::filesystem::path& path) {
-  const auto reader = std::make_shared<Reader>(path);
+OlodFile read_olod(const std::filesystem::path& path, OlodAccess access) {
+  const auto reader = std::make_shared<Reader>(path, access);
   HierarchyView view;
   for_each_array(view, [&](std::string_view name, auto& array, bool has_blocks) {
     using T = typename std::decay_t<decltype(array)>::value_type;

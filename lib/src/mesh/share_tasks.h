@@ -6,7 +6,8 @@
 #include <cstddef>
 #include <optional>
 #include <thread>
-#include <vector>
+
+#include "core/helper_threads.h"
 
 namespace occlod {
 
@@ -26,14 +27,16 @@ class TaskQueue {
 };
 
 // Calls work(queue) with one queue of `count` tasks on this thread and on one for each other core, and waits for all.
-// `work` does not throw where it could run on another thread.
+// Throws what one of them has thrown.
 template <class Work>
 void share_tasks(std::size_t count, const Work& work) {
   TaskQueue queue(count);
-  std::vector<std::jthread> others;
+  HelperThreads others;
   const std::size_t threads = std::min<std::size_t>(std::thread::hardware_concurrency(), count);
-  for (std::size_t i = 1; i < threads; ++i) others.emplace_back([&] { work(queue); });
+  for (std::size_t i = 1; i < threads; ++i)
+    if (!others.start([&] { work(queue); })) break;
   work(queue);
+  others.join();
 }
 
 }  // namespace occlod

@@ -11,7 +11,8 @@
 namespace occlod {
 
 // Writes to a hidden file beside `path`; commit() flushes it, checks for errors and renames it over `path`. Without
-// commit() the destructor removes it and `path` stays as it was. A symbolic link is followed; a folder, a device or a
+// commit() the destructor removes it and `path` stays as it was; what a killed process has left is removed by the next
+// that writes the same `path`, when it is a minute old. A symbolic link is followed; a folder, a device or a
 // pipe is refused. Throws Error that names `path`.
 class AtomicFile {
  public:
@@ -25,6 +26,8 @@ class AtomicFile {
   void commit();
 
  private:
+  [[noreturn]] void fail_to_write() const;  // for the reason in errno
+
   std::filesystem::path path_;       // as given
   std::filesystem::path target_;     // with symbolic links followed
   std::filesystem::path temporary_;  // empty after commit()

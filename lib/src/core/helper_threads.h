@@ -1,0 +1,50 @@
+// Threads that help the calling one.
+#pragma once
+
+#include <exception>
+#include <mutex>
+#include <system_error>
+#include <thread>
+#include <utility>
+#include <vector>
+
+namespace occlod {
+
+// Waits for its threads when it ends.
+class HelperThreads {
+ public:
+  // Does `work` on a thread of its own; false, and nothing is done, when the system grants no more threads.
+  template <typename Work>
+  [[nodiscard]] bool start(Work work) {
+    try {
+      threads_.emplace_back([this, work = std::move(work)] {
+        try {
+          work();
+        } catch (...) {
+          note(std::current_exception());
+        }
+      });
+      return true;
+    } catch (const std::system_error&) {
+      return false;
+    }
+  }
+
+  // Waits for all; throws what one of them has thrown, the first to do so.
+  void join() {
+    threads_.clear();
+    if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
+  }
+
+ private:
+  void note(std::exception_ptr failure) {
+    const std::scoped_lock lock(mutex_);
+    if (!failure_) failure_ = std::move(failure);
+  }
+
+  std::mutex mutex_;
+  std::exception_ptr failure_;
+  std::vector<std::jthread> threads_;  // the last member: ends first
+};
+
+}  // namespace occlod

@@ -1,0 +1,220 @@
+"""What goes wrong around the built command `occlod`: files that change or cannot be read or written, too little memory, kills. Each ends in exit 1 and
+one line that names what failed, and leaves the file that was there. Tests wait for states of the process, never for a time."""
+import os
+import pathlib
+import resource
+import signal
+import subprocess
+import time
+import unittest
+
+from tool_case import OCCLOD, ToolTest
+
+OLD = b"what was there before"
+NOBODY = 65534
+ATTEMPTS = 50
+
+
+class Faults(ToolTest):
+    def start(self, *arguments, **options):
+        return subprocess.Popen([OCCLOD, *map(str, arguments)], cwd=self.folder, env=self.environment, stdout=subprocess.PIPE,
+                                stderr=subprocess.PIPE, text=True, **options)
+
+    def end_of(self, process):
+        with process:
+            output, errors = process.communicate()
+        return process.returncode, output, errors
+
+    def run_limited(self, limit, value, *arguments):
+        def set_limit():
+            signal.signal(signal.SIGXFSZ, signal.SIG_DFL)  # Python ignores it, and so would what it starts
+            resource.setrlimit(limit, (value, value))
+        return self.end_of(self.start(*arguments, preexec_fn=set_limit))
+
+    def assert_failed(self, end, *parts):
+        """Exit 1, nothing on standard output, one line that has all parts."""
+        code, output, errors = end
+        self.assertEqual((code, output, errors.count("\n")), (1, "", 1), errors)
+        self.assertTrue(errors.startswith("occlod: error: "), errors)
+        for part in parts:
+            self.assertIn(part, errors)
+
+    def names(self):
+        return sorted(path.name for path in self.folder.iterdir())
+
+    def make_large_hierarchy(self, level=8):
+        self.succeed("generate", "rough-planet", "--level", level, "-o", "planet.ply")
+        self.succeed("build", "planet.ply", "-o", "planet.olod")
+        return self.folder / "planet.olod"
+
+
+class ChangingFiles(Faults):
+    def change_while_mapped(self, change, *arguments):
+        """Stops the command while it has planet.olod mapped, calls change(), and lets it go on. Returns its end."""
+        process = self.start(*arguments)
+        maps = pathlib.Path(f"/proc/{process.pid}/maps")
+        while process.poll() is None:
+            if "planet.olod" in maps.read_text():
+                os.kill(process.pid, signal.SIGSTOP)
+                os.waitid(os.P_PID, process.pid, os.WSTOPPED | os.WEXITED | os.WNOWAIT)
+                change()
+                os.kill(process.pid, signal.SIGCONT)
+                break
+        return self.end_of(process)
+
+    def test_cut_short_while_mapped(self):
+        """Pages that are gone raise SIGBUS, which would end the command without a word. It may have looked at all that it needs before it was
+        stopped: then the next attempt counts."""
+        path = self.make_large_hierarchy()
+        whole = path.read_bytes()
+        (self.folder / "target.obj").write_bytes(OLD)
+        for arguments in (["info", "--check", "planet.olod"], ["validate", "planet.olod"], ["render", "planet.olod", "--budget", "100000", "--repeat", "50"],
+                          ["cut", "planet.olod", "--error", "0", "-o", "target.obj"]):
+            for _ in range(ATTEMPTS):
+                path.write_bytes(whole)
+                end = self.change_while_mapped(lambda: os.truncate(path, 4096), *arguments)
+                if end[0] != 0:
+                    break
+            self.assert_failed(end, "planet.olod", "was cut short")
+            self.assertEqual((self.folder / "target.obj").read_bytes(), OLD)
+
+    def test_removed_or_replaced_while_mapped(self):
+        """The pages live on, so nothing changes."""
+        path = self.make_large_hierarchy(6)
+        arguments = ["render", "planet.olod", "--budget", "20000", "--repeat", "20", "--json"]
+        expected = self.json_of(*arguments[:-1])["hash"]
+        other = self.folder / "other.olod"
+        kept = path.read_bytes()
+        for change in (lambda: path.unlink(), lambda: other.replace(path)):
+            path.write_bytes(kept)
+            other.write_bytes(OLD)
+            code, output, errors = self.change_while_mapped(change, *arguments)
+            self.assertEqual(code, 0, errors)
+            self.assertIn(expected, output)
+
+
+class Writing(Faults):
+    def commands(self):
+        """Each writes a file of more than 64 kB."""
+        self.make_hierarchy()
+        return {"target.olod": ["build", "planet.ply"], "target.ply": ["generate", "rough-planet", "--level", 6], "target.obj": ["cut", "planet.olod", "--error", 0],
+                "target.png": ["render", "planet.olod", "--budget", 3000, "--size", "1024x768", "--png"]}
+
+    def test_disk_full(self):
+        """The limit of file sizes stands for a full disk: it fails in the same calls."""
+        for target, command in self.commands().items():
+            (self.folder / target).write_bytes(OLD)
+            before = self.names()
+            output = command if command[-1] == "--png" else [*command, "-o"]
+            for size in (0, 5000):
+                self.assert_failed(self.run_limited(resource.RLIMIT_FSIZE, size, *output, target), target, "File too large", "space on the disk")
+                self.assertEqual((self.folder / target).read_bytes(), OLD)
+                self.assertEqual(self.names(), before)
+
+    def test_output_full(self):
+        """The result goes to standard output as the last thing."""
+        self.make_hierarchy()
+        with open("/dev/full", "w") as full:
+            done = subprocess.run([OCCLOD, "info", "planet.olod", "--json"], cwd=self.folder, stdout=full, stderr=subprocess.PIPE, text=True)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("standard output: No space left on device", done.stderr)
+
+    def test_cache_that_cannot_be_written(self):
+        """A cache only saves time: the picture is made all the same, with a note."""
+        self.make_planet()
+        self.write_scene('{"objects": [{"mesh": "planet.ply"}], "cameras": {"default": {"eye": [0, 0, 4], "target": [0, 0, 0]}}}')
+        code, output, errors = self.run_limited(resource.RLIMIT_FSIZE, 5000, "render", "scene.json", "--json", "--budget", 1000)
+        self.assertEqual(code, 0, errors)
+        self.assertIn("is not cached", errors)
+        self.assertEqual([path for path in (self.folder / "cache").rglob("*") if path.is_file()], [])
+
+    def test_killed_while_writing(self):
+        """The old file stays. What is left beside it goes when the same file is written next: once it is a minute old and its process has ended, so
+        that no file is taken from somebody who still writes it."""
+        self.succeed("generate", "rough-planet", "--level", 8, "-o", "planet.ply")
+        target = self.folder / "target.obj"
+        target.write_bytes(OLD)
+        for _ in range(ATTEMPTS):
+            process = self.start("generate", "rough-planet", "--level", 8, "-o", target.name)
+            while process.poll() is None and not any(name.endswith(".tmp") for name in self.names()):
+                continue
+            process.kill()
+            self.end_of(process)
+            leftovers = [name for name in self.names() if name.endswith(".tmp")]
+            if leftovers:
+                break
+            target.write_bytes(OLD)
+        self.assertEqual(target.read_bytes(), OLD)
+        self.assertEqual(leftovers, [f".target.obj.{process.pid}-0.tmp"])
+
+        long_ago = time.time() - 3600
+        others = [f".target.obj.{os.getpid()}-0.tmp", f".other.obj.{process.pid}-0.tmp", ".target.obj.mine.tmp", f".target.obj.{process.pid}-0.bak"]
+        for name in others:
+            (self.folder / name).write_bytes(OLD)
+            os.utime(self.folder / name, (long_ago, long_ago))
+        write = ["generate", "rough-planet", "--level", 2, "-o", target.name]
+        self.succeed(*write)
+        self.assertIn(leftovers[0], self.names())  # may be written by another machine
+        os.utime(self.folder / leftovers[0], (long_ago, long_ago))
+        self.succeed(*write)
+        self.assertEqual(self.names(), sorted([*others, "planet.ply", target.name]))
+
+
+class Permissions(Faults):
+    def as_nobody(self, *arguments):
+        """The rules do not hold for root."""
+        def drop():
+            if os.getuid() == 0:
+                os.setgroups([])
+                os.setgid(NOBODY)
+                os.setuid(NOBODY)
+        try:
+            return self.end_of(self.start(*arguments, preexec_fn=drop))
+        except (PermissionError, subprocess.SubprocessError) as error:
+            self.skipTest(f"cannot run {OCCLOD} as another user: {error}")
+
+    def test_unreadable(self):
+        self.make_hierarchy()
+        self.folder.chmod(0o755)
+        closed = self.folder / "closed"
+        closed.mkdir()
+        for name in ("planet.olod", "planet.ply"):
+            (closed / name).write_bytes((self.folder / name).read_bytes())
+        closed.chmod(0)
+        for name in ("planet.olod", "planet.ply"):
+            self.assert_failed(self.as_nobody("info", f"closed/{name}"), f"closed/{name}")
+            (self.folder / name).chmod(0)
+            self.assert_failed(self.as_nobody("info", name), name, "cannot be opened")
+        self.assert_failed(self.as_nobody("generate", "rough-planet", "--level", 2, "-o", "closed/target.ply"), "closed/target.ply")
+        closed.chmod(0o755)
+        self.assert_failed(self.as_nobody("generate", "rough-planet", "--level", 2, "-o", "closed/target.ply"), "closed/target.ply", "cannot be written",
+                           "permissions of the folder")
+
+
+class Memory(Faults):
+    def test_too_little(self):
+        """From hardly enough to start up to enough: each build succeeds, or fails in one line and leaves the old file. Threads beside the calling one
+        run out of it as well."""
+        self.succeed("generate", "rough-planet", "--level", 7, "-o", "planet.ply")
+        target = self.folder / "target.olod"
+        target.write_bytes(OLD)
+        before = self.names()
+        mib = 1 << 20
+        least = next(size for size in range(16, 4096, 16) if self.run_limited(resource.RLIMIT_AS, size * mib, "--version")[0] == 0)
+        failures = 0
+        for extra in (*range(0, 120, 5), 1000):
+            end = self.run_limited(resource.RLIMIT_AS, (least + extra) * mib, "build", "planet.ply", "-o", target.name)
+            if end[0] == 0:
+                self.assertNotEqual(target.read_bytes(), OLD)
+                target.write_bytes(OLD)
+            else:
+                failures += 1
+                self.assert_failed(end, "memory")
+                self.assertEqual(target.read_bytes(), OLD)
+            self.assertEqual(self.names(), before)
+        self.assertEqual(end[0], 0, end[2])
+        self.assertGreater(failures, 5)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=1)
