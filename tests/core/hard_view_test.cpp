@@ -6,6 +6,7 @@
 #include <glm/ext/matrix_transform.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <random>
 #include <string>
 
 #include "occlod/core/error.h"
@@ -51,6 +52,20 @@ TEST(HardView, SidePlanesFarFromTheOrigin) {
   }
 }
 
+// An object 1.4e9 away on the edge of the picture. tan(pi / 4) is 1 - 2^-53 in double precision, so planes computed
+// from it are 1e-16 too narrow: 2e-7 there. Points 1e-7 inside the true ones, with coordinates so small that a
+// millionth of them is nothing, are seen. (Fails without the 1e-15 by which unit_plane() moves planes outwards.)
+TEST(HardView, PlanesAreMovedOutwardsByWhatDoublesRound) {
+  for (const glm::dvec3& side :
+       {glm::dvec3(1, 0, 0), glm::dvec3(-1, 0, 0), glm::dvec3(0, 1, 0), glm::dvec3(0, -1, 0)}) {
+    Camera c = camera_at({0, 0, 0});
+    c.far = 1e10;
+    const ObjectView object(View(c), glm::translate(glm::dmat4(1.0), 1e9 * (side - glm::dvec3(0, 0, 1))));
+    EXPECT_TRUE(object.may_be_inside({-1e-7 * side, 0.0F}));
+    EXPECT_FALSE(object.may_be_inside({1e-5 * side, 0.0F}));
+  }
+}
+
 // The eye is (1/8, 1/4, 1/2) from the object in the world, exactly; turned back by the angle of cosine 0.6, sine 0.8.
 TEST(HardView, EyeFarFromTheOriginIsTheDifference) {
   const glm::dvec3 place(1e9, -1e9, 1e9);
@@ -79,6 +94,31 @@ TEST(HardView, DirectionNearlyAlongTheAxisOfAWideCone) {
   const NormalCone cone{{0, 0, 1}, 1.4e-4F};
   EXPECT_FALSE(faces_away(cone, {{1.5e-4F, 0.0F, 1.0F}, 0.0F}, {0, 0, 0}));
   EXPECT_TRUE(faces_away(cone, {{1.0e-4F, 0.0F, 1.0F}, 0.0F}, {0, 0, 0}));
+}
+
+// A cone is all unit n with dot(n, axis) >= cos_angle, and its axis is a unit vector only as far as floats are: where
+// it is 6e-8 too long the cone is that much wider. Faces whose normal is at its very rim, seen from their front at a
+// small angle, are not facing away. (Fails with facing_slack 0.)
+TEST(HardView, AxisThatIsAUnitVectorOfFloats) {
+  std::mt19937 random(4);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> share(0.05, 0.95);
+  const auto direction = [&] { return glm::normalize(glm::dvec3(normal(random), normal(random), normal(random))); };
+  int judged = 0;
+  for (int i = 0; i < 20'000; ++i) {
+    const NormalCone cone{glm::vec3(direction()), static_cast<float>(share(random))};
+    const glm::dvec3 axis(cone.axis), across = glm::normalize(glm::cross(axis, direction()));
+    const double tilt = std::acos(static_cast<double>(cone.cos_angle) / glm::length(axis)) * (1.0 - 1e-12);
+    const glm::dvec3 n = std::cos(tilt) * glm::normalize(axis) + std::sin(tilt) * across;
+    // Nearly across n, on the side of the axis.
+    const glm::dvec3 d = std::sin(tilt) * glm::normalize(axis) - std::cos(tilt) * across - 2e-8 * n;
+    const Sphere point{glm::vec3(d), 0.0F};
+    if (!(glm::dot(n, axis) >= static_cast<double>(cone.cos_angle) && glm::dot(n, glm::dvec3(point.center)) < -1e-9))
+      continue;  // rounding the point has moved it behind the face
+    ++judged;
+    ASSERT_FALSE(faces_away(cone, point, {0, 0, 0})) << i;
+  }
+  EXPECT_GT(judged, 5000);
 }
 
 // Squares of 1e-25 and of 1e25 are no floats.

@@ -149,6 +149,14 @@ TEST(ScreenBounds, KnowUpFromDown) {
   EXPECT_EQ(bounds->rect.y1, 41);
 }
 
+// The rasteriser moves corners by up to half of 1/256 px. (Fails with bounds_slack_px 0.)
+TEST(ScreenBounds, ReachOverABorderThatIsNearerThanTheSubpixels) {
+  // At 50 + 50 * x / 5 px: 3/1000 px right of the left border of pixel 70, and 6/1000 px.
+  const glm::vec3 near_border(2.0003F, 0.05F, -5), far_from_it(2.0006F, 0.05F, -5);
+  EXPECT_EQ(plain_bounds({0, PointHull{{&near_border, 1}}})->rect.x0, 69);
+  EXPECT_EQ(plain_bounds({0, PointHull{{&far_from_it, 1}}})->rect.x0, 70);
+}
+
 TEST(ScreenBounds, AreEmptyBesideTheImage) {
   for (const glm::vec3& center :
        {glm::vec3(-20, 0, -5), glm::vec3(20, 0, -5), glm::vec3(0, -20, -5), glm::vec3(0, 20, -5)}) {
