@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <random>
 
 #include "hierarchy/change_bound.h"
@@ -55,6 +56,29 @@ TEST(Fan, AgreesWithTheGeneralRulesWhileAMeshIsTakenApart) {
       if (keeps_topology(mesh, ring, i)) (void)mesh.collapse(v, around[i], 0, false, arena, ended);
     }
     EXPECT_GT(compared, 200);
+  }
+}
+
+TEST(Fan, ATentFallsByNoLessThanItsHeight) {
+  // Its corners are at height 0 exactly, so whatever replaces it is a whole height below its apex. (Fails when neither
+  // factor nor term rounds the bound up.)
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> unit(0.0F, 1.0F);
+  for (int tries = 0; tries < 2000; ++tries) {
+    const int n = 5 + tries % 8;
+    TriangleMesh tent = test::fan(n);
+    for (int i = 0; i < n; ++i) {
+      const float angle = 6.2831853F * (static_cast<float>(i) + 0.3F * unit(random)) / static_cast<float>(n);
+      const float radius = 1.0F + 0.2F * unit(random);
+      tent.positions[static_cast<std::size_t>(i) + 1] = {radius * std::cos(angle), radius * std::sin(angle), 0.0F};
+    }
+    tent.positions[0] = {0.0F, 0.0F, 0.3F * unit(random)};
+    const StarMesh mesh(tent.triangles, tent.vertex_count());
+    Fan fan;
+    ASSERT_TRUE(fan.gather(mesh, 0));
+    fan.measure_offsets([&](VertexId w) { return tent.positions[w]; });
+    fan.measure_normals();
+    for (std::size_t i = 0; i < fan.size(); ++i) EXPECT_GE(fan.change_bound(i), tent.positions[0].z);
   }
 }
 

@@ -1,0 +1,30 @@
+#!/usr/bin/env bash
+# sanitize.sh address|thread: builds with GCC's sanitizers in build/sanitize or build/sanitize-thread and runs under them
+# every test (address, with undefined behaviour) or those of what runs on several threads (thread): building, topology,
+# hierarchies shared by threads, the viewer's workers. In the background of whatever else the machine does.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+renice -n 19 $$ >/dev/null
+
+jobs=${OCCLOD_JOBS:-2}
+case ${1:-} in
+  address)
+    CMAKE_BUILD_PARALLEL_LEVEL=$jobs scripts/build.sh sanitize
+    ctest --preset sanitize -j "$jobs"
+    ;;
+  thread)
+    if command -v ccache >/dev/null; then export CMAKE_CXX_COMPILER_LAUNCHER=ccache; fi
+    cmake --preset sanitize-thread >&2
+    cmake --build --preset sanitize-thread -j "$jobs" >&2
+    for test in core/test_core mesh/test_mesh hierarchy/test_hierarchy refine/test_refine viewer/test_viewer; do
+      filter='*'
+      if [ "$test" = refine/test_refine ]; then filter='SharedHierarchy.*'; fi
+      program=build/sanitize-thread/tests/$test
+      if [ -x "$program" ]; then "$program" --gtest_brief=1 --gtest_filter="$filter"; fi
+    done
+    ;;
+  *)
+    echo "usage: sanitize.sh address|thread" >&2
+    exit 2
+    ;;
+esac
