@@ -9,18 +9,6 @@
 namespace occlod {
 namespace {
 
-// How many faces there are and are seen, and sums over those that are seen, of twice their area in any unit, and of
-// that part of it that faces the eye.
-struct SeenFaces {
-  int faces = 0;
-  int seen = 0;
-  float whole = 0.0F;
-  float facing = 0.0F;
-
-  // 1 also for what is no number: with the eye on a corner.
-  [[nodiscard]] float cosine() const { return whole > 0.0F ? std::min(1.0F, facing / whole) : 1.0F; }
-};
-
 // What lengths are multiplied with.
 struct Unscaled {
   glm::vec3 operator()(const glm::vec3& v) const { return v; }
@@ -49,12 +37,11 @@ class FaceLook {
     SeenFaces result;
     star.for_each_face([&](const Triangle& t) {
       const glm::vec3 &a = positions_[t.x], &b = positions_[t.y], &c = positions_[t.z];
-      ++result.faces;
       // Which side of its plane the eye is on does not change under an affine map, mirrored or not.
       const glm::vec3 normal = glm::cross(edges(b - a), edges(c - a)), to_eye = rays(view_.eye() - a);
       const float facing = glm::dot(normal, to_eye);
       if (!((two_sided_ || facing > 0.0F) && (inside_ || may_be_inside(a, b, c, view_)))) return;
-      ++result.seen;
+      ++result.count;
       result.whole += glm::length(normal);
       result.facing += std::abs(facing) / glm::length(to_eye);
     });
@@ -68,6 +55,20 @@ class FaceLook {
   bool two_sided_;
 };
 
+float distance_to(const Sphere& sphere, const ObjectView& view) {
+  return largest_coordinate(view.eye() - sphere.center);
+}
+
+StarView star_view(const SplitStar& star, const Sphere& sphere, const SeenFaces& seen) {
+  StarView result;
+  result.sphere = sphere;
+  const std::uint32_t faces = star.inserted_count() + star.removed_count();
+  if (faces > 0) result.visible_share = static_cast<float>(seen.count) / static_cast<float>(faces);
+  // 1 also for what is no number: with the eye on a corner.
+  if (seen.whole > 0.0F) result.cosine = std::min(1.0F, seen.facing / seen.whole);
+  return result;
+}
+
 }  // namespace
 
 bool is_wholly_inside(const Sphere& sphere, const ObjectView& view) {
@@ -77,26 +78,30 @@ bool is_wholly_inside(const Sphere& sphere, const ObjectView& view) {
 }
 
 StarView StarLook::look(const Hierarchy& hierarchy, SplitId s, const ObjectView& view, bool two_sided) {
+  const SplitStar star = hierarchy.star(s);
+  if (star.is_fan()) {
+    gather_fan(hierarchy, star);
+    const Sphere sphere = sphere_around(fan_);  // its radius is not near one where squares are out of range
+    if (is_near_one(sphere.radius) && is_near_one(distance_to(sphere, view)) && is_wholly_inside(sphere, view))
+      return star_view(star, sphere, look_at_fan(fan_, view.eye(), two_sided));
+  }
   gather(hierarchy, s);
   const Box box = bounding_box(points_);
-  StarView star;
-  star.sphere.center = 0.5F * box.min + 0.5F * box.max;
-  const float extent = largest_coordinate(box.max - box.min);
+  Sphere sphere;
+  sphere.center = 0.5F * box.min + 0.5F * box.max;
+  const float extent = largest_coordinate(box.max - box.min), distance = distance_to(sphere, view);
   const float unit = inverse_power_of_two(extent);
   float square = 0.0F;
   for (const glm::vec3& p : points_) {
-    const glm::vec3 d = unit * (p - star.sphere.center);
+    const glm::vec3 d = unit * (p - sphere.center);
     square = std::max(square, glm::dot(d, d));
   }
-  star.sphere.radius = std::sqrt(square) / unit;
-  const float distance = largest_coordinate(view.eye() - star.sphere.center);
-  const FaceLook faces(hierarchy.positions(), view, is_wholly_inside(star.sphere, view), two_sided);
+  sphere.radius = std::sqrt(square) / unit;
+  const FaceLook faces(hierarchy.positions(), view, is_wholly_inside(sphere, view), two_sided);
   const SeenFaces seen = is_near_one(extent) && is_near_one(distance)
-                             ? faces.look(hierarchy.star(s), Unscaled(), Unscaled())
-                             : faces.look(hierarchy.star(s), Scaled{unit}, Scaled{inverse_power_of_two(distance)});
-  if (seen.faces > 0) star.visible_share = static_cast<float>(seen.seen) / static_cast<float>(seen.faces);
-  star.cosine = seen.cosine();
-  return star;
+                             ? faces.look(star, Unscaled(), Unscaled())
+                             : faces.look(star, Scaled{unit}, Scaled{inverse_power_of_two(distance)});
+  return star_view(star, sphere, seen);
 }
 
 std::span<const glm::vec3> StarLook::points(const Hierarchy& hierarchy, SplitId s) {
@@ -116,6 +121,20 @@ void StarLook::gather(const Hierarchy& hierarchy, SplitId s) {
     hierarchy.require_vertex(v);
     return hierarchy.positions()[v];
   });
+}
+
+void StarLook::gather_fan(const Hierarchy& hierarchy, const SplitStar& star) {
+  const std::span<const glm::vec3> positions = hierarchy.positions();
+  const std::span<const VertexId> ring = star.ring();
+  fan_.vertex = positions[star.vertex()];
+  fan_.ring_size = static_cast<std::uint32_t>(ring.size());
+  fan_.inserted = star.inserted_count();
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    hierarchy.require_vertex(ring[i]);
+    fan_.set(i, positions[ring[i]]);
+    if (ring[i] == star.parent_vertex()) fan_.parent_place = static_cast<std::uint32_t>(i);
+  }
+  fan_.fill_up();
 }
 
 void StarLook::gather_corners(const SplitStar& star) {

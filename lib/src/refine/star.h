@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "fan_look.h"
 #include "occlod/hierarchy/hierarchy.h"
 #include "occlod/view/view.h"
 
@@ -30,9 +31,11 @@ class StarLook {
  private:
   void gather(const Hierarchy& hierarchy, SplitId s);
   void gather_corners(const SplitStar& star);
+  void gather_fan(const Hierarchy& hierarchy, const SplitStar& star);
 
   std::vector<VertexId> ids_;
   std::vector<glm::vec3> points_;
+  FanCorners fan_;
 };
 
 }  // namespace occlod
