@@ -100,7 +100,7 @@ TEST(Occluder, PaperIsTheCutItself) {
   const std::vector<RefineObject> objects = {{&hierarchy}};
   const std::span<const OccluderPart> parts = occluder.build(objects, cuts, views, OccluderMode::paper);
   std::vector<Triangle> expected;
-  cuts[0].active_triangles(expected, true);
+  cuts[0].active_triangles(expected, false);
   ASSERT_EQ(parts.size(), 1U);
   ASSERT_EQ(parts[0].triangles.size(), expected.size());
   for (std::size_t i = 0; i < expected.size(); ++i)

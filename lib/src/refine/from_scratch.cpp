@@ -37,7 +37,7 @@ void FromScratch::begin() {
   base_triangles_ = triangles_;
   steps_.begin(*options_);
   queue_.clear();
-  lookahead_.begin(refined_);
+  lookahead_.begin(refined_, *options_);
   hidden_.clear();
   victims_.clear();
   occluder_ = 0;
@@ -70,19 +70,26 @@ void FromScratch::run() {
       drain();
       draw_occluder();
     }
-    // Top the flight up from the global queue.
-    while (!queue_.empty() && questions_->has_room() && matters(queue_.top()) && must_ask(queue_.top()))
-      ask(queue_.pop());
+    if (questions_->in_flights()) fill_flight();
     const bool anything = !queue_.empty() && matters(queue_.top());
-    if (!questions_->none_open() && (!anything || !questions_->has_room())) {
+    if (!questions_->none_open() && (!anything || !questions_->has_room()))
       settle();
-    } else if (anything) {
-      process(queue_.pop());
-    } else {
+    else if (anything)
+      take_next();
+    else
       break;
-    }
   }
   drain();
+}
+
+// An entry of the queue that matters.
+void FromScratch::take_next() {
+  if (!questions_->in_flights() && must_ask(queue_.top())) ask_ahead();
+  const Entry entry = queue_.pop();
+  if (entry.is_hidden && entry.asked_occluder == occluder_)
+    hide(entry);
+  else
+    process(entry);
 }
 
 bool FromScratch::used_up() const {
@@ -99,12 +106,7 @@ void FromScratch::readmit() {
   rejections_in_a_row_ = 0;
   doubtful_.swap(hidden_);
   draw_occluder();
-  for (const Entry& entry : doubtful_) {
-    if (!questions_->has_room()) settle_later();
-    doubt(entry);
-    ask(entry);
-  }
-  drain();
+  ask_about_doubtful();
   stats_->readmitted = doubtful_.size() - hidden_.size();
   doubtful_.clear();
   run();

@@ -57,6 +57,14 @@ class FromScratch {
   void offer(const Entry& entry);
   [[nodiscard]] bool must_ask(const Entry& entry) const;
   void ask(const Entry& entry);
+  void fill_flight();
+  void take_next();
+  void ask_ahead();
+  template <typename Answered>
+  void ask_all(const Answered& answered);
+  void ask_about_doubtful();
+  void note_answer(const Entry& entry, bool visible);
+  void hide(const Entry& entry);
   void settle();
   void settle_later();
   void drain();
@@ -77,6 +85,8 @@ class FromScratch {
   std::vector<float> root_scales_px_;  // of one object
   std::vector<Entry> hidden_;          // found hidden by the occluder of their time
   std::vector<Entry> doubtful_;  // found hidden by earlier occluders than that before which they are now asked about
+  std::vector<Entry> asked_;     // scratch: about which many questions are asked at once,
+  std::vector<Entry*> asked_entries_;  // and where they are in the queue
   StarLook star_;
   Victims victims_;
   std::size_t base_triangles_ = 0;

@@ -25,6 +25,60 @@ void FromScratch::ask(const Entry& entry) {
   ++stats_->queries;
 }
 
+// From the global queue.
+void FromScratch::fill_flight() {
+  while (!queue_.empty() && questions_->has_room() && matters(queue_.top()) && must_ask(queue_.top()))
+    ask(queue_.pop());
+}
+
+// About the next entry of the queue, and with it about those that will come next: a backend that answers at once has
+// less to do with many questions than with each of them. None is acted upon before its turn.
+void FromScratch::ask_ahead() {
+  constexpr std::size_t most_questions = 32, most_entries = 48;
+  asked_.clear();
+  asked_entries_.clear();
+  std::size_t entries_left = most_entries;
+  queue_.for_top([&](Entry& entry) {
+    if (matters(entry) && must_ask(entry)) {
+      asked_.push_back(entry);
+      asked_entries_.push_back(&entry);
+    }
+    return --entries_left > 0 && asked_.size() < most_questions;
+  });
+  std::size_t answers = 0;
+  ask_all([&](const Entry&, bool visible) {
+    Entry& entry = *asked_entries_[answers++];
+    entry.asked_occluder = occluder_;
+    entry.is_hidden = !visible;
+  });
+}
+
+// About all of asked_; calls answered(Entry, visible) for each.
+template <typename Answered>
+void FromScratch::ask_all(const Answered& answered) {
+  stats_->queries += asked_.size();
+  questions_->ask_all(
+      asked_,
+      [&](const Entry& entry) {
+        return query_about(entry, refined_.cuts[entry.object].hierarchy(), options_->proxy, star_);
+      },
+      [&](const Entry& entry, bool visible) {
+        note_answer(entry, visible);
+        answered(entry, visible);
+      });
+}
+
+void FromScratch::note_answer(const Entry& entry, bool visible) {
+  refined_.gate->answered(entry, refined_.cuts[entry.object].hierarchy().node(entry.split), visible);
+  if (!visible) ++stats_->queries_hidden;
+}
+
+// It joins the hidden ones.
+void FromScratch::hide(const Entry& entry) {
+  hidden_.push_back(entry);
+  if (entry.kind == Entry::Kind::apply) refined_.importances[entry.object].set_hidden(entry.split, true);
+}
+
 // Takes the oldest answer; what is visible is processed if its turn is still now.
 void FromScratch::settle() {
   const Entry entry = take_answer();
@@ -48,16 +102,13 @@ void FromScratch::settle_later() {
 // The oldest entry asked about, if it is visible; else it joins the hidden ones and no entry comes back.
 Entry FromScratch::take_answer() {
   Questions::Answer answer = questions_->take();
-  refined_.gate->answered(answer.entry, refined_.cuts[answer.entry.object].hierarchy().node(answer.entry.split),
-                          answer.visible);
+  note_answer(answer.entry, answer.visible);
   if (!answer.visible) {
-    ++stats_->queries_hidden;
-    hidden_.push_back(answer.entry);
-    if (answer.entry.kind == Entry::Kind::apply)
-      refined_.importances[answer.entry.object].set_hidden(answer.entry.split, true);
+    hide(answer.entry);
     return {};
   }
   answer.entry.asked_occluder = occluder_;
+  answer.entry.is_hidden = false;
   return answer.entry;
 }
 
@@ -81,6 +132,22 @@ void FromScratch::draw_occluder() {
     queue_.push(entry);
   }
   hidden_.clear();
+}
+
+// What earlier occluders hid, before the one drawn last.
+void FromScratch::ask_about_doubtful() {
+  for (const Entry& entry : doubtful_) doubt(entry);
+  asked_.assign(doubtful_.begin(), doubtful_.end());
+  ask_all([&](const Entry& entry, bool visible) {
+    if (!visible) {
+      hide(entry);
+      return;
+    }
+    Entry shown = entry;
+    shown.asked_occluder = occluder_;
+    shown.is_hidden = false;
+    queue_.push(shown);
+  });
 }
 
 // An older occluder hid it: that is no longer held to be true.

@@ -13,11 +13,18 @@ void Lookahead::weigh_children(Entry& entry, Queue& queue) {
   add(entry);
   std::size_t entries_left = most_entries;
   queue.for_top([&](Entry& next) {
-    if (!next.children_weighed && next.kind == Entry::Kind::visit && next.object == entry.object) add(next);
+    if (next.kind == Entry::Kind::apply)
+      prefetch_star(next);
+    else if (!next.children_weighed && next.object == entry.object)
+      add(next);
     return --entries_left > 0 && size_ < entries_.size();
   });
+  if (looks_at_stars_)
+    for (std::size_t i = 0; i < size_; ++i) prefetch_star(*entries_[i]);
   std::array<float, batch_size> scales;
   weigh(entry.object, std::span(splits_.data(), 2 * size_), scales);
+  if (looks_at_stars_)
+    for (std::size_t i = 0; i < size_; ++i) prefetch_corners(*entries_[i]);
   for (std::size_t i = 0; i < size_; ++i) entries_[i]->child_scales_px = {scales[2 * i], scales[2 * i + 1]};
 }
 
@@ -27,6 +34,19 @@ void Lookahead::add(Entry& entry) {
   splits_[2 * size_] = node.child_u;
   splits_[2 * size_ + 1] = node.child_v;
   entries_[size_++] = &entry;
+}
+
+void Lookahead::prefetch_star(const Entry& entry) const {
+  const Hierarchy& hierarchy = refined_.cuts[entry.object].hierarchy();
+  prefetch(hierarchy.data().stars.data() + hierarchy.node(entry.split).star);
+}
+
+// Of the star.
+void Lookahead::prefetch_corners(const Entry& entry) const {
+  const Hierarchy& hierarchy = refined_.cuts[entry.object].hierarchy();
+  const SplitStar star = hierarchy.star(entry.split);
+  if (!star.is_fan()) return;
+  for (const VertexId v : star.ring()) prefetch(&hierarchy.positions()[v]);
 }
 
 void Lookahead::weigh(std::uint32_t object, std::span<const SplitId> splits, std::span<float> scales_px) {

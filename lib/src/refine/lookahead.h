@@ -18,7 +18,10 @@ namespace occlod {
 // been looked at in vain is only what the budget ends before.
 class Lookahead {
  public:
-  void begin(const RefinedCuts& refined) { refined_ = refined; }
+  void begin(const RefinedCuts& refined, const RefineOptions& options) {
+    refined_ = refined;
+    looks_at_stars_ = options.culling == Culling::star;
+  }
 
   // Sets child_scales_px of an entry of kind `visit` that has none, and of entries of the queue. Throws Error when a
   // child is damaged.
@@ -32,8 +35,11 @@ class Lookahead {
   static constexpr std::size_t most_entries = 48;  // looked at to fill a batch
 
   void add(Entry& entry);
+  void prefetch_star(const Entry& entry) const;
+  void prefetch_corners(const Entry& entry) const;
 
   RefinedCuts refined_;
+  bool looks_at_stars_ = false;
   std::size_t size_ = 0;  // entries
   std::array<Entry*, batch_size / 2> entries_{};
   std::array<SplitId, batch_size> splits_{};

@@ -63,27 +63,19 @@ std::span<const OccluderPart> Occluder::build(std::span<const RefineObject> obje
   result_.clear();
   for (std::size_t i = 0; i < cuts.size(); ++i) {
     Part& part = parts_[i];
-    cuts[i].active_triangles(part.cut, true);
-    part.positions.clear();
+    std::span<const glm::vec3> positions = cuts[i].hierarchy().positions();
     if (mode == OccluderMode::paper) {
-      add_as_it_is(cuts[i], part);
+      cuts[i].active_triangles(part.triangles, false);
     } else {
+      cuts[i].active_triangles(part.cut, true);
       find_errors(cuts[i]);
       find_faces(cuts[i], part.cut, objects[i].two_sided, views[i].eye());
       add_moved_back(cuts[i], views[i].eye(), part);
+      positions = part.positions;
     }
-    for (auto v = static_cast<VertexId>(3 * part.triangles.size()); v < part.positions.size(); v += 3)
-      part.triangles.emplace_back(v, v + 1, v + 2);
-    part.triangles.resize(part.positions.size() / 3);
-    result_.push_back({static_cast<std::uint32_t>(i), part.positions, part.triangles});
+    result_.push_back({static_cast<std::uint32_t>(i), positions, part.triangles});
   }
   return result_;
-}
-
-void Occluder::add_as_it_is(const Cut& cut, Part& part) {
-  const std::span<const glm::vec3> positions = cut.hierarchy().positions();
-  for (const Triangle& t : part.cut)
-    part.positions.insert(part.positions.end(), {positions[t.x], positions[t.y], positions[t.z]});
 }
 
 // Of a solid, front faces that can be moved inwards; of sheets, which have two sides and no inside, faces far from any
@@ -104,13 +96,18 @@ void Occluder::find_faces(const Cut& cut, std::span<const Triangle> triangles, b
   std::erase_if(faces_, [&](const SheetFace&) { return kept[f++] == 0; });
 }
 
+// Each face moves by itself, so they share no vertices.
 void Occluder::add_moved_back(const Cut& cut, const glm::vec3& eye, Part& part) const {
   const std::span<const glm::vec3> positions = cut.hierarchy().positions();
+  part.positions.clear();
+  part.triangles.clear();
   for (const SheetFace& face : faces_) {
     const Triangle& t = face.corners;
     const glm::vec3 &a = positions[t.x], &b = positions[t.y], &c = positions[t.z];
     const glm::vec3 back = push_of(a, b, c, face.error, eye);
+    const auto first = static_cast<VertexId>(part.positions.size());
     part.positions.insert(part.positions.end(), {a + back, b + back, c + back});
+    part.triangles.emplace_back(first, first + 1, first + 2);
   }
 }
 

@@ -11,21 +11,21 @@
 
 namespace occlod {
 
-// Reuses its memory. Triangles do not share vertices, so that a part holds only what it needs of a hierarchy.
+// Reuses its memory. As they are, the parts are triangles of the hierarchy's own vertices, in no order.
 class Occluder {
  public:
-  // `cuts` and `views` by object. The result is valid until the next call. O(n log n) for n triangles.
+  // `cuts` and `views` by object. The result is valid until the next call. O(n) for n
+  // triangles; O(n log n) where they are moved back.
   std::span<const OccluderPart> build(std::span<const RefineObject> objects, std::span<Cut> cuts,
                                       std::span<const ObjectView> views, OccluderMode mode);
 
  private:
   struct Part {
-    std::vector<Triangle> cut;  // by the hierarchy's vertices
-    std::vector<glm::vec3> positions;
+    std::vector<Triangle> cut;         // before it is moved back, by the hierarchy's vertices
+    std::vector<glm::vec3> positions;  // of what is moved back
     std::vector<Triangle> triangles;
   };
 
-  static void add_as_it_is(const Cut& cut, Part& part);
   void find_errors(const Cut& cut);
   void find_faces(const Cut& cut, std::span<const Triangle> triangles, bool two_sided, const glm::vec3& eye);
   void add_moved_back(const Cut& cut, const glm::vec3& eye, Part& part) const;

@@ -9,6 +9,8 @@ void Questions::begin(Visibility& visibility, const View& view, std::span<const 
   open_.clear();
   const Clock::time_point start = Clock::now();
   visibility_->begin_view(view, objects);
+  can_hide_ = visibility_->can_hide();
+  flight_ = visibility_->flight();
   milliseconds_ = milliseconds_since(start);
 }
 

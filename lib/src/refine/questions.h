@@ -15,11 +15,11 @@ class Questions {
  public:
   void begin(Visibility& visibility, const View& view, std::span<const ObjectView> objects);
 
-  [[nodiscard]] bool can_hide() const { return visibility_->can_hide(); }
+  [[nodiscard]] bool can_hide() const noexcept { return can_hide_; }
   [[nodiscard]] bool none_open() const noexcept { return open_.empty(); }
-  [[nodiscard]] bool has_room() const { return open_.size() < visibility_->flight(); }
+  [[nodiscard]] bool has_room() const { return open_.size() < flight_; }
   // Whether several questions should be under way at once.
-  [[nodiscard]] bool in_flights() const { return visibility_->flight() > 1; }
+  [[nodiscard]] bool in_flights() const { return flight_ > 1; }
 
   void ask(const Entry& entry, const VisibilityQuery& query);
   struct Answer {
@@ -39,6 +39,8 @@ class Questions {
 
  private:
   Visibility* visibility_ = nullptr;
+  bool can_hide_ = false;
+  std::size_t flight_ = 1;   // of the backend, in this view
   std::deque<Entry> open_;   // oldest first
   Clock::time_point asked_;  // the last of them
   double milliseconds_ = 0.0;
@@ -47,7 +49,7 @@ class Questions {
 template <typename QueryOf, typename Answered>
 void Questions::ask_all(std::span<const Entry> entries, const QueryOf& query_of, const Answered& answered) {
   const Clock::time_point start = Clock::now();
-  const std::size_t most_open = in_flights() ? visibility_->flight() : entries.size();
+  const std::size_t most_open = in_flights() ? flight_ : entries.size();
   std::size_t answers = 0;
   const auto take_one = [&] {
     const bool visible = visibility_->collect() != 0;
