@@ -37,6 +37,10 @@ class Cut {
   };
   // Precondition: s is not applied. O(closure). Throws Error when a needed split is damaged.
   [[nodiscard]] Closure closure(SplitId s);
+  // Whether s may be applied will soon be asked. Its star should be at hand.
+  void prefetch_needs(SplitId s) const noexcept {
+    for (const SplitId needed : hierarchy_->star(s).dependencies()) prefetch(&state_[needed]);
+  }
   // Applies what the last closure() found.
   void apply_closure();
 

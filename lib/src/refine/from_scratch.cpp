@@ -85,7 +85,7 @@ void FromScratch::run() {
 // An entry of the queue that matters.
 void FromScratch::take_next() {
   if (!questions_->in_flights() && must_ask(queue_.top())) ask_ahead();
-  const Entry entry = queue_.pop();
+  Entry entry = queue_.pop();
   if (entry.is_hidden && entry.asked_occluder == occluder_)
     hide(entry);
   else
@@ -140,7 +140,7 @@ bool FromScratch::is_tolerated(const ScreenError& error) {
 }
 
 // An entry that is visible as far as we know.
-void FromScratch::process(Entry entry) {
+void FromScratch::process(Entry& entry) {
   if (entry.kind == Entry::Kind::visit) {
     const SplitNode& node = refined_.cuts[entry.object].hierarchy().node(entry.split);
     if (options_->culling == Culling::subtree)

@@ -47,14 +47,20 @@ class FromScratch {
   void meet_roots(std::uint32_t object);
   void meet(std::uint32_t object, SplitId s, float scale_px, SplitId parent, std::uint32_t level);
   bool is_tolerated(const ScreenError& error);
-  void process(Entry entry);
+  void process(Entry& entry);
   void consider(const Entry& entry);
   void apply(const Entry& entry);
   bool waits(const Entry& entry, const Cut::Closure& closure);
   bool make_room(const Entry& entry);
   void count_splits(const Entry& entry, const Cut::Closure& closure);
 
-  void offer(const Entry& entry);
+  // Into the flight if it has room for a question that must be asked, else into the global queue.
+  void offer(const Entry& entry) {
+    if (questions_->in_flights() && questions_->has_room() && matters(entry) && must_ask(entry))
+      ask(entry);
+    else
+      queue_.push(entry);
+  }
   [[nodiscard]] bool must_ask(const Entry& entry) const;
   void ask(const Entry& entry);
   void fill_flight();

@@ -4,20 +4,12 @@
 // What refinement from scratch asks of a backend.
 namespace occlod {
 
-// Into the flight if it has room for a question that must be asked, else into the global queue.
-void FromScratch::offer(const Entry& entry) {
-  if (questions_->in_flights() && questions_->has_room() && matters(entry) && must_ask(entry))
-    ask(entry);
-  else
-    queue_.push(entry);
-}
-
 bool FromScratch::must_ask(const Entry& entry) const {
   if (occluder_ == 0 || entry.asked_occluder == occluder_) return false;
-  if (!refined_.gate->asks(entry.object, refined_.cuts[entry.object].hierarchy().node(entry.split).sphere.center))
+  if (entry.kind == Entry::Kind::apply ? !options_->ask_stars
+                                       : entry.level % options_->level_step != options_->level_step - 1)
     return false;
-  if (entry.kind == Entry::Kind::apply) return options_->ask_stars;
-  return entry.level % options_->level_step == options_->level_step - 1;
+  return refined_.gate->asks(entry.object, refined_.cuts[entry.object].hierarchy().node(entry.split).sphere.center);
 }
 
 void FromScratch::ask(const Entry& entry) {
@@ -39,9 +31,14 @@ void FromScratch::ask_ahead() {
   asked_entries_.clear();
   std::size_t entries_left = most_entries;
   queue_.for_top([&](Entry& entry) {
-    if (matters(entry) && must_ask(entry)) {
+    if (entry.asked_occluder == occluder_) return --entries_left > 0;
+    if (!matters(entry)) return false;
+    if (must_ask(entry)) {
       asked_.push_back(entry);
       asked_entries_.push_back(&entry);
+    } else {  // nobody has to look at it again
+      entry.asked_occluder = occluder_;
+      entry.is_hidden = false;
     }
     return --entries_left > 0 && asked_.size() < most_questions;
   });
@@ -81,7 +78,7 @@ void FromScratch::hide(const Entry& entry) {
 
 // Takes the oldest answer; what is visible is processed if its turn is still now.
 void FromScratch::settle() {
-  const Entry entry = take_answer();
+  Entry entry = take_answer();
   if (entry.split == no_id) return;
   if (matters(entry) && queue_.would_be_next(entry))
     process(entry);

@@ -8,32 +8,42 @@
 
 namespace occlod {
 
+// In steps, so that what one of them wants from memory is on its way while the one before is at work.
 void Lookahead::weigh_children(Entry& entry, Queue& queue) {
-  size_ = 0;
-  add(entry);
-  std::size_t entries_left = most_entries;
-  queue.for_top([&](Entry& next) {
-    if (next.kind == Entry::Kind::apply)
-      prefetch_star(next);
-    else if (!next.children_weighed && next.object == entry.object)
-      add(next);
-    return --entries_left > 0 && size_ < entries_.size();
-  });
-  if (looks_at_stars_)
-    for (std::size_t i = 0; i < size_; ++i) prefetch_star(*entries_[i]);
+  gather(entry, queue);
+  for (std::size_t i = 0; i < size_; ++i) {
+    const SplitNode& node = refined_.cuts[entry.object].hierarchy().node(entries_[i]->split);
+    splits_[2 * i] = node.child_u;
+    splits_[2 * i + 1] = node.child_v;
+    prefetch_star(*entries_[i]);
+  }
   std::array<float, batch_size> scales;
   weigh(entry.object, std::span(splits_.data(), 2 * size_), scales);
-  if (looks_at_stars_)
-    for (std::size_t i = 0; i < size_; ++i) prefetch_corners(*entries_[i]);
-  for (std::size_t i = 0; i < size_; ++i) entries_[i]->child_scales_px = {scales[2 * i], scales[2 * i + 1]};
+  for (std::size_t i = 0; i < size_; ++i) {
+    entries_[i]->children_weighed = true;
+    entries_[i]->child_scales_px = {scales[2 * i], scales[2 * i + 1]};
+    if (looks_at_stars_)
+      prefetch_corners(*entries_[i]);
+    else
+      refined_.cuts[entry.object].prefetch_needs(entries_[i]->split);
+  }
 }
 
-void Lookahead::add(Entry& entry) {
-  entry.children_weighed = true;
-  const SplitNode& node = refined_.cuts[entry.object].hierarchy().node(entry.split);
-  splits_[2 * size_] = node.child_u;
-  splits_[2 * size_ + 1] = node.child_v;
-  entries_[size_++] = &entry;
+// This entry, and the next ones of the queue whose children are wanted.
+void Lookahead::gather(Entry& entry, Queue& queue) {
+  const Hierarchy& hierarchy = refined_.cuts[entry.object].hierarchy();
+  entries_[0] = &entry;
+  size_ = 1;
+  std::size_t entries_left = most_entries;
+  queue.for_top([&](Entry& next) {
+    if (next.kind == Entry::Kind::apply) {
+      prefetch_star(next);
+    } else if (!next.children_weighed && next.object == entry.object) {
+      prefetch(&hierarchy.node(next.split));
+      entries_[size_++] = &next;
+    }
+    return --entries_left > 0 && size_ < entries_.size();
+  });
 }
 
 void Lookahead::prefetch_star(const Entry& entry) const {

@@ -34,7 +34,7 @@ class Lookahead {
   static constexpr std::size_t lanes = 8;          // of vectors, or a multiple of that
   static constexpr std::size_t most_entries = 48;  // looked at to fill a batch
 
-  void add(Entry& entry);
+  void gather(Entry& entry, Queue& queue);
   void prefetch_star(const Entry& entry) const;
   void prefetch_corners(const Entry& entry) const;
 

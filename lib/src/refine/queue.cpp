@@ -29,17 +29,6 @@ std::uint32_t Queue::obtain_chunk(std::uint32_t below) {
   return at;
 }
 
-void Queue::push(const Entry& entry) {
-  const std::size_t bucket = bucket_of(entry);
-  std::uint32_t& first = first_[bucket];
-  if (first == none || chunks_[first].size == Chunk::capacity) first = obtain_chunk(first);
-  Chunk& chunk = chunks_[first];
-  chunk.entries[chunk.size++] = entry;
-  occupied_[bucket / word_bits] |= std::uint64_t{1} << (bucket % word_bits);
-  if (size_ == 0 || bucket > top_) top_ = bucket;
-  ++size_;
-}
-
 Entry Queue::pop() {
   assert(!empty());
   std::uint32_t& first = first_[top_];

@@ -114,6 +114,17 @@ class Queue {
   std::array<std::uint64_t, bucket_count / word_bits> occupied_{};  // a bit for each bucket
 };
 
+inline void Queue::push(const Entry& entry) {
+  const std::size_t bucket = bucket_of(entry);
+  std::uint32_t& first = first_[bucket];
+  if (first == none || chunks_[first].size == Chunk::capacity) first = obtain_chunk(first);
+  Chunk& chunk = chunks_[first];
+  chunk.entries[chunk.size++] = entry;
+  occupied_[bucket / word_bits] |= std::uint64_t{1} << (bucket % word_bits);
+  if (size_ == 0 || bucket > top_) top_ = bucket;
+  ++size_;
+}
+
 template <typename Self, typename Visit>
 void Queue::for_top_of(Self& queue, const Visit& visit) {
   if (queue.empty()) return;
