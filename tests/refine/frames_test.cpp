@@ -209,6 +209,34 @@ TEST(FramesOptions, AnotherWeighingStartsFromTheBaseMeshes) {
   EXPECT_EQ(hash, fresh.update(view, options, none).hash());
 }
 
+// What is asked about occlusion may change from frame to frame, as the setting `auto` does: the mesh goes on, and
+// what is switched off is not asked about any more.
+TEST(FramesOptions, OtherQuestionsGoOn) {
+  const std::vector<RefineObject> objects = two_planets();
+  Refiner refiner(objects);
+  const auto software = make_software_occlusion();
+  RefineOptions options;
+  options.budget = 3'000;
+  (void)refiner.update(View(orbiting(0.0, 6.0)), options, *software);
+  const auto goes_on = [&](double degrees) {
+    const Refinement& next = refiner.update(View(orbiting(degrees, 6.0)), options, *software);
+    for (const RefinedObject& object : next.objects) expect_valid(planet(), object);
+    return next.stats.new_splits < next.stats.splits / 2;
+  };
+  options.ask_stars = false;
+  EXPECT_TRUE(goes_on(1.0));
+  options.level_step = 1;
+  EXPECT_TRUE(goes_on(2.0));
+  options.final_check = options.retest_hidden = false;
+  EXPECT_TRUE(goes_on(3.0));
+  options.occluder_splits = {64};
+  EXPECT_TRUE(goes_on(4.0));
+  options.effects = {{}, {.occlusion = false}};
+  EXPECT_TRUE(goes_on(5.0));
+  EXPECT_EQ(refiner.update(View(orbiting(6.0, 6.0)), options, *software).effects[1].queries(), 0U);
+  EXPECT_GT(refiner.update(View(orbiting(7.0, 6.0)), options, *software).effects[0].queries(), 0U);
+}
+
 INSTANTIATE_TEST_SUITE_P(Ways, Frames,
                          testing::Values(Way{Culling::subtree, false}, Way{Culling::subtree, true},
                                          Way{Culling::star, false}, Way{Culling::star, true}),

@@ -41,16 +41,18 @@ class EffectGate {
     if (regions == all_effect_regions) return true;
     return regions != 0 && ((regions >> objects_[object].grid.region_of(center)) & 1U) != 0;
   }
-  void answered(const Entry& entry, const SplitNode& node, bool visible) noexcept {
+  // A question about what lies around `center`, a star or a subtree with an error of error_px.
+  void answered(std::uint32_t object, Entry::Kind kind, const glm::vec3& center, float error_px,
+                bool visible) noexcept {
     using Region = ObjectEffectStats::Region;
-    Region& region = stats_[entry.object].regions[objects_[entry.object].grid.region_of(node.sphere.center)];
+    Region& region = stats_[object].regions[objects_[object].grid.region_of(center)];
     ++region.queries;
     if (visible) return;
     ++region.hidden;
-    if (entry.kind == Entry::Kind::apply)
+    if (kind == Entry::Kind::apply)
       ++region.hidden_stars;
     else
-      region.hidden_subtrees_px += std::min(entry.error.quadric_px, Region::most_error_px);
+      region.hidden_subtrees_px += std::min(error_px, Region::most_error_px);
   }
   [[nodiscard]] std::span<const ObjectEffectStats> stats() const noexcept { return stats_; }
 

@@ -45,6 +45,7 @@ void Frames::adopt(const RefinedCuts& refined, const RefineOptions& options, flo
                    std::span<const Entry> hidden) {
   begin(refined, options);
   adopted_ = true;
+  adopted_draw_ = draw_;
   at_rest_ = false;
   level_ = level;
   for (std::uint32_t i = 0; i < objects_.size(); ++i) {

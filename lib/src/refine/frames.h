@@ -42,6 +42,8 @@ class Frames {
 
   // After adopt() or advance(), with what the frame before got.
   void emit(std::uint32_t i, RefinedObject& out, RefineStats& stats);
+  // Of applied splits of one object: see Refiner::visibility_ages().
+  [[nodiscard]] std::vector<std::uint32_t> visibility_ages(std::uint32_t object, std::span<const SplitId> splits) const;
   // The next frame will change nothing unless the view or the options do.
   [[nodiscard]] bool at_rest() const noexcept { return at_rest_; }
 
@@ -130,12 +132,13 @@ class Frames {
   bool at_rest_ = false;
   bool asks_leaves_ = false;  // when they become leaves
   std::uint32_t frame_ = 0;
-  std::uint32_t moved_frame_ = 0;  // in which the view moved last
-  std::uint32_t draw_ = 0;         // occluders so far
-  std::uint32_t fresh_draw_ = 0;   // verdicts before earlier ones are out of date
-  float level_ = 0.0F;             // the priority where the budget ended
-  float candidates_above_ = 0.0F;  // queued are candidates with larger keys
-  float leaves_below_ = 0.0F;      // and leaves with smaller ones
+  std::uint32_t moved_frame_ = 0;   // in which the view moved last
+  std::uint32_t draw_ = 0;          // occluders so far
+  std::uint32_t adopted_draw_ = 0;  // the last of them before the cut was taken over
+  std::uint32_t fresh_draw_ = 0;    // verdicts before earlier ones are out of date
+  float level_ = 0.0F;              // the priority where the budget ended
+  float candidates_above_ = 0.0F;   // queued are candidates with larger keys
+  float leaves_below_ = 0.0F;       // and leaves with smaller ones
   Queue candidates_;
   Queue leaves_;  // by 1 / key
   std::size_t triangles_ = 0;

@@ -49,6 +49,7 @@ void Frames::advance(Questions& questions, Occluder& occluder, bool moved, Clock
   stats.triangles = triangles_;
   stats.culled_frustum = unseen_.outside;
   stats.culled_backface = unseen_.facing_away;
+  stats.level_px = static_cast<double>(level_);
   stats.max_error_px = static_cast<double>(left_.guaranteed_px);
   stats.max_quadric_error_px = static_cast<double>(left_.quadric_px);
 }
@@ -117,6 +118,7 @@ void Frames::note(const Entry& entry, bool visible) {
   node.set(subtree ? FrontNode::subtree_hidden : FrontNode::star_hidden, !visible);
   if (visible) (subtree ? node.subtree_shown : node.star_shown) = static_cast<std::uint16_t>(draw_);
   if (!visible) ++stats_->queries_hidden;
+  refined_.gate->answered(entry.object, entry.kind, node.sphere.center, node.quadric_px(), visible);
 }
 
 void Frames::forget_hidden() {

@@ -66,7 +66,8 @@ void FromScratch::ask_all(const Answered& answered) {
 }
 
 void FromScratch::note_answer(const Entry& entry, bool visible) {
-  refined_.gate->answered(entry, refined_.cuts[entry.object].hierarchy().node(entry.split), visible);
+  const glm::vec3& center = refined_.cuts[entry.object].hierarchy().node(entry.split).sphere.center;
+  refined_.gate->answered(entry.object, entry.kind, center, entry.error.quadric_px, visible);
   if (!visible) ++stats_->queries_hidden;
 }
 

@@ -75,6 +75,9 @@ class Front {
   [[nodiscard]] std::span<const FrontNode> nodes() const noexcept { return nodes_; }
   // Of s, or null.
   [[nodiscard]] FrontNode* find(SplitId s) noexcept { return slots_[s] == 0 ? nullptr : &nodes_[slots_[s] - 1]; }
+  [[nodiscard]] const FrontNode* find(SplitId s) const noexcept {
+    return slots_[s] == 0 ? nullptr : &nodes_[slots_[s] - 1];
+  }
   // Of s, made if there is none. Moves nodes. Throws Error when s is damaged.
   FrontNode& obtain(SplitId s);
   // Moves the last node into its place.

@@ -15,8 +15,15 @@
 namespace occlod {
 namespace {
 
-// Whether a cut that was refined with one can be gone on with by the other.
+// Whether a cut that was refined with one can be gone on with by the other. What is asked about occlusion may change:
+// each frame forgets what it would not ask.
 bool go_on_alike(const RefineOptions& a, RefineOptions b) {
+  b.occluder_splits = a.occluder_splits;
+  b.retest_hidden = a.retest_hidden;
+  b.final_check = a.final_check;
+  b.level_step = a.level_step;
+  b.ask_stars = a.ask_stars;
+  b.effects = a.effects;
   b.budget = a.budget;
   b.tolerance_px = a.tolerance_px;
   b.hysteresis = a.hysteresis;
@@ -76,6 +83,12 @@ class Refiner::Impl {
     for (const RefinedObject& object : result_.objects) stats_.splits += object.splits.size();
     finish(start);
     return result_;
+  }
+
+  [[nodiscard]] std::vector<std::uint32_t> visibility_ages(std::size_t object) const {
+    const std::vector<SplitId>& splits = result_.objects[object].splits;
+    if (!frames_) return std::vector<std::uint32_t>(splits.size(), 0);
+    return frames_->visibility_ages(static_cast<std::uint32_t>(object), splits);
   }
 
  private:
@@ -157,6 +170,8 @@ class Refiner::Impl {
 const Refinement& Refiner::update(const View& view, const RefineOptions& options, Visibility& visibility) {
   return impl_->update(view, options, visibility);
 }
+
+std::vector<std::uint32_t> Refiner::visibility_ages(std::size_t object) const { return impl_->visibility_ages(object); }
 
 Refiner::Refiner(std::span<const RefineObject> objects) : impl_(std::make_unique<Impl>(objects)) {}
 Refiner::~Refiner() = default;

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
 
 namespace occlod {
 
@@ -20,6 +22,8 @@ struct ObjectEffects {
   bool occlusion = true;                       // ask whether parts of it are hidden; it hides others all the same
   std::uint64_t regions = all_effect_regions;  // of these, only in the regions whose bits are set
 
+  // In so many regions it is asked.
+  [[nodiscard]] int regions_on() const noexcept { return occlusion ? std::popcount(regions) : 0; }
   friend bool operator==(const ObjectEffects&, const ObjectEffects&) = default;
 };
 
@@ -35,6 +39,16 @@ struct ObjectEffectStats {
     static constexpr float most_error_px = 1e4F;
   };
   std::array<Region, effect_region_count> regions{};
+
+  // Of all regions.
+  [[nodiscard]] std::size_t queries() const noexcept {
+    return std::accumulate(regions.begin(), regions.end(), std::size_t{0},
+                           [](std::size_t sum, const Region& region) { return sum + region.queries; });
+  }
+  [[nodiscard]] std::size_t hidden() const noexcept {
+    return std::accumulate(regions.begin(), regions.end(), std::size_t{0},
+                           [](std::size_t sum, const Region& region) { return sum + region.hidden; });
+  }
 };
 
 }  // namespace occlod

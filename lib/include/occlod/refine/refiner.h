@@ -125,6 +125,9 @@ struct Refinement {
   [[nodiscard]] std::uint64_t hash() const noexcept;
 };
 
+// The age of what no answer has been about since refinement from scratch.
+inline constexpr std::uint32_t never_asked = ~std::uint32_t{0};
+
 // Reuses its memory from view to view; one thread at a time.
 class Refiner {
  public:
@@ -143,11 +146,17 @@ class Refiner {
   const Refinement& refine(const View& view, const RefineOptions& options, Visibility& visibility);
 
   // Goes on from the cut of the call before, merging what has lost importance and splitting what has gained. Refines
-  // from the base meshes when there is none, when options that weigh or cull have changed, or when a quarter of
-  // the cut has become worth little at once (a jump of the camera; not with limits). Draws an occluder in each frame:
-  // occluder_splits and retest_hidden are for refinement from scratch. The same budget and validity as refine(), nearly
-  // the same errors; deterministic for the same sequence of calls, unless time_limit_ms is set.
+  // from the base meshes when there is none, when culling, weights, proxies or the occluder's mode have changed, or
+  // when a quarter of the cut has become worth little at once (a jump of the camera; not with limits). Draws an
+  // occluder in each frame: occluder_splits and retest_hidden are for refinement from scratch. The same budget and
+  // validity as refine(), nearly the same errors; deterministic for the same sequence of calls, unless time_limit_ms is
+  // set.
   const Refinement& update(const View& view, const RefineOptions& options, Visibility& visibility);
+
+  // Of objects[object].splits of the last call, in their order: how many occluders before the last one an answer said
+  // that it, or an applied split that descends from it in the forest, is visible; never_asked, or after refinement from
+  // scratch 0. O(splits log splits).
+  [[nodiscard]] std::vector<std::uint32_t> visibility_ages(std::size_t object) const;
 
  private:
   class Impl;
