@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <bit>
-
 namespace occlod::tool {
 namespace {
 
@@ -28,29 +26,10 @@ Json to_json(const AutoRefiner& refiner, const EffortForecast& forecast) {
           {"score", forecast.score()}};
 }
 
-// What was asked of one object.
-struct Questions {
-  std::size_t asked = 0;
-  std::size_t hidden = 0;
-  explicit Questions(const ObjectEffectStats& stats) {
-    for (const ObjectEffectStats::Region& region : stats.regions) {
-      asked += region.queries;
-      hidden += region.hidden;
-    }
-  }
-};
-
-int regions_on(const ObjectEffects& effects) { return effects.occlusion ? std::popcount(effects.regions) : 0; }
-
 Json to_json(const ObjectEffects& effects, const ObjectEffectStats& stats) {
-  const Questions questions(stats);
-  return {{"cones", effects.cones},
-          {"cone_tests", stats.cone_tests},
-          {"cone_culled", stats.cone_culled},
-          {"occlusion", effects.occlusion},
-          {"regions", regions_on(effects)},
-          {"queries", questions.asked},
-          {"queries_hidden", questions.hidden}};
+  return {{"cones", effects.cones},          {"cone_tests", stats.cone_tests},  {"cone_culled", stats.cone_culled},
+          {"occlusion", effects.occlusion},  {"regions", effects.regions_on()}, {"queries", stats.queries()},
+          {"queries_hidden", stats.hidden()}};
 }
 
 void print_shares(const char* name, const HiddenShares& shares) {
@@ -64,15 +43,14 @@ void print_object(std::size_t i, const std::string& source, const AutoRefiner& r
   const ObjectEffects& effects = report.choice.objects[i];
   const ObjectEffectStats& stats = report.objects[i];
   const Calibration& calibration = refiner.calibration();
-  const Questions questions(stats);
   fmt::print("  object {} ({})\n", i, source);
   fmt::print("    cones {}: {} of {} nodes dropped, about {:.3f} ms spent\n", effects.cones ? "on" : "off",
              stats.cone_culled, stats.cone_tests, 1e-6 * static_cast<double>(stats.cone_tests) * calibration.cone_ns);
   if (!report.choice.backend) return;
   const double query_ns = calibration.backends[*report.choice.backend].query_ns;
   fmt::print("    occlusion {}, {} of {} regions: {} of {} questions answered hidden, about {:.3f} ms spent\n",
-             effects.occlusion ? "on" : "off", regions_on(effects), effect_region_count, questions.hidden,
-             questions.asked, 1e-6 * static_cast<double>(questions.asked) * query_ns);
+             effects.occlusion ? "on" : "off", effects.regions_on(), effect_region_count, stats.hidden(),
+             stats.queries(), 1e-6 * static_cast<double>(stats.queries()) * query_ns);
 }
 
 }  // namespace
@@ -88,6 +66,7 @@ Json to_json(const AutoRefiner& refiner) {
   json["back"] = report.back ? to_json(*report.back) : Json();
   json["looked_ahead"] = report.looked_ahead;
   json["looked_back"] = report.looked_back;
+  json["held"] = report.held;
   json["look_ms"] = report.look_ms;
   json["saved_triangles"] = report.saved_triangles;
   json["saved_ms"] = report.saved_ms;
@@ -108,6 +87,7 @@ void print_explanation(const AutoRefiner& refiner, const RefineStats& stats, con
         forecast.effort == report.choice.effort && forecast.backend == report.choice.backend ? "*" : " ",
         name_of(forecast.effort), backend_of(refiner, forecast.backend), forecast.frame_ms, forecast.occlusion_ms,
         forecast.error, forecast.score());
+  if (report.held) fmt::print("  another would be better, but not by enough to change\n");
   fmt::print("  looks cost {:.3f} ms in this view\n", report.look_ms);
   if (report.choice.backend)
     fmt::print(

@@ -33,9 +33,9 @@ void Measurement::repeat(const View& view, const RefineOptions& options, Visibil
 }
 
 void Measurement::repeat(const View& view, const RefineOptions& options, AutoRefiner& refiner) {
-  take(refiner.refine(view, options));
+  take(following_ == Following::frame_to_frame ? refiner.update(view, options) : refiner.refine(view, options));
   refine_ms_.back() += refiner.report().look_ms;
-  draw(view, false);
+  draw(view, following_ == Following::frame_to_frame && options.geomorph_frames > 0);
 }
 
 void Measurement::take(const Refinement& refinement) {

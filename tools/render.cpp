@@ -69,14 +69,14 @@ void render_view(const RenderInput& input, const Options& options, RefineWay& wa
   if (options.explain) print_explanation(*way.chooser(), measurement.refinement().stats, input.objects);
 }
 
-// Choosing takes looks that pay over a path and not in a single view. Effects that are given leave nothing to choose,
-// and frames go on from each other with one backend.
+// Choosing takes looks that pay over a path and not in a single view. Effects that are given leave nothing to choose.
+// From frame to frame occlusion costs so little that it is asked about in any case unless a choice is asked for.
 std::string default_occlusion(const Options& options) {
   const AutoWayOptions& way = options.auto_way;
   const bool is_asked_for = options.explain || !way.calibration.empty() || !way.save_calibration.empty() ||
                             way.backends != AutoWayOptions().backends;
-  const bool can_choose = options.fixed_effects.empty() && !options.frame_to_frame;
-  return can_choose && (is_asked_for || !options.input.path.empty()) ? "auto" : "software";
+  const bool pays = !options.input.path.empty() && !options.frame_to_frame;
+  return options.fixed_effects.empty() && (is_asked_for || pays) ? "auto" : "software";
 }
 
 BackendOptions backend_options(const Options& options) {
@@ -85,8 +85,6 @@ BackendOptions backend_options(const Options& options) {
   const bool is_auto = backend.occlusion == "auto";
   if (is_auto && !options.fixed_effects.empty())
     throw Error({"auto", options.fixed_effects.front(), "is what it chooses", "leave it out or name a backend"});
-  if (is_auto && options.frame_to_frame)
-    throw Error({"auto", "--frame-to-frame", "is for one backend on all frames", "name a backend"});
   if (!is_auto && options.explain)
     throw Error({backend.occlusion, "--explain", "has nothing to explain", "use it with auto"});
   if (options.json && options.explain)
@@ -220,8 +218,8 @@ void add_backend_options(CLI::App& command, BackendOptions& backend) {
   command
       .add_option(
           "--occlusion", backend.occlusion,
-          "Who decides what is hidden; auto: whatever pays in each view. When not given, software; with --path, "
-          "--explain or a calibration auto, unless what it chooses is given")
+          "Who decides what is hidden; auto: whatever pays in each view. When not given, software; with --path, but "
+          "not --frame-to-frame, and with --explain or a calibration auto, unless what it chooses is given")
       ->check(CLI::IsMember({"auto", "none", "software", "gl-query", "gl-mark", "gl-compute"}));
   command
       .add_option("--gl-platform", backend.gl_platform,

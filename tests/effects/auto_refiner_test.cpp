@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <numeric>
+#include <optional>
 #include <utility>
 
 #include "effect_scenes.h"
@@ -23,11 +23,6 @@ RefineOptions budget_of(std::size_t triangles) {
   RefineOptions options;
   options.budget = triangles;
   return options;
-}
-
-std::size_t queries_of(const ObjectEffectStats& stats) {
-  return std::accumulate(stats.regions.begin(), stats.regions.end(), std::size_t{0},
-                         [](std::size_t sum, const auto& region) { return sum + region.queries; });
 }
 
 // From above no part of a gentle height field is behind another: every question would be answered "visible".
@@ -111,9 +106,9 @@ TEST(AutoRefiner, ChoosesObjectByObject) {
   const EffectReport& report = refiner.report();
   ASSERT_NE(report.choice.effort, OcclusionEffort::none);
   const ObjectEffects& open = report.choice.objects[1];
-  EXPECT_TRUE(!open.occlusion || open.regions == 0) << queries_of(report.objects[1]);
-  EXPECT_GT(queries_of(report.objects[0]), 0U);
-  EXPECT_EQ(queries_of(report.objects[1]), 0U);
+  EXPECT_TRUE(!open.occlusion || open.regions == 0) << report.objects[1].queries();
+  EXPECT_GT(report.objects[0].queries(), 0U);
+  EXPECT_EQ(report.objects[1].queries(), 0U);
 }
 
 // Choices depend on counts and on the calibration alone.
@@ -141,6 +136,75 @@ TEST(AutoRefiner, ChoicesCanBeReplayed) {
     ASSERT_TRUE(choice.backend);
     EXPECT_EQ(plain.refine(before_wall(), choice.with(budget_of(5'000)), *software).hash(), hash) << i;
   }
+}
+
+// Frame to frame nothing is asked where nothing hides, and the frames are those without occlusion.
+TEST(AutoRefiner, FramesAreThoseWithoutOcclusionWhereNothingHides) {
+  const Hierarchy ground = open_ground();
+  const RefineObject objects[] = {{.hierarchy = &ground}};
+  AutoRefiner refiner = refiner_of(objects);
+  Refiner plain(objects);
+  NoOcclusion none;
+  for (int i = 0; i < 100; ++i) {  // past one look_interval
+    const View view = view_at({0.45 + 0.001 * i, 0.49, 1.5}, {0.45 + 0.001 * i, 0.5, 0.0});
+    const Refinement& refinement = refiner.update(view, budget_of(3'000));
+    EXPECT_EQ(refinement.stats.occluder_draws, 0U) << i;
+    ASSERT_EQ(refinement.hash(), plain.update(view, budget_of(3'000), none).hash()) << i;
+  }
+}
+
+// Where a wall hides the rest, all frames ask, and after the first they go on from each other; another choice of
+// effects, here of regions in which nothing was hidden, does not begin anew.
+TEST(AutoRefiner, FramesGoOnWhileEffectsChange) {
+  const Hierarchy scene = wall_with_spheres();
+  const RefineObject objects[] = {{.hierarchy = &scene}};
+  AutoRefiner refiner = refiner_of(objects);
+  std::optional<EffectChoice> last;
+  bool has_changed = false;
+  for (int i = 0; i < 40; ++i) {
+    const View view = view_at({3.0, 0.05 + 0.002 * i, 0.05}, {-1.0, 0.0, 0.0});
+    const RefineStats stats = refiner.update(view, budget_of(5'000)).stats;
+    const EffectReport& report = refiner.report();
+    EXPECT_NE(report.choice.effort, OcclusionEffort::none) << i;
+    EXPECT_LE(stats.triangles, 5'000U);
+    EXPECT_EQ(stats.new_splits == stats.splits, i == 0) << i;
+    EXPECT_EQ(report.objects[0].queries(), stats.queries) << i;
+    EXPECT_EQ(report.objects[0].hidden(), stats.queries_hidden) << i;
+    has_changed = has_changed || (last && *last != report.choice);
+    last = report.choice;
+  }
+  EXPECT_TRUE(has_changed);
+}
+
+// A view that stands comes to rest: no looks, the same choice, in the end the same mesh.
+TEST(AutoRefiner, AStillViewComesToRest) {
+  const Hierarchy scene = wall_with_spheres();
+  const RefineObject objects[] = {{.hierarchy = &scene}};
+  AutoRefiner refiner = refiner_of(objects);
+  (void)refiner.update(before_wall(), budget_of(5'000));
+  const EffectChoice choice = refiner.report().choice;
+  RefineStats stats;
+  for (int i = 0; i < 40; ++i) {
+    stats = refiner.update(before_wall(), budget_of(5'000)).stats;
+    EXPECT_EQ(refiner.report().choice, choice) << i;
+    EXPECT_FALSE(refiner.report().looked_ahead || refiner.report().looked_back) << i;
+    EXPECT_EQ(refiner.report().look_ms, 0.0);
+  }
+  EXPECT_EQ(stats.new_splits + stats.merged_splits + stats.occluder_draws, 0U);
+}
+
+// A camera that crosses the scene in every frame would look ahead in each: it does not in two that follow each other.
+TEST(AutoRefiner, LooksAreRareWhateverTheCameraDoes) {
+  const Hierarchy scene = wall_with_spheres();
+  const RefineObject objects[] = {{.hierarchy = &scene}};
+  AutoRefiner refiner = refiner_of(objects);
+  int looks = 0;
+  for (int i = 0; i < 40; ++i) {
+    const double side = i % 2 == 0 ? 3.0 : -4.0;
+    (void)refiner.update(view_at({side, 0.05, 0.05}, {0.0, 0.0, 0.0}), budget_of(5'000));
+    looks += refiner.report().looked_ahead ? 1 : 0;
+  }
+  EXPECT_LE(looks, 2);
 }
 
 TEST(AutoRefiner, KeepsTheBudget) {

@@ -44,7 +44,7 @@ TEST_F(CalibrationFile, GivesTheSameNumbersBack) {
 
 TEST_F(CalibrationFile, RefusesWhatIsNoCalibration) {
   const std::string costs =
-      R"("visit_ns": 1, "far_visit_ns": 1, "cone_ns": 1, "split_ns": 1, "triangle_ns": 1, "fragment_ns": 1)";
+      R"("visit_ns": 1, "far_visit_ns": 1, "cone_ns": 1, "split_ns": 1, "kept_split_ns": 1, "triangle_ns": 1, "fragment_ns": 1)";
   const std::string backend =
       R"({"name": "software", "occluder_triangle_ns": 1, "occluder_pixel_ns": 1, "query_ns": 1, "latency_ns": 1})";
   write("{" + costs + R"(, "backends": [)" + backend + "]}");
@@ -56,11 +56,11 @@ TEST_F(CalibrationFile, RefusesWhatIsNoCalibration) {
   write("{" + costs + R"(, "backends": [], "more": 1})");
   EXPECT_NE(mistake().find("more"), std::string::npos);
   write(
-      R"({"visit_ns": 0, "far_visit_ns": 1, "cone_ns": 1, "split_ns": 1, "triangle_ns": 1, "fragment_ns": 1, "backends": [)" +
+      R"({"visit_ns": 0, "far_visit_ns": 1, "cone_ns": 1, "split_ns": 1, "kept_split_ns": 1, "triangle_ns": 1, "fragment_ns": 1, "backends": [)" +
       backend + "]}");
   EXPECT_NE(mistake().find("/visit_ns"), std::string::npos);
   write(
-      R"({"visit_ns": "1", "far_visit_ns": 1, "cone_ns": 1, "split_ns": 1, "triangle_ns": 1, "fragment_ns": 1, "backends": [)" +
+      R"({"visit_ns": "1", "far_visit_ns": 1, "cone_ns": 1, "split_ns": 1, "kept_split_ns": 1, "triangle_ns": 1, "fragment_ns": 1, "backends": [)" +
       backend + "]}");
   EXPECT_NE(mistake().find("/visit_ns"), std::string::npos);
   write("{" + costs + R"(, "backends": [)" + backend + ", " + backend + "]}");
@@ -75,8 +75,8 @@ TEST(Calibration, MeasuresEverything) {
   backends.push_back(make_software_occlusion());
   const Calibration calibration = measure_calibration(backends);
   EXPECT_GE(calibration.far_visit_ns, calibration.visit_ns);
-  for (const double ns : {calibration.visit_ns, calibration.cone_ns, calibration.split_ns, calibration.triangle_ns,
-                          calibration.fragment_ns})
+  for (const double ns : {calibration.visit_ns, calibration.cone_ns, calibration.split_ns, calibration.kept_split_ns,
+                          calibration.triangle_ns, calibration.fragment_ns})
     EXPECT_GT(ns, 0.0);
   ASSERT_EQ(calibration.backends.size(), 1U);
   const BackendCosts& costs = calibration.backends.front();

@@ -15,7 +15,7 @@
 namespace occlod::test {
 
 inline Calibration round_calibration() {
-  Calibration calibration{150.0, 600.0, 25.0, 350.0, 60.0, 1.0, {}};
+  Calibration calibration{150.0, 600.0, 25.0, 350.0, 30.0, 60.0, 1.0, {}};
   calibration.backends.push_back({"software", 20.0, 0.4, 200.0, 200.0});
   return calibration;
 }

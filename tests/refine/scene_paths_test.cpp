@@ -1,11 +1,15 @@
 // Refinement from frame to frame along the camera paths of every scene.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "occlod/effects/auto_refiner.h"
 #include "occlod/occlusion/software_occlusion.h"
 #include "oracle/cut_error.h"
 #include "refine_support.h"
@@ -59,6 +63,45 @@ class ScenePaths : public testing::TestWithParam<const char*> {
   }
 };
 
+// A machine whose costs are round numbers.
+Calibration round_calibration() {
+  return {150.0, 600.0, 25.0, 350.0, 30.0, 60.0, 1.0, {{"software", 20.0, 0.4, 200.0, 200.0}}};
+}
+
+// With effects chosen for each frame: valid meshes within the budget, and with the same calibration, written and read
+// back, the same ones. A choice holds for a while: it changes by new looks and counts only, in few frames of a path.
+void follow_with_auto(const CameraPath& path, const std::vector<RefineObject>& objects) {
+  const std::filesystem::path file =
+      std::filesystem::temp_directory_path() / ("occlod_scene_paths_" + std::to_string(getpid()) + ".json");
+  write_calibration(file, round_calibration());
+  AutoOptions given, read;
+  given.calibration = round_calibration();
+  read.calibration = read_calibration(file);
+  std::filesystem::remove(file);
+  AutoRefiner refiner(objects, std::move(given)), again(objects, std::move(read));
+  RefineOptions options;
+  options.budget = std::max(budget, 2 * refiner.base_triangles());
+  OcclusionEffort last = OcclusionEffort::none;
+  int changes = 0;
+  for (int i = 0; i < frames_of_a_path; ++i) {
+    SCOPED_TRACE(i);
+    const View view(camera_at(path, i * std::max(1, path.frames / 120)));
+    const Refinement& refinement = refiner.update(view, options);
+    std::size_t triangles = 0;
+    for (std::size_t k = 0; k < objects.size(); ++k) {
+      test::expect_closed(*objects[k].hierarchy, refinement.objects[k]);
+      triangles += refinement.objects[k].triangles.size();
+      EXPECT_EQ(refinement.objects[k].triangles.size(),
+                test::active_triangles(*objects[k].hierarchy, refinement.objects[k].splits).size());
+    }
+    EXPECT_LE(triangles, options.budget);
+    EXPECT_EQ(again.update(view, options).hash(), refinement.hash());
+    if (i > 0 && refiner.report().choice.effort != last) ++changes;
+    last = refiner.report().choice.effort;
+  }
+  EXPECT_LE(changes, 2);
+}
+
 TEST_P(ScenePaths, FramesAreValidAndNoWorseThanFromScratch) {
   OCCLOD_READ_SCENE_OR_SKIP(scene, GetParam());
   const std::vector<LoadedObject> loaded = test::load_objects(scene);
@@ -68,6 +111,10 @@ TEST_P(ScenePaths, FramesAreValidAndNoWorseThanFromScratch) {
   ASSERT_FALSE(scene.description.paths.empty());
   double sum = 0.0;
   int ways = 0;
+  for (const auto& [name, path] : scene.description.paths) {
+    SCOPED_TRACE(name);
+    follow_with_auto(path, objects);
+  }
   for (const auto& [name, path] : scene.description.paths)
     for (const Culling culling : {Culling::subtree, Culling::star})
       for (const bool occlusion : {false, true}) {

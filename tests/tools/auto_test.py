@@ -4,7 +4,7 @@ import unittest
 
 from tool_case import ToolTest
 
-CALIBRATION = {"visit_ns": 150.0, "far_visit_ns": 400.0, "cone_ns": 25.0, "split_ns": 350.0, "triangle_ns": 60.0, "fragment_ns": 1.0,
+CALIBRATION = {"visit_ns": 150.0, "far_visit_ns": 400.0, "cone_ns": 25.0, "split_ns": 350.0, "kept_split_ns": 30.0, "triangle_ns": 60.0, "fragment_ns": 1.0,
                "backends": [{"name": "software", "occluder_triangle_ns": 20.0, "occluder_pixel_ns": 0.4, "query_ns": 200.0, "latency_ns": 200.0}]}
 # The wall covers all spheres; from above the planet's ground hides nothing.
 WALL = """{"objects": [{"generator": "spheres-behind-wall", "options": {"spheres": 32}}],
@@ -28,6 +28,7 @@ class Auto(ToolTest):
     def test_is_the_default_along_paths(self):
         """Over a path the looks pay for themselves; in a single view they do not."""
         for options, expected in (([], "software"), (["--path", "aside"], "auto"), (["--path", "aside", "--frame-to-frame"], "software"),
+                                  (["--path", "aside", "--frame-to-frame", "--calibration", "calibration.json"], "auto"),
                                   (["--calibration", "calibration.json"], "auto")):
             self.assertEqual(self.json_of("render", "wall.json", "--budget", 3000, *options)["occlusion"], expected, options)
 
@@ -60,6 +61,14 @@ class Auto(ToolTest):
         self.assertTrue(self.same_bytes("measured.json", "a.json") and self.same_bytes("a.json", "b.json"))
         hashes, efforts = [[[frame["hash"] for frame in run["frames"]] for run in runs], [[frame["auto"]["effort"] for frame in run["frames"]] for run in runs]]
         self.assertEqual((hashes[0], efforts[0]), (hashes[1], efforts[1]))
+
+    def test_frames_go_on_from_each_other(self):
+        """The first frame is all new; those after it change a part of it, and a calibration repeats them."""
+        runs = [self.render("wall.json", "--path", "aside", "--frame-to-frame", "--occlusion", "auto")["frames"] for _ in range(2)]
+        self.assertEqual([frame["hash"] for frame in runs[0]], [frame["hash"] for frame in runs[1]])
+        self.assertTrue(all(frame["triangles"] <= 5000 and frame["queries"] > 0 and frame["auto"]["effort"] != "none" for frame in runs[0]))
+        self.assertEqual([frame["new_splits"] == frame["splits"] for frame in runs[0]], [True, False, False, False, False])
+        self.assertEqual([frame["auto"]["looked_ahead"] for frame in runs[0]], [True, False, False, False, False])
 
     def test_explains_itself_to_people(self):
         text = self.succeed("render", "wall.json", "--budget", 5000, "--calibration", "calibration.json", "--explain")

@@ -18,9 +18,15 @@ namespace occlod {
 namespace {
 
 constexpr std::size_t look_interval = 30;  // views from one look ahead to the next while the camera stays near
-constexpr double near_cosine = 0.94;       // of the angle that the camera may turn: 20 degrees
-constexpr double near_share = 0.1;         // of the scene's extent, that the eye may move
+// The same of frames that go on, which take a fraction of the time; less where the camera moves far, but at least so
+// many.
+constexpr std::size_t frame_look_interval = 90;
+constexpr std::size_t least_frame_look_interval = 30;
+constexpr double near_cosine = 0.94;  // of the angle that the camera may turn: 20 degrees
+constexpr double near_share = 0.1;    // of the scene's extent, that the eye may move
 constexpr double same_budget_factor = 2.0;
+constexpr double least_gain = 0.1;             // of the score, going on: for less a choice is not changed
+constexpr double new_share = 0.25;             // going on: of the last frame in what is known of them
 constexpr double least_queries = 24.0;         // before a region is judged
 constexpr std::size_t least_cone_tests = 128;  // before an object's cones are
 constexpr std::size_t least_samples = 12;      // of an object that none of is hidden
@@ -99,22 +105,50 @@ class AutoRefiner::Impl {
 
   const Refinement& refine(const View& view, const RefineOptions& options) {
     if (options.budget < refiner_.base_triangles()) return refiner_.refine(view, options, none_);  // throws
-    report_ = {};
-    if (must_look(view, options)) look_ahead(view, options);
-    ++views_since_look_;
-    choose(view, options);
-    const RefineOptions chosen = report_.choice.with(options);
-    const auto backend = report_.choice.backend;
-    const Refinement& refinement = refiner_.refine(view, chosen, backend ? *backends_[*backend] : none_);
-    learn(view, refinement);
-    if (back_due_ && views_since_look_ > 1 && options.occluder_mode == OccluderMode::paper)
-      look_back(view, options, refinement);
+    last_.reset();
+    choose(Way::from_scratch, view, options);
+    const Refinement& refinement = refiner_.refine(view, report_.choice.with(options), chosen_backend());
+    learn(Way::from_scratch, view, options, refinement);
+    return refinement;
+  }
+
+  const Refinement& update(const View& view, const RefineOptions& options) {
+    if (options.budget < refiner_.base_triangles()) return refiner_.update(view, options, none_);  // throws
+    const bool stands = last_ && last_->camera == view.camera() && last_->options == options;
+    if (stands) {
+      report_.looked_ahead = report_.looked_back = false;
+      report_.look_ms = 0.0;
+    } else {
+      choose(Way::going_on, view, options);
+    }
+    last_ = {view.camera(), options};
+    const Refinement& refinement = refiner_.update(view, report_.choice.with(options), chosen_backend());
+    report_.objects = refinement.effects;
+    if (stands) return refinement;
+    const bool goes_on = refinement.stats.new_splits < refinement.stats.splits;
+    learn(goes_on ? Way::going_on : Way::from_scratch, view, options, refinement);
     return refinement;
   }
 
  private:
-  [[nodiscard]] bool must_look(const View& view, const RefineOptions& options) const {
-    if (!looked_from_ || views_since_look_ >= look_interval) return true;
+  // What has been counted since the camera was far away.
+  struct Counted {
+    std::array<std::optional<FrameCounts>, occlusion_effort_count> known;
+    QueryRates rates{};
+  };
+  [[nodiscard]] Counted& counted(Way way) { return way == Way::going_on ? going_on_ : from_scratch_; }
+  [[nodiscard]] Visibility& chosen_backend() {
+    const std::optional<std::size_t>& backend = report_.choice.backend;
+    return backend ? *backends_[*backend] : none_;
+  }
+
+  [[nodiscard]] bool must_look(Way way, const View& view, const RefineOptions& options) const {
+    const bool goes_on = way == Way::going_on;
+    if (!looked_from_ || views_since_look_ >= (goes_on ? frame_look_interval : look_interval)) return true;
+    if (goes_on && views_since_look_ < least_frame_look_interval) return false;
+    return is_far_from_last_look(view, options);
+  }
+  [[nodiscard]] bool is_far_from_last_look(const View& view, const RefineOptions& options) const {
     const double growth = static_cast<double>(options.budget) / static_cast<double>(looked_with_.budget);
     return options.culling != looked_with_.culling || options.occluder_mode != looked_with_.occluder_mode ||
            growth > same_budget_factor || growth * same_budget_factor < 1.0 ||
@@ -122,14 +156,16 @@ class AutoRefiner::Impl {
            glm::distance(view.camera().eye, looked_from_->camera().eye) > near_share * extent_;
   }
 
-  void look_ahead(const View& view, const RefineOptions& options) {
+  void look_ahead(Way way, const View& view, const RefineOptions& options) {
     const Clock::time_point start = Clock::now();
     const Probe::Result& result = probe_.look_ahead(view, options);
-    const bool is_far = !looked_from_ || views_since_look_ < look_interval;
     ahead_ = result.all;
-    if (is_far) {
+    // What frames that go on have counted follows the camera.
+    const bool forgets = way == Way::from_scratch || options.budget != looked_with_.budget;
+    if (looked_from_ && forgets && is_far_from_last_look(view, options)) {
       back_.reset();
-      known_ = {};
+      from_scratch_.known = {};
+      going_on_.known = {};
     }
     for (std::size_t i = 0; i < effects_.size(); ++i) {
       const HiddenShares& seen = result.objects[i];
@@ -154,27 +190,48 @@ class AutoRefiner::Impl {
     report_.look_ms += milliseconds_since(start);
   }
 
-  void choose(const View& view, const RefineOptions& options) {
+  // Before the view, with a look ahead if it is time for one.
+  void choose(Way way, const View& view, const RefineOptions& options) {
+    const std::optional<EffectChoice> before =
+        way == Way::going_on && last_ ? std::optional(std::move(report_.choice)) : std::nullopt;
+    report_ = {};
+    if (must_look(way, view, options)) look_ahead(way, view, options);
+    ++views_since_look_;
     const HiddenShares fine = back_.value_or(ahead_);
-    const Prospect prospect{known_.front().value_or(usual_counts(options.budget, view, far_share_)), known_,
-                            smaller(ahead_, fine), fine, rates_};
+    const Counted& past = counted(way);
+    const Prospect prospect{
+        way,        past.known.front().value_or(usual_counts(way, options.budget, view, far_share_)),
+        past.known, smaller(ahead_, fine),
+        fine,       past.rates};
     report_.forecasts = forecasts(calibration_, prospect);
-    // Where nothing may be asked about any object, occluders would be drawn for nothing.
-    const bool may_ask =
-        std::any_of(effects_.begin(), effects_.end(), [](const auto& e) { return e.occlusion && e.regions != 0; });
-    const auto best =
-        std::min_element(report_.forecasts.begin(), may_ask ? report_.forecasts.end() : report_.forecasts.begin() + 1,
-                         [](const auto& a, const auto& b) { return a.score() < b.score(); });
+    const EffortForecast* const best = best_forecast(before);
     EffectChoice& choice = report_.choice;
     choice.effort = best->effort;
     choice.backend = best->backend;
     const bool stars = best->effort == OcclusionEffort::stars || best->effort == OcclusionEffort::renewed_stars;
     choice.level_step = stars && prospect.back.visits_hidden < dense_hidden ? 2 : 1;
     choice.objects = effects_;
+    if (way == Way::going_on)
+      for (ObjectEffects& effects : choice.objects) effects.cones = true;
     report_.ahead = ahead_;
     report_.back = back_;
     report_.saved_triangles = saved_triangles(prospect, *best);
     report_.saved_ms = report_.forecasts.front().frame_ms * report_.saved_triangles / prospect.counts.triangles;
+  }
+
+  // Of what may be chosen. Where nothing may be asked about any object, occluders would be drawn for nothing.
+  [[nodiscard]] const EffortForecast* best_forecast(const std::optional<EffectChoice>& before) {
+    const bool may_ask =
+        std::any_of(effects_.begin(), effects_.end(), [](const auto& e) { return e.occlusion && e.regions != 0; });
+    const std::span<const EffortForecast> all(report_.forecasts.data(), may_ask ? report_.forecasts.size() : 1);
+    const auto best =
+        std::min_element(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.score() < b.score(); });
+    if (!before) return &*best;
+    const auto same = std::find_if(all.begin(), all.end(), [&](const EffortForecast& forecast) {
+      return forecast.effort == before->effort && forecast.backend == before->backend;
+    });
+    report_.held = same != all.end() && same != best && best->score() > (1.0 - least_gain) * same->score();
+    return report_.held ? &*same : &*best;
   }
 
   // What is freed would have to be there in addition.
@@ -186,19 +243,46 @@ class AutoRefiner::Impl {
     return std::clamp(triangles * hidden / (1.0 - hidden), 0.0, std::max(more, 0.0));
   }
 
-  void learn(const View& view, const Refinement& refinement) {
+  // After the view, with a look back if one is due.
+  void learn(Way way, const View& view, const RefineOptions& options, const Refinement& refinement) {
     const RefineStats& stats = refinement.stats;
     report_.objects = refinement.effects;
-    const auto triangles = static_cast<double>(std::max<std::size_t>(stats.triangles, 1));
-    const FrameCounts counts{triangles, static_cast<double>(stats.splits), static_cast<double>(stats.visits),
-                             static_cast<double>(view.width()) * view.height(), far_share_};
+    const FrameCounts counts = counts_of(way, view, stats);
     const auto effort = static_cast<std::size_t>(report_.choice.effort);
-    known_[effort] = counts;
-    if (stats.occluder_draws > 0) rates_[effort] = static_cast<double>(stats.queries) / triangles;
+    Counted& past = counted(way);
+    std::optional<FrameCounts>& known = past.known[effort];
+    // A frame after refinement from scratch changes more than others do.
+    known = way == Way::from_scratch
+                ? counts
+                : mixed(known.value_or(usual_counts(way, options.budget, view, far_share_)), counts);
+    if (stats.occluder_draws > 0) past.rates[effort] = static_cast<double>(stats.queries) / counts.triangles;
     for (std::size_t i = 0; i < effects_.size(); ++i) {
       judge_cones(refinement.effects[i], effects_[i]);
       if (report_.choice.backend) judge_regions(refinement.effects[i], stats.level_px, counts, i);
     }
+    if (back_due_ && views_since_look_ > 1 && options.occluder_mode == OccluderMode::paper)
+      look_back(view, options, refinement);
+  }
+
+  [[nodiscard]] FrameCounts counts_of(Way way, const View& view, const RefineStats& stats) const {
+    FrameCounts counts;
+    counts.triangles = static_cast<double>(std::max<std::size_t>(stats.triangles, 1));
+    counts.splits = static_cast<double>(stats.splits);
+    if (way == Way::going_on) {
+      counts.kept_splits = counts.splits;
+      counts.splits = static_cast<double>(stats.new_splits + stats.merged_splits);
+    }
+    counts.visits = static_cast<double>(stats.visits);
+    counts.pixels = static_cast<double>(view.width()) * view.height();
+    counts.far_share = far_share_;
+    return counts;
+  }
+
+  // From one frame to the next counts change little, but for a few.
+  [[nodiscard]] static FrameCounts mixed(const FrameCounts& before, FrameCounts now) {
+    now.splits = std::lerp(before.splits, now.splits, new_share);
+    now.visits = std::lerp(before.visits, now.visits, new_share);
+    return now;
   }
 
   // What does not pay on an object stays off until the next look ahead.
@@ -239,8 +323,13 @@ class AutoRefiner::Impl {
   bool back_due_ = false;
   HiddenShares ahead_;
   std::optional<HiddenShares> back_;
-  std::array<std::optional<FrameCounts>, occlusion_effort_count> known_;  // of views since the camera was far away
-  QueryRates rates_ = usual_query_rates();
+  Counted from_scratch_{{}, usual_query_rates(Way::from_scratch)};
+  Counted going_on_{{}, usual_query_rates(Way::going_on)};
+  struct Last {
+    Camera camera;
+    RefineOptions options;
+  };
+  std::optional<Last> last_;  // of update(), since the last refine()
   std::vector<ObjectEffects> effects_;
   struct Worth {
     double queries = 0.0;
@@ -261,6 +350,12 @@ std::size_t AutoRefiner::base_triangles() const noexcept { return impl_->refiner
 std::size_t AutoRefiner::full_triangles() const noexcept { return impl_->refiner().full_triangles(); }
 const Refinement& AutoRefiner::refine(const View& view, const RefineOptions& options) {
   return impl_->refine(view, options);
+}
+const Refinement& AutoRefiner::update(const View& view, const RefineOptions& options) {
+  return impl_->update(view, options);
+}
+std::vector<std::uint32_t> AutoRefiner::visibility_ages(std::size_t object) const {
+  return impl_->refiner().visibility_ages(object);
 }
 const EffectReport& AutoRefiner::report() const noexcept { return impl_->report(); }
 Visibility& AutoRefiner::backend(std::size_t index) const noexcept { return impl_->backend(index); }

@@ -60,6 +60,8 @@ double far_visit_ns(SplitId splits, const Visit& visit) {
 class Workload {
  public:
   void measure_refinement(Calibration& calibration) const;
+  // `calibration`: with what refinement from scratch costs.
+  [[nodiscard]] double kept_split_ns(const Calibration& calibration) const;
   void measure_drawing(Calibration& calibration) const;
   // `calibration`: with what refinement costs.
   [[nodiscard]] BackendCosts costs_of(Visibility& backend, const Calibration& calibration) const;
@@ -79,8 +81,9 @@ class Workload {
   std::vector<glm::vec3> wall_positions_ = {
       {-9.0F, -9.0F, 0.0F}, {9.0F, -9.0F, 0.0F}, {9.0F, 9.0F, 0.0F}, {-9.0F, 9.0F, 0.0F}};
   std::vector<Triangle> wall_triangles_ = {{0, 1, 2}, {0, 2, 3}};
-  View near_ = view_from(3.0);  // the planet is large in it, the wall beyond its edges
-  View far_ = view_from(20.0);  // its triangles are a few pixels wide
+  View near_ = view_from(3.0);     // the planet is large in it, the wall beyond its edges
+  View nearer_ = view_from(2.98);  // the next frame
+  View far_ = view_from(20.0);     // its triangles are a few pixels wide
 };
 
 void Workload::measure_refinement(Calibration& calibration) const {
@@ -113,6 +116,24 @@ void Workload::measure_refinement(Calibration& calibration) const {
   const double all = fastest_ns([&] { stats = refiner.refine(near_, half_budget(), none).stats; });
   const double visits = static_cast<double>(stats.visits) * calibration.visit_ns;
   calibration.split_ns = std::max(per(all - visits, stats.splits), calibration.visit_ns);
+  calibration.kept_split_ns = kept_split_ns(calibration);
+}
+
+// What a frame takes beside what it looks at and changes.
+double Workload::kept_split_ns(const Calibration& calibration) const {
+  const RefineObject objects[] = {{.hierarchy = &hierarchy_}};
+  Refiner refiner(objects);
+  NoOcclusion none;
+  bool at_near = false;
+  const auto next_frame = [&] {
+    at_near = !at_near;
+    return refiner.update(at_near ? near_ : nearer_, half_budget(), none).stats;
+  };
+  (void)next_frame();
+  RefineStats stats;
+  const double all = fastest_ns([&] { stats = next_frame(); });
+  const double changes = static_cast<double>(stats.new_splits + stats.merged_splits) * calibration.split_ns;
+  return per(all - changes - static_cast<double>(stats.visits) * calibration.visit_ns, stats.splits);
 }
 
 void Workload::measure_drawing(Calibration& calibration) const {

@@ -26,6 +26,7 @@ void for_each_cost(Costs& costs, const Visit& visit) {
   visit("far_visit_ns", costs.far_visit_ns);
   visit("cone_ns", costs.cone_ns);
   visit("split_ns", costs.split_ns);
+  visit("kept_split_ns", costs.kept_split_ns);
   visit("triangle_ns", costs.triangle_ns);
   visit("fragment_ns", costs.fragment_ns);
 }
@@ -50,7 +51,8 @@ Calibration read_calibration(const std::filesystem::path& path) {
   const nlohmann::json json = parse_json_file(path);
   const std::string file = path.string();
   const JsonPlace place(json, file);
-  place.expect_keys({"visit_ns", "far_visit_ns", "cone_ns", "split_ns", "triangle_ns", "fragment_ns", "backends"});
+  place.expect_keys(
+      {"visit_ns", "far_visit_ns", "cone_ns", "split_ns", "kept_split_ns", "triangle_ns", "fragment_ns", "backends"});
   Calibration calibration;
   for_each_cost(calibration, [&](const char* key, double& value) { value = positive(place.at(key)); });
   for (const JsonPlace& backend : place.at("backends").elements()) {

@@ -23,7 +23,8 @@ struct OccluderCounts {
   double triangles = 0.0;  // of all draws
 };
 
-OccluderCounts occluders_of(OcclusionEffort effort, double triangles) {
+OccluderCounts occluders_of(Way way, OcclusionEffort effort, double triangles) {
+  if (way == Way::going_on) return {1.0, triangles};
   if (!is_renewed(effort)) return {1.0, 2.0 * single_occluder_splits(static_cast<std::size_t>(triangles))};
   OccluderCounts counts;
   for (double at = first_occluder_triangles; at < triangles; at *= occluder_growth) {
@@ -50,7 +51,7 @@ EffortForecast forecast(const Calibration& calibration, std::size_t backend, Occ
   const BackendCosts& costs = calibration.backends[backend];
   const FrameCounts& counts = prospect.counts;
   const HiddenShares& shares = is_renewed(effort) ? prospect.back : prospect.ahead;
-  const OccluderCounts occluders = occluders_of(effort, counts.triangles);
+  const OccluderCounts occluders = occluders_of(prospect.way, effort, counts.triangles);
   const double queries = prospect.rates[static_cast<std::size_t>(effort)] * counts.triangles;
   EffortForecast result{effort, backend, 0.0, 0.0, 1.0};
   result.occlusion_ms = 1e-6 * (occluders.triangles * costs.occluder_triangle_ns +
@@ -72,9 +73,9 @@ double hidden_with(OcclusionEffort effort, const Prospect& prospect) {
 double frame_ms_without(const Calibration& calibration, const FrameCounts& counts) {
   const double visit_ns =
       calibration.visit_ns + counts.far_share * (calibration.far_visit_ns - calibration.visit_ns) + calibration.cone_ns;
-  return 1e-6 *
-         (counts.visits * visit_ns + counts.splits * calibration.split_ns + counts.triangles * calibration.triangle_ns +
-          fragments_per_pixel * counts.pixels * calibration.fragment_ns);
+  return 1e-6 * (counts.visits * visit_ns + counts.splits * calibration.split_ns +
+                 counts.kept_splits * calibration.kept_split_ns + counts.triangles * calibration.triangle_ns +
+                 fragments_per_pixel * counts.pixels * calibration.fragment_ns);
 }
 
 double error_with(double hidden, double growth) {
@@ -89,8 +90,11 @@ std::vector<EffortForecast> forecasts(const Calibration& calibration, const Pros
   std::vector<EffortForecast> all;
   all.push_back({OcclusionEffort::none, {}, frame_ms_without(calibration, prospect.counts), 0.0, 1.0});
   for (std::size_t backend = 0; backend < calibration.backends.size(); ++backend)
-    for (std::size_t effort = 1; effort < occlusion_effort_count; ++effort)
-      all.push_back(forecast(calibration, backend, static_cast<OcclusionEffort>(effort), prospect));
+    for (std::size_t i = 1; i < occlusion_effort_count; ++i) {
+      const auto effort = static_cast<OcclusionEffort>(i);
+      if (prospect.way == Way::from_scratch || is_renewed(effort))
+        all.push_back(forecast(calibration, backend, effort, prospect));
+    }
   return all;
 }
 
@@ -101,10 +105,13 @@ double splits_freed(const ObjectEffectStats::Region& region, double level_px) {
 }
 
 double split_worth_ns(const Calibration& calibration, const FrameCounts& counts) {
-  return 1e6 * frame_ms_without(calibration, counts) / std::max(counts.splits, 1.0);
+  return 1e6 * frame_ms_without(calibration, counts) / std::max({counts.splits, counts.kept_splits, 1.0});
 }
 
-QueryRates usual_query_rates() noexcept { return {0.0, 0.68, 0.71, 0.92, 0.95}; }
+QueryRates usual_query_rates(Way way) noexcept {
+  if (way == Way::going_on) return {0.0, 0.0, 0.04, 0.0, 0.1};
+  return {0.0, 0.68, 0.71, 0.92, 0.95};
+}
 
 // A node, its star and the positions that it names are some 250 bytes: half of the visits are far where there are four
 // times as many as fill the caches of the machines that this was fitted on.
@@ -114,9 +121,11 @@ double far_share(std::size_t splits) noexcept {
   return count / (count + half_far);
 }
 
-FrameCounts usual_counts(std::size_t budget, const View& view, double far_share) noexcept {
+FrameCounts usual_counts(Way way, std::size_t budget, const View& view, double far_share) noexcept {
   const auto triangles = static_cast<double>(budget);
-  return {triangles, 0.5 * triangles, 1.6 * triangles, static_cast<double>(view.width()) * view.height(), far_share};
+  const double pixels = static_cast<double>(view.width()) * view.height();
+  if (way == Way::going_on) return {triangles, 0.02 * triangles, 0.5 * triangles, 0.012 * triangles, pixels, far_share};
+  return {triangles, 0.5 * triangles, 0.0, 1.6 * triangles, pixels, far_share};
 }
 
 std::uint32_t single_occluder_splits(std::size_t budget) noexcept {

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -16,10 +17,14 @@ namespace occlod {
 // freed goes to what matters less than what has been refined already: 0.4, fitted to the shipped scenes.
 [[nodiscard]] double error_with(double hidden, double growth);
 
+// How a view is refined: from the base meshes, or from the frame before (Refiner::update()).
+enum class Way : std::uint8_t { from_scratch, going_on };
+
 // A view without occlusion, in counts.
 struct FrameCounts {
   double triangles = 0.0;
-  double splits = 0.0;
+  double splits = 0.0;       // applied, or going on taken back
+  double kept_splits = 0.0;  // going on: that the mesh consists of
   double visits = 0.0;
   double pixels = 0.0;
   double far_share = 0.0;  // of the visits, to nodes that are not in the caches
@@ -29,6 +34,7 @@ struct FrameCounts {
 using QueryRates = std::array<double, occlusion_effort_count>;
 
 struct Prospect {
+  Way way = Way::from_scratch;
   FrameCounts counts;
   std::array<std::optional<FrameCounts>, occlusion_effort_count> known;  // of views near this one, with an effort
   HiddenShares ahead;                                                    // by an occluder that is drawn early
@@ -39,7 +45,8 @@ struct Prospect {
 // The share of splits that an effort frees.
 [[nodiscard]] double hidden_with(OcclusionEffort effort, const Prospect& prospect);
 [[nodiscard]] double frame_ms_without(const Calibration& calibration, const FrameCounts& counts);
-// Without occlusion first, then every effort with every backend.
+// Without occlusion first, then every effort with every backend. Going on every frame draws an occluder: efforts that
+// draw but one are none of its.
 [[nodiscard]] std::vector<EffortForecast> forecasts(const Calibration& calibration, const Prospect& prospect);
 // How many splits the hidden answers of one region have freed. level_px: see RefineStats.
 [[nodiscard]] double splits_freed(const ObjectEffectStats::Region& region, double level_px);
@@ -47,9 +54,9 @@ struct Prospect {
 [[nodiscard]] double split_worth_ns(const Calibration& calibration, const FrameCounts& counts);
 
 // Until views with an effort have been counted: medians of the shipped scenes at 10,000 triangles.
-[[nodiscard]] QueryRates usual_query_rates() noexcept;
+[[nodiscard]] QueryRates usual_query_rates(Way way) noexcept;
 // Likewise, of a budget.
-[[nodiscard]] FrameCounts usual_counts(std::size_t budget, const View& view, double far_share) noexcept;
+[[nodiscard]] FrameCounts usual_counts(Way way, std::size_t budget, const View& view, double far_share) noexcept;
 // Of hierarchies with so many splits.
 [[nodiscard]] double far_share(std::size_t splits) noexcept;
 // When the mesh has so many splits the occluder of an effort that draws one is drawn.

@@ -33,6 +33,13 @@ class AutoRefiner {
   // As Refiner::refine(). What `options` say about effects (occluder_splits, retest_hidden, final_check, level_step,
   // ask_stars, effects) is chosen instead. Throws Error likewise.
   const Refinement& refine(const View& view, const RefineOptions& options);
+  // As Refiner::update(), with effects chosen for each view. The mesh goes on when they change. They stay what they are
+  // while the same view and options are given again, and where another choice would be but little better. Normal cones
+  // stay on: they are weighed many at a time.
+  const Refinement& update(const View& view, const RefineOptions& options);
+
+  // As Refiner::visibility_ages().
+  [[nodiscard]] std::vector<std::uint32_t> visibility_ages(std::size_t object) const;
 
   // Of the last view.
   [[nodiscard]] const EffectReport& report() const noexcept;

@@ -25,12 +25,13 @@ struct BackendCosts {
 
 // Nanoseconds, all > 0.
 struct Calibration {
-  double visit_ns = 0.0;      // refinement looks at a node that is in the caches
-  double far_visit_ns = 0.0;  // and at one that is not
-  double cone_ns = 0.0;       // and at its normal cone
-  double split_ns = 0.0;      // and applies it: two triangles
-  double triangle_ns = 0.0;   // drawn: of the item buffer; a program that draws by other means puts its own here
-  double fragment_ns = 0.0;   // drawn, likewise
+  double visit_ns = 0.0;       // refinement looks at a node that is in the caches
+  double far_visit_ns = 0.0;   // and at one that is not
+  double cone_ns = 0.0;        // and at its normal cone
+  double split_ns = 0.0;       // and applies it: two triangles
+  double kept_split_ns = 0.0;  // refinement that goes on from the frame before weighs a split that it has
+  double triangle_ns = 0.0;    // drawn: of the item buffer; a program that draws by other means puts its own here
+  double fragment_ns = 0.0;    // drawn, likewise
   std::vector<BackendCosts> backends;
 
   friend bool operator==(const Calibration&, const Calibration&) = default;

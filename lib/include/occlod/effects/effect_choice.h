@@ -61,6 +61,7 @@ struct EffectReport {
   std::optional<HiddenShares> back;  // by the refined mesh of an earlier view
   bool looked_ahead = false;         // in this view
   bool looked_back = false;
+  bool held = false;             // update(): another would score better, but not by enough to change
   double look_ms = 0.0;          // measured: what both took
   double saved_triangles = 0.0;  // that refinement without occlusion would need more for the same error, forecast
   double saved_ms = 0.0;         // and what those would take
