@@ -91,5 +91,24 @@ TEST(Refiner, NeedsAHierarchy) {
   EXPECT_THROW(Refiner{objects}, Error);
 }
 
+TEST(Budget, ShrinksWithTheEyeInsideAllBounds) {
+  // What the eye is inside of has no limit to its size on the screen: everything is worth infinitely much, and has to be
+  // given up all the same when the budget asks for it.
+  const Hierarchy hierarchy = build_hierarchy(test::noisy_sphere(4, 1));
+  for (const Culling culling : {Culling::subtree, Culling::star}) {
+    Refiner refiner(std::vector<RefineObject>{{&hierarchy, glm::dmat4(1.0), true}});
+    Camera camera = test::front_camera();
+    camera.eye = {0.1, 0.0, 0.0};
+    camera.target = {1.0, 0.0, 0.0};
+    RefineOptions options;
+    options.culling = culling;
+    NoOcclusion none;
+    for (const std::size_t more : {1000U, 500U, 20U, 1U}) {
+      options.budget = refiner.base_triangles() + more;
+      EXPECT_LE(refiner.update(View(camera), options, none).objects[0].triangles.size(), options.budget);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace occlod

@@ -194,11 +194,13 @@ void Frames::gather_candidates(float low, float high) {
   }
 }
 
-// 0 for what a tolerance makes needless.
+// 0 for what a tolerance makes needless; finite, also with the eye inside the bounds, so that everything can be given
+// up.
 float Frames::leaf_key(std::uint32_t object, FrontNode& node) {
   const Worth value = worth(object, node);
   const double needless = options_->tolerance_px * (1.0 - options_->hysteresis);
-  return static_cast<double>(value.error.guaranteed_px) <= needless ? 0.0F : value.key;
+  if (static_cast<double>(value.error.guaranteed_px) <= needless) return 0.0F;
+  return std::min(value.key, std::numeric_limits<float>::max());
 }
 
 // Applied splits that none needs.
