@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# coverage.sh: builds with line counts in build/coverage, runs every test of the library and the command line, and prints
-# for each file of lib/ the share of its lines that ran and which did not (needs gcovr). In the background of whatever else
+# coverage.sh: builds with line counts in build/coverage, runs the library's own tests, and prints for each
+# file of lib/ the share of its lines that ran and which did not (needs gcovr). In the background of whatever else
 # the machine does. OCCLOD_MESHES as for test.sh.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -10,9 +10,10 @@ if ! command -v gcovr >/dev/null; then
   echo "coverage: gcovr is not here; install it (Debian, Ubuntu: gcovr)" >&2
   exit 1
 fi
-# The viewer's tests look at the library from afar and take long. ccache would mix up where objects keep their counts.
+# What the command line and the viewer reach on their way says little. ccache would mix up where objects keep their counts.
 jobs=${OCCLOD_JOBS:-2}
-CMAKE_BUILD_PARALLEL_LEVEL=$jobs CCACHE_DISABLE=1 scripts/build.sh coverage -DOCCLOD_BUILD_VIEWER=OFF
+CMAKE_BUILD_PARALLEL_LEVEL=$jobs CCACHE_DISABLE=1 scripts/build.sh coverage \
+  -DOCCLOD_BUILD_TOOLS=OFF -DOCCLOD_BUILD_VIEWER=OFF -DOCCLOD_WITH_CGAL=OFF
 find build/coverage -name '*.gcda' -delete
 ctest --preset coverage -j "$jobs" -E '^(packages_listed|consumer)' >&2
 gcovr --root . --filter lib/ --object-directory build/coverage --exclude-throw-branches --sort-uncovered build/coverage

@@ -68,9 +68,8 @@ TEST(Fan, ATentFallsByNoLessThanItsHeight) {
     const int n = 5 + tries % 8;
     TriangleMesh tent = test::fan(n);
     for (int i = 0; i < n; ++i) {
-      const float angle = 6.2831853F * (static_cast<float>(i) + 0.3F * unit(random)) / static_cast<float>(n);
-      const float radius = 1.0F + 0.2F * unit(random);
-      tent.positions[static_cast<std::size_t>(i) + 1] = {radius * std::cos(angle), radius * std::sin(angle), 0.0F};
+      const float angle = 6.2831853F * static_cast<float>(i) / static_cast<float>(n);
+      tent.positions[static_cast<std::size_t>(i) + 1] = {std::cos(angle), std::sin(angle), 0.0F};
     }
     tent.positions[0] = {0.0F, 0.0F, 0.3F * unit(random)};
     const StarMesh mesh(tent.triangles, tent.vertex_count());
