@@ -60,8 +60,7 @@ TEST(Fan, AgreesWithTheGeneralRulesWhileAMeshIsTakenApart) {
 }
 
 TEST(Fan, ATentFallsByNoLessThanItsHeight) {
-  // Its corners are at height 0 exactly, so whatever replaces it is a whole height below its apex. (Fails when neither
-  // factor nor term rounds the bound up.)
+  // Its corners are at height 0 exactly, so whatever replaces it is a whole height below its apex.
   std::mt19937 random(5);
   std::uniform_real_distribution<float> unit(0.0F, 1.0F);
   for (int tries = 0; tries < 2000; ++tries) {

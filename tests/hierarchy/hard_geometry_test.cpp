@@ -288,7 +288,7 @@ TEST(HardGeometry, AttributeSeamsDoNotOpen) {
 
 TEST(HardGeometry, ConesOfObliquePlanesHoldTheirNormals) {
   // All normals are one, up to the rounding of positions, and so is the cosine of the cone in single precision. In
-  // double precision they are not exactly the axis. (Fails when cones are neither widened nor packed downwards.)
+  // double precision they are not exactly the axis.
   std::mt19937 random(6);
   std::normal_distribution<float> normal;
   for (int tries = 0; tries < 20; ++tries) {
