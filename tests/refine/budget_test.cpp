@@ -92,8 +92,8 @@ TEST(Refiner, NeedsAHierarchy) {
 }
 
 TEST(Budget, ShrinksWithTheEyeInsideAllBounds) {
-  // What the eye is inside of has no limit to its size on the screen: everything is worth infinitely much, and has to be
-  // given up all the same when the budget asks for it.
+  // What the eye is inside of has no limit to its size on the screen: everything is worth infinitely much, and has to
+  // be given up all the same when the budget asks for it.
   const Hierarchy hierarchy = build_hierarchy(test::noisy_sphere(4, 1));
   for (const Culling culling : {Culling::subtree, Culling::star}) {
     Refiner refiner(std::vector<RefineObject>{{&hierarchy, glm::dmat4(1.0), true}});
