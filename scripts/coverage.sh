@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# coverage.sh: builds with line counts in build/coverage, runs the library's own tests, and prints for each
-# file of lib/ the share of its lines that ran and which did not (needs gcovr). In the background of whatever else
-# the machine does. OCCLOD_MESHES as for test.sh.
+# coverage.sh: builds with line counts in build/coverage, runs the library's own tests, and prints for each file of lib/
+# the share of its lines that ran and which did not (needs gcovr). In the background of whatever else the machine does.
+# OCCLOD_MESHES as for test.sh.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 renice -n 19 $$ >/dev/null
@@ -11,9 +11,12 @@ if ! command -v gcovr >/dev/null; then
   exit 1
 fi
 # What the command line and the viewer reach on their way says little. ccache would mix up where objects keep their counts.
-jobs=${OCCLOD_JOBS:-2}
-CMAKE_BUILD_PARALLEL_LEVEL=$jobs CCACHE_DISABLE=1 scripts/build.sh coverage \
+CMAKE_BUILD_PARALLEL_LEVEL=${OCCLOD_JOBS:-2} CCACHE_DISABLE=1 scripts/build.sh coverage \
   -DOCCLOD_BUILD_TOOLS=OFF -DOCCLOD_BUILD_VIEWER=OFF -DOCCLOD_WITH_CGAL=OFF
 find build/coverage -name '*.gcda' -delete
-ctest --preset coverage -j "$jobs" -E '^(packages_listed|consumer)' >&2
-gcovr --root . --filter lib/ --object-directory build/coverage --exclude-throw-branches --sort-uncovered build/coverage
+status=0
+for program in build/coverage/tests/*/test_*; do
+  if [ -x "$program" ] && [ -f "$program" ]; then "$program" --gtest_brief=1 >&2 || status=1; fi
+done
+gcovr --root . --filter lib/ --sort-uncovered --print-summary build/coverage
+exit $status
