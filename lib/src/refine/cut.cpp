@@ -51,7 +51,8 @@ void Cut::clear() {
 
 Cut::Closure Cut::closure(SplitId s) {
   assert(!applied(s));
-  closure_.assign(1, s);
+  closure_.resize(1);
+  closure_[0] = s;
   hierarchy_->require(s);
   if (const SplitStar star = hierarchy_->star(s); needs_no_other(star)) {
     closure_gain_ = gain_of(star);
@@ -89,7 +90,12 @@ void Cut::apply_closure() {
 
 void Cut::apply(SplitId s) {
   const SplitStar star = hierarchy_->star(s);
-  star.for_each_removed_ref([&](const FaceRef& face) { set_removed(face, true); });
+  star.for_each_removed_ref([&](const FaceRef& face) {
+    if (face.split != no_id && face.slot < mask_slots)
+      state_[face.split] |= 1U << face.slot;
+    else
+      set_removed(face, true);
+  });
   for_each_corner_need(star, [&](SplitId needed) { ++corner_needs_[needed]; });
   if ((state_[s] & listed_bit) == 0) applied_.push_back(s);
   state_[s] |= applied_bit | listed_bit;

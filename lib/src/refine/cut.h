@@ -39,6 +39,7 @@ class Cut {
   [[nodiscard]] Closure closure(SplitId s);
   // Whether s may be applied will soon be asked. Its star should be at hand.
   void prefetch_needs(SplitId s) const noexcept {
+    prefetch(&state_[s]);
     for (const SplitId needed : hierarchy_->star(s).dependencies()) prefetch(&state_[needed]);
   }
   // Applies what the last closure() found.

@@ -128,7 +128,11 @@ void FromScratch::meet(std::uint32_t object, SplitId s, float scale_px, SplitId 
   }
   const ScreenError error(node, scale_px);
   if (is_tolerated(error)) return;
-  offer({error.quadric_px, error, s, object, level, 0, Entry::Kind::visit});
+  const auto entry = [&] { return Entry{error.quadric_px, error, s, object, level, 0, Entry::Kind::visit}; };
+  if (questions_->in_flights())
+    offer(entry());
+  else
+    queue_.push(entry());  // written where it stays
 }
 
 // Small enough to be left as it is, and noted as such.
@@ -142,12 +146,12 @@ bool FromScratch::is_tolerated(const ScreenError& error) {
 // An entry that is visible as far as we know.
 void FromScratch::process(Entry& entry) {
   if (entry.kind == Entry::Kind::visit) {
+    if (!entry.children_weighed) lookahead_.weigh_children(entry, queue_);
     const SplitNode& node = refined_.cuts[entry.object].hierarchy().node(entry.split);
     if (options_->culling == Culling::subtree)
       apply(entry);
     else
       consider(entry);
-    if (!entry.children_weighed) lookahead_.weigh_children(entry, queue_);
     const auto [scale_u, scale_v] = entry.child_scales_px;
     if (node.child_u != no_id) meet(entry.object, node.child_u, scale_u, entry.split, entry.level + 1);
     if (node.child_v != no_id) meet(entry.object, node.child_v, scale_v, entry.split, entry.level + 1);
