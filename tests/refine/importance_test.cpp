@@ -55,6 +55,15 @@ TEST_F(ImportanceTest, FromBehindNothingIsSeen) {
   for (SplitId s = 0; s < square().split_count(); ++s) EXPECT_EQ(seen_from({0, 0, -50}).of(s).visible_share, 0.0F);
 }
 
+// The eye is inside the sphere around the star, so its error has no limit, and behind all of its faces, so they are not
+// seen: what changes nothing that is seen is worth nothing, not infinity times zero.
+TEST_F(ImportanceTest, UnseenIsWorthNothingWhereTheErrorHasNoLimit) {
+  const Importance::Value value = seen_from({0.02, 0.01, -0.05}).of(0);
+  ASSERT_TRUE(std::isinf(value.error.quadric_px));
+  ASSERT_EQ(value.visible_share, 0.0F);
+  EXPECT_EQ(value.priority, 0.0F);
+}
+
 TEST_F(ImportanceTest, GrazingSurfaceWeighsMoreSinceItsErrorRunsAlongTheRay) {
   // Under 60 degrees the cosine is a half, so the weight is 2^exponent.
   const double angle = std::acos(0.5);

@@ -45,6 +45,7 @@ Importance::Value Importance::of(const StarView& star, float error, float guaran
   Value value;
   value.visible_share = star.visible_share;
   value.error = ScreenError(error, guaranteed_error, view_->largest_scale_px(star.sphere));
+  if (star.visible_share == 0.0F) return value;  // even where the eye is inside the star and the error has no limit
   value.priority = value.error.quadric_px * power(star.visible_share, options_->visible_exponent) /
                    power(std::max(star.cosine, least_cosine), options_->grazing_exponent);
   return value;
