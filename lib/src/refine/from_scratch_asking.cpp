@@ -26,7 +26,7 @@ void FromScratch::fill_flight() {
 // About the next entry of the queue, and with it about those that will come next: a backend that answers at once has
 // less to do with many questions than with each of them. None is acted upon before its turn.
 void FromScratch::ask_ahead() {
-  constexpr std::size_t most_questions = 32, most_entries = 48;
+  constexpr std::size_t most_questions = 32, most_entries = 24;
   asked_.clear();
   asked_entries_.clear();
   std::size_t entries_left = most_entries;
