@@ -227,10 +227,8 @@ TEST(FramesOptions, OtherQuestionsGoOn) {
   EXPECT_TRUE(goes_on(1.0));
   options.level_step = 1;
   EXPECT_TRUE(goes_on(2.0));
-  options.final_check = options.retest_hidden = false;
+  options.final_check = false;
   EXPECT_TRUE(goes_on(3.0));
-  options.occluder_splits = {64};
-  EXPECT_TRUE(goes_on(4.0));
   options.effects = {{}, {.occlusion = false}};
   EXPECT_TRUE(goes_on(5.0));
   EXPECT_EQ(refiner.update(View(orbiting(6.0, 6.0)), options, *software).effects[1].queries(), 0U);

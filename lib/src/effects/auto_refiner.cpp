@@ -122,7 +122,9 @@ class AutoRefiner::Impl {
       choose(Way::going_on, view, options);
     }
     last_ = {view.camera(), options};
-    const Refinement& refinement = refiner_.update(view, report_.choice.with(options), chosen_backend());
+    RefineOptions chosen = report_.choice.with(options);
+    chosen.occluder_splits.clear();  // frames draw one each; another number would begin anew
+    const Refinement& refinement = refiner_.update(view, chosen, chosen_backend());
     report_.objects = refinement.effects;
     if (stands) return refinement;
     const bool goes_on = refinement.stats.new_splits < refinement.stats.splits;

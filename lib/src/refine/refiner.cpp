@@ -18,8 +18,6 @@ namespace {
 // Whether a cut that was refined with one can be gone on with by the other. What is asked about occlusion may change:
 // each frame forgets what it would not ask.
 bool go_on_alike(const RefineOptions& a, RefineOptions b) {
-  b.occluder_splits = a.occluder_splits;
-  b.retest_hidden = a.retest_hidden;
   b.final_check = a.final_check;
   b.level_step = a.level_step;
   b.ask_stars = a.ask_stars;

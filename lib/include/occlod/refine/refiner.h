@@ -146,11 +146,11 @@ class Refiner {
   const Refinement& refine(const View& view, const RefineOptions& options, Visibility& visibility);
 
   // Goes on from the cut of the call before, merging what has lost importance and splitting what has gained. Refines
-  // from the base meshes when there is none, when culling, weights, proxies or the occluder's mode have changed, or
-  // when a quarter of the cut has become worth little at once (a jump of the camera; not with limits). Draws an
-  // occluder in each frame: occluder_splits and retest_hidden are for refinement from scratch. The same budget and
-  // validity as refine(), nearly the same errors; deterministic for the same sequence of calls, unless time_limit_ms is
-  // set.
+  // from the base meshes when there is none, when more of the options than budget, tolerance, limits and what is asked
+  // (level_step, ask_stars, final_check, effects) has changed, or when a quarter of the cut has become worth little at
+  // once (a jump of the camera; not with limits). Draws an occluder in each frame: occluder_splits and retest_hidden
+  // are for refinement from scratch. The same budget and validity as refine(), nearly the same errors; deterministic
+  // for the same sequence of calls, unless time_limit_ms is set.
   const Refinement& update(const View& view, const RefineOptions& options, Visibility& visibility);
 
   // Of objects[object].splits of the last call, in their order: how many occluders before the last one an answer said
