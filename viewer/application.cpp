@@ -104,7 +104,9 @@ class Application::Gui {
 
 Application::Application(const ApplicationOptions& options) : options_(options) {
   if (options.script) script_.emplace(*options.script);
-  session_ = std::make_unique<Session>(make_visibility, options.use_cache);
+  std::optional<Calibration> calibration;
+  if (!options.calibration.empty()) calibration = read_calibration(options.calibration);
+  session_ = std::make_unique<Session>(make_visibility, options.use_cache, std::move(calibration));
   read_remembered();
   window_ = std::make_unique<Window>(WindowOptions{options.size.value_or(remembered_.size), options.debug_gl});
   // The window's own driver has started by now. Contexts of occlusion backends are made by another thread, which must

@@ -23,6 +23,7 @@ struct ApplicationOptions {
   std::optional<std::filesystem::path> script;
   std::filesystem::path settings_file;  // empty = remember nothing
   std::optional<ImageSize> size;        // of the window, instead of the remembered one
+  std::filesystem::path calibration;    // of this machine, for the setting auto; empty = measured
   bool use_cache = true;
   bool debug_gl = false;
 };

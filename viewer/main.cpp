@@ -73,6 +73,9 @@ void add_options(CLI::App& app, Arguments& arguments) {
   app.add_option("--size", arguments.size, "WxH of the window, in pixels");
   app.add_option("--settings", arguments.settings_file,
                  "File that remembers settings; default: view.json in the user's config folder, none for scripts");
+  app.add_option(
+      "--calibration", arguments.application.calibration,
+      "For auto: what this machine's parts of a frame cost, from a file of occlod render; default: measured");
   app.add_flag("--no-cache", arguments.no_cache, "Build hierarchies anew and keep none");
   app.add_flag("--debug-gl", arguments.application.debug_gl, "Treat what the OpenGL driver complains about as errors");
 }

@@ -76,9 +76,8 @@ class Script(unittest.TestCase):
         self.assertIn("1500", numbers.read_text())
         self.assertFalse((self.path / "config").exists(), "a script remembers nothing")
 
-    @unittest.skipUnless("OCCLOD" in os.environ, "the command line is not built")
-    def test_path_is_that_of_the_command_line(self):
-        """Frame to frame, each frame is the same triangles in both programs, whatever the viewer has shown before."""
+    def played_path(self, *settings, options=()):
+        """A path of 8 frames in path.json, played by the viewer: its rows of numbers by frame."""
         keys = [{"eye": [0, 0.5, 3], "target": [0, 0, 0], "width": 160, "height": 120},
                 {"eye": [1.5, 0.5, 2.5], "target": [0, 0, 0], "width": 160, "height": 120}]
         (self.path / "path.json").write_text(json.dumps(dict(PLANET, paths={"by": {"frames": 8, "keys": keys}})))
@@ -86,13 +85,18 @@ class Script(unittest.TestCase):
         result = self.run_script([
             {"do": "open", "file": str(self.path / "path.json")},
             {"do": "set", "setting": "budget", "value": 1500},
-            {"do": "set", "setting": "most_changes", "value": 40},
+            *({"do": "set", "setting": name, "value": value} for name, value in settings),
             {"do": "play", "name": "by"},
             {"do": "wait", "for": "path"},
-            {"do": "export_csv", "file": str(numbers)}])
+            {"do": "export_csv", "file": str(numbers)}], *options)
         self.assertEqual(result.returncode, 0, result.stderr)
         with open(numbers, newline="") as file:
-            shown = {int(row["path_frame"]): row for row in csv.DictReader(file) if row["path_frame"] != "-1"}
+            return {int(row["path_frame"]): row for row in csv.DictReader(file) if row["path_frame"] != "-1"}
+
+    @unittest.skipUnless("OCCLOD" in os.environ, "the command line is not built")
+    def test_path_is_that_of_the_command_line(self):
+        """Frame to frame, each frame is the same triangles in both programs, whatever the viewer has shown before."""
+        shown = self.played_path(("most_changes", 40))
         done = subprocess.run([os.environ["OCCLOD"], "render", str(self.path / "path.json"), "--path", "by", "--frame-to-frame",
                                "--budget", "1500", "--most-changes", "40", "--json"], env=self.environment,
                               capture_output=True, text=True, check=True, timeout=300)
@@ -100,6 +104,31 @@ class Script(unittest.TestCase):
         self.assertEqual([shown[frame["frame"]]["hash"] for frame in frames], [frame["hash"] for frame in frames])
         self.assertEqual([int(shown[frame["frame"]]["pending"]) for frame in frames], [frame["pending"] for frame in frames])
         self.assertEqual(len({frame["hash"] for frame in frames}), 8)
+
+    @unittest.skipUnless("OCCLOD" in os.environ, "the command line is not built")
+    def test_auto_is_that_of_the_command_line(self):
+        """With one calibration both programs choose the same effects for each frame."""
+        calibration = self.path / "calibration.json"
+        command = [os.environ["OCCLOD"], "render", str(self.path / "path.json"), "--path", "by", "--frame-to-frame", "--occlusion", "auto",
+                   "--budget", "1500", "--json"]
+        self.played_path()  # writes the scene
+        for option in ("--save-calibration", "--calibration"):
+            done = subprocess.run([*command, option, str(calibration)], env=self.environment, capture_output=True, text=True, check=True, timeout=300)
+        shown = self.played_path(("occlusion", "auto"), options=("--calibration", str(calibration)))
+        frames = json.loads(done.stdout)["frames"]
+        self.assertEqual([shown[frame["frame"]]["hash"] for frame in frames], [frame["hash"] for frame in frames])
+
+    @unittest.skipUnless("BENCH_FRAMES" in os.environ, "SKIPPED: the benchmarks are not built")
+    def test_path_is_that_of_the_benchmark(self):
+        """bench_frames prints one number of the triangles of all frames: h = 31 h + the hash of the frame."""
+        shown, expected = self.played_path(), 0
+        for frame in range(8):
+            expected = (31 * expected + int(shown[frame]["hash"], 16)) % 2**64
+        done = subprocess.run([os.environ["BENCH_FRAMES"], str(self.path / "path"), "--tables", "scenes", "--budgets", "1500", "--no-errors"],
+                              env=self.environment, capture_output=True, text=True, check=True, timeout=300)
+        rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in done.stdout.splitlines()]
+        [row] = [row for row in rows if row[3:5] == ["star", "software"]]
+        self.assertEqual(row[-1], f"{expected:016x}")
 
     def test_failures_are_one_line_that_names_the_action(self):
         for actions, place in [

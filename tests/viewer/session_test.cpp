@@ -2,12 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <glm/geometric.hpp>
 
 #include "occlod/core/error.h"
+#include "occlod/effects/auto_refiner.h"
 #include "occlod/hierarchy/build.h"
 #include "occlod/occlusion/software_occlusion.h"
+#include "palette.h"
 #include "viewer/support.h"
 
 namespace occlod::viewer {
@@ -182,6 +185,38 @@ TEST_F(SessionTest, ReplayedPathGivesTheFramesOfTheLibrary) {
   }
 }
 
+// What AutoRefiner chooses for the frames of the path "by", with the calibration that the session measured.
+TEST_F(SessionTest, AutoChoosesAsTheLibraryDoes) {
+  open();
+  set("budget", 2000);
+  set("occlusion", "auto");
+  const std::shared_ptr<const Explanation> first = session_.frame()->sides[0].explanation;
+  ASSERT_TRUE(first);
+  EXPECT_TRUE(first->report.looked_ahead);
+  EXPECT_GT(session_.figures().at("look_ms"), 0.0);
+  EXPECT_GE(stats().refine_ms, first->report.look_ms);
+  for (const bool frame_to_frame : {true, false}) {
+    set("frame_to_frame", frame_to_frame);
+    const std::vector<std::uint64_t> hashes = played(session_);
+    const PlacedObject& object = session_.state().objects->at(0);
+    const RefineObject objects[] = {{object.mesh->hierarchy.get(), object.object_to_world, object.two_sided}};
+    AutoOptions options;
+    options.calibration = first->calibration;
+    AutoRefiner refiner(objects, std::move(options));
+    for (int i = 0; i < 5; ++i) {
+      const View view(camera_at(session_.state().paths.at("by"), i));
+      const RefineOptions& wanted = session_.state().settings.refine;
+      const Refinement& expected = frame_to_frame ? refiner.update(view, wanted) : refiner.refine(view, wanted);
+      EXPECT_EQ(hashes[static_cast<std::size_t>(i)], expected.hash()) << i;
+    }
+  }
+  // Another backend is another refiner: nothing is left of the choice.
+  set("occlusion", "software");
+  EXPECT_FALSE(session_.frame()->sides[0].explanation);
+  EXPECT_FALSE(session_.figures().contains("auto_effort"));
+  EXPECT_EQ(session_.frame()->sides[0].follows, 0U);
+}
+
 // A limit of 50 changes a picture: the mesh follows over many pictures, and then nothing goes on.
 TEST_F(SessionTest, WorkThatIsLeftOverIsDone) {
   open();
@@ -208,6 +243,24 @@ TEST_F(SessionTest, WorkThatIsLeftOverIsDone) {
   EXPECT_EQ(session_.frame(), last);  // the very same: nothing was refined
 }
 
+// From scratch nothing has aged: all but the base mesh has the colour of the last occluder. From frame to frame a part
+// is asked about in each.
+TEST_F(SessionTest, AgesAreOfTheLastAnswers) {
+  open();
+  act(session_, {{"do", "go_to"}, {"name", "far"}});
+  set("budget", 3000);
+  set("color_by", "age");
+  set("frame_to_frame", false);
+  for (const glm::u8vec4& color : session_.frame()->sides[0].colors[0])
+    EXPECT_TRUE(color == age_color(0) || color == base_mesh_color);
+  set("frame_to_frame", true);
+  set("final_check", false);
+  for (int i = 0; i < 3; ++i) act(session_, {{"do", "orbit"}, {"right", 0.3}, {"up", 0}});
+  const std::vector<glm::u8vec4>& colors = session_.frame()->sides[0].colors[0];
+  for (const std::uint32_t age : {0U, 1U, 2U})
+    EXPECT_GT(std::count(colors.begin(), colors.end(), age_color(age)), 0) << age;
+}
+
 // Vertices that slide are on their way for as many pictures as asked for; then the picture is at rest.
 TEST_F(SessionTest, GeomorphsArrive) {
   open();
@@ -227,7 +280,7 @@ TEST_F(SessionTest, ExplanationsAreOfTheMeshThatIsThere) {
   open();
   act(session_, {{"do", "orbit"}, {"right", 5}, {"up", 0}});
   const std::uint64_t number = session_.frame()->sides[0].number;
-  for (const char* by : {"level", "error", "visibility", "outcome"}) {
+  for (const char* by : {"level", "error", "visibility", "outcome", "age"}) {
     set("color_by", by);
     const RefinedSide& side = session_.frame()->sides[0];
     EXPECT_EQ(side.colors[0].size(), side.refinement.objects[0].triangles.size()) << by;

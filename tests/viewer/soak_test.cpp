@@ -15,12 +15,14 @@ class Soak : public WindowTest {
   // Something is open all the time, so that what has been closed must be let go one by one.
   void one_round() {
     act({{"do", "open"}, {"file", folder_.path("planet.json").string()}});
-    for (const char* by : {"level", "visibility", "outcome", "plain"}) set("color_by", by);
+    for (const char* by : {"level", "visibility", "outcome", "age", "plain"}) set("color_by", by);
     set("compare", true);
     set("birdseye", true);
     set("occluder", true);
     set("occlusion", "gl-query");
     for (int i = 0; i < 5; ++i) act({{"do", "orbit"}, {"right", 20}, {"up", 2}});
+    set("occlusion", "auto");
+    for (int i = 0; i < 5; ++i) act({{"do", "orbit"}, {"right", -20}, {"up", -2}});
     set("budget", 5000);
     act({{"do", "pick"}, {"x", 0.5}, {"y", 0.8}});
     act({{"do", "reset"}});

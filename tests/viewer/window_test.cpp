@@ -10,12 +10,44 @@
 namespace occlod::viewer::test {
 namespace {
 
-class Window : public WindowTest {};
+class Window : public WindowTest {
+ protected:
+  [[nodiscard]] Image screenshot() {
+    act({{"do", "screenshot"}, {"file", folder_.path("picture.png").string()}});
+    return read_png(folder_.path("picture.png"));
+  }
+};
+
+// Each colouring is another picture, but for the colours of a mesh that has none.
+TEST_F(Window, EveryWayOfLookingIsAPictureOfItsOwn) {
+  start();
+  act({{"do", "picture_size"}, {"width", 200}, {"height", 150}});
+  act({{"do", "go_to"}, {"name", "far"}});
+  set("budget", 1500);
+  set("freeze", true);
+  act({{"do", "orbit"}, {"right", 70}, {"up", -20}});
+  std::vector<Image> pictures;
+  for (const char* by : {"plain", "level", "error", "visibility", "outcome", "age"})
+    for (const char* shading : {"smooth", "flat"})
+      for (const bool wire : {false, true}) {
+        set("shading", shading);
+        set("color_by", by);
+        set("wire", wire);
+        const Image picture = screenshot();
+        // The colours that tell something are those of triangles, flat whatever the shading.
+        if (by != std::string("plain") && shading == std::string("flat")) continue;
+        for (const Image& other : pictures) EXPECT_NE(difference(picture, other), "") << by << shading << wire;
+        pictures.push_back(picture);
+      }
+  act({{"do", "close_all"}});
+  const Image nothing = screenshot();
+  for (const Image& picture : pictures) EXPECT_NE(difference(picture, nothing), "");
+}
 
 TEST_F(Window, EveryWayOfLookingDrawsWithoutAComplaint) {
   start();
   for (const char* shading : {"smooth", "flat"})
-    for (const char* by : {"plain", "vertices", "level", "error", "visibility", "outcome"})
+    for (const char* by : {"plain", "vertices", "level", "error", "visibility", "outcome", "age"})
       for (const bool wire : {false, true}) {
         set("shading", shading);
         set("color_by", by);
@@ -41,7 +73,7 @@ TEST_F(Window, OpenGlBackendsRefine) {
   set("budget", 2000);
   set("occlusion", "none");
   const double without = session().figures().at("visible_triangles");
-  for (const char* backend : {"software", "gl-query", "gl-mark", "gl-compute"}) {
+  for (const char* backend : {"software", "gl-query", "gl-mark", "gl-compute", "auto"}) {
     set("occlusion", backend);
     EXPECT_EQ(session().state().errors, 0) << session().state().notices.back().text;
     EXPECT_GT(session().figures().at("queries_hidden"), 0.0) << backend;

@@ -38,6 +38,7 @@ void draw_sidebar(Panels& panels, const Area& area) {
   draw_files(panels);
   draw_objects(panels);
   draw_pick(panels);
+  draw_auto(panels);
   draw_refinement(panels);
   draw_look(panels);
   draw_camera(panels);

@@ -43,7 +43,7 @@ std::string pixels(double px) {
 }
 
 void draw_table(const PictureRecord& last, const Session& session) {
-  if (!ImGui::BeginTable("numbers", 4, ImGuiTableFlags_SizingFixedFit)) return;
+  if (!ImGui::BeginTable("numbers", 4, ImGuiTableFlags_SizingFixedFit | ImGuiTableFlags_NoClip)) return;
   draw_cell("triangles", grouped(static_cast<double>(last.triangles)));
   draw_cell("splits", grouped(static_cast<double>(last.splits)));
   draw_cell("visible", session.frame()->sides[0].visible_triangles ? share(last.visible_triangles, last.triangles)

@@ -10,7 +10,7 @@ std::span<const Setting> look_settings() {
           [](auto& s) -> auto& { return s.look.shading; }),
       choice(
           {"color_by", "Colour by", "What a triangle's colour tells"},
-          {"plain", "vertices", "level", "error", "visibility", "outcome"},
+          {"plain", "vertices", "level", "error", "visibility", "outcome", "age"},
           [](auto& s) -> auto& { return s.look.color_by; }),
       toggle(
           {"wire", "Wire", "Lines along the edges of triangles"}, [](auto& s) -> auto& { return s.look.wire; }),

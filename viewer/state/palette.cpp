@@ -27,6 +27,8 @@ glm::u8vec4 mix(const Stops& stops, double share) {
   return {glm::u8vec3(color + 0.5F), 255};
 }
 
+constexpr glm::u8vec4 never_asked_color{206, 120, 128, 255};
+
 constexpr std::array<const char*, seen_count> seen_words = {"visible", "hidden, or smaller than a pixel", "facing away",
                                                             "off screen"};
 constexpr std::array<glm::u8vec4, seen_count> seen_colors = {
@@ -60,6 +62,11 @@ glm::u8vec4 error_color(double error_px) {
   return mix(error_stops, std::log2(error_px / least_error_px) / std::log2(most_error_px / least_error_px));
 }
 
+glm::u8vec4 age_color(std::uint32_t occluders) {
+  if (occluders == never_asked) return never_asked_color;
+  return mix(level_stops, 1.0 - std::log2(1.0 + occluders) / std::log2(1.0 + most_age));
+}
+
 std::vector<LegendEntry> legend_of(ColorBy color_by, int level_count) {
   std::vector<LegendEntry> legend;
   switch (color_by) {
@@ -75,6 +82,14 @@ std::vector<LegendEntry> legend_of(ColorBy color_by, int level_count) {
       legend.push_back({error_color(least_error_px), fmt::format("{:g} px or less", least_error_px)});
       for (const double px : {0.5, 2.0, 8.0}) legend.push_back({error_color(px), fmt::format("{:g} px", px)});
       legend.push_back({error_color(most_error_px), fmt::format("{:g} px or more", most_error_px)});
+      break;
+    case ColorBy::age:
+      legend.push_back({base_mesh_color, "base mesh"});
+      legend.push_back({age_color(0), "seen 0 occluders ago: by the last one, or from scratch"});
+      for (const std::uint32_t age : {1U, 3U, 7U})
+        legend.push_back({age_color(age), fmt::format("seen {} occluder{} ago", age, age > 1 ? "s" : "")});
+      legend.push_back({age_color(most_age), fmt::format("seen {} or more occluders ago", most_age)});
+      legend.push_back({never_asked_color, "not asked about since refinement from scratch"});
       break;
     case ColorBy::visibility:
       return entries(seen_colors, seen_words);

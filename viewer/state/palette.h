@@ -38,6 +38,8 @@ inline constexpr std::size_t outcome_count = 6;
 [[nodiscard]] glm::u8vec4 error_color(double error_px);
 inline constexpr double least_error_px = 0.125;  // the ends of its logarithmic scale
 inline constexpr double most_error_px = 16.0;
+[[nodiscard]] glm::u8vec4 age_color(std::uint32_t occluders);      // see Refiner::visibility_ages()
+inline constexpr std::uint32_t most_age = 15;                      // the end of its logarithmic scale
 inline constexpr glm::u8vec4 base_mesh_color{120, 124, 132, 255};  // of triangles that no split has made
 
 struct LegendEntry {

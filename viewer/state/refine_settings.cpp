@@ -12,8 +12,12 @@ std::span<const Setting> refine_settings() {
           {"tolerance", "Tolerance", "Stop where the guaranteed error is below this; 0 uses the budget up"},
           {0.0, 16.0, false, "px"}, [](auto& s) -> auto& { return s.refine.tolerance_px; }),
       choice(
-          {"occlusion", "Occlusion", "Who answers whether a part of the mesh is hidden"},
-          {"none", "software", "gl-query", "gl-mark", "gl-compute"}, [](auto& s) -> auto& { return s.occlusion; }),
+          {"occlusion", "Occlusion",
+           "Who answers whether a part of the mesh is hidden; auto: whatever pays in each view, in place of Level "
+           "step, "
+           "Occluder after, Ask again and Final check"},
+          {"none", "software", "gl-query", "gl-mark", "gl-compute", "auto"},
+          [](auto& s) -> auto& { return s.occlusion; }),
       choice(
           {"mode", "Occluder", "paper: the coarse mesh as it is; conservative: moved back by its error bounds"},
           {"paper", "conservative"}, [](auto& s) -> auto& { return s.refine.occluder_mode; }),

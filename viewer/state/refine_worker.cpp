@@ -41,6 +41,17 @@ std::vector<glm::u8vec4> level_colors(const ViewMesh& mesh, const RefinedObject&
   return colors;
 }
 
+// `ages`: of refined.splits.
+std::vector<glm::u8vec4> age_colors(const Hierarchy& hierarchy, const RefinedObject& refined,
+                                    std::span<const std::uint32_t> ages) {
+  std::vector<glm::u8vec4> colors;
+  for (const SplitId s : born_splits(hierarchy, refined.triangles)) {
+    const auto place = std::lower_bound(refined.splits.begin(), refined.splits.end(), s) - refined.splits.begin();
+    colors.push_back(s == no_id ? base_mesh_color : age_color(ages[static_cast<std::size_t>(place)]));
+  }
+  return colors;
+}
+
 template <class Values, class Color>
 std::vector<glm::u8vec4> colored(const Values& values, const Color& color) {
   std::vector<glm::u8vec4> colors;
@@ -52,7 +63,8 @@ std::vector<glm::u8vec4> colored(const Values& values, const Color& color) {
 // What lives as long as the thread.
 class Bench {
  public:
-  explicit Bench(const MakeVisibility& make) : make_(make) {}
+  // Both outlive it.
+  Bench(const MakeVisibility& make, std::optional<Calibration>& calibration) : make_(make), calibration_(calibration) {}
 
   [[nodiscard]] RefinedFrame work(RefineJob job) {
     RefinedFrame frame;
@@ -81,15 +93,30 @@ class Bench {
 
   // One refiner for each side.
   void place(const RefineJob& job) {
-    if (job.objects != objects_ || job.from_scratch) refiners_.clear();
+    const bool chooses = job.occlusion == Occlusion::automatic;
+    if (job.objects != objects_ || job.from_scratch || chooses != chooses_) refiners_.clear();
     objects_ = job.objects;
+    chooses_ = chooses;
     const std::size_t count = job.compare ? 2 : 1;
     while (refiners_.size() > count) refiners_.pop_back();
     if (refiners_.size() == count) return;
     std::vector<RefineObject> list;
     for (const PlacedObject& object : *objects_)
       list.push_back({object.mesh->hierarchy.get(), object.object_to_world, object.two_sided});
-    while (refiners_.size() < count) refiners_.emplace_back(list);
+    while (refiners_.size() < count)
+      if (chooses && refiners_.empty())
+        refiners_.emplace_back(list, calibration(), visibility(Occlusion::software));
+      else
+        refiners_.emplace_back(list);
+  }
+
+  [[nodiscard]] const Calibration& calibration() {
+    if (!calibration_) {
+      std::vector<std::unique_ptr<Visibility>> backends;
+      backends.push_back(make_(Occlusion::software));
+      calibration_ = measure_calibration(backends);
+    }
+    return *calibration_;
   }
 
   [[nodiscard]] bool goes_on(const RefinedFrame& frame) {
@@ -106,6 +133,7 @@ class Bench {
   }
 
   [[nodiscard]] Visibility& visibility(Occlusion occlusion) {
+    if (occlusion == Occlusion::automatic) occlusion = Occlusion::software;
     std::unique_ptr<Visibility>& backend = backends_[occlusion];
     if (!backend) backend = make_(occlusion);
     return *backend;
@@ -126,9 +154,7 @@ class Bench {
       const RefinedObject& refined = side.refinement.objects[i];
       if (job.keep_seen || job.color_by == ColorBy::visibility)
         side.seen_colors.push_back(seen_colors(view, objects[i], refined, owns_pixel, first_item));
-      side.colors.push_back(job.color_by == ColorBy::visibility
-                                ? side.seen_colors.back()
-                                : colors(job, view, objects[i], refined, side.occluder.get()));
+      side.colors.push_back(colors(job, view, i, side, refiner));
       first_item += refined.triangles.size();
     }
   }
@@ -141,25 +167,33 @@ class Bench {
                    [](Seen seen) { return color_of(seen); });
   }
 
-  [[nodiscard]] static std::vector<glm::u8vec4> colors(const RefineJob& job, const View& view,
-                                                       const PlacedObject& object, const RefinedObject& refined,
-                                                       const DepthPyramid* occluder) {
+  // Of one object of a side whose seen_colors and occluder are there as far as the job asks for them.
+  [[nodiscard]] static std::vector<glm::u8vec4> colors(const RefineJob& job, const View& view, std::size_t i,
+                                                       const RefinedSide& side, const SideRefiner& refiner) {
+    const PlacedObject& object = (*job.objects)[i];
+    const RefinedObject& refined = side.refinement.objects[i];
     switch (job.color_by) {
       case ColorBy::plain:
       case ColorBy::vertices:
-      case ColorBy::visibility:  // are there already
         return {};
       case ColorBy::level:
         return level_colors(*object.mesh, refined);
       case ColorBy::error:
         return colored(errors_px(object, refined, view), [](double px) { return error_color(px); });
+      case ColorBy::visibility:
+        return side.seen_colors[i];
       case ColorBy::outcome:
-        return colored(outcomes(object, refined, view, occluder), [](Outcome outcome) { return color_of(outcome); });
+        return colored(outcomes(object, refined, view, side.occluder.get()),
+                       [](Outcome outcome) { return color_of(outcome); });
+      case ColorBy::age:
+        return age_colors(*object.mesh->hierarchy, refined, refiner.visibility_ages(i));
     }
     return {};
   }
 
   const MakeVisibility& make_;
+  std::optional<Calibration>& calibration_;
+  bool chooses_ = false;
   std::shared_ptr<const Objects> objects_;
   std::map<Occlusion, std::unique_ptr<Visibility>> backends_;
   std::deque<SideRefiner> refiners_;  // that are not moved, nor their backends
@@ -170,8 +204,8 @@ class Bench {
 
 }  // namespace
 
-RefineWorker::RefineWorker(MakeVisibility make_visibility)
-    : make_visibility_(std::move(make_visibility)), thread_([this] { run(); }) {}
+RefineWorker::RefineWorker(MakeVisibility make_visibility, std::optional<Calibration> calibration)
+    : make_visibility_(std::move(make_visibility)), calibration_(std::move(calibration)), thread_([this] { run(); }) {}
 
 RefineWorker::~RefineWorker() {
   {
@@ -203,7 +237,7 @@ void RefineWorker::wait_for(std::uint64_t number, double milliseconds) const {
 }
 
 void RefineWorker::run() {
-  Bench bench(make_visibility_);
+  Bench bench(make_visibility_, calibration_);
   std::unique_lock lock(mutex_);
   while (true) {
     changed_.wait(lock, [this] { return end_ || next_; });

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "objects.h"
+#include "occlod/effects/effect_choice.h"
 #include "occlod/occlusion/depth_pyramid.h"
 #include "occlod/refine/refiner.h"
 #include "settings.h"
@@ -36,8 +37,15 @@ struct RefineJob {
   ColorBy color_by = ColorBy::plain;
 };
 
+// Of Occlusion::automatic: what was on and why. The choice's backend is one of the calibration's.
+struct Explanation {
+  EffectReport report;
+  Calibration calibration;
+};
+
 struct RefinedSide {
-  Refinement refinement;
+  Refinement refinement;                           // what was looked at to choose is part of refine_ms
+  std::shared_ptr<const Explanation> explanation;  // of Occlusion::automatic
   std::uint64_t number = 0;   // of the refinement, ascending; the same where nothing was refined for the job
   std::uint64_t follows = 0;  // whose triangles its `changes` change; 0 = none
   std::optional<std::size_t> visible_triangles;       // that own a pixel, when asked for
@@ -60,7 +68,8 @@ using MakeVisibility = std::function<std::unique_ptr<Visibility>(Occlusion)>;
 
 class RefineWorker {
  public:
-  explicit RefineWorker(MakeVisibility make_visibility);
+  // `calibration`: for Occlusion::automatic; nothing: measured when it is asked for first.
+  explicit RefineWorker(MakeVisibility make_visibility, std::optional<Calibration> calibration = {});
   RefineWorker(const RefineWorker&) = delete;
   RefineWorker& operator=(const RefineWorker&) = delete;
   ~RefineWorker();
@@ -76,6 +85,7 @@ class RefineWorker {
   void run();
 
   MakeVisibility make_visibility_;
+  std::optional<Calibration> calibration_;
   mutable std::mutex mutex_;
   mutable std::condition_variable changed_;
   std::optional<RefineJob> next_;

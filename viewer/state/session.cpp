@@ -41,8 +41,8 @@ void check_parameters(const Command& command, const JsonPlace& action) {
 
 }  // namespace
 
-Session::Session(MakeVisibility make_visibility, bool use_cache)
-    : loader_(use_cache), worker_(std::move(make_visibility)) {}
+Session::Session(MakeVisibility make_visibility, bool use_cache, std::optional<Calibration> calibration)
+    : loader_(use_cache), worker_(std::move(make_visibility), std::move(calibration)) {}
 
 void Session::perform(const JsonPlace& action) {
   const JsonPlace name = action.at("do");
@@ -283,6 +283,13 @@ std::map<std::string, double> Session::figures() const {
   if (const auto& visible = frame_->sides[0].visible_triangles) {
     figures["visible_triangles"] = static_cast<double>(*visible);
     figures["visible_share"] = static_cast<double>(*visible) / static_cast<double>(stats.triangles);
+  }
+  if (const auto& why = frame_->sides[0].explanation) {
+    figures["auto_effort"] = static_cast<double>(why->report.choice.effort);
+    figures["auto_held"] = why->report.held ? 1.0 : 0.0;
+    figures["look_ms"] = why->report.look_ms;
+    figures["saved_triangles"] = why->report.saved_triangles;
+    figures["saved_ms"] = why->report.saved_ms;
   }
   if (frame_->sides.size() > 1)
     figures["visible_triangles_without"] = static_cast<double>(frame_->sides[1].visible_triangles.value_or(0));

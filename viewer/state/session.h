@@ -80,8 +80,8 @@ struct State {
 
 class Session {
  public:
-  // `use_cache`: of hierarchies that are built.
-  Session(MakeVisibility make_visibility, bool use_cache);
+  // `use_cache`: of hierarchies that are built. `calibration`: see RefineWorker.
+  Session(MakeVisibility make_visibility, bool use_cache, std::optional<Calibration> calibration = {});
 
   // Throws Error that names the action's place: an unknown command or parameter, a value that does not fit, something
   // that cannot be done now.

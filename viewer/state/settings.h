@@ -5,7 +5,8 @@
 
 namespace occlod::viewer {
 
-enum class Occlusion { none, software, gl_query, gl_mark, gl_compute };
+// automatic: the effects that pay in each view, by AutoRefiner, with the software backend.
+enum class Occlusion { none, software, gl_query, gl_mark, gl_compute, automatic };
 
 enum class Shading { smooth, flat };
 
@@ -17,6 +18,7 @@ enum class ColorBy {
   error,       // how far it may be from the input, in pixels
   visibility,  // whether it owns a pixel, and if not, why
   outcome,     // what ended refinement here
+  age,         // how long ago its split was last found visible
 };
 
 // How mouse and keys move the camera.

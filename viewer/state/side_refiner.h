@@ -3,10 +3,12 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "occlod/effects/auto_refiner.h"
 #include "occlod/refine/geomorph.h"
 #include "occlod/refine/refiner.h"
 #include "recorded_occlusion.h"
@@ -17,8 +19,10 @@ namespace occlod::viewer {
 class SideRefiner {
  public:
   explicit SideRefiner(std::span<const RefineObject> objects);
+  // With Occlusion::automatic alone: it asks `backend`, which outlives this.
+  SideRefiner(std::span<const RefineObject> objects, const Calibration& calibration, Visibility& backend);
 
-  [[nodiscard]] std::size_t base_triangles() const noexcept { return refiner_.base_triangles(); }
+  [[nodiscard]] std::size_t base_triangles() const noexcept { return base_triangles_; }
 
   // Fills the refinement, its numbers and, when the job asks for it, the occluder. From frame to frame a job that asks
   // for the same mesh as the one before, and not for another frame of it, gets that mesh. `number`: ascending over all
@@ -27,6 +31,10 @@ class SideRefiner {
 
   // Of one object's vertices as the last mesh is drawn.
   [[nodiscard]] std::span<const glm::vec3> positions(std::size_t object) const;
+  // See Refiner::visibility_ages().
+  [[nodiscard]] std::vector<std::uint32_t> visibility_ages(std::size_t object) const {
+    return chooser_ ? chooser_->visibility_ages(object) : refiner_->visibility_ages(object);
+  }
 
  private:
   struct Asked {
@@ -35,17 +43,24 @@ class SideRefiner {
     Occlusion occlusion = Occlusion::none;
     friend bool operator==(const Asked&, const Asked&) = default;
   };
+  [[nodiscard]] RecordedOcclusion& recorded(Occlusion occlusion, Visibility& backend);
+  [[nodiscard]] const Refinement& refined(const RefineJob& job, Visibility& backend);
+  void explain_choice();
   void morph(const RefineOptions& options);
 
   std::vector<RefineObject> objects_;
-  Refiner refiner_;
+  std::optional<Refiner> refiner_;  // this, or the chooser
+  std::optional<AutoRefiner> chooser_;
+  RecordedOcclusion* chosen_ = nullptr;  // the chooser's
+  std::size_t base_triangles_ = 0;
   // Refinement from frame to frame tells backends apart by where they are.
   std::map<Occlusion, RecordedOcclusion> backends_;
   const Refinement* result_ = nullptr;
-  std::uint64_t number_ = 0;               // of result_
-  std::uint64_t follows_ = 0;              // the one before it
-  std::optional<Asked> asked_;             // from frame to frame
-  std::vector<MorphedPositions> morphed_;  // of each object, while vertices may slide
+  std::shared_ptr<const Explanation> explanation_;  // of result_
+  std::uint64_t number_ = 0;                        // of result_
+  std::uint64_t follows_ = 0;                       // the one before it
+  std::optional<Asked> asked_;                      // from frame to frame
+  std::vector<MorphedPositions> morphed_;           // of each object, while vertices may slide
 };
 
 }  // namespace occlod::viewer

@@ -1,0 +1,92 @@
+// Why the setting auto did what it did: what was on, what it cost and what it saved.
+#include <fmt/format.h>
+
+#include <string>
+
+#include "controls.h"
+#include "panels.h"
+
+namespace occlod::viewer {
+namespace {
+
+void draw_row(const char* name, const std::string& value) {
+  ImGui::TextDisabled("%s", name);
+  ImGui::SameLine(ImGui::GetWindowContentRegionMax().x * 0.3F);
+  ImGui::TextUnformatted(value.c_str());
+}
+
+std::string shares_text(const HiddenShares& shares) {
+  return fmt::format("{:.0f} % of nodes, {:.0f} % of stars", 100.0 * shares.visits_hidden, 100.0 * shares.stars_hidden);
+}
+
+void draw_looks(const EffectReport& report) {
+  draw_row("Ahead", shares_text(report.ahead) + " hidden");
+  draw_help_of_item("How much a coarse mesh hides of what refinement would look at");
+  draw_row("Back", report.back ? shares_text(*report.back) + " hidden" : "not yet");
+  draw_help_of_item("How much a refined mesh hides");
+  draw_row("Looks", fmt::format("{:.2f} ms in this view", report.look_ms));
+}
+
+void draw_forecasts(const Explanation& why) {
+  if (!ImGui::BeginTable("forecasts", 4, ImGuiTableFlags_SizingStretchProp | ImGuiTableFlags_RowBg)) return;
+  for (const char* name : {"Forecast", "ms", "error", "score"}) ImGui::TableSetupColumn(name);
+  ImGui::TableHeadersRow();
+  const EffectChoice& choice = why.report.choice;
+  for (const EffortForecast& forecast : why.report.forecasts) {
+    const bool chosen = forecast.effort == choice.effort && forecast.backend == choice.backend;
+    ImGui::TableNextColumn();
+    ImGui::Text("%s%s", chosen ? "> " : "", std::string(name_of(forecast.effort)).c_str());
+    for (const double value : {forecast.frame_ms, forecast.error, forecast.score()}) {
+      ImGui::TableNextColumn();
+      ImGui::Text("%.2f", value);
+    }
+  }
+  ImGui::EndTable();
+}
+
+void draw_outcome(const Explanation& why, const RefineStats& stats) {
+  const EffectReport& report = why.report;
+  if (!report.choice.backend) {
+    ImGui::TextWrapped("Occlusion is off: it would cost more than it saves.");
+  } else {
+    draw_row("Cost", fmt::format("{:.2f} ms: {} occluders, {} questions", stats.occlusion_ms, stats.occluder_draws,
+                                 stats.queries));
+    draw_row("Saves", fmt::format("about {} triangles, {:.2f} ms", grouped(report.saved_triangles), report.saved_ms));
+    draw_help_of_item("That the same error would take without occlusion, by forecast");
+  }
+  if (report.held) ImGui::TextDisabled("Kept: another would be but little better.");
+}
+
+// Costs by object are counts times the calibration.
+void draw_object(const std::string& name, const ObjectEffects& effects, const ObjectEffectStats& stats,
+                 const Explanation& why) {
+  ImGui::TextUnformatted(name.c_str());
+  draw_row("  cones",
+           stats.cone_tests == 0
+               ? std::string(effects.cones ? "on" : "off")
+               : fmt::format("{}: {} of {} dropped, {:.3f} ms", effects.cones ? "on" : "off", stats.cone_culled,
+                             stats.cone_tests, 1e-6 * static_cast<double>(stats.cone_tests) * why.calibration.cone_ns));
+  if (!why.report.choice.backend) return;
+  const double query_ns = why.calibration.backends[*why.report.choice.backend].query_ns;
+  draw_row("  questions",
+           fmt::format("{} of {} regions: {} of {} hidden, {:.3f} ms", effects.regions_on(), effect_region_count,
+                       stats.hidden(), stats.queries(), 1e-6 * static_cast<double>(stats.queries()) * query_ns));
+}
+
+}  // namespace
+
+void draw_auto(Panels& panels) {
+  const auto& frame = panels.session.frame();
+  if (!frame || frame->sides.empty() || !frame->sides[0].explanation || !begin_section(panels, "Auto")) return;
+  const Explanation& why = *frame->sides[0].explanation;
+  const EffectReport& report = why.report;
+  draw_row("On", std::string(name_of(report.choice.effort)));
+  draw_outcome(why, frame->sides[0].refinement.stats);
+  draw_looks(report);
+  draw_forecasts(why);
+  const Objects& objects = *frame->job.objects;
+  for (std::size_t i = 0; i < report.objects.size() && i < objects.size(); ++i)
+    draw_object(objects[i].name, report.choice.objects[i], report.objects[i], why);
+}
+
+}  // namespace occlod::viewer
