@@ -36,7 +36,8 @@ TEST(Probe, FindsWhatAWallHides) {
   Refiner refiner(objects);
   NoOcclusion none;
   const Refinement& refinement = refiner.refine(before_wall(), some_budget(), none);
-  EXPECT_GT(probe.look_back(before_wall(), some_budget(), refinement).all.splits_hidden, 0.7);
+  EXPECT_GT(probe.look_back(before_wall(), some_budget(), refinement, refinement.stats.level_px).all.splits_hidden,
+            0.7);
 }
 
 TEST(Probe, IsTheSameEveryTime) {

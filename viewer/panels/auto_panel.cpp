@@ -20,10 +20,10 @@ std::string shares_text(const HiddenShares& shares) {
 }
 
 void draw_looks(const EffectReport& report) {
-  draw_row("Ahead", shares_text(report.ahead) + " hidden");
-  draw_help_of_item("How much a coarse mesh hides of what refinement would look at");
-  draw_row("Back", report.back ? shares_text(*report.back) + " hidden" : "not yet");
-  draw_help_of_item("How much a refined mesh hides");
+  draw_row("Ahead", shares_text(report.ahead));
+  draw_help_of_item("How much of what refinement would look at a coarse mesh hides");
+  draw_row("Back", report.back ? shares_text(*report.back) : "not yet");
+  draw_help_of_item("How much of it a refined mesh hides");
   draw_row("Looks", fmt::format("{:.2f} ms in this view", report.look_ms));
 }
 
@@ -49,9 +49,9 @@ void draw_outcome(const Explanation& why, const RefineStats& stats) {
   if (!report.choice.backend) {
     ImGui::TextWrapped("Occlusion is off: it would cost more than it saves.");
   } else {
-    draw_row("Cost", fmt::format("{:.2f} ms: {} occluders, {} questions", stats.occlusion_ms, stats.occluder_draws,
-                                 stats.queries));
-    draw_row("Saves", fmt::format("about {} triangles, {:.2f} ms", grouped(report.saved_triangles), report.saved_ms));
+    draw_row("Cost",
+             fmt::format("{:.2f} ms, {} questions", stats.occlusion_ms, grouped(static_cast<double>(stats.queries))));
+    draw_row("Saves", fmt::format("{} triangles, {:.2f} ms", grouped(report.saved_triangles), report.saved_ms));
     draw_help_of_item("That the same error would take without occlusion, by forecast");
   }
   if (report.held) ImGui::TextDisabled("Kept: another would be but little better.");
@@ -61,16 +61,15 @@ void draw_outcome(const Explanation& why, const RefineStats& stats) {
 void draw_object(const std::string& name, const ObjectEffects& effects, const ObjectEffectStats& stats,
                  const Explanation& why) {
   ImGui::TextUnformatted(name.c_str());
-  draw_row("  cones",
-           stats.cone_tests == 0
-               ? std::string(effects.cones ? "on" : "off")
-               : fmt::format("{}: {} of {} dropped, {:.3f} ms", effects.cones ? "on" : "off", stats.cone_culled,
-                             stats.cone_tests, 1e-6 * static_cast<double>(stats.cone_tests) * why.calibration.cone_ns));
+  draw_row("  cones", effects.cones ? "on" : "off");
+  if (stats.cone_tests > 0)
+    draw_row("", fmt::format("{} of {} dropped, {:.3f} ms", stats.cone_culled, stats.cone_tests,
+                             1e-6 * static_cast<double>(stats.cone_tests) * why.calibration.cone_ns));
   if (!why.report.choice.backend) return;
   const double query_ns = why.calibration.backends[*why.report.choice.backend].query_ns;
-  draw_row("  questions",
-           fmt::format("{} of {} regions: {} of {} hidden, {:.3f} ms", effects.regions_on(), effect_region_count,
-                       stats.hidden(), stats.queries(), 1e-6 * static_cast<double>(stats.queries()) * query_ns));
+  draw_row("  questions", fmt::format("in {} of {} regions", effects.regions_on(), effect_region_count));
+  draw_row("", fmt::format("{} of {} hidden, {:.3f} ms", stats.hidden(), stats.queries(),
+                           1e-6 * static_cast<double>(stats.queries()) * query_ns));
 }
 
 }  // namespace

@@ -25,8 +25,11 @@ constexpr std::size_t least_frame_look_interval = 30;
 constexpr double near_cosine = 0.94;  // of the angle that the camera may turn: 20 degrees
 constexpr double near_share = 0.1;    // of the scene's extent, that the eye may move
 constexpr double same_budget_factor = 2.0;
-constexpr double least_gain = 0.1;             // of the score, going on: for less a choice is not changed
-constexpr double new_share = 0.25;             // going on: of the last frame in what is known of them
+constexpr double least_gain = 0.1;  // of the score, going on: for less a choice is not changed
+constexpr double new_share = 0.25;  // going on: of the last frame in what is known of them
+// Going on: frames with a new choice, until all that is there has been asked about in turn, tell nothing of those to
+// come.
+constexpr std::size_t settling_frames = 8;
 constexpr double least_queries = 24.0;         // before a region is judged
 constexpr std::size_t least_cone_tests = 128;  // before an object's cones are
 constexpr std::size_t least_samples = 12;      // of an object that none of is hidden
@@ -184,9 +187,9 @@ class AutoRefiner::Impl {
     report_.look_ms += milliseconds_since(start);
   }
 
-  void look_back(const View& view, const RefineOptions& options, const Refinement& refinement) {
+  void look_back(const View& view, const RefineOptions& options, const Refinement& refinement, double level_px) {
     const Clock::time_point start = Clock::now();
-    back_ = probe_.look_back(view, options, refinement).all;
+    back_ = probe_.look_back(view, options, refinement, level_px).all;
     back_due_ = false;
     report_.looked_back = true;
     report_.look_ms += milliseconds_since(start);
@@ -210,6 +213,8 @@ class AutoRefiner::Impl {
     EffectChoice& choice = report_.choice;
     choice.effort = best->effort;
     choice.backend = best->backend;
+    const bool stays = before && before->effort == choice.effort && before->backend == choice.backend;
+    frames_with_choice_ = stays ? frames_with_choice_ + 1 : 0;
     const bool stars = best->effort == OcclusionEffort::stars || best->effort == OcclusionEffort::renewed_stars;
     choice.level_step = stars && prospect.back.visits_hidden < dense_hidden ? 2 : 1;
     choice.objects = effects_;
@@ -253,17 +258,23 @@ class AutoRefiner::Impl {
     const auto effort = static_cast<std::size_t>(report_.choice.effort);
     Counted& past = counted(way);
     std::optional<FrameCounts>& known = past.known[effort];
-    // A frame after refinement from scratch changes more than others do.
-    known = way == Way::from_scratch
-                ? counts
-                : mixed(known.value_or(usual_counts(way, options.budget, view, far_share_)), counts);
-    if (stats.occluder_draws > 0) past.rates[effort] = static_cast<double>(stats.queries) / counts.triangles;
+    double& rate = past.rates[effort];
+    const double new_rate = static_cast<double>(stats.queries) / counts.triangles;
+    if (way == Way::from_scratch) {
+      known = counts;
+      if (stats.occluder_draws > 0) rate = new_rate;
+    } else if (frames_with_choice_ >= settling_frames) {
+      known = mixed(known.value_or(usual_counts(way, options.budget, view, far_share_)), counts);
+      rate = std::lerp(rate, new_rate, new_share);
+    }
+    // What is taken back first of a mesh that goes on is not what would be split last: its level is no measure.
+    const double level_px = way == Way::from_scratch ? stats.level_px : probe_.level_ahead_px();
     for (std::size_t i = 0; i < effects_.size(); ++i) {
       judge_cones(refinement.effects[i], effects_[i]);
-      if (report_.choice.backend) judge_regions(refinement.effects[i], stats.level_px, counts, i);
+      if (report_.choice.backend) judge_regions(refinement.effects[i], level_px, counts, i);
     }
     if (back_due_ && views_since_look_ > 1 && options.occluder_mode == OccluderMode::paper)
-      look_back(view, options, refinement);
+      look_back(view, options, refinement, level_px);
   }
 
   [[nodiscard]] FrameCounts counts_of(Way way, const View& view, const RefineStats& stats) const {
@@ -331,7 +342,8 @@ class AutoRefiner::Impl {
     Camera camera;
     RefineOptions options;
   };
-  std::optional<Last> last_;  // of update(), since the last refine()
+  std::optional<Last> last_;            // of update(), since the last refine()
+  std::size_t frames_with_choice_ = 0;  // going on, before the last
   std::vector<ObjectEffects> effects_;
   struct Worth {
     double queries = 0.0;

@@ -92,7 +92,7 @@ std::vector<EffortForecast> forecasts(const Calibration& calibration, const Pros
   for (std::size_t backend = 0; backend < calibration.backends.size(); ++backend)
     for (std::size_t i = 1; i < occlusion_effort_count; ++i) {
       const auto effort = static_cast<OcclusionEffort>(i);
-      if (prospect.way == Way::from_scratch || is_renewed(effort))
+      if (prospect.way == Way::from_scratch || effort == OcclusionEffort::renewed_stars)
         all.push_back(forecast(calibration, backend, effort, prospect));
     }
   return all;
@@ -109,7 +109,7 @@ double split_worth_ns(const Calibration& calibration, const FrameCounts& counts)
 }
 
 QueryRates usual_query_rates(Way way) noexcept {
-  if (way == Way::going_on) return {0.0, 0.0, 0.04, 0.0, 0.1};
+  if (way == Way::going_on) return {0.0, 0.0, 0.0, 0.0, 0.1};
   return {0.0, 0.68, 0.71, 0.92, 0.95};
 }
 

@@ -45,8 +45,8 @@ struct Prospect {
 // The share of splits that an effort frees.
 [[nodiscard]] double hidden_with(OcclusionEffort effort, const Prospect& prospect);
 [[nodiscard]] double frame_ms_without(const Calibration& calibration, const FrameCounts& counts);
-// Without occlusion first, then every effort with every backend. Going on every frame draws an occluder: efforts that
-// draw but one are none of its.
+// Without occlusion first, then every effort with every backend. Going on only the largest: every frame draws an
+// occluder, and without questions about stars nothing that is applied would be asked about again.
 [[nodiscard]] std::vector<EffortForecast> forecasts(const Calibration& calibration, const Prospect& prospect);
 // How many splits the hidden answers of one region have freed. level_px: see RefineStats.
 [[nodiscard]] double splits_freed(const ObjectEffectStats::Region& region, double level_px);

@@ -79,12 +79,13 @@ const Probe::Result& Probe::look_ahead(const View& view, const RefineOptions& op
   const RefineStats& stats = scout_.refine(view, coarse, *visibility_).stats;
   begin(view, options);
   // Errors fall with one over the number of triangles.
-  if (visibility_->drawn())
-    sample(stats.level_px * static_cast<double>(stats.triangles) / static_cast<double>(options.budget), walks_ahead);
+  level_ahead_px_ = stats.level_px * static_cast<double>(stats.triangles) / static_cast<double>(options.budget);
+  if (visibility_->drawn()) sample(level_ahead_px_, walks_ahead);
   return result_;
 }
 
-const Probe::Result& Probe::look_back(const View& view, const RefineOptions& options, const Refinement& refinement) {
+const Probe::Result& Probe::look_back(const View& view, const RefineOptions& options, const Refinement& refinement,
+                                      double level_px) {
   begin(view, options);
   visibility_->begin_view(view, views_);
   corners_.resize(objects_.size());
@@ -102,7 +103,7 @@ const Probe::Result& Probe::look_back(const View& view, const RefineOptions& opt
     parts.push_back({i, corners_[i], corner_triangles_[i]});
   }
   visibility_->draw_occluder(parts);
-  sample(refinement.stats.level_px, walks_back);
+  sample(level_px, walks_back);
   return result_;
 }
 

@@ -29,8 +29,11 @@ class Probe {
   // Before a view is refined: the occluder is a coarse mesh that is refined for it. The same arguments give the same
   // result.
   const Result& look_ahead(const View& view, const RefineOptions& options);
-  // Afterwards: the occluder is what has been refined, as it is.
-  const Result& look_back(const View& view, const RefineOptions& options, const Refinement& refinement);
+  // Of the last one: the priority at which refinement from scratch should come to the end of its budget.
+  [[nodiscard]] double level_ahead_px() const noexcept { return level_ahead_px_; }
+  // Afterwards: the occluder is what has been refined, as it is, down to priorities of level_px.
+  const Result& look_back(const View& view, const RefineOptions& options, const Refinement& refinement,
+                          double level_px);
 
  private:
   class SmallVisibility;
@@ -80,6 +83,7 @@ class Probe {
   std::vector<std::vector<Triangle>> corner_triangles_;
   std::vector<Sums> sums_;  // by object
   std::uint64_t state_ = 0;
+  double level_ahead_px_ = 0.0;
   Result result_;
 };
 
