@@ -50,6 +50,12 @@ double ratio_of(double a, double b) {
   return std::max(a, nobody_sees) / std::max(b, nobody_sees);
 }
 
+// The largest in medians.
+std::string unevenness(const std::vector<double>& values) {
+  const double middle = later_percentile(values, 0.5);
+  return middle > 0.0 ? fmt::format("{:.1f}", later_percentile(values, 1.0) / middle) : "";
+}
+
 void compare(const Options& options, const Subject& subject) {
   const std::unique_ptr<Visibility> software = make_software_occlusion();
   NoOcclusion none;
@@ -67,13 +73,16 @@ void compare(const Options& options, const Subject& subject) {
                               oracle::cut_error(*subject.objects, *scratch.last, view, visibility).quadric_px));
   }
   fmt::print(
-      "| {} | {} | {} | {} | {} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.1f} | {:.0f} | {:.0f} | {} | {:016x} |\n",
+      "| {} | {} | {} | {} | {} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {} | {:.1f} | {:.0f} | {} | {:.0f} | {} | "
+      "{:016x} "
+      "|\n",
       subject.scene, subject.path_name, subject.options.budget,
       subject.options.culling == Culling::star ? "star" : "subtree", subject.occlusion ? "software" : "none",
       median(scratch.log.ms), later_percentile(frames.log.ms, 0.5), later_percentile(frames.log.ms, 0.95),
-      later_percentile(frames.log.ms, 1.0),
+      later_percentile(frames.log.ms, 1.0), longest_run_above(frames.log.cpu_ms, 2.0),
       median(scratch.log.ms) / std::max(later_percentile(frames.log.ms, 0.5), 1e-3),
-      later_percentile(frames.log.changes, 0.5), later_percentile(changed_triangles, 0.5),
+      later_percentile(frames.log.changes, 0.5), unevenness(frames.log.changes),
+      later_percentile(changed_triangles, 0.5),
       ratios.empty() ? "| " : fmt::format("{:.3f} | {:.3f}", median(ratios), later_percentile(ratios, 0.95)),
       frames.log.hash);
   std::fflush(stdout);
@@ -96,10 +105,11 @@ void compare_path(const Options& options, const std::string& scene, const tool::
 
 void compare_scenes(const Options& options) {
   fmt::print(
-      "| scene | path | budget | culling | occlusion | scratch ms | frame ms | p95 | largest | times faster | changes "
+      "| scene | path | budget | culling | occlusion | scratch ms | frame ms | p95 | largest | above | times faster | "
+      "changes | largest "
       "| "
       "changed triangles | error ratio | p95 | hash |\n"
-      "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+      "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
   for (const std::string& scene : options.scenes) {
     tool::RenderInputOptions input;
     input.file = std::filesystem::path(OCCLOD_SCENES) / (scene + ".json");

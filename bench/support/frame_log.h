@@ -69,4 +69,15 @@ struct RefinerLog {
   return later[static_cast<std::size_t>(part * static_cast<double>(later.size() - 1))];
 }
 
+// The most values in a row, but for the first, that are above `factor` medians.
+[[nodiscard]] inline std::size_t longest_run_above(const std::vector<double>& values, double factor) {
+  const double limit = factor * later_percentile(values, 0.5);
+  std::size_t run = 0, longest = 0;
+  for (std::size_t i = 1; i < values.size(); ++i) {
+    run = values[i] > limit ? run + 1 : 0;
+    longest = std::max(longest, run);
+  }
+  return longest;
+}
+
 }  // namespace occlod::bench

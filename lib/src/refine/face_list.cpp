@@ -6,8 +6,8 @@
 
 namespace occlod {
 
-FaceList::FaceList(const Hierarchy& hierarchy)
-    : hierarchy_(&hierarchy), blocks_(zeroed_array<std::uint32_t>(hierarchy.split_count())) {}
+FaceList::FaceList(const Hierarchy& hierarchy, std::vector<Triangle>& triangles)
+    : hierarchy_(&hierarchy), triangles_(&triangles), blocks_(zeroed_array<std::uint32_t>(hierarchy.split_count())) {}
 
 void FaceList::assign(const Cut& cut) {
   for (const SplitId s : owners_)
@@ -15,7 +15,7 @@ void FaceList::assign(const Cut& cut) {
   owners_.clear();
   places_.clear();
   free_blocks_.clear();
-  triangles_.clear();
+  triangles_->clear();
   faces_.clear();
   frames_.clear();
   base_places_.assign(hierarchy_->base_triangle_count(), nowhere);
@@ -65,7 +65,7 @@ std::uint32_t& FaceList::place_of(const FaceRef& face) {
 }
 
 void FaceList::put(std::uint32_t place, const FaceRef& face, const Triangle& triangle) {
-  triangles_[place] = triangle;
+  (*triangles_)[place] = triangle;
   faces_[place] = face;
   place_of(face) = place;
   touch(place);
@@ -73,8 +73,8 @@ void FaceList::put(std::uint32_t place, const FaceRef& face, const Triangle& tri
 
 void FaceList::add(const FaceRef& face, const Triangle& triangle) {
   if (holes_.empty()) {
-    holes_.push_back(static_cast<std::uint32_t>(triangles_.size()));
-    triangles_.emplace_back();
+    holes_.push_back(static_cast<std::uint32_t>(triangles_->size()));
+    triangles_->emplace_back();
     faces_.emplace_back();
     frames_.push_back(0);
   }
@@ -87,9 +87,9 @@ void FaceList::add(const FaceRef& face, const Triangle& triangle) {
 void FaceList::fill_holes() {
   std::sort(holes_.begin(), holes_.end(), std::greater<>());
   for (const std::uint32_t hole : holes_) {
-    const auto last = static_cast<std::uint32_t>(triangles_.size() - 1);
-    if (hole != last) put(hole, faces_[last], triangles_[last]);
-    triangles_.pop_back();
+    const auto last = static_cast<std::uint32_t>(triangles_->size() - 1);
+    if (hole != last) put(hole, faces_[last], (*triangles_)[last]);
+    triangles_->pop_back();
     faces_.pop_back();
     frames_.pop_back();
   }
@@ -130,7 +130,7 @@ void FaceList::changes(std::vector<TriangleRange>& out) {
   std::sort(touched_.begin(), touched_.end());
   touched_.erase(std::unique(touched_.begin(), touched_.end()), touched_.end());
   for (const std::uint32_t place : touched_) {
-    if (place >= triangles_.size()) break;
+    if (place >= triangles_->size()) break;
     if (!out.empty() && out.back().first + out.back().count == place)
       ++out.back().count;
     else

@@ -15,7 +15,8 @@ namespace occlod {
 // Knows the place of every active face. Memory is proportional to the cut.
 class FaceList {
  public:
-  explicit FaceList(const Hierarchy& hierarchy);
+  // `triangles`: where they are kept, with nothing else. Both outlive it.
+  FaceList(const Hierarchy& hierarchy, std::vector<Triangle>& triangles);
 
   // All faces of `cut` from scratch, base faces first, then by split and slot. O(n log n).
   void assign(const Cut& cut);
@@ -26,8 +27,7 @@ class FaceList {
   void apply(SplitId s);
   void take_back(SplitId s);
 
-  [[nodiscard]] const std::vector<Triangle>& triangles() const noexcept { return triangles_; }
-  // The places of triangles() that differ from those at begin_frame(), ascending and apart. O(c log c) for c changes.
+  // The places of triangles that differ from those at begin_frame(), ascending and apart. O(c log c) for c changes.
   void changes(std::vector<TriangleRange>& out);
 
  private:
@@ -42,7 +42,7 @@ class FaceList {
   void free_block_of(SplitId s);
 
   const Hierarchy* hierarchy_;
-  std::vector<Triangle> triangles_;
+  std::vector<Triangle>* triangles_;
   std::vector<FaceRef> faces_;         // at each place
   std::vector<std::uint32_t> frames_;  // in which each place was last changed
   std::uint32_t frame_ = 0;

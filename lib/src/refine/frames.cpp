@@ -1,27 +1,16 @@
 #include "frames.h"
 
 #include <algorithm>
-#include <limits>
+#include <iterator>
 #include <string>
 #include <utility>
 
-#include "front_look.h"
 #include "occlod/core/error.h"
 
 namespace occlod {
-namespace {
 
-// Nodes are no longer descended when they matter less than this part of the level.
-constexpr float closing = 0.5F;
-// What a split forces is looked at again in one frame of so many.
-constexpr std::uint32_t weighing_rounds = 4;
-// More than this part of the applied splits matters much less than what the budget goes to.
-constexpr double lost_part = 0.25;
-
-}  // namespace
-
-Frames::Frames(std::span<const RefineObject> objects) {
-  for (const RefineObject& object : objects) objects_.emplace_back(*object.hierarchy);
+Frames::Frames(std::span<const RefineObject> objects, std::span<RefinedObject> result) {
+  for (std::size_t i = 0; i < objects.size(); ++i) objects_.emplace_back(*objects[i].hierarchy, result[i].triangles);
 }
 
 void Frames::begin(const RefinedCuts& refined, const RefineOptions& options) {
@@ -30,7 +19,6 @@ void Frames::begin(const RefinedCuts& refined, const RefineOptions& options) {
   ++frame_;
   adopted_ = false;
   changes_ = 0;
-  unseen_ = {};
   triangles_ = 0;
   for (const Cut& cut : refined_.cuts) triangles_ += cut.triangle_count();
   for (Object& object : objects_) {
@@ -48,216 +36,173 @@ void Frames::adopt(const RefinedCuts& refined, const RefineOptions& options, flo
   adopted_draw_ = draw_;
   at_rest_ = false;
   level_ = level;
-  for (std::uint32_t i = 0; i < objects_.size(); ++i) {
-    Object& object = objects_[i];
-    object.front.clear();
-    object.morphs.clear();
-    object.faces.assign(refined.cuts[i]);
-    for (const SplitId s : refined.cuts[i].applied_splits())
-      if (refined.cuts[i].applied(s)) object.front.obtain(s).set(FrontNode::applied, true);
+  last_view_ = *refined.view;
+  for (std::uint32_t i = 0; i < objects_.size(); ++i) adopt_splits(i);
+  for (const Entry& entry : hidden) {
+    Front& front = objects_[entry.object].front;
+    front.set(front.obtain(entry.split), entry.kind == Entry::Kind::visit ? Front::subtree_hidden : Front::star_hidden,
+              true);
   }
-  for (const Entry& entry : hidden)
-    objects_[entry.object]
-        .front.obtain(entry.split)
-        .set(entry.kind == Entry::Kind::visit ? FrontNode::subtree_hidden : FrontNode::star_hidden, true);
   for (std::uint32_t i = 0; i < objects_.size(); ++i) adopt_forest(i);
   before_ = count_applied();
+}
+
+void Frames::adopt_splits(std::uint32_t object) {
+  Object& to = objects_[object];
+  const Cut& cut = refined_.cuts[object];
+  to.front.clear();
+  to.morphs.clear();
+  to.faces.assign(cut);
+  to.travel = {};
+  to.view = refined_.views[object];
+  for (const SplitId s : cut.applied_splits()) {
+    if (!cut.applied(s)) continue;
+    const Front::Index k = to.front.obtain(s);
+    to.front.set(k, Front::applied, true);
+    to.front.set(k, Front::leaf, cut.is_leaf(s));
+  }
 }
 
 void Frames::adopt_forest(std::uint32_t object) {
   Front& front = objects_[object].front;
   open_.clear();
+  reached_.clear();
   for (const SplitId root : refined_.cuts[object].hierarchy().data().roots) {
-    reach(object, root, no_id, 0);
     open_.push_back(root);
+    reached_.push_back(reach(object, root, no_id, 0));
   }
-  while (!open_.empty()) {
-    const SplitId s = open_.back();
-    open_.pop_back();
-    FrontNode& node = *front.find(s);
-    if (node.is(FrontNode::subtree_hidden) || !(node.quadric_px() > level_)) continue;
-    descend_from(object, s, [&](SplitId child) { open_.push_back(child); });
+  while (!open_.empty()) {  // level by level
+    renew(object, reached_);
+    reached_.clear();
+    sorted_.swap(open_);
+    open_.clear();
+    for (const SplitId s : sorted_) {
+      const Front::Index k = front.find(s);
+      if (front.is(k, Front::subtree_hidden) || !(front.error_at_most(k).quadric_px > level_)) continue;
+      descend_from(object, s, [&](SplitId child) {
+        open_.push_back(child);
+        reached_.push_back(front.find(child));
+      });
+    }
   }
-  for (std::size_t k = front.nodes().size(); k-- > 0;) {
-    FrontNode& node = front.nodes()[k];
-    if (!node.is(FrontNode::reached) && !node.is(FrontNode::applied)) front.remove(node);
+  for (std::size_t k = front.size(); k-- > 0;) {
+    const auto at = static_cast<Front::Index>(k);
+    if (!front.is(at, Front::reached) && !front.is(at, Front::applied)) front.remove(at);
   }
 }
 
-void Frames::reach(std::uint32_t object, SplitId s, SplitId parent, std::uint16_t level) {
+// What it is worth is not known yet.
+Front::Index Frames::reach(std::uint32_t object, SplitId s, SplitId parent, std::uint16_t level) {
   const Hierarchy& hierarchy = refined_.cuts[object].hierarchy();
   hierarchy.require(s);
   if (hierarchy.node(s).parent != parent)
     throw Error({"hierarchy", "split " + std::to_string(s), "is not where its parent says", "build it again"});
-  FrontNode& node = objects_[object].front.obtain(s);
-  node.set(FrontNode::reached, true);
-  node.level = level;
-  node.scale_px = scale_px_of(node, refined_.views[object], refined_.gate->tests_cone(object), unseen_);
-}
-
-bool Frames::weigh(const RefinedCuts& refined, const RefineOptions& options) {
-  begin(refined, options);
-  for (std::uint32_t i = 0; i < objects_.size(); ++i) {
-    const std::span<FrontNode> nodes = objects_[i].front.nodes();
-    const WeighedNodes counts = weigh_nodes(nodes, refined_.views[i], refined_.gate->tests_cone(i));
-    unseen_.outside += counts.outside;
-    unseen_.facing_away += counts.facing_away;
-  }
-  const Applied now = count_applied();
-  const double newly_lost = static_cast<double>(now.worthless) - static_cast<double>(before_.worthless);
-  return newly_lost <= lost_part * static_cast<double>(now.all);
+  Front& front = objects_[object].front;
+  const Front::Index k = front.obtain(s);
+  front.set(k, Front::reached, true);
+  front.node(k).level = level;
+  return k;
 }
 
 Frames::Applied Frames::count_applied() const {
-  Applied count;
-  for (const Object& object : objects_)
-    for (const FrontNode& node : object.front.nodes()) {
-      if (!node.is(FrontNode::applied)) continue;
-      ++count.all;
-      if (is_closable(node)) ++count.worthless;
-    }
-  return count;
-}
-
-// What the split of a node is worth.
-Frames::Worth Frames::worth(std::uint32_t object, FrontNode& node) {
-  if (!(node.scale_px > 0.0F) || node.is(FrontNode::subtree_hidden) || node.is(FrontNode::star_hidden)) return {};
-  if (options_->culling == Culling::subtree) {
-    const ScreenError error(node.error, node.guaranteed_error, node.scale_px);
-    return {error.quadric_px, error.quadric_px, error};
+  Applied applied;
+  for (std::uint32_t i = 0; i < objects_.size(); ++i) {
+    const DriftingProducts of = errors(i);
+    const std::size_t all = count(of, {.all = Front::applied});
+    applied.all += all;
+    applied.worthless +=
+        all - count(of, {.all = Front::applied, .none = Front::subtree_hidden, .may_exceed = closing * level_});
   }
-  Importance& importance = refined_.importances[object];
-  const ObjectView& view = refined_.views[object];
-  const FrontStar& star = objects_[object].front.star(node);
-  const Importance::Value value =
-      !star.has_too_many && is_wholly_inside(star.sphere, view)
-          ? importance.of(look(star, view, refined_.objects[object].two_sided), node.error, node.guaranteed_error)
-          : importance.of(node.split);
-  if (value.visible_share == 0.0F) return {};
-  return {value.priority * node.forced_weight, value.priority, value.error};
-}
-
-bool Frames::is_tolerated(const ScreenError& error) const {
-  return options_->tolerance_px > 0.0 && error.guaranteed_px <= static_cast<float>(options_->tolerance_px);
+  return applied;
 }
 
 // Gives up nodes that matter too little to be descended.
 void Frames::close(std::uint32_t object) {
+  Front& front = objects_[object].front;
+  found_.clear();
+  const DriftingProducts of = errors(object);
+  select(of, {.all = Front::descended | Front::subtree_hidden}, found_);
+  select(of, {.all = Front::descended, .none = Front::subtree_hidden, .may_be_below = closing * level_}, found_);
   open_.clear();
-  for (const FrontNode& node : objects_[object].front.nodes())
-    if (node.is(FrontNode::descended) && is_closable(node)) open_.push_back(node.split);
+  for (const Front::Index k : found_) open_.push_back(front.node(k).split);
   for (const SplitId first : open_)
     for (SplitId s = first; s != no_id && close_one(object, s);) s = refined_.cuts[object].hierarchy().node(s).parent;
 }
 
-bool Frames::is_closable(const FrontNode& node) const {
-  return node.is(FrontNode::subtree_hidden) || !(node.quadric_px() > closing * level_);
+bool Frames::is_closable(std::uint32_t object, Front::Index k) const {
+  const Front& front = objects_[object].front;
+  return front.is(k, Front::subtree_hidden) ||
+         front.scales().doubt[k] * front.error_at_most(k).quadric_px <= closing * level_;
 }
 
 bool Frames::close_one(std::uint32_t object, SplitId s) {
   Front& front = objects_[object].front;
-  FrontNode* const node = front.find(s);
-  if (node == nullptr || !node->is(FrontNode::descended) || !is_closable(*node)) return false;
+  const Front::Index k = front.find(s);
+  if (k == Front::none || !front.is(k, Front::descended) || !is_closable(object, k)) return false;
   const SplitNode& split = refined_.cuts[object].hierarchy().node(s);
   for (const SplitId child : {split.child_u, split.child_v})
-    if (child != no_id && front.find(child)->is(FrontNode::descended)) return false;
-  node->set(FrontNode::descended, false);
+    if (child != no_id && front.is(front.find(child), Front::descended)) return false;
+  front.set(k, Front::descended, false);
   for (const SplitId child : {split.child_u, split.child_v}) {
     if (child == no_id) continue;
-    FrontNode& below = *front.find(child);
-    below.set(FrontNode::reached, false);
-    if (!below.is(FrontNode::applied)) front.remove(below);
+    const Front::Index below = front.find(child);
+    front.set(below, Front::reached, false);
+    if (!front.is(below, Front::applied)) front.remove(below);
   }
   return true;
 }
 
-// Reached nodes, at which refinement may go on.
-void Frames::gather_candidates(float low, float high) {
-  const auto within = [&](float key) { return key > low && key <= high; };
-  for (std::uint32_t i = 0; i < objects_.size(); ++i) {
-    std::span<FrontNode> nodes = objects_[i].front.nodes();
-    for (std::size_t k = 0; k < nodes.size(); ++k) {
-      FrontNode& node = nodes[k];
-      if (!node.is(FrontNode::reached) || !(node.scale_px > 0.0F) || node.is(FrontNode::subtree_hidden)) continue;
-      const ScreenError bound(node.error, node.guaranteed_error, node.scale_px);
-      if (!node.is(FrontNode::descended)) {
-        if (within(bound.quadric_px) && !is_tolerated(bound))
-          candidates_.push({bound.quadric_px, bound, node.split, i, node.level, 0, Entry::Kind::visit});
-      } else if (!node.is(FrontNode::applied) && bound.quadric_px * most_grazing > low) {
-        const bool again = (k + frame_) % weighing_rounds == 0;
-        const Worth value = worth(i, node);
-        const float key = again ? value.raw : value.key;
-        if (within(key) && !is_tolerated(value.error))
-          candidates_.push({key, value.error, node.split, i, node.level, 0, Entry::Kind::apply, !again});
-      }
-    }
+void Frames::emit(std::uint32_t i, RefinedObject& out, RefineStats& stats) {
+  Object& object = objects_[i];
+  object.faces.changes(out.changes);
+  for (const TriangleRange& range : out.changes) stats.changed_triangles += range.count;
+  emit_splits(object, refined_.cuts[i], out, stats);
+  emit_geomorphs(object, refined_.cuts[i], out.geomorphs);
+  at_rest_ = at_rest_ && out.geomorphs.empty();
+}
+
+void Frames::emit_splits(Object& object, const Cut& cut, RefinedObject& out, RefineStats& stats) {
+  if (adopted_) {
+    stats.merged_splits += out.splits.size();
+    out.splits.clear();
+    for (Front::Index k = 0; k < object.front.size(); ++k)
+      if (object.front.is(k, Front::applied)) out.splits.push_back(object.front.node(k).split);
+    std::sort(out.splits.begin(), out.splits.end());
+    stats.new_splits += out.splits.size();
+    return;
   }
-}
-
-// 0 for what a tolerance makes needless; finite, also with the eye inside the bounds, so that everything can be given
-// up.
-float Frames::leaf_key(std::uint32_t object, FrontNode& node) {
-  const Worth value = worth(object, node);
-  const double needless = options_->tolerance_px * (1.0 - options_->hysteresis);
-  if (static_cast<double>(value.error.guaranteed_px) <= needless) return 0.0F;
-  return std::min(value.key, std::numeric_limits<float>::max());
-}
-
-// Applied splits that none needs.
-void Frames::gather_leaves(float low, float high) {
-  for (std::uint32_t i = 0; i < objects_.size(); ++i)
-    for (FrontNode& node : objects_[i].front.nodes()) {
-      if (!node.is(FrontNode::applied) || node.is(FrontNode::is_new) || !refined_.cuts[i].is_leaf(node.split)) continue;
-      const float key = leaf_key(i, node);
-      if (key >= low && key < high) push_leaf(i, node.split, key);
-    }
-}
-
-void Frames::push_leaf(std::uint32_t object, SplitId s, float key) {
-  leaves_.push({1.0F / key, {}, s, object});  // infinite for what is worth nothing
-}
-
-void Frames::gather() {
-  candidates_.clear();
-  leaves_.clear();
-  for (std::uint32_t i = 0; i < objects_.size(); ++i) close(i);
-  candidates_above_ = level_ / band;
-  leaves_below_ = level_ * band;
-  // All of them where the budget is enough: some may be needless.
-  if (level_ == 0.0F && options_->tolerance_px > 0.0) leaves_below_ = std::numeric_limits<float>::infinity();
-  gather_candidates(candidates_above_, std::numeric_limits<float>::infinity());
-  gather_leaves(0.0F, leaves_below_);
-}
-
-// Queues the rest, once.
-void Frames::gather_more_candidates() {
-  const float below = std::exchange(candidates_above_, 0.0F);
-  if (below > 0.0F) gather_candidates(0.0F, below);
-}
-
-bool Frames::gather_more_leaves() {
-  if (leaves_below_ == std::numeric_limits<float>::infinity()) return false;
-  const float from = std::exchange(leaves_below_, std::numeric_limits<float>::infinity());
-  gather_leaves(from, leaves_below_);
-  return !leaves_.empty();
-}
-
-// The largest error of what is held to be visible and is not refined. Stars are looked at only where their subtree's
-// bounds leave room for a larger one.
-void Frames::measure_errors() {
-  const auto for_each_reached = [&](bool descended, const auto& visit) {
-    for (std::uint32_t i = 0; i < objects_.size(); ++i)
-      for (FrontNode& node : objects_[i].front.nodes())
-        if (node.is(FrontNode::reached) && node.is(FrontNode::descended) == descended && node.scale_px > 0.0F &&
-            !node.is(FrontNode::subtree_hidden))
-          visit(i, node, ScreenError(node.error, node.guaranteed_error, node.scale_px));
+  // What came and went, or went and came, is no change.
+  const auto settle = [&](std::vector<SplitId>& splits, bool applied) {
+    std::sort(splits.begin(), splits.end());
+    splits.erase(std::unique(splits.begin(), splits.end()), splits.end());
+    std::erase_if(splits, [&](SplitId s) {
+      return cut.applied(s) != applied || std::binary_search(out.splits.begin(), out.splits.end(), s) == applied;
+    });
   };
-  for_each_reached(false, [&](std::uint32_t, const FrontNode&, const ScreenError& error) { left_.include(error); });
-  for_each_reached(true, [&](std::uint32_t i, FrontNode& node, const ScreenError& bound) {
-    if (node.is(FrontNode::applied)) return;
-    if (bound.quadric_px > left_.quadric_px || bound.guaranteed_px > left_.guaranteed_px)
-      left_.include(worth(i, node).error);
-  });
+  for (const SplitId s : object.born)
+    if (const Front::Index k = object.front.find(s); k != Front::none) object.front.set(k, Front::is_new, false);
+  settle(object.born, true);
+  settle(object.died, false);
+  stats.new_splits += object.born.size();
+  stats.merged_splits += object.died.size();
+  if (object.born.empty() && object.died.empty()) return;
+  sorted_.clear();
+  std::set_difference(out.splits.begin(), out.splits.end(), object.died.begin(), object.died.end(),
+                      std::back_inserter(sorted_));
+  out.splits.clear();
+  std::merge(sorted_.begin(), sorted_.end(), object.born.begin(), object.born.end(), std::back_inserter(out.splits));
+}
+
+void Frames::emit_geomorphs(Object& object, const Cut& cut, std::vector<Geomorph>& out) const {
+  out.clear();
+  const std::uint32_t frames = options_->geomorph_frames;
+  if (frames > 0 && !adopted_)
+    for (const SplitId s : object.born) object.morphs.emplace_back(s, frame_);
+  std::erase_if(object.morphs,
+                [&](const auto& morph) { return !cut.applied(morph.first) || frame_ - morph.second >= frames; });
+  for (const auto& [s, born] : object.morphs)
+    out.push_back({cut.hierarchy().vertex_of(s), cut.hierarchy().star(s).parent_vertex(),
+                   static_cast<float>(frame_ - born + 1) / static_cast<float>(frames + 1)});
 }
 
 }  // namespace occlod

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "drifting_values.h"
 #include "face_list.h"
 #include "front.h"
 #include "milliseconds_since.h"
@@ -16,18 +17,21 @@
 #include "queue.h"
 #include "refined_cuts.h"
 #include "star.h"
+#include "travel.h"
 #include "weigh_nodes.h"
 
 namespace occlod {
 
-// One frame: every node that refinement has reached is weighed for the new view; then, worst first, candidates are
-// descended or applied, and take the place of applied leaves that matter less (the dual queues of Duchaineau et al.,
-// ROAMing Terrain, 1997, here over the dependencies of splits). The nodes are about twice as many as applied splits,
-// and are weighed in vectors; what is queued is in proportion to what changes. The priority where the budget ended is
-// kept: only what is near that is queued.
+// One frame: nodes of what refinement has reached are weighed for the new view as far as what is known of them no
+// longer holds, or as far as it matters; then, worst first, candidates are descended or applied, and take the place of
+// applied leaves that matter less (the dual queues of Duchaineau et al., ROAMing Terrain, 1997, here over the
+// dependencies of splits). The nodes are about twice as many as applied splits and are looked through in vectors; what
+// is weighed and queued is in proportion to what changes. The priority where the budget ended is kept: only what is
+// near that is queued.
 class Frames {
  public:
-  explicit Frames(std::span<const RefineObject> objects);
+  // Keeps the triangles of the objects in `result`, which outlives it.
+  Frames(std::span<const RefineObject> objects, std::span<RefinedObject> result);
 
   // Takes over cuts that refinement from scratch has made: `level` is the priority where the budget ended, `hidden`
   // what was hidden at the end. All outlive the frame.
@@ -49,9 +53,12 @@ class Frames {
 
  private:
   struct Object {
-    explicit Object(const Hierarchy& hierarchy) : front(hierarchy), faces(hierarchy) {}
+    Object(const Hierarchy& hierarchy, std::vector<Triangle>& triangles)
+        : front(hierarchy), faces(hierarchy, triangles) {}
 
     Front front;
+    std::optional<ObjectView> view;  // of the last frame
+    Travel travel;                   // since the front was last weighed as a whole
     FaceList faces;
     std::vector<SplitId> born, died;                        // in this frame
     std::vector<std::pair<SplitId, std::uint32_t>> morphs;  // splits with the frames in which they were applied
@@ -66,7 +73,12 @@ class Frames {
 
   // Candidates and leaves are queued when their keys are within this factor of the level of the frame before; all are
   // when those do not suffice.
-  static constexpr float band = 1.25F;
+  static constexpr float band = 1.06F;
+  static constexpr float band_step = 1.25F;  // where they do not suffice, down to `closing`
+  // Nodes are no longer descended when they matter less than this part of the level.
+  static constexpr float closing = 0.5F;
+  // Of what is held to be visible, one in so many is asked about again in each frame.
+  static constexpr std::uint32_t asking_rounds = 2;
   // A split's priority is at most its subtree's error times this: Importance counts no face as seen more edge-on than
   // under a cosine of 0.2.
   static constexpr float most_grazing = 2.3F;
@@ -78,30 +90,49 @@ class Frames {
   [[nodiscard]] Applied count_applied() const;
 
   void begin(const RefinedCuts& refined, const RefineOptions& options);
+  void adopt_splits(std::uint32_t object);
   void adopt_forest(std::uint32_t object);
-  [[nodiscard]] Worth worth(std::uint32_t object, FrontNode& node);
-  [[nodiscard]] bool is_tolerated(const ScreenError& error) const;
-  void reach(std::uint32_t object, SplitId s, SplitId parent, std::uint16_t level);
+  Front::Index reach(std::uint32_t object, SplitId s, SplitId parent, std::uint16_t level);
   template <typename Visit>
   void descend_from(std::uint32_t object, SplitId s, const Visit& visit_child);
 
+  // What is known of all nodes of an object.
+  [[nodiscard]] DriftingProducts errors(std::uint32_t object) const;
+  [[nodiscard]] DriftingProducts guaranteed_errors(std::uint32_t object) const;
+  [[nodiscard]] DriftingProducts priorities(std::uint32_t object) const;
+  [[nodiscard]] DriftingProducts leaf_priorities(std::uint32_t object) const;
+
+  void travel(std::uint32_t object);
+  [[nodiscard]] glm::vec3 middle_of(std::uint32_t object) const;
+  void renew(std::uint32_t object, std::span<const Front::Index> nodes);
+  [[nodiscard]] Worth worth(std::uint32_t object, Front::Index k);
+  [[nodiscard]] Worth worth_by_star(std::uint32_t object, Front::Index k);
+  [[nodiscard]] bool is_tolerated(const ScreenError& error) const;
+
   void close(std::uint32_t object);
-  [[nodiscard]] bool is_closable(const FrontNode& node) const;
+  [[nodiscard]] bool is_closable(std::uint32_t object, Front::Index k) const;
   bool close_one(std::uint32_t object, SplitId s);
   void gather();
   void gather_candidates(float low, float high);
   void gather_leaves(float low, float high);
   void gather_more_candidates();
   bool gather_more_leaves();
-  [[nodiscard]] float leaf_key(std::uint32_t object, FrontNode& node);
+  [[nodiscard]] float leaf_key(std::uint32_t object, Front::Index k);
   void push_leaf(std::uint32_t object, SplitId s, float key);
   void measure_errors();
+  void measure_unreached(std::uint32_t object, const DriftingProducts& of, float so_far);
+  void measure_unapplied(std::uint32_t object, const DriftingProducts& of, float so_far);
 
   void ask_again(Occluder& occluder, bool all);
   [[nodiscard]] bool is_shown_since(std::uint32_t draw, const FrontNode& node, Entry::Kind kind) const;
-  [[nodiscard]] Entry leaf_question(std::uint32_t i, const FrontNode& node) const;
-  [[nodiscard]] std::optional<Entry::Kind> question_about(std::uint32_t object, const FrontNode& node, bool due) const;
-  void forget_what_is_not_asked(std::uint32_t object, FrontNode& node) const;
+  [[nodiscard]] Entry::Kind leaf_question() const;
+  void ask_about(std::uint32_t object, Front::Index k, Entry::Kind kind);
+  void ask_about_hidden(std::uint32_t object);
+  void ask_about_unapplied(std::uint32_t object);
+  void ask_about_leaves(std::uint32_t object, bool all);
+  void forget_what_is_not_asked(std::uint32_t object);
+  [[nodiscard]] float least_that_matters() const;
+  [[nodiscard]] bool asks_stars() const;
   void note(const Entry& entry, bool visible);
   [[nodiscard]] bool is_hidden(const Entry& entry);
 
@@ -110,7 +141,7 @@ class Frames {
   void run();
   [[nodiscard]] bool limit_reached() const;
   void descend(const Entry& entry);
-  void offer(std::uint32_t i, FrontNode& node);
+  void offer(std::uint32_t i, Front::Index k);
   bool apply(const Entry& entry);
   bool waits(const Entry& entry, const Cut::Closure& closure);
   void apply_closure(std::uint32_t i, const Cut::Closure& closure);
@@ -119,6 +150,7 @@ class Frames {
   bool take_back_least();
   void take_back_needless();
   void take_back(std::uint32_t i, SplitId s);
+  void queue_new_leaf(std::uint32_t i, SplitId s);
   void emit_splits(Object& object, const Cut& cut, RefinedObject& out, RefineStats& stats);
   void emit_geomorphs(Object& object, const Cut& cut, std::vector<Geomorph>& out) const;
 
@@ -128,6 +160,7 @@ class Frames {
   RefineStats* stats_ = nullptr;
   Clock::time_point start_;
   std::vector<Object> objects_;
+  std::optional<View> last_view_;
   bool adopted_ = false;  // in this frame
   bool at_rest_ = false;
   bool asks_leaves_ = false;  // when they become leaves
@@ -138,30 +171,31 @@ class Frames {
   std::uint32_t fresh_draw_ = 0;    // verdicts before earlier ones are out of date
   float level_ = 0.0F;              // the priority where the budget ended
   float candidates_above_ = 0.0F;   // queued are candidates with larger keys
+  float last_step_ = 0.0F;          // below which all the others are queued
   float leaves_below_ = 0.0F;       // and leaves with smaller ones
   Queue candidates_;
   Queue leaves_;  // by 1 / key
   std::size_t triangles_ = 0;
   std::size_t changes_ = 0;  // splits and merges in this frame
-  WeighedNodes unseen_;
-  Applied before_;  // when the last frame ended
+  Applied before_;           // when the last frame ended
   ScreenError left_;
   StarLook star_;
   std::vector<Entry> asked_;  // scratch, all of them
   std::vector<SplitId> sorted_;
   std::vector<SplitId> open_;
+  std::vector<Front::Index> found_, renewed_, reached_;
 };
 
 // Calls visit_child(SplitId) for each child that is now reached. Throws Error for a file that lies about its forest.
 template <typename Visit>
 void Frames::descend_from(std::uint32_t object, SplitId s, const Visit& visit_child) {
-  FrontNode& node = *objects_[object].front.find(s);
-  node.set(FrontNode::descended, true);
-  const std::uint16_t level = node.level;  // reach() moves nodes
+  Front& front = objects_[object].front;
+  const Front::Index k = front.find(s);
+  front.set(k, Front::descended, true);
   const SplitNode& split = refined_.cuts[object].hierarchy().node(s);
   for (const SplitId child : {split.child_u, split.child_v}) {
     if (child == no_id) continue;
-    reach(object, child, s, FrontNode::below(level));
+    reach(object, child, s, FrontNode::below(front.node(k).level));
     visit_child(child);
   }
 }

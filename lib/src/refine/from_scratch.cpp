@@ -3,7 +3,7 @@
 #include <string>
 
 #include "occlod/core/error.h"
-#include "weigh_nodes.h"
+#include "weigh_splits.h"
 
 namespace occlod {
 namespace {

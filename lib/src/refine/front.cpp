@@ -56,38 +56,61 @@ Front::Front(const Hierarchy& hierarchy)
 void Front::clear() {
   for (const FrontNode& node : nodes_) slots_[node.split] = 0;
   nodes_.clear();
+  flags_.clear();
+  errors_.clear();
+  guaranteed_errors_.clear();
+  forced_weights_.clear();
+  scales_.clear();
+  priorities_.clear();
   stars_.clear();
   free_stars_.clear();
 }
 
-FrontNode& Front::obtain(SplitId s) {
-  if (FrontNode* const there = find(s)) return *there;
+Front::Index Front::obtain(SplitId s) {
+  if (const Index there = find(s); there != none) return there;
   hierarchy_->require(s);
   const SplitNode& split = hierarchy_->node(s);
-  FrontNode& node = nodes_.emplace_back();
+  nodes_.push_back({split.sphere, split.cone(), s});
+  flags_.push_back(0);
+  errors_.push_back(split.error);
+  guaranteed_errors_.push_back(split.guaranteed_error);
+  forced_weights_.push_back(1.0F);
+  scales_.add();
+  priorities_.add();
   slots_[s] = static_cast<std::uint32_t>(nodes_.size());
-  node.sphere = split.sphere;
-  node.cone = split.cone();
-  node.error = split.error;
-  node.guaranteed_error = split.guaranteed_error;
-  node.split = s;
-  return node;
+  return slots_[s] - 1;
 }
 
-void Front::remove(FrontNode& node) {
-  if (node.star != FrontNode::no_star) free_stars_.push_back(node.star);
-  const SplitId gone = node.split;
+void Front::remove(Index k) {
+  if (nodes_[k].star != FrontNode::no_star) free_stars_.push_back(nodes_[k].star);
+  const SplitId gone = nodes_[k].split;
   slots_[nodes_.back().split] = slots_[gone];
   slots_[gone] = 0;
-  if (&node != &nodes_.back()) node = nodes_.back();
-  nodes_.pop_back();
+  const auto take_last = [&](auto& of) {
+    of[k] = of.back();
+    of.pop_back();
+  };
+  take_last(nodes_);
+  take_last(flags_);
+  take_last(errors_);
+  take_last(guaranteed_errors_);
+  take_last(forced_weights_);
+  scales_.remove(k);
+  priorities_.remove(k);
 }
 
-const FrontStar& Front::star(FrontNode& node) {
+void Front::set(Index k, Flag flag, bool on) noexcept {
+  const unsigned one = flags_[k], changed = on ? one | flag : one & ~unsigned{flag};
+  const bool any_hidden = (changed & (subtree_hidden | star_hidden)) != 0;
+  flags_[k] = static_cast<std::uint16_t>(any_hidden ? changed | hidden : changed & ~unsigned{hidden});
+}
+
+const FrontStar& Front::star(Index k) {
+  FrontNode& node = nodes_[k];
   if (node.star == FrontNode::no_star) {
     const SplitStar star = hierarchy_->star(node.split);
     star.for_each_face([&](const Triangle& t) {
-      for (int k = 0; k < 3; ++k) hierarchy_->require_vertex(t[k]);
+      for (int corner = 0; corner < 3; ++corner) hierarchy_->require_vertex(t[corner]);
     });
     if (free_stars_.empty()) {
       free_stars_.push_back(static_cast<std::uint32_t>(stars_.size()));

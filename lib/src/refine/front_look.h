@@ -1,13 +1,28 @@
-// A node of the front, seen from one eye.
+// What the split of a node is worth by how its own faces are seen, and for how long.
 #pragma once
 
 #include "front.h"
-#include "occlod/view/view.h"
-#include "star.h"
+#include "importance.h"
+#include "occlod/refine/refiner.h"
 
 namespace occlod {
 
-// As StarLook::look, of a star wholly inside the frustum. Precondition: its planes are known.
-[[nodiscard]] StarView look(const FrontStar& star, const ObjectView& view, bool two_sided);
+struct FrontPriority {
+  Importance::Value value;
+  Drift drift;
+};
+
+struct FrontLook {
+  const ObjectView& view;
+  const Importance& importance;
+  bool two_sided = false;
+  float grazing_exponent = 0.0F;
+  float steepness = 0.0F;  // twice the tangent of the angle of the image's corners
+  glm::vec3 middle{0.0F};  // see Travel
+};
+
+// Of a star with no more than FrontStar::most_faces that is wholly inside the frustum, of a split with these errors.
+[[nodiscard]] FrontPriority priority_of(const FrontStar& star, float error, float guaranteed_error,
+                                        const FrontLook& look);
 
 }  // namespace occlod

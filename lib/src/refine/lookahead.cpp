@@ -4,7 +4,7 @@
 #include <cassert>
 
 #include "hierarchy/prefetch.h"
-#include "weigh_nodes.h"
+#include "weigh_splits.h"
 
 namespace occlod {
 

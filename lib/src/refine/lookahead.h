@@ -32,7 +32,7 @@ class Lookahead {
  private:
   static constexpr std::size_t batch_size = 32;    // nodes, two for each entry
   static constexpr std::size_t lanes = 8;          // of vectors, or a multiple of that
-  static constexpr std::size_t most_entries = 28; // looked at to fill a batch
+  static constexpr std::size_t most_entries = 28;  // looked at to fill a batch
 
   void gather(Entry& entry, Queue& queue);
   void prefetch_star(const Entry& entry) const;

@@ -1,8 +1,9 @@
 // What has been asked of a backend and is not answered yet.
 #pragma once
 
-#include <deque>
+#include <cstddef>
 #include <span>
+#include <vector>
 
 #include "milliseconds_since.h"
 #include "occlod/refine/visibility.h"
@@ -16,8 +17,8 @@ class Questions {
   void begin(Visibility& visibility, const View& view, std::span<const ObjectView> objects);
 
   [[nodiscard]] bool can_hide() const noexcept { return can_hide_; }
-  [[nodiscard]] bool none_open() const noexcept { return open_.empty(); }
-  [[nodiscard]] bool has_room() const { return open_.size() < flight_; }
+  [[nodiscard]] bool none_open() const noexcept { return answered_ == open_.size(); }
+  [[nodiscard]] bool has_room() const noexcept { return open_.size() - answered_ < flight_; }
   // Whether several questions should be under way at once.
   [[nodiscard]] bool in_flights() const { return flight_ > 1; }
 
@@ -41,7 +42,8 @@ class Questions {
   Visibility* visibility_ = nullptr;
   bool can_hide_ = false;
   std::size_t flight_ = 1;   // of the backend, in this view
-  std::deque<Entry> open_;   // oldest first
+  std::vector<Entry> open_;  // oldest first, after those that are answered
+  std::size_t answered_ = 0;
   Clock::time_point asked_;  // the last of them
   double milliseconds_ = 0.0;
 };

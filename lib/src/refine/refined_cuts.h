@@ -17,6 +17,7 @@ struct RefinedCuts {
   std::span<const ObjectView> views;
   std::span<Importance> importances;
   EffectGate* gate = nullptr;  // what works on each object
+  const View* view = nullptr;
 };
 
 }  // namespace occlod

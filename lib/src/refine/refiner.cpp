@@ -53,7 +53,7 @@ class Refiner::Impl {
     const Clock::time_point start = Clock::now();
     begin(view, options, visibility);
     frames_.reset();
-    from_scratch_.refine(refined(), options_, questions_, occluder_mesh_, stats_);
+    from_scratch_.refine(refined(view), options_, questions_, occluder_mesh_, stats_);
     emit();
     finish(start);
     return result_;
@@ -69,12 +69,12 @@ class Refiner::Impl {
     last_ = {view.camera(), &visibility};
     if (frames_ && !same_backend) frames_->forget_hidden();
     const bool limited = options.most_changes > 0 || options.time_limit_ms > 0.0;
-    if (frames_ && (frames_->weigh(refined(), options_) || limited)) {
+    if (frames_ && (frames_->weigh(refined(view), options_) || limited)) {
       frames_->advance(questions_, occluder_mesh_, moved, start, stats_);
     } else {
-      from_scratch_.refine(refined(), options_, questions_, occluder_mesh_, stats_);
-      if (!frames_) frames_.emplace(objects_);
-      frames_->adopt(refined(), options_, from_scratch_.end_level(), from_scratch_.hidden());
+      from_scratch_.refine(refined(view), options_, questions_, occluder_mesh_, stats_);
+      if (!frames_) frames_.emplace(objects_, result_.objects);
+      frames_->adopt(refined(view), options_, from_scratch_.end_level(), from_scratch_.hidden());
     }
     for (std::uint32_t i = 0; i < objects_.size(); ++i) frames_->emit(i, result_.objects[i], stats_);
     stats_.splits = 0;
@@ -110,7 +110,7 @@ class Refiner::Impl {
     stats_.budget = options.budget;
   }
 
-  [[nodiscard]] RefinedCuts refined() { return {objects_, cuts_, views_, importances_, &gate_}; }
+  [[nodiscard]] RefinedCuts refined(const View& view) { return {objects_, cuts_, views_, importances_, &gate_, &view}; }
 
   void emit() {
     for (std::size_t i = 0; i < cuts_.size(); ++i) {

@@ -14,8 +14,9 @@ std::vector<std::uint32_t> Frames::visibility_ages(std::uint32_t object, std::sp
   const auto since = [&](std::uint16_t shown) -> std::uint32_t { return static_cast<std::uint16_t>(draw_ - shown); };
   const Hierarchy& hierarchy = refined_.cuts[object].hierarchy();
   for (std::size_t i = splits.size(); i-- > 0;) {
-    if (const FrontNode* const node = objects_[object].front.find(splits[i])) {
-      const std::uint32_t age = std::min(since(node->subtree_shown), since(node->star_shown));
+    const Front& front = objects_[object].front;
+    if (const Front::Index k = front.find(splits[i]); k != Front::none) {
+      const std::uint32_t age = std::min(since(front.node(k).subtree_shown), since(front.node(k).star_shown));
       if (age < since_adopted) ages[i] = std::min(ages[i], age);
     }
     const auto parent = std::lower_bound(splits.begin(), splits.end(), hierarchy.node(splits[i]).parent);

@@ -1,216 +1,111 @@
 #include "refine/weigh_nodes.h"
 
+#include <algorithm>
 #include <array>
-#include <cassert>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <numbers>
 
 #include "math/facing_slack.h"
 #include "math/inverse_power_of_two.h"
+#include "refine/weighed_lanes.h"
 
 // Compiles this file once for every instruction set.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "refine/weigh_nodes.cpp"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
+#include "refine/bounds_lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace occlod::HWY_NAMESPACE {
 
-namespace hn = hwy::HWY_NAMESPACE;
-
-using Doubles = hn::ScalableTag<double>;
-using Floats = hn::Rebind<float, Doubles>;
-using Ints = hn::Rebind<std::int32_t, Doubles>;
-
-// Lanes of floats or of doubles.
-template <typename Tag>
-struct Vec3 {
-  hn::Vec<Tag> x, y, z;
+// By how much of itself a scale grows or shrinks at most for each unit of travel while there is no more of that than
+// `lasts`.
+struct ScaleDrift {
+  hn::Vec<Floats> growth, lasts;
 };
 
-HWY_INLINE hn::Vec<Floats> constant(float value) { return hn::Set(Floats(), value); }
-HWY_INLINE hn::Vec<Doubles> constant(double value) { return hn::Set(Doubles(), value); }
-HWY_INLINE Vec3<Doubles> constant(const glm::dvec3& v) { return {constant(v.x), constant(v.y), constant(v.z)}; }
-
-HWY_INLINE hn::Vec<Doubles> wide(hn::Vec<Floats> v) { return hn::PromoteTo(Doubles(), v); }
-HWY_INLINE Vec3<Doubles> wide(const Vec3<Floats>& v) { return {wide(v.x), wide(v.y), wide(v.z)}; }
-
-HWY_INLINE Vec3<Doubles> subtract(const Vec3<Doubles>& a, const Vec3<Doubles>& b) {
-  return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
-}
-HWY_INLINE Vec3<Doubles> scale(hn::Vec<Doubles> s, const Vec3<Doubles>& v) {
-  return {hn::Mul(s, v.x), hn::Mul(s, v.y), hn::Mul(s, v.z)};
-}
-HWY_INLINE hn::Vec<Doubles> dot(const Vec3<Doubles>& a, const Vec3<Doubles>& b) {
-  return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
-}
-HWY_INLINE hn::Vec<Doubles> length(const Vec3<Doubles>& v) { return hn::Sqrt(dot(v, v)); }
-
-// The members of nodes that are read, a vector each: nodes of either kind are one cache line and begin with a sphere.
-template <typename Node>
-class NodeLanes {
- public:
-  HWY_INLINE explicit NodeLanes(const Node* first)
-      : first_(&first->sphere.center.x),
-        places_(hn::Mul(hn::Iota(Ints(), 0), hn::Set(Ints(), sizeof(Node) / sizeof(float)))) {}
-
-  HWY_INLINE hn::Vec<Floats> read(std::size_t offset) const {
-    return hn::GatherIndex(Floats(), first_ + offset / sizeof(float), places_);
-  }
-  HWY_INLINE Vec3<Floats> read3(std::size_t offset) const {
-    return {read(offset), read(offset + sizeof(float)), read(offset + 2 * sizeof(float))};
-  }
-  // Two 16-bit numbers, the first of which is in the lower half.
-  HWY_INLINE hn::Vec<Ints> read_pair(std::size_t offset) const { return hn::BitCast(Ints(), read(offset)); }
-
- private:
-  const float* first_;
-  hn::Vec<Ints> places_;
-};
-
-struct ConeLanes {
-  Vec3<Floats> axis;
-  hn::Vec<Floats> cos_angle;
-};
-
-HWY_INLINE ConeLanes read_cones(const NodeLanes<FrontNode>& nodes) {
-  return {nodes.read3(offsetof(FrontNode, cone)),
-          nodes.read(offsetof(FrontNode, cone) + offsetof(NormalCone, cos_angle))};
+// Of f / (nearest * cos^2 a). While the eye goes no farther than a quarter of the way to the sphere, ln(1 / nearest)
+// grows by at most 1 / nearest for each unit, ln(cos^-2 a) by 2 tan a for each radian, and a, the angle to the middle
+// and half of that under which the sphere is seen, by 1 / distance each, the latter divided by the cosine of that half.
+// What grows exponentially to twice its size lies below the chord.
+HWY_INLINE ScaleDrift drift_of(const ScaleLanes& scale, const ObjectView& view) {
+  const hn::Vec<Floats> one = constant(1.0F), zero = hn::Zero(Floats());
+  const auto stretch = static_cast<float>(view.largest_stretch());
+  const hn::Vec<Floats> nearest = hn::Mul(constant(0.75F), scale.nearest);
+  const hn::Vec<Floats> distance = hn::Add(nearest, scale.radius);
+  const hn::Vec<Floats> widening = hn::Div(scale.radius, hn::Sqrt(hn::Mul(nearest, hn::Add(distance, scale.radius))));
+  const hn::Vec<Floats> angle = hn::Div(hn::Add(one, widening), distance);
+  const hn::Vec<Floats> steepness = constant(static_cast<float>(2.0 * tan_corner_angle(view)));
+  const hn::Vec<Floats> rate = hn::Mul(constant(stretch), hn::Add(hn::Div(one, nearest), hn::Mul(steepness, angle)));
+  const hn::Vec<Floats> lasts =
+      hn::Min(hn::Div(constant(std::numbers::ln2_v<float>), rate), hn::Mul(constant(0.25F / stretch), scale.nearest));
+  const hn::Mask<Floats> is_before = hn::Gt(scale.nearest, zero);
+  return {hn::IfThenElseZero(is_before, hn::Div(constant(1.001F), lasts)),
+          hn::IfThenElse(is_before, lasts, hn::Mul(constant(-1.0F / stretch), scale.nearest))};
 }
 
-HWY_INLINE hn::Vec<Floats> low_half(hn::Vec<Ints> pair) {
-  return hn::ConvertTo(Floats(), hn::And(pair, hn::Set(Ints(), 0xFFFF)));
-}
-HWY_INLINE hn::Vec<Floats> high_half(hn::Vec<Ints> pair) {
-  return hn::ConvertTo(Floats(), hn::And(hn::ShiftRight<16>(pair), hn::Set(Ints(), 0xFFFF)));
-}
-
-// As PackedBounds::cone, operation by operation.
-HWY_INLINE ConeLanes read_cones(const NodeLanes<SplitNode>& nodes) {
-  constexpr float step = 2.0F / 65535.0F;
-  const hn::Vec<Floats> one = constant(1.0F), zero = constant(0.0F);
-  const hn::Vec<Ints> axis = nodes.read_pair(offsetof(SplitNode, bounds) + offsetof(PackedBounds, axis));
-  hn::Vec<Floats> x = hn::Sub(hn::Mul(low_half(axis), constant(step)), one);
-  hn::Vec<Floats> y = hn::Sub(hn::Mul(high_half(axis), constant(step)), one);
-  const hn::Vec<Floats> z = hn::Sub(hn::Sub(one, hn::Abs(x)), hn::Abs(y));
-  const hn::Vec<Floats> fold = hn::Max(hn::Neg(z), zero);
-  x = hn::Sub(x, hn::CopySign(fold, x));
-  y = hn::Sub(y, hn::CopySign(fold, y));
-  const hn::Vec<Floats> square = hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z));
-  const hn::Vec<Floats> scale = hn::Div(one, hn::Sqrt(square));
-  const hn::Vec<Floats> cone_cos =
-      low_half(nodes.read_pair(offsetof(SplitNode, bounds) + offsetof(PackedBounds, cone_cos)));
-  const hn::Vec<Floats> cos_angle = hn::IfThenElse(hn::Eq(cone_cos, zero), constant(-1.0F),
-                                                   hn::Mul(cone_cos, constant(static_cast<float>(1.0 / 65535.0))));
-  return {{hn::Mul(x, scale), hn::Mul(y, scale), hn::Mul(z, scale)}, cos_angle};
-}
-
-// As ObjectView::may_be_inside, operation by operation.
-HWY_INLINE hn::Mask<Floats> is_outside(const Vec3<Floats>& center, hn::Vec<Floats> radius, const ObjectView& view) {
-  hn::Mask<Floats> outside = hn::Ne(radius, radius);
-  for (const glm::vec4& plane : view.planes()) {
-    const hn::Vec<Floats> x = hn::Mul(constant(plane.x), center.x), y = hn::Mul(constant(plane.y), center.y),
-                          z = hn::Mul(constant(plane.z), center.z), w = constant(plane.w);
-    const hn::Vec<Floats> reach = hn::Add(hn::Add(hn::Add(hn::Abs(x), hn::Abs(y)), hn::Abs(z)), hn::Abs(w));
-    const hn::Vec<Floats> slack = hn::Mul(constant(1e-6F), hn::Add(reach, radius));
-    const hn::Vec<Floats> distance = hn::Add(hn::Add(hn::Add(x, y), z), w);
-    outside = hn::Or(outside, hn::Lt(distance, hn::Neg(hn::Add(radius, slack))));
-  }
-  return outside;
-}
-
-// As faces_away.
-HWY_INLINE hn::Mask<Doubles> is_facing_away(const Vec3<Doubles>& center, hn::Vec<Doubles> radius,
-                                            const Vec3<Doubles>& axis, hn::Vec<Doubles> cos_angle,
-                                            const glm::vec3& eye) {
-  const hn::Vec<Doubles> zero = hn::Zero(Doubles()), one = constant(1.0);
-  const Vec3<Doubles> d = subtract(center, constant(glm::dvec3(eye)));
-  const hn::Vec<Doubles> along = dot(d, axis);
-  const hn::Vec<Doubles> across = length(subtract(d, scale(along, axis)));
-  const hn::Vec<Doubles> sin_angle = hn::Sqrt(hn::Mul(hn::Sub(one, cos_angle), hn::Add(one, cos_angle)));
-  const hn::Vec<Doubles> smallest = hn::Sub(hn::Mul(along, cos_angle), hn::Mul(across, sin_angle));
-  const hn::Vec<Doubles> slack = hn::Add(hn::Mul(constant(facing_slack), hn::Add(along, across)),
-                                         constant(eye_slack * static_cast<double>(largest_coordinate(eye))));
-  return hn::And(hn::And(hn::Gt(cos_angle, zero), hn::Gt(along, zero)), hn::Gt(smallest, hn::Add(radius, slack)));
-}
-
-// As ObjectView::largest_scale_px.
-HWY_INLINE hn::Vec<Floats> scale_px(const Vec3<Doubles>& center_in_object, hn::Vec<Doubles> object_radius,
-                                    const ObjectView& view) {
-  const hn::Vec<Doubles> one = constant(1.0);
-  const glm::dmat4x3& m = view.object_to_eye();
-  const auto row = [&](int r) {
-    return hn::Add(
-        hn::Add(hn::Add(hn::Mul(constant(m[0][r]), center_in_object.x), hn::Mul(constant(m[1][r]), center_in_object.y)),
-                hn::Mul(constant(m[2][r]), center_in_object.z)),
-        constant(m[3][r]));
+// One vector of nodes.
+HWY_INLINE void weigh_vector(Front& front, const std::int32_t* which, const WeighingView& now) {
+  const NodeLanes<FrontNode> node(&front.node(0), hn::LoadU(Ints(), which));
+  const Vec3<Floats> center = node.read3(offsetof(FrontNode, sphere));
+  const hn::Vec<Floats> radius = node.read(offsetof(FrontNode, sphere) + offsetof(Sphere, radius));
+  const Verdict<Floats> outside = is_outside(center, radius, now.view);
+  const hn::Mask<Doubles> is_out = hn::Gt(wide(hn::IfThenElseZero(outside.is_so, constant(1.0F))), hn::Zero(Doubles()));
+  const ScaleLanes scale = scale_px(wide(center), wide(radius), now.view);
+  const ScaleDrift drift = drift_of(scale, now.view);
+  const auto from = [&](const glm::vec3& p) {
+    const hn::Vec<Floats> x = hn::Sub(center.x, constant(p.x)), y = hn::Sub(center.y, constant(p.y)),
+                          z = hn::Sub(center.z, constant(p.z));
+    return hn::Sqrt(hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z)));
   };
-  const Vec3<Doubles> center = {row(0), row(1), row(2)};
-  const hn::Vec<Doubles> radius = hn::Mul(object_radius, constant(view.largest_stretch()));
-  const hn::Vec<Doubles> distance = length(center);
-  const hn::Vec<Doubles> nearest = hn::Sub(distance, radius);
-  const hn::Vec<Doubles> cos_center =
-      hn::Min(hn::Max(hn::Div(dot(center, constant(view.direction())), distance), constant(-1.0)), one);
-  const hn::Vec<Doubles> sin_center = hn::Sqrt(hn::Sub(one, hn::Mul(cos_center, cos_center)));
-  const hn::Vec<Doubles> sin_radius = hn::Div(radius, distance);
-  const hn::Vec<Doubles> cos_radius = hn::Sqrt(hn::Sub(one, hn::Mul(sin_radius, sin_radius)));
-  const hn::Vec<Doubles> cos_largest = hn::Max(
-      constant(view.cos_corner_angle()), hn::Sub(hn::Mul(cos_center, cos_radius), hn::Mul(sin_center, sin_radius)));
-  const hn::Vec<Doubles> result = hn::Div(constant(view.focal_length_px() * view.largest_stretch()),
-                                          hn::Mul(hn::Mul(nearest, cos_largest), cos_largest));
-  const hn::Vec<Doubles> seen =
-      hn::IfThenElse(hn::Gt(nearest, hn::Zero(Doubles())), result, constant(std::numeric_limits<double>::infinity()));
-  // Rounded up.
-  return hn::Add(hn::DemoteTo(Floats(), hn::Mul(seen, constant(1.0 + 2e-7))),
-                 constant(std::numeric_limits<float>::denorm_min()));
-}
-
-// Calls put(i, outside, facing_away, scale_px) for each of the first nodes; returns how many: whole vectors.
-template <typename Node, typename Put>
-HWY_INLINE std::size_t weigh_vectors(std::span<const Node> nodes, const ObjectView& view, bool tests_cones,
-                                     const Put& put) {
-  constexpr std::size_t bytes_of_mask = 8;  // at least, for any number of lanes
-  const std::size_t lanes = hn::Lanes(Doubles());
-  HWY_ALIGN std::array<float, hn::MaxLanes(Floats())> scales;
-  std::array<std::uint8_t, bytes_of_mask> outside{}, facing_away{};
-  std::size_t i = 0;
-  for (; i + lanes <= nodes.size(); i += lanes) {
-    const NodeLanes<Node> node(&nodes[i]);
-    const Vec3<Floats> center = node.read3(offsetof(Node, sphere));
-    const hn::Vec<Floats> radius = node.read(offsetof(Node, sphere) + offsetof(Sphere, radius));
-    hn::StoreMaskBits(Floats(), is_outside(center, radius, view), outside.data());
-    if (tests_cones) {
-      const ConeLanes cone = read_cones(node);
-      hn::StoreMaskBits(Doubles(),
-                        is_facing_away(wide(center), wide(radius), wide(cone.axis), wide(cone.cos_angle), view.eye()),
-                        facing_away.data());
-    }
-    hn::Store(scale_px(wide(center), wide(radius), view), Floats(), scales.data());
-    for (std::size_t lane = 0; lane < lanes; ++lane) {
-      const auto is_set = [&](const auto& bits) { return (bits[lane / 8] >> (lane % 8) & 1U) != 0; };
-      put(i + lane, is_set(outside), is_set(facing_away), scales[lane]);
-    }
+  constexpr auto rounding = static_cast<float>(4.0 * eye_slack);
+  const hn::Vec<Floats> from_eye =
+      hn::Add(from(now.view.eye()), constant(rounding * largest_coordinate(now.view.eye())));
+  const hn::Vec<Floats> from_middle = hn::Add(from(now.middle), constant(rounding * largest_coordinate(now.middle)));
+  const hn::Vec<Floats> reach =
+      hn::IfThenElse(hn::Lt(hn::Mul(constant(2.0F), from_middle), from_eye), hn::Neg(from_middle),
+                     hn::Add(hn::Mul(constant(1.25F), from_eye), radius));
+  hn::Vec<Floats> lasts = hn::Min(outside.margin, hn::Add(hn::Mul(constant(0.25F), from_eye), radius));
+  hn::Vec<Floats> way_lasts = constant(std::numeric_limits<float>::infinity());
+  hn::Mask<Doubles> is_away = hn::Lt(hn::Zero(Doubles()), hn::Zero(Doubles()));
+  if (now.tests_cones) {
+    const Vec3<Doubles> axis = wide(node.read3(offsetof(FrontNode, cone)));
+    const hn::Vec<Doubles> cos_angle = wide(node.read(offsetof(FrontNode, cone) + offsetof(NormalCone, cos_angle)));
+    const Verdict<Doubles> away = is_facing_away(wide(center), wide(radius), axis, cos_angle, now.view.eye());
+    is_away = hn::AndNot(is_out, away.is_so);
+    way_lasts = hn::IfThenElse(outside.is_so, way_lasts, hn::DemoteTo(Floats(), away.margin));
   }
-  return i;
+  const hn::Mask<Doubles> is_seen = hn::Not(hn::Or(is_out, is_away));
+  const hn::Mask<Floats> seen =
+      hn::Gt(hn::DemoteTo(Floats(), hn::IfThenElseZero(is_seen, constant(1.0))), hn::Zero(Floats()));
+  lasts = hn::IfThenElse(seen, hn::Min(lasts, drift.lasts), lasts);
+  HWY_ALIGN WeighedLanes results;
+  const auto rounded_down = [](hn::Vec<Floats> of) {
+    return hn::IfThenElseZero(hn::Gt(of, hn::Zero(Floats())), hn::Mul(constant(0.999F), of));
+  };
+  hn::Store(scale.scale_px, Floats(), results.scale_px.data());
+  hn::Store(hn::IfThenElseZero(seen, drift.growth), Floats(), results.growth.data());
+  hn::Store(rounded_down(lasts), Floats(), results.lasts.data());
+  hn::Store(rounded_down(way_lasts), Floats(), results.way_lasts.data());
+  hn::Store(hn::Mul(constant(1.0F + 1e-6F), reach), Floats(), results.radius.data());
+  hn::StoreMaskBits(Doubles(), is_out, results.outside.data());
+  hn::StoreMaskBits(Doubles(), is_away, results.facing_away.data());
+  for (std::size_t lane = 0; lane < hn::Lanes(Doubles()); ++lane)
+    results.give(lane, front, static_cast<Front::Index>(which[lane]), now);
 }
 
-std::size_t weigh_front(std::span<FrontNode> nodes, const ObjectView& view, bool tests_cones, WeighedNodes& counts) {
-  return weigh_vectors(std::span<const FrontNode>(nodes), view, tests_cones,
-                       [&](std::size_t i, bool out, bool faces_away, float scale) {
-                         const bool away = !out && faces_away;
-                         counts.outside += out ? 1 : 0;
-                         counts.facing_away += away ? 1 : 0;
-                         nodes[i].scale_px = out || away ? 0.0F : scale;
-                       });
-}
-
-std::size_t weigh_some_splits(std::span<const SplitNode> nodes, const ObjectView& view, bool tests_cones,
-                              float* scales) {
-  return weigh_vectors(nodes, view, tests_cones, [&](std::size_t i, bool out, bool away, float scale) {
-    scales[i] = out ? scale_outside : away ? scale_facing_away : scale;
-  });
+void weigh_vectors(Front& front, std::span<const Front::Index> which, const WeighingView& now) {
+  const std::size_t lanes = hn::Lanes(Doubles());
+  HWY_ALIGN std::array<std::int32_t, hn::MaxLanes(Floats())> vector;
+  for (std::size_t i = 0; i < which.size(); i += lanes) {
+    // The last vector is filled up with the last node.
+    for (std::size_t lane = 0; lane < lanes; ++lane)
+      vector[lane] = static_cast<std::int32_t>(which[std::min(i + lane, which.size() - 1)]);
+    weigh_vector(front, vector.data(), now);
+  }
 }
 
 }  // namespace occlod::HWY_NAMESPACE
@@ -220,43 +115,12 @@ HWY_AFTER_NAMESPACE();
 namespace occlod {
 namespace {
 
-HWY_EXPORT(weigh_front);
-HWY_EXPORT(weigh_some_splits);
+HWY_EXPORT(weigh_vectors);
 
 }  // namespace
 
-WeighedNodes weigh_nodes(std::span<FrontNode> nodes, const ObjectView& view, bool tests_cones) {
-  WeighedNodes counts;
-  for (std::size_t i = HWY_DYNAMIC_DISPATCH(weigh_front)(nodes, view, tests_cones, counts); i < nodes.size(); ++i)
-    nodes[i].scale_px = scale_px_of(nodes[i], view, tests_cones, counts);
-  return counts;
-}
-
-void weigh_splits(std::span<const SplitNode> nodes, const ObjectView& view, bool tests_cones,
-                  std::span<float> scales_px) {
-  assert(scales_px.size() >= nodes.size());
-  for (std::size_t i = HWY_DYNAMIC_DISPATCH(weigh_some_splits)(nodes, view, tests_cones, scales_px.data());
-       i < nodes.size(); ++i) {
-    const SplitNode& node = nodes[i];
-    if (!view.may_be_inside(node.sphere))
-      scales_px[i] = scale_outside;
-    else if (tests_cones && faces_away(node.cone(), node.sphere, view.eye()))
-      scales_px[i] = scale_facing_away;
-    else
-      scales_px[i] = view.largest_scale_px(node.sphere);
-  }
-}
-
-float scale_px_of(const FrontNode& node, const ObjectView& view, bool tests_cones, WeighedNodes& counts) {
-  if (!view.may_be_inside(node.sphere)) {
-    ++counts.outside;
-    return 0.0F;
-  }
-  if (tests_cones && faces_away(node.cone, node.sphere, view.eye())) {
-    ++counts.facing_away;
-    return 0.0F;
-  }
-  return view.largest_scale_px(node.sphere);
+void weigh_nodes(Front& front, std::span<const Front::Index> which, const WeighingView& now) {
+  if (!which.empty()) HWY_DYNAMIC_DISPATCH(weigh_vectors)(front, which, now);
 }
 
 }  // namespace occlod

@@ -1,0 +1,40 @@
+// What weighing a vector of nodes finds, on its way from vectors to a front.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+#include "front.h"
+#include "occlod/view/view.h"
+#include "weigh_nodes.h"
+
+namespace occlod {
+
+// Has room for the vectors of every instruction set that Highway knows at a fixed width.
+struct WeighedLanes {
+  static constexpr std::size_t most = 16;
+
+  alignas(64) std::array<float, most> scale_px, radius, growth, lasts, way_lasts;
+  std::array<std::uint8_t, 8> outside, facing_away;  // a bit for each lane
+
+  void give(std::size_t lane, Front& front, Front::Index k, const WeighingView& now) const {
+    const auto is_set = [&](const auto& bits) { return (bits[lane / 8] >> (lane % 8) & 1U) != 0; };
+    const bool out = is_set(outside), away = is_set(facing_away);
+    front.set(k, Front::outside, out);
+    front.set(k, Front::facing_away, away);
+    DriftingValues& scales = front.scales();
+    const float scale = out || away ? 0.0F : scale_px[lane];
+    // What is not seen has no priority whatever its faces look like.
+    if ((scale > 0.0F) != (scales.value[k] > 0.0F)) front.priorities().forget(k);
+    scales.put(k, scale, {radius[lane], growth[lane], lasts[lane], 0.0F, way_lasts[lane]}, now.travel);
+  }
+};
+
+inline double tan_corner_angle(const ObjectView& view) {
+  const double cos = view.cos_corner_angle();
+  return std::sqrt(1.0 - cos * cos) / cos;
+}
+
+}  // namespace occlod
