@@ -29,6 +29,9 @@ build/bench/bench/bench_error_bound | tee "$out/error_bound.md"
 echo "bench_refine" >&2
 build/bench/bench/bench_refine --folder "$out/planets" | tee "$out/refine.md"
 
+echo "bench_scratch" >&2
+build/bench/bench/bench_scratch | tee "$out/scratch.md"
+
 echo "bench_locality" >&2
 build/bench/bench/bench_locality | tee "$out/locality.md"
 

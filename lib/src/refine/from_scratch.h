@@ -20,11 +20,11 @@ namespace occlod {
 
 // One refinement, from the base meshes to the end of the budget:
 //   while there is something that may matter: take the worst; ask whether it is seen; descend below it, or apply it.
-// (Birkholz & Rahn, sec. 3.2 and 3.3.) Deviations: nodes are asked about when their turn comes rather than when they
-// are found, so that nothing is spent on those whose turn never comes, except that children of a visible node go
-// straight into a flight that has room; with Culling::star a node is descended and applied by separate questions, and a
-// split waits for as long as what it forces is not worth it; and what is hidden at the end is asked about once more.
-// Reuses its memory.
+// (Birkholz & Rahn, sec. 3.2 and 3.3.) Deviations: nodes are asked about shortly before their turn comes rather than
+// when they are found, so that little is spent on those whose turn never comes, except that children of a visible node
+// go straight into a flight that has room; with Culling::star a node is descended and applied by separate questions,
+// and a split waits for as long as what it forces is not worth it; and what is hidden at the end is asked about once
+// more. Reuses its memory.
 class FromScratch {
  public:
   // The cuts are what is left; all arguments outlive the call. Adds to `stats`.

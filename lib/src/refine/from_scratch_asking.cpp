@@ -1,7 +1,7 @@
+// What refinement from scratch asks of a backend.
 #include "from_scratch.h"
 #include "query_shape.h"
 
-// What refinement from scratch asks of a backend.
 namespace occlod {
 
 bool FromScratch::must_ask(const Entry& entry) const {
@@ -26,7 +26,7 @@ void FromScratch::fill_flight() {
 // About the next entry of the queue, and with it about those that will come next: a backend that answers at once has
 // less to do with many questions than with each of them. None is acted upon before its turn.
 void FromScratch::ask_ahead() {
-  constexpr std::size_t most_questions = 32, most_entries = 24;
+  constexpr std::size_t most_entries = 24;  // looked at
   asked_.clear();
   asked_entries_.clear();
   std::size_t entries_left = most_entries;
@@ -40,7 +40,7 @@ void FromScratch::ask_ahead() {
       entry.asked_occluder = occluder_;
       entry.is_hidden = false;
     }
-    return --entries_left > 0 && asked_.size() < most_questions;
+    return --entries_left > 0;
   });
   std::size_t answers = 0;
   ask_all([&](const Entry&, bool visible) {
