@@ -1,7 +1,6 @@
 #include "lookahead.h"
 
 #include <algorithm>
-#include <cassert>
 
 #include "hierarchy/prefetch.h"
 #include "weigh_splits.h"
