@@ -20,9 +20,9 @@ class Soak : public WindowTest {
     set("birdseye", true);
     set("occluder", true);
     set("occlusion", "gl-query");
-    for (int i = 0; i < 5; ++i) act({{"do", "orbit"}, {"right", 20}, {"up", 2}});
+    for (int i = 0; i < 3; ++i) act({{"do", "orbit"}, {"right", 20}, {"up", 2}});
     set("occlusion", "auto");
-    for (int i = 0; i < 5; ++i) act({{"do", "orbit"}, {"right", -20}, {"up", -2}});
+    for (int i = 0; i < 3; ++i) act({{"do", "orbit"}, {"right", -20}, {"up", -2}});
     set("budget", 5000);
     act({{"do", "pick"}, {"x", 0.5}, {"y", 0.8}});
     act({{"do", "reset"}});
@@ -45,7 +45,7 @@ TEST_F(Soak, ObjectsAndMemoryStay) {
   for (int i = 0; i < 2; ++i) one_round();
   const std::map<std::string, int> objects = count_gl_objects();
   const double memory = resident_memory_mb();
-  for (int i = 1; i <= 3 || std::chrono::steady_clock::now() < end; ++i) {
+  for (int i = 1; i <= 2 || std::chrono::steady_clock::now() < end; ++i) {
     one_round();
     if (wanted == nullptr || i % 10 != 0) continue;
     std::cout << i << " rounds, " << session().figures().at("pictures") << " pictures: " << resident_memory_mb()

@@ -267,14 +267,21 @@ class AutoRefiner::Impl {
       known = mixed(known.value_or(usual_counts(way, options.budget, view, far_share_)), counts);
       rate = std::lerp(rate, new_rate, new_share);
     }
-    // What is taken back first of a mesh that goes on is not what would be split last: its level is no measure.
-    const double level_px = way == Way::from_scratch ? stats.level_px : probe_.level_ahead_px();
+    if (way == Way::from_scratch) scratch_level_ = {stats.level_px, probe_.level_ahead_px()};
+    const double level_px = scratch_level_px();
     for (std::size_t i = 0; i < effects_.size(); ++i) {
       judge_cones(refinement.effects[i], effects_[i]);
       if (report_.choice.backend) judge_regions(refinement.effects[i], level_px, counts, i);
     }
     if (back_due_ && views_since_look_ > 1 && options.occluder_mode == OccluderMode::paper)
       look_back(view, options, refinement, level_px);
+  }
+
+  // The priority at which refinement from scratch would come to the end of its budget: as it did, scaled by what looks
+  // ahead have said since. What a mesh that goes on would take back first is no measure of it.
+  [[nodiscard]] double scratch_level_px() const {
+    const bool can_scale = scratch_level_.ahead_px > 0.0 && probe_.level_ahead_px() > 0.0;
+    return can_scale ? scratch_level_.px * probe_.level_ahead_px() / scratch_level_.ahead_px : scratch_level_.px;
   }
 
   [[nodiscard]] FrameCounts counts_of(Way way, const View& view, const RefineStats& stats) const {
@@ -342,6 +349,11 @@ class AutoRefiner::Impl {
     Camera camera;
     RefineOptions options;
   };
+  struct ScratchLevel {
+    double px = 0.0;
+    double ahead_px = 0.0;  // as the look ahead before it said
+  };
+  ScratchLevel scratch_level_;          // of the last refinement from scratch
   std::optional<Last> last_;            // of update(), since the last refine()
   std::size_t frames_with_choice_ = 0;  // going on, before the last
   std::vector<ObjectEffects> effects_;
