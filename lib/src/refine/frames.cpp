@@ -89,6 +89,7 @@ void Frames::adopt_forest(std::uint32_t object) {
     const auto at = static_cast<Front::Index>(k);
     if (!front.is(at, Front::reached) && !front.is(at, Front::applied)) front.remove(at);
   }
+  renew_outdated(object);  // what is applied without being reached
 }
 
 // What it is worth is not known yet.

@@ -105,6 +105,7 @@ class Frames {
   void travel(std::uint32_t object);
   [[nodiscard]] glm::vec3 middle_of(std::uint32_t object) const;
   void renew(std::uint32_t object, std::span<const Front::Index> nodes);
+  void renew_outdated(std::uint32_t object);
   [[nodiscard]] Worth worth(std::uint32_t object, Front::Index k);
   [[nodiscard]] Worth worth_by_star(std::uint32_t object, Front::Index k);
   [[nodiscard]] bool is_tolerated(const ScreenError& error) const;

@@ -50,11 +50,7 @@ bool Frames::weigh(const RefinedCuts& refined, const RefineOptions& options) {
   begin(refined, options);
   for (std::uint32_t i = 0; i < objects_.size(); ++i) {
     travel(i);
-    found_.clear();
-    const DriftingValues& scales = objects_[i].front.scales();
-    for (Front::Index k = 0; k < scales.value.size(); ++k)
-      if (scales.is_outdated(k)) found_.push_back(k);
-    renew(i, found_);
+    renew_outdated(i);
   }
   last_view_ = *refined_.view;
   const Applied now = count_applied();
@@ -100,6 +96,14 @@ void Frames::renew(std::uint32_t object, std::span<const Front::Index> nodes) {
     if (!of.front.scales().is_exact(k)) renewed_.push_back(k);
   weigh_nodes(of.front, renewed_,
               {refined_.views[object], refined_.gate->tests_cone(object), of.travel, middle_of(object)});
+}
+
+void Frames::renew_outdated(std::uint32_t object) {
+  found_.clear();
+  const DriftingValues& scales = objects_[object].front.scales();
+  for (Front::Index k = 0; k < scales.value.size(); ++k)
+    if (scales.is_outdated(k)) found_.push_back(k);
+  renew(object, found_);
 }
 
 // What the split of a node is worth in this view.
