@@ -78,7 +78,7 @@ class FromScratch {
   [[nodiscard]] Growth growth() const { return {stats_->splits, triangles_ - base_triangles_}; }
   [[nodiscard]] bool occluder_due() const;
   void draw_occluder();
-  void doubt(const Entry& entry);
+  void doubt(const Entry& entry) const;
 
   RefinedCuts refined_;
   const RefineOptions* options_ = nullptr;

@@ -149,7 +149,7 @@ void FromScratch::ask_about_doubtful() {
 }
 
 // An older occluder hid it: that is no longer held to be true.
-void FromScratch::doubt(const Entry& entry) {
+void FromScratch::doubt(const Entry& entry) const {
   if (entry.kind == Entry::Kind::apply) refined_.importances[entry.object].set_hidden(entry.split, false);
 }
 

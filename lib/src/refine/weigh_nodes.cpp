@@ -82,7 +82,7 @@ HWY_INLINE void weigh_vector(Front& front, const std::int32_t* which, const Weig
   const hn::Mask<Floats> seen =
       hn::Gt(hn::DemoteTo(Floats(), hn::IfThenElseZero(is_seen, constant(1.0))), hn::Zero(Floats()));
   lasts = hn::IfThenElse(seen, hn::Min(lasts, drift.lasts), lasts);
-  HWY_ALIGN WeighedLanes results;
+  WeighedLanes results;
   const auto rounded_down = [](hn::Vec<Floats> of) {
     return hn::IfThenElseZero(hn::Gt(of, hn::Zero(Floats())), hn::Mul(constant(0.999F), of));
   };
