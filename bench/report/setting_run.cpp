@@ -39,7 +39,10 @@ SettingRun::SettingRun(const Setting& setting, const std::vector<LoadedObject>& 
       visibility_(make_visibility(setting)) {}
 
 void SettingRun::start(const View& view) {
-  measurement_.repeat(view, setting_.refine, *visibility_);
+  RefineOptions unlimited = setting_.refine;
+  unlimited.most_changes = 0;
+  unlimited.time_limit_ms = 0.0;
+  measurement_.repeat(view, unlimited, *visibility_);
   record();
 }
 

@@ -25,7 +25,7 @@ class SettingRun {
   // Both outlive it.
   SettingRun(const Setting& setting, const std::vector<LoadedObject>& objects);
 
-  // The first frame of a burst, from scratch whatever came before, and not timed.
+  // The first frame of a burst, a jump: without a work limit, and not timed.
   void start(const View& view);
   void next(const View& view);
   // next(), and measures the picture and how it pops.
