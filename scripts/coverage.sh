@@ -15,8 +15,7 @@ CMAKE_BUILD_PARALLEL_LEVEL=${OCCLOD_JOBS:-2} CCACHE_DISABLE=1 scripts/build.sh c
   -DOCCLOD_BUILD_TOOLS=OFF -DOCCLOD_BUILD_VIEWER=OFF -DOCCLOD_WITH_CGAL=OFF
 find build/coverage -name '*.gcda' -delete
 status=0
-for program in build/coverage/tests/*/test_*; do
-  if [ -x "$program" ] && [ -f "$program" ]; then "$program" --gtest_brief=1 >&2 || status=1; fi
-done
+find build/coverage/tests -type f -executable -name 'test_*' -print0 | sort -z |
+  xargs -0 -P "${OCCLOD_JOBS:-2}" -I {} {} --gtest_brief=1 >&2 || status=1
 gcovr --root . --filter lib/ --sort-uncovered --print-summary build/coverage
 exit $status
