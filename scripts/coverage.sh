@@ -16,6 +16,6 @@ CMAKE_BUILD_PARALLEL_LEVEL=${OCCLOD_JOBS:-2} CCACHE_DISABLE=1 scripts/build.sh c
 find build/coverage -name '*.gcda' -delete
 status=0
 find build/coverage/tests -type f -executable -name 'test_*' -print0 | sort -z |
-  xargs -0 -P "${OCCLOD_JOBS:-2}" -I {} {} --gtest_brief=1 >&2 || status=1
+  xargs -0 -P "${OCCLOD_JOBS:-2}" -I {} env {} --gtest_brief=1 >&2 || status=1
 gcovr --root . --filter lib/ --sort-uncovered --print-summary build/coverage
 exit $status

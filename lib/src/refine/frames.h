@@ -143,8 +143,8 @@ class Frames {
   [[nodiscard]] bool limit_reached() const;
   void descend(const Entry& entry);
   void offer(std::uint32_t i, Front::Index k);
-  bool apply(const Entry& entry);
-  bool waits(const Entry& entry, const Cut::Closure& closure);
+  bool apply(Entry& entry);
+  bool waits(Entry& entry, const Cut::Closure& closure);
   void apply_closure(std::uint32_t i, const Cut::Closure& closure);
   bool make_room(float key);
   [[nodiscard]] bool is_old_leaf(const Entry& leaf);

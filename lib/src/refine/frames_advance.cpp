@@ -77,7 +77,7 @@ void Frames::run() {
     if (candidates_.empty() || candidates_.top().priority <= candidates_above_) gather_more_candidates();
     if (candidates_.empty()) return;
     if (limit_reached()) break;
-    const Entry entry = candidates_.pop();
+    Entry entry = candidates_.pop();
     ++stats_->visits;
     if (is_hidden(entry)) continue;
     if (entry.kind == Entry::Kind::visit) {
@@ -122,8 +122,8 @@ void Frames::offer(std::uint32_t i, Front::Index k) {
     candidates_.push({value.raw, value.error, node.split, i, node.level, 0, Entry::Kind::apply});
 }
 
-// False when there is no room for it.
-bool Frames::apply(const Entry& entry) {
+// False when there is no room for it at its priority with what it forces.
+bool Frames::apply(Entry& entry) {
   Cut& cut = refined_.cuts[entry.object];
   if (cut.applied(entry.split)) return true;
   Cut::Closure closure = cut.closure(entry.split);
@@ -137,16 +137,17 @@ bool Frames::apply(const Entry& entry) {
 }
 
 // Culling::star: a split that forces others which nobody sees steps back in the queue, once in a frame.
-bool Frames::waits(const Entry& entry, const Cut::Closure& closure) {
+bool Frames::waits(Entry& entry, const Cut::Closure& closure) {
   if (options_->culling != Culling::star || entry.weighed) return false;
   Front& front = objects_[entry.object].front;
-  float& weight = front.forced_weight(front.find(entry.split));
+  const Front::Index k = front.find(entry.split);
+  front.set(k, Front::weighed, true);
+  float& weight = front.forced_weight(k);
   weight = closure.splits.size() == 1 ? 1.0F : refined_.importances[entry.object].forced_weight(closure.splits);
-  Entry later = entry;
-  later.weighed = true;
-  later.priority *= weight;
-  if (weight == 1.0F || candidates_.would_be_next(later)) return false;
-  candidates_.push(later);
+  entry.weighed = true;
+  entry.priority *= weight;
+  if (weight == 1.0F || candidates_.would_be_next(entry)) return false;
+  candidates_.push(entry);
   return true;
 }
 

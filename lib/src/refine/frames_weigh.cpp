@@ -15,7 +15,7 @@ namespace {
 // More than this part of the applied splits matters much less than what the budget goes to.
 constexpr double lost_part = 0.25;
 // What a split forces is looked at again in one frame of so many.
-constexpr std::uint32_t weighing_rounds = 4;
+constexpr std::uint32_t weighing_rounds = 8;
 // Sums of travel from here on count as rounded too much: in diagonals of the object, and in radians.
 constexpr double most_travel = 64.0;
 // Diagonals of objects beyond which sums of squares of what is seen near them might be out of the range of floats.
@@ -168,7 +168,7 @@ void Frames::gather_candidates(float low, float high) {
            found_);
     if (options_->culling == Culling::subtree) renew(i, found_);
     for (const Front::Index k : found_) {
-      const bool again = (front.node(k).split + frame_) % weighing_rounds == 0;
+      const bool again = !front.is(k, Front::weighed) || (front.node(k).split + frame_) % weighing_rounds == 0;
       const Worth value = worth(i, k);
       const float key = again ? value.raw : value.key;
       const FrontNode& node = front.node(k);

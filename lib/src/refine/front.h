@@ -63,6 +63,7 @@ class Front {
     is_new = 128,       // applied in this frame
     outside = 256,      // the frustum
     facing_away = 512,  // inside it
+    weighed = 1024,     // its forced_weight() is known
   };
 
   explicit Front(const Hierarchy& hierarchy);
@@ -97,7 +98,7 @@ class Front {
   // Priorities by the split's own star, without what it forces and without what is hidden.
   [[nodiscard]] DriftingValues& priorities() noexcept { return priorities_; }
   [[nodiscard]] const DriftingValues& priorities() const noexcept { return priorities_; }
-  // See Importance, when its closure was last looked at.
+  // See Importance, when its closure was last looked at; 1 before that.
   [[nodiscard]] float& forced_weight(Index k) noexcept { return forced_weights_[k]; }
   [[nodiscard]] std::span<const float> forced_weights() const noexcept { return forced_weights_; }
 
