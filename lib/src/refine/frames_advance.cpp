@@ -1,10 +1,7 @@
 #include <algorithm>
 #include <cmath>
-#include <iterator>
-#include <optional>
 
 #include "frames.h"
-#include "query_shape.h"
 
 namespace occlod {
 namespace {
