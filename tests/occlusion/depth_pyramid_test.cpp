@@ -17,14 +17,14 @@ DepthBuffer random_depth(std::mt19937& random, int width, int height) {
   std::uniform_int_distribution<int> level(0, 6), x(0, width), y(0, height), percent(0, 99);
   DepthBuffer depth;
   depth.reset(width, height);
-  std::fill(depth.inverse_depth.begin(), depth.inverse_depth.end(), 0.5F);
+  std::fill(depth.nearness.begin(), depth.nearness.end(), 0.5F);
   for (int block = 0; block < 6; ++block) {
     const auto [x0, x1] = std::minmax({x(random), x(random)});
     const auto [y0, y1] = std::minmax({y(random), y(random)});
     const float value = 0.125F * static_cast<float>(level(random));
-    for (int j = y0; j < y1; ++j) std::fill_n(depth.inverse_depth.begin() + j * width + x0, x1 - x0, value);
+    for (int j = y0; j < y1; ++j) std::fill_n(depth.nearness.begin() + j * width + x0, x1 - x0, value);
   }
-  for (float& z : depth.inverse_depth)
+  for (float& z : depth.nearness)
     if (percent(random) == 0) z = 0.125F * static_cast<float>(level(random));
   return depth;
 }
@@ -33,7 +33,7 @@ std::uint32_t count_by_pixels(const DepthBuffer& depth, const PixelRect& rect, f
   std::uint32_t count = 0;
   for (int y = rect.y0; y < rect.y1; ++y)
     for (int x = rect.x0; x < rect.x1; ++x)
-      count += depth.inverse_depth[static_cast<std::size_t>(y * depth.width + x)] <= nearest ? 1U : 0U;
+      count += depth.nearness[static_cast<std::size_t>(y * depth.width + x)] <= nearest ? 1U : 0U;
   return count;
 }
 
@@ -52,7 +52,7 @@ TEST(DepthPyramid, EachTexelIsTheFarthestOfItsPixels) {
           float farthest = std::numeric_limits<float>::infinity();
           for (int j = y * side; j < std::min((y + 1) * side, height); ++j)
             for (int i = x * side; i < std::min((x + 1) * side, width); ++i)
-              farthest = std::min(farthest, depth.inverse_depth[static_cast<std::size_t>(j * width + i)]);
+              farthest = std::min(farthest, depth.nearness[static_cast<std::size_t>(j * width + i)]);
           ASSERT_EQ(pyramid.farthest(level, x, y), farthest)
               << width << "x" << height << " level " << level << ": " << x << "," << y;
         }
@@ -136,8 +136,8 @@ TEST(DepthPyramid, FindsOnePixel) {
   const PixelRect rect{5, 3, 62, 50};
   for (int y = 0; y < depth.height; ++y) {
     for (int x = 0; x < depth.width; ++x) {
-      std::fill(depth.inverse_depth.begin(), depth.inverse_depth.end(), 0.5F);
-      depth.inverse_depth[static_cast<std::size_t>(y * depth.width + x)] = 0.25F;
+      std::fill(depth.nearness.begin(), depth.nearness.end(), 0.5F);
+      depth.nearness[static_cast<std::size_t>(y * depth.width + x)] = 0.25F;
       DepthPyramid pyramid;
       pyramid.build(depth);
       const bool inside = x >= rect.x0 && x < rect.x1 && y >= rect.y0 && y < rect.y1;

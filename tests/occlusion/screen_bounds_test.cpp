@@ -33,7 +33,7 @@ TEST(ScreenBounds, ContainManySamplesOfEveryShape) {
       const std::optional<Projected> p = project(view, placement, random.sample(query));
       if (!bounds) break;
       ASSERT_TRUE(p) << "a bound that crosses the near plane has no rectangle";
-      ASSERT_LE(p->inverse_w, bounds->nearest_inverse_depth);
+      ASSERT_LE(p->inverse_w, bounds->largest_nearness);
       const double x = std::floor(p->x), y = std::floor(p->y);
       if (x < 0 || y < 0 || x >= view.width() || y >= view.height()) continue;
       ASSERT_TRUE(x >= bounds->rect.x0 && x < bounds->rect.x1 && y >= bounds->rect.y0 && y < bounds->rect.y1)
@@ -102,7 +102,7 @@ TEST(ScreenBounds, AreTight) {
     EXPECT_GE(bounds->rect.y0, y0 - gap) << n;
     EXPECT_LE(bounds->rect.x1, x1 + gap) << n;
     EXPECT_LE(bounds->rect.y1, y1 + gap) << n;
-    EXPECT_LE(bounds->nearest_inverse_depth, nearest * 1.05) << n;
+    EXPECT_LE(bounds->largest_nearness, nearest * 1.05) << n;
     ++checked;
   }
   EXPECT_GT(checked, 50);
@@ -133,8 +133,8 @@ TEST(ScreenBounds, OfASphereOnTheAxisEndAtItsTangents) {
   EXPECT_EQ(bounds->rect.x1, 88);
   EXPECT_EQ(bounds->rect.y0, 12);
   EXPECT_EQ(bounds->rect.y1, 88);
-  EXPECT_NEAR(bounds->nearest_inverse_depth, 0.5, 1e-5);
-  EXPECT_GE(bounds->nearest_inverse_depth, 0.5F);
+  EXPECT_NEAR(bounds->largest_nearness, 0.5, 1e-5);
+  EXPECT_GE(bounds->largest_nearness, 0.5F);
 }
 
 TEST(ScreenBounds, KnowUpFromDown) {
@@ -209,7 +209,7 @@ TEST(ScreenBounds, CoverTheRoundingOfTheMatrix) {
     for (int i = 0; i < 200; ++i) {
       const std::optional<Projected> p = project(view, placement, random.sample(query));
       ASSERT_TRUE(p);
-      ASSERT_LE(p->inverse_w, bounds->nearest_inverse_depth);
+      ASSERT_LE(p->inverse_w, bounds->largest_nearness);
       const double x = std::floor(p->x), y = std::floor(p->y);
       if (x < 0 || y < 0 || x >= view.width() || y >= view.height()) continue;
       ASSERT_TRUE(x >= bounds->rect.x0 && x < bounds->rect.x1 && y >= bounds->rect.y0 && y < bounds->rect.y1) << n;

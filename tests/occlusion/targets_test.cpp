@@ -27,7 +27,7 @@ void expect_lanes_equal_singles(const View& view, const ObjectView& object, cons
     const std::optional<ScreenBounds> expected = screen_bounds(view, object, {0, shapes[i]});
     ASSERT_EQ(found.trusted[i], expected ? 1 : 0) << target << " " << i;
     if (!expected) continue;
-    ASSERT_EQ(found.nearest_inverse_depth[i], expected->nearest_inverse_depth) << target;
+    ASSERT_EQ(found.largest_nearness[i], expected->largest_nearness) << target;
     ASSERT_EQ(found.x0[i], expected->rect.x0) << target;
     ASSERT_EQ(found.y0[i], expected->rect.y0) << target;
     ASSERT_EQ(found.x1[i], expected->rect.x1) << target;
@@ -169,7 +169,7 @@ TEST(Targets, ReduceTheSamePyramid) {
     RandomShapes random(7);
     DepthBuffer depth;
     depth.reset(width, height);
-    for (float& z : depth.inverse_depth) z = static_cast<float>(random.in(0.0, 1.0));
+    for (float& z : depth.nearness) z = static_cast<float>(random.in(0.0, 1.0));
     for_every_target([&, w = width, h = height](const char* target) {
       DepthPyramid pyramid;
       pyramid.build(depth);

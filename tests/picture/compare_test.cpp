@@ -18,7 +18,7 @@ constexpr std::size_t pixels = 100 * 80;
 DepthBuffer flat(double w) {
   DepthBuffer depth;
   depth.reset(100, 80);
-  std::fill(depth.inverse_depth.begin(), depth.inverse_depth.end(), static_cast<float>(1.0 / w));
+  std::fill(depth.nearness.begin(), depth.nearness.end(), static_cast<float>(1.0 / w));
   return depth;
 }
 
@@ -43,16 +43,16 @@ TEST(ComparePictures, OfAShiftedPlaneIsTheShiftInPixels) {
 TEST(ComparePictures, CapsEachPixelAtTen) {
   // A quarter of the pixels is 1000 units off, the rest equal: sqrt(100 / 4).
   DepthBuffer depth = flat(10);
-  std::fill_n(depth.inverse_depth.begin(), pixels / 4, 0.001F);
+  std::fill_n(depth.nearness.begin(), pixels / 4, 0.001F);
   EXPECT_NEAR(compare_pictures(front_view(), depth, gray(9), flat(10), gray(9)).depth_rms_px, 5.0, 1e-9);
 }
 
 TEST(ComparePictures, CountsTheSilhouetteAgainstTheReference) {
   // The reference covers 4000 pixels; 100 of them are missing and 300 are covered that it does not cover: 400 / 4000.
   DepthBuffer depth = flat(10), reference = flat(10);
-  std::fill_n(reference.inverse_depth.begin(), pixels / 2, 0.0F);
-  std::fill_n(depth.inverse_depth.begin(), pixels / 2 - 300, 0.0F);
-  std::fill_n(depth.inverse_depth.end() - 100, 100, 0.0F);
+  std::fill_n(reference.nearness.begin(), pixels / 2, 0.0F);
+  std::fill_n(depth.nearness.begin(), pixels / 2 - 300, 0.0F);
+  std::fill_n(depth.nearness.end() - 100, 100, 0.0F);
   const PictureDistance d = compare_pictures(front_view(), depth, gray(9), reference, gray(9));
   EXPECT_NEAR(d.silhouette_mismatch, 10.0, 1e-9);
   EXPECT_EQ(d.depth_rms_px, 0.0);  // where both cover they agree
@@ -94,7 +94,7 @@ TEST(ComparePictures, MeasuresColourDifferences) {
 DepthBuffer step(int edge) {
   DepthBuffer depth = flat(20);
   for (int y = 0; y < 80; ++y)
-    for (int x = 0; x < edge; ++x) depth.inverse_depth[static_cast<std::size_t>(100 * y + x)] = 0.1F;
+    for (int x = 0; x < edge; ++x) depth.nearness[static_cast<std::size_t>(100 * y + x)] = 0.1F;
   return depth;
 }
 
@@ -117,7 +117,7 @@ TEST(CountUnexplainedPixels, SilhouettesMayMoveByWhatIsAllowed) {
 TEST(CountUnexplainedPixels, BackgroundIsInfinitelyFar) {
   DepthBuffer hole = flat(10);
   for (std::size_t y = 20; y < 30; ++y)
-    std::fill_n(hole.inverse_depth.begin() + static_cast<std::ptrdiff_t>(100 * y + 20), 10, 0.0F);
+    std::fill_n(hole.nearness.begin() + static_cast<std::ptrdiff_t>(100 * y + 20), 10, 0.0F);
   // A hole of 10 x 10 that should not be there: all but a rim of 1 px is unexplained.
   EXPECT_EQ(count_unexplained_pixels(front_view(), flat(10), hole, 1.0), 8U * 8U);
   // A hole that is missing: every one of its pixels.
@@ -145,7 +145,7 @@ TEST(LargestMotion, OfASilhouetteIsTheDistanceItMoved) {
 TEST(LargestMotion, OfWhatTheOtherImageLacksHasNoEnd) {
   // A hole that is nowhere near: from depth 10 to infinity is all of the focal length, 40 px.
   DepthBuffer hole = flat(10);
-  hole.inverse_depth[100 * 40 + 50] = 0.0F;
+  hole.nearness[100 * 40 + 50] = 0.0F;
   EXPECT_NEAR(largest_motion_px(front_view(), hole, flat(10)), 40.0, 1e-4);
   EXPECT_NEAR(largest_motion_px(front_view(), flat(10), hole), 40.0, 1e-4);
   EXPECT_EQ(largest_motion_px(front_view(), flat(10), hole, 16.0), 16.0);
@@ -154,7 +154,7 @@ TEST(LargestMotion, OfWhatTheOtherImageLacksHasNoEnd) {
 TEST(MeasurePopping, TellsMotionDepthAndSilhouette) {
   // 4 px nearer everywhere (1 unit at depth 10, seen from the later), and the upper half of the rows appears.
   DepthBuffer before = flat(9);
-  std::fill_n(before.inverse_depth.begin(), pixels / 2, 0.0F);
+  std::fill_n(before.nearness.begin(), pixels / 2, 0.0F);
   const Popping popping = measure_popping(front_view(), before, flat(10));
   EXPECT_NEAR(popping.rms_px, 4.0, 1e-4);
   EXPECT_NEAR(popping.silhouette_mismatch, 50.0, 1e-9);

@@ -44,7 +44,7 @@ TEST(Clipping, AFloorThatReachesBehindTheEyeHasTheDepthOfItsPlane) {
     draw_depth(depth, p, {&triangle, 1}, to_clip());
     for (int y = 0; y < height; ++y) {
       for (int x = 0; x < width; ++x) {
-        const float drawn = depth.inverse_depth[static_cast<std::size_t>(y * width + x)];
+        const float drawn = depth.nearness[static_cast<std::size_t>(y * width + x)];
         // Snapping moves the plane by at most 1/512 px, of 1/30 a row each.
         EXPECT_NEAR(drawn, y < 30 ? 0.0 : floor_inverse_depth(y), y < 30 ? 0.0 : 1e-6 + 1.0 / 256 / 30)
             << x << "," << y;
@@ -62,10 +62,10 @@ TEST(Clipping, EndsAtTheNearPlane) {
   depth.reset(width, height);
   draw_depth(depth, p, {&triangle, 1}, to_clip());
   for (int x = 0; x < width; ++x) {
-    EXPECT_EQ(depth.inverse_depth[static_cast<std::size_t>(48 * width + x)], 0.0F);
-    EXPECT_EQ(depth.inverse_depth[static_cast<std::size_t>(59 * width + x)], 0.0F);
-    EXPECT_NEAR(depth.inverse_depth[static_cast<std::size_t>(46 * width + x)], 16.5 / 9.0, 2e-3);
-    EXPECT_NEAR(depth.inverse_depth[static_cast<std::size_t>(35 * width + x)], 5.5 / 9.0, 2e-3);
+    EXPECT_EQ(depth.nearness[static_cast<std::size_t>(48 * width + x)], 0.0F);
+    EXPECT_EQ(depth.nearness[static_cast<std::size_t>(59 * width + x)], 0.0F);
+    EXPECT_NEAR(depth.nearness[static_cast<std::size_t>(46 * width + x)], 16.5 / 9.0, 2e-3);
+    EXPECT_NEAR(depth.nearness[static_cast<std::size_t>(35 * width + x)], 5.5 / 9.0, 2e-3);
   }
 }
 
@@ -127,12 +127,12 @@ TEST(Clipping, HugeCoordinatesCoverWhatTheyShould) {
     DepthBuffer depth;
     depth.reset(width, height);
     draw_depth(depth, p, {&triangles[0], 1}, to_clip());
-    for (const float z : depth.inverse_depth) ASSERT_NEAR(z, 0.25F, 1e-6F) << huge;
+    for (const float z : depth.nearness) ASSERT_NEAR(z, 0.25F, 1e-6F) << huge;
     depth.reset(width, height);
     draw_depth(depth, p, {&triangles[1], 1}, to_clip());
     for (int y = 0; y < height; ++y)
       for (int x = 0; x < width; ++x)
-        ASSERT_EQ(depth.inverse_depth[static_cast<std::size_t>(y * width + x)] > 0.0F, y < 30)
+        ASSERT_EQ(depth.nearness[static_cast<std::size_t>(y * width + x)] > 0.0F, y < 30)
             << huge << ": " << x << "," << y;
   }
 }

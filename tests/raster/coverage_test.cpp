@@ -67,7 +67,7 @@ TEST(Coverage, EqualsTheExactPointInTriangleTest) {
       for (int x = 0; x < width; ++x) {
         const bool expected =
             owns({snapped(corners[0]), snapped(corners[1]), snapped(corners[2])}, {256 * x + 128, 256 * y + 128});
-        const bool drawn = depth.inverse_depth[static_cast<std::size_t>(y * width + x)] > 0.0F;
+        const bool drawn = depth.nearness[static_cast<std::size_t>(y * width + x)] > 0.0F;
         ASSERT_EQ(drawn, expected) << "triangle " << n << " pixel " << x << "," << y;
         covered += drawn ? 1 : 0;
       }
@@ -92,7 +92,7 @@ TEST(Coverage, IsExactForTrianglesAsLargeAsTheGuardBand) {
     draw_depth(depth, corners, {&triangle, 1}, to_clip);
     for (int y = 0; y < height; ++y)
       for (int x = 0; x < width; ++x)
-        ASSERT_EQ(depth.inverse_depth[static_cast<std::size_t>(y * width + x)] > 0.0F,
+        ASSERT_EQ(depth.nearness[static_cast<std::size_t>(y * width + x)] > 0.0F,
                   owns({snapped(corners[0]), snapped(corners[1]), snapped(corners[2])}, {256 * x + 128, 256 * y + 128}))
             << "triangle " << n << " pixel " << x << "," << y;
   }

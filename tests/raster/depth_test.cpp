@@ -46,7 +46,7 @@ TEST(Depth, IsThatOfThePlaneAtThePixelCentre) {
     draw_depth(depth, p, {&triangle, 1}, object.object_to_clip());
     for (int y = 0; y < 60; ++y) {
       for (int x = 0; x < 80; ++x) {
-        const double drawn = depth.inverse_depth[static_cast<std::size_t>(80 * y + x)];
+        const double drawn = depth.nearness[static_cast<std::size_t>(80 * y + x)];
         if (drawn == 0.0) continue;
         const double exact = inverse_depth_on_plane(normal, d, x, y);
         // Snapping moves each corner by at most 1/512 px along both axes, and with it the plane by what it rises in
@@ -79,7 +79,7 @@ TEST(Depth, NeverLeavesTheRangeOfTheCorners) {
     draw_depth(depth, p, {&triangle, 1}, to_clip);
     const auto largest = static_cast<float>(1.0 / std::min(-double{nearest}, -double{farthest}));
     const auto smallest = static_cast<float>(1.0 / std::max(-double{nearest}, -double{farthest}));
-    for (const float z : depth.inverse_depth)
+    for (const float z : depth.nearness)
       EXPECT_TRUE(z == 0.0F || (z >= smallest * 0.999999F && z <= largest * 1.000001F)) << n;
   }
 }
@@ -95,7 +95,7 @@ TEST(Depth, NearerWinsWhateverIsDrawnFirst) {
     buffer.reset(80, 60);
     draw_items(buffer, p, triangles, to_clip, 0);
     for (const std::uint32_t item : buffer.items) ASSERT_EQ(item, triangles[0] == Triangle(3, 4, 5) ? 0U : 1U);
-    for (const float z : buffer.depth.inverse_depth) ASSERT_FLOAT_EQ(z, 0.25F);
+    for (const float z : buffer.depth.nearness) ASSERT_FLOAT_EQ(z, 0.25F);
   }
 }
 
@@ -154,19 +154,19 @@ TEST(Items, AndDepthAloneAgree) {
   ItemBuffer buffer;
   buffer.reset(80, 60);
   draw_items(buffer, p, triangles, to_clip, 0);
-  EXPECT_EQ(depth.inverse_depth, buffer.depth.inverse_depth);
+  EXPECT_EQ(depth.nearness, buffer.depth.nearness);
 }
 
 TEST(DepthBuffer, ResetEmptiesAndResizes) {
   ItemBuffer buffer;
   buffer.reset(4, 3);
   buffer.items[5] = 1;
-  buffer.depth.inverse_depth[5] = 1.0F;
+  buffer.depth.nearness[5] = 1.0F;
   buffer.reset(5, 2);
   EXPECT_EQ(buffer.depth.width, 5);
   EXPECT_EQ(buffer.depth.height, 2);
   EXPECT_EQ(buffer.items, std::vector<std::uint32_t>(10, no_item));
-  EXPECT_EQ(buffer.depth.inverse_depth, std::vector<float>(10, 0.0F));
+  EXPECT_EQ(buffer.depth.nearness, std::vector<float>(10, 0.0F));
 }
 
 }  // namespace

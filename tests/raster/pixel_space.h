@@ -36,7 +36,7 @@ inline std::vector<int> count_coverage(std::span<const glm::vec3> positions, std
   for (const Triangle& triangle : triangles) {
     depth.reset(width, height);
     draw_depth(depth, positions, {&triangle, 1}, to_clip);
-    for (std::size_t i = 0; i < count.size(); ++i) count[i] += depth.inverse_depth[i] > 0.0F ? 1 : 0;
+    for (std::size_t i = 0; i < count.size(); ++i) count[i] += depth.nearness[i] > 0.0F ? 1 : 0;
   }
   return count;
 }

@@ -26,7 +26,7 @@ std::vector<float> drawn_as_items(const Drawing& drawing) {
   ItemBuffer buffer;
   buffer.reset(drawing.width, drawing.height);
   draw_items(buffer, drawing.positions, drawing.triangles, drawing.to_clip, 0);
-  return buffer.depth.inverse_depth;
+  return buffer.depth.nearness;
 }
 
 void expect_same_bits_everywhere(const Drawing& drawing) {
@@ -36,7 +36,7 @@ void expect_same_bits_everywhere(const Drawing& drawing) {
     depth.reset(drawing.width, drawing.height);
     draw_depth(depth, drawing.positions, drawing.triangles, drawing.to_clip);
     for (std::size_t i = 0; i < expected.size(); ++i)
-      ASSERT_EQ(std::bit_cast<std::uint32_t>(depth.inverse_depth[i]), std::bit_cast<std::uint32_t>(expected[i]))
+      ASSERT_EQ(std::bit_cast<std::uint32_t>(depth.nearness[i]), std::bit_cast<std::uint32_t>(expected[i]))
           << target << ", " << drawing.width << "x" << drawing.height << ", pixel " << i;
   });
 }

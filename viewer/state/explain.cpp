@@ -90,7 +90,7 @@ class Judge {
     if (occluder_ == nullptr) return false;
     const VisibilityQuery query{0, PointHull{star_.points(hierarchy_, s)}};
     const auto bounds = screen_bounds(view_, object_view_, query);
-    return bounds && !bounds->rect.empty() && !occluder_->any_visible(bounds->rect, bounds->nearest_inverse_depth);
+    return bounds && !bounds->rect.empty() && !occluder_->any_visible(bounds->rect, bounds->largest_nearness);
   }
 
   const Hierarchy& hierarchy_;

@@ -185,7 +185,7 @@ std::optional<std::uint32_t> ComputeOcclusion::ask(const VisibilityQuery& query)
   const std::uint32_t most = bounds ? area(bounds->rect) : image_area();
   if (!bounds || most == 0 || !occluder_drawn_) return counts_ ? most : std::min(most, 1U);
   const PixelRect& rect = bounds->rect;
-  questions_.push_back({{rect.x0, rect.y0, rect.x1, rect.y1}, bounds->nearest_inverse_depth});
+  questions_.push_back({{rect.x0, rect.y0, rect.x1, rect.y1}, bounds->largest_nearness});
   return std::nullopt;
 }
 

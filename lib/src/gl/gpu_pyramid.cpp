@@ -13,10 +13,10 @@ void main() { gl_Position = vec4(position.x, -position.y, position.zw); }
 // The rasteriser may move a surface by 1/256 pixel, and the last bits of 1 / w are the driver's own: pushed away by
 // 1/64 of what one pixel spans and by four steps of a float.
 constexpr const char* draw_fragment = R"(#version 330 core
-out float inverse_depth;
+out float nearness;
 void main() {
   float w = gl_FragCoord.w;
-  inverse_depth = max(w - (abs(dFdx(w)) + abs(dFdy(w))) / 64.0 - w / 4194304.0, 0.0);
+  nearness = max(w - (abs(dFdx(w)) + abs(dFdy(w))) / 64.0 - w / 4194304.0, 0.0);
 }
 )";
 

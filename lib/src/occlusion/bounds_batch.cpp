@@ -145,7 +145,7 @@ class ExtentLanes {
     const Mask rows = store_range(low_x_, high_x_, error_x, view_.size.x, output.x0.data() + i, output.x1.data() + i);
     const Mask columns = store_range(hn::Neg(high_y_), hn::Neg(low_y_), error_y, view_.size.y, output.y0.data() + i,
                                      output.y1.data() + i);
-    store_nearest(hn::Mul(constant(1.0 + bounds_rounding), inverse_w), output.nearest_inverse_depth.data() + i);
+    store_nearest(hn::Mul(constant(1.0 + bounds_rounding), inverse_w), output.largest_nearness.data() + i);
     const Mask trusted = hn::And(hn::And(trusted_, hn::Gt(nearest_w, constant(0.0))), hn::And(rows, columns));
     hn::StoreU(hn::DemoteTo(Ints(), hn::IfThenElseZero(trusted, constant(1.0))), Ints(), output.trusted.data() + i);
   }

@@ -30,7 +30,7 @@ using PerBound = std::array<T, bounds_batch_size>;
 // ScreenBounds in lanes; no rectangle where not trusted.
 struct BoundsOutput {
   PerBound<std::int32_t> x0, y0, x1, y1, trusted;
-  PerBound<float> nearest_inverse_depth;
+  PerBound<float> largest_nearness;
 };
 
 // At most bounds_batch_size shapes.

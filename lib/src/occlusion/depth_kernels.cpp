@@ -88,7 +88,7 @@ HWY_INLINE IntVec quick_verdict_lanes(const DepthPyramid::Levels& levels, const 
   const Lanes d;
   const IntVec x0 = hn::LoadU(d, bounds.x0.data() + i), x1 = hn::LoadU(d, bounds.x1.data() + i);
   const IntVec y0 = hn::LoadU(d, bounds.y0.data() + i), y1 = hn::LoadU(d, bounds.y1.data() + i);
-  const FloatVec nearest = hn::LoadU(FloatLanes(), bounds.nearest_inverse_depth.data() + i);
+  const FloatVec nearest = hn::LoadU(FloatLanes(), bounds.largest_nearness.data() + i);
   const IntVec level = first_level_lanes(hn::Max(hn::Sub(x1, x0), hn::Sub(y1, y0)), levels.top);
   const TexelLanes x(x0, x1, level, hn::GatherIndex(d, levels.last_x.data(), level));
   const TexelLanes y(y0, y1, level, hn::GatherIndex(d, levels.last_y.data(), level));

@@ -60,8 +60,8 @@ void DepthPyramid::finish(const PixelRect& drawn) {
 void DepthPyramid::build(const DepthBuffer& depth) {
   const DepthImage image = begin(depth.width, depth.height);
   for (int y = 0; y < depth.height; ++y)
-    std::copy_n(depth.inverse_depth.begin() + static_cast<std::ptrdiff_t>(y) * depth.width, depth.width,
-                image.inverse_depth + y * image.stride);
+    std::copy_n(depth.nearness.begin() + static_cast<std::ptrdiff_t>(y) * depth.width, depth.width,
+                image.nearness + y * image.stride);
   finish({0, 0, depth.width, depth.height});
 }
 
@@ -101,7 +101,7 @@ DepthPyramid::Levels DepthPyramid::levels() const noexcept {
   return table;
 }
 
-DepthPyramid::Verdict DepthPyramid::quick_verdict(const PixelRect& rect, float nearest_inverse_depth) const noexcept {
+DepthPyramid::Verdict DepthPyramid::quick_verdict(const PixelRect& rect, float largest_nearness) const noexcept {
   const int index = first_level(rect);
   const Level& level = levels_[static_cast<std::size_t>(index)];
   // Inside the image even where the rectangle is empty.
@@ -116,22 +116,22 @@ DepthPyramid::Verdict DepthPyramid::quick_verdict(const PixelRect& rect, float n
   const Level& image = levels_[0];
   const float middle = row(
       image, std::min((rect.y0 + rect.y1) / 2, image.height - 1))[std::min((rect.x0 + rect.x1) / 2, image.width - 1)];
-  const bool hidden = rect.empty() | (farthest > nearest_inverse_depth);
-  const Verdict otherwise = middle <= nearest_inverse_depth ? Verdict::visible : Verdict::unknown;
+  const bool hidden = rect.empty() | (farthest > largest_nearness);
+  const Verdict otherwise = middle <= largest_nearness ? Verdict::visible : Verdict::unknown;
   return hidden ? Verdict::hidden : otherwise;
 }
 
-bool DepthPyramid::any_visible(const PixelRect& rect, float nearest_inverse_depth, const Diagonals& diagonals) const {
+bool DepthPyramid::any_visible(const PixelRect& rect, float largest_nearness, const Diagonals& diagonals) const {
   assert(rect.empty() || (rect.x0 >= 0 && rect.y0 >= 0 && rect.x1 <= width() && rect.y1 <= height()));
-  const Verdict verdict = quick_verdict(rect, nearest_inverse_depth);
+  const Verdict verdict = quick_verdict(rect, largest_nearness);
   if (verdict == Verdict::hidden) return false;
   if (verdict == Verdict::visible && diagonals.meet(middle_pixel(rect))) return true;
   // What the middle does not show, the border often does: half of a bound behind an edge of the occluder.
   const int middle_x = (rect.x0 + rect.x1) / 2, middle_y = (rect.y0 + rect.y1) / 2;
   for (const int y : {rect.y0, middle_y, rect.y1 - 1})
     for (const int x : {rect.x0, middle_x, rect.x1 - 1})
-      if (row(levels_[0], y)[x] <= nearest_inverse_depth && diagonals.meet({x, y, x + 1, y + 1})) return true;
-  return any_visible_at(first_level(rect), rect, diagonals, nearest_inverse_depth);
+      if (row(levels_[0], y)[x] <= largest_nearness && diagonals.meet({x, y, x + 1, y + 1})) return true;
+  return any_visible_at(first_level(rect), rect, diagonals, largest_nearness);
 }
 
 bool DepthPyramid::any_visible_at(int level, const PixelRect& rect, const Diagonals& diagonals, float nearest) const {
@@ -152,16 +152,16 @@ bool DepthPyramid::any_visible_at(int level, const PixelRect& rect, const Diagon
   return false;
 }
 
-std::uint32_t DepthPyramid::count_visible(const PixelRect& rect, float nearest_inverse_depth,
+std::uint32_t DepthPyramid::count_visible(const PixelRect& rect, float largest_nearness,
                                           const Diagonals& diagonals) const {
-  if (quick_verdict(rect, nearest_inverse_depth) == Verdict::hidden) return 0;
+  if (quick_verdict(rect, largest_nearness) == Verdict::hidden) return 0;
   std::uint32_t count = 0;
   for (int y = rect.y0; y < rect.y1; ++y) {
     // The pixels that meet the diagonals follow each other.
     int x0 = rect.x0, x1 = rect.x1;
     while (x0 < x1 && !diagonals.meet({x0, y, x0 + 1, y + 1})) ++x0;
     while (x0 < x1 && !diagonals.meet({x1 - 1, y, x1, y + 1})) --x1;
-    count += count_not_nearer(row(levels_[0], y) + x0, x1 - x0, nearest_inverse_depth);
+    count += count_not_nearer(row(levels_[0], y) + x0, x1 - x0, largest_nearness);
   }
   return count;
 }

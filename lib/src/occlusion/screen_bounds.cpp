@@ -53,7 +53,7 @@ class Extent {
     if (!(nearest_w > 0.0)) return std::nullopt;
     const double inverse_w = 1.0 / nearest_w;
     ScreenBounds bounds;
-    bounds.nearest_inverse_depth =
+    bounds.largest_nearness =
         std::nextafter(static_cast<float>((1.0 + bounds_rounding) * inverse_w), std::numeric_limits<float>::infinity());
     const glm::dvec2 error((bounds_rounding * magnitude(x_) + w_error * largest_ratio(0)) * inverse_w,
                            (bounds_rounding * magnitude(y_) + w_error * largest_ratio(1)) * inverse_w);

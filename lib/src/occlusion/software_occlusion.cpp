@@ -145,7 +145,7 @@ class SoftwareOcclusion final : public Visibility {
   }
   [[nodiscard]] std::optional<ScreenBounds> found(std::size_t i) const {
     if (found_.trusted[i] == 0) return std::nullopt;
-    return ScreenBounds{found_rect(i), found_.nearest_inverse_depth[i]};
+    return ScreenBounds{found_rect(i), found_.largest_nearness[i]};
   }
 
   [[nodiscard]] std::uint32_t visible_pixels(const VisibilityQuery& query) const {
@@ -157,7 +157,7 @@ class SoftwareOcclusion final : public Visibility {
                                              const std::optional<ScreenBounds>& bounds) const {
     if (!bounds) return options_.count_pixels ? area({0, 0, view_->width(), view_->height()}) : 1;
     if (!occluder_drawn_) return options_.count_pixels ? area(bounds->rect) : (area(bounds->rect) > 0 ? 1 : 0);
-    const float nearest = bounds->nearest_inverse_depth;
+    const float nearest = bounds->largest_nearness;
     const DepthPyramid::Verdict verdict = pyramid_.quick_verdict(bounds->rect, nearest);
     if (verdict == DepthPyramid::Verdict::hidden) return 0;
     // The middle of the rectangle is taken to be inside the outline: that errs to visible.

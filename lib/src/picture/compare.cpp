@@ -54,12 +54,12 @@ std::vector<float> extreme_around(const DepthBuffer& depth, int radius, const Be
   const auto at = [&](int x, int y) {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
   };
-  std::vector<float> rows(depth.inverse_depth.size()), result(rows.size());
+  std::vector<float> rows(depth.nearness.size()), result(rows.size());
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
-      float best = depth.inverse_depth[at(x, y)];
+      float best = depth.nearness[at(x, y)];
       for (int k = std::max(x - radius, 0); k <= std::min(x + radius, width - 1); ++k)
-        best = pick(best, depth.inverse_depth[at(k, y)]);
+        best = pick(best, depth.nearness[at(k, y)]);
       rows[at(x, y)] = best;
     }
   for (int y = 0; y < height; ++y)
@@ -104,13 +104,13 @@ double depth_share(double inverse, double nearest, double farthest) {
 
 // The largest motion of any pixel of `expected`.
 double motion_into(const View& view, const DepthBuffer& expected, const DepthBuffer& found, double most_px) {
-  std::vector<float> nearest = found.inverse_depth, farthest = found.inverse_depth, rows;
-  std::vector<std::size_t> open(expected.inverse_depth.size());
+  std::vector<float> nearest = found.nearness, farthest = found.nearness, rows;
+  std::vector<std::size_t> open(expected.nearness.size());
   std::iota(open.begin(), open.end(), std::size_t{0});
   double largest = 0.0;
   for (int radius = 0; radius < most_px; ++radius) {
     const auto is_explained = [&](std::size_t i) {
-      const double px = view.focal_length_px() * depth_share(expected.inverse_depth[i], nearest[i], farthest[i]);
+      const double px = view.focal_length_px() * depth_share(expected.nearness[i], nearest[i], farthest[i]);
       if (px >= radius + 1) return false;
       largest = std::max(largest, std::max(px, static_cast<double>(radius)));
       return true;
@@ -131,9 +131,9 @@ struct DepthDistance {
 DepthDistance depth_distance(const View& view, const DepthBuffer& depth, const DepthBuffer& reference) {
   std::size_t in_reference = 0, in_one = 0, in_both = 0;
   double sum = 0.0;
-  for (std::size_t i = 0; i < depth.inverse_depth.size(); ++i) {
-    const double here = depth.inverse_depth[i];
-    const double there = reference.inverse_depth[i];
+  for (std::size_t i = 0; i < depth.nearness.size(); ++i) {
+    const double here = depth.nearness[i];
+    const double there = reference.nearness[i];
     in_reference += there > 0.0 ? 1 : 0;
     in_one += (here > 0.0) != (there > 0.0) ? 1 : 0;
     if (!(here > 0.0 && there > 0.0)) continue;
@@ -149,7 +149,7 @@ DepthDistance depth_distance(const View& view, const DepthBuffer& depth, const D
 
 PictureDistance compare_pictures(const View& view, const DepthBuffer& depth, const Image& image,
                                  const DepthBuffer& reference_depth, const Image& reference_image) {
-  assert(depth.inverse_depth.size() == reference_depth.inverse_depth.size() &&
+  assert(depth.nearness.size() == reference_depth.nearness.size() &&
          image.pixels.size() == reference_image.pixels.size());
   const DepthDistance distance = depth_distance(view, depth, reference_depth);
   const SquaredDifferences sums = squared_differences(image, reference_image);
@@ -159,7 +159,7 @@ PictureDistance compare_pictures(const View& view, const DepthBuffer& depth, con
 }
 
 double largest_motion_px(const View& view, const DepthBuffer& one, const DepthBuffer& other, double most_px) {
-  assert(one.inverse_depth.size() == other.inverse_depth.size() && most_px >= 0.0);
+  assert(one.nearness.size() == other.nearness.size() && most_px >= 0.0);
   return std::max(motion_into(view, one, other, most_px), motion_into(view, other, one, most_px));
 }
 
@@ -170,14 +170,14 @@ Popping measure_popping(const View& view, const DepthBuffer& before, const Depth
 
 std::size_t count_unexplained_pixels(const View& view, const DepthBuffer& expected, const DepthBuffer& found,
                                      double allowed_px) {
-  assert(expected.inverse_depth.size() == found.inverse_depth.size() && allowed_px >= 0.0);
+  assert(expected.nearness.size() == found.nearness.size() && allowed_px >= 0.0);
   const int radius =
       static_cast<int>(std::min(std::ceil(allowed_px), static_cast<double>(std::max(found.width, found.height))));
   const std::vector<float> farthest = extreme_around(found, radius, std::less<>());
   const std::vector<float> nearest = extreme_around(found, radius, std::greater<>());
   std::size_t unexplained = 0;
-  for (std::size_t i = 0; i < expected.inverse_depth.size(); ++i) {
-    const double inverse = expected.inverse_depth[i];
+  for (std::size_t i = 0; i < expected.nearness.size(); ++i) {
+    const double inverse = expected.nearness[i];
     // allowed_px pixels at depth d are allowed_px * d / f long: depths d (1 -+ share), inverse depths inverse / (1 -+
     // share).
     const double share = allowed_px / view.focal_length_px();

@@ -119,7 +119,7 @@ struct Appearance {
 // depth on the screen: only what falls faster to one side than it rises from the other is a step.
 float outline(const DepthBuffer& depth, int x, int y) {
   const auto at = [&](int px, int py) {
-    return depth.inverse_depth[static_cast<std::size_t>(py) * static_cast<std::size_t>(depth.width) +
+    return depth.nearness[static_cast<std::size_t>(py) * static_cast<std::size_t>(depth.width) +
                                static_cast<std::size_t>(px)];
   };
   const float here = at(x, y);

@@ -64,12 +64,12 @@ using IntVec = hn::Vec<Ints>;
 
 struct CornerLanes {
   IntVec x, y;
-  DoubleVec inverse_w;
+  DoubleVec nearness;
 };
 
 HWY_INLINE CornerLanes load_corner(const TriangleBatch& batch, std::size_t k, std::size_t i) {
   return {hn::LoadU(Ints(), batch.x[k].data() + i), hn::LoadU(Ints(), batch.y[k].data() + i),
-          hn::LoadU(Doubles(), batch.inverse_w[k].data() + i)};
+          hn::LoadU(Doubles(), batch.nearness[k].data() + i)};
 }
 
 template <class V>
@@ -113,8 +113,8 @@ HWY_INLINE void store_plane(const CornerLanes& a, const CornerLanes& b, const Co
                             const BoxLanes& box, SetupBatch& setup, std::size_t i) {
   const Doubles d;
   const DoubleVec scale = hn::Div(hn::Set(d, double{subpixels}), twice_area);
-  const DoubleVec db = hn::Sub(b.inverse_w, a.inverse_w);
-  const DoubleVec dc = hn::Sub(c.inverse_w, a.inverse_w);
+  const DoubleVec db = hn::Sub(b.nearness, a.nearness);
+  const DoubleVec dc = hn::Sub(c.nearness, a.nearness);
   const DoubleVec per_column =
       hn::Mul(hn::Sub(hn::Mul(db, difference(c.y, a.y)), hn::Mul(dc, difference(b.y, a.y))), scale);
   const DoubleVec per_row =
@@ -123,15 +123,15 @@ HWY_INLINE void store_plane(const CornerLanes& a, const CornerLanes& b, const Co
   const DoubleVec pixel = hn::Set(d, 1.0 / subpixels);
   const DoubleVec columns = hn::Sub(half, hn::Mul(hn::PromoteTo(d, a.x), pixel));
   const DoubleVec rows = hn::Sub(half, hn::Mul(hn::PromoteTo(d, a.y), pixel));
-  const DoubleVec at_origin = hn::Add(hn::Add(a.inverse_w, hn::Mul(per_column, columns)), hn::Mul(per_row, rows));
+  const DoubleVec at_origin = hn::Add(hn::Add(a.nearness, hn::Mul(per_column, columns)), hn::Mul(per_row, rows));
   const DoubleVec at_row = hn::Add(at_origin, hn::Mul(per_row, hn::PromoteTo(d, box.first_row)));
   const DoubleVec at_first = hn::Add(at_row, hn::Mul(per_column, hn::PromoteTo(d, box.first_column)));
   hn::StoreU(hn::DemoteTo(Floats(), per_column), Floats(), setup.per_column.data() + i);
   hn::StoreU(hn::DemoteTo(Floats(), per_row), Floats(), setup.per_row.data() + i);
   hn::StoreU(hn::DemoteTo(Floats(), at_first), Floats(), setup.depth.data() + i);
-  hn::StoreU(hn::DemoteTo(Floats(), smallest_of(a.inverse_w, b.inverse_w, c.inverse_w)), Floats(),
+  hn::StoreU(hn::DemoteTo(Floats(), smallest_of(a.nearness, b.nearness, c.nearness)), Floats(),
              setup.smallest.data() + i);
-  hn::StoreU(hn::DemoteTo(Floats(), largest_of(a.inverse_w, b.inverse_w, c.inverse_w)), Floats(),
+  hn::StoreU(hn::DemoteTo(Floats(), largest_of(a.nearness, b.nearness, c.nearness)), Floats(),
              setup.largest.data() + i);
 }
 
@@ -246,7 +246,7 @@ HWY_INLINE void draw_columns(const SetupBatch& setup, std::size_t i, std::int32_
   const PixelVec largest = hn::Set(d, setup.largest[i]);
   PixelVec row = hn::Zero(d);
   const std::ptrdiff_t stride = target.stride;
-  float* depth = target.inverse_depth + setup.first_row[i] * stride + x;
+  float* depth = target.nearness + setup.first_row[i] * stride + x;
   const std::int32_t rows = setup.end_row[i] - setup.first_row[i];
   for (std::int32_t y = 0; y < rows; ++y) {
     const PixelVec z = hn::Add(on_first_row, hn::Mul(per_row, row));
@@ -290,7 +290,7 @@ HWY_INLINE void draw_large(const TriangleBatch& batch, std::size_t i, const Dept
               target.height, setup))
     return;
   scan(setup, target.width, [&](std::int32_t y, std::int32_t begin, std::int32_t end) {
-    float* row = target.inverse_depth + y * target.stride;
+    float* row = target.nearness + y * target.stride;
     for (std::int32_t from = begin; from < end;) {
       const DepthRow depth = setup.depth_row(from, y);
       const std::int32_t to = HWY_MIN(end, depth.origin + depth_reach);

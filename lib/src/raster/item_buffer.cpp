@@ -44,7 +44,7 @@ struct DepthWriter {
   void draw(const TriangleSetup& triangle, std::uint32_t) const {
     *drawn = united(*drawn, {triangle.first_column, triangle.first_row, triangle.end_column, triangle.end_row});
     raster::scan(triangle, image.width, [&](std::int32_t row, std::int32_t begin, std::int32_t end) {
-      float* depth = image.inverse_depth + row * image.stride + begin;
+      float* depth = image.nearness + row * image.stride + begin;
       for_each_depth(triangle, row, begin, end,
                      [=](std::int32_t i, float z) { depth[i] = depth[i] < z ? z : depth[i]; });
     });
@@ -52,7 +52,7 @@ struct DepthWriter {
 };
 
 struct ItemWriter {
-  float* inverse_depth;
+  float* nearness;
   std::uint32_t* items;
   std::size_t width;
 
@@ -61,7 +61,7 @@ struct ItemWriter {
   void draw(const TriangleSetup& triangle, std::uint32_t item) const {
     raster::scan(triangle, static_cast<int>(width), [&](std::int32_t row, std::int32_t begin, std::int32_t end) {
       const std::size_t first = static_cast<std::size_t>(row) * width + static_cast<std::size_t>(begin);
-      float* depth = inverse_depth + first;
+      float* depth = nearness + first;
       std::uint32_t* owner = items + first;
       for_each_depth(triangle, row, begin, end, [=](std::int32_t i, float z) {
         const bool nearer = z > depth[i];
@@ -129,17 +129,17 @@ void DepthBuffer::reset(int new_width, int new_height) {
   assert(new_width >= 0 && new_height >= 0);
   width = new_width;
   height = new_height;
-  inverse_depth.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), 0.0F);
+  nearness.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), 0.0F);
 }
 
 void ItemBuffer::reset(int width, int height) {
   depth.reset(width, height);
-  items.assign(depth.inverse_depth.size(), no_item);
+  items.assign(depth.nearness.size(), no_item);
 }
 
 void draw_depth(DepthBuffer& target, std::span<const glm::vec3> positions, std::span<const Triangle> triangles,
                 const glm::mat4& object_to_clip) {
-  draw_depth(DepthImage{target.inverse_depth.data(), target.width, target.height, target.width}, positions, triangles,
+  draw_depth(DepthImage{target.nearness.data(), target.width, target.height, target.width}, positions, triangles,
              object_to_clip);
 }
 
@@ -153,7 +153,7 @@ PixelRect draw_depth(const DepthImage& target, std::span<const glm::vec3> positi
 void draw_items(ItemBuffer& target, std::span<const glm::vec3> positions, std::span<const Triangle> triangles,
                 const glm::mat4& object_to_clip, std::uint32_t first_item) {
   DepthBuffer& depth = target.depth;
-  const ItemWriter writer{depth.inverse_depth.data(), target.items.data(), static_cast<std::size_t>(depth.width)};
+  const ItemWriter writer{depth.nearness.data(), target.items.data(), static_cast<std::size_t>(depth.width)};
   Rasterizer(object_to_clip, depth.width, depth.height, writer).draw(positions, triangles, first_item);
 }
 

@@ -58,7 +58,7 @@ HWY_INLINE void project_lanes(const Projection& projection, std::size_t k, std::
   const Vec half_y = hn::Set(d, projection.half_size().y);
   const Vec screen_x = hn::Add(half_x, hn::Mul(hn::Mul(x, inverse_w), half_x));
   const Vec screen_y = hn::Sub(half_y, hn::Mul(hn::Mul(y, inverse_w), half_y));
-  hn::StoreU(inverse_w, d, batch.inverse_w[k].data() + i);
+  hn::StoreU(inverse_w, d, batch.nearness[k].data() + i);
   hn::StoreU(hn::DemoteTo(ints, hn::IfThenElseZero(inside, hn::Set(d, 1.0))), ints, batch.drawable[k].data() + i);
   hn::StoreU(round_to_subpixel(hn::IfThenElseZero(inside, screen_x)), ints, batch.x[k].data() + i);
   hn::StoreU(round_to_subpixel(hn::IfThenElseZero(inside, screen_y)), ints, batch.y[k].data() + i);

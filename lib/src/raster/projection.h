@@ -24,7 +24,7 @@ inline constexpr double guard_band_px = 32768.0;
 struct ScreenVertex {
   std::int32_t x = 0;
   std::int32_t y = 0;
-  double inverse_w = 0.0;
+  double nearness = 0.0;  // see DepthBuffer
 };
 
 // Added before truncation so that coordinates within the guard band are rounded as positive numbers.
@@ -43,14 +43,14 @@ struct TriangleBatch {
   Corners<float> object_x, object_y, object_z;
   Corners<double> clip_x, clip_y, clip_z, clip_w;
   Corners<std::int32_t> x, y;  // subpixels; 0 where not drawable
-  Corners<double> inverse_w;
+  Corners<double> nearness;
   Corners<std::int32_t> drawable;  // 1 when finite, before the near plane and inside the guard band
 
   [[nodiscard]] glm::dvec4 clip_position(std::size_t corner, std::size_t i) const noexcept {
     return {clip_x[corner][i], clip_y[corner][i], clip_z[corner][i], clip_w[corner][i]};
   }
   [[nodiscard]] ScreenVertex screen_vertex(std::size_t corner, std::size_t i) const noexcept {
-    return {x[corner][i], y[corner][i], inverse_w[corner][i]};
+    return {x[corner][i], y[corner][i], nearness[corner][i]};
   }
 };
 

@@ -102,15 +102,15 @@ struct TriangleSetup {
 inline DepthPlane depth_plane(const ScreenVertex& a, const ScreenVertex& b, const ScreenVertex& c,
                               std::int64_t area) noexcept {
   const double scale = subpixels / static_cast<double>(area);
-  const double db = b.inverse_w - a.inverse_w;
-  const double dc = c.inverse_w - a.inverse_w;
+  const double db = b.nearness - a.nearness;
+  const double dc = c.nearness - a.nearness;
   DepthPlane plane{};
   plane.per_column = (db * (c.y - a.y) - dc * (b.y - a.y)) * scale;
   plane.per_row = (dc * (b.x - a.x) - db * (c.x - a.x)) * scale;
   const double pixel = 1.0 / subpixels;
-  plane.at_origin = a.inverse_w + plane.per_column * (0.5 - a.x * pixel) + plane.per_row * (0.5 - a.y * pixel);
-  plane.smallest = static_cast<float>(std::min({a.inverse_w, b.inverse_w, c.inverse_w}));
-  plane.largest = static_cast<float>(std::max({a.inverse_w, b.inverse_w, c.inverse_w}));
+  plane.at_origin = a.nearness + plane.per_column * (0.5 - a.x * pixel) + plane.per_row * (0.5 - a.y * pixel);
+  plane.smallest = static_cast<float>(std::min({a.nearness, b.nearness, c.nearness}));
+  plane.largest = static_cast<float>(std::max({a.nearness, b.nearness, c.nearness}));
   return plane;
 }
 

@@ -48,14 +48,14 @@ class DepthPyramid {
   // Smallest inverse depth (farthest occluder) of the texel.
   [[nodiscard]] float farthest(int level, int x, int y) const noexcept;
 
-  // True iff at some pixel of `rect` (inside the image) the occluder is not nearer than nearest_inverse_depth, that is
+  // True iff at some pixel of `rect` (inside the image) the occluder is not nearer than largest_nearness, that is
   // farthest <= nearest. Exact: descends only where a coarser texel cannot decide. An empty rectangle shows nothing.
   // With diagonals only of those that they meet.
-  [[nodiscard]] bool any_visible(const PixelRect& rect, float nearest_inverse_depth,
+  [[nodiscard]] bool any_visible(const PixelRect& rect, float largest_nearness,
                                  const Diagonals& diagonals = {}) const;
   // The same where a few texels and the pixel in the middle decide it, which is most often; without branches.
   enum class Verdict : std::uint8_t { hidden, visible, unknown };
-  [[nodiscard]] Verdict quick_verdict(const PixelRect& rect, float nearest_inverse_depth) const noexcept;
+  [[nodiscard]] Verdict quick_verdict(const PixelRect& rect, float largest_nearness) const noexcept;
 
   // The levels as vectors gather them. Images have at most 2^14 pixels a side, so at most 15 levels.
   struct Levels {
@@ -66,7 +66,7 @@ class DepthPyramid {
   };
   [[nodiscard]] Levels levels() const noexcept;
   // How many such pixels there are. O(pixels of the rectangle).
-  [[nodiscard]] std::uint32_t count_visible(const PixelRect& rect, float nearest_inverse_depth,
+  [[nodiscard]] std::uint32_t count_visible(const PixelRect& rect, float largest_nearness,
                                             const Diagonals& diagonals = {}) const;
 
  private:

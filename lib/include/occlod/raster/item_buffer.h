@@ -20,15 +20,15 @@ namespace occlod {
 struct DepthBuffer {
   int width = 0;
   int height = 0;
-  std::vector<float> inverse_depth;  // width * height
+  std::vector<float> nearness;  // width * height
 
   void reset(int new_width, int new_height);  // resizes and empties; reuses memory
 };
 
-// The same in memory of the caller's, row y at inverse_depth + y * stride. A stride that is a multiple of 1024 makes
+// The same in memory of the caller's, row y at nearness + y * stride. A stride that is a multiple of 1024 makes
 // drawing a third slower: the pixels of a column then share their place in the cache.
 struct DepthImage {
-  float* inverse_depth = nullptr;
+  float* nearness = nullptr;
   int width = 0;
   int height = 0;
   std::ptrdiff_t stride = 0;  // >= width
