@@ -18,10 +18,13 @@ Json to_json(const glm::dmat4& matrix) {
 }
 
 Json to_json(const Camera& camera) {
-  return {{"eye", to_json(camera.eye)}, {"target", to_json(camera.target)},
-          {"up", to_json(camera.up)},   {"fov_y_deg", camera.fov_y_deg},
-          {"width", camera.width},      {"height", camera.height},
-          {"near", camera.near},        {"far", camera.far}};
+  Json json = {{"eye", to_json(camera.eye)}, {"target", to_json(camera.target)}, {"up", to_json(camera.up)}};
+  if (camera.orthographic_height)
+    json["orthographic_height"] = *camera.orthographic_height;
+  else
+    json["fov_y_deg"] = camera.fov_y_deg;
+  json.update({{"width", camera.width}, {"height", camera.height}, {"near", camera.near}, {"far", camera.far}});
+  return json;
 }
 
 Json to_json(const MeshReport& report) {

@@ -129,6 +129,8 @@ void add_input_options(CLI::App& command, Options& options) {
           },
           "Size of the image instead of the camera's own")
       ->type_name("WxH");
+  command.add_flag("--orthographic", options.input.orthographic,
+                   "Parallel rays, showing as much at the distance of the camera's target");
   command.add_flag("!--no-cache", options.input.use_cache, "Build hierarchies anew and keep none");
 }
 

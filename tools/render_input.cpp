@@ -50,6 +50,10 @@ void resize(Camera& camera, const std::optional<ImageSize>& size) {
   camera.height = size->height;
 }
 
+void flatten(Camera& camera) {
+  if (!camera.orthographic_height) camera = orthographic(camera);
+}
+
 // Looks at the sphere around all objects, from a little above and to the right, as near as shows all of it.
 Camera camera_that_sees(const std::vector<LoadedObject>& objects, const ImageSize& size) {
   const WorldBox box = world_box(objects);
@@ -78,6 +82,7 @@ RenderInput load_render_input(const RenderInputOptions& options) {
     input.path = find_named(scene.paths, options.path, "/paths", options);
     input.path_name = options.path;
     resize(input.path->keys.front(), options.size);  // the size of all frames
+    if (options.orthographic) std::for_each(input.path->keys.begin(), input.path->keys.end(), flatten);
     input.camera = camera_at(*input.path, 0);
   } else if (is_scene) {
     input.camera = find_named(scene.cameras, options.camera, "/cameras", options);
@@ -85,6 +90,7 @@ RenderInput load_render_input(const RenderInputOptions& options) {
   resize(input.camera, options.size);
   input.objects = load(scene, options);
   if (!is_scene) input.camera = camera_that_sees(input.objects, {input.camera.width, input.camera.height});
+  if (options.orthographic) flatten(input.camera);
   return input;
 }
 

@@ -21,6 +21,7 @@ struct RenderInputOptions {
   std::string camera = "default";
   std::string path;               // instead of the camera
   std::optional<ImageSize> size;  // instead of the camera's own
+  bool orthographic = false;      // instead of the camera's perspective, or of that of every key of a path
   bool use_cache = true;
 };
 

@@ -33,7 +33,7 @@ TEST(ScreenBounds, ContainManySamplesOfEveryShape) {
       const std::optional<Projected> p = project(view, placement, random.sample(query));
       if (!bounds) break;
       ASSERT_TRUE(p) << "a bound that crosses the near plane has no rectangle";
-      ASSERT_LE(p->inverse_w, bounds->largest_nearness);
+      ASSERT_LE(p->nearness, bounds->largest_nearness);
       const double x = std::floor(p->x), y = std::floor(p->y);
       if (x < 0 || y < 0 || x >= view.width() || y >= view.height()) continue;
       ASSERT_TRUE(x >= bounds->rect.x0 && x < bounds->rect.x1 && y >= bounds->rect.y0 && y < bounds->rect.y1)
@@ -94,7 +94,7 @@ TEST(ScreenBounds, AreTight) {
       const std::optional<Projected> p = project(view, placement, random.sample(query));
       ASSERT_TRUE(p);
       x0 = std::min(x0, p->x), x1 = std::max(x1, p->x), y0 = std::min(y0, p->y), y1 = std::max(y1, p->y);
-      nearest = std::max(nearest, p->inverse_w);
+      nearest = std::max(nearest, p->nearness);
     }
     if (x0 < 0 || y0 < 0 || x1 >= view.width() || y1 >= view.height()) continue;  // only whole shapes
     const double gap = 0.04 * std::max(x1 - x0, y1 - y0) + 1.01;  // 4000 samples leave a cap of 2 % of the size unseen
@@ -209,7 +209,7 @@ TEST(ScreenBounds, CoverTheRoundingOfTheMatrix) {
     for (int i = 0; i < 200; ++i) {
       const std::optional<Projected> p = project(view, placement, random.sample(query));
       ASSERT_TRUE(p);
-      ASSERT_LE(p->inverse_w, bounds->largest_nearness);
+      ASSERT_LE(p->nearness, bounds->largest_nearness);
       const double x = std::floor(p->x), y = std::floor(p->y);
       if (x < 0 || y < 0 || x >= view.width() || y >= view.height()) continue;
       ASSERT_TRUE(x >= bounds->rect.x0 && x < bounds->rect.x1 && y >= bounds->rect.y0 && y < bounds->rect.y1) << n;

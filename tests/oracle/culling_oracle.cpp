@@ -25,7 +25,8 @@ Vector settled(const Vector& v) { return {settled(v.x()), settled(v.y()), settle
 
 }  // namespace
 
-CullingOracle::CullingOracle(const Camera& camera, const glm::dmat4& object_to_world) {
+CullingOracle::CullingOracle(const Camera& camera, const glm::dmat4& object_to_world)
+    : parallel_(camera.orthographic_height.has_value()) {
   for (int row = 0; row < 3; ++row)
     rows_[static_cast<std::size_t>(row)] =
         vector({object_to_world[0][row], object_to_world[1][row], object_to_world[2][row]});
@@ -34,24 +35,31 @@ CullingOracle::CullingOracle(const Camera& camera, const glm::dmat4& object_to_w
   right_ = settled(CGAL::cross_product(ahead_, vector(camera.up)));
   up_ = settled(CGAL::cross_product(right_, ahead_));
 
-  const double tangent = std::tan(glm::radians(camera.fov_y_deg) / 2.0);
+  const double half = parallel_ ? *camera.orthographic_height / 2.0 : std::tan(glm::radians(camera.fov_y_deg) / 2.0);
   const double aspect = static_cast<double>(camera.width) / camera.height;
-  focal_length_px_ = Number(camera.height / 2.0 / tangent * (1.0 - margin));
+  focal_length_px_ = Number(camera.height / 2.0 / half * (1.0 - margin));
   const double one = length(ahead_);
-  const Vector across = Number(tangent * aspect * (1.0 - margin) * length(right_) / one) * ahead_;
-  const Vector along = Number(tangent * (1.0 - margin) * length(up_) / one) * ahead_;
-  planes_ = {plane(across + right_, 0),
-             plane(across - right_, 0),
-             plane(along + up_, 0),
-             plane(along - up_, 0),
+  // What the image shows to each side, at distance 1 or at any.
+  const Number half_x(half * aspect * (1.0 - margin) * length(right_)), half_y(half * (1.0 - margin) * length(up_));
+  const Vector none(0, 0, 0);
+  const Vector across = parallel_ ? none : half_x / Number(one) * ahead_;
+  const Vector along = parallel_ ? none : half_y / Number(one) * ahead_;
+  const Number offset_x = parallel_ ? half_x : Number(0), offset_y = parallel_ ? half_y : Number(0);
+  planes_ = {plane(across + right_, offset_x),
+             plane(across - right_, offset_x),
+             plane(along + up_, offset_y),
+             plane(along - up_, offset_y),
              plane(ahead_, Number(-camera.near * one * (1.0 + margin))),
              plane(-ahead_, Number(camera.far * one * (1.0 - margin)))};
 
-  // Cramer's rule for rows * eye = -from_eye.
+  to_eye_ = settled(to_object(parallel_ ? -ahead_ : -from_eye_));
+}
+
+// Cramer's rule for rows * x = v.
+Vector CullingOracle::to_object(const Vector& v) const {
   const auto& [r0, r1, r2] = rows_;
   const Vector c12 = CGAL::cross_product(r1, r2), c20 = CGAL::cross_product(r2, r0), c01 = CGAL::cross_product(r0, r1);
-  const Vector eye = (from_eye_.x() * c12 + from_eye_.y() * c20 + from_eye_.z() * c01) / (r0 * c12);
-  eye_ = Point(settled(-eye.x()), settled(-eye.y()), settled(-eye.z()));
+  return (v.x() * c12 + v.y() * c20 + v.z() * c01) / (r0 * c12);
 }
 
 Vector CullingOracle::to_world(const Vector& v) const { return {rows_[0] * v, rows_[1] * v, rows_[2] * v}; }
@@ -70,17 +78,25 @@ std::uint32_t CullingOracle::planes_outside(const glm::vec3& p) const {
 }
 
 bool CullingOracle::faces_eye(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) const {
-  return CGAL::orientation(point(a), point(b), point(c), eye_) == CGAL::POSITIVE;
+  const Point from = parallel_ ? point(a) : Point(0, 0, 0);
+  return CGAL::orientation(point(a), point(b), point(c), from + to_eye_) == CGAL::POSITIVE;
 }
 
 // The picture of d is at F (d.right / |right|, d.up / |up|) / (d.ahead / |ahead|). Its derivative along v has the
-// square F^2 |ahead|^2 (x^2 / |right|^2 + y^2 / |up|^2) / z^4 with x, y, z as below.
+// square F^2 |ahead|^2 (x^2 / |right|^2 + y^2 / |up|^2) / z^4 with x, y, z as below. Where rays are parallel nothing is
+// divided by d.ahead / |ahead|.
 bool CullingOracle::moves_more_than(float scale_px, const glm::vec3& p, const glm::vec3& displacement) const {
   const Vector step = point(displacement) - Point(0, 0, 0);
   const Vector d = to_world(point(p) - Point(0, 0, 0)) + from_eye_, v = to_world(step);
+  const Number scale(static_cast<double>(scale_px));
+  if (parallel_) {
+    const Number x = v * right_, y = v * up_;
+    const Number pixels =
+        focal_length_px_ * focal_length_px_ * (x * x / right_.squared_length() + y * y / up_.squared_length());
+    return pixels > scale * scale * step.squared_length();
+  }
   const Number z = d * ahead_, change = v * ahead_;
   const Number x = (v * right_) * z - (d * right_) * change, y = (v * up_) * z - (d * up_) * change;
-  const Number scale(static_cast<double>(scale_px));
   const Number pixels = focal_length_px_ * focal_length_px_ * ahead_.squared_length() *
                         (x * x / right_.squared_length() + y * y / up_.squared_length());
   return pixels > scale * scale * step.squared_length() * z * z * z * z;

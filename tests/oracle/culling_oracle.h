@@ -26,7 +26,7 @@ class CullingOracle {
 
   // Bit i: the point, in object space, is outside plane i of left, right, bottom, top, near, far.
   [[nodiscard]] std::uint32_t planes_outside(const glm::vec3& point) const;
-  // Whether the eye is in front of the plane of the triangle, in object space.
+  // Whether the eye, or where parallel rays come from, is in front of the plane of the triangle, in object space.
   [[nodiscard]] bool faces_eye(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) const;
   // Whether a small displacement of `point`, which is inside, moves its picture by more than `scale_px` pixels for each
   // object unit.
@@ -37,7 +37,8 @@ class CullingOracle {
     Vector normal;  // inward, object space; of any length
     Number offset;
   };
-  [[nodiscard]] Vector to_world(const Vector& v) const;  // without the translation
+  [[nodiscard]] Vector to_world(const Vector& v) const;   // without the translation
+  [[nodiscard]] Vector to_object(const Vector& v) const;  // the inverse
   [[nodiscard]] Plane plane(const Vector& normal, const Number& offset) const;
 
   std::array<Vector, 3> rows_;  // of the linear part of the transform
@@ -45,7 +46,8 @@ class CullingOracle {
   Vector ahead_, right_, up_;   // orthogonal; of any length
   Number focal_length_px_;
   std::array<Plane, 6> planes_;
-  Point eye_;  // object space
+  bool parallel_;
+  Vector to_eye_;  // object space: from the origin to the eye, or the direction that parallel rays come from
 };
 
 }  // namespace occlod::test

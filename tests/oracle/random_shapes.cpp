@@ -49,6 +49,7 @@ View RandomShapes::view() {
   camera.width = static_cast<int>(in(20.0, 200.0));
   camera.height = static_cast<int>(in(20.0, 200.0));
   camera.near = 0.1;
+  if (below(4) == 0) camera.orthographic_height = in(1.0, 10.0), camera.far = in(5.0, 20.0);
   return View(camera);
 }
 
@@ -146,7 +147,7 @@ std::optional<Projected> project(const View& view, const glm::dmat4& object_to_w
   const glm::dvec4 clip = view.world_to_clip() * object_to_world * glm::dvec4(p, 1.0);
   if (clip.z < -clip.w) return std::nullopt;
   return Projected{(clip.x / clip.w * 0.5 + 0.5) * view.width(), (0.5 - clip.y / clip.w * 0.5) * view.height(),
-                   1.0 / clip.w};
+                   view.is_orthographic() ? (1.0 - clip.z) / 2.0 : 1.0 / clip.w};
 }
 
 }  // namespace occlod::test

@@ -29,7 +29,7 @@ class RandomShapes {
   glm::dvec3 point(double range);  // in [-range, range]^3
   glm::dvec3 unit();
 
-  View view();
+  View view();  // one in four is orthographic
   // A rotation, a scale that differs by axis and may mirror, and another rotation: the origin stays.
   glm::dmat4 linear();
   glm::dmat4 placement();  // and a translation
@@ -55,7 +55,7 @@ class RandomShapes {
 // Where a point of an object is on the screen, in double from the exact matrices.
 struct Projected {
   double x, y;  // pixels
-  double inverse_w;
+  double nearness;
 };
 
 // Nothing before the near plane.

@@ -93,6 +93,10 @@ Camera random_camera(const TriangleMesh& mesh, RandomShapes& random) {
   camera.height = 16 + random.below(80);
   camera.near = radius * std::exp(random.in(std::log(1e-4), std::log(1e-2)));
   camera.far = 20.0 * radius;
+  if (random.below(4) == 0) {
+    camera.orthographic_height = radius * std::exp(random.in(std::log(0.03), std::log(4.0)));
+    camera.far = 6.0 * radius;
+  }
   return camera;
 }
 
@@ -112,13 +116,14 @@ VisibilityQuery RandomView::next_bound() {
   // World units that cover so many pixels there.
   const double largest = 2.0 * std::max(size.x, size.y);
   const double pixels = std::exp(random_.in(std::log(0.05), random_.below(4) == 0 ? std::log(largest) : std::log(8.0)));
-  const double extent = pixels * depth / view_.focal_length_px();
+  const bool parallel = view_.is_orthographic();
+  const double w = parallel ? 1.0 : depth, extent = pixels * w / view_.focal_length_px();
   const glm::dmat4 to_object = glm::inverse(view_.world_to_clip() * placements_[0]);
   const glm::dvec2 ndc = (pixel / size * 2.0 - 1.0) * glm::dvec2(1.0, -1.0);
-  // Clip space's z for a depth w: between the planes it is linear in w.
+  // Clip space's z for a depth: between the planes it is linear in that.
   const double near = view_.camera().near, far = view_.camera().far;
-  const double z = (depth * (far + near) - 2.0 * far * near) / (far - near);
-  const glm::dvec3 center(to_object * glm::dvec4(ndc * depth, z, depth));
+  const double z = (parallel ? 2.0 * depth - far - near : depth * (far + near) - 2.0 * far * near) / (far - near);
+  const glm::dvec3 center(to_object * glm::dvec4(ndc * w, z, w));
   const BoundKind kind = random_.kind();
   return random_.bound(kind, glm::vec3(center), extent, 0);
 }

@@ -20,7 +20,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 // middle.
 constexpr double snapped_px = 1.0 / 256.0;
 
-// Single-precision inverse depths and matrices: a few units of 2^-24.
+// Single-precision nearness and matrices: a few units of 2^-24 of a depth, or of the range of an orthographic view.
 constexpr double depth_rounding = 1e-6;
 
 // What is left of a convex polygon where `inside` is not negative. Linear functions only.
@@ -77,13 +77,19 @@ struct Smallest {
 }  // namespace
 
 RayOracle::RayOracle(const View& view, std::span<const glm::dmat4> object_to_world, std::span<const OccluderPart> parts)
-    : width_(view.width()), height_(view.height()), near_(view.camera().near) {
+    : width_(view.width()),
+      height_(view.height()),
+      near_(view.camera().near),
+      range_(view.camera().far - near_),
+      parallel_(view.is_orthographic()) {
   for (const glm::dmat4& to_world : object_to_world) {
     const glm::dmat4 to_clip = view.world_to_clip() * to_world;
     const glm::dvec4 x = glm::row(to_clip, 0) * (width_ / 2.0), y = glm::row(to_clip, 1) * (-height_ / 2.0),
-                     w = glm::row(to_clip, 3);
-    const glm::dmat3 linear = glm::transpose(glm::dmat3(glm::dvec3(x), glm::dvec3(y), glm::dvec3(w)));
-    spaces_.push_back({linear, glm::inverse(linear), {x.w, y.w, w.w}});
+                     // z from -1 to 1 is from the near to the far plane.
+        depth = parallel_ ? glm::row(to_clip, 2) * (range_ / 2.0) + glm::dvec4(0, 0, 0, near_ + range_ / 2.0)
+                          : glm::row(to_clip, 3);
+    const glm::dmat3 linear = glm::transpose(glm::dmat3(glm::dvec3(x), glm::dvec3(y), glm::dvec3(depth)));
+    spaces_.push_back({linear, glm::inverse(linear), {x.w, y.w, depth.w}});
   }
   std::vector<glm::vec3> positions;
   std::vector<Triangle> triangles;
@@ -101,8 +107,10 @@ RayOracle::RayOracle(const View& view, std::span<const glm::dmat4> object_to_wor
   rays_.emplace(positions, triangles);
   depths_.resize(index(0, height_));
   for (int y = 0; y < height_; ++y)
-    for (int x = 0; x < width_; ++x)
-      depths_[index(x, y)] = rays_->first_hit(glm::dvec3(0.0), direction(x + 0.5, y + 0.5), near_);
+    for (int x = 0; x < width_; ++x) {
+      const Ray at = ray(x + 0.5, y + 0.5);
+      depths_[index(x, y)] = rays_->first_hit(at.origin, at.direction, near_);
+    }
 }
 
 // `visit(sample)` until it says true.
@@ -122,15 +130,16 @@ bool RayOracle::any_sample(const VisibilityQuery& bound, std::span<const glm::dv
       low = glm::dvec2(-infinity), high = glm::dvec2(infinity);
       break;
     }
-    low = glm::min(low, glm::dvec2(p) / p.z), high = glm::max(high, glm::dvec2(p) / p.z);
+    low = glm::min(low, glm::dvec2(p) / spread(p.z)), high = glm::max(high, glm::dvec2(p) / spread(p.z));
   }
   const glm::dvec2 middle = glm::dvec2(width_, height_) / 2.0, size(width_, height_);
   const glm::ivec2 first(glm::clamp(glm::floor(low + middle), glm::dvec2(0.0), size)),
       end(glm::clamp(glm::floor(high + middle) + 1.0, glm::dvec2(0.0), size));
-  const glm::dvec3 eye = space.inverse * -space.offset;
   for (int y = first.y; y < end.y; ++y)
     for (int x = first.x; x < end.x; ++x) {
-      const RayRange range = range_inside({eye, space.inverse * direction(x + 0.5, y + 0.5)}, bound);
+      const Ray at = ray(x + 0.5, y + 0.5);
+      const RayRange range =
+          range_inside({space.inverse * (at.origin - space.offset), space.inverse * at.direction}, bound);
       if (!range.empty() && range.end >= near_ && visit({x, y, std::max(range.begin, near_)}, true)) return true;
     }
   return false;
@@ -139,7 +148,7 @@ bool RayOracle::any_sample(const VisibilityQuery& bound, std::span<const glm::dv
 std::optional<RayOracle::Sample> RayOracle::sample_at(const Space& space, const glm::dvec3& point) const {
   const glm::dvec3 p = space.linear * point + space.offset;
   if (!(p.z >= near_)) return std::nullopt;
-  const double x = std::floor(p.x / p.z + width_ / 2.0), y = std::floor(p.y / p.z + height_ / 2.0);
+  const double x = std::floor(p.x / spread(p.z) + width_ / 2.0), y = std::floor(p.y / spread(p.z) + height_ / 2.0);
   if (!(x >= 0.0 && y >= 0.0 && x < width_ && y < height_)) return std::nullopt;
   return Sample{static_cast<int>(x), static_cast<int>(y), p.z};
 }
@@ -165,7 +174,7 @@ Sight RayOracle::look(const VisibilityQuery& bound, std::span<const glm::dvec3> 
 bool RayOracle::certainly_visible(const VisibilityQuery& bound, std::span<const glm::dvec3> points) const {
   if (smallest_depth(bound) < near_ * (1.0 - depth_rounding)) return true;
   return any_sample(bound, points, [&](const Sample& sample, bool) {
-    const double not_nearer = sample.depth * (1.0 + depth_rounding);
+    const double not_nearer = sample.depth + depth_rounding * (parallel_ ? range_ : sample.depth);
     return not_nearer <= depth(sample.x, sample.y) && not_nearer <= nearest_drawn(sample.x, sample.y);
   });
 }
@@ -174,11 +183,12 @@ bool RayOracle::is_seen(std::uint32_t object, const glm::dvec3& point) const {
   const Space& space = spaces_[object];
   if (!sample_at(space, point)) return false;
   const glm::dvec3 p = space.linear * point + space.offset;
-  return p.z <= rays_->first_hit(glm::dvec3(0.0), p / p.z, near_);
+  const Ray own = parallel_ ? Ray{{p.x, p.y, 0.0}, {0.0, 0.0, 1.0}} : Ray{glm::dvec3(0.0), p / p.z};
+  return p.z <= rays_->first_hit(own.origin, own.direction, near_);
 }
 
 double RayOracle::nearest_drawn(int x, int y) const {
-  const glm::dvec2 centre(direction(x + 0.5, y + 0.5));
+  const glm::dvec2 centre(x + 0.5 - width_ / 2.0, y + 0.5 - height_ / 2.0);
   double nearest = infinity;
   std::vector<glm::dvec3> polygon, scratch;
   for (const std::array<glm::dvec3, 3>& triangle : occluder_) {
@@ -186,8 +196,9 @@ double RayOracle::nearest_drawn(int x, int y) const {
     clip(polygon, scratch, [&](const glm::dvec3& p) { return p.z - near_; });
     for (const int axis : {0, 1})
       for (const double side : {-1.0, 1.0})
-        clip(polygon, scratch,
-             [&](const glm::dvec3& p) { return side * (p[axis] - centre[axis] * p.z) + snapped_px * p.z; });
+        clip(polygon, scratch, [&](const glm::dvec3& p) {
+          return side * (p[axis] - centre[axis] * spread(p.z)) + snapped_px * spread(p.z);
+        });
     for (const glm::dvec3& p : polygon) nearest = std::min(nearest, p.z);
   }
   return nearest;

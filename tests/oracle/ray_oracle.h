@@ -46,7 +46,8 @@ class RayOracle {
   [[nodiscard]] double nearest_drawn(int x, int y) const;
 
  private:
-  // (pixels from the image's middle times depth, depth): linear in object space, and rays start at the origin.
+  // (pixels from the image's middle times depth, depth), where rays start at the origin; or, where rays are parallel,
+  // (pixels from the image's middle, depth). Linear in object space.
   struct Space {
     glm::dmat3 linear, inverse;
     glm::dvec3 offset;
@@ -59,14 +60,21 @@ class RayOracle {
   [[nodiscard]] std::size_t index(int x, int y) const {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
   }
-  [[nodiscard]] glm::dvec3 direction(double x, double y) const { return {x - width_ / 2.0, y - height_ / 2.0, 1.0}; }
+  // Parameters of rays are depths.
+  [[nodiscard]] Ray ray(double x, double y) const {
+    const glm::dvec3 at(x - width_ / 2.0, y - height_ / 2.0, 0.0), ahead(0.0, 0.0, 1.0);
+    return parallel_ ? Ray{at, ahead} : Ray{glm::dvec3(0.0), at + ahead};
+  }
+  // What pixels from the middle are multiplied with at this depth.
+  [[nodiscard]] double spread(double depth) const { return parallel_ ? 1.0 : depth; }
   [[nodiscard]] std::optional<Sample> sample_at(const Space& space, const glm::dvec3& point) const;
   template <class Visit>
   bool any_sample(const VisibilityQuery& bound, std::span<const glm::dvec3> points, Visit visit) const;
   [[nodiscard]] double smallest_depth(const VisibilityQuery& bound) const;
 
   int width_, height_;
-  double near_;
+  double near_, range_;
+  bool parallel_;
   std::vector<Space> spaces_;
   std::vector<std::array<glm::dvec3, 3>> occluder_;
   std::optional<RayScene> rays_;

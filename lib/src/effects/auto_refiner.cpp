@@ -25,6 +25,7 @@ constexpr std::size_t least_frame_look_interval = 30;
 constexpr double near_cosine = 0.94;  // of the angle that the camera may turn: 20 degrees
 constexpr double near_share = 0.1;    // of the scene's extent, that the eye may move
 constexpr double same_budget_factor = 2.0;
+constexpr double same_zoom_factor = 1.25;
 constexpr double least_gain = 0.1;  // of the score, going on: for less a choice is not changed
 constexpr double new_share = 0.25;  // going on: of the last frame in what is known of them
 // Going on: frames with a new choice, until all that is there has been asked about in turn, tell nothing of those to
@@ -155,8 +156,10 @@ class AutoRefiner::Impl {
   }
   [[nodiscard]] bool is_far_from_last_look(const View& view, const RefineOptions& options) const {
     const double growth = static_cast<double>(options.budget) / static_cast<double>(looked_with_.budget);
+    const double zoom = view.focal_length_px() / looked_from_->focal_length_px();
     return options.culling != looked_with_.culling || options.occluder_mode != looked_with_.occluder_mode ||
-           growth > same_budget_factor || growth * same_budget_factor < 1.0 ||
+           growth > same_budget_factor || growth * same_budget_factor < 1.0 || zoom > same_zoom_factor ||
+           zoom * same_zoom_factor < 1.0 || view.is_orthographic() != looked_from_->is_orthographic() ||
            glm::dot(view.direction(), looked_from_->direction()) < near_cosine ||
            glm::distance(view.camera().eye, looked_from_->camera().eye) > near_share * extent_;
   }

@@ -161,7 +161,7 @@ class ComputeOcclusion final : public BatchedVisibility {
   }
   void start_occluder(std::span<const OccluderPart> parts) override {
     mesh_.assign(parts, object_to_clip_);
-    resources_.use().pyramid.build(mesh_, view_->width(), view_->height());
+    resources_.use().pyramid.build(mesh_, *view_);
     occluder_drawn_ = true;
   }
   [[nodiscard]] std::optional<std::uint32_t> ask(const VisibilityQuery& query) override;

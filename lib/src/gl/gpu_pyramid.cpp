@@ -10,13 +10,15 @@ layout(location = 0) in vec4 position;
 void main() { gl_Position = vec4(position.x, -position.y, position.zw); }
 )";
 
-// The rasteriser may move a surface by 1/256 pixel, and the last bits of 1 / w are the driver's own: pushed away by
-// 1/64 of what one pixel spans and by four steps of a float.
+// The rasteriser may move a surface by 1/256 pixel, and the last bits of 1 / w and z are the driver's own: pushed away
+// by 1/64 of what one pixel spans and by four steps of a float.
 constexpr const char* draw_fragment = R"(#version 330 core
+uniform bool orthographic;
 out float nearness;
 void main() {
-  float w = gl_FragCoord.w;
-  nearness = max(w - (abs(dFdx(w)) + abs(dFdy(w))) / 64.0 - w / 4194304.0, 0.0);
+  float at = orthographic ? 1.0 - gl_FragCoord.z : gl_FragCoord.w;
+  float rounding = (orthographic ? 1.0 : at) / 4194304.0;
+  nearness = max(at - (abs(dFdx(at)) + abs(dFdy(at))) / 64.0 - rounding, 0.0);
 }
 )";
 
@@ -50,10 +52,10 @@ GpuPyramid::GpuPyramid(const Functions& gl)
       occluder_(gl),
       texels_(gl) {}
 
-void GpuPyramid::build(const OccluderMesh& occluder, int width, int height) {
-  target_.bind(width, height);
-  lay_out(width, height);
-  draw(occluder);
+void GpuPyramid::build(const OccluderMesh& occluder, const View& view) {
+  target_.bind(view.width(), view.height());
+  lay_out(view.width(), view.height());
+  draw(occluder, view.is_orthographic());
   copy_finest();
   reduce();
   check(*gl_, "building a depth pyramid");
@@ -72,8 +74,8 @@ void GpuPyramid::lay_out(int width, int height) {
   gl_->BufferData(GL_SHADER_STORAGE_BUFFER, static_cast<GLsizeiptr>(sizeof(float)) * size, nullptr, GL_DYNAMIC_COPY);
 }
 
-// No depth buffer: the nearest inverse depth wins by blending, at full precision however far away it is.
-void GpuPyramid::draw(const OccluderMesh& occluder) const {
+// No depth buffer: the nearest wins by blending, at full precision however far away it is.
+void GpuPyramid::draw(const OccluderMesh& occluder, bool orthographic) const {
   gl_->Viewport(0, 0, levels_[0].width, levels_[0].height);
   for (const int capability : {GL_SCISSOR_TEST, GL_STENCIL_TEST, GL_CULL_FACE, GL_DEPTH_TEST, GL_POLYGON_OFFSET_FILL,
                                GL_DEPTH_CLAMP, GL_COLOR_LOGIC_OP})
@@ -84,6 +86,7 @@ void GpuPyramid::draw(const OccluderMesh& occluder) const {
   gl_->Enable(GL_BLEND);
   gl_->BlendEquation(GL_MAX);
   gl_->UseProgram(draw_.id());
+  gl_->Uniform1i(draw_.uniform("orthographic"), orthographic ? 1 : 0);
   occluder_.draw(*gl_, occluder);
   gl_->Disable(GL_BLEND);
 }

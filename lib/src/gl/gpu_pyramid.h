@@ -1,4 +1,4 @@
-// The depth pyramid of the software backend in a storage buffer: levels of farthest inverse depths, finest first.
+// The depth pyramid of the software backend in a storage buffer: levels of farthest nearness, finest first.
 #pragma once
 
 #include <vector>
@@ -15,7 +15,7 @@ class GpuPyramid {
 
   // Draws the occluder into an image of this size, rows from the top, and reduces it until one texel is left. Odd sizes
   // round up.
-  void build(const OccluderMesh& occluder, int width, int height);
+  void build(const OccluderMesh& occluder, const View& view);
   // Binds the texels to a storage buffer and the levels' (first texel, width) to an array of ivec2.
   void use(GLuint binding, GLint levels_uniform) const;
 
@@ -26,7 +26,7 @@ class GpuPyramid {
     GLint height = 0;
   };
   void lay_out(int width, int height);
-  void draw(const OccluderMesh& occluder) const;
+  void draw(const OccluderMesh& occluder, bool orthographic) const;
   void copy_finest() const;
   void reduce() const;
 

@@ -56,11 +56,11 @@ std::optional<Placement> place_shape(const PointHull& hull) {
   return place_shape(bounding_box(hull.points));
 }
 
-// Where the corners of a placed proxy are on the screen, in pixels, unclipped.
+// Where the corners of a placed proxy are on the screen, in pixels, and how far before the near plane, unclipped.
 struct Image {
   glm::dvec2 min{std::numeric_limits<double>::infinity()};
   glm::dvec2 max{-std::numeric_limits<double>::infinity()};
-  double nearest_w = std::numeric_limits<double>::infinity();
+  double before_near = std::numeric_limits<double>::infinity();
 };
 
 Image project(const Screen& screen, const glm::dmat4& unit_to_clip, ProxyShape shape) {
@@ -71,7 +71,7 @@ Image project(const Screen& screen, const glm::dmat4& unit_to_clip, ProxyShape s
     const glm::dvec2 pixel = (glm::dvec2(clip) / clip.w + 1.0) * half_size;
     image.min = glm::min(image.min, pixel);
     image.max = glm::max(image.max, pixel);
-    image.nearest_w = std::min(image.nearest_w, clip.w);
+    image.before_near = std::min(image.before_near, clip.z + clip.w);
   }
   return image;
 }
@@ -122,16 +122,19 @@ Screen::Screen(const View& view, int target_divisor)
     : width(view.width()),
       height(view.height()),
       divisor(target_divisor),
-      near(view.camera().near),
-      focal_length_px(view.focal_length_px()) {}
+      focal_length_px(view.focal_length_px()),
+      depth_range(view.camera().far - view.camera().near),
+      orthographic(view.is_orthographic()) {}
 
 ProxySpace::ProxySpace(const Screen& screen, const glm::dmat4& to_clip, bool is_mirrored)
     : object_to_clip(to_clip), mirrored(is_mirrored) {
-  // Rows of clip space scaled to pixels times depth: x and y in pixels once divided by w, and w scaled like y.
+  // Rows of clip space scaled to pixels times w: x and y in pixels once divided by w, and the distance from the eye
+  // plane, which is w but for orthographic views, scaled like y.
   const glm::dvec3 x = glm::dvec3(glm::row(object_to_clip, 0)) * (screen.width / 2.0);
   const glm::dvec3 y = glm::dvec3(glm::row(object_to_clip, 1)) * (screen.height / 2.0);
-  const glm::dvec3 w(glm::row(object_to_clip, 3));
-  object_from_pixels = glm::inverse(glm::transpose(glm::dmat3(x, y, screen.focal_length_px * w)));
+  const glm::dvec3 distance = screen.orthographic ? glm::dvec3(glm::row(object_to_clip, 2)) * (screen.depth_range / 2.0)
+                                                  : glm::dvec3(glm::row(object_to_clip, 3));
+  object_from_pixels = glm::inverse(glm::transpose(glm::dmat3(x, y, screen.focal_length_px * distance)));
   reach = largest_stretch(object_from_pixels);
 }
 
@@ -162,7 +165,7 @@ QueryPlan plan_query(const Screen& screen, const ProxySpace& space, const Visibi
   const Image image = project(screen, unit_to_clip, placement->shape);
   // The near plane lies in front of the eye, so this holds back bounds around the eye too. Written so that NaN counts
   // as visible.
-  if (!(image.nearest_w > screen.near) || !all_finite(glm::mat4(unit_to_clip))) return {std::nullopt, true};
+  if (!(image.before_near > 0.0) || !all_finite(glm::mat4(unit_to_clip))) return {std::nullopt, true};
   const glm::dvec2 size(screen.width, screen.height);
   if (glm::any(glm::lessThan(image.max, glm::dvec2(0.0))) || glm::any(glm::greaterThan(image.min, size)))
     return {std::nullopt, false};

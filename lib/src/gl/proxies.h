@@ -37,8 +37,9 @@ struct Screen {
   int width = 0;   // pixels
   int height = 0;  // pixels
   int divisor = 1;
-  double near = 0.0;
   double focal_length_px = 0.0;
+  double depth_range = 0.0;  // world units, from the near to the far plane
+  bool orthographic = false;
 };
 
 // One object's view in double precision, with what growing a bound by pixels needs.
@@ -47,7 +48,7 @@ struct ProxySpace {
   ProxySpace(const Screen& screen, const glm::dmat4& to_clip, bool is_mirrored);
 
   glm::dmat4 object_to_clip;
-  // Object units that move a point at depth 1 by one pixel, in any direction across or along the line of sight: the
+  // Object units that move a point where w = 1 by one pixel, in any direction across or along the line of sight: the
   // image of that unit ball reaches length(row(d)) along the unit vector d, and never more than reach.
   glm::dmat3 object_from_pixels;
   double reach = 0.0;

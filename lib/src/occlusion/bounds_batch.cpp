@@ -106,6 +106,7 @@ class ExtentLanes {
         low_y_(low_x_),
         high_y_(high_x_),
         smallest_w_(low_x_),
+        smallest_before_near_(low_x_),
         largest_(constant(glm::dvec3(0.0))),
         trusted_(hn::Eq(low_x_, low_x_)) {}
 
@@ -145,7 +146,8 @@ class ExtentLanes {
     const Mask rows = store_range(low_x_, high_x_, error_x, view_.size.x, output.x0.data() + i, output.x1.data() + i);
     const Mask columns = store_range(hn::Neg(high_y_), hn::Neg(low_y_), error_y, view_.size.y, output.y0.data() + i,
                                      output.y1.data() + i);
-    store_nearest(hn::Mul(constant(1.0 + bounds_rounding), inverse_w), output.largest_nearness.data() + i);
+    const Vec nearness = view_.orthographic ? largest_nearness() : hn::Mul(constant(1.0 + bounds_rounding), inverse_w);
+    store_nearest(nearness, output.largest_nearness.data() + i);
     const Mask trusted = hn::And(hn::And(trusted_, hn::Gt(nearest_w, constant(0.0))), hn::And(rows, columns));
     hn::StoreU(hn::DemoteTo(Ints(), hn::IfThenElseZero(trusted, constant(1.0))), Ints(), output.trusted.data() + i);
   }
@@ -158,6 +160,14 @@ class ExtentLanes {
                           hn::Lt(smallest_w, constant(std::numeric_limits<double>::infinity()))),
                   hn::Ge(before_near, constant(0.0))));
     smallest_w_ = hn::Min(smallest_w_, smallest_w);
+    smallest_before_near_ = hn::Min(smallest_before_near_, before_near);
+  }
+
+  HWY_INLINE Vec largest_nearness() const {
+    const Vec one = constant(1.0);
+    const Vec rounding = hn::Mul(constant(bounds_rounding), hn::Add(magnitude(view_.z), one));
+    const Vec nearest = hn::Add(hn::Sub(one, hn::Mul(constant(0.5), smallest_before_near_)), rounding);
+    return hn::Max(nearest, constant(0.0));
   }
 
   HWY_INLINE void add_projected(Vec x, Vec y, Vec w, Vec before_near) {
@@ -226,7 +236,7 @@ class ExtentLanes {
   }
 
   const BoundsView& view_;
-  Vec low_x_, high_x_, low_y_, high_y_, smallest_w_;
+  Vec low_x_, high_x_, low_y_, high_y_, smallest_w_, smallest_before_near_;
   Vec3 largest_;
   Mask trusted_;
 };
@@ -288,7 +298,8 @@ BoundsView::BoundsView(const View& view, const ObjectView& object)
       y(glm::row(object.object_to_clip(), 1)),
       z(glm::row(object.object_to_clip(), 2)),
       w(glm::row(object.object_to_clip(), 3)),
-      size(view.width(), view.height()) {}
+      size(view.width(), view.height()),
+      orthographic(view.is_orthographic()) {}
 
 void find_screen_bounds(const BoundsView& view, std::span<const Sphere> spheres, BoundsOutput& output) {
   assert(spheres.size() <= bounds_batch_size);

@@ -22,6 +22,7 @@ struct BoundsView {
 
   glm::dvec4 x, y, z, w;  // rows of object_to_clip
   glm::dvec2 size;        // pixels
+  bool orthographic;
 };
 
 template <class T>

@@ -22,6 +22,7 @@ class Extent {
         y_(glm::row(object.object_to_clip(), 1)),
         z_(glm::row(object.object_to_clip(), 2)),
         w_(glm::row(object.object_to_clip(), 3)),
+        orthographic_(object.is_orthographic()),
         size_(view.width(), view.height()),
         // Clip space's y is up.
         first_(diagonal ? (size_.x * x_ - size_.y * y_) * 0.5 : x_),
@@ -53,8 +54,8 @@ class Extent {
     if (!(nearest_w > 0.0)) return std::nullopt;
     const double inverse_w = 1.0 / nearest_w;
     ScreenBounds bounds;
-    bounds.largest_nearness =
-        std::nextafter(static_cast<float>((1.0 + bounds_rounding) * inverse_w), std::numeric_limits<float>::infinity());
+    const double nearness = orthographic_ ? largest_nearness() : (1.0 + bounds_rounding) * inverse_w;
+    bounds.largest_nearness = std::nextafter(static_cast<float>(nearness), std::numeric_limits<float>::infinity());
     const glm::dvec2 error((bounds_rounding * magnitude(x_) + w_error * largest_ratio(0)) * inverse_w,
                            (bounds_rounding * magnitude(y_) + w_error * largest_ratio(1)) * inverse_w);
     const glm::dvec2 slack = error * (size_ / 2.0) + bounds_slack_px;
@@ -89,6 +90,11 @@ class Extent {
   [[nodiscard]] double magnitude(const glm::dvec4& row) const {
     return glm::dot(glm::abs(glm::dvec3(row)), largest_coordinate_) + std::abs(row.w);
   }
+  // Of orthographic views, where z + w falls from 2 on the near plane to 0 on the far plane; w = 1 does not round.
+  [[nodiscard]] double largest_nearness() const {
+    const double rounding = bounds_rounding * (magnitude(z_) + 1.0);
+    return std::max(1.0 - 0.5 * smallest_before_near_ + rounding, 0.0);
+  }
   [[nodiscard]] double largest_ratio(int axis) const { return std::max(std::abs(low_[axis]), std::abs(high_[axis])); }
 
   // Takes the part's smallest w and its distance to the near plane z = -w; spread(v) is how far v . p reaches below its
@@ -102,6 +108,7 @@ class Extent {
     if (!(smallest_w > 0.0 && smallest_w < std::numeric_limits<double>::infinity() && before_near >= 0.0))
       trusted_ = false;
     smallest_w_ = std::min(smallest_w_, smallest_w);
+    smallest_before_near_ = std::min(smallest_before_near_, before_near);
     largest_coordinate_ = glm::max(largest_coordinate_, glm::abs(center));
     return w;
   }
@@ -148,12 +155,14 @@ class Extent {
   }
 
   glm::dvec4 x_, y_, z_, w_;  // rows of object_to_clip
+  bool orthographic_;
   glm::dvec2 size_;
   glm::dvec4 first_, second_;
   glm::dvec2 low_{std::numeric_limits<double>::infinity()};
   glm::dvec2 high_{-std::numeric_limits<double>::infinity()};
   glm::dvec3 largest_coordinate_{0.0};
   double smallest_w_ = std::numeric_limits<double>::infinity();
+  double smallest_before_near_ = std::numeric_limits<double>::infinity();  // z + w
   bool trusted_ = true;
 };
 

@@ -189,7 +189,8 @@ class SoftwareOcclusion final : public Visibility {
     const double x = (glm::dot(view.x, point) / w * 0.5 + 0.5) * view.size.x;
     const double y = (0.5 - glm::dot(view.y, point) / w * 0.5) * view.size.y;
     if (!(x >= 0.0 && x < view.size.x && y >= 0.0 && y < view.size.y)) return false;
-    return pyramid_.farthest(0, static_cast<int>(x), static_cast<int>(y)) <= static_cast<float>(1.0 / w);
+    const double nearness = view.orthographic ? (w - glm::dot(view.z, point)) * 0.5 : 1.0 / w;
+    return pyramid_.farthest(0, static_cast<int>(x), static_cast<int>(y)) <= static_cast<float>(nearness);
   }
 
   static std::uint32_t area(const PixelRect& rect) {

@@ -36,14 +36,17 @@ void draw_frustum(Image& image, const View& view, const View& main_view, double 
   const Camera& camera = main_view.camera();
   const glm::dvec3 right = glm::normalize(glm::cross(main_view.direction(), camera.up));
   const glm::dvec3 up = glm::cross(right, main_view.direction());
-  const glm::dvec2 half = glm::dvec2(camera.width, camera.height) / (2.0 * main_view.focal_length_px()) * length;
-  const glm::dvec3 middle = camera.eye + length * main_view.direction();
-  const std::array<glm::dvec3, 4> corners = {
-      middle - half.x * right - half.y * up, middle + half.x * right - half.y * up,
-      middle + half.x * right + half.y * up, middle - half.x * right + half.y * up};
+  const glm::dvec2 half = glm::dvec2(camera.width, camera.height) / (2.0 * main_view.focal_length_px());
+  const std::array<glm::dvec3, 4> to_corners = {-half.x * right - half.y * up, half.x * right - half.y * up,
+                                                half.x * right + half.y * up, -half.x * right + half.y * up};
+  const bool parallel = main_view.is_orthographic();
+  const auto corner = [&](std::size_t i, double distance) {
+    return camera.eye + distance * main_view.direction() + (parallel ? 1.0 : distance) * to_corners[i % 4];
+  };
   for (std::size_t i = 0; i < 4; ++i) {
-    picture::draw_line(image, view, camera.eye, corners[i], pen);
-    picture::draw_line(image, view, corners[i], corners[(i + 1) % 4], pen);
+    picture::draw_line(image, view, corner(i, 0.0), corner(i, length), pen);
+    picture::draw_line(image, view, corner(i, length), corner(i + 1, length), pen);
+    if (parallel) picture::draw_line(image, view, corner(i, 0.0), corner(i + 1, 0.0), pen);
   }
 }
 

@@ -93,13 +93,32 @@ void spread(std::vector<float>& values, std::vector<float>& rows, int width, int
   }
 }
 
-// The share of its own depth that a pixel must be allowed to move by, to lie between `farthest` and `nearest`: inverse
-// depths, 0 = infinitely far.
-double depth_share(double inverse, double nearest, double farthest) {
+// The share of its own depth that a pixel must be allowed to move by, to lie between `farthest` and `nearest`, where 0
+// is infinitely far.
+double depth_share(double nearness, double nearest, double farthest) {
   double share = 0.0;
-  if (inverse > nearest) share = nearest > 0.0 ? inverse / nearest - 1.0 : std::numeric_limits<double>::infinity();
-  if (inverse < farthest) share = std::max(share, 1.0 - inverse / farthest);
+  if (nearness > nearest) share = nearest > 0.0 ? nearness / nearest - 1.0 : std::numeric_limits<double>::infinity();
+  if (nearness < farthest) share = std::max(share, 1.0 - nearness / farthest);
   return share;
+}
+
+// The same in pixels at that depth.
+double depth_motion_px(const View& view, double nearness, double nearest, double farthest) {
+  if (!view.is_orthographic()) return view.focal_length_px() * depth_share(nearness, nearest, farthest);
+  const auto apart = [&](double near, double far) {
+    if (!(near > far)) return 0.0;
+    return far > 0.0 ? (view.distance_at(far) - view.distance_at(near)) * view.focal_length_px()
+                     : std::numeric_limits<double>::infinity();
+  };
+  return std::max(apart(nearness, nearest), apart(farthest, nearness));
+}
+
+// Whether a pixel lies between `farthest` and `nearest`, give or take so many pixels at its depth.
+bool is_within(const View& view, double nearness, double nearest, double farthest, double allowed_px) {
+  if (view.is_orthographic()) return depth_motion_px(view, nearness, nearest, farthest) <= allowed_px;
+  // They are allowed_px * d / f long at depth d: depths d (1 -+ share), nearnesses divided by (1 -+ share).
+  const double share = allowed_px / view.focal_length_px();
+  return nearest >= nearness / (1.0 + share) && (share >= 1.0 || farthest <= nearness / (1.0 - share));
 }
 
 // The largest motion of any pixel of `expected`.
@@ -110,7 +129,7 @@ double motion_into(const View& view, const DepthBuffer& expected, const DepthBuf
   double largest = 0.0;
   for (int radius = 0; radius < most_px; ++radius) {
     const auto is_explained = [&](std::size_t i) {
-      const double px = view.focal_length_px() * depth_share(expected.nearness[i], nearest[i], farthest[i]);
+      const double px = depth_motion_px(view, expected.nearness[i], nearest[i], farthest[i]);
       if (px >= radius + 1) return false;
       largest = std::max(largest, std::max(px, static_cast<double>(radius)));
       return true;
@@ -138,8 +157,7 @@ DepthDistance depth_distance(const View& view, const DepthBuffer& depth, const D
     in_one += (here > 0.0) != (there > 0.0) ? 1 : 0;
     if (!(here > 0.0 && there > 0.0)) continue;
     ++in_both;
-    // A length across the axis covers focal_length_px / w pixels at the reference depth w = 1 / there.
-    const double difference = std::abs(1.0 / here - 1.0 / there) * view.focal_length_px() * there;
+    const double difference = std::abs(view.distance_at(here) - view.distance_at(there)) * view.scale_px_at(there);
     sum += std::pow(std::min(difference, largest_difference_px), 2);
   }
   return {in_both > 0 ? std::sqrt(sum / static_cast<double>(in_both)) : 0.0, percent(in_one, in_reference)};
@@ -176,15 +194,8 @@ std::size_t count_unexplained_pixels(const View& view, const DepthBuffer& expect
   const std::vector<float> farthest = extreme_around(found, radius, std::less<>());
   const std::vector<float> nearest = extreme_around(found, radius, std::greater<>());
   std::size_t unexplained = 0;
-  for (std::size_t i = 0; i < expected.nearness.size(); ++i) {
-    const double inverse = expected.nearness[i];
-    // allowed_px pixels at depth d are allowed_px * d / f long: depths d (1 -+ share), inverse depths inverse / (1 -+
-    // share).
-    const double share = allowed_px / view.focal_length_px();
-    const bool near_enough = static_cast<double>(nearest[i]) >= inverse / (1.0 + share);
-    const bool far_enough = share >= 1.0 || static_cast<double>(farthest[i]) <= inverse / (1.0 - share);
-    unexplained += near_enough && far_enough ? 0U : 1U;
-  }
+  for (std::size_t i = 0; i < expected.nearness.size(); ++i)
+    unexplained += is_within(view, expected.nearness[i], nearest[i], farthest[i], allowed_px) ? 0U : 1U;
   return unexplained;
 }
 

@@ -17,7 +17,7 @@ namespace {
 // Lights, relative to the viewer so that no side of an object that one looks at lies in the dark.
 class Lights {
  public:
-  Lights(const View& view, const glm::dvec3& key_light) : eye_(view.camera().eye) {
+  Lights(const View& view, const glm::dvec3& key_light) : view_(view) {
     const glm::dvec3 forward = view.direction();
     const glm::dvec3 right = glm::normalize(glm::cross(forward, view.camera().up));
     up_ = glm::cross(right, forward);
@@ -26,7 +26,8 @@ class Lights {
 
   // Light on a flat two-sided surface through `position`.
   [[nodiscard]] glm::vec3 on(const glm::dvec3& position, glm::dvec3 normal) const {
-    const glm::dvec3 to_eye = glm::normalize(eye_ - position);
+    const glm::dvec3 to_eye =
+        view_.is_orthographic() ? -view_.direction() : glm::normalize(view_.camera().eye - position);
     if (glm::dot(normal, to_eye) < 0.0) normal = -normal;
     const auto head = static_cast<float>(glm::dot(normal, to_eye));
     const auto key = static_cast<float>(std::max(glm::dot(normal, key_), 0.0));
@@ -36,7 +37,7 @@ class Lights {
   }
 
  private:
-  glm::dvec3 eye_;
+  const View& view_;
   glm::dvec3 up_;
   glm::dvec3 key_;
 };
@@ -115,21 +116,30 @@ struct Appearance {
   double wire_strength = 0.0;
 };
 
-// How dark the outline is at a pixel that something farther shows up beside, in [0, 1]. A plane has a linear inverse
-// depth on the screen: only what falls faster to one side than it rises from the other is a step.
-float outline(const DepthBuffer& depth, int x, int y) {
+// The nearness by which depths are as far apart as a surface at this nearness is from the eye; of orthographic views,
+// as far as the camera would be to show as much in perspective, at 45 degrees.
+float outline_unit(const View& view, float nearness) {
+  if (!view.is_orthographic()) return nearness;
+  const Camera& camera = view.camera();
+  constexpr double distance_per_height = 1.2071;  // 1 / (2 tan 22.5 degrees)
+  return static_cast<float>(distance_per_height * *camera.orthographic_height / (camera.far - camera.near));
+}
+
+// How dark the outline is at a pixel that something farther shows up beside, in [0, 1]. A plane has a linear nearness
+// on the screen: only what falls faster to one side than it rises from the other is a step.
+float outline(const View& view, const DepthBuffer& depth, int x, int y) {
   const auto at = [&](int px, int py) {
-    return depth.nearness[static_cast<std::size_t>(py) * static_cast<std::size_t>(depth.width) +
-                               static_cast<std::size_t>(px)];
+    return depth
+        .nearness[static_cast<std::size_t>(py) * static_cast<std::size_t>(depth.width) + static_cast<std::size_t>(px)];
   };
-  const float here = at(x, y);
+  const float here = at(x, y), unit = outline_unit(view, here);
   float steepest = 0.0F;
   const auto look = [&](int dx, int dy) {
     const int nx = x + dx, ny = y + dy, ox = x - dx, oy = y - dy;
     if (nx < 0 || ny < 0 || nx >= depth.width || ny >= depth.height) return;
     const bool inside = ox >= 0 && oy >= 0 && ox < depth.width && oy < depth.height;
     const float rise = inside ? std::max(at(ox, oy) - here, 0.0F) : 0.0F;
-    steepest = std::max(steepest, (here - at(nx, ny) - rise) / here);
+    steepest = std::max(steepest, (here - at(nx, ny) - rise) / unit);
   };
   look(1, 0);
   look(-1, 0);
@@ -175,7 +185,7 @@ class Painter {
       const double line = 1.0 - smooth_step(0.2, 1.1, a.screen.edge_distance_px(pixel));
       color *= static_cast<float>(1.0 - a.wire_strength * line);
     }
-    return color * (1.0F - 0.65F * outline(items_.depth, x, y));
+    return color * (1.0F - 0.65F * outline(view_, items_.depth, x, y));
   }
 
   // Neighbouring pixels mostly belong to one item.

@@ -58,7 +58,8 @@ HWY_INLINE void project_lanes(const Projection& projection, std::size_t k, std::
   const Vec half_y = hn::Set(d, projection.half_size().y);
   const Vec screen_x = hn::Add(half_x, hn::Mul(hn::Mul(x, inverse_w), half_x));
   const Vec screen_y = hn::Sub(half_y, hn::Mul(hn::Mul(y, inverse_w), half_y));
-  hn::StoreU(inverse_w, d, batch.nearness[k].data() + i);
+  const Vec nearness = projection.is_orthographic() ? hn::Mul(hn::Sub(w, z), hn::Set(d, 0.5)) : inverse_w;
+  hn::StoreU(nearness, d, batch.nearness[k].data() + i);
   hn::StoreU(hn::DemoteTo(ints, hn::IfThenElseZero(inside, hn::Set(d, 1.0))), ints, batch.drawable[k].data() + i);
   hn::StoreU(round_to_subpixel(hn::IfThenElseZero(inside, screen_x)), ints, batch.x[k].data() + i);
   hn::StoreU(round_to_subpixel(hn::IfThenElseZero(inside, screen_y)), ints, batch.y[k].data() + i);
@@ -84,12 +85,15 @@ std::int32_t round_subpixel(double value) {
   return static_cast<std::int32_t>(value + (rounding_bias + 0.5)) - static_cast<std::int32_t>(rounding_bias);
 }
 
+bool is_affine(const glm::mat4& m) { return m[0].w == 0.0F && m[1].w == 0.0F && m[2].w == 0.0F && m[3].w == 1.0F; }
+
 }  // namespace
 
 Projection::Projection(const glm::mat4& object_to_clip, int width, int height)
     : to_clip_(object_to_clip),
       half_size_(glm::dvec2(width, height) * (subpixels / 2.0)),
-      guard_(guard_band_px * subpixels / half_size_) {}
+      guard_(guard_band_px * subpixels / half_size_),
+      orthographic_(is_affine(object_to_clip)) {}
 
 void Projection::project(std::span<const glm::vec3> positions, std::span<const Triangle> triangles,
                          TriangleBatch& batch) const {
@@ -111,7 +115,8 @@ void Projection::project(std::span<const glm::vec3> positions, std::span<const T
 ScreenVertex Projection::snap(const glm::dvec4& clip) const noexcept {
   const double inverse_w = 1.0 / clip.w;
   return {round_subpixel(half_size_.x + clip.x * inverse_w * half_size_.x),
-          round_subpixel(half_size_.y - clip.y * inverse_w * half_size_.y), inverse_w};
+          round_subpixel(half_size_.y - clip.y * inverse_w * half_size_.y),
+          orthographic_ ? (clip.w - clip.z) * 0.5 : inverse_w};
 }
 
 }  // namespace occlod::raster

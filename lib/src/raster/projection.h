@@ -64,6 +64,8 @@ class Projection {
   [[nodiscard]] ScreenVertex snap(const glm::dvec4& clip) const noexcept;
   [[nodiscard]] const glm::dmat4& to_clip() const noexcept { return to_clip_; }
   [[nodiscard]] const glm::dvec2& half_size() const noexcept { return half_size_; }  // subpixels
+  // Of an affine matrix; see DepthBuffer.
+  [[nodiscard]] bool is_orthographic() const noexcept { return orthographic_; }
   // |x| <= guard().x * w and |y| <= guard().y * w inside the guard band.
   [[nodiscard]] const glm::dvec2& guard() const noexcept { return guard_; }
 
@@ -71,6 +73,7 @@ class Projection {
   glm::dmat4 to_clip_;
   glm::dvec2 half_size_;  // subpixels
   glm::dvec2 guard_;
+  bool orthographic_;
 };
 
 }  // namespace occlod::raster

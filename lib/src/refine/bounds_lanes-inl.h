@@ -117,6 +117,7 @@ HWY_INLINE Verdict<Doubles> is_facing_away(const Vec3<Doubles>& center, hn::Vec<
 }
 
 // Pixels per unit, and what that follows from: world units, and doubles of which no more is needed than the size.
+// `nearest` is 0 where the scale does not follow from it: in orthographic views.
 struct ScaleLanes {
   hn::Vec<Floats> scale_px, nearest, radius;
 };
@@ -124,6 +125,9 @@ struct ScaleLanes {
 // As ObjectView::largest_scale_px.
 HWY_INLINE ScaleLanes scale_px(const Vec3<Doubles>& center_in_object, hn::Vec<Doubles> object_radius,
                                const ObjectView& view) {
+  const hn::Vec<Doubles> radius = hn::Mul(object_radius, constant(view.largest_stretch()));
+  if (view.is_orthographic())
+    return {hn::Set(Floats(), view.largest_scale_px({})), hn::Zero(Floats()), hn::DemoteTo(Floats(), radius)};
   const hn::Vec<Doubles> one = constant(1.0);
   const glm::dmat4x3& m = view.object_to_eye();
   const auto row = [&](int r) {
@@ -133,7 +137,6 @@ HWY_INLINE ScaleLanes scale_px(const Vec3<Doubles>& center_in_object, hn::Vec<Do
         constant(m[3][r]));
   };
   const Vec3<Doubles> center = {row(0), row(1), row(2)};
-  const hn::Vec<Doubles> radius = hn::Mul(object_radius, constant(view.largest_stretch()));
   const hn::Vec<Doubles> distance = length(center);
   const hn::Vec<Doubles> nearest = hn::Sub(distance, radius);
   const hn::Vec<Doubles> cos_center =

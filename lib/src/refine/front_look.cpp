@@ -63,6 +63,7 @@ float power_change(float cosine, float change, float exponent) {
 // the mean of unit normals at most, changes by no more than 1.25 times the way in distances, but for the star's size;
 // what it does to the priority is steepest where it ends.
 Drift drift_of(const StarView& seen, float from_eye, const FrontLook& look) {
+  if (look.view.is_orthographic()) return {};  // see travel_between
   const Sphere& sphere = seen.sphere;
   const auto stretch = static_cast<float>(look.view.largest_stretch());
   const float radius = sphere.radius * stretch;

@@ -21,8 +21,8 @@ glm::dmat3 axes_of(const View& view) {
 // Cameras of a path are interpolated: what they share is the same but for rounding.
 bool have_one_lens(const Camera& a, const Camera& b) {
   const auto alike = [](double x, double y) { return std::abs(x - y) <= 1e-13 * x; };
-  return a.width == b.width && a.height == b.height && alike(a.fov_y_deg, b.fov_y_deg) && alike(a.near, b.near) &&
-         alike(a.far, b.far);
+  return !a.orthographic_height && !b.orthographic_height && a.width == b.width && a.height == b.height &&
+         alike(a.fov_y_deg, b.fov_y_deg) && alike(a.near, b.near) && alike(a.far, b.far);
 }
 
 // Of the largest singular value; the others are no smaller when all columns are as long and at right angles.
@@ -37,8 +37,8 @@ bool is_uniform(const glm::dmat3& m, double stretch) {
 }  // namespace
 
 std::optional<Travel> travel_between(const TravelView& from, const TravelView& to, const glm::vec3& middle) {
-  if (!have_one_lens(from.view.camera(), to.view.camera())) return std::nullopt;
   if (from.view.camera() == to.view.camera()) return Travel{};
+  if (!have_one_lens(from.view.camera(), to.view.camera())) return std::nullopt;
   const double stretch = to.object.largest_stretch();
   if (!is_uniform(glm::dmat3(to.object.object_to_eye()), stretch)) return std::nullopt;
   const glm::dmat3 axes_from = axes_of(from.view), axes_to = axes_of(to.view), change = axes_to - axes_from;

@@ -32,7 +32,8 @@ struct TravelView {
 };
 
 // Between two views of one object with this middle, in its own space. Nothing when they differ in more than where the
-// eye is and where it looks, or when the object is stretched more in one direction than in another.
+// eye is and where it looks, when they are orthographic and differ at all, or when the object is stretched more in one
+// direction than in another.
 [[nodiscard]] std::optional<Travel> travel_between(const TravelView& from, const TravelView& to,
                                                    const glm::vec3& middle);
 

@@ -33,6 +33,8 @@ Camera camera_at(const CameraPath& path, int frame) {
   camera.target = glm::mix(a.target, b.target, t);
   camera.up = glm::normalize(glm::mix(glm::normalize(a.up), glm::normalize(b.up), t));
   camera.fov_y_deg = glm::mix(a.fov_y_deg, b.fov_y_deg, t);
+  if (camera.orthographic_height)  // of all keys or none
+    camera.orthographic_height = glm::mix(*a.orthographic_height, *b.orthographic_height, t);
   camera.near = glm::mix(a.near, b.near, t);
   camera.far = glm::mix(a.far, b.far, t);
   return camera;

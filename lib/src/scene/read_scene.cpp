@@ -1,4 +1,5 @@
 // The format is described in docs/scenes.md.
+#include <algorithm>
 #include <cmath>
 #include <glm/ext/matrix_transform.hpp>
 #include <glm/geometric.hpp>
@@ -142,7 +143,7 @@ SceneObject read_object(const JsonPlace& object) {
 }
 
 Camera read_camera(const JsonPlace& place) {
-  place.expect_keys({"eye", "target", "up", "fov_y_deg", "near", "far", "width", "height"});
+  place.expect_keys({"eye", "target", "up", "fov_y_deg", "near", "far", "width", "height", "orthographic_height"});
   Camera camera;
   camera.eye = read_vector(place.at("eye"));
   camera.target = read_vector(place.at("target"));
@@ -150,6 +151,10 @@ Camera read_camera(const JsonPlace& place) {
   read_into(camera.fov_y_deg, place, "fov_y_deg");
   read_into(camera.near, place, "near");
   read_into(camera.far, place, "far");
+  if (const auto height = place.find("orthographic_height")) {
+    if (const auto angle = place.find("fov_y_deg")) angle->fail("stands beside \"orthographic_height\"", "remove one");
+    camera.orthographic_height = height->number();
+  }
   if (const auto width = place.find("width")) camera.width = width->integer(1);
   if (const auto height = place.find("height")) camera.height = height->integer(1);
   try {
@@ -166,6 +171,11 @@ CameraPath read_path(const JsonPlace& place) {
   path.frames = place.at("frames").integer(1);
   for (const JsonPlace& key : place.at("keys").elements()) path.keys.push_back(read_camera(key));
   if (const auto jump = place.find("jump")) path.jump = jump->boolean();
+  const auto is_orthographic = [](const Camera& key) { return key.orthographic_height.has_value(); };
+  const auto parallel = std::count_if(path.keys.begin(), path.keys.end(), is_orthographic);
+  if (!path.jump && parallel != 0 && parallel != std::ssize(path.keys))
+    place.at("keys").fail("go from perspective to orthographic, between which is nothing",
+                          "give all of them an orthographic_height or none, or let the path jump");
   if (path.jump && path.keys.size() < 2) place.at("keys").fail("is one key, from which nothing jumps", "give another");
   if (path.jump && path.keys.size() > static_cast<std::size_t>(path.frames))
     place.at("frames").fail("is less than the keys that each hold a frame at least", "give more frames or fewer keys");

@@ -47,20 +47,26 @@ Json object_json(const SceneObject& object) {
 }
 
 Json camera_json(const Camera& camera) {
-  return {{"eye", vector_json(camera.eye)},
-          {"target", vector_json(camera.target)},
-          {"up", vector_json(camera.up)},
-          {"fov_y_deg", camera.fov_y_deg},
-          {"near", camera.near},
-          {"far", camera.far},
-          {"width", camera.width},
-          {"height", camera.height}};
+  Json json = {{"eye", vector_json(camera.eye)},
+               {"target", vector_json(camera.target)},
+               {"up", vector_json(camera.up)},
+               {"near", camera.near},
+               {"far", camera.far},
+               {"width", camera.width},
+               {"height", camera.height}};
+  if (camera.orthographic_height)
+    json["orthographic_height"] = *camera.orthographic_height;
+  else
+    json["fov_y_deg"] = camera.fov_y_deg;
+  return json;
 }
 
 Json path_json(const CameraPath& path) {
   Json keys = Json::array();
   for (const Camera& key : path.keys) keys.push_back(camera_json(key));
-  return {{"frames", path.frames}, {"keys", std::move(keys)}};
+  Json json = {{"frames", path.frames}, {"keys", std::move(keys)}};
+  if (path.jump) json["jump"] = true;
+  return json;
 }
 
 }  // namespace

@@ -69,14 +69,32 @@ glm::vec4 unit_plane(const glm::dvec3& normal, double offset, const glm::dmat4x3
 std::array<glm::vec4, 6> frustum_planes(const View& view, const glm::dmat4x3& object_to_eye) {
   const glm::dvec3 across(glm::row(view.world_to_clip(), 0)), along(glm::row(view.world_to_clip(), 1));
   const glm::dvec3& ahead = view.direction();
-  const glm::dvec3 right = ahead + across, left = ahead - across, top = ahead + along, bottom = ahead - along;
+  // w relative to the eye: w_per_unit * distance along the axis + w_at_eye.
+  const glm::dvec3 w_per_unit = view.is_orthographic() ? glm::dvec3(0.0) : ahead;
+  const double w_at_eye = view.is_orthographic() ? 1.0 : 0.0;
   const auto plane = [&](const glm::dvec3& normal, double offset) { return unit_plane(normal, offset, object_to_eye); };
-  return {plane(right, 0.0),
-          plane(left, 0.0),
-          plane(top, 0.0),
-          plane(bottom, 0.0),
-          plane(ahead, -view.camera().near),
-          plane(-ahead, view.camera().far)};
+  return {plane(w_per_unit + across, w_at_eye), plane(w_per_unit - across, w_at_eye),
+          plane(w_per_unit + along, w_at_eye),  plane(w_per_unit - along, w_at_eye),
+          plane(ahead, -view.camera().near),    plane(-ahead, view.camera().far)};
+}
+
+// As far as anything that the view shows can be from the object's origin, in its space, rounded up to a power of two.
+double shown_reach(const View& view, const glm::dmat3& linear, const glm::dvec3& eye) {
+  const Camera& camera = view.camera();
+  const glm::dvec2 half = glm::dvec2(camera.width, camera.height) / (2.0 * view.focal_length_px());
+  const glm::dvec3 axes[] = {solve(linear, glm::dvec3(1, 0, 0)), solve(linear, glm::dvec3(0, 1, 0)),
+                             solve(linear, glm::dvec3(0, 0, 1))};
+  const double largest = std::max({glm::length(axes[0]), glm::length(axes[1]), glm::length(axes[2])});
+  const double reach = glm::length(eye) + 2.0 * largest * (glm::length(half) + camera.far);
+  return std::exp2(std::ceil(std::log2(reach)));
+}
+
+// A stand-in for the eye of an orthographic view. A face through p that turns away from this eye e turns away from all
+// rays when it does so by more than |p|, as dot(n, p - e) = dot(n, p) - dot(n, e). faces_away() has a slack of 1.2e-7
+// of the largest coordinate of e, of which the rounding of e takes sqrt(3) * 2^-24 at most: the rest is more than |p|.
+glm::dvec3 far_eye(const View& view, const glm::dmat3& linear, const glm::dvec3& eye) {
+  constexpr double times_as_far = 1 << 27;
+  return shown_reach(view, linear, eye) * times_as_far * glm::normalize(solve(linear, -view.direction()));
 }
 
 }  // namespace
@@ -92,7 +110,9 @@ ObjectView::ObjectView(const View& view, const glm::dmat4& object_to_world) {
   // Far from the origin the difference of two places is rounded once, and little; their images under a matrix are not.
   object_to_eye_ = glm::dmat4x3(object_to_world);
   object_to_eye_[3] -= view.camera().eye;
-  eye_ = glm::vec3(solve(linear, -object_to_eye_[3]));
+  orthographic_ = view.is_orthographic();
+  const glm::dvec3 eye = solve(linear, -object_to_eye_[3]);
+  eye_ = glm::vec3(orthographic_ ? far_eye(view, linear, eye) : eye);
   direction_ = view.direction();
   largest_stretch_ = stretch_of(linear);
   focal_length_px_ = view.focal_length_px();
@@ -114,6 +134,7 @@ bool ObjectView::may_be_inside(const Sphere& sphere) const noexcept {
 // In double precision: the centre may be far from the object's origin and near the eye, and squares of tiny or huge
 // lengths leave the range of floats.
 float ObjectView::largest_scale_px(const Sphere& sphere) const noexcept {
+  if (orthographic_) return rounded_up(focal_length_px_ * largest_stretch_);
   const glm::dvec3 center = object_to_eye_ * glm::dvec4(sphere.center, 1.0);
   const double radius = static_cast<double>(sphere.radius) * largest_stretch_;
   const double distance = glm::length(center);

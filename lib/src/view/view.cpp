@@ -30,6 +30,8 @@ void check(const Camera& camera) {
     refuse("fov_y_deg", "is not between 0 and 180", "give the full vertical angle in degrees");
   if (camera.width < 1 || camera.height < 1 || camera.width > 16384 || camera.height > 16384)
     refuse("size", "is not between 1x1 and 16384x16384 pixels", "give another size");
+  if (camera.orthographic_height && !(*camera.orthographic_height > 0.0 && std::isfinite(*camera.orthographic_height)))
+    refuse("orthographic_height", "is not a length above 0", "give what the image shows from bottom to top");
   if (!(camera.near > 0.0 && camera.far > camera.near && std::isfinite(camera.far)))
     refuse("near, far", "are not 0 < near < far", "give other distances");
 }
@@ -39,8 +41,15 @@ void check(const Camera& camera) {
 View::View(const Camera& camera) : camera_(camera) {
   check(camera);
   direction_ = glm::normalize(camera.target - camera.eye);
-  const double half_angle = glm::radians(camera.fov_y_deg) / 2.0;
   const double aspect = static_cast<double>(camera.width) / camera.height;
+  if (camera.orthographic_height) {
+    const double half = *camera.orthographic_height / 2.0;
+    world_to_clip_ = glm::ortho(-half * aspect, half * aspect, -half, half, camera.near, camera.far) *
+                     glm::lookAt(camera.eye, camera.target, camera.up);
+    focal_length_px_ = camera.height / *camera.orthographic_height;
+    return;
+  }
+  const double half_angle = glm::radians(camera.fov_y_deg) / 2.0;
   world_to_clip_ = glm::perspective(2.0 * half_angle, aspect, camera.near, camera.far) *
                    glm::lookAt(camera.eye, camera.target, camera.up);
   focal_length_px_ = camera.height / 2.0 / std::tan(half_angle);

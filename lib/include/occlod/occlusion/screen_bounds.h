@@ -12,7 +12,7 @@ namespace occlod {
 struct ScreenBounds {
   PixelRect rect;  // every pixel that the bound touches, even in part; clipped to the image; empty when it lies beside
                    // the image
-  float largest_nearness = 0.0F;  // >= 1 / w of every point of the bound
+  float largest_nearness = 0.0F;  // >= that of every point of the bound; see DepthBuffer
 };
 
 // Nothing when no such rectangle can be trusted: the bound crosses the near plane, holds the eye or is not finite.

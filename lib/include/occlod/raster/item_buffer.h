@@ -15,8 +15,9 @@
 
 namespace occlod {
 
-// Inverse depth 1 / w for each pixel, rows from the top. w is the distance from the eye plane; 0 = nothing there.
-// Larger is nearer.
+// How near each pixel is, linear over the image of a plane, rows from the top: in perspective 1 / w, where w is the
+// distance from the eye plane; drawn through an affine matrix, which is orthographic, from 1 on the near plane to 0 on
+// the far plane. 0 = nothing there.
 struct DepthBuffer {
   int width = 0;
   int height = 0;
@@ -62,8 +63,8 @@ struct ItemBuffer {
 };
 
 // Draws triangles of `positions` (object space) through object_to_clip (OpenGL clip space). Nearer wins; at equal depth
-// the one drawn first. Triangles with a corner that is not finite after transformation are skipped. O(triangles +
-// pixels covered).
+// the one drawn first. What is orthographic and beyond the far plane is not drawn. Triangles with a corner that is not
+// finite after transformation are skipped. O(triangles + pixels covered).
 void draw_depth(DepthBuffer& target, std::span<const glm::vec3> positions, std::span<const Triangle> triangles,
                 const glm::mat4& object_to_clip);
 // Returns a rectangle that holds every pixel drawn.

@@ -35,7 +35,7 @@ struct SceneObject {
 };
 
 struct CameraPath {
-  std::vector<Camera> keys;  // at least one; with `jump` at most as many as frames
+  std::vector<Camera> keys;  // at least one; with `jump` at most as many as frames, without all of one projection
   int frames = 1;
   bool jump = false;  // every key is held for its share of the frames instead of moving on to the next
 };
