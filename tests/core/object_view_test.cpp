@@ -4,6 +4,7 @@
 #include <glm/ext/matrix_transform.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <numbers>
 #include <random>
 
 #include "occlod/core/error.h"
@@ -66,6 +67,60 @@ TEST(ObjectView, ASphereWithAPointInTheFrustumIsNeverOutside) {
     }
   }
   EXPECT_GT(outside, 400);
+}
+
+// Parallel rays: a unit covers as many pixels everywhere; a cone turns away or not wherever it is. Looking along -z, a
+// cone around an axis 60 degrees from -z turns away up to a half angle of 30 degrees.
+TEST(ObjectView, OrthographicScaleAndFacingDoNotDependOnThePlace) {
+  Camera c;
+  c.eye = {0, 0, 10};
+  c.target = {0, 0, 0};
+  c.orthographic_height = 8.0;
+  c.width = c.height = 100;
+  const ObjectView object(View(c), glm::scale(glm::dmat4(1.0), glm::dvec3(2.0)));
+  const glm::vec3 axis(std::sin(std::numbers::pi / 3.0), 0.0, -std::cos(std::numbers::pi / 3.0));
+  for (const glm::vec3& center : {glm::vec3(0, 0, 0), glm::vec3(1.9F, -1.9F, 4.0F), glm::vec3(-1.9F, 1.9F, -40.0F)})
+    for (const float radius : {0.0F, 1.0F, 30.0F}) {
+      const Sphere sphere{center, radius};
+      EXPECT_NEAR(object.largest_scale_px(sphere), 25.0F, 1e-4F);  // 2 world units each, 100 px in 8 of them
+      const auto cone = [&](double degrees) {
+        return NormalCone{axis, static_cast<float>(std::cos(degrees * std::numbers::pi / 180.0))};
+      };
+      EXPECT_TRUE(faces_away(cone(29.99), sphere, object.eye()));
+      EXPECT_FALSE(faces_away(cone(30.0), sphere, object.eye()));
+    }
+}
+
+TEST(ObjectView, OrthographicPlanesAreABox) {
+  Camera c;
+  c.eye = {0, 0, 10};
+  c.target = {0, 0, 0};
+  c.orthographic_height = 8.0;
+  c.width = 200;
+  c.height = 100;
+  c.near = 1.0;
+  c.far = 15.0;
+  const ObjectView object(View(c), glm::dmat4(1.0));
+  const auto inside = [&](float x, float y, float z) { return object.may_be_inside({{x, y, z}, 1.0F}); };
+  for (const float sign : {-1.0F, 1.0F}) {
+    EXPECT_TRUE(inside(8.99F * sign, 0, 0));  // 8 wide to each side
+    EXPECT_FALSE(inside(9.01F * sign, 0, 0));
+    EXPECT_TRUE(inside(0, 4.99F * sign, 0));
+    EXPECT_FALSE(inside(0, 5.01F * sign, 0));
+  }
+  EXPECT_TRUE(inside(0, 0, 9.99F));  // the near plane is at 9
+  EXPECT_FALSE(inside(0, 0, 10.01F));
+  EXPECT_TRUE(inside(0, 0, -5.99F));  // the far plane at -5
+  EXPECT_FALSE(inside(0, 0, -6.01F));
+}
+
+TEST(ObjectView, OrthographicRefusesWhatIsTooFarAway) {
+  Camera c = camera();
+  c.orthographic_height = 1.0;
+  c.far = 1e32;
+  EXPECT_THROW(ObjectView(View(c), glm::dmat4(1.0)), Error);
+  c.far = 1e28;
+  EXPECT_NO_THROW(ObjectView(View(c), glm::dmat4(1.0)));
 }
 
 TEST(ObjectView, EachPlaneCutsWhereItShould) {

@@ -40,6 +40,47 @@ TEST(View, ClipSpaceIsOpenGls) {
   EXPECT_NEAR(top.y, top.w, 1e-12);
 }
 
+// 4 units are 100 pixels high, at any depth; w is 1, and z runs from -1 on the near plane to 1 on the far plane.
+TEST(View, OrthographicShowsAsMuchAtEveryDepth) {
+  Camera camera = good_camera();
+  camera.orthographic_height = 4.0;
+  const View view(camera);
+  EXPECT_TRUE(view.is_orthographic());
+  EXPECT_EQ(view.focal_length_px(), 25.0);
+  EXPECT_EQ(view.cos_corner_angle(), 1.0);  // rays are along the axis
+  for (const double distance : {1.0, 2.5, 10.0}) {
+    const glm::dvec4 corner = view.world_to_clip() * glm::dvec4(4.0, 2.0, 5.0 - distance, 1.0);
+    EXPECT_NEAR(corner.x, 1.0, 1e-12);
+    EXPECT_NEAR(corner.y, 1.0, 1e-12);
+    EXPECT_NEAR(corner.z, 2.0 * (distance - 1.0) / 9.0 - 1.0, 1e-12);
+    EXPECT_EQ(corner.w, 1.0);
+  }
+}
+
+// Nearness: 1 / distance in perspective, where a unit covers 50 px at distance 1 and 10 at 5; orthographic from 1 on
+// the near plane, at 1, to 0 on the far plane, at 10.
+TEST(View, DistanceAndScaleFollowFromNearness) {
+  Camera camera = good_camera();
+  EXPECT_DOUBLE_EQ(View(camera).distance_at(0.2), 5.0);
+  EXPECT_NEAR(View(camera).scale_px_at(0.2), 10.0, 1e-12);
+  camera.orthographic_height = 4.0;
+  EXPECT_DOUBLE_EQ(View(camera).distance_at(1.0), 1.0);
+  EXPECT_DOUBLE_EQ(View(camera).distance_at(0.0), 10.0);
+  EXPECT_DOUBLE_EQ(View(camera).distance_at(0.5), 5.5);
+  EXPECT_EQ(View(camera).scale_px_at(0.5), 25.0);
+}
+
+// At 90 degrees a camera 5 units from its target shows 10 units there.
+TEST(View, OrthographicKeepsWhatIsShownAtTheTarget) {
+  const Camera camera = orthographic(good_camera());
+  ASSERT_TRUE(camera.orthographic_height);
+  EXPECT_NEAR(*camera.orthographic_height, 10.0, 1e-12);
+  const glm::dvec4 perspective = View(good_camera()).world_to_clip() * glm::dvec4(3.0, -2.0, 0.0, 1.0);
+  const glm::dvec4 parallel = View(camera).world_to_clip() * glm::dvec4(3.0, -2.0, 0.0, 1.0);
+  EXPECT_NEAR(perspective.x / perspective.w, parallel.x, 1e-12);
+  EXPECT_NEAR(perspective.y / perspective.w, parallel.y, 1e-12);
+}
+
 TEST(View, RefusesCamerasThatMakeNoImage) {
   const auto refused = [](auto change) {
     Camera camera = good_camera();
@@ -59,6 +100,8 @@ TEST(View, RefusesCamerasThatMakeNoImage) {
   refused([](Camera& c) { c.height = 20000; });
   refused([](Camera& c) { c.near = 0.0; });
   refused([](Camera& c) { c.far = c.near; });
+  for (const double height : {0.0, -1.0, nan, std::numeric_limits<double>::infinity()})
+    refused([&](Camera& c) { c.orthographic_height = height; });
   EXPECT_NO_THROW(View{good_camera()});
 }
 

@@ -66,7 +66,7 @@ class RefinerOperations {
   }
 
   void change(Bytes& bytes) {
-    switch (bytes.number(12)) {
+    switch (bytes.number(13)) {
       case 0:
         options_.budget = refiner_.base_triangles() + bytes.number(5000);
         break;
@@ -103,6 +103,12 @@ class RefinerOperations {
         break;
       case 10:
         camera_.target = {bytes.real(-2.0, 2.0), bytes.real(-2.0, 2.0), bytes.real(-2.0, 4.0)};
+        break;
+      case 11:
+        if (bytes.number(2) == 0)
+          camera_.orthographic_height.reset();
+        else
+          camera_.orthographic_height = bytes.real(0.0, 8.0);  // 0: no camera
         break;
       default:
         camera_.eye += glm::dvec3(bytes.real(-0.2, 0.2), bytes.real(-0.2, 0.2), bytes.real(-0.2, 0.2));

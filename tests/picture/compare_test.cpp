@@ -12,6 +12,7 @@ namespace occlod {
 namespace {
 
 using test::front_view;
+using test::parallel_view;
 
 constexpr std::size_t pixels = 100 * 80;
 
@@ -38,6 +39,18 @@ TEST(ComparePictures, OfAShiftedPlaneIsTheShiftInPixels) {
   EXPECT_NEAR(compare_pictures(front_view(), flat(10.5), gray(9), flat(10), gray(9)).depth_rms_px, 2.0, 1e-4);
   EXPECT_NEAR(compare_pictures(front_view(), flat(9.5), gray(9), flat(10), gray(9)).depth_rms_px, 2.0, 1e-4);
   EXPECT_NEAR(compare_pictures(front_view(), flat(5.5), gray(9), flat(5), gray(9)).depth_rms_px, 4.0, 1e-4);
+}
+
+// What parallel rays see at one distance.
+DepthBuffer parallel_flat(double distance) { return flat(100.0 / (101.0 - distance)); }
+
+// 0.5 units cover 5 px anywhere.
+TEST(ComparePictures, OfAShiftedPlaneSeenByParallelRays) {
+  for (const double distance : {5.0, 50.0})
+    EXPECT_NEAR(
+        compare_pictures(parallel_view(), parallel_flat(distance + 0.5), gray(9), parallel_flat(distance), gray(9))
+            .depth_rms_px,
+        5.0, 1e-3);
 }
 
 TEST(ComparePictures, CapsEachPixelAtTen) {
@@ -104,6 +117,21 @@ TEST(CountUnexplainedPixels, DepthMayDifferByWhatIsAllowed) {
   EXPECT_EQ(count_unexplained_pixels(front_view(), flat(10), flat(10.55), 2.0), pixels);
   EXPECT_EQ(count_unexplained_pixels(front_view(), flat(10), flat(9.55), 2.0), 0U);
   EXPECT_EQ(count_unexplained_pixels(front_view(), flat(10), flat(9.45), 2.0), pixels);
+}
+
+// 2 px are 0.2 units; background is infinitely far.
+TEST(CountUnexplainedPixels, DepthMayDifferForParallelRaysToo) {
+  const View view = parallel_view();
+  DepthBuffer nothing;
+  nothing.reset(100, 80);
+  for (const double sign : {-1.0, 1.0}) {
+    EXPECT_EQ(count_unexplained_pixels(view, parallel_flat(10), parallel_flat(10 + 0.19 * sign), 2.0), 0U);
+    EXPECT_EQ(count_unexplained_pixels(view, parallel_flat(10), parallel_flat(10 + 0.21 * sign), 2.0), pixels);
+    EXPECT_NEAR(largest_motion_px(view, parallel_flat(10), parallel_flat(10 + 0.15 * sign)), 1.5, 1e-3);
+  }
+  EXPECT_EQ(count_unexplained_pixels(view, nothing, parallel_flat(100.9), 50.0), pixels);
+  EXPECT_EQ(count_unexplained_pixels(view, parallel_flat(100.9), nothing, 50.0), pixels);
+  EXPECT_EQ(count_unexplained_pixels(view, nothing, nothing, 2.0), 0U);
 }
 
 TEST(CountUnexplainedPixels, SilhouettesMayMoveByWhatIsAllowed) {

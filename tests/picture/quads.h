@@ -18,6 +18,15 @@ inline View front_view() {
   return View(camera);
 }
 
+// The same with parallel rays: 8 units are 80 px high, nearness runs from 1 at distance 1 to 0 at 101.
+inline View parallel_view() {
+  Camera camera = front_view().camera();
+  camera.orthographic_height = 8.0;
+  camera.near = 1.0;
+  camera.far = 101.0;
+  return View(camera);
+}
+
 // x0 <= x <= x1, y0 <= y <= y1 in the plane z, counter-clockwise seen from +z; its diagonal runs from (x0, y0) to (x1,
 // y1).
 struct Quad {

@@ -62,6 +62,60 @@ TEST(Depth, IsThatOfThePlaneAtThePixelCentre) {
   EXPECT_GT(checked, 10'000U);
 }
 
+// 6 units are 60 pixels high: the ray through pixel (x, y) is along -z through ((x - 39.5) / 10, (29.5 - y) / 10). It
+// meets the plane n . p = d at distance t = (n_x X + n_y Y - d) / n_z; nearness is 1 at 2 and 0 at 12, and what is
+// nearer or farther is cut off.
+TEST(Depth, OfParallelRaysIsThatOfThePlaneAtThePixelCentre) {
+  Camera camera = test_view().camera();
+  camera.orthographic_height = 6.0;
+  camera.near = 2.0;
+  camera.far = 12.0;
+  const ObjectView object(View(camera), glm::dmat4(1.0));
+  std::mt19937 random(6);
+  std::uniform_real_distribution<float> across(-8.0F, 8.0F), along(-16.0F, 2.0F);
+  std::size_t checked = 0;
+  for (int n = 0; n < 400; ++n) {
+    std::vector<glm::vec3> p;
+    for (int i = 0; i < 3; ++i) p.emplace_back(across(random), across(random), along(random));
+    const glm::dvec3 normal = glm::cross(glm::dvec3(p[1] - p[0]), glm::dvec3(p[2] - p[0]));
+    const double d = glm::dot(normal, glm::dvec3(p[0]));
+    const double slope = (std::abs(normal.x) + std::abs(normal.y)) / std::abs(normal.z) / 100.0;
+    if (slope > 0.02) continue;  // seen edge-on
+    const Triangle triangle(0, 1, 2);
+    DepthBuffer depth;
+    depth.reset(80, 60);
+    draw_depth(depth, p, {&triangle, 1}, object.object_to_clip());
+    for (int y = 0; y < 60; ++y) {
+      for (int x = 0; x < 80; ++x) {
+        const double drawn = depth.nearness[static_cast<std::size_t>(80 * y + x)];
+        if (drawn == 0.0) continue;
+        const double distance = (normal.x * (x - 39.5) / 10.0 + normal.y * (29.5 - y) / 10.0 - d) / normal.z;
+        EXPECT_NEAR(drawn, (12.0 - distance) / 10.0, 1e-6 + slope / 256.0) << n << ": " << x << "," << y;
+        ++checked;
+      }
+    }
+  }
+  EXPECT_GT(checked, 10'000U);
+}
+
+// A square over the whole picture is there between the planes, and nowhere else.
+TEST(Depth, OfParallelRaysEndsAtBothPlanes) {
+  Camera camera = test_view().camera();
+  camera.orthographic_height = 6.0;
+  camera.near = 2.0;
+  camera.far = 12.0;
+  const glm::mat4 to_clip = ObjectView(View(camera), glm::dmat4(1.0)).object_to_clip();
+  const Triangle triangles[] = {{0, 1, 2}, {0, 2, 3}};
+  for (const float z : {-1.99F, -2.01F, -11.99F, -12.01F, -1e6F}) {
+    const std::vector<glm::vec3> p = {{-9, -9, z}, {9, -9, z}, {9, 9, z}, {-9, 9, z}};
+    DepthBuffer depth;
+    depth.reset(80, 60);
+    draw_depth(depth, p, triangles, to_clip);
+    for (const float drawn : depth.nearness)
+      ASSERT_NEAR(drawn, z < -2.0F && z > -12.0F ? (12.0F + z) / 10.0F : 0.0F, 1e-6F) << z;
+  }
+}
+
 TEST(Depth, NeverLeavesTheRangeOfTheCorners) {
   // Slivers whose depth gradient is enormous: a sample cannot be nearer than the nearest corner.
   const View view = test_view();

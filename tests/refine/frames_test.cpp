@@ -66,8 +66,9 @@ std::vector<RefineObject> two_planets() {
           {&planet(), glm::translate(glm::dmat4(1.0), glm::dvec3(0.0, 0.3, 2.5)), false}};
 }
 
-// An orbit, a jump to the other side, and a look away and back: whatever happens, a frame is a mesh within the budget,
-// and what it tells about its changes makes the buffer of the frame before that of this frame.
+// An orbit, a jump to the other side, a look away and back, and as much with parallel rays: whatever happens, a frame
+// is a mesh within the budget, and what it tells about its changes makes the buffer of the frame before that of this
+// frame.
 TEST_P(Frames, EveryFrameIsAValidMeshWithinTheBudget) {
   const std::vector<RefineObject> objects = two_planets();
   Refiner refiner(objects);
@@ -79,6 +80,8 @@ TEST_P(Frames, EveryFrameIsAValidMeshWithinTheBudget) {
   away.target = 2.0 * away.eye;
   cameras.push_back(away);
   cameras.push_back(orbiting(251.0, 6.0));
+  for (int i = 0; i < 10; ++i) cameras.push_back(orthographic(orbiting(251.0 + 2.0 * i, 6.0 - 0.3 * i)));
+  cameras.push_back(orbiting(272.0, 3.0));
   std::vector<std::vector<Triangle>> buffers(objects.size());
   std::size_t budget = 3000;
   for (std::size_t frame = 0; frame < cameras.size(); ++frame) {
@@ -112,7 +115,8 @@ TEST_P(Frames, ErrorsAreNearlyThoseFromScratch) {
   double sum = 0.0;
   constexpr int count = 30;
   for (int i = 0; i < count; ++i) {
-    const View view(orbiting(i < 20 ? 2.0 * i : 180.0 + i, 5.0));
+    const Camera camera = orbiting(i < 20 ? 2.0 * i : 180.0 + i, 5.0);
+    const View view(i % 16 < 8 ? camera : orthographic(camera));
     const Refinement& kept = frames.update(view, options(3000), *backend_);
     const Refinement& fresh = scratch.refine(view, options(3000), *backend_);
     const double kept_px = oracle::cut_error(objects, kept, view, *backend_).quadric_px;

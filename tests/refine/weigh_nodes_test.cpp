@@ -49,28 +49,28 @@ float expected_scale(const FrontNode& node, const ObjectView& view, bool tests_c
 // Vectors do the same operations in the same order as the functions for one node, on every instruction set, so that a
 // frame gives the same mesh on every machine; 2001 nodes leave a rest that fills no vector.
 TEST(WeighNodes, ManyAtOnceAreAsOneByOne) {
-  const View view(test::front_camera());
   RandomFront nodes(2001, 3);
-  for (const glm::dmat4& placed :
-       {glm::dmat4(1.0), glm::scale(glm::dmat4(1.0), glm::dvec3(-1.0, 2.0, 0.5)),
-        glm::rotate(glm::translate(glm::dmat4(1.0), glm::dvec3(0.5, 0.0, 1.0)), 0.7, glm::dvec3(0.6, 0.0, 0.8))})
-    for (const bool tests_cones : {false, true}) {
-      const ObjectView seen(view, placed);
-      weigh_nodes(nodes.front, nodes.all, {seen, tests_cones, {}, {}});
-      std::size_t outside = 0, facing_away = 0;
-      for (const Front::Index k : nodes.all) {
-        const FrontNode& node = nodes.front.node(k);
-        ASSERT_EQ(nodes.front.scales().value[k], expected_scale(node, seen, tests_cones));
-        const bool out = !seen.may_be_inside(node.sphere);
-        const bool away = !out && tests_cones && faces_away(node.cone, node.sphere, seen.eye());
-        ASSERT_EQ(nodes.front.is(k, Front::outside), out);
-        ASSERT_EQ(nodes.front.is(k, Front::facing_away), away);
-        outside += out ? 1 : 0;
-        facing_away += away ? 1 : 0;
+  for (const View& view : {View(test::front_camera()), View(orthographic(test::front_camera()))})
+    for (const glm::dmat4& placed :
+         {glm::dmat4(1.0), glm::scale(glm::dmat4(1.0), glm::dvec3(-1.0, 2.0, 0.5)),
+          glm::rotate(glm::translate(glm::dmat4(1.0), glm::dvec3(0.5, 0.0, 1.0)), 0.7, glm::dvec3(0.6, 0.0, 0.8))})
+      for (const bool tests_cones : {false, true}) {
+        const ObjectView seen(view, placed);
+        weigh_nodes(nodes.front, nodes.all, {seen, tests_cones, {}, {}});
+        std::size_t outside = 0, facing_away = 0;
+        for (const Front::Index k : nodes.all) {
+          const FrontNode& node = nodes.front.node(k);
+          ASSERT_EQ(nodes.front.scales().value[k], expected_scale(node, seen, tests_cones));
+          const bool out = !seen.may_be_inside(node.sphere);
+          const bool away = !out && tests_cones && faces_away(node.cone, node.sphere, seen.eye());
+          ASSERT_EQ(nodes.front.is(k, Front::outside), out);
+          ASSERT_EQ(nodes.front.is(k, Front::facing_away), away);
+          outside += out ? 1 : 0;
+          facing_away += away ? 1 : 0;
+        }
+        EXPECT_GT(outside, 100U);
+        EXPECT_EQ(facing_away > 0U, tests_cones);
       }
-      EXPECT_GT(outside, 100U);
-      EXPECT_EQ(facing_away > 0U, tests_cones);
-    }
 }
 
 // How a camera goes on from frame to frame.

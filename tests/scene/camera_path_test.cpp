@@ -47,6 +47,14 @@ TEST(CameraPath, JumpHoldsEachKey) {
   }
 }
 
+TEST(CameraPath, OrthographicHeightsLieBetweenTheirKeys) {
+  CameraPath path{{camera_from(0, 30), camera_from(4, 30)}, 5};
+  path.keys[0].orthographic_height = 2.0;
+  path.keys[1].orthographic_height = 4.0;
+  EXPECT_DOUBLE_EQ(camera_at(path, 1).orthographic_height.value_or(0.0), 2.5);
+  EXPECT_DOUBLE_EQ(camera_at(path, 4).orthographic_height.value_or(0.0), 4.0);
+}
+
 // Frames of one path are one film: a key's own size does not change it.
 TEST(CameraPath, JumpKeepsTheSizeOfTheFirstKey) {
   CameraPath path{{camera_from(0, 30), camera_from(4, 40)}, 2, true};

@@ -117,6 +117,20 @@ TEST_F(ReadScene, ReadsPathsThatJump) {
   for (const auto& [path, place] : mistakes) EXPECT_EQ(place_of_mistake(text(path)), place) << path;
 }
 
+// Between a camera in perspective and an orthographic one there is nothing to go through.
+TEST_F(ReadScene, ReadsOrthographicCameras) {
+  const std::string plan = R"({"eye": [0, 0, 5], "target": [0, 0, 0], "orthographic_height": 2.5})";
+  const auto text = [&](const std::string& jump, const std::string& second) {
+    return R"({"objects": [{"mesh": "m"}], "cameras": {"default": )" + plan +
+           R"(}, "paths": {"p": {"frames": 2, "jump": )" + jump + R"(, "keys": [)" + plan + ", " + second + "]}}}";
+  };
+  const SceneDescription scene = read(text("true", a_camera));
+  EXPECT_EQ(scene.cameras.at("default").orthographic_height, 2.5);
+  EXPECT_FALSE(scene.paths.at("p").keys[1].orthographic_height);
+  EXPECT_NO_THROW((void)read(text("false", plan)));
+  EXPECT_EQ(place_of_mistake(text("false", a_camera)), "/paths/p/keys");
+}
+
 TEST_F(ReadScene, NamesTheFile) {
   const Diagnosis diagnosis = mistake(scene_text(R"({"mesh": 1})"));
   EXPECT_EQ(diagnosis.subject, (folder() / "s.json").string());
@@ -161,6 +175,9 @@ TEST_F(ReadScene, ChecksCameras) {
       {R"({"eye": [0, 0, 1], "target": [0, 0, 0], "fov_y_deg": 180})", "/cameras/default"},
       {R"({"eye": [0, 0, 1], "target": [0, 0, 0], "near": 2, "far": 1})", "/cameras/default"},
       {R"({"eye": [0, 0, 1], "target": [0, 0, 0], "width": 0})", "/cameras/default/width"},
+      {R"({"eye": [0, 0, 1], "target": [0, 0, 0], "orthographic_height": 0})", "/cameras/default"},
+      {R"({"eye": [0, 0, 1], "target": [0, 0, 0], "orthographic_height": 1, "fov_y_deg": 45})",
+       "/cameras/default/fov_y_deg"},
       {R"({"eye": [0, 0, 1], "target": [0, 0, 0], "fov": 45})", "/cameras/default/fov"},
   };
   for (const auto& [camera, place] : cameras)

@@ -211,6 +211,25 @@ class Render(ToolTest):
             self.assert_has_keys(frame, "triangles visible_triangles hash refine_ms occlusion_ms draw_ms camera")
             self.assertLessEqual(frame["triangles"], 500)
 
+    def test_orthographic(self):
+        """At 45 degrees and 3 units from its target a camera shows 6 tan(22.5 degrees) units there. A ball of radius 1 hides half of itself; from farther away, where
+        near and far move along, parallel rays show the same."""
+        camera = '{"eye": [0, 0, %d], "target": [0, 0, 0], "near": %d, "far": %d, "width": 320, "height": 240%s}'
+        self.write_scene('{"objects": [{"mesh": "planet.olod"}], "cameras": {"default": %s, "flat": %s, "away": %s}}' % (
+            camera % (3, 1, 5, ""), camera % (3, 1, 5, ', "orthographic_height": 2.4'), camera % (1003, 1001, 1005, ', "orthographic_height": 2.4')))
+        arguments = ("--occlusion", "software", "--budget", 1000)
+        result = self.json_of("render", "scene.json", *arguments, "--orthographic", "--reference")
+        self.assertAlmostEqual(result["camera"]["orthographic_height"], 6 * math.tan(math.pi / 8))
+        self.assertNotIn("fov_y_deg", result["camera"])
+        self.assertEqual(result["wrongly_hidden_px"], 0)
+        self.assertNotEqual(result["hash"], self.json_of("render", "scene.json", *arguments)["hash"])
+        flat = self.json_of("render", "scene.json", *arguments, "--camera", "flat")
+        self.assertEqual(flat["camera"]["orthographic_height"], 2.4)
+        self.assertEqual(self.json_of("render", "scene.json", *arguments, "--camera", "flat", "--orthographic")["hash"], flat["hash"])
+        away = self.json_of("render", "scene.json", *arguments, "--camera", "away")
+        self.assertAlmostEqual(away["visible_triangles"] / flat["visible_triangles"], 1.0, delta=0.02)
+        self.assertAlmostEqual(away["max_quadric_error_px"] / flat["max_quadric_error_px"], 1.0, delta=0.02)
+
     def test_path_as_table_and_pictures(self):
         self.write_scene_with_paths()
         lines = self.succeed("render", "scene.json", "--occlusion", "software", "--budget", 500, "--path", "move", "--size", "64x48", "--png", "view.png").splitlines()

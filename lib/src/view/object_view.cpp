@@ -5,6 +5,7 @@
 #include <glm/matrix.hpp>
 #include <limits>
 
+#include "math/inverse_power_of_two.h"
 #include "occlod/core/error.h"
 #include "occlod/view/view.h"
 
@@ -113,6 +114,9 @@ ObjectView::ObjectView(const View& view, const glm::dmat4& object_to_world) {
   orthographic_ = view.is_orthographic();
   const glm::dvec3 eye = solve(linear, -object_to_eye_[3]);
   eye_ = glm::vec3(orthographic_ ? far_eye(view, linear, eye) : eye);
+  if (orthographic_ && !std::isfinite(largest_coordinate(eye_)))
+    throw Error({"camera", "orthographic_height, far", "reach too far from the object for single precision",
+                 "stay within 1e29 object units"});
   direction_ = view.direction();
   largest_stretch_ = stretch_of(linear);
   focal_length_px_ = view.focal_length_px();

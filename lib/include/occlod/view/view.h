@@ -48,7 +48,8 @@ class View {
 // A view seen from one object: the same questions, asked in the object's own space.
 class ObjectView {
  public:
-  // Throws Error when `object_to_world` is not finite, not affine or cannot be inverted.
+  // Throws Error when `object_to_world` is not finite, not affine or cannot be inverted, and when an orthographic view
+  // shows what is 1e29 object units or more from the object.
   ObjectView(const View& view, const glm::dmat4& object_to_world);
 
   [[nodiscard]] const glm::mat4& object_to_clip() const noexcept { return object_to_clip_; }
