@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# lint.sh [--changed] [BUILD_DIR]: clang-format over every source, clang-tidy over the sources that BUILD_DIR compiles.
+# lint.sh [--changed] [BUILD_DIR]: clang-format over every source, clang-tidy over the sources that BUILD_DIR compiles,
+# and a look at vector code.
 # --changed: clang-tidy only those that differ from the last commit. BUILD_DIR defaults to build/release.
 # The style is kept clean with version 14 of both tools: other versions format and warn differently, so they are not used.
 set -euo pipefail
@@ -42,6 +43,21 @@ if [ -n "$clang_format" ]; then
 else
   echo "lint: clang-format 14 is not here: formatting not checked" >&2
 fi
+
+# A lambda does not inherit the instruction set of its function: where it is not inlined, vectors would be handed over
+# wrongly without a word.
+sources | xargs -r python3 -c '
+import re, sys
+status = 0
+for name in sys.argv[1:]:
+    text = open(name, encoding="utf-8").read()
+    for part in re.finditer(r"HWY_BEFORE_NAMESPACE\(\);.*?HWY_AFTER_NAMESPACE\(\);", text, re.S):
+        for found in re.finditer(r"\[[^\[\]]*\]\s*\([^()]*\)\s*(HWY_ATTR\b)?\s*(?=\{)", part[0]):
+            if not found[1]:
+                line = text[:part.start() + found.start()].count("\n") + 1
+                print(f"{name}:{line}: lint: a lambda among vectors without HWY_ATTR", file=sys.stderr)
+                status = 1
+sys.exit(status)' || status=1
 
 # clang 14 cannot read the C++ library of every newer system.
 reads_the_library() {

@@ -122,7 +122,7 @@ class ExtentLanes {
   template <class Product>
   HWY_INLINE void add_round(const Vec3& center, Vec radius, const Product& product) {
     const Vec w = at(view_.w, center);
-    const auto spread = [&](const glm::dvec4& row) {
+    const auto spread = [&](const glm::dvec4& row) HWY_ATTR {
       const Vec3 v = constant(glm::dvec3(row));
       return hn::Mul(radius, hn::Sqrt(hn::Max(product(v, v), constant(0.0))));
     };

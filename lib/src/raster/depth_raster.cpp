@@ -289,7 +289,7 @@ HWY_INLINE void draw_large(const TriangleBatch& batch, std::size_t i, const Dept
   if (!set_up(batch.screen_vertex(0, i), batch.screen_vertex(1, i), batch.screen_vertex(2, i), target.width,
               target.height, setup))
     return;
-  scan(setup, target.width, [&](std::int32_t y, std::int32_t begin, std::int32_t end) {
+  scan(setup, target.width, [&](std::int32_t y, std::int32_t begin, std::int32_t end) HWY_ATTR {
     float* row = target.nearness + y * target.stride;
     for (std::int32_t from = begin; from < end;) {
       const DepthRow depth = setup.depth_row(from, y);

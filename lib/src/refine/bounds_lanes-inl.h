@@ -130,7 +130,7 @@ HWY_INLINE ScaleLanes scale_px(const Vec3<Doubles>& center_in_object, hn::Vec<Do
     return {hn::Set(Floats(), view.largest_scale_px({})), hn::Zero(Floats()), hn::DemoteTo(Floats(), radius)};
   const hn::Vec<Doubles> one = constant(1.0);
   const glm::dmat4x3& m = view.object_to_eye();
-  const auto row = [&](int r) {
+  const auto row = [&](int r) HWY_ATTR {
     return hn::Add(
         hn::Add(hn::Add(hn::Mul(constant(m[0][r]), center_in_object.x), hn::Mul(constant(m[1][r]), center_in_object.y)),
                 hn::Mul(constant(m[2][r]), center_in_object.z)),

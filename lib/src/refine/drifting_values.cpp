@@ -105,7 +105,7 @@ HWY_INLINE void for_each_vector(std::size_t size, const Visit& visit) {
 void select_nodes(const DriftingProducts& products, const Selection& wanted, std::vector<std::uint32_t>& out) {
   const ProductArrays of(products);
   const Selection selection = wanted;
-  for_each_vector(of.size, [&, of, selection](auto d, std::size_t k) {
+  for_each_vector(of.size, [&, of, selection](auto d, std::size_t k) HWY_ATTR {
     const auto mask = is_selected(d, of, selection, k);
     if (!hn::AllFalse(d, mask)) append(d, mask, k, out);
   });
@@ -114,14 +114,14 @@ void select_nodes(const DriftingProducts& products, const Selection& wanted, std
 std::size_t count_nodes(const DriftingProducts& products, const Selection& selection) {
   const ProductArrays of(products);
   std::size_t found = 0;
-  for_each_vector(of.size,
-                  [&, of](auto d, std::size_t k) { found += hn::CountTrue(d, is_selected(d, of, selection, k)); });
+  for_each_vector(of.size, [&, of](auto d, std::size_t k)
+                               HWY_ATTR { found += hn::CountTrue(d, is_selected(d, of, selection, k)); });
   return found;
 }
 
 void age_values(DriftingValues& values, const Travel& now) {
-  for_each_vector(values.value.size(),
-                  [&](auto d, std::size_t k) { hn::StoreU(doubt_of(d, values, now, k), d, &values.doubt[k]); });
+  for_each_vector(values.value.size(), [&](auto d, std::size_t k)
+                                           HWY_ATTR { hn::StoreU(doubt_of(d, values, now, k), d, &values.doubt[k]); });
 }
 
 float find_largest_at_least(const DriftingProducts& products, std::uint16_t all, std::uint16_t none) {
@@ -130,7 +130,7 @@ float find_largest_at_least(const DriftingProducts& products, std::uint16_t all,
   const hn::ScalableTag<float> whole;
   auto found = hn::Zero(whole);
   std::size_t k = 0;
-  const auto least = [&](auto d) {
+  const auto least = [&](auto d) HWY_ATTR {
     const auto doubt = hn::LoadU(d, of.doubt + k);
     const auto known = hn::And(has_flags(d, of.flags + k, all, none), hn::Eq(doubt, doubt));
     return hn::IfThenElseZero(known, hn::Div(product(d, of, k), doubt));

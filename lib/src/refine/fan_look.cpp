@@ -51,8 +51,8 @@ Sphere sphere_of(const FanCorners& corners) {
     low = {hn::Min(low.x, p.x), hn::Min(low.y, p.y), hn::Min(low.z, p.z)};
     high = {hn::Max(high.x, p.x), hn::Max(high.y, p.y), hn::Max(high.z, p.z)};
   }
-  const auto least = [&](Vec v) { return hn::GetLane(hn::MinOfLanes(d, v)); };
-  const auto most = [&](Vec v) { return hn::GetLane(hn::MaxOfLanes(d, v)); };
+  const auto least = [&](Vec v) HWY_ATTR { return hn::GetLane(hn::MinOfLanes(d, v)); };
+  const auto most = [&](Vec v) HWY_ATTR { return hn::GetLane(hn::MaxOfLanes(d, v)); };
   Sphere sphere;
   sphere.center = 0.5F * glm::vec3(least(low.x), least(low.y), least(low.z)) +
                   0.5F * glm::vec3(most(high.x), most(high.y), most(high.z));
@@ -105,12 +105,12 @@ struct FaceSums {
 SeenFaces seen_faces(const FanCorners& corners, const glm::vec3& eye, bool two_sided) {
   const Floats d;
   FaceSums faces(corners, eye, two_sided);
-  faces.add(corners.vertex, [&](Vec lane) { return hn::Eq(lane, lane); });
+  faces.add(corners.vertex, [&](Vec lane) HWY_ATTR { return hn::Eq(lane, lane); });
   const std::uint32_t u = corners.parent_place;
   const Vec at_u = hn::Set(d, static_cast<float>(u));
   const Vec before_u = hn::Set(d, static_cast<float>(u == 0 ? corners.ring_size - 1 : u - 1));
   faces.add({corners.x[u], corners.y[u], corners.z[u]},
-            [&](Vec lane) { return hn::And(hn::Ne(lane, at_u), hn::Ne(lane, before_u)); });
+            [&](Vec lane) HWY_ATTR { return hn::And(hn::Ne(lane, at_u), hn::Ne(lane, before_u)); });
   return faces.sums;
 }
 

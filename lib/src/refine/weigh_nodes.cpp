@@ -56,7 +56,7 @@ HWY_INLINE void weigh_vector(Front& front, const std::int32_t* which, const Weig
   const hn::Mask<Doubles> is_out = hn::Gt(wide(hn::IfThenElseZero(outside.is_so, constant(1.0F))), hn::Zero(Doubles()));
   const ScaleLanes scale = scale_px(wide(center), wide(radius), now.view);
   const ScaleDrift drift = drift_of(scale, now.view);
-  const auto from = [&](const glm::vec3& p) {
+  const auto from = [&](const glm::vec3& p) HWY_ATTR {
     const hn::Vec<Floats> x = hn::Sub(center.x, constant(p.x)), y = hn::Sub(center.y, constant(p.y)),
                           z = hn::Sub(center.z, constant(p.z));
     return hn::Sqrt(hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z)));
@@ -83,7 +83,7 @@ HWY_INLINE void weigh_vector(Front& front, const std::int32_t* which, const Weig
       hn::Gt(hn::DemoteTo(Floats(), hn::IfThenElseZero(is_seen, constant(1.0))), hn::Zero(Floats()));
   lasts = hn::IfThenElse(seen, hn::Min(lasts, drift.lasts), lasts);
   WeighedLanes results;
-  const auto rounded_down = [](hn::Vec<Floats> of) {
+  const auto rounded_down = [](hn::Vec<Floats> of) HWY_ATTR {
     return hn::IfThenElseZero(hn::Gt(of, hn::Zero(Floats())), hn::Mul(constant(0.999F), of));
   };
   hn::Store(scale.scale_px, Floats(), results.scale_px.data());

@@ -70,7 +70,7 @@ std::size_t weigh_vectors(std::span<const SplitNode> nodes, const ObjectView& vi
     }
     hn::Store(scale_px(wide(center), wide(radius), view).scale_px, Floats(), seen.data());
     for (std::size_t lane = 0; lane < lanes; ++lane) {
-      const auto is_set = [&](const auto& bits) { return (bits[lane / 8] >> (lane % 8) & 1U) != 0; };
+      const auto is_set = [&](const auto& bits) HWY_ATTR { return (bits[lane / 8] >> (lane % 8) & 1U) != 0; };
       scales[i + lane] = is_set(outside) ? scale_outside : is_set(facing_away) ? scale_facing_away : seen[lane];
     }
   }
