@@ -65,6 +65,13 @@ class Truth {
   std::vector<bool> faces_eye_;
 };
 
+// Whether the sphere touches nothing that an orthographic view shows, though no plane of the frustum may tell: the eye
+// that stands for its rays does so only for what it shows.
+bool is_beyond_all_shown(const Sphere& sphere, const ObjectView& view) {
+  const double reach = glm::length(glm::dvec3(view.eye())) * 0x1p-27;
+  return view.is_orthographic() && glm::length(glm::dvec3(sphere.center)) - sphere.radius > reach;
+}
+
 // Corners of the split's own faces are in its sphere.
 void judge_scale(const Hierarchy& hierarchy, SplitId s, const ObjectView& view, const CullingOracle& oracle,
                  const Truth& truth, HardViews& random, Counts& counts) {
@@ -88,13 +95,11 @@ void judge(const Hierarchy& hierarchy, const Camera& camera, const glm::dmat4& t
   for (SplitId s = 0; s < hierarchy.split_count(); ++s) {
     const SplitNode& node = hierarchy.node(s);
     ++counts.cases;
-    const bool outside = !view.may_be_inside(node.sphere);
-    if (outside) {
+    if (!view.may_be_inside(node.sphere)) {
       ++counts.outside;
       if (truth.reaches_in(s)) ++counts.wrong_outside;
     }
-    // The eye of an orthographic view stands for its rays only where something is shown.
-    if (!(outside && view.is_orthographic()) && faces_away(node.cone(), node.sphere, view.eye())) {
+    if (!is_beyond_all_shown(node.sphere, view) && faces_away(node.cone(), node.sphere, view.eye())) {
       ++counts.away;
       if (truth.faces_eye(s)) ++counts.wrong_away;
     }
@@ -190,7 +195,7 @@ TEST(Culling, OfBoundsWithoutRoomIsNeverWrong) {
         if (oracle.moves_more_than(scale, a, across)) ++wrong_scales;
       }
       const NormalCone cone = grazing_cone({glm::dvec3(a), glm::dvec3(b), glm::dvec3(c)}, view.eye(), random);
-      if (!cone.culls() || (view.is_orthographic() && oracle.planes_outside(a) != 0)) continue;
+      if (!cone.culls() || is_beyond_all_shown({a, 0.0F}, view)) continue;
       ++cones;
       if (!faces_away(cone, {a, 0.0F}, view.eye())) continue;
       ++away;

@@ -79,7 +79,8 @@ std::array<glm::vec4, 6> frustum_planes(const View& view, const glm::dmat4x3& ob
           plane(ahead, -view.camera().near),    plane(-ahead, view.camera().far)};
 }
 
-// As far as anything that the view shows can be from the object's origin, in its space, rounded up to a power of two.
+// As far as anything that the view shows can be from the object's origin, in its space, rounded up to a power of two,
+// and no less than the least normal float, so that a multiple of it has all digits.
 double shown_reach(const View& view, const glm::dmat3& linear, const glm::dvec3& eye) {
   const Camera& camera = view.camera();
   const glm::dvec2 half = glm::dvec2(camera.width, camera.height) / (2.0 * view.focal_length_px());
@@ -87,7 +88,7 @@ double shown_reach(const View& view, const glm::dmat3& linear, const glm::dvec3&
                              solve(linear, glm::dvec3(0, 0, 1))};
   const double largest = std::max({glm::length(axes[0]), glm::length(axes[1]), glm::length(axes[2])});
   const double reach = glm::length(eye) + 2.0 * largest * (glm::length(half) + camera.far);
-  return std::exp2(std::ceil(std::log2(reach)));
+  return std::exp2(std::ceil(std::log2(std::max(reach, 0x1p-126))));
 }
 
 // A stand-in for the eye of an orthographic view. A face through p that turns away from this eye e turns away from all
