@@ -202,6 +202,8 @@ bool Application::step() {
 void Application::tell_complaints() {
   try {
     gl::check(window_->functions(), "drawing a picture");
+  } catch (const gl::ContextLost&) {
+    throw;
   } catch (const Error& error) {
     session_->notify(error.what(), true);
   }
@@ -271,6 +273,8 @@ void Application::take_captures() {
     try {
       write_png(capture.file,
                 capture.panels ? read_pixels(window_->functions(), 0, 0, pixels.width, pixels.height) : picture());
+    } catch (const gl::ContextLost&) {
+      throw;
     } catch (const Error& error) {
       session_->notify(error.what(), true);
     }

@@ -63,7 +63,12 @@ Window::Window(const WindowOptions& options) {
   glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
   glfwWindowHint(GLFW_DEPTH_BITS, 0);  // pictures are drawn elsewhere and put together here
   glfwWindowHint(GLFW_OPENGL_DEBUG_CONTEXT, options.debug_gl ? GLFW_TRUE : GLFW_FALSE);
-  window_ = glfwCreateWindow(options.size.width, options.size.height, "occlod", nullptr, nullptr);
+  // Told when the GPU is reset, where the driver can; see gl::check.
+  for (const int robustness : {GLFW_LOSE_CONTEXT_ON_RESET, GLFW_NO_ROBUSTNESS}) {
+    glfwWindowHint(GLFW_CONTEXT_ROBUSTNESS, robustness);
+    window_ = glfwCreateWindow(options.size.width, options.size.height, "occlod", nullptr, nullptr);
+    if (window_ != nullptr) break;
+  }
   if (window_ == nullptr) {
     glfwTerminate();
     fail("OpenGL", "this display has no OpenGL 3.3 core");
@@ -88,7 +93,8 @@ Window::~Window() {
 }
 
 bool Window::is_software() const {
-  const std::string renderer = reinterpret_cast<const char*>(functions_.GetString(GL_RENDERER));
+  const GLubyte* text = functions_.GetString(GL_RENDERER);  // null when the context is lost
+  const std::string renderer = text != nullptr ? reinterpret_cast<const char*>(text) : "";
   for (const char* name : {"llvmpipe", "softpipe", "swrast", "SWR"})
     if (renderer.find(name) != std::string::npos) return true;
   return false;

@@ -1,4 +1,5 @@
 """The OpenGL backends on the command line, with EGL and OSMesa as far as the machine has them."""
+import os
 import unittest
 
 from tool_case import ToolTest
@@ -111,6 +112,39 @@ class GlFaults(GlTest):
     def test_software_needs_no_driver(self):
         self.environment.update(__EGL_VENDOR_LIBRARY_FILENAMES="/dev/null", LIBGL_DRIVERS_PATH="/nonexistent")
         self.assertGreater(self.render("--occlusion", "software")["queries"], 0)
+
+    def preload_losing_driver(self, **variables):
+        """See tests/support/losing_driver.cpp."""
+        self.environment.update(variables, LD_PRELOAD=os.environ["LOSING_DRIVER"])
+        if self.run_tool("--version").returncode != 0:
+            self.skipTest("SKIPPED: nothing can be preloaded (sanitizers do not allow it)")
+
+    def test_context_lost_while_used(self):
+        """Whenever the driver tells it, from the first time that it is asked until it is never asked so often: one line, and without a loss the
+        result of every run. It is asked for batches, not for each query: a driver may go into the kernel to answer."""
+        whole = {(platform, backend): self.render("--occlusion", backend, "--gl-platform", platform)
+                 for platform in self.modern_platforms() for backend in BACKENDS}
+        for (platform, backend), result in whole.items():
+            at = 0
+            self.preload_losing_driver(LOSE_CONTEXT_AT="0")
+            arguments = self.arguments("--occlusion", backend, "--gl-platform", platform)
+            while self.run_tool(*arguments).returncode != 0:
+                line = self.fail(*arguments)
+                self.assertIn("occlod: error: OpenGL: ", line)
+                self.assertIn("the context is lost: this program has made the GPU reset; run again, or use the software backend", line)
+                at = 2 * at + 1
+                self.environment["LOSE_CONTEXT_AT"] = str(at)
+            self.assertEqual(self.json_of(*arguments)["hash"], result["hash"])
+            self.assertGreater(at, 7)
+            self.assertLess(at, result["queries"] / 8)
+
+    def test_driver_without_contexts_that_are_lost(self):
+        if "egl" not in self.platforms():
+            self.skipTest("no EGL")
+        arguments = self.arguments("--occlusion", "gl-query", "--gl-platform", "egl")
+        whole = self.json_of(*arguments)
+        self.preload_losing_driver(REFUSE_LOSING_CONTEXTS="1")
+        self.assertEqual(self.json_of(*arguments)["hash"], whole["hash"])
 
 
 if __name__ == "__main__":

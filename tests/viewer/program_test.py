@@ -148,6 +148,36 @@ class Script(unittest.TestCase):
         self.assertIn("OpenGL", result.stderr)
         self.assertIn("occlod render", result.stderr)
 
+    def preload_losing_driver(self):
+        """See tests/support/losing_driver.cpp."""
+        self.environment["LD_PRELOAD"] = os.environ["LOSING_DRIVER"]
+        if view("--version", environment=self.environment).returncode != 0:
+            self.skipTest("SKIPPED: nothing can be preloaded (sanitizers do not allow it)")
+
+    def test_display_without_contexts_that_are_lost(self):
+        self.preload_losing_driver()
+        self.environment["REFUSE_LOSING_CONTEXTS"] = "1"
+        result = self.run_script([{"do": "report"}])
+        self.assertEqual(result.returncode, 0, result.stderr)
+
+    def test_context_lost_while_used(self):
+        """Whenever the driver tells it: between two pictures, or when one is read back. The settings are kept as ever."""
+        self.preload_losing_driver()
+        settings = self.path / "view.json"
+        screenshots = [{"do": "screenshot", "file": str(self.path / f"{i}.png")} for i in range(20)]
+        steps = set()
+        for at in range(1000):
+            self.environment["LOSE_CONTEXT_AT"] = str(at)
+            result = self.run_script([{"do": "open", "file": str(self.path / "planet.json")}, *screenshots], "--settings", str(settings), "--size", "320x240")
+            if result.returncode == 0:
+                break
+            self.assertEqual((result.returncode, result.stderr.count("\n")), (1, 1), result.stderr)
+            self.assertRegex(result.stderr, "^occlod-view: error: OpenGL: .*: the context is lost: this program has made the GPU reset; run again")
+            steps.add(result.stderr.split(": ")[3])
+        self.assertEqual(steps, {"drawing a picture", "reading a picture"})
+        self.assertTrue(settings.exists())
+        self.assertTrue((self.path / "19.png").exists())
+
     def test_settings_are_remembered(self):
         settings = self.path / "view.json"
         for action, expected in [({"do": "set", "setting": "budget", "value": 4321}, 4321), ({"do": "report"}, 4321)]:

@@ -40,9 +40,10 @@ void RenderTarget::allocate() {
   gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
   gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
   gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture_.id(), 0);
-  if (!complete || gl.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
-    throw Error({"OpenGL", std::to_string(width_) + "x" + std::to_string(height_) + " pixels",
-                 "the driver has no such picture", "use a smaller one"});
+  if (complete && gl.CheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE) return;
+  check(gl, "picture");
+  throw Error({"OpenGL", std::to_string(width_) + "x" + std::to_string(height_) + " pixels",
+               "the driver has no such picture", "use a smaller one"});
 }
 
 void RenderTarget::finish() const {
@@ -65,6 +66,7 @@ Image read_pixels(const gl::Functions& gl, int x, int y, int width, int height) 
   image.pixels.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
   gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
   gl.ReadPixels(x, y, width, height, GL_RGBA, GL_UNSIGNED_BYTE, image.pixels.data());
+  check(gl, "reading a picture");
   for (int row = 0; row < height / 2; ++row)
     std::swap_ranges(image.pixels.begin() + static_cast<std::ptrdiff_t>(row) * width,
                      image.pixels.begin() + static_cast<std::ptrdiff_t>(row + 1) * width,

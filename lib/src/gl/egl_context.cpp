@@ -103,8 +103,8 @@ EGLConfig any_config(EGLDisplay display) {
   return config;
 }
 
-EGLContext create_core_context(EGLDisplay display) {
-  if (egl().bind_api(EGL_OPENGL_API) != EGL_TRUE) throw egl().failure("", "OpenGL is not offered");
+// Null when the driver has no such context. With `tells_resets` it is lost, and says so, when the GPU is reset.
+EGLContext try_core_context(EGLDisplay display, EGLConfig config, bool tells_resets) {
   std::vector<EGLint> attributes{EGL_CONTEXT_MAJOR_VERSION,       3,
                                  EGL_CONTEXT_MINOR_VERSION,       3,
                                  EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT};
@@ -113,8 +113,17 @@ EGLContext create_core_context(EGLDisplay display) {
   if (egl().has_extension(display, "EGL_KHR_create_context"))
     attributes.insert(attributes.end(), {EGL_CONTEXT_FLAGS_KHR, EGL_CONTEXT_OPENGL_DEBUG_BIT_KHR});
 #endif
+  if (tells_resets)
+    attributes.insert(attributes.end(), {EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY, EGL_LOSE_CONTEXT_ON_RESET});
   attributes.push_back(EGL_NONE);
-  const EGLContext context = egl().create_context(display, any_config(display), EGL_NO_CONTEXT, attributes.data());
+  return egl().create_context(display, config, EGL_NO_CONTEXT, attributes.data());
+}
+
+EGLContext create_core_context(EGLDisplay display) {
+  if (egl().bind_api(EGL_OPENGL_API) != EGL_TRUE) throw egl().failure("", "OpenGL is not offered");
+  const EGLConfig config = any_config(display);
+  EGLContext context = try_core_context(display, config, true);
+  if (context == EGL_NO_CONTEXT) context = try_core_context(display, config, false);
   if (context == EGL_NO_CONTEXT) throw egl().failure("", "no OpenGL 3.3 core context can be made");
   return context;
 }

@@ -2,8 +2,6 @@
 
 #include <string_view>
 
-#include "occlod/core/error.h"
-
 namespace occlod::gl {
 namespace {
 
@@ -24,6 +22,17 @@ const char* error_name(GLenum code) {
   }
 }
 
+std::string reset_reason(GLenum reset) {
+  switch (reset) {
+    case GL_GUILTY_CONTEXT_RESET:
+      return "the context is lost: this program has made the GPU reset";
+    case GL_INNOCENT_CONTEXT_RESET:
+      return "the context is lost: another program has made the GPU reset";
+    default:
+      return "the context is lost: the GPU was reset, for a reason that the driver does not know";
+  }
+}
+
 int version_of(const Functions& gl) {
   GLint major = 0;
   GLint minor = 0;
@@ -34,25 +43,37 @@ int version_of(const Functions& gl) {
 
 std::string dotted(int version) { return std::to_string(version / 10) + "." + std::to_string(version % 10); }
 
+bool has_extension(const Functions& gl, std::string_view wanted) {
+  GLint extensions = 0;
+  gl.GetIntegerv(GL_NUM_EXTENSIONS, &extensions);
+  for (GLuint i = 0; i < static_cast<GLuint>(extensions); ++i) {
+    const GLubyte* name = gl.GetStringi(GL_EXTENSIONS, i);
+    if (name != nullptr && reinterpret_cast<const char*>(name) == wanted) return true;
+  }
+  return false;
+}
+
+// Asked for only where it is offered: drivers hand out addresses of functions that they do not have.
+PFNGLGETGRAPHICSRESETSTATUSPROC find_reset_status(const Functions& gl, GetProc get_proc) {
+  const char* name = gl.version >= 45 || has_extension(gl, "GL_KHR_robustness") ? "glGetGraphicsResetStatus"
+                     : has_extension(gl, "GL_ARB_robustness")                   ? "glGetGraphicsResetStatusARB"
+                                                                                : nullptr;
+  return name != nullptr ? reinterpret_cast<PFNGLGETGRAPHICSRESETSTATUSPROC>(get_proc(name)) : nullptr;
+}
+
 #ifndef NDEBUG
 void APIENTRY keep_message(GLenum, GLenum type, GLuint, GLenum, GLsizei, const GLchar* message, const void* user) {
   if (type == GL_DEBUG_TYPE_ERROR) *static_cast<std::string*>(const_cast<void*>(user)) = message;
 }
 
 void listen_to_driver(Functions& gl, GetProc get_proc) {
-  GLint extensions = 0;
-  gl.GetIntegerv(GL_NUM_EXTENSIONS, &extensions);
-  for (GLuint i = 0; i < static_cast<GLuint>(extensions); ++i) {
-    const GLubyte* name = gl.GetStringi(GL_EXTENSIONS, i);
-    if (name == nullptr || std::string_view(reinterpret_cast<const char*>(name)) != "GL_KHR_debug") continue;
-    const auto set_callback = reinterpret_cast<PFNGLDEBUGMESSAGECALLBACKPROC>(get_proc("glDebugMessageCallback"));
-    if (set_callback == nullptr) return;
-    gl.driver_message = std::make_shared<std::string>();
-    gl.Enable(GL_DEBUG_OUTPUT);
-    gl.Enable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
-    set_callback(keep_message, gl.driver_message.get());
-    return;
-  }
+  if (!has_extension(gl, "GL_KHR_debug")) return;
+  const auto set_callback = reinterpret_cast<PFNGLDEBUGMESSAGECALLBACKPROC>(get_proc("glDebugMessageCallback"));
+  if (set_callback == nullptr) return;
+  gl.driver_message = std::make_shared<std::string>();
+  gl.Enable(GL_DEBUG_OUTPUT);
+  gl.Enable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
+  set_callback(keep_message, gl.driver_message.get());
 }
 #endif
 
@@ -74,6 +95,7 @@ Functions load_functions(GetProc get_proc, const std::string& subject) {
   if (gl.version < 33)
     throw Error({subject, "", "offers OpenGL " + dotted(gl.version) + " only",
                  "install a driver with OpenGL 3.3 core, or use the software backend"});
+  gl.GetGraphicsResetStatus = find_reset_status(gl, get_proc);
 #ifndef NDEBUG
   listen_to_driver(gl, get_proc);
 #endif
@@ -86,8 +108,14 @@ void require_version(const Functions& gl, int version, const char* user) {
                "use a newer driver, gl-query with its default target (OpenGL 3.3), or the software backend"});
 }
 
+ContextLost::ContextLost(const char* where, GLenum reset)
+    : Error({"OpenGL", where, reset_reason(reset), "run again, or use the software backend"}) {}
+
 void check(const Functions& gl, const char* where) {
+  // In this order: what is lost in between is noticed with its reason.
   const GLenum first = gl.GetError();
+  const GLenum reset = gl.GetGraphicsResetStatus != nullptr ? gl.GetGraphicsResetStatus() : GLenum{GL_NO_ERROR};
+  if (reset != GL_NO_ERROR || first == GL_CONTEXT_LOST) throw ContextLost(where, reset);
   if (first == GL_NO_ERROR) return;
   // One flag for each kind of error; bounded, because a lost context never runs out of them.
   for (int i = 0; i < 8 && gl.GetError() != GL_NO_ERROR; ++i) {

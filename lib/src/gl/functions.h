@@ -7,6 +7,8 @@
 #include <memory>
 #include <string>
 
+#include "occlod/core/error.h"
+
 namespace occlod::gl {
 
 // X(the middle of the PFNGL...PROC type, the name without "gl")
@@ -109,6 +111,8 @@ struct Functions {
 #define OCCLOD_GL_MEMBER(TYPE, name) PFNGL##TYPE##PROC name = nullptr;
   OCCLOD_GL_FUNCTIONS(OCCLOD_GL_MEMBER)
   OCCLOD_GL_NEWER_FUNCTIONS(OCCLOD_GL_MEMBER)
+  // Of OpenGL 4.5, KHR_robustness or ARB_robustness. Null where the driver has none: it never says that it was reset.
+  OCCLOD_GL_MEMBER(GETGRAPHICSRESETSTATUS, GetGraphicsResetStatus)
 #undef OCCLOD_GL_MEMBER
   int version = 0;  // 10 * major + minor
   // The driver's last complaint, filled in debug builds where it offers KHR_debug; check() quotes it. Else null.
@@ -125,7 +129,17 @@ using GetProc = Proc (*)(const char* name);
 // Throws Error that names `user` and what to use instead when the context is older than `version` (43 = 4.3).
 void require_version(const Functions& gl, int version, const char* user);
 
-// Throws Error when OpenGL has recorded one since the last check. `where`: the step that has just been done.
+// The context is gone with all that lives in it, since the GPU or its driver was reset. Calls do nothing any more and
+// answer anything; objects may still be deleted, and another context may be made.
+class ContextLost : public Error {
+ public:
+  // `reset`: what glGetGraphicsResetStatus has said; GL_NO_ERROR when it is only known that the context is lost.
+  ContextLost(const char* where, GLenum reset);
+};
+
+// Throws Error when OpenGL has recorded one since the last check, and ContextLost when the context is lost: a driver
+// may tell that once only. `where`: the step that has just been done. May cost a call into the kernel: once for many
+// questions, not for each.
 void check(const Functions& gl, const char* where);
 
 }  // namespace occlod::gl

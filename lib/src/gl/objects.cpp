@@ -14,7 +14,8 @@ constexpr GLsizei longest_log = 2048;  // characters
 // Drivers answer within milliseconds. One that has not after this long never will.
 constexpr std::uint64_t longest_wait_ns = 10'000'000'000;
 
-[[noreturn]] void refuse_shader(const char* stage, const std::string& log) {
+[[noreturn]] void refuse_shader(const Functions& gl, const char* stage, const std::string& log) {
+  if (log.empty()) check(gl, stage);
   throw Error(
       {"OpenGL", stage, log.empty() ? "does not compile" : log, "try another driver, or use the software backend"});
 }
@@ -45,7 +46,7 @@ class Shader {
     GLsizei length = 0;
     gl_->GetShaderInfoLog(id_, longest_log, &length, log.data());
     log.resize(static_cast<std::size_t>(length));
-    refuse_shader(stage, log);
+    refuse_shader(*gl_, stage, log);
   }
 
  private:
@@ -70,7 +71,7 @@ Program::Program(const Functions& gl, std::initializer_list<ShaderSource> source
   gl.GetProgramInfoLog(id_, longest_log, &length, log.data());
   log.resize(static_cast<std::size_t>(length));
   gl.DeleteProgram(id_);
-  refuse_shader("program", log);
+  refuse_shader(gl, "program", log);
 }
 
 FloatTarget::FloatTarget(const Functions& gl, Kind kind) : gl_(&gl), kind_(kind), framebuffer_(gl), texture_(gl) {}
@@ -80,6 +81,7 @@ void FloatTarget::bind(int width, int height) {
   if (width == width_ && height == height_) return;
   GLint largest = 0;
   gl_->GetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
+  check(*gl_, "occlusion target");
   if (width > largest || height > largest)
     throw Error({"OpenGL", "occlusion target", "the driver holds at most " + std::to_string(largest) + " pixels a side",
                  "use a smaller image, or the software backend"});
@@ -101,8 +103,9 @@ void FloatTarget::allocate() const {
                             texture_.id(), 0);
   gl_->DrawBuffer(depth ? GL_NONE : GL_COLOR_ATTACHMENT0);
   gl_->ReadBuffer(depth ? GL_NONE : GL_COLOR_ATTACHMENT0);
+  const GLenum status = gl_->CheckFramebufferStatus(GL_FRAMEBUFFER);
   check(*gl_, "occlusion target");
-  if (gl_->CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
+  if (status != GL_FRAMEBUFFER_COMPLETE)
     throw Error({"OpenGL", "occlusion target", "the driver refuses a framebuffer with one image of floats",
                  "try another driver, or use the software backend"});
 }
@@ -112,10 +115,12 @@ void read_back(const Functions& gl, std::span<std::uint32_t> words, const char* 
   const GLsync fence = gl.FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
   const GLenum state = gl.ClientWaitSync(fence, GL_SYNC_FLUSH_COMMANDS_BIT, longest_wait_ns);
   gl.DeleteSync(fence);
+  const bool is_done = state == GL_ALREADY_SIGNALED || state == GL_CONDITION_SATISFIED;
+  if (is_done)
+    gl.GetBufferSubData(GL_SHADER_STORAGE_BUFFER, 0, static_cast<GLsizeiptr>(words.size_bytes()), words.data());
   check(gl, work);
-  if (state != GL_ALREADY_SIGNALED && state != GL_CONDITION_SATISFIED)
+  if (!is_done)
     throw Error({"OpenGL", work, "the driver gave no answer", "use another driver, or the software backend"});
-  gl.GetBufferSubData(GL_SHADER_STORAGE_BUFFER, 0, static_cast<GLsizeiptr>(words.size_bytes()), words.data());
 }
 
 }  // namespace occlod::gl

@@ -17,6 +17,10 @@ enum class Platform {
 // An OpenGL 3.3 core context (or newer: drivers give the newest that is compatible). Several may live in one process.
 // Make, use and destroy it on one thread; what uses it calls make_current() first and destroys its own objects before
 // it.
+//
+// Where the driver offers it the context is lost when the GPU is reset, and what uses it throws an Error that says so,
+// at its next view, occluder or batch of answers. Destroy it and what uses it then; new ones work, or software
+// occlusion.
 class Context {
  public:
   Context(const Context&) = delete;

@@ -35,8 +35,9 @@ struct QueryOcclusionOptions {
 // proxy's screen rectangle; all pixels of the image where nothing is known.
 //
 // Between begin_view and the last collect the context is this backend's alone; it leaves the state behind that it has
-// set. collect() throws Error when the driver has not answered after 10 s, begin_view and draw_occluder when it reports
-// an error. Throws Error for no context, a flight of 0, a divisor below 1, or a target that the context is too old for.
+// set. collect() throws Error when the driver has not answered after 10 s, and so do begin_view, draw_occluder and the
+// collect() after which none is under way when it reports an error. Throws Error for no context, a flight of 0, a
+// divisor below 1, or a target that the context is too old for.
 [[nodiscard]] std::unique_ptr<Visibility> make_query_occlusion(std::shared_ptr<Context> context,
                                                                const QueryOcclusionOptions& options = {});
 
