@@ -4,9 +4,11 @@ import csv
 import json
 import os
 import pathlib
+import signal
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 import on_virtual_display
@@ -177,6 +179,44 @@ class Script(unittest.TestCase):
         self.assertEqual(steps, {"drawing a picture", "reading a picture"})
         self.assertTrue(settings.exists())
         self.assertTrue((self.path / "19.png").exists())
+
+    @unittest.skipUnless("OCCLOD" in os.environ, "SKIPPED: the command line is not built")
+    def test_mapped_file_cut_short(self):
+        """Pages that are gone raise SIGBUS, on the thread that refines or the one that draws. The viewer waits between two budgets when the file is
+        cut short; should it have gone on before, the next attempt counts."""
+        mesh, file = self.path / "planet.ply", self.path / "planet.olod"
+        for command in (["generate", "rough-planet", "--level", "7", "-o", mesh], ["build", mesh, "-o", file]):
+            subprocess.run([os.environ["OCCLOD"], *command], capture_output=True, check=True, timeout=300)
+        whole = file.read_bytes()
+        pictures = [self.path / "coarse.png", self.path / "fine.png"]
+        (self.path / "script.json").write_text(json.dumps({"actions": [
+            {"do": "open", "file": str(file)},
+            {"do": "set", "setting": "budget", "value": 1000},
+            {"do": "screenshot", "file": str(pictures[0])},
+            {"do": "wait", "for": "pictures", "count": 100},
+            {"do": "set", "setting": "budget", "value": 100000},
+            {"do": "screenshot", "file": str(pictures[1])}]}))
+        for _ in range(20):
+            file.write_bytes(whole)
+            for picture in pictures:
+                picture.unlink(missing_ok=True)
+            process = subprocess.Popen([VIEW, "--script", str(self.path / "script.json"), "--size", "320x240"], env=self.environment,
+                                       stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+            with process:
+                while process.poll() is None and not pictures[0].exists():
+                    time.sleep(0.01)
+                self.assertIn(str(file), pathlib.Path(f"/proc/{process.pid}/maps").read_text())
+                os.kill(process.pid, signal.SIGSTOP)
+                os.waitid(os.P_PID, process.pid, os.WSTOPPED | os.WEXITED | os.WNOWAIT)
+                in_time = not pictures[1].exists()
+                os.truncate(file, 4096)
+                os.kill(process.pid, signal.SIGCONT)
+                output, errors = process.communicate(timeout=300)
+            if in_time:
+                break
+        self.assertEqual((process.returncode, output, errors.count("\n")), (1, "", 1), errors)
+        self.assertTrue(errors.startswith(f"occlod-view: error: {file}: was cut short"), errors)
+        self.assertFalse(pictures[1].exists())
 
     def test_settings_are_remembered(self):
         settings = self.path / "view.json"
