@@ -91,8 +91,8 @@ HWY_INLINE void weigh_vector(Front& front, const std::int32_t* which, const Weig
   hn::Store(rounded_down(lasts), Floats(), results.lasts.data());
   hn::Store(rounded_down(way_lasts), Floats(), results.way_lasts.data());
   hn::Store(hn::Mul(constant(1.0F + 1e-6F), reach), Floats(), results.radius.data());
-  hn::StoreMaskBits(Doubles(), is_out, results.outside.data());
-  hn::StoreMaskBits(Doubles(), is_away, results.facing_away.data());
+  hn::StoreMaskBits(Doubles(), is_out, results.outside.bytes.data());
+  hn::StoreMaskBits(Doubles(), is_away, results.facing_away.bytes.data());
   for (std::size_t lane = 0; lane < hn::Lanes(Doubles()); ++lane)
     results.give(lane, front, static_cast<Front::Index>(which[lane]), now);
 }

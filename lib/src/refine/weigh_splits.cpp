@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "occlod/hierarchy/split_node.h"
+#include "refine/weighed_lanes.h"
 
 // Compiles this file once for every instruction set.
 #undef HWY_TARGET_INCLUDE
@@ -51,28 +52,25 @@ HWY_INLINE ConeLanes read_cones(const NodeLanes<SplitNode>& nodes) {
 
 // The first of them, whole vectors; returns how many.
 std::size_t weigh_vectors(std::span<const SplitNode> nodes, const ObjectView& view, bool tests_cones, float* scales) {
-  constexpr std::size_t bytes_of_mask = 8;  // at least, for any number of lanes
   const std::size_t lanes = hn::Lanes(Doubles());
   HWY_ALIGN std::array<float, hn::MaxLanes(Floats())> seen;
-  std::array<std::uint8_t, bytes_of_mask> outside{}, facing_away{};
+  LaneBits outside, facing_away;
   std::size_t i = 0;
   for (; i + lanes <= nodes.size(); i += lanes) {
     const NodeLanes<SplitNode> node(&nodes[i], hn::Iota(Ints(), 0));
     const Vec3<Floats> center = node.read3(offsetof(SplitNode, sphere));
     const hn::Vec<Floats> radius = node.read(offsetof(SplitNode, sphere) + offsetof(Sphere, radius));
-    hn::StoreMaskBits(Floats(), is_outside(center, radius, view).is_so, outside.data());
+    hn::StoreMaskBits(Floats(), is_outside(center, radius, view).is_so, outside.bytes.data());
     if (tests_cones) {
       const ConeLanes cone = read_cones(node);
       hn::StoreMaskBits(
           Doubles(),
           is_facing_away(wide(center), wide(radius), wide(cone.axis), wide(cone.cos_angle), view.eye()).is_so,
-          facing_away.data());
+          facing_away.bytes.data());
     }
     hn::Store(scale_px(wide(center), wide(radius), view).scale_px, Floats(), seen.data());
-    for (std::size_t lane = 0; lane < lanes; ++lane) {
-      const auto is_set = [&](const auto& bits) HWY_ATTR { return (bits[lane / 8] >> (lane % 8) & 1U) != 0; };
-      scales[i + lane] = is_set(outside) ? scale_outside : is_set(facing_away) ? scale_facing_away : seen[lane];
-    }
+    for (std::size_t lane = 0; lane < lanes; ++lane)
+      scales[i + lane] = outside[lane] ? scale_outside : facing_away[lane] ? scale_facing_away : seen[lane];
   }
   return i;
 }

@@ -12,16 +12,24 @@
 
 namespace occlod {
 
+// A bit for each lane, as hn::StoreMaskBits stores them.
+struct LaneBits {
+  std::array<std::uint8_t, 8> bytes{};  // at least, for any number of lanes
+
+  [[nodiscard]] bool operator[](std::size_t lane) const noexcept {
+    return (static_cast<std::uint32_t>(bytes[lane / 8]) >> (lane % 8) & 1U) != 0;
+  }
+};
+
 // Has room for the vectors of every instruction set that Highway knows at a fixed width.
 struct WeighedLanes {
   static constexpr std::size_t most = 16;
 
   alignas(64) std::array<float, most> scale_px, radius, growth, lasts, way_lasts;
-  std::array<std::uint8_t, 8> outside, facing_away;  // a bit for each lane
+  LaneBits outside, facing_away;
 
   void give(std::size_t lane, Front& front, Front::Index k, const WeighingView& now) const {
-    const auto is_set = [&](const auto& bits) { return (bits[lane / 8] >> (lane % 8) & 1U) != 0; };
-    const bool out = is_set(outside), away = is_set(facing_away);
+    const bool out = outside[lane], away = facing_away[lane];
     front.set(k, Front::outside, out);
     front.set(k, Front::facing_away, away);
     DriftingValues& scales = front.scales();
