@@ -3,7 +3,10 @@
 #include <cstdint>
 #include <cstring>
 #include <glm/geometric.hpp>
+#include <initializer_list>
 #include <string>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "io/mesh_files.h"
@@ -122,6 +125,122 @@ TEST(ReadGltf, SaysWhatIsWrong) {
   const std::string folder_as_buffer = R"({"asset": {"version": "2.0"}, "buffers": [{"byteLength": 4, "uri": "."}]})";
   EXPECT_NE(folder.complaint("folder.gltf", folder_as_buffer).find("is no file"), std::string::npos);
   EXPECT_NE(folder.complaint("short.glb", "glTF"), "accepted");
+}
+
+// One triangle without indices: positions in the first 36 bytes of the buffer, then other attributes, an accessor each.
+struct Attributes {
+  struct Attribute {
+    std::string name, type;
+    int component_type;
+    std::string bytes;
+    std::string extra;  // of its accessor
+  };
+  std::vector<Attribute> others;
+  std::string rest = R"(, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}])";
+  std::string primitive = {};  // instead of the one with all attributes
+
+  [[nodiscard]] std::string gltf() const {
+    std::string bytes;
+    for (const glm::vec3 p : {glm::vec3(0, 0, 0), glm::vec3(1, 0, 0), glm::vec3(0, 1, 0)})
+      for (int k = 0; k < 3; ++k) put(bytes, p[k]);
+    std::string names = R"("POSITION": 0)", views = R"({"buffer": 0, "byteLength": 36})",
+                accessors = R"({"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"})";
+    for (std::size_t i = 0; i < others.size(); ++i) {
+      const Attribute& other = others[i];
+      const std::string number = std::to_string(i + 1);
+      names += ", \"" + other.name + "\": " + number;
+      views += R"(, {"buffer": 0, "byteOffset": )" + std::to_string(bytes.size()) + R"(, "byteLength": )" +
+               std::to_string(other.bytes.size()) + "}";
+      accessors += R"(, {"bufferView": )" + number + R"(, "componentType": )" + std::to_string(other.component_type) +
+                   R"(, "count": 3, "type": ")" + other.type + "\"" + other.extra + "}";
+      bytes += other.bytes;
+    }
+    return R"({"asset": {"version": "2.0"})" + rest + R"(, "meshes": [{"primitives": [)" +
+           (primitive.empty() ? R"({"attributes": {)" + names + "}}" : primitive) + R"(]}], "accessors": [)" +
+           accessors + R"(], "bufferViews": [)" + views + R"(], "buffers": [{"byteLength": )" +
+           std::to_string(bytes.size()) + R"(, "uri": "data:application/octet-stream;base64,)" + base64(bytes) +
+           "\"}]}";
+  }
+};
+
+template <typename T>
+std::string three_times(std::initializer_list<T> element) {
+  std::string bytes;
+  for (int i = 0; i < 3; ++i)
+    for (const T component : element) put(bytes, component);
+  return bytes;
+}
+
+// Normalized integers are fractions of the largest: of signed ones, with -128 cut off at -1; of unsigned ones 51 / 255
+// is 0.2, 13107 / 65535 as well, and colours are kept as bytes.
+TEST(ReadGltf, NormalizedIntegersAreFractions) {
+  const test::TestFolder folder;
+  const std::string normalized = R"(, "normalized": true)";
+  const auto read = [&](const Attributes::Attribute& other) {
+    return folder.read("a.gltf", Attributes{.others = {other}}.gltf()).mesh;
+  };
+  for (const auto& [type, bytes] : {std::pair(5120, three_times<std::int8_t>({0, 0, -128})),
+                                    std::pair(5122, three_times<std::int16_t>({0, 0, -32767}))}) {
+    const TriangleMesh mesh = read({"NORMAL", "VEC3", type, bytes, normalized});
+    ASSERT_EQ(mesh.normals.size(), 3U) << type;
+    EXPECT_EQ(mesh.normals[1], glm::vec3(0, 0, -1)) << type;
+  }
+  const std::string shorts = three_times<std::uint16_t>({65535, 0, 13107});
+  for (const auto& [shape, type, bytes] :
+       {std::tuple("VEC3", 5121, three_times<std::uint8_t>({255, 0, 51})), std::tuple("VEC3", 5123, shorts),
+        std::tuple("VEC3", 5126, three_times<float>({1.0F, 0.0F, 0.2F})),
+        std::tuple("VEC3", 5130, three_times<double>({1.0, 0.0, 0.2}))}) {
+    const TriangleMesh mesh = read({"COLOR_0", shape, type, bytes, normalized});
+    ASSERT_EQ(mesh.colors.size(), 3U) << type;
+    EXPECT_EQ(mesh.colors[2], glm::u8vec4(255, 0, 51, 255)) << type;
+  }
+  const TriangleMesh clear = read({"COLOR_0", "VEC4", 5121, three_times<std::uint8_t>({1, 2, 3, 4}), normalized});
+  EXPECT_EQ(clear.colors.at(0), glm::u8vec4(1, 2, 3, 4));
+}
+
+// Without a scene all nodes are shown that are nobody's child, with their children: here the second, which is moved by
+// 5 and shows the first. Lines and what has no positions have no surface.
+TEST(ReadGltf, WithoutASceneAllRootsAreShown) {
+  const test::TestFolder folder;
+  Attributes rooted;
+  rooted.rest = R"(, "nodes": [{"mesh": 0}, {"children": [0], "translation": [5, 0, 0]}])";
+  const TriangleMesh mesh = folder.read("a.gltf", rooted.gltf()).mesh;
+  EXPECT_EQ(mesh.triangle_count(), 1U);
+  EXPECT_EQ(mesh.positions.at(0).x, 5.0F);
+  Attributes lines;
+  lines.primitive =
+      R"({"attributes": {"POSITION": 0}, "mode": 1}, {"attributes": {}}, {"attributes": {"POSITION": 0}})";
+  EXPECT_EQ(folder.read("b.gltf", lines.gltf()).mesh.triangle_count(), 1U);
+}
+
+TEST(ReadGltf, SaysWhatIsWrongWithAttributes) {
+  const test::TestFolder folder;
+  const auto complaint = [&](const Attributes& file) { return folder.complaint("bad.gltf", file.gltf()); };
+  const auto has = [&](const Attributes& file, const char* words) {
+    const std::string text = complaint(file);
+    EXPECT_NE(text.find(words), std::string::npos) << text;
+  };
+  const std::string two = three_times<float>({1.0F, 0.0F});
+  has({.others = {{"NORMAL", "VEC2", 5126, two, ""}}}, "accessor 1: has too few components");
+  has({.others = {{"NORMAL", "VEC3", 5126, three_times<float>({0, 0, 1}), R"(, "byteOffset": 4)"}}}, "reaches beyond");
+  Attributes file;
+  file.primitive = R"({"attributes": {"POSITION": 7}})";
+  has(file, "refers to accessor 7, which is not there");
+  file.primitive.clear();
+  file.rest = R"(, "scene": 0, "scenes": [{"nodes": [3]}], "nodes": [{"mesh": 0}])";
+  has(file, "refers to node 3, which is not there");
+  file.rest = R"(, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 2}])";
+  has(file, "refers to mesh 2, which is not there");
+  // Fewer normals or colours than positions: the attribute of three elements goes with the positions of six.
+  for (const char* name : {"NORMAL", "COLOR_0"}) {
+    Attributes fewer;
+    fewer.others = {{"_MORE", "VEC3", 5126, three_times<float>({1, 2, 3}) + three_times<float>({4, 5, 6}), ""}};
+    std::string text = fewer.gltf();
+    const std::string whole = R"("count": 3, "type": "VEC3")";
+    text.replace(text.rfind(whole), whole.size(), R"("count": 6, "type": "VEC3")");
+    text.replace(text.find(R"("POSITION": 0, "_MORE": 1)"), 25, R"("POSITION": 1, ")" + std::string(name) + R"(": 0)");
+    EXPECT_NE(folder.complaint("bad.gltf", text).find("has fewer"), std::string::npos) << name;
+  }
 }
 
 TEST(ReadGltf, IntsAreReadAsTheyAre) {
