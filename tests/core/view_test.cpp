@@ -81,6 +81,16 @@ TEST(View, OrthographicKeepsWhatIsShownAtTheTarget) {
   EXPECT_NEAR(perspective.y / perspective.w, parallel.y, 1e-12);
 }
 
+// Twice as wide as high, 90 degrees high: a sphere of radius 3 touches the upper and lower planes at 3 sqrt 2, of which
+// a fiftieth is added. A picture half as wide as high shows as much to the sides as one of atan(1/2) = 26.57 degrees to
+// each side.
+TEST(Camera, FitsASphereIntoTheSmallerSide) {
+  Camera camera = good_camera();
+  EXPECT_NEAR(fitting_distance(camera, 3.0), 1.02 * 3.0 * std::sqrt(2.0), 1e-12);
+  camera.width = camera.height / 2;
+  EXPECT_NEAR(fitting_distance(camera, 3.0), 1.02 * 3.0 * std::sqrt(5.0), 1e-12);
+}
+
 TEST(View, RefusesCamerasThatMakeNoImage) {
   const auto refused = [](auto change) {
     Camera camera = good_camera();

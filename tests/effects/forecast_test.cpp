@@ -23,6 +23,14 @@ OcclusionEffort best_of(const Calibration& calibration, const Prospect& prospect
       ->effort;
 }
 
+TEST(OcclusionEffort, HasTheNamesThatReportsUse) {
+  EXPECT_EQ(name_of(OcclusionEffort::none), "none");
+  EXPECT_EQ(name_of(OcclusionEffort::subtrees), "subtrees");
+  EXPECT_EQ(name_of(OcclusionEffort::renewed_subtrees), "renewed-subtrees");
+  EXPECT_EQ(name_of(OcclusionEffort::stars), "stars");
+  EXPECT_EQ(name_of(OcclusionEffort::renewed_stars), "renewed-stars");
+}
+
 // 16,000 visits at 150 + 25 ns, 5,000 splits at 350 ns, 10,000 triangles at 60 ns and two fragments for each of 76,800
 // pixels at 1 ns: 2.8 + 1.75 + 0.6 + 0.1536 ms.
 TEST(Forecast, AddsUpWhatAFrameTakes) {

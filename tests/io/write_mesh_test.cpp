@@ -1,11 +1,14 @@
 #include "occlod/io/write_mesh.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
+#include <chrono>
 #include <iterator>
 #include <limits>
 #include <span>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "io/mesh_files.h"
@@ -116,6 +119,26 @@ TEST(AtomicFile, ReportsAFailedWriteAndKeepsTheOldFile) {
   file.stream().setstate(std::ios::badbit);  // as after a full disk
   EXPECT_THROW(file.commit(), Error);
   EXPECT_EQ(test::bytes_of(path), "old");
+}
+
+// Of the hidden files beside the target only those go that a process of the same machine, which has ended, left there
+// more than a minute ago for the same target. No process has the largest number.
+TEST(AtomicFile, RemovesWhatKilledProcessesLeft) {
+  const test::TestFolder folder;
+  const auto leave = [&](const std::string& name, bool is_old) {
+    const fs::path path = folder.write(name, "half");
+    if (is_old) fs::last_write_time(path, fs::file_time_type::clock::now() - std::chrono::hours(1));
+    return path;
+  };
+  const std::string ended = "2147483647-0.tmp", at_work = std::to_string(getpid()) + "-77.tmp";
+  const fs::path leftover = leave(".a.txt." + ended, true);
+  const std::vector<fs::path> others = {leave(".a.txt." + at_work, true), leave(".a.txt.2147483647-1.tmp", false),
+                                        leave(".b.txt." + ended, true),   leave(".a.txt.x-0.tmp", true),
+                                        leave(".a.txt.2147483647", true), leave(".a.txt.-5-0.tmp", true)};
+  AtomicFile file(folder.path() / "a.txt");
+  file.commit();
+  EXPECT_FALSE(fs::exists(leftover));
+  for (const fs::path& other : others) EXPECT_TRUE(fs::exists(other)) << other;
 }
 
 TEST(AtomicFile, KeepsPermissionsAndFollowsLinks) {
