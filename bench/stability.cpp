@@ -11,11 +11,13 @@
 #include <functional>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "occlod/hierarchy/build.h"
+#include "occlod/io/atomic_file.h"
 #include "occlod/io/olod.h"
 #include "occlod/occlusion/software_occlusion.h"
 #include "occlod/refine/refiner.h"
@@ -34,6 +36,7 @@ struct Options {
   std::string mesh = "planet:8";
   std::size_t budget = 10'000;
   int repeat = 15;
+  fs::path json;  // where the rows go as well
 };
 
 struct Node {
@@ -87,6 +90,9 @@ struct Row {
   double with_ms = 0.0, without_ms = 0.0;
   std::size_t count = 1;  // times are for so many
   std::string unit;
+
+  // ms, or ns for each of many.
+  [[nodiscard]] double in_unit(double ms) const { return count == 1 ? ms : ms * 1e6 / static_cast<double>(count); }
 };
 
 // Medians of rounds in which both have their turn. Both return something that depends on all that they have done.
@@ -103,13 +109,30 @@ void measure(Row& row, int repeat, const std::function<double()>& with, const st
   row.without_ms = median(without_ms);
 }
 
-void print(const Row& row) {
-  const double unit = static_cast<double>(row.count);
-  const double factor = row.count == 1 ? 1.0 : 1e6;  // ms, or ns each
-  fmt::print("| {} | {}: {:.3g} | {}: {:.3g} | {} | {:+.3g} | {:.2f} |\n", row.what, row.with,
-             row.with_ms * factor / unit, row.without, row.without_ms * factor / unit, row.unit,
-             (row.with_ms - row.without_ms) * factor / unit, row.with_ms / row.without_ms);
-}
+// Prints rows and keeps them.
+class Table {
+ public:
+  Table() { fmt::print("| what | with | without | unit | costs | ratio |\n|---|---|---|---|---|---|\n"); }
+
+  void add(const Row& row) {
+    const double with = row.in_unit(row.with_ms), without = row.in_unit(row.without_ms);
+    fmt::print("| {} | {}: {:.3g} | {}: {:.3g} | {} | {:+.3g} | {:.2f} |\n", row.what, row.with, with, row.without,
+               without, row.unit, with - without, with / without);
+    rows_.push_back({{"what", row.what},
+                     {"unit", row.unit},
+                     {"with", {{"way", row.with}, {"value", with}}},
+                     {"without", {{"way", row.without}, {"value", without}}}});
+  }
+
+  void write(const fs::path& path) const {
+    AtomicFile file(path);
+    file.stream() << rows_.dump(1) << '\n';
+    file.commit();
+  }
+
+ private:
+  nlohmann::ordered_json rows_ = nlohmann::ordered_json::array();
+};
 
 std::vector<Node> nodes_of(const Hierarchy& hierarchy) {
   std::vector<Node> nodes;
@@ -127,7 +150,7 @@ auto sum_over(const std::vector<Node>& nodes, const Verdict& verdict) {
   };
 }
 
-void measure_rounding(const Hierarchy& hierarchy, const Options& options) {
+void measure_rounding(const Hierarchy& hierarchy, const Options& options, Table& table) {
   const std::vector<Node> nodes = nodes_of(hierarchy);
   for (const NamedCamera& named : planet_views()) {
     const View view(named.camera);
@@ -136,7 +159,7 @@ void measure_rounding(const Hierarchy& hierarchy, const Options& options) {
     const auto row = [&](const std::string& what, const auto& with, const auto& without) {
       Row r{what + ", " + std::string(named.name), "double or slack", "single", 0, 0, nodes.size(), "ns a node"};
       measure(r, options.repeat, sum_over(nodes, with), sum_over(nodes, without));
-      print(r);
+      table.add(r);
     };
     row(
         "frustum", [&](const Node& n) { return object.may_be_inside(n.sphere); },
@@ -151,7 +174,7 @@ void measure_rounding(const Hierarchy& hierarchy, const Options& options) {
 }
 
 // The first look at all of a file that the system has in memory already.
-void measure_file(const Hierarchy& hierarchy, const Options& options) {
+void measure_file(const Hierarchy& hierarchy, const Options& options, Table& table) {
   const fs::path file = fs::temp_directory_path() / "occlod_bench_stability.olod";
   write_olod(file, hierarchy, {});
   Row row{"all blocks of a mapped file", "checked", "only read", 0, 0, 1, "ms"};
@@ -181,11 +204,11 @@ void measure_file(const Hierarchy& hierarchy, const Options& options) {
         add(view.stars);
         return sum;
       });
-  print(row);
+  table.add(row);
   fs::remove(file);
 }
 
-void measure_occluder(const Hierarchy& hierarchy, const Options& options) {
+void measure_occluder(const Hierarchy& hierarchy, const Options& options, Table& table) {
   Refiner refiner(std::vector<RefineObject>{{&hierarchy, glm::dmat4(1.0), false}});
   const auto occlusion = make_software_occlusion();
   for (const NamedCamera& named : planet_views()) {
@@ -205,16 +228,17 @@ void measure_occluder(const Hierarchy& hierarchy, const Options& options) {
             1,
             "ms"};
     measure(row, options.repeat, refine(OccluderMode::conservative), refine(OccluderMode::paper));
-    print(row);
+    table.add(row);
   }
 }
 
 void run(const Options& options) {
   const Hierarchy hierarchy = build_hierarchy(load_bench_mesh(options.mesh));
-  fmt::print("| what | with | without | unit | costs | ratio |\n|---|---|---|---|---|---|\n");
-  measure_rounding(hierarchy, options);
-  measure_file(hierarchy, options);
-  measure_occluder(hierarchy, options);
+  Table table;
+  measure_rounding(hierarchy, options, table);
+  measure_file(hierarchy, options, table);
+  measure_occluder(hierarchy, options, table);
+  if (!options.json.empty()) table.write(options.json);
 }
 
 int run(int argc, char** argv) {
@@ -222,6 +246,7 @@ int run(int argc, char** argv) {
   Options options;
   app.add_option("MESH", options.mesh, "A mesh, or planet:LEVEL")->capture_default_str();
   app.add_option("--budget", options.budget, "Triangles")->capture_default_str();
+  app.add_option("--json", options.json, "A file for the same rows");
   add_repeat_option(app, options.repeat, "Rounds after the first");
   return run_app(app, argc, argv, [&] { run(options); });
 }

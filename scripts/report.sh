@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # What accuracy costs in time: sweeps the knobs of refinement over scenes and camera paths and makes one page of it, out/report/report.html, with
-# report.json and points.csv beside it.
+# report.json, points.csv and stability.json beside it.
 # report.sh [--small] [--out FOLDER] [--bench FILE]
 #   --small  three scenes, small pictures and budgets: seconds, for tests
-#   --bench  a built bench_report; sets up and builds it when not given
+#   --bench  a built bench_report, with bench_stability in the folder above; sets up and builds both when not given
 # OCCLOD_MESHES: folders with real meshes, separated by ':'; scenes that miss one are skipped and say so.
 set -euo pipefail
 root=$(cd "$(dirname "$0")/.." && pwd)
@@ -11,9 +11,10 @@ root=$(cd "$(dirname "$0")/.." && pwd)
 out=$root/out/report
 bench=
 small=()
+stability=()
 while [ $# -gt 0 ]; do
   case $1 in
-    --small) small=(--small); shift ;;
+    --small) small=(--small); stability=(planet:5 --budget 1000 --repeat 3); shift ;;
     --out) out=${2:?report.sh: --out needs a folder}; shift 2 ;;
     --bench) bench=${2:?report.sh: --bench needs a file}; shift 2 ;;
     *) echo "report.sh: unknown option $1; see the head of $0" >&2; exit 2 ;;
@@ -33,4 +34,5 @@ fi
 
 commit=$(git -C "$root" describe --always --dirty 2>/dev/null || true)
 "$bench" "${small[@]}" --out "$out" --commit "$commit"
+"$(dirname "$bench")/../bench_stability" "${stability[@]}" --json "$out/stability.json" >/dev/null
 python3 -B "$root/bench/report/page.py" "$out"

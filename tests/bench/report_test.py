@@ -121,6 +121,16 @@ class Report(unittest.TestCase):
                     self.assertAlmostEqual(pixel, first + slope * (value - low), delta=0.05)
                     self.assertTrue(0 < pixel < float(attributes["height" if axis else "width"]))
 
+    def test_tells_what_stability_costs(self):
+        """Rounding, in two views three tests each, a file, and occluders in two views; the ratio of what is shown is that of the numbers, rounded."""
+        rows = json.loads((self.out / "stability.json").read_text())
+        self.assertEqual(len(rows), 9)
+        [table] = [table for table in self.page.tables if table[0][0] == "guarantee"]
+        self.assertEqual([row[0] for row in table[1:]], [row["what"] for row in rows])
+        for shown, row in zip(table[1:], rows):
+            self.assertGreater(row["with"]["value"], 0)
+            self.assertAlmostEqual(float(shown[5]), row["with"]["value"] / row["without"]["value"], delta=0.006)
+
     def test_csv_says_what_json_says(self):
         with open(self.out / "points.csv", newline="") as file:
             text = file.read()
@@ -129,7 +139,7 @@ class Report(unittest.TestCase):
         for row, point in zip(rows, self.json["points"]):
             for key, value in point.items():
                 self.assertEqual(row[key] if isinstance(value, str) else json.loads(row[key] or "null"), value, key)
-        for name in ("report.json", "points.csv"):  # and the page holds both
+        for name in ("report.json", "points.csv", "stability.json"):  # and the page holds both
             coded = base64.b64encode((self.out / name).read_bytes()).decode()
             self.assertIn(coded, self.text)
 
