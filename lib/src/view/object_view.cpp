@@ -91,9 +91,10 @@ double shown_reach(const View& view, const glm::dmat3& linear, const glm::dvec3&
   return std::exp2(std::ceil(std::log2(std::max(reach, 0x1p-126))));
 }
 
-// A stand-in for the eye of an orthographic view. A face through p that turns away from this eye e turns away from all
-// rays when it does so by more than |p|, as dot(n, p - e) = dot(n, p) - dot(n, e). faces_away() has a slack of 1.2e-7
-// of the largest coordinate of e, of which the rounding of e takes sqrt(3) * 2^-24 at most: the rest is more than |p|.
+// A stand-in for the eye of an orthographic view, e: a normal n turns away from all rays iff dot(n, -e) > 0. For a
+// sphere of centre c and radius r faces_away() finds that dot(n, c - e) > r + slack, and where it touches what is shown
+// |c| is no more than the reach + r. The slack is 1.2e-7 of the largest coordinate of e, of which the rounding of e
+// takes sqrt(3) * 2^-24 at most: the rest is more than the reach.
 glm::dvec3 far_eye(const View& view, const glm::dmat3& linear, const glm::dvec3& eye) {
   constexpr double times_as_far = 1 << 27;
   return shown_reach(view, linear, eye) * times_as_far * glm::normalize(solve(linear, -view.direction()));
