@@ -114,6 +114,25 @@ TEST(Navigation, FramedSceneIsInsideThePictureAndItsPlanes) {
   }
 }
 
+// A wide picture shows a sphere far beside its middle, where the plane through the sphere's near end is nearer to the
+// eye than that end is.
+TEST(Navigation, PlanesHoldWhatIsAtTheEdge) {
+  const SceneBounds bounds{{0.0, 0.0, 0.0}, 1.0};
+  Camera camera = some_camera();
+  camera.fov_y_deg = 100.0;
+  frame(camera, bounds);
+  camera.eye -= 5.0 * glm::normalize(camera.target - camera.eye);
+  look_around(camera, 50.0, 0.0);
+  fit_range(camera, bounds);
+  const ObjectView object(View(camera), glm::dmat4(1.0));
+  ASSERT_LT(place_of(camera, bounds.center).x, 0.25);
+  ASSERT_GT(place_of(camera, bounds.center).x, 0.0);
+  for (const std::size_t plane : {4U, 5U}) {  // near, far
+    const glm::dvec4 p(object.planes().at(plane));
+    EXPECT_GT(glm::dot(glm::dvec3(p), bounds.center) + p.w, bounds.radius);
+  }
+}
+
 TEST(Navigation, SidesLookAlongTheirAxes) {
   const SceneBounds bounds{{1.0, 2.0, 3.0}, 1.0};
   Camera camera = some_camera();

@@ -80,6 +80,7 @@ void orbit_camera(Session& session, const JsonPlace& action) {
 
 void look(Session& session, const JsonPlace& action) {
   look_around(session.state().camera, action.at("right").number(), action.at("up").number());
+  fit(session);
 }
 
 void pan_camera(Session& session, const JsonPlace& action) {

@@ -119,9 +119,10 @@ bool view_from(Camera& camera, std::string_view side, const SceneBounds& bounds)
 }
 
 void fit_range(Camera& camera, const SceneBounds& bounds) {
-  const double distance = glm::length(bounds.center - camera.eye);
-  camera.far = 1.01 * (distance + bounds.radius);
-  camera.near = std::max(0.99 * (distance - bounds.radius), camera.far * 1e-4);
+  const glm::dvec3 to_center = bounds.center - camera.eye;
+  camera.far = 1.01 * (glm::length(to_center) + bounds.radius);
+  const double depth = glm::dot(to_center, axes_of(camera).ahead);  // at the edge of the picture less than the distance
+  camera.near = std::max(0.99 * (depth - bounds.radius), camera.far * 1e-4);
 }
 
 }  // namespace occlod::viewer
