@@ -25,14 +25,14 @@ out vec4 target;
 void main() { target = pen; }
 )";
 
-// Cuts what is before the near plane off; false when nothing is left.
-bool clip_to_near(glm::dvec4& a, glm::dvec4& b) {
-  const double before_a = a.z + a.w;
-  const double before_b = b.z + b.w;
-  if (before_a <= 0.0 && before_b <= 0.0) return false;
-  if (before_a < 0.0) a = glm::mix(a, b, before_a / (before_a - before_b));
-  if (before_b < 0.0) b = glm::mix(b, a, before_b / (before_b - before_a));
-  return a.w > 0.0 && b.w > 0.0;
+// Cuts off what is not ahead of the eye by this distance; false when nothing is left.
+bool clip_to_eye(glm::dvec4& a, glm::dvec4& b, double least_w) {
+  const double ahead_a = a.w - least_w;
+  const double ahead_b = b.w - least_w;
+  if (ahead_a <= 0.0 && ahead_b <= 0.0) return false;
+  if (ahead_a < 0.0) a = glm::mix(a, b, ahead_a / (ahead_a - ahead_b));
+  if (ahead_b < 0.0) b = glm::mix(b, a, ahead_b / (ahead_b - ahead_a));
+  return true;
 }
 
 }  // namespace
@@ -59,7 +59,7 @@ LineDrawing::LineDrawing(const gl::Functions& gl)
 void LineDrawing::append(const Line& line, const View& view) {
   glm::dvec4 a = view.world_to_clip() * glm::dvec4(line.a, 1.0);
   glm::dvec4 b = view.world_to_clip() * glm::dvec4(line.b, 1.0);
-  if (!clip_to_near(a, b)) return;
+  if (!view.is_orthographic() && !clip_to_eye(a, b, 1e-3 * view.camera().near)) return;  // parallel rays have no eye
   const glm::dvec2 half_size = glm::dvec2(view.width(), view.height()) / 2.0;
   const glm::dvec2 along = (glm::dvec2(b) / b.w - glm::dvec2(a) / a.w) * half_size;
   const double length = glm::length(along);
@@ -85,7 +85,7 @@ void LineDrawing::draw(const std::vector<Line>& lines, const View& view) {
   gl.Enable(GL_BLEND);
   gl.BlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
   gl.DepthMask(GL_FALSE);
-  gl.Enable(GL_DEPTH_CLAMP);  // the frustum may reach behind the far plane
+  gl.Enable(GL_DEPTH_CLAMP);  // the planes hold the scene, which the frustum reaches beyond
   const auto count = static_cast<GLsizei>(vertices_.size());
   gl.Disable(GL_DEPTH_TEST);
   gl.Uniform1i(hidden_, 1);
