@@ -161,14 +161,14 @@ TEST_F(Explain, RayMeetsTheNearestTriangle) {
   frame.job.objects = std::make_shared<Objects>(Objects{object_});
   frame.sides.resize(1);
   frame.sides[0].refinement = refinement_;
-  const auto hit = cast_ray(frame, {0.1, 0.2, 3.0}, {0.0, 0.0, -1.0});
+  const auto hit = cast_ray(frame, {{0.1, 0.2, 3.0}, {0.0, 0.0, -1.0}});
   ASSERT_TRUE(hit);
   EXPECT_NEAR(hit->point.x, 0.1, 1e-6);
   EXPECT_GT(hit->point.z, 0.8);  // the near side of a planet of radius 0.92 to 1.08
   const Pick pick = pick_of(frame, *hit);
   EXPECT_EQ(pick.triangle, refinement_.objects[0].triangles[hit->triangle]);
-  EXPECT_FALSE(cast_ray(frame, {0.0, 0.0, 3.0}, {0.0, 0.0, 1.0}));   // behind
-  EXPECT_FALSE(cast_ray(frame, {2.0, 0.0, 3.0}, {0.0, 0.0, -1.0}));  // beside
+  EXPECT_FALSE(cast_ray(frame, {{0.0, 0.0, 3.0}, {0.0, 0.0, 1.0}}));   // behind
+  EXPECT_FALSE(cast_ray(frame, {{2.0, 0.0, 3.0}, {0.0, 0.0, -1.0}}));  // beside
 }
 
 }  // namespace

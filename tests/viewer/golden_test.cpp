@@ -75,6 +75,18 @@ TEST_F(Golden, FrozenFromBehind) {
   expect_golden("frozen");
 }
 
+// A box, all of it, though the viewing camera's planes hold no more than the planet.
+TEST_F(Golden, FrozenOrthographic) {
+  act({{"do", "orthographic"}});
+  expect_golden("orthographic");
+  act({{"do", "zoom"}, {"factor", 0.5}, {"x", 0.7}, {"y", 0.4}});
+  set("color_by", "visibility");
+  set("freeze", true);
+  act({{"do", "zoom"}, {"factor", 4}});
+  act({{"do", "orbit"}, {"right", 50}, {"up", -30}});
+  expect_golden("frozen_orthographic");
+}
+
 TEST_F(Golden, PickedSplit) {
   set("budget", 1000);
   act({{"do", "pick"}, {"x", 0.45}, {"y", 0.5}});

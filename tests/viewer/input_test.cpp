@@ -1,6 +1,9 @@
 // Mouse and held keys become actions. Dear ImGui alone, without a window.
 #include <gtest/gtest.h>
 
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+
 #include <glm/geometric.hpp>
 
 #include "panels/view_input.h"
@@ -105,6 +108,27 @@ TEST_F(Input, WheelGoesNearerOrFaster) {
   ImGui::GetIO().MouseWheel = 1.0F;
   frame(400.0F, 300.0F);
   EXPECT_GT(session_.state().settings.speed, speed);
+}
+
+// Where rays are parallel, nearer is nothing: less is shown.
+TEST_F(Input, OrthographicWheelAndKeysShowLess) {
+  act(session_, {{"do", "orthographic"}});
+  const Camera before = camera();
+  ImGui::GetIO().MouseWheel = 2.0F;
+  frame(400.0F, 300.0F);
+  EXPECT_LT(*camera().orthographic_height, 0.9 * *before.orthographic_height);
+  EXPECT_NEAR(glm::distance(camera().eye, before.eye), 0.0, 1e-9);
+  const double height = *camera().orthographic_height;
+  act(session_, {{"do", "set"}, {"setting", "steering"}, {"value", "fly"}});
+  frame(400.0F, 300.0F, {0.0, 0.0, 1.0});
+  EXPECT_LT(*camera().orthographic_height, height);
+  drag(0, 100.0F, 0.0F);  // looks around
+  EXPECT_NE(camera().target, before.target);
+  drag(1, 80.0F, 0.0F);
+  press_key(panels_, GLFW_KEY_KP_5, 0);
+  settle(session_);
+  EXPECT_FALSE(camera().orthographic_height);
+  EXPECT_EQ(session_.state().errors, 0);
 }
 
 TEST_F(Input, ControlDragMovesTheObject) {

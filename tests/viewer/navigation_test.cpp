@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/vec4.hpp>
@@ -67,7 +69,7 @@ TEST(Navigation, LookingAroundKeepsTheEye) {
 TEST(Navigation, ZoomKeepsThePointUnderTheCursor) {
   Camera camera = some_camera();
   const glm::dvec2 cursor(0.8, 0.3);
-  const glm::dvec3 ray = ray_through(camera, cursor);
+  const glm::dvec3 ray = ray_through(camera, cursor).direction;
   const glm::dvec3 ahead = glm::normalize(camera.target - camera.eye);
   const glm::dvec3 point = camera.eye + ray * (glm::length(camera.target - camera.eye) / glm::dot(ray, ahead));
   zoom(camera, 0.5, cursor);
@@ -93,25 +95,33 @@ TEST(Navigation, WalkingStaysLevel) {
   EXPECT_NEAR(glm::length(camera.eye - some_camera().eye), std::sqrt(5.0), 1e-12);
 }
 
+// How far inside the planes of the camera the sphere is: left, right, bottom, top, near, far; negative = cut.
+std::array<double, 6> room_of(const Camera& camera, const SceneBounds& bounds) {
+  const ObjectView object(View(camera), glm::dmat4(1.0));
+  std::array<double, 6> room{};
+  for (std::size_t i = 0; i < room.size(); ++i) {
+    const glm::dvec4 plane(object.planes().at(i));
+    room.at(i) = glm::dot(glm::dvec3(plane), bounds.center) + plane.w - bounds.radius;
+  }
+  return room;
+}
+
+// The sphere is on the inner side of all six planes, and nearly touches one at the sides.
 TEST(Navigation, FramedSceneIsInsideThePictureAndItsPlanes) {
   const SceneBounds bounds{{3.0, -1.0, 2.0}, 2.5};
-  for (const auto& [width, height] : {std::pair(800, 500), std::pair(300, 900)}) {
-    Camera camera = some_camera();
-    camera.width = width;
-    camera.height = height;
-    frame(camera, bounds);
-    fit_range(camera, bounds);
-    const View view(camera);
-    const ObjectView object(view, glm::dmat4(1.0));
-    // The sphere is on the inner side of all six planes, and nearly touches one at the sides.
-    double least = 1e9;
-    for (const glm::vec4& plane : object.planes()) {
-      const double room = glm::dot(glm::dvec3(plane), bounds.center) + static_cast<double>(plane.w) - bounds.radius;
-      EXPECT_GT(room, -1e-3);
-      least = std::min(least, room);
+  for (const bool parallel : {false, true})
+    for (const auto& [width, height] : {std::pair(800, 500), std::pair(300, 900)}) {
+      Camera camera = some_camera();
+      camera.width = width;
+      camera.height = height;
+      if (parallel) camera.orthographic_height = 0.1;
+      frame(camera, bounds);
+      fit_range(camera, bounds);
+      const auto room = room_of(camera, bounds);
+      EXPECT_GT(*std::min_element(room.begin(), room.end()), -1e-3);
+      // Parallel rays show as much at the middle as perspective does, which needs more for what is nearer.
+      EXPECT_LT(*std::min_element(room.begin(), room.begin() + 4), parallel ? 0.3 : 0.2);
     }
-    EXPECT_LT(least, 0.2);
-  }
 }
 
 // A wide picture shows a sphere far beside its middle, where the plane through the sphere's near end is nearer to the
@@ -124,13 +134,89 @@ TEST(Navigation, PlanesHoldWhatIsAtTheEdge) {
   camera.eye -= 5.0 * glm::normalize(camera.target - camera.eye);
   look_around(camera, 50.0, 0.0);
   fit_range(camera, bounds);
-  const ObjectView object(View(camera), glm::dmat4(1.0));
   ASSERT_LT(place_of(camera, bounds.center).x, 0.25);
   ASSERT_GT(place_of(camera, bounds.center).x, 0.0);
-  for (const std::size_t plane : {4U, 5U}) {  // near, far
-    const glm::dvec4 p(object.planes().at(plane));
-    EXPECT_GT(glm::dot(glm::dvec3(p), bounds.center) + p.w, bounds.radius);
+  EXPECT_GT(room_of(camera, bounds).at(4), 0.0);
+  EXPECT_GT(room_of(camera, bounds).at(5), 0.0);
+}
+
+Camera orthographic_camera() { return orthographic(some_camera()); }
+
+// Points as far away as the target stay in their places, and the way back leads to the eye.
+TEST(Navigation, SwitchingKeepsWhatIsShownAtTheTarget) {
+  const SceneBounds bounds{{0.0, 0.0, 0.0}, 20.0};  // around the eye
+  Camera camera = some_camera();
+  const glm::dvec3 ahead = glm::normalize(camera.target - camera.eye);
+  const glm::dvec3 beside = camera.target + glm::normalize(glm::cross(ahead, camera.up));
+  const glm::dvec2 place = place_of(camera, beside);
+  set_orthographic(camera, true, bounds);
+  ASSERT_TRUE(camera.orthographic_height);
+  EXPECT_LT(glm::distance(place_of(camera, beside), place), 1e-9);
+  EXPECT_LT(glm::distance(place_of(camera, beside - ahead), place), 1e-9);  // and rays are parallel
+  EXPECT_GT(room_of(camera, bounds).at(4), 0.0);                            // nothing is behind the eye
+  EXPECT_GT(room_of(camera, bounds).at(5), 0.0);
+  set_orthographic(camera, false, bounds);
+  EXPECT_FALSE(camera.orthographic_height);
+  EXPECT_LT(glm::distance(camera.eye, some_camera().eye), 1e-12);
+  EXPECT_EQ(camera.target, some_camera().target);
+}
+
+// At every depth, not only at the target's.
+TEST(Navigation, OrthographicZoomKeepsThePointsUnderTheCursor) {
+  Camera camera = orthographic_camera();
+  const glm::dvec2 cursor(0.8, 0.3);
+  const Ray ray = ray_through(camera, cursor);
+  zoom(camera, 0.5, cursor);
+  EXPECT_DOUBLE_EQ(*camera.orthographic_height, 0.5 * *orthographic_camera().orthographic_height);
+  for (const double depth : {1.0, 4.0, 9.0})
+    EXPECT_LT(glm::distance(place_of(camera, ray.origin + depth * ray.direction), cursor), 1e-9);
+  // In perspective again it is half as far away.
+  set_orthographic(camera, false, {{0.0, 0.0, 0.0}, 1.0});
+  EXPECT_NEAR(glm::distance(camera.eye, camera.target), 0.5 * glm::distance(some_camera().eye, some_camera().target),
+              1e-9);
+}
+
+TEST(Navigation, OrthographicPanMovesEveryDepthAlike) {
+  for (const glm::dvec3& point : {glm::dvec3(0.5, 0.0, 0.0), glm::dvec3(0.3, 0.4, 3.0)}) {
+    Camera camera = some_camera();
+    camera.orthographic_height = 1.7;  // whatever the distance is
+    const glm::dvec2 before = place_of(camera, point);
+    pan(camera, 0.25, 0.1);
+    EXPECT_LT(glm::distance(place_of(camera, point), before + glm::dvec2(-0.25, 0.1)), 1e-9);
   }
+}
+
+// The same as in perspective with switching before and after: wherever the eye has had to stand back to, the picture
+// does not turn around that.
+TEST(Navigation, OrthographicLookingAroundIsThatOfPerspective) {
+  const SceneBounds bounds{{0.0, 0.0, 0.0}, 50.0};
+  Camera expected = some_camera(), camera = some_camera();
+  look_around(expected, 25.0, -10.0);
+  set_orthographic(camera, true, bounds);
+  look_around(camera, 25.0, -10.0);
+  EXPECT_GT(glm::distance(camera.eye, camera.target), 20.0);
+  set_orthographic(camera, false, bounds);
+  EXPECT_LT(glm::distance(camera.eye, expected.eye), 1e-9);
+  EXPECT_LT(glm::distance(camera.target, expected.target), 1e-9);
+}
+
+// An orthographic picture is the same from farther back, and whole; planes alone never move the eye.
+TEST(Navigation, OrthographicCameraStandsBackFromAll) {
+  const SceneBounds bounds{{0.0, 0.0, 4.0}, 3.0};
+  Camera camera = orthographic_camera();
+  const glm::dvec3 point(0.2, 0.3, 1.0);
+  const glm::dvec2 place = place_of(camera, point);
+  fit_range(camera, bounds);
+  EXPECT_EQ(camera.eye, some_camera().eye);
+  EXPECT_LT(room_of(camera, bounds).at(4), 0.0);
+  hold(camera, bounds);
+  EXPECT_GT(room_of(camera, bounds).at(4), 0.0);
+  EXPECT_GT(room_of(camera, bounds).at(5), 0.0);
+  EXPECT_LT(glm::distance(place_of(camera, point), place), 1e-9);
+  EXPECT_EQ(camera.target, some_camera().target);
+  const glm::dvec3 eye = camera.eye;
+  hold(camera, bounds);
+  EXPECT_LT(glm::distance(camera.eye, eye), 1e-9);
 }
 
 TEST(Navigation, SidesLookAlongTheirAxes) {

@@ -2,6 +2,7 @@
 """The program occlod-view as people and scripts start it."""
 import csv
 import json
+import math
 import os
 import pathlib
 import signal
@@ -78,10 +79,13 @@ class Script(unittest.TestCase):
         self.assertIn("1500", numbers.read_text())
         self.assertFalse((self.path / "config").exists(), "a script remembers nothing")
 
-    def played_path(self, *settings, options=()):
+    def played_path(self, *settings, options=(), orthographic=False):
         """A path of 8 frames in path.json, played by the viewer: its rows of numbers by frame."""
         keys = [{"eye": [0, 0.5, 3], "target": [0, 0, 0], "width": 160, "height": 120},
                 {"eye": [1.5, 0.5, 2.5], "target": [0, 0, 0], "width": 160, "height": 120}]
+        for key in keys if orthographic else ():
+            distance = math.sqrt(sum((a - b) ** 2 for a, b in zip(key["eye"], key["target"])))
+            key["orthographic_height"] = 2 * distance * math.tan(math.radians(45) / 2)
         (self.path / "path.json").write_text(json.dumps(dict(PLANET, paths={"by": {"frames": 8, "keys": keys}})))
         numbers = self.path / "numbers.csv"
         result = self.run_script([
@@ -106,6 +110,35 @@ class Script(unittest.TestCase):
         self.assertEqual([shown[frame["frame"]]["hash"] for frame in frames], [frame["hash"] for frame in frames])
         self.assertEqual([int(shown[frame["frame"]]["pending"]) for frame in frames], [frame["pending"] for frame in frames])
         self.assertEqual(len({frame["hash"] for frame in frames}), 8)
+
+    @unittest.skipUnless("OCCLOD" in os.environ, "the command line is not built")
+    def test_orthographic_is_that_of_the_command_line(self):
+        """A path of orthographic keys is what --orthographic makes of the same keys in perspective."""
+        def render(scene, *options):
+            done = subprocess.run([os.environ["OCCLOD"], "render", str(scene), "--budget", "1500", "--occlusion", "software", "--json", *options],
+                                  env=self.environment, capture_output=True, text=True, check=True, timeout=300)
+            return json.loads(done.stdout)
+        perspective = [self.played_path()[frame]["hash"] for frame in range(8)]
+        frames = render(self.path / "path.json", "--path", "by", "--frame-to-frame", "--orthographic")["frames"]
+        shown = self.played_path(orthographic=True)
+        self.assertEqual([shown[frame["frame"]]["hash"] for frame in frames], [frame["hash"] for frame in frames])
+        self.assertFalse(set(perspective) & {frame["hash"] for frame in frames})
+
+        # And what the viewer has switched over and saved is what it has shown.
+        saved, picture, numbers = self.path / "saved.json", self.path / "picture.png", self.path / "numbers.csv"
+        result = self.run_script([
+            {"do": "open", "file": str(self.path / "planet.json")},
+            {"do": "set", "setting": "budget", "value": 1500},
+            {"do": "set", "setting": "frame_to_frame", "value": False},
+            {"do": "orthographic"},
+            {"do": "screenshot", "file": str(picture)},
+            {"do": "save_scene", "file": str(saved)},
+            {"do": "export_csv", "file": str(numbers)}], "--debug-gl")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(picture.read_bytes()[:4], b"\x89PNG")
+        with open(numbers, newline="") as file:
+            self.assertEqual(list(csv.DictReader(file))[-1]["hash"], render(saved)["hash"])
+        self.assertIn("orthographic_height", json.loads(saved.read_text())["cameras"]["default"])
 
     @unittest.skipUnless("OCCLOD" in os.environ, "the command line is not built")
     def test_auto_is_that_of_the_command_line(self):

@@ -360,7 +360,7 @@ TEST_F(SessionTest, WalkingFollowsTheGround) {
   set("speed", 0.05);
   for (int i = 0; i < 20; ++i) act(session_, {{"do", "move"}, {"ahead", 1}, {"seconds", 0.1}});
   const Camera& camera = session_.state().camera;
-  const auto below = cast_ray(*session_.frame(), camera.eye, {0.0, -1.0, 0.0});
+  const auto below = cast_ray(*session_.frame(), {camera.eye, {0.0, -1.0, 0.0}});
   ASSERT_TRUE(below);
   EXPECT_NEAR(below->distance, session_.state().walking_height, 0.05);
   EXPECT_LT(camera.eye.z, 0.25);  // it went ahead

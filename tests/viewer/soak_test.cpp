@@ -21,10 +21,12 @@ class Soak : public WindowTest {
     set("occluder", true);
     set("occlusion", "gl-query");
     for (int i = 0; i < 3; ++i) act({{"do", "orbit"}, {"right", 20}, {"up", 2}});
+    act({{"do", "orthographic"}});
     set("occlusion", "auto");
     for (int i = 0; i < 3; ++i) act({{"do", "orbit"}, {"right", -20}, {"up", -2}});
     set("budget", 5000);
     act({{"do", "pick"}, {"x", 0.5}, {"y", 0.8}});
+    act({{"do", "orthographic"}});
     act({{"do", "reset"}});
     act({{"do", "close"}, {"object", session().state().objects->back().id}});
   }

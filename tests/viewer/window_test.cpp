@@ -1,8 +1,14 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <glm/common.hpp>
+#include <glm/vector_relational.hpp>
+
+#include "draw/overlays.h"
 #include "draw/render_target.h"
 #include "draw/scene_drawing.h"
 #include "occlod/core/error.h"
+#include "occlod/io/write_mesh.h"
 #include "occlod/occlusion/software_occlusion.h"
 #include "viewer/golden.h"
 #include "viewer/window_support.h"
@@ -67,6 +73,52 @@ TEST_F(Window, EveryWayOfLookingDrawsWithoutAComplaint) {
   EXPECT_EQ(session().state().errors, 0) << session().state().notices.back().text;
 }
 
+// Head light is the same on all of a plane that parallel rays meet, key light and sky are those of its direction.
+TEST_F(Window, ParallelRaysLightAPlaneEvenly) {
+  TriangleMesh mesh;
+  mesh.positions = {{-9, -9, 2}, {9, -9, -2}, {9, 9, -2}, {-9, 9, 2}};
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  write_mesh(folder_.path("plane.ply"), mesh);
+  start();
+  act({{"do", "close_all"}});
+  act({{"do", "open"}, {"file", folder_.path("plane.ply").string()}});
+  for (const char* shading : {"smooth", "flat"}) {
+    set("shading", shading);
+    for (const bool parallel : {false, true}) {
+      const char* lens = parallel ? "orthographic_height" : "fov_y_deg";
+      act({{"do", "camera"}, {"eye", {0, 0, 3}}, {"target", {0, 0, 0}}, {lens, parallel ? 6 : 90}, {"near", 0.1}});
+      const Image picture = screenshot();
+      const auto [least, most] = std::minmax_element(picture.pixels.begin(), picture.pixels.end(),
+                                                     [](const auto& a, const auto& b) { return a.x < b.x; });
+      EXPECT_EQ(most->x - least->x <= 1, parallel) << shading << " " << int{least->x} << " " << int{most->x};
+    }
+  }
+}
+
+// The border of what is refined for, from the eye to behind the scene: edges end at corners of the picture, or at the
+// eye of perspective, and there are those of a pyramid or a box. From above all of a box is seen.
+TEST_F(Window, FrozenFrustumEndsAtTheCornersOfItsPicture) {
+  start();
+  act({{"do", "frame_all"}});
+  for (const bool parallel : {false, true}) {
+    act({{"do", "orthographic"}, {"on", parallel}});
+    set("freeze", true);
+    const Camera& refined = session().refine_camera();
+    const std::vector<Line> lines = main_overlay(session());
+    EXPECT_EQ(lines.size(), parallel ? 12U : 8U);
+    for (const Line& line : lines)
+      for (const glm::dvec3& end : {line.a, line.b}) {
+        if (!parallel && end == refined.eye) continue;
+        const glm::dvec4 clip = View(refined).world_to_clip() * glm::dvec4(end, 1.0);
+        EXPECT_NEAR(std::abs(clip.x / clip.w), 1.0, 1e-9);
+        EXPECT_NEAR(std::abs(clip.y / clip.w), 1.0, 1e-9);
+        const glm::dvec4 above = View(birdseye_camera(session(), 400, 300)).world_to_clip() * glm::dvec4(end, 1.0);
+        EXPECT_TRUE(!parallel || glm::all(glm::lessThan(glm::abs(glm::dvec2(above)), glm::dvec2(above.w))));
+      }
+    set("freeze", false);
+  }
+}
+
 // Their contexts are on the worker's thread; the answers are those of the library's own tests.
 TEST_F(Window, OpenGlBackendsRefine) {
   start();
@@ -78,6 +130,12 @@ TEST_F(Window, OpenGlBackendsRefine) {
     EXPECT_EQ(session().state().errors, 0) << session().state().notices.back().text;
     EXPECT_GT(session().figures().at("queries_hidden"), 0.0) << backend;
     EXPECT_GT(session().figures().at("visible_triangles"), without) << backend;
+  }
+  act({{"do", "orthographic"}});
+  for (const char* backend : {"software", "gl-query", "gl-mark", "gl-compute"}) {
+    set("occlusion", backend);
+    EXPECT_EQ(session().state().errors, 0) << session().state().notices.back().text;
+    EXPECT_GT(session().figures().at("queries_hidden"), 0.0) << backend;
   }
 }
 

@@ -10,7 +10,7 @@ namespace {
 
 constexpr glm::u8vec4 nothing{30, 33, 40, 255};
 
-// Near is bright, far is dark, evenly in inverse depth between the nearest and the farthest.
+// Near is bright, far is dark, evenly in nearness between the nearest and the farthest.
 std::vector<glm::u8vec4> greys(const DepthPyramid& pyramid, int level, int width, int height) {
   float low = std::numeric_limits<float>::infinity();
   float high = 0.0F;
@@ -18,15 +18,15 @@ std::vector<glm::u8vec4> greys(const DepthPyramid& pyramid, int level, int width
     for (int y = 0; y < height; ++y)
       for (int x = 0; x < width; ++x) visit(pyramid.farthest(level, x, y));
   };
-  for_each([&](float inverse) {
-    if (inverse > 0.0F) low = std::min(low, inverse);
-    high = std::max(high, inverse);
+  for_each([&](float nearness) {
+    if (nearness > 0.0F) low = std::min(low, nearness);
+    high = std::max(high, nearness);
   });
   const float span = high > low ? high - low : 1.0F;
   std::vector<glm::u8vec4> pixels;
-  for_each([&](float inverse) {
-    const auto grey = static_cast<std::uint8_t>(70.0F + 180.0F * std::clamp((inverse - low) / span, 0.0F, 1.0F));
-    pixels.push_back(inverse > 0.0F ? glm::u8vec4(grey, grey, grey, 255) : nothing);
+  for_each([&](float nearness) {
+    const auto grey = static_cast<std::uint8_t>(70.0F + 180.0F * std::clamp((nearness - low) / span, 0.0F, 1.0F));
+    pixels.push_back(nearness > 0.0F ? glm::u8vec4(grey, grey, grey, 255) : nothing);
   });
   return pixels;
 }

@@ -48,6 +48,7 @@ in VertexOut { vec3 position; vec3 normal; vec3 color; } vertex;
 uniform int color_mode;
 uniform bool flat_shading;
 uniform bool dim_back_faces;
+uniform bool orthographic;
 uniform sampler2D triangle_colors;
 out vec4 target;
 
@@ -69,7 +70,7 @@ vec3 light_on(vec3 normal, vec3 to_eye) {
 }
 
 void main() {
-  vec3 to_eye = normalize(-vertex.position);
+  vec3 to_eye = orthographic ? vec3(0.0, 0.0, 1.0) : normalize(-vertex.position);
   vec3 normal = flat_shading ? cross(dFdx(vertex.position), dFdy(vertex.position)) : vertex.normal;
   normal = dot(normal, normal) > 0.0 ? normalize(normal) : to_eye;
   if (flat_shading ? dot(normal, to_eye) < 0.0 : !gl_FrontFacing) normal = -normal;
@@ -121,7 +122,8 @@ MeshProgram::MeshProgram(const gl::Functions& gl, bool wire)
       normal_to_eye_(program_.uniform("normal_to_eye")),
       color_(program_.uniform("color_mode")),
       flat_(program_.uniform("flat_shading")),
-      dim_(program_.uniform("dim_back_faces")) {}
+      dim_(program_.uniform("dim_back_faces")),
+      orthographic_(program_.uniform("orthographic")) {}
 
 void MeshProgram::use(const Uniforms& uniforms) const {
   gl_->UseProgram(program_.id());
@@ -131,6 +133,7 @@ void MeshProgram::use(const Uniforms& uniforms) const {
   gl_->Uniform1i(color_, static_cast<GLint>(uniforms.color));
   gl_->Uniform1i(flat_, uniforms.flat ? 1 : 0);
   gl_->Uniform1i(dim_, uniforms.dim_back_faces ? 1 : 0);
+  gl_->Uniform1i(orthographic_, uniforms.orthographic ? 1 : 0);
 }
 
 BackgroundProgram::BackgroundProgram(const gl::Functions& gl)

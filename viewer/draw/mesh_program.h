@@ -22,6 +22,7 @@ class MeshProgram {
     Color color = Color::plain;
     bool flat = false;
     bool dim_back_faces = false;
+    bool orthographic = false;
   };
   // By-triangle colours are texels of texture unit 0: triangle i at (i % texels_a_row, i / texels_a_row).
   void use(const Uniforms& uniforms) const;
@@ -31,7 +32,7 @@ class MeshProgram {
  private:
   const gl::Functions* gl_;
   gl::Program program_;
-  GLint object_to_clip_, object_to_eye_, normal_to_eye_, color_, flat_, dim_;
+  GLint object_to_clip_, object_to_eye_, normal_to_eye_, color_, flat_, dim_, orthographic_;
 };
 
 // A vertical gradient over the whole target.

@@ -9,6 +9,8 @@
 #include <glm/trigonometric.hpp>
 #include <numbers>
 
+#include "picture/frustum_edges.h"
+
 namespace occlod::viewer {
 namespace {
 
@@ -115,24 +117,32 @@ void add_pick(std::vector<Line>& all, const Session& session, const PlacedObject
   lines.triangle(corners(pick.triangle), triangle_pen);
 }
 
-void add_frustum(std::vector<Line>& lines, const Session& session) {
-  const Camera& camera = session.refine_camera();
+// To behind the scene.
+std::vector<std::array<glm::dvec3, 2>> refined_frustum(const Session& session) {
+  const View view(session.refine_camera());
   const SceneBounds bounds = bounds_of(*session.state().objects);
-  const glm::dvec3 ahead = glm::normalize(camera.target - camera.eye);
-  const double reach = glm::dot(bounds.center - camera.eye, ahead) + bounds.radius;
-  const double length = reach > 0.0 ? std::min(reach, camera.far) : camera.far;
-  const glm::dvec3 right = glm::normalize(glm::cross(ahead, camera.up));
-  const glm::dvec3 up = glm::cross(right, ahead);
-  const double half_height = length * std::tan(glm::radians(camera.fov_y_deg) / 2.0);
-  const double half_width = half_height * camera.width / camera.height;
-  const glm::dvec3 middle = camera.eye + length * ahead;
-  const std::array<glm::dvec3, 4> corners = {
-      middle - half_width * right - half_height * up, middle + half_width * right - half_height * up,
-      middle + half_width * right + half_height * up, middle - half_width * right + half_height * up};
-  for (std::size_t i = 0; i < 4; ++i) {
-    lines.push_back({camera.eye, corners[i], frustum_pen});
-    lines.push_back({corners[i], corners[(i + 1) % 4], frustum_pen});
+  const double reach = glm::dot(bounds.center - view.camera().eye, view.direction()) + bounds.radius;
+  const double length = reach > 0.0 ? std::min(reach, view.camera().far) : view.camera().far;
+  return picture::frustum_edges(view, length);
+}
+
+void add_frustum(std::vector<Line>& lines, const Session& session) {
+  for (const auto& [from, to] : refined_frustum(session)) lines.push_back({from, to, frustum_pen});
+}
+
+// The same from above with parallel rays, which show the box of such rays as they show the scene, and all of it.
+Camera plan_of_box(const Camera& birdseye, const Session& session) {
+  Camera camera = orthographic(birdseye);
+  const glm::dvec3 right = glm::normalize(glm::cross(camera.target - camera.eye, camera.up));
+  constexpr double room = 1.05;
+  double half_height = *camera.orthographic_height / 2.0;
+  for (const auto& [from, to] : refined_frustum(session)) {
+    const glm::dvec3 d = room * (from - camera.target);
+    half_height = std::max(
+        {half_height, std::abs(glm::dot(d, camera.up)), std::abs(glm::dot(d, right)) * camera.height / camera.width});
   }
+  camera.orthographic_height = 2.0 * half_height;
+  return camera;
 }
 
 }  // namespace
@@ -185,7 +195,7 @@ Camera birdseye_camera(const Session& session, int width, int height) {
   // From above a building shows its roof: inside one, what is higher than the eye is cut off.
   if (any_box_holds(*session.state().objects, refined.eye))
     camera.near = std::max(camera.near, glm::dot(camera.eye - refined.eye, up));
-  return camera;
+  return refined.orthographic_height ? plan_of_box(camera, session) : camera;
 }
 
 }  // namespace occlod::viewer

@@ -96,6 +96,7 @@ void SceneDrawing::draw_object(const PlacedObject& object, const Drawn& drawn, c
   uniforms.normal_to_eye = glm::mat3(glm::transpose(glm::inverse(glm::dmat3(object_to_eye))));
   uniforms.flat = look.shading == Shading::flat;
   uniforms.dim_back_faces = !object.two_sided;
+  uniforms.orthographic = view.is_orthographic();
   if (colors.any())
     uniforms.color = MeshProgram::Color::triangles;
   else if (look.color_by == ColorBy::vertices && vertices.has_colors())

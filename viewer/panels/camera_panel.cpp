@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "command.h"
 #include "controls.h"
 #include "panels.h"
 
@@ -41,6 +42,30 @@ void draw_bookmarks(Panels& panels) {
   }
 }
 
+// How much is shown: the angle of a perspective camera or the height of an orthographic one.
+void draw_lens(Panels& panels, const Camera& camera) {
+  bool on = camera.orthographic_height.has_value();
+  panels.drawn.insert("orthographic");
+  const Command& command = *find_command("orthographic");
+  if (ImGui::Checkbox(command.label, &on)) panels.perform("orthographic", {{"on", on}});
+  draw_help_of_item(command.help);
+  draw_label(camera.orthographic_height ? "Height" : "Angle");
+  if (camera.orthographic_height) {
+    const double radius = bounds_of(*panels.session.state().objects).radius, least = 1e-4 * radius,
+                 most = 10.0 * radius;
+    double height = *camera.orthographic_height;
+    if (ImGui::SliderScalar("##height", ImGuiDataType_Double, &height, &least, &most, "%.4g",
+                            ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_Logarithmic))
+      panels.perform("camera", {{"orthographic_height", height}});
+    return;
+  }
+  double angle = camera.fov_y_deg;
+  const double least = 5.0, most = 120.0;
+  if (ImGui::SliderScalar("##angle", ImGuiDataType_Double, &angle, &least, &most, "%.1f degrees",
+                          ImGuiSliderFlags_AlwaysClamp))
+    panels.perform("camera", {{"fov_y_deg", angle}});
+}
+
 void draw_picture_size(Panels& panels) {
   draw_label("Picture");
   const State& state = panels.session.state();
@@ -68,12 +93,7 @@ void draw_camera(Panels& panels) {
   if (glm::dvec3 eye = camera.eye; draw_vector("Eye", eye, speed)) panels.perform("camera", {{"eye", as_json(eye)}});
   if (glm::dvec3 target = camera.target; draw_vector("Target", target, speed))
     panels.perform("camera", {{"target", as_json(target)}});
-  draw_label("Angle");
-  double angle = camera.fov_y_deg;
-  const double least = 5.0, most = 120.0;
-  if (ImGui::SliderScalar("##angle", ImGuiDataType_Double, &angle, &least, &most, "%.1f degrees",
-                          ImGuiSliderFlags_AlwaysClamp))
-    panels.perform("camera", {{"fov_y_deg", angle}});
+  draw_lens(panels, camera);
   draw_picture_size(panels);
   draw_bookmarks(panels);
 }

@@ -22,6 +22,7 @@ const std::vector<KeyBinding>& key_bindings() {
       {GLFW_KEY_KP_1, 0, "Numpad 1", "from the front", from("front")},
       {GLFW_KEY_KP_3, 0, "Numpad 3", "from the right", from("right")},
       {GLFW_KEY_KP_7, 0, "Numpad 7", "from the top", from("top")},
+      {GLFW_KEY_KP_5, 0, "Numpad 5", "orthographic or perspective", {{"do", "orthographic"}}},
       {GLFW_KEY_M, 0, "M", "orbit, fly or walk", flip("steering")},
       {GLFW_KEY_C, 0, "C", "next colouring", flip("color_by")},
       {GLFW_KEY_V, 0, "V", "smooth or flat", flip("shading")},

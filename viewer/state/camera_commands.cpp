@@ -15,7 +15,17 @@
 namespace occlod::viewer {
 namespace {
 
-void fit(Session& session) { fit_range(session.state().camera, bounds_of(*session.state().objects)); }
+void fit(Session& session) { hold(session.state().camera, bounds_of(*session.state().objects)); }
+
+// A camera that makes an image.
+void set_camera(Session& session, const Camera& camera, const JsonPlace& action) {
+  try {
+    const View check(camera);
+  } catch (const Error& error) {
+    action.fail(error.diagnosis().place + " " + error.diagnosis().problem, error.diagnosis().mend);
+  }
+  session.state().camera = camera;
+}
 
 // Every field that is given; planes that are not given fit the scene.
 void camera(Session& session, const JsonPlace& action) {
@@ -24,16 +34,24 @@ void camera(Session& session, const JsonPlace& action) {
   if (action.has("eye")) camera.eye = vector_at(action, "eye");
   if (action.has("target")) camera.target = vector_at(action, "target");
   if (action.has("up")) camera.up = vector_at(action, "up");
-  camera.fov_y_deg = number_or(action, "fov_y_deg", camera.fov_y_deg);
+  if (action.has("fov_y_deg") && action.has("orthographic_height"))
+    action.fail("gives both fov_y_deg and orthographic_height", "give one: a camera is in perspective or orthographic");
+  if (action.has("fov_y_deg")) {
+    camera.fov_y_deg = action.at("fov_y_deg").number();
+    camera.orthographic_height.reset();
+  }
+  if (action.has("orthographic_height")) camera.orthographic_height = action.at("orthographic_height").number();
   if (!action.has("near") || !action.has("far")) fit_range(camera, bounds_of(*state.objects));
   camera.near = number_or(action, "near", camera.near);
   camera.far = number_or(action, "far", camera.far);
-  try {
-    const View check(camera);
-  } catch (const Error& error) {
-    action.fail(error.diagnosis().place + " " + error.diagnosis().problem, error.diagnosis().mend);
-  }
-  state.camera = camera;
+  set_camera(session, camera, action);
+}
+
+// Parallel rays or perspective; the other one where the action does not say.
+void switch_orthographic(Session& session, const JsonPlace& action) {
+  Camera& camera = session.state().camera;
+  const auto on = action.find("on");
+  set_orthographic(camera, on ? on->boolean() : !camera.orthographic_height, bounds_of(*session.state().objects));
 }
 
 void picture_size(Session& session, const JsonPlace& action) {
@@ -91,8 +109,10 @@ void pan_camera(Session& session, const JsonPlace& action) {
 void zoom_camera(Session& session, const JsonPlace& action) {
   const double factor = action.at("factor").number();
   if (!(factor > 0.0 && factor < 1e6)) action.at("factor").fail("is not larger than 0");
-  zoom(session.state().camera, factor, place_of(action));
-  fit(session);
+  Camera camera = session.state().camera;
+  zoom(camera, factor, place_of(action));
+  hold(camera, bounds_of(*session.state().objects));
+  set_camera(session, camera, action);
 }
 
 // The eye keeps its height above the ground: of what is straight below, found within the scene.
@@ -100,7 +120,7 @@ void stay_on_ground(Session& session) {
   State& state = session.state();
   if (!session.frame()) return;
   const glm::dvec3 up = glm::normalize(state.camera.up);
-  const auto below = cast_ray(*session.frame(), state.camera.eye, -up);
+  const auto below = cast_ray(*session.frame(), {state.camera.eye, -up});
   if (!below) return;
   if (state.walking_height == 0.0) state.walking_height = below->distance;
   // A step at a time, so that stairs do not jolt.
@@ -112,10 +132,14 @@ void stay_on_ground(Session& session) {
 void move_camera(Session& session, const JsonPlace& action) {
   State& state = session.state();
   const double seconds = std::clamp(number_or(action, "seconds", 1.0), 0.0, 1.0);
-  const double step = seconds * state.settings.speed * bounds_of(*state.objects).radius;
+  const double radius = bounds_of(*state.objects).radius, step = seconds * state.settings.speed * radius;
   const glm::dvec3 by =
       step * glm::dvec3(number_or(action, "right", 0.0), number_or(action, "up", 0.0), number_or(action, "ahead", 0.0));
-  if (state.settings.steering == Steering::walk) {
+  if (state.camera.orthographic_height) {
+    // Parallel rays show the same from farther ahead, and start above no ground.
+    move(state.camera, {by.x, by.y, 0.0});
+    zoom(state.camera, std::exp(-by.z / radius));
+  } else if (state.settings.steering == Steering::walk) {
     move_level(state.camera, {by.x, 0.0, by.z});
     stay_on_ground(session);
   } else {
@@ -128,7 +152,7 @@ void move_camera(Session& session, const JsonPlace& action) {
 void look_at(Session& session, const JsonPlace& action) {
   State& state = session.state();
   if (!session.frame()) action.fail("nothing is open", "open a mesh first");
-  const auto hit = cast_ray(*session.frame(), state.camera.eye, ray_through(state.camera, place_of(action)));
+  const auto hit = cast_ray(*session.frame(), ray_through(state.camera, place_of(action)));
   if (!hit) return;
   state.camera.eye += hit->point - state.camera.target;
   state.camera.target = hit->point;
@@ -174,10 +198,16 @@ std::span<const Command> camera_commands() {
        {{"eye", "x, y, z", false},
         {"target", "x, y, z", false},
         {"up", "x, y, z", false},
-        {"fov_y_deg", "vertical angle", false},
+        {"fov_y_deg", "vertical angle, in perspective", false},
+        {"orthographic_height", "world units from the lower to the upper border, instead", false},
         {"near", "plane", false},
         {"far", "plane", false}},
        camera},
+      {"orthographic",
+       "Orthographic",
+       "Parallel rays, or perspective again; what is looked at keeps its size",
+       {{"on", "true or false; the other way round when not given", false}},
+       switch_orthographic},
       {"picture_size",
        "Picture size",
        "A fixed size in pixels; none: that of the window",

@@ -36,6 +36,14 @@ glm::dvec3 turned(const Axes& axes, const glm::dvec3& direction, double right_de
   return glm::dvec3(turn * glm::dvec4(direction, 0.0));
 }
 
+double half_tangent(const Camera& camera) { return std::tan(glm::radians(camera.fov_y_deg) / 2.0); }
+
+// From where a perspective camera shows as much at the target.
+double viewing_distance(const Camera& camera) {
+  return camera.orthographic_height ? *camera.orthographic_height / (2.0 * half_tangent(camera))
+                                    : glm::length(camera.target - camera.eye);
+}
+
 void shift(Camera& camera, const glm::dvec3& by) {
   camera.eye += by;
   camera.target += by;
@@ -50,23 +58,31 @@ void orbit(Camera& camera, double right_deg, double up_deg) {
 }
 
 void look_around(Camera& camera, double right_deg, double up_deg) {
-  const double distance = glm::length(camera.target - camera.eye);
+  const double distance = viewing_distance(camera), behind = glm::length(camera.target - camera.eye) - distance;
   const Axes axes = axes_of(camera);
-  camera.target = camera.eye + distance * turned(axes, axes.ahead, right_deg, up_deg);
+  const glm::dvec3 fixed = camera.eye + behind * axes.ahead, ahead = turned(axes, axes.ahead, right_deg, up_deg);
+  camera.target = fixed + distance * ahead;
+  camera.eye = fixed - behind * ahead;
 }
 
 void pan(Camera& camera, double right, double up) {
   const Axes axes = axes_of(camera);
-  const double height = 2.0 * glm::length(camera.target - camera.eye) * std::tan(glm::radians(camera.fov_y_deg) / 2.0);
+  const double height = 2.0 * viewing_distance(camera) * half_tangent(camera);
   shift(camera, right * height * camera.width / camera.height * axes.right + up * height * axes.up);
 }
 
 void zoom(Camera& camera, double factor, const glm::dvec2& place) {
+  const Ray ray = ray_through(camera, place);
   const double distance = glm::length(camera.target - camera.eye);
-  const glm::dvec3 ray = ray_through(camera, place);
-  const glm::dvec3 fixed = camera.eye + ray * (distance / glm::dot(ray, axes_of(camera).ahead));
-  camera.eye = fixed + factor * (camera.eye - fixed);
-  camera.target = fixed + factor * (camera.target - fixed);
+  const glm::dvec3 fixed = ray.origin + ray.direction * (distance / glm::dot(ray.direction, axes_of(camera).ahead));
+  const glm::dvec3 target = fixed + factor * (camera.target - fixed);
+  if (camera.orthographic_height) {
+    camera.eye += target - camera.target;
+    *camera.orthographic_height *= factor;
+  } else {
+    camera.eye = fixed + factor * (camera.eye - fixed);
+  }
+  camera.target = target;
 }
 
 void move(Camera& camera, const glm::dvec3& by) {
@@ -79,17 +95,31 @@ void move_level(Camera& camera, const glm::dvec3& by) {
   shift(camera, by.x * axes.right + by.y * axes.world_up + by.z * glm::cross(axes.world_up, axes.right));
 }
 
-glm::dvec3 ray_through(const Camera& camera, const glm::dvec2& place) {
+Ray ray_through(const Camera& camera, const glm::dvec2& place) {
   const Axes axes = axes_of(camera);
-  const double half_height = std::tan(glm::radians(camera.fov_y_deg) / 2.0);
+  const double half_height = camera.orthographic_height ? *camera.orthographic_height / 2.0 : half_tangent(camera);
   const double half_width = half_height * camera.width / camera.height;
-  return axes.ahead + (2.0 * place.x - 1.0) * half_width * axes.right + (1.0 - 2.0 * place.y) * half_height * axes.up;
+  const glm::dvec3 aside =
+      (2.0 * place.x - 1.0) * half_width * axes.right + (1.0 - 2.0 * place.y) * half_height * axes.up;
+  return camera.orthographic_height ? Ray{camera.eye + aside, axes.ahead} : Ray{camera.eye, axes.ahead + aside};
+}
+
+void set_orthographic(Camera& camera, bool on, const SceneBounds& bounds) {
+  if (on == camera.orthographic_height.has_value()) return;
+  if (on) {
+    camera = orthographic(camera);
+  } else {
+    camera.eye = camera.target - viewing_distance(camera) * axes_of(camera).ahead;
+    camera.orthographic_height.reset();
+  }
+  hold(camera, bounds);
 }
 
 void frame(Camera& camera, const SceneBounds& bounds) {
   const glm::dvec3 ahead = glm::normalize(camera.target - camera.eye);
   camera.target = bounds.center;
   camera.eye = bounds.center - fitting_distance(camera, bounds.radius) * ahead;
+  if (camera.orthographic_height) camera = orthographic(camera);
 }
 
 bool view_from(Camera& camera, std::string_view side, const SceneBounds& bounds) {
@@ -116,6 +146,15 @@ bool view_from(Camera& camera, std::string_view side, const SceneBounds& bounds)
   camera.eye = bounds.center + bounds.radius * turn(from);
   frame(camera, bounds);
   return true;
+}
+
+void hold(Camera& camera, const SceneBounds& bounds) {
+  if (camera.orthographic_height) {
+    const glm::dvec3 ahead = axes_of(camera).ahead;
+    const double missing = 1.1 * bounds.radius - glm::dot(bounds.center - camera.eye, ahead);
+    camera.eye -= std::max(missing, 0.0) * ahead;
+  }
+  fit_range(camera, bounds);
 }
 
 void fit_range(Camera& camera, const SceneBounds& bounds) {

@@ -17,7 +17,7 @@ const CameraPath& path_at(const Session& session, const JsonPlace& place) {
 void record(Session& session, const JsonPlace& action) {
   if (session.state().objects->empty()) action.fail("nothing is open", "open a mesh first");
   session.state().playback = {};
-  session.state().recording = {action.at("name").string(), {{session.state().camera}, 1}, 0.0};
+  session.state().recording = {action.at("name").string(), {{session.state().camera}, 1}, 0.0, false};
 }
 
 // Ends what is recorded, which becomes a path, and what is played.

@@ -30,22 +30,22 @@ std::optional<double> meet(const glm::dvec3& origin, const glm::dvec3& direction
 
 }  // namespace
 
-std::optional<Hit> cast_ray(const RefinedFrame& frame, const glm::dvec3& origin, const glm::dvec3& direction) {
+std::optional<Hit> cast_ray(const RefinedFrame& frame, const Ray& ray) {
   if (frame.sides.empty()) return std::nullopt;
   std::optional<Hit> nearest;
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < frame.job.objects->size(); ++i) {
     const PlacedObject& object = (*frame.job.objects)[i];
     const glm::dmat4 to_object = glm::inverse(object.object_to_world);
-    const glm::dvec3 o(to_object * glm::dvec4(origin, 1.0));
-    const glm::dvec3 d(to_object * glm::dvec4(direction, 0.0));
+    const glm::dvec3 o(to_object * glm::dvec4(ray.origin, 1.0));
+    const glm::dvec3 d(to_object * glm::dvec4(ray.direction, 0.0));
     const std::span<const glm::vec3> positions = object.mesh->hierarchy->positions();
     const std::vector<Triangle>& triangles = frame.sides[0].refinement.objects[i].triangles;
     for (std::size_t t = 0; t < triangles.size(); ++t) {
       const auto distance = meet(o, d, positions[triangles[t].x], positions[triangles[t].y], positions[triangles[t].z]);
       if (!distance || *distance >= least) continue;
       least = *distance;
-      nearest = Hit{i, t, origin + least * direction, least};
+      nearest = Hit{i, t, ray.origin + least * ray.direction, least};
     }
   }
   return nearest;

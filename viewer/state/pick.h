@@ -5,6 +5,7 @@
 #include <glm/vec3.hpp>
 #include <optional>
 
+#include "navigation.h"
 #include "refine_worker.h"
 
 namespace occlod::viewer {
@@ -17,8 +18,7 @@ struct Hit {
 };
 
 // The nearest triangle of the frame's first side that a ray meets, either face. O(triangles).
-[[nodiscard]] std::optional<Hit> cast_ray(const RefinedFrame& frame, const glm::dvec3& origin,
-                                          const glm::dvec3& direction);
+[[nodiscard]] std::optional<Hit> cast_ray(const RefinedFrame& frame, const Ray& ray);
 
 // What was picked: a triangle and the split that made it.
 struct Pick {

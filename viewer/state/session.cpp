@@ -19,8 +19,9 @@ constexpr std::size_t most_recent = 12;
 constexpr std::size_t most_notices = 4;
 
 nlohmann::json key_of(const Camera& c) {
-  return {c.eye.x, c.eye.y, c.eye.z,     c.target.x, c.target.y, c.target.z, c.up.x,
-          c.up.y,  c.up.z,  c.fov_y_deg, c.near,     c.far,      c.width,    c.height};
+  return {c.eye.x,    c.eye.y, c.eye.z, c.target.x, c.target.y,
+          c.target.z, c.up.x,  c.up.y,  c.up.z,     c.fov_y_deg,
+          c.near,     c.far,   c.width, c.height,   c.orthographic_height.value_or(0.0)};
 }
 
 // Equal exactly when jobs for the same objects are.
@@ -214,8 +215,20 @@ void Session::go_on_recording(double seconds) {
   recording.since_key_s += seconds;
   while (recording.since_key_s >= recording_step_s) {
     recording.since_key_s -= recording_step_s;
-    recording.keys.keys.push_back(state_.camera);
+    recording.keys.keys.push_back(recorded_key());
   }
+}
+
+// Between parallel rays and perspective there is nothing: all keys are as the first one.
+Camera Session::recorded_key() {
+  Recording& recording = state_.recording;
+  Camera key = state_.camera;
+  const bool parallel = recording.keys.keys.front().orthographic_height.has_value();
+  if (key.orthographic_height.has_value() == parallel) return key;
+  if (!std::exchange(recording.converts, true))
+    notify(fmt::format("the path goes on {} as it began", parallel ? "orthographic" : "in perspective"));
+  set_orthographic(key, parallel, bounds_of(*state_.objects));
+  return key;
 }
 
 RefineJob Session::wanted_job() const {

@@ -53,6 +53,7 @@ struct Recording {
   std::string path;  // empty = none
   CameraPath keys;
   double since_key_s = 0.0;
+  bool converts = false;  // the camera has become another kind than the first key's
 };
 
 struct State {
@@ -121,6 +122,7 @@ class Session {
   void add(LoadedFile file);
   void go_on_playing();
   void go_on_recording(double seconds);
+  [[nodiscard]] Camera recorded_key();
   void request_mesh();
   [[nodiscard]] RefineJob wanted_job() const;
   // One more frame of the same view would change something; a path has one frame for each of its cameras.

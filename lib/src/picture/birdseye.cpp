@@ -1,11 +1,11 @@
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
 #include <vector>
 
+#include "picture/frustum_edges.h"
 #include "picture/lines.h"
 #include "picture/shading.h"
 
@@ -33,21 +33,8 @@ double frustum_length(std::span<const glm::dvec3> corners, const View& view) {
 
 void draw_frustum(Image& image, const View& view, const View& main_view, double length) {
   const picture::Pen pen{{0.95F, 0.72F, 0.05F}, 0.9F, 2.0F};
-  const Camera& camera = main_view.camera();
-  const glm::dvec3 right = glm::normalize(glm::cross(main_view.direction(), camera.up));
-  const glm::dvec3 up = glm::cross(right, main_view.direction());
-  const glm::dvec2 half = glm::dvec2(camera.width, camera.height) / (2.0 * main_view.focal_length_px());
-  const std::array<glm::dvec3, 4> to_corners = {-half.x * right - half.y * up, half.x * right - half.y * up,
-                                                half.x * right + half.y * up, -half.x * right + half.y * up};
-  const bool parallel = main_view.is_orthographic();
-  const auto corner = [&](std::size_t i, double distance) {
-    return camera.eye + distance * main_view.direction() + (parallel ? 1.0 : distance) * to_corners[i % 4];
-  };
-  for (std::size_t i = 0; i < 4; ++i) {
-    picture::draw_line(image, view, corner(i, 0.0), corner(i, length), pen);
-    picture::draw_line(image, view, corner(i, length), corner(i + 1, length), pen);
-    if (parallel) picture::draw_line(image, view, corner(i, 0.0), corner(i + 1, 0.0), pen);
-  }
+  for (const auto& [from, to] : picture::frustum_edges(main_view, length))
+    picture::draw_line(image, view, from, to, pen);
 }
 
 }  // namespace
