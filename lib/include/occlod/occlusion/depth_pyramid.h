@@ -51,8 +51,7 @@ class DepthPyramid {
   // True iff at some pixel of `rect` (inside the image) the occluder is not nearer than largest_nearness, that is
   // farthest <= nearest. Exact: descends only where a coarser texel cannot decide. An empty rectangle shows nothing.
   // With diagonals only of those that they meet.
-  [[nodiscard]] bool any_visible(const PixelRect& rect, float largest_nearness,
-                                 const Diagonals& diagonals = {}) const;
+  [[nodiscard]] bool any_visible(const PixelRect& rect, float largest_nearness, const Diagonals& diagonals = {}) const;
   // The same where a few texels and the pixel in the middle decide it, which is most often; without branches.
   enum class Verdict : std::uint8_t { hidden, visible, unknown };
   [[nodiscard]] Verdict quick_verdict(const PixelRect& rect, float largest_nearness) const noexcept;
