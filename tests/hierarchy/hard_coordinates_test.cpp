@@ -2,6 +2,7 @@
 // same triangles.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <set>
@@ -9,6 +10,7 @@
 
 #include "hierarchy/hard_geometry.h"
 #include "hierarchy/spatial_order.h"
+#include "occlod/core/error.h"
 #include "occlod/mesh/clean.h"
 #include "support/meshes.h"
 
@@ -70,13 +72,13 @@ TEST(HardCoordinates, PowersOfTwoScaleExactly) {
 
 TEST(HardCoordinates, ErrorsScaleWithTheMesh) {
   // Added up or measured: what is promised of a mesh 2^n times as large is 2^n times as much, exactly, up to where its
-  // largest coordinates, 160 * 2^n, and its smallest errors leave the range.
+  // largest coordinates, 160 * 2^n, and its smallest errors leave what is taken.
   const TriangleMesh mesh = terrain();
   for (const ErrorBound kind : {ErrorBound::accumulated, ErrorBound::measured}) {
     BuildOptions options;
     options.error_bound = kind;
     const Hierarchy unit = build_hierarchy(mesh, options);
-    for (const int power : {33, -47, 119, -70}) {
+    for (const int power : {33, -47, 116, -70}) {
       const float scale = std::ldexp(1.0F, power);
       const Hierarchy copy = build_hierarchy(mapped(mesh, [&](const glm::vec3& p) { return scale * p; }), options);
       ASSERT_EQ(unit.split_count(), copy.split_count());
@@ -136,6 +138,19 @@ TEST(HardCoordinates, EndsOfTheRange) {
     SCOPED_TRACE(scale);
     (void)build_soundly(mapped(mesh, [&](const glm::vec3& p) { return scale * p; }));
   }
+}
+
+// The diagonal of a cube of half side 1.5e37 is 5.2e37 long, of which six times is a float; of 2e38 not even once.
+TEST(HardCoordinates, CornersOfTheRangeBuildAndWhatIsBeyondIsRefused) {
+  const TriangleMesh mesh = test::noisy_sphere(3, 1);
+  const auto to_corners = [](float far) {
+    return [far](const glm::vec3& p) {
+      return glm::vec3(std::copysign(far, p.x), std::copysign(far, p.y), far * std::clamp(p.z, -1.0F, 1.0F));
+    };
+  };
+  (void)build_soundly(clean(mapped(mesh, to_corners(1.5e37F)), {}, "corners").mesh);
+  for (const float far : {1.6e37F, 2e38F, 3.4e38F})
+    EXPECT_THROW((void)build_hierarchy(mapped(mesh, to_corners(far))), Error) << far;
 }
 
 TEST(HardCoordinates, Denormals) {

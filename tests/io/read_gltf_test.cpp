@@ -243,6 +243,18 @@ TEST(ReadGltf, SaysWhatIsWrongWithAttributes) {
   }
 }
 
+// A binary file whose buffer needs a view that is not there, found by fuzzing.
+TEST(ReadGltf, BinaryFileWithoutAccessorsIsRefused) {
+  const test::TestFolder folder;
+  std::string json = R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+      "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}], "buffers": [{"byteLength": 0}]})";
+  json.resize((json.size() + 3) / 4 * 4, ' ');
+  std::string file = "glTF";
+  for (const std::size_t word : {std::size_t{2}, 20 + json.size(), json.size(), std::size_t{0x4E4F534A}})
+    put(file, static_cast<std::uint32_t>(word));
+  EXPECT_NE(folder.complaint("a.glb", file + json), "accepted");
+}
+
 TEST(ReadGltf, IntsAreReadAsTheyAre) {
   // Type 5124 is in no standard, but the parser knows its size: four bytes, the last four of the buffer for index 5.
   const test::TestFolder folder;

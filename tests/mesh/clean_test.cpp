@@ -123,6 +123,8 @@ TEST(Clean, AccountsForEveryVertex) {
 TEST(Clean, RefusesWhatCannotBeAMesh) {
   TriangleMesh far = test::tetrahedron();
   far.triangles[2].y = 4;
+  TriangleMesh too_far = test::tetrahedron();
+  too_far.positions[2].z = -1.6e37F;
   TriangleMesh infinite = test::tetrahedron();
   infinite.positions[3].y = -std::numeric_limits<float>::infinity();
   TriangleMesh collapsed = test::single_triangle();
@@ -139,6 +141,7 @@ TEST(Clean, RefusesWhatCannotBeAMesh) {
   };
   EXPECT_EQ(place_of(far), "at triangle 2");
   EXPECT_EQ(place_of(infinite), "at vertex 3, numbered from 0");
+  EXPECT_EQ(place_of(too_far), "at vertex 2, numbered from 0");
   EXPECT_EQ(place_of(collapsed), "at ");
   EXPECT_EQ(place_of({}), "at ");
 }

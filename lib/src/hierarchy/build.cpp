@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "assemble.h"
+#include "math/inverse_power_of_two.h"
 #include "measure_error.h"
 #include "occlod/core/error.h"
 #include "parallel.h"
@@ -19,6 +20,9 @@ void check_input(const TriangleMesh& mesh) {
     const glm::vec3& p = mesh.positions[v];
     if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
       throw Error({"mesh", "vertex " + std::to_string(v), "is not finite", "run clean() on the mesh first"});
+    if (largest_coordinate(p) > farthest_coordinate)
+      throw Error(
+          {"mesh", "vertex " + std::to_string(v), "is farther than 1.5e37 from the origin", "scale the mesh down"});
   }
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const Triangle& corners = mesh.triangles[t];

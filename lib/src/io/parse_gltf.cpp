@@ -275,6 +275,8 @@ PolygonSoup parse_gltf(std::string_view bytes, const FileErrors& errors) {
                : loader.LoadASCIIFromString(&model, &problem, &warning, bytes.data(), size, folder);
   } catch (const std::bad_alloc&) {  // tinygltf takes a folder for a file of 2^63 bytes
     problem = "a buffer is no file or too large";
+  } catch (const std::exception&) {  // it takes for granted that a binary file's parts are there
+    problem = "its parts do not fit together";
   }
   if (!read) {
     std::replace(problem.begin(), problem.end(), '\n', ' ');

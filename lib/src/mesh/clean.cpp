@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "math/inverse_power_of_two.h"
 #include "mesh/portable_math.h"
 #include "occlod/core/error.h"
 
@@ -154,6 +155,9 @@ class Cleaner {
       } else if (!finite) {
         fail(fmt::format("vertex {}, numbered from 0", v), "a coordinate is NaN or infinite",
              "remove the vertex and its faces, or export the mesh again");
+      } else if (largest_coordinate(mesh_.positions[v]) > farthest_coordinate) {
+        fail(fmt::format("vertex {}, numbered from 0", v), "is farther than 1.5e37 from the origin",
+             "scale the mesh down");
       }
     }
   }

@@ -26,7 +26,8 @@ struct BuildOptions {
 };
 
 // Any triangle soup that clean() passes builds; the same mesh and options give the same bytes. Throws Error for a mesh
-// without triangles, with an index out of range or a position that is not finite, and when cancelled.
+// without triangles, with an index out of range or a position that is not finite or has a coordinate beyond
+// farthest_coordinate, and when cancelled.
 // O(n log n) time; about 270 bytes a vertex beside the result while building.
 [[nodiscard]] Hierarchy build_hierarchy(const TriangleMesh& mesh, const BuildOptions& options = {});
 

@@ -18,7 +18,7 @@ struct CleanMesh {
 // the remaining vertices and triangles is kept. Normals come out with unit length; one that is zero or not finite is
 // computed from its triangles. `report` carries what the reader counted, the rest is added; an empty one is filled as
 // if `mesh` had been read. `subject` names the mesh in errors. Throws Error when a triangle uses a vertex that is not
-// finite or an index out of range, or when no triangle is left. Expected O(n).
+// finite or beyond farthest_coordinate or an index out of range, or when no triangle is left. Expected O(n).
 [[nodiscard]] CleanMesh clean(TriangleMesh mesh, const MeshReport& report, const std::string& subject);
 
 // Counts the topology fields ("kept as they are") of a mesh with valid indices into `report`.

@@ -13,6 +13,9 @@ namespace occlod {
 
 using Triangle = glm::u32vec3;  // three vertex ids, counter-clockwise seen from outside
 
+// Larger ones are refused: bounds and errors are a few times as long as the diagonal of what lies within, and floats.
+inline constexpr float farthest_coordinate = 1.5e37F;
+
 struct TriangleMesh {
   std::vector<glm::vec3> positions;  // object units
   std::vector<glm::vec3> normals;    // unit length; empty or one per vertex
