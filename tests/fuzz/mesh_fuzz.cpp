@@ -28,7 +28,7 @@ void expect(bool holds) {
   if (!holds) std::abort();
 }
 
-// tinygltf asks for 2^63 bytes when a buffer is a folder; we catch that (tests/io), sanitizers end the program.
+// Only what is in the bytes themselves.
 bool names_a_file(std::string_view bytes) {
   for (std::size_t at = bytes.find("uri"); at != std::string_view::npos; at = bytes.find("uri", at + 1))
     if (bytes.substr(at, 16).find("data:") == std::string_view::npos) return true;

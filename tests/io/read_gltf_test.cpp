@@ -122,8 +122,14 @@ TEST(ReadGltf, SaysWhatIsWrong) {
       R"(, "extensionsUsed": ["EXT_meshopt_compression"], "extensionsRequired": ["EXT_meshopt_compression"])";
   EXPECT_NE(complaint(compressed).find("EXT_meshopt_compression"), std::string::npos);
   EXPECT_NE(folder.complaint("text.gltf", "{ \"asset\": "), "accepted");
-  const std::string folder_as_buffer = R"({"asset": {"version": "2.0"}, "buffers": [{"byteLength": 4, "uri": "."}]})";
-  EXPECT_NE(folder.complaint("folder.gltf", folder_as_buffer).find("is no file"), std::string::npos);
+  // What is no regular file is not there: neither a folder, nor a device without end, nor what a shell would make of
+  // it.
+  (void)folder.write("four.bin", "1234");
+  for (const char* name : {".", "/dev/zero", "$(echo four.bin)", "missing.bin"}) {
+    const std::string buffer = R"({"asset": {"version": "2.0"}, "buffers": [{"byteLength": 4, "uri": ")";
+    const std::string text = folder.complaint("buffer.gltf", buffer + name + "\"}]}");
+    EXPECT_NE(text.find("not found"), std::string::npos) << text;
+  }
   EXPECT_NE(folder.complaint("short.glb", "glTF"), "accepted");
 }
 

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <exception>
 #include <filesystem>
 #include <glm/ext/matrix_transform.hpp>
 #include <glm/geometric.hpp>
@@ -15,6 +16,8 @@
 #include <glm/matrix.hpp>
 #include <limits>
 #include <new>
+#include <string>
+#include <system_error>
 
 #include "io/polygon_soup.h"
 
@@ -255,10 +258,24 @@ class GltfReader {
   std::size_t visits_ = 0;
 };
 
+// tinygltf's own ask the shell what a name means, and read from whatever has it, a device without end included.
+tinygltf::FsCallbacks plain_files() {
+  tinygltf::FsCallbacks files{};
+  files.FileExists = [](const std::string& name, void*) {
+    std::error_code unknown;
+    return std::filesystem::is_regular_file(name, unknown);
+  };
+  files.ExpandFilePath = [](const std::string& name, void*) { return name; };
+  files.ReadWholeFile = &tinygltf::ReadWholeFile;
+  files.WriteWholeFile = &tinygltf::WriteWholeFile;
+  return files;
+}
+
 }  // namespace
 
 PolygonSoup parse_gltf(std::string_view bytes, const FileErrors& errors) {
   tinygltf::TinyGLTF loader;
+  loader.SetFsCallbacks(plain_files());
   // Textures are not looked at.
   loader.SetImageLoader([](tinygltf::Image*, const int, std::string*, std::string*, int, int, const unsigned char*, int,
                            void*) { return true; },
@@ -273,8 +290,8 @@ PolygonSoup parse_gltf(std::string_view bytes, const FileErrors& errors) {
                ? loader.LoadBinaryFromMemory(&model, &problem, &warning,
                                              reinterpret_cast<const unsigned char*>(bytes.data()), size, folder)
                : loader.LoadASCIIFromString(&model, &problem, &warning, bytes.data(), size, folder);
-  } catch (const std::bad_alloc&) {  // tinygltf takes a folder for a file of 2^63 bytes
-    problem = "a buffer is no file or too large";
+  } catch (const std::bad_alloc&) {
+    throw;
   } catch (const std::exception&) {  // it takes for granted that a binary file's parts are there
     problem = "its parts do not fit together";
   }
