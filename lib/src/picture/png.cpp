@@ -5,6 +5,7 @@
 
 #include <cassert>
 #include <cstddef>
+#include <exception>
 
 #include "occlod/core/error.h"
 #include "occlod/io/atomic_file.h"
@@ -13,18 +14,30 @@
 namespace occlod {
 namespace {
 
-void append(void* file, void* data, int size) {
-  static_cast<AtomicFile*>(file)->write({static_cast<const std::byte*>(data), static_cast<std::size_t>(size)});
+// What goes wrong waits until the encoder, which knows no exceptions, has given its memory back.
+struct Output {
+  AtomicFile file;
+  std::exception_ptr failure;
+};
+
+void append(void* to, void* data, int size) {
+  Output& output = *static_cast<Output*>(to);
+  try {
+    output.file.write({static_cast<const std::byte*>(data), static_cast<std::size_t>(size)});
+  } catch (...) {
+    output.failure = std::current_exception();
+  }
 }
 
 }  // namespace
 
 void write_png(const std::filesystem::path& path, const Image& image) {
   assert(image.pixels.size() == static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height));
-  AtomicFile file(path);
-  if (stbi_write_png_to_func(append, &file, image.width, image.height, 4, image.pixels.data(), image.width * 4) == 0)
+  Output output{AtomicFile(path), nullptr};
+  if (stbi_write_png_to_func(append, &output, image.width, image.height, 4, image.pixels.data(), image.width * 4) == 0)
     throw Error({path.string(), "", "the picture cannot be encoded", "make it smaller"});
-  file.commit();
+  if (output.failure) std::rethrow_exception(output.failure);
+  output.file.commit();
 }
 
 }  // namespace occlod
