@@ -39,7 +39,7 @@ echo "bench_software_occlusion" >&2
 build/bench/bench/bench_software_occlusion | tee "$out/software_occlusion.txt"
 
 echo "bench_stability" >&2
-build/bench/bench/bench_stability | tee "$out/stability.md"
+build/bench/bench/report/bench_stability | tee "$out/stability.md"
 
 echo "bench_frames" >&2
 build/bench/bench/bench_frames | tee "$out/frames.md"

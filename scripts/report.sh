@@ -3,7 +3,7 @@
 # report.json, points.csv and stability.json beside it.
 # report.sh [--small] [--out FOLDER] [--bench FILE]
 #   --small  three scenes, small pictures and budgets: seconds, for tests
-#   --bench  a built bench_report, with bench_stability in the folder above; sets up and builds both when not given
+#   --bench  a built bench_report, with bench_stability beside it; sets up and builds both when not given
 # OCCLOD_MESHES: folders with real meshes, separated by ':'; scenes that miss one are skipped and say so.
 set -euo pipefail
 root=$(cd "$(dirname "$0")/.." && pwd)
@@ -34,5 +34,5 @@ fi
 
 commit=$(git -C "$root" describe --always --dirty 2>/dev/null || true)
 "$bench" "${small[@]}" --out "$out" --commit "$commit"
-"$(dirname "$bench")/../bench_stability" "${stability[@]}" --json "$out/stability.json" >/dev/null
+"$(dirname "$bench")/bench_stability" "${stability[@]}" --json "$out/stability.json" >/dev/null
 python3 -B "$root/bench/report/page.py" "$out"
