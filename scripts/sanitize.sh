@@ -10,7 +10,11 @@ jobs=${OCCLOD_JOBS:-2}
 case ${1:-} in
   address)
     CMAKE_BUILD_PARALLEL_LEVEL=$jobs scripts/build.sh sanitize
-    ctest --preset sanitize -j "$jobs"
+    status=0
+    ctest --preset sanitize -j "$jobs" -E '^viewer_' || status=1
+    # What the windows' drivers keep has no name once they are unloaded, by which it could be left out.
+    ASAN_OPTIONS=detect_leaks=0 ctest --preset sanitize -R '^viewer_' || status=1
+    exit $status
     ;;
   thread)
     if command -v ccache >/dev/null; then export CMAKE_CXX_COMPILER_LAUNCHER=ccache; fi
