@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <cmath>
 #include <iterator>
 #include <limits>
 #include <span>
@@ -27,7 +28,8 @@ std::size_t files_in(const fs::path& folder) {
 // Coordinates whose shortest decimals are long, tiny or huge: text must bring back the same bits.
 TriangleMesh awkward_mesh() {
   TriangleMesh mesh = test::noisy_sphere(2, 3);
-  mesh.positions[0] = {1.0f / 3.0f, std::numeric_limits<float>::denorm_min(), std::numeric_limits<float>::max()};
+  mesh.positions[0] = {1.0f / 3.0f, std::numeric_limits<float>::denorm_min(),
+                       std::nextafter(farthest_coordinate, 0.0f)};
   mesh.positions[1] = {-16777216.0f, 1e-30f, 0.1f};
   return mesh;
 }
