@@ -29,11 +29,12 @@ double inverse_depth_on_plane(const glm::dvec3& normal, double d, int x, int y) 
   return (normal.x * (x - 39.5) / 30.0 + normal.y * (29.5 - y) / 30.0 - normal.z) / d;
 }
 
-TEST(Depth, IsThatOfThePlaneAtThePixelCentre) {
-  const View view = test_view();
+// Draws random triangles between two z: each pixel has exact_at(n, d, x, y) of its plane n . p = d.
+template <typename Exact>
+void expect_planes(const View& view, unsigned seed, float nearest_z, float farthest_z, const Exact& exact_at) {
   const ObjectView object(view, glm::dmat4(1.0));
-  std::mt19937 random(4);
-  std::uniform_real_distribution<float> across(-8.0F, 8.0F), along(-20.0F, -2.0F);
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> across(-8.0F, 8.0F), along(farthest_z, nearest_z);
   std::size_t checked = 0;
   for (int n = 0; n < 400; ++n) {
     std::vector<glm::vec3> p;
@@ -48,11 +49,11 @@ TEST(Depth, IsThatOfThePlaneAtThePixelCentre) {
       for (int x = 0; x < 80; ++x) {
         const double drawn = depth.nearness[static_cast<std::size_t>(80 * y + x)];
         if (drawn == 0.0) continue;
-        const double exact = inverse_depth_on_plane(normal, d, x, y);
+        const double exact = exact_at(normal, d, x, y);
         // Snapping moves each corner by at most 1/512 px along both axes, and with it the plane by what it rises in
         // that distance; twice that is allowed because a sliver's slope is itself changed.
-        const double slope = std::abs(inverse_depth_on_plane(normal, d, x + 1, y) - exact) +
-                             std::abs(inverse_depth_on_plane(normal, d, x, y + 1) - exact);
+        const double slope =
+            std::abs(exact_at(normal, d, x + 1, y) - exact) + std::abs(exact_at(normal, d, x, y + 1) - exact);
         if (slope > 0.02) continue;  // seen edge-on
         EXPECT_NEAR(drawn, exact, 1e-6 + slope / 256.0) << n << ": " << x << "," << y;
         ++checked;
@@ -62,49 +63,29 @@ TEST(Depth, IsThatOfThePlaneAtThePixelCentre) {
   EXPECT_GT(checked, 10'000U);
 }
 
-// 6 units are 60 pixels high: the ray through pixel (x, y) is along -z through ((x - 39.5) / 10, (29.5 - y) / 10). It
-// meets the plane n . p = d at distance t = (n_x X + n_y Y - d) / n_z; nearness is 1 at 2 and 0 at 12, and what is
-// nearer or farther is cut off.
-TEST(Depth, OfParallelRaysIsThatOfThePlaneAtThePixelCentre) {
+// 6 units are 60 pixels high, nearness is 1 at distance 2 and 0 at 12.
+View parallel_view() {
   Camera camera = test_view().camera();
   camera.orthographic_height = 6.0;
   camera.near = 2.0;
   camera.far = 12.0;
-  const ObjectView object(View(camera), glm::dmat4(1.0));
-  std::mt19937 random(6);
-  std::uniform_real_distribution<float> across(-8.0F, 8.0F), along(-16.0F, 2.0F);
-  std::size_t checked = 0;
-  for (int n = 0; n < 400; ++n) {
-    std::vector<glm::vec3> p;
-    for (int i = 0; i < 3; ++i) p.emplace_back(across(random), across(random), along(random));
-    const glm::dvec3 normal = glm::cross(glm::dvec3(p[1] - p[0]), glm::dvec3(p[2] - p[0]));
-    const double d = glm::dot(normal, glm::dvec3(p[0]));
-    const double slope = (std::abs(normal.x) + std::abs(normal.y)) / std::abs(normal.z) / 100.0;
-    if (slope > 0.02) continue;  // seen edge-on
-    const Triangle triangle(0, 1, 2);
-    DepthBuffer depth;
-    depth.reset(80, 60);
-    draw_depth(depth, p, {&triangle, 1}, object.object_to_clip());
-    for (int y = 0; y < 60; ++y) {
-      for (int x = 0; x < 80; ++x) {
-        const double drawn = depth.nearness[static_cast<std::size_t>(80 * y + x)];
-        if (drawn == 0.0) continue;
-        const double distance = (normal.x * (x - 39.5) / 10.0 + normal.y * (29.5 - y) / 10.0 - d) / normal.z;
-        EXPECT_NEAR(drawn, (12.0 - distance) / 10.0, 1e-6 + slope / 256.0) << n << ": " << x << "," << y;
-        ++checked;
-      }
-    }
-  }
-  EXPECT_GT(checked, 10'000U);
+  return View(camera);
+}
+
+TEST(Depth, IsThatOfThePlaneAtThePixelCentre) { expect_planes(test_view(), 4, -2.0F, -20.0F, inverse_depth_on_plane); }
+
+// The ray through pixel (x, y) is along -z through ((x - 39.5) / 10, (29.5 - y) / 10). It meets the plane n . p = d at
+// distance t = (n_x X + n_y Y - d) / n_z; what is nearer than 2 or farther than 12 is cut off.
+TEST(Depth, OfParallelRaysIsThatOfThePlaneAtThePixelCentre) {
+  expect_planes(parallel_view(), 6, 2.0F, -16.0F, [](const glm::dvec3& normal, double d, int x, int y) {
+    const double distance = (normal.x * (x - 39.5) / 10.0 + normal.y * (29.5 - y) / 10.0 - d) / normal.z;
+    return (12.0 - distance) / 10.0;
+  });
 }
 
 // A square over the whole picture is there between the planes, and nowhere else.
 TEST(Depth, OfParallelRaysEndsAtBothPlanes) {
-  Camera camera = test_view().camera();
-  camera.orthographic_height = 6.0;
-  camera.near = 2.0;
-  camera.far = 12.0;
-  const glm::mat4 to_clip = ObjectView(View(camera), glm::dmat4(1.0)).object_to_clip();
+  const glm::mat4 to_clip = ObjectView(parallel_view(), glm::dmat4(1.0)).object_to_clip();
   const Triangle triangles[] = {{0, 1, 2}, {0, 2, 3}};
   for (const float z : {-1.99F, -2.01F, -11.99F, -12.01F, -1e6F}) {
     const std::vector<glm::vec3> p = {{-9, -9, z}, {9, -9, z}, {9, 9, z}, {-9, 9, z}};
