@@ -1,4 +1,4 @@
-// Draws batches of projected triangles into inverse depth, with the widest vectors that the machine has.
+// Draws batches of projected triangles into nearness, with the widest vectors that the machine has.
 #pragma once
 
 #include <cstddef>

@@ -15,7 +15,7 @@ using raster::ScreenVertex;
 using raster::TriangleBatch;
 using raster::TriangleSetup;
 
-// Inverse depth of the pixels [begin, end) of a row, each handed to write(pixel - begin, depth).
+// Nearness of the pixels [begin, end) of a row, each handed to write(pixel - begin, depth).
 template <class Write>
 inline void for_each_depth(const TriangleSetup& triangle, std::int32_t row, std::int32_t begin, std::int32_t end,
                            Write write) {

@@ -50,7 +50,7 @@ class EdgeWalk {
   double numerator_, step_, inverse_;
 };
 
-// Inverse depth as a linear function of the pixel centre, and the range that it may not leave by rounding.
+// Nearness as a linear function of the pixel centre, and the range that it may not leave by rounding.
 struct DepthPlane {
   double at_origin;  // at the centre of pixel (0, 0)
   double per_column, per_row;
@@ -65,7 +65,7 @@ struct DepthPlane {
 // beside the 2^-9 by which corners are moved to whole subpixels.
 inline constexpr std::int32_t depth_reach = 64;
 
-// Inverse depth along one row: clamp((start + step * (column - origin)) + row_term). A pixel's depth depends on the
+// Nearness along one row: clamp((start + step * (column - origin)) + row_term). A pixel's depth depends on the
 // triangle and the pixel alone, not on the span or the block of pixels that it is drawn in.
 struct DepthRow {
   float start, step, row_term;

@@ -15,7 +15,7 @@ struct ComputeOcclusionOptions {
 };
 
 // The test of the software backend: the bound's screen rectangle and nearest depth (screen_bounds, on the CPU) against
-// the farthest depths of the occluder. The occluder is drawn by OpenGL as inverse depth, pushed away by 1/64 of what
+// the farthest depths of the occluder. The occluder is drawn by OpenGL as nearness, pushed away by 1/64 of what
 // one pixel spans, for rasterisers may move it by 1/256 pixel: where software hides by less than that, this says
 // visible. A test that has not ended after 16,384 texels says visible too. The occluder is cut off at the far plane.
 // Needs OpenGL 4.3.

@@ -45,7 +45,7 @@ class DepthPyramid {
   [[nodiscard]] int level_count() const noexcept { return static_cast<int>(levels_.size()); }
   [[nodiscard]] int width() const noexcept { return levels_.empty() ? 0 : levels_[0].width; }
   [[nodiscard]] int height() const noexcept { return levels_.empty() ? 0 : levels_[0].height; }
-  // Smallest inverse depth (farthest occluder) of the texel.
+  // Smallest nearness (farthest occluder) of the texel.
   [[nodiscard]] float farthest(int level, int x, int y) const noexcept;
 
   // True iff at some pixel of `rect` (inside the image) the occluder is not nearer than largest_nearness, that is
