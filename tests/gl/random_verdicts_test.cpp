@@ -1,5 +1,5 @@
 // Every backend on the same random bounds in random views of generated scenes: against rays, and against each other.
-// What rays can say is in oracle/ray_oracle.h; what each backend may differ by is in docs/occlusion.md.
+// What rays can say is in oracle/ray_oracle.h; what each backend may differ by is in docs/guide/occlusion.md.
 #include <algorithm>
 #include <map>
 
@@ -112,7 +112,7 @@ TEST_P(RandomVerdicts, MostOfWhatRaysFindHiddenIsFound) {
   }
 }
 
-// How much two backends that the machine has may differ, by docs/occlusion.md. Where they do, the one that hides is not
+// How much two backends that the machine has may differ, by docs/guide/occlusion.md. Where they do, the one that hides is not
 // contradicted by rays.
 TEST_P(RandomVerdicts, BackendsAgreeAsFarAsTheyPromise) {
   for (const Platform platform : {Platform::egl, Platform::osmesa}) {

@@ -1,4 +1,4 @@
-// Guaranteed errors that are measured instead of added up. docs/error_metric.md has the proofs.
+// Guaranteed errors that are measured instead of added up. docs/guide/error_metric.md has the proofs.
 #pragma once
 
 #include "occlod/mesh/triangle_mesh.h"

@@ -1,4 +1,4 @@
-// The format is described in docs/scenes.md.
+// The format is described in docs/guide/scenes.md.
 #include <algorithm>
 #include <cmath>
 #include <glm/ext/matrix_transform.hpp>

@@ -1,4 +1,4 @@
-// The format is described in docs/scenes.md.
+// The format is described in docs/guide/scenes.md.
 #include <nlohmann/json.hpp>
 #include <string>
 

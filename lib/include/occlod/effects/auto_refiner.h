@@ -1,4 +1,4 @@
-// Refinement that switches on only those effects that pay: the setting `auto` (docs/effects.md).
+// Refinement that switches on only those effects that pay: the setting `auto` (docs/guide/effects.md).
 #pragma once
 
 #include <memory>

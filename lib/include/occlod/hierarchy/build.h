@@ -9,7 +9,7 @@
 
 namespace occlod {
 
-// How SplitNode::guaranteed_error comes about. Both are bounds; docs/benchmarks.md compares them.
+// How SplitNode::guaranteed_error comes about. Both are bounds; docs/benchmarks/guaranteed_error.md compares them.
 enum class ErrorBound {
   accumulated,  // the movements of all collapses that led to a face, added up: several times too large on coarse meshes
   measured      // against the input mesh: tight, at several times the building time

@@ -1,4 +1,4 @@
-// The .olod file: a hierarchy as versioned, checksummed sections. The layout is described in docs/file_format.md.
+// The .olod file: a hierarchy as versioned, checksummed sections. The layout is described in docs/guide/file_format.md.
 #pragma once
 
 #include <cstdint>

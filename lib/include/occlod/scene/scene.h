@@ -1,4 +1,4 @@
-// Scenes as data: objects, named cameras and camera paths. The file format is described in docs/scenes.md.
+// Scenes as data: objects, named cameras and camera paths. The file format is described in docs/guide/scenes.md.
 #pragma once
 
 #include <cstdint>
