@@ -112,8 +112,8 @@ TEST_P(RandomVerdicts, MostOfWhatRaysFindHiddenIsFound) {
   }
 }
 
-// How much two backends that the machine has may differ, by docs/guide/occlusion.md. Where they do, the one that hides is not
-// contradicted by rays.
+// How much two backends that the machine has may differ, by docs/guide/occlusion.md. Where they do, the one that hides
+// is not contradicted by rays.
 TEST_P(RandomVerdicts, BackendsAgreeAsFarAsTheyPromise) {
   for (const Platform platform : {Platform::egl, Platform::osmesa}) {
     SCOPED_TRACE(platform_label(platform));

@@ -29,7 +29,8 @@ struct VertexQuadric {
   static constexpr float edge_length_weight = 1e-8F;
   [[nodiscard]] float inverse_weight() const { return weight > 0.0F ? 1.0F / weight : 0.0F; }
   // Collapses are ordered by this times their mean square: half-way, in powers of the weight, between the mean and the
-  // sum of squares. The mean spends triangles on small features, the sum loses them; see docs/decisions/010-between_mean_and_sum_of_squares.md.
+  // sum of squares. The mean spends triangles on small features, the sum loses them; see
+  // docs/decisions/010-between_mean_and_sum_of_squares.md.
   [[nodiscard]] float order() const { return std::sqrt(weight); }
   // What merging the vertex into the one at position + x costs.
   [[nodiscard]] float cost(const glm::vec3& x) const {
