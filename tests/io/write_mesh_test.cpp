@@ -1,29 +1,19 @@
 #include "occlod/io/write_mesh.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
-#include <chrono>
 #include <cmath>
-#include <iterator>
 #include <limits>
-#include <span>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "io/mesh_files.h"
-#include "occlod/io/atomic_file.h"
 #include "support/meshes.h"
 
 namespace occlod {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::size_t files_in(const fs::path& folder) {
-  return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), {}));
-}
 
 // Coordinates whose shortest decimals are long, tiny or huge: text must bring back the same bits.
 TriangleMesh awkward_mesh() {
@@ -89,113 +79,8 @@ TEST(WriteMesh, FailureLeavesWhatWasThere) {
   fs::create_directory(folder.path() / "folder.ply");
   EXPECT_THROW(write_mesh(folder.path() / "folder.ply", mesh), Error);
   EXPECT_TRUE(fs::is_directory(folder.path() / "folder.ply"));
-  EXPECT_EQ(files_in(folder.path()), 1u);  // and no temporary is left
+  EXPECT_EQ(test::files_in(folder.path()), 1u);  // and no temporary is left
 }
-
-TEST(AtomicFile, AppearsOnlyOnCommit) {
-  const test::TestFolder folder;
-  const fs::path path = folder.write("a.txt", "old");
-  {
-    AtomicFile file(path);
-    file.stream() << "half";
-    file.stream().flush();
-    EXPECT_EQ(test::bytes_of(path), "old");
-  }
-  EXPECT_EQ(test::bytes_of(path), "old");
-  EXPECT_EQ(files_in(folder.path()), 1u);
-  {
-    AtomicFile file(path);
-    file.stream() << "new";
-    file.write(std::as_bytes(std::span("er", 2)));
-    file.commit();
-    EXPECT_EQ(test::bytes_of(path), "newer");
-  }
-  EXPECT_EQ(test::bytes_of(path), "newer");
-  EXPECT_EQ(files_in(folder.path()), 1u);
-}
-
-TEST(AtomicFile, ReportsAFailedWriteAndKeepsTheOldFile) {
-  const test::TestFolder folder;
-  const fs::path path = folder.write("a.txt", "old");
-  AtomicFile file(path);
-  file.stream().setstate(std::ios::badbit);  // as after a full disk
-  EXPECT_THROW(file.commit(), Error);
-  EXPECT_EQ(test::bytes_of(path), "old");
-}
-
-// Of the hidden files beside the target only those go that a process of the same machine, which has ended, left there
-// more than a minute ago for the same target. No process has the largest number.
-TEST(AtomicFile, RemovesWhatKilledProcessesLeft) {
-  const test::TestFolder folder;
-  const auto leave = [&](const std::string& name, bool is_old) {
-    const fs::path path = folder.write(name, "half");
-    if (is_old) fs::last_write_time(path, fs::file_time_type::clock::now() - std::chrono::hours(1));
-    return path;
-  };
-  const std::string ended = "2147483647-0.tmp", at_work = std::to_string(getpid()) + "-77.tmp";
-  const fs::path leftover = leave(".a.txt." + ended, true);
-  const std::vector<fs::path> others = {leave(".a.txt." + at_work, true), leave(".a.txt.2147483647-1.tmp", false),
-                                        leave(".b.txt." + ended, true),   leave(".a.txt.x-0.tmp", true),
-                                        leave(".a.txt.2147483647", true), leave(".a.txt.-5-0.tmp", true)};
-  AtomicFile file(folder.path() / "a.txt");
-  file.commit();
-  EXPECT_FALSE(fs::exists(leftover));
-  for (const fs::path& other : others) EXPECT_TRUE(fs::exists(other)) << other;
-}
-
-TEST(AtomicFile, KeepsPermissionsAndFollowsLinks) {
-  const test::TestFolder folder;
-  const fs::path path = folder.write("a.txt", "old");
-  fs::permissions(path, fs::perms::owner_read | fs::perms::owner_write);
-  fs::create_symlink(path, folder.path() / "link");
-  AtomicFile file(folder.path() / "link");
-  file.stream() << "new";
-  file.commit();
-  EXPECT_TRUE(fs::is_symlink(folder.path() / "link"));
-  EXPECT_EQ(test::bytes_of(path), "new");
-  EXPECT_EQ(fs::status(path).permissions(), fs::perms::owner_read | fs::perms::owner_write);
-}
-
-// Two blocks' worth of bytes: the monitor sees the file before it is begun, each block and the commit, and counts
-// whole.
-TEST(WriteMonitor, SeesEveryBlock) {
-  const test::TestFolder folder;
-  const std::vector<std::byte> bytes((std::size_t{1} << 22) + 1);
-  std::vector<std::uint64_t> seen;
-  {
-    const WriteMonitor monitor([&](std::uint64_t written) {
-      EXPECT_EQ(files_in(folder.path()), seen.empty() ? 0u : 1u);
-      seen.push_back(written);
-    });
-    AtomicFile file(folder.path() / "a");
-    file.write(bytes);
-    file.commit();
-  }
-  AtomicFile unseen(folder.path() / "b");
-  EXPECT_EQ(seen, (std::vector<std::uint64_t>{0, 0, bytes.size() - 1, bytes.size()}));
-  EXPECT_EQ(test::bytes_of(folder.path() / "a").size(), bytes.size());
-}
-
-TEST(WriteMonitor, EndsTheWritingAtAnyPointWithTheOldFileInPlace) {
-  const test::TestFolder folder;
-  const fs::path path = folder.write("a.ply", "old");
-  const TriangleMesh mesh = test::octahedron_sphere(2);
-  int calls = 0;
-  const WriteMonitor count([&](std::uint64_t) { ++calls; });
-  write_mesh(folder.path() / "b.ply", mesh);
-  ASSERT_GE(calls, 3);  // begin, one block, commit
-  for (int last = 1; last <= calls; ++last) {
-    int left = last;
-    const WriteMonitor stop([&](std::uint64_t) {
-      if (--left == 0) throw std::runtime_error("stop");
-    });
-    EXPECT_THROW(write_mesh(path, mesh), std::runtime_error);
-    EXPECT_EQ(test::bytes_of(path), "old");
-    EXPECT_EQ(files_in(folder.path()), 2u);
-  }
-}
-
-TEST(AtomicFile, RefusesDevices) { EXPECT_THROW(AtomicFile("/dev/null"), Error); }
 
 }  // namespace
 }  // namespace occlod

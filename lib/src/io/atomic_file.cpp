@@ -32,7 +32,18 @@ thread_local WriteMonitor* innermost_monitor = nullptr;
 
 constexpr std::string_view hidden_suffix = ".tmp";
 
-std::string hidden_prefix(const fs::path& target) { return fmt::format(".{}.", target.filename().string()); }
+// Of the target's name the hidden one has no more bytes: a name may be as long as the file system allows.
+constexpr std::size_t longest_stem = 100;
+
+std::string hidden_prefix(const fs::path& target) {
+  const std::string name = target.filename().string();
+  std::size_t size = std::min(name.size(), longest_stem);
+  const auto continues_a_character = [&](std::size_t i) {
+    return (static_cast<unsigned char>(name[i]) & 0xC0U) == 0x80;
+  };
+  while (size > 0 && size < name.size() && continues_a_character(size)) --size;  // UTF-8
+  return fmt::format(".{}.", name.substr(0, size));
+}
 
 // Unique among the running processes and among the files of this one.
 fs::path hidden_neighbour(const fs::path& target) {
@@ -63,20 +74,48 @@ void remove_leftovers(const fs::path& folder, const fs::path& target) {
     if (std::error_code kept; is_leftover(*entry, prefix)) fs::remove(entry->path(), kept);
 }
 
+fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : fs::path("."); }
+
+// Of what is at `path`, links followed; throws when nothing could be there.
+fs::file_status status_of(const fs::path& path) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (error == std::errc::filename_too_long) fail(path, "the name is too long", "choose a shorter one");
+  if (error == std::errc::too_many_symbolic_link_levels)
+    fail(path, "is a symbolic link that leads back to itself", "remove the link or choose another name");
+  return status;
+}
+
+void require_writable(const fs::path& path, const fs::path& target) {
+  if (path.empty()) throw Error({"output file", "", "has no name", "name a file"});
+  const fs::file_status status = status_of(path);
+  if (target.filename().empty() || fs::is_directory(status)) fail(path, "is a folder", "name a file in it");
+  if (fs::exists(status) && !fs::is_regular_file(status)) fail(path, "is not a regular file", "choose another name");
+  const fs::path folder = folder_of(target);
+  std::error_code ignored;
+  if (!fs::is_directory(folder, ignored))
+    fail(path, fmt::format("the folder {} does not exist", folder.string()), "create it first");
+  if (access(folder.c_str(), W_OK | X_OK) != 0)
+    fail(path, fmt::format("cannot be written: {}", reason(errno)), "check the permissions of the folder");
+}
+
 }  // namespace
 
-AtomicFile::AtomicFile(fs::path path) : path_(std::move(path)) {
+void AtomicFile::check(const fs::path& path) { require_writable(path, target_of(path)); }
+
+fs::path AtomicFile::target_of(const fs::path& path) {
+  fs::path target = path;
+  (void)status_of(path);  // links that lead back to themselves end here
   std::error_code ignored;
-  target_ = fs::is_symlink(path_, ignored) ? fs::weakly_canonical(path_, ignored) : path_;
-  const fs::file_status status = fs::status(target_, ignored);
-  if (target_.filename().empty() || fs::is_directory(status)) fail(path_, "is a folder", "name a file in it");
-  if (fs::exists(status) && !fs::is_regular_file(status)) fail(path_, "is not a regular file", "choose another name");
-  const fs::path folder = target_.has_parent_path() ? target_.parent_path() : fs::path(".");
-  if (!fs::is_directory(folder, ignored)) {
-    fail(path_, fmt::format("the folder {} does not exist", folder.string()), "create it first");
-  }
+  while (fs::is_symlink(fs::symlink_status(target, ignored)))
+    target = target.parent_path() / fs::read_symlink(target, ignored);
+  return target;
+}
+
+AtomicFile::AtomicFile(fs::path path) : path_(std::move(path)), target_(target_of(path_)) {
+  require_writable(path_, target_);
   WriteMonitor::notify(0);
-  remove_leftovers(folder, target_);
+  remove_leftovers(folder_of(target_), target_);
   temporary_ = hidden_neighbour(target_);
   errno = 0;
   stream_.open(temporary_, std::ios::binary | std::ios::trunc);
@@ -85,6 +124,8 @@ AtomicFile::AtomicFile(fs::path path) : path_(std::move(path)) {
     temporary_.clear();
     fail(path_, fmt::format("cannot be written: {}", why), "check the permissions of the folder");
   }
+  std::error_code ignored;
+  const fs::file_status status = fs::status(target_, ignored);
   if (fs::exists(status)) fs::permissions(temporary_, status.permissions(), ignored);
 }
 

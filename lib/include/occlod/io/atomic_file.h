@@ -12,10 +12,15 @@ namespace occlod {
 
 // Writes to a hidden file beside `path`; commit() flushes it, checks for errors and renames it over `path`. Without
 // commit() the destructor removes it and `path` stays as it was; what a killed process has left is removed by the next
-// that writes the same `path`, when it is a minute old. A symbolic link is followed; a folder, a device or a
-// pipe is refused. Throws Error that names `path`.
+// that writes the same `path`, when it is a minute old. Symbolic links are followed, also to a file that does not exist
+// yet; a folder, a device or a pipe is refused. Throws Error that names `path`.
 class AtomicFile {
  public:
+  // Throws what the constructor throws and changes nothing: for programs that compute for long before they write.
+  static void check(const std::filesystem::path& path);
+  // The file that is written for `path`: where its symbolic links lead. Throws Error when they lead nowhere.
+  [[nodiscard]] static std::filesystem::path target_of(const std::filesystem::path& path);
+
   explicit AtomicFile(std::filesystem::path path);
   ~AtomicFile();
   AtomicFile(const AtomicFile&) = delete;
