@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "refine/star.h"
+#include "priority/star.h"
 
 namespace occlod::oracle {
 namespace {

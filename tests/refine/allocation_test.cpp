@@ -9,7 +9,7 @@
 #include <string>
 
 #include "occlod/occlusion/software_occlusion.h"
-#include "refine_support.h"
+#include "refine/refine_support.h"
 
 namespace {
 

@@ -5,7 +5,7 @@
 
 #include "occlod/core/error.h"
 #include "occlod/hierarchy/cut_mesh.h"
-#include "refine_support.h"
+#include "refine/refine_support.h"
 
 namespace occlod {
 namespace {

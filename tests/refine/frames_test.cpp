@@ -13,7 +13,7 @@
 #include "occlod/occlusion/software_occlusion.h"
 #include "occlod/refine/geomorph.h"
 #include "oracle/cut_error.h"
-#include "refine_support.h"
+#include "refine/refine_support.h"
 
 namespace occlod {
 namespace {

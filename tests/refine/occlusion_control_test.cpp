@@ -6,7 +6,7 @@
 #include <functional>
 #include <glm/ext/matrix_transform.hpp>
 
-#include "refine_support.h"
+#include "refine/refine_support.h"
 
 namespace occlod {
 namespace {

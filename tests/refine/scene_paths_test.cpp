@@ -12,7 +12,7 @@
 #include "occlod/effects/auto_refiner.h"
 #include "occlod/occlusion/software_occlusion.h"
 #include "oracle/cut_error.h"
-#include "refine_support.h"
+#include "refine/refine_support.h"
 #include "support/shipped_scenes.h"
 
 namespace occlod {

@@ -7,7 +7,7 @@
 #include "occlod/io/olod.h"
 #include "occlod/mesh/generate.h"
 #include "occlod/occlusion/software_occlusion.h"
-#include "refine_support.h"
+#include "refine/refine_support.h"
 
 namespace occlod {
 namespace {

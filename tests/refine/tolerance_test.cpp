@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "refine_support.h"
+#include "refine/refine_support.h"
 
 namespace occlod {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "occlod/occlusion/software_occlusion.h"
-#include "refine_support.h"
+#include "refine/refine_support.h"
 
 namespace occlod {
 namespace {

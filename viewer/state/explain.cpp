@@ -5,7 +5,7 @@
 #include <unordered_map>
 
 #include "occlod/occlusion/screen_bounds.h"
-#include "refine/star.h"
+#include "priority/star.h"
 
 namespace occlod::viewer {
 namespace {

@@ -8,11 +8,11 @@
 #include <string>
 #include <utility>
 
+#include "core/milliseconds_since.h"
 #include "forecast.h"
 #include "occlod/core/error.h"
 #include "occlod/occlusion/software_occlusion.h"
 #include "probe.h"
-#include "refine/milliseconds_since.h"
 
 namespace occlod {
 namespace {

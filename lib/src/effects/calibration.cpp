@@ -5,12 +5,12 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <limits>
 
+#include "core/milliseconds_since.h"
 #include "occlod/hierarchy/build.h"
 #include "occlod/mesh/generate.h"
 #include "occlod/raster/item_buffer.h"
 #include "occlod/refine/refiner.h"
-#include "refine/milliseconds_since.h"
-#include "refine/star.h"
+#include "priority/star.h"
 
 namespace occlod {
 namespace {

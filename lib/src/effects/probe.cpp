@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "occlod/occlusion/software_occlusion.h"
-#include "refine/queue.h"
+#include "priority/queue.h"
 
 namespace occlod {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "occlod/effects/effect_choice.h"
 #include "occlod/refine/refiner.h"
-#include "refine/importance.h"
-#include "refine/star.h"
+#include "priority/importance.h"
+#include "priority/star.h"
 
 namespace occlod {
 

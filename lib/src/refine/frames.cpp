@@ -1,4 +1,4 @@
-#include "frames.h"
+#include "refine/frames.h"
 
 #include <algorithm>
 #include <iterator>

@@ -7,18 +7,18 @@
 #include <utility>
 #include <vector>
 
-#include "drifting_values.h"
-#include "face_list.h"
-#include "front.h"
-#include "milliseconds_since.h"
+#include "core/milliseconds_since.h"
+#include "cut/face_list.h"
 #include "occlod/refine/refiner.h"
-#include "occluder.h"
-#include "questions.h"
-#include "queue.h"
-#include "refined_cuts.h"
-#include "star.h"
-#include "travel.h"
-#include "weigh_nodes.h"
+#include "priority/drifting_values.h"
+#include "priority/front.h"
+#include "priority/queue.h"
+#include "priority/star.h"
+#include "priority/travel.h"
+#include "priority/weigh_nodes.h"
+#include "queries/occluder.h"
+#include "queries/questions.h"
+#include "refine/refined_cuts.h"
 
 namespace occlod {
 

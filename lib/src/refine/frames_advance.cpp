@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "frames.h"
+#include "refine/frames.h"
 
 namespace occlod {
 namespace {

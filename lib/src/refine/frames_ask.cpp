@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <optional>
 
-#include "frames.h"
-#include "query_shape.h"
+#include "queries/query_shape.h"
+#include "refine/frames.h"
 
 namespace occlod {
 namespace {

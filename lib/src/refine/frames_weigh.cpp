@@ -5,9 +5,9 @@
 #include <limits>
 #include <utility>
 
-#include "frames.h"
-#include "front_look.h"
-#include "weighed_lanes.h"
+#include "priority/front_look.h"
+#include "priority/weighed_lanes.h"
+#include "refine/frames.h"
 
 namespace occlod {
 namespace {

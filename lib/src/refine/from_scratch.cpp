@@ -1,9 +1,9 @@
-#include "from_scratch.h"
+#include "refine/from_scratch.h"
 
 #include <string>
 
 #include "occlod/core/error.h"
-#include "weigh_splits.h"
+#include "priority/weigh_splits.h"
 
 namespace occlod {
 namespace {

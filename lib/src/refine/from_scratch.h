@@ -7,14 +7,14 @@
 #include <span>
 #include <vector>
 
-#include "lookahead.h"
-#include "occluder.h"
-#include "occluder_steps.h"
-#include "questions.h"
-#include "queue.h"
-#include "refined_cuts.h"
-#include "star.h"
-#include "victims.h"
+#include "priority/queue.h"
+#include "priority/star.h"
+#include "queries/occluder.h"
+#include "queries/occluder_steps.h"
+#include "queries/questions.h"
+#include "refine/lookahead.h"
+#include "refine/refined_cuts.h"
+#include "refine/victims.h"
 
 namespace occlod {
 

@@ -1,6 +1,6 @@
 // What refinement from scratch asks of a backend.
-#include "from_scratch.h"
-#include "query_shape.h"
+#include "queries/query_shape.h"
+#include "refine/from_scratch.h"
 
 namespace occlod {
 

@@ -1,9 +1,9 @@
-#include "lookahead.h"
+#include "refine/lookahead.h"
 
 #include <algorithm>
 
 #include "hierarchy/prefetch.h"
-#include "weigh_splits.h"
+#include "priority/weigh_splits.h"
 
 namespace occlod {
 

@@ -7,8 +7,8 @@
 #include <span>
 
 #include "occlod/hierarchy/hierarchy.h"
-#include "queue.h"
-#include "refined_cuts.h"
+#include "priority/queue.h"
+#include "refine/refined_cuts.h"
 
 namespace occlod {
 

@@ -3,10 +3,10 @@
 
 #include <span>
 
-#include "cut.h"
-#include "effect_gate.h"
-#include "importance.h"
+#include "cut/cut.h"
 #include "occlod/refine/refiner.h"
+#include "priority/importance.h"
+#include "queries/effect_gate.h"
 
 namespace occlod {
 

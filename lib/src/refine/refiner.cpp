@@ -4,13 +4,13 @@
 #include <string>
 #include <vector>
 
-#include "frames.h"
-#include "from_scratch.h"
-#include "milliseconds_since.h"
+#include "core/milliseconds_since.h"
 #include "occlod/core/error.h"
-#include "occluder.h"
-#include "questions.h"
-#include "refined_cuts.h"
+#include "queries/occluder.h"
+#include "queries/questions.h"
+#include "refine/frames.h"
+#include "refine/from_scratch.h"
+#include "refine/refined_cuts.h"
 
 namespace occlod {
 namespace {

@@ -1,4 +1,4 @@
-#include "victims.h"
+#include "refine/victims.h"
 
 #include <algorithm>
 

@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "cut.h"
-#include "importance.h"
-#include "queue.h"
+#include "cut/cut.h"
+#include "priority/importance.h"
+#include "priority/queue.h"
 
 namespace occlod {
 

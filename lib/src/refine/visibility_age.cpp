@@ -1,7 +1,7 @@
 #include <algorithm>
 
-#include "frames.h"
 #include "occlod/refine/refiner.h"
+#include "refine/frames.h"
 
 namespace occlod {
 

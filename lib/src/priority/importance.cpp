@@ -1,0 +1,77 @@
+#include "priority/importance.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace occlod {
+namespace {
+
+constexpr float most_steps = 254.0F;
+// Faces that are seen under a smaller cosine count as if it were this: the nearly edge-on ones are narrower than a
+// pixel.
+constexpr float least_cosine = 0.2F;
+
+// Most exponents are 1, a half or 0.
+float power(float base, double exponent) {
+  if (exponent == 1.0) return base;
+  if (exponent == 0.5) return std::sqrt(base);
+  if (exponent == 0.0) return 1.0F;
+  return std::pow(base, static_cast<float>(exponent));
+}
+
+}  // namespace
+
+Importance::Importance(const RefineObject& object)
+    : hierarchy_(object.hierarchy),
+      two_sided_(object.two_sided),
+      shares_(zeroed_array<std::uint8_t>(object.hierarchy->split_count())) {}
+
+void Importance::begin(const ObjectView& view, const RefineOptions& options) {
+  view_ = &view;
+  options_ = &options;
+  for (const SplitId s : known_) shares_[s] = 0;
+  known_.clear();
+}
+
+Importance::Value Importance::of(SplitId s) {
+  const StarView star = star_.look(*hierarchy_, s, *view_, two_sided_);
+  remember(s, star.visible_share);
+  const SplitNode& node = hierarchy_->node(s);
+  return of(star, node.error, node.guaranteed_error);
+}
+
+// A surface that is off by e along its normal is off by e / cos along the eye's ray.
+Importance::Value Importance::of(const StarView& star, float error, float guaranteed_error) const {
+  Value value;
+  value.visible_share = star.visible_share;
+  value.error = ScreenError(error, guaranteed_error, view_->largest_scale_px(star.sphere));
+  if (star.visible_share == 0.0F) return value;  // even where the eye is inside the star and the error has no limit
+  value.priority = value.error.quadric_px * power(star.visible_share, options_->visible_exponent) /
+                   power(std::max(star.cosine, least_cosine), options_->grazing_exponent);
+  return value;
+}
+
+float Importance::forced_weight(std::span<const SplitId> closure) {
+  float unseen = 0.0F;
+  for (const SplitId s : closure.subspan(1)) unseen += 1.0F - visible_share(s);
+  return 1.0F / power(1.0F + unseen, options_->forced_exponent);
+}
+
+float Importance::visible_share(SplitId s) {
+  if (shares_[s] == 0) remember(s, star_.look(*hierarchy_, s, *view_, two_sided_).visible_share);
+  return static_cast<float>(shares_[s] - 1) / most_steps;
+}
+
+void Importance::set_hidden(SplitId s, bool hidden) {
+  if (hidden)
+    remember(s, 0.0F);
+  else
+    shares_[s] = 0;
+}
+
+void Importance::remember(SplitId s, float share) {
+  if (shares_[s] == 0) known_.push_back(s);
+  shares_[s] = static_cast<std::uint8_t>(1.0F + std::round(share * most_steps));
+}
+
+}  // namespace occlod

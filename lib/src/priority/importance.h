@@ -1,0 +1,53 @@
+// What applying a split is worth to one eye, and what it costs in triangles that this eye does not see.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/zeroed_array.h"
+#include "occlod/refine/refiner.h"
+#include "priority/queue.h"
+#include "priority/star.h"
+
+namespace occlod {
+
+// Of one object. Reuses its memory from view to view.
+class Importance {
+ public:
+  explicit Importance(const RefineObject& object);
+
+  // Starts a view. All three outlive it.
+  void begin(const ObjectView& view, const RefineOptions& options);
+
+  struct Value {
+    float visible_share = 0.0F;  // of the split's faces; 0: it changes nothing that is seen
+    float priority = 0.0F;       // its error in pixels, weighed by how its faces are seen
+    ScreenError error;           // unweighted
+  };
+  // By the split's own star.
+  [[nodiscard]] Value of(SplitId s);
+  // The same for a star that has been looked at, of a split with these errors.
+  [[nodiscard]] Value of(const StarView& star, float error, float guaranteed_error) const;
+
+  // closure[0] is a split, the others are what it forces. The factor by which its priority sinks for stars among
+  // these that are not seen, in (0, 1].
+  [[nodiscard]] float forced_weight(std::span<const SplitId> closure);
+  // Share of the star of s that is seen; from memory if it has been asked for in this view.
+  [[nodiscard]] float visible_share(SplitId s);
+  // The occluder hides all of the star of s, or no longer does.
+  void set_hidden(SplitId s, bool hidden);
+
+ private:
+  void remember(SplitId s, float share);
+
+  const Hierarchy* hierarchy_;
+  bool two_sided_;
+  const ObjectView* view_ = nullptr;
+  const RefineOptions* options_ = nullptr;
+  StarLook star_;
+  ZeroedArray<std::uint8_t> shares_;  // of each split: 0 = not known, else 1 + share * 254
+  std::vector<SplitId> known_;        // to be forgotten when the next view begins
+};
+
+}  // namespace occlod

@@ -1,0 +1,67 @@
+#include "priority/travel.h"
+
+#include <algorithm>
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
+#include <limits>
+
+#include "math/facing_slack.h"
+#include "math/inverse_power_of_two.h"
+
+namespace occlod {
+namespace {
+
+// From world space to the axes of the camera.
+glm::dmat3 axes_of(const View& view) {
+  const glm::dvec3 right = glm::normalize(glm::cross(view.direction(), view.camera().up));
+  return glm::transpose(glm::dmat3(right, glm::cross(right, view.direction()), view.direction()));
+}
+
+// Cameras of a path are interpolated: what they share is the same but for rounding.
+bool have_one_lens(const Camera& a, const Camera& b) {
+  const auto alike = [](double x, double y) { return std::abs(x - y) <= 1e-13 * x; };
+  return !a.orthographic_height && !b.orthographic_height && a.width == b.width && a.height == b.height &&
+         alike(a.fov_y_deg, b.fov_y_deg) && alike(a.near, b.near) && alike(a.far, b.far);
+}
+
+// Of the largest singular value; the others are no smaller when all columns are as long and at right angles.
+bool is_uniform(const glm::dmat3& m, double stretch) {
+  const glm::dmat3 square = glm::transpose(m) * m;
+  for (int i = 0; i < 3; ++i)
+    for (int k = 0; k < 3; ++k)
+      if (!(std::abs(square[i][k] - (i == k ? stretch * stretch : 0.0)) <= 1e-9 * stretch * stretch)) return false;
+  return true;
+}
+
+}  // namespace
+
+std::optional<Travel> travel_between(const TravelView& from, const TravelView& to, const glm::vec3& middle) {
+  if (from.view.camera() == to.view.camera()) return Travel{};
+  if (!have_one_lens(from.view.camera(), to.view.camera())) return std::nullopt;
+  const double stretch = to.object.largest_stretch();
+  if (!is_uniform(glm::dmat3(to.object.object_to_eye()), stretch)) return std::nullopt;
+  const glm::dmat3 axes_from = axes_of(from.view), axes_to = axes_of(to.view), change = axes_to - axes_from;
+  // Of a difference of two rotations, the Frobenius norm is sqrt 2 times as long as the largest change of a unit
+  // vector.
+  const double frobenius =
+      glm::dot(change[0], change[0]) + glm::dot(change[1], change[1]) + glm::dot(change[2], change[2]);
+  const glm::dvec4 center(middle, 1.0);
+  const glm::dvec3 seen_from = axes_from * (from.object.object_to_eye() * center);
+  const glm::dvec3 seen_to = axes_to * (to.object.object_to_eye() * center);
+  const glm::dvec3 eye_from(from.object.eye()), eye_to(to.object.eye());
+  const double rounding =
+      2.0 * eye_slack *
+      static_cast<double>(largest_coordinate(from.object.eye()) + largest_coordinate(to.object.eye()));
+  constexpr double up = 1.0 + 1e-6;
+  const Camera &lens_from = from.view.camera(), &lens_to = to.view.camera();
+  const double range = (std::abs(lens_from.near - lens_to.near) + std::abs(lens_from.far - lens_to.far)) / stretch;
+  Travel travel;
+  travel.way = up * glm::distance(eye_from, eye_to) + rounding + range;
+  travel.sway = up * glm::distance(seen_from, seen_to) / stretch + 1e-14 * glm::length(seen_to) + range;
+  travel.turn = up * std::sqrt(0.5 * frobenius) + 1e-12;
+  if (!(std::isfinite(travel.way) && std::isfinite(travel.sway) && travel.turn < 0.5)) return std::nullopt;
+  return travel;
+}
+
+}  // namespace occlod
