@@ -1,10 +1,10 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <cerrno>
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <sstream>
 #include <string>
 #include <system_error>
 
@@ -13,6 +13,7 @@
 #include "interrupt.h"
 #include "occlod/core/error.h"
 #include "occlod/core/version.h"
+#include "standard_streams.h"
 
 namespace occlod::tool {
 namespace {
@@ -23,19 +24,11 @@ constexpr int exit_wrong_use = 2;
 constexpr const char* out_of_memory =
     "memory: there is not enough of it for this; end other programs, raise its limit, or take a smaller mesh";
 
-void print_error(const std::string& line) { fmt::print(stderr, "occlod: error: {}\n", line); }
-
 int wrong_use(const CLI::App& app, const CLI::ParseError& error) {
   std::string command = "occlod";
   for (const CLI::App* chosen : app.get_subcommands()) command += " " + chosen->get_name();
   print_error(fmt::format("{}; see {} --help", error.what(), command));
   return exit_wrong_use;
-}
-
-// A full disk shows when the last of the output is written.
-void flush_output() {
-  if (std::fflush(stdout) != 0)
-    throw Error({"standard output", "", std::generic_category().message(errno), "free some space"});
 }
 
 #ifndef OCCLOD_HAS_CGAL
@@ -48,6 +41,23 @@ void add_without_cgal(CLI::App& app, const std::string& name) {
   });
 }
 #endif
+
+// What --help and --version ask for.
+void print_answer(const CLI::App& app, const CLI::ParseError& call) {
+  std::ostringstream text;
+  app.exit(call, text);
+  fmt::print("{}", text.str());
+}
+
+int parse_and_run(CLI::App& app, int argc, char** argv) {
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() != 0) return wrong_use(app, error);
+    print_answer(app, error);
+  }
+  return 0;
+}
 
 int run(int argc, char** argv) {
   CLI::App app("Continuous level of detail under a hard triangle budget, controlled by occlusion.", "occlod");
@@ -67,27 +77,27 @@ int run(int argc, char** argv) {
   add_without_cgal(app, "repair");
 #endif
   try {
-    app.parse(argc, argv);
-    flush_output();
-  } catch (const CLI::ParseError& error) {
-    return error.get_exit_code() == 0 ? app.exit(error) : wrong_use(app, error);
+    const int exit_code = parse_and_run(app, argc, argv);
+    flush_standard_output();
+    return exit_code;
   } catch (const Interrupted& interrupted) {
     print_error(interrupted.what());
     return interrupted.exit_code();
   } catch (const std::bad_alloc&) {
     print_error(out_of_memory);
-    return exit_failed;
+  } catch (const std::system_error& error) {
+    print_error(std::ferror(stdout) != 0 ? output_error(error.code()).what() : error.what());
   } catch (const std::exception& error) {
     print_error(error.what());
-    return exit_failed;
   }
-  return 0;
+  return exit_failed;
 }
 
 }  // namespace
 }  // namespace occlod::tool
 
 int main(int argc, char** argv) {
+  occlod::tool::reserve_standard_streams();
   occlod::tool::handle_file_faults("occlod");
   return occlod::tool::run(argc, argv);
 }

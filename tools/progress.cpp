@@ -6,8 +6,9 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
+
+#include "standard_streams.h"
 
 namespace occlod::tool {
 namespace {
@@ -15,6 +16,8 @@ namespace {
 constexpr double bar_interval_ms = 100.0;
 constexpr double line_interval_ms = 1000.0;
 constexpr double least_ms = 1000.0;  // rates of less time are noise
+
+const std::string wipe_line = "\r\x1b[K";
 
 std::string bar(double done) {
   constexpr int width = 40;
@@ -51,7 +54,7 @@ Progress::Progress(ShowProgress when)
       is_shown_(when == ShowProgress::always || (when == ShowProgress::automatic && is_terminal_)) {}
 
 void Progress::clear() {
-  if (has_bar_) fmt::print(stderr, "\r\x1b[K");
+  if (has_bar_) write_to_standard_error(wipe_line);
   has_bar_ = false;
 }
 
@@ -74,11 +77,7 @@ void Progress::show(const std::string& what, std::optional<double> done, std::si
     line = bar(share) + what + rate_and_rest(share, stage_.milliseconds(), triangles);
   }
   has_bar_ = is_terminal_;
-  if (is_terminal_)
-    fmt::print(stderr, "\r\x1b[K{}", line);
-  else
-    fmt::print(stderr, "{}\n", line);
-  std::fflush(stderr);
+  write_to_standard_error(is_terminal_ ? wipe_line + line : line + "\n");
 }
 
 }  // namespace occlod::tool

@@ -10,6 +10,7 @@
 
 #include "occlod/core/error.h"
 #include "progress.h"
+#include "standard_streams.h"
 #include "world_box.h"
 
 namespace occlod::tool {
@@ -28,7 +29,7 @@ std::vector<LoadedObject> load(const SceneDescription& scene, const RenderInputO
   LoadOptions load_options;
   load_options.use_cache = options.use_cache;
   load_options.progress = [&](const std::string& what, double done) { progress.show(what, done); };
-  load_options.note = [](const std::string& line) { fmt::print(stderr, "occlod: note: {}\n", line); };
+  load_options.note = [](const std::string& line) { print_note(line); };
   return load_objects(scene, options.file.parent_path(), load_options);
 }
 

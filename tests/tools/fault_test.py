@@ -1,5 +1,6 @@
 """What goes wrong around the built command `occlod`: files that change or cannot be read or written, too little memory, kills. Each ends in exit 1 and
 one line that names what failed, and leaves the file that was there. Tests wait for states of the process, never for a time."""
+import json
 import os
 import pathlib
 import resource
@@ -189,6 +190,57 @@ class Permissions(Faults):
         closed.chmod(0o755)
         self.assert_failed(self.as_nobody("generate", "rough-planet", "--level", 2, "-o", "closed/target.ply"), "closed/target.ply", "cannot be written",
                            "permissions of the folder")
+
+
+class StandardStreams(Faults):
+    """A stream that is closed, or leads to a full disk, ends no command by a signal, and what is printed gets into no file. Lost messages are lost;
+    a lost result is a failure."""
+    CLOSED, FULL = "closed", "full"
+
+    def run_without(self, output, errors, *arguments):
+        """Each stream is None (captured), CLOSED or FULL. Exit code and what was captured of standard error."""
+        def open_stream(kind):
+            return open("/dev/full", "w") if kind == self.FULL else open(os.devnull, "w")
+        def close():
+            for kind, number in ((output, 1), (errors, 2)):
+                if kind == self.CLOSED:
+                    os.close(number)
+        with open_stream(output) as stdout, open_stream(errors) as stderr:
+            done = subprocess.run([OCCLOD, *map(str, arguments)], cwd=self.folder, env=self.environment, text=True, preexec_fn=close,
+                                  stdout=stdout if output else subprocess.PIPE, stderr=stderr if errors else subprocess.PIPE)
+        return done.returncode, done.stderr
+
+    def test_errors_that_cannot_be_told(self):
+        self.make_hierarchy()
+        for kind in (self.CLOSED, self.FULL):
+            for code, arguments in ((1, ["info", "none.olod"]), (1, ["render", "none.json"]), (2, ["paint"]), (2, ["build"]), (0, ["info", "planet.olod"])):
+                self.assertEqual(self.run_without(None, kind, *arguments)[0], code, (kind, arguments))
+
+    def test_files_are_right_all_the_same(self):
+        """Standard error has the number of the first file that is opened where it is closed, and shows progress while that is written."""
+        self.make_hierarchy()
+        commands = {"copy.ply": ["generate", "rough-planet", "--level", 4, "-o"], "copy.olod": ["build", "planet.ply", "-o"],
+                    "copy.off": ["cut", "planet.olod", "--error", 0, "-o"]}
+        for target, command in commands.items():
+            self.succeed(*command, target)
+            expected = (self.folder / target).read_bytes()
+            for output, errors in ((None, self.CLOSED), (None, self.FULL), (self.CLOSED, None), (self.FULL, None), (self.CLOSED, self.CLOSED),
+                                   (self.FULL, self.CLOSED)):
+                (self.folder / target).unlink()
+                code, told = self.run_without(output, errors, *command, target, "--progress", "always")
+                self.assertEqual(code, 1 if output else 0, (output, errors, told))
+                self.assertEqual((self.folder / target).read_bytes(), expected, (output, errors))
+
+    def test_results_that_cannot_be_told(self):
+        self.make_hierarchy()
+        self.write_scene(json.dumps({"objects": [{"mesh": "planet.olod"}], "cameras": {"default": {"eye": [0, 0, 3], "target": [0, 0, 0]}},
+                                     "paths": {"long": {"frames": 60, "keys": [{"eye": [0, 0, 3], "target": [0, 0, 0], "width": 16, "height": 12}]}}}))
+        path = ["render", "scene.json", "--budget", 100, "--path", "long"]  # its rows are more than is kept back before it is written
+        for arguments in (["--version"], ["--help"], ["render", "--help"], ["info", "planet.olod"], ["validate", "planet.olod"], path, [*path, "--json"]):
+            for kind, reason in ((self.CLOSED, "Bad file descriptor"), (self.FULL, "No space left on device")):
+                code, told = self.run_without(kind, None, *arguments)
+                self.assertEqual((code, told.count("\n")), (1, 1), told)
+                self.assertTrue(told.startswith(f"occlod: error: standard output: {reason}; "), told)
 
 
 class Memory(Faults):
