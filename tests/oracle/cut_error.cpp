@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "priority/star.h"
+#include "priority/star_visibility.h"
 
 namespace occlod::oracle {
 namespace {
@@ -43,7 +43,7 @@ class Walk {
   }
 
   void look_at(SplitId s) {
-    const StarView star = look_.look(hierarchy_, s, view_, two_sided_);
+    const StarView star = look_.evaluate(hierarchy_, s, view_, two_sided_);
     const SplitNode& node = hierarchy_.node(s);
     const float scale_px = view_.largest_scale_px(star.sphere);
     if (star.visible_share == 0.0F || !is_worse(node, scale_px)) return;
@@ -62,7 +62,7 @@ class Walk {
   const ObjectView& view_;
   Visibility& visibility_;
   CutError& worst_;
-  StarLook look_;
+  StarVisibility look_;
   std::vector<SplitId> open_;
 };
 

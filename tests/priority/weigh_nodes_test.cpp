@@ -10,7 +10,7 @@
 #include <random>
 #include <vector>
 
-#include "priority/front_look.h"
+#include "priority/front_priority.h"
 #include "priority/weighed_lanes.h"
 #include "refine/refine_support.h"
 
@@ -106,23 +106,24 @@ template <typename Each>
 void follow(const Way& way, RandomFront& nodes, const glm::dmat4& placed, const Each& each) {
   const glm::vec3 middle(0.2F, -0.1F, 0.3F);
   constexpr int frames = 200;
-  Travel travel;
+  ViewMotion motion;
   View last(way.at(0.0));
   ObjectView last_seen(last, placed);
   nodes.front.scales().forget_all();
-  weigh_nodes(nodes.front, nodes.all, {last_seen, true, travel, middle});
+  weigh_nodes(nodes.front, nodes.all, {last_seen, true, motion, middle});
   for (int frame = 1; frame < frames; ++frame) {
     const View view(way.at(static_cast<double>(frame) / frames));
     const ObjectView seen(view, placed);
-    const std::optional<Travel> gone = travel_between({last, last_seen}, {view, seen}, middle);
+    const std::optional<ViewMotion> gone = motion_between({last, last_seen}, {view, seen}, middle);
     ASSERT_TRUE(gone);
-    travel = {travel.way + gone->way, travel.sway + gone->sway, travel.turn + gone->turn};
-    nodes.front.scales().age(travel);
+    motion = {motion.eye_distance + gone->eye_distance, motion.center_distance + gone->center_distance,
+              motion.rotation_rad + gone->rotation_rad};
+    nodes.front.scales().update(motion);
     each(seen);
     std::vector<Front::Index> outdated;
     for (const Front::Index k : nodes.all)
       if (nodes.front.scales().is_outdated(k)) outdated.push_back(k);
-    weigh_nodes(nodes.front, outdated, {seen, true, travel, middle});
+    weigh_nodes(nodes.front, outdated, {seen, true, motion, middle});
     last = view;
     last_seen = seen;
   }
@@ -139,7 +140,7 @@ TEST(WeighNodes, WhatHoldsIsWhatWeighingTells) {
                                       glm::dvec3(-2.0))}) {
       SCOPED_TRACE(way.name);
       RandomFront nodes(2001, 5);
-      const DriftingValues& scales = nodes.front.scales();
+      const BoundedValues& scales = nodes.front.scales();
       std::size_t held = 0, changed = 0, outdated = 0;
       follow(way, nodes, placed, [&](const ObjectView& seen) {
         for (const Front::Index k : nodes.all) {
@@ -153,8 +154,8 @@ TEST(WeighNodes, WhatHoldsIsWhatWeighingTells) {
           changed += now != then ? 1 : 0;
           ASSERT_EQ(nodes.front.is(k, Front::outside), !seen.may_be_inside(node.sphere));
           ASSERT_EQ(now > 0.0F, then > 0.0F);
-          ASSERT_LE(now, then * scales.doubt[k] * (1.0F + 1e-6F));
-          ASSERT_GE(now * scales.doubt[k] * (1.0F + 1e-6F), then);
+          ASSERT_LE(now, then * scales.error_factor[k] * (1.0F + 1e-6F));
+          ASSERT_GE(now * scales.error_factor[k] * (1.0F + 1e-6F), then);
         }
       });
       EXPECT_LT(outdated, held / 3);
@@ -163,14 +164,14 @@ TEST(WeighNodes, WhatHoldsIsWhatWeighingTells) {
 }
 
 // The same for priorities by stars: of all splits of a sphere, seen from an eye that circles it and comes near.
-TEST(FrontLook, WhatHoldsIsWhatLookingTells) {
+TEST(FrontView, WhatHoldsIsWhatLookingTells) {
   const Hierarchy hierarchy = build_hierarchy(test::noisy_sphere(4, 3));
   const RefineObject object{&hierarchy, glm::dmat4(1.0), false};
   RefineOptions options;
   Importance importance(object);
   Front front(hierarchy);
   for (SplitId s = 0; s < hierarchy.split_count(); ++s) front.obtain(s);
-  Travel travel;
+  ViewMotion motion;
   std::optional<View> last;
   std::optional<ObjectView> last_seen;
   std::size_t held = 0, outdated = 0;
@@ -181,15 +182,16 @@ TEST(FrontLook, WhatHoldsIsWhatLookingTells) {
     const View view(camera);
     const ObjectView seen(view, glm::dmat4(1.0));
     if (last) {
-      const std::optional<Travel> gone = travel_between({*last, *last_seen}, {view, seen}, {});
+      const std::optional<ViewMotion> gone = motion_between({*last, *last_seen}, {view, seen}, {});
       ASSERT_TRUE(gone);
-      travel = {travel.way + gone->way, travel.sway + gone->sway, travel.turn + gone->turn};
+      motion = {motion.eye_distance + gone->eye_distance, motion.center_distance + gone->center_distance,
+                motion.rotation_rad + gone->rotation_rad};
     }
     last = view;
     last_seen = seen;
     importance.begin(*last_seen, options);
-    DriftingValues& priorities = front.priorities();
-    priorities.age(travel);
+    BoundedValues& priorities = front.priorities();
+    priorities.update(motion);
     for (Front::Index k = 0; k < front.size(); ++k) {
       const FrontStar& star = front.star(k);
       if (star.has_too_many || !is_wholly_inside(star.sphere, seen)) {
@@ -197,17 +199,17 @@ TEST(FrontLook, WhatHoldsIsWhatLookingTells) {
         continue;
       }
       const FrontPriority found =
-          priority_of(star, front.errors()[k], front.guaranteed_errors()[k],
-                      {seen, importance, false, 0.5F, static_cast<float>(2.0 * tan_corner_angle(seen)), {}});
+          front_priority(star, front.errors()[k], front.guaranteed_errors()[k],
+                         {seen, importance, false, 0.5F, static_cast<float>(2.0 * tan_corner_angle(seen)), {}});
       const float now = found.value.visible_share > 0.0F ? found.value.priority : 0.0F;
       if (priorities.is_outdated(k)) {
         ++outdated;
-        priorities.put(k, now, found.drift, travel);
+        priorities.put(k, now, found.growth, motion);
         continue;
       }
       ++held;
-      ASSERT_LE(now, priorities.value[k] * priorities.doubt[k] * (1.0F + 1e-5F));
-      ASSERT_GE(now * priorities.doubt[k] * (1.0F + 1e-5F), priorities.value[k]);
+      ASSERT_LE(now, priorities.value[k] * priorities.error_factor[k] * (1.0F + 1e-5F));
+      ASSERT_GE(now * priorities.error_factor[k] * (1.0F + 1e-5F), priorities.value[k]);
     }
   }
   EXPECT_LT(outdated, held / 2);

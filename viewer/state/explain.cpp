@@ -5,7 +5,7 @@
 #include <unordered_map>
 
 #include "occlod/occlusion/screen_bounds.h"
-#include "priority/star.h"
+#include "priority/star_visibility.h"
 
 namespace occlod::viewer {
 namespace {
@@ -65,7 +65,7 @@ class Judge {
 
   [[nodiscard]] bool star_is_seen(SplitId s) {
     const auto [known, is_new] = seen_.try_emplace(s, false);
-    if (is_new) known->second = star_.look(hierarchy_, s, object_view_, two_sided_).visible_share > 0.0F;
+    if (is_new) known->second = star_.evaluate(hierarchy_, s, object_view_, two_sided_).visible_share > 0.0F;
     return known->second;
   }
 
@@ -80,7 +80,7 @@ class Judge {
     const SplitNode& node = hierarchy_.node(s);
     if (!object_view_.may_be_inside(node.sphere)) return Outcome::off_screen;
     if (!two_sided_ && faces_away(node.cone(), node.sphere, object_view_.eye())) return Outcome::back_facing;
-    const StarView star = star_.look(hierarchy_, s, object_view_, two_sided_);
+    const StarView star = star_.evaluate(hierarchy_, s, object_view_, two_sided_);
     if (star.visible_share == 0.0F)
       return object_view_.may_be_inside(star.sphere) ? Outcome::back_facing : Outcome::off_screen;
     return is_hidden(s) ? Outcome::hidden : Outcome::budget;
@@ -98,7 +98,7 @@ class Judge {
   const View& view_;
   ObjectView object_view_;
   const DepthPyramid* occluder_;
-  StarLook star_;
+  StarVisibility star_;
   std::unordered_map<SplitId, bool> seen_;
   std::unordered_map<SplitId, Outcome> outcomes_;
 };

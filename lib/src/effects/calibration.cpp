@@ -10,7 +10,7 @@
 #include "occlod/mesh/generate.h"
 #include "occlod/raster/item_buffer.h"
 #include "occlod/refine/refiner.h"
-#include "priority/star.h"
+#include "priority/star_visibility.h"
 
 namespace occlod {
 namespace {
@@ -90,11 +90,11 @@ void Workload::measure_refinement(Calibration& calibration) const {
   const ObjectView view(near_, glm::dmat4(1.0));
   const auto splits = static_cast<SplitId>(hierarchy_.split_count());
   volatile float sink = 0.0F;  // so that nothing is left out
-  StarLook star;
+  StarVisibility star;
   const auto visit = [&](SplitId s) {
     const SplitNode& node = hierarchy_.node(s);
     if (!view.may_be_inside(node.sphere)) return;
-    const StarView seen = star.look(hierarchy_, s, view, false);
+    const StarView seen = star.evaluate(hierarchy_, s, view, false);
     sink = sink + view.largest_scale_px(node.sphere) + seen.visible_share;
   };
   calibration.visit_ns = per(fastest_ns([&] {

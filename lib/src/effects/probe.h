@@ -9,7 +9,7 @@
 #include "occlod/effects/effect_choice.h"
 #include "occlod/refine/refiner.h"
 #include "priority/importance.h"
-#include "priority/star.h"
+#include "priority/star_visibility.h"
 
 namespace occlod {
 
@@ -78,7 +78,7 @@ class Probe {
     float weight_until = 0.0F;  // its error and those of all before it
   };
   std::vector<Root> roots_;
-  StarLook star_;
+  StarVisibility star_;
   std::vector<std::vector<glm::vec3>> corners_;  // of the occluder of look_back(), by object
   std::vector<std::vector<Triangle>> corner_triangles_;
   std::vector<Sums> sums_;  // by object

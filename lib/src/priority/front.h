@@ -10,9 +10,9 @@
 
 #include "core/zeroed_array.h"
 #include "occlod/hierarchy/hierarchy.h"
-#include "priority/drifting_values.h"
+#include "priority/bounded_values.h"
 #include "priority/queue.h"
-#include "priority/travel.h"
+#include "priority/view_motion.h"
 
 namespace occlod {
 
@@ -93,11 +93,11 @@ class Front {
   [[nodiscard]] std::span<const float> guaranteed_errors() const noexcept { return guaranteed_errors_; }
 
   // Pixels per object unit at the sphere; 0 when the subtree is outside or faces away.
-  [[nodiscard]] DriftingValues& scales() noexcept { return scales_; }
-  [[nodiscard]] const DriftingValues& scales() const noexcept { return scales_; }
+  [[nodiscard]] BoundedValues& scales() noexcept { return scales_; }
+  [[nodiscard]] const BoundedValues& scales() const noexcept { return scales_; }
   // Priorities by the split's own star, without what it forces and without what is hidden.
-  [[nodiscard]] DriftingValues& priorities() noexcept { return priorities_; }
-  [[nodiscard]] const DriftingValues& priorities() const noexcept { return priorities_; }
+  [[nodiscard]] BoundedValues& priorities() noexcept { return priorities_; }
+  [[nodiscard]] const BoundedValues& priorities() const noexcept { return priorities_; }
   // See Importance, when its closure was last looked at; 1 before that.
   [[nodiscard]] float& forced_weight(Index k) noexcept { return forced_weights_[k]; }
   [[nodiscard]] std::span<const float> forced_weights() const noexcept { return forced_weights_; }
@@ -111,7 +111,7 @@ class Front {
   std::vector<FrontNode> nodes_;
   std::vector<std::uint16_t> flags_;
   std::vector<float> errors_, guaranteed_errors_, forced_weights_;
-  DriftingValues scales_, priorities_;
+  BoundedValues scales_, priorities_;
   std::vector<FrontStar> stars_;
   std::vector<std::uint32_t> free_stars_;
 };

@@ -34,7 +34,7 @@ void Importance::begin(const ObjectView& view, const RefineOptions& options) {
 }
 
 Importance::Value Importance::of(SplitId s) {
-  const StarView star = star_.look(*hierarchy_, s, *view_, two_sided_);
+  const StarView star = star_.evaluate(*hierarchy_, s, *view_, two_sided_);
   remember(s, star.visible_share);
   const SplitNode& node = hierarchy_->node(s);
   return of(star, node.error, node.guaranteed_error);
@@ -58,7 +58,7 @@ float Importance::forced_weight(std::span<const SplitId> closure) {
 }
 
 float Importance::visible_share(SplitId s) {
-  if (shares_[s] == 0) remember(s, star_.look(*hierarchy_, s, *view_, two_sided_).visible_share);
+  if (shares_[s] == 0) remember(s, star_.evaluate(*hierarchy_, s, *view_, two_sided_).visible_share);
   return static_cast<float>(shares_[s] - 1) / most_steps;
 }
 

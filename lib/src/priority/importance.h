@@ -8,7 +8,7 @@
 #include "core/zeroed_array.h"
 #include "occlod/refine/refiner.h"
 #include "priority/queue.h"
-#include "priority/star.h"
+#include "priority/star_visibility.h"
 
 namespace occlod {
 
@@ -45,7 +45,7 @@ class Importance {
   bool two_sided_;
   const ObjectView* view_ = nullptr;
   const RefineOptions* options_ = nullptr;
-  StarLook star_;
+  StarVisibility star_;
   ZeroedArray<std::uint8_t> shares_;  // of each split: 0 = not known, else 1 + share * 254
   std::vector<SplitId> known_;        // to be forgotten when the next view begins
 };

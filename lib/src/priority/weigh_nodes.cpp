@@ -21,17 +21,16 @@
 HWY_BEFORE_NAMESPACE();
 namespace occlod::HWY_NAMESPACE {
 
-// By how much of itself a scale grows or shrinks at most for each unit of travel while there is no more of that than
-// `lasts`.
-struct ScaleDrift {
-  hn::Vec<Floats> growth, lasts;
+// Relative change of a scale per unit of displacement, at most, up to displacements of `motion_limit`.
+struct ScaleGrowth {
+  hn::Vec<Floats> per_motion, motion_limit;
 };
 
 // Of f / (nearest * cos^2 a). While the eye goes no farther than a quarter of the way to the sphere, ln(1 / nearest)
-// grows by at most 1 / nearest for each unit, ln(cos^-2 a) by 2 tan a for each radian, and a, the angle to the middle
+// grows by at most 1 / nearest for each unit, ln(cos^-2 a) by 2 tan a for each radian, and a, the angle to the center
 // and half of that under which the sphere is seen, by 1 / distance each, the latter divided by the cosine of that half.
 // What grows exponentially to twice its size lies below the chord.
-HWY_INLINE ScaleDrift drift_of(const ScaleLanes& scale, const ObjectView& view) {
+HWY_INLINE ScaleGrowth error_growth_of(const ScaleLanes& scale, const ObjectView& view) {
   const hn::Vec<Floats> one = constant(1.0F), zero = hn::Zero(Floats());
   const auto stretch = static_cast<float>(view.largest_stretch());
   const hn::Vec<Floats> nearest = hn::Mul(constant(0.75F), scale.nearest);
@@ -40,11 +39,11 @@ HWY_INLINE ScaleDrift drift_of(const ScaleLanes& scale, const ObjectView& view) 
   const hn::Vec<Floats> angle = hn::Div(hn::Add(one, widening), distance);
   const hn::Vec<Floats> steepness = constant(static_cast<float>(2.0 * tan_corner_angle(view)));
   const hn::Vec<Floats> rate = hn::Mul(constant(stretch), hn::Add(hn::Div(one, nearest), hn::Mul(steepness, angle)));
-  const hn::Vec<Floats> lasts =
+  const hn::Vec<Floats> motion_limit =
       hn::Min(hn::Div(constant(std::numbers::ln2_v<float>), rate), hn::Mul(constant(0.25F / stretch), scale.nearest));
   const hn::Mask<Floats> is_before = hn::Gt(scale.nearest, zero);
-  return {hn::IfThenElseZero(is_before, hn::Div(constant(1.001F), lasts)),
-          hn::IfThenElse(is_before, lasts, hn::Mul(constant(-1.0F / stretch), scale.nearest))};
+  return {hn::IfThenElseZero(is_before, hn::Div(constant(1.001F), motion_limit)),
+          hn::IfThenElse(is_before, motion_limit, hn::Mul(constant(-1.0F / stretch), scale.nearest))};
 }
 
 // One vector of nodes.
@@ -55,7 +54,7 @@ HWY_INLINE void weigh_vector(Front& front, const std::int32_t* which, const Weig
   const Verdict<Floats> outside = is_outside(center, radius, now.view);
   const hn::Mask<Doubles> is_out = hn::Gt(wide(hn::IfThenElseZero(outside.is_so, constant(1.0F))), hn::Zero(Doubles()));
   const ScaleLanes scale = scale_px(wide(center), wide(radius), now.view);
-  const ScaleDrift drift = drift_of(scale, now.view);
+  const ScaleGrowth growth = error_growth_of(scale, now.view);
   const auto from = [&](const glm::vec3& p) HWY_ATTR {
     const hn::Vec<Floats> x = hn::Sub(center.x, constant(p.x)), y = hn::Sub(center.y, constant(p.y)),
                           z = hn::Sub(center.z, constant(p.z));
@@ -64,32 +63,32 @@ HWY_INLINE void weigh_vector(Front& front, const std::int32_t* which, const Weig
   constexpr auto rounding = static_cast<float>(4.0 * eye_slack);
   const hn::Vec<Floats> from_eye =
       hn::Add(from(now.view.eye()), constant(rounding * largest_coordinate(now.view.eye())));
-  const hn::Vec<Floats> from_middle = hn::Add(from(now.middle), constant(rounding * largest_coordinate(now.middle)));
+  const hn::Vec<Floats> from_center = hn::Add(from(now.center), constant(rounding * largest_coordinate(now.center)));
   const hn::Vec<Floats> reach =
-      hn::IfThenElse(hn::Lt(hn::Mul(constant(2.0F), from_middle), from_eye), hn::Neg(from_middle),
+      hn::IfThenElse(hn::Lt(hn::Mul(constant(2.0F), from_center), from_eye), hn::Neg(from_center),
                      hn::Add(hn::Mul(constant(1.25F), from_eye), radius));
-  hn::Vec<Floats> lasts = hn::Min(outside.margin, hn::Add(hn::Mul(constant(0.25F), from_eye), radius));
-  hn::Vec<Floats> way_lasts = constant(std::numeric_limits<float>::infinity());
+  hn::Vec<Floats> motion_limit = hn::Min(outside.margin, hn::Add(hn::Mul(constant(0.25F), from_eye), radius));
+  hn::Vec<Floats> eye_distance_limit = constant(std::numeric_limits<float>::infinity());
   hn::Mask<Doubles> is_away = hn::Lt(hn::Zero(Doubles()), hn::Zero(Doubles()));
   if (now.tests_cones) {
     const Vec3<Doubles> axis = wide(node.read3(offsetof(FrontNode, cone)));
     const hn::Vec<Doubles> cos_angle = wide(node.read(offsetof(FrontNode, cone) + offsetof(NormalCone, cos_angle)));
     const Verdict<Doubles> away = is_facing_away(wide(center), wide(radius), axis, cos_angle, now.view.eye());
     is_away = hn::AndNot(is_out, away.is_so);
-    way_lasts = hn::IfThenElse(outside.is_so, way_lasts, hn::DemoteTo(Floats(), away.margin));
+    eye_distance_limit = hn::IfThenElse(outside.is_so, eye_distance_limit, hn::DemoteTo(Floats(), away.margin));
   }
   const hn::Mask<Doubles> is_seen = hn::Not(hn::Or(is_out, is_away));
   const hn::Mask<Floats> seen =
       hn::Gt(hn::DemoteTo(Floats(), hn::IfThenElseZero(is_seen, constant(1.0))), hn::Zero(Floats()));
-  lasts = hn::IfThenElse(seen, hn::Min(lasts, drift.lasts), lasts);
+  motion_limit = hn::IfThenElse(seen, hn::Min(motion_limit, growth.motion_limit), motion_limit);
   WeighedLanes results;
   const auto rounded_down = [](hn::Vec<Floats> of) HWY_ATTR {
     return hn::IfThenElseZero(hn::Gt(of, hn::Zero(Floats())), hn::Mul(constant(0.999F), of));
   };
   hn::Store(scale.scale_px, Floats(), results.scale_px.data());
-  hn::Store(hn::IfThenElseZero(seen, drift.growth), Floats(), results.growth.data());
-  hn::Store(rounded_down(lasts), Floats(), results.lasts.data());
-  hn::Store(rounded_down(way_lasts), Floats(), results.way_lasts.data());
+  hn::Store(hn::IfThenElseZero(seen, growth.per_motion), Floats(), results.per_motion.data());
+  hn::Store(rounded_down(motion_limit), Floats(), results.motion_limit.data());
+  hn::Store(rounded_down(eye_distance_limit), Floats(), results.eye_distance_limit.data());
   hn::Store(hn::Mul(constant(1.0F + 1e-6F), reach), Floats(), results.radius.data());
   hn::StoreMaskBits(Doubles(), is_out, results.outside.bytes.data());
   hn::StoreMaskBits(Doubles(), is_away, results.facing_away.bytes.data());

@@ -5,15 +5,15 @@
 
 #include "occlod/view/view.h"
 #include "priority/front.h"
-#include "priority/travel.h"
+#include "priority/view_motion.h"
 
 namespace occlod {
 
 struct WeighingView {
   const ObjectView& view;
   bool tests_cones = true;  // whether nodes may face away
-  Travel travel;            // so far
-  glm::vec3 middle{0.0F};   // that it is counted from
+  ViewMotion motion;        // so far
+  glm::vec3 center{0.0F};   // that it is counted from
 };
 
 // Finds anew for these nodes: Front::scales(), what largest_scale_px() of the view tells; whether they are outside or

@@ -25,18 +25,19 @@ struct LaneBits {
 struct WeighedLanes {
   static constexpr std::size_t most = 16;
 
-  alignas(64) std::array<float, most> scale_px, radius, growth, lasts, way_lasts;
+  alignas(64) std::array<float, most> scale_px, radius, per_motion, motion_limit, eye_distance_limit;
   LaneBits outside, facing_away;
 
   void give(std::size_t lane, Front& front, Front::Index k, const WeighingView& now) const {
     const bool out = outside[lane], away = facing_away[lane];
     front.set(k, Front::outside, out);
     front.set(k, Front::facing_away, away);
-    DriftingValues& scales = front.scales();
+    BoundedValues& scales = front.scales();
     const float scale = out || away ? 0.0F : scale_px[lane];
     // What is not seen has no priority whatever its faces look like.
     if ((scale > 0.0F) != (scales.value[k] > 0.0F)) front.priorities().forget(k);
-    scales.put(k, scale, {radius[lane], growth[lane], lasts[lane], 0.0F, way_lasts[lane]}, now.travel);
+    scales.put(k, scale, {radius[lane], per_motion[lane], motion_limit[lane], 0.0F, eye_distance_limit[lane]},
+               now.motion);
   }
 };
 

@@ -2,7 +2,7 @@
 
 namespace occlod {
 
-VisibilityQuery query_about(const Entry& entry, const Hierarchy& hierarchy, Proxy proxy, StarLook& star) {
+VisibilityQuery query_about(const Entry& entry, const Hierarchy& hierarchy, Proxy proxy, StarVisibility& star) {
   if (entry.kind == Entry::Kind::apply) return {entry.object, PointHull{star.points(hierarchy, entry.split)}};
   const SplitNode& node = hierarchy.node(entry.split);
   switch (proxy) {

@@ -4,11 +4,12 @@
 #include "occlod/refine/refiner.h"
 #include "occlod/refine/visibility.h"
 #include "priority/queue.h"
-#include "priority/star.h"
+#include "priority/star_visibility.h"
 
 namespace occlod {
 
 // The bounds of its subtree, or the corners of its star, which live in `star` until that is asked for others.
-[[nodiscard]] VisibilityQuery query_about(const Entry& entry, const Hierarchy& hierarchy, Proxy proxy, StarLook& star);
+[[nodiscard]] VisibilityQuery query_about(const Entry& entry, const Hierarchy& hierarchy, Proxy proxy,
+                                          StarVisibility& star);
 
 }  // namespace occlod

@@ -53,7 +53,7 @@ void Frames::adopt_splits(std::uint32_t object) {
   to.front.clear();
   to.morphs.clear();
   to.faces.assign(cut);
-  to.travel = {};
+  to.motion = {};
   to.view = refined_.views[object];
   for (const SplitId s : cut.applied_splits()) {
     if (!cut.applied(s)) continue;
@@ -108,7 +108,7 @@ Front::Index Frames::reach(std::uint32_t object, SplitId s, SplitId parent, std:
 Frames::Applied Frames::count_applied() const {
   Applied applied;
   for (std::uint32_t i = 0; i < objects_.size(); ++i) {
-    const DriftingProducts of = errors(i);
+    const BoundedProducts of = errors(i);
     const std::size_t all = count(of, {.all = Front::applied});
     applied.all += all;
     applied.worthless +=
@@ -121,7 +121,7 @@ Frames::Applied Frames::count_applied() const {
 void Frames::close(std::uint32_t object) {
   Front& front = objects_[object].front;
   found_.clear();
-  const DriftingProducts of = errors(object);
+  const BoundedProducts of = errors(object);
   select(of, {.all = Front::descended | Front::subtree_hidden}, found_);
   select(of, {.all = Front::descended, .none = Front::subtree_hidden, .may_be_below = closing * level_}, found_);
   open_.clear();
@@ -133,7 +133,7 @@ void Frames::close(std::uint32_t object) {
 bool Frames::is_closable(std::uint32_t object, Front::Index k) const {
   const Front& front = objects_[object].front;
   return front.is(k, Front::subtree_hidden) ||
-         front.scales().doubt[k] * front.error_at_most(k).quadric_px <= closing * level_;
+         front.scales().error_factor[k] * front.error_at_most(k).quadric_px <= closing * level_;
 }
 
 bool Frames::close_one(std::uint32_t object, SplitId s) {

@@ -10,11 +10,11 @@
 #include "core/milliseconds_since.h"
 #include "cut/face_list.h"
 #include "occlod/refine/refiner.h"
-#include "priority/drifting_values.h"
+#include "priority/bounded_values.h"
 #include "priority/front.h"
 #include "priority/queue.h"
-#include "priority/star.h"
-#include "priority/travel.h"
+#include "priority/star_visibility.h"
+#include "priority/view_motion.h"
 #include "priority/weigh_nodes.h"
 #include "queries/occluder.h"
 #include "queries/questions.h"
@@ -58,7 +58,7 @@ class Frames {
 
     Front front;
     std::optional<ObjectView> view;  // of the last frame
-    Travel travel;                   // since the front was last weighed as a whole
+    ViewMotion motion;               // since the front was last weighed as a whole
     FaceList faces;
     std::vector<SplitId> born, died;                        // in this frame
     std::vector<std::pair<SplitId, std::uint32_t>> morphs;  // splits with the frames in which they were applied
@@ -97,12 +97,12 @@ class Frames {
   void descend_from(std::uint32_t object, SplitId s, const Visit& visit_child);
 
   // What is known of all nodes of an object.
-  [[nodiscard]] DriftingProducts errors(std::uint32_t object) const;
-  [[nodiscard]] DriftingProducts guaranteed_errors(std::uint32_t object) const;
-  [[nodiscard]] DriftingProducts priorities(std::uint32_t object) const;
-  [[nodiscard]] DriftingProducts leaf_priorities(std::uint32_t object) const;
+  [[nodiscard]] BoundedProducts errors(std::uint32_t object) const;
+  [[nodiscard]] BoundedProducts guaranteed_errors(std::uint32_t object) const;
+  [[nodiscard]] BoundedProducts priorities(std::uint32_t object) const;
+  [[nodiscard]] BoundedProducts leaf_priorities(std::uint32_t object) const;
 
-  void travel(std::uint32_t object);
+  void motion(std::uint32_t object);
   [[nodiscard]] glm::vec3 middle_of(std::uint32_t object) const;
   void renew(std::uint32_t object, std::span<const Front::Index> nodes);
   void renew_outdated(std::uint32_t object);
@@ -121,8 +121,8 @@ class Frames {
   [[nodiscard]] float leaf_key(std::uint32_t object, Front::Index k);
   void push_leaf(std::uint32_t object, SplitId s, float key);
   void measure_errors();
-  void measure_unreached(std::uint32_t object, const DriftingProducts& of, float so_far);
-  void measure_unapplied(std::uint32_t object, const DriftingProducts& of, float so_far);
+  void measure_unreached(std::uint32_t object, const BoundedProducts& of, float so_far);
+  void measure_unapplied(std::uint32_t object, const BoundedProducts& of, float so_far);
 
   void ask_again(Occluder& occluder, bool all);
   [[nodiscard]] bool is_shown_since(std::uint32_t draw, const FrontNode& node, Entry::Kind kind) const;
@@ -180,7 +180,7 @@ class Frames {
   std::size_t changes_ = 0;  // splits and merges in this frame
   Applied before_;           // when the last frame ended
   ScreenError left_;
-  StarLook star_;
+  StarVisibility star_;
   std::vector<Entry> asked_;  // scratch, all of them
   std::vector<SplitId> sorted_;
   std::vector<SplitId> open_;

@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "priority/front_look.h"
+#include "priority/front_priority.h"
 #include "priority/weighed_lanes.h"
 #include "refine/frames.h"
 
@@ -16,31 +16,32 @@ namespace {
 constexpr double lost_part = 0.25;
 // What a split forces is looked at again in one frame of so many.
 constexpr std::uint32_t weighing_rounds = 8;
-// Sums of travel from here on count as rounded too much: in diagonals of the object, and in radians.
-constexpr double most_travel = 64.0;
+// Sums of motion from here on count as rounded too much: in diagonals of the object, and in radians.
+constexpr double most_motion = 64.0;
 // Diagonals of objects beyond which sums of squares of what is seen near them might be out of the range of floats.
 constexpr double least_diagonal = 0x1p-40, most_diagonal = 0x1p40;
-constexpr Drift while_unseen = {0.0F, 0.0F, std::numeric_limits<float>::max(), 0.0F, std::numeric_limits<float>::max()};
+constexpr ErrorGrowth while_unseen = {0.0F, 0.0F, std::numeric_limits<float>::max(), 0.0F,
+                                      std::numeric_limits<float>::max()};
 
 }  // namespace
 
-DriftingProducts Frames::errors(std::uint32_t object) const {
+BoundedProducts Frames::errors(std::uint32_t object) const {
   const Object& of = objects_[object];
   return {of.front.scales(), of.front.errors(), of.front.flags()};
 }
 
-DriftingProducts Frames::guaranteed_errors(std::uint32_t object) const {
+BoundedProducts Frames::guaranteed_errors(std::uint32_t object) const {
   const Object& of = objects_[object];
   return {of.front.scales(), of.front.guaranteed_errors(), of.front.flags()};
 }
 
-DriftingProducts Frames::priorities(std::uint32_t object) const {
+BoundedProducts Frames::priorities(std::uint32_t object) const {
   if (options_->culling == Culling::subtree) return errors(object);
   const Object& of = objects_[object];
   return {of.front.priorities(), {}, of.front.flags()};
 }
 
-DriftingProducts Frames::leaf_priorities(std::uint32_t object) const {
+BoundedProducts Frames::leaf_priorities(std::uint32_t object) const {
   if (options_->culling == Culling::subtree) return errors(object);
   const Object& of = objects_[object];
   return {of.front.priorities(), of.front.forced_weights(), of.front.flags()};
@@ -49,7 +50,7 @@ DriftingProducts Frames::leaf_priorities(std::uint32_t object) const {
 bool Frames::weigh(const RefinedCuts& refined, const RefineOptions& options) {
   begin(refined, options);
   for (std::uint32_t i = 0; i < objects_.size(); ++i) {
-    travel(i);
+    motion(i);
     renew_outdated(i);
   }
   last_view_ = *refined_.view;
@@ -59,26 +60,27 @@ bool Frames::weigh(const RefinedCuts& refined, const RefineOptions& options) {
 }
 
 // To the view of this frame. Nothing is known any more when that is of another kind.
-void Frames::travel(std::uint32_t object) {
+void Frames::motion(std::uint32_t object) {
   Object& of = objects_[object];
   const ObjectView& view = refined_.views[object];
-  const std::optional<Travel> travel =
-      travel_between({*last_view_, *of.view}, {*refined_.view, view}, middle_of(object));
+  const std::optional<ViewMotion> moved =
+      motion_between({*last_view_, *of.view}, {*refined_.view, view}, middle_of(object));
   of.view = view;
-  if (travel) {
-    of.travel.way += travel->way;
-    of.travel.sway += travel->sway;
-    of.travel.turn += travel->turn;
+  if (moved) {
+    of.motion.eye_distance += moved->eye_distance;
+    of.motion.center_distance += moved->center_distance;
+    of.motion.rotation_rad += moved->rotation_rad;
     const Box& box = refined_.cuts[object].hierarchy().box();
     const double diagonal = glm::distance(glm::dvec3(box.min), glm::dvec3(box.max));
     if (diagonal >= least_diagonal && diagonal <= most_diagonal &&
-        std::max(of.travel.way, of.travel.sway) <= most_travel * diagonal && of.travel.turn <= most_travel) {
-      of.front.scales().age(of.travel);
-      if (options_->culling == Culling::star) of.front.priorities().age(of.travel);
+        std::max(of.motion.eye_distance, of.motion.center_distance) <= most_motion * diagonal &&
+        of.motion.rotation_rad <= most_motion) {
+      of.front.scales().update(of.motion);
+      if (options_->culling == Culling::star) of.front.priorities().update(of.motion);
       return;
     }
   }
-  of.travel = {};
+  of.motion = {};
   of.front.scales().forget_all();
   of.front.priorities().forget_all();
 }
@@ -95,12 +97,12 @@ void Frames::renew(std::uint32_t object, std::span<const Front::Index> nodes) {
   for (const Front::Index k : nodes)
     if (!of.front.scales().is_exact(k)) renewed_.push_back(k);
   weigh_nodes(of.front, renewed_,
-              {refined_.views[object], refined_.gate->tests_cone(object), of.travel, middle_of(object)});
+              {refined_.views[object], refined_.gate->tests_cone(object), of.motion, middle_of(object)});
 }
 
 void Frames::renew_outdated(std::uint32_t object) {
   found_.clear();
-  const DriftingValues& scales = objects_[object].front.scales();
+  const BoundedValues& scales = objects_[object].front.scales();
   for (Front::Index k = 0; k < scales.value.size(); ++k)
     if (scales.is_outdated(k)) found_.push_back(k);
   renew(object, found_);
@@ -115,7 +117,7 @@ Frames::Worth Frames::worth(std::uint32_t object, Front::Index k) {
   if (!by_star || front.scales().is_outdated(k)) renew(object, {&k, 1});
   if (front.is(k, Front::hidden)) return {};
   if (!(front.scales().value[k] > 0.0F)) {
-    front.priorities().put(k, 0.0F, while_unseen, of.travel);
+    front.priorities().put(k, 0.0F, while_unseen, of.motion);
     return {};
   }
   if (by_star) return worth_by_star(object, k);
@@ -130,7 +132,7 @@ Frames::Worth Frames::worth_by_star(std::uint32_t object, Front::Index k) {
   const FrontStar& star = of.front.star(k);
   FrontPriority found;
   if (!star.has_too_many && is_wholly_inside(star.sphere, view))
-    found = priority_of(
+    found = front_priority(
         star, of.front.errors()[k], of.front.guaranteed_errors()[k],
         {view, importance, refined_.objects[object].two_sided, static_cast<float>(options_->grazing_exponent),
          static_cast<float>(2.0 * tan_corner_angle(view)), middle_of(object)});
@@ -138,7 +140,7 @@ Frames::Worth Frames::worth_by_star(std::uint32_t object, Front::Index k) {
     found.value = importance.of(of.front.node(k).split);
   const bool is_seen = found.value.visible_share > 0.0F;
   const float priority = is_seen ? found.value.priority : 0.0F;
-  of.front.priorities().put(k, priority, found.drift, of.travel);
+  of.front.priorities().put(k, priority, found.growth, of.motion);
   if (!is_seen) return {};
   return {priority * of.front.forced_weight(k), priority, found.value.error};
 }
@@ -252,7 +254,7 @@ void Frames::measure_errors() {
 }
 
 // By the bounds of subtrees that have not been descended.
-void Frames::measure_unreached(std::uint32_t object, const DriftingProducts& of, float so_far) {
+void Frames::measure_unreached(std::uint32_t object, const BoundedProducts& of, float so_far) {
   constexpr std::uint16_t all = Front::reached, none = Front::descended | Front::subtree_hidden;
   found_.clear();
   const float least = (1.0F - 1e-6F) * std::max(so_far, largest_at_least(of, all, none));
@@ -262,11 +264,11 @@ void Frames::measure_unreached(std::uint32_t object, const DriftingProducts& of,
 }
 
 // By stars of splits, where their subtree's bounds leave room for a larger one.
-void Frames::measure_unapplied(std::uint32_t object, const DriftingProducts& of, float so_far) {
+void Frames::measure_unapplied(std::uint32_t object, const BoundedProducts& of, float so_far) {
   constexpr std::uint16_t all = Front::reached | Front::descended, none = Front::applied | Front::hidden;
   found_.clear();
   select(of, {.all = all, .none = none, .may_exceed = so_far}, found_);
-  const DriftingValues& known = priorities(object).values;
+  const BoundedValues& known = priorities(object).values;
   Front& front = objects_[object].front;
   for (const Front::Index k : found_) {
     if (options_->culling == Culling::subtree || known.is_outdated(k))

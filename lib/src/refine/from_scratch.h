@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "priority/queue.h"
-#include "priority/star.h"
+#include "priority/star_visibility.h"
 #include "queries/occluder.h"
 #include "queries/occluder_steps.h"
 #include "queries/questions.h"
@@ -93,7 +93,7 @@ class FromScratch {
   std::vector<Entry> doubtful_;  // found hidden by earlier occluders than that before which they are now asked about
   std::vector<Entry> asked_;     // scratch: about which many questions are asked at once,
   std::vector<Entry*> asked_entries_;  // and where they are in the queue
-  StarLook star_;
+  StarVisibility star_;
   Victims victims_;
   std::size_t base_triangles_ = 0;
   std::size_t triangles_ = 0;   // of all cuts

@@ -1,4 +1,4 @@
-#include "priority/star.h"
+#include "priority/star_visibility.h"
 
 #include <algorithm>
 #include <cmath>
@@ -26,14 +26,14 @@ bool may_be_inside(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, c
   });
 }
 
-class FaceLook {
+class FaceSums {
  public:
-  FaceLook(std::span<const glm::vec3> positions, const ObjectView& view, bool inside, bool two_sided)
+  FaceSums(std::span<const glm::vec3> positions, const ObjectView& view, bool inside, bool two_sided)
       : positions_(positions), view_(view), inside_(inside), two_sided_(two_sided) {}
 
   // `edges` and `rays` bring these to sizes near 1.
   template <class Scale>
-  [[nodiscard]] SeenFaces look(const SplitStar& star, const Scale& edges, const Scale& rays) const {
+  [[nodiscard]] SeenFaces of(const SplitStar& star, const Scale& edges, const Scale& rays) const {
     SeenFaces result;
     star.for_each_face([&](const Triangle& t) {
       const glm::vec3 &a = positions_[t.x], &b = positions_[t.y], &c = positions_[t.z];
@@ -77,13 +77,13 @@ bool is_wholly_inside(const Sphere& sphere, const ObjectView& view) {
   });
 }
 
-StarView StarLook::look(const Hierarchy& hierarchy, SplitId s, const ObjectView& view, bool two_sided) {
+StarView StarVisibility::evaluate(const Hierarchy& hierarchy, SplitId s, const ObjectView& view, bool two_sided) {
   const SplitStar star = hierarchy.star(s);
   if (star.is_fan()) {
     gather_fan(hierarchy, star);
     const Sphere sphere = sphere_around(fan_);  // its radius is not near one where squares are out of range
     if (is_near_one(sphere.radius) && is_near_one(distance_to(sphere, view)) && is_wholly_inside(sphere, view))
-      return star_view(star, sphere, look_at_fan(fan_, view.eye(), two_sided));
+      return star_view(star, sphere, fan_visibility(fan_, view.eye(), two_sided));
   }
   gather(hierarchy, s);
   const Box box = bounding_box(points_);
@@ -97,19 +97,19 @@ StarView StarLook::look(const Hierarchy& hierarchy, SplitId s, const ObjectView&
     square = std::max(square, glm::dot(d, d));
   }
   sphere.radius = std::sqrt(square) / unit;
-  const FaceLook faces(hierarchy.positions(), view, is_wholly_inside(sphere, view), two_sided);
+  const FaceSums faces(hierarchy.positions(), view, is_wholly_inside(sphere, view), two_sided);
   const SeenFaces seen = is_near_one(extent) && is_near_one(distance)
-                             ? faces.look(star, Unscaled(), Unscaled())
-                             : faces.look(star, Scaled{unit}, Scaled{inverse_power_of_two(distance)});
+                             ? faces.of(star, Unscaled(), Unscaled())
+                             : faces.of(star, Scaled{unit}, Scaled{inverse_power_of_two(distance)});
   return star_view(star, sphere, seen);
 }
 
-std::span<const glm::vec3> StarLook::points(const Hierarchy& hierarchy, SplitId s) {
+std::span<const glm::vec3> StarVisibility::points(const Hierarchy& hierarchy, SplitId s) {
   gather(hierarchy, s);
   return points_;
 }
 
-void StarLook::gather(const Hierarchy& hierarchy, SplitId s) {
+void StarVisibility::gather(const Hierarchy& hierarchy, SplitId s) {
   const SplitStar star = hierarchy.star(s);
   ids_.assign(1, star.vertex());
   if (star.is_fan())  // u and the corners of removed faces are in the ring
@@ -123,7 +123,7 @@ void StarLook::gather(const Hierarchy& hierarchy, SplitId s) {
   });
 }
 
-void StarLook::gather_fan(const Hierarchy& hierarchy, const SplitStar& star) {
+void StarVisibility::gather_fan(const Hierarchy& hierarchy, const SplitStar& star) {
   const std::span<const glm::vec3> positions = hierarchy.positions();
   const std::span<const VertexId> ring = star.ring();
   fan_.vertex = positions[star.vertex()];
@@ -137,7 +137,7 @@ void StarLook::gather_fan(const Hierarchy& hierarchy, const SplitStar& star) {
   fan_.fill_up();
 }
 
-void StarLook::gather_corners(const SplitStar& star) {
+void StarVisibility::gather_corners(const SplitStar& star) {
   star.for_each_face([&](const Triangle& t) { ids_.insert(ids_.end(), {t.x, t.y, t.z}); });
   std::sort(ids_.begin(), ids_.end());
   ids_.erase(std::unique(ids_.begin(), ids_.end()), ids_.end());

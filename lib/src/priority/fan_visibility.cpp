@@ -1,4 +1,4 @@
-#include "priority/fan_look.h"
+#include "priority/fan_visibility.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 
 // Compiles this file once for every instruction set.
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "priority/fan_look.cpp"
+#define HWY_TARGET_INCLUDE "priority/fan_visibility.cpp"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
 
@@ -136,7 +136,7 @@ void FanCorners::fill_up() {
 
 Sphere sphere_around(const FanCorners& corners) { return HWY_DYNAMIC_DISPATCH(sphere_of)(corners); }
 
-SeenFaces look_at_fan(const FanCorners& corners, const glm::vec3& eye, bool two_sided) {
+SeenFaces fan_visibility(const FanCorners& corners, const glm::vec3& eye, bool two_sided) {
   return HWY_DYNAMIC_DISPATCH(seen_faces)(corners, eye, two_sided);
 }
 

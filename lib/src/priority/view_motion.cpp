@@ -1,4 +1,4 @@
-#include "priority/travel.h"
+#include "priority/view_motion.h"
 
 #include <algorithm>
 #include <glm/geometric.hpp>
@@ -36,8 +36,8 @@ bool is_uniform(const glm::dmat3& m, double stretch) {
 
 }  // namespace
 
-std::optional<Travel> travel_between(const TravelView& from, const TravelView& to, const glm::vec3& middle) {
-  if (from.view.camera() == to.view.camera()) return Travel{};
+std::optional<ViewMotion> motion_between(const PlacedView& from, const PlacedView& to, const glm::vec3& center) {
+  if (from.view.camera() == to.view.camera()) return ViewMotion{};
   if (!have_one_lens(from.view.camera(), to.view.camera())) return std::nullopt;
   const double stretch = to.object.largest_stretch();
   if (!is_uniform(glm::dmat3(to.object.object_to_eye()), stretch)) return std::nullopt;
@@ -46,9 +46,9 @@ std::optional<Travel> travel_between(const TravelView& from, const TravelView& t
   // vector.
   const double frobenius =
       glm::dot(change[0], change[0]) + glm::dot(change[1], change[1]) + glm::dot(change[2], change[2]);
-  const glm::dvec4 center(middle, 1.0);
-  const glm::dvec3 seen_from = axes_from * (from.object.object_to_eye() * center);
-  const glm::dvec3 seen_to = axes_to * (to.object.object_to_eye() * center);
+  const glm::dvec4 at_center(center, 1.0);
+  const glm::dvec3 seen_from = axes_from * (from.object.object_to_eye() * at_center);
+  const glm::dvec3 seen_to = axes_to * (to.object.object_to_eye() * at_center);
   const glm::dvec3 eye_from(from.object.eye()), eye_to(to.object.eye());
   const double rounding =
       2.0 * eye_slack *
@@ -56,12 +56,13 @@ std::optional<Travel> travel_between(const TravelView& from, const TravelView& t
   constexpr double up = 1.0 + 1e-6;
   const Camera &lens_from = from.view.camera(), &lens_to = to.view.camera();
   const double range = (std::abs(lens_from.near - lens_to.near) + std::abs(lens_from.far - lens_to.far)) / stretch;
-  Travel travel;
-  travel.way = up * glm::distance(eye_from, eye_to) + rounding + range;
-  travel.sway = up * glm::distance(seen_from, seen_to) / stretch + 1e-14 * glm::length(seen_to) + range;
-  travel.turn = up * std::sqrt(0.5 * frobenius) + 1e-12;
-  if (!(std::isfinite(travel.way) && std::isfinite(travel.sway) && travel.turn < 0.5)) return std::nullopt;
-  return travel;
+  ViewMotion motion;
+  motion.eye_distance = up * glm::distance(eye_from, eye_to) + rounding + range;
+  motion.center_distance = up * glm::distance(seen_from, seen_to) / stretch + 1e-14 * glm::length(seen_to) + range;
+  motion.rotation_rad = up * std::sqrt(0.5 * frobenius) + 1e-12;
+  if (!(std::isfinite(motion.eye_distance) && std::isfinite(motion.center_distance) && motion.rotation_rad < 0.5))
+    return std::nullopt;
+  return motion;
 }
 
 }  // namespace occlod

@@ -9,20 +9,20 @@ namespace occlod {
 
 struct FrontPriority {
   Importance::Value value;
-  Drift drift;
+  ErrorGrowth growth;
 };
 
-struct FrontLook {
+struct FrontView {
   const ObjectView& view;
   const Importance& importance;
   bool two_sided = false;
   float grazing_exponent = 0.0F;
   float steepness = 0.0F;  // twice the tangent of the angle of the image's corners
-  glm::vec3 middle{0.0F};  // see Travel
+  glm::vec3 center{0.0F};  // that motion is counted from
 };
 
 // Of a star with no more than FrontStar::most_faces that is wholly inside the frustum, of a split with these errors.
-[[nodiscard]] FrontPriority priority_of(const FrontStar& star, float error, float guaranteed_error,
-                                        const FrontLook& look);
+[[nodiscard]] FrontPriority front_priority(const FrontStar& star, float error, float guaranteed_error,
+                                           const FrontView& front_view);
 
 }  // namespace occlod

@@ -1,4 +1,4 @@
-#include "priority/front_look.h"
+#include "priority/front_priority.h"
 
 #include <algorithm>
 #include <cmath>
@@ -62,47 +62,51 @@ float power_change(float cosine, float change, float exponent) {
 // See the lanes of weigh_nodes.cpp. While the eye moves by no more than a fifth of its distance, the cosine, that of
 // the mean of unit normals at most, changes by no more than 1.25 times the way in distances, but for the star's size;
 // what it does to the priority is steepest where it ends.
-Drift drift_of(const StarView& seen, float from_eye, const FrontLook& look) {
-  if (look.view.is_orthographic()) return {};  // see travel_between
+ErrorGrowth error_growth_of(const StarView& seen, float from_eye, const FrontView& front_view) {
+  if (front_view.view.is_orthographic()) return {};  // see motion_between
   const Sphere& sphere = seen.sphere;
-  const auto stretch = static_cast<float>(look.view.largest_stretch());
+  const auto stretch = static_cast<float>(front_view.view.largest_stretch());
   const float radius = sphere.radius * stretch;
-  const auto distance_now = static_cast<float>(glm::length(look.view.object_to_eye() * glm::dvec4(sphere.center, 1.0)));
+  const auto distance_now =
+      static_cast<float>(glm::length(front_view.view.object_to_eye() * glm::dvec4(sphere.center, 1.0)));
   if (!(distance_now > 1.001F * radius)) return {};
   const float nearest = 0.75F * (distance_now - radius), distance = nearest + radius;
   const float widening = radius / std::sqrt(nearest * (distance + radius));
-  const float rate = stretch * (1.0F / nearest + look.steepness * (1.0F + widening) / distance);
-  const float lasts = std::min(std::numbers::ln2_v<float> / rate, nearest / (3.0F * stretch));
-  const float way_lasts = 0.2F * from_eye;
+  const float rate = stretch * (1.0F / nearest + front_view.steepness * (1.0F + widening) / distance);
+  const float motion_limit = std::min(std::numbers::ln2_v<float> / rate, nearest / (3.0F * stretch));
+  const float eye_distance_limit = 0.2F * from_eye;
   const float cosine_change = 0.26F * (1.0F + sphere.radius / from_eye);
-  const float way_growth = power_change(seen.cosine, cosine_change, look.grazing_exponent) / way_lasts;
-  const float from_middle = glm::distance(look.middle, sphere.center);
-  const float reach = 2.0F * from_middle < from_eye ? -from_middle : 1.25F * from_eye + sphere.radius;
-  return {(1.0F + 1e-5F) * reach, 1.001F / lasts, 0.999F * lasts, 1.001F * way_growth, 0.999F * way_lasts};
+  const float per_eye_distance =
+      power_change(seen.cosine, cosine_change, front_view.grazing_exponent) / eye_distance_limit;
+  const float from_object_center = glm::distance(front_view.center, sphere.center);
+  const float reach = 2.0F * from_object_center < from_eye ? -from_object_center : 1.25F * from_eye + sphere.radius;
+  return {(1.0F + 1e-5F) * reach, 1.001F / motion_limit, 0.999F * motion_limit, 1.001F * per_eye_distance,
+          0.999F * eye_distance_limit};
 }
 
 }  // namespace
 
-FrontPriority priority_of(const FrontStar& star, float error, float guaranteed_error, const FrontLook& look) {
-  const glm::vec3 from_center = look.view.eye() - star.sphere.center;
+FrontPriority front_priority(const FrontStar& star, float error, float guaranteed_error, const FrontView& front_view) {
+  const glm::vec3 from_center = front_view.view.eye() - star.sphere.center;
   const float unit = inverse_power_of_two(from_center);
   const glm::vec3 eye = unit * from_center;
   FrontStar::Lanes facing;
   for (std::size_t i = 0; i < FrontStar::most_faces; ++i)
     facing[i] = star.normal_x[i] * eye.x + star.normal_y[i] * eye.y + star.normal_z[i] * eye.z + unit * star.offset[i];
   const float from_planes =
-      look.two_sided ? std::numeric_limits<float>::infinity() : distance_from_planes(facing, star.length) / unit;
-  const StarView seen = view_of(star, facing, eye, look.two_sided);
-  FrontPriority result{look.importance.of(seen, error, guaranteed_error),
-                       drift_of(seen, glm::length(eye) / unit, look)};
-  const float rounding = 4e-6F * (star.sphere.radius + glm::length(star.sphere.center) + glm::length(look.view.eye()));
-  Drift& drift = result.drift;
+      front_view.two_sided ? std::numeric_limits<float>::infinity() : distance_from_planes(facing, star.length) / unit;
+  const StarView seen = view_of(star, facing, eye, front_view.two_sided);
+  FrontPriority result{front_view.importance.of(seen, error, guaranteed_error),
+                       error_growth_of(seen, glm::length(eye) / unit, front_view)};
+  const float rounding =
+      4e-6F * (star.sphere.radius + glm::length(star.sphere.center) + glm::length(front_view.view.eye()));
+  ErrorGrowth& growth = result.growth;
   // What shows no face shows none outside either.
   if (seen.visible_share == 0.0F)
-    drift = {0.0F, 0.0F, std::numeric_limits<float>::max(), 0.0F, std::numeric_limits<float>::max()};
+    growth = {0.0F, 0.0F, std::numeric_limits<float>::max(), 0.0F, std::numeric_limits<float>::max()};
   else
-    drift.lasts = std::min(drift.lasts, 0.999F * room_inside(star.sphere, look.view) - rounding);
-  drift.way_lasts = std::min(drift.way_lasts, 0.999F * from_planes - rounding);
+    growth.motion_limit = std::min(growth.motion_limit, 0.999F * room_inside(star.sphere, front_view.view) - rounding);
+  growth.eye_distance_limit = std::min(growth.eye_distance_limit, 0.999F * from_planes - rounding);
   return result;
 }
 

@@ -1,4 +1,4 @@
-#include "priority/drifting_values.h"
+#include "priority/bounded_values.h"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,7 @@
 
 // Compiles this file once for every instruction set.
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "priority/drifting_values.cpp"
+#define HWY_TARGET_INCLUDE "priority/bounded_values.cpp"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
 
@@ -22,44 +22,45 @@ HWY_INLINE hn::Mask<D> has_flags(D d, const std::uint16_t* flags, std::uint32_t 
   return hn::RebindMask(d, hn::Eq(hn::And(found, hn::Set(ints, all | none)), hn::Set(ints, all)));
 }
 
-// How far what a value depends on has moved as it is seen from the eye.
+// How far what a value depends on has moved relative to the camera.
 template <class D>
-HWY_INLINE hn::Vec<D> moved(D d, const DriftingValues& of, const Travel& now, std::size_t k) {
+HWY_INLINE hn::Vec<D> moved(D d, const BoundedValues& of, const ViewMotion& now, std::size_t k) {
   const auto radius = hn::LoadU(d, &of.radius[k]);
-  const auto base = hn::IfThenElse(hn::Lt(radius, hn::Zero(d)), hn::Set(d, static_cast<float>(now.sway)),
-                                   hn::Set(d, static_cast<float>(now.way)));
-  const auto at = hn::Add(base, hn::Mul(hn::Set(d, static_cast<float>(now.turn)), hn::Abs(radius)));
-  return hn::Sub(hn::Mul(hn::Set(d, 1.0F + travel_rounding), at), hn::LoadU(d, &of.since[k]));
+  const auto base = hn::IfThenElse(hn::Lt(radius, hn::Zero(d)), hn::Set(d, static_cast<float>(now.center_distance)),
+                                   hn::Set(d, static_cast<float>(now.eye_distance)));
+  const auto at = hn::Add(base, hn::Mul(hn::Set(d, static_cast<float>(now.rotation_rad)), hn::Abs(radius)));
+  return hn::Sub(hn::Mul(hn::Set(d, 1.0F + motion_rounding), at), hn::LoadU(d, &of.motion_then[k]));
 }
 
-// How far the eye has gone.
+// How far the eye has moved.
 template <class D>
-HWY_INLINE hn::Vec<D> went(D d, const DriftingValues& of, const Travel& now, std::size_t k) {
-  return hn::Sub(hn::Set(d, (1.0F + travel_rounding) * static_cast<float>(now.way)), hn::LoadU(d, &of.way_since[k]));
+HWY_INLINE hn::Vec<D> went(D d, const BoundedValues& of, const ViewMotion& now, std::size_t k) {
+  return hn::Sub(hn::Set(d, (1.0F + motion_rounding) * static_cast<float>(now.eye_distance)),
+                 hn::LoadU(d, &of.eye_distance_then[k]));
 }
 
 template <class D>
-HWY_INLINE hn::Vec<D> doubt_of(D d, const DriftingValues& of, const Travel& now, std::size_t k) {
+HWY_INLINE hn::Vec<D> error_factor_of(D d, const BoundedValues& of, const ViewMotion& now, std::size_t k) {
   const auto one = hn::Set(d, 1.0F), by_eye = moved(d, of, now, k), by_way = went(d, of, now, k);
-  const auto holds =
-      hn::And(hn::Le(by_eye, hn::LoadU(d, &of.lasts[k])), hn::Le(by_way, hn::LoadU(d, &of.way_lasts[k])));
-  const auto factor = hn::Mul(hn::Add(one, hn::Mul(hn::LoadU(d, &of.growth[k]), by_eye)),
-                              hn::Add(one, hn::Mul(hn::LoadU(d, &of.way_growth[k]), by_way)));
+  const auto holds = hn::And(hn::Le(by_eye, hn::LoadU(d, &of.motion_limit[k])),
+                             hn::Le(by_way, hn::LoadU(d, &of.eye_distance_limit[k])));
+  const auto factor = hn::Mul(hn::Add(one, hn::Mul(hn::LoadU(d, &of.per_motion[k]), by_eye)),
+                              hn::Add(one, hn::Mul(hn::LoadU(d, &of.per_eye_distance[k]), by_way)));
   return hn::IfThenElse(holds, factor, hn::Set(d, std::numeric_limits<float>::quiet_NaN()));
 }
 
-// Where DriftingProducts are: read once, as what is appended might be them for all that the compiler knows.
+// Where BoundedProducts are: read once, as what is appended might be them for all that the compiler knows.
 struct ProductArrays {
-  explicit ProductArrays(const DriftingProducts& of)
+  explicit ProductArrays(const BoundedProducts& of)
       : size(of.flags.size()),
         value(of.values.value.data()),
-        doubt(of.values.doubt.data()),
+        error_factor(of.values.error_factor.data()),
         weight(of.weights.empty() ? nullptr : of.weights.data()),
         flags(of.flags.data()) {}
 
   std::size_t size;
   const float* value;
-  const float* doubt;
+  const float* error_factor;
   const float* weight;
   const std::uint16_t* flags;
 };
@@ -77,10 +78,10 @@ template <class D>
 HWY_INLINE hn::Mask<D> is_selected(D d, const ProductArrays& of, const Selection& selection, std::size_t k) {
   const auto flagged = has_flags(d, of.flags + k, selection.all, selection.none);
   if (hn::AllFalse(d, flagged)) return flagged;
-  const auto at = product(d, of, k), doubt = hn::LoadU(d, of.doubt + k);
-  auto mask = hn::AndNot(hn::Le(hn::Mul(at, doubt), hn::Set(d, selection.may_exceed)), flagged);
+  const auto at = product(d, of, k), error_factor = hn::LoadU(d, of.error_factor + k);
+  auto mask = hn::AndNot(hn::Le(hn::Mul(at, error_factor), hn::Set(d, selection.may_exceed)), flagged);
   if (selection.may_be_below < std::numeric_limits<float>::infinity())
-    mask = hn::AndNot(hn::Ge(at, hn::Mul(hn::Set(d, selection.may_be_below), doubt)), mask);
+    mask = hn::AndNot(hn::Ge(at, hn::Mul(hn::Set(d, selection.may_be_below), error_factor)), mask);
   return mask;
 }
 
@@ -102,7 +103,7 @@ HWY_INLINE void for_each_vector(std::size_t size, const Visit& visit) {
   for (; k < size; ++k) visit(single, k);
 }
 
-void select_nodes(const DriftingProducts& products, const Selection& wanted, std::vector<std::uint32_t>& out) {
+void select_nodes(const BoundedProducts& products, const Selection& wanted, std::vector<std::uint32_t>& out) {
   const ProductArrays of(products);
   const Selection selection = wanted;
   for_each_vector(of.size, [&, of, selection](auto d, std::size_t k) HWY_ATTR {
@@ -111,7 +112,7 @@ void select_nodes(const DriftingProducts& products, const Selection& wanted, std
   });
 }
 
-std::size_t count_nodes(const DriftingProducts& products, const Selection& selection) {
+std::size_t count_nodes(const BoundedProducts& products, const Selection& selection) {
   const ProductArrays of(products);
   std::size_t found = 0;
   for_each_vector(of.size, [&, of](auto d, std::size_t k)
@@ -119,21 +120,22 @@ std::size_t count_nodes(const DriftingProducts& products, const Selection& selec
   return found;
 }
 
-void age_values(DriftingValues& values, const Travel& now) {
-  for_each_vector(values.value.size(), [&](auto d, std::size_t k)
-                                           HWY_ATTR { hn::StoreU(doubt_of(d, values, now, k), d, &values.doubt[k]); });
+void update_error_factors(BoundedValues& values, const ViewMotion& now) {
+  for_each_vector(values.value.size(), [&](auto d, std::size_t k) HWY_ATTR {
+    hn::StoreU(error_factor_of(d, values, now, k), d, &values.error_factor[k]);
+  });
 }
 
-float find_largest_at_least(const DriftingProducts& products, std::uint16_t all, std::uint16_t none) {
+float find_largest_at_least(const BoundedProducts& products, std::uint16_t all, std::uint16_t none) {
   const ProductArrays of(products);
   float largest = 0.0F;
   const hn::ScalableTag<float> whole;
   auto found = hn::Zero(whole);
   std::size_t k = 0;
   const auto least = [&](auto d) HWY_ATTR {
-    const auto doubt = hn::LoadU(d, of.doubt + k);
-    const auto known = hn::And(has_flags(d, of.flags + k, all, none), hn::Eq(doubt, doubt));
-    return hn::IfThenElseZero(known, hn::Div(product(d, of, k), doubt));
+    const auto error_factor = hn::LoadU(d, of.error_factor + k);
+    const auto known = hn::And(has_flags(d, of.flags + k, all, none), hn::Eq(error_factor, error_factor));
+    return hn::IfThenElseZero(known, hn::Div(product(d, of, k), error_factor));
   };
   for (; k + hn::Lanes(whole) <= of.size; k += hn::Lanes(whole)) found = hn::Max(found, least(whole));
   largest = hn::GetLane(hn::MaxOfLanes(whole, found));
@@ -150,67 +152,68 @@ namespace {
 
 HWY_EXPORT(select_nodes);
 HWY_EXPORT(count_nodes);
-HWY_EXPORT(age_values);
+HWY_EXPORT(update_error_factors);
 HWY_EXPORT(find_largest_at_least);
 
 constexpr float unknown = std::numeric_limits<float>::quiet_NaN();
 
 template <typename Visit>
-void for_each_array(DriftingValues& of, const Visit& visit) {
-  for (std::vector<float>* array : {&of.value, &of.doubt, &of.radius, &of.since, &of.growth, &of.lasts, &of.way_since,
-                                    &of.way_growth, &of.way_lasts})
+void for_each_array(BoundedValues& of, const Visit& visit) {
+  for (std::vector<float>* array :
+       {&of.value, &of.error_factor, &of.radius, &of.motion_then, &of.per_motion, &of.motion_limit,
+        &of.eye_distance_then, &of.per_eye_distance, &of.eye_distance_limit})
     visit(*array);
 }
 
 }  // namespace
 
-void DriftingValues::add() {
+void BoundedValues::add() {
   for_each_array(*this, [](std::vector<float>& array) { array.push_back(0.0F); });
   forget(value.size() - 1);
 }
 
-void DriftingValues::remove(std::size_t k) {
+void BoundedValues::remove(std::size_t k) {
   for_each_array(*this, [&](std::vector<float>& array) {
     array[k] = array.back();
     array.pop_back();
   });
 }
 
-void DriftingValues::clear() {
+void BoundedValues::clear() {
   for_each_array(*this, [](std::vector<float>& array) { array.clear(); });
 }
 
-void DriftingValues::put(std::size_t k, float found, const Drift& drift, const Travel& now) {
-  value[k] = found;
-  doubt[k] = 1.0F;
-  radius[k] = drift.radius;
-  since[k] = now.at(drift.radius);
-  growth[k] = drift.growth;
-  lasts[k] = drift.lasts;
-  way_since[k] = static_cast<float>(now.way);
-  way_growth[k] = drift.way_growth;
-  way_lasts[k] = drift.way_lasts;
+void BoundedValues::put(std::size_t k, float computed, const ErrorGrowth& growth, const ViewMotion& now) {
+  value[k] = computed;
+  error_factor[k] = 1.0F;
+  radius[k] = growth.radius;
+  motion_then[k] = now.displacement(growth.radius);
+  per_motion[k] = growth.per_motion;
+  motion_limit[k] = growth.motion_limit;
+  eye_distance_then[k] = static_cast<float>(now.eye_distance);
+  per_eye_distance[k] = growth.per_eye_distance;
+  eye_distance_limit[k] = growth.eye_distance_limit;
 }
 
-void DriftingValues::forget(std::size_t k) {
-  doubt[k] = unknown;
-  lasts[k] = -1.0F;
+void BoundedValues::forget(std::size_t k) {
+  error_factor[k] = unknown;
+  motion_limit[k] = -1.0F;
 }
 
-void DriftingValues::forget_all() {
-  std::fill(doubt.begin(), doubt.end(), unknown);
-  std::fill(lasts.begin(), lasts.end(), -1.0F);
+void BoundedValues::forget_all() {
+  std::fill(error_factor.begin(), error_factor.end(), unknown);
+  std::fill(motion_limit.begin(), motion_limit.end(), -1.0F);
 }
 
-void DriftingValues::age(const Travel& now) { HWY_DYNAMIC_DISPATCH(age_values)(*this, now); }
+void BoundedValues::update(const ViewMotion& now) { HWY_DYNAMIC_DISPATCH(update_error_factors)(*this, now); }
 
-void select(const DriftingProducts& products, const Selection& selection, std::vector<std::uint32_t>& out) {
+void select(const BoundedProducts& products, const Selection& selection, std::vector<std::uint32_t>& out) {
   HWY_DYNAMIC_DISPATCH(select_nodes)(products, selection, out);
 }
-std::size_t count(const DriftingProducts& products, const Selection& selection) {
+std::size_t count(const BoundedProducts& products, const Selection& selection) {
   return HWY_DYNAMIC_DISPATCH(count_nodes)(products, selection);
 }
-float largest_at_least(const DriftingProducts& products, std::uint16_t all, std::uint16_t none) {
+float largest_at_least(const BoundedProducts& products, std::uint16_t all, std::uint16_t none) {
   return HWY_DYNAMIC_DISPATCH(find_largest_at_least)(products, all, none);
 }
 

@@ -1,4 +1,4 @@
-#include "priority/fan_look.h"
+#include "priority/fan_visibility.h"
 
 #include <gtest/gtest.h>
 
@@ -67,7 +67,7 @@ TEST(FanLook, IsAsFaceByFace) {
       for (int repeat = 0; repeat < 20; ++repeat) {
         const Fan fan = random_fan(size, closed, random);
         for (const bool two_sided : {false, true}) {
-          const SeenFaces seen = look_at_fan(fan.corners, eye, two_sided);
+          const SeenFaces seen = fan_visibility(fan.corners, eye, two_sided);
           const SeenFaces expected = look_one_by_one(fan, eye, two_sided);
           ASSERT_EQ(seen.count, expected.count);
           ASSERT_EQ(seen.whole, expected.whole);

@@ -42,6 +42,6 @@ struct SeenFaces {
   float facing = 0.0F;  // of the parts of these that face the eye
 };
 // Inserted faces, then removed ones, added up in this order with every instruction set.
-[[nodiscard]] SeenFaces look_at_fan(const FanCorners& corners, const glm::vec3& eye, bool two_sided);
+[[nodiscard]] SeenFaces fan_visibility(const FanCorners& corners, const glm::vec3& eye, bool two_sided);
 
 }  // namespace occlod

@@ -7,7 +7,7 @@
 
 #include "occlod/hierarchy/hierarchy.h"
 #include "occlod/view/view.h"
-#include "priority/fan_look.h"
+#include "priority/fan_visibility.h"
 
 namespace occlod {
 
@@ -21,10 +21,10 @@ struct StarView {
 [[nodiscard]] bool is_wholly_inside(const Sphere& sphere, const ObjectView& view);
 
 // Reuses its memory.
-class StarLook {
+class StarVisibility {
  public:
   // `two_sided`: back faces count as facing the eye.
-  [[nodiscard]] StarView look(const Hierarchy& hierarchy, SplitId s, const ObjectView& view, bool two_sided);
+  [[nodiscard]] StarView evaluate(const Hierarchy& hierarchy, SplitId s, const ObjectView& view, bool two_sided);
   // The corners of the star of s, each once: what an occlusion query asks about.
   [[nodiscard]] std::span<const glm::vec3> points(const Hierarchy& hierarchy, SplitId s);
 
