@@ -20,6 +20,9 @@ set(OCCLOD_HWY_TARGETS "HWY_DISABLED_TARGETS=(HWY_SSE4|HWY_AVX3_DL|HWY_SVE|HWY_S
 # stb is used as a header as well.
 find_path(OCCLOD_STB_INCLUDE_DIR stb/stb_image_write.h REQUIRED)
 
+if(OCCLOD_WITH_OPENMESH)
+  find_package(OpenMesh REQUIRED)
+endif()
 if(OCCLOD_BUILD_TOOLS)
   find_package(CLI11 REQUIRED)
 endif()
@@ -48,14 +51,12 @@ if(OCCLOD_BUILD_BENCH)
   find_package(CLI11 REQUIRED)
   # The peers that we measure ourselves against; those that are missing are left out of the table.
   find_package(meshoptimizer QUIET)
-  find_package(OpenMesh QUIET)
 endif()
 if(OCCLOD_BUILD_TESTS OR OCCLOD_BUILD_BENCH)
   find_package(embree REQUIRED)  # 3 or 4: rays that occlusion is judged by
 endif()
 if(OCCLOD_BUILD_TESTS)
   find_package(GTest REQUIRED)
-  find_package(OpenMesh REQUIRED)  # for interop/openmesh.h
   find_package(Python3 REQUIRED COMPONENTS Interpreter)
   include(GoogleTest)
 endif()

@@ -1,28 +1,33 @@
 # occlod_module(NAME SOURCES a.cpp ... [PUBLIC target ...] [PRIVATE target ...] [BUILD_ONLY target ...])
-# One layer of the library: a static library occlod_NAME, known as occlod::NAME, with its headers in lib/include.
-# PRIVATE dependencies are linked by consumers too (the library is static): cmake/occlodConfig.cmake.in finds them.
-# BUILD_ONLY ones are header-only and leave nothing behind.
+# One layer of the library, with its sources in lib/src and its headers in lib/include. In the build it is a static library
+# of its own, occlod_NAME: the tests of a layer link it and the layers below it, so a layer that calls one above it does
+# not link. occlod_library() joins the objects of the layers into what is installed.
+# BUILD_ONLY dependencies are header-only and leave nothing behind. PRIVATE ones are linked by users of the static library
+# too: cmake/occlodConfig.cmake.in and packaging/pkgconfig find them.
 function(occlod_module name)
   cmake_parse_arguments(PARSE_ARGV 1 ARG "" "" "SOURCES;PUBLIC;PRIVATE;BUILD_ONLY")
   if(ARG_UNPARSED_ARGUMENTS)
     message(FATAL_ERROR "occlod_module(${name}): unknown arguments ${ARG_UNPARSED_ARGUMENTS}")
   endif()
-  list(TRANSFORM ARG_BUILD_ONLY REPLACE "(.+)" "$<BUILD_INTERFACE:\\1>")
+  # Not through occlod::NAME, which is the shared library where one is built.
+  list(TRANSFORM ARG_PUBLIC REPLACE "^occlod::" "occlod_")
+  list(TRANSFORM ARG_PRIVATE REPLACE "^occlod::" "occlod_")
 
   add_library(occlod_${name} STATIC ${ARG_SOURCES})
-  add_library(occlod::${name} ALIAS occlod_${name})
-  set_target_properties(occlod_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
+  set_target_properties(occlod_${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)  # the same objects for either kind
   target_compile_features(occlod_${name} PUBLIC cxx_std_20)
   # No fused multiply-add that the source does not ask for: results are the same on every machine with IEEE arithmetic.
   # Nobody looks at errno or at floating-point traps, so roots and conditions on floats may be compiled to instructions.
   target_compile_options(occlod_${name} PRIVATE -ffp-contract=off -fno-math-errno -fno-trapping-math)
-  target_include_directories(occlod_${name}
-    PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/lib/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>
-    PRIVATE ${PROJECT_SOURCE_DIR}/lib/src)
-  target_link_libraries(occlod_${name}
-    PUBLIC ${ARG_PUBLIC}
-    PRIVATE ${ARG_PRIVATE} ${ARG_BUILD_ONLY} $<BUILD_INTERFACE:occlod_warnings>)
-  set_property(GLOBAL APPEND PROPERTY OCCLOD_MODULES occlod_${name})
+  target_include_directories(occlod_${name} PUBLIC ${PROJECT_SOURCE_DIR}/lib/include PRIVATE ${PROJECT_SOURCE_DIR}/lib/src)
+  target_link_libraries(occlod_${name} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE} ${ARG_BUILD_ONLY} occlod_warnings)
+
+  # For occlod_library().
+  set_property(GLOBAL APPEND PROPERTY OCCLOD_LAYERS ${name})
+  list(FILTER ARG_PUBLIC EXCLUDE REGEX "^occlod_")
+  list(FILTER ARG_PRIVATE EXCLUDE REGEX "^occlod_")
+  set_target_properties(occlod_${name} PROPERTIES
+    OCCLOD_PUBLIC_DEPENDENCIES "${ARG_PUBLIC}" OCCLOD_PRIVATE_DEPENDENCIES "${ARG_PRIVATE}")
 endfunction()
 
 # occlod_test(NAME SOURCES a.cpp ... LIBRARIES target ...): one GoogleTest program, one ctest per TEST.
