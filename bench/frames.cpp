@@ -77,7 +77,7 @@ void compare(const Options& options, const Subject& subject) {
       "{:016x} "
       "|\n",
       subject.scene, subject.path_name, subject.options.budget,
-      subject.options.culling == Culling::star ? "star" : "subtree", subject.occlusion ? "software" : "none",
+      subject.options.priority.culling == Culling::star ? "star" : "subtree", subject.occlusion ? "software" : "none",
       median(scratch.log.ms), later_percentile(frames.log.ms, 0.5), later_percentile(frames.log.ms, 0.95),
       later_percentile(frames.log.ms, 1.0), longest_run_above(frames.log.cpu_ms, 2.0),
       median(scratch.log.ms) / std::max(later_percentile(frames.log.ms, 0.5), 1e-3),
@@ -98,7 +98,7 @@ void compare_path(const Options& options, const std::string& scene, const tool::
       for (const bool occlusion : {false, true}) {
         Subject subject{scene, input.path_name, &*input.path, &objects, {}, occlusion};
         subject.options.budget = std::max(budget, least);
-        subject.options.culling = culling;
+        subject.options.priority.culling = culling;
         compare(options, subject);
       }
 }

@@ -89,7 +89,7 @@ void print_row(const std::string& way, const Pair& times, const Pair& vdpm) {
 struct Ours {
   Ours(const std::vector<RefineObject>& objects, Culling culling, std::size_t budget)
       : scratch(objects), path(objects) {
-    options.culling = culling;
+    options.priority.culling = culling;
     options.budget = budget;
   }
 

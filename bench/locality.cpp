@@ -45,7 +45,7 @@ void run(const Options& options) {
     for (const Culling culling : {Culling::subtree, Culling::star})
       for (const std::size_t budget : options.budgets) {
         RefineOptions refine_options;
-        refine_options.culling = culling;
+        refine_options.priority.culling = culling;
         refine_options.budget = budget;
         std::array<std::vector<double>, 2> ms;
         for (int round = 0; round <= options.repeat; ++round)

@@ -43,7 +43,7 @@ std::vector<Way> ways_of(const Options& options) {
     for (const std::string& name : options.ways) {
       Way way{name, {}, name.ends_with("+software"), {}, {}};
       way.options.budget = budget;
-      way.options.culling = name.starts_with("star") ? Culling::star : Culling::subtree;
+      way.options.priority.culling = name.starts_with("star") ? Culling::star : Culling::subtree;
       ways.push_back(std::move(way));
     }
   return ways;

@@ -81,7 +81,7 @@ std::vector<Scene> make_scenes(std::vector<std::vector<glm::vec3>>& hulls) {
       NoOcclusion none;
       RefineOptions options;
       options.budget = budget;
-      options.culling = Culling::subtree;
+      options.priority.culling = Culling::subtree;
       scene.occluders.push_back({refiner.refine(view, options, none).objects[0].triangles});
     }
   }

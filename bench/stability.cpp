@@ -216,7 +216,7 @@ void measure_occluder(const Hierarchy& hierarchy, const Options& options, Table&
       return [&, mode] {
         RefineOptions refine_options;
         refine_options.budget = options.budget;
-        refine_options.occluder_mode = mode;
+        refine_options.occluder.mode = mode;
         return static_cast<double>(refiner.refine(View(named.camera), refine_options, *occlusion).stats.queries);
       };
     };

@@ -161,7 +161,7 @@ void add_effect_options(CLI::App& command, Options& options) {
       .add_option_function<std::uint32_t>(
           "--levels",
           [&refine, note](const std::uint32_t& levels) {
-            refine.level_step = levels;
+            refine.queries.level_step = levels;
             note("--levels");
           },
           "Ask about occlusion on every N-th level of the forest; 2 when not given")
@@ -170,7 +170,7 @@ void add_effect_options(CLI::App& command, Options& options) {
       .add_option_function<std::vector<std::string>>(
           "--occluder-splits",
           [&refine, note](const std::vector<std::string>& steps) {
-            refine.occluder_splits = parse_occluder_splits(steps);
+            refine.occluder.splits = parse_occluder_splits(steps);
             note("--occluder-splits");
           },
           "Draw the occluder after so many splits, e.g. 300,2500; adaptive or not given: when the mesh has changed "
@@ -186,9 +186,10 @@ void add_effect_options(CLI::App& command, Options& options) {
         },
         about);
   };
-  add_switch("--no-retest", refine.retest_hidden, "Do not ask again about what an older occluder hid");
-  add_switch("--no-final-check", refine.final_check, "Do not ask about hidden parts before the final mesh");
-  add_switch("--no-stars", refine.ask_stars, "star: ask about subtrees only, not about what each split changes");
+  add_switch("--no-retest", refine.occluder.retest_hidden, "Do not ask again about what an older occluder hid");
+  add_switch("--no-final-check", refine.queries.final_check, "Do not ask about hidden parts before the final mesh");
+  add_switch("--no-stars", refine.queries.ask_stars,
+             "star: ask about subtrees only, not about what each split changes");
 }
 
 void add_refine_options(CLI::App& command, RefineOptions& refine) {
@@ -201,19 +202,22 @@ void add_refine_options(CLI::App& command, RefineOptions& refine) {
   command.add_option("--tolerance", refine.tolerance_px, "Stop at this screen error, pixels; 0 = use the budget up")
       ->capture_default_str()
       ->check(CLI::NonNegativeNumber);
-  command.add_option("--culling", refine.culling, "subtree (the paper) or star; star when not given")
+  command.add_option("--culling", refine.priority.culling, "subtree (the paper) or star; star when not given")
       ->transform(CLI::CheckedTransformer(cullings));
-  command.add_option("--proxy", refine.proxy, "Bounds to ask about: box, cylinder or sphere; box when not given")
+  command
+      .add_option("--proxy", refine.queries.proxy, "Bounds to ask about: box, cylinder or sphere; box when not given")
       ->transform(CLI::CheckedTransformer(proxies));
   command
       .add_option(
-          "--mode", refine.occluder_mode,
+          "--mode", refine.occluder.mode,
           "paper: the occluder is the current mesh as it is; conservative: moved back by its error bounds, so that "
           "it hides nothing that is visible; paper when not given")
       ->transform(CLI::CheckedTransformer(modes));
-  add_weight(command, "--visible-exponent", refine.visible_exponent, "the visible share of a split's faces");
-  add_weight(command, "--grazing-exponent", refine.grazing_exponent, "one over the cosine under which they are seen");
-  add_weight(command, "--forced-exponent", refine.forced_exponent, "one over the unseen splits that it forces");
+  add_weight(command, "--visible-exponent", refine.priority.visible_exponent, "the visible share of a split's faces");
+  add_weight(command, "--grazing-exponent", refine.priority.grazing_exponent,
+             "one over the cosine under which they are seen");
+  add_weight(command, "--forced-exponent", refine.priority.forced_exponent,
+             "one over the unseen splits that it forces");
 }
 
 void add_backend_options(CLI::App& command, BackendOptions& backend) {
@@ -281,26 +285,26 @@ void add_following_options(CLI::App& command, Options& options) {
                                ->needs(command.get_option("--path"))
                                ->excludes(command.get_option("--repeat"));
   command
-      .add_option("--hysteresis", refine.hysteresis,
+      .add_option("--hysteresis", refine.update.hysteresis,
                   "A split that is applied gives way only to what matters more by this part; below 1")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 0.999))
       ->needs(following);
   command
-      .add_option("--most-changes", refine.most_changes,
+      .add_option("--most-changes", refine.update.most_changes,
                   "Splits and merges in one frame, but for what the budget forces; 0 = no limit")
       ->capture_default_str()
       ->check(CLI::NonNegativeNumber)
       ->needs(following);
   command
-      .add_option("--time-limit", refine.time_limit_ms,
+      .add_option("--time-limit", refine.update.time_limit_ms,
                   "No further splits and merges in a frame after so many milliseconds; 0 = no limit. Results then "
                   "depend on the clock")
       ->capture_default_str()
       ->check(CLI::NonNegativeNumber)
       ->needs(following);
   command
-      .add_option("--geomorph-frames", refine.geomorph_frames,
+      .add_option("--geomorph-frames", refine.update.geomorph_frames,
                   "Vertices that appear slide from their parents for so many frames")
       ->capture_default_str()
       ->check(CLI::NonNegativeNumber)

@@ -36,11 +36,11 @@ std::vector<FixedSetting> fixed_settings(std::size_t budget) {
       for (const bool stars : {false, true})
         for (const bool retest : {false, true})
           for (const bool check : {false, true}) {
-            options.occluder_splits = steps.splits;
-            options.level_step = levels;
-            options.ask_stars = stars;
-            options.retest_hidden = retest;
-            options.final_check = check;
+            options.occluder.splits = steps.splits;
+            options.queries.level_step = levels;
+            options.queries.ask_stars = stars;
+            options.occluder.retest_hidden = retest;
+            options.queries.final_check = check;
             settings.push_back({fmt::format("steps {}, levels {}{}{}{}", steps.name, levels, stars ? ", stars" : "",
                                             retest ? ", retest" : "", check ? ", final check" : ""),
                                 options});

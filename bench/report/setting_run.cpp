@@ -27,10 +27,10 @@ std::unique_ptr<Visibility> make_visibility(const Setting& setting) {
 std::string what_hides(const Setting& setting) {
   const RefineOptions& o = setting.refine;
   if (!setting.occlusion) return {};
-  return fmt::format("{} {} {} {} {} {} {} {} {} {} {}", setting.raster_divisor, static_cast<int>(o.culling),
-                     o.visible_exponent, o.grazing_exponent, o.forced_exponent, fmt::join(o.occluder_splits, ","),
-                     o.retest_hidden, o.final_check, static_cast<int>(o.occluder_mode), static_cast<int>(o.proxy),
-                     o.level_step);
+  return fmt::format("{} {} {} {} {} {} {} {} {} {} {}", setting.raster_divisor, static_cast<int>(o.priority.culling),
+                     o.priority.visible_exponent, o.priority.grazing_exponent, o.priority.forced_exponent,
+                     fmt::join(o.occluder.splits, ","), o.occluder.retest_hidden, o.queries.final_check,
+                     static_cast<int>(o.occluder.mode), static_cast<int>(o.queries.proxy), o.queries.level_step);
 }
 
 SettingRun::SettingRun(const Setting& setting, const std::vector<LoadedObject>& objects)
@@ -40,8 +40,8 @@ SettingRun::SettingRun(const Setting& setting, const std::vector<LoadedObject>& 
 
 void SettingRun::start(const View& view) {
   RefineOptions unlimited = setting_.refine;
-  unlimited.most_changes = 0;
-  unlimited.time_limit_ms = 0.0;
+  unlimited.update.most_changes = 0;
+  unlimited.update.time_limit_ms = 0.0;
   measurement_.repeat(view, unlimited, *visibility_);
   record();
 }

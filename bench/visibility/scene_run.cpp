@@ -64,11 +64,11 @@ Share measure_share(tool::Measurement& measurement, const View& view, const Refi
 RefineOptions refine_options(std::size_t budget, Culling culling) {
   RefineOptions options;
   options.budget = budget;
-  options.culling = culling;
+  options.priority.culling = culling;
   if (culling == Culling::subtree) {
-    options.occluder_splits = {300, 2500};
-    options.proxy = Proxy::cylinder;
-    options.final_check = false;
+    options.occluder.splits = {300, 2500};
+    options.queries.proxy = Proxy::cylinder;
+    options.queries.final_check = false;
   }
   return options;
 }

@@ -23,7 +23,7 @@ void add_shares_of(Table& table, SceneRun& run, const NamedView& named, std::siz
   const Share none = measure_share(run.without, view, without, run.none);
   for (const OccluderMode mode : {OccluderMode::paper, OccluderMode::conservative}) {
     RefineOptions with = without;
-    with.occluder_mode = mode;
+    with.occluder.mode = mode;
     const Share software = measure_share(run.with, view, with, *run.software);
     table.add({{"scene", run.description.name},
                {"view", named.name},

@@ -35,7 +35,7 @@ struct TwoSpheres {
   View view{front_camera()};
 
   const Refinement& refine(const std::vector<ObjectEffects>& effects, bool ask_stars = true) {
-    return refiner.refine(view, {.budget = 2'000, .ask_stars = ask_stars, .effects = effects}, visibility);
+    return refiner.refine(view, {.budget = 2'000, .queries = {.ask_stars = ask_stars}, .effects = effects}, visibility);
   }
 };
 

@@ -56,7 +56,7 @@ TEST_P(Allocations, NoFrameOfAPathThatIsKnownAllocates) {
   Refiner refiner(objects);
   RefineOptions options;
   options.budget = 3000;
-  options.culling = GetParam().culling;
+  options.priority.culling = GetParam().culling;
   constexpr int frames = 20, known_ways = 14;
   const auto step = [&](int frame) {
     Camera camera = test::front_camera();

@@ -19,7 +19,7 @@ TEST(Budget, IsNeverExceededAndNearlyUsedUpAtAnySize) {
     for (std::size_t budget = refiner.base_triangles(); budget <= refiner.full_triangles() + 2; ++budget) {
       RefineOptions options;
       options.budget = budget;
-      options.culling = culling;
+      options.priority.culling = culling;
       const Refinement& result = refiner.refine(View(test::front_camera()), options, none);
       ASSERT_LE(result.stats.triangles, budget);
       ASSERT_EQ(result.stats.triangles, result.objects[0].triangles.size());
@@ -101,7 +101,7 @@ TEST(Budget, ShrinksWithTheEyeInsideAllBounds) {
     camera.eye = {0.1, 0.0, 0.0};
     camera.target = {1.0, 0.0, 0.0};
     RefineOptions options;
-    options.culling = culling;
+    options.priority.culling = culling;
     NoOcclusion none;
     for (const std::size_t more : {1000U, 500U, 20U, 1U}) {
       options.budget = refiner.base_triangles() + more;

@@ -17,7 +17,7 @@ std::size_t splits_of(const Hierarchy& hierarchy, const glm::dmat4& transform, C
   NoOcclusion none;
   RefineOptions options;
   options.budget = refiner.full_triangles();
-  options.culling = culling;
+  options.priority.culling = culling;
   return refiner.refine(View(test::front_camera()), options, none).stats.splits;
 }
 
@@ -83,7 +83,7 @@ TEST(StarCulling, SplitsAreTakenOnlyWhereTheirOwnFacesAreSeen) {
   for (const SplitId s : test::unforced_splits(hierarchy, star.objects[0]))
     EXPECT_TRUE(star_is_seen(hierarchy, s, view));
   // The paper's one question takes splits whose own faces all turn away: that is what the second question is for.
-  options.culling = Culling::subtree;
+  options.priority.culling = Culling::subtree;
   const Refinement& subtree = refiner.refine(view, options, none);
   test::expect_valid_cut(hierarchy, subtree.objects[0]);
   std::size_t wasted = 0;
@@ -115,7 +115,7 @@ TEST(StarCulling, WeightMovesTrianglesOffTheSilhouette) {
   const auto front_faces = [&](double exponent) {
     RefineOptions options;
     options.budget = 1500;
-    options.visible_exponent = exponent;
+    options.priority.visible_exponent = exponent;
     const Refinement& result = refiner.refine(view, options, none);
     return std::count_if(
         result.objects[0].triangles.begin(), result.objects[0].triangles.end(), [&](const Triangle& t) {

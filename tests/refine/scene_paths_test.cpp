@@ -39,7 +39,7 @@ class ScenePaths : public testing::TestWithParam<const char*> {
     Refiner frames(objects), scratch(objects);
     RefineOptions options;
     options.budget = std::max(budget, 2 * frames.base_triangles());  // enough to have a choice
-    options.culling = way.culling;
+    options.priority.culling = way.culling;
     std::vector<double> ratios;
     for (int i = 0; i < frames_of_a_path; ++i) {
       SCOPED_TRACE(i);

@@ -19,7 +19,7 @@ TEST_P(Tolerance, IsKeptWithTheFewestTrianglesThatTheLoopFinds) {
     RefineOptions options;
     options.budget = refiner.full_triangles();
     options.tolerance_px = tolerance;
-    options.culling = GetParam();
+    options.priority.culling = GetParam();
     const Refinement& result = refiner.refine(View(test::front_camera()), options, none);
     EXPECT_LE(result.stats.max_error_px, tolerance);
     EXPECT_GT(result.stats.max_error_px, 0.0);
@@ -47,7 +47,7 @@ TEST(MaxError, IsTheLargestOfWhatIsLeftWhenTheBudgetEnds) {
   Refiner refiner(objects);
   NoOcclusion none;
   RefineOptions options;
-  options.culling = Culling::subtree;
+  options.priority.culling = Culling::subtree;
   options.budget = 1000;
   const Refinement& result = refiner.refine(View(test::front_camera()), options, none);
   // The front of the refinement: splits that are not applied though their forest parent is (or that are roots).

@@ -21,7 +21,7 @@ class VisibilityAges : public testing::Test {
     camera.eye.x += 0.05 * frame_++;
     RefineOptions options;
     options.budget = 1'500;
-    options.final_check = false;  // one occluder a frame
+    options.queries.final_check = false;  // one occluder a frame
     return refiner_.update(View(camera), options, visibility);
   }
   [[nodiscard]] std::size_t count(std::uint32_t age) const {

@@ -109,9 +109,9 @@ void add_pick(std::vector<Line>& all, const Session& session, const PlacedObject
   if (pick.split != no_id) {
     const SplitNode& node = hierarchy.node(pick.split);
     hierarchy.star(pick.split).for_each_inserted([&](const Triangle& t) { lines.triangle(corners(t), star_pen); });
-    if (settings.look.bounds && settings.refine.proxy == Proxy::sphere) add_sphere(lines, node.sphere);
-    if (settings.look.bounds && settings.refine.proxy == Proxy::box) add_box(lines, node.box());
-    if (settings.look.bounds && settings.refine.proxy == Proxy::cylinder) add_cylinder(lines, node.cylinder());
+    if (settings.look.bounds && settings.refine.queries.proxy == Proxy::sphere) add_sphere(lines, node.sphere);
+    if (settings.look.bounds && settings.refine.queries.proxy == Proxy::box) add_box(lines, node.box());
+    if (settings.look.bounds && settings.refine.queries.proxy == Proxy::cylinder) add_cylinder(lines, node.cylinder());
     if (settings.look.cone) add_cone(lines, node);
   }
   lines.triangle(corners(pick.triangle), triangle_pen);

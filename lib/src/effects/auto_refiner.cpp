@@ -127,7 +127,7 @@ class AutoRefiner::Impl {
     }
     last_ = {view.camera(), options};
     RefineOptions chosen = report_.choice.with(options);
-    chosen.occluder_splits.clear();  // frames draw one each; another number would begin anew
+    chosen.occluder.splits.clear();  // frames draw one each; another number would begin anew
     const Refinement& refinement = refiner_.update(view, chosen, chosen_backend());
     report_.objects = refinement.effects;
     if (stands) return refinement;
@@ -157,9 +157,10 @@ class AutoRefiner::Impl {
   [[nodiscard]] bool is_far_from_last_look(const View& view, const RefineOptions& options) const {
     const double growth = static_cast<double>(options.budget) / static_cast<double>(looked_with_.budget);
     const double zoom = view.focal_length_px() / looked_from_->focal_length_px();
-    return options.culling != looked_with_.culling || options.occluder_mode != looked_with_.occluder_mode ||
-           growth > same_budget_factor || growth * same_budget_factor < 1.0 || zoom > same_zoom_factor ||
-           zoom * same_zoom_factor < 1.0 || view.is_orthographic() != looked_from_->is_orthographic() ||
+    return options.priority.culling != looked_with_.priority.culling ||
+           options.occluder.mode != looked_with_.occluder.mode || growth > same_budget_factor ||
+           growth * same_budget_factor < 1.0 || zoom > same_zoom_factor || zoom * same_zoom_factor < 1.0 ||
+           view.is_orthographic() != looked_from_->is_orthographic() ||
            glm::dot(view.direction(), looked_from_->direction()) < near_cosine ||
            glm::distance(view.camera().eye, looked_from_->camera().eye) > near_share * extent_;
   }
@@ -276,7 +277,7 @@ class AutoRefiner::Impl {
       judge_cones(refinement.effects[i], effects_[i]);
       if (report_.choice.backend) judge_regions(refinement.effects[i], level_px, counts, i);
     }
-    if (back_due_ && views_since_look_ > 1 && options.occluder_mode == OccluderMode::paper)
+    if (back_due_ && views_since_look_ > 1 && options.occluder.mode == OccluderMode::paper)
       look_back(view, options, refinement, level_px);
   }
 

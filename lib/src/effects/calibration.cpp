@@ -156,11 +156,11 @@ double Workload::query_ns(Visibility& backend, const Calibration& calibration) c
   const RefineObject objects[] = {{.hierarchy = &hierarchy_}};
   Refiner refiner(objects);
   RefineOptions options = half_budget();
-  options.occluder_splits = {64};
-  options.retest_hidden = options.final_check = false;
+  options.occluder.splits = {64};
+  options.occluder.retest_hidden = options.queries.final_check = false;
   std::array<double, 2> ns{}, queries{};
   for (const std::size_t stars : {0U, 1U}) {
-    options.ask_stars = stars != 0;
+    options.queries.ask_stars = stars != 0;
     RefineStats stats;
     const double all = fastest_ns([&] { stats = refiner.refine(near_, options, backend).stats; });
     ns[stars] = all - static_cast<double>(stats.visits) * calibration.visit_ns -

@@ -22,12 +22,12 @@ std::string_view name_of(OcclusionEffort effort) noexcept {
 
 RefineOptions EffectChoice::with(RefineOptions options) const {
   const bool renewed = effort == OcclusionEffort::renewed_subtrees || effort == OcclusionEffort::renewed_stars;
-  options.occluder_splits.clear();
-  if (!renewed) options.occluder_splits.push_back(single_occluder_splits(options.budget));
-  options.ask_stars = effort == OcclusionEffort::stars || effort == OcclusionEffort::renewed_stars;
-  options.level_step = level_step;
-  options.retest_hidden = false;
-  options.final_check = false;
+  options.occluder.splits.clear();
+  if (!renewed) options.occluder.splits.push_back(single_occluder_splits(options.budget));
+  options.queries.ask_stars = effort == OcclusionEffort::stars || effort == OcclusionEffort::renewed_stars;
+  options.queries.level_step = level_step;
+  options.occluder.retest_hidden = false;
+  options.queries.final_check = false;
   options.effects = objects;
   return options;
 }

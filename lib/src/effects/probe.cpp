@@ -73,8 +73,8 @@ Probe::~Probe() = default;
 const Probe::Result& Probe::look_ahead(const View& view, const RefineOptions& options) {
   RefineOptions coarse = options;
   coarse.budget = std::min(options.budget, scout_.base_triangles() + scout_triangles);
-  coarse.occluder_splits.clear();
-  coarse.retest_hidden = coarse.final_check = false;
+  coarse.occluder.splits.clear();
+  coarse.occluder.retest_hidden = coarse.queries.final_check = false;
   coarse.effects = {};
   const RefineStats& stats = scout_.refine(view, coarse, *visibility_).stats;
   begin(view, options);

@@ -46,15 +46,15 @@ Importance::Value Importance::of(const StarView& star, float error, float guaran
   value.visible_share = star.visible_share;
   value.error = ScreenError(error, guaranteed_error, view_->largest_scale_px(star.sphere));
   if (star.visible_share == 0.0F) return value;  // even where the eye is inside the star and the error has no limit
-  value.priority = value.error.quadric_px * power(star.visible_share, options_->visible_exponent) /
-                   power(std::max(star.cosine, least_cosine), options_->grazing_exponent);
+  value.priority = value.error.quadric_px * power(star.visible_share, options_->priority.visible_exponent) /
+                   power(std::max(star.cosine, least_cosine), options_->priority.grazing_exponent);
   return value;
 }
 
 float Importance::forced_weight(std::span<const SplitId> closure) {
   float unseen = 0.0F;
   for (const SplitId s : closure.subspan(1)) unseen += 1.0F - visible_share(s);
-  return 1.0F / power(1.0F + unseen, options_->forced_exponent);
+  return 1.0F / power(1.0F + unseen, options_->priority.forced_exponent);
 }
 
 float Importance::visible_share(SplitId s) {

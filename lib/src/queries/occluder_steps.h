@@ -29,13 +29,13 @@ class OccluderSteps {
   void split_applied(float quadric_error_px) { moved_px_ = std::max(moved_px_, quadric_error_px); }
 
   [[nodiscard]] bool due(const Growth& now) const {
-    const std::vector<std::uint32_t>& given = options_->occluder_splits;
+    const std::vector<std::uint32_t>& given = options_->occluder.splits;
     if (!given.empty()) return next_ < given.size() && now.splits >= given[next_];
     return now.triangles >= std::max(first_triangles, factor * last_.triangles) && moved_px_ >= least_move_px;
   }
 
   void drawn(const Growth& now) {
-    if (!options_->occluder_splits.empty())
+    if (!options_->occluder.splits.empty())
       while (due(now)) ++next_;
     last_ = now;
     moved_px_ = 0.0F;

@@ -196,7 +196,7 @@ void Frames::emit_splits(Object& object, const Cut& cut, RefinedObject& out, Ref
 
 void Frames::emit_geomorphs(Object& object, const Cut& cut, std::vector<Geomorph>& out) const {
   out.clear();
-  const std::uint32_t frames = options_->geomorph_frames;
+  const std::uint32_t frames = options_->update.geomorph_frames;
   if (frames > 0 && !adopted_)
     for (const SplitId s : object.born) object.morphs.emplace_back(s, frame_);
   std::erase_if(object.morphs,

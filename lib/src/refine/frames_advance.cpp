@@ -26,7 +26,7 @@ void Frames::advance(Questions& questions, Occluder& occluder, bool moved, Clock
   if (can_hide) ask_again(occluder, false);
   gather();
   run();
-  if (can_hide && moved && options_->final_check && has_changed_much()) {
+  if (can_hide && moved && options_->queries.final_check && has_changed_much()) {
     let_new_ones_go();
     fresh_draw_ = draw_ + 1;
     asks_leaves_ = true;
@@ -92,8 +92,8 @@ void Frames::run() {
 }
 
 bool Frames::limit_reached() const {
-  if (options_->most_changes > 0 && changes_ >= options_->most_changes) return true;
-  return options_->time_limit_ms > 0.0 && milliseconds_since(start_) >= options_->time_limit_ms;
+  if (options_->update.most_changes > 0 && changes_ >= options_->update.most_changes) return true;
+  return options_->update.time_limit_ms > 0.0 && milliseconds_since(start_) >= options_->update.time_limit_ms;
 }
 
 void Frames::descend(const Entry& entry) {
@@ -135,7 +135,7 @@ bool Frames::apply(Entry& entry) {
 
 // Culling::star: a split that forces others which nobody sees steps back in the queue, once in a frame.
 bool Frames::waits(Entry& entry, const Cut::Closure& closure) {
-  if (options_->culling != Culling::star || entry.weighed) return false;
+  if (options_->priority.culling != Culling::star || entry.weighed) return false;
   Front& front = objects_[entry.object].front;
   const Front::Index k = front.find(entry.split);
   front.set(k, Front::weighed, true);
@@ -170,7 +170,7 @@ void Frames::apply_closure(std::uint32_t i, const Cut::Closure& closure) {
 
 // Gives up the least important leaf, if that is worth it for what matters `key`.
 bool Frames::make_room(float key) {
-  const float most = key * (1.0F - static_cast<float>(options_->hysteresis));
+  const float most = key * (1.0F - static_cast<float>(options_->update.hysteresis));
   // What is not queued yet matters more than the queue's limit.
   if (leaves_.empty() && (most <= leaves_below_ || !gather_more_leaves())) return false;
   if (!(1.0F / leaves_.top().priority < most)) return false;

@@ -16,7 +16,7 @@ constexpr std::uint32_t most_age = 0xFFFF;  // that a node can tell, in occluder
 // of what the budget has been spent on, or all of that. What is met for the first time is asked about when its turn
 // comes.
 void Frames::ask_again(Occluder& occluder, bool all) {
-  questions_->draw_occluder(occluder.build(refined_.objects, refined_.cuts, refined_.views, options_->occluder_mode));
+  questions_->draw_occluder(occluder.build(refined_.objects, refined_.cuts, refined_.views, options_->occluder.mode));
   ++stats_->occluder_draws;
   ++draw_;
   asked_.clear();
@@ -29,7 +29,7 @@ void Frames::ask_again(Occluder& occluder, bool all) {
   questions_->ask_all(
       asked_,
       [&](const Entry& entry) {
-        return query_about(entry, refined_.cuts[entry.object].hierarchy(), options_->proxy, star_);
+        return query_about(entry, refined_.cuts[entry.object].hierarchy(), options_->queries.proxy, star_);
       },
       [&](const Entry& entry, bool visible) { note(entry, visible); });
   stats_->queries += asked_.size();
@@ -43,7 +43,7 @@ void Frames::forget_what_is_not_asked(std::uint32_t object) {
   for (const Front::Index k : found_) {
     const bool asks = refined_.gate->asks(object, front.node(k).sphere.center);
     if (!asks) front.set(k, Front::subtree_hidden, false);
-    if (!asks || !options_->ask_stars) front.set(k, Front::star_hidden, false);
+    if (!asks || !options_->queries.ask_stars) front.set(k, Front::star_hidden, false);
   }
 }
 
@@ -74,7 +74,9 @@ void Frames::ask_about_unapplied(std::uint32_t object) {
 }
 
 // Whether splits are asked about before and while they are applied.
-bool Frames::asks_stars() const { return options_->culling == Culling::subtree || options_->ask_stars; }
+bool Frames::asks_stars() const {
+  return options_->priority.culling == Culling::subtree || options_->queries.ask_stars;
+}
 
 // What this view has shown is not asked about again until it moves: it would come and go.
 void Frames::ask_about_leaves(std::uint32_t object, bool all) {
@@ -89,7 +91,7 @@ void Frames::ask_about_leaves(std::uint32_t object, bool all) {
 }
 
 Entry::Kind Frames::leaf_question() const {
-  return options_->culling == Culling::star ? Entry::Kind::apply : Entry::Kind::visit;
+  return options_->priority.culling == Culling::star ? Entry::Kind::apply : Entry::Kind::visit;
 }
 
 // Whether it was found visible before that occluder or a later one.
@@ -126,14 +128,14 @@ void Frames::forget_hidden() {
 bool Frames::is_hidden(const Entry& entry) {
   if (!questions_->can_hide() || stats_->occluder_draws == 0) return false;
   const bool subtree = entry.kind == Entry::Kind::visit;
-  if (!subtree && (options_->culling == Culling::subtree || !options_->ask_stars)) return false;
-  if (subtree && entry.level % options_->level_step != options_->level_step - 1) return false;
+  if (!subtree && (options_->priority.culling == Culling::subtree || !options_->queries.ask_stars)) return false;
+  if (subtree && entry.level % options_->queries.level_step != options_->queries.level_step - 1) return false;
   const Front& front = objects_[entry.object].front;
   const FrontNode& node = front.node(front.find(entry.split));
   if (!refined_.gate->asks(entry.object, node.sphere.center)) return false;
   if (questions_->in_flights()) return false;  // it would be waited for: asked about before the next frame
   if (is_shown_since(draw_, node, entry.kind)) return false;
-  questions_->ask(entry, query_about(entry, refined_.cuts[entry.object].hierarchy(), options_->proxy, star_));
+  questions_->ask(entry, query_about(entry, refined_.cuts[entry.object].hierarchy(), options_->queries.proxy, star_));
   ++stats_->queries;
   const bool visible = questions_->take().visible;
   note(entry, visible);

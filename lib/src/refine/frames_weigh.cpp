@@ -36,13 +36,13 @@ BoundedProducts Frames::guaranteed_errors(std::uint32_t object) const {
 }
 
 BoundedProducts Frames::priorities(std::uint32_t object) const {
-  if (options_->culling == Culling::subtree) return errors(object);
+  if (options_->priority.culling == Culling::subtree) return errors(object);
   const Object& of = objects_[object];
   return {of.front.priorities(), {}, of.front.flags()};
 }
 
 BoundedProducts Frames::leaf_priorities(std::uint32_t object) const {
-  if (options_->culling == Culling::subtree) return errors(object);
+  if (options_->priority.culling == Culling::subtree) return errors(object);
   const Object& of = objects_[object];
   return {of.front.priorities(), of.front.forced_weights(), of.front.flags()};
 }
@@ -76,7 +76,7 @@ void Frames::motion(std::uint32_t object) {
         std::max(of.motion.eye_distance, of.motion.center_distance) <= most_motion * diagonal &&
         of.motion.rotation_rad <= most_motion) {
       of.front.scales().update(of.motion);
-      if (options_->culling == Culling::star) of.front.priorities().update(of.motion);
+      if (options_->priority.culling == Culling::star) of.front.priorities().update(of.motion);
       return;
     }
   }
@@ -112,7 +112,7 @@ void Frames::renew_outdated(std::uint32_t object) {
 Frames::Worth Frames::worth(std::uint32_t object, Front::Index k) {
   Object& of = objects_[object];
   Front& front = of.front;
-  const bool by_star = options_->culling == Culling::star;
+  const bool by_star = options_->priority.culling == Culling::star;
   // A star has a scale of its own: whether the node is seen is known from frames before.
   if (!by_star || front.scales().is_outdated(k)) renew(object, {&k, 1});
   if (front.is(k, Front::hidden)) return {};
@@ -134,7 +134,7 @@ Frames::Worth Frames::worth_by_star(std::uint32_t object, Front::Index k) {
   if (!star.has_too_many && is_wholly_inside(star.sphere, view))
     found = front_priority(
         star, of.front.errors()[k], of.front.guaranteed_errors()[k],
-        {view, importance, refined_.objects[object].two_sided, static_cast<float>(options_->grazing_exponent),
+        {view, importance, refined_.objects[object].two_sided, static_cast<float>(options_->priority.grazing_exponent),
          static_cast<float>(2.0 * tan_corner_angle(view)), middle_of(object)});
   else
     found.value = importance.of(of.front.node(k).split);
@@ -168,7 +168,7 @@ void Frames::gather_candidates(float low, float high) {
     select(priorities(i),
            {.all = Front::reached | Front::descended, .none = Front::applied | Front::hidden, .may_exceed = low},
            found_);
-    if (options_->culling == Culling::subtree) renew(i, found_);
+    if (options_->priority.culling == Culling::subtree) renew(i, found_);
     for (const Front::Index k : found_) {
       const bool again = !front.is(k, Front::weighed) || (front.node(k).split + frame_) % weighing_rounds == 0;
       const Worth value = worth(i, k);
@@ -184,7 +184,7 @@ void Frames::gather_candidates(float low, float high) {
 // up.
 float Frames::leaf_key(std::uint32_t object, Front::Index k) {
   const Worth value = worth(object, k);
-  const double needless = options_->tolerance_px * (1.0 - options_->hysteresis);
+  const double needless = options_->tolerance_px * (1.0 - options_->update.hysteresis);
   if (static_cast<double>(value.error.guaranteed_px) <= needless) return 0.0F;
   return std::min(value.key, std::numeric_limits<float>::max());
 }
@@ -198,7 +198,7 @@ void Frames::gather_leaves(float low, float high) {
     select(errors(i), {.all = wanted | Front::hidden, .none = Front::is_new}, found_);
     select(leaf_priorities(i), {.all = wanted, .none = Front::is_new | Front::hidden, .may_be_below = may_be_below},
            found_);
-    if (options_->culling == Culling::subtree) renew(i, found_);
+    if (options_->priority.culling == Culling::subtree) renew(i, found_);
     for (const Front::Index k : found_) {
       const float key = leaf_key(i, k);
       if (key >= low && key < high) push_leaf(i, objects_[i].front.node(k).split, key);
@@ -271,7 +271,7 @@ void Frames::measure_unapplied(std::uint32_t object, const BoundedProducts& of, 
   const BoundedValues& known = priorities(object).values;
   Front& front = objects_[object].front;
   for (const Front::Index k : found_) {
-    if (options_->culling == Culling::subtree || known.is_outdated(k))
+    if (options_->priority.culling == Culling::subtree || known.is_outdated(k))
       left_.include(worth(object, k).error);
     else if (known.value[k] > 0.0F)  // still seen
       left_.include({front.errors()[k], front.guaranteed_errors()[k],

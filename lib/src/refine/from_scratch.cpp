@@ -24,7 +24,7 @@ void FromScratch::refine(const RefinedCuts& refined, const RefineOptions& option
   run();
   end_level_ = queue_.empty() ? 0.0F : queue_.top().priority;
   stats_->level_px = static_cast<double>(end_level_);
-  if (options_->final_check) readmit();
+  if (options_->queries.final_check) readmit();
   finish();
 }
 
@@ -148,7 +148,7 @@ void FromScratch::process(Entry& entry) {
   if (entry.kind == Entry::Kind::visit) {
     if (!entry.children_weighed) lookahead_.weigh_children(entry, queue_);
     const SplitNode& node = refined_.cuts[entry.object].hierarchy().node(entry.split);
-    if (options_->culling == Culling::subtree)
+    if (options_->priority.culling == Culling::subtree)
       apply(entry);
     else
       consider(entry);
@@ -195,7 +195,7 @@ void FromScratch::apply(const Entry& entry) {
 
 // Culling::star: a split that forces others which nobody sees steps back in the queue, once.
 bool FromScratch::waits(const Entry& entry, const Cut::Closure& closure) {
-  if (options_->culling != Culling::star || entry.weighed || closure.splits.size() == 1) return false;
+  if (options_->priority.culling != Culling::star || entry.weighed || closure.splits.size() == 1) return false;
   Entry later = entry;
   later.weighed = true;
   later.priority *= refined_.importances[entry.object].forced_weight(closure.splits);
@@ -223,7 +223,7 @@ void FromScratch::count_splits(const Entry& entry, const Cut::Closure& closure) 
   steps_.split_applied(entry.error.quadric_px);
   stats_->splits += closure.splits.size();
   stats_->forced_splits += closure.splits.size() - 1;
-  if (options_->culling != Culling::star) return;
+  if (options_->priority.culling != Culling::star) return;
   for (const SplitId s : closure.splits.subspan(1))
     if (refined_.importances[entry.object].visible_share(s) == 0.0F) ++stats_->forced_unseen_splits;
 }

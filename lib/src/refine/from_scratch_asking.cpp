@@ -6,14 +6,14 @@ namespace occlod {
 
 bool FromScratch::must_ask(const Entry& entry) const {
   if (occluder_ == 0 || entry.asked_occluder == occluder_) return false;
-  if (entry.kind == Entry::Kind::apply ? !options_->ask_stars
-                                       : entry.level % options_->level_step != options_->level_step - 1)
+  if (entry.kind == Entry::Kind::apply ? !options_->queries.ask_stars
+                                       : entry.level % options_->queries.level_step != options_->queries.level_step - 1)
     return false;
   return refined_.gate->asks(entry.object, refined_.cuts[entry.object].hierarchy().node(entry.split).sphere.center);
 }
 
 void FromScratch::ask(const Entry& entry) {
-  questions_->ask(entry, query_about(entry, refined_.cuts[entry.object].hierarchy(), options_->proxy, star_));
+  questions_->ask(entry, query_about(entry, refined_.cuts[entry.object].hierarchy(), options_->queries.proxy, star_));
   ++stats_->queries;
 }
 
@@ -57,7 +57,7 @@ void FromScratch::ask_all(const Answered& answered) {
   questions_->ask_all(
       asked_,
       [&](const Entry& entry) {
-        return query_about(entry, refined_.cuts[entry.object].hierarchy(), options_->proxy, star_);
+        return query_about(entry, refined_.cuts[entry.object].hierarchy(), options_->queries.proxy, star_);
       },
       [&](const Entry& entry, bool visible) {
         note_answer(entry, visible);
@@ -114,17 +114,17 @@ Entry FromScratch::take_answer() {
 bool FromScratch::occluder_due() const {
   if (!questions_->can_hide() || level_) return false;
   if (steps_.due(growth())) return true;
-  return options_->retest_hidden && queue_.empty() && questions_->none_open() && !hidden_.empty() &&
+  return options_->occluder.retest_hidden && queue_.empty() && questions_->none_open() && !hidden_.empty() &&
          stats_->splits > steps_.last().splits;
 }
 
 void FromScratch::draw_occluder() {
   questions_->draw_occluder(
-      occluder_mesh_->build(refined_.objects, refined_.cuts, refined_.views, options_->occluder_mode));
+      occluder_mesh_->build(refined_.objects, refined_.cuts, refined_.views, options_->occluder.mode));
   steps_.drawn(growth());
   ++occluder_;
   ++stats_->occluder_draws;
-  if (!options_->retest_hidden) return;
+  if (!options_->occluder.retest_hidden) return;
   for (const Entry& entry : hidden_) {  // (sec. 3.2)
     doubt(entry);
     queue_.push(entry);

@@ -20,7 +20,7 @@ class Lookahead {
  public:
   void begin(const RefinedCuts& refined, const RefineOptions& options) {
     refined_ = refined;
-    looks_at_stars_ = options.culling == Culling::star;
+    looks_at_stars_ = options.priority.culling == Culling::star;
   }
 
   // Sets child_scales_px of an entry of kind `visit` that has none, and of entries of the queue. Throws Error when a

@@ -15,20 +15,10 @@
 namespace occlod {
 namespace {
 
-// Whether a cut that was refined with one can be gone on with by the other. What is asked about occlusion may change:
-// each frame forgets what it would not ask.
-bool go_on_alike(const RefineOptions& a, RefineOptions b) {
-  b.final_check = a.final_check;
-  b.level_step = a.level_step;
-  b.ask_stars = a.ask_stars;
-  b.effects = a.effects;
-  b.budget = a.budget;
-  b.tolerance_px = a.tolerance_px;
-  b.hysteresis = a.hysteresis;
-  b.most_changes = a.most_changes;
-  b.time_limit_ms = a.time_limit_ms;
-  b.geomorph_frames = a.geomorph_frames;
-  return a == b;
+// Whether a cut that was refined with one can be gone on with by the other. What else is asked about occlusion may
+// change: each frame forgets what it would not ask.
+bool go_on_alike(const RefineOptions& a, const RefineOptions& b) {
+  return a.priority == b.priority && a.occluder == b.occluder && a.queries.proxy == b.queries.proxy;
 }
 
 }  // namespace
@@ -68,7 +58,7 @@ class Refiner::Impl {
     begin(view, options, visibility);
     last_ = {view.camera(), &visibility};
     if (frames_ && !same_backend) frames_->forget_hidden();
-    const bool limited = options.most_changes > 0 || options.time_limit_ms > 0.0;
+    const bool limited = options.update.most_changes > 0 || options.update.time_limit_ms > 0.0;
     if (frames_ && (frames_->weigh(refined(view), options_) || limited)) {
       frames_->advance(questions_, occluder_mesh_, moved, start, stats_);
     } else {

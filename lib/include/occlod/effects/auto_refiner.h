@@ -30,8 +30,8 @@ class AutoRefiner {
   [[nodiscard]] std::size_t base_triangles() const noexcept;
   [[nodiscard]] std::size_t full_triangles() const noexcept;
 
-  // As Refiner::refine(). What `options` say about effects (occluder_splits, retest_hidden, final_check, level_step,
-  // ask_stars, effects) is chosen instead. Throws Error likewise.
+  // As Refiner::refine(), with effects chosen for the view in place of options.occluder but its mode, of
+  // options.queries but its proxy, and of options.effects. Throws Error likewise.
   const Refinement& refine(const View& view, const RefineOptions& options);
   // As Refiner::update(), with effects chosen for each view. The mesh goes on when they change. They stay what they are
   // while the same view and options are given again, and where another choice would be but little better. Normal cones

@@ -1,0 +1,72 @@
+// What refinement gives back: the triangles of every object for one view, and numbers about how they came about.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "occlod/core/ids.h"
+#include "occlod/mesh/triangle_mesh.h"
+#include "occlod/refine/object_effects.h"
+
+namespace occlod {
+
+struct RefineStats {
+  std::size_t budget = 0;
+  std::size_t triangles = 0;
+  std::size_t splits = 0;                // applied
+  std::size_t forced_splits = 0;         // of those, applied only because another depends on them
+  std::size_t forced_unseen_splits = 0;  // star: and change nothing that is seen: what conformity costs
+  std::size_t rejected_splits = 0;       // visible, but would have broken the budget
+  std::size_t visits = 0;                // nodes looked at
+  std::size_t culled_frustum = 0;        // nodes and stars outside the frustum
+  std::size_t culled_backface = 0;       // and facing away
+  std::size_t culled_occlusion = 0;      // and hidden at the end
+  std::size_t queries = 0;               // asked of the backend
+  std::size_t queries_hidden = 0;        // answered "hidden"
+  std::size_t occluder_draws = 0;
+  std::size_t readmitted = 0;  // hidden by an earlier occluder and not by the final mesh
+  std::size_t taken_back = 0;  // splits that made room for these
+  double max_error_px = 0.0;   // largest guaranteed screen error left on surface held to be visible; infinite when the
+                               // eye is inside the bounds of a split that is not applied
+  double max_quadric_error_px =
+      0.0;                     // the same of the quadric error: about the root mean square distance instead of a bound
+  double level_px = 0.0;       // priority of what would have been next when the budget was used up; 0 = nothing
+  std::size_t new_splits = 0;  // applied in this call
+  std::size_t merged_splits = 0;      // taken back in this call, applied in an earlier one
+  std::size_t changed_triangles = 0;  // places of the index buffers that differ from those of the call before
+  bool pending = false;               // update(): a limit ended the call before its work was done
+  double refine_ms = 0.0;             // wall time without occlusion_ms
+  double occlusion_ms = 0.0;          // drawing occluders, asking and waiting for answers
+};
+
+struct TriangleRange {
+  std::uint32_t first = 0;
+  std::uint32_t count = 0;
+};
+
+// Draw `vertex` at mix(where its parent is drawn, its own position, t): see geomorph.h.
+struct Geomorph {
+  VertexId vertex = no_id;
+  VertexId parent = no_id;
+  float t = 1.0F;
+};
+
+// The active triangles of one object: ids into the hierarchy's vertices. From refine(): base faces first, then by split
+// and slot. From update(): those that stay active keep their places, but for those that fill holes.
+struct RefinedObject {
+  std::vector<Triangle> triangles;
+  std::vector<SplitId> splits;         // applied, ascending: the whole state
+  std::vector<TriangleRange> changes;  // of `triangles` since the call before, ascending; the size may change too
+  std::vector<Geomorph> geomorphs;     // under way, parents before their children
+};
+
+struct Refinement {
+  std::vector<RefinedObject> objects;  // as given to the Refiner
+  RefineStats stats;
+  std::vector<ObjectEffectStats> effects;  // by object
+  // FNV-1a over the corners of all triangles of every object in order: equal iff they are, for all practical purposes.
+  [[nodiscard]] std::uint64_t hash() const noexcept;
+};
+
+}  // namespace occlod
