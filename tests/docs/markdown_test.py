@@ -35,7 +35,7 @@ def prose(text):
     for number, line in enumerate(text.split("\n"), 1):
         if line.startswith("```"):
             fenced = not fenced
-        elif not fenced and not line.startswith(("|", "    ", "!")):
+        elif not fenced and not line.startswith(("|", "    ", "!")) and len(line.split()) > 1:
             yield number, line
 
 
