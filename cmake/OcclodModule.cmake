@@ -29,17 +29,3 @@ function(occlod_module name)
   set_target_properties(occlod_${name} PROPERTIES
     OCCLOD_PUBLIC_DEPENDENCIES "${ARG_PUBLIC}" OCCLOD_PRIVATE_DEPENDENCIES "${ARG_PRIVATE}")
 endfunction()
-
-# occlod_test(NAME SOURCES a.cpp ... LIBRARIES target ...): one GoogleTest program, one ctest per TEST.
-function(occlod_test name)
-  cmake_parse_arguments(PARSE_ARGV 1 ARG "" "" "SOURCES;LIBRARIES")
-  if(ARG_UNPARSED_ARGUMENTS)
-    message(FATAL_ERROR "occlod_test(${name}): unknown arguments ${ARG_UNPARSED_ARGUMENTS}")
-  endif()
-  add_executable(test_${name} ${ARG_SOURCES})
-  target_include_directories(test_${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests ${PROJECT_SOURCE_DIR}/lib/src)
-  target_link_libraries(test_${name} PRIVATE ${ARG_LIBRARIES} occlod_warnings GTest::gtest_main)
-  # They are compiled longer than they run; what they test keeps its own options.
-  target_compile_options(test_${name} PRIVATE $<$<CONFIG:Release>:-O1>)
-  gtest_discover_tests(test_${name} PROPERTIES TIMEOUT 600 DISCOVERY_TIMEOUT 60)
-endfunction()

@@ -6,11 +6,6 @@ cd "$(dirname "$0")/.."
 
 out=out/bench
 
-if [ -z "${OCCLOD_MESHES:-}" ] && [ -d ../shared/meshes ]; then
-  OCCLOD_MESHES=$(cd ../shared/meshes && pwd)
-  export OCCLOD_MESHES
-fi
-
 scripts/setup.sh
 scripts/build.sh bench
 mkdir -p "$out"

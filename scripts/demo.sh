@@ -11,11 +11,6 @@ cullings=(subtree star)
 backends=(none software gl-query)
 out=out/demo
 
-if [ -z "${OCCLOD_MESHES:-}" ] && [ -d ../shared/meshes ]; then
-  OCCLOD_MESHES=$(cd ../shared/meshes && pwd)
-  export OCCLOD_MESHES
-fi
-
 scripts/setup.sh
 scripts/build.sh release -DOCCLOD_BUILD_TESTS=OFF
 scripts/get_demo_meshes.sh || echo "demo: going on with the meshes that are there" >&2

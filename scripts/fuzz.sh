@@ -2,7 +2,7 @@
 # fuzz.sh SECONDS [READER...]: feeds each reader (ply obj off stl gltf scene olod) with mutated files for so long, and the refiner with operations
 # (refiner), starting from tests/fuzz/corpus and,
 # where there are any, the files of its format in the folders that OCCLOD_MESHES names. What is found stays in build/fuzz/found.
-# Needs clang++-14 with libFuzzer; without it, says so and does nothing. OCCLOD_CLANG: another clang++, with options.
+# Needs clang++-14 with libFuzzer; without it, says so and exits with 77. OCCLOD_CLANG: another clang++, with options.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -18,8 +18,8 @@ trap 'rm -rf "$probe"' EXIT
 echo 'extern "C" int LLVMFuzzerTestOneInput(const unsigned char*, unsigned long) { return 0; }' >"$probe/probe.cpp"
 # shellcheck disable=SC2086  # OCCLOD_CLANG may hold options
 if ! $clang -fsanitize=fuzzer,address,undefined "$probe/probe.cpp" -o "$probe/probe" 2>/dev/null; then
-  echo "fuzz: SKIPPED: ${clang%% *} with libFuzzer is not here (packages clang-14, libclang-rt-14-dev)" >&2
-  exit 0
+  echo "fuzz: SKIPPED (no ${clang%% *} with libFuzzer: packages clang-14, libclang-rt-14-dev)"
+  exit 77
 fi
 
 # One form of the vector code: under sanitizers the one without vectors takes minutes to compile.
@@ -49,4 +49,4 @@ for reader in "${readers[@]}"; do
     { tail -n 60 "$probe/log" >&2; echo "fuzz: $reader FAILED" >&2; exit 1; }
   grep -E 'number_of_executed_units|peak_rss' "$probe/log" >&2
 done
-echo "fuzz: nothing found" >&2
+echo "fuzz: nothing found"

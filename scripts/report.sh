@@ -21,11 +21,6 @@ while [ $# -gt 0 ]; do
   esac
 done
 
-if [ -z "${OCCLOD_MESHES:-}" ] && [ -d "$root/../shared/meshes" ]; then
-  OCCLOD_MESHES=$(cd "$root/../shared/meshes" && pwd)
-  export OCCLOD_MESHES
-fi
-
 if [ -z "$bench" ]; then
   "$root/scripts/setup.sh"
   "$root/scripts/build.sh" bench

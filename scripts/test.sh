@@ -1,36 +1,48 @@
 #!/usr/bin/env bash
-# Sets up, builds with warnings as errors, runs every test, then lints; with CI=true also fuzzes every reader for a few
-# seconds, where Clang can. The last line is "N passed, N failed", where lint and fuzzing count as one each when they fail.
+# test.sh [--quick | --all]: sets up, builds with warnings as errors, runs the tests, then lints.
+#   --quick  leaves out the tests that are labelled `slow`
+#   --all    also feeds each reader with mutated files for five seconds, where Clang can
+# What was skipped is told in the last lines. The very last one is "N passed, N failed", with ", N skipped" where there are
+# such: single tests, and lint and fuzzing as one each where they failed or were skipped.
 # OCCLOD_MESHES: folders with real meshes, separated by ':'; tests that miss one are skipped and say so.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-if [ -z "${OCCLOD_MESHES:-}" ] && [ -d ../shared/meshes ]; then
-  OCCLOD_MESHES=$(cd ../shared/meshes && pwd)
-  export OCCLOD_MESHES
-fi
+choice=${1:-}
+case $choice in
+  "" | --quick | --all) ;;
+  *) echo "test.sh: unknown option $choice; see the head of $0" >&2; exit 2 ;;
+esac
 
 scripts/setup.sh
 scripts/build.sh release -DOCCLOD_BUILD_TESTS=ON -DOCCLOD_WARNINGS_AS_ERRORS=ON
 
+results=build/release/Testing
+rm -rf "$results/gtest" "$results/junit.xml"
+preset=release
+if [ "$choice" = --quick ]; then preset=quick; fi
+status=0
+ctest --preset "$preset" -j "$(nproc)" --output-junit Testing/junit.xml \
+  --test-output-size-passed 4096 --test-output-truncation head || status=1
+
+failed=0
+skipped=()
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
-tests_status=0
-ctest --preset release -j "$(nproc)" 2>&1 | tee "$log" || tests_status=$?
+# part COMMAND...: one that exits with 77 could not check everything, and says so in its last line.
+part() {
+  local result=0
+  "$@" | tee "$log" || result=$?
+  case $result in
+    0) ;;
+    77) skipped+=("$(tail -n 1 "$log")") ;;
+    *) failed=$((failed + 1)) ;;
+  esac
+}
 
-lint_status=0
-scripts/lint.sh build/release || lint_status=$?
-if [ "$lint_status" -eq 0 ]; then echo "lint: clean"; else echo "lint: failed"; fi
+part scripts/lint.sh build/release
+if [ "$choice" = --quick ]; then skipped+=("tests labelled slow: SKIPPED (scripts/test.sh runs them)"); fi
+if [ "$choice" = --all ]; then part scripts/fuzz.sh 5; else skipped+=("fuzz: SKIPPED (scripts/test.sh --all and scripts/fuzz.sh run it)"); fi
 
-fuzz_status=0
-if [ "${CI:-}" = true ]; then scripts/fuzz.sh 5 || fuzz_status=$?; fi
-
-# ctest: "98% tests passed, 2 tests failed out of 110"
-python3 - "$log" "$lint_status" "$fuzz_status" <<'PY'
-import re, sys
-found = re.search(r"(\d+) tests? failed out of (\d+)", open(sys.argv[1], errors="replace").read())
-failed, total = map(int, found.groups()) if found else (1, 1)
-others_failed = sum(status != "0" for status in sys.argv[2:])
-print(f"{total - failed} passed, {failed + others_failed} failed")
-PY
-[ "$tests_status" -eq 0 ] && [ "$lint_status" -eq 0 ] && [ "$fuzz_status" -eq 0 ]
+python3 -B scripts/count_tests.py build/release "$results/junit.xml" --failed "$failed" --skipped "${skipped[@]}" || status=1
+[ "$status" -eq 0 ] && [ "$failed" -eq 0 ]
