@@ -14,16 +14,6 @@
 namespace occlod {
 namespace {
 
-[[maybe_unused]] PolygonSoup parse(PolygonSoup (*parser)(InputBytes&, const FileErrors&), std::string_view bytes,
-                                   const FileErrors& errors) {
-  InputBytes input(bytes);
-  return parser(input, errors);
-}
-[[maybe_unused]] PolygonSoup parse(PolygonSoup (*parser)(std::string_view, const FileErrors&), std::string_view bytes,
-                                   const FileErrors& errors) {
-  return parser(bytes, errors);
-}
-
 void expect(bool holds) {
   if (!holds) std::abort();
 }
@@ -39,7 +29,8 @@ void read_and_build(std::string_view bytes) {
   if (names_a_file(bytes)) return;
   constexpr std::size_t most_to_build = 500;  // triangles; larger meshes are no harder and take longer
   const FileErrors errors("fuzz");
-  PolygonSoup soup = parse(OCCLOD_FUZZ_PARSER, bytes, errors);
+  InputBytes input(bytes);
+  PolygonSoup soup = parse_mesh(MeshFormat::OCCLOD_FUZZ_FORMAT, input, errors);
   MeshReport report;
   TriangleMesh mesh = soup.take_mesh(report, errors);
   const CleanMesh cleaned = clean(std::move(mesh), report, errors.subject());

@@ -37,10 +37,7 @@ std::multiset<Corners, CornersLess> triangles_of(const TriangleMesh& mesh) {
 TriangleMesh read_bytes(const std::string& name, std::string_view bytes) {
   const FileErrors errors(name);
   InputBytes input(bytes);
-  PolygonSoup soup = name.ends_with(".obj")   ? parse_obj(bytes, errors)
-                     : name.ends_with(".off") ? parse_off(bytes, errors)
-                     : name.ends_with(".ply") ? parse_ply(input, errors)
-                                              : parse_stl(bytes, errors);
+  PolygonSoup soup = parse_mesh(format_of(name, errors), input, errors);
   MeshReport report;
   TriangleMesh mesh = soup.take_mesh(report, errors);
   return clean(std::move(mesh), report, name).mesh;
@@ -61,6 +58,12 @@ const char* const small_stl =
     "facet normal 1 1 1\nouter loop\nvertex 1 0 0\nvertex 0 1 0\nvertex 0 0 1\nendloop\nendfacet\n"
     "endsolid s\n";
 
+// The same as one strip: (0 2 1), (2 3 1), (1 3 0), (3 2 0).
+const char* const small_strips =
+    "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+    "element tristrips 1\nproperty list int int vertex_indices\nend_header\n"
+    "0 0 0\n1 0 0\n0 1 0\n0 0 1\n7 0 2 1 3 0 2 -1\n";
+
 struct Sample {
   std::string name;
   std::string bytes;
@@ -68,8 +71,11 @@ struct Sample {
 };
 
 std::vector<Sample> samples(const test::TestFolder& folder) {
-  std::vector<Sample> result = {
-      {"a.obj", small_obj, false}, {"a.off", small_off, true}, {"a.ply", small_ply, true}, {"a.stl", small_stl, true}};
+  std::vector<Sample> result = {{"a.obj", small_obj, false},
+                                {"a.off", small_off, true},
+                                {"a.ply", small_ply, true},
+                                {"a.stl", small_stl, true},
+                                {"c.ply", small_strips, true}};
   TriangleMesh mesh = test::tetrahedron();
   for (const char* name : {"b.stl", "b.ply"}) {
     write_mesh(folder.path() / name, mesh);

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "occlod/hierarchy/hierarchy.h"
+#include "occlod/mesh/mesh_report.h"
 
 namespace occlod::olod {
 
@@ -53,7 +54,14 @@ struct Summary {
 };
 static_assert(sizeof(Summary) == 48);
 
-inline constexpr std::string_view summary_name = "INFO", report_name = "REPO", digests_name = "BLOK";
+// The counts of a MeshReport without what was left out. That is a section of its own, a LeftOut, which is there only
+// when one of its numbers is not 0.
+using StoredReport = std::array<std::uint64_t, 16>;
+static_assert(offsetof(MeshReport, left_out) == sizeof(StoredReport));
+static_assert(sizeof(MeshReport) == sizeof(StoredReport) + sizeof(LeftOut) && sizeof(LeftOut) == 40);
+
+inline constexpr std::string_view summary_name = "INFO", report_name = "REPO", digests_name = "BLOK",
+                                  left_out_name = "LEFT";
 
 // Calls visit(name, array, has_blocks) for every array of a hierarchy: the one list of what a file holds. Those with
 // blocks are checked block by block.

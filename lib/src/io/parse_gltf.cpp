@@ -16,6 +16,7 @@
 #include <glm/matrix.hpp>
 #include <limits>
 #include <new>
+#include <set>
 #include <string>
 #include <system_error>
 
@@ -130,6 +131,7 @@ class GltfReader {
                      "export the mesh without it");
     for (const int root : roots()) visit(root, glm::dmat4(1.0), 0);
     pad_attributes();
+    soup_.left_out.materials = materials_.size();
     return std::move(soup_);
   }
 
@@ -162,6 +164,7 @@ class GltfReader {
       if (static_cast<std::size_t>(node.mesh) >= model_.meshes.size())
         errors_.fail(fmt::format("node {}", index), fmt::format("refers to mesh {}, which is not there", node.mesh),
                      mend);
+      ++soup_.left_out.groups;
       for (const tinygltf::Primitive& primitive : model_.meshes[static_cast<std::size_t>(node.mesh)].primitives)
         add(primitive, to_world);
     }
@@ -181,9 +184,18 @@ class GltfReader {
           to_world * glm::dvec4(positions.value(i, 0), positions.value(i, 1), positions.value(i, 2), 1.0);
       soup_.add_vertex(p.x, p.y, p.z, 0);
     }
+    count_left_out(primitive, positions.count());
     add_normals(primitive, to_world, first, positions.count());
     add_colors(primitive, first, positions.count());
     add_triangles(primitive, mode, first, positions.count(), glm::determinant(glm::dmat3(to_world)) < 0.0);
+  }
+
+  void count_left_out(const tinygltf::Primitive& primitive, std::size_t vertices) {
+    for (const auto& [name, accessor] : primitive.attributes) {
+      if (name.starts_with("TEXCOORD_")) soup_.left_out.texture_coordinates += vertices;
+      if (name.starts_with("COLOR_") && name != "COLOR_0") soup_.left_out.colors += vertices;
+    }
+    if (primitive.material >= 0) materials_.insert(primitive.material);
   }
 
   void add_normals(const tinygltf::Primitive& primitive, const glm::dmat4& to_world, std::size_t first,
@@ -256,6 +268,7 @@ class GltfReader {
   const FileErrors& errors_;
   PolygonSoup soup_;
   std::size_t visits_ = 0;
+  std::set<int> materials_;
 };
 
 // tinygltf's own ask the shell what a name means, and read from whatever has it, a device without end included.

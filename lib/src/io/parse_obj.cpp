@@ -7,6 +7,7 @@
 #include <cmath>
 #include <system_error>
 
+#include "io/distinct_names.h"
 #include "io/polygon_soup.h"
 #include "io/text_cursor.h"
 
@@ -30,10 +31,16 @@ class ObjParser {
       if (keyword == "v") read_vertex();
       if (keyword == "vn") read_normal();
       if (keyword == "f") read_face();
+      if (keyword == "vt") ++soup_.left_out.texture_coordinates;
+      if (keyword == "usemtl") materials_.add(cursor_.rest_of_line());
+      if (keyword == "o") objects_.add(cursor_.rest_of_line());
+      if (keyword == "g") groups_.add(cursor_.rest_of_line());
     }
     soup_.check(errors_, 1);
     resolve_normals();
     resolve_colors();
+    soup_.left_out.materials = materials_.count();
+    soup_.left_out.groups = objects_.count() + groups_.count();
     return std::move(soup_);
   }
 
@@ -127,6 +134,7 @@ class ObjParser {
 
   // The normal of a vertex is the sum over its corners; clean() brings it to unit length.
   void resolve_normals() {
+    soup_.left_out.normals = normals_.size();
     if (normal_uses_.empty()) return;
     if (highest_normal_ >= normals_.size()) {
       errors_.fail_at_line(
@@ -143,6 +151,9 @@ class ObjParser {
       if (normals_[first_normal[vertex]] != normals_[normal]) conflict[vertex] = true;
     }
     for (const bool differs : conflict) soup_.attribute_conflicts += differs;
+    std::vector<bool> used(normals_.size());
+    for (const ObjCorner& corner : normal_uses_) used[corner.normal] = true;
+    soup_.left_out.normals -= static_cast<std::uint64_t>(std::ranges::count(used, true));
   }
 
   // Components go up to 1, or up to 255 where any is larger than 1.
@@ -169,10 +180,11 @@ class ObjParser {
   VertexId highest_normal_ = 0;
   std::uint64_t highest_normal_line_ = 0;
   std::vector<glm::vec3> raw_colors_;
+  DistinctNames materials_, objects_, groups_;
 };
 
 }  // namespace
 
-PolygonSoup parse_obj(std::string_view bytes, const FileErrors& errors) { return ObjParser(bytes, errors).parse(); }
+PolygonSoup parse_obj(std::string_view text, const FileErrors& errors) { return ObjParser(text, errors).parse(); }
 
 }  // namespace occlod

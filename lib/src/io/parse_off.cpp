@@ -32,6 +32,7 @@ class OffParser {
     cursor_.skip_line();
     soup_.positions.reserve(vertices);
     for (std::uint64_t i = 0; i < vertices; ++i) read_vertex(i, vertices);
+    if (format_.texture) soup_.left_out.texture_coordinates = vertices;
     for (std::uint64_t i = 0; i < faces; ++i) read_face(i, faces);
     soup_.check(cursor_.errors());
     return std::move(soup_);
@@ -122,7 +123,7 @@ class OffParser {
     soup_.colors.push_back(color);
   }
 
-  // The colour that may follow the corners is not used.
+  // The colour that may follow the corners is counted only.
   void read_face(std::uint64_t i, std::uint64_t count) {
     find_line("face", i, count);
     const std::int64_t corners = cursor_.integer("the number of corners of a face");
@@ -133,6 +134,7 @@ class OffParser {
       }
       soup_.add_corner(static_cast<VertexId>(vertex));
     }
+    if (!cursor_.at_line_end()) ++soup_.left_out.colors;
     soup_.end_polygon(cursor_.line());
     cursor_.skip_line();
   }
@@ -144,6 +146,6 @@ class OffParser {
 
 }  // namespace
 
-PolygonSoup parse_off(std::string_view bytes, const FileErrors& errors) { return OffParser(bytes, errors).parse(); }
+PolygonSoup parse_off(std::string_view text, const FileErrors& errors) { return OffParser(text, errors).parse(); }
 
 }  // namespace occlod

@@ -8,140 +8,11 @@
 #include <type_traits>
 #include <utility>
 
-#include "io/byte_order.h"
-#include "io/ply_header.h"
-#include "io/polygon_soup.h"
-#include "io/text_cursor.h"
+#include "io/ply_values.h"
+#include "io/text_encoding.h"
 
 namespace occlod {
 namespace {
-
-constexpr const char* cut_short = "the file is cut short or its header is wrong; export the mesh again";
-
-// The two encodings of the body, as numbers: a double holds every PLY type exactly. A record is one instance of an
-// element.
-class AsciiValues {
- public:
-  AsciiValues(std::string_view bytes, const PlyHeader& header, const FileErrors& errors)
-      : cursor_(bytes.substr(header.body_offset), errors, {}, header.body_line) {}
-
-  void begin_element(const PlyElement& element) {
-    element_ = &element;
-    what_ = fmt::format("a value of element {}", in_quotes(element.name));
-  }
-  void begin_record(std::uint64_t i) {
-    if (cursor_.find_word()) return;
-    fail(fmt::format("the file ends before {} {} of {}", element_->name, i + 1, element_->count), cut_short);
-  }
-  [[nodiscard]] double next(PlyType) { return cursor_.number(what_.c_str()); }
-  void end_record() {
-    if (!cursor_.at_line_end()) fail("the line has more values than the header names", "export the mesh again");
-    cursor_.skip_line();
-  }
-
-  [[nodiscard]] std::uint64_t line() const { return cursor_.line(); }
-  [[noreturn]] void fail(std::string problem, std::string mend) const {
-    cursor_.fail(std::move(problem), std::move(mend));
-  }
-
- private:
-  TextCursor cursor_;
-  const PlyElement* element_ = nullptr;
-  std::string what_;
-};
-
-constexpr std::size_t triangle_bytes = 13;  // a count of one byte and three indices of 32 bits
-
-class BinaryValues {
- public:
-  // `input` is at the beginning of the body.
-  BinaryValues(InputBytes& input, const PlyHeader& header, const FileErrors& errors)
-      : input_(input), order_(*header.binary_order), errors_(errors) {}
-
-  void begin_element(const PlyElement& element) { element_ = &element; }
-  void begin_record(std::uint64_t i) { record_ = i; }
-  [[nodiscard]] double next(PlyType type) {
-    const std::size_t size = size_of(type);
-    if (left_.size() < size && look_further(size).size() < size)
-      fail(fmt::format("the file ends here, within {} {}s", element_->count, element_->name), cut_short);
-    const char* const value = left_.data();
-    left_.remove_prefix(size);
-    switch (type) {
-      case PlyType::int8:
-        return load<std::int8_t>(value, order_);
-      case PlyType::uint8:
-        return load<std::uint8_t>(value, order_);
-      case PlyType::int16:
-        return load<std::int16_t>(value, order_);
-      case PlyType::uint16:
-        return load<std::uint16_t>(value, order_);
-      case PlyType::int32:
-        return load<std::int32_t>(value, order_);
-      case PlyType::uint32:
-        return load<std::uint32_t>(value, order_);
-      case PlyType::float32:
-        return load<float>(value, order_);
-      case PlyType::float64:
-        return load<double>(value, order_);
-    }
-    return 0.0;
-  }
-  void end_record() {}
-
-  // Takes up to `most` vertices whose records begin with x, y and z as float32; returns how many. Some are left where
-  // the bytes at hand end, for the careful way.
-  std::uint64_t take_float_vertices(std::uint64_t most, std::size_t record_bytes, PolygonSoup& soup) {
-    const std::uint64_t count = std::min<std::uint64_t>(most, left_.size() / record_bytes);
-    const char* at = left_.data();
-    for (std::uint64_t i = 0; i < count; ++i, at += record_bytes) {
-      soup.add_vertex(load<float>(at, order_), load<float>(at + 4, order_), load<float>(at + 8, order_), 0);
-    }
-    left_.remove_prefix(count * record_bytes);
-    return count;
-  }
-
-  // The same for triangles whose records are a count of one byte and three indices of 32 bits, up to the first face
-  // that is no triangle or has an index for the careful way to refuse.
-  std::uint64_t take_triangles(std::uint64_t most, PolygonSoup& soup) {
-    const std::uint64_t count = std::min<std::uint64_t>(most, left_.size() / triangle_bytes);
-    const char* at = left_.data();
-    std::uint64_t taken = 0;
-    for (; taken < count && *at == 3; ++taken, at += triangle_bytes) {
-      const Triangle triangle(load<VertexId>(at + 1, order_), load<VertexId>(at + 5, order_),
-                              load<VertexId>(at + 9, order_));
-      if (std::max({triangle.x, triangle.y, triangle.z}) > largest_int) break;
-      soup.add_triangle(triangle);
-    }
-    left_.remove_prefix(taken * triangle_bytes);
-    return taken;
-  }
-
-  [[nodiscard]] std::uint64_t bytes_left() const { return input_.size() - input_.offset() - (seen_ - left_.size()); }
-  [[nodiscard]] std::uint64_t line() const { return 0; }
-  [[noreturn]] void fail(std::string problem, std::string mend) const {
-    const std::uint64_t byte = input_.offset() + (seen_ - left_.size());
-    errors_.fail(fmt::format("{} {}, byte {}", element_->name, record_, byte), std::move(problem), std::move(mend));
-  }
-
- private:
-  // The largest index that signed and unsigned 32-bit integers write alike.
-  static constexpr VertexId largest_int = 0x7fffffff;
-
-  std::string_view look_further(std::size_t least) {
-    input_.skip(seen_ - left_.size());
-    left_ = input_.window(least);
-    seen_ = left_.size();
-    return left_;
-  }
-
-  InputBytes& input_;
-  std::string_view left_;  // of the window
-  std::size_t seen_ = 0;   // size of the window
-  std::endian order_;
-  const FileErrors& errors_;
-  const PlyElement* element_ = nullptr;
-  std::uint64_t record_ = 0;
-};
 
 // Where a vertex property goes; coordinates, normals and colours lie next to each other.
 enum Slot : std::size_t { slot_x, slot_normal = 3, slot_red = 6, slot_alpha = 9, slot_count, no_slot = slot_count };
@@ -196,12 +67,18 @@ class BodyParser {
   BodyParser(Values values, const FileErrors& errors) : values_(std::move(values)), errors_(errors) {}
 
   PolygonSoup parse(const PlyHeader& header) && {
+    const auto vertices = std::ranges::find(header.elements, "vertex", &PlyElement::name);
+    if (vertices != header.elements.end()) vertex_count_ = vertices->count;
+    soup_.left_out.materials = header.texture_files;
     for (const PlyElement& element : header.elements) {
       values_.begin_element(element);
+      count_left_out(element);
       if (element.name == "vertex")
         read_vertices(element);
       else if (element.name == "face")
         read_faces(element);
+      else if (element.name == "tristrips")
+        read_strips(element);
       else
         skip_element(element);
     }
@@ -227,7 +104,7 @@ class BodyParser {
       values_.begin_record(i);
       for (std::size_t p = 0; p < layout.slots.size(); ++p) {
         if (element.properties[p].count_type)
-          skip_list(element.properties[p]);
+          static_cast<void>(skip_list(element.properties[p]));
         else
           value[layout.slots[p]] = values_.next(element.properties[p].type);
       }
@@ -250,16 +127,37 @@ class BodyParser {
     return result;
   }
 
-  void read_faces(const PlyElement& element) {
-    const auto is_corner_list = [](const PlyProperty& p) {
-      return p.count_type && (p.name == "vertex_indices" || p.name == "vertex_index");
+  // What the header tells of it; pairs in the lists of faces are counted as they are skipped.
+  void count_left_out(const PlyElement& element) {
+    LeftOut& left_out = soup_.left_out;
+    const VertexLayout layout(element);
+    if (element.name == "vertex" && has_texture_coordinates(element)) left_out.texture_coordinates += element.count;
+    if (element.name == "face" && layout.has(slot_normal, 3)) left_out.normals += element.count;
+    if (element.name == "face" && layout.has(slot_red, 3)) left_out.colors += element.count;
+    if (element.name == "material") left_out.materials += element.count;
+  }
+
+  static bool has_texture_coordinates(const PlyElement& element) {
+    const auto has = [&](std::string_view name) {
+      return std::ranges::find(element.properties, name, &PlyProperty::name) != element.properties.end();
     };
-    if (element.count > 0 && std::ranges::none_of(element.properties, is_corner_list)) {
-      errors_.fail("header", "faces have no list 'vertex_indices'", "export the mesh with its faces");
-    }
+    return (has("u") && has("v")) || (has("s") && has("t")) || (has("texture_u") && has("texture_v"));
+  }
+
+  static bool is_corner_list(const PlyProperty& p) {
+    return p.count_type && (p.name == "vertex_indices" || p.name == "vertex_index");
+  }
+
+  void expect_corner_lists(const PlyElement& element, const char* what) const {
+    if (element.count == 0 || std::ranges::any_of(element.properties, is_corner_list)) return;
+    errors_.fail("header", fmt::format("{} have no list 'vertex_indices'", what), "export the mesh with its faces");
+  }
+
+  void read_faces(const PlyElement& element) {
+    expect_corner_lists(element, "faces");
     const bool has_short_lists = has_short_lists_only(element);
     if constexpr (is_binary) {
-      if (has_short_lists) soup_.reserve_polygons(std::min(element.count, values_.bytes_left() / triangle_bytes));
+      if (has_short_lists) soup_.reserve_polygons(std::min(element.count, values_.bytes_left() / ply_triangle_bytes));
     }
     for (std::uint64_t i = 0; i < element.count; ++i) {
       if constexpr (is_binary) {
@@ -270,6 +168,8 @@ class BodyParser {
       for (const PlyProperty& property : element.properties) {
         if (is_corner_list(property))
           read_corners(property);
+        else if (property.count_type && property.name == "texcoord")
+          soup_.left_out.texture_coordinates += skip_list(property) / 2;
         else
           skip(property);
       }
@@ -297,6 +197,66 @@ class BodyParser {
     }
   }
 
+  void read_strips(const PlyElement& element) {
+    expect_corner_lists(element, "triangle strips");
+    for (std::uint64_t i = 0; i < element.count; ++i) {
+      values_.begin_record(i);
+      for (const PlyProperty& property : element.properties) {
+        if (is_corner_list(property))
+          read_strip(property);
+        else
+          skip(property);
+      }
+      values_.end_record();
+    }
+  }
+
+  // Strips one after the other, each but the last ended by -1. Every second triangle of a strip runs the other way
+  // round. Those that only lead from strip to strip, with a corner twice, are left for clean() to drop and count.
+  void read_strip(const PlyProperty& property) {
+    const std::uint64_t count = next_count(property);
+    Triangle last(no_id);  // the three newest corners
+    std::uint64_t length = 0;
+    for (std::uint64_t entry = 0; entry < count; ++entry) {
+      const double index = values_.next(property.type);
+      if (is_strip_end(index, property.type)) {
+        expect_whole_strip(length, entry);
+        length = 0;
+        continue;
+      }
+      last = {last.y, last.z, strip_vertex(index, entry)};
+      if (++length < 3) continue;
+      const bool turned = length % 2 == 0;
+      add_strip_triangle(turned ? Triangle(last.x, last.z, last.y) : last);
+    }
+    expect_whole_strip(length, count);
+  }
+
+  void add_strip_triangle(const Triangle& triangle) {
+    for (int corner = 0; corner < 3; ++corner) soup_.add_corner(triangle[corner]);
+    soup_.end_polygon(values_.line());
+  }
+
+  // Some write -1 into a list of unsigned integers; no vertex has that index.
+  static bool is_strip_end(double index, PlyType type) {
+    return index == -1.0 || (type == PlyType::uint32 && index == 4294967295.0);
+  }
+
+  void expect_whole_strip(std::uint64_t length, std::uint64_t end) const {
+    if (length == 0 || length >= 3) return;
+    values_.fail(
+        fmt::format("the triangle strip that ends before entry {} has {} of at least three vertices", end, length),
+        "remove the strip or export the mesh again");
+  }
+
+  VertexId strip_vertex(double index, std::uint64_t entry) const {
+    if (index >= 0.0 && index < static_cast<double>(vertex_count_) && index == std::floor(index))
+      return static_cast<VertexId>(index);
+    values_.fail(fmt::format("entry {} of the triangle strips is vertex {}, but there are {} vertices, numbered from 0",
+                             entry, index, vertex_count_),
+                 "export the mesh again");
+  }
+
   std::uint64_t next_count(const PlyProperty& list) {
     const double count = values_.next(*list.count_type);
     if (!(count >= 0.0 && count <= 4294967295.0) || count != std::floor(count)) {
@@ -316,20 +276,23 @@ class BodyParser {
 
   void skip(const PlyProperty& property) {
     if (property.count_type)
-      skip_list(property);
+      static_cast<void>(skip_list(property));
     else
       static_cast<void>(values_.next(property.type));
   }
 
-  void skip_list(const PlyProperty& property) {
+  // Returns how many values the list has.
+  std::uint64_t skip_list(const PlyProperty& property) {
     const std::uint64_t count = next_count(property);
     for (std::uint64_t i = 0; i < count; ++i) static_cast<void>(values_.next(property.type));
+    return count;
   }
 
   static constexpr bool is_binary = std::is_same_v<Values, BinaryValues>;
 
   Values values_;
   const FileErrors& errors_;
+  std::uint64_t vertex_count_ = 0;  // as the header has it
   PolygonSoup soup_;
 };
 
@@ -346,15 +309,22 @@ std::string_view window_with_header(InputBytes& input) {
   return head;
 }
 
-}  // namespace
-
-PolygonSoup parse_ply(InputBytes& input, const FileErrors& errors) {
+PolygonSoup parse_whole(InputBytes& input, const FileErrors& errors) {
   const PlyHeader header = parse_ply_header(window_with_header(input), input.size(), errors);
   if (header.binary_order) {
     input.skip(header.body_offset);
     return BodyParser(BinaryValues(input, header, errors), errors).parse(header);
   }
   return BodyParser(AsciiValues(input.window(input.size()), header, errors), errors).parse(header);
+}
+
+}  // namespace
+
+PolygonSoup parse_ply(InputBytes& input, const FileErrors& errors) {
+  if (input.window(1).starts_with("ply")) return parse_whole(input, errors);
+  std::string converted;
+  InputBytes text(as_utf8(input.window(input.size()), converted, errors));
+  return parse_whole(text, errors);
 }
 
 }  // namespace occlod

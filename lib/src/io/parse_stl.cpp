@@ -6,11 +6,14 @@
 #include <bit>
 #include <cctype>
 #include <cstring>
+#include <string>
 #include <utility>
 
 #include "io/byte_order.h"
+#include "io/distinct_names.h"
 #include "io/polygon_soup.h"
 #include "io/text_cursor.h"
+#include "io/text_encoding.h"
 
 namespace occlod {
 namespace {
@@ -32,17 +35,20 @@ class AsciiStlParser {
   PolygonSoup parse() && {
     while (cursor_.find_word()) {
       expect("solid");
-      cursor_.skip_line();  // the name
+      solids_.add(cursor_.rest_of_line());
+      cursor_.skip_line();
       while (next_keyword("facet", "endsolid")) read_facet();
       cursor_.skip_line();
     }
     soup_.check(cursor_.errors());
+    soup_.left_out.groups = solids_.count();
     return std::move(soup_);
   }
 
  private:
   void read_facet() {
     cursor_.skip_line();  // the normal
+    ++soup_.left_out.normals;
     const std::uint64_t line = cursor_.line();
     expect("outer");
     expect("loop");
@@ -82,6 +88,7 @@ class AsciiStlParser {
 
   TextCursor cursor_;
   PolygonSoup soup_;
+  DistinctNames solids_;
 };
 
 PolygonSoup parse_binary(std::string_view bytes, std::size_t facets, const FileErrors& errors) {
@@ -96,7 +103,9 @@ PolygonSoup parse_binary(std::string_view bytes, std::size_t facets, const FileE
                       load<float>(at + 8, std::endian::little), 0);
     }
     soup.end_polygon(0);
+    if (load<std::uint16_t>(at, std::endian::little) != 0) ++soup.left_out.colors;
   }
+  soup.left_out.normals = facets;
   soup.check(errors);
   return soup;
 }
@@ -110,17 +119,16 @@ bool begins_with_solid(std::string_view bytes) {
 
 // Told by size, because many binary files begin with "solid" as well.
 PolygonSoup parse_stl(std::string_view bytes, const FileErrors& errors) {
-  if (bytes.size() >= stl_prefix_size) {
-    const std::size_t facets = load<std::uint32_t>(bytes.data() + stl_header_size, std::endian::little);
-    const std::size_t room = (bytes.size() - stl_prefix_size) / stl_facet_size;
-    const bool exact = bytes.size() == stl_prefix_size + facets * stl_facet_size;
-    if (exact || (!begins_with_solid(bytes) && facets <= room)) return parse_binary(bytes, facets, errors);
-    if (!begins_with_solid(bytes)) {
-      errors.fail("byte 80", fmt::format("promises {} facets, but the file has room for {}", facets, room),
-                  "the file is cut short or no STL; export the mesh again");
-    }
-  }
-  return AsciiStlParser(bytes, errors).parse();
+  std::string converted;
+  if (bytes.size() < stl_prefix_size) return AsciiStlParser(as_utf8(bytes, converted, errors), errors).parse();
+  const std::size_t facets = load<std::uint32_t>(bytes.data() + stl_header_size, std::endian::little);
+  const std::size_t room = (bytes.size() - stl_prefix_size) / stl_facet_size;
+  if (bytes.size() == stl_prefix_size + facets * stl_facet_size) return parse_binary(bytes, facets, errors);
+  const std::string_view text = as_utf8(bytes, converted, errors);
+  if (begins_with_solid(text)) return AsciiStlParser(text, errors).parse();
+  if (facets <= room) return parse_binary(bytes, facets, errors);
+  errors.fail("byte 80", fmt::format("promises {} facets, but the file has room for {}", facets, room),
+              "the file is cut short or no STL; export the mesh again");
 }
 
 }  // namespace occlod

@@ -50,7 +50,9 @@ class HeaderParser {
         read_element();
       else if (keyword == "property")
         read_property();
-      else if (keyword != "comment" && keyword != "obj_info") {
+      else if (keyword == "comment")
+        header_.texture_files += cursor_.word() == "TextureFile";
+      else if (keyword != "obj_info") {
         cursor_.fail(fmt::format("the header line begins with {}", in_quotes(keyword)), "export the mesh again");
       }
       cursor_.skip_line();

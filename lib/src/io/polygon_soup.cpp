@@ -114,6 +114,7 @@ TriangleMesh PolygonSoup::take_mesh(MeshReport& report, const FileErrors& errors
   report.vertices_read = positions.size();
   report.polygons_read = polygon_count();
   report.attribute_conflicts = attribute_conflicts;
+  report.left_out = left_out;
   TriangleMesh mesh;
   mesh.triangles = triangles_.empty() ? triangulate(report, errors) : std::move(triangles_);
   report.triangles_read = mesh.triangle_count();

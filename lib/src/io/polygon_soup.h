@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "io/file_format.h"
 #include "io/file_input.h"
 #include "occlod/core/ids.h"
 #include "occlod/mesh/mesh_report.h"
@@ -23,13 +24,14 @@ class PolygonSoup {
   std::vector<glm::vec3> normals;   // empty or one per vertex, of any length
   std::vector<glm::u8vec4> colors;  // empty or one per vertex
   std::uint64_t attribute_conflicts = 0;
+  LeftOut left_out;
 
   // `line` is 0 in binary files.
   void add_vertex(double x, double y, double z, std::uint64_t line);
   // A polygon is begun, given its corners, and ended.
   void add_corner(VertexId vertex) { corners_.push_back(vertex); }
   void end_polygon(std::uint64_t line);
-  // A whole polygon of a binary file.
+  // A whole polygon of a binary file, which numbers no lines.
   void add_triangle(const Triangle& triangle) {
     if (polygon_ends_.empty())
       triangles_.push_back(triangle);
@@ -81,10 +83,13 @@ inline constexpr std::uint64_t max_vertices = no_id;
 // A colour component from [0, 1]; values outside are clamped, NaN is 0.
 [[nodiscard]] std::uint8_t color_component(double unit_value) noexcept;
 
-// The parsers. `bytes` is the whole file, `input` too, at its beginning.
+// Parses a whole file of either encoding (see text_encoding.h); `input` is at its beginning.
+[[nodiscard]] PolygonSoup parse_mesh(MeshFormat format, InputBytes& input, const FileErrors& errors);
+
+// The parsers, which parse_mesh() calls. Texts are UTF-8; PLY and STL, text or binary, are as they are in the file.
 [[nodiscard]] PolygonSoup parse_ply(InputBytes& input, const FileErrors& errors);
-[[nodiscard]] PolygonSoup parse_obj(std::string_view bytes, const FileErrors& errors);
-[[nodiscard]] PolygonSoup parse_off(std::string_view bytes, const FileErrors& errors);
+[[nodiscard]] PolygonSoup parse_obj(std::string_view text, const FileErrors& errors);
+[[nodiscard]] PolygonSoup parse_off(std::string_view text, const FileErrors& errors);
 [[nodiscard]] PolygonSoup parse_gltf(std::string_view bytes, const FileErrors& errors);
 [[nodiscard]] PolygonSoup parse_stl(std::string_view bytes, const FileErrors& errors);
 

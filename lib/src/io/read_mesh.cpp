@@ -1,11 +1,13 @@
 #include "occlod/io/read_mesh.h"
 
+#include <string>
 #include <string_view>
 #include <utility>
 
 #include "io/file_format.h"
 #include "io/file_input.h"
 #include "io/polygon_soup.h"
+#include "io/text_encoding.h"
 
 namespace occlod {
 namespace {
@@ -15,24 +17,30 @@ PolygonSoup parse_file(const std::filesystem::path& path, const FileErrors& erro
                        const std::function<void(double)>& progress) {
   const MeshFormat format = format_of(path, errors);
   InputBytes input(path, errors, progress);
+  return parse_mesh(format, input, errors);
+}
+
+}  // namespace
+
+PolygonSoup parse_mesh(MeshFormat format, InputBytes& input, const FileErrors& errors) {
   if (format == MeshFormat::ply) return parse_ply(input, errors);
   const std::string_view bytes = input.window(input.size());
+  if (format == MeshFormat::stl) return parse_stl(bytes, errors);  // binary or text
+  std::string converted;
+  const std::string_view text = as_utf8(bytes, converted, errors);
   switch (format) {
     case MeshFormat::obj:
-      return parse_obj(bytes, errors);
+      return parse_obj(text, errors);
     case MeshFormat::off:
-      return parse_off(bytes, errors);
-    case MeshFormat::stl:
-      return parse_stl(bytes, errors);
+      return parse_off(text, errors);
     case MeshFormat::gltf:
-      return parse_gltf(bytes, errors);
+      return parse_gltf(text, errors);
     case MeshFormat::ply:  // above
+    case MeshFormat::stl:
       break;
   }
   return {};
 }
-
-}  // namespace
 
 CleanMesh read_mesh(const std::filesystem::path& path, const std::function<void(double)>& progress) {
   const FileErrors errors(path);

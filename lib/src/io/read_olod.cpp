@@ -47,7 +47,7 @@ class Reader {
   template <typename T>
   std::span<const T> read(std::string_view name, bool has_blocks) {
     static_assert(std::is_trivially_copyable_v<T> && alignof(T) <= alignment);
-    const auto found = std::find_if(table_.begin(), table_.end(), [&](const Section& s) { return name_of(s) == name; });
+    const auto found = find(name);
     if (found == table_.end()) refuse("", fmt::format("has no section {}", name), rebuild);
     if (found->element_bytes != sizeof(T) || found->raw_bytes % sizeof(T) != 0)
       refuse(place_of(*found), "has elements of another size", rebuild);
@@ -57,6 +57,7 @@ class Reader {
     return {reinterpret_cast<const T*>(bytes.data()), bytes.size() / sizeof(T)};
   }
 
+  [[nodiscard]] bool has(std::string_view name) const { return find(name) != table_.end(); }
   [[nodiscard]] bool is_compressed() const noexcept { return !unpacked_.empty(); }
   [[nodiscard]] const std::string& path() const noexcept { return path_; }
 
@@ -98,6 +99,10 @@ class Reader {
       if (!is_plausible(section.bytes, section.raw_bytes))
         refuse(place_of(section), fmt::format("claims {} bytes unpacked", section.raw_bytes), rebuild);
     }
+  }
+
+  [[nodiscard]] std::vector<Section>::const_iterator find(std::string_view name) const {
+    return std::find_if(table_.begin(), table_.end(), [&](const Section& s) { return name_of(s) == name; });
   }
 
   [[nodiscard]] std::span<const std::byte> stored(const Section& section) const {
@@ -143,6 +148,18 @@ class FileGuard final : public SplitGuard {
   std::span<const std::uint64_t> digests_;
 };
 
+MeshReport read_report(Reader& reader) {
+  const auto stored = reader.read<StoredReport>(report_name, false);
+  if (stored.size() != 1) reader.refuse("", "does not hold one report", rebuild);
+  MeshReport report;
+  std::memcpy(static_cast<void*>(&report), stored.data(), sizeof(StoredReport));  // all but left_out
+  if (!reader.has(left_out_name)) return report;
+  const auto left_out = reader.read<LeftOut>(left_out_name, false);
+  if (left_out.size() != 1) reader.refuse("", "does not hold one count of what was left out", rebuild);
+  report.left_out = left_out[0];
+  return report;
+}
+
 }  // namespace
 
 OlodFile read_olod(const std::filesystem::path& path, OlodAccess access) {
@@ -153,10 +170,9 @@ OlodFile read_olod(const std::filesystem::path& path, OlodAccess access) {
     array = reader->template read<T>(name, has_blocks);
   });
   const auto summary = reader->read<Summary>(summary_name, false);
-  const auto report = reader->read<MeshReport>(report_name, false);
+  const MeshReport report = read_report(*reader);
   const auto digests = reader->read<std::uint64_t>(digests_name, false);
-  if (summary.size() != 1 || report.size() != 1)
-    reader->refuse("", "does not hold one summary and one report", rebuild);
+  if (summary.size() != 1) reader->refuse("", "does not hold one summary", rebuild);
   view.box = summary[0].box;
   view.input_triangle_count = summary[0].input_triangle_count;
   view.face_count = summary[0].face_count;
@@ -166,7 +182,7 @@ OlodFile read_olod(const std::filesystem::path& path, OlodAccess access) {
   if (digests.size() != guard->block_count() + 1)
     reader->refuse("section BLOK", "does not have a checksum for every block", rebuild);
   if (digest_of_base(view) != digests[0]) reader->refuse("base mesh", "is damaged: its checksum is wrong", rebuild);
-  return {Hierarchy(view, reader, guard), report[0],
+  return {Hierarchy(view, reader, guard), report,
           reader->is_compressed() ? OlodCompression::zstd : OlodCompression::none};
 }
 

@@ -74,6 +74,15 @@ std::string_view TextCursor::word() {
   return {first, static_cast<std::size_t>(at_ - first)};
 }
 
+std::string_view TextCursor::rest_of_line() {
+  if (at_line_end()) return {};
+  const char* const first = at_;
+  while (at_ != end_ && !is_break(*at_) && !is_continuation(at_)) ++at_;
+  const char* last = at_;
+  while (is_blank(last[-1])) --last;
+  return {first, static_cast<std::size_t>(last - first)};
+}
+
 template <class Number>
 Number TextCursor::parse(const char* what, const char* kind) {
   if (at_line_end()) fail(fmt::format("{} is missing", what), "complete the line or export the mesh again");

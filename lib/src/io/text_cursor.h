@@ -33,6 +33,9 @@ class TextCursor {
 
   // The next word of this line, empty where there is none.
   [[nodiscard]] std::string_view word();
+  // What is left of this line, without the blanks around it: a name that may have blanks and '#' within. Is not joined
+  // with the next line.
+  [[nodiscard]] std::string_view rest_of_line();
   // The next word of this line as a number; `what` names it in errors, e.g. "x of a vertex".
   [[nodiscard]] double number(const char* what);
   [[nodiscard]] std::int64_t integer(const char* what);

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cstring>
 #include <type_traits>
 #include <vector>
 
@@ -90,7 +91,10 @@ void write_olod(const std::filesystem::path& path, const Hierarchy& hierarchy, c
   const std::vector<std::uint64_t> digests = digests_of(view);
   writer.add(digests_name, std::span<const std::uint64_t>(digests), false);
   writer.add(summary_name, std::span<const Summary>(&summary, 1), false);
-  writer.add(report_name, std::span<const MeshReport>(&report, 1), false);
+  StoredReport stored;
+  std::memcpy(stored.data(), &report, sizeof(stored));
+  writer.add(report_name, std::span<const StoredReport>(&stored, 1), false);
+  if (report.left_out != LeftOut{}) writer.add(left_out_name, std::span<const LeftOut>(&report.left_out, 1), false);
   writer.write(path);
 }
 

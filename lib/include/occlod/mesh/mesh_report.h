@@ -5,12 +5,32 @@
 
 namespace occlod {
 
+// What a file holds beside the surface and a mesh does not. Vertex normals and vertex colours are kept, one per vertex:
+// those count only where no vertex takes them.
+struct LeftOut {
+  // OBJ: vt lines. PLY: vertices with a pair (u, v), (s, t) or (texture_u, texture_v), and the pairs of the faces'
+  // lists `texcoord`. OFF: vertices of STOFF files. glTF: vertices, once for each of their TEXCOORD_n.
+  std::uint64_t texture_coordinates = 0;
+  // OBJ: vn lines that no face uses. PLY: faces that have one. STL: facets.
+  std::uint64_t normals = 0;
+  // PLY and OFF: faces that have one. STL: binary facets whose attribute bytes are not 0, which is how programs colour
+  // them. glTF: vertices, once for each of their COLOR_n beyond COLOR_0.
+  std::uint64_t colors = 0;
+  // OBJ: different names on usemtl lines. PLY: elements `material` and comments TextureFile. glTF: different materials
+  // of the primitives that are read.
+  std::uint64_t materials = 0;
+  // OBJ: different names on o lines, and on g lines. STL: different names of solids (text). glTF: nodes with a mesh.
+  std::uint64_t groups = 0;
+
+  [[nodiscard]] bool operator==(const LeftOut&) const = default;
+};
+
 // Counts over one mesh. "Before welding" counts describe the file; the topology counts describe the
 // welded mesh, the one a hierarchy is built from.
 struct MeshReport {
   // As read.
   std::uint64_t vertices_read = 0;
-  std::uint64_t polygons_read = 0;          // faces of any size in the file
+  std::uint64_t polygons_read = 0;          // faces of any size in the file, each triangle of its strips
   std::uint64_t polygons_triangulated = 0;  // faces with more than three corners, cut into triangles
   std::uint64_t triangles_read = 0;         // after triangulation
   // Changed on the way in.
@@ -27,6 +47,7 @@ struct MeshReport {
   std::uint64_t inconsistent_edges = 0;    // two triangles run through it in the same direction
   std::uint64_t nonmanifold_vertices = 0;  // corners whose triangles form more than one fan
   std::uint64_t components = 0;            // connected through shared vertices
+  LeftOut left_out;
 };
 
 }  // namespace occlod

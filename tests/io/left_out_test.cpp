@@ -1,0 +1,139 @@
+// What a file holds beside its surface is counted, and the counts travel with the hierarchy.
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "io/mesh_files.h"
+#include "occlod/hierarchy/build.h"
+#include "occlod/io/olod.h"
+#include "support/test_meshes.h"
+
+namespace occlod {
+
+void PrintTo(const LeftOut& counts, std::ostream* stream) {
+  *stream << counts.texture_coordinates << " texture coordinates, " << counts.normals << " normals, " << counts.colors
+          << " colors, " << counts.materials << " materials, " << counts.groups << " groups";
+}
+
+namespace {
+
+class LeftOutTest : public testing::Test {
+ protected:
+  [[nodiscard]] LeftOut counts(const std::string& name, const std::string& text) const {
+    return folder_.read(name, text).report.left_out;
+  }
+
+  test::TestFolder folder_;
+};
+
+// Four vt lines, of which three are used. Three vn lines, of which the second and third are. Materials a, "b c" and b;
+// objects x; groups x and y: names of objects and groups are apart, and those given again are counted once.
+TEST_F(LeftOutTest, OfObj) {
+  const std::string text =
+      "mtllib m.mtl\no x\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nvt 1 1 0\n"
+      "vn 1 0 0\nvn 0 0 1\nvn 0 1 0\ng x\nusemtl a\ns 1\nf 1/1/2 2/2/3 3/3/2\ng y\nusemtl b c\nusemtl b\t\n"
+      "usemtl a\ng x\ng\nf 2 4 3\n";
+  EXPECT_EQ(counts("a.obj", text),
+            (LeftOut{.texture_coordinates = 4, .normals = 1, .colors = 0, .materials = 3, .groups = 3}));
+}
+
+// What vertices keep is not left out.
+TEST_F(LeftOutTest, NothingOfAMeshThatIsKept) {
+  EXPECT_EQ(counts("a.obj", "v 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 0 1 0 1 0 0\nvn 0 0 1\nf 1//1 2//1 3//1\n"), LeftOut{});
+  EXPECT_EQ(counts("a.off", "CNOFF\n3 1 0\n0 0 0 0 0 1 9 9 9\n1 0 0 0 0 1 9 9 9\n0 1 0 0 0 1 9 9 9\n3 0 1 2 # c\n"),
+            LeftOut{});
+}
+
+TEST_F(LeftOutTest, OfPly) {
+  const auto text = [](const std::string& vertex, const std::string& face, const std::string& vertex_values,
+                       const std::string& face_values) {
+    return "ply\nformat ascii 1.0\ncomment TextureFile a.png\ncomment of TextureFile\ncomment TextureFile b.png\n"
+           "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n" +
+           vertex + "element face 1\nproperty list uchar int vertex_indices\n" + face +
+           "element material 3\nproperty int a\nend_header\n0 0 0" + vertex_values + "\n1 0 0" + vertex_values +
+           "\n0 1 0" + vertex_values + "\n3 0 1 2" + face_values + "\n1\n2\n3\n";
+  };
+  const std::string color = "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+  const std::string normal = "property float nx\nproperty float ny\nproperty float nz\n";
+  // Two textures and three materials in each.
+  EXPECT_EQ(counts("a.ply", text(color + normal, "", " 1 2 3 0 0 1", "")), (LeftOut{.materials = 5}));
+  EXPECT_EQ(counts("a.ply", text("", color + normal, "", " 1 2 3 0 0 1")),
+            (LeftOut{.normals = 1, .colors = 1, .materials = 5}));
+  for (const auto& [u, v] : {std::pair("u", "v"), std::pair("s", "t"), std::pair("texture_u", "texture_v")}) {
+    const std::string pair = std::string("property float ") + u + "\nproperty float " + v + "\n";
+    EXPECT_EQ(counts("a.ply", text(pair, "", " 0 1", "")), (LeftOut{.texture_coordinates = 3, .materials = 5}));
+  }
+  EXPECT_EQ(counts("a.ply", text("property float u\n", "", " 0", "")), (LeftOut{.materials = 5}));
+  // As MeshLab writes wedges: three pairs, and the number of the texture.
+  EXPECT_EQ(
+      counts("a.ply", text("", "property list uchar float texcoord\nproperty int texnumber\n", "", " 6 0 0 1 0 0 1 0")),
+      (LeftOut{.texture_coordinates = 3, .materials = 5}));
+}
+
+TEST_F(LeftOutTest, OfOff) {
+  EXPECT_EQ(counts("a.off", "STOFF\n3 1 0\n0 0 0 0 0\n1 0 0 1 0\n0 1 0 0 1\n3 0 1 2\n"),
+            (LeftOut{.texture_coordinates = 3}));
+  EXPECT_EQ(counts("a.off", "OFF\n4 3 0\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n3 0 1 2 1 0 0\n3 1 3 2\n3 0 1 3 7\n"),
+            (LeftOut{.colors = 2}));
+}
+
+// Two facets; one of the binary file has attribute bytes.
+TEST_F(LeftOutTest, OfStl) {
+  const std::string facet =
+      "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n";
+  EXPECT_EQ(counts("a.stl", "solid\n" + facet + facet + "endsolid\n"), (LeftOut{.normals = 2}));
+  EXPECT_EQ(
+      counts("a.stl", "solid one\n" + facet + "endsolid\nsolid two b\n" + facet + "endsolid\nsolid one\nendsolid\n"),
+      (LeftOut{.normals = 2, .groups = 2}));
+  test::Bytes bytes(std::string(80, ' '));
+  bytes.add(std::uint32_t{2});
+  for (const std::uint16_t attribute : {std::uint16_t{0}, std::uint16_t{0x801f}})
+    bytes.add_point(0, 0, 1).add_point(0, 0, 0).add_point(1, 0, 0).add_point(0, 1, 0).add(attribute);
+  EXPECT_EQ(counts("a.stl", bytes.str()), (LeftOut{.normals = 2, .colors = 1}));
+}
+
+// One triangle mesh of two primitives with three vertices each, placed by two nodes, and a third node without a mesh.
+// All attributes are the same nine floats: each placement has 2 x 3 vertices with TEXCOORD_0, three of them with
+// TEXCOORD_1 and with COLOR_1 as well; COLOR_0 is kept. Materials 0 and 2 of three are used.
+TEST_F(LeftOutTest, OfGltf) {
+  // Nine floats, 0 0 0 1 0 0 0 1 0, in base64.
+  const std::string text =
+      R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1, 2]}],
+          "nodes": [{"mesh": 0}, {"mesh": 0, "translation": [0, 0, 1]}, {}], "materials": [{}, {}, {}],
+          "meshes": [{"primitives": [
+            {"attributes": {"POSITION": 0, "NORMAL": 0, "TEXCOORD_0": 0}, "material": 2},
+            {"attributes": {"POSITION": 0, "TEXCOORD_0": 0, "TEXCOORD_1": 0, "COLOR_0": 0, "COLOR_1": 0}, "material": 0}]}],
+          "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
+          "bufferViews": [{"buffer": 0, "byteLength": 36}], "buffers": [{"byteLength": 36, "uri":
+            "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]})";
+  EXPECT_EQ(counts("a.gltf", text),
+            (LeftOut{.texture_coordinates = 18, .normals = 0, .colors = 6, .materials = 2, .groups = 2}));
+}
+
+// What grep counts: vt lines, and different g lines.
+TEST_F(LeftOutTest, OfRealMeshes) {
+  OCCLOD_FIND_TEST_MESH_OR_SKIP(sponza, "scenes/sponza.obj");
+  const LeftOut counts = read_mesh(sponza).report.left_out;
+  EXPECT_EQ(counts.texture_coordinates, 71396u);
+  EXPECT_EQ(counts.groups, 34u);
+}
+
+// A hierarchy's file carries the counts; one of which nothing was left out has the bytes that it had before there were
+// any: no section LEFT.
+TEST_F(LeftOutTest, TravelsWithTheHierarchy) {
+  const CleanMesh input = folder_.read("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\ng a\ng b\nf 1 2 3\n");
+  const std::filesystem::path file = folder_.path() / "a.olod";
+  write_olod(file, build_hierarchy(input.mesh), input.report);
+  EXPECT_EQ(read_olod(file).report.left_out, (LeftOut{.texture_coordinates = 1, .groups = 2}));
+  EXPECT_EQ(read_olod(file).report.vertices_read, 3u);
+  EXPECT_NE(test::bytes_of(file).find("LEFT"), std::string::npos);
+  MeshReport report = input.report;
+  report.left_out = {};
+  write_olod(file, build_hierarchy(input.mesh), report);
+  EXPECT_EQ(read_olod(file).report.left_out, LeftOut{});
+  EXPECT_EQ(test::bytes_of(file).find("LEFT"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace occlod
