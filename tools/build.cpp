@@ -85,7 +85,7 @@ void run(const Options& options) {
   result["report"] = to_json(input.report);
   if (options.json) return print_json(result);
   print_lines(result);
-  print_lines(result["report"]);
+  print_lines(input.report);
 }
 
 }  // namespace

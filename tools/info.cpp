@@ -48,7 +48,7 @@ void print(const Options& options, Json result, const MeshReport& reported) {
   result["report"] = to_json(reported);
   if (options.json) return print_json(result);
   print_lines(result);
-  print_lines(result["report"]);
+  print_lines(reported);
 }
 
 Json to_json(const Box& box) {

@@ -38,7 +38,16 @@ Json to_json(const MeshReport& report) {
                {"nonfinite_vertices", report.nonfinite_vertices},
                {"repeated_index_triangles", report.repeated_index_triangles}};
   json.update(topology_to_json(report));
+  json["left_out"] = to_json(report.left_out);
   return json;
+}
+
+Json to_json(const LeftOut& counts) {
+  return {{"texture_coordinates", counts.texture_coordinates},
+          {"normals", counts.normals},
+          {"colors", counts.colors},
+          {"materials", counts.materials},
+          {"groups", counts.groups}};
 }
 
 Json topology_to_json(const MeshReport& report) {
@@ -77,6 +86,24 @@ void print_lines(const Json& object) {
                                                        : value.dump();
     fmt::print("{:<{}}  {}\n", key, width, text);
   }
+}
+
+void print_lines(const MeshReport& report) {
+  Json lines = to_json(report);
+  lines["left_out"] = in_words(report.left_out);
+  print_lines(lines);
+}
+
+std::string in_words(const LeftOut& counts) {
+  std::string words;
+  const Json all = to_json(counts);
+  for (const auto& [key, count] : all.items()) {
+    if (count == 0) continue;
+    std::string what = key;
+    std::ranges::replace(what, '_', ' ');
+    words += fmt::format("{}{} {}", words.empty() ? "" : ", ", count.get<std::uint64_t>(), what);
+  }
+  return words.empty() ? "nothing" : words;
 }
 
 }  // namespace occlod::tool

@@ -31,9 +31,12 @@ void run(const Options& options) {
     violations.push_back(fmt::format("full refinement is not the mesh {}", options.input));
 
   if (options.json)
-    print_json({{"file", options.file}, {"valid", violations.empty()}, {"violations", violations}});
+    print_json({{"file", options.file},
+                {"valid", violations.empty()},
+                {"violations", violations},
+                {"left_out", to_json(file.report.left_out)}});
   else if (violations.empty())
-    fmt::print("{}: valid\n", options.file);
+    fmt::print("{}: valid (left out of its mesh: {})\n", options.file, in_words(file.report.left_out));
   else
     for (const std::string& violation : violations) fmt::print("{}: {}\n", options.file, violation);
   if (!violations.empty())
