@@ -27,7 +27,7 @@ fi
 
 # Sphinx reads a copy, to which pages are added; what docs/ links to outside of itself lies beside it as in the repository.
 tree=$out/tree
-rm -rf "$tree" "$out/html" "$out/doxygen"
+rm -rf "$tree" "$out/html" "$out/doxygen" "$out/doctrees"  # Sphinx fails where a class has moved to another page
 mkdir -p "$tree"
 cp -r docs "$tree/docs"
 for name in bench examples meshes tests scripts lib README.md CONTRIBUTING.md CHANGELOG.md LICENSE; do ln -s "$root/$name" "$tree/$name"; done
