@@ -25,15 +25,11 @@ if ! cmp -s docs/site/requirements.txt "$venv/requirements.txt"; then
   cp docs/site/requirements.txt "$venv/requirements.txt"
 fi
 
-# Sphinx reads a copy, to which pages are added; what docs/ links to outside of itself lies beside it as in the repository.
-tree=$out/tree
-rm -rf "$tree" "$out/html" "$out/doxygen" "$out/doctrees"  # Sphinx fails where a class has moved to another page
-mkdir -p "$tree"
-cp -r docs "$tree/docs"
-for name in bench examples meshes tests scripts lib README.md CONTRIBUTING.md CHANGELOG.md LICENSE; do ln -s "$root/$name" "$tree/$name"; done
-
+pages=$out/pages
+rm -rf "$pages" "$out/html" "$out/doxygen" "$out/doctrees"  # Sphinx fails where a class has moved to another page
+python3 -B docs/site/copy_pages.py "$pages"
 python3 -B docs/site/run_doxygen.py "$out/doxygen"
-python3 -B docs/site/api_pages.py "$out/doxygen/xml" "$tree/docs/reference"
-OCCLOD_DOXYGEN_XML=$out/doxygen/xml "$venv/bin/sphinx-build" --quiet --fail-on-warning --keep-going --conf-dir "$tree/docs/site" \
-  --doctree-dir "$out/doctrees" "$tree/docs" "$out/html"
+python3 -B docs/site/api_pages.py "$out/doxygen/xml" "$pages/reference"
+OCCLOD_DOXYGEN_XML=$out/doxygen/xml "$venv/bin/sphinx-build" --quiet --fail-on-warning --keep-going --conf-dir "$pages/site" \
+  --doctree-dir "$out/doctrees" "$pages" "$out/html"
 echo "docs.sh: $out/html/index.html"

@@ -1,6 +1,7 @@
-"""Sphinx reads docs/ as it is on GitHub. What only the site needs is added here while it reads:
-tables of contents from the lists of links in index pages, and a page of the reference for every public header.
-scripts/docs.sh sets OCCLOD_DOXYGEN_XML."""
+"""Settings of Sphinx, which scripts/docs.sh runs on a copy of docs/.
+
+The pages are written to be read in the repository too. What only a site needs is added while they are read: tables of
+contents from the lists and tables of links in index pages. scripts/docs.sh sets OCCLOD_DOXYGEN_XML."""
 import os
 import re
 
@@ -26,8 +27,6 @@ breathe_projects = {"occlod": os.environ["OCCLOD_DOXYGEN_XML"]}
 breathe_default_project = "occlod"
 breathe_show_include = False
 
-HEADER_LINK = re.compile(r"\]\((?:\.\./)+lib/include/occlod/([\w/]+)\.h\)")
-
 
 def contents(text):
     """Hidden tables of contents: one for each heading, of the pages that the items of its lists begin with."""
@@ -42,11 +41,8 @@ def contents(text):
 
 
 def add_what_the_site_needs(app, page, source):
-    depth = page.count("/")
-    text = HEADER_LINK.sub(lambda link: f"]({'../' * depth}reference/{link.group(1)}.md)", source[0])
     if page.endswith("index"):
-        text += contents(text)
-    source[0] = text
+        source[0] += contents(source[0])
 
 
 def setup(app):
