@@ -200,6 +200,23 @@ class Render(ToolTest):
         self.assertEqual(json.loads(done.stdout)["hash"], first["hash"])
         self.assertTrue(done.stderr.startswith("occlod: note: "), done.stderr)
 
+    # Opening the file does not look at the bytes that are changed: those of a split.
+    def test_scene_whose_cache_is_damaged_is_rendered_as_without(self):
+        self.write_scene("""{"objects": [{"generator": "rough-planet", "options": {"level": 4}}],
+                             "cameras": {"default": {"eye": [0, 0, 3], "target": [0, 0, 0]}}}""")
+        render = ("render", "scene.json", "--occlusion", "software", "--budget", 1000)
+        expected = self.json_of(*render, "--no-cache")["hash"]
+        self.assertEqual(self.json_of(*render)["hash"], expected)
+        entry = next((self.folder / "cache/occlod").iterdir())
+        whole = entry.read_bytes()
+        entry.write_bytes(whole[:5000] + b"ABCDEFGH" + whole[5008:])
+        done = self.run_tool(*render, "--json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(json.loads(done.stdout)["hash"], expected)
+        self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+        self.assertIn("built again", done.stderr)
+        self.assertEqual(entry.read_bytes(), whole)
+
     def write_scene_with_paths(self):
         """A path that jumps from the default camera to one close by, and one that moves from the first to the second."""
         keys = """[{"eye": [0, 0, 3], "target": [0, 0, 0], "width": 160, "height": 120}, {"eye": [0, 1.3, 0], "target": [0, 0.8, -1]}]"""
