@@ -38,6 +38,13 @@ HWY_INLINE Vec3<Doubles> constant(const glm::dvec3& v) { return {constant(v.x), 
 HWY_INLINE hn::Vec<Doubles> wide(hn::Vec<Floats> v) { return hn::PromoteTo(Doubles(), v); }
 HWY_INLINE Vec3<Doubles> wide(const Vec3<Floats>& v) { return {wide(v.x), wide(v.y), wide(v.z)}; }
 
+// As static_cast<float>: Highway's plain C++ would make the largest float of what is infinite.
+HWY_INLINE hn::Vec<Floats> narrow(hn::Vec<Doubles> v) {
+  const hn::Vec<Floats> result = hn::DemoteTo(Floats(), v);
+  const hn::Mask<Floats> is_infinite = hn::Ge(hn::Abs(result), constant(std::numeric_limits<float>::max()));
+  return hn::IfThenElse(is_infinite, hn::CopySign(constant(std::numeric_limits<float>::infinity()), result), result);
+}
+
 HWY_INLINE Vec3<Doubles> subtract(const Vec3<Doubles>& a, const Vec3<Doubles>& b) {
   return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
 }
@@ -126,8 +133,7 @@ struct ScaleLanes {
 HWY_INLINE ScaleLanes scale_px(const Vec3<Doubles>& center_in_object, hn::Vec<Doubles> object_radius,
                                const ObjectView& view) {
   const hn::Vec<Doubles> radius = hn::Mul(object_radius, constant(view.largest_stretch()));
-  if (view.is_orthographic())
-    return {hn::Set(Floats(), view.largest_scale_px({})), hn::Zero(Floats()), hn::DemoteTo(Floats(), radius)};
+  if (view.is_orthographic()) return {hn::Set(Floats(), view.largest_scale_px({})), hn::Zero(Floats()), narrow(radius)};
   const hn::Vec<Doubles> one = constant(1.0);
   const glm::dmat4x3& m = view.object_to_eye();
   const auto row = [&](int r) HWY_ATTR {
@@ -151,9 +157,8 @@ HWY_INLINE ScaleLanes scale_px(const Vec3<Doubles>& center_in_object, hn::Vec<Do
   const hn::Mask<Doubles> is_before = hn::Gt(nearest, hn::Zero(Doubles()));
   const hn::Vec<Doubles> seen = hn::IfThenElse(is_before, result, infinite());
   // Rounded up.
-  return {hn::Add(hn::DemoteTo(Floats(), hn::Mul(seen, constant(1.0 + 2e-7))),
-                  constant(std::numeric_limits<float>::denorm_min())),
-          hn::DemoteTo(Floats(), nearest), hn::DemoteTo(Floats(), radius)};
+  return {hn::Add(narrow(hn::Mul(seen, constant(1.0 + 2e-7))), constant(std::numeric_limits<float>::denorm_min())),
+          narrow(nearest), narrow(radius)};
 }
 
 }  // namespace occlod::HWY_NAMESPACE

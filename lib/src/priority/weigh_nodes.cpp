@@ -75,7 +75,7 @@ HWY_INLINE void weigh_vector(Front& front, const std::int32_t* which, const Weig
     const hn::Vec<Doubles> cos_angle = wide(node.read(offsetof(FrontNode, cone) + offsetof(NormalCone, cos_angle)));
     const Verdict<Doubles> away = is_facing_away(wide(center), wide(radius), axis, cos_angle, now.view.eye());
     is_away = hn::AndNot(is_out, away.is_so);
-    eye_distance_limit = hn::IfThenElse(outside.is_so, eye_distance_limit, hn::DemoteTo(Floats(), away.margin));
+    eye_distance_limit = hn::IfThenElse(outside.is_so, eye_distance_limit, narrow(away.margin));
   }
   const hn::Mask<Doubles> is_seen = hn::Not(hn::Or(is_out, is_away));
   const hn::Mask<Floats> seen =
