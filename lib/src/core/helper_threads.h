@@ -13,7 +13,7 @@ namespace occlod {
 // Waits for its threads when it ends.
 class HelperThreads {
  public:
-  // Does `work` on a thread of its own; false, and nothing is done, when the system grants no more threads.
+  // Runs `work` on a thread of its own. False, and nothing is run, when the system has no more threads.
   template <typename Work>
   [[nodiscard]] bool start(Work work) {
     try {

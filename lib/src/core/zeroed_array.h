@@ -13,7 +13,7 @@ namespace occlod {
 template <typename T>
 using ZeroedArray = std::unique_ptr<T[], decltype(&std::free)>;
 
-// All zero. From calloc: pages that are never touched are never there. Throws std::bad_alloc.
+// All zero. From calloc: pages that are never touched are never allocated. Throws std::bad_alloc.
 template <typename T>
 [[nodiscard]] ZeroedArray<T> zeroed_array(std::size_t count) {
   static_assert(std::is_trivial_v<T>);

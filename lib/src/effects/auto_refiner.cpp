@@ -18,24 +18,23 @@ namespace occlod {
 namespace {
 
 constexpr std::size_t look_interval = 30;  // views from one look ahead to the next while the camera stays near
-// The same of frames that go on, which take a fraction of the time; less where the camera moves far, but at least so
-// many.
+// The same from frame to frame, where a frame takes a fraction of the time; sooner when the camera moves far, but never
+// before the least interval.
 constexpr std::size_t frame_look_interval = 90;
 constexpr std::size_t least_frame_look_interval = 30;
-constexpr double near_cosine = 0.94;  // of the angle that the camera may turn: 20 degrees
-constexpr double near_share = 0.1;    // of the scene's extent, that the eye may move
+constexpr double near_cosine = 0.94;  // cosine of the angle by which the camera may turn: 20 degrees
+constexpr double near_share = 0.1;    // share of the scene's extent by which the eye may move
 constexpr double same_budget_factor = 2.0;
 constexpr double same_zoom_factor = 1.25;
-constexpr double least_gain = 0.1;  // of the score, going on: for less a choice is not changed
-constexpr double new_share = 0.25;  // going on: of the last frame in what is known of them
-// Going on: frames with a new choice, until all that is there has been asked about in turn, tell nothing of those to
-// come.
+constexpr double least_gain = 0.1;  // relative gain of the score for which a frame changes the choice
+constexpr double new_share = 0.25;  // weight of the last frame in the running means of frames
+// The first frames after a new choice, until everything has been queried in turn, do not predict later ones.
 constexpr std::size_t settling_frames = 8;
 constexpr double least_queries = 24.0;         // before a region is judged
-constexpr std::size_t least_cone_tests = 128;  // before an object's cones are
-constexpr std::size_t least_samples = 12;      // of an object that none of is hidden
-constexpr double visits_saved_by_cone = 4.0;   // what a culled subtree would have been looked at, at least
-constexpr double dense_hidden = 0.5;           // nodes hidden: from here every level is asked about
+constexpr std::size_t least_cone_tests = 128;  // before an object's cones are judged
+constexpr std::size_t least_samples = 12;      // before an object of which nothing is hidden is judged
+constexpr double visits_saved_by_cone = 4.0;   // at least, for each culled subtree
+constexpr double dense_hidden = 0.5;           // share of hidden nodes from which every level is queried
 
 // The calibration's backends in the order of those given.
 Calibration matched(Calibration calibration, std::span<const std::unique_ptr<Visibility>> backends) {
@@ -56,7 +55,7 @@ std::vector<std::unique_ptr<Visibility>> or_software(std::vector<std::unique_ptr
   return backends;
 }
 
-// A coarse occluder that bulges out of the surface seems to hide more than a fine one does.
+// A coarse occluder that bulges out of the surface seems to hide more than a fine one.
 HiddenShares smaller(HiddenShares coarse, const HiddenShares& fine) {
   coarse.visits_hidden = std::min(coarse.visits_hidden, fine.visits_hidden);
   coarse.splits_hidden = std::min(coarse.splits_hidden, fine.splits_hidden);
@@ -64,7 +63,7 @@ HiddenShares smaller(HiddenShares coarse, const HiddenShares& fine) {
   return coarse;
 }
 
-// Of all hierarchies, each once.
+// Over all hierarchies, each counted once.
 std::size_t splits_of(std::span<const RefineObject> objects) {
   std::vector<const Hierarchy*> hierarchies;
   for (const RefineObject& object : objects) hierarchies.push_back(object.hierarchy);
@@ -88,8 +87,8 @@ double extent_of(std::span<const RefineObject> objects) {
 
 }  // namespace
 
-// Before a view, sometimes, a look ahead; a choice by forecast; refinement; then its counts are learnt, and sometimes a
-// look back. Looks are rare, so that a scene without occlusion pays next to nothing for them.
+// A look ahead when one is due, a choice by forecast, refinement, then its counts are recorded, and a look back when
+// one is due. Looks are rare, so a scene without occlusion pays hardly anything for them.
 class AutoRefiner::Impl {
  public:
   Impl(std::span<const RefineObject> objects, AutoOptions options)
@@ -127,7 +126,7 @@ class AutoRefiner::Impl {
     }
     last_ = {view.camera(), options};
     RefineOptions chosen = report_.choice.with(options);
-    chosen.occluder.splits.clear();  // frames draw one each; another number would begin anew
+    chosen.occluder.splits.clear();  // each frame draws one occluder; another value would refine from scratch
     const Refinement& refinement = refiner_.update(view, chosen, chosen_backend());
     report_.objects = refinement.effects;
     if (stands) return refinement;
@@ -137,7 +136,7 @@ class AutoRefiner::Impl {
   }
 
  private:
-  // What has been counted since the camera was far away.
+  // Counts since the camera was last far away.
   struct Counted {
     std::array<std::optional<FrameCounts>, occlusion_effort_count> known;
     QueryRates rates{};
@@ -169,7 +168,7 @@ class AutoRefiner::Impl {
     const Clock::time_point start = Clock::now();
     const Probe::Result& result = probe_.look_ahead(view, options);
     ahead_ = result.all;
-    // What frames that go on have counted follows the camera.
+    // From frame to frame, the counts follow the camera.
     const bool forgets = way == Way::from_scratch || options.budget != looked_with_.budget;
     if (looked_from_ && forgets && is_far_from_last_look(view, options)) {
       back_.reset();
@@ -199,7 +198,7 @@ class AutoRefiner::Impl {
     report_.look_ms += milliseconds_since(start);
   }
 
-  // Before the view, with a look ahead if it is time for one.
+  // Before the view, with a look ahead when one is due.
   void choose(Way way, const View& view, const RefineOptions& options) {
     const std::optional<EffectChoice> before =
         way == Way::going_on && last_ ? std::optional(std::move(report_.choice)) : std::nullopt;
@@ -230,7 +229,7 @@ class AutoRefiner::Impl {
     report_.saved_ms = report_.forecasts.front().frame_ms * report_.saved_triangles / prospect.counts.triangles;
   }
 
-  // Of what may be chosen. Where nothing may be asked about any object, occluders would be drawn for nothing.
+  // The best of what may be chosen. Where no object may be queried, occluders would be drawn for nothing.
   [[nodiscard]] const EffortForecast* best_forecast(const std::optional<EffectChoice>& before) {
     const bool may_ask =
         std::any_of(effects_.begin(), effects_.end(), [](const auto& e) { return e.occlusion && e.regions != 0; });
@@ -245,7 +244,7 @@ class AutoRefiner::Impl {
     return report_.held ? &*same : &*best;
   }
 
-  // What is freed would have to be there in addition.
+  // The triangles that a mesh without occlusion would need in addition for the same error.
   [[nodiscard]] double saved_triangles(const Prospect& prospect, const EffortForecast& chosen) const {
     if (!chosen.backend) return 0.0;
     const double hidden = hidden_with(chosen.effort, prospect);
@@ -254,7 +253,7 @@ class AutoRefiner::Impl {
     return std::clamp(triangles * hidden / (1.0 - hidden), 0.0, std::max(more, 0.0));
   }
 
-  // After the view, with a look back if one is due.
+  // After the view, with a look back when one is due.
   void learn(Way way, const View& view, const RefineOptions& options, const Refinement& refinement) {
     const RefineStats& stats = refinement.stats;
     report_.objects = refinement.effects;
@@ -281,8 +280,8 @@ class AutoRefiner::Impl {
       look_back(view, options, refinement, level_px);
   }
 
-  // The priority at which refinement from scratch would come to the end of its budget: as it did, scaled by what looks
-  // ahead have said since. What a mesh that goes on would take back first is no measure of it.
+  // The priority at which refinement from scratch would use up its budget: the last one seen, scaled by the change in
+  // looks ahead since. From frame to frame the priority of the least important leaf does not measure it.
   [[nodiscard]] double scratch_level_px() const {
     const bool can_scale = scratch_level_.ahead_px > 0.0 && probe_.level_ahead_px() > 0.0;
     return can_scale ? scratch_level_.px * probe_.level_ahead_px() / scratch_level_.ahead_px : scratch_level_.px;
@@ -302,7 +301,7 @@ class AutoRefiner::Impl {
     return counts;
   }
 
-  // From one frame to the next counts change little, but for a few.
+  // Counts change little from one frame to the next, with few exceptions.
   [[nodiscard]] static FrameCounts mixed(const FrameCounts& before, FrameCounts now) {
     now.splits = std::lerp(before.splits, now.splits, new_share);
     now.visits = std::lerp(before.visits, now.visits, new_share);
@@ -355,11 +354,11 @@ class AutoRefiner::Impl {
   };
   struct ScratchLevel {
     double px = 0.0;
-    double ahead_px = 0.0;  // as the look ahead before it said
+    double ahead_px = 0.0;  // according to the look ahead before it
   };
-  ScratchLevel scratch_level_;          // of the last refinement from scratch
-  std::optional<Last> last_;            // of update(), since the last refine()
-  std::size_t frames_with_choice_ = 0;  // going on, before the last
+  ScratchLevel scratch_level_;          // from the last refinement from scratch
+  std::optional<Last> last_;            // from update(), since the last refine()
+  std::size_t frames_with_choice_ = 0;  // from frame to frame, before the last
   std::vector<ObjectEffects> effects_;
   struct Worth {
     double queries = 0.0;

@@ -16,10 +16,10 @@ namespace occlod {
 namespace {
 
 constexpr int rounds = 4;
-constexpr int image_side = 1024;   // as large as images usually are: smaller ones fit into caches
-constexpr double least_ns = 0.01;  // what a clock may miss
+constexpr int image_side = 1024;   // a usual size; smaller images would fit into caches
+constexpr double least_ns = 0.01;  // the resolution of the clock
 
-// The shortest of a few rounds, ns: whatever else the machine does only makes it longer.
+// The shortest of a few rounds, in ns: other load on the machine can only make a round longer.
 template <typename Work>
 double fastest_ns(const Work& work) {
   double best = std::numeric_limits<double>::infinity();
@@ -43,11 +43,11 @@ View view_from(double distance) {
   return View(camera);
 }
 
-// Each split once, in an order that no prefetcher knows, after the caches have been filled with something else.
+// Visits each split once, in an order that prefetchers cannot predict, after filling the caches with other data.
 template <typename Visit>
 double far_visit_ns(SplitId splits, const Visit& visit) {
   constexpr std::size_t cache_bytes = std::size_t{24} << 20U;
-  constexpr SplitId stride = 389;  // prime: meets every split of a smaller or larger number that it does not divide
+  constexpr SplitId stride = 389;  // prime: visits every split unless it divides their number
   const std::vector<char> other(cache_bytes, 1);
   volatile char sink = 0;
   for (std::size_t i = 0; i < cache_bytes; i += 64) sink = static_cast<char>(sink + other[i]);
@@ -81,7 +81,7 @@ class Workload {
   std::vector<glm::vec3> wall_positions_ = {
       {-9.0F, -9.0F, 0.0F}, {9.0F, -9.0F, 0.0F}, {9.0F, 9.0F, 0.0F}, {-9.0F, 9.0F, 0.0F}};
   std::vector<Triangle> wall_triangles_ = {{0, 1, 2}, {0, 2, 3}};
-  View near_ = view_from(3.0);     // the planet is large in it, the wall beyond its edges
+  View near_ = view_from(3.0);     // the planet is large in it; the wall reaches beyond its edges
   View nearer_ = view_from(2.98);  // the next frame
   View far_ = view_from(20.0);     // its triangles are a few pixels wide
 };
@@ -89,7 +89,7 @@ class Workload {
 void Workload::measure_refinement(Calibration& calibration) const {
   const ObjectView view(near_, glm::dmat4(1.0));
   const auto splits = static_cast<SplitId>(hierarchy_.split_count());
-  volatile float sink = 0.0F;  // so that nothing is left out
+  volatile float sink = 0.0F;  // keeps the compiler from removing the loops
   StarVisibility star;
   const auto visit = [&](SplitId s) {
     const SplitNode& node = hierarchy_.node(s);
@@ -119,7 +119,7 @@ void Workload::measure_refinement(Calibration& calibration) const {
   calibration.kept_split_ns = kept_split_ns(calibration);
 }
 
-// What a frame takes beside what it looks at and changes.
+// What a frame takes besides visits and changes.
 double Workload::kept_split_ns(const Calibration& calibration) const {
   const RefineObject objects[] = {{.hierarchy = &hierarchy_}};
   Refiner refiner(objects);
@@ -150,8 +150,8 @@ void Workload::measure_drawing(Calibration& calibration) const {
   calibration.fragment_ns = per(draw(wall(), near_), std::size_t{image_side} * image_side);
 }
 
-// What refinement takes longer when it asks about stars as well as about subtrees, by questions: so the occluder drops
-// out, and gathering what is asked about and keeping what is answered are part of it.
+// The extra time per query when refinement queries stars as well as subtrees. The cost of the occluder cancels, and
+// collecting the queries and keeping the answers are included.
 double Workload::query_ns(Visibility& backend, const Calibration& calibration) const {
   const RefineObject objects[] = {{.hierarchy = &hierarchy_}};
   Refiner refiner(objects);
@@ -181,7 +181,7 @@ BackendCosts Workload::costs_of(Visibility& backend, const Calibration& calibrat
     return fastest_ns([&] {
       backend.draw_occluder(parts);
       backend.submit({0, Sphere{{}, 0.1F}});
-      (void)backend.collect();  // a backend may not begin to draw before something is asked
+      (void)backend.collect();  // a backend may defer drawing until a query is submitted
     });
   };
   begin(far_);
@@ -195,7 +195,7 @@ BackendCosts Workload::costs_of(Visibility& backend, const Calibration& calibrat
                            (void)backend.collect();
                          }),
                          1);
-  // Nothing is quicker than the fifth of a test that is waited for: what the clock missed.
+  // A batched test is taken to cost at least a fifth of one that is waited for; less is below what the clock resolves.
   costs.query_ns = std::max(query_ns(backend, calibration), 0.2 * costs.latency_ns);
   return costs;
 }

@@ -6,7 +6,7 @@
 namespace occlod {
 namespace {
 
-constexpr double most_hidden = 0.95;         // of a small sample, all does not mean all
+constexpr double most_hidden = 0.95;         // limits the shares found by small samples
 constexpr double fragments_per_pixel = 2.0;  // Guthe, sec. 3.2.1
 constexpr double occluder_growth = 6.0;      // from one occluder to the next, see OccluderSteps
 constexpr double first_occluder_triangles = 128.0;
@@ -34,8 +34,8 @@ OccluderCounts occluders_of(Way way, OcclusionEffort effort, double triangles) {
   return counts;
 }
 
-// As counted with this effort, else with another, else as far as the shares say: what is not looked at where it is
-// hidden is looked at elsewhere, where the freed triangles go.
+// Counted with this effort if known, else with another, else estimated from the shares: visits saved on hidden surface
+// are spent elsewhere, where the freed triangles go.
 FrameCounts counts_with(OcclusionEffort effort, const Prospect& prospect, const HiddenShares& shares) {
   if (const auto& known = prospect.known[static_cast<std::size_t>(effort)]) return *known;
   const auto other = std::find_if(prospect.known.begin() + 1, prospect.known.end(),
@@ -81,7 +81,7 @@ double frame_ms_without(const Calibration& calibration, const FrameCounts& count
 double error_with(double hidden, double growth) {
   constexpr double picture_exponent = 0.4;
   constexpr double least_growth = 0.1;
-  constexpr double least_error = 0.05;  // of a small sample, all does not mean all
+  constexpr double least_error = 0.05;  // limits the gain claimed by small samples
   const double exponent = picture_exponent * std::log(2.0) / std::log1p(std::clamp(growth, least_growth, 1.0));
   return std::max(least_error, std::pow(1.0 - std::min(hidden, most_hidden), exponent));
 }
@@ -98,7 +98,8 @@ std::vector<EffortForecast> forecasts(const Calibration& calibration, const Pros
   return all;
 }
 
-// Errors fall with one over the number of triangles: below a node whose error is n times that at the end are n splits.
+// Errors fall with one over the number of triangles: a node whose error is n times the final level has about n splits
+// below it.
 double splits_freed(const ObjectEffectStats::Region& region, double level_px) {
   constexpr double least_level_px = 0.1;
   return region.hidden_stars + static_cast<double>(region.hidden_subtrees_px) / std::max(level_px, least_level_px);

@@ -11,12 +11,13 @@ namespace {
 
 constexpr int image_divisor = 4;
 constexpr std::size_t walks_ahead = 64;
-constexpr std::size_t walks_back = 128;       // rarer, and decides for longer
-constexpr std::size_t most_roots = 256;       // of thousands of components so many are looked at
-constexpr std::size_t scout_triangles = 160;  // beside the base meshes: more than OccluderSteps wants for its first
-constexpr std::size_t most_below = 16;        // nodes that are counted below a sample
-constexpr float least_level_px = 1e-3F;       // where refinement has come to the end of the mesh
-constexpr float largest_error_px = 1e4F;      // the eye is inside the bounds
+constexpr std::size_t walks_back = 128;  // more than ahead: looks back are rarer and decide for longer
+constexpr std::size_t most_roots = 256;  // limits the roots that are sampled in scenes of thousands of components
+constexpr std::size_t scout_triangles =
+    160;  // added to the base meshes; more than OccluderSteps needs for its first occluder
+constexpr std::size_t most_below = 16;    // nodes counted below a sample
+constexpr float least_level_px = 1e-3F;   // the level of a fully refined mesh
+constexpr float largest_error_px = 1e4F;  // for nodes whose bounds contain the eye
 
 Camera smaller(Camera camera) {
   camera.width = std::max(1, camera.width / image_divisor);
@@ -29,7 +30,7 @@ double share(double part, double whole) { return whole > 0.0 ? part / whole : 0.
 
 }  // namespace
 
-// The refiner's view of the software backend: what it draws goes to a smaller image, and nothing is hidden from it.
+// Passed to the refiner as its backend: draws occluders into a smaller image and answers every query with visible.
 class Probe::SmallVisibility final : public Visibility {
  public:
   explicit SmallVisibility(std::span<const RefineObject> objects) : objects_(objects) {}
@@ -150,7 +151,7 @@ HiddenShares Probe::Sums::shares() const {
       growth};
 }
 
-// Every n-th root of all forests, so that no more than most_roots are looked at.
+// Every n-th root of all forests, at most most_roots.
 void Probe::find_roots() {
   std::size_t count = 0;
   for (const RefineObject& object : objects_) count += object.hierarchy->data().roots.size();
@@ -168,7 +169,7 @@ void Probe::find_roots() {
   }
 }
 
-// Of a node that refinement would look at; 0 of one that it would drop.
+// The screen error of a node; 0 where refinement would cull it.
 float Probe::error_px(std::uint32_t object, SplitId s) const {
   const Hierarchy& hierarchy = *objects_[object].hierarchy;
   hierarchy.require(s);
@@ -179,9 +180,9 @@ float Probe::error_px(std::uint32_t object, SplitId s) const {
   return std::min(ScreenError::in_pixels(node.error, view.largest_scale_px(node.sphere)), largest_error_px);
 }
 
-// From a root down to the last node whose error is not below the level. As many nodes as large below a node as its
-// error is above the level, since errors fall with one over the number of triangles: so each step goes to a child with
-// a probability in proportion to its error, and all last nodes are about as likely.
+// From a root down to the last node whose error is not below the level. Errors fall with one over the number of
+// triangles, so below a node are about as many nodes as its error is times the level. Each step therefore goes to a
+// child with a probability in proportion to its error, which makes all last nodes about equally likely.
 Probe::Sample Probe::walk(float level_px) {
   const float start = static_cast<float>(random()) * roots_.back().weight_until;
   const auto root = std::upper_bound(roots_.begin(), roots_.end() - 1, start,
@@ -194,7 +195,7 @@ Probe::Sample Probe::walk(float level_px) {
     const float v = node.child_v == no_id ? 0.0F : error_px(at.object, node.child_v);
     const bool to_u = random() * static_cast<double>(u + v) < static_cast<double>(u);
     const float error = to_u ? u : v;
-    // Ids rise along the forest, also of a file that lies about it: no walk is without an end.
+    // Ids rise along the forest, also in a corrupt file, so every walk ends.
     const SplitId next = to_u ? node.child_u : node.child_v;
     if (!(error > 0.0F && error >= level_px) || next <= at.split) return at;
     at.split = next;
@@ -202,8 +203,8 @@ Probe::Sample Probe::walk(float level_px) {
   }
 }
 
-// A walk that ended far above the level, where everything below is dropped or the mesh ends, stands for as many walks
-// to nodes that are not there: it counts the less.
+// A walk that ended far above the level, because everything below is culled or the mesh ends, stands in for walks to
+// nodes that do not exist: it counts less.
 void Probe::count(const Sample& at, float level_px) {
   const Hierarchy& hierarchy = *objects_[at.object].hierarchy;
   Sums& sums = sums_[at.object];
@@ -213,7 +214,7 @@ void Probe::count(const Sample& at, float level_px) {
   sums.visits += weight;
   const float priority = importances_[at.object].of(at.split).priority;
   const bool is_split = priority > 0.0F && priority >= level_px;
-  // Bounds hold the star, and those of the parent hold both: what is seen is seen above.
+  // Bounds contain the star, and the parent's bounds contain both: what is visible is visible above.
   if (is_split) {
     ++sums.split_samples;
     sums.splits += weight;

@@ -1,4 +1,4 @@
-// A glance at how much of a scene is hidden, before or after it is refined.
+// Samples how much of a scene is hidden, before or after it is refined.
 #pragma once
 
 #include <cstdint>
@@ -13,8 +13,8 @@
 
 namespace occlod {
 
-// Asks a backend of its own at a fraction of the view's resolution, so that a glance costs a small share of a frame.
-// Nothing is decided by its answers but what is worth asking: they need not be conservative.
+// Queries a backend of its own at a fraction of the view's resolution, so that a look costs a small share of a frame.
+// The answers only decide which queries are worth asking, so they need not be conservative.
 class Probe {
  public:
   explicit Probe(std::span<const RefineObject> objects);
@@ -26,12 +26,11 @@ class Probe {
     HiddenShares all;
     std::vector<HiddenShares> objects;
   };
-  // Before a view is refined: the occluder is a coarse mesh that is refined for it. The same arguments give the same
-  // result.
+  // Before a view is refined: the occluder is a coarse mesh refined for this purpose. Deterministic.
   const Result& look_ahead(const View& view, const RefineOptions& options);
-  // Of the last one: the priority at which refinement from scratch should come to the end of its budget.
+  // From the last look ahead: the priority at which refinement from scratch should use up its budget.
   [[nodiscard]] double level_ahead_px() const noexcept { return level_ahead_px_; }
-  // Afterwards: the occluder is what has been refined, as it is, down to priorities of level_px.
+  // After a view: the occluder is the refined mesh, whose splits have priorities down to level_px.
   const Result& look_back(const View& view, const RefineOptions& options, const Refinement& refinement,
                           double level_px);
 
@@ -42,7 +41,7 @@ class Probe {
     SplitId split = no_id;
     float error_px = 0.0F;
   };
-  // Of samples; all but the first two weighted.
+  // Sums over samples; all except the first two are weighted.
   struct Sums {
     std::size_t samples = 0;
     std::size_t split_samples = 0;
@@ -52,7 +51,7 @@ class Probe {
     double splits_hidden = 0.0;
     double stars_hidden = 0.0;
     double seen = 0.0;   // splits that are not hidden
-    double below = 0.0;  // nodes below these whose error is at least half of the level
+    double below = 0.0;  // nodes below those splits whose error is at least half of the level
 
     void add(const Sums& o);
     [[nodiscard]] HiddenShares shares() const;

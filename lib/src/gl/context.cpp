@@ -16,7 +16,7 @@ thread_local ContextBase* bound_here = nullptr;
 
 // llvmpipe reads LP_NUM_THREADS when it first starts in a process. 0 = it draws on the calling thread, where waking a
 // worker for each query costs more than drawing it: 14 instead of 85 us for a query that is waited for. Other drivers
-// do not look at it. What the user has set stays.
+// ignore it. A value set by the user is kept.
 void calm_llvmpipe() {
   static std::once_flag once;
   std::call_once(once, [] { setenv("LP_NUM_THREADS", "0", 0); });
@@ -32,7 +32,7 @@ std::string reason(const Error& error) {
   return d.subject + (d.place.empty() ? "" : " " + d.place) + ": " + d.problem;
 }
 
-// Where both ways fail for one reason (no library), it is told once.
+// When both fail for the same reason (no library), it is reported once.
 [[noreturn]] void refuse_both(const char* subject, const Error& first, const Error& second, const std::string& mend) {
   std::string reasons = reason(first);
   if (reason(second) != reasons) reasons += ", " + reason(second);

@@ -115,7 +115,7 @@ struct Functions {
   OCCLOD_GL_MEMBER(GETGRAPHICSRESETSTATUS, GetGraphicsResetStatus)
 #undef OCCLOD_GL_MEMBER
   int version = 0;  // 10 * major + minor
-  // The driver's last complaint, filled in debug builds where it offers KHR_debug; check() quotes it. Else null.
+  // The driver's last message, filled in debug builds where it offers KHR_debug; check() quotes it. Otherwise null.
   std::shared_ptr<std::string> driver_message;
 };
 
@@ -129,8 +129,8 @@ using GetProc = Proc (*)(const char* name);
 // Throws Error that names `user` and what to use instead when the context is older than `version` (43 = 4.3).
 void require_version(const Functions& gl, int version, const char* user);
 
-// The context is gone with all that lives in it, since the GPU or its driver was reset. Calls do nothing any more and
-// answer anything; objects may still be deleted, and another context may be made.
+// The context is lost with everything in it, since the GPU or its driver was reset. Calls no longer have an effect and
+// may return anything; objects may still be deleted, and another context may be created.
 class ContextLost : public Error {
  public:
   // `reset`: what glGetGraphicsResetStatus has said; GL_NO_ERROR when it is only known that the context is lost.

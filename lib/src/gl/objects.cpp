@@ -11,7 +11,7 @@ namespace occlod::gl {
 namespace {
 
 constexpr GLsizei longest_log = 2048;  // characters
-// Drivers answer within milliseconds. One that has not after this long never will.
+// Drivers answer within milliseconds; after this long they never will.
 constexpr std::uint64_t longest_wait_ns = 10'000'000'000;
 
 [[noreturn]] void refuse_shader(const Functions& gl, const char* stage, const std::string& log) {

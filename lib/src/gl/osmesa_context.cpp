@@ -81,7 +81,7 @@ class OsMesaContext final : public ContextBase {
     osmesa().destroy(context_);
   }
 
-  // OSMesa insists on a default framebuffer; nobody draws into it.
+  // OSMesa requires a default framebuffer; it is not used.
   static constexpr GLsizei side = 4;
   std::array<unsigned char, std::size_t{side} * side * 4> window_{};
   OsMesaHandle context_;

@@ -24,9 +24,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Drivers answer within milliseconds. One that has not after this long never will.
+// Drivers answer within milliseconds; after this long they never will.
 constexpr std::chrono::seconds longest_wait{10};
-// A lost context answers at once; this is for drivers that do not keep to that. So many looks take a millisecond.
+// A lost context should answer at once; this is for drivers that do not. So many polls take a millisecond.
 constexpr int looks_for_each_check = 1024;
 
 GLenum gl_target(QueryTarget target) {
@@ -40,8 +40,8 @@ GLenum gl_target(QueryTarget target) {
   }
 }
 
-// Query objects that wait for nothing. An object keeps the target of its first use for good, so a pool has one target,
-// and its objects never leave it.
+// Idle query objects. An object keeps the target of its first use, so a pool has one target and its objects stay in
+// it.
 class QueryPool {
  public:
   explicit QueryPool(QueryTarget target) : target_(gl_target(target)) {}
@@ -201,7 +201,7 @@ std::uint32_t QueryOcclusion::collect() {
   --issued_;
   const std::uint32_t passed = resources.pool.take(resources.stage.gl(), *std::move(oldest.query));
   issue(resources);
-  // Once for all questions between two occluders: a lost context says anything.
+  // Checked once for all queries between two occluders: a lost context may answer anything.
   if (issued_ == 0) check(resources.stage.gl(), "occlusion query");
   return counts_ ? resources.stage.pixels(passed, oldest.draw->most_pixels) : std::min(passed, 1U);
 }

@@ -1,4 +1,4 @@
-// Tells whoever waits for a build how far it is, and ends it when they want no more.
+// Reports the progress of a build, and ends it when the callback asks for that.
 #pragma once
 
 #include <algorithm>

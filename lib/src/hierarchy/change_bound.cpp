@@ -101,8 +101,8 @@ double ChangeBound::page_bound(const glm::dvec3& apex, const glm::dvec3& target)
   const glm::dvec2 t = project(target);
   flat_.resize(n);
   std::transform(p.begin(), p.end(), flat_.begin(), [&](const glm::dvec3& corner) { return project(corner); });
-  // Both fans must cover the same polygon once: no triangle turned over. An old one may stand upright: its heights are
-  // those of its edges.
+  // Both fans must cover the same polygon once: no triangle is flipped. An old one may be perpendicular: its heights
+  // are those of its edges.
   const double smallest = 1e-12 * length;
   for (std::size_t i = 0; i < edges; ++i) {
     const glm::dvec2& b = flat_[i];

@@ -1,4 +1,4 @@
-// Which half-edge collapses keep the topology and do not turn a face over.
+// Which half-edge collapses keep the topology and do not flip a face.
 #pragma once
 
 #include <glm/vec3.hpp>

@@ -149,7 +149,7 @@ struct Fan::Overlay {
     dx[columns()] = dy[columns()] = 0.0F;
   }
 
-  // Both fans must cover the polygon once. An old face may stand upright.
+  // Both fans must cover the polygon once. An old face may be perpendicular.
   [[nodiscard]] bool covers_once(float smallest_area) const {
     alignas(16) std::array<std::int32_t, most_neighbours> fails;
     for (std::size_t k = 0; k < columns(); ++k) {

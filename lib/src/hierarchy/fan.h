@@ -1,4 +1,4 @@
-// The quick way for the usual vertex: one closed fan of faces, all wound alike, none at a feature edge.
+// The fast path for the usual vertex: one closed fan of faces, all wound alike, none at a feature edge.
 #pragma once
 
 #include <array>
@@ -46,7 +46,9 @@ class Fan {
 
   [[nodiscard]] std::size_t after(std::size_t i) const noexcept { return i + 1 == size_ ? 0 : i + 1; }
   [[nodiscard]] std::size_t before(std::size_t i) const noexcept { return i == 0 ? size_ - 1 : i - 1; }
-  [[nodiscard]] std::size_t columns() const noexcept { return padded_ & ~std::size_t{3}; }  // so that compilers know
+  [[nodiscard]] std::size_t columns() const noexcept {
+    return padded_ & ~std::size_t{3};
+  }  // shows compilers that it is a multiple of four
   [[nodiscard]] glm::vec3 offset(std::size_t i) const noexcept { return {x_[i], y_[i], z_[i]}; }
 
   VertexId vertex_ = no_id;

@@ -1,4 +1,4 @@
-// Finding in stars of any size: each of three faces or a hundred thousand.
+// Searches in stars of any size, from three faces to a hundred thousand.
 #pragma once
 
 #include <cstddef>

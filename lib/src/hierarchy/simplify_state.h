@@ -13,7 +13,7 @@
 
 namespace occlod {
 
-// What is asked of a vertex together. All lengths are of the state's scale.
+// Fields of a vertex that are read together. All lengths are in the state's scale.
 struct alignas(64) VertexState {
   glm::vec3 position;
   float cost;   // of the cheapest collapse; a lower bound until checked; infinite without faces

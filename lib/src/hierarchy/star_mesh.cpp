@@ -19,7 +19,7 @@ struct Incidences {
   LargeVector<std::size_t> first;  // those at v are [first[v], first[v + 1])
   LargeVector<std::pair<VertexId, VertexId>> opposite;
 
-  // Each thread looks at all faces and minds the vertices of its part.
+  // Each thread scans all faces and handles the vertices of its part.
   Incidences(std::span<const Triangle> faces, std::size_t vertices, unsigned threads)
       : first(vertices + 2), opposite(3 * faces.size()) {
     const auto for_each_corner = [&](const auto& visit) {

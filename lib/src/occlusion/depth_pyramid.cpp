@@ -10,7 +10,7 @@
 namespace occlod {
 namespace {
 
-// Rows this many texels apart share their place in the cache.
+// Rows this many texels apart map to the same cache sets.
 constexpr std::ptrdiff_t bad_stride = 256;
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
@@ -126,7 +126,7 @@ bool DepthPyramid::any_visible(const PixelRect& rect, float largest_nearness, co
   const Verdict verdict = quick_verdict(rect, largest_nearness);
   if (verdict == Verdict::hidden) return false;
   if (verdict == Verdict::visible && diagonals.meet(middle_pixel(rect))) return true;
-  // What the middle does not show, the border often does: half of a bound behind an edge of the occluder.
+  // Where the middle is hidden, the border is often visible: half of a bound behind an edge of the occluder.
   const int middle_x = (rect.x0 + rect.x1) / 2, middle_y = (rect.y0 + rect.y1) / 2;
   for (const int y : {rect.y0, middle_y, rect.y1 - 1})
     for (const int x : {rect.x0, middle_x, rect.x1 - 1})

@@ -31,7 +31,7 @@ struct Pending {
   }
 };
 
-// Questions are kept until a batch is full or an answer is wanted, so that many that are submitted at once cost less.
+// Queries are kept until a batch is full or an answer is needed: a batch costs less than its queries one by one.
 class SoftwareOcclusion final : public Visibility {
  public:
   explicit SoftwareOcclusion(const SoftwareOcclusionOptions& options) : options_(options) {}
@@ -92,7 +92,7 @@ class SoftwareOcclusion final : public Visibility {
     batch.answer[batch.size] = answer;
     batch.shapes[batch.size++] = shape;
   }
-  // At once: its points need not live on.
+  // Tested at once, since its points need not outlive the call.
   void submit(std::uint32_t object, const PointHull& hull, std::uint32_t answer) {
     answers_[answer] = visible_pixels({object, hull});
   }
@@ -120,7 +120,7 @@ class SoftwareOcclusion final : public Visibility {
     batch.size = 0;
   }
 
-  // First what a few texels decide, without branches that nobody can predict, then the rest.
+  // First what a few texels decide, without unpredictable branches, then the rest.
   template <class Shape>
   void test_any(const Pending<Shape>& batch) {
     PerBound<std::int32_t> verdicts;
@@ -160,10 +160,10 @@ class SoftwareOcclusion final : public Visibility {
     const float nearest = bounds->largest_nearness;
     const DepthPyramid::Verdict verdict = pyramid_.quick_verdict(bounds->rect, nearest);
     if (verdict == DepthPyramid::Verdict::hidden) return 0;
-    // The middle of the rectangle is taken to be inside the outline: that errs to visible.
+    // The middle of the rectangle is assumed to be inside the outline, which errs towards visible.
     const std::uint32_t at_least = verdict == DepthPyramid::Verdict::visible ? 1 : 0;
     if (at_least != 0 && !options_.count_pixels) return 1;
-    // Boxes gain next to nothing from theirs.
+    // Boxes gain hardly anything from an octagon.
     const Diagonals diagonals = std::holds_alternative<Box>(query.shape)
                                     ? Diagonals{}
                                     : screen_diagonals(*view_, objects_[query.object], query);

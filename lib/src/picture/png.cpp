@@ -14,7 +14,7 @@
 namespace occlod {
 namespace {
 
-// What goes wrong waits until the encoder, which knows no exceptions, has given its memory back.
+// An exception is kept until the encoder, which is not exception-safe, has freed its memory.
 struct Output {
   AtomicFile file;
   std::exception_ptr failure;

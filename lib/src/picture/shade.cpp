@@ -14,7 +14,7 @@ namespace occlod {
 namespace picture {
 namespace {
 
-// Lights, relative to the viewer so that no side of an object that one looks at lies in the dark.
+// Lights, relative to the viewer so that no side of an object that faces the camera is dark.
 class Lights {
  public:
   Lights(const View& view, const glm::dvec3& key_light) : view_(view) {
