@@ -46,9 +46,7 @@ class Fan {
 
   [[nodiscard]] std::size_t after(std::size_t i) const noexcept { return i + 1 == size_ ? 0 : i + 1; }
   [[nodiscard]] std::size_t before(std::size_t i) const noexcept { return i == 0 ? size_ - 1 : i - 1; }
-  [[nodiscard]] std::size_t columns() const noexcept {
-    return padded_ & ~std::size_t{3};
-  }  // shows compilers that it is a multiple of four
+  [[nodiscard]] std::size_t columns() const noexcept { return padded_ & ~std::size_t{3}; }  // so that compilers know
   [[nodiscard]] glm::vec3 offset(std::size_t i) const noexcept { return {x_[i], y_[i], z_[i]}; }
 
   VertexId vertex_ = no_id;
