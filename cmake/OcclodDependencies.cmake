@@ -1,41 +1,45 @@
-# Every third-party package, in one place. scripts/packages.txt lists the Debian packages that bring them.
-find_package(glm REQUIRED)
-find_package(fmt REQUIRED)
-find_package(nlohmann_json REQUIRED)
+# Every third-party package, in one place. scripts/packages.txt lists the Debian packages that bring them; with
+# OCCLOD_FETCH_DEPENDENCIES what the library and the command line miss is fetched.
+include(OcclodFetch)
 find_package(Threads REQUIRED)
-find_package(TinyGLTF REQUIRED)
-find_package(zstd REQUIRED)
+occlod_find(glm TARGET glm::glm)
+occlod_find(fmt)
+occlod_find(nlohmann_json TARGET nlohmann_json::nlohmann_json INCLUDE include)
 
-# xxHash is used as a header: XXH_INLINE_ALL leaves nothing to link.
-find_path(OCCLOD_XXHASH_INCLUDE_DIR xxhash.h REQUIRED)
-add_library(occlod_xxhash INTERFACE)
-target_include_directories(occlod_xxhash SYSTEM INTERFACE ${OCCLOD_XXHASH_INCLUDE_DIR})
-target_compile_definitions(occlod_xxhash INTERFACE XXH_INLINE_ALL)
+occlod_find(zstd)
+include(OcclodZstd)
 
 # Highway compiles our vector code for plain C++, SSSE3, AVX2 and AVX-512 (NEON on ARM) and chooses at run time. What lies
 # between gains nothing here; vectors whose size only the machine knows cannot be halved as we do.
-find_package(hwy REQUIRED)
+occlod_find(hwy)
 set(OCCLOD_HWY_TARGETS "HWY_DISABLED_TARGETS=(HWY_SSE4|HWY_AVX3_DL|HWY_SVE|HWY_SVE2|HWY_SVE_256|HWY_SVE2_128)")
 
-# stb is used as a header as well.
-find_path(OCCLOD_STB_INCLUDE_DIR stb/stb_image_write.h REQUIRED)
+# These are compiled from their headers, in sources of ours, and leave nothing to link.
+occlod_find_header(stb stb_image_write.h PATH_SUFFIXES stb)
+occlod_find_header(tinygltf tiny_gltf.h)
+occlod_find_header(xxhash xxhash.h)
+target_compile_definitions(occlod_xxhash INTERFACE XXH_INLINE_ALL)
 
 if(OCCLOD_WITH_OPENMESH)
   find_package(OpenMesh REQUIRED)
 endif()
-if(OCCLOD_BUILD_TOOLS)
-  find_package(CLI11 REQUIRED)
+if(OCCLOD_BUILD_TOOLS OR OCCLOD_BUILD_VIEWER OR OCCLOD_BUILD_BENCH)
+  occlod_find(CLI11 TARGET CLI11::CLI11 INCLUDE include)
 endif()
 if(OCCLOD_BUILD_VIEWER)
   find_package(glfw3 REQUIRED)
-  find_package(CLI11 REQUIRED)
-  # Debian's library holds the backends for GLFW and OpenGL, and needs stb.
-  find_path(OCCLOD_IMGUI_INCLUDE_DIR imgui.h PATH_SUFFIXES imgui REQUIRED)
-  find_library(OCCLOD_IMGUI_LIBRARY imgui REQUIRED)
-  find_library(OCCLOD_STB_LIBRARY stb REQUIRED)
+  # With the backends for GLFW and OpenGL.
+  find_package(imgui CONFIG QUIET)
   add_library(occlod_imgui INTERFACE)
-  target_include_directories(occlod_imgui SYSTEM INTERFACE ${OCCLOD_IMGUI_INCLUDE_DIR})
-  target_link_libraries(occlod_imgui INTERFACE ${OCCLOD_IMGUI_LIBRARY} ${OCCLOD_STB_LIBRARY} ${CMAKE_DL_LIBS})
+  if(TARGET imgui::imgui)
+    target_link_libraries(occlod_imgui INTERFACE imgui::imgui)
+  else()  # Debian's has no package for CMake, and needs stb
+    find_path(OCCLOD_IMGUI_INCLUDE_DIR imgui.h PATH_SUFFIXES imgui REQUIRED)
+    find_library(OCCLOD_IMGUI_LIBRARY imgui REQUIRED)
+    find_library(OCCLOD_STB_LIBRARY stb REQUIRED)
+    target_include_directories(occlod_imgui SYSTEM INTERFACE ${OCCLOD_IMGUI_INCLUDE_DIR})
+    target_link_libraries(occlod_imgui INTERFACE ${OCCLOD_IMGUI_LIBRARY} ${OCCLOD_STB_LIBRARY} ${CMAKE_DL_LIBS})
+  endif()
 endif()
 if(OCCLOD_WITH_CGAL AND (OCCLOD_BUILD_TOOLS OR OCCLOD_BUILD_BENCH))
   set(CGAL_DO_NOT_WARN_ABOUT_CMAKE_BUILD_TYPE ON)
@@ -48,7 +52,6 @@ if(OCCLOD_WITH_CGAL AND (OCCLOD_BUILD_TOOLS OR OCCLOD_BUILD_BENCH))
 endif()
 if(OCCLOD_BUILD_BENCH)
   find_package(benchmark REQUIRED)
-  find_package(CLI11 REQUIRED)
   # The peers that we measure ourselves against; those that are missing are left out of the table.
   find_package(meshoptimizer QUIET)
 endif()

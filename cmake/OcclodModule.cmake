@@ -9,9 +9,14 @@ function(occlod_module name)
   if(ARG_UNPARSED_ARGUMENTS)
     message(FATAL_ERROR "occlod_module(${name}): unknown arguments ${ARG_UNPARSED_ARGUMENTS}")
   endif()
-  # Not through occlod::NAME, which is the shared library where one is built.
-  list(TRANSFORM ARG_PUBLIC REPLACE "^occlod::" "occlod_")
-  list(TRANSFORM ARG_PRIVATE REPLACE "^occlod::" "occlod_")
+  # Layers not by occlod::NAME, which is the shared library where one is built.
+  get_property(layers GLOBAL PROPERTY OCCLOD_LAYERS)
+  set(layer_targets ${layers})
+  list(TRANSFORM layer_targets PREPEND occlod_)
+  foreach(layer IN LISTS layers)
+    list(TRANSFORM ARG_PUBLIC REPLACE "^occlod::${layer}$" occlod_${layer})
+    list(TRANSFORM ARG_PRIVATE REPLACE "^occlod::${layer}$" occlod_${layer})
+  endforeach()
 
   add_library(occlod_${name} STATIC ${ARG_SOURCES})
   set_target_properties(occlod_${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)  # the same objects for either kind
@@ -24,8 +29,8 @@ function(occlod_module name)
 
   # For occlod_library().
   set_property(GLOBAL APPEND PROPERTY OCCLOD_LAYERS ${name})
-  list(FILTER ARG_PUBLIC EXCLUDE REGEX "^occlod_")
-  list(FILTER ARG_PRIVATE EXCLUDE REGEX "^occlod_")
+  list(REMOVE_ITEM ARG_PUBLIC ${layer_targets})
+  list(REMOVE_ITEM ARG_PRIVATE ${layer_targets})
   set_target_properties(occlod_${name} PROPERTIES
     OCCLOD_PUBLIC_DEPENDENCIES "${ARG_PUBLIC}" OCCLOD_PRIVATE_DEPENDENCIES "${ARG_PRIVATE}")
 endfunction()

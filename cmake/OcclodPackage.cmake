@@ -24,6 +24,7 @@ configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/occlodConfig.cmake.in ${
   INSTALL_DESTINATION ${occlod_package_dir} NO_SET_AND_CHECK_MACRO)
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/occlodConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/occlodConfig.cmake ${PROJECT_BINARY_DIR}/occlodConfigVersion.cmake
+              ${CMAKE_CURRENT_LIST_DIR}/OcclodZstd.cmake
         DESTINATION ${occlod_package_dir})
 install(EXPORT occlodTargets NAMESPACE occlod:: DESTINATION ${occlod_package_dir})
 

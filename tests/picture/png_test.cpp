@@ -3,7 +3,7 @@
 #define STB_IMAGE_STATIC
 #define STBI_ONLY_PNG
 #include <gtest/gtest.h>
-#include <stb/stb_image.h>
+#include <stb_image.h>
 
 #include <filesystem>
 #include <fstream>

@@ -2,7 +2,6 @@
 // space. tinygltf parses; what it leaves unchecked, that accessors stay inside their buffers and nodes form a tree, is
 // checked here.
 #include <fmt/format.h>
-#include <tiny_gltf.h>
 
 #include <algorithm>
 #include <array>
@@ -21,6 +20,7 @@
 #include <system_error>
 
 #include "io/polygon_soup.h"
+#include "io/tinygltf.h"
 
 namespace occlod {
 namespace {

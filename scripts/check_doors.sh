@@ -1,0 +1,80 @@
+#!/usr/bin/env bash
+# check_doors.sh: the library and the command line built against dependencies as their authors build them, and against none
+# installed, with OCCLOD_FETCH_DEPENDENCIES. Offline: the sources are those of Debian's source packages, without Debian's
+# patches. Works in build/doors. Skipped, with exit status 77, where they cannot be had: apt needs a deb-src line.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+work=$PWD/build/doors
+sources=$work/sources
+prefix=$work/upstream
+packages=(cli11 fmtlib glm highway libstb libzstd nlohmann-json3 tinygltf xxhash)
+
+skip() { echo "check_doors: SKIPPED: $1" >&2; exit 77; }
+
+get_sources() {
+  command -v apt-get >/dev/null && command -v dpkg-source >/dev/null || skip "no apt-get or dpkg-source here"
+  mkdir -p "$sources"
+  local package description
+  for package in "${packages[@]}"; do
+    [ -d "$sources/$package" ] && continue
+    (cd "$sources" && apt-get source --download-only -y "$package" >/dev/null 2>&1) || skip "no sources of $package: add a deb-src line, then apt-get update"
+    description=$(find "$sources" -name "${package}_*.dsc" | head -n 1)
+    dpkg-source --no-check --skip-patches -x "$description" "$sources/$package" >/dev/null 2>&1
+  done
+}
+
+# Nothing of Debian's packages: no folder of the system is searched.
+configure() { cmake -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_FIND_USE_CMAKE_SYSTEM_PATH=OFF "$@" >/dev/null; }
+configure_occlod() {
+  configure -S . "$@" -DOCCLOD_BUILD_TESTS=OFF -DOCCLOD_WITH_CGAL=OFF -DOCCLOD_BUILD_GL=OFF -DOCCLOD_BUILD_VIEWER=OFF
+}
+
+# Fails when a compilation in the folder $1 has read a header of the dependencies from the system.
+check_headers() {
+  local foreign
+  foreign=$(ninja -C "$1" -t deps | grep -E '^ +/usr/include/(CLI|fmt|glm|hwy|nlohmann|stb|tiny_gltf|xxhash|zstd)' | sort -u || true)
+  [ -z "$foreign" ] || { printf 'check_doors: these came from the system:\n%s\n' "$foreign" >&2; exit 1; }
+}
+
+install_upstream() {
+  local package=$1 folder=$2
+  shift 2
+  configure -S "$sources/$package/$folder" -B "$work/$package" "-DCMAKE_INSTALL_PREFIX=$prefix" "-DCMAKE_PREFIX_PATH=$prefix" "$@"
+  cmake --build "$work/$package" --target install >/dev/null
+}
+
+if command -v ccache >/dev/null; then export CMAKE_CXX_COMPILER_LAUNCHER=ccache; fi
+get_sources
+
+echo "== upstream's packages, static libraries"
+install_upstream cli11 . -DCLI11_BUILD_TESTS=OFF -DCLI11_BUILD_EXAMPLES=OFF -DCLI11_BUILD_DOCS=OFF
+install_upstream fmtlib . -DFMT_TEST=OFF -DFMT_DOC=OFF
+install_upstream highway . -DHWY_ENABLE_TESTS=OFF -DHWY_ENABLE_EXAMPLES=OFF -DHWY_ENABLE_CONTRIB=OFF -DBUILD_TESTING=OFF
+install_upstream libzstd build/cmake -DZSTD_BUILD_SHARED=OFF -DZSTD_BUILD_PROGRAMS=OFF
+install_upstream nlohmann-json3 . -DJSON_BuildTests=OFF
+# These authors install headers, or nothing.
+mkdir -p "$prefix/include" "$prefix/lib/cmake/glm"
+cp "$sources/tinygltf/tiny_gltf.h" "$sources/xxhash/xxhash.h" "$sources"/libstb/stb_image*.h "$prefix/include"
+cp -r "$sources/glm/glm" "$prefix/include"
+echo 'add_library(glm::glm INTERFACE IMPORTED)
+target_include_directories(glm::glm INTERFACE ${CMAKE_CURRENT_LIST_DIR}/../../../include)' >"$prefix/lib/cmake/glm/glmConfig.cmake"
+
+configure_occlod -B "$work/on-upstream" "-DCMAKE_PREFIX_PATH=$prefix" "-DCMAKE_INSTALL_PREFIX=$work/installed"
+cmake --build "$work/on-upstream" --target install >/dev/null
+check_headers "$work/on-upstream"
+"$work/installed/bin/occlod" --version
+configure -S tests/consumer/project -B "$work/consumer" "-DCMAKE_PREFIX_PATH=$work/installed;$prefix"
+cmake --build "$work/consumer" >/dev/null
+(cd "$work/consumer" && ./consumer)
+
+echo "== nothing installed, in a project that includes occlod"
+fetched=(-DOCCLOD_FETCH_DEPENDENCIES=ON -DFETCHCONTENT_FULLY_DISCONNECTED=ON -DFETCHCONTENT_TRY_FIND_PACKAGE_MODE=NEVER)
+for pair in CLI11=cli11 FMT=fmtlib GLM=glm HWY=highway STB=libstb ZSTD=libzstd NLOHMANN_JSON=nlohmann-json3 TINYGLTF=tinygltf XXHASH=xxhash; do
+  fetched+=("-DFETCHCONTENT_SOURCE_DIR_${pair%=*}=$sources/${pair#*=}")
+done
+configure -S tests/consumer/subproject -B "$work/subproject" "-DOCCLOD_SOURCE_DIR=$PWD" -DOCCLOD_BUILD_TOOLS=ON -DOCCLOD_WITH_CGAL=OFF "${fetched[@]}"
+cmake --build "$work/subproject" --target consumer occlod_tool >/dev/null
+check_headers "$work/subproject"
+(cd "$work/subproject" && ./consumer && ./occlod/tools/occlod --version)
+echo "check_doors: passed"
