@@ -16,14 +16,6 @@
 namespace occlod::tool {
 namespace {
 
-SceneDescription scene_of_one(const std::filesystem::path& file) {
-  if (!std::filesystem::exists(file)) throw Error({file.string(), "", "is not there", "check the name"});
-  SceneDescription scene;
-  scene.name = file.stem().string();
-  scene.objects.push_back({.source = MeshFile{{std::filesystem::absolute(file).string()}}});
-  return scene;
-}
-
 std::vector<LoadedObject> load(const SceneDescription& scene, const RenderInputOptions& options) {
   Progress progress;
   LoadOptions load_options;
@@ -73,10 +65,10 @@ Camera camera_that_sees(const std::vector<LoadedObject>& objects, const ImageSiz
 }  // namespace
 
 RenderInput load_render_input(const RenderInputOptions& options) {
-  const bool is_scene = options.file.extension() == ".json";
+  const bool is_scene = is_scene_file(options.file);
   if (!is_scene && !options.path.empty())
     throw Error({options.file.string(), "--path", "means nothing to a single mesh", "give a scene that has the path"});
-  const SceneDescription scene = is_scene ? read_scene(options.file) : scene_of_one(options.file);
+  const SceneDescription scene = describe_file(options.file);
   RenderInput input;
   input.name = scene.name;
   if (!options.path.empty()) {

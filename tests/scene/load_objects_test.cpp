@@ -76,13 +76,22 @@ TEST_F(LoadObjects, ReadsTheFirstMeshThatIsFound) {
   EXPECT_EQ(objects[0].source_name, (folder() / "b.off").string());
 }
 
-TEST_F(LoadObjects, SaysWhichMeshIsMissing) {
-  try {
-    (void)load(scene_of({small_planet(), {.source = MeshFile{{"a.off", "b.off"}}}}));
-    FAIL() << "nothing was missed";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.diagnosis().place, "/objects/1/mesh");
-    EXPECT_NE(error.diagnosis().problem.find("a.off, b.off"), std::string::npos);
+// Scene, object, names, every folder in the order of the search, and what to do.
+TEST_F(LoadObjects, SaysWhichMeshIsMissingAndWhereItWasLookedFor) {
+  setenv("OCCLOD_MESHES", "/first:/second", 1);
+  SceneDescription scene = scene_of({small_planet(), {.source = MeshFile{{"a.off", "b.off"}}}});
+  for (const char* file : {"", "scenes/s.json"}) {
+    scene.file = file;
+    try {
+      (void)load(scene);
+      FAIL() << "nothing was missed";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.diagnosis().subject, *file == 0 ? "test" : file);
+      EXPECT_EQ(error.diagnosis().place, "/objects/1/mesh");
+      EXPECT_EQ(error.diagnosis().problem, "there is no file a.off or b.off; searched: " + folder().string() +
+                                               ", /first, /second, " + (folder() / "data/occlod/meshes").string());
+      EXPECT_NE(error.diagnosis().mend.find("OCCLOD_MESHES"), std::string::npos);
+    }
   }
 }
 

@@ -117,6 +117,21 @@ TEST_F(ReadScene, ReadsPathsThatJump) {
   for (const auto& [path, place] : mistakes) EXPECT_EQ(place_of_mistake(text(path)), place) << path;
 }
 
+// Half way from one side of the target to the other, in the third of five frames, the eye is on it.
+TEST_F(ReadScene, RefusesPathsThroughTheirOwnTarget) {
+  const auto text = [](const std::string& frames) {
+    return R"({"objects": [{"mesh": "m"}], "cameras": {"default": )" + std::string(a_camera) +
+           R"(}, "paths": {"through": {"frames": )" + frames + R"(, "keys": [)" + a_camera +
+           R"(, {"eye": [0, 0, -5], "target": [0, 0, 0]}]}}})";
+  };
+  const Diagnosis diagnosis = mistake(text("5"));
+  EXPECT_EQ(diagnosis.subject, (folder() / "s.json").string());
+  EXPECT_EQ(diagnosis.place, "/paths/through");
+  EXPECT_NE(diagnosis.problem.find("frame 2 of 5"), std::string::npos) << diagnosis.problem;
+  EXPECT_NE(diagnosis.mend.find("add a key"), std::string::npos) << diagnosis.mend;
+  EXPECT_EQ(read(text("4")).paths.at("through").frames, 4);
+}
+
 // Between a camera in perspective and an orthographic one there is nothing to go through.
 TEST_F(ReadScene, ReadsOrthographicCameras) {
   const std::string plan = R"({"eye": [0, 0, 5], "target": [0, 0, 0], "orthographic_height": 2.5})";

@@ -60,6 +60,12 @@ TEST_F(WriteScene, RefusesWhatCouldNotBeRead) {
   scene.objects.clear();
   EXPECT_THROW(write_scene(folder() / "scene.json", scene), Error);
   EXPECT_THROW(write_scene(folder() / "nowhere" / "scene.json", some_scene()), Error);
+  scene = some_scene();
+  Camera opposite = Camera{};
+  opposite.eye = 2.0 * opposite.target - opposite.eye;
+  scene.paths["through"] = {{Camera{}, opposite}, 3};  // in the second frame the eye is on the target
+  EXPECT_THROW(write_scene(folder() / "scene.json", scene), Error);
+  EXPECT_FALSE(std::filesystem::exists(folder() / "scene.json"));
 }
 
 }  // namespace

@@ -378,6 +378,21 @@ class Mistakes(ToolTest):
                              "cameras": {"default": {"eye": [0, 0, 3], "target": [0, 0, 0]}}}""")
         self.assertIn("scene.json: /objects/0/scale", self.fail("render", "scene.json"))
 
+    # One line that names the file, the place and what to do.
+    def test_what_is_no_scene_and_what_a_scene_lacks(self):
+        self.assertIn(".: is a folder; name a scene", self.fail("render", "."))
+        camera = """{"eye": [0, 0, 3], "target": [0, 0, 0]}"""
+        self.write_scene("""{"objects": [{"mesh": "none.ply"}], "cameras": {"default": %s}}""" % camera)
+        (self.folder / "scene.json").rename(self.folder / "scene.JSON")
+        line = self.fail("render", "scene.JSON")
+        for part in ("scene.JSON: /objects/0/mesh: there is no file none.ply; searched: ., ", str(self.folder / "data/occlod/meshes"), "OCCLOD_MESHES"):
+            self.assertIn(part, line)
+        self.write_scene("""{"objects": [{"generator": "rough-planet"}], "cameras": {"default": %s},
+                             "paths": {"p": {"frames": 3, "keys": [%s, {"eye": [0, 0, -3], "target": [0, 0, 0]}]}}}""" % (camera, camera))
+        line = self.fail("render", "scene.json", "--path", "p")
+        for part in ("scene.json: /paths/p: ", "frame 1 of 3", "add a key"):
+            self.assertIn(part, line)
+
     def test_render_mistakes(self):
         self.make_hierarchy()
         self.fail("render", "planet.olod", "--budget", "1")

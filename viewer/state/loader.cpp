@@ -10,15 +10,6 @@ namespace {
 
 struct Cancelled {};
 
-SceneDescription describe(const std::filesystem::path& file) {
-  if (!std::filesystem::exists(file)) throw Error({file.string(), "", "is not there", "check the name"});
-  if (file.extension() == ".json") return read_scene(file);
-  SceneDescription scene;
-  scene.name = file.stem().string();
-  scene.objects.push_back({.source = MeshFile{{std::filesystem::absolute(file).string()}}});
-  return scene;
-}
-
 // "statue" of /folder/statue.ply; a generator's own description.
 std::string short_name(const SceneObject& object, const LoadedObject& loaded) {
   if (!std::holds_alternative<MeshFile>(object.source)) return loaded.source_name;
@@ -107,7 +98,7 @@ LoadedFile Loader::load(const std::filesystem::path& file) {
   LoadedFile result;
   result.file = file;
   try {
-    const SceneDescription scene = describe(file);
+    const SceneDescription scene = describe_file(file);
     LoadOptions options;
     options.use_cache = use_cache_;
     options.progress = [this](const std::string& what, double done) { report(what, done); };

@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <cstdlib>
 #include <string_view>
-#include <vector>
 
 #include "occlod/scene/scene.h"
+#include "scene/mesh_folders.h"
 #include "scene/user_folders.h"
 
 namespace occlod {
@@ -23,12 +23,15 @@ std::vector<std::filesystem::path> folders_from_environment() {
 
 }  // namespace
 
-std::filesystem::path find_mesh(const std::string& name, const std::filesystem::path& folder) {
+std::vector<std::filesystem::path> mesh_folders(const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> folders = folders_from_environment();
   folders.insert(folders.begin(), folder);
   if (const std::filesystem::path own = user_mesh_folder(); !own.empty()) folders.push_back(own);
+  return folders;
+}
 
-  for (const std::filesystem::path& start : folders) {
+std::filesystem::path find_mesh(const std::string& name, const std::filesystem::path& folder) {
+  for (const std::filesystem::path& start : mesh_folders(folder)) {
     std::error_code ignored;  // a folder that cannot be entered holds no mesh for us
     const std::filesystem::path candidate = start / name;
     if (std::filesystem::is_regular_file(candidate, ignored)) return candidate;

@@ -12,6 +12,7 @@
 #include "occlod/mesh/clean.h"
 #include "occlod/scene/scene.h"
 #include "scene/hierarchy_cache.h"
+#include "scene/mesh_folders.h"
 #include "scene/user_folders.h"
 
 namespace occlod {
@@ -58,11 +59,12 @@ class Loader {
     if (options.use_cache) cache_.emplace(user_cache_folder(), options.note);
   }
 
-  LoadedObject load(const SceneObject& object, const std::string& scene, std::size_t index) {
+  LoadedObject load(const SceneObject& object, const SceneDescription& scene, std::size_t index) {
     LoadedObject result;
     result.object_to_world = object.object_to_world;
     result.two_sided = object.two_sided;
-    const Diagnosis missing{scene, fmt::format("/objects/{}/mesh", index), "", ""};
+    const Diagnosis missing{scene.file.empty() ? scene.name : scene.file.string(),
+                            fmt::format("/objects/{}/mesh", index), "", ""};
     result.source_name = std::visit([&](const auto& source) { return name_of(source, missing); }, object.source);
     SharedHierarchy& shared = loaded_[result.source_name];
     if (!shared)
@@ -75,9 +77,12 @@ class Loader {
   std::string name_of(const MeshFile& file, Diagnosis missing) const {
     for (const std::string& name : file.names)
       if (const std::filesystem::path path = find_mesh(name, folder_); !path.empty()) return path.string();
-    missing.problem = fmt::format("no file {} beside the scene, in OCCLOD_MESHES or in the user's mesh folder",
-                                  fmt::join(file.names, ", "));
-    missing.mend = "set OCCLOD_MESHES to the folder that holds it";
+    std::vector<std::string> searched;
+    for (const std::filesystem::path& folder : mesh_folders(folder_))
+      searched.push_back(folder.empty() ? "." : folder.string());
+    missing.problem =
+        fmt::format("there is no file {}; searched: {}", fmt::join(file.names, " or "), fmt::join(searched, ", "));
+    missing.mend = "put it into one of these folders, or set OCCLOD_MESHES to the one that holds it";
     throw Error(missing);
   }
   template <class Generator>
@@ -131,7 +136,7 @@ std::vector<LoadedObject> load_objects(const SceneDescription& scene, const std:
                                        const LoadOptions& options) {
   Loader loader(folder, options);
   std::vector<LoadedObject> objects;
-  for (const SceneObject& object : scene.objects) objects.push_back(loader.load(object, scene.name, objects.size()));
+  for (const SceneObject& object : scene.objects) objects.push_back(loader.load(object, scene, objects.size()));
   return objects;
 }
 

@@ -9,6 +9,7 @@
 #include "occlod/core/error.h"
 #include "occlod/scene/scene.h"
 #include "occlod/view/view.h"
+#include "scene/check_path.h"
 #include "scene/strict_json.h"
 
 namespace occlod {
@@ -179,6 +180,7 @@ CameraPath read_path(const JsonPlace& place) {
   if (path.jump && path.keys.size() < 2) place.at("keys").fail("is one key, from which nothing jumps", "give another");
   if (path.jump && path.keys.size() > static_cast<std::size_t>(path.frames))
     place.at("frames").fail("is less than the keys that each hold a frame at least", "give more frames or fewer keys");
+  if (const auto bad = find_bad_frame(path)) place.fail(bad->text(), BadFrame::remedy);
   return path;
 }
 
@@ -192,6 +194,7 @@ SceneDescription read_scene(const std::filesystem::path& path) {
 
   SceneDescription scene;
   scene.name = path.stem().string();
+  scene.file = path;
   if (const auto about = root.find("about")) scene.about = about->string();
   for (const JsonPlace& object : root.at("objects").elements()) scene.objects.push_back(read_object(object));
   for (const auto& [name, place] : root.at("cameras").members()) scene.cameras.emplace(name, read_camera(place));

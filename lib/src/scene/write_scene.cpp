@@ -5,6 +5,7 @@
 #include "occlod/core/error.h"
 #include "occlod/io/atomic_file.h"
 #include "occlod/scene/scene.h"
+#include "scene/check_path.h"
 
 namespace occlod {
 namespace {
@@ -75,6 +76,9 @@ void write_scene(const std::filesystem::path& path, const SceneDescription& scen
   if (scene.objects.empty()) throw Error({path.string(), "", "would have no objects", "open a mesh first"});
   if (!scene.cameras.contains("default"))
     throw Error({path.string(), "", "would have no camera \"default\"", "name the camera to start with"});
+  for (const auto& [name, camera_path] : scene.paths)
+    if (const auto bad = find_bad_frame(camera_path))
+      throw Error({path.string(), "/paths/" + name, bad->text(), BadFrame::remedy});
   Json document = Json::object();
   if (!scene.about.empty()) document["about"] = scene.about;
   for (const SceneObject& object : scene.objects) document["objects"].push_back(object_json(object));

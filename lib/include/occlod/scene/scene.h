@@ -42,16 +42,24 @@ struct CameraPath {
 
 struct SceneDescription {
   std::string name;
+  std::filesystem::path file;  // that it was read from, for messages; empty where a program made it
   std::string about;
   std::vector<SceneObject> objects;
   std::map<std::string, Camera> cameras;  // "default" is always there
   std::map<std::string, CameraPath> paths;
 };
 
-// What the file says, checked as far as that goes without loading: types, ranges of placements and cameras. Keys that
-// are not known, given twice or missing are mistakes too. The name of the scene is that of the file without its
-// extension. Throws Error that names the file and the JSON path of the mistake.
+// What the file says, checked as far as that goes without loading: types, ranges of placements and cameras, and that
+// every frame of a path has a view. Keys that are not known, given twice or missing are mistakes too. The name of the
+// scene is that of the file without its extension. Throws Error that names the file and the JSON path of the mistake.
 [[nodiscard]] SceneDescription read_scene(const std::filesystem::path& path);
+
+// Whether the extension is .json, case ignored.
+[[nodiscard]] bool is_scene_file(const std::filesystem::path& path);
+
+// Of a scene file what read_scene() reads; of any other file, taken for a mesh or a hierarchy, a scene of that one
+// object without cameras. Throws Error, for a folder too.
+[[nodiscard]] SceneDescription describe_file(const std::filesystem::path& path);
 
 // Writes what read_scene() reads: every placement as a matrix, every field of a camera, so that the same numbers come
 // back. Throws Error for a scene without objects or without the camera "default", or when the file cannot be written.
