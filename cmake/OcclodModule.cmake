@@ -21,9 +21,7 @@ function(occlod_module name)
   add_library(occlod_${name} STATIC ${ARG_SOURCES})
   set_target_properties(occlod_${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)  # the same objects for either kind
   target_compile_features(occlod_${name} PUBLIC cxx_std_20)
-  # No fused multiply-add that the source does not ask for: results are the same on every machine with IEEE arithmetic.
-  # Nobody looks at errno or at floating-point traps, so roots and conditions on floats may be compiled to instructions.
-  target_compile_options(occlod_${name} PRIVATE -ffp-contract=off -fno-math-errno -fno-trapping-math)
+  target_compile_options(occlod_${name} PRIVATE ${OCCLOD_ARITHMETIC_FLAGS})
   target_include_directories(occlod_${name} PUBLIC ${PROJECT_SOURCE_DIR}/lib/include PRIVATE ${PROJECT_SOURCE_DIR}/lib/src)
   target_link_libraries(occlod_${name} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE} ${ARG_BUILD_ONLY} occlod_warnings)
 

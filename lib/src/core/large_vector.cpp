@@ -1,6 +1,6 @@
 #include "occlod/core/large_vector.h"
 
-#include <sys/mman.h>
+#include "core/platform.h"
 
 namespace occlod {
 namespace {
@@ -16,7 +16,7 @@ bool is_large(std::size_t bytes) { return bytes >= 4 * huge_page; }
 void* allocate_large(std::size_t bytes) {
   if (!is_large(bytes)) return ::operator new(bytes, cache_line);
   void* const memory = ::operator new(bytes, page_alignment);
-  static_cast<void>(madvise(memory, bytes, MADV_HUGEPAGE));  // advice only: without huge pages nothing changes
+  advise_huge_pages(memory, bytes);
   return memory;
 }
 

@@ -10,8 +10,8 @@
 #include <unordered_set>
 #include <vector>
 
+#include "core/platform.h"
 #include "core/zeroed_array.h"
-#include "hierarchy/prefetch.h"
 #include "occlod/hierarchy/hierarchy.h"
 
 namespace occlod {

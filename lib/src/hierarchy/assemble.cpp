@@ -6,9 +6,9 @@
 #include <span>
 #include <tuple>
 
+#include "core/platform.h"
 #include "occlod/core/error.h"
 #include "parallel.h"
-#include "prefetch.h"
 #include "star_mesh.h"
 #include "star_record.h"
 

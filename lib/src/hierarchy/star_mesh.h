@@ -8,9 +8,9 @@
 #include <span>
 #include <vector>
 
+#include "core/platform.h"
 #include "occlod/core/large_vector.h"
 #include "occlod/mesh/triangle_mesh.h"
-#include "prefetch.h"
 #include "simplify.h"
 
 namespace occlod {

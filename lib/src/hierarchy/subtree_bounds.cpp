@@ -6,9 +6,9 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
+#include "core/platform.h"
 #include "occlod/core/large_vector.h"
 #include "parallel.h"
-#include "prefetch.h"
 #include "star_patch.h"
 
 namespace occlod {

@@ -1,8 +1,6 @@
 #include "occlod/io/atomic_file.h"
 
 #include <fmt/format.h>
-#include <signal.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
@@ -13,6 +11,7 @@
 #include <system_error>
 #include <utility>
 
+#include "core/platform.h"
 #include "occlod/core/error.h"
 
 namespace occlod {
@@ -48,7 +47,7 @@ std::string hidden_prefix(const fs::path& target) {
 // Unique among the running processes and among the files of this one.
 fs::path hidden_neighbour(const fs::path& target) {
   static std::atomic<unsigned> counter = 0;
-  return target.parent_path() / fmt::format("{}{}-{}{}", hidden_prefix(target), getpid(), counter++, hidden_suffix);
+  return target.parent_path() / fmt::format("{}{}-{}{}", hidden_prefix(target), process_id(), counter++, hidden_suffix);
 }
 
 // What a process that was killed while it wrote `target` has left beside it. A process on another machine may be at
@@ -57,10 +56,10 @@ bool is_leftover(const fs::directory_entry& entry, const std::string& prefix) {
   const std::string name = entry.path().filename().string();
   if (!name.starts_with(prefix) || !name.ends_with(hidden_suffix)) return false;
   const char* const end = name.data() + name.size();
-  pid_t process = 0;
+  int process = 0;
   const auto [after, error] = std::from_chars(name.data() + prefix.size(), end, process);
   if (error != std::errc() || after == end || *after != '-' || process <= 0) return false;
-  if (kill(process, 0) == 0 || errno != ESRCH) return false;
+  if (may_be_running(process)) return false;
   std::error_code unknown;
   const auto age = fs::file_time_type::clock::now() - entry.last_write_time(unknown);
   return !unknown && age > std::chrono::minutes(1);

@@ -116,10 +116,10 @@ class HeaderParser {
   }
 
   PlyType parse_type(std::string_view name) const {
-    const auto* found = std::ranges::find(type_names, name, &TypeName::name);
-    if (found == type_names.end())
-      cursor_.fail(fmt::format("the type {} is unknown", in_quotes(name)), "export the mesh again");
-    return found->type;
+    for (const TypeName& known : type_names) {
+      if (known.name == name) return known.type;
+    }
+    cursor_.fail(fmt::format("the type {} is unknown", in_quotes(name)), "export the mesh again");
   }
 
   // A number takes at least one digit and a blank in text; an empty list only its count.

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "hierarchy/prefetch.h"
+#include "core/platform.h"
 #include "priority/weigh_splits.h"
 
 namespace occlod {

@@ -1,0 +1,45 @@
+// All that the library asks of the operating system and the compiler beyond C++, but for OpenGL's drivers. platform.cpp
+// is for POSIX: another system needs another one.
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+namespace occlod {
+
+// A hint: the cache line at `address` will soon be read or written.
+inline void prefetch([[maybe_unused]] const void* address) noexcept {
+#if defined(__GNUC__)
+  __builtin_prefetch(address);
+#endif
+}
+
+// Huge pages, where the system has them, may back these bytes.
+void advise_huge_pages(void* memory, std::size_t bytes) noexcept;
+
+[[nodiscard]] int process_id() noexcept;
+// False only when there is surely no such process on this machine.
+[[nodiscard]] bool may_be_running(int process) noexcept;
+
+// A regular file, open for reading. What fails throws std::system_error with the system's reason.
+class InputFile {
+ public:
+  explicit InputFile(const char* path);
+  ~InputFile();
+  InputFile(const InputFile&) = delete;
+  InputFile& operator=(const InputFile&) = delete;
+
+  [[nodiscard]] std::size_t size() const noexcept { return size_; }
+  // The first bytes of the file; fails when it has become shorter than that.
+  void read(std::span<std::byte> bytes) const;
+  // The whole file in memory, of at least one byte, without reading it. Outlives this object; end it with unmap().
+  [[nodiscard]] std::span<const std::byte> map() const;
+
+ private:
+  int descriptor_;
+  std::size_t size_ = 0;
+};
+
+void unmap(std::span<const std::byte> bytes) noexcept;
+
+}  // namespace occlod
