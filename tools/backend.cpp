@@ -51,12 +51,14 @@ Backend make_gl_backend(const BackendOptions& options) {
 }
 #else
 Backend make_gl_backend(const BackendOptions& options) {
-  throw Error({options.occlusion, "", "was not built", "configure with OCCLOD_BUILD_GL=ON"});
+  throw Error({options.occlusion, "", "this program was built without OpenGL",
+               "configure the build with -DOCCLOD_BUILD_GL=ON"});
 }
 #endif
 
 void refuse_if(bool given, const BackendOptions& options, const char* option, const char* owners) {
-  if (given) throw Error({options.occlusion, option, "means nothing to it", std::string("use it with ") + owners});
+  if (given)
+    throw Error({options.occlusion, option, "is not an option of this backend", std::string("use it with ") + owners});
 }
 
 void refuse_foreign_options(const BackendOptions& options) {

@@ -5,16 +5,17 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdint>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
 
+#include "command_files.h"
 #include "commands.h"
 #include "interrupt.h"
 #include "json_output.h"
 #include "occlod/io/olod.h"
 #include "occlod/io/read_mesh.h"
+#include "option_values.h"
 #include "progress.h"
 #include "repair_advice.h"
 #include "stopwatch.h"
@@ -24,6 +25,9 @@ namespace {
 
 // Of the time of a build, roughly: collapses report how far they are, what is made of them afterwards does not.
 constexpr double collapse_share = 0.6;
+
+constexpr int most_threads = 1024;
+constexpr double largest_boundary_weight = 1e6;
 
 struct Options {
   std::string input;
@@ -61,8 +65,15 @@ Hierarchy build(const Options& options, const TriangleMesh& mesh, Progress& prog
   return build_hierarchy(mesh, build);
 }
 
+void check_files(const Options& options) {
+  CommandFiles files;
+  files.add_input("the mesh to read", options.input);
+  files.add_output("--output", options.output);
+}
+
 void run(const Options& options) {
   handle_interrupts("build");
+  check_files(options);
   Progress progress(options.progress);
   Stopwatch stopwatch;
   const CleanMesh input = read(options, progress);
@@ -91,33 +102,27 @@ void run(const Options& options) {
 }  // namespace
 
 void add_build(CLI::App& app) {
-  CLI::App& command = *app.add_subcommand("build", "Build the hierarchy of a mesh");
+  CLI::App& command = *app.add_subcommand("build", "Build the level-of-detail hierarchy of a mesh");
   const auto options = std::make_shared<Options>();
-  command.add_option("MESH", options->input, "Mesh to read: .ply, .obj, .off, .stl, .gltf or .glb")->required();
-  command.add_option("-o,--output", options->output, "Hierarchy to write, an .olod file")->required();
-  command.add_option("--base-triangles", options->build.base_triangles, "Stop collapsing at so many triangles")
+  add_file(command, "MESH", options->input, "Mesh to read: .ply, .obj, .off, .stl, .gltf or .glb")->required();
+  add_file(command, "-o,--output", options->output, "Hierarchy to write, an .olod file")->required();
+  add_number(command, "--base-triangles", options->build.base_triangles, WholeRange{0, most_elements},
+             "Collapse edges until no more triangles than this are left: the base mesh, and the smallest budget")
       ->capture_default_str();
-  command
-      .add_option("--boundary-weight", options->build.boundary_weight,
-                  "How firmly boundaries are held, relative to the surface")
+  add_number(command, "--boundary-weight", options->build.boundary_weight, RealRange{0.0, largest_boundary_weight},
+             "Weight of the error at boundary edges, relative to the error of the surface")
       ->capture_default_str();
-  command
-      .add_option("--error-bound", options->build.error_bound,
-                  "Guaranteed errors: accumulated (quick) or measured (tight, several times the building time)")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, ErrorBound>{{"measured", ErrorBound::measured},
-                                                                            {"accumulated", ErrorBound::accumulated}}))
-      ->default_str("accumulated");
-  command.add_option("--threads", options->build.threads, "Threads; 0 = one for each core. The result is the same")
-      ->capture_default_str()
-      ->check(CLI::NonNegativeNumber);
-  command
-      .add_option("--compress", options->compression,
-                  "none: the file is mapped when used; zstd: smaller, unpacked into memory when used")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, OlodCompression>{{"none", OlodCompression::none}, {"zstd", OlodCompression::zstd}}))
-      ->default_str("none");
+  add_choice(command, "--error-bound", options->build.error_bound,
+             {{"accumulated", ErrorBound::accumulated}, {"measured", ErrorBound::measured}},
+             "Guaranteed errors: accumulated (fast to build, loose) or measured (tight, several times the build time)");
+  add_number(command, "--threads", options->build.threads, WholeRange{0, most_threads},
+             "Threads; 0: one per core. The result does not depend on it")
+      ->capture_default_str();
+  add_choice(command, "--compress", options->compression,
+             {{"none", OlodCompression::none}, {"zstd", OlodCompression::zstd}},
+             "none: the file is mapped into memory when used; zstd: smaller, but unpacked when used");
   add_progress_option(command, options->progress);
-  command.add_flag("--json", options->json, "Print one JSON object");
+  command.add_flag("--json", options->json, "Print the result as one JSON object");
   command.callback([options] { run(*options); });
 }
 

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -12,12 +13,15 @@
 #include "occlod/hierarchy/cut_mesh.h"
 #include "occlod/io/olod.h"
 #include "occlod/io/read_mesh.h"
+#include "option_values.h"
 
 namespace occlod::tool {
 namespace {
 
 using measure::OneWayDistance;
 using measure::SurfaceDistance;
+
+constexpr std::uint64_t most_samples = 1'000'000'000;  // an hour or so
 
 struct Options {
   std::string a;
@@ -79,19 +83,19 @@ void run(const Options& options) {
 }  // namespace
 
 void add_compare(CLI::App& app) {
-  CLI::App& command = *app.add_subcommand("compare", "Measure the distance between two meshes, both ways");
+  CLI::App& command = *app.add_subcommand("compare", "Measure the distance between two meshes, in both directions");
   command.footer(
-      "Lengths are those of the meshes; percent are of the diagonal of A's box. RMS is taken over samples spread by "
-      "area,\n"
-      "the maximum over these and all vertices. A program with this command contains parts of CGAL under the GPL.");
+      "Distances are in the unit of the meshes, percentages relative to the diagonal of A's bounding box.\n"
+      "The RMS is over points spread evenly over the area, the maximum over these points and all vertices.\n"
+      "A program with this command contains parts of CGAL under the GPL.");
   const auto options = std::make_shared<Options>();
-  command.add_option("A", options->a, "A mesh, or an .olod file: all splits applied")->required();
-  command.add_option("B", options->b, "Another")->required();
-  command.add_option("--samples", options->sampling.samples, "Points on each surface")
-      ->capture_default_str()
-      ->check(CLI::PositiveNumber);
-  command.add_option("--seed", options->sampling.seed, "Seed of the points")->capture_default_str();
-  command.add_flag("--json", options->json, "Print one JSON object");
+  add_file(command, "A", options->a, "A mesh, or an .olod file (its full mesh)")->required();
+  add_file(command, "B", options->b, "Another mesh or .olod file")->required();
+  add_number(command, "--samples", options->sampling.samples, WholeRange{1, most_samples}, "Points on each surface")
+      ->capture_default_str();
+  add_number(command, "--seed", options->sampling.seed, WholeRange{}, "Random seed of the points")
+      ->capture_default_str();
+  command.add_flag("--json", options->json, "Print the result as one JSON object");
   command.callback([options] { run(*options); });
 }
 

@@ -2,12 +2,12 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <cmath>
 #include <cstddef>
 #include <memory>
 #include <optional>
 #include <string>
 
+#include "command_files.h"
 #include "commands.h"
 #include "interrupt.h"
 #include "json_output.h"
@@ -15,6 +15,7 @@
 #include "occlod/hierarchy/cut_mesh.h"
 #include "occlod/io/olod.h"
 #include "occlod/io/write_mesh.h"
+#include "option_values.h"
 #include "progress.h"
 
 namespace occlod::tool {
@@ -39,8 +40,15 @@ FixedCut chosen_cut(const Options& options, const Hierarchy& hierarchy) {
   return cut;
 }
 
+void check_files(const Options& options) {
+  CommandFiles files;
+  files.add_input("the hierarchy to read", options.file);
+  files.add_mesh_output("--output", options.output);
+}
+
 void run(const Options& options) {
   handle_interrupts("cut");
+  check_files(options);
   Progress progress(options.progress);
   progress.show("reading " + options.file, std::nullopt);
   const Hierarchy hierarchy = read_olod(options.file).hierarchy;
@@ -62,24 +70,21 @@ void run(const Options& options) {
 }  // namespace
 
 void add_cut(CLI::App& app) {
-  CLI::App& command = *app.add_subcommand("cut", "Write a coarser mesh out of a hierarchy, the same from every side");
+  CLI::App& command = *app.add_subcommand("cut", "Extract a coarser mesh from a hierarchy, the same for every view");
   const auto options = std::make_shared<Options>();
-  command.add_option("FILE", options->file, "An .olod file")->required();
-  CLI::Option_group& size = *command.add_option_group("size", "How fine; exactly one of");
-  size.add_option("--triangles", options->triangles, "At most so many triangles: the splits of the dearest collapses")
-      ->check(CLI::PositiveNumber);
-  size.add_option_function<double>(
-      "--error",
-      [options](double error) {
-        if (!std::isfinite(error) || error < 0.0) throw CLI::ValidationError("--error", "is not a length");
-        options->error = error;
-      },
-      "As few triangles as a guaranteed distance to the full mesh allows, object units");
-  size.require_option(1);
-  command.add_option("-o,--output", options->output, "Mesh to write: .ply, .obj, .off or .stl")->required();
+  add_file(command, "FILE", options->file, "Hierarchy to read, an .olod file")->required();
+  CLI::Option* triangles = add_number(command, "--triangles", options->triangles, WholeRange{1, most_elements},
+                                      "At most so many triangles, with the smallest quadric error");
+  add_number(command, "--error", options->error, RealRange{},
+             "Instead: as few triangles as possible within this guaranteed distance to the full mesh, object units")
+      ->excludes(triangles);
+  add_file(command, "-o,--output", options->output, "Mesh to write: .ply, .obj, .off or .stl")->required();
   add_progress_option(command, options->progress);
-  command.add_flag("--json", options->json, "Print one JSON object");
-  command.callback([options] { run(*options); });
+  command.add_flag("--json", options->json, "Print the result as one JSON object");
+  command.callback([options] {
+    if (!options->triangles && !options->error) throw CLI::RequiredError("--triangles or --error");
+    run(*options);
+  });
 }
 
 }  // namespace occlod::tool

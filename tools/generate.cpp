@@ -6,10 +6,12 @@
 #include <optional>
 #include <string>
 
+#include "command_files.h"
 #include "commands.h"
 #include "interrupt.h"
 #include "json_output.h"
 #include "occlod/io/write_mesh.h"
+#include "option_values.h"
 #include "progress.h"
 #include "stopwatch.h"
 
@@ -25,6 +27,7 @@ struct Output {
 template <class Options, class Generate>
 void run(const std::string& kind, const Options& options, const Output& output, const Generate& generate) {
   handle_interrupts("generate");
+  CommandFiles().add_mesh_output("--output", output.file);
   Progress progress(output.progress);
   progress.show("generating " + output.file, std::nullopt);
   const Stopwatch stopwatch;
@@ -48,11 +51,16 @@ void add_kind(CLI::App& generate_command, const std::string& kind, const std::st
   const auto options = std::make_shared<Options>();
   const auto output = std::make_shared<Output>();
   add_options(command, *options);
-  command.add_option("--seed", options->seed, "Seed of everything random")->capture_default_str();
-  command.add_option("-o,--output", output->file, "Mesh to write: .ply, .obj, .off or .stl")->required();
+  add_number(command, "--seed", options->seed, WholeRange{}, "Random seed")->capture_default_str();
+  add_file(command, "-o,--output", output->file, "Mesh to write: .ply, .obj, .off or .stl")->required();
   add_progress_option(command, output->progress);
-  command.add_flag("--json", output->json, "Print one JSON object");
+  command.add_flag("--json", output->json, "Print the result as one JSON object");
   command.callback([=] { run(kind, *options, *output, generate); });
+}
+
+template <class Value, class Range>
+void add(CLI::App& kind, const std::string& name, Value& value, Range range, const std::string& about) {
+  add_number(kind, name, value, range, about)->capture_default_str();
 }
 
 }  // namespace
@@ -61,32 +69,31 @@ void add_generate(CLI::App& app) {
   CLI::App& command = *app.add_subcommand("generate", "Make a test mesh from a few numbers");
   command.require_subcommand(1);
   add_kind<RoughPlanetOptions>(
-      command, "rough-planet", "A sphere with seeded hills: 8 * 4^level triangles", generate_rough_planet,
+      command, "rough-planet", "A sphere with random hills: 8 * 4^level triangles", generate_rough_planet,
       [](CLI::App& kind, RoughPlanetOptions& options) {
-        kind.add_option("--level", options.level, "Subdivisions")->capture_default_str();
-        kind.add_option("--amplitude", options.amplitude, "Largest displacement, of the radius")->capture_default_str();
-        kind.add_option("--frequency", options.frequency, "Noise cells per radius")->capture_default_str();
-        kind.add_option("--octaves", options.octaves, "Octaves of noise")->capture_default_str();
+        add(kind, "--level", options.level, WholeRange{0, 11}, "Subdivisions");
+        add(kind, "--amplitude", options.amplitude, RealRange{0.0, 0.99}, "Largest height of a hill, of the radius");
+        add(kind, "--frequency", options.frequency, RealRange{0.0, 1e6}, "Noise cells per radius");
+        add(kind, "--octaves", options.octaves, WholeRange{0, 30}, "Octaves of noise");
       });
   add_kind<CityOptions>(command, "city", "Blocks of buildings on a plane, z up", generate_city,
                         [](CLI::App& kind, CityOptions& options) {
-                          kind.add_option("--blocks", options.blocks, "Blocks along each side")->capture_default_str();
-                          kind.add_option("--facade-cells", options.facade_cells, "Cells along each edge of a wall")
-                              ->capture_default_str();
+                          add(kind, "--blocks", options.blocks, WholeRange{1, 256}, "Blocks along each side");
+                          add(kind, "--facade-cells", options.facade_cells, WholeRange{1, 256},
+                              "Cells along each edge of a wall; two triangles per cell");
                         });
-  add_kind<PipesOptions>(
-      command, "pipes", "A bundle of bent pipes in a unit cube", generate_pipes,
-      [](CLI::App& kind, PipesOptions& options) {
-        kind.add_option("--pipes", options.pipes, "Number of pipes")->capture_default_str();
-        kind.add_option("--bends", options.bends, "Straight pieces of each")->capture_default_str();
-        kind.add_option("--sides", options.sides, "Corners of the cross-section")->capture_default_str();
-      });
+  add_kind<PipesOptions>(command, "pipes", "A bundle of bent pipes in a unit cube", generate_pipes,
+                         [](CLI::App& kind, PipesOptions& options) {
+                           add(kind, "--pipes", options.pipes, WholeRange{1, 1'000'000}, "Number of pipes");
+                           add(kind, "--bends", options.bends, WholeRange{1, 100'000}, "Straight pieces per pipe");
+                           add(kind, "--sides", options.sides, WholeRange{3, 4096}, "Corners of the cross-section");
+                         });
   add_kind<SpheresBehindWallOptions>(
       command, "spheres-behind-wall", "Spheres that a wall hides from +x", generate_spheres_behind_wall,
       [](CLI::App& kind, SpheresBehindWallOptions& options) {
-        kind.add_option("--spheres", options.spheres, "Number of spheres")->capture_default_str();
-        kind.add_option("--level", options.level, "Subdivisions of each")->capture_default_str();
-        kind.add_option("--wall-cells", options.wall_cells, "Cells along each edge of the wall")->capture_default_str();
+        add(kind, "--spheres", options.spheres, WholeRange{1, 1'000'000}, "Number of spheres");
+        add(kind, "--level", options.level, WholeRange{0, 8}, "Subdivisions of each sphere");
+        add(kind, "--wall-cells", options.wall_cells, WholeRange{1, 4096}, "Cells along each edge of the wall");
       });
 }
 

@@ -12,6 +12,7 @@
 #include "json_output.h"
 #include "occlod/io/olod.h"
 #include "occlod/io/read_mesh.h"
+#include "option_values.h"
 #include "repair_advice.h"
 
 namespace occlod::tool {
@@ -89,12 +90,13 @@ bool is_hierarchy(const std::string& file) { return std::filesystem::path(file).
 }  // namespace
 
 void add_info(CLI::App& app) {
-  CLI::App& command = *app.add_subcommand("info", "Say what a hierarchy or a mesh holds");
+  CLI::App& command = *app.add_subcommand("info", "Describe a hierarchy or a mesh");
   const auto options = std::make_shared<Options>();
-  command.add_option("FILE", options->file, "An .olod file, or a mesh: what reading it finds")->required();
-  command.add_flag("--check", options->check,
-                   "Read and check all of an .olod file, as is done with meshes anyway; count dependencies and levels");
-  command.add_flag("--json", options->json, "Print one JSON object");
+  add_file(command, "FILE", options->file, "An .olod file or a mesh")->required();
+  command.add_flag(
+      "--check", options->check,
+      "Read and check all of an .olod file, and count dependencies and levels; meshes are read in full anyway");
+  command.add_flag("--json", options->json, "Print the result as one JSON object");
   command.callback([options] { is_hierarchy(options->file) ? tell_hierarchy(*options) : tell_mesh(*options); });
 }
 

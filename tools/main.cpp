@@ -3,13 +3,16 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
+#include <memory>
 #include <new>
 #include <sstream>
 #include <string>
 #include <system_error>
+#include <vector>
 
 #include "commands.h"
 #include "file_faults.h"
+#include "help_formatter.h"
 #include "interrupt.h"
 #include "occlod/core/error.h"
 #include "occlod/core/version.h"
@@ -26,7 +29,9 @@ constexpr const char* out_of_memory =
 
 int wrong_use(const CLI::App& app, const CLI::ParseError& error) {
   std::string command = "occlod";
-  for (const CLI::App* chosen : app.get_subcommands()) command += " " + chosen->get_name();
+  for (std::vector<CLI::App*> chosen = app.get_subcommands(); !chosen.empty();
+       chosen = chosen.front()->get_subcommands())
+    command += " " + chosen.front()->get_name();
   print_error(fmt::format("{}; see {} --help", error.what(), command));
   return exit_wrong_use;
 }
@@ -61,6 +66,7 @@ int parse_and_run(CLI::App& app, int argc, char** argv) {
 
 int run(int argc, char** argv) {
   CLI::App app("Continuous level of detail under a hard triangle budget, controlled by occlusion.", "occlod");
+  app.formatter(std::make_shared<HelpFormatter>());
   app.set_version_flag("--version", version());
   app.require_subcommand(1);
   add_generate(app);
@@ -76,6 +82,10 @@ int run(int argc, char** argv) {
   add_without_cgal(app, "compare");
   add_without_cgal(app, "repair");
 #endif
+  app.footer(  // after the commands, which would have it too
+      "For example:\n"
+      "  occlod build statue.ply -o statue.olod\n"
+      "  occlod render statue.olod --budget 10000 --png statue.png");
   try {
     const int exit_code = parse_and_run(app, argc, argv);
     flush_standard_output();

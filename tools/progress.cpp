@@ -6,8 +6,8 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
-#include <map>
 
+#include "option_values.h"
 #include "standard_streams.h"
 
 namespace occlod::tool {
@@ -38,15 +38,10 @@ std::string rate_and_rest(double done, double elapsed_ms, std::size_t triangles)
 }  // namespace
 
 void add_progress_option(CLI::App& command, ShowProgress& when) {
-  const std::map<std::string, ShowProgress> words = {
-      {"always", ShowProgress::always}, {"auto", ShowProgress::automatic}, {"never", ShowProgress::never}};
-  command
-      .add_option(
-          "--progress", when,
-          "Tell on standard error how far it is: always (lines where that is no terminal), auto (on a terminal) "
-          "or never")
-      ->transform(CLI::CheckedTransformer(words))
-      ->option_text("always|auto|never [auto]");
+  add_choice(command, "--progress", when,
+             {{"always", ShowProgress::always}, {"auto", ShowProgress::automatic}, {"never", ShowProgress::never}},
+             "Show progress on standard error: always (as lines if that is not a terminal), auto (only on a terminal) "
+             "or never");
 }
 
 Progress::Progress(ShowProgress when)

@@ -33,7 +33,8 @@ RefineWay::RefineWay(const std::vector<LoadedObject>& objects, const BackendOpti
     return;
   }
   if (!auto_options.calibration.empty() || !auto_options.save_calibration.empty())
-    throw Error({options.occlusion, "--calibration", "means nothing to it", "use it with auto"});
+    throw Error(
+        {options.occlusion, "--calibration", "is not an option of this backend", "use it with --occlusion auto"});
   Backend backend = make_backend(options);
   visibility_ = std::move(backend.visibility);
   gl_ = std::move(backend.gl);

@@ -7,6 +7,8 @@
 #include <glm/geometric.hpp>
 #include <glm/vec4.hpp>
 #include <limits>
+#include <utility>
+#include <variant>
 
 #include "occlod/core/error.h"
 #include "progress.h"
@@ -64,11 +66,26 @@ Camera camera_that_sees(const std::vector<LoadedObject>& objects, const ImageSiz
 
 }  // namespace
 
+SceneDescription describe_render_input(const RenderInputOptions& options) {
+  if (!is_scene_file(options.file) && !options.path.empty())
+    throw Error({options.file.string(), "--path", "a single mesh has no camera path", "give a scene that has it"});
+  return describe_file(options.file);
+}
+
+std::vector<std::filesystem::path> mesh_files(const RenderInputOptions& options, const SceneDescription& scene) {
+  std::vector<std::filesystem::path> files;
+  for (const SceneObject& object : scene.objects)
+    if (const auto* source = std::get_if<MeshFile>(&object.source))
+      for (const std::string& name : source->names)
+        if (auto file = find_mesh(name, options.file.parent_path()); !file.empty()) files.push_back(std::move(file));
+  return files;
+}
+
 RenderInput load_render_input(const RenderInputOptions& options) {
-  const bool is_scene = is_scene_file(options.file);
-  if (!is_scene && !options.path.empty())
-    throw Error({options.file.string(), "--path", "means nothing to a single mesh", "give a scene that has the path"});
-  const SceneDescription scene = describe_file(options.file);
+  return load_render_input(options, describe_render_input(options));
+}
+
+RenderInput load_render_input(const RenderInputOptions& options, const SceneDescription& scene) {
   RenderInput input;
   input.name = scene.name;
   if (!options.path.empty()) {
@@ -77,12 +94,13 @@ RenderInput load_render_input(const RenderInputOptions& options) {
     resize(input.path->keys.front(), options.size);  // the size of all frames
     if (options.orthographic) std::for_each(input.path->keys.begin(), input.path->keys.end(), flatten);
     input.camera = camera_at(*input.path, 0);
-  } else if (is_scene) {
+  } else if (is_scene_file(options.file)) {
     input.camera = find_named(scene.cameras, options.camera, "/cameras", options);
   }
   resize(input.camera, options.size);
   input.objects = load(scene, options);
-  if (!is_scene) input.camera = camera_that_sees(input.objects, {input.camera.width, input.camera.height});
+  if (!is_scene_file(options.file))
+    input.camera = camera_that_sees(input.objects, {input.camera.width, input.camera.height});
   if (options.orthographic) flatten(input.camera);
   return input;
 }

@@ -33,7 +33,14 @@ struct RenderInput {
   std::string path_name;
 };
 
-// Shows progress and notes on standard error. Throws Error.
+// What a scene file says; for a mesh or a hierarchy, a scene of that one object. Throws Error.
+[[nodiscard]] SceneDescription describe_render_input(const RenderInputOptions& options);
+// Those that load_render_input() may read.
+[[nodiscard]] std::vector<std::filesystem::path> mesh_files(const RenderInputOptions& options,
+                                                            const SceneDescription& scene);
+
+// Reads and builds. Shows progress and notes on standard error. Throws Error.
+[[nodiscard]] RenderInput load_render_input(const RenderInputOptions& options, const SceneDescription& scene);
 [[nodiscard]] RenderInput load_render_input(const RenderInputOptions& options);
 
 }  // namespace occlod::tool

@@ -79,8 +79,8 @@ Json stats_of(const Measurement& measurement) {
   report["refine_ms"] = times.refine_ms;
   report["occlusion_ms"] = times.occlusion_ms;
   report["draw_ms"] = times.draw_ms;
-  report["max_error_px"] = stats.max_error_px;
   report["max_quadric_error_px"] = stats.max_quadric_error_px;
+  report["max_error_px"] = stats.max_error_px;
   report["hash"] = fmt::format("{:016x}", measurement.refinement().hash());
   return report;
 }
@@ -114,6 +114,16 @@ Json report_of(const RenderResult& result) {
   report["camera"] = to_json(result.input.camera);
   report["objects"] = objects_of(result);
   return report;
+}
+
+void print_report(const RenderResult& result) {
+  Json report = report_of(result);
+  const RefineStats& stats = result.measurement.refinement().stats;
+  report["max_quadric_error_px"] =
+      fmt::format("{:.6g}  largest error left in sight: quadric, about the RMS distance", stats.max_quadric_error_px);
+  report["max_error_px"] =
+      fmt::format("{:.6g}  its guaranteed bound, often many times the true error", stats.max_error_px);
+  print_lines(report);
 }
 
 }  // namespace occlod::tool

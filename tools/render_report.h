@@ -24,6 +24,7 @@ struct RenderResult {
 };
 
 [[nodiscard]] Json report_of(const RenderResult& result);
+void print_report(const RenderResult& result);  // the same for people
 
 // Parts of it: scene (and path), backend and options; and what came of the last repetition, with the median times.
 [[nodiscard]] Json asked_of(const RenderInput& input, const RefineOptions& options, const RefineWay& way);

@@ -4,18 +4,19 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <cmath>
 #include <cstddef>
 #include <memory>
 #include <optional>
 #include <string>
 
+#include "command_files.h"
 #include "commands.h"
 #include "interrupt.h"
 #include "json_output.h"
 #include "occlod/core/error.h"
 #include "occlod/io/read_mesh.h"
 #include "occlod/io/write_mesh.h"
+#include "option_values.h"
 #include "progress.h"
 #include "stopwatch.h"
 
@@ -102,8 +103,15 @@ void print_report(const Json& report, const RepairCounts& changes) {
                report["input"].get<std::string>(), changes.unorientable_edges);
 }
 
+void check_files(const Options& options) {
+  CommandFiles files;
+  files.add_input("the mesh to read", options.input);
+  files.add_mesh_output("--output", options.output);
+}
+
 void run(const Options& options) {
   handle_interrupts("repair");
+  check_files(options);
   Progress progress(options.progress);
   const CleanMesh input = read(options, progress);
   const Stopwatch stopwatch;
@@ -119,28 +127,22 @@ void run(const Options& options) {
 }  // namespace
 
 void add_repair(CLI::App& app) {
-  CLI::App& command = *app.add_subcommand("repair", "Make an oriented manifold of a mesh, and count what that takes");
+  CLI::App& command = *app.add_subcommand("repair", "Turn a mesh into an oriented manifold, and count every change");
   command.footer(
-      "Vertices at exactly one place are welded on reading. The copies that take non-manifold edges and vertices apart "
-      "lie\n"
-      "at one place too: programs that weld, as occlod does, join them again. A program with this command contains "
-      "parts of\n"
-      "CGAL under the GPL.");
+      "Reading a mesh welds vertices with exactly the same position. Non-manifold edges and vertices are\n"
+      "taken apart by duplicating vertices; a program that welds, as occlod does, joins them again.\n"
+      "A program with this command contains parts of CGAL under the GPL.");
   const auto options = std::make_shared<Options>();
-  command.add_option("MESH", options->input, "Mesh to read: .ply, .obj, .off, .stl, .gltf or .glb")->required();
-  command.add_option("-o,--output", options->output, "Mesh to write: .ply, .obj, .off or .stl")->required();
-  command.add_option_function<double>(
-      "--weld",
-      [options](double distance) {
-        if (!std::isfinite(distance) || distance < 0.0) throw CLI::ValidationError("--weld", "is not a length");
-        options->repair.weld = distance;
-      },
-      "Also merge vertices that are no farther apart than this, object units");
-  command.add_option("--fill-holes", options->repair.fill_holes, "Close borders of at most so many edges")
-      ->capture_default_str()
-      ->check(CLI::NonNegativeNumber);
+  add_file(command, "MESH", options->input, "Mesh to read: .ply, .obj, .off, .stl, .gltf or .glb")->required();
+  add_file(command, "-o,--output", options->output, "Mesh to write: .ply, .obj, .off or .stl")->required();
+  add_number(command, "--weld", options->repair.weld, RealRange{},
+             "Also merge vertices that are no farther apart than this, object units")
+      ->capture_default_str();
+  add_number(command, "--fill-holes", options->repair.fill_holes, WholeRange{0, most_elements},
+             "Close holes with at most so many edges; 0: none")
+      ->capture_default_str();
   add_progress_option(command, options->progress);
-  command.add_flag("--json", options->json, "Print one JSON object");
+  command.add_flag("--json", options->json, "Print the result as one JSON object");
   command.callback([options] { run(*options); });
 }
 

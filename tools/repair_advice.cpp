@@ -16,7 +16,7 @@ std::optional<std::string> repair_advice(const MeshReport& report) {
     if (count > 0) found += fmt::format("{}{} {}", found.empty() ? "" : ", ", count, what);
   }
   if (found.empty()) return std::nullopt;
-  return "occlod repair may mend " + found;
+  return "occlod repair may fix " + found;
 }
 
 }  // namespace occlod::tool

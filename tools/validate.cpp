@@ -13,9 +13,12 @@
 #include "occlod/core/error.h"
 #include "occlod/io/olod.h"
 #include "occlod/io/read_mesh.h"
+#include "option_values.h"
 
 namespace occlod::tool {
 namespace {
+
+constexpr int most_cuts = 1'000'000;
 
 struct Options {
   std::string file;
@@ -48,12 +51,12 @@ void run(const Options& options) {
 void add_validate(CLI::App& app) {
   CLI::App& command = *app.add_subcommand("validate", "Check every invariant of a hierarchy");
   const auto options = std::make_shared<Options>();
-  command.add_option("FILE", options->file, "An .olod file")->required();
-  command.add_option("--input", options->input, "The mesh that full refinement has to give back");
-  command.add_option("--cuts", options->validate.random_cuts, "Random refinements that are checked for cracks")
-      ->capture_default_str()
-      ->check(CLI::NonNegativeNumber);
-  command.add_flag("--json", options->json, "Print one JSON object");
+  add_file(command, "FILE", options->file, "Hierarchy to check, an .olod file")->required();
+  add_file(command, "--input", options->input, "Also check that all splits together give back this mesh");
+  add_number(command, "--cuts", options->validate.random_cuts, WholeRange{0, most_cuts},
+             "Number of random cuts to check for cracks")
+      ->capture_default_str();
+  command.add_flag("--json", options->json, "Print the result as one JSON object");
   command.callback([options] { run(*options); });
 }
 

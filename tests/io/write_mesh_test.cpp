@@ -70,6 +70,15 @@ TEST(WriteMesh, PlyCarriesNormalsAndColours) {
   }
 }
 
+TEST(WriteMesh, ChecksNamesWithoutWriting) {
+  const test::TestFolder folder;
+  for (const char* name : {"missing/a.ply", "a.xyz", "a", "a.gltf"})
+    EXPECT_THROW(check_mesh_output(folder.path() / name), Error) << name;
+  for (const char* name : {"a.ply", "a.obj", "a.off", "A.STL"})
+    EXPECT_NO_THROW(check_mesh_output(folder.path() / name)) << name;
+  EXPECT_EQ(test::files_in(folder.path()), 0u);
+}
+
 TEST(WriteMesh, FailureLeavesWhatWasThere) {
   const test::TestFolder folder;
   const TriangleMesh mesh = test::tetrahedron();

@@ -119,6 +119,15 @@ class Render(ToolTest):
         self.assertEqual((result["camera"]["width"], result["camera"]["height"]), (320, 240))
         self.assertRegex(result["hash"], "^[0-9a-f]{16}$")
 
+    def test_text_tells_the_errors_apart(self):
+        """What the picture shows comes first, then its bound, which is many times as large: two numbers that must not be taken for each other."""
+        lines = self.succeed("render", "--budget", self.BUDGET, "planet.olod").splitlines()
+        errors = [line for line in lines if "error" in line]
+        self.assertEqual([line.split()[0] for line in errors], ["max_quadric_error_px", "max_error_px"])
+        self.assertIn("RMS distance", errors[0])
+        self.assertIn("guaranteed bound", errors[1])
+        self.assertLess(float(errors[0].split()[1]), float(errors[1].split()[1]))
+
     def test_is_reproducible(self):
         hashes = {self.render("--repeat", repeat)["hash"] for repeat in (1, 1, 3)}
         self.assertEqual(len(hashes), 1)
@@ -360,7 +369,7 @@ class Mistakes(ToolTest):
             ("none.json", ["render", "none.json"]),
             ("none.ply", ["render", "none.ply"]),
             ("text.olod", ["render", "text.olod"]),
-            ("rough planet", ["generate", "rough-planet", "--level", "99", "-o", "a.ply"]),
+            ("city", ["generate", "city", "--blocks", "256", "--facade-cells", "256", "-o", "a.ply"]),
             ("nowhere", ["generate", "rough-planet", "--level", "1", "-o", "nowhere/a.ply"]),
         ]:
             self.assertIn(subject, self.fail(*arguments))
@@ -429,6 +438,18 @@ class Mistakes(ToolTest):
         self.assertRegex(self.succeed("--version"), r"^\d+\.\d+\.\d+\n$")
         for command in ([], ["generate"], ["generate", "city"], ["build"], ["info"], ["validate"], ["render"], ["cut"]):
             self.assertIn("Usage", self.succeed(*command, "--help"))
+
+    def test_help_is_for_people(self):
+        """Lines that fit, no types of the implementation, and what conservative mode does not promise."""
+        for command in (["generate", "rough-planet"], ["build"], ["info"], ["validate"], ["render"], ["cut"], ["compare"], ["repair"]):
+            text = self.succeed(*command, "--help")
+            self.assertLessEqual(max(map(len, text.splitlines())), 100, text)
+            self.assertNotRegex(text, r"\b(U?INT|FLOAT|TEXT|ENUM|NONNEGATIVE|POSITIVE|value in)\b|->|\{")
+        self.assertIn("not proven", " ".join(self.succeed("render", "--help").split()))
+
+    def test_mistakes_name_the_help_of_the_command(self):
+        for command in (["build"], ["generate"], ["generate", "city"]):
+            self.assertIn(f"see occlod {' '.join(command)} --help", self.run_tool(*command, "--what").stderr)
 
     def test_missing_mesh_of_a_scene(self):
         environment = dict(self.environment)

@@ -108,14 +108,24 @@ void write_stl(ChunkedWriter& out, const TriangleMesh& mesh) {
   }
 }
 
+MeshFormat format_to_write(const std::filesystem::path& path) {
+  const FileErrors errors(path);
+  const MeshFormat format = format_of(path, errors);
+  if (format == MeshFormat::gltf) errors.fail("", "glTF is read but not written", "use .ply, .obj, .off or .stl");
+  return format;
+}
+
 }  // namespace
+
+void check_mesh_output(const std::filesystem::path& path) {
+  (void)format_to_write(path);
+  AtomicFile::check(path);
+}
 
 void write_mesh(const std::filesystem::path& path, const TriangleMesh& mesh) {
   assert(mesh.normals.empty() || mesh.normals.size() == mesh.vertex_count());
   assert(mesh.colors.empty() || mesh.colors.size() == mesh.vertex_count());
-  const FileErrors errors(path);
-  const MeshFormat format = format_of(path, errors);
-  if (format == MeshFormat::gltf) errors.fail("", "glTF is read but not written", "use .ply, .obj, .off or .stl");
+  const MeshFormat format = format_to_write(path);
   AtomicFile file(path);
   ChunkedWriter out(file);
   switch (format) {

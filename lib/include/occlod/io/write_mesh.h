@@ -11,4 +11,7 @@ namespace occlod {
 // written where the format has them (PLY). Throws Error.
 void write_mesh(const std::filesystem::path& path, const TriangleMesh& mesh);
 
+// Throws what write_mesh() would throw for this name and writes nothing: for programs that compute for long before.
+void check_mesh_output(const std::filesystem::path& path);
+
 }  // namespace occlod

@@ -1,0 +1,127 @@
+"""What options take: every bad value of every numeric option of every command is refused as wrong use, in one line that names the option, the value
+and what is allowed, before any file is looked at: there are none here."""
+import itertools
+import re
+import unittest
+
+from tool_case import ToolTest
+
+ELEMENTS = 2**32 - 1
+SEEDS = 2**64 - 1
+LARGEST = 10**12
+
+# Command without the option, option, smallest and largest value. None: any finite number.
+BUILD, CUT, COMPARE = ["build", "a.ply", "-o", "a.olod"], ["cut", "a.olod", "-o", "a.ply"], ["compare", "a.ply", "b.ply"]
+REPAIR, VALIDATE, RENDER = ["repair", "a.ply", "-o", "b.ply"], ["validate", "a.olod"], ["render", "a.olod"]
+FRAMES = ["render", "a.json", "--path", "p", "--frame-to-frame"]
+WHOLE = [
+    (BUILD, "--base-triangles", 0, ELEMENTS),
+    (BUILD, "--threads", 0, 1024),
+    (CUT, "--triangles", 1, ELEMENTS),
+    (VALIDATE, "--cuts", 0, 10**6),
+    (RENDER, "--budget", 1, LARGEST),
+    (RENDER, "--levels", 1, 1000),
+    (RENDER, "--occluder-splits", 0, ELEMENTS),
+    (RENDER, "--flight", 1, 10**6),
+    (RENDER, "--query-window", 0, 10**6),
+    (RENDER, "--occlusion-divisor", 1, 1024),
+    (RENDER, "--repeat", 1, 10**6),
+    (FRAMES, "--most-changes", 0, LARGEST),
+    (FRAMES, "--geomorph-frames", 0, 10**6),
+]
+REAL = [
+    (BUILD, "--boundary-weight", 0, 10**6),
+    (CUT, "--error", 0, None),
+    (RENDER, "--tolerance", 0, None),
+    (RENDER, "--visible-exponent", 0, 8),
+    (RENDER, "--grazing-exponent", 0, 8),
+    (RENDER, "--forced-exponent", 0, 8),
+    (FRAMES, "--hysteresis", 0, 0.999),
+    (FRAMES, "--time-limit", 0, None),
+]
+WITH_CGAL = ([(COMPARE, "--samples", 1, 10**9), (COMPARE, "--seed", 0, SEEDS), (REPAIR, "--fill-holes", 0, ELEMENTS)], [(REPAIR, "--weld", 0, None)])
+
+
+def generator(kind, ranges):
+    command = ["generate", kind, "-o", "a.ply"]
+    return [(command, option, low, high) for option, low, high in (*ranges, ("--seed", 0, SEEDS))]
+
+
+WHOLE += generator("rough-planet", [("--level", 0, 11), ("--octaves", 0, 30)])
+WHOLE += generator("city", [("--blocks", 1, 256), ("--facade-cells", 1, 256)])
+WHOLE += generator("pipes", [("--pipes", 1, 10**6), ("--bends", 1, 10**5), ("--sides", 3, 4096)])
+WHOLE += generator("spheres-behind-wall", [("--spheres", 1, 10**6), ("--level", 0, 8), ("--wall-cells", 1, 4096)])
+REAL += [row for row in generator("rough-planet", [("--amplitude", 0, 0.99), ("--frequency", 0, 10**6)]) if row[1] != "--seed"]
+
+
+class Options(ToolTest):
+    def assert_refused(self, command, option, value, *allowed):
+        """`--option=` with nothing behind it would take the next word."""
+        done = self.run_tool(*command, option, value)
+        told = f"{command} {option} {value!r}: exit {done.returncode}, {done.stderr}"
+        self.assertEqual((done.returncode, done.stdout, done.stderr.count("\n")), (2, "", 1), told)
+        self.assertTrue(done.stderr.startswith(f'occlod: error: {option}: "{value}" '), told)
+        self.assertIn("--help", done.stderr)
+        for part in allowed:
+            self.assertIn(str(part), done.stderr, told)
+        self.assertEqual([digits for digits in re.findall(r"\d+", done.stderr.replace(str(value), "")) if len(digits) > 20], [], told)
+
+    def has_cgal(self):
+        return self.run_tool("compare", "--help").returncode == 0 and "GPL" in self.run_tool("compare", "--help").stdout
+
+    def rows(self, index):
+        return (WHOLE, REAL)[index] + (WITH_CGAL[index] if self.has_cgal() else [])
+
+    def test_whole_numbers(self):
+        for command, option, low, high in self.rows(0):
+            bounds = [low] if high == SEEDS else [low, high]
+            for value in ("", "x", "-1", "1.5", "1e3", "nan", "inf", "0x10", "+1", " 1", "1 ", high + 1, 10**30, *([low - 1] if low > 0 else [])):
+                self.assert_refused(command, option, value, *([] if option == "--occluder-splits" else bounds))
+
+    def test_real_numbers(self):
+        for command, option, low, high in self.rows(1):
+            bounds = [low] if high is None else [low, high]
+            for value in ("", "x", "nan", "-nan", "inf", "-inf", "1e999", "-1", "-1e-300", "1,5", *([high + 1e-3, 1e300] if high is not None else [])):
+                self.assert_refused(command, option, value, *bounds)
+
+    def test_other_values(self):
+        for value in ("", "3", "0x3", "3x0", "-3x3", "3x3x3", "16385x3", "3x16385", "99999999999x3", "axb", "3 x 3"):
+            self.assert_refused(RENDER, "--size", value, "1x1", "16384x16384")
+        for value in ("300,200", "300,300", "adaptive,300", "300,x"):
+            done = self.run_tool(*RENDER, "--occluder-splits", value)
+            self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1), done.stderr)
+            self.assertIn("--occluder-splits: ", done.stderr)
+
+    def test_names_that_are_empty(self):
+        for command, option in ((BUILD[:2], "--output"), (CUT[:2] + ["--triangles", 5], "--output"), (["generate", "city"], "--output"), (VALIDATE, "--input"),
+                                *((RENDER, option) for option in ("--camera", "--path", "--png", "--birdseye", "--mesh", "--calibration", "--save-calibration"))):
+            self.assert_refused(command, option, "")
+        for command in (["info", ""], ["build", "", "-o", "a.olod"], ["validate", ""], ["render", ""], ["cut", "", "-o", "a.ply", "--triangles", 5]):
+            self.assertEqual(self.run_tool(*command).returncode, 2, command)
+
+    def test_ends_of_ranges_are_taken(self):
+        """What is allowed gets as far as the file that is not there. Threads and what a generator makes would take too long at the upper ends."""
+        for command, option, low, high in itertools.chain(self.rows(0), self.rows(1)):
+            if command[0] == "generate":
+                continue
+            for value in (low, high if high is not None else 1e300):
+                arguments = [*command, option, value]
+                if option in ("--flight", "--query-window", "--occlusion-divisor"):
+                    arguments += ["--occlusion", "software"]  # which has no such option, and says so
+                done = self.run_tool(*arguments)
+                self.assertEqual(done.returncode, 1, f"{arguments}: {done.stderr}")
+
+    def test_every_numeric_option_is_here(self):
+        """Help shows what a number is with N."""
+        rows = {(row[0][0], row[0][1] if row[0][0] == "generate" else "", row[1]) for row in self.rows(0) + self.rows(1)}
+        commands = ["build", "cut", "info", "validate", "render", *(["compare", "repair"] if self.has_cgal() else [])]
+        kinds = ["rough-planet", "city", "pipes", "spheres-behind-wall"]
+        for command, kind in [(command, "") for command in commands] + [("generate", kind) for kind in kinds]:
+            text = self.succeed(*([command, kind] if kind else [command]), "--help")
+            self.assertNotRegex(text, "INT|FLOAT|309")
+            for option in re.findall(r"^ +(--[a-z-]+) N\b", text, re.MULTILINE):
+                self.assertIn((command, kind, option), rows)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=1)

@@ -1,0 +1,76 @@
+#include "option_values.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+namespace occlod::tool {
+namespace {
+
+std::string text_of(WholeRange range) {
+  if (range.high == WholeRange().high) return fmt::format("a whole number of at least {}", range.low);
+  return fmt::format("a whole number from {} to {}", range.low, range.high);
+}
+
+std::string text_of(RealRange range) {
+  if (range.high == RealRange().high) return fmt::format("a finite number of at least {}", range.low);
+  return fmt::format("a number from {} to {}", range.low, range.high);
+}
+
+bool parse(const std::string& text, std::uint64_t& value) {
+  const char* const end = text.data() + text.size();
+  const auto [after, error] = std::from_chars(text.data(), end, value);
+  return error == std::errc() && after == end;
+}
+
+bool parse(const std::string& text, double& value) {
+  return CLI::detail::lexical_cast(text, value) && std::isfinite(value);
+}
+
+template <class Number, class Range>
+CLI::Validator validator(const Range& range) {
+  const auto check = [range](std::string& text) -> std::string {
+    Number value{};
+    if (parse(text, value) && value >= range.low && value <= range.high) {
+      text = fmt::format("{}", value);  // "010" is ten for everybody
+      return "";
+    }
+    return shown(text) + " is not " + text_of(range);
+  };
+  return {check, ""};
+}
+
+}  // namespace
+
+CLI::Validator in_range(WholeRange range) { return validator<std::uint64_t>(range); }
+CLI::Validator in_range(RealRange range) { return validator<double>(range); }
+
+CLI::Validator one_of(const std::vector<std::string>& words) {
+  const auto check = [words](std::string& text) {
+    const bool is_known = std::find(words.begin(), words.end(), text) != words.end();
+    return is_known ? "" : fmt::format("{} is not one of {}", shown(text), fmt::join(words, ", "));
+  };
+  return {check, ""};
+}
+
+CLI::Validator not_empty() {
+  return {[](std::string& text) -> std::string { return text.empty() ? shown(text) + " is not a name" : ""; }, ""};
+}
+
+std::optional<std::uint64_t> whole_number(const std::string& text) {
+  std::uint64_t value = 0;
+  return parse(text, value) ? std::optional(value) : std::nullopt;
+}
+
+std::string shown(const std::string& value) {
+  constexpr std::size_t most_characters = 40;
+  std::string text = value.substr(0, most_characters) + (value.size() > most_characters ? "..." : "");
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; }, '?');
+  return '"' + text + '"';
+}
+
+}  // namespace occlod::tool

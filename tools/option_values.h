@@ -1,0 +1,76 @@
+// What options take. A value is checked before CLI11 converts it, which takes "-1" for a large size and "" for 0: what
+// is not allowed is refused in one line with the option, the value and the range.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace occlod::tool {
+
+struct WholeRange {
+  std::uint64_t low = 0;
+  std::uint64_t high = std::numeric_limits<std::uint64_t>::max();
+};
+
+struct RealRange {
+  double low = 0.0;
+  double high = std::numeric_limits<double>::infinity();  // which is not a value itself
+};
+
+// Triangles, splits, vertices and edges of one mesh are numbered with 32 bits.
+inline constexpr std::uint64_t most_elements = std::numeric_limits<std::uint32_t>::max();
+
+// For CLI::Option::transform(). Numbers are decimal and finite.
+[[nodiscard]] CLI::Validator in_range(WholeRange range);
+[[nodiscard]] CLI::Validator in_range(RealRange range);
+[[nodiscard]] CLI::Validator not_empty();
+[[nodiscard]] CLI::Validator one_of(const std::vector<std::string>& words);
+
+// For values that have parts. Decimal digits and nothing else, or nothing.
+[[nodiscard]] std::optional<std::uint64_t> whole_number(const std::string& text);
+// For messages: in quotes, cut short, control characters as '?'.
+[[nodiscard]] std::string shown(const std::string& value);
+
+// `value` keeps what it has when the option is not given.
+template <class Value, class Range>
+CLI::Option* add_number(CLI::App& command, const std::string& name, Value& value, Range range,
+                        const std::string& about) {
+  return command.add_option(name, value, about)->transform(in_range(range))->type_name("N");
+}
+
+template <class Name>
+CLI::Option* add_name(CLI::App& command, const std::string& option, Name& name, const std::string& about) {
+  return command.add_option(option, name, about)->transform(not_empty())->type_name("NAME");
+}
+
+template <class Name>
+CLI::Option* add_file(CLI::App& command, const std::string& option, Name& name, const std::string& about) {
+  return add_name(command, option, name, about)->type_name(option.front() == '-' ? "FILE" : "");
+}
+
+// One of some words. Help shows them all, and the one that `value` has now.
+template <class Value>
+CLI::Option* add_choice(CLI::App& command, const std::string& name, Value& value,
+                        const std::vector<std::pair<std::string, Value>>& choices, const std::string& about) {
+  std::vector<std::string> words;
+  std::string text, chosen;
+  for (const auto& [word, meaning] : choices) {
+    words.push_back(word);
+    text += (text.empty() ? "" : "|") + word;
+    if (meaning == value) chosen = " [" + word + "]";
+  }
+  const auto set = [&value, choices](const std::string& given) {
+    for (const auto& [word, meaning] : choices)
+      if (word == given) value = meaning;
+  };
+  return command.add_option_function<std::string>(name, set, about)
+      ->transform(one_of(words))
+      ->option_text(text + chosen);
+}
+
+}  // namespace occlod::tool

@@ -1,0 +1,37 @@
+// The options of `occlod render`.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "backend.h"
+#include "occlod/refine/refiner.h"
+#include "refine_way.h"
+#include "render_input.h"
+
+namespace CLI {
+class App;
+}
+
+namespace occlod::tool {
+
+struct RenderOptions {
+  RenderInputOptions input;
+  RefineOptions refine;
+  BackendOptions backend;  // `occlusion` is empty when it is not given
+  AutoWayOptions auto_way;
+  std::vector<std::string> fixed_effects;  // of the options given, those that auto would choose
+  bool explain = false;
+  std::string png;
+  std::string birdseye;
+  std::string mesh;
+  bool reference = false;
+  bool frame_to_frame = false;
+  int repeat = 1;
+  bool json = false;
+};
+
+// `options` outlives the command.
+void add_render_options(CLI::App& command, RenderOptions& options);
+
+}  // namespace occlod::tool
