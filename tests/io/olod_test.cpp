@@ -119,7 +119,7 @@ TEST_F(OlodTest, EveryTruncationIsRefused) {
   const std::string good = bytes_of(write_good());
   for (std::size_t size = 0; size < good.size(); size += size < 600 ? 1 : 509)
     EXPECT_NE(refusal(write_bytes(good.substr(0, size))), "") << size << " bytes";
-  EXPECT_NE(refusal(write_bytes(good + "x")).find("cut or added to"), std::string::npos);
+  EXPECT_NE(refusal(write_bytes(good + "x")).find("truncated or has extra bytes"), std::string::npos);
 }
 
 TEST_F(OlodTest, EveryFlippedBitIsRefused) {
@@ -155,11 +155,11 @@ TEST_F(OlodTest, ConsistentChecksumsDoNotMakeAHierarchy) {
   HierarchyData data = hierarchy_.copy_data();
   data.nodes[20].child_u = 4'000'000'000U;
   write_olod(folder_ / "hostile.olod", Hierarchy(std::move(data)), report_);
-  EXPECT_NE(refusal(folder_ / "hostile.olod").find("are no part of a hierarchy"), std::string::npos);
+  EXPECT_NE(refusal(folder_ / "hostile.olod").find("do not form a valid hierarchy"), std::string::npos);
   data = hierarchy_.copy_data();
   data.base_faces[0].x = 4'000'000'000U;
   write_olod(folder_ / "hostile.olod", Hierarchy(std::move(data)), report_);
-  EXPECT_NE(refusal(folder_ / "hostile.olod").find("holds no hierarchy"), std::string::npos);
+  EXPECT_NE(refusal(folder_ / "hostile.olod").find("does not hold a valid hierarchy"), std::string::npos);
 }
 
 // Opening looks at the base mesh only; a block of splits is checked when one of them is first needed.
@@ -193,10 +193,10 @@ TEST_F(OlodTest, ClaimsOfHugeSectionsAreRefused) {
     return refusal(write_bytes(bad));
   };
   constexpr std::uint64_t huge = std::uint64_t{3} << 60U;
-  EXPECT_NE(with_claim(0, 8, huge).find("outside the file"), std::string::npos);      // where it starts
-  EXPECT_NE(with_claim(0, 16, huge).find("outside the file"), std::string::npos);     // its bytes in the file
-  EXPECT_NE(with_claim(0, 24, huge).find("unpacked"), std::string::npos);             // and unpacked
-  EXPECT_NE(with_claim(0, 24, 12 * 100).find("does not unpack"), std::string::npos);  // fewer than there are
+  EXPECT_NE(with_claim(0, 8, huge).find("outside the file"), std::string::npos);             // where it starts
+  EXPECT_NE(with_claim(0, 16, huge).find("outside the file"), std::string::npos);            // its bytes in the file
+  EXPECT_NE(with_claim(0, 24, huge).find("after decompression"), std::string::npos);         // and decompressed
+  EXPECT_NE(with_claim(0, 24, 12 * 100).find("cannot be decompressed"), std::string::npos);  // fewer than there are
 }
 
 TEST_F(OlodTest, FailedWriteLeavesTheOldFile) {

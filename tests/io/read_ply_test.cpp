@@ -150,13 +150,14 @@ TEST_F(ReadPly, NamesTheFaultOfAHeader) {
                   "line 5: the number of elements is negative");
   EXPECT_CONTAINS(complaint(header("ascii", "element vertex many\n" + xyz)),
                   "line 5: the number of elements is 'many'");
-  EXPECT_CONTAINS(complaint(header("ascii", "property float x\n")), "line 5: a property stands before");
+  EXPECT_CONTAINS(complaint(header("ascii", "property float x\n")), "line 5: a property comes before");
   EXPECT_CONTAINS(complaint(header("ascii", "element vertex 3\nproperty half x\n")), "line 6: the type 'half'");
   EXPECT_CONTAINS(complaint(header("ascii", "element vertex 3\nproperty float\n")), "line 6: a property has no name");
   EXPECT_CONTAINS(complaint(header("ascii", "element vertex 1\n" + xyz + "property float x\n")), "second property 'x'");
   EXPECT_CONTAINS(complaint(header("ascii", "element vertex 1\n" + xyz + "element vertex 1\n")),
                   "second element 'vertex'");
-  EXPECT_CONTAINS(complaint(header("ascii", "element face 1\nproperty list float int vertex_indices\n")), "fractions");
+  EXPECT_CONTAINS(complaint(header("ascii", "element face 1\nproperty list float int vertex_indices\n")),
+                  "not of an integer type");
   EXPECT_CONTAINS(complaint(header("ascii", "nonsense\n")), "line 5: the header line begins with 'nonsense'");
   EXPECT_CONTAINS(complaint(header("ascii", "element vertex 1\nproperty float x\n") + "0\n"),
                   "vertices lack x, y or z");

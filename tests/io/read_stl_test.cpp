@@ -62,10 +62,10 @@ TEST_F(ReadStl, KeepsCountOfDegenerateFacets) {
 }
 
 TEST_F(ReadStl, NamesThePlaceOfEveryFault) {
-  EXPECT_CONTAINS(complaint("hello"), "line 1: 'hello' stands where 'solid' should");
+  EXPECT_CONTAINS(complaint("hello"), "line 1: expected 'solid', but found 'hello'");
   EXPECT_CONTAINS(complaint("solid x\n"), "the file ends before 'endsolid'");
   EXPECT_CONTAINS(complaint("solid x\nendsolid\n"), "has no faces");
-  EXPECT_CONTAINS(complaint("solid x\nfacet\nvertex 0 0 0\n"), "line 3: 'vertex' stands where 'outer' should");
+  EXPECT_CONTAINS(complaint("solid x\nfacet\nvertex 0 0 0\n"), "line 3: expected 'outer', but found 'vertex'");
   EXPECT_CONTAINS(complaint("solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0\nvertex 1 0 0\n"),
                   "line 4: z of a vertex");
   EXPECT_CONTAINS(complaint("solid\n" + facet("0 0 0", "1 0 0", "1 x 0")), "line 6: y of a vertex is 'x'");

@@ -218,7 +218,7 @@ TEST_F(ReadScene, RefusesNumbersOutOfRange) {
 
 // Equal keys in different objects are no repetition.
 TEST_F(ReadScene, RefusesKeysGivenTwice) {
-  EXPECT_NE(mistake(scene_text(R"({"mesh": "a", "mesh": "b"})")).problem.find("\"mesh\" stands twice"),
+  EXPECT_NE(mistake(scene_text(R"({"mesh": "a", "mesh": "b"})")).problem.find("\"mesh\" appears twice"),
             std::string::npos);
   EXPECT_EQ(read(scene_text(R"({"mesh": "a"}, {"mesh": "b"})")).objects.size(), 2U);
 }

@@ -19,8 +19,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-[[noreturn]] void fail(const fs::path& path, std::string problem, std::string mend) {
-  throw Error({path.string(), "", std::move(problem), std::move(mend)});
+[[noreturn]] void fail(const fs::path& path, std::string problem, std::string remedy) {
+  throw Error({path.string(), "", std::move(problem), std::move(remedy)});
 }
 
 std::string reason(int error_number) { return std::generic_category().message(error_number); }

@@ -11,12 +11,12 @@
 namespace occlod {
 namespace fs = std::filesystem;
 
-void FileErrors::fail(std::string place, std::string problem, std::string mend) const {
-  throw Error({subject_, std::move(place), std::move(problem), std::move(mend)});
+void FileErrors::fail(std::string place, std::string problem, std::string remedy) const {
+  throw Error({subject_, std::move(place), std::move(problem), std::move(remedy)});
 }
 
-void FileErrors::fail_at_line(std::uint64_t line, std::string problem, std::string mend) const {
-  fail(fmt::format("line {}", line), std::move(problem), std::move(mend));
+void FileErrors::fail_at_line(std::uint64_t line, std::string problem, std::string remedy) const {
+  fail(fmt::format("line {}", line), std::move(problem), std::move(remedy));
 }
 
 namespace {

@@ -17,8 +17,8 @@ class FileErrors {
   explicit FileErrors(const std::filesystem::path& path) : subject_(path.string()) {}
 
   [[nodiscard]] const std::string& subject() const noexcept { return subject_; }
-  [[noreturn]] void fail(std::string place, std::string problem, std::string mend) const;
-  [[noreturn]] void fail_at_line(std::uint64_t line, std::string problem, std::string mend) const;
+  [[noreturn]] void fail(std::string place, std::string problem, std::string remedy) const;
+  [[noreturn]] void fail_at_line(std::uint64_t line, std::string problem, std::string remedy) const;
 
  private:
   std::string subject_;

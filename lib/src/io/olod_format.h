@@ -15,7 +15,7 @@ namespace occlod::olod {
 
 static_assert(std::endian::native == std::endian::little, ".olod files are little-endian and read as they are");
 
-// The carriage returns and the end-of-file byte make a transfer in text mode show at once, as in PNG.
+// The carriage returns and the end-of-file byte reveal a transfer in text mode, as in PNG.
 inline constexpr std::array<char, 8> magic = {'O', 'L', 'O', 'D', '\r', '\n', '\x1a', '\n'};
 inline constexpr std::uint64_t alignment = 64;  // of every section
 inline constexpr std::uint32_t most_sections = 64;
@@ -44,7 +44,7 @@ struct Section {
 };
 static_assert(sizeof(Section) == 48);
 
-// The whole of a hierarchy that is no array.
+// Everything in a hierarchy that is not an array.
 struct Summary {
   Box box;
   std::uint64_t input_triangle_count = 0;

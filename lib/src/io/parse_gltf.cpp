@@ -25,7 +25,7 @@
 namespace occlod {
 namespace {
 
-constexpr const char* mend = "export the mesh again";
+constexpr const char* remedy = "export the mesh again";
 constexpr std::size_t most_depth = 256;  // of the node tree: deeper ones are taken for cycles
 
 // Typed reading of one accessor.
@@ -33,32 +33,32 @@ class Accessor {
  public:
   Accessor(const tinygltf::Model& model, int index, int components, const FileErrors& errors) {
     if (index < 0 || static_cast<std::size_t>(index) >= model.accessors.size())
-      errors.fail("", fmt::format("refers to accessor {}, which is not there", index), mend);
+      errors.fail("", fmt::format("refers to accessor {}, which is not there", index), remedy);
     const tinygltf::Accessor& accessor = model.accessors[static_cast<std::size_t>(index)];
     const std::string place = fmt::format("accessor {}", index);
     if (accessor.sparse.isSparse)
       errors.fail(place, "is sparse, which is not supported", "export the mesh without sparse accessors");
     component_type_ = accessor.componentType;
     components_ = tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(accessor.type));
-    if (components_ < components) errors.fail(place, "has too few components", mend);
+    if (components_ < components) errors.fail(place, "has too few components", remedy);
     count_ = accessor.count;
     normalized_ = accessor.normalized;
     const auto view_index = static_cast<std::size_t>(accessor.bufferView);
-    if (accessor.bufferView < 0 || view_index >= model.bufferViews.size()) errors.fail(place, "has no data", mend);
+    if (accessor.bufferView < 0 || view_index >= model.bufferViews.size()) errors.fail(place, "has no data", remedy);
     const tinygltf::BufferView& view = model.bufferViews[view_index];
     if (view.buffer < 0 || static_cast<std::size_t>(view.buffer) >= model.buffers.size())
-      errors.fail(place, "has no buffer", mend);
+      errors.fail(place, "has no buffer", remedy);
     const std::vector<unsigned char>& buffer = model.buffers[static_cast<std::size_t>(view.buffer)].data;
     const int stride = accessor.ByteStride(view);
     const int size = tinygltf::GetComponentSizeInBytes(static_cast<std::uint32_t>(component_type_)) * components_;
-    if (stride <= 0 || size <= 0) errors.fail(place, "has elements of unknown size", mend);
+    if (stride <= 0 || size <= 0) errors.fail(place, "has elements of unknown size", remedy);
     stride_ = static_cast<std::size_t>(stride);
     const std::size_t offset = view.byteOffset + accessor.byteOffset;
     const bool fits =
         offset <= buffer.size() &&
         (count_ == 0 || (static_cast<std::size_t>(size) <= buffer.size() - offset &&
                          count_ - 1 <= (buffer.size() - offset - static_cast<std::size_t>(size)) / stride_));
-    if (!fits) errors.fail(place, "reaches beyond its buffer: the file was cut or is malformed", mend);
+    if (!fits) errors.fail(place, "reaches beyond its buffer: the file was cut or is malformed", remedy);
     data_ = buffer.data() + offset;
   }
 
@@ -136,7 +136,7 @@ class GltfReader {
   }
 
  private:
-  // The nodes of the default scene, or every node that is nobody's child.
+  // The nodes of the default scene, or every node without a parent.
   [[nodiscard]] std::vector<int> roots() const {
     const int scene = model_.defaultScene >= 0 ? model_.defaultScene : 0;
     if (static_cast<std::size_t>(scene) < model_.scenes.size())
@@ -154,16 +154,16 @@ class GltfReader {
 
   void visit(int index, const glm::dmat4& above, std::size_t depth) {
     if (index < 0 || static_cast<std::size_t>(index) >= model_.nodes.size())
-      errors_.fail("", fmt::format("refers to node {}, which is not there", index), mend);
-    // A tree visits each node once; more visits than nodes means that nodes are shared or go round in a circle.
+      errors_.fail("", fmt::format("refers to node {}, which is not there", index), remedy);
+    // A tree visits each node once; more visits than nodes means that nodes are shared or form a cycle.
     if (depth > most_depth || ++visits_ > model_.nodes.size())
-      errors_.fail(fmt::format("node {}", index), "is not part of a tree of nodes", mend);
+      errors_.fail(fmt::format("node {}", index), "is not part of a tree of nodes", remedy);
     const tinygltf::Node& node = model_.nodes[static_cast<std::size_t>(index)];
     const glm::dmat4 to_world = above * local_transform(node);
     if (node.mesh >= 0) {
       if (static_cast<std::size_t>(node.mesh) >= model_.meshes.size())
         errors_.fail(fmt::format("node {}", index), fmt::format("refers to mesh {}, which is not there", node.mesh),
-                     mend);
+                     remedy);
       ++soup_.left_out.groups;
       for (const tinygltf::Primitive& primitive : model_.meshes[static_cast<std::size_t>(node.mesh)].primitives)
         add(primitive, to_world);
@@ -204,7 +204,7 @@ class GltfReader {
     if (found == primitive.attributes.end()) return;
     const Accessor normals(model_, found->second, 3, errors_);
     if (normals.count() < count)
-      errors_.fail(fmt::format("accessor {}", found->second), "has fewer normals than there are vertices", mend);
+      errors_.fail(fmt::format("accessor {}", found->second), "has fewer normals than there are vertices", remedy);
     const glm::dmat3 to_world_normal = glm::transpose(glm::inverse(glm::dmat3(to_world)));
     soup_.normals.resize(first, glm::vec3(0.0F));
     for (std::size_t i = 0; i < count; ++i)
@@ -217,7 +217,7 @@ class GltfReader {
     if (found == primitive.attributes.end()) return;
     const Accessor colors(model_, found->second, 3, errors_);
     if (colors.count() < count)
-      errors_.fail(fmt::format("accessor {}", found->second), "has fewer colours than there are vertices", mend);
+      errors_.fail(fmt::format("accessor {}", found->second), "has fewer colours than there are vertices", remedy);
     soup_.colors.resize(first, glm::u8vec4(255));
     for (std::size_t i = 0; i < count; ++i) {
       glm::u8vec4 color(255);
@@ -237,7 +237,7 @@ class GltfReader {
         const double index = accessor.value(i, 0);
         if (!(index >= 0.0 && index < static_cast<double>(vertices)))
           errors_.fail(fmt::format("accessor {}", primitive.indices),
-                       fmt::format("uses vertex {}, but the primitive has only {}", index, vertices), mend);
+                       fmt::format("uses vertex {}, but the primitive has only {}", index, vertices), remedy);
         indices[i] = static_cast<std::uint64_t>(index);
       }
     }
@@ -271,7 +271,7 @@ class GltfReader {
   std::set<int> materials_;
 };
 
-// tinygltf's own ask the shell what a name means, and read from whatever has it, a device without end included.
+// tinygltf's own callbacks expand names through the shell and read from anything of that name, even an endless device.
 tinygltf::FsCallbacks plain_files() {
   tinygltf::FsCallbacks files{};
   files.FileExists = [](const std::string& name, void*) {
@@ -289,7 +289,7 @@ tinygltf::FsCallbacks plain_files() {
 PolygonSoup parse_gltf(std::string_view bytes, const FileErrors& errors) {
   tinygltf::TinyGLTF loader;
   loader.SetFsCallbacks(plain_files());
-  // Textures are not looked at.
+  // Textures are not read.
   loader.SetImageLoader([](tinygltf::Image*, const int, std::string*, std::string*, int, int, const unsigned char*, int,
                            void*) { return true; },
                         nullptr);
@@ -305,12 +305,12 @@ PolygonSoup parse_gltf(std::string_view bytes, const FileErrors& errors) {
                : loader.LoadASCIIFromString(&model, &problem, &warning, bytes.data(), size, folder);
   } catch (const std::bad_alloc&) {
     throw;
-  } catch (const std::exception&) {  // it takes for granted that a binary file's parts are there
+  } catch (const std::exception&) {  // it assumes that all parts of a binary file are there
     problem = "its parts do not fit together";
   }
   if (!read) {
     std::replace(problem.begin(), problem.end(), '\n', ' ');
-    errors.fail("", "is not a glTF file that can be read: " + in_quotes(problem), mend);
+    errors.fail("", "is not a glTF file that can be read: " + in_quotes(problem), remedy);
   }
   PolygonSoup soup = GltfReader(model, errors).run();
   soup.check(errors);

@@ -1,4 +1,4 @@
-// A reader of our own: OpenMesh's skips vertex lines that it cannot parse, which shifts the index of every later
+// Our own reader: OpenMesh's skips vertex lines that it cannot parse, which shifts the index of every later
 // vertex, and names no line in its messages.
 #include <fmt/format.h>
 
@@ -101,7 +101,7 @@ class ObjParser {
     return corner;
   }
 
-  // One slash with something behind it.
+  // Skips a slash that is followed by something.
   static bool skip_slash(const char*& at, const char* end) {
     if (*at != '/' || end - at < 2) return false;
     ++at;

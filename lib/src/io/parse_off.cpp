@@ -1,4 +1,4 @@
-// A reader of our own: OpenMesh's trusts the counts in the header, goes on after a failed extraction and reads through
+// Our own reader: OpenMesh's trusts the counts in the header, goes on after a failed extraction and reads through
 // the stream's locale; its messages name no line.
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-// A reader of our own: OpenMesh's allocates as many list values as the file claims, reads double as float and names no
+// Our own reader: OpenMesh's allocates as many list values as the file claims, reads double as float and names no
 // place in its messages.
 #include <fmt/format.h>
 

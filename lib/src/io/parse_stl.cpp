@@ -1,5 +1,5 @@
-// A reader of our own: OpenMesh's drops degenerate facets without a word and merges corners through a std::map. Here
-// every facet keeps three vertices of its own; clean() welds and counts.
+// Our own reader: OpenMesh's drops degenerate facets silently and merges corners through a std::map. Here every facet
+// keeps three vertices of its own; clean() welds and counts.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -83,7 +83,7 @@ class AsciiStlParser {
   }
 
   [[noreturn]] void unexpected(std::string_view word, const std::string& wanted) const {
-    cursor_.fail(fmt::format("{} stands where {} should", in_quotes(word), wanted), "export the mesh again");
+    cursor_.fail(fmt::format("expected {}, but found {}", wanted, in_quotes(word)), "export the mesh again");
   }
 
   TextCursor cursor_;
@@ -93,7 +93,7 @@ class AsciiStlParser {
 
 PolygonSoup parse_binary(std::string_view bytes, std::size_t facets, const FileErrors& errors) {
   PolygonSoup soup;
-  if (3 * facets >= max_vertices) errors.fail("", "has too many facets", "cut the mesh into parts");
+  if (3 * facets >= max_vertices) errors.fail("", "has too many facets", "split the mesh into parts");
   soup.positions.reserve(3 * facets);
   for (std::size_t facet = 0; facet < facets; ++facet) {
     const char* at = bytes.data() + stl_prefix_size + facet * stl_facet_size + 3 * sizeof(float);
@@ -117,7 +117,7 @@ bool begins_with_solid(std::string_view bytes) {
 
 }  // namespace
 
-// Told by size, because many binary files begin with "solid" as well.
+// Binary files are recognised by their size, because many binary files begin with "solid" as well.
 PolygonSoup parse_stl(std::string_view bytes, const FileErrors& errors) {
   std::string converted;
   if (bytes.size() < stl_prefix_size) return AsciiStlParser(as_utf8(bytes, converted, errors), errors).parse();

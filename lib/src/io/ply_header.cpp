@@ -96,13 +96,14 @@ class HeaderParser {
   }
 
   void read_property() {
-    if (header_.elements.empty()) cursor_.fail("a property stands before the first element", "export the mesh again");
+    if (header_.elements.empty()) cursor_.fail("a property comes before the first element", "export the mesh again");
     std::vector<PlyProperty>& properties = header_.elements.back().properties;
     PlyProperty property;
     std::string_view type = cursor_.word();
     if (type == "list") {
       property.count_type = parse_type(cursor_.word());
-      if (!is_integer(*property.count_type)) cursor_.fail("a list is counted with fractions", "export the mesh again");
+      if (!is_integer(*property.count_type))
+        cursor_.fail("the count of a list is not of an integer type", "export the mesh again");
       type = cursor_.word();
     }
     property.type = parse_type(type);

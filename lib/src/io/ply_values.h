@@ -40,8 +40,8 @@ class AsciiValues {
   }
 
   [[nodiscard]] std::uint64_t line() const { return cursor_.line(); }
-  [[noreturn]] void fail(std::string problem, std::string mend) const {
-    cursor_.fail(std::move(problem), std::move(mend));
+  [[noreturn]] void fail(std::string problem, std::string remedy) const {
+    cursor_.fail(std::move(problem), std::move(remedy));
   }
 
  private:
@@ -88,8 +88,8 @@ class BinaryValues {
   }
   void end_record() {}
 
-  // Takes up to `most` vertices whose records begin with x, y and z as float32; returns how many. Some are left where
-  // the bytes at hand end, for the careful way.
+  // Takes up to `most` vertices whose records begin with x, y and z as float32; returns how many. Those at the end of
+  // the window are left to next().
   std::uint64_t take_float_vertices(std::uint64_t most, std::size_t record_bytes, PolygonSoup& soup) {
     const std::uint64_t count = std::min<std::uint64_t>(most, left_.size() / record_bytes);
     const char* at = left_.data();
@@ -101,7 +101,7 @@ class BinaryValues {
   }
 
   // The same for triangles whose records are a count of one byte and three indices of 32 bits, up to the first face
-  // that is no triangle or has an index for the careful way to refuse.
+  // that is not a triangle or has an index that next() has to refuse.
   std::uint64_t take_triangles(std::uint64_t most, PolygonSoup& soup) {
     const std::uint64_t count = std::min<std::uint64_t>(most, left_.size() / ply_triangle_bytes);
     const char* at = left_.data();
@@ -118,13 +118,13 @@ class BinaryValues {
 
   [[nodiscard]] std::uint64_t bytes_left() const { return input_.size() - input_.offset() - (seen_ - left_.size()); }
   [[nodiscard]] std::uint64_t line() const { return 0; }
-  [[noreturn]] void fail(std::string problem, std::string mend) const {
+  [[noreturn]] void fail(std::string problem, std::string remedy) const {
     const std::uint64_t byte = input_.offset() + (seen_ - left_.size());
-    errors_.fail(fmt::format("{} {}, byte {}", element_->name, record_, byte), std::move(problem), std::move(mend));
+    errors_.fail(fmt::format("{} {}, byte {}", element_->name, record_, byte), std::move(problem), std::move(remedy));
   }
 
  private:
-  // The largest index that signed and unsigned 32-bit integers write alike.
+  // The largest index with the same bits as a signed and an unsigned 32-bit integer.
   static constexpr VertexId largest_int = 0x7fffffff;
 
   std::string_view look_further(std::size_t least) {

@@ -45,7 +45,7 @@ void PolygonSoup::add_polygon(const Triangle& triangle) {
   end_polygon(0);
 }
 
-// What corners_ holds is the first polygon that is no triangle.
+// corners_ holds the first polygon that is not a triangle.
 void PolygonSoup::unpack_triangles() {
   const std::vector<VertexId> last = std::move(corners_);
   corners_.clear();
@@ -73,7 +73,7 @@ bool PolygonSoup::has_only_valid_triangles() const {
 
 void PolygonSoup::check(const FileErrors& errors, std::uint64_t first_index) const {
   if (polygon_count() == 0) errors.fail("", "has no faces", "export the mesh with its faces");
-  if (positions.size() >= max_vertices) errors.fail("", "has too many vertices", "cut the mesh into parts");
+  if (positions.size() >= max_vertices) errors.fail("", "has too many vertices", "split the mesh into parts");
   check_corners(errors, first_index);
   check_finite(errors);
 }

@@ -1,4 +1,4 @@
-// What every reader makes: vertices and polygons just as the file has them, indices not checked yet.
+// The result of every reader: vertices and polygons as the file has them, indices not checked yet.
 #pragma once
 
 #include <cstdint>
@@ -40,8 +40,8 @@ class PolygonSoup {
   }
   void reserve_polygons(std::size_t count) { triangles_.reserve(count); }
 
-  // Throws Error when a polygon has fewer than three corners, uses a vertex that there is not or one that is not
-  // finite, or when there is no polygon. The file calls its first vertex `first_index`.
+  // Throws Error when a polygon has fewer than three corners, uses a vertex that does not exist or is not finite,
+  // or when there is no polygon. The file calls its first vertex `first_index`.
   void check(const FileErrors& errors, std::uint64_t first_index = 0) const;
 
   // Cuts the polygons of a checked soup into triangles; leaves the soup empty.
@@ -83,7 +83,7 @@ inline constexpr std::uint64_t max_vertices = no_id;
 // A colour component from [0, 1]; values outside are clamped, NaN is 0.
 [[nodiscard]] std::uint8_t color_component(double unit_value) noexcept;
 
-// Parses a whole file of either encoding (see text_encoding.h); `input` is at its beginning.
+// Parses a whole file in any encoding (see text_encoding.h); `input` is at its beginning.
 [[nodiscard]] PolygonSoup parse_mesh(MeshFormat format, InputBytes& input, const FileErrors& errors);
 
 // The parsers, which parse_mesh() calls. Texts are UTF-8; PLY and STL, text or binary, are as they are in the file.

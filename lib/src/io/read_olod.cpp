@@ -25,7 +25,7 @@ std::string place_of(const Section& section) {
   return fmt::format("section {} at byte {}", name_of(section), section.offset);
 }
 
-// What a hierarchy that was read stands on: the mapping, and the sections that had to be unpacked.
+// Owns what a hierarchy refers to: the mapping or copy of the file, and the sections that had to be decompressed.
 class Reader {
  public:
   Reader(const std::filesystem::path& path, OlodAccess access) : path_(path.string()) {
@@ -39,18 +39,18 @@ class Reader {
     read_table();
   }
 
-  [[noreturn]] void refuse(const std::string& place, const std::string& problem, const std::string& mend) const {
-    throw Error({path_, place, problem, mend});
+  [[noreturn]] void refuse(const std::string& place, const std::string& problem, const std::string& remedy) const {
+    throw Error({path_, place, problem, remedy});
   }
 
-  // Elements of a section, in the mapping or unpacked. Only sections without blocks are checked here.
+  // Elements of a section, in the mapping or decompressed. Only sections without blocks are checked here.
   template <typename T>
   std::span<const T> read(std::string_view name, bool has_blocks) {
     static_assert(std::is_trivially_copyable_v<T> && alignof(T) <= alignment);
     const auto found = find(name);
     if (found == table_.end()) refuse("", fmt::format("has no section {}", name), rebuild);
     if (found->element_bytes != sizeof(T) || found->raw_bytes % sizeof(T) != 0)
-      refuse(place_of(*found), "has elements of another size", rebuild);
+      refuse(place_of(*found), "has elements of the wrong size", rebuild);
     const std::span<const std::byte> bytes = found->codec == Codec::stored ? stored(*found) : unpacked(*found);
     if (!has_blocks && checksum_of(bytes) != found->checksum)
       refuse(place_of(*found), "is damaged: its checksum is wrong", rebuild);
@@ -72,7 +72,7 @@ class Reader {
              rebuild);
     if (header.file_bytes != bytes_.size())
       refuse("byte 16",
-             fmt::format("has {} bytes, but says that it has {}: it was cut or added to", bytes_.size(),
+             fmt::format("has {} bytes, but says that it has {}: it is truncated or has extra bytes", bytes_.size(),
                          header.file_bytes),
              rebuild);
     if (header.section_count > most_sections)
@@ -92,12 +92,13 @@ class Reader {
         refuse(place_of(section), "lies outside the file", rebuild);
       if (section.offset % alignment != 0) refuse(place_of(section), "does not start at a multiple of 64", rebuild);
       if (section.codec != Codec::stored && section.codec != Codec::zstd)
-        refuse(place_of(section), fmt::format("is packed in way {}", static_cast<std::uint32_t>(section.codec)),
+        refuse(place_of(section),
+               fmt::format("is compressed with the unknown codec {}", static_cast<std::uint32_t>(section.codec)),
                "use a newer program");
       if (section.codec == Codec::stored && section.bytes != section.raw_bytes)
-        refuse(place_of(section), "has another size than it says", rebuild);
+        refuse(place_of(section), "has a size that contradicts the table", rebuild);
       if (!is_plausible(section.bytes, section.raw_bytes))
-        refuse(place_of(section), fmt::format("claims {} bytes unpacked", section.raw_bytes), rebuild);
+        refuse(place_of(section), fmt::format("claims {} bytes after decompression", section.raw_bytes), rebuild);
     }
   }
 
@@ -112,7 +113,7 @@ class Reader {
   std::span<const std::byte> unpacked(const Section& section) {
     std::vector<std::byte>& raw = unpacked_.emplace_back(section.raw_bytes);
     if (!unpack(stored(section), section.element_bytes, raw))
-      refuse(place_of(section), "is damaged: it does not unpack", rebuild);
+      refuse(place_of(section), "is damaged: it cannot be decompressed", rebuild);
     return raw;
   }
 
@@ -136,7 +137,7 @@ class FileGuard final : public SplitGuard {
     if (star > star_end || star_end > view_.stars.size() || digest_of_block(view_, block) != digests_[block])
       refuse(first, end, "are damaged: their checksum is wrong");
     if (const auto problem = check_splits(view_, static_cast<SplitId>(first), static_cast<SplitId>(end)))
-      refuse(first, end, "are no part of a hierarchy: " + *problem);
+      refuse(first, end, "do not form a valid hierarchy: " + *problem);
   }
 
   [[noreturn]] void refuse(std::size_t first, std::size_t end, const std::string& problem) const {
@@ -177,7 +178,8 @@ OlodFile read_olod(const std::filesystem::path& path, OlodAccess access) {
   view.input_triangle_count = summary[0].input_triangle_count;
   view.face_count = summary[0].face_count;
   view.error_bound = summary[0].error_bound;
-  if (const auto problem = check_base(view)) reader->refuse("", "holds no hierarchy: " + *problem, rebuild);
+  if (const auto problem = check_base(view))
+    reader->refuse("", "does not hold a valid hierarchy: " + *problem, rebuild);
   const auto guard = std::make_shared<FileGuard>(reader, view, digests.subspan(digests.empty() ? 0 : 1));
   if (digests.size() != guard->block_count() + 1)
     reader->refuse("section BLOK", "does not have a checksum for every block", rebuild);

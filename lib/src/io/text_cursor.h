@@ -40,8 +40,8 @@ class TextCursor {
   [[nodiscard]] double number(const char* what);
   [[nodiscard]] std::int64_t integer(const char* what);
 
-  [[noreturn]] void fail(std::string problem, std::string mend) const {
-    errors_->fail_at_line(line_, std::move(problem), std::move(mend));
+  [[noreturn]] void fail(std::string problem, std::string remedy) const {
+    errors_->fail_at_line(line_, std::move(problem), std::move(remedy));
   }
 
  private:

@@ -22,7 +22,7 @@ std::uint16_t unit_at(std::string_view bytes, std::size_t at, std::endian order)
 
 bool is_ascii(std::uint16_t unit) { return unit > 0 && unit < 0x80; }
 
-// The byte order of UTF-16, none where the bytes are no UTF-16.
+// The byte order of UTF-16, none where the bytes are not UTF-16.
 std::optional<std::endian> utf16_order(std::string_view bytes) {
   for (const std::endian order : {std::endian::little, std::endian::big}) {
     if (bytes.size() >= 2 && unit_at(bytes, 0, order) == byte_order_mark) return order;

@@ -9,8 +9,8 @@
 namespace occlod {
 
 // A text as UTF-8 without a byte order mark: a view of `bytes` or, where they are UTF-16 of either byte order, of
-// `converted`, which holds the text afterwards. UTF-16 is told by its byte order mark or, without one, by two ASCII
-// characters at the beginning. Throws Error for UTF-16 that ends within a character and for UTF-32.
+// `converted`, which holds the text afterwards. UTF-16 is recognised by its byte order mark or, without one, by two
+// ASCII characters at the beginning. Throws Error for UTF-16 that ends within a character and for UTF-32.
 [[nodiscard]] std::string_view as_utf8(std::string_view bytes, std::string& converted, const FileErrors& errors);
 
 }  // namespace occlod

@@ -53,7 +53,7 @@ bool Triangulator::project(std::span<const VertexId> corners) {
   return true;
 }
 
-// A star polygon that winds round several times also turns left everywhere; it crosses itself and so may be a fan as
+// A star polygon that winds several times also turns left everywhere; it crosses itself, so it may become a fan as
 // well.
 bool Triangulator::is_strictly_convex() const {
   const std::size_t n = points_.size();
@@ -76,7 +76,7 @@ Triangulator::Clipping Triangulator::clip_ears(std::span<const VertexId> corners
   };
   steps_ = 0;
   std::size_t tip = 0;
-  std::size_t refused = 0;  // corners in a row that are no ears
+  std::size_t refused = 0;  // consecutive corners that are not ears
   for (std::size_t left = n; left > 3;) {
     // Flat ears, whose triangles have no area, only where nothing else is left: corners on a straight edge.
     if (refused == 2 * left) return Clipping::crosses_itself;
@@ -107,7 +107,7 @@ double Triangulator::turn_at(std::size_t corner) const {
 }
 
 // An ear is a corner that turns left and whose triangle holds no other corner. Only corners that do not turn left need
-// a look: if any corner is inside, such a one is.
+// to be tested: if any corner is inside, one of those is.
 bool Triangulator::is_ear(std::size_t tip, bool allow_flat) {
   ++steps_;
   const double area = turn_at(tip);

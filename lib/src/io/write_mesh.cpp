@@ -1,4 +1,4 @@
-// Writers of our own: OpenMesh's exporters want a half-edge mesh behind an interface of forty functions, and round
+// Our own writers: OpenMesh's exporters need a half-edge mesh behind an interface of forty functions, and round
 // coordinates in text. Numbers in text are the shortest that read back to the same bits.
 #include "occlod/io/write_mesh.h"
 
@@ -22,7 +22,7 @@
 namespace occlod {
 namespace {
 
-// Collects bytes and hands them on in large pieces.
+// Collects bytes and writes them in large blocks.
 class ChunkedWriter {
  public:
   explicit ChunkedWriter(AtomicFile& file) : file_(file) {}

@@ -31,8 +31,8 @@ std::size_t hash_of(const glm::vec3& p) {
   return scatter(scatter(bits[0] | std::uint64_t{bits[1]} << 32) + bits[2]);
 }
 
-// Tells most vertices that have a position of their own from those that may share it, in a byte or two a vertex: bits
-// for many more slots than vertices, in cache for all but the largest meshes.
+// A filter that separates most vertices with a unique position from those that may share theirs, in a byte or two per
+// vertex: one bit for each of many more slots than vertices, which fit in cache for all but the largest meshes.
 class SharedSlots {
  public:
   explicit SharedSlots(std::size_t vertices)
@@ -54,7 +54,7 @@ class SharedSlots {
   }
 
  private:
-  static constexpr std::size_t slots_per_vertex = 8;  // one vertex in ten or so shares a slot by chance
+  static constexpr std::size_t slots_per_vertex = 8;  // about one vertex in ten shares a slot by chance
 
   struct Slot {
     std::size_t word;
@@ -121,8 +121,8 @@ class Cleaner {
   }
 
  private:
-  [[noreturn]] void fail(std::string place, std::string problem, std::string mend) const {
-    throw Error({subject_, std::move(place), std::move(problem), std::move(mend)});
+  [[noreturn]] void fail(std::string place, std::string problem, std::string remedy) const {
+    throw Error({subject_, std::move(place), std::move(problem), std::move(remedy)});
   }
 
   void check_indices() const {
@@ -140,7 +140,7 @@ class Cleaner {
     }
   }
 
-  // 1 for each vertex that a triangle uses. Bytes: they are stored without being loaded.
+  // 1 for each vertex that a triangle uses. Bytes rather than bits, so that a store needs no load.
   [[nodiscard]] std::vector<std::uint8_t> used_vertices() const {
     std::vector<std::uint8_t> used(mesh_.vertex_count(), 0);
     for (const Triangle& t : mesh_.triangles) used[t.x] = used[t.y] = used[t.z] = 1;

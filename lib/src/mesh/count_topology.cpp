@@ -251,7 +251,7 @@ std::uint64_t count_zero_areas(const TriangleMesh& mesh, std::size_t begin, std:
   return count;
 }
 
-// Splits the counting into tasks that any threads may take: sums do not depend on who did what.
+// Splits the counting into tasks for any thread: sums do not depend on which thread did what.
 class TopologyCounter {
  public:
   explicit TopologyCounter(const TriangleMesh& mesh)

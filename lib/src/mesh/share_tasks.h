@@ -1,4 +1,4 @@
-// Work on all cores whose result must not depend on which of them did what.
+// Work on all cores whose result does not depend on which core did what.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 
 namespace occlod {
 
-// Hands out 0, 1, ... to whoever asks.
+// Hands out 0, 1, ... to any thread.
 class TaskQueue {
  public:
   explicit TaskQueue(std::size_t count) : count_(count) {}

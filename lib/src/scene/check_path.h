@@ -15,8 +15,8 @@ struct BadFrame {
   Diagnosis problem;  // as View has it
 
   static constexpr const char* remedy =
-      "add a key that leads the path around its target and the up direction, give it another number of frames, or let "
-      "it jump";
+      "add a key that leads the path around its target and the up direction, give it another number of frames, or set "
+      "\"jump\": true";
   // "makes no view in frame 2 of 5, numbered from 0: target is where the eye is"
   [[nodiscard]] std::string text() const;
 };

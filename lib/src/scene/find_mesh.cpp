@@ -32,7 +32,7 @@ std::vector<std::filesystem::path> mesh_folders(const std::filesystem::path& fol
 
 std::filesystem::path find_mesh(const std::string& name, const std::filesystem::path& folder) {
   for (const std::filesystem::path& start : mesh_folders(folder)) {
-    std::error_code ignored;  // a folder that cannot be entered holds no mesh for us
+    std::error_code ignored;  // folders that cannot be read are skipped
     const std::filesystem::path candidate = start / name;
     if (std::filesystem::is_regular_file(candidate, ignored)) return candidate;
   }

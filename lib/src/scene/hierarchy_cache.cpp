@@ -80,7 +80,7 @@ std::optional<Hierarchy> HierarchyCache::find(const std::string& key) const {
     note_(
         fmt::format("a cached hierarchy is built again: {}: {}{}{}", file, place, place.empty() ? "" : ": ", problem));
   }
-  // Out of the way of what is built: a folder cannot be replaced, and the permissions of a file would be kept.
+  // Makes room for the new entry: a folder cannot be replaced, and the permissions of a file would be kept.
   fs::remove(path, ignored);
   return std::nullopt;
 }

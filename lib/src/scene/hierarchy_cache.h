@@ -1,4 +1,4 @@
-// Hierarchies that were built before, in the user's cache folder.
+// Hierarchies that have been built before, in the user's cache folder.
 #pragma once
 
 #include <filesystem>
@@ -10,12 +10,12 @@
 
 namespace occlod {
 
-// Throws nothing but std::bad_alloc: a cache that cannot be used is told to `note` and does nothing.
+// Throws nothing but std::bad_alloc: a cache that cannot be used is reported to `note` and does nothing.
 class HierarchyCache {
  public:
   HierarchyCache(std::filesystem::path folder, std::function<void(const std::string&)> note);
 
-  // Every part of what it returns has been checked. An entry that fails is told to `note` and removed.
+  // Every part of what it returns has been checked. An entry that fails is reported to `note` and removed.
   [[nodiscard]] std::optional<Hierarchy> find(const std::string& key) const;
   void store(const std::string& key, const Hierarchy& hierarchy, const MeshReport& report) const;
 

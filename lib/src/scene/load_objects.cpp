@@ -20,7 +20,7 @@ namespace {
 
 using SharedHierarchy = std::shared_ptr<const Hierarchy>;
 
-// Name and options of a generator: for people, and all that its mesh depends on.
+// Name and options of a generator: shown to users, and everything that its mesh depends on.
 std::string describe(const RoughPlanetOptions& o) {
   return fmt::format("rough-planet level={} seed={} amplitude={} frequency={} octaves={}", o.level, o.seed, o.amplitude,
                      o.frequency, o.octaves);

@@ -77,7 +77,7 @@ MeshSource read_generator(const JsonPlace& object) {
   if (name == "city") return read_city(options);
   if (name == "pipes") return read_pipes(options);
   if (name == "spheres-behind-wall") return read_spheres_behind_wall(options);
-  generator.fail("is no generator", "use one of: rough-planet, city, pipes, spheres-behind-wall");
+  generator.fail("is not a generator", "use one of: rough-planet, city, pipes, spheres-behind-wall");
 }
 
 MeshFile read_mesh_file(const JsonPlace& mesh) {
@@ -91,7 +91,7 @@ MeshSource read_source(const JsonPlace& object) {
   const bool has_mesh = object.has("mesh");
   if (has_mesh == object.has("generator")) object.fail("needs either \"mesh\" or \"generator\"", "give one of them");
   if (!has_mesh) return read_generator(object);
-  if (const auto options = object.find("options")) options->fail("goes with a generator only", "remove it");
+  if (const auto options = object.find("options")) options->fail("is only for generators", "remove it");
   return read_mesh_file(object.at("mesh"));
 }
 
@@ -120,7 +120,7 @@ glm::dmat4 read_rotation(const JsonPlace& place) {
 glm::dmat4 read_placement(const JsonPlace& object) {
   if (const auto matrix = object.find("matrix")) {
     for (const char* key : {"position", "rotation", "scale"})
-      if (const auto other = object.find(key)) other->fail("stands beside \"matrix\"", "remove one of them");
+      if (const auto other = object.find(key)) other->fail("cannot be combined with \"matrix\"", "remove one of them");
     return read_matrix(*matrix);
   }
   glm::dmat4 result(1.0);
@@ -153,7 +153,8 @@ Camera read_camera(const JsonPlace& place) {
   read_into(camera.near, place, "near");
   read_into(camera.far, place, "far");
   if (const auto height = place.find("orthographic_height")) {
-    if (const auto angle = place.find("fov_y_deg")) angle->fail("stands beside \"orthographic_height\"", "remove one");
+    if (const auto angle = place.find("fov_y_deg"))
+      angle->fail("cannot be combined with \"orthographic_height\"", "remove one of them");
     camera.orthographic_height = height->number();
   }
   if (const auto width = place.find("width")) camera.width = width->integer(1);
@@ -175,11 +176,13 @@ CameraPath read_path(const JsonPlace& place) {
   const auto is_orthographic = [](const Camera& key) { return key.orthographic_height.has_value(); };
   const auto parallel = std::count_if(path.keys.begin(), path.keys.end(), is_orthographic);
   if (!path.jump && parallel != 0 && parallel != std::ssize(path.keys))
-    place.at("keys").fail("go from perspective to orthographic, between which is nothing",
-                          "give all of them an orthographic_height or none, or let the path jump");
-  if (path.jump && path.keys.size() < 2) place.at("keys").fail("is one key, from which nothing jumps", "give another");
+    place.at("keys").fail("mix perspective and orthographic cameras, which cannot be interpolated",
+                          "give all keys an orthographic_height or none, or set \"jump\": true");
+  if (path.jump && path.keys.size() < 2)
+    place.at("keys").fail("has only one key, so that there is nothing to jump to", "add a key");
   if (path.jump && path.keys.size() > static_cast<std::size_t>(path.frames))
-    place.at("frames").fail("is less than the keys that each hold a frame at least", "give more frames or fewer keys");
+    place.at("frames").fail("is less than the number of keys, each of which needs a frame",
+                            "give more frames or fewer keys");
   if (const auto bad = find_bad_frame(path)) place.fail(bad->text(), BadFrame::remedy);
   return path;
 }

@@ -30,14 +30,14 @@ std::size_t line_of(const std::string& text, std::size_t byte) {
   return 1 + static_cast<std::size_t>(std::count(text.begin(), end, '\n'));
 }
 
-// The library says "[json.exception.parse_error.101] parse error at line 1, column 2: what"; people need the last part.
+// The library says "[json.exception.parse_error.101] parse error at line 1, column 2: what"; users need the last part.
 std::string without_prefix(const char* what) {
   const std::string_view text = what;
   const std::size_t colon = text.find(": ");
   return std::string(colon == std::string_view::npos ? text : text.substr(colon + 2));
 }
 
-// nlohmann::json keeps the last of two equal keys without a word.
+// nlohmann::json silently keeps the last of two equal keys.
 class RepeatedKeys {
  public:
   bool operator()(int depth, json::parse_event_t event, json& value) {
@@ -73,13 +73,13 @@ json parse_json_file(const std::filesystem::path& path) {
     throw Error({path.string(), "", without_prefix(error.what()), "write valid JSON"});
   }
   if (!repeated_keys.repeated().empty())
-    throw Error({path.string(), "", fmt::format("the key \"{}\" stands twice in one object", repeated_keys.repeated()),
+    throw Error({path.string(), "", fmt::format("the key \"{}\" appears twice in one object", repeated_keys.repeated()),
                  "keep one of them"});
   return document;
 }
 
-void JsonPlace::fail(const std::string& problem, const std::string& mend) const {
-  throw Error({*file_, path_.empty() ? "/" : path_, problem, mend});
+void JsonPlace::fail(const std::string& problem, const std::string& remedy) const {
+  throw Error({*file_, path_.empty() ? "/" : path_, problem, remedy});
 }
 
 JsonPlace JsonPlace::below(const json& value, const std::string& step) const {
@@ -95,7 +95,7 @@ void JsonPlace::expect_object() const {
 void JsonPlace::expect_keys(std::span<const std::string_view> keys) const {
   for (const auto& [key, place] : members())
     if (std::find(keys.begin(), keys.end(), key) == keys.end())
-      place.fail("is not a key that is known here", fmt::format("use one of: {}", fmt::join(keys, ", ")));
+      place.fail("is not a known key", fmt::format("use one of: {}", fmt::join(keys, ", ")));
 }
 
 bool JsonPlace::has(std::string_view key) const { return find(key).has_value(); }

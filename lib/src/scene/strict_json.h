@@ -1,4 +1,4 @@
-// Strict reading of JSON: every mistake is an Error that names the file and the place in it.
+// Reads JSON strictly: every mistake is an Error that names the file and the place in it.
 #pragma once
 
 #include <cstddef>
@@ -17,13 +17,13 @@ namespace occlod {
 // Parses a file. Throws Error for a file that cannot be read, syntax errors (with the line) and keys given twice.
 [[nodiscard]] nlohmann::json parse_json_file(const std::filesystem::path& path);
 
-// A value and where it stands. Refers to the document and the file name; both outlive it.
+// A value and its place. Refers to the document and the file name; both outlive it.
 class JsonPlace {
  public:
   JsonPlace(const nlohmann::json& value, const std::string& file) : value_(&value), file_(&file) {}
 
   // Throws Error with this place.
-  [[noreturn]] void fail(const std::string& problem, const std::string& mend = {}) const;
+  [[noreturn]] void fail(const std::string& problem, const std::string& remedy = {}) const;
 
   // Of an object: it is one, with no other keys than these.
   void expect_keys(std::span<const std::string_view> keys) const;
