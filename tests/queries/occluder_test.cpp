@@ -28,13 +28,13 @@ Count count_wrongly_hidden(const TriangleMesh& mesh, OccluderMode mode, bool two
   Occluder occluder;
   Count count;
   for (int n = 0; n < 12; ++n) {
-    std::vector<Cut> cuts;
-    cuts.emplace_back(hierarchy);
+    CutSet cuts;
+    cuts.add(hierarchy);
     for (int i = 0; i < 20 * n; ++i) {
       const auto s = static_cast<SplitId>(random() % hierarchy.split_count());
       if (cuts[0].applied(s)) continue;
-      (void)cuts[0].closure(s);
-      cuts[0].apply_closure();
+      (void)cuts.closure(0, s);
+      cuts.apply_closure(0);
     }
     Camera camera;
     camera.eye = 3.0 * direction();
@@ -91,16 +91,16 @@ TEST(Occluder, ConservativeSheetsHideNothingAtTheirBorders) {
 
 TEST(Occluder, PaperIsTheCutItself) {
   const Hierarchy hierarchy = build_hierarchy(test::noisy_sphere(3, 1));
-  std::vector<Cut> cuts;
-  cuts.emplace_back(hierarchy);
-  (void)cuts[0].closure(static_cast<SplitId>(hierarchy.split_count() / 2));
-  cuts[0].apply_closure();
+  CutSet cuts;
+  cuts.add(hierarchy);
+  (void)cuts.closure(0, static_cast<SplitId>(hierarchy.split_count() / 2));
+  cuts.apply_closure(0);
   const std::vector<ObjectView> views = {ObjectView(View(test::front_camera()), glm::dmat4(1.0))};
   Occluder occluder;
   const std::vector<RefineObject> objects = {{&hierarchy}};
   const std::span<const OccluderPart> parts = occluder.build(objects, cuts, views, OccluderMode::paper);
   std::vector<Triangle> expected;
-  cuts[0].active_triangles(expected, false);
+  cuts.active_triangles(0, expected, false);
   ASSERT_EQ(parts.size(), 1U);
   ASSERT_EQ(parts[0].triangles.size(), expected.size());
   for (std::size_t i = 0; i < expected.size(); ++i)
@@ -111,12 +111,12 @@ TEST(Occluder, PaperIsTheCutItself) {
 // The full mesh is the input: its error is 0, and its front faces are where they are.
 TEST(Occluder, FrontOfTheFullMeshIsNotMoved) {
   const Hierarchy hierarchy = build_hierarchy(test::noisy_sphere(3, 1));
-  std::vector<Cut> cuts;
-  cuts.emplace_back(hierarchy);
+  CutSet cuts;
+  cuts.add(hierarchy);
   for (SplitId s = 0; s < hierarchy.split_count(); ++s)
     if (!cuts[0].applied(s)) {
-      (void)cuts[0].closure(s);
-      cuts[0].apply_closure();
+      (void)cuts.closure(0, s);
+      cuts.apply_closure(0);
     }
   const std::vector<ObjectView> views = {ObjectView(View(test::front_camera()), glm::dmat4(1.0))};
   Occluder occluder;
@@ -124,7 +124,7 @@ TEST(Occluder, FrontOfTheFullMeshIsNotMoved) {
   const std::span<const OccluderPart> parts = occluder.build(objects, cuts, views, OccluderMode::conservative);
   std::vector<glm::vec3> expected;
   std::vector<Triangle> cut;
-  cuts[0].active_triangles(cut, true);
+  cuts.active_triangles(0, cut, true);
   for (const Triangle& t : cut) {
     const glm::vec3 &a = hierarchy.positions()[t.x], &b = hierarchy.positions()[t.y], &c = hierarchy.positions()[t.z];
     if (glm::dot(glm::cross(b - a, c - a), views[0].eye() - a) > 0.0F) expected.insert(expected.end(), {a, b, c});

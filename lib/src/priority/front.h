@@ -11,7 +11,7 @@
 #include "core/zeroed_array.h"
 #include "occlod/hierarchy/hierarchy.h"
 #include "priority/bounded_values.h"
-#include "priority/queue.h"
+#include "priority/screen_error.h"
 #include "priority/view_motion.h"
 
 namespace occlod {

@@ -7,7 +7,7 @@
 
 #include "core/zeroed_array.h"
 #include "occlod/refine/refiner.h"
-#include "priority/queue.h"
+#include "priority/screen_error.h"
 #include "priority/star_visibility.h"
 
 namespace occlod {

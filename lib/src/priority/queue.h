@@ -9,45 +9,9 @@
 #include <vector>
 
 #include "occlod/core/large_vector.h"
-#include "occlod/hierarchy/hierarchy.h"
+#include "priority/entry.h"
 
 namespace occlod {
-
-// What a split that is not applied leaves on the screen, at most.
-struct ScreenError {
-  float quadric_px = 0.0F;
-  float guaranteed_px = 0.0F;
-
-  ScreenError() = default;
-  ScreenError(float error, float guaranteed_error, float scale_px)
-      : quadric_px(in_pixels(error, scale_px)), guaranteed_px(in_pixels(guaranteed_error, scale_px)) {}
-  ScreenError(const SplitNode& node, float scale_px) : ScreenError(node.error, node.guaranteed_error, scale_px) {}
-  // Where an unlimited scale leaves no error at 0.
-  static float in_pixels(float error, float scale_px) { return error > 0.0F ? error * scale_px : 0.0F; }
-  void include(const ScreenError& o) {
-    quadric_px = std::max(quadric_px, o.quadric_px);
-    guaranteed_px = std::max(guaranteed_px, o.guaranteed_px);
-  }
-};
-
-// Something that refinement may do next.
-struct Entry {
-  enum class Kind : std::uint8_t {
-    visit,  // look at a node: descend below it
-    apply,  // apply the split itself
-  };
-  float priority = 0.0F;  // quadric screen error in pixels, weighted
-  ScreenError error;      // unweighted
-  SplitId split = no_id;
-  std::uint32_t object = 0;
-  std::uint32_t level = 0;           // of the split in the forest, 0 at roots
-  std::uint32_t asked_occluder = 0;  // number of the occluder that it was last asked about against; 0 = never asked
-  Kind kind = Kind::visit;
-  bool weighed = false;                    // priority includes what the split forces
-  bool is_hidden = false;                  // by the occluder asked_occluder
-  bool children_weighed = false;           // of a node that is visited: the scales are known
-  std::array<float, 2> child_scales_px{};  // of child_u and child_v, see Lookahead
-};
 
 // Worst first, to within a sixty-fourth of a factor of two; of entries that are as bad, the last one in comes out
 // first, which has just been looked at. Pushing and popping take constant time where a heap's would miss the caches all

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "occlod/refine/refiner.h"
-#include "priority/queue.h"
+#include "priority/entry.h"
 
 namespace occlod {
 

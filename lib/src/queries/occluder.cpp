@@ -57,23 +57,23 @@ glm::vec3 push_of(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, fl
 
 }  // namespace
 
-std::span<const OccluderPart> Occluder::build(std::span<const RefineObject> objects, std::span<Cut> cuts,
+std::span<const OccluderPart> Occluder::build(std::span<const RefineObject> objects, CutSet& cuts,
                                               std::span<const ObjectView> views, OccluderMode mode) {
   parts_.resize(cuts.size());
   result_.clear();
-  for (std::size_t i = 0; i < cuts.size(); ++i) {
+  for (std::uint32_t i = 0; i < cuts.size(); ++i) {
     Part& part = parts_[i];
     std::span<const glm::vec3> positions = cuts[i].hierarchy().positions();
     if (mode == OccluderMode::paper) {
-      cuts[i].active_triangles(part.triangles, false);
+      cuts.active_triangles(i, part.triangles, false);
     } else {
-      cuts[i].active_triangles(part.cut, true);
+      cuts.active_triangles(i, part.cut, true);
       find_errors(cuts[i]);
       find_faces(cuts[i], part.cut, objects[i].two_sided, views[i].eye());
       add_moved_back(cuts[i], views[i].eye(), part);
       positions = part.positions;
     }
-    result_.push_back({static_cast<std::uint32_t>(i), positions, part.triangles});
+    result_.push_back({i, positions, part.triangles});
   }
   return result_;
 }

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "cut/cut.h"
+#include "cut/cut_set.h"
 #include "occlod/refine/refiner.h"
 #include "occlod/refine/visibility.h"
 #include "queries/sheet_erosion.h"
@@ -16,7 +16,7 @@ class Occluder {
  public:
   // `cuts` and `views` by object. The result is valid until the next call. O(n) for n
   // triangles; O(n log n) where they are moved back.
-  std::span<const OccluderPart> build(std::span<const RefineObject> objects, std::span<Cut> cuts,
+  std::span<const OccluderPart> build(std::span<const RefineObject> objects, CutSet& cuts,
                                       std::span<const ObjectView> views, OccluderMode mode);
 
  private:

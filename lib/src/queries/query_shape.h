@@ -3,7 +3,7 @@
 
 #include "occlod/refine/refiner.h"
 #include "occlod/refine/visibility.h"
-#include "priority/queue.h"
+#include "priority/entry.h"
 #include "priority/star_visibility.h"
 
 namespace occlod {

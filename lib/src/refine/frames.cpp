@@ -1,209 +1,108 @@
 #include "refine/frames.h"
 
-#include <algorithm>
-#include <iterator>
-#include <string>
-#include <utility>
-
-#include "occlod/core/error.h"
-
 namespace occlod {
+namespace {
 
-Frames::Frames(std::span<const RefineObject> objects, std::span<RefinedObject> result) {
-  for (std::size_t i = 0; i < objects.size(); ++i) objects_.emplace_back(*objects[i].hierarchy, result[i].triangles);
+// More than this part of the applied splits matters much less than what the budget goes to.
+constexpr double lost_part = 0.25;
+// More changes than this part of the nodes of the front: the mesh which hid things in this frame is not the one that is
+// handed over.
+constexpr double much_change = 0.03;
+
+std::vector<DrawnMesh> meshes_of(std::span<const RefineObject> objects, std::span<RefinedObject> result) {
+  std::vector<DrawnMesh> meshes;
+  for (std::size_t i = 0; i < objects.size(); ++i) meshes.emplace_back(*objects[i].hierarchy, result[i].triangles);
+  return meshes;
 }
 
-void Frames::begin(const RefinedCuts& refined, const RefineOptions& options) {
-  refined_ = refined;
-  options_ = &options;
+}  // namespace
+
+Frames::Frames(std::span<const RefineObject> objects, std::span<RefinedObject> result)
+    : evaluation_(objects),
+      forest_(evaluation_),
+      queries_(evaluation_),
+      meshes_(meshes_of(objects, result)),
+      exchange_(evaluation_, forest_, queries_, meshes_) {}
+
+void Frames::begin() {
   ++frame_;
-  adopted_ = false;
-  changes_ = 0;
-  triangles_ = 0;
-  for (const Cut& cut : refined_.cuts) triangles_ += cut.triangle_count();
-  for (Object& object : objects_) {
-    object.faces.begin_frame();
-    object.born.clear();
-    object.died.clear();
-  }
-  left_ = {};
+  for (DrawnMesh& mesh : meshes_) mesh.begin_frame();
 }
 
-void Frames::adopt(const RefinedCuts& refined, const RefineOptions& options, float level,
-                   std::span<const Entry> hidden) {
-  begin(refined, options);
-  adopted_ = true;
-  adopted_draw_ = draw_;
+void Frames::adopt(const RefinedScene& scene, float level, std::span<const Entry> hidden) {
+  begin();
   at_rest_ = false;
-  level_ = level;
-  last_view_ = *refined.view;
-  for (std::uint32_t i = 0; i < objects_.size(); ++i) adopt_splits(i);
-  for (const Entry& entry : hidden) {
-    Front& front = objects_[entry.object].front;
-    front.set(front.obtain(entry.split), entry.kind == Entry::Kind::visit ? Front::subtree_hidden : Front::star_hidden,
-              true);
+  evaluation_.restart(scene);
+  exchange_.adopt(level);
+  for (std::uint32_t i = 0; i < meshes_.size(); ++i) {
+    meshes_[i].assign((*scene.cuts)[i]);
+    forest_.adopt_splits(i);
   }
-  for (std::uint32_t i = 0; i < objects_.size(); ++i) adopt_forest(i);
-  before_ = count_applied();
+  queries_.adopt(hidden);
+  for (std::uint32_t i = 0; i < meshes_.size(); ++i) forest_.adopt_forest(i, level);
+  before_ = evaluation_.count_applied(worthless_part * level);
 }
 
-void Frames::adopt_splits(std::uint32_t object) {
-  Object& to = objects_[object];
-  const Cut& cut = refined_.cuts[object];
-  to.front.clear();
-  to.morphs.clear();
-  to.faces.assign(cut);
-  to.motion = {};
-  to.view = refined_.views[object];
-  for (const SplitId s : cut.applied_splits()) {
-    if (!cut.applied(s)) continue;
-    const Front::Index k = to.front.obtain(s);
-    to.front.set(k, Front::applied, true);
-    to.front.set(k, Front::leaf, cut.is_leaf(s));
+bool Frames::move_to(const RefinedScene& scene) {
+  begin();
+  evaluation_.move_to(scene);
+  const AppliedCount now = evaluation_.count_applied(worthless_part * exchange_.level());
+  const double newly_lost = static_cast<double>(now.worthless) - static_cast<double>(before_.worthless);
+  return newly_lost <= lost_part * static_cast<double>(now.all);
+}
+
+void Frames::advance(bool moved, Clock::time_point start, RefineStats& stats) {
+  if (moved) moved_frame_ = frame_;
+  queries_.begin_frame(frame_, moved);
+  exchange_.begin_frame(frame_, start, stats);
+  exchange_splits(moved);
+  exchange_.take_back_needless();
+  before_ = evaluation_.count_applied(worthless_part * exchange_.level());
+  const bool all_asked = !evaluation_.scene().queries->can_hide() || frame_ - moved_frame_ >= asking_rounds;
+  at_rest_ = exchange_.changes() == 0 && !stats.pending && all_asked;
+  measure(stats);
+}
+
+// Hidden things give way; and once more where the mesh of this frame hides other things than that of the frame before.
+void Frames::exchange_splits(bool moved) {
+  const RefinedScene& scene = evaluation_.scene();
+  const bool can_hide = scene.queries->can_hide();
+  if (can_hide)
+    queries_.ask_again(exchange_.level(), false);
+  else
+    queries_.forget_hidden();
+  exchange_.run();
+  const bool changed_much =
+      static_cast<double>(exchange_.changes()) > much_change * static_cast<double>(evaluation_.node_count());
+  const RefineOptions* const options = scene.options;
+  if (!(can_hide && moved && options->queries.final_check && changed_much)) return;
+  queries_.ask_all_anew(exchange_.level());
+  exchange_.run_again();
+}
+
+void Frames::measure(RefineStats& stats) {
+  ScreenError left = exchange_.rejected_error();
+  evaluation_.measure_errors(left);
+  stats.triangles = evaluation_.scene().cuts->triangle_count();
+  for (std::uint32_t i = 0; i < meshes_.size(); ++i) {
+    stats.culled_frustum += count(evaluation_.errors(i), {.all = Front::outside});
+    stats.culled_backface += count(evaluation_.errors(i), {.all = Front::facing_away});
   }
+  stats.level_px = static_cast<double>(exchange_.level());
+  stats.max_error_px = static_cast<double>(left.guaranteed_px);
+  stats.max_quadric_error_px = static_cast<double>(left.quadric_px);
 }
 
-void Frames::adopt_forest(std::uint32_t object) {
-  Front& front = objects_[object].front;
-  open_.clear();
-  reached_.clear();
-  for (const SplitId root : refined_.cuts[object].hierarchy().data().roots) {
-    open_.push_back(root);
-    reached_.push_back(reach(object, root, no_id, 0));
+void Frames::emit(std::span<RefinedObject> out, RefineStats& stats) {
+  const RefinedScene& scene = evaluation_.scene();
+  const RefineOptions* const options = scene.options;
+  for (std::uint32_t i = 0; i < meshes_.size(); ++i) {
+    Front& front = evaluation_.front(i);
+    for (const SplitId s : meshes_[i].born())
+      if (const Front::Index k = front.find(s); k != Front::none) front.set(k, Front::is_new, false);
+    meshes_[i].emit((*scene.cuts)[i], options->update.geomorph_frames, out[i], stats);
+    at_rest_ = at_rest_ && out[i].geomorphs.empty();
   }
-  while (!open_.empty()) {  // level by level
-    renew(object, reached_);
-    reached_.clear();
-    sorted_.swap(open_);
-    open_.clear();
-    for (const SplitId s : sorted_) {
-      const Front::Index k = front.find(s);
-      if (front.is(k, Front::subtree_hidden) || !(front.error_at_most(k).quadric_px > level_)) continue;
-      descend_from(object, s, [&](SplitId child) {
-        open_.push_back(child);
-        reached_.push_back(front.find(child));
-      });
-    }
-  }
-  for (std::size_t k = front.size(); k-- > 0;) {
-    const auto at = static_cast<Front::Index>(k);
-    if (!front.is(at, Front::reached) && !front.is(at, Front::applied)) front.remove(at);
-  }
-  renew_outdated(object);  // what is applied without being reached
-}
-
-// What it is worth is not known yet.
-Front::Index Frames::reach(std::uint32_t object, SplitId s, SplitId parent, std::uint16_t level) {
-  const Hierarchy& hierarchy = refined_.cuts[object].hierarchy();
-  hierarchy.require(s);
-  if (hierarchy.node(s).parent != parent)
-    throw Error({"hierarchy", "split " + std::to_string(s), "is not where its parent says", "build it again"});
-  Front& front = objects_[object].front;
-  const Front::Index k = front.obtain(s);
-  front.set(k, Front::reached, true);
-  front.node(k).level = level;
-  return k;
-}
-
-Frames::Applied Frames::count_applied() const {
-  Applied applied;
-  for (std::uint32_t i = 0; i < objects_.size(); ++i) {
-    const BoundedProducts of = errors(i);
-    const std::size_t all = count(of, {.all = Front::applied});
-    applied.all += all;
-    applied.worthless +=
-        all - count(of, {.all = Front::applied, .none = Front::subtree_hidden, .may_exceed = closing * level_});
-  }
-  return applied;
-}
-
-// Gives up nodes that matter too little to be descended.
-void Frames::close(std::uint32_t object) {
-  Front& front = objects_[object].front;
-  found_.clear();
-  const BoundedProducts of = errors(object);
-  select(of, {.all = Front::descended | Front::subtree_hidden}, found_);
-  select(of, {.all = Front::descended, .none = Front::subtree_hidden, .may_be_below = closing * level_}, found_);
-  open_.clear();
-  for (const Front::Index k : found_) open_.push_back(front.node(k).split);
-  for (const SplitId first : open_)
-    for (SplitId s = first; s != no_id && close_one(object, s);) s = refined_.cuts[object].hierarchy().node(s).parent;
-}
-
-bool Frames::is_closable(std::uint32_t object, Front::Index k) const {
-  const Front& front = objects_[object].front;
-  return front.is(k, Front::subtree_hidden) ||
-         front.scales().error_factor[k] * front.error_at_most(k).quadric_px <= closing * level_;
-}
-
-bool Frames::close_one(std::uint32_t object, SplitId s) {
-  Front& front = objects_[object].front;
-  const Front::Index k = front.find(s);
-  if (k == Front::none || !front.is(k, Front::descended) || !is_closable(object, k)) return false;
-  const SplitNode& split = refined_.cuts[object].hierarchy().node(s);
-  for (const SplitId child : {split.child_u, split.child_v})
-    if (child != no_id && front.is(front.find(child), Front::descended)) return false;
-  front.set(k, Front::descended, false);
-  for (const SplitId child : {split.child_u, split.child_v}) {
-    if (child == no_id) continue;
-    const Front::Index below = front.find(child);
-    front.set(below, Front::reached, false);
-    if (!front.is(below, Front::applied)) front.remove(below);
-  }
-  return true;
-}
-
-void Frames::emit(std::uint32_t i, RefinedObject& out, RefineStats& stats) {
-  Object& object = objects_[i];
-  object.faces.changes(out.changes);
-  for (const TriangleRange& range : out.changes) stats.changed_triangles += range.count;
-  emit_splits(object, refined_.cuts[i], out, stats);
-  emit_geomorphs(object, refined_.cuts[i], out.geomorphs);
-  at_rest_ = at_rest_ && out.geomorphs.empty();
-}
-
-void Frames::emit_splits(Object& object, const Cut& cut, RefinedObject& out, RefineStats& stats) {
-  if (adopted_) {
-    stats.merged_splits += out.splits.size();
-    out.splits.clear();
-    for (Front::Index k = 0; k < object.front.size(); ++k)
-      if (object.front.is(k, Front::applied)) out.splits.push_back(object.front.node(k).split);
-    std::sort(out.splits.begin(), out.splits.end());
-    stats.new_splits += out.splits.size();
-    return;
-  }
-  // What came and went, or went and came, is no change.
-  const auto settle = [&](std::vector<SplitId>& splits, bool applied) {
-    std::sort(splits.begin(), splits.end());
-    splits.erase(std::unique(splits.begin(), splits.end()), splits.end());
-    std::erase_if(splits, [&](SplitId s) {
-      return cut.applied(s) != applied || std::binary_search(out.splits.begin(), out.splits.end(), s) == applied;
-    });
-  };
-  for (const SplitId s : object.born)
-    if (const Front::Index k = object.front.find(s); k != Front::none) object.front.set(k, Front::is_new, false);
-  settle(object.born, true);
-  settle(object.died, false);
-  stats.new_splits += object.born.size();
-  stats.merged_splits += object.died.size();
-  if (object.born.empty() && object.died.empty()) return;
-  sorted_.clear();
-  std::set_difference(out.splits.begin(), out.splits.end(), object.died.begin(), object.died.end(),
-                      std::back_inserter(sorted_));
-  out.splits.clear();
-  std::merge(sorted_.begin(), sorted_.end(), object.born.begin(), object.born.end(), std::back_inserter(out.splits));
-}
-
-void Frames::emit_geomorphs(Object& object, const Cut& cut, std::vector<Geomorph>& out) const {
-  out.clear();
-  const std::uint32_t frames = options_->update.geomorph_frames;
-  if (frames > 0 && !adopted_)
-    for (const SplitId s : object.born) object.morphs.emplace_back(s, frame_);
-  std::erase_if(object.morphs,
-                [&](const auto& morph) { return !cut.applied(morph.first) || frame_ - morph.second >= frames; });
-  for (const auto& [s, born] : object.morphs)
-    out.push_back({cut.hierarchy().vertex_of(s), cut.hierarchy().star(s).parent_vertex(),
-                   static_cast<float>(frame_ - born + 1) / static_cast<float>(frames + 1)});
 }
 
 }  // namespace occlod

@@ -1,9 +1,7 @@
 #include "refine/from_scratch.h"
 
-#include <string>
-
-#include "occlod/core/error.h"
 #include "priority/weigh_splits.h"
+#include "refine/forest.h"
 
 namespace occlod {
 namespace {
@@ -13,219 +11,213 @@ constexpr std::size_t most_rejections_in_a_row = 64;
 
 }  // namespace
 
-void FromScratch::refine(const RefinedCuts& refined, const RefineOptions& options, Questions& questions,
-                         Occluder& occluder, RefineStats& stats) {
-  refined_ = refined;
-  options_ = &options;
-  questions_ = &questions;
-  occluder_mesh_ = &occluder;
+void FromScratch::refine(const RefinedScene& scene, RefineStats& stats) {
+  scene_ = scene;
   stats_ = &stats;
   begin();
   run();
   end_level_ = queue_.empty() ? 0.0F : queue_.top().priority;
-  stats_->level_px = static_cast<double>(end_level_);
-  if (options_->queries.final_check) readmit();
+  const RefineOptions* const options = scene_.options;
+  if (options->queries.final_check) readmit();
   finish();
 }
 
 void FromScratch::begin() {
-  triangles_ = 0;
-  for (Cut& cut : refined_.cuts) {
-    cut.clear();
-    triangles_ += cut.triangle_count();
-  }
-  base_triangles_ = triangles_;
-  steps_.begin(*options_);
+  scene_.cuts->clear();
   queue_.clear();
-  lookahead_.begin(refined_, *options_);
-  hidden_.clear();
+  entries_.begin(scene_);
+  lookahead_.begin(scene_);
   victims_.clear();
-  occluder_ = 0;
   rejections_in_a_row_ = 0;
   left_ = {};
   level_.reset();
-  for (std::uint32_t i = 0; i < refined_.objects.size(); ++i) meet_roots(i);
-}
-
-void FromScratch::meet_roots(std::uint32_t object) {
-  const std::span<const SplitId> roots = refined_.cuts[object].hierarchy().data().roots;
-  root_scales_px_.resize(roots.size());
-  lookahead_.weigh(object, roots, root_scales_px_);
-  for (std::size_t i = 0; i < roots.size(); ++i) meet(object, roots[i], root_scales_px_[i], no_id, 0);
-}
-
-void FromScratch::finish() {
-  stats_->triangles = triangles_;
-  stats_->culled_occlusion = hidden_.size();
-  queue_.for_each([&](const Entry& entry) {
-    if (!refined_.cuts[entry.object].applied(entry.split)) left_.include(entry.error);
-  });
-  stats_->max_error_px = static_cast<double>(left_.guaranteed_px);
-  stats_->max_quadric_error_px = static_cast<double>(left_.quadric_px);
+  for (std::uint32_t i = 0; i < scene_.objects.size(); ++i) enqueue_roots(i);
 }
 
 void FromScratch::run() {
+  const auto matters = [&](const Entry& entry) { return this->matters(entry); };
   while (!used_up()) {
     if (occluder_due()) {
-      drain();
-      draw_occluder();
+      entries_.drain(queue_);
+      entries_.draw_occluder(queue_, growth());
     }
-    if (questions_->in_flights()) fill_flight();
+    entries_.fill_flight(queue_, matters);
     const bool anything = !queue_.empty() && matters(queue_.top());
-    if (!questions_->none_open() && (!anything || !questions_->has_room()))
-      settle();
+    if (!scene_.queries->none_open() && (!anything || !scene_.queries->has_room()))
+      process_answer();
     else if (anything)
       take_next();
     else
       break;
   }
-  drain();
+  entries_.drain(queue_);
 }
 
 // An entry of the queue that matters.
 void FromScratch::take_next() {
-  if (!questions_->in_flights() && must_ask(queue_.top())) ask_ahead();
+  entries_.ask_ahead(queue_, [&](const Entry& entry) { return matters(entry); });
   Entry entry = queue_.pop();
-  if (entry.is_hidden && entry.asked_occluder == occluder_)
-    hide(entry);
+  if (entries_.is_known_hidden(entry))
+    entries_.hide(entry);
   else
     process(entry);
 }
 
+// The oldest; what is visible is processed if its turn is still now.
+void FromScratch::process_answer() {
+  std::optional<Entry> entry = entries_.take_answer();
+  if (!entry) return;
+  if (matters(*entry) && queue_.would_be_next(*entry))
+    process(*entry);
+  else
+    queue_.push(*entry);
+}
+
+// An entry that is visible as far as we know.
+void FromScratch::process(Entry& entry) {
+  if (entry.kind == Entry::Kind::apply) {
+    apply(entry);
+    return;
+  }
+  if (!entry.children_weighed) lookahead_.weigh_children(entry, queue_);
+  const SplitNode& node = scene_.hierarchy(entry.object).node(entry.split);
+  const RefineOptions* const options = scene_.options;
+  if (options->priority.culling == Culling::subtree)
+    apply(entry);
+  else
+    enqueue_split(entry);
+  const auto [scale_u, scale_v] = entry.child_scales_px;
+  if (node.child_u != no_id) enqueue_node(entry, node.child_u, scale_u);
+  if (node.child_v != no_id) enqueue_node(entry, node.child_v, scale_v);
+}
+
 bool FromScratch::used_up() const {
   if (rejections_in_a_row_ >= most_rejections_in_a_row) return true;
-  if (level_) return questions_->none_open() && (queue_.empty() || !matters(queue_.top()));
-  return triangles_ >= options_->budget;
+  if (level_) return scene_.queries->none_open() && (queue_.empty() || !matters(queue_.top()));
+  return scene_.cuts->triangle_count() >= scene_.options->budget;
 }
 
 // What earlier occluders hid is asked about once more, before the mesh as it is now. What this mesh shows takes the
 // place of what matters less.
 void FromScratch::readmit() {
-  if (occluder_ == 0 || hidden_.empty() || stats_->splits == steps_.last().splits) return;
+  if (entries_.occluder() == 0 || hidden().empty() || stats_->splits == entries_.steps().last().splits) return;
   level_ = queue_.empty() ? 0.0F : queue_.top().priority;
   rejections_in_a_row_ = 0;
-  doubtful_.swap(hidden_);
-  draw_occluder();
-  ask_about_doubtful();
-  stats_->readmitted = doubtful_.size() - hidden_.size();
-  doubtful_.clear();
+  stats_->readmitted = entries_.ask_again_about_hidden(queue_, growth());
   run();
 }
 
-// A node comes into sight of the refinement: dropped for good, or offered.
-void FromScratch::meet(std::uint32_t object, SplitId s, float scale_px, SplitId parent, std::uint32_t level) {
-  const SplitNode& node = refined_.cuts[object].hierarchy().node(s);
-  if (node.parent != parent)  // else a file that lies about its forest could be walked without an end
-    throw Error({"hierarchy", "split " + std::to_string(s), "is not where its parent says", "build it again"});
+void FromScratch::finish() {
+  stats_->triangles = scene_.cuts->triangle_count();
+  stats_->culled_occlusion = hidden().size();
+  queue_.for_each([&](const Entry& entry) {
+    if (!(*scene_.cuts)[entry.object].applied(entry.split)) left_.include(entry.error);
+  });
+  stats_->level_px = static_cast<double>(end_level_);
+  stats_->max_error_px = static_cast<double>(left_.guaranteed_px);
+  stats_->max_quadric_error_px = static_cast<double>(left_.quadric_px);
+}
+
+void FromScratch::enqueue_roots(std::uint32_t object) {
+  const std::span<const SplitId> roots = scene_.hierarchy(object).data().roots;
+  root_scales_px_.resize(roots.size());
+  lookahead_.weigh(object, roots, root_scales_px_);
+  const Entry above_roots{0.0F, {}, no_id, object, no_id};
+  for (std::size_t i = 0; i < roots.size(); ++i) enqueue_node(above_roots, roots[i], root_scales_px_[i]);
+}
+
+// A node comes into sight of the refinement: dropped for good, or enqueued.
+void FromScratch::enqueue_node(const Entry& parent, SplitId s, float scale_px) {
+  const std::uint32_t object = parent.object;
+  require_parent(scene_.hierarchy(object), s, parent.split);
   ++stats_->visits;
   if (scale_px == scale_outside) {
     ++stats_->culled_frustum;
     return;
   }
-  if (refined_.gate->tests_cone(object) && refined_.gate->cone_culled(object, scale_px == scale_facing_away)) {
+  if (scene_.gate->tests_cone(object) && scene_.gate->cone_culled(object, scale_px == scale_facing_away)) {
     ++stats_->culled_backface;
     return;
   }
-  const ScreenError error(node, scale_px);
-  if (is_tolerated(error)) return;
-  const auto entry = [&] { return Entry{error.quadric_px, error, s, object, level, 0, Entry::Kind::visit}; };
-  if (questions_->in_flights())
-    offer(entry());
-  else
-    queue_.push(entry());  // written where it stays
-}
-
-// Small enough to be left as it is, and noted as such.
-bool FromScratch::is_tolerated(const ScreenError& error) {
-  if (!(options_->tolerance_px > 0.0 && error.guaranteed_px <= static_cast<float>(options_->tolerance_px)))
-    return false;
-  left_.include(error);
-  return true;
-}
-
-// An entry that is visible as far as we know.
-void FromScratch::process(Entry& entry) {
-  if (entry.kind == Entry::Kind::visit) {
-    if (!entry.children_weighed) lookahead_.weigh_children(entry, queue_);
-    const SplitNode& node = refined_.cuts[entry.object].hierarchy().node(entry.split);
-    if (options_->priority.culling == Culling::subtree)
-      apply(entry);
-    else
-      consider(entry);
-    const auto [scale_u, scale_v] = entry.child_scales_px;
-    if (node.child_u != no_id) meet(entry.object, node.child_u, scale_u, entry.split, entry.level + 1);
-    if (node.child_v != no_id) meet(entry.object, node.child_v, scale_v, entry.split, entry.level + 1);
-  } else {
-    apply(entry);
-  }
+  const ScreenError error(scene_.hierarchy(object).node(s), scale_px);
+  if (leaves(error)) return;
+  enqueue({error.quadric_px, error, s, object, parent.level + 1, 0, Entry::Kind::visit});
 }
 
 // Culling::star: does the split itself change anything that is seen, and how much of what it changes?
-void FromScratch::consider(const Entry& entry) {
-  if (refined_.cuts[entry.object].applied(entry.split)) return;
-  const Importance::Value value = refined_.importances[entry.object].of(entry.split);
+void FromScratch::enqueue_split(const Entry& node) {
+  if ((*scene_.cuts)[node.object].applied(node.split)) return;
+  const Importance::Value value = scene_.importances[node.object].of(node.split);
   if (value.visible_share == 0.0F) {
     ++stats_->culled_backface;
     return;
   }
-  if (is_tolerated(value.error)) return;
-  offer({value.priority, value.error, entry.split, entry.object, entry.level, 0, Entry::Kind::apply});
+  if (leaves(value.error)) return;
+  enqueue({value.priority, value.error, node.split, node.object, node.level, 0, Entry::Kind::apply});
 }
 
-void FromScratch::apply(const Entry& entry) {
-  Cut& cut = refined_.cuts[entry.object];
-  if (cut.applied(entry.split)) return;
-  Cut::Closure closure = cut.closure(entry.split);
-  if (waits(entry, closure)) return;
-  while (triangles_ + closure.triangles > options_->budget) {
-    if (!make_room(entry)) {
-      ++stats_->rejected_splits;
-      ++rejections_in_a_row_;
-      left_.include(entry.error);
-      return;
-    }
-    closure = cut.closure(entry.split);
-  }
-  rejections_in_a_row_ = 0;
-  count_splits(entry, closure);
-  triangles_ -= cut.triangle_count();
-  cut.apply_closure();
-  triangles_ += cut.triangle_count();
+// Into the flight if it has room for a question that must be asked, else into the queue.
+void FromScratch::enqueue(const Entry& entry) {
+  if (entries_.has_seat_for(entry) && matters(entry))
+    entries_.ask(entry);
+  else
+    queue_.push(entry);
 }
 
-// Culling::star: a split that forces others which nobody sees steps back in the queue, once.
-bool FromScratch::waits(const Entry& entry, const Cut::Closure& closure) {
-  if (options_->priority.culling != Culling::star || entry.weighed || closure.splits.size() == 1) return false;
-  Entry later = entry;
-  later.weighed = true;
-  later.priority *= refined_.importances[entry.object].forced_weight(closure.splits);
-  if (queue_.would_be_next(later)) return false;
-  queue_.push(later);
+// Whether it is small enough to be left as it is; if so, it is counted as such.
+bool FromScratch::leaves(const ScreenError& error) {
+  if (!error.is_within(scene_.options->tolerance_px)) return false;
+  left_.include(error);
   return true;
 }
 
-// After the final check: gives up the least important leaf, if it matters less than `entry`. It may come back.
-bool FromScratch::make_room(const Entry& entry) {
+void FromScratch::apply(Entry entry) {
+  if (apply_split(scene_, queue_, entry, *this)) return;
+  ++stats_->rejected_splits;
+  ++rejections_in_a_row_;
+  left_.include(entry.error);
+}
+
+float FromScratch::forced_weight(const Entry& entry, const Cut::Closure& closure) const {
+  return closure.splits.size() == 1 ? 1.0F : scene_.importances[entry.object].forced_weight(closure.splits);
+}
+
+// After the final check: gives up the least important leaf, if it matters less. It may come back.
+bool FromScratch::make_room(float turn_priority, float /*priority*/) {
   if (!level_) return false;
-  if (!victims_.gathered()) victims_.gather(refined_.cuts, refined_.importances);
+  if (!victims_.gathered()) victims_.gather(*scene_.cuts, scene_.importances);
   const std::optional<Victims::Victim> victim =
-      victims_.take_back_below(entry.priority, refined_.cuts, refined_.importances);
+      victims_.take_back_below(turn_priority, *scene_.cuts, scene_.importances);
   if (!victim) return false;
-  triangles_ -= victim->triangles;
   --stats_->splits;
   ++stats_->taken_back;
   if (victim->priority > 0.0F)
-    queue_.push({victim->priority, victim->error, victim->split, victim->object, 0, occluder_, Entry::Kind::apply});
+    queue_.push(
+        {victim->priority, victim->error, victim->split, victim->object, 0, entries_.occluder(), Entry::Kind::apply});
   return true;
 }
 
-void FromScratch::count_splits(const Entry& entry, const Cut::Closure& closure) {
-  steps_.split_applied(entry.error.quadric_px);
+void FromScratch::apply_closure(const Entry& entry, const Cut::Closure& closure) {
+  rejections_in_a_row_ = 0;
+  entries_.steps().split_applied(entry.error.quadric_px);
   stats_->splits += closure.splits.size();
   stats_->forced_splits += closure.splits.size() - 1;
-  if (options_->priority.culling != Culling::star) return;
-  for (const SplitId s : closure.splits.subspan(1))
-    if (refined_.importances[entry.object].visible_share(s) == 0.0F) ++stats_->forced_unseen_splits;
+  if (scene_.queries->split_question() == Entry::Kind::apply)
+    for (const SplitId s : closure.splits.subspan(1))
+      if (scene_.importances[entry.object].visible_share(s) == 0.0F) ++stats_->forced_unseen_splits;
+  scene_.cuts->apply_closure(entry.object);
+}
+
+Growth FromScratch::growth() const {
+  return {stats_->splits, scene_.cuts->triangle_count() - scene_.cuts->base_triangle_count()};
+}
+
+// At its step, and when all that is left is hidden by an occluder that has since been refined.
+bool FromScratch::occluder_due() {
+  if (!scene_.queries->can_hide() || level_) return false;
+  if (entries_.steps().due(growth())) return true;
+  return scene_.options->occluder.retest_hidden && queue_.empty() && scene_.queries->none_open() && !hidden().empty() &&
+         stats_->splits > entries_.steps().last().splits;
 }
 
 }  // namespace occlod

@@ -8,12 +8,10 @@
 #include <vector>
 
 #include "priority/queue.h"
-#include "priority/star_visibility.h"
-#include "queries/occluder.h"
-#include "queries/occluder_steps.h"
-#include "queries/questions.h"
+#include "refine/apply_split.h"
+#include "refine/entry_queries.h"
 #include "refine/lookahead.h"
-#include "refine/refined_cuts.h"
+#include "refine/refined_scene.h"
 #include "refine/victims.h"
 
 namespace occlod {
@@ -28,76 +26,46 @@ namespace occlod {
 class FromScratch {
  public:
   // The cuts are what is left; all arguments outlive the call. Adds to `stats`.
-  void refine(const RefinedCuts& refined, const RefineOptions& options, Questions& questions, Occluder& occluder,
-              RefineStats& stats);
+  void refine(const RefinedScene& scene, RefineStats& stats);
 
   // The priority where the budget ended, before the final check.
   [[nodiscard]] float end_level() const noexcept { return end_level_; }
   // What was hidden at the end.
-  [[nodiscard]] std::span<const Entry> hidden() const noexcept { return hidden_; }
+  [[nodiscard]] std::span<const Entry> hidden() const noexcept { return entries_.hidden(); }
+
+  // For apply_split().
+  [[nodiscard]] float forced_weight(const Entry& entry, const Cut::Closure& closure) const;
+  bool make_room(float turn_priority, float priority);
+  void apply_closure(const Entry& entry, const Cut::Closure& closure);
 
  private:
   void begin();
   void run();
   [[nodiscard]] bool used_up() const;
   [[nodiscard]] bool matters(const Entry& entry) const { return !level_ || entry.priority > *level_; }
+  void take_next();
+  void process_answer();
+  void process(Entry& entry);
   void readmit();
   void finish();
 
-  void meet_roots(std::uint32_t object);
-  void meet(std::uint32_t object, SplitId s, float scale_px, SplitId parent, std::uint32_t level);
-  bool is_tolerated(const ScreenError& error);
-  void process(Entry& entry);
-  void consider(const Entry& entry);
-  void apply(const Entry& entry);
-  bool waits(const Entry& entry, const Cut::Closure& closure);
-  bool make_room(const Entry& entry);
-  void count_splits(const Entry& entry, const Cut::Closure& closure);
+  void enqueue_roots(std::uint32_t object);
+  void enqueue_node(const Entry& parent, SplitId s, float scale_px);
+  void enqueue_split(const Entry& node);
+  void enqueue(const Entry& entry);
+  void apply(Entry entry);
+  bool leaves(const ScreenError& error);
 
-  // Into the flight if it has room for a question that must be asked, else into the global queue.
-  void offer(const Entry& entry) {
-    if (questions_->in_flights() && questions_->has_room() && matters(entry) && must_ask(entry))
-      ask(entry);
-    else
-      queue_.push(entry);
-  }
-  [[nodiscard]] bool must_ask(const Entry& entry) const;
-  void ask(const Entry& entry);
-  void fill_flight();
-  void take_next();
-  void ask_ahead();
-  template <typename Answered>
-  void ask_all(const Answered& answered);
-  void ask_about_doubtful();
-  void note_answer(const Entry& entry, bool visible);
-  void hide(const Entry& entry);
-  void settle();
-  void settle_later();
-  void drain();
-  Entry take_answer();
-  [[nodiscard]] Growth growth() const { return {stats_->splits, triangles_ - base_triangles_}; }
-  [[nodiscard]] bool occluder_due() const;
-  void draw_occluder();
-  void doubt(const Entry& entry) const;
+  [[nodiscard]] Growth growth() const;
+  [[nodiscard]] bool occluder_due();
 
-  RefinedCuts refined_;
-  const RefineOptions* options_ = nullptr;
-  Questions* questions_ = nullptr;
-  Occluder* occluder_mesh_ = nullptr;
+  RefinedScene scene_;
   RefineStats* stats_ = nullptr;
-  OccluderSteps steps_;
   Queue queue_;
+  EntryQueries entries_;
   Lookahead lookahead_;
-  std::vector<float> root_scales_px_;  // of one object
-  std::vector<Entry> hidden_;          // found hidden by the occluder of their time
-  std::vector<Entry> doubtful_;  // found hidden by earlier occluders than that before which they are now asked about
-  std::vector<Entry> asked_;     // scratch: about which many questions are asked at once,
-  std::vector<Entry*> asked_entries_;  // and where they are in the queue
-  StarVisibility star_;
   Victims victims_;
-  std::size_t base_triangles_ = 0;
-  std::size_t triangles_ = 0;   // of all cuts
-  std::uint32_t occluder_ = 0;  // how many have been drawn
+  std::vector<float> root_scales_px_;  // of one object
   std::size_t rejections_in_a_row_ = 0;
   std::optional<float> level_;  // of priorities, where the budget ended: set when what was hidden is checked
   float end_level_ = 0.0F;

@@ -8,7 +8,7 @@
 
 #include "occlod/hierarchy/hierarchy.h"
 #include "priority/queue.h"
-#include "refine/refined_cuts.h"
+#include "refine/refined_scene.h"
 
 namespace occlod {
 
@@ -18,9 +18,10 @@ namespace occlod {
 // been looked at in vain is only what the budget ends before.
 class Lookahead {
  public:
-  void begin(const RefinedCuts& refined, const RefineOptions& options) {
-    refined_ = refined;
-    looks_at_stars_ = options.priority.culling == Culling::star;
+  void begin(const RefinedScene& scene) {
+    const RefineOptions* const options = scene.options;
+    scene_ = scene;
+    looks_at_stars_ = options->priority.culling == Culling::star;
   }
 
   // Sets child_scales_px of an entry of kind `visit` that has none, and of entries of the queue. Throws Error when a
@@ -38,7 +39,7 @@ class Lookahead {
   void prefetch_star(const Entry& entry) const;
   void prefetch_corners(const Entry& entry) const;
 
-  RefinedCuts refined_;
+  RefinedScene scene_;
   bool looks_at_stars_ = false;
   std::size_t size_ = 0;  // entries
   std::array<Entry*, batch_size / 2> entries_{};

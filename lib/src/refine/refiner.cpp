@@ -6,11 +6,9 @@
 
 #include "core/milliseconds_since.h"
 #include "occlod/core/error.h"
-#include "queries/occluder.h"
-#include "queries/questions.h"
 #include "refine/frames.h"
 #include "refine/from_scratch.h"
-#include "refine/refined_cuts.h"
+#include "refine/refined_scene.h"
 
 namespace occlod {
 namespace {
@@ -29,21 +27,20 @@ class Refiner::Impl {
     for (const RefineObject& object : objects_) {
       if (object.hierarchy == nullptr)
         throw Error({"refiner", "object " + std::to_string(cuts_.size()), "has no hierarchy", "build one first"});
-      cuts_.emplace_back(*object.hierarchy);
+      cuts_.add(*object.hierarchy);
       importances_.emplace_back(object);
     }
     result_.objects.resize(objects_.size());
-    base_triangles_ = sum(&Hierarchy::base_triangle_count);
   }
 
-  [[nodiscard]] std::size_t base_triangles() const noexcept { return base_triangles_; }
+  [[nodiscard]] std::size_t base_triangles() const noexcept { return cuts_.base_triangle_count(); }
   [[nodiscard]] std::size_t full_triangles() const noexcept { return sum(&Hierarchy::input_triangle_count); }
 
   const Refinement& refine(const View& view, const RefineOptions& options, Visibility& visibility) {
     const Clock::time_point start = Clock::now();
     begin(view, options, visibility);
     frames_.reset();
-    from_scratch_.refine(refined(view), options_, questions_, occluder_mesh_, stats_);
+    from_scratch_.refine(scene(view), stats_);
     emit();
     finish(start);
     return result_;
@@ -59,14 +56,14 @@ class Refiner::Impl {
     last_ = {view.camera(), &visibility};
     if (frames_ && !same_backend) frames_->forget_hidden();
     const bool limited = options.update.most_changes > 0 || options.update.time_limit_ms > 0.0;
-    if (frames_ && (frames_->weigh(refined(view), options_) || limited)) {
-      frames_->advance(questions_, occluder_mesh_, moved, start, stats_);
+    if (frames_ && (frames_->move_to(scene(view)) || limited)) {
+      frames_->advance(moved, start, stats_);
     } else {
-      from_scratch_.refine(refined(view), options_, questions_, occluder_mesh_, stats_);
+      from_scratch_.refine(scene(view), stats_);
       if (!frames_) frames_.emplace(objects_, result_.objects);
-      frames_->adopt(refined(view), options_, from_scratch_.end_level(), from_scratch_.hidden());
+      frames_->adopt(scene(view), from_scratch_.end_level(), from_scratch_.hidden());
     }
-    for (std::uint32_t i = 0; i < objects_.size(); ++i) frames_->emit(i, result_.objects[i], stats_);
+    frames_->emit(result_.objects, stats_);
     stats_.splits = 0;
     for (const RefinedObject& object : result_.objects) stats_.splits += object.splits.size();
     finish(start);
@@ -94,18 +91,20 @@ class Refiner::Impl {
     views_.clear();
     for (const RefineObject& object : objects_) views_.emplace_back(view, object.object_to_world);
     for (std::size_t i = 0; i < objects_.size(); ++i) importances_[i].begin(views_[i], options_);
-    questions_.begin(visibility, view, views_);
     gate_.begin(objects_, options_);
+    queries_.begin(visibility, {objects_, views_, &cuts_, &gate_, &view, &options_});
     stats_ = {};
     stats_.budget = options.budget;
   }
 
-  [[nodiscard]] RefinedCuts refined(const View& view) { return {objects_, cuts_, views_, importances_, &gate_, &view}; }
+  [[nodiscard]] RefinedScene scene(const View& view) {
+    return {objects_, views_, importances_, &cuts_, &gate_, &queries_, &view, &options_};
+  }
 
   void emit() {
-    for (std::size_t i = 0; i < cuts_.size(); ++i) {
+    for (std::uint32_t i = 0; i < cuts_.size(); ++i) {
       RefinedObject& object = result_.objects[i];
-      cuts_[i].active_triangles(object.triangles, true);
+      cuts_.active_triangles(i, object.triangles, true);
       object.splits.assign(cuts_[i].applied_splits().begin(), cuts_[i].applied_splits().end());
       object.changes.assign(1, {0, static_cast<std::uint32_t>(object.triangles.size())});
       object.geomorphs.clear();
@@ -128,22 +127,23 @@ class Refiner::Impl {
   }
 
   void finish(Clock::time_point start) {
-    stats_.occlusion_ms = questions_.milliseconds();
+    stats_.queries = queries_.counts().asked;
+    stats_.queries_hidden = queries_.counts().hidden;
+    stats_.occluder_draws = queries_.counts().draws;
+    stats_.occlusion_ms = queries_.milliseconds();
     stats_.refine_ms = milliseconds_since(start) - stats_.occlusion_ms;
     result_.stats = stats_;
     result_.effects.assign(gate_.stats().begin(), gate_.stats().end());
   }
 
   std::vector<RefineObject> objects_;
-  std::vector<Cut> cuts_;
+  CutSet cuts_;
   std::vector<ObjectView> views_;
   std::vector<Importance> importances_;
   RefineOptions options_;
-  Questions questions_;
+  OcclusionQueries queries_;
   EffectGate gate_;
-  Occluder occluder_mesh_;
   FromScratch from_scratch_;
-  std::size_t base_triangles_ = 0;
   RefineStats stats_;
   Refinement result_;
 

@@ -19,7 +19,7 @@ void Victims::clear() noexcept {
   gathered_ = false;
 }
 
-void Victims::gather(std::span<Cut> cuts, std::span<Importance> importances) {
+void Victims::gather(const CutSet& cuts, std::span<Importance> importances) {
   clear();
   for (std::uint32_t i = 0; i < cuts.size(); ++i)
     for (const SplitId s : cuts[i].applied_splits())
@@ -27,19 +27,16 @@ void Victims::gather(std::span<Cut> cuts, std::span<Importance> importances) {
   gathered_ = true;
 }
 
-std::optional<Victims::Victim> Victims::take_back_below(float priority, std::span<Cut> cuts,
+std::optional<Victims::Victim> Victims::take_back_below(float priority, CutSet& cuts,
                                                         std::span<Importance> importances) {
   while (!heap_.empty() && heap_.front().priority < priority) {
     std::pop_heap(heap_.begin(), heap_.end(), less_urgent);
-    Victim victim = heap_.back();
+    const Victim victim = heap_.back();
     heap_.pop_back();
-    Cut& cut = cuts[victim.object];
+    const Cut& cut = cuts[victim.object];
     if (!cut.applied(victim.split) || !cut.is_leaf(victim.split)) continue;  // since it was put here
-    victim.triangles = cut.triangle_count();
-    cut.take_back(victim.split);
-    victim.triangles -= cut.triangle_count();
-    for (const SplitId needed : cut.hierarchy().star(victim.split).dependencies())
-      if (cut.is_leaf(needed)) push(victim.object, needed, importances[victim.object]);
+    cuts.take_back(victim.object, victim.split,
+                   [&](SplitId needed) { push(victim.object, needed, importances[victim.object]); });
     return victim;
   }
   return std::nullopt;
@@ -47,7 +44,7 @@ std::optional<Victims::Victim> Victims::take_back_below(float priority, std::spa
 
 void Victims::push(std::uint32_t object, SplitId s, Importance& importance) {
   const Importance::Value value = importance.of(s);
-  heap_.push_back({object, s, 0, value.priority, value.error});
+  heap_.push_back({object, s, value.priority, value.error});
   std::push_heap(heap_.begin(), heap_.end(), less_urgent);
 }
 

@@ -5,9 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "cut/cut.h"
+#include "cut/cut_set.h"
 #include "priority/importance.h"
-#include "priority/queue.h"
 
 namespace occlod {
 
@@ -18,17 +17,16 @@ class Victims {
   [[nodiscard]] bool gathered() const noexcept { return gathered_; }
 
   // Looks at every applied split. O(n log n).
-  void gather(std::span<Cut> cuts, std::span<Importance> importances);
+  void gather(const CutSet& cuts, std::span<Importance> importances);
 
   struct Victim {
     std::uint32_t object = 0;
     SplitId split = no_id;
-    std::size_t triangles = 0;  // that it has more than the mesh without it
-    float priority = 0.0F;      // as in Importance::Value; of splits that change nothing that is seen 0
+    float priority = 0.0F;  // as in Importance::Value; of splits that change nothing that is seen 0
     ScreenError error;
   };
   // Takes back the least important leaf, if that is worth less than `priority`.
-  std::optional<Victim> take_back_below(float priority, std::span<Cut> cuts, std::span<Importance> importances);
+  std::optional<Victim> take_back_below(float priority, CutSet& cuts, std::span<Importance> importances);
 
  private:
   void push(std::uint32_t object, SplitId s, Importance& importance);

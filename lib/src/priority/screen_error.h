@@ -1,0 +1,31 @@
+// What a split that is not applied leaves on the screen.
+#pragma once
+
+#include <algorithm>
+
+#include "occlod/hierarchy/split_node.h"
+
+namespace occlod {
+
+// At most, pixels.
+struct ScreenError {
+  float quadric_px = 0.0F;
+  float guaranteed_px = 0.0F;
+
+  ScreenError() = default;
+  ScreenError(float error, float guaranteed_error, float scale_px)
+      : quadric_px(in_pixels(error, scale_px)), guaranteed_px(in_pixels(guaranteed_error, scale_px)) {}
+  ScreenError(const SplitNode& node, float scale_px) : ScreenError(node.error, node.guaranteed_error, scale_px) {}
+  // Where an unlimited scale leaves no error at 0.
+  static float in_pixels(float error, float scale_px) { return error > 0.0F ? error * scale_px : 0.0F; }
+  void include(const ScreenError& o) {
+    quadric_px = std::max(quadric_px, o.quadric_px);
+    guaranteed_px = std::max(guaranteed_px, o.guaranteed_px);
+  }
+  // Small enough to be left as it is. A tolerance of 0 tolerates nothing.
+  [[nodiscard]] bool is_within(double tolerance_px) const {
+    return tolerance_px > 0.0 && guaranteed_px <= static_cast<float>(tolerance_px);
+  }
+};
+
+}  // namespace occlod

@@ -1,0 +1,169 @@
+#include "refine/front_queries.h"
+
+#include <algorithm>
+
+namespace occlod {
+namespace {
+
+constexpr std::uint32_t most_age = 0xFFFF;  // that a node can tell, in occluders
+// A split's priority is at most its subtree's error times this: Importance counts no face as seen more edge-on than
+// under a cosine of 0.2.
+constexpr float most_grazing = 2.3F;
+
+}  // namespace
+
+void FrontQueries::adopt(std::span<const Entry> hidden) {
+  adopted_draw_ = draw_;
+  for (const Entry& entry : hidden) {
+    Front& front = evaluation_.front(entry.object);
+    front.set(front.obtain(entry.split), entry.kind == Entry::Kind::visit ? Front::subtree_hidden : Front::star_hidden,
+              true);
+  }
+}
+
+void FrontQueries::begin_frame(std::uint32_t frame, bool moved) {
+  frame_ = frame;
+  if (moved) fresh_draw_ = draw_ + 1;
+}
+
+std::size_t FrontQueries::ask_all_anew(float level) {
+  fresh_draw_ = draw_ + 1;
+  return ask_again(level, true);
+}
+
+std::size_t FrontQueries::ask_again(float level, bool all) {
+  OcclusionQueries& queries = *evaluation_.scene().queries;
+  queries.draw_occluder(*evaluation_.scene().cuts);
+  ++draw_;
+  asked_.clear();
+  const float least = level / level_band / most_grazing;
+  for (std::uint32_t i = 0; i < evaluation_.object_count(); ++i) {
+    forget_what_is_not_asked(i);
+    ask_about_hidden(i, least);
+    if (queries.in_flights()) ask_about_unapplied(i, least);
+    ask_about_leaves(i, all);
+  }
+  shown_again_ = 0;
+  queries.ask_all(asked_, [&](const Entry& entry, bool visible) { note(entry, visible); });
+  return shown_again_;
+}
+
+// Nothing stays hidden that no question could show again.
+void FrontQueries::forget_what_is_not_asked(std::uint32_t object) {
+  const OcclusionQueries& queries = *evaluation_.scene().queries;
+  Front& front = evaluation_.front(object);
+  found_.clear();
+  select(evaluation_.errors(object), {.all = Front::hidden}, found_);
+  for (const Front::Index k : found_) {
+    const bool asks = queries.asks_in_region(object, front.node(k).split);
+    if (!asks) front.set(k, Front::subtree_hidden, false);
+    if (!asks || !queries.asks_stars()) front.set(k, Front::star_hidden, false);
+  }
+}
+
+void FrontQueries::ask_about(std::uint32_t object, Front::Index k, Entry::Kind kind) {
+  const Front& front = evaluation_.front(object);
+  const FrontNode& node = front.node(k);
+  if (evaluation_.scene().queries->asks_in_region(object, node.split))
+    asked_.push_back({0.0F, front.error_at_most(k), node.split, object, node.level, 0, kind});
+}
+
+// `least`: the smallest error of a subtree that may matter.
+void FrontQueries::ask_about_hidden(std::uint32_t object, float least) {
+  const Front& front = evaluation_.front(object);
+  const Entry::Kind about_splits = evaluation_.scene().queries->split_question();
+  found_.clear();
+  select(evaluation_.errors(object), {.all = Front::hidden, .may_exceed = least}, found_);
+  for (const Front::Index k : found_)
+    ask_about(object, k, front.is(k, Front::subtree_hidden) ? Entry::Kind::visit : about_splits);
+}
+
+// A backend that likes many questions at once is asked about whatever may come up.
+void FrontQueries::ask_about_unapplied(std::uint32_t object, float least) {
+  const OcclusionQueries& queries = *evaluation_.scene().queries;
+  const Front& front = evaluation_.front(object);
+  found_.clear();
+  select(evaluation_.errors(object), {.none = Front::applied | Front::hidden, .may_exceed = least}, found_);
+  for (const Front::Index k : found_)
+    ask_about(object, k,
+              front.is(k, Front::descended) && queries.asks_splits() ? queries.split_question() : Entry::Kind::visit);
+}
+
+// What this view has shown is not asked about again until it moves: it would come and go.
+void FrontQueries::ask_about_leaves(std::uint32_t object, bool all) {
+  const OcclusionQueries& queries = *evaluation_.scene().queries;
+  if (!queries.asks_splits()) return;
+  const Front& front = evaluation_.front(object);
+  found_.clear();
+  select(evaluation_.errors(object), {.all = Front::leaf, .none = Front::hidden, .may_exceed = 0.0F}, found_);
+  for (const Front::Index k : found_)
+    if ((all || (front.node(k).split + frame_) % asking_rounds == 0) &&
+        !is_shown_since(fresh_draw_, front.node(k), queries.split_question()))
+      ask_about(object, k, queries.split_question());
+}
+
+// Whether it was found visible before that occluder or a later one.
+bool FrontQueries::is_shown_since(std::uint32_t draw, const FrontNode& node, Entry::Kind kind) const {
+  if (draw > draw_) return false;
+  const std::uint16_t shown = kind == Entry::Kind::visit ? node.subtree_shown : node.star_shown;
+  return static_cast<std::uint16_t>(draw_ - shown) <= std::min(draw_ - draw, most_age);
+}
+
+void FrontQueries::note(const Entry& entry, bool visible) {
+  Front& front = evaluation_.front(entry.object);
+  const Front::Index k = front.find(entry.split);
+  const bool subtree = entry.kind == Entry::Kind::visit;
+  const Front::Flag hidden = subtree ? Front::subtree_hidden : Front::star_hidden;
+  if (visible && front.is(k, hidden)) ++shown_again_;
+  front.set(k, hidden, !visible);
+  FrontNode& node = front.node(k);
+  if (visible) (subtree ? node.subtree_shown : node.star_shown) = static_cast<std::uint16_t>(draw_);
+}
+
+void FrontQueries::forget_hidden() {
+  for (std::uint32_t i = 0; i < evaluation_.object_count(); ++i) {
+    Front& front = evaluation_.front(i);
+    found_.clear();
+    select(evaluation_.errors(i), {.all = Front::hidden}, found_);
+    for (const Front::Index k : found_) {
+      front.set(k, Front::subtree_hidden, false);
+      front.set(k, Front::star_hidden, false);
+    }
+  }
+}
+
+bool FrontQueries::is_hidden(const Entry& entry) {
+  OcclusionQueries& queries = *evaluation_.scene().queries;
+  if (!queries.can_hide() || queries.counts().draws == 0 || !queries.asks(entry)) return false;
+  if (queries.in_flights()) return false;  // it would be waited for: asked about before the next frame
+  const Front& front = evaluation_.front(entry.object);
+  if (is_shown_since(draw_, front.node(front.find(entry.split)), entry.kind)) return false;
+  queries.ask(entry);
+  const bool visible = queries.take().visible;
+  note(entry, visible);
+  return !visible;
+}
+
+// Nodes keep the low bits of the numbers of the occluders before which they were shown: ages are right up to 65,535
+// occluders, and begin at 0 again beyond them. Bounds of a subtree hold those of all below: what shows a split shows
+// those that it descends from, and ids rise along the forest.
+std::vector<std::uint32_t> FrontQueries::visibility_ages(std::uint32_t object, std::span<const SplitId> splits) const {
+  const std::uint32_t since_adopted = draw_ - adopted_draw_;
+  std::vector<std::uint32_t> ages(splits.size(), since_adopted == 0 ? 0 : never_asked);
+  const auto since = [&](std::uint16_t shown) -> std::uint32_t { return static_cast<std::uint16_t>(draw_ - shown); };
+  const Hierarchy& hierarchy = evaluation_.scene().hierarchy(object);
+  const Front& front = evaluation_.front(object);
+  for (std::size_t i = splits.size(); i-- > 0;) {
+    if (const Front::Index k = front.find(splits[i]); k != Front::none) {
+      const std::uint32_t age = std::min(since(front.node(k).subtree_shown), since(front.node(k).star_shown));
+      if (age < since_adopted) ages[i] = std::min(ages[i], age);
+    }
+    const auto parent = std::lower_bound(splits.begin(), splits.end(), hierarchy.node(splits[i]).parent);
+    if (parent == splits.end() || *parent != hierarchy.node(splits[i]).parent) continue;
+    std::uint32_t& age = ages[static_cast<std::size_t>(parent - splits.begin())];
+    age = std::min(age, ages[i]);
+  }
+  return ages;
+}
+
+}  // namespace occlod

@@ -1,0 +1,297 @@
+#include "refine/split_exchange.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace occlod {
+namespace {
+
+constexpr float infinity = std::numeric_limits<float>::infinity();
+// When so many candidates need more triangles than are left, the budget counts as used up.
+constexpr std::size_t most_rejections = 16;
+constexpr std::size_t least_gain = 1;  // of triangles, by a split: one at a border
+// Where the candidates that are queued do not suffice, less important ones follow, so much at a time.
+constexpr float band_step = 1.25F;
+// What a split forces is looked at again in one frame of so many.
+constexpr std::uint32_t weighing_rounds = 8;
+
+}  // namespace
+
+SplitExchange::SplitExchange(FrontEvaluation& evaluation, FrontForest& forest, FrontQueries& queries,
+                             std::span<DrawnMesh> meshes)
+    : evaluation_(evaluation), forest_(forest), queries_(queries), meshes_(meshes) {}
+
+void SplitExchange::begin_frame(std::uint32_t frame, Clock::time_point start, RefineStats& stats) {
+  frame_ = frame;
+  start_ = start;
+  stats_ = &stats;
+  changes_ = 0;
+  rejected_ = {};
+}
+
+void SplitExchange::run() {
+  gather();
+  exchange();
+}
+
+void SplitExchange::run_again() {
+  for (std::uint32_t i = 0; i < evaluation_.object_count(); ++i) {
+    Front& front = evaluation_.front(i);
+    for (Front::Index k = 0; k < front.size(); ++k) front.set(k, Front::is_new, false);
+  }
+  asks_leaves_ = true;
+  run();
+  asks_leaves_ = false;
+}
+
+void SplitExchange::exchange() {
+  const std::size_t budget = evaluation_.scene().options->budget;
+  const CutSet& cuts = *evaluation_.scene().cuts;
+  std::size_t rejections = 0;
+  level_ = 0.0F;
+  while (true) {
+    if (cuts.triangle_count() > budget) {
+      if (!take_back_least()) break;
+      continue;
+    }
+    if (candidates_.empty() || candidates_.top().priority <= candidates_above_) gather_more_candidates();
+    if (candidates_.empty()) return;
+    if (limit_reached()) break;
+    Entry entry = candidates_.pop();
+    ++stats_->visits;
+    if (queries_.is_hidden(entry)) continue;
+    if (entry.kind == Entry::Kind::visit) {
+      descend(entry);
+    } else if (!apply_split(evaluation_.scene(), candidates_, entry, *this)) {
+      // What comes later matters less and takes no room from leaves either: it can only fit into what is left.
+      level_ = std::max(level_, entry.priority);
+      ++stats_->rejected_splits;
+      rejected_.include(entry.error);
+      if (++rejections == most_rejections || cuts.triangle_count() + least_gain > budget) return;
+    }
+  }
+  stats_->pending = !candidates_.empty();
+  if (stats_->pending) level_ = std::max(level_, candidates_.top().priority);
+}
+
+void SplitExchange::gather() {
+  const RefineOptions* const options = evaluation_.scene().options;
+  candidates_.clear();
+  leaves_.clear();
+  for (std::uint32_t i = 0; i < evaluation_.object_count(); ++i) forest_.close(i, worthless_part * level_);
+  candidates_above_ = level_ / level_band;
+  last_step_ = worthless_part * level_;
+  leaves_below_ = level_ * level_band;
+  // All of them where the budget is enough: some may be needless.
+  if (level_ == 0.0F && options->tolerance_px > 0.0) leaves_below_ = infinity;
+  gather_candidates(candidates_above_, infinity);
+  gather_leaves(0.0F, leaves_below_);
+}
+
+// Reached nodes, at which refinement may go on.
+void SplitExchange::gather_candidates(float low, float high) {
+  const RefineOptions* const options = evaluation_.scene().options;
+  const auto is_wanted = [&](float priority, const ScreenError& error) {
+    return priority > low && priority <= high && !error.is_within(options->tolerance_px);
+  };
+  for (std::uint32_t i = 0; i < evaluation_.object_count(); ++i) {
+    const Front& front = evaluation_.front(i);
+    found_.clear();
+    select(evaluation_.errors(i),
+           {.all = Front::reached, .none = Front::descended | Front::subtree_hidden, .may_exceed = low}, found_);
+    evaluation_.evaluate(i, found_);
+    for (const Front::Index k : found_) {
+      const ScreenError bound = front.error_at_most(k);
+      const FrontNode& node = front.node(k);
+      if (is_wanted(bound.quadric_px, bound))
+        candidates_.push({bound.quadric_px, bound, node.split, i, node.level, 0, Entry::Kind::visit});
+    }
+    found_.clear();
+    select(evaluation_.priorities(i),
+           {.all = Front::reached | Front::descended, .none = Front::applied | Front::hidden, .may_exceed = low},
+           found_);
+    if (options->priority.culling == Culling::subtree) evaluation_.evaluate(i, found_);
+    for (const Front::Index k : found_) {
+      const bool again = !front.is(k, Front::weighed) || (front.node(k).split + frame_) % weighing_rounds == 0;
+      const SplitWorth worth = evaluation_.worth(i, k);
+      const float priority = again ? worth.own_priority : worth.priority;
+      const FrontNode& node = front.node(k);
+      if (is_wanted(priority, worth.error))
+        candidates_.push({priority, worth.error, node.split, i, node.level, 0, Entry::Kind::apply, !again});
+    }
+  }
+}
+
+// Until there is one that comes before all that is not queued yet: a little less important ones each time, then the
+// rest.
+void SplitExchange::gather_more_candidates() {
+  while (candidates_above_ > 0.0F && (candidates_.empty() || candidates_.top().priority <= candidates_above_)) {
+    const float below = candidates_above_;
+    candidates_above_ = below > last_step_ ? below / band_step : 0.0F;
+    gather_candidates(candidates_above_, below);
+  }
+}
+
+// Applied splits that none needs.
+void SplitExchange::gather_leaves(float low, float high) {
+  constexpr std::uint16_t wanted = Front::applied | Front::leaf;
+  const RefineOptions* const options = evaluation_.scene().options;
+  const float may_be_below = options->tolerance_px > 0.0 ? infinity : high;
+  for (std::uint32_t i = 0; i < evaluation_.object_count(); ++i) {
+    found_.clear();
+    select(evaluation_.errors(i), {.all = wanted | Front::hidden, .none = Front::is_new}, found_);
+    select(evaluation_.leaf_priorities(i),
+           {.all = wanted, .none = Front::is_new | Front::hidden, .may_be_below = may_be_below}, found_);
+    if (options->priority.culling == Culling::subtree) evaluation_.evaluate(i, found_);
+    for (const Front::Index k : found_) {
+      const float priority = leaf_priority(i, k);
+      if (priority >= low && priority < high) enqueue_leaf(i, evaluation_.front(i).node(k).split, priority);
+    }
+  }
+}
+
+// The rest.
+bool SplitExchange::gather_more_leaves() {
+  if (leaves_below_ == infinity) return false;
+  const float from = std::exchange(leaves_below_, infinity);
+  gather_leaves(from, leaves_below_);
+  return !leaves_.empty();
+}
+
+bool SplitExchange::limit_reached() const {
+  const RefineOptions* const options = evaluation_.scene().options;
+  if (options->update.most_changes > 0 && changes_ >= options->update.most_changes) return true;
+  return options->update.time_limit_ms > 0.0 && milliseconds_since(start_) >= options->update.time_limit_ms;
+}
+
+void SplitExchange::descend(const Entry& entry) {
+  const std::uint32_t i = entry.object;
+  const double tolerance_px = evaluation_.scene().options->tolerance_px;
+  const std::span<const Front::Index> children = forest_.descend(i, entry.split);
+  const Front& front = evaluation_.front(i);
+  for (const Front::Index k : children) {
+    const ScreenError error = front.error_at_most(k);
+    if (error.quadric_px > 0.0F && !front.is(k, Front::subtree_hidden) && !error.is_within(tolerance_px))
+      candidates_.push({error.quadric_px, error, front.node(k).split, i, front.node(k).level, 0, Entry::Kind::visit});
+  }
+  const Front::Index k = front.find(entry.split);
+  if (!front.is(k, Front::applied)) enqueue_split(i, k);
+}
+
+// The split of a node that is reached, if it is worth anything.
+void SplitExchange::enqueue_split(std::uint32_t object, Front::Index k) {
+  const SplitWorth worth = evaluation_.worth(object, k);
+  const FrontNode& node = evaluation_.front(object).node(k);
+  if (worth.own_priority > 0.0F && !worth.error.is_within(evaluation_.scene().options->tolerance_px))
+    candidates_.push({worth.own_priority, worth.error, node.split, object, node.level, 0, Entry::Kind::apply});
+}
+
+float SplitExchange::forced_weight(const Entry& entry, const Cut::Closure& closure) {
+  Front& front = evaluation_.front(entry.object);
+  const Front::Index k = front.find(entry.split);
+  front.set(k, Front::weighed, true);
+  float& weight = front.forced_weight(k);
+  weight =
+      closure.splits.size() == 1 ? 1.0F : evaluation_.scene().importances[entry.object].forced_weight(closure.splits);
+  return weight;
+}
+
+// Gives up the least important leaf, if that is worth it for what matters so much.
+bool SplitExchange::make_room(float /*turn_priority*/, float priority) {
+  const RefineOptions* const options = evaluation_.scene().options;
+  const float most = priority * (1.0F - static_cast<float>(options->update.hysteresis));
+  // What is not queued yet matters more than the queue's limit.
+  if (leaves_.empty() && (most <= leaves_below_ || !gather_more_leaves())) return false;
+  if (!(1.0F / leaves_.top().priority < most)) return false;
+  return take_back_least();
+}
+
+void SplitExchange::apply_closure(const Entry& entry, const Cut::Closure& closure) {
+  CutSet& cuts = *evaluation_.scene().cuts;
+  Front& front = evaluation_.front(entry.object);
+  stats_->forced_splits += closure.splits.size() - 1;
+  sorted_.assign(closure.splits.begin(), closure.splits.end());
+  std::sort(sorted_.begin(), sorted_.end());  // what is needed comes first
+  cuts.apply_closure(entry.object);
+  for (const SplitId s : sorted_) {
+    meshes_[entry.object].apply(s);
+    const Front::Index k = front.obtain(s);
+    for (const Front::Flag flag : {Front::applied, Front::leaf, Front::is_new}) front.set(k, flag, true);
+    for (const SplitId needed : cuts.hierarchy(entry.object).star(s).dependencies())
+      front.set(front.find(needed), Front::leaf, false);
+  }
+  changes_ += sorted_.size();
+}
+
+// Still what it was when it was queued.
+bool SplitExchange::is_old_leaf(const Entry& leaf) const {
+  if (!(*evaluation_.scene().cuts)[leaf.object].applied(leaf.split)) return false;
+  const Front& front = evaluation_.front(leaf.object);
+  const Front::Index k = front.find(leaf.split);
+  return front.is(k, Front::leaf) && !front.is(k, Front::is_new);
+}
+
+// False when there is none left.
+bool SplitExchange::take_back_least() {
+  while (!leaves_.empty() || gather_more_leaves()) {
+    const Entry leaf = leaves_.pop();
+    if (!is_old_leaf(leaf)) continue;
+    take_back(leaf.object, leaf.split);
+    return true;
+  }
+  return false;
+}
+
+void SplitExchange::take_back_needless() {
+  const RefineOptions* const options = evaluation_.scene().options;
+  if (!(options->tolerance_px > 0.0) || stats_->pending) return;
+  while (!limit_reached() && !leaves_.empty() && std::isinf(leaves_.top().priority)) {
+    const Entry leaf = leaves_.pop();
+    if (is_old_leaf(leaf)) take_back(leaf.object, leaf.split);
+  }
+}
+
+void SplitExchange::take_back(std::uint32_t object, SplitId s) {
+  Front& front = evaluation_.front(object);
+  const Front::Index k = front.find(s);
+  ++changes_;
+  for (const Front::Flag flag : {Front::applied, Front::leaf, Front::is_new}) front.set(k, flag, false);
+  const auto note_leaves = [&](SplitId needed) { enqueue_new_leaf(object, needed); };
+  meshes_[object].take_back(s);
+  evaluation_.scene().cuts->take_back(object, s, note_leaves);
+  if (front.is(k, Front::reached))
+    enqueue_split(object, k);  // it may be wanted again once better leaves have come up
+  else
+    front.remove(k);
+}
+
+void SplitExchange::enqueue_new_leaf(std::uint32_t object, SplitId s) {
+  Front& front = evaluation_.front(object);
+  const Front::Index k = front.find(s);
+  front.set(k, Front::leaf, true);
+  if (front.is(k, Front::is_new)) return;
+  // It may well be hidden too, and then its room is wanted now.
+  if (asks_leaves_)
+    static_cast<void>(queries_.is_hidden({0.0F, front.error_at_most(k), s, object, front.node(k).level, 0,
+                                          evaluation_.scene().queries->split_question()}));
+  const float priority = leaf_priority(object, k);
+  if (priority < leaves_below_) enqueue_leaf(object, s, priority);
+}
+
+void SplitExchange::enqueue_leaf(std::uint32_t object, SplitId s, float priority) {
+  leaves_.push({1.0F / priority, {}, s, object});  // infinite for what is worth nothing
+}
+
+// 0 for what a tolerance makes needless; finite, also with the eye inside the bounds, so that everything can be given
+// up.
+float SplitExchange::leaf_priority(std::uint32_t object, Front::Index k) {
+  const SplitWorth worth = evaluation_.worth(object, k);
+  const RefineOptions* const options = evaluation_.scene().options;
+  const double needless = options->tolerance_px * (1.0 - options->update.hysteresis);
+  if (static_cast<double>(worth.error.guaranteed_px) <= needless) return 0.0F;
+  return std::min(worth.priority, std::numeric_limits<float>::max());
+}
+
+}  // namespace occlod

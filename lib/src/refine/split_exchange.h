@@ -1,0 +1,91 @@
+// Which splits of the frame before give way to which others.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/milliseconds_since.h"
+#include "priority/queue.h"
+#include "refine/apply_split.h"
+#include "refine/drawn_mesh.h"
+#include "refine/front_evaluation.h"
+#include "refine/front_forest.h"
+#include "refine/front_queries.h"
+
+namespace occlod {
+
+// Worst first, candidates are descended or applied, and take the place of applied leaves that matter less (the dual
+// queues of Duchaineau et al., ROAMing Terrain, 1997, here over the dependencies of splits). The priority where the
+// budget ended is kept: only what is near it is queued, and more when that does not suffice. Cuts, fronts and drawn
+// meshes have the same splits before and after each exchange.
+class SplitExchange {
+ public:
+  // These outlive it.
+  SplitExchange(FrontEvaluation& evaluation, FrontForest& forest, FrontQueries& queries, std::span<DrawnMesh> meshes);
+
+  // After refinement from scratch, which came to the end of the budget at this priority.
+  void adopt(float level) noexcept { level_ = level; }
+  // Of frames that go on. `frame`: its number; `start`: when time_limit_ms begins.
+  void begin_frame(std::uint32_t frame, Clock::time_point start, RefineStats& stats);
+
+  // Until no candidate matters more than what is applied, or the budget or a limit ends it.
+  void run();
+  // As run(), when an occluder of the mesh of this frame has been drawn: splits of this frame may be taken back too,
+  // and what becomes a leaf is asked about.
+  void run_again();
+  // Where a tolerance is given: takes back leaves that are seen by nobody, or well within it.
+  void take_back_needless();
+
+  // The priority where the budget ended.
+  [[nodiscard]] float level() const noexcept { return level_; }
+  // Splits and merges in this frame.
+  [[nodiscard]] std::size_t changes() const noexcept { return changes_; }
+  // The largest error of what found no room.
+  [[nodiscard]] const ScreenError& rejected_error() const noexcept { return rejected_; }
+
+  // For apply_split().
+  [[nodiscard]] float forced_weight(const Entry& entry, const Cut::Closure& closure);
+  bool make_room(float turn_priority, float priority);
+  void apply_closure(const Entry& entry, const Cut::Closure& closure);
+
+ private:
+  void gather();
+  void gather_candidates(float low, float high);
+  void gather_more_candidates();
+  void gather_leaves(float low, float high);
+  bool gather_more_leaves();
+
+  void exchange();
+  [[nodiscard]] bool limit_reached() const;
+  void descend(const Entry& entry);
+  void enqueue_split(std::uint32_t object, Front::Index k);
+  bool take_back_least();
+  void take_back(std::uint32_t object, SplitId s);
+  void enqueue_new_leaf(std::uint32_t object, SplitId s);
+  void enqueue_leaf(std::uint32_t object, SplitId s, float priority);
+  [[nodiscard]] float leaf_priority(std::uint32_t object, Front::Index k);
+  [[nodiscard]] bool is_old_leaf(const Entry& leaf) const;
+
+  FrontEvaluation& evaluation_;
+  FrontForest& forest_;
+  FrontQueries& queries_;
+  std::span<DrawnMesh> meshes_;
+  RefineStats* stats_ = nullptr;
+  Clock::time_point start_;
+  std::uint32_t frame_ = 0;
+  float level_ = 0.0F;
+  Queue candidates_;
+  Queue leaves_;                   // by 1 / priority
+  float candidates_above_ = 0.0F;  // queued are candidates with larger priorities
+  float last_step_ = 0.0F;         // below which all the others are queued
+  float leaves_below_ = 0.0F;      // and leaves with smaller ones
+  bool asks_leaves_ = false;       // when they become leaves
+  std::size_t changes_ = 0;
+  ScreenError rejected_;
+  std::vector<Front::Index> found_;  // scratch
+  std::vector<SplitId> sorted_;
+};
+
+}  // namespace occlod
