@@ -1,28 +1,12 @@
 #!/usr/bin/env bash
 # check_doors.sh: the library and the command line built against dependencies as their authors build them, and against none
 # installed, with OCCLOD_FETCH_DEPENDENCIES. Offline: the sources are those of Debian's source packages, without Debian's
-# patches. Works in build/doors. Skipped, with exit status 77, where they cannot be had: apt needs a deb-src line.
+# patches (scripts/debian_sources.sh). Works in build/doors. Says SKIPPED, with exit status 77, where they cannot be had.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 work=$PWD/build/doors
-sources=$work/sources
 prefix=$work/upstream
-packages=(cli11 fmtlib glm highway libstb libzstd nlohmann-json3 tinygltf xxhash)
-
-skip() { echo "check_doors: SKIPPED: $1" >&2; exit 77; }
-
-get_sources() {
-  command -v apt-get >/dev/null && command -v dpkg-source >/dev/null || skip "no apt-get or dpkg-source here"
-  mkdir -p "$sources"
-  local package description
-  for package in "${packages[@]}"; do
-    [ -d "$sources/$package" ] && continue
-    (cd "$sources" && apt-get source --download-only -y "$package" >/dev/null 2>&1) || skip "no sources of $package: add a deb-src line, then apt-get update"
-    description=$(find "$sources" -name "${package}_*.dsc" | head -n 1)
-    dpkg-source --no-check --skip-patches -x "$description" "$sources/$package" >/dev/null 2>&1
-  done
-}
 
 # Nothing of Debian's packages: no folder of the system is searched.
 configure() { cmake -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_FIND_USE_CMAKE_SYSTEM_PATH=OFF "$@" >/dev/null; }
@@ -45,7 +29,10 @@ install_upstream() {
 }
 
 if command -v ccache >/dev/null; then export CMAKE_CXX_COMPILER_LAUNCHER=ccache; fi
-get_sources
+if ! sources=$(scripts/debian_sources.sh cli11 fmtlib glm highway libstb libzstd nlohmann-json3 tinygltf xxhash); then
+  echo "check_doors: SKIPPED" >&2
+  exit 77
+fi
 
 echo "== upstream's packages, static libraries"
 install_upstream cli11 . -DCLI11_BUILD_TESTS=OFF -DCLI11_BUILD_EXAMPLES=OFF -DCLI11_BUILD_DOCS=OFF

@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <thread>
 
+#include "core/helper_threads.h"
 #include "occlod/io/olod.h"
 #include "occlod/mesh/generate.h"
 #include "occlod/occlusion/software_occlusion.h"
@@ -27,10 +27,11 @@ TEST(SharedHierarchy, ThreadsRefineOneFileThatIsCheckedAsItIsUsed) {
   for (int round = 0; round < 3; ++round) {
     const OlodFile file = read_olod(path);
     std::vector<std::uint64_t> hashes(4);
-    {
-      std::vector<std::jthread> threads;
-      for (std::uint64_t& hash : hashes) threads.emplace_back([&] { hash = refined_hash(file.hierarchy); });
+    HelperThreads threads;
+    for (std::uint64_t& hash : hashes) {
+      ASSERT_TRUE(threads.start([&] { hash = refined_hash(file.hierarchy); }));
     }
+    threads.join();
     EXPECT_EQ(hashes, std::vector<std::uint64_t>(4, refined_hash(built)));
   }
   std::filesystem::remove(path);

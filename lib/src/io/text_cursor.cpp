@@ -3,13 +3,23 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <cstdint>
 #include <system_error>
+
+#include "core/parse_double.h"
 
 namespace occlod {
 namespace {
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
 bool is_break(char c) { return c == '\n' || c == '\r'; }
+
+std::from_chars_result parse_number(const char* first, const char* last, double& value) {
+  return parse_double(first, last, value);
+}
+std::from_chars_result parse_number(const char* first, const char* last, std::int64_t& value) {
+  return std::from_chars(first, last, value);
+}
 
 }  // namespace
 
@@ -88,7 +98,7 @@ Number TextCursor::parse(const char* what, const char* kind) {
   if (at_line_end()) fail(fmt::format("{} is missing", what), "complete the line or export the mesh again");
   const char* const first = at_;
   Number value{};
-  const std::from_chars_result result = std::from_chars(*first == '+' ? first + 1 : first, end_, value);
+  const std::from_chars_result result = parse_number(*first == '+' ? first + 1 : first, end_, value);
   const bool whole = ends_word(result.ptr);
   if (result.ec != std::errc{} || !whole || (*first == '+' && end_ - first > 1 && first[1] == '-')) {
     const bool too_large = result.ec == std::errc::result_out_of_range;
