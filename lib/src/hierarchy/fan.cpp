@@ -187,8 +187,8 @@ struct Fan::Overlay {
         const float gap = std::abs((along_old * height[k] - along_new * rise) / det - height[0]);
         const auto at = static_cast<std::int32_t>(k);
         // Within both lines, but for rounding.
-        const bool crosses = (at >= begin) & (at < end) & (std::abs(along_new) <= std::abs(det)) &
-                             (std::abs(along_old) <= std::abs(det)) & (gap < unbounded);
+        const bool on_new = std::abs(along_new) <= std::abs(det), on_old = std::abs(along_old) <= std::abs(det);
+        const bool crosses = (at >= begin) & (at < end) & on_new & on_old & (gap < unbounded);
         const std::int32_t bits = crosses ? std::bit_cast<std::int32_t>(gap) : 0;
         gaps[k] = bits > gaps[k] ? bits : gaps[k];
       }

@@ -183,7 +183,7 @@ std::uint32_t StarMesh::find_in_ring(VertexId w, VertexId v, StarArena& arena) c
   const Place& place = places_[w];
   std::uint32_t at = 0;
   if (place.capacity == first_capacity) {
-    for (std::uint32_t k = 0; k < first_capacity; ++k) at |= (place.ids[k] == v) & (k < place.size) ? k : 0U;
+    for (std::uint32_t k = 0; k < first_capacity; ++k) at |= ((place.ids[k] == v) & (k < place.size)) ? k : 0U;
   } else {
     std::uint32_t& hint = arena.hints[w % arena.hints.size()];
     at = hint = position_near({place.ids, place.size}, v, hint);
