@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""tidy.py CLANG_TIDY BUILD_DIR [--jobs N] [--fresh] [--list] [--only FILE...]: clang-tidy over our sources that BUILD_DIR compiles, or over
+"""tidy.py CLANG_TIDY BUILD_DIR [--jobs N] [--fresh] [--list] [--analyze] [--only FILE...]: clang-tidy over our sources that BUILD_DIR compiles, or over
 those of the named files and, for a header among them, one that includes it. Exit 1 when it finds something.
 
 Most of clang-tidy's time goes to headers of others, which it parses and searches again for every source. So sources of one
@@ -8,7 +8,8 @@ vector code that includes itself) is seen beforehand or when clang says so; such
 
 A source that was clean is not read again until something that it is made of differs: its text and that of every header of ours
 below it, flags, .clang-tidy files, clang-tidy itself, and size and time of the headers of others that it names. The marks are in
-BUILD_DIR/lint; --fresh does without them. --list prints what would be read, and reads nothing."""
+BUILD_DIR/lint; --fresh does without them. --list prints what would be read, and reads nothing. --analyze: the checks of the static
+analyser instead, which looks at a source's own functions only; so each is read alone."""
 import argparse
 import concurrent.futures
 import hashlib
@@ -23,6 +24,7 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 BATCH = 16
+ANALYZER = "--checks=-*,clang-analyzer-*,-clang-analyzer-optin.*"
 INCLUDE = re.compile(r"^\s*#\s*include\s+([<\"])([^>\"]+)[>\"]", re.M)
 # What stands at the left margin is declared at namespace scope: clang-format does not indent namespaces.
 TYPE = re.compile(r"^(?:struct|class|union|enum|enum class|using|concept)\s+(\w+)", re.M)
@@ -72,10 +74,10 @@ def compiled_sources(build_dir):
 class Fingerprints:
     """For each source a hash of everything that decides what clang-tidy says about it, and the files that it is made of."""
 
-    def __init__(self, clang_tidy):
+    def __init__(self, clang_tidy, *options):
         version = subprocess.run([clang_tidy, "--version"], capture_output=True, check=True).stdout
         config = b"".join(path.read_bytes() for path in [ROOT / ".clang-tidy", *sorted(ROOT.glob("*/.clang-tidy"))])
-        self.base = version + config + pathlib.Path(__file__).read_bytes()
+        self.base = version + config + repr(options).encode() + pathlib.Path(__file__).read_bytes()
         self.parts = {}
 
     def part(self, path):
@@ -144,8 +146,8 @@ def those_that_read(files, sources, fingerprints):
 
 
 class Reader:
-    def __init__(self, clang_tidy, folder):
-        self.clang_tidy = clang_tidy
+    def __init__(self, clang_tidy, folder, *options):
+        self.command = [clang_tidy, "--quiet", *options]
         self.folder = folder
 
     def run(self, batch):
@@ -161,7 +163,7 @@ class Reader:
             overlay.write_text(json.dumps({"version": 0, "roots": [
                 {"type": "file", "name": str(main), "external-contents": str(text)}]}))
             options = [f"--vfsoverlay={overlay}"]
-        done = subprocess.run([self.clang_tidy, "--quiet", *options, str(main), "--", *(word for flag in flags for word in flag), "-Wno-everything"],
+        done = subprocess.run([*self.command, *options, str(main), "--", *(word for flag in flags for word in flag), "-Wno-everything"],
                               capture_output=True, text=True, check=False, cwd=ROOT)
         return done.returncode, done.stdout + "\n".join(
             line for line in done.stderr.splitlines() if not re.match(r"\d+ (warnings?|errors?) |Error while processing|Suppressed", line))
@@ -186,25 +188,27 @@ def main():
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     parser.add_argument("--fresh", action="store_true")
     parser.add_argument("--list", action="store_true")
+    parser.add_argument("--analyze", action="store_true")
     parser.add_argument("--only", nargs="+")
     arguments = parser.parse_args()
 
     build_dir = arguments.build_dir.resolve()
     sources = compiled_sources(build_dir)
-    fingerprints = Fingerprints(arguments.clang_tidy)
+    checks = [ANALYZER] if arguments.analyze else []
+    fingerprints = Fingerprints(arguments.clang_tidy, *checks)
     if arguments.only:
         sources = those_that_read({os.path.realpath(name) for name in arguments.only}, sources, fingerprints)
     folder = build_dir / "lint"
     (folder / "clean").mkdir(parents=True, exist_ok=True)
     marks = {source: folder / "clean" / fingerprints.of(source)[0] for source in sources}
     todo = [source for source in sources if arguments.fresh or not marks[source].exists()]
-    batches = batches_of(todo)
+    batches = [[source] for source in todo] if arguments.analyze else batches_of(todo)
     if arguments.list:
         print(*(" ".join(source.name for source in batch) for batch in batches), sep="\n")
         return 0
 
     failed = False
-    reader = Reader(arguments.clang_tidy, folder)
+    reader = Reader(arguments.clang_tidy, folder, *checks)
     with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as pool:
         for verdicts in pool.map(reader.read, batches):
             for batch, status, output in verdicts:
