@@ -5,6 +5,9 @@ cd "$(dirname "$0")/.."
 
 preset=$1
 shift
-if command -v ccache >/dev/null; then export CMAKE_CXX_COMPILER_LAUNCHER=ccache; fi
+if command -v ccache >/dev/null; then
+  export CMAKE_CXX_COMPILER_LAUNCHER=ccache
+  export CCACHE_SLOPPINESS=${CCACHE_SLOPPINESS:-pch_defines,time_macros}  # what precompiled headers need
+fi
 cmake --preset "$preset" "$@" >&2
 cmake --build --preset "$preset" >&2

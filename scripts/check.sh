@@ -21,7 +21,7 @@ test_folders() {
     -e 's#^[^/]*\.md$#docs#p' | LC_ALL=C sort -u
 }
 
-scripts/build.sh release -DOCCLOD_BUILD_TESTS=ON -DOCCLOD_WARNINGS_AS_ERRORS=ON >&2
+scripts/build.sh release -DOCCLOD_BUILD_TESTS=ON -DOCCLOD_WARNINGS_AS_ERRORS=ON -DOCCLOD_TEST_PCH=ON >&2
 
 folders=$(test_folders | paste -sd '|')
 left_out="tests of other folders"

@@ -53,11 +53,15 @@ Building plan_building(glm::ivec2 block, glm::ivec2 quarter, int blocks, RandomS
   constexpr double plot = (block_width - alley) / 2.0;
   const glm::dvec2 street((block_pitch - block_width) / 2.0);
   const glm::dvec2 corner = block_pitch * glm::dvec2(block) + street + (plot + alley) * glm::dvec2(quarter);
-  const glm::dvec2 size(random.between(0.75, 1.0) * plot, random.between(0.75, 1.0) * plot);
+  // One number after the other: the order of arguments and of sums is the compiler's.
+  glm::dvec2 size;
+  size.y = random.between(0.75, 1.0) * plot;
+  size.x = random.between(0.75, 1.0) * plot;
   const glm::dvec2 from_middle = (glm::dvec2(block) + 0.5) * 2.0 / static_cast<double>(blocks) - 1.0;
   const double distance2 = (from_middle.x * from_middle.x + from_middle.y * from_middle.y) / 2.0;
-  return {corner + (plot - size) / 2.0, size,
-          random.between(12.0, 30.0) + random.between(0.0, 90.0) * (1.0 - distance2)};
+  const double lowest = random.between(12.0, 30.0);
+  const double more = random.between(0.0, 90.0) * (1.0 - distance2);
+  return {corner + (plot - size) / 2.0, size, lowest + more};
 }
 
 }  // namespace

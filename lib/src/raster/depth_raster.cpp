@@ -229,7 +229,12 @@ HWY_INLINE void draw_block(PixelVec z, PixelIntVec outside, float* depth) {
   outside = hn::BroadcastSignBit(outside);  // Highway 1.0 forgets to, and would choose bit by bit
 #endif
   const PixelVec old = hn::LoadU(d, depth);
+#if HWY_TARGET == HWY_EMU128  // compares floats with zero there: most negative integers are NaN
+  const auto is_outside = hn::RebindMask(d, hn::Lt(outside, hn::Zero(PixelInts())));
+  hn::StoreU(hn::IfThenElse(is_outside, old, hn::Max(old, z)), d, depth);
+#else
   hn::StoreU(hn::IfNegativeThenElse(hn::BitCast(d, outside), old, hn::Max(old, z)), d, depth);
+#endif
 }
 
 // All rows of a small triangle in the block of columns from x on.
