@@ -33,8 +33,8 @@ Json to_json(const ObjectEffects& effects, const ObjectEffectStats& stats) {
 }
 
 void print_shares(const char* name, const HiddenShares& shares) {
-  fmt::print("  {}: of {} nodes {:.0f} % hidden; of {} splits {:.0f} % by their subtree, {:.0f} % by their star\n",
-             name, shares.visits, 100.0 * shares.visits_hidden, shares.splits, 100.0 * shares.splits_hidden,
+  fmt::print("  {}: {:.0f} % of {} nodes hidden; of {} splits {:.0f} % with their subtree, {:.0f} % with their faces\n",
+             name, 100.0 * shares.visits_hidden, shares.visits, shares.splits, 100.0 * shares.splits_hidden,
              100.0 * shares.stars_hidden);
 }
 
@@ -44,11 +44,11 @@ void print_object(std::size_t i, const std::string& source, const AutoRefiner& r
   const ObjectEffectStats& stats = report.objects[i];
   const Calibration& calibration = refiner.calibration();
   fmt::print("  object {} ({})\n", i, source);
-  fmt::print("    cones {}: {} of {} nodes dropped, about {:.3f} ms spent\n", effects.cones ? "on" : "off",
+  fmt::print("    normal cones {}: {} of {} nodes culled, about {:.3f} ms\n", effects.cones ? "on" : "off",
              stats.cone_culled, stats.cone_tests, 1e-6 * static_cast<double>(stats.cone_tests) * calibration.cone_ns);
   if (!report.choice.backend) return;
   const double query_ns = calibration.backends[*report.choice.backend].query_ns;
-  fmt::print("    occlusion {}, {} of {} regions: {} of {} questions answered hidden, about {:.3f} ms spent\n",
+  fmt::print("    occlusion {} in {} of {} regions: {} of {} queries answered hidden, about {:.3f} ms\n",
              effects.occlusion ? "on" : "off", effects.regions_on(), effect_region_count, stats.hidden(),
              stats.queries(), 1e-6 * static_cast<double>(stats.queries()) * query_ns);
 }
@@ -78,20 +78,21 @@ Json to_json(const AutoRefiner& refiner) {
 
 void print_explanation(const AutoRefiner& refiner, const RefineStats& stats, const std::vector<LoadedObject>& objects) {
   const EffectReport& report = refiner.report();
-  fmt::print("why:\n");
-  print_shares("a look ahead, at a coarse mesh", report.ahead);
-  if (report.back) print_shares("a look back, at a refined mesh", *report.back);
+  fmt::print("why this choice:\n");
+  print_shares("look ahead at a coarse mesh", report.ahead);
+  if (report.back) print_shares("look back at a refined mesh", *report.back);
   for (const EffortForecast& forecast : report.forecasts)
     fmt::print(
-        "  {} {:<17} {:<10} would take {:6.2f} ms, {:5.2f} of it for occlusion, at {:.2f} of the error: score {:.2f}\n",
+        "  {} {:<17} {:<10} would take {:6.2f} ms, {:5.2f} of them for occlusion, with {:.2f} times the error: score "
+        "{:.2f}\n",
         forecast.effort == report.choice.effort && forecast.backend == report.choice.backend ? "*" : " ",
         name_of(forecast.effort), backend_of(refiner, forecast.backend), forecast.frame_ms, forecast.occlusion_ms,
         forecast.error, forecast.score());
-  if (report.held) fmt::print("  another would be better, but not by enough to change\n");
-  fmt::print("  looks cost {:.3f} ms in this view\n", report.look_ms);
+  if (report.held) fmt::print("  another choice scores better, but not by enough to change\n");
+  fmt::print("  looking took {:.3f} ms in this view\n", report.look_ms);
   if (report.choice.backend)
     fmt::print(
-        "  occlusion on ({}): cost {:.2f} ms for {} occluders and {} questions; saves about {:.0f} triangles, {:.2f} "
+        "  occlusion on ({}): cost {:.2f} ms for {} occluders and {} queries; saves about {:.0f} triangles, {:.2f} "
         "ms\n",
         name_of(report.choice.effort), stats.occlusion_ms, stats.occluder_draws, stats.queries, report.saved_triangles,
         report.saved_ms);

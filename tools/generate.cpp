@@ -66,7 +66,7 @@ void add(CLI::App& kind, const std::string& name, Value& value, Range range, con
 }  // namespace
 
 void add_generate(CLI::App& app) {
-  CLI::App& command = *app.add_subcommand("generate", "Make a test mesh from a few numbers");
+  CLI::App& command = *app.add_subcommand("generate", "Generate a test mesh");
   command.require_subcommand(1);
   add_kind<RoughPlanetOptions>(
       command, "rough-planet", "A sphere with random hills: 8 * 4^level triangles", generate_rough_planet,

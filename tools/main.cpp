@@ -25,7 +25,7 @@ constexpr int exit_failed = 1;
 constexpr int exit_wrong_use = 2;
 
 constexpr const char* out_of_memory =
-    "memory: there is not enough of it for this; end other programs, raise its limit, or take a smaller mesh";
+    "memory: not enough for this; end other programs, raise the limit or use a smaller mesh";
 
 int wrong_use(const CLI::App& app, const CLI::ParseError& error) {
   std::string command = "occlod";

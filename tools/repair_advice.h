@@ -8,8 +8,8 @@
 
 namespace occlod::tool {
 
-// One line, or nothing where nothing in the report is what a repair mends. Edges and vertices that are not manifold are
-// no reason: taking them apart is undone by welding, and hierarchies are built from them as they are.
+// One line, or nothing when a repair would fix nothing that the report counts. Edges and vertices that are not manifold
+// are no reason: taking them apart is undone by welding, and hierarchies are built from them as they are.
 [[nodiscard]] std::optional<std::string> repair_advice(const MeshReport& report);
 
 }  // namespace occlod::tool

@@ -121,9 +121,11 @@ TEST(AtomicFile, RefusesLinksThatLeadNowhere) {
   const test::TestFolder folder;
   fs::create_symlink("circle", folder.path() / "circle");
   fs::create_symlink("missing/a.txt", folder.path() / "astray");
-  for (const auto& [name, problem] : {std::pair{"circle", "leads back to itself"}, {"astray", "does not exist"}}) {
-    EXPECT_CONTAINS(problem_of([&] { AtomicFile file(folder.path() / name); }), problem);
-    EXPECT_TRUE(fs::is_symlink(folder.path() / name));
+  const std::pair<fs::path, std::string> links[] = {{folder.path() / "circle", "leads back to itself"},
+                                                    {folder.path() / "astray", "does not exist"}};
+  for (const auto& link : links) {
+    EXPECT_CONTAINS(problem_of([&] { AtomicFile file(link.first); }), link.second);
+    EXPECT_TRUE(fs::is_symlink(link.first));
   }
 }
 

@@ -75,7 +75,7 @@ class GlBackends(GlTest):
         for backend, option, owner in (("software", ["--flight", 8], "gl-query"), ("none", ["--occlusion-divisor", 2], "gl-mark"),
                                        ("gl-compute", ["--occlusion-divisor", 2], "gl-mark"), ("gl-mark", ["--query-window", 4], "gl-query"),
                                        ("gl-compute", ["--conservative-queries"], "gl-query")):
-            line = self.fail(*self.arguments("--occlusion", backend, *option))
+            line = self.failure_of(*self.arguments("--occlusion", backend, *option))
             self.assertIn(option[0], line)
             self.assertIn(owner, line)
 
@@ -85,7 +85,7 @@ class GlFaults(GlTest):
 
     def fail_with(self, variable, value, *options):
         self.environment.update({variable: value, "EGL_LOG_LEVEL": "fatal"})
-        line = self.fail(*self.arguments(*options))
+        line = self.failure_of(*self.arguments(*options))
         del self.environment[variable]
         return line
 
@@ -129,7 +129,7 @@ class GlFaults(GlTest):
             self.preload_losing_driver(LOSE_CONTEXT_AT="0")
             arguments = self.arguments("--occlusion", backend, "--gl-platform", platform)
             while self.run_tool(*arguments).returncode != 0:
-                line = self.fail(*arguments)
+                line = self.failure_of(*arguments)
                 self.assertIn("occlod: error: OpenGL: ", line)
                 self.assertIn("the context is lost: this program has made the GPU reset; run again, or use the software backend", line)
                 at = 2 * at + 1

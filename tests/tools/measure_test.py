@@ -33,9 +33,9 @@ class Cut(ToolTest):
         self.assertTrue(self.json_of("validate", "planet.olod", "--input", "cut.ply")["valid"])
 
     def test_mistakes(self):
-        self.assertIn("none.olod", self.fail("cut", "none.olod", "--triangles", 500, "-o", "cut.ply"))
-        self.assertIn("planet.ply", self.fail("cut", "planet.ply", "--triangles", 500, "-o", "cut.ply"))
-        self.assertIn(str(self.built["base_triangles"]), self.fail("cut", "planet.olod", "--triangles", 3, "-o", "cut.ply"))
+        self.assertIn("none.olod", self.failure_of("cut", "none.olod", "--triangles", 500, "-o", "cut.ply"))
+        self.assertIn("planet.ply", self.failure_of("cut", "planet.ply", "--triangles", 500, "-o", "cut.ply"))
+        self.assertIn(str(self.built["base_triangles"]), self.failure_of("cut", "planet.olod", "--triangles", 3, "-o", "cut.ply"))
         self.assertFalse((self.folder / "cut.ply").exists())
         for size in ([], ["--triangles", 500, "--error", 1], ["--triangles", 0], ["--triangles", -5], ["--error", -1], ["--error", "nan"],
                      ["--error", "inf"]):
@@ -102,9 +102,9 @@ class Compare(ToolTest):
     def test_mistakes(self):
         self.write_square("a.off", 0)
         (self.folder / "text.olod").write_text("not a hierarchy")
-        self.assertIn("none.ply", self.fail("compare", "a.off", "none.ply"))
-        self.assertIn("none.ply", self.fail("compare", "none.ply", "a.off", "--json"))
-        self.assertIn("text.olod", self.fail("compare", "a.off", "text.olod"))
+        self.assertIn("none.ply", self.failure_of("compare", "a.off", "none.ply"))
+        self.assertIn("none.ply", self.failure_of("compare", "none.ply", "a.off", "--json"))
+        self.assertIn("text.olod", self.failure_of("compare", "a.off", "text.olod"))
         for arguments in ([], ["a.off"], ["a.off", "a.off", "a.off"], ["a.off", "a.off", "--samples", 0], ["a.off", "a.off", "--samples", "x"]):
             done = self.run_tool("compare", *arguments)
             self.assertEqual((done.returncode, done.stdout, done.stderr.count("\n")), (2, "", 1), arguments)
@@ -114,7 +114,7 @@ class WithoutCgal(ToolTest):
     def test_commands_say_why_they_are_not_there(self):
         for command in ("compare", "repair"):
             for arguments in ([], ["a.off", "b.off"], ["a.off", "-o", "b.off", "--json"]):
-                line = self.fail(command, *arguments)
+                line = self.failure_of(command, *arguments)
                 self.assertIn(command, line)
                 self.assertIn("OCCLOD_WITH_CGAL", line)
 

@@ -57,11 +57,11 @@ class Repair(ToolTest):
         self.assertTrue(self.same_bytes("a.ply", "b.ply"))
 
     def test_mistakes(self):
-        self.assertIn("none.ply", self.fail("repair", "none.ply", "-o", "b.off"))
+        self.assertIn("none.ply", self.failure_of("repair", "none.ply", "-o", "b.off"))
         self.write("line.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n2 0 0\n3 0 1 2\n")
-        self.assertIn("line.off: nothing is left", self.fail("repair", "line.off", "-o", "b.off", "--json"))
+        self.assertIn("line.off: nothing is left", self.failure_of("repair", "line.off", "-o", "b.off", "--json"))
         self.write("a.off", SOUND)
-        self.assertIn("b.xyz", self.fail("repair", "a.off", "-o", "b.xyz"))
+        self.assertIn("b.xyz", self.failure_of("repair", "a.off", "-o", "b.xyz"))
         self.assertFalse((self.folder / "b.off").exists())
         for options in (["--weld", -1], ["--weld", "nan"], ["--weld", "x"], ["--fill-holes", -1], ["--fill"]):
             done = self.run_tool("repair", "a.off", "-o", "b.off", *options)

@@ -27,7 +27,7 @@ class ToolTest(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
         return done.stdout
 
-    def fail(self, *arguments):
+    def failure_of(self, *arguments):
         """Failed: exit 1, nothing on standard output, one line on standard error. Returns the line."""
         done = self.run_tool(*arguments)
         self.assertEqual(done.returncode, 1, f"{arguments}: {done.stderr}")

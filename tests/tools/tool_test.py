@@ -343,8 +343,8 @@ class Render(ToolTest):
 
     def test_path_mistakes(self):
         self.write_scene_with_paths()
-        self.assertIn("jump, move", self.fail("render", "scene.json", "--path", "other"))
-        self.assertIn("--path", self.fail("render", "planet.olod", "--path", "jump"))
+        self.assertIn("jump, move", self.failure_of("render", "scene.json", "--path", "other"))
+        self.assertIn("--path", self.failure_of("render", "planet.olod", "--path", "jump"))
 
     def test_mesh_directly(self):
         result = self.json_of("render", "planet.ply", "--budget", 500)
@@ -372,7 +372,7 @@ class Mistakes(ToolTest):
             ("city", ["generate", "city", "--blocks", "256", "--facade-cells", "256", "-o", "a.ply"]),
             ("nowhere", ["generate", "rough-planet", "--level", "1", "-o", "nowhere/a.ply"]),
         ]:
-            self.assertIn(subject, self.fail(*arguments))
+            self.assertIn(subject, self.failure_of(*arguments))
         self.assertFalse((self.folder / "a.olod").exists())
 
     def test_truncated_hierarchy(self):
@@ -380,33 +380,33 @@ class Mistakes(ToolTest):
         data = (self.folder / "planet.olod").read_bytes()
         for size in (0, 7, len(data) // 2, len(data) - 1):
             (self.folder / "cut.olod").write_bytes(data[:size])
-            self.assertIn("cut.olod", self.fail("info", "cut.olod"))
+            self.assertIn("cut.olod", self.failure_of("info", "cut.olod"))
 
     def test_scene_mistakes_name_file_and_place(self):
         self.write_scene("""{"objects": [{"generator": "rough-planet", "scale": "big"}],
                              "cameras": {"default": {"eye": [0, 0, 3], "target": [0, 0, 0]}}}""")
-        self.assertIn("scene.json: /objects/0/scale", self.fail("render", "scene.json"))
+        self.assertIn("scene.json: /objects/0/scale", self.failure_of("render", "scene.json"))
 
     # One line that names the file, the place and what to do.
     def test_what_is_no_scene_and_what_a_scene_lacks(self):
-        self.assertIn(".: is a folder; name a scene", self.fail("render", "."))
+        self.assertIn(".: is a folder; name a scene", self.failure_of("render", "."))
         camera = """{"eye": [0, 0, 3], "target": [0, 0, 0]}"""
         self.write_scene("""{"objects": [{"mesh": "none.ply"}], "cameras": {"default": %s}}""" % camera)
         (self.folder / "scene.json").rename(self.folder / "scene.JSON")
-        line = self.fail("render", "scene.JSON")
+        line = self.failure_of("render", "scene.JSON")
         for part in ("scene.JSON: /objects/0/mesh: there is no file none.ply; searched: ., ", str(self.folder / "data/occlod/meshes"), "OCCLOD_MESHES"):
             self.assertIn(part, line)
         self.write_scene("""{"objects": [{"generator": "rough-planet"}], "cameras": {"default": %s},
                              "paths": {"p": {"frames": 3, "keys": [%s, {"eye": [0, 0, -3], "target": [0, 0, 0]}]}}}""" % (camera, camera))
-        line = self.fail("render", "scene.json", "--path", "p")
+        line = self.failure_of("render", "scene.json", "--path", "p")
         for part in ("scene.json: /paths/p: ", "frame 1 of 3", "add a key"):
             self.assertIn(part, line)
 
     def test_render_mistakes(self):
         self.make_hierarchy()
-        self.fail("render", "planet.olod", "--budget", "1")
+        self.failure_of("render", "planet.olod", "--budget", "1")
         self.write_scene("""{"objects": [{"mesh": "planet.olod"}], "cameras": {"default": {"eye": [0, 0, 3], "target": [0, 0, 0]}}}""")
-        self.assertIn("default", self.fail("render", "scene.json", "--camera", "other"))
+        self.assertIn("default", self.failure_of("render", "scene.json", "--camera", "other"))
 
     def test_output_that_cannot_be_written(self):
         self.make_planet()
