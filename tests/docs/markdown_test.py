@@ -65,7 +65,9 @@ class Markdown(unittest.TestCase):
         self.assertEqual(broken, [])
 
     def test_prose_is_wrapped(self):
-        long_lines = [f"{path.relative_to(ROOT)}:{number}: {len(line)} columns" for path in markdown_files()
+        # Not .github: its templates become comments, in which line breaks are kept.
+        files = [path for path in markdown_files() if path.relative_to(ROOT).parts[0] != ".github"]
+        long_lines = [f"{path.relative_to(ROOT)}:{number}: {len(line)} columns" for path in files
                       for number, line in prose(path.read_text(encoding="utf-8")) if len(line) > MAX_COLUMNS]
         self.assertEqual(long_lines, [])
 
