@@ -1,6 +1,7 @@
 // What a file holds beside its surface is counted, and the counts travel with the hierarchy.
 #include <gtest/gtest.h>
 
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -11,9 +12,9 @@
 
 namespace occlod {
 
-void PrintTo(const LeftOut& counts, std::ostream* stream) {
-  *stream << counts.texture_coordinates << " texture coordinates, " << counts.normals << " normals, " << counts.colors
-          << " colors, " << counts.materials << " materials, " << counts.groups << " groups";
+std::ostream& operator<<(std::ostream& stream, const LeftOut& counts) {
+  return stream << counts.texture_coordinates << " texture coordinates, " << counts.normals << " normals, "
+                << counts.colors << " colors, " << counts.materials << " materials, " << counts.groups << " groups";
 }
 
 namespace {
