@@ -16,6 +16,7 @@
 #include "interrupt.h"
 #include "occlod/core/error.h"
 #include "occlod/core/version.h"
+#include "option_values.h"
 #include "standard_streams.h"
 
 namespace occlod::tool {
@@ -27,12 +28,38 @@ constexpr int exit_wrong_use = 2;
 constexpr const char* out_of_memory =
     "memory: not enough for this; end other programs, raise the limit or use a smaller mesh";
 
+// `error` is thrown by `command`, the innermost that was given. CLI11 does not say what was typed instead of a command,
+// and names values by their type.
+std::string what_is_wrong(const CLI::App& app, const CLI::App& command, const CLI::ParseError& error) {
+  const std::string text = error.what();
+  const std::vector<std::string> unknown = app.remaining(true);
+  const bool lacks_command = command.get_require_subcommand_min() > 0 && command.get_subcommands().empty();
+  const auto is = [&](CLI::ExitCodes code) { return error.get_exit_code() == static_cast<int>(code); };
+  if (!unknown.empty() && (lacks_command || is(CLI::ExitCodes::ExtrasError))) {
+    const bool is_option = unknown.front().starts_with('-');
+    return fmt::format("there is no {} {}",
+                       is_option       ? "option"
+                       : lacks_command ? "command"
+                                       : "further argument",
+                       shown(unknown.front()));
+  }
+  if (lacks_command) return "a command is missing";
+  if (is(CLI::ExitCodes::ArgumentMismatch)) {
+    const std::string option = text.substr(0, text.find(':'));
+    if (text.find("missing") != std::string::npos) return option + " needs a value";
+    if (text.find("At Most") != std::string::npos) return option + " is given more than once";
+  }
+  return text;
+}
+
 int wrong_use(const CLI::App& app, const CLI::ParseError& error) {
-  std::string command = "occlod";
-  for (std::vector<CLI::App*> chosen = app.get_subcommands(); !chosen.empty();
-       chosen = chosen.front()->get_subcommands())
-    command += " " + chosen.front()->get_name();
-  print_error(fmt::format("{}; see {} --help", error.what(), command));
+  std::string words = "occlod";
+  const CLI::App* command = &app;
+  while (!command->get_subcommands().empty()) {
+    command = command->get_subcommands().front();
+    words += " " + command->get_name();
+  }
+  print_error(fmt::format("{}; see {} --help", what_is_wrong(app, *command, error), words));
   return exit_wrong_use;
 }
 

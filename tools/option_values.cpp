@@ -57,7 +57,16 @@ CLI::Validator one_of(const std::vector<std::string>& words) {
 }
 
 CLI::Validator not_empty() {
-  return {[](std::string& text) -> std::string { return text.empty() ? shown(text) + " is not a name" : ""; }, ""};
+  return {[](std::string& text) -> std::string { return text.empty() ? "\"\" is not a name" : ""; }, ""};
+}
+
+CLI::Validator file_name() {
+  const auto check = [](std::string& text) -> std::string {
+    if (text.empty()) return "\"\" is not a name";
+    if (text.front() == '-') return fmt::format("{} looks like an option; write ./{} for a file", shown(text), text);
+    return "";
+  };
+  return {check, ""};
 }
 
 std::optional<std::uint64_t> whole_number(const std::string& text) {

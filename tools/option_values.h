@@ -29,6 +29,8 @@ inline constexpr std::uint64_t most_elements = std::numeric_limits<std::uint32_t
 [[nodiscard]] CLI::Validator in_range(WholeRange range);
 [[nodiscard]] CLI::Validator in_range(RealRange range);
 [[nodiscard]] CLI::Validator not_empty();
+// CLI11 takes what follows an option for its value, whatever it looks like.
+[[nodiscard]] CLI::Validator file_name();
 [[nodiscard]] CLI::Validator one_of(const std::vector<std::string>& words);
 
 // For values that have parts. Decimal digits and nothing else, or nothing.
@@ -50,7 +52,9 @@ CLI::Option* add_name(CLI::App& command, const std::string& option, Name& name, 
 
 template <class Name>
 CLI::Option* add_file(CLI::App& command, const std::string& option, Name& name, const std::string& about) {
-  return add_name(command, option, name, about)->type_name(option.front() == '-' ? "FILE" : "");
+  return command.add_option(option, name, about)
+      ->transform(file_name())
+      ->type_name(option.front() == '-' ? "FILE" : "");
 }
 
 // One of some words. Help shows them all, and the one that `value` has now.

@@ -99,6 +99,15 @@ class Options(ToolTest):
         for command in (["info", ""], ["build", "", "-o", "a.olod"], ["validate", ""], ["render", ""], ["cut", "", "-o", "a.ply", "--triangles", 5]):
             self.assertEqual(self.run_tool(*command).returncode, 2, command)
 
+    def test_options_are_not_taken_for_names_of_files(self):
+        for command, option in ((BUILD[:2], "-o"), (RENDER, "--png"), (RENDER, "--mesh"), (VALIDATE, "--input")):
+            done = self.run_tool(*command, option, "--json")
+            self.assertEqual((done.returncode, done.stdout, done.stderr.count("\n")), (2, "", 1), done.stderr)
+            self.assertIn('"--json" looks like an option; write ./--json', done.stderr)
+        self.make_planet()
+        self.succeed("build", "planet.ply", "-o", "./--json")
+        self.assertTrue((self.folder / "--json").exists())
+
     def test_ends_of_ranges_are_taken(self):
         """What is allowed gets as far as the file that is not there. Threads and what a generator makes would take too long at the upper ends."""
         for command, option, low, high in itertools.chain(self.rows(0), self.rows(1)):

@@ -447,6 +447,16 @@ class Mistakes(ToolTest):
             self.assertNotRegex(text, r"\b(U?INT|FLOAT|TEXT|ENUM|NONNEGATIVE|POSITIVE|value in)\b|->|\{")
         self.assertIn("not proven", " ".join(self.succeed("render", "--help").split()))
 
+    def test_wrong_use_names_what_was_typed(self):
+        for arguments, told in ((["paint"], 'no command "paint"'), (["generate", "torus", "-o", "a.ply"], 'no command "torus"'), ([], "a command is missing"),
+                                (["--paint"], 'no option "--paint"'), (["render", "x", "--budge", 5, "y"], 'no option "--budge"'),
+                                (["info", "a", "b", "c"], 'no further argument "b"'), (["render", "x", "--budget"], "--budget needs a value"),
+                                (["render", "x", "--budget", 5, "--budget", 6], "--budget is given more than once"),
+                                (["build", "a.ply"], "--output is required"), (["cut", "a.olod", "-o", "a.ply"], "--triangles or --error is required")):
+            done = self.run_tool(*arguments)
+            self.assertEqual((done.returncode, done.stdout, done.stderr.count("\n")), (2, "", 1), done.stderr)
+            self.assertIn(told, done.stderr)
+
     def test_mistakes_name_the_help_of_the_command(self):
         for command in (["build"], ["generate"], ["generate", "city"]):
             self.assertIn(f"see occlod {' '.join(command)} --help", self.run_tool(*command, "--what").stderr)
