@@ -7,9 +7,13 @@ cd "$(dirname "$0")/.."
 
 work=$PWD/build/doors
 prefix=$work/upstream
+mkdir -p "$work"
 
-# Nothing of Debian's packages: no folder of the system is searched.
-configure() { cmake -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_FIND_USE_CMAKE_SYSTEM_PATH=OFF "$@" >/dev/null; }
+# What a command prints is shown when it fails.
+quietly() { "$@" >"$work/log" 2>&1 || { cat "$work/log" >&2; exit 1; }; }
+
+# Nothing of Debian's packages: no folder of the system is searched. Compiled without optimisation: it is to link.
+configure() { quietly cmake -G Ninja -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG=-O0 -DCMAKE_FIND_USE_CMAKE_SYSTEM_PATH=OFF "$@"; }
 configure_occlod() {
   configure -S . "$@" -DOCCLOD_BUILD_TESTS=OFF -DOCCLOD_WITH_CGAL=OFF -DOCCLOD_BUILD_GL=OFF -DOCCLOD_BUILD_VIEWER=OFF
 }
@@ -25,7 +29,7 @@ install_upstream() {
   local package=$1 folder=$2
   shift 2
   configure -S "$sources/$package/$folder" -B "$work/$package" "-DCMAKE_INSTALL_PREFIX=$prefix" "-DCMAKE_PREFIX_PATH=$prefix" "$@"
-  cmake --build "$work/$package" --target install >/dev/null
+  quietly cmake --build "$work/$package" --target install
 }
 
 if command -v ccache >/dev/null; then export CMAKE_CXX_COMPILER_LAUNCHER=ccache; fi
@@ -48,11 +52,11 @@ echo 'add_library(glm::glm INTERFACE IMPORTED)
 target_include_directories(glm::glm INTERFACE ${CMAKE_CURRENT_LIST_DIR}/../../../include)' >"$prefix/lib/cmake/glm/glmConfig.cmake"
 
 configure_occlod -B "$work/on-upstream" "-DCMAKE_PREFIX_PATH=$prefix" "-DCMAKE_INSTALL_PREFIX=$work/installed"
-cmake --build "$work/on-upstream" --target install >/dev/null
+quietly cmake --build "$work/on-upstream" --target install
 check_headers "$work/on-upstream"
 "$work/installed/bin/occlod" --version
 configure -S tests/consumer/project -B "$work/consumer" "-DCMAKE_PREFIX_PATH=$work/installed;$prefix"
-cmake --build "$work/consumer" >/dev/null
+quietly cmake --build "$work/consumer"
 (cd "$work/consumer" && ./consumer)
 
 echo "== nothing installed, in a project that includes occlod"
@@ -61,7 +65,7 @@ for pair in CLI11=cli11 FMT=fmtlib GLM=glm HWY=highway STB=libstb ZSTD=libzstd N
   fetched+=("-DFETCHCONTENT_SOURCE_DIR_${pair%=*}=$sources/${pair#*=}")
 done
 configure -S tests/consumer/subproject -B "$work/subproject" "-DOCCLOD_SOURCE_DIR=$PWD" -DOCCLOD_BUILD_TOOLS=ON -DOCCLOD_WITH_CGAL=OFF "${fetched[@]}"
-cmake --build "$work/subproject" --target consumer occlod_tool >/dev/null
+quietly cmake --build "$work/subproject" --target consumer occlod_tool
 check_headers "$work/subproject"
 (cd "$work/subproject" && ./consumer && ./occlod/tools/occlod --version)
 echo "check_doors: passed"
