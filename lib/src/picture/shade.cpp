@@ -4,6 +4,7 @@
 #include <glm/common.hpp>
 #include <glm/exponential.hpp>
 #include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
 #include <limits>
 #include <optional>
 
@@ -98,13 +99,16 @@ class ScreenTriangle {
 // What is the same for all pixels of one item.
 struct Appearance {
   Appearance(const ItemTable::Owner& owner, const View& view, const Lights& lights, const CornerColors& corner_colors)
-      : Appearance(world_corners(owner), view, lights, corner_colors) {}
+      : Appearance(world_corners(owner), view, lights, corner_colors) {
+    if (glm::determinant(glm::dmat3(owner.object->object_to_world)) < 0.0) faces_viewer = !faces_viewer;
+  }
   Appearance(const std::array<glm::dvec3, 3>& corners, const View& view, const Lights& lights,
              const CornerColors& corner_colors)
       : screen(corners, view), colors(corner_colors) {
     const glm::dvec3 normal = glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
     const double length = glm::length(normal);
     const glm::dvec3 center = (corners[0] + corners[1] + corners[2]) / 3.0;
+    faces_viewer = glm::dot(normal, view.is_orthographic() ? -view.direction() : view.camera().eye - center) > 0.0;
     light = lights.on(center, length > 0.0 ? normal / length : -view.direction());
     // Lines fade out where they would fill their triangles.
     wire_strength = 0.6 * smooth_step(1.2, 6.0, screen.diameter_px());
@@ -113,8 +117,16 @@ struct Appearance {
   ScreenTriangle screen;
   CornerColors colors;
   glm::vec3 light{0.0F};
+  bool faces_viewer = false;  // its corners run counter-clockwise as seen, clockwise where the object is mirrored
   double wire_strength = 0.0;
 };
+
+int shared_corners(const Triangle& a, const Triangle& b) {
+  int shared = 0;
+  for (int i = 0; i < 3; ++i)
+    for (int k = 0; k < 3; ++k) shared += a[i] == b[k] ? 1 : 0;
+  return shared;
+}
 
 // The nearness by which depths are as far apart as a surface at this nearness is from the eye; of orthographic views,
 // as far as the camera would be to show as much in perspective, at 45 degrees.
@@ -169,13 +181,45 @@ class Painter {
                                                       (static_cast<float>(y) + 0.5F) / static_cast<float>(height)));
       for (int x = 0; x < width; ++x) {
         const std::uint32_t item = items_.items[image.pixels.size()];
-        image.pixels.push_back(item == no_item ? background : to_srgb(surface(item, x, y)));
+        image.pixels.push_back(item == no_item ? background : to_srgb(surface(shown_item(item, x, y), x, y)));
       }
     }
     return image;
   }
 
  private:
+  [[nodiscard]] std::uint32_t item_at(int x, int y) const {
+    const DepthBuffer& depth = items_.depth;
+    if (x < 0 || y < 0 || x >= depth.width || y >= depth.height) return no_item;
+    return items_
+        .items[static_cast<std::size_t>(y) * static_cast<std::size_t>(depth.width) + static_cast<std::size_t>(x)];
+  }
+
+  // At a contour a front face and the back face behind it meet, and rounding can make the back face the nearer one, in
+  // single pixels. Those are shaded as the front face beside them that has the most corners in common with the back
+  // face; everything else as what owns it.
+  [[nodiscard]] std::uint32_t shown_item(std::uint32_t item, int x, int y) {
+    if (appearance(item).faces_viewer || !is_single(item, x, y)) return item;
+    const ItemTable::Owner owner = table_.owner(item);
+    std::uint32_t shown = item;
+    int most_shared = 0;
+    for (int i = 0; i < 9; ++i) {
+      const std::uint32_t other = item_at(x + i % 3 - 1, y + i / 3 - 1);
+      if (other == no_item || table_.owner(other).object != owner.object) continue;
+      const int shared = shared_corners(*table_.owner(other).triangle, *owner.triangle);
+      if (shared <= most_shared || !appearance(other).faces_viewer) continue;
+      shown = other;
+      most_shared = shared;
+    }
+    return shown;
+  }
+
+  // None of the four pixels beside it has the same owner.
+  [[nodiscard]] bool is_single(std::uint32_t item, int x, int y) const {
+    return item_at(x - 1, y) != item && item_at(x + 1, y) != item && item_at(x, y - 1) != item &&
+           item_at(x, y + 1) != item;
+  }
+
   glm::vec3 surface(std::uint32_t item, int x, int y) {
     const Appearance& a = appearance(item);
     const glm::dvec2 pixel(x + 0.5, y + 0.5);
