@@ -61,9 +61,11 @@ VertexBuffers::VertexBuffers(const gl::Functions& gl, const ViewMesh& mesh)
       positions_(gl),
       normals_(gl),
       colors_(gl),
+      creases_(gl),
       has_colors_(!mesh.hierarchy->data().colors.empty()) {
   store(gl, positions_, mesh.hierarchy->positions(), GL_STATIC_DRAW);
   store(gl, normals_, std::span<const glm::vec3>(mesh.normals), GL_STATIC_DRAW);
+  store(gl, creases_, std::span<const std::uint8_t>(mesh.creases), GL_STATIC_DRAW);
   if (has_colors_) store(gl, colors_, mesh.hierarchy->data().colors, GL_STATIC_DRAW);
   gl.BindVertexArray(array_.id());
   describe(positions_);
@@ -72,6 +74,7 @@ VertexBuffers::VertexBuffers(const gl::Functions& gl, const ViewMesh& mesh)
 void VertexBuffers::describe(const gl::Buffer& positions) const {
   attribute(*gl_, positions, 0, 3, GL_FLOAT);
   attribute(*gl_, normals_, 1, 3, GL_FLOAT);
+  attribute(*gl_, creases_, 3, 1, GL_UNSIGNED_BYTE);
   if (has_colors_) attribute(*gl_, colors_, 2, 4, GL_UNSIGNED_BYTE);
 }
 

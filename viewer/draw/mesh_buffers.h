@@ -25,6 +25,7 @@ class VertexBuffers {
   gl::Buffer positions_;
   gl::Buffer normals_;
   gl::Buffer colors_;
+  gl::Buffer creases_;
   bool has_colors_;
 };
 

@@ -10,14 +10,20 @@ constexpr const char* vertex_shader = R"(#version 330 core
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
 layout(location = 2) in vec4 color;
+layout(location = 3) in float crease;
 uniform mat4 object_to_clip;
 uniform mat4 object_to_eye;
 uniform mat3 normal_to_eye;
-out VertexOut { vec3 position; vec3 normal; vec3 color; } vertex;
+uniform float crease_limit;
+out VertexOut { vec3 position; vec3 normal; vec3 color; float smooth_share; } vertex;
 void main() {
   gl_Position = object_to_clip * vec4(position, 1.0);
   vertex.position = vec3(object_to_eye * vec4(position, 1.0));
-  vertex.normal = normal_to_eye * normal;
+  // On a crease a vertex has no normal: its corners take that of their triangle.
+  vec3 in_eye_space = normal_to_eye * normal;
+  bool has_normal = crease <= crease_limit && dot(in_eye_space, in_eye_space) > 0.0;
+  vertex.normal = has_normal ? normalize(in_eye_space) : vec3(0.0);
+  vertex.smooth_share = has_normal ? 1.0 : 0.0;
   vertex.color = color.rgb;
 }
 )";
@@ -25,8 +31,8 @@ void main() {
 constexpr const char* geometry_shader = R"(#version 330 core
 layout(triangles) in;
 layout(triangle_strip, max_vertices = 3) out;
-in VertexOut { vec3 position; vec3 normal; vec3 color; } corners[];
-out VertexOut { vec3 position; vec3 normal; vec3 color; } vertex;
+in VertexOut { vec3 position; vec3 normal; vec3 color; float smooth_share; } corners[];
+out VertexOut { vec3 position; vec3 normal; vec3 color; float smooth_share; } vertex;
 out vec3 barycentric;
 void main() {
   for (int i = 0; i < 3; ++i) {
@@ -35,6 +41,7 @@ void main() {
     vertex.position = corners[i].position;
     vertex.normal = corners[i].normal;
     vertex.color = corners[i].color;
+    vertex.smooth_share = corners[i].smooth_share;
     barycentric = vec3(i == 0, i == 1, i == 2);
     EmitVertex();
   }
@@ -44,7 +51,7 @@ void main() {
 
 // Lights and line widths as in src/picture/shade.cpp.
 constexpr const char* fragment_shader = R"(
-in VertexOut { vec3 position; vec3 normal; vec3 color; } vertex;
+in VertexOut { vec3 position; vec3 normal; vec3 color; float smooth_share; } vertex;
 uniform int color_mode;
 uniform bool flat_shading;
 uniform bool dim_back_faces;
@@ -69,11 +76,23 @@ vec3 light_on(vec3 normal, vec3 to_eye) {
   return 0.12 * head + 0.98 * key * vec3(1.0, 0.94, 0.84) + mix(vec3(0.045, 0.036, 0.034), vec3(0.12, 0.15, 0.20), sky);
 }
 
+// Of the triangle, towards the eye.
+vec3 face_normal(vec3 to_eye) {
+  vec3 normal = cross(dFdx(vertex.position), dFdy(vertex.position));
+  normal = dot(normal, normal) > 0.0 ? normalize(normal) : to_eye;
+  return dot(normal, to_eye) < 0.0 ? -normal : normal;
+}
+
+// Between the normals of the corners, where those that have none have the triangle's.
+vec3 shading_normal(vec3 to_eye) {
+  vec3 normal = gl_FrontFacing ? vertex.normal : -vertex.normal;
+  normal += (1.0 - vertex.smooth_share) * face_normal(to_eye);
+  return dot(normal, normal) > 0.0 ? normalize(normal) : to_eye;
+}
+
 void main() {
   vec3 to_eye = orthographic ? vec3(0.0, 0.0, 1.0) : normalize(-vertex.position);
-  vec3 normal = flat_shading ? cross(dFdx(vertex.position), dFdy(vertex.position)) : vertex.normal;
-  normal = dot(normal, normal) > 0.0 ? normalize(normal) : to_eye;
-  if (flat_shading ? dot(normal, to_eye) < 0.0 : !gl_FrontFacing) normal = -normal;
+  vec3 normal = flat_shading ? face_normal(to_eye) : shading_normal(to_eye);
   vec3 color = surface_color() * light_on(normal, to_eye);
   // Colours that tell something must be told apart in the dark too.
   if (color_mode == 2) color = mix(color, surface_color(), 0.35);
@@ -121,6 +140,7 @@ MeshProgram::MeshProgram(const gl::Functions& gl, bool wire)
       object_to_eye_(program_.uniform("object_to_eye")),
       normal_to_eye_(program_.uniform("normal_to_eye")),
       color_(program_.uniform("color_mode")),
+      crease_limit_(program_.uniform("crease_limit")),
       flat_(program_.uniform("flat_shading")),
       dim_(program_.uniform("dim_back_faces")),
       orthographic_(program_.uniform("orthographic")) {}
@@ -131,6 +151,7 @@ void MeshProgram::use(const Uniforms& uniforms) const {
   gl_->UniformMatrix4fv(object_to_eye_, 1, GL_FALSE, glm::value_ptr(uniforms.object_to_eye));
   gl_->UniformMatrix3fv(normal_to_eye_, 1, GL_FALSE, glm::value_ptr(uniforms.normal_to_eye));
   gl_->Uniform1i(color_, static_cast<GLint>(uniforms.color));
+  gl_->Uniform1f(crease_limit_, uniforms.crease_limit);
   gl_->Uniform1i(flat_, uniforms.flat ? 1 : 0);
   gl_->Uniform1i(dim_, uniforms.dim_back_faces ? 1 : 0);
   gl_->Uniform1i(orthographic_, uniforms.orthographic ? 1 : 0);

@@ -8,7 +8,8 @@
 
 namespace occlod::viewer {
 
-// Attributes: 0 position, 1 normal, 2 colour (sRGB). Lit like the pictures of occlod::shade, as seen by the eye.
+// Attributes: 0 position, 1 normal, 2 colour (sRGB), 3 crease, see find_creases(). Lit like the pictures of
+// occlod::shade, as seen by the eye.
 class MeshProgram {
  public:
   // `wire`: with lines along edges, which takes a geometry shader.
@@ -20,6 +21,7 @@ class MeshProgram {
     glm::mat4 object_to_eye{1.0F};
     glm::mat3 normal_to_eye{1.0F};
     Color color = Color::plain;
+    float crease_limit = 1.0F;  // vertices on sharper creases have no normal; 1 = 180 degrees
     bool flat = false;
     bool dim_back_faces = false;
     bool orthographic = false;
@@ -32,7 +34,7 @@ class MeshProgram {
  private:
   const gl::Functions* gl_;
   gl::Program program_;
-  GLint object_to_clip_, object_to_eye_, normal_to_eye_, color_, flat_, dim_, orthographic_;
+  GLint object_to_clip_, object_to_eye_, normal_to_eye_, color_, crease_limit_, flat_, dim_, orthographic_;
 };
 
 // A vertical gradient over the whole target.

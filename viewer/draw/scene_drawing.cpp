@@ -94,6 +94,7 @@ void SceneDrawing::draw_object(const PlacedObject& object, const Drawn& drawn, c
   uniforms.object_to_clip = object_view.object_to_clip();
   uniforms.object_to_eye = glm::mat4(object_to_eye);
   uniforms.normal_to_eye = glm::mat3(glm::transpose(glm::inverse(glm::dmat3(object_to_eye))));
+  uniforms.crease_limit = static_cast<float>(look.crease_deg / 180.0);
   uniforms.flat = look.shading == Shading::flat;
   uniforms.dim_back_faces = !object.two_sided;
   uniforms.orthographic = view.is_orthographic();
@@ -102,16 +103,20 @@ void SceneDrawing::draw_object(const PlacedObject& object, const Drawn& drawn, c
   else if (look.color_by == ColorBy::vertices && vertices.has_colors())
     uniforms.color = MeshProgram::Color::vertices;
   (look.wire ? wire_ : plain_).use(uniforms);
-  gl_->FrontFace(object_view.mirrored() ? GL_CW : GL_CCW);
-  if (look.back_faces || object.two_sided) {
-    gl_->Disable(GL_CULL_FACE);
-  } else {
-    gl_->Enable(GL_CULL_FACE);
-    gl_->CullFace(GL_BACK);
-  }
   drawn.morphs ? drawn.morphs->bind() : vertices.bind();
   colors.bind();
+  gl_->FrontFace(object_view.mirrored() ? GL_CW : GL_CCW);
+  gl_->Enable(GL_CULL_FACE);
+  gl_->CullFace(GL_BACK);
   drawn.triangles.draw();
+  if (!look.back_faces && !object.two_sided) return;
+  // At a contour the back face behind it is as near as the front face, but for rounding: it is drawn second, a little
+  // farther away.
+  gl_->CullFace(GL_FRONT);
+  gl_->Enable(GL_POLYGON_OFFSET_FILL);
+  gl_->PolygonOffset(1.0F, 1.0F);
+  drawn.triangles.draw();
+  gl_->Disable(GL_POLYGON_OFFSET_FILL);
 }
 
 }  // namespace occlod::viewer

@@ -6,34 +6,42 @@ namespace occlod::viewer {
 std::span<const Setting> look_settings() {
   static const std::vector<Setting> settings = {
       choice(
-          {"shading", "Shading", "smooth: vertex normals; flat: one for each triangle"}, {"smooth", "flat"},
-          [](auto& s) -> auto& { return s.look.shading; }),
+          {"shading", "Shading",
+           "smooth: interpolated vertex normals, except at creases; flat: one normal per triangle"},
+          {"smooth", "flat"}, [](auto& s) -> auto& { return s.look.shading; }),
+      number(
+          {"crease_angle", "Crease angle",
+           "Smooth shading keeps edges of the full mesh sharp where its faces meet at more than this angle"},
+          {0.0, 180.0, false, "degrees"}, [](auto& s) -> auto& { return s.look.crease_deg; }),
       choice(
-          {"color_by", "Colour by", "What a triangle's colour tells"},
+          {"color_by", "Colour by", "What the colour of a triangle stands for"},
           {"plain", "vertices", "level", "error", "visibility", "outcome", "age"},
           [](auto& s) -> auto& { return s.look.color_by; }),
       toggle(
-          {"wire", "Wire", "Lines along the edges of triangles"}, [](auto& s) -> auto& { return s.look.wire; }),
+          {"wire", "Wireframe", "Draw the edges of triangles"}, [](auto& s) -> auto& { return s.look.wire; }),
       toggle(
-          {"back_faces", "Back faces", "Draw them, darker"}, [](auto& s) -> auto& { return s.look.back_faces; }),
+          {"back_faces", "Back faces", "Draw back faces, darker, instead of culling them"},
+          [](auto& s) -> auto& { return s.look.back_faces; }),
       toggle(
-          {"antialias", "Smooth edges", "Four samples a pixel"}, [](auto& s) -> auto& { return s.look.antialias; }),
+          {"antialias", "Antialiasing", "Multisampling, four samples per pixel"},
+          [](auto& s) -> auto& { return s.look.antialias; }),
       toggle(
-          {"legend", "Legend", "What the colours mean"}, [](auto& s) -> auto& { return s.window.legend; }),
+          {"legend", "Legend", "Explain the colours in the view"}, [](auto& s) -> auto& { return s.window.legend; }),
       toggle(
-          {"bounds", "Picked: bounds", "Of the picked split: the proxy that is asked about, sphere, box or cylinder"},
+          {"bounds", "Picked: bounds", "Show the bounding volume of the picked split that occlusion queries test"},
           [](auto& s) -> auto& { return s.look.bounds; }),
       toggle(
-          {"cone", "Picked: normals", "Of the picked split: the cone that holds the normals of all faces below it"},
+          {"cone", "Picked: normals", "Show the normal cone of the picked split: the normals of all faces below it"},
           [](auto& s) -> auto& { return s.look.cone; }),
       not_kept(toggle(
-          {"birdseye", "Bird's-eye inset", "From above, with the frustum that is refined for"},
+          {"birdseye", "Bird's-eye inset", "Show the scene from above, with the view frustum of the refinement"},
           [](auto& s) -> auto& { return s.insets.birdseye; })),
       not_kept(toggle(
-          {"occluder", "Occluder inset", "The depth that hid what is hidden"},
+          {"occluder", "Occluder inset", "Show the depth of the last occluder"},
           [](auto& s) -> auto& { return s.insets.occluder; })),
       not_kept(integer(
-          {"pyramid_level", "Pyramid level", "Of the occluder's depth: each holds the farthest of 2x2"},
+          {"pyramid_level", "Pyramid level",
+           "Level of the occluder's depth pyramid; each texel holds the farthest of 2x2 of the level below"},
           {0, 15, false, ""}, [](auto& s) -> auto& { return s.insets.pyramid_level; })),
   };
   return settings;

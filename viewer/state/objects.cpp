@@ -12,15 +12,15 @@
 #include <glm/vector_relational.hpp>
 #include <limits>
 
+#include "creases.h"
 #include "occlod/hierarchy/cut_mesh.h"
 
 namespace occlod::viewer {
 namespace {
 
-std::vector<glm::vec3> normals_of_full_mesh(const Hierarchy& hierarchy) {
-  const std::span<const glm::vec3> positions = hierarchy.positions();
+std::vector<glm::vec3> vertex_normals(std::span<const glm::vec3> positions, std::span<const Triangle> triangles) {
   std::vector<glm::vec3> normals(positions.size(), glm::vec3(0.0F));
-  for (const Triangle& t : triangles_of(hierarchy, full_cut(hierarchy))) {
+  for (const Triangle& t : triangles) {
     const glm::vec3 weighted = glm::cross(positions[t.y] - positions[t.x], positions[t.z] - positions[t.x]);
     for (int k = 0; k < 3; ++k) normals[t[k]] += weighted;
   }
@@ -53,8 +53,11 @@ glm::dvec3 angles_of(const glm::dmat3& m) {
 std::shared_ptr<const ViewMesh> make_view_mesh(std::shared_ptr<const Hierarchy> hierarchy) {
   hierarchy->require_all();
   auto mesh = std::make_shared<ViewMesh>();
+  const std::vector<Triangle> triangles = triangles_of(*hierarchy, full_cut(*hierarchy));
   const std::span<const glm::vec3> own = hierarchy->data().normals;
-  mesh->normals = own.empty() ? normals_of_full_mesh(*hierarchy) : std::vector<glm::vec3>(own.begin(), own.end());
+  mesh->normals =
+      own.empty() ? vertex_normals(hierarchy->positions(), triangles) : std::vector<glm::vec3>(own.begin(), own.end());
+  mesh->creases = find_creases(hierarchy->positions(), triangles);
   const Box& box = hierarchy->box();
   mesh->sphere.center = 0.5F * box.min + 0.5F * box.max;
   for (const glm::vec3& p : hierarchy->positions())

@@ -18,6 +18,7 @@ namespace occlod::viewer {
 struct ViewMesh {
   std::shared_ptr<const Hierarchy> hierarchy;
   std::vector<glm::vec3> normals;     // by vertex: the file's own, else of the full mesh
+  std::vector<std::uint8_t> creases;  // by vertex: see find_creases()
   std::vector<std::uint16_t> levels;  // by split: how deep it stands in the forest
   int level_count = 0;
   Sphere sphere;  // around all vertices and the middle of their box

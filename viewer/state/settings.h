@@ -26,6 +26,7 @@ enum class Steering { orbit, fly, walk };
 
 struct LookSettings {
   Shading shading = Shading::smooth;
+  double crease_deg = 40.0;  // smooth shading stops at edges that are sharper
   ColorBy color_by = ColorBy::plain;
   bool wire = false;
   bool bounds = true;      // of the picked split: its sphere or box or cylinder
