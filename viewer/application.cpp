@@ -26,6 +26,10 @@ using Clock = std::chrono::steady_clock;
 // Pictures that are drawn after something has happened, before the window sleeps.
 constexpr int restless_pictures = 4;
 constexpr double idle_s = 0.5;
+// Dear ImGui lays out windows and tables by the sizes that their contents had in the pictures before.
+constexpr int layout_pictures = 4;
+// A window system may refuse a size without saying so.
+constexpr double longest_resize_s = 1.0;
 // How long a picture waits for its mesh: small budgets never show one that is out of date, large ones do not stall.
 constexpr double patience_ms = 25.0;
 
@@ -107,6 +111,9 @@ Application::Application(const ApplicationOptions& options) : options_(options) 
   std::optional<Calibration> calibration;
   if (!options.calibration.empty()) calibration = read_calibration(options.calibration);
   session_ = std::make_unique<Session>(make_visibility, options.use_cache, std::move(calibration));
+  if (options.script) session_->files().add_input(*options.script, "the script");
+  if (!options.calibration.empty()) session_->files().add_input(options.calibration, "the calibration");
+  if (!options.settings_file.empty()) session_->files().add_input(options.settings_file, "the settings file");
   read_remembered();
   window_ = std::make_unique<Window>(WindowOptions{options.size.value_or(remembered_.size), options.debug_gl});
   // The window's own driver has started by now. Contexts of occlusion backends are made by another thread, which must
@@ -131,13 +138,14 @@ void Application::read_remembered() {
   if (options_.settings_file.empty()) return;
   try {
     remembers_ = read_settings(options_.settings_file, *session_, remembered_);
+    writes_settings_ = true;
   } catch (const Error& error) {
-    session_->notify(error.what(), true);
+    session_->notify(fmt::format("{}; settings of this run are not saved", error.what()), true);
   }
 }
 
 Application::~Application() {
-  if (options_.settings_file.empty()) return;
+  if (!writes_settings_) return;
   try {
     remembered_.size = window_->size();
     write_settings(options_.settings_file, session_->state(), remembered_);
@@ -156,7 +164,8 @@ double Application::wait_s() const {
   const State& state = session_->state();
   if (input_.is_busy() || calm_pictures_ < restless_pictures) return 0.0;
   if (session_->loader().busy()) return 0.03;
-  const bool goes_on = script_ || !state.playback.path.empty() || !state.recording.path.empty() || !session_->settled();
+  const bool goes_on = script_ || !state.captures.empty() || !state.playback.path.empty() ||
+                       !state.recording.path.empty() || !session_->settled();
   return goes_on ? 0.0 : idle_s;
 }
 
@@ -171,7 +180,7 @@ bool Application::step() {
   last_time_ = now;
 
   State& state = session_->state();
-  if (state.wanted_window) window_->resize(*std::exchange(state.wanted_window, std::nullopt));
+  resize_window();
   const ImageSize size = window_->size();
   const ImageSize pixels = window_->picture_size();
   if (pixels.width == 0 || pixels.height == 0) return !window_->wants_to_close();  // minimised
@@ -197,6 +206,17 @@ bool Application::step() {
   const auto report = [](const nlohmann::json& figures) { fmt::print("{}\n", figures.dump()); };
   if (script_ && !script_->step(*session_, report)) return false;
   return !window_->wants_to_close() && !state.wants_quit;
+}
+
+void Application::resize_window() {
+  State& state = session_->state();
+  if (state.wanted_window) {
+    resizing_ = {*std::exchange(state.wanted_window, std::nullopt), glfwGetTime() + longest_resize_s};
+    window_->resize(resizing_->size);
+  }
+  if (!resizing_) return;
+  const ImageSize size = window_->size();
+  if (size == resizing_->size || glfwGetTime() > resizing_->until) resizing_.reset();
 }
 
 void Application::tell_complaints() {
@@ -261,13 +281,26 @@ Image Application::picture() const {
   return session_->state().settings.compare ? side_by_side(left, drawings_->sides[1]->read()) : left;
 }
 
+bool Application::is_laid_out(const ImageSize& pixels) {
+  const PanelsOf panels{pixels, panels_->scale};
+  laid_out_pictures_ = panels == laid_out_for_ ? laid_out_pictures_ + 1 : 1;
+  laid_out_for_ = panels;
+  return laid_out_pictures_ >= layout_pictures;
+}
+
 // Of what has just been drawn, when that is what the state asks for.
 void Application::take_captures() {
   State& state = session_->state();
   const auto& frame = session_->frame();
   const bool is_current = session_->settled() || (!state.playback.path.empty() && frame && session_->is_current());
-  if (state.captures.empty() || !is_current) return;
+  if (state.captures.empty() || !is_current || resizing_) {
+    laid_out_pictures_ = 0;
+    return;
+  }
   const ImageSize pixels = window_->picture_size();
+  const bool with_panels =
+      std::any_of(state.captures.begin(), state.captures.end(), [](const Capture& c) { return c.panels; });
+  if (with_panels && !is_laid_out(pixels)) return;
   for (; !state.captures.empty(); state.captures.pop_front()) {
     const Capture& capture = state.captures.front();
     try {

@@ -51,6 +51,9 @@ class Application {
   void read_remembered();
   void draw_pictures(const Layout& layout);
   void draw_insets();
+  void resize_window();
+  // Nothing that moves panels has happened for some pictures.
+  [[nodiscard]] bool is_laid_out(const ImageSize& pixels);
   void take_captures();
   void tell_complaints();
   [[nodiscard]] Image picture() const;
@@ -59,7 +62,8 @@ class Application {
 
   ApplicationOptions options_;
   RememberedWindow remembered_;
-  bool remembers_ = false;  // there was a settings file
+  bool remembers_ = false;        // there was a settings file
+  bool writes_settings_ = false;  // at the end
   std::unique_ptr<Window> window_;
   std::unique_ptr<Session> session_;
   std::unique_ptr<Gui> gui_;
@@ -69,6 +73,18 @@ class Application {
   std::optional<Script> script_;
   double last_time_ = 0.0;
   int calm_pictures_ = 0;  // drawn since something last happened
+  struct Resizing {
+    ImageSize size;
+    double until = 0.0;  // when the window system has had its time
+  };
+  std::optional<Resizing> resizing_;  // until the window has the size that was asked for
+  struct PanelsOf {
+    ImageSize pixels;
+    float scale = 0.0F;
+    friend bool operator==(const PanelsOf&, const PanelsOf&) = default;
+  };
+  PanelsOf laid_out_for_;
+  int laid_out_pictures_ = 0;  // drawn alike while a picture with panels waits
 };
 
 }  // namespace occlod::viewer

@@ -2,16 +2,22 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <charconv>
+#include <cstdio>
 #include <exception>
+#include <sstream>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "application.h"
 #include "command.h"
 #include "file_faults.h"
 #include "occlod/core/version.h"
+#include "session_files.h"
 #include "setting_table.h"
 #include "settings_file.h"
+#include "standard_streams.h"
 
 namespace occlod::viewer {
 namespace {
@@ -19,7 +25,9 @@ namespace {
 constexpr int exit_failed = 1;
 constexpr int exit_wrong_use = 2;
 
-void print_error(const std::string& line) { fmt::print(stderr, "occlod-view: error: {}\n", line); }
+void print_error(const std::string& line) {
+  tool::write_to_standard_error(fmt::format("occlod-view: error: {}\n", line));
+}
 
 std::string values_of(const Setting& setting) {
   switch (setting.kind) {
@@ -44,14 +52,14 @@ void print_actions() {
   for (const Command* command : all_commands()) {
     fmt::print("  {:<18}{}\n", command->name, command->help);
     for (const Parameter& parameter : command->parameters)
-      fmt::print("      {:<14}{}{}\n", parameter.name, parameter.what, parameter.required ? "" : "; may be left out");
+      fmt::print("      {:<14}{}{}\n", parameter.name, parameter.what, parameter.required ? "" : " (optional)");
   }
   fmt::print(
-      "\nOf scripts alone:\n"
-      "  wait              \"for\": refinement, path, or pictures with \"count\"\n"
-      "  expect            \"figure\" is \"at_least\", \"at_most\"\n"
-      "  repeat            \"actions\", so many \"times\" or \"seconds\"\n"
-      "  report            one line of JSON with all figures\n\nSettings, for set and flip:\n");
+      "\nIn scripts only:\n"
+      "  wait              until \"for\" is done: refinement, path, or pictures with a \"count\"\n"
+      "  expect            fail unless the \"figure\" is \"at_least\" and \"at_most\" these numbers\n"
+      "  repeat            the \"actions\" so many \"times\", or for so many \"seconds\"\n"
+      "  report            print all figures as one line of JSON\n\nSettings, for set and flip:\n");
   for (const Setting* setting : all_settings())
     fmt::print("  {:<18}{}; {}\n", setting->name, setting->help, values_of(*setting));
 }
@@ -66,18 +74,49 @@ struct Arguments {
 };
 
 void add_options(CLI::App& app, Arguments& arguments) {
+  const CLI::Validator named([](const std::string& name) { return std::string(name.empty() ? "is empty" : ""); }, "",
+                             "");
   app.set_version_flag("--version", version());
-  app.add_option("files", arguments.application.files, "Meshes, hierarchies (.olod) and scenes (.json)");
-  app.add_option("--script", arguments.script, "Perform the actions of this file, then end: 0, or 1 when one failed");
-  app.add_flag("--actions", arguments.actions, "List everything that a script can do");
-  app.add_option("--size", arguments.size, "WxH of the window, in pixels");
+  app.add_option("files", arguments.application.files, "Meshes, hierarchies (.olod) and scenes (.json)")->check(named);
+  app.add_option("--script", arguments.script,
+                 "Perform the actions of this file, then exit with 0, or with 1 if one failed")
+      ->check(named);
+  app.add_flag("--actions", arguments.actions, "List every command and setting that a script can use");
+  app.add_option("--size", arguments.size, "Size of the window in pixels, as WxH")->check(named);
   app.add_option("--settings", arguments.settings_file,
-                 "File that remembers settings; default: view.json in the user's config folder, none for scripts");
-  app.add_option(
-      "--calibration", arguments.application.calibration,
-      "For auto: what this machine's parts of a frame cost, from a file of occlod render; default: measured");
-  app.add_flag("--no-cache", arguments.no_cache, "Build hierarchies anew and keep none");
-  app.add_flag("--debug-gl", arguments.application.debug_gl, "Treat what the OpenGL driver complains about as errors");
+                 "File that keeps the settings; default: view.json in the user's config folder, none for scripts")
+      ->check(named);
+  app.add_option("--calibration", arguments.application.calibration,
+                 "For occlusion auto: this machine's costs, from `occlod render --save-calibration`; default: measured")
+      ->check(named);
+  app.add_flag("--no-cache", arguments.no_cache, "Build hierarchies again instead of taking them from the cache");
+  app.add_flag("--debug-gl", arguments.application.debug_gl, "Treat messages of the OpenGL driver as errors");
+}
+
+// "1440x900". No sign, no space, nothing after it.
+ImageSize parse_size(const std::string& text) {
+  ImageSize size;
+  const char* const end = text.data() + text.size();
+  const auto width = std::from_chars(text.data(), end, size.width);
+  const bool has_height = width.ec == std::errc() && width.ptr != end && *width.ptr == 'x';
+  const auto height = has_height ? std::from_chars(width.ptr + 1, end, size.height) : width;
+  if (!has_height || height.ec != std::errc() || height.ptr != end || !is_window_size(size))
+    throw CLI::ValidationError("--size",
+                               fmt::format("\"{}\" is not WxH between {}x{} and {}x{}", text, least_window.width,
+                                           least_window.height, most_window.width, most_window.height));
+  return size;
+}
+
+// It is written at the end.
+void check_settings_file(const ApplicationOptions& options) {
+  if (options.settings_file.empty()) return;
+  std::vector<std::filesystem::path> inputs = options.files;
+  if (options.script) inputs.push_back(*options.script);
+  if (!options.calibration.empty()) inputs.push_back(options.calibration);
+  for (const std::filesystem::path& input : inputs)
+    if (is_same_file(input, options.settings_file))
+      throw CLI::ValidationError(
+          "--settings", options.settings_file.string() + " would be overwritten, but is opened too; name another file");
 }
 
 void finish(Arguments& arguments) {
@@ -87,43 +126,55 @@ void finish(Arguments& arguments) {
                           : options.script                 ? std::filesystem::path()
                                                            : default_settings_file();
   options.use_cache = !arguments.no_cache;
-  if (arguments.size.empty()) return;
-  ImageSize size;
-  int used = 0;
-  if (std::sscanf(arguments.size.c_str(), "%dx%d%n", &size.width, &size.height, &used) != 2 ||
-      used != static_cast<int>(arguments.size.size()) || size.width < 320 || size.height < 240)
-    throw CLI::ValidationError("--size", "is WxH, at least 320x240");
-  options.size = size;
+  if (!arguments.size.empty()) options.size = parse_size(arguments.size);
+  check_settings_file(options);
+}
+
+void parse_and_run(CLI::App& app, Arguments& arguments, int argc, char** argv) {
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& call) {  // also --help and --version
+    if (call.get_exit_code() != 0) throw;
+    std::ostringstream text;
+    app.exit(call, text);
+    fmt::print("{}", text.str());
+    return;
+  }
+  finish(arguments);
+  if (arguments.actions)
+    print_actions();
+  else
+    Application(arguments.application).run();
 }
 
 int run(int argc, char** argv) {
-  CLI::App app("Looks at meshes, refined continuously inside a triangle budget and controlled by occlusion.",
-               "occlod-view");
-  app.footer("F1 shows keys and mouse. Without a display: occlod render.");
+  CLI::App app(
+      "Shows meshes with view-dependent level of detail: a triangle budget, spent where occlusion culling lets it be "
+      "seen.",
+      "occlod-view");
+  app.footer("F1 lists keys and mouse actions. `occlod render` works without a display.");
   Arguments arguments;
   add_options(app, arguments);
   try {
-    app.parse(argc, argv);
-    finish(arguments);
-    if (arguments.actions)
-      print_actions();
-    else
-      Application(arguments.application).run();
+    parse_and_run(app, arguments, argc, argv);
+    tool::flush_standard_output();
+    return 0;
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);
     print_error(fmt::format("{}; see occlod-view --help", error.what()));
     return exit_wrong_use;
+  } catch (const std::system_error& error) {
+    print_error(std::ferror(stdout) != 0 ? tool::output_error(error.code()).what() : error.what());
   } catch (const std::exception& error) {
     print_error(error.what());
-    return exit_failed;
   }
-  return 0;
+  return exit_failed;
 }
 
 }  // namespace
 }  // namespace occlod::viewer
 
 int main(int argc, char** argv) {
+  occlod::tool::reserve_standard_streams();
   occlod::tool::handle_file_faults("occlod-view");
   return occlod::viewer::run(argc, argv);
 }

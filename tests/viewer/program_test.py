@@ -38,10 +38,36 @@ class CommandLine(unittest.TestCase):
         self.assertEqual(result.stderr.count("\n"), 1)
 
     def test_wrong_use(self):
-        for arguments in [("--nonsense",), ("--size", "big"), ("--size", "10x10")]:
-            result = view(*arguments)
+        sizes = ["big", "10x10", "640", "640x", "640x480x2", "640x480 ", "+640x480", "-640x480", "nanx480", "640xinf", "1e3x800", "9000x900",
+                 "99999999999999999999x480", ""]
+        for arguments in [("--nonsense",), ("--script", ""), ("--settings", ""), ("--calibration", ""), ("",), *(("--size", size) for size in sizes)]:
+            result = view(*arguments, environment={})
             self.assertEqual(result.returncode, 2, arguments)
             self.assertIn("--help", result.stderr)
+            self.assertEqual(result.stderr.count("\n"), 1, result.stderr)
+
+    def test_settings_file_that_is_opened_too(self):
+        with tempfile.TemporaryDirectory() as folder:
+            scene, link = pathlib.Path(folder, "scene.json"), pathlib.Path(folder, "link.json")
+            scene.write_text(json.dumps(PLANET))
+            link.symlink_to(scene)
+            for arguments in [(str(scene),), ("--script", str(scene)), ("--calibration", str(scene))]:
+                result = view(*arguments, "--settings", str(link), environment={})
+                self.assertEqual((result.returncode, result.stderr.count("\n")), (2, 1), result.stderr)
+                self.assertIn("link.json would be overwritten", result.stderr)
+            self.assertEqual(json.loads(scene.read_text()), PLANET)
+
+    def test_standard_streams_that_are_closed_or_full(self):
+        """Messages are lost, and the exit code is as ever. What was asked for and cannot be printed is a failure."""
+        for redirection in ("2>&-", "2>/dev/full", "2>&- >&-", "2>/dev/full >/dev/full"):
+            for code, arguments in [(2, "--nonsense"), (1, "--script nowhere.json"), (1, "--settings /nonexistent/view.json")]:
+                done = subprocess.run(f'"$VIEW" {arguments} {redirection}', shell=True, env={"VIEW": VIEW}, check=False, timeout=300)
+                self.assertEqual(done.returncode, code, (arguments, redirection))
+        for option in ("--help", "--version", "--actions"):
+            for redirection in (">&-", ">/dev/full"):
+                done = subprocess.run(f'"$VIEW" {option} {redirection}', shell=True, env={"VIEW": VIEW}, capture_output=True, text=True, check=False)
+                self.assertEqual((done.returncode, done.stderr.count("\n")), (1, 1), done.stderr)
+                self.assertIn("standard output", done.stderr)
 
     def test_missing_script(self):
         result = view("--script", "nowhere.json")
@@ -170,7 +196,11 @@ class Script(unittest.TestCase):
                 ([{"do": "open", "file": "nowhere.ply"}], "/actions/0"),
                 ([{"do": "open", "file": str(self.path / "planet.json")}, {"do": "set", "setting": "budget", "value": 3}],
                  "/actions/1/value"),
-                ([{"do": "screenshot", "file": "/nonexistent/picture.png"}], "/actions/0")]:
+                ([{"do": "screenshot", "file": "/nonexistent/picture.png"}], "/actions/0"),
+                ([{"do": "export_csv", "file": "/nonexistent/numbers.csv"}], "/actions/0"),
+                ([{"do": "export_csv", "file": str(self.path / "script.json")}], "script.json is the script"),
+                ([{"do": "repeat", "seconds": 1e300, "actions": [{"do": "report"}]}], "/actions/0/seconds"),
+                ([{"do": "open", "file": str(self.path / "planet.json")}, {"do": "pan", "right": 1e308, "up": 0}], "/actions/1")]:
             result = self.run_script(actions)
             self.assertEqual(result.returncode, 1, result.stdout)
             self.assertIn(place, result.stderr)
@@ -250,6 +280,26 @@ class Script(unittest.TestCase):
         self.assertEqual((process.returncode, output, errors.count("\n")), (1, "", 1), errors)
         self.assertTrue(errors.startswith(f"occlod-view: error: {file}: was cut short"), errors)
         self.assertFalse(pictures[1].exists())
+
+    def test_closed_standard_error_gets_into_no_file(self):
+        """Its number must not go to the connection to the display, nor to a file: the picture is what it is."""
+        pictures = [self.path / "open.png", self.path / "closed.png"]
+        for picture, redirection in zip(pictures, ("", "2>&-")):
+            (self.path / "script.json").write_text(json.dumps({"actions": [
+                {"do": "open", "file": str(self.path / "planet.json")}, {"do": "screenshot", "file": str(picture)},
+                {"do": "open", "file": "nowhere.ply"}]}))
+            done = subprocess.run(f'"$VIEW" --size 320x240 --script "$SCRIPT" {redirection}', shell=True, capture_output=True, check=False, timeout=300,
+                                  env=dict(self.environment, VIEW=VIEW, SCRIPT=str(self.path / "script.json")))
+            self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertEqual(pictures[0].read_bytes(), pictures[1].read_bytes())
+
+    def test_settings_that_cannot_be_read_are_left_alone(self):
+        settings = self.path / "planet.json"
+        before = settings.read_bytes()
+        result = self.run_script([{"do": "report"}], "--settings", str(settings))
+        self.assertEqual((result.returncode, result.stderr.count("\n")), (1, 1), result.stderr)
+        self.assertIn("no settings file", result.stderr)
+        self.assertEqual(settings.read_bytes(), before)
 
     def test_settings_are_remembered(self):
         settings = self.path / "view.json"

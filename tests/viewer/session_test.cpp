@@ -336,6 +336,27 @@ TEST_F(SessionTest, MistakesBecomeNotices) {
   EXPECT_EQ(session_.state().camera.fov_y_deg, 45.0);
 }
 
+// Numbers that no image can be made with change nothing.
+TEST_F(SessionTest, NumbersOutOfRangeAreRefused) {
+  open();
+  const Camera before = session_.state().camera;
+  const glm::dmat4 place = session_.state().objects->at(0).object_to_world;
+  const std::uint64_t id = session_.state().objects->at(0).id;
+  for (const json& action :
+       {json{{"do", "pan"}, {"right", 1e308}, {"up", 1e308}}, json{{"do", "move"}, {"ahead", -1e308}, {"seconds", 1}},
+        json{{"do", "camera"}, {"eye", {1e308, 0, 0}}}, json{{"do", "zoom"}, {"factor", -1}},
+        json{{"do", "zoom"}, {"factor", 1e300}}, json{{"do", "window_size"}, {"width", 100'000}, {"height", 900}},
+        json{{"do", "picture_size"}, {"width", 100'000}, {"height", 900}},
+        json{{"do", "place"}, {"object", id}, {"position", {1e300, 0, 0}}},
+        json{{"do", "place"}, {"object", id}, {"scale", 1e300}}}) {
+    EXPECT_THROW(act(session_, action), Error) << action;
+    EXPECT_EQ(session_.state().camera, before) << action;
+    EXPECT_EQ(session_.state().objects->at(0).object_to_world, place) << action;
+  }
+  act(session_, {{"do", "orbit"}, {"right", 1e300}, {"up", 1e300}});  // an angle is an angle
+  EXPECT_TRUE(session_.frame());
+}
+
 // A backend that this machine does not have.
 TEST(SessionBackend, FailureIsToldAndCanBeLeft) {
   const test::Folder folder;

@@ -50,6 +50,61 @@ TEST_F(Window, EveryWayOfLookingIsAPictureOfItsOwn) {
   for (const Image& picture : pictures) EXPECT_NE(difference(picture, nothing), "");
 }
 
+// Nobody sees a back face of a closed mesh: drawn or culled, darker or not, the picture is the same to the pixel. At a
+// contour the back face behind it is as near as the front face, but for rounding.
+TEST_F(Window, BackFacesDoNotWinAtContours) {
+  nlohmann::json scene = planet_scene(8);
+  scene["objects"].push_back(scene["objects"][0]);
+  scene["objects"][1]["scale"] = -1;  // mirrored
+  start(scene);
+  set("antialias", false);
+  act({{"do", "picture_size"}, {"width", 800}, {"height", 600}});
+  act({{"do", "go_to"}, {"name", "far"}});
+  set("budget", 10'000);
+  for (std::size_t shown = 0; shown < 2; ++shown) {
+    const std::uint64_t id = session().state().objects->at(shown).id;
+    for (const PlacedObject& object : *session().state().objects)
+      session().perform(nlohmann::json{{"do", "show"}, {"object", object.id}, {"shown", object.id == id}});
+    for (int i = 0; i < 3; ++i) {
+      act({{"do", "orbit"}, {"right", 20}, {"up", 3}});
+      set("back_faces", false);
+      const Image culled = screenshot();
+      set("back_faces", true);
+      EXPECT_TRUE(screenshot().pixels == culled.pixels) << shown << " " << i;
+    }
+  }
+}
+
+// The faces of a box meet at 90 degrees: smooth shading is flat there, unless creases of 90 degrees are smooth. A ball
+// of 128 triangles bends by less than 40 degrees at each edge: it is smooth all over.
+TEST_F(Window, SmoothShadingStopsAtCreases) {
+  TriangleMesh box;
+  box.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0, 0, 1}, {1, 0, 1}, {0, 1, 1}, {1, 1, 1}};
+  box.triangles = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
+                   {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
+  write_mesh(folder_.path("box.ply"), box);
+  write_mesh(folder_.path("ball.ply"), generate_rough_planet({.level = 2, .amplitude = 0.0}));
+  start();
+  for (const char* name : {"box", "ball"}) {
+    act({{"do", "close_all"}});
+    act({{"do", "open"}, {"file", folder_.path(name + std::string(".ply")).string()}});
+    for (const bool mirrored : {false, true}) {
+      if (mirrored) act({{"do", "orbit"}, {"right", 180}, {"up", 60}});  // other sides
+      set("shading", "flat");
+      const Image flat = screenshot();
+      set("shading", "smooth");
+      EXPECT_EQ(difference(screenshot(), flat) == "", name == std::string("box")) << name;
+      const Image by_default = screenshot();
+      set("crease_angle", 180);
+      EXPECT_NE(difference(screenshot(), flat), "") << name;
+      EXPECT_EQ(difference(screenshot(), by_default) == "", name == std::string("ball")) << name;
+      set("crease_angle", 0);
+      EXPECT_EQ(difference(screenshot(), flat), "") << name;
+      set("crease_angle", 40);
+    }
+  }
+}
+
 TEST_F(Window, EveryWayOfLookingDrawsWithoutAComplaint) {
   start();
   for (const char* shading : {"smooth", "flat"})
@@ -269,6 +324,49 @@ TEST_F(Window, WindowPictureHasPanelsAndView) {
   const auto pixel = [&](int x, int y) { return window.pixels[static_cast<std::size_t>(y * window.width + x)]; };
   EXPECT_LT(pixel(5, 690).x, 60);   // the sidebar is dark
   EXPECT_GT(pixel(990, 5).x, 120);  // the sky is bright
+}
+
+// What does not change while the viewer is at rest: without the strip at the bottom, where times and memory stand, but
+// for the first column of its table, the names.
+std::vector<glm::u8vec4> lasting_pixels(const Image& window, const Area& strip) {
+  constexpr float names_width = 70.0F;
+  std::vector<glm::u8vec4> pixels;
+  for (int y = 0; y < window.height; ++y)
+    for (int x = 0; x < window.width; ++x)
+      if (!strip.holds({static_cast<float>(x) - names_width, static_cast<float>(y)}))
+        pixels.push_back(window.pixels[static_cast<std::size_t>(y * window.width + x)]);
+  return pixels;
+}
+
+// Dear ImGui needs some pictures for its layout: of a new scene, of another window size, of insets that have appeared.
+TEST_F(Window, FirstPictureWithPanelsIsLaidOut) {
+  start({{"objects", {{{"generator", "rough-planet"}, {"options", {{"level", 3}}}}}},
+         {"cameras", {{"default", {{"eye", {0, 0, 3}}, {"target", {0, 0, 0}}}}}}});
+  const auto expect_laid_out = [&](int width, int height) {
+    std::vector<std::vector<glm::u8vec4>> pictures;
+    for (int i = 0; i < 2; ++i) {
+      act({{"do", "screenshot"}, {"file", folder_.path("window.png").string()}, {"panels", true}});
+      const Image window = read_png(folder_.path("window.png"));
+      ASSERT_EQ(std::pair(window.width, window.height), std::pair(width, height));
+      const ImVec2 size(static_cast<float>(width), static_cast<float>(height));
+      pictures.push_back(lasting_pixels(window, lay_out(session(), size, 1.0F).graph));
+      draw(5);
+    }
+    EXPECT_TRUE(pictures[0] == pictures[1]) << width << "x" << height;
+  };
+  // Only performed: the screenshot is asked for before anything is drawn.
+  const auto perform = [&](const nlohmann::json& action) { session().perform(action); };
+  for (const char* inset : {"birdseye", "occluder"}) perform({{"do", "set"}, {"setting", inset}, {"value", true}});
+  perform({{"do", "set"}, {"setting", "color_by"}, {"value", "visibility"}});
+  expect_laid_out(1000, 700);
+  for (const auto& [width, height] : {std::pair(700, 500), std::pair(1200, 800)}) {
+    act({{"do", "close_all"}});
+    perform({{"do", "window_size"}, {"width", width}, {"height", height}});
+    perform({{"do", "open"}, {"file", folder_.write("other.json", planet_scene(4)).string()}});
+    expect_laid_out(width, height);
+    perform({{"do", "window_size"}, {"width", width + 100}, {"height", height + 60}});
+    expect_laid_out(width + 100, height + 60);
+  }
 }
 
 // A script's picture shows what there was when its turn came, not what the next action made of it.

@@ -7,8 +7,6 @@
 #include "arguments.h"
 #include "command.h"
 #include "navigation.h"
-#include "occlod/core/error.h"
-#include "occlod/view/view.h"
 #include "pick.h"
 #include "session.h"
 
@@ -16,16 +14,6 @@ namespace occlod::viewer {
 namespace {
 
 void fit(Session& session) { hold(session.state().camera, bounds_of(*session.state().objects)); }
-
-// A camera that makes an image.
-void set_camera(Session& session, const Camera& camera, const JsonPlace& action) {
-  try {
-    const View check(camera);
-  } catch (const Error& error) {
-    action.fail(error.diagnosis().place + " " + error.diagnosis().problem, error.diagnosis().mend);
-  }
-  session.state().camera = camera;
-}
 
 // Every field that is given; planes that are not given fit the scene.
 void camera(Session& session, const JsonPlace& action) {
@@ -44,7 +32,7 @@ void camera(Session& session, const JsonPlace& action) {
   if (!action.has("near") || !action.has("far")) fit_range(camera, bounds_of(*state.objects));
   camera.near = number_or(action, "near", camera.near);
   camera.far = number_or(action, "far", camera.far);
-  set_camera(session, camera, action);
+  state.camera = camera;
 }
 
 // Parallel rays or perspective; the other one where the action does not say.
@@ -56,7 +44,8 @@ void switch_orthographic(Session& session, const JsonPlace& action) {
 
 void picture_size(Session& session, const JsonPlace& action) {
   State& state = session.state();
-  if (action.has("width") != action.has("height")) action.fail("gives one of width and height", "give both or none");
+  if (action.has("width") != action.has("height"))
+    action.fail("has only one of width and height", "give both or neither");
   if (!action.has("width")) {
     state.fixed_size.reset();
     return;
@@ -108,11 +97,9 @@ void pan_camera(Session& session, const JsonPlace& action) {
 
 void zoom_camera(Session& session, const JsonPlace& action) {
   const double factor = action.at("factor").number();
-  if (!(factor > 0.0 && factor < 1e6)) action.at("factor").fail("is not larger than 0");
-  Camera camera = session.state().camera;
-  zoom(camera, factor, place_of(action));
-  hold(camera, bounds_of(*session.state().objects));
-  set_camera(session, camera, action);
+  if (!(factor > 0.0 && factor < 1e6)) action.at("factor").fail("is not between 0 and 1,000,000");
+  zoom(session.state().camera, factor, place_of(action));
+  fit(session);
 }
 
 // The eye keeps its height above the ground: of what is straight below, found within the scene.
@@ -199,54 +186,54 @@ std::span<const Command> camera_commands() {
         {"target", "x, y, z", false},
         {"up", "x, y, z", false},
         {"fov_y_deg", "vertical angle, in perspective", false},
-        {"orthographic_height", "world units from the lower to the upper border, instead", false},
-        {"near", "plane", false},
-        {"far", "plane", false}},
+        {"orthographic_height", "world units from the bottom to the top of the picture, in place of the angle", false},
+        {"near", "distance of the near plane", false},
+        {"far", "distance of the far plane", false}},
        camera},
       {"orthographic",
        "Orthographic",
-       "Parallel rays, or perspective again; what is looked at keeps its size",
-       {{"on", "true or false; the other way round when not given", false}},
+       "Switch between orthographic and perspective projection; the target keeps its size",
+       {{"on", "true or false; toggled if left out", false}},
        switch_orthographic},
       {"picture_size",
        "Picture size",
-       "A fixed size in pixels; none: that of the window",
+       "Draw at a fixed size in pixels, or at that of the window if none is given",
        {{"width", "pixels", false}, {"height", "pixels", false}},
        picture_size},
-      {"frame_all", "Frame all", "See everything", {}, frame_all},
-      {"frame_selected", "Frame selected", "See the selected object", {}, frame_selected},
+      {"frame_all", "Frame all", "Fit the whole scene into the view", {}, frame_all},
+      {"frame_selected", "Frame selected", "Fit the selected object into the view", {}, frame_selected},
       {"view_from", "View from", "Look along an axis", {{"side", "front, back, left, right, top, bottom"}}, look_along},
-      {"orbit", "Orbit", "Turn around what is looked at", {right, up}, orbit_camera, false},
-      {"look", "Look around", "Turn the head", {right, up}, look, false},
+      {"orbit", "Orbit", "Turn the camera around its target", {right, up}, orbit_camera, false},
+      {"look", "Look around", "Turn the camera in place", {right, up}, look, false},
       {"pan",
        "Pan",
-       "Shift sideways",
+       "Move camera and target parallel to the picture",
        {{"right", "share of the width"}, {"up", "share of the height"}},
        pan_camera,
        false},
       {"zoom",
        "Zoom",
-       "Go nearer to what is under the cursor",
-       {{"factor", "of the distance"}, {"x", "in [0, 1]", false}, {"y", "in [0, 1]", false}},
+       "Move towards the point under the cursor, or away from it",
+       {{"factor", "of the distance; below 1 is nearer"}, {"x", "in [0, 1]", false}, {"y", "in [0, 1]", false}},
        zoom_camera,
        false},
       {"move",
        "Move",
-       "Fly or walk",
+       "Fly or walk with the camera",
        {{"right", "times the speed", false},
         {"up", "times the speed", false},
         {"ahead", "times the speed", false},
-        {"seconds", "at the speed that is set, up to 1", false}},
+        {"seconds", "of movement, up to 1", false}},
        move_camera,
        false},
       {"look_at",
        "Look at",
-       "Look at the point under the cursor, from half as far",
+       "Make the point under the cursor the target and go half the way to it",
        {{"x", "in [0, 1]", false}, {"y", "in [0, 1]", false}},
        look_at},
-      {"turn_up", "Up axis", "Which axis points up", {{"axis", "y or z"}}, turn_up},
-      {"bookmark", "Bookmark", "Keep this view under a name", {name}, bookmark},
-      {"go_to", "Go to", "Back to a bookmark", {name}, go_to},
+      {"turn_up", "Up axis", "Choose the axis that points up", {{"axis", "y or z"}}, turn_up},
+      {"bookmark", "Bookmark", "Save this view under a name", {name}, bookmark},
+      {"go_to", "Go to", "Go back to a bookmark", {name}, go_to},
       {"forget", "Forget", "Remove a bookmark", {name}, forget},
   };
   return commands;

@@ -13,7 +13,7 @@ namespace {
 
 const Setting& setting_at(const JsonPlace& place) {
   const Setting* setting = find_setting(place.string());
-  if (setting == nullptr) place.fail("is no setting", "see occlod-view --actions");
+  if (setting == nullptr) place.fail("is not a setting", "see occlod-view --actions");
   return *setting;
 }
 
@@ -33,7 +33,7 @@ void flip(Session& session, const JsonPlace& action) {
     while (value != setting.choices[i]) ++i;
     value = setting.choices[(i + 1) % setting.choices.size()];
   } else {
-    action.at("setting").fail("is a number, not a switch or a choice", "use set");
+    action.at("setting").fail("is neither a switch nor a choice", "use set");
   }
   const std::string from = setting.name;
   setting.set(session.state().settings, JsonPlace(value, from));
@@ -63,16 +63,23 @@ void unpick(Session& session, const JsonPlace&) {
 
 void screenshot(Session& session, const JsonPlace& action) {
   const auto panels = action.find("panels");
-  session.state().captures.push_back({action.at("file").string(), panels && panels->boolean()});
+  const bool with_panels = panels && panels->boolean();
+  session.state().captures.push_back(
+      {session.files().output(action.at("file"), OutputKind::picture, *session.state().objects), with_panels});
 }
 
 void export_csv(Session& session, const JsonPlace& action) {
-  session.timeline().write_csv(action.at("file").string());
-  session.notify("wrote " + action.at("file").string());
+  const auto file = session.files().output(action.at("file"), OutputKind::numbers, *session.state().objects);
+  session.timeline().write_csv(file);
+  session.notify("wrote " + file.string());
 }
 
 void window_size(Session& session, const JsonPlace& action) {
-  session.state().wanted_window = ImageSize{action.at("width").integer(320), action.at("height").integer(240)};
+  const ImageSize size{action.at("width").integer(1), action.at("height").integer(1)};
+  if (!is_window_size(size))
+    action.fail(fmt::format("is not between {}x{} and {}x{} pixels", least_window.width, least_window.height,
+                            most_window.width, most_window.height));
+  session.state().wanted_window = size;
 }
 
 void dismiss(Session& session, const JsonPlace&) { session.state().notices.clear(); }
@@ -85,18 +92,18 @@ std::span<const Command> output_commands() {
       y{"y", "in [0, 1], from the top", false};
   static const std::vector<Command> commands = {
       {"set", "Set", "Change a setting", {{"setting", "name"}, {"value", "as its kind asks for"}}, set},
-      {"flip", "Flip", "Turn a switch over, or take the next choice", {{"setting", "name"}}, flip, false},
-      {"reset", "Default settings", "All settings as they were at first", {}, reset},
+      {"flip", "Flip", "Toggle a switch, or go to the next choice", {{"setting", "name"}}, flip, false},
+      {"reset", "Default settings", "Set every setting back to its default", {}, reset},
       {"pick", "Pick", "Pick the triangle under the cursor, its split and its object", {x, y}, pick},
-      {"unpick", "Unpick", "Pick nothing", {}, unpick},
+      {"unpick", "Unpick", "Clear the picked triangle", {}, unpick},
       {"screenshot",
        "Screenshot",
-       "Write the picture as PNG",
-       {file, {"panels", "true: the whole window", false}},
+       "Write the picture to a PNG file",
+       {file, {"panels", "true: the whole window with its panels", false}},
        screenshot},
-      {"export_csv", "Export CSV", "Write the numbers of the last 10,000 pictures", {file}, export_csv},
+      {"export_csv", "Export CSV", "Write the numbers of the last 10,000 pictures to a CSV file", {file}, export_csv},
       {"window_size", "Window size", "Resize the window", {{"width", "pixels"}, {"height", "pixels"}}, window_size},
-      {"dismiss", "Dismiss", "Hide messages", {}, dismiss, false},
+      {"dismiss", "Dismiss", "Dismiss all messages", {}, dismiss, false},
       {"quit", "Quit", "Close the viewer", {}, quit},
   };
   return commands;

@@ -10,7 +10,7 @@ namespace {
 
 const CameraPath& path_at(const Session& session, const JsonPlace& place) {
   const auto found = session.state().paths.find(place.string());
-  if (found == session.state().paths.end()) place.fail("is no camera path");
+  if (found == session.state().paths.end()) place.fail("is not a camera path", "record it first, or open its scene");
   return found->second;
 }
 
@@ -38,8 +38,11 @@ void play(Session& session, const JsonPlace& action) {
 }
 
 void picture_sequence(Session& session, const JsonPlace& action) {
-  static_cast<void>(path_at(session, action.at("name")));
+  const CameraPath& path = path_at(session, action.at("name"));
   const std::filesystem::path folder = action.at("folder").string();
+  std::vector<std::filesystem::path> pictures;
+  for (int frame = 0; frame < path.frames; ++frame) pictures.push_back(frame_file(folder, frame));
+  session.files().add_outputs(action.at("folder"), pictures, OutputKind::picture, *session.state().objects);
   std::error_code failed;
   std::filesystem::create_directories(folder, failed);
   if (failed) action.at("folder").fail(failed.message(), "give a folder that can be written");
@@ -51,7 +54,8 @@ void picture_sequence(Session& session, const JsonPlace& action) {
 void seek(Session& session, const JsonPlace& action) {
   const CameraPath& path = path_at(session, action.at("name"));
   const int frame = action.at("frame").integer(0);
-  if (frame >= path.frames) action.at("frame").fail("is behind the end", "the path has " + std::to_string(path.frames));
+  if (frame >= path.frames)
+    action.at("frame").fail("is beyond the end", "the path has " + std::to_string(path.frames) + " frames");
   State& state = session.state();
   state.playback = {};
   const ImageSize size{state.camera.width, state.camera.height};
@@ -71,16 +75,16 @@ void delete_path(Session& session, const JsonPlace& action) {
 std::span<const Command> path_commands() {
   const Parameter name{"name", "of a path"};
   static const std::vector<Command> commands = {
-      {"record", "Record", "Record the camera, 30 keys a second", {name}, record},
-      {"stop", "Stop", "End recording or playing", {}, stop, false},
-      {"play", "Play", "Show every frame of a path", {name}, play},
+      {"record", "Record", "Record the camera as a path, 30 keys per second", {name}, record},
+      {"stop", "Stop", "Stop recording or playing", {}, stop, false},
+      {"play", "Play", "Play every frame of a path", {name}, play},
       {"picture_sequence",
        "Write pictures",
-       "Play a path and write each frame as a PNG",
+       "Play a path and write each frame to a PNG file in this folder",
        {name, {"folder", "path"}},
        picture_sequence},
       {"seek", "Seek", "Go to one frame of a path", {name, {"frame", "from 0"}}, seek, false},
-      {"delete_path", "Delete path", "Remove a path", {name}, delete_path},
+      {"delete_path", "Delete path", "Delete a path", {name}, delete_path},
   };
   return commands;
 }

@@ -1,11 +1,14 @@
 // Opening, placing, saving.
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <glm/geometric.hpp>
-#include <limits>
+#include <string>
+#include <variant>
 
 #include "arguments.h"
 #include "command.h"
+#include "mesh_names.h"
 #include "navigation.h"
 #include "session.h"
 
@@ -23,7 +26,7 @@ std::uint64_t object_of(const Session& session, const JsonPlace& action) {
   const auto found = std::find_if(objects.begin(), objects.end(), [&](const PlacedObject& object) {
     return place->is_string() ? object.name == place->string() : object.id == place->unsigned_integer();
   });
-  if (found == objects.end()) place->fail("is no object that is open", "use its name or its number");
+  if (found == objects.end()) place->fail("is not an open object", "use its name or its number");
   return found->id;
 }
 
@@ -32,6 +35,15 @@ void edit_object(Session& session, std::uint64_t id, const std::function<void(Pl
     for (PlacedObject& object : objects)
       if (object.id == id) edit(object);
   });
+}
+
+// Of whole scenes in single precision, with room for the bounds of meshes.
+bool is_usable(const glm::dmat4& matrix) {
+  constexpr double most = 1e15;
+  for (int column = 0; column < 4; ++column)
+    for (int row = 0; row < 4; ++row)
+      if (!(std::abs(matrix[column][row]) <= most)) return false;
+  return true;
 }
 
 void open(Session& session, const JsonPlace& action) { session.loader().open(action.at("file").string()); }
@@ -72,6 +84,8 @@ void place(Session& session, const JsonPlace& action) {
       placement.scale = scale->number();
     }
     object.object_to_world = matrix_of(placement);
+    if (!is_usable(object.object_to_world))
+      action.fail("is out of the range of single precision", "use smaller numbers");
   });
 }
 
@@ -99,17 +113,28 @@ void two_sided(Session& session, const JsonPlace& action) {
   edit_object(session, object_of(session, action), [&](PlacedObject& object) { object.two_sided = value; });
 }
 
+MeshSource source_in_scene(MeshSource source, const std::filesystem::path& folder) {
+  if (auto* const mesh = std::get_if<MeshFile>(&source))
+    for (std::string& name : mesh->names) name = name_in_scene(name, folder);
+  return source;
+}
+
 void save_scene(Session& session, const JsonPlace& action) {
   const State& state = session.state();
+  const JsonPlace place = action.at("file");
+  if (!is_scene_file(place.string()))
+    place.fail(place.string() + " would not be opened as a scene again", "let the name end in .json");
+  const std::filesystem::path file = session.files().output(place, OutputKind::scene, *state.objects);
   SceneDescription scene;
   scene.about = state.about;
   for (const PlacedObject& object : *state.objects)
-    scene.objects.push_back({object.source, object.object_to_world, object.two_sided});
+    scene.objects.push_back(
+        {source_in_scene(object.source, file.parent_path()), object.object_to_world, object.two_sided});
   scene.cameras = state.bookmarks;
   scene.cameras["default"] = state.camera;
   scene.paths = state.paths;
-  write_scene(action.at("file").string(), scene);
-  session.notify("saved " + action.at("file").string());
+  write_scene(file, scene);
+  session.notify("saved " + file.string());
 }
 
 void forget_recent(Session& session, const JsonPlace&) { session.state().recent.clear(); }
@@ -117,14 +142,10 @@ void forget_recent(Session& session, const JsonPlace&) { session.state().recent.
 }  // namespace
 
 std::span<const Command> scene_commands() {
-  const Parameter object{"object", "a name or number; the selected one when not given", false};
+  const Parameter object{"object", "a name or number; the selected object if left out", false};
   static const std::vector<Command> commands = {
-      {"open",
-       "Open",
-       "Open a mesh, a hierarchy (.olod) or a scene (.json) beside what is there",
-       {{"file", "path"}},
-       open},
-      {"cancel", "Cancel", "Stop building", {}, cancel, false},
+      {"open", "Open", "Add a mesh, a hierarchy (.olod) or a scene (.json) to what is open", {{"file", "path"}}, open},
+      {"cancel", "Cancel", "Cancel loading and building", {}, cancel, false},
       {"close", "Close", "Close one object", {object}, close},
       {"close_all", "Close all", "Close everything", {}, close_all},
       {"select", "Select", "Select an object", {object}, select},
@@ -138,22 +159,22 @@ std::span<const Command> scene_commands() {
        place},
       {"drag",
        "Drag",
-       "Move an object across the picture",
+       "Move an object parallel to the picture",
        {object, {"right", "share of the width"}, {"up", "share of the height"}},
        drag,
        false},
-      {"show", "Shown", "Show an object, or leave it out", {object, {"shown", "true or false"}}, show},
+      {"show", "Shown", "Show or hide an object", {object, {"shown", "true or false"}}, show},
       {"two_sided",
        "Two-sided",
-       "Back faces of the object are seen: none is culled",
+       "Treat both sides of the object's triangles as visible: no back-face culling",
        {object, {"value", "true or false"}},
        two_sided},
       {"save_scene",
        "Save scene",
-       "Write objects, bookmarks and camera paths to a scene file",
+       "Write objects, bookmarks and camera paths to a scene file (.json)",
        {{"file", "path"}},
        save_scene},
-      {"forget_recent", "Forget recent files", "Empty the list of recent files", {}, forget_recent, false},
+      {"forget_recent", "Forget recent files", "Clear the list of recent files", {}, forget_recent, false},
   };
   return commands;
 }

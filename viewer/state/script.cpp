@@ -47,7 +47,7 @@ bool Script::step(Session& session, const std::function<void(const nlohmann::jso
     ++level.next;
     since_ = Clock::now();
     last_ = action;
-    perform(session, action, report);
+    begin(session, action, report);
     check_errors(session);
   }
   // What the last action led to may fail yet.
@@ -62,8 +62,8 @@ bool Script::may_go_on(const Session& session, const JsonPlace& action) const {
   return session.settled() || (command != nullptr && !command->settled);
 }
 
-void Script::perform(Session& session, const JsonPlace& action,
-                     const std::function<void(const nlohmann::json&)>& report) {
+void Script::begin(Session& session, const JsonPlace& action,
+                   const std::function<void(const nlohmann::json&)>& report) {
   waits_for_path_ = false;
   const std::string name = action.at("do").string();
   if (name == "wait") {
@@ -76,7 +76,17 @@ void Script::perform(Session& session, const JsonPlace& action,
     action.expect_keys({"do"});
     report(session.figures());
   } else {
+    perform(session, action);
+  }
+}
+
+// What a file that cannot be written throws names the file: this adds the action.
+void Script::perform(Session& session, const JsonPlace& action) const {
+  try {
     session.perform(action);
+  } catch (const Error& error) {
+    if (error.diagnosis().subject == file_) throw;
+    action.fail(error.what());
   }
 }
 
@@ -97,6 +107,8 @@ void Script::begin_repeat(const JsonPlace& action) {
   if (action.has("times") == action.has("seconds")) action.fail("needs either \"times\" or \"seconds\"");
   Level level{action.at("actions").elements(), 0, 1, Clock::time_point::max()};
   if (const auto seconds = action.find("seconds")) {
+    constexpr double most_s = 1e6;
+    if (!(seconds->number() >= 0.0 && seconds->number() <= most_s)) seconds->fail("is not between 0 and 1,000,000");
     level.times_left = 0;
     level.until =
         Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds->number()));

@@ -37,7 +37,8 @@ class Script {
   };
 
   [[nodiscard]] bool may_go_on(const Session& session, const JsonPlace& action) const;
-  void perform(Session& session, const JsonPlace& action, const std::function<void(const nlohmann::json&)>& report);
+  void begin(Session& session, const JsonPlace& action, const std::function<void(const nlohmann::json&)>& report);
+  void perform(Session& session, const JsonPlace& action) const;
   void begin_wait(const Session& session, const JsonPlace& action);
   void begin_repeat(const JsonPlace& action);
   void check_errors(const Session& session);

@@ -9,6 +9,7 @@
 #include "command.h"
 #include "navigation.h"
 #include "occlod/core/error.h"
+#include "occlod/view/view.h"
 #include "setting_table.h"
 
 namespace occlod::viewer {
@@ -42,6 +43,10 @@ void check_parameters(const Command& command, const JsonPlace& action) {
 
 }  // namespace
 
+std::filesystem::path frame_file(const std::filesystem::path& folder, int frame) {
+  return folder / fmt::format("frame_{:05}.png", frame);
+}
+
 Session::Session(MakeVisibility make_visibility, bool use_cache, std::optional<Calibration> calibration)
     : loader_(use_cache), worker_(std::move(make_visibility), std::move(calibration)) {}
 
@@ -51,7 +56,15 @@ void Session::perform(const JsonPlace& action) {
   if (command == nullptr) name.fail(fmt::format("\"{}\" is no command", name.string()), "see occlod-view --actions");
   check_parameters(*command, action);
   touched_ = true;
+  const Camera before = state_.camera;
   command->run(*this, action);
+  if (state_.camera == before) return;
+  try {
+    const View check(state_.camera);
+  } catch (const Error& error) {
+    state_.camera = before;
+    action.fail(error.diagnosis().place + " " + error.diagnosis().problem, error.diagnosis().mend);
+  }
 }
 
 void Session::perform(const nlohmann::json& action) {
@@ -167,6 +180,7 @@ void Session::add(LoadedFile file) {
   for (const auto& [name, path] : file.paths) state_.paths[name] = path;
   if (!file.about.empty()) state_.about = file.about;
   const auto path = std::filesystem::absolute(file.file);
+  if (is_scene_file(path)) files_.add_scene(path);
   std::erase(state_.recent, path);
   state_.recent.insert(state_.recent.begin(), path);
   if (state_.recent.size() > most_recent) state_.recent.resize(most_recent);
@@ -205,8 +219,7 @@ void Session::go_on_playing() {
   const int number = static_cast<int>(playback.at);
   const bool is_new = state_.captures.empty();
   state_.camera = camera_at(found->second, number);
-  if (!playback.pictures.empty() && is_new)
-    state_.captures.push_back({playback.pictures / fmt::format("frame_{:05}.png", number), false});
+  if (!playback.pictures.empty() && is_new) state_.captures.push_back({frame_file(playback.pictures, number), false});
 }
 
 void Session::go_on_recording(double seconds) {

@@ -18,6 +18,7 @@
 #include "pick.h"
 #include "refine_worker.h"
 #include "scene/strict_json.h"
+#include "session_files.h"
 #include "settings.h"
 #include "timeline.h"
 
@@ -38,7 +39,19 @@ struct Capture {
 struct ImageSize {
   int width = 0;
   int height = 0;
+  friend bool operator==(const ImageSize&, const ImageSize&) = default;
 };
+
+// Of windows.
+inline constexpr ImageSize least_window{320, 240};
+inline constexpr ImageSize most_window{8192, 8192};
+[[nodiscard]] constexpr bool is_window_size(const ImageSize& size) noexcept {
+  return size.width >= least_window.width && size.height >= least_window.height && size.width <= most_window.width &&
+         size.height <= most_window.height;
+}
+
+// Of a picture sequence.
+[[nodiscard]] std::filesystem::path frame_file(const std::filesystem::path& folder, int frame);
 
 // A camera path that is shown: `at` is between 0 and its frames - 1.
 struct Playback {
@@ -100,6 +113,7 @@ class Session {
   [[nodiscard]] const State& state() const noexcept { return state_; }
   [[nodiscard]] Loader& loader() noexcept { return loader_; }
   [[nodiscard]] const Loader& loader() const noexcept { return loader_; }
+  [[nodiscard]] SessionFiles& files() noexcept { return files_; }
   [[nodiscard]] const Timeline& timeline() const noexcept { return timeline_; }
   // The mesh to draw; null when there is none.
   [[nodiscard]] const std::shared_ptr<const RefinedFrame>& frame() const noexcept { return frame_; }
@@ -132,6 +146,7 @@ class Session {
   Loader loader_;
   RefineWorker worker_;
   Timeline timeline_;
+  SessionFiles files_;
   ImageSize view_size_{1024, 768};
   std::shared_ptr<const Objects> shown_of_;  // whose shown objects
   std::shared_ptr<const Objects> shown_;     // these are

@@ -16,14 +16,17 @@ bool read_settings(const std::filesystem::path& file, Session& session, Remember
   const nlohmann::json document = parse_json_file(file);
   const std::string name = file.string();
   const JsonPlace root(document, name);
-  if (const auto settings = root.find("settings"))
-    for (const auto& [key, place] : settings->members())
-      if (const Setting* setting = find_setting(key); setting != nullptr && setting->kept)
-        setting->set(session.state().settings, place);
+  if (!root.has("settings")) root.fail("is no settings file: it has no \"settings\"", "name another file");
+  for (const auto& [key, place] : root.at("settings").members())
+    if (const Setting* setting = find_setting(key); setting != nullptr && setting->kept)
+      setting->set(session.state().settings, place);
   if (const auto recent = root.find("recent"))
     for (const JsonPlace& path : recent->elements(0)) session.state().recent.emplace_back(path.string());
-  if (const auto size = root.find("window"))
-    window.size = {size->at("width").integer(320), size->at("height").integer(240)};
+  if (const auto place = root.find("window")) {
+    const ImageSize size{place->at("width").integer(1), place->at("height").integer(1)};
+    if (!is_window_size(size)) place->fail("is no size of a window", "remove it");
+    window.size = size;
+  }
   session.setting_changed();
   return true;
 }

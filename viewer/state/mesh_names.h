@@ -1,0 +1,14 @@
+// How scene files name meshes.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace occlod::viewer {
+
+// The name by which find_mesh() finds `mesh` for a scene file in `folder`; the first of these that does: its path below
+// the folder; its name, or the end of its path, in the mesh folders; its path below the folder's parent, as
+// "../meshes/statue.ply"; its absolute path. So scenes can be moved with their meshes, or to another machine.
+[[nodiscard]] std::string name_in_scene(const std::filesystem::path& mesh, const std::filesystem::path& folder);
+
+}  // namespace occlod::viewer

@@ -1,0 +1,49 @@
+// Which files a session reads and writes, so that what it writes overwrites none of them unasked.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "objects.h"
+#include "scene/strict_json.h"
+
+namespace occlod::viewer {
+
+enum class OutputKind { scene, picture, numbers };
+
+// One file under two names: links are followed. Neither needs to exist.
+[[nodiscard]] bool is_same_file(const std::filesystem::path& a, const std::filesystem::path& b);
+
+class SessionFiles {
+ public:
+  // `what` for messages, e.g. "the script". The file need not exist.
+  void add_input(const std::filesystem::path& file, const std::string& what);
+  void add_scene(const std::filesystem::path& file);  // that was opened
+
+  // The file that an action names at `place`, to be written next. Throws Error at `place` when it is a file of an open
+  // object, another input, or an output of another kind. A scene may be saved over a scene, and every output written
+  // anew.
+  [[nodiscard]] std::filesystem::path output(const JsonPlace& place, OutputKind kind, const Objects& objects);
+  // The same for files in a folder that the action names.
+  void add_outputs(const JsonPlace& place, const std::vector<std::filesystem::path>& files, OutputKind kind,
+                   const Objects& objects);
+
+ private:
+  struct Used {
+    std::filesystem::path file;
+    std::string what;
+    bool is_scene = false;
+  };
+  struct Written {
+    std::filesystem::path file;
+    OutputKind kind;
+  };
+  // What `file` is that must not be overwritten; empty when it may be.
+  [[nodiscard]] std::string conflict(const std::filesystem::path& file, OutputKind kind, const Objects& objects) const;
+
+  std::vector<Used> inputs_;
+  std::vector<Written> outputs_;
+};
+
+}  // namespace occlod::viewer
