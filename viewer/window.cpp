@@ -11,7 +11,7 @@
 namespace occlod::viewer {
 namespace {
 
-constexpr const char* way_without = "`occlod render` refines, measures and draws without a display";
+constexpr const char* way_without = "use `occlod render`, which works without a display";
 
 std::string& last_glfw_error() {
   static std::string text;

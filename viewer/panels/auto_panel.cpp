@@ -20,11 +20,11 @@ std::string shares_text(const HiddenShares& shares) {
 }
 
 void draw_looks(const EffectReport& report) {
-  draw_row("Ahead", shares_text(report.ahead));
-  draw_help_of_item("How much of what refinement would look at a coarse mesh hides");
-  draw_row("Back", report.back ? shares_text(*report.back) : "not yet");
-  draw_help_of_item("How much of it a refined mesh hides");
-  draw_row("Looks", fmt::format("{:.2f} ms in this view", report.look_ms));
+  draw_row("Coarse mesh", shares_text(report.ahead));
+  draw_help_of_item("Share of the nodes and stars that refinement would visit which a coarse mesh hides");
+  draw_row("Refined mesh", report.back ? shares_text(*report.back) : "not measured yet");
+  draw_help_of_item("The same for a refined mesh");
+  draw_row("Measuring", fmt::format("{:.2f} ms in this view", report.look_ms));
 }
 
 void draw_forecasts(const Explanation& why) {
@@ -47,14 +47,14 @@ void draw_forecasts(const Explanation& why) {
 void draw_outcome(const Explanation& why, const RefineStats& stats) {
   const EffectReport& report = why.report;
   if (!report.choice.backend) {
-    ImGui::TextWrapped("Occlusion is off: it would cost more than it saves.");
+    ImGui::TextWrapped("Occlusion culling is off: it would cost more than it saves.");
   } else {
     draw_row("Cost",
-             fmt::format("{:.2f} ms, {} questions", stats.occlusion_ms, grouped(static_cast<double>(stats.queries))));
+             fmt::format("{:.2f} ms, {} queries", stats.occlusion_ms, grouped(static_cast<double>(stats.queries))));
     draw_row("Saves", fmt::format("{} triangles, {:.2f} ms", grouped(report.saved_triangles), report.saved_ms));
-    draw_help_of_item("That the same error would take without occlusion, by forecast");
+    draw_help_of_item("Estimate of what the same error would cost without occlusion culling");
   }
-  if (report.held) ImGui::TextDisabled("Kept: another would be but little better.");
+  if (report.held) ImGui::TextDisabled("Kept: any other choice would be only slightly better.");
 }
 
 // Costs by object are counts times the calibration.
@@ -63,11 +63,11 @@ void draw_object(const std::string& name, const ObjectEffects& effects, const Ob
   ImGui::TextUnformatted(name.c_str());
   draw_row("  cones", effects.cones ? "on" : "off");
   if (stats.cone_tests > 0)
-    draw_row("", fmt::format("{} of {} dropped, {:.3f} ms", stats.cone_culled, stats.cone_tests,
+    draw_row("", fmt::format("{} of {} culled, {:.3f} ms", stats.cone_culled, stats.cone_tests,
                              1e-6 * static_cast<double>(stats.cone_tests) * why.calibration.cone_ns));
   if (!why.report.choice.backend) return;
   const double query_ns = why.calibration.backends[*why.report.choice.backend].query_ns;
-  draw_row("  questions", fmt::format("in {} of {} regions", effects.regions_on(), effect_region_count));
+  draw_row("  queries", fmt::format("in {} of {} regions", effects.regions_on(), effect_region_count));
   draw_row("", fmt::format("{} of {} hidden, {:.3f} ms", stats.hidden(), stats.queries(),
                            1e-6 * static_cast<double>(stats.queries()) * query_ns));
 }

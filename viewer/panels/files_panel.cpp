@@ -64,7 +64,7 @@ void draw_files(Panels& panels) {
   const float third = (ImGui::GetContentRegionAvail().x - 2.0F * ImGui::GetStyle().ItemSpacing.x) / 3.0F;
   panels.drawn.insert("open");
   if (ImGui::Button("Open...", ImVec2(third, 0.0F))) panels.fields.opens = true;
-  draw_help_of_item("Meshes, hierarchies (.olod) and scenes (.json); files can be dropped on the window, too");
+  draw_help_of_item("Open a mesh, a hierarchy (.olod) or a scene (.json). Files can also be dropped on the window");
   ImGui::SameLine();
   ImGui::SetNextItemWidth(third);
   if (ImGui::BeginCombo("##recent", "Recent")) {
@@ -72,7 +72,7 @@ void draw_files(Panels& panels) {
     for (const std::filesystem::path& file : recent)
       if (ImGui::Selectable(file.filename().string().c_str())) open(panels, file);
     ImGui::Separator();
-    if (ImGui::Selectable("Forget all")) panels.perform("forget_recent");
+    if (ImGui::Selectable("Clear the list")) panels.perform("forget_recent");
     ImGui::EndCombo();
   }
   panels.drawn.insert("forget_recent");
@@ -104,7 +104,7 @@ void draw_open_dialogue(Panels& panels, const Layout& layout) {
     draw_folder(panels);
     ImGui::EndChild();
     ImGui::SetNextItemWidth(-80.0F * panels.scale);
-    const bool entered = ImGui::InputTextWithHint("##file", "or the path of a file", &fields.open_file,
+    const bool entered = ImGui::InputTextWithHint("##file", "or type the path of a file", &fields.open_file,
                                                   ImGuiInputTextFlags_EnterReturnsTrue);
     ImGui::SameLine();
     if ((ImGui::Button("Open", ImVec2(-1.0F, 0.0F)) || entered) && !fields.open_file.empty())

@@ -14,21 +14,21 @@ struct Line {
 };
 constexpr std::array<Line, 17> mouse = {{{"left drag", "orbit; look around when flying or walking"},
                                          {"right or middle drag", "pan, also Shift + left drag"},
-                                         {"wheel", "nearer to what is under the cursor; speed of flying"},
+                                         {"wheel", "zoom to the cursor; speed when flying or walking"},
                                          {"click", "pick a triangle, its split and its object"},
-                                         {"double click", "go to the point under the cursor"},
+                                         {"double click", "make the point under the cursor the target"},
                                          {"Ctrl + drag", "move the object under the cursor"},
-                                         {"drop a file", "open it beside what is there"},
-                                         {"W A S D, Q E", "fly or walk, down and up; Shift is four times as fast"},
-                                         {"1 to 9", "bookmarks in their order"},
+                                         {"drop a file", "add it to what is open"},
+                                         {"W A S D, Q E", "fly or walk, down and up; with Shift four times as fast"},
+                                         {"1 to 9", "go to a bookmark"},
                                          {"B", "bookmark this view"},
-                                         {"Space", "play the first camera path, or stop"},
-                                         {"R", "record a camera path, or stop"},
-                                         {"P", "screenshot, Shift + P with panels"},
-                                         {"+ -", "twice or half the budget"},
+                                         {"Space", "play the first camera path, or stop it"},
+                                         {"R", "start or stop recording a camera path"},
+                                         {"P", "screenshot; Shift + P includes the panels"},
+                                         {"+ -", "double or halve the budget"},
                                          {"Ctrl + O", "open"},
                                          {"Ctrl + S", "save the scene"},
-                                         {"Ctrl + click", "on a slider: type its value"}}};
+                                         {"Ctrl + click", "type the value of a slider"}}};
 
 void draw_cells(const char* keys, const char* what) {
   ImGui::TableNextColumn();

@@ -52,7 +52,8 @@ void draw_tags(const Session& session, const Layout& layout, float margin) {
     draw_tag("without", layout.pictures[1], count_text(session.frame()->sides[1], "no occlusion"), margin);
   } else if (session.state().objects->empty() && !session.loader().busy()) {
     draw_tag("empty", layout.view,
-             "Drop a mesh, a hierarchy or a scene here, or open one: Ctrl + O. F1 shows keys and mouse.", margin);
+             "Drop a mesh, a hierarchy or a scene here, or open one with Ctrl + O. F1 lists keys and mouse actions.",
+             margin);
   } else if (settings.freeze) {
     draw_tag("frozen", layout.view, "Refinement is frozen (Z)", margin);
   }

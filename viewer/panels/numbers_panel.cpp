@@ -38,7 +38,7 @@ std::string share(std::size_t part, std::size_t whole) {
 }
 
 std::string pixels(double px) {
-  if (!std::isfinite(px)) return "unlimited";
+  if (!std::isfinite(px)) return "unbounded";
   return px < 1000.0 ? fmt::format("{:.2f} px", px) : grouped(px) + " px";
 }
 
@@ -110,7 +110,7 @@ void draw_numbers(Panels& panels, const Area& area) {
   const auto& records = panels.session.timeline().records();
   const auto& frame = panels.session.frame();
   if (records.empty() || !frame || frame->sides.empty()) {
-    ImGui::TextDisabled("Nothing has been drawn yet");
+    ImGui::TextDisabled("No mesh has been drawn yet");
     return;
   }
   const PictureRecord& last = records.back();

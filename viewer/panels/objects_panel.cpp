@@ -12,7 +12,7 @@ void draw_row(Panels& panels, const PlacedObject& object) {
   panels.drawn.insert({"show", "select"});
   bool shown = object.shown;
   if (ImGui::Checkbox("##shown", &shown)) panels.perform("show", {{"object", object.id}, {"shown", shown}});
-  draw_help_of_item("Shown");
+  draw_help_of_item("Show or hide this object");
   ImGui::SameLine();
   const bool selected = panels.session.state().selected == object.id;
   if (ImGui::Selectable(object.name.c_str(), selected)) panels.perform("select", {{"object", object.id}});
@@ -39,7 +39,7 @@ void draw_placement(Panels& panels, const PlacedObject& object) {
   bool two_sided = object.two_sided;
   if (ImGui::Checkbox("Two-sided", &two_sided))
     panels.perform("two_sided", {{"object", object.id}, {"value", two_sided}});
-  draw_help_of_item("Back faces are seen: none is culled");
+  draw_help_of_item("Both sides of triangles are visible: no back-face culling");
   ImGui::SameLine();
   draw_button(panels, "frame_selected");
   ImGui::SameLine();

@@ -22,12 +22,12 @@ void draw_split(const PlacedObject& object, SplitId split) {
   draw_row("Split", fmt::format("{} of {}", grouped(split), grouped(static_cast<double>(hierarchy.split_count()))));
   draw_row("Level", std::to_string(object.mesh->levels[split]));
   draw_row("Dependencies", std::to_string(star.dependencies().size()));
-  draw_row("Faces", fmt::format("{} for {}", star.inserted_count(), star.removed_count()));
-  draw_row("Error", fmt::format("{:.3g}, at most {:.3g}", node.error, node.guaranteed_error));
-  draw_row("Radius below", fmt::format("{:.3g}", node.sphere.radius));
+  draw_row("Faces", fmt::format("{} added, {} removed", star.inserted_count(), star.removed_count()));
+  draw_row("Error", fmt::format("{:.3g}, guaranteed {:.3g}", node.error, node.guaranteed_error));
+  draw_row("Subtree radius", fmt::format("{:.3g}", node.sphere.radius));
   const NormalCone cone = node.cone();
   draw_row("Normals", cone.culls() ? fmt::format("within {:.0f} degrees", std::acos(cone.cos_angle) * 57.29578F)
-                                   : std::string("in all directions"));
+                                   : std::string("in all directions, no cone"));
 }
 
 }  // namespace
@@ -40,7 +40,7 @@ void draw_pick(Panels& panels) {
     draw_row("Object", object.name);
     draw_row("Triangle", fmt::format("{}, {}, {}", pick->triangle.x, pick->triangle.y, pick->triangle.z));
     if (pick->split == no_id)
-      draw_row("Split", "none: of the base mesh");
+      draw_row("Split", "none, part of the base mesh");
     else
       draw_split(object, pick->split);
   }

@@ -85,11 +85,11 @@ std::vector<LegendEntry> legend_of(ColorBy color_by, int level_count) {
       break;
     case ColorBy::age:
       legend.push_back({base_mesh_color, "base mesh"});
-      legend.push_back({age_color(0), "seen 0 occluders ago: by the last one, or from scratch"});
+      legend.push_back({age_color(0), "visible by the last occluder"});
       for (const std::uint32_t age : {1U, 3U, 7U})
-        legend.push_back({age_color(age), fmt::format("seen {} occluder{} ago", age, age > 1 ? "s" : "")});
-      legend.push_back({age_color(most_age), fmt::format("seen {} or more occluders ago", most_age)});
-      legend.push_back({never_asked_color, "not asked about since refinement from scratch"});
+        legend.push_back({age_color(age), fmt::format("visible {} occluder{} ago", age, age > 1 ? "s" : "")});
+      legend.push_back({age_color(most_age), fmt::format("visible {} or more occluders ago", most_age)});
+      legend.push_back({never_asked_color, "not queried since refinement from scratch"});
       break;
     case ColorBy::visibility:
       return entries(seen_colors, seen_words);

@@ -6,72 +6,81 @@ namespace occlod::viewer {
 std::span<const Setting> refine_settings() {
   static const std::vector<Setting> settings = {
       integer(
-          {"budget", "Triangles", "No more triangles than this, whatever the view"}, {1'000, 10'000'000, true, ""},
-          [](auto& s) -> auto& { return s.refine.budget; }),
+          {"budget", "Triangles", "Triangle budget: the mesh never has more, in any view"},
+          {1'000, 10'000'000, true, ""}, [](auto& s) -> auto& { return s.refine.budget; }),
       number(
-          {"tolerance", "Tolerance", "Stop where the guaranteed error is below this; 0 uses the budget up"},
+          {"tolerance", "Tolerance",
+           "Stop splitting where the guaranteed screen-space error is below this; 0: use the whole budget"},
           {0.0, 16.0, false, "px"}, [](auto& s) -> auto& { return s.refine.tolerance_px; }),
       choice(
           {"occlusion", "Occlusion",
-           "Who answers whether a part of the mesh is hidden; auto: whatever pays in each view, in place of Level "
-           "step, "
-           "Occluder after, Ask again and Final check"},
+           "Backend of occlusion queries. auto: picks the culling techniques that pay off in each view; Level step, "
+           "Occluder after, Retest hidden and Final check then have no effect"},
           {"none", "software", "gl-query", "gl-mark", "gl-compute", "auto"},
           [](auto& s) -> auto& { return s.occlusion; }),
       choice(
-          {"mode", "Occluder", "paper: the coarse mesh as it is; conservative: moved back by its error bounds"},
+          {"mode", "Occluder mode",
+           "paper: the coarse mesh as it is; conservative: moved away from the eye by its error bounds"},
           {"paper", "conservative"}, [](auto& s) -> auto& { return s.refine.occluder.mode; }),
       choice(
-          {"culling", "Culling", "subtree: the paper's one question; star: ask of each split whether it is seen"},
+          {"culling", "Culling",
+           "subtree: one test for each subtree, as in the paper; star: also test what each split itself changes"},
           {"subtree", "star"}, [](auto& s) -> auto& { return s.refine.priority.culling; }),
       choice(
-          {"proxy", "Proxy", "The bounds of a subtree that are asked about"}, {"sphere", "box", "cylinder"},
+          {"proxy", "Proxy", "Bounding volume of a subtree that occlusion queries test"}, {"sphere", "box", "cylinder"},
           [](auto& s) -> auto& { return s.refine.queries.proxy; }),
       number(
-          {"visible_exponent", "Visible weight", "Priority is multiplied by (visible share of a split)^this"},
+          {"visible_exponent", "Visible weight",
+           "Exponent: priority is multiplied by (visible share of a split's faces)^exponent"},
           {0.0, 8.0, false, ""}, [](auto& s) -> auto& { return s.refine.priority.visible_exponent; }),
       number(
-          {"grazing_exponent", "Grazing weight", "Priority is divided by (cosine under which a split is seen)^this"},
+          {"grazing_exponent", "Grazing weight",
+           "Exponent: priority is divided by (cosine of the viewing angle)^exponent, so that silhouettes come first"},
           {0.0, 8.0, false, ""}, [](auto& s) -> auto& { return s.refine.priority.grazing_exponent; }),
       number(
-          {"forced_exponent", "Forced weight", "Priority is divided by (1 + unseen splits that a split forces)^this"},
+          {"forced_exponent", "Forced weight",
+           "Exponent: priority is divided by (1 + unseen splits that a split forces)^exponent"},
           {0.0, 8.0, false, ""}, [](auto& s) -> auto& { return s.refine.priority.forced_exponent; }),
       integer(
-          {"level_step", "Level step", "Ask about subtrees on every n-th level of the forest only"}, {1, 16, false, ""},
+          {"level_step", "Level step", "Query subtrees on every n-th level of the hierarchy only"}, {1, 16, false, ""},
           [](auto& s) -> auto& { return s.refine.queries.level_step; }),
       integers(
           {"occluder_splits", "Occluder after",
-           "Draw the occluder when so many splits are applied; none: when it pays"},
+           "Draw the occluder after these numbers of splits, e.g. 300, 2500; empty: when the mesh has changed enough"},
           [](auto& s) -> auto& { return s.refine.occluder.splits; }),
       toggle(
-          {"retest_hidden", "Ask again", "What an older occluder hid, whenever a new one is drawn"},
+          {"retest_hidden", "Retest hidden",
+           "Query again what an older occluder hid, each time a new occluder is drawn"},
           [](auto& s) -> auto& { return s.refine.occluder.retest_hidden; }),
       toggle(
-          {"final_check", "Final check", "Ask about all that is hidden once more, before the final mesh"},
+          {"final_check", "Final check", "Query everything that is hidden once more before the mesh is final"},
           [](auto& s) -> auto& { return s.refine.queries.final_check; }),
       toggle(
-          {"frame_to_frame", "Frame to frame", "Go on from the mesh of the picture before instead of from scratch"},
+          {"frame_to_frame", "Frame to frame", "Start from the mesh of the previous frame instead of the base mesh"},
           [](auto& s) -> auto& { return s.frame_to_frame; }),
       number(
-          {"hysteresis", "Hysteresis", "Frame to frame: a split gives way only to what matters more by this part"},
+          {"hysteresis", "Hysteresis",
+           "Frame to frame: relative margin by which a candidate must exceed an applied split to replace it"},
           {0.0, 0.9, false, ""}, [](auto& s) -> auto& { return s.refine.update.hysteresis; }),
       integer(
-          {"most_changes", "Changes", "Frame to frame: splits and merges for a picture; 0 sets no limit"},
+          {"most_changes", "Most changes", "Frame to frame: limit on splits and merges per frame; 0: no limit"},
           {0, 100'000, true, ""}, [](auto& s) -> auto& { return s.refine.update.most_changes; }),
       number(
-          {"time_limit", "Time limit", "Frame to frame: no more splits and merges for a picture after it; 0: none"},
+          {"time_limit", "Time limit",
+           "Frame to frame: no further splits and merges in a frame after this time; 0: no limit"},
           {0.0, 100.0, false, "ms"}, [](auto& s) -> auto& { return s.refine.update.time_limit_ms; }),
       integer(
-          {"geomorph_frames", "Geomorphs", "Frame to frame: pictures in which a new vertex slides to its place"},
+          {"geomorph_frames", "Geomorphs",
+           "Frame to frame: frames in which a new vertex moves from its parent to its own position; 0: at once"},
           {0, 120, false, ""}, [](auto& s) -> auto& { return s.refine.update.geomorph_frames; }),
       not_kept(toggle(
-          {"freeze", "Freeze", "Keep the mesh of this moment and look at it from elsewhere"},
+          {"freeze", "Freeze", "Keep the mesh as it is now and move only the camera that views it"},
           [](auto& s) -> auto& { return s.freeze; })),
       not_kept(toggle(
-          {"compare", "Split screen", "Beside it the same view and budget without occlusion"},
+          {"compare", "Split screen", "Show the same view and budget without occlusion beside it"},
           [](auto& s) -> auto& { return s.compare; })),
       toggle(
-          {"count_visible", "Count visible", "Triangles that own at least one pixel, by an item buffer"},
+          {"count_visible", "Count visible", "Count triangles that own at least one pixel, with an item buffer"},
           [](auto& s) -> auto& { return s.count_visible; }),
   };
   return settings;
