@@ -16,7 +16,7 @@ test_folders() {
     -e 's#^lib/(src|include/occlod)/([a-z_]+)/.*#\2#p;t' \
     -e 's#^tests/(oracle|support)/.*##;t' \
     -e 's#^tests/([a-z_]+)/.*#\1#p;t' \
-    -e 's#^tools/(repair|measure)/.*#\1#p;t' \
+    -e 's#^tools/repair/.*#repair#p;t' \
     -e 's#^(tools|viewer|bench|docs|scripts|examples)/.*#\1#p;t' \
     -e 's#^[^/]*\.md$#docs#p' | LC_ALL=C sort -u
 }
