@@ -59,11 +59,13 @@ class Front {
     leaf = 8,             // applied, and no applied split needs it
     subtree_hidden = 16,  // by the occluder that it was last asked about against
     star_hidden = 32,
-    hidden = 64,        // either
-    is_new = 128,       // applied in this frame
-    outside = 256,      // the frustum
-    facing_away = 512,  // inside it
-    weighed = 1024,     // its forced_weight() is known
+    hidden = 64,           // either
+    is_new = 128,          // applied in this frame
+    outside = 256,         // the frustum
+    facing_away = 512,     // inside it
+    weighed = 1024,        // its forced_weight() is known
+    forced = 2048,         // applied only because another split depends on it
+    forced_unseen = 4096,  // and changed nothing that was seen then
   };
 
   explicit Front(const Hierarchy& hierarchy);

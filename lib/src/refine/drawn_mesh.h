@@ -24,7 +24,8 @@ class DrawnMesh {
   // When the cut applies s, after the splits that s needs, or takes it back.
   void apply(SplitId s);
   void take_back(SplitId s);
-  // Applied in this frame, some perhaps several times.
+  // Applied in this frame, some perhaps several times; after emit() each once, of those that are applied still and were
+  // not in the frame before.
   [[nodiscard]] const std::vector<SplitId>& born() const noexcept { return born_; }
 
   // Brings `out`, as the frame before has left it, to the cut. `geomorph_frames`: see RefineOptions.

@@ -55,7 +55,7 @@ void Frames::advance(bool moved, Clock::time_point start, RefineStats& stats) {
   if (moved) moved_frame_ = frame_;
   queries_.begin_frame(frame_, moved);
   exchange_.begin_frame(frame_, start, stats);
-  exchange_splits(moved);
+  exchange_splits(moved, stats);
   exchange_.take_back_needless();
   before_ = evaluation_.count_applied(worthless_part * exchange_.level());
   const bool all_asked = !evaluation_.scene().queries->can_hide() || frame_ - moved_frame_ >= asking_rounds;
@@ -64,11 +64,11 @@ void Frames::advance(bool moved, Clock::time_point start, RefineStats& stats) {
 }
 
 // Hidden things give way; and once more where the mesh of this frame hides other things than that of the frame before.
-void Frames::exchange_splits(bool moved) {
+void Frames::exchange_splits(bool moved, RefineStats& stats) {
   const RefinedScene& scene = evaluation_.scene();
   const bool can_hide = scene.queries->can_hide();
   if (can_hide)
-    queries_.ask_again(exchange_.level(), false);
+    stats.readmitted += queries_.ask_again(exchange_.level(), false);
   else
     queries_.forget_hidden();
   exchange_.run();
@@ -76,7 +76,7 @@ void Frames::exchange_splits(bool moved) {
       static_cast<double>(exchange_.changes()) > much_change * static_cast<double>(evaluation_.node_count());
   const RefineOptions* const options = scene.options;
   if (!(can_hide && moved && options->queries.final_check && changed_much)) return;
-  queries_.ask_all_anew(exchange_.level());
+  stats.readmitted += queries_.ask_all_anew(exchange_.level());
   exchange_.run_again();
 }
 
@@ -84,10 +84,7 @@ void Frames::measure(RefineStats& stats) {
   ScreenError left = exchange_.rejected_error();
   evaluation_.measure_errors(left);
   stats.triangles = evaluation_.scene().cuts->triangle_count();
-  for (std::uint32_t i = 0; i < meshes_.size(); ++i) {
-    stats.culled_frustum += count(evaluation_.errors(i), {.all = Front::outside});
-    stats.culled_backface += count(evaluation_.errors(i), {.all = Front::facing_away});
-  }
+  evaluation_.count_nodes(stats);
   stats.level_px = static_cast<double>(exchange_.level());
   stats.max_error_px = static_cast<double>(left.guaranteed_px);
   stats.max_quadric_error_px = static_cast<double>(left.quadric_px);
@@ -101,6 +98,11 @@ void Frames::emit(std::span<RefinedObject> out, RefineStats& stats) {
     for (const SplitId s : meshes_[i].born())
       if (const Front::Index k = front.find(s); k != Front::none) front.set(k, Front::is_new, false);
     meshes_[i].emit((*scene.cuts)[i], options->update.geomorph_frames, out[i], stats);
+    for (const SplitId s : meshes_[i].born()) {
+      const Front::Index k = front.find(s);
+      if (front.is(k, Front::forced)) ++stats.forced_splits;
+      if (front.is(k, Front::forced_unseen)) ++stats.forced_unseen_splits;
+    }
     at_rest_ = at_rest_ && out[i].geomorphs.empty();
   }
 }

@@ -52,7 +52,7 @@ class Frames {
 
  private:
   void begin();
-  void exchange_splits(bool moved);
+  void exchange_splits(bool moved, RefineStats& stats);
   void measure(RefineStats& stats);
 
   FrontEvaluation evaluation_;

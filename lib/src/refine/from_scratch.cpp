@@ -9,6 +9,8 @@ namespace {
 // When so many visible splits in a row need more triangles than are left, the budget counts as used up.
 constexpr std::size_t most_rejections_in_a_row = 64;
 
+std::uint64_t key_of(std::uint32_t object, SplitId s) { return std::uint64_t{object} << 32U | s; }
+
 }  // namespace
 
 void FromScratch::refine(const RefinedScene& scene, RefineStats& stats) {
@@ -28,6 +30,8 @@ void FromScratch::begin() {
   entries_.begin(scene_);
   lookahead_.begin(scene_);
   victims_.clear();
+  forced_.clear();
+  taken_back_.clear();
   rejections_in_a_row_ = 0;
   left_ = {};
   level_.reset();
@@ -108,6 +112,8 @@ void FromScratch::readmit() {
 }
 
 void FromScratch::finish() {
+  count_forced();
+  stats_->nodes = stats_->visits;
   stats_->triangles = scene_.cuts->triangle_count();
   stats_->culled_occlusion = hidden().size();
   queue_.for_each([&](const Entry& entry) {
@@ -116,6 +122,16 @@ void FromScratch::finish() {
   stats_->level_px = static_cast<double>(end_level_);
   stats_->max_error_px = static_cast<double>(left_.guaranteed_px);
   stats_->max_quadric_error_px = static_cast<double>(left_.quadric_px);
+}
+
+// Of the splits that are still applied.
+void FromScratch::count_forced() {
+  for (std::size_t i = 0; i < forced_.size(); ++i) {
+    const auto back = taken_back_.find(key_of(forced_[i].object, forced_[i].split));
+    if (back != taken_back_.end() && i < back->second) continue;
+    ++stats_->forced_splits;
+    if (forced_[i].unseen) ++stats_->forced_unseen_splits;
+  }
 }
 
 void FromScratch::enqueue_roots(std::uint32_t object) {
@@ -189,6 +205,7 @@ bool FromScratch::make_room(float turn_priority, float /*priority*/) {
   const std::optional<Victims::Victim> victim =
       victims_.take_back_below(turn_priority, *scene_.cuts, scene_.importances);
   if (!victim) return false;
+  taken_back_[key_of(victim->object, victim->split)] = forced_.size();
   --stats_->splits;
   ++stats_->taken_back;
   if (victim->priority > 0.0F)
@@ -201,10 +218,9 @@ void FromScratch::apply_closure(const Entry& entry, const Cut::Closure& closure)
   rejections_in_a_row_ = 0;
   entries_.steps().split_applied(entry.error.quadric_px);
   stats_->splits += closure.splits.size();
-  stats_->forced_splits += closure.splits.size() - 1;
-  if (scene_.queries->split_question() == Entry::Kind::apply)
-    for (const SplitId s : closure.splits.subspan(1))
-      if (scene_.importances[entry.object].visible_share(s) == 0.0F) ++stats_->forced_unseen_splits;
+  const bool by_star = scene_.options->priority.culling == Culling::star;
+  for (const SplitId s : closure.splits.subspan(1))
+    forced_.push_back({entry.object, s, by_star && scene_.importances[entry.object].visible_share(s) == 0.0F});
   scene_.cuts->apply_closure(entry.object);
 }
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <unordered_map>
 #include <vector>
 
 #include "priority/queue.h"
@@ -48,6 +49,7 @@ class FromScratch {
   void process(Entry& entry);
   void readmit();
   void finish();
+  void count_forced();
 
   void enqueue_roots(std::uint32_t object);
   void enqueue_node(const Entry& parent, SplitId s, float scale_px);
@@ -66,6 +68,14 @@ class FromScratch {
   Lookahead lookahead_;
   Victims victims_;
   std::vector<float> root_scales_px_;  // of one object
+  struct Forced {
+    std::uint32_t object;
+    SplitId split;
+    bool unseen;
+  };
+  std::vector<Forced> forced_;  // in the order of application
+  // Of splits that have been taken back (object << 32 | split): how many had been forced until then.
+  std::unordered_map<std::uint64_t, std::size_t> taken_back_;
   std::size_t rejections_in_a_row_ = 0;
   std::optional<float> level_;  // of priorities, where the budget ended: set when what was hidden is checked
   float end_level_ = 0.0F;

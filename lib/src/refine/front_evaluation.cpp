@@ -172,6 +172,23 @@ AppliedCount FrontEvaluation::count_applied(float least) const {
   return applied;
 }
 
+void FrontEvaluation::count_nodes(RefineStats& stats) const {
+  constexpr std::uint16_t unseen = Front::outside | Front::facing_away;
+  for (std::uint32_t i = 0; i < objects_.size(); ++i) {
+    const BoundedProducts of = errors(i);
+    stats.nodes += count(of, {.all = Front::reached});
+    stats.culled_frustum += count(of, {.all = Front::reached | Front::outside});
+    stats.culled_backface += count(of, {.all = Front::reached | Front::facing_away});
+    stats.culled_occlusion += count(of, {.all = Front::reached | Front::hidden, .none = unseen});
+    if (scene_.options->priority.culling == Culling::subtree) continue;
+    constexpr std::uint16_t all = Front::reached | Front::descended;
+    constexpr std::uint16_t none = Front::applied | Front::hidden | unseen;
+    const BoundedProducts own = priorities(i);  // without an entry for what has expired, which may be anything
+    stats.culled_backface +=
+        count(own, {.all = all, .none = none}) - count(own, {.all = all, .none = none, .may_exceed = 0.0F});
+  }
+}
+
 void FrontEvaluation::measure_errors(ScreenError& left) {
   for (std::uint32_t i = 0; i < objects_.size(); ++i) {
     measure_unreached(i, errors(i), left.quadric_px, left);

@@ -62,6 +62,8 @@ class FrontEvaluation {
 
   // Of applied splits, by whether their subtrees matter more than `least`.
   [[nodiscard]] AppliedCount count_applied(float least) const;
+  // How many nodes have been reached, and why nothing is done at some of them.
+  void count_nodes(RefineStats& stats) const;
   // The largest error of what is held to be visible and is not refined. Only what may be it is evaluated.
   void measure_errors(ScreenError& left);
 

@@ -116,11 +116,17 @@ class Refiner::Impl {
   // Nothing has changed since the call before.
   const Refinement& repeat(Clock::time_point start) {
     for (RefinedObject& object : result_.objects) object.changes.clear();
-    stats_ = result_.stats;
-    stats_.new_splits = stats_.merged_splits = stats_.forced_splits = stats_.changed_triangles = 0;
-    stats_.visits = stats_.queries = stats_.queries_hidden = stats_.occluder_draws = 0;
-    stats_.rejected_splits = stats_.readmitted = stats_.taken_back = 0;
-    stats_.occlusion_ms = 0.0;
+    const RefineStats& last = result_.stats;
+    stats_ = {.budget = last.budget,
+              .triangles = last.triangles,
+              .splits = last.splits,
+              .nodes = last.nodes,
+              .culled_frustum = last.culled_frustum,
+              .culled_backface = last.culled_backface,
+              .culled_occlusion = last.culled_occlusion,
+              .max_error_px = last.max_error_px,
+              .max_quadric_error_px = last.max_quadric_error_px,
+              .level_px = last.level_px};
     stats_.refine_ms = milliseconds_since(start);
     result_.stats = stats_;
     return result_;

@@ -211,7 +211,6 @@ bool SplitExchange::make_room(float /*turn_priority*/, float priority) {
 void SplitExchange::apply_closure(const Entry& entry, const Cut::Closure& closure) {
   CutSet& cuts = *evaluation_.scene().cuts;
   Front& front = evaluation_.front(entry.object);
-  stats_->forced_splits += closure.splits.size() - 1;
   sorted_.assign(closure.splits.begin(), closure.splits.end());
   std::sort(sorted_.begin(), sorted_.end());  // what is needed comes first
   cuts.apply_closure(entry.object);
@@ -223,6 +222,21 @@ void SplitExchange::apply_closure(const Entry& entry, const Cut::Closure& closur
       front.set(front.find(needed), Front::leaf, false);
   }
   changes_ += sorted_.size();
+  note_forced(entry, closure);
+}
+
+void SplitExchange::note_forced(const Entry& entry, const Cut::Closure& closure) {
+  const bool by_star = evaluation_.scene().options->priority.culling == Culling::star;
+  Front& front = evaluation_.front(entry.object);
+  for (const SplitId s : closure.splits) {
+    const Front::Index k = front.find(s);
+    const bool forced = s != entry.split;
+    front.set(k, Front::forced, forced);
+    front.set(
+        k, Front::forced_unseen,
+        forced && by_star &&
+            (front.is(k, Front::hidden) || evaluation_.scene().importances[entry.object].visible_share(s) == 0.0F));
+  }
 }
 
 // Still what it was when it was queued.
@@ -257,6 +271,7 @@ void SplitExchange::take_back(std::uint32_t object, SplitId s) {
   Front& front = evaluation_.front(object);
   const Front::Index k = front.find(s);
   ++changes_;
+  ++stats_->taken_back;
   for (const Front::Flag flag : {Front::applied, Front::leaf, Front::is_new}) front.set(k, flag, false);
   const auto note_leaves = [&](SplitId needed) { enqueue_new_leaf(object, needed); };
   meshes_[object].take_back(s);

@@ -61,6 +61,7 @@ class SplitExchange {
   [[nodiscard]] bool limit_reached() const;
   void descend(const Entry& entry);
   void enqueue_split(std::uint32_t object, Front::Index k);
+  void note_forced(const Entry& entry, const Cut::Closure& closure);
   bool take_back_least();
   void take_back(std::uint32_t object, SplitId s);
   void enqueue_new_leaf(std::uint32_t object, SplitId s);

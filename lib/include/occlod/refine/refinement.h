@@ -11,31 +11,36 @@
 
 namespace occlod {
 
+// Every field is set by each call of refine() and update(), whichever way it took.
 struct RefineStats {
+  // Of the mesh as it stands after the call.
   std::size_t budget = 0;
   std::size_t triangles = 0;
-  std::size_t splits = 0;                // applied
-  std::size_t forced_splits = 0;         // of those, applied only because another depends on them
-  std::size_t forced_unseen_splits = 0;  // star: and change nothing that is seen: what conformity costs
-  std::size_t rejected_splits = 0;       // visible, but would have broken the budget
-  std::size_t visits = 0;                // nodes looked at
-  std::size_t culled_frustum = 0;        // nodes and stars outside the frustum
-  std::size_t culled_backface = 0;       // and facing away
-  std::size_t culled_occlusion = 0;      // and hidden at the end
-  std::size_t queries = 0;               // asked of the backend
-  std::size_t queries_hidden = 0;        // answered "hidden"
-  std::size_t occluder_draws = 0;
-  std::size_t readmitted = 0;  // hidden by an earlier occluder and not by the final mesh
-  std::size_t taken_back = 0;  // splits that made room for these
-  double max_error_px = 0.0;   // largest guaranteed screen error left on surface held to be visible; infinite when the
-                               // eye is inside the bounds of a split that is not applied
-  double max_quadric_error_px =
-      0.0;                     // the same of the quadric error: about the root mean square distance instead of a bound
-  double level_px = 0.0;       // priority of what would have been next when the budget was used up; 0 = nothing
-  std::size_t new_splits = 0;  // applied in this call
-  std::size_t merged_splits = 0;      // taken back in this call, applied in an earlier one
-  std::size_t changed_triangles = 0;  // places of the index buffers that differ from those of the call before
+  std::size_t splits = 0;           // applied
+  std::size_t nodes = 0;            // of the forests, that refinement reached: roots, and children of what it descended
+  std::size_t culled_frustum = 0;   // of these nodes, outside the frustum
+  std::size_t culled_backface = 0;  // of the others, facing away; or (star) no face of their own split is seen
+  std::size_t culled_occlusion = 0;  // of the others, hidden by the occluder that they were last asked about against
+  double max_error_px = 0.0;  // largest guaranteed screen error left on surface held to be visible; infinite when the
+                              // eye is inside the bounds of a split that is not applied
+  double max_quadric_error_px = 0.0;  // the same of the quadric error: about the root mean square distance, no bound
+  double level_px = 0.0;              // priority of what would have been next when the budget was used up; 0 = nothing
   bool pending = false;               // update(): a limit ended the call before its work was done
+
+  // Of this call. Refinement from the base meshes, also by update(), applies all splits anew and changes all triangles.
+  std::size_t new_splits = 0;            // applied by this call and not there before
+  std::size_t forced_splits = 0;         // of those, applied only because another depends on them
+  std::size_t forced_unseen_splits = 0;  // of those, star: change nothing that is seen: what conformity costs
+  std::size_t merged_splits = 0;         // update(): there before, and taken back by this call
+  std::size_t rejected_splits = 0;       // visible, but would have broken the budget
+  std::size_t readmitted = 0;  // hidden by an earlier occluder, asked about again and visible: by the final check, or
+                               // when a frame begins
+  std::size_t taken_back = 0;  // splits given up, also such as have come back: to make room, or needless
+  std::size_t visits = 0;      // from scratch nodes reached; going on candidates tried
+  std::size_t queries = 0;     // asked of the backend
+  std::size_t queries_hidden = 0;  // of those, answered "hidden"
+  std::size_t occluder_draws = 0;
+  std::size_t changed_triangles = 0;  // places of the index buffers that differ from those of the call before
   double refine_ms = 0.0;             // wall time without occlusion_ms
   double occlusion_ms = 0.0;          // drawing occluders, asking and waiting for answers
 };
