@@ -193,6 +193,26 @@ TEST(AutoRefiner, AStillViewComesToRest) {
   EXPECT_EQ(stats.new_splits + stats.merged_splits + stats.occluder_draws, 0U);
 }
 
+// The camera stands still: what has been moved far is looked at anew, and is no longer at rest; and where nothing hides
+// a moved object is refined as if it had been there from the beginning.
+TEST(AutoRefiner, LooksAgainWhenAnObjectHasMoved) {
+  const Hierarchy ground = open_ground();
+  RefineObject objects[] = {{.hierarchy = &ground}};
+  AutoRefiner refiner = refiner_of(objects);
+  (void)refiner.refine(above_ground(), budget_of(3'000));
+  (void)refiner.refine(above_ground(), budget_of(3'000));
+  EXPECT_FALSE(refiner.report().looked_ahead);
+  const glm::vec3 size = ground.box().max - ground.box().min;
+  objects[0].object_to_world[3] = glm::dvec4(0.3 * static_cast<double>(size.x), 0.0, 0.0, 1.0);
+  refiner.set_transform(0, objects[0].object_to_world);
+  const std::uint64_t moved = refiner.refine(above_ground(), budget_of(3'000)).hash();
+  EXPECT_TRUE(refiner.report().looked_ahead);
+  EXPECT_EQ(moved, refiner_of(objects).refine(above_ground(), budget_of(3'000)).hash());
+  for (int i = 0; i < 20; ++i) (void)refiner.update(above_ground(), budget_of(3'000));
+  refiner.set_transform(0, glm::dmat4(1.0));
+  EXPECT_GT(refiner.update(above_ground(), budget_of(3'000)).stats.new_splits, 0U);
+}
+
 // A camera that crosses the scene in every frame would look ahead in each: it does not in two that follow each other.
 TEST(AutoRefiner, LooksAreRareWhateverTheCameraDoes) {
   const Hierarchy scene = wall_with_spheres();

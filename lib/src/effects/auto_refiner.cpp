@@ -85,6 +85,16 @@ double extent_of(std::span<const RefineObject> objects) {
   return glm::length(high - low);
 }
 
+// The largest distance between two places of a corner of its box.
+double moved_by(const RefineObject& from, const RefineObject& to) {
+  double moved = 0.0;
+  for (int i = 0; i < 8; ++i) {
+    const glm::dvec4 p(corner(from.hierarchy->box(), i), 1.0);
+    moved = std::max(moved, glm::length((to.object_to_world - from.object_to_world) * p));
+  }
+  return moved;
+}
+
 }  // namespace
 
 // A look ahead when one is due, a choice by forecast, refinement, then its counts are recorded, and a look back when
@@ -92,7 +102,8 @@ double extent_of(std::span<const RefineObject> objects) {
 class AutoRefiner::Impl {
  public:
   Impl(std::span<const RefineObject> objects, AutoOptions options)
-      : refiner_(objects),
+      : objects_(objects.begin(), objects.end()),
+        refiner_(objects),
         probe_(objects),
         backends_(or_software(std::move(options.backends))),
         calibration_(matched(options.calibration ? *options.calibration : measure_calibration(backends_), backends_)),
@@ -106,6 +117,16 @@ class AutoRefiner::Impl {
   [[nodiscard]] const EffectReport& report() const { return report_; }
   [[nodiscard]] Visibility& backend(std::size_t index) const { return *backends_[index]; }
 
+  void set_transform(std::size_t object, const glm::dmat4& object_to_world) {
+    refiner_.set_transform(object, object_to_world);
+    probe_.set_transform(object, object_to_world);
+    glm::dmat4& place = objects_[object].object_to_world;
+    if (place == object_to_world) return;
+    place = object_to_world;
+    extent_ = extent_of(objects_);
+    placed_ = true;
+  }
+
   const Refinement& refine(const View& view, const RefineOptions& options) {
     if (options.budget < refiner_.base_triangles()) return refiner_.refine(view, options, none_);  // throws
     last_.reset();
@@ -117,7 +138,7 @@ class AutoRefiner::Impl {
 
   const Refinement& update(const View& view, const RefineOptions& options) {
     if (options.budget < refiner_.base_triangles()) return refiner_.update(view, options, none_);  // throws
-    const bool stands = last_ && last_->camera == view.camera() && last_->options == options;
+    const bool stands = !placed_ && last_ && last_->camera == view.camera() && last_->options == options;
     if (stands) {
       report_.looked_ahead = report_.looked_back = false;
       report_.look_ms = 0.0;
@@ -125,6 +146,7 @@ class AutoRefiner::Impl {
       choose(Way::going_on, view, options);
     }
     last_ = {view.camera(), options};
+    placed_ = false;
     RefineOptions chosen = report_.choice.with(options);
     chosen.occluder.splits.clear();  // each frame draws one occluder; another value would refine from scratch
     const Refinement& refinement = refiner_.update(view, chosen, chosen_backend());
@@ -161,7 +183,13 @@ class AutoRefiner::Impl {
            growth * same_budget_factor < 1.0 || zoom > same_zoom_factor || zoom * same_zoom_factor < 1.0 ||
            view.is_orthographic() != looked_from_->is_orthographic() ||
            glm::dot(view.direction(), looked_from_->direction()) < near_cosine ||
-           glm::distance(view.camera().eye, looked_from_->camera().eye) > near_share * extent_;
+           glm::distance(view.camera().eye, looked_from_->camera().eye) > near_share * extent_ || has_moved_far();
+  }
+
+  [[nodiscard]] bool has_moved_far() const {
+    for (std::size_t i = 0; i < objects_.size(); ++i)
+      if (moved_by(looked_at_[i], objects_[i]) > near_share * extent_) return true;
+    return false;
   }
 
   void look_ahead(Way way, const View& view, const RefineOptions& options) {
@@ -183,6 +211,7 @@ class AutoRefiner::Impl {
       worths_[i] = {};
     }
     looked_from_ = view;
+    looked_at_ = objects_;
     looked_with_ = options;
     views_since_look_ = 0;
     back_due_ = true;
@@ -332,11 +361,14 @@ class AutoRefiner::Impl {
     if (is_vain(whole)) effects_[object].occlusion = false;
   }
 
+  std::vector<RefineObject> objects_;
+  bool placed_ = false;  // some of them elsewhere, since the last update()
   Refiner refiner_;
   Probe probe_;
   NoOcclusion none_;
   std::vector<std::unique_ptr<Visibility>> backends_;
   Calibration calibration_;
+  std::vector<RefineObject> looked_at_;  // where they were then
   double extent_ = 0.0;
   double far_share_ = 0.0;
 
@@ -377,6 +409,9 @@ AutoRefiner& AutoRefiner::operator=(AutoRefiner&&) noexcept = default;
 const Calibration& AutoRefiner::calibration() const noexcept { return impl_->calibration(); }
 std::size_t AutoRefiner::base_triangles() const noexcept { return impl_->refiner().base_triangles(); }
 std::size_t AutoRefiner::full_triangles() const noexcept { return impl_->refiner().full_triangles(); }
+void AutoRefiner::set_transform(std::size_t object, const glm::dmat4& object_to_world) {
+  impl_->set_transform(object, object_to_world);
+}
 const Refinement& AutoRefiner::refine(const View& view, const RefineOptions& options) {
   return impl_->refine(view, options);
 }

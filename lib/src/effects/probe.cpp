@@ -71,6 +71,11 @@ Probe::Probe(std::span<const RefineObject> objects)
 }
 Probe::~Probe() = default;
 
+void Probe::set_transform(std::size_t object, const glm::dmat4& object_to_world) {
+  scout_.set_transform(object, object_to_world);
+  objects_[object].object_to_world = object_to_world;
+}
+
 const Probe::Result& Probe::look_ahead(const View& view, const RefineOptions& options) {
   RefineOptions coarse = options;
   coarse.budget = std::min(options.budget, scout_.base_triangles() + scout_triangles);

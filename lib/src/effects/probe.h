@@ -22,6 +22,9 @@ class Probe {
   Probe& operator=(const Probe&) = delete;
   ~Probe();
 
+  // As Refiner::set_transform().
+  void set_transform(std::size_t object, const glm::dmat4& object_to_world);
+
   struct Result {
     HiddenShares all;
     std::vector<HiddenShares> objects;

@@ -37,11 +37,21 @@ bool is_uniform(const glm::dmat3& m, double stretch) {
 }  // namespace
 
 std::optional<ViewMotion> motion_between(const PlacedView& from, const PlacedView& to, const glm::vec3& center) {
-  if (from.view.camera() == to.view.camera()) return ViewMotion{};
+  const bool is_turned = glm::dmat3(from.object.object_to_eye()) != glm::dmat3(to.object.object_to_eye());
+  if (!is_turned && from.view.camera() == to.view.camera() && from.object.object_to_eye() == to.object.object_to_eye())
+    return ViewMotion{};
   if (!have_one_lens(from.view.camera(), to.view.camera())) return std::nullopt;
   const double stretch = to.object.largest_stretch();
   if (!is_uniform(glm::dmat3(to.object.object_to_eye()), stretch)) return std::nullopt;
-  const glm::dmat3 axes_from = axes_of(from.view), axes_to = axes_of(to.view), change = axes_to - axes_from;
+  const glm::dmat3 axes_from = axes_of(from.view), axes_to = axes_of(to.view);
+  glm::dmat3 change = axes_to - axes_from;
+  if (is_turned) {  // the object itself
+    const glm::dmat3 linear_from(from.object.object_to_eye()), linear_to(to.object.object_to_eye());
+    const double stretch_from = from.object.largest_stretch();
+    if (!is_uniform(linear_from, stretch_from) || !(std::abs(stretch_from - stretch) <= 1e-12 * stretch))
+      return std::nullopt;
+    change = (axes_to * linear_to - axes_from * linear_from) / stretch;
+  }
   // Of a difference of two rotations, the Frobenius norm is sqrt 2 times as long as the largest change of a unit
   // vector.
   const double frobenius =
@@ -59,7 +69,7 @@ std::optional<ViewMotion> motion_between(const PlacedView& from, const PlacedVie
   ViewMotion motion;
   motion.eye_distance = up * glm::distance(eye_from, eye_to) + rounding + range;
   motion.center_distance = up * glm::distance(seen_from, seen_to) / stretch + 1e-14 * glm::length(seen_to) + range;
-  motion.rotation_rad = up * std::sqrt(0.5 * frobenius) + 1e-12;
+  motion.rotation_rad = up * std::sqrt(0.5 * frobenius) + (is_turned ? 1e-8 : 1e-12);
   if (!(std::isfinite(motion.eye_distance) && std::isfinite(motion.center_distance) && motion.rotation_rad < 0.5))
     return std::nullopt;
   return motion;

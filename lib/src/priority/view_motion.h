@@ -32,9 +32,9 @@ struct PlacedView {
   const ObjectView& object;
 };
 
-// Between two views of one object with this center, in object space. Nothing when they differ in more than where the
-// eye is and where it looks, when they are orthographic and differ at all, or when the object is stretched more in one
-// direction than in another.
+// Between two views of one object with this center, in object space; it may have been moved and turned in between.
+// Nothing when they differ in more than where the eye is, where it looks and where the object is, when they are
+// orthographic and differ at all, or when the object is stretched more in one direction than in another.
 [[nodiscard]] std::optional<ViewMotion> motion_between(const PlacedView& from, const PlacedView& to,
                                                        const glm::vec3& center);
 

@@ -9,6 +9,7 @@
 #include "refine/frames.h"
 #include "refine/from_scratch.h"
 #include "refine/refined_scene.h"
+#include "view/placement.h"
 
 namespace occlod {
 namespace {
@@ -36,6 +37,16 @@ class Refiner::Impl {
   [[nodiscard]] std::size_t base_triangles() const noexcept { return cuts_.base_triangle_count(); }
   [[nodiscard]] std::size_t full_triangles() const noexcept { return sum(&Hierarchy::input_triangle_count); }
 
+  void set_transform(std::size_t object, const glm::dmat4& object_to_world) {
+    if (object >= objects_.size())
+      throw Error({"refiner", "object " + std::to_string(object), "is not there",
+                   "there are " + std::to_string(objects_.size()) + ", counted from 0"});
+    require_placement(object_to_world);
+    if (objects_[object].object_to_world == object_to_world) return;
+    objects_[object].object_to_world = object_to_world;
+    placed_ = true;
+  }
+
   const Refinement& refine(const View& view, const RefineOptions& options, Visibility& visibility) {
     const Clock::time_point start = Clock::now();
     begin(view, options, visibility);
@@ -48,12 +59,13 @@ class Refiner::Impl {
 
   const Refinement& update(const View& view, const RefineOptions& options, Visibility& visibility) {
     const Clock::time_point start = Clock::now();
-    const bool moved = !last_ || last_->visibility != &visibility || last_->camera != view.camera();
+    const bool moved = placed_ || !last_ || last_->visibility != &visibility || last_->camera != view.camera();
     if (frames_ && !moved && options_ == options && frames_->at_rest()) return repeat(start);
     const bool same_backend = last_ && last_->visibility == &visibility;
     if (!go_on_alike(options_, options)) frames_.reset();
     begin(view, options, visibility);
     last_ = {view.camera(), &visibility};
+    placed_ = false;
     if (frames_ && !same_backend) frames_->forget_hidden();
     const bool limited = options.update.most_changes > 0 || options.update.time_limit_ms > 0.0;
     if (frames_ && (frames_->move_to(scene(view)) || limited)) {
@@ -157,12 +169,17 @@ class Refiner::Impl {
     Camera camera;
     const Visibility* visibility;  // only compared
   };
+  bool placed_ = false;           // objects elsewhere, since the last update()
   std::optional<Last> last_;      // of update()
   std::optional<Frames> frames_;  // of update(), since the last refine()
 };
 
 const Refinement& Refiner::update(const View& view, const RefineOptions& options, Visibility& visibility) {
   return impl_->update(view, options, visibility);
+}
+
+void Refiner::set_transform(std::size_t object, const glm::dmat4& object_to_world) {
+  impl_->set_transform(object, object_to_world);
 }
 
 std::vector<std::uint32_t> Refiner::visibility_ages(std::size_t object) const { return impl_->visibility_ages(object); }

@@ -8,6 +8,7 @@
 #include "math/inverse_power_of_two.h"
 #include "occlod/core/error.h"
 #include "occlod/view/view.h"
+#include "view/placement.h"
 
 namespace occlod {
 namespace {
@@ -102,13 +103,17 @@ glm::dvec3 far_eye(const View& view, const glm::dmat3& linear, const glm::dvec3&
 
 }  // namespace
 
-ObjectView::ObjectView(const View& view, const glm::dmat4& object_to_world) {
-  const glm::dmat3 linear(object_to_world);
-  const double determinant = determinant_of(linear);
+void require_placement(const glm::dmat4& object_to_world) {
+  const double determinant = determinant_of(glm::dmat3(object_to_world));
   if (!finite(object_to_world) || glm::row(object_to_world, 3) != glm::dvec4(0, 0, 0, 1) ||
       !std::isfinite(determinant) || determinant == 0.0)
     throw Error({"object", "transform", "is not an affine matrix with an inverse",
                  "give finite numbers, last row 0 0 0 1, and no zero scale"});
+}
+
+ObjectView::ObjectView(const View& view, const glm::dmat4& object_to_world) {
+  require_placement(object_to_world);
+  const glm::dmat3 linear(object_to_world);
   object_to_clip_ = glm::mat4(view.world_to_clip() * object_to_world);
   // Far from the origin the difference of two places is rounded once, and little; their images under a matrix are not.
   object_to_eye_ = glm::dmat4x3(object_to_world);
@@ -123,7 +128,7 @@ ObjectView::ObjectView(const View& view, const glm::dmat4& object_to_world) {
   largest_stretch_ = stretch_of(linear);
   focal_length_px_ = view.focal_length_px();
   cos_corner_angle_ = view.cos_corner_angle();
-  mirrored_ = determinant < 0.0;
+  mirrored_ = determinant_of(linear) < 0.0;
   planes_ = frustum_planes(view, object_to_eye_);
 }
 

@@ -30,6 +30,9 @@ class AutoRefiner {
   [[nodiscard]] std::size_t base_triangles() const noexcept;
   [[nodiscard]] std::size_t full_triangles() const noexcept;
 
+  // As Refiner::set_transform().
+  void set_transform(std::size_t object, const glm::dmat4& object_to_world);
+
   // As Refiner::refine(), with effects chosen for the view in place of options.occluder but its mode, of
   // options.queries but its proxy, and of options.effects. Throws Error likewise.
   const Refinement& refine(const View& view, const RefineOptions& options);

@@ -40,6 +40,11 @@ class Refiner {
   [[nodiscard]] std::size_t base_triangles() const noexcept;
   [[nodiscard]] std::size_t full_triangles() const noexcept;
 
+  // Places objects[object] elsewhere, from the next call on. To refine() this is as if the Refiner had been made so; to
+  // update() as if the camera had moved, for this object and for what it hides of others. Throws Error when there is no
+  // such object or the matrix is not finite, not affine or cannot be inverted; then it stays where it is.
+  void set_transform(std::size_t object, const glm::dmat4& object_to_world);
+
   // Refines from the base meshes. Throws Error when the budget is smaller than base_triangles(). The result is valid
   // until the next call. Deterministic for a backend whose answers are.
   const Refinement& refine(const View& view, const RefineOptions& options, Visibility& visibility);
