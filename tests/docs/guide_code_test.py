@@ -14,6 +14,7 @@ import unittest
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 PREAMBLE = """#include <occlod/occlod.h>
+#include <glm/gtc/matrix_transform.hpp>
 #include <span>
 template <class... Arguments> void upload(const Arguments&...) {}
 """
