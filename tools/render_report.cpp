@@ -68,6 +68,7 @@ Json stats_of(const Measurement& measurement) {
   report["forced_unseen_splits"] = stats.forced_unseen_splits;
   report["rejected_splits"] = stats.rejected_splits;
   report["visits"] = stats.visits;
+  report["nodes"] = stats.nodes;
   report["culled_frustum"] = stats.culled_frustum;
   report["culled_backface"] = stats.culled_backface;
   report["culled_occlusion"] = stats.culled_occlusion;

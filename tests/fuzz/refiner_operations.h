@@ -66,7 +66,7 @@ class RefinerOperations {
   }
 
   void change(Bytes& bytes) {
-    switch (bytes.number(13)) {
+    switch (bytes.number(14)) {
       case 0:
         options_.budget = refiner_.base_triangles() + bytes.number(5000);
         break;
@@ -110,8 +110,23 @@ class RefinerOperations {
         else
           camera_.orthographic_height = bytes.real(0.0, 8.0);  // 0: no camera
         break;
+      case 12:
+        place(bytes);
+        break;
       default:
         camera_.eye += glm::dvec3(bytes.real(-0.2, 0.2), bytes.real(-0.2, 0.2), bytes.real(-0.2, 0.2));
+    }
+  }
+
+  void place(Bytes& bytes) {
+    const std::uint32_t object = bytes.number(2);
+    const glm::dvec3 at(bytes.real(-2.0, 2.0), bytes.real(-2.0, 2.0), bytes.real(-2.0, 4.0));
+    const glm::dmat4 turned = glm::rotate(glm::translate(glm::dmat4(1.0), at), bytes.real(-3.2, 3.2), {0.6, 0.8, 0.0});
+    const double size = bytes.number(4) == 0 ? bytes.real(-2.0, 2.0) : 1.0;
+    try {
+      refiner_.set_transform(object, glm::scale(turned, {size, 1.0, 1.0}));
+    } catch (const Error&) {
+      return;  // a size of 0
     }
   }
 
@@ -140,7 +155,12 @@ class RefinerOperations {
       if (std::string fault = fault_of(object); !fault.empty()) return fault;
     }
     if (triangles > options_.budget) return "more triangles than the budget";
-    if (triangles != refined.stats.triangles) return "a wrong number of triangles";
+    const RefineStats& stats = refined.stats;
+    if (triangles != stats.triangles) return "a wrong number of triangles";
+    if (stats.culled_frustum + stats.culled_backface + stats.culled_occlusion > stats.nodes)
+      return "more nodes culled than reached";
+    if (stats.forced_splits > stats.new_splits || stats.forced_unseen_splits > stats.forced_splits)
+      return "more splits forced than applied";
     return {};
   }
 
