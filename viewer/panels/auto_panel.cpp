@@ -20,9 +20,9 @@ std::string shares_text(const HiddenShares& shares) {
 }
 
 void draw_looks(const EffectReport& report) {
-  draw_row("Coarse mesh", shares_text(report.ahead));
+  draw_row("Coarse", shares_text(report.ahead));
   draw_help_of_item("Share of the nodes and stars that refinement would visit which a coarse mesh hides");
-  draw_row("Refined mesh", report.back ? shares_text(*report.back) : "not measured yet");
+  draw_row("Refined", report.back ? shares_text(*report.back) : "not measured yet");
   draw_help_of_item("The same for a refined mesh");
   draw_row("Measuring", fmt::format("{:.2f} ms in this view", report.look_ms));
 }
