@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <cerrno>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -76,6 +77,11 @@ TEST_F(PlatformFile, OnlyRegularFilesAreOpened) {
   EXPECT_EQ(why_not(testing::TempDir().c_str()), std::errc::is_a_directory);
   EXPECT_EQ(why_not("/dev/null"), std::errc::invalid_argument);
   EXPECT_EQ(why_not("no such file"), std::errc::no_such_file_or_directory);
+}
+
+TEST(Platform, KnowsWhereFilesCanBeMade) {
+  EXPECT_EQ(why_no_files_can_be_made(testing::TempDir().c_str()), 0);
+  EXPECT_EQ(why_no_files_can_be_made("no such folder"), ENOENT);
 }
 
 TEST(Platform, KnowsWhichProcessesAreGone) {

@@ -34,6 +34,8 @@ int process_id() noexcept { return getpid(); }
 
 bool may_be_running(int process) noexcept { return kill(process, 0) == 0 || errno != ESRCH; }
 
+int why_no_files_can_be_made(const char* folder) noexcept { return access(folder, W_OK | X_OK) == 0 ? 0 : errno; }
+
 InputFile::InputFile(const char* path) : descriptor_(open(path, O_RDONLY | O_CLOEXEC)) {
   if (descriptor_ < 0) fail(errno);
   try {

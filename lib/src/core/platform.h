@@ -21,6 +21,9 @@ void advise_huge_pages(void* memory, std::size_t bytes) noexcept;
 // False only when there is surely no such process on this machine.
 [[nodiscard]] bool may_be_running(int process) noexcept;
 
+// 0, or the number of the error that keeps this process from making files in a folder.
+[[nodiscard]] int why_no_files_can_be_made(const char* folder) noexcept;
+
 // A regular file, open for reading. What fails throws std::system_error with the system's reason.
 class InputFile {
  public:

@@ -94,8 +94,8 @@ void require_writable(const fs::path& path, const fs::path& target) {
   std::error_code ignored;
   if (!fs::is_directory(folder, ignored))
     fail(path, fmt::format("the folder {} does not exist", folder.string()), "create it first");
-  if (access(folder.c_str(), W_OK | X_OK) != 0)
-    fail(path, fmt::format("cannot be written: {}", reason(errno)), "check the permissions of the folder");
+  if (const int why_not = why_no_files_can_be_made(folder.c_str()); why_not != 0)
+    fail(path, fmt::format("cannot be written: {}", reason(why_not)), "check the permissions of the folder");
 }
 
 }  // namespace
