@@ -17,8 +17,8 @@
 #include <vector>
 
 #include "occlod/hierarchy/build.h"
-#include "occlod/occlusion/depth_pyramid.h"
 #include "occlod/refine/refiner.h"
+#include "occlusion/depth_pyramid.h"
 #include "oracle/ray_oracle.h"
 #include "stopwatch.h"
 #include "support/bench_meshes.h"

@@ -16,8 +16,8 @@
 #include <utility>
 #include <vector>
 
+#include "io/atomic_file.h"
 #include "occlod/hierarchy/build.h"
-#include "occlod/io/atomic_file.h"
 #include "occlod/io/olod.h"
 #include "occlod/occlusion/software_occlusion.h"
 #include "occlod/refine/refiner.h"

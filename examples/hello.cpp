@@ -3,12 +3,7 @@
 #include <exception>
 #include <iostream>
 
-#include "occlod/hierarchy/build.h"
-#include "occlod/io/read_mesh.h"
-#include "occlod/mesh/generate.h"
-#include "occlod/occlusion/software_occlusion.h"
-#include "occlod/refine/refiner.h"
-#include "occlod/view/view.h"
+#include "occlod/occlod.h"
 
 int main(int argc, char** argv) try {
   const occlod::TriangleMesh mesh =

@@ -6,7 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <system_error>
 
-#include "occlod/io/atomic_file.h"
+#include "io/atomic_file.h"
 #include "occlod/io/write_mesh.h"
 
 namespace occlod::tool {

@@ -9,7 +9,7 @@
 #include <optional>
 #include <string>
 
-#include "occlod/io/atomic_file.h"
+#include "io/atomic_file.h"
 #include "progress.h"
 
 namespace occlod::tool {

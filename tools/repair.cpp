@@ -16,6 +16,7 @@
 #include "occlod/core/error.h"
 #include "occlod/io/read_mesh.h"
 #include "occlod/io/write_mesh.h"
+#include "occlod/mesh/count_topology.h"
 #include "option_values.h"
 #include "progress.h"
 #include "stopwatch.h"

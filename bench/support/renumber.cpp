@@ -4,6 +4,7 @@
 #include <numeric>
 #include <random>
 
+#include "hierarchy/hierarchy_data.h"
 #include "hierarchy/star_record.h"
 
 namespace occlod::bench {
@@ -18,7 +19,7 @@ class Renumbering {
 
   HierarchyData run() {
     const HierarchyView& old = hierarchy_.data();
-    HierarchyData data = hierarchy_.copy_data();
+    HierarchyData data = copy_data(hierarchy_);
     permute(old.positions, data.positions);
     permute(old.normals, data.normals);
     permute(old.colors, data.colors);
@@ -72,7 +73,7 @@ class Renumbering {
 }  // namespace
 
 Hierarchy renumbered(const Hierarchy& hierarchy, std::span<const SplitId> order) {
-  return Hierarchy(Renumbering(hierarchy, order).run());
+  return make_hierarchy(Renumbering(hierarchy, order).run());
 }
 
 std::vector<SplitId> shuffled_levels(const Hierarchy& hierarchy, std::uint64_t seed) {

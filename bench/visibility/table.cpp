@@ -6,8 +6,8 @@
 #include <cmath>
 #include <utility>
 
+#include "io/atomic_file.h"
 #include "occlod/core/error.h"
-#include "occlod/io/atomic_file.h"
 
 namespace occlod::bench {
 namespace {

@@ -11,10 +11,11 @@
 #include <vector>
 
 #include "fuzz/memory_file.h"
+#include "hierarchy/split_guard.h"
+#include "hierarchy/structure.h"
 #include "io/olod_format.h"
 #include "occlod/core/error.h"
 #include "occlod/hierarchy/cut_mesh.h"
-#include "occlod/hierarchy/split_guard.h"
 #include "occlod/hierarchy/validate.h"
 #include "occlod/io/olod.h"
 

@@ -6,7 +6,7 @@
 
 #include "occlod/hierarchy/build.h"
 #include "occlod/hierarchy/validate.h"
-#include "occlod/mesh/clean.h"
+#include "occlod/mesh/count_topology.h"
 #include "support/meshes.h"
 
 namespace occlod {

@@ -9,6 +9,7 @@
 #include <random>
 
 #include "occlod/mesh/clean.h"
+#include "occlod/mesh/count_topology.h"
 #include "support/meshes.h"
 
 namespace occlod {

@@ -5,6 +5,7 @@
 #include <limits>
 #include <random>
 
+#include "hierarchy/hierarchy_data.h"
 #include "occlod/hierarchy/build.h"
 #include "occlod/hierarchy/validate.h"
 #include "support/meshes.h"
@@ -12,7 +13,7 @@
 namespace occlod {
 namespace {
 
-HierarchyData good() { return build_hierarchy(test::noisy_sphere(3, 1)).copy_data(); }
+HierarchyData good() { return copy_data(build_hierarchy(test::noisy_sphere(3, 1))); }
 
 template <typename Change>
 void expect_refused(const Change& change) {
@@ -35,7 +36,7 @@ TEST(CheckStructure, RefusesArraysOfTheWrongLength) {
 
 // A split whose star is a fan that removes faces, in the middle.
 SplitId some_fan(const HierarchyData& d) {
-  const Hierarchy hierarchy(d);
+  const Hierarchy hierarchy = make_hierarchy(d);
   for (auto s = static_cast<SplitId>(d.nodes.size() / 2); s > 0; --s)
     if (hierarchy.star(s).is_fan() && hierarchy.star(s).removed_count() > 1) return s;
   return no_id;
@@ -111,7 +112,7 @@ TEST(CheckStructure, WhatItAcceptsCanBeWalked) {
     }
     if (check_structure(view_of(data))) continue;
     ++accepted;
-    (void)validate(Hierarchy(std::move(data)));
+    (void)validate(make_hierarchy(std::move(data)));
   }
   EXPECT_GT(accepted, 0);
 }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <set>
 
+#include "hierarchy/hierarchy_data.h"
 #include "occlod/hierarchy/build.h"
 #include "support/meshes.h"
 
@@ -20,9 +21,9 @@ const Hierarchy& good() {
 // Changes one thing and expects a violation that says so.
 template <typename Change>
 void expect_violation(const std::string& text, const Change& change) {
-  HierarchyData data = good().copy_data();
+  HierarchyData data = copy_data(good());
   change(data);
-  const std::vector<std::string> violations = validate(Hierarchy(std::move(data)));
+  const std::vector<std::string> violations = validate(make_hierarchy(std::move(data)));
   const bool found = std::any_of(violations.begin(), violations.end(),
                                  [&](const std::string& v) { return v.find(text) != std::string::npos; });
   EXPECT_TRUE(found) << "nothing says '" << text << "'" << (violations.empty() ? "" : "; but: " + violations[0]);

@@ -1,4 +1,4 @@
-#include "occlod/io/atomic_file.h"
+#include "io/atomic_file.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

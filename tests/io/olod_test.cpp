@@ -10,6 +10,8 @@
 #include <random>
 #include <span>
 
+#include "hierarchy/hierarchy_data.h"
+#include "hierarchy/split_guard.h"
 #include "occlod/core/error.h"
 #include "occlod/hierarchy/build.h"
 #include "occlod/hierarchy/validate.h"
@@ -152,13 +154,13 @@ TEST_F(OlodTest, SaysWhatIsWrong) {
 
 TEST_F(OlodTest, ConsistentChecksumsDoNotMakeAHierarchy) {
   // A hostile file can have right checksums: the structure is checked as well.
-  HierarchyData data = hierarchy_.copy_data();
+  HierarchyData data = copy_data(hierarchy_);
   data.nodes[20].child_u = 4'000'000'000U;
-  write_olod(folder_ / "hostile.olod", Hierarchy(std::move(data)), report_);
+  write_olod(folder_ / "hostile.olod", make_hierarchy(std::move(data)), report_);
   EXPECT_NE(refusal(folder_ / "hostile.olod").find("do not form a valid hierarchy"), std::string::npos);
-  data = hierarchy_.copy_data();
+  data = copy_data(hierarchy_);
   data.base_faces[0].x = 4'000'000'000U;
-  write_olod(folder_ / "hostile.olod", Hierarchy(std::move(data)), report_);
+  write_olod(folder_ / "hostile.olod", make_hierarchy(std::move(data)), report_);
   EXPECT_NE(refusal(folder_ / "hostile.olod").find("does not hold a valid hierarchy"), std::string::npos);
 }
 

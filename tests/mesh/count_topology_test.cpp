@@ -1,3 +1,5 @@
+#include "occlod/mesh/count_topology.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -6,7 +8,6 @@
 #include <map>
 #include <random>
 
-#include "occlod/mesh/clean.h"
 #include "support/meshes.h"
 
 namespace occlod {

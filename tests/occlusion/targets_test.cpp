@@ -4,10 +4,10 @@
 #include <limits>
 #include <vector>
 
-#include "occlod/occlusion/depth_pyramid.h"
-#include "occlod/occlusion/screen_bounds.h"
 #include "occlod/occlusion/software_occlusion.h"
 #include "occlusion/bounds_batch.h"
+#include "occlusion/depth_pyramid.h"
+#include "occlusion/screen_bounds.h"
 #include "oracle/random_shapes.h"
 #include "raster/every_target.h"
 

@@ -12,6 +12,7 @@
 #include "occlod/hierarchy/build.h"
 #include "occlod/hierarchy/validate.h"
 #include "occlod/io/read_mesh.h"
+#include "occlod/mesh/clean.h"
 #include "repair/repair_case.h"
 #include "support/test_meshes.h"
 

@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "occlod/mesh/clean.h"
 #include "repair/repair_case.h"
 #include "support/meshes.h"
 

@@ -2,6 +2,7 @@
 #include <iterator>
 #include <vector>
 
+#include "hierarchy/hierarchy_data.h"
 #include "occlod/core/error.h"
 #include "occlod/io/olod.h"
 #include "occlod/scene/scene.h"
@@ -100,7 +101,7 @@ TEST_F(LoadObjects, TakesHierarchiesAsTheyAre) {
   write_olod(folder() / "planet.OLOD", *planet, MeshReport{});
   const std::size_t cached_before = cached().size();
   const auto objects = load(scene_of({{.source = MeshFile{{"planet.OLOD"}}}}));
-  EXPECT_EQ(objects[0].hierarchy->copy_data().stars, planet->copy_data().stars);
+  EXPECT_EQ(copy_data(*objects[0].hierarchy).stars, copy_data(*planet).stars);
   EXPECT_EQ(cached().size(), cached_before);
 }
 
@@ -112,8 +113,8 @@ TEST_F(LoadObjects, BuildsOnceAndThenReadsTheCache) {
   progress_ = 0;
   const auto fetched = load(scene_of({planet_that_reports()}));
   EXPECT_EQ(progress_, 0);
-  EXPECT_EQ(fetched[0].hierarchy->copy_data().stars, built[0].hierarchy->copy_data().stars);
-  EXPECT_EQ(fetched[0].hierarchy->copy_data().positions, built[0].hierarchy->copy_data().positions);
+  EXPECT_EQ(copy_data(*fetched[0].hierarchy).stars, copy_data(*built[0].hierarchy).stars);
+  EXPECT_EQ(copy_data(*fetched[0].hierarchy).positions, copy_data(*built[0].hierarchy).positions);
   EXPECT_TRUE(notes_.empty());
 }
 
@@ -139,7 +140,7 @@ TEST_F(LoadObjects, CachesUnderInputAndOptions) {
 // which file was wrong, and the next run finds the entry whole.
 class DamagedCache : public LoadObjects {
  protected:
-  DamagedCache() { expected_ = load(scene_of({planet_}))[0].hierarchy->copy_data(); }
+  DamagedCache() { expected_ = copy_data(*load(scene_of({planet_}))[0].hierarchy); }
 
   [[nodiscard]] std::filesystem::path entry() const { return cached().at(0); }
 
@@ -165,7 +166,7 @@ class DamagedCache : public LoadObjects {
  private:
   void expect_built(const std::vector<LoadedObject>& objects) const {
     ASSERT_NO_THROW(objects.at(0).hierarchy->require_all());
-    const HierarchyData data = objects.at(0).hierarchy->copy_data();
+    const HierarchyData data = copy_data(*objects.at(0).hierarchy);
     EXPECT_EQ(data.positions, expected_.positions);
     EXPECT_EQ(data.stars, expected_.stars);
     EXPECT_EQ(data.base_faces, expected_.base_faces);

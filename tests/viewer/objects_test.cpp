@@ -6,7 +6,7 @@
 
 #include "occlod/hierarchy/build.h"
 #include "occlod/mesh/generate.h"
-#include "occlod/occlusion/depth_pyramid.h"
+#include "occlusion/depth_pyramid.h"
 
 namespace occlod::viewer {
 namespace {

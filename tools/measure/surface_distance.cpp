@@ -21,6 +21,7 @@ namespace {
 
 using Kernel = CGAL::Simple_cartesian<double>;
 using Point = Kernel::Point_3;
+using FaceId = std::uint32_t;  // into Arrays::triangles
 
 glm::dvec3 to_glm(const Point& p) { return {p.x(), p.y(), p.z()}; }
 Point to_cgal(const glm::dvec3& p) { return {p.x, p.y, p.z}; }

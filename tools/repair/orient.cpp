@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "occlod/mesh/clean.h"
+#include "occlod/mesh/count_topology.h"
 
 namespace occlod::repair {
 namespace {

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "gl/objects.h"
-#include "occlod/occlusion/depth_pyramid.h"
+#include "occlusion/depth_pyramid.h"
 
 namespace occlod::viewer {
 

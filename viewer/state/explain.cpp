@@ -4,7 +4,7 @@
 #include <array>
 #include <unordered_map>
 
-#include "occlod/occlusion/screen_bounds.h"
+#include "occlusion/screen_bounds.h"
 #include "priority/star_visibility.h"
 
 namespace occlod::viewer {

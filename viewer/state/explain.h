@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "objects.h"
-#include "occlod/occlusion/depth_pyramid.h"
 #include "occlod/refine/refiner.h"
+#include "occlusion/depth_pyramid.h"
 #include "palette.h"
 
 namespace occlod::viewer {

@@ -4,8 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include "occlod/occlusion/depth_pyramid.h"
 #include "occlod/refine/visibility.h"
+#include "occlusion/depth_pyramid.h"
 
 namespace occlod::viewer {
 

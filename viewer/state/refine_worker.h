@@ -15,8 +15,8 @@
 
 #include "objects.h"
 #include "occlod/effects/effect_choice.h"
-#include "occlod/occlusion/depth_pyramid.h"
 #include "occlod/refine/refiner.h"
+#include "occlusion/depth_pyramid.h"
 #include "settings.h"
 
 namespace occlod::viewer {

@@ -5,7 +5,7 @@
 
 #include <fstream>
 
-#include "occlod/io/atomic_file.h"
+#include "io/atomic_file.h"
 
 namespace occlod::viewer {
 

@@ -1,4 +1,4 @@
-#include "occlod/core/large_vector.h"
+#include "core/large_vector.h"
 
 #include "core/platform.h"
 

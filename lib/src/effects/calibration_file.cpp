@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "occlod/effects/calibration.h"
-#include "occlod/io/atomic_file.h"
+#include "io/atomic_file.h"
 #include "scene/strict_json.h"
 
 namespace occlod {

@@ -13,7 +13,7 @@
 #include "gl/in_context.h"
 #include "gl/objects.h"
 #include "gl/occluder_mesh.h"
-#include "occlod/occlusion/screen_bounds.h"
+#include "occlusion/screen_bounds.h"
 
 namespace occlod::gl {
 namespace {

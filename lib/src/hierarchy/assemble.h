@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
-#include "occlod/core/large_vector.h"
-#include "occlod/hierarchy/hierarchy.h"
+#include "core/large_vector.h"
+#include "hierarchy_data.h"
 #include "occlod/mesh/triangle_mesh.h"
 #include "simplify.h"
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "assemble.h"
+#include "hierarchy_data.h"
 #include "math/inverse_power_of_two.h"
 #include "measure_error.h"
 #include "occlod/core/error.h"
@@ -42,7 +43,7 @@ Hierarchy build_hierarchy(const TriangleMesh& mesh, const BuildOptions& options)
   TriangleMesh ordered = in_spatial_order(mesh, threads);
   CollapseSequence sequence = simplify(ordered, options);
   if (options.error_bound == ErrorBound::measured) measure_errors(ordered, sequence);
-  return Hierarchy(bound_subtrees(assemble(ordered, std::move(sequence), threads), threads));
+  return make_hierarchy(bound_subtrees(assemble(ordered, std::move(sequence), threads), threads));
 }
 
 }  // namespace occlod

@@ -3,6 +3,9 @@
 #include <cassert>
 #include <utility>
 
+#include "hierarchy_data.h"
+#include "split_guard.h"
+
 namespace occlod {
 namespace {
 
@@ -20,28 +23,42 @@ HierarchyView view_of(const HierarchyData& data) {
           data.face_count, data.error_bound};
 }
 
-Hierarchy::Hierarchy(HierarchyData data) {
+Hierarchy make_hierarchy(HierarchyData data) {
   const auto owned = std::make_shared<const HierarchyData>(std::move(data));
-  view_ = view_of(*owned);
-  owner_ = owned;
-  assert(!view_.nodes.empty() && !view_.positions.empty());
+  const HierarchyView view = view_of(*owned);
+  assert(!view.nodes.empty() && !view.positions.empty());
+  return {view, owned};
 }
 
-Hierarchy::Hierarchy(const HierarchyView& view, std::shared_ptr<const void> owner, std::shared_ptr<SplitGuard> guard)
-    : view_(view), owner_(std::move(owner)), guard_(std::move(guard)) {}
+Hierarchy guarded_hierarchy(const HierarchyView& view, std::shared_ptr<const void> owner,
+                            std::shared_ptr<SplitGuard> guard) {
+  Hierarchy hierarchy(view, std::move(owner));
+  hierarchy.checked_ = guard->checked();
+  hierarchy.guard_ = std::move(guard);
+  return hierarchy;
+}
 
-HierarchyData Hierarchy::copy_data() const {
-  return {to_vector(view_.positions),
-          to_vector(view_.normals),
-          to_vector(view_.colors),
-          to_vector(view_.nodes),
-          to_vector(view_.stars),
-          to_vector(view_.roots),
-          to_vector(view_.base_faces),
-          view_.box,
-          view_.input_triangle_count,
-          view_.face_count,
-          view_.error_bound};
+HierarchyData copy_data(const Hierarchy& hierarchy) {
+  const HierarchyView& view = hierarchy.data();
+  return {to_vector(view.positions),
+          to_vector(view.normals),
+          to_vector(view.colors),
+          to_vector(view.nodes),
+          to_vector(view.stars),
+          to_vector(view.roots),
+          to_vector(view.base_faces),
+          view.box,
+          view.input_triangle_count,
+          view.face_count,
+          view.error_bound};
+}
+
+Hierarchy::Hierarchy(const HierarchyView& view, std::shared_ptr<const void> owner)
+    : view_(view), owner_(std::move(owner)) {}
+
+void Hierarchy::check_block(std::size_t block) const {
+  static_assert(block_bits_ == SplitGuard::block_bits);
+  guard_->check(block);
 }
 
 void Hierarchy::require_all() const {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "occlod/core/large_vector.h"
+#include "core/large_vector.h"
 #include "parallel.h"
 #include "sort_by_key.h"
 

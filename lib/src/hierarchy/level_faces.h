@@ -11,8 +11,10 @@
 namespace occlod {
 
 using CollapseIndex = CollapseId;  // into CollapseSequence::collapses: ids are places
+using FaceId = std::uint32_t;      // of LevelFaces
 
-// Faces are numbered: those that ended, in their order, then those of the base mesh. Keeps a view of the sequence.
+// Numbers all faces that ever existed: those that ended, in their order, then those of the base mesh. Keeps a view of
+// the sequence.
 class LevelFaces {
  public:
   explicit LevelFaces(const CollapseSequence& sequence);

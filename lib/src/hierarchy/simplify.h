@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/large_vector.h"
 #include "occlod/core/ids.h"
-#include "occlod/core/large_vector.h"
 #include "occlod/hierarchy/build.h"
 #include "occlod/mesh/triangle_mesh.h"
 

@@ -5,8 +5,8 @@
 #include <glm/vec3.hpp>
 
 #include "build_progress.h"
+#include "core/large_vector.h"
 #include "fan.h"
-#include "occlod/core/large_vector.h"
 #include "position_view.h"
 #include "star_mesh.h"
 #include "vertex_quadric.h"

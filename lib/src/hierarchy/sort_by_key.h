@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "occlod/core/large_vector.h"
+#include "core/large_vector.h"
 
 namespace occlod {
 

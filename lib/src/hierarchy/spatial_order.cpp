@@ -76,7 +76,7 @@ TriangleMesh in_spatial_order(const TriangleMesh& mesh, unsigned threads) {
   std::vector<VertexId> new_id(order.size());
   for_each_id(order.size(), threads, [&](VertexId i) { new_id[order[i]] = i; });
   result.triangles.resize(mesh.triangles.size());
-  for_each_id(mesh.triangles.size(), threads, [&](FaceId f) {
+  for_each_id(mesh.triangles.size(), threads, [&](std::uint32_t f) {
     const Triangle& t = mesh.triangles[f];
     result.triangles[f] = {new_id[t.x], new_id[t.y], new_id[t.z]};
   });

@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
+#include "core/large_vector.h"
 #include "core/platform.h"
-#include "occlod/core/large_vector.h"
 #include "occlod/mesh/triangle_mesh.h"
 #include "simplify.h"
 

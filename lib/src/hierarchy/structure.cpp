@@ -1,3 +1,5 @@
+#include "structure.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>

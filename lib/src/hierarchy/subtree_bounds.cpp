@@ -6,8 +6,8 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
+#include "core/large_vector.h"
 #include "core/platform.h"
-#include "occlod/core/large_vector.h"
 #include "parallel.h"
 #include "star_patch.h"
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "assemble.h"
-#include "occlod/hierarchy/hierarchy.h"
+#include "hierarchy_data.h"
 
 namespace occlod {
 

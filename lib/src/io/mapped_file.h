@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <span>
 
-#include "occlod/core/large_vector.h"
+#include "core/large_vector.h"
 
 namespace occlod {
 

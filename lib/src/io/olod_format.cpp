@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <memory>
 
-#include "occlod/hierarchy/split_guard.h"
+#include "hierarchy/split_guard.h"
 
 namespace occlod::olod {
 namespace {

@@ -8,9 +8,10 @@
 #include <type_traits>
 #include <vector>
 
+#include "hierarchy/split_guard.h"
+#include "hierarchy/structure.h"
 #include "mapped_file.h"
 #include "occlod/core/error.h"
-#include "occlod/hierarchy/validate.h"
 #include "occlod/io/olod.h"
 #include "olod_codec.h"
 #include "olod_format.h"
@@ -184,7 +185,7 @@ OlodFile read_olod(const std::filesystem::path& path, OlodAccess access) {
   if (digests.size() != guard->block_count() + 1)
     reader->refuse("section BLOK", "does not have a checksum for every block", rebuild);
   if (digest_of_base(view) != digests[0]) reader->refuse("base mesh", "is damaged: its checksum is wrong", rebuild);
-  return {Hierarchy(view, reader, guard), report,
+  return {guarded_hierarchy(view, reader, guard), report,
           reader->is_compressed() ? OlodCompression::zstd : OlodCompression::none};
 }
 

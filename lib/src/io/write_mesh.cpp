@@ -15,9 +15,9 @@
 #include <span>
 #include <utility>
 
+#include "io/atomic_file.h"
 #include "io/file_format.h"
 #include "io/file_input.h"
-#include "occlod/io/atomic_file.h"
 
 namespace occlod {
 namespace {

@@ -3,7 +3,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "occlod/io/atomic_file.h"
+#include "io/atomic_file.h"
 #include "occlod/io/olod.h"
 #include "olod_codec.h"
 #include "olod_format.h"

@@ -15,6 +15,7 @@
 #include "math/inverse_power_of_two.h"
 #include "mesh/portable_math.h"
 #include "occlod/core/error.h"
+#include "occlod/mesh/count_topology.h"
 
 namespace occlod {
 namespace {

@@ -1,3 +1,5 @@
+#include "occlod/mesh/count_topology.h"
+
 #include <algorithm>
 #include <glm/common.hpp>
 #include <mutex>
@@ -7,7 +9,6 @@
 #include <vector>
 
 #include "mesh/share_tasks.h"
-#include "occlod/mesh/clean.h"
 
 namespace occlod {
 namespace {

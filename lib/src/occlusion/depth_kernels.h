@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "occlod/occlusion/depth_pyramid.h"
 #include "occlusion/bounds_batch.h"
+#include "occlusion/depth_pyramid.h"
 
 namespace occlod {
 

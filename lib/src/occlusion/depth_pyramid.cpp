@@ -1,4 +1,4 @@
-#include "occlod/occlusion/depth_pyramid.h"
+#include "occlusion/depth_pyramid.h"
 
 #include <algorithm>
 #include <bit>

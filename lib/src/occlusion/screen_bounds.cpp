@@ -1,4 +1,4 @@
-#include "occlod/occlusion/screen_bounds.h"
+#include "occlusion/screen_bounds.h"
 
 #include <algorithm>
 #include <array>

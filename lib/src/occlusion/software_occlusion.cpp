@@ -8,11 +8,11 @@
 #include <optional>
 #include <vector>
 
-#include "occlod/occlusion/depth_pyramid.h"
-#include "occlod/occlusion/screen_bounds.h"
 #include "occlod/raster/item_buffer.h"
 #include "occlusion/bounds_batch.h"
 #include "occlusion/depth_kernels.h"
+#include "occlusion/depth_pyramid.h"
+#include "occlusion/screen_bounds.h"
 
 namespace occlod {
 namespace {

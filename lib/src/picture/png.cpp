@@ -7,8 +7,8 @@
 #include <cstddef>
 #include <exception>
 
+#include "io/atomic_file.h"
 #include "occlod/core/error.h"
-#include "occlod/io/atomic_file.h"
 #include "occlod/picture/picture.h"
 
 namespace occlod {

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "occlod/core/large_vector.h"
+#include "core/large_vector.h"
 #include "priority/entry.h"
 
 namespace occlod {

@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#include "occlod/raster/item_buffer.h"
+#include "raster/depth_image.h"
 #include "raster/projection.h"
 
 namespace occlod::raster {

@@ -4,6 +4,7 @@
 #include <cassert>
 
 #include "raster/clip.h"
+#include "raster/depth_image.h"
 #include "raster/depth_raster.h"
 #include "raster/projection.h"
 #include "raster/scan.h"

@@ -2,8 +2,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "io/atomic_file.h"
 #include "occlod/core/error.h"
-#include "occlod/io/atomic_file.h"
 #include "occlod/scene/scene.h"
 #include "scene/check_path.h"
 

@@ -1,5 +1,5 @@
-// The one exception type of the library. Thrown at the API edge for bad files, meshes and set-ups;
-// broken preconditions are assertions instead.
+// The one exception type of the library, thrown for bad files, meshes, options and set-ups. Broken preconditions are
+// assertions instead.
 #pragma once
 
 #include <stdexcept>
@@ -7,12 +7,12 @@
 
 namespace occlod {
 
-// What went wrong, in the four parts that a user needs.
+// What went wrong, in the four parts that a user needs. UTF-8, without line breaks.
 struct Diagnosis {
   std::string subject;  // the file or object, e.g. "bunny.ply"
   std::string place;    // where in it, e.g. "line 12" or "vertex 4711"; may be empty
   std::string problem;  // e.g. "x is not a number"
-  std::string mend;     // what to do about it, e.g. "export the mesh again"; may be empty
+  std::string mend;     // the remedy, e.g. "export the mesh again"; may be empty
 };
 
 // what() is one line: "subject: place: problem; mend".

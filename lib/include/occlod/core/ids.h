@@ -7,10 +7,9 @@
 namespace occlod {
 
 using VertexId = std::uint32_t;  // into TriangleMesh::positions or Hierarchy::positions()
-using FaceId = std::uint32_t;    // into Hierarchy::faces()
-using SplitId = std::uint32_t;   // into Hierarchy::nodes(); a split depends only on smaller numbers
+using SplitId = std::uint32_t;   // into HierarchyView::nodes, from coarse to fine; a split depends on smaller ids only
 
-// "No vertex", "no face", "no split".
+// "No vertex" or "no split".
 inline constexpr std::uint32_t no_id = std::numeric_limits<std::uint32_t>::max();
 
 }  // namespace occlod

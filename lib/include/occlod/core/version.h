@@ -3,7 +3,7 @@
 
 namespace occlod {
 
-// "MAJOR.MINOR.PATCH".
+// "MAJOR.MINOR.PATCH", of the library that is linked. Static storage.
 [[nodiscard]] const char* version() noexcept;
 
 }  // namespace occlod

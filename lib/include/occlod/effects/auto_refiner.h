@@ -1,4 +1,4 @@
-// Refinement that switches on only those effects that pay: the setting `auto` (docs/guide/effects.md).
+// Refinement that asks about occlusion only where that is expected to pay: the setting `auto`.
 #pragma once
 
 #include <memory>
@@ -11,23 +11,29 @@
 
 namespace occlod {
 
+// What an AutoRefiner chooses from, and by what costs.
 struct AutoOptions {
-  std::optional<Calibration> calibration;             // nothing: measured, some 40 ms
-  std::vector<std::unique_ptr<Visibility>> backends;  // to choose from; none: the software backend
+  std::optional<Calibration> calibration;  // none: measured, some 40 ms
+  std::vector<std::unique_ptr<Visibility>>
+      backends;  // to choose from, each with another name; none: the software backend
 };
 
 // A Refiner that learns from view to view. Its choices depend on the calibration and on counts, never on a clock: the
 // same calibration, objects, views and options in the same order give the same meshes. One thread at a time.
 class AutoRefiner {
  public:
-  // Throws Error when a hierarchy is missing or the calibration knows nothing of a backend.
+  // Throws Error when a hierarchy or a backend is missing, when check_calibration() refuses the calibration, or when it
+  // does not know a backend.
   explicit AutoRefiner(std::span<const RefineObject> objects, AutoOptions options = {});
   ~AutoRefiner();
   AutoRefiner(AutoRefiner&&) noexcept;
   AutoRefiner& operator=(AutoRefiner&&) noexcept;
 
+  // As given or measured, of the given backends in their order.
   [[nodiscard]] const Calibration& calibration() const noexcept;
+  // As Refiner::base_triangles().
   [[nodiscard]] std::size_t base_triangles() const noexcept;
+  // As Refiner::full_triangles().
   [[nodiscard]] std::size_t full_triangles() const noexcept;
 
   // As Refiner::set_transform().
@@ -36,17 +42,17 @@ class AutoRefiner {
   // As Refiner::refine(), with effects chosen for the view in place of options.occluder but its mode, of
   // options.queries but its proxy, and of options.effects. Throws Error likewise.
   const Refinement& refine(const View& view, const RefineOptions& options);
-  // As Refiner::update(), with effects chosen for each view. The mesh goes on when they change. They stay what they are
-  // while the same view and options are given again, and where another choice would be but little better. Normal cones
-  // stay on: they are weighed many at a time.
+  // As Refiner::update(), with effects chosen for each view; a change of effects does not start from scratch. They stay
+  // the same while the same view and options are given again, and where another choice would be only a little better.
+  // Normal cones stay on: they are tested many at a time.
   const Refinement& update(const View& view, const RefineOptions& options);
 
   // As Refiner::visibility_ages().
   [[nodiscard]] std::vector<std::uint32_t> visibility_ages(std::size_t object) const;
 
-  // Of the last view.
+  // About the last view; valid until the next call.
   [[nodiscard]] const EffectReport& report() const noexcept;
-  // The backend that choice().backend names.
+  // The backend with this index, as EffectChoice::backend gives it.
   [[nodiscard]] Visibility& backend(std::size_t index) const noexcept;
 
  private:

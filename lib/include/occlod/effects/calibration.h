@@ -1,5 +1,6 @@
-// What one machine's parts of a frame cost, measured once: after Guthe, Balazs and Klein, "Near Optimal Hierarchical
-// Culling", sec. 3.2, for triangles that also have to be found.
+// What the parts of a frame cost on one machine, measured once: after Guthe, Balazs and Klein, "Near Optimal
+// Hierarchical Culling: Performance Driven Use of Hardware Occlusion Queries" (2006), sec. 3.2, with the cost of
+// refinement added.
 #pragma once
 
 #include <filesystem>
@@ -12,39 +13,41 @@
 
 namespace occlod {
 
-// Nanoseconds, all > 0.
+// Costs of one backend. Nanoseconds, finite, all > 0.
 struct BackendCosts {
   std::string name;                   // Visibility::name()
-  double occluder_triangle_ns = 0.0;  // drawn into the occluder
-  double occluder_pixel_ns = 0.0;     // of the image, for each occluder: emptied, filled, reduced
-  double query_ns = 0.0;              // one of many questions, with what refinement does for it
-  double latency_ns = 0.0;            // one question that is waited for
+  double occluder_triangle_ns = 0.0;  // for each triangle of an occluder
+  double occluder_pixel_ns = 0.0;     // for each pixel of the image and each occluder: cleared, filled, reduced
+  double query_ns = 0.0;              // for one of many queries, including what refinement does for it
+  double latency_ns = 0.0;            // for one query that is waited for
 
   friend bool operator==(const BackendCosts&, const BackendCosts&) = default;
 };
 
-// Nanoseconds, all > 0.
+// Costs of refinement and drawing. Nanoseconds, finite, all > 0.
 struct Calibration {
-  double visit_ns = 0.0;       // refinement looks at a node that is in the caches
-  double far_visit_ns = 0.0;   // and at one that is not
-  double cone_ns = 0.0;        // and at its normal cone
-  double split_ns = 0.0;       // and applies it: two triangles
-  double kept_split_ns = 0.0;  // refinement that goes on from the frame before weighs a split that it has
-  double triangle_ns = 0.0;    // drawn: of the item buffer; a program that draws by other means puts its own here
-  double fragment_ns = 0.0;    // drawn, likewise
-  std::vector<BackendCosts> backends;
+  double visit_ns = 0.0;       // refinement visits a node that is in the processor's caches
+  double far_visit_ns = 0.0;   // refinement visits a node that is not
+  double cone_ns = 0.0;        // a visit tests the normal cone too
+  double split_ns = 0.0;       // a split is applied: two triangles
+  double kept_split_ns = 0.0;  // frame to frame: an applied split is evaluated again
+  double triangle_ns = 0.0;    // drawing one triangle into the item buffer; a program that draws otherwise sets its own
+  double fragment_ns = 0.0;    // drawing one fragment, likewise
+  std::vector<BackendCosts> backends;  // one for each name
 
   friend bool operator==(const Calibration&, const Calibration&) = default;
 };
 
-// Measures on a generated mesh, the fastest of a few rounds: some 40 ms on the CPU.
+// Measures refinement, drawing and each backend (none null) on a generated mesh, the fastest of a few rounds: some 40
+// ms on the CPU. Throws what a backend throws.
 [[nodiscard]] Calibration measure_calibration(std::span<const std::unique_ptr<Visibility>> backends);
 
-// As JSON, with every digit, so that the same calibration comes back.
+// As JSON, with every digit, so that reading gives the same calibration back.
 [[nodiscard]] std::string calibration_json(const Calibration& calibration);
-// The same in a file. Both throw Error that names the file and the place: what is missing, unknown, no number or not
-// positive.
+// From such a file. Throws Error that names the file and the JSON path of what is missing, unknown, repeated, no number
+// or not positive.
 [[nodiscard]] Calibration read_calibration(const std::filesystem::path& path);
+// To such a file, beside `path` and renamed. Throws Error that names the file.
 void write_calibration(const std::filesystem::path& path, const Calibration& calibration);
 
 }  // namespace occlod

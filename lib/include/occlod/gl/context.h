@@ -7,20 +7,21 @@
 
 namespace occlod::gl {
 
-struct Functions;  // the OpenGL entry points we use, in src/gl
+struct Functions;
 
+// Where a context comes from.
 enum class Platform {
   egl,     // surfaceless, else a device; a GPU or llvmpipe
   osmesa,  // Mesa's off-screen library, opened at run time; always on the CPU
 };
 
-// An OpenGL 3.3 core context (or newer: drivers give the newest that is compatible). Several may live in one process.
-// Make, use and destroy it on one thread; what uses it calls make_current() first and destroys its own objects before
-// it.
+// An OpenGL core context of version 3.3 or newer: drivers give the newest that is compatible. Several may live in one
+// process. Create, use and destroy it on one thread; what uses it calls make_current() first and destroys its own
+// objects before the context.
 //
-// Where the driver offers it the context is lost when the GPU is reset, and what uses it throws an Error that says so,
-// at its next view, occluder or batch of answers. Destroy it and what uses it then; new ones work, or software
-// occlusion.
+// Where the driver supports it, the context is lost when the GPU is reset. What uses it then throws Error that says so
+// at its next view, occluder or batch of answers. Destroy it and everything that uses it; new ones work, and so does
+// software occlusion.
 class Context {
  public:
   Context(const Context&) = delete;
@@ -29,11 +30,14 @@ class Context {
   Context& operator=(Context&&) = delete;
   virtual ~Context() = default;
 
+  // The OpenGL entry points that the backends use; theirs alone.
   [[nodiscard]] virtual const Functions& functions() const noexcept = 0;
-  [[nodiscard]] virtual std::string_view platform_name()
-      const noexcept = 0;                                  // "egl-surfaceless", "egl-device", "osmesa"
-  [[nodiscard]] virtual std::string renderer() const = 0;  // GL_RENDERER
-  [[nodiscard]] virtual std::string version() const = 0;   // GL_VERSION
+  // "egl-surfaceless", "egl-device" or "osmesa".
+  [[nodiscard]] virtual std::string_view platform_name() const noexcept = 0;
+  // GL_RENDERER, e.g. "llvmpipe (LLVM 15.0.6, 256 bits)".
+  [[nodiscard]] virtual std::string renderer() const = 0;
+  // GL_VERSION.
+  [[nodiscard]] virtual std::string version() const = 0;
   // Cheap when it is current already. Throws Error when another thread holds it.
   virtual void make_current() = 0;
 

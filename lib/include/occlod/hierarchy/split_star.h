@@ -17,17 +17,19 @@ struct FaceRef {
   friend bool operator==(const FaceRef&, const FaceRef&) = default;
 };
 
-// A split brings vertex v back beside u: it inserts the star of v, and removes the faces that lie there without v.
+// A split brings vertex v back beside its parent vertex u: it inserts the faces around v, its star, and removes the
+// faces that take their place without v. A SplitStar points into HierarchyView::stars and is valid as long as that is.
 //
 // Nearly every star is one fan: its outer vertices in winding order, of which u is one. Face `slot` is (v, ring[slot],
-// ring[slot + 1]), and for each of those that do not have u, (u, ring[slot], ring[slot + 1]) is removed. Any other star
-// lists its faces. Words of a record:
-//   fan:   header, ring, dependencies, for each removed face in order of slots a byte: its slot << 4 | which dependency
-//   inserted it, four to a word
+// ring[slot + 1]); for each face without u, (u, ring[slot], ring[slot + 1]) is removed. Any other star lists its faces.
+// Words of a record:
+//   fan:   header, ring, dependencies, and for each removed face in order of slots one byte, four to a word: its slot
+//   << 4 | the index of the dependency that inserted it
 //   other: header, u, counts of inserted faces, dependencies and removed faces; three corners of each inserted face;
-//   dependencies; of each removed face the split that inserted it or no_id, its slot, three corners
+//   dependencies; for each removed face the split that inserted it or no_id, its slot, three corners
 class SplitStar {
  public:
+  // Of the record that begins at `record`, of the split that brings back `vertex`.
   SplitStar(const std::uint32_t* record, VertexId vertex) noexcept : vertex_(vertex) {
     const std::uint32_t header = *record;
     if ((header & other_bit) == 0) {
@@ -49,16 +51,22 @@ class SplitStar {
     }
   }
 
+  // Whether the faces form one fan, so that ring() describes them.
   [[nodiscard]] bool is_fan() const noexcept { return faces_ == nullptr; }
+  // v, which the split brings back.
   [[nodiscard]] VertexId vertex() const noexcept { return vertex_; }
+  // u, which v had been collapsed into.
   [[nodiscard]] VertexId parent_vertex() const noexcept { return is_fan() ? ring_[parent_place_] : parent_place_; }
+  // Faces that the split inserts, one per slot.
   [[nodiscard]] std::uint32_t inserted_count() const noexcept { return inserted_count_; }
+  // Faces that the split removes, no more than it inserts.
   [[nodiscard]] std::uint32_t removed_count() const noexcept { return removed_count_; }
   // The splits that must be applied before this one: ascending, all smaller than it.
   [[nodiscard]] std::span<const SplitId> dependencies() const noexcept { return {dependencies_, dependency_count_}; }
   // Of a fan: the outer vertices in winding order.
   [[nodiscard]] std::span<const VertexId> ring() const noexcept { return {ring_, ring_size_}; }
 
+  // Face `slot` < inserted_count(), by its vertices.
   [[nodiscard]] Triangle inserted(std::uint32_t slot) const noexcept {
     if (is_fan()) return {vertex_, ring_[slot], ring_[next(slot)]};
     const std::uint32_t* const corners = faces_ + 3 * slot;
@@ -73,28 +81,28 @@ class SplitStar {
   // Calls visit(FaceRef, Triangle) for each removed face.
   template <typename Visit>
   void for_each_removed(const Visit& visit) const;
-  // Calls visit(FaceRef) for each, in the same order, where their corners are not wanted.
+  // Calls visit(FaceRef) for each removed face, in the same order; quicker, where corners are not needed.
   template <typename Visit>
   void for_each_removed_ref(const Visit& visit) const;
 
-  // Calls visit(Triangle) for all of them, inserted faces first.
+  // Calls visit(Triangle) for each inserted and then for each removed face.
   template <typename Visit>
   void for_each_face(const Visit& visit) const {
     for_each_inserted(visit);
     for_each_removed([&](const FaceRef&, const Triangle& t) { visit(t); });
   }
 
-  // How many words the record has.
+  // Length of the record, in words of 32 bits.
   [[nodiscard]] std::size_t word_count() const noexcept {
     const std::size_t head = dependency_count_ + std::size_t{is_fan() ? 1 + ring_size_ : 5 + 3 * inserted_count_};
     return head + (is_fan() ? (removed_count_ + 3) / 4 : 5 * std::size_t{removed_count_});
   }
 
-  static constexpr std::uint32_t most_ring = 30;          // of a fan
+  static constexpr std::uint32_t most_ring = 30;          // outer vertices of a fan
   static constexpr std::uint32_t most_dependencies = 16;  // of a fan
   static constexpr std::uint32_t most_slots = 16;  // a fan removes faces with smaller slots only, and none of the base
-  static constexpr std::uint32_t closed_bit = 1U << 24U;
-  static constexpr std::uint32_t other_bit = 1U << 31U;
+  static constexpr std::uint32_t closed_bit = 1U << 24U;  // of a fan's header: the ring is closed
+  static constexpr std::uint32_t other_bit = 1U << 31U;   // of a header: no fan
 
  private:
   [[nodiscard]] std::uint32_t next(std::uint32_t place) const noexcept {

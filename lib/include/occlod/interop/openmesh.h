@@ -1,4 +1,4 @@
-// Between TriangleMesh and OpenMesh's triangle meshes. Opt-in: include it where OpenMesh is found and linked.
+// Converts between TriangleMesh and OpenMesh's triangle meshes. Opt-in: include it where OpenMesh is found and linked.
 #pragma once
 
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
@@ -13,7 +13,7 @@ namespace occlod {
 // Replaces the content of `out`, a TriMesh_ArrayKernelT. Vertex i becomes vertex handle i. Normals and colours are
 // copied where both sides have them (request_vertex_normals(), request_vertex_colors() before). Returns how many
 // triangles OpenMesh refused because a half-edge mesh cannot hold them: those with a repeated corner, on a non-manifold
-// edge or against the orientation of a neighbour.
+// edge or against the orientation of a neighbour. O(n).
 template <class Mesh>
 [[nodiscard]] std::size_t to_openmesh(const TriangleMesh& mesh, Mesh& out) {
   using Scalar = typename OpenMesh::vector_traits<typename Mesh::Point>::value_type;
@@ -44,7 +44,8 @@ template <class Mesh>
   return refused;
 }
 
-// Skips what is marked as deleted; vertices keep their order. Normals and colours come along where `mesh` has them.
+// The vertices and faces of `mesh` that are not marked as deleted, in their order, with normals and colours where it
+// has them. O(n).
 template <class Mesh>
 [[nodiscard]] TriangleMesh from_openmesh(const Mesh& mesh) {
   TriangleMesh out;

@@ -1,5 +1,6 @@
-// Test scenes made from a few numbers. Deterministic: the same options give the same bytes on every machine
-// with IEEE arithmetic. All throw Error for an option that is out of its range or a mesh that would be too large.
+// Test meshes made from a few numbers, all closed. Deterministic: the same options give the same bytes on every machine
+// with IEEE arithmetic. All throw Error that names an option out of its range or a mesh that would be too large. O(size
+// of the mesh).
 #pragma once
 
 #include <cstdint>
@@ -12,38 +13,42 @@ namespace occlod {
 // displaced along the radius by seeded value noise, so that normal cones are wide. 4^(level+1)+2 vertices, 8*4^level
 // triangles.
 struct RoughPlanetOptions {
-  int level = 8;  // 0..11
-  std::uint64_t seed = 1;
-  double amplitude = 0.08;  // largest displacement, of the radius
-  double frequency = 4.0;   // noise cells per radius in the first octave
-  int octaves = 6;          // each with twice the frequency and half the height of the one before
+  int level = 8;            // subdivisions, 0 to 11
+  std::uint64_t seed = 1;   // of the noise
+  double amplitude = 0.08;  // largest displacement relative to the radius, 0 to 0.99
+  double frequency = 4.0;   // noise cells per radius in the first octave, 0 to 1e6
+  int octaves = 6;          // 0 to 30, each with twice the frequency and half the height of the one before
 };
+// Around the origin, radius 1.
 [[nodiscard]] TriangleMesh generate_rough_planet(const RoughPlanetOptions& options);
 
 // Blocks of box-shaped buildings on a ground plane, z up: many closed components that hide each other at street level.
 struct CityOptions {
-  int blocks = 16;       // blocks along each side, >= 1; 4 buildings a block
-  int facade_cells = 8;  // grid cells along each edge of a wall, >= 1: wall triangles = 2 * cells^2
-  std::uint64_t seed = 1;
+  int blocks = 16;         // blocks along each side, 1 to 256; 4 buildings a block
+  int facade_cells = 8;    // grid cells along each edge of a wall, 1 to 256: 2 * cells^2 triangles a wall
+  std::uint64_t seed = 1;  // of heights and footprints
 };
+// At most 1e9 triangles.
 [[nodiscard]] TriangleMesh generate_city(const CityOptions& options);
 
 // A bundle of bent pipes in a unit cube: long thin closed components, as in plant models.
 struct PipesOptions {
-  int pipes = 64;  // >= 1
-  int bends = 12;  // straight pieces of each pipe, >= 1
-  int sides = 16;  // corners of the cross-section, >= 3
-  std::uint64_t seed = 1;
+  int pipes = 64;          // 1 to 1,000,000
+  int bends = 12;          // straight pieces of each pipe, 1 to 100,000
+  int sides = 16;          // corners of the cross-section, 3 to 4,096
+  std::uint64_t seed = 1;  // of the routes
 };
+// pipes * (bends + 1) * sides is at most 1e9.
 [[nodiscard]] TriangleMesh generate_pipes(const PipesOptions& options);
 
 // A wall in the plane x = 0 and a cloud of spheres at x < 0: from +x everything but the wall is hidden.
 struct SpheresBehindWallOptions {
-  int spheres = 64;     // >= 1
-  int level = 4;        // subdivisions of each sphere's octahedron, 0..8
-  int wall_cells = 32;  // grid cells along each edge of the wall, >= 1
-  std::uint64_t seed = 1;
+  int spheres = 64;        // 1 to 1,000,000
+  int level = 4;           // subdivisions of each sphere's octahedron, 0 to 8
+  int wall_cells = 32;     // grid cells along each edge of the wall, 1 to 4,096
+  std::uint64_t seed = 1;  // of places and radii
 };
+// spheres * 4^level is at most 1e8.
 [[nodiscard]] TriangleMesh generate_spheres_behind_wall(const SpheresBehindWallOptions& options);
 
 }  // namespace occlod

@@ -5,8 +5,8 @@
 
 namespace occlod {
 
-// What a file holds beside the surface and a mesh does not. Vertex normals and vertex colours are kept, one per vertex:
-// those count only where no vertex takes them.
+// What a file holds and a TriangleMesh does not. Vertex normals and vertex colours are kept, one per vertex; they count
+// here only where no vertex takes them.
 struct LeftOut {
   // OBJ: vt lines. PLY: vertices with a pair (u, v), (s, t) or (texture_u, texture_v), and the pairs of the faces'
   // lists `texcoord`. OFF: vertices of STOFF files. glTF: vertices, once for each of their TEXCOORD_n.
@@ -22,32 +22,33 @@ struct LeftOut {
   // OBJ: different names on o lines, and on g lines. STL: different names of solids (text). glTF: nodes with a mesh.
   std::uint64_t groups = 0;
 
+  // Whether all counts are the same.
   [[nodiscard]] bool operator==(const LeftOut&) const = default;
 };
 
-// Counts over one mesh. "Before welding" counts describe the file; the topology counts describe the
-// welded mesh, the one a hierarchy is built from.
+// Counts over one mesh: of the file as it was read, of what clean() changed, and of the topology of the welded mesh,
+// from which a hierarchy is built.
 struct MeshReport {
   // As read.
   std::uint64_t vertices_read = 0;
   std::uint64_t polygons_read = 0;          // faces of any size in the file, each triangle of its strips
   std::uint64_t polygons_triangulated = 0;  // faces with more than three corners, cut into triangles
   std::uint64_t triangles_read = 0;         // after triangulation
-  // Changed on the way in.
+  // Changed by clean().
   std::uint64_t vertices_welded = 0;        // merged into another with exactly the same position
   std::uint64_t attribute_conflicts = 0;    // welded positions whose normals or colours differed; averaged
   std::uint64_t unreferenced_vertices = 0;  // used by no triangle; dropped
   std::uint64_t nonfinite_vertices = 0;     // NaN or infinite and unreferenced; dropped (a referenced one is an error)
   std::uint64_t repeated_index_triangles = 0;  // two corners at one position after welding; dropped
-  // Kept as they are.
+  // Topology of the welded mesh, kept as it is.
   std::uint64_t zero_area_triangles = 0;   // three different corners on one line
   std::uint64_t repeated_triangles = 0;    // the same three corners as an earlier triangle, in any order
   std::uint64_t boundary_edges = 0;        // used by one triangle
   std::uint64_t nonmanifold_edges = 0;     // used by three or more triangles
   std::uint64_t inconsistent_edges = 0;    // two triangles run through it in the same direction
-  std::uint64_t nonmanifold_vertices = 0;  // corners whose triangles form more than one fan
+  std::uint64_t nonmanifold_vertices = 0;  // vertices whose triangles form more than one fan
   std::uint64_t components = 0;            // connected through shared vertices
-  LeftOut left_out;
+  LeftOut left_out;                        // in the file and not in the mesh
 };
 
 }  // namespace occlod

@@ -15,45 +15,47 @@
 
 namespace occlod {
 
+// An image in memory.
 struct Image {
-  int width = 0;
-  int height = 0;
-  std::vector<glm::u8vec4> pixels;  // sRGB, rows from the top
+  int width = 0;                    // pixels
+  int height = 0;                   // pixels
+  std::vector<glm::u8vec4> pixels;  // width * height, sRGB and alpha, rows from the top
 };
 
-// The active triangles of one placed object.
+// The active triangles of one placed object. The spans need live only during a call.
 struct DrawObject {
   std::span<const glm::vec3> positions;  // object space
-  std::span<const glm::u8vec4> colors;   // per vertex, or empty
-  std::span<const Triangle> triangles;
-  glm::dmat4 object_to_world{1.0};
+  std::span<const glm::u8vec4> colors;   // sRGB, one per vertex, or empty
+  std::span<const Triangle> triangles;   // ids into positions
+  glm::dmat4 object_to_world{1.0};       // affine
 };
 
-// Resets the target to the view's size and draws all objects; triangle i of object k owns its pixels as item (triangles
-// of the objects before k) + i.
+// Resets the target to the view's size and draws all objects. Triangle i of object k owns its pixels as item (number of
+// triangles of the objects before k) + i. O(triangles + pixels covered).
 void draw_items(ItemBuffer& target, std::span<const DrawObject> objects, const View& view);
 
+// How shade() looks.
 struct ShadeOptions {
   bool wire = true;  // dark lines along triangle edges, where triangles are large enough on screen to show them
-  glm::vec3 base{0.80F, 0.70F, 0.58F};  // linear colour of objects without vertex colours
+  glm::vec3 base{0.80F, 0.70F, 0.58F};  // linear RGB in [0, 1] of objects without vertex colours
 };
 
 // Flat two-sided shading by a head light and a key light over the viewer's left shoulder, from an item buffer that
 // draw_items() filled with the same objects and view. Steps in depth are outlined; the background is a vertical
-// gradient.
+// gradient. O(pixels).
 [[nodiscard]] Image shade(const ItemBuffer& items, std::span<const DrawObject> objects, const View& view,
                           const ShadeOptions& options = {});
 
-// The same objects seen from `view` (usually from above), each triangle coloured by whether `main_items`, drawn for
-// `main_view`, shows it: visible ones bright and warm, unseen ones dark and cool, so that one sees what was refined
-// where; the frustum of main_view is drawn as yellow lines as far as the scene reaches.
+// The same objects seen from `view`, usually from above, to show where refinement spent its triangles: those that own a
+// pixel of `main_items`, which was drawn for `main_view`, are bright and warm, the others dark and cool. The frustum of
+// main_view is drawn in yellow lines as far as the scene extends.
 [[nodiscard]] Image birdseye(std::span<const DrawObject> objects, const ItemBuffer& main_items, const View& main_view,
                              const View& view);
 
-// A camera above the scene that sees the box of all objects and the main eye, looking against main_view's up direction.
+// A camera above the scene that sees the box of all objects and the eye of main_view, looking against its up direction.
 [[nodiscard]] Camera birdseye_camera(std::span<const DrawObject> objects, const View& main_view);
 
-// Writes beside the target and renames. Throws Error.
+// Writes a PNG file of 8 bits a channel beside `path` and renames. Throws Error that names the file.
 void write_png(const std::filesystem::path& path, const Image& image);
 
 }  // namespace occlod

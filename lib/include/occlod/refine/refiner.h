@@ -16,18 +16,18 @@
 
 namespace occlod {
 
-// One placed object. Several may share a hierarchy. Its front is where the winding of its triangles says in object
-// space, also under a mirroring transform.
+// One placed object. Several may share a hierarchy. The winding of its triangles in object space decides which side is
+// its front, also under a mirroring transform.
 struct RefineObject {
   const Hierarchy* hierarchy = nullptr;  // outlives the Refiner
   glm::dmat4 object_to_world{1.0};       // affine, invertible
-  bool two_sided = false;                // back faces are seen: no back-face culling
+  bool two_sided = false;                // back faces are visible too: no back-face culling
 };
 
-// The age of what no answer has been about since refinement from scratch.
+// The age of a split about which nothing has been asked since refinement from scratch.
 inline constexpr std::uint32_t never_asked = ~std::uint32_t{0};
 
-// Reuses its memory from view to view; one thread at a time.
+// Chooses the triangles of all objects for a view. Reuses its memory from view to view; one thread at a time.
 class Refiner {
  public:
   // Throws Error when a hierarchy is missing.
@@ -38,6 +38,7 @@ class Refiner {
 
   // Triangles of all base meshes: the smallest budget that can be kept.
   [[nodiscard]] std::size_t base_triangles() const noexcept;
+  // Triangles of all objects with all splits applied.
   [[nodiscard]] std::size_t full_triangles() const noexcept;
 
   // Places objects[object] elsewhere, from the next call on. To refine() this is as if the Refiner had been made so; to
@@ -45,8 +46,9 @@ class Refiner {
   // such object or the matrix is not finite, not affine or cannot be inverted; then it stays where it is.
   void set_transform(std::size_t object, const glm::dmat4& object_to_world);
 
-  // Refines from the base meshes. Throws Error when the budget is smaller than base_triangles(). The result is valid
-  // until the next call. Deterministic for a backend whose answers are.
+  // Refines from the base meshes. Throws Error for options that check_options() refuses, a budget smaller than
+  // base_triangles(), or effects that are neither none nor one for each object. The result is valid until the next
+  // call. Deterministic for a backend whose answers are.
   const Refinement& refine(const View& view, const RefineOptions& options, Visibility& visibility);
 
   // Goes on from the cut of the call before: merges splits that have lost priority, applies those that have gained.
@@ -57,9 +59,9 @@ class Refiner {
   // of calls, unless update.time_limit_ms is set.
   const Refinement& update(const View& view, const RefineOptions& options, Visibility& visibility);
 
-  // Of objects[object].splits of the last call, in their order: how many occluders before the last one an answer said
-  // that it, or an applied split that descends from it in the forest, is visible; never_asked, or after refinement from
-  // scratch 0. O(splits log splits).
+  // For each of objects[object].splits of the last call, in their order: how many occluders have been drawn since an
+  // answer last said that it, or an applied split below it in the forest, is visible; never_asked where no answer has.
+  // After refinement from scratch 0. O(splits log splits).
   [[nodiscard]] std::vector<std::uint32_t> visibility_ages(std::size_t object) const;
 
  private:

@@ -1,4 +1,4 @@
-// The one question that refinement asks about occlusion, and the interface that every backend implements.
+// What refinement asks about occlusion, and the interface that every backend implements.
 #pragma once
 
 #include <cstddef>
@@ -20,22 +20,23 @@ struct PointHull {
   std::span<const glm::vec3> points;  // object space, at least one
 };
 
-// "Is any of this in front of the occluder?"
+// Is any of this in front of the occluder?
 struct VisibilityQuery {
   std::uint32_t object = 0;                              // index into the objects of begin_view
   std::variant<Sphere, Box, Cylinder, PointHull> shape;  // object space
 };
 
-// Part of the occluder: the triangles that are now active in one object.
+// Part of the occluder: triangles of one object. The spans need live only during draw_occluder().
 struct OccluderPart {
-  std::uint32_t object = 0;
+  std::uint32_t object = 0;              // index into the objects of begin_view
   std::span<const glm::vec3> positions;  // object space
   std::span<const Triangle> triangles;   // into positions
 };
 
-// A backend. All are conservative about bounds: a bound of which any point is in front of the occluder at a pixel that
-// it touches is never answered 0. Bounds that cross the near plane, hold the eye, are not finite or leave no screen
-// rectangle that can be trusted are answered visible. Queries are answered in the order in which they were submitted.
+// A backend. All are conservative: a bound that has a point in front of the occluder at some pixel that it touches is
+// never answered 0. Bounds that cross the near plane, contain the eye, are not finite or whose screen rectangle cannot
+// be bounded are answered visible. Queries are answered in the order in which they were submitted. One thread at a
+// time.
 class Visibility {
  public:
   Visibility() = default;
@@ -43,31 +44,39 @@ class Visibility {
   Visibility& operator=(const Visibility&) = delete;
   virtual ~Visibility() = default;
 
+  // As in calibrations and reports, e.g. "software".
   [[nodiscard]] virtual std::string_view name() const noexcept = 0;
-  // False for the backend that never hides anything: then no occluder is drawn and nothing is asked.
+  // False for a backend that never hides anything: then no occluder is drawn and nothing is asked.
   [[nodiscard]] virtual bool can_hide() const noexcept { return true; }
-  // How many queries should be under way at once; 1 for backends that answer at once.
+  // How many queries should be under way at a time; 1 for backends that answer immediately.
   [[nodiscard]] virtual std::size_t flight() const noexcept { return 1; }
 
-  // Starts a view: forgets the occluder and every unanswered query of an earlier one. objects[i] = object i's view.
+  // Starts a view: forgets the occluder and every unanswered query of an earlier one. objects[i] is the view of object
+  // i; the span need live only during the call.
   virtual void begin_view(const View& view, std::span<const ObjectView> objects) = 0;
-  // Replaces the occluder. Every query submitted before has been collected.
+  // Replaces the occluder. Precondition: every query submitted before has been collected.
   virtual void draw_occluder(std::span<const OccluderPart> parts) = 0;
-  // Asks one question, answered by a later collect().
+  // Asks one query, answered by a later collect().
   virtual void submit(const VisibilityQuery& query) = 0;
-  // The answer to the oldest unanswered query: a number of visible pixels, 0 = hidden. Backends may stop counting at
-  // the first visible pixel; then the answer is 1. Precondition: some query is unanswered.
+  // The answer to the oldest unanswered query: the number of visible pixels, 0 when hidden. Backends may stop counting
+  // at the first visible pixel and answer 1. Precondition: some query is unanswered.
   [[nodiscard]] virtual std::uint32_t collect() = 0;
 };
 
 // The backend `none`: everything inside the frustum and facing the eye is visible.
 class NoOcclusion final : public Visibility {
  public:
+  // "none".
   [[nodiscard]] std::string_view name() const noexcept override { return "none"; }
+  // False.
   [[nodiscard]] bool can_hide() const noexcept override { return false; }
+  // Forgets unanswered queries.
   void begin_view(const View& view, std::span<const ObjectView> objects) override;
+  // Does nothing.
   void draw_occluder(std::span<const OccluderPart> parts) override;
+  // Counts the query, for collect().
   void submit(const VisibilityQuery& query) override;
+  // 1: visible.
   [[nodiscard]] std::uint32_t collect() override;
 
  private:

@@ -19,82 +19,90 @@
 
 namespace occlod {
 
-// A mesh or .olod file: the first of these names that is found, beside the scene file, in the folders of the
-// environment variable OCCLOD_MESHES (separated by ':'), or in the user's mesh folder (where scripts put the meshes of
-// system packages).
+// A mesh or .olod file: the first of these names that is found beside the scene file, in the folders of the environment
+// variable OCCLOD_MESHES (separated by ':') or in the user's mesh folder (where scripts put the meshes of system
+// packages).
 struct MeshFile {
-  std::vector<std::string> names;
+  std::vector<std::string> names;  // relative to these folders, or absolute; UTF-8
 };
 
+// Where the mesh of an object comes from: a file or a generator.
 using MeshSource = std::variant<MeshFile, RoughPlanetOptions, CityOptions, PipesOptions, SpheresBehindWallOptions>;
 
+// One placed mesh.
 struct SceneObject {
   MeshSource source;
-  glm::dmat4 object_to_world{1.0};
-  bool two_sided = false;
+  glm::dmat4 object_to_world{1.0};  // affine, invertible
+  bool two_sided = false;           // back faces are visible too
 };
 
+// A camera that moves.
 struct CameraPath {
-  std::vector<Camera> keys;  // at least one; with `jump` at most as many as frames, without all of one projection
-  int frames = 1;
-  bool jump = false;  // every key is held for its share of the frames instead of moving on to the next
+  std::vector<Camera> keys;  // at least one; with `jump` at most as many as frames, without it all of one projection
+  int frames = 1;            // >= 1
+  bool jump = false;         // each key is held for its share of the frames, without moving between keys
 };
 
+// A scene as its file says it.
 struct SceneDescription {
-  std::string name;
-  std::filesystem::path file;  // that it was read from, for messages; empty where a program made it
-  std::string about;
-  std::vector<SceneObject> objects;
-  std::map<std::string, Camera> cameras;  // "default" is always there
-  std::map<std::string, CameraPath> paths;
+  std::string name;                         // of the file, without its extension
+  std::filesystem::path file;               // that it was read from, for messages; empty where a program made it
+  std::string about;                        // one sentence for people; may be empty
+  std::vector<SceneObject> objects;         // at least one
+  std::map<std::string, Camera> cameras;    // by name; "default" is always there
+  std::map<std::string, CameraPath> paths;  // by name
 };
 
-// What the file says, checked as far as that goes without loading: types, ranges of placements and cameras, and that
-// every frame of a path has a view. Keys that are not known, given twice or missing are mistakes too. The name of the
-// scene is that of the file without its extension. Throws Error that names the file and the JSON path of the mistake.
+// Reads a scene file and checks what can be checked without loading its meshes: types, ranges of placements and
+// cameras, and that every frame of a path has a view. Unknown, repeated and missing keys are mistakes too. Throws Error
+// that names the file and the JSON path of the mistake.
 [[nodiscard]] SceneDescription read_scene(const std::filesystem::path& path);
 
-// Whether the extension is .json, case ignored.
+// Whether the extension is .json, whatever its case.
 [[nodiscard]] bool is_scene_file(const std::filesystem::path& path);
 
-// Of a scene file what read_scene() reads; of any other file, taken for a mesh or a hierarchy, a scene of that one
-// object without cameras. Throws Error, for a folder too.
+// Reads a scene file as read_scene() does. Any other file is taken for a mesh or a hierarchy and gives a scene of that
+// one object without cameras. Throws Error, also for a folder.
 [[nodiscard]] SceneDescription describe_file(const std::filesystem::path& path);
 
-// Writes what read_scene() reads: every placement as a matrix, every field of a camera, so that the same numbers come
-// back. Throws Error for a scene without objects or without the camera "default", or when the file cannot be written.
+// Writes a file from which read_scene() reads the same numbers back: placements as matrices, all fields of each camera.
+// Writes beside `path` and renames. Throws Error for a scene without objects or without the camera "default", and when
+// the file cannot be written.
 void write_scene(const std::filesystem::path& path, const SceneDescription& scene);
 
-// The camera of frame i of a path, 0 <= i < frames: eyes, targets, angles and ranges linear between keys that are
-// spread evenly over the frames; up directions linear too, then of unit length. With `jump`, key floor(i * keys /
-// frames) as it is. The size is the first key's.
+// The camera of frame i of a path, 0 <= i < frames. Keys are spread evenly over the frames; eyes, targets, angles,
+// ranges and up directions are interpolated linearly between them. With `jump` it is key floor(i * keys / frames) as it
+// is. The image size is the first key's.
 [[nodiscard]] Camera camera_at(const CameraPath& path, int frame);
 
+// How objects are loaded.
 struct LoadOptions {
-  BuildOptions build;
+  BuildOptions build = {};
   // Keep hierarchies in ${XDG_CACHE_HOME:-~/.cache}/occlod under a hash of the input's bytes, the options and the
   // builder's sources.
   bool use_cache = true;
-  // done in [0, 1]; what it throws ends the loading.
-  std::function<void(const std::string& what, double done)> progress;
-  std::function<void(const std::string& line)>
-      note;  // told of a cache that cannot be used; the hierarchy is built all the same
+  // Called with what is being done and the share of it that is done, in [0, 1]; what it throws ends the loading.
+  std::function<void(const std::string& what, double done)> progress = {};
+  // Told in one line of a cache that cannot be used; the hierarchy is built all the same.
+  std::function<void(const std::string& line)> note = {};
 };
 
+// One object, ready to be refined.
 struct LoadedObject {
   std::shared_ptr<const Hierarchy> hierarchy;  // shared by objects with the same source
-  glm::dmat4 object_to_world{1.0};
-  bool two_sided = false;
-  std::string source_name;  // file or generator, for people
+  glm::dmat4 object_to_world{1.0};             // as in the scene
+  bool two_sided = false;                      // as in the scene
+  std::string source_name;                     // file or generator, for people
 };
 
-// Reads or generates the meshes and builds or fetches their hierarchies. `folder`: where relative names start, the
-// scene file's own. Throws Error.
+// Reads or generates the meshes and builds their hierarchies or fetches them from the cache; objects come in the order
+// of the scene. `folder`: of the scene file, where relative names start. Throws Error for what is missing, cannot be
+// read or cannot be built.
 [[nodiscard]] std::vector<LoadedObject> load_objects(const SceneDescription& scene, const std::filesystem::path& folder,
                                                      const LoadOptions& options = {});
 
-// Where a mesh of this name is found, or an empty path. Same search as for MeshFile; an absolute name is taken as it
-// is.
+// Where a mesh of this name is found, searched for as MeshFile says, or an empty path. An absolute name is only looked
+// up as it is.
 [[nodiscard]] std::filesystem::path find_mesh(const std::string& name, const std::filesystem::path& folder);
 
 }  // namespace occlod

@@ -15,26 +15,34 @@ namespace occlod {
 // w = distance from the eye plane, or 1 when orthographic. Pixel (0, 0) is the top left; its centre is (0.5, 0.5).
 class View {
  public:
-  // Throws Error when the camera is not finite, has no direction, or a size, angle or range that makes no image.
+  // Throws Error that names the camera's field when it is not finite, has no direction, or has a size, angle or range
+  // that makes no image.
   explicit View(const Camera& camera);
 
+  // As given.
   [[nodiscard]] const Camera& camera() const noexcept { return camera_; }
+  // Pixels.
   [[nodiscard]] int width() const noexcept { return camera_.width; }
+  // Pixels.
   [[nodiscard]] int height() const noexcept { return camera_.height; }
+  // From world space to OpenGL clip space.
   [[nodiscard]] const glm::dmat4& world_to_clip() const noexcept { return world_to_clip_; }
-  [[nodiscard]] const glm::dvec3& direction() const noexcept { return direction_; }  // unit, from the eye
+  // Of the line of sight, unit length, world space, from the eye.
+  [[nodiscard]] const glm::dvec3& direction() const noexcept { return direction_; }
+  // Whether rays are parallel.
   [[nodiscard]] bool is_orthographic() const noexcept { return camera_.orthographic_height.has_value(); }
-  // Pixels that a unit length across the axis covers where w = 1: at distance 1 along it, or anywhere.
+  // Pixels that one world unit across the line of sight covers where w = 1: at distance 1, or anywhere when
+  // orthographic.
   [[nodiscard]] double focal_length_px() const noexcept { return focal_length_px_; }
-  // The distance from the eye plane where depth images hold this nearness (see DepthBuffer), > 0.
+  // The distance from the eye plane, world units, at which depth images hold this nearness > 0 (see DepthBuffer).
   [[nodiscard]] double distance_at(double nearness) const noexcept {
     return is_orthographic() ? camera_.far - nearness * (camera_.far - camera_.near) : 1.0 / nearness;
   }
-  // Pixels that a unit length across the axis covers there.
+  // Pixels that one world unit across the line of sight covers there.
   [[nodiscard]] double scale_px_at(double nearness) const noexcept {
     return is_orthographic() ? focal_length_px_ : focal_length_px_ * nearness;
   }
-  // Cosine of the angle between the axis and the rays to the corners of the image.
+  // Cosine of the angle between the line of sight and the rays to the corners of the image.
   [[nodiscard]] double cos_corner_angle() const noexcept { return cos_corner_angle_; }
 
  private:
@@ -45,33 +53,40 @@ class View {
   double cos_corner_angle_ = 1.0;
 };
 
-// A view seen from one object: the same questions, asked in the object's own space.
+// A view in the space of one object. Immutable.
 class ObjectView {
  public:
   // Throws Error when `object_to_world` is not finite, not affine or cannot be inverted, and when an orthographic view
   // shows what is 1e29 object units or more from the object.
   ObjectView(const View& view, const glm::dmat4& object_to_world);
 
+  // From object space to OpenGL clip space.
   [[nodiscard]] const glm::mat4& object_to_clip() const noexcept { return object_to_clip_; }
-  // Object space. Of an orthographic view a point 2^27 times as far away as anything that it shows, in the direction
-  // that its rays come from: what turns away from there by more than eye_slack turns away from the direction.
+  // The eye in object space. For an orthographic view a point 2^27 times as far away as anything that it shows, in the
+  // direction from which its rays come: what faces away from there, give or take rounding, faces away from the rays.
   [[nodiscard]] const glm::vec3& eye() const noexcept { return eye_; }
+  // Whether rays are parallel.
   [[nodiscard]] bool is_orthographic() const noexcept { return orthographic_; }
-  // True when the transform turns triangles inside out (negative determinant).
+  // True when the transform turns triangles inside out: its determinant is negative.
   [[nodiscard]] bool mirrored() const noexcept { return mirrored_; }
-  // False only when no point of the sphere is inside the frustum.
+  // False only when no point of the sphere (object space) is inside the frustum. Conservative.
   [[nodiscard]] bool may_be_inside(const Sphere& sphere) const noexcept;
-  // The frustum planes, inward, unit normals, object space: left, right, bottom, top, near, far.
+  // The frustum planes in object space, with unit normals that point inwards: left, right, bottom, top, near, far. A
+  // point p is inside when dot(plane.xyz, p) + plane.w >= 0 for all.
   [[nodiscard]] const std::array<glm::vec4, 6>& planes() const noexcept { return planes_; }
-  // The largest number of pixels that a displacement of one object unit at any point of the sphere that is inside the
-  // frustum can cover on the screen. Infinite when the eye of a perspective view may be inside the sphere.
+  // Pixels that a displacement of one object unit can cover on the screen, at most, at any point of the sphere (object
+  // space) inside the frustum. Infinite when the eye of a perspective view may be inside the sphere.
   [[nodiscard]] float largest_scale_px(const Sphere& sphere) const noexcept;
 
-  // What that is made of, for those who ask about many at once.
-  [[nodiscard]] const glm::dmat4x3& object_to_eye() const noexcept { return object_to_eye_; }  // world units
-  [[nodiscard]] const glm::dvec3& direction() const noexcept { return direction_; }   // of the view, world space
-  [[nodiscard]] double largest_stretch() const noexcept { return largest_stretch_; }  // world units per object unit
+  // The parts of largest_scale_px(), to compute it for many spheres at once. To world space relative to the eye:
+  [[nodiscard]] const glm::dmat4x3& object_to_eye() const noexcept { return object_to_eye_; }
+  // The line of sight of the view, unit length, world space.
+  [[nodiscard]] const glm::dvec3& direction() const noexcept { return direction_; }
+  // World units per object unit, in the direction in which the transform stretches most.
+  [[nodiscard]] double largest_stretch() const noexcept { return largest_stretch_; }
+  // As View::focal_length_px().
   [[nodiscard]] double focal_length_px() const noexcept { return focal_length_px_; }
+  // As View::cos_corner_angle().
   [[nodiscard]] double cos_corner_angle() const noexcept { return cos_corner_angle_; }
 
  private:

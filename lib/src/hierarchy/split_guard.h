@@ -4,9 +4,10 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
-#include "occlod/core/ids.h"
+#include "occlod/hierarchy/hierarchy.h"
 
 namespace occlod {
 
@@ -21,20 +22,24 @@ class SplitGuard {
   SplitGuard& operator=(const SplitGuard&) = delete;
   virtual ~SplitGuard() = default;
 
-  // Checks the block of split s unless that has been done. Throws Error when the block is damaged.
-  void require(SplitId s) {
-    std::atomic<bool>& checked = checked_[s >> block_bits];
-    if (checked.load(std::memory_order_acquire)) return;
-    check_block(s >> block_bits);
-    checked.store(true, std::memory_order_release);
+  // Throws Error when the block is damaged, and marks it as checked otherwise.
+  void check(std::size_t block) {
+    check_block(block);
+    checked_[block].store(true, std::memory_order_release);
   }
 
   [[nodiscard]] std::size_t block_count() const noexcept { return checked_.size(); }
+  // By block: what has been checked may be used by whoever has seen the mark.
+  [[nodiscard]] const std::atomic<bool>* checked() const noexcept { return checked_.data(); }
 
  private:
   virtual void check_block(std::size_t block) = 0;
 
   std::vector<std::atomic<bool>> checked_;
 };
+
+// Arrays that `owner` keeps alive, of which `guard` checks each block before it is used for the first time.
+[[nodiscard]] Hierarchy guarded_hierarchy(const HierarchyView& view, std::shared_ptr<const void> owner,
+                                          std::shared_ptr<SplitGuard> guard);
 
 }  // namespace occlod

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "occlod/raster/item_buffer.h"
+#include "raster/depth_image.h"
 
 namespace occlod {
 

@@ -3,9 +3,9 @@
 
 #include <optional>
 
-#include "occlod/occlusion/depth_pyramid.h"
 #include "occlod/refine/visibility.h"
 #include "occlod/view/view.h"
+#include "occlusion/depth_pyramid.h"
 
 namespace occlod {
 
