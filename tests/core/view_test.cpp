@@ -112,7 +112,29 @@ TEST(View, RefusesCamerasThatMakeNoImage) {
   refused([](Camera& c) { c.far = c.near; });
   for (const double height : {0.0, -1.0, nan, std::numeric_limits<double>::infinity()})
     refused([&](Camera& c) { c.orthographic_height = height; });
+  const double infinite = std::numeric_limits<double>::infinity();
+  for (const double value : {nan, infinite}) {
+    refused([&](Camera& c) { c.eye.z = value; });
+    refused([&](Camera& c) { c.target.x = value; });
+    refused([&](Camera& c) { c.up.z = value; });
+    refused([&](Camera& c) { c.fov_y_deg = value; });
+    refused([&](Camera& c) { c.near = value; });
+    refused([&](Camera& c) { c.far = value; });
+  }
   EXPECT_NO_THROW(View{good_camera()});
+}
+
+// Finite numbers whose products are not: 2 near far, and one over the tangent of half the angle.
+TEST(View, RefusesCamerasWhoseMatrixOverflows) {
+  Camera camera = good_camera();
+  camera.far = 1.7e308;
+  EXPECT_THROW(View{camera}, Error);
+  camera = good_camera();
+  camera.fov_y_deg = 1e-310;
+  EXPECT_THROW(View{camera}, Error);
+  camera = good_camera();
+  camera.orthographic_height = 1e-310;
+  EXPECT_THROW(View{camera}, Error);
 }
 
 }  // namespace

@@ -3,12 +3,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 #include <utility>
 
 #include "effect_scenes.h"
 #include "occlod/core/error.h"
 #include "occlod/occlusion/software_occlusion.h"
+#include "support/bad_options.h"
 
 namespace occlod::test {
 namespace {
@@ -236,6 +238,27 @@ TEST(AutoRefiner, KeepsTheBudget) {
     EXPECT_LE(refiner.refine(before_wall(), budget_of(budget)).stats.triangles, budget);
   }
   EXPECT_THROW((void)refiner.refine(before_wall(), budget_of(refiner.base_triangles() - 1)), Error);
+}
+
+TEST(AutoRefiner, RefusesOptionsOutOfRange) {
+  const Hierarchy ground = open_ground();
+  const RefineObject objects[] = {{.hierarchy = &ground}};
+  AutoRefiner refiner = refiner_of(objects);
+  expect_all_refused([&](const RefineOptions& options) { (void)refiner.refine(above_ground(), options); });
+  expect_all_refused([&](const RefineOptions& options) { (void)refiner.update(above_ground(), options); });
+}
+
+TEST(AutoRefiner, WantsACalibrationOfPositiveNumbersAndBackendsThatAreThere) {
+  const Hierarchy ground = open_ground();
+  const RefineObject objects[] = {{.hierarchy = &ground}};
+  AutoOptions without_costs;
+  without_costs.calibration = round_calibration();
+  without_costs.calibration->visit_ns = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(AutoRefiner(objects, std::move(without_costs)), Error);
+  AutoOptions without_backend;
+  without_backend.calibration = round_calibration();
+  without_backend.backends.emplace_back();
+  EXPECT_THROW(AutoRefiner(objects, std::move(without_backend)), Error);
 }
 
 TEST(AutoRefiner, WantsAllBackendsInTheCalibration) {

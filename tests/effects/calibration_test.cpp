@@ -4,6 +4,8 @@
 
 #include <filesystem>
 #include <fstream>
+#include <functional>
+#include <limits>
 #include <string>
 
 #include "effect_scenes.h"
@@ -68,6 +70,38 @@ TEST_F(CalibrationFile, RefusesWhatIsNoCalibration) {
 }
 
 TEST_F(CalibrationFile, RefusesAFileThatIsNotThere) { EXPECT_NE(mistake().find(path_.string()), std::string::npos); }
+
+TEST(Calibration, RefusesNumbersThatAreNoTimes) {
+  EXPECT_NO_THROW(check_calibration(round_calibration()));
+  struct Row {
+    const char* field;
+    std::function<double&(Calibration&)> cost;
+  };
+  const Row rows[] = {
+      {"visit_ns", [](Calibration& c) -> double& { return c.visit_ns; }},
+      {"far_visit_ns", [](Calibration& c) -> double& { return c.far_visit_ns; }},
+      {"cone_ns", [](Calibration& c) -> double& { return c.cone_ns; }},
+      {"split_ns", [](Calibration& c) -> double& { return c.split_ns; }},
+      {"kept_split_ns", [](Calibration& c) -> double& { return c.kept_split_ns; }},
+      {"triangle_ns", [](Calibration& c) -> double& { return c.triangle_ns; }},
+      {"fragment_ns", [](Calibration& c) -> double& { return c.fragment_ns; }},
+      {"software.occluder_triangle_ns", [](Calibration& c) -> double& { return c.backends[0].occluder_triangle_ns; }},
+      {"software.occluder_pixel_ns", [](Calibration& c) -> double& { return c.backends[0].occluder_pixel_ns; }},
+      {"software.query_ns", [](Calibration& c) -> double& { return c.backends[0].query_ns; }},
+      {"software.latency_ns", [](Calibration& c) -> double& { return c.backends[0].latency_ns; }}};
+  for (const Row& row : rows)
+    for (const double bad :
+         {0.0, -1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+      Calibration calibration = round_calibration();
+      row.cost(calibration) = bad;
+      try {
+        check_calibration(calibration);
+        ADD_FAILURE() << row.field << " may be " << bad;
+      } catch (const Error& error) {
+        EXPECT_EQ(error.diagnosis().place, std::string("option ") + row.field);
+      }
+    }
+}
 
 // Nothing takes no time; how much each thing takes is the machine's to say.
 TEST(Calibration, MeasuresEverything) {

@@ -8,6 +8,7 @@
 #include <limits>
 #include <random>
 #include <stdexcept>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -198,6 +199,28 @@ TEST(BuildHierarchy, AttributesFollowTheirVertices) {
     const glm::vec3& p = hierarchy.positions()[v];
     EXPECT_EQ(hierarchy.data().normals[v], p);
     EXPECT_EQ(hierarchy.data().colors[v], glm::u8vec4(glm::vec4(127.0F * p + 128.0F, 255.0F)));
+  }
+}
+
+TEST(Build, RefusesOptionsOutOfRange) {
+  struct Row {
+    const char* field;
+    BuildOptions options;
+  };
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double infinite = std::numeric_limits<double>::infinity();
+  for (const Row& row : {Row{"boundary_weight", {.boundary_weight = nan}},
+                         {"boundary_weight", {.boundary_weight = infinite}},
+                         {"boundary_weight", {.boundary_weight = -1.0}},
+                         {"boundary_weight", {.boundary_weight = 1.1e6}},
+                         {"threads", {.threads = -1}},
+                         {"threads", {.threads = 1025}}}) {
+    try {
+      (void)build_hierarchy(test::tetrahedron(), row.options);
+      ADD_FAILURE() << row.field << " is accepted";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.diagnosis().place, std::string("option ") + row.field);
+    }
   }
 }
 

@@ -38,6 +38,7 @@ constexpr double dense_hidden = 0.5;           // share of hidden nodes from whi
 
 // The calibration's backends in the order of those given.
 Calibration matched(Calibration calibration, std::span<const std::unique_ptr<Visibility>> backends) {
+  check_calibration(calibration);
   std::vector<BackendCosts> costs;
   for (const std::unique_ptr<Visibility>& backend : backends) {
     const auto found = std::find_if(calibration.backends.begin(), calibration.backends.end(),
@@ -52,6 +53,8 @@ Calibration matched(Calibration calibration, std::span<const std::unique_ptr<Vis
 
 std::vector<std::unique_ptr<Visibility>> or_software(std::vector<std::unique_ptr<Visibility>> backends) {
   if (backends.empty()) backends.push_back(make_software_occlusion());
+  for (std::size_t i = 0; i < backends.size(); ++i)
+    if (!backends[i]) throw Error({"auto refiner", "backend " + std::to_string(i), "is missing", "give a backend"});
   return backends;
 }
 
@@ -128,6 +131,7 @@ class AutoRefiner::Impl {
   }
 
   const Refinement& refine(const View& view, const RefineOptions& options) {
+    check_options(options);
     if (options.budget < refiner_.base_triangles()) return refiner_.refine(view, options, none_);  // throws
     last_.reset();
     choose(Way::from_scratch, view, options);
@@ -137,6 +141,7 @@ class AutoRefiner::Impl {
   }
 
   const Refinement& update(const View& view, const RefineOptions& options) {
+    check_options(options);
     if (options.budget < refiner_.base_triangles()) return refiner_.update(view, options, none_);  // throws
     const bool stands = !placed_ && last_ && last_->camera == view.camera() && last_->options == options;
     if (stands) {

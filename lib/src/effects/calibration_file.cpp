@@ -3,8 +3,9 @@
 #include <string>
 #include <utility>
 
-#include "occlod/effects/calibration.h"
+#include "core/option_checker.h"
 #include "io/atomic_file.h"
+#include "occlod/effects/calibration.h"
 #include "scene/strict_json.h"
 
 namespace occlod {
@@ -46,6 +47,14 @@ BackendCosts read_backend(const JsonPlace& place) {
 }
 
 }  // namespace
+
+void check_calibration(const Calibration& calibration) {
+  const OptionChecker check("calibration");
+  for_each_cost(calibration, [&](const char* key, double value) { check.positive(key, value); });
+  for (const BackendCosts& costs : calibration.backends)
+    for_each_backend_cost(
+        costs, [&](const char* key, double value) { check.positive((costs.name + "." + key).c_str(), value); });
+}
 
 Calibration read_calibration(const std::filesystem::path& path) {
   const nlohmann::json json = parse_json_file(path);

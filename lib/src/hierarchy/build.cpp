@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "assemble.h"
+#include "core/option_checker.h"
 #include "hierarchy_data.h"
 #include "math/inverse_power_of_two.h"
 #include "measure_error.h"
@@ -14,6 +15,12 @@
 
 namespace occlod {
 namespace {
+
+void check_options(const BuildOptions& options) {
+  const OptionChecker check("build");
+  check.in_range("boundary_weight", options.boundary_weight, 0.0, 1e6);
+  check.in_range("threads", options.threads, 0, 1024);
+}
 
 void check_input(const TriangleMesh& mesh) {
   if (mesh.triangles.empty()) throw Error({"mesh", "", "has no triangles", "give a mesh with at least one"});
@@ -38,6 +45,7 @@ void check_input(const TriangleMesh& mesh) {
 }  // namespace
 
 Hierarchy build_hierarchy(const TriangleMesh& mesh, const BuildOptions& options) {
+  check_options(options);
   check_input(mesh);
   const unsigned threads = thread_count(options.threads);
   TriangleMesh ordered = in_spatial_order(mesh, threads);

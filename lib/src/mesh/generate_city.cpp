@@ -1,5 +1,5 @@
+#include "core/option_checker.h"
 #include "mesh/box_lattice.h"
-#include "mesh/generator_options.h"
 #include "mesh/portable_math.h"
 #include "occlod/mesh/generate.h"
 

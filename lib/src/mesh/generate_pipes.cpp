@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <glm/geometric.hpp>
 
-#include "mesh/generator_options.h"
+#include "core/option_checker.h"
 #include "mesh/portable_math.h"
 #include "occlod/mesh/generate.h"
 

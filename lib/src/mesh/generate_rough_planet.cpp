@@ -3,7 +3,7 @@
 #include <limits>
 #include <vector>
 
-#include "mesh/generator_options.h"
+#include "core/option_checker.h"
 #include "mesh/octahedron_lattice.h"
 #include "mesh/portable_math.h"
 #include "mesh/share_tasks.h"

@@ -48,6 +48,7 @@ class Refiner::Impl {
   }
 
   const Refinement& refine(const View& view, const RefineOptions& options, Visibility& visibility) {
+    check_options(options);
     const Clock::time_point start = Clock::now();
     begin(view, options, visibility);
     frames_.reset();
@@ -58,6 +59,7 @@ class Refiner::Impl {
   }
 
   const Refinement& update(const View& view, const RefineOptions& options, Visibility& visibility) {
+    check_options(options);
     const Clock::time_point start = Clock::now();
     const bool moved = placed_ || !last_ || last_->visibility != &visibility || last_->camera != view.camera();
     if (frames_ && !moved && options_ == options && frames_->at_rest()) return repeat(start);

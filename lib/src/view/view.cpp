@@ -41,6 +41,16 @@ void check(const Camera& camera) {
 View::View(const Camera& camera) : camera_(camera) {
   check(camera);
   direction_ = glm::normalize(camera.target - camera.eye);
+  project();
+  // Extreme distances and angles overflow.
+  bool is_finite = std::isfinite(focal_length_px_);
+  for (int column = 0; column < 4; ++column)
+    for (int row = 0; row < 4; ++row) is_finite = is_finite && std::isfinite(world_to_clip_[column][row]);
+  if (!is_finite) refuse("", "has distances or an angle that double precision cannot hold", "choose moderate ones");
+}
+
+void View::project() {
+  const Camera& camera = camera_;
   const double aspect = static_cast<double>(camera.width) / camera.height;
   if (camera.orthographic_height) {
     const double half = *camera.orthographic_height / 2.0;

@@ -42,6 +42,9 @@ struct Calibration {
 // ms on the CPU. Throws what a backend throws.
 [[nodiscard]] Calibration measure_calibration(std::span<const std::unique_ptr<Visibility>> backends);
 
+// Throws Error that names the first number that is not finite or not larger than 0.
+void check_calibration(const Calibration& calibration);
+
 // As JSON, with every digit, so that reading gives the same calibration back.
 [[nodiscard]] std::string calibration_json(const Calibration& calibration);
 // From such a file. Throws Error that names the file and the JSON path of what is missing, unknown, repeated, no number

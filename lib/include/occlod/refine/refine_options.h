@@ -84,4 +84,8 @@ struct RefineOptions {
   friend bool operator==(const RefineOptions&, const RefineOptions&) = default;
 };
 
+// Throws Error that names the first field that is not finite or out of its range, and the range. What depends on the
+// objects, the budget and the number of effects, is not looked at. Refiner and AutoRefiner call it. O(occluder.splits).
+void check_options(const RefineOptions& options);
+
 }  // namespace occlod

@@ -46,6 +46,8 @@ class View {
   [[nodiscard]] double cos_corner_angle() const noexcept { return cos_corner_angle_; }
 
  private:
+  void project();
+
   Camera camera_;
   glm::dmat4 world_to_clip_{1.0};
   glm::dvec3 direction_{0.0, 0.0, -1.0};

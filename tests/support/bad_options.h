@@ -1,0 +1,59 @@
+// Options of refinement that are not finite or out of their range, one field each.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "occlod/core/error.h"
+#include "occlod/refine/refine_options.h"
+
+namespace occlod::test {
+
+struct BadOptions {
+  std::string field;  // that the error names
+  std::function<void(RefineOptions&)> spoil;
+};
+
+[[nodiscard]] inline std::vector<BadOptions> bad_options() {
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  constexpr double infinite = std::numeric_limits<double>::infinity();
+  std::vector<BadOptions> rows;
+  const auto add = [&rows](const char* field, auto spoil) { rows.push_back({field, spoil}); };
+  for (const double value : {nan, infinite, -1.0}) {
+    add("tolerance_px", [value](RefineOptions& o) { o.tolerance_px = value; });
+    add("priority.visible_exponent", [value](RefineOptions& o) { o.priority.visible_exponent = value; });
+    add("priority.grazing_exponent", [value](RefineOptions& o) { o.priority.grazing_exponent = value; });
+    add("priority.forced_exponent", [value](RefineOptions& o) { o.priority.forced_exponent = value; });
+    add("update.hysteresis", [value](RefineOptions& o) { o.update.hysteresis = value; });
+    add("update.time_limit_ms", [value](RefineOptions& o) { o.update.time_limit_ms = value; });
+  }
+  add("priority.visible_exponent", [](RefineOptions& o) { o.priority.visible_exponent = 8.001; });
+  add("priority.grazing_exponent", [](RefineOptions& o) { o.priority.grazing_exponent = 8.001; });
+  add("priority.forced_exponent", [](RefineOptions& o) { o.priority.forced_exponent = 8.001; });
+  add("update.hysteresis", [](RefineOptions& o) { o.update.hysteresis = 1.0; });
+  add("update.hysteresis", [](RefineOptions& o) { o.update.hysteresis = 2.0; });
+  add("queries.level_step", [](RefineOptions& o) { o.queries.level_step = 0; });
+  add("occluder.splits", [](RefineOptions& o) { o.occluder.splits = {300, 200}; });
+  add("occluder.splits", [](RefineOptions& o) { o.occluder.splits = {100, 200, 200}; });
+  return rows;
+}
+
+// What refinement says about each row: an Error whose place is the field.
+inline void expect_all_refused(const std::function<void(const RefineOptions&)>& refine) {
+  for (const BadOptions& row : bad_options()) {
+    RefineOptions options;
+    row.spoil(options);
+    try {
+      refine(options);
+      ADD_FAILURE() << row.field << " is accepted";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.diagnosis().place, "option " + row.field) << error.what();
+    }
+  }
+}
+
+}  // namespace occlod::test
