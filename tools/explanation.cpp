@@ -68,8 +68,8 @@ Json to_json(const AutoRefiner& refiner) {
   json["looked_back"] = report.looked_back;
   json["held"] = report.held;
   json["look_ms"] = report.look_ms;
-  json["saved_triangles"] = report.saved_triangles;
-  json["saved_ms"] = report.saved_ms;
+  json["same_error_without"] = {{"triangles", report.same_error_without.triangles},
+                                {"frame_ms", report.same_error_without.ms}};
   json["objects"] = Json::array();
   for (std::size_t i = 0; i < report.objects.size(); ++i)
     json["objects"].push_back(to_json(report.choice.objects[i], report.objects[i]));
@@ -92,10 +92,11 @@ void print_explanation(const AutoRefiner& refiner, const RefineStats& stats, con
   fmt::print("  looking took {:.3f} ms in this view\n", report.look_ms);
   if (report.choice.backend)
     fmt::print(
-        "  occlusion on ({}): cost {:.2f} ms for {} occluders and {} queries; saves about {:.0f} triangles, {:.2f} "
-        "ms\n",
-        name_of(report.choice.effort), stats.occlusion_ms, stats.occluder_draws, stats.queries, report.saved_triangles,
-        report.saved_ms);
+        "  occlusion on ({}): took {:.2f} ms for {} occluders and {} queries; forecast {:.2f} ms for the frame, "
+        "against "
+        "{:.2f} ms and {:.0f} triangles for the same error without occlusion\n",
+        name_of(report.choice.effort), stats.occlusion_ms, stats.occluder_draws, stats.queries,
+        report.chosen()->frame_ms, report.same_error_without.ms, report.same_error_without.triangles);
   else
     fmt::print("  occlusion off: it would cost more than it saves\n");
   for (std::size_t i = 0; i < report.objects.size(); ++i) print_object(i, objects[i].source_name, refiner);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "effect_scenes.h"
 
@@ -72,6 +73,32 @@ TEST(Forecast, TakesTheCheaperBackend) {
       std::min_element(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.score() < b.score(); });
   ASSERT_TRUE(best->backend);
   EXPECT_EQ(*best->backend, 1U);
+}
+
+// Where 90 % are hidden the error at the same budget is 0.1^0.4, about 0.4, on a mesh that goes on for ever. There
+// error falls with one over the number of triangles, so that without occlusion the same error takes 10,000 * 0.1^-0.4
+// triangles; the 5.15 ms of AddsUpWhatAFrameTakes that are not for pixels grow by as much. No frame is larger than that
+// of the full mesh.
+TEST(Forecast, ComparesWithAFrameOfTheSameErrorWithoutOcclusion) {
+  const Prospect prospect = prospect_of(0.9);
+  const EffortForecast chosen = forecasts(round_calibration(), prospect)[1];
+  ASSERT_EQ(chosen.effort, OcclusionEffort::subtrees);
+  const double factor = std::pow(0.1, -0.4);
+  EXPECT_NEAR(chosen.error, 1.0 / factor, 1e-9);
+  const FrameForecast same = same_error_without(round_calibration(), prospect, chosen, 1'000'000);
+  EXPECT_NEAR(same.triangles, 10'000.0 * factor, 1e-6);
+  EXPECT_NEAR(same.ms, 5.15 * factor + 0.1536, 1e-9);
+  EXPECT_NEAR(same_error_without(round_calibration(), prospect, chosen, 15'000).triangles, 15'000.0, 1e-9);
+  EXPECT_NEAR(same_error_without(round_calibration(), prospect, chosen, 15'000).ms, 5.15 * 1.5 + 0.1536, 1e-9);
+}
+
+// With effort none the comparison is the frame itself.
+TEST(Forecast, SavesNothingWhereNothingIsAsked) {
+  const Prospect prospect = prospect_of(0.9);
+  const EffortForecast none = forecasts(round_calibration(), prospect)[0];
+  const FrameForecast same = same_error_without(round_calibration(), prospect, none, 1'000'000);
+  EXPECT_EQ(same.triangles, 10'000.0);
+  EXPECT_EQ(same.ms, none.frame_ms);
 }
 
 // A hidden star is one split; a subtree whose error is eight times that at the end has about eight below it.

@@ -51,7 +51,9 @@ void draw_outcome(const Explanation& why, const RefineStats& stats) {
   } else {
     draw_row("Cost",
              fmt::format("{:.2f} ms, {} queries", stats.occlusion_ms, grouped(static_cast<double>(stats.queries))));
-    draw_row("Saves", fmt::format("{} triangles, {:.2f} ms", grouped(report.saved_triangles), report.saved_ms));
+    draw_row("Forecast", fmt::format("{:.2f} ms a frame", report.chosen()->frame_ms));
+    draw_row("Without", fmt::format("{:.2f} ms, {} triangles", report.same_error_without.ms,
+                                    grouped(report.same_error_without.triangles)));
     draw_help_of_item("Estimate of what the same error would cost without occlusion culling");
   }
   if (report.held) ImGui::TextDisabled("Kept: any other choice would be only slightly better.");

@@ -314,8 +314,8 @@ std::map<std::string, double> Session::figures() const {
     figures["auto_effort"] = static_cast<double>(why->report.choice.effort);
     figures["auto_held"] = why->report.held ? 1.0 : 0.0;
     figures["look_ms"] = why->report.look_ms;
-    figures["saved_triangles"] = why->report.saved_triangles;
-    figures["saved_ms"] = why->report.saved_ms;
+    figures["same_error_triangles"] = why->report.same_error_without.triangles;
+    figures["same_error_ms"] = why->report.same_error_without.ms;
   }
   if (frame_->sides.size() > 1)
     figures["visible_triangles_without"] = static_cast<double>(frame_->sides[1].visible_triangles.value_or(0));

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <system_error>
 
+#include "io/atomic_file.h"
 #include "occlod/core/error.h"
-#include "occlod/io/atomic_file.h"
 
 namespace occlod::viewer {
 namespace {

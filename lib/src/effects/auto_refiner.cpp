@@ -259,8 +259,7 @@ class AutoRefiner::Impl {
       for (ObjectEffects& effects : choice.objects) effects.cones = true;
     report_.ahead = ahead_;
     report_.back = back_;
-    report_.saved_triangles = saved_triangles(prospect, *best);
-    report_.saved_ms = report_.forecasts.front().frame_ms * report_.saved_triangles / prospect.counts.triangles;
+    report_.same_error_without = same_error_without(calibration_, prospect, *best, refiner_.full_triangles());
   }
 
   // The best of what may be chosen. Where no object may be queried, occluders would be drawn for nothing.
@@ -276,15 +275,6 @@ class AutoRefiner::Impl {
     });
     report_.held = same != all.end() && same != best && best->score() > (1.0 - least_gain) * same->score();
     return report_.held ? &*same : &*best;
-  }
-
-  // The triangles that a mesh without occlusion would need in addition for the same error.
-  [[nodiscard]] double saved_triangles(const Prospect& prospect, const EffortForecast& chosen) const {
-    if (!chosen.backend) return 0.0;
-    const double hidden = hidden_with(chosen.effort, prospect);
-    const double triangles = prospect.counts.triangles;
-    const auto more = static_cast<double>(refiner_.full_triangles()) - triangles;
-    return std::clamp(triangles * hidden / (1.0 - hidden), 0.0, std::max(more, 0.0));
   }
 
   // After the view, with a look back when one is due.

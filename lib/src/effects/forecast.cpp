@@ -46,11 +46,26 @@ FrameCounts counts_with(OcclusionEffort effort, const Prospect& prospect, const 
   return with;
 }
 
+const HiddenShares& shares_for(OcclusionEffort effort, const Prospect& prospect) {
+  return is_renewed(effort) ? prospect.back : prospect.ahead;
+}
+
+// The share of splits that an effort frees.
+double hidden_with(OcclusionEffort effort, const HiddenShares& shares) {
+  return std::min(asks_stars(effort) ? shares.stars_hidden : shares.splits_hidden, most_hidden);
+}
+
+// b of error_with().
+double error_exponent(double growth) {
+  constexpr double least_growth = 0.1;
+  return std::log(2.0) / std::log1p(std::clamp(growth, least_growth, 1.0));
+}
+
 EffortForecast forecast(const Calibration& calibration, std::size_t backend, OcclusionEffort effort,
                         const Prospect& prospect) {
   const BackendCosts& costs = calibration.backends[backend];
   const FrameCounts& counts = prospect.counts;
-  const HiddenShares& shares = is_renewed(effort) ? prospect.back : prospect.ahead;
+  const HiddenShares& shares = shares_for(effort, prospect);
   const OccluderCounts occluders = occluders_of(prospect.way, effort, counts.triangles);
   const double queries = prospect.rates[static_cast<std::size_t>(effort)] * counts.triangles;
   EffortForecast result{effort, backend, 0.0, 0.0, 1.0};
@@ -59,16 +74,11 @@ EffortForecast forecast(const Calibration& calibration, std::size_t backend, Occ
                                 queries * costs.query_ns);
   const FrameCounts with = counts_with(effort, prospect, shares);
   result.frame_ms = frame_ms_without(calibration, with) + result.occlusion_ms;
-  result.error = error_with(hidden_with(effort, prospect), shares.growth);
+  result.error = error_with(hidden_with(effort, shares), shares.growth);
   return result;
 }
 
 }  // namespace
-
-double hidden_with(OcclusionEffort effort, const Prospect& prospect) {
-  const HiddenShares& shares = is_renewed(effort) ? prospect.back : prospect.ahead;
-  return std::min(asks_stars(effort) ? shares.stars_hidden : shares.splits_hidden, most_hidden);
-}
 
 double frame_ms_without(const Calibration& calibration, const FrameCounts& counts) {
   const double visit_ns =
@@ -78,12 +88,25 @@ double frame_ms_without(const Calibration& calibration, const FrameCounts& count
                  fragments_per_pixel * counts.pixels * calibration.fragment_ns);
 }
 
+// What depends on the number of triangles grows with it; pixels do not.
+FrameForecast same_error_without(const Calibration& calibration, const Prospect& prospect, const EffortForecast& chosen,
+                                 std::size_t full_triangles) {
+  FrameCounts counts = prospect.counts;
+  const double most = std::max(static_cast<double>(full_triangles) / counts.triangles, 1.0);
+  const HiddenShares& shares = shares_for(chosen.effort, prospect);
+  const double factor = std::clamp(std::pow(chosen.error, -1.0 / error_exponent(shares.growth)), 1.0, most);
+  counts.triangles *= factor;
+  counts.splits *= factor;
+  counts.kept_splits *= factor;
+  counts.visits *= factor;
+  return {counts.triangles, frame_ms_without(calibration, counts)};
+}
+
 double error_with(double hidden, double growth) {
   constexpr double picture_exponent = 0.4;
-  constexpr double least_growth = 0.1;
   constexpr double least_error = 0.05;  // limits the gain claimed by small samples
-  const double exponent = picture_exponent * std::log(2.0) / std::log1p(std::clamp(growth, least_growth, 1.0));
-  return std::max(least_error, std::pow(1.0 - std::min(hidden, most_hidden), exponent));
+  return std::max(least_error,
+                  std::pow(1.0 - std::min(hidden, most_hidden), picture_exponent * error_exponent(growth)));
 }
 
 std::vector<EffortForecast> forecasts(const Calibration& calibration, const Prospect& prospect) {

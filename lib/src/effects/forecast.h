@@ -43,12 +43,15 @@ struct Prospect {
   QueryRates rates{};
 };
 
-// The share of splits that an effort frees.
-[[nodiscard]] double hidden_with(OcclusionEffort effort, const Prospect& prospect);
 [[nodiscard]] double frame_ms_without(const Calibration& calibration, const FrameCounts& counts);
 // Without occlusion first, then every effort with every backend. From frame to frame only the largest effort: every
 // frame draws an occluder, and without star queries no applied split would be tested again.
 [[nodiscard]] std::vector<EffortForecast> forecasts(const Calibration& calibration, const Prospect& prospect);
+// Without occlusion, at the forecast error of `chosen`: by the law of error_with() error falls with the b-th power of
+// the number of triangles. No more than full_triangles.
+[[nodiscard]] FrameForecast same_error_without(const Calibration& calibration, const Prospect& prospect,
+                                               const EffortForecast& chosen, std::size_t full_triangles);
+
 // How many splits the hidden answers of one region have freed. level_px: see RefineStats.
 [[nodiscard]] double splits_freed(const ObjectEffectStats::Region& region, double level_px);
 // What one more split is worth, ns: its share of the frame.

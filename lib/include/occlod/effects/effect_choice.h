@@ -1,6 +1,7 @@
 // Which effects are on in a view, and why.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -13,59 +14,77 @@
 
 namespace occlod {
 
-// How much is asked about occlusion. One occluder after a thirty-second of the splits, or whenever the mesh has changed
-// enough; questions about subtrees, or about the stars of splits as well.
+// How much is asked about occlusion: about subtrees, or also about the stars of splits; with one occluder that is drawn
+// after a thirty-second of the splits, or with new ones whenever the mesh has changed enough (renewed).
 enum class OcclusionEffort : std::uint8_t { none, subtrees, renewed_subtrees, stars, renewed_stars };
+// Number of efforts.
 inline constexpr std::size_t occlusion_effort_count = 5;
+// As reports call it, e.g. "renewed-stars".
 [[nodiscard]] std::string_view name_of(OcclusionEffort effort) noexcept;
 
-// A choice is data: the same choice, view and objects give the same mesh.
+// Which effects are on. The same choice, view, options and objects give the same mesh.
 struct EffectChoice {
   OcclusionEffort effort = OcclusionEffort::none;
-  std::optional<std::size_t> backend;  // of those given; none where nothing is asked
-  std::uint32_t level_step = 1;        // questions about subtrees on every n-th level
+  std::optional<std::size_t> backend;  // index into those given; none where nothing is asked
+  std::uint32_t level_step = 1;        // queries about subtrees on every n-th forest level
   std::vector<ObjectEffects> objects;  // by object
 
-  // `options` with this choice in place of what they say about effects. Occluders, questions and cones only: budget,
-  // tolerance, weights, mode and proxies stay.
+  // `options` with this choice in place of options.occluder but its mode, of options.queries but its proxy, and of
+  // options.effects.
   [[nodiscard]] RefineOptions with(RefineOptions options) const;
 
   friend bool operator==(const EffectChoice&, const EffectChoice&) = default;
 };
 
-// What a sample of refinement without occlusion says about a view.
+// How much of a view is hidden, estimated from a sample of what refinement without occlusion would visit.
 struct HiddenShares {
   std::size_t visits = 0;      // nodes sampled
   std::size_t splits = 0;      // of these, splits that would be applied
-  double visits_hidden = 0.0;  // share of the nodes that are below a hidden subtree
-  double splits_hidden = 0.0;  // share of the splits whose subtree is hidden
-  double stars_hidden = 0.0;   // share of the splits whose own star is hidden: no less
-  double growth = 1.0;         // triangles that it takes to halve the errors of what is not hidden, of those that are
-                               // there: 1 on a mesh that goes on for ever, less where it ends
+  double visits_hidden = 0.0;  // share of the nodes that are below a hidden subtree, in [0, 1]
+  double splits_hidden = 0.0;  // share of the splits whose subtree is hidden, in [0, 1]
+  double stars_hidden = 0.0;   // share of the splits whose own star is hidden, in [splits_hidden, 1]
+  double growth = 1.0;  // triangles to be added to halve the errors of what is visible, relative to those that it
+                        // has: 1 while the hierarchy has finer splits everywhere, less where it ends
 };
 
-// One way to go, before it is gone. The smallest score is chosen.
+// What one effort with one backend is expected to cost and give. The smallest score is chosen.
 struct EffortForecast {
   OcclusionEffort effort = OcclusionEffort::none;
-  std::optional<std::size_t> backend;
-  double frame_ms = 0.0;      // refinement, occlusion and drawing
-  double occlusion_ms = 0.0;  // of these, occluders and questions
-  double error = 1.0;         // of what it is without occlusion, at the same budget
+  std::optional<std::size_t> backend;  // index into those given; none where nothing is asked
+  double frame_ms = 0.0;               // refinement, occlusion and drawing
+  double occlusion_ms = 0.0;           // of these, occluders and queries
+  double error = 1.0;                  // relative to that without occlusion at the same budget
+  // Time to error: the smaller the better.
   [[nodiscard]] double score() const noexcept { return frame_ms * error; }
 };
 
+// A frame as it is expected.
+struct FrameForecast {
+  double triangles = 0.0;  // of the refined mesh
+  double ms = 0.0;         // refinement, occlusion and drawing
+};
+
+// What was chosen for a view and why.
 struct EffectReport {
-  EffectChoice choice;
-  std::vector<EffortForecast> forecasts;
-  HiddenShares ahead;                // by a coarse mesh before refinement
-  std::optional<HiddenShares> back;  // by the refined mesh of an earlier view
-  bool looked_ahead = false;         // in this view
-  bool looked_back = false;
-  bool held = false;             // update(): another would score better, but not by enough to change
-  double look_ms = 0.0;          // measured: what both took
-  double saved_triangles = 0.0;  // that refinement without occlusion would need more for the same error, forecast
-  double saved_ms = 0.0;         // and what those would take
-  std::vector<ObjectEffectStats> objects;  // what came of it
+  EffectChoice choice;                    // what was on
+  std::vector<EffortForecast> forecasts;  // of everything that could have been chosen; first without occlusion
+  HiddenShares ahead;                     // sampled before refinement, hidden by a coarse mesh
+  std::optional<HiddenShares> back;       // sampled after an earlier view, hidden by its refined mesh
+  bool looked_ahead = false;              // `ahead` is of this view
+  bool looked_back = false;               // `back` is of this view
+  bool held = false;                      // update(): another choice scores better, but not by enough to change
+  double look_ms = 0.0;                   // measured time of both samples in this view
+  // What a frame without occlusion would take for the forecast error of the choice, to compare with chosen()->frame_ms.
+  FrameForecast same_error_without;
+  std::vector<ObjectEffectStats> objects;  // by object: what the tests did
+
+  // The forecast of the choice; null before the first view.
+  [[nodiscard]] const EffortForecast* chosen() const noexcept {
+    const auto found = std::find_if(forecasts.begin(), forecasts.end(), [this](const EffortForecast& forecast) {
+      return forecast.effort == choice.effort && forecast.backend == choice.backend;
+    });
+    return found == forecasts.end() ? nullptr : &*found;
+  }
 };
 
 }  // namespace occlod
