@@ -92,9 +92,8 @@ void print_explanation(const AutoRefiner& refiner, const RefineStats& stats, con
   fmt::print("  looking took {:.3f} ms in this view\n", report.look_ms);
   if (report.choice.backend)
     fmt::print(
-        "  occlusion on ({}): took {:.2f} ms for {} occluders and {} queries; forecast {:.2f} ms for the frame, "
-        "against "
-        "{:.2f} ms and {:.0f} triangles for the same error without occlusion\n",
+        "  occlusion on ({}): took {:.2f} ms for {} occluders and {} queries; forecast {:.2f} ms for the frame,\n"
+        "  against {:.2f} ms and {:.0f} triangles for the same error without occlusion\n",
         name_of(report.choice.effort), stats.occlusion_ms, stats.occluder_draws, stats.queries,
         report.chosen()->frame_ms, report.same_error_without.ms, report.same_error_without.triangles);
   else

@@ -18,7 +18,9 @@ struct Diagnosis {
 // what() is one line: "subject: place: problem; mend".
 class Error : public std::runtime_error {
  public:
+  // Composes what() from the four parts.
   explicit Error(Diagnosis diagnosis);
+  // The four parts, for programs that show them in their own way.
   [[nodiscard]] const Diagnosis& diagnosis() const noexcept { return diagnosis_; }
 
  private:

@@ -24,10 +24,10 @@ inline constexpr std::size_t occlusion_effort_count = 5;
 
 // Which effects are on. The same choice, view, options and objects give the same mesh.
 struct EffectChoice {
-  OcclusionEffort effort = OcclusionEffort::none;
-  std::optional<std::size_t> backend;  // index into those given; none where nothing is asked
-  std::uint32_t level_step = 1;        // queries about subtrees on every n-th forest level
-  std::vector<ObjectEffects> objects;  // by object
+  OcclusionEffort effort = OcclusionEffort::none;  // how much is asked
+  std::optional<std::size_t> backend;              // index into those given; none where nothing is asked
+  std::uint32_t level_step = 1;                    // queries about subtrees on every n-th forest level
+  std::vector<ObjectEffects> objects;              // by object
 
   // `options` with this choice in place of options.occluder but its mode, of options.queries but its proxy, and of
   // options.effects.
@@ -49,11 +49,11 @@ struct HiddenShares {
 
 // What one effort with one backend is expected to cost and give. The smallest score is chosen.
 struct EffortForecast {
-  OcclusionEffort effort = OcclusionEffort::none;
-  std::optional<std::size_t> backend;  // index into those given; none where nothing is asked
-  double frame_ms = 0.0;               // refinement, occlusion and drawing
-  double occlusion_ms = 0.0;           // of these, occluders and queries
-  double error = 1.0;                  // relative to that without occlusion at the same budget
+  OcclusionEffort effort = OcclusionEffort::none;  // how much would be asked
+  std::optional<std::size_t> backend;              // index into those given; none where nothing is asked
+  double frame_ms = 0.0;                           // refinement, occlusion and drawing
+  double occlusion_ms = 0.0;                       // of these, occluders and queries
+  double error = 1.0;                              // relative to that without occlusion at the same budget
   // Time to error: the smaller the better.
   [[nodiscard]] double score() const noexcept { return frame_ms * error; }
 };

@@ -21,13 +21,13 @@ namespace occlod {
 // The arrays of a hierarchy, in memory of its own or of a file.
 struct HierarchyView {
   // Vertices: first those of the base mesh, then vertex base_vertex_count + s for each split s.
-  std::span<const glm::vec3> positions;  // object space
-  std::span<const glm::vec3> normals;    // unit length, one per vertex; empty when the input had none
-  std::span<const glm::u8vec4> colors;   // sRGB and alpha, one per vertex; empty when the input had none
-  std::span<const SplitNode> nodes;      // from coarse to fine, and a sentinel that ends the last one's star
-  std::span<const std::uint32_t> stars;  // the records of all splits in their order, see SplitStar
-  std::span<const SplitId> roots;        // splits without a forest parent, ascending
-  std::span<const Triangle> base_faces;
+  std::span<const glm::vec3> positions;    // object space
+  std::span<const glm::vec3> normals;      // unit length, one per vertex; empty when the input had none
+  std::span<const glm::u8vec4> colors;     // sRGB and alpha, one per vertex; empty when the input had none
+  std::span<const SplitNode> nodes;        // from coarse to fine, and a sentinel that ends the last one's star
+  std::span<const std::uint32_t> stars;    // the records of all splits in their order, see SplitStar
+  std::span<const SplitId> roots;          // splits without a forest parent, ascending
+  std::span<const Triangle> base_faces;    // of the base mesh, to which no split is applied
   Box box;                                 // of all positions
   std::uint64_t input_triangle_count = 0;  // when all splits are applied
   std::uint64_t face_count = 0;            // that ever existed: of the base mesh and of all stars

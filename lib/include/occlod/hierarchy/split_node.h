@@ -18,7 +18,7 @@ struct PackedBounds {
   std::uint16_t cylinder_radius = 0;          // [0, radius of the sphere]
   std::array<std::uint16_t, 2> cylinder_t{};  // [-radius, radius]: t_min, t_max
   std::array<std::uint16_t, 3> box_min{};     // [center - radius, center + radius]
-  std::array<std::uint16_t, 3> box_max{};
+  std::array<std::uint16_t, 3> box_max{};     // likewise
 
   // Unit length. To be set first: cone and cylinder are packed around the axis as it unpacks.
   void set_axis(const glm::vec3& direction);

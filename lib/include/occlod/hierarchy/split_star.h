@@ -12,8 +12,8 @@ namespace occlod {
 
 // Face `slot` of those that `split` inserts; of the base mesh when there is no split.
 struct FaceRef {
-  SplitId split = no_id;
-  std::uint32_t slot = 0;
+  SplitId split = no_id;   // that inserts the face; no_id for the base mesh
+  std::uint32_t slot = 0;  // index among the faces that it inserts
   friend bool operator==(const FaceRef&, const FaceRef&) = default;
 };
 

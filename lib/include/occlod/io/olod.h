@@ -26,7 +26,7 @@ enum class OlodAccess {
 
 // What a file holds.
 struct OlodFile {
-  Hierarchy hierarchy;
+  Hierarchy hierarchy;                                  // mapped or in memory
   MeshReport report;                                    // of the mesh that it was built from
   OlodCompression compression = OlodCompression::none;  // of the file
 };

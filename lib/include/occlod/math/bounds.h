@@ -9,19 +9,19 @@ namespace occlod {
 
 // All points no farther than `radius` from `center`.
 struct Sphere {
-  glm::vec3 center{0.0F};
-  float radius = 0.0F;  // >= 0
+  glm::vec3 center{0.0F};  // object space
+  float radius = 0.0F;     // >= 0
 };
 
 // An axis-aligned box.
 struct Box {
-  glm::vec3 min{0.0F};
+  glm::vec3 min{0.0F};  // object space
   glm::vec3 max{0.0F};  // min <= max in every axis
 };
 
 // A capped cylinder around the line center + t * axis, t in [t_min, t_max].
 struct Cylinder {
-  glm::vec3 center{0.0F};
+  glm::vec3 center{0.0F};            // of the line, object space
   float radius = 0.0F;               // >= 0
   glm::vec3 axis{0.0F, 0.0F, 1.0F};  // unit length
   float t_min = 0.0F;                // object units along the axis

@@ -10,8 +10,8 @@ namespace occlod {
 
 // A mesh and what was found in it.
 struct CleanMesh {
-  TriangleMesh mesh;
-  MeshReport report;
+  TriangleMesh mesh;  // welded, as clean() leaves it
+  MeshReport report;  // what was found and changed
 };
 
 // Welds vertices with bit-identical positions (+0 and -0 are one), averages their attributes, drops triangles

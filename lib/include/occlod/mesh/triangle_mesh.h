@@ -24,7 +24,9 @@ struct TriangleMesh {
   std::vector<glm::u8vec4> colors;   // sRGB and alpha; empty or one per vertex
   std::vector<Triangle> triangles;   // every index < positions.size()
 
+  // Number of positions.
   [[nodiscard]] std::size_t vertex_count() const noexcept { return positions.size(); }
+  // Number of triangles.
   [[nodiscard]] std::size_t triangle_count() const noexcept { return triangles.size(); }
 };
 

@@ -32,7 +32,7 @@ inline constexpr std::uint32_t no_item = no_id;
 
 // Depth, and which triangle owns each pixel.
 struct ItemBuffer {
-  DepthBuffer depth;
+  DepthBuffer depth;                 // of the nearest triangle at each pixel
   std::vector<std::uint32_t> items;  // width * height, rows from the top; no_item: background
 
   // As DepthBuffer::reset().

@@ -36,7 +36,7 @@ struct ObjectEffectStats {
   std::size_t cone_culled = 0;  // of these, nodes that faced away
   // What queries did in one region.
   struct Region {
-    std::uint32_t queries = 0;
+    std::uint32_t queries = 0;        // answered
     std::uint32_t hidden = 0;         // of these, answered hidden
     std::uint32_t hidden_stars = 0;   // of the hidden ones, queries about the star of one split
     float hidden_subtrees_px = 0.0F;  // sum over the other hidden ones of the node's error, each at most most_error_px.

@@ -29,20 +29,20 @@ enum class OccluderMode {
 
 // What a split is worth in a view. A change makes Refiner::update() refine from scratch.
 struct PriorityOptions {
-  Culling culling = Culling::star;
+  Culling culling = Culling::star;  // which question decides
   // Culling::star: the priority of a split is its error in pixels * (visible share of its faces)^visible_exponent
   // * (cosine under which the eye sees them)^-grazing_exponent * (1 + unseen splits that it forces)^-forced_exponent.
-  // Culling::subtree: its error in pixels. Without a unit, in [0, 8].
-  double visible_exponent = 1.0;
-  double grazing_exponent = 0.5;
-  double forced_exponent = 0.5;
+  // Culling::subtree: its error in pixels.
+  double visible_exponent = 1.0;  // in [0, 8]
+  double grazing_exponent = 0.5;  // in [0, 8]
+  double forced_exponent = 0.5;   // in [0, 8]
 
   friend bool operator==(const PriorityOptions&, const PriorityOptions&) = default;
 };
 
 // When and how the current mesh is drawn as an occluder. A change makes Refiner::update() refine from scratch.
 struct OccluderOptions {
-  OccluderMode mode = OccluderMode::paper;
+  OccluderMode mode = OccluderMode::paper;  // what it hides
   // From scratch: draw it when so many splits are applied; ascending. Empty: whenever the mesh has changed enough.
   std::vector<std::uint32_t> splits = {};
   // From scratch: whenever a new one is drawn, ask again about what an older one hid.
@@ -72,13 +72,14 @@ struct UpdateOptions {
   friend bool operator==(const UpdateOptions&, const UpdateOptions&) = default;
 };
 
+// All that can be set for one call.
 struct RefineOptions {
   std::size_t budget = 10'000;  // triangles over all objects, never exceeded; at least Refiner::base_triangles()
   double tolerance_px = 0.0;  // stop when no visible split has a larger bound on its screen error; 0: spend the budget
-  PriorityOptions priority = {};
-  OccluderOptions occluder = {};
-  QueryOptions queries = {};
-  UpdateOptions update = {};
+  PriorityOptions priority = {};            // what a split is worth
+  OccluderOptions occluder = {};            // when and how occluders are drawn
+  QueryOptions queries = {};                // what is asked about occlusion
+  UpdateOptions update = {};                // how fast Refiner::update() may go
   std::vector<ObjectEffects> effects = {};  // what works on each object, by object; empty: everything on all of them
 
   friend bool operator==(const RefineOptions&, const RefineOptions&) = default;

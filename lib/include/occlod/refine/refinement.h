@@ -11,11 +11,11 @@
 
 namespace occlod {
 
-// Every field is set by each call of refine() and update(), whichever way it took.
+// Counts, errors and times. Every field is set by each call of refine() and update(), whichever way it took.
 struct RefineStats {
   // Of the mesh as it stands after the call.
-  std::size_t budget = 0;
-  std::size_t triangles = 0;
+  std::size_t budget = 0;           // as given
+  std::size_t triangles = 0;        // of all objects
   std::size_t splits = 0;           // applied
   std::size_t nodes = 0;            // of the forests, that refinement reached: roots, and children of what it descended
   std::size_t culled_frustum = 0;   // of these nodes, outside the frustum
@@ -38,37 +38,39 @@ struct RefineStats {
   std::size_t taken_back = 0;  // splits given up, also such as have come back: to make room, or needless
   std::size_t visits = 0;      // from scratch nodes reached; going on candidates tried
   std::size_t queries = 0;     // asked of the backend
-  std::size_t queries_hidden = 0;  // of those, answered "hidden"
-  std::size_t occluder_draws = 0;
+  std::size_t queries_hidden = 0;     // of those, answered "hidden"
+  std::size_t occluder_draws = 0;     // occluders drawn
   std::size_t changed_triangles = 0;  // places of the index buffers that differ from those of the call before
   double refine_ms = 0.0;             // wall time without occlusion_ms
   double occlusion_ms = 0.0;          // drawing occluders, asking and waiting for answers
 };
 
+// The triangles [first, first + count).
 struct TriangleRange {
-  std::uint32_t first = 0;
-  std::uint32_t count = 0;
+  std::uint32_t first = 0;  // index into RefinedObject::triangles
+  std::uint32_t count = 0;  // how many
 };
 
 // Draw `vertex` at mix(where its parent is drawn, its own position, t): see geomorph.h.
 struct Geomorph {
-  VertexId vertex = no_id;
-  VertexId parent = no_id;
-  float t = 1.0F;
+  VertexId vertex = no_id;  // that slides
+  VertexId parent = no_id;  // from which it slides; itself under way or not
+  float t = 1.0F;           // 0 at the parent, 1 at its own place
 };
 
 // The active triangles of one object: ids into the hierarchy's vertices. From refine(): base faces first, then by split
 // and slot. From update(): those that stay active keep their places, but for those that fill holes.
 struct RefinedObject {
-  std::vector<Triangle> triangles;
+  std::vector<Triangle> triangles;     // ids of the hierarchy's vertices
   std::vector<SplitId> splits;         // applied, ascending: the whole state
   std::vector<TriangleRange> changes;  // of `triangles` since the call before, ascending; the size may change too
   std::vector<Geomorph> geomorphs;     // under way, parents before their children
 };
 
+// What one call gives; valid until the next call of the same Refiner.
 struct Refinement {
-  std::vector<RefinedObject> objects;  // as given to the Refiner
-  RefineStats stats;
+  std::vector<RefinedObject> objects;      // as given to the Refiner
+  RefineStats stats;                       // of the call
   std::vector<ObjectEffectStats> effects;  // by object
   // FNV-1a over the corners of all triangles of every object in order: equal iff they are, for all practical purposes.
   [[nodiscard]] std::uint64_t hash() const noexcept;

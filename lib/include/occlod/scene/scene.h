@@ -31,7 +31,7 @@ using MeshSource = std::variant<MeshFile, RoughPlanetOptions, CityOptions, Pipes
 
 // One placed mesh.
 struct SceneObject {
-  MeshSource source;
+  MeshSource source;                // file or generator
   glm::dmat4 object_to_world{1.0};  // affine, invertible
   bool two_sided = false;           // back faces are visible too
 };
@@ -77,7 +77,7 @@ void write_scene(const std::filesystem::path& path, const SceneDescription& scen
 
 // How objects are loaded.
 struct LoadOptions {
-  BuildOptions build = {};
+  BuildOptions build = {};  // of hierarchies that have to be built
   // Keep hierarchies in ${XDG_CACHE_HOME:-~/.cache}/occlod under a hash of the input's bytes, the options and the
   // builder's sources.
   bool use_cache = true;
