@@ -126,7 +126,7 @@ TEST(Contexts, AMissingFunctionIsNamed) {
   } catch (const Error& error) {
     EXPECT_NE(std::string(error.what()).find("glEndQuery"), std::string::npos);
     EXPECT_EQ(error.diagnosis().subject, "test driver");
-    EXPECT_FALSE(error.diagnosis().mend.empty());
+    EXPECT_FALSE(error.diagnosis().remedy.empty());
   }
 }
 
@@ -137,7 +137,7 @@ TEST(SharedLibraries, WhatIsMissingIsNamed) {
     FAIL() << "no error";
   } catch (const Error& error) {
     EXPECT_EQ(error.diagnosis().subject, "libnobody-has-this.so");
-    EXPECT_EQ(error.diagnosis().mend, "install nobody");
+    EXPECT_EQ(error.diagnosis().remedy, "install nobody");
   }
   const SharedLibrary c_library({"libnobody-has-this.so.1", "libc.so.6"}, "install libc");
   EXPECT_NE(c_library.symbol<void (*)()>("malloc"), nullptr);

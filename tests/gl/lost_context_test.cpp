@@ -111,7 +111,7 @@ TEST_P(LostContext, AtAnyCallIsOneError) {
       ASSERT_EQ(error.diagnosis().subject, "OpenGL");
       ASSERT_NE(std::string(error.what()).find("another program has made the GPU reset"), std::string::npos)
           << error.what();
-      ASSERT_NE(error.diagnosis().mend.find("software backend"), std::string::npos);
+      ASSERT_NE(error.diagnosis().remedy.find("software backend"), std::string::npos);
       ++losses;
     }
   }
@@ -196,13 +196,13 @@ TEST(LostContexts, TheReasonIsTold) {
   const auto guilty = []() -> GLenum { return GL_GUILTY_CONTEXT_RESET; };
   const auto innocent = []() -> GLenum { return GL_INNOCENT_CONTEXT_RESET; };
   const auto unknown = []() -> GLenum { return GL_UNKNOWN_CONTEXT_RESET; };
-  const std::string mend = "; run again, or use the software backend";
+  const std::string remedy = "; run again, or use the software backend";
   EXPECT_EQ(message_of(table(guilty, no_error)),
-            "OpenGL: a step: the context is lost: this program has made the GPU reset" + mend);
+            "OpenGL: a step: the context is lost: this program has made the GPU reset" + remedy);
   EXPECT_EQ(message_of(table(innocent, lost)),
-            "OpenGL: a step: the context is lost: another program has made the GPU reset" + mend);
+            "OpenGL: a step: the context is lost: another program has made the GPU reset" + remedy);
   const std::string not_known =
-      "OpenGL: a step: the context is lost: the GPU was reset, for a reason that the driver does not know" + mend;
+      "OpenGL: a step: the context is lost: the GPU was reset, for a reason that the driver does not know" + remedy;
   EXPECT_EQ(message_of(table(unknown, no_error)), not_known);
   EXPECT_EQ(message_of(table(nullptr, lost)), not_known);
   EXPECT_EQ(message_of(table(nullptr, no_error)), "");

@@ -89,7 +89,7 @@ std::string problem_of(const Write& write) {
   try {
     write();
   } catch (const Error& error) {
-    EXPECT_FALSE(error.diagnosis().mend.empty());
+    EXPECT_FALSE(error.diagnosis().remedy.empty());
     return error.diagnosis().problem;
   }
   return "nothing";

@@ -48,7 +48,7 @@ class TestFolder {
       static_cast<void>(read_mesh(path));
     } catch (const Error& error) {
       EXPECT_EQ(error.diagnosis().subject, path.string());
-      EXPECT_FALSE(error.diagnosis().mend.empty());
+      EXPECT_FALSE(error.diagnosis().remedy.empty());
       EXPECT_EQ(std::string_view(error.what()).find('\n'), std::string_view::npos);
       return error.diagnosis().place + ": " + error.diagnosis().problem;
     }

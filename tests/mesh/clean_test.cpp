@@ -134,7 +134,7 @@ TEST(Clean, RefusesWhatCannotBeAMesh) {
       static_cast<void>(clean(mesh, {}, "it.ply"));
     } catch (const Error& error) {
       EXPECT_EQ(error.diagnosis().subject, "it.ply");
-      EXPECT_FALSE(error.diagnosis().mend.empty());
+      EXPECT_FALSE(error.diagnosis().remedy.empty());
       return "at " + error.diagnosis().place;
     }
     return std::string("accepted");

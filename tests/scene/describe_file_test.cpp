@@ -12,7 +12,7 @@ class DescribeFile : public test::SceneFolder {
       (void)describe_file(path);
     } catch (const Error& error) {
       EXPECT_EQ(error.diagnosis().subject, path.string());
-      EXPECT_FALSE(error.diagnosis().mend.empty());
+      EXPECT_FALSE(error.diagnosis().remedy.empty());
       return error.diagnosis().problem;
     }
     return "accepted";

@@ -91,7 +91,7 @@ TEST_F(LoadObjects, SaysWhichMeshIsMissingAndWhereItWasLookedFor) {
       EXPECT_EQ(error.diagnosis().place, "/objects/1/mesh");
       EXPECT_EQ(error.diagnosis().problem, "there is no file a.off or b.off; searched: " + folder().string() +
                                                ", /first, /second, " + (folder() / "data/occlod/meshes").string());
-      EXPECT_NE(error.diagnosis().mend.find("OCCLOD_MESHES"), std::string::npos);
+      EXPECT_NE(error.diagnosis().remedy.find("OCCLOD_MESHES"), std::string::npos);
     }
   }
 }

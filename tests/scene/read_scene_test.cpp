@@ -128,7 +128,7 @@ TEST_F(ReadScene, RefusesPathsThroughTheirOwnTarget) {
   EXPECT_EQ(diagnosis.subject, (folder() / "s.json").string());
   EXPECT_EQ(diagnosis.place, "/paths/through");
   EXPECT_NE(diagnosis.problem.find("frame 2 of 5"), std::string::npos) << diagnosis.problem;
-  EXPECT_NE(diagnosis.mend.find("add a key"), std::string::npos) << diagnosis.mend;
+  EXPECT_NE(diagnosis.remedy.find("add a key"), std::string::npos) << diagnosis.remedy;
   EXPECT_EQ(read(text("4")).paths.at("through").frames, 4);
 }
 

@@ -63,7 +63,7 @@ void Session::perform(const JsonPlace& action) {
     const View check(state_.camera);
   } catch (const Error& error) {
     state_.camera = before;
-    action.fail(error.diagnosis().place + " " + error.diagnosis().problem, error.diagnosis().mend);
+    action.fail(error.diagnosis().place + " " + error.diagnosis().problem, error.diagnosis().remedy);
   }
 }
 
@@ -73,7 +73,7 @@ void Session::perform(const nlohmann::json& action) {
     perform(JsonPlace(action, from));
   } catch (const Error& error) {
     const Diagnosis& d = error.diagnosis();
-    notify(d.subject == from ? d.problem + (d.mend.empty() ? "" : "; " + d.mend) : error.what(), true);
+    notify(d.subject == from ? d.problem + (d.remedy.empty() ? "" : "; " + d.remedy) : error.what(), true);
   }
 }
 

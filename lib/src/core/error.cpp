@@ -9,7 +9,7 @@ std::string one_line(const Diagnosis& diagnosis) {
   std::string line = diagnosis.subject;
   if (!diagnosis.place.empty()) line += ": " + diagnosis.place;
   line += ": " + diagnosis.problem;
-  if (!diagnosis.mend.empty()) line += "; " + diagnosis.mend;
+  if (!diagnosis.remedy.empty()) line += "; " + diagnosis.remedy;
   return line;
 }
 

@@ -33,10 +33,10 @@ std::string reason(const Error& error) {
 }
 
 // When both fail for the same reason (no library), it is reported once.
-[[noreturn]] void refuse_both(const char* subject, const Error& first, const Error& second, const std::string& mend) {
+[[noreturn]] void refuse_both(const char* subject, const Error& first, const Error& second, const std::string& remedy) {
   std::string reasons = reason(first);
   if (reason(second) != reasons) reasons += ", " + reason(second);
-  throw Error({subject, "", "no OpenGL context (" + reasons + ")", mend});
+  throw Error({subject, "", "no OpenGL context (" + reasons + ")", remedy});
 }
 
 }  // namespace
@@ -72,7 +72,7 @@ std::unique_ptr<Context> create_context(Platform platform) {
     try {
       return create_egl_context(EglDisplayKind::device);
     } catch (const Error& device) {
-      refuse_both("EGL", surfaceless, device, surfaceless.diagnosis().mend);
+      refuse_both("EGL", surfaceless, device, surfaceless.diagnosis().remedy);
     }
   }
 }

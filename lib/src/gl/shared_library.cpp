@@ -6,7 +6,7 @@
 
 namespace occlod::gl {
 
-SharedLibrary::SharedLibrary(std::initializer_list<const char*> names, const char* mend) {
+SharedLibrary::SharedLibrary(std::initializer_list<const char*> names, const char* remedy) {
   for (const char* name : names) {
     handle_ = dlopen(name, RTLD_NOW | RTLD_LOCAL);
     name_ = name;
@@ -14,7 +14,7 @@ SharedLibrary::SharedLibrary(std::initializer_list<const char*> names, const cha
   }
   // The last reason only: that of the plainest name.
   const char* reason = dlerror();
-  throw Error({name_, "", reason != nullptr ? reason : "cannot be opened", mend});
+  throw Error({name_, "", reason != nullptr ? reason : "cannot be opened", remedy});
 }
 
 void* SharedLibrary::address(const char* name) const {

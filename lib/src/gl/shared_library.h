@@ -8,9 +8,9 @@ namespace occlod::gl {
 
 class SharedLibrary {
  public:
-  // Opens the first of `names` that is found. Throws Error with `mend` when none is. Never closed again: drivers leave
-  // thread-local destructors behind that point into themselves.
-  SharedLibrary(std::initializer_list<const char*> names, const char* mend);
+  // Opens the first of `names` that is found. Throws Error with `remedy` when none is. Never closed again: drivers
+  // leave thread-local destructors behind that point into themselves.
+  SharedLibrary(std::initializer_list<const char*> names, const char* remedy);
 
   // Throws Error when the library has no such symbol.
   template <class Function>

@@ -82,7 +82,7 @@ class Loader {
       searched.push_back(folder.empty() ? "." : folder.string());
     missing.problem =
         fmt::format("there is no file {}; searched: {}", fmt::join(file.names, " or "), fmt::join(searched, ", "));
-    missing.mend = "put it into one of these folders, or set OCCLOD_MESHES to the one that holds it";
+    missing.remedy = "put it into one of these folders, or set OCCLOD_MESHES to the one that holds it";
     throw Error(missing);
   }
   template <class Generator>

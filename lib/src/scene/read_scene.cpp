@@ -162,7 +162,7 @@ Camera read_camera(const JsonPlace& place) {
   try {
     const View check(camera);
   } catch (const Error& error) {
-    place.fail(error.diagnosis().place + " " + error.diagnosis().problem, error.diagnosis().mend);
+    place.fail(error.diagnosis().place + " " + error.diagnosis().problem, error.diagnosis().remedy);
   }
   return camera;
 }

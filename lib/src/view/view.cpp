@@ -12,8 +12,8 @@
 namespace occlod {
 namespace {
 
-[[noreturn]] void refuse(const char* place, const char* problem, const char* mend) {
-  throw Error({"camera", place, problem, mend});
+[[noreturn]] void refuse(const char* place, const char* problem, const char* remedy) {
+  throw Error({"camera", place, problem, remedy});
 }
 
 bool finite(const glm::dvec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }

@@ -12,10 +12,10 @@ struct Diagnosis {
   std::string subject;  // the file or object, e.g. "bunny.ply"
   std::string place;    // where in it, e.g. "line 12" or "vertex 4711"; may be empty
   std::string problem;  // e.g. "x is not a number"
-  std::string mend;     // the remedy, e.g. "export the mesh again"; may be empty
+  std::string remedy;   // e.g. "export the mesh again"; may be empty
 };
 
-// what() is one line: "subject: place: problem; mend".
+// what() is one line: "subject: place: problem; remedy".
 class Error : public std::runtime_error {
  public:
   // Composes what() from the four parts.
