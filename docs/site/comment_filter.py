@@ -4,7 +4,8 @@
 comment_filter.py HEADER  writes the header to standard output with
   - the comment at its top as the description of the file,
   - a comment above a declaration as ///, and one behind it, with its continuation lines, as ///<,
-  - comments that stand alone (followed by an empty line, a brace or the preprocessor) as they are.
+  - comments that stand alone (followed by an empty line, a brace or the preprocessor) as they are, and so those above
+    a declaration that has another one behind it, since they are headings of groups.
 One line is added at the top, so the lines in Doxygen's messages are off by one. Comments are plain text: only `code`
 between backticks is markup, everything else that Doxygen would interpret is escaped.
 """
@@ -46,7 +47,9 @@ def documents_what_follows(lines, index):
     while index < len(lines) and lines[index].lstrip().startswith("//"):
         index += 1
     following = lines[index].strip() if index < len(lines) else ""
-    return bool(following) and not following.startswith(("#", "}", "namespace", "public:", "private:", "protected:"))
+    is_heading = comment_column(following) > 0 and not is_directive(following[comment_column(following) + 2:].strip())
+    is_declaration = not following.startswith(("#", "}", "namespace", "public:", "private:", "protected:"))
+    return bool(following) and is_declaration and not is_heading
 
 
 def documents_what_precedes(code):

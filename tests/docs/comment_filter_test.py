@@ -25,6 +25,11 @@ class CommentFilter(unittest.TestCase):
     def test_comment_above_the_next_member_is_no_continuation(self):
         self.expect("  int a = 0;  // units\n  // Of b.\n  int b = 0;", "  int a = 0;  ///< units\n  /// Of b.\n  int b = 0;")
 
+    def test_comment_above_one_that_has_its_own_is_a_heading(self):
+        self.expect("// Sizes.\nint a = 0;  // pixels\nint b = 0;  // others",
+                    "// Sizes.\nint a = 0;  ///< pixels\nint b = 0;  ///< others")
+        self.expect("// Of a.\nint a = 0;  // NOLINT(name)", "/// Of a.\nint a = 0;  // NOLINT(name)")
+
     def test_enumerators(self):
         self.expect("  one,  // first\n  two   // last", "  one,  ///< first\n  two   ///< last")
 

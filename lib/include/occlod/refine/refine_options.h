@@ -27,15 +27,15 @@ enum class OccluderMode {
                 // farther from every border than that may have moved
 };
 
-// What a split is worth in a view. A change makes Refiner::update() refine from scratch.
+// What a split is worth in a view. With Culling::subtree the priority of a split is its error in pixels; with
+// Culling::star that error * (visible share of its faces)^visible_exponent
+// * (cosine under which the eye sees them)^-grazing_exponent * (1 + unseen splits that it forces)^-forced_exponent.
+// A change makes Refiner::update() refine from scratch.
 struct PriorityOptions {
   Culling culling = Culling::star;  // which question decides
-  // Culling::star: the priority of a split is its error in pixels * (visible share of its faces)^visible_exponent
-  // * (cosine under which the eye sees them)^-grazing_exponent * (1 + unseen splits that it forces)^-forced_exponent.
-  // Culling::subtree: its error in pixels.
-  double visible_exponent = 1.0;  // in [0, 8]
-  double grazing_exponent = 0.5;  // in [0, 8]
-  double forced_exponent = 0.5;   // in [0, 8]
+  double visible_exponent = 1.0;    // in [0, 8]
+  double grazing_exponent = 0.5;    // in [0, 8]
+  double forced_exponent = 0.5;     // in [0, 8]
 
   friend bool operator==(const PriorityOptions&, const PriorityOptions&) = default;
 };
