@@ -8,6 +8,8 @@
 #include <fstream>
 #include <string>
 
+#include "support/kept_environment.h"
+
 namespace occlod::test {
 
 class SceneFolder : public ::testing::Test {
@@ -30,6 +32,7 @@ class SceneFolder : public ::testing::Test {
   [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
 
  private:
+  KeptEnvironment environment_{"XDG_CACHE_HOME", "XDG_DATA_HOME", "OCCLOD_MESHES"};
   std::filesystem::path folder_;
 };
 

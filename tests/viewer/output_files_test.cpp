@@ -11,6 +11,7 @@
 #include "occlod/mesh/generate.h"
 #include "occlod/scene/scene.h"
 #include "settings_file.h"
+#include "support/kept_environment.h"
 #include "viewer/support.h"
 
 namespace occlod::viewer {
@@ -132,8 +133,7 @@ TEST_F(OutputFiles, SavedSceneNamesMeshesInMeshFolders) {
   const fs::path elsewhere = folder_.path("scenes/deep/scene.json");
   fs::create_directories(elsewhere.parent_path());
   const auto name = [&] { return name_in_scene(mesh_, elsewhere.parent_path()); };
-  const char* const before = std::getenv("OCCLOD_MESHES");
-  const std::string kept = before != nullptr ? before : "";
+  const occlod::test::KeptEnvironment kept{"OCCLOD_MESHES"};
   unsetenv("OCCLOD_MESHES");
   EXPECT_EQ(name(), mesh_.string());
   setenv("OCCLOD_MESHES", folder_.path("home/meshes").c_str(), 1);
@@ -144,10 +144,6 @@ TEST_F(OutputFiles, SavedSceneNamesMeshesInMeshFolders) {
   std::ofstream(elsewhere.parent_path() / "planet.ply") << "another";
   setenv("OCCLOD_MESHES", folder_.path("home/meshes").c_str(), 1);
   EXPECT_EQ(name(), mesh_.string());
-  if (before != nullptr)
-    setenv("OCCLOD_MESHES", kept.c_str(), 1);
-  else
-    unsetenv("OCCLOD_MESHES");
 }
 
 TEST_F(OutputFiles, ScenesAreKnownByAnExtensionOfAnyCase) {

@@ -1,10 +1,16 @@
 // How the mesh is refined: one entry for each field of RefineOptions, the backend, and whether from frame to frame.
+#include <algorithm>
+#include <iterator>
+#include <vector>
+
 #include "setting_kinds.h"
 
 namespace occlod::viewer {
+namespace {
 
-std::span<const Setting> refine_settings() {
-  static const std::vector<Setting> settings = {
+// For every view.
+std::vector<Setting> view_settings() {
+  return {
       integer(
           {"budget", "Triangles", "Triangle budget: the mesh never has more, in any view"},
           {1'000, 10'000'000, true, ""}, [](auto& s) -> auto& { return s.refine.budget; }),
@@ -55,6 +61,12 @@ std::span<const Setting> refine_settings() {
       toggle(
           {"final_check", "Final check", "Query everything that is hidden once more before the mesh is final"},
           [](auto& s) -> auto& { return s.refine.queries.final_check; }),
+  };
+}
+
+// How one frame follows another, and what is shown of it.
+std::vector<Setting> frame_settings() {
+  return {
       toggle(
           {"frame_to_frame", "Frame to frame", "Start from the mesh of the previous frame instead of the base mesh"},
           [](auto& s) -> auto& { return s.frame_to_frame; }),
@@ -83,6 +95,16 @@ std::span<const Setting> refine_settings() {
           {"count_visible", "Count visible", "Count triangles that own at least one pixel, with an item buffer"},
           [](auto& s) -> auto& { return s.count_visible; }),
   };
+}
+
+}  // namespace
+
+std::span<const Setting> refine_settings() {
+  static const std::vector<Setting> settings = [] {
+    std::vector<Setting> all = view_settings();
+    std::ranges::move(frame_settings(), std::back_inserter(all));
+    return all;
+  }();
   return settings;
 }
 

@@ -57,7 +57,7 @@ Hierarchy::Hierarchy(const HierarchyView& view, std::shared_ptr<const void> owne
     : view_(view), owner_(std::move(owner)) {}
 
 void Hierarchy::check_block(std::size_t block) const {
-  static_assert(block_bits_ == SplitGuard::block_bits);
+  static_assert(block_bits == SplitGuard::block_bits);
   guard_->check(block);
 }
 

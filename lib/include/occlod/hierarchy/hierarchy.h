@@ -65,8 +65,8 @@ class Hierarchy {
   // Error when it is damaged. Nothing to do for no_id, for other hierarchies and when that part has been checked
   // before.
   void require(SplitId s) const {
-    if (checked_ != nullptr && s < split_count() && !checked_[s >> block_bits_].load(std::memory_order_acquire))
-      check_block(s >> block_bits_);
+    if (checked_ != nullptr && s < split_count() && !checked_[s >> block_bits].load(std::memory_order_acquire))
+      check_block(s >> block_bits);
   }
   // The same for a vertex; those of the base mesh have been checked on opening.
   void require_vertex(VertexId v) const {
@@ -94,7 +94,7 @@ class Hierarchy {
   [[nodiscard]] std::size_t bytes() const noexcept;
 
  private:
-  static constexpr std::uint32_t block_bits_ = 10;  // SplitGuard::block_bits
+  static constexpr std::uint32_t block_bits = 10;  // SplitGuard::block_bits
   friend Hierarchy guarded_hierarchy(const HierarchyView& view, std::shared_ptr<const void> owner,
                                      std::shared_ptr<SplitGuard> guard);
   void check_block(std::size_t block) const;
