@@ -1,28 +1,14 @@
 #include "command_files.h"
 
 #include <fmt/format.h>
-#include <sys/stat.h>
 
 #include <CLI/CLI.hpp>
-#include <system_error>
 
 #include "io/atomic_file.h"
 #include "occlod/io/write_mesh.h"
 
 namespace occlod::tool {
-namespace {
-
 namespace fs = std::filesystem;
-
-// The same for every name of one file: its number on its device, or, where nothing exists yet, its name without links.
-std::string identity_of(const fs::path& path) {
-  struct stat found {};
-  if (stat(path.c_str(), &found) == 0) return fmt::format("{}:{}", found.st_dev, found.st_ino);
-  std::error_code ignored;
-  return fs::weakly_canonical(fs::absolute(AtomicFile::target_of(path), ignored), ignored).string();
-}
-
-}  // namespace
 
 void CommandFiles::add_input(const std::string& what, const fs::path& path) {
   inputs_.emplace(identity_of(path), what);

@@ -13,8 +13,8 @@
 #include "application.h"
 #include "command.h"
 #include "file_faults.h"
+#include "io/atomic_file.h"
 #include "occlod/core/version.h"
-#include "session_files.h"
 #include "setting_table.h"
 #include "settings_file.h"
 #include "standard_streams.h"
@@ -114,7 +114,7 @@ void check_settings_file(const ApplicationOptions& options) {
   if (options.script) inputs.push_back(*options.script);
   if (!options.calibration.empty()) inputs.push_back(options.calibration);
   for (const std::filesystem::path& input : inputs)
-    if (is_same_file(input, options.settings_file))
+    if (identity_of(input) == identity_of(options.settings_file))
       throw CLI::ValidationError(
           "--settings", options.settings_file.string() + " would be overwritten, but is opened too; name another file");
 }

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <fstream>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -115,6 +116,23 @@ TEST(AtomicFile, WritesWhereLinksLead) {
   EXPECT_TRUE(fs::is_symlink(folder.path() / "other" / "second"));
   EXPECT_FALSE(fs::is_symlink(folder.path() / "other" / "a.txt"));
   EXPECT_EQ(test::bytes_of(folder.path() / "other" / "a.txt"), "new");
+}
+
+TEST(AtomicFile, EveryNameOfAFileHasOneIdentity) {
+  const test::TestFolder folder;
+  fs::create_directory(folder.path() / "other");
+  fs::create_symlink("other/a.txt", folder.path() / "link");
+  const fs::path detour = folder.path() / "other" / ".." / "other" / "a.txt";
+  for (const bool exists : {false, true}) {
+    if (exists) std::ofstream(folder.path() / "other" / "a.txt") << "text";
+    EXPECT_EQ(identity_of(folder.path() / "link"), identity_of(folder.path() / "other" / "a.txt")) << exists;
+    EXPECT_EQ(identity_of(detour), identity_of(folder.path() / "other" / "a.txt")) << exists;
+    EXPECT_NE(identity_of(folder.path() / "link"), identity_of(folder.path() / "other" / "b.txt")) << exists;
+  }
+  fs::create_hard_link(folder.path() / "other" / "a.txt", folder.path() / "hard");
+  EXPECT_EQ(identity_of(folder.path() / "hard"), identity_of(folder.path() / "link"));
+  fs::create_symlink("circle", folder.path() / "circle");
+  EXPECT_EQ(identity_of(folder.path() / "circle"), identity_of(folder.path() / "circle"));
 }
 
 TEST(AtomicFile, RefusesLinksThatLeadNowhere) {

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <system_error>
 
 #include "io/atomic_file.h"
 #include "occlod/core/error.h"
@@ -25,22 +24,7 @@ const char* name_of(OutputKind kind) {
   return "";
 }
 
-fs::path without_links(const fs::path& file) {
-  std::error_code ignored;
-  try {
-    return fs::weakly_canonical(fs::absolute(AtomicFile::target_of(file), ignored), ignored);
-  } catch (const Error&) {  // links that lead nowhere: whoever writes the file will say so
-    return file;
-  }
-}
-
 }  // namespace
-
-bool is_same_file(const fs::path& a, const fs::path& b) {
-  std::error_code missing;
-  if (fs::equivalent(a, b, missing)) return true;
-  return !fs::exists(a, missing) && !fs::exists(b, missing) && without_links(a) == without_links(b);
-}
 
 void SessionFiles::add_input(const fs::path& file, const std::string& what) { inputs_.push_back({file, what, false}); }
 void SessionFiles::add_scene(const fs::path& file) { inputs_.push_back({file, "a scene that was opened", true}); }
@@ -57,20 +41,21 @@ void SessionFiles::add_outputs(const JsonPlace& place, const std::vector<fs::pat
     if (const std::string what = conflict(file, kind, objects); !what.empty())
       place.fail(fmt::format("{} is {} and is not overwritten", file.string(), what), "choose another name");
   for (const fs::path& file : files) {
-    const auto is_it = [&](const Written& written) { return is_same_file(written.file, file); };
+    const auto is_it = [&](const Written& written) { return identity_of(written.file) == identity_of(file); };
     if (std::none_of(outputs_.begin(), outputs_.end(), is_it)) outputs_.push_back({fs::absolute(file), kind});
   }
 }
 
 std::string SessionFiles::conflict(const fs::path& file, OutputKind kind, const Objects& objects) const {
+  const std::string identity = identity_of(file);
   for (const PlacedObject& object : objects)
     if (const auto* mesh = std::get_if<MeshFile>(&object.source))
       for (const std::string& name : mesh->names)
-        if (is_same_file(name, file)) return fmt::format("the file of the open object \"{}\"", object.name);
+        if (identity_of(name) == identity) return fmt::format("the file of the open object \"{}\"", object.name);
   for (const Used& input : inputs_)
-    if (is_same_file(input.file, file) && !(input.is_scene && kind == OutputKind::scene)) return input.what;
+    if (identity_of(input.file) == identity && !(input.is_scene && kind == OutputKind::scene)) return input.what;
   for (const Written& output : outputs_)
-    if (output.kind != kind && is_same_file(output.file, file))
+    if (output.kind != kind && identity_of(output.file) == identity)
       return fmt::format("{} that was written before", name_of(output.kind));
   return "";
 }

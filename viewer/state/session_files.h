@@ -12,9 +12,6 @@ namespace occlod::viewer {
 
 enum class OutputKind { scene, picture, numbers };
 
-// One file under two names: links are followed. Neither needs to exist.
-[[nodiscard]] bool is_same_file(const std::filesystem::path& a, const std::filesystem::path& b);
-
 class SessionFiles {
  public:
   // `what` for messages, e.g. "the script". The file need not exist.

@@ -1,6 +1,7 @@
 #include "io/atomic_file.h"
 
 #include <fmt/format.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <atomic>
@@ -160,6 +161,17 @@ void AtomicFile::commit() {
 
 void AtomicFile::fail_to_write() const {
   fail(path_, fmt::format("cannot be written: {}", reason(errno != 0 ? errno : EIO)), "check the space on the disk");
+}
+
+std::string identity_of(const fs::path& path) {
+  struct stat found {};
+  if (stat(path.c_str(), &found) == 0) return fmt::format("{}:{}", found.st_dev, found.st_ino);
+  std::error_code ignored;
+  try {
+    return fs::weakly_canonical(fs::absolute(AtomicFile::target_of(path), ignored), ignored).string();
+  } catch (const Error&) {
+    return path.string();
+  }
 }
 
 WriteMonitor::WriteMonitor(Progress progress) : progress_(std::move(progress)), outer_(innermost_monitor) {

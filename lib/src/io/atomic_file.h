@@ -7,6 +7,7 @@
 #include <fstream>
 #include <functional>
 #include <span>
+#include <string>
 
 namespace occlod {
 
@@ -39,6 +40,10 @@ class AtomicFile {
   std::ofstream stream_;
   std::uint64_t written_ = 0;  // bytes, by write()
 };
+
+// The same for every name of one file, links followed: its number on its device, or, where nothing exists yet, its name
+// without links. For comparison only. Does not throw for links that lead nowhere: whoever writes the file will say so.
+[[nodiscard]] std::string identity_of(const std::filesystem::path& path);
 
 // Watches the AtomicFiles of this thread while it lives, through whatever writes them: `progress` is called before a
 // file is begun, before each block of write() and before commit() puts it in place, with the bytes that write() has
