@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <iterator>
 #include <random>
 
 #include "occlod/mesh/generate.h"
@@ -89,23 +91,50 @@ TEST(Occluder, ConservativeSheetsHideNothingAtTheirBorders) {
   EXPECT_GT(count_wrongly_hidden(mesh, OccluderMode::paper, true).wrong, 100);
 }
 
-TEST(Occluder, PaperIsTheCutItself) {
-  const Hierarchy hierarchy = build_hierarchy(test::noisy_sphere(3, 1));
+// Some cut of a sphere, and the occluder that is made of it as it is.
+struct SphereCut {
+  explicit SphereCut(const glm::dmat4& object_to_world, bool two_sided = false)
+      : hierarchy(build_hierarchy(test::noisy_sphere(3, 1))), views{{View(test::front_camera()), object_to_world}} {
+    cuts.add(hierarchy);
+    (void)cuts.closure(0, static_cast<SplitId>(hierarchy.split_count() / 2));
+    cuts.apply_closure(0);
+    const std::vector<RefineObject> objects = {{&hierarchy, object_to_world, two_sided}};
+    part = occluder.build(objects, cuts, views, OccluderMode::paper).front();
+    cuts.active_triangles(0, cut, false);
+  }
+  [[nodiscard]] float facing(const Triangle& t) const {
+    const std::span<const glm::vec3> p = hierarchy.positions();
+    return glm::dot(glm::cross(p[t.y] - p[t.x], p[t.z] - p[t.x]), views[0].eye() - p[t.x]);
+  }
+
+  Hierarchy hierarchy;
   CutSet cuts;
-  cuts.add(hierarchy);
-  (void)cuts.closure(0, static_cast<SplitId>(hierarchy.split_count() / 2));
-  cuts.apply_closure(0);
-  const std::vector<ObjectView> views = {ObjectView(View(test::front_camera()), glm::dmat4(1.0))};
+  std::vector<ObjectView> views;
   Occluder occluder;
-  const std::vector<RefineObject> objects = {{&hierarchy}};
-  const std::span<const OccluderPart> parts = occluder.build(objects, cuts, views, OccluderMode::paper);
-  std::vector<Triangle> expected;
-  cuts.active_triangles(0, expected, false);
-  ASSERT_EQ(parts.size(), 1U);
-  ASSERT_EQ(parts[0].triangles.size(), expected.size());
-  for (std::size_t i = 0; i < expected.size(); ++i)
-    for (int k = 0; k < 3; ++k)
-      EXPECT_EQ(parts[0].positions[parts[0].triangles[i][k]], hierarchy.positions()[expected[i][k]]);
+  OccluderPart part;
+  std::vector<Triangle> cut;
+};
+
+TEST(Occluder, OfTwoSidedObjectsIsTheCutItself) {
+  const SphereCut sphere(glm::dmat4(1.0), true);
+  ASSERT_EQ(sphere.part.triangles.size(), sphere.cut.size());
+  for (std::size_t i = 0; i < sphere.cut.size(); ++i) EXPECT_EQ(sphere.part.triangles[i], sphere.cut[i]);
+  EXPECT_EQ(sphere.part.positions.data(), sphere.hierarchy.positions().data());
+}
+
+// Also where the transform turns them inside out: what faces the eye does so in object space too.
+TEST(Occluder, OthersShowTheirFronts) {
+  glm::dmat4 mirror(1.0);
+  mirror[0][0] = -1.0;
+  for (const glm::dmat4& object_to_world : {glm::dmat4(1.0), mirror}) {
+    const SphereCut sphere(object_to_world);
+    std::vector<Triangle> fronts;
+    std::copy_if(sphere.cut.begin(), sphere.cut.end(), std::back_inserter(fronts),
+                 [&](const Triangle& t) { return !(sphere.facing(t) < 0.0F); });
+    EXPECT_LT(fronts.size(), sphere.cut.size());
+    ASSERT_EQ(sphere.part.triangles.size(), fronts.size());
+    for (std::size_t i = 0; i < fronts.size(); ++i) EXPECT_EQ(sphere.part.triangles[i], fronts[i]);
+  }
 }
 
 // The full mesh is the input: its error is 0, and its front faces are where they are.

@@ -104,6 +104,7 @@ TEST_F(OcclusionControl, AllVisibleGivesTheSameAsNoOcclusion) {
 }
 
 TEST_F(OcclusionControl, OccludersAreDrawnAtTheStepsAndWhatTheyHidIsAskedAgain) {
+  for (RefineObject& object : objects_) object.two_sided = true;  // so that occluders are whole cuts
   // The first occluder hides everything: refinement runs dry, having applied no more than the first step. It must not
   // end there: but the second occluder is due only after 600 splits. So let the first hide the second object only, and
   // the second nothing.

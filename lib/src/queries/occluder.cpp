@@ -49,6 +49,19 @@ bool is_thick(const ScaledFace& face, float error) {
   return 2.0F * (face.unit * error) * longest < glm::length(face.normal);
 }
 
+// What shows its back is not drawn, and so hides nothing; of a closed surface it lies behind what shows its front. Faces
+// that are no numbers or too small to tell stay.
+void drop_back_faces(std::span<const glm::vec3> positions, const glm::vec3& eye, std::vector<Triangle>& triangles) {
+  std::size_t kept = 0;
+  for (const Triangle& t : triangles) {
+    const glm::vec3 &a = positions[t.x], &b = positions[t.y], &c = positions[t.z];
+    const bool is_back = glm::dot(glm::cross(b - a, c - a), eye - a) < 0.0F;
+    triangles[kept] = t;
+    kept += is_back ? 0 : 1;
+  }
+  triangles.resize(kept);
+}
+
 // Away from the eye, so far that the true surface, which is no farther from the face than `error`, is in front of it.
 glm::vec3 push_of(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, float error, const glm::vec3& eye) {
   const ScaledFace face(a, b, c);
@@ -66,6 +79,7 @@ std::span<const OccluderPart> Occluder::build(std::span<const RefineObject> obje
     std::span<const glm::vec3> positions = cuts[i].hierarchy().positions();
     if (mode == OccluderMode::paper) {
       cuts.active_triangles(i, part.triangles, false);
+      if (!objects[i].two_sided) drop_back_faces(positions, views[i].eye(), part.triangles);
     } else {
       cuts.active_triangles(i, part.cut, true);
       find_errors(cuts[i]);

@@ -11,7 +11,8 @@
 
 namespace occlod {
 
-// Reuses its memory. As they are, the parts are triangles of the hierarchy's own vertices, in no order.
+// Reuses its memory. As they are, the parts are triangles of the hierarchy's own vertices, in no order; without those
+// that show their backs, except of two-sided objects.
 class Occluder {
  public:
   // `cuts` and `views` by object. The result is valid until the next call. O(n) for n
