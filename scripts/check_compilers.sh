@@ -55,6 +55,7 @@ elif ! sources=$(scripts/debian_sources.sh fmtlib highway googletest); then
 else
   install_for_libcxx fmt "$sources/fmtlib" -DFMT_TEST=OFF -DFMT_DOC=OFF
   install_for_libcxx hwy "$sources/highway" -DHWY_ENABLE_TESTS=OFF -DHWY_ENABLE_EXAMPLES=OFF -DHWY_ENABLE_CONTRIB=OFF -DBUILD_TESTING=OFF
+  scripts/hwy_package.sh "$root/build/compilers/libcxx-packages"
   install_for_libcxx gtest "$sources/googletest"
   CMAKE_PREFIX_PATH=$root/build/compilers/libcxx-packages check libcxx "$libcxx_compiler" -stdlib=libc++ "$@"
 fi
