@@ -24,6 +24,7 @@ struct Options {
   std::string path = "orbit";
   std::vector<std::string> ways = {"subtree", "subtree+software", "star", "star+software"};
   std::vector<std::size_t> budgets = {10'000};
+  std::vector<unsigned> threads = {1};
   int frames = 24;  // of the path, evenly
   int repeat = 9;
 };
@@ -40,12 +41,18 @@ struct Way {
 std::vector<Way> ways_of(const Options& options) {
   std::vector<Way> ways;
   for (const std::size_t budget : options.budgets)
-    for (const std::string& name : options.ways) {
-      Way way{name, {}, name.ends_with("+software"), {}, {}};
-      way.options.budget = budget;
-      way.options.priority.culling = name.starts_with("star") ? Culling::star : Culling::subtree;
-      ways.push_back(std::move(way));
-    }
+    for (const std::string& name : options.ways)
+      for (const unsigned threads : options.threads) {
+        Way way{threads == 1 ? name : fmt::format("{}, {} threads", name, threads),
+                {},
+                name.ends_with("+software"),
+                {},
+                {}};
+        way.options.budget = budget;
+        way.options.threads = threads;
+        way.options.priority.culling = name.starts_with("star") ? Culling::star : Culling::subtree;
+        ways.push_back(std::move(way));
+      }
   return ways;
 }
 
@@ -110,6 +117,7 @@ int run(int argc, char** argv) {
       ->capture_default_str()
       ->check(CLI::IsMember({"subtree", "subtree+software", "star", "star+software"}));
   app.add_option("--budgets", options.budgets, "Triangles")->capture_default_str();
+  app.add_option("--threads", options.threads, "Threads")->capture_default_str();
   app.add_option("--frames", options.frames, "Frames of the path, evenly")->capture_default_str();
   add_repeat_option(app, options.repeat, "Rounds in which every way has its turn");
   return run_app(app, argc, argv, [&] { run(options); });

@@ -17,6 +17,7 @@ constexpr std::uint64_t most_pixels = 16'384;                // of an image, in 
 constexpr std::uint64_t most_questions = 1'000'000;
 constexpr std::uint64_t most_frames = 1'000'000;
 constexpr double largest_exponent = 8.0;
+constexpr int most_threads = 1024;
 constexpr double largest_hysteresis = 0.999;
 
 std::optional<ImageSize> parse_size(const std::string& text) {
@@ -72,6 +73,10 @@ void add_refine_options(CLI::App& command, RefineOptions& refine) {
   add_exponent(command, "--grazing-exponent", refine.priority.grazing_exponent,
                "1 / cosine of the angle between its faces and the view");
   add_exponent(command, "--forced-exponent", refine.priority.forced_exponent, "1 / (1 + unseen splits that it forces)");
+  add_number(command, "--threads", refine.threads, WholeRange{0, most_threads},
+             "Threads that refinement from scratch may use; more than 2 do not help; 0: 2 where there are as many "
+             "cores. The result does not depend on it")
+      ->capture_default_str();
 }
 
 // Of "adaptive" or ascending numbers.

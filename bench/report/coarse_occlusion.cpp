@@ -20,6 +20,14 @@ class CoarseOcclusion final : public Visibility {
   void draw_occluder(std::span<const OccluderPart> parts) override { software_->draw_occluder(parts); }
   void submit(const VisibilityQuery& query) override { software_->submit(query); }
   [[nodiscard]] std::uint32_t collect() override { return software_->collect(); }
+  [[nodiscard]] bool answers_many_threads() const noexcept override { return true; }
+  void answer(std::span<const VisibilityQuery> queries, std::span<std::uint32_t> answers) override {
+    software_->answer(queries, answers);
+  }
+  void find_visible_points(std::uint32_t object, std::span<const glm::vec3> points,
+                           std::span<std::uint8_t> visible) override {
+    software_->find_visible_points(object, points, visible);
+  }
 
  private:
   int divisor_;

@@ -1,6 +1,7 @@
 // Batches find the rectangles that single bounds have, bit for bit, with every instruction set; so do the answers.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <vector>
 
@@ -19,10 +20,19 @@ using test::for_every_target;
 using test::RandomShapes;
 
 template <class Shape>
+void find_bounds(const BoundsView& view, const std::vector<Shape>& shapes, BoundsOutput& found) {
+  find_screen_bounds(view, shapes, found);
+}
+void find_bounds(const BoundsView& view, const std::vector<PointHull>& hulls, BoundsOutput& found) {
+  DiagonalsOutput diagonals;
+  find_screen_bounds(view, hulls, found, diagonals);
+}
+
+template <class Shape>
 void expect_lanes_equal_singles(const View& view, const ObjectView& object, const std::vector<Shape>& shapes,
                                 const char* target) {
   BoundsOutput found;
-  find_screen_bounds(BoundsView(view, object), shapes, found);
+  find_bounds(BoundsView(view, object), shapes, found);
   for (std::size_t i = 0; i < shapes.size(); ++i) {
     const std::optional<ScreenBounds> expected = screen_bounds(view, object, {0, shapes[i]});
     ASSERT_EQ(found.trusted[i], expected ? 1 : 0) << target << " " << i;
@@ -65,12 +75,14 @@ TEST(Targets, FindTheRectanglesOfSingleBounds) {
       std::vector<Sphere> spheres;
       std::vector<Box> boxes;
       std::vector<Cylinder> cylinders;
+      std::vector<PointHull> hulls;
       if (n % 10 == 0) add_adversaries(spheres, boxes, cylinders);
       for (int i = 0; i < 5 + n % 20; ++i) {
         const double size = random.in(0.001, 3.0);
         spheres.push_back(std::get<Sphere>(random.bound(BoundKind::sphere, size).shape));
         boxes.push_back(std::get<Box>(random.bound(BoundKind::box, size).shape));
         cylinders.push_back(std::get<Cylinder>(random.bound(BoundKind::cylinder, size).shape));
+        hulls.push_back(std::get<PointHull>(random.bound(BoundKind::hull, size).shape));
       }
       keep_a_batch(spheres);
       keep_a_batch(boxes);
@@ -78,8 +90,39 @@ TEST(Targets, FindTheRectanglesOfSingleBounds) {
       expect_lanes_equal_singles(view, object, spheres, target);
       expect_lanes_equal_singles(view, object, boxes, target);
       expect_lanes_equal_singles(view, object, cylinders, target);
+      expect_lanes_equal_singles(view, object, hulls, target);
       if (testing::Test::HasFatalFailure()) return;
     }
+  });
+}
+
+// Those of a batch and those of single hulls cut off the same corners, but for rounding.
+TEST(Targets, FindTheDiagonalsOfSingleHulls) {
+  for_every_target([](const char* target) {
+    SCOPED_TRACE(target);
+    RandomShapes random(8);
+    std::size_t compared = 0;
+    for (int n = 0; n < 100; ++n) {
+      const View view = random.view();
+      const ObjectView object(view, random.placement());
+      std::vector<PointHull> hulls;
+      for (int i = 0; i < 20; ++i)
+        hulls.push_back(std::get<PointHull>(random.bound(BoundKind::hull, random.in(0.001, 3.0)).shape));
+      BoundsOutput found;
+      DiagonalsOutput diagonals;
+      find_screen_bounds(BoundsView(view, object), hulls, found, diagonals);
+      for (std::size_t i = 0; i < hulls.size(); ++i) {
+        if (found.trusted[i] == 0) continue;
+        ++compared;
+        const Diagonals expected = screen_diagonals(view, object, {0, hulls[i]});
+        const auto near = [](double a, double b) { return std::abs(a - b) <= 1e-9 * (1.0 + std::abs(b)); };
+        ASSERT_PRED2(near, diagonals.sum_low[i], expected.sum_low);
+        ASSERT_PRED2(near, diagonals.sum_high[i], expected.sum_high);
+        ASSERT_PRED2(near, diagonals.difference_low[i], expected.difference_low);
+        ASSERT_PRED2(near, diagonals.difference_high[i], expected.difference_high);
+      }
+    }
+    EXPECT_GT(compared, 500U);
   });
 }
 
@@ -141,6 +184,12 @@ std::vector<std::uint32_t> together(Visibility& backend, const Scene& scene) {
   return answers;
 }
 
+std::vector<std::uint32_t> at_once(Visibility& backend, const Scene& scene) {
+  std::vector<std::uint32_t> answers(scene.queries.size());
+  backend.answer(scene.queries, answers);
+  return answers;
+}
+
 TEST(Targets, AnswerTheSameTogetherAndOneByOne) {
   for (const bool count : {false, true}) {
     std::vector<std::vector<std::uint32_t>> expected;
@@ -152,6 +201,7 @@ TEST(Targets, AnswerTheSameTogetherAndOneByOne) {
         show(*backend, scene);
         const std::vector<std::uint32_t> singles = one_by_one(*backend, scene);
         ASSERT_EQ(together(*backend, scene), singles) << target;
+        ASSERT_EQ(at_once(*backend, scene), singles) << target;
         if (expected.size() == n) expected.push_back(singles);
         ASSERT_EQ(singles, expected[n]) << target;
       }
@@ -162,6 +212,45 @@ TEST(Targets, AnswerTheSameTogetherAndOneByOne) {
     EXPECT_GT(hidden, 500U);
     EXPECT_GT(visible, 500U);
   }
+}
+
+// A point that is told to be visible shows every bound that holds it; the same points with every instruction set.
+TEST(Targets, FindPointsThatShowTheirBounds) {
+  std::vector<std::vector<std::uint8_t>> expected;
+  for_every_target([&](const char* target) {
+    SCOPED_TRACE(target);
+    RandomShapes random(9);
+    const auto backend = make_software_occlusion();
+    for (std::size_t n = 0; n < 20; ++n) {
+      const Scene scene = random_scene(random);
+      show(*backend, scene);
+      std::vector<VisibilityQuery> bounds;
+      std::vector<glm::vec3> points;
+      for (int i = 0; i < 200; ++i) {
+        bounds.push_back(random.bound(random.kind(), 0.4));
+        const auto* hull = std::get_if<PointHull>(&bounds.back().shape);
+        points.emplace_back(hull != nullptr ? hull->points.front() : glm::vec3(random.sample(bounds.back())));
+        if (hull == nullptr) bounds.back().shape = Sphere{points.back(), 0.001F};
+      }
+      std::vector<std::uint8_t> shows(points.size(), 2);
+      backend->find_visible_points(0, points, shows);
+      const std::vector<std::uint32_t> answers = at_once(*backend, {scene.view, {}, {}, {}, bounds});
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        ASSERT_LE(shows[i], 1);
+        ASSERT_LE(shows[i], answers[i]) << i;
+      }
+      if (expected.size() == n) expected.push_back(shows);
+      ASSERT_EQ(shows, expected[n]);
+    }
+  });
+  std::size_t shown = 0, all = 0;
+  for (const auto& shows : expected)
+    for (const std::uint8_t show : shows) {
+      shown += show;
+      ++all;
+    }
+  EXPECT_GT(shown, all / 20);
+  EXPECT_LT(shown, all / 2);
 }
 
 TEST(Targets, ReduceTheSamePyramid) {

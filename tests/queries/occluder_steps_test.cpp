@@ -40,11 +40,20 @@ TEST(OccluderSteps, AnExtraDrawDoesNotUseUpALaterStep) {
   EXPECT_FALSE(steps.due({3000, 3000}));
 }
 
-TEST(OccluderSteps, AdaptiveStepsGrowWithTheMesh) {
-  // However many splits, the draws are a geometric series: their sum is at most 6 / 5 of the last.
-  const std::vector<std::size_t> drawn = draws({}, 100'000, 2.0F);
-  ASSERT_GE(drawn.size(), 4U);
-  for (std::size_t i = 1; i < drawn.size(); ++i) EXPECT_EQ(drawn[i], 6 * drawn[i - 1]);
+// However many splits, the draws are a geometric series, of which a third of the budget is a member: their sum is at
+// most 6 / 5 of the last.
+TEST(OccluderSteps, AdaptiveStepsArePartsOfTheBudget) {
+  RefineOptions options;
+  options.budget = 18'000;
+  EXPECT_EQ(draws(options, 20'000, 2.0F), (std::vector<std::size_t>{84, 500, 3000, 18'000}));
+  options.budget = 3'600;  // even where the first of two is small
+  EXPECT_EQ(draws(options, 1000, 2.0F), (std::vector<std::size_t>{100, 600}));
+  options.budget = 900;
+  EXPECT_EQ(draws(options, 1000, 2.0F), (std::vector<std::size_t>{25, 150, 900}));
+  for (const std::size_t budget : {1U, 96U}) {
+    options.budget = budget;
+    EXPECT_EQ(draws(options, 500, 2.0F), (std::vector<std::size_t>{16, 96})) << budget;
+  }
 }
 
 TEST(OccluderSteps, AdaptiveStepsCountTriangles) {
@@ -54,7 +63,7 @@ TEST(OccluderSteps, AdaptiveStepsCountTriangles) {
   steps.begin(options);
   steps.split_applied(50.0F);
   EXPECT_FALSE(steps.due({100, 100}));
-  EXPECT_TRUE(steps.due({10, 500}));
+  EXPECT_TRUE(steps.due({10, 600}));
 }
 
 TEST(OccluderSteps, AdaptiveStepsEndWhenNothingMovesByAPixel) {

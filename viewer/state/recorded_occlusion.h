@@ -21,6 +21,14 @@ class RecordedOcclusion final : public Visibility {
   void draw_occluder(std::span<const OccluderPart> parts) override;
   void submit(const VisibilityQuery& query) override { inner_.submit(query); }
   [[nodiscard]] std::uint32_t collect() override { return inner_.collect(); }
+  [[nodiscard]] bool answers_many_threads() const noexcept override { return inner_.answers_many_threads(); }
+  void answer(std::span<const VisibilityQuery> queries, std::span<std::uint32_t> answers) override {
+    inner_.answer(queries, answers);
+  }
+  void find_visible_points(std::uint32_t object, std::span<const glm::vec3> points,
+                           std::span<std::uint8_t> visible) override {
+    inner_.find_visible_points(object, points, visible);
+  }
 
   // Forgets the last occluder; whether those to come are kept.
   void begin(bool keeps);

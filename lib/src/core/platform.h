@@ -14,6 +14,15 @@ inline void prefetch([[maybe_unused]] const void* address) noexcept {
 #endif
 }
 
+// A hint: this thread looks at the same place again and again.
+inline void relax() noexcept {
+#if defined(__x86_64__) || defined(__i386__)
+  __builtin_ia32_pause();
+#elif defined(__aarch64__)
+  asm volatile("yield");
+#endif
+}
+
 // Huge pages, where the system has them, may back these bytes.
 void advise_huge_pages(void* memory, std::size_t bytes) noexcept;
 

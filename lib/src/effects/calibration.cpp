@@ -11,6 +11,7 @@
 #include "occlod/raster/item_buffer.h"
 #include "occlod/refine/refiner.h"
 #include "priority/star_visibility.h"
+#include "priority/weigh_splits.h"
 
 namespace occlod {
 namespace {
@@ -43,16 +44,33 @@ View view_from(double distance) {
   return View(camera);
 }
 
-// Visits each split once, in an order that prefetchers cannot predict, after filling the caches with other data.
+// About as many as refinement visits together.
+constexpr std::size_t visits_at_once = 64;
+
+// Visits each split once, many at a time. `stride`: from one to the next; all are visited unless it divides their
+// number.
+template <typename Visit>
+void visit_all(SplitId splits, SplitId stride, const Visit& visit) {
+  std::array<SplitId, visits_at_once> some;
+  std::size_t size = 0;
+  for (SplitId i = 0, s = 0; i < splits; ++i, s = (s + stride) % splits) {
+    some[size++] = s;
+    if (size < some.size() && i + 1 < splits) continue;
+    visit(std::span<const SplitId>(some.data(), size));
+    size = 0;
+  }
+}
+
+// In an order that prefetchers cannot predict, after filling the caches with other data.
 template <typename Visit>
 double far_visit_ns(SplitId splits, const Visit& visit) {
   constexpr std::size_t cache_bytes = std::size_t{24} << 20U;
-  constexpr SplitId stride = 389;  // prime: visits every split unless it divides their number
+  constexpr SplitId stride = 389;  // prime
   const std::vector<char> other(cache_bytes, 1);
   volatile char sink = 0;
   for (std::size_t i = 0; i < cache_bytes; i += 64) sink = static_cast<char>(sink + other[i]);
   const Clock::time_point start = Clock::now();
-  for (SplitId i = 0, s = 0; i < splits; ++i, s = (s + stride) % splits) visit(s);
+  visit_all(splits, stride, visit);
   return per(1e6 * milliseconds_since(start), splits);
 }
 
@@ -91,16 +109,14 @@ void Workload::measure_refinement(Calibration& calibration) const {
   const auto splits = static_cast<SplitId>(hierarchy_.split_count());
   volatile float sink = 0.0F;  // keeps the compiler from removing the loops
   StarVisibility star;
-  const auto visit = [&](SplitId s) {
-    const SplitNode& node = hierarchy_.node(s);
-    if (!view.may_be_inside(node.sphere)) return;
-    const StarView seen = star.evaluate(hierarchy_, s, view, false);
-    sink = sink + view.largest_scale_px(node.sphere) + seen.visible_share;
+  std::array<StarView, visits_at_once> stars;
+  std::array<float, visits_at_once> scales;
+  const auto visit = [&](std::span<const SplitId> some) {
+    weigh_splits(hierarchy_, some, view, false, scales);
+    star.evaluate(hierarchy_, some, view, false, stars);
+    sink = sink + scales[0] + stars[0].visible_share;
   };
-  calibration.visit_ns = per(fastest_ns([&] {
-                               for (SplitId s = 0; s < splits; ++s) visit(s);
-                             }),
-                             splits);
+  calibration.visit_ns = per(fastest_ns([&] { visit_all(splits, 1, visit); }), splits);
   calibration.far_visit_ns = std::max(calibration.visit_ns, far_visit_ns(splits, visit));
   calibration.cone_ns = per(fastest_ns([&] {
                               for (SplitId s = 0; s < splits; ++s) {

@@ -1,5 +1,6 @@
 #include "occlusion/bounds_batch.h"
 
+#include <algorithm>
 #include <cassert>
 #include <glm/gtc/matrix_access.hpp>
 #include <limits>
@@ -22,6 +23,13 @@ struct BoundsInput {
   std::array<PerBound<float>, 3> center, axis;  // spheres; cylinders
   PerBound<float> radius, t_min, t_max;
   std::array<PerBound<float>, 3> low, high;  // boxes
+};
+
+// Points of hulls: those of one hull in a lane, one after the other; shorter ones repeat their first.
+struct HullsInput {
+  std::size_t size = 0;
+  std::size_t longest = 0;
+  std::array<std::array<PerBound<float>, 3>, most_hull_points> points;
 };
 
 }  // namespace occlod
@@ -119,6 +127,15 @@ class ExtentLanes {
     for (int i = 0; i < 8; ++i) add_projected(x.at(i), y.at(i), w.at(i), near.at(i));
   }
 
+  // x / w and y / w of a point.
+  struct Projected {
+    Vec x, y;
+  };
+  HWY_INLINE Projected add_point(const Vec3& p) {
+    largest_ = max(largest_, abs(p));
+    return add_projected(at(view_.x, p), at(view_.y, p), at(view_.w, p), at(view_.z + view_.w, p));
+  }
+
   template <class Product>
   HWY_INLINE void add_round(const Vec3& center, Vec radius, const Product& product) {
     const Vec w = at(view_.w, center);
@@ -132,6 +149,27 @@ class ExtentLanes {
     largest_ = max(largest_, {hn::Add(reach.x, radius), hn::Add(reach.y, radius), hn::Add(reach.z, radius)});
     add_silhouette(view_.x, center, radius, w, product, low_x_, high_x_);
     add_silhouette(view_.y, center, radius, w, product, low_y_, high_y_);
+  }
+
+  // Pixels from the middle of the image. Precondition: of the points that have been added.
+  HWY_INLINE void store_diagonals(Vec low_sum, Vec high_sum, Vec low_difference, Vec high_difference,
+                                  DiagonalsOutput& output, std::size_t i) const {
+    const Doubles d;
+    const Vec w_error = hn::Mul(constant(bounds_rounding), magnitude(view_.w));
+    const Vec nearest_w = hn::Sub(smallest_w_, w_error);
+    const Vec largest = hn::Max(hn::Max(hn::Abs(low_sum), hn::Abs(high_sum)),
+                                hn::Max(hn::Abs(low_difference), hn::Abs(high_difference)));
+    const Vec error =
+        hn::Mul(constant(bounds_rounding / 2.0), hn::Add(hn::Mul(constant(view_.size.x), magnitude(view_.x)),
+                                                         hn::Mul(constant(view_.size.y), magnitude(view_.y))));
+    const Vec slack =
+        hn::Add(hn::Div(hn::Add(error, hn::Mul(w_error, largest)), nearest_w), constant(2.0 * bounds_slack_px));
+    const Vec sum = constant((view_.size.x + view_.size.y) / 2.0);
+    const Vec difference = constant((view_.size.x - view_.size.y) / 2.0);
+    hn::StoreU(hn::Sub(hn::Add(sum, low_sum), slack), d, output.sum_low.data() + i);
+    hn::StoreU(hn::Add(hn::Add(sum, high_sum), slack), d, output.sum_high.data() + i);
+    hn::StoreU(hn::Sub(hn::Add(difference, low_difference), slack), d, output.difference_low.data() + i);
+    hn::StoreU(hn::Add(hn::Add(difference, high_difference), slack), d, output.difference_high.data() + i);
   }
 
   HWY_INLINE void store(BoundsOutput& output, std::size_t i) const {
@@ -170,13 +208,14 @@ class ExtentLanes {
     return hn::Max(nearest, constant(0.0));
   }
 
-  HWY_INLINE void add_projected(Vec x, Vec y, Vec w, Vec before_near) {
+  HWY_INLINE Projected add_projected(Vec x, Vec y, Vec w, Vec before_near) {
     add_depths(w, before_near);
     const Vec inverse_w = hn::Div(constant(1.0), w);
     const Vec ratio_x = hn::Mul(x, inverse_w);
     const Vec ratio_y = hn::Mul(y, inverse_w);
     add_range(low_x_, high_x_, ratio_x, ratio_x);
     add_range(low_y_, high_y_, ratio_y, ratio_y);
+    return {ratio_x, ratio_y};
   }
 
   HWY_INLINE void add_range(Vec& low, Vec& high, Vec new_low, Vec new_high) {
@@ -275,6 +314,46 @@ void bound_cylinders(const BoundsView& view, const BoundsInput& input, BoundsOut
   });
 }
 
+void bound_hulls(const BoundsView& view, const HullsInput& input, BoundsOutput& output, DiagonalsOutput& diagonals) {
+  const Vec infinity = constant(std::numeric_limits<double>::infinity());
+  const Vec half_width = constant(0.5 * view.size.x), half_height = constant(0.5 * view.size.y);
+  for (std::size_t i = 0; i < input.size; i += hn::Lanes(Doubles())) {
+    ExtentLanes extent(view);
+    Vec low_sum = infinity, high_sum = hn::Neg(infinity), low_difference = low_sum, high_difference = high_sum;
+    for (std::size_t k = 0; k < input.longest; ++k) {
+      const ExtentLanes::Projected at = extent.add_point(load(input.points[k], i));
+      const Vec x = hn::Mul(at.x, half_width), y = hn::Mul(at.y, half_height);  // clip space's y is up
+      low_sum = hn::Min(low_sum, hn::Sub(x, y));
+      high_sum = hn::Max(high_sum, hn::Sub(x, y));
+      low_difference = hn::Min(low_difference, hn::Add(x, y));
+      high_difference = hn::Max(high_difference, hn::Add(x, y));
+    }
+    extent.store(output, i);
+    extent.store_diagonals(low_sum, high_sum, low_difference, high_difference, diagonals, i);
+  }
+}
+
+void project_points(const BoundsView& view, const std::array<PerBound<float>, 3>& points, std::size_t count,
+                    PointsOutput& output) {
+  const Vec zero = constant(0.0), half = constant(0.5);
+  for (std::size_t i = 0; i < count; i += hn::Lanes(Doubles())) {
+    const Vec3 p = load(points, i);
+    const Vec w = at(view.w, p), z = at(view.z, p);
+    const Vec inverse_w = hn::Div(constant(1.0), w);
+    const Vec x = hn::Mul(hn::Add(hn::Mul(hn::Mul(at(view.x, p), inverse_w), half), half), constant(view.size.x));
+    const Vec y = hn::Mul(hn::Sub(half, hn::Mul(hn::Mul(at(view.y, p), inverse_w), half)), constant(view.size.y));
+    const Mask before = hn::And(hn::Gt(w, zero), hn::Ge(hn::Add(z, w), zero));
+    const Mask inside = hn::And(hn::And(hn::Ge(x, zero), hn::Lt(x, constant(view.size.x))),
+                                hn::And(hn::Ge(y, zero), hn::Lt(y, constant(view.size.y))));
+    const Mask on_screen = hn::And(before, inside);
+    const Vec nearness = view.orthographic ? hn::Mul(hn::Sub(w, z), half) : inverse_w;
+    hn::StoreU(hn::DemoteTo(Ints(), hn::IfThenElseZero(on_screen, x)), Ints(), output.x.data() + i);
+    hn::StoreU(hn::DemoteTo(Ints(), hn::IfThenElseZero(on_screen, y)), Ints(), output.y.data() + i);
+    hn::StoreU(hn::DemoteTo(Ints(), hn::IfThenElseZero(on_screen, constant(1.0))), Ints(), output.on_screen.data() + i);
+    hn::StoreU(hn::DemoteTo(Floats(), hn::IfThenElseZero(on_screen, nearness)), Floats(), output.nearness.data() + i);
+  }
+}
+
 }  // namespace occlod::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -285,6 +364,9 @@ namespace {
 HWY_EXPORT(bound_boxes);
 HWY_EXPORT(bound_spheres);
 HWY_EXPORT(bound_cylinders);
+HWY_EXPORT(bound_hulls);
+HWY_EXPORT(project_points);
+
 void put(std::array<PerBound<float>, 3>& lanes, std::size_t i, const glm::vec3& v) {
   lanes[0][i] = v.x;
   lanes[1][i] = v.y;
@@ -332,6 +414,26 @@ void find_screen_bounds(const BoundsView& view, std::span<const Cylinder> cylind
     input.radius[input.size++] = cylinder.radius;
   }
   HWY_DYNAMIC_DISPATCH(bound_cylinders)(view, input, output);
+}
+
+void find_screen_bounds(const BoundsView& view, std::span<const PointHull> hulls, BoundsOutput& output,
+                        DiagonalsOutput& diagonals) {
+  assert(hulls.size() <= bounds_batch_size);
+  HullsInput input;
+  input.size = hulls.size();
+  for (const PointHull& hull : hulls) input.longest = std::max(input.longest, hull.points.size());
+  assert(input.longest <= most_hull_points);
+  for (std::size_t i = 0; i < hulls.size(); ++i)
+    for (std::size_t k = 0; k < input.longest; ++k)
+      put(input.points[k], i, hulls[i].points[k < hulls[i].points.size() ? k : 0]);
+  HWY_DYNAMIC_DISPATCH(bound_hulls)(view, input, output, diagonals);
+}
+
+void find_pixels(const BoundsView& view, std::span<const glm::vec3> points, PointsOutput& output) {
+  assert(points.size() <= bounds_batch_size);
+  std::array<PerBound<float>, 3> lanes;
+  for (std::size_t i = 0; i < points.size(); ++i) put(lanes, i, points[i]);
+  HWY_DYNAMIC_DISPATCH(project_points)(view, lanes, points.size(), output);
 }
 
 }  // namespace occlod

@@ -9,6 +9,7 @@
 #include <span>
 
 #include "occlod/math/bounds.h"
+#include "occlod/refine/visibility.h"
 #include "occlod/view/view.h"
 
 namespace occlod {
@@ -38,5 +39,21 @@ struct BoundsOutput {
 void find_screen_bounds(const BoundsView& view, std::span<const Sphere> spheres, BoundsOutput& output);
 void find_screen_bounds(const BoundsView& view, std::span<const Box> boxes, BoundsOutput& output);
 void find_screen_bounds(const BoundsView& view, std::span<const Cylinder> cylinders, BoundsOutput& output);
+// As screen_diagonals() where trusted.
+struct DiagonalsOutput {
+  PerBound<double> sum_low, sum_high, difference_low, difference_high;
+};
+// Of no more than most_hull_points points each.
+void find_screen_bounds(const BoundsView& view, std::span<const PointHull> hulls, BoundsOutput& output,
+                        DiagonalsOutput& diagonals);
+inline constexpr std::size_t most_hull_points = 32;
+
+// Pixels that points fall into.
+struct PointsOutput {
+  PerBound<std::int32_t> x, y, on_screen;  // 0, 0 where they are not on the screen
+  PerBound<float> nearness;
+};
+// At most bounds_batch_size points.
+void find_pixels(const BoundsView& view, std::span<const glm::vec3> points, PointsOutput& output);
 
 }  // namespace occlod

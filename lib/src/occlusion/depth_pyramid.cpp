@@ -126,6 +126,10 @@ bool DepthPyramid::any_visible(const PixelRect& rect, float largest_nearness, co
   const Verdict verdict = quick_verdict(rect, largest_nearness);
   if (verdict == Verdict::hidden) return false;
   if (verdict == Verdict::visible && diagonals.meet(middle_pixel(rect))) return true;
+  return search_visible(rect, largest_nearness, diagonals);
+}
+
+bool DepthPyramid::search_visible(const PixelRect& rect, float largest_nearness, const Diagonals& diagonals) const {
   // Where the middle is hidden, the border is often visible: half of a bound behind an edge of the occluder.
   const int middle_x = (rect.x0 + rect.x1) / 2, middle_y = (rect.y0 + rect.y1) / 2;
   for (const int y : {rect.y0, middle_y, rect.y1 - 1})

@@ -57,6 +57,9 @@ class DepthPyramid {
   enum class Verdict : std::uint8_t { hidden, visible, unknown };
   [[nodiscard]] Verdict quick_verdict(const PixelRect& rect, float largest_nearness) const noexcept;
 
+  // any_visible() of what quick_verdict() does not tell.
+  [[nodiscard]] bool search_visible(const PixelRect& rect, float largest_nearness, const Diagonals& diagonals) const;
+
   // The levels as vectors gather them. Images have at most 2^14 pixels a side, so at most 15 levels.
   struct Levels {
     static constexpr std::size_t capacity = 16;

@@ -6,6 +6,8 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <optional>
+#include <tuple>
+#include <type_traits>
 #include <vector>
 
 #include "occlod/raster/item_buffer.h"
@@ -31,7 +33,6 @@ struct Pending {
   }
 };
 
-// Queries are kept until a batch is full or an answer is needed: a batch costs less than its queries one by one.
 class SoftwareOcclusion final : public Visibility {
  public:
   explicit SoftwareOcclusion(const SoftwareOcclusionOptions& options) : options_(options) {}
@@ -58,94 +59,120 @@ class SoftwareOcclusion final : public Visibility {
     occluder_drawn_ = true;
   }
 
+  // Queries are kept until an answer is needed: many cost less than one by one.
   void submit(const VisibilityQuery& query) override {
     assert(query.object < objects_.size());
     if (next_answer_ == answers_.size()) forget_answers();
-    const auto answer = static_cast<std::uint32_t>(answers_.size());
-    answers_.push_back(0);
-    std::visit([&](const auto& shape) { submit(query.object, shape, answer); }, query.shape);
+    const bool waits = !std::holds_alternative<PointHull>(query.shape);  // whose points need not outlive the call
+    if (waits) {
+      waiting_.push_back(query);
+      places_.push_back(answers_.size());
+    }
+    answers_.push_back(waits ? 0 : visible_pixels(query));
   }
 
   [[nodiscard]] std::uint32_t collect() override {
     assert(next_answer_ < answers_.size());
-    if (next_answer_ >= tested_) test_all();
+    if (!waiting_.empty() && next_answer_ >= places_.front()) answer_waiting();
     return answers_[next_answer_++];
   }
 
+  [[nodiscard]] bool answers_many_threads() const noexcept override { return true; }
+
+  void answer(std::span<const VisibilityQuery> queries, std::span<std::uint32_t> answers) override {
+    Batches batches(*this, answers);
+    for (std::size_t i = 0; i < queries.size(); ++i)
+      std::visit([&](const auto& shape) { batches.add(queries[i].object, shape, static_cast<std::uint32_t>(i)); },
+                 queries[i].shape);
+    batches.test_all();
+  }
+
+  void find_visible_points(std::uint32_t object, std::span<const glm::vec3> points,
+                           std::span<std::uint8_t> visible) override {
+    if (!occluder_drawn_ || options_.count_pixels) {
+      Visibility::find_visible_points(object, points, visible);
+      return;
+    }
+    PointsOutput pixels;
+    for (std::size_t first = 0; first < points.size(); first += bounds_batch_size) {
+      const std::size_t count = std::min(bounds_batch_size, points.size() - first);
+      find_pixels(bounds_views_[object], points.subspan(first, count), pixels);
+      for (std::size_t i = 0; i < count; ++i) {
+        const bool shows = pyramid_.farthest(0, pixels.x[i], pixels.y[i]) <= pixels.nearness[i];
+        visible[first + i] = (pixels.on_screen[i] != 0) & shows ? 1 : 0;
+      }
+    }
+  }
+
  private:
+  // The queries of one call: tested whenever there are as many of one kind and one object as vectors take.
+  class Batches {
+   public:
+    Batches(const SoftwareOcclusion& occlusion, std::span<std::uint32_t> answers)
+        : occlusion_(occlusion), answers_(answers) {}
+
+    template <class Shape>
+    void add(std::uint32_t object, const Shape& shape, std::uint32_t answer) {
+      if constexpr (std::is_same_v<Shape, PointHull>)
+        if (shape.points.size() > most_hull_points) {
+          answers_[answer] = occlusion_.visible_pixels({object, shape});
+          return;
+        }
+      auto& batch = std::get<Pending<Shape>>(pending_);
+      if (!batch.takes(object)) test(batch);
+      batch.object = object;
+      batch.answer[batch.size] = answer;
+      batch.shapes[batch.size++] = shape;
+    }
+    void test_all() {
+      std::apply([&](auto&... batch) { (test(batch), ...); }, pending_);
+    }
+
+   private:
+    template <class Shape>
+    void test(Pending<Shape>& batch);
+    template <class Shape>
+    void test_any(const Pending<Shape>& batch);
+
+    // Boxes gain hardly anything from an octagon.
+    static Diagonals diagonals_of(const Pending<Box>& /*batch*/, std::size_t /*i*/) { return {}; }
+    [[nodiscard]] Diagonals diagonals_of(const Pending<PointHull>& /*batch*/, std::size_t i) const {
+      return {diagonals_.sum_low[i], diagonals_.sum_high[i], diagonals_.difference_low[i],
+              diagonals_.difference_high[i]};
+    }
+    template <class Shape>
+    [[nodiscard]] Diagonals diagonals_of(const Pending<Shape>& batch, std::size_t i) const {
+      return screen_diagonals(*occlusion_.view_, occlusion_.objects_[batch.object], batch.query(i));
+    }
+
+    [[nodiscard]] PixelRect rect(std::size_t i) const {
+      return {bounds_.x0[i], bounds_.y0[i], bounds_.x1[i], bounds_.y1[i]};
+    }
+    [[nodiscard]] std::optional<ScreenBounds> bounds(std::size_t i) const {
+      if (bounds_.trusted[i] == 0) return std::nullopt;
+      return ScreenBounds{rect(i), bounds_.largest_nearness[i]};
+    }
+
+    const SoftwareOcclusion& occlusion_;
+    std::span<std::uint32_t> answers_;
+    std::tuple<Pending<Sphere>, Pending<Box>, Pending<Cylinder>, Pending<PointHull>> pending_;
+    BoundsOutput bounds_{};  // of the batch that is being tested
+    DiagonalsOutput diagonals_;
+  };
+
   void forget_answers() {
     answers_.clear();
     next_answer_ = 0;
-    tested_ = 0;
-    spheres_.size = boxes_.size = cylinders_.size = 0;
+    waiting_.clear();
+    places_.clear();
   }
 
-  Pending<Sphere>& pending(const Sphere&) { return spheres_; }
-  Pending<Box>& pending(const Box&) { return boxes_; }
-  Pending<Cylinder>& pending(const Cylinder&) { return cylinders_; }
-
-  template <class Shape>
-  void submit(std::uint32_t object, const Shape& shape, std::uint32_t answer) {
-    Pending<Shape>& batch = pending(shape);
-    if (!batch.takes(object)) test(batch);
-    batch.object = object;
-    batch.answer[batch.size] = answer;
-    batch.shapes[batch.size++] = shape;
-  }
-  // Tested at once, since its points need not outlive the call.
-  void submit(std::uint32_t object, const PointHull& hull, std::uint32_t answer) {
-    answers_[answer] = visible_pixels({object, hull});
-  }
-
-  void test_all() {
-    test(spheres_);
-    test(boxes_);
-    test(cylinders_);
-    tested_ = answers_.size();
-  }
-
-  template <class Shape>
-  void test(Pending<Shape>& batch) {
-    if (batch.size == 1) {  // vectors would have one lane to work on
-      answers_[batch.answer[0]] = visible_pixels(batch.query(0));
-    } else if (batch.size > 1) {
-      find_screen_bounds(bounds_views_[batch.object], std::span<const Shape>(batch.shapes.data(), batch.size), found_);
-      if (options_.count_pixels || !occluder_drawn_) {
-        for (std::size_t i = 0; i < batch.size; ++i)
-          answers_[batch.answer[i]] = visible_pixels(batch.query(i), found(i));
-      } else {
-        test_any(batch);
-      }
-    }
-    batch.size = 0;
-  }
-
-  // First what a few texels decide, without unpredictable branches, then the rest.
-  template <class Shape>
-  void test_any(const Pending<Shape>& batch) {
-    PerBound<std::int32_t> verdicts;
-    find_quick_verdicts(levels_, found_, batch.size, verdicts);
-    PerBound<std::uint8_t> open;
-    std::size_t open_count = 0;
-    for (std::size_t i = 0; i < batch.size; ++i) {
-      const auto verdict = static_cast<DepthPyramid::Verdict>(verdicts[i]);
-      const bool trusted = found_.trusted[i] != 0;
-      answers_[batch.answer[i]] = (!trusted | (verdict == DepthPyramid::Verdict::visible)) ? 1 : 0;
-      open[open_count] = static_cast<std::uint8_t>(i);
-      open_count += (trusted & (verdict == DepthPyramid::Verdict::unknown)) ? 1 : 0;
-    }
-    for (std::size_t k = 0; k < open_count; ++k) {
-      const std::size_t i = open[k];
-      answers_[batch.answer[i]] = visible_pixels(batch.query(i), found(i));
-    }
-  }
-
-  [[nodiscard]] PixelRect found_rect(std::size_t i) const {
-    return {found_.x0[i], found_.y0[i], found_.x1[i], found_.y1[i]};
-  }
-  [[nodiscard]] std::optional<ScreenBounds> found(std::size_t i) const {
-    if (found_.trusted[i] == 0) return std::nullopt;
-    return ScreenBounds{found_rect(i), found_.largest_nearness[i]};
+  void answer_waiting() {
+    found_.resize(waiting_.size());
+    answer(waiting_, found_);
+    for (std::size_t i = 0; i < waiting_.size(); ++i) answers_[places_[i]] = found_[i];
+    waiting_.clear();
+    places_.clear();
   }
 
   [[nodiscard]] std::uint32_t visible_pixels(const VisibilityQuery& query) const {
@@ -163,7 +190,6 @@ class SoftwareOcclusion final : public Visibility {
     // The middle of the rectangle is assumed to be inside the outline, which errs towards visible.
     const std::uint32_t at_least = verdict == DepthPyramid::Verdict::visible ? 1 : 0;
     if (at_least != 0 && !options_.count_pixels) return 1;
-    // Boxes gain hardly anything from an octagon.
     const Diagonals diagonals = std::holds_alternative<Box>(query.shape)
                                     ? Diagonals{}
                                     : screen_diagonals(*view_, objects_[query.object], query);
@@ -204,14 +230,55 @@ class SoftwareOcclusion final : public Visibility {
   DepthPyramid pyramid_;
   DepthPyramid::Levels levels_;
   bool occluder_drawn_ = false;
-  Pending<Sphere> spheres_;
-  Pending<Box> boxes_;
-  Pending<Cylinder> cylinders_;
-  BoundsOutput found_{};
   std::vector<std::uint32_t> answers_;  // since the queue was last empty; those before next_answer_ are collected
   std::size_t next_answer_ = 0;
-  std::size_t tested_ = 0;  // answers before this one are known
+  std::vector<VisibilityQuery> waiting_;  // that have no answer yet
+  std::vector<std::size_t> places_;       // of their answers
+  std::vector<std::uint32_t> found_;      // scratch
 };
+
+template <class Shape>
+void SoftwareOcclusion::Batches::test(Pending<Shape>& batch) {
+  if (batch.size == 1) {  // vectors would have one lane to work on
+    answers_[batch.answer[0]] = occlusion_.visible_pixels(batch.query(0));
+  } else if (batch.size > 1) {
+    const BoundsView& view = occlusion_.bounds_views_[batch.object];
+    const std::span<const Shape> shapes(batch.shapes.data(), batch.size);
+    if constexpr (std::is_same_v<Shape, PointHull>)
+      find_screen_bounds(view, shapes, bounds_, diagonals_);
+    else
+      find_screen_bounds(view, shapes, bounds_);
+    if (occlusion_.options_.count_pixels || !occlusion_.occluder_drawn_) {
+      for (std::size_t i = 0; i < batch.size; ++i)
+        answers_[batch.answer[i]] = occlusion_.visible_pixels(batch.query(i), bounds(i));
+    } else {
+      test_any(batch);
+    }
+  }
+  batch.size = 0;
+}
+
+// First what a few texels decide, without unpredictable branches, then the rest.
+template <class Shape>
+void SoftwareOcclusion::Batches::test_any(const Pending<Shape>& batch) {
+  PerBound<std::int32_t> verdicts;
+  find_quick_verdicts(occlusion_.levels_, bounds_, batch.size, verdicts);
+  PerBound<std::uint8_t> open;
+  std::size_t open_count = 0;
+  for (std::size_t i = 0; i < batch.size; ++i) {
+    const auto verdict = static_cast<DepthPyramid::Verdict>(verdicts[i]);
+    const bool trusted = bounds_.trusted[i] != 0;
+    answers_[batch.answer[i]] = (!trusted | (verdict == DepthPyramid::Verdict::visible)) ? 1 : 0;
+    open[open_count] = static_cast<std::uint8_t>(i);
+    open_count += (trusted & (verdict == DepthPyramid::Verdict::unknown)) ? 1 : 0;
+  }
+  for (std::size_t k = 0; k < open_count; ++k) {
+    const std::size_t i = open[k];
+    const bool visible =
+        occlusion_.pyramid_.search_visible(rect(i), bounds_.largest_nearness[i], diagonals_of(batch, i));
+    answers_[batch.answer[i]] = visible ? 1 : 0;
+  }
+}
 
 }  // namespace
 

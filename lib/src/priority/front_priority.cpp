@@ -23,7 +23,8 @@ float distance_from_planes(const FrontStar::Lanes& facing, const FrontStar::Lane
 }
 
 // The rays to all of its faces count as parallel.
-StarView view_of(const FrontStar& star, FrontStar::Lanes& facing, const glm::vec3& eye, bool two_sided) {
+StarView view_of(const FrontStar& star, FrontStar::Lanes& facing, const glm::vec3& eye, const FrontView& front_view) {
+  const bool two_sided = front_view.two_sided;
   if (two_sided)
     for (float& f : facing) f = std::abs(f);
   std::uint32_t seen_faces = 0;
@@ -36,6 +37,7 @@ StarView view_of(const FrontStar& star, FrontStar::Lanes& facing, const glm::vec
   }
   StarView result;
   result.sphere = star.sphere;
+  result.scale_px = front_view.view.largest_scale_px(star.sphere);
   if (two_sided) seen_faces = star.faces;
   if (star.faces > 0) result.visible_share = static_cast<float>(seen_faces) / static_cast<float>(star.faces);
   if (whole > 0.0F) result.cosine = std::min(seen / (whole * glm::length(eye)), 1.0F);
@@ -95,7 +97,7 @@ FrontPriority front_priority(const FrontStar& star, float error, float guarantee
     facing[i] = star.normal_x[i] * eye.x + star.normal_y[i] * eye.y + star.normal_z[i] * eye.z + unit * star.offset[i];
   const float from_planes =
       front_view.two_sided ? std::numeric_limits<float>::infinity() : distance_from_planes(facing, star.length) / unit;
-  const StarView seen = view_of(star, facing, eye, front_view.two_sided);
+  const StarView seen = view_of(star, facing, eye, front_view);
   FrontPriority result{front_view.importance.of(seen, error, guaranteed_error),
                        error_growth_of(seen, glm::length(eye) / unit, front_view)};
   const float rounding =

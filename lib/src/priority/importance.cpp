@@ -33,18 +33,21 @@ void Importance::begin(const ObjectView& view, const RefineOptions& options) {
   known_.clear();
 }
 
-Importance::Value Importance::of(SplitId s) {
-  const StarView star = star_.evaluate(*hierarchy_, s, *view_, two_sided_);
-  remember(s, star.visible_share);
-  const SplitNode& node = hierarchy_->node(s);
-  return of(star, node.error, node.guaranteed_error);
+void Importance::find(std::span<const SplitId> splits, std::span<Value> values) {
+  stars_.resize(splits.size());
+  star_.evaluate(*hierarchy_, splits, *view_, two_sided_, stars_);
+  for (std::size_t i = 0; i < splits.size(); ++i) {
+    remember(splits[i], stars_[i].visible_share);
+    const SplitNode& node = hierarchy_->node(splits[i]);
+    values[i] = of(stars_[i], node.error, node.guaranteed_error);
+  }
 }
 
 // A surface that is off by e along its normal is off by e / cos along the eye's ray.
 Importance::Value Importance::of(const StarView& star, float error, float guaranteed_error) const {
   Value value;
   value.visible_share = star.visible_share;
-  value.error = ScreenError(error, guaranteed_error, view_->largest_scale_px(star.sphere));
+  value.error = ScreenError(error, guaranteed_error, star.scale_px);
   if (star.visible_share == 0.0F) return value;  // even where the eye is inside the star and the error has no limit
   value.priority = value.error.quadric_px * power(star.visible_share, options_->priority.visible_exponent) /
                    power(std::max(star.cosine, least_cosine), options_->priority.grazing_exponent);
@@ -53,6 +56,7 @@ Importance::Value Importance::of(const StarView& star, float error, float guaran
 
 float Importance::forced_weight(std::span<const SplitId> closure) {
   float unseen = 0.0F;
+  find_shares(closure.subspan(1));
   for (const SplitId s : closure.subspan(1)) unseen += 1.0F - visible_share(s);
   return 1.0F / power(1.0F + unseen, options_->priority.forced_exponent);
 }
@@ -60,6 +64,19 @@ float Importance::forced_weight(std::span<const SplitId> closure) {
 float Importance::visible_share(SplitId s) {
   if (shares_[s] == 0) remember(s, star_.evaluate(*hierarchy_, s, *view_, two_sided_).visible_share);
   return static_cast<float>(shares_[s] - 1) / most_steps;
+}
+
+void Importance::find_shares(std::span<const SplitId> splits) {
+  unknown_.clear();
+  for (const SplitId s : splits) {
+    if (shares_[s] != 0) continue;
+    remember(s, 0.0F);  // once
+    unknown_.push_back(s);
+  }
+  if (unknown_.empty()) return;
+  stars_.resize(unknown_.size());
+  star_.evaluate(*hierarchy_, unknown_, *view_, two_sided_, stars_);
+  for (std::size_t i = 0; i < unknown_.size(); ++i) remember(unknown_[i], stars_[i].visible_share);
 }
 
 void Importance::set_hidden(SplitId s, bool hidden) {

@@ -26,21 +26,30 @@ class Importance {
     ScreenError error;           // unweighted
   };
   // By the split's own star.
-  [[nodiscard]] Value of(SplitId s);
+  [[nodiscard]] Value of(SplitId s) {
+    Value value;
+    find({&s, 1}, {&value, 1});
+    return value;
+  }
+  // The same of many, which costs less than one by one; `values` has as many places.
+  void find(std::span<const SplitId> splits, std::span<Value> values);
   // The same for a star that has been looked at, of a split with these errors.
   [[nodiscard]] Value of(const StarView& star, float error, float guaranteed_error) const;
+  // The share of a star that has been looked at is known from now on.
+  void remember(SplitId s, float visible_share);
 
   // closure[0] is a split, the others are what it forces. The factor by which its priority sinks for stars among
   // these that are not seen, in (0, 1].
   [[nodiscard]] float forced_weight(std::span<const SplitId> closure);
   // Share of the star of s that is seen; from memory if it has been asked for in this view.
   [[nodiscard]] float visible_share(SplitId s);
+  [[nodiscard]] bool knows_share(SplitId s) const noexcept { return shares_[s] != 0; }
+  // Looks at all of these that are not known yet. Each may come several times.
+  void find_shares(std::span<const SplitId> splits);
   // The occluder hides all of the star of s, or no longer does.
   void set_hidden(SplitId s, bool hidden);
 
  private:
-  void remember(SplitId s, float share);
-
   const Hierarchy* hierarchy_;
   bool two_sided_;
   const ObjectView* view_ = nullptr;
@@ -48,6 +57,8 @@ class Importance {
   StarVisibility star_;
   ZeroedArray<std::uint8_t> shares_;  // of each split: 0 = not known, else 1 + share * 254
   std::vector<SplitId> known_;        // to be forgotten when the next view begins
+  std::vector<SplitId> unknown_;      // scratch, both
+  std::vector<StarView> stars_;
 };
 
 }  // namespace occlod

@@ -23,6 +23,14 @@ class Queue {
     const Chunk& chunk = chunks_[first_[top_]];
     return chunk.entries[chunk.size - 1];
   }
+  // Entries are in bands of a sixteenth of a factor of two, higher ones first. That of the top; precondition: there is
+  // one.
+  [[nodiscard]] std::size_t top_band() const noexcept { return top_ >> band_bits; }
+  [[nodiscard]] static std::size_t band_of(const Entry& entry) noexcept { return bucket_of(entry) >> band_bits; }
+  // Whether a may come out before b, or is about as bad.
+  [[nodiscard]] static bool may_precede(const Entry& a, const Entry& b) noexcept {
+    return bucket_of(a) >= bucket_of(b);
+  }
   // Whether it would come out before all others.
   [[nodiscard]] bool would_be_next(const Entry& entry) const noexcept { return empty() || bucket_of(entry) >= top_; }
 
@@ -32,25 +40,11 @@ class Queue {
 
   // Calls visit(const Entry&) for each.
   template <typename Visit>
-  void for_each(const Visit& visit) const {
-    for_top([&](const Entry& entry) {
-      visit(entry);
-      return true;
-    });
-  }
-  // Calls visit(Entry&) in the order in which they would come out, until it returns false. Priorities must stay.
-  template <typename Visit>
-  void for_top(const Visit& visit) {
-    for_top_of(*this, visit);
-  }
-  template <typename Visit>
-  void for_top(const Visit& visit) const {
-    for_top_of(*this, visit);
-  }
+  void for_each(const Visit& visit) const;
 
  private:
   struct alignas(64) Chunk {
-    static constexpr std::uint32_t capacity = 6;
+    static constexpr std::uint32_t capacity = 7;
     std::array<Entry, capacity> entries;
     std::uint32_t size = 0;
     std::uint32_t below = none;  // in its bucket, full; or in the list of free ones
@@ -60,13 +54,12 @@ class Queue {
   static constexpr int dropped_bits = 17;  // of a float: its exponent and six bits of its mantissa are left
   static constexpr std::size_t bucket_count = std::size_t{1} << (31 - dropped_bits);
   static constexpr std::size_t word_bits = 64;
+  static constexpr int band_bits = 2;  // of a bucket's number that bands drop
 
   static std::size_t bucket_of(const Entry& entry) noexcept {
     return entry.priority > 0.0F ? std::bit_cast<std::uint32_t>(entry.priority) >> dropped_bits : 0;
   }
   std::uint32_t obtain_chunk(std::uint32_t below);
-  template <typename Self, typename Visit>
-  static void for_top_of(Self& queue, const Visit& visit);
   // The highest bucket up to `bucket` that is not empty. Precondition: there is one.
   [[nodiscard]] std::size_t occupied_up_to(std::size_t bucket) const noexcept;
 
@@ -89,17 +82,15 @@ inline void Queue::push(const Entry& entry) {
   ++size_;
 }
 
-template <typename Self, typename Visit>
-void Queue::for_top_of(Self& queue, const Visit& visit) {
-  if (queue.empty()) return;
-  std::size_t left = queue.size_;
-  for (std::size_t bucket = queue.top_;; bucket = queue.occupied_up_to(bucket - 1)) {
-    for (std::uint32_t at = queue.first_[bucket]; at != none; at = queue.chunks_[at].below) {
-      left -= queue.chunks_[at].size;
-      for (std::uint32_t i = queue.chunks_[at].size; i-- > 0;)
-        if (!visit(queue.chunks_[at].entries[i])) return;
+template <typename Visit>
+void Queue::for_each(const Visit& visit) const {
+  std::size_t left = size_;
+  for (std::size_t bucket = top_; left > 0; --bucket) {
+    bucket = occupied_up_to(bucket);
+    for (std::uint32_t at = first_[bucket]; at != none; at = chunks_[at].below) {
+      left -= chunks_[at].size;
+      for (std::uint32_t i = chunks_[at].size; i-- > 0;) visit(chunks_[at].entries[i]);
     }
-    if (left == 0) return;
   }
 }
 

@@ -18,6 +18,9 @@ struct ScreenError {
   ScreenError(const SplitNode& node, float scale_px) : ScreenError(node.error, node.guaranteed_error, scale_px) {}
   // Where an unlimited scale leaves no error at 0.
   static float in_pixels(float error, float scale_px) { return error > 0.0F ? error * scale_px : 0.0F; }
+  [[nodiscard]] bool includes(const ScreenError& o) const {
+    return o.quadric_px <= quadric_px && o.guaranteed_px <= guaranteed_px;
+  }
   void include(const ScreenError& o) {
     quadric_px = std::max(quadric_px, o.quadric_px);
     guaranteed_px = std::max(guaranteed_px, o.guaranteed_px);

@@ -1,6 +1,8 @@
 #include "priority/star_visibility.h"
 
 #include <algorithm>
+#include <array>
+#include <cassert>
 #include <cmath>
 #include <glm/geometric.hpp>
 
@@ -26,6 +28,12 @@ bool may_be_inside(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, c
   });
 }
 
+struct SeenFaces {
+  float count = 0.0F;
+  float whole = 0.0F;   // sum of twice their areas
+  float facing = 0.0F;  // of the parts of these that face the eye
+};
+
 class FaceSums {
  public:
   FaceSums(std::span<const glm::vec3> positions, const ObjectView& view, bool inside, bool two_sided)
@@ -41,7 +49,7 @@ class FaceSums {
       const glm::vec3 normal = glm::cross(edges(b - a), edges(c - a)), to_eye = rays(view_.eye() - a);
       const float facing = glm::dot(normal, to_eye);
       if (!((two_sided_ || facing > 0.0F) && (inside_ || may_be_inside(a, b, c, view_)))) return;
-      ++result.count;
+      result.count += 1.0F;
       result.whole += glm::length(normal);
       result.facing += std::abs(facing) / glm::length(to_eye);
     });
@@ -59,14 +67,20 @@ float distance_to(const Sphere& sphere, const ObjectView& view) {
   return largest_coordinate(view.eye() - sphere.center);
 }
 
-StarView star_view(const SplitStar& star, const Sphere& sphere, const SeenFaces& seen) {
+StarView star_view(const SplitStar& star, const Sphere& sphere, float scale_px, const SeenFaces& seen) {
   StarView result;
   result.sphere = sphere;
+  result.scale_px = scale_px;
   const std::uint32_t faces = star.inserted_count() + star.removed_count();
-  if (faces > 0) result.visible_share = static_cast<float>(seen.count) / static_cast<float>(faces);
+  if (faces > 0) result.visible_share = seen.count / static_cast<float>(faces);
   // 1 also for what is no number: with the eye on a corner.
   if (seen.whole > 0.0F) result.cosine = std::min(1.0F, seen.facing / seen.whole);
   return result;
+}
+
+// All of it is inside, and squares of what is computed stay in the range of floats.
+bool is_found(const FanViews& fans, std::size_t i, const ObjectView& view) {
+  return fans.room_inside[i] > 0.0F && is_near_one(fans.radius[i]) && is_near_one(distance_to(fans.sphere(i), view));
 }
 
 }  // namespace
@@ -77,16 +91,41 @@ bool is_wholly_inside(const Sphere& sphere, const ObjectView& view) {
   });
 }
 
-StarView StarVisibility::evaluate(const Hierarchy& hierarchy, SplitId s, const ObjectView& view, bool two_sided) {
-  const SplitStar star = hierarchy.star(s);
-  if (star.is_fan()) {
-    gather_fan(hierarchy, star);
-    const Sphere sphere = sphere_around(fan_);  // its radius is not near one where squares are out of range
-    if (is_near_one(sphere.radius) && is_near_one(distance_to(sphere, view)) && is_wholly_inside(sphere, view))
-      return star_view(star, sphere, fan_visibility(fan_, view.eye(), two_sided));
+// In steps, so that what one of them wants from memory is on its way while others are at work.
+void StarVisibility::evaluate(const Hierarchy& hierarchy, std::span<const SplitId> splits, const ObjectView& view,
+                              bool two_sided, std::span<StarView> stars) {
+  assert(stars.size() >= splits.size());
+  const std::span<const glm::vec3> positions = hierarchy.positions();
+  FanViews views;
+  std::array<std::size_t, FanBatch::capacity> places;
+  const auto evaluate_fans = [&] {
+    find_fan_views(fans_, view, two_sided, views);
+    for (std::size_t k = 0; k < fans_.size(); ++k) {
+      const SplitId s = splits[places[k]];
+      stars[places[k]] = is_found(views, k, view) ? star_view(hierarchy.star(s), views.sphere(k), views.scale_px[k],
+                                                              {views.faces[k], views.whole[k], views.facing[k]})
+                                                  : evaluate_faces(hierarchy, s, view, two_sided);
+    }
+    fans_.clear();
+  };
+  for (std::size_t i = 0; i < splits.size(); ++i) {
+    const SplitStar star = hierarchy.star(splits[i]);
+    if (!star.is_fan()) {
+      stars[i] = evaluate_faces(hierarchy, splits[i], view, two_sided);
+      continue;
+    }
+    for (const VertexId v : star.ring()) hierarchy.require_vertex(v);
+    places[fans_.size()] = i;
+    fans_.add(star, positions);
+    if (fans_.size() == FanBatch::capacity) evaluate_fans();
   }
-  gather(hierarchy, s);
-  const Box box = bounding_box(points_);
+  if (fans_.size() > 0) evaluate_fans();
+}
+
+// Face by face, whatever they are.
+StarView StarVisibility::evaluate_faces(const Hierarchy& hierarchy, SplitId s, const ObjectView& view, bool two_sided) {
+  const SplitStar star = hierarchy.star(s);
+  const Box box = bounding_box(points(hierarchy, s));
   Sphere sphere;
   sphere.center = 0.5F * box.min + 0.5F * box.max;
   const float extent = largest_coordinate(box.max - box.min), distance = distance_to(sphere, view);
@@ -101,46 +140,26 @@ StarView StarVisibility::evaluate(const Hierarchy& hierarchy, SplitId s, const O
   const SeenFaces seen = is_near_one(extent) && is_near_one(distance)
                              ? faces.of(star, Unscaled(), Unscaled())
                              : faces.of(star, Scaled{unit}, Scaled{inverse_power_of_two(distance)});
-  return star_view(star, sphere, seen);
+  return star_view(star, sphere, view.largest_scale_px(sphere), seen);
 }
 
-std::span<const glm::vec3> StarVisibility::points(const Hierarchy& hierarchy, SplitId s) {
-  gather(hierarchy, s);
-  return points_;
-}
-
-void StarVisibility::gather(const Hierarchy& hierarchy, SplitId s) {
+void StarVisibility::append_points(const Hierarchy& hierarchy, SplitId s, std::vector<glm::vec3>& points) {
   const SplitStar star = hierarchy.star(s);
-  ids_.assign(1, star.vertex());
-  if (star.is_fan())  // u and the corners of removed faces are in the ring
-    ids_.insert(ids_.end(), star.ring().begin(), star.ring().end());
-  else
-    gather_corners(star);
-  points_.resize(ids_.size());
-  std::transform(ids_.begin(), ids_.end(), points_.begin(), [&](VertexId v) {
+  const auto append = [&](VertexId v) {
     hierarchy.require_vertex(v);
-    return hierarchy.positions()[v];
-  });
-}
-
-void StarVisibility::gather_fan(const Hierarchy& hierarchy, const SplitStar& star) {
-  const std::span<const glm::vec3> positions = hierarchy.positions();
-  const std::span<const VertexId> ring = star.ring();
-  fan_.vertex = positions[star.vertex()];
-  fan_.ring_size = static_cast<std::uint32_t>(ring.size());
-  fan_.inserted = star.inserted_count();
-  for (std::size_t i = 0; i < ring.size(); ++i) {
-    hierarchy.require_vertex(ring[i]);
-    fan_.set(i, positions[ring[i]]);
-    if (ring[i] == star.parent_vertex()) fan_.parent_place = static_cast<std::uint32_t>(i);
+    points.push_back(hierarchy.positions()[v]);
+  };
+  append(star.vertex());
+  if (star.is_fan()) {  // u and the corners of removed faces are in the ring
+    std::for_each(star.ring().begin(), star.ring().end(), append);
+    return;
   }
-  fan_.fill_up();
-}
-
-void StarVisibility::gather_corners(const SplitStar& star) {
-  star.for_each_face([&](const Triangle& t) { ids_.insert(ids_.end(), {t.x, t.y, t.z}); });
-  std::sort(ids_.begin(), ids_.end());
-  ids_.erase(std::unique(ids_.begin(), ids_.end()), ids_.end());
+  std::vector<VertexId> ids;  // rare
+  star.for_each_face([&](const Triangle& t) { ids.insert(ids.end(), {t.x, t.y, t.z}); });
+  std::sort(ids.begin(), ids.end());
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+  for (const VertexId v : ids)
+    if (v != star.vertex()) append(v);
 }
 
 }  // namespace occlod

@@ -1,10 +1,12 @@
 #include "priority/weigh_splits.h"
 
+#include <algorithm>
 #include <array>
 #include <cassert>
 #include <cstddef>
 #include <cstdint>
 
+#include "core/platform.h"
 #include "occlod/hierarchy/split_node.h"
 #include "priority/weighed_lanes.h"
 
@@ -98,6 +100,26 @@ void weigh_splits(std::span<const SplitNode> nodes, const ObjectView& view, bool
       scales_px[i] = scale_facing_away;
     else
       scales_px[i] = view.largest_scale_px(node.sphere);
+  }
+}
+
+void weigh_splits(const Hierarchy& hierarchy, std::span<const SplitId> splits, const ObjectView& view, bool tests_cones,
+                  std::span<float> scales_px) {
+  constexpr std::size_t batch_size = 32, lanes = 8;  // of vectors, or a multiple of that
+  std::array<SplitNode, batch_size> nodes;
+  std::array<float, batch_size> scales;
+  for (std::size_t first = 0; first < splits.size(); first += batch_size) {
+    const std::span<const SplitId> batch = splits.subspan(first, std::min(batch_size, splits.size() - first));
+    for (const SplitId s : batch) {
+      hierarchy.require(s);
+      if (s != no_id) prefetch(&hierarchy.node(s));
+    }
+    for (std::size_t i = 0; i < batch.size(); ++i)
+      if (batch[i] != no_id) nodes[i] = hierarchy.node(batch[i]);
+    // Whole vectors: whatever is in the rest of the last one does no harm.
+    const std::size_t weighed = (batch.size() + lanes - 1) / lanes * lanes;
+    weigh_splits(std::span(nodes.data(), weighed), view, tests_cones, scales);
+    std::copy_n(scales.begin(), batch.size(), scales_px.begin() + static_cast<std::ptrdiff_t>(first));
   }
 }
 

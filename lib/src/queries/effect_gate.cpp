@@ -1,6 +1,5 @@
 #include "queries/effect_gate.h"
 
-#include <glm/common.hpp>
 #include <string>
 
 #include "occlod/core/error.h"
@@ -13,14 +12,6 @@ RegionGrid::RegionGrid(const Box& box) : min_(box.min) {
     const float extent = box.max[axis] - box.min[axis];
     cells_per_unit_[axis] = extent > 0.0F ? cells / extent : 0.0F;
   }
-}
-
-std::size_t RegionGrid::region_of(const glm::vec3& p) const noexcept {
-  constexpr auto last = static_cast<float>(effect_regions_per_axis - 1);
-  const glm::vec3 cell = glm::clamp((p - min_) * cells_per_unit_, 0.0F, last);
-  return static_cast<std::size_t>(cell.x) +
-         effect_regions_per_axis *
-             (static_cast<std::size_t>(cell.y) + effect_regions_per_axis * static_cast<std::size_t>(cell.z));
 }
 
 void EffectGate::begin(std::span<const RefineObject> objects, const RefineOptions& options) {

@@ -22,6 +22,15 @@ class RegionGrid {
   glm::vec3 cells_per_unit_;
 };
 
+inline std::size_t RegionGrid::region_of(const glm::vec3& p) const noexcept {
+  const auto cell = [&](int axis) {
+    constexpr int last = effect_regions_per_axis - 1;
+    const float at = (p[axis] - min_[axis]) * cells_per_unit_[axis];
+    return static_cast<std::size_t>(std::clamp(at, 0.0F, static_cast<float>(last)));
+  };
+  return cell(0) + effect_regions_per_axis * (cell(1) + effect_regions_per_axis * cell(2));
+}
+
 // Reuses its memory from view to view.
 class EffectGate {
  public:

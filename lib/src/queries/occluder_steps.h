@@ -14,14 +14,19 @@ struct Growth {
   std::size_t triangles = 0;  // more than the base meshes have
 };
 
-// Either at given numbers of applied splits or, where none are given, when the mesh has grown by a factor since the
-// last one and some split has moved its surface far enough to be worth it. So the work of drawing is a geometric series
-// whose sum is little more than its last member.
+// Either at given numbers of applied splits or, where none are given, when the mesh has grown to a third of the budget,
+// or to that divided by powers of some factor, and some split has moved its surface far enough to be worth it. So the
+// work of drawing is a geometric series, and the last one but that of the final check still decides about most of the
+// budget.
 class OccluderSteps {
  public:
   void begin(const RefineOptions& options) {
     options_ = &options;
     next_ = 0;
+    const double last = static_cast<double>(options.budget) / last_part;
+    const double least = std::clamp(last / factor, least_triangles, enough_triangles);
+    next_triangles_ = std::max(last, least);
+    while (next_triangles_ >= factor * least) next_triangles_ /= factor;
     last_ = {};
     moved_px_ = 0.0F;
   }
@@ -31,12 +36,13 @@ class OccluderSteps {
   [[nodiscard]] bool due(const Growth& now) const {
     const std::vector<std::uint32_t>& given = options_->occluder.splits;
     if (!given.empty()) return next_ < given.size() && now.splits >= given[next_];
-    return now.triangles >= std::max(first_triangles, factor * last_.triangles) && moved_px_ >= least_move_px;
+    return static_cast<double>(now.triangles) >= next_triangles_ && moved_px_ >= least_move_px;
   }
 
   void drawn(const Growth& now) {
     if (!options_->occluder.splits.empty())
       while (due(now)) ++next_;
+    while (next_triangles_ <= static_cast<double>(now.triangles)) next_triangles_ *= factor;
     last_ = now;
     moved_px_ = 0.0F;
   }
@@ -44,12 +50,15 @@ class OccluderSteps {
   [[nodiscard]] const Growth& last() const noexcept { return last_; }
 
  private:
-  static constexpr std::size_t first_triangles = 128;
-  static constexpr std::size_t factor = 6;
+  // That a first one has: at least; and where two of them are drawn anyway.
+  static constexpr double least_triangles = 32.0, enough_triangles = 128.0;
+  static constexpr double factor = 6.0;
+  static constexpr double last_part = 3.0;  // of the budget, at the last of them
   static constexpr float least_move_px = 1.0F;
 
   const RefineOptions* options_ = nullptr;
-  std::size_t next_ = 0;  // of the given ones
+  std::size_t next_ = 0;         // of the given ones
+  double next_triangles_ = 0.0;  // where none are given
   Growth last_;
   float moved_px_ = 0.0F;  // since then
 };

@@ -1,4 +1,4 @@
-// What refinement asks a backend: the rules by which it asks, questions under way, and the occluder.
+// What refinement asks a backend: the rules by which it asks, its questions, and the occluder.
 #pragma once
 
 #include <cstddef>
@@ -6,12 +6,10 @@
 #include <span>
 #include <vector>
 
-#include "core/milliseconds_since.h"
 #include "cut/cut_set.h"
 #include "occlod/refine/refiner.h"
 #include "occlod/refine/visibility.h"
 #include "priority/entry.h"
-#include "priority/star_visibility.h"
 #include "queries/effect_gate.h"
 #include "queries/occluder.h"
 
@@ -27,16 +25,16 @@ struct QueriedScene {
   const RefineOptions* options = nullptr;
 };
 
-// Answers come in the order of the questions, and each is told to the gate. Reuses its memory.
+// Each answer is told to the gate. Reuses its memory.
 class OcclusionQueries {
  public:
   void begin(Visibility& visibility, const QueriedScene& scene);
 
   [[nodiscard]] bool can_hide() const noexcept { return can_hide_; }
-  [[nodiscard]] bool none_open() const noexcept { return answered_ == open_.size(); }
-  [[nodiscard]] bool has_room() const noexcept { return open_.size() - answered_ < flight_; }
-  // Whether several questions should be under way at once.
-  [[nodiscard]] bool in_flights() const { return flight_ > 1; }
+  // How many questions should be asked at once, at least.
+  [[nodiscard]] std::size_t flight() const noexcept { return flight_; }
+  // Whether one question is waited for nearly as long as many.
+  [[nodiscard]] bool in_flights() const noexcept { return flight_ > 1; }
 
   // Whether the options let this question be asked: by its kind, its level in the forest and its region.
   [[nodiscard]] bool asks(const Entry& entry) const;
@@ -48,19 +46,29 @@ class OcclusionQueries {
   // What is asked about a split to know whether it should be applied.
   [[nodiscard]] Entry::Kind split_question() const;
 
-  // entry.error tells the gate what a hidden subtree is worth.
-  void ask(const Entry& entry);
-  struct Answer {
-    Entry entry;
+  struct Verdict {
     bool visible = true;
+    bool vertex_shows = false;  // that the split brings back: its own star is visible too
   };
-  // To the oldest question. Precondition: one is open.
-  [[nodiscard]] Answer take();
-  // Asks about each of `entries`, as many at once as the backend likes, and calls answered(entry, visible) in their
-  // order. Precondition: none is open.
-  template <typename Answered>
-  void ask_all(std::span<const Entry> entries, const Answered& answered);
-  // The cuts as they are. Precondition: none is open.
+  // Reuses its memory.
+  struct Scratch {
+    std::vector<glm::vec3> vertices;
+    std::vector<std::uint8_t> vertex_shows;
+    // Of what is asked about by bounds: its place, and where its points begin if it is a star.
+    std::vector<std::size_t> asked, first_points;
+    std::vector<glm::vec3> points;
+    std::vector<VisibilityQuery> queries;
+    std::vector<std::uint32_t> answers;
+  };
+  // Asks about each of them; `verdicts` has as many places. Several threads may, each with a scratch of its own, where
+  // the backend says so; then the answers are to be counted.
+  void find(std::span<const Entry> entries, std::span<Verdict> verdicts, Scratch& scratch) const;
+  // entry.error tells the gate what a hidden subtree is worth. `milliseconds`: that the caller has spent on them.
+  void count(std::span<const Entry> entries, std::span<const Verdict> verdicts, double milliseconds);
+  // Both, and the time that it takes.
+  void ask(std::span<const Entry> entries, std::span<Verdict> verdicts);
+  [[nodiscard]] bool many_threads_may_ask() const noexcept { return visibility_->answers_many_threads(); }
+  // The cuts as they are.
   void draw_occluder(CutSet& cuts);
 
   // In this view.
@@ -70,41 +78,22 @@ class OcclusionQueries {
     std::size_t draws = 0;
   };
   [[nodiscard]] const Counts& counts() const noexcept { return counts_; }
-  // Spent in the backend.
+  // Spent on questions and occluders.
   [[nodiscard]] double milliseconds() const noexcept { return milliseconds_; }
 
  private:
-  void submit(const Entry& entry);
-  [[nodiscard]] bool collect(const Entry& entry);
+  void find_vertices_that_show(std::span<const Entry> entries, std::span<Verdict> verdicts, Scratch& scratch) const;
+  void ask_about_bounds(std::span<const Entry> entries, std::span<Verdict> verdicts, Scratch& scratch) const;
+  [[nodiscard]] VisibilityQuery query_about(const Entry& entry) const;
 
   Visibility* visibility_ = nullptr;
   QueriedScene scene_;
   bool can_hide_ = false;
-  std::size_t flight_ = 1;   // of the backend, in this view
-  std::vector<Entry> open_;  // oldest first, after those that are answered
-  std::size_t answered_ = 0;
-  Clock::time_point asked_;  // the last of them
+  std::size_t flight_ = 1;  // of the backend, in this view
   Counts counts_;
   double milliseconds_ = 0.0;
   Occluder occluder_;
-  StarVisibility star_;
+  Scratch scratch_;
 };
-
-template <typename Answered>
-void OcclusionQueries::ask_all(std::span<const Entry> entries, const Answered& answered) {
-  const Clock::time_point start = Clock::now();
-  const std::size_t most_open = in_flights() ? flight_ : entries.size();
-  std::size_t answers = 0;
-  const auto take_one = [&] {
-    const Entry& entry = entries[answers++];
-    answered(entry, collect(entry));
-  };
-  for (std::size_t asked = 0; asked < entries.size(); ++asked) {
-    if (asked - answers >= most_open) take_one();
-    submit(entries[asked]);
-  }
-  while (answers < entries.size()) take_one();
-  milliseconds_ += milliseconds_since(start);
-}
 
 }  // namespace occlod

@@ -59,7 +59,7 @@ void Frames::advance(bool moved, Clock::time_point start, RefineStats& stats) {
   exchange_.take_back_needless();
   before_ = evaluation_.count_applied(worthless_part * exchange_.level());
   const bool all_asked = !evaluation_.scene().queries->can_hide() || frame_ - moved_frame_ >= asking_rounds;
-  at_rest_ = exchange_.changes() == 0 && !stats.pending && all_asked;
+  at_rest_ = !stats.pending && all_asked;
   measure(stats);
 }
 
@@ -105,6 +105,10 @@ void Frames::emit(std::span<RefinedObject> out, RefineStats& stats) {
     }
     at_rest_ = at_rest_ && out[i].geomorphs.empty();
   }
+  // A split may be given up in vain again and again, for what finds no room all the same.
+  const bool same_mesh = stats.new_splits + stats.merged_splits == 0;
+  same_frames_ = same_mesh && frame_ != moved_frame_ ? same_frames_ + 1 : 0;
+  at_rest_ = at_rest_ && (exchange_.changes() == 0 || same_frames_ >= weighing_rounds);
 }
 
 }  // namespace occlod

@@ -63,6 +63,7 @@ class Frames {
   std::uint32_t frame_ = 0;
   std::uint32_t moved_frame_ = 0;  // in which the view moved last
   AppliedCount before_;            // when the last frame ended
+  std::uint32_t same_frames_ = 0;  // in a row that have ended with the mesh that they began with, in one view
   bool at_rest_ = false;
 };
 

@@ -8,10 +8,11 @@
 #include <unordered_map>
 #include <vector>
 
-#include "priority/queue.h"
+#include "core/companion_thread.h"
 #include "refine/apply_split.h"
 #include "refine/entry_queries.h"
-#include "refine/lookahead.h"
+#include "refine/entry_queues.h"
+#include "refine/node_visits.h"
 #include "refine/refined_scene.h"
 #include "refine/victims.h"
 
@@ -19,11 +20,11 @@ namespace occlod {
 
 // One refinement, from the base meshes to the end of the budget:
 //   while there is something that may matter: take the worst; ask whether it is seen; descend below it, or apply it.
-// (Birkholz & Rahn, sec. 3.2 and 3.3.) Deviations: nodes are asked about shortly before their turn comes rather than
-// when they are found, so that little is spent on those whose turn never comes, except that children of a visible node
-// go straight into a flight that has room; with Culling::star a node is descended and applied by separate questions,
-// and a split waits for as long as what it forces is not worth it; and what is hidden at the end is asked about once
-// more. Reuses its memory.
+// (Birkholz & Rahn, sec. 3.2 and 3.3.) Deviations: nodes that are about as bad are looked at together, so that memory
+// and vectors work for many at once, and splits are applied, worst first, when all nodes that are worse have been.
+// Nodes are asked about when their turn comes rather than when they are found, so that nothing is spent on those whose
+// turn never comes. With Culling::star a node is descended and applied by separate questions, and a split waits for as
+// long as what it forces is not worth it; and what is hidden at the end is asked about once more. Reuses its memory.
 class FromScratch {
  public:
   // The cuts are what is left; all arguments outlive the call. Adds to `stats`.
@@ -36,6 +37,7 @@ class FromScratch {
 
   // For apply_split().
   [[nodiscard]] float forced_weight(const Entry& entry, const Cut::Closure& closure) const;
+  bool step_back(const Entry& entry);
   bool make_room(float turn_priority, float priority);
   void apply_closure(const Entry& entry, const Cut::Closure& closure);
 
@@ -44,30 +46,63 @@ class FromScratch {
   void run();
   [[nodiscard]] bool used_up() const;
   [[nodiscard]] bool matters(const Entry& entry) const { return !level_ || entry.priority > *level_; }
-  void take_next();
-  void process_answer();
-  void process(Entry& entry);
+  void take_visits();
+  void start_visits();
+  void finish_visits();
+  void enqueue_found();
+  void apply_visited(std::span<const Entry> visits);
+  bool apply_above_visits();
+  [[nodiscard]] bool is_above_visits(const Entry& entry) const {
+    return taken_visits_.empty() || Queue::band_of(entry) > visits_band_;
+  }
+  [[nodiscard]] bool take_applies();
+  void apply_taken();
+  void look_at_needed();
+  void draw_occluder();
   void readmit();
   void finish();
   void count_forced();
 
   void enqueue_roots(std::uint32_t object);
-  void enqueue_node(const Entry& parent, SplitId s, float scale_px);
-  void enqueue_split(const Entry& node);
-  void enqueue(const Entry& entry);
+  struct Place {
+    std::uint32_t object;
+    std::uint32_t level;  // in the forest
+  };
+  void enqueue_node(const Place& at, const NodeVisits::Child& node);
+  void enqueue_split(const Entry& node, const Importance::Value& value);
   void apply(Entry entry);
   bool leaves(const ScreenError& error);
 
   [[nodiscard]] Growth growth() const;
+  [[nodiscard]] bool step_due();
   [[nodiscard]] bool occluder_due();
 
   RefinedScene scene_;
   RefineStats* stats_ = nullptr;
-  Queue queue_;
+  EntryQueues queues_;
   EntryQueries entries_;
-  Lookahead lookahead_;
   Victims victims_;
+  unsigned threads_ = 1;
+  bool waits_for_memory_ = false;  // the budget is too large for caches
+
+  // The nodes that are looked at, by objects, and what they have to offer.
+  std::vector<Entry> taken_visits_;
+  std::size_t visits_band_ = 0;
+  bool visits_known_ = true;
+  NodeVisits visits_;
+  struct WorkBeside {
+    NodeVisits& visits;
+    void operator()() const { visits.work_beside(); }
+  } work_beside_{visits_};
+  CompanionThread companion_;
+
+  // The next splits, in order, and the one of them whose turn it is.
+  std::vector<Entry> applies_;
+  std::size_t turn_ = 0;
+  EntryQueries::Questions about_applies_;
+  std::vector<SplitId> needed_;        // scratch
   std::vector<float> root_scales_px_;  // of one object
+
   struct Forced {
     std::uint32_t object;
     SplitId split;

@@ -44,7 +44,9 @@ std::size_t FrontQueries::ask_again(float level, bool all) {
     ask_about_leaves(i, all);
   }
   shown_again_ = 0;
-  queries.ask_all(asked_, [&](const Entry& entry, bool visible) { note(entry, visible); });
+  verdicts_.resize(asked_.size());
+  queries.ask(asked_, verdicts_);
+  for (std::size_t i = 0; i < asked_.size(); ++i) note(asked_[i], verdicts_[i].visible);
   return shown_again_;
 }
 
@@ -138,10 +140,10 @@ bool FrontQueries::is_hidden(const Entry& entry) {
   if (queries.in_flights()) return false;  // it would be waited for: asked about before the next frame
   const Front& front = evaluation_.front(entry.object);
   if (is_shown_since(draw_, front.node(front.find(entry.split)), entry.kind)) return false;
-  queries.ask(entry);
-  const bool visible = queries.take().visible;
-  note(entry, visible);
-  return !visible;
+  OcclusionQueries::Verdict verdict;
+  queries.ask({&entry, 1}, {&verdict, 1});
+  note(entry, verdict.visible);
+  return !verdict.visible;
 }
 
 // Nodes keep the low bits of the numbers of the occluders before which they were shown: ages are right up to 65,535

@@ -53,7 +53,8 @@ class FrontQueries {
   std::uint32_t adopted_draw_ = 0;  // the last of them before the cut was taken over
   std::uint32_t fresh_draw_ = 0;    // verdicts before earlier ones are out of date
   std::size_t shown_again_ = 0;     // by what is being asked
-  std::vector<Entry> asked_;        // scratch, both of them
+  std::vector<Entry> asked_;        // scratch, all of them
+  std::vector<OcclusionQueries::Verdict> verdicts_;
   std::vector<Front::Index> found_;
 };
 

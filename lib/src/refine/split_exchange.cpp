@@ -14,8 +14,6 @@ constexpr std::size_t most_rejections = 16;
 constexpr std::size_t least_gain = 1;  // of triangles, by a split: one at a border
 // Where the candidates that are queued do not suffice, less important ones follow, so much at a time.
 constexpr float band_step = 1.25F;
-// What a split forces is looked at again in one frame of so many.
-constexpr std::uint32_t weighing_rounds = 8;
 
 }  // namespace
 
@@ -64,7 +62,7 @@ void SplitExchange::exchange() {
     if (queries_.is_hidden(entry)) continue;
     if (entry.kind == Entry::Kind::visit) {
       descend(entry);
-    } else if (!apply_split(evaluation_.scene(), candidates_, entry, *this)) {
+    } else if (!apply_split(evaluation_.scene(), entry, *this)) {
       // What comes later matters less and takes no room from leaves either: it can only fit into what is left.
       level_ = std::max(level_, entry.priority);
       ++stats_->rejected_splits;
@@ -196,6 +194,12 @@ float SplitExchange::forced_weight(const Entry& entry, const Cut::Closure& closu
   weight =
       closure.splits.size() == 1 ? 1.0F : evaluation_.scene().importances[entry.object].forced_weight(closure.splits);
   return weight;
+}
+
+bool SplitExchange::step_back(const Entry& entry) {
+  if (candidates_.would_be_next(entry)) return false;
+  candidates_.push(entry);
+  return true;
 }
 
 // Gives up the least important leaf, if that is worth it for what matters so much.

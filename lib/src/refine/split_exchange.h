@@ -16,6 +16,9 @@
 
 namespace occlod {
 
+// What a split forces is looked at again in one frame of so many.
+inline constexpr std::uint32_t weighing_rounds = 8;
+
 // Worst first, candidates are descended or applied, and take the place of applied leaves that matter less (the dual
 // queues of Duchaineau et al., ROAMing Terrain, 1997, here over the dependencies of splits). The priority where the
 // budget ended is kept: only what is near it is queued, and more when that does not suffice. Cuts, fronts and drawn
@@ -47,6 +50,7 @@ class SplitExchange {
 
   // For apply_split().
   [[nodiscard]] float forced_weight(const Entry& entry, const Cut::Closure& closure);
+  bool step_back(const Entry& entry);
   bool make_room(float turn_priority, float priority);
   void apply_closure(const Entry& entry, const Cut::Closure& closure);
 

@@ -21,9 +21,16 @@ void Victims::clear() noexcept {
 
 void Victims::gather(const CutSet& cuts, std::span<Importance> importances) {
   clear();
-  for (std::uint32_t i = 0; i < cuts.size(); ++i)
+  for (std::uint32_t i = 0; i < cuts.size(); ++i) {
+    leaves_.clear();
     for (const SplitId s : cuts[i].applied_splits())
-      if (cuts[i].applied(s) && cuts[i].is_leaf(s)) push(i, s, importances[i]);
+      if (cuts[i].applied(s) && cuts[i].is_leaf(s)) leaves_.push_back(s);
+    values_.resize(leaves_.size());
+    importances[i].find(leaves_, values_);
+    for (std::size_t k = 0; k < leaves_.size(); ++k)
+      heap_.push_back({i, leaves_[k], values_[k].priority, values_[k].error});
+  }
+  std::make_heap(heap_.begin(), heap_.end(), less_urgent);
   gathered_ = true;
 }
 

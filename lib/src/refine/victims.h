@@ -16,7 +16,7 @@ class Victims {
   void clear() noexcept;
   [[nodiscard]] bool gathered() const noexcept { return gathered_; }
 
-  // Looks at every applied split. O(n log n).
+  // Looks at every applied split. O(n).
   void gather(const CutSet& cuts, std::span<Importance> importances);
 
   struct Victim {
@@ -33,6 +33,8 @@ class Victims {
 
   bool gathered_ = false;
   std::vector<Victim> heap_;
+  std::vector<SplitId> leaves_;  // scratch, both of one object
+  std::vector<Importance::Value> values_;
 };
 
 }  // namespace occlod

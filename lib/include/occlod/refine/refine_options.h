@@ -77,10 +77,12 @@ struct UpdateOptions {
 struct RefineOptions {
   std::size_t budget = 10'000;  // triangles over all objects, never exceeded; at least Refiner::base_triangles()
   double tolerance_px = 0.0;  // stop when no visible split has a larger bound on its screen error; 0: spend the budget
-  PriorityOptions priority = {};            // what a split is worth
-  OccluderOptions occluder = {};            // when and how occluders are drawn
-  QueryOptions queries = {};                // what is asked about occlusion
-  UpdateOptions update = {};                // how fast Refiner::update() may go
+  PriorityOptions priority = {};  // what a split is worth
+  OccluderOptions occluder = {};  // when and how occluders are drawn
+  QueryOptions queries = {};      // what is asked about occlusion
+  UpdateOptions update = {};      // how fast Refiner::update() may go
+  unsigned threads = 1;  // that refinement from scratch may use; more than 2 do not help; 0: 2 where there are so many
+                         // cores. The result does not depend on it
   std::vector<ObjectEffects> effects = {};  // what works on each object, by object; empty: everything on all of them
 
   friend bool operator==(const RefineOptions&, const RefineOptions&) = default;

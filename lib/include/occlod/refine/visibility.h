@@ -15,7 +15,7 @@
 
 namespace occlod {
 
-// The convex hull of a few points, e.g. the star of one split. The span need live only during submit().
+// The convex hull of a few points, e.g. the star of one split. The span need live only while it is asked about.
 struct PointHull {
   std::span<const glm::vec3> points;  // object space, at least one
 };
@@ -36,7 +36,7 @@ struct OccluderPart {
 // A backend. All are conservative: a bound that has a point in front of the occluder at some pixel that it touches is
 // never answered 0. Bounds that cross the near plane, contain the eye, are not finite or whose screen rectangle cannot
 // be bounded are answered visible. Queries are answered in the order in which they were submitted. One thread at a
-// time.
+// time, but for answers_many_threads().
 class Visibility {
  public:
   Visibility() = default;
@@ -61,6 +61,17 @@ class Visibility {
   // The answer to the oldest unanswered query: the number of visible pixels, 0 when hidden. Backends may stop counting
   // at the first visible pixel and answer 1. Precondition: some query is unanswered.
   [[nodiscard]] virtual std::uint32_t collect() = 0;
+
+  // Whether several threads may call the following two at once. False if not told otherwise.
+  [[nodiscard]] virtual bool answers_many_threads() const noexcept { return false; }
+  // As submit() and collect() of each, for backends that can do more at once. Precondition: every query submitted
+  // before has been collected; `answers` has as many places.
+  virtual void answer(std::span<const VisibilityQuery> queries, std::span<std::uint32_t> answers);
+  // Of points of an object (object space): 1 for those that surely are before the occluder, so that no bound that holds
+  // them can be hidden; 0 for all others. For backends to which a point is much less work than a bound; by default none
+  // is known. `visible` has as many places.
+  virtual void find_visible_points(std::uint32_t object, std::span<const glm::vec3> points,
+                                   std::span<std::uint8_t> visible);
 };
 
 // The backend `none`: everything inside the frustum and facing the eye is visible.
@@ -70,6 +81,8 @@ class NoOcclusion final : public Visibility {
   [[nodiscard]] std::string_view name() const noexcept override { return "none"; }
   // False.
   [[nodiscard]] bool can_hide() const noexcept override { return false; }
+  // True.
+  [[nodiscard]] bool answers_many_threads() const noexcept override { return true; }
   // Forgets unanswered queries.
   void begin_view(const View& view, std::span<const ObjectView> objects) override;
   // Does nothing.
