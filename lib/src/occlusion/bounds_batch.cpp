@@ -37,6 +37,7 @@ struct HullsInput {
 
 HWY_BEFORE_NAMESPACE();
 namespace occlod::HWY_NAMESPACE {
+namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -354,6 +355,7 @@ void project_points(const BoundsView& view, const std::array<PerBound<float>, 3>
   }
 }
 
+}  // namespace
 }  // namespace occlod::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 

@@ -10,6 +10,7 @@
 
 HWY_BEFORE_NAMESPACE();
 namespace occlod::HWY_NAMESPACE {
+namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -119,6 +120,7 @@ void quick_verdicts(const DepthPyramid::Levels& levels, const BoundsOutput& boun
     hn::StoreU(quick_verdict_lanes(levels, bounds, i), Lanes(), verdicts.data() + i);
 }
 
+}  // namespace
 }  // namespace occlod::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 

@@ -12,6 +12,7 @@
 
 HWY_BEFORE_NAMESPACE();
 namespace occlod::HWY_NAMESPACE {
+namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -143,6 +144,7 @@ float find_largest_at_least(const BoundedProducts& products, std::uint16_t all, 
   return largest;
 }
 
+}  // namespace
 }  // namespace occlod::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 

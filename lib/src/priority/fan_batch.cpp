@@ -14,6 +14,7 @@
 
 HWY_BEFORE_NAMESPACE();
 namespace occlod::HWY_NAMESPACE {
+namespace {
 
 using Fans = hn::CappedTag<float, FanBatch::capacity>;
 using FanVec = hn::Vec<Fans>;
@@ -133,6 +134,7 @@ void find_views(const FanBatch& batch, const ObjectView& view, bool two_sided, F
   }
 }
 
+}  // namespace
 }  // namespace occlod::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 

@@ -20,6 +20,7 @@
 
 HWY_BEFORE_NAMESPACE();
 namespace occlod::HWY_NAMESPACE {
+namespace {
 
 // Relative change of a scale per unit of displacement, at most, up to displacements of `motion_limit`.
 struct ScaleGrowth {
@@ -107,6 +108,7 @@ void weigh_vectors(Front& front, std::span<const Front::Index> which, const Weig
   }
 }
 
+}  // namespace
 }  // namespace occlod::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 

@@ -19,6 +19,7 @@
 
 HWY_BEFORE_NAMESPACE();
 namespace occlod::HWY_NAMESPACE {
+namespace {
 
 struct ConeLanes {
   Vec3<Floats> axis;
@@ -77,6 +78,7 @@ std::size_t weigh_vectors(std::span<const SplitNode> nodes, const ObjectView& vi
   return i;
 }
 
+}  // namespace
 }  // namespace occlod::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 

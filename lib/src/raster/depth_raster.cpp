@@ -44,6 +44,7 @@ enum TriangleKind : std::int32_t { nothing = 0, small_triangle = 1, large_triang
 
 HWY_BEFORE_NAMESPACE();
 namespace occlod::raster::HWY_NAMESPACE {
+namespace {
 
 #if HWY_TARGET == HWY_SCALAR
 
@@ -323,6 +324,7 @@ bool draw_batch(const TriangleBatch& batch, const DepthImage& target, PixelRect&
 
 #endif
 
+}  // namespace
 }  // namespace occlod::raster::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 

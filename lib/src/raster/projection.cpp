@@ -10,6 +10,7 @@
 
 HWY_BEFORE_NAMESPACE();
 namespace occlod::raster::HWY_NAMESPACE {
+namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -70,6 +71,7 @@ void project_batch(const Projection& projection, TriangleBatch& batch) {
     for (std::size_t i = 0; i < batch.size; i += hn::Lanes(Doubles())) project_lanes(projection, corner, i, batch);
 }
 
+}  // namespace
 }  // namespace occlod::raster::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
