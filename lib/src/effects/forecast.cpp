@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "queries/occluder_steps.h"
+
 namespace occlod {
 namespace {
 
 constexpr double most_hidden = 0.95;         // limits the shares found by small samples
 constexpr double fragments_per_pixel = 2.0;  // Guthe, sec. 3.2.1
-constexpr double occluder_growth = 6.0;      // from one occluder to the next, see OccluderSteps
-constexpr double first_occluder_triangles = 128.0;
 
 bool is_renewed(OcclusionEffort effort) {
   return effort == OcclusionEffort::renewed_subtrees || effort == OcclusionEffort::renewed_stars;
@@ -27,9 +27,11 @@ OccluderCounts occluders_of(Way way, OcclusionEffort effort, double triangles) {
   if (way == Way::going_on) return {1.0, triangles};
   if (!is_renewed(effort)) return {1.0, 2.0 * single_occluder_splits(static_cast<std::size_t>(triangles))};
   OccluderCounts counts;
-  for (double at = first_occluder_triangles; at < triangles; at *= occluder_growth) {
+  double at = OccluderSteps::first(triangles);
+  while (at < triangles) {
     counts.draws += 1.0;
     counts.triangles += at;
+    at *= OccluderSteps::factor;
   }
   return counts;
 }

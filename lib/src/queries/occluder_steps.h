@@ -20,13 +20,20 @@ struct Growth {
 // budget.
 class OccluderSteps {
  public:
+  // Where no numbers are given: of how many triangles the first is, and the next ones times how many.
+  static constexpr double factor = 6.0;
+  [[nodiscard]] static double first(double budget) {
+    const double last = budget / last_part;
+    const double least = std::clamp(last / factor, least_triangles, enough_triangles);
+    double triangles = std::max(last, least);
+    while (triangles >= factor * least) triangles /= factor;
+    return triangles;
+  }
+
   void begin(const RefineOptions& options) {
     options_ = &options;
     next_ = 0;
-    const double last = static_cast<double>(options.budget) / last_part;
-    const double least = std::clamp(last / factor, least_triangles, enough_triangles);
-    next_triangles_ = std::max(last, least);
-    while (next_triangles_ >= factor * least) next_triangles_ /= factor;
+    next_triangles_ = first(static_cast<double>(options.budget));
     last_ = {};
     moved_px_ = 0.0F;
   }
@@ -52,7 +59,6 @@ class OccluderSteps {
  private:
   // That a first one has: at least; and where two of them are drawn anyway.
   static constexpr double least_triangles = 32.0, enough_triangles = 128.0;
-  static constexpr double factor = 6.0;
   static constexpr double last_part = 3.0;  // of the budget, at the last of them
   static constexpr float least_move_px = 1.0F;
 
