@@ -20,6 +20,7 @@ WHOLE = [
     (CUT, "--triangles", 1, ELEMENTS),
     (VALIDATE, "--cuts", 0, 10**6),
     (RENDER, "--budget", 1, LARGEST),
+    (RENDER, "--threads", 0, 1024),
     (RENDER, "--levels", 1, 1000),
     (RENDER, "--occluder-splits", 0, ELEMENTS),
     (RENDER, "--flight", 1, 10**6),

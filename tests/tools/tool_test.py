@@ -100,6 +100,11 @@ class Render(ToolTest):
     def render(self, *arguments, budget=BUDGET):
         return self.json_of("render", "--budget", budget, "--size", "320x240", "--occluder-splits", "50,200", "planet.olod", *arguments)
 
+    def test_threads_do_not_change_the_mesh(self):
+        one = self.render("--threads", 1)
+        for threads in (0, 2, 7):
+            self.assertEqual(self.render("--threads", threads)["hash"], one["hash"])
+
     def test_report(self):
         result = self.render()
         self.assert_has_keys(result, "scene culling occlusion budget triangles visible_triangles visible_share splits forced_splits "

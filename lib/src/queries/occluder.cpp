@@ -49,8 +49,8 @@ bool is_thick(const ScaledFace& face, float error) {
   return 2.0F * (face.unit * error) * longest < glm::length(face.normal);
 }
 
-// What shows its back is not drawn, and so hides nothing; of a closed surface it lies behind what shows its front. Faces
-// that are no numbers or too small to tell stay.
+// What shows its back is not drawn, and so hides nothing; of a closed surface it lies behind what shows its front.
+// Faces that are no numbers or too small to tell stay.
 void drop_back_faces(std::span<const glm::vec3> positions, const glm::vec3& eye, std::vector<Triangle>& triangles) {
   std::size_t kept = 0;
   for (const Triangle& t : triangles) {
