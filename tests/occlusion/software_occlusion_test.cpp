@@ -160,6 +160,55 @@ TEST(SoftwareOcclusion, AnOccluderLeavesNothingBehind) {
   EXPECT_GT(hidden, 100U);
 }
 
+// One picture is drawn over another where nearness allows it: a hundred in a row answer as if each were the first. From
+// far away and from near, so that old pictures are nearer than new ones; a range of depths that leaves room for a few
+// pictures, and one for many.
+TEST(SoftwareOcclusion, PicturesInARowAnswerAsEachByItself) {
+  for (const double far : {40.0, 4e9}) {
+    RandomShapes random(12);
+    const auto in_a_row = make_software_occlusion();
+    std::size_t hidden = 0, visible = 0;
+    for (int n = 0; n < 100; ++n) {
+      Camera camera;
+      camera.eye = random.in(1.0, 12.0) * random.unit();
+      camera.width = 90;
+      camera.height = 70;
+      camera.near = 0.1;
+      camera.far = far;
+      const View view(camera);
+      const std::vector<ObjectView> objects(1, ObjectView(view, glm::dmat4(1.0)));
+      std::vector<glm::vec3> positions;
+      std::vector<Triangle> triangles;
+      for (std::uint32_t i = 0; i < 6; ++i) {
+        for (int k = 0; k < 3; ++k) positions.emplace_back(random.point(2.0));
+        triangles.emplace_back(3 * i, 3 * i + 1, 3 * i + 2);
+      }
+      const std::vector<OccluderPart> parts = {{0, positions, triangles}};
+      std::vector<VisibilityQuery> queries;
+      std::vector<glm::vec3> points;
+      for (int i = 0; i < 100; ++i) {
+        queries.push_back(random.bound(random.kind(), i % 10 == 0 ? 8.0 : 0.3));
+        points.emplace_back(random.point(3.0));
+      }
+      const auto alone = make_software_occlusion();
+      std::vector<std::uint32_t> answers(queries.size()), expected(queries.size());
+      std::vector<std::uint8_t> shows(points.size()), expected_shows(points.size());
+      for (Visibility* backend : {in_a_row.get(), alone.get()}) {
+        const bool is_alone = backend == alone.get();
+        backend->begin_view(view, objects);
+        backend->draw_occluder(parts);
+        backend->answer(queries, is_alone ? expected : answers);
+        backend->find_visible_points(0, points, is_alone ? expected_shows : shows);
+      }
+      ASSERT_EQ(answers, expected) << n;
+      ASSERT_EQ(shows, expected_shows) << n;
+      for (const std::uint32_t answer : answers) ++(answer == 0 ? hidden : visible);
+    }
+    EXPECT_GT(hidden, 500U);
+    EXPECT_GT(visible, 500U);
+  }
+}
+
 TEST(SoftwareOcclusion, DrawsEachObjectWhereItIs) {
   // The wall of the object's own space, moved behind the sphere and then before it.
   const std::vector<glm::vec3> wall = {{-2, -2, 0}, {2, -2, 0}, {2, 2, 0}, {-2, 2, 0}};

@@ -377,13 +377,16 @@ void put(std::array<PerBound<float>, 3>& lanes, std::size_t i, const glm::vec3& 
 
 }  // namespace
 
-BoundsView::BoundsView(const View& view, const ObjectView& object)
+BoundsView::BoundsView(const View& view, const ObjectView& object, float nearness_scale)
     : x(glm::row(object.object_to_clip(), 0)),
       y(glm::row(object.object_to_clip(), 1)),
       z(glm::row(object.object_to_clip(), 2)),
       w(glm::row(object.object_to_clip(), 3)),
       size(view.width(), view.height()),
-      orthographic(view.is_orthographic()) {}
+      orthographic(view.is_orthographic()) {
+  const double divided = 1.0 / static_cast<double>(nearness_scale);
+  for (glm::dvec4* row : {&x, &y, &z, &w}) *row *= divided;
+}
 
 void find_screen_bounds(const BoundsView& view, std::span<const Sphere> spheres, BoundsOutput& output) {
   assert(spheres.size() <= bounds_batch_size);

@@ -19,7 +19,8 @@ inline constexpr std::size_t bounds_batch_size = 32;
 
 // What a view of an object adds to every bound.
 struct BoundsView {
-  BoundsView(const View& view, const ObjectView& object);
+  // `nearness_scale`: a power of two that nearness is multiplied by.
+  BoundsView(const View& view, const ObjectView& object, float nearness_scale = 1.0F);
 
   glm::dvec4 x, y, z, w;  // rows of object_to_clip
   glm::dvec2 size;        // pixels

@@ -35,18 +35,19 @@ int first_level(const PixelRect& rect) {
 
 }  // namespace
 
-DepthImage DepthPyramid::begin(int width, int height) {
+DepthImage DepthPyramid::begin(int width, int height, bool clears) {
   lay_out(width, height);
+  cleared_ = clears;
   const Level& level = levels_[0];
   float* image = texels_.data() + level.first;
-  for (int y = drawn_.y0; y < drawn_.y1; ++y)
+  for (int y = drawn_.y0; clears && y < drawn_.y1; ++y)
     std::fill(image + y * level.stride + drawn_.x0, image + y * level.stride + drawn_.x1, 0.0F);
   return {image, width, height, level.stride};
 }
 
 void DepthPyramid::finish(const PixelRect& drawn) {
-  PixelRect changed = united(drawn_, drawn);
-  drawn_ = drawn;
+  PixelRect changed = cleared_ ? united(drawn_, drawn) : drawn;
+  drawn_ = cleared_ ? drawn : united(drawn_, drawn);
   if (changed.empty()) return;
   const auto view = [this](const Level& level) {
     return DepthLevelView{texels_.data() + level.first, level.width, level.height, level.stride};

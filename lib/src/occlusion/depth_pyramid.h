@@ -36,7 +36,8 @@ class DepthPyramid {
  public:
   // Lays out levels for an image of at least one pixel and empties level 0, which the caller then draws into. Odd sizes
   // round up. The image is valid until the next begin(). Reuses its memory.
-  [[nodiscard]] DepthImage begin(int width, int height);
+  // `clears`: what was drawn before is taken away; else it stays, for pictures in which everything is nearer than that.
+  [[nodiscard]] DepthImage begin(int width, int height, bool clears = true);
   // Reduces level 0 until one texel is left, where it has changed. drawn: holds every pixel that is not empty.
   // Everything below needs it. O(pixels drawn now or before).
   void finish(const PixelRect& drawn);
@@ -87,6 +88,7 @@ class DepthPyramid {
 
   // All levels are empty outside of it.
   PixelRect drawn_;
+  bool cleared_ = true;  // by the last begin()
   std::vector<Level> levels_;
   std::vector<float> texels_;
 };

@@ -12,6 +12,7 @@
 
 #include "occlod/raster/item_buffer.h"
 #include "occlusion/bounds_batch.h"
+#include "occlusion/depth_epochs.h"
 #include "occlusion/depth_kernels.h"
 #include "occlusion/depth_pyramid.h"
 #include "occlusion/screen_bounds.h"
@@ -42,18 +43,20 @@ class SoftwareOcclusion final : public Visibility {
   void begin_view(const View& view, std::span<const ObjectView> objects) override {
     view_ = view;
     objects_.assign(objects.begin(), objects.end());
-    bounds_views_.clear();
-    for (const ObjectView& object : objects) bounds_views_.emplace_back(view, object);
+    set_scale(1.0F, 0.0F);
     occluder_drawn_ = false;
     forget_answers();
   }
 
   void draw_occluder(std::span<const OccluderPart> parts) override {
     assert(view_ && next_answer_ == answers_.size());
-    const DepthImage image = pyramid_.begin(view_->width(), view_->height());
+    const bool goes_on = epochs_.begin(*view_, objects_);
+    set_scale(epochs_.scale(), epochs_.least());
+    const DepthImage image = pyramid_.begin(view_->width(), view_->height(), !goes_on);
     PixelRect drawn;
     for (const OccluderPart& part : parts)
-      drawn = united(drawn, draw_depth(image, part.positions, part.triangles, objects_[part.object].object_to_clip()));
+      drawn = united(drawn, draw_depth(image, part.positions, part.triangles,
+                                       objects_[part.object].object_to_clip() / nearness_scale_));
     pyramid_.finish(drawn);
     levels_ = pyramid_.levels();
     occluder_drawn_ = true;
@@ -160,6 +163,14 @@ class SoftwareOcclusion final : public Visibility {
     DiagonalsOutput diagonals_;
   };
 
+  // What is computed of bounds from now on is in these units of nearness.
+  void set_scale(float scale, float least) {
+    nearness_scale_ = scale;
+    least_nearness_ = least;
+    bounds_views_.clear();
+    for (const ObjectView& object : objects_) bounds_views_.emplace_back(*view_, object, scale);
+  }
+
   void forget_answers() {
     answers_.clear();
     next_answer_ = 0;
@@ -177,7 +188,9 @@ class SoftwareOcclusion final : public Visibility {
 
   [[nodiscard]] std::uint32_t visible_pixels(const VisibilityQuery& query) const {
     if (occluder_drawn_ && !options_.count_pixels && one_point_shows(query)) return 1;
-    return visible_pixels(query, screen_bounds(*view_, objects_[query.object], query));
+    std::optional<ScreenBounds> bounds = screen_bounds(*view_, objects_[query.object], query);
+    if (bounds) bounds->largest_nearness = std::max(nearness_scale_ * bounds->largest_nearness, least_nearness_);
+    return visible_pixels(query, bounds);
   }
 
   [[nodiscard]] std::uint32_t visible_pixels(const VisibilityQuery& query,
@@ -227,6 +240,8 @@ class SoftwareOcclusion final : public Visibility {
   std::optional<View> view_;
   std::vector<ObjectView> objects_;
   std::vector<BoundsView> bounds_views_;
+  DepthEpochs epochs_;
+  float nearness_scale_ = 1.0F, least_nearness_ = 0.0F;  // in the picture, see DepthEpochs
   DepthPyramid pyramid_;
   DepthPyramid::Levels levels_;
   bool occluder_drawn_ = false;
@@ -248,6 +263,7 @@ void SoftwareOcclusion::Batches::test(Pending<Shape>& batch) {
       find_screen_bounds(view, shapes, bounds_, diagonals_);
     else
       find_screen_bounds(view, shapes, bounds_);
+    for (float& nearness : bounds_.largest_nearness) nearness = std::max(nearness, occlusion_.least_nearness_);
     if (occlusion_.options_.count_pixels || !occlusion_.occluder_drawn_) {
       for (std::size_t i = 0; i < batch.size; ++i)
         answers_[batch.answer[i]] = occlusion_.visible_pixels(batch.query(i), bounds(i));
