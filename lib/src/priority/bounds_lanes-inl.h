@@ -45,13 +45,15 @@ HWY_INLINE hn::Vec<Floats> narrow(hn::Vec<Doubles> v) {
   return hn::IfThenElse(is_infinite, hn::CopySign(constant(std::numeric_limits<float>::infinity()), result), result);
 }
 
-HWY_INLINE Vec3<Doubles> subtract(const Vec3<Doubles>& a, const Vec3<Doubles>& b) {
+template <typename Tag>
+HWY_INLINE Vec3<Tag> subtract(const Vec3<Tag>& a, const Vec3<Tag>& b) {
   return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
 }
 HWY_INLINE Vec3<Doubles> scale(hn::Vec<Doubles> s, const Vec3<Doubles>& v) {
   return {hn::Mul(s, v.x), hn::Mul(s, v.y), hn::Mul(s, v.z)};
 }
-HWY_INLINE hn::Vec<Doubles> dot(const Vec3<Doubles>& a, const Vec3<Doubles>& b) {
+template <typename Tag>
+HWY_INLINE hn::Vec<Tag> dot(const Vec3<Tag>& a, const Vec3<Tag>& b) {
   return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
 }
 HWY_INLINE hn::Vec<Doubles> length(const Vec3<Doubles>& v) { return hn::Sqrt(dot(v, v)); }

@@ -26,12 +26,6 @@ HWY_INLINE FanVec set(float value) { return hn::Set(Fans(), value); }
 HWY_INLINE FanVec load(const PerFan& values, std::size_t i) { return hn::LoadU(Fans(), values.data() + i); }
 HWY_INLINE void store(FanVec values, PerFan& out, std::size_t i) { hn::StoreU(values, Fans(), out.data() + i); }
 
-HWY_INLINE Point subtract(const Point& a, const Point& b) {
-  return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
-}
-HWY_INLINE FanVec dot(const Point& a, const Point& b) {
-  return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
-}
 HWY_INLINE FanVec difference(FanVec a, FanVec b, FanVec c, FanVec d) { return hn::Sub(hn::Mul(a, b), hn::Mul(c, d)); }
 HWY_INLINE Point cross(const Point& a, const Point& b) {
   return {difference(a.y, b.z, b.y, a.z), difference(a.z, b.x, b.z, a.x), difference(a.x, b.y, b.x, a.y)};
@@ -52,7 +46,7 @@ HWY_INLINE Point corner(const FanBatch::Corners& corners, std::size_t place, std
 struct SeenFaces {
   HWY_INLINE SeenFaces(const Point& vertex, const glm::vec3& eye, bool both_sides)
       : apex(vertex),
-        to_eye(subtract({set(eye.x), set(eye.y), set(eye.z)}, vertex)),
+        to_eye(subtract(Point{set(eye.x), set(eye.y), set(eye.z)}, vertex)),
         facing(hn::Zero(Fans())),
         two_sided(both_sides) {}
 
@@ -112,7 +106,7 @@ HWY_INLINE void view_faces(const FanBatch& batch, std::size_t i, const ObjectVie
   const FanVec radius = hn::Sqrt(farthest);
   FanVec room = set(std::numeric_limits<float>::infinity());
   for (const glm::vec4& plane : view.planes()) {
-    const FanVec distance = hn::Add(dot({set(plane.x), set(plane.y), set(plane.z)}, center), set(plane.w));
+    const FanVec distance = hn::Add(dot(Point{set(plane.x), set(plane.y), set(plane.z)}, center), set(plane.w));
     room = hn::Min(room, hn::Sub(distance, radius));
   }
   store(center.x, views.center_x, i);

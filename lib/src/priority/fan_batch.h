@@ -36,7 +36,7 @@ class FanBatch {
     alignas(64) PerFan<float> inserted, parent_place, place_before_parent;
   };
   [[nodiscard]] const Corners& corners() const noexcept { return corners_; }
-  // The largest number of faces that one of them inserts.
+  // The size of the largest ring among them.
   [[nodiscard]] std::size_t longest() const noexcept { return longest_; }
 
  private:

@@ -1,7 +1,6 @@
 // How large an object unit is on the screen at nodes as the hierarchy has them.
 #pragma once
 
-#include <cstddef>
 #include <span>
 
 #include "occlod/hierarchy/hierarchy.h"
