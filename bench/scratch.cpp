@@ -24,7 +24,7 @@ struct Options {
   std::string path = "orbit";
   std::vector<std::string> ways = {"subtree", "subtree+software", "star", "star+software"};
   std::vector<std::size_t> budgets = {10'000};
-  std::vector<unsigned> threads = {1};
+  std::vector<int> threads = {1};
   int frames = 24;  // of the path, evenly
   int repeat = 9;
 };
@@ -42,7 +42,7 @@ std::vector<Way> ways_of(const Options& options) {
   std::vector<Way> ways;
   for (const std::size_t budget : options.budgets)
     for (const std::string& name : options.ways)
-      for (const unsigned threads : options.threads) {
+      for (const int threads : options.threads) {
         Way way{threads == 1 ? name : fmt::format("{}, {} threads", name, threads),
                 {},
                 name.ends_with("+software"),

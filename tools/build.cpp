@@ -26,7 +26,6 @@ namespace {
 // Of the time of a build, roughly: collapses report how far they are, what is made of them afterwards does not.
 constexpr double collapse_share = 0.6;
 
-constexpr int most_threads = 1024;
 constexpr double largest_boundary_weight = 1e6;
 
 struct Options {

@@ -17,7 +17,6 @@ constexpr std::uint64_t most_pixels = 16'384;                // of an image, in 
 constexpr std::uint64_t most_questions = 1'000'000;
 constexpr std::uint64_t most_frames = 1'000'000;
 constexpr double largest_exponent = 8.0;
-constexpr int most_threads = 1024;
 constexpr double largest_hysteresis = 0.999;
 
 std::optional<ImageSize> parse_size(const std::string& text) {
@@ -74,8 +73,8 @@ void add_refine_options(CLI::App& command, RefineOptions& refine) {
                "1 / cosine of the angle between its faces and the view");
   add_exponent(command, "--forced-exponent", refine.priority.forced_exponent, "1 / (1 + unseen splits that it forces)");
   add_number(command, "--threads", refine.threads, WholeRange{0, most_threads},
-             "Threads that refinement from scratch may use; more than 2 do not help; 0: 2 where there are as many "
-             "cores. The result does not depend on it")
+             "Threads that refinement from scratch may use; 0: one per core; more than 2 are not used. The result does "
+             "not depend on it")
       ->capture_default_str();
 }
 
@@ -116,8 +115,8 @@ void add_effect_options(CLI::App& command, RenderOptions& options) {
             refine.occluder.splits = parse_occluder_splits(steps);
             note("--occluder-splits");
           },
-          "Draw the occluder after these numbers of splits, e.g. 300,2500; adaptive (if not given): whenever the mesh "
-          "has changed enough")
+          "Draw the occluder after these numbers of splits, e.g. 300,2500; adaptive (if not given): at a third of "
+          "the budget in triangles and at sixths of that")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->option_text("N,N,...|adaptive");

@@ -19,7 +19,7 @@ class ThreadsTest : public ::testing::TestWithParam<Culling> {
     options_.priority.culling = GetParam();
     options_.budget = 4000;
   }
-  [[nodiscard]] Refinement refine(unsigned threads, double distance, bool occlusion) {
+  [[nodiscard]] Refinement refine(int threads, double distance, bool occlusion) {
     options_.threads = threads;
     Refiner refiner(objects_);
     NoOcclusion none;
@@ -39,7 +39,7 @@ TEST_P(ThreadsTest, DoNotChangeTheResult) {
   for (const bool occlusion : {false, true})
     for (const double distance : {1.3, 2.0, 6.0}) {
       const Refinement one = refine(1, distance, occlusion);
-      for (const unsigned threads : {0U, 2U, 5U}) {
+      for (const int threads : {0, 2, 5}) {
         const Refinement other = refine(threads, distance, occlusion);
         EXPECT_EQ(other.hash(), one.hash()) << threads;
         EXPECT_EQ(other.stats.visits, one.stats.visits);

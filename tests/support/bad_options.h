@@ -36,6 +36,8 @@ struct BadOptions {
   add("priority.forced_exponent", [](RefineOptions& o) { o.priority.forced_exponent = 8.001; });
   add("update.hysteresis", [](RefineOptions& o) { o.update.hysteresis = 1.0; });
   add("update.hysteresis", [](RefineOptions& o) { o.update.hysteresis = 2.0; });
+  add("threads", [](RefineOptions& o) { o.threads = -1; });
+  add("threads", [](RefineOptions& o) { o.threads = 1025; });
   add("queries.level_step", [](RefineOptions& o) { o.queries.level_step = 0; });
   add("occluder.splits", [](RefineOptions& o) { o.occluder.splits = {300, 200}; });
   add("occluder.splits", [](RefineOptions& o) { o.occluder.splits = {100, 200, 200}; });

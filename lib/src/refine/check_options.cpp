@@ -30,6 +30,7 @@ void check_options(const RefineOptions& options) {
   check.at_least("queries.level_step", options.queries.level_step, 1.0);
   check.below("update.hysteresis", options.update.hysteresis, 0.0, 1.0);
   check.at_least("update.time_limit_ms", options.update.time_limit_ms, 0.0);
+  check.in_range("threads", options.threads, 0, 1024);
 }
 
 }  // namespace occlod

@@ -1,9 +1,9 @@
 #include "refine/from_scratch.h"
 
 #include <algorithm>
-#include <thread>
 
 #include "core/platform.h"
+#include "hierarchy/parallel.h"
 #include "priority/weigh_splits.h"
 #include "refine/forest.h"
 
@@ -16,8 +16,6 @@ constexpr std::size_t most_rejections_in_a_row = 64, most_in_final_check = 256;
 
 // What a larger budget looks at is not in the caches.
 constexpr std::size_t most_cached_triangles = 100'000;
-
-unsigned thread_count(unsigned asked) { return asked > 0 ? asked : std::min(std::thread::hardware_concurrency(), 2U); }
 
 std::uint64_t key_of(std::uint32_t object, SplitId s) { return std::uint64_t{object} << 32U | s; }
 

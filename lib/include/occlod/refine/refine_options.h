@@ -44,7 +44,8 @@ struct PriorityOptions {
 // When and how the current mesh is drawn as an occluder. A change makes Refiner::update() refine from scratch.
 struct OccluderOptions {
   OccluderMode mode = OccluderMode::paper;  // what it hides
-  // From scratch: draw it when so many splits are applied; ascending. Empty: whenever the mesh has changed enough.
+  // From scratch: draw it when so many splits are applied; ascending. Empty: at a third of the
+  // budget in triangles and at sixths of that, as far as the mesh has moved by a pixel since the one before.
   std::vector<std::uint32_t> splits = {};
   // From scratch: whenever a new one is drawn, ask again about what an older one hid.
   bool retest_hidden = true;
@@ -81,8 +82,8 @@ struct RefineOptions {
   OccluderOptions occluder = {};  // when and how occluders are drawn
   QueryOptions queries = {};      // what is asked about occlusion
   UpdateOptions update = {};      // how fast Refiner::update() may go
-  unsigned threads = 1;  // that refinement from scratch may use; more than 2 do not help; 0: 2 where there are so many
-                         // cores. The result does not depend on it
+  int threads = 1;  // that refinement from scratch may use, in [0, 1024]; 0: one for each core. More than 2 are not
+                    // used. The result does not depend on it
   std::vector<ObjectEffects> effects = {};  // what works on each object, by object; empty: everything on all of them
 
   friend bool operator==(const RefineOptions&, const RefineOptions&) = default;
