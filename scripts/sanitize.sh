@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # sanitize.sh address|thread: builds with GCC's sanitizers in build/sanitize or build/sanitize-thread and runs under them
 # every test (address, with undefined behaviour) or those of what runs on several threads (thread): building, topology,
-# hierarchies shared by threads, the viewer's workers. In the background of whatever else the machine does.
+# hierarchies shared by threads, refinement on two, the viewer's workers. In the background of whatever else runs.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 renice -n 19 $$ >/dev/null

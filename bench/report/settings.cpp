@@ -99,7 +99,7 @@ const std::vector<Knob>& knobs() {
        "stop when no error in sight is promised to be larger",
        {tolerance(128), tolerance(64), tolerance(32), tolerance(16)}},
       {"occluder steps",
-       "draw the occluder after so many splits instead of whenever the mesh has changed enough",
+       "draw the occluder after so many splits instead of at parts of the budget",
        {steps("300", {300}), steps("300,2500", {300, 2500}), steps("300,1000,2500,5000", {300, 1000, 2500, 5000})}},
       {"levels",
        "ask about subtrees on every so many-th level instead of every second",

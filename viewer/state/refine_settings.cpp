@@ -52,7 +52,8 @@ std::vector<Setting> view_settings() {
           [](auto& s) -> auto& { return s.refine.queries.level_step; }),
       integers(
           {"occluder_splits", "Occluder after",
-           "Draw the occluder after these numbers of splits, e.g. 300, 2500; empty: when the mesh has changed enough"},
+           "Draw the occluder after these numbers of splits, e.g. 300, 2500; empty: at a third of the budget in "
+           "triangles and at sixths of that"},
           [](auto& s) -> auto& { return s.refine.occluder.splits; }),
       toggle(
           {"retest_hidden", "Retest hidden",

@@ -15,7 +15,7 @@
 namespace occlod {
 
 // How much is asked about occlusion: about subtrees, or also about the stars of splits; with one occluder that is drawn
-// after a thirty-second of the splits, or with new ones whenever the mesh has changed enough (renewed).
+// after a thirty-second of the splits, or with new ones at parts of the budget (renewed).
 enum class OcclusionEffort : std::uint8_t { none, subtrees, renewed_subtrees, stars, renewed_stars };
 // Number of efforts.
 inline constexpr std::size_t occlusion_effort_count = 5;
