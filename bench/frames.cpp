@@ -6,11 +6,16 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <memory>
+#include <numeric>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "drawing.h"
 #include "frames_vdpm.h"
+#include "json_output.h"
 #include "occlod/core/error.h"
 #include "occlod/occlusion/software_occlusion.h"
 #include "occlod/refine/refiner.h"
@@ -31,16 +36,28 @@ struct Options {
   std::string path;
   std::vector<std::size_t> budgets = {10'000};
   int most_frames = 120;
-  bool errors = true;
+  int repeat = 1;
+  bool quality = true;
+  std::filesystem::path json;
 };
 
 // What is compared: a path, a budget, and what is culled.
 struct Subject {
   std::string scene, path_name;
   const CameraPath* path = nullptr;
-  const std::vector<RefineObject>* objects = nullptr;
+  const std::vector<LoadedObject>* objects = nullptr;
   RefineOptions options;
   bool occlusion = false;
+};
+
+// Of each frame of a path.
+struct Comparison {
+  std::vector<double> scratch_ms, scratch_cpu_ms;
+  std::vector<FrameLog> rounds;  // from frame to frame
+  std::vector<double> changed_triangles;
+  // Empty where quality is not compared.
+  std::vector<double> error_ratios;                  // from frame to frame / from scratch
+  std::vector<double> scratch_shares, frame_shares;  // of triangles that own a pixel
 };
 
 // Errors below a tenth of a pixel are all alike; both may be unlimited, where the eye is inside bounds.
@@ -56,60 +73,147 @@ std::string unevenness(const std::vector<double>& values) {
   return middle > 0.0 ? fmt::format("{:.1f}", later_percentile(values, 1.0) / middle) : "";
 }
 
-void compare(const Options& options, const Subject& subject) {
-  const std::unique_ptr<Visibility> software = make_software_occlusion();
-  NoOcclusion none;
-  Visibility& visibility = subject.occlusion ? *software : static_cast<Visibility&>(none);
-  RefinerLog scratch(*subject.objects), frames(*subject.objects);
-  std::vector<double> ratios, changed_triangles;
-  const int count = std::min(subject.path->frames, options.most_frames);
-  for (int i = 0; i < count; ++i) {
-    const View view(camera_at(*subject.path, i));
-    scratch.step(view, subject.options, visibility, false);
-    frames.step(view, subject.options, visibility, true);
-    changed_triangles.push_back(static_cast<double>(frames.last->stats.changed_triangles));
-    if (!options.errors) continue;
-    ratios.push_back(ratio_of(oracle::cut_error(*subject.objects, *frames.last, view, visibility).quadric_px,
-                              oracle::cut_error(*subject.objects, *scratch.last, view, visibility).quadric_px));
+// Of the triangles those that own a pixel.
+double visible_share(const Subject& subject, const Refinement& refinement, const View& view) {
+  ItemBuffer items;
+  tool::redraw(items, tool::draw_objects(*subject.objects, refinement), view);
+  const std::size_t triangles = refinement.stats.triangles;
+  return static_cast<double>(count_visible_items(items, triangles)) /
+         static_cast<double>(std::max<std::size_t>(triangles, 1));
+}
+
+class PathComparison {
+ public:
+  PathComparison(const Options& options, const Subject& subject)
+      : options_(options), subject_(subject), objects_(tool::refine_objects(*subject.objects)) {
+    if (subject.occlusion) visibility_ = make_software_occlusion();
   }
+
+  [[nodiscard]] Comparison run() {
+    compare_both();
+    for (int round = 1; round < options_.repeat; ++round) time_frames();
+    return std::move(result_);
+  }
+
+ private:
+  [[nodiscard]] int count() const { return std::min(subject_.path->frames, options_.most_frames); }
+  [[nodiscard]] View view(int frame) const { return View(camera_at(*subject_.path, frame)); }
+
+  // One and the other in turns, frame by frame.
+  void compare_both() {
+    RefinerLog scratch(objects_), frames(objects_);
+    for (int i = 0; i < count(); ++i) {
+      scratch.step(view(i), subject_.options, *visibility_, false);
+      frames.step(view(i), subject_.options, *visibility_, true);
+      result_.changed_triangles.push_back(static_cast<double>(frames.last->stats.changed_triangles));
+      if (options_.quality) compare_quality(*scratch.last, *frames.last, view(i));
+    }
+    result_.scratch_ms = scratch.log.ms;
+    result_.scratch_cpu_ms = scratch.log.cpu_ms;
+    result_.rounds.push_back(frames.log);
+  }
+
+  void compare_quality(const Refinement& scratch, const Refinement& frame, const View& view) {
+    result_.error_ratios.push_back(ratio_of(oracle::cut_error(objects_, frame, view, *visibility_).quadric_px,
+                                            oracle::cut_error(objects_, scratch, view, *visibility_).quadric_px));
+    result_.scratch_shares.push_back(visible_share(subject_, scratch, view));
+    result_.frame_shares.push_back(visible_share(subject_, frame, view));
+  }
+
+  void time_frames() {
+    RefinerLog frames(objects_);
+    for (int i = 0; i < count(); ++i) frames.step(view(i), subject_.options, *visibility_, true);
+    result_.rounds.push_back(frames.log);
+  }
+
+  const Options& options_;
+  const Subject& subject_;
+  std::vector<RefineObject> objects_;
+  std::unique_ptr<Visibility> visibility_ = std::make_unique<NoOcclusion>();
+  Comparison result_;
+};
+
+// Of each frame the least of all rounds: other programs can only add to a time.
+std::vector<double> least_of(const std::vector<FrameLog>& rounds, std::vector<double> FrameLog::*times) {
+  std::vector<double> least = rounds.front().*times;
+  for (const FrameLog& round : rounds)
+    for (std::size_t i = 0; i < least.size(); ++i) least[i] = std::min(least[i], (round.*times)[i]);
+  return least;
+}
+
+double mean_percent(const std::vector<double>& shares) {
+  return 100.0 * std::accumulate(shares.begin(), shares.end(), 0.0) / static_cast<double>(shares.size());
+}
+
+const char* culling_name(const Subject& subject) {
+  return subject.options.priority.culling == Culling::star ? "star" : "subtree";
+}
+const char* occlusion_name(const Subject& subject) { return subject.occlusion ? "software" : "none"; }
+
+void print_row(const Subject& subject, const Comparison& result) {
+  const std::vector<double> ms = least_of(result.rounds, &FrameLog::ms);
+  const FrameLog& log = result.rounds.front();
   fmt::print(
       "| {} | {} | {} | {} | {} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {} | {:.1f} | {:.0f} | {} | {:.0f} | {} | "
       "{:016x} "
       "|\n",
-      subject.scene, subject.path_name, subject.options.budget,
-      subject.options.priority.culling == Culling::star ? "star" : "subtree", subject.occlusion ? "software" : "none",
-      median(scratch.log.ms), later_percentile(frames.log.ms, 0.5), later_percentile(frames.log.ms, 0.95),
-      later_percentile(frames.log.ms, 1.0), longest_run_above(frames.log.cpu_ms, 2.0),
-      median(scratch.log.ms) / std::max(later_percentile(frames.log.ms, 0.5), 1e-3),
-      later_percentile(frames.log.changes, 0.5), unevenness(frames.log.changes),
-      later_percentile(changed_triangles, 0.5),
-      ratios.empty() ? "| " : fmt::format("{:.3f} | {:.3f}", median(ratios), later_percentile(ratios, 0.95)),
-      frames.log.hash);
+      subject.scene, subject.path_name, subject.options.budget, culling_name(subject), occlusion_name(subject),
+      median(result.scratch_ms), later_percentile(ms, 0.5), later_percentile(ms, 0.95), later_percentile(ms, 1.0),
+      longest_run_above(least_of(result.rounds, &FrameLog::cpu_ms), 2.0),
+      median(result.scratch_ms) / std::max(later_percentile(ms, 0.5), 1e-3), later_percentile(log.changes, 0.5),
+      unevenness(log.changes), later_percentile(result.changed_triangles, 0.5),
+      result.error_ratios.empty() ? "| | | "
+                                  : fmt::format("{:.3f} | {:.3f} | {:.1f} | {:.1f}", median(result.error_ratios),
+                                                later_percentile(result.error_ratios, 0.95),
+                                                mean_percent(result.scratch_shares), mean_percent(result.frame_shares)),
+      log.hash);
   std::fflush(stdout);
 }
 
-void compare_path(const Options& options, const std::string& scene, const tool::RenderInput& input) {
-  std::vector<RefineObject> objects;
-  for (const LoadedObject& object : input.objects)
-    objects.push_back({object.hierarchy.get(), object.object_to_world, object.two_sided});
-  const std::size_t least = Refiner(objects).base_triangles();
+tool::Json json_row(const Subject& subject, const Comparison& result) {
+  tool::Json rounds = tool::Json::array();
+  for (const FrameLog& round : result.rounds) rounds.push_back(round.cpu_ms);
+  return {{"scene", subject.scene},
+          {"path", subject.path_name},
+          {"budget", subject.options.budget},
+          {"culling", culling_name(subject)},
+          {"occlusion", occlusion_name(subject)},
+          {"scratch_cpu_ms", result.scratch_cpu_ms},
+          {"frame_cpu_ms", std::move(rounds)},
+          {"error_ratios", result.error_ratios},
+          {"scratch_shares", result.scratch_shares},
+          {"frame_shares", result.frame_shares},
+          {"hash", fmt::format("{:016x}", result.rounds.front().hash)}};
+}
+
+void compare_path(const Options& options, const std::string& scene, const tool::RenderInput& input, tool::Json& rows) {
+  const std::size_t least = Refiner(tool::refine_objects(input.objects)).base_triangles();
   for (const std::size_t budget : options.budgets)
     for (const Culling culling : {Culling::subtree, Culling::star})
       for (const bool occlusion : {false, true}) {
-        Subject subject{scene, input.path_name, &*input.path, &objects, {}, occlusion};
+        Subject subject{scene, input.path_name, &*input.path, &input.objects, {}, occlusion};
         subject.options.budget = std::max(budget, least);
         subject.options.priority.culling = culling;
-        compare(options, subject);
+        const Comparison result = PathComparison(options, subject).run();
+        print_row(subject, result);
+        rows.push_back(json_row(subject, result));
       }
 }
 
+void write_json(const std::filesystem::path& path, const tool::Json& rows) {
+  std::ofstream file(path);
+  file << rows.dump() << '\n' << std::flush;
+  if (!file) throw std::runtime_error(path.string() + ": cannot be written");
+}
+
 void compare_scenes(const Options& options) {
+  tool::Json rows = tool::Json::array();
   fmt::print(
       "| scene | path | budget | culling | occlusion | scratch ms | frame ms | p95 | largest | above | times faster | "
       "changes | largest "
       "| "
-      "changed triangles | error ratio | p95 | hash |\n"
-      "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+      "changed triangles | error ratio | p95 | scratch share % | frame share % | hash |\n"
+      "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
   for (const std::string& scene : options.scenes) {
     tool::RenderInputOptions input;
     input.file = std::filesystem::path(OCCLOD_SCENES) / (scene + ".json");
@@ -117,12 +221,13 @@ void compare_scenes(const Options& options) {
       if (!options.path.empty() && name != options.path) continue;
       input.path = name;
       try {
-        compare_path(options, scene, tool::load_render_input(input));
+        compare_path(options, scene, tool::load_render_input(input), rows);
       } catch (const Error& error) {
         fmt::print(stderr, "SKIPPED: {}\n", error.what());
       }
     }
   }
+  if (!options.json.empty()) write_json(options.json, rows);
 }
 
 void run(const Options& options) {
@@ -148,7 +253,12 @@ int run(int argc, char** argv) {
   app.add_option("--path", options.path, "Only paths of this name");
   app.add_option("--budgets", options.budgets, "Triangles")->capture_default_str();
   app.add_option("--frames", options.most_frames, "Of each path at most")->capture_default_str();
-  app.add_flag("!--no-errors", options.errors, "Do not compare errors, which takes longer than all else");
+  app.add_option("--repeat", options.repeat, "Rounds from frame to frame; of each frame the least time counts")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
+  app.add_flag("!--no-errors", options.quality,
+               "Compare neither errors nor visible shares, which takes longer than all else");
+  app.add_option("--json", options.json, "Write the scenes' table, with every frame, as JSON");
   return run_app(app, argc, argv, [&] { run(options); });
 }
 
