@@ -7,6 +7,7 @@
 #include <fstream>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "measure/surface_distance.h"
@@ -22,31 +23,41 @@ constexpr char reference[] = "meshoptimizer";
 
 struct Options {
   std::vector<std::string> meshes = {"planet:8", "planet:9", "scans/armadillo_100k.obj", "scans/turbineblade.ply"};
+  std::vector<std::string> tools = {"occlod", reference, "OpenMesh"};
   int repeat = 5;
   int slow_repeat = 1;
   std::string json;
 };
 
 struct Peer {
+  std::string tool;  // as --tools names it
   std::string name;
   Simplify* simplify;
   bool is_slow = false;  // tens of seconds a run
 };
 
-std::vector<Peer> peers() {
-  std::vector<Peer> result = {{"occlod", simplify_by_occlod}};
+std::vector<Peer> all_peers() {
+  std::vector<Peer> result = {{"occlod", "occlod", simplify_by_occlod}};
   if (const unsigned cores = std::thread::hardware_concurrency(); cores > 1)
-    result.push_back({fmt::format("occlod, {} threads", cores), simplify_by_occlod_threads});
+    result.push_back({"occlod", fmt::format("occlod, {} threads", cores), simplify_by_occlod_threads});
 #ifdef OCCLOD_HAS_MESHOPTIMIZER
-  result.push_back({reference, simplify_by_meshoptimizer});
-#else
-  fmt::print(stderr, "SKIPPED: meshoptimizer was not there when this was built\n");
+  result.push_back({reference, reference, simplify_by_meshoptimizer});
 #endif
 #ifdef OCCLOD_HAS_OPENMESH
-  result.push_back({"OpenMesh", simplify_by_openmesh, true});
-#else
-  fmt::print(stderr, "SKIPPED: OpenMesh was not there when this was built\n");
+  result.push_back({"OpenMesh", "OpenMesh", simplify_by_openmesh, true});
 #endif
+  return result;
+}
+
+// Those that are asked for and were there when this was built.
+std::vector<Peer> peers(const std::vector<std::string>& tools) {
+  std::vector<Peer> result;
+  for (const std::string& tool : tools) {
+    const std::size_t before = result.size();
+    for (Peer& peer : all_peers())
+      if (peer.tool == tool) result.push_back(std::move(peer));
+    if (result.size() == before) fmt::print(stderr, "SKIPPED: {} was not there when this was built\n", tool);
+  }
   return result;
 }
 
@@ -89,7 +100,7 @@ std::vector<PeerRow> rows_for(const std::string& name, const std::vector<Peer>& 
 }
 
 void run(const Options& options) {
-  const std::vector<Peer> tools = peers();
+  const std::vector<Peer> tools = peers(options.tools);
   std::vector<PeerRow> rows;
   for (const std::string& name : available(options.meshes)) {
     fmt::print(stderr, "{}\n", name);
@@ -107,6 +118,9 @@ int run(int argc, char** argv) {
   CLI::App app("Building a hierarchy beside simplifying with other tools: speed and quality.", "bench_build_peers");
   Options options;
   app.add_option("MESHES", options.meshes, "Files in folders of OCCLOD_MESHES, or planet:LEVEL")->capture_default_str();
+  app.add_option("--tools", options.tools, "What simplifies")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"occlod", reference, "OpenMesh"}));
   add_repeat_option(app, options.repeat, "Rounds");
   app.add_option("--slow-repeat", options.slow_repeat, "Rounds in which slow tools take part")
       ->capture_default_str()
