@@ -49,4 +49,8 @@ scripts/report.sh --bench build/bench/bench/report/bench_report --out "$out/repo
 echo "bench_gl_occlusion" >&2
 build/bench/bench/bench_gl_occlusion | tee "$out/gl_occlusion.txt" || echo "bench_gl_occlusion is left out" >&2
 
+# Builds the version that it compares with. Prints and writes the table of targets and verdicts.
+echo "bench_targets" >&2
+scripts/bench_targets.sh
+
 echo "Results: $PWD/$out"
