@@ -320,9 +320,9 @@ def markdown(data):
     about, judged = data["about"], list(judge(data))
     lines = [f"{about['commit']}, {about['date']}: {about['processor']}, {about['cores']} cores, load {about['load_before']:.1f} before and "
              f"{about['load_after']:.1f} after, {about['seconds'] / 60:.0f} minutes{', --quick' if about['quick'] else ''}.", ""]
-    lines += [f"| {' | '.join(row)} |" for row in (HEADINGS, ["---"] * len(HEADINGS), *(cells(*pair) for pair in judged))]
-    lines.append("")
-    lines += [f"- {target.what}: {figure.note}" for target, figure in judged if figure.note] + [""]
+    lines += [f"| {' | '.join(HEADINGS)} |", "|---" * len(HEADINGS) + "|", *(f"| {' | '.join(cells(*pair))} |" for pair in judged), ""]
+    notes = [f"- {target.what}: {figure.note}" for target, figure in judged if figure.note]
+    lines += [*notes, ""] if notes else []
     met, missed, open_ = (sum(figure.met is value for _, figure in judged) for value in (True, False, None))
     return "\n".join([*lines, f"{met} met, {missed} missed, {open_} not measured or undecided."])
 
