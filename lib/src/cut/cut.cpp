@@ -109,6 +109,14 @@ bool Cut::is_leaf(SplitId s) const {
   return true;
 }
 
+std::uint32_t Cut::removed_faces(SplitId s) const {
+  auto faces = static_cast<std::uint32_t>(std::popcount(state_[s] & mask_bits));
+  if (others_removed_.empty()) return faces;
+  for (std::uint32_t slot = mask_slots; slot < hierarchy_->star(s).inserted_count(); ++slot)
+    if (removed(s, slot)) ++faces;
+  return faces;
+}
+
 void Cut::take_back(SplitId s) {
   assert(applied(s) && is_leaf(s));
   const SplitStar star = hierarchy_->star(s);

@@ -47,6 +47,8 @@ class Cut {
 
   // Whether no applied split needs s. Precondition: s is applied.
   [[nodiscard]] bool is_leaf(SplitId s) const;
+  // How many of the faces that s inserts have been removed by applied splits. Precondition: s is applied.
+  [[nodiscard]] std::uint32_t removed_faces(SplitId s) const;
   // Takes a leaf back.
   void take_back(SplitId s);
 

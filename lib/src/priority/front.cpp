@@ -59,6 +59,7 @@ void Front::clear() {
   flags_.clear();
   errors_.clear();
   guaranteed_errors_.clear();
+  visible_shares_.clear();
   forced_weights_.clear();
   scales_.clear();
   priorities_.clear();
@@ -74,6 +75,7 @@ Front::Index Front::obtain(SplitId s) {
   flags_.push_back(0);
   errors_.push_back(split.error);
   guaranteed_errors_.push_back(split.guaranteed_error);
+  visible_shares_.push_back(0.0F);
   forced_weights_.push_back(1.0F);
   scales_.add();
   priorities_.add();
@@ -94,6 +96,7 @@ void Front::remove(Index k) {
   take_last(flags_);
   take_last(errors_);
   take_last(guaranteed_errors_);
+  take_last(visible_shares_);
   take_last(forced_weights_);
   scales_.remove(k);
   priorities_.remove(k);

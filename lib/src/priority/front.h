@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "core/platform.h"
 #include "core/zeroed_array.h"
 #include "occlod/hierarchy/hierarchy.h"
 #include "priority/bounded_values.h"
@@ -27,6 +28,8 @@ struct alignas(64) FrontNode {
   std::uint16_t level = 0;          // in the forest, 0 at roots; stays at the largest number
   std::uint16_t subtree_shown = 0;  // low bits of the number of the occluder before which its subtree was last visible
   std::uint16_t star_shown = 0;     // and its star
+  std::uint16_t weighed_frame = 0;  // low bits of the number of the frame in which unseen_needs was found
+  float unseen_needs = 0.0F;        // see UnseenNeeds
 
   static std::uint16_t below(std::uint16_t level) noexcept {
     return level == std::numeric_limits<std::uint16_t>::max() ? level : static_cast<std::uint16_t>(level + 1);
@@ -66,6 +69,7 @@ class Front {
     weighed = 1024,        // its forced_weight() is known
     forced = 2048,         // applied only because another split depends on it
     forced_unseen = 4096,  // and changed nothing that was seen then
+    needs_known = 8192,    // its unseen_needs have been found
   };
 
   explicit Front(const Hierarchy& hierarchy);
@@ -100,19 +104,27 @@ class Front {
   // Priorities by the split's own star, without what it forces and without what is hidden.
   [[nodiscard]] BoundedValues& priorities() noexcept { return priorities_; }
   [[nodiscard]] const BoundedValues& priorities() const noexcept { return priorities_; }
+  // The share of its star that was seen when its priority was found; it holds as long as that does.
+  [[nodiscard]] float& visible_share(Index k) noexcept { return visible_shares_[k]; }
   // See Importance, when its closure was last looked at; 1 before that.
   [[nodiscard]] float& forced_weight(Index k) noexcept { return forced_weights_[k]; }
   [[nodiscard]] std::span<const float> forced_weights() const noexcept { return forced_weights_; }
 
   // The faces of a node's split, read when they are asked for first.
   const FrontStar& star(Index k);
+  // They will be asked for soon.
+  void prefetch_star(Index k) const noexcept {
+    if (nodes_[k].star == FrontNode::no_star) return;
+    const auto* const lines = reinterpret_cast<const char*>(&stars_[nodes_[k].star]);
+    for (std::size_t at = 0; at < sizeof(FrontStar); at += 64) prefetch(lines + at);
+  }
 
  private:
   const Hierarchy* hierarchy_;
   ZeroedArray<std::uint32_t> slots_;  // of each split: 1 + its index
   std::vector<FrontNode> nodes_;
   std::vector<std::uint16_t> flags_;
-  std::vector<float> errors_, guaranteed_errors_, forced_weights_;
+  std::vector<float> errors_, guaranteed_errors_, visible_shares_, forced_weights_;
   BoundedValues scales_, priorities_;
   std::vector<FrontStar> stars_;
   std::vector<std::uint32_t> free_stars_;

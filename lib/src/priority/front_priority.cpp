@@ -55,7 +55,6 @@ float room_inside(const Sphere& sphere, const ObjectView& view) {
 // By how much of itself a cosine to a power between `cosine` and the least that counts changes at most while it loses
 // or gains `change`.
 float power_change(float cosine, float change, float exponent) {
-  constexpr float least_cosine = 0.2F;  // see Importance
   const float now = std::max(cosine, least_cosine);
   const float ratio = std::max(now / std::max(now - change, least_cosine), std::min(now + change, 1.0F) / now);
   return (exponent == 0.5F ? std::sqrt(ratio) : std::pow(ratio, exponent)) - 1.0F;

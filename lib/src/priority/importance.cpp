@@ -7,9 +7,6 @@ namespace occlod {
 namespace {
 
 constexpr float most_steps = 254.0F;
-// Faces that are seen under a smaller cosine count as if it were this: the nearly edge-on ones are narrower than a
-// pixel.
-constexpr float least_cosine = 0.2F;
 
 // Most exponents are 1, a half or 0.
 float power(float base, double exponent) {

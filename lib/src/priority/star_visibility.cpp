@@ -154,7 +154,8 @@ void StarVisibility::append_points(const Hierarchy& hierarchy, SplitId s, std::v
     std::for_each(star.ring().begin(), star.ring().end(), append);
     return;
   }
-  std::vector<VertexId> ids;  // rare
+  thread_local std::vector<VertexId> ids;
+  ids.clear();
   star.for_each_face([&](const Triangle& t) { ids.insert(ids.end(), {t.x, t.y, t.z}); });
   std::sort(ids.begin(), ids.end());
   ids.erase(std::unique(ids.begin(), ids.end()), ids.end());

@@ -1,13 +1,17 @@
 #include "refine/frames.h"
 
+#include <algorithm>
+
 namespace occlod {
 namespace {
 
 // More than this part of the applied splits matters much less than what the budget goes to.
 constexpr double lost_part = 0.25;
-// More changes than this part of the nodes of the front: the mesh which hid things in this frame is not the one that is
-// handed over.
-constexpr double much_change = 0.03;
+
+// What the mesh of a frame turns out to show matters when its error is this many times the level.
+constexpr float much_error = 4.0F;
+// After so many checks in a row that found nothing of the kind, one frame in so many is checked.
+constexpr std::uint32_t most_useless_checks = 16, rare_checks = 4;
 
 std::vector<DrawnMesh> meshes_of(std::span<const RefineObject> objects, std::span<RefinedObject> result) {
   std::vector<DrawnMesh> meshes;
@@ -63,21 +67,29 @@ void Frames::advance(bool moved, Clock::time_point start, RefineStats& stats) {
   measure(stats);
 }
 
-// Hidden things give way; and once more where the mesh of this frame hides other things than that of the frame before.
+// Hidden things give way. The mesh of this frame hides less than that of the frame before where that bulged: what turns
+// out to be visible comes in after all.
 void Frames::exchange_splits(bool moved, RefineStats& stats) {
   const RefinedScene& scene = evaluation_.scene();
   const bool can_hide = scene.queries->can_hide();
   if (can_hide)
-    stats.readmitted += queries_.ask_again(exchange_.level(), false);
+    stats.readmitted += queries_.ask_again(exchange_.level());
   else
     queries_.forget_hidden();
   exchange_.run();
-  const bool changed_much =
-      static_cast<double>(exchange_.changes()) > much_change * static_cast<double>(evaluation_.node_count());
-  const RefineOptions* const options = scene.options;
-  if (!(can_hide && moved && options->queries.final_check && changed_much)) return;
-  stats.readmitted += queries_.ask_all_anew(exchange_.level());
-  exchange_.run_again();
+  if (!can_hide || !moved || !scene.options->queries.final_check || exchange_.changes() == 0) return;
+  if (!checks_are_useful_ && frame_ % rare_checks != 0) return;
+  const std::span<const Entry> shown = queries_.check_hidden(exchange_.level());
+  stats.readmitted += shown.size();
+  note_check(shown);
+  exchange_.run_on(shown);
+}
+
+void Frames::note_check(std::span<const Entry> shown) {
+  const auto matters = [&](const Entry& entry) { return entry.error.quadric_px > much_error * exchange_.level(); };
+  if (std::any_of(shown.begin(), shown.end(), matters)) last_useful_check_ = checks_;
+  ++checks_;
+  checks_are_useful_ = checks_ - last_useful_check_ <= most_useless_checks;
 }
 
 void Frames::measure(RefineStats& stats) {

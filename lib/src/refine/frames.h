@@ -19,7 +19,8 @@ namespace occlod {
 // One frame:
 //   evaluate the front in the new view, as far as what is known of it has expired or matters;
 //   ask again about what is hidden, and about a part of what is applied;
-//   exchange splits, worst candidates first; once more where so much has changed that other things are hidden now.
+//   exchange splits, worst candidates first;
+//   check what is hidden against the mesh that has come about, where such checks have been of use lately.
 // The nodes are about twice as many as applied splits and are looked through in vectors; what is evaluated and queued
 // is in proportion to what changes.
 class Frames {
@@ -53,6 +54,7 @@ class Frames {
  private:
   void begin();
   void exchange_splits(bool moved, RefineStats& stats);
+  void note_check(std::span<const Entry> shown);
   void measure(RefineStats& stats);
 
   FrontEvaluation evaluation_;
@@ -61,9 +63,12 @@ class Frames {
   std::vector<DrawnMesh> meshes_;
   SplitExchange exchange_;
   std::uint32_t frame_ = 0;
-  std::uint32_t moved_frame_ = 0;  // in which the view moved last
-  AppliedCount before_;            // when the last frame ended
-  std::uint32_t same_frames_ = 0;  // in a row that have ended with the mesh that they began with, in one view
+  std::uint32_t moved_frame_ = 0;        // in which the view moved last
+  AppliedCount before_;                  // when the last frame ended
+  std::uint32_t same_frames_ = 0;        // in a row that have ended with the mesh that they began with, in one view
+  std::uint32_t checks_ = 0;             // of what is hidden, by the mesh of the frame itself
+  std::uint32_t last_useful_check_ = 0;  // the number of the last that found something that matters
+  bool checks_are_useful_ = true;
   bool at_rest_ = false;
 };
 

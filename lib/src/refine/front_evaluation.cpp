@@ -1,6 +1,7 @@
 #include "refine/front_evaluation.h"
 
 #include <algorithm>
+#include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
 
@@ -105,6 +106,21 @@ BoundedProducts FrontEvaluation::leaf_priorities(std::uint32_t object) const {
   return {front.priorities(), front.forced_weights(), front.flags()};
 }
 
+float FrontEvaluation::most_grazing() const {
+  constexpr float rounding = 1.001F;
+  const RefineOptions* const options = scene_.options;
+  return rounding * std::pow(least_cosine, -static_cast<float>(options->priority.grazing_exponent));
+}
+
+float FrontEvaluation::priority_at_most(std::uint32_t object, Front::Index k) const {
+  const Front& front = objects_[object].front;
+  const RefineOptions* const options = scene_.options;
+  const float by_subtree = front.scales().error_factor[k] * front.error_at_most(k).quadric_px;
+  if (options->priority.culling == Culling::subtree) return by_subtree;
+  if (front.priorities().is_outdated(k)) return most_grazing() * by_subtree;
+  return front.priorities().error_factor[k] * front.priorities().value[k];
+}
+
 void FrontEvaluation::evaluate(std::uint32_t object, std::span<const Front::Index> nodes) {
   Object& of = objects_[object];
   expired_.clear();
@@ -133,6 +149,7 @@ SplitWorth FrontEvaluation::worth(std::uint32_t object, Front::Index k) {
   if (front.is(k, Front::hidden)) return {};
   if (!(front.scales().value[k] > 0.0F)) {
     front.priorities().put(k, 0.0F, while_unseen, of.motion);
+    front.visible_share(k) = 0.0F;
     return {};
   }
   if (by_star) return worth_by_star(object, k);
@@ -157,6 +174,7 @@ SplitWorth FrontEvaluation::worth_by_star(std::uint32_t object, Front::Index k) 
   const bool is_seen = found.value.visible_share > 0.0F;
   const float priority = is_seen ? found.value.priority : 0.0F;
   of.front.priorities().put(k, priority, found.growth, of.motion);
+  of.front.visible_share(k) = found.value.visible_share;
   if (!is_seen) return {};
   return {priority * of.front.forced_weight(k), priority, found.value.error};
 }

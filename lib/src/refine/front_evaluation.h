@@ -57,6 +57,10 @@ class FrontEvaluation {
   void evaluate(std::uint32_t object, std::span<const Front::Index> nodes);
   // Of all that have none.
   void evaluate_expired(std::uint32_t object);
+  // A split's priority is at most its subtree's error times this.
+  [[nodiscard]] float most_grazing() const;
+  // Of the split of a node, at most, as far as it is known; NaN when nothing is.
+  [[nodiscard]] float priority_at_most(std::uint32_t object, Front::Index k) const;
   // Of the split of a node.
   [[nodiscard]] SplitWorth worth(std::uint32_t object, Front::Index k);
 

@@ -6,9 +6,6 @@ namespace occlod {
 namespace {
 
 constexpr std::uint32_t most_age = 0xFFFF;  // that a node can tell, in occluders
-// A split's priority is at most its subtree's error times this: Importance counts no face as seen more edge-on than
-// under a cosine of 0.2.
-constexpr float most_grazing = 2.3F;
 
 }  // namespace
 
@@ -26,28 +23,42 @@ void FrontQueries::begin_frame(std::uint32_t frame, bool moved) {
   if (moved) fresh_draw_ = draw_ + 1;
 }
 
-std::size_t FrontQueries::ask_all_anew(float level) {
-  fresh_draw_ = draw_ + 1;
-  return ask_again(level, true);
-}
-
-std::size_t FrontQueries::ask_again(float level, bool all) {
-  OcclusionQueries& queries = *evaluation_.scene().queries;
-  queries.draw_occluder(*evaluation_.scene().cuts);
-  ++draw_;
-  asked_.clear();
-  const float least = level / level_band / most_grazing;
+std::size_t FrontQueries::ask_again(float level) {
+  draw_occluder();
+  const float least = least_error(level);
   for (std::uint32_t i = 0; i < evaluation_.object_count(); ++i) {
     forget_what_is_not_asked(i);
     ask_about_hidden(i, least);
-    if (queries.in_flights()) ask_about_unapplied(i, least);
-    ask_about_leaves(i, all);
+    if (evaluation_.scene().queries->in_flights()) ask_about_unapplied(i, least);
+    ask_about_leaves(i);
   }
-  shown_again_ = 0;
+  ask_all();
+  return asked_.size();
+}
+
+std::span<const Entry> FrontQueries::check_hidden(float level) {
+  draw_occluder();
+  for (std::uint32_t i = 0; i < evaluation_.object_count(); ++i) ask_about_hidden(i, least_error(level));
+  ask_all();
+  return asked_;
+}
+
+void FrontQueries::draw_occluder() {
+  evaluation_.scene().queries->draw_occluder(*evaluation_.scene().cuts);
+  ++draw_;
+  asked_.clear();
+}
+
+// Of a subtree that may matter.
+float FrontQueries::least_error(float level) const { return level / level_band / evaluation_.most_grazing(); }
+
+void FrontQueries::ask_all() {
   verdicts_.resize(asked_.size());
-  queries.ask(asked_, verdicts_);
-  for (std::size_t i = 0; i < asked_.size(); ++i) note(asked_[i], verdicts_[i].visible);
-  return shown_again_;
+  evaluation_.scene().queries->ask(asked_, verdicts_);
+  std::size_t shown = 0;
+  for (std::size_t i = 0; i < asked_.size(); ++i)
+    if (note(asked_[i], verdicts_[i].visible)) asked_[shown++] = asked_[i];
+  asked_.resize(shown);
 }
 
 // Nothing stays hidden that no question could show again.
@@ -92,14 +103,14 @@ void FrontQueries::ask_about_unapplied(std::uint32_t object, float least) {
 }
 
 // What this view has shown is not asked about again until it moves: it would come and go.
-void FrontQueries::ask_about_leaves(std::uint32_t object, bool all) {
+void FrontQueries::ask_about_leaves(std::uint32_t object) {
   const OcclusionQueries& queries = *evaluation_.scene().queries;
   if (!queries.asks_splits()) return;
   const Front& front = evaluation_.front(object);
   found_.clear();
   select(evaluation_.errors(object), {.all = Front::leaf, .none = Front::hidden, .may_exceed = 0.0F}, found_);
   for (const Front::Index k : found_)
-    if ((all || (front.node(k).split + frame_) % asking_rounds == 0) &&
+    if ((front.node(k).split + frame_) % asking_rounds == 0 &&
         !is_shown_since(fresh_draw_, front.node(k), queries.split_question()))
       ask_about(object, k, queries.split_question());
 }
@@ -111,15 +122,17 @@ bool FrontQueries::is_shown_since(std::uint32_t draw, const FrontNode& node, Ent
   return static_cast<std::uint16_t>(draw_ - shown) <= std::min(draw_ - draw, most_age);
 }
 
-void FrontQueries::note(const Entry& entry, bool visible) {
+// True when it was hidden and is no longer.
+bool FrontQueries::note(const Entry& entry, bool visible) {
   Front& front = evaluation_.front(entry.object);
   const Front::Index k = front.find(entry.split);
   const bool subtree = entry.kind == Entry::Kind::visit;
   const Front::Flag hidden = subtree ? Front::subtree_hidden : Front::star_hidden;
-  if (visible && front.is(k, hidden)) ++shown_again_;
+  const bool shown_again = visible && front.is(k, hidden);
   front.set(k, hidden, !visible);
   FrontNode& node = front.node(k);
   if (visible) (subtree ? node.subtree_shown : node.star_shown) = static_cast<std::uint16_t>(draw_);
+  return shown_again;
 }
 
 void FrontQueries::forget_hidden() {
@@ -144,6 +157,14 @@ bool FrontQueries::is_hidden(const Entry& entry) {
   queries.ask({&entry, 1}, {&verdict, 1});
   note(entry, verdict.visible);
   return !verdict.visible;
+}
+
+void FrontQueries::ask_about_new_leaf(std::uint32_t object, Front::Index k) {
+  const Front& front = evaluation_.front(object);
+  const FrontNode& node = front.node(k);
+  const Entry::Kind kind = evaluation_.scene().queries->split_question();
+  if (is_shown_since(fresh_draw_, node, kind)) return;
+  static_cast<void>(is_hidden({0.0F, front.error_at_most(k), node.split, object, node.level, 0, kind}));
 }
 
 // Nodes keep the low bits of the numbers of the occluders before which they were shown: ages are right up to 65,535

@@ -27,13 +27,16 @@ class FrontQueries {
   void forget_hidden();
 
   // Draws an occluder, then asks about hidden things that would matter; so is a rotating share of what the budget has
-  // been spent on, or all of that. What is met for the first time is asked about when its turn comes. `level`: the
-  // priority where the budget ended. Returns how many hidden things are shown now.
-  std::size_t ask_again(float level, bool all);
-  // As ask_again(), after the mesh has changed so much in this frame that its first occluder was another mesh.
-  std::size_t ask_all_anew(float level);
+  // been spent on. What is met for the first time is asked about when its turn comes. `level`: the priority where the
+  // budget ended. Returns how many hidden things are shown now.
+  std::size_t ask_again(float level);
+  // Draws an occluder, then asks about hidden things that would matter. Returns those that are shown now; valid until
+  // the next question.
+  std::span<const Entry> check_hidden(float level);
   // Whether the occluder of this frame hides it: asked now, unless it has been.
   [[nodiscard]] bool is_hidden(const Entry& entry);
+  // When a split has become a leaf. What this view has shown is not asked about again.
+  void ask_about_new_leaf(std::uint32_t object, Front::Index k);
 
   // Of applied splits of one object: see Refiner::visibility_ages().
   [[nodiscard]] std::vector<std::uint32_t> visibility_ages(std::uint32_t object, std::span<const SplitId> splits) const;
@@ -43,16 +46,19 @@ class FrontQueries {
   void ask_about(std::uint32_t object, Front::Index k, Entry::Kind kind);
   void ask_about_hidden(std::uint32_t object, float least);
   void ask_about_unapplied(std::uint32_t object, float least);
-  void ask_about_leaves(std::uint32_t object, bool all);
+  void ask_about_leaves(std::uint32_t object);
   [[nodiscard]] bool is_shown_since(std::uint32_t draw, const FrontNode& node, Entry::Kind kind) const;
-  void note(const Entry& entry, bool visible);
+  void draw_occluder();
+  // Asks all of asked_, and keeps those there that are shown now and were hidden before.
+  void ask_all();
+  bool note(const Entry& entry, bool visible);
+  [[nodiscard]] float least_error(float level) const;
 
   FrontEvaluation& evaluation_;
   std::uint32_t frame_ = 0;
   std::uint32_t draw_ = 0;          // occluders so far
   std::uint32_t adopted_draw_ = 0;  // the last of them before the cut was taken over
   std::uint32_t fresh_draw_ = 0;    // verdicts before earlier ones are out of date
-  std::size_t shown_again_ = 0;     // by what is being asked
   std::vector<Entry> asked_;        // scratch, all of them
   std::vector<OcclusionQueries::Verdict> verdicts_;
   std::vector<Front::Index> found_;

@@ -19,7 +19,7 @@ constexpr float band_step = 1.25F;
 
 SplitExchange::SplitExchange(FrontEvaluation& evaluation, FrontForest& forest, FrontQueries& queries,
                              std::span<DrawnMesh> meshes)
-    : evaluation_(evaluation), forest_(forest), queries_(queries), meshes_(meshes) {}
+    : evaluation_(evaluation), forest_(forest), queries_(queries), meshes_(meshes), unseen_needs_(evaluation) {}
 
 void SplitExchange::begin_frame(std::uint32_t frame, Clock::time_point start, RefineStats& stats) {
   frame_ = frame;
@@ -27,6 +27,7 @@ void SplitExchange::begin_frame(std::uint32_t frame, Clock::time_point start, Re
   stats_ = &stats;
   changes_ = 0;
   rejected_ = {};
+  unseen_needs_.begin_frame(frame);
 }
 
 void SplitExchange::run() {
@@ -34,14 +35,26 @@ void SplitExchange::run() {
   exchange();
 }
 
-void SplitExchange::run_again() {
-  for (std::uint32_t i = 0; i < evaluation_.object_count(); ++i) {
-    Front& front = evaluation_.front(i);
-    for (Front::Index k = 0; k < front.size(); ++k) front.set(k, Front::is_new, false);
+void SplitExchange::run_on(std::span<const Entry> shown) {
+  for (const Entry& entry : shown) {
+    const Front& front = evaluation_.front(entry.object);
+    const Front::Index k = front.find(entry.split);
+    if (front.is(k, Front::hidden) || front.is(k, Front::applied)) continue;
+    if (front.is(k, Front::descended))
+      enqueue_split(entry.object, k);
+    else
+      enqueue_visit(entry.object, k);
   }
-  asks_leaves_ = true;
-  run();
-  asks_leaves_ = false;
+  if (!candidates_.empty()) exchange();
+}
+
+void SplitExchange::enqueue_visit(std::uint32_t object, Front::Index k) {
+  const Front& front = evaluation_.front(object);
+  const ScreenError error = front.error_at_most(k);
+  if (error.quadric_px > 0.0F && !front.is(k, Front::subtree_hidden) &&
+      !error.is_within(evaluation_.scene().options->tolerance_px))
+    candidates_.push(
+        {error.quadric_px, error, front.node(k).split, object, front.node(k).level, 0, Entry::Kind::visit});
 }
 
 void SplitExchange::exchange() {
@@ -111,8 +124,11 @@ void SplitExchange::gather_candidates(float low, float high) {
            {.all = Front::reached | Front::descended, .none = Front::applied | Front::hidden, .may_exceed = low},
            found_);
     if (options->priority.culling == Culling::subtree) evaluation_.evaluate(i, found_);
-    for (const Front::Index k : found_) {
-      const bool again = !front.is(k, Front::weighed) || (front.node(k).split + frame_) % weighing_rounds == 0;
+    leave_out_low(i, low);
+    for (std::size_t at = 0; at < found_.size(); ++at) {
+      if (at + 4 < found_.size()) front.prefetch_star(found_[at + 4]);
+      const Front::Index k = found_[at];
+      const bool again = weighs_again(front, k);
       const SplitWorth worth = evaluation_.worth(i, k);
       const float priority = again ? worth.own_priority : worth.priority;
       const FrontNode& node = front.node(k);
@@ -120,6 +136,23 @@ void SplitExchange::gather_candidates(float low, float high) {
         candidates_.push({priority, worth.error, node.split, i, node.level, 0, Entry::Kind::apply, !again});
     }
   }
+}
+
+bool SplitExchange::weighs_again(const Front& front, Front::Index k) const {
+  return !front.is(k, Front::weighed) || (front.node(k).split + frame_) % weighing_rounds == 0;
+}
+
+// Of found_.
+void SplitExchange::leave_out_low(std::uint32_t object, float low) {
+  const Front& front = evaluation_.front(object);
+  std::size_t kept = 0;
+  for (const Front::Index k : found_) {
+    const float most = evaluation_.priority_at_most(object, k);
+    const bool is_low = (weighs_again(front, k) ? most : most * front.forced_weights()[k]) <= low;
+    found_[kept] = k;
+    kept += is_low ? 0 : 1;
+  }
+  found_.resize(kept);
 }
 
 // Until there is one that comes before all that is not queued yet: a little less important ones each time, then the
@@ -132,12 +165,28 @@ void SplitExchange::gather_more_candidates() {
   }
 }
 
+// In turn.
+void SplitExchange::weigh_leaves(std::uint32_t object) {
+  found_.clear();
+  select(evaluation_.errors(object), {.all = Front::applied | Front::leaf, .none = Front::is_new | Front::hidden},
+         found_);
+  const Front& front = evaluation_.front(object);
+  for (const Front::Index k : found_)
+    if ((front.node(k).split + frame_) % weighing_rounds == 0) weigh_leaf(object, k);
+}
+
+void SplitExchange::weigh_leaf(std::uint32_t object, Front::Index k) {
+  Front& front = evaluation_.front(object);
+  front.forced_weight(k) = unseen_needs_.weight_of_applied(object, front.node(k).split);
+}
+
 // Applied splits that none needs.
 void SplitExchange::gather_leaves(float low, float high) {
   constexpr std::uint16_t wanted = Front::applied | Front::leaf;
   const RefineOptions* const options = evaluation_.scene().options;
   const float may_be_below = options->tolerance_px > 0.0 ? infinity : high;
   for (std::uint32_t i = 0; i < evaluation_.object_count(); ++i) {
+    if (options->priority.culling == Culling::star) weigh_leaves(i);
     found_.clear();
     select(evaluation_.errors(i), {.all = wanted | Front::hidden, .none = Front::is_new}, found_);
     select(evaluation_.leaf_priorities(i),
@@ -166,14 +215,8 @@ bool SplitExchange::limit_reached() const {
 
 void SplitExchange::descend(const Entry& entry) {
   const std::uint32_t i = entry.object;
-  const double tolerance_px = evaluation_.scene().options->tolerance_px;
-  const std::span<const Front::Index> children = forest_.descend(i, entry.split);
+  for (const Front::Index k : forest_.descend(i, entry.split)) enqueue_visit(i, k);
   const Front& front = evaluation_.front(i);
-  for (const Front::Index k : children) {
-    const ScreenError error = front.error_at_most(k);
-    if (error.quadric_px > 0.0F && !front.is(k, Front::subtree_hidden) && !error.is_within(tolerance_px))
-      candidates_.push({error.quadric_px, error, front.node(k).split, i, front.node(k).level, 0, Entry::Kind::visit});
-  }
   const Front::Index k = front.find(entry.split);
   if (!front.is(k, Front::applied)) enqueue_split(i, k);
 }
@@ -190,10 +233,7 @@ float SplitExchange::forced_weight(const Entry& entry, const Cut::Closure& closu
   Front& front = evaluation_.front(entry.object);
   const Front::Index k = front.find(entry.split);
   front.set(k, Front::weighed, true);
-  float& weight = front.forced_weight(k);
-  weight =
-      closure.splits.size() == 1 ? 1.0F : evaluation_.scene().importances[entry.object].forced_weight(closure.splits);
-  return weight;
+  return front.forced_weight(k) = unseen_needs_.weight_of_closure(entry.object, closure);
 }
 
 bool SplitExchange::step_back(const Entry& entry) {
@@ -264,7 +304,13 @@ bool SplitExchange::take_back_least() {
 
 void SplitExchange::take_back_needless() {
   const RefineOptions* const options = evaluation_.scene().options;
-  if (!(options->tolerance_px > 0.0) || stats_->pending) return;
+  if (stats_->pending) return;
+  if (!(options->tolerance_px > 0.0)) {
+    if (level_ > 0.0F) return;
+    leaves_.clear();
+    leaves_below_ = infinity;
+    gather_leaves(0.0F, std::numeric_limits<float>::min());
+  }
   while (!limit_reached() && !leaves_.empty() && std::isinf(leaves_.top().priority)) {
     const Entry leaf = leaves_.pop();
     if (is_old_leaf(leaf)) take_back(leaf.object, leaf.split);
@@ -292,9 +338,8 @@ void SplitExchange::enqueue_new_leaf(std::uint32_t object, SplitId s) {
   front.set(k, Front::leaf, true);
   if (front.is(k, Front::is_new)) return;
   // It may well be hidden too, and then its room is wanted now.
-  if (asks_leaves_)
-    static_cast<void>(queries_.is_hidden({0.0F, front.error_at_most(k), s, object, front.node(k).level, 0,
-                                          evaluation_.scene().queries->split_question()}));
+  queries_.ask_about_new_leaf(object, k);
+  if (evaluation_.scene().options->priority.culling == Culling::star) weigh_leaf(object, k);
   const float priority = leaf_priority(object, k);
   if (priority < leaves_below_) enqueue_leaf(object, s, priority);
 }

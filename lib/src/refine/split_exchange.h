@@ -13,10 +13,11 @@
 #include "refine/front_evaluation.h"
 #include "refine/front_forest.h"
 #include "refine/front_queries.h"
+#include "refine/unseen_needs.h"
 
 namespace occlod {
 
-// What a split forces is looked at again in one frame of so many.
+// What a split forces, and what a leaf keeps, is looked at again in one frame of so many.
 inline constexpr std::uint32_t weighing_rounds = 8;
 
 // Worst first, candidates are descended or applied, and take the place of applied leaves that matter less (the dual
@@ -35,10 +36,9 @@ class SplitExchange {
 
   // Until no candidate matters more than what is applied, or the budget or a limit ends it.
   void run();
-  // As run(), when an occluder of the mesh of this frame has been drawn: splits of this frame may be taken back too,
-  // and what becomes a leaf is asked about.
-  void run_again();
-  // Where a tolerance is given: takes back leaves that are seen by nobody, or well within it.
+  // As run(), after it: goes on with these, which have turned out to be visible.
+  void run_on(std::span<const Entry> shown);
+  // Where the budget is enough: takes back leaves that nobody sees, or that are well within the tolerance.
   void take_back_needless();
 
   // The priority where the budget ended.
@@ -57,13 +57,18 @@ class SplitExchange {
  private:
   void gather();
   void gather_candidates(float low, float high);
+  [[nodiscard]] bool weighs_again(const Front& front, Front::Index k) const;
+  void leave_out_low(std::uint32_t object, float low);
   void gather_more_candidates();
   void gather_leaves(float low, float high);
   bool gather_more_leaves();
+  void weigh_leaves(std::uint32_t object);
+  void weigh_leaf(std::uint32_t object, Front::Index k);
 
   void exchange();
   [[nodiscard]] bool limit_reached() const;
   void descend(const Entry& entry);
+  void enqueue_visit(std::uint32_t object, Front::Index k);
   void enqueue_split(std::uint32_t object, Front::Index k);
   void note_forced(const Entry& entry, const Cut::Closure& closure);
   bool take_back_least();
@@ -86,9 +91,9 @@ class SplitExchange {
   float candidates_above_ = 0.0F;  // queued are candidates with larger priorities
   float last_step_ = 0.0F;         // below which all the others are queued
   float leaves_below_ = 0.0F;      // and leaves with smaller ones
-  bool asks_leaves_ = false;       // when they become leaves
   std::size_t changes_ = 0;
   ScreenError rejected_;
+  UnseenNeeds unseen_needs_;
   std::vector<Front::Index> found_;  // scratch
   std::vector<SplitId> sorted_;
 };
