@@ -27,6 +27,9 @@ build/bench/bench/bench_refine --folder "$out/planets" | tee "$out/refine.md"
 echo "bench_scratch" >&2
 build/bench/bench/bench_scratch | tee "$out/scratch.md"
 
+echo "bench_limit" >&2
+build/bench/bench/bench_limit | tee "$out/limit.md"
+
 echo "bench_locality" >&2
 build/bench/bench/bench_locality | tee "$out/locality.md"
 
