@@ -10,7 +10,7 @@ import csv
 import pathlib
 import sys
 
-KEYS = ("scene", "path", "mesh", "view", "culling", "occlusion", "mode", "method", "openmesh_build", "backend", "settings", "setting",
+KEYS = ("scene", "way", "path", "mesh", "view", "culling", "occlusion", "mode", "method", "openmesh_build", "backend", "settings", "setting",
         "variant", "bound", "target", "tool", "threads", "level", "budget", "to_triangles", "degrees_per_frame", "what")
 # In these tables the number of triangles is what was asked for, not a result.
 TRIANGLES_ARE_A_KEY = ("software_draw", "software_total", "software_found", "scratch")
