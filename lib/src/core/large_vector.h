@@ -3,6 +3,8 @@
 
 #include <cstddef>
 #include <new>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace occlod {
@@ -11,6 +13,16 @@ namespace occlod {
 // the time that address translation and first touches take. Throws std::bad_alloc.
 [[nodiscard]] void* allocate_large(std::size_t bytes);
 void free_large(void* memory, std::size_t bytes) noexcept;
+
+// While one of these lives, large memory that is given back is kept for the next that asks for no more: a first touch
+// of what comes from the system costs more than several passes over it. For any thread.
+class LargeMemoryReuse {
+ public:
+  LargeMemoryReuse() noexcept;
+  ~LargeMemoryReuse();
+  LargeMemoryReuse(const LargeMemoryReuse&) = delete;
+  LargeMemoryReuse& operator=(const LargeMemoryReuse&) = delete;
+};
 
 template <typename T>
 struct LargeAllocator {
@@ -30,5 +42,28 @@ struct LargeAllocator {
 
 template <typename T>
 using LargeVector = std::vector<T, LargeAllocator<T>>;
+
+// Leaves new elements without a value where none is given.
+template <typename T>
+struct UninitializedAllocator : LargeAllocator<T> {
+  static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);
+  using value_type = T;
+  UninitializedAllocator() = default;
+  template <typename U>
+  UninitializedAllocator(const UninitializedAllocator<U>& /*other*/) noexcept {}  // NOLINT(google-explicit-constructor)
+
+  template <typename U>
+  void construct(U* /*element*/) noexcept {}
+  template <typename U, typename... Values>
+  void construct(U* element, Values&&... values) {
+    ::new (static_cast<void*>(element)) U(std::forward<Values>(values)...);
+  }
+
+  friend bool operator==(const UninitializedAllocator&, const UninitializedAllocator&) { return true; }
+};
+
+// For arrays that several threads fill: resize() does not touch new elements, which then have to be written first.
+template <typename T>
+using UninitializedVector = std::vector<T, UninitializedAllocator<T>>;
 
 }  // namespace occlod

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdint>
 #include <system_error>
 
 namespace occlod {
@@ -27,6 +28,15 @@ std::size_t size_of_file(int descriptor) {
 void advise_huge_pages([[maybe_unused]] void* memory, [[maybe_unused]] std::size_t bytes) noexcept {
 #if defined(MADV_HUGEPAGE)
   static_cast<void>(madvise(memory, bytes, MADV_HUGEPAGE));  // advice only: without huge pages nothing changes
+#endif
+}
+
+void give_pages_back([[maybe_unused]] void* memory, [[maybe_unused]] std::size_t bytes) noexcept {
+#if defined(MADV_DONTNEED)
+  const auto page = static_cast<std::uintptr_t>(sysconf(_SC_PAGESIZE)),
+             begin = reinterpret_cast<std::uintptr_t>(memory);
+  const std::uintptr_t first = (begin + page - 1) / page * page, end = (begin + bytes) / page * page;
+  if (first < end) static_cast<void>(madvise(reinterpret_cast<void*>(first), end - first, MADV_DONTNEED));
 #endif
 }
 

@@ -25,6 +25,8 @@ inline void relax() noexcept {
 
 // Huge pages, where the system has them, may back these bytes.
 void advise_huge_pages(void* memory, std::size_t bytes) noexcept;
+// Whole pages among these bytes may lose their contents, and take no memory until they are used again.
+void give_pages_back(void* memory, std::size_t bytes) noexcept;
 
 [[nodiscard]] int process_id() noexcept;
 // False only when there is surely no such process on this machine.

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "assemble.h"
+#include "core/large_vector.h"
 #include "core/option_checker.h"
 #include "hierarchy_data.h"
 #include "math/inverse_power_of_two.h"
@@ -48,6 +49,7 @@ Hierarchy build_hierarchy(const TriangleMesh& mesh, const BuildOptions& options)
   check_options(options);
   check_input(mesh);
   const unsigned threads = thread_count(options.threads);
+  const LargeMemoryReuse reuse;
   TriangleMesh ordered = in_spatial_order(mesh, threads);
   CollapseSequence sequence = simplify(ordered, options);
   if (options.error_bound == ErrorBound::measured) measure_errors(ordered, sequence);
