@@ -18,7 +18,6 @@ namespace {
 // A sequence without collapses: the input is the base.
 CollapseSequence without_collapses(const TriangleMesh& mesh) {
   CollapseSequence sequence;
-  sequence.collapses.push_back({});
   for (const Triangle& t : mesh.triangles) sequence.base.push_back({t, no_id});
   return sequence;
 }

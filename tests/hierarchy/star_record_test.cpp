@@ -60,6 +60,22 @@ TEST(StarRecord, UFirstInTheRingMeetsTheLastFace) {
   EXPECT_EQ(star.removed, (std::vector<Removed>{{1, 0, 10, 11, 12}, {1, 1, 10, 12, 13}, {1, 2, 10, 13, 14}}));
 }
 
+TEST(StarRecord, AFanWhoseRemovedFacesAreKnownIsWrittenAlike) {
+  std::vector<RemovedFace> removed = {{{7, 15}, {12, 10, 11}}, {{5, 0}, {12, 13, 14}}, {{7, 3}, {12, 14, 10}}};
+  const std::vector<SplitId> dependencies = {5, 7};
+  std::vector<std::uint32_t> expected = {3}, words = {3};
+  append_star({12, StarShape::closed_fan, closed_star, removed, dependencies}, expected);
+  const std::vector<VertexId> ring = {10, 11, 12, 13, 14};
+  std::vector<FaceRef> refs = {{7, 15}, {5, 0}, {7, 3}};
+  EXPECT_TRUE(append_fan({ring, 2, refs}, words));
+  EXPECT_EQ(words, expected);
+  for (const FaceRef& listed : {FaceRef{no_id, 3}, FaceRef{7, 16}}) {
+    refs[1] = listed;
+    EXPECT_FALSE(append_fan({ring, 2, refs}, words));
+    EXPECT_EQ(words, expected);
+  }
+}
+
 TEST(StarRecord, OpenFanHasOneFaceLessThanItsRing) {
   const std::vector<Triangle> inserted = {{100, 10, 11}, {100, 11, 12}, {100, 12, 13}};
   std::vector<RemovedFace> removed = {{{3, 1}, {13, 10, 11}}, {{4, 2}, {13, 11, 12}}};

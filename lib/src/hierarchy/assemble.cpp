@@ -1,12 +1,14 @@
 #include "assemble.h"
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <limits>
-#include <mutex>
 #include <span>
 #include <tuple>
 
 #include "core/platform.h"
+#include "fan_patches.h"
 #include "occlod/core/error.h"
 #include "parallel.h"
 #include "star_mesh.h"
@@ -15,62 +17,11 @@
 namespace occlod {
 namespace {
 
-// No vertex of the ring twice: then no two faces have the same outer edge.
-bool is_simple(std::span<const LevelFace> fan) {
-  const VertexId last = fan.back().corners.z;
-  for (std::size_t i = 0; i < fan.size(); ++i) {
-    const VertexId w = fan[i].corners.y;
-    if (i > 0 && w == last) return false;
-    for (std::size_t k = 0; k < i; ++k)
-      if (fan[k].corners.y == w) return false;
-  }
-  return true;
-}
-
-bool is_closed_fan(std::span<const LevelFace> faces) {
-  VertexId from = faces.back().corners.z;
-  for (const LevelFace& face : faces) {
-    if (face.corners.y != from) return false;
-    from = face.corners.z;
-  }
-  return true;
-}
-
-// Brings faces at v that are one open fan into ring order.
-bool order_open_fan(std::span<LevelFace> faces) {
-  // It starts at the face that none leads to.
-  const auto follows_another = [&](const LevelFace& f) {
-    return std::any_of(faces.begin(), faces.end(), [&](const LevelFace& g) { return g.corners.z == f.corners.y; });
-  };
-  const auto start = std::find_if_not(faces.begin(), faces.end(), follows_another);
-  if (start == faces.end()) return false;
-  std::swap(faces[0], *start);
-  for (std::size_t i = 1; i < faces.size(); ++i) {
-    std::size_t k = i;
-    while (k < faces.size() && faces[k].corners.y != faces[i - 1].corners.z) ++k;
-    if (k == faces.size()) return false;
-    std::swap(faces[i], faces[k]);
-  }
-  return true;
-}
-
-// The shape of the faces that one collapse of v ended, brought into ring order if they are one fan.
-StarShape shape_of(VertexId v, std::span<LevelFace> faces) {
-  if (faces.empty() || faces.size() > SplitStar::most_ring) return StarShape::other;
-  for (const LevelFace& face : faces)
-    if (face.corners.x != v) return StarShape::other;
-  const bool closed = is_closed_fan(faces);
-  if (!closed && !order_open_fan(faces)) return StarShape::other;
-  if (!is_simple(faces)) return StarShape::other;
-  return closed ? StarShape::closed_fan : StarShape::open_fan;
-}
-
-// A split removes the faces that its collapse made. Those of a fan lie where the star's own faces will be: the one in
-// place of slot j has the outer edge of slot j. Others are kept in a list.
-struct MisplacedFace {
-  SplitId split = no_id;  // that removes it
+// A face that a split removes, in no place that the faces of its star imply.
+struct RemovedElsewhere {
+  SplitId split = no_id;
   FaceRef face;
-  friend bool operator<(const MisplacedFace& a, const MisplacedFace& b) {
+  friend bool operator<(const RemovedElsewhere& a, const RemovedElsewhere& b) {
     return std::tuple(a.split, a.face.split, a.face.slot) < std::tuple(b.split, b.face.split, b.face.slot);
   }
 };
@@ -81,13 +32,12 @@ class Assembler {
       : mesh_(mesh),
         sequence_(std::move(sequence)),
         threads_(threads),
-        split_count_(static_cast<SplitId>(sequence_.collapses.size() - 1)) {}
+        split_count_(static_cast<SplitId>(sequence_.collapses.size())) {}
 
   Assembly run() {
     number_vertices();
     copy_vertices();
-    order_stars();
-    find_removed();
+    list_misplaced();
     write_stars();
     link_forest();
     saturate_errors();
@@ -95,13 +45,10 @@ class Assembler {
   }
 
  private:
-  // Split s undoes the s-th last collapse; ids of collapses are their places. Either from the other.
-  [[nodiscard]] std::uint32_t reversed(std::uint32_t id) const { return split_count_ - 1 - id; }
-  [[nodiscard]] const Collapse& collapse_of(SplitId s) const { return sequence_.collapses[reversed(s)]; }
-  [[nodiscard]] std::span<LevelFace> star_of(SplitId s) {
-    const std::size_t begin = collapse_of(s).first_ended;
-    return {sequence_.ended.data() + begin, sequence_.collapses[reversed(s) + 1].first_ended - begin};
-  }
+  // Split s undoes the s-th last collapse. Either from the place of the other.
+  [[nodiscard]] std::uint32_t reversed(std::uint32_t place) const { return split_count_ - 1 - place; }
+  [[nodiscard]] SplitId split_of(CollapseId id) const { return reversed(sequence_.places[id]); }
+  [[nodiscard]] const Collapse& collapse_of(SplitId s) const { return *sequence_.collapses[reversed(s)]; }
   [[nodiscard]] Triangle renumbered(const Triangle& t) const { return {new_id_[t.x], new_id_[t.y], new_id_[t.z]}; }
 
   template <typename Visit>
@@ -129,84 +76,44 @@ class Assembler {
     permute(mesh_.colors, result_.data.colors);
     result_.data.box = bounding_box(result_.data.positions);
     result_.data.input_triangle_count = mesh_.triangle_count();
-    result_.data.face_count = sequence_.base.size() + sequence_.ended.size();
-  }
-
-  // The faces that the collapse of split s ended are those that it inserts; their places are their slots.
-  void order_stars() {
-    shapes_.resize(split_count_);
-    for_each_split([&](SplitId s) { shapes_[s] = shape_of(collapse_of(s).v, star_of(s)); });
   }
 
   // A face dies with the split that undoes the collapse which made it.
-  void find_removed() {
-    removed_.resize(sequence_.ended.size());
+  void list_misplaced() {
     for (std::uint32_t slot = 0; slot < sequence_.base.size(); ++slot)
       if (const LevelFace& face = sequence_.base[slot]; face.made_by != no_id)
-        misplaced_.push_back({reversed(face.made_by), {no_id, slot}});
-    std::mutex mutex;
-    for_each_range(split_count_, threads_, [&](std::size_t begin, std::size_t end) {
-      const std::vector<MisplacedFace> misplaced =
-          place_removed_of(static_cast<SplitId>(begin), static_cast<SplitId>(end));
-      const std::lock_guard lock(mutex);
-      misplaced_.insert(misplaced_.end(), misplaced.begin(), misplaced.end());
-    });
+        misplaced_.push_back({split_of(face.made_by), {no_id, slot}});
+    for (const MisplacedFace& face : sequence_.misplaced)
+      misplaced_.push_back({split_of(face.made_by), {split_of(face.ended_by), face.slot}});
     std::sort(misplaced_.begin(), misplaced_.end());
-  }
-
-  // Of faces inserted by splits [begin, end). Removers are anywhere in memory, so what is known of them is fetched
-  // ahead.
-  std::vector<MisplacedFace> place_removed_of(SplitId begin, SplitId end) {
-    constexpr std::size_t ahead = 12;
-    std::vector<MisplacedFace> faces, misplaced;
-    for (SplitId s = begin; s < end; ++s) {
-      const std::span<const LevelFace> star = star_of(s);
-      for (std::uint32_t slot = 0; slot < star.size(); ++slot)
-        if (star[slot].made_by != no_id) faces.push_back({reversed(star[slot].made_by), {s, slot}});
-    }
-    for (std::size_t i = 0; i < faces.size(); ++i) {
-      if (i + 2 * ahead < faces.size()) prefetch(&collapse_of(faces[i + 2 * ahead].split));
-      if (i + ahead < faces.size()) prefetch(star_of(faces[i + ahead].split).data());
-      const auto& [remover, face] = faces[i];
-      if (!place_removed(remover, star_of(face.split)[face.slot].corners, face)) misplaced.push_back(faces[i]);
-    }
-    return misplaced;
-  }
-
-  // Each face of a manifold fan has its own place, so threads do not meet; elsewhere two faces may ask for one place,
-  // and those stars are lists.
-  bool place_removed(SplitId s, const Triangle& corners, const FaceRef& face) {
-    if (shapes_[s] == StarShape::other) return false;
-    const VertexId u = collapse_of(s).u;
-    if (!contains(corners, u)) return false;
-    const Triangle at_u = rotated(corners, u);
-    const std::span<const LevelFace> star = star_of(s);
-    for (std::size_t slot = 0; slot < star.size(); ++slot)
-      if (star[slot].corners.y == at_u.y && star[slot].corners.z == at_u.z) {
-        removed_[collapse_of(s).first_ended + slot] = face;
-        return true;
-      }
-    return false;
   }
 
   // Ranges of splits write their records on their own; then these are joined.
   void write_stars() {
     result_.stars.resize(split_count_ + 1);
+    result_.patches.reserve(split_count_ + 1);  // as much memory as nodes need afterwards
+    result_.patches.resize(split_count_);
     std::vector<std::vector<std::uint32_t>> ranges((split_count_ + range_size - 1) / range_size);
+    std::atomic<std::size_t> faces = sequence_.base.size();
     for_each_range(split_count_, threads_, [&](std::size_t begin, std::size_t end) {
       std::vector<std::uint32_t>& words = ranges[begin / range_size];
       words.reserve((end - begin) * 12);
       StarWriter writer(*this);
+      StarBounder bounder(*this);
       for (std::size_t s = begin; s < end; ++s) {
         result_.stars[s] = static_cast<std::uint32_t>(words.size());
         writer.write(static_cast<SplitId>(s), words);
+        bounder.add(static_cast<SplitId>(s));
       }
+      bounder.finish(words);
+      faces += writer.face_count();
     });
+    result_.data.face_count = faces;
     std::vector<std::size_t> starts(ranges.size() + 1, 0);
     for (std::size_t i = 0; i < ranges.size(); ++i) starts[i + 1] = starts[i] + ranges[i].size();
     if (starts.back() > std::numeric_limits<std::uint32_t>::max())
       throw Error({"mesh", "", "is too large for 32-bit places of stars", "split it into several meshes"});
-    LargeVector<std::uint32_t>& stars = result_.data.stars;
+    UninitializedVector<std::uint32_t>& stars = result_.data.stars;
     stars.resize(starts.back());
     for_each_range(split_count_, threads_, [&](std::size_t begin, std::size_t end) {
       const std::size_t start = starts[begin / range_size];
@@ -224,28 +131,79 @@ class Assembler {
     explicit StarWriter(Assembler& assembler) : a_(assembler) {}
 
     void write(SplitId s, std::vector<std::uint32_t>& words) {
-      star_ = a_.star_of(s);
+      prefetch_after(s);
+      collapse_ = &a_.collapse_of(s);
+      face_count_ += collapse_->ended_count();
+      if (write_fan(words)) return;
       inserted_.clear();
-      for (const LevelFace& face : star_) inserted_.push_back(a_.renumbered(face.corners));
+      for (std::uint32_t slot = 0; slot < collapse_->ended_count(); ++slot)
+        inserted_.push_back(a_.renumbered(collapse_->ended(slot)));
       gather_removed(s);
       find_dependencies(s);
-      append_star({a_.new_id_[a_.collapse_of(s).u], a_.shapes_[s], inserted_, removed_, dependencies_}, words);
+      append_star({a_.new_id_[collapse_->u], collapse_->shape(), inserted_, removed_, dependencies_}, words);
     }
+    [[nodiscard]] std::size_t face_count() const noexcept { return face_count_; }
 
    private:
+    // The usual star: a closed fan, all of whose removed faces have places.
+    bool write_fan(std::vector<std::uint32_t>& words) {
+      if (collapse_->shape() != StarShape::closed_fan) return false;
+      const std::span<const VertexId> around = collapse_->ring();
+      const std::size_t size = around.size();
+      if (size < 3 || size > SplitStar::most_ring) return false;
+      std::array<VertexId, SplitStar::most_ring> ring;
+      std::array<FaceRef, SplitStar::most_ring> removed;
+      std::size_t parent_place = size, removed_count = 0;
+      for (std::size_t k = 0; k < size; ++k) {
+        ring[k] = a_.new_id_[around[k]];
+        if (around[k] == collapse_->u) parent_place = k;
+      }
+      if (parent_place == size) return false;
+      for (std::uint32_t slot = 0; slot < size; ++slot) {
+        if (slot == parent_place || (slot + 1 == size ? 0 : slot + 1) == parent_place) continue;
+        const Collapse::EndedFace face = collapse_->successor(slot);
+        if (face.ended_by == no_id) return false;
+        removed[removed_count++] = {a_.split_of(face.ended_by), face.slot};
+      }
+      return append_fan({{ring.data(), size}, parent_place, {removed.data(), removed_count}}, words);
+    }
+
+    // Collapses are where they were recorded.
+    void prefetch_after(SplitId s) const {
+      constexpr SplitId ahead = 5;
+      if (s + 2 * ahead < a_.split_count_) {
+        const auto* const later = reinterpret_cast<const std::byte*>(&a_.collapse_of(s + 2 * ahead));
+        prefetch(later);
+        prefetch(later + 64);
+      }
+      if (s + ahead >= a_.split_count_) return;
+      const Collapse& next = a_.collapse_of(s + ahead);
+      if (!next.is_fan()) return;
+      for (const VertexId w : next.ring()) {
+        prefetch(&a_.new_id_[w]);
+        prefetch(&a_.mesh_.positions[w]);
+      }
+      for (std::uint32_t slot = 0; slot < next.ended_count(); ++slot)
+        if (const CollapseId id = next.successor(slot).ended_by; id != no_id) prefetch(&a_.sequence_.places[id]);
+    }
+
     void gather_removed(SplitId s) {
       removed_.clear();
-      const VertexId u = a_.new_id_[a_.collapse_of(s).u];
-      const std::span<const FaceRef> places(a_.removed_.data() + a_.collapse_of(s).first_ended, star_.size());
-      for (std::size_t slot = 0; slot < places.size(); ++slot)
-        if (places[slot].split != no_id) removed_.push_back({places[slot], {u, inserted_[slot].y, inserted_[slot].z}});
-      const auto first = std::lower_bound(a_.misplaced_.begin(), a_.misplaced_.end(), s,
-                                          [](const MisplacedFace& face, SplitId split) { return face.split < split; });
+      const VertexId u = a_.new_id_[collapse_->u];
+      for (std::uint32_t slot = 0; collapse_->is_fan() && slot < inserted_.size(); ++slot) {
+        const Collapse::EndedFace face = collapse_->successor(slot);
+        if (face.ended_by == no_id) continue;
+        removed_.push_back({{a_.split_of(face.ended_by), face.slot}, {u, inserted_[slot].y, inserted_[slot].z}});
+      }
+      const auto first =
+          std::lower_bound(a_.misplaced_.begin(), a_.misplaced_.end(), s,
+                           [](const RemovedElsewhere& face, SplitId split) { return face.split < split; });
       in_places_ = first == a_.misplaced_.end() || first->split != s;
       for (auto at = first; at != a_.misplaced_.end() && at->split == s; ++at) {
         const FaceRef& ref = at->face;
-        const LevelFace& face = ref.split == no_id ? a_.sequence_.base[ref.slot] : a_.star_of(ref.split)[ref.slot];
-        removed_.push_back({ref, a_.renumbered(face.corners)});
+        const Triangle corners =
+            ref.split == no_id ? a_.sequence_.base[ref.slot].corners : a_.collapse_of(ref.split).ended(ref.slot);
+        removed_.push_back({ref, a_.renumbered(corners)});
       }
     }
 
@@ -256,7 +214,7 @@ class Assembler {
       dependencies_.clear();
       for (const RemovedFace& face : removed_)
         if (face.ref.split != no_id) dependencies_.push_back(face.ref.split);
-      const bool covers_ring = a_.shapes_[s] == StarShape::closed_fan && inserted_.size() > 2 &&
+      const bool covers_ring = collapse_->shape() == StarShape::closed_fan && inserted_.size() > 2 &&
                                removed_.size() == inserted_.size() - 2 && in_places_;
       if (!covers_ring) add_lone_corners(s);
       std::sort(dependencies_.begin(), dependencies_.end());
@@ -276,12 +234,62 @@ class Assembler {
     }
 
     Assembler& a_;
-    std::span<const LevelFace> star_;
+    const Collapse* collapse_ = nullptr;
+    std::size_t face_count_ = 0;
     std::vector<Triangle> inserted_;
     std::vector<RemovedFace> removed_;
     bool in_places_ = true;          // of the star's own faces, all of removed_
     std::vector<VertexId> corners_;  // of removed faces
     std::vector<SplitId> dependencies_;
+  };
+
+  // Bounds the stars of a range.
+  class StarBounder {
+   public:
+    explicit StarBounder(Assembler& assembler) : a_(assembler) {}
+
+    void add(SplitId s) {
+      const Collapse& collapse = a_.collapse_of(s);
+      const std::size_t corners = collapse.ended_count();
+      if (collapse.shape() != StarShape::closed_fan || corners > FanPatches::most_corners) {
+        others_.push_back(s);
+        return;
+      }
+      Batch& batch = batches_[corners];
+      batch.splits[batch.fans.size()] = s;
+      batch.fans.add(collapse.v, collapse.ring(), collapse.u, a_.mesh_.positions);
+      if (batch.fans.size() == FanPatches::capacity) bound(batch);
+    }
+
+    // `words` holds the range's records.
+    void finish(const std::vector<std::uint32_t>& words) {
+      for (Batch& batch : batches_)
+        if (batch.fans.size() > 0) bound(batch);
+      for (const SplitId s : others_)
+        a_.result_.patches[s] =
+            bound_star(SplitStar(words.data() + a_.result_.stars[s], a_.base_vertices_ + s), a_.result_.data.positions);
+    }
+
+   private:
+    struct Batch {
+      FanPatches fans;
+      std::array<SplitId, FanPatches::capacity> splits;
+    };
+
+    void bound(Batch& batch) {
+      const FanPatchBounds bounds = batch.fans.bounds();
+      for (std::size_t i = 0; i < batch.fans.size(); ++i) {
+        if (bounds.is_bounded[i] != 0.0F)
+          a_.result_.patches[batch.splits[i]] = bounds[i];
+        else
+          others_.push_back(batch.splits[i]);
+      }
+      batch.fans.clear();
+    }
+
+    Assembler& a_;
+    std::array<Batch, FanPatches::most_corners + 1> batches_;
+    std::vector<SplitId> others_;
   };
 
   void link_forest() {
@@ -305,7 +313,7 @@ class Assembler {
 
   // From fine to coarse, so that each split has its final errors before they are handed on.
   void saturate_errors() {
-    LargeVector<Assembly::Errors>& errors = result_.errors;
+    UninitializedVector<Assembly::Errors>& errors = result_.errors;
     errors.resize(split_count_);
     for_each_split([&](SplitId s) { errors[s] = {collapse_of(s).error, collapse_of(s).guaranteed_error}; });
     for (SplitId s = split_count_; s-- > 0;) {
@@ -328,9 +336,7 @@ class Assembler {
   SplitId split_count_ = 0;
   VertexId base_vertices_ = 0;
   LargeVector<VertexId> new_id_;  // of each input vertex
-  LargeVector<StarShape> shapes_;
-  LargeVector<FaceRef> removed_;  // for each ended face the face that its split removes in its place, or none
-  std::vector<MisplacedFace> misplaced_;
+  std::vector<RemovedElsewhere> misplaced_;
   Assembly result_;
 };
 

@@ -7,18 +7,20 @@
 #include "hierarchy_data.h"
 #include "occlod/mesh/triangle_mesh.h"
 #include "simplify.h"
+#include "star_patch.h"
 
 namespace occlod {
 
-// A hierarchy but for its nodes, and what goes into them beside bounds, split by split.
+// A hierarchy but for its nodes, and what goes into them, split by split.
 struct Assembly {
   struct Errors {
     float quadric = 0.0F, guaranteed = 0.0F;  // saturated
   };
   HierarchyData data;
-  LargeVector<std::uint32_t> stars;  // where records start; one more, where the last ends
-  LargeVector<SplitId> parents, children_u, children_v;
-  LargeVector<Errors> errors;
+  UninitializedVector<std::uint32_t> stars;  // where records start; one more, where the last ends
+  UninitializedVector<SplitId> parents, children_u, children_v;
+  UninitializedVector<Errors> errors;
+  UninitializedVector<BoundedPatch> patches;
 };
 
 // `mesh` is what the sequence was made from. O(n).

@@ -53,6 +53,8 @@ class CollapseQueue {
 
   // Most likely the next item to pop; `none` when unknown.
   [[nodiscard]] std::uint32_t likely_next() const { return cursor_ < level_count ? heads_[cursor_] : none; }
+  // Most likely the one to pop after that item.
+  [[nodiscard]] std::uint32_t likely_after(std::uint32_t item) const { return links_[item].after; }
 
   static constexpr std::uint32_t none = UINT32_MAX;
 

@@ -17,20 +17,26 @@ constexpr float round_up = 1.0F + 1e-6F;
 
 void CollapseWorker::start(const Block& block) {
   block_ = &block;
-  record_.collapses.clear();
-  record_.ranks.clear();
-  record_.ended.clear();
-  record_.faces_gone = 0;
+  made_.clear();
+  ranks_.clear();
+  ended_.clear();
+  faces_gone_ = 0;
   queue_.reset(block.vertices.size());
-  for (std::uint32_t i = 0; i < block.vertices.size(); ++i)
+  constexpr std::uint32_t ahead = 16;
+  for (std::uint32_t i = 0; i < block.vertices.size(); ++i) {
+    if (i + ahead < block.vertices.size()) {
+      prefetch(&state_.vertices[block.vertices[i + ahead]]);
+      state_.mesh.prefetch(block.vertices[i + ahead / 2]);
+    }
     if (const float cost = state_.vertices[block.vertices[i]].cost; cost <= block.threshold) queue_.push(i, cost);
+  }
 }
 
 // Some more of the block, less than a millisecond's work; false when nothing is left to do.
 bool CollapseWorker::take_steps() {
   constexpr int steps = 512;
   for (int step = 0; step < steps; ++step) {
-    if (record_.faces_gone >= block_->stop_after) return false;
+    if (faces_gone_ >= block_->stop_after) return false;
     const std::uint32_t i = queue_.pop();
     if (i == CollapseQueue::none) return false;
     prefetch_next();
@@ -43,8 +49,11 @@ bool CollapseWorker::take_steps() {
 void CollapseWorker::prefetch_next() const {
   const std::uint32_t next = queue_.likely_next();
   if (next == CollapseQueue::none) return;
-  prefetch(&state_.vertices[block_->vertices[next]]);
   state_.mesh.prefetch(block_->vertices[next]);
+  const std::uint32_t later = queue_.likely_after(next);
+  if (later == CollapseQueue::none) return;
+  prefetch(&state_.vertices[block_->vertices[later]]);
+  state_.mesh.prefetch_place(block_->vertices[later]);
 }
 
 // Of a vertex of the block.
@@ -120,44 +129,102 @@ CollapseWorker::Choice CollapseWorker::break_topology(std::span<const VertexId> 
   return cheapest;
 }
 
-// A bound on how far a collapse that keeps the topology moves the surface.
+// A bound on how far a collapse that keeps the topology moves the surface. That of a fan follows with those of others.
 float CollapseWorker::movement(const Choice& choice, bool is_fan) {
-  if (is_fan) return fan_.change_bound(choice.place);
-  return static_cast<float>(change_bound_(state_.mesh, state_.positions(), ring_, choice.u)) * round_up;
+  if (!is_fan) return static_cast<float>(change_bound_(state_.mesh, state_.positions(), ring_, choice.u)) * round_up;
+  Batch& batch = batches_[fan_.size()];
+  if (batch.fans.size() == FanMovements::capacity) compute_movements(batch);
+  batch.made[batch.fans.size()] = made_.size();
+  batch.fans.add(fan_, choice.place);
+  return 0.0F;
+}
+
+void CollapseWorker::compute_movements(Batch& batch) {
+  const FanMovements::PerFan<float> bounds = batch.fans.bounds();
+  for (std::size_t i = 0; i < batch.fans.size(); ++i) made_[batch.made[i]].moved = bounds[i];
+  batch.fans.clear();
 }
 
 // `moved`: how far the surface moves at most, if the topology is kept.
 void CollapseWorker::collapse(VertexId v, const Choice& choice, std::span<const VertexId> ring, float moved) {
   const VertexId u = choice.u;
-  const auto id = static_cast<CollapseId>(block_->first_id + record_.collapses.size());
-  const std::size_t first_ended = record_.ended.size();
-  record_.faces_gone += state_.mesh.collapse(v, u, id, !choice.keeps_topology, arena_, record_.ended);
+  const auto id = static_cast<CollapseId>(CollapseRecords::first_id(block_->record) + made_.size());
+  const std::size_t first_ended = ended_.size();
+  faces_gone_ += state_.mesh.collapse(v, u, id, !choice.keeps_topology, arena_, ended_);
   const glm::vec3 edge = state_.edge(v, u);
   float error = std::sqrt(state_.vertices[v].quadric.mean_square(edge));
   // What ended without keeping the topology may have left nothing near it: its own extent is missing.
   if (!choice.keeps_topology) {
-    moved = longest_edge(std::span(record_.ended).subspan(first_ended));
+    moved = longest_edge(std::span(ended_).subspan(first_ended));
     error = std::max(error, moved);
   }
-  const float after = pass_on_errors(choice, v, ring, moved);
-  const float to_object = round_up / state_.scale;
-  record_.collapses.push_back(
-      {v, u, id, first_ended, scaled_up(error, to_object), scaled_up(after, to_object), scaled_up(moved, to_object)});
+  made_.push_back({v, u, first_ended, error, moved, choice.keeps_topology});
   rank(v, choice, ring);
   state_.vertices[u].quadric.add(state_.vertices[v].quadric, edge);
   state_.vertices[v].cost = infinity;
   for (const VertexId w : ring) update(w, u);
 }
 
+// Records what has been made.
+void CollapseWorker::finish() {
+  for (Batch& batch : batches_)
+    if (batch.fans.size() > 0) compute_movements(batch);
+  BlockRecord& record = records_[block_->record];
+  record.collapses.reserve(made_.size());
+  const float to_object = round_up / state_.scale;
+  for (std::size_t i = 0; i < made_.size(); ++i) {
+    const Made& made = made_[i];
+    const std::span<LevelFace> ended = ended_by(i);
+    prefetch_makers(i);
+    const float after = pass_on_errors(made, ended);
+    const StarShape shape = shape_of(made.v, ended);
+    Collapse& collapse = memory_.add(ended, shape);
+    collapse.v = made.v;
+    collapse.u = made.u;
+    collapse.error = scaled_up(made.error, to_object);
+    collapse.guaranteed_error = scaled_up(after, to_object);
+    collapse.moved = scaled_up(made.moved, to_object);
+    records_.add(block_->record, collapse, ended);
+  }
+  record.ranks = ranks_;
+  record.faces_gone = faces_gone_;
+}
+
+// What i has ended.
+std::span<LevelFace> CollapseWorker::ended_by(std::size_t i) {
+  const std::size_t end = i + 1 < made_.size() ? made_[i + 1].first_ended : ended_.size();
+  return std::span(ended_).subspan(made_[i].first_ended, end - made_[i].first_ended);
+}
+
+// Collapses of earlier passes are anywhere in memory.
+void CollapseWorker::prefetch_makers(std::size_t i) {
+  constexpr std::size_t ahead = 4;
+  const auto for_each_maker = [&](std::size_t later, const auto& visit) {
+    if (later >= made_.size()) return;
+    for (const LevelFace& face : ended_by(later))
+      if (face.made_by < CollapseRecords::first_id(block_->record)) visit(records_.collapse(face.made_by));
+  };
+  for_each_maker(i + 2 * ahead, [](Collapse* const& place) { prefetch(&place); });
+  for_each_maker(i + ahead, [](Collapse* const& place) { prefetch(place); });
+}
+
 // Faces that a collapse makes are as far from the input as the worst of those that it ends, plus how far it moves the
-// surface. Each vertex of the ring has one of them. Returns their error.
-float CollapseWorker::pass_on_errors(const Choice& choice, VertexId v, std::span<const VertexId> ring, float moved) {
-  float before = state_.vertices[v].error;
+// surface. Each vertex of the ring, a corner of what ended, has one of them. Returns their error.
+float CollapseWorker::pass_on_errors(const Made& made, std::span<const LevelFace> ended) {
+  float before = state_.vertices[made.v].error;
   // Faces that others were folded onto lie at the ring.
-  if (!choice.keeps_topology)
-    for (const VertexId w : ring) before = std::max(before, state_.vertices[w].error);
-  const float after = (before + moved) * round_up;
-  for (const VertexId w : ring) state_.vertices[w].error = std::max(state_.vertices[w].error, after);
+  if (!made.keeps_topology)
+    for (const LevelFace& face : ended)
+      for (int k = 0; k < 3; ++k) before = std::max(before, state_.vertices[face.corners[k]].error);
+  const float after = (before + made.moved) * round_up;
+  const auto raise = [&](VertexId w) {
+    float& error = state_.vertices[w].error;
+    error = std::max(error, after);
+  };
+  for (const LevelFace& face : ended) {
+    raise(face.corners.y);
+    raise(face.corners.z);
+  }
   return after;
 }
 
@@ -168,7 +235,7 @@ void CollapseWorker::rank(VertexId v, const Choice& choice, std::span<const Vert
   if (!choice.keeps_topology)
     for (const VertexId w : ring) rank = std::max(rank, state_.turns[w].rank);
   for (const VertexId w : ring) state_.turns[w].rank = std::max(state_.turns[w].rank, rank);
-  record_.ranks.push_back(rank);
+  ranks_.push_back(rank);
 }
 
 // After a collapse into u: w, of the ring, has lost one neighbour, which leaves its cost a lower bound, and may have

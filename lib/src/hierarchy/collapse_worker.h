@@ -1,45 +1,44 @@
 // Greedy simplification of one block of vertices, as far as a threshold of cost.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "change_bound.h"
 #include "collapse_queue.h"
+#include "collapse_records.h"
 #include "collapse_rules.h"
 #include "fan.h"
+#include "fan_movements.h"
 #include "simplify.h"
 #include "simplify_state.h"
 
 namespace occlod {
 
-struct BlockRecord {
-  std::vector<Collapse> collapses;  // first_ended counts from this record's own `ended`
-  std::vector<float> ranks;         // of each collapse: its cost, no less than that of any that it comes after
-  std::vector<LevelFace> ended;
-  std::size_t faces_gone = 0;
-};
-
 struct Block {
   std::span<const VertexId> vertices;
   std::uint32_t first_turn = 0;  // theirs ascend from here
-  CollapseId first_id = 0;       // for its collapses
+  std::size_t record = 0;        // where its collapses are recorded
   float threshold = 0.0F;        // collapses that cost no more are made, cheapest first
   std::size_t stop_after = 0;    // ends early when so many faces have gone
 };
 
 class CollapseWorker {
  public:
-  explicit CollapseWorker(SimplifyState& state) : state_(state) {}
+  CollapseWorker(SimplifyState& state, CollapseRecords& records) : state_(state), records_(records) {}
   // Vertices whose ring leaves the block are left alone. Now and then it calls go_on(faces gone) and ends when the
-  // answer is no. The record is valid until the next run.
+  // answer is no.
   template <typename GoOn>
-  const BlockRecord& run(const Block& block, const GoOn& go_on) {
+  void run(const Block& block, const GoOn& go_on) {
     start(block);
-    while (go_on(record_.faces_gone) && take_steps()) continue;
-    return record_;
+    while (go_on(faces_gone_) && take_steps()) continue;
+    finish();
   }
+  // The memory of what has been recorded.
+  [[nodiscard]] CollapseMemory take_memory() { return std::move(memory_); }
 
  private:
   struct Choice {
@@ -49,7 +48,24 @@ class CollapseWorker {
     std::size_t place = 0;  // of u in the ring
   };
 
+  // A collapse that has been made, but for what does not decide about others.
+  struct Made {
+    VertexId v = no_id, u = no_id;
+    std::size_t first_ended = 0;  // into ended_
+    float error = 0.0F;
+    float moved = 0.0F;  // of a fan: once its batch has been computed
+    bool keeps_topology = false;
+  };
+  // Fans of one size whose movements are computed together, and their places in made_.
+  struct Batch {
+    FanMovements fans;
+    FanMovements::PerFan<std::size_t> made;
+  };
+
   void start(const Block& block);
+  void finish();
+  [[nodiscard]] std::span<LevelFace> ended_by(std::size_t i);
+  void prefetch_makers(std::size_t i);
   bool take_steps();
   void prefetch_next() const;
   void set_cost(VertexId v, float cost);
@@ -59,8 +75,9 @@ class CollapseWorker {
   [[nodiscard]] Choice choose_in_ring();
   [[nodiscard]] Choice break_topology(std::span<const VertexId> neighbours, VertexId v) const;
   [[nodiscard]] float movement(const Choice& choice, bool is_fan);
+  void compute_movements(Batch& batch);
   void collapse(VertexId v, const Choice& choice, std::span<const VertexId> ring, float moved);
-  float pass_on_errors(const Choice& choice, VertexId v, std::span<const VertexId> ring, float moved);
+  float pass_on_errors(const Made& made, std::span<const LevelFace> ended);
   void rank(VertexId v, const Choice& choice, std::span<const VertexId> ring);
   void update(VertexId w, VertexId u);
   [[nodiscard]] float longest_edge(std::span<const LevelFace> faces) const;
@@ -73,7 +90,13 @@ class CollapseWorker {
   VertexRing ring_;
   ChangeBound change_bound_;
   const Block* block_ = nullptr;
-  BlockRecord record_;
+  std::vector<Made> made_;
+  std::vector<float> ranks_;
+  std::vector<LevelFace> ended_;
+  std::size_t faces_gone_ = 0;
+  std::array<Batch, Fan::most_neighbours + 1> batches_;  // by the number of corners
+  CollapseRecords& records_;
+  CollapseMemory memory_;
 };
 
 }  // namespace occlod

@@ -1,10 +1,7 @@
 #include "fan.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <glm/geometric.hpp>
-#include <limits>
 
 namespace occlod {
 namespace {
@@ -12,20 +9,6 @@ namespace {
 // As in collapse_rules.cpp.
 constexpr float min_cos_turn = 0.25F;
 constexpr float min_sin2_corner = 1e-11F;
-constexpr float unbounded = std::numeric_limits<float>::infinity();
-constexpr float round_up = 1.0F + 1e-5F;
-
-// Two axes that with `normal` (unit) make an orthonormal frame (Duff et al. 2017).
-struct Frame {
-  glm::vec3 x, y;
-  explicit Frame(const glm::vec3& normal) {
-    const float sign = std::copysign(1.0F, normal.z);
-    const float a = -1.0F / (sign + normal.z);
-    const float b = normal.x * normal.y * a;
-    x = {1.0F + sign * normal.x * normal.x * a, sign * b, -sign * normal.x};
-    y = {b, sign + normal.y * normal.y * a, -normal.y};
-  }
-};
 
 }  // namespace
 
@@ -66,6 +49,12 @@ VertexQuadric Fan::quadric() const {
     q.weight += twice_area;
   }
   return q;
+}
+
+glm::vec3 Fan::normal_sum() const {
+  glm::vec3 sum(0.0F);
+  for (std::size_t k = 0; k < size_; ++k) sum += glm::vec3(normal_x_[k], normal_y_[k], normal_z_[k]);
+  return sum;
 }
 
 std::span<float> Fan::costs(const VertexQuadric& quadric) {
@@ -129,108 +118,6 @@ bool Fan::keeps_orientation(std::size_t i) const {
   std::int32_t fail = 0;
   for (std::size_t k = 0; k < n; ++k) fail |= fails[k];
   return fail == 0;
-}
-
-// The fan in a frame along its mean normal, turned so that the target is the first corner. Then the apex is the origin,
-// new triangles are (0, k, k + 1), and heights are linear over each triangle.
-struct Fan::Overlay {
-  std::size_t size;
-  alignas(16) Row x, y, height;
-  alignas(16) Row dx, dy, side;  // the diagonal from corner 0 to k; < 0 where the apex is on its left
-
-  [[nodiscard]] std::size_t columns() const { return (size + 3) & ~std::size_t{3}; }
-
-  void make_diagonals() {
-    for (std::size_t k = 0; k < columns(); ++k) {
-      dx[k] = x[k] - x[0];
-      dy[k] = y[k] - y[0];
-      side[k] = y[0] * dx[k] - x[0] * dy[k];
-    }
-    dx[columns()] = dy[columns()] = 0.0F;
-  }
-
-  // Both fans must cover the polygon once. An old face may be perpendicular.
-  [[nodiscard]] bool covers_once(float smallest_area) const {
-    alignas(16) std::array<std::int32_t, most_neighbours> fails;
-    for (std::size_t k = 0; k < columns(); ++k) {
-      const float old_area = x[k] * y[k + 1] - y[k] * x[k + 1], new_area = dx[k] * dy[k + 1] - dy[k] * dx[k + 1];
-      const std::int32_t is_end = k == 0 || k + 1 >= size ? 1 : 0;
-      fails[k] = (old_area >= -smallest_area ? 0 : 1) | ((new_area > smallest_area ? 0 : 1) & ~is_end);
-    }
-    std::int32_t fail = 0;
-    for (std::size_t k = 0; k < columns(); ++k) fail |= fails[k];
-    return fail == 0;
-  }
-
-  // The new triangle above or below the apex; 0 when rounding leaves none.
-  [[nodiscard]] std::size_t home() const {
-    std::size_t k = 1;
-    while (k + 1 < size && !(side[k] <= 0.0F && side[k + 1] >= 0.0F)) ++k;
-    return k + 1 < size ? k : 0;
-  }
-
-  [[nodiscard]] float at_apex(std::size_t k) const {
-    const float area = dx[k] * dy[k + 1] - dy[k] * dx[k + 1];
-    const float rise = side[k + 1] * (height[k] - height[0]) - side[k] * (height[k + 1] - height[0]);
-    return std::abs(height[0] + rise / area);
-  }
-
-  // The largest distance where old spokes cross new diagonals: those to corners beyond the diagonal do.
-  [[nodiscard]] float at_crossings(std::size_t home) const {
-    alignas(16) std::array<std::int32_t, most_neighbours> gaps{};  // bits of positive floats compare like them
-    for (std::size_t j = 2; j + 1 < size; ++j) {
-      const float jx = dx[j], jy = dy[j], rise = height[j] - height[0], along_old = side[j];
-      const auto begin = static_cast<std::int32_t>(j <= home ? 1 : j + 1);
-      const auto end = static_cast<std::int32_t>(j <= home ? j : size);
-      for (std::size_t k = 0; k < columns(); ++k) {
-        const float det = jx * y[k] - jy * x[k], along_new = y[0] * x[k] - x[0] * y[k];
-        const float gap = std::abs((along_old * height[k] - along_new * rise) / det - height[0]);
-        const auto at = static_cast<std::int32_t>(k);
-        // Within both lines, but for rounding.
-        const bool on_new = std::abs(along_new) <= std::abs(det), on_old = std::abs(along_old) <= std::abs(det);
-        const bool crosses = (at >= begin) & (at < end) & on_new & on_old & (gap < unbounded);
-        const std::int32_t bits = crosses ? std::bit_cast<std::int32_t>(gap) : 0;
-        gaps[k] = bits > gaps[k] ? bits : gaps[k];
-      }
-    }
-    return std::bit_cast<float>(*std::max_element(gaps.begin(), gaps.begin() + static_cast<std::ptrdiff_t>(size)));
-  }
-};
-
-// See change_bound.h.
-float Fan::change_bound(std::size_t i) const {
-  const float slide = glm::length(offset(i)) * round_up;
-  glm::vec3 normal(0.0F);
-  for (std::size_t k = 0; k < size_; ++k) normal += glm::vec3(normal_x_[k], normal_y_[k], normal_z_[k]);
-  const float length = glm::length(normal);
-  if (!(length > 0.0F)) return slide;
-  normal /= length;
-  const Frame frame(normal);
-  Overlay overlay;
-  overlay.size = size_;
-  float reach2 = 0.0F;
-  for (std::size_t k = 0, from = i; k <= padded_; ++k, from = after(from)) {
-    overlay.dx[k] = x_[from];
-    overlay.dy[k] = y_[from];
-    overlay.side[k] = z_[from];
-  }
-  alignas(16) Row reach;
-  for (std::size_t k = 0; k < columns(); ++k) {
-    const float x = overlay.dx[k], y = overlay.dy[k], z = overlay.side[k];
-    overlay.x[k] = x * frame.x.x + y * frame.x.y + z * frame.x.z;
-    overlay.y[k] = x * frame.y.x + y * frame.y.y + z * frame.y.z;
-    overlay.height[k] = x * normal.x + y * normal.y + z * normal.z;
-    reach[k] = x * x + y * y + z * z;
-  }
-  overlay.x[columns()] = overlay.x[columns() - size_];
-  overlay.y[columns()] = overlay.y[columns() - size_];
-  for (std::size_t k = 0; k < size_; ++k) reach2 = std::max(reach2, reach[k]);
-  overlay.make_diagonals();
-  if (!overlay.covers_once(1e-6F * length)) return slide;
-  const std::size_t home = overlay.home();
-  if (home == 0) return slide;
-  const float largest = std::max(overlay.at_apex(home), overlay.at_crossings(home));
-  return std::min(slide, largest * round_up + 5e-7F * std::sqrt(reach2));
 }
 
 }  // namespace occlod

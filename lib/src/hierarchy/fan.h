@@ -31,23 +31,24 @@ class Fan {
 
   // After measure_normals(): the planes of its faces, weighted by area.
   [[nodiscard]] VertexQuadric quadric() const;
+  // After measure_normals(): twice the area of each face along its normal, all together.
+  [[nodiscard]] glm::vec3 normal_sum() const;
+  // After measure_offsets(): where ring()[i] is from the vertex.
+  [[nodiscard]] glm::vec3 offset(std::size_t i) const noexcept { return {x_[i], y_[i], z_[i]}; }
   // After measure_offsets(): the cost of merging the vertex, whose quadric is given, into each of its neighbours.
   [[nodiscard]] std::span<float> costs(const VertexQuadric& quadric);
 
-  // The same three questions that collapse_rules.h and change_bound.h answer for any star, for merging v into
-  // ring()[i].
+  // The same two questions that collapse_rules.h answers for any star, for merging v into ring()[i]; change_bound.h's
+  // is answered by FanMovements.
   [[nodiscard]] bool keeps_topology(const StarMesh& mesh, std::size_t i) const;
   [[nodiscard]] bool keeps_orientation(std::size_t i) const;
-  [[nodiscard]] float change_bound(std::size_t i) const;
 
  private:
-  struct Overlay;
   using Row = std::array<float, most_neighbours + 4>;  // a column for each neighbour; the first once more at the end
 
   [[nodiscard]] std::size_t after(std::size_t i) const noexcept { return i + 1 == size_ ? 0 : i + 1; }
   [[nodiscard]] std::size_t before(std::size_t i) const noexcept { return i == 0 ? size_ - 1 : i - 1; }
   [[nodiscard]] std::size_t columns() const noexcept { return padded_ & ~std::size_t{3}; }  // so that compilers know
-  [[nodiscard]] glm::vec3 offset(std::size_t i) const noexcept { return {x_[i], y_[i], z_[i]}; }
 
   VertexId vertex_ = no_id;
   std::size_t size_ = 0;

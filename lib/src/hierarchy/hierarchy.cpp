@@ -10,7 +10,7 @@ namespace occlod {
 namespace {
 
 template <typename T>
-LargeVector<T> to_vector(std::span<const T> values) {
+UninitializedVector<T> to_vector(std::span<const T> values) {
   return {values.begin(), values.end()};
 }
 

@@ -12,13 +12,13 @@ namespace occlod {
 
 // The fields of a HierarchyView.
 struct HierarchyData {
-  LargeVector<glm::vec3> positions;
-  LargeVector<glm::vec3> normals;
-  LargeVector<glm::u8vec4> colors;
-  LargeVector<SplitNode> nodes;
-  LargeVector<std::uint32_t> stars;
-  LargeVector<SplitId> roots;
-  LargeVector<Triangle> base_faces;
+  UninitializedVector<glm::vec3> positions;
+  UninitializedVector<glm::vec3> normals;
+  UninitializedVector<glm::u8vec4> colors;
+  UninitializedVector<SplitNode> nodes;
+  UninitializedVector<std::uint32_t> stars;
+  UninitializedVector<SplitId> roots;
+  UninitializedVector<Triangle> base_faces;
   Box box;
   std::uint64_t input_triangle_count = 0;
   std::uint64_t face_count = 0;

@@ -1,17 +1,14 @@
 // One collapse sequence from the records of all blocks.
 #pragma once
 
-#include <vector>
-
 #include "build_progress.h"
-#include "collapse_worker.h"
+#include "collapse_records.h"
 #include "simplify.h"
 
 namespace occlod {
 
-// Records are in an order in which their collapses can be made. The sequence is in the order of ranks, which is another
-// such order; ids become places in the sequence. `records` is taken apart.
-[[nodiscard]] CollapseSequence join_records(std::vector<BlockRecord>& records, std::vector<LevelFace> base,
-                                            unsigned threads, const ProgressPart& progress);
+// Fills in the sequence's collapses, their places and the misplaced faces. Records are in an order in which their
+// collapses can be made. The sequence is in the order of ranks, which is another such order. `records` is taken apart.
+void join_records(CollapseRecords& records, CollapseSequence& sequence, unsigned threads, const ProgressPart& progress);
 
 }  // namespace occlod

@@ -10,7 +10,7 @@
 
 namespace occlod {
 
-using CollapseIndex = CollapseId;  // into CollapseSequence::collapses: ids are places
+using CollapseIndex = CollapseId;  // into CollapseSequence::collapses
 using FaceId = std::uint32_t;      // of LevelFaces
 
 // Numbers all faces that ever existed: those that ended, in their order, then those of the base mesh. Keeps a view of
@@ -20,31 +20,27 @@ class LevelFaces {
   explicit LevelFaces(const CollapseSequence& sequence);
 
   [[nodiscard]] CollapseIndex collapse_count() const noexcept {
-    return static_cast<CollapseIndex>(sequence_.collapses.size() - 1);
+    return static_cast<CollapseIndex>(sequence_.collapses.size());
   }
-  [[nodiscard]] const Collapse& collapse(CollapseIndex c) const noexcept { return sequence_.collapses[c]; }
+  [[nodiscard]] const Collapse& collapse(CollapseIndex c) const noexcept { return *sequence_.collapses[c]; }
 
-  [[nodiscard]] FaceId face_count() const noexcept {
-    return static_cast<FaceId>(sequence_.ended.size() + sequence_.base.size());
-  }
-  [[nodiscard]] const Triangle& corners(FaceId f) const noexcept { return at(f).corners; }
+  [[nodiscard]] FaceId face_count() const noexcept { return static_cast<FaceId>(faces_.size()); }
+  [[nodiscard]] const Triangle& corners(FaceId f) const noexcept { return faces_[f].corners; }
   // The collapse that made the face; no_id for faces of the input.
-  [[nodiscard]] CollapseIndex maker(FaceId f) const noexcept { return at(f).made_by; }
+  [[nodiscard]] CollapseIndex maker(FaceId f) const noexcept { return faces_[f].made_by; }
   // The faces that collapse c ended: [first_ended(c), first_ended(c + 1)).
-  [[nodiscard]] FaceId first_ended(CollapseIndex c) const noexcept {
-    return static_cast<FaceId>(sequence_.collapses[c].first_ended);
-  }
+  [[nodiscard]] FaceId first_ended(CollapseIndex c) const noexcept { return first_ended_[c]; }
   [[nodiscard]] std::span<const FaceId> made(CollapseIndex c) const noexcept {
     return {made_.data() + first_made_[c], first_made_[c + 1] - first_made_[c]};
   }
 
  private:
-  [[nodiscard]] const LevelFace& at(FaceId f) const noexcept {
-    const std::size_t ended = sequence_.ended.size();
-    return f < ended ? sequence_.ended[f] : sequence_.base[f - ended];
-  }
+  void list_ended();
+  void find_makers();
 
   const CollapseSequence& sequence_;
+  std::vector<LevelFace> faces_;  // made by places
+  std::vector<FaceId> first_ended_;
   std::vector<std::uint32_t> first_made_;
   std::vector<FaceId> made_;
 };

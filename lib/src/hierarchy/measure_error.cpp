@@ -36,7 +36,7 @@ void measure_scaled(const TriangleMesh& mesh, CollapseSequence& sequence) {
   const std::vector<float> backward = backward_errors(mesh, levels, saturated(levels, forward.errors));
   const float rounding = position_rounding(mesh);
   for (CollapseIndex c = 0; c < levels.collapse_count(); ++c) {
-    float& error = sequence.collapses[c].guaranteed_error;
+    float& error = sequence.collapses[c]->guaranteed_error;
     const bool is_fine = error <= forward.floor && forward.errors[c] <= forward.floor;
     if (!is_fine) error = std::max(forward.errors[c], backward[c]) + rounding;
   }
@@ -48,15 +48,15 @@ void measure_errors(TriangleMesh& mesh, CollapseSequence& sequence) {
   const float scale = power_of_two_scale(mesh.positions);
   std::vector<glm::vec3> positions = mesh.positions;
   for (glm::vec3& p : mesh.positions) p *= scale;
-  for (Collapse& collapse : sequence.collapses) {
-    collapse.guaranteed_error = scaled_up(collapse.guaranteed_error, scale);
-    collapse.moved = scaled_up(collapse.moved, scale);
+  for (Collapse* collapse : sequence.collapses) {
+    collapse->guaranteed_error = scaled_up(collapse->guaranteed_error, scale);
+    collapse->moved = scaled_up(collapse->moved, scale);
   }
   measure_scaled(mesh, sequence);
   const float to_object = 1.0F / scale;
-  for (Collapse& collapse : sequence.collapses) {
-    collapse.guaranteed_error = scaled_up(collapse.guaranteed_error, to_object);
-    collapse.moved = scaled_up(collapse.moved, to_object);
+  for (Collapse* collapse : sequence.collapses) {
+    collapse->guaranteed_error = scaled_up(collapse->guaranteed_error, to_object);
+    collapse->moved = scaled_up(collapse->moved, to_object);
   }
   mesh.positions = std::move(positions);
 }

@@ -18,7 +18,7 @@ namespace {
 
 // Vertices of a block: large enough for a good order, small enough for a cache. Once no more are left, the rest is one
 // block.
-constexpr std::size_t block_size = 8192;
+constexpr std::size_t block_size = CollapseRecords::block_size;
 constexpr double cheap_share = 0.5;  // of the vertices, those with the cheapest collapses have their turn in a pass
 constexpr double least_progress = 1.0 / 128;  // of the vertices; a pass that collapses fewer is the last
 
@@ -56,7 +56,7 @@ class Simplifier {
     live_.reserve(mesh.vertex_count());
     for (VertexId v = 0; v < mesh.vertex_count(); ++v) live_.push_back(v);
     drop_dead();
-    for (unsigned i = 0; i < threads_; ++i) workers_.push_back(std::make_unique<CollapseWorker>(*state_));
+    for (unsigned i = 0; i < threads_; ++i) workers_.push_back(std::make_unique<CollapseWorker>(*state_, records_));
   }
 
   CollapseSequence run() {
@@ -99,9 +99,8 @@ class Simplifier {
     std::vector<Block> blocks;
     for (std::size_t begin = 0; begin < live_.size(); begin += size) {
       const auto vertices = std::span<const VertexId>(live_).subspan(begin, std::min(size, live_.size() - begin));
-      blocks.push_back({vertices, static_cast<std::uint32_t>(begin), next_id_, threshold,
+      blocks.push_back({vertices, static_cast<std::uint32_t>(begin), records_.size() + blocks.size(), threshold,
                         live_faces_ - std::min(live_faces_, options_.base_triangles)});
-      next_id_ += static_cast<CollapseId>(vertices.size());
     }
     return blocks;
   }
@@ -114,8 +113,8 @@ class Simplifier {
     const auto work = [&](CollapseWorker& worker, const auto& go_on) {
       try {
         for (std::size_t i = next++; i < blocks.size() && !progress_.is_cancelled(); i = next++) {
-          records_[first_record + i] = worker.run(blocks[i], go_on);
-          faces_gone_ += records_[first_record + i].faces_gone;
+          worker.run(blocks[i], go_on);
+          faces_gone_ += records_[blocks[i].record].faces_gone;
         }
       } catch (...) {
         next = blocks.size();  // or the other threads would go on to the end
@@ -145,10 +144,13 @@ class Simplifier {
   // The records of all blocks as one sequence, in the order of their ranks. The state goes first: both need much
   // memory.
   CollapseSequence join() {
-    std::vector<LevelFace> base = state_->mesh.faces();
+    CollapseSequence sequence;
+    sequence.base = state_->mesh.faces();
+    for (const auto& worker : workers_) sequence.memory.push_back(worker->take_memory());
     workers_.clear();
     state_.reset();
-    return join_records(records_, std::move(base), threads_, ProgressPart{progress_, passes_last, joined, 1.0});
+    join_records(records_, sequence, threads_, ProgressPart{progress_, passes_last, joined, 1.0});
+    return sequence;
   }
 
   const TriangleMesh& mesh_;
@@ -157,12 +159,11 @@ class Simplifier {
   BuildProgress progress_;
   std::unique_ptr<SimplifyState> state_;
   Box box_;
+  CollapseRecords records_;
   std::vector<std::unique_ptr<CollapseWorker>> workers_;
   std::vector<VertexId> live_;  // in the order of the pass
   std::size_t live_faces_ = 0;
   std::atomic<std::size_t> faces_gone_ = 0;
-  CollapseId next_id_ = 0;
-  std::vector<BlockRecord> records_;
 };
 
 }  // namespace

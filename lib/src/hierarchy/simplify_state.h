@@ -32,7 +32,7 @@ struct SimplifyState {
   SimplifyState(const TriangleMesh& input, double boundary_weight, unsigned threads, const ProgressPart& progress);
 
   float scale = 1.0F;  // a power of two, so that scaling is exact; takes the extent of the input into [1/2, 1]
-  LargeVector<VertexState> vertices;
+  UninitializedVector<VertexState> vertices;
   StarMesh mesh;
   LargeVector<Turn> turns;
 

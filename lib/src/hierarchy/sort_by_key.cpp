@@ -10,11 +10,11 @@
 namespace occlod {
 
 // Each thread has a part of the items: with parts in order within each digit, their number does not change the result.
-void sort_by_key(LargeVector<Keyed>& items, unsigned key_bits, unsigned threads) {
+void sort_by_key(UninitializedVector<Keyed>& items, unsigned key_bits, unsigned threads) {
   if (items.empty()) return;
   const unsigned rounds = std::max(1U, (key_bits + 10) / 11), digit_bits = (key_bits + rounds - 1) / rounds;
   const std::size_t digits = std::size_t{1} << digit_bits;
-  LargeVector<Keyed> other(items.size());
+  UninitializedVector<Keyed> other(items.size());
   std::vector<std::size_t> starts(threads * digits);
   for (unsigned round = 0; round < rounds; ++round) {
     const auto digit_of = [&](const Keyed& item) { return item.key >> (round * digit_bits) & (digits - 1); };

@@ -13,6 +13,6 @@ struct Keyed {
 };
 
 // Ascending keys, all below 2^key_bits, equal keys in their old order. The result does not depend on the threads. O(n).
-void sort_by_key(LargeVector<Keyed>& items, unsigned key_bits, unsigned threads);
+void sort_by_key(UninitializedVector<Keyed>& items, unsigned key_bits, unsigned threads);
 
 }  // namespace occlod

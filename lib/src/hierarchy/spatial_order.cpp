@@ -6,6 +6,7 @@
 #include <limits>
 #include <numeric>
 
+#include "core/platform.h"
 #include "parallel.h"
 #include "sort_by_key.h"
 
@@ -57,8 +58,10 @@ std::vector<T> permuted(const std::vector<T>& values, const std::vector<VertexId
 void sort_spatially(const PositionView& positions, const MortonCurve& curve, std::vector<VertexId>& vertices,
                     unsigned threads) {
   const MortonGrid grid(curve);
-  LargeVector<Keyed> keyed(vertices.size());
+  UninitializedVector<Keyed> keyed(vertices.size());
   for_each_id(vertices.size(), threads, [&](std::uint32_t i) {
+    constexpr std::size_t ahead = 16;
+    if (i + ahead < vertices.size()) prefetch(&positions[vertices[i + ahead]]);
     keyed[i] = {grid.code(positions[vertices[i]]), vertices[i]};
   });
   sort_by_key(keyed, 3 * curve.bits, threads);

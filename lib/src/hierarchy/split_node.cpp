@@ -23,6 +23,10 @@ double step_of(double middle, double half, std::uint16_t q) { return middle + (2
 // Step q of [0, end].
 double step_of(double end, std::uint16_t q) { return end * (q / steps); }
 
+float unpack_cos(std::uint16_t cone_cos) {
+  return cone_cos == 0 ? -1.0F : static_cast<float>(cone_cos) * static_cast<float>(1.0 / steps);
+}
+
 // Truncates: steps are not negative.
 std::uint16_t clamped(double q) { return static_cast<std::uint16_t>(std::clamp(q, 0.0, steps)); }
 
@@ -79,12 +83,10 @@ void PackedBounds::set_cone(float cos_angle) {
     return;
   }
   cone_cos = clamped(static_cast<double>(cos_angle) * steps);
-  if (cone_cos > 0 && cone().cos_angle > cos_angle) --cone_cos;  // unpacked with a rounding of its own
+  if (cone_cos > 0 && unpack_cos(cone_cos) > cos_angle) --cone_cos;  // unpacked with a rounding of its own
 }
 
-NormalCone PackedBounds::cone() const noexcept {
-  return {unpack_axis(), cone_cos == 0 ? -1.0F : static_cast<float>(cone_cos) * static_cast<float>(1.0 / steps)};
-}
+NormalCone PackedBounds::cone() const noexcept { return {unpack_axis(), unpack_cos(cone_cos)}; }
 
 void PackedBounds::set_cylinder(const Sphere& sphere, const Cylinder& cylinder) {
   const double r = static_cast<double>(sphere.radius);

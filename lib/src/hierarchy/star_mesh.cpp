@@ -14,27 +14,16 @@ namespace {
 
 constexpr std::uint32_t first_capacity = 8;  // with as many CollapseIds, one cache line
 
-// The faces at every vertex.
-struct Incidences {
-  LargeVector<std::size_t> first;  // those at v are [first[v], first[v + 1])
-  LargeVector<std::pair<VertexId, VertexId>> opposite;
-
-  // Each thread scans all faces and handles the vertices of its part.
-  Incidences(std::span<const Triangle> faces, std::size_t vertices, unsigned threads)
-      : first(vertices + 2), opposite(3 * faces.size()) {
-    const auto for_each_corner = [&](const auto& visit) {
-      for_each_part(vertices, threads, [&](std::size_t begin, std::size_t end, std::size_t) {
-        for (const Triangle& t : faces)
-          for (int i = 0; i < 3; ++i)
-            if (t[i] >= begin && t[i] < end) visit(t[i], t[(i + 1) % 3], t[(i + 2) % 3]);
-      });
-    };
-    for_each_corner([&](VertexId v, VertexId, VertexId) { ++first[v + 2]; });
-    for (std::size_t v = 2; v < first.size(); ++v) first[v] += first[v - 1];
-    // Until here first[v + 1] is where v's begin; writing moves it to where they end.
-    for_each_corner([&](VertexId v, VertexId next, VertexId last) { opposite[first[v + 1]++] = {next, last}; });
-  }
-};
+// Calls visit(v, next, last) for each corner of each face, next and last being the others in winding order. Each thread
+// goes through all faces and takes the vertices of its part.
+template <typename Visit>
+void for_each_corner(std::span<const Triangle> faces, std::size_t vertices, unsigned threads, const Visit& visit) {
+  for_each_part(vertices, threads, [&](std::size_t begin, std::size_t end, std::size_t) {
+    for (const Triangle& t : faces)
+      for (int i = 0; i < 3; ++i)
+        if (t[i] >= begin && t[i] < end) visit(t[i], t[(i + 1) % 3], t[(i + 2) % 3]);
+  });
+}
 
 }  // namespace
 
@@ -49,31 +38,37 @@ std::uint32_t* StarArena::allocate(std::size_t count) {
 
 StarMesh::StarMesh(std::span<const Triangle> faces, std::size_t vertex_count, unsigned threads)
     : places_(vertex_count) {
-  const Incidences incidences(faces, vertex_count, threads);
+  for_each_corner(faces, vertex_count, threads, [&](VertexId v, VertexId, VertexId) { ++places_[v].size; });
   std::size_t slots = 0;
-  for (VertexId v = 0; v < vertex_count; ++v) {
-    const std::size_t size = incidences.first[v + 1] - incidences.first[v];
-    places_[v].capacity = std::max(first_capacity, static_cast<std::uint32_t>(size)) & 0x7fffffffU;
-    slots += 2 * std::size_t{places_[v].capacity};
+  for (Place& place : places_) {
+    place.capacity = std::max(first_capacity, place.size) & 0x7fffffffU;
+    slots += 2 * std::size_t{place.capacity};
   }
   const std::size_t bytes = slots * sizeof(std::uint32_t);
   pool_ = {static_cast<std::uint32_t*>(allocate_large(bytes)), Delete{bytes}};
   std::uint32_t* next_place = pool_.get();
   for (Place& place : places_) {
     place.ids = next_place;
+    place.size = 0;
     next_place += 2 * std::size_t{place.capacity};
   }
+  // First the two others of each face, in all of the place: capacity is no less than size.
+  for_each_corner(faces, vertex_count, threads, [&](VertexId v, VertexId next, VertexId last) {
+    std::uint32_t* const ids = places_[v].ids + 2 * std::size_t{places_[v].size++};
+    ids[0] = next;
+    ids[1] = last;
+  });
   std::mutex arena_mutex;
   for_each_range(vertex_count, threads, [&](std::size_t begin, std::size_t end) {
     std::vector<StarFace> star;
     for (std::size_t v = begin; v < end; ++v) {
+      Place& place = places_[v];
       star.clear();
-      for (std::size_t i = incidences.first[v]; i < incidences.first[v + 1]; ++i)
-        star.push_back({incidences.opposite[i].first, incidences.opposite[i].second, no_id});
+      for (std::size_t i = 0; i < place.size; ++i) star.push_back({place.ids[2 * i], place.ids[2 * i + 1], no_id});
       const bool is_ring = chain(star);
       std::unique_lock lock(arena_mutex, std::defer_lock);
-      if (!is_ring && 2 * star.size() > places_[v].capacity) lock.lock();  // does not fit
-      store(places_[v], star, is_ring, arena_);
+      if (!is_ring && 2 * star.size() > place.capacity) lock.lock();  // does not fit
+      store(place, star, is_ring, arena_);
     }
   });
 }

@@ -97,6 +97,8 @@ class StarMesh {
   [[nodiscard]] Star star(VertexId v) const noexcept { return view(places_[v]); }
   // A hint that the star of v will soon be asked for.
   void prefetch(VertexId v) const noexcept { occlod::prefetch(places_[v].ids); }
+  // Earlier still: that v will soon be given to prefetch().
+  void prefetch_place(VertexId v) const noexcept { occlod::prefetch(&places_[v]); }
   // The number of faces at edge ab.
   [[nodiscard]] int edge_degree(VertexId a, VertexId b) const noexcept;
   // The vertices that share a face with v, each once, ascending. `out` is cleared first.

@@ -17,11 +17,6 @@ glm::vec3 unit_normal(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c
   return length2 > 0.0 ? glm::vec3(normal / std::sqrt(length2)) : glm::vec3(0.0F);
 }
 
-// A corner that sharp or sharper needs double precision; of any other, single precision gives the normal to within
-// normal_slack.
-constexpr float min_sin2 = 0.0025F;
-constexpr float normal_slack = 1e-5F;
-
 glm::vec3 axis_of(const glm::vec3& sum) {
   const float length2 = glm::dot(sum, sum);
   return length2 > 1e-12F ? sum / std::sqrt(length2) : glm::vec3(0, 0, 1);

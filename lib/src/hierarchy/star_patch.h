@@ -32,6 +32,10 @@ struct BoundedPatch {
 // unit in their own last place, and no sum is longer than a dozen terms.
 inline constexpr float grow = 1.0F + 4e-6F;
 inline constexpr float cone_slack = 4e-6F;
+// A corner whose squared sine is that small or smaller needs double precision; of any other, single precision gives the
+// normal to within normal_slack.
+inline constexpr float min_sin2 = 0.0025F;
+inline constexpr float normal_slack = 1e-5F;
 // What roundings make of numbers so small that their last place no longer shrinks with them: some twenty of it.
 inline constexpr float denormal_slack = 3e-44F;
 

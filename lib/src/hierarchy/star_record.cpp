@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 
 namespace occlod {
 namespace {
@@ -91,6 +92,35 @@ void append_star(const StarContents& star, std::vector<std::uint32_t>& words) {
     words.insert(words.end(), {face.ref.split, face.ref.slot});
     append_corners(face.corners, words);
   }
+}
+
+bool append_fan(const FanContents& fan, std::vector<std::uint32_t>& words) {
+  const std::size_t size = fan.ring.size(), removed_words = (fan.removed.size() + 3) / 4;
+  if (size > SplitStar::most_ring) return false;
+  std::array<SplitId, SplitStar::most_ring> dependencies;
+  std::size_t count = 0;
+  for (const FaceRef& ref : fan.removed) {
+    if (ref.split == no_id || ref.slot >= SplitStar::most_slots) return false;
+    std::size_t at = count;
+    while (at > 0 && dependencies[at - 1] > ref.split) --at;
+    if (at > 0 && dependencies[at - 1] == ref.split) continue;
+    std::copy_backward(dependencies.begin() + at, dependencies.begin() + count, dependencies.begin() + count + 1);
+    dependencies[at] = ref.split;
+    ++count;
+  }
+  if (count > SplitStar::most_dependencies) return false;
+  const std::size_t begin = words.size();
+  words.resize(begin + 1 + size + count + removed_words, 0);
+  std::uint32_t* next = words.data() + begin;
+  *next++ = static_cast<std::uint32_t>(size | fan.parent_place << 8U | count << 16U) | SplitStar::closed_bit;
+  next = std::copy(fan.ring.begin(), fan.ring.end(), next);
+  next = std::copy_n(dependencies.begin(), count, next);
+  for (std::size_t i = 0; i < fan.removed.size(); ++i) {
+    std::uint32_t dependency = 0;
+    while (dependencies[dependency] != fan.removed[i].split) ++dependency;
+    next[i / 4] |= (fan.removed[i].slot << 4U | dependency) << (8 * (i % 4));
+  }
+  return true;
 }
 
 std::optional<std::string> check_star(std::span<const std::uint32_t> record, SplitId s, VertexId vertex,

@@ -10,6 +10,7 @@
 #include "occlod/core/ids.h"
 #include "occlod/hierarchy/split_star.h"
 #include "occlod/mesh/triangle_mesh.h"
+#include "star_shape.h"
 
 namespace occlod {
 
@@ -17,8 +18,6 @@ struct RemovedFace {
   FaceRef ref;
   Triangle corners;
 };
-
-enum class StarShape : std::uint8_t { closed_fan, open_fan, other };
 
 // What a record says. The inserted faces of a fan are in ring order, each with v as its first corner.
 struct StarContents {
@@ -31,6 +30,16 @@ struct StarContents {
 
 // Appends the shortest record that holds the star.
 void append_star(const StarContents& star, std::vector<std::uint32_t>& words);
+
+// A closed fan of which every removed face is known: those without the parent vertex, in the order of its slots.
+struct FanContents {
+  std::span<const VertexId> ring;
+  std::size_t parent_place = 0;
+  std::span<const FaceRef> removed;
+};
+
+// Likewise; returns whether it did. Nothing is appended when the star needs more than a short record holds.
+[[nodiscard]] bool append_fan(const FanContents& fan, std::vector<std::uint32_t>& words);
 
 // Whether record and its ids can be read safely: it ends where the next begins, corners are vertices that are there
 // once split s is applied (smaller than or equal to its own), dependencies and the splits of removed faces are smaller

@@ -9,20 +9,11 @@
 #include "core/large_vector.h"
 #include "core/platform.h"
 #include "parallel.h"
+#include "patch_rows.h"
 #include "star_patch.h"
 
 namespace occlod {
 namespace {
-
-// Extends a cone around `axis` so that it holds the patch's cone; -1 once it holds a half space or more.
-float widen(float cos_angle, const glm::vec3& axis, const Patch& patch) {
-  if (!patch.has_normal || cos_angle <= 0.0F) return cos_angle;
-  const float cos_between = glm::dot(axis, patch.axis);
-  if (cos_between <= 0.0F || patch.cos_angle <= 0.0F) return -1.0F;
-  // From the cross product: the root of 1 - cos^2 is all rounding error for small angles.
-  const float sin_between = glm::length(glm::cross(axis, patch.axis));
-  return std::min(cos_angle, cos_between * patch.cos_angle - sin_between * patch.sin_angle - cone_slack);
-}
 
 glm::vec3 unit_or(const glm::vec3& v, const glm::vec3& otherwise) {
   const float length = glm::length(v);
@@ -37,18 +28,30 @@ class SubtreeBounds {
 
   HierarchyData run() {
     order_depth_first();
-    bound_stars();
+    place_patches();
     join_boxes();
-    join_patches(patches_, blocks_);
+    join_patches(rows_, blocks_);
     join_patches(blocks_, large_blocks_);
     data().nodes.resize(std::size_t{splits_} + 1);
-    for_each_split([&](SplitId s) { make_node(s); });
-    data().nodes.back().star = assembly_.stars.back();
+    for_each_id(splits_ + 1, threads_, [&](SplitId s) { start_node(s); });
+    for_each_range(splits_, threads_, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t place = begin; place < end; place += NodeExtents::capacity)
+        bound_nodes(place, std::min(place + NodeExtents::capacity, end));
+    });
     return std::move(assembly_.data);
   }
 
  private:
   static constexpr std::size_t block_size = 64;
+
+  // What own faces occupy, later whole subtrees.
+  struct Region {
+    Box box;
+    glm::vec3 normal{0.0F};        // sum of unit normals
+    std::uint32_t parent = no_id;  // place of the forest parent
+    SplitId split = no_id;
+    std::uint32_t size = 0;  // of the subtree
+  };
 
   [[nodiscard]] HierarchyData& data() noexcept { return assembly_.data; }
 
@@ -75,25 +78,26 @@ class SubtreeBounds {
     for_each_id(splits_, threads_, visit);
   }
 
-  void bound_stars() {
-    patches_.resize(splits_);
+  void place_patches() {
+    UninitializedVector<SplitId> split_at(splits_);
+    for_each_split([&](SplitId s) { split_at[place_[s]] = s; });
     regions_.resize(splits_);
-    const auto base_vertices = static_cast<VertexId>(data().positions.size() - splits_);
-    for_each_split([&](SplitId s) {
-      // Ring vertices are anywhere in memory.
-      if (s + 4 < splits_) {
-        const SplitStar next(data().stars.data() + assembly_.stars[s + 4], base_vertices + s + 4);
-        for (const VertexId w : next.ring()) prefetch(&data().positions[w]);
-        prefetch(&patches_[place_[s + 4]]);
-        prefetch(&regions_[place_[s + 4]]);
+    rows_ = PatchRows(splits_);
+    for_each_id(splits_, threads_, [&](std::uint32_t place) {
+      constexpr std::uint32_t ahead = 12;
+      if (place + ahead < splits_) {
+        const SplitId next = split_at[place + ahead];
+        prefetch(&assembly_.patches[next]);
+        prefetch(&sizes_[next]);
+        prefetch(&assembly_.parents[next]);
       }
-      const SplitStar star(data().stars.data() + assembly_.stars[s], base_vertices + s);
-      const BoundedPatch own = bound_star(star, data().positions);
-      const SplitId parent = assembly_.parents[s];
-      patches_[place_[s]] = own.patch;
-      regions_[place_[s]] = {own.box, own.patch.has_normal ? own.patch.axis : glm::vec3(0.0F),
-                             parent == no_id ? no_id : place_[parent]};
+      const SplitId s = split_at[place], parent = assembly_.parents[s];
+      const BoundedPatch& own = assembly_.patches[s];
+      rows_.set(place, own.patch);
+      regions_[place] = {own.box, own.patch.has_normal ? own.patch.axis : glm::vec3(0.0F),
+                         parent == no_id ? no_id : place_[parent], s, sizes_[s]};
     });
+    UninitializedVector<BoundedPatch>().swap(assembly_.patches);
   }
 
   // From own faces to subtrees: below a split means behind it in the order.
@@ -109,48 +113,54 @@ class SubtreeBounds {
   }
 
   // One patch for each block_size patches in a row.
-  static void join_patches(const LargeVector<Patch>& patches, LargeVector<Patch>& blocks) {
-    for (std::size_t first = 0; first < patches.size(); first += block_size) {
-      const std::size_t end = std::min(first + block_size, patches.size());
-      Patch block;
-      glm::vec3 normal(0.0F);
-      glm::vec3 low(std::numeric_limits<float>::max()), high(std::numeric_limits<float>::lowest());
-      for (std::size_t i = first; i < end; ++i) {
-        if (patches[i].has_normal) normal += patches[i].axis;
-        low = glm::min(low, patches[i].sphere.center - patches[i].sphere.radius);
-        high = glm::max(high, patches[i].sphere.center + patches[i].sphere.radius);
-      }
-      block.axis = unit_or(normal, glm::vec3(0, 0, 1));
-      block.sphere.center = 0.5F * low + 0.5F * high;
-      for (std::size_t i = first; i < end; ++i) {
-        const Sphere& sphere = patches[i].sphere;
-        block.sphere.radius =
-            std::max(block.sphere.radius, length_of(sphere.center - block.sphere.center) + sphere.radius);
-        block.cos_angle = widen(block.cos_angle, block.axis, patches[i]);
-        block.has_normal = block.has_normal || patches[i].has_normal;
-      }
-      block.sphere.radius = block.sphere.radius * grow + denormal_slack;
-      if (block.cos_angle <= 0.0F) block.cos_angle = -1.0F;
-      block.sin_angle = std::sqrt(std::max(0.0F, (1.0F - block.cos_angle) * (1.0F + block.cos_angle)));
-      blocks.push_back(block);
-    }
+  void join_patches(const PatchRows& patches, PatchRows& blocks) const {
+    blocks = PatchRows((patches.size() + block_size - 1) / block_size);
+    for_each_id(blocks.size(), threads_, [&](std::uint32_t block) {
+      const std::size_t first = block * block_size;
+      blocks.set(block, join_patches(patches, first, std::min(first + block_size, patches.size())));
+    });
   }
 
-  // Calls visit for patches that together hold places [first, end): single ones at the ragged ends, blocks between.
-  template <typename Visit>
-  void for_each_patch(std::size_t first, std::size_t end, const Visit& visit) const {
-    constexpr std::size_t large_size = block_size * block_size;
-    while (first < end) {
-      if (first % large_size == 0 && first + large_size <= end) {
-        visit(large_blocks_[first / large_size]);
-        first += large_size;
-      } else if (first % block_size == 0 && first + block_size <= end) {
-        visit(blocks_[first / block_size]);
-        first += block_size;
-      } else {
-        visit(patches_[first++]);
-      }
+  static Patch join_patches(const PatchRows& patches, std::size_t first, std::size_t end) {
+    Patch block;
+    glm::vec3 normal(0.0F);
+    glm::vec3 low(std::numeric_limits<float>::max()), high(std::numeric_limits<float>::lowest());
+    for (std::size_t i = first; i < end; ++i) {
+      const Patch patch = patches[i];
+      if (patch.has_normal) normal += patch.axis;
+      low = glm::min(low, patch.sphere.center - patch.sphere.radius);
+      high = glm::max(high, patch.sphere.center + patch.sphere.radius);
     }
+    block.axis = unit_or(normal, glm::vec3(0, 0, 1));
+    block.sphere.center = 0.5F * low + 0.5F * high;
+    for (std::size_t i = first; i < end; ++i) {
+      const Patch patch = patches[i];
+      block.sphere.radius =
+          std::max(block.sphere.radius, length_of(patch.sphere.center - block.sphere.center) + patch.sphere.radius);
+      if (!patch.has_normal) continue;
+      block.cos_angle = std::min(block.cos_angle, widened(block.axis, patch));
+      block.has_normal = true;
+    }
+    block.sphere.radius = block.sphere.radius * grow + denormal_slack;
+    if (block.cos_angle <= 0.0F) block.cos_angle = -1.0F;
+    block.sin_angle = std::sqrt(std::max(0.0F, (1.0F - block.cos_angle) * (1.0F + block.cos_angle)));
+    return block;
+  }
+
+  // Calls visit(rows, first, end) for patches that together hold places [first, end): single ones at the ragged ends,
+  // blocks between.
+  template <typename Visit>
+  void for_each_run(std::size_t first, std::size_t end, const Visit& visit) const {
+    const auto up = [](std::size_t place) { return (place + block_size - 1) / block_size; };
+    const std::size_t first_block = up(first), end_block = end / block_size;
+    if (first_block >= end_block) return visit(rows_, first, end);
+    visit(rows_, first, first_block * block_size);
+    visit(rows_, end_block * block_size, end);
+    const std::size_t first_large = up(first_block), end_large = end_block / block_size;
+    if (first_large >= end_large) return visit(blocks_, first_block, end_block);
+    visit(blocks_, first_block, first_large * block_size);
+    visit(blocks_, end_large * block_size, end_block);
+    visit(large_blocks_, first_large, end_large);
   }
 
   // The largest distance from `center` to a point of the box.
@@ -158,71 +168,89 @@ class SubtreeBounds {
     return length_of(glm::max(box.max - center, center - box.min)) * grow + denormal_slack;
   }
 
-  void make_node(SplitId s) {
-    if (s + 6 < splits_) {
-      const Patch* const first = &patches_[place_[s + 6]];
-      prefetch(first);
-      prefetch(first + 2);
-      prefetch(&regions_[place_[s + 6]]);
-    }
-    SplitNode& node = data().nodes[s];
+  // All but the bounds, and the sentinel.
+  void start_node(SplitId s) {
+    SplitNode& node = data().nodes[s] = {};
+    node.star = assembly_.stars[s];
+    if (s == splits_) return;
     node.error = assembly_.errors[s].quadric;
     node.guaranteed_error = assembly_.errors[s].guaranteed;
     node.child_u = assembly_.children_u[s];
     node.child_v = assembly_.children_v[s];
     node.parent = assembly_.parents[s];
-    node.star = assembly_.stars[s];
-    bound(node, place_[s], sizes_[s]);
+  }
+
+  // In depth-first order patches are in the cache, but nodes are anywhere in memory.
+  void bound_nodes(std::size_t first, std::size_t end) {
+    NodeExtents nodes;
+    nodes.size.fill(0);
+    for (std::size_t place = first; place < end; ++place) {
+      prefetch(&data().nodes[regions_[place].split]);
+      start_bounds(nodes, place - first, regions_[place]);
+    }
+    include_patches(rows_, first, nodes);
+    for (std::size_t place = first; place < end; ++place) {
+      const std::size_t i = place - first;
+      const std::size_t node_end = place + regions_[place].size;
+      if (nodes.size[i] == 0)
+        for_each_run(place, node_end, [&](const PatchRows& patches, std::size_t begin, std::size_t run_end) {
+          if (begin < run_end) include_run(patches, begin, run_end, nodes, i);
+        });
+      if (nodes.is_extreme[i] != 0) measure_exactly(nodes, i, place);
+      bound(data().nodes[regions_[place].split], nodes, i, regions_[place].box);
+    }
   }
 
   // All bounds are around the middle of the box. The paper's axis is the normal of the split vertex; the mean normal of
   // the subtree is that of its surface at every level.
-  void bound(SplitNode& node, std::size_t place, std::size_t size) {
-    const Box& box = regions_[place].box;
-    const glm::vec3 center = 0.5F * box.min + 0.5F * box.max;
-    node.bounds.set_axis(unit_or(regions_[place].normal, glm::vec3(0, 0, 1)));
-    const glm::vec3 axis = node.bounds.unpack_axis();
-    Cylinder cylinder{center, 0.0F, axis, std::numeric_limits<float>::max(), std::numeric_limits<float>::lowest()};
-    float radius = 0.0F;
-    float cos_angle = 1.0F;
-    bool has_normal = false;
-    for_each_patch(place, place + size, [&](const Patch& patch) {
+  void start_bounds(NodeExtents& nodes, std::size_t i, const Region& region) {
+    PackedBounds& bounds = data().nodes[region.split].bounds;
+    bounds.set_axis(unit_or(region.normal, glm::vec3(0, 0, 1)));
+    nodes.start(i, center_of(region.box), bounds.unpack_axis());
+    if (region.size < NodeExtents::capacity) nodes.size[i] = static_cast<std::int32_t>(region.size);
+  }
+
+  static glm::vec3 center_of(const Box& box) { return 0.5F * box.min + 0.5F * box.max; }
+
+  // The extents of the node at `place`, where squares of lengths leave the range of floats.
+  void measure_exactly(NodeExtents& nodes, std::size_t i, std::size_t place) const {
+    const glm::vec3 center(nodes.center_x[i], nodes.center_y[i], nodes.center_z[i]);
+    const glm::vec3 axis(nodes.axis_x[i], nodes.axis_y[i], nodes.axis_z[i]);
+    nodes.radius[i] = nodes.cylinder_radius[i] = 0.0F;
+    const auto include = [&](const Patch& patch) {
       const glm::vec3 offset = patch.sphere.center - center;
-      const float along = glm::dot(offset, axis);
-      radius = std::max(radius, length_of(offset) + patch.sphere.radius);
-      cylinder.radius = std::max(cylinder.radius, length_of(offset - along * axis) + patch.sphere.radius);
-      cylinder.t_min = std::min(cylinder.t_min, along - patch.sphere.radius);
-      cylinder.t_max = std::max(cylinder.t_max, along + patch.sphere.radius);
-      cos_angle = widen(cos_angle, axis, patch);
-      has_normal = has_normal || patch.has_normal;
-    });
+      const glm::vec3 beside = offset - glm::dot(offset, axis) * axis;
+      nodes.radius[i] = std::max(nodes.radius[i], length_of(offset) + patch.sphere.radius);
+      nodes.cylinder_radius[i] = std::max(nodes.cylinder_radius[i], length_of(beside) + patch.sphere.radius);
+    };
+    for_each_run(place, place + regions_[place].size,
+                 [&](const PatchRows& patches, std::size_t first, std::size_t end) {
+                   for (std::size_t p = first; p < end; ++p) include(patches[p]);
+                 });
+  }
+
+  static void bound(SplitNode& node, const NodeExtents& nodes, std::size_t i, const Box& box) {
+    const glm::vec3 center = center_of(box);
+    const float radius = nodes.radius[i];
     const float slack = radius * (grow - 1.0F) + denormal_slack;
     // A sphere around the box holds everything as well.
     node.sphere = {center, std::min(radius + slack, reach(center, box))};
-    cylinder.radius = std::min(cylinder.radius + slack, node.sphere.radius);
-    cylinder.t_min = std::max(cylinder.t_min - slack, -node.sphere.radius);
-    cylinder.t_max = std::min(cylinder.t_max + slack, node.sphere.radius);
-    node.bounds.set_cone(has_normal ? cos_angle : -1.0F);
+    const Cylinder cylinder{center, std::min(nodes.cylinder_radius[i] + slack, node.sphere.radius), glm::vec3(0.0F),
+                            std::max(nodes.t_min[i] - slack, -node.sphere.radius),
+                            std::min(nodes.t_max[i] + slack, node.sphere.radius)};
+    node.bounds.set_cone(nodes.has_normal[i] != 0 ? nodes.cos_angle[i] : -1.0F);
     node.bounds.set_cylinder(node.sphere, cylinder);
     node.bounds.set_box(node.sphere, box);
   }
 
-  // What own faces occupy, later whole subtrees.
-  struct Region {
-    Box box;
-    glm::vec3 normal{0.0F};        // sum of unit normals
-    std::uint32_t parent = no_id;  // place of the forest parent
-  };
-
   Assembly assembly_;
   unsigned threads_;
   SplitId splits_;
-  LargeVector<std::uint32_t> place_;  // of each split
-  LargeVector<std::uint32_t> sizes_;  // of each split's subtree
+  UninitializedVector<std::uint32_t> place_;  // of each split
+  LargeVector<std::uint32_t> sizes_;          // of each split's subtree
   // By place:
-  LargeVector<Patch> patches_;  // of own faces
-  LargeVector<Patch> blocks_, large_blocks_;
-  LargeVector<Region> regions_;
+  PatchRows rows_{0}, blocks_{0}, large_blocks_{0};
+  UninitializedVector<Region> regions_;
 };
 
 }  // namespace
