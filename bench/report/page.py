@@ -7,6 +7,7 @@ import json
 import pathlib
 import sys
 
+import break_even
 import plot
 from plot import Plot, short
 
@@ -93,6 +94,18 @@ def answers(report):
     """Everything that the choice of a setting needs, above the first plot."""
     use = how_to(report.settings[report.choice["recommended"]])
     return f"{table(ANSWER_HEADER, answer_rows(report), CHOICES['recommended'])}<p>Use {use}. {rule(report)}</p>"
+
+
+def break_even_rows(report):
+    return break_even.rows(report.points, [s["name"] for s in report.data["scenes"]], report.main["key"], report.data["knob_budget"])
+
+
+def pays(report):
+    """For which renderers occlusion pays, before all else."""
+    return (f"<h2>Does occlusion pay?</h2>{table(break_even.HEADER, break_even_rows(report))}<p>Frame to frame, {report.data['knob_budget']:,} triangles with occlusion; "
+            "without it as many as leave the same visible error, between two budgets by logarithms. Fewer triangles save a renderer time, and finding out which takes some: "
+            "where a triangle costs more than that break-even to draw, shading included, occlusion is the faster way to the same picture; where it costs less, more triangles "
+            "without occlusion are. 1 ns a triangle is a thousand million triangles a second.</p>")
 
 
 def rule(report):
@@ -227,7 +240,7 @@ def page(report):
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width,initial-scale=1"><title>occlod: what accuracy costs in time</title>
 <style>{plot.style()}{CSS}</style></head><body>
 <h1>What accuracy costs in time</h1>{small}
-{answers(report)}
+{pays(report)}<h2>Which setting?</h2>{answers(report)}
 <div id="main">{report.main_plot(size=(900, 420)).svg()}</div>{plot.legend_html(report.series, report.fronts())}
 <h2>What each step costs</h2>{table(WITHIN_HEADER, within_rows(report))}
 <h2>Triangles, and other errors</h2><p>The recommended setting is ringed in each; the front is each plot's own. What is less than {plot.FLOOR} px is drawn there. Crosses that are no settings of the command line are never recommended.</p><div class="plots" id="measures">{by_measure}</div>{legend}
@@ -248,7 +261,7 @@ def markdown(header, rows):
 
 
 def tables_as_markdown(report):
-    return "\n".join([markdown(ANSWER_HEADER, answer_rows(report)), markdown(WITHIN_HEADER, within_rows(report)), markdown(KNOB_HEADER, knob_rows(report)), markdown(STABILITY_HEADER, stability_rows(report)),
+    return "\n".join([markdown(break_even.HEADER, break_even_rows(report)), markdown(ANSWER_HEADER, answer_rows(report)), markdown(WITHIN_HEADER, within_rows(report)), markdown(KNOB_HEADER, knob_rows(report)), markdown(STABILITY_HEADER, stability_rows(report)),
                       markdown(point_header(report), point_rows(report, "all"))])
 
 

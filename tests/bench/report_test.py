@@ -159,6 +159,15 @@ class Report(unittest.TestCase):
             times = [next(p["ms"] for p in self.points["all"] if p["setting"] == name) for name in names]
             self.assertEqual(times, sorted(times))
 
+    def test_the_first_table_says_where_occlusion_pays(self):
+        first = self.page.tables[0]
+        self.assertIn("occlusion pays", first[0])
+        scenes = [s["name"] for s in self.json["scenes"]]
+        self.assertEqual([row[0] for row in first[1:]], [s for s in scenes if any(row[0] == s for row in first[1:])])
+        self.assertTrue(first[1:])
+        for row in first[1:]:
+            self.assertRegex(row[5], "^(always|never|from [0-9,]+ ns a triangle on)$")
+
     def test_recommendation(self):
         choice = self.json["choice"]
         offered = {s["name"] for s in self.json["settings"] if s["offered"]}
