@@ -46,7 +46,7 @@ class Renumbering {
   [[nodiscard]] Triangle triangle(const Triangle& t) const { return {vertex(t.x), vertex(t.y), vertex(t.z)}; }
 
   template <typename T>
-  void permute(std::span<const T> from, LargeVector<T>& to) const {
+  void permute(std::span<const T> from, UninitializedVector<T>& to) const {
     for (VertexId v = 0; v < from.size(); ++v) to[vertex(v)] = from[v];
   }
 
