@@ -1,6 +1,7 @@
 // bench_effects: the setting `auto` beside every fixed setting of occlusion, in the views of the shipped scenes and of
 // bench/scenes.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -11,6 +12,7 @@
 
 #include "drawing.h"
 #include "effects/fixed_settings.h"
+#include "effects/followed_path.h"
 #include "effects/scores.h"
 #include "occlod/effects/auto_refiner.h"
 #include "occlod/occlusion/software_occlusion.h"
@@ -23,7 +25,8 @@ namespace {
 namespace fs = std::filesystem;
 using tool::Json;
 
-constexpr int views_until_settled = 3;  // one look ahead, one back, and a choice by both
+constexpr int most_followed_rounds = 3;  // each is many frames
+constexpr int views_until_settled = 3;   // one look ahead, one back, and a choice by both
 
 struct Options {
   std::vector<std::string> scenes = {
@@ -34,6 +37,7 @@ struct Options {
   int search = 2;  // rounds of all settings
   int repeat = 7;  // rounds of the finalists
   std::size_t finalists = 6;
+  int follow = 60;
   fs::path calibration;
   fs::path out;
 };
@@ -94,7 +98,7 @@ class Contest {
         for (std::size_t k = 0; k < ways; ++k) {
           const std::size_t way = (k + static_cast<std::size_t>(round)) % ways;
           if (way == contestants_.size()) {
-            views_.add(i, by(jumping), jumping_);
+            views_.add(i, by(jumping), jumping_, true);
             continue;
           }
           // Twice each: the first time brings the memory that it works on into the caches.
@@ -103,7 +107,7 @@ class Contest {
             views_.add(i, by(contestants_[way].setting), contestants_[way].scores);
           } else {
             views_.draw(i, by(settled[i]));
-            views_.add(i, by(settled[i]), settled_);
+            views_.add(i, by(settled[i]), settled_, true);
           }
         }
       }
@@ -162,6 +166,18 @@ class Contest {
   std::string choices_;
 };
 
+std::vector<Contestant> followed_settings(std::size_t budget) {
+  RefineOptions options;
+  options.budget = budget;
+  options.queries.final_check = false;
+  options.queries.level_step = 1;
+  std::vector<Contestant> contestants = {{{"none", options, false}, {}}};
+  contestants.push_back({{"stars", options}, {}});
+  options.queries.ask_stars = false;
+  contestants.push_back({{"subtrees", options}, {}});
+  return contestants;
+}
+
 Table empty_table(const Options& options) {
   return {
       "effects",
@@ -187,6 +203,75 @@ Table empty_table(const Options& options) {
       {}};
 }
 
+// `auto` beside fixed settings that go on from frame to frame along the first path of a scene.
+Json followed_row(SceneRun& run, const std::string& scene, const Options& options, const Calibration& calibration) {
+  const auto& paths = run.description.paths;
+  const auto moves = std::find_if(paths.begin(), paths.end(), [](const auto& path) { return !path.second.jump; });
+  FollowedPath path(run, (moves == paths.end() ? paths.begin() : moves)->second, options.follow);
+  RefineOptions refine_options;
+  refine_options.budget = options.budgets.front();
+  std::vector<Contestant> contestants = followed_settings(refine_options.budget);
+  Scores by_auto;
+  std::vector<std::string> choices;
+  for (int round = 0; round < std::min(options.repeat, most_followed_rounds); ++round) {
+    for (Contestant& contestant : contestants) {
+      Refiner refiner(tool::refine_objects(run.objects));
+      Visibility& visibility = contestant.setting.occlusion ? *run.software : static_cast<Visibility&>(run.none);
+      path.follow(
+          [&](const View& view) -> const Refinement& {
+            return refiner.update(view, contestant.setting.options, visibility);
+          },
+          contestant.scores);
+    }
+    AutoOptions auto_options;
+    auto_options.calibration = calibration;
+    AutoRefiner refiner(tool::refine_objects(run.objects), std::move(auto_options));
+    choices.clear();
+    path.follow(
+        [&](const View& view) -> const Refinement& {
+          const Refinement& refinement = refiner.update(view, refine_options);
+          const std::string choice(name_of(refiner.report().choice.effort));
+          if (choices.empty() || choices.back() != choice) choices.push_back(choice);
+          return refinement;
+        },
+        by_auto);
+  }
+  const auto best = std::min_element(contestants.begin(), contestants.end(),
+                                     [](const auto& a, const auto& b) { return a.scores.score() < b.scores.score(); });
+  Json row = {{"scene", scene}, {"best", best->setting.name}};
+  for (const Contestant& contestant : contestants) {
+    const std::string key = contestant.setting.name;
+    row[key + "_ms"] = contestant.scores.frame_ms_mean();
+    row[key + "_px"] = contestant.scores.error_px_mean();
+  }
+  row["auto_ms"] = by_auto.frame_ms_mean();
+  row["auto_px"] = by_auto.error_px_mean();
+  row["auto_to_best"] = by_auto.score() / best->scores.score();
+  row["choices"] = fmt::format("{}", fmt::join(choices, " "));
+  return row;
+}
+
+Table empty_followed_table(const Options& options) {
+  Table table{"effects_followed",
+              fmt::format("From frame to frame along the first {} of 120 frames of each scene's first path that does "
+                          "not jump, without the "
+                          "first 15: `auto` beside fixed settings (software occlusion, no final check). Times and "
+                          "errors as above; the error of every ninth frame.",
+                          options.follow),
+              {{"scene", "scene"}},
+              {}};
+  for (const Contestant& contestant : followed_settings(options.budgets.front())) {
+    table.columns.push_back({contestant.setting.name + "_ms", contestant.setting.name + ", ms"});
+    table.columns.push_back({contestant.setting.name + "_px", "px"});
+  }
+  table.columns.insert(table.columns.end(), {{"best", "best"},
+                                             {"auto_ms", "auto, ms"},
+                                             {"auto_px", "px"},
+                                             {"auto_to_best", "score / best's"},
+                                             {"choices", "chosen, in turn"}});
+  return table;
+}
+
 Calibration calibration_of(const fs::path& file) {
   if (!file.empty() && fs::exists(file)) return read_calibration(file);
   std::vector<std::unique_ptr<Visibility>> backends;
@@ -199,9 +284,14 @@ Calibration calibration_of(const fs::path& file) {
 void run(const Options& options) {
   const Calibration calibration = calibration_of(options.calibration);
   Table table = empty_table(options);
+  Table followed = empty_followed_table(options);
   for (const std::string& scene : options.scenes) {
     const std::unique_ptr<SceneRun> scene_run = load_scene(file_of(scene), {});
     if (!scene_run) continue;
+    if (options.follow > 0 && !scene_run->description.paths.empty() &&
+        scene_run->is_decided_by(options.budgets.front()))
+      followed.add(followed_row(*scene_run, scene, options, calibration));
+    if (options.search == 0) continue;
     ScoredViews views(*scene_run, options.frames);
     for (const std::size_t budget : options.budgets) {
       if (!scene_run->is_decided_by(budget)) continue;
@@ -213,7 +303,9 @@ void run(const Options& options) {
       if (!options.out.empty()) write_text(options.out, csv(table));
     }
   }
-  fmt::print("{}", markdown(table));
+  fmt::print("{}\n{}", markdown(table), markdown(followed));
+  if (!options.out.empty() && options.follow > 0)
+    write_text(fs::path(options.out).replace_filename(followed.name + ".csv"), csv(followed));
 }
 
 int run(int argc, char** argv) {
@@ -222,9 +314,12 @@ int run(int argc, char** argv) {
   app.add_option("--scene", options.scenes, "Scenes by name, or scene files")->capture_default_str();
   app.add_option("--budget", options.budgets, "Triangles")->capture_default_str();
   app.add_option("--frames", options.frames, "Frames of each path")->capture_default_str();
-  app.add_option("--search", options.search, "Rounds of all settings")
+  app.add_option("--search", options.search, "Rounds of all settings; 0: only from frame to frame")
       ->capture_default_str()
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--follow", options.follow, "Frames of a path from frame to frame; 0: none")
+      ->capture_default_str()
+      ->check(CLI::Range(0, 1000) & !CLI::Range(1, 15));
   app.add_option("--finalists", options.finalists, "Settings that are timed beside auto")->capture_default_str();
   add_repeat_option(app, options.repeat, "Rounds of the finalists and auto");
   app.add_option("--calibration", options.calibration, "Read from this file, or measured and written to it");

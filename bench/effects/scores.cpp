@@ -28,7 +28,8 @@ double Scores::frame_ms_mean() const {
 }
 
 double Scores::error_px_mean() const {
-  return geometric_mean(error_px, [](double px) { return std::hypot(px, least_error_px); });
+  return geometric_mean(error_px,
+                        [](const std::vector<double>& rounds) { return std::hypot(median(rounds), least_error_px); });
 }
 
 double Scores::score() const { return frame_ms_mean() * error_px_mean(); }
@@ -45,13 +46,14 @@ void ScoredViews::draw(std::size_t i, const Refine& refine) {
   tool::redraw(items_, drawn_, views_[i]);
 }
 
-void ScoredViews::add(std::size_t i, const Refine& refine, Scores& scores) {
+void ScoredViews::add(std::size_t i, const Refine& refine, Scores& scores, bool may_differ) {
   scores.frame_ms.resize(views_.size());
-  scores.error_px.resize(views_.size(), -1.0);
+  scores.error_px.resize(views_.size());
   const double start = thread_cpu_ms();
   draw(i, refine);
   scores.frame_ms[i].push_back(thread_cpu_ms() - start);
-  if (scores.error_px[i] < 0.0) scores.error_px[i] = full_[i].distance_to(items_, drawn_).depth_rms_px;
+  if (may_differ || scores.error_px[i].empty())
+    scores.error_px[i].push_back(full_[i].distance_to(items_, drawn_).depth_rms_px);
 }
 
 }  // namespace occlod::bench

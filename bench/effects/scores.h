@@ -17,9 +17,9 @@ using Refine = std::function<const Refinement&(const View& view)>;
 // Of one way, by view.
 struct Scores {
   std::vector<std::vector<double>> frame_ms;  // of all rounds
-  std::vector<double> error_px;
+  std::vector<std::vector<double>> error_px;  // likewise; of one round where all are the same
 
-  // Geometric mean over the views of median time * error.
+  // Geometric mean over the views of median time * median error.
   [[nodiscard]] double score() const;
   [[nodiscard]] double frame_ms_mean() const;  // likewise
   [[nodiscard]] double error_px_mean() const;
@@ -34,8 +34,9 @@ class ScoredViews {
 
   // Refines and draws view i.
   void draw(std::size_t i, const Refine& refine);
-  // One more round of view i: refines and draws, and adds the time; the error when it is the first.
-  void add(std::size_t i, const Refine& refine, Scores& scores);
+  // One more round of view i: refines and draws, and adds the time and the error; the error of the first only, unless
+  // the mesh may differ from round to round.
+  void add(std::size_t i, const Refine& refine, Scores& scores, bool may_differ = false);
 
  private:
   const SceneRun& run_;

@@ -39,7 +39,7 @@ class CalibrationFile : public ::testing::Test {
 TEST_F(CalibrationFile, GivesTheSameNumbersBack) {
   Calibration calibration = round_calibration();
   calibration.visit_ns = 1.0 / 3.0;
-  calibration.backends.push_back({"gl-compute", 0.1 + 0.2, 1e-3, 123456.789, 1e7});
+  calibration.backends.push_back({"gl-compute", 0.1 + 0.2, 2.0 / 3.0, 1e-3, 123456.789, 1e7});
   write_calibration(path_, calibration);
   EXPECT_EQ(read_calibration(path_), calibration);
 }
@@ -48,7 +48,7 @@ TEST_F(CalibrationFile, RefusesWhatIsNoCalibration) {
   const std::string costs =
       R"("visit_ns": 1, "far_visit_ns": 1, "cone_ns": 1, "split_ns": 1, "kept_split_ns": 1, "triangle_ns": 1, "fragment_ns": 1)";
   const std::string backend =
-      R"({"name": "software", "occluder_triangle_ns": 1, "occluder_pixel_ns": 1, "query_ns": 1, "latency_ns": 1})";
+      R"({"name": "software", "occluder_triangle_ns": 1, "occluder_fragment_ns": 1, "occluder_pixel_ns": 1, "query_ns": 1, "latency_ns": 1})";
   write("{" + costs + R"(, "backends": [)" + backend + "]}");
   EXPECT_EQ(mistake(), "none");
   write("{");
@@ -86,6 +86,7 @@ TEST(Calibration, RefusesNumbersThatAreNoTimes) {
       {"triangle_ns", [](Calibration& c) -> double& { return c.triangle_ns; }},
       {"fragment_ns", [](Calibration& c) -> double& { return c.fragment_ns; }},
       {"software.occluder_triangle_ns", [](Calibration& c) -> double& { return c.backends[0].occluder_triangle_ns; }},
+      {"software.occluder_fragment_ns", [](Calibration& c) -> double& { return c.backends[0].occluder_fragment_ns; }},
       {"software.occluder_pixel_ns", [](Calibration& c) -> double& { return c.backends[0].occluder_pixel_ns; }},
       {"software.query_ns", [](Calibration& c) -> double& { return c.backends[0].query_ns; }},
       {"software.latency_ns", [](Calibration& c) -> double& { return c.backends[0].latency_ns; }}};
@@ -115,8 +116,11 @@ TEST(Calibration, MeasuresEverything) {
   ASSERT_EQ(calibration.backends.size(), 1U);
   const BackendCosts& costs = calibration.backends.front();
   EXPECT_EQ(costs.name, "software");
-  for (const double ns : {costs.occluder_triangle_ns, costs.occluder_pixel_ns, costs.query_ns, costs.latency_ns})
+  for (const double ns : {costs.occluder_triangle_ns, costs.occluder_fragment_ns, costs.occluder_pixel_ns,
+                          costs.query_ns, costs.latency_ns})
     EXPECT_GT(ns, 0.0);
+  // A query among many takes no longer than one that is waited for.
+  EXPECT_LE(costs.query_ns, costs.latency_ns);
 }
 
 }  // namespace

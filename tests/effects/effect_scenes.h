@@ -16,7 +16,7 @@ namespace occlod::test {
 
 inline Calibration round_calibration() {
   Calibration calibration{150.0, 600.0, 25.0, 350.0, 30.0, 60.0, 1.0, {}};
-  calibration.backends.push_back({"software", 20.0, 0.4, 200.0, 200.0});
+  calibration.backends.push_back({"software", 20.0, 0.8, 0.4, 200.0, 200.0});
   return calibration;
 }
 
@@ -41,8 +41,14 @@ inline Hierarchy open_ground() {
 }
 inline View above_ground() { return view_at({0.5, 0.49, 1.5}, {0.5, 0.5, 0.0}); }
 
+// Spheres behind a wall, and a rough ball before it, in one mesh.
 inline Hierarchy wall_with_spheres() {
-  return build_hierarchy(generate_spheres_behind_wall({.spheres = 32, .level = 4}));
+  TriangleMesh mesh = generate_spheres_behind_wall({.spheres = 32, .level = 4});
+  const TriangleMesh ball = generate_rough_planet({.level = 5});
+  const auto first = static_cast<VertexId>(mesh.positions.size());
+  for (const glm::vec3& p : ball.positions) mesh.positions.push_back(0.3F * p + glm::vec3(1.0F, 0.3F, 0.0F));
+  for (const Triangle& t : ball.triangles) mesh.triangles.push_back(t + first);
+  return build_hierarchy(mesh);
 }
 // Before the wall, which covers all spheres.
 inline View before_wall() { return view_at({3.0, 0.05, 0.05}, {-1.0, 0.0, 0.0}); }

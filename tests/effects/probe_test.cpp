@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "effect_scenes.h"
 
 namespace occlod::test {
@@ -26,7 +28,7 @@ TEST(Probe, FindsNothingHiddenInTheOpen) {
 
 // Nearly all errors are the spheres', and all of these are behind the wall, the coarse one as the fine one.
 TEST(Probe, FindsWhatAWallHides) {
-  const Hierarchy scene = wall_with_spheres();
+  const Hierarchy scene = build_hierarchy(generate_spheres_behind_wall({.spheres = 32, .level = 4}));
   const RefineObject objects[] = {{.hierarchy = &scene}};
   Probe probe(objects);
   const HiddenShares ahead = probe.look_ahead(before_wall(), some_budget()).all;
@@ -38,6 +40,58 @@ TEST(Probe, FindsWhatAWallHides) {
   const Refinement& refinement = refiner.refine(before_wall(), some_budget(), none);
   EXPECT_GT(probe.look_back(before_wall(), some_budget(), refinement, refinement.stats.level_px).all.splits_hidden,
             0.7);
+}
+
+// The wall is two triangles, which nothing refines, so the rest is hidden whole; and a quarter of the splits of a
+// height field have twice the error: about four times as many for each halving, less where it ends.
+TEST(Probe, CountsHowMuchFinerWhatIsVisibleCanBecome) {
+  const Hierarchy ground = build_hierarchy(generate_rough_planet({.level = 6}));
+  const RefineObject objects[] = {{.hierarchy = &ground}};
+  Probe probe(objects);
+  RefineOptions options;
+  options.budget = 2'000;
+  const View view = view_at({3.0, 0.0, 0.0}, {0.0, 0.0, 0.0});
+  const FinerCounts finer = probe.look_ahead(view, options).all.finer;
+  EXPECT_EQ(finer.front(), 1.0);
+  EXPECT_TRUE(std::is_sorted(finer.begin(), finer.end()));
+  EXPECT_GT(finer[1], 2.0);
+  EXPECT_LT(finer[1], 8.0);
+}
+
+// Refinement without occlusion ends where the walks say, within a factor of two, although they know no forced splits
+// and not how much of a star is seen.
+TEST(Probe, KnowsWhereTheBudgetEnds) {
+  const Hierarchy planet = build_hierarchy(generate_rough_planet({.level = 6}));
+  const RefineObject objects[] = {{.hierarchy = &planet}};
+  Probe probe(objects);
+  Refiner refiner(objects);
+  NoOcclusion none;
+  const View view = view_at({3.0, 0.0, 0.0}, {0.0, 0.0, 0.0});
+  for (const std::size_t budget : {500U, 1'000U, 2'000U}) {
+    RefineOptions options;
+    options.budget = budget;
+    (void)probe.look_ahead(view, options);
+    const double level = refiner.refine(view, options, none).stats.level_px;
+    EXPECT_GT(probe.level_ahead_px(), 0.5 * level) << budget;
+    EXPECT_LT(probe.level_ahead_px(), 2.0 * level) << budget;
+  }
+}
+
+// From (3, ..), the wall covers the middle of the image once and nothing else is in front of it.
+TEST(Probe, CountsHowOftenTheImageIsCovered) {
+  const Hierarchy scene = wall_with_spheres();
+  const RefineObject objects[] = {{.hierarchy = &scene}};
+  Probe probe(objects);
+  Refiner refiner(objects);
+  NoOcclusion none;
+  const Refinement& refinement = refiner.refine(before_wall(), some_budget(), none);
+  const Coverage coverage =
+      probe.look_back(before_wall(), some_budget(), refinement, refinement.stats.level_px).all.coverage;
+  EXPECT_GE(coverage.layers, coverage.front_layers);
+  EXPECT_GT(coverage.front_layers, 0.2);
+  EXPECT_LT(coverage.layers, 3.0);
+  EXPECT_GT(coverage.front_share, 0.4);  // spheres are closed: half of them faces the eye
+  EXPECT_LE(coverage.front_share, 1.0);
 }
 
 TEST(Probe, IsTheSameEveryTime) {

@@ -69,7 +69,7 @@ class ScenePaths : public testing::TestWithParam<const char*> {
 
 // A machine whose costs are round numbers.
 Calibration round_calibration() {
-  return {150.0, 600.0, 25.0, 350.0, 30.0, 60.0, 1.0, {{"software", 20.0, 0.4, 200.0, 200.0}}};
+  return {150.0, 600.0, 25.0, 350.0, 30.0, 60.0, 1.0, {{"software", 20.0, 0.8, 0.4, 200.0, 200.0}}};
 }
 
 // With effects chosen for each frame: valid meshes within the budget, and with the same calibration, written and read

@@ -10,9 +10,11 @@
 
 #include "core/milliseconds_since.h"
 #include "forecast.h"
+#include "object_places.h"
 #include "occlod/core/error.h"
 #include "occlod/occlusion/software_occlusion.h"
 #include "probe.h"
+#include "renewal.h"
 
 namespace occlod {
 namespace {
@@ -22,19 +24,26 @@ constexpr std::size_t look_interval = 30;  // views from one look ahead to the n
 // before the least interval.
 constexpr std::size_t frame_look_interval = 90;
 constexpr std::size_t least_frame_look_interval = 30;
+// A camera that jumps in every view is followed by looks ahead alone, but for one look back in so many.
+constexpr std::size_t jumps_per_look_back = 7;
+// Views from the same place before the first look back, and before later ones.
+constexpr std::size_t views_before_look_back = 1, views_before_later_look_back = 3;
+// Views from elsewhere that go without a look ahead, at most, when more looks ahead in turn than these have found that
+// queries do not pay.
+constexpr std::size_t most_unlooked = 3, vain_looks_in_turn = 2;
 constexpr double near_cosine = 0.94;  // cosine of the angle by which the camera may turn: 20 degrees
 constexpr double near_share = 0.1;    // share of the scene's extent by which the eye may move
 constexpr double same_budget_factor = 2.0;
 constexpr double same_zoom_factor = 1.25;
-constexpr double least_gain = 0.1;  // relative gain of the score for which a frame changes the choice
-constexpr double new_share = 0.25;  // weight of the last frame in the running means of frames
+constexpr double least_gain = 0.1;              // relative gain of the score for which a frame changes the choice
+constexpr double least_gain_of_queries = 0.05;  // from scratch, of the score, for which queries are made at all
+constexpr double new_share = 0.25;              // weight of the last frame in the running means of frames
 // The first frames after a new choice, until everything has been queried in turn, do not predict later ones.
 constexpr std::size_t settling_frames = 8;
 constexpr double least_queries = 24.0;         // before a region is judged
 constexpr std::size_t least_cone_tests = 128;  // before an object's cones are judged
 constexpr std::size_t least_samples = 12;      // before an object of which nothing is hidden is judged
 constexpr double visits_saved_by_cone = 4.0;   // at least, for each culled subtree
-constexpr double dense_hidden = 0.5;           // share of hidden nodes from which every level is queried
 
 // The calibration's backends in the order of those given.
 Calibration matched(Calibration calibration, std::span<const std::unique_ptr<Visibility>> backends) {
@@ -63,39 +72,8 @@ HiddenShares smaller(HiddenShares coarse, const HiddenShares& fine) {
   coarse.visits_hidden = std::min(coarse.visits_hidden, fine.visits_hidden);
   coarse.splits_hidden = std::min(coarse.splits_hidden, fine.splits_hidden);
   coarse.stars_hidden = std::min(coarse.stars_hidden, fine.stars_hidden);
+  coarse.finer = fine.finer;
   return coarse;
-}
-
-// Over all hierarchies, each counted once.
-std::size_t splits_of(std::span<const RefineObject> objects) {
-  std::vector<const Hierarchy*> hierarchies;
-  for (const RefineObject& object : objects) hierarchies.push_back(object.hierarchy);
-  std::sort(hierarchies.begin(), hierarchies.end());
-  hierarchies.erase(std::unique(hierarchies.begin(), hierarchies.end()), hierarchies.end());
-  std::size_t splits = 0;
-  for (const Hierarchy* hierarchy : hierarchies) splits += hierarchy->split_count();
-  return splits;
-}
-
-double extent_of(std::span<const RefineObject> objects) {
-  glm::dvec3 low(std::numeric_limits<double>::infinity()), high = -low;
-  for (const RefineObject& object : objects)
-    for (int i = 0; i < 8; ++i) {
-      const glm::dvec3 p(object.object_to_world * glm::dvec4(corner(object.hierarchy->box(), i), 1.0));
-      low = glm::min(low, p);
-      high = glm::max(high, p);
-    }
-  return glm::length(high - low);
-}
-
-// The largest distance between two places of a corner of its box.
-double moved_by(const RefineObject& from, const RefineObject& to) {
-  double moved = 0.0;
-  for (int i = 0; i < 8; ++i) {
-    const glm::dvec4 p(corner(from.hierarchy->box(), i), 1.0);
-    moved = std::max(moved, glm::length((to.object_to_world - from.object_to_world) * p));
-  }
-  return moved;
 }
 
 }  // namespace
@@ -113,7 +91,8 @@ class AutoRefiner::Impl {
         extent_(extent_of(objects)),
         far_share_(far_share(splits_of(objects))),
         effects_(objects.size()),
-        worths_(objects.size()) {}
+        worths_(objects.size()),
+        was_judged_(objects.size(), false) {}
 
   [[nodiscard]] const Calibration& calibration() const { return calibration_; }
   [[nodiscard]] const Refiner& refiner() const { return refiner_; }
@@ -153,7 +132,9 @@ class AutoRefiner::Impl {
     last_ = {view.camera(), options};
     placed_ = false;
     RefineOptions chosen = report_.choice.with(options);
-    chosen.occluder.splits.clear();  // each frame draws one occluder; another value would refine from scratch
+    // Each frame draws one occluder, whatever these are; where they changed it would be refined from scratch.
+    chosen.occluder.splits.clear();
+    chosen.occluder.retest_hidden = true;
     const Refinement& refinement = refiner_.update(view, chosen, chosen_backend());
     report_.objects = refinement.effects;
     if (stands) return refinement;
@@ -174,11 +155,13 @@ class AutoRefiner::Impl {
     return backend ? *backends_[*backend] : none_;
   }
 
-  [[nodiscard]] bool must_look(Way way, const View& view, const RefineOptions& options) const {
+  [[nodiscard]] bool must_look(Way way, const View& view, const RefineOptions& options) {
     const bool goes_on = way == Way::going_on;
     if (!looked_from_ || views_since_look_ >= (goes_on ? frame_look_interval : look_interval)) return true;
     if (goes_on && views_since_look_ < least_frame_look_interval) return false;
-    return is_far_from_last_look(view, options);
+    if (!is_far_from_last_look(view, options)) return false;
+    const std::size_t vain = vain_looks_ - std::min(vain_looks_, vain_looks_in_turn);
+    return goes_on || ++unlooked_ > std::min(vain, most_unlooked);
   }
   [[nodiscard]] bool is_far_from_last_look(const View& view, const RefineOptions& options) const {
     const double growth = static_cast<double>(options.budget) / static_cast<double>(looked_with_.budget);
@@ -214,46 +197,50 @@ class AutoRefiner::Impl {
       effects_[i].occlusion =
           seen.visits < least_samples || seen.visits_hidden + seen.splits_hidden + seen.stars_hidden > 0.0;
       worths_[i] = {};
+      was_judged_[i] = false;
     }
     looked_from_ = view;
     looked_at_ = objects_;
     looked_with_ = options;
     views_since_look_ = 0;
     back_due_ = true;
+    ++jumps_;
+    unlooked_ = 0;
     report_.looked_ahead = true;
     report_.look_ms += milliseconds_since(start);
   }
 
   void look_back(const View& view, const RefineOptions& options, const Refinement& refinement, double level_px) {
     const Clock::time_point start = Clock::now();
-    back_ = probe_.look_back(view, options, refinement, level_px).all;
+    const Probe::Result& result = probe_.look_back(view, options, refinement, level_px);
+    back_ = result.all;
+    // A coarse mesh may hide nothing of an object of which a fine one hides something.
+    for (std::size_t i = 0; i < effects_.size(); ++i)
+      if (!was_judged_[i] && result.objects[i].stars_hidden > 0.0) effects_[i].occlusion = true;
+    renewal_.learn(ahead_, *back_);
     back_due_ = false;
+    jumps_ = 0;
     report_.looked_back = true;
     report_.look_ms += milliseconds_since(start);
   }
 
   // Before the view, with a look ahead when one is due.
   void choose(Way way, const View& view, const RefineOptions& options) {
-    const std::optional<EffectChoice> before =
-        way == Way::going_on && last_ ? std::optional(std::move(report_.choice)) : std::nullopt;
+    const bool had_choice = way == Way::going_on && last_;
+    const EffectChoice choice_before = std::move(report_.choice);
+    const EffectChoice* const before = had_choice ? &choice_before : nullptr;
     report_ = {};
     if (must_look(way, view, options)) look_ahead(way, view, options);
     ++views_since_look_;
-    const HiddenShares fine = back_.value_or(ahead_);
-    const Counted& past = counted(way);
-    const Prospect prospect{
-        way,        past.known.front().value_or(usual_counts(way, options.budget, view, far_share_)),
-        past.known, smaller(ahead_, fine),
-        fine,       past.rates};
+    const Prospect prospect = prospect_of(way, view, options);
     report_.forecasts = forecasts(calibration_, prospect);
-    const EffortForecast* const best = best_forecast(before);
+    const EffortForecast* const best = best_forecast(way, before);
+    if (report_.looked_ahead) vain_looks_ = best->backend ? 0 : vain_looks_ + 1;
     EffectChoice& choice = report_.choice;
     choice.effort = best->effort;
     choice.backend = best->backend;
-    const bool stays = before && before->effort == choice.effort && before->backend == choice.backend;
+    const bool stays = before != nullptr && before->effort == choice.effort && before->backend == choice.backend;
     frames_with_choice_ = stays ? frames_with_choice_ + 1 : 0;
-    const bool stars = best->effort == OcclusionEffort::stars || best->effort == OcclusionEffort::renewed_stars;
-    choice.level_step = stars && prospect.back.visits_hidden < dense_hidden ? 2 : 1;
     choice.objects = effects_;
     if (way == Way::going_on)
       for (ObjectEffects& effects : choice.objects) effects.cones = true;
@@ -262,18 +249,46 @@ class AutoRefiner::Impl {
     report_.same_error_without = same_error_without(calibration_, prospect, *best, refiner_.full_triangles());
   }
 
+  // Without occlusion: in views near this one, else in others of the scene, else of the shipped scenes.
+  [[nodiscard]] FrameCounts counts_so_far(Way way, std::size_t budget, const View& view) const {
+    const Counted& past = way == Way::going_on ? going_on_ : from_scratch_;
+    if (past.known.front()) return *past.known.front();
+    FrameCounts counts = usual_counts(way, budget, view, far_share_);
+    if (way == Way::from_scratch && visits_per_triangle_) counts.visits = *visits_per_triangle_ * counts.triangles;
+    return counts;
+  }
+  [[nodiscard]] Prospect prospect_of(Way way, const View& view, const RefineOptions& options) {
+    const HiddenShares fine = back_ ? *back_ : renewal_.of(ahead_);
+    const Counted& past = counted(way);
+    Prospect prospect{way,
+                      counts_so_far(way, options.budget, view),
+                      past.known,
+                      smaller(ahead_, fine),
+                      fine,
+                      past.rates,
+                      picture_error_px(probe_.level_ahead_px(), fine.stars_hidden)};
+    const auto with = std::find_if(past.known.begin(), past.known.end(), [](const auto& k) { return k.has_value(); });
+    if (with != past.known.end() && with != past.known.begin()) prospect.counts = counts_without(**with, fine);
+    prospect.counts.layers = fine.coverage.layers;
+    for (std::optional<FrameCounts>& known : prospect.known)
+      if (known) known->layers = fine.coverage.layers;
+    return prospect;
+  }
+
   // The best of what may be chosen. Where no object may be queried, occluders would be drawn for nothing.
-  [[nodiscard]] const EffortForecast* best_forecast(const std::optional<EffectChoice>& before) {
+  [[nodiscard]] const EffortForecast* best_forecast(Way way, const EffectChoice* before) {
     const bool may_ask =
         std::any_of(effects_.begin(), effects_.end(), [](const auto& e) { return e.occlusion && e.regions != 0; });
     const std::span<const EffortForecast> all(report_.forecasts.data(), may_ask ? report_.forecasts.size() : 1);
     const auto best =
         std::min_element(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.score() < b.score(); });
-    if (!before) return &*best;
+    // From scratch no queries, the first forecast: what they cost is surer than what they gain.
     const auto same = std::find_if(all.begin(), all.end(), [&](const EffortForecast& forecast) {
+      if (before == nullptr) return way == Way::from_scratch;
       return forecast.effort == before->effort && forecast.backend == before->backend;
     });
-    report_.held = same != all.end() && same != best && best->score() > (1.0 - least_gain) * same->score();
+    const double least = before == nullptr ? least_gain_of_queries : least_gain;
+    report_.held = same != all.end() && same != best && best->score() > (1.0 - least) * same->score();
     return report_.held ? &*same : &*best;
   }
 
@@ -294,21 +309,21 @@ class AutoRefiner::Impl {
       known = mixed(known.value_or(usual_counts(way, options.budget, view, far_share_)), counts);
       rate = std::lerp(rate, new_rate, new_share);
     }
-    if (way == Way::from_scratch) scratch_level_ = {stats.level_px, probe_.level_ahead_px()};
-    const double level_px = scratch_level_px();
+    if (way == Way::from_scratch) {
+      const HiddenShares fine = back_ ? *back_ : renewal_.of(ahead_);
+      const double visits = (report_.choice.backend ? counts_without(counts, fine) : counts).visits / counts.triangles;
+      visits_per_triangle_ = visits_per_triangle_ ? std::sqrt(*visits_per_triangle_ * visits) : visits;
+    }
+    const double level_px = probe_.level_ahead_px();
     for (std::size_t i = 0; i < effects_.size(); ++i) {
       judge_cones(refinement.effects[i], effects_[i]);
       if (report_.choice.backend) judge_regions(refinement.effects[i], level_px, counts, i);
     }
-    if (back_due_ && views_since_look_ > 1 && options.occluder.mode == OccluderMode::paper)
-      look_back(view, options, refinement, level_px);
-  }
-
-  // The priority at which refinement from scratch would use up its budget: the last one seen, scaled by the change in
-  // looks ahead since. From frame to frame the priority of the least important leaf does not measure it.
-  [[nodiscard]] double scratch_level_px() const {
-    const bool can_scale = scratch_level_.ahead_px > 0.0 && probe_.level_ahead_px() > 0.0;
-    return can_scale ? scratch_level_.px * probe_.level_ahead_px() / scratch_level_.ahead_px : scratch_level_.px;
+    const std::size_t views = renewal_.known() ? views_before_later_look_back : views_before_look_back;
+    const bool has_settled =
+        (unlooked_ == 0 && views_since_look_ > views) || jumps_ >= (renewal_.known() ? jumps_per_look_back : 2);
+    if (back_due_ && has_settled && options.occluder.mode == OccluderMode::paper)
+      look_back(view, options, refinement, std::max(level_px, stats.level_px));
   }
 
   [[nodiscard]] FrameCounts counts_of(Way way, const View& view, const RefineStats& stats) const {
@@ -345,15 +360,18 @@ class AutoRefiner::Impl {
       return sum.queries >= least_queries && sum.splits * worth_ns < sum.queries * query_ns;
     };
     Worth whole;
+    const FinerCounts& finer = (back_ ? *back_ : ahead_).finer;
     for (std::size_t r = 0; r < effect_region_count; ++r) {
       Worth& sum = worths_[object][r];
       sum.queries += stats.regions[r].queries;
-      sum.splits += splits_freed(stats.regions[r], level_px);
+      sum.splits += splits_freed(stats.regions[r], level_px, finer);
       if (is_vain(sum)) effects_[object].regions &= ~(std::uint64_t{1} << r);
       whole.queries += sum.queries;
       whole.splits += sum.splits;
     }
-    if (is_vain(whole)) effects_[object].occlusion = false;
+    if (!is_vain(whole)) return;
+    effects_[object].occlusion = false;
+    was_judged_[object] = true;
   }
 
   std::vector<RefineObject> objects_;
@@ -371,6 +389,11 @@ class AutoRefiner::Impl {
   RefineOptions looked_with_;
   std::size_t views_since_look_ = 0;
   bool back_due_ = false;
+  std::size_t jumps_ = 0;       // looks ahead since the last look back
+  std::size_t vain_looks_ = 0;  // looks ahead in turn after which nothing was queried
+  std::size_t unlooked_ = 0;    // views from elsewhere since the last look ahead
+  Renewal renewal_;
+  std::optional<double> visits_per_triangle_;  // from scratch without occlusion, wherever the camera was
   HiddenShares ahead_;
   std::optional<HiddenShares> back_;
   Counted from_scratch_{{}, usual_query_rates(Way::from_scratch)};
@@ -379,11 +402,6 @@ class AutoRefiner::Impl {
     Camera camera;
     RefineOptions options;
   };
-  struct ScratchLevel {
-    double px = 0.0;
-    double ahead_px = 0.0;  // according to the look ahead before it
-  };
-  ScratchLevel scratch_level_;          // from the last refinement from scratch
   std::optional<Last> last_;            // from update(), since the last refine()
   std::size_t frames_with_choice_ = 0;  // from frame to frame, before the last
   std::vector<ObjectEffects> effects_;
@@ -392,6 +410,7 @@ class AutoRefiner::Impl {
     double splits = 0.0;  // freed
   };
   std::vector<std::array<Worth, effect_region_count>> worths_;  // since the last look ahead
+  std::vector<bool> was_judged_;  // by what its queries took, since then: found not worth it
   EffectReport report_;
 };
 

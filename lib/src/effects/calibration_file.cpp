@@ -3,6 +3,7 @@
 #include <string>
 #include <utility>
 
+#include "calibration_fields.h"
 #include "core/option_checker.h"
 #include "io/atomic_file.h"
 #include "occlod/effects/calibration.h"
@@ -13,25 +14,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Calls visit(key, value) for each number. `Costs` may be const.
-template <typename Costs, typename Visit>
-void for_each_backend_cost(Costs& costs, const Visit& visit) {
-  visit("occluder_triangle_ns", costs.occluder_triangle_ns);
-  visit("occluder_pixel_ns", costs.occluder_pixel_ns);
-  visit("query_ns", costs.query_ns);
-  visit("latency_ns", costs.latency_ns);
-}
-template <typename Costs, typename Visit>
-void for_each_cost(Costs& costs, const Visit& visit) {
-  visit("visit_ns", costs.visit_ns);
-  visit("far_visit_ns", costs.far_visit_ns);
-  visit("cone_ns", costs.cone_ns);
-  visit("split_ns", costs.split_ns);
-  visit("kept_split_ns", costs.kept_split_ns);
-  visit("triangle_ns", costs.triangle_ns);
-  visit("fragment_ns", costs.fragment_ns);
-}
-
 double positive(const JsonPlace& place) {
   const double value = place.number();
   if (!(value > 0.0 && std::isfinite(value))) place.fail("is not larger than 0", "measure it again");
@@ -39,7 +21,8 @@ double positive(const JsonPlace& place) {
 }
 
 BackendCosts read_backend(const JsonPlace& place) {
-  place.expect_keys({"name", "occluder_triangle_ns", "occluder_pixel_ns", "query_ns", "latency_ns"});
+  place.expect_keys(
+      {"name", "occluder_triangle_ns", "occluder_fragment_ns", "occluder_pixel_ns", "query_ns", "latency_ns"});
   BackendCosts costs;
   costs.name = place.at("name").string();
   for_each_backend_cost(costs, [&](const char* key, double& value) { value = positive(place.at(key)); });

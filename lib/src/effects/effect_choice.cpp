@@ -26,7 +26,7 @@ RefineOptions EffectChoice::with(RefineOptions options) const {
   if (!renewed) options.occluder.splits.push_back(single_occluder_splits(options.budget));
   options.queries.ask_stars = effort == OcclusionEffort::stars || effort == OcclusionEffort::renewed_stars;
   options.queries.level_step = level_step;
-  options.occluder.retest_hidden = false;
+  options.occluder.retest_hidden = renewed;
   options.queries.final_check = false;
   options.effects = objects;
   return options;

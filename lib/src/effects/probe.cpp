@@ -2,7 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <numeric>
 
+#include "core/platform.h"
+#include "forecast.h"
+#include "fragment_count.h"
 #include "occlod/occlusion/software_occlusion.h"
 #include "priority/queue.h"
 
@@ -10,14 +15,14 @@ namespace occlod {
 namespace {
 
 constexpr int image_divisor = 4;
-constexpr std::size_t walks_ahead = 64;
-constexpr std::size_t walks_back = 128;  // more than ahead: looks back are rarer and decide for longer
+constexpr std::size_t walks_ahead = 128;
+constexpr std::size_t walks_back = 512;  // more than ahead: looks back are rarer and decide for longer
 constexpr std::size_t most_roots = 256;  // limits the roots that are sampled in scenes of thousands of components
-constexpr std::size_t scout_triangles =
-    160;  // added to the base meshes; more than OccluderSteps needs for its first occluder
-constexpr std::size_t most_below = 16;    // nodes counted below a sample
-constexpr float least_level_px = 1e-3F;   // the level of a fully refined mesh
-constexpr float largest_error_px = 1e4F;  // for nodes whose bounds contain the eye
+constexpr double most_finer = 16.0;      // times the budget: nodes that the last node of a walk may stand for
+constexpr std::uint32_t no_levels = 1U << 30U;  // no forest is so deep: nothing is asked
+constexpr std::size_t most_counted = 2048;      // triangles whose area is taken, to know how much they fill the image
+constexpr float least_level_px = 1e-3F;         // the level of a fully refined mesh
+constexpr float largest_error_px = 1e4F;        // for nodes whose bounds contain the eye
 
 Camera smaller(Camera camera) {
   camera.width = std::max(1, camera.width / image_divisor);
@@ -46,21 +51,37 @@ class Probe::SmallVisibility final : public Visibility {
   void draw_occluder(std::span<const OccluderPart> parts) override {
     software_->draw_occluder(parts);
     drawn_ = true;
+    coverage_ = coverage_of(parts);
   }
   void submit(const VisibilityQuery& /*query*/) override {}
   [[nodiscard]] std::uint32_t collect() override { return 1; }
 
   [[nodiscard]] bool drawn() const { return drawn_; }
+  [[nodiscard]] const Coverage& coverage() const { return coverage_; }
   [[nodiscard]] bool hides(const VisibilityQuery& query) {
     software_->submit(query);
     return software_->collect() == 0;
   }
 
  private:
+  [[nodiscard]] Coverage coverage_of(std::span<const OccluderPart> parts) const {
+    std::size_t triangles = 0;
+    for (const OccluderPart& part : parts) triangles += part.triangles.size();
+    MeshFragments sum;
+    for (const OccluderPart& part : parts) {
+      const MeshFragments one = count_fragments(part.positions, part.triangles, views_[part.object],
+                                                objects_[part.object].two_sided, triangles / most_counted + 1);
+      sum.all += one.all;
+      sum.front += one.front;
+    }
+    return {sum.all.layers, sum.front.layers, share(sum.front.triangles, sum.all.triangles)};
+  }
+
   std::span<const RefineObject> objects_;
   std::unique_ptr<Visibility> software_ = make_software_occlusion();
   std::vector<ObjectView> views_;
   bool drawn_ = false;
+  Coverage coverage_;
 };
 
 Probe::Probe(std::span<const RefineObject> objects)
@@ -78,15 +99,17 @@ void Probe::set_transform(std::size_t object, const glm::dmat4& object_to_world)
 
 const Probe::Result& Probe::look_ahead(const View& view, const RefineOptions& options) {
   RefineOptions coarse = options;
-  coarse.budget = std::min(options.budget, scout_.base_triangles() + scout_triangles);
+  coarse.budget = std::min(options.budget, scout_.base_triangles() + coarse_triangles);
   coarse.occluder.splits.clear();
-  coarse.occluder.retest_hidden = coarse.queries.final_check = false;
+  coarse.occluder.retest_hidden = coarse.queries.final_check = coarse.queries.ask_stars = false;
+  coarse.queries.level_step = no_levels;
   coarse.effects = {};
-  const RefineStats& stats = scout_.refine(view, coarse, *visibility_).stats;
+  (void)scout_.refine(view, coarse, *visibility_);
   begin(view, options);
-  // Errors fall with one over the number of triangles.
-  level_ahead_px_ = stats.level_px * static_cast<double>(stats.triangles) / static_cast<double>(options.budget);
-  if (visibility_->drawn()) sample(level_ahead_px_, walks_ahead);
+  result_.all.coverage = visibility_->coverage();
+  take_walks(walks_ahead, most_finer * static_cast<double>(options.budget));
+  level_ahead_px_ = level_of(options.budget);
+  if (visibility_->drawn()) count_walks(level_ahead_px_);
   return result_;
 }
 
@@ -109,7 +132,9 @@ const Probe::Result& Probe::look_back(const View& view, const RefineOptions& opt
     parts.push_back({i, corners_[i], corner_triangles_[i]});
   }
   visibility_->draw_occluder(parts);
-  sample(level_px, walks_back);
+  result_.all.coverage = visibility_->coverage();
+  take_walks(walks_back, most_finer * static_cast<double>(options.budget));
+  count_walks(level_px);
   return result_;
 }
 
@@ -121,20 +146,55 @@ void Probe::begin(const View& view, const RefineOptions& options) {
   result_.all = {};
   result_.objects.assign(objects_.size(), {});
   sums_.assign(objects_.size(), {});
-  state_ = 0;
 }
 
-void Probe::sample(double level_px, std::size_t walks) {
+// Evenly spread walks, which go on below the level at which the budget ends, to nodes that stand for more than
+// most_nodes. All take a step in turn: their nodes are anywhere in memory, and so it fetches many at a time.
+void Probe::take_walks(std::size_t walks, double most_nodes) {
   find_roots();
+  walks_.clear();
   if (roots_.empty()) return;
+  paths_.resize(std::max(paths_.size(), walks));
+  for (std::size_t i = 0; i < walks; ++i) {
+    walks_.push_back(begin_walk((static_cast<double>(i) + 0.5) / static_cast<double>(walks)));
+    paths_[i].assign({walks_[i].at});
+  }
+  active_.resize(walks);
+  std::iota(active_.begin(), active_.end(), std::size_t{0});
+  while (!active_.empty()) {
+    for (const std::size_t i : active_) prefetch_children(walks_[i].at);
+    std::erase_if(active_, [&](std::size_t i) {
+      Walk& walk = walks_[i];
+      if (walk.at.stands_for > most_nodes || !take_step(walk)) return true;
+      paths_[i].push_back(walk.at);
+      return false;
+    });
+  }
+}
+
+// The error of which so many nodes are at least: each step counts as the nodes that it stands for (Knuth, "Estimating
+// the efficiency of backtrack programs", 1975). The smallest error found when there are fewer.
+double Probe::level_of(std::size_t nodes) {
+  sorted_.clear();
+  for (std::size_t i = 0; i < walks_.size(); ++i) sorted_.insert(sorted_.end(), paths_[i].begin(), paths_[i].end());
+  std::sort(sorted_.begin(), sorted_.end(), [](const Step& a, const Step& b) { return a.error_px > b.error_px; });
+  double left = static_cast<double>(nodes) * static_cast<double>(walks_.size());
+  for (const Step& step : sorted_)
+    if ((left -= step.stands_for) <= 0.0) return static_cast<double>(step.error_px);
+  return sorted_.empty() ? 0.0 : static_cast<double>(sorted_.back().error_px);
+}
+
+void Probe::count_walks(double level_px) {
   const float level = std::isfinite(level_px) ? std::max(static_cast<float>(level_px), least_level_px) : 1.0F;
-  for (std::size_t i = 0; i < walks; ++i) count(walk(level), level);
+  for (std::size_t i = 0; i < walks_.size(); ++i) count(paths_[i], level);
   Sums all;
   for (std::size_t i = 0; i < sums_.size(); ++i) {
     all.add(sums_[i]);
     result_.objects[i] = sums_[i].shares();
   }
+  const Coverage coverage = result_.all.coverage;
   result_.all = all.shares();
+  result_.all.coverage = coverage;
 }
 
 void Probe::Sums::add(const Sums& o) {
@@ -143,17 +203,28 @@ void Probe::Sums::add(const Sums& o) {
   visits += o.visits;
   visits_hidden += o.visits_hidden;
   splits += o.splits;
+  splits_squared += o.splits_squared;
   splits_hidden += o.splits_hidden;
   stars_hidden += o.stars_hidden;
-  seen += o.seen;
-  below += o.below;
+  for (std::size_t i = 0; i < seen.size(); ++i) seen[i] += o.seen[i];
 }
 
+// Samples of very different weights are worth fewer equal ones (Kish). Some that found nothing hidden, and errors that
+// fall with one over the number of splits, are added, so that few samples do not claim much.
 HiddenShares Probe::Sums::shares() const {
-  const double growth = seen > 0.0 ? std::min(1.0, below / seen) : 1.0;
-  return {
-      samples, split_samples, share(visits_hidden, visits), share(splits_hidden, splits), share(stars_hidden, splits),
-      growth};
+  constexpr double added = 4.0;
+  const double equal = share(splits * splits, splits_squared);
+  const double trust = equal / (equal + added);
+  HiddenShares result;
+  result.visits = samples;
+  result.splits = split_samples;
+  result.visits_hidden = share(visits_hidden, visits);
+  result.splits_hidden = trust * share(splits_hidden, splits);
+  result.stars_hidden = trust * share(stars_hidden, splits);
+  if (seen.front() > 0.0)
+    for (std::size_t i = 0; i < seen.size(); ++i)
+      result.finer[i] = std::lerp(result.finer[i], seen[i] / seen.front(), trust);
+  return result;
 }
 
 // Every n-th root of all forests, at most most_roots.
@@ -161,14 +232,15 @@ void Probe::find_roots() {
   std::size_t count = 0;
   for (const RefineObject& object : objects_) count += object.hierarchy->data().roots.size();
   const std::size_t step = count / most_roots + 1;
+  root_step_ = static_cast<double>(step);
   roots_.clear();
   std::size_t next = 0;
-  float weight = 0.0F;
+  double weight = 0.0;
   for (std::uint32_t i = 0; i < objects_.size(); ++i) {
     const auto& roots = objects_[i].hierarchy->data().roots;
     for (; next < roots.size(); next += step) {
       const float own = error_px(i, roots[next]);
-      if (own > 0.0F) roots_.push_back({{i, roots[next]}, weight += own});
+      if (own > 0.0F) roots_.push_back({{i, roots[next], own}, weight += std::sqrt(static_cast<double>(own))});
     }
     next -= roots.size();
   }
@@ -185,36 +257,57 @@ float Probe::error_px(std::uint32_t object, SplitId s) const {
   return std::min(ScreenError::in_pixels(node.error, view.largest_scale_px(node.sphere)), largest_error_px);
 }
 
-// From a root down to the last node whose error is not below the level. Errors fall with one over the number of
-// triangles, so below a node are about as many nodes as its error is times the level. Each step therefore goes to a
-// child with a probability in proportion to its error, which makes all last nodes about equally likely.
-Probe::Sample Probe::walk(float level_px) {
-  const float start = static_cast<float>(random()) * roots_.back().weight_until;
-  const auto root = std::upper_bound(roots_.begin(), roots_.end() - 1, start,
-                                     [](float value, const Root& r) { return value < r.weight_until; });
-  Sample at = root->node;
-  at.error_px = error_px(at.object, at.split);
-  while (true) {
-    const SplitNode& node = objects_[at.object].hierarchy->node(at.split);
-    const float u = node.child_u == no_id ? 0.0F : error_px(at.object, node.child_u);
-    const float v = node.child_v == no_id ? 0.0F : error_px(at.object, node.child_v);
-    const bool to_u = random() * static_cast<double>(u + v) < static_cast<double>(u);
-    const float error = to_u ? u : v;
-    // Ids rise along the forest, also in a corrupt file, so every walk ends.
-    const SplitId next = to_u ? node.child_u : node.child_v;
-    if (!(error > 0.0F && error >= level_px) || next <= at.split) return at;
-    at.split = next;
-    at.error_px = error;
-  }
+// At a root. Errors fall with about one over the number of triangles, so a node has about as many nodes of a given
+// error below it as its own is times that; where a mesh ends, fewer. So a walk begins at a root, and goes on to a
+// child, with a probability in proportion to the root of its error. `place`, in [0, 1), decides all its steps.
+Probe::Walk Probe::begin_walk(double place) const {
+  const double total = roots_.back().weight_until;
+  const auto root = std::upper_bound(roots_.begin(), roots_.end() - 1, place * total,
+                                     [](double value, const Root& r) { return value < r.weight_until; });
+  const double before = root == roots_.begin() ? 0.0 : std::prev(root)->weight_until;
+  const double weight = root->weight_until - before;
+  Walk walk{root->node, (place * total - before) / weight};
+  walk.at.stands_for = root_step_ * total / weight;
+  return walk;
 }
 
-// A walk that ended far above the level, because everything below is culled or the mesh ends, stands in for walks to
-// nodes that do not exist: it counts less.
-void Probe::count(const Sample& at, float level_px) {
+void Probe::prefetch_children(const Step& at) const {
+  const Hierarchy& hierarchy = *objects_[at.object].hierarchy;
+  const SplitNode& node = hierarchy.node(at.split);
+  for (const SplitId child : {node.child_u, node.child_v})
+    if (child < hierarchy.split_count()) prefetch(&hierarchy.node(child));
+}
+
+// False at a leaf of the forest, and where everything below is culled.
+bool Probe::take_step(Walk& walk) const {
+  Step& at = walk.at;
+  const SplitNode& node = objects_[at.object].hierarchy->node(at.split);
+  const float u = node.child_u == no_id ? 0.0F : error_px(at.object, node.child_u);
+  const float v = node.child_v == no_id ? 0.0F : error_px(at.object, node.child_v);
+  const double weight_u = std::sqrt(static_cast<double>(u));
+  const double share_u = share(weight_u, weight_u + std::sqrt(static_cast<double>(v)));
+  const bool to_u = walk.place < share_u;
+  const float error = to_u ? u : v;
+  // Ids rise along the forest, also in a corrupt file, so every walk ends.
+  const SplitId next = to_u ? node.child_u : node.child_v;
+  if (!(error > 0.0F) || next <= at.split) return false;
+  const double probability = to_u ? share_u : 1.0 - share_u;
+  walk.place = (to_u ? walk.place : walk.place - share_u) / probability;
+  at.error_px = error;
+  at.split = next;
+  at.stands_for /= probability;
+  return true;
+}
+
+// The last node of a walk whose error is not below the level, as all nodes that it stands for.
+void Probe::count(std::span<const Step> path, float level_px) {
+  std::size_t last = 0;
+  while (last + 1 < path.size() && path[last + 1].error_px >= level_px) ++last;
+  const Step& at = path[last];
   const Hierarchy& hierarchy = *objects_[at.object].hierarchy;
   Sums& sums = sums_[at.object];
   const SplitNode& node = hierarchy.node(at.split);
-  const double weight = std::min(1.0, static_cast<double>(level_px) / std::max(at.error_px, level_px));
+  const double weight = at.stands_for;
   ++sums.samples;
   sums.visits += weight;
   const float priority = importances_[at.object].of(at.split).priority;
@@ -223,9 +316,15 @@ void Probe::count(const Sample& at, float level_px) {
   if (is_split) {
     ++sums.split_samples;
     sums.splits += weight;
+    sums.splits_squared += weight * weight;
     if (!visibility_->hides({at.object, PointHull{star_.points(hierarchy, at.split)}})) {
-      sums.seen += weight;
-      sums.below += weight * static_cast<double>(nodes_below(at.object, at.split, 0.5F * level_px, most_below));
+      for (double& seen : sums.seen) seen += weight;
+      for (const Step& below : path.subspan(last + 1)) {
+        const double nodes = weight * below.stands_for / at.stands_for;
+        float least_px = level_px;
+        for (std::size_t i = 1; i < sums.seen.size(); ++i)
+          if (below.error_px >= (least_px *= 0.5F)) sums.seen[i] += nodes;
+      }
       return;
     }
     sums.stars_hidden += weight;
@@ -234,28 +333,6 @@ void Probe::count(const Sample& at, float level_px) {
   if (is_split) sums.splits_hidden += weight;
   if (node.parent != no_id && visibility_->hides({at.object, hierarchy.node(node.parent).box()}))
     sums.visits_hidden += weight;
-}
-
-// No more than `most` of them.
-std::size_t Probe::nodes_below(std::uint32_t object, SplitId s, float least_px, std::size_t most) const {
-  const SplitNode& node = objects_[object].hierarchy->node(s);
-  std::size_t count = 0;
-  for (const SplitId child : {node.child_u, node.child_v}) {
-    if (count >= most || child == no_id || child <= s) continue;
-    const float error = error_px(object, child);
-    if (error > 0.0F && error >= least_px) count += 1 + nodes_below(object, child, least_px, most - count - 1);
-  }
-  return count;
-}
-
-// SplitMix64 (Steele, Lea, Flood 2014), in [0, 1).
-double Probe::random() {
-  state_ += 0x9e3779b97f4a7c15ULL;
-  std::uint64_t z = state_;
-  z = (z ^ (z >> 30U)) * 0xbf58476d1ce4e5b9ULL;
-  z = (z ^ (z >> 27U)) * 0x94d049bb133111ebULL;
-  z ^= z >> 31U;
-  return static_cast<double>(z >> 11U) * 0x1p-53;
 }
 
 }  // namespace occlod

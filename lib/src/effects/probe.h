@@ -39,22 +39,28 @@ class Probe {
 
  private:
   class SmallVisibility;
-  struct Sample {
+  // A node that a walk has come to.
+  struct Step {
     std::uint32_t object = 0;
     SplitId split = no_id;
     float error_px = 0.0F;
+    double stands_for = 1.0;  // nodes: one over the probability with which a walk comes to it
   };
-  // Sums over samples; all except the first two are weighted.
+  struct Walk {
+    Step at;
+    double place = 0.0;  // of its next step, in [0, 1)
+  };
+  // Sums over samples; all except the first two are weighted by what the samples stand for.
   struct Sums {
     std::size_t samples = 0;
     std::size_t split_samples = 0;
     double visits = 0.0;
     double visits_hidden = 0.0;
     double splits = 0.0;
+    double splits_squared = 0.0;  // sum of the squared weights
     double splits_hidden = 0.0;
     double stars_hidden = 0.0;
-    double seen = 0.0;   // splits that are not hidden
-    double below = 0.0;  // nodes below those splits whose error is at least half of the level
+    FinerCounts seen{};  // splits that are not hidden, and those below them
 
     void add(const Sums& o);
     [[nodiscard]] HiddenShares shares() const;
@@ -62,12 +68,14 @@ class Probe {
 
   void begin(const View& view, const RefineOptions& options);
   void find_roots();
-  void sample(double level_px, std::size_t walks);
-  [[nodiscard]] Sample walk(float level_px);
+  void take_walks(std::size_t walks, double most_nodes);
+  [[nodiscard]] Walk begin_walk(double place) const;
+  void prefetch_children(const Step& at) const;
+  [[nodiscard]] bool take_step(Walk& walk) const;
+  [[nodiscard]] double level_of(std::size_t nodes);
+  void count_walks(double level_px);
   [[nodiscard]] float error_px(std::uint32_t object, SplitId s) const;
-  void count(const Sample& at, float level_px);
-  [[nodiscard]] std::size_t nodes_below(std::uint32_t object, SplitId s, float least_px, std::size_t most) const;
-  [[nodiscard]] double random();
+  void count(std::span<const Step> path, float level_px);
 
   std::vector<RefineObject> objects_;
   Refiner scout_;
@@ -76,15 +84,19 @@ class Probe {
   std::vector<Importance> importances_;
   RefineOptions options_;
   struct Root {
-    Sample node;
-    float weight_until = 0.0F;  // its error and those of all before it
+    Step node;
+    double weight_until = 0.0;  // the root of its error and those of all before it
   };
   std::vector<Root> roots_;
+  double root_step_ = 1.0;  // each of them stands for so many
+  std::vector<Walk> walks_;
+  std::vector<std::vector<Step>> paths_;  // of walks: all steps, from a root on
+  std::vector<std::size_t> active_;       // indices of walks that go on
+  std::vector<Step> sorted_;
   StarVisibility star_;
   std::vector<std::vector<glm::vec3>> corners_;  // of the occluder of look_back(), by object
   std::vector<std::vector<Triangle>> corner_triangles_;
   std::vector<Sums> sums_;  // by object
-  std::uint64_t state_ = 0;
   double level_ahead_px_ = 0.0;
   Result result_;
 };

@@ -13,7 +13,7 @@ namespace occlod {
 
 // What an AutoRefiner chooses from, and by what costs.
 struct AutoOptions {
-  std::optional<Calibration> calibration;  // none: measured, some 40 ms
+  std::optional<Calibration> calibration;  // none: measured, some 150 ms
   std::vector<std::unique_ptr<Visibility>>
       backends;  // to choose from, each with another name; none: the software backend
 };

@@ -17,7 +17,8 @@ namespace occlod {
 struct BackendCosts {
   std::string name;                   // Visibility::name()
   double occluder_triangle_ns = 0.0;  // for each triangle of an occluder
-  double occluder_pixel_ns = 0.0;     // for each pixel of the image and each occluder: cleared, filled, reduced
+  double occluder_fragment_ns = 0.0;  // for each fragment of an occluder
+  double occluder_pixel_ns = 0.0;     // for each pixel of the image and each occluder: cleared and reduced
   double query_ns = 0.0;              // for one of many queries, including what refinement does for it
   double latency_ns = 0.0;            // for one query that is waited for
 
@@ -38,8 +39,8 @@ struct Calibration {
   friend bool operator==(const Calibration&, const Calibration&) = default;
 };
 
-// Measures refinement, drawing and each backend (none null) on a generated mesh, the fastest of a few rounds: some 40
-// ms on the CPU. Throws what a backend throws.
+// Measures refinement, drawing and each backend (none null) on a generated mesh, each number as the median of a few
+// passes: some 150 ms on the CPU. Throws what a backend throws.
 [[nodiscard]] Calibration measure_calibration(std::span<const std::unique_ptr<Visibility>> backends);
 
 // Throws Error that names the first number that is not finite or not larger than 0.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -36,6 +37,19 @@ struct EffectChoice {
   friend bool operator==(const EffectChoice&, const EffectChoice&) = default;
 };
 
+// Number of counts in FinerCounts.
+inline constexpr std::size_t finer_count_size = 9;
+// How many splits what is visible has down to half of the error at which the budget ends, to a quarter, and so on:
+// relative to those down to that error itself, so the first is 1 and they rise.
+using FinerCounts = std::array<double, finer_count_size>;
+
+// How much a mesh fills the image.
+struct Coverage {
+  double layers = 1.0;        // fragments for each pixel of the image
+  double front_layers = 1.0;  // of these, of triangles that face the eye: only those are in occluders
+  double front_share = 1.0;   // of the triangles, in [0, 1]
+};
+
 // How much of a view is hidden, estimated from a sample of what refinement without occlusion would visit.
 struct HiddenShares {
   std::size_t visits = 0;      // nodes sampled
@@ -43,8 +57,8 @@ struct HiddenShares {
   double visits_hidden = 0.0;  // share of the nodes that are below a hidden subtree, in [0, 1]
   double splits_hidden = 0.0;  // share of the splits whose subtree is hidden, in [0, 1]
   double stars_hidden = 0.0;   // share of the splits whose own star is hidden, in [splits_hidden, 1]
-  double growth = 1.0;  // triangles to be added to halve the errors of what is visible, relative to those that it
-                        // has: 1 while the hierarchy has finer splits everywhere, less where it ends
+  FinerCounts finer{1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0, 256.0};  // of the splits that are not hidden
+  Coverage coverage;                                                      // of the mesh that hides
 };
 
 // What one effort with one backend is expected to cost and give. The smallest score is chosen.
@@ -72,7 +86,8 @@ struct EffectReport {
   std::optional<HiddenShares> back;       // sampled after an earlier view, hidden by its refined mesh
   bool looked_ahead = false;              // `ahead` is of this view
   bool looked_back = false;               // `back` is of this view
-  bool held = false;                      // update(): another choice scores better, but not by enough to change
+  bool held = false;                      // another choice scores better, but not by enough: update() keeps the one
+                                          // before, refine() queries nothing
   double look_ms = 0.0;                   // measured time of both samples in this view
   // What a frame without occlusion would take for the forecast error of the choice, to compare with chosen()->frame_ms.
   FrameForecast same_error_without;
