@@ -36,7 +36,7 @@ constexpr double near_share = 0.1;    // share of the scene's extent by which th
 constexpr double same_budget_factor = 2.0;
 constexpr double same_zoom_factor = 1.25;
 constexpr double least_gain = 0.1;              // relative gain of the score for which a frame changes the choice
-constexpr double least_gain_of_queries = 0.05;  // from scratch, of the score, for which queries are made at all
+constexpr double least_gain_of_queries = 0.07;  // from scratch, of the score, for which queries are made at all
 constexpr double new_share = 0.25;              // weight of the last frame in the running means of frames
 // The first frames after a new choice, until everything has been queried in turn, do not predict later ones.
 constexpr std::size_t settling_frames = 8;
