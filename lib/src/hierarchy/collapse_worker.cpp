@@ -241,6 +241,7 @@ void CollapseWorker::rank(VertexId v, const Choice& choice, std::span<const Vert
 // After a collapse into u: w, of the ring, has lost one neighbour, which leaves its cost a lower bound, and may have
 // gained u. Only u's quadric has changed.
 void CollapseWorker::update(VertexId w, VertexId u) {
+  if (state_.is_locked(w)) return;
   const float old_cost = state_.vertices[w].cost;
   float cost = old_cost;
   if (w == u) {

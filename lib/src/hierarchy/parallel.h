@@ -55,6 +55,32 @@ void for_each_id(std::size_t count, unsigned threads, const Visit& visit) {
   });
 }
 
+// Calls visit(worker, i) for every i of [0, count), in this order on each thread but each on any; visits must not touch
+// what others write. Every thread has a worker of its own, made by make_worker(). After each of its visits the calling
+// thread calls between(). Should it or a visit throw, all end after their visit, and it is thrown here.
+template <typename MakeWorker, typename Visit, typename Between>
+void for_each_task(std::size_t count, unsigned threads, const MakeWorker& make_worker, const Visit& visit,
+                   const Between& between) {
+  std::atomic<std::size_t> next = 0;
+  const auto work = [&](const auto& after) {
+    try {
+      auto worker = make_worker();
+      for (std::size_t i = next++; i < count; i = next++) {
+        visit(worker, i);
+        after();
+      }
+    } catch (...) {
+      next = count;
+      throw;
+    }
+  };
+  HelperThreads others;
+  for (unsigned i = 1; i < threads && i < count; ++i)
+    if (!others.start([&] { work([] {}); })) break;
+  work(between);
+  others.join();
+}
+
 // Calls visit(begin, end, part) for `threads` consecutive parts of [0, count), each on a thread of its own where the
 // system grants as many.
 template <typename Visit>

@@ -49,7 +49,7 @@ class Simplifier {
         options_(options),
         threads_(thread_count(options.threads)),
         progress_(options.progress),
-        state_(std::make_unique<SimplifyState>(mesh, options.boundary_weight, threads_,
+        state_(std::make_unique<SimplifyState>(mesh, SimplifySetup{options.boundary_weight, threads_},
                                                ProgressPart{progress_, 0.0, passes_first, 1.0})),
         box_(scaled_box(mesh, state_->scale)),
         live_faces_(mesh.triangle_count()) {

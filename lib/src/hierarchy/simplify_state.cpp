@@ -15,27 +15,28 @@ constexpr float infinity = std::numeric_limits<float>::infinity();
 
 }  // namespace
 
-SimplifyState::SimplifyState(const TriangleMesh& input, double boundary_weight, unsigned threads,
-                             const ProgressPart& progress)
-    : scale(power_of_two_scale(input.positions)),
+SimplifyState::SimplifyState(const TriangleMesh& input, const SimplifySetup& setup, const ProgressPart& progress)
+    : scale(setup.scale > 0.0F ? setup.scale : power_of_two_scale(input.positions)),
+      locked(setup.locked),
       vertices(input.vertex_count()),
-      mesh(input.triangles, input.vertex_count(), threads),
+      mesh(input.triangles, input.vertex_count(), setup.threads),
       turns(input.vertex_count()) {
-  for_each_id(vertices.size(), threads, [&](VertexId v) {
+  for_each_id(vertices.size(), setup.threads, [&](VertexId v) {
     vertices[v] = {input.positions[v] * scale, infinity, 0.0F, {}};
   });
   const ProgressPart part{progress.progress, progress.first, progress.last, static_cast<double>(vertices.size())};
   for_each_range(
-      vertices.size(), threads,
+      vertices.size(), setup.threads,
       [&](std::size_t begin, std::size_t end) {
         Fan fan;
-        for (auto v = static_cast<VertexId>(begin); v < end; ++v) make_quadric(v, fan, boundary_weight);
+        for (auto v = static_cast<VertexId>(begin); v < end; ++v) make_quadric(v, fan, setup.boundary_weight);
       },
       [&](std::size_t done) { part.reach(done); });
 }
 
-// And proposes.
+// And proposes. What is never merged needs neither.
 void SimplifyState::make_quadric(VertexId v, Fan& fan, double boundary_weight) {
+  if (is_locked(v)) return;
   if (fan.gather(mesh, v)) {
     fan.measure_offsets(position_of());
     fan.measure_normals();

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <span>
 
 #include "build_progress.h"
 #include "core/large_vector.h"
@@ -27,11 +28,20 @@ struct Turn {
   float rank = 0.0F;        // the largest of any collapse that had the vertex in its ring
 };
 
+// How a state is set up.
+struct SimplifySetup {
+  double boundary_weight = 1.0;
+  unsigned threads = 1;
+  float scale = 0.0F;  // a power of two; 0: the one that takes the extent of the input into [1/2, 1]
+  std::span<const std::uint8_t> locked{};  // by vertex: not 0 = is never merged into another; empty = none is
+};
+
 // Indexed by vertex. A worker touches only vertices of its block and reads stars of those.
 struct SimplifyState {
-  SimplifyState(const TriangleMesh& input, double boundary_weight, unsigned threads, const ProgressPart& progress);
+  SimplifyState(const TriangleMesh& input, const SimplifySetup& setup, const ProgressPart& progress);
 
-  float scale = 1.0F;  // a power of two, so that scaling is exact; takes the extent of the input into [1/2, 1]
+  float scale = 1.0F;  // a power of two, so that scaling is exact
+  std::span<const std::uint8_t> locked;
   UninitializedVector<VertexState> vertices;
   StarMesh mesh;
   LargeVector<Turn> turns;
@@ -43,6 +53,8 @@ struct SimplifyState {
     return [first = vertices.data()](VertexId v) -> const glm::vec3& { return first[v].position; };
   }
   [[nodiscard]] glm::vec3 edge(VertexId v, VertexId u) const { return vertices[u].position - vertices[v].position; }
+  // A locked vertex has infinite cost.
+  [[nodiscard]] bool is_locked(VertexId v) const { return !locked.empty() && locked[v] != 0; }
   [[nodiscard]] float cost(VertexId v, VertexId u) const { return vertices[v].quadric.cost(edge(v, u)); }
   // The cost of v's cheapest collapse, unchecked.
   [[nodiscard]] float propose(VertexId v, Fan& fan) const;

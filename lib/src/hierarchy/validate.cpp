@@ -11,6 +11,7 @@
 #include <random>
 
 #include "active_faces.h"
+#include "chain_sum.h"
 #include "occlod/hierarchy/cut_mesh.h"
 #include "star_mesh.h"
 
@@ -18,36 +19,6 @@ namespace occlod {
 namespace {
 
 constexpr std::size_t most_violations = 20;
-
-// The sum of directed edges as an oriented chain: an edge and its reverse cancel, loops vanish. As a fingerprint of 128
-// bits: equal chains have equal sums, others differ but for one chance in 2^128.
-class ChainSum {
- public:
-  void add(VertexId from, VertexId to) {
-    if (from == to) return;
-    const std::uint64_t edge = std::uint64_t{std::min(from, to)} << 32U | std::max(from, to);
-    const std::uint64_t first = scramble(edge), second = scramble(first ^ 0x9e3779b97f4a7c15ULL);
-    first_ += from < to ? first : 0 - first;
-    second_ += from < to ? second : 0 - second;
-  }
-  friend bool operator==(const ChainSum&, const ChainSum&) = default;
-
- private:
-  // Steele, Lea, Flood 2014, "Fast splittable pseudorandom number generators".
-  static std::uint64_t scramble(std::uint64_t x) {
-    x += 0x9e3779b97f4a7c15ULL;
-    x = (x ^ (x >> 30U)) * 0xbf58476d1ce4e5b9ULL;
-    x = (x ^ (x >> 27U)) * 0x94d049bb133111ebULL;
-    return x ^ (x >> 31U);
-  }
-
-  std::uint64_t first_ = 0, second_ = 0;
-};
-
-template <typename Visit>
-void for_each_edge(const Triangle& t, const Visit& visit) {
-  for (int k = 0; k < 3; ++k) visit(t[k], t[(k + 1) % 3]);
-}
 
 class Validator {
  public:

@@ -1,0 +1,39 @@
+// Simplifies one small mesh, part of a larger one, with vertices that stay where they are.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "occlod/mesh/triangle_mesh.h"
+
+namespace occlod {
+
+// How far one group is simplified.
+struct GroupTarget {
+  float scale = 1.0F;  // a power of two, the same for all groups whose costs are compared; takes the extent of their
+                       // common mesh into [1/2, 1]
+  double boundary_weight = 1.0;                         // as in BuildOptions
+  float most_cost = std::numeric_limits<float>::max();  // collapses that cost more are not made
+  std::size_t least_triangles = 0;                      // ends when no more are left
+};
+
+// What a group became.
+struct SimplifiedGroup {
+  std::vector<Triangle> triangles;    // that are left, by the vertices of the input
+  std::vector<VertexId> merged_into;  // by vertex: the one that it ended up in; itself where it was not merged
+  float error = 0.0F;                 // the largest quadric error of a collapse, object units
+  float guaranteed_error = 0.0F;      // no triangle that is left is farther from the input, object units
+  float cost = 0.0F;                  // of the dearest collapse, for GroupTarget::most_cost
+};
+
+// Collapses edges of `mesh`, cheapest first, as build_hierarchy() does. A vertex v with locked[v] != 0 is never merged
+// into another, but others may be merged into it; empty: none is locked. The oriented boundary of the result, as a
+// chain, is the image under merged_into of that of `mesh`. Indices are in range and positions finite. On one thread,
+// deterministic; O(n log n).
+[[nodiscard]] SimplifiedGroup simplify_group(const TriangleMesh& mesh, std::span<const std::uint8_t> locked,
+                                             const GroupTarget& target);
+
+}  // namespace occlod

@@ -1,0 +1,109 @@
+#include "hierarchy/simplify_group.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "hierarchy/chain_sum.h"
+#include "hierarchy/unit_scale.h"
+#include "support/meshes.h"
+
+namespace occlod {
+namespace {
+
+using Locked = std::vector<std::uint8_t>;
+
+GroupTarget target_for(const TriangleMesh& mesh, std::size_t least_triangles) {
+  GroupTarget target;
+  target.scale = power_of_two_scale(mesh.positions);
+  target.least_triangles = least_triangles;
+  return target;
+}
+
+ChainSum boundary_of(const std::vector<Triangle>& triangles, const std::vector<VertexId>& image) {
+  ChainSum sum;
+  for (const Triangle& t : triangles)
+    for_each_edge(t, [&](VertexId from, VertexId to) { sum.add(image[from], image[to]); });
+  return sum;
+}
+
+std::vector<VertexId> identity(std::size_t count) {
+  std::vector<VertexId> ids(count);
+  for (VertexId v = 0; v < count; ++v) ids[v] = v;
+  return ids;
+}
+
+Locked boundary_of_grid(int n) {
+  Locked locked;
+  for (int y = 0; y <= n; ++y)
+    for (int x = 0; x <= n; ++x) locked.push_back(x == 0 || y == 0 || x == n || y == n ? 1 : 0);
+  return locked;
+}
+
+TEST(SimplifyGroup, LockedVerticesStayAndOthersGo) {
+  // A flat square whose 4 * 10 border vertices are locked: all inside goes, and the fewest triangles
+  // that a disc with 40 vertices on its border can have are 38.
+  const TriangleMesh mesh = test::grid(10, 10);
+  const Locked locked = boundary_of_grid(10);
+  const SimplifiedGroup group = simplify_group(mesh, locked, target_for(mesh, 0));
+  for (VertexId v = 0; v < mesh.vertex_count(); ++v)
+    if (locked[v] != 0)
+      EXPECT_EQ(group.merged_into[v], v);
+    else
+      EXPECT_NE(locked[group.merged_into[v]], 0) << "vertex " << v << " is left";
+  EXPECT_EQ(group.triangles.size(), 38U);
+}
+
+TEST(SimplifyGroup, WhatIsAllLockedStaysAsItIs) {
+  const TriangleMesh mesh = test::noisy_sphere(2, 1);
+  const SimplifiedGroup group = simplify_group(mesh, Locked(mesh.vertex_count(), 1), target_for(mesh, 0));
+  EXPECT_EQ(group.triangles.size(), mesh.triangle_count());
+  EXPECT_EQ(group.merged_into, identity(mesh.vertex_count()));
+  EXPECT_EQ(group.cost, 0.0F);
+}
+
+TEST(SimplifyGroup, BoundaryIsTheImageOfTheInputs) {
+  for (const TriangleMesh& mesh : {test::noisy_sphere(4, 3), test::grid(20, 20), test::moebius(40), test::book(7)}) {
+    Locked locked(mesh.vertex_count(), 0);
+    for (VertexId v = 0; v < locked.size(); v += 7) locked[v] = 1;
+    for (const std::size_t least : {std::size_t{0}, mesh.triangle_count() / 4}) {
+      const SimplifiedGroup group = simplify_group(mesh, locked, target_for(mesh, least));
+      EXPECT_TRUE(boundary_of(group.triangles, identity(mesh.vertex_count())) ==
+                  boundary_of(mesh.triangles, group.merged_into));
+      for (const VertexId v : group.merged_into) EXPECT_EQ(group.merged_into[v], v) << "not the last target";
+    }
+  }
+}
+
+TEST(SimplifyGroup, EndsAtTheCostAndAtTheTriangles) {
+  const TriangleMesh mesh = test::noisy_sphere(4, 3);
+  GroupTarget target = target_for(mesh, mesh.triangle_count() / 4);
+  const SimplifiedGroup quarter = simplify_group(mesh, {}, target);
+  EXPECT_LE(quarter.triangles.size(), mesh.triangle_count() / 4);
+  EXPECT_GE(quarter.triangles.size(), mesh.triangle_count() / 4 - 1);  // a collapse inside a surface ends two
+  target.most_cost = quarter.cost / 4.0F;
+  const SimplifiedGroup cheap = simplify_group(mesh, {}, target);
+  EXPECT_GT(cheap.triangles.size(), quarter.triangles.size());
+  EXPECT_LE(cheap.cost, target.most_cost);
+  EXPECT_LE(cheap.error, quarter.error);
+}
+
+TEST(SimplifyGroup, CostsOfGroupsCompareWhateverTheirSize) {
+  // The same bump in a mesh of its own and beside a triangle far away, by the scale of the larger mesh.
+  const TriangleMesh small = test::noisy_sphere(3, 3);
+  TriangleMesh large = small;
+  test::append(large, test::single_triangle(), {100.0F, 0.0F, 0.0F});
+  const GroupTarget target = target_for(large, 20);
+  Locked locked(large.vertex_count(), 0);
+  std::fill(locked.begin() + static_cast<std::ptrdiff_t>(small.vertex_count()), locked.end(), 1);
+  const SimplifiedGroup a = simplify_group(small, {}, {target.scale, 1.0, target.most_cost, 20});
+  const SimplifiedGroup b = simplify_group(large, locked, {target.scale, 1.0, target.most_cost, 21});
+  EXPECT_EQ(a.cost, b.cost);
+  EXPECT_EQ(a.error, b.error);
+  EXPECT_EQ(a.triangles.size() + 1, b.triangles.size());
+}
+
+}  // namespace
+}  // namespace occlod
