@@ -1,0 +1,33 @@
+// Builds hierarchical levels of detail: groups of triangles by octrees, each simplified by half-edge collapses.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+
+#include "occlod/hlod/hlod.h"
+#include "occlod/mesh/triangle_mesh.h"
+
+namespace occlod::hlod {
+
+// How an HLOD is built.
+struct BuildOptions {
+  std::uint32_t node_triangles = 2000;    // the most that a node of level 0 has; groups of four times as many are
+                                          // simplified to about a quarter; in [16, 4096]
+  Grouping grouping = Grouping::shifted;  // how triangles are grouped from level to level
+  Borders borders = Borders::locked;      // what happens at the borders of groups; `free` with nested groups only
+  double boundary_weight = 1.0;  // weight of the planes that hold boundary edges in place, relative to the triangles
+                                 // beside them; in [0, 1e6]
+  int threads = 0;               // in [0, 1024]; 0: one for each core. The result does not depend on it
+  // Called now and then on the calling thread with the share done, in [0, 1]; returning false cancels the build, which
+  // then throws Error. What it throws ends the build too.
+  std::function<bool(double)> progress = {};
+};
+
+// Any triangle soup that clean() accepts can be built; the same mesh and options give the same bytes, whatever the
+// number of threads. Throws Error for an option out of its range or free borders of shifted groups, for a mesh without
+// triangles, with an index out of range, with two vertices at one position or a position that is not finite or has a
+// coordinate beyond farthest_coordinate, and when cancelled. O(n log n) time; about 100 bytes a triangle beside the
+// result while building.
+[[nodiscard]] Hlod build_hlod(const TriangleMesh& mesh, const BuildOptions& options = {});
+
+}  // namespace occlod::hlod

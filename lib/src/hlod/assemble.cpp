@@ -1,0 +1,175 @@
+#include "assemble.h"
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+#include "hierarchy/parallel.h"
+#include "local_ids.h"
+
+namespace occlod::hlod {
+namespace {
+
+constexpr std::uint64_t align_up(std::uint64_t offset) {
+  return (offset + mesh_alignment - 1) / mesh_alignment * mesh_alignment;
+}
+
+// The vertices and patches of one node.
+struct NodeParts {
+  std::vector<VertexId> vertices;  // of the input mesh, in the order of their first use
+  std::vector<std::uint16_t> indices;
+  std::vector<Patch> patches;
+};
+
+class Assembler {
+ public:
+  Assembler(const TriangleMesh& mesh, std::vector<LevelDraft> levels, unsigned threads)
+      : mesh_(mesh), levels_(std::move(levels)), threads_(threads) {}
+
+  HlodData run() {
+    number_nodes();
+    parts_.resize(drafts_.size());
+    for_each_node([&](LocalIds& ids, NodeId n) { divide(ids, n); });
+    lay_out();
+    for_each_node([&](LocalIds&, NodeId n) { write_mesh(n); });
+    for_each_node([&](LocalIds& ids, NodeId n) { link_merged(ids, n); });
+    data_.box = bounding_box(mesh_.positions);
+    data_.input_triangle_count = mesh_.triangles.size();
+    data_.has_normals = !mesh_.normals.empty();
+    data_.has_colors = !mesh_.colors.empty();
+    return std::move(data_);
+  }
+
+ private:
+  template <typename Visit>
+  void for_each_node(const Visit& visit) {
+    for_each_task(
+        drafts_.size(), threads_, [] { return LocalIds(); },
+        [&](LocalIds& ids, std::size_t n) { visit(ids, static_cast<NodeId>(n)); }, [] {});
+  }
+
+  void number_nodes() {
+    data_.levels.resize(levels_.size());
+    for (std::size_t level = levels_.size(); level-- > 0;) {
+      data_.levels[level] = {static_cast<NodeId>(drafts_.size()),
+                             static_cast<std::uint32_t>(levels_[level].nodes.size())};
+      for (const NodeDraft& draft : levels_[level].nodes) {
+        drafts_.push_back(&draft);
+        Node node;
+        node.level = static_cast<std::uint16_t>(level);
+        data_.nodes.push_back(node);
+      }
+    }
+  }
+
+  // The id of the node at a place of the level above that of n.
+  [[nodiscard]] NodeId parent_id(NodeId n, std::uint32_t place) const {
+    return data_.levels[data_.nodes[n].level + 1U].first_node + place;
+  }
+
+  // Into patches by ascending parent; within one, triangles keep their order.
+  void divide(LocalIds& ids, NodeId n) {
+    const NodeDraft& draft = *drafts_[n];
+    const LevelDraft& level = levels_[data_.nodes[n].level];
+    std::vector<std::pair<NodeId, std::uint32_t>> order;  // by parent
+    for (std::uint32_t t = draft.first_triangle; t < draft.first_triangle + draft.triangle_count; ++t)
+      order.emplace_back(level.parent_of.empty() ? no_id : parent_id(n, level.parent_of[t]), t);
+    std::sort(order.begin(), order.end());
+    NodeParts& parts = parts_[n];
+    ids.reset(3 * order.size() + draft.bare_targets.size());
+    for (const auto& [parent, t] : order) {
+      if (parts.patches.empty() || parts.patches.back().parent != parent)
+        parts.patches.push_back({parent, static_cast<std::uint32_t>(parts.indices.size()), 0});
+      parts.patches.back().index_count += 3;
+      for (int k = 0; k < 3; ++k) parts.indices.push_back(static_cast<std::uint16_t>(ids.add(level.triangles[t][k])));
+    }
+    for (const VertexId v : draft.bare_targets) ids.add(v);
+    parts.vertices.assign(ids.vertices().begin(), ids.vertices().end());
+  }
+
+  // What the nodes say of themselves, and where everything is.
+  void lay_out() {
+    const bool has_normals = !mesh_.normals.empty(), has_colors = !mesh_.colors.empty();
+    std::uint64_t end = 0;
+    for (NodeId n = 0; n < data_.nodes.size(); ++n) {
+      const NodeDraft& draft = *drafts_[n];
+      Node& node = data_.nodes[n];
+      node.box = draft.box;
+      node.lod_box = draft.lod_box;
+      node.sphere = draft.sphere;
+      node.error = draft.error;
+      node.child_error = draft.child_error;
+      node.guaranteed_error = draft.guaranteed_error;
+      node.area = draft.area;
+      node.first_patch = static_cast<std::uint32_t>(data_.patches.size());
+      node.first_child = static_cast<std::uint32_t>(data_.children.size());
+      node.triangles = draft.triangle_count;
+      node.vertices = static_cast<std::uint32_t>(parts_[n].vertices.size());
+      node.patches = static_cast<std::uint16_t>(parts_[n].patches.size());
+      node.children = static_cast<std::uint16_t>(draft.children.size());
+      node.mesh = end;
+      end = align_up(end + MeshLayout(node, has_normals, has_colors).bytes);
+      data_.patches.insert(data_.patches.end(), parts_[n].patches.begin(), parts_[n].patches.end());
+      for (const std::uint32_t child : draft.children)
+        data_.children.push_back(data_.levels[node.level - 1U].first_node + child);
+      if (parts_[n].patches.empty() || parts_[n].patches[0].parent == no_id) data_.roots.push_back(n);
+    }
+    data_.meshes.resize(end);
+  }
+
+  template <typename T>
+  [[nodiscard]] T* array_at(const Node& node, std::size_t offset) {
+    return reinterpret_cast<T*>(data_.meshes.data() + node.mesh + offset);
+  }
+
+  void write_mesh(NodeId n) {
+    const Node& node = data_.nodes[n];
+    const NodeParts& parts = parts_[n];
+    const MeshLayout layout(node, !mesh_.normals.empty(), !mesh_.colors.empty());
+    for (std::size_t i = 0; i < parts.vertices.size(); ++i) {
+      const VertexId v = parts.vertices[i];
+      array_at<glm::vec3>(node, 0)[i] = mesh_.positions[v];
+      if (!mesh_.normals.empty()) array_at<glm::vec3>(node, layout.normals)[i] = mesh_.normals[v];
+      if (!mesh_.colors.empty()) array_at<glm::u8vec4>(node, layout.colors)[i] = mesh_.colors[v];
+    }
+    std::copy(parts.indices.begin(), parts.indices.end(), array_at<std::uint16_t>(node, layout.indices));
+    std::fill_n(array_at<std::uint16_t>(node, layout.merged_into), parts.vertices.size(), stays);
+  }
+
+  // Tells the children of n where their vertices went. What n merged belongs to it alone, so no other parent of the
+  // child writes to the same place.
+  void link_merged(LocalIds& own, NodeId n) {
+    const NodeDraft& draft = *drafts_[n];
+    if (draft.merges.empty()) return;
+    own.reset(parts_[n].vertices.size());
+    for (const VertexId v : parts_[n].vertices) own.add(v);
+    LocalIds merged;
+    merged.reset(draft.merges.size());
+    for (const Merge& merge : draft.merges) merged.add(merge.v);
+    for (const std::uint32_t child : draft.children) {
+      const NodeId c = data_.levels[data_.nodes[n].level - 1U].first_node + child;
+      const Node& node = data_.nodes[c];
+      const MeshLayout layout(node, !mesh_.normals.empty(), !mesh_.colors.empty());
+      auto* const merged_into = array_at<std::uint16_t>(node, layout.merged_into);
+      const std::size_t used = parts_[c].vertices.size() - drafts_[c]->bare_targets.size();
+      for (std::size_t i = 0; i < used; ++i)
+        if (const std::uint32_t merge = merged.find(parts_[c].vertices[i]); merge != no_id)
+          merged_into[i] = static_cast<std::uint16_t>(own.find(draft.merges[merge].u));
+    }
+  }
+
+  const TriangleMesh& mesh_;
+  std::vector<LevelDraft> levels_;
+  unsigned threads_;
+  std::vector<const NodeDraft*> drafts_;  // by node
+  std::vector<NodeParts> parts_;          // by node
+  HlodData data_;
+};
+
+}  // namespace
+
+HlodData assemble(const TriangleMesh& mesh, std::vector<LevelDraft> levels, unsigned threads) {
+  return Assembler(mesh, std::move(levels), threads).run();
+}
+
+}  // namespace occlod::hlod

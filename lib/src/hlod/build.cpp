@@ -1,0 +1,98 @@
+#include "occlod/hlod/build.h"
+
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "assemble.h"
+#include "core/large_vector.h"
+#include "core/option_checker.h"
+#include "finish_level.h"
+#include "group_triangles.h"
+#include "hierarchy/build_progress.h"
+#include "hierarchy/check_input.h"
+#include "hierarchy/parallel.h"
+#include "hierarchy/spatial_order.h"
+#include "occlod/core/error.h"
+#include "simplify_nodes.h"
+
+namespace occlod::hlod {
+namespace {
+
+constexpr double least_progress = 0.97;  // a level with a larger share of the triangles below it is left out
+constexpr double grouped = 0.15, simplified = 0.85;  // shares of the whole time
+
+void check_options(const BuildOptions& options) {
+  const OptionChecker check("hlod build");
+  check.in_range("node_triangles", options.node_triangles, 16, 4096);
+  check.in_range("boundary_weight", options.boundary_weight, 0.0, 1e6);
+  check.in_range("threads", options.threads, 0, 1024);
+  if (options.grouping == Grouping::shifted && options.borders == Borders::free)
+    throw Error({"hlod build", "option borders", "shifted groups need locked borders",
+                 "choose nested groups or locked borders"});
+}
+
+class Builder {
+ public:
+  Builder(const TriangleMesh& mesh, const BuildOptions& options)
+      : mesh_(mesh),
+        threads_(thread_count(options.threads)),
+        progress_(options.progress),
+        grouping_(mesh, options, threads_),
+        simplifier_(mesh, options, threads_) {}
+
+  HlodData run() {
+    progress_.reach(0.0);
+    levels_.push_back(input_level(mesh_, grouping_.group_input(), threads_));
+    while (levels_.back().nodes.size() > 1 && add_level()) continue;
+    return assemble(mesh_, std::move(levels_), threads_);
+  }
+
+ private:
+  // Whether there may be another.
+  bool add_level() {
+    LevelDraft& below = levels_.back();
+    const double before = share_of(levels_.size() - 1), after = share_of(levels_.size());
+    TriangleGroups groups = grouping_.group_level(below, static_cast<unsigned>(levels_.size()));
+    const ProgressPart part{progress_, before + grouped * (after - before), after,
+                            static_cast<double>(below.triangles.size())};
+    part.reach(0);
+    LevelDraft level = simplifier_.run(below, std::move(groups), part);
+    if (!level.triangles.empty() &&
+        static_cast<double>(level.triangles.size()) > least_progress * static_cast<double>(below.triangles.size())) {
+      below.parent_of = {};
+      return false;
+    }
+    levels_.push_back(std::move(level));
+    return !levels_.back().triangles.empty();
+  }
+
+  // What is done when so many levels above the input are: each takes a quarter of the time of the one below.
+  static double share_of(std::size_t levels) {
+    return simplified * (1.0 - std::pow(0.25, static_cast<double>(levels)));
+  }
+
+  const TriangleMesh& mesh_;
+  unsigned threads_;
+  BuildProgress progress_;
+  TriangleGrouping grouping_;
+  NodeSimplifier simplifier_;
+  std::vector<LevelDraft> levels_;
+};
+
+}  // namespace
+
+Hlod build_hlod(const TriangleMesh& mesh, const BuildOptions& options) {
+  check_options(options);
+  check_input(mesh);
+  check_welded(mesh);
+  const LargeMemoryReuse reuse;
+  const TriangleMesh ordered = in_spatial_order(mesh, thread_count(options.threads));
+  HlodData data = Builder(ordered, options).run();
+  data.grouping = options.grouping;
+  data.borders = options.borders;
+  data.node_triangles = options.node_triangles;
+  return make_hlod(std::move(data));
+}
+
+}  // namespace occlod::hlod

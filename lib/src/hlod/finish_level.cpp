@@ -1,0 +1,141 @@
+#include "finish_level.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <utility>
+
+#include "hierarchy/parallel.h"
+#include "math/unite.h"
+
+namespace occlod::hlod {
+namespace {
+
+// Rounding of doubles must not make a sphere that holds another one too small for it.
+constexpr double slack = 1.0 + 1e-6;
+
+float rounded_up(double x) {
+  constexpr float most = std::numeric_limits<float>::max();
+  if (!(x < static_cast<double>(most))) return most;
+  const auto y = static_cast<float>(x);
+  return static_cast<double>(y) < x ? std::nextafter(y, most) : y;
+}
+
+Box box_of(const TriangleMesh& mesh, std::span<const Triangle> triangles) {
+  Box box{mesh.positions[triangles[0].x], mesh.positions[triangles[0].x]};
+  for (const Triangle& t : triangles)
+    for (int k = 0; k < 3; ++k) box = unite(box, {mesh.positions[t[k]], mesh.positions[t[k]]});
+  return box;
+}
+
+float area_of(const TriangleMesh& mesh, std::span<const Triangle> triangles) {
+  double area = 0.0;
+  for (const Triangle& t : triangles) {
+    const glm::dvec3 a(mesh.positions[t.x]), b(mesh.positions[t.y]), c(mesh.positions[t.z]);
+    area += 0.5 * glm::length(glm::cross(b - a, c - a));
+  }
+  return static_cast<float>(std::min(area, static_cast<double>(std::numeric_limits<float>::max())));
+}
+
+// Around the middle of `box`: of the box and of the children's spheres.
+Sphere sphere_around(const Box& box, const std::vector<NodeDraft>& nodes, std::span<const std::uint32_t> children) {
+  const glm::vec3 center(0.5 * (glm::dvec3(box.min) + glm::dvec3(box.max)));
+  double radius = 0.0;
+  for (int i = 0; i < 8; ++i) radius = std::max(radius, glm::distance(glm::dvec3(corner(box, i)), glm::dvec3(center)));
+  for (const std::uint32_t child : children) {
+    const Sphere& s = nodes[child].sphere;
+    radius = std::max(radius, glm::distance(glm::dvec3(s.center), glm::dvec3(center)) + static_cast<double>(s.radius));
+  }
+  return {center, rounded_up(radius * slack)};
+}
+
+// For each group the nodes with triangles in it.
+std::vector<std::vector<std::uint32_t>> children_of_groups(const LevelDraft& below, std::size_t groups) {
+  std::vector<std::vector<std::uint32_t>> children(groups);
+  for (std::uint32_t n = 0; n < below.nodes.size(); ++n) {
+    const NodeDraft& node = below.nodes[n];
+    for (std::uint32_t t = node.first_triangle; t < node.first_triangle + node.triangle_count; ++t) {
+      std::vector<std::uint32_t>& list = children[below.parent_of[t]];
+      if (list.empty() || list.back() != n) list.push_back(n);
+    }
+  }
+  return children;
+}
+
+// From its children, its box and its own errors. Errors of levels are added as if they were independent: their sum
+// would drift upwards with every level, where measured errors do not.
+void bound(NodeDraft& node, const std::vector<NodeDraft>& below) {
+  node.lod_box = node.box;
+  float guaranteed = 0.0F;
+  for (const std::uint32_t child : node.children) {
+    node.lod_box = unite(node.lod_box, below[child].lod_box);
+    node.child_error = std::max(node.child_error, below[child].error);
+    guaranteed = std::max(guaranteed, below[child].guaranteed_error);
+  }
+  node.error = rounded_up(std::hypot(static_cast<double>(node.child_error), static_cast<double>(node.error)));
+  node.guaranteed_error = rounded_up(static_cast<double>(guaranteed) + static_cast<double>(node.guaranteed_error));
+  node.sphere = sphere_around(node.lod_box, below, node.children);
+}
+
+}  // namespace
+
+LevelDraft input_level(const TriangleMesh& mesh, const TriangleGroups& groups, unsigned threads) {
+  LevelDraft level;
+  level.nodes.resize(groups.count);
+  for (const std::uint32_t group : groups.group_of) ++level.nodes[group].triangle_count;
+  std::vector<std::uint32_t> next;
+  std::uint32_t first = 0;
+  for (NodeDraft& node : level.nodes) {
+    next.push_back(first);
+    node.first_triangle = std::exchange(first, first + node.triangle_count);
+  }
+  level.triangles.resize(mesh.triangles.size());
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
+    level.triangles[next[groups.group_of[t]]++] = mesh.triangles[t];
+  for_each_task(
+      level.nodes.size(), threads, [] { return 0; },
+      [&](int, std::size_t n) {
+        NodeDraft& node = level.nodes[n];
+        const std::span<const Triangle> triangles = level.triangles_of(node);
+        node.box = box_of(mesh, triangles);
+        node.area = area_of(mesh, triangles);
+        bound(node, {});
+      },
+      [] {});
+  return level;
+}
+
+LevelDraft finish_level(const TriangleMesh& mesh, const LevelDraft& below, std::vector<SimplifiedNode> simplified,
+                        unsigned threads) {
+  LevelDraft level;
+  level.nodes.resize(simplified.size());
+  std::vector<std::vector<std::uint32_t>> children = children_of_groups(below, simplified.size());
+  std::uint32_t first = 0;
+  for (std::size_t n = 0; n < level.nodes.size(); ++n) {
+    level.nodes[n].first_triangle = first;
+    level.nodes[n].triangle_count = static_cast<std::uint32_t>(simplified[n].triangles.size());
+    first += level.nodes[n].triangle_count;
+  }
+  level.triangles.resize(first);
+  for_each_task(
+      level.nodes.size(), threads, [] { return 0; },
+      [&](int, std::size_t n) {
+        NodeDraft& node = level.nodes[n];
+        SimplifiedNode& from = simplified[n];
+        std::copy(from.triangles.begin(), from.triangles.end(), level.triangles.begin() + node.first_triangle);
+        node.children = std::move(children[n]);
+        node.merges = std::move(from.merges);
+        node.bare_targets = std::move(from.bare_targets);
+        node.box = from.box;
+        node.error = from.error;
+        node.guaranteed_error = from.guaranteed_error;
+        node.area = area_of(mesh, from.triangles);
+        bound(node, below.nodes);
+        from = {};
+      },
+      [] {});
+  return level;
+}
+
+}  // namespace occlod::hlod

@@ -1,0 +1,29 @@
+// Puts the nodes of one level together: links, bounds and errors.
+#pragma once
+
+#include <vector>
+
+#include "group_triangles.h"
+#include "level_draft.h"
+
+namespace occlod::hlod {
+
+// What simplification made of one group.
+struct SimplifiedNode {
+  std::vector<Triangle> triangles;
+  std::vector<VertexId> lost;                   // locked vertices that none of them uses
+  std::vector<Merge> merges;                    // all vertices of the group that were merged
+  std::vector<VertexId> bare_targets;           // as in NodeDraft
+  Box box;                                      // as in Node
+  float error = 0.0F, guaranteed_error = 0.0F;  // of this node's own collapses alone
+};
+
+// Level 0: the groups of the input as they are.
+[[nodiscard]] LevelDraft input_level(const TriangleMesh& mesh, const TriangleGroups& groups, unsigned threads);
+
+// The level of the nodes that replace the triangles of `below` by its parent_of. The result does not depend on the
+// threads. O(n).
+[[nodiscard]] LevelDraft finish_level(const TriangleMesh& mesh, const LevelDraft& below,
+                                      std::vector<SimplifiedNode> simplified, unsigned threads);
+
+}  // namespace occlod::hlod

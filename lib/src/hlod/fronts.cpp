@@ -1,0 +1,38 @@
+#include "fronts.h"
+
+#include <algorithm>
+#include <glm/geometric.hpp>
+
+namespace occlod::hlod {
+namespace {
+
+// In [0, 1), the same with every standard library.
+double uniform(std::mt19937_64& random) { return static_cast<double>(random() >> 11U) * 0x1p-53; }
+
+}  // namespace
+
+Refined random_front(const Hlod& hlod, std::mt19937_64& random) {
+  const double probability = 0.3 + 0.7 * uniform(random);
+  const bool is_local = random() % 2 == 0;
+  const Box& box = hlod.data().box;
+  const glm::dvec3 size = glm::dvec3(box.max) - glm::dvec3(box.min);
+  const glm::dvec3 middle(hlod.node(static_cast<NodeId>(random() % hlod.node_count())).sphere.center);
+  const double reach = glm::length(size) * 0.5 * uniform(random);
+  const auto wanted = [&](const Node& node) {
+    if (!is_local) return probability;
+    const double distance = glm::distance(glm::dvec3(node.sphere.center), middle);
+    return distance < reach + static_cast<double>(node.sphere.radius) ? 0.97 : 0.03;
+  };
+  Refined refined(hlod.node_count(), 0);
+  for (NodeId n = 0; n < hlod.node_count(); ++n) {  // parents first
+    if (hlod.node(n).level == 0) continue;
+    const auto patches = hlod.patches(n);
+    const bool may_be = std::all_of(patches.begin(), patches.end(), [&](const Patch& patch) {
+      return patch.parent == no_id || refined[patch.parent] != 0;
+    });
+    refined[n] = uniform(random) < wanted(hlod.node(n)) && may_be ? 1 : 0;
+  }
+  return refined;
+}
+
+}  // namespace occlod::hlod

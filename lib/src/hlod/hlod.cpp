@@ -1,0 +1,104 @@
+#include "occlod/hlod/hlod.h"
+
+#include <cassert>
+#include <utility>
+
+#include "hlod_data.h"
+#include "node_guard.h"
+
+namespace occlod::hlod {
+namespace {
+
+template <typename T>
+std::vector<T> to_vector(std::span<const T> values) {
+  return {values.begin(), values.end()};
+}
+
+template <typename T>
+std::span<const T> array_at(const std::byte* bytes, std::size_t count) {
+  return {reinterpret_cast<const T*>(bytes), count};
+}
+
+}  // namespace
+
+MeshLayout::MeshLayout(const Node& node, bool has_normals, bool has_colors) {
+  const std::size_t vertices = node.vertices;
+  normals = vertices * sizeof(glm::vec3);
+  colors = normals + (has_normals ? vertices * sizeof(glm::vec3) : 0);
+  indices = colors + (has_colors ? vertices * sizeof(glm::u8vec4) : 0);
+  merged_into = indices + 3 * std::size_t{node.triangles} * sizeof(std::uint16_t);
+  bytes = merged_into + vertices * sizeof(std::uint16_t);
+}
+
+HlodView view_of(const HlodData& data) {
+  return {data.nodes,
+          data.patches,
+          data.children,
+          data.roots,
+          data.levels,
+          data.meshes,
+          data.box,
+          data.input_triangle_count,
+          data.grouping,
+          data.borders,
+          data.node_triangles,
+          data.has_normals,
+          data.has_colors};
+}
+
+Hlod make_hlod(HlodData data) {
+  const auto owned = std::make_shared<const HlodData>(std::move(data));
+  return {view_of(*owned), owned};
+}
+
+HlodData copy_data(const Hlod& hlod) {
+  const HlodView& view = hlod.data();
+  return {to_vector(view.nodes),
+          to_vector(view.patches),
+          to_vector(view.children),
+          to_vector(view.roots),
+          to_vector(view.levels),
+          {view.meshes.begin(), view.meshes.end()},
+          view.box,
+          view.input_triangle_count,
+          view.grouping,
+          view.borders,
+          view.node_triangles,
+          view.has_normals,
+          view.has_colors};
+}
+
+Hlod guarded_hlod(const HlodView& view, std::shared_ptr<const void> owner, std::shared_ptr<NodeGuard> guard) {
+  Hlod hlod(view, std::move(owner));
+  hlod.checked_ = guard->checked();
+  hlod.guard_ = std::move(guard);
+  return hlod;
+}
+
+Hlod::Hlod(const HlodView& view, std::shared_ptr<const void> owner) : view_(view), owner_(std::move(owner)) {}
+
+void Hlod::check_mesh(NodeId n) const { guard_->check(n); }
+
+void Hlod::require_all() const {
+  for (NodeId n = 0; n < node_count(); ++n) require(n);
+}
+
+NodeMesh Hlod::mesh(NodeId n) const noexcept {
+  const Node& node = view_.nodes[n];
+  const MeshLayout layout(node, view_.has_normals, view_.has_colors);
+  assert(node.mesh % mesh_alignment == 0 && node.mesh + layout.bytes <= view_.meshes.size());
+  const std::byte* const bytes = view_.meshes.data() + node.mesh;
+  const std::size_t vertices = node.vertices;
+  return {array_at<glm::vec3>(bytes, vertices),
+          array_at<glm::vec3>(bytes + layout.normals, view_.has_normals ? vertices : 0),
+          array_at<glm::u8vec4>(bytes + layout.colors, view_.has_colors ? vertices : 0),
+          array_at<std::uint16_t>(bytes + layout.indices, 3 * std::size_t{node.triangles}),
+          array_at<std::uint16_t>(bytes + layout.merged_into, vertices)};
+}
+
+std::size_t Hlod::bytes() const noexcept {
+  return view_.nodes.size_bytes() + view_.patches.size_bytes() + view_.children.size_bytes() +
+         view_.roots.size_bytes() + view_.levels.size_bytes() + view_.meshes.size_bytes();
+}
+
+}  // namespace occlod::hlod

@@ -1,0 +1,43 @@
+// One level of an HLOD while it is built. Vertices are those of the input mesh.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/large_vector.h"
+#include "occlod/hlod/hlod.h"
+#include "occlod/mesh/triangle_mesh.h"
+
+namespace occlod::hlod {
+
+// Vertex v of a node's input ended up in u.
+struct Merge {
+  VertexId v = no_id;
+  VertexId u = no_id;
+};
+
+struct NodeDraft {
+  std::uint32_t first_triangle = 0;  // into LevelDraft::triangles
+  std::uint32_t triangle_count = 0;
+  std::vector<std::uint32_t> children;  // places on the level below, ascending
+  std::vector<Merge> merges;            // by v, in no order
+  std::vector<VertexId> bare_targets;   // vertices that others were merged into, but that no triangle uses any more
+  Box box, lod_box;
+  Sphere sphere;
+  float error = 0.0F, child_error = 0.0F, guaranteed_error = 0.0F, area = 0.0F;
+};
+
+struct LevelDraft {
+  std::vector<NodeDraft> nodes;
+  LargeVector<Triangle> triangles;       // node by node
+  LargeVector<std::uint32_t> parent_of;  // of each triangle: the place on the next level of the node that replaces it;
+                                         // empty on the last level
+
+  [[nodiscard]] std::span<const Triangle> triangles_of(const NodeDraft& node) const {
+    return std::span<const Triangle>(triangles).subspan(node.first_triangle, node.triangle_count);
+  }
+};
+
+}  // namespace occlod::hlod

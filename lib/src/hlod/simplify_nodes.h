@@ -1,0 +1,45 @@
+// Makes the nodes of one level by simplifying groups of triangles of the level below.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/large_vector.h"
+#include "finish_level.h"
+#include "group_triangles.h"
+#include "hierarchy/build_progress.h"
+#include "level_draft.h"
+#include "occlod/hlod/build.h"
+
+namespace occlod::hlod {
+
+class NodeSimplifier {
+ public:
+  NodeSimplifier(const TriangleMesh& mesh, const BuildOptions& options, unsigned threads);
+
+  // The level above `below`, whose parent_of is set to `groups`. `progress` counts triangles of `below`.
+  [[nodiscard]] LevelDraft run(LevelDraft& below, TriangleGroups groups, const ProgressPart& progress);
+
+ private:
+  class Worker;
+
+  void mark_shared(const LevelDraft& below, std::uint32_t group_count);
+  void list_members(const LevelDraft& below, std::uint32_t group_count);
+  [[nodiscard]] std::span<const std::uint32_t> members(std::uint32_t group) const;
+  [[nodiscard]] float common_cost(const LevelDraft& below, std::uint32_t group_count) const;
+  void pass_on(const std::vector<SimplifiedNode>& results);
+
+  const TriangleMesh& mesh_;
+  const BuildOptions& options_;
+  unsigned threads_;
+  float scale_;
+  // By vertex of the input mesh:
+  LargeVector<Box> boxes_;              // around the level-0 vertices that were merged into it
+  LargeVector<std::uint8_t> locked_;    // with locked borders: several nodes of the level share it, or `lost_`
+  LargeVector<std::uint8_t> lost_;      // was locked in a node of whose output it is no corner: stays locked for ever
+  LargeVector<std::uint32_t> members_;  // triangles of the level below, group by group
+  std::vector<std::uint32_t> first_member_;  // of each group; then a sentinel
+};
+
+}  // namespace occlod::hlod

@@ -1,0 +1,298 @@
+#include "occlod/hlod/validate.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/vector_relational.hpp>
+#include <random>
+#include <utility>
+
+#include "fronts.h"
+#include "hierarchy/chain_sum.h"
+#include "hierarchy/position_ids.h"
+#include "hierarchy/triangle_key.h"
+#include "math/unite.h"
+
+namespace occlod::hlod {
+namespace {
+
+constexpr std::size_t most_violations = 20;
+
+bool holds(const Box& outer, const Box& inner) {
+  return glm::all(glm::lessThanEqual(outer.min, inner.min)) && glm::all(glm::lessThanEqual(inner.max, outer.max));
+}
+
+bool holds(const Sphere& outer, const glm::vec3& center, float radius) {
+  return glm::distance(glm::dvec3(outer.center), glm::dvec3(center)) + static_cast<double>(radius) <=
+         static_cast<double>(outer.radius);
+}
+
+using PointId = std::uint32_t;  // of a position of level 0
+
+// A directed edge of the input's boundary, and how often it is there.
+struct BoundaryEdge {
+  PointId from = 0, to = 0;
+  std::size_t count = 0;
+};
+
+// What is left of the directed edges when each is cancelled by its reverse. Sorts them.
+std::vector<BoundaryEdge> net_edges(std::vector<std::pair<PointId, PointId>>& edges) {
+  const auto undirected = [](const auto& e) {
+    return std::pair(std::min(e.first, e.second), std::max(e.first, e.second));
+  };
+  std::sort(edges.begin(), edges.end(),
+            [&](const auto& a, const auto& b) { return std::pair(undirected(a), a) < std::pair(undirected(b), b); });
+  std::vector<BoundaryEdge> net;
+  for (std::size_t begin = 0, end = 0; begin < edges.size(); begin = end) {
+    std::size_t forward = 0, backward = 0;
+    for (end = begin; end < edges.size() && undirected(edges[end]) == undirected(edges[begin]); ++end)
+      ++(edges[end].first < edges[end].second ? forward : backward);
+    const auto [low, high] = undirected(edges[begin]);
+    if (forward > backward) net.push_back({low, high, forward - backward});
+    if (backward > forward) net.push_back({high, low, backward - forward});
+  }
+  return net;
+}
+
+class Validator {
+ public:
+  Validator(const Hlod& hlod, const ValidateOptions& options) : h_(hlod), options_(options), points_(point_count()) {}
+
+  std::vector<std::string> run() {
+    if (const auto problem = check_structure(h_.data())) return {*problem};
+    h_.require_all();
+    for (NodeId n = 0; n < h_.node_count(); ++n)
+      if (const auto problem = check_mesh(h_.data(), n)) report("node {}: {}", n, *problem);
+    if (!violations_.empty()) return violations_;
+    check_errors();
+    identify_points();
+    if (!violations_.empty()) return violations_;
+    check_levels();
+    if (h_.data().borders == Borders::locked) check_fronts();
+    return violations_;
+  }
+
+ private:
+  // Where a point went, and the node that merged it. A merged point is in no coarser node.
+  struct PointMerge {
+    PointId into = no_id;
+    NodeId by = no_id;
+    friend bool operator==(const PointMerge&, const PointMerge&) = default;
+  };
+
+  template <typename... Args>
+  void report(fmt::format_string<Args...> format, Args&&... args) {
+    if (violations_.size() < most_violations) violations_.push_back(fmt::format(format, std::forward<Args>(args)...));
+  }
+
+  [[nodiscard]] std::size_t point_count() const {
+    std::size_t count = 0;
+    for (const Node& node : h_.data().nodes) count += node.level == 0 ? node.vertices : 0;
+    return count;
+  }
+
+  // Most of invariant 1.
+  void check_errors() {
+    for (NodeId n = 0; n < h_.node_count(); ++n) {
+      const Node& node = h_.node(n);
+      float child_error = 0.0F;
+      for (const NodeId child : h_.children(n)) {
+        const Node& c = h_.node(child);
+        child_error = std::max(child_error, c.error);
+        if (!(node.error >= c.error && node.guaranteed_error >= c.guaranteed_error))
+          report("node {} has a smaller error than its child {}", n, child);
+        if (!holds(node.lod_box, c.lod_box)) report("the lod_box of node {} does not hold that of node {}", n, child);
+        if (!holds(node.sphere, c.sphere.center, c.sphere.radius))
+          report("the sphere of node {} does not hold that of node {}", n, child);
+      }
+      if (node.child_error != child_error) report("the child_error of node {} is not that of a child", n);
+      if (node.level == 0 && (node.error != 0.0F || node.guaranteed_error != 0.0F))
+        report("node {} is part of the input, but has an error", n);
+      if (!holds(node.lod_box, node.box)) report("the lod_box of node {} does not hold its box", n);
+      for (int i = 0; i < 8; ++i)
+        if (!holds(node.sphere, corner(node.box, i), 0.0F)) {
+          report("the sphere of node {} does not hold its box", n);
+          break;
+        }
+    }
+  }
+
+  // Every vertex of every node by its position.
+  void identify_points() {
+    first_vertex_.reserve(h_.node_count());
+    std::size_t vertices = 0;
+    for (const Node& node : h_.data().nodes) {
+      first_vertex_.push_back(vertices);
+      vertices += node.vertices;
+    }
+    point_of_.resize(vertices);
+    for (NodeId n = static_cast<NodeId>(h_.node_count()); n-- > 0;) {  // level 0 first
+      const NodeMesh mesh = h_.mesh(n);
+      for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+        const glm::vec3& p = mesh.positions[i];
+        const PointId point = h_.node(n).level == 0 ? points_.add(p) : points_.find(p);
+        point_of_[first_vertex_[n] + i] = point;
+        if (point == no_id) report("vertex {} of node {} is no vertex of the input", i, n);
+      }
+    }
+    merge_of_.resize(points_.positions().size());
+    for (const glm::vec3& p : points_.positions()) boxes_.push_back({p, p});
+  }
+
+  [[nodiscard]] PointId point(NodeId n, std::size_t vertex) const { return point_of_[first_vertex_[n] + vertex]; }
+  // Where the parent that merges it puts it.
+  [[nodiscard]] PointId image(NodeId n, const NodeMesh& mesh, std::uint16_t vertex, NodeId parent) const {
+    return mesh.merged_into[vertex] == stays ? point(n, vertex) : point(parent, mesh.merged_into[vertex]);
+  }
+
+  void check_levels() {
+    for (const Level& level : h_.data().levels) {
+      merges_.clear();
+      for (NodeId n = level.first_node; n < level.first_node + level.node_count; ++n)
+        if (h_.node(n).level > 0) check_node(n);
+      for (const auto& [from, merge] : merges_) boxes_[merge.into] = unite(boxes_[merge.into], boxes_[from]);
+    }
+  }
+
+  // Invariants 2, 3 and the rest of 1.
+  void check_node(NodeId n) {
+    inputs_.clear();
+    ChainSum wanted, found;
+    for (const NodeId child : h_.children(n)) add_input(child, n, wanted);
+    std::sort(inputs_.begin(), inputs_.end());
+    for (const PointId p : inputs_)
+      if (!holds(h_.node(n).box, boxes_[p]))
+        return report("the box of node {} does not hold all that it stands for", n);
+    const NodeMesh mesh = h_.mesh(n);
+    std::vector<PointId> own(mesh.positions.size());
+    for (std::size_t i = 0; i < own.size(); ++i) own[i] = point(n, i);
+    for (std::size_t i = 0; i < mesh.indices.size(); i += 3)
+      found.add({own[mesh.indices[i]], own[mesh.indices[i + 1]], own[mesh.indices[i + 2]]});
+    if (!(wanted == found)) report("node {} is not what it replaces with all merges applied", n);
+    std::sort(own.begin(), own.end());
+    if (std::adjacent_find(own.begin(), own.end()) != own.end()) report("node {} has a vertex twice", n);
+    inputs_.erase(std::unique(inputs_.begin(), inputs_.end()), inputs_.end());
+    if (!std::includes(inputs_.begin(), inputs_.end(), own.begin(), own.end()))
+      report("node {} has a vertex that none of its children has", n);
+  }
+
+  // What `parent` replaces of `child`.
+  void add_input(NodeId child, NodeId parent, ChainSum& triangles) {
+    const NodeMesh mesh = h_.mesh(child);
+    for (const Patch& patch : h_.patches(child)) {
+      if (patch.parent != parent) continue;
+      for (std::uint32_t i = patch.first_index; i < patch.first_index + patch.index_count; i += 3) {
+        Triangle moved;
+        for (std::uint32_t k = 0; k < 3; ++k) {
+          const std::uint16_t vertex = mesh.indices[i + k];
+          moved[static_cast<int>(k)] = image(child, mesh, vertex, parent);
+          inputs_.push_back(point(child, vertex));
+          if (mesh.merged_into[vertex] != stays) note_merge(inputs_.back(), {moved[static_cast<int>(k)], parent});
+        }
+        triangles.add(moved);
+      }
+    }
+  }
+
+  // Part of invariant 4.
+  void note_merge(PointId from, const PointMerge& merge) {
+    if (merge_of_[from] == merge) return;
+    merges_.emplace_back(from, merge);
+    if (merge_of_[from].by != no_id && h_.data().borders == Borders::locked)
+      report("nodes {} and {} both merge one vertex", merge_of_[from].by, merge.by);
+    merge_of_[from] = merge;
+  }
+
+  // The rest of invariant 4. In a legal front each input vertex stands where the coarser nodes that are not refined
+  // have moved it. The front conforms iff its oriented boundary is that of the input so moved. Both are sums, of what
+  // does not change from front to front: one for each patch, and the edges of the input's boundary.
+  void check_fronts() {
+    const std::vector<ChainSum> patches = sum_patches();
+    const std::vector<BoundaryEdge> input = input_boundary();
+    std::mt19937_64 random(20070308);  // any fixed seed
+    for (std::size_t i = 0; i < options_.random_fronts; ++i) {
+      const Refined refined = random_front(h_, random);
+      ChainSum found, wanted;
+      for_each_drawn(h_, refined, [&](NodeId, const Patch&, std::size_t place) { found.add(patches[place]); });
+      for (const BoundaryEdge& edge : input)
+        for (std::size_t k = 0; k < edge.count; ++k) wanted.add(moved(edge.from, refined), moved(edge.to, refined));
+      if (!(found == wanted))
+        report("a front with {} refined nodes is not a conforming mesh", std::count(refined.begin(), refined.end(), 1));
+    }
+  }
+
+  [[nodiscard]] PointId moved(PointId p, const Refined& refined) const {
+    while (merge_of_[p].by != no_id && refined[merge_of_[p].by] == 0) p = merge_of_[p].into;
+    return p;
+  }
+
+  template <typename Visit>
+  void for_each_edge_of(NodeId n, const Patch& patch, const Visit& visit) const {
+    const NodeMesh mesh = h_.mesh(n);
+    for (std::uint32_t i = patch.first_index; i < patch.first_index + patch.index_count; i += 3)
+      for_each_edge({point(n, mesh.indices[i]), point(n, mesh.indices[i + 1]), point(n, mesh.indices[i + 2])}, visit);
+  }
+
+  [[nodiscard]] std::vector<ChainSum> sum_patches() const {
+    std::vector<ChainSum> sums(h_.data().patches.size());
+    for (NodeId n = 0; n < h_.node_count(); ++n) {
+      std::size_t place = h_.node(n).first_patch;
+      for (const Patch& patch : h_.patches(n)) {
+        for_each_edge_of(n, patch, [&](PointId from, PointId to) { sums[place].add(from, to); });
+        ++place;
+      }
+    }
+    return sums;
+  }
+
+  // First within each node, so that only few edges are left to be sorted together.
+  [[nodiscard]] std::vector<BoundaryEdge> input_boundary() const {
+    std::vector<std::pair<PointId, PointId>> edges, left;
+    for (NodeId n = h_.data().levels[0].first_node; n < h_.node_count(); ++n) {
+      edges.clear();
+      for (const Patch& patch : h_.patches(n))
+        for_each_edge_of(n, patch, [&](PointId from, PointId to) { edges.emplace_back(from, to); });
+      for (const BoundaryEdge& edge : net_edges(edges)) left.insert(left.end(), edge.count, {edge.from, edge.to});
+    }
+    return net_edges(left);
+  }
+
+  const Hlod& h_;
+  ValidateOptions options_;
+  std::vector<std::string> violations_;
+  PositionIds points_;
+  std::vector<std::size_t> first_vertex_;  // of each node, into point_of_
+  std::vector<PointId> point_of_;
+  std::vector<PointMerge> merge_of_;                    // by point
+  std::vector<Box> boxes_;                              // by point: around all that were merged into it so far
+  std::vector<std::pair<PointId, PointMerge>> merges_;  // of the level that is checked
+  std::vector<PointId> inputs_;                         // of the node that is checked
+};
+
+}  // namespace
+
+std::vector<std::string> validate(const Hlod& hlod, const ValidateOptions& options) {
+  return Validator(hlod, options).run();
+}
+
+bool restores(const Hlod& hlod, const TriangleMesh& mesh) {
+  if (hlod.data().input_triangle_count != mesh.triangle_count()) return false;
+  std::vector<TriangleKey> restored, input;
+  restored.reserve(mesh.triangle_count());
+  input.reserve(mesh.triangle_count());
+  for (NodeId n = 0; n < hlod.node_count(); ++n) {
+    if (hlod.node(n).level > 0) continue;
+    hlod.require(n);
+    const NodeMesh node = hlod.mesh(n);
+    for (std::size_t i = 0; i < node.indices.size(); i += 3)
+      restored.push_back(key_of({node.indices[i], node.indices[i + 1], node.indices[i + 2]}, node.positions));
+  }
+  for (const Triangle& t : mesh.triangles) input.push_back(key_of(t, mesh.positions));
+  std::sort(restored.begin(), restored.end());
+  std::sort(input.begin(), input.end());
+  return restored == input;
+}
+
+}  // namespace occlod::hlod

@@ -1,0 +1,199 @@
+#include "occlod/hlod/build.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <functional>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "hlod_bytes.h"
+#include "occlod/core/error.h"
+#include "occlod/hlod/validate.h"
+#include "occlod/mesh/generate.h"
+#include "support/meshes.h"
+
+namespace occlod::hlod {
+namespace {
+
+using occlod::test::noisy_sphere;
+
+const std::vector<std::pair<Grouping, Borders>> all_kinds = {
+    {Grouping::shifted, Borders::locked}, {Grouping::nested, Borders::locked}, {Grouping::nested, Borders::free}};
+
+BuildOptions small_nodes(Grouping grouping = Grouping::shifted, Borders borders = Borders::locked) {
+  BuildOptions options;
+  options.node_triangles = 64;
+  options.grouping = grouping;
+  options.borders = borders;
+  options.threads = 1;
+  return options;
+}
+
+TEST(BuildHlod, EveryKindOfMeshBuildsValidatesAndComesBack) {
+  const std::vector<std::pair<const char*, TriangleMesh>> meshes = {
+      {"single_triangle", occlod::test::single_triangle()},
+      {"grid", occlod::test::grid(60, 45)},
+      {"fan", occlod::test::fan(2000)},
+      {"moebius", occlod::test::moebius(500)},
+      {"tetrahedron", occlod::test::tetrahedron()},
+      {"noisy_sphere", noisy_sphere(5, 1)},
+      {"torus", occlod::test::torus(60, 40)},
+      {"double_sided_quad", occlod::test::double_sided_quad()},
+      {"book", occlod::test::book(300)},
+      {"many_tetrahedra", occlod::test::many_tetrahedra(500)},
+      {"city", generate_city({.blocks = 4, .facade_cells = 8})},
+      {"spheres_behind_wall", generate_spheres_behind_wall({.spheres = 12, .level = 3, .wall_cells = 20})}};
+  for (const auto& [name, mesh] : meshes)
+    for (const auto& [grouping, borders] : all_kinds) {
+      SCOPED_TRACE(std::string(name) + (grouping == Grouping::nested ? " nested" : " shifted") +
+                   (borders == Borders::free ? " free" : " locked"));
+      const Hlod hlod = build_hlod(mesh, small_nodes(grouping, borders));
+      const std::vector<std::string> violations = validate(hlod);
+      EXPECT_TRUE(violations.empty()) << violations[0];
+      EXPECT_TRUE(restores(hlod, mesh));
+      for (const Node& node : hlod.data().nodes) {
+        if (node.level == 0) {
+          EXPECT_LE(node.triangles, 64U);
+        }
+      }
+    }
+}
+
+TEST(BuildHlod, EndsWithOneNodeOfAClosedSurface) {
+  const Hlod hlod = build_hlod(noisy_sphere(6, 1), small_nodes());
+  EXPECT_EQ(hlod.data().levels.back().node_count, 1U);
+  EXPECT_EQ(hlod.data().roots.size(), 1U);
+  // Each level has about a quarter of the triangles of the one below.
+  std::vector<std::size_t> triangles(hlod.level_count(), 0);
+  for (const Node& node : hlod.data().nodes) triangles[node.level] += node.triangles;
+  for (std::size_t level = 1; level < triangles.size(); ++level) {
+    EXPECT_LT(triangles[level], 0.4 * static_cast<double>(triangles[level - 1]));
+    EXPECT_GT(triangles[level], 0.1 * static_cast<double>(triangles[level - 1]));
+  }
+}
+
+TEST(BuildHlod, NestedNodesHaveOneParentAndShiftedOnesFew) {
+  for (const Borders borders : {Borders::free, Borders::locked}) {
+    const Hlod nested = build_hlod(noisy_sphere(5, 1), small_nodes(Grouping::nested, borders));
+    for (const Node& node : nested.data().nodes) EXPECT_EQ(node.patches, 1U);
+  }
+  const Hlod shifted = build_hlod(noisy_sphere(6, 1), small_nodes());
+  EXPECT_GT(shifted.data().patches.size(), shifted.node_count());
+  for (const Node& node : shifted.data().nodes) EXPECT_LE(node.patches, 8U);
+}
+
+TEST(BuildHlod, TheSameBytesForAnyNumberOfThreads) {
+  const TriangleMesh mesh = noisy_sphere(6, 3);
+  for (const auto& [grouping, borders] : all_kinds) {
+    BuildOptions options = small_nodes(grouping, borders);
+    const std::string one = test::bytes_of(build_hlod(mesh, options));
+    for (const int threads : {2, 7}) {
+      options.threads = threads;
+      EXPECT_TRUE(test::bytes_of(build_hlod(mesh, options)) == one) << threads << " threads";
+    }
+  }
+}
+
+TEST(BuildHlod, KeepsAttributesWithTheirVertices) {
+  TriangleMesh mesh = noisy_sphere(5, 1);
+  for (const glm::vec3& p : mesh.positions) {
+    mesh.normals.push_back(glm::normalize(p));
+    mesh.colors.emplace_back(glm::u8vec4(glm::vec4(p * 50.0F + 120.0F, 255.0F)));
+  }
+  const Hlod hlod = build_hlod(mesh, small_nodes());
+  for (NodeId n = 0; n < hlod.node_count(); ++n) {
+    const NodeMesh node = hlod.mesh(n);
+    ASSERT_EQ(node.normals.size(), node.positions.size());
+    ASSERT_EQ(node.colors.size(), node.positions.size());
+    for (std::size_t i = 0; i < node.positions.size(); ++i) {
+      EXPECT_EQ(node.normals[i], glm::normalize(node.positions[i]));
+      EXPECT_EQ(node.colors[i], glm::u8vec4(glm::vec4(node.positions[i] * 50.0F + 120.0F, 255.0F)));
+    }
+  }
+}
+
+TEST(BuildHlod, GeomorphTargetsLieInTheParentAndSharedVerticesStay) {
+  const Hlod hlod = build_hlod(noisy_sphere(6, 1), small_nodes());
+  std::size_t merged = 0, vertices = 0;
+  for (NodeId n = 0; n < hlod.node_count(); ++n) {
+    const NodeMesh mesh = hlod.mesh(n);
+    const auto patches = hlod.patches(n);
+    std::vector<int> users(mesh.positions.size(), 0);
+    for (const Patch& patch : patches) {
+      std::vector<bool> used(mesh.positions.size(), false);
+      for (std::uint32_t i = patch.first_index; i < patch.first_index + patch.index_count; ++i)
+        used[mesh.indices[i]] = true;
+      for (std::size_t v = 0; v < used.size(); ++v) users[v] += used[v] ? 1 : 0;
+    }
+    for (std::size_t v = 0; v < users.size(); ++v) {
+      if (users[v] > 1 || patches[0].parent == no_id) {
+        EXPECT_EQ(mesh.merged_into[v], stays);
+      }
+      merged += mesh.merged_into[v] != stays ? 1U : 0U;
+    }
+    vertices += users.size();
+  }
+  // Three quarters of the vertices that are not shared go from level to level.
+  EXPECT_GT(merged, vertices / 2);
+}
+
+void expect_refused(
+    const TriangleMesh& mesh, const std::string& text,
+    const std::function<void(BuildOptions&)>& spoil = [](BuildOptions&) {}) {
+  BuildOptions options;
+  spoil(options);
+  try {
+    (void)build_hlod(mesh, options);
+    ADD_FAILURE() << "builds, but should not: " << text;
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find(text), std::string::npos) << error.what();
+  }
+}
+
+TEST(BuildHlod, RefusesOptionsOutOfTheirRange) {
+  const TriangleMesh mesh = occlod::test::tetrahedron();
+  expect_refused(mesh, "option node_triangles", [](BuildOptions& o) { o.node_triangles = 15; });
+  expect_refused(mesh, "option node_triangles", [](BuildOptions& o) { o.node_triangles = 4097; });
+  expect_refused(mesh, "option threads", [](BuildOptions& o) { o.threads = -1; });
+  expect_refused(mesh, "option threads", [](BuildOptions& o) { o.threads = 1025; });
+  for (const double bad : {-1.0, 1e7, std::numeric_limits<double>::quiet_NaN()})
+    expect_refused(mesh, "option boundary_weight", [bad](BuildOptions& o) { o.boundary_weight = bad; });
+  expect_refused(mesh, "need locked borders", [](BuildOptions& o) { o.borders = Borders::free; });
+}
+
+TEST(BuildHlod, RefusesMeshesThatAreNotClean) {
+  expect_refused({}, "has no triangles");
+  TriangleMesh mesh = occlod::test::tetrahedron();
+  mesh.positions[2].y = std::numeric_limits<float>::infinity();
+  expect_refused(mesh, "vertex 2: is not finite");
+  mesh = occlod::test::tetrahedron();
+  mesh.triangles[1].z = 4;
+  expect_refused(mesh, "triangle 1");
+  mesh = occlod::test::tetrahedron();
+  mesh.positions.push_back(mesh.positions[1]);
+  expect_refused(mesh, "vertex 4: has the position of vertex 1");
+}
+
+TEST(BuildHlod, ReportsProgressAndCanBeCancelled) {
+  const TriangleMesh mesh = noisy_sphere(7, 3);
+  BuildOptions options = small_nodes();
+  std::vector<double> shares;
+  options.progress = [&](double share) {
+    shares.push_back(share);
+    return true;
+  };
+  (void)build_hlod(mesh, options);
+  ASSERT_GE(shares.size(), 2U);
+  EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
+  EXPECT_GE(shares.front(), 0.0);
+  EXPECT_LE(shares.back(), 1.0);
+  int calls = 0;
+  expect_refused(mesh, "was cancelled", [&](BuildOptions& o) { o.progress = [&](double) { return ++calls < 2; }; });
+  EXPECT_EQ(calls, 2);
+}
+
+}  // namespace
+}  // namespace occlod::hlod

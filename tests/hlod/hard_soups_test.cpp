@@ -1,0 +1,108 @@
+// Soups that no octree likes. Each builds, validates and comes back.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "occlod/hlod/build.h"
+#include "occlod/hlod/validate.h"
+#include "occlod/mesh/clean.h"
+#include "support/meshes.h"
+
+namespace occlod::hlod {
+namespace {
+
+using occlod::test::append;
+
+void expect_sound(const TriangleMesh& mesh, std::uint32_t node_triangles = 64) {
+  for (const Grouping grouping : {Grouping::shifted, Grouping::nested})
+    for (const Borders borders : {Borders::locked, Borders::free}) {
+      if (grouping == Grouping::shifted && borders == Borders::free) continue;
+      BuildOptions options;
+      options.node_triangles = node_triangles;
+      options.grouping = grouping;
+      options.borders = borders;
+      const Hlod hlod = build_hlod(mesh, options);
+      const std::vector<std::string> violations = validate(hlod, {200});
+      EXPECT_TRUE(violations.empty()) << violations[0];
+      EXPECT_TRUE(restores(hlod, mesh));
+    }
+}
+
+TriangleMesh cleaned(const TriangleMesh& mesh) { return clean(mesh, {}, "test mesh").mesh; }
+
+TEST(HardSoups, ThousandsOfComponents) { expect_sound(occlod::test::many_tetrahedra(5139)); }
+
+TEST(HardSoups, OneVertexOfAHundredThousandTriangles) { expect_sound(occlod::test::fan(100'000), 2000); }
+
+TEST(HardSoups, AllTrianglesInOneCell) {
+  // 1,000 triangles of three values of each coordinate around one middle: no cell separates their centroids.
+  TriangleMesh mesh;
+  for (int i = 0; i < 1000; ++i) {
+    const float a = std::cos(static_cast<float>(i)), b = std::sin(static_cast<float>(i));
+    const float c = static_cast<float>(i % 17) * 0.01F;
+    append(mesh,
+           {.positions = {{a, b, c}, {-b, a, -c}, {b - a, -a - b, 0.0F}},
+            .normals = {},
+            .colors = {},
+            .triangles = {{0, 1, 2}}},
+           {0.0F, 0.0F, 0.0F});
+  }
+  expect_sound(cleaned(mesh));
+}
+
+TEST(HardSoups, CoplanarDuplicates) {
+  // Each triangle of a grid up to five times, some of them turned over. Locked vertices lose all their triangles in
+  // some nodes and keep them in others: fronts crack unless these stay locked for ever.
+  TriangleMesh mesh = occlod::test::grid(30, 30);
+  const std::vector<Triangle> once = mesh.triangles;
+  for (std::size_t i = 0; i < once.size(); ++i)
+    for (std::size_t k = 0; k < i % 5; ++k)
+      mesh.triangles.push_back(k % 2 == 0 ? once[i] : Triangle(once[i].y, once[i].x, once[i].z));
+  expect_sound(mesh);
+}
+
+TEST(HardSoups, NeedlesAcrossAllCells) {
+  TriangleMesh mesh = occlod::test::noisy_sphere(4, 1);
+  std::mt19937_64 random(2);
+  const auto number = [&] { return static_cast<float>(random() % 2001) / 1000.0F - 1.0F; };
+  for (int i = 0; i < 500; ++i) {
+    const glm::vec3 p(number(), number(), number());
+    append(mesh,
+           {.positions = {p, -p, -p + glm::vec3(0.0F, 1e-4F, 0.0F)},
+            .normals = {},
+            .colors = {},
+            .triangles = {{0, 1, 2}}},
+           {0.0F, 0.0F, 0.0F});
+  }
+  expect_sound(cleaned(mesh));
+}
+
+TEST(HardSoups, TrianglesWithoutArea) {
+  TriangleMesh mesh;
+  for (int i = 0; i < 400; ++i) mesh.positions.emplace_back(static_cast<float>(i), 0.0F, 0.0F);
+  for (VertexId v = 0; v + 2 < mesh.positions.size(); ++v) mesh.triangles.push_back({v, v + 1, v + 2});
+  expect_sound(mesh, 16);
+}
+
+TEST(HardSoups, AllOpposite) {
+  // A closed fold: at the first level where both sides meet, everything cancels.
+  TriangleMesh mesh = occlod::test::grid(20, 20);
+  const std::vector<Triangle> once = mesh.triangles;
+  for (const Triangle& t : once) mesh.triangles.emplace_back(t.y, t.x, t.z);
+  expect_sound(mesh);
+}
+
+TEST(HardSoups, ExtremeCoordinates) {
+  for (const float scale : {1e-37F, 1e-20F, 1e20F, 1e37F}) {
+    TriangleMesh mesh = occlod::test::noisy_sphere(4, 1);
+    for (glm::vec3& p : mesh.positions) p *= scale;
+    expect_sound(cleaned(mesh));
+  }
+  TriangleMesh far = occlod::test::noisy_sphere(4, 1);
+  for (glm::vec3& p : far.positions) p += glm::vec3(10'000.0F);
+  expect_sound(cleaned(far));
+}
+
+}  // namespace
+}  // namespace occlod::hlod
