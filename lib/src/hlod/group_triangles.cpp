@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "cells.h"
+#include "grow_groups.h"
 #include "hierarchy/parallel.h"
 #include "join_cells.h"
 #include "sliver_patches.h"
@@ -41,10 +42,12 @@ LargeVector<std::uint64_t> TriangleGrouping::codes_of(std::span<const Triangle> 
 TriangleGroups TriangleGrouping::group(std::span<const std::uint64_t> codes, std::span<const Triangle> triangles,
                                        std::uint32_t most_triangles, std::span<const std::uint32_t> unit_of) const {
   const Cells cells = make_cells(codes, most_triangles, unit_of, threads_);
-  const CellGroups groups = options_.grouping == Grouping::nested
-                                ? separate_cells(cells)
-                                : join_cells(cells, triangles, mesh_.vertex_count(), most_triangles, threads_);
-  return by_triangle(cells, groups, threads_);
+  if (options_.grouping == Grouping::nested) return by_triangle(cells, separate_cells(cells), threads_);
+  const std::size_t vertices = mesh_.vertex_count();
+  TriangleGroups groups =
+      by_triangle(cells, join_cells(cells, triangles, vertices, most_triangles, threads_), threads_);
+  grow_stuck_groups(triangles, cells.order, vertices, most_triangles, groups, threads_);
+  return groups;
 }
 
 TriangleGroups TriangleGrouping::group_input() const {

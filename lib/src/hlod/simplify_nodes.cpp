@@ -12,6 +12,7 @@
 #include "hierarchy/unit_scale.h"
 #include "local_ids.h"
 #include "math/unite.h"
+#include "shared_vertices.h"
 
 namespace occlod::hlod {
 namespace {
@@ -113,7 +114,7 @@ NodeSimplifier::NodeSimplifier(const TriangleMesh& mesh, const BuildOptions& opt
 LevelDraft NodeSimplifier::run(LevelDraft& below, TriangleGroups groups, const ProgressPart& progress) {
   below.parent_of = std::move(groups.group_of);
   list_members(below, groups.count);
-  if (options_.borders == Borders::locked) mark_shared(below, groups.count);
+  if (options_.borders == Borders::locked) lock(below, groups.count);
   // One node is simplified to a quarter. Several all stop at one cost: forced to a quarter each, those with many locked
   // vertices would have errors many times the others', which every coarser node inherits.
   const bool is_last = groups.count == 1;
@@ -134,24 +135,13 @@ LevelDraft NodeSimplifier::run(LevelDraft& below, TriangleGroups groups, const P
   return finish_level(mesh_, below, std::move(results), threads_);
 }
 
-// Each thread scans all triangles and handles the vertices of its part.
-void NodeSimplifier::mark_shared(const LevelDraft& below, std::uint32_t group_count) {
+void NodeSimplifier::lock(const LevelDraft& below, std::uint32_t group_count) {
   if (group_count == 1) {
     locked_ = lost_;
     return;
   }
-  LargeVector<std::uint32_t> first_user(mesh_.vertex_count(), no_id);
-  for_each_part(mesh_.vertex_count(), threads_, [&](std::size_t begin, std::size_t end, std::size_t) {
-    std::copy(lost_.begin() + static_cast<std::ptrdiff_t>(begin), lost_.begin() + static_cast<std::ptrdiff_t>(end),
-              locked_.begin() + static_cast<std::ptrdiff_t>(begin));
-    for (std::size_t t = 0; t < below.triangles.size(); ++t)
-      for (int k = 0; k < 3; ++k) {
-        const VertexId v = below.triangles[t][k];
-        if (v < begin || v >= end) continue;
-        if (first_user[v] == no_id) first_user[v] = below.parent_of[t];
-        if (first_user[v] != below.parent_of[t]) locked_[v] = 1;
-      }
-  });
+  locked_ = shared_vertices(below.triangles, below.parent_of, mesh_.vertex_count(), threads_);
+  for_each_id(locked_.size(), threads_, [&](VertexId v) { locked_[v] |= lost_[v]; });
 }
 
 void NodeSimplifier::list_members(const LevelDraft& below, std::uint32_t group_count) {

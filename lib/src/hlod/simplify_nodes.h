@@ -24,7 +24,7 @@ class NodeSimplifier {
  private:
   class Worker;
 
-  void mark_shared(const LevelDraft& below, std::uint32_t group_count);
+  void lock(const LevelDraft& below, std::uint32_t group_count);
   void list_members(const LevelDraft& below, std::uint32_t group_count);
   [[nodiscard]] std::span<const std::uint32_t> members(std::uint32_t group) const;
   [[nodiscard]] float common_cost(const LevelDraft& below, std::uint32_t group_count) const;
