@@ -22,6 +22,8 @@
 namespace occlod::olod {
 namespace {
 
+using namespace sections;
+
 class Signer {
  public:
   explicit Signer(std::vector<std::byte>& file) : file_(file) {}
@@ -30,8 +32,8 @@ class Signer {
     FileHeader header;
     if (file_.size() < sizeof(header)) return;
     std::memcpy(&header, file_.data(), sizeof(header));
-    header.magic = magic;
-    header.version = olod_version;
+    header.magic = file_kind.magic;
+    header.version = file_kind.version;
     header.file_bytes = file_.size();
     const std::size_t room = (file_.size() - sizeof(header)) / sizeof(Section);
     table_.resize(std::min<std::size_t>({header.section_count, room, most_sections}));

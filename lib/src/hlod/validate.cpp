@@ -223,8 +223,13 @@ class Validator {
     }
   }
 
+  // Each node that merges it is on a coarser level than the one before; in a file that lies it may not be.
   [[nodiscard]] PointId moved(PointId p, const Refined& refined) const {
-    while (merge_of_[p].by != no_id && refined[merge_of_[p].by] == 0) p = merge_of_[p].into;
+    int level = 0;
+    while (merge_of_[p].by != no_id && refined[merge_of_[p].by] == 0 && h_.node(merge_of_[p].by).level > level) {
+      level = h_.node(merge_of_[p].by).level;
+      p = merge_of_[p].into;
+    }
     return p;
   }
 

@@ -38,8 +38,6 @@ std::size_t split_count(const HierarchyView& view) { return view.nodes.size() - 
 
 }  // namespace
 
-std::uint64_t checksum_of(std::span<const std::byte> bytes) { return XXH3_64bits(bytes.data(), bytes.size()); }
-
 std::uint64_t digest_of_base(const HierarchyView& view) {
   Digest digest;
   add_vertices(view, 0, view.positions.size() - split_count(view), digest);

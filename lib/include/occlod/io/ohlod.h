@@ -1,0 +1,33 @@
+// The .ohlod file: an HLOD as versioned, checksummed sections. The layout is described in docs/guide/hlod.md.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+#include "occlod/hlod/hlod.h"
+#include "occlod/io/olod.h"
+#include "occlod/mesh/mesh_report.h"
+
+namespace occlod {
+
+// Of the files that write_ohlod() writes; read_ohlod() refuses any other.
+inline constexpr std::uint32_t ohlod_version = 1;
+
+// What a file holds.
+struct OhlodFile {
+  hlod::Hlod hlod;    // mapped or in memory
+  MeshReport report;  // of the mesh that it was built from
+};
+
+// Writes beside `path` and renames, so that a file that was there stays as it was when writing fails. The same
+// arguments give the same bytes. Throws Error that names the file. O(bytes).
+void write_ohlod(const std::filesystem::path& path, const hlod::Hlod& hlod, const MeshReport& report);
+
+// Checks magic, version, sizes, and all that is known of nodes without their meshes: O(nodes). The mesh of a node is
+// checked (checksum and content) when Hlod::require() is first called for it; require_all() checks the whole file. Both
+// throw Error that says what failed and where.
+//
+// What read_olod() says of mapped files holds here too: a file that is open must not be cut short.
+[[nodiscard]] OhlodFile read_ohlod(const std::filesystem::path& path, OlodAccess access = OlodAccess::mapped);
+
+}  // namespace occlod

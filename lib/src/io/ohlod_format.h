@@ -1,0 +1,50 @@
+// The parts that writing and reading .ohlod files share.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+#include "occlod/hlod/hlod.h"
+#include "occlod/io/ohlod.h"
+#include "section_file.h"
+
+namespace occlod::ohlod {
+
+// The carriage returns and the end-of-file byte reveal a transfer in text mode, as in PNG.
+inline constexpr sections::FileKind file_kind{{'O', 'H', 'L', 'D', '\r', '\n', '\x1a', '\n'},
+                                              ohlod_version,
+                                              ".ohlod",
+                                              "make one with 'occlod hlod build'",
+                                              "build it again with 'occlod hlod build'"};
+
+// Everything in an HLOD that is not an array.
+struct Summary {
+  Box box;
+  std::uint64_t input_triangle_count = 0;
+  std::uint32_t grouping = 0;
+  std::uint32_t borders = 0;
+  std::uint32_t node_triangles = 0;
+  std::uint32_t has_normals = 0;  // 0 or 1
+  std::uint32_t has_colors = 0;   // 0 or 1
+  std::uint32_t reserved = 0;
+};
+static_assert(sizeof(Summary) == 56);
+
+inline constexpr std::string_view summary_name = "INFO", digests_name = "BLOK";
+
+// Calls visit(name, array, has_parts) for every array of an HLOD: the one list of what a file holds. That with parts is
+// checked node by node.
+template <typename View, typename Visit>
+void for_each_array(View& view, const Visit& visit) {
+  visit("NODE", view.nodes, false);
+  visit("PTCH", view.patches, false);
+  visit("CHIL", view.children, false);
+  visit("ROOT", view.roots, false);
+  visit("LEVL", view.levels, false);
+  visit("MESH", view.meshes, true);
+}
+
+// XXH3-64 of the mesh of a node and what aligns the next one. The place of the mesh has been checked.
+[[nodiscard]] std::uint64_t digest_of_mesh(const hlod::HlodView& view, hlod::NodeId n);
+
+}  // namespace occlod::ohlod
