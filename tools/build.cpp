@@ -1,10 +1,7 @@
 // occlod build MESH -o FILE.olod
 #include "occlod/hierarchy/build.h"
 
-#include <sys/resource.h>
-
 #include <CLI/CLI.hpp>
-#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -16,6 +13,7 @@
 #include "occlod/io/olod.h"
 #include "occlod/io/read_mesh.h"
 #include "option_values.h"
+#include "peak_bytes.h"
 #include "progress.h"
 #include "repair_advice.h"
 #include "stopwatch.h"
@@ -36,13 +34,6 @@ struct Options {
   ShowProgress progress = ShowProgress::automatic;
   bool json = false;
 };
-
-// The most memory that this process has held.
-std::uint64_t peak_bytes() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;  // Linux counts KiB
-}
 
 CleanMesh read(const Options& options, Progress& progress) {
   return read_mesh(options.input, [&](double done) {

@@ -102,6 +102,7 @@ int run(int argc, char** argv) {
   add_validate(app);
   add_render(app);
   add_cut(app);
+  add_hlod(app);
 #ifdef OCCLOD_HAS_CGAL
   add_compare(app);
   add_repair(app);

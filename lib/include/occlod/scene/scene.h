@@ -13,6 +13,7 @@
 
 #include "occlod/hierarchy/build.h"
 #include "occlod/hierarchy/hierarchy.h"
+#include "occlod/mesh/clean.h"
 #include "occlod/mesh/generate.h"
 #include "occlod/mesh/mesh_report.h"
 #include "occlod/view/camera.h"
@@ -100,6 +101,14 @@ struct LoadedObject {
 // read or cannot be built.
 [[nodiscard]] std::vector<LoadedObject> load_objects(const SceneDescription& scene, const std::filesystem::path& folder,
                                                      const LoadOptions& options = {});
+
+// All objects as one clean mesh in world space: triangles of mirrored objects are turned round, so that outsides stay
+// outside, and vertices of different objects at one position become one. Normals and colours are kept when every object
+// has them; the report counts what the meshes left out. Files are read in full, hierarchies at their finest. `progress`
+// as in LoadOptions. Throws Error as load_objects() does, and when all together have 2^32 vertices or more, or reach
+// too far. O(size of all objects).
+[[nodiscard]] CleanMesh flatten_scene(const SceneDescription& scene, const std::filesystem::path& folder,
+                                      const std::function<void(const std::string& what, double done)>& progress = {});
 
 // Where a mesh of this name is found, searched for as MeshFile says, or an empty path. An absolute name is only looked
 // up as it is.

@@ -1,0 +1,89 @@
+#include "scene/mesh_source.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cctype>
+#include <variant>
+#include <vector>
+
+#include "occlod/core/error.h"
+#include "occlod/io/read_mesh.h"
+#include "scene/mesh_folders.h"
+
+namespace occlod {
+namespace {
+
+std::string describe(const RoughPlanetOptions& o) {
+  return fmt::format("rough-planet level={} seed={} amplitude={} frequency={} octaves={}", o.level, o.seed, o.amplitude,
+                     o.frequency, o.octaves);
+}
+std::string describe(const CityOptions& o) {
+  return fmt::format("city blocks={} facade_cells={} seed={}", o.blocks, o.facade_cells, o.seed);
+}
+std::string describe(const PipesOptions& o) {
+  return fmt::format("pipes pipes={} bends={} sides={} seed={}", o.pipes, o.bends, o.sides, o.seed);
+}
+std::string describe(const SpheresBehindWallOptions& o) {
+  return fmt::format("spheres-behind-wall spheres={} level={} wall_cells={} seed={}", o.spheres, o.level, o.wall_cells,
+                     o.seed);
+}
+
+TriangleMesh generate(const RoughPlanetOptions& options) { return generate_rough_planet(options); }
+TriangleMesh generate(const CityOptions& options) { return generate_city(options); }
+TriangleMesh generate(const PipesOptions& options) { return generate_pipes(options); }
+TriangleMesh generate(const SpheresBehindWallOptions& options) { return generate_spheres_behind_wall(options); }
+
+std::string find_file(const MeshFile& file, const std::filesystem::path& folder, Diagnosis missing) {
+  for (const std::string& name : file.names)
+    if (const std::filesystem::path path = find_mesh(name, folder); !path.empty()) return path.string();
+  std::vector<std::string> searched;
+  for (const std::filesystem::path& other : mesh_folders(folder))
+    searched.push_back(other.empty() ? "." : other.string());
+  missing.problem =
+      fmt::format("there is no file {}; searched: {}", fmt::join(file.names, " or "), fmt::join(searched, ", "));
+  missing.remedy = "put it into one of these folders, or set OCCLOD_MESHES to the one that holds it";
+  throw Error(missing);
+}
+
+}  // namespace
+
+std::string name_of_source(const MeshSource& source, const SceneDescription& scene, std::size_t index,
+                           const std::filesystem::path& folder) {
+  if (const auto* file = std::get_if<MeshFile>(&source))
+    return find_file(
+        *file, folder,
+        {scene.file.empty() ? scene.name : scene.file.string(), fmt::format("/objects/{}/mesh", index), "", ""});
+  return std::visit(
+      [](const auto& options) -> std::string {
+        if constexpr (std::is_same_v<std::decay_t<decltype(options)>, MeshFile>)
+          return "";
+        else
+          return describe(options);
+      },
+      source);
+}
+
+bool is_olod_file(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  return extension == ".olod";
+}
+
+CleanMesh read_source(const MeshSource& source, const std::string& name,
+                      const std::function<void(const std::string& what, double done)>& progress) {
+  return std::visit(
+      [&](const auto& options) {
+        if constexpr (std::is_same_v<std::decay_t<decltype(options)>, MeshFile>)
+          return read_mesh(name, [&](double done) {
+            if (progress) progress("reading " + name, done);
+          });
+        else
+          return clean(generate(options), MeshReport{}, name);
+      },
+      source);
+}
+
+}  // namespace occlod

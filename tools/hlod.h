@@ -1,0 +1,31 @@
+// What the subcommands of `occlod hlod` share.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "json_output.h"
+#include "occlod/hlod/hlod.h"
+#include "occlod/mesh/clean.h"
+#include "progress.h"
+
+namespace occlod::tool {
+
+void add_hlod_build(CLI::App& hlod);
+void add_hlod_info(CLI::App& hlod);
+void add_hlod_validate(CLI::App& hlod);
+
+// One mesh of all that these files hold: a mesh as it is, several, or scenes, together in world space.
+[[nodiscard]] CleanMesh read_hlod_input(const std::vector<std::string>& files, Progress& progress);
+
+// nodes, levels, roots, patches, triangles, stored_triangles, grouping, borders, node_triangles, bytes.
+[[nodiscard]] Json counts_of(const hlod::Hlod& hlod);
+
+// For each level from the input up: nodes, triangles, vertices, what a node has of parents and children on average, and
+// its errors.
+[[nodiscard]] Json levels_of(const hlod::Hlod& hlod);
+// As a table, for people.
+void print_levels(const Json& levels);
+
+}  // namespace occlod::tool

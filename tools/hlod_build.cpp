@@ -1,0 +1,105 @@
+// occlod hlod build INPUT... -o FILE.ohlod
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "command_files.h"
+#include "hlod.h"
+#include "interrupt.h"
+#include "occlod/core/error.h"
+#include "occlod/hlod/build.h"
+#include "occlod/io/ohlod.h"
+#include "option_values.h"
+#include "peak_bytes.h"
+#include "stopwatch.h"
+
+namespace occlod::tool {
+namespace {
+
+constexpr double largest_boundary_weight = 1e6;
+constexpr std::uint64_t least_node_triangles = 16, most_node_triangles = 4096;
+
+struct Options {
+  std::vector<std::string> inputs;
+  std::string output;
+  hlod::BuildOptions build;
+  ShowProgress progress = ShowProgress::automatic;
+  bool json = false;
+};
+
+hlod::Hlod build(const Options& options, const TriangleMesh& mesh, Progress& progress) {
+  const std::string what = "building " + options.output;
+  progress.show(what, 0.0);
+  hlod::BuildOptions build = options.build;
+  build.progress = [&](double done) {
+    progress.show(what, done, mesh.triangle_count());
+    return true;
+  };
+  return build_hlod(mesh, build);
+}
+
+void check(const Options& options) {
+  if (options.build.grouping == hlod::Grouping::shifted && options.build.borders == hlod::Borders::free)
+    throw CLI::ValidationError("--borders", "free needs --grouping nested: shifted groups are there to have no gaps");
+  CommandFiles files;
+  for (const std::string& input : options.inputs) files.add_input("an input", input);
+  files.add_output("--output", options.output);
+}
+
+void run(const Options& options) {
+  handle_interrupts("hlod build");
+  check(options);
+  Progress progress(options.progress);
+  Stopwatch stopwatch;
+  const CleanMesh input = read_hlod_input(options.inputs, progress);
+  const double read_ms = stopwatch.restart();
+  const hlod::Hlod hlod = build(options, input.mesh, progress);
+  const double build_ms = stopwatch.restart();
+  write_interruptibly(options.output, hlod.bytes(), progress, [&] { write_ohlod(options.output, hlod, input.report); });
+  const double write_ms = stopwatch.milliseconds();
+  progress.clear();
+
+  Json result = {{"inputs", options.inputs}, {"file", options.output}};
+  result.update(counts_of(hlod));
+  result["read_ms"] = read_ms;
+  result["build_ms"] = build_ms;
+  result["write_ms"] = write_ms;
+  result["triangles_per_s"] = 1e3 * static_cast<double>(input.mesh.triangle_count()) / build_ms;
+  result["peak_bytes"] = peak_bytes();
+  result["report"] = to_json(input.report);
+  if (options.json) return print_json(result);
+  print_lines(result);
+  print_lines(input.report);
+}
+
+}  // namespace
+
+void add_hlod_build(CLI::App& hlod) {
+  CLI::App& command = *hlod.add_subcommand("build", "Build the nodes of a scene, a mesh, or several meshes");
+  const auto options = std::make_shared<Options>();
+  add_file(command, "INPUT", options->inputs, "A scene (.json) or meshes (.ply, .obj, .off, .stl, .gltf or .glb)")
+      ->required();
+  add_file(command, "-o,--output", options->output, "File to write, .ohlod")->required();
+  add_number(command, "--node-triangles", options->build.node_triangles,
+             WholeRange{least_node_triangles, most_node_triangles},
+             "The most triangles that a node of the finest level has")
+      ->capture_default_str();
+  add_choice(command, "--grouping", options->build.grouping,
+             {{"shifted", hlod::Grouping::shifted}, {"nested", hlod::Grouping::nested}},
+             "shifted: borders move from level to level, so that no gap opens and none stays fine; nested: one octree");
+  add_choice(command, "--borders", options->build.borders,
+             {{"locked", hlod::Borders::locked}, {"free", hlod::Borders::free}},
+             "locked: vertices that nodes share stay; free: neighbours of different levels leave gaps (nested only)");
+  add_number(command, "--boundary-weight", options->build.boundary_weight, RealRange{0.0, largest_boundary_weight},
+             "Weight of the error at boundary edges, relative to the error of the surface")
+      ->capture_default_str();
+  add_number(command, "--threads", options->build.threads, WholeRange{0, most_threads},
+             "Threads; 0: one per core. The result does not depend on it")
+      ->capture_default_str();
+  add_progress_option(command, options->progress);
+  command.add_flag("--json", options->json, "Print the result as one JSON object");
+  command.callback([options] { run(*options); });
+}
+
+}  // namespace occlod::tool

@@ -1,0 +1,49 @@
+// occlod hlod info FILE.ohlod
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "hlod.h"
+#include "occlod/io/ohlod.h"
+#include "option_values.h"
+
+namespace occlod::tool {
+namespace {
+
+struct Options {
+  std::string file;
+  bool check = false;
+  bool json = false;
+};
+
+void run(const Options& options) {
+  const OhlodFile file = read_ohlod(options.file);
+  if (options.check) file.hlod.require_all();
+  const hlod::HlodView& view = file.hlod.data();
+  Json result = {{"file", options.file}, {"format", ohlod_version}};
+  result.update(counts_of(file.hlod));
+  result["file_bytes"] = std::filesystem::file_size(options.file);
+  result["normals"] = view.has_normals;
+  result["colors"] = view.has_colors;
+  result["box"] = {{"min", to_json(glm::dvec3(view.box.min))}, {"max", to_json(glm::dvec3(view.box.max))}};
+  result["level"] = levels_of(file.hlod);
+  result["report"] = to_json(file.report);
+  if (options.json) return print_json(result);
+  print_lines(result);
+  print_lines(file.report);
+  print_levels(result["level"]);
+}
+
+}  // namespace
+
+void add_hlod_info(CLI::App& hlod) {
+  CLI::App& command = *hlod.add_subcommand("info", "Describe the nodes of an .ohlod file, level by level");
+  const auto options = std::make_shared<Options>();
+  add_file(command, "FILE", options->file, "An .ohlod file")->required();
+  command.add_flag("--check", options->check, "Read and check the meshes of all nodes too");
+  command.add_flag("--json", options->json, "Print the result as one JSON object");
+  command.callback([options] { run(*options); });
+}
+
+}  // namespace occlod::tool

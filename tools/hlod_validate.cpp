@@ -1,0 +1,62 @@
+// occlod hlod validate FILE.ohlod [--input INPUT...]
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "hlod.h"
+#include "occlod/core/error.h"
+#include "occlod/hlod/validate.h"
+#include "occlod/io/ohlod.h"
+#include "option_values.h"
+
+namespace occlod::tool {
+namespace {
+
+constexpr int most_fronts = 1'000'000;
+
+struct Options {
+  std::string file;
+  std::vector<std::string> inputs;
+  hlod::ValidateOptions validate;
+  bool json = false;
+};
+
+void run(const Options& options) {
+  const OhlodFile file = read_ohlod(options.file);
+  std::vector<std::string> violations = validate(file.hlod, options.validate);
+  Progress progress(ShowProgress::never);
+  if (!options.inputs.empty() && !restores(file.hlod, read_hlod_input(options.inputs, progress).mesh))
+    violations.push_back(fmt::format("level 0 is not {}", fmt::join(options.inputs, " and ")));
+
+  if (options.json)
+    print_json({{"file", options.file},
+                {"valid", violations.empty()},
+                {"violations", violations},
+                {"left_out", to_json(file.report.left_out)}});
+  else if (violations.empty())
+    fmt::print("{}: valid (left out of its input: {})\n", options.file, in_words(file.report.left_out));
+  else
+    for (const std::string& violation : violations) fmt::print("{}: {}\n", options.file, violation);
+  if (!violations.empty())
+    throw Error({options.file, "", fmt::format("{} violations", violations.size()), "build it again"});
+}
+
+}  // namespace
+
+void add_hlod_validate(CLI::App& hlod) {
+  CLI::App& command = *hlod.add_subcommand("validate", "Check every invariant of an .ohlod file");
+  const auto options = std::make_shared<Options>();
+  add_file(command, "FILE", options->file, "File to check, .ohlod")->required();
+  add_file(command, "--input", options->inputs, "Also check that level 0 is this scene or mesh, or these meshes");
+  add_number(command, "--fronts", options->validate.random_fronts, WholeRange{0, most_fronts},
+             "Number of random fronts to check for cracks")
+      ->capture_default_str();
+  command.add_flag("--json", options->json, "Print the result as one JSON object");
+  command.callback([options] { run(*options); });
+}
+
+}  // namespace occlod::tool
