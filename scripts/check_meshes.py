@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""check_meshes.py [--repair] [OCCLOD]: builds and validates every mesh below the folders that OCCLOD_MESHES names, separated by ':'. One line each:
+"""check_meshes.py [--repair | --hlod] [OCCLOD]: builds and validates every mesh below the folders that OCCLOD_MESHES names, separated by ':'. One line each:
 built and valid, or refused with the reason. Exit 1 when any crashes, hangs, is refused without a single line that says why, or is not valid.
---repair: repairs each first, and builds and validates what comes out. OCCLOD defaults to build/release/tools/occlod."""
+--repair: repairs each first, and builds and validates what comes out. --hlod: builds an .ohlod file of each, for each kind of groups and borders,
+with nodes of the usual size and small ones. OCCLOD defaults to build/release/tools/occlod."""
 import argparse
 import json
 import os
@@ -53,6 +54,26 @@ def check(occlod, mesh, hierarchy):
     return f"{built['triangles']:>9} triangles {built['build_ms']:>8.0f} ms {built['peak_bytes'] / 1e6:>6.0f} MB"
 
 
+HLOD_KINDS = (("shifted", "locked"), ("nested", "locked"), ("nested", "free"))
+SMALL_NODES = 64
+HLOD_FRONTS = 500
+
+
+def check_hlod(occlod, mesh, hierarchy):
+    """The same about its nodes."""
+    file, milliseconds, nodes = hierarchy.with_suffix(".ohlod"), 0.0, []
+    for grouping, borders in HLOD_KINDS:
+        for size in ((), ("--node-triangles", SMALL_NODES)):
+            built = run(occlod, "hlod", "build", mesh, "-o", file, "--grouping", grouping, "--borders", borders, *size)
+            milliseconds += built["build_ms"]
+            nodes.append(built["nodes"])
+            try:
+                run(occlod, "hlod", "validate", file, "--input", mesh, "--fronts", HLOD_FRONTS)
+            except Refused as refusal:
+                raise Failure(f"hlod validate, {grouping} {borders} {' '.join(map(str, size))}: {refusal}") from None
+    return f"{built['triangles']:>9} triangles {milliseconds:>8.0f} ms, nodes {' '.join(map(str, nodes))}"
+
+
 def check_repaired(occlod, mesh, hierarchy):
     """The same about what `repair` makes of it."""
     repaired = hierarchy.with_suffix(".ply")
@@ -83,9 +104,11 @@ def meshes():
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("occlod", nargs="?", type=pathlib.Path, default=ROOT / "build/release/tools/occlod", help="the command to run")
-    parser.add_argument("--repair", action="store_true", help="repair each mesh first")
+    kind = parser.add_mutually_exclusive_group()
+    kind.add_argument("--repair", dest="check", action="store_const", const=check_repaired, help="repair each mesh first")
+    kind.add_argument("--hlod", dest="check", action="store_const", const=check_hlod, help="build .ohlod files")
     arguments = parser.parse_args()
-    occlod, check_one = arguments.occlod, check_repaired if arguments.repair else check
+    occlod, check_one = arguments.occlod, arguments.check or check
     if not occlod.is_file():
         parser.error(f"{occlod} is not there; build it with scripts/build.sh")
     counts = {"valid": 0, "refused": 0, "FAILED": 0}

@@ -1,5 +1,6 @@
 // occlod hlod build INPUT... -o FILE.ohlod
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "occlod/io/ohlod.h"
 #include "option_values.h"
 #include "peak_bytes.h"
+#include "render_input.h"
 #include "stopwatch.h"
 
 namespace occlod::tool {
@@ -28,6 +30,12 @@ struct Options {
   bool json = false;
 };
 
+std::vector<std::filesystem::path> mesh_files_of(const std::string& scene) {
+  RenderInputOptions options;
+  options.file = scene;
+  return mesh_files(options, read_scene(scene));
+}
+
 hlod::Hlod build(const Options& options, const TriangleMesh& mesh, Progress& progress) {
   const std::string what = "building " + options.output;
   progress.show(what, 0.0);
@@ -43,7 +51,11 @@ void check(const Options& options) {
   if (options.build.grouping == hlod::Grouping::shifted && options.build.borders == hlod::Borders::free)
     throw CLI::ValidationError("--borders", "free needs --grouping nested: shifted groups are there to have no gaps");
   CommandFiles files;
-  for (const std::string& input : options.inputs) files.add_input("an input", input);
+  for (const std::string& input : options.inputs) {
+    files.add_input("an input", input);
+    if (!is_scene_file(input)) continue;
+    for (const std::filesystem::path& mesh : mesh_files_of(input)) files.add_input("a mesh of the scene", mesh);
+  }
   files.add_output("--output", options.output);
 }
 

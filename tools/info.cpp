@@ -10,6 +10,7 @@
 
 #include "commands.h"
 #include "json_output.h"
+#include "occlod/core/error.h"
 #include "occlod/io/olod.h"
 #include "occlod/io/read_mesh.h"
 #include "option_values.h"
@@ -85,6 +86,11 @@ void tell_hierarchy(const Options& options) {
   print(options, std::move(result), file.report);
 }
 
+void refuse_hlod(const std::string& file) {
+  if (std::filesystem::path(file).extension() == ".ohlod")
+    throw Error({file, "", "is an .ohlod file", "use 'occlod hlod info'"});
+}
+
 bool is_hierarchy(const std::string& file) { return std::filesystem::path(file).extension() == ".olod"; }
 
 }  // namespace
@@ -97,7 +103,10 @@ void add_info(CLI::App& app) {
       "--check", options->check,
       "Read and check all of an .olod file, and count dependencies and levels; meshes are read in full anyway");
   command.add_flag("--json", options->json, "Print the result as one JSON object");
-  command.callback([options] { is_hierarchy(options->file) ? tell_hierarchy(*options) : tell_mesh(*options); });
+  command.callback([options] {
+    refuse_hlod(options->file);
+    is_hierarchy(options->file) ? tell_hierarchy(*options) : tell_mesh(*options);
+  });
 }
 
 }  // namespace occlod::tool

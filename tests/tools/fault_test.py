@@ -3,6 +3,7 @@ one line that names what failed, and leaves the file that was there. Tests wait 
 import json
 import os
 import pathlib
+import re
 import resource
 import signal
 import subprocess
@@ -51,11 +52,11 @@ class Faults(ToolTest):
 
 class ChangingFiles(Faults):
     def change_while_mapped(self, change, *arguments):
-        """Stops the command while it has planet.olod mapped, calls change(), and lets it go on. Returns its end."""
+        """Stops the command while it has planet.olod or planet.ohlod mapped, calls change(), and lets it go on. Returns its end."""
         process = self.start(*arguments)
         maps = pathlib.Path(f"/proc/{process.pid}/maps")
         while process.poll() is None:
-            if "planet.olod" in maps.read_text():
+            if re.search(r"planet\.oh?lod", maps.read_text()):
                 os.kill(process.pid, signal.SIGSTOP)
                 os.waitid(os.P_PID, process.pid, os.WSTOPPED | os.WEXITED | os.WNOWAIT)
                 change()
@@ -79,6 +80,19 @@ class ChangingFiles(Faults):
             self.assert_failed(end, "planet.olod", "was cut short")
             self.assertEqual((self.folder / "target.obj").read_bytes(), OLD)
 
+    def test_hlod_cut_short_while_mapped(self):
+        self.succeed("generate", "rough-planet", "--level", 8, "-o", "planet.ply")
+        self.succeed("hlod", "build", "planet.ply", "-o", "planet.ohlod")
+        path = self.folder / "planet.ohlod"
+        whole = path.read_bytes()
+        for arguments in (["hlod", "info", "--check", "planet.ohlod"], ["hlod", "validate", "planet.ohlod"]):
+            for _ in range(ATTEMPTS):
+                path.write_bytes(whole)
+                end = self.change_while_mapped(lambda: os.truncate(path, 4096), *arguments)
+                if end[0] != 0:
+                    break
+            self.assert_failed(end, "planet.ohlod", "was cut short")
+
     def test_removed_or_replaced_while_mapped(self):
         """The pages live on, so nothing changes."""
         path = self.make_large_hierarchy(6)
@@ -98,7 +112,7 @@ class Writing(Faults):
     def commands(self):
         """Each writes a file of more than 64 kB."""
         self.make_hierarchy()
-        return {"target.olod": ["build", "planet.ply"], "target.ply": ["generate", "rough-planet", "--level", 6], "target.obj": ["cut", "planet.olod", "--error", 0],
+        return {"target.olod": ["build", "planet.ply"], "target.ohlod": ["hlod", "build", "planet.ply"], "target.ply": ["generate", "rough-planet", "--level", 6], "target.obj": ["cut", "planet.olod", "--error", 0],
                 "target.png": ["render", "planet.olod", "--budget", 3000, "--size", "1024x768", "--png"]}
 
     def test_disk_full(self):

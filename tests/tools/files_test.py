@@ -48,6 +48,9 @@ class Files(ToolTest):
         render = ["render", "--budget", 100]
         for name, command, option in (
                 ("planet.ply", ["build", "planet.ply"], "--output"),
+                ("planet.ply", ["hlod", "build", "planet.ply"], "--output"),
+                ("scene.json", ["hlod", "build", "planet.ply", "scene.json"], "--output"),
+                ("planet.olod", ["hlod", "build", "scene.json"], "--output"),
                 ("planet.ply", [*render, "planet.ply"], "--png"),
                 ("planet.ply", [*render, "planet.ply"], "--mesh"),
                 ("planet.olod", [*render, "planet.olod"], "--png"),

@@ -42,7 +42,7 @@ class Interrupting(ToolTest):
     def cancel(self, stage, number, command, *arguments, target):
         (self.folder / target).write_bytes(OLD)
         before = self.names()
-        process = self.start(command, *arguments, "-o", target)
+        process = self.start(*command.split(), *arguments, "-o", target)
         self.wait_for_stage(process, stage)
         process.send_signal(number)
         self.assert_cancelled(self.end_of(process), command, number)
@@ -56,7 +56,7 @@ class Interrupting(ToolTest):
         path.write_bytes(OLD)
         before = self.names()
         for _ in range(ATTEMPTS):
-            process = self.start(command, *arguments, "-o", target)
+            process = self.start(*command.split(), *arguments, "-o", target)
             self.wait_for_stage(process, "writing")
             os.kill(process.pid, signal.SIGSTOP)
             os.waitid(os.P_PID, process.pid, os.WSTOPPED | os.WEXITED | os.WNOWAIT)
@@ -84,6 +84,12 @@ class Interrupt(Interrupting):
         for number in (signal.SIGINT, signal.SIGTERM):
             self.cancel("building", number, "build", "planet.ply", target="target.olod")
         self.cancel_while_writing(signal.SIGINT, "build", "planet.ply", target="target.olod")
+
+    def test_hlod_build(self):
+        self.make_large_planet(8)
+        for number in (signal.SIGINT, signal.SIGTERM):
+            self.cancel("building", number, "hlod build", "planet.ply", target="target.ohlod")
+        self.cancel_while_writing(signal.SIGINT, "hlod build", "planet.ply", target="target.ohlod")
 
     def test_generate(self):
         self.cancel("generating", signal.SIGINT, "generate", "rough-planet", "--level", 10, target="target.ply")
@@ -115,9 +121,10 @@ class InterruptRepair(Interrupting):
 class ShowProgress(ToolTest):
     def test_stages_of_a_build_in_their_order(self):
         self.make_planet()
-        done = self.run_tool("build", "planet.ply", "-o", "planet.olod", "--progress", "always", "--json")
-        stages = [word for line in done.stderr.split("\n") for word in line.split() if word.endswith("ing")]
-        self.assertEqual(list(dict.fromkeys(stages)), ["reading", "cleaning", "building", "writing"])
+        for command in (["build", "planet.ply", "-o", "planet.olod"], ["hlod", "build", "planet.ply", "-o", "planet.ohlod"]):
+            done = self.run_tool(*command, "--progress", "always", "--json")
+            stages = [word for line in done.stderr.split("\n") for word in line.split() if word.endswith("ing")]
+            self.assertEqual(list(dict.fromkeys(stages)), ["reading", "cleaning", "building", "writing"])
 
     def test_silent_unless_asked_for(self):
         """Standard error is no terminal here."""

@@ -93,12 +93,14 @@ class Mistakes(ToolTest):
 
     def test_help_and_version(self):
         self.assertRegex(self.succeed("--version"), r"^\d+\.\d+\.\d+\n$")
-        for command in ([], ["generate"], ["generate", "city"], ["build"], ["info"], ["validate"], ["render"], ["cut"]):
+        for command in ([], ["generate"], ["generate", "city"], ["build"], ["info"], ["validate"], ["render"], ["cut"], ["hlod"],
+                        ["hlod", "build"], ["hlod", "info"], ["hlod", "validate"]):
             self.assertIn("Usage", self.succeed(*command, "--help"))
 
     def test_help_is_for_people(self):
         """Lines that fit, no types of the implementation, and what conservative mode does not promise."""
-        for command in (["generate", "rough-planet"], ["build"], ["info"], ["validate"], ["render"], ["cut"], ["compare"], ["repair"]):
+        for command in (["generate", "rough-planet"], ["build"], ["info"], ["validate"], ["render"], ["cut"], ["compare"], ["repair"],
+                        ["hlod"], ["hlod", "build"], ["hlod", "info"], ["hlod", "validate"]):
             text = self.succeed(*command, "--help")
             self.assertLessEqual(max(map(len, text.splitlines())), 100, text)
             self.assertNotRegex(text, r"\b(U?INT|FLOAT|TEXT|ENUM|NONNEGATIVE|POSITIVE|value in)\b|->|\{")
@@ -109,13 +111,14 @@ class Mistakes(ToolTest):
                                 (["--paint"], 'no option "--paint"'), (["render", "x", "--budge", 5, "y"], 'no option "--budge"'),
                                 (["info", "a", "b", "c"], 'no further argument "b"'), (["render", "x", "--budget"], "--budget needs a value"),
                                 (["render", "x", "--budget", 5, "--budget", 6], "--budget is given more than once"),
-                                (["build", "a.ply"], "--output is required"), (["cut", "a.olod", "-o", "a.ply"], "--triangles or --error is required")):
+                                (["build", "a.ply"], "--output is required"), (["hlod"], "a command is missing"),
+                                (["hlod", "paint"], 'no command "paint"'), (["hlod", "build", "a.ply"], "--output is required"), (["cut", "a.olod", "-o", "a.ply"], "--triangles or --error is required")):
             done = self.run_tool(*arguments)
             self.assertEqual((done.returncode, done.stdout, done.stderr.count("\n")), (2, "", 1), done.stderr)
             self.assertIn(told, done.stderr)
 
     def test_mistakes_name_the_help_of_the_command(self):
-        for command in (["build"], ["generate"], ["generate", "city"]):
+        for command in (["build"], ["generate"], ["generate", "city"], ["hlod"], ["hlod", "build"]):
             self.assertIn(f"see occlod {' '.join(command)} --help", self.run_tool(*command, "--what").stderr)
 
     def test_missing_mesh_of_a_scene(self):

@@ -13,12 +13,16 @@ LARGEST = 10**12
 # Command without the option, option, smallest and largest value. None: any finite number.
 BUILD, CUT, COMPARE = ["build", "a.ply", "-o", "a.olod"], ["cut", "a.olod", "-o", "a.ply"], ["compare", "a.ply", "b.ply"]
 REPAIR, VALIDATE, RENDER = ["repair", "a.ply", "-o", "b.ply"], ["validate", "a.olod"], ["render", "a.olod"]
+HLOD_BUILD, HLOD_VALIDATE = ["hlod", "build", "a.ply", "-o", "a.ohlod"], ["hlod", "validate", "a.ohlod"]
 FRAMES = ["render", "a.json", "--path", "p", "--frame-to-frame"]
 WHOLE = [
     (BUILD, "--base-triangles", 0, ELEMENTS),
     (BUILD, "--threads", 0, 1024),
     (CUT, "--triangles", 1, ELEMENTS),
     (VALIDATE, "--cuts", 0, 10**6),
+    (HLOD_BUILD, "--node-triangles", 16, 4096),
+    (HLOD_BUILD, "--threads", 0, 1024),
+    (HLOD_VALIDATE, "--fronts", 0, 10**6),
     (RENDER, "--budget", 1, LARGEST),
     (RENDER, "--threads", 0, 1024),
     (RENDER, "--levels", 1, 1000),
@@ -32,6 +36,7 @@ WHOLE = [
 ]
 REAL = [
     (BUILD, "--boundary-weight", 0, 10**6),
+    (HLOD_BUILD, "--boundary-weight", 0, 10**6),
     (CUT, "--error", 0, None),
     (RENDER, "--tolerance", 0, None),
     (RENDER, "--visible-exponent", 0, 8),
@@ -95,9 +100,11 @@ class Options(ToolTest):
 
     def test_names_that_are_empty(self):
         for command, option in ((BUILD[:2], "--output"), (CUT[:2] + ["--triangles", 5], "--output"), (["generate", "city"], "--output"), (VALIDATE, "--input"),
+                                (HLOD_BUILD[:3], "--output"), (HLOD_VALIDATE, "--input"),
                                 *((RENDER, option) for option in ("--camera", "--path", "--png", "--birdseye", "--mesh", "--calibration", "--save-calibration"))):
             self.assert_refused(command, option, "")
-        for command in (["info", ""], ["build", "", "-o", "a.olod"], ["validate", ""], ["render", ""], ["cut", "", "-o", "a.ply", "--triangles", 5]):
+        for command in (["info", ""], ["build", "", "-o", "a.olod"], ["validate", ""], ["render", ""], ["hlod", "info", ""], ["hlod", "validate", ""], ["hlod", "build", "", "-o", "a.ohlod"],
+                        ["cut", "", "-o", "a.ply", "--triangles", 5]):
             self.assertEqual(self.run_tool(*command).returncode, 2, command)
 
     def test_options_are_not_taken_for_names_of_files(self):
@@ -123,10 +130,11 @@ class Options(ToolTest):
 
     def test_every_numeric_option_is_here(self):
         """Help shows what a number is with N."""
-        rows = {(row[0][0], row[0][1] if row[0][0] == "generate" else "", row[1]) for row in self.rows(0) + self.rows(1)}
+        rows = {(row[0][0], row[0][1] if row[0][0] in ("generate", "hlod") else "", row[1]) for row in self.rows(0) + self.rows(1)}
         commands = ["build", "cut", "info", "validate", "render", *(["compare", "repair"] if self.has_cgal() else [])]
         kinds = ["rough-planet", "city", "pipes", "spheres-behind-wall"]
-        for command, kind in [(command, "") for command in commands] + [("generate", kind) for kind in kinds]:
+        hlod = ["build", "info", "validate"]
+        for command, kind in [(command, "") for command in commands] + [("generate", kind) for kind in kinds] + [("hlod", kind) for kind in hlod]:
             text = self.succeed(*([command, kind] if kind else [command]), "--help")
             self.assertNotRegex(text, "INT|FLOAT|309")
             for option in re.findall(r"^ +(--[a-z-]+) N\b", text, re.MULTILINE):

@@ -1,0 +1,114 @@
+"""`occlod hlod` as people and scripts use it."""
+import unittest
+
+from tool_case import TRIANGLES, ToolTest
+
+
+class Hlod(ToolTest):
+    def setUp(self):
+        super().setUp()
+        self.make_planet()
+
+    def build(self, *arguments, inputs=("planet.ply",), output="planet.ohlod"):
+        return self.json_of("hlod", "build", *inputs, "-o", output, "--node-triangles", 64, *arguments)
+
+    def test_build_reports(self):
+        built = self.build()
+        self.assert_has_keys(built, "inputs file triangles nodes levels roots patches stored_triangles grouping borders node_triangles bytes "
+                                    "bytes_per_triangle read_ms build_ms write_ms triangles_per_s peak_bytes report")
+        self.assertEqual((built["triangles"], built["roots"], built["grouping"], built["borders"], built["node_triangles"]),
+                         (TRIANGLES, 1, "shifted", "locked", 64))
+        self.assertEqual(built["inputs"], ["planet.ply"])
+        self.assertGreater(built["stored_triangles"], TRIANGLES)
+
+    def test_info_agrees_with_build(self):
+        built = self.build()
+        for options in ([], ["--check"]):
+            told = self.json_of("hlod", "info", "planet.ohlod", *options)
+            for key in ("triangles", "nodes", "levels", "roots", "patches", "stored_triangles", "bytes", "report"):
+                self.assertEqual(told[key], built[key], key)
+            self.assertEqual([level["level"] for level in told["level"]], list(range(built["levels"])))
+            self.assertEqual(sum(level["nodes"] for level in told["level"]), built["nodes"])
+            self.assertEqual(sum(level["triangles"] for level in told["level"]), built["stored_triangles"])
+            self.assertEqual(told["level"][0]["error_max"], 0)
+            self.assertEqual(told["file_bytes"], (self.folder / "planet.ohlod").stat().st_size)
+            errors = [level["error_max"] for level in told["level"]]
+            self.assertEqual(errors, sorted(errors))
+
+    def test_options_are_used(self):
+        usual = self.build()
+        self.assertGreater(usual["nodes"], self.json_of("hlod", "build", "planet.ply", "-o", "a.ohlod", "--node-triangles", 256)["nodes"])
+        nested = self.build("--grouping", "nested", "--borders", "free", output="nested.ohlod")
+        self.assertEqual((nested["grouping"], nested["borders"]), ("nested", "free"))
+        self.assertTrue(all(level["parents"] <= 1 for level in self.json_of("hlod", "info", "nested.ohlod")["level"]))
+        locked = self.build("--grouping", "nested", output="locked.ohlod")
+        self.assertEqual((locked["grouping"], locked["borders"]), ("nested", "locked"))
+        for name in ("planet", "nested", "locked"):
+            self.assertTrue(self.json_of("hlod", "validate", f"{name}.ohlod", "--input", "planet.ply")["valid"])
+        done = self.run_tool("hlod", "build", "planet.ply", "-o", "a.ohlod", "--borders", "free")
+        self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1))
+        self.assertIn("--grouping nested", done.stderr)
+
+    def test_boundary_weight_is_used(self):
+        """Where there is a boundary: free borders of nodes are one."""
+        self.build("--grouping", "nested", "--borders", "free", output="a.ohlod")
+        self.build("--grouping", "nested", "--borders", "free", "--boundary-weight", 0, output="b.ohlod")
+        self.assertFalse(self.same_bytes("a.ohlod", "b.ohlod"))
+
+    def test_threads_do_not_change_the_file(self):
+        for threads in (1, 2, 5):
+            self.build("--threads", threads, output=f"{threads}.ohlod")
+        self.assertTrue(self.same_bytes("1.ohlod", "2.ohlod"))
+        self.assertTrue(self.same_bytes("1.ohlod", "5.ohlod"))
+
+    def test_validate_tells_another_mesh_apart(self):
+        self.build()
+        self.assertTrue(self.json_of("hlod", "validate", "planet.ohlod", "--input", "planet.ply", "--fronts", 1000)["valid"])
+        self.make_planet("other.ply", seed=2)
+        done = self.run_tool("hlod", "validate", "planet.ohlod", "--input", "other.ply")
+        self.assertEqual((done.returncode, done.stdout), (1, "planet.ohlod: level 0 is not other.ply\n"))
+        self.assertEqual(done.stderr, "occlod: error: planet.ohlod: 1 violations; build it again\n")
+
+    def test_scenes_and_several_meshes(self):
+        """Two planets apart are two planets, whether as a scene, beside a second mesh or mirrored."""
+        self.write_scene('{"objects": [{"mesh": "planet.ply"}, {"mesh": "planet.ply", "position": [5, 0, 0], "scale": 2}],'
+                         ' "cameras": {"default": {"eye": [0, 0, 4], "target": [0, 0, 0]}}}')
+        built = self.build(inputs=["scene.json"])
+        self.assertEqual((built["triangles"], built["report"]["components"]), (2 * TRIANGLES, 2))
+        self.assertEqual(built["report"]["boundary_edges"], 0)
+        told = self.json_of("hlod", "info", "planet.ohlod")
+        self.assertGreater(told["box"]["max"][0], 6.5)
+        self.assertTrue(self.json_of("hlod", "validate", "planet.ohlod", "--input", "scene.json")["valid"])
+        self.make_planet("other.ply", seed=2)
+        both = self.build(inputs=["planet.ply", "other.ply"])
+        self.assertEqual(both["triangles"], 2 * TRIANGLES)
+        self.assertTrue(self.json_of("hlod", "validate", "planet.ohlod", "--input", "planet.ply", "other.ply")["valid"])
+        self.assertIn("valid", self.succeed("hlod", "validate", "planet.ohlod", "--input", "planet.ply", "--input", "other.ply"))
+
+    def test_text_output(self):
+        self.build()
+        text = self.succeed("hlod", "info", "planet.ohlod")
+        self.assertRegex(text, r"(?m)^grouping +shifted$")
+        self.assertRegex(text, r"(?m)^level +nodes +triangles +parents +children")
+        self.assertRegex(text, rf"(?m)^ +0 +\d+ +{TRIANGLES} ")
+        self.assertRegex(self.succeed("hlod", "validate", "planet.ohlod"), r"^planet.ohlod: valid")
+
+    def test_mistakes(self):
+        self.build()
+        self.assertIn("missing.ply: no such file", self.failure_of("hlod", "build", "missing.ply", "-o", "a.ohlod"))
+        self.assertIn("is not an .ohlod file; make one with 'occlod hlod build'", self.failure_of("hlod", "info", "planet.ply"))
+        self.assertIn("use 'occlod hlod info'", self.failure_of("info", "planet.ohlod"))
+        whole = (self.folder / "planet.ohlod").read_bytes()
+        (self.folder / "cut.ohlod").write_bytes(whole[: len(whole) // 2])
+        for command in ("info", "validate"):
+            self.assertIn("truncated", self.failure_of("hlod", command, "cut.ohlod"))
+        flipped = bytearray(whole)
+        flipped[len(whole) // 2] ^= 4
+        (self.folder / "flipped.ohlod").write_bytes(flipped)
+        self.assertIn("checksum", self.failure_of("hlod", "validate", "flipped.ohlod"))
+        self.assertIn("checksum", self.failure_of("hlod", "info", "--check", "flipped.ohlod"))
+        self.assertFalse((self.folder / "a.ohlod").exists())
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=1)
