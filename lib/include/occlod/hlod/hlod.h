@@ -50,20 +50,20 @@ struct Node {
   float area = 0.0F;              // of the node's triangles, square units
   std::uint32_t first_patch = 0;  // into HlodView::patches
   std::uint32_t first_child = 0;  // into HlodView::children
-  std::uint32_t triangles = 0;
-  std::uint32_t vertices = 0;
-  std::uint16_t patches = 0;   // none only for a node without triangles
-  std::uint16_t children = 0;  // none on level 0, at least one elsewhere
-  std::uint16_t level = 0;
-  std::uint16_t reserved = 0;
-  std::uint64_t mesh = 0;  // place of its mesh in HlodView::meshes, a multiple of mesh_alignment
+  std::uint32_t triangles = 0;    // of the mesh; may be none where everything has vanished
+  std::uint32_t vertices = 0;     // of the mesh; less than 65,536
+  std::uint16_t patches = 0;      // none only for a node without triangles
+  std::uint16_t children = 0;     // none on level 0, at least one elsewhere
+  std::uint16_t level = 0;        // into HlodView::levels
+  std::uint16_t reserved = 0;     // always 0
+  std::uint64_t mesh = 0;         // place of its mesh in HlodView::meshes, a multiple of mesh_alignment
 };
 static_assert(sizeof(Node) == 112);
 
 // The nodes of one level are consecutive.
 struct Level {
-  NodeId first_node = 0;
-  std::uint32_t node_count = 0;
+  NodeId first_node = 0;         // the level's nodes are [first_node, first_node + node_count)
+  std::uint32_t node_count = 0;  // > 0
 };
 
 // For NodeMesh::merged_into.
@@ -83,19 +83,19 @@ struct NodeMesh {
 
 // The arrays of an HLOD, in memory of its own or of a file.
 struct HlodView {
-  std::span<const Node> nodes;        // level by level, the coarsest first; along a Morton curve within a level
-  std::span<const Patch> patches;     // node by node; those of a node by ascending parent, one for each
-  std::span<const NodeId> children;   // node by node, ascending
-  std::span<const NodeId> roots;      // nodes without a parent, ascending
-  std::span<const Level> levels;      // from level 0
-  std::span<const std::byte> meshes;  // of all nodes: positions, normals, colors, indices, merged_into
-  Box box;                            // of the input
-  std::uint64_t input_triangle_count = 0;
-  Grouping grouping = Grouping::shifted;
-  Borders borders = Borders::locked;
-  std::uint32_t node_triangles = 0;  // BuildOptions::node_triangles
-  bool has_normals = false;
-  bool has_colors = false;
+  std::span<const Node> nodes;             // level by level, the coarsest first; along a Morton curve within a level
+  std::span<const Patch> patches;          // node by node; those of a node by ascending parent, one for each
+  std::span<const NodeId> children;        // node by node, ascending
+  std::span<const NodeId> roots;           // nodes without a parent, ascending
+  std::span<const Level> levels;           // from level 0
+  std::span<const std::byte> meshes;       // of all nodes: positions, normals, colors, indices, merged_into
+  Box box;                                 // of the input
+  std::uint64_t input_triangle_count = 0;  // of level 0
+  Grouping grouping = Grouping::shifted;   // how it was built
+  Borders borders = Borders::locked;       // likewise
+  std::uint32_t node_triangles = 0;        // likewise: BuildOptions::node_triangles
+  bool has_normals = false;                // whether meshes have them
+  bool has_colors = false;                 // likewise
 };
 
 inline constexpr std::size_t mesh_alignment = 16;  // of a node's mesh in HlodView::meshes

@@ -9,7 +9,7 @@ namespace occlod::hlod {
 
 // An eye in object space.
 struct ScreenScale {
-  glm::dvec3 eye{0.0};
+  glm::dvec3 eye{0.0};            // its place
   double focal_length_px = 1.0;   // pixels that one object unit across the line of sight covers at distance 1
   double least_distance = 1e-30;  // > 0, object units: of the near plane
 };
