@@ -15,6 +15,8 @@
 
 #include "hashes/expected_hashes.h"
 #include "occlod/hierarchy/build.h"
+#include "occlod/hlod/build.h"
+#include "occlod/io/ohlod.h"
 #include "occlod/io/olod.h"
 #include "occlod/mesh/clean.h"
 #include "occlod/mesh/generate.h"
@@ -85,11 +87,12 @@ std::vector<Way> ways() {
 
 std::uint64_t fnv(std::uint64_t hash, std::uint64_t value) { return (hash ^ value) * 0x100000001b3ULL; }
 
-// Of the bytes of a hierarchy's file.
-std::uint64_t file_hash(const Hierarchy& hierarchy, const MeshReport& report) {
+// Of the bytes of the file that write(path) makes.
+template <typename Write>
+std::uint64_t file_hash(const Write& write) {
   const std::filesystem::path file =
       std::filesystem::temp_directory_path() / ("occlod_hashes_" + std::to_string(getpid()) + ".olod");
-  write_olod(file, hierarchy, report);
+  write(file);
   std::ifstream bytes(file, std::ios::binary);
   std::uint64_t hash = 0xcbf29ce484222325ULL;
   for (auto byte = std::istreambuf_iterator<char>(bytes); byte != std::istreambuf_iterator<char>(); ++byte)
@@ -131,6 +134,23 @@ void compare_ways(const Scene& scene, const Hierarchy& hierarchy, test::Expected
   }
 }
 
+void compare_hlods(const Scene& scene, const CleanMesh& cleaned, int threads, test::ExpectedHashes& expected) {
+  hlod::BuildOptions options;
+  options.node_triangles = 300;
+  options.threads = threads;
+  const auto compare = [&](const char* kind) {
+    const hlod::Hlod hlod = build_hlod(cleaned.mesh, options);
+    const std::uint64_t hash =
+        file_hash([&](const std::filesystem::path& file) { write_ohlod(file, hlod, cleaned.report); });
+    expected.compare(scene.name + kind, hash, std::to_string(threads) + " threads");
+  };
+  compare(".hlod.shifted");
+  options.grouping = hlod::Grouping::nested;
+  compare(".hlod.nested.locked");
+  options.borders = hlod::Borders::free;
+  compare(".hlod.nested.free");
+}
+
 TEST(Hashes, AreTheSameEverywhere) {
   test::ExpectedHashes expected(OCCLOD_EXPECTED_HASHES);
   for (const Scene& scene : scenes()) {
@@ -139,8 +159,10 @@ TEST(Hashes, AreTheSameEverywhere) {
       BuildOptions options;
       options.threads = threads;
       const Hierarchy hierarchy = build_hierarchy(cleaned.mesh, options);
-      expected.compare(scene.name + ".file", file_hash(hierarchy, cleaned.report),
-                       std::to_string(threads) + " threads");
+      const std::uint64_t hash =
+          file_hash([&](const std::filesystem::path& file) { write_olod(file, hierarchy, cleaned.report); });
+      expected.compare(scene.name + ".file", hash, std::to_string(threads) + " threads");
+      compare_hlods(scene, cleaned, threads, expected);
     }
     const Hierarchy hierarchy = build_hierarchy(cleaned.mesh);
     test::for_every_target([&](const char* target) { compare_ways(scene, hierarchy, expected, target); });

@@ -73,7 +73,8 @@ void bound(NodeDraft& node, const std::vector<NodeDraft>& below) {
     node.child_error = std::max(node.child_error, below[child].error);
     guaranteed = std::max(guaranteed, below[child].guaranteed_error);
   }
-  node.error = rounded_up(std::hypot(static_cast<double>(node.child_error), static_cast<double>(node.error)));
+  const double own = node.error, inherited = node.child_error;
+  node.error = rounded_up(std::sqrt(inherited * inherited + own * own));
   node.guaranteed_error = rounded_up(static_cast<double>(guaranteed) + static_cast<double>(node.guaranteed_error));
   node.sphere = sphere_around(node.lod_box, below, node.children);
 }
