@@ -20,6 +20,9 @@ build/bench/bench/bench_build_peers --repeat 5 --json "$out/build_peers.json" | 
 echo "bench_error_bound" >&2
 build/bench/bench/bench_error_bound | tee "$out/error_bound.md"
 
+echo "bench_hlod_build" >&2
+build/bench/bench/bench_hlod_build | tee "$out/hlod_build.md"
+
 # Builds and keeps the planet of level 11, 33.5 million triangles: a minute, 8 GB of memory and 2 GB of disk.
 echo "bench_refine" >&2
 build/bench/bench/bench_refine --folder "$out/planets" | tee "$out/refine.md"

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 #include <queue>
+#include <tuple>
 #include <utility>
 
 #include "hierarchy/parallel.h"
@@ -16,7 +17,8 @@ using CellId = std::uint32_t;
 // Two cells that meet at a vertex.
 struct Link {
   CellId a = 0, b = 0;  // a < b
-  friend auto operator<=>(const Link&, const Link&) = default;
+  friend bool operator==(const Link&, const Link&) = default;
+  friend bool operator<(const Link& x, const Link& y) { return std::pair(x.a, x.b) < std::pair(y.a, y.b); }
 };
 
 // One for each vertex and two cells that follow each other among the vertex's cells: where many meet, a chain of links

@@ -41,7 +41,7 @@ class NodeSimplifier::Worker {
     result.error = simplified.error;
     result.guaranteed_error = simplified.guaranteed_error;
     result.box = box();
-    for (const Triangle& t : simplified.triangles) result.triangles.push_back({global(t.x), global(t.y), global(t.z)});
+    for (const Triangle& t : simplified.triangles) result.triangles.emplace_back(global(t.x), global(t.y), global(t.z));
     list_vertices(simplified, result);
     return result;
   }

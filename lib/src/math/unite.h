@@ -8,8 +8,6 @@
 namespace occlod {
 
 // The smallest box around both.
-[[nodiscard]] inline Box unite(const Box& a, const Box& b) {
-  return {glm::min(a.min, b.min), glm::max(a.max, b.max)};
-}
+[[nodiscard]] inline Box unite(const Box& a, const Box& b) { return {glm::min(a.min, b.min), glm::max(a.max, b.max)}; }
 
 }  // namespace occlod
