@@ -62,8 +62,7 @@ Cut::Closure Cut::closure(SplitId s) {
   closure_gain_ = 0;
   // closure_ is both the result and the queue of what is still to be looked at.
   for (std::size_t i = 0; i < closure_.size(); ++i) {
-    if (i + 1 < closure_.size())
-      prefetch(hierarchy_->data().stars.data() + hierarchy_->node(closure_[i + 1]).star);
+    if (i + 1 < closure_.size()) prefetch(hierarchy_->data().stars.data() + hierarchy_->node(closure_[i + 1]).star);
     hierarchy_->require(closure_[i]);
     const SplitStar star = hierarchy_->star(closure_[i]);
     closure_gain_ += gain_of(star);
