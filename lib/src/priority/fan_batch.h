@@ -12,7 +12,7 @@
 
 namespace occlod {
 
-// The corners of a few fans. Those of one of them are added one after the other; see begin().
+// The corners of a few fans.
 class FanBatch {
  public:
   static constexpr std::size_t capacity = 16;  // fans
@@ -27,7 +27,7 @@ class FanBatch {
   // Another one, of this split. Precondition: it is a fan, and there is room.
   void add(const SplitStar& star, std::span<const glm::vec3> positions);
 
-  // For fan_views(). Places beyond a ring repeat it from its first vertex on.
+  // For find_fan_views(). Places beyond a ring repeat it from its first vertex on.
   struct Corners {
     static constexpr std::size_t most_places = SplitStar::most_ring + 1;
     alignas(64) std::array<PerFan<float>, most_places> x, y, z;  // of the ring
