@@ -78,7 +78,7 @@ void Frames::exchange_splits(bool moved, RefineStats& stats) {
     queries_.forget_hidden();
   exchange_.run();
   if (!can_hide || !moved || !scene.options->queries.final_check || exchange_.changes() == 0) return;
-  if (!checks_are_useful_ && frame_ % rare_checks != 0) return;
+  if (checks_since_useful_ > most_useless_checks && frame_ % rare_checks != 0) return;
   const std::span<const Entry> shown = queries_.check_hidden(exchange_.level());
   stats.readmitted += shown.size();
   note_check(shown);
@@ -87,9 +87,7 @@ void Frames::exchange_splits(bool moved, RefineStats& stats) {
 
 void Frames::note_check(std::span<const Entry> shown) {
   const auto matters = [&](const Entry& entry) { return entry.error.quadric_px > much_error * exchange_.level(); };
-  if (std::any_of(shown.begin(), shown.end(), matters)) last_useful_check_ = checks_;
-  ++checks_;
-  checks_are_useful_ = checks_ - last_useful_check_ <= most_useless_checks;
+  checks_since_useful_ = std::any_of(shown.begin(), shown.end(), matters) ? 1 : checks_since_useful_ + 1;
 }
 
 void Frames::measure(RefineStats& stats) {

@@ -63,12 +63,11 @@ class Frames {
   std::vector<DrawnMesh> meshes_;
   SplitExchange exchange_;
   std::uint32_t frame_ = 0;
-  std::uint32_t moved_frame_ = 0;        // in which the view moved last
-  AppliedCount before_;                  // when the last frame ended
-  std::uint32_t same_frames_ = 0;        // in a row that have ended with the mesh that they began with, in one view
-  std::uint32_t checks_ = 0;             // of what is hidden, by the mesh of the frame itself
-  std::uint32_t last_useful_check_ = 0;  // the number of the last that found something that matters
-  bool checks_are_useful_ = true;
+  std::uint32_t moved_frame_ = 0;  // in which the view moved last
+  AppliedCount before_;            // when the last frame ended
+  std::uint32_t same_frames_ = 0;  // in a row that have ended with the mesh that they began with, in one view
+  // Of what is hidden, by the mesh of the frame itself: how many, from the last that found something that matters on.
+  std::uint32_t checks_since_useful_ = 0;
   bool at_rest_ = false;
 };
 

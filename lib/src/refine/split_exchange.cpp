@@ -125,8 +125,9 @@ void SplitExchange::gather_candidates(float low, float high) {
            found_);
     if (options->priority.culling == Culling::subtree) evaluation_.evaluate(i, found_);
     leave_out_low(i, low);
+    constexpr std::size_t ahead = 4;
     for (std::size_t at = 0; at < found_.size(); ++at) {
-      if (at + 4 < found_.size()) front.prefetch_star(found_[at + 4]);
+      if (at + ahead < found_.size()) front.prefetch_star(found_[at + ahead]);
       const Front::Index k = found_[at];
       const bool again = weighs_again(front, k);
       const SplitWorth worth = evaluation_.worth(i, k);
