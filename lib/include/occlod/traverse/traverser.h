@@ -1,0 +1,110 @@
+// Chooses and draws the nodes of HLODs for a view, front to back, refined and culled by occlusion queries.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <glm/mat4x4.hpp>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "occlod/device/device.h"
+#include "occlod/traverse/bias.h"
+
+namespace occlod::hlod {
+
+// Which nodes are drawn, and which queries decide it.
+enum class Strategy {
+  vfc,      // all inside the frustum, by screen-space error; no queries
+  sw,       // asks every node and waits, by screen-space error
+  sw_b,     // the same by biased error: the fewest nodes, the most waiting
+  boolean,  // coherent hierarchical culling (Bittner and others 2004; Gobetti & Marton 2005), by screen-space error
+  simp,     // Charalambos 2006: visibility predicted by the place in the queue
+  coh,      // Charalambos and others 2007: refining, stopping or delaying predicted from the last frame
+  ideal,    // what sw_b draws, known beforehand and drawn without a query: an oracle for comparison
+};
+
+// How the error of a node on the screen is bounded.
+enum class Metric {
+  box,     // screen_error_px()
+  sphere,  // sphere_error_px(), as published
+};
+
+// How the pixels of a node's box on an empty screen are counted.
+enum class Alpha {
+  exact,  // area of the box's outline inside the image
+  paper,  // Charalambos 2006, sec. 4.3: a cube of the box's volume seen from the front
+};
+
+// How a frame is traversed.
+struct TraverseOptions {
+  Strategy strategy = Strategy::coh;
+  double tolerance_px = 1.0;  // >= 0; 0: the input itself
+  Bias bias;                  // of sw_b, simp, coh and ideal
+  Metric metric = Metric::box;
+  Alpha alpha = Alpha::exact;
+  bool geomorph =
+      false;  // vertices slide to their parents' while the parent's error goes from tolerance_px to twice that
+};
+
+// A draw as it was made.
+struct DrawnNode {
+  std::uint32_t object = 0;       // index into the objects
+  NodeId node = 0;                // of that object's HLOD
+  std::uint32_t first_range = 0;  // into Frame::ranges
+  std::uint32_t range_count = 0;  // > 0
+};
+
+// Counts of one frame.
+struct FrameStats {
+  std::size_t visits = 0;           // nodes taken from the queue and inside the frustum
+  std::size_t drawn_nodes = 0;      // DN: nodes drawn at least in part
+  std::size_t drawn_patches = 0;    // of them
+  std::size_t drawn_triangles = 0;  // of them
+  std::size_t rarn = 0;             // of drawn_nodes, those that were refined in the same frame too
+  std::size_t delayed = 0;          // nodes that were decided only when their answer came
+  std::size_t blocked = 0;          // nodes that had to be drawn since one of their parents was not refined
+  std::size_t queries = 0;          // boxes asked about
+  std::size_t wasted_queries = 0;   // of them, answered visible, and nothing was decided by it
+  std::size_t hidden_nodes = 0;     // of the nodes asked about, those answered hidden
+  double largest_sse_px = 0.0;      // the largest screen-space error drawn, without bias
+};
+
+// One frame. Valid until the next draw_frame().
+struct Frame {
+  std::vector<DrawnNode> draws;   // in the order in which they were made
+  std::vector<DrawRange> ranges;  // of all draws
+  FrameStats stats;
+  FrameTimes times;
+  std::uint64_t front_hash = 0;  // XXH3-64 of what was drawn, in any order
+};
+
+// Remembers from frame to frame what was visible. One thread at a time.
+class Traverser {
+ public:
+  // The HLODs live as long as the traverser. Throws Error for no objects, a null HLOD, one without nodes, or a
+  // placement that is not affine or cannot be inverted.
+  explicit Traverser(std::span<const PlacedHlod> objects);
+  Traverser(Traverser&&) noexcept;
+  Traverser& operator=(Traverser&&) noexcept;
+  ~Traverser();
+
+  // Moves an object; what is known of its visibility is kept. Throws Error as the constructor does, and for an index
+  // out of range.
+  void set_transform(std::size_t object, const glm::dmat4& object_to_world);
+  // Forgets what was visible, as before the first frame.
+  void reset();
+
+  // Draws one frame. Throws Error for options out of their range, and what the device throws; after that the next frame
+  // is like the first. Expected O(nodes visited * log(nodes visited)).
+  const Frame& draw_frame(const View& view, RenderDevice& device, const TraverseOptions& options = {});
+
+  // As given, with the transforms as they are now.
+  [[nodiscard]] std::span<const PlacedHlod> objects() const noexcept;
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace occlod::hlod
