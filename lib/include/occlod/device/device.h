@@ -32,11 +32,16 @@ struct DrawRange {
   friend bool operator==(const DrawRange&, const DrawRange&) = default;
 };
 
-// One draw call.
+// One draw call. Spans need live only during draw().
 struct NodeDraw {
   std::uint32_t object = 0;           // index into the objects of begin_frame
   NodeId node = 0;                    // of that object's HLOD
-  std::span<const DrawRange> ranges;  // at least one, ascending; the span need live only during draw()
+  std::span<const DrawRange> ranges;  // at least one, ascending; none when `cut` is drawn
+  // If not empty: the triangles of the node refined within by its first `splits` splits (NodeCut::indices in within.h),
+  // three indices each into the positions of Hlod::mesh() and, after them, of Hlod::within(). The same number of splits
+  // of a node always comes with the same triangles.
+  std::span<const std::uint16_t> cut = {};
+  std::uint32_t splits = 0;
 };
 
 // A box to ask about.
