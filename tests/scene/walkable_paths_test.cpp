@@ -46,7 +46,9 @@ TEST_P(WalkablePaths, RunThroughNoWall) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, WalkablePaths, ::testing::Values("sponza", "sibenik", "city", "ww2_city"));
+INSTANTIATE_TEST_SUITE_P(All, WalkablePaths,
+                         ::testing::Values("sponza", "sibenik", "city", "ww2_city", "hlod_row", "hlod_grid",
+                                           "hlod_shelves", "hlod_5m", "hlod_12m"));
 
 }  // namespace
 }  // namespace occlod

@@ -121,6 +121,11 @@ bool is_within(const View& view, double nearness, double nearest, double farthes
   return nearest >= nearness / (1.0 + share) && (share >= 1.0 || farthest <= nearness / (1.0 - share));
 }
 
+// How many pixels away one has to look to allow for so many.
+int whole_pixels(double allowed_px, const DepthBuffer& depth) {
+  return static_cast<int>(std::min(std::ceil(allowed_px), static_cast<double>(std::max(depth.width, depth.height))));
+}
+
 // The largest motion of any pixel of `expected`.
 double motion_into(const View& view, const DepthBuffer& expected, const DepthBuffer& found, double most_px) {
   std::vector<float> nearest = found.nearness, farthest = found.nearness, rows;
@@ -189,14 +194,26 @@ Popping measure_popping(const View& view, const DepthBuffer& before, const Depth
 std::size_t count_unexplained_pixels(const View& view, const DepthBuffer& expected, const DepthBuffer& found,
                                      double allowed_px) {
   assert(expected.nearness.size() == found.nearness.size() && allowed_px >= 0.0);
-  const int radius =
-      static_cast<int>(std::min(std::ceil(allowed_px), static_cast<double>(std::max(found.width, found.height))));
+  const int radius = whole_pixels(allowed_px, found);
   const std::vector<float> farthest = extreme_around(found, radius, std::less<>());
   const std::vector<float> nearest = extreme_around(found, radius, std::greater<>());
   std::size_t unexplained = 0;
   for (std::size_t i = 0; i < expected.nearness.size(); ++i)
     unexplained += is_within(view, expected.nearness[i], nearest[i], farthest[i], allowed_px) ? 0U : 1U;
   return unexplained;
+}
+
+std::size_t count_crack_pixels(const View& view, const DepthBuffer& full, const DepthBuffer& found, double allowed_px) {
+  assert(full.nearness.size() == found.nearness.size() && allowed_px >= 0.0);
+  const double none = std::numeric_limits<double>::infinity();
+  const std::vector<float> farthest = extreme_around(full, std::max(2, whole_pixels(allowed_px, full)), std::less<>());
+  const std::vector<float> nearest_beside = extreme_around(found, 1, std::greater<>());
+  std::size_t cracks = 0;
+  for (std::size_t i = 0; i < full.nearness.size(); ++i) {
+    const bool is_behind = !is_within(view, found.nearness[i], none, farthest[i], allowed_px);
+    cracks += is_behind && is_within(view, full.nearness[i], nearest_beside[i], 0.0, allowed_px) ? 1U : 0U;
+  }
+  return cracks;
 }
 
 }  // namespace occlod

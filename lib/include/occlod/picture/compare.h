@@ -33,6 +33,15 @@ struct PictureDistance {
 [[nodiscard]] std::size_t count_unexplained_pixels(const View& view, const DepthBuffer& expected,
                                                    const DepthBuffer& found, double allowed_px);
 
+// Counts the pixels of `found` through which one looks where two parts of a surface do not meet: gaps that are 1 or 2
+// pixels wide. Such a pixel is farther, by more than allowed_px pixels (>= 0) at that depth, than all that `full` has
+// within max(2, allowed_px) pixels, so it is at no silhouette and at no other step in depth; and some pixel of `found`
+// right beside it is as near as `full` is there, give or take allowed_px, which tells a gap from a surface that is not
+// there at all. Background is infinitely far. `full`: of the full mesh, which `found` is to show to within allowed_px
+// pixels. O(pixels * allowed_px).
+[[nodiscard]] std::size_t count_crack_pixels(const View& view, const DepthBuffer& full, const DepthBuffer& found,
+                                             double allowed_px);
+
 // The largest distance in pixels by which anything moved between two depth images of one surface, whichever came first:
 // the largest over the pixels of both of the smallest a with which the other image explains the pixel as above, looking
 // within floor(a) pixels. A silhouette that moved by 3 pixels gives 3. At most most_px, for instance where one image
