@@ -5,7 +5,7 @@
 
 #include "occlod/io/olod.h"
 #include "occlod/scene/scene.h"
-#include "scene/hierarchy_cache.h"
+#include "scene/build_cache.h"
 #include "scene/mesh_source.h"
 #include "scene/user_folders.h"
 
@@ -51,7 +51,7 @@ class Loader {
 
   SharedHierarchy find_or_build(const std::string& key, const MeshSource& source, const std::string& name) {
     if (cache_)
-      if (auto found = cache_->find(key)) return std::make_shared<const Hierarchy>(*std::move(found));
+      if (auto found = cache_->find_hierarchy(key)) return std::make_shared<const Hierarchy>(*std::move(found));
     const CleanMesh input = read_source(source, name, options_.progress);
     auto hierarchy = std::make_shared<const Hierarchy>(build_hierarchy(input.mesh, build_options(name)));
     if (cache_) cache_->store(key, *hierarchy, input.report);
@@ -69,7 +69,7 @@ class Loader {
 
   const std::filesystem::path& folder_;
   const LoadOptions& options_;
-  std::optional<HierarchyCache> cache_;
+  std::optional<BuildCache> cache_;
   std::map<std::string, SharedHierarchy> loaded_;  // by source_name
 };
 

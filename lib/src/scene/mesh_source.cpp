@@ -47,6 +47,24 @@ std::string find_file(const MeshFile& file, const std::filesystem::path& folder,
   throw Error(missing);
 }
 
+// In lower case, with its point.
+bool has_extension(const std::filesystem::path& path, const char* wanted) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  return extension == wanted;
+}
+
+CleanMesh read_file(const std::string& name,
+                    const std::function<void(const std::string& what, double done)>& progress) {
+  if (is_ohlod_file(name))
+    throw Error({name, "", "is an HLOD, not a mesh",
+                 "draw it with occlod hlod render, or name the mesh that it was built from"});
+  return read_mesh(name, [&](double done) {
+    if (progress) progress("reading " + name, done);
+  });
+}
+
 }  // namespace
 
 std::string name_of_source(const MeshSource& source, const SceneDescription& scene, std::size_t index,
@@ -65,21 +83,16 @@ std::string name_of_source(const MeshSource& source, const SceneDescription& sce
       source);
 }
 
-bool is_olod_file(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
-  return extension == ".olod";
-}
+bool is_olod_file(const std::filesystem::path& path) { return has_extension(path, ".olod"); }
+
+bool is_ohlod_file(const std::filesystem::path& path) { return has_extension(path, ".ohlod"); }
 
 CleanMesh read_source(const MeshSource& source, const std::string& name,
                       const std::function<void(const std::string& what, double done)>& progress) {
   return std::visit(
       [&](const auto& options) {
         if constexpr (std::is_same_v<std::decay_t<decltype(options)>, MeshFile>)
-          return read_mesh(name, [&](double done) {
-            if (progress) progress("reading " + name, done);
-          });
+          return read_file(name, progress);
         else
           return clean(generate(options), MeshReport{}, name);
       },

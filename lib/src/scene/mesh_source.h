@@ -19,8 +19,11 @@ namespace occlod {
 // By its extension, whatever its case.
 [[nodiscard]] bool is_olod_file(const std::filesystem::path& path);
 
+// The same of an .ohlod file.
+[[nodiscard]] bool is_ohlod_file(const std::filesystem::path& path);
+
 // Reads the file, which is no .olod file, or generates the mesh. `name` is name_of_source(); `progress` may be empty.
-// Throws Error.
+// Throws Error, also for an .ohlod file, whose nodes are no longer one mesh.
 [[nodiscard]] CleanMesh read_source(const MeshSource& source, const std::string& name,
                                     const std::function<void(const std::string& what, double done)>& progress);
 

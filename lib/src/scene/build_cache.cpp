@@ -1,4 +1,4 @@
-#include "scene/hierarchy_cache.h"
+#include "scene/build_cache.h"
 
 #include <fmt/format.h>
 #include <xxhash.h>
@@ -6,12 +6,14 @@
 #include <array>
 #include <exception>
 #include <fstream>
+#include <map>
 #include <memory>
 #include <utility>
 
 #include "occlod/core/error.h"
 #include "occlod/core/version.h"
 #include "scene/builder_id.h"
+#include "scene/mesh_source.h"
 
 namespace occlod {
 
@@ -34,8 +36,8 @@ class Hasher {
 
 // First in every hash, so that what follows needs no separator.
 void add_builder(Hasher& hasher, const std::string& build_options) {
-  const std::string text =
-      fmt::format("occlod {} builder {} olod {} {}\n", version(), builder_id, olod_version, build_options);
+  const std::string text = fmt::format("occlod {} builder {} olod {} ohlod {} {}\n", version(), builder_id,
+                                       olod_version, ohlod_version, build_options);
   hasher.add(text.data(), text.size());
 }
 
@@ -59,40 +61,75 @@ std::string cache_key_of_file(const fs::path& path, const std::string& build_opt
   return hasher.hex();
 }
 
-HierarchyCache::HierarchyCache(fs::path folder, std::function<void(const std::string&)> note)
+std::string cache_key_of_scene(const SceneDescription& scene, const fs::path& folder,
+                               const std::string& build_options) {
+  Hasher hasher;
+  add_builder(hasher, build_options);
+  std::map<std::string, std::string> keys;  // of the sources, by name
+  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+    const SceneObject& object = scene.objects[i];
+    const std::string name = name_of_source(object.source, scene, i, folder);
+    std::string& key = keys[name];
+    if (key.empty())
+      key = std::holds_alternative<MeshFile>(object.source) ? cache_key_of_file(name, "") : cache_key_of_text(name, "");
+    hasher.add(key.data(), key.size());
+    hasher.add(&object.object_to_world, sizeof(object.object_to_world));
+  }
+  return hasher.hex();
+}
+
+BuildCache::BuildCache(fs::path folder, std::function<void(const std::string&)> note)
     : folder_(std::move(folder)), note_(std::move(note)) {
   if (!note_) note_ = [](const std::string&) {};
 }
 
 // Checks all of the entry, because a block that is found damaged in the middle of a frame cannot be built again there.
 // That takes a tenth of a second for 120 MB, the largest hierarchy of the shipped scenes, which takes seconds to build.
-std::optional<Hierarchy> HierarchyCache::find(const std::string& key) const {
-  const fs::path path = path_of(key);
+template <class Read>
+auto BuildCache::find(const fs::path& path, const char* what, const Read& read) const
+    -> std::optional<decltype(read(path))> {
   std::error_code ignored;
   if (folder_.empty() || !fs::exists(fs::symlink_status(path, ignored))) return std::nullopt;
   try {
     if (!fs::is_regular_file(path, ignored)) throw Error({path.string(), "", "is not a regular file", ""});
-    Hierarchy hierarchy = read_olod(path).hierarchy;
-    hierarchy.require_all();
-    return hierarchy;
+    auto found = read(path);
+    found.require_all();
+    return found;
   } catch (const Error& error) {
     const auto& [file, place, problem, remedy] = error.diagnosis();
-    note_(
-        fmt::format("a cached hierarchy is built again: {}: {}{}{}", file, place, place.empty() ? "" : ": ", problem));
+    note_(fmt::format("{} is built again: {}: {}{}{}", what, file, place, place.empty() ? "" : ": ", problem));
   }
   // Makes room for the new entry: a folder cannot be replaced, and the permissions of a file would be kept.
   fs::remove(path, ignored);
   return std::nullopt;
 }
 
-void HierarchyCache::store(const std::string& key, const Hierarchy& hierarchy, const MeshReport& report) const {
+std::optional<Hierarchy> BuildCache::find_hierarchy(const std::string& key) const {
+  return find(path_of(key, ".olod"), "a cached hierarchy",
+              [](const fs::path& path) { return read_olod(path).hierarchy; });
+}
+
+std::optional<hlod::Hlod> BuildCache::find_hlod(const std::string& key) const {
+  return find(path_of(key, ".ohlod"), "a cached HLOD", [](const fs::path& path) { return read_ohlod(path).hlod; });
+}
+
+template <class Write>
+void BuildCache::store_by(const char* what, const Write& write) const {
   if (folder_.empty()) return note_("neither XDG_CACHE_HOME nor HOME names a folder: nothing is cached");
   try {
     fs::create_directories(folder_);
-    write_olod(path_of(key), hierarchy, report);
+    write();
   } catch (const std::exception& error) {
-    note_(fmt::format("the hierarchy is not cached: {}", error.what()));
+    note_(fmt::format("{} is not cached: {}", what, error.what()));
   }
+}
+
+void BuildCache::store(const std::string& key, const Hierarchy& hierarchy, const MeshReport& report) const {
+  store_by("the hierarchy", [&] { write_olod(path_of(key, ".olod"), hierarchy, report); });
+}
+
+void BuildCache::store(const std::string& key, const hlod::Hlod& hlod, const MeshReport& report) const {
+  store_by("the HLOD", [&] { write_ohlod(path_of(key, ".ohlod"), hlod, report); });
 }
 
 }  // namespace occlod

@@ -1,0 +1,77 @@
+#include "occlod/scene/load_hlods.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "occlod/io/ohlod.h"
+#include "scene/build_cache.h"
+#include "scene/mesh_source.h"
+#include "scene/user_folders.h"
+
+namespace occlod {
+namespace {
+
+using SharedHlod = std::shared_ptr<const hlod::Hlod>;
+
+std::string describe(const hlod::BuildOptions& options) {
+  return fmt::format("hlod node_triangles={} nested={} free={} boundary_weight={}", options.node_triangles,
+                     options.grouping == hlod::Grouping::nested, options.borders == hlod::Borders::free,
+                     options.boundary_weight);
+}
+
+SharedHlod build(const SceneDescription& scene, const std::filesystem::path& folder, const HlodLoadOptions& options) {
+  std::optional<BuildCache> cache;
+  std::string key;
+  if (options.use_cache) {
+    cache.emplace(user_cache_folder(), options.note);
+    key = cache_key_of_scene(scene, folder, describe(options.build));
+    if (auto found = cache->find_hlod(key)) return std::make_shared<const hlod::Hlod>(*std::move(found));
+  }
+  const CleanMesh input = flatten_scene(scene, folder, options.progress);
+  hlod::BuildOptions build = options.build;
+  build.progress = [&](double done) {
+    if (options.progress) options.progress("building " + scene.name, done);
+    return !options.build.progress || options.build.progress(done);
+  };
+  auto hlod = std::make_shared<const hlod::Hlod>(build_hlod(input.mesh, build));
+  if (cache) cache->store(key, *hlod, input.report);
+  return hlod;
+}
+
+SharedHlod read(const std::string& file) {
+  auto hlod = std::make_shared<const hlod::Hlod>(read_ohlod(file).hlod);
+  hlod->require_all();
+  return hlod;
+}
+
+}  // namespace
+
+std::vector<LoadedHlod> load_hlods(const SceneDescription& scene, const std::filesystem::path& folder,
+                                   const HlodLoadOptions& options) {
+  SceneDescription meshes = scene;  // without the .ohlod files
+  meshes.objects.clear();
+  std::vector<LoadedHlod> hlods;
+  std::map<std::string, SharedHlod> files;  // by name
+  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+    const SceneObject& object = scene.objects[i];
+    const std::string name = name_of_source(object.source, scene, i, folder);
+    if (!is_ohlod_file(name)) {
+      meshes.objects.push_back(object);
+      continue;
+    }
+    SharedHlod& shared = files[name];
+    if (!shared) shared = read(name);
+    hlods.push_back({shared, object.object_to_world, object.two_sided, name});
+  }
+  if (meshes.objects.empty()) return hlods;
+  const bool two_sided = std::any_of(meshes.objects.begin(), meshes.objects.end(),
+                                     [](const SceneObject& object) { return object.two_sided; });
+  hlods.insert(hlods.begin(), {build(meshes, folder, options), glm::dmat4(1.0), two_sided, scene.name});
+  return hlods;
+}
+
+}  // namespace occlod

@@ -1,0 +1,166 @@
+#include "occlod/scene/load_hlods.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+#include <vector>
+
+#include "occlod/core/error.h"
+#include "occlod/hlod/validate.h"
+#include "occlod/io/ohlod.h"
+#include "scene/scene_folder.h"
+
+namespace occlod {
+namespace {
+
+constexpr std::size_t planet_triangles = 8 * 64;  // 8 * 4^level
+
+SceneObject planet(double x, std::uint64_t seed = 1) {
+  SceneObject object{.source = RoughPlanetOptions{.level = 3, .seed = seed}};
+  object.object_to_world[3] = {x, 0, 0, 1};
+  return object;
+}
+
+SceneDescription scene_of(std::vector<SceneObject> objects) {
+  SceneDescription scene;
+  scene.name = "test";
+  scene.objects = std::move(objects);
+  return scene;
+}
+
+class LoadHlods : public test::SceneFolder {
+ protected:
+  std::vector<LoadedHlod> load(const SceneDescription& scene) {
+    HlodLoadOptions options;
+    options.note = [this](const std::string& line) { notes_.push_back(line); };
+    options.progress = [this](const std::string&, double) { ++progress_; };
+    options.use_cache = use_cache_;
+    options.build.node_triangles = node_triangles_;
+    return load_hlods(scene, folder(), options);
+  }
+
+  [[nodiscard]] std::vector<std::filesystem::path> cached() const {
+    const std::filesystem::path cache = folder() / "cache" / "occlod";
+    if (!std::filesystem::exists(cache)) return {};
+    return {std::filesystem::directory_iterator(cache), {}};
+  }
+
+  std::vector<std::string> notes_;
+  int progress_ = 0;
+  bool use_cache_ = true;
+  std::uint32_t node_triangles_ = 100;
+};
+
+TEST_F(LoadHlods, FlattensAllMeshes) {
+  const SceneDescription scene = scene_of({planet(0), planet(5), planet(10, 2)});
+  const auto hlods = load(scene);
+  ASSERT_EQ(hlods.size(), 1U);
+  EXPECT_EQ(hlods[0].object_to_world, glm::dmat4(1.0));
+  EXPECT_EQ(hlods[0].source_name, "test");
+  EXPECT_FALSE(hlods[0].two_sided);
+  EXPECT_EQ(hlods[0].hlod->data().input_triangle_count, 3 * planet_triangles);
+  EXPECT_TRUE(restores(*hlods[0].hlod, flatten_scene(scene, folder()).mesh));
+}
+
+TEST_F(LoadHlods, IsTwoSidedWhereAnyMeshIs) {
+  SceneDescription scene = scene_of({planet(0), planet(5)});
+  scene.objects[1].two_sided = true;
+  EXPECT_TRUE(load(scene)[0].two_sided);
+}
+
+TEST_F(LoadHlods, PlacesFilesAsTheSceneDoes) {
+  write_ohlod(folder() / "planet.OHLOD", *load(scene_of({planet(0)}))[0].hlod, MeshReport{});
+  SceneObject file{.source = MeshFile{{"planet.OHLOD"}}};
+  file.object_to_world[3] = {7, 8, 9, 1};
+  file.two_sided = true;
+  const auto hlods = load(scene_of({file, planet(20), {.source = MeshFile{{"planet.OHLOD"}}}}));
+  ASSERT_EQ(hlods.size(), 3U);  // the mesh first
+  EXPECT_EQ(hlods[0].hlod->data().input_triangle_count, planet_triangles);
+  EXPECT_EQ(hlods[1].object_to_world, file.object_to_world);
+  EXPECT_TRUE(hlods[1].two_sided);
+  EXPECT_FALSE(hlods[2].two_sided);
+  EXPECT_EQ(hlods[1].hlod, hlods[2].hlod);
+  EXPECT_EQ(hlods[1].source_name, (folder() / "planet.OHLOD").string());
+}
+
+TEST_F(LoadHlods, BuildsOnceAndThenReadsTheCache) {
+  const SceneDescription scene = scene_of({planet(0), planet(5)});
+  const auto built = load(scene);
+  EXPECT_GT(progress_, 0);
+  EXPECT_EQ(cached().size(), 1U);
+  progress_ = 0;
+  const auto fetched = load(scene);
+  EXPECT_EQ(progress_, 0);
+  EXPECT_EQ(fetched[0].hlod->node_count(), built[0].hlod->node_count());
+  EXPECT_TRUE(restores(*fetched[0].hlod, flatten_scene(scene, folder()).mesh));
+  EXPECT_TRUE(notes_.empty());
+  use_cache_ = false;
+  (void)load(scene);
+  EXPECT_GT(progress_, 0);
+}
+
+// What is cached is what was flattened: other placements, meshes, bytes of files and options are other entries, names
+// of scenes are not.
+TEST_F(LoadHlods, CachesUnderInputPlacesAndOptions) {
+  const char* quad = "OFF\n4 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 0 2 3\n";
+  (void)write("m.off", quad);
+  const SceneObject file{.source = MeshFile{{"m.off"}}};
+  std::size_t entries = 0;
+  const auto expect_new = [&](const SceneDescription& scene) {
+    (void)load(scene);
+    EXPECT_EQ(cached().size(), ++entries);
+    (void)load(scene);
+    EXPECT_EQ(cached().size(), entries);
+  };
+  expect_new(scene_of({planet(0), file}));
+  expect_new(scene_of({planet(1), file}));
+  expect_new(scene_of({planet(0, 2), file}));
+  expect_new(scene_of({file, planet(0)}));
+  (void)write("m.off", std::string(quad) + "\n");
+  expect_new(scene_of({planet(0), file}));
+  node_triangles_ = 50;
+  expect_new(scene_of({planet(0), file}));
+  SceneDescription renamed = scene_of({planet(0), file});
+  renamed.name = "other";
+  (void)load(renamed);
+  EXPECT_EQ(cached().size(), entries);
+}
+
+TEST_F(LoadHlods, BuildsAgainWhatIsDamaged) {
+  const SceneDescription scene = scene_of({planet(0)});
+  const std::size_t nodes = load(scene)[0].hlod->node_count();
+  std::filesystem::resize_file(cached().at(0), 1000);
+  EXPECT_EQ(load(scene)[0].hlod->node_count(), nodes);
+  ASSERT_EQ(notes_.size(), 1U);
+  EXPECT_NE(notes_[0].find("a cached HLOD is built again: " + cached().at(0).string()), std::string::npos) << notes_[0];
+  (void)load(scene);
+  EXPECT_EQ(notes_.size(), 1U);
+}
+
+// A file is checked as a whole before anything is drawn.
+TEST_F(LoadHlods, RefusesDamagedFiles) {
+  write_ohlod(folder() / "p.ohlod", *load(scene_of({planet(0)}))[0].hlod, MeshReport{});
+  const SceneDescription scene = scene_of({{.source = MeshFile{{"p.ohlod"}}}});
+  std::fstream file(folder() / "p.ohlod", std::ios::binary | std::ios::in | std::ios::out);
+  const auto size = static_cast<std::streamoff>(std::filesystem::file_size(folder() / "p.ohlod"));
+  for (std::streamoff at = size / 2; at < size / 2 + 64; ++at) file.seekp(at).put('\x55');
+  file.close();
+  EXPECT_THROW((void)load(scene), Error);
+}
+
+TEST_F(LoadHlods, AreNoMeshes) {
+  write_ohlod(folder() / "p.ohlod", *load(scene_of({planet(0)}))[0].hlod, MeshReport{});
+  const SceneDescription scene = scene_of({{.source = MeshFile{{"p.ohlod"}}}});
+  try {
+    (void)load_objects(scene, folder(), {.use_cache = false});
+    FAIL() << "refined an HLOD";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.diagnosis().subject, (folder() / "p.ohlod").string());
+    EXPECT_NE(error.diagnosis().remedy.find("occlod hlod render"), std::string::npos);
+  }
+  EXPECT_THROW((void)flatten_scene(scene, folder()), Error);
+}
+
+}  // namespace
+}  // namespace occlod
