@@ -8,7 +8,7 @@
 #include <map>
 #include <numbers>
 
-#include "gl/clip_matrix.h"
+#include "device/clip_matrix.h"
 #include "gl/support.h"
 #include "oracle/random_shapes.h"
 

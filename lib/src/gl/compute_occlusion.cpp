@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
+#include "device/clip_matrix.h"
 #include "gl/backend_options.h"
 #include "gl/batched_visibility.h"
-#include "gl/clip_matrix.h"
 #include "gl/gpu_pyramid.h"
 #include "gl/in_context.h"
 #include "gl/objects.h"

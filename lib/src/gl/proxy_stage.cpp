@@ -4,7 +4,7 @@
 #include <cassert>
 #include <glm/gtc/type_ptr.hpp>
 
-#include "gl/clip_matrix.h"
+#include "device/clip_matrix.h"
 
 namespace occlod::gl {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "occlod/view/view.h"
 
-namespace occlod::gl {
+namespace occlod {
 
 // ObjectView's own matrix is single-precision. Close to the eye and far from the object's origin its rows for z and w
 // cancel, and each by itself is wrong by 2^-24 of what cancels: z / w by many steps of a depth buffer, differently for
@@ -30,4 +30,4 @@ namespace occlod::gl {
   return matrices;
 }
 
-}  // namespace occlod::gl
+}  // namespace occlod
