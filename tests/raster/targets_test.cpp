@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <bit>
+#include <numeric>
 #include <random>
 #include <vector>
 
@@ -71,6 +72,31 @@ TEST(Targets, DrawTheSameBits) {
   for (const auto& [width, height] : {std::pair{3, 40}, {7, 5}, {15, 33}, {16, 16}, {17, 9}, {100, 75}, {257, 130}})
     for (const float size : {1.0F, 4.0F, 12.0F, 40.0F, 90.0F, 400.0F})
       expect_same_bits_everywhere(random_drawing(random, width, height, size));
+}
+
+// The same picture, and as many fragments as the triangles cover pixels one by one. The last block of a row is moved
+// back into the image, where it must not count what the block before it has counted.
+TEST(Targets, CountTheSameFragments) {
+  std::mt19937 random(12);
+  for (const auto& [width, height] : {std::pair{3, 40}, {7, 5}, {16, 16}, {17, 9}, {41, 30}, {100, 75}})
+    for (const float size : {1.0F, 12.0F, 40.0F, 200.0F}) {
+      const Drawing drawing = random_drawing(random, width, height, size);
+      const std::vector<int> coverage =
+          test::count_coverage(drawing.positions, drawing.triangles, drawing.to_clip, width, height);
+      const auto expected = static_cast<std::uint64_t>(std::accumulate(coverage.begin(), coverage.end(), 0));
+      ItemBuffer items;
+      items.reset(width, height);
+      EXPECT_EQ(draw_items_counted(items, drawing.positions, drawing.triangles, drawing.to_clip, 0).fragments,
+                expected);
+      for_every_target([&](const char* target) {
+        DepthBuffer depth;
+        depth.reset(width, height);
+        const DrawnPixels drawn = draw_depth_counted({depth.nearness.data(), width, height, width}, drawing.positions,
+                                                     drawing.triangles, drawing.to_clip);
+        EXPECT_EQ(drawn.fragments, expected) << target << ", " << width << "x" << height << ", size " << size;
+        EXPECT_EQ(depth.nearness, items.depth.nearness) << target;
+      });
+    }
 }
 
 // At the limit between triangles drawn by edge functions and by rows, and where edge functions are largest: corners as

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
 #include <span>
 
 #include "occlod/mesh/triangle_mesh.h"
+#include "occlod/raster/item_buffer.h"
 
 namespace occlod {
 
@@ -39,5 +41,18 @@ struct PixelRect {
 // As draw_depth() into a DepthBuffer. Returns a rectangle that holds every pixel drawn.
 PixelRect draw_depth(const DepthImage& target, std::span<const glm::vec3> positions,
                      std::span<const Triangle> triangles, const glm::mat4& object_to_clip);
+
+struct DrawnPixels {
+  PixelRect rect;               // holds every pixel drawn
+  std::uint64_t fragments = 0;  // pixels covered, those of each triangle, whether they pass the depth test or not
+};
+
+// The same with a count.
+DrawnPixels draw_depth_counted(const DepthImage& target, std::span<const glm::vec3> positions,
+                               std::span<const Triangle> triangles, const glm::mat4& object_to_clip);
+// As draw_items(), with a count.
+DrawnPixels draw_items_counted(ItemBuffer& target, std::span<const glm::vec3> positions,
+                               std::span<const Triangle> triangles, const glm::mat4& object_to_clip,
+                               std::uint32_t first_item);
 
 }  // namespace occlod

@@ -50,6 +50,7 @@ namespace {
 
 // One pixel to a vector: rows are faster.
 bool draw_batch(const TriangleBatch&, const DepthImage&, PixelRect&) { return false; }
+bool draw_batch_counted(const TriangleBatch&, const DepthImage&, DrawnPixels&) { return false; }
 
 #else
 
@@ -238,8 +239,26 @@ HWY_INLINE void draw_block(PixelVec z, PixelIntVec outside, float* depth) {
 #endif
 }
 
-// All rows of a small triangle in the block of columns from x on.
-HWY_INLINE void draw_columns(const SetupBatch& setup, std::size_t i, std::int32_t x, const DepthImage& target) {
+// Adds up lanes whose sign bit is clear, but for those that an earlier block has counted.
+class FragmentCount {
+ public:
+  // Lanes of negative `fresh` have been counted.
+  HWY_INLINE explicit FragmentCount(PixelIntVec fresh) : fresh_(fresh), outside_(hn::Zero(PixelInts())) {}
+  HWY_INLINE void add(PixelIntVec outside) {
+    outside_ = hn::Add(outside_, hn::ShiftRight<31>(hn::Or(outside, fresh_)));
+  }
+  [[nodiscard]] HWY_INLINE std::int32_t after(std::int32_t rows) const {
+    return rows * block + hn::GetLane(hn::SumOfLanes(PixelInts(), outside_));
+  }
+
+ private:
+  PixelIntVec fresh_, outside_;
+};
+
+// All rows of a small triangle in the block of columns from x on. Counts fragments from column `first` on.
+template <bool counts>
+HWY_INLINE std::int32_t draw_columns(const SetupBatch& setup, std::size_t i, std::int32_t x, std::int32_t first,
+                                     const DepthImage& target) {
   const Pixels d;
   const PixelIntVec columns = counting_from(PixelInts(), x - setup.first_column[i]);
   EdgeLanes e0 = load_edge(setup.edges[0], i, columns);
@@ -254,20 +273,28 @@ HWY_INLINE void draw_columns(const SetupBatch& setup, std::size_t i, std::int32_
   const std::ptrdiff_t stride = target.stride;
   float* depth = target.nearness + setup.first_row[i] * stride + x;
   const std::int32_t rows = setup.end_row[i] - setup.first_row[i];
+  FragmentCount count(hn::Sub(columns, hn::Set(PixelInts(), first - setup.first_column[i])));
   for (std::int32_t y = 0; y < rows; ++y) {
     const PixelVec z = hn::Add(on_first_row, hn::Mul(per_row, row));
-    draw_block(clamp(z, smallest, largest), hn::Or(hn::Or(e0.value, e1.value), e2.value), depth);
+    const PixelIntVec outside = hn::Or(hn::Or(e0.value, e1.value), e2.value);
+    if constexpr (counts) count.add(outside);
+    draw_block(clamp(z, smallest, largest), outside, depth);
     e0.value = hn::Add(e0.value, e0.step_row);
     e1.value = hn::Add(e1.value, e1.step_row);
     e2.value = hn::Add(e2.value, e2.step_row);
     row = hn::Add(row, hn::Set(d, 1.0F));
     depth += stride;
   }
+  return counts ? count.after(rows) : 0;
 }
 
-HWY_INLINE void draw_small(const SetupBatch& setup, std::size_t i, const DepthImage& target) {
+// Returns fragments, where they are counted.
+template <bool counts>
+HWY_INLINE std::int32_t draw_small(const SetupBatch& setup, std::size_t i, const DepthImage& target) {
+  std::int32_t fragments = 0;
   for (std::int32_t x = setup.first_column[i]; x < setup.end_column[i]; x += block)
-    draw_columns(setup, i, HWY_MIN(x, target.width - block), target);
+    fragments += draw_columns<counts>(setup, i, HWY_MIN(x, target.width - block), x, target);
+  return fragments;
 }
 
 // Pixels [begin, end) of a row of a large triangle, all within the reach of `depth`. `last` is the last column from
@@ -290,13 +317,16 @@ HWY_INLINE void draw_span(const DepthRow& depth, const DepthPlane& plane, std::i
   }
 }
 
-HWY_INLINE void draw_large(const TriangleBatch& batch, std::size_t i, const DepthImage& target) {
+// Returns fragments.
+HWY_INLINE std::int32_t draw_large(const TriangleBatch& batch, std::size_t i, const DepthImage& target) {
   TriangleSetup setup;
+  std::int32_t fragments = 0;
   if (!set_up(batch.screen_vertex(0, i), batch.screen_vertex(1, i), batch.screen_vertex(2, i), target.width,
               target.height, setup))
-    return;
+    return fragments;
   scan(setup, target.width, [&](std::int32_t y, std::int32_t begin, std::int32_t end) HWY_ATTR {
     float* row = target.nearness + y * target.stride;
+    fragments += end - begin;
     for (std::int32_t from = begin; from < end;) {
       const DepthRow depth = setup.depth_row(from, y);
       const std::int32_t to = HWY_MIN(end, depth.origin + depth_reach);
@@ -304,22 +334,37 @@ HWY_INLINE void draw_large(const TriangleBatch& batch, std::size_t i, const Dept
       from = to;
     }
   });
+  return fragments;
 }
 
-bool draw_batch(const TriangleBatch& batch, const DepthImage& target, PixelRect& drawn) {
+template <bool counts>
+HWY_INLINE bool draw(const TriangleBatch& batch, const DepthImage& target, DrawnPixels& drawn) {
   if (target.width < block) return false;
   SetupBatch setup;
   BoxLanes around = {hn::Set(Ints(), target.width), hn::Zero(Ints()), hn::Set(Ints(), target.height), hn::Zero(Ints())};
   for (std::size_t i = 0; i < batch.size; i += hn::Lanes(Doubles())) set_up_lanes(batch, i, target, setup, around);
-  drawn = united(drawn, reduced(around));
+  drawn.rect = united(drawn.rect, reduced(around));
   for (std::size_t i = 0; i < batch.size; ++i) {
+    std::int32_t fragments = 0;
     if (setup.kind[i] == small_triangle) {
-      draw_small(setup, i, target);
+      fragments = draw_small<counts>(setup, i, target);
     } else if (setup.kind[i] == large_triangle) {
-      draw_large(batch, i, target);
+      fragments = draw_large(batch, i, target);
     }
+    if constexpr (counts) drawn.fragments += static_cast<std::uint64_t>(fragments);
   }
   return true;
+}
+
+bool draw_batch(const TriangleBatch& batch, const DepthImage& target, PixelRect& drawn) {
+  DrawnPixels pixels{drawn, 0};
+  const bool done = draw<false>(batch, target, pixels);
+  drawn = pixels.rect;
+  return done;
+}
+
+bool draw_batch_counted(const TriangleBatch& batch, const DepthImage& target, DrawnPixels& drawn) {
+  return draw<true>(batch, target, drawn);
 }
 
 #endif
@@ -332,9 +377,14 @@ HWY_AFTER_NAMESPACE();
 namespace occlod::raster {
 
 HWY_EXPORT(draw_batch);
+HWY_EXPORT(draw_batch_counted);
 
 bool draw_depth_batch(const TriangleBatch& batch, const DepthImage& target, PixelRect& drawn) {
   return HWY_DYNAMIC_DISPATCH(draw_batch)(batch, target, drawn);
+}
+
+bool draw_depth_batch_counted(const TriangleBatch& batch, const DepthImage& target, DrawnPixels& drawn) {
+  return HWY_DYNAMIC_DISPATCH(draw_batch_counted)(batch, target, drawn);
 }
 
 }  // namespace occlod::raster

@@ -12,5 +12,7 @@ namespace occlod::raster {
 // with every instruction set, and those of scan() and DepthRow. False, and nothing drawn, where the image is narrower
 // than a block of pixels or the machine has no vectors. `drawn` grows around every pixel drawn.
 bool draw_depth_batch(const TriangleBatch& batch, const DepthImage& target, PixelRect& drawn);
+// The same; fragments are added to what is there.
+bool draw_depth_batch_counted(const TriangleBatch& batch, const DepthImage& target, DrawnPixels& drawn);
 
 }  // namespace occlod::raster

@@ -34,17 +34,26 @@ inline void for_each_depth(const TriangleSetup& triangle, std::int32_t row, std:
   }
 }
 
+PixelRect rect_of(const TriangleSetup& triangle) {
+  return {triangle.first_column, triangle.first_row, triangle.end_column, triangle.end_row};
+}
+
 // Where spans are written to.
+template <bool counts>
 struct DepthWriter {
   DepthImage image;
-  PixelRect* drawn;  // grows
+  DrawnPixels* drawn;  // grows
 
   // True when it has drawn all that is drawable without clipping.
-  bool draw_batch(const TriangleBatch& batch) const { return raster::draw_depth_batch(batch, image, *drawn); }
+  bool draw_batch(const TriangleBatch& batch) const {
+    if constexpr (counts) return raster::draw_depth_batch_counted(batch, image, *drawn);
+    return raster::draw_depth_batch(batch, image, drawn->rect);
+  }
 
   void draw(const TriangleSetup& triangle, std::uint32_t) const {
-    *drawn = united(*drawn, {triangle.first_column, triangle.first_row, triangle.end_column, triangle.end_row});
+    drawn->rect = united(drawn->rect, rect_of(triangle));
     raster::scan(triangle, image.width, [&](std::int32_t row, std::int32_t begin, std::int32_t end) {
+      drawn->fragments += static_cast<std::uint64_t>(end - begin);
       float* depth = image.nearness + row * image.stride + begin;
       for_each_depth(triangle, row, begin, end,
                      [=](std::int32_t i, float z) { depth[i] = depth[i] < z ? z : depth[i]; });
@@ -56,11 +65,14 @@ struct ItemWriter {
   float* nearness;
   std::uint32_t* items;
   std::size_t width;
+  DrawnPixels* drawn;  // grows
 
   static bool draw_batch(const TriangleBatch&) { return false; }
 
   void draw(const TriangleSetup& triangle, std::uint32_t item) const {
+    drawn->rect = united(drawn->rect, rect_of(triangle));
     raster::scan(triangle, static_cast<int>(width), [&](std::int32_t row, std::int32_t begin, std::int32_t end) {
+      drawn->fragments += static_cast<std::uint64_t>(end - begin);
       const std::size_t first = static_cast<std::size_t>(row) * width + static_cast<std::size_t>(begin);
       float* depth = nearness + first;
       std::uint32_t* owner = items + first;
@@ -146,16 +158,33 @@ void draw_depth(DepthBuffer& target, std::span<const glm::vec3> positions, std::
 
 PixelRect draw_depth(const DepthImage& target, std::span<const glm::vec3> positions,
                      std::span<const Triangle> triangles, const glm::mat4& object_to_clip) {
-  PixelRect drawn;
-  Rasterizer(object_to_clip, target.width, target.height, DepthWriter{target, &drawn}).draw(positions, triangles, 0);
+  DrawnPixels drawn;
+  Rasterizer(object_to_clip, target.width, target.height, DepthWriter<false>{target, &drawn})
+      .draw(positions, triangles, 0);
+  return drawn.rect;
+}
+
+DrawnPixels draw_depth_counted(const DepthImage& target, std::span<const glm::vec3> positions,
+                               std::span<const Triangle> triangles, const glm::mat4& object_to_clip) {
+  DrawnPixels drawn;
+  Rasterizer(object_to_clip, target.width, target.height, DepthWriter<true>{target, &drawn})
+      .draw(positions, triangles, 0);
   return drawn;
 }
 
 void draw_items(ItemBuffer& target, std::span<const glm::vec3> positions, std::span<const Triangle> triangles,
                 const glm::mat4& object_to_clip, std::uint32_t first_item) {
+  draw_items_counted(target, positions, triangles, object_to_clip, first_item);
+}
+
+DrawnPixels draw_items_counted(ItemBuffer& target, std::span<const glm::vec3> positions,
+                               std::span<const Triangle> triangles, const glm::mat4& object_to_clip,
+                               std::uint32_t first_item) {
   DepthBuffer& depth = target.depth;
-  const ItemWriter writer{depth.nearness.data(), target.items.data(), static_cast<std::size_t>(depth.width)};
+  DrawnPixels drawn;
+  const ItemWriter writer{depth.nearness.data(), target.items.data(), static_cast<std::size_t>(depth.width), &drawn};
   Rasterizer(object_to_clip, depth.width, depth.height, writer).draw(positions, triangles, first_item);
+  return drawn;
 }
 
 std::vector<bool> visible_items(const ItemBuffer& buffer, std::size_t item_count) {
