@@ -78,9 +78,10 @@ TEST(Targets, DrawTheSameBits) {
 // back into the image, where it must not count what the block before it has counted.
 TEST(Targets, CountTheSameFragments) {
   std::mt19937 random(12);
-  for (const auto& [width, height] : {std::pair{3, 40}, {7, 5}, {16, 16}, {17, 9}, {41, 30}, {100, 75}})
+  for (const auto& [columns, rows] : {std::pair{3, 40}, {7, 5}, {16, 16}, {17, 9}, {41, 30}, {100, 75}})
     for (const float size : {1.0F, 12.0F, 40.0F, 200.0F}) {
-      const Drawing drawing = random_drawing(random, width, height, size);
+      const Drawing drawing = random_drawing(random, columns, rows, size);
+      const int width = drawing.width, height = drawing.height;
       const std::vector<int> coverage =
           test::count_coverage(drawing.positions, drawing.triangles, drawing.to_clip, width, height);
       const auto expected = static_cast<std::uint64_t>(std::accumulate(coverage.begin(), coverage.end(), 0));

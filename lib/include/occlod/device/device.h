@@ -41,7 +41,7 @@ struct NodeDraw {
   // three indices each into the positions of Hlod::mesh() and, after them, of Hlod::within(). The same number of splits
   // of a node always comes with the same triangles.
   std::span<const std::uint16_t> cut = {};
-  std::uint32_t splits = 0;
+  std::uint32_t splits = 0;  // that made `cut`
 };
 
 // A box to ask about.
@@ -79,9 +79,10 @@ class RenderDevice {
   virtual void begin_frame(const View& view, std::span<const PlacedHlod> objects) = 0;
   // Draws part of a node.
   virtual void draw(const NodeDraw& draw) = 0;
-  // How many pixels of the surfaces of these boxes (at least one) pass the depth test: one count for all, at most the
-  // pixels of the image. A box that holds a visible point is never counted 0. Boxes that reach the near plane, hold the
-  // eye or are not finite count all pixels of the image.
+  // How many pixels of the fronts of these boxes (at least one) pass the depth test: one count for all, the sum of
+  // theirs, at most the pixels of the image. Boxes are grown by about a pixel, so that one that holds a visible point
+  // is never counted 0. Boxes that cross the near plane, are not finite, inside out or reach farther than 65,536 pixels
+  // from the middle of the image count all pixels of the image; those beside it or wholly before the near plane none.
   [[nodiscard]] virtual QueryId ask(std::span<const BoxRef> boxes) = 0;
   // The same with a count for each box, in one batch.
   [[nodiscard]] virtual QueryId ask_each(std::span<const BoxRef> boxes) = 0;
