@@ -138,6 +138,7 @@ TEST(SoftwareDevice, CountsItsWork) {
       covered_pixels(screen, project_box(screen, proxy_space(screen, View(small_camera()), object), hidden), outline));
   (void)count_of(device, {0, cube({0.0F, 0.0F, 3.0F}, 0.2F)});
   EXPECT_EQ(device.work().boxes, 2U);
+  EXPECT_EQ(device.work().drawn_boxes, 1U);
   device.end_frame();
   EXPECT_EQ(device.work().boxes, 2U);
   begin(device, wall());

@@ -152,11 +152,9 @@ class SoftwareDevice::Impl {
     ++work_.boxes;
     const BoxProxy proxy = project_box(screen_, objects_[box.object].space, box.box);
     if (proxy.kind == BoxProxy::Kind::beside) return 0;
-    if (proxy.kind == BoxProxy::Kind::uncertain) {
-      work_.query_fragments += pixels();
-      return pixels();
-    }
+    if (proxy.kind == BoxProxy::Kind::uncertain) return pixels();
     const raster::DepthCount counted = tiles_.count(proxy.image);
+    ++work_.drawn_boxes;
     work_.query_fragments += counted.covered;
     return counted.passed;
   }

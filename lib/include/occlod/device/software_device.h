@@ -20,7 +20,8 @@ struct DeviceWork {
   std::uint64_t triangles = 0;        // of them
   std::uint64_t fragments = 0;        // pixels covered, those of each triangle, whether they pass the depth test or not
   std::uint64_t boxes = 0;            // asked about
-  std::uint64_t query_fragments = 0;  // pixels that their fronts cover, passing or not
+  std::uint64_t drawn_boxes = 0;      // of them, those that had to be drawn: others count all pixels or none
+  std::uint64_t query_fragments = 0;  // pixels that the fronts of these cover, passing or not
 };
 
 // Draws at the resolution of the view with one sample at the middle of each pixel, in double precision up to the pixel.
