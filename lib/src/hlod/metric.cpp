@@ -4,29 +4,61 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
 
 namespace occlod::hlod {
 namespace {
 
-double distance_to(const Box& box, const glm::dvec3& p) {
-  const glm::dvec3 below = glm::dvec3(box.min) - p, above = p - glm::dvec3(box.max);
-  return glm::length(glm::max(glm::max(below, above), glm::dvec3(0.0)));
+// Of at most `error` object units at this distance.
+double error_px(float error, double distance, const ScreenScale& scale) {
+  const double covered_at_1 = scale.focal_length_px * scale.largest_stretch * static_cast<double>(error);
+  return scale.orthographic ? covered_at_1 : covered_at_1 / std::max(distance, scale.least_distance);
+}
+
+// World units along each object axis, where the axes stay at right angles; else the least stretch in any direction,
+// 1 over the largest of the inverse.
+glm::dvec3 axis_stretch(const glm::dmat3& linear) {
+  const glm::dvec3 lengths(glm::length(linear[0]), glm::length(linear[1]), glm::length(linear[2]));
+  const auto cosine = [&](int a, int b) { return std::abs(glm::dot(linear[a] / lengths[a], linear[b] / lengths[b])); };
+  constexpr double rounding = 1e-12;
+  if (std::max({cosine(0, 1), cosine(1, 2), cosine(2, 0)}) <= rounding) return lengths;
+  const glm::dmat3 inverse = glm::inverse(linear);
+  const glm::dmat3 square = glm::transpose(inverse) * inverse;
+  double largest = 0.0;  // no less than the largest eigenvalue
+  for (int column = 0; column < 3; ++column) {
+    const glm::dvec3 c = glm::abs(square[column]);
+    largest = std::max(largest, c.x + c.y + c.z);
+  }
+  return glm::dvec3(1.0 / std::sqrt(largest));
 }
 
 }  // namespace
 
+ScreenScale screen_scale(const View& view, const ObjectView& object) {
+  const glm::dmat3 linear(object.object_to_eye());
+  ScreenScale scale;
+  scale.eye = glm::inverse(linear) * -object.object_to_eye()[3];
+  scale.focal_length_px = view.focal_length_px();
+  scale.least_distance = view.camera().near;
+  scale.axis_stretch = axis_stretch(linear);
+  scale.largest_stretch = object.largest_stretch();
+  scale.orthographic = view.is_orthographic();
+  return scale;
+}
+
+double distance_to(const Box& box, const ScreenScale& scale) {
+  const glm::dvec3 below = glm::dvec3(box.min) - scale.eye, above = scale.eye - glm::dvec3(box.max);
+  return glm::length(scale.axis_stretch * glm::max(glm::max(below, above), glm::dvec3(0.0)));
+}
+
 double screen_error_px(const Node& node, const ScreenScale& scale) {
-  const auto error_at = [&](double error, const Box& box) {
-    return error / std::max(distance_to(box, scale.eye), scale.least_distance);
-  };
-  return scale.focal_length_px * std::max(error_at(static_cast<double>(node.error), node.box),
-                                          error_at(static_cast<double>(node.child_error), node.lod_box));
+  return std::max(error_px(node.error, distance_to(node.box, scale), scale),
+                  error_px(node.child_error, distance_to(node.lod_box, scale), scale));
 }
 
 double sphere_error_px(const Node& node, const ScreenScale& scale) {
-  const double distance =
-      glm::distance(glm::dvec3(node.sphere.center), scale.eye) - static_cast<double>(node.sphere.radius);
-  return scale.focal_length_px * static_cast<double>(node.error) / std::max(distance, scale.least_distance);
+  const double to_center = glm::length(scale.axis_stretch * (glm::dvec3(node.sphere.center) - scale.eye));
+  return error_px(node.error, to_center - static_cast<double>(node.sphere.radius) * scale.largest_stretch, scale);
 }
 
 }  // namespace occlod::hlod

@@ -4,15 +4,28 @@
 #include <glm/vec3.hpp>
 
 #include "occlod/hlod/hlod.h"
+#include "occlod/view/view.h"
 
 namespace occlod::hlod {
 
-// An eye in object space.
+// An eye in object space, and how lengths of the object appear from there.
 struct ScreenScale {
-  glm::dvec3 eye{0.0};            // its place
-  double focal_length_px = 1.0;   // pixels that one object unit across the line of sight covers at distance 1
-  double least_distance = 1e-30;  // > 0, object units: of the near plane
+  glm::dvec3 eye{0.0};           // its place, object space; where rays are parallel, of no meaning
+  double focal_length_px = 1.0;  // pixels that one world unit across the line of sight covers at distance 1, or
+                                 // anywhere where rays are parallel
+  double least_distance = 1e-30;  // > 0, world units: of the near plane
+  // World units per object unit along each axis, or less: distances are measured with it. Exact unless the placement
+  // shears.
+  glm::dvec3 axis_stretch{1.0};
+  double largest_stretch = 1.0;  // world units per object unit at most: errors are measured with it
+  bool orthographic = false;     // rays are parallel: errors look the same at every distance
 };
+
+// Of an object in a view: `object` was made for `view`.
+[[nodiscard]] ScreenScale screen_scale(const View& view, const ObjectView& object);
+
+// World units from the eye to the nearest point of the box, or less where the placement shears; not for parallel rays.
+[[nodiscard]] double distance_to(const Box& box, const ScreenScale& scale);
 
 // Pixels that the node's error covers at most where the node is nearest to the eye: the larger of its own error at its
 // box and its children's at its lod_box. No less than for any child of the node, seen from anywhere, so a front of

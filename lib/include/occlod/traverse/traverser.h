@@ -41,10 +41,13 @@ struct TraverseOptions {
   Strategy strategy = Strategy::coh;
   double tolerance_px = 1.0;  // >= 0; 0: the input itself
   Bias bias;                  // of sw_b, simp, coh and ideal
+  bool biased = true;         // false: whatever is visible counts in full, with every strategy
   Metric metric = Metric::box;
   Alpha alpha = Alpha::exact;
-  bool geomorph =
-      false;  // vertices slide to their parents' while the parent's error goes from tolerance_px to twice that
+  bool geomorph = false;  // vertices slide to the parent's while its error goes from twice tolerance_px to tolerance_px
+  // Of ideal, which needs it: draws and asks as sw_b does, so that it is known what to draw. Not the device that is
+  // drawn on; its time is nobody's.
+  RenderDevice* oracle = nullptr;
 };
 
 // A draw as it was made.
@@ -62,7 +65,7 @@ struct FrameStats {
   std::size_t drawn_patches = 0;    // of them
   std::size_t drawn_triangles = 0;  // of them
   std::size_t rarn = 0;             // of drawn_nodes, those that were refined in the same frame too
-  std::size_t delayed = 0;          // nodes that were decided only when their answer came
+  std::size_t delayed = 0;          // of drawn_nodes, those that were drawn only when their answer came
   std::size_t blocked = 0;          // nodes that had to be drawn since one of their parents was not refined
   std::size_t queries = 0;          // boxes asked about
   std::size_t wasted_queries = 0;   // of them, answered visible, and nothing was decided by it
@@ -76,10 +79,11 @@ struct Frame {
   std::vector<DrawRange> ranges;  // of all draws
   FrameStats stats;
   FrameTimes times;
-  std::uint64_t front_hash = 0;  // XXH3-64 of what was drawn, in any order
+  std::uint64_t front_hash =
+      0;  // the sum of XXH3-64 of each patch drawn: no matter in which order, nor how far morphed
 };
 
-// Remembers from frame to frame what was visible. One thread at a time.
+// Remembers from frame to frame what was visible, as long as the strategy stays. One thread at a time.
 class Traverser {
  public:
   // The HLODs live as long as the traverser. Throws Error for no objects, a null HLOD, one without nodes, or a
@@ -95,8 +99,10 @@ class Traverser {
   // Forgets what was visible, as before the first frame.
   void reset();
 
-  // Draws one frame. Throws Error for options out of their range, and what the device throws; after that the next frame
-  // is like the first. Expected O(nodes visited * log(nodes visited)).
+  // Draws one frame. What is drawn depends on the view, the options, answers and on the order in which they become
+  // available, and on earlier frames; nodes at equal distance are taken by object, then by id. Throws Error for options
+  // out of their range, for a view that is too far from an object, and what the device throws; after that the next
+  // frame is like the first. Expected O(nodes visited * log(nodes visited)).
   const Frame& draw_frame(const View& view, RenderDevice& device, const TraverseOptions& options = {});
 
   // As given, with the transforms as they are now.

@@ -1,0 +1,57 @@
+// What a frame is traversed with: the objects in its view, and their nodes' states.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "traverse/node_state.h"
+#include "traverse/object_frame.h"
+
+namespace occlod::hlod {
+
+class FrameScene {
+ public:
+  explicit FrameScene(std::span<const PlacedHlod> objects);
+
+  // Forgets all that is known of nodes.
+  void forget();
+  // biased: errors are compared by what is visible of nodes, where the options say so too.
+  void begin_frame(const View& view, std::span<const PlacedHlod> objects, const TraverseOptions& options, bool biased);
+
+  // Nodes that were reached in this frame.
+  void end_frame(std::uint32_t reached) noexcept { reached_last_ = reached; }
+  // Nodes that were reached in the last frame; 0 before the first.
+  [[nodiscard]] std::uint32_t reached_last() const noexcept { return reached_last_; }
+
+  [[nodiscard]] std::uint32_t frame() const noexcept { return frame_; }
+  [[nodiscard]] const TraverseOptions& options() const noexcept { return options_; }
+  [[nodiscard]] std::uint32_t object_count() const noexcept { return static_cast<std::uint32_t>(hlods_.size()); }
+  [[nodiscard]] const Hlod& hlod(NodeRef n) const noexcept { return *hlods_[n.object]; }
+  [[nodiscard]] const Node& node(NodeRef n) const noexcept { return hlod(n).node(n.node); }
+  [[nodiscard]] NodeState& state(NodeRef n) noexcept { return states_[n.object][n.node]; }
+  [[nodiscard]] const NodeState& state(NodeRef n) const noexcept { return states_[n.object][n.node]; }
+  [[nodiscard]] LastFrame last(NodeRef n) const noexcept { return last_frame(state(n), frame_); }
+  [[nodiscard]] const ObjectFrame& view_of(NodeRef n) const noexcept { return frames_[n.object]; }
+
+  [[nodiscard]] double error_px(NodeRef n) const { return view_of(n).error_px(node(n)); }
+  // Of a node of which this share is visible.
+  [[nodiscard]] double bias(double mu) const noexcept { return biased_ ? options_.bias(mu) : no_bias(mu); }
+  // Whether the node is fine enough with this bias. With a tolerance of 0 only level 0 is, whatever the error.
+  [[nodiscard]] bool is_fine(NodeRef n, double bias) const;
+  // The same, but for what finer nodes needed of it in the last frame (raise_floor()). Notes when that decides.
+  [[nodiscard]] bool stops(NodeRef n, double bias);
+  // Lets the node be refined in the next frame, since a finer one cannot be drawn without. Only its bias is against it.
+  void raise_floor(NodeRef n);
+
+ private:
+  std::vector<const Hlod*> hlods_;
+  std::vector<std::vector<NodeState>> states_;  // by object, then by node
+  std::vector<ObjectFrame> frames_;             // by object
+  TraverseOptions options_;
+  bool biased_ = false;
+  std::uint32_t frame_ = 0;
+  std::uint32_t reached_last_ = 0;
+};
+
+}  // namespace occlod::hlod

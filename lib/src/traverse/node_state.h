@@ -1,0 +1,73 @@
+// What traversal knows of a node, in this frame and from the last.
+#pragma once
+
+#include <cstdint>
+
+#include "occlod/hlod/hlod.h"
+
+namespace occlod::hlod {
+
+// A node of one of the objects.
+struct NodeRef {
+  std::uint32_t object = 0;
+  NodeId node = 0;
+};
+
+enum class Status : std::uint8_t {
+  absent,          // no parent has been refined so far
+  undecided,       // reached: in the queue, or asked about
+  held,            // wants to be refined, but a parent is undecided
+  refined,         // replaced by its children
+  stopped,         // drawn where its parents are refined
+  culled,          // outside the frustum, or hidden
+  absent_stopped,  // never reached, since a coarser node is drawn
+  absent_culled,   // never reached, since all coarser nodes are culled
+};
+
+// What is left of the frame before.
+struct LastFrame {
+  bool visited = false;  // reached, and inside the frustum
+  bool visible = false;  // of those, it or a node below it was seen
+  bool refined = false;  // of those, not stopped
+};
+
+struct NodeState {
+  std::uint32_t frame = 0;        // that the fields below are of; 0: none
+  std::uint32_t floor_frame = 0;  // in which bias_floor was set
+  float bias = 1.0F;              // of the last answer; kept from frame to frame
+  float bias_floor = 0.0F;        // the least bias that the frame after floor_frame reckons with
+  NodeId first_held = no_id;      // of the nodes that are held until this one is decided
+  NodeId next_held = no_id;       // of those held for the same node
+  Status status = Status::absent;
+  bool visited : 1 = false;
+  bool visible : 1 = false;
+  bool asked : 1 = false;
+  bool denied : 1 = false;   // wanted to be refined, and a parent was drawn
+  bool floored : 1 = false;  // it would have stopped without its bias_floor
+  bool last_visited : 1 = false;
+  bool last_visible : 1 = false;
+  bool last_refined : 1 = false;
+};
+static_assert(sizeof(NodeState) <= 32);
+
+[[nodiscard]] inline LastFrame last_frame(const NodeState& state, std::uint32_t frame) noexcept {
+  if (state.frame == frame) return {state.last_visited, state.last_visible, state.last_refined};
+  if (state.frame + 1 != frame || !state.visited) return {};
+  return {true, state.visible, state.status == Status::refined};
+}
+
+// Before the fields of this frame are used.
+inline void enter_frame(NodeState& state, std::uint32_t frame) noexcept {
+  if (state.frame == frame) return;
+  const LastFrame last = last_frame(state, frame);
+  if (!last.visited) state.bias = 1.0F;
+  state.last_visited = last.visited;
+  state.last_visible = last.visible;
+  state.last_refined = last.refined;
+  state.visited = state.visible = state.asked = state.denied = state.floored = false;
+  state.first_held = state.next_held = no_id;
+  state.status = Status::absent;
+  state.frame = frame;
+}
+
+}  // namespace occlod::hlod

@@ -1,0 +1,77 @@
+#include "traverse/object_frame.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+#include "traverse/outline_area.h"
+
+namespace occlod::hlod {
+
+ObjectFrame::ObjectFrame(const View& view, const PlacedHlod& placed, const TraverseOptions& options)
+    : view_(view, placed.object_to_world),
+      scale_(screen_scale(view, view_)),
+      to_clip_(view_.object_to_clip()),
+      size_(view.width(), view.height()),
+      volume_scale_(std::abs(glm::determinant(glm::dmat3(placed.object_to_world)))),
+      metric_(options.metric),
+      alpha_(options.alpha) {
+  const glm::dmat4x3& to_eye = view_.object_to_eye();
+  const glm::dvec3& ahead = view.direction();
+  depth_ = {glm::dot(ahead, to_eye[0]), glm::dot(ahead, to_eye[1]), glm::dot(ahead, to_eye[2]),
+            glm::dot(ahead, to_eye[3])};
+}
+
+double ObjectFrame::error_px(const Node& node) const {
+  return metric_ == Metric::box ? screen_error_px(node, scale_) : sphere_error_px(node, scale_);
+}
+
+double ObjectFrame::distance(const Box& box) const {
+  if (!scale_.orthographic) return distance_to(box, scale_);
+  const glm::dvec3 normal(depth_);
+  const glm::dvec3 nearest = glm::min(normal * glm::dvec3(box.min), normal * glm::dvec3(box.max));
+  return nearest.x + nearest.y + nearest.z + depth_.w;
+}
+
+bool ObjectFrame::may_be_inside(const Box& box) const {
+  return std::all_of(view_.planes().begin(), view_.planes().end(), [&](const glm::vec4& plane) {
+    const glm::dvec3 normal(plane);
+    const glm::dvec3 to_min = normal * glm::dvec3(box.min), to_max = normal * glm::dvec3(box.max);
+    const glm::dvec3 innermost = glm::max(to_min, to_max), terms = glm::max(glm::abs(to_min), glm::abs(to_max));
+    const double offset = plane.w;
+    const double slack = 1e-6 * (terms.x + terms.y + terms.z + std::abs(offset));  // planes are floats
+    return !(innermost.x + innermost.y + innermost.z + offset < -slack);
+  });
+}
+
+std::optional<double> ObjectFrame::box_pixels(const Node& node) const {
+  const std::optional<double> outline = outline_pixels(node.box);
+  if (!outline) return std::nullopt;
+  return alpha_ == Alpha::exact ? *outline : cube_pixels(node);
+}
+
+std::optional<double> ObjectFrame::outline_pixels(const Box& box) const {
+  std::array<glm::dvec2, 8> corners;
+  for (int i = 0; i < 8; ++i) {
+    const glm::dvec4 clip = to_clip_ * glm::dvec4(corner(box, i), 1.0);
+    if (!(clip.z + clip.w > 0.0)) return std::nullopt;
+    corners[static_cast<std::size_t>(i)] = (glm::dvec2(clip) / clip.w + 1.0) * 0.5 * size_;
+  }
+  return hull_area_inside(corners, size_);
+}
+
+// C06, sec. 4.3: the face of a cube of the same volume, at the distance of the centre of the bounding sphere; at most
+// the image, which the paper does not say.
+double ObjectFrame::cube_pixels(const Node& node) const {
+  const glm::dvec3 extent = glm::dvec3(node.box.max) - glm::dvec3(node.box.min);
+  const double edge = std::cbrt(extent.x * extent.y * extent.z * volume_scale_);
+  const glm::dvec3 center = view_.object_to_eye() * glm::dvec4(node.sphere.center, 1.0);
+  const double distance = scale_.orthographic ? 1.0 : std::max(glm::length(center), scale_.least_distance);
+  const double edge_px = edge * scale_.focal_length_px / distance;
+  return std::min(edge_px * edge_px, size_.x * size_.y);
+}
+
+}  // namespace occlod::hlod

@@ -1,0 +1,27 @@
+#include "traverse/policy.h"
+
+#include <cassert>
+
+namespace occlod::hlod {
+
+std::unique_ptr<Policy> make_policy(Strategy strategy) {
+  switch (strategy) {
+    case Strategy::vfc:
+      return make_frustum_policy();
+    case Strategy::sw:
+      return make_waiting_policy(false);
+    case Strategy::sw_b:
+    case Strategy::ideal:
+      return make_waiting_policy(true);
+    case Strategy::boolean:
+      return make_boolean_policy();
+    case Strategy::simp:
+      return make_queue_place_policy();
+    case Strategy::coh:
+      return make_coherent_policy();
+  }
+  assert(false);
+  return nullptr;
+}
+
+}  // namespace occlod::hlod

@@ -1,0 +1,28 @@
+// Strategy::simp: visibility predicted by the place in the queue (Charalambos 2006, sec. 5.2).
+#include <algorithm>
+
+#include "traverse/policy.h"
+
+namespace occlod::hlod {
+namespace {
+
+class QueuePlacePolicy : public Policy {
+ public:
+  [[nodiscard]] Action predict(FrameScene& scene, const ReachedNode& n) const override {
+    if (!scene.last(n.ref).visible) return Action::delay;
+    return scene.stops(n.ref, scene.bias(predicted_share(scene, n))) ? Action::stop : Action::refine;
+  }
+
+ private:
+  // What is near is reached early and tends to be visible: from 1 for the first down to 0 for as many as there were.
+  static double predicted_share(const FrameScene& scene, const ReachedNode& n) {
+    if (scene.reached_last() == 0) return 1.0;
+    return std::max(0.0, 1.0 - static_cast<double>(n.place) / static_cast<double>(scene.reached_last()));
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Policy> make_queue_place_policy() { return std::make_unique<QueuePlacePolicy>(); }
+
+}  // namespace occlod::hlod

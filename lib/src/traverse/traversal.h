@@ -1,0 +1,54 @@
+// The loop that strategies share: one queue of nodes by distance, one of questions in the order in which they were
+// asked (Bittner and others 2004; Charalambos 2006, sec. 2.2.1; Charalambos and others 2007, fig. 2).
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "traverse/front.h"
+#include "traverse/policy.h"
+
+namespace occlod::hlod {
+
+// A node whose answer has not been looked at.
+struct AskedNode {
+  NodeRef ref;
+  QueryId query = 0;
+  double pixels = 0.0;  // that its box covers on an empty screen
+};
+
+// Memory that is kept from frame to frame.
+struct TraversalMemory {
+  DistanceQueue reached;
+  std::vector<AskedNode> asked;  // of this frame, answered ones included
+};
+
+class Traversal {
+ public:
+  // All outlive the traversal. `scene` has begun its frame, and so has the device.
+  Traversal(FrameScene& scene, const Policy& policy, RenderDevice& device, TraversalMemory& memory, Frame& frame);
+
+  void run();
+
+ private:
+  void visit(const ReachedNode& reached);
+  void predict(const ReachedNode& reached);
+  void ask(NodeRef n, double pixels);
+  void settle_next();
+  void settle(NodeRef n, double mu);
+  void settle_drawn(NodeRef n, bool is_fine);
+  void want_refined(NodeRef n);
+  void draw_denied(NodeRef n);
+  void note_denied(NodeRef n);
+
+  FrameScene& scene_;
+  const Policy& policy_;
+  RenderDevice& device_;
+  TraversalMemory& memory_;
+  FrameStats& stats_;
+  DrawRecorder draws_;
+  Front front_;
+  std::size_t settled_ = 0;  // of memory_.asked
+};
+
+}  // namespace occlod::hlod

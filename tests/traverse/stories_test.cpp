@@ -1,0 +1,212 @@
+// The exact sequence of draws, questions and waits of each strategy.
+#include <gtest/gtest.h>
+
+#include <array>
+
+#include "occlod/hlod/validate.h"
+#include "support/hand_made_hlod.h"
+#include "support/traversal_stories.h"
+
+namespace occlod::hlod {
+namespace {
+
+using occlod::test::LoggedDevice;
+using occlod::test::ScriptedDevice;
+using occlod::test::Story;
+
+TEST(HandMadeHlods, AreSound) {
+  for (const Hlod& hlod : {occlod::test::two_rows(), occlod::test::two_rows(true), occlod::test::shared_child(),
+                           occlod::test::one_panel({0.0F, 0.0F, 0.0F}, {1.0F, 1.0F})}) {
+    EXPECT_EQ(check_structure(hlod.data()), std::nullopt);
+    EXPECT_EQ(validate(hlod), std::vector<std::string>());
+  }
+  EXPECT_EQ(occlod::test::two_rows().node_count(), 9U);
+  EXPECT_EQ(occlod::test::shared_child().node_count(), 9U);
+}
+
+TEST(Stories, AreToldToAScriptedDevice) {
+  for (const Story& story : occlod::test::stories()) {
+    ScriptedDevice device;
+    story.script(device);
+    occlod::test::expect_story(story, device, true);
+  }
+}
+
+Camera camera() {
+  Camera camera;
+  camera.eye = {-2.0, 0.0, 10.0};
+  camera.target = {-2.0, 0.0, 0.0};
+  camera.fov_y_deg = 90.0;
+  camera.width = camera.height = 100;
+  return camera;
+}
+
+// Frames from one eye.
+class Frames {
+ public:
+  Frames(const Hlod& hlod, RenderDevice& device) : objects_{{{&hlod}}}, traverser_(objects_), logged_(device) {}
+  std::string log_of_next(const TraverseOptions& options) {
+    stats_ = traverser_.draw_frame(View(camera()), logged_, options).stats;
+    return logged_.log();
+  }
+  [[nodiscard]] const FrameStats& stats() const { return stats_; }
+
+ private:
+  std::array<PlacedHlod, 1> objects_;
+  Traverser traverser_;
+  LoggedDevice logged_;
+  FrameStats stats_;
+};
+
+TraverseOptions with(Strategy strategy, double tolerance_px) {
+  TraverseOptions options;
+  options.strategy = strategy;
+  options.tolerance_px = tolerance_px;
+  return options;
+}
+
+// Answers come after three more commands. What is in the queue goes on meanwhile; when it is empty, the oldest question
+// is waited for. Nothing has been drawn when node 2 is asked about in frame 0, so it is visible; in frame 1 it is
+// hidden.
+TEST(Delays, NothingIsWaitedForWhileThereIsSomethingToDo) {
+  const Hlod rows = occlod::test::two_rows();
+  for (const Strategy strategy : {Strategy::boolean, Strategy::simp, Strategy::coh}) {
+    ScriptedDevice device;
+    device.delay(3);
+    for (const NodeId n : {2U, 6U, 7U, 8U}) device.answer(1, n, 0);
+    Frames frames(rows, device);
+    // Of node 2 after ask 3, 4, 5; of node 3 after ask 4, 5, 6; of 4 after ask 5, 6, draw 3; and so on.
+    EXPECT_EQ(frames.log_of_next(with(strategy, 1.0)),
+              "ask 0, wait 0, ask 1, ask 2, wait 1, ask 3, ask 4, ask 5, get 2, ask 6, get 3, draw 3, get 4, draw 4, "
+              "get 5, draw 5, get 6, draw 6, ask 7, ask 8, wait 7, draw 7, wait 8, draw 8");
+    EXPECT_EQ(frames.stats().delayed, 6U);  // all that was drawn
+    EXPECT_EQ(frames.stats().drawn_nodes, 6U);
+    // All were visible, so node 3 is answered after draw 3, ask 4, draw 4, and so on. The second row has gone.
+    EXPECT_EQ(frames.log_of_next(with(strategy, 1.0)),
+              "ask 3, draw 3, ask 4, draw 4, get 3, ask 5, draw 5, get 4, ask 6, draw 6, get 5, ask 7, draw 7, get 6, "
+              "ask 8, draw 8, get 7, wait 8");
+    EXPECT_EQ(frames.stats().delayed, 0U);
+    EXPECT_EQ(frames.stats().hidden_nodes, 3U);
+    EXPECT_EQ(frames.stats().wasted_queries, 3U);  // the first row: seen, as predicted
+    // Node 2 is asked about, and nothing is left to do.
+    EXPECT_EQ(frames.log_of_next(with(strategy, 1.0)),
+              "ask 3, draw 3, ask 4, draw 4, get 3, ask 5, draw 5, get 4, ask 2, wait 5, wait 2");
+  }
+  ScriptedDevice device;
+  device.delay(3);
+  device.answer(0, 2, 0);
+  Frames frames(rows, device);
+  EXPECT_EQ(frames.log_of_next(with(Strategy::sw, 1.0)),
+            "ask 0, wait 0, ask 1, wait 1, ask 3, wait 3, draw 3, ask 4, wait 4, draw 4, ask 5, wait 5, draw 5, ask 2, "
+            "wait 2");
+}
+
+TEST(Leaves, ARootIsAskedAboutAndDrawn) {
+  const Hlod panel = occlod::test::one_panel({-3.0F, 0.0F, 0.0F}, {1.0F, 1.0F});
+  for (const Strategy strategy : {Strategy::sw, Strategy::sw_b, Strategy::boolean, Strategy::simp, Strategy::coh}) {
+    const bool waits = strategy == Strategy::sw || strategy == Strategy::sw_b;
+    ScriptedDevice device;
+    device.answer(2, 0, 0);
+    device.answer(4, 0, 1);
+    Frames frames(panel, device);
+    const std::string asked_first = "ask 0, get 0, draw 0", drawn_first = "ask 0, draw 0, get 0";
+    EXPECT_EQ(frames.log_of_next(with(strategy, 1.0)), asked_first);
+    EXPECT_EQ(frames.log_of_next(with(strategy, 1.0)), waits ? asked_first : drawn_first);
+    EXPECT_EQ(frames.log_of_next(with(strategy, 1.0)), waits ? "ask 0, get 0" : drawn_first);  // has gone
+    EXPECT_EQ(frames.log_of_next(with(strategy, 1.0)), "ask 0, get 0");
+    EXPECT_EQ(frames.log_of_next(with(strategy, 1.0)), asked_first);  // is there again, by one pixel
+    EXPECT_EQ(frames.stats().largest_sse_px, 0.0);
+  }
+}
+
+// shared_child(), from (-2, 0, 10). Distances: 1, 3, 6: 10; 4, 7: 10.05; 2: 10.2; 5, 8: 10.44. Errors: 15 px of node 0,
+// 10 and 9.81 of 1 and 2, 5 to 4.79 of 3, 4 and 5.
+
+// With 1 px all of it is refined. Node 4 wants to be before its parent 2 is decided: held until then.
+const char* const all_refined =
+    "ask 0, get 0, ask 1, get 1, ask 3, get 3, ask 6, get 6, draw 6, ask 4, get 4, ask 2, get 2, ask 7, get 7, draw 7, "
+    "ask 5, get 5, ask 8, get 8, draw 8";
+
+TEST(TwoParents, AreBothDecidedBeforeTheirChildIsRefined) {
+  const Hlod shared = occlod::test::shared_child();
+  for (const Strategy strategy : {Strategy::sw, Strategy::sw_b, Strategy::boolean, Strategy::simp, Strategy::coh}) {
+    ScriptedDevice device;
+    Frames frames(shared, device);
+    EXPECT_EQ(frames.log_of_next(with(strategy, 1.0)), all_refined);
+    EXPECT_EQ(frames.stats().blocked, 0U);
+  }
+}
+
+// With 6 px nodes 3, 4 and 5 are drawn. A node that stops does not wait: it draws what it may, and the rest when its
+// other parent is refined.
+TEST(TwoParents, EachAllowsItsPatch) {
+  const Hlod shared = occlod::test::shared_child();
+  ScriptedDevice device;
+  Frames frames(shared, device);
+  EXPECT_EQ(frames.log_of_next(with(Strategy::sw, 6.0)),
+            "ask 0, get 0, ask 1, get 1, ask 3, get 3, draw 3, ask 4, get 4, draw 4 for 1, ask 2, get 2, draw 4 for 2, "
+            "ask 5, get 5, draw 5");
+  EXPECT_EQ(frames.stats().drawn_nodes, 3U);
+  EXPECT_EQ(frames.stats().drawn_patches, 4U);
+  EXPECT_EQ(frames.stats().drawn_triangles, 8U);  // of four panels on level 1
+  // Coherent ones go through node 2 unasked, but after node 4.
+  frames.log_of_next(with(Strategy::coh, 6.0));
+  EXPECT_EQ(frames.log_of_next(with(Strategy::coh, 6.0)),
+            "ask 3, draw 3, get 3, ask 4, draw 4 for 1, get 4, draw 4 for 2, ask 5, draw 5, get 5");
+}
+
+TEST(TwoParents, AHiddenOneIsNoObstacleAndShowsNothing) {
+  const Hlod shared = occlod::test::shared_child();
+  ScriptedDevice device;
+  device.answer(0, 2, 0);
+  Frames frames(shared, device);
+  EXPECT_EQ(frames.log_of_next(with(Strategy::sw, 6.0)),
+            "ask 0, get 0, ask 1, get 1, ask 3, get 3, draw 3, ask 4, get 4, draw 4 for 1, ask 2, get 2");
+  EXPECT_EQ(frames.log_of_next(with(Strategy::sw, 1.0)),
+            "ask 0, get 0, ask 1, get 1, ask 3, get 3, ask 6, get 6, draw 6, ask 4, get 4, ask 2, get 2, ask 7, get 7, "
+            "draw 7");
+}
+
+// Hardly anything of node 2 is visible, so it is drawn. That denies its child 4, all of which is visible, to be
+// refined; its patch for node 1 is drawn. For the next frame node 2 has a bias of 1.01 px / 9.81 px at least, which
+// does.
+TEST(TwoParents, OneThatIsDrawnDeniesAndGivesWayInTheNextFrame) {
+  const Hlod shared = occlod::test::shared_child();
+  for (const Strategy strategy : {Strategy::sw_b, Strategy::coh}) {
+    ScriptedDevice device;
+    device.answer(0, 2, 1);
+    Frames frames(shared, device);
+    EXPECT_EQ(frames.log_of_next(with(strategy, 1.0)),
+              "ask 0, get 0, ask 1, get 1, ask 3, get 3, ask 6, get 6, draw 6, ask 4, get 4, ask 2, get 2, draw 2, "
+              "draw 4 for 1");
+    EXPECT_EQ(frames.stats().blocked, 1U);
+    if (strategy == Strategy::sw_b) {  // and as long as it is needed
+      for (int frame = 1; frame < 4; ++frame) EXPECT_EQ(frames.log_of_next(with(strategy, 1.0)), all_refined);
+      EXPECT_EQ(frames.stats().blocked, 0U);
+      continue;
+    }
+    // Node 2 is predicted to be refined, so node 4 is; what is new is asked about.
+    EXPECT_EQ(frames.log_of_next(with(strategy, 1.0)),
+              "ask 6, draw 6, get 6, ask 7, get 7, draw 7, ask 5, get 5, ask 8, get 8, draw 8");
+    for (int frame = 2; frame < 5; ++frame)
+      EXPECT_EQ(frames.log_of_next(with(strategy, 1.0)),
+                "ask 6, draw 6, get 6, ask 7, draw 7, get 7, ask 8, draw 8, get 8");
+    EXPECT_EQ(frames.stats().blocked, 0U);
+  }
+}
+
+TEST(Ideal, DrawsWhatStopAndWaitDrawsWithoutAQuestion) {
+  const Hlod rows = occlod::test::two_rows();
+  ScriptedDevice device, oracle;
+  oracle.answer(0, 2, 0);
+  Frames frames(rows, device);
+  TraverseOptions options = with(Strategy::ideal, 1.0);
+  options.oracle = &oracle;
+  EXPECT_EQ(frames.log_of_next(options), "draw 3, draw 4, draw 5");
+  EXPECT_EQ(frames.stats().drawn_nodes, 3U);
+  EXPECT_EQ(frames.stats().queries, 0U);
+  EXPECT_EQ(frames.stats().hidden_nodes, 0U);
+}
+
+}  // namespace
+}  // namespace occlod::hlod
