@@ -17,13 +17,16 @@ PREAMBLE = """#include <occlod/occlod.h>
 #include <occlod/device/virtual_device.h>
 #include <occlod/hlod/build.h>
 #include <occlod/io/ohlod.h>
+#include <occlod/traverse/traverser.h>
 #include <glm/gtc/matrix_transform.hpp>
+#include <iostream>
 #include <span>
 template <class... Arguments> void upload(const Arguments&...) {}
 """
 FUNCTION = """void block_%d(std::span<const occlod::RefineObject> objects, const occlod::Camera& camera, occlod::Refiner& refiner,
-             occlod::Visibility* visibility) {
+             occlod::Visibility* visibility, const occlod::hlod::Hlod& hlod, occlod::hlod::RenderDevice& device) {
   static_cast<void>(objects), static_cast<void>(camera), static_cast<void>(refiner), static_cast<void>(visibility);
+  static_cast<void>(hlod), static_cast<void>(device);
   {
 %s  }
 }

@@ -83,9 +83,10 @@ Story comes_and_goes(Strategy strategy) {
   return story;
 }
 
-// Node 8 rises above the first row: seen in the first frame; its siblings are hidden and asked about in every frame.
+// Node 8 rises above the first row: half of it is seen; its siblings are hidden and asked about in every frame. So the
+// mean bias of node 2's children is 0.21 or more, and its error 0.77 px: with a tolerance of 0.5 px it stays refined.
 Story hidden_siblings(Strategy strategy) {
-  Story story{"siblings of a visible node are hidden", strategy};
+  Story story{"siblings of a visible node are hidden", strategy, 0.5};
   story.last_rises = true;
   story.script = [](ScriptedDevice& device) {
     device.answer(0, 6, 0);

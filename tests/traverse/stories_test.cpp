@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include "occlod/device/software_device.h"
 #include "occlod/hlod/validate.h"
 #include "support/hand_made_hlod.h"
 #include "support/traversal_stories.h"
@@ -29,6 +30,13 @@ TEST(Stories, AreToldToAScriptedDevice) {
     ScriptedDevice device;
     story.script(device);
     occlod::test::expect_story(story, device, true);
+  }
+}
+
+TEST(Stories, AreToldToTheSoftwareDevice) {
+  for (const Story& story : occlod::test::stories()) {
+    SoftwareDevice device;
+    occlod::test::expect_story(story, device, false);
   }
 }
 

@@ -14,8 +14,8 @@ namespace occlod::hlod {
 ObjectFrame::ObjectFrame(const View& view, const PlacedHlod& placed, const TraverseOptions& options)
     : view_(view, placed.object_to_world),
       scale_(screen_scale(view, view_)),
-      to_clip_(view_.object_to_clip()),
-      size_(view.width(), view.height()),
+      screen_(view),
+      proxy_space_(proxy_space(screen_, view, view_)),
       volume_scale_(std::abs(glm::determinant(glm::dmat3(placed.object_to_world)))),
       metric_(options.metric),
       alpha_(options.alpha) {
@@ -54,13 +54,13 @@ std::optional<double> ObjectFrame::box_pixels(const Node& node) const {
 }
 
 std::optional<double> ObjectFrame::outline_pixels(const Box& box) const {
+  const BoxProxy proxy = project_box(screen_, proxy_space_, box);
+  if (proxy.kind == BoxProxy::Kind::uncertain) return std::nullopt;
+  if (proxy.kind == BoxProxy::Kind::beside) return 0.0;
   std::array<glm::dvec2, 8> corners;
-  for (int i = 0; i < 8; ++i) {
-    const glm::dvec4 clip = to_clip_ * glm::dvec4(corner(box, i), 1.0);
-    if (!(clip.z + clip.w > 0.0)) return std::nullopt;
-    corners[static_cast<std::size_t>(i)] = (glm::dvec2(clip) / clip.w + 1.0) * 0.5 * size_;
-  }
-  return hull_area_inside(corners, size_);
+  std::transform(proxy.image.corners.begin(), proxy.image.corners.end(), corners.begin(),
+                 [](const glm::dvec3& corner) { return glm::dvec2(corner); });
+  return hull_area_inside(corners, {screen_.width, screen_.height});
 }
 
 // C06, sec. 4.3: the face of a cube of the same volume, at the distance of the centre of the bounding sphere; at most
@@ -71,7 +71,7 @@ double ObjectFrame::cube_pixels(const Node& node) const {
   const glm::dvec3 center = view_.object_to_eye() * glm::dvec4(node.sphere.center, 1.0);
   const double distance = scale_.orthographic ? 1.0 : std::max(glm::length(center), scale_.least_distance);
   const double edge_px = edge * scale_.focal_length_px / distance;
-  return std::min(edge_px * edge_px, size_.x * size_.y);
+  return std::min(edge_px * edge_px, static_cast<double>(screen_.width) * screen_.height);
 }
 
 }  // namespace occlod::hlod

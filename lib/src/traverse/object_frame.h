@@ -1,11 +1,10 @@
 // One object in one view: what traversal computes of a node from its bounds.
 #pragma once
 
-#include <glm/mat4x4.hpp>
-#include <glm/vec2.hpp>
 #include <glm/vec4.hpp>
 #include <optional>
 
+#include "device/box_proxy.h"
 #include "occlod/hlod/metric.h"
 #include "occlod/traverse/traverser.h"
 #include "occlod/view/view.h"
@@ -21,8 +20,8 @@ class ObjectFrame {
   [[nodiscard]] double distance(const Box& box) const;
   // False only when no point of the box is inside the frustum.
   [[nodiscard]] bool may_be_inside(const Box& box) const;
-  // Pixels that the node's box covers on an empty screen, as `alpha` counts them. Nothing where the box that devices
-  // draw reaches the near plane or holds the eye: such nodes count as visible.
+  // Pixels that the node's box covers on an empty screen, as `alpha` counts them. Nothing where devices would not draw
+  // it but count all pixels, as around the eye: such nodes are visible.
   [[nodiscard]] std::optional<double> box_pixels(const Node& node) const;
 
  private:
@@ -31,9 +30,9 @@ class ObjectFrame {
 
   ObjectView view_;
   ScreenScale scale_;
-  glm::dmat4 to_clip_;
+  Screen screen_;
+  ProxySpace proxy_space_;
   glm::dvec4 depth_;     // dot product with (p, 1): distance from the eye plane, world units
-  glm::dvec2 size_;      // of the image, pixels
   double volume_scale_;  // cubic world units per cubic object unit
   Metric metric_;
   Alpha alpha_;

@@ -10,9 +10,9 @@ namespace occlod::hlod {
 
 // An eye in object space, and how lengths of the object appear from there.
 struct ScreenScale {
-  glm::dvec3 eye{0.0};           // its place, object space; where rays are parallel, of no meaning
-  double focal_length_px = 1.0;  // pixels that one world unit across the line of sight covers at distance 1, or
-                                 // anywhere where rays are parallel
+  glm::dvec3 eye{0.0};            // its place, object space; where rays are parallel, of no meaning
+  double focal_length_px = 1.0;   // pixels that one world unit across the line of sight covers at distance 1, or
+                                  // anywhere where rays are parallel
   double least_distance = 1e-30;  // > 0, world units: of the near plane
   // World units per object unit along each axis, or less: distances are measured with it. Exact unless the placement
   // shears.

@@ -38,12 +38,12 @@ enum class Alpha {
 
 // How a frame is traversed.
 struct TraverseOptions {
-  Strategy strategy = Strategy::coh;
-  double tolerance_px = 1.0;  // >= 0; 0: the input itself
-  Bias bias;                  // of sw_b, simp, coh and ideal
-  bool biased = true;         // false: whatever is visible counts in full, with every strategy
-  Metric metric = Metric::box;
-  Alpha alpha = Alpha::exact;
+  Strategy strategy = Strategy::coh;  // a change forgets what was visible
+  double tolerance_px = 1.0;          // >= 0; 0: the input itself
+  Bias bias;                          // of sw_b, simp, coh and ideal
+  bool biased = true;                 // false: whatever is visible counts in full, with every strategy
+  Metric metric = Metric::box;        // of the error that is compared with the tolerance
+  Alpha alpha = Alpha::exact;         // how mu is computed for the bias
   bool geomorph = false;  // vertices slide to the parent's while its error goes from twice tolerance_px to tolerance_px
   // Of ideal, which needs it: draws and asks as sw_b does, so that it is known what to draw. Not the device that is
   // drawn on; its time is nobody's.
@@ -77,8 +77,8 @@ struct FrameStats {
 struct Frame {
   std::vector<DrawnNode> draws;   // in the order in which they were made
   std::vector<DrawRange> ranges;  // of all draws
-  FrameStats stats;
-  FrameTimes times;
+  FrameStats stats;               // what was done
+  FrameTimes times;               // what it took on the device
   std::uint64_t front_hash =
       0;  // the sum of XXH3-64 of each patch drawn: no matter in which order, nor how far morphed
 };
