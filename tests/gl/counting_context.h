@@ -48,6 +48,7 @@ class CountingContext final : public ContextWithFunctions {
     COUNT(GenVertexArrays, DeleteVertexArrays)
     COUNT(GenFramebuffers, DeleteFramebuffers)
     COUNT(GenTextures, DeleteTextures)
+    COUNT(GenRenderbuffers, DeleteRenderbuffers)
     COUNT(GenQueries, DeleteQueries)
 #undef COUNT
     functions_.GenQueries = [](GLsizei n, GLuint* ids) {

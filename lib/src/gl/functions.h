@@ -53,6 +53,7 @@ namespace occlod::gl {
   X(DRAWARRAYS, DrawArrays)                                         \
   X(DRAWBUFFER, DrawBuffer)                                         \
   X(DRAWELEMENTS, DrawElements)                                     \
+  X(DRAWELEMENTSBASEVERTEX, DrawElementsBaseVertex)                 \
   X(ENABLE, Enable)                                                 \
   X(ENABLEVERTEXATTRIBARRAY, EnableVertexAttribArray)               \
   X(ENDQUERY, EndQuery)                                             \
@@ -72,6 +73,7 @@ namespace occlod::gl {
   X(GETINTEGERV, GetIntegerv)                                       \
   X(GETPROGRAMINFOLOG, GetProgramInfoLog)                           \
   X(GETPROGRAMIV, GetProgramiv)                                     \
+  X(GETQUERYIV, GetQueryiv)                                         \
   X(GETQUERYOBJECTUI64V, GetQueryObjectui64v)                       \
   X(GETQUERYOBJECTUIV, GetQueryObjectuiv)                           \
   X(GETSHADERINFOLOG, GetShaderInfoLog)                             \
@@ -80,8 +82,10 @@ namespace occlod::gl {
   X(GETSTRINGI, GetStringi)                                         \
   X(GETUNIFORMLOCATION, GetUniformLocation)                         \
   X(LINKPROGRAM, LinkProgram)                                       \
+  X(MULTIDRAWELEMENTSBASEVERTEX, MultiDrawElementsBaseVertex)       \
   X(PIXELSTOREI, PixelStorei)                                       \
   X(POLYGONOFFSET, PolygonOffset)                                   \
+  X(QUERYCOUNTER, QueryCounter)                                     \
   X(READBUFFER, ReadBuffer)                                         \
   X(READPIXELS, ReadPixels)                                         \
   X(RENDERBUFFERSTORAGEMULTISAMPLE, RenderbufferStorageMultisample) \
@@ -93,6 +97,7 @@ namespace occlod::gl {
   X(UNIFORM1I, Uniform1i)                                           \
   X(UNIFORM1UI, Uniform1ui)                                         \
   X(UNIFORM2IV, Uniform2iv)                                         \
+  X(UNIFORM3FV, Uniform3fv)                                         \
   X(UNIFORM3I, Uniform3i)                                           \
   X(UNIFORMMATRIX3FV, UniformMatrix3fv)                             \
   X(UNIFORMMATRIX4FV, UniformMatrix4fv)                             \

@@ -36,6 +36,8 @@ class InContext {
     context_->make_current();
     return *value_;
   }
+  // The value for what needs no context.
+  [[nodiscard]] const T& look() const noexcept { return *value_; }
 
  private:
   std::shared_ptr<Context> context_;

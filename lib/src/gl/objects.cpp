@@ -54,6 +54,20 @@ class Shader {
   GLuint id_;
 };
 
+// False when it takes longer than longest_wait_ns.
+bool wait_until_done(const Functions& gl) {
+  const GLsync fence = gl.FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
+  const GLenum state = gl.ClientWaitSync(fence, GL_SYNC_FLUSH_COMMANDS_BIT, longest_wait_ns);
+  gl.DeleteSync(fence);
+  return state == GL_ALREADY_SIGNALED || state == GL_CONDITION_SATISFIED;
+}
+
+void require_done(const Functions& gl, bool is_done, const char* work) {
+  check(gl, work);
+  if (!is_done)
+    throw Error({"OpenGL", work, "the driver gave no answer", "use another driver, or the software backend"});
+}
+
 }  // namespace
 
 Program::Program(const Functions& gl, std::initializer_list<ShaderSource> sources) : gl_(&gl) {
@@ -110,17 +124,14 @@ void FloatTarget::allocate() const {
                  "try another driver, or use the software backend"});
 }
 
+void finish(const Functions& gl, const char* work) { require_done(gl, wait_until_done(gl), work); }
+
 void read_back(const Functions& gl, std::span<std::uint32_t> words, const char* work) {
   gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-  const GLsync fence = gl.FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
-  const GLenum state = gl.ClientWaitSync(fence, GL_SYNC_FLUSH_COMMANDS_BIT, longest_wait_ns);
-  gl.DeleteSync(fence);
-  const bool is_done = state == GL_ALREADY_SIGNALED || state == GL_CONDITION_SATISFIED;
+  const bool is_done = wait_until_done(gl);
   if (is_done)
     gl.GetBufferSubData(GL_SHADER_STORAGE_BUFFER, 0, static_cast<GLsizeiptr>(words.size_bytes()), words.data());
-  check(gl, work);
-  if (!is_done)
-    throw Error({"OpenGL", work, "the driver gave no answer", "use another driver, or the software backend"});
+  require_done(gl, is_done, work);
 }
 
 }  // namespace occlod::gl

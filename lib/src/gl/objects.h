@@ -36,6 +36,7 @@ class Object {
 using Buffer = Object<&Functions::GenBuffers, &Functions::DeleteBuffers>;
 using VertexArray = Object<&Functions::GenVertexArrays, &Functions::DeleteVertexArrays>;
 using Framebuffer = Object<&Functions::GenFramebuffers, &Functions::DeleteFramebuffers>;
+using Renderbuffer = Object<&Functions::GenRenderbuffers, &Functions::DeleteRenderbuffers>;
 using Texture = Object<&Functions::GenTextures, &Functions::DeleteTextures>;
 using Query = Object<&Functions::GenQueries, &Functions::DeleteQueries>;
 
@@ -86,6 +87,9 @@ template <class T>
 void fill(const Functions& gl, GLenum target, std::span<const T> data, GLenum usage) {
   gl.BufferData(target, static_cast<GLsizeiptr>(data.size_bytes()), data.data(), usage);
 }
+
+// Waits until all commands so far are done. Throws Error that names `work` when they are not after 10 s, or failed.
+void finish(const Functions& gl, const char* work);
 
 // What shaders have written into the start of the buffer bound to GL_SHADER_STORAGE_BUFFER. Waits until `work` is done;
 // throws Error that names it when it is not after 10 s, or failed.

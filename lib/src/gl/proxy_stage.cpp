@@ -2,21 +2,12 @@
 
 #include <algorithm>
 #include <cassert>
-#include <glm/gtc/type_ptr.hpp>
 
 #include "device/clip_matrix.h"
+#include "gl/depth_states.h"
 
 namespace occlod::gl {
 namespace {
-
-constexpr const char* plain_vertex = R"(#version 330 core
-layout(location = 0) in vec4 position;
-uniform mat4 to_clip;
-void main() { gl_Position = to_clip * position; }
-)";
-constexpr const char* plain_fragment = R"(#version 330 core
-void main() {}
-)";
 
 // A triangle over the whole target, whose every sample takes the farthest depth of its pixels.
 constexpr const char* reduction_vertex = R"(#version 330 core
@@ -35,20 +26,13 @@ void main() {
 }
 )";
 
-// Depths that should be equal differ by rounding and by the 1/256 pixel of the rasteriser: the occluder is pushed away
-// and proxies are pulled near by this much of the depth that one pixel spans, and so many steps of the depth buffer. A
-// bound that touches the occluder is visible.
-constexpr float bias_slope = 1.0F / 64.0F;
-constexpr float bias_steps = 4.0F;
-
 }  // namespace
 
 ProxyStage::ProxyStage(const Functions& gl, int divisor)
     : gl_(&gl),
       divisor_(divisor),
       full_(gl, FloatTarget::Kind::depth),
-      plain_(gl, {{GL_VERTEX_SHADER, plain_vertex}, {GL_FRAGMENT_SHADER, plain_fragment}}),
-      to_clip_(plain_.uniform("to_clip")),
+      plain_(gl),
       nothing_(gl),
       occluder_(gl),
       proxies_(gl) {
@@ -77,8 +61,7 @@ void ProxyStage::draw_occluder(std::span<const OccluderPart> parts) {
   full_.bind(screen_.width, screen_.height);
   gl().Viewport(0, 0, screen_.width, screen_.height);
   start_occluder();
-  const glm::mat4 identity(1.0F);
-  gl().UniformMatrix4fv(to_clip_, 1, GL_FALSE, glm::value_ptr(identity));
+  plain_.set_to_clip(glm::mat4(1.0F));
   occluder_.draw(gl(), mesh_);
   if (reduced_) reduce();
   start_proxies();
@@ -91,18 +74,8 @@ void ProxyStage::bind_target() {
 }
 
 void ProxyStage::start_occluder() const {
-  gl().DepthRange(0.0, 1.0);
-  gl().Disable(GL_SCISSOR_TEST);
-  gl().Disable(GL_STENCIL_TEST);
-  gl().Disable(GL_CULL_FACE);
-  // What the near plane cuts off must not hide anything.
-  gl().Disable(GL_DEPTH_CLAMP);
-  gl().Enable(GL_DEPTH_TEST);
-  gl().DepthFunc(GL_LESS);
-  gl().DepthMask(GL_TRUE);
-  gl().Enable(GL_POLYGON_OFFSET_FILL);
-  gl().PolygonOffset(bias_slope, bias_steps);
-  gl().UseProgram(plain_.id());
+  set_surface_state(gl());
+  plain_.use();
   gl().ClearDepth(1.0);
   gl().Clear(GL_DEPTH_BUFFER_BIT);
 }
@@ -118,19 +91,12 @@ void ProxyStage::reduce() {
   gl().BindVertexArray(nothing_.id());
   gl().DrawArrays(GL_TRIANGLES, 0, 3);
   gl().BindTexture(GL_TEXTURE_2D, 0);
-  gl().UseProgram(plain_.id());
+  plain_.use();
 }
 
 void ProxyStage::start_proxies() const {
   proxies_.bind(gl());
-  gl().Enable(GL_CULL_FACE);
-  gl().CullFace(GL_BACK);
-  gl().FrontFace(GL_CCW);
-  // What reaches beyond the far plane must not vanish there.
-  gl().Enable(GL_DEPTH_CLAMP);
-  gl().DepthFunc(GL_LEQUAL);
-  gl().DepthMask(GL_FALSE);
-  gl().PolygonOffset(-bias_slope, -bias_steps);
+  set_proxy_state(gl());
 }
 
 QueryPlan ProxyStage::plan(const VisibilityQuery& query) const {
@@ -151,7 +117,7 @@ std::uint32_t ProxyStage::pixels(std::uint32_t samples, std::uint32_t most_pixel
 
 void ProxyStage::draw(const ProxyDraw& draw) const {
   const ProxyBuffer::Part& part = proxies_.part(draw.shape);
-  gl().UniformMatrix4fv(to_clip_, 1, GL_FALSE, glm::value_ptr(draw.unit_to_clip));
+  plain_.set_to_clip(draw.unit_to_clip);
   gl().DrawElements(GL_TRIANGLES, part.count, GL_UNSIGNED_SHORT, part.pointer());
 }
 

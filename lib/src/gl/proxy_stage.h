@@ -8,6 +8,7 @@
 
 #include "gl/objects.h"
 #include "gl/occluder_mesh.h"
+#include "gl/plain_program.h"
 #include "gl/proxies.h"
 #include "gl/proxy_buffer.h"
 #include "occlod/refine/visibility.h"
@@ -49,8 +50,7 @@ class ProxyStage {
   OccluderMesh mesh_;
   FloatTarget full_;
   std::optional<FloatTarget> reduced_;  // with a divisor above 1
-  Program plain_;                       // positions through the matrix to_clip
-  GLint to_clip_;
+  PlainProgram plain_;
   std::optional<Program> reduction_;
   VertexArray nothing_;  // OpenGL draws nothing without a vertex array, not even without attributes
   OccluderBuffer occluder_;

@@ -9,7 +9,6 @@
 #include <deque>
 #include <glm/ext/matrix_transform.hpp>
 #include <optional>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -17,17 +16,13 @@
 #include "gl/in_context.h"
 #include "gl/objects.h"
 #include "gl/proxy_stage.h"
+#include "gl/query_pool.h"
 #include "occlod/core/error.h"
 
 namespace occlod::gl {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-// Drivers answer within milliseconds; after this long they never will.
-constexpr std::chrono::seconds longest_wait{10};
-// A lost context should answer at once; this is for drivers that do not. So many polls take a millisecond.
-constexpr int looks_for_each_check = 1024;
 
 GLenum gl_target(QueryTarget target) {
   switch (target) {
@@ -40,53 +35,12 @@ GLenum gl_target(QueryTarget target) {
   }
 }
 
-// Idle query objects. An object keeps the target of its first use, so a pool has one target and its objects stay in
-// it.
-class QueryPool {
- public:
-  explicit QueryPool(QueryTarget target) : target_(gl_target(target)) {}
-
-  [[nodiscard]] Query draw(const ProxyStage& stage, const ProxyDraw& draw) {
-    const Functions& gl = stage.gl();
-    if (idle_.empty()) idle_.emplace_back(gl);
-    Query query = std::move(idle_.back());
-    idle_.pop_back();
-    gl.BeginQuery(target_, query.id());
-    stage.draw(draw);
-    gl.EndQuery(target_);
-    return query;
-  }
-  // Waits for the answer; the object may then be used again.
-  [[nodiscard]] std::uint32_t take(const Functions& gl, Query query) {
-    wait_for(gl, query);
-    GLuint passed = 0;
-    gl.GetQueryObjectuiv(query.id(), GL_QUERY_RESULT, &passed);
-    idle_.push_back(std::move(query));
-    return passed;
-  }
-
- private:
-  static void wait_for(const Functions& gl, const Query& query);
-
-  GLenum target_;
-  std::vector<Query> idle_;
-};
-
-void QueryPool::wait_for(const Functions& gl, const Query& query) {
-  GLuint available = GL_FALSE;
-  gl.GetQueryObjectuiv(query.id(), GL_QUERY_RESULT_AVAILABLE, &available);
-  if (available == GL_TRUE) return;
-  gl.Flush();
-  const auto deadline = Clock::now() + longest_wait;
-  for (int looks = 1;; ++looks) {
-    gl.GetQueryObjectuiv(query.id(), GL_QUERY_RESULT_AVAILABLE, &available);
-    if (available == GL_TRUE) return;
-    if (Clock::now() > deadline)
-      throw Error(
-          {"OpenGL", "occlusion query", "the driver gave no answer", "use another driver, or the software backend"});
-    if (looks % looks_for_each_check == 0) check(gl, "occlusion query");
-    std::this_thread::yield();
-  }
+// One proxy as a query of its own.
+Query draw_query(QueryPool& pool, const ProxyStage& stage, const ProxyDraw& draw) {
+  Query query = pool.begin(stage.gl());
+  stage.draw(draw);
+  pool.end(stage.gl());
+  return query;
 }
 
 double median(std::vector<double>& values) {
@@ -106,7 +60,7 @@ std::size_t measured_window(const ProxyStage& stage, QueryPool& pool, std::size_
   std::vector<double> answer;
   for (int i = -warm_up; i < rounds; ++i) {
     const Clock::time_point start = Clock::now();
-    Query query = pool.draw(stage, box);
+    Query query = draw_query(pool, stage, box);
     const Clock::time_point issued = Clock::now();
     static_cast<void>(pool.take(stage.gl(), std::move(query)));
     if (i < 0) continue;
@@ -126,7 +80,7 @@ struct Pending {
 // Everything that lives in the context.
 struct Resources {
   Resources(const Functions& gl, const QueryOcclusionOptions& options)
-      : stage(gl, options.divisor), pool(options.target) {}
+      : stage(gl, options.divisor), pool(gl_target(options.target)) {}
   ProxyStage stage;
   QueryPool pool;
   std::deque<Pending> pending;  // oldest first; those that are issued before those that are not
@@ -186,7 +140,7 @@ void QueryOcclusion::issue(Resources& resources) {
   for (; issued_ < window_ && looked_at_ < resources.pending.size(); ++looked_at_) {
     Pending& next = resources.pending[looked_at_];
     if (!next.draw) continue;
-    next.query = resources.pool.draw(resources.stage, *next.draw);
+    next.query = draw_query(resources.pool, resources.stage, *next.draw);
     ++issued_;
   }
 }

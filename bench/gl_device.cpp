@@ -1,0 +1,208 @@
+// bench_gl_device: what draws, queries and answers cost the device `gl`, on a rough planet as an HLOD. llvmpipe draws
+// on the calling thread unless LP_NUM_THREADS says otherwise; run it with 0 and 2.
+#include <benchmark/benchmark.h>
+#include <fmt/format.h>
+
+#include <array>
+#include <cstdlib>
+#include <exception>
+#include <memory>
+#include <vector>
+
+#include "occlod/core/error.h"
+#include "occlod/gl/context.h"
+#include "occlod/gl/hlod_device.h"
+#include "occlod/hlod/build.h"
+#include "support/bench_meshes.h"
+
+namespace occlod::bench {
+namespace {
+
+const hlod::Hlod& planet() {
+  static const hlod::Hlod hlod = hlod::build_hlod(load_bench_mesh("planet:7"));
+  return hlod;
+}
+
+// 1024 x 768 pixels; the planet fills the height.
+View view() {
+  Camera camera;
+  camera.near = 0.1;
+  camera.far = 10.0;
+  return View(camera);
+}
+
+std::vector<hlod::BoxRef> boxes_of_level(std::size_t level) {
+  const hlod::Level& nodes = planet().data().levels[level];
+  std::vector<hlod::BoxRef> boxes;
+  for (hlod::NodeId n = nodes.first_node; n < nodes.first_node + nodes.node_count; ++n)
+    boxes.push_back({0, planet().node(n).box});
+  return boxes;
+}
+
+// One device for each setting, kept: a new one would upload all meshes again.
+gl::HlodDevice& device(bool quality, bool tiny = false) {
+  static const std::shared_ptr<gl::Context> context = gl::create_any_context();
+  static std::array<std::unique_ptr<gl::HlodDevice>, 4> devices;
+  auto& chosen = devices[(quality ? 1U : 0U) + (tiny ? 2U : 0U)];
+  if (!chosen)
+    chosen = gl::make_hlod_device(
+        context,
+        {.quality = quality, .mesh_bytes = tiny ? std::size_t{512} << 10 : gl::HlodDeviceOptions{}.mesh_bytes});
+  return *chosen;
+}
+
+void begin(gl::HlodDevice& device) {
+  const std::array<hlod::PlacedHlod, 1> objects{{{&planet()}}};
+  device.begin_frame(view(), objects);
+}
+
+// Every node of a level, each drawn in so many ranges at least where it has patches for that.
+void draw_level(gl::HlodDevice& device, std::size_t level, bool patches, float morph) {
+  const hlod::Level& nodes = planet().data().levels[level];
+  std::vector<hlod::DrawRange> ranges;
+  for (hlod::NodeId n = nodes.first_node; n < nodes.first_node + nodes.node_count; ++n) {
+    ranges.clear();
+    if (!patches) ranges.push_back({0, 3 * planet().node(n).triangles, morph});
+    // Without the first triangle of each, so that they are not adjacent.
+    for (const hlod::Patch& patch : planet().patches(n))
+      if (patches && patch.index_count > 3) ranges.push_back({patch.first_index + 3, patch.index_count - 3, morph});
+    device.draw({0, n, ranges});
+  }
+}
+
+template <class Body>
+void guarded(benchmark::State& state, const Body& body) {
+  try {
+    body();
+  } catch (const Error& error) {
+    state.SkipWithError(error.what());
+  }
+}
+
+void per(benchmark::State& state, const char* name, std::size_t count) {
+  using benchmark::Counter;
+  state.counters[name] = Counter(static_cast<double>(count),
+                                 Counter::kIsIterationInvariantRate | Counter::kInvert);  // seconds each
+}
+
+void empty_frame(benchmark::State& state) {
+  guarded(state, [&] {
+    gl::HlodDevice& gl = device(state.range(0) != 0);
+    for ([[maybe_unused]] auto iteration : state) {
+      begin(gl);
+      benchmark::DoNotOptimize(gl.end_frame());
+    }
+  });
+}
+
+// Arguments: quality, level, patches by themselves, morphing, hardly any memory for meshes.
+void draw(benchmark::State& state) {
+  guarded(state, [&] {
+    gl::HlodDevice& gl = device(state.range(0) != 0, state.range(4) != 0);
+    const auto level = static_cast<std::size_t>(state.range(1));
+    for ([[maybe_unused]] auto iteration : state) {
+      begin(gl);
+      draw_level(gl, level, state.range(2) != 0, state.range(3) != 0 ? 0.5F : 0.0F);
+      benchmark::DoNotOptimize(gl.end_frame());
+    }
+    per(state, "each_draw", planet().data().levels[level].node_count);
+  });
+}
+
+enum class Asking { one_batch, one_by_one, waited, polled, one_sum };
+
+// After the coarse planet is drawn, its finest nodes are asked about. Without what the drawing takes.
+void ask(benchmark::State& state, Asking asking) {
+  guarded(state, [&] {
+    gl::HlodDevice& gl = device(state.range(0) != 0);
+    const std::vector<hlod::BoxRef> boxes = boxes_of_level(1);
+    std::vector<hlod::QueryId> queries;
+    std::uint64_t pixels = 0;
+    for ([[maybe_unused]] auto iteration : state) {
+      state.PauseTiming();
+      begin(gl);
+      draw_level(gl, 2, false, 0.0F);
+      benchmark::DoNotOptimize(gl.wait(gl.ask({boxes.data(), 1})));
+      queries.clear();
+      state.ResumeTiming();
+      if (asking == Asking::one_batch) queries.push_back(gl.ask_each(boxes));
+      if (asking == Asking::one_sum) queries.push_back(gl.ask(boxes));
+      for (const hlod::BoxRef& box : boxes) {
+        if (asking == Asking::one_by_one || asking == Asking::waited || asking == Asking::polled)
+          queries.push_back(gl.ask({&box, 1}));
+        if (asking == Asking::waited) pixels += gl.wait(queries.back()).front();
+        if (asking == Asking::polled) static_cast<void>(gl.available(queries.front()));
+      }
+      for (const hlod::QueryId query : queries) pixels += gl.wait(query).front();
+      state.PauseTiming();
+      benchmark::DoNotOptimize(gl.end_frame());
+      state.ResumeTiming();
+    }
+    benchmark::DoNotOptimize(pixels);
+    per(state, "each_box", boxes.size());
+  });
+}
+
+// Draws and queries by turns, nothing waited for: what changing between them costs.
+void by_turns(benchmark::State& state) {
+  guarded(state, [&] {
+    gl::HlodDevice& gl = device(state.range(0) != 0);
+    const hlod::Level& nodes = planet().data().levels[1];
+    for ([[maybe_unused]] auto iteration : state) {
+      begin(gl);
+      for (hlod::NodeId n = nodes.first_node; n < nodes.first_node + nodes.node_count; ++n) {
+        const hlod::BoxRef box{0, planet().node(n).box};
+        static_cast<void>(gl.ask({&box, 1}));
+        const hlod::DrawRange range{0, 3 * planet().node(n).triangles, 0.0F};
+        gl.draw({0, n, {&range, 1}});
+      }
+      benchmark::DoNotOptimize(gl.end_frame());
+    }
+    per(state, "each_pair", nodes.node_count);
+  });
+}
+
+void register_all() {
+  const auto add = [](const char* name, auto function, auto... arguments) {
+    auto& registered = *benchmark::RegisterBenchmark(name, function, arguments...);
+    registered.Unit(benchmark::kMillisecond)->UseRealTime();
+    return &registered;
+  };
+  add("empty_frame", empty_frame)->ArgName("quality")->Arg(0)->Arg(1);
+  auto* const draws = add("draw", draw)->ArgNames({"quality", "level", "patches", "morph", "tiny"});
+  for (const int level : {0, 1, 2}) draws->Args({0, level, 0, 0, 0});
+  draws->Args({0, 1, 1, 0, 0})->Args({0, 1, 0, 1, 0})->Args({0, 1, 0, 0, 1})->Args({1, 1, 0, 0, 0});
+  add("ask/one_batch", ask, Asking::one_batch)->ArgName("quality")->Arg(0)->Arg(1);
+  add("ask/one_by_one", ask, Asking::one_by_one)->ArgName("quality")->Arg(0);
+  add("ask/polled", ask, Asking::polled)->ArgName("quality")->Arg(0);
+  add("ask/waited", ask, Asking::waited)->ArgName("quality")->Arg(0)->Arg(1);
+  add("ask/one_sum", ask, Asking::one_sum)->ArgName("quality")->Arg(0);
+  add("by_turns", by_turns)->ArgName("quality")->Arg(0)->Arg(1);
+}
+
+int run(int argc, char** argv) {
+  try {
+    const std::shared_ptr<gl::Context> context = gl::create_any_context();
+    benchmark::AddCustomContext("renderer", context->renderer());
+    const char* threads = std::getenv("LP_NUM_THREADS");
+    benchmark::AddCustomContext("LP_NUM_THREADS", threads != nullptr ? threads : "not set");
+    const hlod::HlodView& data = planet().data();
+    for (std::size_t level = 0; level < data.levels.size(); ++level)
+      benchmark::AddCustomContext(fmt::format("level {}", level),
+                                  fmt::format("{} nodes", data.levels[level].node_count));
+  } catch (const Error& error) {
+    fmt::print(stderr, "bench_gl_device: {}\n", error.what());
+    return 1;
+  }
+  register_all();
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
+  benchmark::RunSpecifiedBenchmarks();
+  benchmark::Shutdown();
+  return 0;
+}
+
+}  // namespace
+}  // namespace occlod::bench
+
+int main(int argc, char** argv) { return occlod::bench::run(argc, argv); }

@@ -1,0 +1,208 @@
+#include "occlod/gl/hlod_device.h"
+
+#include <algorithm>
+#include <cassert>
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "gl/frame_timer.h"
+#include "gl/hlod_stage.h"
+#include "gl/in_context.h"
+#include "gl/query_pool.h"
+#include "occlod/core/error.h"
+
+namespace occlod::gl {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double milliseconds(Clock::duration duration) { return std::chrono::duration<double, std::milli>(duration).count(); }
+
+// Pixels of one box or several that OpenGL counts.
+struct Count {
+  std::optional<Query> query;  // until the answer is taken; none when it was known at once
+  std::uint32_t most = 0;      // pixels that it can be
+};
+
+// A call of ask() or ask_each().
+struct Batch {
+  std::size_t first = 0;  // into the counts of the frame
+  std::size_t count = 0;
+};
+
+// Everything that lives in the context, and what is under way there.
+struct Resources {
+  Resources(const Functions& gl, const HlodDeviceOptions& options, std::string_view renderer)
+      : stage(gl, options), pool(GL_SAMPLES_PASSED), timer(gl, renderer) {}
+
+  HlodStage stage;
+  QueryPool pool;
+  FrameTimer timer;
+  // Of the frame:
+  std::vector<Batch> batches;
+  std::vector<Count> counts;
+  std::vector<std::uint32_t> answers;  // as many as counts
+  std::vector<BoxProxy> proxies;       // of one count
+};
+
+class GlHlodDevice final : public HlodDevice {
+ public:
+  GlHlodDevice(std::shared_ptr<Context> context, const HlodDeviceOptions& options, const std::string& renderer)
+      : resources_(std::move(context), options, renderer) {}
+
+  [[nodiscard]] std::string_view name() const noexcept override { return "gl"; }
+  void begin_frame(const View& view, std::span<const hlod::PlacedHlod> objects) override;
+  void draw(const hlod::NodeDraw& draw) override;
+  [[nodiscard]] hlod::QueryId ask(std::span<const hlod::BoxRef> boxes) override;
+  [[nodiscard]] hlod::QueryId ask_each(std::span<const hlod::BoxRef> boxes) override;
+  [[nodiscard]] bool available(hlod::QueryId query) override;
+  [[nodiscard]] std::span<const std::uint32_t> wait(hlod::QueryId query) override;
+  void visit(std::size_t /*nodes*/) override {}
+  hlod::FrameTimes end_frame() override;
+
+  [[nodiscard]] Image read_image() override { return resources_.use().stage.target().read_image(); }
+  [[nodiscard]] DepthBuffer read_depth() override { return resources_.use().stage.target().read_depth(); }
+  [[nodiscard]] MeshMemory mesh_memory() const noexcept override { return resources_.look().stage.mesh_memory(); }
+  [[nodiscard]] bool measures_gpu() const noexcept override { return resources_.look().timer.is_meaningful(); }
+
+ private:
+  InContext<Resources> resources_;
+  Clock::time_point begin_;
+  Clock::duration stall_{};
+};
+
+std::span<Count> counts_of(Resources& resources, const Batch& batch) {
+  return std::span(resources.counts).subspan(batch.first, batch.count);
+}
+
+void take_answers(Resources& resources, const Batch& batch) {
+  const std::uint32_t samples = resources.stage.samples_per_pixel();
+  for (std::size_t i = batch.first; i < batch.first + batch.count; ++i) {
+    Count& count = resources.counts[i];
+    if (!count.query) continue;
+    const std::uint32_t passed = resources.pool.take(resources.stage.gl(), *std::exchange(count.query, std::nullopt));
+    // Drivers may count too many: llvmpipe has been seen to add 63,000.
+    resources.answers[i] = std::min((passed + samples - 1) / samples, count.most);
+  }
+  // A lost context may answer anything.
+  check(resources.stage.gl(), "occlusion query");
+}
+
+// Of the counts that were added since the last one.
+hlod::QueryId add_batch(Resources& resources, std::size_t count) {
+  resources.batches.push_back({resources.counts.size() - count, count});
+  return static_cast<hlod::QueryId>(resources.batches.size() - 1);
+}
+
+void forget_queries(Resources& resources) {
+  for (Count& count : resources.counts)
+    if (count.query) resources.pool.drop(*std::exchange(count.query, std::nullopt));
+  resources.batches.clear();
+  resources.counts.clear();
+  resources.answers.clear();
+}
+
+void GlHlodDevice::begin_frame(const View& view, std::span<const hlod::PlacedHlod> objects) {
+  begin_ = Clock::now();
+  stall_ = {};
+  Resources& resources = resources_.use();
+  forget_queries(resources);
+  resources.timer.begin_frame();
+  resources.timer.start();
+  resources.stage.begin_frame(view, objects);
+}
+
+void GlHlodDevice::draw(const hlod::NodeDraw& draw) {
+  Resources& resources = resources_.use();
+  resources.timer.start();
+  resources.stage.draw(draw);
+}
+
+// Asks for one count of all boxes.
+void add_count(Resources& resources, std::span<const hlod::BoxRef> boxes) {
+  HlodStage& stage = resources.stage;
+  const std::uint32_t all = stage.pixels();
+  std::uint64_t most = 0;
+  bool any_is_uncertain = false;
+  resources.proxies.clear();
+  for (const hlod::BoxRef& box : boxes) {
+    const BoxProxy proxy = stage.project(box);
+    any_is_uncertain = any_is_uncertain || proxy.kind == BoxProxy::Kind::uncertain;
+    if (proxy.kind != BoxProxy::Kind::drawn) continue;
+    most += stage.most_pixels(proxy);
+    resources.proxies.push_back(proxy);
+  }
+  if (any_is_uncertain || resources.proxies.empty()) {
+    resources.counts.push_back({std::nullopt, 0});
+    resources.answers.push_back(any_is_uncertain ? all : 0);
+    return;
+  }
+  resources.timer.start();
+  stage.start_proxies();
+  Query query = resources.pool.begin(stage.gl());
+  for (const BoxProxy& proxy : resources.proxies) stage.draw_proxy(proxy);
+  resources.pool.end(stage.gl());
+  resources.counts.push_back({std::move(query), static_cast<std::uint32_t>(std::min<std::uint64_t>(most, all))});
+  resources.answers.push_back(0);
+}
+
+hlod::QueryId GlHlodDevice::ask(std::span<const hlod::BoxRef> boxes) {
+  assert(!boxes.empty());
+  Resources& resources = resources_.use();
+  add_count(resources, boxes);
+  return add_batch(resources, 1);
+}
+
+hlod::QueryId GlHlodDevice::ask_each(std::span<const hlod::BoxRef> boxes) {
+  Resources& resources = resources_.use();
+  for (std::size_t i = 0; i < boxes.size(); ++i) add_count(resources, boxes.subspan(i, 1));
+  return add_batch(resources, boxes.size());
+}
+
+bool GlHlodDevice::available(hlod::QueryId query) {
+  Resources& resources = resources_.use();
+  assert(query < resources.batches.size());
+  // OpenGL answers queries of one kind in the order in which they were issued.
+  const std::span<const Count> counts = counts_of(resources, resources.batches[query]);
+  const auto last =
+      std::find_if(counts.rbegin(), counts.rend(), [](const Count& count) { return count.query.has_value(); });
+  return last == counts.rend() || QueryPool::is_available(resources.stage.gl(), *last->query);
+}
+
+std::span<const std::uint32_t> GlHlodDevice::wait(hlod::QueryId query) {
+  const Clock::time_point start = Clock::now();
+  Resources& resources = resources_.use();
+  assert(query < resources.batches.size());
+  const Batch& batch = resources.batches[query];
+  if (!available(query)) resources.timer.stop();
+  take_answers(resources, batch);
+  stall_ += Clock::now() - start;
+  return std::span(resources.answers).subspan(batch.first, batch.count);
+}
+
+hlod::FrameTimes GlHlodDevice::end_frame() {
+  Resources& resources = resources_.use();
+  resources.timer.stop();
+  const Clock::time_point given = Clock::now();
+  finish(resources.stage.gl(), "end of a frame");
+  const Clock::time_point end = Clock::now();
+  const FrameTimer::Times gpu = resources.timer.read();
+  return {milliseconds(end - begin_), milliseconds(given - begin_), gpu.busy_ms, milliseconds(stall_), gpu.idle_ms};
+}
+
+}  // namespace
+
+std::unique_ptr<HlodDevice> make_hlod_device(std::shared_ptr<Context> context, const HlodDeviceOptions& options) {
+  if (context == nullptr) throw Error({"gl device", "", "has no OpenGL context", "make one with create_context()"});
+  if (options.mesh_bytes == 0) throw Error({"gl device", "mesh_bytes", "is 0", "use some megabytes"});
+  context->make_current();
+  const std::string renderer = context->renderer();
+  return std::make_unique<GlHlodDevice>(std::move(context), options, renderer);
+}
+
+}  // namespace occlod::gl

@@ -1,0 +1,138 @@
+#include "gl/hlod_stage.h"
+
+#include <algorithm>
+#include <cassert>
+#include <glm/common.hpp>
+
+#include "gl/depth_states.h"
+
+namespace occlod::gl {
+namespace {
+
+constexpr int quality_samples = 4;
+
+}  // namespace
+
+HlodStage::HlodStage(const Functions& gl, const HlodDeviceOptions& options)
+    : gl_(&gl),
+      target_(gl, options.quality ? quality_samples : 1),
+      arena_(gl, options.mesh_bytes),
+      nodes_(gl, options.quality),
+      plain_(gl),
+      proxies_(gl) {
+  check(gl, "set-up of the device");
+}
+
+void HlodStage::begin_frame(const View& view, std::span<const hlod::PlacedHlod> objects) {
+  screen_ = Screen(view);
+  objects_.clear();
+  for (const hlod::PlacedHlod& object : objects) {
+    const EyeSpace eye_space(view, object.object_to_world);
+    objects_.push_back({eye_space, ProxySpace(screen_, eye_space.object_to_clip, eye_space.mirrored)});
+  }
+  mode_ = Mode::nothing;
+  object_ = no_id;
+  target_.begin(view);
+  arena_.begin_frame(objects);
+  set_common_state();
+  nodes_.use();
+  nodes_.set_view(view);
+  check(gl(), "start of a frame");
+}
+
+void HlodStage::set_common_state() const {
+  for (const int capability : {GL_BLEND, GL_COLOR_LOGIC_OP, GL_FRAMEBUFFER_SRGB, GL_PRIMITIVE_RESTART,
+                               GL_RASTERIZER_DISCARD, GL_SAMPLE_ALPHA_TO_COVERAGE, GL_SAMPLE_COVERAGE, GL_SAMPLE_MASK})
+    gl().Disable(static_cast<GLenum>(capability));
+  gl().Enable(GL_MULTISAMPLE);
+}
+
+void HlodStage::start_nodes(std::uint32_t object) {
+  assert(object < objects_.size());
+  if (mode_ != Mode::nodes) {
+    mode_ = Mode::nodes;
+    set_surface_state(gl());
+    gl().ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    nodes_.use();
+  }
+  if (object_ == object) return;
+  object_ = object;
+  nodes_.set_object(objects_[object].eye_space);
+}
+
+void HlodStage::draw(const hlod::NodeDraw& draw) {
+  assert(!draw.ranges.empty());
+  const bool morphs = std::any_of(draw.ranges.begin(), draw.ranges.end(),
+                                  [](const hlod::DrawRange& range) { return range.morph > 0.0F; });
+  const ArenaPlace place = arena_.place(draw.object, draw.node, morphs);
+  start_nodes(draw.object);
+  gl().BindVertexArray(place.array);
+  for (std::size_t first = 0; first < draw.ranges.size();) {
+    std::size_t end = first + 1;
+    while (end < draw.ranges.size() && draw.ranges[end].morph == draw.ranges[first].morph) ++end;
+    draw_run(place, draw.ranges.subspan(first, end - first));
+    first = end;
+  }
+}
+
+// Ranges that morph alike; adjacent ones are one.
+void HlodStage::draw_run(const ArenaPlace& place, std::span<const hlod::DrawRange> ranges) {
+  counts_.clear();
+  first_indices_.clear();
+  std::uint32_t end = 0;
+  for (const hlod::DrawRange& range : ranges) {
+    if (!counts_.empty() && range.first_index == end) {
+      counts_.back() += static_cast<GLsizei>(range.index_count);
+    } else {
+      counts_.push_back(static_cast<GLsizei>(range.index_count));
+      first_indices_.push_back(place.index_pointer(range.first_index));
+    }
+    end = range.first_index + range.index_count;
+  }
+  nodes_.set_morph(ranges.front().morph);
+  if (counts_.size() == 1) {
+    gl().DrawElementsBaseVertex(GL_TRIANGLES, counts_[0], GL_UNSIGNED_SHORT, first_indices_[0], place.base_vertex);
+    return;
+  }
+  base_vertices_.assign(counts_.size(), place.base_vertex);
+  gl().MultiDrawElementsBaseVertex(GL_TRIANGLES, counts_.data(), GL_UNSIGNED_SHORT, first_indices_.data(),
+                                   static_cast<GLsizei>(counts_.size()), base_vertices_.data());
+}
+
+BoxProxy HlodStage::project(const hlod::BoxRef& box) const {
+  assert(box.object < objects_.size());
+  return project_box(screen_, objects_[box.object].proxy_space, box.box);
+}
+
+std::uint32_t HlodStage::most_pixels(const BoxProxy& proxy) const {
+  const glm::dvec2 size(screen_.width, screen_.height);
+  const glm::dvec2 pixels = glm::ceil(glm::min(proxy.max, size)) - glm::floor(glm::max(proxy.min, glm::dvec2(0.0)));
+  return static_cast<std::uint32_t>(pixels.x * pixels.y);
+}
+
+void HlodStage::start_proxies() {
+  if (mode_ == Mode::proxies) return;
+  if (mode_ == Mode::nothing) set_surface_state(gl());
+  mode_ = Mode::proxies;
+  set_proxy_state(gl());
+  gl().ColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+  plain_.use();
+  proxies_.bind(gl());
+}
+
+void HlodStage::draw_proxy(const BoxProxy& proxy) const {
+  assert(mode_ == Mode::proxies);
+  // Clip space has no scale of its own: the middle is at w = 1, so that nothing leaves the range of single precision.
+  glm::dmat4 to_clip = proxy.unit_to_clip / proxy.unit_to_clip[3].w;
+  // The cube is its own mirror image: one more reflection turns the winding and nothing else.
+  if (proxy.image.mirrored) to_clip[2] = -to_clip[2];
+  plain_.set_to_clip(glm::mat4(to_clip));
+  const ProxyBuffer::Part& part = proxies_.part(ProxyShape::box);
+  gl().DrawElements(GL_TRIANGLES, part.count, GL_UNSIGNED_SHORT, part.pointer());
+}
+
+std::uint32_t HlodStage::pixels() const {
+  return static_cast<std::uint32_t>(screen_.width) * static_cast<std::uint32_t>(screen_.height);
+}
+
+}  // namespace occlod::gl

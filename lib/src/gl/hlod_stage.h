@@ -1,0 +1,71 @@
+// Nodes of HLODs and proxies of boxes, drawn by turns into one image: what the device `gl` does without queries.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "device/box_proxy.h"
+#include "gl/eye_space.h"
+#include "gl/hlod_target.h"
+#include "gl/mesh_arena.h"
+#include "gl/node_program.h"
+#include "gl/plain_program.h"
+#include "gl/proxy_buffer.h"
+#include "occlod/device/device.h"
+#include "occlod/gl/hlod_device.h"
+
+namespace occlod::gl {
+
+// Lives in a context that is current in every call. Everything that draws depend on is set in begin_frame() and after
+// it, so that others may have used the context since the last frame.
+class HlodStage {
+ public:
+  HlodStage(const Functions& gl, const HlodDeviceOptions& options);
+
+  void begin_frame(const View& view, std::span<const hlod::PlacedHlod> objects);
+  void draw(const hlod::NodeDraw& draw);
+  // What is drawn in place of a box; see project_box().
+  [[nodiscard]] BoxProxy project(const hlod::BoxRef& box) const;
+  // The most pixels of the image that a proxy which is to be drawn can cover.
+  [[nodiscard]] std::uint32_t most_pixels(const BoxProxy& proxy) const;
+  // To be called after draw() and before draw_proxy().
+  void start_proxies();
+  void draw_proxy(const BoxProxy& proxy) const;
+
+  // Of the image.
+  [[nodiscard]] std::uint32_t pixels() const;
+  [[nodiscard]] std::uint32_t samples_per_pixel() const { return static_cast<std::uint32_t>(target_.samples()); }
+  [[nodiscard]] const HlodTarget& target() const noexcept { return target_; }
+  [[nodiscard]] const MeshMemory& mesh_memory() const noexcept { return arena_.memory(); }
+  [[nodiscard]] const Functions& gl() const noexcept { return *gl_; }
+
+ private:
+  enum class Mode { nothing, nodes, proxies };
+  struct Object {
+    EyeSpace eye_space;
+    ProxySpace proxy_space;
+  };
+
+  void set_common_state() const;
+  void start_nodes(std::uint32_t object);
+  void draw_run(const ArenaPlace& place, std::span<const hlod::DrawRange> ranges);
+
+  const Functions* gl_;
+  HlodTarget target_;
+  MeshArena arena_;
+  NodeProgram nodes_;
+  PlainProgram plain_;
+  ProxyBuffer proxies_;
+
+  Screen screen_;
+  std::vector<Object> objects_;
+  Mode mode_ = Mode::nothing;
+  std::uint32_t object_ = no_id;  // whose uniforms are set
+  std::vector<GLsizei> counts_;   // of one draw call
+  std::vector<const void*> first_indices_;
+  std::vector<GLint> base_vertices_;
+};
+
+}  // namespace occlod::gl

@@ -1,0 +1,179 @@
+#include "gl/mesh_arena.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cstring>
+#include <string>
+
+#include "occlod/core/error.h"
+#include "picture/color.h"
+
+namespace occlod::gl {
+namespace {
+
+// Larger ones are harder to come by, smaller ones mean more changes of the vertex array.
+constexpr std::size_t usual_chunk_bytes = std::size_t{16} << 20;
+
+// Vertices whose room the vertices and indices of a mesh take.
+std::size_t room_for(const hlod::Node& node) {
+  const std::size_t index_bytes = 3 * std::size_t{node.triangles} * sizeof(std::uint16_t);
+  return node.vertices + (index_bytes + sizeof(ArenaVertex) - 1) / sizeof(ArenaVertex);
+}
+
+// As a driver takes offsets into the bound buffer.
+const void* offset(std::size_t bytes) {
+  return reinterpret_cast<const void*>(bytes);  // NOLINT(performance-no-int-to-ptr)
+}
+
+void fill_vertices(std::span<ArenaVertex> vertices, const hlod::NodeMesh& mesh) {
+  const glm::u8vec4 base = picture::to_srgb(ShadeOptions{}.base);
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v)
+    vertices[v] = {mesh.positions[v], mesh.colors.empty() ? base : mesh.colors[v], mesh.positions[v]};
+}
+
+// Vertices slide to the mesh of the parent whose patch uses them.
+void fill_merged(std::span<ArenaVertex> vertices, const hlod::Hlod& hlod, hlod::NodeId node) {
+  const hlod::NodeMesh mesh = hlod.mesh(node);
+  for (const hlod::Patch& patch : hlod.patches(node)) {
+    if (patch.parent == no_id) continue;
+    hlod.require(patch.parent);
+    const hlod::NodeMesh parent = hlod.mesh(patch.parent);
+    for (const std::uint16_t v : mesh.indices.subspan(patch.first_index, patch.index_count))
+      if (mesh.merged_into[v] != hlod::stays) vertices[v].merged = parent.positions[mesh.merged_into[v]];
+  }
+}
+
+}  // namespace
+
+MeshArena::Chunk::Chunk(const Functions& gl, std::size_t vertices) : array(gl), buffer(gl), ranges(vertices) {
+  constexpr auto stride = static_cast<GLsizei>(sizeof(ArenaVertex));
+  gl.BindVertexArray(array.id());
+  gl.BindBuffer(GL_ARRAY_BUFFER, buffer.id());
+  gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, buffer.id());
+  gl.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices * sizeof(ArenaVertex)), nullptr, GL_DYNAMIC_DRAW);
+  for (const GLuint location : {0U, 1U, 2U}) gl.EnableVertexAttribArray(location);
+  gl.VertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, stride, offset(offsetof(ArenaVertex, position)));
+  gl.VertexAttribPointer(1, 4, GL_UNSIGNED_BYTE, GL_TRUE, stride, offset(offsetof(ArenaVertex, color)));
+  gl.VertexAttribPointer(2, 3, GL_FLOAT, GL_FALSE, stride, offset(offsetof(ArenaVertex, merged)));
+  check(gl, "memory for meshes");
+}
+
+MeshArena::MeshArena(const Functions& gl, std::size_t budget_bytes)
+    : gl_(&gl),
+      budget_(budget_bytes / sizeof(ArenaVertex)),
+      chunk_size_(std::min(budget_, usual_chunk_bytes / sizeof(ArenaVertex))) {}
+
+void MeshArena::begin_frame(std::span<const hlod::PlacedHlod> objects) {
+  for (auto& [nodes, held] : held_) held.wanted = false;
+  objects_.clear();
+  for (const hlod::PlacedHlod& object : objects) objects_.push_back(&hold(*object.hlod));
+  drop_unwanted();
+  fit_chunks();
+}
+
+MeshArena::Held& MeshArena::hold(const hlod::Hlod& hlod) {
+  const auto [found, is_new] = held_.try_emplace(hlod.data().nodes.data());
+  Held& held = found->second;
+  held.wanted = true;
+  if (!is_new) return held;
+  held.hlod = hlod;
+  held.slots.assign(hlod.node_count(), slots_.end());
+  for (const hlod::Node& node : hlod.data().nodes) held.largest = std::max(held.largest, room_for(node));
+  return held;
+}
+
+void MeshArena::drop_unwanted() {
+  for (auto slot = slots_.begin(); slot != slots_.end();) {
+    const auto next = std::next(slot);
+    if (!slot->of->wanted) remove(slot);
+    slot = next;
+  }
+  std::erase_if(held_, [](const auto& entry) { return !entry.second.wanted; });
+}
+
+// A chunk has room for any mesh of the frame.
+void MeshArena::fit_chunks() {
+  std::size_t largest = 0;
+  for (const auto& [nodes, held] : held_) largest = std::max(largest, held.largest);
+  if (largest > budget_)
+    throw Error({"gl device", "mesh_bytes",
+                 "is " + std::to_string(budget_ * sizeof(ArenaVertex)) + ", and one mesh takes " +
+                     std::to_string(largest * sizeof(ArenaVertex)),
+                 "allow the device more memory for meshes"});
+  if (largest <= chunk_size_) return;
+  while (!slots_.empty()) remove(slots_.begin());
+  chunks_.clear();
+  chunk_size_ = largest;
+}
+
+ArenaPlace MeshArena::place(std::uint32_t object, hlod::NodeId node, bool morphs) {
+  assert(object < objects_.size());
+  Held& held = *objects_[object];
+  assert(node < held.slots.size());
+  if (held.slots[node] == slots_.end()) insert(held, node);
+  const Slots::iterator slot = held.slots[node];
+  slots_.splice(slots_.end(), slots_, slot);
+  if (morphs && !slot->morphs) {
+    upload(*slot, true);
+    slot->morphs = true;
+  }
+  const std::size_t indices = slot->first + held.hlod.node(node).vertices;
+  return {chunks_[slot->chunk].array.id(), static_cast<GLint>(slot->first), indices * sizeof(ArenaVertex)};
+}
+
+void MeshArena::insert(Held& held, hlod::NodeId node) {
+  held.hlod.require(node);
+  Slot slot{&held, node, 0, 0, room_for(held.hlod.node(node)), false};
+  while (!take_range(slot)) {
+    if (add_chunk()) continue;
+    remove(slots_.begin());
+    ++memory_.evictions;
+  }
+  held.slots[node] = slots_.insert(slots_.end(), slot);
+  ++memory_.nodes;
+  memory_.bytes += slot.count * sizeof(ArenaVertex);
+  upload(slot, false);
+}
+
+bool MeshArena::take_range(Slot& slot) {
+  for (std::size_t i = 0; i < chunks_.size(); ++i)
+    if (const auto first = chunks_[i].ranges.take(slot.count)) {
+      slot.chunk = i;
+      slot.first = *first;
+      return true;
+    }
+  return false;
+}
+
+// What is left of the budget is a smaller chunk. False when nothing is left.
+bool MeshArena::add_chunk() {
+  std::size_t size = budget_;
+  for (const Chunk& chunk : chunks_) size -= chunk.ranges.size();
+  if (size == 0) return false;
+  chunks_.emplace_back(*gl_, std::min(size, chunk_size_));
+  return true;
+}
+
+void MeshArena::upload(const Slot& slot, bool morphs) {
+  const hlod::Hlod& hlod = slot.of->hlod;
+  const hlod::NodeMesh mesh = hlod.mesh(slot.node);
+  staging_.resize(slot.count);
+  fill_vertices(staging_, mesh);
+  if (morphs) fill_merged(staging_, hlod, slot.node);
+  std::memcpy(static_cast<void*>(staging_.data() + mesh.positions.size()), mesh.indices.data(),
+              mesh.indices.size_bytes());
+  gl_->BindBuffer(GL_ARRAY_BUFFER, chunks_[slot.chunk].buffer.id());
+  gl_->BufferSubData(GL_ARRAY_BUFFER, static_cast<GLintptr>(slot.first * sizeof(ArenaVertex)),
+                     static_cast<GLsizeiptr>(slot.count * sizeof(ArenaVertex)), staging_.data());
+  ++memory_.uploads;
+}
+
+void MeshArena::remove(Slots::iterator slot) {
+  chunks_[slot->chunk].ranges.give_back(slot->first, slot->count);
+  slot->of->slots[slot->node] = slots_.end();
+  --memory_.nodes;
+  memory_.bytes -= slot->count * sizeof(ArenaVertex);
+  slots_.erase(slot);
+}
+
+}  // namespace occlod::gl

@@ -1,0 +1,101 @@
+// Meshes of nodes in OpenGL's buffers: uploaded when they are wanted, the longest unused ones given up for others.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <list>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "gl/objects.h"
+#include "gl/range_allocator.h"
+#include "occlod/device/device.h"
+#include "occlod/gl/hlod_device.h"
+
+namespace occlod::gl {
+
+// A vertex as the node program reads it.
+struct ArenaVertex {
+  glm::vec3 position{0.0F};  // location 0; object space
+  glm::u8vec4 color{0};      // location 1; sRGB
+  glm::vec3 merged{0.0F};    // location 2; where it slides to
+};
+static_assert(sizeof(ArenaVertex) == 28);
+
+// Where a mesh lies.
+struct ArenaPlace {
+  GLuint array = 0;             // vertex array to bind
+  GLint base_vertex = 0;        // of the mesh, for draws by its own indices
+  std::size_t first_index = 0;  // bytes from the start of the index buffer
+
+  // Of an index of the mesh, as OpenGL takes it: the offset into the bound buffer as a pointer.
+  [[nodiscard]] const void* index_pointer(std::uint32_t index) const noexcept {
+    const std::size_t bytes = first_index + index * sizeof(std::uint16_t);
+    return reinterpret_cast<const void*>(bytes);  // NOLINT(performance-no-int-to-ptr)
+  }
+};
+
+// Buffers of equal size, each holding vertices and indices, as many as the budget has room for. Lives in a context that
+// is current in every call.
+class MeshArena {
+ public:
+  MeshArena(const Functions& gl, std::size_t budget_bytes);
+
+  // Meshes of these objects may be wanted until the next call; those of other HLODs are given up. Throws Error when a
+  // mesh is larger than the budget.
+  void begin_frame(std::span<const hlod::PlacedHlod> objects);
+  // The mesh of a node, without or with the places that its vertices slide to; uploaded where it is not there. It may
+  // take the place of any other. Throws Error when the mesh is damaged.
+  [[nodiscard]] ArenaPlace place(std::uint32_t object, hlod::NodeId node, bool morphs);
+
+  [[nodiscard]] const MeshMemory& memory() const noexcept { return memory_; }
+
+ private:
+  struct Held;
+  // A mesh that is there.
+  struct Slot {
+    Held* of = nullptr;
+    hlod::NodeId node = 0;
+    std::size_t chunk = 0;  // into chunks_
+    std::size_t first = 0;  // vertices
+    std::size_t count = 0;  // vertices that vertices and indices take the room of
+    bool morphs = false;    // `merged` is filled
+  };
+  using Slots = std::list<Slot>;
+  // An HLOD and which of its nodes are there. The copy keeps its arrays, and so what identifies it, from being replaced
+  // by those of another.
+  struct Held {
+    hlod::Hlod hlod;
+    std::vector<Slots::iterator> slots;  // by node; end(): not there
+    std::size_t largest = 0;             // room that its largest mesh takes
+    bool wanted = false;                 // by this frame
+  };
+  struct Chunk {
+    Chunk(const Functions& gl, std::size_t vertices);
+    VertexArray array;
+    Buffer buffer;
+    RangeAllocator ranges;
+  };
+
+  [[nodiscard]] Held& hold(const hlod::Hlod& hlod);
+  void drop_unwanted();
+  void fit_chunks();
+  void insert(Held& held, hlod::NodeId node);
+  void upload(const Slot& slot, bool morphs);
+  [[nodiscard]] bool take_range(Slot& slot);
+  [[nodiscard]] bool add_chunk();
+  void remove(Slots::iterator slot);
+
+  const Functions* gl_;
+  std::size_t budget_;      // vertices
+  std::size_t chunk_size_;  // vertices
+  std::vector<Chunk> chunks_;
+  std::unordered_map<const hlod::Node*, Held> held_;  // by where their nodes lie
+  std::vector<Held*> objects_;                        // of the frame
+  Slots slots_;                                       // the longest unused first
+  std::vector<ArenaVertex> staging_;
+  MeshMemory memory_;
+};
+
+}  // namespace occlod::gl
