@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <glm/ext/matrix_transform.hpp>
 #include <random>
+#include <utility>
 
 #include "occlod/hlod/build.h"
 #include "occlod/mesh/generate.h"
@@ -60,6 +63,92 @@ TEST(ScreenError, IsNeverLessThanAChilds) {
             EXPECT_GE(sphere_error_px(hlod.node(n), scale), sphere_error_px(hlod.node(child), scale));
           }
       }
+    }
+}
+
+// An error of 0.1 object units 5 object units before the eye, 1000 px focal length: 20 px.
+TEST(ScreenScale, OfAPlacement) {
+  Node node;
+  node.box = node.lod_box = {glm::vec3(-1.0F, -1.0F, -2.0F), glm::vec3(1.0F, 1.0F, 0.0F)};
+  node.sphere = {glm::vec3(0.0F, 0.0F, -1.0F), 1.0F};
+  node.error = 0.1F;
+  Camera camera;
+  camera.eye = {0.0, 0.0, 5.0};
+  camera.fov_y_deg = 90.0;
+  camera.width = camera.height = 2000;
+  const auto error = [&](const glm::dmat4& place, double (*metric)(const Node&, const ScreenScale&)) {
+    const View view(camera);
+    return metric(node, screen_scale(view, ObjectView(view, place)));
+  };
+  const glm::dmat4 unmoved(1.0);
+  EXPECT_NEAR(error(unmoved, screen_error_px), 20.0, 1e-5);
+  EXPECT_NEAR(error(unmoved, sphere_error_px), 20.0, 1e-5);
+  // Twice as large and twice as far away looks the same.
+  const glm::dmat4 doubled = glm::scale(glm::translate(unmoved, glm::dvec3(0.0, 0.0, -5.0)), glm::dvec3(2.0));
+  EXPECT_NEAR(error(doubled, screen_error_px), 20.0, 1e-5);
+  EXPECT_NEAR(error(doubled, sphere_error_px), 20.0, 1e-5);
+  EXPECT_NEAR(error(glm::scale(unmoved, glm::dvec3(-1.0, 1.0, 1.0)), screen_error_px), 20.0, 1e-5);  // mirrored
+  // Stretched across: errors may lie that way, the distance stays. Stretched ahead: the box grows away from the eye.
+  EXPECT_NEAR(error(glm::scale(unmoved, glm::dvec3(3.0, 1.0, 1.0)), screen_error_px), 60.0, 1e-4);
+  EXPECT_NEAR(error(glm::scale(unmoved, glm::dvec3(1.0, 1.0, 3.0)), screen_error_px), 60.0, 1e-4);
+  // A shear by 1: stretches by the golden ratio at most, and by its inverse at least; both bounds are safe.
+  glm::dmat4 sheared(1.0);
+  sheared[1].x = 1.0;
+  EXPECT_GE(error(sheared, screen_error_px), 20.0 * 1.618);
+  EXPECT_LE(error(sheared, screen_error_px), 20.0 * 3.1);
+  EXPECT_GE(error(sheared, sphere_error_px), 20.0 * 1.618);
+  // 1e9 away from the origin, as is the camera: only the difference counts.
+  camera.eye.x = camera.target.x = 1e9;
+  EXPECT_NEAR(error(glm::translate(unmoved, glm::dvec3(1e9, 0.0, 0.0)), screen_error_px), 20.0, 1e-4);
+  // Parallel rays: 2000 px for 10 units, from anywhere.
+  camera.orthographic_height = 10.0;
+  for (const double z : {5.0, 50.0}) {
+    camera.eye.z = z;
+    EXPECT_NEAR(error(glm::translate(unmoved, glm::dvec3(1e9, 0.0, 0.0)), screen_error_px), 20.0, 1e-5);
+    EXPECT_NEAR(error(glm::scale(unmoved, glm::dvec3(2.0)), sphere_error_px), 40.0, 1e-5);
+  }
+}
+
+TEST(ScreenScale, AtPowersOfTwoIsTheSameToTheBit) {
+  Node node;
+  node.box = node.lod_box = {glm::vec3(-1.0F, -0.7F, -2.0F), glm::vec3(1.0F, 1.0F, 0.3F)};
+  node.sphere = {glm::vec3(0.1F, 0.0F, -1.0F), 1.0F};
+  node.error = 0.1F;
+  const auto errors = [&](int exponent) {
+    const double scale = std::exp2(exponent);
+    Camera camera;
+    camera.eye = scale * glm::dvec3(0.3, 0.2, 5.0);
+    camera.target = scale * glm::dvec3(0.1, 0.2, 0.0);
+    camera.near *= scale;
+    camera.far *= scale;
+    const View view(camera);
+    const ScreenScale s = screen_scale(view, ObjectView(view, glm::scale(glm::dmat4(1.0), glm::dvec3(scale))));
+    return std::pair(screen_error_px(node, s), sphere_error_px(node, s));
+  };
+  for (const int exponent : {-60, -7, 3, 80}) EXPECT_EQ(errors(exponent), errors(0)) << exponent;
+}
+
+TEST(ScreenError, IsNeverLessThanAChildsWhereverItIsPlaced) {
+  BuildOptions options;
+  options.node_triangles = 64;
+  const Hlod hlod = build_hlod(occlod::test::noisy_sphere(5, 1), options);
+  std::vector<glm::dmat4> places = {glm::scale(glm::dmat4(1.0), glm::dvec3(0.2, 3.0, -1.0))};
+  places.push_back(places[0]);
+  places[1][0].y = 0.4;  // sheared too
+  std::mt19937_64 random(5);
+  const auto number = [&] { return static_cast<double>(random() % 20'001) / 5'000.0 - 2.0; };
+  for (const glm::dmat4& place : places)
+    for (int i = 0; i < 60; ++i) {
+      Camera camera;
+      camera.eye = {number(), number(), number()};
+      if (i % 4 == 0) camera.orthographic_height = 2.0;
+      const View view(camera);
+      const ScreenScale scale = screen_scale(view, ObjectView(view, place));
+      for (NodeId n = 0; n < hlod.node_count(); ++n)
+        for (const NodeId child : hlod.children(n)) {
+          EXPECT_GE(screen_error_px(hlod.node(n), scale), screen_error_px(hlod.node(child), scale));
+          EXPECT_GE(sphere_error_px(hlod.node(n), scale), sphere_error_px(hlod.node(child), scale));
+        }
     }
 }
 
