@@ -14,10 +14,11 @@ class QueuePlacePolicy : public Policy {
   }
 
  private:
-  // What is near is reached early and tends to be visible: from 1 for the first down to 0 for as many as there were.
+  // What is near is reached early and tends to be visible: from 1 for the first nearly to 0 for the last of as many as
+  // there were in the last frame, and for what comes after it.
   static double predicted_share(const FrameScene& scene, const ReachedNode& n) {
-    if (scene.reached_last() == 0) return 1.0;
-    return std::max(0.0, 1.0 - static_cast<double>(n.place) / static_cast<double>(scene.reached_last()));
+    const std::uint32_t all = scene.reached_last();
+    return 1.0 - static_cast<double>(std::min(n.place, all - 1)) / static_cast<double>(all);
   }
 };
 

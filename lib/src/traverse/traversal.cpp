@@ -87,20 +87,24 @@ void Traversal::settle(NodeRef n, double mu) {
   const bool is_fine = scene_.stops(n, bias);
   if (state.status == Status::stopped) return settle_drawn(n, is_fine);
   if (!is_fine) return want_refined(n);
-  if (state.asked) ++stats_.delayed;
+  if (state.asked && is_drawable(n)) ++stats_.delayed;
   front_.stop(n);
 }
 
 // Drawn when it was asked about, because it was predicted to stop or had to.
 void Traversal::settle_drawn(NodeRef n, bool is_fine) {
   if (!is_fine && front_.may_refine(n) == Permission::granted) {
-    ++stats_.rarn;
+    if (is_drawable(n)) ++stats_.rarn;
     front_.keep_floors(n);
     return front_.refine(n);
   }
   ++stats_.wasted_queries;
   if (!is_fine) note_denied(n);
 }
+
+// A root where everything has vanished has nothing to draw. Any other node that stops draws a patch: a parent of it is
+// refined, or it would not have been reached.
+bool Traversal::is_drawable(NodeRef n) const { return scene_.node(n).patches > 0; }
 
 void Traversal::want_refined(NodeRef n) {
   switch (front_.may_refine(n)) {
@@ -119,7 +123,7 @@ void Traversal::draw_denied(NodeRef n) {
   note_denied(n);
   const NodeState& state = scene_.state(n);
   if (state.asked) {
-    ++stats_.delayed;
+    if (is_drawable(n)) ++stats_.delayed;
   } else if (!state.visible) {
     if (const std::optional<double> pixels = scene_.view_of(n).box_pixels(scene_.node(n)))
       ask(n, *pixels);

@@ -37,6 +37,7 @@ class Traversal {
   void settle_next();
   void settle(NodeRef n, double mu);
   void settle_drawn(NodeRef n, bool is_fine);
+  [[nodiscard]] bool is_drawable(NodeRef n) const;
   void want_refined(NodeRef n);
   void draw_denied(NodeRef n);
   void note_denied(NodeRef n);

@@ -1,0 +1,298 @@
+// Whatever devices answer, and whenever: what is drawn is part of one legal front, of which validate() has shown that
+// it conforms. A patch is drawn iff its parent is refined and its node is not; what is not drawn has been culled.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <set>
+
+#include "hlod/fronts.h"
+#include "occlod/device/software_device.h"
+#include "occlod/hlod/metric.h"
+#include "occlod/hlod/validate.h"
+#include "traverse/small_scenes.h"
+
+namespace occlod::hlod {
+namespace {
+
+using namespace test;
+
+// Answers by chance, and late by chance; the same for the same seed.
+class RandomDevice : public RenderDevice {
+ public:
+  RandomDevice(std::uint64_t seed, double hidden) : random_(seed), hidden_(hidden) {}
+  [[nodiscard]] std::string_view name() const noexcept override { return "random"; }
+  void begin_frame(const View& view, std::span<const PlacedHlod>) override {
+    pixels_ = view.width() * view.height();
+    counts_.clear();
+  }
+  void draw(const NodeDraw&) override {}
+  [[nodiscard]] QueryId ask(std::span<const BoxRef>) override {
+    const double share = uniform(random_, 0, 1);
+    const bool hidden = uniform(random_, 0, 1) < hidden_;
+    counts_.push_back(hidden ? 0U : 1U + static_cast<std::uint32_t>(share * share * share * pixels_ / 10));
+    return static_cast<QueryId>(counts_.size() - 1);
+  }
+  [[nodiscard]] QueryId ask_each(std::span<const BoxRef> boxes) override { return ask(boxes); }
+  [[nodiscard]] bool available(QueryId) override { return random_() % 4 == 0; }
+  [[nodiscard]] std::span<const std::uint32_t> wait(QueryId query) override { return {&counts_[query], 1}; }
+  void visit(std::size_t) override {}
+  FrameTimes end_frame() override { return {}; }
+
+ private:
+  std::mt19937_64 random_;
+  double hidden_;
+  double pixels_ = 0.0;
+  std::vector<std::uint32_t> counts_;
+};
+
+// By place in HlodView::patches, how often it was drawn.
+std::vector<int> drawn_patches(const Hlod& hlod, const Frame& frame) {
+  std::vector<int> drawn(hlod.data().patches.size(), 0);
+  for (const DrawnNode& node : frame.draws)
+    for (std::uint32_t r = 0; r < node.range_count; ++r) {
+      const DrawRange& range = frame.ranges[node.first_range + r];
+      std::size_t place = hlod.node(node.node).first_patch;
+      for (const Patch& patch : hlod.patches(node.node)) {
+        if (range.first_index <= patch.first_index && patch.first_index < range.first_index + range.index_count)
+          ++drawn[place];
+        ++place;
+      }
+    }
+  return drawn;
+}
+
+bool has_drawn_patch(const Hlod& hlod, const std::vector<int>& drawn, NodeId n) {
+  const auto first = drawn.begin() + static_cast<std::ptrdiff_t>(hlod.node(n).first_patch);
+  return std::any_of(first, first + hlod.node(n).patches, [](int count) { return count > 0; });
+}
+
+// Parents of what is drawn are refined; so is the only parent of what is refined. Of several one may have been culled.
+Refined surely_refined(const Hlod& hlod, const std::vector<int>& drawn) {
+  Refined refined(hlod.node_count(), 0);
+  for (NodeId n = static_cast<NodeId>(hlod.node_count()); n-- > 0;) {  // children first
+    std::size_t place = hlod.node(n).first_patch;
+    for (const Patch& patch : hlod.patches(n)) {
+      const bool is_only = hlod.node(n).patches == 1;
+      if (patch.parent != no_id && (drawn[place] > 0 || (refined[n] != 0 && is_only))) refined[patch.parent] = 1;
+      ++place;
+    }
+  }
+  return refined;
+}
+
+// How many nodes break the rules: drawn and refined, or drawn and in the way of a child that is refined.
+std::size_t illegal_nodes(const Hlod& hlod, const Frame& frame) {
+  const std::vector<int> drawn = drawn_patches(hlod, frame);
+  const Refined refined = surely_refined(hlod, drawn);
+  std::set<NodeId> illegal;
+  std::size_t patches = 0, nodes = 0;
+  for (NodeId n = 0; n < hlod.node_count(); ++n) {
+    nodes += has_drawn_patch(hlod, drawn, n) ? 1U : 0U;
+    if (refined[n] == 0) continue;
+    if (has_drawn_patch(hlod, drawn, n)) illegal.insert(n);
+    for (const Patch& patch : hlod.patches(n))
+      if (patch.parent != no_id && has_drawn_patch(hlod, drawn, patch.parent)) illegal.insert(patch.parent);
+  }
+  for (const int count : drawn) {
+    EXPECT_LE(count, 1);
+    patches += static_cast<std::size_t>(count);
+  }
+  EXPECT_EQ(patches, frame.stats.drawn_patches);
+  EXPECT_EQ(nodes, frame.stats.drawn_nodes);
+  return illegal.size();
+}
+
+// By place, whether a front draws the patch.
+std::vector<int> patches_of(const Hlod& hlod, const Refined& refined) {
+  std::vector<int> drawn(hlod.data().patches.size(), 0);
+  for_each_drawn(hlod, refined, [&](NodeId, const Patch&, std::size_t place) { drawn[place] = 1; });
+  return drawn;
+}
+
+// The least legal front of which all that is drawn is part.
+Refined least_front(const Hlod& hlod, const std::vector<int>& drawn) {
+  Refined refined(hlod.node_count(), 0);
+  for (NodeId n = static_cast<NodeId>(hlod.node_count()); n-- > 0;) {  // children first
+    std::size_t place = hlod.node(n).first_patch;
+    for (const Patch& patch : hlod.patches(n)) {
+      if (patch.parent != no_id && (drawn[place] > 0 || refined[n] != 0)) refined[patch.parent] = 1;
+      ++place;
+    }
+  }
+  return refined;
+}
+
+// Takes away what was drawn of nodes that are refined. Returns how many nodes that are.
+std::size_t clear_refined(const Hlod& hlod, const Refined& refined, std::vector<int>& drawn) {
+  std::size_t nodes = 0;
+  for (NodeId n = 0; n < hlod.node_count(); ++n) {
+    if (refined[n] == 0 || !has_drawn_patch(hlod, drawn, n)) continue;
+    ++nodes;
+    std::fill_n(drawn.begin() + static_cast<std::ptrdiff_t>(hlod.node(n).first_patch), hlod.node(n).patches, 0);
+  }
+  return nodes;
+}
+
+// All of it, with everything in sight.
+Camera from_afar(const Hlod& hlod, std::mt19937_64& random) {
+  Camera camera = random_camera(hlod.data().box, random);
+  const glm::dvec3 min(hlod.data().box.min), max(hlod.data().box.max);
+  camera.target = (min + max) / 2.0;
+  const double angle = uniform(random, 0.0, 6.28);
+  camera.eye = camera.target + glm::length(max - min) * glm::dvec3(std::cos(angle), std::sin(angle), 0.3) * 1.5;
+  return camera;
+}
+
+TEST(LegalFronts, WhateverIsAnswered) {
+  for (const Grouping grouping : {Grouping::nested, Grouping::shifted})
+    for (const Hlod* hlod : {&city(grouping), &planet(grouping)}) {
+      EXPECT_EQ(validate(*hlod), std::vector<std::string>());
+      const PlacedHlod placed{hlod};
+      for (const Strategy strategy : asking_strategies)
+        for (const double hidden : {0.0, 0.2, 0.5}) {
+          RandomDevice device(17, hidden);
+          Traverser traverser({&placed, 1});
+          std::mt19937_64 random(23);
+          std::size_t rarn = 0, blocked = 0, drawn = 0;
+          for (int i = 0; i < 60; ++i) {
+            TraverseOptions options;
+            options.strategy = strategy;
+            options.tolerance_px = i % 3 == 0 ? 8.0 : 2.0;
+            const Camera camera = i % 2 == 0 ? random_camera(hlod->data().box, random) : walk(hlod->data().box, i, 200);
+            const Frame& frame = traverser.draw_frame(View(camera), device, options);
+            EXPECT_LE(illegal_nodes(*hlod, frame), frame.stats.rarn);
+            rarn += frame.stats.rarn;
+            blocked += frame.stats.blocked;
+            drawn += frame.stats.drawn_nodes;
+          }
+          EXPECT_GT(drawn, 60U);
+          const bool predicts_bias = strategy == Strategy::simp || strategy == Strategy::coh;
+          EXPECT_EQ(rarn > 0, predicts_bias) << static_cast<int>(strategy);
+          const bool biased = predicts_bias || strategy == Strategy::sw_b;
+          EXPECT_EQ(blocked > 0, biased && grouping == Grouping::shifted) << static_cast<int>(strategy);
+        }
+    }
+}
+
+// Where nothing is hidden and whatever is visible counts in full, every strategy draws the front of vfc: no node is
+// left behind, however late answers come.
+TEST(LegalFronts, AreThatOfVfcWhereNothingIsHidden) {
+  for (const Grouping grouping : {Grouping::nested, Grouping::shifted}) {
+    const Hlod& hlod = city(grouping);
+    const PlacedHlod placed{&hlod};
+    for (const Strategy strategy : asking_strategies) {
+      RandomDevice device(5, 0.0), unasked(5, 0.0);
+      Traverser traverser({&placed, 1}), all({&placed, 1});
+      std::mt19937_64 random(29);
+      for (int i = 0; i < 40; ++i) {
+        TraverseOptions options;
+        options.strategy = strategy;
+        options.biased = false;
+        options.tolerance_px = i % 3 == 0 ? 8.0 : 1.0;
+        const View view(random_camera(hlod.data().box, random));
+        const Frame& frame = traverser.draw_frame(view, device, options);
+        EXPECT_EQ(illegal_nodes(hlod, frame), 0U);
+        options.strategy = Strategy::vfc;
+        const Frame& truth = all.draw_frame(view, unasked, options);
+        EXPECT_EQ(frame.front_hash, truth.front_hash);
+        EXPECT_EQ(frame.stats.drawn_patches, truth.stats.drawn_patches);
+        EXPECT_EQ(frame.stats.drawn_triangles, truth.stats.drawn_triangles);
+      }
+    }
+  }
+}
+
+// With everything in sight the front is whole, with any bias: each patch of it is drawn, and nothing else. So its
+// boundary is that of the input.
+TEST(LegalFronts, AreWholeWhereEverythingIsInSight) {
+  for (const Grouping grouping : {Grouping::nested, Grouping::shifted})
+    for (const Hlod* hlod : {&city(grouping), &planet(grouping)}) {
+      const PlacedHlod placed{hlod};
+      for (const Strategy strategy : asking_strategies) {
+        RandomDevice device(5, 0.0);
+        Traverser traverser({&placed, 1});
+        std::mt19937_64 random(37);
+        std::set<std::uint64_t> fronts;
+        for (int i = 0; i < 40; ++i) {
+          TraverseOptions options;
+          options.strategy = strategy;
+          options.tolerance_px = std::exp2(uniform(random, -9.0, 0.0));
+          const Frame& frame = traverser.draw_frame(View(from_afar(*hlod, random)), device, options);
+          std::vector<int> drawn = drawn_patches(*hlod, frame);
+          const Refined refined = least_front(*hlod, drawn);
+          EXPECT_EQ(clear_refined(*hlod, refined, drawn), frame.stats.rarn);
+          EXPECT_EQ(drawn, patches_of(*hlod, refined));
+          fronts.insert(frame.front_hash);
+        }
+        EXPECT_GT(fronts.size(), 8U) << static_cast<int>(strategy);
+      }
+    }
+}
+
+// The truth without a traversal: every node whose error is above the tolerance is refined, and the front drawn as a
+// whole.
+TEST(Vfc, ShowsTheFrontOfTheTolerance) {
+  for (const Grouping grouping : {Grouping::nested, Grouping::shifted})
+    for (const Hlod* hlod : {&city(grouping), &planet(grouping)}) {
+      const PlacedHlod placed{hlod};
+      Traverser traverser({&placed, 1});
+      SoftwareDevice device, truth;
+      std::mt19937_64 random(31);
+      std::size_t drawn = 0, whole = 0;
+      for (int i = 0; i < 40; ++i) {
+        TraverseOptions options;
+        options.strategy = Strategy::vfc;
+        options.tolerance_px = i % 8 == 0 ? 0.0 : 2.0;
+        Camera camera = random_camera(hlod->data().box, random);
+        if (i % 5 == 0) camera.orthographic_height = 1.0;
+        const View view(camera);
+        drawn += traverser.draw_frame(view, device, options).stats.drawn_patches;
+        const ScreenScale scale = screen_scale(view, ObjectView(view, placed.object_to_world));
+        Refined refined(hlod->node_count());
+        for (NodeId n = 0; n < hlod->node_count(); ++n) {
+          const double error = screen_error_px(hlod->node(n), scale);
+          refined[n] = hlod->node(n).level > 0 && (options.tolerance_px == 0.0 || error > options.tolerance_px) ? 1 : 0;
+        }
+        truth.begin_frame(view, {&placed, 1});
+        for_each_drawn(*hlod, refined, [&](NodeId n, const Patch& patch, std::size_t) {
+          const DrawRange range{patch.first_index, patch.index_count};
+          truth.draw({0, n, {&range, 1}});
+          ++whole;
+        });
+        truth.end_frame();
+        EXPECT_EQ(device.depth().nearness, truth.depth().nearness) << i;
+      }
+      EXPECT_LT(drawn, whole * 3 / 4);  // or nothing was outside
+    }
+}
+
+// Stop-and-wait and what is known beforehand draw the same, biased or not, in every frame.
+TEST(Ideal, IsTheFrontOfStopAndWait) {
+  for (const bool biased : {false, true}) {
+    const Hlod& hlod = city(Grouping::shifted);
+    const PlacedHlod placed{&hlod};
+    Traverser waiting({&placed, 1}), ideal({&placed, 1});
+    SoftwareDevice device, drawn_on, oracle;
+    for (int i = 0; i < 20; ++i) {
+      TraverseOptions options;
+      options.biased = biased;
+      options.strategy = biased ? Strategy::sw_b : Strategy::sw;
+      const View view(walk(hlod.data().box, i, 100));
+      const Frame& asked = waiting.draw_frame(view, device, options);
+      EXPECT_GT(asked.stats.queries, asked.stats.drawn_nodes);
+      options.strategy = Strategy::ideal;
+      options.oracle = &oracle;
+      const Frame& known = ideal.draw_frame(view, drawn_on, options);
+      EXPECT_EQ(known.front_hash, asked.front_hash);
+      EXPECT_EQ(known.stats.drawn_nodes, asked.stats.drawn_nodes);
+      EXPECT_EQ(known.stats.queries, 0U);
+      EXPECT_EQ(drawn_on.work().boxes, 0U);
+      EXPECT_EQ(drawn_on.depth().nearness, device.depth().nearness);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace occlod::hlod
