@@ -60,6 +60,8 @@ struct FrameTimes {
   double gpu_ms = 0.0;     // that the device was busy
   double stall_ms = 0.0;   // that the calling thread waited for answers
   double starve_ms = 0.0;  // that the device had nothing to do between its first and its last command
+
+  friend bool operator==(const FrameTimes&, const FrameTimes&) = default;
 };
 
 // A device. Commands take effect in the order in which they are given: a query counts against all draws before it and
