@@ -14,6 +14,7 @@ import unittest
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 PREAMBLE = """#include <occlod/occlod.h>
+#include <occlod/device/recorded_device.h>
 #include <occlod/device/virtual_device.h>
 #include <occlod/hlod/build.h>
 #include <occlod/io/ohlod.h>

@@ -38,7 +38,7 @@ struct RecordingData {
 [[nodiscard]] std::optional<std::string> check_recording(const RecordingData& data);
 
 inline constexpr sections::FileKind recording_kind{
-    {'O', 'R', 'E', 'C', '\r', '\n', '\x1a', '\n'}, 1, "recording", "record one", "record it again"};
+    {'O', 'R', 'E', 'C', '\r', '\n', '\x1a', '\n'}, 1, ".orec", "record one", "record it again"};
 inline constexpr std::string_view calls_name = "CALL", counts_name = "CNTS", times_name = "TIME", device_name = "NAME";
 
 }  // namespace occlod::hlod
