@@ -40,6 +40,9 @@ TEST_F(CalibrationFile, GivesTheSameNumbersBack) {
   Calibration calibration = round_calibration();
   calibration.visit_ns = 1.0 / 3.0;
   calibration.backends.push_back({"gl-compute", 0.1 + 0.2, 2.0 / 3.0, 1e-3, 123456.789, 1e7});
+  calibration.devices.assign(hlod::device_presets().begin(), hlod::device_presets().end());
+  calibration.devices[0].draw_ns = 10.0 / 3.0;
+  calibration.devices[1].latency_commands = 7;
   write_calibration(path_, calibration);
   EXPECT_EQ(read_calibration(path_), calibration);
 }
@@ -67,6 +70,37 @@ TEST_F(CalibrationFile, RefusesWhatIsNoCalibration) {
   EXPECT_NE(mistake().find("/visit_ns"), std::string::npos);
   write("{" + costs + R"(, "backends": [)" + backend + ", " + backend + "]}");
   EXPECT_NE(mistake().find("/backends/1/name"), std::string::npos);
+}
+
+// Files from before HLODs have no devices, and programs without HLODs write none.
+TEST_F(CalibrationFile, MayHaveDevices) {
+  const std::string json = calibration_json(round_calibration());
+  EXPECT_EQ(json.find("devices"), std::string::npos);
+  const std::string before = json.substr(0, json.rfind('}'));
+  write(before + R"(, "devices": []})");
+  EXPECT_EQ(mistake(), "none");
+  std::string device =
+      R"({"name": "gl", "latency_commands": 0, "draw_ns": 1, "triangle_ns": 1, "fragment_ns": 1, "query_ns": 1, )"
+      R"("query_fragment_ns": 1, "wrapped_query_ns": 1, "readback_ns": 1, "batch_ns": 1, "batch_item_ns": 1, )"
+      R"("submit_ns": 1, "visit_ns": 0})";
+  write(before + R"(, "devices": [)" + device + "]}");
+  EXPECT_EQ(mistake(), "none");
+  write(before + R"(, "devices": [)" + device + ", " + device + "]}");
+  EXPECT_NE(mistake().find("/devices/1/name"), std::string::npos);
+  device.replace(device.find(": 1"), 3, ": -1");
+  write(before + R"(, "devices": [)" + device + "]}");
+  EXPECT_NE(mistake().find("/devices/0/draw_ns"), std::string::npos);
+  write(before + R"(, "devices": [{"name": "gl"}]})");
+  EXPECT_NE(mistake().find("latency_commands"), std::string::npos);
+}
+
+TEST(Calibration, KnowsDevicesByName) {
+  Calibration calibration = round_calibration();
+  EXPECT_THROW(static_cast<void>(device_costs_of(calibration, "modern")), Error);
+  calibration.devices.assign(hlod::device_presets().begin(), hlod::device_presets().end());
+  EXPECT_EQ(device_costs_of(calibration, "modern"), hlod::device_preset("modern"));
+  calibration.devices[3].query_ns = -1.0;
+  EXPECT_THROW(check_calibration(calibration), Error);
 }
 
 TEST_F(CalibrationFile, RefusesAFileThatIsNotThere) { EXPECT_NE(mistake().find(path_.string()), std::string::npos); }

@@ -22,6 +22,7 @@ void check(const DeviceCosts& costs) {
   checker.at_least("fragment_ns", costs.fragment_ns, 0.0);
   checker.at_least("query_ns", costs.query_ns, 0.0);
   checker.at_least("query_fragment_ns", costs.query_fragment_ns, 0.0);
+  checker.at_least("wrapped_query_ns", costs.wrapped_query_ns, 0.0);
   checker.at_least("readback_ns", costs.readback_ns, 0.0);
   checker.at_least("batch_ns", costs.batch_ns, 0.0);
   checker.at_least("batch_item_ns", costs.batch_item_ns, 0.0);

@@ -21,6 +21,7 @@ struct DeviceCosts {
   double fragment_ns = 0.0;        // T_r^f: of a draw
   double query_ns = 0.0;           // T_o^s: set-up of a query, its few triangles included
   double query_fragment_ns = 0.0;  // T_o^f
+  double wrapped_query_ns = 0.0;   // T_o^o: what a query beside a draw adds to the draw
   double readback_ns = 0.0;  // from the end of a query on the device until it can be read: T_o^l without the query
   std::uint32_t latency_commands = 0;  // nor is it available before so many commands have followed; wait() need not
                                        // wait for them
@@ -28,6 +29,8 @@ struct DeviceCosts {
   double batch_item_ns = 0.0;          // of each box in it
   double submit_ns = 0.0;              // of the processor: giving one command
   double visit_ns = 0.0;               // of the processor: looking at one node
+
+  friend bool operator==(const DeviceCosts&, const DeviceCosts&) = default;
 };
 
 // `query-cheap`, `query-dear`, `fill-bound` and `modern`. What they stand for: docs/guide/hlod.md.

@@ -7,8 +7,10 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "occlod/device/device_costs.h"
 #include "occlod/refine/visibility.h"
 
 namespace occlod {
@@ -35,6 +37,9 @@ struct Calibration {
   double triangle_ns = 0.0;    // drawing one triangle into the item buffer; a program that draws otherwise sets its own
   double fragment_ns = 0.0;    // drawing one fragment, likewise
   std::vector<BackendCosts> backends;  // one for each name
+  // Of what HLODs are drawn with, by hlod::measure_costs(); one for each name. Times >= 0. measure_calibration() leaves
+  // it empty, and files may leave it out.
+  std::vector<hlod::DeviceCosts> devices = {};
 
   friend bool operator==(const Calibration&, const Calibration&) = default;
 };
@@ -43,7 +48,10 @@ struct Calibration {
 // passes: some 150 ms on the CPU. Throws what a backend throws.
 [[nodiscard]] Calibration measure_calibration(std::span<const std::unique_ptr<Visibility>> backends);
 
-// Throws Error that names the first number that is not finite or not larger than 0.
+// The costs of the device with this name. Throws Error that lists the names.
+[[nodiscard]] const hlod::DeviceCosts& device_costs_of(const Calibration& calibration, std::string_view device);
+
+// Throws Error that names the first number that is not finite or not larger than 0; of devices, below 0.
 void check_calibration(const Calibration& calibration);
 
 // As JSON, with every digit, so that reading gives the same calibration back.
