@@ -90,6 +90,29 @@ TEST(SimplifyGroup, EndsAtTheCostAndAtTheTriangles) {
   EXPECT_LE(cheap.error, quarter.error);
 }
 
+TEST(SimplifyGroup, CollapsesLeadToTheResultInAnyPartOfTheirOrder) {
+  for (const TriangleMesh& mesh :
+       {test::noisy_sphere(4, 3), test::grid(20, 20), test::moebius(40), test::book(7), test::many_tetrahedra(20)}) {
+    GroupTarget target = target_for(mesh, mesh.triangle_count() / 10);
+    EXPECT_TRUE(simplify_group(mesh, {}, target).collapses.empty()) << "not wanted";
+    target.keeps_collapses = true;
+    const SimplifiedGroup group = simplify_group(mesh, {}, target);
+    // From fine to coarse: what a vertex is merged into is still there, and errors ascend to the largest.
+    std::vector<VertexId> image = identity(mesh.vertex_count());
+    float error = 0.0F;
+    for (std::size_t i = group.collapses.size(); i-- > 0;) {
+      const GroupCollapse& c = group.collapses[i];
+      EXPECT_EQ(image[c.v], c.v);
+      EXPECT_EQ(image[c.u], c.u);
+      EXPECT_GE(c.error, error);
+      error = c.error;
+      for (VertexId& v : image) v = v == c.v ? c.u : v;
+    }
+    EXPECT_EQ(image, group.merged_into);
+    EXPECT_EQ(error, group.error);
+  }
+}
+
 TEST(SimplifyGroup, CostsOfGroupsCompareWhateverTheirSize) {
   // The same bump in a mesh of its own and beside a triangle far away, by the scale of the larger mesh.
   const TriangleMesh small = test::noisy_sphere(3, 3);

@@ -18,6 +18,14 @@ struct GroupTarget {
   double boundary_weight = 1.0;                         // as in BuildOptions
   float most_cost = std::numeric_limits<float>::max();  // collapses that cost more are not made
   std::size_t least_triangles = 0;                      // ends when no more are left
+  bool keeps_collapses = false;                         // whether SimplifiedGroup::collapses is wanted
+};
+
+// v was merged into u.
+struct GroupCollapse {
+  VertexId v = no_id;
+  VertexId u = no_id;
+  float error = 0.0F;  // quadric error, object units; no less than that of any collapse that this one comes after
 };
 
 // What a group became.
@@ -27,6 +35,9 @@ struct SimplifiedGroup {
   float error = 0.0F;                 // the largest quadric error of a collapse, object units
   float guaranteed_error = 0.0F;      // no triangle that is left is farther from the input, object units
   float cost = 0.0F;                  // of the dearest collapse, for GroupTarget::most_cost
+  // By descending error, each before those that it comes after: without the last k, the mesh is what the others lead
+  // to. Only if wanted.
+  std::vector<GroupCollapse> collapses;
 };
 
 // Collapses edges of `mesh`, cheapest first, as build_hierarchy() does. A vertex v with locked[v] != 0 is never merged
