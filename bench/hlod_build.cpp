@@ -30,6 +30,7 @@ using hlod::Borders;
 using hlod::Grouping;
 using hlod::Hlod;
 using hlod::NodeId;
+using hlod::Within;
 
 struct Options {
   std::vector<std::string> meshes = {"planet:8",
@@ -51,10 +52,12 @@ struct Kind {
   const char* name;
   Grouping grouping;
   Borders borders;
+  Within within;
 };
-constexpr Kind kinds[] = {{"shifted", Grouping::shifted, Borders::locked},
-                          {"nested, free", Grouping::nested, Borders::free},
-                          {"nested, locked", Grouping::nested, Borders::locked}};
+constexpr Kind kinds[] = {{"shifted", Grouping::shifted, Borders::locked, Within::geomorph},
+                          {"shifted, splits", Grouping::shifted, Borders::locked, Within::splits},
+                          {"nested, free", Grouping::nested, Borders::free, Within::geomorph},
+                          {"nested, locked", Grouping::nested, Borders::locked, Within::geomorph}};
 
 // The least of several rounds, in seconds.
 struct Times {
@@ -145,6 +148,7 @@ void print_rows(const std::string& name, const Options& options) {
       hlod::BuildOptions build;
       build.grouping = kinds[k].grouping;
       build.borders = kinds[k].borders;
+      build.within = kinds[k].within;
       build.threads = options.threads;
       time(times[k], [&] { hlods[k] = build_hlod(mesh, build); });
     }
@@ -155,7 +159,9 @@ void print_rows(const std::string& name, const Options& options) {
   for (std::size_t k = 0; k < std::size(kinds); ++k) {
     double stored = 0.0;
     for (const hlod::Node& node : hlods[k].data().nodes) stored += node.triangles;
-    const std::size_t violations = validate(hlods[k], {options.fronts}).size();
+    // Fronts with cuts within nodes are summed up triangle by triangle.
+    const std::size_t fronts = kinds[k].within == Within::splits ? options.fronts / 10 : options.fronts;
+    const std::size_t violations = validate(hlods[k], {fronts}).size();
     fmt::print("| {} | {} | {:.2f} | {:.2f} | {:.2f} | {} | {} | {:.2f} | {:.1f} | {} | {} |\n", name, kinds[k].name,
                times[k].wall, 1e6 * times[k].processor / triangles, direct.wall / times[k].wall, hlods[k].node_count(),
                hlods[k].data().roots.size(), stored / triangles, static_cast<double>(hlods[k].bytes()) / triangles,
@@ -176,7 +182,7 @@ int run(int argc, char** argv) {
   Options options;
   app.add_option("MESHES", options.meshes, "Files in folders of OCCLOD_MESHES, or planet:LEVEL")->capture_default_str();
   app.add_option("--samples", options.samples, "Points on each surface")->capture_default_str();
-  app.add_option("--fronts", options.fronts, "Random fronts of each HLOD")->capture_default_str();
+  app.add_option("--fronts", options.fronts, "Random fronts of each HLOD; a tenth with splits")->capture_default_str();
   app.add_option("--threads", options.threads, "Of all builds; 0: one per core")->capture_default_str();
   app.add_option("--repeat", options.repeat, "Builds; times are the least")
       ->capture_default_str()

@@ -85,17 +85,25 @@ Json counts_of(const hlod::Hlod& hlod) {
   const hlod::HlodView& view = hlod.data();
   std::uint64_t stored = 0;
   for (const hlod::Node& node : view.nodes) stored += node.triangles;
-  return {{"triangles", view.input_triangle_count},
-          {"nodes", view.nodes.size()},
-          {"levels", view.levels.size()},
-          {"roots", view.roots.size()},
-          {"patches", view.patches.size()},
-          {"stored_triangles", stored},
-          {"grouping", view.grouping == hlod::Grouping::nested ? "nested" : "shifted"},
-          {"borders", view.borders == hlod::Borders::free ? "free" : "locked"},
-          {"node_triangles", view.node_triangles},
-          {"bytes", hlod.bytes()},
-          {"bytes_per_triangle", static_cast<double>(hlod.bytes()) / static_cast<double>(view.input_triangle_count)}};
+  Json counts = {{"triangles", view.input_triangle_count},
+                 {"nodes", view.nodes.size()},
+                 {"levels", view.levels.size()},
+                 {"roots", view.roots.size()},
+                 {"patches", view.patches.size()},
+                 {"stored_triangles", stored},
+                 {"grouping", view.grouping == hlod::Grouping::nested ? "nested" : "shifted"},
+                 {"borders", view.borders == hlod::Borders::free ? "free" : "locked"},
+                 {"node_triangles", view.node_triangles},
+                 {"within", view.within.empty() ? "geomorph" : "splits"}};
+  if (!view.within.empty()) {
+    std::uint64_t splits = 0;
+    for (const hlod::NodeWithin& within : view.within) splits += within.splits;
+    counts["splits"] = splits;
+    counts["within_bytes"] = view.within.size_bytes() + view.splits.size_bytes();
+  }
+  counts["bytes"] = hlod.bytes();
+  counts["bytes_per_triangle"] = static_cast<double>(hlod.bytes()) / static_cast<double>(view.input_triangle_count);
+  return counts;
 }
 
 Json levels_of(const hlod::Hlod& hlod) {

@@ -19,7 +19,8 @@ void add_hlod_validate(CLI::App& hlod);
 // One mesh of all that these files hold: a mesh as it is, several, or scenes, together in world space.
 [[nodiscard]] CleanMesh read_hlod_input(const std::vector<std::string>& files, Progress& progress);
 
-// nodes, levels, roots, patches, triangles, stored_triangles, grouping, borders, node_triangles, bytes.
+// nodes, levels, roots, patches, triangles, stored_triangles, grouping, borders, node_triangles, within, bytes; with
+// refinement within nodes splits and within_bytes, which are part of bytes.
 [[nodiscard]] Json counts_of(const hlod::Hlod& hlod);
 
 // For each level from the input up: nodes, triangles, vertices, what a node has of parents and children on average, and

@@ -103,6 +103,10 @@ void add_hlod_build(CLI::App& hlod) {
   add_choice(command, "--borders", options->build.borders,
              {{"locked", hlod::Borders::locked}, {"free", hlod::Borders::free}},
              "locked: vertices that nodes share stay; free: neighbours of different levels leave gaps (nested only)");
+  add_choice(command, "--within", options->build.within,
+             {{"geomorph", hlod::Within::geomorph}, {"splits", hlod::Within::splits}},
+             "geomorph: vertices can slide to the coarser level; splits: also keep each node's collapses, so that its "
+             "error can be anything between two levels, for about twice the bytes");
   add_number(command, "--boundary-weight", options->build.boundary_weight, RealRange{0.0, largest_boundary_weight},
              "Weight of the error at boundary edges, relative to the error of the surface")
       ->capture_default_str();

@@ -41,7 +41,7 @@ void add_hlod_info(CLI::App& hlod) {
   CLI::App& command = *hlod.add_subcommand("info", "Describe the nodes of an .ohlod file, level by level");
   const auto options = std::make_shared<Options>();
   add_file(command, "FILE", options->file, "An .ohlod file")->required();
-  command.add_flag("--check", options->check, "Read and check the meshes of all nodes too");
+  command.add_flag("--check", options->check, "Read and check the meshes and splits of all nodes too");
   command.add_flag("--json", options->json, "Print the result as one JSON object");
   command.callback([options] { run(*options); });
 }

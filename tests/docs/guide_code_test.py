@@ -17,6 +17,7 @@ PREAMBLE = """#include <occlod/occlod.h>
 #include <occlod/device/recorded_device.h>
 #include <occlod/device/virtual_device.h>
 #include <occlod/hlod/build.h>
+#include <occlod/hlod/within.h>
 #include <occlod/io/ohlod.h>
 #include <occlod/traverse/traverser.h>
 #include <glm/gtc/matrix_transform.hpp>

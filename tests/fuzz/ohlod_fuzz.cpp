@@ -14,6 +14,7 @@
 #include "io/ohlod_format.h"
 #include "occlod/core/error.h"
 #include "occlod/hlod/validate.h"
+#include "occlod/hlod/within.h"
 #include "occlod/io/ohlod.h"
 
 namespace occlod::ohlod {
@@ -22,11 +23,14 @@ namespace {
 // The digests of all nodes, if the arrays are such that they have one.
 void sign_meshes(const fuzz::SectionSigner& file) {
   hlod::HlodView view;
-  for_each_array(view, [&](std::string_view name, auto& array, bool) {
+  const auto find = [&](std::string_view name, auto& array, bool) {
     array = file.find<typename std::decay_t<decltype(array)>::value_type>(name);
-  });
+  };
+  for_each_array(view, find);
+  for_each_within_array(view, find);
   const std::span<Summary> summary = file.find<Summary>(summary_name);
   const std::span<std::uint64_t> digests = file.find<std::uint64_t>(digests_name);
+  const std::span<std::uint64_t> splits_digests = file.find<std::uint64_t>(splits_digests_name);
   if (summary.empty()) return;
   view.box = summary[0].box;
   view.input_triangle_count = summary[0].input_triangle_count;
@@ -36,6 +40,8 @@ void sign_meshes(const fuzz::SectionSigner& file) {
   view.has_colors = summary[0].has_colors == 1;
   if (check_structure(view) || digests.size() != view.nodes.size()) return;
   for (hlod::NodeId n = 0; n < view.nodes.size(); ++n) digests[n] = digest_of_mesh(view, n);
+  if (splits_digests.size() != view.within.size()) return;
+  for (hlod::NodeId n = 0; n < view.within.size(); ++n) splits_digests[n] = digest_of_splits(view, n);
 }
 
 void sign(std::vector<std::byte>& bytes) {
@@ -52,7 +58,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   occlod::ohlod::sign(bytes);
   const occlod::fuzz::MemoryFile file(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
   try {
-    (void)occlod::hlod::validate(occlod::read_ohlod(file.path()).hlod, {4});
+    const occlod::hlod::Hlod hlod = occlod::read_ohlod(file.path()).hlod;
+    (void)occlod::hlod::validate(hlod, {4});
+    for (occlod::hlod::NodeId n = 0; n < hlod.node_count(); ++n)
+      (void)occlod::hlod::within_cut(hlod, n, 0.5 * static_cast<double>(hlod.node(n).error));
   } catch (const occlod::Error&) {
     return 0;  // refused
   }

@@ -50,7 +50,9 @@ TEST(BuildHlod, EveryKindOfMeshBuildsValidatesAndComesBack) {
     for (const auto& [grouping, borders] : all_kinds) {
       SCOPED_TRACE(std::string(name) + (grouping == Grouping::nested ? " nested" : " shifted") +
                    (borders == Borders::free ? " free" : " locked"));
-      const Hlod hlod = build_hlod(mesh, small_nodes(grouping, borders));
+      BuildOptions options = small_nodes(grouping, borders);
+      options.within = Within::splits;
+      const Hlod hlod = build_hlod(mesh, options);
       const std::vector<std::string> violations = validate(hlod);
       EXPECT_TRUE(violations.empty()) << violations[0];
       EXPECT_TRUE(restores(hlod, mesh));

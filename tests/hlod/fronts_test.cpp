@@ -59,6 +59,16 @@ TEST(Fronts, TenThousandRandomFrontsHaveTheBoundaryOfTheInput) {
   EXPECT_EQ(violation_of(small_hlod(generate_city({.blocks = 5, .facade_cells = 6})), 10'000), "");
 }
 
+TEST(Fronts, AThousandWithCutsWithinNodesToo) {
+  for (const TriangleMesh& mesh :
+       {occlod::test::noisy_sphere(6, 1), terrain_with_holes(100), generate_city({.blocks = 5, .facade_cells = 6})}) {
+    BuildOptions options;
+    options.node_triangles = 64;
+    options.within = Within::splits;
+    EXPECT_EQ(violation_of(build_hlod(mesh, options), 1'000), "");
+  }
+}
+
 TEST(Fronts, FreeBordersGapeAndAreSeen) {
   // What the check is worth: the same groups with free borders, said to be locked.
   HlodData data = copy_data(small_hlod(occlod::test::noisy_sphere(6, 1), Grouping::nested, Borders::free));

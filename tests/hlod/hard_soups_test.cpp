@@ -22,6 +22,7 @@ void expect_sound(const TriangleMesh& mesh, std::uint32_t node_triangles = 64) {
       options.node_triangles = node_triangles;
       options.grouping = grouping;
       options.borders = borders;
+      options.within = Within::splits;
       const Hlod hlod = build_hlod(mesh, options);
       const std::vector<std::string> violations = validate(hlod, {200});
       EXPECT_TRUE(violations.empty()) << violations[0];

@@ -21,6 +21,8 @@ namespace occlod::hlod::test {
   add(view.roots);
   add(view.levels);
   add(view.meshes);
+  add(view.within);
+  add(view.splits);
   return bytes;
 }
 

@@ -19,6 +19,7 @@ const Hlod& good() {
   static const Hlod hlod = [] {
     BuildOptions options;
     options.node_triangles = 64;
+    options.within = Within::splits;
     return build_hlod(occlod::test::noisy_sphere(5, 2), options);
   }();
   return hlod;
@@ -97,6 +98,20 @@ TEST(Structure, FindsMeshesOutsideTheirArray) {
   expect_problem("is too large", [](HlodData& d) { d.nodes.back().vertices = 65'536; });
   expect_problem("is too large", [](HlodData& d) { d.nodes.back().triangles = no_id; });
   expect_problem("outside the meshes", [](HlodData& d) { d.has_normals = true; });
+}
+
+TEST(Structure, FindsSplitsThatDoNotFit) {
+  expect_problem("splits of no node", [](HlodData& d) { d.within.clear(); });
+  expect_problem("splits of some nodes only", [](HlodData& d) { d.within.pop_back(); });
+  expect_problem("but has splits", [](HlodData& d) { d.within.back() = d.within[0]; });
+  expect_problem("but no splits", [](HlodData& d) { d.within[2].splits = 0; });
+  expect_problem("too many splits", [](HlodData& d) { d.within[2].splits = 65'535; });
+  expect_problem("too many splits", [](HlodData& d) { d.within[2].bare = no_id; });
+  expect_problem("too many splits", [](HlodData& d) { d.within[2].triangles = no_id; });
+  expect_problem("outside the splits", [](HlodData& d) { d.within[2].place += 4; });
+  expect_problem("outside the splits", [](HlodData& d) { d.within[2].place = ~std::uint64_t{15}; });
+  expect_problem("outside the splits", [](HlodData& d) { d.within[2].triangles = 1'000'000; });
+  expect_problem("outside the splits", [](HlodData& d) { d.splits.resize(d.splits.size() / 2); });
 }
 
 // One value of the mesh of a node of level 0.

@@ -18,6 +18,7 @@ const Hlod& good() {
   static const Hlod hlod = [] {
     BuildOptions options;
     options.node_triangles = 64;
+    options.within = Within::splits;
     return build_hlod(occlod::test::noisy_sphere(5, 2), options);
   }();
   return hlod;
@@ -112,6 +113,85 @@ TEST(ValidateHlod, FindsTrianglesAndMergesThatContradictEachOther) {
     for (std::uint16_t& target : merged_into(d, last_node()))
       if (target != stays) target = target == 0 ? 1 : 0;
   });
+}
+
+template <typename T>
+std::span<T> array_of(HlodData& data, NodeId n, std::size_t SplitsLayout::*offset, std::size_t count) {
+  const SplitsLayout layout(data.within[n], false, false);
+  return {reinterpret_cast<T*>(data.splits.data() + data.within[n].place + layout.*offset), count};
+}
+std::span<float> split_errors(HlodData& data, NodeId n) {
+  return array_of<float>(data, n, &SplitsLayout::errors, data.within[n].splits);
+}
+std::span<std::uint16_t> split_parents(HlodData& data, NodeId n) {
+  return array_of<std::uint16_t>(data, n, &SplitsLayout::parents, data.within[n].splits);
+}
+std::span<std::uint16_t> split_indices(HlodData& data, NodeId n) {
+  return array_of<std::uint16_t>(data, n, &SplitsLayout::indices, 3 * std::size_t{data.within[n].triangles});
+}
+NodeId node_with_splits() {
+  NodeId n = inner_node();
+  while (good().data().within[n].splits < 10) ++n;
+  return n;
+}
+glm::vec3& split_position(HlodData& data, NodeId n, std::size_t split) {
+  return reinterpret_cast<glm::vec3*>(data.splits.data() + data.within[n].place)[data.within[n].bare + split];
+}
+
+TEST(ValidateHlod, FindsSplitsThatCannotBeUsed) {
+  expect_violation("errors of splits do not descend", [](HlodData& d) {
+    const auto errors = split_errors(d, 0);
+    std::swap(errors.front(), errors.back());
+  });
+  expect_violation("errors of splits do not descend", [](HlodData& d) { split_errors(d, 0).back() = -1.0F; });
+  expect_violation("before one that it needs",
+                   [](HlodData& d) { split_parents(d, 0)[5] = static_cast<std::uint16_t>(d.nodes[0].vertices + 5); });
+  expect_violation("splits of node 0: an index is out of range", [](HlodData& d) { split_indices(d, 0)[7] = stays; });
+  expect_violation("splits of node 0: a triangle repeats",
+                   [](HlodData& d) { split_indices(d, 0)[0] = split_indices(d, 0)[1]; });
+  expect_violation("splits of node 0: a position is not finite",
+                   [](HlodData& d) { split_position(d, 0, 3).z = std::numeric_limits<float>::quiet_NaN(); });
+}
+
+TEST(ValidateHlod, FindsSplitsThatLeadElsewhere) {
+  expect_violation("have a vertex that is none of the input",
+                   [](HlodData& d) { split_position(d, node_with_splits(), 3).x += 0.01F; });
+  expect_violation("have a vertex twice", [](HlodData& d) {
+    split_position(d, node_with_splits(), 3) = split_position(d, node_with_splits(), 4);
+  });
+  expect_violation("do not lead back to the triangles", [](HlodData& d) {
+    const auto indices = split_indices(d, node_with_splits());  // turned over
+    std::swap(indices[0], indices[1]);
+  });
+  expect_violation("do not lead back to the triangles", [](HlodData& d) {
+    std::swap(split_position(d, node_with_splits(), 0),
+              split_position(d, node_with_splits(), d.within[node_with_splits()].splits - 1U));
+  });
+  expect_violation("have a larger error than it", [](HlodData& d) {
+    split_errors(d, node_with_splits())[0] = 1.01F * d.nodes[node_with_splits()].error;
+  });
+  // All splits together do not use their parents, but none of them do.
+  expect_violation("do not begin with its mesh", [](HlodData& d) {
+    for (std::uint16_t& parent : split_parents(d, node_with_splits())) parent = 0;
+  });
+}
+
+TEST(ValidateHlod, FindsSplitsThatContradictMerges) {
+  // Two splits at the end of the sequence swap their vertices, and triangles with them: both ends of the sequence are
+  // right, but vertices go where no child says that they do.
+  const NodeId n = node_with_splits();
+  HlodData probe = copy_data(good());
+  const auto parents = split_parents(probe, n);
+  const std::size_t last = parents.size() - 1;
+  const auto root_of = [&](std::size_t split) {
+    const std::size_t first = probe.nodes[n].vertices + std::size_t{probe.within[n].bare};
+    std::size_t v = first + split;
+    while (v >= first) v = parents[v - first];
+    return v;
+  };
+  std::size_t other = last;
+  while (root_of(other) == root_of(last)) --other;
+  expect_violation("the splits of node", [&](HlodData& d) { split_parents(d, n)[last] = split_parents(d, n)[other]; });
 }
 
 TEST(ValidateHlod, FindsFrontsThatGape) {

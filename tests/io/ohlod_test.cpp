@@ -14,6 +14,7 @@
 #include "occlod/core/error.h"
 #include "occlod/hlod/build.h"
 #include "occlod/hlod/validate.h"
+#include "occlod/hlod/within.h"
 #include "support/meshes.h"
 
 namespace occlod {
@@ -39,6 +40,17 @@ class OhlodTest : public ::testing::Test {
   }
   ~OhlodTest() override { std::filesystem::remove_all(folder_); }
 
+  // With splits.
+  [[nodiscard]] Hlod refinable() const {
+    hlod::BuildOptions options;
+    options.node_triangles = 64;
+    options.within = hlod::Within::splits;
+    return build_hlod(mesh_, options);
+  }
+  [[nodiscard]] std::filesystem::path write_refinable() const {
+    write_ohlod(folder_ / "refinable.ohlod", refinable(), report_);
+    return folder_ / "refinable.ohlod";
+  }
   [[nodiscard]] std::filesystem::path write_good() const {
     write_ohlod(folder_ / "good.ohlod", hlod_, report_);
     return folder_ / "good.ohlod";
@@ -63,7 +75,10 @@ class OhlodTest : public ::testing::Test {
   }
   // Of a file with good checksums whose content has been changed.
   [[nodiscard]] std::string refusal_of_lie(const std::function<void(HlodData&)>& lie) const {
-    HlodData data = copy_data(hlod_);
+    return refusal_of_lie(hlod_, lie);
+  }
+  [[nodiscard]] std::string refusal_of_lie(const Hlod& of, const std::function<void(HlodData&)>& lie) const {
+    HlodData data = copy_data(of);
     lie(data);
     write_ohlod(folder_ / "lie.ohlod", make_hlod(std::move(data)), report_);
     return refusal(folder_ / "lie.ohlod");
@@ -102,25 +117,73 @@ TEST_F(OhlodTest, KindsComeBack) {
   EXPECT_TRUE(validate(file.hlod).empty());
 }
 
+TEST_F(OhlodTest, SplitsComeBackAndAreNotThereWithoutThem) {
+  const std::string plain = bytes_of(write_good()), refinable = bytes_of(write_refinable());
+  for (const char* section : {"WNOD", "WSPL", "WBLK"}) {
+    EXPECT_EQ(plain.find(section), std::string::npos);
+    EXPECT_NE(refinable.find(section), std::string::npos);
+  }
+  EXPECT_FALSE(read_ohlod(folder_ / "good.ohlod").hlod.has_within(0));
+  for (const OlodAccess access : {OlodAccess::mapped, OlodAccess::copied}) {
+    const OhlodFile file = read_ohlod(folder_ / "refinable.ohlod", access);
+    EXPECT_TRUE(file.hlod.has_within(0));
+    EXPECT_TRUE(validate(file.hlod).empty());
+    write_ohlod(folder_ / "again.ohlod", file.hlod, file.report);
+    EXPECT_EQ(bytes_of(folder_ / "again.ohlod"), refinable);
+  }
+}
+
+TEST_F(OhlodTest, DamagedSplitsAreFoundWhenTheyAreUsed) {
+  std::string bad = bytes_of(write_refinable());
+  std::uint64_t offset = 0;
+  std::memcpy(&offset, bad.data() + bad.find("WSPL") + 8, sizeof(offset));
+  bad[offset] = static_cast<char>(bad[offset] ^ 1);
+  const OhlodFile file = read_ohlod(write_bytes(bad));
+  EXPECT_NO_THROW(file.hlod.require(0)) << "its mesh is as it was";
+  EXPECT_NO_THROW(file.hlod.require_within(1));
+  EXPECT_THROW(file.hlod.require_within(0), Error);
+  EXPECT_THROW(file.hlod.require_within(0), Error) << "and again";
+  EXPECT_THROW((void)within_cut(file.hlod, 0, 0.0), Error);
+  EXPECT_NE(refusal(folder_ / "changed.ohlod").find("splits of node 0: are damaged: their checksum is wrong"),
+            std::string::npos);
+}
+
+TEST_F(OhlodTest, LiesAboutSplitsAreRefused) {
+  const Hlod good = refinable();
+  EXPECT_EQ(refusal_of_lie(good, [](HlodData&) {}), "");
+  EXPECT_NE(refusal_of_lie(good, [](HlodData& d) { d.within[0].splits = 60'000; }).find("valid HLOD"),
+            std::string::npos);
+  EXPECT_NE(refusal_of_lie(good, [](HlodData& d) { d.within[0].place += 4; }).find("valid HLOD"), std::string::npos);
+  EXPECT_NE(refusal_of_lie(good,
+                           [](HlodData& d) {
+                             const hlod::SplitsLayout layout(d.within[0], false, true);
+                             d.splits[d.within[0].place + layout.parents + 1] = std::byte{0x7f};
+                           })
+                .find("splits of node 0: are not valid: a split comes before one that it needs"),
+            std::string::npos);
+}
+
 TEST_F(OhlodTest, EveryTruncationIsRefused) {
-  const std::string good = bytes_of(write_good());
-  for (std::size_t size = 0; size < good.size(); size += size < 700 ? 1 : 509)
-    EXPECT_NE(refusal(write_bytes(good.substr(0, size))), "") << size << " bytes";
-  EXPECT_NE(refusal(write_bytes(good + "x")).find("truncated or has extra bytes"), std::string::npos);
+  for (const std::string& good : {bytes_of(write_good()), bytes_of(write_refinable())}) {
+    for (std::size_t size = 0; size < good.size(); size += size < 700 ? 1 : 509)
+      EXPECT_NE(refusal(write_bytes(good.substr(0, size))), "") << size << " bytes";
+    EXPECT_NE(refusal(write_bytes(good + "x")).find("truncated or has extra bytes"), std::string::npos);
+  }
 }
 
 TEST_F(OhlodTest, EveryFlippedBitIsRefused) {
-  // But for padding between sections, which nothing reads: less than 64 bytes before each of 11 sections.
-  const std::string good = bytes_of(write_good());
-  std::mt19937 random(3);
-  int unseen = 0;
-  for (int n = 0; n < 1000; ++n) {
-    std::string bad = good;
-    const std::size_t at = n < 700 ? static_cast<std::size_t>(n) : random() % bad.size();
-    bad[at] = static_cast<char>(bad[at] ^ (1 << (random() % 8)));
-    if (refusal(write_bytes(bad)).empty()) ++unseen;
+  // But for padding between sections, which nothing reads: less than 64 bytes before each of 11 sections, or 14.
+  for (const std::string& good : {bytes_of(write_good()), bytes_of(write_refinable())}) {
+    std::mt19937 random(3);
+    int unseen = 0;
+    for (int n = 0; n < 1000; ++n) {
+      std::string bad = good;
+      const std::size_t at = n < 700 ? static_cast<std::size_t>(n) : random() % bad.size();
+      bad[at] = static_cast<char>(bad[at] ^ (1 << (random() % 8)));
+      if (refusal(write_bytes(bad)).empty()) ++unseen;
+    }
+    EXPECT_LT(unseen, 80);
   }
-  EXPECT_LT(unseen, 80);
 }
 
 TEST_F(OhlodTest, SaysWhatIsWrong) {

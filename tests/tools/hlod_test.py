@@ -49,6 +49,29 @@ class Hlod(ToolTest):
         self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1))
         self.assertIn("--grouping nested", done.stderr)
 
+    def test_splits_are_kept_on_request(self):
+        usual, splits = self.build(), self.build("--within", "splits", output="splits.ohlod")
+        self.assertEqual((usual["within"], splits["within"]), ("geomorph", "splits"))
+        self.assertNotIn("within_bytes", usual)
+        self.assertEqual(splits["bytes"], usual["bytes"] + splits["within_bytes"])
+        self.assertGreater(splits["splits"], 0)
+        told = self.json_of("hlod", "info", "--check", "splits.ohlod")
+        for key in ("within", "within_bytes", "splits", "bytes"):
+            self.assertEqual(told[key], splits[key], key)
+        self.assertRegex(self.succeed("hlod", "info", "splits.ohlod"), r"(?m)^within_bytes +[1-9]")
+        self.assertTrue(self.json_of("hlod", "validate", "splits.ohlod", "--input", "planet.ply", "--fronts", 200)["valid"])
+        self.assertTrue(self.json_of("hlod", "info", "planet.ohlod")["within"] == "geomorph")
+        self.build("--within", "geomorph", output="geomorph.ohlod")
+        self.assertTrue(self.same_bytes("planet.ohlod", "geomorph.ohlod"))
+
+    def test_damaged_splits_are_found(self):
+        self.build("--within", "splits")
+        content = bytearray((self.folder / "planet.ohlod").read_bytes())
+        content[-100] ^= 1  # a checksum of splits: they come last
+        (self.folder / "planet.ohlod").write_bytes(content)
+        for command in (["info", "--check"], ["validate"]):
+            self.assertIn("checksum is wrong", self.failure_of("hlod", *command, "planet.ohlod"))
+
     def test_boundary_weight_is_used(self):
         """Where there is a boundary: free borders of nodes are one."""
         self.build("--grouping", "nested", "--borders", "free", output="a.ohlod")

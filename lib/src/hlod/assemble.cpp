@@ -6,13 +6,10 @@
 
 #include "hierarchy/parallel.h"
 #include "local_ids.h"
+#include "node_splits.h"
 
 namespace occlod::hlod {
 namespace {
-
-constexpr std::uint64_t align_up(std::uint64_t offset) {
-  return (offset + mesh_alignment - 1) / mesh_alignment * mesh_alignment;
-}
 
 // The vertices and patches of one node.
 struct NodeParts {
@@ -23,8 +20,8 @@ struct NodeParts {
 
 class Assembler {
  public:
-  Assembler(const TriangleMesh& mesh, std::vector<LevelDraft> levels, unsigned threads)
-      : mesh_(mesh), levels_(std::move(levels)), threads_(threads) {}
+  Assembler(const TriangleMesh& mesh, std::vector<LevelDraft> levels, Within within, unsigned threads)
+      : mesh_(mesh), levels_(std::move(levels)), within_(within), threads_(threads) {}
 
   HlodData run() {
     number_nodes();
@@ -33,6 +30,7 @@ class Assembler {
     lay_out();
     for_each_node([&](LocalIds&, NodeId n) { write_mesh(n); });
     for_each_node([&](LocalIds& ids, NodeId n) { link_merged(ids, n); });
+    if (within_ == Within::splits) add_splits();
     data_.box = bounding_box(mesh_.positions);
     data_.input_triangle_count = mesh_.triangles.size();
     data_.has_normals = !mesh_.normals.empty();
@@ -108,7 +106,7 @@ class Assembler {
       node.patches = static_cast<std::uint16_t>(parts_[n].patches.size());
       node.children = static_cast<std::uint16_t>(draft.children.size());
       node.mesh = end;
-      end = align_up(end + MeshLayout(node, has_normals, has_colors).bytes);
+      end = align_mesh(end + MeshLayout(node, has_normals, has_colors).bytes);
       data_.patches.insert(data_.patches.end(), parts_[n].patches.begin(), parts_[n].patches.end());
       for (const std::uint32_t child : draft.children)
         data_.children.push_back(data_.levels[node.level - 1U].first_node + child);
@@ -126,12 +124,7 @@ class Assembler {
     const Node& node = data_.nodes[n];
     const NodeParts& parts = parts_[n];
     const MeshLayout layout(node, !mesh_.normals.empty(), !mesh_.colors.empty());
-    for (std::size_t i = 0; i < parts.vertices.size(); ++i) {
-      const VertexId v = parts.vertices[i];
-      array_at<glm::vec3>(node, 0)[i] = mesh_.positions[v];
-      if (!mesh_.normals.empty()) array_at<glm::vec3>(node, layout.normals)[i] = mesh_.normals[v];
-      if (!mesh_.colors.empty()) array_at<glm::u8vec4>(node, layout.colors)[i] = mesh_.colors[v];
-    }
+    copy_vertices(mesh_, parts.vertices, layout, data_.meshes.data() + node.mesh);
     std::copy(parts.indices.begin(), parts.indices.end(), array_at<std::uint16_t>(node, layout.indices));
     std::fill_n(array_at<std::uint16_t>(node, layout.merged_into), parts.vertices.size(), stays);
   }
@@ -158,8 +151,16 @@ class Assembler {
     }
   }
 
+  void add_splits() {
+    std::vector<NodeSplitsData> splits(drafts_.size());
+    for_each_node(
+        [&](LocalIds& ids, NodeId n) { splits[n] = number_splits(drafts_[n]->within, parts_[n].vertices, ids); });
+    append_splits(mesh_, splits, data_);
+  }
+
   const TriangleMesh& mesh_;
   std::vector<LevelDraft> levels_;
+  Within within_;
   unsigned threads_;
   std::vector<const NodeDraft*> drafts_;  // by node
   std::vector<NodeParts> parts_;          // by node
@@ -168,8 +169,8 @@ class Assembler {
 
 }  // namespace
 
-HlodData assemble(const TriangleMesh& mesh, std::vector<LevelDraft> levels, unsigned threads) {
-  return Assembler(mesh, std::move(levels), threads).run();
+HlodData assemble(const TriangleMesh& mesh, std::vector<LevelDraft> levels, Within within, unsigned threads) {
+  return Assembler(mesh, std::move(levels), within, threads).run();
 }
 
 }  // namespace occlod::hlod

@@ -36,6 +36,7 @@ class Builder {
  public:
   Builder(const TriangleMesh& mesh, const BuildOptions& options)
       : mesh_(mesh),
+        within_(options.within),
         threads_(thread_count(options.threads)),
         progress_(options.progress),
         grouping_(mesh, options, threads_),
@@ -45,7 +46,7 @@ class Builder {
     progress_.reach(0.0);
     levels_.push_back(input_level(mesh_, grouping_.group_input(), threads_));
     while (levels_.back().nodes.size() > 1 && add_level()) continue;
-    return assemble(mesh_, std::move(levels_), threads_);
+    return assemble(mesh_, std::move(levels_), within_, threads_);
   }
 
  private:
@@ -73,6 +74,7 @@ class Builder {
   }
 
   const TriangleMesh& mesh_;
+  Within within_;
   unsigned threads_;
   BuildProgress progress_;
   TriangleGrouping grouping_;

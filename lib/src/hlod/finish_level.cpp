@@ -128,6 +128,7 @@ LevelDraft finish_level(const TriangleMesh& mesh, const LevelDraft& below, std::
         node.children = std::move(children[n]);
         node.merges = std::move(from.merges);
         node.bare_targets = std::move(from.bare_targets);
+        node.within = std::move(from.within);
         node.box = from.box;
         node.error = from.error;
         node.guaranteed_error = from.guaranteed_error;

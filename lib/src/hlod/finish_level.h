@@ -16,6 +16,7 @@ struct SimplifiedNode {
   std::vector<VertexId> bare_targets;           // as in NodeDraft
   Box box;                                      // as in Node
   float error = 0.0F, guaranteed_error = 0.0F;  // of this node's own collapses alone
+  SplitsDraft within;                           // with Within::splits
 };
 
 // Level 0: the groups of the input as they are.

@@ -9,6 +9,11 @@ namespace {
 // In [0, 1), the same with every standard library.
 double uniform(std::mt19937_64& random) { return static_cast<double>(random() >> 11U) * 0x1p-53; }
 
+bool are_parents_refined(const Hlod& hlod, const Refined& refined, NodeId n) {
+  return std::ranges::all_of(hlod.patches(n),
+                             [&](const Patch& patch) { return patch.parent == no_id || refined[patch.parent] != 0; });
+}
+
 }  // namespace
 
 Refined random_front(const Hlod& hlod, std::mt19937_64& random) {
@@ -26,13 +31,18 @@ Refined random_front(const Hlod& hlod, std::mt19937_64& random) {
   Refined refined(hlod.node_count(), 0);
   for (NodeId n = 0; n < hlod.node_count(); ++n) {  // parents first
     if (hlod.node(n).level == 0) continue;
-    const auto patches = hlod.patches(n);
-    const bool may_be = std::all_of(patches.begin(), patches.end(), [&](const Patch& patch) {
-      return patch.parent == no_id || refined[patch.parent] != 0;
-    });
+    const bool may_be = are_parents_refined(hlod, refined, n);
     refined[n] = uniform(random) < wanted(hlod.node(n)) && may_be ? 1 : 0;
   }
   return refined;
+}
+
+Cuts random_cuts_of(const Hlod& hlod, const Refined& refined, std::mt19937_64& random) {
+  Cuts cuts(hlod.node_count(), 0);
+  for (NodeId n = 0; n < hlod.node_count(); ++n)
+    if (hlod.has_within(n) && refined[n] == 0 && are_parents_refined(hlod, refined, n) && random() % 2 == 0)
+      cuts[n] = static_cast<std::uint32_t>(random() % (hlod.data().within[n].splits + 1U));
+  return cuts;
 }
 
 }  // namespace occlod::hlod

@@ -30,6 +30,16 @@ MeshLayout::MeshLayout(const Node& node, bool has_normals, bool has_colors) {
   bytes = merged_into + vertices * sizeof(std::uint16_t);
 }
 
+SplitsLayout::SplitsLayout(const NodeWithin& within, bool has_normals, bool has_colors) {
+  const std::size_t vertices = std::size_t{within.bare} + within.splits;
+  normals = vertices * sizeof(glm::vec3);
+  colors = normals + (has_normals ? vertices * sizeof(glm::vec3) : 0);
+  errors = colors + (has_colors ? vertices * sizeof(glm::u8vec4) : 0);
+  indices = errors + within.splits * sizeof(float);
+  parents = indices + 3 * std::size_t{within.triangles} * sizeof(std::uint16_t);
+  bytes = parents + within.splits * sizeof(std::uint16_t);
+}
+
 HlodView view_of(const HlodData& data) {
   return {data.nodes,
           data.patches,
@@ -43,7 +53,9 @@ HlodView view_of(const HlodData& data) {
           data.borders,
           data.node_triangles,
           data.has_normals,
-          data.has_colors};
+          data.has_colors,
+          data.within,
+          data.splits};
 }
 
 Hlod make_hlod(HlodData data) {
@@ -65,12 +77,15 @@ HlodData copy_data(const Hlod& hlod) {
           view.borders,
           view.node_triangles,
           view.has_normals,
-          view.has_colors};
+          view.has_colors,
+          to_vector(view.within),
+          {view.splits.begin(), view.splits.end()}};
 }
 
 Hlod guarded_hlod(const HlodView& view, std::shared_ptr<const void> owner, std::shared_ptr<NodeGuard> guard) {
   Hlod hlod(view, std::move(owner));
   hlod.checked_ = guard->checked();
+  hlod.within_checked_ = guard->within_checked();
   hlod.guard_ = std::move(guard);
   return hlod;
 }
@@ -79,8 +94,13 @@ Hlod::Hlod(const HlodView& view, std::shared_ptr<const void> owner) : view_(view
 
 void Hlod::check_mesh(NodeId n) const { guard_->check(n); }
 
+void Hlod::check_within(NodeId n) const { guard_->check_within(n); }
+
 void Hlod::require_all() const {
-  for (NodeId n = 0; n < node_count(); ++n) require(n);
+  for (NodeId n = 0; n < node_count(); ++n) {
+    require(n);
+    require_within(n);
+  }
 }
 
 NodeMesh Hlod::mesh(NodeId n) const noexcept {
@@ -96,9 +116,24 @@ NodeMesh Hlod::mesh(NodeId n) const noexcept {
           array_at<std::uint16_t>(bytes + layout.merged_into, vertices)};
 }
 
+NodeSplits Hlod::within(NodeId n) const noexcept {
+  const NodeWithin& within = view_.within[n];
+  const SplitsLayout layout(within, view_.has_normals, view_.has_colors);
+  assert(within.place % mesh_alignment == 0 && within.place + layout.bytes <= view_.splits.size());
+  const std::byte* const bytes = view_.splits.data() + within.place;
+  const std::size_t vertices = std::size_t{within.bare} + within.splits;
+  return {array_at<glm::vec3>(bytes, vertices),
+          array_at<glm::vec3>(bytes + layout.normals, view_.has_normals ? vertices : 0),
+          array_at<glm::u8vec4>(bytes + layout.colors, view_.has_colors ? vertices : 0),
+          array_at<float>(bytes + layout.errors, within.splits),
+          array_at<std::uint16_t>(bytes + layout.indices, 3 * std::size_t{within.triangles}),
+          array_at<std::uint16_t>(bytes + layout.parents, within.splits)};
+}
+
 std::size_t Hlod::bytes() const noexcept {
   return view_.nodes.size_bytes() + view_.patches.size_bytes() + view_.children.size_bytes() +
-         view_.roots.size_bytes() + view_.levels.size_bytes() + view_.meshes.size_bytes();
+         view_.roots.size_bytes() + view_.levels.size_bytes() + view_.meshes.size_bytes() + view_.within.size_bytes() +
+         view_.splits.size_bytes();
 }
 
 }  // namespace occlod::hlod

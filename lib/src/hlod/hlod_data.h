@@ -24,6 +24,8 @@ struct HlodData {
   std::uint32_t node_triangles = 0;
   bool has_normals = false;
   bool has_colors = false;
+  std::vector<NodeWithin> within;
+  LargeVector<std::byte> splits;
 };
 
 [[nodiscard]] HlodView view_of(const HlodData& data);
@@ -38,5 +40,17 @@ struct MeshLayout {
   std::size_t normals, colors, indices, merged_into;
   std::size_t bytes;  // without what aligns the next mesh
 };
+
+// The same for its splits.
+struct SplitsLayout {
+  SplitsLayout(const NodeWithin& within, bool has_normals, bool has_colors);
+
+  std::size_t normals, colors, errors, indices, parents;
+  std::size_t bytes;
+};
+
+constexpr std::uint64_t align_mesh(std::uint64_t offset) {
+  return (offset + mesh_alignment - 1) / mesh_alignment * mesh_alignment;
+}
 
 }  // namespace occlod::hlod

@@ -18,6 +18,17 @@ struct Merge {
   VertexId u = no_id;
 };
 
+// The splits of a node by its input's own vertex numbers, which have 16 bits.
+struct SplitsDraft {
+  struct Split {
+    std::uint16_t v = 0, u = 0;  // v was merged into u
+    float error = 0.0F;
+  };
+  std::vector<VertexId> vertices;      // of the input mesh, by own number
+  std::vector<std::uint16_t> indices;  // three for each triangle that the node was made from
+  std::vector<Split> splits;           // the coarsest first; none: the node has no splits, the rest is empty too
+};
+
 struct NodeDraft {
   std::uint32_t first_triangle = 0;  // into LevelDraft::triangles
   std::uint32_t triangle_count = 0;
@@ -27,6 +38,7 @@ struct NodeDraft {
   Box box, lod_box;
   Sphere sphere;
   float error = 0.0F, child_error = 0.0F, guaranteed_error = 0.0F, area = 0.0F;
+  SplitsDraft within;  // with Within::splits
 };
 
 struct LevelDraft {

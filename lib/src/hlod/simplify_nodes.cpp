@@ -43,6 +43,7 @@ class NodeSimplifier::Worker {
     result.box = box();
     for (const Triangle& t : simplified.triangles) result.triangles.emplace_back(global(t.x), global(t.y), global(t.z));
     list_vertices(simplified, result);
+    if (!simplified.collapses.empty() && input_.positions.size() <= stays) keep_splits(simplified, result.within);
     return result;
   }
 
@@ -68,7 +69,9 @@ class NodeSimplifier::Worker {
   [[nodiscard]] VertexId global(std::uint32_t local) const { return ids_.vertices()[local]; }
 
   [[nodiscard]] SimplifiedGroup simplify(float most_cost, std::size_t least_triangles) const {
-    return simplify_group(input_, locked_, {all_.scale_, all_.options_.boundary_weight, most_cost, least_triangles});
+    return simplify_group(input_, locked_,
+                          {all_.scale_, all_.options_.boundary_weight, most_cost, least_triangles,
+                           all_.options_.within == Within::splits});
   }
 
   [[nodiscard]] Box box() const {
@@ -91,6 +94,14 @@ class NodeSimplifier::Worker {
     std::sort(result.bare_targets.begin(), result.bare_targets.end());
     result.bare_targets.erase(std::unique(result.bare_targets.begin(), result.bare_targets.end()),
                               result.bare_targets.end());
+  }
+
+  void keep_splits(const SimplifiedGroup& simplified, SplitsDraft& within) const {
+    const auto own = [](std::uint32_t local) { return static_cast<std::uint16_t>(local); };
+    within.vertices.assign(ids_.vertices().begin(), ids_.vertices().end());
+    for (const Triangle& t : input_.triangles)
+      for (int k = 0; k < 3; ++k) within.indices.push_back(own(t[k]));
+    for (const GroupCollapse& c : simplified.collapses) within.splits.push_back({own(c.v), own(c.u), c.error});
   }
 
   const NodeSimplifier& all_;

@@ -33,6 +33,7 @@ class StructureCheck {
       if (const Problem problem = check_children(n)) return fmt::format("node {} {}", n, *problem);
     if (next_patch_ != d_.patches.size()) return "there are patches of no node";
     if (next_child_ != d_.children.size() || next_child_ != links) return "children and parents contradict each other";
+    if (const Problem problem = check_splits()) return problem;
     if (input_triangles != d_.input_triangle_count)
       return fmt::format("level 0 has {} triangles, not {}", input_triangles, d_.input_triangle_count);
     return check_roots();
@@ -114,6 +115,28 @@ class StructureCheck {
     return std::any_of(patches.begin(), patches.end(), [&](const Patch& patch) { return patch.parent == parent; });
   }
 
+  [[nodiscard]] Problem check_splits() const {
+    if (d_.within.empty()) return d_.splits.empty() ? Problem() : "there are splits of no node";
+    if (d_.within.size() != d_.nodes.size()) return "there are splits of some nodes only";
+    for (NodeId n = 0; n < d_.nodes.size(); ++n)
+      if (const Problem problem = check_splits(d_.nodes[n], d_.within[n]))
+        return fmt::format("node {} {}", n, *problem);
+    return {};
+  }
+
+  [[nodiscard]] Problem check_splits(const Node& node, const NodeWithin& within) const {
+    if (within.splits == 0)
+      return within.bare == 0 && within.triangles == 0 ? Problem() : "has what splits need, but no splits";
+    if (node.level == 0) return "is part of the input, but has splits";
+    if (std::uint64_t{node.vertices} + within.bare + within.splits > stays ||
+        3 * std::uint64_t{within.triangles} > 0xffffffffU)
+      return "has too many splits";
+    if (within.place % mesh_alignment != 0 || within.place > d_.splits.size() ||
+        SplitsLayout(within, d_.has_normals, d_.has_colors).bytes > d_.splits.size() - within.place)
+      return "has splits outside the splits";
+    return {};
+  }
+
   [[nodiscard]] Problem check_roots() const {
     std::size_t next = 0;
     for (NodeId n = 0; n < d_.nodes.size(); ++n)
@@ -149,6 +172,26 @@ std::optional<std::string> check_mesh(const HlodView& data, NodeId n) {
     if (mesh.merged_into[v] == stays) continue;
     if (parent[v] >= several) return "a vertex is merged, but not by one parent";
     if (mesh.merged_into[v] >= hlod.node(parent[v]).vertices) return "a vertex is merged into one that is not there";
+  }
+  return {};
+}
+
+std::optional<std::string> check_within(const HlodView& data, NodeId n) {
+  const Hlod hlod(data, nullptr);
+  if (!hlod.has_within(n)) return {};
+  const NodeSplits within = hlod.within(n);
+  const std::size_t first = hlod.node(n).vertices + std::size_t{data.within[n].bare};  // that a split brings back
+  const std::size_t vertices = first + within.parents.size();
+  if (!std::ranges::all_of(within.positions, is_finite)) return "a position is not finite";
+  for (std::size_t s = 0; s < within.parents.size(); ++s) {
+    if (within.parents[s] >= first + s) return "a split comes before one that it needs";
+    if (!is_length(within.errors[s]) || (s > 0 && within.errors[s] > within.errors[s - 1]))
+      return "the errors of splits do not descend";
+  }
+  for (std::size_t i = 0; i < within.indices.size(); i += 3) {
+    const std::uint16_t a = within.indices[i], b = within.indices[i + 1], c = within.indices[i + 2];
+    if (std::max({a, b, c}) >= vertices) return "an index is out of range";
+    if (a == b || b == c || c == a) return "a triangle repeats a corner";
   }
   return {};
 }

@@ -6,6 +6,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/vector_relational.hpp>
+#include <optional>
 #include <random>
 #include <utility>
 
@@ -14,6 +15,7 @@
 #include "hierarchy/position_ids.h"
 #include "hierarchy/triangle_key.h"
 #include "math/unite.h"
+#include "within_points.h"
 
 namespace occlod::hlod {
 namespace {
@@ -28,8 +30,6 @@ bool holds(const Sphere& outer, const glm::vec3& center, float radius) {
   return glm::distance(glm::dvec3(outer.center), glm::dvec3(center)) + static_cast<double>(radius) <=
          static_cast<double>(outer.radius);
 }
-
-using PointId = std::uint32_t;  // of a position of level 0
 
 // A directed edge of the input's boundary, and how often it is there.
 struct BoundaryEdge {
@@ -63,12 +63,15 @@ class Validator {
   std::vector<std::string> run() {
     if (const auto problem = check_structure(h_.data())) return {*problem};
     h_.require_all();
-    for (NodeId n = 0; n < h_.node_count(); ++n)
+    for (NodeId n = 0; n < h_.node_count(); ++n) {
       if (const auto problem = check_mesh(h_.data(), n)) report("node {}: {}", n, *problem);
+      if (const auto problem = check_within(h_.data(), n)) report("splits of node {}: {}", n, *problem);
+    }
     if (!violations_.empty()) return violations_;
     check_errors();
     identify_points();
     if (!violations_.empty()) return violations_;
+    within_.emplace(h_, points_);
     check_levels();
     if (h_.data().borders == Borders::locked) check_fronts();
     return violations_;
@@ -159,8 +162,8 @@ class Validator {
   // Invariants 2, 3 and the rest of 1.
   void check_node(NodeId n) {
     inputs_.clear();
-    ChainSum wanted, found;
-    for (const NodeId child : h_.children(n)) add_input(child, n, wanted);
+    ChainSum input, wanted, found;
+    for (const NodeId child : h_.children(n)) add_input(child, n, input, wanted);
     std::sort(inputs_.begin(), inputs_.end());
     for (const PointId p : inputs_)
       if (!holds(h_.node(n).box, boxes_[p]))
@@ -171,6 +174,7 @@ class Validator {
     for (std::size_t i = 0; i < mesh.indices.size(); i += 3)
       found.add({own[mesh.indices[i]], own[mesh.indices[i + 1]], own[mesh.indices[i + 2]]});
     if (!(wanted == found)) report("node {} is not what it replaces with all merges applied", n);
+    if (h_.has_within(n)) check_splits(n, own, input);
     std::sort(own.begin(), own.end());
     if (std::adjacent_find(own.begin(), own.end()) != own.end()) report("node {} has a vertex twice", n);
     inputs_.erase(std::unique(inputs_.begin(), inputs_.end()), inputs_.end());
@@ -178,20 +182,30 @@ class Validator {
       report("node {} has a vertex that none of its children has", n);
   }
 
-  // What `parent` replaces of `child`.
-  void add_input(NodeId child, NodeId parent, ChainSum& triangles) {
+  // Invariant 5, without fronts.
+  void check_splits(NodeId n, std::span<const PointId> own, const ChainSum& input) {
+    if (const auto problem = within_->add(n, own, input)) return report("the splits of node {} {}", n, *problem);
+    bool same = true;
+    within_->for_each_merge(n, [&](PointId p, PointId into) { same = same && merge_of_[p] == PointMerge{into, n}; });
+    if (!same) report("the splits of node {} contradict its merges", n);
+  }
+
+  // What `parent` replaces of `child`, before and after its merges.
+  void add_input(NodeId child, NodeId parent, ChainSum& before, ChainSum& after) {
     const NodeMesh mesh = h_.mesh(child);
     for (const Patch& patch : h_.patches(child)) {
       if (patch.parent != parent) continue;
       for (std::uint32_t i = patch.first_index; i < patch.first_index + patch.index_count; i += 3) {
-        Triangle moved;
+        Triangle kept, moved;
         for (std::uint32_t k = 0; k < 3; ++k) {
           const std::uint16_t vertex = mesh.indices[i + k];
           moved[static_cast<int>(k)] = image(child, mesh, vertex, parent);
+          kept[static_cast<int>(k)] = point(child, vertex);
           inputs_.push_back(point(child, vertex));
           if (mesh.merged_into[vertex] != stays) note_merge(inputs_.back(), {moved[static_cast<int>(k)], parent});
         }
-        triangles.add(moved);
+        before.add(kept);
+        after.add(moved);
       }
     }
   }
@@ -211,24 +225,37 @@ class Validator {
   void check_fronts() {
     const std::vector<ChainSum> patches = sum_patches();
     const std::vector<BoundaryEdge> input = input_boundary();
-    std::mt19937_64 random(20070308);  // any fixed seed
+    std::mt19937_64 random(20070308), random_cuts(20060829);  // any fixed seeds
     for (std::size_t i = 0; i < options_.random_fronts; ++i) {
       const Refined refined = random_front(h_, random);
-      ChainSum found, wanted;
-      for_each_drawn(h_, refined, [&](NodeId, const Patch&, std::size_t place) { found.add(patches[place]); });
-      for (const BoundaryEdge& edge : input)
-        for (std::size_t k = 0; k < edge.count; ++k) wanted.add(moved(edge.from, refined), moved(edge.to, refined));
-      if (!(found == wanted))
-        report("a front with {} refined nodes is not a conforming mesh", std::count(refined.begin(), refined.end(), 1));
+      check_front(refined, {}, patches, input);
+      if (!h_.data().within.empty()) check_front(refined, random_cuts_of(h_, refined, random_cuts), patches, input);
     }
   }
 
+  void check_front(const Refined& refined, const Cuts& cuts, std::span<const ChainSum> patches,
+                   std::span<const BoundaryEdge> input) {
+    ChainSum found, wanted;
+    for_each_drawn(h_, refined, [&](NodeId n, const Patch&, std::size_t place) {
+      if (cuts.empty() || cuts[n] == 0) found.add(patches[place]);
+    });
+    for (NodeId n = 0; n < cuts.size(); ++n)
+      if (cuts[n] > 0) found.add(within_->edges(n, cuts[n]));
+    for (const BoundaryEdge& edge : input)
+      for (std::size_t k = 0; k < edge.count; ++k)
+        wanted.add(moved(edge.from, refined, cuts), moved(edge.to, refined, cuts));
+    if (!(found == wanted))
+      report("a front with {} refined nodes{} is not a conforming mesh", std::count(refined.begin(), refined.end(), 1),
+             cuts.empty() ? "" : " and cuts within nodes");
+  }
+
   // Each node that merges it is on a coarser level than the one before; in a file that lies it may not be.
-  [[nodiscard]] PointId moved(PointId p, const Refined& refined) const {
+  [[nodiscard]] PointId moved(PointId p, const Refined& refined, const Cuts& cuts) const {
     int level = 0;
     while (merge_of_[p].by != no_id && refined[merge_of_[p].by] == 0 && h_.node(merge_of_[p].by).level > level) {
-      level = h_.node(merge_of_[p].by).level;
-      p = merge_of_[p].into;
+      const NodeId by = merge_of_[p].by;
+      level = h_.node(by).level;
+      p = cuts.empty() || cuts[by] == 0 ? merge_of_[p].into : within_->moved(p, by, cuts[by]);
     }
     return p;
   }
@@ -274,6 +301,7 @@ class Validator {
   std::vector<Box> boxes_;                              // by point: around all that were merged into it so far
   std::vector<std::pair<PointId, PointMerge>> merges_;  // of the level that is checked
   std::vector<PointId> inputs_;                         // of the node that is checked
+  std::optional<WithinPoints> within_;                  // once points are known
 };
 
 }  // namespace

@@ -5,12 +5,22 @@
 #include "hlod/hlod_data.h"
 
 namespace occlod::ohlod {
+namespace {
+
+std::uint64_t digest_of(std::span<const std::byte> all, std::uint64_t place, std::size_t bytes) {
+  return sections::checksum_of(all.subspan(place, std::min(hlod::align_mesh(bytes), all.size() - place)));
+}
+
+}  // namespace
 
 std::uint64_t digest_of_mesh(const hlod::HlodView& view, hlod::NodeId n) {
   const hlod::Node& node = view.nodes[n];
-  const std::size_t bytes = hlod::MeshLayout(node, view.has_normals, view.has_colors).bytes;
-  const std::size_t aligned = (bytes + hlod::mesh_alignment - 1) / hlod::mesh_alignment * hlod::mesh_alignment;
-  return sections::checksum_of(view.meshes.subspan(node.mesh, std::min(aligned, view.meshes.size() - node.mesh)));
+  return digest_of(view.meshes, node.mesh, hlod::MeshLayout(node, view.has_normals, view.has_colors).bytes);
+}
+
+std::uint64_t digest_of_splits(const hlod::HlodView& view, hlod::NodeId n) {
+  const hlod::NodeWithin& within = view.within[n];
+  return digest_of(view.splits, within.place, hlod::SplitsLayout(within, view.has_normals, view.has_colors).bytes);
 }
 
 }  // namespace occlod::ohlod

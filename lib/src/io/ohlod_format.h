@@ -30,7 +30,7 @@ struct Summary {
 };
 static_assert(sizeof(Summary) == 56);
 
-inline constexpr std::string_view summary_name = "INFO", digests_name = "BLOK";
+inline constexpr std::string_view summary_name = "INFO", digests_name = "BLOK", splits_digests_name = "WBLK";
 
 // Calls visit(name, array, has_parts) for every array of an HLOD: the one list of what a file holds. That with parts is
 // checked node by node.
@@ -44,7 +44,16 @@ void for_each_array(View& view, const Visit& visit) {
   visit("MESH", view.meshes, true);
 }
 
+// The same for the arrays of refinement within nodes, which a file may lack.
+template <typename View, typename Visit>
+void for_each_within_array(View& view, const Visit& visit) {
+  visit("WNOD", view.within, false);
+  visit("WSPL", view.splits, true);
+}
+
 // XXH3-64 of the mesh of a node and what aligns the next one. The place of the mesh has been checked.
 [[nodiscard]] std::uint64_t digest_of_mesh(const hlod::HlodView& view, hlod::NodeId n);
+// The same for its splits.
+[[nodiscard]] std::uint64_t digest_of_splits(const hlod::HlodView& view, hlod::NodeId n);
 
 }  // namespace occlod::ohlod

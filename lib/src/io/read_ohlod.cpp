@@ -17,23 +17,34 @@ namespace {
 using namespace ohlod;
 using namespace sections;
 
+// By node.
+struct Digests {
+  std::span<const std::uint64_t> meshes, splits;
+};
+
 class FileGuard final : public hlod::NodeGuard {
  public:
-  FileGuard(std::shared_ptr<const SectionReader> reader, const hlod::HlodView& view,
-            std::span<const std::uint64_t> digests)
-      : NodeGuard(view.nodes.size()), reader_(std::move(reader)), view_(view), digests_(digests) {}
+  FileGuard(std::shared_ptr<const SectionReader> reader, const hlod::HlodView& view, const Digests& digests)
+      : NodeGuard(view.nodes.size(), view.within.size()), reader_(std::move(reader)), view_(view), digests_(digests) {}
 
  private:
   void check_node(hlod::NodeId n) override {
-    if (digest_of_mesh(view_, n) != digests_[n])
+    if (digest_of_mesh(view_, n) != digests_.meshes[n])
       reader_->refuse(fmt::format("node {}", n), "is damaged: its checksum is wrong");
     if (const auto problem = check_mesh(view_, n))
       reader_->refuse(fmt::format("node {}", n), "has no valid mesh: " + *problem);
   }
 
+  void check_splits(hlod::NodeId n) override {
+    if (digest_of_splits(view_, n) != digests_.splits[n])
+      reader_->refuse(fmt::format("splits of node {}", n), "are damaged: their checksum is wrong");
+    if (const auto problem = hlod::check_within(view_, n))
+      reader_->refuse(fmt::format("splits of node {}", n), "are not valid: " + *problem);
+  }
+
   std::shared_ptr<const SectionReader> reader_;
   hlod::HlodView view_;
-  std::span<const std::uint64_t> digests_;
+  Digests digests_;
 };
 
 void take(const Summary& summary, const SectionReader& reader, hlod::HlodView& view) {
@@ -52,15 +63,23 @@ void take(const Summary& summary, const SectionReader& reader, hlod::HlodView& v
 OhlodFile read_ohlod(const std::filesystem::path& path, OlodAccess access) {
   const auto reader = std::make_shared<SectionReader>(path, file_kind, access == OlodAccess::mapped);
   hlod::HlodView view;
-  for_each_array(view, [&](std::string_view name, auto& array, bool has_parts) {
+  const auto read = [&](std::string_view name, auto& array, bool has_parts) {
     using T = typename std::decay_t<decltype(array)>::value_type;
     array = reader->template read<T>(name, has_parts ? Check::parts : Check::whole);
-  });
+  };
+  for_each_array(view, read);
   take(reader->read_one<Summary>(summary_name, "summary"), *reader, view);
   const MeshReport report = reader->read_report();
-  const auto digests = reader->read<std::uint64_t>(digests_name);
+  Digests digests{reader->read<std::uint64_t>(digests_name), {}};
+  if (reader->has(splits_digests_name)) {
+    for_each_within_array(view, read);
+    digests.splits = reader->read<std::uint64_t>(splits_digests_name);
+  }
   if (const auto problem = check_structure(view)) reader->refuse("", "does not hold a valid HLOD: " + *problem);
-  if (digests.size() != view.nodes.size()) reader->refuse("section BLOK", "does not have a checksum for every node");
+  if (digests.meshes.size() != view.nodes.size())
+    reader->refuse("section BLOK", "does not have a checksum for every node");
+  if (digests.splits.size() != view.within.size())
+    reader->refuse("section WBLK", "does not have a checksum for every node");
   return {guarded_hlod(view, reader, std::make_shared<FileGuard>(reader, view, digests)), report};
 }
 

@@ -171,8 +171,7 @@ MeshReport SectionReader::read_report() {
   MeshReport report;
   const auto stored_report = read_one<StoredReport>(report_name, "report");
   std::memcpy(static_cast<void*>(&report), stored_report.data(), sizeof(StoredReport));  // all but left_out
-  if (find(left_out_name) != table_.end())
-    report.left_out = read_one<LeftOut>(left_out_name, "count of what was left out");
+  if (has(left_out_name)) report.left_out = read_one<LeftOut>(left_out_name, "count of what was left out");
   return report;
 }
 

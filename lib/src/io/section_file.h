@@ -113,6 +113,8 @@ class SectionReader {
     if (values.size() != 1) refuse("", std::string("does not hold one ") + what);
     return values[0];
   }
+  // Whether there is a section of this name.
+  [[nodiscard]] bool has(std::string_view name) const { return find(name) != table_.end(); }
   [[nodiscard]] MeshReport read_report();
 
   [[nodiscard]] bool is_compressed() const noexcept { return !unpacked_.empty(); }

@@ -12,10 +12,11 @@ void write_ohlod(const std::filesystem::path& path, const hlod::Hlod& hlod, cons
   hlod.require_all();
   const hlod::HlodView& view = hlod.data();
   SectionWriter writer;
-  for_each_array(view, [&](std::string_view name, const auto& array, bool has_parts) {
+  const auto add = [&](std::string_view name, const auto& array, bool has_parts) {
     writer.add(name, array, has_parts ? Check::parts : Check::whole);
-  });
-  std::vector<std::uint64_t> digests;
+  };
+  for_each_array(view, add);
+  std::vector<std::uint64_t> digests, splits_digests;
   for (hlod::NodeId n = 0; n < view.nodes.size(); ++n) digests.push_back(digest_of_mesh(view, n));
   const Summary summary{view.box,
                         view.input_triangle_count,
@@ -28,6 +29,11 @@ void write_ohlod(const std::filesystem::path& path, const hlod::Hlod& hlod, cons
   writer.add(digests_name, std::span<const std::uint64_t>(digests));
   writer.add(summary_name, std::span<const Summary>(&summary, 1));
   writer.add_report(report);
+  if (!view.within.empty()) {
+    for (hlod::NodeId n = 0; n < view.nodes.size(); ++n) splits_digests.push_back(digest_of_splits(view, n));
+    for_each_within_array(view, add);
+    writer.add(splits_digests_name, std::span<const std::uint64_t>(splits_digests));
+  }
   writer.write(path, file_kind);
 }
 

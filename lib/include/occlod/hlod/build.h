@@ -9,12 +9,20 @@
 
 namespace occlod::hlod {
 
+// What lies between a node and its parents.
+enum class Within {
+  geomorph,  // NodeMesh::merged_into: vertices can slide to the parent's
+  splits,    // also every node's collapses: it can be drawn with any number of them undone (within.h), for twice the
+             // bytes
+};
+
 // How an HLOD is built.
 struct BuildOptions {
   std::uint32_t node_triangles = 2000;    // the most that a node of level 0 has; groups of four times as many are
                                           // simplified to about a quarter; in [16, 4096]
   Grouping grouping = Grouping::shifted;  // how triangles are grouped from level to level
   Borders borders = Borders::locked;      // what happens at the borders of groups; `free` with nested groups only
+  Within within = Within::geomorph;       // what is kept for the way from a node to its parent
   double boundary_weight = 1.0;  // weight of the planes that hold boundary edges in place, relative to the triangles
                                  // beside them; in [0, 1e6]
   int threads = 0;               // in [0, 1024]; 0: one for each core. The result does not depend on it

@@ -81,6 +81,29 @@ struct NodeMesh {
   std::span<const std::uint16_t> merged_into;
 };
 
+// What refinement within a node needs, beside its mesh.
+struct NodeWithin {
+  std::uint64_t place = 0;      // of its splits in HlodView::splits, a multiple of mesh_alignment
+  std::uint32_t splits = 0;     // 0: the node can be drawn as it is only
+  std::uint32_t bare = 0;       // vertices without triangles in the node's mesh that no collapse moved
+  std::uint32_t triangles = 0;  // that the node was made from
+  std::uint32_t reserved = 0;   // always 0
+};
+static_assert(sizeof(NodeWithin) == 24);
+
+// The triangles that a node was made from, and the splits that lead from its mesh back to them, the coarsest first
+// (Hoppe 1996, progressive meshes): any number of first splits gives a mesh in between. Vertices are numbered through:
+// those of the NodeMesh, then these.
+struct NodeSplits {
+  std::span<const glm::vec3> positions;    // NodeWithin::bare vertices, then one for each split, which brings it back
+  std::span<const glm::vec3> normals;      // as in NodeMesh
+  std::span<const glm::u8vec4> colors;     // as in NodeMesh
+  std::span<const float> errors;           // by split, descending: the quadric error of this node's collapses when only
+                                           // the splits before it are applied, object units
+  std::span<const std::uint16_t> indices;  // three for each triangle, all splits applied
+  std::span<const std::uint16_t> parents;  // by split: the vertex, of a smaller number, that its vertex was merged into
+};
+
 // The arrays of an HLOD, in memory of its own or of a file.
 struct HlodView {
   std::span<const Node> nodes;             // level by level, the coarsest first; along a Morton curve within a level
@@ -96,9 +119,11 @@ struct HlodView {
   std::uint32_t node_triangles = 0;        // likewise: BuildOptions::node_triangles
   bool has_normals = false;                // whether meshes have them
   bool has_colors = false;                 // likewise
+  std::span<const NodeWithin> within;      // by node; empty without BuildOptions::within
+  std::span<const std::byte> splits;       // of all nodes: the arrays of NodeSplits
 };
 
-inline constexpr std::size_t mesh_alignment = 16;  // of a node's mesh in HlodView::meshes
+inline constexpr std::size_t mesh_alignment = 16;  // of a node's mesh in HlodView::meshes, and of its splits
 
 class NodeGuard;
 
@@ -132,21 +157,31 @@ class Hlod {
   void require(NodeId n) const {
     if (checked_ != nullptr && !checked_[n].load(std::memory_order_acquire)) check_mesh(n);
   }
-  // The same for all nodes. O(bytes) the first time.
+  // Whether node n can be refined within: it has splits. n < node_count().
+  [[nodiscard]] bool has_within(NodeId n) const noexcept { return !view_.within.empty() && view_.within[n].splits > 0; }
+  // Call before the first use of the splits of node n; otherwise like require().
+  void require_within(NodeId n) const {
+    if (within_checked_ != nullptr && !within_checked_[n].load(std::memory_order_acquire)) check_within(n);
+  }
+  // Both for all nodes. O(bytes) the first time.
   void require_all() const;
   // Of node n, which has been required.
   [[nodiscard]] NodeMesh mesh(NodeId n) const noexcept;
+  // Of node n, which has_within() and whose splits have been required.
+  [[nodiscard]] NodeSplits within(NodeId n) const noexcept;
   // That the arrays occupy.
   [[nodiscard]] std::size_t bytes() const noexcept;
 
  private:
   friend Hlod guarded_hlod(const HlodView& view, std::shared_ptr<const void> owner, std::shared_ptr<NodeGuard> guard);
   void check_mesh(NodeId n) const;
+  void check_within(NodeId n) const;
 
   HlodView view_;
   std::shared_ptr<const void> owner_;
   std::shared_ptr<NodeGuard> guard_;
-  const std::atomic<bool>* checked_ = nullptr;  // by node, the guard's; null without a guard
+  const std::atomic<bool>* checked_ = nullptr;         // by node, the guard's; null without a guard
+  const std::atomic<bool>* within_checked_ = nullptr;  // likewise, of splits
 };
 
 }  // namespace occlod::hlod

@@ -24,8 +24,8 @@ struct OhlodFile {
 void write_ohlod(const std::filesystem::path& path, const hlod::Hlod& hlod, const MeshReport& report);
 
 // Checks magic, version, sizes, and all that is known of nodes without their meshes: O(nodes). The mesh of a node is
-// checked (checksum and content) when Hlod::require() is first called for it; require_all() checks the whole file. Both
-// throw Error that says what failed and where.
+// checked (checksum and content) when Hlod::require() is first called for it, its splits when require_within() is;
+// require_all() checks the whole file. All throw Error that says what failed and where.
 //
 // What read_olod() says of mapped files holds here too: a file that is open must not be cut short.
 [[nodiscard]] OhlodFile read_ohlod(const std::filesystem::path& path, OlodAccess access = OlodAccess::mapped);
