@@ -312,6 +312,28 @@ TEST(FramesTolerance, DetailGoesAsTheEyeGoes) {
   EXPECT_LE(far.stats.max_error_px, 2.0);
 }
 
+// Leaves pay for what they keep from frame to frame only, so the level sinks after refinement from scratch. What comes
+// up on the way is looked at step by step: were it all in the second frame, that would visit several times as many
+// nodes as the frames after it.
+TEST(FramesSettling, TheSecondFrameVisitsNoMoreThanTheOnesAfterIt) {
+  const std::vector<RefineObject> objects = {{&planet(), glm::dmat4(1.0), false}};
+  Refiner refiner(objects);
+  NoOcclusion none;
+  RefineOptions options;
+  options.budget = 1000;
+  const double first_level = refiner.update(View(orbiting(0.0)), options, none).stats.level_px;
+  const std::size_t second = refiner.update(View(orbiting(0.5)), options, none).stats.visits;
+  std::size_t most_later = 0;
+  double level = 0.0;
+  for (int i = 2; i <= 12; ++i) {
+    const RefineStats& stats = refiner.update(View(orbiting(0.5 * i)), options, none).stats;
+    most_later = std::max(most_later, stats.visits);
+    level = stats.level_px;
+  }
+  EXPECT_LT(level, first_level);
+  EXPECT_LE(second, 2 * most_later);
+}
+
 // A coarser tolerance frees what the budget had been spent on: what remains is about what refinement from scratch
 // makes.
 TEST(FramesTolerance, ACoarserOneMergesAtOnce) {

@@ -8,6 +8,9 @@ namespace {
 // More than this part of the applied splits matters much less than what the budget goes to.
 constexpr double lost_part = 0.25;
 
+// In a view that does not move: what is exchanged after so many frames goes to and fro.
+constexpr std::uint32_t most_restless_frames = 4 * weighing_rounds;
+
 // What the mesh of a frame turns out to show matters when its error is this many times the level.
 constexpr float much_error = 4.0F;
 // After so many checks in a row that found nothing of the kind, one frame in so many is checked.
@@ -63,7 +66,7 @@ void Frames::advance(bool moved, Clock::time_point start, RefineStats& stats) {
   exchange_.take_back_needless();
   before_ = evaluation_.count_applied(worthless_part * exchange_.level());
   const bool all_asked = !evaluation_.scene().queries->can_hide() || frame_ - moved_frame_ >= asking_rounds;
-  at_rest_ = !stats.pending && all_asked;
+  at_rest_ = !stats.pending && all_asked && exchange_.has_settled();
   measure(stats);
 }
 
@@ -118,7 +121,8 @@ void Frames::emit(std::span<RefinedObject> out, RefineStats& stats) {
   // A split may be given up in vain again and again, for what finds no room all the same.
   const bool same_mesh = stats.new_splits + stats.merged_splits == 0;
   same_frames_ = same_mesh && frame_ != moved_frame_ ? same_frames_ + 1 : 0;
-  at_rest_ = at_rest_ && (exchange_.changes() == 0 || same_frames_ >= weighing_rounds);
+  at_rest_ = at_rest_ && (exchange_.changes() == 0 || same_frames_ >= weighing_rounds ||
+                          frame_ - moved_frame_ >= most_restless_frames);
 }
 
 }  // namespace occlod

@@ -14,6 +14,12 @@ constexpr std::size_t most_rejections = 16;
 constexpr std::size_t least_gain = 1;  // of triangles, by a split: one at a border
 // Where the candidates that are queued do not suffice, less important ones follow, so much at a time.
 constexpr float band_step = 1.25F;
+// From scratch leaves do not pay for what they keep, so the budget ends at a higher level than from frame to frame. The
+// frames after it come down in steps that grow by this factor, rather than the first of them at once, until they are so
+// far below.
+constexpr float settling_growth = 1.06F, settled_part = 0.25F;
+// A budget with less room than this, in triangles, counts as used up.
+constexpr std::size_t least_room = 16;
 
 }  // namespace
 
@@ -27,6 +33,9 @@ void SplitExchange::begin_frame(std::uint32_t frame, Clock::time_point start, Re
   stats_ = &stats;
   changes_ = 0;
   rejected_ = {};
+  settling_step_ *= settling_growth;
+  settling_level_ /= settling_step_;
+  if (settling_level_ < settled_part * adopted_level_) settling_level_ = 0.0F;
   unseen_needs_.begin_frame(frame);
 }
 
@@ -68,7 +77,10 @@ void SplitExchange::exchange() {
       continue;
     }
     if (candidates_.empty() || candidates_.top().priority <= candidates_above_) gather_more_candidates();
-    if (candidates_.empty()) return;
+    if (candidates_.empty() || candidates_.top().priority <= candidates_above_) {
+      level_ = std::max(level_, candidates_above_);
+      return;
+    }
     if (limit_reached()) break;
     Entry entry = candidates_.pop();
     ++stats_->visits;
@@ -156,10 +168,18 @@ void SplitExchange::leave_out_low(std::uint32_t object, float low) {
   found_.resize(kept);
 }
 
+// A tolerance is kept in each frame.
+bool SplitExchange::waits_for_later_frames() const {
+  const RefineOptions* const options = evaluation_.scene().options;
+  return candidates_above_ <= settling_level_ && !(options->tolerance_px > 0.0) &&
+         evaluation_.scene().cuts->triangle_count() + least_room > options->budget;
+}
+
 // Until there is one that comes before all that is not queued yet: a little less important ones each time, then the
-// rest.
+// rest; as far as this frame goes.
 void SplitExchange::gather_more_candidates() {
-  while (candidates_above_ > 0.0F && (candidates_.empty() || candidates_.top().priority <= candidates_above_)) {
+  while (candidates_above_ > 0.0F && !waits_for_later_frames() &&
+         (candidates_.empty() || candidates_.top().priority <= candidates_above_)) {
     const float below = candidates_above_;
     candidates_above_ = below > last_step_ ? below / band_step : 0.0F;
     gather_candidates(candidates_above_, below);

@@ -30,7 +30,10 @@ class SplitExchange {
   SplitExchange(FrontEvaluation& evaluation, FrontForest& forest, FrontQueries& queries, std::span<DrawnMesh> meshes);
 
   // After refinement from scratch, which came to the end of the budget at this priority.
-  void adopt(float level) noexcept { level_ = level; }
+  void adopt(float level) noexcept {
+    level_ = adopted_level_ = settling_level_ = level;
+    settling_step_ = 1.0F;
+  }
   // Of frames that go on. `frame`: its number; `start`: when time_limit_ms begins.
   void begin_frame(std::uint32_t frame, Clock::time_point start, RefineStats& stats);
 
@@ -43,6 +46,8 @@ class SplitExchange {
 
   // The priority where the budget ended.
   [[nodiscard]] float level() const noexcept { return level_; }
+  // Whether nothing is left to later frames because refinement from scratch is not long ago.
+  [[nodiscard]] bool has_settled() const noexcept { return settling_level_ == 0.0F; }
   // Splits and merges in this frame.
   [[nodiscard]] std::size_t changes() const noexcept { return changes_; }
   // The largest error of what found no room.
@@ -60,6 +65,7 @@ class SplitExchange {
   [[nodiscard]] bool weighs_again(const Front& front, Front::Index k) const;
   void leave_out_low(std::uint32_t object, float low);
   void gather_more_candidates();
+  [[nodiscard]] bool waits_for_later_frames() const;
   void gather_leaves(float low, float high);
   bool gather_more_leaves();
   void weigh_leaves(std::uint32_t object);
@@ -86,6 +92,8 @@ class SplitExchange {
   Clock::time_point start_;
   std::uint32_t frame_ = 0;
   float level_ = 0.0F;
+  float adopted_level_ = 0.0F, settling_step_ = 1.0F;
+  float settling_level_ = 0.0F;  // what matters less is left to later frames, while the budget is used up
   Queue candidates_;
   Queue leaves_;                   // by 1 / priority
   float candidates_above_ = 0.0F;  // queued are candidates with larger priorities
