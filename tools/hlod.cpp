@@ -1,4 +1,4 @@
-// occlod hlod build|info|validate
+// occlod hlod build|info|validate|render|compare
 #include "hlod.h"
 
 #include <fmt/format.h>
@@ -128,10 +128,12 @@ void add_hlod(CLI::App& app) {
   add_hlod_build(command);
   add_hlod_info(command);
   add_hlod_validate(command);
+  add_hlod_render(command);
+  add_hlod_compare(command);
   command.footer(
       "For example:\n"
       "  occlod hlod build city.json -o city.ohlod\n"
-      "  occlod hlod info city.ohlod");
+      "  occlod hlod render city.ohlod --scene city.json --path walk");
 }
 
 }  // namespace occlod::tool

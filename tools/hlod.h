@@ -13,7 +13,9 @@
 namespace occlod::tool {
 
 void add_hlod_build(CLI::App& hlod);
+void add_hlod_compare(CLI::App& hlod);
 void add_hlod_info(CLI::App& hlod);
+void add_hlod_render(CLI::App& hlod);
 void add_hlod_validate(CLI::App& hlod);
 
 // One mesh of all that these files hold: a mesh as it is, several, or scenes, together in world space.

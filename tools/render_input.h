@@ -6,22 +6,14 @@
 #include <string>
 #include <vector>
 
+#include "chosen_views.h"
 #include "occlod/scene/scene.h"
 #include "occlod/view/camera.h"
 
 namespace occlod::tool {
 
-struct ImageSize {
-  int width = 0;
-  int height = 0;
-};
-
-struct RenderInputOptions {
+struct RenderInputOptions : ViewOptions {
   std::filesystem::path file;
-  std::string camera = "default";
-  std::string path;               // instead of the camera
-  std::optional<ImageSize> size;  // instead of the camera's own
-  bool orthographic = false;      // instead of the camera's perspective, or of that of every key of a path
   bool use_cache = true;
 };
 

@@ -13,19 +13,10 @@ namespace occlod::tool {
 namespace {
 
 constexpr std::uint64_t most_triangles = 1'000'000'000'000;  // of a scene: its objects may share hierarchies
-constexpr std::uint64_t most_pixels = 16'384;                // of an image, in each direction
 constexpr std::uint64_t most_questions = 1'000'000;
 constexpr std::uint64_t most_frames = 1'000'000;
 constexpr double largest_exponent = 8.0;
 constexpr double largest_hysteresis = 0.999;
-
-std::optional<ImageSize> parse_size(const std::string& text) {
-  const std::size_t x = std::min(text.find('x'), text.size());
-  const auto width = whole_number(text.substr(0, x));
-  const auto height = whole_number(text.substr(std::min(x + 1, text.size())));
-  if (!width || !height || *width < 1 || *height < 1 || *width > most_pixels || *height > most_pixels) return {};
-  return ImageSize{static_cast<int>(*width), static_cast<int>(*height)};
-}
 
 void add_input_options(CLI::App& command, RenderOptions& options) {
   add_file(command, "SCENE", options.input.file, "A scene (.json), a mesh or a hierarchy (.olod)")->required();
@@ -34,17 +25,7 @@ void add_input_options(CLI::App& command, RenderOptions& options) {
   add_name(command, "--path", options.input.path,
            "Refine every frame of this camera path of the scene; not with --camera, --birdseye, --mesh and --reference")
       ->excludes(camera);
-  const auto set_size = [&options](const std::string& text) {
-    options.input.size = parse_size(text);
-    if (!options.input.size)
-      throw CLI::ValidationError("--size", fmt::format("{} is not WIDTHxHEIGHT from 1x1 to {}x{} pixels", shown(text),
-                                                       most_pixels, most_pixels));
-  };
-  command
-      .add_option_function<std::string>("--size", set_size, "Size of the image in pixels instead of the camera's own")
-      ->type_name("WxH");
-  command.add_flag("--orthographic", options.input.orthographic,
-                   "Parallel projection that shows as much at the distance of the camera's target");
+  add_size_options(command, options.input);
   command.add_flag_callback(
       "--no-cache", [&options] { options.input.use_cache = false; },
       "Build the hierarchies of meshes again, and do not keep them for the next time");

@@ -4,6 +4,7 @@
 #include <glm/vec3.hpp>
 #include <span>
 
+#include "occlod/scene/load_hlods.h"
 #include "occlod/scene/scene.h"
 
 namespace occlod::tool {
@@ -17,7 +18,8 @@ struct WorldBox {
   [[nodiscard]] double radius() const;  // of the sphere around it
 };
 
-// Holds the boxes of all objects, of which there is at least one.
+// Hold the boxes of all objects, of which there is at least one.
 [[nodiscard]] WorldBox world_box(std::span<const LoadedObject> objects);
+[[nodiscard]] WorldBox world_box(std::span<const LoadedHlod> hlods);
 
 }  // namespace occlod::tool

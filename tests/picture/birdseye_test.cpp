@@ -75,6 +75,32 @@ TEST(Birdseye, TellsSeenFromUnseen) {
   }
 }
 
+// A red and a blue square, seen from the front; their boxes reach half a unit farther than they do.
+TEST(Birdseye, MarksObjectsAndTheirBoxes) {
+  const Quad red(-3, -1, -1, 1, -5), blue(1, -1, 3, 1, -5);
+  const std::array<DrawObject, 2> objects = {red.object(), blue.object()};
+  const std::array<MarkedObject, 2> marks = {MarkedObject{{{-3.5F, -1.5F, -5}, {-0.5F, 1.5F, -5}}, {1.0F, 0.0F, 0.0F}},
+                                             MarkedObject{{{0.5F, -1.5F, -5}, {3.5F, 1.5F, -5}}, {0.0F, 0.0F, 1.0F}}};
+  Camera camera = front_view().camera();
+  camera.width *= 10;
+  camera.height *= 10;
+  const View view(camera);
+  const Image image = birdseye_boxes(objects, marks, front_view(), view);
+  const auto color_at = [&](const glm::dvec3& p) {
+    const glm::dvec2 q = on_image(view, p);
+    return pixel(image, static_cast<int>(q.x), static_cast<int>(q.y));
+  };
+  for (const double x : {-2.3, -3.5}) {  // inside, and on the edge of the box
+    const glm::u8vec4 color = color_at({x, 0.4, -5});
+    EXPECT_GT(color.x, color.z + 60) << x;
+  }
+  for (const double x : {2.3, 3.5}) {
+    const glm::u8vec4 color = color_at({x, 0.4, -5});
+    EXPECT_GT(color.z, color.x + 60) << x;
+  }
+  EXPECT_LT(test::brightness(color_at({-3.25, 0.4, -5})), test::brightness(color_at({-3.5, 0.4, -5})));  // between them
+}
+
 TEST(Birdseye, DrawsTheFrustumInYellow) {
   const Quad quad(-1, -1, 1, 1, -20);
   const std::array<DrawObject, 1> objects = {quad.object()};

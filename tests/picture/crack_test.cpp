@@ -68,7 +68,8 @@ TEST(CountCrackPixels, OfParallelRays) {
 }
 
 TEST(CountCrackPixels, NotBesideAStepInDepth) {
-  // Near left of column 50, far right of it. One that looks through at the far side may be the step, moved.
+  // Near left of column 50, far right of it: steps at columns 49 and 50. What looks like a gap there may be the step,
+  // moved.
   const DepthBuffer full = columns(0, 50, 0.1, 0.05);
   const auto with_gap = [&](int column, double behind) {
     DepthBuffer found = full;
@@ -76,10 +77,23 @@ TEST(CountCrackPixels, NotBesideAStepInDepth) {
       found.nearness[static_cast<std::size_t>(y * width + column)] = static_cast<float>(behind);
     return cracks(full, found);
   };
-  EXPECT_EQ(with_gap(49, 0.05), 0U);
-  EXPECT_EQ(with_gap(48, 0.05), 0U);
-  EXPECT_EQ(with_gap(47, 0.05), 80U);
-  EXPECT_EQ(with_gap(49, 0.0), 80U);  // behind both
+  for (const double behind : {0.0, 0.05}) {
+    EXPECT_EQ(with_gap(49, behind), 0U);
+    EXPECT_EQ(with_gap(47, behind), 0U);
+    EXPECT_EQ(with_gap(46, behind), 80U);
+  }
+  EXPECT_EQ(with_gap(52, 0.0), 0U);
+  EXPECT_EQ(with_gap(53, 0.0), 80U);
+}
+
+// A slope is no step, however steep: a plane that is 10 px deeper in each column.
+TEST(CountCrackPixels, OnASlope) {
+  DepthBuffer full = flat(0.1);
+  for (int i = 0; i < width * height; ++i)
+    full.nearness[static_cast<std::size_t>(i)] += 0.025F * static_cast<float>(i % width);
+  DepthBuffer found = full;
+  for (int y = 0; y < height; ++y) found.nearness[static_cast<std::size_t>(y * width + 50)] = 0.0F;
+  EXPECT_EQ(cracks(full, found), 80U);
 }
 
 // The plane z = -5, where a unit is 8 px. Its lower half is one quad; the upper one meets it in two edges, with a

@@ -14,6 +14,7 @@ LARGEST = 10**12
 BUILD, CUT, COMPARE = ["build", "a.ply", "-o", "a.olod"], ["cut", "a.olod", "-o", "a.ply"], ["compare", "a.ply", "b.ply"]
 REPAIR, VALIDATE, RENDER = ["repair", "a.ply", "-o", "b.ply"], ["validate", "a.olod"], ["render", "a.olod"]
 HLOD_BUILD, HLOD_VALIDATE = ["hlod", "build", "a.ply", "-o", "a.ohlod"], ["hlod", "validate", "a.ohlod"]
+HLOD_RENDER, HLOD_COMPARE = ["hlod", "render", "a.ohlod"], ["hlod", "compare", "a.ohlod"]
 FRAMES = ["render", "a.json", "--path", "p", "--frame-to-frame"]
 WHOLE = [
     (BUILD, "--base-triangles", 0, ELEMENTS),
@@ -23,6 +24,7 @@ WHOLE = [
     (HLOD_BUILD, "--node-triangles", 16, 4096),
     (HLOD_BUILD, "--threads", 0, 1024),
     (HLOD_VALIDATE, "--fronts", 0, 10**6),
+    *((command, option, low, 10**6) for command in (HLOD_RENDER, HLOD_COMPARE) for option, low in (("--frames", 1), ("--reference", 0))),
     (RENDER, "--budget", 1, LARGEST),
     (RENDER, "--threads", 0, 1024),
     (RENDER, "--levels", 1, 1000),
@@ -38,6 +40,8 @@ REAL = [
     (BUILD, "--boundary-weight", 0, 10**6),
     (HLOD_BUILD, "--boundary-weight", 0, 10**6),
     (CUT, "--error", 0, None),
+    (HLOD_RENDER, "--tolerance", 0, None),
+    (HLOD_COMPARE, "--tolerance", 0, None),
     (RENDER, "--tolerance", 0, None),
     (RENDER, "--visible-exponent", 0, 8),
     (RENDER, "--grazing-exponent", 0, 8),
@@ -92,7 +96,8 @@ class Options(ToolTest):
 
     def test_other_values(self):
         for value in ("", "3", "0x3", "3x0", "-3x3", "3x3x3", "16385x3", "3x16385", "99999999999x3", "axb", "3 x 3"):
-            self.assert_refused(RENDER, "--size", value, "1x1", "16384x16384")
+            for command in (RENDER, HLOD_RENDER, HLOD_COMPARE):
+                self.assert_refused(command, "--size", value, "1x1", "16384x16384")
         for value in ("300,200", "300,300", "adaptive,300", "300,x"):
             done = self.run_tool(*RENDER, "--occluder-splits", value)
             self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1), done.stderr)
@@ -100,10 +105,11 @@ class Options(ToolTest):
 
     def test_names_that_are_empty(self):
         for command, option in ((BUILD[:2], "--output"), (CUT[:2] + ["--triangles", 5], "--output"), (["generate", "city"], "--output"), (VALIDATE, "--input"),
-                                (HLOD_BUILD[:3], "--output"), (HLOD_VALIDATE, "--input"),
+                                (HLOD_BUILD[:3], "--output"), (HLOD_VALIDATE, "--input"), (HLOD_COMPARE, "--csv"),
+                                *((HLOD_RENDER, option) for option in ("--scene", "--camera", "--path", "--device", "--record", "--replay", "--png", "--boxes", "--csv")),
                                 *((RENDER, option) for option in ("--camera", "--path", "--png", "--birdseye", "--mesh", "--calibration", "--save-calibration"))):
             self.assert_refused(command, option, "")
-        for command in (["info", ""], ["build", "", "-o", "a.olod"], ["validate", ""], ["render", ""], ["hlod", "info", ""], ["hlod", "validate", ""], ["hlod", "build", "", "-o", "a.ohlod"],
+        for command in (["info", ""], ["build", "", "-o", "a.olod"], ["validate", ""], ["render", ""], ["hlod", "info", ""], ["hlod", "validate", ""], ["hlod", "render", ""], ["hlod", "compare", ""], ["hlod", "build", "", "-o", "a.ohlod"],
                         ["cut", "", "-o", "a.ply", "--triangles", 5]):
             self.assertEqual(self.run_tool(*command).returncode, 2, command)
 
@@ -133,7 +139,7 @@ class Options(ToolTest):
         rows = {(row[0][0], row[0][1] if row[0][0] in ("generate", "hlod") else "", row[1]) for row in self.rows(0) + self.rows(1)}
         commands = ["build", "cut", "info", "validate", "render", *(["compare", "repair"] if self.has_cgal() else [])]
         kinds = ["rough-planet", "city", "pipes", "spheres-behind-wall"]
-        hlod = ["build", "info", "validate"]
+        hlod = ["build", "info", "validate", "render", "compare"]
         for command, kind in [(command, "") for command in commands] + [("generate", kind) for kind in kinds] + [("hlod", kind) for kind in hlod]:
             text = self.succeed(*([command, kind] if kind else [command]), "--help")
             self.assertNotRegex(text, "INT|FLOAT|309")

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -37,6 +38,19 @@ void draw_frustum(Image& image, const View& view, const View& main_view, double 
     picture::draw_line(image, view, from, to, pen);
 }
 
+// The main eye is at the bottom of the picture: light from there shines on what it sees.
+constexpr picture::Style dark_style{.background_top = {0.045F, 0.055F, 0.075F},
+                                    .background_bottom = {0.10F, 0.115F, 0.14F},
+                                    .key_light = {-0.35, -0.55, 0.75}};
+
+void draw_box(Image& image, const View& view, const DrawObject& object, const MarkedObject& mark) {
+  const picture::Pen pen{glm::mix(mark.color, glm::vec3(1.0F), 0.25F), 0.8F, 1.0F};
+  const auto at = [&](int i) { return glm::dvec3(object.object_to_world * glm::dvec4(corner(mark.box, i), 1.0)); };
+  for (int i = 0; i < 8; ++i)
+    for (int axis = 1; axis < 8; axis *= 2)  // bits of a corner's number are its sides
+      if ((i & axis) == 0) picture::draw_line(image, view, at(i), at(i | axis), pen);
+}
+
 }  // namespace
 
 Image birdseye(std::span<const DrawObject> objects, const ItemBuffer& main_items, const View& main_view,
@@ -44,17 +58,30 @@ Image birdseye(std::span<const DrawObject> objects, const ItemBuffer& main_items
   ItemBuffer items;
   draw_items(items, objects, view);
   const std::vector<bool> visible = visible_items(main_items, picture::ItemTable(objects).size());
-  // The main eye is at the bottom of the picture: light from there shines on what it sees.
-  const picture::Style style{.background_top = {0.045F, 0.055F, 0.075F},
-                             .background_bottom = {0.10F, 0.115F, 0.14F},
-                             .key_light = {-0.35, -0.55, 0.75}};
   const glm::vec3 seen(0.82F, 0.42F, 0.12F);
   const glm::vec3 unseen(0.06F, 0.11F, 0.22F);
+  Image image =
+      picture::shade_items(items, objects, view, dark_style,
+                           [&](std::uint32_t item, const picture::ItemTable::Owner&) -> picture::CornerColors {
+                             const glm::vec3& color = visible[item] ? seen : unseen;
+                             return {color, color, color};
+                           });
+  draw_frustum(image, view, main_view, frustum_length(scene_corners(objects), main_view));
+  return image;
+}
+
+Image birdseye_boxes(std::span<const DrawObject> objects, std::span<const MarkedObject> marks, const View& main_view,
+                     const View& view) {
+  assert(objects.size() == marks.size());
+  ItemBuffer items;
+  draw_items(items, objects, view);
   Image image = picture::shade_items(
-      items, objects, view, style, [&](std::uint32_t item, const picture::ItemTable::Owner&) -> picture::CornerColors {
-        const glm::vec3& color = visible[item] ? seen : unseen;
+      items, objects, view, dark_style,
+      [&](std::uint32_t, const picture::ItemTable::Owner& owner) -> picture::CornerColors {
+        const glm::vec3 color = marks[static_cast<std::size_t>(owner.object - objects.data())].color;
         return {color, color, color};
       });
+  for (std::size_t i = 0; i < objects.size(); ++i) draw_box(image, view, objects[i], marks[i]);
   draw_frustum(image, view, main_view, frustum_length(scene_corners(objects), main_view));
   return image;
 }

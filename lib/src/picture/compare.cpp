@@ -126,6 +126,33 @@ int whole_pixels(double allowed_px, const DepthBuffer& depth) {
   return static_cast<int>(std::min(std::ceil(allowed_px), static_cast<double>(std::max(depth.width, depth.height))));
 }
 
+// By how many pixels, at the depth of b, the depth at b departs from a straight line from a to c. Nearness is linear
+// over the image of a plane.
+double bend_px(const View& view, float a, float b, float c) {
+  const double straight = (static_cast<double>(a) + c) / 2.0;
+  if (b == straight) return 0.0;
+  return depth_motion_px(view, b, straight, straight);
+}
+
+// 1 where there is a step in depth, 0 elsewhere.
+DepthBuffer depth_steps(const View& view, const DepthBuffer& depth) {
+  constexpr double largest_bend_px = 2.0;
+  DepthBuffer steps;
+  steps.reset(depth.width, depth.height);
+  const auto width = static_cast<std::size_t>(depth.width);
+  const auto mark = [&](std::size_t i, std::size_t stride) {
+    const std::vector<float>& n = depth.nearness;
+    if (bend_px(view, n[i - stride], n[i], n[i + stride]) > largest_bend_px) steps.nearness[i] = 1.0F;
+  };
+  for (int y = 0; y < depth.height; ++y)
+    for (int x = 0; x < depth.width; ++x) {
+      const std::size_t i = static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x);
+      if (x > 0 && x + 1 < depth.width) mark(i, 1);
+      if (y > 0 && y + 1 < depth.height) mark(i, width);
+    }
+  return steps;
+}
+
 // The largest motion of any pixel of `expected`.
 double motion_into(const View& view, const DepthBuffer& expected, const DepthBuffer& found, double most_px) {
   std::vector<float> nearest = found.nearness, farthest = found.nearness, rows;
@@ -206,12 +233,14 @@ std::size_t count_unexplained_pixels(const View& view, const DepthBuffer& expect
 std::size_t count_crack_pixels(const View& view, const DepthBuffer& full, const DepthBuffer& found, double allowed_px) {
   assert(full.nearness.size() == found.nearness.size() && allowed_px >= 0.0);
   const double none = std::numeric_limits<double>::infinity();
-  const std::vector<float> farthest = extreme_around(full, std::max(2, whole_pixels(allowed_px, full)), std::less<>());
+  const int radius = std::max(2, whole_pixels(allowed_px, full));
+  const std::vector<float> farthest = extreme_around(full, radius, std::less<>());
+  const std::vector<float> steps = extreme_around(depth_steps(view, full), radius, std::greater<>());
   const std::vector<float> nearest_beside = extreme_around(found, 1, std::greater<>());
   std::size_t cracks = 0;
   for (std::size_t i = 0; i < full.nearness.size(); ++i) {
     const bool is_behind = !is_within(view, found.nearness[i], none, farthest[i], allowed_px);
-    cracks += is_behind && is_within(view, full.nearness[i], nearest_beside[i], 0.0, allowed_px) ? 1U : 0U;
+    cracks += is_behind && steps[i] == 0.0F && is_within(view, full.nearness[i], nearest_beside[i], 0.0, allowed_px);
   }
   return cracks;
 }

@@ -81,6 +81,7 @@ class Traverser::Impl {
     scene_.begin_frame(view, objects_, options, policy_->biased());
     device.begin_frame(view, objects_);
     Traversal(scene_, *policy_, device, memory_, frame_).run();
+    for (DrawnNode& drawn : frame_.draws) drawn.bias = scene_.state({drawn.object, drawn.node}).bias;
     frame_.times = device.end_frame();
   }
 

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "occlod/math/bounds.h"
 #include "occlod/mesh/triangle_mesh.h"
 #include "occlod/raster/item_buffer.h"
 #include "occlod/view/view.h"
@@ -51,6 +52,17 @@ struct ShadeOptions {
 // main_view is drawn in yellow lines as far as the scene extends.
 [[nodiscard]] Image birdseye(std::span<const DrawObject> objects, const ItemBuffer& main_items, const View& main_view,
                              const View& view);
+
+// A coloured object with a box around it.
+struct MarkedObject {
+  Box box;                // object space
+  glm::vec3 color{0.0F};  // linear RGB in [0, 1]
+};
+
+// The same objects seen from `view` in colours of their own, with the edges of their boxes in brighter lines and the
+// frustum of main_view as above. marks: one for each object.
+[[nodiscard]] Image birdseye_boxes(std::span<const DrawObject> objects, std::span<const MarkedObject> marks,
+                                   const View& main_view, const View& view);
 
 // A camera above the scene that sees the box of all objects and the eye of main_view, looking against its up direction.
 [[nodiscard]] Camera birdseye_camera(std::span<const DrawObject> objects, const View& main_view);

@@ -56,6 +56,9 @@ struct DrawnNode {
   NodeId node = 0;                // of that object's HLOD
   std::uint32_t first_range = 0;  // into Frame::ranges
   std::uint32_t range_count = 0;  // > 0
+  // By which its error was multiplied for what was visible of it, as far as the frame knows in the end; 1 where nobody
+  // asked or everything counts in full.
+  float bias = 1.0F;
 };
 
 // Counts of one frame.

@@ -1,0 +1,184 @@
+"""`occlod hlod render` and `occlod hlod compare` as people and scripts use them."""
+import csv
+import json
+import unittest
+
+from tool_case import TRIANGLES, ToolTest
+
+SIZE = ("--size", "160x120")
+STRATEGIES = ["vfc", "sw", "sw-b", "bool", "simp", "coh", "ideal"]
+
+
+class HlodDraw(ToolTest):
+    """Three planets one behind the other, walked past."""
+
+    def setUp(self):
+        super().setUp()
+        self.make_planet()
+        camera = {"eye": [0.2, 0.3, 3], "target": [0, 0, 0], "near": 0.1, "far": 30}
+        objects = [{"mesh": "planet.ply", "position": [0.3 * i, 0, -3 * i]} for i in range(3)]
+        self.scene = {"objects": objects, "cameras": {"default": camera},
+                      "paths": {"by": {"frames": 7, "keys": [camera, dict(camera, eye=[2.5, 0.3, 2.2])]},
+                                "jump": {"frames": 4, "jump": True, "keys": [camera, dict(camera, eye=[-2, 1, 2])]}}}
+        self.write_scene(json.dumps(self.scene))
+        self.succeed("hlod", "build", "scene.json", "-o", "planets.ohlod", "--node-triangles", 64)
+
+    def render(self, *arguments):
+        return self.json_of("hlod", "render", "planets.ohlod", "--scene", "scene.json", *SIZE, *arguments)
+
+    def compare(self, *arguments):
+        report = self.json_of("hlod", "compare", "planets.ohlod", "--scene", "scene.json", "--path", "by", *SIZE, *arguments)
+        return {(run["device"], run["strategy"]): run for run in report["runs"]}
+
+    def test_render_reports(self):
+        report = self.render("--path", "by", "--reference", 3)
+        self.assert_has_keys(report, "scene path strategy tolerance_px bias metric alpha geomorph device hlods mean frames")
+        self.assertEqual((report["scene"], report["path"], report["strategy"], report["bias"]), ("planets", "by", "coh", {"s": 1.0, "t": 0.3}))
+        self.assertEqual(report["hlods"][0]["triangles"], 3 * TRIANGLES)
+        frames = report["frames"]
+        self.assertEqual([frame["frame"] for frame in frames], list(range(7)))
+        for frame in frames:
+            self.assert_has_keys(frame, "drawn_nodes drawn_patches drawn_triangles rarn delayed blocked visits queries wasted_queries hidden_nodes "
+                                        "largest_sse_px frame_ms cpu_ms gpu_ms stall_ms starve_ms hash")
+            self.assertGreater(frame["drawn_nodes"], 0)
+        compared = [frame for frame in frames if "psnr_y" in frame]
+        self.assertEqual(len(compared), 3)
+        self.assert_has_keys(compared[0], "depth_rms_px silhouette_mismatch psnr_y psnr_cb psnr_cr unculled_psnr_y unculled_psnr_cb unculled_psnr_cr "
+                                          "wrongly_hidden_px crack_px popping_px popping_rms_px depth_complexity")
+        self.assertGreaterEqual(compared[0]["depth_complexity"], 2)  # planets are closed: two surfaces wherever there is one
+        mean = report["mean"]
+        self.assertEqual((mean["frames"], mean["compared_frames"]), (7, 3))
+        self.assertAlmostEqual(mean["drawn_nodes"], sum(frame["drawn_nodes"] for frame in frames) / 7)
+        self.assertAlmostEqual(mean["depth_rms_px"], sum(frame["depth_rms_px"] for frame in compared) / 3)
+        self.assertAlmostEqual(mean["fps"], 1e3 / mean["frame_ms"])
+
+    def test_table_has_a_line_for_each_frame(self):
+        lines = self.succeed("hlod", "render", "planets.ohlod", "--scene", "scene.json", "--path", "by", *SIZE).splitlines()
+        self.assertEqual(len(lines), 1 + 7 + 1)
+        self.assertEqual([line.split()[0] for line in lines], ["frame", *map(str, range(7)), "mean"])
+
+    def test_what_strategies_promise(self):
+        """Those without a bias show what vfc shows; ideal draws what sw-b draws, and nobody asks for it."""
+        runs = self.compare("--strategies", "all", "--reference", 7)
+        self.assertEqual([strategy for _, strategy in runs], STRATEGIES)
+        run = {strategy: runs["software", strategy] for strategy in STRATEGIES}
+        for strategy in ("vfc", "sw", "bool"):
+            self.assertEqual((run[strategy]["equal_pictures"], run[strategy]["unculled_psnr_y"], run[strategy]["wrongly_hidden_px"]), (7, None, 0), strategy)
+            self.assertEqual(run[strategy]["crack_px"], 0, strategy)
+        self.assertEqual(run["ideal"]["hash"], run["sw-b"]["hash"])
+        self.assertLess(run["sw-b"]["drawn_nodes"], run["sw"]["drawn_nodes"])
+        self.assertLess(run["sw"]["drawn_nodes"], run["vfc"]["drawn_nodes"])
+        self.assertEqual([run[strategy]["queries"] > 0 for strategy in STRATEGIES], [False, True, True, True, True, True, False])
+
+    def test_compare_agrees_with_render(self):
+        runs = self.compare("--strategies", "coh,vfc", "--device", "virtual:modern,software", "--tolerance", 2)
+        self.assertEqual(list(runs), [(device, strategy) for device in ("virtual:modern", "software") for strategy in ("vfc", "coh")])
+        alone = self.render("--path", "by", "--device", "virtual:modern", "--tolerance", 2)["mean"]
+        for key, value in runs["virtual:modern", "coh"].items():
+            if key not in ("device", "strategy"):
+                self.assertEqual(value, alone[key], key)
+
+    def test_options_are_used(self):
+        usual = self.render("--path", "by", "--strategy", "sw-b")["mean"]
+        other = lambda *options: self.render("--path", "by", "--strategy", "sw-b", *options)["mean"]
+        self.assertLess(other("--tolerance", 4)["drawn_triangles"], usual["drawn_triangles"])
+        self.assertNotEqual(other("--bias", "0,0.3")["hash"], usual["hash"])
+        self.assertNotEqual(other("--bias", "1,0.9")["hash"], usual["hash"])
+        self.assertEqual(other("--bias", "none")["hash"], self.render("--path", "by", "--strategy", "sw")["mean"]["hash"])
+        self.assertGreater(other("--metric", "sphere", "--bias", "none")["drawn_triangles"], other("--bias", "none")["drawn_triangles"])
+        self.assertNotEqual(other("--alpha", "paper")["hash"], usual["hash"])
+        self.assertNotEqual(other("--geomorph", "--reference", 7)["depth_rms_px"], other("--reference", 7)["depth_rms_px"])
+        self.assertNotEqual(self.render("--orthographic")["mean"]["hash"], self.render()["mean"]["hash"])
+
+    def test_no_tolerance_draws_the_input(self):
+        frame = self.render("--strategy", "vfc", "--tolerance", 0, "--reference", 1)["frames"][0]
+        self.assertEqual((frame["drawn_triangles"], frame["psnr_y"], frame["depth_rms_px"]), (3 * TRIANGLES, None, 0))
+
+    def test_times_of_virtual_devices_are_simulated(self):
+        for preset in ("query-cheap", "query-dear", "fill-bound", "modern"):
+            first, second = (self.render("--path", "by", "--device", f"virtual:{preset}") for _ in range(2))
+            self.assertEqual(first["frames"], second["frames"], preset)
+            self.assertGreater(first["mean"]["frame_ms"], 0)
+
+    def test_recordings_are_replayed(self):
+        """Answers, what was available, and times, so that another machine draws and tells the same."""
+        drawn = self.render("--path", "by", "--device", "virtual:query-dear", "--record", "run.orec")
+        again = self.render("--path", "by", "--replay", "run.orec")
+        self.assertEqual(again["frames"], drawn["frames"])
+        self.assertEqual(again["device"], "recorded:virtual:query-dear")
+        line = self.failure_of("hlod", "render", "planets.ohlod", "--scene", "scene.json", "--path", "by", *SIZE, "--json", "--replay", "run.orec", "--tolerance", 3)
+        self.assertIn("frame", line)
+        self.assertIn("planet.ply", self.failure_of("hlod", "render", "planets.ohlod", "--replay", "planet.ply"))
+
+    def test_frames(self):
+        self.assertEqual(len(self.render("--path", "by", "--frames", 3)["frames"]), 3)
+        still = self.render("--frames", 4)["frames"]
+        self.assertEqual(len({frame["hash"] for frame in still[2:]}), 1)
+        self.assertIn("--frames: this path jumps to 2 places", self.failure_of("hlod", "render", "scene.json", "--path", "jump", "--frames", 1))
+        self.assertEqual(len(self.render("--path", "jump", "--frames", 2)["frames"]), 2)
+
+    def entries(self):
+        return sorted(path.name for path in (self.folder / "cache" / "occlod").glob("*.ohlod"))
+
+    def test_scenes_are_built_once(self):
+        built = self.json_of("hlod", "render", "scene.json", *SIZE)
+        self.assertEqual(len(self.entries()), 1)
+        self.assertEqual(self.json_of("hlod", "render", "scene.json", *SIZE)["mean"]["hash"], built["mean"]["hash"])
+        self.assertEqual(len(self.entries()), 1)
+        self.succeed("hlod", "build", "scene.json", "-o", "usual.ohlod")
+        named = self.json_of("hlod", "render", "usual.ohlod", "--scene", "scene.json", *SIZE)
+        self.assertEqual(named["mean"]["hash"], built["mean"]["hash"])
+        self.json_of("hlod", "render", "planet.ply", *SIZE, "--no-cache")
+        self.assertEqual(len(self.entries()), 1)
+
+    def test_scenes_of_hlods(self):
+        self.succeed("hlod", "build", "planet.ply", "-o", "planet.ohlod", "--node-triangles", 64)
+        objects = [dict(thing, mesh="planet.ohlod") for thing in self.scene["objects"]]
+        (self.folder / "placed.json").write_text(json.dumps(dict(self.scene, objects=objects)))
+        placed = self.json_of("hlod", "render", "placed.json", "--strategy", "vfc", "--reference", 1, *SIZE)
+        self.assertEqual([hlod["triangles"] for hlod in placed["hlods"]], [TRIANGLES] * 3)
+        flat = self.render("--strategy", "vfc", "--reference", 1)
+        self.assertAlmostEqual(placed["frames"][0]["depth_complexity"], flat["frames"][0]["depth_complexity"], 2)
+
+    def test_pictures_and_tables(self):
+        self.render("--path", "by", "--frames", 2, "--png", "view.png", "--boxes", "boxes.png", "--csv", "frames.csv")
+        for name in ("view_00000.png", "view_00001.png", "boxes_00000.png", "boxes_00001.png"):
+            self.assertEqual((self.folder / name).read_bytes()[:8], b"\x89PNG\r\n\x1a\n")
+        self.render("--png", "one.png", "--geomorph")
+        self.assertTrue((self.folder / "one.png").exists())
+        with open(self.folder / "frames.csv", newline="") as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual([row["frame"] for row in rows], ["0", "1"])
+        self.assertEqual(len(rows[0]["hash"]), 16)
+        self.compare("--strategies", "coh,bool", "--frames", 3, "--csv", "all.csv")
+        with open(self.folder / "all.csv", newline="") as file:
+            self.assertEqual([(row["strategy"], row["frame"]) for row in csv.DictReader(file)],
+                             [(strategy, str(frame)) for strategy in ("bool", "coh") for frame in range(3)])
+
+    def test_mistakes_are_told_in_one_line(self):
+        (self.folder / "text.ohlod").write_text("no HLOD")
+        for parts, arguments in (
+                (["text.ohlod", "is not an .ohlod file"], ["render", "text.ohlod"]),
+                (["none.ohlod: no such file"], ["render", "none.ohlod"]),
+                (["planets.ohlod: --path: it has no camera path", "--scene"], ["render", "planets.ohlod", "--path", "by"]),
+                (['scene.json: /paths: has no "other"', "by, jump"], ["render", "planets.ohlod", "--scene", "scene.json", "--path", "other"]),
+                (['scene.json: /cameras: has no "other"', "default"], ["render", "scene.json", "--camera", "other"]),
+                (["scene.json: --scene: this scene has cameras of its own"], ["render", "scene.json", "--scene", "scene.json"]),
+                (["planet.ply: --scene: is not a scene file"], ["render", "planets.ohlod", "--scene", "planet.ply"]),
+                (["--device: magic: there is no such device; use software, virtual:PRESET"], ["render", "planets.ohlod", "--device", "magic"]),
+                (["query-cheap, query-dear, fill-bound, modern"], ["compare", "planets.ohlod", "--device", "software,virtual:magic"]),
+                (["nowhere/a.csv: the folder nowhere does not exist"], ["compare", "planets.ohlod", "--csv", "nowhere/a.csv"])):
+            line = self.failure_of("hlod", *arguments)
+            for part in parts:
+                self.assertIn(part, line)
+        self.assertIn("draw it with occlod hlod render", self.failure_of("render", "planets.ohlod"))
+        for arguments in (["--strategy", "magic"], ["--metric", "cube"], ["--bias", "1"], ["--bias", "1,2"], ["--bias", "x,0"], ["--bias", "nan,0"],
+                          ["--path", "by", "--camera", "default"], ["--device", "software", "--replay", "a.orec"], ["--bias", "0,0,0"]):
+            done = self.run_tool("hlod", "render", "planets.ohlod", *arguments)
+            self.assertEqual((done.returncode, done.stdout, done.stderr.count("\n")), (2, "", 1), f"{arguments}: {done.stderr}")
+        done = self.run_tool("hlod", "compare", "planets.ohlod", "--strategies", "coh,magic")
+        self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1), done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=1)

@@ -1,0 +1,43 @@
+// What a frame of an HLOD has drawn, to be drawn again: into pictures, and from other eyes.
+#pragma once
+
+#include <cstddef>
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
+#include "occlod/device/device.h"
+#include "occlod/picture/picture.h"
+#include "occlod/traverse/traverser.h"
+#include "occlod/view/view.h"
+
+namespace occlod::tool {
+
+// Draws of a frame that outlive it.
+struct Front {
+  std::vector<hlod::DrawnNode> draws;
+  std::vector<hlod::DrawRange> ranges;
+};
+
+[[nodiscard]] Front front_of(const hlod::Frame& frame);
+// All nodes of level 0 that may be inside the frustum: the input itself.
+[[nodiscard]] Front full_front(std::span<const hlod::PlacedHlod> placed, const View& view);
+
+// The triangles of a front, one object of a picture for each of its draws, in the same order. Reuses its memory.
+class FrontMesh {
+ public:
+  // The HLODs outlive what objects() returns. Throws Error when a mapped file is damaged.
+  void assign(const Front& front, std::span<const hlod::PlacedHlod> placed);
+  // Valid until the next assign().
+  [[nodiscard]] std::span<const DrawObject> objects() const { return objects_; }
+  [[nodiscard]] std::size_t triangle_count() const { return triangles_.size(); }
+
+ private:
+  void append(const hlod::DrawnNode& draw, std::span<const hlod::DrawRange> ranges, const hlod::PlacedHlod& placed);
+
+  std::vector<DrawObject> objects_;
+  std::vector<Triangle> triangles_;                // of all objects, one after the other
+  std::vector<std::vector<glm::vec3>> positions_;  // of the k-th object whose vertices are on their way
+};
+
+}  // namespace occlod::tool

@@ -1,0 +1,28 @@
+// The devices that HLODs are drawn with, by name.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "json_output.h"
+#include "occlod/device/device.h"
+
+namespace occlod::tool {
+
+struct HlodDevice {
+  std::string name;  // as on the command line
+  std::unique_ptr<hlod::RenderDevice> device;
+  Json gl;  // platform, renderer, version; null without OpenGL
+};
+
+// software, virtual:PRESET, gl, egl or osmesa. Throws Error for any other name, and when this machine or build has no
+// such device.
+[[nodiscard]] HlodDevice make_hlod_device(const std::string& name);
+
+// Answers as the recording says. Throws Error.
+[[nodiscard]] HlodDevice replaying_device(const std::string& file);
+
+// For help.
+inline constexpr const char* hlod_device_names = "software, virtual:PRESET, gl, egl or osmesa";
+
+}  // namespace occlod::tool

@@ -1,0 +1,76 @@
+#include "hlod_options.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "option_values.h"
+
+namespace occlod::tool {
+namespace {
+
+std::optional<double> share(const std::string& text) {
+  double value = 0.0;
+  if (!CLI::detail::lexical_cast(text, value) || !std::isfinite(value) || value < 0.0 || value > 1.0) return {};
+  return value;
+}
+
+// "S,T", or "none".
+void set_bias(hlod::TraverseOptions& options, const std::string& text) {
+  options.biased = text != "none";
+  if (!options.biased) return;
+  const std::size_t comma = std::min(text.find(','), text.size());
+  const auto s = share(text.substr(0, comma));
+  const auto t = share(text.substr(std::min(comma + 1, text.size())));
+  if (!s || !t)
+    throw CLI::ValidationError("--bias",
+                               fmt::format("{} is neither none nor two numbers from 0 to 1, S,T", shown(text)));
+  options.bias = {*s, *t};
+}
+
+}  // namespace
+
+const std::vector<std::pair<std::string, hlod::Strategy>>& strategies() {
+  using hlod::Strategy;
+  static const std::vector<std::pair<std::string, Strategy>> all = {
+      {"vfc", Strategy::vfc},   {"sw", Strategy::sw},   {"sw-b", Strategy::sw_b},  {"bool", Strategy::boolean},
+      {"simp", Strategy::simp}, {"coh", Strategy::coh}, {"ideal", Strategy::ideal}};
+  return all;
+}
+
+std::string name_of(hlod::Strategy strategy) {
+  const auto found = std::find_if(strategies().begin(), strategies().end(),
+                                  [&](const auto& named) { return named.second == strategy; });
+  return found->first;
+}
+
+void add_traverse_options(CLI::App& command, hlod::TraverseOptions& options) {
+  add_number(command, "--tolerance", options.tolerance_px, RealRange{},
+             "Refine nodes whose error is larger on the screen, in pixels; 0: draw the input itself")
+      ->capture_default_str();
+  command
+      .add_option_function<std::string>(
+          "--bias", [&options](const std::string& text) { set_bias(options, text); },
+          "sw-b, simp, coh, ideal: how much of a node's error counts where only a share of it is visible. S: from that "
+          "share itself (0) to a sigmoid (1); T: where the sigmoid turns; none: all of it")
+      ->option_text(fmt::format("S,T|none [{},{}]", options.bias.s, options.bias.t));
+  add_choice(
+      command, "--metric", options.metric, {{"box", hlod::Metric::box}, {"sphere", hlod::Metric::sphere}},
+      "Where a node is nearest to the eye: box: of its box; sphere: of its sphere, as published, which is coarser");
+  add_choice(command, "--alpha", options.alpha, {{"exact", hlod::Alpha::exact}, {"paper", hlod::Alpha::paper}},
+             "The pixels of a node's box on an empty screen: exact: of its outline; paper: of a cube of its volume");
+  command.add_flag("--geomorph", options.geomorph, "Let vertices slide to where the parent has them");
+}
+
+Json to_json(const hlod::TraverseOptions& options) {
+  return {{"tolerance_px", options.tolerance_px},
+          {"bias", options.biased ? Json{{"s", options.bias.s}, {"t", options.bias.t}} : Json()},
+          {"metric", options.metric == hlod::Metric::box ? "box" : "sphere"},
+          {"alpha", options.alpha == hlod::Alpha::exact ? "exact" : "paper"},
+          {"geomorph", options.geomorph}};
+}
+
+}  // namespace occlod::tool

@@ -1,0 +1,26 @@
+// Options that `occlod hlod render` and `hlod compare` share.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "json_output.h"
+#include "occlod/traverse/traverser.h"
+
+namespace CLI {
+class App;
+}
+
+namespace occlod::tool {
+
+// Every strategy by its name on the command line.
+[[nodiscard]] const std::vector<std::pair<std::string, hlod::Strategy>>& strategies();
+[[nodiscard]] std::string name_of(hlod::Strategy strategy);
+
+// --tolerance, --bias, --metric, --alpha, --geomorph.
+void add_traverse_options(CLI::App& command, hlod::TraverseOptions& options);
+// All but the strategy.
+[[nodiscard]] Json to_json(const hlod::TraverseOptions& options);
+
+}  // namespace occlod::tool

@@ -1,0 +1,130 @@
+#include "hlod_reference.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+#include "accuracy.h"
+#include "drawing.h"
+#include "effects/fragment_count.h"
+
+namespace occlod::tool {
+namespace {
+
+hlod::TraverseOptions without_occlusion(hlod::TraverseOptions options) {
+  options.strategy = hlod::Strategy::vfc;
+  return options;
+}
+
+PictureDistance distance(const View& view, const ItemBuffer& items, const Image& image, const ItemBuffer& other,
+                         const Image& other_image) {
+  return compare_pictures(view, items.depth, image, other.depth, other_image);
+}
+
+double depth_complexity(std::span<const DrawObject> objects, const ItemBuffer& items, const View& view) {
+  double layers = 0.0;
+  for (const DrawObject& object : objects)
+    layers += count_fragments(object.positions, object.triangles, ObjectView(view, object.object_to_world), true, 1)
+                  .all.layers;
+  const auto covered = std::count_if(items.depth.nearness.begin(), items.depth.nearness.end(),
+                                     [](float nearness) { return nearness > 0.0F; });
+  return covered > 0 ? layers * view.width() * view.height() / static_cast<double>(covered) : 0.0;
+}
+
+// The point of the world that a pixel shows.
+class PixelPoints {
+ public:
+  explicit PixelPoints(const View& view) : view_(view), to_world_(glm::inverse(view.world_to_clip())) {}
+
+  [[nodiscard]] glm::dvec3 at(int x, int y, double nearness) const {
+    const glm::dvec3 near = on_ray(x, y, -1.0), along = on_ray(x, y, 1.0) - near;
+    const double start = glm::dot(near - view_.camera().eye, view_.direction());
+    return near + along * ((view_.distance_at(nearness) - start) / glm::dot(along, view_.direction()));
+  }
+
+ private:
+  [[nodiscard]] glm::dvec3 on_ray(int x, int y, double z) const {
+    const glm::dvec4 clip(2.0 * (x + 0.5) / view_.width() - 1.0, 1.0 - 2.0 * (y + 0.5) / view_.height(), z, 1.0);
+    const glm::dvec4 p = to_world_ * clip;
+    return glm::dvec3(p) / p.w;
+  }
+
+  const View& view_;
+  glm::dmat4 to_world_;
+};
+
+// Whether the view, which has these depths, shows the point, to within 2 px.
+bool shows(const View& view, const DepthBuffer& depth, const glm::dvec3& point) {
+  const glm::dvec4 clip = view.world_to_clip() * glm::dvec4(point, 1.0);
+  if (!(clip.w > 0.0) || std::abs(clip.x) >= clip.w || std::abs(clip.y) >= clip.w) return false;
+  const auto x = static_cast<std::size_t>((clip.x / clip.w + 1.0) / 2.0 * view.width());
+  const auto y = static_cast<std::size_t>((1.0 - clip.y / clip.w) / 2.0 * view.height());
+  const double nearness = depth.nearness[y * static_cast<std::size_t>(view.width()) + x];
+  if (!(nearness > 0.0)) return false;
+  const double distance = glm::dot(point - view.camera().eye, view.direction());
+  return std::abs(view.distance_at(nearness) - distance) * view.scale_px_at(nearness) <= 2.0;
+}
+
+// By pixel of `depth`: whether the other view shows the same.
+std::vector<bool> shown_in(const View& view, const DepthBuffer& depth, const View& other,
+                           const DepthBuffer& other_depth) {
+  const PixelPoints points(view);
+  std::vector<bool> shown;
+  shown.reserve(depth.nearness.size());
+  for (int y = 0; y < depth.height; ++y)
+    for (int x = 0; x < depth.width; ++x) {
+      const double nearness = depth.nearness[shown.size()];
+      shown.push_back(nearness > 0.0 && shows(other, other_depth, points.at(x, y, nearness)));
+    }
+  return shown;
+}
+
+// `depth` where that is shown, `other` elsewhere: nothing has changed there.
+DepthBuffer where_shown(DepthBuffer depth, const DepthBuffer& other, const std::vector<bool>& shown) {
+  for (std::size_t i = 0; i < shown.size(); ++i)
+    if (!shown[i]) depth.nearness[i] = other.nearness[i];
+  return depth;
+}
+
+}  // namespace
+
+HlodReference::HlodReference(std::span<const hlod::PlacedHlod> placed, const hlod::TraverseOptions& options)
+    : placed_(placed), options_(without_occlusion(options)), unculled_(placed) {}
+
+void HlodReference::draw(Picture& picture, const Front& front) {
+  picture.mesh.assign(front, placed_);
+  redraw(picture.items, picture.mesh.objects(), *view_);
+  picture.image = shade_without_wire(picture.items, picture.mesh.objects(), *view_);
+}
+
+void HlodReference::set_view(const View& view, const View& last) {
+  view_ = &view;
+  draw(full_, full_front(placed_, view));
+  before_mesh_.assign(full_front(placed_, last), placed_);
+  redraw(before_items_, before_mesh_.objects(), last);
+  shown_before_ = shown_in(view, full_.items.depth, last, before_items_.depth);
+  depth_complexity_ = depth_complexity(full_.mesh.objects(), full_.items, view);
+  const hlod::Frame& unculled = unculled_.draw_frame(view, device_, options_);
+  draw(plain_, front_of(unculled));
+  plain_sse_px_ = unculled.stats.largest_sse_px;
+}
+
+HlodDistance HlodReference::compare(const Front& front, const Front& before, double largest_sse_px) {
+  draw(frame_, front);
+  before_mesh_.assign(before, placed_);
+  redraw(before_items_, before_mesh_.objects(), *view_);
+
+  HlodDistance result;
+  result.to_full = distance(*view_, frame_.items, frame_.image, full_.items, full_.image);
+  result.to_unculled = distance(*view_, frame_.items, frame_.image, plain_.items, plain_.image);
+  result.wrongly_hidden_px =
+      count_unexplained_pixels(*view_, plain_.items.depth, frame_.items.depth, largest_sse_px + plain_sse_px_);
+  result.crack_px = count_crack_pixels(*view_, full_.items.depth, frame_.items.depth, largest_sse_px);
+  result.popping =
+      measure_popping(*view_, where_shown(before_items_.depth, frame_.items.depth, shown_before_), frame_.items.depth);
+  result.depth_complexity = depth_complexity_;
+  return result;
+}
+
+}  // namespace occlod::tool

@@ -1,0 +1,147 @@
+// occlod hlod render INPUT: draws the frames of a camera path, or of a camera that stands still, and tells what each
+// took.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "accuracy.h"
+#include "command_files.h"
+#include "drawing.h"
+#include "hlod.h"
+#include "hlod_boxes.h"
+#include "hlod_device.h"
+#include "hlod_options.h"
+#include "hlod_report.h"
+#include "hlod_runs.h"
+#include "hlod_scene.h"
+#include "interrupt.h"
+#include "occlod/device/recorded_device.h"
+#include "option_values.h"
+#include "render_path.h"
+
+namespace occlod::tool {
+namespace {
+
+struct Options {
+  HlodSceneOptions scene;
+  hlod::TraverseOptions traverse;
+  std::string device = "software";
+  std::string record;
+  std::string replay;  // instead of the device
+  int compared_frames = 0;
+  std::string png;
+  std::string boxes;
+  std::string csv;
+  bool json = false;
+};
+
+// The name of a picture of frame `frame`: numbered where there are several.
+std::filesystem::path picture_file(const std::string& file, int frames, int frame) {
+  return frames > 1 ? numbered(file, frame) : std::filesystem::path(file);
+}
+
+void check_files(const Options& options, const HlodRequest& request) {
+  CommandFiles files;
+  for (const auto& [what, path] : files_of(options.scene, request)) files.add_input(what, path);
+  if (!options.replay.empty()) files.add_input("the recording to replay", options.replay);
+  if (!options.csv.empty()) files.add_output("--csv", options.csv);
+  if (!options.record.empty()) files.add_output("--record", options.record);
+  for (const auto& [option, file] : {std::pair("--png", options.png), std::pair("--boxes", options.boxes)})
+    for (int i = 0; !file.empty() && i < request.frames; ++i)
+      files.add_output(option, picture_file(file, request.frames, i));
+}
+
+void write_pictures(const Options& options, const HlodScene& scene, const Front& front, int frame) {
+  const View view(camera_at(scene.path, frame));
+  if (!options.png.empty()) {
+    FrontMesh mesh;
+    mesh.assign(front, scene.placed);
+    ItemBuffer items;
+    redraw(items, mesh.objects(), view);
+    write_png(picture_file(options.png, scene.path.frames, frame), shade_without_wire(items, mesh.objects(), view));
+  }
+  if (!options.boxes.empty())
+    write_png(picture_file(options.boxes, scene.path.frames, frame), picture_of_boxes(front, scene.placed, view));
+}
+
+Json report_of(const Options& options, const HlodScene& scene, const HlodDevice& device, const HlodRuns& runs) {
+  Json report = {
+      {"scene", scene.name}, {"path", options.scene.view.path}, {"strategy", name_of(options.traverse.strategy)}};
+  report.update(to_json(options.traverse));
+  report["device"] = device.name;
+  if (!device.gl.is_null()) report["gl"] = device.gl;
+  for (const LoadedHlod& hlod : scene.hlods) {
+    Json counts = {{"source", hlod.source_name}};
+    counts.update(counts_of(*hlod.hlod));
+    report["hlods"].push_back(std::move(counts));
+  }
+  report["mean"] = runs.summary(0);
+  report["frames"] = runs.rows(0);
+  return report;
+}
+
+void run(const Options& options) {
+  handle_interrupts("hlod render");
+  const HlodRequest request = describe_hlod_request(options.scene);
+  check_files(options, request);
+  const HlodDevice device =
+      options.replay.empty() ? make_hlod_device(options.device) : replaying_device(options.replay);
+  std::optional<hlod::RecordingDevice> recorder;
+  if (!options.record.empty()) recorder.emplace(*device.device);
+  const HlodScene scene = load_hlod_scene(options.scene, request);
+  hlod::RenderDevice* drawn_on = recorder ? &*recorder : device.device.get();
+  HlodRuns runs(scene, {{options.traverse, drawn_on}}, options.compared_frames);
+  const auto columns = frame_columns(options.compared_frames > 0);
+  if (!options.json) print_titles(columns);
+  for (int i = 0; i < scene.path.frames; ++i) {
+    note_interrupts();
+    runs.draw(i);
+    write_pictures(options, scene, runs.front(0), i);
+    if (!options.json) print_row(columns, runs.told(0));
+  }
+  if (!options.csv.empty()) write_csv(options.csv, runs.rows(0));
+  if (recorder) write_recording(options.record, recorder->recording());
+  const Json report = report_of(options, scene, device, runs);
+  if (options.json) return print_json(report);
+  Json mean = report["mean"];
+  mean["frame"] = "mean";
+  print_row(mean_columns(options.compared_frames > 0), mean);
+}
+
+}  // namespace
+
+void add_hlod_render(CLI::App& hlod) {
+  CLI::App& command = *hlod.add_subcommand("render", "Draw HLODs along a camera path, culled by occlusion queries");
+  const auto options = std::make_shared<Options>();
+  add_hlod_scene_options(command, options->scene);
+  command.option_defaults()->group("Refinement");
+  add_choice(command, "--strategy", options->traverse.strategy, strategies(),
+             "What decides which nodes are drawn; docs/guide/hlod.md explains them");
+  add_traverse_options(command, options->traverse);
+  command.option_defaults()->group("Device");
+  CLI::Option* device =
+      add_name(command, "--device", options->device, fmt::format("What draws and answers: {}", hlod_device_names))
+          ->capture_default_str();
+  add_file(command, "--record", options->record, "Write what the device was told and answered, to repeat this run");
+  add_file(command, "--replay", options->replay, "Take the answers and times of such a recording instead of a device")
+      ->excludes(device);
+  command.option_defaults()->group("Output");
+  add_number(command, "--reference", options->compared_frames, WholeRange{0, 1'000'000},
+             "Compare so many frames, spread evenly, with the input and with what vfc draws; 0: none")
+      ->capture_default_str();
+  add_file(command, "--png", options->png,
+           "Write a picture; of several frames one each: view.png becomes view_00000.png, ...");
+  add_file(
+      command, "--boxes", options->boxes,
+      "Likewise of the nodes drawn and their boxes from above: blue where errors counted in full, red where hardly");
+  add_file(command, "--csv", options->csv, "Write what is told of each frame as comma-separated values");
+  command.add_flag("--json", options->json, "Print the result as one JSON object");
+  command.callback([options] { run(*options); });
+}
+
+}  // namespace occlod::tool

@@ -1,0 +1,145 @@
+#include "hlod_runs.h"
+
+#include <fmt/format.h>
+#include <xxhash.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+namespace occlod::tool {
+namespace {
+
+Json to_json(const hlod::FrameStats& stats) {
+  return {{"drawn_nodes", stats.drawn_nodes},
+          {"drawn_patches", stats.drawn_patches},
+          {"drawn_triangles", stats.drawn_triangles},
+          {"rarn", stats.rarn},
+          {"delayed", stats.delayed},
+          {"blocked", stats.blocked},
+          {"visits", stats.visits},
+          {"queries", stats.queries},
+          {"wasted_queries", stats.wasted_queries},
+          {"hidden_nodes", stats.hidden_nodes},
+          {"largest_sse_px", stats.largest_sse_px}};
+}
+
+Json to_json(const hlod::FrameTimes& times) {
+  return {{"frame_ms", times.frame_ms},
+          {"cpu_ms", times.cpu_ms},
+          {"gpu_ms", times.gpu_ms},
+          {"stall_ms", times.stall_ms},
+          {"starve_ms", times.starve_ms}};
+}
+
+Json to_json(const HlodDistance& distance) {
+  return {{"depth_rms_px", distance.to_full.depth_rms_px},
+          {"silhouette_mismatch", distance.to_full.silhouette_mismatch},
+          {"psnr_y", distance.to_full.psnr_y},
+          {"psnr_cb", distance.to_full.psnr_cb},
+          {"psnr_cr", distance.to_full.psnr_cr},
+          {"unculled_psnr_y", distance.to_unculled.psnr_y},
+          {"unculled_psnr_cb", distance.to_unculled.psnr_cb},
+          {"unculled_psnr_cr", distance.to_unculled.psnr_cr},
+          {"wrongly_hidden_px", distance.wrongly_hidden_px},
+          {"crack_px", distance.crack_px},
+          {"popping_px", distance.popping.largest_px},
+          {"popping_rms_px", distance.popping.rms_px},
+          {"depth_complexity", distance.depth_complexity}};
+}
+
+// Mean and standard deviation of one column over the frames that have it. Pictures that are equal have no finite
+// signal-to-noise ratio: they are left out.
+struct Column {
+  std::vector<double> values;
+
+  [[nodiscard]] double mean() const {
+    double sum = 0.0;
+    for (const double value : values) sum += value;
+    return values.empty() ? 0.0 : sum / static_cast<double>(values.size());
+  }
+  [[nodiscard]] double deviation() const {
+    double sum = 0.0;
+    for (const double value : values) sum += (value - mean()) * (value - mean());
+    return values.empty() ? 0.0 : std::sqrt(sum / static_cast<double>(values.size()));
+  }
+  [[nodiscard]] double largest() const {
+    return values.empty() ? 0.0 : *std::max_element(values.begin(), values.end());
+  }
+};
+
+Column column_of(const std::vector<Json>& rows, const std::string& key) {
+  Column column;
+  for (const Json& row : rows)
+    if (const auto found = row.find(key); found != row.end() && std::isfinite(found->get<double>()))
+      column.values.push_back(found->get<double>());
+  return column;
+}
+
+std::string hash_of(const std::vector<Json>& rows) {
+  std::string hashes;
+  for (const Json& row : rows) hashes += row["hash"].get<std::string>();
+  return fmt::format("{:016x}", XXH3_64bits(hashes.data(), hashes.size()));
+}
+
+bool is_ratio(const std::string& key) { return key.find("psnr") != std::string::npos; }
+
+}  // namespace
+
+HlodRuns::HlodRuns(const HlodScene& scene, std::vector<HlodRun> runs, int compared_frames)
+    : scene_(scene), compared_frames_(std::min(compared_frames, scene.path.frames)) {
+  if (compared_frames_ > 0) reference_.emplace(scene.placed, runs.front().options);
+  for (HlodRun& run : runs) {
+    if (run.options.strategy == hlod::Strategy::ideal) run.options.oracle = &oracle_;
+    states_.push_back({run, hlod::Traverser(scene.placed), nullptr, {}, {}});
+  }
+}
+
+bool HlodRuns::is_compared(int frame) const {
+  const auto so_far = [this](std::int64_t frames) { return frames * compared_frames_ / scene_.path.frames; };
+  return so_far(frame + 1) > so_far(frame);
+}
+
+void HlodRuns::draw(int frame) {
+  const View view(camera_at(scene_.path, frame));
+  if (is_compared(frame)) reference_->set_view(view, View(camera_at(scene_.path, std::max(frame - 1, 0))));
+  for (State& state : states_) draw(state, frame, view);
+}
+
+void HlodRuns::draw(State& state, int frame, const View& view) {
+  state.frame = &state.traverser.draw_frame(view, *state.run.device, state.run.options);
+  Front before = std::exchange(state.front, front_of(*state.frame));
+  if (frame == 0) before = state.front;
+  Json row = {{"frame", frame}};
+  row.update(to_json(state.frame->stats));
+  row.update(to_json(state.frame->times));
+  row["hash"] = fmt::format("{:016x}", state.frame->front_hash);
+  if (is_compared(frame))
+    row.update(to_json(reference_->compare(state.front, before, state.frame->stats.largest_sse_px)));
+  state.rows.push_back(std::move(row));
+}
+
+Json HlodRuns::summary(std::size_t run) const {
+  const std::vector<Json>& rows = states_[run].rows;
+  Json keys;  // of all columns: those of frames that were compared come last
+  for (const Json& row : rows) keys.update(row);
+  Json result = {{"frames", rows.size()}, {"compared_frames", compared_frames_}};
+  for (const auto& [key, value] : keys.items()) {
+    if (key == "frame" || key == "hash") continue;
+    const Column column = column_of(rows, key);
+    result[key] = column.values.empty() ? Json() : Json(column.mean());
+    if (is_ratio(key)) result[key + "_deviation"] = column.values.empty() ? Json() : Json(column.deviation());
+    if (key == "popping_px" || key == "largest_sse_px" || key == "frame_ms")
+      result["largest_" + key] = column.largest();
+  }
+  if (compared_frames_ > 0)
+    result["equal_pictures"] =
+        static_cast<std::size_t>(compared_frames_) - column_of(rows, "unculled_psnr_y").values.size();
+  const double frame_ms = result["frame_ms"].get<double>();
+  result["fps"] = frame_ms > 0.0 ? 1e3 / frame_ms : 0.0;
+  result["hash"] = hash_of(rows);
+  return result;
+}
+
+}  // namespace occlod::tool
