@@ -195,6 +195,13 @@ hlod::Hlod shared_child() {
   return hand_made_hlod(panels, std::vector<float>{3.0F, 2.0F, 2.0F, 1.0F, 1.0F, 1.0F, 0.0F, 0.0F, 0.0F});
 }
 
+hlod::Hlod shared_grandchild() {
+  const std::vector<Panel> panels = {{{-3.0F, -1.0F, 0.0F}, {1.9F, 2.0F}, {7, 5, 3, 1, 0}},
+                                     {{-1.0F, -1.0F, 0.0F}, {0.9F, 2.0F}, {7, 5, 4, 2, 0}},
+                                     {{0.0F, -1.0F, 0.0F}, {1.9F, 2.0F}, {8, 6, 4, 2, 0}}};
+  return hand_made_hlod(panels, std::vector<float>{4.0F, 3.0F, 3.0F, 2.0F, 2.0F, 1.0F, 1.0F, 0.0F, 0.0F});
+}
+
 hlod::Hlod one_panel(const glm::vec3& min, const glm::vec2& size) {
   const std::vector<Panel> panels = {{min, size, {0}}};
   return hand_made_hlod(panels, std::vector<float>{0.0F});

@@ -41,6 +41,20 @@ struct Panel {
 //  6    7    8     level 0
 [[nodiscard]] hlod::Hlod shared_child();
 
+// Nine nodes: one that has two parents, which have one parent each. The panels of 7 and 5 belong to 3 in their left
+// half, to 4 in their right.
+//
+//    0       level 4
+//   / |
+//  1  2      level 3              errors: 4 of node 0, 3 of 1 and 2, 2 of 3 and 4, 1 of 5 and 6
+//  |  |
+//  3  4      level 2
+//  | /|
+//  5  6      level 1
+//  |  |
+//  7  8      level 0              panels at z = 0: nodes 7 and 8 from left to right
+[[nodiscard]] hlod::Hlod shared_grandchild();
+
 // One panel of one level.
 [[nodiscard]] hlod::Hlod one_panel(const glm::vec3& min, const glm::vec2& size);
 

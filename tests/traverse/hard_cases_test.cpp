@@ -322,14 +322,14 @@ TEST(BadInput, IsRefusedInOneLine) {
   EXPECT_EQ(draw([](TraverseOptions&) {}), "");
 }
 
-// Passes on until it has had enough.
+// Answers so many questions more.
 class FailingDevice : public occlod::test::ScriptedDevice {
  public:
   [[nodiscard]] std::span<const std::uint32_t> wait(QueryId query) override {
-    if (fail) throw Error({"device", "", "has failed", ""});
+    if (answers-- == 0) throw Error({"device", "", "has failed", ""});
     return ScriptedDevice::wait(query);
   }
-  bool fail = false;
+  std::size_t answers = 1000;
 };
 
 TEST(Failure, TheNextFrameIsLikeTheFirst) {
@@ -348,9 +348,9 @@ TEST(Failure, TheNextFrameIsLikeTheFirst) {
   const std::string first = log(Strategy::coh), second = log(Strategy::coh);
   EXPECT_NE(first, second);
   EXPECT_EQ(log(Strategy::coh), second);
-  device.fail = true;
+  device.answers = 2;  // nodes 3 and 4 have been seen
   EXPECT_EQ(error_of([&] { log(Strategy::coh); }), "device: has failed");
-  device.fail = false;
+  device.answers = 1000;
   EXPECT_EQ(log(Strategy::coh), first);
   EXPECT_EQ(log(Strategy::coh), second);
   traverser.reset();

@@ -16,13 +16,15 @@ using occlod::test::ScriptedDevice;
 using occlod::test::Story;
 
 TEST(HandMadeHlods, AreSound) {
-  for (const Hlod& hlod : {occlod::test::two_rows(), occlod::test::two_rows(true), occlod::test::shared_child(),
-                           occlod::test::one_panel({0.0F, 0.0F, 0.0F}, {1.0F, 1.0F})}) {
+  for (const Hlod& hlod :
+       {occlod::test::two_rows(), occlod::test::two_rows(true), occlod::test::shared_child(),
+        occlod::test::shared_grandchild(), occlod::test::one_panel({0.0F, 0.0F, 0.0F}, {1.0F, 1.0F})}) {
     EXPECT_EQ(check_structure(hlod.data()), std::nullopt);
     EXPECT_EQ(validate(hlod), std::vector<std::string>());
   }
   EXPECT_EQ(occlod::test::two_rows().node_count(), 9U);
   EXPECT_EQ(occlod::test::shared_child().node_count(), 9U);
+  EXPECT_EQ(occlod::test::shared_grandchild().node_count(), 9U);
 }
 
 TEST(Stories, AreToldToAScriptedDevice) {
@@ -201,6 +203,85 @@ TEST(TwoParents, OneThatIsDrawnDeniesAndGivesWayInTheNextFrame) {
                 "ask 6, draw 6, get 6, ask 7, draw 7, get 7, ask 8, draw 8, get 8");
     EXPECT_EQ(frames.stats().blocked, 0U);
   }
+}
+
+// With 6 px node 4 is drawn and seen before node 2 is refined; 5 is hidden. So node 2 has been seen too, and is refined
+// unasked in the next frame.
+TEST(TwoParents, OneThatIsRefinedLateHasBeenSeenToo) {
+  const Hlod shared = occlod::test::shared_child();
+  for (const Strategy strategy : {Strategy::boolean, Strategy::coh}) {
+    ScriptedDevice device;
+    device.answer(0, 5, 0);
+    Frames frames(shared, device);
+    TraverseOptions options = with(strategy, 6.0);
+    options.biased = false;
+    frames.log_of_next(options);
+    for (int frame = 1; frame < 4; ++frame)
+      EXPECT_EQ(frames.log_of_next(options),
+                strategy == Strategy::boolean
+                    ? "ask 3, draw 3, get 3, ask 4, draw 4 for 1, get 4, draw 4 for 2, ask 5, get 5"
+                    // Its children's mean bias is 1/2, and 4.9 px would do: asked, to see whether the front moves up.
+                    : "ask 3, draw 3, get 3, ask 4, draw 4 for 1, get 4, ask 2, get 2, draw 4 for 2, ask 5, get 5");
+  }
+}
+
+// shared_grandchild(), from (-2, 0, 10): 20 px of node 0, 15 of 1 and 14.9 of 2, 10 and 9.95 of 3 and 4, 5 of 5. Order
+// 0 1 3 5 2 4 7. Hardly anything of nodes 2 and 4 is visible, so 2 is drawn and 4 never reached; that denies node 5,
+// once 2 is decided. Both then have biases that let them be refined.
+TEST(TwoParents, OneThatIsNeverReachedDeniesAsItsOwnParentIsDrawn) {
+  const Hlod shared = occlod::test::shared_grandchild();
+  for (const Strategy strategy : {Strategy::sw_b, Strategy::coh}) {
+    ScriptedDevice device;
+    device.answer(0, 2, 1);
+    device.answer(0, 4, 1);
+    device.answer(0, 6, 0);
+    Frames frames(shared, device);
+    EXPECT_EQ(frames.log_of_next(with(strategy, 1.0)),
+              "ask 0, get 0, ask 1, get 1, ask 3, get 3, ask 5, get 5, ask 2, get 2, draw 2, draw 5 for 3");
+    EXPECT_EQ(frames.stats().blocked, 1U);
+    // Node 5 is held until 2 and then 4 are decided.
+    const std::string not_denied = "ask 4, get 4, ask 7, get 7, draw 7, ask 6, get 6";
+    for (int frame = 1; frame < 4; ++frame) {
+      const std::string log = frames.log_of_next(with(strategy, 1.0));
+      if (strategy == Strategy::sw_b)
+        EXPECT_EQ(log, "ask 0, get 0, ask 1, get 1, ask 3, get 3, ask 5, get 5, ask 2, get 2, " + not_denied);
+      else
+        EXPECT_EQ(log, frame == 1 ? not_denied : "ask 7, draw 7, get 7, ask 6, get 6");
+      EXPECT_EQ(frames.stats().blocked, 0U);
+    }
+  }
+}
+
+// Where it is never reached since its parents are hidden, nothing is in the way.
+TEST(TwoParents, OneThatIsNeverReachedSinceItsParentIsHiddenIsNoObstacle) {
+  const Hlod shared = occlod::test::shared_grandchild();
+  ScriptedDevice device;
+  device.answer(0, 2, 0);
+  Frames frames(shared, device);
+  EXPECT_EQ(frames.log_of_next(with(Strategy::sw, 1.0)),
+            "ask 0, get 0, ask 1, get 1, ask 3, get 3, ask 5, get 5, ask 2, get 2, ask 7, get 7, draw 7");
+}
+
+// Node 8 was hidden in frame 0, and is outside the frustum in frame 1. The mean of the biases of 6 and 7 alone, 1,
+// keeps node 2 refined from frame 2 on: 25 px against 20. With 8 it would be 17 px.
+TEST(Prediction, LeavesOutChildrenThatWereNotVisited) {
+  const Hlod rows = occlod::test::two_rows();
+  const PlacedHlod placed{&rows};
+  ScriptedDevice device;
+  device.answer(0, 8, 0);
+  LoggedDevice logged(device);
+  Traverser traverser({&placed, 1});
+  Camera between = camera();
+  between.eye = {-2.0, 0.0, -2.0};
+  between.target = between.eye + glm::dvec3(0.515, 0.0, -0.857);  // 31 degrees to the right: node 8 is at 60 to 67
+  const auto log = [&] {
+    traverser.draw_frame(View(between), logged, with(Strategy::coh, 20.0));
+    return logged.log();
+  };
+  EXPECT_EQ(log(), "ask 2, get 2, ask 6, get 6, draw 6, ask 7, get 7, draw 7, ask 8, get 8");
+  between.target = {-2.0, 0.0, -10.0};
+  EXPECT_EQ(log(), "ask 2, get 2, ask 6, draw 6, get 6, ask 7, draw 7, get 7");
+  EXPECT_EQ(log(), "ask 6, draw 6, get 6, ask 7, draw 7, get 7");
 }
 
 TEST(Ideal, DrawsWhatStopAndWaitDrawsWithoutAQuestion) {
