@@ -51,6 +51,26 @@ class ScriptedDevice : public hlod::RenderDevice {
   std::vector<Question> questions_;  // of this frame
 };
 
+// Says that every answer is there, and waits for those that are not: another device without its delays.
+class PromptDevice : public hlod::RenderDevice {
+ public:
+  explicit PromptDevice(hlod::RenderDevice& device) : device_(device) {}
+  [[nodiscard]] std::string_view name() const noexcept override { return device_.name(); }
+  void begin_frame(const View& view, std::span<const hlod::PlacedHlod> objects) override {
+    device_.begin_frame(view, objects);
+  }
+  void draw(const hlod::NodeDraw& draw) override { device_.draw(draw); }
+  [[nodiscard]] hlod::QueryId ask(std::span<const hlod::BoxRef> boxes) override { return device_.ask(boxes); }
+  [[nodiscard]] hlod::QueryId ask_each(std::span<const hlod::BoxRef> boxes) override { return device_.ask_each(boxes); }
+  [[nodiscard]] bool available(hlod::QueryId) override { return true; }
+  [[nodiscard]] std::span<const std::uint32_t> wait(hlod::QueryId query) override { return device_.wait(query); }
+  void visit(std::size_t nodes) override { device_.visit(nodes); }
+  hlod::FrameTimes end_frame() override { return device_.end_frame(); }
+
+ private:
+  hlod::RenderDevice& device_;
+};
+
 // Of a log, the draws and questions only.
 [[nodiscard]] std::string commands_of(const std::string& log);
 

@@ -3,7 +3,6 @@
 
 #include <array>
 
-#include "occlod/device/software_device.h"
 #include "occlod/hlod/validate.h"
 #include "support/hand_made_hlod.h"
 #include "support/traversal_stories.h"
@@ -32,13 +31,6 @@ TEST(Stories, AreToldToAScriptedDevice) {
     ScriptedDevice device;
     story.script(device);
     occlod::test::expect_story(story, device, true);
-  }
-}
-
-TEST(Stories, AreToldToTheSoftwareDevice) {
-  for (const Story& story : occlod::test::stories()) {
-    SoftwareDevice device;
-    occlod::test::expect_story(story, device, false);
   }
 }
 
