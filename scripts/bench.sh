@@ -55,6 +55,14 @@ scripts/report.sh --bench build/bench/bench/report/bench_report --out "$out/repo
 echo "bench_gl_occlusion" >&2
 build/bench/bench/bench_gl_occlusion | tee "$out/gl_occlusion.txt" || echo "bench_gl_occlusion is left out" >&2
 
+# llvmpipe without threads of its own and with two.
+for threads in 0 2; do
+  echo "bench_gl_device, LP_NUM_THREADS=$threads" >&2
+  LP_NUM_THREADS=$threads build/bench/bench/bench_gl_device --benchmark_repetitions=7 --benchmark_report_aggregates_only=true \
+    --benchmark_counters_tabular=true --benchmark_out="$out/gl_device_$threads.json" --benchmark_out_format=json |
+    tee "$out/gl_device_$threads.txt" || echo "bench_gl_device is left out" >&2
+done
+
 # Builds the version that it compares with. Prints and writes the table of targets and verdicts.
 echo "bench_targets" >&2
 scripts/bench_targets.sh

@@ -16,6 +16,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 PREAMBLE = """#include <occlod/occlod.h>
 #include <occlod/device/recorded_device.h>
 #include <occlod/device/virtual_device.h>
+#include <occlod/gl/hlod_device.h>
 #include <occlod/hlod/build.h>
 #include <occlod/hlod/within.h>
 #include <occlod/io/ohlod.h>

@@ -50,7 +50,7 @@ TEST_P(HlodLifetime, LittleMemoryGivesTheSamePicture) {
   EXPECT_EQ(large->mesh_memory().evictions, 0U);
   EXPECT_EQ(large->mesh_memory().uploads, 2 * nodes);  // once more for where vertices slide to
   EXPECT_LT(small->mesh_memory().nodes, nodes / 4);
-  EXPECT_EQ(small->mesh_memory().uploads - small->mesh_memory().evictions - small->mesh_memory().nodes, nodes);
+  EXPECT_GT(small->mesh_memory().evictions, 2 * nodes);
 }
 
 // The longest unused leave: what each frame draws stays.

@@ -15,10 +15,11 @@ namespace {
 constexpr std::size_t usual_chunk_bytes = std::size_t{16} << 20;
 
 // Vertices whose room the vertices and indices of a mesh take.
-std::size_t room_for(const hlod::Node& node) {
-  const std::size_t index_bytes = 3 * std::size_t{node.triangles} * sizeof(std::uint16_t);
-  return node.vertices + (index_bytes + sizeof(ArenaVertex) - 1) / sizeof(ArenaVertex);
+std::size_t room_for(std::size_t vertices, std::size_t indices) {
+  return vertices + (indices * sizeof(std::uint16_t) + sizeof(ArenaVertex) - 1) / sizeof(ArenaVertex);
 }
+
+std::size_t room_for(const hlod::Node& node) { return room_for(node.vertices, 3 * std::size_t{node.triangles}); }
 
 // As a driver takes offsets into the bound buffer.
 const void* offset(std::size_t bytes) {
@@ -36,11 +37,15 @@ void fill_merged(std::span<ArenaVertex> vertices, const hlod::Hlod& hlod, hlod::
   const hlod::NodeMesh mesh = hlod.mesh(node);
   for (const hlod::Patch& patch : hlod.patches(node)) {
     if (patch.parent == no_id) continue;
-    hlod.require(patch.parent);
     const hlod::NodeMesh parent = hlod.mesh(patch.parent);
     for (const std::uint16_t v : mesh.indices.subspan(patch.first_index, patch.index_count))
       if (mesh.merged_into[v] != hlod::stays) vertices[v].merged = parent.positions[mesh.merged_into[v]];
   }
+}
+
+void require_parents(const hlod::Hlod& hlod, hlod::NodeId node) {
+  for (const hlod::Patch& patch : hlod.patches(node))
+    if (patch.parent != no_id) hlod.require(patch.parent);
 }
 
 }  // namespace
@@ -77,7 +82,6 @@ MeshArena::Held& MeshArena::hold(const hlod::Hlod& hlod) {
   held.wanted = true;
   if (!is_new) return held;
   held.hlod = hlod;
-  held.slots.assign(hlod.node_count(), slots_.end());
   for (const hlod::Node& node : hlod.data().nodes) held.largest = std::max(held.largest, room_for(node));
   return held;
 }
@@ -109,30 +113,35 @@ void MeshArena::fit_chunks() {
 ArenaPlace MeshArena::place(std::uint32_t object, hlod::NodeId node, bool morphs) {
   assert(object < objects_.size());
   Held& held = *objects_[object];
-  assert(node < held.slots.size());
-  if (held.slots[node] == slots_.end()) insert(held, node);
-  const Slots::iterator slot = held.slots[node];
-  slots_.splice(slots_.end(), slots_, slot);
-  if (morphs && !slot->morphs) {
-    upload(*slot, true);
-    slot->morphs = true;
-  }
-  const std::size_t indices = slot->first + held.hlod.node(node).vertices;
-  return {chunks_[slot->chunk].array.id(), static_cast<GLint>(slot->first), indices * sizeof(ArenaVertex)};
+  held.hlod.require(node);
+  if (morphs) require_parents(held.hlod, node);
+  const hlod::NodeMesh mesh = held.hlod.mesh(node);
+  Slot& slot = slot_of(held, node, mesh.positions.size(), mesh.indices.size());
+  if (slot.filled && (slot.morphs || !morphs)) return place_of(slot);
+  staging_.resize(slot.count);
+  fill_vertices(staging_, mesh);
+  if (morphs) fill_merged(staging_, held.hlod, node);
+  upload(slot, mesh.indices);
+  slot.morphs = morphs;
+  return place_of(slot);
 }
 
-void MeshArena::insert(Held& held, hlod::NodeId node) {
-  held.hlod.require(node);
-  Slot slot{&held, node, 0, 0, room_for(held.hlod.node(node)), false};
+// The one with this key, new and empty where there was none, as the last used.
+MeshArena::Slot& MeshArena::slot_of(Held& held, std::uint64_t key, std::size_t vertices, std::size_t indices) {
+  if (const auto found = held.slots.find(key); found != held.slots.end()) {
+    slots_.splice(slots_.end(), slots_, found->second);
+    return slots_.back();
+  }
+  Slot slot{&held, key, 0, 0, vertices, room_for(vertices, indices)};
   while (!take_range(slot)) {
     if (add_chunk()) continue;
     remove(slots_.begin());
     ++memory_.evictions;
   }
-  held.slots[node] = slots_.insert(slots_.end(), slot);
+  held.slots.emplace(key, slots_.insert(slots_.end(), slot));
   ++memory_.nodes;
   memory_.bytes += slot.count * sizeof(ArenaVertex);
-  upload(slot, false);
+  return slots_.back();
 }
 
 bool MeshArena::take_range(Slot& slot) {
@@ -154,23 +163,24 @@ bool MeshArena::add_chunk() {
   return true;
 }
 
-void MeshArena::upload(const Slot& slot, bool morphs) {
-  const hlod::Hlod& hlod = slot.of->hlod;
-  const hlod::NodeMesh mesh = hlod.mesh(slot.node);
-  staging_.resize(slot.count);
-  fill_vertices(staging_, mesh);
-  if (morphs) fill_merged(staging_, hlod, slot.node);
-  std::memcpy(static_cast<void*>(staging_.data() + mesh.positions.size()), mesh.indices.data(),
-              mesh.indices.size_bytes());
+// The vertices are in staging_.
+void MeshArena::upload(Slot& slot, std::span<const std::uint16_t> indices) {
+  std::memcpy(static_cast<void*>(staging_.data() + slot.vertices), indices.data(), indices.size_bytes());
   gl_->BindBuffer(GL_ARRAY_BUFFER, chunks_[slot.chunk].buffer.id());
   gl_->BufferSubData(GL_ARRAY_BUFFER, static_cast<GLintptr>(slot.first * sizeof(ArenaVertex)),
                      static_cast<GLsizeiptr>(slot.count * sizeof(ArenaVertex)), staging_.data());
+  slot.filled = true;
   ++memory_.uploads;
+}
+
+ArenaPlace MeshArena::place_of(const Slot& slot) const {
+  return {chunks_[slot.chunk].array.id(), static_cast<GLint>(slot.first),
+          (slot.first + slot.vertices) * sizeof(ArenaVertex)};
 }
 
 void MeshArena::remove(Slots::iterator slot) {
   chunks_[slot->chunk].ranges.give_back(slot->first, slot->count);
-  slot->of->slots[slot->node] = slots_.end();
+  slot->of->slots.erase(slot->key);
   --memory_.nodes;
   memory_.bytes -= slot->count * sizeof(ArenaVertex);
   slots_.erase(slot);

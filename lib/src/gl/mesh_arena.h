@@ -56,20 +56,22 @@ class MeshArena {
   // A mesh that is there.
   struct Slot {
     Held* of = nullptr;
-    hlod::NodeId node = 0;
-    std::size_t chunk = 0;  // into chunks_
-    std::size_t first = 0;  // vertices
-    std::size_t count = 0;  // vertices that vertices and indices take the room of
-    bool morphs = false;    // `merged` is filled
+    std::uint64_t key = 0;     // the node
+    std::size_t chunk = 0;     // into chunks_
+    std::size_t first = 0;     // vertices
+    std::size_t vertices = 0;  // of the mesh
+    std::size_t count = 0;     // vertices that vertices and indices take the room of
+    bool filled = false;       // uploaded
+    bool morphs = false;       // likewise, with where vertices slide to
   };
   using Slots = std::list<Slot>;
-  // An HLOD and which of its nodes are there. The copy keeps its arrays, and so what identifies it, from being replaced
-  // by those of another.
+  // An HLOD and which of its meshes are there. The copy keeps its arrays, and so what identifies it, from being
+  // replaced by those of another.
   struct Held {
     hlod::Hlod hlod;
-    std::vector<Slots::iterator> slots;  // by node; end(): not there
-    std::size_t largest = 0;             // room that its largest mesh takes
-    bool wanted = false;                 // by this frame
+    std::unordered_map<std::uint64_t, Slots::iterator> slots;  // by key
+    std::size_t largest = 0;                                   // room that its largest mesh takes
+    bool wanted = false;                                       // by this frame
   };
   struct Chunk {
     Chunk(const Functions& gl, std::size_t vertices);
@@ -81,11 +83,12 @@ class MeshArena {
   [[nodiscard]] Held& hold(const hlod::Hlod& hlod);
   void drop_unwanted();
   void fit_chunks();
-  void insert(Held& held, hlod::NodeId node);
-  void upload(const Slot& slot, bool morphs);
+  [[nodiscard]] Slot& slot_of(Held& held, std::uint64_t key, std::size_t vertices, std::size_t indices);
+  void upload(Slot& slot, std::span<const std::uint16_t> indices);
   [[nodiscard]] bool take_range(Slot& slot);
   [[nodiscard]] bool add_chunk();
   void remove(Slots::iterator slot);
+  [[nodiscard]] ArenaPlace place_of(const Slot& slot) const;
 
   const Functions* gl_;
   std::size_t budget_;      // vertices

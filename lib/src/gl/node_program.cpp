@@ -55,19 +55,21 @@ vec3 sky(vec3 normal, vec3 to_eye) {
 }
 )";
 
-// The same light from all sides, as 32 directions on a spiral round the sphere.
+// About the same light, as eight lights with highlights at the corners of a cube.
 constexpr const char* dear_sky = R"(
 vec3 sky(vec3 normal, vec3 to_eye) {
   vec3 sum = vec3(0.0);
-  for (int i = 0; i < 32; ++i) {
-    float y = 1.0 - (2.0 * float(i) + 1.0) / 32.0;
-    float angle = 2.39996323 * float(i);
-    vec3 light = vec3(sqrt(1.0 - y * y) * cos(angle), y, sqrt(1.0 - y * y) * sin(angle));
-    vec3 color = mix(vec3(0.045, 0.036, 0.034), vec3(0.12, 0.15, 0.20), 0.5 + 0.5 * y);
-    float highlight = pow(max(dot(normal, normalize(light + to_eye)), 0.0), 40.0);
-    sum += color * (max(dot(normal, light), 0.0) + highlight);
+  for (int i = 0; i < 8; ++i) {
+    vec3 light = 0.57735027 * vec3((i & 1) != 0 ? 1.0 : -1.0, (i & 2) != 0 ? 1.0 : -1.0, (i & 4) != 0 ? 1.0 : -1.0);
+    float highlight = max(dot(normal, normalize(light + to_eye)), 0.0);
+    highlight *= highlight;
+    highlight *= highlight;
+    highlight *= highlight;
+    highlight *= highlight;
+    vec3 color = mix(vec3(0.045, 0.036, 0.034), vec3(0.12, 0.15, 0.20), 0.5 + 0.5 * light.y);
+    sum += color * (max(dot(normal, light), 0.0) + 0.2 * highlight);
   }
-  return sum / 8.0;
+  return 0.5 * sum;
 }
 )";
 

@@ -11,7 +11,7 @@ namespace occlod::gl {
 // Vertices as ArenaVertex has them; flat two-sided shading with the lights of shade() in src/picture/shade.cpp.
 class NodeProgram {
  public:
-  // `dear`: the sky is made of 32 lights with highlights, and colours are encoded exactly.
+  // `dear`: the sky is made of eight lights with highlights, and colours are encoded exactly.
   NodeProgram(const Functions& gl, bool dear);
   void use() const { gl_->UseProgram(program_.id()); }
   // Of the program in use.

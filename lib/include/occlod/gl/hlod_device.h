@@ -13,8 +13,8 @@ namespace occlod::gl {
 
 // How the device `gl` draws.
 struct HlodDeviceOptions {
-  // Four samples a pixel and a dear fragment shader (light from 32 directions) instead of one sample and a plain one: a
-  // renderer whose fragments cost.
+  // Four samples a pixel and a dear fragment shader (eight more lights with highlights) instead of one sample and a
+  // plain one: a renderer whose fragments cost.
   bool quality = false;
   // The most that meshes of nodes may occupy in OpenGL's memory, bytes, > 0: 28 for each vertex and 6 for each
   // triangle.
