@@ -5,6 +5,8 @@
 #include "gl/hlod_cases.h"
 #include "occlod/core/ids.h"
 #include "occlod/hlod/build.h"
+#include "occlod/hlod/within.h"
+#include "support/meshes.h"
 
 namespace occlod::gl {
 namespace {
@@ -123,6 +125,41 @@ TEST_P(HlodPicture, RangesOfANodeMorphOnTheirOwn) {
               GetParam().quality ? 200U : 0U);
   }
   EXPECT_GT(several, 20U);
+}
+
+// Nodes refined within, by turns with the nodes as they are.
+TEST_P(HlodPicture, NodesAreRefinedWithin) {
+  hlod::BuildOptions options;
+  options.node_triangles = 64;
+  options.within = hlod::Within::splits;
+  const hlod::Hlod hlod = hlod::build_hlod(test::noisy_sphere(5, 1), options);
+  const hlod::Level& level = hlod.data().levels[2];
+  const auto device = make();
+  const auto draw = [&](std::uint32_t share) {
+    TriangleMesh expected;
+    begin(*device, hlod);
+    for (hlod::NodeId n = level.first_node; n < level.first_node + level.node_count; ++n) {
+      ASSERT_TRUE(hlod.has_within(n));
+      const hlod::NodeCut cut = hlod::cut_with_splits(hlod, n, hlod.data().within[n].splits * share / 4);
+      device->draw({0, n, {}, cut.indices, cut.splits});
+      const auto first = static_cast<VertexId>(expected.positions.size());
+      for (const auto& positions : {hlod.mesh(n).positions, hlod.within(n).positions})
+        expected.positions.insert(expected.positions.end(), positions.begin(), positions.end());
+      for (std::size_t i = 0; i < cut.indices.size(); i += 3)
+        expected.triangles.emplace_back(first + cut.indices[i], first + cut.indices[i + 1], first + cut.indices[i + 2]);
+    }
+    static_cast<void>(device->end_frame());
+    EXPECT_EQ(different_pixels(view_, items_of(expected, view_).depth, device->read_depth()), 0U) << share;
+  };
+  for (const std::uint32_t share : {1U, 3U, 4U, 1U}) {
+    draw(share);
+    begin(*device, hlod);
+    draw_level(*device, hlod, 2, 0.5F);
+    static_cast<void>(device->end_frame());
+    EXPECT_EQ(different_pixels(view_, items_of(level_mesh(hlod, 2, 0.5F), view_).depth, device->read_depth()), 0U);
+  }
+  // Each was uploaded once: three cuts and the node's own.
+  EXPECT_EQ(device->mesh_memory().uploads, 4 * level.node_count);
 }
 
 // A wall seen along its normal. Lights as in shade.cpp: 0.12 of the head light, 0.98 of the key light, half way between

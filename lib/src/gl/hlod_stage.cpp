@@ -61,6 +61,7 @@ void HlodStage::start_nodes(std::uint32_t object) {
 }
 
 void HlodStage::draw(const hlod::NodeDraw& draw) {
+  if (!draw.cut.empty()) return draw_cut(draw);
   assert(!draw.ranges.empty());
   const bool morphs = std::any_of(draw.ranges.begin(), draw.ranges.end(),
                                   [](const hlod::DrawRange& range) { return range.morph > 0.0F; });
@@ -73,6 +74,14 @@ void HlodStage::draw(const hlod::NodeDraw& draw) {
     draw_run(place, draw.ranges.subspan(first, end - first));
     first = end;
   }
+}
+
+void HlodStage::draw_cut(const hlod::NodeDraw& draw) {
+  const ArenaPlace place = arena_.place_cut(draw.object, draw.node, draw.splits, draw.cut);
+  start_nodes(draw.object);
+  gl().BindVertexArray(place.array);
+  const hlod::DrawRange all{0, static_cast<std::uint32_t>(draw.cut.size()), 0.0F};
+  draw_run(place, {&all, 1});
 }
 
 // Ranges that morph alike; adjacent ones are one.

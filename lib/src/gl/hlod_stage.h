@@ -50,6 +50,7 @@ class HlodStage {
 
   void set_common_state() const;
   void start_nodes(std::uint32_t object);
+  void draw_cut(const hlod::NodeDraw& draw);
   void draw_run(const ArenaPlace& place, std::span<const hlod::DrawRange> ranges);
 
   const Functions* gl_;

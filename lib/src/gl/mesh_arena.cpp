@@ -19,17 +19,31 @@ std::size_t room_for(std::size_t vertices, std::size_t indices) {
   return vertices + (indices * sizeof(std::uint16_t) + sizeof(ArenaVertex) - 1) / sizeof(ArenaVertex);
 }
 
-std::size_t room_for(const hlod::Node& node) { return room_for(node.vertices, 3 * std::size_t{node.triangles}); }
+// For node n as it is or with all its splits, whatever takes more.
+std::size_t most_room(const hlod::HlodView& data, hlod::NodeId n) {
+  const hlod::Node& node = data.nodes[n];
+  const std::size_t plain = room_for(node.vertices, 3 * std::size_t{node.triangles});
+  if (data.within.empty()) return plain;
+  const hlod::NodeWithin& within = data.within[n];
+  const std::size_t vertices = std::size_t{node.vertices} + within.bare + within.splits;
+  return std::max(plain, room_for(vertices, 3 * std::size_t{within.triangles}));
+}
+
+// Tells meshes of one HLOD apart: a node's own, and those with so many splits.
+std::uint64_t key_of(hlod::NodeId node) { return node; }
+std::uint64_t key_of_cut(hlod::NodeId node, std::uint32_t splits) { return (std::uint64_t{splits} + 1) << 32U | node; }
 
 // As a driver takes offsets into the bound buffer.
 const void* offset(std::size_t bytes) {
   return reinterpret_cast<const void*>(bytes);  // NOLINT(performance-no-int-to-ptr)
 }
 
-void fill_vertices(std::span<ArenaVertex> vertices, const hlod::NodeMesh& mesh) {
+// Vertices that do not slide; `colors` may be empty.
+void fill_vertices(std::span<ArenaVertex> vertices, std::span<const glm::vec3> positions,
+                   std::span<const glm::u8vec4> colors) {
   const glm::u8vec4 base = picture::to_srgb(ShadeOptions{}.base);
-  for (std::size_t v = 0; v < mesh.positions.size(); ++v)
-    vertices[v] = {mesh.positions[v], mesh.colors.empty() ? base : mesh.colors[v], mesh.positions[v]};
+  for (std::size_t v = 0; v < positions.size(); ++v)
+    vertices[v] = {positions[v], colors.empty() ? base : colors[v], positions[v]};
 }
 
 // Vertices slide to the mesh of the parent whose patch uses them.
@@ -82,7 +96,7 @@ MeshArena::Held& MeshArena::hold(const hlod::Hlod& hlod) {
   held.wanted = true;
   if (!is_new) return held;
   held.hlod = hlod;
-  for (const hlod::Node& node : hlod.data().nodes) held.largest = std::max(held.largest, room_for(node));
+  for (hlod::NodeId n = 0; n < hlod.node_count(); ++n) held.largest = std::max(held.largest, most_room(hlod.data(), n));
   return held;
 }
 
@@ -116,13 +130,33 @@ ArenaPlace MeshArena::place(std::uint32_t object, hlod::NodeId node, bool morphs
   held.hlod.require(node);
   if (morphs) require_parents(held.hlod, node);
   const hlod::NodeMesh mesh = held.hlod.mesh(node);
-  Slot& slot = slot_of(held, node, mesh.positions.size(), mesh.indices.size());
+  Slot& slot = slot_of(held, key_of(node), mesh.positions.size(), mesh.indices.size());
   if (slot.filled && (slot.morphs || !morphs)) return place_of(slot);
   staging_.resize(slot.count);
-  fill_vertices(staging_, mesh);
+  fill_vertices(staging_, mesh.positions, mesh.colors);
   if (morphs) fill_merged(staging_, held.hlod, node);
   upload(slot, mesh.indices);
   slot.morphs = morphs;
+  return place_of(slot);
+}
+
+ArenaPlace MeshArena::place_cut(std::uint32_t object, hlod::NodeId node, std::uint32_t splits,
+                                std::span<const std::uint16_t> cut) {
+  assert(object < objects_.size());
+  Held& held = *objects_[object];
+  held.hlod.require(node);
+  held.hlod.require_within(node);
+  const hlod::NodeMesh mesh = held.hlod.mesh(node);
+  const hlod::NodeSplits within = held.hlod.within(node);
+  const std::size_t added = within.positions.size() - within.parents.size() + splits;
+  const std::size_t own = mesh.positions.size();
+  Slot& slot = slot_of(held, key_of_cut(node, splits), own + added, cut.size());
+  if (slot.filled) return place_of(slot);
+  staging_.resize(slot.count);
+  fill_vertices(staging_, mesh.positions, mesh.colors);
+  fill_vertices(std::span(staging_).subspan(own), within.positions.first(added),
+                within.colors.empty() ? within.colors : within.colors.first(added));
+  upload(slot, cut);
   return place_of(slot);
 }
 
@@ -133,6 +167,7 @@ MeshArena::Slot& MeshArena::slot_of(Held& held, std::uint64_t key, std::size_t v
     return slots_.back();
   }
   Slot slot{&held, key, 0, 0, vertices, room_for(vertices, indices)};
+  assert(slot.count <= held.largest);
   while (!take_range(slot)) {
     if (add_chunk()) continue;
     remove(slots_.begin());

@@ -48,6 +48,9 @@ class MeshArena {
   // The mesh of a node, without or with the places that its vertices slide to; uploaded where it is not there. It may
   // take the place of any other. Throws Error when the mesh is damaged.
   [[nodiscard]] ArenaPlace place(std::uint32_t object, hlod::NodeId node, bool morphs);
+  // Likewise a node refined within: NodeDraw::splits and NodeDraw::cut, whose vertices do not slide.
+  [[nodiscard]] ArenaPlace place_cut(std::uint32_t object, hlod::NodeId node, std::uint32_t splits,
+                                     std::span<const std::uint16_t> cut);
 
   [[nodiscard]] const MeshMemory& memory() const noexcept { return memory_; }
 
@@ -56,7 +59,7 @@ class MeshArena {
   // A mesh that is there.
   struct Slot {
     Held* of = nullptr;
-    std::uint64_t key = 0;     // the node
+    std::uint64_t key = 0;     // key_of()
     std::size_t chunk = 0;     // into chunks_
     std::size_t first = 0;     // vertices
     std::size_t vertices = 0;  // of the mesh

@@ -45,9 +45,9 @@ class HlodDevice : public hlod::RenderDevice {
 };
 
 // Draws into an image of its own, of the view's size; surfaces are clipped at the far plane. Meshes are uploaded when
-// they are first drawn, and those leave that were drawn longest ago. A count is that of GL_SAMPLES_PASSED around the
-// grown boxes; with several samples a pixel it is divided by their number and rounded up. It is at most the pixels of
-// the boxes' screen rectangles.
+// they are first drawn, again for each number of splits within a node, and those leave that were drawn longest ago. A
+// count is that of GL_SAMPLES_PASSED around the grown boxes; with several samples a pixel it is divided by their number
+// and rounded up. It is at most the pixels of the boxes' screen rectangles.
 //
 // frame_ms is by the clock, until all commands are done; cpu_ms until all are given. gpu_ms is from the first to the
 // last command between two waits, added up, by timer queries; starve_ms what lies between, within the frame.
