@@ -17,6 +17,10 @@ namespace occlod::hlod::test {
 inline constexpr std::array asking_strategies = {Strategy::sw, Strategy::sw_b, Strategy::boolean, Strategy::simp,
                                                  Strategy::coh};
 
+// Those that come after: whatever is visible counts in full with them, or may.
+inline constexpr std::array later_strategies = {Strategy::nohc,      Strategy::optimum,  Strategy::batch,
+                                                Strategy::automatic, Strategy::chc_plus, Strategy::two_pass};
+
 // In nodes of at most 64 triangles on level 0, so of several levels; nested groups have free borders.
 [[nodiscard]] Hlod small_hlod(const TriangleMesh& mesh, Grouping grouping);
 // Blocks of houses: most of it is hidden from the street.

@@ -21,6 +21,7 @@ TraverseOptions unbiased(Strategy strategy, double tolerance_px, RenderDevice* o
   options.tolerance_px = tolerance_px;
   options.biased = false;
   options.oracle = oracle;
+  options.costs = device_preset("query-dear");
   return options;
 }
 
@@ -34,6 +35,13 @@ std::vector<PlacedHlod> two_copies(const Hlod& hlod) {
   place = glm::rotate(place, 0.7, glm::dvec3(0.0, 0.0, 1.0));
   place = glm::scale(place, glm::dvec3(1.0, -0.8, 1.3));
   return {{&hlod}, {&hlod, place}};
+}
+
+std::vector<Strategy> strategies() {
+  std::vector<Strategy> all(asking_strategies.begin(), asking_strategies.end());
+  all.insert(all.end(), later_strategies.begin(), later_strategies.end());
+  all.push_back(Strategy::ideal);
+  return all;
 }
 
 // Wrongly hidden pixels of all strategies against vfc, along the cameras in turn. Returns how many nodes `sw` has drawn
@@ -50,8 +58,7 @@ double expect_nothing_lost(const std::vector<PlacedHlod>& objects, const std::ve
     all += traverser.draw_frame(View(camera), device, unbiased(Strategy::vfc, 2.0)).stats.drawn_nodes;
     truth.push_back(picture(device));
   }
-  for (const Strategy strategy :
-       {Strategy::sw, Strategy::sw_b, Strategy::boolean, Strategy::simp, Strategy::coh, Strategy::ideal}) {
+  for (const Strategy strategy : strategies()) {
     const std::unique_ptr<Device> tested = make();
     Traverser one(objects);
     for (std::size_t i = 0; i < cameras.size(); ++i) {
@@ -102,8 +109,8 @@ TEST(NothingVisibleIsLost, AlongAWalkWithLateAnswers) {
 TEST(NothingVisibleIsLost, WhileObjectsMove) {
   const Hlod& hlod = city(Grouping::shifted);
   std::vector<PlacedHlod> objects = two_copies(hlod);
-  SoftwareDevice device, truth;
-  for (const Strategy strategy : {Strategy::boolean, Strategy::simp, Strategy::coh}) {
+  SoftwareDevice device, truth, oracle;
+  for (const Strategy strategy : strategies()) {
     Traverser traverser(objects), all(objects);
     for (int i = 0; i < 30; ++i) {
       // The second passes before the first.
@@ -111,7 +118,7 @@ TEST(NothingVisibleIsLost, WhileObjectsMove) {
       traverser.set_transform(1, place);
       all.set_transform(1, place);
       const View view(walk(hlod.data().box, i, 400));
-      traverser.draw_frame(view, device, unbiased(strategy, 2.0));
+      traverser.draw_frame(view, device, unbiased(strategy, 2.0, &oracle));
       all.draw_frame(view, truth, unbiased(Strategy::vfc, 2.0));
       EXPECT_EQ(picture(device), picture(truth)) << i;
     }
@@ -122,15 +129,15 @@ TEST(NothingVisibleIsLost, WhileObjectsMove) {
 TEST(VisibleFront, EveryStrategyDrawsASupersetOfIt) {
   const Hlod& hlod = city(Grouping::shifted);
   const PlacedHlod placed{&hlod};
-  SoftwareDevice with_items({.items = true});
-  for (const Strategy strategy : {Strategy::boolean, Strategy::simp, Strategy::coh}) {
+  SoftwareDevice with_items({.items = true}), oracle;
+  for (const Strategy strategy : strategies()) {
     VirtualDevice late(device_preset("query-dear"));
     Traverser waiting({&placed, 1}), tested({&placed, 1});
     for (int i = 0; i < 20; ++i) {
       const View view(walk(hlod.data().box, i, 200));
       const Frame& truth = waiting.draw_frame(view, with_items, unbiased(Strategy::sw, 2.0));
       std::set<NodeId> drawn;
-      for (const DrawnNode& node : tested.draw_frame(view, late, unbiased(strategy, 2.0)).draws)
+      for (const DrawnNode& node : tested.draw_frame(view, late, unbiased(strategy, 2.0, &oracle)).draws)
         drawn.insert(node.node);
       const std::vector<bool> visible = visible_items(with_items.items(), truth.stats.drawn_triangles);
       std::size_t item = 0, seen = 0;

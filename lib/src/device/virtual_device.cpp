@@ -6,7 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include "core/option_checker.h"
 #include "device/virtual_clock.h"
 
 namespace occlod::hlod {
@@ -15,28 +14,13 @@ namespace {
 // Of a box.
 constexpr double box_triangles = 12.0;
 
-void check(const DeviceCosts& costs) {
-  const OptionChecker checker("virtual device");
-  checker.at_least("draw_ns", costs.draw_ns, 0.0);
-  checker.at_least("triangle_ns", costs.triangle_ns, 0.0);
-  checker.at_least("fragment_ns", costs.fragment_ns, 0.0);
-  checker.at_least("query_ns", costs.query_ns, 0.0);
-  checker.at_least("query_fragment_ns", costs.query_fragment_ns, 0.0);
-  checker.at_least("wrapped_query_ns", costs.wrapped_query_ns, 0.0);
-  checker.at_least("readback_ns", costs.readback_ns, 0.0);
-  checker.at_least("batch_ns", costs.batch_ns, 0.0);
-  checker.at_least("batch_item_ns", costs.batch_item_ns, 0.0);
-  checker.at_least("submit_ns", costs.submit_ns, 0.0);
-  checker.at_least("visit_ns", costs.visit_ns, 0.0);
-}
-
 }  // namespace
 
 class VirtualDevice::Impl {
  public:
   Impl(DeviceCosts costs, const SoftwareDeviceOptions& options)
       : costs_(std::move(costs)), name_("virtual:" + costs_.name), software_(options) {
-    check(costs_);
+    check_device_costs("virtual device", costs_);
   }
 
   void begin(const View& view, std::span<const PlacedHlod> objects) {

@@ -7,7 +7,7 @@ namespace {
 
 class BooleanPolicy : public Policy {
  public:
-  [[nodiscard]] Action predict(FrameScene& scene, const ReachedNode& n) const override {
+  [[nodiscard]] Action predict(FrameScene& scene, const ReachedNode& n) override {
     if (!scene.last(n.ref).visible) return Action::delay;
     return scene.is_fine(n.ref, 1.0) ? Action::stop : Action::refine;
   }

@@ -4,37 +4,40 @@
 namespace occlod::hlod {
 namespace {
 
+// Whether all children stopped and would stop again, and the mean of their biases would stop the node, which has none
+// of its own. Children that were not visited know nothing; those that were hidden have a bias of 0.
+bool may_move_up(FrameScene& scene, NodeRef n) {
+  double sum = 0.0;
+  int count = 0;
+  for (const NodeId id : scene.hlod(n).children(n.node)) {
+    const NodeRef child{n.object, id};
+    const LastFrame last = scene.last(child);
+    if (!last.visited) continue;
+    const double bias = scene.state(child).bias;
+    if (last.refined || !scene.is_fine(child, bias)) return false;
+    sum += bias;
+    ++count;
+  }
+  return scene.stops(n, count > 0 ? sum / count : 1.0);
+}
+
 class CoherentPolicy : public Policy {
  public:
-  [[nodiscard]] Action predict(FrameScene& scene, const ReachedNode& n) const override {
-    const LastFrame last = scene.last(n.ref);
-    if (!last.visible) return Action::delay;
-    // No bias can change that; the paper would let the front move up by one level a frame only.
-    if (scene.is_fine(n.ref, 1.0)) return Action::stop;
-    if (last.refined) return may_move_up(scene, n.ref) ? Action::delay : Action::refine;
-    return scene.stops(n.ref, static_cast<double>(scene.state(n.ref).bias)) ? Action::stop : Action::refine;
-  }
-
- private:
-  // Whether all children stopped and would stop again, and the mean of their biases would stop the node, which has none
-  // of its own. Children that were not visited know nothing; those that were hidden have a bias of 0.
-  static bool may_move_up(FrameScene& scene, NodeRef n) {
-    double sum = 0.0;
-    int count = 0;
-    for (const NodeId id : scene.hlod(n).children(n.node)) {
-      const NodeRef child{n.object, id};
-      const LastFrame last = scene.last(child);
-      if (!last.visited) continue;
-      const double bias = scene.state(child).bias;
-      if (last.refined || !scene.is_fine(child, bias)) return false;
-      sum += bias;
-      ++count;
-    }
-    return scene.stops(n, count > 0 ? sum / count : 1.0);
+  [[nodiscard]] Action predict(FrameScene& scene, const ReachedNode& n) override {
+    return predict_coherent(scene, n.ref);
   }
 };
 
 }  // namespace
+
+Action predict_coherent(FrameScene& scene, NodeRef n) {
+  const LastFrame last = scene.last(n);
+  if (!last.visible) return Action::delay;
+  // No bias can change that; the paper would let the front move up by one level a frame only.
+  if (scene.is_fine(n, 1.0)) return Action::stop;
+  if (last.refined) return may_move_up(scene, n) ? Action::delay : Action::refine;
+  return scene.stops(n, static_cast<double>(scene.state(n).bias)) ? Action::stop : Action::refine;
+}
 
 std::unique_ptr<Policy> make_coherent_policy() { return std::make_unique<CoherentPolicy>(); }
 

@@ -117,6 +117,26 @@ void Front::cull(NodeRef n) {
   requeue_held(state, n.object);
 }
 
+bool Front::is_gone(NodeRef n) const {
+  const NodeState& state = scene_.state(n);
+  return state.frame == scene_.frame() && (state.gone || state.status == Status::culled);
+}
+
+void Front::hide(NodeRef n) {
+  NodeState& state = scene_.state(n);
+  state.gone = true;
+  state.visible = false;
+  if (state.status != Status::refined) return;
+  for (const NodeId id : scene_.hlod(n).children(n.node)) {
+    const NodeRef child{n.object, id};
+    const NodeState& reached = scene_.state(child);
+    if (reached.frame != scene_.frame() || reached.status == Status::absent || reached.gone) continue;
+    bool is_needed = false;
+    for_each_parent(child, [&](NodeRef parent) { is_needed = is_needed || !is_gone(parent); });
+    if (!is_needed) hide(child);
+  }
+}
+
 void Front::see(NodeRef n) {
   NodeState& state = scene_.state(n);
   if (state.visible) return;

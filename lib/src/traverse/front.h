@@ -33,6 +33,8 @@ class Front {
   // Draws what of the node its parents allow.
   void stop(NodeRef n);
   void cull(NodeRef n);
+  // A node that has been refined is hidden after all: nodes below it that are reached by nothing else are gone.
+  void hide(NodeRef n);
   // The node, and all that it is reached by, has been seen in this frame.
   void see(NodeRef n);
   // A node wants to be refined and may not: lets those that are in its way be refined in the next frame.
@@ -43,6 +45,7 @@ class Front {
  private:
   void reach(NodeRef n);
   void requeue_held(NodeState& state, std::uint32_t object);
+  [[nodiscard]] bool is_gone(NodeRef n) const;
   Status resolve(NodeRef n);
   template <typename Visit>
   void for_each_parent(NodeRef n, const Visit& visit) const;

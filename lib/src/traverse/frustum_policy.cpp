@@ -6,11 +6,10 @@ namespace {
 
 class FrustumPolicy : public Policy {
  public:
-  [[nodiscard]] Action predict(FrameScene& scene, const ReachedNode& n) const override {
-    return scene.is_fine(n.ref, 1.0) ? Action::stop : Action::refine;
+  [[nodiscard]] Action predict(FrameScene& scene, const ReachedNode& n) override {
+    return scene.is_fine(n.ref, 1.0) ? Action::draw : Action::refine;
   }
   [[nodiscard]] bool biased() const noexcept override { return false; }
-  [[nodiscard]] bool asks() const noexcept override { return false; }
 };
 
 }  // namespace

@@ -44,6 +44,7 @@ struct NodeState {
   bool asked : 1 = false;
   bool denied : 1 = false;   // wanted to be refined, and a parent was drawn
   bool floored : 1 = false;  // it would have stopped without its bias_floor
+  bool gone : 1 = false;     // found hidden after it was refined, or all its parents are gone or culled
   bool last_visited : 1 = false;
   bool last_visible : 1 = false;
   bool last_refined : 1 = false;
@@ -63,7 +64,7 @@ inline void enter_frame(NodeState& state, std::uint32_t frame) noexcept {
   state.last_visited = last.visited;
   state.last_visible = last.visible;
   state.last_refined = last.refined;
-  state.visited = state.visible = state.asked = state.denied = state.floored = false;
+  state.visited = state.visible = state.asked = state.denied = state.floored = state.gone = false;
   state.first_held = state.next_held = no_id;
   state.status = Status::absent;
   state.frame = frame;

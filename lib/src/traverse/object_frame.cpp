@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
+#include "occlod/traverse/occlusion_probability.h"
 #include "traverse/outline_area.h"
 
 namespace occlod::hlod {
@@ -45,6 +46,12 @@ bool ObjectFrame::may_be_inside(const Box& box) const {
     const double slack = 1e-6 * (terms.x + terms.y + terms.z + std::abs(offset));  // planes are floats
     return !(innermost.x + innermost.y + innermost.z + offset < -slack);
   });
+}
+
+double ObjectFrame::coverage(const Box& box) const {
+  const glm::dvec3 extent = scale_.axis_stretch * (glm::dvec3(box.max) - glm::dvec3(box.min));
+  const double area = 2.0 * (extent.x * extent.y + extent.y * extent.z + extent.z * extent.x);
+  return box_coverage(area, distance(box), {scale_.focal_length_px, pixels(), scale_.orthographic});
 }
 
 std::optional<double> ObjectFrame::box_pixels(const Node& node) const {

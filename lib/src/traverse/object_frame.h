@@ -20,6 +20,10 @@ class ObjectFrame {
   [[nodiscard]] double distance(const Box& box) const;
   // False only when no point of the box is inside the frustum.
   [[nodiscard]] bool may_be_inside(const Box& box) const;
+  // Share of the image that a box covers, whether inside it or not: box_coverage().
+  [[nodiscard]] double coverage(const Box& box) const;
+  // Of the image.
+  [[nodiscard]] double pixels() const noexcept { return static_cast<double>(screen_.width) * screen_.height; }
   // Pixels that the node's box covers on an empty screen, as `alpha` counts them. Nothing where devices would not draw
   // it but count all pixels, as around the eye: such nodes are visible.
   [[nodiscard]] std::optional<double> box_pixels(const Node& node) const;

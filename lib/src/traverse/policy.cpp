@@ -19,6 +19,20 @@ std::unique_ptr<Policy> make_policy(Strategy strategy) {
       return make_queue_place_policy();
     case Strategy::coh:
       return make_coherent_policy();
+    case Strategy::nohc:
+      return make_near_optimal_policy();
+    case Strategy::chc_plus:
+      return make_grouping_policy();
+    case Strategy::two_pass:
+      return make_two_pass_policy();
+    case Strategy::cesium:
+      return make_cesium_policy();
+    case Strategy::optimum:
+      return make_optimum_policy();
+    case Strategy::batch:
+      return make_batch_policy();
+    case Strategy::automatic:
+      break;
   }
   assert(false);
   return nullptr;

@@ -8,7 +8,7 @@ namespace {
 
 class QueuePlacePolicy : public Policy {
  public:
-  [[nodiscard]] Action predict(FrameScene& scene, const ReachedNode& n) const override {
+  [[nodiscard]] Action predict(FrameScene& scene, const ReachedNode& n) override {
     if (!scene.last(n.ref).visible) return Action::delay;
     return scene.stops(n.ref, scene.bias(predicted_share(scene, n))) ? Action::stop : Action::refine;
   }

@@ -14,8 +14,7 @@ double share(std::uint32_t visible, double all) {
 
 }  // namespace
 
-Traversal::Traversal(FrameScene& scene, const Policy& policy, RenderDevice& device, TraversalMemory& memory,
-                     Frame& frame)
+Traversal::Traversal(FrameScene& scene, Policy& policy, RenderDevice& device, TraversalMemory& memory, Frame& frame)
     : scene_(scene),
       policy_(policy),
       device_(device),
@@ -23,24 +22,30 @@ Traversal::Traversal(FrameScene& scene, const Policy& policy, RenderDevice& devi
       stats_(frame.stats),
       draws_(scene, device, frame),
       front_(scene, memory.reached, draws_) {
-  memory_.asked.clear();
+  memory_.questions.begin_frame(scene, policy, device, stats_);
 }
 
 void Traversal::run() {
+  policy_.begin_frame(scene_);
   front_.reach_roots();
   DistanceQueue& reached = memory_.reached;
-  while (!reached.empty() || settled_ < memory_.asked.size()) {
+  Questions& questions = memory_.questions;
+  while (true) {
     // Waits only when there is nothing else to do.
-    while (settled_ < memory_.asked.size() && (reached.empty() || device_.available(memory_.asked[settled_].query)))
-      settle_next();
-    if (!reached.empty()) visit(reached.pop());
+    while (questions.may_look(reached.empty())) settle_next();
+    if (!reached.empty())
+      visit(reached.pop());
+    else if (!questions.ask_waiting())
+      break;
   }
+  policy_.end_frame(scene_);
   scene_.end_frame(front_.reached());
 }
 
 void Traversal::visit(const ReachedNode& reached) {
   const NodeRef n = reached.ref;
   NodeState& state = scene_.state(n);
+  if (state.gone) return front_.cull(n);
   if (state.status == Status::held) return want_refined(n);
   if (!scene_.view_of(n).may_be_inside(scene_.node(n).box)) return front_.cull(n);
   ++stats_.visits;
@@ -53,29 +58,77 @@ void Traversal::predict(const ReachedNode& reached) {
   const NodeRef n = reached.ref;
   const Action action = policy_.predict(scene_, reached);
   if (action == Action::refine) return want_refined(n);
-  if (!policy_.asks()) return front_.stop(n);
+  if (action == Action::draw) {
+    see_unasked(n);
+    return stop(n);
+  }
   const std::optional<double> pixels = scene_.view_of(n).box_pixels(scene_.node(n));
   if (!pixels) return settle(n, 1.0);
-  ask(n, *pixels);
-  if (action == Action::stop) front_.stop(n);  // after the query: a flat node must not hide its own box
+  ask(n, *pixels, action == Action::stop || action == Action::descend);
+  act(n, action);
+}
+
+// After the query: a flat node must not hide its own box.
+void Traversal::act(NodeRef n, Action action) {
+  if (action == Action::stop) stop(n);
+  if (action == Action::descend) want_refined(n);
+  if (action == Action::drop) {
+    ++stats_.hidden_nodes;
+    front_.cull(n);
+  }
   if (policy_.waits()) settle_next();
 }
 
-void Traversal::ask(NodeRef n, double pixels) {
-  const BoxRef box{n.object, scene_.node(n).box};
+void Traversal::ask(NodeRef n, double pixels, bool was_visible) {
   scene_.state(n).asked = true;
-  memory_.asked.push_back({n, device_.ask({&box, 1}), pixels});
-  ++stats_.queries;
+  memory_.questions.ask({n, pixels}, was_visible);
+}
+
+void Traversal::stop(NodeRef n) {
+  front_.stop(n);
+  policy_.note_drawn(scene_, n);
 }
 
 void Traversal::settle_next() {
-  const AskedNode asked = memory_.asked[settled_++];
-  const std::uint32_t visible = device_.wait(asked.query)[0];
-  if (visible > 0) return settle(asked.ref, share(visible, asked.pixels));
+  const AnsweredNode answered = memory_.questions.next();
+  const NodeRef n = answered.ref;
+  NodeState& state = scene_.state(n);
+  if (!policy_.answers_decide()) {
+    policy_.note_answer(scene_, n, answered.visible > 0);
+    if (answered.visible == 0 && state.status != Status::culled) ++stats_.hidden_nodes;
+    return;
+  }
+  if (state.gone) {
+    if (state.status == Status::undecided) front_.cull(n);
+    return;
+  }
+  if (!answered.was_asked) return settle_unasked(n);
+  policy_.note_answer(scene_, n, answered.visible > 0);
+  if (answered.visible > 0) return settle(n, share(answered.visible, answered.pixels));
   ++stats_.hidden_nodes;
-  NodeState& state = scene_.state(asked.ref);
+  settle_hidden(n);
+}
+
+// How much of it was visible is still believed, if anything was.
+void Traversal::see_unasked(NodeRef n) {
+  if (!scene_.last(n).visible) scene_.state(n).bias = 1.0F;
+  front_.see(n);
+}
+
+void Traversal::settle_unasked(NodeRef n) {
+  NodeState& state = scene_.state(n);
+  state.asked = false;
+  see_unasked(n);
+  if (state.status != Status::undecided) return;
+  if (scene_.is_fine(n, 1.0)) return stop(n);
+  want_refined(n);
+}
+
+void Traversal::settle_hidden(NodeRef n) {
+  NodeState& state = scene_.state(n);
   state.bias = 0.0F;
-  if (state.status == Status::undecided) front_.cull(asked.ref);
+  if (state.status == Status::undecided) return front_.cull(n);
+  if (state.status == Status::refined || state.status == Status::held) front_.hide(n);
 }
 
 // Of a node that is visible.
@@ -84,11 +137,15 @@ void Traversal::settle(NodeRef n, double mu) {
   const double bias = scene_.bias(mu);
   state.bias = static_cast<float>(bias);
   front_.see(n);
+  if (state.status == Status::refined || state.status == Status::held) {  // Action::descend
+    ++stats_.wasted_queries;
+    return;
+  }
   const bool is_fine = scene_.stops(n, bias);
   if (state.status == Status::stopped) return settle_drawn(n, is_fine);
   if (!is_fine) return want_refined(n);
   if (state.asked && is_drawable(n)) ++stats_.delayed;
-  front_.stop(n);
+  stop(n);
 }
 
 // Drawn when it was asked about, because it was predicted to stop or had to.
@@ -126,11 +183,11 @@ void Traversal::draw_denied(NodeRef n) {
     if (is_drawable(n)) ++stats_.delayed;
   } else if (!state.visible) {
     if (const std::optional<double> pixels = scene_.view_of(n).box_pixels(scene_.node(n)))
-      ask(n, *pixels);
+      ask(n, *pixels, true);
     else
       front_.see(n);
   }
-  front_.stop(n);
+  stop(n);
 }
 
 void Traversal::note_denied(NodeRef n) {

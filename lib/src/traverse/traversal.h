@@ -7,34 +7,33 @@
 
 #include "traverse/front.h"
 #include "traverse/policy.h"
+#include "traverse/questions.h"
 
 namespace occlod::hlod {
-
-// A node whose answer has not been looked at.
-struct AskedNode {
-  NodeRef ref;
-  QueryId query = 0;
-  double pixels = 0.0;  // that its box covers on an empty screen
-};
 
 // Memory that is kept from frame to frame.
 struct TraversalMemory {
   DistanceQueue reached;
-  std::vector<AskedNode> asked;  // of this frame, answered ones included
+  Questions questions;
 };
 
 class Traversal {
  public:
   // All outlive the traversal. `scene` has begun its frame, and so has the device.
-  Traversal(FrameScene& scene, const Policy& policy, RenderDevice& device, TraversalMemory& memory, Frame& frame);
+  Traversal(FrameScene& scene, Policy& policy, RenderDevice& device, TraversalMemory& memory, Frame& frame);
 
   void run();
 
  private:
   void visit(const ReachedNode& reached);
   void predict(const ReachedNode& reached);
-  void ask(NodeRef n, double pixels);
+  void act(NodeRef n, Action action);
+  void ask(NodeRef n, double pixels, bool was_visible);
   void settle_next();
+  void settle_hidden(NodeRef n);
+  void settle_unasked(NodeRef n);
+  void see_unasked(NodeRef n);
+  void stop(NodeRef n);
   void settle(NodeRef n, double mu);
   void settle_drawn(NodeRef n, bool is_fine);
   [[nodiscard]] bool is_drawable(NodeRef n) const;
@@ -43,13 +42,12 @@ class Traversal {
   void note_denied(NodeRef n);
 
   FrameScene& scene_;
-  const Policy& policy_;
+  Policy& policy_;
   RenderDevice& device_;
   TraversalMemory& memory_;
   FrameStats& stats_;
   DrawRecorder draws_;
   Front front_;
-  std::size_t settled_ = 0;  // of memory_.asked
 };
 
 }  // namespace occlod::hlod

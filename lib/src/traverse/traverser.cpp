@@ -1,26 +1,41 @@
 #include "occlod/traverse/traverser.h"
 
+#include <algorithm>
+#include <array>
+#include <optional>
 #include <string>
 #include <utility>
 
 #include "core/option_checker.h"
 #include "occlod/core/error.h"
+#include "traverse/modelled_device.h"
+#include "traverse/strategy_choice.h"
 #include "traverse/traversal.h"
 #include "view/placement.h"
 
 namespace occlod::hlod {
 namespace {
 
+void check_costs(const TraverseOptions& options) {
+  constexpr std::array needing{Strategy::nohc, Strategy::optimum, Strategy::batch, Strategy::automatic};
+  if (std::find(needing.begin(), needing.end(), options.strategy) == needing.end()) return;
+  check_device_costs("traversal options: costs", options.costs);
+  if (!(options.costs.draw_ns > 0.0 && options.costs.query_ns > 0.0))
+    throw Error({"traversal options", "costs", "are missing", "measure those of the device: measure_costs()"});
+}
+
 void check(const TraverseOptions& options, const RenderDevice& device) {
   const OptionChecker checker("traversal options");
   checker.at_least("tolerance_px", options.tolerance_px, 0.0);
   checker.in_range("bias.s", options.bias.s, 0.0, 1.0);
   checker.in_range("bias.t", options.bias.t, 0.0, 1.0);
-  if (options.strategy != Strategy::ideal) return;
+  check_costs(options);
+  if (options.strategy != Strategy::ideal && options.strategy != Strategy::optimum) return;
   if (options.oracle == nullptr)
-    throw Error({"traversal options", "oracle", "is missing", "give `ideal` a device of its own to ask"});
+    throw Error({"traversal options", "oracle", "is missing", "give the strategy a device of its own to ask"});
   if (options.oracle == &device)
-    throw Error({"traversal options", "oracle", "is the device that is drawn on", "give `ideal` a second one to ask"});
+    throw Error(
+        {"traversal options", "oracle", "is the device that is drawn on", "give the strategy a second one to ask"});
 }
 
 void check(std::span<const PlacedHlod> objects) {
@@ -40,6 +55,7 @@ void clear(Frame& frame) {
   frame.stats = {};
   frame.times = {};
   frame.front_hash = 0;
+  frame.forecasts.clear();
 }
 
 }  // namespace
@@ -47,7 +63,7 @@ void clear(Frame& frame) {
 class Traverser::Impl {
  public:
   explicit Impl(std::span<const PlacedHlod> objects)
-      : objects_((check(objects), std::vector(objects.begin(), objects.end()))), scene_(objects) {}
+      : objects_((check(objects), std::vector(objects.begin(), objects.end()))) {}
 
   void set_transform(std::size_t object, const glm::dmat4& object_to_world) {
     if (object >= objects_.size())
@@ -57,19 +73,21 @@ class Traverser::Impl {
     objects_[object].object_to_world = object_to_world;
   }
 
-  void reset() { scene_.forget(); }
+  void reset() {
+    ways_ = {};
+    choice_.reset();
+  }
 
   const Frame& draw_frame(const View& view, RenderDevice& device, const TraverseOptions& options) {
     check(options, device);
-    if (broken_off_ || !policy_ || options.strategy != strategy_) {
-      scene_.forget();
-      policy_ = make_policy(options.strategy);
-      strategy_ = options.strategy;
-    }
+    if (broken_off_ || options.strategy != strategy_) reset();
+    strategy_ = options.strategy;
     broken_off_ = true;  // unless the end is reached
     clear(frame_);
-    traverse(view, options.strategy == Strategy::ideal ? *options.oracle : device, options);
-    if (options.strategy == Strategy::ideal) draw_again(view, device);
+    if (options.strategy == Strategy::automatic)
+      draw_by_choice(view, device, options);
+    else
+      draw(way(0, options.strategy), view, device, options);
     broken_off_ = false;
     return frame_;
   }
@@ -77,11 +95,46 @@ class Traverser::Impl {
   [[nodiscard]] std::span<const PlacedHlod> objects() const noexcept { return objects_; }
 
  private:
-  void traverse(const View& view, RenderDevice& device, const TraverseOptions& options) {
-    scene_.begin_frame(view, objects_, options, policy_->biased());
+  // A strategy, and all that it knows of nodes.
+  struct Way {
+    Way(std::span<const PlacedHlod> objects, Strategy by) : scene(objects), policy(make_policy(by)), strategy(by) {}
+    FrameScene scene;
+    std::unique_ptr<Policy> policy;
+    Strategy strategy;
+  };
+
+  Way& way(std::size_t index, Strategy strategy) {
+    if (!ways_[index]) ways_[index] = std::make_unique<Way>(objects_, strategy);
+    return *ways_[index];
+  }
+
+  void draw(Way& way, const View& view, RenderDevice& device, const TraverseOptions& options) {
+    frame_.strategy = way.strategy;
+    const bool is_ideal = way.strategy == Strategy::ideal;
+    if (Policy* const oracle = way.policy->oracle()) {
+      traverse(way.scene, *oracle, view, *options.oracle, options);
+      clear(frame_);
+    }
+    traverse(way.scene, *way.policy, view, is_ideal ? *options.oracle : device, options);
+    if (is_ideal) draw_again(view, device);
+  }
+
+  void draw_by_choice(const View& view, RenderDevice& device, const TraverseOptions& options) {
+    if (!choice_) choice_.emplace();
+    const std::size_t index = choice_->next();
+    Way& chosen = way(index, StrategyChoice::candidates[index]);
+    modelled_.set(device, chosen.scene);
+    draw(chosen, view, modelled_, options);
+    choice_->note(modelled_.frame_ms());
+    choice_->write_forecasts(frame_.forecasts);
+  }
+
+  void traverse(FrameScene& scene, Policy& policy, const View& view, RenderDevice& device,
+                const TraverseOptions& options) {
+    scene.begin_frame(view, objects_, options, policy.biased());
     device.begin_frame(view, objects_);
-    Traversal(scene_, *policy_, device, memory_, frame_).run();
-    for (DrawnNode& drawn : frame_.draws) drawn.bias = scene_.state({drawn.object, drawn.node}).bias;
+    Traversal(scene, policy, device, memory_, frame_).run();
+    for (DrawnNode& drawn : frame_.draws) drawn.bias = scene.state({drawn.object, drawn.node}).bias;
     frame_.times = device.end_frame();
   }
 
@@ -100,11 +153,12 @@ class Traverser::Impl {
   }
 
   std::vector<PlacedHlod> objects_;
-  FrameScene scene_;
+  std::array<std::unique_ptr<Way>, StrategyChoice::candidates.size()> ways_;  // the first alone, but for `automatic`
+  std::optional<StrategyChoice> choice_;
+  ModelledDevice modelled_;
   TraversalMemory memory_;
   Frame frame_;
-  std::unique_ptr<Policy> policy_;
-  Strategy strategy_ = Strategy::coh;  // of the policy
+  Strategy strategy_ = Strategy::coh;  // of the last frame
   bool broken_off_ = false;            // the last frame ended with an error
 };
 

@@ -7,7 +7,7 @@ namespace {
 class WaitingPolicy : public Policy {
  public:
   explicit WaitingPolicy(bool biased) : biased_(biased) {}
-  [[nodiscard]] Action predict(FrameScene&, const ReachedNode&) const override { return Action::delay; }
+  [[nodiscard]] Action predict(FrameScene&, const ReachedNode&) override { return Action::delay; }
   [[nodiscard]] bool biased() const noexcept override { return biased_; }
   [[nodiscard]] bool waits() const noexcept override { return true; }
 

@@ -33,6 +33,9 @@ struct DeviceCosts {
   friend bool operator==(const DeviceCosts&, const DeviceCosts&) = default;
 };
 
+// Throws Error for a cost that is negative or not finite. `subject` says in errors what has these costs.
+void check_device_costs(const char* subject, const DeviceCosts& costs);
+
 // `query-cheap`, `query-dear`, `fill-bound` and `modern`. What they stand for: docs/guide/hlod.md.
 [[nodiscard]] std::span<const DeviceCosts> device_presets();
 

@@ -9,7 +9,9 @@
 #include <vector>
 
 #include "occlod/device/device.h"
+#include "occlod/device/device_costs.h"
 #include "occlod/traverse/bias.h"
+#include "occlod/traverse/occlusion_probability.h"
 
 namespace occlod::hlod {
 
@@ -22,6 +24,15 @@ enum class Strategy {
   simp,     // Charalambos 2006: visibility predicted by the place in the queue
   coh,      // Charalambos and others 2007: refining, stopping or delaying predicted from the last frame
   ideal,    // what sw_b draws, known beforehand and drawn without a query: an oracle for comparison
+  // Which queries are asked is decided by what they cost (TraverseOptions::costs):
+  nohc,       // Guthe and others 2006: nodes on any level, where cost and benefit say so
+  optimum,    // what single queries can reach at best: only hidden nodes are asked, where that is cheapest; an oracle
+  batch,      // ours: predicted as by coh, asked together in at most three rounds, and only where that pays
+  automatic,  // ours: vfc, nohc, coh or batch, by what they are found to cost
+  // For comparison:
+  chc_plus,  // CHC++, Mattausch and others 2008: hidden nodes in groups, visible ones now and then
+  two_pass,  // as GPU-driven engines: what was visible is drawn, the rest tested against it once
+  cesium,    // cesium-native's rule: what is hidden is not refined, but drawn
 };
 
 // How the error of a node on the screen is bounded.
@@ -45,9 +56,22 @@ struct TraverseOptions {
   Metric metric = Metric::box;        // of the error that is compared with the tolerance
   Alpha alpha = Alpha::exact;         // how mu is computed for the bias
   bool geomorph = false;  // vertices slide to the parent's while its error goes from twice tolerance_px to tolerance_px
-  // Of ideal, which needs it: draws and asks as sw_b does, so that it is known what to draw. Not the device that is
-  // drawn on; its time is nobody's.
+  // Of ideal and optimum, which need it: draws and asks as sw_b does, so that it is known what to draw. Not the device
+  // that is drawn on; its time is nobody's.
   RenderDevice* oracle = nullptr;
+  // Of nohc, optimum, batch and automatic, which need them: of the device that is drawn on. measure_costs(), or those
+  // of a simulated device.
+  DeviceCosts costs = {};
+  // Of nohc. `printed` also means that benefits are spread over log2 of the nodes, as in a binary tree; else over the
+  // levels.
+  CoverModel cover_model = CoverModel::corrected;
+};
+
+// What a strategy is expected to take.
+struct StrategyForecast {
+  Strategy strategy = Strategy::vfc;
+  double frame_ms = 0.0;  // by counts of the last frames that it drew, and TraverseOptions::costs
+  std::uint32_t age = 0;  // frames since then
 };
 
 // A draw as it was made.
@@ -84,6 +108,8 @@ struct Frame {
   FrameTimes times;               // what it took on the device
   std::uint64_t front_hash =
       0;  // the sum of XXH3-64 of each patch drawn: no matter in which order, nor how far morphed
+  Strategy strategy = Strategy::vfc;        // that drew it: with `automatic` one of the others
+  std::vector<StrategyForecast> forecasts;  // with `automatic`, of those that have been tried
 };
 
 // Remembers from frame to frame what was visible, as long as the strategy stays. One thread at a time.
