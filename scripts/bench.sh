@@ -39,6 +39,10 @@ build/bench/bench/bench_locality | tee "$out/locality.md"
 echo "bench_software_occlusion" >&2
 build/bench/bench/bench_software_occlusion | tee "$out/software_occlusion.txt"
 
+echo "bench_hlod_device" >&2
+build/bench/bench/bench_hlod_device --benchmark_counters_tabular=true --benchmark_out="$out/hlod_device.json" \
+  --benchmark_out_format=json | tee "$out/hlod_device.txt"
+
 echo "bench_stability" >&2
 build/bench/bench/report/bench_stability | tee "$out/stability.md"
 

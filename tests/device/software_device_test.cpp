@@ -7,6 +7,9 @@
 
 #include "device/box_proxy.h"
 #include "device/small_scenes.h"
+#include "occlod/hlod/build.h"
+#include "occlod/hlod/within.h"
+#include "occlod/mesh/generate.h"
 #include "raster/every_target.h"
 
 namespace occlod::hlod {
@@ -112,6 +115,38 @@ TEST(SoftwareDevice, MorphsPatchByPatch) {
   }
   EXPECT_EQ(depth_of({different}), depth_of(one_by_one));
   EXPECT_EQ(depth_of({{{0, 3 * planet().node(node).triangles, 0.75F}}}), depth_of(alike_one_by_one));
+}
+
+// A node refined within: the triangles of the cut, by positions of the mesh and of its splits, with none or all of
+// them.
+TEST(SoftwareDevice, DrawsCuts) {
+  BuildOptions options;
+  options.node_triangles = 128;
+  options.within = Within::splits;
+  const Hlod hlod = build_hlod(generate_rough_planet({.level = 5}), options);
+  NodeId node = 0;
+  while (node < hlod.node_count() && !(hlod.has_within(node) && hlod.data().within[node].splits > 8)) ++node;
+  ASSERT_LT(node, hlod.node_count());
+  const NodeMesh mesh = hlod.mesh(node);
+  std::vector<glm::vec3> positions(mesh.positions.begin(), mesh.positions.end());
+  positions.insert(positions.end(), hlod.within(node).positions.begin(), hlod.within(node).positions.end());
+  std::vector<std::uint64_t> fragments;
+  for (const std::uint32_t splits : {0U, 5U, hlod.data().within[node].splits}) {
+    const NodeCut cut = cut_with_splits(hlod, node, splits);
+    SoftwareDevice device;
+    begin(device, hlod);
+    device.draw({0, node, {}, cut.indices, splits});
+    std::vector<Triangle> triangles;
+    for (std::size_t i = 0; i < cut.indices.size(); i += 3)
+      triangles.emplace_back(cut.indices[i], cut.indices[i + 1], cut.indices[i + 2]);
+    DepthBuffer expected;
+    expected.reset(64, 48);
+    draw_depth(expected, positions, triangles, ObjectView(View(small_camera()), glm::dmat4(1.0)).object_to_clip());
+    EXPECT_EQ(device.depth().nearness, expected.nearness) << splits;
+    EXPECT_EQ(device.work().triangles, triangles.size());
+    fragments.push_back(device.work().fragments);
+  }
+  EXPECT_GT(fragments.back(), 0U);
 }
 
 TEST(SoftwareDevice, CountsItsWork) {

@@ -46,4 +46,15 @@ std::span<const glm::vec3> morphed_positions(const Hlod& hlod, NodeId node, std:
   return scratch;
 }
 
+std::span<const glm::vec3> cut_positions(const Hlod& hlod, NodeId node, std::vector<glm::vec3>& scratch) {
+  hlod.require(node);
+  const std::span<const glm::vec3> mesh = hlod.mesh(node).positions;
+  scratch.assign(mesh.begin(), mesh.end());
+  if (!hlod.has_within(node)) return scratch;
+  hlod.require_within(node);
+  const std::span<const glm::vec3> splits = hlod.within(node).positions;
+  scratch.insert(scratch.end(), splits.begin(), splits.end());
+  return scratch;
+}
+
 }  // namespace occlod::hlod

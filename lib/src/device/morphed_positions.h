@@ -1,4 +1,4 @@
-// Where the vertices of a node are while it is on its way to its parents.
+// Where the vertices of a node are while it is on its way to its parents, or refined within.
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -16,5 +16,9 @@ namespace occlod::hlod {
 [[nodiscard]] std::span<const glm::vec3> morphed_positions(const Hlod& hlod, NodeId node,
                                                            std::span<const DrawRange> ranges,
                                                            std::vector<glm::vec3>& scratch);
+
+// For NodeDraw::cut: the positions of the mesh and then those of the splits. Object space, in `scratch`. Both are
+// required first, which may throw Error. O(vertices).
+[[nodiscard]] std::span<const glm::vec3> cut_positions(const Hlod& hlod, NodeId node, std::vector<glm::vec3>& scratch);
 
 }  // namespace occlod::hlod

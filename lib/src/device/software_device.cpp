@@ -77,7 +77,7 @@ class SoftwareDevice::Impl {
   }
 
   void draw(const NodeDraw& draw) {
-    assert(draw.object < objects_.size() && !draw.ranges.empty());
+    assert(draw.object < objects_.size() && draw.ranges.empty() != draw.cut.empty());
     watch_.measure([&] { draw_now(draw); });
   }
 
@@ -129,13 +129,15 @@ class SoftwareDevice::Impl {
 
   void draw_now(const NodeDraw& draw) {
     const DrawnObject& object = objects_[draw.object];
-    const std::span<const glm::vec3> positions = morphed_positions(*object.hlod, draw.node, draw.ranges, morphed_);
-    const std::span<const std::uint16_t> indices = object.hlod->mesh(draw.node).indices;
+    const std::span<const glm::vec3> positions =
+        draw.cut.empty() ? morphed_positions(*object.hlod, draw.node, draw.ranges, positions_)
+                         : cut_positions(*object.hlod, draw.node, positions_);
     triangles_.clear();
+    add_triangles(draw.cut);
+    const std::span<const std::uint16_t> indices = object.hlod->mesh(draw.node).indices;
     for (const DrawRange& range : draw.ranges) {
-      assert(range.index_count % 3 == 0 && std::size_t{range.first_index} + range.index_count <= indices.size());
-      const auto part = indices.subspan(range.first_index, range.index_count);
-      for (std::size_t i = 0; i < part.size(); i += 3) triangles_.emplace_back(part[i], part[i + 1], part[i + 2]);
+      assert(std::size_t{range.first_index} + range.index_count <= indices.size());
+      add_triangles(indices.subspan(range.first_index, range.index_count));
     }
     const DrawnPixels drawn = options_.items
                                   ? draw_items_counted(items_, positions, triangles_, object.view.object_to_clip(),
@@ -145,6 +147,12 @@ class SoftwareDevice::Impl {
     ++work_.draws;
     work_.triangles += triangles_.size();
     work_.fragments += drawn.fragments;
+  }
+
+  void add_triangles(std::span<const std::uint16_t> indices) {
+    assert(indices.size() % 3 == 0);
+    for (std::size_t i = 0; i < indices.size(); i += 3)
+      triangles_.emplace_back(indices[i], indices[i + 1], indices[i + 2]);
   }
 
   [[nodiscard]] std::uint32_t count(const BoxRef& box) {
@@ -174,8 +182,8 @@ class SoftwareDevice::Impl {
   Answers answers_;
   DeviceWork work_;
   Stopwatch watch_;
-  std::vector<glm::vec3> morphed_;   // scratch
-  std::vector<Triangle> triangles_;  // likewise
+  std::vector<glm::vec3> positions_;  // scratch
+  std::vector<Triangle> triangles_;   // likewise
 };
 
 SoftwareDevice::SoftwareDevice(const SoftwareDeviceOptions& options) : impl_(std::make_unique<Impl>(options)) {}

@@ -11,7 +11,7 @@ namespace occlod::hlod {
 
 // How the software device draws.
 struct SoftwareDeviceOptions {
-  bool items = false;  // keep which triangle owns each pixel; drawing then takes about three times as long
+  bool items = false;  // keep which triangle owns each pixel; drawing then takes about twice as long
 };
 
 // What has been done since begin_frame().
