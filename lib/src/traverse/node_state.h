@@ -34,7 +34,7 @@ struct LastFrame {
 struct NodeState {
   std::uint32_t frame = 0;        // that the fields below are of; 0: none
   std::uint32_t floor_frame = 0;  // in which bias_floor was set
-  float bias = 1.0F;              // of the last answer, whenever that was
+  float bias = 1.0F;              // of the last answer; 1 again where the last frame did not visit the node
   float bias_floor = 0.0F;        // the least bias that the frame after floor_frame reckons with
   NodeId first_held = no_id;      // of the nodes that are held until this one is decided
   NodeId next_held = no_id;       // of those held for the same node
@@ -61,6 +61,7 @@ static_assert(sizeof(NodeState) <= 32);
 inline void enter_frame(NodeState& state, std::uint32_t frame) noexcept {
   if (state.frame == frame) return;
   const LastFrame last = last_frame(state, frame);
+  if (!last.visited) state.bias = 1.0F;
   state.last_visited = last.visited;
   state.last_visible = last.visible;
   state.last_refined = last.refined;
