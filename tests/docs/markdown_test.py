@@ -8,7 +8,7 @@ import unittest
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 MAX_COLUMNS = 100
 MAX_BENCHMARK_LINES = 150
-SOURCES = ("bench", "cmake", "examples", "lib", "scripts", "tests", "tools", "viewer", "packaging")
+SOURCES = ("bench", "cmake", "python", "examples", "lib", "scripts", "tests", "tools", "viewer", "packaging")
 
 LINK = re.compile(r"\]\(([^)\s]+)\)")
 MENTION = re.compile(r"\bdocs/[\w/.-]+\.(?:md|py|txt|png|svg)\b")

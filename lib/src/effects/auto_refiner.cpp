@@ -96,6 +96,7 @@ class AutoRefiner::Impl {
 
   [[nodiscard]] const Calibration& calibration() const { return calibration_; }
   [[nodiscard]] const Refiner& refiner() const { return refiner_; }
+  [[nodiscard]] Refinement take_result() { return refiner_.take_result(); }
   [[nodiscard]] const EffectReport& report() const { return report_; }
   [[nodiscard]] Visibility& backend(std::size_t index) const { return *backends_[index]; }
 
@@ -432,6 +433,8 @@ const Refinement& AutoRefiner::refine(const View& view, const RefineOptions& opt
 const Refinement& AutoRefiner::update(const View& view, const RefineOptions& options) {
   return impl_->update(view, options);
 }
+Refinement AutoRefiner::take_result() { return impl_->take_result(); }
+
 std::vector<std::uint32_t> AutoRefiner::visibility_ages(std::size_t object) const {
   return impl_->refiner().visibility_ages(object);
 }

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/milliseconds_since.h"
@@ -82,6 +83,13 @@ class Refiner::Impl {
     for (const RefinedObject& object : result_.objects) stats_.splits += object.splits.size();
     finish(start);
     return result_;
+  }
+
+  // What goes on from the result refers to its objects, so these stay where they are.
+  [[nodiscard]] Refinement take_result() {
+    Refinement taken = result_;
+    for (std::size_t i = 0; i < taken.objects.size(); ++i) std::swap(taken.objects[i], result_.objects[i]);
+    return taken;
   }
 
   [[nodiscard]] std::vector<std::uint32_t> visibility_ages(std::size_t object) const {
@@ -183,6 +191,8 @@ const Refinement& Refiner::update(const View& view, const RefineOptions& options
 void Refiner::set_transform(std::size_t object, const glm::dmat4& object_to_world) {
   impl_->set_transform(object, object_to_world);
 }
+
+Refinement Refiner::take_result() { return impl_->take_result(); }
 
 std::vector<std::uint32_t> Refiner::visibility_ages(std::size_t object) const { return impl_->visibility_ages(object); }
 

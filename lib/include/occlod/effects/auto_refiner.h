@@ -47,6 +47,9 @@ class AutoRefiner {
   // Normal cones stay on: they are tested many at a time.
   const Refinement& update(const View& view, const RefineOptions& options);
 
+  // As Refiner::take_result().
+  [[nodiscard]] Refinement take_result();
+
   // As Refiner::visibility_ages().
   [[nodiscard]] std::vector<std::uint32_t> visibility_ages(std::size_t object) const;
 

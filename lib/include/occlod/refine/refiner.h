@@ -59,6 +59,10 @@ class Refiner {
   // of calls, unless update.time_limit_ms is set.
   const Refinement& update(const View& view, const RefineOptions& options, Visibility& visibility);
 
+  // Gives the last result away with its memory, so that what points into its arrays stays valid beyond the next call;
+  // update() goes on from a copy. O(size of the result).
+  [[nodiscard]] Refinement take_result();
+
   // For each of objects[object].splits of the last call, in their order: how many occluders have been drawn since an
   // answer last said that it, or an applied split below it in the forest, is visible; never_asked where no answer has.
   // After refinement from scratch 0. O(splits log splits).

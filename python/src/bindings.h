@@ -1,0 +1,56 @@
+// The parts of the module, each in a source of its own, and what they share.
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "occlod/core/error.h"
+#include "occlod/hierarchy/hierarchy.h"
+#include "occlod/mesh/triangle_mesh.h"
+#include "occlod/picture/picture.h"
+#include "occlod/refine/visibility.h"
+
+namespace occlod::python {
+
+namespace nb = nanobind;
+
+void bind_mesh(nb::module_& m);
+void bind_hierarchy(nb::module_& m);
+void bind_view(nb::module_& m);
+void bind_options(nb::module_& m);
+void bind_visibility(nb::module_& m);
+void bind_refiner(nb::module_& m);
+void bind_auto_refiner(nb::module_& m);
+void bind_scene(nb::module_& m);
+void bind_picture(nb::module_& m);
+void bind_hlod(nb::module_& m);
+
+// A hierarchy at a place.
+struct PlacedObject {
+  Hierarchy hierarchy;
+  glm::dmat4 object_to_world{1.0};
+  bool two_sided = false;
+  std::string source_name;  // for people; may be empty
+};
+
+// Draws something of an array that `owners` keep alive.
+struct PythonDrawObject {
+  DrawObject draw;
+  std::vector<nb::object> owners;
+};
+
+// For work that is long: lets Ctrl-C end it, and calls `progress` unless it is None. Call without the GIL; `progress`
+// lives as long as what is returned. Holds no reference: it may be copied without the GIL.
+[[nodiscard]] std::function<bool(double)> progress_of(nb::handle progress);
+
+// Throws Error unless every optional array is empty or has one entry for each vertex and every index is in range. O(n).
+void require_valid(const TriangleMesh& mesh);
+
+// A backend by its name: "software", "none", "gl-query", "gl-mark" or "gl-compute".
+[[nodiscard]] std::unique_ptr<Visibility> make_visibility(const std::string& name);
+
+}  // namespace occlod::python

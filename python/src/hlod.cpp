@@ -1,0 +1,229 @@
+// Hierarchical levels of detail: built, read, written, validated.
+#include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <filesystem>
+
+#include "arrays.h"
+#include "bindings.h"
+#include "occlod/hlod/build.h"
+#include "occlod/hlod/metric.h"
+#include "occlod/hlod/validate.h"
+#include "occlod/io/ohlod.h"
+
+namespace occlod::python {
+namespace {
+
+using namespace nb::literals;
+using hlod::Hlod;
+using hlod::Node;
+using hlod::NodeId;
+
+NodeId checked(const Hlod& hlod, std::int64_t node) {
+  if (node < 0 || static_cast<std::uint64_t>(node) >= hlod.node_count())
+    throw nb::index_error(("there are " + std::to_string(hlod.node_count()) + " nodes").c_str());
+  return static_cast<NodeId>(node);
+}
+
+// The mesh of one node: views of the HLOD's arrays.
+struct PythonNodeMesh {
+  Hlod hlod;
+  hlod::NodeMesh mesh;
+};
+
+std::pair<glm::vec3, glm::vec3> corners(const Box& box) { return {box.min, box.max}; }
+
+void bind_nodes(nb::module_& m) {
+  nb::class_<Node>(m, "HlodNode", "What is known of a node without its mesh. Object units. A copy.")
+      .def_prop_ro(
+          "box", [](const Node& n) { return corners(n.box); }, "Lower and upper corner of all it stands for.")
+      .def_prop_ro(
+          "lod_box", [](const Node& n) { return corners(n.lod_box); }, "Of the box and the children's lod_boxes.")
+      .def_prop_ro(
+          "sphere", [](const Node& n) { return std::pair(n.sphere.center, n.sphere.radius); },
+          "Centre and radius; contains the box and the children's spheres.")
+      .def_ro("error", &Node::error, "Of drawing this node instead of the input; 0 on level 0.")
+      .def_ro("child_error", &Node::child_error, "The largest error of a child.")
+      .def_ro("guaranteed_error", &Node::guaranteed_error, "No point of its triangles is farther from the input.")
+      .def_ro("area", &Node::area, "Of its triangles.")
+      .def_ro("triangles", &Node::triangles, "How many.")
+      .def_ro("vertices", &Node::vertices, "How many.")
+      .def_ro("level", &Node::level, "0: the input.")
+      .def(
+          "screen_error_px",
+          [](const Node& n, glm::dvec3 eye, double focal_length_px, double least_distance) {
+            return hlod::screen_error_px(n, {eye, focal_length_px, least_distance});
+          },
+          "eye"_a, "focal_length_px"_a, "least_distance"_a = 1e-30,
+          "Pixels that the error covers at most, by the node's boxes; `eye` in object space.")
+      .def(
+          "sphere_error_px",
+          [](const Node& n, glm::dvec3 eye, double focal_length_px, double least_distance) {
+            return hlod::sphere_error_px(n, {eye, focal_length_px, least_distance});
+          },
+          "eye"_a, "focal_length_px"_a, "least_distance"_a = 1e-30, "The same by the node's sphere, as published.");
+  nb::class_<PythonNodeMesh>(m, "HlodNodeMesh",
+                             "The mesh of one node. Read-only views of the HLOD, which keep it alive.")
+      .def_prop_ro(
+          "positions",
+          [](nb::handle self) { return view_of(nb::cast<const PythonNodeMesh&>(self).mesh.positions, self); },
+          "(n, 3) float32, object space.")
+      .def_prop_ro(
+          "normals",
+          [](nb::handle self) -> std::optional<Array2<const float, 3>> {
+            const auto normals = nb::cast<const PythonNodeMesh&>(self).mesh.normals;
+            if (normals.empty()) return std::nullopt;
+            return view_of(normals, self);
+          },
+          "(n, 3) float32 of unit length, or None.")
+      .def_prop_ro(
+          "colors",
+          [](nb::handle self) -> std::optional<Array2<const std::uint8_t, 4>> {
+            const auto colors = nb::cast<const PythonNodeMesh&>(self).mesh.colors;
+            if (colors.empty()) return std::nullopt;
+            return view_of(colors, self);
+          },
+          "(n, 4) uint8, or None.")
+      .def_prop_ro(
+          "triangles",
+          [](nb::handle self) {
+            const auto indices = nb::cast<const PythonNodeMesh&>(self).mesh.indices;
+            return rows_view<const std::uint16_t, 3>(indices.data(), indices.size() / 3, self);
+          },
+          "(m, 3) uint16, patch by patch.")
+      .def_prop_ro(
+          "merged_into",
+          [](nb::handle self) { return view_of(nb::cast<const PythonNodeMesh&>(self).mesh.merged_into, self); },
+          "(n,) uint16: the vertex of the parent's mesh that each slides to, or 0xffff.");
+}
+
+void bind_arrays(nb::class_<Hlod>& type) {
+  type.def(
+          "node", [](const Hlod& h, std::int64_t n) { return h.node(checked(h, n)); }, "node"_a)
+      .def(
+          "mesh",
+          [](const Hlod& h, std::int64_t n) {
+            const NodeId node = checked(h, n);
+            h.require(node);
+            return PythonNodeMesh{h, h.mesh(node)};
+          },
+          "node"_a, "Error when that part of a mapped file is damaged.")
+      .def(
+          "children",
+          [](nb::handle self, std::int64_t n) {
+            const Hlod& h = nb::cast<const Hlod&>(self);
+            return view_of(h.children(checked(h, n)), self);
+          },
+          "node"_a, "(c,) uint32, ascending: the nodes that it replaces in part. A view.")
+      .def(
+          "patches",
+          [](nb::handle self, std::int64_t n) {
+            const Hlod& h = nb::cast<const Hlod&>(self);
+            const auto patches = h.patches(checked(h, n));
+            return rows_view<const std::uint32_t, 3>(patches.empty() ? nullptr : &patches[0].parent, patches.size(),
+                                                     self);
+          },
+          "node"_a, "(p, 3) uint32: parent (NO_ID of a root), first index and number of indices. A view.")
+      .def_prop_ro(
+          "roots", [](nb::handle self) { return view_of(nb::cast<const Hlod&>(self).data().roots, self); },
+          "(r,) uint32: nodes without a parent, ascending. A view.")
+      .def_prop_ro(
+          "levels",
+          [](const Hlod& h) {
+            std::vector<std::pair<std::uint32_t, std::uint32_t>> levels;
+            for (const hlod::Level& level : h.data().levels) levels.emplace_back(level.first_node, level.node_count);
+            return levels;
+          },
+          "First node and number of nodes of each level, from the input to the coarsest.");
+}
+
+void bind_hlod_class(nb::module_& m) {
+  auto type = nb::class_<Hlod>(m, "Hlod",
+                               "A mesh cut into nodes of some thousand triangles, level by level coarser. Immutable;\n"
+                               "threads may share it.");
+  type.def_prop_ro("node_count", &Hlod::node_count)
+      .def_prop_ro("level_count", &Hlod::level_count)
+      .def_prop_ro("bytes", &Hlod::bytes, "That the arrays occupy.")
+      .def_prop_ro(
+          "box", [](const Hlod& h) { return corners(h.data().box); }, "Of the input.")
+      .def_prop_ro("input_triangle_count", [](const Hlod& h) { return h.data().input_triangle_count; })
+      .def_prop_ro("grouping", [](const Hlod& h) { return h.data().grouping; })
+      .def_prop_ro("borders", [](const Hlod& h) { return h.data().borders; })
+      .def_prop_ro("node_triangles", [](const Hlod& h) { return h.data().node_triangles; })
+      .def(
+          "require_all",
+          [](const Hlod& h) {
+            const nb::gil_scoped_release release;
+            h.require_all();
+          },
+          "Checks all of a mapped file. Error where it is damaged.")
+      .def(
+          "validate",
+          [](const Hlod& h, std::size_t random_fronts) {
+            const nb::gil_scoped_release release;
+            return validate(h, {random_fronts});
+          },
+          nb::kw_only(), "random_fronts"_a = 64, "One line for each violated invariant; none when all hold.")
+      .def(
+          "restores",
+          [](const Hlod& h, const TriangleMesh& mesh) {
+            const nb::gil_scoped_release release;
+            require_valid(mesh);
+            return restores(h, mesh);
+          },
+          "mesh"_a, "Whether level 0 is exactly the triangles of the mesh.")
+      .def(
+          "write",
+          [](const Hlod& h, const std::filesystem::path& path, const std::optional<MeshReport>& report) {
+            const nb::gil_scoped_release release;
+            write_ohlod(path, h, report.value_or(MeshReport{}));
+          },
+          "path"_a, nb::kw_only(), "report"_a = nb::none(), "As .ohlod.")
+      .def("__repr__", [](const Hlod& h) {
+        return "<occlod.Hlod of " + std::to_string(h.node_count()) + " nodes on " + std::to_string(h.level_count()) +
+               " levels>";
+      });
+  bind_arrays(type);
+}
+
+}  // namespace
+
+void bind_hlod(nb::module_& m) {
+  nb::enum_<hlod::Grouping>(m, "Grouping", "How triangles of one level are grouped into the nodes of the next.")
+      .value("nested", hlod::Grouping::nested, "By one octree: every node has one parent.")
+      .value("shifted", hlod::Grouping::shifted, "By an octree that is moved from level to level: no cracks.");
+  nb::enum_<hlod::Borders>(m, "Borders", "What simplification does with vertices that several nodes share.")
+      .value("free", hlod::Borders::free, "Each node moves its own copy: gaps as wide as the errors at most.")
+      .value("locked", hlod::Borders::locked, "They stay until a node has them inside: no gaps.");
+  bind_nodes(m);
+  bind_hlod_class(m);
+  const hlod::BuildOptions standard;
+  m.def(
+      "build_hlod",
+      [](const TriangleMesh& mesh, std::uint32_t node_triangles, hlod::Grouping grouping, hlod::Borders borders,
+         double boundary_weight, int threads, const std::optional<nb::callable>& progress) {
+        hlod::BuildOptions options{node_triangles, grouping, borders, boundary_weight, threads, {}};
+        options.progress = progress_of(progress ? nb::handle(*progress) : nb::handle(Py_None));
+        const nb::gil_scoped_release release;
+        return hlod::build_hlod(mesh, options);
+      },
+      "mesh"_a, nb::kw_only(), "node_triangles"_a = standard.node_triangles, "grouping"_a = standard.grouping,
+      "borders"_a = standard.borders, "boundary_weight"_a = standard.boundary_weight, "threads"_a = standard.threads,
+      "progress"_a = nb::none(),
+      "Builds the HLOD of any triangle soup with welded vertices. The same bytes for any number of threads. "
+      "`progress`\n"
+      "is called with the share done; what it raises, and Ctrl-C, end the build. O(n log n).");
+  m.def(
+      "read_hlod_and_report",
+      [](const std::filesystem::path& path, OlodAccess access) {
+        const nb::gil_scoped_release release;
+        OhlodFile file = read_ohlod(path, access);
+        return std::pair<Hlod, MeshReport>(std::move(file.hlod), file.report);
+      },
+      "path"_a, nb::kw_only(), "access"_a = OlodAccess::mapped, "Reads .ohlod: the HLOD and the report of its mesh.");
+}
+
+}  // namespace occlod::python

@@ -1,0 +1,55 @@
+// The module occlod._occlod: all that is bound. What users import is the package occlod.
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/string.h>
+
+#include <exception>
+
+#include "bindings.h"
+#include "occlod/core/error.h"
+#include "occlod/core/version.h"
+
+namespace occlod::python {
+namespace {
+
+// As occlod.Error, with its four parts.
+void raise_error(const std::exception_ptr& thrown, void*) {
+  try {
+    std::rethrow_exception(thrown);
+  } catch (const Error& error) {
+    const Diagnosis& d = error.diagnosis();
+    const nb::object type = nb::module_::import_("occlod._errors").attr("Error");
+    const nb::object instance = type(d.subject, d.place, d.problem, d.remedy);
+    PyErr_SetObject(type.ptr(), instance.ptr());
+  }
+}
+
+}  // namespace
+
+std::function<bool(double)> progress_of(nb::handle progress) {
+  return [progress](double done) {
+    const nb::gil_scoped_acquire gil;
+    if (PyErr_CheckSignals() != 0) throw nb::python_error();
+    if (!progress.is_none()) progress(done);
+    return true;
+  };
+}
+
+}  // namespace occlod::python
+
+NB_MODULE(_occlod, m) {
+  using namespace occlod::python;
+  m.doc() = "The C++ library, bound. Import occlod instead.";
+  nanobind::register_exception_translator(raise_error);
+  m.def(
+      "version", [] { return std::string(occlod::version()); }, "MAJOR.MINOR.PATCH of the C++ library.");
+  bind_mesh(m);
+  bind_view(m);
+  bind_picture(m);
+  bind_hierarchy(m);
+  bind_options(m);
+  bind_visibility(m);
+  bind_refiner(m);
+  bind_auto_refiner(m);
+  bind_scene(m);
+  bind_hlod(m);
+}

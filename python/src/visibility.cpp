@@ -1,0 +1,74 @@
+// Visibility backends by name.
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include "bindings.h"
+#include "occlod/occlusion/software_occlusion.h"
+#include "refining.h"
+#ifdef OCCLOD_HAS_GL
+#include "occlod/gl/compute_occlusion.h"
+#include "occlod/gl/context.h"
+#include "occlod/gl/mark_occlusion.h"
+#include "occlod/gl/query_occlusion.h"
+#endif
+
+namespace occlod::python {
+namespace {
+
+using namespace nb::literals;
+
+#ifdef OCCLOD_HAS_GL
+constexpr bool has_gl = true;
+
+std::unique_ptr<Visibility> make_gl(const std::string& name) {
+  if (name == "gl-query") return gl::make_query_occlusion(gl::create_any_context());
+  if (name == "gl-mark") return gl::make_mark_occlusion(gl::create_any_context());
+  return gl::make_compute_occlusion(gl::create_any_context());
+}
+#else
+constexpr bool has_gl = false;
+
+std::unique_ptr<Visibility> make_gl(const std::string& name) {
+  throw Error({name, "", "this package was built without OpenGL",
+               "use \"software\", or build it with -C cmake.define.OCCLOD_PYTHON_GL=ON"});
+}
+#endif
+
+std::vector<std::string> visibility_names() {
+  std::vector<std::string> names = {"software", "none"};
+  if (has_gl) names.insert(names.end(), {"gl-query", "gl-mark", "gl-compute"});
+  return names;
+}
+
+}  // namespace
+
+std::unique_ptr<Visibility> make_visibility(const std::string& name) {
+  if (name == "software") return make_software_occlusion();
+  if (name == "none") return std::make_unique<NoOcclusion>();
+  if (name == "gl-query" || name == "gl-mark" || name == "gl-compute") return make_gl(name);
+  throw Error({"visibility", name, "is no backend", "use one of visibility_names()"});
+}
+
+void bind_visibility(nb::module_& m) {
+  m.def("visibility_names", &visibility_names, "Of the backends that this package was built with.");
+  nb::class_<PythonVisibility>(
+      m, "Visibility",
+      "Answers what is hidden. Several refiners may use one in turn; a GL backend belongs to the\n"
+      "thread that made it.")
+      .def(nb::new_([](const std::string& name) {
+             auto made = std::make_shared<PythonVisibility>();
+             made->backend = make_visibility(name);
+             return made;
+           }),
+           "name"_a = "software",
+           "\"software\"; \"none\"; and, where visibility_names() has them, \"gl-query\", \"gl-mark\" and "
+           "\"gl-compute\".\n"
+           "Error for another name, and where no OpenGL context can be had.")
+      .def_prop_ro("name", [](const PythonVisibility& v) { return std::string(v.backend->name()); })
+      .def_prop_ro("can_hide", [](const PythonVisibility& v) { return v.backend->can_hide(); })
+      .def("__repr__",
+           [](const PythonVisibility& v) { return "occlod.Visibility(\"" + std::string(v.backend->name()) + "\")"; });
+}
+
+}  // namespace occlod::python

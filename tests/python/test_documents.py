@@ -1,0 +1,89 @@
+"""What README.md and the guide print runs as printed, and so do the examples, whose pictures are those of the guide."""
+import contextlib
+import io
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import numpy
+import occlod
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+
+
+@contextlib.contextmanager
+def working_folder():
+    """An empty folder with a mesh and a scene of the names that the documents use."""
+    before = pathlib.Path.cwd()
+    with tempfile.TemporaryDirectory() as folder:
+        os.chdir(folder)
+        try:
+            yield pathlib.Path(folder)
+        finally:
+            os.chdir(before)
+
+
+class Documents(unittest.TestCase):
+    def run_blocks(self, page):
+        blocks = re.findall(r"^```python\n(.*?)^```", (ROOT / page).read_text(encoding="utf-8"), re.M | re.S)
+        self.assertTrue(blocks)
+        names = {}
+        said = io.StringIO()
+        with working_folder() as folder, contextlib.redirect_stdout(said):
+            occlod.generate_rough_planet(level=6).write(folder / "statue.ply")
+            scene = occlod.Scene([occlod.SceneObject(occlod.MeshFile(["statue.ply"]))], {"default": occlod.Camera()},
+                                 {"walk": occlod.CameraPath([occlod.Camera(), occlod.Camera(eye=(0, 1, 3))], 5)})
+            scene.write(folder / "city.json")
+            for number, block in enumerate(blocks, 1):
+                exec(compile(block, f"{page}, block {number}", "exec"), names)  # pylint: disable=exec-used
+            return sorted(path.name for path in folder.iterdir()), said.getvalue()
+
+    def test_readme(self):
+        files, said = self.run_blocks("README.md")
+        self.assertEqual(files, ["city.json", "refined.ply", "refined.png", "statue.olod", "statue.ply"])
+        self.assertRegex(said, r"^\d+ of \d+ triangles are visible\n$")
+
+    def test_guide(self):
+        files, _ = self.run_blocks("docs/guide/python.md")
+        self.assertIn("statue.olod", files)
+
+    def test_guide_names_what_there_is(self):
+        text = (ROOT / "docs/guide/python.md").read_text(encoding="utf-8")
+        for name in occlod.__all__:
+            with self.subTest(name):
+                self.assertRegex(text, rf"\b{name}\b")
+
+
+class Examples(unittest.TestCase):
+    def test_make_the_pictures_of_the_guide(self):
+        examples = sorted((ROOT / "python/examples").glob("*.py"))
+        self.assertGreaterEqual(len(examples), 3)
+        for example in examples:
+            with self.subTest(example.name), tempfile.TemporaryDirectory() as folder:
+                subprocess.run([sys.executable, str(example), folder], check=True, stdout=subprocess.PIPE)
+                made = pathlib.Path(folder, f"{example.stem}.png").read_bytes()
+                shown = ROOT / f"docs/images/python_{example.stem}.png"
+                if os.environ.get("OCCLOD_UPDATE_GOLDEN") == "1":
+                    shown.write_bytes(made)
+                self.assertEqual(made, shown.read_bytes(), f"look at it; OCCLOD_UPDATE_GOLDEN=1 writes {shown.name} anew")
+
+
+class Docstrings(unittest.TestCase):
+    def test_everything_has_one(self):
+        without = []
+        for name in occlod.__all__:
+            thing = getattr(occlod, name)
+            if isinstance(thing, int):
+                continue
+            if not (getattr(thing, "__doc__", None) or "").strip():
+                without.append(name)
+        self.assertEqual(without, [])
+        self.assertEqual(occlod.NO_ID, numpy.iinfo(numpy.uint32).max)
+
+
+if __name__ == "__main__":
+    unittest.main()

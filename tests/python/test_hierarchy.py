@@ -1,0 +1,179 @@
+"""Hierarchies: built, stored, cut, and what their arrays mean."""
+import gc
+import os
+import pathlib
+import signal
+import tempfile
+import threading
+import unittest
+
+import numpy
+import occlod
+from support import corners, planet
+
+
+class Build(unittest.TestCase):
+    def test_restores_the_input(self):
+        mesh, hierarchy = planet(3)
+        self.assertEqual(hierarchy.input_triangle_count, mesh.triangle_count)
+        self.assertTrue(hierarchy.restores(mesh))
+        self.assertEqual(hierarchy.validate(random_cuts=2), [])
+        self.assertEqual(corners(hierarchy.positions, hierarchy.cut().triangles()), corners(mesh.positions, mesh.triangles))
+
+    def test_options_count(self):
+        mesh, hierarchy = planet(3)
+        small = occlod.build_hierarchy(mesh, base_triangles=16, threads=1)
+        self.assertLessEqual(small.base_triangle_count, 16)
+        self.assertGreater(hierarchy.base_triangle_count, 16)
+        tight = occlod.build_hierarchy(mesh, error_bound=occlod.ErrorBound.measured)
+        self.assertLess(tight.error_bound, hierarchy.error_bound)
+        with self.assertRaisesRegex(occlod.Error, "boundary_weight|boundary weight"):
+            occlod.build_hierarchy(mesh, boundary_weight=-1)
+
+    def test_progress_rises_and_may_end_it(self):
+        told = []
+        mesh = occlod.generate_rough_planet(level=7)
+        occlod.build_hierarchy(mesh, progress=told.append)
+        self.assertGreater(len(told), 2)
+        self.assertEqual(told, sorted(told))
+
+        def stop(done):
+            raise KeyError("enough")
+
+        with self.assertRaises(KeyError):
+            occlod.build_hierarchy(mesh, progress=stop)
+
+    def test_ctrl_c_ends_it(self):
+        mesh = occlod.generate_rough_planet(level=6)
+        with self.assertRaises(KeyboardInterrupt):
+            occlod.build_hierarchy(mesh, progress=lambda done: os.kill(os.getpid(), signal.SIGINT))
+
+    def test_other_threads_run_meanwhile(self):
+        mesh = occlod.generate_rough_planet(level=6)
+        during = []
+        is_building = threading.Event()
+
+        def count():
+            is_building.wait()
+            while is_building.is_set():
+                during.append(1)
+
+        counter = threading.Thread(target=count)
+        counter.start()
+        # Were the GIL held, nothing could be counted between the first and the last call of progress.
+        counts = []
+
+        def step(done):
+            is_building.set()
+            counts.append(len(during))
+
+        occlod.build_hierarchy(mesh, progress=step)
+        is_building.clear()
+        counter.join()
+        self.assertGreater(counts[-1], counts[0])
+
+
+class Stored(unittest.TestCase):
+    def test_round_trip(self):
+        mesh, hierarchy = planet(3)
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder, "a.olod")
+            for compression in (occlod.Compression.none, occlod.Compression.zstd):
+                hierarchy.write(path, report=mesh.report(), compression=compression)
+                again, report = occlod.read_hierarchy_and_report(path)
+                numpy.testing.assert_array_equal(again.positions, hierarchy.positions)
+                numpy.testing.assert_array_equal(again.errors, hierarchy.errors)
+                self.assertEqual(report.components, 1)
+            copied = occlod.read_hierarchy(path, access=occlod.Access.copied)
+        copied.require_all()
+
+    def test_views_keep_a_mapped_file(self):
+        _, hierarchy = planet(4)
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder, "a.olod")
+            hierarchy.write(path)
+            errors = occlod.read_hierarchy(path).errors
+            gc.collect()
+        numpy.testing.assert_array_equal(errors, hierarchy.errors)  # were it unmapped, this would crash
+
+    def test_damage_is_told(self):
+        _, hierarchy = planet(4)
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder, "a.olod")
+            hierarchy.write(path)
+            data = bytearray(path.read_bytes())
+            data[len(data) // 2] ^= 1
+            path.write_bytes(data)
+            with self.assertRaisesRegex(occlod.Error, "a.olod"):
+                occlod.read_hierarchy(path).require_all()
+
+
+class Meaning(unittest.TestCase):
+    def test_arrays_are_read_only_views(self):
+        _, hierarchy = planet(3)
+        for array in (hierarchy.positions, hierarchy.errors, hierarchy.guaranteed_errors, hierarchy.spheres, hierarchy.base_triangles):
+            self.assertFalse(array.flags.writeable)
+            self.assertFalse(array.flags.owndata)
+        self.assertEqual(hierarchy.spheres.shape, (hierarchy.split_count, 4))
+
+    def test_errors_fall_along_dependencies(self):
+        # The sphere of each split holds its vertex, and errors are saturated: the first ones are no smaller than the last.
+        _, hierarchy = planet(3)
+        born = hierarchy.positions[-hierarchy.split_count:]
+        distance = numpy.linalg.norm(born - hierarchy.spheres[:, :3], axis=1)
+        self.assertTrue((distance <= hierarchy.spheres[:, 3] * (1 + 1e-5)).all())
+        self.assertGreaterEqual(hierarchy.errors[0], hierarchy.errors[-1])
+
+    def test_collapses_lead_to_the_base(self):
+        _, hierarchy = planet(3)
+        history = hierarchy.collapses()
+        base = hierarchy.vertex_count - hierarchy.split_count
+        # Splits undo collapses, so the last vertex goes first, and each goes once.
+        numpy.testing.assert_array_equal(history[:, 0], numpy.arange(hierarchy.vertex_count - 1, base - 1, -1))
+        self.assertTrue((history[:, 1] < history[:, 0]).all())
+
+    def test_replaying_collapses_gives_the_cut(self):
+        _, hierarchy = planet(3)
+        cut = hierarchy.cut(triangles=150)
+        target = numpy.arange(hierarchy.vertex_count)
+        for gone, kept in hierarchy.collapses()[: hierarchy.split_count - cut.splits]:
+            target[target == gone] = kept
+        moved = target[hierarchy.cut().triangles()]
+        left = moved[(moved[:, 0] != moved[:, 1]) & (moved[:, 1] != moved[:, 2]) & (moved[:, 0] != moved[:, 2])]
+        self.assertEqual(corners(hierarchy.positions, left), corners(hierarchy.positions, cut.triangles()))
+
+
+class Cuts(unittest.TestCase):
+    def test_keep_to_what_is_asked(self):
+        _, hierarchy = planet(3)
+        cut = hierarchy.cut(triangles=100)
+        self.assertLessEqual(cut.triangle_count, 100)
+        self.assertGreater(cut.triangle_count, 95)
+        self.assertEqual(len(cut.triangles()), cut.triangle_count)
+        self.assertEqual(int(cut.applied.sum()), cut.splits)
+        close = hierarchy.cut(error=0.05)
+        self.assertLessEqual(close.guaranteed_error, 0.05)
+        self.assertTrue((hierarchy.guaranteed_errors[~close.applied] <= 0.05).all())
+        for wrong in ({"triangles": 1, "error": 1.0}, {"error": -1.0}, {"error": float("nan")}):
+            with self.assertRaises(ValueError):
+                hierarchy.cut(**wrong)
+
+    def test_vertex_map_says_who_stands_for_whom(self):
+        mesh, hierarchy = planet(3)
+        cut = hierarchy.cut(triangles=100)
+        small, vertices, stands = cut.mesh(), cut.vertices(), cut.vertex_map()
+        numpy.testing.assert_array_equal(small.positions, hierarchy.positions[vertices])
+        # A vertex of the cut stands for itself; any other is stood for by what its collapses, replayed, lead to.
+        numpy.testing.assert_array_equal(stands[vertices], numpy.arange(len(vertices)))
+        target = numpy.arange(hierarchy.vertex_count)
+        for gone, kept in hierarchy.collapses()[: hierarchy.split_count - cut.splits]:
+            target[target == gone] = kept
+        numpy.testing.assert_array_equal(vertices[stands], target)
+        # By way of find(), for each vertex of the input.
+        found = hierarchy.find(mesh.positions)
+        numpy.testing.assert_array_equal(hierarchy.positions[found], mesh.positions)
+        self.assertEqual(hierarchy.find([[9, 9, 9]])[0], occlod.NO_ID)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,193 @@
+"""Pictures, scenes, HLODs, and meshes of other packages."""
+import pathlib
+import tempfile
+import unittest
+
+import numpy
+import occlod
+from support import VIEW, corners, planet
+
+
+class Pictures(unittest.TestCase):
+    def test_items_say_who_is_in_front(self):
+        # Two squares that fill the image, the second nearer.
+        square = numpy.array([[-9, -9, 0], [9, -9, 0], [9, 9, 0], [-9, 9, 0]], numpy.float32)
+        faces = numpy.array([[0, 1, 2], [0, 2, 3]], numpy.uint32)
+        near = occlod.DrawObject(square, faces, transform=[[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 1], [0, 0, 0, 1]])
+        view = occlod.Camera(eye=(0, 0, 3), width=64, height=48)
+        items = occlod.draw_items([occlod.DrawObject(square, faces), near], view)
+        self.assertEqual(items.items.shape, (48, 64))
+        self.assertEqual(set(items.items.ravel().tolist()), {2, 3})
+        numpy.testing.assert_allclose(items.nearness, 0.5)  # 2 before the eye
+        self.assertAlmostEqual(occlod.View(view).distance_at(0.5), 2)
+        self.assertEqual(items.visible_triangles(), 2)
+
+    def test_nothing_is_background(self):
+        items = occlod.draw_items([], VIEW)
+        self.assertTrue((items.items == occlod.NO_ID).all())
+        self.assertEqual(items.visible_triangles(), 0)
+
+    def test_arrays_are_used_in_place(self):
+        mesh, _ = planet(3)
+        draw = occlod.DrawObject(mesh.positions, mesh.triangles)
+        before = occlod.draw_items([draw], VIEW).nearness.copy()
+        mesh.positions[:] *= 0.5
+        self.assertFalse(numpy.array_equal(occlod.draw_items([draw], VIEW).nearness, before))
+
+    def test_shaded_and_written(self):
+        mesh, hierarchy = planet(4)
+        image = occlod.picture(mesh, VIEW, wire=False)
+        self.assertEqual((image.shape, image.dtype), ((768, 1024, 4), numpy.uint8))
+        numpy.testing.assert_array_equal(image, occlod.full_picture(hierarchy, VIEW))
+        self.assertFalse(numpy.array_equal(image, occlod.picture(hierarchy.cut(triangles=100), VIEW, wire=False)))
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder, "a.png")
+            occlod.write_png(path, image)
+            self.assertEqual(path.read_bytes()[:4], b"\x89PNG")
+
+    def test_distance_of_pictures(self):
+        _, hierarchy = planet(5)
+        full = occlod.draw_objects(hierarchy)
+        reference = occlod.draw_items(full, VIEW)
+        reference_image = occlod.shade(reference, full, VIEW, wire=False)
+        same = occlod.compare_pictures(VIEW, reference, reference_image, reference, reference_image)
+        self.assertEqual((same.depth_rms_px, same.silhouette_mismatch, same.psnr_y), (0, 0, numpy.inf))
+        distances = []
+        for budget in (300, 3000):
+            part = occlod.Refiner(hierarchy).refine(VIEW, budget).draw_objects()
+            items = occlod.draw_items(part, VIEW)
+            distances.append(occlod.compare_pictures(VIEW, items, occlod.shade(items, part, VIEW, wire=False), reference, reference_image))
+        self.assertGreater(distances[0].depth_rms_px, distances[1].depth_rms_px)
+        self.assertLess(distances[0].psnr_y, distances[1].psnr_y)
+        self.assertEqual(occlod.count_unexplained_pixels(VIEW, reference, reference, 1.0), 0)
+        self.assertGreater(occlod.measure_popping(VIEW, items, reference).largest_px, 0)
+
+    def test_wrong_pairs_are_told(self):
+        mesh, hierarchy = planet(3)
+        small = occlod.Camera(width=64, height=48)
+        objects = occlod.draw_objects(mesh)
+        items = occlod.draw_items(objects, small)
+        with self.assertRaisesRegex(occlod.Error, "64x48"):
+            occlod.shade(items, objects, VIEW)
+        with self.assertRaisesRegex(occlod.Error, "other objects"):
+            occlod.shade(items, occlod.draw_objects(hierarchy.cut(triangles=64)), small)
+        with self.assertRaises(TypeError):
+            occlod.write_png("never.png", numpy.zeros((4, 4, 3), numpy.uint8))
+
+    def test_birdseye(self):
+        mesh, _ = planet(3)
+        objects = occlod.draw_objects(mesh)
+        self.assertEqual(occlod.birdseye(objects, occlod.draw_items(objects, VIEW), VIEW).shape[2], 4)
+
+
+class Scenes(unittest.TestCase):
+    def scene(self, folder):
+        mesh, _ = planet(3)
+        mesh.write(pathlib.Path(folder, "planet.ply"))
+        away = numpy.eye(4)
+        away[0, 3] = 2.0
+        objects = [occlod.SceneObject(occlod.MeshFile(["planet.ply"])), occlod.SceneObject(occlod.MeshFile(["planet.ply"]), away, two_sided=True)]
+        path = occlod.CameraPath([VIEW, occlod.Camera(eye=(3, 0, 3))], 3)
+        return occlod.Scene(objects, {"default": VIEW}, {"aside": path}, about="two planets")
+
+    def test_round_trip_and_load(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder, "two.json")
+            self.scene(folder).write(path)
+            again = occlod.Scene.read(path)
+            self.assertEqual((again.name, again.about, len(again.objects)), ("two", "two planets", 2))
+            self.assertEqual(again.cameras["default"], VIEW)
+            self.assertEqual(again.paths["aside"][1].eye, (1.5, 0, 3))  # half way
+            self.assertEqual(len(again.paths["aside"]), 3)
+            with self.assertRaises(IndexError):
+                again.paths["aside"][3]
+            told = []
+            objects = again.load(use_cache=False, progress=lambda what, done: told.append(done))
+            self.assertTrue(told)
+            self.assertEqual([o.two_sided for o in objects], [False, True])
+            self.assertEqual(objects[1].transform[0, 3], 2.0)
+            self.assertEqual(len(occlod.Refiner(objects).refine(VIEW)), 2)
+            flat, report = again.flatten()
+            self.assertEqual(flat.triangle_count, 2 * objects[0].hierarchy.input_triangle_count)
+
+    def test_mistakes_are_told(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder, "bad.json")
+            path.write_text('{"objects": [], "cameras": {}}')
+            with self.assertRaisesRegex(occlod.Error, "bad.json"):
+                occlod.Scene.read(path)
+            scene = self.scene(folder)
+            scene.objects = [occlod.SceneObject(occlod.MeshFile(["missing.ply"]))]
+            with self.assertRaisesRegex(occlod.Error, "missing.ply"):
+                scene.load(folder)
+
+
+class Hlods(unittest.TestCase):
+    def test_build_store_and_look(self):
+        mesh, _ = planet(5)
+        told = []
+        hlod = occlod.build_hlod(mesh, node_triangles=500, progress=told.append)
+        self.assertTrue(told)
+        self.assertEqual(hlod.validate(random_fronts=4), [])
+        self.assertTrue(hlod.restores(mesh))
+        self.assertEqual(hlod.grouping, occlod.Grouping.shifted)
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder, "a.ohlod")
+            hlod.write(path, report=mesh.report())
+            again, report = occlod.read_hlod_and_report(path)
+            self.assertEqual(report.components, 1)
+            again.require_all()
+        first, count = again.levels[0]
+        parts = [again.mesh(n) for n in range(first, first + count)]
+        found = sorted(sum((corners(part.positions, part.triangles) for part in parts), []))
+        self.assertEqual(found, corners(mesh.positions, mesh.triangles))
+        for root in again.roots:
+            node = again.node(root)
+            self.assertEqual(node.triangles, len(again.mesh(root).triangles))
+            self.assertEqual(node.level, again.level_count - 1)
+            self.assertGreater(node.error, 0)
+            self.assertGreaterEqual(node.sphere_error_px((0, 0, 3), 900), node.screen_error_px((0, 0, 3), 900))
+            for child in again.children(root):
+                self.assertIn(root, again.patches(child)[:, 0])
+        with self.assertRaises(IndexError):
+            again.node(again.node_count)
+        with self.assertRaises(IndexError):
+            again.mesh(-1)
+
+    def test_bad_options_are_told(self):
+        mesh, _ = planet(2)
+        with self.assertRaisesRegex(occlod.Error, "locked"):
+            occlod.build_hlod(mesh, borders=occlod.Borders.free)
+
+
+class OtherPackages(unittest.TestCase):
+    def test_trimesh(self):
+        try:
+            import trimesh
+        except ImportError:
+            self.skipTest("SKIPPED: trimesh is not installed")
+        mesh = occlod.from_trimesh(trimesh.creation.icosphere(subdivisions=2))
+        self.assertEqual(mesh.triangle_count, 320)
+        back = occlod.to_trimesh(mesh)
+        self.assertTrue(back.is_watertight)
+        numpy.testing.assert_array_equal(back.vertices.astype("f4"), mesh.positions)
+        numpy.testing.assert_array_equal(back.faces, mesh.triangles)
+        colored = occlod.Mesh(mesh.positions, mesh.triangles, colors=numpy.full((mesh.vertex_count, 4), 9, numpy.uint8))
+        numpy.testing.assert_array_equal(occlod.from_trimesh(occlod.to_trimesh(colored)).colors, colored.colors)
+
+    def test_pyvista(self):
+        try:
+            import pyvista
+        except ImportError:
+            self.skipTest("SKIPPED: PyVista is not installed")
+        mesh = occlod.from_pyvista(pyvista.Sphere())
+        surface = occlod.to_pyvista(mesh)
+        self.assertTrue(surface.is_manifold)
+        self.assertTrue(numpy.shares_memory(numpy.asarray(surface.points), mesh.positions))
+        again = occlod.from_pyvista(surface)
+        numpy.testing.assert_array_equal(again.triangles, mesh.triangles)
+        numpy.testing.assert_array_equal(again.normals, mesh.normals)
+
+
+if __name__ == "__main__":
+    unittest.main()

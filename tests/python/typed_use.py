@@ -1,0 +1,28 @@
+"""Read by mypy, not run: how the package is meant to be used has types, and misuse does not pass."""
+import numpy
+import numpy.typing
+import occlod
+
+
+def use() -> None:
+    mesh: occlod.Mesh = occlod.read_mesh("a.ply", progress=print)
+    hierarchy = occlod.build_hierarchy(mesh, error_bound=occlod.ErrorBound.measured, progress=lambda done: None)
+    box: tuple[tuple[float, float, float], tuple[float, float, float]] = hierarchy.box
+    refiner = occlod.Refiner([hierarchy, occlod.Object(hierarchy, numpy.eye(4), two_sided=True)])
+    camera = occlod.Camera(eye=(0, 0, 3), width=800)
+    refined: occlod.Refinement = refiner.update(camera, 1000, occlod.Visibility("software"))
+    options = occlod.RefineOptions(budget=1000, queries=occlod.QueryOptions(proxy=occlod.Proxy.box))
+    refiner.refine(occlod.View(camera), options=options)
+    triangles: numpy.typing.NDArray[numpy.uint32] = refined.triangles(0)
+    count: int = refined.stats.triangles
+    cut: occlod.Cut = hierarchy.cut(error=0.1)
+    image: numpy.typing.NDArray[numpy.uint8] = occlod.picture([mesh, refined, cut], camera)
+    occlod.write_png("a.png", image)
+    objects: list[occlod.Object] = occlod.Scene.read("city.json").load()
+    print(box, triangles, count, objects, occlod.to_trimesh(mesh))
+
+
+def misuse() -> None:
+    occlod.build_hierarchy("a.ply")  # type: ignore[arg-type]
+    occlod.Camera(fov=45)  # type: ignore[call-arg]
+    occlod.Mesh([[0.0, 0.0, 0.0]], [[0, 0, 0]]).triangle_count = 3  # type: ignore[misc]
