@@ -182,6 +182,9 @@ void bind_hlod_class(nb::module_& m) {
             write_ohlod(path, h, report.value_or(MeshReport{}));
           },
           "path"_a, nb::kw_only(), "report"_a = nb::none(), "As .ohlod.")
+      .def(
+          "has_within", [](const Hlod& h, std::int64_t n) { return h.has_within(checked(h, n)); }, "node"_a,
+          "Whether the node has collapses of its own: Within.splits.")
       .def("__repr__", [](const Hlod& h) {
         return "<occlod.Hlod of " + std::to_string(h.node_count()) + " nodes on " + std::to_string(h.level_count()) +
                " levels>";
@@ -198,21 +201,30 @@ void bind_hlod(nb::module_& m) {
   nb::enum_<hlod::Borders>(m, "Borders", "What simplification does with vertices that several nodes share.")
       .value("free", hlod::Borders::free, "Each node moves its own copy: gaps as wide as the errors at most.")
       .value("locked", hlod::Borders::locked, "They stay until a node has them inside: no gaps.");
+  nb::enum_<hlod::Within>(m, "Within", "What lies between a node and its parents.")
+      .value("geomorph", hlod::Within::geomorph, "Vertices can slide to the parent's.")
+      .value("splits", hlod::Within::splits, "Also every node's collapses, for twice the bytes.");
   bind_nodes(m);
   bind_hlod_class(m);
   const hlod::BuildOptions standard;
   m.def(
       "build_hlod",
       [](const TriangleMesh& mesh, std::uint32_t node_triangles, hlod::Grouping grouping, hlod::Borders borders,
-         double boundary_weight, int threads, const std::optional<nb::callable>& progress) {
-        hlod::BuildOptions options{node_triangles, grouping, borders, boundary_weight, threads, {}};
+         hlod::Within within, double boundary_weight, int threads, const std::optional<nb::callable>& progress) {
+        hlod::BuildOptions options;
+        options.node_triangles = node_triangles;
+        options.grouping = grouping;
+        options.borders = borders;
+        options.within = within;
+        options.boundary_weight = boundary_weight;
+        options.threads = threads;
         options.progress = progress_of(progress ? nb::handle(*progress) : nb::handle(Py_None));
         const nb::gil_scoped_release release;
         return hlod::build_hlod(mesh, options);
       },
       "mesh"_a, nb::kw_only(), "node_triangles"_a = standard.node_triangles, "grouping"_a = standard.grouping,
-      "borders"_a = standard.borders, "boundary_weight"_a = standard.boundary_weight, "threads"_a = standard.threads,
-      "progress"_a = nb::none(),
+      "borders"_a = standard.borders, "within"_a = standard.within, "boundary_weight"_a = standard.boundary_weight,
+      "threads"_a = standard.threads, "progress"_a = nb::none(),
       "Builds the HLOD of any triangle soup with welded vertices. The same bytes for any number of threads. "
       "`progress`\n"
       "is called with the share done; what it raises, and Ctrl-C, end the build. O(n log n).");

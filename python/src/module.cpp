@@ -52,4 +52,5 @@ NB_MODULE(_occlod, m) {
   bind_auto_refiner(m);
   bind_scene(m);
   bind_hlod(m);
+  bind_traverse(m);
 }

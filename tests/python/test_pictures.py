@@ -160,6 +160,84 @@ class Hlods(unittest.TestCase):
             occlod.build_hlod(mesh, borders=occlod.Borders.free)
 
 
+class Traversal(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.hlod = occlod.build_hlod(occlod.generate_rough_planet(level=6), node_triangles=500)
+        cls.view = occlod.Camera(eye=(0, 0, 3), width=256, height=192)
+
+    def test_frame_is_what_the_device_drew(self):
+        device = occlod.Device.software(items=True)
+        options = occlod.TraverseOptions(strategy=occlod.Strategy.vfc, tolerance_px=0.5)
+        frame = occlod.Traverser(self.hlod).draw_frame(self.view, device, options)
+        self.assertEqual(frame.stats.queries, 0)
+        parts = []
+        for _, node, first, count in frame.draws:
+            mesh = self.hlod.mesh(node)
+            corners_of_node = mesh.triangles.reshape(-1)
+            for start, length in frame.ranges[first : first + count]:
+                parts.append(mesh.positions[corners_of_node[start : start + length]])
+        positions = numpy.concatenate(parts)
+        self.assertEqual(len(positions), 3 * frame.stats.drawn_triangles)
+        again = occlod.draw_items([occlod.DrawObject(positions, numpy.arange(len(positions)).reshape(-1, 3))], self.view)
+        numpy.testing.assert_array_equal(again.items, device.picture().items)
+
+    def test_strategies_show_the_same(self):
+        depths = {}
+        for strategy in (occlod.Strategy.vfc, occlod.Strategy.sw, occlod.Strategy.boolean, occlod.Strategy.coh):
+            device = occlod.Device.software()
+            frame = occlod.Traverser(self.hlod).draw_frame(self.view, device, occlod.TraverseOptions(strategy=strategy, biased=False))
+            depths[strategy] = device.picture().nearness.copy()
+            self.assertLessEqual(frame.stats.largest_sse_px, 1.0)
+        for depth in depths.values():  # without bias nothing visible is lost, and all draw the same nodes where it is
+            numpy.testing.assert_array_equal(depth, depths[occlod.Strategy.vfc])
+
+    def test_virtual_times_are_repeated(self):
+        times = []
+        for _ in range(2):
+            traverser, device = occlod.Traverser([self.hlod]), occlod.Device.virtual("modern")
+            self.assertEqual(device.name, "virtual:modern")
+            times.append([traverser.draw_frame(self.view, device).times.frame_ms for _ in range(3)])
+        self.assertEqual(times[0], times[1])
+        self.assertGreater(times[0][0], 0)
+        self.assertIn("modern", occlod.device_presets())
+
+    def test_ideal_needs_an_oracle(self):
+        traverser, device = occlod.Traverser(self.hlod), occlod.Device.software()
+        options = occlod.TraverseOptions(strategy=occlod.Strategy.ideal)
+        with self.assertRaises(occlod.Error):
+            traverser.draw_frame(self.view, device, options)
+        with self.assertRaisesRegex(ValueError, "oracle"):
+            traverser.draw_frame(self.view, device, options, oracle=device)
+        ideal = traverser.draw_frame(self.view, device, options, oracle=occlod.Device.software())
+        options.strategy = occlod.Strategy.sw_b
+        traverser.reset()
+        self.assertEqual(ideal.front_hash, traverser.draw_frame(self.view, device, options).front_hash)
+        self.assertEqual(ideal.stats.queries, 0)
+
+    def test_objects_move_and_outlive(self):
+        device = occlod.Device.software()
+        with self.assertRaisesRegex(occlod.Error, "draw a frame first"):
+            device.picture()
+        traverser = occlod.Traverser(occlod.HlodObject(occlod.build_hlod(occlod.generate_rough_planet(level=3))))
+        before = traverser.draw_frame(self.view, device).draws
+        away = numpy.eye(4)
+        away[0, 3] = 100
+        traverser.set_transform(0, away)
+        self.assertEqual(len(traverser.draw_frame(self.view, device).draws), 0)
+        with self.assertRaises(occlod.Error):
+            traverser.set_transform(1, away)
+        del traverser
+        self.assertEqual(device.picture().visible_triangles(), 0)
+        self.assertGreater(len(before), 0)
+        with self.assertRaisesRegex(occlod.Error, "tolerance"):
+            occlod.Traverser(self.hlod).draw_frame(self.view, device, occlod.TraverseOptions(tolerance_px=-1))
+        with self.assertRaises(occlod.Error):
+            occlod.Traverser([])
+        with self.assertRaisesRegex(occlod.Error, "query-cheap"):
+            occlod.Device.virtual("guess")
+
+
 class OtherPackages(unittest.TestCase):
     def test_trimesh(self):
         try:

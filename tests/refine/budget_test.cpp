@@ -86,6 +86,28 @@ TEST(Refiner, ResultsDoNotDependOnWhatCameBefore) {
   EXPECT_EQ(used.refine(View(test::front_camera(3.0)), options, none).hash(), expected);
 }
 
+TEST(Refiner, GivesAResultAwayWithItsMemoryAndGoesOnAsBefore) {
+  const Hierarchy hierarchy = build_hierarchy(test::noisy_sphere(4, 1));
+  std::array<RefineObject, 1> objects{{{&hierarchy, glm::dmat4(1.0), false}}};
+  NoOcclusion none;
+  RefineOptions options;
+  options.budget = 700;
+  Refiner giving(objects), keeping(objects);
+  for (const double distance : {3.0, 2.9, 2.8, 2.7}) {
+    const View view(test::front_camera(distance));
+    const Refinement& result = giving.update(view, options, none);
+    const Triangle* const place = result.objects[0].triangles.data();
+    const std::uint64_t hash = result.hash();
+    const Refinement taken = giving.take_result();
+    EXPECT_EQ(taken.objects[0].triangles.data(), place);
+    EXPECT_EQ(taken.hash(), hash);
+    EXPECT_EQ(result.hash(), hash);  // a copy
+    EXPECT_NE(result.objects[0].triangles.data(), place);
+    // What goes on from here has lost nothing.
+    EXPECT_EQ(keeping.update(view, options, none).hash(), hash);
+  }
+}
+
 TEST(Refiner, NeedsAHierarchy) {
   std::array<RefineObject, 1> objects{};
   EXPECT_THROW(Refiner{objects}, Error);

@@ -1,0 +1,300 @@
+// HLODs at their places, devices, and what is drawn of them.
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <memory>
+#include <mutex>
+
+#include "arrays.h"
+#include "bindings.h"
+#include "occlod/device/software_device.h"
+#include "occlod/device/virtual_device.h"
+#include "occlod/traverse/traverser.h"
+#include "view_like.h"
+
+namespace occlod::python {
+namespace {
+
+using namespace nb::literals;
+using hlod::FrameStats;
+using hlod::FrameTimes;
+using hlod::Hlod;
+using hlod::RenderDevice;
+using hlod::TraverseOptions;
+
+struct HlodObject {
+  Hlod hlod;
+  glm::dmat4 object_to_world{1.0};
+  bool two_sided = false;
+};
+
+// The HLODs of a traverser, which it points into; so does a device until its next frame.
+struct KeptHlods {
+  explicit KeptHlods(std::vector<HlodObject> given) : objects(std::move(given)) {
+    for (const HlodObject& object : objects) placed.push_back({&object.hlod, object.object_to_world, object.two_sided});
+  }
+  KeptHlods(const KeptHlods&) = delete;
+  KeptHlods& operator=(const KeptHlods&) = delete;
+
+  std::vector<HlodObject> objects;
+  std::vector<hlod::PlacedHlod> placed;
+};
+
+struct PythonDevice {
+  std::unique_ptr<RenderDevice> device;
+  const hlod::SoftwareDevice* software = nullptr;  // that draws
+  bool has_items = false;
+  std::shared_ptr<const KeptHlods> drawn;
+  std::mutex in_use;
+};
+
+struct PythonTraverser {
+  explicit PythonTraverser(std::vector<HlodObject> objects)
+      : hlods(std::make_shared<KeptHlods>(std::move(objects))), traverser(hlods->placed) {}
+  std::shared_ptr<KeptHlods> hlods;
+  hlod::Traverser traverser;
+  std::mutex in_use;
+};
+
+std::shared_ptr<PythonDevice> make_software(bool items) {
+  auto made = std::make_shared<PythonDevice>();
+  auto device = std::make_unique<hlod::SoftwareDevice>(hlod::SoftwareDeviceOptions{items});
+  made->software = device.get();
+  made->device = std::move(device);
+  made->has_items = items;
+  return made;
+}
+
+std::shared_ptr<PythonDevice> make_virtual(const std::string& preset, bool items) {
+  auto made = std::make_shared<PythonDevice>();
+  auto device = std::make_unique<hlod::VirtualDevice>(hlod::device_preset(preset), hlod::SoftwareDeviceOptions{items});
+  made->software = &device->software();
+  made->device = std::move(device);
+  made->has_items = items;
+  return made;
+}
+
+std::vector<HlodObject> to_hlods(nb::handle objects) {
+  std::vector<HlodObject> result;
+  const auto add = [&](nb::handle item) {
+    if (nb::isinstance<HlodObject>(item)) {
+      result.push_back(nb::cast<const HlodObject&>(item));
+    } else if (nb::isinstance<Hlod>(item)) {
+      result.push_back({nb::cast<const Hlod&>(item), glm::dmat4(1.0), false});
+    } else {
+      return false;
+    }
+    return true;
+  };
+  if (add(objects)) return result;
+  for (const nb::handle item : nb::iter(objects))
+    if (!add(item)) throw nb::type_error("objects: give an HlodObject, an Hlod, or a sequence of them");
+  return result;
+}
+
+hlod::Frame draw_frame(PythonTraverser& self, const ViewLike& view, PythonDevice& device,
+                       const std::optional<TraverseOptions>& options, PythonDevice* oracle) {
+  const View seen = view.get();
+  TraverseOptions chosen = options.value_or(TraverseOptions{});
+  if (oracle == &device) throw nb::value_error("oracle: give another device than the one that is drawn on");
+  chosen.oracle = oracle != nullptr ? oracle->device.get() : nullptr;
+  const nb::gil_scoped_release release;
+  std::mutex nobody;
+  const std::scoped_lock lock(self.in_use, device.in_use, oracle != nullptr ? oracle->in_use : nobody);
+  device.drawn = self.hlods;
+  if (oracle != nullptr) oracle->drawn = self.hlods;
+  return self.traverser.draw_frame(seen, *device.device, chosen);
+}
+
+void bind_traverse_enums(nb::module_& m) {
+  using hlod::Strategy;
+  nb::enum_<Strategy>(m, "Strategy", "Which nodes are drawn, and which queries decide it.")
+      .value("vfc", Strategy::vfc, "All inside the frustum; no queries.")
+      .value("sw", Strategy::sw, "Asks every node and waits.")
+      .value("sw_b", Strategy::sw_b, "The same by biased error: the fewest nodes, the most waiting.")
+      .value("boolean", Strategy::boolean, "Coherent hierarchical culling (Bittner and others 2004).")
+      .value("simp", Strategy::simp, "Charalambos 2006.")
+      .value("coh", Strategy::coh, "Charalambos and others 2007.")
+      .value("ideal", Strategy::ideal, "What sw_b draws, known beforehand: needs an oracle.");
+  nb::enum_<hlod::Metric>(m, "Metric", "How the error of a node on the screen is bounded.")
+      .value("box", hlod::Metric::box)
+      .value("sphere", hlod::Metric::sphere, "As published.");
+  nb::enum_<hlod::Alpha>(m, "Alpha", "How the pixels of a node's box on an empty screen are counted.")
+      .value("exact", hlod::Alpha::exact)
+      .value("paper", hlod::Alpha::paper);
+}
+
+void bind_traverse_options(nb::module_& m) {
+  const TraverseOptions standard;
+  nb::class_<TraverseOptions>(m, "TraverseOptions", "How a frame of HLODs is traversed.")
+      .def(
+          "__init__",
+          [](TraverseOptions* self, hlod::Strategy strategy, double tolerance_px, double bias_s, double bias_t,
+             bool biased, hlod::Metric metric, hlod::Alpha alpha, bool geomorph) {
+            TraverseOptions made;
+            made.strategy = strategy;
+            made.tolerance_px = tolerance_px;
+            made.bias = {bias_s, bias_t};
+            made.biased = biased;
+            made.metric = metric;
+            made.alpha = alpha;
+            made.geomorph = geomorph;
+            new (self) TraverseOptions(made);
+          },
+          nb::kw_only(), "strategy"_a = standard.strategy, "tolerance_px"_a = standard.tolerance_px,
+          "bias_s"_a = standard.bias.s, "bias_t"_a = standard.bias.t, "biased"_a = standard.biased,
+          "metric"_a = standard.metric, "alpha"_a = standard.alpha, "geomorph"_a = standard.geomorph)
+      .def_rw("strategy", &TraverseOptions::strategy, "A change forgets what was visible.")
+      .def_rw("tolerance_px", &TraverseOptions::tolerance_px, ">= 0; 0: the input itself.")
+      .def_prop_rw(
+          "bias_s", [](const TraverseOptions& o) { return o.bias.s; },
+          [](TraverseOptions& o, double s) { o.bias.s = s; }, "Share of the sigmoid in the bias, in [0, 1].")
+      .def_prop_rw(
+          "bias_t", [](const TraverseOptions& o) { return o.bias.t; },
+          [](TraverseOptions& o, double t) { o.bias.t = t; }, "Its turning point, in [0, 1].")
+      .def_rw("biased", &TraverseOptions::biased, "False: whatever is visible counts in full.")
+      .def_rw("metric", &TraverseOptions::metric)
+      .def_rw("alpha", &TraverseOptions::alpha)
+      .def_rw("geomorph", &TraverseOptions::geomorph,
+              "Vertices slide to the parent's while its error goes from twice tolerance_px to tolerance_px.");
+}
+
+void bind_traverse_device(nb::module_& m) {
+  m.def(
+      "device_presets",
+      [] {
+        std::vector<std::string> names;
+        for (const hlod::DeviceCosts& costs : hlod::device_presets()) names.push_back(costs.name);
+        return names;
+      },
+      "Names for Device.virtual().");
+  nb::class_<PythonDevice>(m, "Device",
+                           "What HLODs are drawn with, and asked about. Several traversers may use one in turn.")
+      .def_static("software", &make_software, nb::kw_only(), "items"_a = false,
+                  "Our rasteriser, with exact counts at once. `items`: keep which triangle owns each pixel.")
+      .def_static("virtual", &make_virtual, "preset"_a, nb::kw_only(), "items"_a = false,
+                  "The same under a simulated clock: frame times are the same on every machine.")
+      .def_prop_ro("name", [](const PythonDevice& d) { return std::string(d.device->name()); })
+      .def(
+          "picture",
+          [](PythonDevice& d) {
+            const nb::gil_scoped_release release;
+            const std::scoped_lock lock(d.in_use);
+            if (d.drawn == nullptr) throw Error({"device", "", "has drawn nothing", "draw a frame first"});
+            ItemBuffer picture;
+            if (d.has_items) {
+              picture = d.software->items();
+            } else {
+              picture.depth = d.software->depth();
+              picture.items.assign(picture.depth.nearness.size(), no_item);
+            }
+            return picture;
+          },
+          "A copy of the last frame's depth and, where items are kept, of which triangle owns each pixel: triangle i "
+          "of\n"
+          "the k-th draw is i + the triangles of the draws before it. Without items all are NO_ID.");
+}
+
+void bind_traverse_frame(nb::module_& m) {
+  nb::class_<FrameStats>(m, "FrameStats", "Counts of one frame of HLODs.")
+      .def_ro("visits", &FrameStats::visits, "Nodes taken from the queue and inside the frustum.")
+      .def_ro("drawn_nodes", &FrameStats::drawn_nodes, "Drawn at least in part.")
+      .def_ro("drawn_patches", &FrameStats::drawn_patches)
+      .def_ro("drawn_triangles", &FrameStats::drawn_triangles)
+      .def_ro("rarn", &FrameStats::rarn, "Of drawn_nodes, those that were refined in the same frame too.")
+      .def_ro("delayed", &FrameStats::delayed, "Of drawn_nodes, those that were drawn only when their answer came.")
+      .def_ro("blocked", &FrameStats::blocked, "Drawn since one of their parents was not refined.")
+      .def_ro("queries", &FrameStats::queries, "Boxes asked about.")
+      .def_ro("wasted_queries", &FrameStats::wasted_queries, "Answered visible, and nothing was decided by it.")
+      .def_ro("hidden_nodes", &FrameStats::hidden_nodes)
+      .def_ro("largest_sse_px", &FrameStats::largest_sse_px, "The largest screen-space error drawn, without bias.");
+  nb::class_<FrameTimes>(m, "FrameTimes", "What one frame took on the device, ms; simulated where its clock is.")
+      .def_ro("frame_ms", &FrameTimes::frame_ms)
+      .def_ro("cpu_ms", &FrameTimes::cpu_ms, "Of the calling thread, waiting included.")
+      .def_ro("gpu_ms", &FrameTimes::gpu_ms, "That the device was busy.")
+      .def_ro("stall_ms", &FrameTimes::stall_ms, "That the calling thread waited for answers.")
+      .def_ro("starve_ms", &FrameTimes::starve_ms, "That the device had nothing to do.");
+  nb::class_<hlod::Frame>(m, "HlodFrame", "One frame. Its arrays are read-only views, which keep it alive.")
+      .def_prop_ro(
+          "draws",
+          [](nb::handle self) {
+            const auto& draws = nb::cast<const hlod::Frame&>(self).draws;
+            static_assert(sizeof(hlod::DrawnNode) == 16);
+            return rows_view<const std::uint32_t, 4>(draws.empty() ? nullptr : &draws[0].object, draws.size(), self);
+          },
+          "(d, 4) uint32, in the order of drawing: object, node, first range, number of ranges.")
+      .def_prop_ro(
+          "ranges",
+          [](nb::handle self) {
+            const auto& ranges = nb::cast<const hlod::Frame&>(self).ranges;
+            static_assert(sizeof(hlod::DrawRange) == 12);
+            return rows_view<const std::uint32_t, 2>(ranges.empty() ? nullptr : &ranges[0].first_index, ranges.size(),
+                                                     self, 3);
+          },
+          "(r, 2) uint32: first index and number of indices, in the triangles of the node's mesh as one list.")
+      .def_prop_ro(
+          "morphs",
+          [](nb::handle self) {
+            const auto& ranges = nb::cast<const hlod::Frame&>(self).ranges;
+            return values_view<const float>(ranges.empty() ? nullptr : &ranges[0].morph, ranges.size(), self, 3);
+          },
+          "(r,) float32: how far vertices have gone to where merged_into says, 0 to 1.")
+      .def_ro("stats", &hlod::Frame::stats)
+      .def_ro("times", &hlod::Frame::times)
+      .def_ro("front_hash", &hlod::Frame::front_hash, "Of the patches drawn, in any order.");
+}
+
+}  // namespace
+
+void bind_traverse(nb::module_& m) {
+  bind_traverse_enums(m);
+  bind_traverse_options(m);
+  bind_traverse_device(m);
+  bind_traverse_frame(m);
+  nb::class_<HlodObject>(m, "HlodObject", "An HLOD at a place. Several may share an HLOD.")
+      .def(
+          "__init__",
+          [](HlodObject* self, const Hlod& hlod, const std::optional<ArrayLike>& transform, bool two_sided) {
+            const glm::dmat4 matrix = transform ? to_matrix(*transform, "transform") : glm::dmat4(1.0);
+            new (self) HlodObject{hlod, matrix, two_sided};
+          },
+          "hlod"_a, "transform"_a = nb::none(), nb::kw_only(), "two_sided"_a = false,
+          "`transform`: (4, 4), object to world, affine and invertible; multiplies columns from the left.")
+      .def_prop_ro("hlod", [](const HlodObject& o) { return o.hlod; })
+      .def_prop_ro(
+          "transform", [](const HlodObject& o) { return from_matrix(o.object_to_world); },
+          nb::sig("def transform(self) -> numpy.typing.NDArray[numpy.float64]"), "(4, 4) float64. A copy.")
+      .def_ro("two_sided", &HlodObject::two_sided);
+  nb::class_<PythonTraverser>(
+      m, "Traverser",
+      "Draws HLODs front to back, refined and culled by occlusion queries. Remembers from frame to\n"
+      "frame what was visible. Calls from several threads wait for each other.")
+      .def(
+          "__init__", [](PythonTraverser* self, nb::object objects) { new (self) PythonTraverser(to_hlods(objects)); },
+          "objects"_a,
+          nb::sig(
+              "def __init__(self, objects: HlodObject | Hlod | collections.abc.Iterable[HlodObject | Hlod]) -> None"))
+      .def("draw_frame", &draw_frame, "view"_a, "device"_a, "options"_a = nb::none(), "oracle"_a = nb::none(),
+           "Draws one frame. `oracle`: another device, of Strategy.ideal alone. Error for options out of their range.")
+      .def(
+          "set_transform",
+          [](PythonTraverser& t, std::size_t object, const ArrayLike& transform) {
+            const glm::dmat4 matrix = to_matrix(transform, "transform");
+            const nb::gil_scoped_release release;
+            const std::scoped_lock lock(t.in_use);
+            t.traverser.set_transform(object, matrix);
+          },
+          "object"_a, "transform"_a, "Moves an object; what is known of its visibility is kept.")
+      .def(
+          "reset",
+          [](PythonTraverser& t) {
+            const nb::gil_scoped_release release;
+            const std::scoped_lock lock(t.in_use);
+            t.traverser.reset();
+          },
+          "Forgets what was visible.");
+}
+
+}  // namespace occlod::python
