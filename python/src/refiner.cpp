@@ -119,7 +119,7 @@ void bind_result(nb::module_& m) {
           "positions",
           [](nb::handle self, std::size_t i) {
             const Result& result = nb::cast<const Result&>(self);
-            result.object(i);
+            static_cast<void>(result.object(i));  // throws
             return view_of(result.placed(i).hierarchy.positions(), self);
           },
           "object"_a = 0, "(n, 3) float32, object space: of all vertices of the hierarchy.")

@@ -4,11 +4,13 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <cstddef>
 #include <memory>
 #include <mutex>
 
 #include "arrays.h"
 #include "bindings.h"
+#include "occlod/device/measure_costs.h"
 #include "occlod/device/software_device.h"
 #include "occlod/device/virtual_device.h"
 #include "occlod/traverse/traverser.h"
@@ -46,6 +48,7 @@ struct PythonDevice {
   std::unique_ptr<RenderDevice> device;
   const hlod::SoftwareDevice* software = nullptr;  // that draws
   bool has_items = false;
+  std::optional<hlod::DeviceCosts> costs;  // simulated, or measured when first needed
   std::shared_ptr<const KeptHlods> drawn;
   std::mutex in_use;
 };
@@ -71,6 +74,7 @@ std::shared_ptr<PythonDevice> make_virtual(const std::string& preset, bool items
   auto made = std::make_shared<PythonDevice>();
   auto device = std::make_unique<hlod::VirtualDevice>(hlod::device_preset(preset), hlod::SoftwareDeviceOptions{items});
   made->software = &device->software();
+  made->costs = device->costs();
   made->device = std::move(device);
   made->has_items = items;
   return made;
@@ -94,6 +98,12 @@ std::vector<HlodObject> to_hlods(nb::handle objects) {
   return result;
 }
 
+bool needs_costs(hlod::Strategy strategy) {
+  using hlod::Strategy;
+  return strategy == Strategy::nohc || strategy == Strategy::optimum || strategy == Strategy::batch ||
+         strategy == Strategy::automatic;
+}
+
 hlod::Frame draw_frame(PythonTraverser& self, const ViewLike& view, PythonDevice& device,
                        const std::optional<TraverseOptions>& options, PythonDevice* oracle) {
   const View seen = view.get();
@@ -103,6 +113,10 @@ hlod::Frame draw_frame(PythonTraverser& self, const ViewLike& view, PythonDevice
   const nb::gil_scoped_release release;
   std::mutex nobody;
   const std::scoped_lock lock(self.in_use, device.in_use, oracle != nullptr ? oracle->in_use : nobody);
+  if (needs_costs(chosen.strategy)) {
+    if (!device.costs) device.costs = hlod::measure_costs(*device.device);
+    chosen.costs = *device.costs;
+  }
   device.drawn = self.hlods;
   if (oracle != nullptr) oracle->drawn = self.hlods;
   return self.traverser.draw_frame(seen, *device.device, chosen);
@@ -117,7 +131,14 @@ void bind_traverse_enums(nb::module_& m) {
       .value("boolean", Strategy::boolean, "Coherent hierarchical culling (Bittner and others 2004).")
       .value("simp", Strategy::simp, "Charalambos 2006.")
       .value("coh", Strategy::coh, "Charalambos and others 2007.")
-      .value("ideal", Strategy::ideal, "What sw_b draws, known beforehand: needs an oracle.");
+      .value("ideal", Strategy::ideal, "What sw_b draws, known beforehand: needs an oracle.")
+      .value("nohc", Strategy::nohc, "Guthe and others 2006: asks where cost and benefit say so.")
+      .value("optimum", Strategy::optimum, "What single queries can reach at best: needs an oracle.")
+      .value("batch", Strategy::batch, "Ours: predicted as by coh, asked together.")
+      .value("automatic", Strategy::automatic, "Ours: vfc, nohc, coh or batch, by what they are found to cost.")
+      .value("chc_plus", Strategy::chc_plus, "CHC++, Mattausch and others 2008.")
+      .value("two_pass", Strategy::two_pass, "What was visible is drawn, the rest tested against it once.")
+      .value("cesium", Strategy::cesium, "What is hidden is not refined, but drawn.");
   nb::enum_<hlod::Metric>(m, "Metric", "How the error of a node on the screen is bounded.")
       .value("box", hlod::Metric::box)
       .value("sphere", hlod::Metric::sphere, "As published.");
@@ -221,15 +242,18 @@ void bind_traverse_frame(nb::module_& m) {
           "draws",
           [](nb::handle self) {
             const auto& draws = nb::cast<const hlod::Frame&>(self).draws;
-            static_assert(sizeof(hlod::DrawnNode) == 16);
-            return rows_view<const std::uint32_t, 4>(draws.empty() ? nullptr : &draws[0].object, draws.size(), self);
+            using hlod::DrawnNode;
+            static_assert(offsetof(DrawnNode, node) == 4 && offsetof(DrawnNode, first_range) == 8 &&
+                          offsetof(DrawnNode, range_count) == 12 && sizeof(DrawnNode) % 4 == 0);
+            return rows_view<const std::uint32_t, 4>(draws.empty() ? nullptr : &draws[0].object, draws.size(), self,
+                                                     sizeof(DrawnNode) / 4);
           },
           "(d, 4) uint32, in the order of drawing: object, node, first range, number of ranges.")
       .def_prop_ro(
           "ranges",
           [](nb::handle self) {
             const auto& ranges = nb::cast<const hlod::Frame&>(self).ranges;
-            static_assert(sizeof(hlod::DrawRange) == 12);
+            static_assert(offsetof(hlod::DrawRange, index_count) == 4 && sizeof(hlod::DrawRange) == 12);
             return rows_view<const std::uint32_t, 2>(ranges.empty() ? nullptr : &ranges[0].first_index, ranges.size(),
                                                      self, 3);
           },
@@ -277,7 +301,10 @@ void bind_traverse(nb::module_& m) {
           nb::sig(
               "def __init__(self, objects: HlodObject | Hlod | collections.abc.Iterable[HlodObject | Hlod]) -> None"))
       .def("draw_frame", &draw_frame, "view"_a, "device"_a, "options"_a = nb::none(), "oracle"_a = nb::none(),
-           "Draws one frame. `oracle`: another device, of Strategy.ideal alone. Error for options out of their range.")
+           "Draws one frame. `oracle`: another device, of Strategy.ideal and optimum alone. What commands cost, which "
+           "nohc,\n"
+           "optimum, batch and automatic go by, is measured when first needed, or simulated. Error for options out of\n"
+           "their range.")
       .def(
           "set_transform",
           [](PythonTraverser& t, std::size_t object, const ArrayLike& transform) {

@@ -192,6 +192,14 @@ class Traversal(unittest.TestCase):
         for depth in depths.values():  # without bias nothing visible is lost, and all draw the same nodes where it is
             numpy.testing.assert_array_equal(depth, depths[occlod.Strategy.vfc])
 
+    def test_every_strategy_draws(self):
+        for strategy in occlod.Strategy:
+            device = occlod.Device.virtual("modern")
+            oracle = occlod.Device.software() if strategy in (occlod.Strategy.ideal, occlod.Strategy.optimum) else None
+            frame = occlod.Traverser(self.hlod).draw_frame(self.view, device, occlod.TraverseOptions(strategy=strategy), oracle)
+            self.assertGreater(frame.stats.drawn_triangles, 0, strategy)
+            self.assertGreater(device.picture().nearness.max(), 0, strategy)
+
     def test_virtual_times_are_repeated(self):
         times = []
         for _ in range(2):
