@@ -270,14 +270,18 @@ void StarMesh::take_over(VertexId v, VertexId u, CollapseId id, StarArena& arena
   }
 }
 
-// Among lists: faces of v that moved to u and met an older one turned over end with it.
-std::size_t StarMesh::cancel_folds(VertexId v, VertexId u, CollapseId id, std::vector<LevelFace>& ended) {
+// Among lists: faces of v that moved to u and met an older one turned over, which may end, end with it.
+template <typename MayEnd>
+std::size_t StarMesh::cancel_folds(VertexId v, VertexId u, CollapseId id, const MayEnd& may_end,
+                                   std::vector<LevelFace>& ended) {
   std::size_t gone = 0;
   for (const StarFace moved : star(v)) {
     if (contains(moved, u)) continue;
     const StarFace f{moved.next, moved.last, id};
     const Star of_u = star(u);
-    const auto is_twin = [&](const StarFace& g) { return g.made_by != id && g.next == f.last && g.last == f.next; };
+    const auto is_twin = [&](const StarFace& g) {
+      return g.made_by != id && g.next == f.last && g.last == f.next && may_end(g);
+    };
     std::size_t i = 0;
     while (i < of_u.size() && !is_twin(of_u[i])) ++i;
     if (i == of_u.size()) continue;
@@ -307,25 +311,50 @@ void StarMesh::settle(VertexId v, StarArena& arena) {
 
 std::size_t StarMesh::collapse(VertexId v, VertexId u, CollapseId id, bool may_fold, StarArena& arena,
                                std::vector<LevelFace>& ended) {
+  if (may_fold)
+    return collapse_list(
+        v, u, id, [](const StarFace&) { return true; }, arena, ended);
   const Star of_v = star(v);
-  if (of_v.is_ring() && !may_fold) return collapse_ring(v, u, id, arena, ended);
+  if (of_v.is_ring()) return collapse_ring(v, u, id, arena, ended);
   std::size_t gone = 0;
   for (const StarFace f : of_v) {
     ended.push_back({{v, f.next, f.last}, f.made_by});
     gone += contains(f, u) ? 1U : 0U;
   }
-  if (may_fold) make_list(places_[u], arena);
+  neighbours(v, arena.ring);
+  for (const VertexId w : arena.ring)
+    if (w != u) replace(w, v, u, id, arena);
+  take_over(v, u, id, arena);
+  places_[v].size = 0;
+  return gone;
+}
+
+std::size_t StarMesh::collapse_again(VertexId v, VertexId u, CollapseId id, std::span<const Triangle> folded,
+                                     StarArena& arena, std::vector<LevelFace>& ended) {
+  const auto may_end = [&](const StarFace& f) {
+    return std::find(folded.begin(), folded.end(), Triangle(u, f.next, f.last)) != folded.end();
+  };
+  return collapse_list(v, u, id, may_end, arena, ended);
+}
+
+template <typename MayEnd>
+std::size_t StarMesh::collapse_list(VertexId v, VertexId u, CollapseId id, const MayEnd& may_end, StarArena& arena,
+                                    std::vector<LevelFace>& ended) {
+  std::size_t gone = 0;
+  for (const StarFace f : star(v)) {
+    ended.push_back({{v, f.next, f.last}, f.made_by});
+    gone += contains(f, u) ? 1U : 0U;
+  }
+  make_list(places_[u], arena);
   neighbours(v, arena.ring);
   for (const VertexId w : arena.ring) {
     if (w == u) continue;
-    if (may_fold) make_list(places_[w], arena);
+    make_list(places_[w], arena);
     replace(w, v, u, id, arena);
   }
   take_over(v, u, id, arena);
-  if (may_fold) {
-    gone += cancel_folds(v, u, id, ended);
-    settle(v, arena);
-  }
+  gone += cancel_folds(v, u, id, may_end, ended);
+  settle(v, arena);
   places_[v].size = 0;
   return gone;
 }

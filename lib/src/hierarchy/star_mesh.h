@@ -113,6 +113,10 @@ class StarMesh {
   // Returns how many faces there are fewer.
   std::size_t collapse(VertexId v, VertexId u, CollapseId id, bool may_fold, StarArena& arena,
                        std::vector<LevelFace>& ended);
+  // The same where it may fold, but of the older faces only these end, which have u as their first corner. A collapse
+  // that is repeated in another order may meet faces that were not there, or not yet turned over, the first time.
+  std::size_t collapse_again(VertexId v, VertexId u, CollapseId id, std::span<const Triangle> folded, StarArena& arena,
+                             std::vector<LevelFace>& ended);
 
  private:
   // Where a star is: `capacity` ids, then as many CollapseIds. Rings use one of each for a face, lists two.
@@ -139,7 +143,11 @@ class StarMesh {
   std::size_t collapse_ring(VertexId v, VertexId u, CollapseId id, StarArena& arena, std::vector<LevelFace>& ended);
   void take_over(VertexId v, VertexId u, CollapseId id, StarArena& arena);
   void settle(VertexId v, StarArena& arena);
-  std::size_t cancel_folds(VertexId v, VertexId u, CollapseId id, std::vector<LevelFace>& ended);
+  template <typename MayEnd>
+  std::size_t collapse_list(VertexId v, VertexId u, CollapseId id, const MayEnd& may_end, StarArena& arena,
+                            std::vector<LevelFace>& ended);
+  template <typename MayEnd>
+  std::size_t cancel_folds(VertexId v, VertexId u, CollapseId id, const MayEnd& may_end, std::vector<LevelFace>& ended);
 
   struct Delete {
     std::size_t bytes;

@@ -146,7 +146,7 @@ VisibilityQuery OcclusionQueries::query_about(const Entry& entry) const {
 void OcclusionQueries::draw_occluder(CutSet& cuts) {
   const RefineOptions* const options = scene_.options;
   const std::span<const OccluderPart> parts =
-      occluder_.build(scene_.objects, cuts, scene_.views, options->occluder.mode);
+      occluder_.build(scene_.objects, cuts, *scene_.view, scene_.views, options->occluder.mode);
   const Clock::time_point start = Clock::now();
   visibility_->draw_occluder(parts);
   milliseconds_ += milliseconds_since(start);

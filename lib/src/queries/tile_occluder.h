@@ -1,0 +1,132 @@
+// What hides although the mesh is not exactly where it is said to be: for each tile of the image a depth behind which
+// nothing can be seen.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/mat4x4.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
+#include "occlod/mesh/triangle_mesh.h"
+#include "occlod/view/view.h"
+
+namespace occlod {
+
+// A face of a cut, and how far what it stands for may be from it.
+struct MovedFace {
+  Triangle corners;
+  float moved = 0.0F;       // object units; see SurfaceMotion
+  std::uint8_t marked = 0;  // bit k: corner k is a mark
+};
+
+// Orient the faces that are drawn towards the eye, and let S be a set of them. Where as many faces of S lie on the left
+// of an edge as on its right, seen from the eye, the edge is none of its border. What stands for S in the input is
+// carried to S, and its border to the border of S and to marks, by motions that are bounded. So take a ray from the
+// near plane to a point x that is farther from each face of S than what that stands for has moved, and likewise from
+// the border of S and from marks all along. It meets the input as often as S, counted with sign: as often as it meets
+// S, since all of S faces the eye. **If it meets S at all, the input hides x.**
+//
+// This is used for all rays of a tile at once. Everything is grown by how far it may have moved, on the screen by as
+// many pixels as that covers at most. Of the faces that touch the tile so, those that are joined over edges which are
+// no border are one S. A face is near the rays between two depths; x has to be in none of these intervals, behind the
+// first group of them in which a face holds the middle of the tile, and before the nearest border. Nothing depends on
+// where pixels have their centres.
+//
+// Reuses its memory.
+class TileOccluder {
+ public:
+  static constexpr int tile_size = 8;  // pixels
+
+  // What is left out, for tests: then the result is not what it promises.
+  struct Without {
+    bool marks = false;    // marks are no border
+    bool erosion = false;  // borders and faces are not grown on the screen
+  };
+
+  // Forgets what was added.
+  void begin(const View& view, const Without& without);
+  // `faces` index `positions` (object space). O(n log n + tiles touched).
+  void add(std::uint32_t object, std::span<const MovedFace> faces, std::span<const glm::vec3> positions,
+           const ObjectView& view, bool two_sided);
+  // Appends a square for each tile where this object hides most, object space.
+  void write(std::uint32_t object, const ObjectView& view, std::vector<glm::vec3>& positions,
+             std::vector<Triangle>& triangles) const;
+
+ private:
+  struct Corner {
+    glm::dvec2 pixel;
+    double nearness;  // linear over the image of a plane: 1 / depth, or -depth in orthographic views
+    double depth;     // from the eye plane, world units
+  };
+  // Of a set S: corners counter-clockwise as seen.
+  struct Face {
+    std::array<Corner, 3> corners;
+    std::array<VertexId, 3> vertices;
+    std::array<std::uint32_t, 3> beyond;  // the face over the edge that begins at corner k; no_face: a border
+    double moved;                         // world units
+    double radius;                        // pixels that this covers at most
+    double reach;                         // the largest radius of the face and of those beyond its edges
+    std::uint8_t marked;
+  };
+  struct Interval {
+    std::uint32_t tile, face;
+    float first, last;  // depths, world units
+    bool holds_middle;
+  };
+  struct Border {
+    std::uint32_t tile, face;
+    float first;
+  };
+  struct Tile {
+    double depth;  // nothing behind can be seen
+    std::uint32_t object;
+  };
+  struct Rect {
+    int left, top, right, bottom;  // tiles, exclusive
+  };
+  static constexpr std::uint32_t no_face = ~std::uint32_t{0};
+
+  [[nodiscard]] bool make_face(const MovedFace& face, std::span<const glm::vec3> positions, const ObjectView& view,
+                               bool two_sided, Face& result) const;
+  [[nodiscard]] Corner project(const glm::vec3& position, const ObjectView& view) const;
+  [[nodiscard]] double depth_at(double nearness) const { return is_orthographic_ ? -nearness : 1.0 / nearness; }
+  [[nodiscard]] double radius_of(double moved, double least_depth) const;
+  void join_faces();
+  void add_intervals(std::uint32_t f);
+  void add_borders(std::uint32_t f);
+  void add_border(std::uint32_t f, const Corner& a, const Corner& b);
+  [[nodiscard]] Rect tiles_near(const glm::dvec2& low, const glm::dvec2& high, double radius) const;
+  void sort_by_tile();
+  void find_depths(std::uint32_t object);
+  void find_depth(std::uint32_t tile, std::uint32_t object, std::span<const Interval> near,
+                  std::span<const Border> borders);
+  [[nodiscard]] std::uint32_t root(std::uint32_t i);
+
+  Without without_;
+  glm::dmat4 eye_to_clip_{1.0}, clip_to_eye_{1.0};  // from and to world space relative to the eye
+  glm::dvec3 direction_{0.0};
+  double near_ = 0.0, focal_length_px_ = 0.0, stretch_ = 1.0;
+  bool is_orthographic_ = false;
+  int width_ = 0, height_ = 0, columns_ = 0, rows_ = 0;  // pixels; tiles
+  std::vector<Tile> tiles_;
+
+  std::vector<Face> faces_;
+  struct Edge {
+    std::uint64_t ends;
+    std::uint32_t face;
+    std::uint8_t corner;
+    bool is_forward;
+  };
+  std::vector<Edge> edges_;
+  std::vector<Interval> intervals_, unsorted_intervals_;
+  std::vector<Border> borders_, unsorted_borders_;
+  std::vector<std::uint32_t> first_interval_, first_border_;  // of tiles
+  std::vector<std::uint32_t> place_;                          // of faces in the tile that is looked at
+  std::vector<std::uint32_t> roots_, order_;
+  std::vector<double> least_border_;
+};
+
+}  // namespace occlod
