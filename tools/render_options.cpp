@@ -132,8 +132,8 @@ void add_occlusion_options(CLI::App& command, RenderOptions& options) {
   add_choice(command, "--mode", refine.occluder.mode,
              {{"paper", OccluderMode::paper}, {"conservative", OccluderMode::conservative}},
              "paper: the current mesh is the occluder as it is; where it bulges out of the true surface it hides too "
-             "much. conservative: its faces are first moved back by their error bounds, to hide nothing visible; this "
-             "is not proven, and cases are known where it still does. A later version will fix them");
+             "much. conservative: only what stays hidden wherever collapses may have moved the surface, on squares of "
+             "8x8 pixels; hides nothing that the full mesh shows, hides less, and takes longer");
   add_choice(command, "--proxy", refine.queries.proxy,
              {{"box", Proxy::box}, {"cylinder", Proxy::cylinder}, {"sphere", Proxy::sphere}},
              "Bounding volume by which a subtree is tested");

@@ -26,7 +26,7 @@ std::vector<Setting> view_settings() {
           [](auto& s) -> auto& { return s.occlusion; }),
       choice(
           {"mode", "Occluder mode",
-           "paper: the coarse mesh as it is; conservative: moved away from the eye by its error bounds"},
+           "paper: the coarse mesh as it is; conservative: only what stays hidden wherever the true surface may be"},
           {"paper", "conservative"}, [](auto& s) -> auto& { return s.refine.occluder.mode; }),
       choice(
           {"culling", "Culling",

@@ -22,10 +22,9 @@ enum class Proxy { sphere, box, cylinder };
 // What the current mesh hides.
 enum class OccluderMode {
   paper,        // whatever is behind its triangles as they are: where they bulge out of the true surface, too much
-  conservative  // only faces moved back by the bound on their distance from the input: meant to hide nothing that the
-                // input shows. Not yet so for windows, tunnels and grooves that the mesh closes, nor with
-                // ErrorBound::measured (docs/guide/occlusion.md). Of solids, seen from outside and thicker than the
-                // bounds, front faces; of two-sided objects, faces farther from every border than that may have moved
+  conservative  // only what stays hidden wherever collapses may have moved the surface: nothing that the input shows,
+                // if both sides of its triangles hide. Squares of 8x8 pixels, for any kind of error bound. Replays all
+                // collapses of a hierarchy the first time, so reads all of a mapped file
 };
 
 // What a split is worth in a view. With Culling::subtree the priority of a split is its error in pixels; with
