@@ -23,8 +23,9 @@ enum class Proxy { sphere, box, cylinder };
 enum class OccluderMode {
   paper,        // whatever is behind its triangles as they are: where they bulge out of the true surface, too much
   conservative  // only what stays hidden wherever collapses may have moved the surface: nothing that the input shows,
-                // if both sides of its triangles hide. Squares of 8x8 pixels, for any kind of error bound. Replays all
-                // collapses of a hierarchy the first time, so reads all of a mapped file
+                // if both sides of its triangles hide. For any kind of error bound. What hides are squares of 8x8
+                // pixels. Replays all collapses of a hierarchy the first time, and so reads all of a mapped file
+                // (docs/guide/occlusion.md)
 };
 
 // What a split is worth in a view. With Culling::subtree the priority of a split is its error in pixels; with
