@@ -21,7 +21,7 @@ void bind_enums(nb::module_& m) {
       .value("cylinder", Proxy::cylinder);
   nb::enum_<OccluderMode>(m, "OccluderMode", "What the current mesh hides.")
       .value("paper", OccluderMode::paper, "Whatever is behind its triangles as they are.")
-      .value("conservative", OccluderMode::conservative, "Only behind faces moved back by their error bound.");
+      .value("conservative", OccluderMode::conservative, "Only what stays hidden wherever the true surface may be.");
 }
 
 void bind_parts(nb::module_& m) {
