@@ -153,8 +153,8 @@ TriangleMesh ball_in_a_pit() {
 // The measure counts what it is meant to count. The only occluder is the base mesh: four triangles from the sheet's
 // corners to a point of the pit's floor, without the ball. In the ball's place they are at most 0.1 deep, so that it is
 // 0.08 behind them; in paper mode it never comes back. Its disc at depth 2.22 has a radius of
-// 0.04 / 2.22 * 240 / (2 tan 22.5 degrees) = 5.2 pixels, an area of 86. In conservative mode they are moved back by the
-// depth of the pit at least, to behind the ball.
+// 0.04 / 2.22 * 240 / (2 tan 22.5 degrees) = 5.2 pixels, an area of 86. In conservative mode what hides is
+// behind where they have come from by the depth of the pit at least, so behind the ball.
 TEST(WronglyHiddenMeasure, CountsWhatACoarseOccluderHidesInPaperModeOnly) {
   const std::vector<LoadedObject> objects = {loaded(ball_in_a_pit(), 4)};
   Camera camera;
