@@ -11,6 +11,7 @@
 #include "device/small_scenes.h"
 #include "device/tested_devices.h"
 #include "occlod/hlod/build.h"
+#include "occlod/hlod/within.h"
 #include "occlod/mesh/generate.h"
 #include "occlod/raster/item_buffer.h"
 #include "support/meshes.h"
@@ -302,6 +303,34 @@ TEST_P(EachDevice, ImagesOfEverySize) {
     EXPECT_GT(count(before), 0U);
     EXPECT_EQ(count(cube({0.0F, 0.0F, 3.0F}, 0.3F)), pixels());
   }
+}
+
+// All splits of a node give the triangles of its children, and none give its own; what they hide is the same.
+TEST_P(EachDevice, CutsWithinNodesHideAsTheirTrianglesDo) {
+  const Hlod hlod = build_hlod(generate_rough_planet({.level = 5}), {.node_triangles = 128, .within = Within::splits});
+  ASSERT_EQ(hlod.data().roots.size(), 1U);
+  const std::uint32_t all = hlod.data().within[0].splits;
+  const auto counts_behind = [&](const auto& draw) {
+    begin(hlod);
+    draw();
+    std::vector<BoxRef> boxes;
+    for (NodeId n = 0; n < hlod.node_count(); ++n) boxes.push_back({0, hlod.node(n).box});
+    const auto counts = device_->wait(device_->ask_each(boxes));
+    return std::vector<std::uint32_t>(counts.begin(), counts.end());
+  };
+  const auto draw_cut = [&](std::uint32_t splits) {
+    const NodeCut cut = cut_with_splits(hlod, 0, splits);
+    device_->draw({0, 0, {}, cut.indices, splits});
+  };
+  const auto draw_children = [&] {
+    for (const NodeId child : hlod.children(0)) draw_node(*device_, 0, hlod, child);
+  };
+  const auto fine = counts_behind(draw_children), coarse = counts_behind([&] { draw_node(*device_, 0, hlod, 0); });
+  EXPECT_NE(fine, coarse);
+  EXPECT_EQ(counts_behind([&] { draw_cut(all); }), fine);
+  // Few splits first, in the same frame: each draw is of the splits that it names.
+  EXPECT_EQ(counts_behind([&] { draw_cut(1), draw_cut(all), draw_cut(1); }),
+            counts_behind([&] { draw_cut(1), draw_children(); }));
 }
 
 // ---- Nothing visible is lost.
