@@ -4,12 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
-#include <map>
 #include <numeric>
 #include <random>
 #include <vector>
@@ -19,6 +17,7 @@
 #include "hlod_bytes.h"
 #include "occlod/hlod/build.h"
 #include "support/meshes.h"
+#include "support/open_edges.h"
 
 namespace occlod::hlod {
 namespace {
@@ -188,38 +187,15 @@ TEST(Within, AttributesComeBackWithTheirVertices) {
   }
 }
 
-// The edges of what a front draws, each cancelled by its reverse: on a closed surface none are left.
-class Edges {
- public:
-  void add(std::span<const std::uint16_t> indices, std::span<const glm::vec3> positions) {
-    for (std::size_t i = 0; i < indices.size(); ++i) {
-      const std::size_t next = i % 3 == 2 ? i - 2 : i + 1;
-      add(positions[indices[i]], positions[indices[next]]);
-    }
-  }
-  [[nodiscard]] std::size_t open() const {
-    return static_cast<std::size_t>(
-        std::count_if(count_.begin(), count_.end(), [](const auto& edge) { return edge.second != 0; }));
-  }
-
- private:
-  using Point = std::array<float, 3>;
-  void add(const glm::vec3& from, const glm::vec3& to) {
-    const Point a{from.x, from.y, from.z}, b{to.x, to.y, to.z};
-    count_[{std::min(a, b), std::max(a, b)}] += a < b ? 1 : -1;
-  }
-  std::map<std::pair<Point, Point>, int> count_;
-};
-
 std::size_t open_edges(const Hlod& hlod, const Refined& refined, const Cuts& cuts) {
-  Edges edges;
+  occlod::test::OpenEdges edges;
   for_each_drawn(hlod, refined, [&](NodeId n, const Patch& patch, std::size_t) {
     const NodeMesh mesh = hlod.mesh(n);
     if (cuts[n] == 0) edges.add(mesh.indices.subspan(patch.first_index, patch.index_count), mesh.positions);
   });
   for (NodeId n = 0; n < cuts.size(); ++n)
     if (cuts[n] > 0) edges.add(cut_with_splits(hlod, n, cuts[n]).indices, positions_of(hlod, n));
-  return edges.open();
+  return edges.count();
 }
 
 TEST(WithinFronts, AClosedSurfaceStaysClosed) {

@@ -11,41 +11,13 @@
 #include "occlod/device/software_device.h"
 #include "occlod/hlod/metric.h"
 #include "occlod/hlod/validate.h"
+#include "traverse/random_device.h"
 #include "traverse/small_scenes.h"
 
 namespace occlod::hlod {
 namespace {
 
 using namespace test;
-
-// Answers by chance, and late by chance; the same for the same seed.
-class RandomDevice : public RenderDevice {
- public:
-  RandomDevice(std::uint64_t seed, double hidden) : random_(seed), hidden_(hidden) {}
-  [[nodiscard]] std::string_view name() const noexcept override { return "random"; }
-  void begin_frame(const View& view, std::span<const PlacedHlod>) override {
-    pixels_ = view.width() * view.height();
-    counts_.clear();
-  }
-  void draw(const NodeDraw&) override {}
-  [[nodiscard]] QueryId ask(std::span<const BoxRef>) override {
-    const double share = uniform(random_, 0, 1);
-    const bool hidden = uniform(random_, 0, 1) < hidden_;
-    counts_.push_back(hidden ? 0U : 1U + static_cast<std::uint32_t>(share * share * share * pixels_ / 10));
-    return static_cast<QueryId>(counts_.size() - 1);
-  }
-  [[nodiscard]] QueryId ask_each(std::span<const BoxRef> boxes) override { return ask(boxes); }
-  [[nodiscard]] bool available(QueryId) override { return random_() % 4 == 0; }
-  [[nodiscard]] std::span<const std::uint32_t> wait(QueryId query) override { return {&counts_[query], 1}; }
-  void visit(std::size_t) override {}
-  FrameTimes end_frame() override { return {}; }
-
- private:
-  std::mt19937_64 random_;
-  double hidden_;
-  double pixels_ = 0.0;
-  std::vector<std::uint32_t> counts_;
-};
 
 // By place in HlodView::patches, how often it was drawn.
 std::vector<int> drawn_patches(const Hlod& hlod, const Frame& frame) {
@@ -133,16 +105,6 @@ std::size_t clear_refined(const Hlod& hlod, const Refined& refined, std::vector<
     std::fill_n(drawn.begin() + static_cast<std::ptrdiff_t>(hlod.node(n).first_patch), hlod.node(n).patches, 0);
   }
   return nodes;
-}
-
-// All of it, with everything in sight.
-Camera from_afar(const Hlod& hlod, std::mt19937_64& random) {
-  Camera camera = random_camera(hlod.data().box, random);
-  const glm::dvec3 min(hlod.data().box.min), max(hlod.data().box.max);
-  camera.target = (min + max) / 2.0;
-  const double angle = uniform(random, 0.0, 6.28);
-  camera.eye = camera.target + glm::length(max - min) * glm::dvec3(std::cos(angle), std::sin(angle), 0.3) * 1.5;
-  return camera;
 }
 
 TEST(LegalFronts, WhateverIsAnswered) {

@@ -54,6 +54,15 @@ Camera random_camera(const Box& box, std::mt19937_64& random) {
   return camera;
 }
 
+Camera from_afar(const Hlod& hlod, std::mt19937_64& random) {
+  Camera camera = random_camera(hlod.data().box, random);
+  const glm::dvec3 min(hlod.data().box.min), max(hlod.data().box.max);
+  camera.target = (min + max) / 2.0;
+  const double angle = uniform(random, 0.0, 6.28);
+  camera.eye = camera.target + glm::length(max - min) * glm::dvec3(std::cos(angle), std::sin(angle), 0.3) * 1.5;
+  return camera;
+}
+
 Camera walk(const Box& box, int i, int steps) {
   const glm::dvec3 min(box.min), max(box.max), middle = (min + max) / 2.0, half = (max - min) / 2.0;
   const double angle = 6.283185307179586 * i / steps;

@@ -34,6 +34,8 @@ inline constexpr std::array later_strategies = {Strategy::nohc,      Strategy::o
 // From around the middle of a box out to twice its size, near the plane of its least z, towards a random point in it; z
 // is up. 160 x 120 pixels.
 [[nodiscard]] Camera random_camera(const Box& box, std::mt19937_64& random);
+// All of the HLOD in sight, from somewhere around it. Likewise.
+[[nodiscard]] Camera from_afar(const Hlod& hlod, std::mt19937_64& random);
 // Step i of a walk of so many steps around the middle of the box at a quarter of its size, along the tangent.
 [[nodiscard]] Camera walk(const Box& box, int i, int steps);
 

@@ -15,6 +15,18 @@ double error_px(float error, double distance, const ScreenScale& scale) {
   return scale.orthographic ? covered_at_1 : covered_at_1 / std::max(distance, scale.least_distance);
 }
 
+// The inverse: object units that cover so many pixels.
+double error_limit(double pixels, double distance, const ScreenScale& scale) {
+  const double covers_1 = 1.0 / (scale.focal_length_px * scale.largest_stretch);
+  return pixels * covers_1 * (scale.orthographic ? 1.0 : std::max(distance, scale.least_distance));
+}
+
+// To the nearest point, or less; below 0 inside.
+double distance_to(const Sphere& sphere, const ScreenScale& scale) {
+  const double to_center = glm::length(scale.axis_stretch * (glm::dvec3(sphere.center) - scale.eye));
+  return to_center - static_cast<double>(sphere.radius) * scale.largest_stretch;
+}
+
 // World units along each object axis, where the axes stay at right angles; else the least stretch in any direction,
 // 1 over the largest of the inverse.
 glm::dvec3 axis_stretch(const glm::dmat3& linear) {
@@ -52,13 +64,27 @@ double distance_to(const Box& box, const ScreenScale& scale) {
 }
 
 double screen_error_px(const Node& node, const ScreenScale& scale) {
-  return std::max(error_px(node.error, distance_to(node.box, scale), scale),
-                  error_px(node.child_error, distance_to(node.lod_box, scale), scale));
+  return std::max(error_px(node.error, distance_to(node.box, scale), scale), least_screen_error_px(node, scale));
 }
 
 double sphere_error_px(const Node& node, const ScreenScale& scale) {
-  const double to_center = glm::length(scale.axis_stretch * (glm::dvec3(node.sphere.center) - scale.eye));
-  return error_px(node.error, to_center - static_cast<double>(node.sphere.radius) * scale.largest_stretch, scale);
+  return error_px(node.error, distance_to(node.sphere, scale), scale);
+}
+
+double least_screen_error_px(const Node& node, const ScreenScale& scale) {
+  return error_px(node.child_error, distance_to(node.lod_box, scale), scale);
+}
+
+double least_sphere_error_px(const Node& node, const ScreenScale& scale) {
+  return error_px(node.child_error, distance_to(node.sphere, scale), scale);
+}
+
+double screen_error_limit(const Node& node, const ScreenScale& scale, double pixels) {
+  return error_limit(pixels, distance_to(node.box, scale), scale);
+}
+
+double sphere_error_limit(const Node& node, const ScreenScale& scale, double pixels) {
+  return error_limit(pixels, distance_to(node.sphere, scale), scale);
 }
 
 }  // namespace occlod::hlod

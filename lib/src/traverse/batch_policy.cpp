@@ -53,6 +53,9 @@ class BatchPolicy : public Policy {
   void end_frame(const FrameScene& scene) override { work_.end_frame(scene); }
 
   [[nodiscard]] Asking asking() const noexcept override { return Asking::by_rounds; }
+  [[nodiscard]] double bias(const FrameScene& scene, const ReachedNode& n) const override {
+    return static_cast<double>(scene.state(n.ref).bias);
+  }
 
  private:
   struct Memory {

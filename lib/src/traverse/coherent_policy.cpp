@@ -26,6 +26,9 @@ class CoherentPolicy : public Policy {
   [[nodiscard]] Action predict(FrameScene& scene, const ReachedNode& n) override {
     return predict_coherent(scene, n.ref);
   }
+  [[nodiscard]] double bias(const FrameScene& scene, const ReachedNode& n) const override {
+    return static_cast<double>(scene.state(n.ref).bias);
+  }
 };
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "occlod/hlod/within.h"
 #include "occlod/traverse/traverser.h"
 #include "traverse/frame_scene.h"
 
@@ -12,8 +13,8 @@ namespace occlod::hlod {
 class DrawRecorder {
  public:
   // All outlive the recorder.
-  DrawRecorder(const FrameScene& scene, RenderDevice& device, Frame& frame)
-      : scene_(scene), device_(device), frame_(frame) {}
+  DrawRecorder(const FrameScene& scene, RenderDevice& device, CutCache& cuts, Frame& frame)
+      : scene_(scene), device_(device), cuts_(cuts), frame_(frame) {}
 
   // Draws the patches of node n for which is_drawn(parent) holds, if any. `first`: nothing of it has been drawn in this
   // frame before.
@@ -28,13 +29,20 @@ class DrawRecorder {
     if (frame_.ranges.size() > first_range_) submit(n, first);
   }
 
+  // Draws the node refined within, which is to have this error at most. False when that changes nothing of it.
+  bool draw_cut(NodeRef n, bool first, double most_error);
+  // The same over a draw that was to have `drawn_error`, if it is finer.
+  bool draw_finer_cut(NodeRef n, double most_error, double drawn_error);
+
  private:
+  void submit_cut(NodeRef n, bool first, const NodeCut& cut);
   void add(NodeRef n, const Patch& patch, std::uint32_t place);
   void submit(NodeRef n, bool first);
   [[nodiscard]] float morph(NodeRef n, NodeId parent) const;
 
   const FrameScene& scene_;
   RenderDevice& device_;
+  CutCache& cuts_;
   Frame& frame_;
   std::size_t first_range_ = 0;  // of the draw in the making
 };

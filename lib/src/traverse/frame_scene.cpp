@@ -29,7 +29,7 @@ void FrameScene::begin_frame(const View& view, std::span<const PlacedHlod> objec
 }
 
 bool FrameScene::is_fine(NodeRef n, double bias) const {
-  return node(n).level == 0 || (options_.tolerance_px > 0.0 && bias * error_px(n) <= options_.tolerance_px);
+  return node(n).level == 0 || (options_.tolerance_px > 0.0 && bias * least_error_px(n) <= options_.tolerance_px);
 }
 
 bool FrameScene::stops(NodeRef n, double bias) {
@@ -45,7 +45,7 @@ bool FrameScene::stops(NodeRef n, double bias) {
 void FrameScene::raise_floor(NodeRef n) {
   constexpr double beyond = 1.01;  // the tolerance
   NodeState& s = state(n);
-  s.bias_floor = static_cast<float>(std::min(1.0, beyond * options_.tolerance_px / error_px(n)));
+  s.bias_floor = static_cast<float>(std::min(1.0, beyond * options_.tolerance_px / least_error_px(n)));
   s.floor_frame = frame_;
 }
 

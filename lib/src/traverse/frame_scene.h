@@ -1,10 +1,12 @@
 // What a frame is traversed with: the objects in its view, and their nodes' states.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "occlod/hlod/within.h"
 #include "traverse/node_state.h"
 #include "traverse/object_frame.h"
 
@@ -34,17 +36,40 @@ class FrameScene {
   [[nodiscard]] LastFrame last(NodeRef n) const noexcept { return last_frame(state(n), frame_); }
   [[nodiscard]] const ObjectFrame& view_of(NodeRef n) const noexcept { return frames_[n.object]; }
 
+  // As the node is.
   [[nodiscard]] double error_px(NodeRef n) const { return view_of(n).error_px(node(n)); }
+  // Without replacing it by its children.
+  [[nodiscard]] double least_error_px(NodeRef n) const {
+    return may_be_cut(n) ? view_of(n).least_error_px(node(n)) : error_px(n);
+  }
   // Of a node of which this share is visible.
   [[nodiscard]] double bias(double mu) const noexcept { return biased_ ? options_.bias(mu) : no_bias(mu); }
-  // Whether the node is fine enough with this bias. With a tolerance of 0 only level 0 is, whatever the error.
+  // Whether the node is fine enough with this bias, refined within if need be. With a tolerance of 0 only level 0 is,
+  // whatever the error.
   [[nodiscard]] bool is_fine(NodeRef n, double bias) const;
   // The same, but for what finer nodes needed of it in the last frame (raise_floor()). Notes when that decides.
   [[nodiscard]] bool stops(NodeRef n, double bias);
+  // Whether a node that is fine enough with this bias is so only when it is refined within.
+  [[nodiscard]] bool needs_cut(NodeRef n, double bias) const {
+    return may_be_cut(n) && bias * error_px(n) > options_.tolerance_px && is_fine(n, bias);
+  }
+  // To which error, object units. bias > 0.
+  [[nodiscard]] double cut_error(NodeRef n, double bias) const {
+    return view_of(n).error_limit(node(n), options_.tolerance_px / bias);
+  }
+  // With so many of its splits applied.
+  [[nodiscard]] double cut_error_px(NodeRef n, std::uint32_t splits) const {
+    const double error = error_of_splits(hlod(n), n.node, splits);
+    return std::max(error / view_of(n).error_limit(node(n), 1.0), least_error_px(n));
+  }
   // Lets the node be refined in the next frame, since a finer one cannot be drawn without. Only its bias is against it.
   void raise_floor(NodeRef n);
 
  private:
+  [[nodiscard]] bool may_be_cut(NodeRef n) const {
+    return options_.within && options_.tolerance_px > 0.0 && hlod(n).has_within(n.node);
+  }
+
   std::vector<const Hlod*> hlods_;
   std::vector<std::vector<NodeState>> states_;  // by object, then by node
   std::vector<ObjectFrame> frames_;             // by object

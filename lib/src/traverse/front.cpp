@@ -72,7 +72,7 @@ void Front::refine(NodeRef n) {
     if (state.status == Status::absent || state.status == Status::absent_stopped ||
         state.status == Status::absent_culled)
       reach(child);
-    else if (state.status == Status::stopped)
+    else if (state.status == Status::stopped && !state.cut)
       draws_.draw(child, false, [&](NodeId parent) { return parent == n.node; });
   }
   if (sees) see(n);
@@ -108,6 +108,14 @@ void Front::stop(NodeRef n) {
     const NodeState& s = scene_.state({n.object, parent});
     return s.frame == scene_.frame() && s.status == Status::refined;
   });
+  requeue_held(state, n.object);
+}
+
+void Front::stop_within(NodeRef n, double most_error) {
+  NodeState& state = scene_.state(n);
+  state.cut = draws_.draw_cut(n, true, most_error);
+  if (!state.cut) return stop(n);
+  state.status = Status::stopped;
   requeue_held(state, n.object);
 }
 

@@ -32,6 +32,8 @@ class Front {
   void hold(NodeRef n);
   // Draws what of the node its parents allow.
   void stop(NodeRef n);
+  // The same of a node that may be refined: refined within, so that its error is at most this.
+  void stop_within(NodeRef n, double most_error);
   void cull(NodeRef n);
   // A node that has been refined is hidden after all: nodes below it that are reached by nothing else are gone.
   void hide(NodeRef n);

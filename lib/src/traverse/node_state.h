@@ -16,7 +16,7 @@ struct NodeRef {
 enum class Status : std::uint8_t {
   absent,          // no parent has been refined so far
   undecided,       // reached: in the queue, or asked about
-  held,            // wants to be refined, but a parent is undecided
+  held,            // wants to be refined, or refined within, but a parent is undecided
   refined,         // replaced by its children
   stopped,         // drawn where its parents are refined
   culled,          // outside the frustum, or hidden
@@ -38,13 +38,16 @@ struct NodeState {
   float bias_floor = 0.0F;        // the least bias that the frame after floor_frame reckons with
   NodeId first_held = no_id;      // of the nodes that are held until this one is decided
   NodeId next_held = no_id;       // of those held for the same node
+  float drawn_bias = 1.0F;        // that the node is drawn with, or will be when it is not held any more
   Status status = Status::absent;
   bool visited : 1 = false;
   bool visible : 1 = false;
   bool asked : 1 = false;
-  bool denied : 1 = false;   // wanted to be refined, and a parent was drawn
-  bool floored : 1 = false;  // it would have stopped without its bias_floor
-  bool gone : 1 = false;     // found hidden after it was refined, or all its parents are gone or culled
+  bool denied : 1 = false;        // wanted to be refined, and a parent was drawn
+  bool floored : 1 = false;       // it would have stopped without its bias_floor
+  bool gone : 1 = false;          // found hidden after it was refined, or all its parents are gone or culled
+  bool held_to_stop : 1 = false;  // held, and to be refined within
+  bool cut : 1 = false;           // drawn refined within
   bool last_visited : 1 = false;
   bool last_visible : 1 = false;
   bool last_refined : 1 = false;
@@ -66,6 +69,7 @@ inline void enter_frame(NodeState& state, std::uint32_t frame) noexcept {
   state.last_visible = last.visible;
   state.last_refined = last.refined;
   state.visited = state.visible = state.asked = state.denied = state.floored = state.gone = false;
+  state.held_to_stop = state.cut = false;
   state.first_held = state.next_held = no_id;
   state.status = Status::absent;
   state.frame = frame;

@@ -30,6 +30,14 @@ double ObjectFrame::error_px(const Node& node) const {
   return metric_ == Metric::box ? screen_error_px(node, scale_) : sphere_error_px(node, scale_);
 }
 
+double ObjectFrame::least_error_px(const Node& node) const {
+  return metric_ == Metric::box ? least_screen_error_px(node, scale_) : least_sphere_error_px(node, scale_);
+}
+
+double ObjectFrame::error_limit(const Node& node, double pixels) const {
+  return metric_ == Metric::box ? screen_error_limit(node, scale_, pixels) : sphere_error_limit(node, scale_, pixels);
+}
+
 double ObjectFrame::distance(const Box& box) const {
   if (!scale_.orthographic) return distance_to(box, scale_);
   const glm::dvec3 normal(depth_);

@@ -16,6 +16,10 @@ class ObjectFrame {
   ObjectFrame(const View& view, const PlacedHlod& placed, const TraverseOptions& options);
 
   [[nodiscard]] double error_px(const Node& node) const;
+  // Refined within as far as possible.
+  [[nodiscard]] double least_error_px(const Node& node) const;
+  // Object units; of so many pixels.
+  [[nodiscard]] double error_limit(const Node& node, double pixels) const;
   // By which nodes are taken in turn: world units from the eye, or from the eye plane where rays are parallel.
   [[nodiscard]] double distance(const Box& box) const;
   // False only when no point of the box is inside the frustum.

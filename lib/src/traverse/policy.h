@@ -42,6 +42,8 @@ class Policy {
   virtual void begin_frame(const FrameScene&) {}
   // n is inside the frustum.
   [[nodiscard]] virtual Action predict(FrameScene& scene, const ReachedNode& n) = 0;
+  // With which bias a node that is to stop is drawn before its answer comes.
+  [[nodiscard]] virtual double bias(const FrameScene&, const ReachedNode&) const { return 1.0; }
   // n has been stopped.
   virtual void note_drawn(const FrameScene&, NodeRef) {}
   // What was asked about n.

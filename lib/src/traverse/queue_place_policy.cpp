@@ -13,6 +13,10 @@ class QueuePlacePolicy : public Policy {
     return scene.stops(n.ref, scene.bias(predicted_share(scene, n))) ? Action::stop : Action::refine;
   }
 
+  [[nodiscard]] double bias(const FrameScene& scene, const ReachedNode& n) const override {
+    return scene.bias(predicted_share(scene, n));
+  }
+
  private:
   // What is near is reached early and tends to be visible: from 1 for the first nearly to 0 for the last of as many as
   // there were in the last frame, and for what comes after it.

@@ -20,9 +20,10 @@ Traversal::Traversal(FrameScene& scene, Policy& policy, RenderDevice& device, Tr
       device_(device),
       memory_(memory),
       stats_(frame.stats),
-      draws_(scene, device, frame),
+      draws_(scene, device, memory.cuts, frame),
       front_(scene, memory.reached, draws_) {
   memory_.questions.begin_frame(scene, policy, device, stats_);
+  memory_.cuts.begin_frame();
 }
 
 void Traversal::run() {
@@ -46,7 +47,8 @@ void Traversal::visit(const ReachedNode& reached) {
   const NodeRef n = reached.ref;
   NodeState& state = scene_.state(n);
   if (state.gone) return front_.cull(n);
-  if (state.status == Status::held) return want_refined(n);
+  if (state.status == Status::held)
+    return state.held_to_stop ? stop(n, static_cast<double>(state.drawn_bias)) : want_refined(n);
   if (!scene_.view_of(n).may_be_inside(scene_.node(n).box)) return front_.cull(n);
   ++stats_.visits;
   device_.visit(1);
@@ -60,17 +62,18 @@ void Traversal::predict(const ReachedNode& reached) {
   if (action == Action::refine) return want_refined(n);
   if (action == Action::draw) {
     see_unasked(n);
-    return stop(n);
+    return stop(n, 1.0);
   }
   const std::optional<double> pixels = scene_.view_of(n).box_pixels(scene_.node(n));
   if (!pixels) return settle(n, 1.0);
   ask(n, *pixels, action == Action::stop || action == Action::descend);
-  act(n, action);
+  act(reached, action);
 }
 
 // After the query: a flat node must not hide its own box.
-void Traversal::act(NodeRef n, Action action) {
-  if (action == Action::stop) stop(n);
+void Traversal::act(const ReachedNode& reached, Action action) {
+  const NodeRef n = reached.ref;
+  if (action == Action::stop) stop(n, policy_.bias(scene_, reached));
   if (action == Action::descend) want_refined(n);
   if (action == Action::drop) {
     ++stats_.hidden_nodes;
@@ -84,7 +87,26 @@ void Traversal::ask(NodeRef n, double pixels, bool was_visible) {
   memory_.questions.ask({n, pixels}, was_visible);
 }
 
-void Traversal::stop(NodeRef n) {
+// Draws a node that is fine enough with this bias, refined within if need be. That takes what refining takes.
+void Traversal::stop(NodeRef n, double bias) {
+  NodeState& state = scene_.state(n);
+  state.drawn_bias = static_cast<float>(bias);
+  state.held_to_stop = false;
+  if (!scene_.needs_cut(n, bias)) return draw_whole(n);
+  switch (front_.may_refine(n)) {
+    case Permission::granted:
+      front_.stop_within(n, scene_.cut_error(n, bias));
+      return policy_.note_drawn(scene_, n);
+    case Permission::pending:
+      state.held_to_stop = true;
+      return front_.hold(n);
+    case Permission::denied:
+      note_denied(n);
+      return draw_whole(n);
+  }
+}
+
+void Traversal::draw_whole(NodeRef n) {
   front_.stop(n);
   policy_.note_drawn(scene_, n);
 }
@@ -120,7 +142,7 @@ void Traversal::settle_unasked(NodeRef n) {
   state.asked = false;
   see_unasked(n);
   if (state.status != Status::undecided) return;
-  if (scene_.is_fine(n, 1.0)) return stop(n);
+  if (scene_.is_fine(n, 1.0)) return stop(n, 1.0);
   want_refined(n);
 }
 
@@ -137,26 +159,51 @@ void Traversal::settle(NodeRef n, double mu) {
   const double bias = scene_.bias(mu);
   state.bias = static_cast<float>(bias);
   front_.see(n);
+  if (state.held_to_stop) return settle_held(n, bias);
   if (state.status == Status::refined || state.status == Status::held) {  // Action::descend
     ++stats_.wasted_queries;
     return;
   }
   const bool is_fine = scene_.stops(n, bias);
-  if (state.status == Status::stopped) return settle_drawn(n, is_fine);
+  if (state.status == Status::stopped) return settle_drawn(n, is_fine, bias);
   if (!is_fine) return want_refined(n);
   if (state.asked && is_drawable(n)) ++stats_.delayed;
-  stop(n);
+  stop(n, bias);
+}
+
+// Predicted to stop, but not drawn yet: now it is known with which bias, or that it is to be refined.
+void Traversal::settle_held(NodeRef n, double bias) {
+  NodeState& state = scene_.state(n);
+  state.held_to_stop = scene_.stops(n, bias);
+  state.drawn_bias = static_cast<float>(bias);
 }
 
 // Drawn when it was asked about, because it was predicted to stop or had to.
-void Traversal::settle_drawn(NodeRef n, bool is_fine) {
+void Traversal::settle_drawn(NodeRef n, bool is_fine, double bias) {
   if (!is_fine && front_.may_refine(n) == Permission::granted) {
     if (is_drawable(n)) ++stats_.rarn;
     front_.keep_floors(n);
     return front_.refine(n);
   }
+  if (is_fine && draw_finer(n, bias)) return;
   ++stats_.wasted_queries;
   if (!is_fine) note_denied(n);
+}
+
+// A node that was refined within, or not at all, by a bias that was too small.
+bool Traversal::draw_finer(NodeRef n, double bias) {
+  NodeState& state = scene_.state(n);
+  const auto drawn_bias = static_cast<double>(state.drawn_bias);
+  if (!(bias > drawn_bias) || !scene_.needs_cut(n, bias)) return false;
+  if (front_.may_refine(n) != Permission::granted) {
+    note_denied(n);
+    return false;
+  }
+  if (!draws_.draw_finer_cut(n, scene_.cut_error(n, bias), scene_.cut_error(n, drawn_bias))) return false;
+  if (!state.cut) ++stats_.cut_nodes;
+  state.cut = true;
+  ++stats_.recut_nodes;
+  return true;
 }
 
 // A root where everything has vanished has nothing to draw. Any other node that stops draws a patch: a parent of it is
@@ -187,7 +234,7 @@ void Traversal::draw_denied(NodeRef n) {
     else
       front_.see(n);
   }
-  stop(n);
+  draw_whole(n);
 }
 
 void Traversal::note_denied(NodeRef n) {

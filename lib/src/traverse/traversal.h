@@ -14,6 +14,7 @@ namespace occlod::hlod {
 // Memory that is kept from frame to frame.
 struct TraversalMemory {
   DistanceQueue reached;
+  CutCache cuts;
   Questions questions;
 };
 
@@ -27,15 +28,18 @@ class Traversal {
  private:
   void visit(const ReachedNode& reached);
   void predict(const ReachedNode& reached);
-  void act(NodeRef n, Action action);
+  void act(const ReachedNode& reached, Action action);
   void ask(NodeRef n, double pixels, bool was_visible);
   void settle_next();
   void settle_hidden(NodeRef n);
   void settle_unasked(NodeRef n);
   void see_unasked(NodeRef n);
-  void stop(NodeRef n);
+  void stop(NodeRef n, double bias);
+  void draw_whole(NodeRef n);
   void settle(NodeRef n, double mu);
-  void settle_drawn(NodeRef n, bool is_fine);
+  void settle_held(NodeRef n, double bias);
+  void settle_drawn(NodeRef n, bool is_fine, double bias);
+  bool draw_finer(NodeRef n, double bias);
   [[nodiscard]] bool is_drawable(NodeRef n) const;
   void want_refined(NodeRef n);
   void draw_denied(NodeRef n);

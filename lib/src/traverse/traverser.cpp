@@ -30,6 +30,8 @@ void check(const TraverseOptions& options, const RenderDevice& device) {
   checker.in_range("bias.s", options.bias.s, 0.0, 1.0);
   checker.in_range("bias.t", options.bias.t, 0.0, 1.0);
   check_costs(options);
+  if (options.within && options.geomorph)
+    throw Error({"traversal options", "within", "does not go with geomorph", "choose one of them"});
   if (options.strategy != Strategy::ideal && options.strategy != Strategy::optimum) return;
   if (options.oracle == nullptr)
     throw Error({"traversal options", "oracle", "is missing", "give the strategy a device of its own to ask"});
@@ -144,7 +146,8 @@ class Traverser::Impl {
     const std::span<const DrawRange> ranges = frame_.ranges;
     for (const DrawnNode& drawn : frame_.draws) {
       device.visit(1);
-      device.draw({drawn.object, drawn.node, ranges.subspan(drawn.first_range, drawn.range_count)});
+      device.draw(
+          {drawn.object, drawn.node, ranges.subspan(drawn.first_range, drawn.range_count), drawn.cut, drawn.splits});
     }
     frame_.times = device.end_frame();
     FrameStats& stats = frame_.stats;

@@ -36,4 +36,16 @@ struct ScreenScale {
 // child either.
 [[nodiscard]] double sphere_error_px(const Node& node, const ScreenScale& scale);
 
+// The same of a node that is refined within as far as possible: what is left is its children's error, at its lod_box.
+// No less than the error of any child, so on a front of nodes for which it is below a tolerance, those whose own error
+// is not can be refined within.
+[[nodiscard]] double least_screen_error_px(const Node& node, const ScreenScale& scale);
+// Likewise, by the sphere.
+[[nodiscard]] double least_sphere_error_px(const Node& node, const ScreenScale& scale);
+
+// The error in object units that covers so many pixels where the node's box is nearest to the eye. For within_cut().
+[[nodiscard]] double screen_error_limit(const Node& node, const ScreenScale& scale, double pixels);
+// Likewise, of the sphere.
+[[nodiscard]] double sphere_error_limit(const Node& node, const ScreenScale& scale, double pixels);
+
 }  // namespace occlod::hlod

@@ -56,6 +56,10 @@ struct TraverseOptions {
   Metric metric = Metric::box;        // of the error that is compared with the tolerance
   Alpha alpha = Alpha::exact;         // how mu is computed for the bias
   bool geomorph = false;  // vertices slide to the parent's while its error goes from twice tolerance_px to tolerance_px
+  // Of HLODs with splits: a node whose error is too large, but whose children's is not, is refined within, to the error
+  // that covers tolerance_px, instead of being replaced by children that are better than asked for (Charalambos 2006,
+  // sec. 4.4; within.h). Not with geomorph.
+  bool within = false;
   // Of ideal and optimum, which need it: draws and asks as sw_b does, so that it is known what to draw. Not the device
   // that is drawn on; its time is nobody's.
   RenderDevice* oracle = nullptr;
@@ -69,9 +73,9 @@ struct TraverseOptions {
 
 // What a strategy is expected to take.
 struct StrategyForecast {
-  Strategy strategy = Strategy::vfc;
-  double frame_ms = 0.0;  // by counts of the last frames that it drew, and TraverseOptions::costs
-  std::uint32_t age = 0;  // frames since then
+  Strategy strategy = Strategy::vfc;  // which one
+  double frame_ms = 0.0;              // by counts of the last frames that it drew, and TraverseOptions::costs
+  std::uint32_t age = 0;              // frames since then
 };
 
 // A draw as it was made.
@@ -79,18 +83,23 @@ struct DrawnNode {
   std::uint32_t object = 0;       // index into the objects
   NodeId node = 0;                // of that object's HLOD
   std::uint32_t first_range = 0;  // into Frame::ranges
-  std::uint32_t range_count = 0;  // > 0
+  std::uint32_t range_count = 0;  // 0 with `cut`
   // By which its error was multiplied for what was visible of it, as far as the frame knows in the end; 1 where nobody
   // asked or everything counts in full.
   float bias = 1.0F;
+  // If not empty, the node refined within: see NodeDraw. Valid as long as the frame.
+  std::span<const std::uint16_t> cut = {};
+  std::uint32_t splits = 0;  // of the cut
 };
 
 // Counts of one frame.
 struct FrameStats {
   std::size_t visits = 0;           // nodes taken from the queue and inside the frustum
   std::size_t drawn_nodes = 0;      // DN: nodes drawn at least in part
-  std::size_t drawn_patches = 0;    // of them
+  std::size_t drawn_patches = 0;    // of them, nodes refined within left out
   std::size_t drawn_triangles = 0;  // of them
+  std::size_t cut_nodes = 0;        // of drawn_nodes, those refined within
+  std::size_t recut_nodes = 0;      // of cut_nodes, those drawn again, finer, when their answer came
   std::size_t rarn = 0;             // of drawn_nodes, those that were refined in the same frame too
   std::size_t delayed = 0;          // of drawn_nodes, those that were drawn only when their answer came
   std::size_t blocked = 0;          // nodes that had to be drawn since one of their parents was not refined
@@ -106,8 +115,8 @@ struct Frame {
   std::vector<DrawRange> ranges;  // of all draws
   FrameStats stats;               // what was done
   FrameTimes times;               // what it took on the device
-  std::uint64_t front_hash =
-      0;  // the sum of XXH3-64 of each patch drawn: no matter in which order, nor how far morphed
+  // The sum of XXH3-64 of each patch or cut drawn: no matter in which order, nor how far morphed.
+  std::uint64_t front_hash = 0;
   Strategy strategy = Strategy::vfc;        // that drew it: with `automatic` one of the others
   std::vector<StrategyForecast> forecasts;  // with `automatic`, of those that have been tried
 };

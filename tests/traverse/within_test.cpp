@@ -1,0 +1,229 @@
+// Traversal that refines nodes within: legal, as fine as asked for, and cheaper.
+#include "occlod/hlod/within.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <vector>
+
+#include "occlod/core/error.h"
+#include "occlod/device/software_device.h"
+#include "occlod/mesh/generate.h"
+#include "support/open_edges.h"
+#include "traverse/random_device.h"
+#include "traverse/small_scenes.h"
+
+namespace occlod::hlod {
+namespace {
+
+using namespace test;
+
+// The rough planet of the other tests, with splits.
+const Hlod& refinable() {
+  static const Hlod hlod =
+      build_hlod(generate_rough_planet({.level = 5}), {.node_triangles = 64, .within = Within::splits});
+  return hlod;
+}
+
+TraverseOptions options_for(Strategy strategy, double tolerance_px, bool biased) {
+  TraverseOptions options;
+  options.strategy = strategy;
+  options.tolerance_px = tolerance_px;
+  options.biased = biased;
+  options.within = true;
+  return options;
+}
+
+// What is left on top: of each node its patches or its last cut, without nodes that were refined after all.
+struct Drawn {
+  std::vector<bool> refined;               // by node: parent of what is drawn
+  std::map<NodeId, const DrawnNode*> cut;  // the last of each node
+  std::size_t open = 0;                    // edges
+};
+
+Drawn drawn_by(const Hlod& hlod, const Frame& frame) {
+  Drawn drawn;
+  drawn.refined.assign(hlod.node_count(), false);
+  const auto for_each_patch = [&](const DrawnNode& draw, const auto& visit) {
+    for (const Patch& patch : hlod.patches(draw.node))
+      for (std::uint32_t r = draw.first_range; r < draw.first_range + draw.range_count; ++r) {
+        const DrawRange& range = frame.ranges[r];
+        if (range.first_index <= patch.first_index && patch.first_index < range.first_index + range.index_count)
+          visit(patch);
+      }
+  };
+  for (const DrawnNode& draw : frame.draws) {
+    if (!draw.cut.empty()) {
+      drawn.cut[draw.node] = &draw;
+      for (const Patch& patch : hlod.patches(draw.node))
+        if (patch.parent != no_id) drawn.refined[patch.parent] = true;
+    }
+    for_each_patch(draw, [&](const Patch& patch) {
+      if (patch.parent != no_id) drawn.refined[patch.parent] = true;
+    });
+  }
+  for (NodeId n = static_cast<NodeId>(hlod.node_count()); n-- > 0;)  // children first
+    for (const Patch& patch : hlod.patches(n))
+      if (drawn.refined[n] && patch.parent != no_id) drawn.refined[patch.parent] = true;
+
+  occlod::test::OpenEdges edges;
+  for (const DrawnNode& draw : frame.draws) {
+    if (drawn.refined[draw.node]) continue;
+    const NodeMesh mesh = hlod.mesh(draw.node);
+    if (drawn.cut.contains(draw.node)) {
+      if (drawn.cut[draw.node] != &draw) continue;
+      std::vector<glm::vec3> positions(mesh.positions.begin(), mesh.positions.end());
+      const auto more = hlod.within(draw.node).positions;
+      positions.insert(positions.end(), more.begin(), more.end());
+      edges.add(draw.cut, positions);
+    }
+    for_each_patch(draw, [&](const Patch& patch) {
+      edges.add(mesh.indices.subspan(patch.first_index, patch.index_count), mesh.positions);
+    });
+  }
+  drawn.open = edges.count();
+  return drawn;
+}
+
+TEST(TraverseWithin, AClosedSurfaceInSightStaysClosedWhateverIsAnswered) {
+  const Hlod& hlod = refinable();
+  const PlacedHlod placed{&hlod};
+  for (const Strategy strategy : asking_strategies) {
+    RandomDevice device(5, 0.0);
+    Traverser traverser({&placed, 1});
+    std::mt19937_64 random(37);
+    std::size_t cuts = 0, recuts = 0, blocked = 0;
+    for (int i = 0; i < 60; ++i) {
+      const double tolerance = std::exp2(uniform(random, -5.0, 1.0));
+      const Frame& frame =
+          traverser.draw_frame(View(from_afar(hlod, random)), device, options_for(strategy, tolerance, true));
+      const Drawn drawn = drawn_by(hlod, frame);
+      EXPECT_EQ(drawn.open, 0U) << static_cast<int>(strategy) << ", frame " << i;
+      EXPECT_EQ(drawn.cut.size(), frame.stats.cut_nodes);
+      cuts += frame.stats.cut_nodes;
+      recuts += frame.stats.recut_nodes;
+      blocked += frame.stats.blocked;
+    }
+    EXPECT_GT(cuts, 100U) << static_cast<int>(strategy);
+    const bool predicts_bias = strategy == Strategy::simp || strategy == Strategy::coh;
+    EXPECT_EQ(recuts > 0, predicts_bias) << static_cast<int>(strategy);
+    EXPECT_EQ(blocked > 0, predicts_bias || strategy == Strategy::sw_b) << static_cast<int>(strategy);
+  }
+}
+
+TEST(TraverseWithin, EveryStrategyKeepsTheToleranceAndDrawsTheSame) {
+  const Hlod& hlod = refinable();
+  const PlacedHlod placed{&hlod};
+  std::size_t usual = 0, within = 0, usual_nodes = 0, within_nodes = 0, cuts = 0;
+  for (const Strategy strategy : asking_strategies)
+    for (const Metric metric : {Metric::box, Metric::sphere}) {
+      RandomDevice device(5, 0.0), unasked(5, 0.0);
+      Traverser traverser({&placed, 1}), all({&placed, 1});
+      std::mt19937_64 random(29);
+      for (int i = 0; i < 30; ++i) {
+        TraverseOptions options = options_for(strategy, std::exp2(uniform(random, -4.0, 2.0)), false);
+        options.metric = metric;
+        Camera camera = random_camera(hlod.data().box, random);
+        if (i % 5 == 0) camera.orthographic_height = 2.0;
+        const View view(camera);
+        const Frame& frame = traverser.draw_frame(view, device, options);
+        EXPECT_LE(frame.stats.largest_sse_px, options.tolerance_px * (1.0 + 1e-6));
+        EXPECT_EQ(frame.stats.blocked, 0U) << "without a bias cuts are always allowed";
+        EXPECT_EQ(frame.stats.recut_nodes, 0U);
+        cuts += frame.stats.cut_nodes;
+        options.strategy = Strategy::vfc;
+        const Frame& truth = all.draw_frame(view, unasked, options);
+        EXPECT_EQ(frame.front_hash, truth.front_hash);
+        EXPECT_EQ(frame.stats.drawn_triangles, truth.stats.drawn_triangles);
+        within += truth.stats.drawn_triangles;
+        within_nodes += truth.stats.drawn_nodes;
+        options.within = false;
+        const FrameStats& plain = all.draw_frame(view, unasked, options).stats;
+        usual += plain.drawn_triangles;
+        usual_nodes += plain.drawn_nodes;
+      }
+    }
+  EXPECT_GT(cuts, 1000U);
+  EXPECT_LT(within, usual * 9 / 10);
+  EXPECT_LT(within_nodes, usual_nodes / 2);
+}
+
+TEST(TraverseWithin, NothingVisibleIsLost) {
+  const Hlod& hlod = refinable();
+  const std::vector<PlacedHlod> placed = {{&hlod}, {&hlod, glm::dmat4(glm::dmat3(0.5))}};
+  for (const Strategy strategy : {Strategy::boolean, Strategy::coh, Strategy::ideal}) {
+    SoftwareDevice device, truth, oracle;
+    Traverser traverser(placed), all(placed);
+    std::size_t hidden = 0;
+    for (int i = 0; i < 12; ++i) {
+      const View view(walk(hlod.data().box, i, 100));
+      TraverseOptions options = options_for(strategy, 1.0, false);
+      options.oracle = &oracle;
+      const FrameStats stats = traverser.draw_frame(view, device, options).stats;
+      const FrameStats all_stats = all.draw_frame(view, truth, options_for(Strategy::vfc, 1.0, false)).stats;
+      EXPECT_EQ(device.depth().nearness, truth.depth().nearness) << static_cast<int>(strategy) << ", frame " << i;
+      EXPECT_GT(stats.cut_nodes, 0U);
+      hidden += all_stats.drawn_nodes - stats.drawn_nodes;
+    }
+    EXPECT_GT(hidden, 0U);
+  }
+}
+
+TEST(TraverseWithin, IdealDrawsWhatStopAndWaitDraws) {
+  const Hlod& hlod = refinable();
+  const PlacedHlod placed{&hlod};
+  Traverser waiting({&placed, 1}), ideal({&placed, 1});
+  SoftwareDevice device, drawn_on, oracle;
+  for (int i = 0; i < 10; ++i) {
+    const View view(walk(hlod.data().box, i, 100));
+    const Frame& asked = waiting.draw_frame(view, device, options_for(Strategy::sw_b, 1.0, true));
+    TraverseOptions options = options_for(Strategy::ideal, 1.0, true);
+    options.oracle = &oracle;
+    const Frame& known = ideal.draw_frame(view, drawn_on, options);
+    EXPECT_EQ(known.front_hash, asked.front_hash);
+    EXPECT_EQ(known.stats.cut_nodes, asked.stats.cut_nodes);
+    EXPECT_GT(known.stats.cut_nodes, 0U);
+    EXPECT_EQ(drawn_on.depth().nearness, device.depth().nearness);
+  }
+}
+
+TEST(TraverseWithin, WithoutSplitsNothingChanges) {
+  const PlacedHlod placed{&city(Grouping::shifted)};
+  for (const Strategy strategy : asking_strategies) {
+    Traverser plain({&placed, 1}), within({&placed, 1});
+    SoftwareDevice device;
+    for (int i = 0; i < 8; ++i) {
+      const View view(walk(placed.hlod->data().box, i, 100));
+      TraverseOptions options = options_for(strategy, 2.0, true);
+      const std::uint64_t hash = within.draw_frame(view, device, options).front_hash;
+      options.within = false;
+      EXPECT_EQ(plain.draw_frame(view, device, options).front_hash, hash);
+    }
+  }
+}
+
+TEST(TraverseWithin, AToleranceOfNothingIsTheInput) {
+  const Hlod& hlod = refinable();
+  const PlacedHlod placed{&hlod};
+  Traverser traverser({&placed, 1});
+  SoftwareDevice device;
+  std::mt19937_64 random(1);
+  const Frame& frame =
+      traverser.draw_frame(View(from_afar(hlod, random)), device, options_for(Strategy::vfc, 0.0, false));
+  EXPECT_EQ(frame.stats.drawn_triangles, hlod.data().input_triangle_count);
+  EXPECT_EQ(frame.stats.cut_nodes, 0U);
+}
+
+TEST(TraverseWithin, DoesNotGoWithGeomorphs) {
+  const PlacedHlod placed{&refinable()};
+  Traverser traverser({&placed, 1});
+  SoftwareDevice device;
+  TraverseOptions options = options_for(Strategy::coh, 1.0, true);
+  options.geomorph = true;
+  EXPECT_THROW(traverser.draw_frame(View(Camera{.eye = {0, 0, 3}}), device, options), Error);
+}
+
+}  // namespace
+}  // namespace occlod::hlod
