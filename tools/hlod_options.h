@@ -14,7 +14,7 @@ class App;
 
 namespace occlod::tool {
 
-// Every strategy by its name on the command line.
+// Strategies by their names on the command line.
 [[nodiscard]] const std::vector<std::pair<std::string, hlod::Strategy>>& strategies();
 [[nodiscard]] std::string name_of(hlod::Strategy strategy);
 

@@ -120,7 +120,7 @@ HlodDistance HlodReference::compare(const Front& front, const Front& before, dou
   result.to_unculled = distance(*view_, frame_.items, frame_.image, plain_.items, plain_.image);
   result.wrongly_hidden_px =
       count_unexplained_pixels(*view_, plain_.items.depth, frame_.items.depth, largest_sse_px + plain_sse_px_);
-  result.crack_px = count_crack_pixels(*view_, full_.items.depth, frame_.items.depth, largest_sse_px);
+  result.crack_px = count_crack_pixels(*view_, full_.items.depth, frame_.items.depth, 4.0 * options_.tolerance_px);
   result.popping =
       measure_popping(*view_, where_shown(before_items_.depth, frame_.items.depth, shown_before_), frame_.items.depth);
   result.depth_complexity = depth_complexity_;

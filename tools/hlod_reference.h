@@ -19,9 +19,11 @@ struct HlodDistance {
   // What vfc draws with the same tolerance: no occlusion and no bias, as the picture of `bool` is too.
   PictureDistance to_unculled;
   std::size_t wrongly_hidden_px = 0;  // pixels of that which the frame cannot explain within the errors of both
-  std::size_t crack_px = 0;           // count_crack_pixels() against the input, within the frame's largest error
-  Popping popping;                    // since the frame before, of what both views show
-  double depth_complexity = 0.0;      // fragments of the input inside the frustum for each pixel that it covers
+  // count_crack_pixels() against the input, within four times the tolerance: errors of nodes are no bounds. With a bias
+  // errors are larger, and what is counted need not be a gap.
+  std::size_t crack_px = 0;
+  Popping popping;                // since the frame before, of what both views show
+  double depth_complexity = 0.0;  // fragments of the input inside the frustum for each pixel that it covers
 };
 
 // Draws every picture itself, with our own rasteriser. Reuses its memory from frame to frame.

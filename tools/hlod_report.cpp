@@ -96,7 +96,7 @@ std::vector<ReportColumn> run_columns(bool compared) {
                                              {"queries", "queries", 8, 1},
                                              {"wasted_queries", "wasted", 7, 1},
                                              {"hidden_nodes", "hidden", 7, 1},
-                                             {"largest_largest_sse_px", "SSE px", 8, 2},
+                                             {"largest_sse_px", "SSE px", 8, 2},
                                              {"stall_ms", "stall ms", 8, 3},
                                              {"starve_ms", "starve ms", 9, 3}};
   const std::vector<ReportColumn> distances = {

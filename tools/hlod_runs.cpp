@@ -128,10 +128,10 @@ Json HlodRuns::summary(std::size_t run) const {
   for (const auto& [key, value] : keys.items()) {
     if (key == "frame" || key == "hash") continue;
     const Column column = column_of(rows, key);
-    result[key] = column.values.empty() ? Json() : Json(column.mean());
+    const bool is_largest = key == "largest_sse_px";
+    result[key] = column.values.empty() ? Json() : Json(is_largest ? column.largest() : column.mean());
     if (is_ratio(key)) result[key + "_deviation"] = column.values.empty() ? Json() : Json(column.deviation());
-    if (key == "popping_px" || key == "largest_sse_px" || key == "frame_ms")
-      result["largest_" + key] = column.largest();
+    if (key == "popping_px" || key == "frame_ms") result["largest_" + key] = column.largest();
   }
   if (compared_frames_ > 0)
     result["equal_pictures"] =

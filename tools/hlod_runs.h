@@ -35,7 +35,7 @@ class HlodRuns {
   [[nodiscard]] const Json& told(std::size_t run) const { return states_[run].rows.back(); }
   // Of all frames so far.
   [[nodiscard]] const std::vector<Json>& rows(std::size_t run) const { return states_[run].rows; }
-  // Averages over them, and a hash of all fronts.
+  // Averages over them, the largest of what is called largest, and a hash of all fronts.
   [[nodiscard]] Json summary(std::size_t run) const;
 
  private:

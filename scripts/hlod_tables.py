@@ -1,0 +1,327 @@
+#!/usr/bin/env python3
+"""hlod_tables.py FOLDER: the tables of Charalambos 2006 and of Charalambos and others 2007 with our figures beside theirs, and what HLODs are asked to
+reach with verdicts, from what scripts/hlod_runs.py has left in FOLDER; and all runs as FOLDER/runs.csv. What is missing there is missing here."""
+import csv
+import hashlib
+import json
+import pathlib
+import sys
+
+SESSION = ("overview", "rotation", "close_ups")
+FIRST, SECOND = ("hlod_row", "hlod_grid", "hlod_shelves"), ("hlod_5m", "hlod_12m")
+
+# Charalambos 2006, table 1 (Pentium M 1.7, GeForce Go 6200): FPS, nodes drawn, RARN, by scene.
+PAPER_2006 = {"simp": ("CHLOD-eps^q", ((72.3, 94.82, 0.85), (40.56, 166.54, 1.97), (62.49, 159.32, 2.95))),
+              "bool": ("CHLOD-eps", ((61.57, 110.69, None), (34.99, 193.92, None), (47.69, 200.9, None))),
+              "sw-b": ("SW-eps^q", ((53.23, 75.71, None), (28.48, 141.25, None), (43.27, 103.8, None))),
+              "sw": ("SW-eps", ((40.39, 107.24, None), (22.24, 180.56, None), (28.19, 199.48, None)))}
+# Charalambos and others 2007, table 1 (Core 2 Duo, 8800 GTX): nodes drawn, RARN, delayed, FPS.
+PAPER_2007 = {"bool": ("Bool", ((217, None, None, 169.9), (468.5, None, None, 92.9))), "sw-b": ("SW(B)", ((181.4, None, None, 47.3), (302.1, None, None, 68.2))),
+              "simp": ("Simp(B)", ((200, 5, None, 173.6), (377.8, 4.3, None, 105.4))), "coh": ("Coh(B)", ((183.3, 0.1, 4.7, 191.6), (303.9, 0.4, 4.2, 130.2)))}
+# Fig. 4 there: PSNR of Coh(B) against Bool over 20 random frames, mean and deviation, of Y, Cb and Cr.
+PAPER_PSNR = (((42.84, 3.22), (67.04, 3.68), (56.2, 3.65)), ((35.51, 1.4), (59.34, 1.55), (48.69, 1.58)))
+
+
+class Results:
+    def __init__(self, folder):
+        self.folder = folder
+
+    def load(self, name):
+        file = self.folder / f"{name}.json"
+        return json.loads(file.read_text()) if file.exists() else None
+
+    def runs(self, *names):
+        """By device and strategy: averages over several runs with as many frames each. Nothing where one of them is missing."""
+        reports = [self.load(name) for name in names]
+        if not names or None in reports:
+            return {}
+        found = {}
+        for report in reports:
+            for run in report["runs"]:
+                found.setdefault((run["device"], run["strategy"]), []).append(run)
+        return {key: averaged(runs) for key, runs in found.items()}
+
+    def session(self, kind, scene):
+        return self.runs(*(f"{kind}_{scene}_{path}" for path in SESSION))
+
+    def second(self, scene):
+        return self.session("second", scene) if scene in FIRST else self.runs(f"second_{scene}_walk")
+
+
+def averaged(runs):
+    result = dict(runs[0])
+    for key, value in runs[0].items():
+        if isinstance(value, (int, float)):
+            result[key] = sum(run[key] for run in runs) / len(runs)
+    result["fps"] = 1e3 / result["frame_ms"] if result["frame_ms"] else 0
+    if len(runs) > 1:
+        result["hash"] = hashlib.sha256("".join(run["hash"] for run in runs).encode()).hexdigest()[:16]
+    return result
+
+
+def number(value, digits=2):
+    return "-" if value is None else f"{value:,.{digits}f}"
+
+
+def table(titles, rows):
+    print("| " + " | ".join(titles) + " |")
+    print("|" + "---|" * len(titles))
+    for row in rows:
+        print("| " + " | ".join(map(str, row)) + " |")
+    print()
+
+
+def devices_of(runs):
+    return list(dict.fromkeys(device for device, _ in runs))
+
+
+def mapped(text):
+    return text.replace("virtual:", "")
+
+
+def print_first_paper(results):
+    print("## Charalambos 2006, table 1\n")
+    print("B = mu, alpha as printed there, distance to spheres, nested nodes with free borders, 640x480, 1 px. Theirs in brackets.\n")
+    for index, scene in enumerate(FIRST):
+        runs = results.session("first", scene)
+        if not runs:
+            continue
+        print(f"`{scene}` ({('low', 'middle', 'high')[index]} depth complexity):\n")
+        rows = []
+        for strategy, (name, figures) in PAPER_2006.items():
+            fps, nodes, rarn = figures[index]
+            ours = [runs[device, strategy] for device in devices_of(runs)]
+            rows.append([name, *(f"{number(run['fps'], 1)}" for run in ours), f"({number(fps, 1)})", f"{number(ours[0]['drawn_nodes'], 1)} ({number(nodes, 1)})",
+                         f"{number(ours[0]['rarn'])} ({number(rarn)})", number(ours[0]["queries"], 1), number(ours[0]["wasted_queries"], 1),
+                         " ".join(run["hash"] for run in ours)])
+        table(["", *(f"FPS {mapped(device)}" for device in devices_of(runs)), "FPS", "nodes", "RARN", "queries", "wasted", "hashes"], rows)
+
+
+def print_speed_ups(results):
+    print("Speed of CHLOD-eps^q, relative to:\n")
+    rows = []
+    for other, paper in (("bool", (17, 16, 31)), ("sw-b", (36, 42, 44)), ("sw", (79, 82, 122))):
+        row = [PAPER_2006[other][0]]
+        for index, scene in enumerate(FIRST):
+            runs = results.session("first", scene)
+            ours = [f"{100 * (runs[device, 'simp']['fps'] / runs[device, other]['fps'] - 1):+.0f}" for device in devices_of(runs)]
+            row.append(f"{' / '.join(ours) or '-'} % ({paper[index]:+d})")
+        rows.append(row)
+    table(["", *FIRST], rows)
+
+
+def print_second_paper(results):
+    print("## Charalambos and others 2007, table 1\n")
+    print(f"B_(s,t) with s,t = {results.load('about')['bias']}, alpha exact, distance to spheres, nested nodes with free borders, 640x480, 1 px. Theirs in brackets.\n")
+    for index, scene in enumerate(SECOND):
+        for kind, title in (("second", "as published"), ("ours", "shifted groups without gaps, distance to boxes")):
+            runs = results.runs(f"{kind}_{scene}_walk")
+            if not runs:
+                continue
+            print(f"`{scene}`, {title}:\n")
+            rows = []
+            for device in devices_of(runs):
+                for strategy, (name, figures) in PAPER_2007.items():
+                    nodes, rarn, delayed, fps = figures[index]
+                    run, coh = runs[device, strategy], runs[device, "coh"]
+                    paper_coh = PAPER_2007["coh"][1][index][3]
+                    rows.append([mapped(device), name, f"{number(run['drawn_nodes'], 1)} ({number(nodes, 1)})", f"{number(run['rarn'])} ({number(rarn, 1)})",
+                                 f"{number(run['delayed'] if strategy == 'coh' else None)} ({number(delayed, 1)})", number(run["queries"], 1), number(run["wasted_queries"], 1),
+                                 f"{number(run['frame_ms'], 3)} ({number(1e3 / fps, 3)})",
+                                 "" if strategy == "coh" else f"{coh['fps'] / run['fps']:.2f} ({paper_coh / fps:.2f})", run["hash"]])
+            table(["device", "", "nodes", "RARN", "delayed", "queries", "wasted", "ms", "speed-up of Coh", "hash"], rows)
+
+
+def print_psnr(results):
+    print("PSNR in dB of Coh(B) against Bool, mean and deviation over frames spread evenly (theirs: 20 random ones):\n")
+    rows = []
+    for index, scene in enumerate(SECOND):
+        for device, strategy in results.runs(f"second_{scene}_walk"):
+            if strategy != "coh":
+                continue
+            run = results.runs(f"second_{scene}_walk")[device, strategy]
+            cells = [f"{number(run[f'unculled_psnr_{part}'])} +- {number(run[f'unculled_psnr_{part}_deviation'])} ({mean} +- {deviation})"
+                     for part, (mean, deviation) in zip(("y", "cb", "cr"), PAPER_PSNR[index])]
+            rows.append([scene, mapped(device), run["compared_frames"], *cells, number(run["psnr_y"])])
+    table(["scene", "device", "frames", "Y", "Cb", "Cr", "Y against the input"], rows)
+
+
+def print_llvmpipe(results):
+    rows = []
+    for scene in SECOND:
+        for threads in ("0", "2"):
+            runs = results.runs(f"llvmpipe{threads}_{scene}")
+            for (_, strategy), run in runs.items():
+                rows.append([scene, threads, PAPER_2007[strategy][0], number(run["drawn_nodes"], 1), number(run["frame_ms"], 1), number(run["stall_ms"], 1),
+                             f"{runs['gl', 'coh']['fps'] / run['fps']:.2f}", run["hash"]])
+    if rows:
+        print("llvmpipe, by LP_NUM_THREADS; times are those of this machine:\n")
+        table(["scene", "threads", "", "nodes", "ms", "stall ms", "speed-up of Coh", "hash"], rows)
+
+
+def print_sweep(results):
+    rows = []
+    for file in sorted(results.folder.glob("bias_*.json")):
+        report = json.loads(file.read_text())
+        run = report["runs"][0]
+        bias = report["bias"]
+        rows.append(["1 where visible" if bias is None else f"{bias['s']:g}, {bias['t']:g}", number(run["drawn_nodes"], 1), f"{run['drawn_triangles']:,.0f}",
+                     number(run["frame_ms"], 3), number(run["unculled_psnr_y"]), number(run["psnr_y"]), number(run["depth_rms_px"], 3), run["hash"]])
+    if rows:
+        print("## What the bias gives and costs\n\nWhat SW(B) draws, known beforehand and drawn without a query (`ideal`), so that only the bias decides:\n")
+        table(["s, t", "nodes", "triangles", f"ms {mapped(run['device'])}", "PSNR Y against Bool", "against the input", "depth RMS px", "hash"], rows)
+
+
+class Goals:
+    def __init__(self):
+        self.rows = []
+
+    def add(self, goal, what, asked, figure, met):
+        self.rows.append([goal, what, asked, figure, "-" if met is None else "met" if met else "**missed**"])
+
+
+def add_prediction(goals, results):
+    for scene in FIRST + SECOND:
+        runs = results.second(scene)
+        for device in devices_of(runs):
+            coh, ideal = runs[device, "coh"], runs[device, "sw-b"]
+            add_prediction_rows(goals, f"{scene}, {mapped(device)}", coh, ideal)
+    slow = results.runs("slow_hlod_5m")
+    if slow:
+        add_prediction_rows(goals, "hlod_5m at a fifth of the speed, software", slow["software", "coh"], slow["software", "sw-b"])
+
+
+def add_prediction_rows(goals, where, coh, ideal):
+    nodes = coh["drawn_nodes"]
+    goals.add(1, f"Coh(B) over SW(B), nodes: {where}", "<= 1.005", f"{nodes / ideal['drawn_nodes']:.3f}", nodes <= 1.005 * ideal["drawn_nodes"])
+    goals.add(1, "RARN, % of nodes", "<= 0.05", f"{100 * coh['rarn'] / nodes:.2f}", coh["rarn"] <= 0.0005 * nodes)
+    goals.add(1, "delayed, % of nodes", "<= 3", f"{100 * coh['delayed'] / nodes:.2f}", coh["delayed"] <= 0.03 * nodes)
+
+
+def add_speed(goals, results):
+    for scene, asked in (("hlod_grid", 1.15), ("hlod_5m", 1.15), ("hlod_shelves", 1.45), ("hlod_12m", 1.45)):
+        runs = results.second(scene)
+        for device in devices_of(runs):
+            ratio = runs[device, "coh"]["fps"] / runs[device, "bool"]["fps"]
+            goals.add(2, f"speed of Coh(B) over Bool: {scene}, {mapped(device)}", f">= {asked}", f"{ratio:.2f}", ratio >= asked)
+        if "virtual:query-dear" in devices_of(runs):
+            ratio = runs["virtual:query-dear", "coh"]["fps"] / runs["virtual:query-dear", "sw-b"]["fps"]
+            goals.add(2, f"over SW(B): {scene}, query-dear", ">= 2", f"{ratio:.2f}", ratio >= 2)
+    for scene in SECOND:
+        runs = results.runs(f"llvmpipe2_{scene}")
+        if runs:
+            ratio = runs["gl", "coh"]["fps"] / runs["gl", "sw-b"]["fps"]
+            goals.add(2, f"over SW(B): {scene}, llvmpipe with threads", ">= 2", f"{ratio:.2f}", ratio >= 2)
+    for scene, asked in zip(FIRST, (15, 15, 30)):
+        runs = results.session("first", scene)
+        for device in devices_of(runs):
+            gain = 100 * (runs[device, "simp"]["fps"] / runs[device, "bool"]["fps"] - 1)
+            goals.add(2, f"speed of CHLOD-eps^q over CHLOD-eps, B = mu: {scene}, {mapped(device)}", f">= +{asked} %", f"{gain:+.0f} %", gain >= asked)
+
+
+def add_pictures(goals, results):
+    for scene, asked in zip(SECOND, (43, 37)):
+        runs = results.runs(f"second_{scene}_walk")
+        for device in devices_of(runs):
+            psnr = runs[device, "coh"]["unculled_psnr_y"]
+            goals.add(3, f"PSNR Y of Coh(B) against Bool: {scene}, {mapped(device)}", f">= {asked} dB", number(psnr), psnr is not None and psnr >= asked)
+
+
+def add_graph(goals, results):
+    for scene in ("hlod_row", "hlod_grid"):
+        valid = results.load(f"fronts_{scene}")
+        if valid:
+            goals.add(6, f"violations on {results.load('about')['effort']['fronts']:,} random fronts: {scene}", "0", len(valid["violations"]), valid["valid"])
+    for kind in ("shifted", "nested"):
+        found = {file.stem: json.loads(file.read_text())["runs"][0] for file in results.folder.glob(f"cracks_*_{kind}_*.json")}
+        if found:
+            cracks = {name: run["crack_px"] * run["compared_frames"] for name, run in found.items()}
+            frames = sum(run["compared_frames"] for run in found.values())
+            figure = f"{sum(cracks.values()):.0f} in {frames} frames of {len(found)} paths"
+            goals.add(6, f"crack pixels, vfc, {kind}", "0" if kind == "shifted" else "> 0, shown", figure, sum(cracks.values()) == 0 if kind == "shifted" else None)
+    add_equal_errors(goals, results)
+    off, on = results.runs("geomorph_off"), results.runs("geomorph_on")
+    if off and on:
+        for key, name in (("largest_popping_px", "largest pop"), ("popping_rms_px", "depth RMS of pops")):
+            before, after = off["software", "vfc"][key], on["software", "vfc"][key]
+            goals.add(6, f"{name}, geomorphs over none: hlod_row, overview", "<= 0.35" if key.startswith("largest") else "shown",
+                      f"{after:.2f} / {before:.2f} px = {after / before:.2f}" if before else "nothing popped",
+                      after <= 0.35 * before if before and key.startswith("largest") else None)
+
+
+def add_equal_errors(goals, results):
+    """Triangles of shifted groups at the depth RMS of nested ones, between tolerances as straight lines in logarithms."""
+    for path in ("close_ups", "overview"):
+        curves = {}
+        for kind in ("nested", "shifted"):
+            runs = [json.loads(file.read_text())["runs"][0] for file in results.folder.glob(f"rms_hlod_grid_{kind}_{path}_*.json")]
+            curves[kind] = sorted((run["depth_rms_px"], run["drawn_triangles"]) for run in runs)
+        ratios = [interpolated(curves["shifted"], rms) / triangles for rms, triangles in curves["nested"] if interpolated(curves["shifted"], rms)]
+        if ratios:
+            mean = sum(ratios) / len(ratios)
+            goals.add(6, f"triangles of shifted over nested, free at equal depth RMS: hlod_grid, {path}", "<= 1.15",
+                      f"{mean:.3f} ({min(ratios):.3f} to {max(ratios):.3f})", mean <= 1.15)
+
+
+def interpolated(curve, rms):
+    for (low, many), (high, few) in zip(curve, curve[1:]):
+        if low <= rms <= high:
+            t = (rms - low) / (high - low) if high > low else 0
+            return many ** (1 - t) * few ** t
+    return None
+
+
+def print_goals(results):
+    goals = Goals()
+    for add in (add_prediction, add_speed, add_pictures, add_graph):
+        add(goals, results)
+    print("## What is asked\n")
+    table(["goal", "what", "asked", "figure", "verdict"], goals.rows)
+    judged = [row[-1] for row in goals.rows if row[-1] != "-"]
+    print(f"{judged.count('met')} met, {len(judged) - judged.count('met')} missed.\n")
+
+
+def print_scenes(results):
+    rows = []
+    for scene in FIRST + SECOND:
+        built = [results.load(f"{scene}_{kind}") for kind in ("nested", "shifted")]
+        if None not in built:
+            rows.append([scene, f"{built[0]['triangles']:,}", *(f"{told['nodes']:,} ({told['node_triangles']:,})" for told in built),
+                         *(f"{told['build_ms'] / 1e3:.1f}" for told in built)])
+    table(["scene", "triangles", "nodes, nested (most triangles each)", "nodes, shifted", "built in s, nested", "shifted"], rows)
+
+
+def write_csv(results):
+    """A line for each run: what was drawn, with what and how, and all that came of it. Crack pixels only where no bias makes them doubtful."""
+    rows = []
+    for file in sorted(results.folder.glob("*.json")):
+        report = json.loads(file.read_text())
+        for run in report.get("runs", ()):
+            bias = report["bias"] or {"s": "", "t": ""}
+            rows.append({"run": file.stem, "scene": report["scene"], "path": report["path"], "tolerance_px": report["tolerance_px"], "bias_s": bias["s"],
+                         "bias_t": bias["t"], **{key: value for key, value in run.items() if key != "crack_px" or run["strategy"] == "vfc"}})
+    keys = list(dict.fromkeys(key for row in rows for key in row))
+    with open(results.folder / "runs.csv", "w", newline="") as file:
+        table_of_runs = csv.DictWriter(file, keys, restval="", lineterminator="\n")
+        table_of_runs.writeheader()
+        table_of_runs.writerows(rows)
+
+
+def main():
+    results = Results(pathlib.Path(sys.argv[1]))
+    about = results.load("about")
+    print(f"# HLODs refined by occlusion queries\n\n{about['date']}, {about['machine']}{', quick: rough figures' if about['quick'] else ''}\n")
+    print_scenes(results)
+    print_first_paper(results)
+    if all(results.session("first", scene) for scene in FIRST):
+        print_speed_ups(results)
+    print_second_paper(results)
+    print_psnr(results)
+    print_llvmpipe(results)
+    print_sweep(results)
+    print_goals(results)
+    write_csv(results)
+
+
+if __name__ == "__main__":
+    main()

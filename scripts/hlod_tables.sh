@@ -1,0 +1,17 @@
+#!/usr/bin/env bash
+# The tables of Charalambos 2006 and of Charalambos and others 2007 with our figures beside theirs, and what HLODs are
+# asked to reach with verdicts (docs/benchmarks/hlod.md): builds what it needs, builds the HLODs, draws, prints.
+# hlod_tables.sh [--quick] [--reuse] [--devices NAME,NAME,...]
+#   --quick    fewer frames, fronts and the two small scenes only: a few minutes; figures are rough
+#   --reuse    keep HLODs and runs that are in out/hlod from before, and do only what is missing
+#   --devices  simulated devices of the tables (virtual:query-dear,virtual:modern)
+# Everything that is measured goes to out/hlod/*.json, the tables to out/hlod/tables.md.
+# OCCLOD_MESHES: folders with real meshes, separated by ':'; without them scenes are made of libcgal-demo's.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+scripts/setup.sh
+scripts/build.sh release -DOCCLOD_BUILD_TESTS=OFF
+scripts/get_demo_meshes.sh || echo "hlod_tables: going on with the meshes that are there" >&2
+python3 -B scripts/hlod_runs.py --occlod build/release/tools/occlod --out out/hlod "$@"
+python3 -B scripts/hlod_tables.py out/hlod | tee out/hlod/tables.md
