@@ -2,18 +2,20 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <glm/vec3.hpp>
 #include <span>
 #include <vector>
 
 #include "occlod/device/device.h"
+#include "occlod/hlod/within.h"
 #include "occlod/picture/picture.h"
 #include "occlod/traverse/traverser.h"
 #include "occlod/view/view.h"
 
 namespace occlod::tool {
 
-// Draws of a frame that outlive it.
+// Draws of a frame that outlive it; of cuts only their splits.
 struct Front {
   std::vector<hlod::DrawnNode> draws;
   std::vector<hlod::DrawRange> ranges;
@@ -34,10 +36,14 @@ class FrontMesh {
 
  private:
   void append(const hlod::DrawnNode& draw, std::span<const hlod::DrawRange> ranges, const hlod::PlacedHlod& placed);
+  [[nodiscard]] std::span<const glm::u8vec4> colors_of_cut(const hlod::Hlod& hlod, hlod::NodeId node);
+  void append_triangles(std::span<const std::uint16_t> indices);
 
   std::vector<DrawObject> objects_;
   std::vector<Triangle> triangles_;                // of all objects, one after the other
   std::vector<std::vector<glm::vec3>> positions_;  // of the k-th object whose vertices are on their way
+  std::vector<hlod::NodeCut> cuts_;                // of the k-th object
+  std::vector<std::vector<glm::u8vec4>> colors_;   // of the k-th object, if that is a cut
 };
 
 }  // namespace occlod::tool

@@ -62,7 +62,13 @@ void add_traverse_options(CLI::App& command, hlod::TraverseOptions& options) {
       "Where a node is nearest to the eye: box: of its box; sphere: of its sphere, as published, which is coarser");
   add_choice(command, "--alpha", options.alpha, {{"exact", hlod::Alpha::exact}, {"paper", hlod::Alpha::paper}},
              "The pixels of a node's box on an empty screen: exact: of its outline; paper: of a cube of its volume");
-  command.add_flag("--geomorph", options.geomorph, "Let vertices slide to where the parent has them");
+  CLI::Option* const geomorph =
+      command.add_flag("--geomorph", options.geomorph, "Let vertices slide to where the parent has them");
+  command
+      .add_flag("--within", options.within,
+                "Of HLODs with splits (hlod build --within splits): refine nodes within instead of by their children "
+                "where that is enough")
+      ->excludes(geomorph);
 }
 
 Json to_json(const hlod::TraverseOptions& options) {
@@ -70,7 +76,8 @@ Json to_json(const hlod::TraverseOptions& options) {
           {"bias", options.biased ? Json{{"s", options.bias.s}, {"t", options.bias.t}} : Json()},
           {"metric", options.metric == hlod::Metric::box ? "box" : "sphere"},
           {"alpha", options.alpha == hlod::Alpha::exact ? "exact" : "paper"},
-          {"geomorph", options.geomorph}};
+          {"geomorph", options.geomorph},
+          {"within", options.within}};
 }
 
 }  // namespace occlod::tool

@@ -15,6 +15,8 @@ Json to_json(const hlod::FrameStats& stats) {
   return {{"drawn_nodes", stats.drawn_nodes},
           {"drawn_patches", stats.drawn_patches},
           {"drawn_triangles", stats.drawn_triangles},
+          {"cut_nodes", stats.cut_nodes},
+          {"recut_nodes", stats.recut_nodes},
           {"rarn", stats.rarn},
           {"delayed", stats.delayed},
           {"blocked", stats.blocked},

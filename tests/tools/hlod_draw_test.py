@@ -32,13 +32,13 @@ class HlodDraw(ToolTest):
 
     def test_render_reports(self):
         report = self.render("--path", "by", "--reference", 3)
-        self.assert_has_keys(report, "scene path strategy tolerance_px bias metric alpha geomorph device hlods mean frames")
+        self.assert_has_keys(report, "scene path strategy tolerance_px bias metric alpha geomorph within device hlods mean frames")
         self.assertEqual((report["scene"], report["path"], report["strategy"], report["bias"]), ("planets", "by", "coh", {"s": 1.0, "t": 0.3}))
         self.assertEqual(report["hlods"][0]["triangles"], 3 * TRIANGLES)
         frames = report["frames"]
         self.assertEqual([frame["frame"] for frame in frames], list(range(7)))
         for frame in frames:
-            self.assert_has_keys(frame, "drawn_nodes drawn_patches drawn_triangles rarn delayed blocked visits queries wasted_queries hidden_nodes "
+            self.assert_has_keys(frame, "drawn_nodes drawn_patches drawn_triangles cut_nodes recut_nodes rarn delayed blocked visits queries wasted_queries hidden_nodes "
                                         "largest_sse_px frame_ms cpu_ms gpu_ms stall_ms starve_ms hash")
             self.assertGreater(frame["drawn_nodes"], 0)
         compared = [frame for frame in frames if "psnr_y" in frame]
@@ -89,6 +89,21 @@ class HlodDraw(ToolTest):
         self.assertNotEqual(other("--alpha", "paper")["hash"], usual["hash"])
         self.assertNotEqual(other("--geomorph", "--reference", 7)["depth_rms_px"], other("--reference", 7)["depth_rms_px"])
         self.assertNotEqual(self.render("--orthographic")["mean"]["hash"], self.render()["mean"]["hash"])
+
+    def test_nodes_are_refined_within(self):
+        self.succeed("hlod", "build", "scene.json", "-o", "planets.ohlod", "--node-triangles", 64, "--within", "splits")
+        for strategy in ("vfc", "coh"):
+            shared = ("--path", "by", "--strategy", strategy, "--tolerance", 0.5, "--reference", 7)
+            usual, within = self.render(*shared), self.render(*shared, "--within")
+            self.assertEqual((usual["within"], within["within"]), (False, True))
+            usual, within = usual["mean"], within["mean"]
+            self.assertEqual((usual["cut_nodes"], usual["crack_px"], within["crack_px"]), (0, 0, 0))
+            self.assertGreater(within["cut_nodes"], 0)
+            self.assertLess(within["drawn_triangles"], usual["drawn_triangles"])
+            self.assertLess(within["drawn_nodes"], usual["drawn_nodes"])
+        self.render("--within", "--png", "one.png")
+        done = self.run_tool("hlod", "render", "planets.ohlod", "--within", "--geomorph")
+        self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1))
 
     def test_no_tolerance_draws_the_input(self):
         frame = self.render("--strategy", "vfc", "--tolerance", 0, "--reference", 1)["frames"][0]
