@@ -10,8 +10,19 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
+options=()
+while [ $# -gt 0 ]; do
+  case $1 in
+    --quick | --reuse) options+=("$1"); shift ;;
+    --devices)
+      [ $# -gt 1 ] || { echo "hlod_tables.sh: --devices needs a list; see the head of $0" >&2; exit 2; }
+      options+=("$1" "$2"); shift 2 ;;
+    *) echo "hlod_tables.sh: unknown option $1; see the head of $0" >&2; exit 2 ;;
+  esac
+done
+
 scripts/setup.sh
 scripts/build.sh release -DOCCLOD_BUILD_TESTS=OFF
 scripts/get_demo_meshes.sh || echo "hlod_tables: going on with the meshes that are there" >&2
-python3 -B scripts/hlod_runs.py --occlod build/release/tools/occlod --out out/hlod "$@"
+python3 -B scripts/hlod_runs.py --occlod build/release/tools/occlod --out out/hlod "${options[@]}"
 python3 -B scripts/hlod_tables.py out/hlod | tee out/hlod/tables.md
