@@ -9,6 +9,7 @@
 
 #include "command_files.h"
 #include "hlod.h"
+#include "hlod_costs.h"
 #include "hlod_device.h"
 #include "hlod_options.h"
 #include "hlod_report.h"
@@ -26,6 +27,7 @@ struct Options {
   hlod::TraverseOptions traverse;
   std::vector<std::string> strategies = {"all"};
   std::vector<std::string> devices = {"software"};
+  HlodCostOptions costs;
   int compared_frames = 0;
   std::string csv;
   bool json = false;
@@ -57,16 +59,19 @@ void run(const Options& options) {
   CommandFiles files;
   for (const auto& [what, path] : files_of(options.scene, request)) files.add_input(what, path);
   if (!options.csv.empty()) files.add_output("--csv", options.csv);
+  add_files(files, options.costs);
   std::vector<HlodDevice> devices;
   for (const std::string& name : options.devices) devices.push_back(make_hlod_device(name));
   const HlodScene scene = load_hlod_scene(options.scene, request);
   std::vector<HlodRun> drawn;
   std::vector<Json> heads;
-  for (const HlodDevice& device : devices)
+  const std::vector<hlod::DeviceCosts> costs = costs_of(devices, options.costs, chosen_strategies(options));
+  for (std::size_t i = 0; i < devices.size(); ++i)
     for (const hlod::Strategy strategy : chosen_strategies(options)) {
-      drawn.push_back({options.traverse, device.device.get()});
+      drawn.push_back({options.traverse, devices[i].device.get()});
       drawn.back().options.strategy = strategy;
-      heads.push_back({{"device", device.name}, {"strategy", name_of(strategy)}});
+      drawn.back().options.costs = costs[i];
+      heads.push_back({{"device", devices[i].name}, {"strategy", name_of(strategy)}});
     }
   HlodRuns runs(scene, drawn, options.compared_frames);
   Progress progress;
@@ -109,6 +114,7 @@ void add_hlod_compare(CLI::App& hlod) {
       ->allow_extra_args(false)
       ->transform(not_empty())
       ->option_text("NAME,NAME,... [software]");
+  add_hlod_cost_options(command, options->costs);
   command.option_defaults()->group("Output");
   add_number(command, "--reference", options->compared_frames, WholeRange{0, 1'000'000},
              "Compare so many frames, spread evenly, with the input and with what vfc draws; 0: none")

@@ -36,8 +36,11 @@ void set_bias(hlod::TraverseOptions& options, const std::string& text) {
 const std::vector<std::pair<std::string, hlod::Strategy>>& strategies() {
   using hlod::Strategy;
   static const std::vector<std::pair<std::string, Strategy>> all = {
-      {"vfc", Strategy::vfc},   {"sw", Strategy::sw},   {"sw-b", Strategy::sw_b},  {"bool", Strategy::boolean},
-      {"simp", Strategy::simp}, {"coh", Strategy::coh}, {"ideal", Strategy::ideal}};
+      {"vfc", Strategy::vfc},           {"sw", Strategy::sw},         {"sw-b", Strategy::sw_b},
+      {"bool", Strategy::boolean},      {"simp", Strategy::simp},     {"coh", Strategy::coh},
+      {"ideal", Strategy::ideal},       {"nohc", Strategy::nohc},     {"chc++", Strategy::chc_plus},
+      {"two-pass", Strategy::two_pass}, {"cesium", Strategy::cesium}, {"optimum", Strategy::optimum},
+      {"batch", Strategy::batch},       {"auto", Strategy::automatic}};
   return all;
 }
 
@@ -54,7 +57,8 @@ void add_traverse_options(CLI::App& command, hlod::TraverseOptions& options) {
   command
       .add_option_function<std::string>(
           "--bias", [&options](const std::string& text) { set_bias(options, text); },
-          "sw-b, simp, coh, ideal: how much of a node's error counts where only a share of it is visible. S: from that "
+          "sw-b, simp, coh, ideal, batch, auto: how much of a node's error counts where only a share of it is visible. "
+          "S: from that "
           "share itself (0) to a sigmoid (1); T: where the sigmoid turns; none: all of it")
       ->option_text(fmt::format("S,T|none [{},{}]", options.bias.s, options.bias.t));
   add_choice(
@@ -62,6 +66,10 @@ void add_traverse_options(CLI::App& command, hlod::TraverseOptions& options) {
       "Where a node is nearest to the eye: box: of its box; sphere: of its sphere, as published, which is coarser");
   add_choice(command, "--alpha", options.alpha, {{"exact", hlod::Alpha::exact}, {"paper", hlod::Alpha::paper}},
              "The pixels of a node's box on an empty screen: exact: of its outline; paper: of a cube of its volume");
+  add_choice(command, "--cover-model", options.cover_model,
+             {{"printed", hlod::CoverModel::printed}, {"corrected", hlod::CoverModel::corrected}},
+             "nohc, batch: how probable it is that a box is covered by what is drawn: printed: as the paper has it; "
+             "corrected: for boxes inside the image, and with the real number of levels");
   CLI::Option* const geomorph =
       command.add_flag("--geomorph", options.geomorph, "Let vertices slide to where the parent has them");
   command
@@ -76,6 +84,7 @@ Json to_json(const hlod::TraverseOptions& options) {
           {"bias", options.biased ? Json{{"s", options.bias.s}, {"t", options.bias.t}} : Json()},
           {"metric", options.metric == hlod::Metric::box ? "box" : "sphere"},
           {"alpha", options.alpha == hlod::Alpha::exact ? "exact" : "paper"},
+          {"cover_model", options.cover_model == hlod::CoverModel::corrected ? "corrected" : "printed"},
           {"geomorph", options.geomorph},
           {"within", options.within}};
 }

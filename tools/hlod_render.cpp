@@ -14,12 +14,14 @@
 #include "drawing.h"
 #include "hlod.h"
 #include "hlod_boxes.h"
+#include "hlod_costs.h"
 #include "hlod_device.h"
 #include "hlod_options.h"
 #include "hlod_report.h"
 #include "hlod_runs.h"
 #include "hlod_scene.h"
 #include "interrupt.h"
+#include "occlod/core/error.h"
 #include "occlod/device/recorded_device.h"
 #include "option_values.h"
 #include "render_path.h"
@@ -31,6 +33,7 @@ struct Options {
   HlodSceneOptions scene;
   hlod::TraverseOptions traverse;
   std::string device = "software";
+  HlodCostOptions costs;
   std::string record;
   std::string replay;  // instead of the device
   int compared_frames = 0;
@@ -51,6 +54,7 @@ void check_files(const Options& options, const HlodRequest& request) {
   if (!options.replay.empty()) files.add_input("the recording to replay", options.replay);
   if (!options.csv.empty()) files.add_output("--csv", options.csv);
   if (!options.record.empty()) files.add_output("--record", options.record);
+  add_files(files, options.costs);
   for (const auto& [option, file] : {std::pair("--png", options.png), std::pair("--boxes", options.boxes)})
     for (int i = 0; !file.empty() && i < request.frames; ++i)
       files.add_output(option, picture_file(file, request.frames, i));
@@ -69,11 +73,13 @@ void write_pictures(const Options& options, const HlodScene& scene, const Front&
     write_png(picture_file(options.boxes, scene.path.frames, frame), picture_of_boxes(front, scene.placed, view));
 }
 
-Json report_of(const Options& options, const HlodScene& scene, const HlodDevice& device, const HlodRuns& runs) {
+Json report_of(const Options& options, const HlodScene& scene, const HlodDevice& device, const hlod::DeviceCosts& costs,
+               const HlodRuns& runs) {
   Json report = {
       {"scene", scene.name}, {"path", options.scene.view.path}, {"strategy", name_of(options.traverse.strategy)}};
   report.update(to_json(options.traverse));
   report["device"] = device.name;
+  if (needs_costs(options.traverse.strategy)) report["costs"] = to_json(costs);
   if (!device.gl.is_null()) report["gl"] = device.gl;
   for (const LoadedHlod& hlod : scene.hlods) {
     Json counts = {{"source", hlod.source_name}};
@@ -89,13 +95,19 @@ void run(const Options& options) {
   handle_interrupts("hlod render");
   const HlodRequest request = describe_hlod_request(options.scene);
   check_files(options, request);
-  const HlodDevice device =
-      options.replay.empty() ? make_hlod_device(options.device) : replaying_device(options.replay);
+  std::vector<HlodDevice> devices;
+  devices.push_back(options.replay.empty() ? make_hlod_device(options.device) : replaying_device(options.replay));
+  const HlodDevice& device = devices.front();
+  hlod::TraverseOptions traverse = options.traverse;
+  if (needs_costs(traverse.strategy) && !options.replay.empty() && options.costs.calibration.empty())
+    throw Error({"--replay", options.replay, "a recording does not tell what the device's commands cost",
+                 "give the calibration of the recorded run, --calibration"});
+  traverse.costs = costs_of(devices, options.costs, {traverse.strategy}).front();
   std::optional<hlod::RecordingDevice> recorder;
   if (!options.record.empty()) recorder.emplace(*device.device);
   const HlodScene scene = load_hlod_scene(options.scene, request);
   hlod::RenderDevice* drawn_on = recorder ? &*recorder : device.device.get();
-  HlodRuns runs(scene, {{options.traverse, drawn_on}}, options.compared_frames);
+  HlodRuns runs(scene, {{traverse, drawn_on}}, options.compared_frames);
   const auto columns = frame_columns(options.compared_frames > 0);
   if (!options.json) print_titles(columns);
   for (int i = 0; i < scene.path.frames; ++i) {
@@ -106,7 +118,7 @@ void run(const Options& options) {
   }
   if (!options.csv.empty()) write_csv(options.csv, runs.rows(0));
   if (recorder) write_recording(options.record, recorder->recording());
-  const Json report = report_of(options, scene, device, runs);
+  const Json report = report_of(options, scene, device, traverse.costs, runs);
   if (options.json) return print_json(report);
   Json mean = report["mean"];
   mean["frame"] = "mean";
@@ -127,6 +139,7 @@ void add_hlod_render(CLI::App& hlod) {
   CLI::Option* device =
       add_name(command, "--device", options->device, fmt::format("What draws and answers: {}", hlod_device_names))
           ->capture_default_str();
+  add_hlod_cost_options(command, options->costs);
   add_file(command, "--record", options->record, "Write what the device was told and answered, to repeat this run");
   add_file(command, "--replay", options->replay, "Take the answers and times of such a recording instead of a device")
       ->excludes(device);

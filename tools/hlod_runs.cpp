@@ -8,6 +8,8 @@
 #include <string>
 #include <utility>
 
+#include "hlod_options.h"
+
 namespace occlod::tool {
 namespace {
 
@@ -93,7 +95,7 @@ HlodRuns::HlodRuns(const HlodScene& scene, std::vector<HlodRun> runs, int compar
     : scene_(scene), compared_frames_(std::min(compared_frames, scene.path.frames)) {
   if (compared_frames_ > 0) reference_.emplace(scene.placed, runs.front().options);
   for (HlodRun& run : runs) {
-    if (run.options.strategy == hlod::Strategy::ideal) run.options.oracle = &oracle_;
+    run.options.oracle = &oracle_;
     states_.push_back({run, hlod::Traverser(scene.placed), nullptr, {}, {}});
   }
 }
@@ -117,6 +119,7 @@ void HlodRuns::draw(State& state, int frame, const View& view) {
   row.update(to_json(state.frame->stats));
   row.update(to_json(state.frame->times));
   row["hash"] = fmt::format("{:016x}", state.frame->front_hash);
+  if (state.run.options.strategy == hlod::Strategy::automatic) row["drawn_by"] = name_of(state.frame->strategy);
   if (is_compared(frame))
     row.update(to_json(reference_->compare(state.front, before, state.frame->stats.largest_sse_px)));
   state.rows.push_back(std::move(row));
@@ -128,7 +131,7 @@ Json HlodRuns::summary(std::size_t run) const {
   for (const Json& row : rows) keys.update(row);
   Json result = {{"frames", rows.size()}, {"compared_frames", compared_frames_}};
   for (const auto& [key, value] : keys.items()) {
-    if (key == "frame" || key == "hash") continue;
+    if (key == "frame" || key == "hash" || key == "drawn_by") continue;
     const Column column = column_of(rows, key);
     const bool is_largest = key == "largest_sse_px";
     result[key] = column.values.empty() ? Json() : Json(is_largest ? column.largest() : column.mean());

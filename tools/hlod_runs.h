@@ -51,7 +51,7 @@ class HlodRuns {
 
   const HlodScene& scene_;
   int compared_frames_;
-  hlod::SoftwareDevice oracle_;  // of Strategy::ideal
+  hlod::SoftwareDevice oracle_;  // of Strategy::ideal and optimum
   std::vector<State> states_;
   std::optional<HlodReference> reference_;
 };

@@ -23,7 +23,7 @@ TEST_P(ShippedScene, Reads) {
 INSTANTIATE_TEST_SUITE_P(All, ShippedScene,
                          ::testing::Values("armadillo", "armadillo_group", "planet_full", "planet_near", "sponza",
                                            "sibenik", "city", "ww2_city", "hlod_row", "hlod_grid", "hlod_shelves",
-                                           "hlod_5m", "hlod_12m"));
+                                           "hlod_5m", "hlod_12m", "plant", "dragon_alone", "car"));
 
 }  // namespace
 }  // namespace occlod

@@ -56,6 +56,8 @@ class Files(ToolTest):
                 ("calibration.json", ["hlod", "render", "planet.ply", "--replay", "calibration.json"], "--record"),
                 ("scene.json", ["hlod", "render", "planet.ply", "--scene", "scene.json"], "--csv"),
                 ("planet.ply", ["hlod", "compare", "planet.ply"], "--csv"),
+                ("planet.ply", ["hlod", "compare", "planet.ply"], "--save-calibration"),
+                ("scene.json", ["hlod", "render", "scene.json"], "--save-calibration"),
                 ("planet.ply", [*render, "planet.ply"], "--png"),
                 ("planet.ply", [*render, "planet.ply"], "--mesh"),
                 ("planet.olod", [*render, "planet.olod"], "--png"),

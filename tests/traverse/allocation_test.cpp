@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <new>
 
+#include "occlod/device/device_costs.h"
 #include "occlod/device/software_device.h"
 #include "traverse/small_scenes.h"
 
@@ -35,18 +36,20 @@ namespace occlod::hlod {
 namespace {
 
 // Everything is kept from frame to frame and grows only to new largest sizes: a path that has been gone along needs no
-// memory that it has not had.
+// memory that it has not had. Not so with batch and automatic, which choose how to ask by what they asked before.
 TEST(Allocations, NoFrameOfAPathThatIsKnownAllocates) {
   const Hlod& hlod = test::city(Grouping::shifted);
   const PlacedHlod placed[] = {
       {&hlod}, {&hlod, glm::dmat4(2.0, 0.0, 0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 0.0, 1.0)}};
-  for (const Strategy strategy : {Strategy::vfc, Strategy::sw, Strategy::sw_b, Strategy::boolean, Strategy::simp,
-                                  Strategy::coh, Strategy::ideal}) {
+  for (const Strategy strategy :
+       {Strategy::vfc, Strategy::sw, Strategy::sw_b, Strategy::boolean, Strategy::simp, Strategy::coh, Strategy::ideal,
+        Strategy::nohc, Strategy::optimum, Strategy::chc_plus, Strategy::two_pass, Strategy::cesium}) {
     SoftwareDevice device, oracle;
     Traverser traverser(placed);
     TraverseOptions options;
     options.strategy = strategy;
     options.oracle = &oracle;
+    options.costs = device_preset("modern");
     options.geomorph = true;
     constexpr int frames = 12;
     std::size_t allocated = 0;

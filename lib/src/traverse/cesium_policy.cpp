@@ -13,7 +13,7 @@ class CesiumPolicy : public Policy {
   [[nodiscard]] Action predict(FrameScene& scene, const ReachedNode& n) override {
     if (scene.is_fine(n.ref, 1.0)) return Action::draw;
     const Memory& memory = memory_[n.ref];
-    const bool is_known = memory.frame + 1 == scene.frame();
+    const bool is_known = memory.frame > 0 && memory.frame + 1 == scene.frame();
     return (is_known ? memory.visible : scene.last(n.ref).refined) ? Action::descend : Action::stop;
   }
   void note_answer(const FrameScene& scene, NodeRef n, bool visible) override { memory_[n] = {scene.frame(), visible}; }

@@ -1,6 +1,5 @@
 // Strategy::chc_plus: CHC++ (Mattausch, Bittner and Wimmer, "CHC++: Coherent Hierarchical Culling Revisited", 2008).
-#include <cmath>
-
+#include "traverse/hidden_groups.h"
 #include "traverse/per_node.h"
 #include "traverse/policy.h"
 #include "traverse/work_below.h"
@@ -22,7 +21,10 @@ std::uint64_t mixed(std::uint64_t x) {
 
 class GroupingPolicy : public Policy {
  public:
-  void begin_frame(const FrameScene& scene) override { memory_.fit(scene); }
+  void begin_frame(const FrameScene& scene) override {
+    memory_.fit(scene);
+    groups_.begin_frame(scene);
+  }
 
   [[nodiscard]] Action predict(FrameScene& scene, const ReachedNode& reached) override {
     const NodeRef n = reached.ref;
@@ -37,27 +39,12 @@ class GroupingPolicy : public Policy {
   }
 
   void note_answer(const FrameScene&, NodeRef n, bool visible) override {
-    Memory& memory = memory_[n];
-    memory.hidden_frames = visible ? 0 : memory.hidden_frames + 1;
-    if (!visible) memory.next_question = 0;
+    groups_.note_answer(n, visible);
+    if (!visible) memory_[n].next_question = 0;
   }
 
-  // The largest V = m / (1 + p_fail m), greedily; first those that are most likely to stay hidden.
   [[nodiscard]] std::size_t group(const FrameScene&, std::span<NodeRef> hidden) override {
-    std::sort(hidden.begin(), hidden.end(), [this](NodeRef a, NodeRef b) {
-      if (memory_[a].hidden_frames != memory_[b].hidden_frames)
-        return memory_[a].hidden_frames > memory_[b].hidden_frames;
-      return a.object != b.object ? a.object < b.object : a.node < b.node;
-    });
-    double keep = 1.0, best = 0.0;
-    for (std::size_t m = 1; m <= hidden.size(); ++m) {
-      keep *= 0.99 - 0.7 * std::exp(-static_cast<double>(memory_[hidden[m - 1]].hidden_frames));
-      const auto size = static_cast<double>(m);
-      const double value = size / (1.0 + (1.0 - keep) * size);
-      if (value < best) return m - 1;
-      best = value;
-    }
-    return hidden.size();
+    return groups_.group(hidden);
   }
 
   // The boxes below it, as long as they are hardly larger together. Only nodes that will be refined have all that is
@@ -75,7 +62,6 @@ class GroupingPolicy : public Policy {
 
  private:
   struct Memory {
-    std::uint32_t hidden_frames = 0;
     std::uint32_t next_question = 0;  // frame; 0: none
   };
 
@@ -106,6 +92,7 @@ class GroupingPolicy : public Policy {
   }
 
   PerNode<Memory> memory_;
+  HiddenGroups groups_;
   std::vector<NodeRef> level_, next_;
 };
 

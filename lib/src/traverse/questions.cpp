@@ -81,8 +81,12 @@ void Questions::settle_group() {
   settled_ += size;
 }
 
+// Nobody waits for an answer about what is below a hidden node.
+bool Questions::is_gone(const Question& question) const { return scene_->state(question.node.ref).gone; }
+
 bool Questions::is_answered(const Question& question) {
-  return question.is_known || asked_.size() - settled_ >= policy_->most_asked() || device_->available(question.query);
+  return question.is_known || is_gone(question) || asked_.size() - settled_ >= policy_->most_asked() ||
+         device_->available(question.query);
 }
 
 bool Questions::may_look(bool idle) {
@@ -102,8 +106,9 @@ bool Questions::may_look(bool idle) {
 
 AnsweredNode Questions::next() {
   const Question& question = asked_[settled_++];
-  return {question.node.ref, question.node.pixels,
-          question.is_known ? question.visible : device_->wait(question.query)[0], question.was_asked};
+  AnsweredNode answered{question.node.ref, question.node.pixels, question.visible, question.was_asked};
+  if (!question.is_known && !is_gone(question)) answered.visible = device_->wait(question.query)[0];
+  return answered;
 }
 
 bool Questions::ask_waiting() {

@@ -50,6 +50,7 @@ class Questions {
   void ask_round();
   void ask_groups();
   void settle_group();
+  [[nodiscard]] bool is_gone(const Question& question) const;
   [[nodiscard]] bool is_answered(const Question& question);
 
   const FrameScene* scene_ = nullptr;

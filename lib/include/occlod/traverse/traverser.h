@@ -66,9 +66,9 @@ struct TraverseOptions {
   // Of nohc, optimum, batch and automatic, which need them: of the device that is drawn on. measure_costs(), or those
   // of a simulated device.
   DeviceCosts costs = {};
-  // Of nohc. `printed` also means that benefits are spread over log2 of the nodes, as in a binary tree; else over the
+  // Of nohc and batch. `printed` also means that benefits are spread over log2 of the nodes, as in a binary tree; else over the
   // levels.
-  CoverModel cover_model = CoverModel::corrected;
+  CoverModel cover_model = CoverModel::printed;
 };
 
 // What a strategy is expected to take.

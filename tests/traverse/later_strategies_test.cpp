@@ -1,0 +1,298 @@
+// The exact sequence of draws and questions of the strategies that weigh what questions cost, or group them.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <map>
+
+#include "occlod/core/error.h"
+#include "occlod/device/software_device.h"
+#include "occlod/device/virtual_device.h"
+#include "support/hand_made_hlod.h"
+#include "support/scripted_device.h"
+#include "traverse/small_scenes.h"
+#include "traverse/strategy_choice.h"
+
+namespace occlod::hlod {
+namespace {
+
+using occlod::test::LoggedDevice;
+using occlod::test::ScriptedDevice;
+
+// 100 x 100 pixels at 90 degrees. Nodes are reached in the order 0 1 3 4 5 2 6 7 8 (see the stories).
+Camera camera() {
+  Camera camera;
+  camera.eye = {-2.0, 0.0, 10.0};
+  camera.target = {-2.0, 0.0, 0.0};
+  camera.fov_y_deg = 90.0;
+  camera.width = camera.height = 100;
+  camera.near = 0.1;
+  return camera;
+}
+
+// Frames from one eye; with a tolerance of 1 px nodes 0, 1 and 2 are refined.
+class Frames {
+ public:
+  explicit Frames(Strategy strategy) : objects_{{{&rows_}}}, traverser_(objects_), logged_(device) {
+    options.strategy = strategy;
+    options.biased = false;
+    options.cover_model = CoverModel::corrected;
+    options.oracle = &oracle;
+    options.costs = {.name = "test", .draw_ns = 1e6, .query_ns = 1e-3, .batch_ns = 1e-3, .batch_item_ns = 1e-6};
+  }
+  std::string next() {
+    stats = traverser_.draw_frame(View(camera()), logged_, options).stats;
+    return logged_.log();
+  }
+
+  ScriptedDevice device, oracle;
+  TraverseOptions options;
+  FrameStats stats;
+
+ private:
+  Hlod rows_ = occlod::test::two_rows();
+  std::array<PlacedHlod, 1> objects_;
+  Traverser traverser_;
+  LoggedDevice logged_;
+};
+
+const std::string all_drawn = "draw 3, draw 4, draw 5, draw 6, draw 7, draw 8";
+
+// A question costs more than all that it can save: as vfc.
+TEST(NearOptimal, AsksNothingWhereQuestionsAreDear) {
+  Frames frames(Strategy::nohc);
+  frames.options.costs.query_ns = 1e9;
+  for (int i = 0; i < 4; ++i) EXPECT_EQ(frames.next(), all_drawn);
+  EXPECT_EQ(frames.stats.queries, 0U);
+}
+
+// Questions cost next to nothing, so every node is asked about that may be hidden: those which c_bb < c_scr holds for.
+// 3 to 5 have c_bb = 2500 * 8 / 6 / (100 * 10^4) = 0.0033 (at distances 10, 10.06, 10.46), and R_cov = 3/2 * 4 / 8 =
+// 0.75, so c_scr is 0.0025 after 3, 0.005 after 4: 5 is the first to be asked about. The second row's leaves have 2500
+// * 2.88 / 6 / (196 * 10^4) = 0.0006. All of it is new, so nothing is waited for.
+TEST(NearOptimal, AsksOnAnyLevelAndDropsWhatIsBelowAHiddenNode) {
+  Frames frames(Strategy::nohc);
+  frames.device.answer(0, 2, 0);
+  // Node 2 would be refined at once, but its answer is there before its children's turn: they are dropped.
+  EXPECT_EQ(frames.next(), "draw 3, draw 4, ask 5, draw 5, get 5, ask 2, get 2");
+  EXPECT_EQ(frames.stats.wasted_queries, 1U);  // about 5
+  // It was hidden, so it is asked about and waited for.
+  EXPECT_EQ(frames.next(), "draw 3, draw 4, ask 5, draw 5, get 5, ask 2, get 2");
+  frames.device.answer(2, 2, 10'000);
+  // It shows. Its children are new; they are drawn without waiting.
+  EXPECT_EQ(frames.next(),
+            "draw 3, draw 4, ask 5, draw 5, get 5, ask 2, get 2, ask 6, draw 6, get 6, ask 7, draw 7, get 7, ask 8, "
+            "draw 8, get 8");
+}
+
+// With late answers the children of a hidden node are on their way when it turns out to be hidden.
+TEST(NearOptimal, LooksAtAnswersWhenTheyMustBeThere) {
+  Frames frames(Strategy::nohc);
+  frames.device.delay(4);
+  frames.device.answer(0, 2, 0);
+  // N_q = ceil((1e-3 + 0) / 1e-3) + 1 = 2: with two questions under way the first must be answered. Of 5 after ask 2;
+  // of 2 after ask 6. Node 6 has been drawn by then, 7 and 8 are dropped, and nobody looks at the answer about 6.
+  EXPECT_EQ(frames.next(), "draw 3, draw 4, ask 5, draw 5, ask 2, wait 5, ask 6, draw 6, wait 2");
+  // What was drawn below a hidden node counts as hidden.
+  EXPECT_EQ(frames.stats.drawn_nodes, 4U);
+}
+
+// Only what is hidden is asked about, and nothing is waited for; or drawn, where that is cheaper.
+TEST(Optimum, AsksWhatIsHiddenAndNothingElse) {
+  Frames frames(Strategy::optimum);
+  frames.oracle.answer(0, 2, 0);
+  frames.device.delay(100);
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(frames.next(), "draw 3, draw 4, draw 5, ask 2");
+  EXPECT_EQ(frames.stats.hidden_nodes, 1U);
+  frames.options.costs.query_ns = 4e6;  // three draws cost 3e6
+  EXPECT_EQ(frames.next(), all_drawn);
+  frames.options.costs.query_ns = 2e6;
+  EXPECT_EQ(frames.next(), "draw 3, draw 4, draw 5, ask 2");
+}
+
+TEST(TwoPass, DrawsWhatWasVisibleAndTestsEverythingOnce) {
+  Frames frames(Strategy::two_pass);
+  frames.device.answer(0, 2, 0);
+  // Nothing was visible: the root is tested, and all of it drawn.
+  EXPECT_EQ(frames.next(), "ask each 0, get 0, " + all_drawn);
+  EXPECT_EQ(frames.next(), all_drawn + ", ask each 3+4+5+6+7+8, get 3+4+5+6+7+8");
+  for (const NodeId n : {6U, 7U, 8U}) frames.device.answer(2, n, 0);
+  frames.device.answer(3, 2, 0);
+  EXPECT_EQ(frames.next(), all_drawn + ", ask each 3+4+5+6+7+8, get 3+4+5+6+7+8");
+  for (int i = 0; i < 2; ++i) EXPECT_EQ(frames.next(), "draw 3, draw 4, draw 5, ask each 3+4+5+2, get 3+4+5+2");
+  frames.device.answer(5, 2, 10'000);
+  EXPECT_EQ(frames.next(), "draw 3, draw 4, draw 5, ask each 3+4+5+2, get 3+4+5+2, draw 6, draw 7, draw 8");
+}
+
+// One level a frame; what is hidden is drawn as it is.
+TEST(Cesium, RefinesWhatWasSeenInTheLastFrame) {
+  Frames frames(Strategy::cesium);
+  frames.device.answer(0, 2, 0);
+  EXPECT_EQ(frames.next(), "ask 0, draw 0, get 0");
+  EXPECT_EQ(frames.next(), "ask 0, get 0, ask 1, draw 1, get 1, ask 2, draw 2, get 2");
+  for (int i = 0; i < 2; ++i)
+    EXPECT_EQ(frames.next(), "ask 0, get 0, ask 1, get 1, draw 3, draw 4, draw 5, ask 2, draw 2, get 2");
+  frames.device.answer(4, 2, 10'000);
+  EXPECT_EQ(frames.next(), "ask 0, get 0, ask 1, get 1, draw 3, draw 4, draw 5, ask 2, draw 2, get 2");
+  EXPECT_EQ(frames.next(), "ask 0, get 0, ask 1, get 1, draw 3, draw 4, draw 5, ask 2, get 2, draw 6, draw 7, draw 8");
+}
+
+// An answer that is late is none: what was refined stays so.
+TEST(Cesium, WaitsForNothing) {
+  Frames frames(Strategy::cesium);
+  frames.device.delay(100);
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(frames.next(), "ask 0, draw 0");
+}
+
+// Hidden nodes are kept until nothing else is left. Siblings 6 and 7, hidden once, are asked about together:
+// V = 1 / (1 + 0.27) = 0.79 of one, 2 / (1 + 0.46 * 2) = 1.04 of both (p_keep = 0.99 - 0.7 / e = 0.73).
+TEST(Grouping, AsksAboutHiddenNodesTogether) {
+  Frames frames(Strategy::chc_plus);
+  frames.device.answer(0, 6, 0);
+  frames.device.answer(0, 7, 0);
+  // The root's box is larger than those of its grandchildren together: it is asked about by them.
+  const std::string first = frames.next();
+  EXPECT_TRUE(first.starts_with("ask 3+4+5+6+7+8, get 3+4+5+6+7+8, ")) << first;
+  EXPECT_EQ(frames.next(), "draw 3, draw 4, draw 5, draw 8, ask 6+7, get 6+7");
+  EXPECT_EQ(frames.stats.hidden_nodes, 2U);
+  // One of them shows: both are asked about by themselves.
+  frames.device.answer(2, 7, 10'000);
+  const std::string third = frames.next();
+  EXPECT_TRUE(third.starts_with("draw 3, draw 4, draw 5, draw 8, ask 6+7, get 6+7, ask 6, ask 7, get 6, get 7, draw 7"))
+      << third;
+}
+
+// Visible leaves are asked about every ten frames at least, and not all in the same.
+TEST(Grouping, AsksAboutVisibleLeavesNowAndThen) {
+  Frames frames(Strategy::chc_plus);
+  std::map<std::string, int> asked;
+  std::size_t most = 0;
+  frames.next();
+  for (int i = 0; i < 40; ++i) {
+    const std::string log = frames.next();
+    for (const char* n : {"ask 3", "ask 4", "ask 5", "ask 6", "ask 7", "ask 8"})
+      asked[n] += log.find(n) != std::string::npos ? 1 : 0;
+    most = std::max(most, frames.stats.queries);
+  }
+  for (const auto& [n, times] : asked) {
+    EXPECT_GE(times, 3) << n;  // 1 + 30 / 10 at least, as the first wait is up to 10
+    EXPECT_LE(times, 8) << n;  // 40 / 5
+  }
+  EXPECT_LT(most, 6U);
+}
+
+// What is new is drawn where nothing covers it; 5 and the second row may be covered, and are asked about together.
+TEST(Batch, AsksInRoundsWhereThatPays) {
+  Frames frames(Strategy::batch);
+  frames.options.costs.query_ns = 1.0;
+  frames.device.answer(0, 2, 0);
+  EXPECT_EQ(frames.next(), "draw 3, draw 4, ask each 5+2, get 5+2, draw 5");
+  // 5 was visible: drawn, and counted as soon as the wait has paid for it. 2 was hidden.
+  EXPECT_EQ(frames.next(), "draw 3, draw 4, draw 5, ask each 5+2, get 5+2");
+  frames.options.costs.batch_ns = frames.options.costs.query_ns =
+      1e12;  // nothing is worth that: what was to be asked counts as visible
+  EXPECT_EQ(frames.next(), all_drawn);
+  EXPECT_EQ(frames.stats.queries, 0U);
+}
+
+// One query costs less than a batch: 5, which was visible, is asked about when nothing else is to do.
+TEST(Batch, AsksInGroupsWhereBatchesAreDear) {
+  Frames frames(Strategy::batch);
+  frames.options.costs.batch_ns = 1.0;
+  frames.device.answer(0, 2, 0);
+  frames.next();
+  EXPECT_EQ(frames.next(), "draw 3, draw 4, draw 5, ask 2, get 2, ask 5, get 5");
+}
+
+TEST(Batch, HasThreeRoundsAtMost) {
+  const Hlod& hlod = test::city(Grouping::shifted);
+  const PlacedHlod placed{&hlod};
+  SoftwareDevice device;
+  struct Counting : LoggedDevice {
+    using LoggedDevice::LoggedDevice;
+    QueryId ask_each(std::span<const BoxRef> boxes) override {
+      ++batches;
+      return LoggedDevice::ask_each(boxes);
+    }
+    int batches = 0;
+  } counting(device);
+  Traverser traverser({&placed, 1});
+  TraverseOptions options;
+  options.strategy = Strategy::batch;
+  options.costs = device_preset("modern");
+  options.costs.batch_ns = 1.0;
+  options.costs.readback_ns = 0.0;
+  int most = 0;
+  for (int i = 0; i < 20; ++i) {
+    counting.batches = 0;
+    traverser.draw_frame(View(test::walk(hlod.data().box, i, 100)), counting, options);
+    most = std::max(most, counting.batches);
+  }
+  EXPECT_GT(most, 1);
+  EXPECT_LE(most, 3);
+}
+
+// vfc takes 10, batch 5, nohc 7, coh 20: each is tried once, in the second of two frames but vfc; then batch draws.
+TEST(Choice, TakesWhatTakesLeast) {
+  const double ms[] = {10.0, 5.0, 7.0, 20.0};
+  StrategyChoice choice;
+  std::vector<std::size_t> drawn;
+  for (int i = 0; i < 1000; ++i) {
+    drawn.push_back(choice.next());
+    choice.note(ms[drawn.back()]);
+  }
+  const std::vector<std::size_t> first(drawn.begin(), drawn.begin() + 8);
+  EXPECT_EQ(first, (std::vector<std::size_t>{0, 1, 1, 2, 2, 3, 3, 1}));
+  // Trials take half a percent of the time each: 5 ms more of 5, each 200 frames; twice 2 of 5, each 160; twice 15,
+  // each 1,024.
+  double all = 0.0;
+  for (std::size_t i = 7; i < drawn.size(); ++i) all += ms[drawn[i]];
+  EXPECT_LE(all, 1.015 * 5.0 * static_cast<double>(drawn.size() - 7));
+  std::vector<StrategyForecast> forecasts;
+  choice.write_forecasts(forecasts);
+  ASSERT_EQ(forecasts.size(), 4U);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_DOUBLE_EQ(forecasts[i].frame_ms, ms[i]);
+}
+
+// When the chosen one becomes worse than another was, that is taken.
+TEST(Choice, ChangesItsMind) {
+  StrategyChoice choice;
+  double ms[] = {10.0, 5.0, 7.0, 20.0};
+  for (int i = 0; i < 20; ++i) choice.note(ms[choice.next()]);
+  ms[1] = 9.0;
+  for (int i = 0; i < 20; ++i) choice.note(ms[choice.next()]);
+  EXPECT_EQ(StrategyChoice::candidates[choice.next()], Strategy::nohc);
+}
+
+TEST(Costs, AreNeeded) {
+  for (const Strategy strategy : {Strategy::nohc, Strategy::optimum, Strategy::batch, Strategy::automatic}) {
+    Frames frames(strategy);
+    frames.options.costs = {};
+    EXPECT_THROW(frames.next(), Error);
+    frames.options.costs = device_preset("modern");
+    frames.options.costs.query_ns = -1.0;
+    EXPECT_THROW(frames.next(), Error);
+  }
+}
+
+// The same fronts whenever the answers are the same: choices depend on no clock.
+TEST(Determinism, SavedCostsGiveTheSameFronts) {
+  const Hlod& hlod = test::city(Grouping::shifted);
+  const PlacedHlod placed{&hlod};
+  for (const Strategy strategy : test::later_strategies) {
+    std::array<std::vector<std::uint64_t>, 2> hashes;
+    for (auto& run : hashes) {
+      SoftwareDevice device, oracle;
+      Traverser traverser({&placed, 1});
+      TraverseOptions options;
+      options.strategy = strategy;
+      options.oracle = &oracle;
+      options.costs = device_preset("query-dear");
+      for (int i = 0; i < 40; ++i)
+        run.push_back(traverser.draw_frame(View(test::walk(hlod.data().box, i, 200)), device, options).front_hash);
+    }
+    EXPECT_EQ(hashes[0], hashes[1]) << static_cast<int>(strategy);
+  }
+}
+
+}  // namespace
+}  // namespace occlod::hlod

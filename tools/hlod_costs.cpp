@@ -1,0 +1,99 @@
+#include "hlod_costs.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <string_view>
+
+#include "occlod/device/measure_costs.h"
+#include "occlod/device/virtual_device.h"
+#include "occlod/effects/calibration.h"
+#include "occlod/occlusion/software_occlusion.h"
+#include "option_values.h"
+
+namespace occlod::tool {
+namespace {
+
+// What else the file holds stays, or is measured.
+void save(const std::string& file, const std::vector<hlod::DeviceCosts>& costs) {
+  Calibration calibration;
+  if (std::filesystem::exists(file)) {
+    calibration = read_calibration(file);
+  } else {
+    std::vector<std::unique_ptr<Visibility>> backends;
+    backends.push_back(make_software_occlusion());
+    calibration = measure_calibration(backends);
+  }
+  for (const hlod::DeviceCosts& device : costs) {
+    const auto old = std::find_if(calibration.devices.begin(), calibration.devices.end(),
+                                  [&](const hlod::DeviceCosts& known) { return known.name == device.name; });
+    if (old == calibration.devices.end())
+      calibration.devices.push_back(device);
+    else
+      *old = device;
+  }
+  write_calibration(file, calibration);
+}
+
+std::string_view without_prefix(std::string_view name, std::string_view prefix) {
+  return name.starts_with(prefix) ? name.substr(prefix.size()) : name;
+}
+
+}  // namespace
+
+bool needs_costs(hlod::Strategy strategy) {
+  using hlod::Strategy;
+  return strategy == Strategy::nohc || strategy == Strategy::optimum || strategy == Strategy::batch ||
+         strategy == Strategy::automatic;
+}
+
+void add_hlod_cost_options(CLI::App& command, HlodCostOptions& options) {
+  add_file(command, "--calibration", options.calibration,
+           "nohc, optimum, batch, auto: take what the device's commands cost from this file instead of measuring it "
+           "(virtual: of taking its own), so that the same nodes are drawn again");
+  add_file(command, "--save-calibration", options.save_calibration,
+           "Write these costs into a calibration file, beside what it holds already");
+}
+
+void add_files(CommandFiles& files, const HlodCostOptions& options) {
+  if (!options.calibration.empty()) files.add_input("the calibration to read", options.calibration);
+  if (!options.save_calibration.empty()) files.add_output("--save-calibration", options.save_calibration);
+}
+
+std::vector<hlod::DeviceCosts> costs_of(const std::vector<HlodDevice>& devices, const HlodCostOptions& options,
+                                        const std::vector<hlod::Strategy>& strategies) {
+  const bool needed =
+      !options.save_calibration.empty() || std::any_of(strategies.begin(), strategies.end(), needs_costs);
+  std::vector<hlod::DeviceCosts> costs(devices.size());
+  if (!options.calibration.empty()) {
+    const Calibration calibration = read_calibration(options.calibration);
+    for (std::size_t i = 0; i < devices.size(); ++i)
+      costs[i] = device_costs_of(calibration, without_prefix(devices[i].name, "recorded:"));
+  } else if (needed) {
+    for (std::size_t i = 0; i < devices.size(); ++i) {
+      const auto* const simulated = dynamic_cast<const hlod::VirtualDevice*>(devices[i].device.get());
+      costs[i] = simulated != nullptr ? simulated->costs() : hlod::measure_costs(*devices[i].device);
+      costs[i].name = devices[i].name;
+    }
+  }
+  if (!options.save_calibration.empty()) save(options.save_calibration, costs);
+  return costs;
+}
+
+Json to_json(const hlod::DeviceCosts& costs) {
+  return {{"draw_ns", costs.draw_ns},
+          {"triangle_ns", costs.triangle_ns},
+          {"fragment_ns", costs.fragment_ns},
+          {"query_ns", costs.query_ns},
+          {"query_fragment_ns", costs.query_fragment_ns},
+          {"wrapped_query_ns", costs.wrapped_query_ns},
+          {"readback_ns", costs.readback_ns},
+          {"latency_commands", costs.latency_commands},
+          {"batch_ns", costs.batch_ns},
+          {"batch_item_ns", costs.batch_item_ns},
+          {"submit_ns", costs.submit_ns},
+          {"visit_ns", costs.visit_ns}};
+}
+
+}  // namespace occlod::tool

@@ -1,0 +1,40 @@
+// What the devices of `occlod hlod render` and `hlod compare` cost, for the strategies that need to know.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "command_files.h"
+#include "hlod_device.h"
+#include "occlod/device/device_costs.h"
+#include "occlod/traverse/traverser.h"
+
+namespace CLI {
+class App;
+}
+
+namespace occlod::tool {
+
+struct HlodCostOptions {
+  std::string calibration;
+  std::string save_calibration;
+};
+
+// Whether the strategy needs TraverseOptions::costs.
+[[nodiscard]] bool needs_costs(hlod::Strategy strategy);
+
+// --calibration, --save-calibration.
+void add_hlod_cost_options(CLI::App& command, HlodCostOptions& options);
+void add_files(CommandFiles& files, const HlodCostOptions& options);
+
+// Of the devices, in their order: from the calibration file if one is named, by definition of simulated devices, else
+// measured where one of the strategies needs them or they are to be saved; otherwise nothing. Saves what was asked for.
+// Throws Error.
+[[nodiscard]] std::vector<hlod::DeviceCosts> costs_of(const std::vector<HlodDevice>& devices,
+                                                      const HlodCostOptions& options,
+                                                      const std::vector<hlod::Strategy>& strategies);
+
+[[nodiscard]] Json to_json(const hlod::DeviceCosts& costs);
+
+}  // namespace occlod::tool
