@@ -17,7 +17,7 @@ constexpr float band_step = 1.25F;
 // From scratch leaves do not pay for what they keep, so the budget ends at a higher level than from frame to frame. The
 // frames after it come down in steps that grow by this factor, rather than the first of them at once, until they are so
 // far below.
-constexpr float settling_growth = 1.06F, settled_part = 0.25F;
+constexpr float settling_growth = 1.12F, settled_part = 0.25F;
 // A budget with less room than this, in triangles, counts as used up.
 constexpr std::size_t least_room = 16;
 

@@ -66,8 +66,8 @@ struct TraverseOptions {
   // Of nohc, optimum, batch and automatic, which need them: of the device that is drawn on. measure_costs(), or those
   // of a simulated device.
   DeviceCosts costs = {};
-  // Of nohc and batch. `printed` also means that benefits are spread over log2 of the nodes, as in a binary tree; else over the
-  // levels.
+  // Of nohc and batch. `printed` also means that benefits are spread over log2 of the nodes, as in a binary tree; else
+  // over the levels.
   CoverModel cover_model = CoverModel::printed;
 };
 
