@@ -37,7 +37,7 @@ BackendCosts read_backend(const JsonPlace& place) {
 hlod::DeviceCosts read_device(const JsonPlace& place) {
   hlod::DeviceCosts costs;
   std::vector<std::string_view> keys{"name", "latency_commands"};
-  for_each_device_cost(costs, [&](const char* key, double) { keys.push_back(key); });
+  for_each_device_cost(costs, [&](const char* key, double) { keys.emplace_back(key); });
   place.expect_keys(keys);
   costs.name = place.at("name").string();
   costs.latency_commands = static_cast<std::uint32_t>(place.at("latency_commands").integer(0));

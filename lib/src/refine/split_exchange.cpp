@@ -33,8 +33,8 @@ void SplitExchange::begin_frame(std::uint32_t frame, Clock::time_point start, Re
   stats_ = &stats;
   changes_ = 0;
   rejected_ = {};
-  settling_step_ *= settling_growth;
   settling_level_ /= settling_step_;
+  settling_step_ *= settling_growth;
   if (settling_level_ < settled_part * adopted_level_) settling_level_ = 0.0F;
   unseen_needs_.begin_frame(frame);
 }

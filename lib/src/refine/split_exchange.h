@@ -20,6 +20,9 @@ namespace occlod {
 // What a split forces, and what a leaf keeps, is looked at again in one frame of so many.
 inline constexpr std::uint32_t weighing_rounds = 8;
 
+// By how much the level may sink in the first frame after refinement from scratch.
+inline constexpr float first_settling_step = 1.06F;
+
 // Worst first, candidates are descended or applied, and take the place of applied leaves that matter less (the dual
 // queues of Duchaineau et al., ROAMing Terrain, 1997, here over the dependencies of splits). The priority where the
 // budget ended is kept: only what is near it is queued, and more when that does not suffice. Cuts, fronts and drawn
@@ -32,7 +35,7 @@ class SplitExchange {
   // After refinement from scratch, which came to the end of the budget at this priority.
   void adopt(float level) noexcept {
     level_ = adopted_level_ = settling_level_ = level;
-    settling_step_ = 1.0F;
+    settling_step_ = first_settling_step;
   }
   // Of frames that go on. `frame`: its number; `start`: when time_limit_ms begins.
   void begin_frame(std::uint32_t frame, Clock::time_point start, RefineStats& stats);
