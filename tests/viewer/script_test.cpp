@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+
 #include "occlod/core/error.h"
 #include "viewer/support.h"
 
@@ -33,11 +35,11 @@ class ScriptTest : public ::testing::Test {
     const std::string words = run(actions);
     EXPECT_NE(words.find("script.json: " + place), std::string::npos) << words;
   }
-  [[nodiscard]] json open() const {
-    return {{"do", "open"}, {"file", folder_.write("planet.json", test::planet_scene()).string()}};
-  }
+  [[nodiscard]] json open() const { return {{"do", "open"}, {"file", planet_.string()}}; }
 
   test::Folder folder_;
+  // Written once: a session may still be reading it when the next script opens it.
+  const std::filesystem::path planet_ = folder_.write("planet.json", test::planet_scene());
   Session session_{test::make_portable_visibility, false};
   std::vector<json> reports_;
 };
