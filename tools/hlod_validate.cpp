@@ -5,13 +5,14 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "hlod.h"
-#include "occlod/core/error.h"
 #include "occlod/hlod/validate.h"
 #include "occlod/io/ohlod.h"
 #include "option_values.h"
+#include "validation.h"
 
 namespace occlod::tool {
 namespace {
@@ -31,18 +32,7 @@ void run(const Options& options) {
   Progress progress(ShowProgress::never);
   if (!options.inputs.empty() && !restores(file.hlod, read_hlod_input(options.inputs, progress).mesh))
     violations.push_back(fmt::format("level 0 is not {}", fmt::join(options.inputs, " and ")));
-
-  if (options.json)
-    print_json({{"file", options.file},
-                {"valid", violations.empty()},
-                {"violations", violations},
-                {"left_out", to_json(file.report.left_out)}});
-  else if (violations.empty())
-    fmt::print("{}: valid (left out of its input: {})\n", options.file, in_words(file.report.left_out));
-  else
-    for (const std::string& violation : violations) fmt::print("{}: {}\n", options.file, violation);
-  if (!violations.empty())
-    throw Error({options.file, "", fmt::format("{} violations", violations.size()), "build it again"});
+  report({options.file, std::move(violations), file.report.left_out, "input"}, options.json);
 }
 
 }  // namespace

@@ -6,14 +6,14 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "commands.h"
-#include "json_output.h"
-#include "occlod/core/error.h"
 #include "occlod/io/olod.h"
 #include "occlod/io/read_mesh.h"
 #include "option_values.h"
+#include "validation.h"
 
 namespace occlod::tool {
 namespace {
@@ -32,18 +32,7 @@ void run(const Options& options) {
   std::vector<std::string> violations = validate(file.hierarchy, options.validate);
   if (!options.input.empty() && !restores(file.hierarchy, read_mesh(options.input).mesh))
     violations.push_back(fmt::format("full refinement is not the mesh {}", options.input));
-
-  if (options.json)
-    print_json({{"file", options.file},
-                {"valid", violations.empty()},
-                {"violations", violations},
-                {"left_out", to_json(file.report.left_out)}});
-  else if (violations.empty())
-    fmt::print("{}: valid (left out of its mesh: {})\n", options.file, in_words(file.report.left_out));
-  else
-    for (const std::string& violation : violations) fmt::print("{}: {}\n", options.file, violation);
-  if (!violations.empty())
-    throw Error({options.file, "", fmt::format("{} violations", violations.size()), "build it again"});
+  report({options.file, std::move(violations), file.report.left_out, "mesh"}, options.json);
 }
 
 }  // namespace

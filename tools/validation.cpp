@@ -1,0 +1,22 @@
+#include "validation.h"
+
+#include <fmt/format.h>
+
+#include "json_output.h"
+#include "occlod/core/error.h"
+
+namespace occlod::tool {
+
+void report(const Validation& validation, bool json) {
+  const auto& [file, violations, left_out, source] = validation;
+  if (json)
+    print_json(
+        {{"file", file}, {"valid", violations.empty()}, {"violations", violations}, {"left_out", to_json(left_out)}});
+  else if (violations.empty())
+    fmt::print("{}: valid (left out of its {}: {})\n", file, source, in_words(left_out));
+  else
+    for (const std::string& violation : violations) fmt::print("{}: {}\n", file, violation);
+  if (!violations.empty()) throw Error({file, "", fmt::format("{} violations", violations.size()), "build it again"});
+}
+
+}  // namespace occlod::tool
