@@ -6,6 +6,7 @@
 #include <memory>
 #include <string_view>
 
+#include "device/device_cost_fields.h"
 #include "occlod/device/measure_costs.h"
 #include "occlod/device/virtual_device.h"
 #include "occlod/effects/calibration.h"
@@ -42,12 +43,6 @@ std::string_view without_prefix(std::string_view name, std::string_view prefix) 
 
 }  // namespace
 
-bool needs_costs(hlod::Strategy strategy) {
-  using hlod::Strategy;
-  return strategy == Strategy::nohc || strategy == Strategy::optimum || strategy == Strategy::batch ||
-         strategy == Strategy::automatic;
-}
-
 void add_hlod_cost_options(CLI::App& command, HlodCostOptions& options) {
   add_file(command, "--calibration", options.calibration,
            "nohc, optimum, batch, auto: take what the device's commands cost from this file instead of measuring it "
@@ -64,7 +59,7 @@ void add_files(CommandFiles& files, const HlodCostOptions& options) {
 std::vector<hlod::DeviceCosts> costs_of(const std::vector<HlodDevice>& devices, const HlodCostOptions& options,
                                         const std::vector<hlod::Strategy>& strategies) {
   const bool needed =
-      !options.save_calibration.empty() || std::any_of(strategies.begin(), strategies.end(), needs_costs);
+      !options.save_calibration.empty() || std::any_of(strategies.begin(), strategies.end(), hlod::needs_costs);
   std::vector<hlod::DeviceCosts> costs(devices.size());
   if (!options.calibration.empty()) {
     const Calibration calibration = read_calibration(options.calibration);
@@ -82,18 +77,9 @@ std::vector<hlod::DeviceCosts> costs_of(const std::vector<HlodDevice>& devices, 
 }
 
 Json to_json(const hlod::DeviceCosts& costs) {
-  return {{"draw_ns", costs.draw_ns},
-          {"triangle_ns", costs.triangle_ns},
-          {"fragment_ns", costs.fragment_ns},
-          {"query_ns", costs.query_ns},
-          {"query_fragment_ns", costs.query_fragment_ns},
-          {"wrapped_query_ns", costs.wrapped_query_ns},
-          {"readback_ns", costs.readback_ns},
-          {"latency_commands", costs.latency_commands},
-          {"batch_ns", costs.batch_ns},
-          {"batch_item_ns", costs.batch_item_ns},
-          {"submit_ns", costs.submit_ns},
-          {"visit_ns", costs.visit_ns}};
+  Json json = {{"latency_commands", costs.latency_commands}};
+  hlod::for_each_device_cost(costs, [&](const char* key, double value) { json[key] = value; });
+  return json;
 }
 
 }  // namespace occlod::tool

@@ -21,9 +21,6 @@ struct HlodCostOptions {
   std::string save_calibration;
 };
 
-// Whether the strategy needs TraverseOptions::costs.
-[[nodiscard]] bool needs_costs(hlod::Strategy strategy);
-
 // --calibration, --save-calibration.
 void add_hlod_cost_options(CLI::App& command, HlodCostOptions& options);
 void add_files(CommandFiles& files, const HlodCostOptions& options);

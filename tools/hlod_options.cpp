@@ -58,8 +58,8 @@ void add_traverse_options(CLI::App& command, hlod::TraverseOptions& options) {
       .add_option_function<std::string>(
           "--bias", [&options](const std::string& text) { set_bias(options, text); },
           "sw-b, simp, coh, ideal, batch, auto: how much of a node's error counts where only a share of it is visible. "
-          "S: from that "
-          "share itself (0) to a sigmoid (1); T: where the sigmoid turns; none: all of it")
+          "S: from "
+          "that share itself (0) to a sigmoid (1); T: where the sigmoid turns; none: all of it")
       ->option_text(fmt::format("S,T|none [{},{}]", options.bias.s, options.bias.t));
   add_choice(
       command, "--metric", options.metric, {{"box", hlod::Metric::box}, {"sphere", hlod::Metric::sphere}},

@@ -79,7 +79,7 @@ Json report_of(const Options& options, const HlodScene& scene, const HlodDevice&
       {"scene", scene.name}, {"path", options.scene.view.path}, {"strategy", name_of(options.traverse.strategy)}};
   report.update(to_json(options.traverse));
   report["device"] = device.name;
-  if (needs_costs(options.traverse.strategy)) report["costs"] = to_json(costs);
+  if (hlod::needs_costs(options.traverse.strategy)) report["costs"] = to_json(costs);
   if (!device.gl.is_null()) report["gl"] = device.gl;
   for (const LoadedHlod& hlod : scene.hlods) {
     Json counts = {{"source", hlod.source_name}};
@@ -99,7 +99,7 @@ void run(const Options& options) {
   devices.push_back(options.replay.empty() ? make_hlod_device(options.device) : replaying_device(options.replay));
   const HlodDevice& device = devices.front();
   hlod::TraverseOptions traverse = options.traverse;
-  if (needs_costs(traverse.strategy) && !options.replay.empty() && options.costs.calibration.empty())
+  if (hlod::needs_costs(traverse.strategy) && !options.replay.empty() && options.costs.calibration.empty())
     throw Error({"--replay", options.replay, "a recording does not tell what the device's commands cost",
                  "give the calibration of the recorded run, --calibration"});
   traverse.costs = costs_of(devices, options.costs, {traverse.strategy}).front();

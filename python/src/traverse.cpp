@@ -98,12 +98,6 @@ std::vector<HlodObject> to_hlods(nb::handle objects) {
   return result;
 }
 
-bool needs_costs(hlod::Strategy strategy) {
-  using hlod::Strategy;
-  return strategy == Strategy::nohc || strategy == Strategy::optimum || strategy == Strategy::batch ||
-         strategy == Strategy::automatic;
-}
-
 hlod::Frame draw_frame(PythonTraverser& self, const ViewLike& view, PythonDevice& device,
                        const std::optional<TraverseOptions>& options, PythonDevice* oracle) {
   const View seen = view.get();
@@ -113,7 +107,7 @@ hlod::Frame draw_frame(PythonTraverser& self, const ViewLike& view, PythonDevice
   const nb::gil_scoped_release release;
   std::mutex nobody;
   const std::scoped_lock lock(self.in_use, device.in_use, oracle != nullptr ? oracle->in_use : nobody);
-  if (needs_costs(chosen.strategy)) {
+  if (hlod::needs_costs(chosen.strategy)) {
     if (!device.costs) device.costs = hlod::measure_costs(*device.device);
     chosen.costs = *device.costs;
   }

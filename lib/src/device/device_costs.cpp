@@ -4,6 +4,7 @@
 #include <array>
 
 #include "core/option_checker.h"
+#include "device/device_cost_fields.h"
 #include "io/file_input.h"
 #include "occlod/core/error.h"
 
@@ -69,17 +70,7 @@ const std::array<DeviceCosts, 4>& presets() {
 
 void check_device_costs(const char* subject, const DeviceCosts& costs) {
   const OptionChecker checker(subject);
-  checker.at_least("draw_ns", costs.draw_ns, 0.0);
-  checker.at_least("triangle_ns", costs.triangle_ns, 0.0);
-  checker.at_least("fragment_ns", costs.fragment_ns, 0.0);
-  checker.at_least("query_ns", costs.query_ns, 0.0);
-  checker.at_least("query_fragment_ns", costs.query_fragment_ns, 0.0);
-  checker.at_least("wrapped_query_ns", costs.wrapped_query_ns, 0.0);
-  checker.at_least("readback_ns", costs.readback_ns, 0.0);
-  checker.at_least("batch_ns", costs.batch_ns, 0.0);
-  checker.at_least("batch_item_ns", costs.batch_item_ns, 0.0);
-  checker.at_least("submit_ns", costs.submit_ns, 0.0);
-  checker.at_least("visit_ns", costs.visit_ns, 0.0);
+  for_each_device_cost(costs, [&](const char* key, double value) { checker.at_least(key, value, 0.0); });
 }
 
 std::span<const DeviceCosts> device_presets() { return presets(); }

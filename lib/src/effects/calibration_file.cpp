@@ -8,6 +8,7 @@
 
 #include "calibration_fields.h"
 #include "core/option_checker.h"
+#include "device/device_cost_fields.h"
 #include "io/atomic_file.h"
 #include "io/file_input.h"
 #include "occlod/core/error.h"
@@ -37,11 +38,11 @@ BackendCosts read_backend(const JsonPlace& place) {
 hlod::DeviceCosts read_device(const JsonPlace& place) {
   hlod::DeviceCosts costs;
   std::vector<std::string_view> keys{"name", "latency_commands"};
-  for_each_device_cost(costs, [&](const char* key, double) { keys.emplace_back(key); });
+  hlod::for_each_device_cost(costs, [&](const char* key, double) { keys.emplace_back(key); });
   place.expect_keys(keys);
   costs.name = place.at("name").string();
   costs.latency_commands = static_cast<std::uint32_t>(place.at("latency_commands").integer(0));
-  for_each_device_cost(costs, [&](const char* key, double& value) {
+  hlod::for_each_device_cost(costs, [&](const char* key, double& value) {
     value = place.at(key).number();
     if (!(value >= 0.0 && std::isfinite(value))) place.at(key).fail("is below 0", "measure it again");
   });
@@ -110,7 +111,7 @@ std::string calibration_json(const Calibration& calibration) {
   if (!calibration.devices.empty()) json["devices"] = Json::array();
   for (const hlod::DeviceCosts& costs : calibration.devices) {
     Json device = {{"name", costs.name}, {"latency_commands", costs.latency_commands}};
-    for_each_device_cost(costs, [&](const char* key, double value) { device[key] = value; });
+    hlod::for_each_device_cost(costs, [&](const char* key, double value) { device[key] = value; });
     json["devices"].push_back(std::move(device));
   }
   return json.dump(2) + "\n";

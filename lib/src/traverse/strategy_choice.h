@@ -15,7 +15,6 @@ class StrategyChoice {
  public:
   static constexpr std::array<Strategy, 4> candidates{Strategy::vfc, Strategy::batch, Strategy::nohc, Strategy::coh};
 
-  void forget() { *this = {}; }
   // For the next frame: index into `candidates`.
   [[nodiscard]] std::size_t next();
   // What that frame took.

@@ -17,8 +17,7 @@ namespace occlod::hlod {
 namespace {
 
 void check_costs(const TraverseOptions& options) {
-  constexpr std::array needing{Strategy::nohc, Strategy::optimum, Strategy::batch, Strategy::automatic};
-  if (std::find(needing.begin(), needing.end(), options.strategy) == needing.end()) return;
+  if (!needs_costs(options.strategy)) return;
   check_device_costs("traversal options: costs", options.costs);
   if (!(options.costs.draw_ns > 0.0 && options.costs.query_ns > 0.0))
     throw Error({"traversal options", "costs", "are missing", "measure those of the device: measure_costs()"});
@@ -32,7 +31,7 @@ void check(const TraverseOptions& options, const RenderDevice& device) {
   check_costs(options);
   if (options.within && options.geomorph)
     throw Error({"traversal options", "within", "does not go with geomorph", "choose one of them"});
-  if (options.strategy != Strategy::ideal && options.strategy != Strategy::optimum) return;
+  if (!needs_oracle(options.strategy)) return;
   if (options.oracle == nullptr)
     throw Error({"traversal options", "oracle", "is missing", "give the strategy a device of its own to ask"});
   if (options.oracle == &device)
@@ -61,6 +60,13 @@ void clear(Frame& frame) {
 }
 
 }  // namespace
+
+bool needs_costs(Strategy strategy) noexcept {
+  return strategy == Strategy::nohc || strategy == Strategy::optimum || strategy == Strategy::batch ||
+         strategy == Strategy::automatic;
+}
+
+bool needs_oracle(Strategy strategy) noexcept { return strategy == Strategy::ideal || strategy == Strategy::optimum; }
 
 class Traverser::Impl {
  public:

@@ -35,6 +35,11 @@ enum class Strategy {
   cesium,    // cesium-native's rule: what is hidden is not refined, but drawn
 };
 
+// Whether a strategy decides by TraverseOptions::costs.
+[[nodiscard]] bool needs_costs(Strategy strategy) noexcept;
+// Whether a strategy is told what is hidden by TraverseOptions::oracle.
+[[nodiscard]] bool needs_oracle(Strategy strategy) noexcept;
+
 // How the error of a node on the screen is bounded.
 enum class Metric {
   box,     // screen_error_px()
@@ -51,7 +56,7 @@ enum class Alpha {
 struct TraverseOptions {
   Strategy strategy = Strategy::coh;  // a change forgets what was visible
   double tolerance_px = 1.0;          // >= 0; 0: the input itself
-  Bias bias;                          // of sw_b, simp, coh and ideal
+  Bias bias;                          // of sw_b, simp, coh, ideal, batch and automatic
   bool biased = true;                 // false: whatever is visible counts in full, with every strategy
   Metric metric = Metric::box;        // of the error that is compared with the tolerance
   Alpha alpha = Alpha::exact;         // how mu is computed for the bias
@@ -60,11 +65,11 @@ struct TraverseOptions {
   // that covers tolerance_px, instead of being replaced by children that are better than asked for (Charalambos 2006,
   // sec. 4.4; within.h). Not with geomorph.
   bool within = false;
-  // Of ideal and optimum, which need it: draws and asks as sw_b does, so that it is known what to draw. Not the device
-  // that is drawn on; its time is nobody's.
+  // Of strategies that need it (needs_oracle()): draws and asks as sw_b does, so that it is known what to draw. Not the
+  // device that is drawn on; its time is nobody's.
   RenderDevice* oracle = nullptr;
-  // Of nohc, optimum, batch and automatic, which need them: of the device that is drawn on. measure_costs(), or those
-  // of a simulated device.
+  // Of strategies that need them (needs_costs()): of the device that is drawn on. measure_costs(), or those of a
+  // simulated device.
   DeviceCosts costs = {};
   // Of nohc and batch. `printed` also means that benefits are spread over log2 of the nodes, as in a binary tree; else
   // over the levels.
