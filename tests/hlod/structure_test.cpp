@@ -5,25 +5,17 @@
 #include <functional>
 #include <limits>
 
+#include "hlod/good_hlod.h"
 #include "hlod/hlod_data.h"
-#include "occlod/hlod/build.h"
 #include "occlod/hlod/validate.h"
-#include "support/meshes.h"
 
 namespace occlod::hlod {
 namespace {
 
 constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 
-const Hlod& good() {
-  static const Hlod hlod = [] {
-    BuildOptions options;
-    options.node_triangles = 64;
-    options.within = Within::splits;
-    return build_hlod(occlod::test::noisy_sphere(5, 2), options);
-  }();
-  return hlod;
-}
+using test::good;
+using test::inner_node;
 
 void expect_problem(const std::string& text, const std::function<void(HlodData&)>& change) {
   HlodData data = copy_data(good());
@@ -32,8 +24,6 @@ void expect_problem(const std::string& text, const std::function<void(HlodData&)
   ASSERT_TRUE(problem) << "nothing says '" << text << "'";
   EXPECT_NE(problem->find(text), std::string::npos) << *problem;
 }
-
-NodeId inner_node() { return good().data().levels[1].first_node; }
 
 TEST(Structure, AcceptsAGoodHlod) { EXPECT_EQ(check_structure(good().data()), std::nullopt); }
 

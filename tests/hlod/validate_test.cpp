@@ -7,25 +7,15 @@
 #include <cmath>
 #include <functional>
 
+#include "hlod/good_hlod.h"
 #include "hlod/hlod_data.h"
-#include "occlod/hlod/build.h"
-#include "support/meshes.h"
 
 namespace occlod::hlod {
 namespace {
 
-const Hlod& good() {
-  static const Hlod hlod = [] {
-    BuildOptions options;
-    options.node_triangles = 64;
-    options.within = Within::splits;
-    return build_hlod(occlod::test::noisy_sphere(5, 2), options);
-  }();
-  return hlod;
-}
+using test::good;
+using test::inner_node;
 
-// A node with parents and children.
-NodeId inner_node() { return good().data().levels[1].first_node; }
 NodeId last_node() { return static_cast<NodeId>(good().node_count() - 1); }
 
 // Changes one thing and expects a violation that says so.
@@ -54,17 +44,17 @@ std::span<std::uint16_t> indices(HlodData& data, NodeId n) {
 
 TEST(ValidateHlod, AcceptsAGoodHlod) {
   EXPECT_TRUE(validate(good()).empty());
-  EXPECT_TRUE(restores(good(), occlod::test::noisy_sphere(5, 2)));
+  EXPECT_TRUE(restores(good(), test::good_mesh()));
 }
 
 TEST(ValidateHlod, TellsWhetherTheInputComesBack) {
-  TriangleMesh mesh = occlod::test::noisy_sphere(5, 2);
+  TriangleMesh mesh = test::good_mesh();
   mesh.positions[7].x = std::nextafter(mesh.positions[7].x, 9.0F);
   EXPECT_FALSE(restores(good(), mesh));
-  mesh = occlod::test::noisy_sphere(5, 2);
+  mesh = test::good_mesh();
   std::swap(mesh.triangles[3].x, mesh.triangles[3].y);
   EXPECT_FALSE(restores(good(), mesh)) << "turned over";
-  mesh = occlod::test::noisy_sphere(5, 2);
+  mesh = test::good_mesh();
   mesh.triangles.pop_back();
   EXPECT_FALSE(restores(good(), mesh));
 }
@@ -201,7 +191,7 @@ TEST(ValidateHlod, FindsFrontsThatGape) {
   options.node_triangles = 64;
   options.grouping = Grouping::nested;
   options.borders = Borders::free;
-  HlodData data = copy_data(build_hlod(occlod::test::noisy_sphere(5, 2), options));
+  HlodData data = copy_data(build_hlod(test::good_mesh(), options));
   EXPECT_TRUE(validate(make_hlod(copy_data(make_hlod(data)))).empty());
   data.borders = Borders::locked;
   const std::vector<std::string> violations = validate(make_hlod(std::move(data)));

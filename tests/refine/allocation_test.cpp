@@ -1,38 +1,14 @@
-// A program of its own: it replaces operator new.
+// A program of its own, with an operator new of its own.
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstddef>
-#include <cstdlib>
 #include <memory>
-#include <new>
 #include <string>
 
 #include "occlod/occlusion/software_occlusion.h"
 #include "refine/refine_support.h"
-
-namespace {
-
-std::size_t allocations = 0;
-
-}  // namespace
-
-// Not in line: GCC takes malloc and delete for a mismatch.
-[[gnu::noinline]] void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* const memory = std::malloc(size)) return memory;
-  throw std::bad_alloc();
-}
-[[gnu::noinline]] void* operator new(std::size_t size, std::align_val_t alignment) {
-  ++allocations;
-  const auto align = static_cast<std::size_t>(alignment);
-  if (void* const memory = std::aligned_alloc(align, (size + align - 1) / align * align)) return memory;
-  throw std::bad_alloc();
-}
-[[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
-[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
-[[gnu::noinline]] void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
-[[gnu::noinline]] void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
+#include "support/counted_allocations.h"
 
 namespace occlod {
 namespace {
@@ -63,9 +39,9 @@ TEST_P(Allocations, NoFrameOfAPathThatIsKnownAllocates) {
     const double angle = 0.03 * frame;
     camera.eye = {3.0 * std::sin(angle), 0.4, 3.0 * std::cos(angle)};
     const View view(camera);
-    const std::size_t before = allocations;
+    const std::size_t before = test::allocation_count();
     static_cast<void>(refiner.update(view, options, visibility));
-    return allocations - before;
+    return test::allocation_count() - before;
   };
   const auto go = [&](bool forth) {
     std::size_t made = 0;

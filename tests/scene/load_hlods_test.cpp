@@ -9,10 +9,12 @@
 #include "occlod/core/error.h"
 #include "occlod/hlod/validate.h"
 #include "occlod/io/ohlod.h"
-#include "scene/scene_folder.h"
+#include "scene/loaded_scenes.h"
 
 namespace occlod {
 namespace {
+
+using test::scene_of;
 
 constexpr std::size_t planet_triangles = 8 * 64;  // 8 * 4^level
 
@@ -22,33 +24,14 @@ SceneObject planet(double x, std::uint64_t seed = 1) {
   return object;
 }
 
-SceneDescription scene_of(std::vector<SceneObject> objects) {
-  SceneDescription scene;
-  scene.name = "test";
-  scene.objects = std::move(objects);
-  return scene;
-}
-
-class LoadHlods : public test::SceneFolder {
+class LoadHlods : public test::LoadedScenes {
  protected:
   std::vector<LoadedHlod> load(const SceneDescription& scene) {
-    HlodLoadOptions options;
-    options.note = [this](const std::string& line) { notes_.push_back(line); };
-    options.progress = [this](const std::string&, double) { ++progress_; };
-    options.use_cache = use_cache_;
+    auto options = noting_options<HlodLoadOptions>();
     options.build.node_triangles = node_triangles_;
     return load_hlods(scene, folder(), options);
   }
 
-  [[nodiscard]] std::vector<std::filesystem::path> cached() const {
-    const std::filesystem::path cache = folder() / "cache" / "occlod";
-    if (!std::filesystem::exists(cache)) return {};
-    return {std::filesystem::directory_iterator(cache), {}};
-  }
-
-  std::vector<std::string> notes_;
-  int progress_ = 0;
-  bool use_cache_ = true;
   std::uint32_t node_triangles_ = 100;
 };
 

@@ -6,10 +6,12 @@
 #include "occlod/core/error.h"
 #include "occlod/io/olod.h"
 #include "occlod/scene/scene.h"
-#include "scene/scene_folder.h"
+#include "scene/loaded_scenes.h"
 
 namespace occlod {
 namespace {
+
+using test::scene_of;
 
 constexpr int level = 2;
 constexpr int reporting_level = 6;  // 16,386 vertices: builds of a few vertices are over before they report progress
@@ -21,33 +23,14 @@ SceneObject small_planet(std::uint64_t seed = 1) {
   return {.source = RoughPlanetOptions{.level = level, .seed = seed}};
 }
 
-SceneDescription scene_of(std::vector<SceneObject> objects) {
-  SceneDescription scene;
-  scene.name = "test";
-  scene.objects = std::move(objects);
-  return scene;
-}
-
-class LoadObjects : public test::SceneFolder {
+class LoadObjects : public test::LoadedScenes {
  protected:
   std::vector<LoadedObject> load(const SceneDescription& scene) {
-    LoadOptions options;
-    options.note = [this](const std::string& line) { notes_.push_back(line); };
-    options.progress = [this](const std::string&, double) { ++progress_; };
-    options.use_cache = use_cache_;
+    auto options = noting_options<LoadOptions>();
     options.build.base_triangles = base_triangles_;
     return load_objects(scene, folder(), options);
   }
 
-  [[nodiscard]] std::vector<std::filesystem::path> cached() const {
-    const std::filesystem::path cache = folder() / "cache" / "occlod";
-    if (!std::filesystem::exists(cache)) return {};
-    return {std::filesystem::directory_iterator(cache), {}};
-  }
-
-  std::vector<std::string> notes_;
-  int progress_ = 0;
-  bool use_cache_ = true;
   std::size_t base_triangles_ = 16;
 };
 

@@ -187,6 +187,18 @@ hlod::Hlod two_rows(bool last_rises) {
   return hand_made_hlod(panels, std::vector<float>{2.0F, 1.0F, 1.0F, 0.0F, 0.0F, 0.0F, 0.0F, 0.0F, 0.0F});
 }
 
+Camera square_camera(const glm::dvec3& eye, const glm::dvec3& target) {
+  Camera camera;
+  camera.eye = eye;
+  camera.target = target;
+  camera.fov_y_deg = 90.0;
+  camera.width = camera.height = 100;
+  camera.near = 0.1;
+  return camera;
+}
+
+Camera camera_ahead() { return square_camera({-2.0, 0.0, 10.0}, {-2.0, 0.0, 0.0}); }
+
 hlod::Hlod shared_child() {
   const std::vector<Panel> panels = {{{-3.0F, -1.0F, 0.0F}, {1.9F, 2.0F}, {6, 3, 1, 0}},
                                      {{-1.0F, -1.0F, 0.0F}, {0.9F, 2.0F}, {7, 4, 1, 0}},

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "occlod/hlod/hlod.h"
+#include "occlod/view/camera.h"
 
 namespace occlod::test {
 
@@ -29,6 +30,11 @@ struct Panel {
 //   / | \     / | \             errors: 2 of node 0, 1 of nodes 1 and 2
 //  3  4  5   6  7  8
 [[nodiscard]] hlod::Hlod two_rows(bool last_rises = false);
+
+// 100 x 100 pixels at 90 degrees: an object unit at distance 1 covers 50 pixels.
+[[nodiscard]] Camera square_camera(const glm::dvec3& eye, const glm::dvec3& target);
+// From (-2, 0, 10) along -z: sees the first row only.
+[[nodiscard]] Camera camera_ahead();
 
 // Nine nodes, one of which has two parents: the panels of 7 and 4 belong to 1 in their left half, to 2 in their right.
 //

@@ -13,27 +13,15 @@ using hlod::Strategy;
 
 namespace {
 
-// 100 pixels at 90 degrees: an object unit at distance 1 covers 50 pixels. Distances of nodes from the eye of `ahead`,
-// (-2, 0, 10): 0, 1, 3: 10; 4: 10.06; 5: 10.46; 2, 6: 14; 7: 14.07; 8: 14.4. So nodes are reached in the order 0 1 3 4
-// 5 2 6 7 8. Errors: node 0: 2 * 50 / 10 = 10 px, node 1: 5 px, node 2: 3.57 px.
-Camera camera_at(const glm::dvec3& eye, const glm::dvec3& target) {
-  Camera camera;
-  camera.eye = eye;
-  camera.target = target;
-  camera.fov_y_deg = 90.0;
-  camera.width = camera.height = 100;
-  camera.near = 0.1;
-  return camera;
-}
-
-// Sees the first row only.
-const Camera ahead = camera_at({-2.0, 0.0, 10.0}, {-2.0, 0.0, 0.0});
+// Sees the first row only. Distances of nodes: 0, 1, 3: 10; 4: 10.06; 5: 10.46; 2, 6: 14; 7: 14.07; 8: 14.4. So nodes
+// are reached in the order 0 1 3 4 5 2 6 7 8. Errors: node 0: 2 * 50 / 10 = 10 px, node 1: 5 px, node 2: 3.57 px.
+const Camera ahead = camera_ahead();
 // Sees the second row over the first, whose shadow falls below y = -1.8 there. The order is the same: 1, 3: 12.2;
 // 4: 12.25; 5: 12.57; 2: 15.8.
-const Camera above = camera_at({-2.0, 8.0, 10.0}, {-2.0, 0.0, 0.0});
+const Camera above = square_camera({-2.0, 8.0, 10.0}, {-2.0, 0.0, 0.0});
 // Between the rows, inside the box of node 0: node 1 is behind the eye, and node 8 (1.4 to 2.6, at distance 2) outside
 // of 90 degrees.
-const Camera between = camera_at({-2.0, 0.0, -2.0}, {-2.0, 0.0, -10.0});
+const Camera between = square_camera({-2.0, 0.0, -2.0}, {-2.0, 0.0, -10.0});
 
 // What is left of a node behind the occluder: B is 0 within rounding.
 constexpr std::uint32_t hardly_visible = 1;

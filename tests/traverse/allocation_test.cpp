@@ -1,36 +1,12 @@
-// A program of its own: it replaces operator new.
+// A program of its own, with an operator new of its own.
 #include <gtest/gtest.h>
 
 #include <cstddef>
-#include <cstdlib>
-#include <new>
 
 #include "occlod/device/device_costs.h"
 #include "occlod/device/software_device.h"
+#include "support/counted_allocations.h"
 #include "traverse/small_scenes.h"
-
-namespace {
-
-std::size_t allocations = 0;
-
-}  // namespace
-
-// Not in line: GCC takes malloc and delete for a mismatch.
-[[gnu::noinline]] void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* const memory = std::malloc(size)) return memory;
-  throw std::bad_alloc();
-}
-[[gnu::noinline]] void* operator new(std::size_t size, std::align_val_t alignment) {
-  ++allocations;
-  const auto align = static_cast<std::size_t>(alignment);
-  if (void* const memory = std::aligned_alloc(align, (size + align - 1) / align * align)) return memory;
-  throw std::bad_alloc();
-}
-[[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
-[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
-[[gnu::noinline]] void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
-[[gnu::noinline]] void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
 
 namespace occlod::hlod {
 namespace {
@@ -57,9 +33,9 @@ TEST(Allocations, NoFrameOfAPathThatIsKnownAllocates) {
       allocated = 0;
       for (int i = 0; i < frames; ++i) {
         const View view(test::walk(hlod.data().box, i, 100));
-        const std::size_t before = allocations;
+        const std::size_t before = occlod::test::allocation_count();
         traverser.draw_frame(view, device, options);
-        allocated += allocations - before;
+        allocated += occlod::test::allocation_count() - before;
       }
       EXPECT_TRUE(way > 0 || allocated > 0U);
     }

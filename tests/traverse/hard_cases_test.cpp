@@ -16,18 +16,12 @@
 #include "support/meshes.h"
 #include "support/scripted_device.h"
 #include "traverse/small_scenes.h"
+#include "traverse/traverse_support.h"
 
 namespace occlod::hlod {
 namespace {
 
 using namespace test;
-
-TraverseOptions with(Strategy strategy, double tolerance_px) {
-  TraverseOptions options;
-  options.strategy = strategy;
-  options.tolerance_px = tolerance_px;
-  return options;
-}
 
 // What stands still comes to rest: the same front from the third frame on, nothing refined after it was drawn. In a
 // graph a bias may deny nodes to be refined, and each level of them costs a frame. By the place in the queue alone what

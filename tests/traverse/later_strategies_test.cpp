@@ -18,18 +18,8 @@ namespace {
 using occlod::test::LoggedDevice;
 using occlod::test::ScriptedDevice;
 
-// 100 x 100 pixels at 90 degrees. Nodes are reached in the order 0 1 3 4 5 2 6 7 8 (see the stories).
-Camera camera() {
-  Camera camera;
-  camera.eye = {-2.0, 0.0, 10.0};
-  camera.target = {-2.0, 0.0, 0.0};
-  camera.fov_y_deg = 90.0;
-  camera.width = camera.height = 100;
-  camera.near = 0.1;
-  return camera;
-}
-
-// Frames from one eye; with a tolerance of 1 px nodes 0, 1 and 2 are refined.
+// Frames from one eye; with a tolerance of 1 px nodes 0, 1 and 2 are refined. Nodes are reached in the order 0 1 3 4 5
+// 2 6 7 8 (see the stories).
 class Frames {
  public:
   explicit Frames(Strategy strategy) : objects_{{{&rows_}}}, traverser_(objects_), logged_(device) {
@@ -40,7 +30,7 @@ class Frames {
     options.costs = {.name = "test", .draw_ns = 1e6, .query_ns = 1e-3, .batch_ns = 1e-3, .batch_item_ns = 1e-6};
   }
   std::string next() {
-    stats = traverser_.draw_frame(View(camera()), logged_, options).stats;
+    stats = traverser_.draw_frame(View(occlod::test::camera_ahead()), logged_, options).stats;
     return logged_.log();
   }
 

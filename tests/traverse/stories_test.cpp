@@ -6,6 +6,7 @@
 #include "occlod/hlod/validate.h"
 #include "support/hand_made_hlod.h"
 #include "support/traversal_stories.h"
+#include "traverse/traverse_support.h"
 
 namespace occlod::hlod {
 namespace {
@@ -13,6 +14,7 @@ namespace {
 using occlod::test::LoggedDevice;
 using occlod::test::ScriptedDevice;
 using occlod::test::Story;
+using test::with;
 
 TEST(HandMadeHlods, AreSound) {
   for (const Hlod& hlod :
@@ -34,21 +36,12 @@ TEST(Stories, AreToldToAScriptedDevice) {
   }
 }
 
-Camera camera() {
-  Camera camera;
-  camera.eye = {-2.0, 0.0, 10.0};
-  camera.target = {-2.0, 0.0, 0.0};
-  camera.fov_y_deg = 90.0;
-  camera.width = camera.height = 100;
-  return camera;
-}
-
 // Frames from one eye.
 class Frames {
  public:
   Frames(const Hlod& hlod, RenderDevice& device) : objects_{{{&hlod}}}, traverser_(objects_), logged_(device) {}
   std::string log_of_next(const TraverseOptions& options) {
-    stats_ = traverser_.draw_frame(View(camera()), logged_, options).stats;
+    stats_ = traverser_.draw_frame(View(occlod::test::camera_ahead()), logged_, options).stats;
     return logged_.log();
   }
   [[nodiscard]] const FrameStats& stats() const { return stats_; }
@@ -59,13 +52,6 @@ class Frames {
   LoggedDevice logged_;
   FrameStats stats_;
 };
-
-TraverseOptions with(Strategy strategy, double tolerance_px) {
-  TraverseOptions options;
-  options.strategy = strategy;
-  options.tolerance_px = tolerance_px;
-  return options;
-}
 
 // Answers come after three more commands. What is in the queue goes on meanwhile; when it is empty, the oldest question
 // is waited for. Nothing has been drawn when node 2 is asked about in frame 0, so it is visible; in frame 1 it is
@@ -263,7 +249,7 @@ TEST(Prediction, LeavesOutChildrenThatWereNotVisited) {
   device.answer(0, 8, 0);
   LoggedDevice logged(device);
   Traverser traverser({&placed, 1});
-  Camera between = camera();
+  Camera between = occlod::test::camera_ahead();
   between.eye = {-2.0, 0.0, -2.0};
   between.target = between.eye + glm::dvec3(0.515, 0.0, -0.857);  // 31 degrees to the right: node 8 is at 60 to 67
   const auto log = [&] {
