@@ -1,227 +1,69 @@
-// bench_cover_probability: how probable it is that a box is covered, by the models and counted (fig. 3 of Guthe, Balazs
-// and Klein 2006): ellipsoids at random places in the frustum, drawn front to back.
+// bench_cover_probability: how probable it is that a box is covered, by the models and counted: of random ellipsoids
+// (fig. 3 of Guthe, Balazs and Klein 2006), or of the nodes of an HLOD.
 #include <fmt/format.h>
-#include <xxhash.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstdint>
-#include <glm/glm.hpp>
-#include <random>
-#include <vector>
 
-#include "occlod/traverse/occlusion_probability.h"
+#include "cover/cover_counts.h"
+#include "cover/ellipsoids.h"
+#include "cover/scene_nodes.h"
 #include "support/run_app.h"
 
 namespace occlod::bench {
 namespace {
 
-using hlod::CoverModel;
-
-constexpr int width = 320, height = 240;
-constexpr double pixels = static_cast<double>(width) * height;
-constexpr double tan_half = 0.5773502691896257;  // 60 degrees up and down
-constexpr double near = 1.0, far = 100.0;
-constexpr int screen_bins = 10;
-// Of c_bb.
-constexpr std::array<double, 7> box_bins{0.0, 0.0005, 0.002, 0.008, 0.03, 0.1, 1.0};
-
 struct Options {
-  int runs = 100;
-  int objects = 10'000;
-  double largest = 3.0;
-  std::uint64_t seed = 1;
+  EllipsoidOptions ellipsoids;
+  SceneNodesOptions nodes;
+  bool json = false;
 };
 
-struct Ellipsoid {
-  glm::dvec3 center{0.0}, radii{1.0};  // along the axes; the eye is at the origin and looks along -z
-};
-
-double uniform(std::mt19937_64& random, double low, double high) {  // the same with every standard library
-  return low + (high - low) * static_cast<double>(random() >> 11U) * 0x1p-53;
+void add_options(CLI::App& app, Options& options) {
+  EllipsoidOptions& ellipsoids = options.ellipsoids;
+  SceneNodesOptions& nodes = options.nodes;
+  app.add_option("--runs", ellipsoids.runs, "Images")->capture_default_str()->check(CLI::PositiveNumber);
+  app.add_option("--objects", ellipsoids.objects, "Ellipsoids in each")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
+  app.add_option("--largest", ellipsoids.largest, "The largest radius; the frustum reaches from 1 to 100")
+      ->capture_default_str()
+      ->check(CLI::Range(0.1, 20.0));
+  app.add_option("--seed", ellipsoids.seed, "Of the places and radii")->capture_default_str();
+  CLI::Option* hlod = app.add_option("--hlod", nodes.hlod, "Count the nodes of this HLOD instead of ellipsoids");
+  CLI::Option* scene = app.add_option("--scene", nodes.scene, "The scene that has the camera path");
+  CLI::Option* path = app.add_option("--path", nodes.path, "The camera path")->needs(hlod);
+  hlod->needs(scene)->needs(path);
+  scene->needs(hlod);
+  app.add_option("--frames", nodes.frames, "Spread evenly over the path; 0: all of it")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber)
+      ->needs(hlod);
+  app.add_flag("--json", options.json, "Print the result as one JSON object");
 }
 
-// Anywhere in the frustum, with radii up to `largest`; none reaches the near plane.
-Ellipsoid random_ellipsoid(std::mt19937_64& random, double largest) {
-  Ellipsoid result;
-  for (int i = 0; i < 3; ++i) result.radii[i] = uniform(random, 0.02, 1.0) * largest;
-  const double nearest = near + largest;
-  const double t = uniform(random, 0.0, 1.0);
-  const double z = std::cbrt(nearest * nearest * nearest + t * (far * far * far - nearest * nearest * nearest));
-  result.center = {uniform(random, -1.0, 1.0) * z * tan_half * width / height,
-                   uniform(random, -1.0, 1.0) * z * tan_half, -z};
-  return result;
+void count_nodes(const Options& options) {
+  CoverCounts counts;
+  count_scene_nodes(options.nodes, counts);
+  if (!options.json) return counts.print();
+  tool::Json result = {{"of", options.nodes.scene.stem().string()}, {"path", options.nodes.path}};
+  result.update(counts.to_json());
+  tool::print_json(result);
 }
 
-double box_area(const glm::dvec3& r) { return 8.0 * (r.x * r.y + r.y * r.z + r.z * r.x); }
-// Thomsen's formula, within 1.1 %.
-double ellipsoid_area(const glm::dvec3& r) {
-  constexpr double p = 1.6075, pi = 3.141592653589793;
-  const double a = std::pow(r.x, p), b = std::pow(r.y, p), c = std::pow(r.z, p);
-  return 4.0 * pi * std::pow((a * b + b * c + c * a) / 3.0, 1.0 / p);
+void count_random(const Options& options) {
+  CoverCounts counts;
+  const CoverageError error = count_ellipsoids(options.ellipsoids, counts);
+  if (options.json) {
+    tool::Json result = {{"of", "ellipsoids"},
+                         {"images", options.ellipsoids.runs},
+                         {"coverage_error", {{"mean", error.mean}, {"root_mean_square", error.root_mean_square}}}};
+    result.update(counts.to_json());
+    return tool::print_json(result);
+  }
+  counts.print();
+  fmt::print("c_scr as estimated minus as it is: mean {:.3f}, root mean square {:.3f}.\n", error.mean,
+             error.root_mean_square);
 }
-
-// In front of the box (all of it is behind the near plane).
-double distance_to_box(const Ellipsoid& e) {
-  return glm::length(glm::max(glm::abs(e.center) - e.radii, glm::dvec3(0.0)));
-}
-
-// Which pixels are covered.
-class Image {
- public:
-  void clear() {
-    std::fill(covered_.begin(), covered_.end(), 0);
-    count_ = 0;
-  }
-  [[nodiscard]] double covered() const { return count_ / pixels; }
-
-  // Pixels of the box that are covered, and all, inside the image.
-  struct Count {
-    int covered = 0, all = 0;
-  };
-  [[nodiscard]] Count count_box(const Ellipsoid& e) const {
-    Count count;
-    for_each_pixel(e, [&](int x, int y, const glm::dvec3& ray) {
-      if (!meets_box(e, ray)) return;
-      ++count.all;
-      count.covered += at(x, y);
-    });
-    return count;
-  }
-  void draw(const Ellipsoid& e) {
-    for_each_pixel(e, [&](int x, int y, const glm::dvec3& ray) {
-      char& pixel = covered_[static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x)];
-      if (pixel != 0 || !meets_ellipsoid(e, ray)) return;
-      pixel = 1;
-      count_ += 1.0;
-    });
-  }
-
- private:
-  [[nodiscard]] int at(int x, int y) const {
-    return covered_[static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x)];
-  }
-
-  static bool meets_box(const Ellipsoid& e, const glm::dvec3& ray) {
-    double first = 0.0, last = 1e30;
-    for (int i = 0; i < 3; ++i) {
-      const double a = (e.center[i] - e.radii[i]) / ray[i], b = (e.center[i] + e.radii[i]) / ray[i];
-      first = std::max(first, std::min(a, b));
-      last = std::min(last, std::max(a, b));
-    }
-    return first <= last;
-  }
-  static bool meets_ellipsoid(const Ellipsoid& e, const glm::dvec3& ray) {
-    const glm::dvec3 d = ray / e.radii, c = e.center / e.radii;
-    const double b = glm::dot(d, c);
-    return b > 0.0 && b * b >= glm::dot(d, d) * (glm::dot(c, c) - 1.0);
-  }
-
-  // Of the rectangle around the box's projection.
-  template <typename Visit>
-  static void for_each_pixel(const Ellipsoid& e, const Visit& visit) {
-    const double scale = height / (2.0 * tan_half);
-    const double z0 = -e.center.z - e.radii.z, z1 = -e.center.z + e.radii.z;
-    const auto range = [&](double low, double high, int size) {
-      const double first = scale * std::min(low / z0, low / z1), last = scale * std::max(high / z0, high / z1);
-      return std::pair(std::clamp(static_cast<int>(std::floor(0.5 * size + first)), 0, size),
-                       std::clamp(static_cast<int>(std::ceil(0.5 * size + last)), 0, size));
-    };
-    const auto [x0, x1] = range(e.center.x - e.radii.x, e.center.x + e.radii.x, width);
-    const auto [y0, y1] = range(e.center.y - e.radii.y, e.center.y + e.radii.y, height);
-    for (int y = y0; y < y1; ++y)
-      for (int x = x0; x < x1; ++x)
-        visit(x, y, glm::dvec3((x + 0.5 - 0.5 * width) / scale, (y + 0.5 - 0.5 * height) / scale, -1.0));
-  }
-
-  std::vector<char> covered_ = std::vector<char>(static_cast<std::size_t>(width) * height);
-  double count_ = 0.0;
-};
-
-struct Cell {
-  double objects = 0.0, hidden = 0.0, printed = 0.0, corrected = 0.0;
-};
-
-class Experiment {
- public:
-  explicit Experiment(const Options& options) : options_(options), random_(options.seed) {}
-
-  void run() {
-    for (int i = 0; i < options_.runs; ++i) run_once();
-  }
-
-  void print() const {
-    for (std::size_t b = 0; b + 1 < box_bins.size(); ++b) {
-      fmt::print("\nc_bb {} to {}\n\n| c_scr | objects | counted | printed | corrected |\n|---|---|---|---|---|\n",
-                 box_bins[b], box_bins[b + 1]);
-      for (int s = 0; s < screen_bins; ++s)
-        if (const Cell& cell = cells_[static_cast<std::size_t>(s)][b]; cell.objects > 0.0)
-          fmt::print("| {:.2f} | {:.0f} | {:.3f} | {:.3f} | {:.3f} |\n", (s + 0.5) / screen_bins, cell.objects,
-                     cell.hidden / cell.objects, cell.printed / cell.objects, cell.corrected / cell.objects);
-    }
-    fmt::print(
-        "\nRoot mean square difference from the count, cells of 100 objects or more, each by the root of its "
-        "objects: printed {:.3f}, corrected {:.3f}.\n",
-        difference(&Cell::printed), difference(&Cell::corrected));
-    fmt::print("c_scr as estimated minus as it is: mean {:.3f}, root mean square {:.3f}.\nhash {:016x}\n",
-               error_ / count_, std::sqrt(square_error_ / count_), XXH3_64bits(cells_.data(), sizeof(cells_)));
-  }
-
- private:
-  void run_once() {
-    std::vector<Ellipsoid> objects;
-    for (int i = 0; i < options_.objects; ++i) objects.push_back(random_ellipsoid(random_, options_.largest));
-    std::sort(objects.begin(), objects.end(),
-              [](const Ellipsoid& a, const Ellipsoid& b) { return distance_to_box(a) < distance_to_box(b); });
-    image_.clear();
-    double covered = 0.0;
-    for (const Ellipsoid& e : objects) covered = draw(e, covered);
-  }
-
-  // Returns c_scr with it.
-  double draw(const Ellipsoid& e, double covered) {
-    const hlod::ImageScale scale{height / (2.0 * tan_half), pixels, false};
-    const double share = hlod::box_coverage(box_area(e.radii), distance_to_box(e), scale);
-    if (const Image::Count count = image_.count_box(e); count.all > 0) {
-      const auto s = static_cast<std::size_t>(std::min(covered * screen_bins, screen_bins - 1.0));
-      const auto b = static_cast<std::size_t>(std::upper_bound(box_bins.begin() + 1, box_bins.end() - 1, share) -
-                                              box_bins.begin() - 1);
-      Cell& cell = cells_[s][b];
-      cell.objects += 1.0;
-      cell.hidden += count.covered == count.all ? 1.0 : 0.0;
-      cell.printed += hlod::cover_probability(covered, share, CoverModel::printed);
-      cell.corrected += hlod::cover_probability(covered, share, CoverModel::corrected);
-    }
-    image_.draw(e);
-    covered = hlod::covered_with(
-        covered, hlod::mesh_coverage(share, hlod::coverage_ratio(ellipsoid_area(e.radii), box_area(e.radii))));
-    const double error = covered - image_.covered();
-    count_ += 1.0;
-    error_ += error;
-    square_error_ += error * error;
-    return covered;
-  }
-
-  [[nodiscard]] double difference(double Cell::*model) const {
-    double sum = 0.0, weights = 0.0;
-    for (const auto& row : cells_)
-      for (const Cell& cell : row) {
-        if (cell.objects < 100.0) continue;
-        const double weight = std::sqrt(cell.objects), d = (cell.*model - cell.hidden) / cell.objects;
-        sum += weight * d * d;
-        weights += weight;
-      }
-    return weights > 0.0 ? std::sqrt(sum / weights) : 0.0;
-  }
-
-  Options options_;
-  std::mt19937_64 random_;
-  Image image_;
-  std::array<std::array<Cell, box_bins.size() - 1>, screen_bins> cells_{};
-  double count_ = 0.0, error_ = 0.0, square_error_ = 0.0;
-};
 
 }  // namespace
 }  // namespace occlod::bench
@@ -230,15 +72,6 @@ int main(int argc, char** argv) {
   using namespace occlod::bench;
   CLI::App app("How probable it is that a box is covered: models beside counts", "bench_cover_probability");
   Options options;
-  app.add_option("--runs", options.runs, "Images")->capture_default_str()->check(CLI::PositiveNumber);
-  app.add_option("--objects", options.objects, "Ellipsoids in each")->capture_default_str()->check(CLI::PositiveNumber);
-  app.add_option("--largest", options.largest, "The largest radius; the frustum reaches from 1 to 100")
-      ->capture_default_str()
-      ->check(CLI::Range(0.1, 20.0));
-  app.add_option("--seed", options.seed, "Of the places and radii")->capture_default_str();
-  return run_app(app, argc, argv, [&] {
-    Experiment experiment(options);
-    experiment.run();
-    experiment.print();
-  });
+  add_options(app, options);
+  return run_app(app, argc, argv, [&] { options.nodes.hlod.empty() ? count_random(options) : count_nodes(options); });
 }

@@ -37,7 +37,7 @@ echo "bench_locality" >&2
 build/bench/bench/bench_locality | tee "$out/locality.md"
 
 echo "bench_cover_probability" >&2
-build/bench/bench/bench_cover_probability | tee "$out/cover_probability.md"
+build/bench/bench/cover/bench_cover_probability | tee "$out/cover_probability.md"
 
 echo "bench_software_occlusion" >&2
 build/bench/bench/bench_software_occlusion | tee "$out/software_occlusion.txt"
