@@ -37,6 +37,14 @@ Json to_json(const hlod::FrameTimes& times) {
           {"starve_ms", times.starve_ms}};
 }
 
+// Of `automatic`: which strategy drew the frame, and what each that has been tried is expected to take.
+Json choice_to_json(const hlod::Frame& frame) {
+  Json json = {{"drawn_by", name_of(frame.strategy)}};
+  for (const hlod::StrategyForecast& forecast : frame.forecasts)
+    json[fmt::format("forecast_{}_ms", name_of(forecast.strategy))] = forecast.frame_ms;
+  return json;
+}
+
 Json to_json(const HlodDistance& distance) {
   return {{"depth_rms_px", distance.to_full.depth_rms_px},
           {"silhouette_mismatch", distance.to_full.silhouette_mismatch},
@@ -119,7 +127,7 @@ void HlodRuns::draw(State& state, int frame, const View& view) {
   row.update(to_json(state.frame->stats));
   row.update(to_json(state.frame->times));
   row["hash"] = fmt::format("{:016x}", state.frame->front_hash);
-  if (state.run.options.strategy == hlod::Strategy::automatic) row["drawn_by"] = name_of(state.frame->strategy);
+  if (state.run.options.strategy == hlod::Strategy::automatic) row.update(choice_to_json(*state.frame));
   if (is_compared(frame))
     row.update(to_json(reference_->compare(state.front, before, state.frame->stats.largest_sse_px)));
   state.rows.push_back(std::move(row));
