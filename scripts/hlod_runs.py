@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Builds the HLODs and makes the runs that scripts/hlod_tables.py prints. Each run is one JSON object in its own file.
 
-hlod_runs.py --occlod FILE --out FOLDER [--quick] [--reuse] [--devices NAME,NAME,...]"""
+hlod_runs.py --occlod FILE --cover FILE --out FOLDER [--quick | --small] [--reuse] [--only PART,PART,...] [--devices NAME,NAME,...] [--scenes FOLDER]"""
 import argparse
 import dataclasses
 import datetime
@@ -13,16 +13,19 @@ import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
-SCENES = ROOT / "meshes" / "scenes"
 SESSION = ("overview", "rotation", "close_ups")  # of Charalambos 2006: overall views, rotations, extreme close-ups
 FIRST_PAPER = ("hlod_row", "hlod_grid", "hlod_shelves")
 SECOND_PAPER = ("hlod_5m", "hlod_12m")
-PAPER_SIZE = ("--size", "640x480")
 AS_PUBLISHED = ("--metric", "sphere")
 BIAS = "1,0.1"  # chosen from the sweep
 SWEEP = ("none", "0,0", "1,0", "0.5,0.1", "1,0.1", "1,0.2", "1,0.3", "1,0.5")
 NESTED_TRIANGLES = {"hlod_12m": 2600}  # for about as many nodes as the papers have
 TOLERANCES = (0.5, 0.7, 1, 1.4, 2)
+GUTHE = {"plant": "around", "city": "walk", "dragon_alone": "around", "car": "around"}  # the scenes of Guthe and others 2006, and their paths
+PRESETS = "virtual:query-cheap,virtual:query-dear,virtual:fill-bound,virtual:modern"
+TABLE_4 = "vfc,bool,coh,chc++,nohc,optimum,two-pass,cesium,batch,auto"
+KINDS = {"nested": ("--grouping", "nested", "--borders", "free"), "shifted": (),
+         "objects": ("--grouping", "nested", "--borders", "free", "--node-triangles", 1000)}  # of at most 1,000 triangles, as in Guthe and others 2006
 
 
 @dataclasses.dataclass(frozen=True)
@@ -36,22 +39,39 @@ class Effort:
     pop_frames: int = 60
     llvmpipe_frames: int = 30
     fronts: int = 10_000
+    guthe: tuple = tuple(GUTHE)
+    path_share: float = 1.0  # of the paths of GUTHE, from their beginning, as fast as they are
+    llvmpipe_share: float = 0.15
+    leaves_share: float = 0.15
+    cover_frames: int = 16  # of each path
+    cover_images: int = 100  # of random ellipsoids
+    size: str = "640x480"
+    guthe_size: str = "1024x768"
 
 
 QUICK = Effort(scenes=("hlod_row", "hlod_grid"), session_frames=20, walk_frames=20, slow_frames=100, compared=3, crack_frames=2, pop_frames=4,
-               llvmpipe_frames=3, fronts=100)
+               llvmpipe_frames=3, fronts=100, guthe=("city", "dragon_alone"), path_share=0.25, llvmpipe_share=0.02, leaves_share=0.05, cover_frames=4,
+               cover_images=3)
+# Of scenes of some thousand triangles (bench/scenes/small): whether everything is there, not what it is worth.
+SMALL = Effort(session_frames=6, walk_frames=8, slow_frames=8, compared=2, crack_frames=1, pop_frames=1, llvmpipe_frames=2, fronts=4, path_share=0.05,
+               llvmpipe_share=0.01, leaves_share=0.02, cover_frames=2, cover_images=1, size="96x72", guthe_size="128x96")
 
 
 class Runs:
-    def __init__(self, occlod, out, effort, reuse):
-        self.occlod, self.out, self.effort, self.reuse = occlod, out, effort, reuse
+    def __init__(self, programs, out, scenes, effort, reuse):
+        self.occlod, self.cover_probability = programs
+        self.out, self.scene_files, self.effort, self.reuse = out, scenes, effort, reuse
+        self.size = ("--size", effort.size)
 
     def run(self, name, *command, **environment):
+        self.run_program(name, self.occlod, "hlod", *command, **environment)
+
+    def run_program(self, name, *command, **environment):
         file = self.out / f"{name}.json"
         if self.reuse and file.exists() and file.stat().st_size > 0:
             return
         print(f"hlod_tables: {name}", file=sys.stderr)
-        done = subprocess.run([self.occlod, "hlod", *map(str, command), "--json"], capture_output=True, text=True, env={**os.environ, **environment})
+        done = subprocess.run([*map(str, command), "--json"], capture_output=True, text=True, env={**os.environ, **environment})
         if done.returncode != 0:
             line = (done.stderr.strip().splitlines() or ["ended without a word"])[-1]
             print(f"hlod_tables: SKIPPED {name}: {line}", file=sys.stderr)
@@ -64,105 +84,168 @@ class Runs:
     def hlod(self, scene, kind):
         return self.out / f"{scene}_{kind}.ohlod"
 
-    def build(self, scene):
-        for kind, options in (("nested", ("--grouping", "nested", "--borders", "free", "--node-triangles", NESTED_TRIANGLES.get(scene, 2000))), ("shifted", ())):
+    def build(self, scene, *kinds):
+        for kind in kinds:
             if not (self.reuse and self.hlod(scene, kind).exists()):
                 (self.out / f"{scene}_{kind}.json").unlink(missing_ok=True)
-                self.run(f"{scene}_{kind}", "build", SCENES / f"{scene}.json", "-o", self.hlod(scene, kind), *options)
+                most = ("--node-triangles", NESTED_TRIANGLES.get(scene, 2000)) if kind == "nested" else ()
+                self.run(f"{scene}_{kind}", "build", self.scene_file(scene), "-o", self.hlod(scene, kind), *KINDS[kind], *most)
+
+    def scene_file(self, scene):
+        return self.scene_files / f"{scene}.json"
 
     def compare(self, name, scene, kind, path, frames, *options, **environment):
-        self.run(name, "compare", self.hlod(scene, kind), "--scene", SCENES / f"{scene}.json", "--path", path, "--frames", frames, *options, **environment)
+        self.compare_along(name, self.scene_file(scene), scene, kind, path, "--frames", frames, *options, **environment)
+
+    def compare_along(self, name, cameras, scene, kind, path, *options, **environment):
+        """Keeps the frames of each run as well, as NAME.csv."""
+        self.run(name, "compare", self.hlod(scene, kind), "--scene", cameras, "--path", path, "--csv", self.out / f"{name}.csv", *options, **environment)
 
     def first_paper(self, devices):
         """B = mu and alpha as in Charalambos 2006."""
         for scene in self.scenes(FIRST_PAPER):
             for path in SESSION:
-                self.compare(f"first_{scene}_{path}", scene, "nested", path, self.effort.session_frames, *PAPER_SIZE, *AS_PUBLISHED, "--alpha", "paper",
+                self.compare(f"first_{scene}_{path}", scene, "nested", path, self.effort.session_frames, *self.size, *AS_PUBLISHED, "--alpha", "paper",
                              "--bias", "0,0", "--strategies", "sw,sw-b,bool,simp", "--device", devices)
 
     def second_paper(self, devices):
         strategies = ("--bias", BIAS, "--strategies", "bool,sw-b,simp,coh", "--device", devices)
         for scene in self.scenes(SECOND_PAPER):
-            self.compare(f"second_{scene}_walk", scene, "nested", "walk", self.effort.walk_frames, *PAPER_SIZE, *AS_PUBLISHED, *strategies,
+            self.compare(f"second_{scene}_walk", scene, "nested", "walk", self.effort.walk_frames, *self.size, *AS_PUBLISHED, *strategies,
                          "--reference", self.effort.compared)
-            self.compare(f"ours_{scene}_walk", scene, "shifted", "walk", self.effort.walk_frames, *PAPER_SIZE, *strategies, "--reference", self.effort.compared)
+            self.compare(f"ours_{scene}_walk", scene, "shifted", "walk", self.effort.walk_frames, *self.size, *strategies, "--reference", self.effort.compared)
         for scene in self.scenes(FIRST_PAPER):
             for path in SESSION:
-                self.compare(f"second_{scene}_{path}", scene, "nested", path, self.effort.session_frames, *PAPER_SIZE, *AS_PUBLISHED, *strategies)
+                self.compare(f"second_{scene}_{path}", scene, "nested", path, self.effort.session_frames, *self.size, *AS_PUBLISHED, *strategies)
 
     def slow(self):
         """The same walk at a fifth of the speed: what is predicted from the frame before gets better."""
         for scene in self.scenes(("hlod_5m",)):
-            self.compare(f"slow_{scene}", scene, "nested", "walk", self.effort.slow_frames, *PAPER_SIZE, *AS_PUBLISHED, "--bias", BIAS,
+            self.compare(f"slow_{scene}", scene, "nested", "walk", self.effort.slow_frames, *self.size, *AS_PUBLISHED, "--bias", BIAS,
                          "--strategies", "sw-b,coh", "--device", "software")
 
     def sweep(self, device):
         scene, path = ("hlod_5m", "walk") if "hlod_5m" in self.effort.scenes else ("hlod_grid", "close_ups")
         for bias in SWEEP:
-            self.compare(f"bias_{bias.replace(',', '_')}", scene, "nested", path, self.effort.compared, *PAPER_SIZE, *AS_PUBLISHED, "--bias", bias,
+            self.compare(f"bias_{bias.replace(',', '_')}", scene, "nested", path, self.effort.compared, *self.size, *AS_PUBLISHED, "--bias", bias,
                          "--strategies", "ideal", "--device", device, "--reference", self.effort.compared)
 
     def llvmpipe(self):
         for scene in self.scenes(SECOND_PAPER):
             for threads in ("0", "2"):
-                self.compare(f"llvmpipe{threads}_{scene}", scene, "nested", "walk", self.effort.llvmpipe_frames, *PAPER_SIZE, *AS_PUBLISHED, "--bias", BIAS,
+                self.compare(f"llvmpipe{threads}_{scene}", scene, "nested", "walk", self.effort.llvmpipe_frames, *self.size, *AS_PUBLISHED, "--bias", BIAS,
                              "--strategies", "bool,sw-b,simp,coh", "--device", "gl", LP_NUM_THREADS=threads)
 
     def cracks(self):
         for scene in self.effort.scenes:
             for path in SESSION if scene in FIRST_PAPER else ("walk", "overview"):
                 for kind in ("nested", "shifted"):
-                    self.compare(f"cracks_{scene}_{kind}_{path}", scene, kind, path, self.effort.crack_frames, *PAPER_SIZE, "--strategies", "vfc",
+                    self.compare(f"cracks_{scene}_{kind}_{path}", scene, kind, path, self.effort.crack_frames, *self.size, "--strategies", "vfc",
                                  "--reference", self.effort.crack_frames)
 
     def equal_errors(self):
         for scene, path in (("hlod_grid", "close_ups"), ("hlod_grid", "overview")):
             for kind in ("nested", "shifted"):
                 for tolerance in TOLERANCES:
-                    self.compare(f"rms_{scene}_{kind}_{path}_{tolerance}", scene, kind, path, self.effort.crack_frames, *PAPER_SIZE, "--strategies", "vfc",
+                    self.compare(f"rms_{scene}_{kind}_{path}_{tolerance}", scene, kind, path, self.effort.crack_frames, *self.size, "--strategies", "vfc",
                                  "--tolerance", tolerance, "--reference", self.effort.crack_frames)
 
     def geomorphs(self):
         for way, options in (("off", ()), ("on", ("--geomorph",))):
-            self.compare(f"geomorph_{way}", "hlod_row", "shifted", "overview", 10 * self.effort.pop_frames, *PAPER_SIZE, "--strategies", "vfc", *options,
+            self.compare(f"geomorph_{way}", "hlod_row", "shifted", "overview", 10 * self.effort.pop_frames, *self.size, "--strategies", "vfc", *options,
                          "--reference", self.effort.pop_frames)
 
     def fronts(self):
         for scene in self.scenes(("hlod_row", "hlod_grid")):
             self.run(f"fronts_{scene}", "validate", self.hlod(scene, "shifted"), "--fronts", self.effort.fronts)
 
+    def table_4(self):
+        """Guthe and others 2006: whatever is visible counts in full, so all but cesium draw the same picture."""
+        for scene in self.effort.guthe:
+            self.guthe(f"table4_{scene}", scene, self.effort.path_share, "--strategies", TABLE_4, "--device", PRESETS)
+            self.guthe(f"table4corrected_{scene}", scene, self.effort.path_share, "--strategies", "nohc", "--device", PRESETS, "--cover-model", "corrected")
+            self.guthe(f"table4gl_{scene}", scene, self.effort.llvmpipe_share, "--strategies", TABLE_4, "--device", "gl", LP_NUM_THREADS="2")
+            self.guthe(f"table4leaves_{scene}", scene, self.effort.leaves_share, "--strategies", "vfc,bool,nohc,optimum", "--device", PRESETS, "--tolerance", 0)
+        if "city" in self.effort.guthe:  # where little is hidden
+            self.guthe("figure8_city", "city", self.effort.path_share, "--strategies", "vfc,bool,nohc,optimum,batch,auto", "--device", "virtual:query-dear", path="fly_over")
+
+    def guthe(self, name, scene, share, *options, path=None, **environment):
+        path = path or GUTHE[scene]
+        cameras = part_of_path(self.scene_file(scene), path, share, self.out / f"{scene}_{path}_{share:g}.cameras.json")
+        self.compare_along(name, cameras, scene, "objects", path, "--size", self.effort.guthe_size, "--bias", "none", *options, **environment)
+
+    def cover(self):
+        """Fig. 3 there."""
+        self.run_program("cover_ellipsoids", self.cover_probability, "--runs", self.effort.cover_images)
+        for scene in self.effort.guthe:
+            self.run_program(f"cover_{scene}", self.cover_probability, "--scene", self.scene_file(scene), "--hlod", self.hlod(scene, "objects"),
+                             "--path", GUTHE[scene], "--frames", self.effort.cover_frames)
+
     def scenes(self, wanted):
         return [scene for scene in wanted if scene in self.effort.scenes]
+
+
+def part_of_path(file, path, share, part):
+    """The scene, but only the first keys of its path, with as many frames between them as before."""
+    scene = json.loads(file.read_text())
+    keys, frames = scene["paths"][path]["keys"], scene["paths"][path]["frames"]
+    kept = min(len(keys), max(2, round(share * (len(keys) - 1)) + 1))
+    scene["paths"] = {path: {**scene["paths"][path], "keys": keys[:kept], "frames": max(2, round(frames * (kept - 1) / (len(keys) - 1)))}}
+    part.write_text(json.dumps(scene))
+    return part
+
+
+def parts_of(runs, devices):
+    """What --only names, in the order in which it is done."""
+    return {"second": lambda: runs.second_paper(devices), "first": lambda: runs.first_paper(devices), "sweep": lambda: runs.sweep(devices.split(",")[-1]),
+            "geomorphs": runs.geomorphs, "equal_errors": runs.equal_errors, "cracks": runs.cracks, "fronts": runs.fronts, "slow": runs.slow,
+            "llvmpipe": runs.llvmpipe, "table4": runs.table_4, "cover": runs.cover}
 
 
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--occlod", type=pathlib.Path, required=True)
+    parser.add_argument("--cover", type=pathlib.Path, required=True, help="bench_cover_probability")
     parser.add_argument("--out", type=pathlib.Path, required=True)
+    parser.add_argument("--scenes", type=pathlib.Path, default=ROOT / "meshes/scenes")
     parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--small", action="store_true")
     parser.add_argument("--reuse", action="store_true")
+    parser.add_argument("--only", default="")
     parser.add_argument("--devices", default="virtual:query-dear,virtual:modern")
     options = parser.parse_args()
-    effort = QUICK if options.quick else Effort()
+    effort = SMALL if options.small else QUICK if options.quick else Effort()
     options.out.mkdir(parents=True, exist_ok=True)
-    if not options.reuse:
-        for file in options.out.glob("*.json"):
+    runs = Runs((options.occlod.resolve(), options.cover.resolve()), options.out.resolve(), options.scenes.resolve(), effort, options.reuse)
+    parts = parts_of(runs, options.devices)
+    chosen = options.only.split(",") if options.only else list(parts)
+    for part in chosen:
+        if part not in parts:
+            sys.exit(f"hlod_runs.py: --only does not know {part}: {', '.join(parts)}")
+    if not (options.reuse or options.only):
+        for file in (*options.out.glob("*.json"), *options.out.glob("*.csv")):
             file.unlink()
-    runs = Runs(options.occlod.resolve(), options.out, effort, options.reuse)
-    for scene in effort.scenes:
-        runs.build(scene)
-    runs.second_paper(options.devices)
-    runs.first_paper(options.devices)
-    runs.sweep(options.devices.split(",")[-1])
-    runs.geomorphs()
-    runs.equal_errors()
-    runs.cracks()
-    runs.fronts()
-    runs.slow()
-    runs.llvmpipe()
-    about = {"date": datetime.date.today().isoformat(), "machine": f"{platform.processor() or platform.machine()}, {len(os.sched_getaffinity(0))} cores",
-             "quick": options.quick, "bias": BIAS, "effort": dataclasses.asdict(effort)}
+    if set(chosen) - {"table4", "cover"}:
+        for scene in effort.scenes:
+            runs.build(scene, "nested", "shifted")
+    if {"table4", "cover"} & set(chosen):
+        for scene in effort.guthe:
+            runs.build(scene, "objects")
+    for part in chosen:
+        parts[part]()
+    about = {"date": datetime.date.today().isoformat(), "machine": f"{processor()}, {len(os.sched_getaffinity(0))} cores", "quick": options.quick,
+             "small": options.small, "commit": commit(), "bias": BIAS, "effort": dataclasses.asdict(effort)}
     (options.out / "about.json").write_text(json.dumps(about))
+
+
+def processor():
+    lines = pathlib.Path("/proc/cpuinfo").read_text().splitlines() if pathlib.Path("/proc/cpuinfo").exists() else []
+    return next((line.partition(":")[2].strip() for line in lines if line.startswith("model name")), platform.machine())
+
+
+def commit():
+    done = subprocess.run(["git", "-C", ROOT, "describe", "--always", "--dirty"], capture_output=True, text=True)
+    return done.stdout.strip() or "not told"
 
 
 if __name__ == "__main__":

@@ -1,11 +1,16 @@
 #!/usr/bin/env python3
-"""hlod_tables.py FOLDER: the tables of Charalambos 2006 and of Charalambos and others 2007 with our figures beside theirs, and what HLODs are asked to
-reach with verdicts, from what scripts/hlod_runs.py has left in FOLDER; and all runs as FOLDER/runs.csv. What is missing there is missing here."""
+"""hlod_tables.py FOLDER: the tables of Charalambos 2006, of Charalambos and others 2007 and of Guthe and others 2006 with our figures beside theirs, and what
+HLODs are asked to reach with verdicts, from what scripts/hlod_runs.py has left in FOLDER; and all runs as FOLDER/runs.csv. What is missing there is missing
+here."""
 import csv
 import hashlib
 import json
 import pathlib
 import sys
+
+import hlod_cover
+import hlod_table4
+from hlod_document import Markdown
 
 SESSION = ("overview", "rotation", "close_ups")
 FIRST, SECOND = ("hlod_row", "hlod_grid", "hlod_shelves"), ("hlod_5m", "hlod_12m")
@@ -41,6 +46,16 @@ class Results:
                 found.setdefault((run["device"], run["strategy"]), []).append(run)
         return {key: averaged(runs) for key, runs in found.items()}
 
+    def frames(self, name):
+        """By device and strategy: what is told of each frame of a run."""
+        found = {}
+        file = self.folder / f"{name}.csv"
+        if file.exists():
+            with file.open(newline="") as rows:
+                for row in csv.DictReader(rows):
+                    found.setdefault((row["device"], row["strategy"]), []).append(row)
+        return found
+
     def session(self, kind, scene):
         return self.runs(*(f"{kind}_{scene}_{path}" for path in SESSION))
 
@@ -63,14 +78,6 @@ def number(value, digits=2):
     return "-" if value is None else f"{value:,.{digits}f}"
 
 
-def table(titles, rows):
-    print("| " + " | ".join(titles) + " |")
-    print("|" + "---|" * len(titles))
-    for row in rows:
-        print("| " + " | ".join(map(str, row)) + " |")
-    print()
-
-
 def devices_of(runs):
     return list(dict.fromkeys(device for device, _ in runs))
 
@@ -79,14 +86,14 @@ def mapped(text):
     return text.replace("virtual:", "")
 
 
-def print_first_paper(results):
-    print("## Charalambos 2006, table 1\n")
-    print("B = mu, alpha as printed there, distance to spheres, nested nodes with free borders, 640x480, 1 px. Theirs in brackets.\n")
+def print_first_paper(document, results):
+    document.heading("Charalambos 2006, table 1")
+    document.text("B = mu, alpha as printed there, distance to spheres, nested nodes with free borders, 640x480, 1 px. Theirs in brackets.")
     for index, scene in enumerate(FIRST):
         runs = results.session("first", scene)
         if not runs:
             continue
-        print(f"`{scene}` ({('low', 'middle', 'high')[index]} depth complexity):\n")
+        document.text(f"`{scene}` ({('low', 'middle', 'high')[index]} depth complexity):")
         rows = []
         for strategy, (name, figures) in PAPER_2006.items():
             fps, nodes, rarn = figures[index]
@@ -94,11 +101,11 @@ def print_first_paper(results):
             rows.append([name, *(f"{number(run['fps'], 1)}" for run in ours), f"({number(fps, 1)})", f"{number(ours[0]['drawn_nodes'], 1)} ({number(nodes, 1)})",
                          f"{number(ours[0]['rarn'])} ({number(rarn)})", number(ours[0]["queries"], 1), number(ours[0]["wasted_queries"], 1),
                          " ".join(run["hash"] for run in ours)])
-        table(["", *(f"FPS {mapped(device)}" for device in devices_of(runs)), "FPS", "nodes", "RARN", "queries", "wasted", "hashes"], rows)
+        document.table(["", *(f"FPS {mapped(device)}" for device in devices_of(runs)), "FPS", "nodes", "RARN", "queries", "wasted", "hashes"], rows)
 
 
-def print_speed_ups(results):
-    print("Speed of CHLOD-eps^q, relative to:\n")
+def print_speed_ups(document, results):
+    document.text("Speed of CHLOD-eps^q, relative to:")
     rows = []
     for other, paper in (("bool", (17, 16, 31)), ("sw-b", (36, 42, 44)), ("sw", (79, 82, 122))):
         row = [PAPER_2006[other][0]]
@@ -107,18 +114,18 @@ def print_speed_ups(results):
             ours = [f"{100 * (runs[device, 'simp']['fps'] / runs[device, other]['fps'] - 1):+.0f}" for device in devices_of(runs)]
             row.append(f"{' / '.join(ours) or '-'} % ({paper[index]:+d})")
         rows.append(row)
-    table(["", *FIRST], rows)
+    document.table(["", *FIRST], rows)
 
 
-def print_second_paper(results):
-    print("## Charalambos and others 2007, table 1\n")
-    print(f"B_(s,t) with s,t = {results.load('about')['bias']}, alpha exact, distance to spheres, nested nodes with free borders, 640x480, 1 px. Theirs in brackets.\n")
+def print_second_paper(document, results):
+    document.heading("Charalambos and others 2007, table 1")
+    document.text(f"B_(s,t) with s,t = {results.load('about')['bias']}, alpha exact, distance to spheres, nested nodes with free borders, 640x480, 1 px. Theirs in brackets.")
     for index, scene in enumerate(SECOND):
         for kind, title in (("second", "as published"), ("ours", "shifted groups without gaps, distance to boxes")):
             runs = results.runs(f"{kind}_{scene}_walk")
             if not runs:
                 continue
-            print(f"`{scene}`, {title}:\n")
+            document.text(f"`{scene}`, {title}:")
             rows = []
             for device in devices_of(runs):
                 for strategy, (name, figures) in PAPER_2007.items():
@@ -129,11 +136,11 @@ def print_second_paper(results):
                                  f"{number(run['delayed'] if strategy == 'coh' else None)} ({number(delayed, 1)})", number(run["queries"], 1), number(run["wasted_queries"], 1),
                                  f"{number(run['frame_ms'], 3)} ({number(1e3 / fps, 3)})",
                                  "" if strategy == "coh" else f"{coh['fps'] / run['fps']:.2f} ({paper_coh / fps:.2f})", run["hash"]])
-            table(["device", "", "nodes", "RARN", "delayed", "queries", "wasted", "ms", "speed-up of Coh", "hash"], rows)
+            document.table(["device", "", "nodes", "RARN", "delayed", "queries", "wasted", "ms", "speed-up of Coh", "hash"], rows)
 
 
-def print_psnr(results):
-    print("PSNR in dB of Coh(B) against Bool, mean and deviation over frames spread evenly (theirs: 20 random ones):\n")
+def print_psnr(document, results):
+    document.text("PSNR in dB of Coh(B) against Bool, mean and deviation over frames spread evenly (theirs: 20 random ones):")
     rows = []
     for index, scene in enumerate(SECOND):
         for device, strategy in results.runs(f"second_{scene}_walk"):
@@ -143,10 +150,10 @@ def print_psnr(results):
             cells = [f"{number(run[f'unculled_psnr_{part}'])} +- {number(run[f'unculled_psnr_{part}_deviation'])} ({mean} +- {deviation})"
                      for part, (mean, deviation) in zip(("y", "cb", "cr"), PAPER_PSNR[index])]
             rows.append([scene, mapped(device), run["compared_frames"], *cells, number(run["psnr_y"])])
-    table(["scene", "device", "frames", "Y", "Cb", "Cr", "Y against the input"], rows)
+    document.table(["scene", "device", "frames", "Y", "Cb", "Cr", "Y against the input"], rows)
 
 
-def print_llvmpipe(results):
+def print_llvmpipe(document, results):
     rows = []
     for scene in SECOND:
         for threads in ("0", "2"):
@@ -155,11 +162,11 @@ def print_llvmpipe(results):
                 rows.append([scene, threads, PAPER_2007[strategy][0], number(run["drawn_nodes"], 1), number(run["frame_ms"], 1), number(run["stall_ms"], 1),
                              f"{runs['gl', 'coh']['fps'] / run['fps']:.2f}", run["hash"]])
     if rows:
-        print("llvmpipe, by LP_NUM_THREADS; times are those of this machine:\n")
-        table(["scene", "threads", "", "nodes", "ms", "stall ms", "speed-up of Coh", "hash"], rows)
+        document.text("llvmpipe, by LP_NUM_THREADS; times are those of this machine:")
+        document.table(["scene", "threads", "", "nodes", "ms", "stall ms", "speed-up of Coh", "hash"], rows)
 
 
-def print_sweep(results):
+def print_sweep(document, results):
     rows = []
     for file in sorted(results.folder.glob("bias_*.json")):
         report = json.loads(file.read_text())
@@ -168,8 +175,9 @@ def print_sweep(results):
         rows.append(["1 where visible" if bias is None else f"{bias['s']:g}, {bias['t']:g}", number(run["drawn_nodes"], 1), f"{run['drawn_triangles']:,.0f}",
                      number(run["frame_ms"], 3), number(run["unculled_psnr_y"]), number(run["psnr_y"]), number(run["depth_rms_px"], 3), run["hash"]])
     if rows:
-        print("## What the bias gives and costs\n\nWhat SW(B) draws, known beforehand and drawn without a query (`ideal`), so that only the bias decides:\n")
-        table(["s, t", "nodes", "triangles", f"ms {mapped(run['device'])}", "PSNR Y against Bool", "against the input", "depth RMS px", "hash"], rows)
+        document.heading("What the bias gives and costs")
+        document.text("What SW(B) draws, known beforehand and drawn without a query (`ideal`), so that only the bias decides:")
+        document.table(["s, t", "nodes", "triangles", f"ms {mapped(run['device'])}", "PSNR Y against Bool", "against the input", "depth RMS px", "hash"], rows)
 
 
 class Goals:
@@ -271,24 +279,24 @@ def interpolated(curve, rms):
     return None
 
 
-def print_goals(results):
+def print_goals(document, results):
     goals = Goals()
-    for add in (add_prediction, add_speed, add_pictures, add_graph):
+    for add in (add_prediction, add_speed, add_pictures, hlod_table4.add_guthe, add_graph):
         add(goals, results)
-    print("## What is asked\n")
-    table(["goal", "what", "asked", "figure", "verdict"], goals.rows)
+    document.heading("What is asked")
+    document.table(["goal", "what", "asked", "figure", "verdict"], sorted(goals.rows, key=lambda row: row[0]))
     judged = [row[-1] for row in goals.rows if row[-1] != "-"]
-    print(f"{judged.count('met')} met, {len(judged) - judged.count('met')} missed.\n")
+    document.text(f"{judged.count('met')} met, {len(judged) - judged.count('met')} missed.")
 
 
-def print_scenes(results):
+def print_scenes(document, results):
     rows = []
     for scene in FIRST + SECOND:
         built = [results.load(f"{scene}_{kind}") for kind in ("nested", "shifted")]
         if None not in built:
             rows.append([scene, f"{built[0]['triangles']:,}", *(f"{told['nodes']:,} ({told['node_triangles']:,})" for told in built),
                          *(f"{told['build_ms'] / 1e3:.1f}" for told in built)])
-    table(["scene", "triangles", "nodes, nested (most triangles each)", "nodes, shifted", "built in s, nested", "shifted"], rows)
+    document.table(["scene", "triangles", "nodes, nested (most triangles each)", "nodes, shifted", "built in s, nested", "shifted"], rows)
 
 
 def write_csv(results):
@@ -307,19 +315,25 @@ def write_csv(results):
         table_of_runs.writerows(rows)
 
 
+def print_tables(document, results):
+    print_scenes(document, results)
+    print_first_paper(document, results)
+    if all(results.session("first", scene) for scene in FIRST):
+        print_speed_ups(document, results)
+    print_second_paper(document, results)
+    print_psnr(document, results)
+    print_llvmpipe(document, results)
+    print_sweep(document, results)
+    hlod_table4.print_guthe(document, results)
+    hlod_cover.print_cover(document, results)
+    print_goals(document, results)
+
+
 def main():
     results = Results(pathlib.Path(sys.argv[1]))
     about = results.load("about")
     print(f"# HLODs refined by occlusion queries\n\n{about['date']}, {about['machine']}{', quick: rough figures' if about['quick'] else ''}\n")
-    print_scenes(results)
-    print_first_paper(results)
-    if all(results.session("first", scene) for scene in FIRST):
-        print_speed_ups(results)
-    print_second_paper(results)
-    print_psnr(results)
-    print_llvmpipe(results)
-    print_sweep(results)
-    print_goals(results)
+    print_tables(Markdown(), results)
     write_csv(results)
 
 
