@@ -54,7 +54,7 @@ QUICK = Effort(scenes=("hlod_row", "hlod_grid"), session_frames=20, walk_frames=
                cover_images=3)
 # Of scenes of some thousand triangles (bench/scenes/small): whether everything is there, not what it is worth.
 SMALL = Effort(session_frames=6, walk_frames=8, slow_frames=8, compared=2, crack_frames=1, pop_frames=1, llvmpipe_frames=2, fronts=4, path_share=0.05,
-               llvmpipe_share=0.01, leaves_share=0.02, cover_frames=2, cover_images=1, size="96x72", guthe_size="128x96")
+               llvmpipe_share=0.01, leaves_share=0.02, cover_frames=2, cover_images=1, size="192x144", guthe_size="192x144")
 
 
 class Runs:
@@ -203,6 +203,27 @@ def parts_of(runs, devices):
 
 
 def main():
+    options = read_options()
+    effort = SMALL if options.small else QUICK if options.quick else Effort()
+    options.out.mkdir(parents=True, exist_ok=True)
+    runs = Runs((options.occlod.resolve(), options.cover.resolve()), options.out.resolve(), options.scenes.resolve(), effort, options.reuse)
+    parts = parts_of(runs, options.devices)
+    chosen = options.only.split(",") if options.only else list(parts)
+    for part in chosen:
+        if part not in parts:
+            sys.exit(f"hlod_runs.py: --only does not know {part}: {', '.join(parts)}")
+    begin(options, effort)
+    if set(chosen) - {"table4", "cover"}:
+        for scene in effort.scenes:
+            runs.build(scene, "nested", "shifted")
+    if {"table4", "cover"} & set(chosen):
+        for scene in effort.guthe:
+            runs.build(scene, "objects")
+    for part in chosen:
+        parts[part]()
+
+
+def read_options():
     parser = argparse.ArgumentParser()
     parser.add_argument("--occlod", type=pathlib.Path, required=True)
     parser.add_argument("--cover", type=pathlib.Path, required=True, help="bench_cover_probability")
@@ -213,29 +234,26 @@ def main():
     parser.add_argument("--reuse", action="store_true")
     parser.add_argument("--only", default="")
     parser.add_argument("--devices", default="virtual:query-dear,virtual:modern")
-    options = parser.parse_args()
-    effort = SMALL if options.small else QUICK if options.quick else Effort()
-    options.out.mkdir(parents=True, exist_ok=True)
-    runs = Runs((options.occlod.resolve(), options.cover.resolve()), options.out.resolve(), options.scenes.resolve(), effort, options.reuse)
-    parts = parts_of(runs, options.devices)
-    chosen = options.only.split(",") if options.only else list(parts)
-    for part in chosen:
-        if part not in parts:
-            sys.exit(f"hlod_runs.py: --only does not know {part}: {', '.join(parts)}")
-    if not (options.reuse or options.only):
-        for file in (*options.out.glob("*.json"), *options.out.glob("*.csv")):
-            file.unlink()
-    if set(chosen) - {"table4", "cover"}:
-        for scene in effort.scenes:
-            runs.build(scene, "nested", "shifted")
-    if {"table4", "cover"} & set(chosen):
-        for scene in effort.guthe:
-            runs.build(scene, "objects")
-    for part in chosen:
-        parts[part]()
+    return parser.parse_args()
+
+
+def begin(options, effort):
+    """Removes what is not kept, and says of what the folder is."""
     about = {"date": datetime.date.today().isoformat(), "machine": f"{processor()}, {len(os.sched_getaffinity(0))} cores", "quick": options.quick,
              "small": options.small, "commit": commit(), "bias": BIAS, "effort": dataclasses.asdict(effort)}
+    if options.reuse or options.only:
+        check_kept(options, about)
+    else:
+        for file in (*options.out.glob("*.json"), *options.out.glob("*.csv")):
+            file.unlink()
     (options.out / "about.json").write_text(json.dumps(about))
+
+
+def check_kept(options, about):
+    """What is kept has to fit what is made."""
+    file = options.out / "about.json"
+    if file.exists() and json.loads(file.read_text())["effort"] != json.loads(json.dumps(about["effort"])):
+        sys.exit(f"hlod_runs.py: {options.out}: holds runs of another length (--quick, --small, or an earlier version): delete it, or leave --reuse and --only out")
 
 
 def processor():

@@ -76,7 +76,9 @@ def print_guthe(document, results):
     if not runs:
         return
     document.heading("Guthe, Balazs and Klein 2006, table 4")
-    document.text("Nested nodes of at most 1,000 triangles in octrees (theirs: p-HBVO), 1024x768; what is visible counts in full. Frames of our paths are as far apart in every table.")
+    size = results.load("about")["effort"].get("guthe_size", "1024x768")
+    document.text(f"Nested nodes of at most 1,000 triangles in octrees (theirs: p-HBVO), {size}; what is visible counts in full. Frames of our paths are as far apart "
+                  "in every table.")
     print_guthe_scenes(document, results)
     document.text("ms of a frame, mean / largest. Ours with levels of detail, 1 px; llvmpipe, which is timed on this machine, on the first part of the path:")
     for scene in SCENES:
@@ -163,7 +165,8 @@ def print_choices(document, results, runs):
             cells.append(f"{forecast:.3f} / {found[strategy]['frame_ms']:.3f}" if forecast is not None else f"- / {found[strategy]['frame_ms']:.3f}")
         best = best_fixed(found)
         rows.append([scene, without_prefix(device), chosen, *cells, f"{found['auto']['frame_ms']:.3f}", NAMES[best], f"{found['auto']['frame_ms'] / found[best]['frame_ms']:.3f}"])
-    document.text("What `auto` chose, and why: frames that each strategy drew; ms that it was forecast to take, mean over all frames, beside what it takes by itself; ms of `auto`:")
+    document.text("What `auto` chose, and why: frames that each strategy drew; ms that it was forecast to take, mean over all frames, beside what it takes by itself; ms of `auto`. "
+                  "Forecasts reckon with what boxes cover, so all of them may be too large; their order decides:")
     document.table(["scene", "device", "chosen", *(f"{NAMES[s]}, forecast / alone" for s in ("vfc", "nohc", "coh", "batch")), "auto", "best fixed", "auto / best"], rows)
 
 

@@ -86,9 +86,13 @@ def mapped(text):
     return text.replace("virtual:", "")
 
 
+def size_of(results):
+    return results.load("about")["effort"].get("size", "640x480")
+
+
 def print_first_paper(document, results):
     document.heading("Charalambos 2006, table 1")
-    document.text("B = mu, alpha as printed there, distance to spheres, nested nodes with free borders, 640x480, 1 px. Theirs in brackets.")
+    document.text(f"B = mu, alpha as printed there, distance to spheres, nested nodes with free borders, {size_of(results)}, 1 px. Theirs in brackets.")
     for index, scene in enumerate(FIRST):
         runs = results.session("first", scene)
         if not runs:
@@ -119,7 +123,7 @@ def print_speed_ups(document, results):
 
 def print_second_paper(document, results):
     document.heading("Charalambos and others 2007, table 1")
-    document.text(f"B_(s,t) with s,t = {results.load('about')['bias']}, alpha exact, distance to spheres, nested nodes with free borders, 640x480, 1 px. Theirs in brackets.")
+    document.text(f"B_(s,t) with s,t = {results.load('about')['bias']}, alpha exact, distance to spheres, nested nodes with free borders, {size_of(results)}, 1 px. Theirs in brackets.")
     for index, scene in enumerate(SECOND):
         for kind, title in (("second", "as published"), ("ours", "shifted groups without gaps, distance to boxes")):
             runs = results.runs(f"{kind}_{scene}_walk")
@@ -166,18 +170,26 @@ def print_llvmpipe(document, results):
         document.table(["scene", "threads", "", "nodes", "ms", "stall ms", "speed-up of Coh", "hash"], rows)
 
 
-def print_sweep(document, results):
-    rows = []
+NO_BIAS = "1 where visible"
+
+
+def sweep(results):
+    """By bias, what it draws."""
+    found = {}
     for file in sorted(results.folder.glob("bias_*.json")):
         report = json.loads(file.read_text())
-        run = report["runs"][0]
         bias = report["bias"]
-        rows.append(["1 where visible" if bias is None else f"{bias['s']:g}, {bias['t']:g}", number(run["drawn_nodes"], 1), f"{run['drawn_triangles']:,.0f}",
-                     number(run["frame_ms"], 3), number(run["unculled_psnr_y"]), number(run["psnr_y"]), number(run["depth_rms_px"], 3), run["hash"]])
+        found[NO_BIAS if bias is None else f"{bias['s']:g}, {bias['t']:g}"] = report["runs"][0]
+    return found
+
+
+def print_sweep(document, results):
+    rows = [[name, number(run["drawn_nodes"], 1), f"{run['drawn_triangles']:,.0f}", number(run["frame_ms"], 3), number(run["unculled_psnr_y"]), number(run["psnr_y"]),
+             number(run["depth_rms_px"], 3), run["hash"]] for name, run in sweep(results).items()]
     if rows:
         document.heading("What the bias gives and costs")
         document.text("What SW(B) draws, known beforehand and drawn without a query (`ideal`), so that only the bias decides:")
-        document.table(["s, t", "nodes", "triangles", f"ms {mapped(run['device'])}", "PSNR Y against Bool", "against the input", "depth RMS px", "hash"], rows)
+        document.table(["s, t", "nodes", "triangles", f"ms {mapped(next(iter(sweep(results).values()))['device'])}", "PSNR Y against Bool", "against the input", "depth RMS px", "hash"], rows)
 
 
 class Goals:
@@ -279,13 +291,19 @@ def interpolated(curve, rms):
     return None
 
 
-def print_goals(document, results):
+def all_goals(results):
+    """Rows: goal, what, asked, figure, verdict."""
     goals = Goals()
     for add in (add_prediction, add_speed, add_pictures, hlod_table4.add_guthe, add_graph):
         add(goals, results)
+    return sorted(goals.rows, key=lambda row: row[0])
+
+
+def print_goals(document, results):
+    rows = all_goals(results)
     document.heading("What is asked")
-    document.table(["goal", "what", "asked", "figure", "verdict"], sorted(goals.rows, key=lambda row: row[0]))
-    judged = [row[-1] for row in goals.rows if row[-1] != "-"]
+    document.table(["goal", "what", "asked", "figure", "verdict"], rows)
+    judged = [row[-1] for row in rows if row[-1] != "-"]
     document.text(f"{judged.count('met')} met, {len(judged) - judged.count('met')} missed.")
 
 

@@ -1,4 +1,4 @@
-"""Scatter plots as SVG: error against time, with a Pareto front and marked settings."""
+"""Plots as SVG: points of error against time, with a Pareto front and marked settings; and lines."""
 import html
 import math
 
@@ -22,7 +22,8 @@ def style():
     return (f":root{{{variables(LIGHT)}}}@media (prefers-color-scheme:dark){{:root{{{variables(DARK)}}}}}"
             "svg text{font:12px system-ui,sans-serif;fill:var(--ink)}.soft{fill:var(--soft)}.grid{stroke:var(--grid);fill:none}"
             ".point path{fill:var(--c);stroke:var(--paper);stroke-width:1}.point.knob path{fill:none;stroke:var(--c);stroke-width:1.6}"
-            ".line{fill:none;stroke:var(--c);stroke-width:1.4;opacity:.65}.front{fill:none;stroke:var(--front);stroke-width:6;stroke-linejoin:round;"
+            ".line{fill:none;stroke:var(--c);stroke-width:1.4;opacity:.65}.course{fill:none;stroke:var(--c);stroke-width:1.5;stroke-linejoin:round}"
+            ".diagonal{fill:none;stroke:var(--front);stroke-width:3}.front{fill:none;stroke:var(--front);stroke-width:6;stroke-linejoin:round;"
             "stroke-linecap:round}.inner{fill:none;stroke:var(--mark);stroke-width:3;stroke-dasharray:7 5;opacity:.6}.mark{fill:none;stroke:var(--mark);stroke-width:2.5}text.marked{fill:var(--mark);font-weight:600;stroke:var(--paper);stroke-width:5;paint-order:stroke}" + series)
 
 
@@ -67,6 +68,20 @@ class Axis:
         return [i * step for i in range(math.ceil(self.low / step), math.floor(self.high / step) + 1)]
 
 
+def grid(across, up, x_label, y_label):
+    left, right, top, bottom = across.first_px, across.last_px, up.last_px, up.first_px
+    for tick in across.ticks():
+        x = across.px(tick)
+        yield f'<path class="grid" data-axis="0" data-at="{tick!r}" d="M{x:.2f} {top}V{bottom}"/>'
+        yield f'<text class="soft" x="{x:.1f}" y="{bottom + 16}" text-anchor="middle">{tick:g}</text>'
+    for tick in up.ticks():
+        y = up.px(tick)
+        yield f'<path class="grid" data-axis="1" data-at="{tick!r}" d="M{left} {y:.2f}H{right}"/>'
+        yield f'<text class="soft" x="{left - 6}" y="{y + 4:.1f}" text-anchor="end">{tick:g}</text>'
+    yield f'<text x="{(left + right) / 2}" y="{bottom + 36}" text-anchor="middle">{html.escape(x_label)}</text>'
+    yield f'<text transform="translate(14 {(top + bottom) / 2}) rotate(-90)" text-anchor="middle">{html.escape(y_label)}</text>'
+
+
 class Plot:
     """`points`: dictionaries with setting, series (empty for a turned knob) and the keys x and y."""
 
@@ -84,7 +99,7 @@ class Plot:
         across = Axis([p[self.x] for p in self.points], 58, self.width - self.legend_px - 14, True)
         up = Axis([p[self.y] for p in self.points], self.height - 46, 14, self.log_y)
         place = {p["setting"]: (across.px(p[self.x]), up.px(p[self.y])) for p in self.points}
-        parts = [*self.grid(across, up)]
+        parts = [*grid(across, up, self.x_label, self.y_label)]
         for layer in (self.front_lines, self.lines, self.marks, self.dots, self.labels):
             parts += layer(place)
         parts += self.legend() if self.legend_px else []
@@ -93,19 +108,6 @@ class Plot:
         log = f"{int(across.logarithmic)}{int(up.logarithmic)}"
         about = f'role="img" aria-label="{html.escape(self.y_label)} against {html.escape(self.x_label)}"'
         return (f'<svg {name}class="plot" {about} data-log="{log}" data-floor="{FLOOR}" data-x="{self.x}" data-y="{self.y}" viewBox="0 0 {self.width} {self.height}" width="{self.width}" height="{self.height}">{css}{"".join(parts)}</svg>')
-
-    def grid(self, across, up):
-        left, right, top, bottom = across.first_px, across.last_px, up.last_px, up.first_px
-        for tick in across.ticks():
-            x = across.px(tick)
-            yield f'<path class="grid" data-axis="0" data-at="{tick!r}" d="M{x:.2f} {top}V{bottom}"/>'
-            yield f'<text class="soft" x="{x:.1f}" y="{bottom + 16}" text-anchor="middle">{tick:g}</text>'
-        for tick in up.ticks():
-            y = up.px(tick)
-            yield f'<path class="grid" data-axis="1" data-at="{tick!r}" d="M{left} {y:.2f}H{right}"/>'
-            yield f'<text class="soft" x="{left - 6}" y="{y + 4:.1f}" text-anchor="end">{tick:g}</text>'
-        yield f'<text x="{(left + right) / 2}" y="{bottom + 36}" text-anchor="middle">{html.escape(self.x_label)}</text>'
-        yield f'<text transform="translate(14 {(top + bottom) / 2}) rotate(-90)" text-anchor="middle">{html.escape(self.y_label)}</text>'
 
     def front_lines(self, place):
         for kind, names in self.fronts.items():
@@ -158,3 +160,53 @@ def legend_rows(series, fronts):
 def legend_html(series, fronts):
     items = (f'<span><svg viewBox="0 0 24 16" width="24" height="16">{drawing}</svg> {html.escape(name)}</span>' for drawing, name in legend_rows(series, fronts))
     return f'<p class="legend">{"".join(items)}</p>'
+
+
+DASHES = ["", "7 3", "2 3", "9 3 2 3", "5 5", "12 4", "1 4"]
+
+
+class Lines:
+    """Lines over a common axis, such as what strategies take frame by frame. `lines`: by name, points (x, y) in order of x. Both axes are linear; that of y
+    begins at 0 unless told otherwise."""
+
+    def __init__(self, lines, x_label, y_label, size=(460, 300), dots=False, from_zero=True):
+        self.lines = {name: points for name, points in lines.items() if points}
+        self.x_label, self.y_label, self.dots, self.from_zero = x_label, y_label, dots, from_zero
+        self.width, self.height = size
+        self.diagonal = False  # where both axes show the same
+
+    def svg(self):
+        if not self.lines:
+            return f"<p>{html.escape(self.y_label)}: nothing was measured.</p>"
+        points = [point for line in self.lines.values() for point in line]
+        across = Axis([x for x, _ in points], 66, self.width - 14, False)
+        up = Axis([0.0] * self.from_zero + [y for _, y in points], self.height - 46, 14, False)
+        if self.from_zero:
+            up.low = 0.0
+        parts = [*grid(across, up, self.x_label, self.y_label)]
+        if self.diagonal:
+            low, high = max(across.low, up.low), min(across.high, up.high)
+            parts.append(f'<path class="diagonal" d="M{across.px(low):.1f} {up.px(low):.1f}L{across.px(high):.1f} {up.px(high):.1f}"/>')
+        for i, (name, line) in enumerate(self.lines.items()):
+            parts += self.line(i, name, [(across.px(x), up.px(y)) for x, y in line], line)
+        about = f'role="img" aria-label="{html.escape(self.y_label)} over {html.escape(self.x_label)}"'
+        return f'<svg class="plot" {about} data-y="{html.escape(self.y_label)}" viewBox="0 0 {self.width} {self.height}" width="{self.width}" height="{self.height}">{"".join(parts)}</svg>'
+
+    def line(self, i, name, placed, line):
+        path = "L".join(f"{x:.1f} {y:.1f}" for x, y in placed)
+        mean = sum(y for _, y in line) / len(line)
+        yield (f'<path class="course s{i % 8}" stroke-dasharray="{DASHES[i % len(DASHES)]}" data-line="{html.escape(name)}" data-points="{len(line)}" data-mean="{mean!r}" '
+               f'd="M{path}"><title>{html.escape(name)}: mean {short(mean)}</title></path>')
+        if self.dots:
+            for (x, y), (value_x, value_y) in zip(placed, line):
+                tip = html.escape(f"{name}\n{self.x_label}: {short(value_x)}\n{self.y_label}: {short(value_y)}")
+                yield f'<g class="point s{i % 8}" transform="translate({x:.2f} {y:.2f})"><title>{tip}</title><path d="{SHAPES[i % len(SHAPES)]}"/></g>'
+
+    def legend(self):
+        """As HTML, below the plot."""
+        items = []
+        for i, name in enumerate(self.lines):
+            dot = f'<g class="point s{i % 8}" transform="translate(17 8)"><path d="{SHAPES[i % len(SHAPES)]}"/></g>' if self.dots else ""
+            drawing = f'<path class="course s{i % 8}" stroke-dasharray="{DASHES[i % len(DASHES)]}" d="M2 8H32"/>{dot}'
+            items.append(f'<span><svg viewBox="0 0 34 16" width="34" height="16">{drawing}</svg> {html.escape(name)}</span>')
+        return f'<p class="legend">{"".join(items)}</p>'
