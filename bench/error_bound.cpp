@@ -9,11 +9,11 @@
 #include <utility>
 #include <vector>
 
+#include "core/median.h"
 #include "measure/surface_distance.h"
 #include "occlod/hierarchy/build.h"
 #include "occlod/hierarchy/cut_mesh.h"
 #include "support/bench_meshes.h"
-#include "support/median.h"
 #include "support/run_app.h"
 
 namespace occlod::bench {

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "core/median.h"
 #include "drawing.h"
 #include "frames_vdpm.h"
 #include "json_output.h"
@@ -23,7 +24,6 @@
 #include "oracle/cut_error.h"
 #include "render_input.h"
 #include "support/frame_log.h"
-#include "support/median.h"
 #include "support/run_app.h"
 
 namespace occlod::bench {

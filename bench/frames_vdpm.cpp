@@ -10,12 +10,12 @@
 #include <string>
 #include <vector>
 
+#include "core/median.h"
 #include "occlod/hierarchy/build.h"
 #include "occlod/refine/refiner.h"
 #include "peers/openmesh_vdpm.h"
 #include "support/bench_meshes.h"
 #include "support/frame_log.h"
-#include "support/median.h"
 
 namespace occlod::bench {
 namespace {

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "core/median.h"
 #include "gl/objects.h"
 #include "occlod/core/error.h"
 #include "occlod/gl/compute_occlusion.h"
@@ -21,7 +22,6 @@
 #include "occlod/occlusion/software_occlusion.h"
 #include "stopwatch.h"
 #include "support/bench_meshes.h"
-#include "support/median.h"
 #include "support/run_app.h"
 
 namespace occlod::bench {

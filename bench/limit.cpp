@@ -12,6 +12,7 @@
 #include <variant>
 #include <vector>
 
+#include "core/median.h"
 #include "cut/cut_set.h"
 #include "occlod/occlusion/software_occlusion.h"
 #include "occlod/refine/refiner.h"
@@ -19,7 +20,6 @@
 #include "priority/weigh_splits.h"
 #include "render_input.h"
 #include "stopwatch.h"
-#include "support/median.h"
 #include "support/run_app.h"
 
 namespace occlod::bench {

@@ -8,12 +8,12 @@
 #include <string>
 #include <vector>
 
+#include "core/median.h"
 #include "occlod/hierarchy/build.h"
 #include "occlod/refine/refiner.h"
 #include "option_names.h"
 #include "stopwatch.h"
 #include "support/bench_meshes.h"
-#include "support/median.h"
 #include "support/planet_views.h"
 #include "support/renumber.h"
 #include "support/run_app.h"

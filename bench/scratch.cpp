@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
+#include "core/median.h"
 #include "occlod/occlusion/software_occlusion.h"
 #include "occlod/refine/refiner.h"
 #include "render_input.h"
 #include "support/frame_log.h"
-#include "support/median.h"
 #include "support/run_app.h"
 
 namespace occlod::bench {

@@ -16,13 +16,13 @@
 #include <string_view>
 #include <vector>
 
+#include "core/median.h"
 #include "occlod/hierarchy/build.h"
 #include "occlod/refine/refiner.h"
 #include "occlusion/depth_pyramid.h"
 #include "oracle/ray_oracle.h"
 #include "stopwatch.h"
 #include "support/bench_meshes.h"
-#include "support/median.h"
 #include "support/planet_views.h"
 #include "support/run_app.h"
 

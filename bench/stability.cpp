@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/median.h"
 #include "io/atomic_file.h"
 #include "occlod/hierarchy/build.h"
 #include "occlod/io/olod.h"
@@ -23,7 +24,6 @@
 #include "occlod/refine/refiner.h"
 #include "support/bench_meshes.h"
 #include "support/cpu_clock.h"
-#include "support/median.h"
 #include "support/planet_views.h"
 #include "support/run_app.h"
 

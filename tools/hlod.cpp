@@ -10,19 +10,12 @@
 #include <utility>
 
 #include "commands.h"
+#include "core/median.h"
 #include "occlod/io/read_mesh.h"
 #include "occlod/scene/scene.h"
 
 namespace occlod::tool {
 namespace {
-
-// The middle one; of none 0.
-float median(std::vector<float> values) {
-  if (values.empty()) return 0.0F;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 Json level_of(const hlod::Hlod& hlod, std::size_t index) {
   const hlod::Level& level = hlod.data().levels[index];

@@ -2,9 +2,9 @@
 
 #include <cmath>
 
+#include "core/median.h"
 #include "drawing.h"
 #include "support/cpu_clock.h"
-#include "support/median.h"
 #include "visibility/views.h"
 
 namespace occlod::bench {

@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "support/median.h"
+#include "core/median.h"
 
 namespace occlod::bench {
 namespace {

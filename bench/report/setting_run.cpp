@@ -5,9 +5,9 @@
 
 #include <limits>
 
+#include "core/median.h"
 #include "drawing.h"
 #include "report/coarse_occlusion.h"
-#include "support/median.h"
 
 namespace occlod::bench {
 namespace {

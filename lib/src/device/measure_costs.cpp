@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/median.h"
 #include "hlod/hlod_data.h"
 
 namespace occlod::hlod {
@@ -51,12 +52,6 @@ Hlod one_node(std::uint16_t cells) {
   data.input_triangle_count = node.triangles;
   data.node_triangles = node.triangles;
   return make_hlod(std::move(data));
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 // O+ and O- of the paper, large and small.

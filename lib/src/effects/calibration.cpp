@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "calibration_fields.h"
+#include "core/median.h"
 #include "core/milliseconds_since.h"
 #include "fragment_count.h"
 #include "occlod/hierarchy/build.h"
@@ -269,10 +270,7 @@ Calibration measure_calibration(std::span<const std::unique_ptr<Visibility>> bac
       });
     }
     std::size_t i = 0;
-    for_each(costs, [&](const char*, double& value) {
-      std::sort(values[i].begin(), values[i].end());
-      value = values[i++][passes / 2];
-    });
+    for_each(costs, [&](const char*, double& value) { value = median(std::move(values[i++])); });
   };
   take_medians([](auto& costs, const auto& visit) { for_each_cost(costs, visit); },
                [](Calibration& c) -> Calibration& { return c; }, result);

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/median.h"
 #include "gl/backend_options.h"
 #include "gl/in_context.h"
 #include "gl/objects.h"
@@ -41,12 +42,6 @@ Query draw_query(QueryPool& pool, const ProxyStage& stage, const ProxyDraw& draw
   stage.draw(draw);
   pool.end(stage.gl());
   return query;
-}
-
-double median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 // How many queries can be issued between issuing one and its answer: with so many under way, the wait for the oldest is
