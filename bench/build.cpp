@@ -11,6 +11,7 @@
 #include "support/bench_meshes.h"
 #include "support/hierarchy_hash.h"
 #include "support/memory.h"
+#include "support/run_benchmarks.h"
 
 namespace occlod::bench {
 namespace {
@@ -51,7 +52,7 @@ void build(benchmark::State& state, const std::string& name) {
   }
 }
 
-int run(int argc, char** argv) {
+void add_all() {
   for (const std::string& name :
        available({"planet:7", "planet:8", "planet:9", "scans/armadillo_100k.obj", "scans/bun_zipper.ply",
                   "scans/dragon_vrip_res2.ply", "scans/turbineblade.ply"})) {
@@ -59,14 +60,9 @@ int run(int argc, char** argv) {
     registered.Unit(benchmark::kMillisecond)->UseRealTime()->ArgName("threads")->Arg(1);
     if (const unsigned cores = std::thread::hardware_concurrency(); cores > 1) registered.Arg(cores);
   }
-  benchmark::Initialize(&argc, argv);
-  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
-  benchmark::RunSpecifiedBenchmarks();
-  benchmark::Shutdown();
-  return 0;
 }
 
 }  // namespace
 }  // namespace occlod::bench
 
-int main(int argc, char** argv) { return occlod::bench::run(argc, argv); }
+int main(int argc, char** argv) { return occlod::bench::run_benchmarks(argc, argv, occlod::bench::add_all); }

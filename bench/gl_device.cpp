@@ -16,6 +16,7 @@
 #include "occlod/gl/hlod_device.h"
 #include "occlod/hlod/build.h"
 #include "support/bench_meshes.h"
+#include "support/run_benchmarks.h"
 
 namespace occlod::bench {
 namespace {
@@ -208,12 +209,7 @@ int run(int argc, char** argv) {
     fmt::print(stderr, "bench_gl_device: {}\n", error.what());
     return 1;
   }
-  register_all();
-  benchmark::Initialize(&argc, argv);
-  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
-  benchmark::RunSpecifiedBenchmarks();
-  benchmark::Shutdown();
-  return 0;
+  return run_benchmarks(argc, argv, register_all);
 }
 
 }  // namespace

@@ -17,6 +17,7 @@
 #include "occlod/hlod/build.h"
 #include "occlod/mesh/generate.h"
 #include "support/bench_meshes.h"
+#include "support/run_benchmarks.h"
 
 namespace occlod::bench {
 namespace {
@@ -160,16 +161,7 @@ void add_all() {
   }
 }
 
-int run(int argc, char** argv) {
-  benchmark::Initialize(&argc, argv);
-  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
-  add_all();
-  benchmark::RunSpecifiedBenchmarks();
-  benchmark::Shutdown();
-  return 0;
-}
-
 }  // namespace
 }  // namespace occlod::bench
 
-int main(int argc, char** argv) { return occlod::bench::run(argc, argv); }
+int main(int argc, char** argv) { return occlod::bench::run_benchmarks(argc, argv, occlod::bench::add_all); }
