@@ -14,6 +14,7 @@
 
 #include "arrays.h"
 #include "bindings.h"
+#include "checks.h"
 #include "occlod/hierarchy/build.h"
 #include "occlod/hierarchy/cut_mesh.h"
 #include "occlod/hierarchy/validate.h"
@@ -186,11 +187,11 @@ void bind_hierarchy(nb::module_& m) {
       .value("copied", OlodAccess::copied, "Independent of what happens to the file afterwards.");
   m.attr("NO_ID") = no_id;
 
-  nb::class_<Hierarchy>(
+  nb::class_<Hierarchy> type(
       m, "Hierarchy",
       "The recorded collapses of one mesh. Immutable; copies share memory; threads may share it. Its\n"
-      "arrays are read-only views, which keep it and a mapped file alive.")
-      .def_prop_ro(
+      "arrays are read-only views, which keep it and a mapped file alive.");
+  type.def_prop_ro(
           "positions", [](nb::handle self) { return view_of(nb::cast<const Hierarchy&>(self).positions(), self); },
           "(n, 3) float32, object space: what triangles index. First the base mesh, then one for each split.")
       .def_prop_ro(
@@ -227,13 +228,6 @@ void bind_hierarchy(nb::module_& m) {
           "box", [](const Hierarchy& h) { return std::pair(h.box().min, h.box().max); }, "Around all positions.")
       .def_prop_ro("error_bound", &Hierarchy::error_bound, "No cut is farther from the input, object units.")
       .def_prop_ro("bytes", &Hierarchy::bytes, "That the arrays occupy.")
-      .def(
-          "require_all",
-          [](const Hierarchy& h) {
-            const nb::gil_scoped_release release;
-            h.require_all();
-          },
-          "Checks all of a mapped file; else its blocks are checked as they are used. Error where it is damaged.")
       .def("collapses", &collapses,
            "(splits, 2) uint32 in the order of collapsing: the vertex that was taken away and the one that it was\n"
            "collapsed into, ids of the hierarchy's vertices. errors[::-1] are its errors. O(n).")
@@ -253,21 +247,6 @@ void bind_hierarchy(nb::module_& m) {
            "With at most so many triangles, the base mesh when even that has more; or with a guaranteed error of at\n"
            "most so much, object units; or the input. O(n).")
       .def(
-          "validate",
-          [](const Hierarchy& h, int random_cuts) {
-            const nb::gil_scoped_release release;
-            return validate(h, {random_cuts});
-          },
-          nb::kw_only(), "random_cuts"_a = 16, "One line for each violated invariant; none when all hold.")
-      .def(
-          "restores",
-          [](const Hierarchy& h, const TriangleMesh& mesh) {
-            const nb::gil_scoped_release release;
-            require_valid(mesh);
-            return restores(h, mesh);
-          },
-          "mesh"_a, "Whether applying all splits gives exactly the triangles of the mesh.")
-      .def(
           "write",
           [](const Hierarchy& h, const std::filesystem::path& path, const std::optional<MeshReport>& report,
              OlodCompression compression) {
@@ -281,6 +260,9 @@ void bind_hierarchy(nb::module_& m) {
         return "<occlod.Hierarchy of " + std::to_string(h.input_triangle_count()) + " triangles, " +
                std::to_string(h.base_triangle_count()) + " in the base mesh>";
       });
+  bind_checks<ValidateOptions>(
+      type, {"Checks all of a mapped file; else its blocks are checked as they are used. Error where it is damaged.",
+             "random_cuts", "Whether applying all splits gives exactly the triangles of the mesh."});
   bind_cut(m);
 
   const BuildOptions standard;

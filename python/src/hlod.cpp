@@ -9,6 +9,7 @@
 
 #include "arrays.h"
 #include "bindings.h"
+#include "checks.h"
 #include "occlod/hlod/build.h"
 #include "occlod/hlod/metric.h"
 #include "occlod/hlod/validate.h"
@@ -154,28 +155,6 @@ void bind_hlod_class(nb::module_& m) {
       .def_prop_ro("borders", [](const Hlod& h) { return h.data().borders; })
       .def_prop_ro("node_triangles", [](const Hlod& h) { return h.data().node_triangles; })
       .def(
-          "require_all",
-          [](const Hlod& h) {
-            const nb::gil_scoped_release release;
-            h.require_all();
-          },
-          "Checks all of a mapped file. Error where it is damaged.")
-      .def(
-          "validate",
-          [](const Hlod& h, std::size_t random_fronts) {
-            const nb::gil_scoped_release release;
-            return validate(h, {random_fronts});
-          },
-          nb::kw_only(), "random_fronts"_a = 64, "One line for each violated invariant; none when all hold.")
-      .def(
-          "restores",
-          [](const Hlod& h, const TriangleMesh& mesh) {
-            const nb::gil_scoped_release release;
-            require_valid(mesh);
-            return restores(h, mesh);
-          },
-          "mesh"_a, "Whether level 0 is exactly the triangles of the mesh.")
-      .def(
           "write",
           [](const Hlod& h, const std::filesystem::path& path, const std::optional<MeshReport>& report) {
             const nb::gil_scoped_release release;
@@ -189,6 +168,8 @@ void bind_hlod_class(nb::module_& m) {
         return "<occlod.Hlod of " + std::to_string(h.node_count()) + " nodes on " + std::to_string(h.level_count()) +
                " levels>";
       });
+  bind_checks<hlod::ValidateOptions>(type, {"Checks all of a mapped file. Error where it is damaged.", "random_fronts",
+                                            "Whether level 0 is exactly the triangles of the mesh."});
   bind_arrays(type);
 }
 
