@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Builds the HLODs and makes the runs that scripts/hlod_tables.py prints. Each run is one JSON object in its own file.
 
-hlod_runs.py --occlod FILE --cover FILE --out FOLDER [--quick | --small] [--reuse] [--only PART,PART,...] [--devices NAME,NAME,...] [--scenes FOLDER]"""
+hlod_runs.py --occlod FILE --cover FILE --out FOLDER [--quick | --small] [--reuse] [--only PART,PART,...] [--crack-frames N]
+             [--devices NAME,NAME,...] [--scenes FOLDER]"""
 import argparse
 import dataclasses
 import datetime
@@ -35,7 +36,8 @@ class Effort:
     walk_frames: int = 600
     slow_frames: int = 3000
     compared: int = 20
-    crack_frames: int = 8  # of each path
+    crack_frames: int = 8  # of each path; or as --crack-frames says
+    error_frames: int = 8  # of each path, for triangles at equal errors
     pop_frames: int = 60
     llvmpipe_frames: int = 30
     fronts: int = 10_000
@@ -49,11 +51,11 @@ class Effort:
     guthe_size: str = "1024x768"
 
 
-QUICK = Effort(scenes=("hlod_row", "hlod_grid"), session_frames=20, walk_frames=20, slow_frames=100, compared=3, crack_frames=2, pop_frames=4,
+QUICK = Effort(scenes=("hlod_row", "hlod_grid"), session_frames=20, walk_frames=20, slow_frames=100, compared=3, crack_frames=2, error_frames=2, pop_frames=4,
                llvmpipe_frames=3, fronts=100, guthe=("city", "dragon_alone"), path_share=0.25, llvmpipe_share=0.02, leaves_share=0.05, cover_frames=4,
                cover_images=3)
 # Of scenes of some thousand triangles (bench/scenes/small): whether everything is there, not what it is worth.
-SMALL = Effort(session_frames=6, walk_frames=8, slow_frames=8, compared=2, crack_frames=1, pop_frames=1, llvmpipe_frames=2, fronts=4, path_share=0.05,
+SMALL = Effort(session_frames=6, walk_frames=8, slow_frames=8, compared=2, crack_frames=1, error_frames=1, pop_frames=1, llvmpipe_frames=2, fronts=4, path_share=0.05,
                llvmpipe_share=0.01, leaves_share=0.02, cover_frames=2, cover_images=1, size="192x144", guthe_size="192x144")
 
 
@@ -140,15 +142,22 @@ class Runs:
         for scene in self.effort.scenes:
             for path in SESSION if scene in FIRST_PAPER else ("walk", "overview"):
                 for kind in ("nested", "shifted"):
-                    self.compare(f"cracks_{scene}_{kind}_{path}", scene, kind, path, self.effort.crack_frames, *self.size, "--strategies", "vfc",
-                                 "--reference", self.effort.crack_frames)
+                    name, frames = f"cracks_{scene}_{kind}_{path}", self.effort.crack_frames
+                    self.forget_other_length(name, frames)
+                    self.compare(name, scene, kind, path, frames, *self.size, "--strategies", "vfc", "--reference", frames)
+
+    def forget_other_length(self, name, frames):
+        """A run of another --crack-frames is not kept."""
+        file = self.out / f"{name}.json"
+        if file.exists() and json.loads(file.read_text())["runs"][0]["compared_frames"] != frames:
+            file.unlink()
 
     def equal_errors(self):
         for scene, path in (("hlod_grid", "close_ups"), ("hlod_grid", "overview")):
             for kind in ("nested", "shifted"):
                 for tolerance in TOLERANCES:
-                    self.compare(f"rms_{scene}_{kind}_{path}_{tolerance}", scene, kind, path, self.effort.crack_frames, *self.size, "--strategies", "vfc",
-                                 "--tolerance", tolerance, "--reference", self.effort.crack_frames)
+                    self.compare(f"rms_{scene}_{kind}_{path}_{tolerance}", scene, kind, path, self.effort.error_frames, *self.size, "--strategies", "vfc",
+                                 "--tolerance", tolerance, "--reference", self.effort.error_frames)
 
     def geomorphs(self):
         for way, options in (("off", ()), ("on", ("--geomorph",))):
@@ -205,6 +214,8 @@ def parts_of(runs, devices):
 def main():
     options = read_options()
     effort = SMALL if options.small else QUICK if options.quick else Effort()
+    if options.crack_frames:
+        effort = dataclasses.replace(effort, crack_frames=options.crack_frames)
     options.out.mkdir(parents=True, exist_ok=True)
     runs = Runs((options.occlod.resolve(), options.cover.resolve()), options.out.resolve(), options.scenes.resolve(), effort, options.reuse)
     parts = parts_of(runs, options.devices)
@@ -233,8 +244,15 @@ def read_options():
     parser.add_argument("--small", action="store_true")
     parser.add_argument("--reuse", action="store_true")
     parser.add_argument("--only", default="")
+    parser.add_argument("--crack-frames", type=positive, help="of each path in which crack pixels are counted")
     parser.add_argument("--devices", default="virtual:query-dear,virtual:modern")
     return parser.parse_args()
+
+
+def positive(text):
+    if not text.isdecimal() or int(text) == 0:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a whole number above 0")
+    return int(text)
 
 
 def begin(options, effort):
@@ -252,8 +270,13 @@ def begin(options, effort):
 def check_kept(options, about):
     """What is kept has to fit what is made."""
     file = options.out / "about.json"
-    if file.exists() and json.loads(file.read_text())["effort"] != json.loads(json.dumps(about["effort"])):
+    if file.exists() and length_of(json.loads(file.read_text())) != length_of(json.loads(json.dumps(about))):
         sys.exit(f"hlod_runs.py: {options.out}: holds runs of another length (--quick, --small, or an earlier version): delete it, or leave --reuse and --only out")
+
+
+def length_of(about):
+    """But for the frames in which cracks are counted: each run says how many."""
+    return {name: value for name, value in about["effort"].items() if name != "crack_frames"}
 
 
 def processor():

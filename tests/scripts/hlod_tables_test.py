@@ -82,6 +82,37 @@ class HlodTables(unittest.TestCase):
         self.assertIn("3 in 4 frames of 2 paths", self.tables())
         self.assertEqual(self.verdict("crack pixels, vfc, shifted"), "**missed**")
 
+    def cracks(self, *options):
+        """The --reference of each crack run that an occlod that draws nothing was asked for."""
+        log, occlod = self.folder / "log", self.folder / "occlod"
+        log.write_text("")
+        occlod.write_text(f"""#!{sys.executable}
+import json, sys
+words = sys.argv[1:]
+if "--reference" in words:
+    frames = words[words.index("--reference") + 1]
+    print(frames, file=open({str(log)!r}, "a"))
+    print(json.dumps({{"runs": [{{"compared_frames": int(frames)}}]}}))
+else:
+    print("{{}}")
+""")
+        occlod.chmod(0o755)
+        done = subprocess.run([sys.executable, "-B", SCRIPTS / "hlod_runs.py", "--occlod", occlod, "--cover", occlod, "--out", self.folder / "out",
+                               "--quick", "--only", "cracks", *options], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return log.read_text().split()
+
+    def test_cracks_are_counted_in_as_many_frames_as_asked_for(self):
+        """In two scenes, with three paths and two kinds of groups each; a run of another length is not reused."""
+        self.assertEqual(self.cracks(), ["2"] * 12)
+        self.assertEqual(self.cracks("--reuse"), [])
+        self.assertEqual(self.cracks("--reuse", "--crack-frames", "5"), ["5"] * 12)
+        self.assertEqual(self.cracks("--reuse", "--crack-frames", "5"), [])
+        done = subprocess.run([sys.executable, "-B", SCRIPTS / "hlod_runs.py", "--occlod", "x", "--cover", "x", "--out", self.folder, "--crack-frames", "0"],
+                              capture_output=True, text=True)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("--crack-frames: '0' is not a whole number above 0", done.stderr)
+
     def write_table_4(self, **changes):
         """Every frame of a strategy takes as long; all ratios are exactly what is asked."""
         ms = {"vfc": 2.0, "bool": 1.5, "coh": 1.5, "chc++": 1.4, "nohc": 1.12, "optimum": 1.0, "two-pass": 1.06, "cesium": 1.0, "batch": 0.95, "auto": 0.95}
