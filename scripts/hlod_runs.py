@@ -210,34 +210,41 @@ def part_of_path(file, path, share, part):
     return part
 
 
-def parts_of(runs, devices):
-    """What --only names, in the order in which it is done."""
-    return {"second": lambda: runs.second_paper(devices), "first": lambda: runs.first_paper(devices), "sweep": lambda: runs.sweep(devices.split(",")[-1]),
-            "geomorphs": runs.geomorphs, "equal_errors": runs.equal_errors, "cracks": runs.cracks, "fronts": runs.fronts, "slow": runs.slow,
-            "llvmpipe": runs.llvmpipe, "table4": runs.table_4, "cover": runs.cover}
+# What --only names, in the order in which it is done.
+PARTS = {"second": lambda runs, devices: runs.second_paper(devices), "first": lambda runs, devices: runs.first_paper(devices),
+         "sweep": lambda runs, devices: runs.sweep(devices.split(",")[-1]), "geomorphs": lambda runs, _: runs.geomorphs(),
+         "equal_errors": lambda runs, _: runs.equal_errors(), "cracks": lambda runs, _: runs.cracks(), "fronts": lambda runs, _: runs.fronts(),
+         "slow": lambda runs, _: runs.slow(), "llvmpipe": lambda runs, _: runs.llvmpipe(), "table4": lambda runs, _: runs.table_4(), "cover": lambda runs, _: runs.cover()}
+OF_GUTHE = {"table4", "cover"}
 
 
 def main():
     options = read_options()
-    effort = SMALL if options.small else QUICK if options.quick else Effort()
-    if options.crack_frames:
-        effort = dataclasses.replace(effort, crack_frames=options.crack_frames)
+    effort = effort_of(options)
+    about = {"date": datetime.date.today().isoformat(), "machine": f"{processor()}, {len(os.sched_getaffinity(0))} cores", "quick": options.quick,
+             "small": options.small, "commit": commit(), "bias": BIAS, "effort": dataclasses.asdict(effort)}
+    if options.reuse or options.only:
+        check_kept(options.out, about)
+    if not options.check:
+        make(options, effort, about)
+
+
+def make(options, effort, about):
     options.out.mkdir(parents=True, exist_ok=True)
+    if not (options.reuse or options.only):
+        for file in (*options.out.glob("*.json"), *options.out.glob("*.csv")):
+            file.unlink()
+    (options.out / "about.json").write_text(json.dumps(about))
     runs = Runs((options.occlod.resolve(), options.cover.resolve()), options.out.resolve(), options.scenes.resolve(), effort, options.reuse)
-    parts = parts_of(runs, options.devices)
-    chosen = options.only.split(",") if options.only else list(parts)
-    for part in chosen:
-        if part not in parts:
-            sys.exit(f"hlod_runs.py: --only does not know {part}: {', '.join(parts)}")
-    begin(options, effort)
-    if set(chosen) - {"table4", "cover"}:
+    chosen = options.only or list(PARTS)
+    if set(chosen) - OF_GUTHE:
         for scene in effort.scenes:
             runs.build(scene, "nested", "shifted")
-    if {"table4", "cover"} & set(chosen):
+    if set(chosen) & OF_GUTHE:
         for scene in effort.guthe:
             runs.build(scene, "objects")
     for part in chosen:
-        parts[part]()
+        PARTS[part](runs, options.devices)
 
 
 def read_options():
@@ -249,10 +256,23 @@ def read_options():
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("--small", action="store_true")
     parser.add_argument("--reuse", action="store_true")
-    parser.add_argument("--only", default="")
+    parser.add_argument("--only", type=known_parts, help=", ".join(PARTS))
     parser.add_argument("--crack-frames", type=positive, help="of each path in which crack pixels are counted")
     parser.add_argument("--devices", default="virtual:query-dear,virtual:modern")
+    parser.add_argument("--check", action="store_true", help="only look at the options")
     return parser.parse_args()
+
+
+def effort_of(options):
+    effort = SMALL if options.small else QUICK if options.quick else Effort()
+    return dataclasses.replace(effort, crack_frames=options.crack_frames) if options.crack_frames else effort
+
+
+def known_parts(text):
+    for part in text.split(","):
+        if part not in PARTS:
+            raise argparse.ArgumentTypeError(f"there is no '{part}': {', '.join(PARTS)}")
+    return text.split(",")
 
 
 def positive(text):
@@ -261,23 +281,11 @@ def positive(text):
     return int(text)
 
 
-def begin(options, effort):
-    """Removes what is not kept, and says of what the folder is."""
-    about = {"date": datetime.date.today().isoformat(), "machine": f"{processor()}, {len(os.sched_getaffinity(0))} cores", "quick": options.quick,
-             "small": options.small, "commit": commit(), "bias": BIAS, "effort": dataclasses.asdict(effort)}
-    if options.reuse or options.only:
-        check_kept(options, about)
-    else:
-        for file in (*options.out.glob("*.json"), *options.out.glob("*.csv")):
-            file.unlink()
-    (options.out / "about.json").write_text(json.dumps(about))
-
-
-def check_kept(options, about):
+def check_kept(out, about):
     """What is kept has to fit what is made."""
-    file = options.out / "about.json"
+    file = out / "about.json"
     if file.exists() and length_of(json.loads(file.read_text())) != length_of(json.loads(json.dumps(about))):
-        sys.exit(f"hlod_runs.py: {options.out}: holds runs of another length (--quick, --small, or an earlier version): delete it, or leave --reuse and --only out")
+        sys.exit(f"hlod_runs.py: {out}: holds runs of another length (--quick, --small, or an earlier version): delete it, or leave --reuse and --only out")
 
 
 def length_of(about):

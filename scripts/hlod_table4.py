@@ -5,6 +5,7 @@ SCENES = {"plant": "Power Plant", "city": "Vienna", "dragon_alone": "Dragon", "c
 NAMES = {"vfc": "VFC", "bool": "CHC", "coh": "Coh", "chc++": "CHC++", "nohc": "NOHC", "optimum": "optimum", "two-pass": "two-pass", "cesium": "cesium",
          "batch": "batch", "auto": "auto"}
 FIXED = ("vfc", "bool", "coh", "chc++", "nohc", "two-pass", "batch")  # that draw what VFC draws, and need no oracle
+CHOSEN_FROM = ("vfc", "nohc", "coh", "batch")  # by auto
 WINDOW = 30  # frames
 
 # Their table 3: triangles and nodes.
@@ -160,18 +161,18 @@ def print_choices(document, results, runs):
             shares[frame["drawn_by"]] = shares.get(frame["drawn_by"], 0) + 1 / len(drawn_by)
         chosen = ", ".join(f"{NAMES[s]} {100 * share:.0f} %" for s, share in sorted(shares.items(), key=lambda item: -item[1]))
         cells = []
-        for strategy in ("vfc", "nohc", "coh", "batch"):
+        for strategy in CHOSEN_FROM:
             forecast = found["auto"].get(f"forecast_{strategy}_ms")
             cells.append(f"{forecast:.3f} / {found[strategy]['frame_ms']:.3f}" if forecast is not None else f"- / {found[strategy]['frame_ms']:.3f}")
         best = best_fixed(found)
         rows.append([scene, without_prefix(device), chosen, *cells, f"{found['auto']['frame_ms']:.3f}", NAMES[best], f"{found['auto']['frame_ms'] / found[best]['frame_ms']:.3f}"])
     document.text("What `auto` chose, and why: frames that each strategy drew; ms that it was forecast to take, mean over all frames, beside what it takes by itself; ms of `auto`. "
                   "Forecasts reckon with what boxes cover, so all of them may be too large; their order decides:")
-    document.table(["scene", "device", "chosen", *(f"{NAMES[s]}, forecast / alone" for s in ("vfc", "nohc", "coh", "batch")), "auto", "best fixed", "auto / best"], rows)
+    document.table(["scene", "device", "chosen", *(f"{NAMES[s]}, forecast / alone" for s in CHOSEN_FROM), "auto", "best fixed", "auto / best"], rows)
 
 
-def best_fixed(found):
-    return min((strategy for strategy in FIXED if strategy in found), key=lambda strategy: found[strategy]["frame_ms"])
+def best_fixed(found, strategies=FIXED):
+    return min(strategies, key=lambda strategy: found[strategy]["frame_ms"])
 
 
 def add_guthe(goals, results):
@@ -221,9 +222,11 @@ def add_near_optimal(goals, results, runs):
 def add_ours(goals, runs):
     add_mean(goals, 5, "batch / optimum", ratios(runs, "batch", "optimum"), 0.95)
     add_largest(goals, 5, "batch / optimum", ratios(runs, "batch", "optimum"), 1.02)
-    best = {where: found["auto"]["frame_ms"] / found[best_fixed(found)]["frame_ms"] for where, found in runs.items()}
-    add_largest(goals, 5, "auto / best fixed strategy", best, 1.03)
-    goals.add(5, "auto / best fixed strategy, geometric mean", "shown", f"{geometric_mean(best.values()):.3f}", None)
+    for what, strategies in (("best fixed strategy", FIXED), ("best of those that it chooses from", CHOSEN_FROM)):
+        best = {where: found["auto"]["frame_ms"] / found[best_fixed(found, strategies)]["frame_ms"] for where, found in runs.items()}
+        if strategies == FIXED:
+            add_largest(goals, 5, f"auto / {what}", best, 1.03)
+        goals.add(5, f"auto / {what}, geometric mean", "shown", f"{geometric_mean(best.values()):.3f} (up to {max(best.values()):.3f})", None)
     add_largest(goals, 5, "auto / VFC", ratios(runs, "auto", "vfc"), 1.02)
 
 

@@ -24,9 +24,11 @@ while [ $# -gt 0 ]; do
     *) echo "hlod_tables.sh: unknown option $1; see the head of $0" >&2; exit 2 ;;
   esac
 done
+runs=(python3 -B scripts/hlod_runs.py --occlod build/bench/tools/occlod --cover build/bench/bench/cover/bench_cover_probability --out out/hlod "${options[@]}")
+"${runs[@]}" --check
 
 scripts/setup.sh
 scripts/build.sh bench
 scripts/get_demo_meshes.sh || echo "hlod_tables: going on with the meshes that are there" >&2
-python3 -B scripts/hlod_runs.py --occlod build/bench/tools/occlod --cover build/bench/bench/cover/bench_cover_probability --out out/hlod "${options[@]}"
+"${runs[@]}"
 python3 -B scripts/hlod_tables.py out/hlod | tee out/hlod/tables.md

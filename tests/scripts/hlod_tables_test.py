@@ -169,6 +169,13 @@ else:
         part = hlod_runs.part_of_path(self.folder / "scene.json", "walk", 0.25, self.folder / "part.json")
         self.assertEqual(json.loads(part.read_text()), {"objects": [], "paths": {"walk": {"frames": 40, "keys": keys[:3]}}})
 
+    def test_options_are_looked_at_before_anything_is_built(self):
+        for options, line in ((("--only", "table4,tabel4"), "there is no 'tabel4': second, first, "), (("--crack-frames", "no"), "'no' is not a whole number above 0"),
+                              (("--only",), "--only needs a value"), (("--fast",), "unknown option --fast")):
+            done = subprocess.run([SCRIPTS / "hlod_tables.sh", *options], capture_output=True, text=True)
+            self.assertEqual(done.returncode, 2, options)
+            self.assertIn(line, done.stderr)
+
     def test_nothing_was_measured(self):
         self.assertIn("0 met, 0 missed", self.tables())
 
