@@ -9,6 +9,7 @@
 
 #include "occlod/core/error.h"
 #include "occlod/view/view.h"
+#include "support/cameras.h"
 
 namespace occlod {
 namespace {
@@ -126,11 +127,7 @@ TEST(ObjectView, OrthographicRefusesWhatIsTooFarAway) {
 TEST(ObjectView, EachPlaneCutsWhereItShould) {
   // Eye at the origin, looking along -z, 90 degrees high and wide: a unit sphere at depth 10 touches the side planes
   // when its centre is 10 + sqrt(2) off the axis.
-  Camera c;
-  c.eye = {0, 0, 0};
-  c.target = {0, 0, -1};
-  c.fov_y_deg = 90.0;
-  c.width = c.height = 100;
+  Camera c = test::origin_camera(100, 100);
   c.near = 2.0;
   c.far = 20.0;
   const ObjectView object(View(c), glm::dmat4(1.0));
@@ -174,11 +171,7 @@ TEST(ObjectView, NoDisplacementCoversMorePixelsThanTheLargestScale) {
 }
 
 TEST(ObjectView, ScaleAtTheCentreOfTheImageIsTheFocalLengthOverTheDistance) {
-  Camera c;
-  c.eye = {0, 0, 0};
-  c.target = {0, 0, -1};
-  c.fov_y_deg = 90.0;
-  c.width = c.height = 100;  // focal length 50 px
+  const Camera c = test::origin_camera(100, 100);  // focal length 50 px
   const ObjectView object(View(c), glm::dmat4(1.0));
   EXPECT_NEAR(object.largest_scale_px({{0, 0, -10}, 0.0F}), 5.0F, 1e-5F);
   // Nearest at 8; seen under the angle asin(2 / 10) to the side: / cos^2.

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "oracle/random_shapes.h"
+#include "support/cameras.h"
 
 namespace occlod {
 namespace {
@@ -110,11 +111,7 @@ TEST(ScreenBounds, AreTight) {
 
 // At the origin, looking along -z, f = 50 px, image 100 x 100.
 View plain_view() {
-  Camera camera;
-  camera.eye = {0, 0, 0};
-  camera.target = {0, 0, -1};
-  camera.fov_y_deg = 90.0;
-  camera.width = camera.height = 100;
+  Camera camera = test::origin_camera(100, 100);
   camera.near = 0.5;
   return View(camera);
 }

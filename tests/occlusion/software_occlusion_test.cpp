@@ -9,6 +9,7 @@
 
 #include "occlod/raster/item_buffer.h"
 #include "oracle/judge.h"
+#include "support/cameras.h"
 
 namespace occlod {
 namespace {
@@ -29,11 +30,7 @@ class WallScene {
   }
 
   static View view() {
-    Camera camera;
-    camera.eye = {0, 0, 0};
-    camera.target = {0, 0, -1};
-    camera.fov_y_deg = 90.0;
-    camera.width = camera.height = 100;
+    Camera camera = test::origin_camera(100, 100);
     camera.near = 0.5;
     camera.far = 10'000.0;
     return View(camera);

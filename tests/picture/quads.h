@@ -4,19 +4,12 @@
 #include <vector>
 
 #include "occlod/picture/picture.h"
+#include "support/cameras.h"
 
 namespace occlod::test {
 
 // The eye at the origin looks along -z; f = 40 px, image 100 x 80.
-inline View front_view() {
-  Camera camera;
-  camera.eye = {0, 0, 0};
-  camera.target = {0, 0, -1};
-  camera.fov_y_deg = 90.0;
-  camera.width = 100;
-  camera.height = 80;
-  return View(camera);
-}
+inline View front_view() { return View(origin_camera(100, 80)); }
 
 // The same with parallel rays: 8 units are 80 px high, nearness runs from 1 at distance 1 to 0 at 101.
 inline View parallel_view() {

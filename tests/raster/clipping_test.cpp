@@ -8,6 +8,7 @@
 #include "occlod/view/view.h"
 #include "raster/clip.h"
 #include "raster/pixel_space.h"
+#include "support/cameras.h"
 
 namespace occlod {
 namespace {
@@ -18,12 +19,7 @@ constexpr double near_distance = 0.5;
 
 // At the origin, looking along -z; f = 30 px.
 glm::mat4 to_clip() {
-  Camera camera;
-  camera.eye = {0, 0, 0};
-  camera.target = {0, 0, -1};
-  camera.fov_y_deg = 90.0;
-  camera.width = width;
-  camera.height = height;
+  Camera camera = test::origin_camera(width, height);
   camera.near = near_distance;
   camera.far = 1000.0;
   return ObjectView(View(camera), glm::dmat4(1.0)).object_to_clip();

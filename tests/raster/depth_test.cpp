@@ -7,21 +7,14 @@
 
 #include "occlod/view/view.h"
 #include "raster/pixel_space.h"
+#include "support/cameras.h"
 
 namespace occlod {
 namespace {
 
 using test::pixel_to_clip;
 
-View test_view() {
-  Camera camera;
-  camera.eye = {0, 0, 0};
-  camera.target = {0, 0, -1};
-  camera.fov_y_deg = 90.0;
-  camera.width = 80;
-  camera.height = 60;
-  return View(camera);
-}
+View test_view() { return View(test::origin_camera(80, 60)); }
 
 // Looking along -z with f = 30 px: the ray through pixel (x, y) at depth 1 is ((x - 39.5) / 30, (29.5 - y) / 30, -1).
 // It meets the plane n . p = d at depth d / (n . ray), so 1 / w = (n . ray) / d.

@@ -70,58 +70,53 @@ bool star_is_seen(const Hierarchy& hierarchy, SplitId s, const View& view) {
   return any;
 }
 
-TEST(StarCulling, SplitsAreTakenOnlyWhereTheirOwnFacesAreSeen) {
-  const Hierarchy hierarchy = build_hierarchy(test::noisy_sphere(5, 4));
-  std::array<RefineObject, 1> objects{{{&hierarchy, glm::dmat4(1.0), false}}};
-  Refiner refiner(objects);
-  NoOcclusion none;
-  const View view(test::front_camera());
+class StarCulling : public testing::Test {
+ protected:
+  const Hierarchy hierarchy_ = build_hierarchy(test::noisy_sphere(5, 4));
+  std::array<RefineObject, 1> objects_{{{&hierarchy_, glm::dmat4(1.0), false}}};
+  Refiner refiner_{objects_};
+  NoOcclusion none_;
+  const View view_{test::front_camera()};
+};
+
+TEST_F(StarCulling, SplitsAreTakenOnlyWhereTheirOwnFacesAreSeen) {
   RefineOptions options;
   options.budget = 2000;
-  const Refinement& star = refiner.refine(view, options, none);
-  test::expect_valid_cut(hierarchy, star.objects[0]);
-  for (const SplitId s : test::unforced_splits(hierarchy, star.objects[0]))
-    EXPECT_TRUE(star_is_seen(hierarchy, s, view));
+  const Refinement& star = refiner_.refine(view_, options, none_);
+  test::expect_valid_cut(hierarchy_, star.objects[0]);
+  for (const SplitId s : test::unforced_splits(hierarchy_, star.objects[0]))
+    EXPECT_TRUE(star_is_seen(hierarchy_, s, view_));
   // The paper's one question takes splits whose own faces all turn away: that is what the second question is for.
   options.priority.culling = Culling::subtree;
-  const Refinement& subtree = refiner.refine(view, options, none);
-  test::expect_valid_cut(hierarchy, subtree.objects[0]);
+  const Refinement& subtree = refiner_.refine(view_, options, none_);
+  test::expect_valid_cut(hierarchy_, subtree.objects[0]);
   std::size_t wasted = 0;
-  for (const SplitId s : test::unforced_splits(hierarchy, subtree.objects[0]))
-    wasted += star_is_seen(hierarchy, s, view) ? 0U : 1U;
+  for (const SplitId s : test::unforced_splits(hierarchy_, subtree.objects[0]))
+    wasted += star_is_seen(hierarchy_, s, view_) ? 0U : 1U;
   EXPECT_GT(wasted, 25U);
 }
 
-TEST(StarCulling, UnseenSplitsAreLeftEvenWhenTheBudgetHasRoom) {
-  const Hierarchy hierarchy = build_hierarchy(test::noisy_sphere(5, 4));
-  std::array<RefineObject, 1> objects{{{&hierarchy, glm::dmat4(1.0), false}}};
-  Refiner refiner(objects);
-  NoOcclusion none;
-  const View view(test::front_camera());
+TEST_F(StarCulling, UnseenSplitsAreLeftEvenWhenTheBudgetHasRoom) {
   RefineOptions options;
-  options.budget = refiner.full_triangles();
-  const Refinement& result = refiner.refine(view, options, none);
+  options.budget = refiner_.full_triangles();
+  const Refinement& result = refiner_.refine(view_, options, none_);
   EXPECT_LT(result.stats.triangles, options.budget * 3 / 4);  // the far side of a sphere is about half of it
-  for (const SplitId s : test::unforced_splits(hierarchy, result.objects[0]))
-    EXPECT_TRUE(star_is_seen(hierarchy, s, view));
+  for (const SplitId s : test::unforced_splits(hierarchy_, result.objects[0]))
+    EXPECT_TRUE(star_is_seen(hierarchy_, s, view_));
 }
 
-TEST(StarCulling, WeightMovesTrianglesOffTheSilhouette) {
-  const Hierarchy hierarchy = build_hierarchy(test::noisy_sphere(5, 4));
-  std::array<RefineObject, 1> objects{{{&hierarchy, glm::dmat4(1.0), false}}};
-  Refiner refiner(objects);
-  NoOcclusion none;
-  const View view(test::front_camera());
+TEST_F(StarCulling, WeightMovesTrianglesOffTheSilhouette) {
   const auto front_faces = [&](double exponent) {
     RefineOptions options;
     options.budget = 1500;
     options.priority.visible_exponent = exponent;
-    const Refinement& result = refiner.refine(view, options, none);
-    return std::count_if(
-        result.objects[0].triangles.begin(), result.objects[0].triangles.end(), [&](const Triangle& t) {
-          const glm::dvec3 a(hierarchy.positions()[t.x]), b(hierarchy.positions()[t.y]), c(hierarchy.positions()[t.z]);
-          return glm::dot(glm::cross(b - a, c - a), view.camera().eye - a) > 0.0;
-        });
+    const Refinement& result = refiner_.refine(view_, options, none_);
+    return std::count_if(result.objects[0].triangles.begin(), result.objects[0].triangles.end(),
+                         [&](const Triangle& t) {
+                           const glm::dvec3 a(hierarchy_.positions()[t.x]), b(hierarchy_.positions()[t.y]),
+                               c(hierarchy_.positions()[t.z]);
+                           return glm::dot(glm::cross(b - a, c - a), view_.camera().eye - a) > 0.0;
+                         });
   };
   EXPECT_GT(front_faces(1.0), front_faces(0.0));
 }

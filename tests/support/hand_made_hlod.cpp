@@ -7,6 +7,7 @@
 
 #include "hlod/hlod_data.h"
 #include "math/unite.h"
+#include "support/cameras.h"
 
 namespace occlod::test {
 namespace {
@@ -188,11 +189,9 @@ hlod::Hlod two_rows(bool last_rises) {
 }
 
 Camera square_camera(const glm::dvec3& eye, const glm::dvec3& target) {
-  Camera camera;
+  Camera camera = origin_camera(100, 100);
   camera.eye = eye;
   camera.target = target;
-  camera.fov_y_deg = 90.0;
-  camera.width = camera.height = 100;
   camera.near = 0.1;
   return camera;
 }
