@@ -165,16 +165,7 @@ void bind_auto_refiner(nb::module_& m) {
           "calibration", [](const PythonAutoRefiner& r) { return r.state->refiner.calibration(); }, "A copy.")
       .def_prop_ro("base_triangles", [](const PythonAutoRefiner& r) { return r.state->refiner.base_triangles(); })
       .def_prop_ro("full_triangles", [](const PythonAutoRefiner& r) { return r.state->refiner.full_triangles(); })
-      .def(
-          "set_transform",
-          [](PythonAutoRefiner& r, std::size_t object, const ArrayLike& transform) {
-            const glm::dmat4 matrix = to_matrix(transform, "transform");
-            const nb::gil_scoped_release release;
-            const std::scoped_lock lock(r.state->in_use);
-            r.state->refiner.set_transform(object, matrix);
-            r.state->objects->place(object, matrix);
-          },
-          "object"_a, "transform"_a, "As Refiner.set_transform().")
+      .def("set_transform", &set_transform<PythonAutoRefiner>, "object"_a, "transform"_a, "As Refiner.set_transform().")
       .def("refine", &refine<false>, "view"_a, "budget"_a = nb::none(), "options"_a = nb::none(),
            "As Refiner.refine(), with effects chosen for the view.")
       .def("update", &refine<true>, "view"_a, "budget"_a = nb::none(), "options"_a = nb::none(),

@@ -290,16 +290,8 @@ void bind_refiner(nb::module_& m) {
       .def_prop_ro(
           "full_triangles", [](const PythonRefiner& r) { return r.state->refiner.full_triangles(); },
           "Of all objects with all splits applied.")
-      .def(
-          "set_transform",
-          [](PythonRefiner& r, std::size_t object, const ArrayLike& transform) {
-            const glm::dmat4 matrix = to_matrix(transform, "transform");
-            const nb::gil_scoped_release release;
-            const std::scoped_lock lock(r.state->in_use);
-            r.state->refiner.set_transform(object, matrix);
-            r.state->objects->place(object, matrix);
-          },
-          "object"_a, "transform"_a, "Places an object elsewhere, from the next call on.")
+      .def("set_transform", &set_transform<PythonRefiner>, "object"_a, "transform"_a,
+           "Places an object elsewhere, from the next call on.")
       .def("refine", &refine<Way::from_scratch>, "view"_a, "budget"_a = nb::none(), "visibility"_a = nb::none(),
            "options"_a = nb::none(), refine_doc)
       .def("update", &refine<Way::going_on>, "view"_a, "budget"_a = nb::none(), "visibility"_a = nb::none(),

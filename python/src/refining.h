@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "arrays.h"
 #include "bindings.h"
 #include "occlod/refine/refine_options.h"
 #include "occlod/refine/refinement.h"
@@ -100,6 +101,16 @@ std::shared_ptr<Result> run(const std::shared_ptr<RefinerState<Refining>>& state
   auto result = std::make_shared<Result>(refinement, state, state->objects);
   state->last = result;
   return result;
+}
+
+// Places an object elsewhere. `Refining` has a RefinerState.
+template <typename Refining>
+void set_transform(Refining& refining, std::size_t object, const ArrayLike& transform) {
+  const glm::dmat4 matrix = to_matrix(transform, "transform");
+  const nb::gil_scoped_release release;
+  const std::scoped_lock lock(refining.state->in_use);
+  refining.state->refiner.set_transform(object, matrix);
+  refining.state->objects->place(object, matrix);
 }
 
 // The objects of an Object, a Hierarchy, or a sequence of them. TypeError for anything else.
