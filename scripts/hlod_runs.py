@@ -43,7 +43,7 @@ class Effort:
     llvmpipe_frames: int = 30
     fronts: int = 10_000
     # Of the paths of GUTHE, from their beginning, as fast as they are. All of the plant is in view, so five frames of it take as long as all others.
-    guthe: dict = dataclasses.field(default_factory=lambda: {"plant": 0.03, "city": 1.0, "dragon_alone": 1.0, "car": 1.0})
+    guthe: dict = dataclasses.field(default_factory=lambda: {"plant": 0.03, "city": 1.0, "dragon_alone": 1.0, "car": 0.5})
     llvmpipe_share: float = 0.15  # of these shares
     leaves_share: float = 0.15
     cover_frames: int = 16  # of each path
