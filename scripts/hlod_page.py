@@ -157,10 +157,15 @@ def value_of(frame, key):
 
 
 def figure(drawn, caption):
+    """Empty where nothing was measured."""
+    if not drawn.lines:
+        return ""
     return f"<figure>{drawn.svg()}{drawn.legend()}<figcaption>{html.escape(caption)}</figcaption></figure>"
 
 
 def add_figures(document, title, figures):
+    if not any(figures):
+        return
     heading = f"<h3>{html.escape(title)}</h3>" if title else ""
     document.add(f'{heading}<div class="plots">{"".join(figures)}</div>')
 

@@ -136,6 +136,13 @@ else:
             self.write_table_4(**{strategy: change})
             self.assertEqual(self.verdict(what), verdict, (strategy, change, what))
 
+    def test_windows_from_above_count_too(self):
+        self.write_table_4()
+        for ms, verdict in ((2.04, "met"), (2.05, "**missed**")):
+            lines = [f"{DEVICE},{strategy},{frame},{time}" for strategy, time in (("vfc", 2.0), ("nohc", ms)) for frame in range(40)]
+            (self.folder / "figure8_city.csv").write_text("\n".join(["device,strategy,frame,frame_ms", *lines]) + "\n")
+            self.assertEqual(self.verdict("worst 30 frames"), verdict)
+
     def test_corrected_probability_is_compared_with_the_same_optimum(self):
         self.write_table_4()
         for ms, verdict in ((1.08, "met"), (1.09, "**missed**")):
