@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """hlod_page.py FOLDER: makes FOLDER/report.html, one page that needs nothing else, of what scripts/hlod_runs.py has left in FOLDER: the tables of the
-papers on HLODs with our figures beside theirs, their figures, and verdicts."""
+papers on HLODs with our figures beside theirs, their figures, and verdicts; two of the figures alone as above.svg and cover.svg."""
 import html
 import pathlib
 import sys
@@ -20,6 +20,9 @@ td.words,th.words{text-align:left}.plots figure p.legend{margin:.1rem 0 0}nav{di
 """
 GOALS = {1: "Coh(B) predicts what SW(B) would draw", 2: "speed of biased errors", 3: "pictures at that speed", 4: "NOHC is near its optimum",
          5: "batch beats the optimum of single queries, auto the best fixed strategy", 6: "shifted groups have no gaps and cost little", 7: "beside today's engines"}
+DEAR = "virtual:query-dear"
+FIGURE_7 = {strategy: hlod_table4.NAMES[strategy] for strategy in ("bool", "nohc", "optimum", "batch")}
+FIGURE_8 = {strategy: hlod_table4.NAMES[strategy] for strategy in ("vfc", "bool", "nohc", "batch")}
 
 
 def main():
@@ -28,6 +31,7 @@ def main():
     if results.load("about") is None:
         sys.exit(f"hlod_page.py: {folder}: has no about.json: run scripts/hlod_report.sh")
     hlod_tables.write_csv(results)
+    write_pictures(results, folder)
     (folder / "report.html").write_text(whole_page(results))
     print(folder / "report.html")
 
@@ -110,24 +114,22 @@ def ms_without_bias(points):
 
 def culling(document, results):
     hlod_table4.print_guthe(document, results)
-    figures = [course(results, ["table4_city"], pick("bool", "nohc", "optimum", "batch"), "frame_ms", "ms", "Fig. 7: city, walk between houses, query-dear", "virtual:query-dear"),
-               course(results, ["figure8_city"], pick("vfc", "bool", "nohc", "batch"), "frame_ms", "ms", "Fig. 8: city, above the roofs, query-dear", "virtual:query-dear")]
+    figures = [course(results, ["table4_city"], FIGURE_7, "frame_ms", "ms", "Fig. 7: city, walk between houses, query-dear", DEAR),
+               course(results, ["figure8_city"], FIGURE_8, "frame_ms", "ms", "Fig. 8: city, above the roofs, query-dear", DEAR)]
     add_figures(document, "Guthe and others 2006, figures 7 and 8: much and little is hidden", figures)
-
-
-def pick(*strategies):
-    return {strategy: hlod_table4.NAMES[strategy] for strategy in strategies}
 
 
 def cover(document, results):
     hlod_cover.print_cover(document, results)
-    figures = []
-    for model in hlod_cover.MODELS:
-        lines = {source: [(row["predicted"], row["hidden"]) for row in told["models"][model]["by_prediction"]] for source, told in hlod_cover.counts(results).items()}
-        drawn = plot.Lines(lines, f"p_cov, as {model}", "share of boxes that are covered", dots=True)
-        drawn.diagonal = True
-        figures.append(figure(drawn, f"Fig. 3, p_cov as {model}: by tenths of what is predicted; the grey line is where predictions are right"))
-    add_figures(document, None, figures)
+    add_figures(document, None, [figure(cover_plot(results, model), f"Fig. 3, p_cov as {model}: by tenths of what is predicted; the grey line is where predictions are right")
+                                 for model in hlod_cover.MODELS])
+
+
+def cover_plot(results, model, **options):
+    lines = {source: [(row["predicted"], row["hidden"]) for row in told["models"][model]["by_prediction"]] for source, told in hlod_cover.counts(results).items()}
+    drawn = plot.Lines(lines, f"p_cov, as {model}", "share of boxes that are covered", dots=True, **options)
+    drawn.diagonal = True
+    return drawn
 
 
 def goals(document, results):
@@ -135,19 +137,29 @@ def goals(document, results):
 
 
 def course(results, runs, names, key, label, caption, device=None):
-    """Frame by frame, several runs one after another."""
+    """Frame by frame, several runs one after another; on the first device unless told otherwise."""
+    shown = device or next(iter(results.frames(runs[0])), (None,))[0]
+    where = f", {hlod_tables.mapped(shown)}" if not device and shown else ""
+    return figure(plot.Lines(lines_of(results, runs, names, key, shown), "frame", label), caption + where)
+
+
+def lines_of(results, runs, names, key, device):
     lines, first = {}, 0
     for run in runs:
         told = results.frames(run)
-        shown = device or next(iter(told), (None,))[0]
-        longest = 0
         for strategy, name in names.items():
-            frames = told.get((shown, strategy), [])
-            lines.setdefault(name, []).extend((first + i, value_of(frame, key)) for i, frame in enumerate(frames))
-            longest = max(longest, len(frames))
-        first += longest
-    where = f", {hlod_tables.mapped(shown)}" if not device and runs and shown else ""
-    return figure(plot.Lines(lines, "frame", label), caption + where)
+            lines.setdefault(name, []).extend((first + i, value_of(frame, key)) for i, frame in enumerate(told.get((device, strategy), [])))
+        first = max((x + 1 for line in lines.values() for x, _ in line), default=0)
+    return lines
+
+
+def write_pictures(results, folder):
+    """Figures 3 and 8 of Guthe and others alone."""
+    above = plot.Lines(lines_of(results, ["figure8_city"], FIGURE_8, "frame_ms", DEAR), "frame", "ms", size=(880, 340), legend_px=130)
+    covered = cover_plot(results, "printed", size=(880, 340), legend_px=170)
+    for name, drawn in (("above.svg", above), ("cover.svg", covered)):
+        if drawn.lines:
+            (folder / name).write_text(drawn.svg(standalone=True) + "\n")
 
 
 def value_of(frame, key):

@@ -169,16 +169,17 @@ class Lines:
     """Lines over a common axis, such as what strategies take frame by frame. `lines`: by name, points (x, y) in order of x. Both axes are linear; that of y
     begins at 0 unless told otherwise."""
 
-    def __init__(self, lines, x_label, y_label, size=(460, 300), dots=False, from_zero=True):
+    def __init__(self, lines, x_label, y_label, size=(460, 300), dots=False, from_zero=True, legend_px=0):
         self.lines = {name: points for name, points in lines.items() if points}
         self.x_label, self.y_label, self.dots, self.from_zero = x_label, y_label, dots, from_zero
         self.width, self.height = size
+        self.legend_px = legend_px  # on the right, where one is drawn in the plot itself
         self.diagonal = False  # where both axes show the same
 
-    def svg(self):
+    def svg(self, standalone=False):
         """There has to be a line."""
         points = [point for line in self.lines.values() for point in line]
-        across = Axis([x for x, _ in points], 66, self.width - 14, False)
+        across = Axis([x for x, _ in points], 66, self.width - self.legend_px - 14, False)
         up = Axis([0.0] * self.from_zero + [y for _, y in points], self.height - 46, 14, False)
         if self.from_zero:
             up.low = 0.0
@@ -188,8 +189,13 @@ class Lines:
             parts.append(f'<path class="diagonal" d="M{across.px(low):.1f} {up.px(low):.1f}L{across.px(high):.1f} {up.px(high):.1f}"/>')
         for i, (name, line) in enumerate(self.lines.items()):
             parts += self.line(i, name, [(across.px(x), up.px(y)) for x, y in line], line)
+        for i, (drawing, name) in enumerate(self.legend_rows() if self.legend_px else ()):
+            parts.append(f'<g transform="translate({self.width - self.legend_px + 6} {20 + 22 * i})">{drawing}<text x="40" y="12">{html.escape(name)}</text></g>')
+        start = 'xmlns="http://www.w3.org/2000/svg" ' if standalone else ""
+        css = f"<style>{style()}svg{{background:var(--paper)}}</style>" if standalone else ""
         about = f'role="img" aria-label="{html.escape(self.y_label)} over {html.escape(self.x_label)}"'
-        return f'<svg class="plot" {about} data-y="{html.escape(self.y_label)}" viewBox="0 0 {self.width} {self.height}" width="{self.width}" height="{self.height}">{"".join(parts)}</svg>'
+        return (f'<svg {start}class="plot" {about} data-y="{html.escape(self.y_label)}" viewBox="0 0 {self.width} {self.height}" width="{self.width}" height="{self.height}">'
+                f'{css}{"".join(parts)}</svg>')
 
     def line(self, i, name, placed, line):
         path = "L".join(f"{x:.1f} {y:.1f}" for x, y in placed)
@@ -201,11 +207,13 @@ class Lines:
                 tip = html.escape(f"{name}\n{self.x_label}: {short(value_x)}\n{self.y_label}: {short(value_y)}")
                 yield f'<g class="point s{i % 8}" transform="translate({x:.2f} {y:.2f})"><title>{tip}</title><path d="{SHAPES[i % len(SHAPES)]}"/></g>'
 
-    def legend(self):
-        """As HTML, below the plot."""
-        items = []
+    def legend_rows(self):
+        """The drawing in a box of 34 x 16 pixels, and its name."""
         for i, name in enumerate(self.lines):
             dot = f'<g class="point s{i % 8}" transform="translate(17 8)"><path d="{SHAPES[i % len(SHAPES)]}"/></g>' if self.dots else ""
-            drawing = f'<path class="course s{i % 8}" stroke-dasharray="{DASHES[i % len(DASHES)]}" d="M2 8H32"/>{dot}'
-            items.append(f'<span><svg viewBox="0 0 34 16" width="34" height="16">{drawing}</svg> {html.escape(name)}</span>')
+            yield f'<path class="course s{i % 8}" stroke-dasharray="{DASHES[i % len(DASHES)]}" d="M2 8H32"/>{dot}', name
+
+    def legend(self):
+        """As HTML, below the plot."""
+        items = (f'<span><svg viewBox="0 0 34 16" width="34" height="16">{drawing}</svg> {html.escape(name)}</span>' for drawing, name in self.legend_rows())
         return f'<p class="legend">{"".join(items)}</p>'
