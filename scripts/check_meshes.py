@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """check_meshes.py [--repair | --hlod] [OCCLOD]: builds and validates every mesh below the folders that OCCLOD_MESHES names, separated by ':'. One line each:
 built and valid, or refused with the reason. Exit 1 when any crashes, hangs, is refused without a single line that says why, or is not valid.
---repair: repairs each first, and builds and validates what comes out. --hlod: builds an .ohlod file of each, for each kind of groups and borders,
-with nodes of the usual size and small ones. OCCLOD defaults to build/release/tools/occlod."""
+--repair: repairs each first, and builds and validates what comes out. --hlod: builds an .ohlod file of each, for each kind of groups and borders
+and with splits within nodes, with nodes of the usual size and small ones. OCCLOD defaults to build/release/tools/occlod."""
 import argparse
 import json
 import os
@@ -54,7 +54,8 @@ def check(occlod, mesh, hierarchy):
     return f"{built['triangles']:>9} triangles {built['build_ms']:>8.0f} ms {built['peak_bytes'] / 1e6:>6.0f} MB"
 
 
-HLOD_KINDS = (("shifted", "locked"), ("nested", "locked"), ("nested", "free"))
+HLOD_KINDS = tuple(("--grouping", grouping, "--borders", borders, "--within", within) for grouping, borders in
+                   (("shifted", "locked"), ("nested", "locked"), ("nested", "free")) for within in ("geomorph", "splits"))
 SMALL_NODES = 64
 HLOD_FRONTS = 500
 
@@ -62,15 +63,15 @@ HLOD_FRONTS = 500
 def check_hlod(occlod, mesh, hierarchy):
     """The same about its nodes."""
     file, milliseconds, nodes = hierarchy.with_suffix(".ohlod"), 0.0, []
-    for grouping, borders in HLOD_KINDS:
+    for kind in HLOD_KINDS:
         for size in ((), ("--node-triangles", SMALL_NODES)):
-            built = run(occlod, "hlod", "build", mesh, "-o", file, "--grouping", grouping, "--borders", borders, *size)
+            built = run(occlod, "hlod", "build", mesh, "-o", file, *kind, *size)
             milliseconds += built["build_ms"]
             nodes.append(built["nodes"])
             try:
                 run(occlod, "hlod", "validate", file, "--input", mesh, "--fronts", HLOD_FRONTS)
             except Refused as refusal:
-                raise Failure(f"hlod validate, {grouping} {borders} {' '.join(map(str, size))}: {refusal}") from None
+                raise Failure(f"hlod validate, {' '.join(map(str, kind + size))}: {refusal}") from None
     return f"{built['triangles']:>9} triangles {milliseconds:>8.0f} ms, nodes {' '.join(map(str, nodes))}"
 
 
