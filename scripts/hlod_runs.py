@@ -165,7 +165,7 @@ class Runs:
                          "--reference", self.effort.pop_frames)
 
     def fronts(self):
-        for scene in self.scenes(("hlod_row", "hlod_grid")):
+        for scene in self.effort.scenes:
             self.run(f"fronts_{scene}", "validate", self.hlod(scene, "shifted"), "--fronts", self.effort.fronts)
 
     def table_4(self):

@@ -248,7 +248,7 @@ def add_pictures(goals, results):
 
 
 def add_graph(goals, results):
-    for scene in ("hlod_row", "hlod_grid"):
+    for scene in ("hlod_row", "hlod_grid", "hlod_shelves", "hlod_5m", "hlod_12m"):
         valid = results.load(f"fronts_{scene}")
         if valid:
             goals.add(6, f"violations on {results.load('about')['effort']['fronts']:,} random fronts: {scene}", "0", len(valid["violations"]), valid["valid"])
