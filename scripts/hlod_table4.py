@@ -5,7 +5,7 @@ SCENES = {"plant": "Power Plant", "city": "Vienna", "dragon_alone": "Dragon", "c
 NAMES = {"vfc": "VFC", "bool": "CHC", "coh": "Coh", "chc++": "CHC++", "nohc": "NOHC", "optimum": "optimum", "two-pass": "two-pass", "cesium": "cesium",
          "batch": "batch", "auto": "auto"}
 FIXED = ("vfc", "bool", "coh", "chc++", "nohc", "two-pass", "batch")  # that draw what VFC draws, and need no oracle
-CHOSEN_FROM = ("vfc", "nohc", "coh", "batch")  # by auto
+CHOSEN_FROM = ("batch", "vfc")
 WINDOW = 30  # frames
 
 # Their table 3: triangles and nodes.

@@ -62,6 +62,11 @@ class Results:
     def second(self, scene):
         return self.session("second", scene) if scene in FIRST else self.runs(f"second_{scene}_walk")
 
+    def mended(self, scene):
+        """The same, but for Coh(B), which asks when all that is known to be visible has been drawn."""
+        mended = self.session("mended", scene) if scene in FIRST else self.runs(f"mended_{scene}_walk")
+        return {**self.second(scene), **mended} if mended else {}
+
 
 def averaged(runs):
     result = dict(runs[0])
@@ -125,8 +130,8 @@ def print_second_paper(document, results):
     document.heading("Charalambos and others 2007, table 1")
     document.text(f"B_(s,t) with s,t = {results.load('about')['bias']}, alpha exact, distance to spheres, nested nodes with free borders, {size_of(results)}, 1 px. Theirs in brackets.")
     for index, scene in enumerate(SECOND):
-        for kind, title in (("second", "as published"), ("ours", "shifted groups without gaps, distance to boxes")):
-            runs = results.runs(f"{kind}_{scene}_walk")
+        for runs, title in ((results.second(scene), "as published"), (results.mended(scene), "the same, but Coh(B) asks late (ours)"),
+                            (results.runs(f"ours_{scene}_walk"), "ours: shifted groups without gaps, distance to boxes, asking late")):
             if not runs:
                 continue
             document.text(f"`{scene}`, {title}:")
@@ -200,33 +205,40 @@ class Goals:
         self.rows.append([goal, what, asked, figure, "-" if met is None else "met" if met else "**missed**"])
 
 
+def ways(results, scene):
+    """The published way to ask and ours, with a name."""
+    return (("Coh(B)", results.second(scene)), ("Coh(B), asking late", results.mended(scene)))
+
+
 def add_prediction(goals, results):
     for scene in FIRST + SECOND:
-        runs = results.second(scene)
-        for device in devices_of(runs):
-            coh, ideal = runs[device, "coh"], runs[device, "sw-b"]
-            add_prediction_rows(goals, f"{scene}, {mapped(device)}", coh, ideal)
-    slow = results.runs("slow_hlod_5m")
+        for name, runs in ways(results, scene):
+            for device in devices_of(runs):
+                add_prediction_rows(goals, name, f"{scene}, {mapped(device)}", runs[device, "coh"], runs[device, "sw-b"])
+    slow, mended = results.runs("slow_hlod_5m"), results.runs("slowmended_hlod_5m")
     if slow:
-        add_prediction_rows(goals, "hlod_5m at a fifth of the speed, software", slow["software", "coh"], slow["software", "sw-b"])
+        for name, runs in (("Coh(B)", slow), ("Coh(B), asking late", mended)):
+            for device, strategy in runs:
+                if strategy == "coh":
+                    add_prediction_rows(goals, name, f"hlod_5m at a fifth of the speed, {mapped(device)}", runs[device, strategy], slow["software", "sw-b"])
 
 
-def add_prediction_rows(goals, where, coh, ideal):
+def add_prediction_rows(goals, name, where, coh, ideal):
     nodes = coh["drawn_nodes"]
-    goals.add(1, f"Coh(B) over SW(B), nodes: {where}", "<= 1.005", f"{nodes / ideal['drawn_nodes']:.3f}", nodes <= 1.005 * ideal["drawn_nodes"])
+    goals.add(1, f"{name} over SW(B), nodes: {where}", "<= 1.005", f"{nodes / ideal['drawn_nodes']:.3f}", nodes <= 1.005 * ideal["drawn_nodes"])
     goals.add(1, "RARN, % of nodes", "<= 0.05", f"{100 * coh['rarn'] / nodes:.2f}", coh["rarn"] <= 0.0005 * nodes)
     goals.add(1, "delayed, % of nodes", "<= 3", f"{100 * coh['delayed'] / nodes:.2f}", coh["delayed"] <= 0.03 * nodes)
 
 
 def add_speed(goals, results):
     for scene, asked in (("hlod_grid", 1.15), ("hlod_5m", 1.15), ("hlod_shelves", 1.45), ("hlod_12m", 1.45)):
-        runs = results.second(scene)
-        for device in devices_of(runs):
-            ratio = runs[device, "coh"]["fps"] / runs[device, "bool"]["fps"]
-            goals.add(2, f"speed of Coh(B) over Bool: {scene}, {mapped(device)}", f">= {asked}", f"{ratio:.2f}", ratio >= asked)
-        if "virtual:query-dear" in devices_of(runs):
-            ratio = runs["virtual:query-dear", "coh"]["fps"] / runs["virtual:query-dear", "sw-b"]["fps"]
-            goals.add(2, f"over SW(B): {scene}, query-dear", ">= 2", f"{ratio:.2f}", ratio >= 2)
+        for name, runs in ways(results, scene):
+            for device in devices_of(runs):
+                ratio = runs[device, "coh"]["fps"] / runs[device, "bool"]["fps"]
+                goals.add(2, f"speed of {name} over Bool: {scene}, {mapped(device)}", f">= {asked}", f"{ratio:.2f}", ratio >= asked)
+            if "virtual:query-dear" in devices_of(runs):
+                ratio = runs["virtual:query-dear", "coh"]["fps"] / runs["virtual:query-dear", "sw-b"]["fps"]
+                goals.add(2, f"over SW(B): {scene}, query-dear", ">= 2", f"{ratio:.2f}", ratio >= 2)
     for scene in SECOND:
         runs = results.runs(f"llvmpipe2_{scene}")
         if runs:
@@ -241,10 +253,10 @@ def add_speed(goals, results):
 
 def add_pictures(goals, results):
     for scene, asked in zip(SECOND, (43, 37)):
-        runs = results.runs(f"second_{scene}_walk")
-        for device in devices_of(runs):
-            psnr = runs[device, "coh"]["unculled_psnr_y"]
-            goals.add(3, f"PSNR Y of Coh(B) against Bool: {scene}, {mapped(device)}", f">= {asked} dB", number(psnr), psnr is not None and psnr >= asked)
+        for name, runs in ways(results, scene):
+            for device in devices_of(runs):
+                psnr = runs[device, "coh"]["unculled_psnr_y"]
+                goals.add(3, f"PSNR Y of {name} against Bool: {scene}, {mapped(device)}", f">= {asked} dB", number(psnr), psnr is not None and psnr >= asked)
 
 
 def add_graph(goals, results):

@@ -57,15 +57,18 @@ void add_traverse_options(CLI::App& command, hlod::TraverseOptions& options) {
   command
       .add_option_function<std::string>(
           "--bias", [&options](const std::string& text) { set_bias(options, text); },
-          "sw-b, simp, coh, ideal, batch, auto: how much of a node's error counts where only a share of it is visible. "
-          "S: from "
-          "that share itself (0) to a sigmoid (1); T: where the sigmoid turns; none: all of it")
+          "sw-b, simp, coh, ideal, batch, auto: how much of a node's error counts where only a share of it is "
+          "visible. S: from that share itself (0) to a sigmoid (1); T: where the sigmoid turns; none: all of it")
       ->option_text(fmt::format("S,T|none [{},{}]", options.bias.s, options.bias.t));
   add_choice(
       command, "--metric", options.metric, {{"box", hlod::Metric::box}, {"sphere", hlod::Metric::sphere}},
       "Where a node is nearest to the eye: box: of its box; sphere: of its sphere, as published, which is coarser");
   add_choice(command, "--alpha", options.alpha, {{"exact", hlod::Alpha::exact}, {"paper", hlod::Alpha::paper}},
              "The pixels of a node's box on an empty screen: exact: of its outline; paper: of a cube of its volume");
+  add_choice(command, "--coherence", options.coherence,
+             {{"mended", hlod::Coherence::mended}, {"published", hlod::Coherence::published}},
+             "coh: when nodes are asked about: mended: when all that is known to be visible has been drawn; published: "
+             "in turn, while there may be holes where something is still to be drawn");
   add_choice(command, "--cover-model", options.cover_model,
              {{"printed", hlod::CoverModel::printed}, {"corrected", hlod::CoverModel::corrected}},
              "nohc, batch: how probable it is that a box is covered by what is drawn: printed: as the paper has it; "
@@ -84,6 +87,7 @@ Json to_json(const hlod::TraverseOptions& options) {
           {"bias", options.biased ? Json{{"s", options.bias.s}, {"t", options.bias.t}} : Json()},
           {"metric", options.metric == hlod::Metric::box ? "box" : "sphere"},
           {"alpha", options.alpha == hlod::Alpha::exact ? "exact" : "paper"},
+          {"coherence", options.coherence == hlod::Coherence::mended ? "mended" : "published"},
           {"cover_model", options.cover_model == hlod::CoverModel::corrected ? "corrected" : "printed"},
           {"geomorph", options.geomorph},
           {"within", options.within}};

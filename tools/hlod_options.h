@@ -18,7 +18,7 @@ namespace occlod::tool {
 [[nodiscard]] const std::vector<std::pair<std::string, hlod::Strategy>>& strategies();
 [[nodiscard]] std::string name_of(hlod::Strategy strategy);
 
-// --tolerance, --bias, --metric, --alpha, --cover-model, --geomorph, --within.
+// --tolerance, --bias, --metric, --alpha, --coherence, --cover-model, --geomorph, --within.
 void add_traverse_options(CLI::App& command, hlod::TraverseOptions& options);
 // All but the strategy.
 [[nodiscard]] Json to_json(const hlod::TraverseOptions& options);

@@ -136,6 +136,9 @@ void bind_traverse_enums(nb::module_& m) {
   nb::enum_<hlod::Metric>(m, "Metric", "How the error of a node on the screen is bounded.")
       .value("box", hlod::Metric::box)
       .value("sphere", hlod::Metric::sphere, "As published.");
+  nb::enum_<hlod::Coherence>(m, "Coherence", "When Strategy.coh asks about nodes.")
+      .value("mended", hlod::Coherence::mended, "When all that is known to be visible has been drawn.")
+      .value("published", hlod::Coherence::published, "In turn, as Charalambos and others 2007 do.");
   nb::enum_<hlod::Alpha>(m, "Alpha", "How the pixels of a node's box on an empty screen are counted.")
       .value("exact", hlod::Alpha::exact)
       .value("paper", hlod::Alpha::paper);
@@ -147,7 +150,7 @@ void bind_traverse_options(nb::module_& m) {
       .def(
           "__init__",
           [](TraverseOptions* self, hlod::Strategy strategy, double tolerance_px, double bias_s, double bias_t,
-             bool biased, hlod::Metric metric, hlod::Alpha alpha, bool geomorph) {
+             bool biased, hlod::Metric metric, hlod::Alpha alpha, hlod::Coherence coherence, bool geomorph) {
             TraverseOptions made;
             made.strategy = strategy;
             made.tolerance_px = tolerance_px;
@@ -155,12 +158,14 @@ void bind_traverse_options(nb::module_& m) {
             made.biased = biased;
             made.metric = metric;
             made.alpha = alpha;
+            made.coherence = coherence;
             made.geomorph = geomorph;
             new (self) TraverseOptions(made);
           },
           nb::kw_only(), "strategy"_a = standard.strategy, "tolerance_px"_a = standard.tolerance_px,
           "bias_s"_a = standard.bias.s, "bias_t"_a = standard.bias.t, "biased"_a = standard.biased,
-          "metric"_a = standard.metric, "alpha"_a = standard.alpha, "geomorph"_a = standard.geomorph)
+          "metric"_a = standard.metric, "alpha"_a = standard.alpha, "coherence"_a = standard.coherence,
+          "geomorph"_a = standard.geomorph)
       .def_rw("strategy", &TraverseOptions::strategy, "A change forgets what was visible.")
       .def_rw("tolerance_px", &TraverseOptions::tolerance_px, ">= 0; 0: the input itself.")
       .def_prop_rw(
@@ -172,6 +177,7 @@ void bind_traverse_options(nb::module_& m) {
       .def_rw("biased", &TraverseOptions::biased, "False: whatever is visible counts in full.")
       .def_rw("metric", &TraverseOptions::metric)
       .def_rw("alpha", &TraverseOptions::alpha)
+      .def_rw("coherence", &TraverseOptions::coherence, "Of Strategy.coh.")
       .def_rw("geomorph", &TraverseOptions::geomorph,
               "Vertices slide to the parent's while its error goes from twice tolerance_px to tolerance_px.");
 }

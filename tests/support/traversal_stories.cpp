@@ -140,6 +140,41 @@ Story front_moves_up_and_down() {
   return story;
 }
 
+// The same, but there is never a hole: whatever is known to be visible is drawn before anything is asked, and a node
+// that may stand for its children again is asked about while these are drawn once more. What is not known to be visible
+// is asked about first.
+Story front_moves_without_holes() {
+  Story story{"the front moves without holes", Strategy::coh, 4.0};
+  story.coherence = hlod::Coherence::mended;
+  story.script = [](ScriptedDevice& device) {
+    hide_second_row(device);
+    for (const hlod::NodeId n : {0U, 1U, 3U, 4U, 5U}) {
+      device.answer(1, n, hardly_visible);
+      device.answer(6, n, visible);
+    }
+  };
+  const std::string row_drawn = "draw 3, draw 4, draw 5", row_asked = "ask 3, get 3, ask 4, get 4, ask 5, get 5";
+  story.frames = {
+      {ahead, false, all_new},
+      // The occluder is new. What was refined is refined: by the last frame's answers all of it counts.
+      {ahead, true, row_drawn + ", ask 1/0, get 1/0, draw 1/0, ask 2, get 2, " + row_asked},
+      // All children of node 1 stopped with a bias of 0: it is asked about, but they are drawn.
+      {ahead, true, "draw 1/0, " + row_drawn + ", ask 2, get 2, ask 1/0, get 1/0, ask 1, get 1, " + row_asked},
+      {ahead, true, "draw 1/0, draw 1, ask 2, get 2, ask 1/0, get 1/0, ask 1, get 1"},
+      // The same for node 0, whose children stopped (1) or were hidden (2).
+      {ahead, true, "draw 1/0, draw 1, ask 2, get 2, ask 1/0, get 1/0, ask 0, get 0, ask 1, get 1"},
+      {ahead, true, "draw 1/0, draw 0, ask 1/0, get 1/0, ask 0, get 0"},
+      // Predicted to stop, and wrongly: its children are new, so their answers decide.
+      {ahead, false,
+       "draw 0, ask 0, get 0, ask 1, get 1, ask 3, get 3, draw 3, ask 4, get 4, draw 4, ask 5, get 5, "
+       "draw 5, ask 2, get 2",
+       1},
+      {ahead, false, row_drawn + ", ask 2, get 2, " + row_asked},
+      {ahead, false, row_drawn + ", ask 2, get 2, " + row_asked},
+  };
+  return story;
+}
+
 // Nothing is asked, so nothing is hidden.
 Story frustum_only() {
   Story story{"nothing is asked", Strategy::vfc};
@@ -160,6 +195,7 @@ std::vector<Story> stories() {
   }
   all.push_back(wrong_stop_by_place());
   all.push_back(front_moves_up_and_down());
+  all.push_back(front_moves_without_holes());
   return all;
 }
 
@@ -174,6 +210,7 @@ void expect_story(const Story& story, hlod::RenderDevice& device, bool whole_log
   hlod::TraverseOptions options;
   options.strategy = story.strategy;
   options.tolerance_px = story.tolerance_px;
+  options.coherence = story.coherence;
   for (std::size_t i = 0; i < story.frames.size(); ++i) {
     const StoryFrame& frame = story.frames[i];
     SCOPED_TRACE(story.name + ", strategy " + std::to_string(static_cast<int>(story.strategy)) + ", frame " +

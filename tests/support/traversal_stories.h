@@ -24,7 +24,8 @@ struct Story {
   std::string name;
   hlod::Strategy strategy = hlod::Strategy::sw;
   double tolerance_px = 1.0;
-  bool last_rises = false;                           // of two_rows()
+  bool last_rises = false;  // of two_rows()
+  hlod::Coherence coherence = hlod::Coherence::published;
   std::function<void(ScriptedDevice&)> script = {};  // what a scripted device has to answer
   std::vector<StoryFrame> frames = {};
 };

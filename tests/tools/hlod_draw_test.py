@@ -89,6 +89,9 @@ class HlodDraw(ToolTest):
         self.assertEqual(other("--bias", "none")["hash"], self.render("--path", "by", "--strategy", "sw")["mean"]["hash"])
         self.assertGreater(other("--metric", "sphere", "--bias", "none")["drawn_triangles"], other("--bias", "none")["drawn_triangles"])
         self.assertNotEqual(other("--alpha", "paper")["hash"], usual["hash"])
+        coh = lambda *options: self.render("--path", "by", "--strategy", "coh", "--device", "virtual:modern", *options)
+        self.assertNotEqual(coh("--coherence", "published")["mean"]["hash"], coh()["mean"]["hash"])
+        self.assertEqual([coh("--coherence", name)["coherence"] for name in ("mended", "published")], ["mended", "published"])
         nohc = lambda *options: self.render("--path", "by", "--strategy", "nohc", "--device", "virtual:fill-bound", *options)
         self.assertEqual(nohc("--cover-model", "corrected")["cover_model"], "corrected")
         self.assertNotEqual(other("--geomorph", "--reference", 7)["depth_rms_px"], other("--reference", 7)["depth_rms_px"])
@@ -140,8 +143,9 @@ class HlodDraw(ToolTest):
         self.assertEqual(self.render("--path", "by", "--strategy", "nohc", "--device", "virtual:modern", "--calibration", "dear.json")["mean"]["queries"], 0)
 
     def test_auto_tells_who_drew(self):
-        frames = self.render("--path", "by", "--strategy", "auto", "--device", "virtual:modern")["frames"]
-        self.assertEqual([frame["drawn_by"] for frame in frames], ["vfc", "batch", "batch", "nohc", "nohc", "coh", "coh"])
+        frames = self.render("--path", "by", "--strategy", "auto", "--device", "virtual:modern", "--frames", 20)["frames"]
+        self.assertEqual([frame["drawn_by"] for frame in frames[:16]], 15 * ["batch"] + ["vfc"])  # which is tried
+        self.assertEqual(["forecast_vfc_ms" in frame for frame in frames], 15 * [False] + 5 * [True])
 
     def test_recordings_are_replayed(self):
         """Answers, what was available, and times, so that another machine draws and tells the same."""

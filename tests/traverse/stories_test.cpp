@@ -14,7 +14,13 @@ namespace {
 using occlod::test::LoggedDevice;
 using occlod::test::ScriptedDevice;
 using occlod::test::Story;
-using test::with;
+
+// Questions are asked in turn, so that their order tells what a strategy does.
+TraverseOptions with(Strategy strategy, double tolerance_px) {
+  TraverseOptions options = test::with(strategy, tolerance_px);
+  options.coherence = Coherence::published;
+  return options;
+}
 
 TEST(HandMadeHlods, AreSound) {
   for (const Hlod& hlod :

@@ -23,23 +23,32 @@ bool may_move_up(FrameScene& scene, NodeRef n) {
 
 class CoherentPolicy : public Policy {
  public:
+  void begin_frame(const FrameScene& scene) override { coherence_ = scene.options().coherence; }
   [[nodiscard]] Action predict(FrameScene& scene, const ReachedNode& n) override {
-    return predict_coherent(scene, n.ref);
+    return predict_coherent(scene, n.ref, coherence_);
   }
   [[nodiscard]] double bias(const FrameScene& scene, const ReachedNode& n) const override {
     return static_cast<double>(scene.state(n.ref).bias);
   }
+  [[nodiscard]] Asking asking() const noexcept override {
+    return coherence_ == Coherence::published ? Asking::singly : Asking::late;
+  }
+
+ private:
+  Coherence coherence_ = Coherence::mended;
 };
 
 }  // namespace
 
-Action predict_coherent(FrameScene& scene, NodeRef n) {
+Action predict_coherent(FrameScene& scene, NodeRef n, Coherence coherence) {
   const LastFrame last = scene.last(n);
   if (!last.visible) return Action::delay;
   // No bias can change that; the paper would let the front move up by one level a frame only.
   if (scene.is_fine(n, 1.0)) return Action::stop;
-  if (last.refined) return may_move_up(scene, n) ? Action::delay : Action::refine;
-  return scene.stops(n, static_cast<double>(scene.state(n).bias)) ? Action::stop : Action::refine;
+  const bool knows_bias = !last.refined || (last.asked && coherence == Coherence::mended);
+  if (knows_bias && scene.stops(n, static_cast<double>(scene.state(n).bias))) return Action::stop;
+  if (!last.refined || !may_move_up(scene, n)) return Action::refine;
+  return coherence == Coherence::mended ? Action::descend : Action::delay;
 }
 
 std::unique_ptr<Policy> make_coherent_policy() { return std::make_unique<CoherentPolicy>(); }

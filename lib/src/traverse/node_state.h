@@ -29,6 +29,7 @@ struct LastFrame {
   bool visited = false;  // reached, and inside the frustum
   bool visible = false;  // of those, it or a node below it was seen
   bool refined = false;  // of those, not stopped
+  bool asked = false;    // reached, and asked about
 };
 
 struct NodeState {
@@ -51,13 +52,14 @@ struct NodeState {
   bool last_visited : 1 = false;
   bool last_visible : 1 = false;
   bool last_refined : 1 = false;
+  bool last_asked : 1 = false;
 };
 static_assert(sizeof(NodeState) <= 32);
 
 [[nodiscard]] inline LastFrame last_frame(const NodeState& state, std::uint32_t frame) noexcept {
-  if (state.frame == frame) return {state.last_visited, state.last_visible, state.last_refined};
+  if (state.frame == frame) return {state.last_visited, state.last_visible, state.last_refined, state.last_asked};
   if (state.frame + 1 != frame || !state.visited) return {};
-  return {true, state.visible, state.status == Status::refined};
+  return {true, state.visible, state.status == Status::refined, state.asked};
 }
 
 // Before the fields of this frame are used.
@@ -68,6 +70,7 @@ inline void enter_frame(NodeState& state, std::uint32_t frame) noexcept {
   state.last_visited = last.visited;
   state.last_visible = last.visible;
   state.last_refined = last.refined;
+  state.last_asked = last.asked;
   state.visited = state.visible = state.asked = state.denied = state.floored = state.gone = false;
   state.held_to_stop = state.cut = false;
   state.first_held = state.next_held = no_id;

@@ -27,6 +27,7 @@ enum class Action {
 // How the boxes of nodes are asked about.
 enum class Asking {
   singly,     // each when its node's turn comes
+  late,       // each when no other node is left; those that were visible while something else is waited for
   by_rounds,  // together when no other node is left, in one batch
   by_groups,  // hidden ones together (group()), visible ones while something else is waited for
 };
@@ -76,7 +77,7 @@ class Policy {
 };
 
 // What Coh(B) does about a node that is inside the frustum (Charalambos and others 2007, fig. 3).
-[[nodiscard]] Action predict_coherent(FrameScene& scene, NodeRef n);
+[[nodiscard]] Action predict_coherent(FrameScene& scene, NodeRef n, Coherence coherence);
 
 // One file each.
 [[nodiscard]] std::unique_ptr<Policy> make_frustum_policy();

@@ -16,6 +16,7 @@ void Questions::begin_frame(const FrameScene& scene, Policy& policy, RenderDevic
   asked_.clear();
   kept_.clear();
   hidden_.clear();
+  urgent_.clear();
   settled_ = kept_asked_ = 0;
 }
 
@@ -25,6 +26,9 @@ void Questions::ask(const AskedNode& n, bool was_visible) {
       return ask_singly(n);
     case Asking::by_rounds:
       return kept_.push_back(n);
+    case Asking::late:
+      if (was_visible) return kept_.push_back(n);
+      return urgent_.push({scene_->view_of(n.ref).distance(scene_->node(n.ref).box), n.ref, 0});
     case Asking::by_groups:
       if (was_visible) return kept_.push_back(n);
       hidden_.push_back(n.ref);
@@ -69,6 +73,18 @@ void Questions::ask_groups() {
   hidden_.clear();
 }
 
+// One of the nodes that were kept for idle moments. Whether there was any.
+bool Questions::ask_kept(bool is_waiting) {
+  if (!urgent_.empty()) {
+    const NodeRef n = urgent_.pop().ref;
+    ask_singly({n, scene_->view_of(n).box_pixels(scene_->node(n)).value_or(0.0)});
+    return true;
+  }
+  if (!is_waiting || kept_asked_ == kept_.size()) return false;
+  ask_singly(kept_[kept_asked_++]);
+  return true;
+}
+
 // Hidden together, or asked about one by one.
 void Questions::settle_group() {
   const std::size_t size = asked_[settled_].group;
@@ -90,18 +106,16 @@ bool Questions::is_answered(const Question& question) {
 }
 
 bool Questions::may_look(bool idle) {
-  while (settled_ < asked_.size()) {
-    if (!is_answered(asked_[settled_])) {
+  while (true) {
+    const bool is_waiting = settled_ < asked_.size();
+    if (!is_waiting || !is_answered(asked_[settled_])) {
       if (!idle || !policy_->answers_decide()) return false;
-      if (policy_->asking() == Asking::by_groups && kept_asked_ < kept_.size()) {
-        ask_singly(kept_[kept_asked_++]);
-        continue;
-      }
+      if (ask_kept(is_waiting)) continue;
+      if (!is_waiting) return false;
     }
     if (asked_[settled_].is_known || asked_[settled_].group == 1) return true;
     settle_group();
   }
-  return false;
 }
 
 AnsweredNode Questions::next() {

@@ -49,6 +49,7 @@ class Questions {
   void ask_singly(const AskedNode& n);
   void ask_round();
   void ask_groups();
+  bool ask_kept(bool is_waiting);
   void settle_group();
   [[nodiscard]] bool is_gone(const Question& question) const;
   [[nodiscard]] bool is_answered(const Question& question);
@@ -59,9 +60,10 @@ class Questions {
   FrameStats* stats_ = nullptr;
   std::vector<Question> asked_;  // of this frame, answered ones included
   std::size_t settled_ = 0;      // of asked_
-  std::vector<AskedNode> kept_;  // for the next round; with groups, nodes that were visible, for idle moments
+  std::vector<AskedNode> kept_;  // for the next round; late or with groups, nodes that were visible, for idle moments
   std::size_t kept_asked_ = 0;   // of these
-  std::vector<NodeRef> hidden_;  // with groups, nodes that were hidden
+  DistanceQueue urgent_;         // late: nodes that were not visible, for as soon as there is nothing else to do
+  std::vector<NodeRef> hidden_;  // with groups, the same
   std::vector<BoxRef> boxes_;    // of a query in the making
 };
 

@@ -5,61 +5,50 @@
 namespace occlod::hlod {
 namespace {
 
-constexpr double trial_share = 0.005;  // of the time, at most, for trials of one strategy
+constexpr double trial_share = 0.005;    // of the time, at most, for trials
+constexpr std::uint32_t first_try = 16;  // frame: before, batch has yet to learn what is hidden
 constexpr std::uint32_t least_wait = 32, most_wait = 1024;
-constexpr double clearly = 0.97;   // another one is taken where it needs so much less
-constexpr double settling = 0.25;  // share of a new time in the average of the chosen one
+constexpr double clearly = 0.97;  // the other one is taken where it needs so much less
+constexpr double settling = 0.5;  // share of a new time in the usual one
 
-// What was visible is known after one frame; vfc need not know.
-int trial_length(Strategy strategy) { return strategy == Strategy::vfc ? 1 : 2; }
+// What is hidden takes batch some frames to find out, and they do not count; vfc need not know.
+int trial_length(Strategy strategy) { return strategy == Strategy::vfc ? 1 : 4; }
 
 }  // namespace
 
-std::size_t StrategyChoice::best() const {
-  std::size_t best = chosen_;
-  for (std::size_t i = 0; i < known_.size(); ++i) {
-    if (known_[i].frame == 0) continue;
-    const double limit = known_[best].frame_ms * (best == chosen_ ? clearly : 1.0);
-    if (known_[best].frame == 0 || known_[i].frame_ms < limit) best = i;
-  }
-  return best;
-}
-
 std::size_t StrategyChoice::next() {
   ++frame_;
-  if (trial_frames_ == 0) {
-    chosen_ = current_ = best();
-    for (std::size_t i = 0; i < known_.size() && current_ == chosen_; ++i)
-      if ((i != chosen_ || known_[i].frame == 0) && known_[i].next_try <= frame_) {
-        current_ = i;
-        trial_frames_ = trial_length(candidates[i]);
-        break;
-      }
-  }
-  return current_;
+  if (next_try_ == 0) next_try_ = first_try;
+  const std::size_t other = 1 - chosen_;
+  if (trial_frames_ == 0 && frame_ >= next_try_) trial_frames_ = trial_length(candidates[other]);
+  return trial_frames_ > 0 ? other : chosen_;
 }
 
 void StrategyChoice::note(double frame_ms) {
-  Candidate& candidate = known_[current_];
-  const bool is_trial = trial_frames_ > 0;
-  if (is_trial && --trial_frames_ > 0) return;
-  const bool is_new = is_trial || candidate.frame == 0;
-  candidate.frame_ms = is_new ? frame_ms : candidate.frame_ms + settling * (frame_ms - candidate.frame_ms);
-  candidate.frame = frame_;
-  if (is_trial) end_trial();
+  if (trial_frames_ > 0) {
+    if (--trial_frames_ == 0) end_trial(frame_ms);
+    return;
+  }
+  usual_ms_ = usual_ms_ > 0.0 ? usual_ms_ + settling * (frame_ms - usual_ms_) : frame_ms;
 }
 
-void StrategyChoice::end_trial() {
-  Candidate& candidate = known_[current_];
-  const double excess = candidate.frame_ms / known_[best()].frame_ms - 1.0;
-  const double wait = trial_length(candidates[current_]) * excess / trial_share;
-  candidate.next_try = frame_ + static_cast<std::uint32_t>(std::clamp(wait, double{least_wait}, double{most_wait}));
+void StrategyChoice::end_trial(double frame_ms) {
+  const std::size_t other = 1 - chosen_;
+  tried_ = frame_;
+  ratio_ = usual_ms_ > 0.0 ? frame_ms / usual_ms_ : 1.0;
+  if (ratio_ < clearly) {
+    chosen_ = other;
+    usual_ms_ = frame_ms;
+    ratio_ = 1.0 / ratio_;
+  }
+  const double wait = trial_length(candidates[1 - chosen_]) * (ratio_ - 1.0) / trial_share;
+  next_try_ = frame_ + static_cast<std::uint32_t>(std::clamp(wait, double{least_wait}, double{most_wait}));
 }
 
 void StrategyChoice::write_forecasts(std::vector<StrategyForecast>& forecasts) const {
   forecasts.clear();
-  for (std::size_t i = 0; i < known_.size(); ++i)
-    if (known_[i].frame > 0) forecasts.push_back({candidates[i], known_[i].frame_ms, frame_ - known_[i].frame});
+  if (usual_ms_ > 0.0) forecasts.push_back({candidates[chosen_], usual_ms_, 0});
+  if (tried_ > 0) forecasts.push_back({candidates[1 - chosen_], ratio_ * usual_ms_, frame_ - tried_});
 }
 
 }  // namespace occlod::hlod

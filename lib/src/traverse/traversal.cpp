@@ -161,7 +161,7 @@ void Traversal::settle(NodeRef n, double mu) {
   front_.see(n);
   if (state.held_to_stop) return settle_held(n, bias);
   if (state.status == Status::refined || state.status == Status::held) {  // Action::descend
-    ++stats_.wasted_queries;
+    if (!scene_.is_fine(n, bias)) ++stats_.wasted_queries;                // otherwise the next frame makes use of it
     return;
   }
   const bool is_fine = scene_.stops(n, bias);

@@ -88,12 +88,19 @@ void WorkBelow::end_frame(const FrameScene& scene) {
 }
 
 DrawWork WorkBelow::of(const FrameScene& scene, NodeRef n, double coverage) const {
-  const Node& node = scene.node(n);
   const Record& record = records_[n];
   const DrawWork own = own_work(scene, n, coverage);
   if (scene.is_fine(n, 1.0)) return own;
-  const double fragments = own.fragments;
-  if (record.draws > 0.0F) return {record.draws, record.triangles, fragments};
+  if (record.draws > 0.0F) return {record.draws, record.triangles, own.fragments};
+  return refined(scene, n, coverage);
+}
+
+DrawWork WorkBelow::refined(const FrameScene& scene, NodeRef n, double coverage) const {
+  const Node& node = scene.node(n);
+  const Record& record = records_[n];
+  const double fragments = own_work(scene, n, coverage).fragments;
+  if (record.draws > 0.0F && !(record.draws == 1.0F && record.triangles == static_cast<float>(node.triangles)))
+    return {record.draws, record.triangles, fragments};
   const double tolerance = scene.options().tolerance_px;
   const double all = record.all_triangles;
   if (!(tolerance > 0.0)) return {record.all_draws, all, fragments};

@@ -31,6 +31,8 @@ class WorkBelow {
 
   // coverage: ObjectFrame::coverage() of the node's box.
   [[nodiscard]] DrawWork of(const FrameScene& scene, NodeRef n, double coverage) const;
+  // The same of a node that is not fine enough without a bias, if it is refined.
+  [[nodiscard]] DrawWork refined(const FrameScene& scene, NodeRef n, double coverage) const;
 
  private:
   struct Record {

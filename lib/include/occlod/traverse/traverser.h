@@ -52,14 +52,24 @@ enum class Alpha {
   paper,  // Charalambos 2006, sec. 4.3: a cube of the box's volume seen from the front
 };
 
+// When coh asks about nodes.
+enum class Coherence {
+  // When all that is known to be visible has been drawn. A node that may stand for its children again is asked about
+  // while these are drawn once more. So nothing is taken for visible that shows only through a hole where something is
+  // still to be drawn.
+  mended,
+  published,  // Charalambos and others 2007: in turn; such a node is drawn when its answer comes, not its children
+};
+
 // How a frame is traversed.
 struct TraverseOptions {
-  Strategy strategy = Strategy::coh;  // a change forgets what was visible
-  double tolerance_px = 1.0;          // >= 0; 0: the input itself
-  Bias bias;                          // of sw_b, simp, coh, ideal, batch and automatic
-  bool biased = true;                 // false: whatever is visible counts in full, with every strategy
-  Metric metric = Metric::box;        // of the error that is compared with the tolerance
-  Alpha alpha = Alpha::exact;         // how mu is computed for the bias
+  Strategy strategy = Strategy::coh;        // a change forgets what was visible
+  double tolerance_px = 1.0;                // >= 0; 0: the input itself
+  Bias bias;                                // of sw_b, simp, coh, ideal, batch and automatic
+  bool biased = true;                       // false: whatever is visible counts in full, with every strategy
+  Metric metric = Metric::box;              // of the error that is compared with the tolerance
+  Alpha alpha = Alpha::exact;               // how mu is computed for the bias
+  Coherence coherence = Coherence::mended;  // of coh
   bool geomorph = false;  // vertices slide to the parent's while its error goes from twice tolerance_px to tolerance_px
   // Of HLODs with splits: a node whose error is too large, but whose children's is not, is refined within, to the error
   // that covers tolerance_px, instead of being replaced by children that are better than asked for (Charalambos 2006,
