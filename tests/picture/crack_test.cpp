@@ -17,6 +17,7 @@ using test::front_view;
 using test::parallel_view;
 
 constexpr int width = 100, height = 80;
+constexpr std::size_t rows = height - 2 * 3;  // that count: the outermost, and 2 beside them, may lie beside a step
 
 // Columns [begin, end) get the nearness `inside`, the others `outside`.
 DepthBuffer columns(int begin, int end, double inside, double outside) {
@@ -36,10 +37,10 @@ std::size_t cracks(const DepthBuffer& full, const DepthBuffer& found, double all
 
 TEST(CountCrackPixels, OfAGapOneOrTwoPixelsWide) {
   for (const double behind : {0.0, 0.05}) {  // background, and a wall at twice the distance
-    EXPECT_EQ(cracks(flat(0.1), columns(50, 51, behind, 0.1)), 80U);
-    EXPECT_EQ(cracks(flat(0.1), columns(50, 52, behind, 0.1)), 2U * 80U);
+    EXPECT_EQ(cracks(flat(0.1), columns(50, 51, behind, 0.1)), rows);
+    EXPECT_EQ(cracks(flat(0.1), columns(50, 52, behind, 0.1)), 2U * rows);
     // A hole: only the pixels beside what is left of the surface are taken for cracks.
-    EXPECT_EQ(cracks(flat(0.1), columns(50, 60, behind, 0.1)), 2U * 80U);
+    EXPECT_EQ(cracks(flat(0.1), columns(50, 60, behind, 0.1)), 2U * rows);
   }
   EXPECT_EQ(cracks(flat(0.1), flat(0.1)), 0U);
   EXPECT_EQ(cracks(flat(0.1), flat(0.0)), 0U);  // all of it is missing: nothing that gapes
@@ -50,10 +51,10 @@ TEST(CountCrackPixels, OfAGapOneOrTwoPixelsWide) {
 TEST(CountCrackPixels, NotOfDepthThatMayDiffer) {
   // f = 40 px: 2 px at depth 10 are 0.5 units. A groove that deep, and a ridge of any height.
   EXPECT_EQ(cracks(flat(0.1), columns(50, 51, 1 / 10.45, 0.1), 2.0), 0U);
-  EXPECT_EQ(cracks(flat(0.1), columns(50, 51, 1 / 10.55, 0.1), 2.0), 80U);
+  EXPECT_EQ(cracks(flat(0.1), columns(50, 51, 1 / 10.55, 0.1), 2.0), rows);
   EXPECT_EQ(cracks(flat(0.1), columns(50, 51, 0.5, 0.1)), 0U);
   // The surface beside it may differ too.
-  EXPECT_EQ(cracks(flat(0.1), columns(50, 51, 0.0, 1 / 10.45), 2.0), 80U);
+  EXPECT_EQ(cracks(flat(0.1), columns(50, 51, 0.0, 1 / 10.45), 2.0), rows);
   EXPECT_EQ(cracks(flat(0.1), columns(50, 51, 0.0, 1 / 10.55), 2.0), 0U);
 }
 
@@ -63,8 +64,8 @@ TEST(CountCrackPixels, OfParallelRays) {
     return count_crack_pixels(parallel_view(), flat(0.9), columns(50, 51, behind, 0.9), 2.0);
   };
   EXPECT_EQ(count(0.9 - 0.0019), 0U);
-  EXPECT_EQ(count(0.9 - 0.0021), 80U);
-  EXPECT_EQ(count(0.0), 80U);
+  EXPECT_EQ(count(0.9 - 0.0021), rows);
+  EXPECT_EQ(count(0.0), rows);
 }
 
 TEST(CountCrackPixels, NotBesideAStepInDepth) {
@@ -80,10 +81,20 @@ TEST(CountCrackPixels, NotBesideAStepInDepth) {
   for (const double behind : {0.0, 0.05}) {
     EXPECT_EQ(with_gap(49, behind), 0U);
     EXPECT_EQ(with_gap(47, behind), 0U);
-    EXPECT_EQ(with_gap(46, behind), 80U);
+    EXPECT_EQ(with_gap(46, behind), rows);
   }
   EXPECT_EQ(with_gap(52, 0.0), 0U);
-  EXPECT_EQ(with_gap(53, 0.0), 80U);
+  EXPECT_EQ(with_gap(53, 0.0), rows);
+}
+
+// The outline of `full` may lie just outside the image, and that of `found` just inside.
+TEST(CountCrackPixels, NotBesideTheBorder) {
+  for (const int beside : {0, 1, 2}) {
+    EXPECT_EQ(cracks(flat(0.1), columns(beside, beside + 1, 0.0, 0.1)), 0U);
+    EXPECT_EQ(cracks(flat(0.1), columns(width - 1 - beside, width - beside, 0.0, 0.1)), 0U);
+  }
+  EXPECT_EQ(cracks(flat(0.1), columns(3, 4, 0.0, 0.1)), rows);
+  EXPECT_EQ(cracks(flat(0.1), columns(width - 4, width - 3, 0.0, 0.1)), rows);
 }
 
 // A slope is no step, however steep: a plane that is 10 px deeper in each column.
@@ -93,7 +104,7 @@ TEST(CountCrackPixels, OnASlope) {
     full.nearness[static_cast<std::size_t>(i)] += 0.025F * static_cast<float>(i % width);
   DepthBuffer found = full;
   for (int y = 0; y < height; ++y) found.nearness[static_cast<std::size_t>(y * width + 50)] = 0.0F;
-  EXPECT_EQ(cracks(full, found), 80U);
+  EXPECT_EQ(cracks(full, found), rows);
 }
 
 // The plane z = -5, where a unit is 8 px. Its lower half is one quad; the upper one meets it in two edges, with a

@@ -134,7 +134,7 @@ double bend_px(const View& view, float a, float b, float c) {
   return depth_motion_px(view, b, straight, straight);
 }
 
-// 1 where there is a step in depth, 0 elsewhere.
+// 1 where there is a step in depth, or may be one just outside the image; 0 elsewhere.
 DepthBuffer depth_steps(const View& view, const DepthBuffer& depth) {
   constexpr double largest_bend_px = 2.0;
   DepthBuffer steps;
@@ -147,8 +147,12 @@ DepthBuffer depth_steps(const View& view, const DepthBuffer& depth) {
   for (int y = 0; y < depth.height; ++y)
     for (int x = 0; x < depth.width; ++x) {
       const std::size_t i = static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x);
-      if (x > 0 && x + 1 < depth.width) mark(i, 1);
-      if (y > 0 && y + 1 < depth.height) mark(i, width);
+      if (x == 0 || y == 0 || x + 1 == depth.width || y + 1 == depth.height) {
+        steps.nearness[i] = 1.0F;
+        continue;
+      }
+      mark(i, 1);
+      mark(i, width);
     }
   return steps;
 }

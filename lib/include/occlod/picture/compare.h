@@ -36,10 +36,10 @@ struct PictureDistance {
 // Counts the pixels of `found` through which one looks where two parts of a surface do not meet: gaps that are 1 or 2
 // pixels wide. Such a pixel is farther, by more than allowed_px pixels (>= 0) at that depth, than all that `full` has
 // within max(2, allowed_px) pixels, and `full` has no step in depth there, where silhouettes may have moved: along rows
-// and columns its depth departs from a straight line by 2 pixels at most. Some pixel of `found` right beside it is as
-// near as `full` is, give or take allowed_px, which tells a gap from a surface that is not there at all. Background is
-// infinitely far. `full`: of the full mesh, which `found` is to show to within allowed_px pixels. O(pixels *
-// allowed_px).
+// and columns its depth departs from a straight line by 2 pixels at most. At the border of the image there may be one
+// just outside, so pixels that near to it do not count. Some pixel of `found` right beside it is as near as `full` is,
+// give or take allowed_px, which tells a gap from a surface that is not there at all. Background is infinitely far.
+// `full`: of the full mesh, which `found` is to show to within allowed_px pixels. O(pixels * allowed_px).
 [[nodiscard]] std::size_t count_crack_pixels(const View& view, const DepthBuffer& full, const DepthBuffer& found,
                                              double allowed_px);
 
