@@ -13,50 +13,6 @@
 namespace occlod {
 namespace {
 
-// Bounds of the largest factor by which the linear map stretches a vector: the square root of the infinity norm of M^T
-// M, which is at least its largest eigenvalue; exact for rotations times a uniform scale.
-double stretch_of(const glm::dmat3& m) {
-  const glm::dmat3 square = glm::transpose(m) * m;
-  double largest = 0.0;
-  for (int column = 0; column < 3; ++column) {
-    const glm::dvec3 c = glm::abs(square[column]);
-    largest = std::max(largest, c.x + c.y + c.z);
-  }
-  return std::sqrt(largest);
-}
-
-bool finite(const glm::dmat4& m) {
-  for (int column = 0; column < 4; ++column)
-    for (int row = 0; row < 4; ++row)
-      if (!std::isfinite(m[column][row])) return false;
-  return true;
-}
-
-// a * b - c * d to 1.5 units in the last place (Kahan; Jeannerod, Louvet & Muller 2013): std::fma rounds once.
-double difference_of_products(double a, double b, double c, double d) noexcept {
-  const double cd = c * d;
-  return std::fma(a, b, -cd) - std::fma(c, d, -cd);
-}
-
-glm::dvec3 accurate_cross(const glm::dvec3& a, const glm::dvec3& b) noexcept {
-  return {difference_of_products(a.y, b.z, a.z, b.y), difference_of_products(a.z, b.x, a.x, b.z),
-          difference_of_products(a.x, b.y, a.y, b.x)};
-}
-
-double determinant_of(const glm::dmat3& m) { return glm::dot(m[0], accurate_cross(m[1], m[2])); }
-
-// x with m * x = y, by Cramer's rule. Where m stretches by s in one direction and 1 / s in another, cofactors as
-// glm::inverse computes them are off by s^2 units in the last place of the largest.
-glm::dvec3 solve(const glm::dmat3& m, const glm::dvec3& y) {
-  const glm::dvec3 yz = accurate_cross(m[1], m[2]), zx = accurate_cross(m[2], m[0]), xy = accurate_cross(m[0], m[1]);
-  return glm::dvec3(glm::dot(yz, y), glm::dot(zx, y), glm::dot(xy, y)) / determinant_of(m);
-}
-
-// At least x, and hardly more.
-float rounded_up(double x) noexcept {
-  return static_cast<float>(x * (1.0 + 2e-7)) + std::numeric_limits<float>::denorm_min();
-}
-
 // A plane as the dot product with a point, object space. `normal` and `offset`: in world space relative to the eye.
 // Moved outwards by what sums in double precision may be off by.
 glm::vec4 unit_plane(const glm::dvec3& normal, double offset, const glm::dmat4x3& object_to_eye) {
@@ -102,14 +58,6 @@ glm::dvec3 far_eye(const View& view, const glm::dmat3& linear, const glm::dvec3&
 }
 
 }  // namespace
-
-void require_placement(const glm::dmat4& object_to_world) {
-  const double determinant = determinant_of(glm::dmat3(object_to_world));
-  if (!finite(object_to_world) || glm::row(object_to_world, 3) != glm::dvec4(0, 0, 0, 1) ||
-      !std::isfinite(determinant) || determinant == 0.0)
-    throw Error({"object", "transform", "is not an affine matrix with an inverse",
-                 "give finite numbers, last row 0 0 0 1, and no zero scale"});
-}
 
 ObjectView::ObjectView(const View& view, const glm::dmat4& object_to_world) {
   require_placement(object_to_world);
