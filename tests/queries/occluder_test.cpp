@@ -8,10 +8,10 @@
 #include <iterator>
 #include <random>
 
-#include "occlod/mesh/clean.h"
 #include "occlod/mesh/generate.h"
 #include "oracle/ray_scene.h"
 #include "refine/refine_support.h"
+#include "support/holed_meshes.h"
 
 namespace occlod {
 namespace {
@@ -108,77 +108,31 @@ TEST(ConservativeOccluder, Pipes) {
   expect_conservative(mesh, {}, 0);
 }
 
-// A wavy sheet with windows, seen from either side: near its borders the coarse sheet hides what is seen past the fine
-// one; and it closes windows.
-TriangleMesh sheet_with_windows() {
-  constexpr int cells = 48;
-  TriangleMesh mesh = test::grid(cells, cells);
-  for (glm::vec3& p : mesh.positions)
-    p = {2.0F * p.x - 1.0F, 2.0F * p.y - 1.0F, 0.03F * std::sin(7.0F * p.x) * std::cos(9.0F * p.y)};
-  const auto is_gone = [](float x) { return static_cast<int>(std::floor((x + 1.0F) * (cells / 2))) % 8 == 3; };
-  std::erase_if(mesh.triangles, [&](const Triangle& t) {
-    const glm::vec3 middle = (mesh.positions[t.x] + mesh.positions[t.y] + mesh.positions[t.z]) / 3.0F;
-    return is_gone(middle.x) && is_gone(middle.y);
-  });
-  return clean(std::move(mesh), {}, "test").mesh;
-}
+// Seen from either side: near its borders the coarse sheet hides what is seen past the fine one; and it closes windows.
 constexpr Sweep sheet{.two_sided = true, .from_above = 3.0};
+TEST(ConservativeOccluder, SheetWithWindows) { expect_conservative(test::sheet_with_windows(), sheet, 500); }
 
-TEST(ConservativeOccluder, SheetWithWindows) { expect_conservative(sheet_with_windows(), sheet, 500); }
-
-// A block with tunnels right through, or with grooves along its top and bottom.
-TriangleMesh block(bool tunnels) {
-  constexpr int cells = 40, layers = 4;
-  constexpr float depth = 0.1F;
-  TriangleMesh mesh;
-  const auto is_solid = [&](int i, int j, int k) {
-    if (std::min({i, j, k}) < 0 || std::max(i, j) >= cells || k >= layers) return false;
-    if (tunnels) return i % 8 != 3 || j % 8 != 3;
-    return i % 5 != 2 || (k > 0 && k < layers - 1);
-  };
-  const auto vertex = [&](const glm::ivec3& at) {
-    const float x = 2.0F * static_cast<float>(at.x) / cells - 1.0F, y = 2.0F * static_cast<float>(at.y) / cells - 1.0F;
-    mesh.positions.emplace_back(x, y,
-                                depth * static_cast<float>(at.z) / layers + 0.01F * std::sin(3.0F * x + 2.0F * y));
-    return static_cast<VertexId>(mesh.positions.size() - 1);
-  };
-  for (int i = 0; i < cells; ++i)
-    for (int j = 0; j < cells; ++j)
-      for (int k = 0; k < layers; ++k)
-        for (int side = 0; side < 6 && is_solid(i, j, k); ++side) {
-          const int axis = side / 2, sign = side % 2;
-          glm::ivec3 out(0), u(0), v(0), at(i, j, k);
-          out[axis] = 2 * sign - 1;
-          if (is_solid(i + out.x, j + out.y, k + out.z)) continue;
-          at[axis] += sign;
-          u[(axis + 2 - sign) % 3] = v[(axis + 1 + sign) % 3] = 1;
-          const VertexId a = vertex(at), b = vertex(at + u), c = vertex(at + u + v), d = vertex(at + v);
-          mesh.triangles.insert(mesh.triangles.end(), {{a, b, c}, {a, c, d}});
-        }
-  return clean(std::move(mesh), {}, "test").mesh;
-}
-
-TEST(ConservativeOccluder, BlockWithTunnels) { expect_conservative(block(true), {.from_above = 2.0}, 500); }
-TEST(ConservativeOccluder, BlockWithGrooves) { expect_conservative(block(false), {.from_above = 1.0}, 500); }
+TEST(ConservativeOccluder, BlockWithTunnels) { expect_conservative(test::block(true), {.from_above = 2.0}, 500); }
+TEST(ConservativeOccluder, BlockWithGrooves) { expect_conservative(test::block(false), {.from_above = 1.0}, 500); }
 
 // Each of the three remedies is needed.
 TEST(ConservativeOccluder, IsWrongWithoutMotionBounds) {
   Sweep sweep = sheet;
   sweep.error_bound = ErrorBound::measured;
   sweep.without.motion = true;
-  EXPECT_GT(count_wrongly_hidden(sheet_with_windows(), sweep).wrong, 0);
+  EXPECT_GT(count_wrongly_hidden(test::sheet_with_windows(), sweep).wrong, 0);
 }
 TEST(ConservativeOccluder, IsWrongWithoutMarks) {
   Sweep sweep = sheet;
   sweep.without.tiles.marks = true;
-  EXPECT_GT(count_wrongly_hidden(sheet_with_windows(), sweep).wrong, 0);
+  EXPECT_GT(count_wrongly_hidden(test::sheet_with_windows(), sweep).wrong, 0);
 }
 TEST(ConservativeOccluder, IsWrongWithoutErosion) {
-  EXPECT_GT(
-      count_wrongly_hidden(
-          block(false), {.without = {.motion = false, .tiles = {.marks = false, .erosion = true}}, .from_above = 1.0})
-          .wrong,
-      0);
+  EXPECT_GT(count_wrongly_hidden(
+                test::block(false),
+                {.without = {.motion = false, .tiles = {.marks = false, .erosion = true}}, .from_above = 1.0})
+                .wrong,
+            0);
 }
 
 // Some cut of a sphere, and the occluder that is made of it as it is.
