@@ -36,6 +36,9 @@ build/bench/bench/bench_limit | tee "$out/limit.md"
 echo "bench_locality" >&2
 build/bench/bench/bench_locality | tee "$out/locality.md"
 
+echo "bench_cells" >&2
+build/bench/bench/bench_cells | tee "$out/cells.csv"
+
 echo "bench_cover_probability" >&2
 build/bench/bench/cover/bench_cover_probability | tee "$out/cover_probability.md"
 

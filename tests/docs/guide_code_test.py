@@ -21,6 +21,7 @@ PREAMBLE = """#include <occlod/occlod.h>
 #include <occlod/hlod/within.h>
 #include <occlod/io/ohlod.h>
 #include <occlod/traverse/traverser.h>
+#include <occlod/viewcells/cell_builder.h>
 #include <glm/gtc/matrix_transform.hpp>
 #include <iostream>
 #include <span>

@@ -1,0 +1,77 @@
+// What has to be drawn for all eyes in a cell of space: a level of detail that holds wherever the eye is and looks.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "occlod/refine/refiner.h"
+#include "occlod/viewcells/cell_occluders.h"
+#include "occlod/viewcells/cell_view.h"
+
+namespace occlod {
+
+// How the cut of a cell is chosen.
+struct CellOptions {
+  EyeModel eyes = {};         // what all eyes have in common
+  double tolerance_px = 1.0;  // how far from the input what is seen of it may be drawn, > 0
+};
+
+// Counts of one call.
+struct CellStats {
+  std::size_t nodes = 0;            // of the forests, that were looked at
+  std::size_t fine_nodes = 0;       // of these, whose subtrees are within the tolerance as they are
+  std::size_t hidden_nodes = 0;     // of the others, hidden with their subtrees
+  std::size_t fine_splits = 0;      // of what is left, whose own faces are within the tolerance
+  std::size_t hidden_splits = 0;    // of what is left, whose own faces are hidden
+  std::size_t forced_splits = 0;    // applied because another depends on them, before their own turn
+  std::size_t queries = 0;          // whether something is hidden
+  std::size_t queries_hidden = 0;   // of these, answered "hidden"
+  std::size_t floods = 0;           // of the surface that hides, to answer them
+  std::size_t flood_triangles = 0;  // that floods reached
+};
+
+// The cut of one object.
+struct CellObjectCut {
+  std::vector<SplitId> applied;     // ascending, closed under dependency
+  std::vector<Triangle> triangles;  // to draw: active faces, but for those whose front no eye can see; base faces
+                                    // first, then by split and slot; ids of the hierarchy's vertices
+};
+
+// What build() gives; valid until its next call.
+struct CellCut {
+  std::vector<CellObjectCut> objects;  // as given to the builder
+  std::size_t triangles = 0;           // active, of all objects
+  std::size_t drawn_triangles = 0;     // of these, to draw
+  double error_px = 0.0;               // no more than the tolerance: how far anything seen is from what is drawn
+  CellStats stats;                     // of the call
+};
+
+// Chooses cuts for cells. Reuses its memory; one thread each. A cell's cut depends on nothing but the cell, the
+// objects, the occluders and the options.
+//
+// *What is promised.* For every eye in the cell and every direction, each point of the input whose front is seen beyond
+// the near plane is within the tolerance, on the screen, of a face that is drawn, or of one that is not because it
+// turns its back on the whole cell. Components of the input that are smaller than the tolerance may be gone. Both sides
+// of the input's triangles hide, and backs of objects that are not two-sided are never seen. It is proven for
+// hierarchies with ErrorBound::accumulated (see cell_builder.cpp); measured bounds promise for a cut as a whole.
+class CellBuilder {
+ public:
+  // Without occluders nothing is hidden. Hierarchies and occluders outlive the builder; `occluders` are of the same
+  // objects. Throws Error when a hierarchy is missing or damaged, a placement cannot be inverted, or an option is out
+  // of its range.
+  CellBuilder(std::span<const RefineObject> objects, const CellOccluders* occluders, const CellOptions& options);
+  ~CellBuilder();
+  CellBuilder(CellBuilder&&) noexcept;
+  CellBuilder& operator=(CellBuilder&&) noexcept;
+
+  // Throws Error when the cell is not finite or inverted.
+  const CellCut& build(const CellBox& cell);
+
+ private:
+  class Work;
+  std::unique_ptr<Work> work_;
+};
+
+}  // namespace occlod

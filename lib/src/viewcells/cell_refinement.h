@@ -1,0 +1,71 @@
+// The cuts of all objects for one cell.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "cut/cut.h"
+#include "occlod/viewcells/cell_builder.h"
+#include "viewcells/hull_test.h"
+
+namespace occlod {
+
+// Walks the forests from their roots. A subtree is dropped if its error is within the tolerance for every eye, or if
+// its box, grown by g, is hidden from the cell. Otherwise its children are visited; and if the faces of its own split
+// are not within the tolerance and their box, grown by g, is not hidden, the split is applied with all that it needs.
+// g(box) is the smaller of the subtree's guaranteed error and of what covers the tolerance at the point of the box
+// where that is most (all in object units).
+//
+// *Why this keeps the promise.* Let an eye in the cell see a point x of the input. Follow x through the collapses: one
+// that ends its face moves it to a point of a face that it makes. Let t_1, ..., t_k be the splits of these collapses
+// from coarse to fine, f_j the face with x that t_j inserts, x_j its place there; f_0 is of the base mesh, or there is
+// none because the component of x vanishes. t_(j+1) removes f_j, so it depends on t_j and is applied only with it, and
+// |x - x_j| <= error(t_(j+1)). Call t_j fine if it, its own faces or a subtree that holds it is within the tolerance.
+// Bounds of all of these hold f_(j-1), which t_j removes, and errors are saturated: so x is within the tolerance of
+// x_(j-1), as measured at x_(j-1), if t_j is fine, and closer than any error of a split before t_j.
+//   Let t_j be the last that is not fine; if none is, x is within the tolerance wherever it is in the cut, or its
+// component is smaller than that. x is no farther from x_j than error(t_j), and, if j < k, than the tolerance at x_j.
+// (If j = k, x = x_j.) So it is no farther than the g of any box that holds f_j: that of t_j's own faces and those of
+// all subtrees that hold t_j. Grown by g they hold x, which is seen, and are not hidden. So t_j is reached and applied,
+// and t_1, ..., t_(j-1) with it. Then x is in the cut on some f_i, i >= j, and within the tolerance of it. The box of
+// f_i, grown by its own g, holds x as well; so f_i is not left out because it is hidden.
+//
+// Whether faces turn away decides only what is drawn, never what is refined: the input may face an eye where a coarse
+// version of it does not.
+class CellRefinement {
+ public:
+  // What is left out, for tests: then the result is not what it promises.
+  struct Without {
+    bool growth = false;  // boxes are not grown by g
+    bool near = false;    // what the near plane clips away hides
+  };
+
+  // `surface`: nothing is hidden without it.
+  CellRefinement(std::span<const RefineObject> objects, const CellSurface* surface, const CellOptions& options,
+                 const Without& without);
+
+  const CellCut& build(const CellBox& cell);
+
+ private:
+  void refine(std::uint32_t object, const CellView& view);
+  void visit(std::uint32_t object, const CellView& view, SplitId s);
+  void try_split(std::uint32_t object, const CellView& view, SplitId s);
+  void find_drawn(std::uint32_t object, const CellView& view);
+  [[nodiscard]] bool is_seen(std::uint32_t object, const CellView& view, const Triangle& t, float error);
+  [[nodiscard]] bool is_hidden(const CellView& view, const Box& box, float error);
+  // Whether the error, of so many pixels a unit, is within the tolerance; then it counts.
+  [[nodiscard]] bool is_fine(float error, float scale_px);
+
+  std::vector<RefineObject> objects_;
+  CellOptions options_;
+  Without without_;
+  std::vector<Cut> cuts_;
+  std::optional<HullTest> hull_test_;
+  std::uint32_t blocker_ = no_id;  // of the last box that was hidden
+  std::vector<SplitId> stack_;
+  std::vector<Triangle> active_;
+  CellCut result_;
+};
+
+}  // namespace occlod

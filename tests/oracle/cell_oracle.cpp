@@ -1,0 +1,257 @@
+#include "cell_oracle.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+#include <unordered_map>
+
+#include "cut/cut.h"
+#include "occlod/hierarchy/cut_mesh.h"
+#include "occlod/raster/item_buffer.h"
+
+namespace occlod::test {
+namespace {
+
+using WorldTriangle = std::array<glm::dvec3, 3>;
+
+// Ericson 2005, 5.1.5.
+double distance_to(const WorldTriangle& t, const glm::dvec3& p) {
+  const glm::dvec3 &a = t[0], &b = t[1], &c = t[2], ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
+  const double d1 = glm::dot(ab, ap), d2 = glm::dot(ac, ap), d3 = glm::dot(ab, bp), d4 = glm::dot(ac, bp),
+               d5 = glm::dot(ab, cp), d6 = glm::dot(ac, cp);
+  const double vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4;
+  glm::dvec3 nearest;
+  if (d1 <= 0 && d2 <= 0)
+    nearest = a;
+  else if (d3 >= 0 && d4 <= d3)
+    nearest = b;
+  else if (d6 >= 0 && d5 <= d6)
+    nearest = c;
+  else if (vc <= 0 && d1 >= 0 && d3 <= 0)
+    nearest = a + ab * (d1 / (d1 - d3));
+  else if (vb <= 0 && d2 >= 0 && d6 <= 0)
+    nearest = a + ac * (d2 / (d2 - d6));
+  else if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0)
+    nearest = b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)));
+  else
+    nearest = a + ab * (vb / (va + vb + vc)) + ac * (vc / (va + vb + vc));
+  return glm::distance(nearest, p);
+}
+
+// Buckets of a grid that hold the triangles whose boxes touch them.
+class TriangleGrid {
+ public:
+  explicit TriangleGrid(std::vector<WorldTriangle> triangles) : triangles_(std::move(triangles)) {
+    glm::dvec3 low(1e300), high(-1e300);
+    for (const WorldTriangle& t : triangles_)
+      for (const glm::dvec3& p : t) low = glm::min(low, p), high = glm::max(high, p);
+    step_ = std::max(glm::length(high - low) / 64.0, 1e-9);
+    for (std::uint32_t i = 0; i < triangles_.size(); ++i) {
+      const WorldTriangle& t = triangles_[i];
+      for_each_bucket(glm::min(t[0], glm::min(t[1], t[2])), glm::max(t[0], glm::max(t[1], t[2])),
+                      [&](std::uint64_t key) { return buckets_[key].push_back(i), false; });
+    }
+  }
+
+  [[nodiscard]] bool any_within(const glm::dvec3& p, double radius) const {
+    return for_each_bucket(p - radius, p + radius, [&](std::uint64_t key) {
+      const auto at = buckets_.find(key);
+      return at != buckets_.end() && std::any_of(at->second.begin(), at->second.end(), [&](std::uint32_t i) {
+               return distance_to(triangles_[i], p) <= radius;
+             });
+    });
+  }
+
+ private:
+  template <typename Visit>
+  bool for_each_bucket(const glm::dvec3& low, const glm::dvec3& high, const Visit& visit) const {
+    const glm::dvec3 first = glm::floor(low / step_), last = glm::floor(high / step_);
+    for (double z = first.z; z <= last.z; ++z)
+      for (double y = first.y; y <= last.y; ++y)
+        for (double x = first.x; x <= last.x; ++x) {
+          const auto part = [](double v) {
+            return static_cast<std::uint64_t>(static_cast<std::int64_t>(v)) & 0x1FFFFFU;
+          };
+          if (visit(part(x) | part(y) << 21U | part(z) << 42U)) return true;
+        }
+    return false;
+  }
+
+  std::vector<WorldTriangle> triangles_;
+  double step_ = 1.0;
+  std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> buckets_;
+};
+
+WorldTriangle world_triangle(const RefineObject& object, const Triangle& t) {
+  WorldTriangle result;
+  for (int k = 0; k < 3; ++k)
+    result[static_cast<std::size_t>(k)] = object.object_to_world * glm::dvec4(object.hierarchy->positions()[t[k]], 1.0);
+  return result;
+}
+
+// Faces that stand for what is seen: to draw, or turned away from all of the cell.
+std::vector<WorldTriangle> standing_faces(const CellBox& cell, std::span<const RefineObject> objects,
+                                          const CellOptions& options, const CellCut& cut) {
+  std::vector<WorldTriangle> result;
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    for (const Triangle& t : cut.objects[i].triangles) result.push_back(world_triangle(objects[i], t));
+    if (objects[i].two_sided) continue;
+    const CellView view(cell, options.eyes, objects[i].object_to_world);
+    FixedCut active{std::vector<bool>(objects[i].hierarchy->split_count(), false)};
+    for (const SplitId s : cut.objects[i].applied) active.applied[s] = true;
+    active.triangles = objects[i].hierarchy->face_count();
+    const std::span<const glm::vec3> p = objects[i].hierarchy->positions();
+    for (const Triangle& t : triangles_of(*objects[i].hierarchy, active))
+      if (view.faces_away(p[t.x], p[t.y], p[t.z])) result.push_back(world_triangle(objects[i], t));
+  }
+  return result;
+}
+
+std::vector<glm::dvec3> eyes_of(const CellBox& cell, int random_eyes, RandomShapes& random) {
+  std::vector<glm::dvec3> eyes = {0.5 * (cell.min + cell.max)};
+  for (unsigned i = 0; i < 8; ++i)
+    eyes.emplace_back((i & 1U) != 0 ? cell.max.x : cell.min.x, (i & 2U) != 0 ? cell.max.y : cell.min.y,
+                      (i & 4U) != 0 ? cell.max.z : cell.min.z);
+  for (int i = 0; i < random_eyes; ++i)
+    eyes.push_back(glm::mix(cell.min, cell.max, glm::dvec3(random.in(0, 1), random.in(0, 1), random.in(0, 1))));
+  return eyes;
+}
+
+// The faces of a cube around the eye.
+Camera face_camera(const glm::dvec3& eye, int face, int image_size, double near) {
+  glm::dvec3 direction(0.0), up(0.0);
+  direction[face / 2] = face % 2 == 0 ? 1.0 : -1.0;
+  up[(face / 2 + 1) % 3] = 1.0;
+  Camera camera;
+  camera.eye = eye;
+  camera.target = eye + direction;
+  camera.up = up;
+  camera.fov_y_deg = 90.0;
+  camera.width = camera.height = image_size;
+  camera.near = near;
+  camera.far = 1e6;
+  return camera;
+}
+
+// Draws all objects and says whose triangles are seen.
+class SceneItems {
+ public:
+  explicit SceneItems(std::span<const RefineObject> objects) : objects_(objects) {}
+
+  // `triangles`(i): of object i.
+  template <typename Triangles>
+  void draw(const View& view, const Triangles& triangles) {
+    items_.reset(view.width(), view.height());
+    first_item_.clear();
+    std::uint32_t first = 0;
+    for (std::size_t i = 0; i < objects_.size(); ++i) {
+      first_item_.push_back(first);
+      const ObjectView object(view, objects_[i].object_to_world);
+      draw_items(items_, objects_[i].hierarchy->positions(), triangles(i), object.object_to_clip(), first);
+      first += static_cast<std::uint32_t>(triangles(i).size());
+    }
+  }
+  // By pixel, rows from the top.
+  [[nodiscard]] const std::vector<std::uint32_t>& items() const { return items_.items; }
+  [[nodiscard]] std::size_t object_of(std::uint32_t item) const {
+    return static_cast<std::size_t>(std::upper_bound(first_item_.begin() + 1, first_item_.end(), item) -
+                                    first_item_.begin() - 1);
+  }
+  // Which of its object's triangles it is.
+  [[nodiscard]] std::size_t triangle_of(std::uint32_t item) const { return item - first_item_[object_of(item)]; }
+
+ private:
+  std::span<const RefineObject> objects_;
+  ItemBuffer items_;
+  std::vector<std::uint32_t> first_item_;
+};
+
+class Looking {
+ public:
+  Looking(const CellBox& cell, std::span<const RefineObject> objects, const CellOptions& options, const CellCut& cut)
+      : objects_(objects), options_(options), standing_(standing_faces(cell, objects, options, cut)), scene_(objects) {
+    for (const RefineObject& object : objects)
+      input_.push_back(triangles_of(*object.hierarchy, full_cut(*object.hierarchy)));
+  }
+
+  void look(const View& view) {
+    scene_.draw(view, [&](std::size_t i) -> const std::vector<Triangle>& { return input_[i]; });
+    std::size_t pixel = 0;
+    for (int y = 0; y < view.height(); ++y)
+      for (int x = 0; x < view.width(); ++x)
+        if (const std::uint32_t item = scene_.items()[pixel++]; item != no_item) judge(view, x, y, item);
+  }
+
+  [[nodiscard]] const CellSight& result() const { return sight_; }
+
+ private:
+  void judge(const View& view, int x, int y, std::uint32_t item) {
+    const std::size_t i = scene_.object_of(item);
+    const WorldTriangle t = world_triangle(objects_[i], input_[i][scene_.triangle_of(item)]);
+    const glm::dvec4 far =
+        glm::inverse(view.world_to_clip()) *
+        glm::dvec4(2.0 * (x + 0.5) / view.width() - 1.0, 1.0 - 2.0 * (y + 0.5) / view.height(), 0.5, 1.0);
+    const glm::dvec3 eye = view.camera().eye, ray = glm::normalize(glm::dvec3(far) / far.w - eye);
+    const glm::dvec3 normal = glm::cross(t[1] - t[0], t[2] - t[0]);
+    const double towards = glm::dot(normal, ray), mirror = glm::determinant(glm::dmat3(objects_[i].object_to_world));
+    if (std::abs(towards) < 1e-4 * glm::length(normal)) return;  // edge-on: too close to call
+    if (!objects_[i].two_sided && (towards > 0.0) == (mirror > 0.0)) {
+      ++sight_.backs;
+      return;
+    }
+    const double distance = glm::dot(normal, t[0] - eye) / towards, cos_angle = glm::dot(ray, view.direction());
+    const glm::dvec3 seen = eye + distance * ray;
+    if (distance_to(t, seen) > 1e-6 * distance) return;  // the pixel is the triangle's by rounding only
+    ++sight_.pixels;
+    // What the promise allows there, and a hundredth for the change of scale on the way.
+    const double allowed =
+        1.01 * options_.tolerance_px * distance * cos_angle * cos_angle / options_.eyes.focal_length_px;
+    sight_.missing += standing_.any_within(seen, allowed) ? 0U : 1U;
+  }
+
+  std::span<const RefineObject> objects_;
+  const CellOptions& options_;
+  TriangleGrid standing_;
+  SceneItems scene_;
+  std::vector<std::vector<Triangle>> input_;
+  CellSight sight_;
+};
+
+// Calls visit(View) for all sides of all eyes.
+template <typename Visit>
+void for_each_view(const CellBox& cell, double near, int random_eyes, int image_size, RandomShapes& random,
+                   const Visit& visit) {
+  for (const glm::dvec3& eye : eyes_of(cell, random_eyes, random))
+    for (int face = 0; face < 6; ++face) visit(View(face_camera(eye, face, image_size, near)));
+}
+
+}  // namespace
+
+CellSight look_from(const CellBox& cell, std::span<const RefineObject> objects, const CellOptions& options,
+                    const CellCut& cut, int random_eyes, int image_size, RandomShapes& random) {
+  Looking looking(cell, objects, options, cut);
+  for_each_view(cell, options.eyes.near, random_eyes, image_size, random,
+                [&](const View& view) { looking.look(view); });
+  return looking.result();
+}
+
+std::size_t count_seen(const CellBox& cell, std::span<const RefineObject> objects, double near, const CellCut& cut,
+                       int random_eyes, int image_size, RandomShapes& random) {
+  SceneItems scene(objects);
+  std::vector<std::vector<bool>> seen;
+  for (const CellObjectCut& object : cut.objects) seen.emplace_back(object.triangles.size(), false);
+  for_each_view(cell, near, random_eyes, image_size, random, [&](const View& view) {
+    scene.draw(view, [&](std::size_t i) -> const std::vector<Triangle>& { return cut.objects[i].triangles; });
+    for (const std::uint32_t item : scene.items())
+      if (item != no_item) seen[scene.object_of(item)][scene.triangle_of(item)] = true;
+  });
+  std::size_t count = 0;
+  for (const auto& object : seen) count += static_cast<std::size_t>(std::count(object.begin(), object.end(), true));
+  return count;
+}
+
+EyeModel cube_eyes(double image_size, double near) { return {image_size / 2.0, std::sqrt(1.0 / 3.0), near, 0.0}; }
+
+}  // namespace occlod::test
