@@ -1,5 +1,7 @@
 // Strategy::cesium: the rule of cesium-native. A node that wants to be refined is asked about; hidden ones, and new
-// ones of which nothing is known yet, are drawn as they are. Answers are for the next frame and never waited for.
+// ones of which nothing is known yet, are drawn as they are. Answers are for the next frame. There queries outlive a
+// frame, so the answers are there when the next begins; ours end with it, so those that are late are waited for at its
+// end, where nothing else is delayed.
 #include "traverse/per_node.h"
 #include "traverse/policy.h"
 
@@ -20,6 +22,7 @@ class CesiumPolicy : public Policy {
 
   [[nodiscard]] bool biased() const noexcept override { return false; }
   [[nodiscard]] bool answers_decide() const noexcept override { return false; }
+  [[nodiscard]] bool waits_for_late_answers() const noexcept override { return true; }
 
  private:
   struct Memory {

@@ -61,8 +61,10 @@ class Policy {
   [[nodiscard]] virtual Asking asking() const noexcept { return Asking::singly; }
   // So many questions after one was asked, its answer is taken to be there.
   [[nodiscard]] virtual std::size_t most_asked() const noexcept { return std::numeric_limits<std::size_t>::max(); }
-  // Otherwise answers are for the next frame, and those that are late are dropped.
+  // Otherwise answers are for the next frame.
   [[nodiscard]] virtual bool answers_decide() const noexcept { return true; }
+  // When nothing else is to do. Otherwise those that are late are dropped.
+  [[nodiscard]] virtual bool waits_for_late_answers() const noexcept { return answers_decide(); }
   // The boxes by which n is asked about. They hold all that is drawn in its place.
   virtual void add_boxes(const FrameScene& scene, NodeRef n, std::vector<BoxRef>& boxes) {
     boxes.push_back({n.object, scene.node(n).box});

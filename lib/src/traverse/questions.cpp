@@ -109,7 +109,7 @@ bool Questions::may_look(bool idle) {
   while (true) {
     const bool is_waiting = settled_ < asked_.size();
     if (!is_waiting || !is_answered(asked_[settled_])) {
-      if (!idle || !policy_->answers_decide()) return false;
+      if (!idle || !policy_->waits_for_late_answers()) return false;
       if (ask_kept(is_waiting)) continue;
       if (!is_waiting) return false;
     }
