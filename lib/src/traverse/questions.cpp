@@ -58,10 +58,19 @@ void Questions::ask_round() {
   kept_.clear();
 }
 
+AskedNode Questions::with_pixels(NodeRef n) const {
+  return {n, scene_->view_of(n).box_pixels(scene_->node(n)).value_or(0.0)};
+}
+
 void Questions::ask_groups() {
   std::span<NodeRef> rest = hidden_;
   while (!rest.empty()) {
     const std::size_t size = policy_->group(*scene_, rest);
+    if (size == 1) {
+      ask_singly(with_pixels(rest.front()));
+      rest = rest.subspan(1);
+      continue;
+    }
     boxes_.clear();
     for (const NodeRef n : rest.first(size)) policy_->add_boxes(*scene_, n, boxes_);
     const QueryId query = device_->ask(boxes_);
@@ -76,8 +85,7 @@ void Questions::ask_groups() {
 // One of the nodes that were kept for idle moments. Whether there was any.
 bool Questions::ask_kept(bool is_waiting) {
   if (!urgent_.empty()) {
-    const NodeRef n = urgent_.pop().ref;
-    ask_singly({n, scene_->view_of(n).box_pixels(scene_->node(n)).value_or(0.0)});
+    ask_singly(with_pixels(urgent_.pop().ref));
     return true;
   }
   if (!is_waiting || kept_asked_ == kept_.size()) return false;
@@ -93,7 +101,7 @@ void Questions::settle_group() {
     return;
   }
   ++stats_->wasted_queries;
-  for (std::size_t i = settled_; i < settled_ + size; ++i) ask_singly(AskedNode(asked_[i].node));
+  for (std::size_t i = settled_; i < settled_ + size; ++i) ask_singly(with_pixels(asked_[i].node.ref));
   settled_ += size;
 }
 

@@ -46,6 +46,7 @@ class Questions {
     bool was_asked = true;
     std::uint32_t group = 1;  // so many nodes, from this one on, share the query
   };
+  [[nodiscard]] AskedNode with_pixels(NodeRef n) const;
   void ask_singly(const AskedNode& n);
   void ask_round();
   void ask_groups();
