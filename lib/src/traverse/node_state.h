@@ -49,6 +49,10 @@ struct NodeState {
   bool gone : 1 = false;          // found hidden after it was refined, or all its parents are gone or culled
   bool held_to_stop : 1 = false;  // held, and to be refined within
   bool cut : 1 = false;           // drawn refined within
+  bool delayed : 1 = false;       // drawn only when its answer came
+  bool hidden : 1 = false;        // so it was answered
+  bool wasted : 1 = false;        // answered visible, and nothing was decided by it
+  bool answered : 1 = false;      // the answer was read
   bool last_visited : 1 = false;
   bool last_visible : 1 = false;
   bool last_refined : 1 = false;
@@ -73,6 +77,7 @@ inline void enter_frame(NodeState& state, std::uint32_t frame) noexcept {
   state.last_asked = last.asked;
   state.visited = state.visible = state.asked = state.denied = state.floored = state.gone = false;
   state.held_to_stop = state.cut = false;
+  state.delayed = state.hidden = state.wasted = state.answered = false;
   state.first_held = state.next_held = no_id;
   state.status = Status::absent;
   state.frame = frame;

@@ -20,6 +20,7 @@ Traversal::Traversal(FrameScene& scene, Policy& policy, RenderDevice& device, Tr
       device_(device),
       memory_(memory),
       stats_(frame.stats),
+      asked_(frame.asked),
       draws_(scene, device, memory.cuts, frame),
       front_(scene, memory.reached, draws_) {
   memory_.questions.begin_frame(scene, policy, device, stats_);
@@ -77,6 +78,8 @@ void Traversal::act(const ReachedNode& reached, Action action) {
   if (action == Action::descend) want_refined(n);
   if (action == Action::drop) {
     ++stats_.hidden_nodes;
+    NodeState& state = scene_.state(n);
+    state.answered = state.hidden = true;
     front_.cull(n);
   }
   if (policy_.waits()) settle_next();
@@ -84,6 +87,7 @@ void Traversal::act(const ReachedNode& reached, Action action) {
 
 void Traversal::ask(NodeRef n, double pixels, bool was_visible) {
   scene_.state(n).asked = true;
+  asked_.push_back({n.object, n.node});
   memory_.questions.ask({n, pixels}, was_visible);
 }
 
@@ -117,15 +121,20 @@ void Traversal::settle_next() {
   NodeState& state = scene_.state(n);
   if (!policy_.answers_decide()) {
     policy_.note_answer(scene_, n, answered.visible > 0);
+    state.answered = true;
+    state.hidden = answered.visible == 0;
     if (answered.visible == 0 && state.status != Status::culled) ++stats_.hidden_nodes;
     return;
   }
+  if (!answered.was_asked) state.asked = false;
   if (state.gone) {
     if (state.status == Status::undecided) front_.cull(n);
     return;
   }
   if (!answered.was_asked) return settle_unasked(n);
   policy_.note_answer(scene_, n, answered.visible > 0);
+  state.answered = true;
+  state.hidden = answered.visible == 0;
   if (answered.visible > 0) return settle(n, share(answered.visible, answered.pixels));
   ++stats_.hidden_nodes;
   settle_hidden(n);
@@ -138,10 +147,8 @@ void Traversal::see_unasked(NodeRef n) {
 }
 
 void Traversal::settle_unasked(NodeRef n) {
-  NodeState& state = scene_.state(n);
-  state.asked = false;
   see_unasked(n);
-  if (state.status != Status::undecided) return;
+  if (scene_.state(n).status != Status::undecided) return;
   if (scene_.is_fine(n, 1.0)) return stop(n, 1.0);
   want_refined(n);
 }
@@ -161,13 +168,13 @@ void Traversal::settle(NodeRef n, double mu) {
   front_.see(n);
   if (state.held_to_stop) return settle_held(n, bias);
   if (state.status == Status::refined || state.status == Status::held) {  // Action::descend
-    if (!scene_.is_fine(n, bias)) ++stats_.wasted_queries;                // otherwise the next frame makes use of it
+    if (!scene_.is_fine(n, bias)) note_wasted(n);                         // otherwise the next frame makes use of it
     return;
   }
   const bool is_fine = scene_.stops(n, bias);
   if (state.status == Status::stopped) return settle_drawn(n, is_fine, bias);
   if (!is_fine) return want_refined(n);
-  if (state.asked && is_drawable(n)) ++stats_.delayed;
+  if (state.asked && is_drawable(n)) note_delayed(n);
   stop(n, bias);
 }
 
@@ -186,7 +193,7 @@ void Traversal::settle_drawn(NodeRef n, bool is_fine, double bias) {
     return front_.refine(n);
   }
   if (is_fine && draw_finer(n, bias)) return;
-  ++stats_.wasted_queries;
+  note_wasted(n);
   if (!is_fine) note_denied(n);
 }
 
@@ -227,7 +234,7 @@ void Traversal::draw_denied(NodeRef n) {
   note_denied(n);
   const NodeState& state = scene_.state(n);
   if (state.asked) {
-    if (is_drawable(n)) ++stats_.delayed;
+    if (is_drawable(n)) note_delayed(n);
   } else if (!state.visible) {
     if (const std::optional<double> pixels = scene_.view_of(n).box_pixels(scene_.node(n)))
       ask(n, *pixels, true);
@@ -235,6 +242,16 @@ void Traversal::draw_denied(NodeRef n) {
       front_.see(n);
   }
   draw_whole(n);
+}
+
+void Traversal::note_delayed(NodeRef n) {
+  ++stats_.delayed;
+  scene_.state(n).delayed = true;
+}
+
+void Traversal::note_wasted(NodeRef n) {
+  ++stats_.wasted_queries;
+  scene_.state(n).wasted = true;
 }
 
 void Traversal::note_denied(NodeRef n) {

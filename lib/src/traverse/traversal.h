@@ -44,12 +44,15 @@ class Traversal {
   void want_refined(NodeRef n);
   void draw_denied(NodeRef n);
   void note_denied(NodeRef n);
+  void note_delayed(NodeRef n);
+  void note_wasted(NodeRef n);
 
   FrameScene& scene_;
   Policy& policy_;
   RenderDevice& device_;
   TraversalMemory& memory_;
   FrameStats& stats_;
+  std::vector<NodeAnswer>& asked_;
   DrawRecorder draws_;
   Front front_;
 };

@@ -53,10 +53,39 @@ void check(std::span<const PlacedHlod> objects) {
 void clear(Frame& frame) {
   frame.draws.clear();
   frame.ranges.clear();
+  frame.asked.clear();
   frame.stats = {};
   frame.times = {};
   frame.front_hash = 0;
   frame.forecasts.clear();
+}
+
+Answer answer_of(const NodeState& state) {
+  if (!state.answered) return Answer::unread;
+  if (state.hidden) return Answer::hidden;
+  return state.wasted ? Answer::wasted : Answer::visible;
+}
+
+// What is known of nodes at the end of the frame. Questions that did not pay were not asked.
+void tell(Frame& frame, const FrameScene& scene) {
+  for (DrawnNode& drawn : frame.draws) {
+    const NodeState& state = scene.state({drawn.object, drawn.node});
+    drawn.bias = state.bias;
+    drawn.asked = state.asked;
+    drawn.delayed = state.delayed;
+    drawn.blocked = state.denied;
+    drawn.refined = state.status == Status::refined;
+  }
+  std::erase_if(frame.asked, [&](const NodeAnswer& n) { return !scene.state({n.object, n.node}).asked; });
+  for (NodeAnswer& n : frame.asked) n.answer = answer_of(scene.state({n.object, n.node}));
+}
+
+// Without what its oracle did.
+void forget_questions(Frame& frame) {
+  frame.asked.clear();
+  for (DrawnNode& drawn : frame.draws) drawn.asked = drawn.delayed = drawn.refined = false;
+  FrameStats& stats = frame.stats;
+  stats.delayed = stats.queries = stats.wasted_queries = stats.hidden_nodes = 0;
 }
 
 }  // namespace
@@ -142,7 +171,7 @@ class Traverser::Impl {
     scene.begin_frame(view, objects_, options, policy.biased());
     device.begin_frame(view, objects_);
     Traversal(scene, policy, device, memory_, frame_).run();
-    for (DrawnNode& drawn : frame_.draws) drawn.bias = scene.state({drawn.object, drawn.node}).bias;
+    tell(frame_, scene);
     frame_.times = device.end_frame();
   }
 
@@ -156,9 +185,8 @@ class Traverser::Impl {
           {drawn.object, drawn.node, ranges.subspan(drawn.first_range, drawn.range_count), drawn.cut, drawn.splits});
     }
     frame_.times = device.end_frame();
-    FrameStats& stats = frame_.stats;
-    stats.visits = frame_.draws.size();
-    stats.delayed = stats.queries = stats.wasted_queries = stats.hidden_nodes = 0;
+    frame_.stats.visits = frame_.draws.size();
+    forget_questions(frame_);
   }
 
   std::vector<PlacedHlod> objects_;

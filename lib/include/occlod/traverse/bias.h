@@ -12,6 +12,8 @@ struct Bias {
   // mu: visible pixels of a node's box over all pixels that it covers, clamped to [0, 1]. In [0, 1], monotone; 0 at 0,
   // 1 at 1.
   [[nodiscard]] double operator()(double mu) const noexcept;
+
+  friend bool operator==(const Bias&, const Bias&) = default;
 };
 
 // Everything visible counts in full: plain screen-space error.

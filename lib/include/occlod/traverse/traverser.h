@@ -84,6 +84,8 @@ struct TraverseOptions {
   // Of nohc and batch. `printed` also means that benefits are spread over log2 of the nodes, as in a binary tree; else
   // over the levels.
   CoverModel cover_model = CoverModel::printed;
+
+  friend bool operator==(const TraverseOptions&, const TraverseOptions&) = default;
 };
 
 // What a strategy is expected to take.
@@ -105,6 +107,26 @@ struct DrawnNode {
   // If not empty, the node refined within: see NodeDraw. Valid as long as the frame.
   std::span<const std::uint16_t> cut = {};
   std::uint32_t splits = 0;  // of the cut
+  // What became of the node in this frame, of `ideal` without what its oracle did:
+  bool asked = false;    // it was asked about; false: drawn without a question of its own
+  bool delayed = false;  // drawn only when its answer came
+  bool blocked = false;  // it was to be refined, and a parent was drawn
+  bool refined = false;  // after it had been drawn, so that what is below it was drawn over it
+};
+
+// What came of asking about a node.
+enum class Answer : std::uint8_t {
+  unread,   // a coarser node was hidden, or it came too late
+  hidden,   // nothing of the node is visible
+  visible,  // and that decided something
+  wasted,   // visible, and nothing was decided by it
+};
+
+// A node that was asked about.
+struct NodeAnswer {
+  std::uint32_t object = 0;        // index into the objects
+  NodeId node = 0;                 // of that object's HLOD
+  Answer answer = Answer::unread;  // as far as the frame knows in the end
 };
 
 // Counts of one frame.
@@ -128,8 +150,11 @@ struct FrameStats {
 struct Frame {
   std::vector<DrawnNode> draws;   // in the order in which they were made
   std::vector<DrawRange> ranges;  // of all draws
-  FrameStats stats;               // what was done
-  FrameTimes times;               // what it took on the device
+  // Each node asked about once, in the order in which they were first reached; nodes that were asked about together may
+  // also have cost the queries of their group.
+  std::vector<NodeAnswer> asked;
+  FrameStats stats;  // what was done
+  FrameTimes times;  // what it took on the device
   // The sum of XXH3-64 of each patch or cut drawn: no matter in which order, nor how far morphed.
   std::uint64_t front_hash = 0;
   Strategy strategy = Strategy::vfc;        // that drew it: with `automatic` one of the others
