@@ -15,6 +15,7 @@
 #include "hlod_report.h"
 #include "hlod_runs.h"
 #include "hlod_scene.h"
+#include "hlod_strategies.h"
 #include "interrupt.h"
 #include "option_values.h"
 #include "progress.h"

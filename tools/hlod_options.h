@@ -14,10 +14,6 @@ class App;
 
 namespace occlod::tool {
 
-// Strategies by their names on the command line.
-[[nodiscard]] const std::vector<std::pair<std::string, hlod::Strategy>>& strategies();
-[[nodiscard]] std::string name_of(hlod::Strategy strategy);
-
 // --tolerance, --bias, --metric, --alpha, --coherence, --cover-model, --geomorph, --within.
 void add_traverse_options(CLI::App& command, hlod::TraverseOptions& options);
 // All but the strategy.

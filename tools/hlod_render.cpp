@@ -20,6 +20,7 @@
 #include "hlod_report.h"
 #include "hlod_runs.h"
 #include "hlod_scene.h"
+#include "hlod_strategies.h"
 #include "interrupt.h"
 #include "occlod/core/error.h"
 #include "occlod/device/recorded_device.h"

@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "hlod_options.h"
+#include "hlod_strategies.h"
 
 namespace occlod::tool {
 namespace {
