@@ -14,6 +14,7 @@
 #include "backend.h"
 #include "draw/overlays.h"
 #include "draw/render_target.h"
+#include "hlod_device.h"
 #include "occlod/core/error.h"
 #include "panels/theme.h"
 #include "setting_table.h"
@@ -48,6 +49,10 @@ std::unique_ptr<Visibility> make_visibility(Occlusion occlusion) {
   tool::BackendOptions options;
   options.occlusion = find_setting("occlusion")->get(settings).get<std::string>();
   return tool::make_backend(options).visibility;
+}
+
+std::unique_ptr<hlod::RenderDevice> make_device(HlodDevice device) {
+  return tool::make_hlod_device(name_of(device)).device;
 }
 
 Image side_by_side(const Image& left, const Image& right) {
@@ -110,7 +115,7 @@ Application::Application(const ApplicationOptions& options) : options_(options) 
   if (options.script) script_.emplace(*options.script);
   std::optional<Calibration> calibration;
   if (!options.calibration.empty()) calibration = read_calibration(options.calibration);
-  session_ = std::make_unique<Session>(make_visibility, options.use_cache, std::move(calibration));
+  session_ = std::make_unique<Session>(make_visibility, options.use_cache, std::move(calibration), make_device);
   if (options.script) session_->files().add_input(*options.script, "the script");
   if (!options.calibration.empty()) session_->files().add_input(options.calibration, "the calibration");
   if (!options.settings_file.empty()) session_->files().add_input(options.settings_file, "the settings file");
@@ -242,10 +247,9 @@ void Application::draw_pictures(const Layout& layout) {
   drawings_->cost.uploaded_bytes = drawings_->scene.upload(session_->frame());
   drawings_->cost.upload_ms = ms_since(start);
   drawings_->timer.begin();
-  const std::vector<Line> lines = main_overlay(*session_);
   std::vector<ImTextureID> pictures;
   for (std::size_t i = 0; i < layout.pictures.size(); ++i) {
-    drawings_->scene.draw(*drawings_->sides[i], state.camera, i, state.settings.look, lines);
+    drawings_->scene.draw(*drawings_->sides[i], state.camera, i, state.settings.look, main_overlay(*session_, i));
     pictures.push_back(texture_id(drawings_->sides[i]->texture()));
   }
   draw_insets();
@@ -261,7 +265,7 @@ void Application::draw_insets() {
   const State& state = session_->state();
   panels_->insets = {};
   const auto& frame = session_->frame();
-  if (!frame || frame->sides.empty()) return;
+  if (!frame || frame->side_count() == 0) return;
   if (state.settings.insets.birdseye) {
     LookSettings look = state.settings.look;
     look.wire = false;
@@ -270,7 +274,7 @@ void Application::draw_insets() {
                           birdseye_overlay(*session_), SceneDrawing::Colors::seen);
     panels_->insets.birdseye = texture_id(drawings_->birdseye.texture());
   }
-  if (state.settings.insets.occluder && frame->sides[0].occluder) {
+  if (state.settings.insets.occluder && !frame->sides.empty() && frame->sides[0].occluder) {
     drawings_->depth.show(frame->sides[0].occluder, state.settings.insets.pyramid_level);
     panels_->insets.occluder = &drawings_->depth;
   }

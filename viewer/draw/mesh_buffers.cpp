@@ -55,27 +55,33 @@ std::size_t store_runs(const gl::Functions& gl, const gl::Buffer& buffer, std::s
 
 }  // namespace
 
-VertexBuffers::VertexBuffers(const gl::Functions& gl, const ViewMesh& mesh)
-    : gl_(&gl),
-      array_(gl),
-      positions_(gl),
-      normals_(gl),
-      colors_(gl),
-      creases_(gl),
-      has_colors_(!mesh.hierarchy->data().colors.empty()) {
-  store(gl, positions_, mesh.hierarchy->positions(), GL_STATIC_DRAW);
-  store(gl, normals_, std::span<const glm::vec3>(mesh.normals), GL_STATIC_DRAW);
-  store(gl, creases_, std::span<const std::uint8_t>(mesh.creases), GL_STATIC_DRAW);
-  if (has_colors_) store(gl, colors_, mesh.hierarchy->data().colors, GL_STATIC_DRAW);
-  gl.BindVertexArray(array_.id());
+VertexData vertex_data_of(const ViewMesh& mesh) {
+  return {mesh.hierarchy->positions(), mesh.normals, mesh.creases, mesh.hierarchy->data().colors};
+}
+
+VertexBuffers::VertexBuffers(const gl::Functions& gl)
+    : gl_(&gl), array_(gl), positions_(gl), normals_(gl), colors_(gl), creases_(gl) {}
+
+std::size_t VertexBuffers::fill(const VertexData& vertices, bool is_static) {
+  const GLenum usage = is_static ? GL_STATIC_DRAW : GL_DYNAMIC_DRAW;
+  has_normals_ = !vertices.normals.empty();
+  has_creases_ = !vertices.creases.empty();
+  has_colors_ = !vertices.colors.empty();
+  store(*gl_, positions_, vertices.positions, usage);
+  if (has_normals_) store(*gl_, normals_, vertices.normals, usage);
+  if (has_creases_) store(*gl_, creases_, vertices.creases, usage);
+  if (has_colors_) store(*gl_, colors_, vertices.colors, usage);
+  gl_->BindVertexArray(array_.id());
   describe(positions_);
+  return vertices.positions.size_bytes() + vertices.normals.size_bytes() + vertices.creases.size_bytes() +
+         vertices.colors.size_bytes();
 }
 
 void VertexBuffers::describe(const gl::Buffer& positions) const {
   attribute(*gl_, positions, 0, 3, GL_FLOAT);
-  attribute(*gl_, normals_, 1, 3, GL_FLOAT);
-  attribute(*gl_, creases_, 3, 1, GL_UNSIGNED_BYTE);
+  if (has_normals_) attribute(*gl_, normals_, 1, 3, GL_FLOAT);
   if (has_colors_) attribute(*gl_, colors_, 2, 4, GL_UNSIGNED_BYTE);
+  if (has_creases_) attribute(*gl_, creases_, 3, 1, GL_UNSIGNED_BYTE);
 }
 
 void VertexBuffers::bind() const { gl_->BindVertexArray(array_.id()); }

@@ -10,9 +10,20 @@
 
 namespace occlod::viewer {
 
+// One for each vertex; where there are none, the program takes them for 0.
+struct VertexData {
+  std::span<const glm::vec3> positions;
+  std::span<const glm::vec3> normals;
+  std::span<const std::uint8_t> creases;
+  std::span<const glm::u8vec4> colors;
+};
+[[nodiscard]] VertexData vertex_data_of(const ViewMesh& mesh);
+
 class VertexBuffers {
  public:
-  VertexBuffers(const gl::Functions& gl, const ViewMesh& mesh);
+  explicit VertexBuffers(const gl::Functions& gl);
+  // Returns how many bytes it uploads.
+  std::size_t fill(const VertexData& vertices, bool is_static);
   // Binds the attributes of MeshProgram.
   void bind() const;
   // Makes them those of the vertex array that is bound, with other positions.
@@ -26,7 +37,9 @@ class VertexBuffers {
   gl::Buffer normals_;
   gl::Buffer colors_;
   gl::Buffer creases_;
-  bool has_colors_;
+  bool has_normals_ = false;
+  bool has_creases_ = false;
+  bool has_colors_ = false;
 };
 
 // The vertices of one object while some of them slide: positions of its own, here and there.

@@ -9,6 +9,7 @@
 #include <glm/trigonometric.hpp>
 #include <numbers>
 
+#include "palette.h"
 #include "picture/frustum_edges.h"
 
 namespace occlod::viewer {
@@ -65,10 +66,10 @@ void add_sphere(ObjectLines& lines, const Sphere& sphere) {
   for (std::size_t i = 0; i < 3; ++i) lines.circle(center, axes[i], axes[(i + 1) % 3], bounds_pen);
 }
 
-void add_box(ObjectLines& lines, const Box& box) {
+void add_box(ObjectLines& lines, const Box& box, const Pen& pen) {
   for (int i = 0; i < 8; ++i)
     for (const int bit : {1, 2, 4})
-      if ((i & bit) == 0) lines.line(glm::dvec3(corner(box, i)), glm::dvec3(corner(box, i | bit)), bounds_pen);
+      if ((i & bit) == 0) lines.line(glm::dvec3(corner(box, i)), glm::dvec3(corner(box, i | bit)), pen);
 }
 
 void add_cylinder(ObjectLines& lines, const Cylinder& cylinder) {
@@ -97,24 +98,62 @@ void add_cone(ObjectLines& lines, const SplitNode& node) {
   lines.line(apex, apex + length * frame.z, cone_pen);
 }
 
-void add_pick(std::vector<Line>& all, const Session& session, const PlacedObject& object) {
-  const Pick& pick = *session.state().pick;
-  const Settings& settings = session.state().settings;
-  const Hierarchy& hierarchy = *object.mesh->hierarchy;
-  ObjectLines lines(all, object.object_to_world);
+void add_split(ObjectLines& lines, const Settings& settings, const Hierarchy& hierarchy, SplitId split) {
   const auto corners = [&](const Triangle& t) {
     return std::array<glm::dvec3, 3>{hierarchy.positions()[t.x], hierarchy.positions()[t.y],
                                      hierarchy.positions()[t.z]};
   };
-  if (pick.split != no_id) {
-    const SplitNode& node = hierarchy.node(pick.split);
-    hierarchy.star(pick.split).for_each_inserted([&](const Triangle& t) { lines.triangle(corners(t), star_pen); });
-    if (settings.look.bounds && settings.refine.queries.proxy == Proxy::sphere) add_sphere(lines, node.sphere);
-    if (settings.look.bounds && settings.refine.queries.proxy == Proxy::box) add_box(lines, node.box());
-    if (settings.look.bounds && settings.refine.queries.proxy == Proxy::cylinder) add_cylinder(lines, node.cylinder());
-    if (settings.look.cone) add_cone(lines, node);
+  const SplitNode& node = hierarchy.node(split);
+  hierarchy.star(split).for_each_inserted([&](const Triangle& t) { lines.triangle(corners(t), star_pen); });
+  if (settings.look.bounds && settings.refine.queries.proxy == Proxy::sphere) add_sphere(lines, node.sphere);
+  if (settings.look.bounds && settings.refine.queries.proxy == Proxy::box) add_box(lines, node.box(), bounds_pen);
+  if (settings.look.bounds && settings.refine.queries.proxy == Proxy::cylinder) add_cylinder(lines, node.cylinder());
+  if (settings.look.cone) add_cone(lines, node);
+}
+
+void add_pick(std::vector<Line>& all, const Session& session, const PlacedObject& object) {
+  const Pick& pick = *session.state().pick;
+  const Settings& settings = session.state().settings;
+  ObjectLines lines(all, object.object_to_world);
+  if (pick.split != no_id) add_split(lines, settings, *object.mesh->hierarchy, pick.split);
+  if (pick.node != no_id && settings.look.bounds) add_box(lines, object.hlod->hlod->node(pick.node).box, bounds_pen);
+  lines.triangle(pick.corners, triangle_pen);
+}
+
+Pen box_pen(const glm::u8vec4& color) { return {glm::vec4(color) / 255.0F, 1.5, 0.5}; }
+
+// Of nodes of one side, over each other where they share edges: what was drawn first, then hidden nodes, wasted queries
+// last.
+void add_asked_boxes(std::vector<Line>& all, const Objects& objects, const hlod::Frame& frame) {
+  const auto add = [&](std::uint32_t object, hlod::NodeId node, const glm::u8vec4& color) {
+    ObjectLines lines(all, objects[object].object_to_world);
+    add_box(lines, objects[object].hlod->hlod->node(node).box, box_pen(color));
+  };
+  for (const hlod::DrawnNode& draw : frame.draws)
+    if (!draw.asked) add(draw.object, draw.node, unasked_box_color);
+  for (const hlod::Answer answer :
+       {hlod::Answer::unread, hlod::Answer::visible, hlod::Answer::hidden, hlod::Answer::wasted})
+    for (const hlod::NodeAnswer& asked : frame.asked)
+      if (asked.answer == answer) add(asked.object, asked.node, color_of(answer));
+}
+
+// In the colours of their triangles, or black where these have none of their own.
+void add_drawn_boxes(std::vector<Line>& all, const Objects& objects, const HlodSide& side) {
+  const hlod::Frame& frame = side.front->frame;
+  for (std::size_t i = 0; i < frame.draws.size(); ++i) {
+    const hlod::DrawnNode& draw = frame.draws[i];
+    const auto& colors = side.colors[draw.object];
+    ObjectLines lines(all, objects[draw.object].object_to_world);
+    add_box(lines, objects[draw.object].hlod->hlod->node(draw.node).box,
+            colors.empty() ? star_pen : box_pen(colors[side.front->first_triangle[i]]));
   }
-  lines.triangle(corners(pick.triangle), triangle_pen);
+}
+
+void add_node_boxes(std::vector<Line>& lines, const RefinedFrame& frame, std::size_t side, NodeBoxes boxes) {
+  if (frame.hlod_sides.empty()) return;
+  const HlodSide& shown = frame.hlod_sides[std::min(side, frame.hlod_sides.size() - 1)];
+  if (boxes == NodeBoxes::drawn) add_drawn_boxes(lines, *frame.job.objects, shown);
+  if (boxes == NodeBoxes::asked) add_asked_boxes(lines, *frame.job.objects, shown.front->frame);
 }
 
 // To behind the scene.
@@ -147,9 +186,10 @@ Camera plan_of_box(const Camera& birdseye, const Session& session) {
 
 }  // namespace
 
-std::vector<Line> main_overlay(const Session& session) {
+std::vector<Line> main_overlay(const Session& session, std::size_t side) {
   std::vector<Line> lines;
   const State& state = session.state();
+  if (session.frame()) add_node_boxes(lines, *session.frame(), side, state.settings.hlod.boxes);
   if (state.settings.freeze) add_frustum(lines, session);
   if (state.pick)
     for (const PlacedObject& object : *state.objects)

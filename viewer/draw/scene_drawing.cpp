@@ -14,9 +14,12 @@ std::size_t SceneDrawing::upload(std::shared_ptr<const RefinedFrame> frame) {
   if (frame == frame_) return 0;
   frame_ = std::move(frame);
   keep_vertices_of(frame_ ? *frame_->job.objects : Objects());
-  sides_.resize(frame_ ? frame_->sides.size() : 0);
+  const bool is_hlod = frame_ && !frame_->hlod_sides.empty();
+  if (is_hlod != std::exchange(is_hlod_, is_hlod)) sides_.clear();
+  sides_.resize(frame_ ? frame_->side_count() : 0);
   std::size_t bytes = 0;
-  for (std::size_t s = 0; s < sides_.size(); ++s) bytes += upload(sides_[s], frame_->sides[s]);
+  for (std::size_t s = 0; s < sides_.size(); ++s)
+    bytes += is_hlod ? upload(sides_[s], frame_->hlod_sides[s]) : upload(sides_[s], frame_->sides[s]);
   return bytes;
 }
 
@@ -25,16 +28,43 @@ void SceneDrawing::keep_vertices_of(const Objects& objects) {
     return std::none_of(objects.begin(), objects.end(),
                         [&](const PlacedObject& object) { return object.mesh == entry.first; });
   });
-  for (const PlacedObject& object : objects) vertices_.try_emplace(object.mesh, *gl_, *object.mesh);
+  for (const PlacedObject& object : objects) {
+    if (object.hlod || vertices_.contains(object.mesh)) continue;
+    vertices_.try_emplace(object.mesh, *gl_).first->second.fill(vertex_data_of(*object.mesh), true);
+  }
+}
+
+// One for each object of the frame.
+void SceneDrawing::fit(Side& side) const {
+  const Objects& objects = *frame_->job.objects;
+  while (side.objects.size() > objects.size()) side.objects.pop_back();
+  while (side.objects.size() < objects.size()) side.objects.emplace_back(*gl_);
+  gl_->BindVertexArray(0);  // whose index buffer might be replaced
+}
+
+std::size_t SceneDrawing::upload(Side& side, const HlodSide& drawn) {
+  fit(side);
+  std::size_t bytes = 0;
+  for (std::size_t i = 0; i < side.objects.size(); ++i) {
+    Drawn& object = side.objects[i];
+    const FrontObject& front = drawn.front->objects[i];
+    if (side.number != drawn.front->number) {
+      bytes += object.triangles.fill(front.triangles);
+      if (!object.vertices) object.vertices.emplace(*gl_);
+      bytes += object.vertices->fill({front.positions, front.normals, {}, front.colors}, false);
+      gl_->BindVertexArray(0);
+    }
+    bytes += object.colors.fill(drawn.colors[i]);
+  }
+  side.number = drawn.front->number;
+  return bytes;
 }
 
 std::size_t SceneDrawing::upload(Side& side, const RefinedSide& refined) {
   const Objects& objects = *frame_->job.objects;
   const bool is_there = side.number == refined.number;
   const bool follows = refined.follows > 0 && side.number == refined.follows;
-  while (side.objects.size() > objects.size()) side.objects.pop_back();
-  while (side.objects.size() < objects.size()) side.objects.emplace_back(*gl_);
-  gl_->BindVertexArray(0);  // whose index buffer might be replaced
+  fit(side);
   std::size_t bytes = 0;
   for (std::size_t i = 0; i < objects.size(); ++i) {
     Drawn& drawn = side.objects[i];
@@ -72,9 +102,9 @@ void SceneDrawing::draw(RenderTarget& target, const Camera& camera, std::size_t 
   gl.DepthFunc(GL_LESS);
   if (!sides_.empty()) {
     const std::vector<Drawn>& drawn = sides_[std::min(side, sides_.size() - 1)].objects;
+    const bool seen = colors == Colors::seen && !is_hlod_;  // which nobody asks about HLODs
     for (std::size_t i = 0; i < drawn.size(); ++i)
-      draw_object((*frame_->job.objects)[i], drawn[i], colors == Colors::seen ? drawn[i].seen : drawn[i].colors, view,
-                  look);
+      draw_object((*frame_->job.objects)[i], drawn[i], seen ? drawn[i].seen : drawn[i].colors, view, look);
   }
   gl.Disable(GL_CULL_FACE);
   gl.FrontFace(GL_CCW);
@@ -89,7 +119,9 @@ void SceneDrawing::draw_object(const PlacedObject& object, const Drawn& drawn, c
   const Camera& camera = view.camera();
   const ObjectView object_view(view, object.object_to_world);
   const glm::dmat4 object_to_eye = glm::lookAt(camera.eye, camera.target, camera.up) * object.object_to_world;
-  const VertexBuffers& vertices = vertices_.at(object.mesh);
+  const VertexBuffers& vertices = drawn.vertices ? *drawn.vertices : vertices_.at(object.mesh);
+  const bool own_colors =
+      is_hlod_ ? frame_->job.hlod.color_by == HlodColorBy::vertices : look.color_by == ColorBy::vertices;
   MeshProgram::Uniforms uniforms;
   uniforms.object_to_clip = object_view.object_to_clip();
   uniforms.object_to_eye = glm::mat4(object_to_eye);
@@ -100,7 +132,7 @@ void SceneDrawing::draw_object(const PlacedObject& object, const Drawn& drawn, c
   uniforms.orthographic = view.is_orthographic();
   if (colors.any())
     uniforms.color = MeshProgram::Color::triangles;
-  else if (look.color_by == ColorBy::vertices && vertices.has_colors())
+  else if (own_colors && vertices.has_colors())
     uniforms.color = MeshProgram::Color::vertices;
   (look.wire ? wire_ : plain_).use(uniforms);
   drawn.morphs ? drawn.morphs->bind() : vertices.bind();

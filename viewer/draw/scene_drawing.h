@@ -34,14 +34,17 @@ class SceneDrawing {
     TriangleBuffers triangles;
     TriangleColors colors;
     TriangleColors seen;
-    std::optional<MorphBuffers> morphs;  // while vertices may slide
+    std::optional<MorphBuffers> morphs;     // while vertices may slide
+    std::optional<VertexBuffers> vertices;  // of its own: of an HLOD
   };
   struct Side {
-    std::uint64_t number = 0;    // of the refinement
+    std::uint64_t number = 0;    // of the refinement, or of the front
     std::vector<Drawn> objects;  // in the frame's order
   };
   void keep_vertices_of(const Objects& objects);
   std::size_t upload(Side& side, const RefinedSide& refined);
+  std::size_t upload(Side& side, const HlodSide& drawn);
+  void fit(Side& side) const;
   std::size_t upload_morphs(Drawn& drawn, const PlacedObject& object, std::span<const Geomorph> geomorphs);
   void draw_object(const PlacedObject& object, const Drawn& drawn, const TriangleColors& colors, const View& view,
                    const LookSettings& look) const;
@@ -54,6 +57,7 @@ class SceneDrawing {
   std::shared_ptr<const RefinedFrame> frame_;
   std::map<std::shared_ptr<const ViewMesh>, VertexBuffers> vertices_;
   std::vector<Side> sides_;
+  bool is_hlod_ = false;  // the frame
 };
 
 }  // namespace occlod::viewer

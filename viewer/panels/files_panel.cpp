@@ -16,7 +16,7 @@ bool can_be_opened(const std::filesystem::path& file) {
   std::string extension = file.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return std::tolower(c); });
-  for (const char* known : {".ply", ".obj", ".off", ".stl", ".gltf", ".glb", ".olod", ".json"})
+  for (const char* known : {".ply", ".obj", ".off", ".stl", ".gltf", ".glb", ".olod", ".ohlod", ".json"})
     if (extension == known) return true;
   return false;
 }
@@ -64,7 +64,8 @@ void draw_files(Panels& panels) {
   const float third = (ImGui::GetContentRegionAvail().x - 2.0F * ImGui::GetStyle().ItemSpacing.x) / 3.0F;
   panels.drawn.insert("open");
   if (ImGui::Button("Open...", ImVec2(third, 0.0F))) panels.fields.opens = true;
-  draw_help_of_item("Open a mesh, a hierarchy (.olod) or a scene (.json). Files can also be dropped on the window");
+  draw_help_of_item(
+      "Open a mesh, a hierarchy (.olod), an HLOD (.ohlod) or a scene (.json). Files can also be dropped on the window");
   ImGui::SameLine();
   ImGui::SetNextItemWidth(third);
   if (ImGui::BeginCombo("##recent", "Recent")) {
@@ -79,6 +80,7 @@ void draw_files(Panels& panels) {
   ImGui::SameLine();
   draw_button(panels, "close_all", nlohmann::json::object(), nullptr, third);
 
+  draw_setting(panels, "open_as");
   draw_button(panels, "save_scene", {{"file", panels.fields.save_scene}}, nullptr, third);
   ImGui::SameLine();
   ImGui::SetNextItemWidth(-1.0F);

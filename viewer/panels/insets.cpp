@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "controls.h"
+#include "hlod_strategies.h"
 #include "palette.h"
 #include "panels.h"
 
@@ -44,12 +45,25 @@ std::string count_text(const RefinedSide& side, const char* occlusion) {
                      100.0 * visible / std::max(triangles, 1.0));
 }
 
+// "coh: 341 nodes, 456,789 triangles, 12.3 ms".
+std::string count_text(const HlodSide& side) {
+  const hlod::Frame& frame = side.front->frame;
+  const std::string& name = tool::name_of(side.strategy);
+  const std::string by = frame.strategy == side.strategy ? name : name + " (" + tool::name_of(frame.strategy) + ")";
+  return fmt::format("{}: {} nodes, {} triangles, {:.2f} ms", by, grouped(static_cast<double>(frame.stats.drawn_nodes)),
+                     grouped(static_cast<double>(frame.stats.drawn_triangles)), frame.times.frame_ms);
+}
+
 void draw_tags(const Session& session, const Layout& layout, float margin) {
   const Settings& settings = session.state().settings;
   if (settings.compare && layout.pictures.size() == 2 && session.frame() && session.frame()->sides.size() == 2) {
     const std::string name = find_setting("occlusion")->get(settings).get<std::string>();
     draw_tag("with", layout.pictures[0], count_text(session.frame()->sides[0], ("occlusion " + name).c_str()), margin);
     draw_tag("without", layout.pictures[1], count_text(session.frame()->sides[1], "no occlusion"), margin);
+  } else if (settings.compare && layout.pictures.size() == 2 && session.frame() &&
+             session.frame()->hlod_sides.size() == 2) {
+    draw_tag("left", layout.pictures[0], count_text(session.frame()->hlod_sides[0]), margin);
+    draw_tag("right", layout.pictures[1], count_text(session.frame()->hlod_sides[1]), margin);
   } else if (session.state().objects->empty() && !session.loader().busy()) {
     draw_tag("empty", layout.view,
              "Drop a mesh, a hierarchy or a scene here, or open one with Ctrl + O. F1 lists keys and mouse actions.",
@@ -57,6 +71,21 @@ void draw_tags(const Session& session, const Layout& layout, float margin) {
   } else if (settings.freeze) {
     draw_tag("frozen", layout.view, "Refinement is frozen (Z)", margin);
   }
+}
+
+std::vector<LegendEntry> legend_of_session(const Session& session) {
+  const Settings& settings = session.state().settings;
+  const Objects& objects = *session.state().objects;
+  if (!are_hlods(objects)) {
+    int levels = 0;
+    for (const PlacedObject& object : objects) levels = std::max(levels, object.mesh->level_count);
+    return legend_of(settings.look.color_by, levels);
+  }
+  std::size_t levels = 0;
+  for (const PlacedObject& object : objects) levels = std::max(levels, object.hlod->hlod->level_count());
+  std::vector<LegendEntry> entries = legend_of(settings.hlod.color_by, levels);
+  for (const LegendEntry& entry : legend_of(settings.hlod.boxes)) entries.push_back(entry);
+  return entries;
 }
 
 }  // namespace
@@ -83,10 +112,7 @@ void draw_insets(Panels& panels, const Layout& layout) {
 
 void draw_legend(Panels& panels, const Layout& layout) {
   const Settings& settings = panels.session.state().settings;
-  int levels = 0;
-  for (const PlacedObject& object : *panels.session.state().objects)
-    levels = std::max(levels, object.mesh->level_count);
-  const std::vector<LegendEntry> entries = legend_of(settings.look.color_by, levels);
+  const std::vector<LegendEntry> entries = legend_of_session(panels.session);
   if (!settings.window.legend || entries.empty()) return;
   const float margin = 10.0F * panels.scale;
   ImGui::SetNextWindowPos(ImVec2(layout.view.low.x + margin, layout.view.high.y - margin), ImGuiCond_Always,

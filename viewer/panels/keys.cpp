@@ -29,7 +29,7 @@ const std::vector<KeyBinding>& key_bindings() {
       {GLFW_KEY_X, 0, "X", "wireframe", flip("wire")},
       {GLFW_KEY_O, 0, "O", "next occlusion backend", flip("occlusion")},
       {GLFW_KEY_Z, 0, "Z", "freeze the refinement", flip("freeze")},
-      {GLFW_KEY_T, 0, "T", "split screen: with and without occlusion", flip("compare")},
+      {GLFW_KEY_T, 0, "T", "split screen: with and without occlusion, or two strategies", flip("compare")},
       {GLFW_KEY_I, 0, "I", "bird's-eye inset", flip("birdseye")},
       {GLFW_KEY_U, 0, "U", "occluder inset", flip("occluder")},
       {GLFW_KEY_ESCAPE, 0, "Esc", "clear the picked triangle", {{"do", "unpick"}}},

@@ -15,14 +15,15 @@ namespace {
 
 struct Part {
   const char* name;
+  const char* hlod_name;
   ImU32 color;
   double (*milliseconds)(const PictureRecord&);
 };
 constexpr std::array<Part, 4> parts = {
-    {{"refine", IM_COL32(226, 164, 84, 255), [](const PictureRecord& r) { return r.refine_ms; }},
-     {"occlusion", IM_COL32(84, 132, 196, 255), [](const PictureRecord& r) { return r.occlusion_ms; }},
-     {"upload", IM_COL32(140, 108, 160, 255), [](const PictureRecord& r) { return r.cost.upload_ms; }},
-     {"draw", IM_COL32(106, 160, 108, 255), [](const PictureRecord& r) { return r.cost.draw_ms; }}}};
+    {{"refine", "frame", IM_COL32(226, 164, 84, 255), [](const PictureRecord& r) { return r.refine_ms; }},
+     {"occlusion", "stall", IM_COL32(84, 132, 196, 255), [](const PictureRecord& r) { return r.occlusion_ms; }},
+     {"upload", "upload", IM_COL32(140, 108, 160, 255), [](const PictureRecord& r) { return r.cost.upload_ms; }},
+     {"draw", "draw", IM_COL32(106, 160, 108, 255), [](const PictureRecord& r) { return r.cost.draw_ms; }}}};
 
 void draw_cell(const char* name, const std::string& value) {
   ImGui::TableNextColumn();
@@ -61,6 +62,27 @@ void draw_table(const PictureRecord& last, const Session& session) {
   ImGui::EndTable();
 }
 
+void draw_hlod_table(const PictureRecord& last, const hlod::Frame& frame) {
+  if (!ImGui::BeginTable("numbers", 6, ImGuiTableFlags_SizingFixedFit | ImGuiTableFlags_NoClip)) return;
+  const auto draw_count = [](const char* name, std::size_t count) {
+    draw_cell(name, grouped(static_cast<double>(count)));
+  };
+  const hlod::FrameStats& stats = frame.stats;
+  draw_count("nodes (DN)", stats.drawn_nodes);
+  draw_count("triangles", stats.drawn_triangles);
+  draw_cell("frame", fmt::format("{:.2f} ms", frame.times.frame_ms));
+  draw_cell("drawn twice (RARN)", share(stats.rarn, stats.drawn_nodes));
+  draw_count("queries", stats.queries);
+  draw_cell("stall", fmt::format("{:.2f} ms", frame.times.stall_ms));
+  draw_cell("delayed (D)", share(stats.delayed, stats.drawn_nodes));
+  draw_cell("wasted", share(stats.wasted_queries, stats.queries));
+  draw_cell("largest error", pixels(stats.largest_sse_px));
+  draw_count("blocked", stats.blocked);
+  draw_count("hidden", stats.hidden_nodes);
+  draw_cell("front", fmt::format("{:016x}", last.hash));
+  ImGui::EndTable();
+}
+
 // The scale of the graph: the first of 5, 10, 20, 50, ... that holds nearly all pictures.
 double top_of(const std::deque<PictureRecord>& records, std::size_t first) {
   std::vector<double> totals;
@@ -91,7 +113,7 @@ void draw_bars(ImDrawList& list, const Area& area, const std::deque<PictureRecor
                fmt::format("{:g} ms", top).c_str());
 }
 
-void draw_times(const PictureRecord& last) {
+void draw_times(const PictureRecord& last, bool is_hlod) {
   for (const Part& part : parts) {
     const ImVec2 at = ImGui::GetCursorScreenPos();
     const float side = ImGui::GetFontSize() * 0.7F;
@@ -99,7 +121,7 @@ void draw_times(const PictureRecord& last) {
     ImGui::GetWindowDrawList()->AddRectFilled(ImVec2(at.x, low), ImVec2(at.x + side, low + side), part.color);
     ImGui::Dummy(ImVec2(side, side));
     ImGui::SameLine();
-    ImGui::Text("%s %.1f ms", part.name, part.milliseconds(last));
+    ImGui::Text("%s %.1f ms", is_hlod ? part.hlod_name : part.name, part.milliseconds(last));
     ImGui::SameLine(0.0F, 16.0F);
   }
 }
@@ -109,13 +131,17 @@ void draw_times(const PictureRecord& last) {
 void draw_numbers(Panels& panels, const Area& area) {
   const auto& records = panels.session.timeline().records();
   const auto& frame = panels.session.frame();
-  if (records.empty() || !frame || frame->sides.empty()) {
+  if (records.empty() || !frame || frame->side_count() == 0) {
     ImGui::TextDisabled("No mesh has been drawn yet");
     return;
   }
   const PictureRecord& last = records.back();
   ImGui::BeginGroup();
-  draw_table(last, panels.session);
+  const bool is_hlod = !frame->hlod_sides.empty();
+  if (is_hlod)
+    draw_hlod_table(last, frame->hlod_sides[0].front->frame);
+  else
+    draw_table(last, panels.session);
   draw_button(panels, "export_csv", {{"file", panels.fields.csv}});
   ImGui::SameLine();
   ImGui::SetNextItemWidth(150.0F * panels.scale);
@@ -123,7 +149,7 @@ void draw_numbers(Panels& panels, const Area& area) {
   ImGui::EndGroup();
   ImGui::SameLine(0.0F, 20.0F * panels.scale);
   ImGui::BeginGroup();
-  draw_times(last);
+  draw_times(last, is_hlod);
   ImGui::NewLine();
   const ImVec2 low = ImGui::GetCursorScreenPos();
   const Area graph{low, ImVec2(area.high.x - 10.0F * panels.scale, area.high.y - 8.0F * panels.scale)};

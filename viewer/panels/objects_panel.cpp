@@ -1,4 +1,6 @@
 // What is open, and where it stands.
+#include <fmt/format.h>
+
 #include <cstdint>
 
 #include "controls.h"
@@ -6,6 +8,16 @@
 
 namespace occlod::viewer {
 namespace {
+
+std::string about(const PlacedObject& object) {
+  const auto text = [](std::uint64_t triangles, std::size_t bytes) {
+    return grouped(static_cast<double>(triangles)) + " triangles, " + grouped(static_cast<double>(bytes) / 1e6) + " MB";
+  };
+  if (!object.hlod) return text(object.mesh->hierarchy->input_triangle_count(), object.mesh->hierarchy->bytes());
+  const hlod::Hlod& hlod = *object.hlod->hlod;
+  return text(hlod.data().input_triangle_count, hlod.bytes()) +
+         fmt::format(", {} nodes in {} levels", grouped(static_cast<double>(hlod.node_count())), hlod.level_count());
+}
 
 void draw_row(Panels& panels, const PlacedObject& object) {
   ImGui::PushID(static_cast<int>(object.id));
@@ -16,10 +28,7 @@ void draw_row(Panels& panels, const PlacedObject& object) {
   ImGui::SameLine();
   const bool selected = panels.session.state().selected == object.id;
   if (ImGui::Selectable(object.name.c_str(), selected)) panels.perform("select", {{"object", object.id}});
-  const Hierarchy& hierarchy = *object.mesh->hierarchy;
-  draw_help_of_item((grouped(static_cast<double>(hierarchy.input_triangle_count())) + " triangles, " +
-                     grouped(static_cast<double>(hierarchy.bytes()) / 1e6) + " MB")
-                        .c_str());
+  draw_help_of_item(about(object).c_str());
   ImGui::PopID();
 }
 

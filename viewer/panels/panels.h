@@ -73,6 +73,7 @@ void draw_files(Panels& panels);
 void draw_open_dialogue(Panels& panels, const Layout& layout);
 void draw_objects(Panels& panels);
 void draw_refinement(Panels& panels);
+void draw_hlod(Panels& panels);
 void draw_auto(Panels& panels);
 void draw_look(Panels& panels);
 void draw_pick(Panels& panels);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "controls.h"
+#include "palette.h"
 #include "panels.h"
 
 namespace occlod::viewer {
@@ -30,6 +31,26 @@ void draw_split(const PlacedObject& object, SplitId split) {
                                    : std::string("in all directions, no cone"));
 }
 
+void draw_node(const Session& session, const PlacedObject& object, const Pick& pick) {
+  const hlod::Hlod& hlod = *object.hlod->hlod;
+  const hlod::Node& node = hlod.node(pick.node);
+  draw_row("Node", fmt::format("{} of {}", grouped(pick.node), grouped(static_cast<double>(hlod.node_count()))));
+  draw_row("Level", fmt::format("{} of {}", node.level, hlod.level_count()));
+  draw_row("Triangles", grouped(node.triangles));
+  draw_row("Parents, children", fmt::format("{}, {}", hlod.patches(pick.node).size(), node.children));
+  draw_row("Error", fmt::format("{:.3g}, guaranteed {:.3g}", node.error, node.guaranteed_error));
+  const auto& frame = session.frame();
+  if (!frame || frame->hlod_sides.empty()) return;
+  for (const hlod::DrawnNode& draw : frame->hlod_sides[0].front->frame.draws) {
+    if (draw.node != pick.node || (*frame->job.objects)[draw.object].id != object.id) continue;
+    const double px = error_px(draw, object, View(frame->job.camera), frame->job.hlod.traverse.metric);
+    draw_row("On the screen", fmt::format("{:.2f} px, counted {:.0f} %", px, 100.0F * draw.bias));
+    draw_row("State", word_of(drawn_as(draw)));
+    return;
+  }
+  draw_row("State", "not drawn");
+}
+
 }  // namespace
 
 void draw_pick(Panels& panels) {
@@ -38,8 +59,11 @@ void draw_pick(Panels& panels) {
   for (const PlacedObject& object : *panels.session.state().objects) {
     if (object.id != pick->object) continue;
     draw_row("Object", object.name);
-    draw_row("Triangle", fmt::format("{}, {}, {}", pick->triangle.x, pick->triangle.y, pick->triangle.z));
-    if (pick->split == no_id)
+    if (!object.hlod)
+      draw_row("Triangle", fmt::format("{}, {}, {}", pick->triangle.x, pick->triangle.y, pick->triangle.z));
+    if (object.hlod)
+      draw_node(panels.session, object, *pick);
+    else if (pick->split == no_id)
       draw_row("Split", "none, part of the base mesh");
     else
       draw_split(object, pick->split);

@@ -1,4 +1,7 @@
 // The sections of the sidebar that are made of settings alone.
+#include <string_view>
+#include <vector>
+
 #include "controls.h"
 #include "panels.h"
 
@@ -25,7 +28,13 @@ void draw_refinement(Panels& panels) {
 
 void draw_look(Panels& panels) {
   if (!begin_section(panels, "Look")) return;
-  draw_settings(panels, look_settings());
+  if (!are_hlods(*panels.session.state().objects)) return draw_settings(panels, look_settings());
+  // The others are about meshes.
+  std::vector<Setting> settings;
+  for (const Setting& setting : look_settings())
+    for (const char* name : {"shading", "wire", "back_faces", "antialias", "legend", "bounds", "birdseye"})
+      if (setting.name == std::string_view(name)) settings.push_back(setting);
+  draw_settings(panels, settings);
 }
 
 void draw_window_settings(Panels& panels) {

@@ -4,6 +4,8 @@
 #include <utility>
 
 #include "occlod/core/error.h"
+#include "occlod/scene/load_hlods.h"
+#include "scene/mesh_source.h"
 
 namespace occlod::viewer {
 namespace {
@@ -11,15 +13,41 @@ namespace {
 struct Cancelled {};
 
 // "statue" of /folder/statue.ply; a generator's own description.
-std::string short_name(const SceneObject& object, const LoadedObject& loaded) {
-  if (!std::holds_alternative<MeshFile>(object.source)) return loaded.source_name;
-  return std::filesystem::path(loaded.source_name).stem().string();
+std::string short_name(const MeshSource& source, const std::string& source_name) {
+  if (!std::holds_alternative<MeshFile>(source)) return source_name;
+  return std::filesystem::path(source_name).stem().string();
 }
 
 // With files by the path where they were found, so that the scene can be saved elsewhere.
-MeshSource found_source(const SceneObject& object, const LoadedObject& loaded) {
-  if (!std::holds_alternative<MeshFile>(object.source)) return object.source;
-  return MeshFile{{std::filesystem::absolute(loaded.source_name).string()}};
+SceneObject found_part(const SceneObject& object, const std::string& source_name, const glm::dmat4& object_to_world) {
+  SceneObject part = object;
+  part.object_to_world = object_to_world;
+  if (std::holds_alternative<MeshFile>(object.source))
+    part.source = MeshFile{{std::filesystem::absolute(source_name).string()}};
+  return part;
+}
+
+// What each of the HLODs of load_hlods() is made of: first all meshes together, if any, then each .ohlod file.
+std::vector<std::vector<SceneObject>> parts_of_hlods(const SceneDescription& scene,
+                                                     const std::filesystem::path& folder) {
+  std::vector<SceneObject> meshes;
+  std::vector<std::vector<SceneObject>> parts;
+  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+    const SceneObject& object = scene.objects[i];
+    const std::string source = name_of_source(object.source, scene, i, folder);
+    if (is_ohlod_file(source))
+      parts.push_back({found_part(object, source, glm::dmat4(1.0))});
+    else
+      meshes.push_back(found_part(object, source, object.object_to_world));
+  }
+  if (!meshes.empty()) parts.insert(parts.begin(), meshes);
+  return parts;
+}
+
+bool has_hlods(const SceneDescription& scene, const std::filesystem::path& folder) {
+  for (std::size_t i = 0; i < scene.objects.size(); ++i)
+    if (is_ohlod_file(name_of_source(scene.objects[i].source, scene, i, folder))) return true;
+  return false;
 }
 
 }  // namespace
@@ -36,10 +64,10 @@ Loader::~Loader() {
   thread_.join();
 }
 
-void Loader::open(const std::filesystem::path& file) {
+void Loader::open(const std::filesystem::path& file, LoadAs as) {
   {
     const std::lock_guard lock(mutex_);
-    waiting_.push_back(file);
+    waiting_.push_back({file, as});
   }
   changed_.notify_all();
 }
@@ -48,7 +76,7 @@ void Loader::cancel() {
   const std::lock_guard lock(mutex_);
   for (; !waiting_.empty(); waiting_.pop_front()) {
     LoadedFile cancelled;
-    cancelled.file = waiting_.front();
+    cancelled.file = waiting_.front().file;
     cancelled.cancelled = true;
     finished_.push_back(std::move(cancelled));
   }
@@ -80,13 +108,13 @@ void Loader::run() {
   while (true) {
     changed_.wait(lock, [this] { return end_ || !waiting_.empty(); });
     if (end_) return;
-    const std::filesystem::path file = waiting_.front();
+    const Wanted wanted = waiting_.front();
     waiting_.pop_front();
     working_ = true;
     cancelled_ = false;
-    progress_ = {file.filename().string(), 0.0, 0};
+    progress_ = {wanted.file.filename().string(), 0.0, 0};
     lock.unlock();
-    LoadedFile result = load(file);
+    LoadedFile result = load(wanted);
     lock.lock();
     progress_ = {};
     working_ = false;
@@ -94,24 +122,15 @@ void Loader::run() {
   }
 }
 
-LoadedFile Loader::load(const std::filesystem::path& file) {
+LoadedFile Loader::load(const Wanted& wanted) {
   LoadedFile result;
-  result.file = file;
+  result.file = wanted.file;
   try {
-    const SceneDescription scene = describe_file(file);
-    LoadOptions options;
-    options.use_cache = use_cache_;
-    options.progress = [this](const std::string& what, double done) { report(what, done); };
-    const std::vector<LoadedObject> loaded = load_objects(scene, file.parent_path(), options);
-    std::map<const Hierarchy*, std::shared_ptr<const ViewMesh>> meshes;  // objects may share a hierarchy
-    for (std::size_t i = 0; i < loaded.size(); ++i) {
-      auto& mesh = meshes[loaded[i].hierarchy.get()];
-      report("preparing " + loaded[i].source_name, 1.0);
-      if (!mesh) mesh = make_view_mesh(loaded[i].hierarchy);
-      const glm::dmat4& matrix = loaded[i].object_to_world;
-      result.objects.push_back({0, short_name(scene.objects[i], loaded[i]), found_source(scene.objects[i], loaded[i]),
-                                mesh, matrix, placement_of(matrix), loaded[i].two_sided, true});
-    }
+    const SceneDescription scene = describe_file(wanted.file);
+    if (wanted.as == LoadAs::hlod || has_hlods(scene, wanted.file.parent_path()))
+      load_as_hlods(scene, result);
+    else
+      load_meshes(scene, result);
     result.cameras = scene.cameras;
     result.paths = scene.paths;
     result.about = scene.about;
@@ -123,6 +142,49 @@ LoadedFile Loader::load(const std::filesystem::path& file) {
     result.error = error.what();
   }
   return result;
+}
+
+void Loader::load_meshes(const SceneDescription& scene, LoadedFile& result) {
+  LoadOptions options;
+  options.use_cache = use_cache_;
+  options.progress = [this](const std::string& what, double done) { report(what, done); };
+  const std::vector<LoadedObject> loaded = load_objects(scene, result.file.parent_path(), options);
+  std::map<const Hierarchy*, std::shared_ptr<const ViewMesh>> meshes;  // objects may share a hierarchy
+  for (std::size_t i = 0; i < loaded.size(); ++i) {
+    auto& mesh = meshes[loaded[i].hierarchy.get()];
+    report("preparing " + loaded[i].source_name, 1.0);
+    if (!mesh) mesh = make_view_mesh(loaded[i].hierarchy);
+    const std::string& source = loaded[i].source_name;
+    PlacedObject& object = result.objects.emplace_back();
+    object.name = short_name(scene.objects[i].source, source);
+    object.parts = {found_part(scene.objects[i], source, glm::dmat4(1.0))};
+    object.mesh = mesh;
+    object.object_to_world = loaded[i].object_to_world;
+    object.placement = placement_of(object.object_to_world);
+    object.two_sided = loaded[i].two_sided;
+  }
+}
+
+void Loader::load_as_hlods(const SceneDescription& scene, LoadedFile& result) {
+  const std::filesystem::path folder = result.file.parent_path();
+  HlodLoadOptions options;
+  options.use_cache = use_cache_;
+  options.progress = [this](const std::string& what, double done) { report(what, done); };
+  const std::vector<LoadedHlod> loaded = load_hlods(scene, folder, options);
+  const std::vector<std::vector<SceneObject>> parts = parts_of_hlods(scene, folder);
+  std::map<const hlod::Hlod*, std::shared_ptr<const ViewHlod>> hlods;  // objects may share a file
+  for (std::size_t i = 0; i < loaded.size(); ++i) {
+    auto& hlod = hlods[loaded[i].hlod.get()];
+    report("preparing " + loaded[i].source_name, 1.0);
+    if (!hlod) hlod = make_view_hlod(loaded[i].hlod);
+    PlacedObject& object = result.objects.emplace_back();
+    object.name = std::filesystem::path(loaded[i].source_name).stem().string();
+    object.parts = parts[i];
+    object.hlod = hlod;
+    object.object_to_world = loaded[i].object_to_world;
+    object.placement = placement_of(object.object_to_world);
+    object.two_sided = loaded[i].two_sided;
+  }
 }
 
 void Loader::report(const std::string& what, double done) {

@@ -14,6 +14,7 @@
 
 #include "objects.h"
 #include "occlod/scene/scene.h"
+#include "settings.h"
 
 namespace occlod::viewer {
 
@@ -42,7 +43,8 @@ class Loader {
   Loader& operator=(const Loader&) = delete;
   ~Loader();  // cancels what is under way
 
-  void open(const std::filesystem::path& file);
+  // HLODs (.ohlod), and scenes with such objects, are opened as HLODs whatever `as` says.
+  void open(const std::filesystem::path& file, LoadAs as = LoadAs::hierarchy);
   void cancel();  // all of it
   [[nodiscard]] LoadProgress progress() const;
   [[nodiscard]] bool busy() const;
@@ -51,13 +53,19 @@ class Loader {
 
  private:
   void run();
-  [[nodiscard]] LoadedFile load(const std::filesystem::path& file);
+  struct Wanted {
+    std::filesystem::path file;
+    LoadAs as = LoadAs::hierarchy;
+  };
+  [[nodiscard]] LoadedFile load(const Wanted& wanted);
+  void load_meshes(const SceneDescription& scene, LoadedFile& result);
+  void load_as_hlods(const SceneDescription& scene, LoadedFile& result);
   void report(const std::string& what, double done);  // throws when cancelled
 
   bool use_cache_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  std::deque<std::filesystem::path> waiting_;
+  std::deque<Wanted> waiting_;
   std::deque<LoadedFile> finished_;
   LoadProgress progress_;
   bool working_ = false;

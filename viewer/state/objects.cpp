@@ -73,6 +73,31 @@ std::shared_ptr<const ViewMesh> make_view_mesh(std::shared_ptr<const Hierarchy> 
   return mesh;
 }
 
+std::shared_ptr<const ViewHlod> make_view_hlod(std::shared_ptr<const hlod::Hlod> hlod) {
+  auto view = std::make_shared<ViewHlod>();
+  const Box& box = hlod->data().box;
+  view->sphere.center = 0.5F * box.min + 0.5F * box.max;
+  const hlod::Level& finest = hlod->data().levels[0];
+  for (hlod::NodeId n = finest.first_node; n < finest.first_node + finest.node_count; ++n) {
+    hlod->require(n);
+    for (const glm::vec3& p : hlod->mesh(n).positions)
+      view->sphere.radius = std::max(view->sphere.radius, glm::distance(view->sphere.center, p));
+  }
+  view->hlod = std::move(hlod);
+  return view;
+}
+
+std::vector<hlod::PlacedHlod> placed_hlods(const Objects& objects) {
+  std::vector<hlod::PlacedHlod> placed;
+  for (const PlacedObject& object : objects)
+    placed.push_back({object.hlod->hlod.get(), object.object_to_world, object.two_sided});
+  return placed;
+}
+
+const Box& box_of(const PlacedObject& object) {
+  return object.hlod ? object.hlod->hlod->data().box : object.mesh->hierarchy->box();
+}
+
 Placement placement_of(const glm::dmat4& object_to_world) {
   Placement placement;
   placement.position = glm::dvec3(object_to_world[3]);
@@ -120,14 +145,14 @@ SceneBounds bounds_of(const PlacedObject& object) {
   // Exact for placements; else no smaller than the largest stretch.
   double stretch = std::max({glm::length(linear[0]), glm::length(linear[1]), glm::length(linear[2])});
   if (object.placement.shape != glm::dmat3(1.0)) stretch *= std::sqrt(3.0);
-  const Sphere& sphere = object.mesh->sphere;
+  const Sphere& sphere = object.hlod ? object.hlod->sphere : object.mesh->sphere;
   return {glm::dvec3(object.object_to_world * glm::dvec4(sphere.center, 1.0)),
           std::max(static_cast<double>(sphere.radius) * stretch, 1e-30)};
 }
 
 bool any_box_holds(const Objects& objects, const glm::dvec3& point) {
   return std::any_of(objects.begin(), objects.end(), [&](const PlacedObject& object) {
-    const Box& box = object.mesh->hierarchy->box();
+    const Box& box = box_of(object);
     const glm::vec3 p(glm::inverse(object.object_to_world) * glm::dvec4(point, 1.0));
     return object.shown && glm::all(glm::greaterThan(p, box.min)) && glm::all(glm::lessThan(p, box.max));
   });

@@ -8,7 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "occlod/device/device.h"
 #include "occlod/hierarchy/hierarchy.h"
+#include "occlod/hlod/hlod.h"
 #include "occlod/math/bounds.h"
 #include "occlod/scene/scene.h"
 
@@ -27,6 +29,15 @@ struct ViewMesh {
 // Throws Error when part of the hierarchy is damaged. O(size).
 [[nodiscard]] std::shared_ptr<const ViewMesh> make_view_mesh(std::shared_ptr<const Hierarchy> hierarchy);
 
+// An HLOD, likewise.
+struct ViewHlod {
+  std::shared_ptr<const hlod::Hlod> hlod;  // whose meshes have been checked
+  Sphere sphere;                           // around all vertices and the middle of their box
+};
+
+// O(size). Throws Error when a mesh of the HLOD is damaged.
+[[nodiscard]] std::shared_ptr<const ViewHlod> make_view_hlod(std::shared_ptr<const hlod::Hlod> hlod);
+
 // Scaled, turned around x, then y, then z, moved. `shape` comes before it all: what is no such placement, e.g. a shear.
 struct Placement {
   glm::dvec3 position{0.0};
@@ -38,17 +49,24 @@ struct Placement {
 [[nodiscard]] glm::dmat4 matrix_of(const Placement& placement);
 
 struct PlacedObject {
-  std::uint64_t id = 0;  // unique in a session
-  std::string name;      // for people
-  MeshSource source;
-  std::shared_ptr<const ViewMesh> mesh;
-  glm::dmat4 object_to_world{1.0};  // exactly as loaded until `placement` is edited
+  std::uint64_t id = 0;                  // unique in a session
+  std::string name;                      // for people
+  std::vector<SceneObject> parts;        // what it was made of, placed in object space; HLODs may have several
+  std::shared_ptr<const ViewMesh> mesh;  // null for an HLOD
+  std::shared_ptr<const ViewHlod> hlod;  // null for a mesh
+  glm::dmat4 object_to_world{1.0};       // exactly as loaded until `placement` is edited
   Placement placement;
   bool two_sided = false;
   bool shown = true;
 };
 
-using Objects = std::vector<PlacedObject>;
+using Objects = std::vector<PlacedObject>;  // all meshes, or all HLODs
+
+[[nodiscard]] inline bool are_hlods(const Objects& objects) { return !objects.empty() && objects[0].hlod != nullptr; }
+// For traversal. The objects keep what these refer to.
+[[nodiscard]] std::vector<hlod::PlacedHlod> placed_hlods(const Objects& objects);
+// Object space.
+[[nodiscard]] const Box& box_of(const PlacedObject& object);
 
 // A sphere around all that are shown, in world space; radius 1 around the origin when there are none.
 struct SceneBounds {

@@ -8,6 +8,9 @@
 #include <glm/vec3.hpp>
 #include <span>
 
+#include "bias_color.h"
+#include "picture/color.h"
+
 namespace occlod::viewer {
 namespace {
 
@@ -42,6 +45,16 @@ constexpr std::array<glm::u8vec4, outcome_count> outcome_colors = {{{238, 174, 9
                                                                     {112, 118, 126, 255},
                                                                     {212, 224, 208, 255},
                                                                     {208, 82, 92, 255}}};
+
+constexpr std::array<const char*, drawn_as_count> drawn_words = {
+    "drawn without a question", "asked about, drawn at once", "delayed until its answer came",
+    "blocked by a parent that is drawn", "drawn twice: refined in the same frame"};
+constexpr std::array<glm::u8vec4, drawn_as_count> drawn_colors = {
+    {{150, 156, 164, 255}, {96, 164, 120, 255}, {238, 174, 92, 255}, {128, 92, 148, 255}, {208, 66, 76, 255}}};
+constexpr std::array<const char*, 4> answer_words = {"answer not used", "hidden by a query",
+                                                     "visible: decided something", "wasted: decided nothing"};
+constexpr std::array<glm::u8vec4, 4> answer_colors = {
+    {{196, 152, 208, 255}, {246, 246, 246, 255}, {58, 132, 206, 255}, {12, 12, 14, 255}}};
 
 template <std::size_t count>
 std::vector<LegendEntry> entries(const std::array<glm::u8vec4, count>& colors,
@@ -96,6 +109,68 @@ std::vector<LegendEntry> legend_of(ColorBy color_by, int level_count) {
     case ColorBy::outcome:
       return entries(outcome_colors, outcome_words);
   }
+  return legend;
+}
+
+DrawnAs drawn_as(const hlod::DrawnNode& draw) {
+  if (draw.refined) return DrawnAs::twice;
+  if (draw.blocked) return DrawnAs::blocked;
+  if (draw.delayed) return DrawnAs::delayed;
+  return draw.asked ? DrawnAs::stopped : DrawnAs::unasked;
+}
+
+const char* word_of(DrawnAs drawn) { return drawn_words[static_cast<std::size_t>(drawn)]; }
+
+glm::u8vec4 hlod_level_color(std::size_t level, std::size_t level_count) {
+  return level_color(1.0 - static_cast<double>(level) / static_cast<double>(std::max<std::size_t>(level_count, 2) - 1));
+}
+
+glm::u8vec4 bias_color(float bias) { return picture::to_srgb(tool::bias_color(bias)); }
+
+// Hues a golden angle apart.
+glm::u8vec4 patch_color(std::uint32_t patch) {
+  if (patch == no_id) return base_mesh_color;
+  const double hue = std::fmod(static_cast<double>(patch) * 0.61803398875, 1.0);
+  const auto channel = [&](double shift) {
+    const double place = std::fmod(hue + shift, 1.0) * 6.0;
+    const double value = std::clamp(std::abs(place - 3.0) - 1.0, 0.0, 1.0);
+    return static_cast<std::uint8_t>(std::lround(110.0 + 130.0 * value));
+  };
+  return {channel(0.0), channel(2.0 / 3.0), channel(1.0 / 3.0), 255};
+}
+
+glm::u8vec4 color_of(DrawnAs drawn) { return drawn_colors[static_cast<std::size_t>(drawn)]; }
+glm::u8vec4 color_of(hlod::Answer answer) { return answer_colors[static_cast<std::size_t>(answer)]; }
+
+std::vector<LegendEntry> legend_of(HlodColorBy color_by, std::size_t level_count) {
+  std::vector<LegendEntry> legend;
+  switch (color_by) {
+    case HlodColorBy::plain:
+    case HlodColorBy::vertices:
+    case HlodColorBy::patch:
+      break;
+    case HlodColorBy::level:
+      for (std::size_t level = 0; level < level_count; ++level)
+        legend.push_back(
+            {hlod_level_color(level, level_count), fmt::format("level {}{}", level, level == 0 ? ", the input" : "")});
+      break;
+    case HlodColorBy::error:
+      return legend_of(ColorBy::error, 0);
+    case HlodColorBy::bias:
+      for (const float bias : {1.0F, 0.75F, 0.5F, 0.25F, 0.0F})
+        legend.push_back({bias_color(bias), fmt::format("{:.0f} % of the error counted", 100.0F * bias)});
+      break;
+    case HlodColorBy::state:
+      return entries(drawn_colors, drawn_words);
+  }
+  return legend;
+}
+
+std::vector<LegendEntry> legend_of(NodeBoxes boxes) {
+  if (boxes != NodeBoxes::asked) return {};
+  std::vector<LegendEntry> legend = entries(answer_colors, answer_words);
+  for (LegendEntry& entry : legend) entry.text = "box: " + entry.text;
+  legend.push_back({unasked_box_color, "box: drawn without a question"});
   return legend;
 }
 

@@ -31,6 +31,18 @@ enum class Outcome : std::uint8_t {
 };
 inline constexpr std::size_t outcome_count = 6;
 
+// How a node of an HLOD came to be drawn; the last that holds.
+enum class DrawnAs : std::uint8_t {
+  unasked,  // without a question of its own
+  stopped,  // asked about, and drawn at once
+  delayed,  // when its answer came
+  blocked,  // though it was to be refined: a parent was drawn
+  twice,    // and refined in the same frame
+};
+inline constexpr std::size_t drawn_as_count = 5;
+[[nodiscard]] DrawnAs drawn_as(const hlod::DrawnNode& draw);
+[[nodiscard]] const char* word_of(DrawnAs drawn);
+
 // sRGB.
 [[nodiscard]] glm::u8vec4 color_of(Seen seen);
 [[nodiscard]] glm::u8vec4 color_of(Outcome outcome);
@@ -42,11 +54,21 @@ inline constexpr double most_error_px = 16.0;
 inline constexpr std::uint32_t most_age = 15;                      // the end of its logarithmic scale
 inline constexpr glm::u8vec4 base_mesh_color{120, 124, 132, 255};  // of triangles that no split has made
 
+// Of HLODs. Levels: `level` 0 is the input.
+[[nodiscard]] glm::u8vec4 hlod_level_color(std::size_t level, std::size_t level_count);
+[[nodiscard]] glm::u8vec4 bias_color(float bias);
+[[nodiscard]] glm::u8vec4 patch_color(std::uint32_t patch);
+[[nodiscard]] glm::u8vec4 color_of(DrawnAs drawn);
+[[nodiscard]] glm::u8vec4 color_of(hlod::Answer answer);          // of a box
+inline constexpr glm::u8vec4 unasked_box_color{96, 96, 96, 255};  // drawn without a question
+
 struct LegendEntry {
   glm::u8vec4 color;
   std::string text;
 };
 // Empty where colours tell nothing.
 [[nodiscard]] std::vector<LegendEntry> legend_of(ColorBy color_by, int level_count);
+[[nodiscard]] std::vector<LegendEntry> legend_of(HlodColorBy color_by, std::size_t level_count);
+[[nodiscard]] std::vector<LegendEntry> legend_of(NodeBoxes boxes);
 
 }  // namespace occlod::viewer

@@ -28,10 +28,25 @@ std::optional<double> meet(const glm::dvec3& origin, const glm::dvec3& direction
   return distance > 0.0 ? std::optional(distance) : std::nullopt;
 }
 
+struct ShownTriangles {
+  std::span<const glm::vec3> positions;
+  std::span<const Triangle> triangles;
+};
+
+// Of one object of the frame's first side.
+ShownTriangles shown_triangles(const RefinedFrame& frame, std::size_t object) {
+  if (!frame.hlod_sides.empty()) {
+    const FrontObject& front = frame.hlod_sides[0].front->objects[object];
+    return {front.positions, front.triangles};
+  }
+  return {(*frame.job.objects)[object].mesh->hierarchy->positions(),
+          frame.sides[0].refinement.objects[object].triangles};
+}
+
 }  // namespace
 
 std::optional<Hit> cast_ray(const RefinedFrame& frame, const Ray& ray) {
-  if (frame.sides.empty()) return std::nullopt;
+  if (frame.side_count() == 0) return std::nullopt;
   std::optional<Hit> nearest;
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < frame.job.objects->size(); ++i) {
@@ -39,8 +54,7 @@ std::optional<Hit> cast_ray(const RefinedFrame& frame, const Ray& ray) {
     const glm::dmat4 to_object = glm::inverse(object.object_to_world);
     const glm::dvec3 o(to_object * glm::dvec4(ray.origin, 1.0));
     const glm::dvec3 d(to_object * glm::dvec4(ray.direction, 0.0));
-    const std::span<const glm::vec3> positions = object.mesh->hierarchy->positions();
-    const std::vector<Triangle>& triangles = frame.sides[0].refinement.objects[i].triangles;
+    const auto [positions, triangles] = shown_triangles(frame, i);
     for (std::size_t t = 0; t < triangles.size(); ++t) {
       const auto distance = meet(o, d, positions[triangles[t].x], positions[triangles[t].y], positions[triangles[t].z]);
       if (!distance || *distance >= least) continue;
@@ -53,9 +67,19 @@ std::optional<Hit> cast_ray(const RefinedFrame& frame, const Ray& ray) {
 
 Pick pick_of(const RefinedFrame& frame, const Hit& hit) {
   const PlacedObject& object = (*frame.job.objects)[hit.object];
-  const RefinedObject& refined = frame.sides[0].refinement.objects[hit.object];
-  return {object.id, born_splits(*object.mesh->hierarchy, {&refined.triangles[hit.triangle], 1})[0],
-          refined.triangles[hit.triangle], hit.point};
+  Pick pick;
+  pick.object = object.id;
+  const auto [positions, triangles] = shown_triangles(frame, hit.object);
+  pick.triangle = triangles[hit.triangle];
+  for (int k = 0; k < 3; ++k) pick.corners[static_cast<std::size_t>(k)] = positions[pick.triangle[k]];
+  pick.point = hit.point;
+  if (object.hlod) {
+    const HlodFront& front = *frame.hlod_sides[0].front;
+    pick.node = front.frame.draws[draw_of(front, hit.object, hit.triangle)].node;
+  } else {
+    pick.split = born_splits(*object.mesh->hierarchy, {&pick.triangle, 1})[0];
+  }
+  return pick;
 }
 
 }  // namespace occlod::viewer

@@ -1,6 +1,7 @@
 // Which triangle is there?
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <glm/vec3.hpp>
 #include <optional>
@@ -20,12 +21,14 @@ struct Hit {
 // The nearest triangle of the frame's first side that a ray meets, either face. O(triangles).
 [[nodiscard]] std::optional<Hit> cast_ray(const RefinedFrame& frame, const Ray& ray);
 
-// What was picked: a triangle and the split that made it.
+// What was picked: a triangle, and the split that made it or the node that it belongs to.
 struct Pick {
-  std::uint64_t object = 0;  // id
-  SplitId split = no_id;     // no_id: a triangle of the base mesh
+  std::uint64_t object = 0;   // id
+  SplitId split = no_id;      // no_id: a triangle of the base mesh, or of an HLOD
+  hlod::NodeId node = no_id;  // of an HLOD
   Triangle triangle{0, 0, 0};
-  glm::dvec3 point{0.0};  // world space
+  std::array<glm::dvec3, 3> corners{};  // of the triangle, object space
+  glm::dvec3 point{0.0};                // world space
 };
 [[nodiscard]] Pick pick_of(const RefinedFrame& frame, const Hit& hit);
 

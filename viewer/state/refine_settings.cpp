@@ -90,7 +90,8 @@ std::vector<Setting> frame_settings() {
           {"freeze", "Freeze", "Keep the mesh as it is now and move only the camera that views it"},
           [](auto& s) -> auto& { return s.freeze; })),
       not_kept(toggle(
-          {"compare", "Split screen", "Show the same view and budget without occlusion beside it"},
+          {"compare", "Split screen",
+           "Show the same view and budget without occlusion beside it, or an HLOD by another strategy"},
           [](auto& s) -> auto& { return s.compare; })),
       toggle(
           {"count_visible", "Count visible", "Count triangles that own at least one pixel, with an item buffer"},

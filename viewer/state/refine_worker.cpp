@@ -7,6 +7,7 @@
 #include <map>
 
 #include "explain.h"
+#include "hlod_bench.h"
 #include "occlod/picture/picture.h"
 #include "occlod/raster/item_buffer.h"
 #include "side_refiner.h"
@@ -63,19 +64,25 @@ std::vector<glm::u8vec4> colored(const Values& values, const Color& color) {
 // What lives as long as the thread.
 class Bench {
  public:
-  // Both outlive it.
-  Bench(const MakeVisibility& make, std::optional<Calibration>& calibration) : make_(make), calibration_(calibration) {}
+  // All outlive it.
+  Bench(const MakeVisibility& make, const MakeDevice& make_device, std::optional<Calibration>& calibration)
+      : make_(make), calibration_(calibration), hlods_(make_device, calibration) {}
 
   [[nodiscard]] RefinedFrame work(RefineJob job) {
     RefinedFrame frame;
     frame.job = std::move(job);
     try {
-      refine(frame);
+      if (are_hlods(*frame.job.objects))
+        hlods_.draw(frame);
+      else
+        refine(frame);
     } catch (const std::exception& error) {
       frame.sides.clear();
+      frame.hlod_sides.clear();
       frame.error = error.what();
       refiners_.clear();  // whatever it was about is not to be gone on with
       backends_.clear();
+      hlods_.forget();
     }
     return frame;
   }
@@ -200,12 +207,17 @@ class Bench {
   std::uint64_t refinements_ = 0;
   int idle_frames_ = 0;
   ItemBuffer items_;
+  HlodBench hlods_;
 };
 
 }  // namespace
 
-RefineWorker::RefineWorker(MakeVisibility make_visibility, std::optional<Calibration> calibration)
-    : make_visibility_(std::move(make_visibility)), calibration_(std::move(calibration)), thread_([this] { run(); }) {}
+RefineWorker::RefineWorker(MakeVisibility make_visibility, std::optional<Calibration> calibration,
+                           MakeDevice make_device)
+    : make_visibility_(std::move(make_visibility)),
+      make_device_(std::move(make_device)),
+      calibration_(std::move(calibration)),
+      thread_([this] { run(); }) {}
 
 RefineWorker::~RefineWorker() {
   {
@@ -237,7 +249,7 @@ void RefineWorker::wait_for(std::uint64_t number, double milliseconds) const {
 }
 
 void RefineWorker::run() {
-  Bench bench(make_visibility_, calibration_);
+  Bench bench(make_visibility_, make_device_, calibration_);
   std::unique_lock lock(mutex_);
   while (true) {
     changed_.wait(lock, [this] { return end_ || next_; });

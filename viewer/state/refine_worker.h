@@ -13,7 +13,10 @@
 #include <thread>
 #include <vector>
 
+#include "hlod_devices.h"
+#include "hlod_side.h"
 #include "objects.h"
+#include "occlod/device/device_costs.h"
 #include "occlod/effects/effect_choice.h"
 #include "occlod/refine/refiner.h"
 #include "occlusion/depth_pyramid.h"
@@ -35,6 +38,7 @@ struct RefineJob {
   bool keep_occluder = false;
   bool keep_seen = false;
   ColorBy color_by = ColorBy::plain;
+  HlodSettings hlod;  // where the objects are HLODs, instead of what is about meshes
 };
 
 // Of Occlusion::automatic: what was on and why. The choice's backend is one of the calibration's.
@@ -57,10 +61,16 @@ struct RefinedSide {
 // Immutable once it is handed over.
 struct RefinedFrame {
   RefineJob job;
-  std::vector<RefinedSide> sides;  // as asked; with `compare` the same without occlusion as well
-  std::uint64_t hash = 0;          // of the first side
-  bool goes_on = false;            // a limit has left work over, or vertices slide: one more frame is worth its while
-  std::string error;               // one line; then there are no sides
+  // Either: as asked; with `compare` the same without occlusion, or by the other strategy, as well.
+  std::vector<RefinedSide> sides;
+  std::vector<HlodSide> hlod_sides;
+  std::optional<hlod::DeviceCosts> device_costs;  // of the device that HLODs are drawn on, where they are known
+  std::uint64_t hash = 0;                         // of the first side
+  // A limit has left work over, vertices slide, or other nodes may be drawn: one more frame is worth its while.
+  bool goes_on = false;
+  std::string error;  // one line; then there are no sides
+
+  [[nodiscard]] std::size_t side_count() const { return sides.size() + hlod_sides.size(); }
 };
 
 // Makes a backend, on the worker's thread. Throws Error when this machine has none such.
@@ -68,8 +78,10 @@ using MakeVisibility = std::function<std::unique_ptr<Visibility>(Occlusion)>;
 
 class RefineWorker {
  public:
-  // `calibration`: for Occlusion::automatic; nothing: measured when it is asked for first.
-  explicit RefineWorker(MakeVisibility make_visibility, std::optional<Calibration> calibration = {});
+  // `calibration`: for Occlusion::automatic and strategies that need to know what the device costs; what it lacks is
+  // measured when it is asked for first.
+  explicit RefineWorker(MakeVisibility make_visibility, std::optional<Calibration> calibration = {},
+                        MakeDevice make_device = make_portable_device);
   RefineWorker(const RefineWorker&) = delete;
   RefineWorker& operator=(const RefineWorker&) = delete;
   ~RefineWorker();
@@ -85,6 +97,7 @@ class RefineWorker {
   void run();
 
   MakeVisibility make_visibility_;
+  MakeDevice make_device_;
   std::optional<Calibration> calibration_;
   mutable std::mutex mutex_;
   mutable std::condition_variable changed_;

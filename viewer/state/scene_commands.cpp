@@ -46,7 +46,9 @@ bool is_usable(const glm::dmat4& matrix) {
   return true;
 }
 
-void open(Session& session, const JsonPlace& action) { session.loader().open(action.at("file").string()); }
+void open(Session& session, const JsonPlace& action) {
+  session.loader().open(action.at("file").string(), session.state().settings.load_as);
+}
 void cancel(Session& session, const JsonPlace&) { session.loader().cancel(); }
 
 void close(Session& session, const JsonPlace& action) {
@@ -110,7 +112,10 @@ void show(Session& session, const JsonPlace& action) {
 
 void two_sided(Session& session, const JsonPlace& action) {
   const bool value = action.at("value").boolean();
-  edit_object(session, object_of(session, action), [&](PlacedObject& object) { object.two_sided = value; });
+  edit_object(session, object_of(session, action), [&](PlacedObject& object) {
+    object.two_sided = value;
+    for (SceneObject& part : object.parts) part.two_sided = value;
+  });
 }
 
 MeshSource source_in_scene(MeshSource source, const std::filesystem::path& folder) {
@@ -128,8 +133,9 @@ void save_scene(Session& session, const JsonPlace& action) {
   SceneDescription scene;
   scene.about = state.about;
   for (const PlacedObject& object : *state.objects)
-    scene.objects.push_back(
-        {source_in_scene(object.source, file.parent_path()), object.object_to_world, object.two_sided});
+    for (const SceneObject& part : object.parts)
+      scene.objects.push_back({source_in_scene(part.source, file.parent_path()),
+                               object.object_to_world * part.object_to_world, part.two_sided});
   scene.cameras = state.bookmarks;
   scene.cameras["default"] = state.camera;
   scene.paths = state.paths;
@@ -144,7 +150,11 @@ void forget_recent(Session& session, const JsonPlace&) { session.state().recent.
 std::span<const Command> scene_commands() {
   const Parameter object{"object", "a name or number; the selected object if left out", false};
   static const std::vector<Command> commands = {
-      {"open", "Open", "Add a mesh, a hierarchy (.olod) or a scene (.json) to what is open", {{"file", "path"}}, open},
+      {"open",
+       "Open",
+       "Add a mesh, a hierarchy (.olod), an HLOD (.ohlod) or a scene (.json) to what is open",
+       {{"file", "path"}},
+       open},
       {"cancel", "Cancel", "Cancel loading and building", {}, cancel, false},
       {"close", "Close", "Close one object", {object}, close},
       {"close_all", "Close all", "Close everything", {}, close_all},

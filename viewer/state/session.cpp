@@ -29,7 +29,8 @@ nlohmann::json key_of(const Camera& c) {
 nlohmann::json key_of(const RefineJob& job, const Settings& settings) {
   nlohmann::json key =
       nlohmann::json::array({key_of(job.camera), job.keep_occluder, job.keep_seen, static_cast<int>(job.color_by)});
-  for (const Setting& setting : refine_settings()) key.push_back(setting.get(settings));
+  for (const auto& group : {refine_settings(), hlod_settings()})
+    for (const Setting& setting : group) key.push_back(setting.get(settings));
   return key;
 }
 
@@ -41,14 +42,73 @@ void check_parameters(const Command& command, const JsonPlace& action) {
     if (parameter.required) static_cast<void>(action.at(parameter.name));
 }
 
+void tell(PictureRecord& record, const RefinedSide& side, bool is_new) {
+  const RefineStats& stats = side.refinement.stats;
+  if (is_new) {
+    record.refine_ms = stats.refine_ms;
+    record.occlusion_ms = stats.occlusion_ms;
+    record.new_splits = stats.new_splits;
+    record.merged_splits = stats.merged_splits;
+    record.changed_triangles = stats.changed_triangles;
+  }
+  record.pending = stats.pending;
+  record.budget = stats.budget;
+  record.triangles = stats.triangles;
+  record.visible_triangles = side.visible_triangles.value_or(0);
+  record.splits = stats.splits;
+  record.forced_splits = stats.forced_splits;
+  record.queries = stats.queries;
+  record.queries_hidden = stats.queries_hidden;
+  record.max_error_px = stats.max_error_px;
+}
+
+// The times are those of the device, which may be simulated.
+void tell(PictureRecord& record, const HlodFront& front, bool is_new) {
+  const hlod::FrameStats& stats = front.frame.stats;
+  record.hlod = stats;
+  record.times = front.frame.times;
+  if (is_new) {
+    record.refine_ms = std::max(record.times.frame_ms - record.times.stall_ms, 0.0);
+    record.occlusion_ms = record.times.stall_ms;
+  }
+  record.triangles = stats.drawn_triangles;
+  record.queries = stats.queries;
+  record.queries_hidden = stats.hidden_nodes;
+  record.max_error_px = stats.largest_sse_px;
+}
+
+void add_figures(std::map<std::string, double>& figures, const RefinedFrame& frame) {
+  const hlod::Frame& front = frame.hlod_sides[0].front->frame;
+  const hlod::FrameStats& stats = front.stats;
+  figures["triangles"] = static_cast<double>(stats.drawn_triangles);
+  figures["queries"] = static_cast<double>(stats.queries);
+  figures["queries_hidden"] = static_cast<double>(stats.hidden_nodes);
+  figures["max_error_px"] = stats.largest_sse_px;
+  figures["drawn_nodes"] = static_cast<double>(stats.drawn_nodes);
+  figures["drawn_patches"] = static_cast<double>(stats.drawn_patches);
+  figures["cut_nodes"] = static_cast<double>(stats.cut_nodes);
+  figures["rarn"] = static_cast<double>(stats.rarn);
+  figures["delayed"] = static_cast<double>(stats.delayed);
+  figures["blocked"] = static_cast<double>(stats.blocked);
+  figures["wasted_queries"] = static_cast<double>(stats.wasted_queries);
+  figures["frame_ms"] = front.times.frame_ms;
+  figures["stall_ms"] = front.times.stall_ms;
+  if (frame.hlod_sides.size() < 2) return;
+  const hlod::Frame& other = frame.hlod_sides[1].front->frame;
+  figures["other_drawn_nodes"] = static_cast<double>(other.stats.drawn_nodes);
+  figures["other_triangles"] = static_cast<double>(other.stats.drawn_triangles);
+  figures["other_frame_ms"] = other.times.frame_ms;
+}
+
 }  // namespace
 
 std::filesystem::path frame_file(const std::filesystem::path& folder, int frame) {
   return folder / fmt::format("frame_{:05}.png", frame);
 }
 
-Session::Session(MakeVisibility make_visibility, bool use_cache, std::optional<Calibration> calibration)
-    : loader_(use_cache), worker_(std::move(make_visibility), std::move(calibration)) {}
+Session::Session(MakeVisibility make_visibility, bool use_cache, std::optional<Calibration> calibration,
+                 MakeDevice make_device)
+    : loader_(use_cache), worker_(std::move(make_visibility), std::move(calibration), std::move(make_device)) {}
 
 void Session::perform(const JsonPlace& action) {
   const JsonPlace name = action.at("do");
@@ -94,32 +154,19 @@ void Session::update(double seconds, double patience_ms) {
 
 void Session::picture_drawn(const PictureCost& cost) {
   ++pictures_;
-  if (!frame_ || frame_->sides.empty()) return;
-  const RefineStats& stats = frame_->sides[0].refinement.stats;
+  if (!frame_ || frame_->side_count() == 0) return;
   PictureRecord record;
   record.picture = pictures_;
   if (!state_.playback.path.empty() && frame_->job.number == requested_)
     record.path_frame = static_cast<int>(state_.playback.at);
-  if (frame_->job.number != drawn_) {
-    record.refine_ms = stats.refine_ms;
-    record.occlusion_ms = stats.occlusion_ms;
-    record.new_splits = stats.new_splits;
-    record.merged_splits = stats.merged_splits;
-    record.changed_triangles = stats.changed_triangles;
-  }
-  drawn_ = frame_->job.number;
-  record.pending = stats.pending;
   record.cost = cost;
-  record.budget = stats.budget;
-  record.triangles = stats.triangles;
-  record.visible_triangles = frame_->sides[0].visible_triangles.value_or(0);
-  record.splits = stats.splits;
-  record.forced_splits = stats.forced_splits;
-  record.queries = stats.queries;
-  record.queries_hidden = stats.queries_hidden;
-  record.max_error_px = stats.max_error_px;
   record.memory_mb = resident_memory_mb();
   record.hash = frame_->hash;
+  const bool is_new = std::exchange(drawn_, frame_->job.number) != frame_->job.number;
+  if (frame_->sides.empty())
+    tell(record, *frame_->hlod_sides[0].front, is_new);
+  else
+    tell(record, frame_->sides[0], is_new);
   timeline_.add(record);
 }
 
@@ -170,6 +217,14 @@ void Session::take_loaded() {
 
 void Session::add(LoadedFile file) {
   const bool first = state_.objects->empty();
+  if (!first && are_hlods(file.objects) != are_hlods(*state_.objects)) {
+    const bool is_hlod = are_hlods(file.objects);
+    return notify(Error({file.file.string(), "",
+                         is_hlod ? "is an HLOD, and meshes are open" : "is opened as a hierarchy, and HLODs are open",
+                         is_hlod ? "close them first" : "close them first, or set open_as to hlod"})
+                      .what(),
+                  true);
+  }
   edit_objects([&](Objects& objects) {
     for (PlacedObject& object : file.objects) {
       object.id = next_id_++;
@@ -258,6 +313,7 @@ RefineJob Session::wanted_job() const {
   job.keep_occluder = settings.insets.occluder;
   job.keep_seen = settings.insets.birdseye;
   job.color_by = settings.look.color_by;
+  job.hlod = settings.hlod;
   return job;
 }
 
@@ -290,6 +346,7 @@ std::map<std::string, double> Session::figures() const {
                                            {"errors", static_cast<double>(state_.errors)},
                                            {"picked", state_.pick ? 1.0 : 0.0},
                                            {"memory_mb", resident_memory_mb()}};
+  if (frame_ && !frame_->hlod_sides.empty()) add_figures(figures, *frame_);
   if (!frame_ || frame_->sides.empty()) return figures;
   const RefineStats& stats = frame_->sides[0].refinement.stats;
   figures["budget"] = static_cast<double>(stats.budget);

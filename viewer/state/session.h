@@ -94,8 +94,9 @@ struct State {
 
 class Session {
  public:
-  // `use_cache`: of hierarchies that are built. `calibration`: see RefineWorker.
-  Session(MakeVisibility make_visibility, bool use_cache, std::optional<Calibration> calibration = {});
+  // `use_cache`: of hierarchies and HLODs that are built. The others: see RefineWorker.
+  Session(MakeVisibility make_visibility, bool use_cache, std::optional<Calibration> calibration = {},
+          MakeDevice make_device = make_portable_device);
 
   // Throws Error that names the action's place: an unknown command or parameter, a value that does not fit, something
   // that cannot be done now.

@@ -49,9 +49,10 @@ void SessionFiles::add_outputs(const JsonPlace& place, const std::vector<fs::pat
 std::string SessionFiles::conflict(const fs::path& file, OutputKind kind, const Objects& objects) const {
   const std::string identity = identity_of(file);
   for (const PlacedObject& object : objects)
-    if (const auto* mesh = std::get_if<MeshFile>(&object.source))
-      for (const std::string& name : mesh->names)
-        if (identity_of(name) == identity) return fmt::format("the file of the open object \"{}\"", object.name);
+    for (const SceneObject& part : object.parts)
+      if (const auto* mesh = std::get_if<MeshFile>(&part.source))
+        for (const std::string& name : mesh->names)
+          if (identity_of(name) == identity) return fmt::format("the file of the open object \"{}\"", object.name);
   for (const Used& input : inputs_)
     if (identity_of(input.file) == identity && !(input.is_scene && kind == OutputKind::scene)) return input.what;
   for (const Written& output : outputs_)

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "occlod/refine/refiner.h"
+#include "occlod/traverse/traverser.h"
 
 namespace occlod::viewer {
 
@@ -19,6 +20,43 @@ enum class ColorBy {
   visibility,  // whether it owns a pixel, and if not, why
   outcome,     // what ended refinement here
   age,         // how long ago its split was last found visible
+};
+
+// What meshes and scenes are built as when they are opened.
+enum class LoadAs { hierarchy, hlod };
+
+// What draws HLODs and answers questions about their nodes.
+enum class HlodDevice { gl, software, query_cheap, query_dear, fill_bound, modern };
+
+// How nodes change between levels.
+enum class HlodBetween { nothing, geomorph, within };
+
+// What the colour of a triangle of an HLOD tells.
+enum class HlodColorBy {
+  plain,     // nothing
+  vertices,  // the colours of the file
+  level,     // of its node
+  error,     // of its node, in pixels
+  bias,      // how much of it counted
+  state,     // how its node came to be drawn
+  patch,     // which patch it belongs to
+};
+
+// Which nodes have their boxes drawn.
+enum class NodeBoxes {
+  none,
+  drawn,  // in the colours of their triangles
+  asked,  // by what came of asking, and those drawn without (Guthe and others 2006, fig. 1)
+};
+
+struct HlodSettings {
+  hlod::TraverseOptions traverse;                           // without what `between`, the device and an oracle give
+  hlod::Strategy other_strategy = hlod::Strategy::boolean;  // of the right half of the split screen
+  HlodBetween between = HlodBetween::nothing;
+  HlodDevice device = HlodDevice::gl;
+  bool settle = true;  // a view that stands still is drawn until its front stays
+  HlodColorBy color_by = HlodColorBy::plain;
+  NodeBoxes boxes = NodeBoxes::none;
 };
 
 // How mouse and keys move the camera.
@@ -50,7 +88,9 @@ struct WindowSettings {
 };
 
 struct Settings {
+  LoadAs load_as = LoadAs::hierarchy;
   RefineOptions refine;
+  HlodSettings hlod;
   bool frame_to_frame = true;  // go on from the mesh of the picture before; else refine each from scratch
   Occlusion occlusion = Occlusion::software;
   bool freeze = false;         // refine for the camera of the moment when it was set

@@ -5,6 +5,9 @@
 #include <deque>
 #include <filesystem>
 
+#include "occlod/device/device.h"
+#include "occlod/traverse/traverser.h"
+
 namespace occlod::viewer {
 
 // Of a picture whose mesh was there.
@@ -34,7 +37,10 @@ struct PictureRecord {
   std::size_t queries_hidden = 0;
   double max_error_px = 0.0;
   double memory_mb = 0.0;
-  std::uint64_t hash = 0;  // of the refinement
+  std::uint64_t hash = 0;  // of the refinement, or of the front
+  // Of HLODs; else all 0. refine_ms is then the frame without stalls, occlusion_ms the stalls.
+  hlod::FrameStats hlod;
+  hlod::FrameTimes times;
 
   [[nodiscard]] double total_ms() const { return refine_ms + occlusion_ms + cost.upload_ms + cost.draw_ms; }
 };

@@ -1,0 +1,115 @@
+// How HLODs are traversed: the strategy, its bias as a curve, the device and what its commands cost.
+#include <fmt/format.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "controls.h"
+#include "hlod_strategies.h"
+#include "panels.h"
+
+namespace occlod::viewer {
+namespace {
+
+void draw_row(const char* name, const std::string& value) {
+  ImGui::TextDisabled("%s", name);
+  ImGui::SameLine(ImGui::GetWindowContentRegionMax().x * 0.42F);
+  ImGui::TextUnformatted(value.c_str());
+}
+
+// What of an error counts (up) where this share of a node is visible (to the right); the diagonal is the share itself.
+void draw_bias_curve(const hlod::TraverseOptions& options, float scale) {
+  const float width = ImGui::GetContentRegionAvail().x;
+  const float height = 90.0F * scale;
+  const ImVec2 low = ImGui::GetCursorScreenPos();
+  const ImVec2 high(low.x + width, low.y + height);
+  ImDrawList& list = *ImGui::GetWindowDrawList();
+  list.AddRectFilled(low, high, ImGui::GetColorU32(ImGuiCol_FrameBg), 3.0F);
+  const auto place = [&](double share, double counts) {
+    return ImVec2(low.x + static_cast<float>(share) * width, high.y - static_cast<float>(counts) * height);
+  };
+  list.AddLine(place(0.0, 0.0), place(1.0, 1.0), ImGui::GetColorU32(ImGuiCol_Border));
+  constexpr int pieces = 64;
+  std::vector<ImVec2> curve;
+  for (int i = 0; i <= pieces; ++i) {
+    const double share = static_cast<double>(i) / pieces;
+    curve.push_back(place(share, options.biased ? options.bias(share) : hlod::no_bias(share)));
+  }
+  list.AddPolyline(curve.data(), static_cast<int>(curve.size()), IM_COL32(226, 164, 84, 255), ImDrawFlags_None, 2.0F);
+  list.AddText(ImVec2(low.x + 6.0F, low.y + 4.0F), ImGui::GetColorU32(ImGuiCol_TextDisabled), "B(visible share)");
+  ImGui::Dummy(ImVec2(width, height));
+  draw_help_of_item("How much of a node's error counts, over the share of its box that is visible");
+}
+
+void draw_bias(Panels& panels) {
+  draw_setting(panels, "biased");
+  draw_setting(panels, "bias_s");
+  draw_setting(panels, "bias_t");
+  draw_bias_curve(panels.session.state().settings.hlod.traverse, panels.scale);
+}
+
+void draw_costs(const hlod::DeviceCosts& costs) {
+  if (!ImGui::BeginTable("costs", 4, ImGuiTableFlags_SizingStretchProp | ImGuiTableFlags_RowBg)) return;
+  const std::pair<const char*, double> rows[] = {{"draw", costs.draw_ns},
+                                                 {"triangle", costs.triangle_ns},
+                                                 {"fragment", costs.fragment_ns},
+                                                 {"query", costs.query_ns},
+                                                 {"its fragment", costs.query_fragment_ns},
+                                                 {"beside a draw", costs.wrapped_query_ns},
+                                                 {"answer's way", costs.readback_ns},
+                                                 {"batch", costs.batch_ns},
+                                                 {"its box", costs.batch_item_ns},
+                                                 {"command", costs.submit_ns},
+                                                 {"visit", costs.visit_ns}};
+  for (const auto& [name, ns] : rows) {
+    ImGui::TableNextColumn();
+    ImGui::TextDisabled("%s", name);
+    ImGui::TableNextColumn();
+    ImGui::TextUnformatted(fmt::format("{:.3g} ns", ns).c_str());
+  }
+  ImGui::EndTable();
+}
+
+void draw_device(Panels& panels) {
+  draw_setting(panels, "device");
+  const auto& frame = panels.session.frame();
+  if (!frame || frame->hlod_sides.empty()) return;
+  if (frame->device_costs)
+    draw_costs(*frame->device_costs);
+  else
+    draw_row("Costs", "not measured yet");
+  draw_help_of_item("Measured when a strategy needs to know them: nohc, optimum, batch and auto");
+}
+
+// Of `auto`: what it drew, and what each strategy was found to take.
+void draw_forecasts(const hlod::Frame& frame) {
+  draw_row("Drawn by", tool::name_of(frame.strategy));
+  for (const hlod::StrategyForecast& forecast : frame.forecasts)
+    draw_row(("  " + tool::name_of(forecast.strategy)).c_str(),
+             fmt::format("{:.2f} ms, {} frames ago", forecast.frame_ms, forecast.age));
+}
+
+}  // namespace
+
+void draw_hlod(Panels& panels) {
+  const Session& session = panels.session;
+  const bool is_open = are_hlods(*session.state().objects);
+  if (!begin_section(panels, "HLOD", is_open)) return;
+  draw_setting(panels, "strategy");
+  const auto& frame = session.frame();
+  if (frame && !frame->hlod_sides.empty() && frame->hlod_sides[0].strategy == hlod::Strategy::automatic)
+    draw_forecasts(frame->hlod_sides[0].front->frame);
+  draw_setting(panels, "compare");
+  ImGui::SameLine(ImGui::GetWindowContentRegionMax().x * 0.5F);
+  draw_setting(panels, "freeze");
+  draw_setting(panels, "other_strategy");
+  draw_setting(panels, "hlod_tolerance");
+  draw_bias(panels);
+  for (const char* name : {"alpha", "metric", "cover_model", "between"}) draw_setting(panels, name);
+  draw_device(panels);
+  draw_setting(panels, "settle");
+  for (const char* name : {"hlod_color_by", "node_boxes"}) draw_setting(panels, name);
+}
+
+}  // namespace occlod::viewer

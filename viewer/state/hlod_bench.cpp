@@ -1,0 +1,116 @@
+#include "hlod_bench.h"
+
+#include <algorithm>
+#include <string_view>
+#include <utility>
+
+#include "hlod_strategies.h"
+#include "occlod/core/error.h"
+#include "occlod/device/measure_costs.h"
+#include "occlod/device/virtual_device.h"
+
+namespace occlod::viewer {
+namespace {
+
+// A view that stands still is drawn until so many frames after the first have drawn the same, or so many in all.
+constexpr int least_repeats = 3;
+constexpr int most_frames_at_rest = 24;
+
+std::string_view preset_of(HlodDevice device) {
+  const std::string_view name = name_of(device);
+  return name.substr(name.find(':') + 1);
+}
+
+bool are_same_hlods(const Objects& a, const Objects& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const PlacedObject& x, const PlacedObject& y) {
+    return x.hlod == y.hlod && x.two_sided == y.two_sided;
+  });
+}
+
+}  // namespace
+
+std::unique_ptr<hlod::RenderDevice> make_portable_device(HlodDevice device) {
+  if (device == HlodDevice::gl) throw Error({"device", "gl", "needs a window", "choose software or a virtual one"});
+  if (device == HlodDevice::software) return std::make_unique<hlod::SoftwareDevice>();
+  return std::make_unique<hlod::VirtualDevice>(hlod::device_preset(preset_of(device)));
+}
+
+void HlodBench::draw(RefinedFrame& frame) {
+  const RefineJob& job = frame.job;
+  place(job);
+  frame.hlod_sides.push_back(draw(sides_[0], job, job.hlod.traverse.strategy));
+  if (job.compare) frame.hlod_sides.push_back(draw(sides_[1], job, job.hlod.other_strategy));
+  frame.hash = frame.hlod_sides[0].front->frame.front_hash;
+  frame.device_costs = costs(job.hlod.device, false);
+  frame.goes_on = goes_on(job);
+}
+
+void HlodBench::forget() {
+  sides_.clear();
+  objects_.reset();
+  devices_.clear();
+}
+
+// One traverser for each side. What is known of nodes is kept while objects only move.
+void HlodBench::place(const RefineJob& job) {
+  const bool keeps = objects_ && !job.from_scratch && are_same_hlods(*objects_, *job.objects);
+  if (!keeps) sides_.clear();
+  const bool moved = std::exchange(objects_, job.objects) != job.objects;
+  const std::size_t count = job.compare ? 2 : 1;
+  while (sides_.size() > count) sides_.pop_back();
+  for (Side& side : sides_) {
+    if (!moved) break;
+    for (std::size_t i = 0; i < objects_->size(); ++i) side.traverser.set_transform(i, (*objects_)[i].object_to_world);
+    side.asked.reset();
+  }
+  const std::vector<hlod::PlacedHlod> placed = placed_hlods(*objects_);
+  while (sides_.size() < count) sides_.push_back({hlod::Traverser(placed), std::nullopt, nullptr, 0});
+}
+
+HlodSide HlodBench::draw(Side& side, const RefineJob& job, hlod::Strategy strategy) {
+  const View view(job.camera);
+  const Asked asked{job.camera, options_of(job, strategy), job.hlod.device};
+  if (job.again || side.asked != asked) {
+    side.asked.reset();  // should this fail
+    const hlod::Frame& frame = side.traverser.draw_frame(view, device(job.hlod.device), asked.options);
+    const bool repeats = side.front && job.again && side.front->frame.front_hash == frame.front_hash;
+    side.repeats = repeats ? side.repeats + 1 : 0;
+    side.front = make_front(frame, *job.objects, ++fronts_);
+    side.asked = asked;
+  }
+  return {strategy, side.front, colors_of(*side.front, *job.objects, view, job.hlod)};
+}
+
+hlod::TraverseOptions HlodBench::options_of(const RefineJob& job, hlod::Strategy strategy) {
+  hlod::TraverseOptions options = job.hlod.traverse;
+  options.strategy = strategy;
+  options.geomorph = job.hlod.between == HlodBetween::geomorph;
+  options.within = job.hlod.between == HlodBetween::within;
+  options.oracle = &oracle_;
+  if (tool::needs_costs(strategy)) options.costs = *costs(job.hlod.device, true);
+  return options;
+}
+
+hlod::RenderDevice& HlodBench::device(HlodDevice device) {
+  std::unique_ptr<hlod::RenderDevice>& made = devices_[device];
+  if (!made) made = make_(device);
+  return *made;
+}
+
+std::optional<hlod::DeviceCosts> HlodBench::costs(HlodDevice device, bool needed) {
+  if (is_virtual(device)) return hlod::device_preset(preset_of(device));
+  if (const auto known = costs_.find(device); known != costs_.end()) return known->second;
+  if (calibration_)
+    for (const hlod::DeviceCosts& known : calibration_->devices)
+      if (known.name == name_of(device)) return costs_[device] = known;
+  if (!needed) return std::nullopt;
+  return costs_[device] = hlod::measure_costs(this->device(device));
+}
+
+bool HlodBench::goes_on(const RefineJob& job) {
+  frames_at_rest_ = job.again ? frames_at_rest_ + 1 : 1;
+  if (!job.hlod.settle || frames_at_rest_ >= most_frames_at_rest) return false;
+  return std::any_of(sides_.begin(), sides_.end(), [](const Side& side) { return side.repeats < least_repeats; });
+}
+
+}  // namespace occlod::viewer

@@ -1,0 +1,64 @@
+// Draws HLODs by one strategy, or by two beside each other: what the worker's thread does where HLODs are open.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "hlod_devices.h"
+#include "hlod_side.h"
+#include "occlod/device/device_costs.h"
+#include "occlod/device/software_device.h"
+#include "occlod/effects/calibration.h"
+#include "refine_worker.h"
+
+namespace occlod::viewer {
+
+class HlodBench {
+ public:
+  // Both outlive it.
+  HlodBench(const MakeDevice& make, const std::optional<Calibration>& calibration)
+      : make_(make), calibration_(calibration) {}
+
+  // Fills the sides, the hash, the costs and goes_on. Of a job that asks for the same frame as the one before, and not
+  // for another one of it, that is the frame of before. The job's objects are HLODs. Throws Error.
+  void draw(RefinedFrame& frame);
+  // All that is known of nodes, and the devices: after an error.
+  void forget();
+
+ private:
+  struct Asked {
+    Camera camera;
+    hlod::TraverseOptions options;
+    HlodDevice device = HlodDevice::gl;
+    friend bool operator==(const Asked&, const Asked&) = default;
+  };
+  struct Side {
+    hlod::Traverser traverser;
+    std::optional<Asked> asked;              // for what the front was drawn
+    std::shared_ptr<const HlodFront> front;  // the last one
+    int repeats = 0;                         // fronts before it that were the same
+  };
+
+  void place(const RefineJob& job);
+  [[nodiscard]] HlodSide draw(Side& side, const RefineJob& job, hlod::Strategy strategy);
+  [[nodiscard]] hlod::TraverseOptions options_of(const RefineJob& job, hlod::Strategy strategy);
+  [[nodiscard]] hlod::RenderDevice& device(HlodDevice device);
+  // Empty where they are not known and need not be.
+  [[nodiscard]] std::optional<hlod::DeviceCosts> costs(HlodDevice device, bool needed);
+  [[nodiscard]] bool goes_on(const RefineJob& job);
+
+  const MakeDevice& make_;
+  const std::optional<Calibration>& calibration_;
+  std::shared_ptr<const Objects> objects_;
+  std::map<HlodDevice, std::unique_ptr<hlod::RenderDevice>> devices_;
+  std::map<HlodDevice, hlod::DeviceCosts> costs_;
+  hlod::SoftwareDevice oracle_;
+  std::vector<Side> sides_;
+  std::uint64_t fronts_ = 0;
+  int frames_at_rest_ = 0;
+};
+
+}  // namespace occlod::viewer

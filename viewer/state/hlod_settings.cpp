@@ -1,0 +1,82 @@
+// How HLODs are traversed and shown: one entry for each field of TraverseOptions that is not the device's.
+#include <vector>
+
+#include "hlod_devices.h"
+#include "hlod_strategies.h"
+#include "setting_kinds.h"
+
+namespace occlod::viewer {
+namespace {
+
+// In the order of the enum.
+std::vector<const char*> strategy_names() {
+  std::vector<const char*> names;
+  for (std::size_t i = 0; i < tool::strategies().size(); ++i)
+    names.push_back(tool::name_of(static_cast<hlod::Strategy>(i)).c_str());
+  return names;
+}
+
+}  // namespace
+
+std::span<const Setting> hlod_settings() {
+  static const std::vector<Setting> settings = {
+      choice(
+          {"open_as", "Open as",
+           "Hierarchies of splits, or hierarchical levels of detail (HLOD); .ohlod files are HLODs anyway"},
+          {"hierarchy", "hlod"}, [](auto& s) -> auto& { return s.load_as; }),
+      choice(
+          {"strategy", "Strategy", "Which nodes are drawn, and which occlusion queries decide it"}, strategy_names(),
+          [](auto& s) -> auto& { return s.hlod.traverse.strategy; }),
+      choice(
+          {"other_strategy", "Beside it", "Strategy of the right half of the split screen"}, strategy_names(),
+          [](auto& s) -> auto& { return s.hlod.other_strategy; }),
+      number(
+          {"hlod_tolerance", "Tolerance", "Nodes whose error covers more pixels are refined; 0: the input itself"},
+          {0.0, 64.0, false, "px"}, [](auto& s) -> auto& { return s.hlod.traverse.tolerance_px; }),
+      toggle(
+          {"biased", "Bias",
+           "Errors count less where little of a node is visible, with sw-b, simp, coh, ideal, batch and auto"},
+          [](auto& s) -> auto& { return s.hlod.traverse.biased; }),
+      number(
+          {"bias_s", "s", "Bias: from the visible share itself (0) to a sigmoid of it (1)"}, {0.0, 1.0, false, ""},
+          [](auto& s) -> auto& { return s.hlod.traverse.bias.s; }),
+      number(
+          {"bias_t", "t", "Bias: visible share where the sigmoid turns; the smaller, the more is refined"},
+          {0.0, 1.0, false, ""}, [](auto& s) -> auto& { return s.hlod.traverse.bias.t; }),
+      choice(
+          {"alpha", "Alpha",
+           "Pixels of a node's box on an empty screen. exact: of its outline; paper: of a cube of its volume"},
+          {"exact", "paper"}, [](auto& s) -> auto& { return s.hlod.traverse.alpha; }),
+      choice(
+          {"metric", "Metric", "Where a node is nearest to the eye: of its box, or of its sphere, as published"},
+          {"box", "sphere"}, [](auto& s) -> auto& { return s.hlod.traverse.metric; }),
+      choice(
+          {"cover_model", "Cover model",
+           "nohc and batch: how probable it is that a box is covered. printed: as in the paper; corrected: for boxes "
+           "inside the image"},
+          {"printed", "corrected"}, [](auto& s) -> auto& { return s.hlod.traverse.cover_model; }),
+      choice(
+          {"between", "Between levels",
+           "geomorph: vertices slide to where the parent has them; within: nodes built with splits are refined within"},
+          {"nothing", "geomorph", "within"}, [](auto& s) -> auto& { return s.hlod.between; }),
+      choice(
+          {"device", "Device",
+           "What answers queries and is timed. gl: OpenGL; software: the rasteriser, exact; virtual: the same with "
+           "simulated times"},
+          {hlod_device_names.begin(), hlod_device_names.end()}, [](auto& s) -> auto& { return s.hlod.device; }),
+      toggle(
+          {"settle", "Settle", "Draw more frames of a view that stands still until the same nodes are drawn; off: one"},
+          [](auto& s) -> auto& { return s.hlod.settle; }),
+      choice(
+          {"hlod_color_by", "Colour by", "What the colour of a node stands for"},
+          {"plain", "vertices", "level", "error", "bias", "state", "patch"},
+          [](auto& s) -> auto& { return s.hlod.color_by; }),
+      choice(
+          {"node_boxes", "Boxes",
+           "drawn: boxes of the nodes that are drawn; asked: of those that were asked about, by what came of it"},
+          {"none", "drawn", "asked"}, [](auto& s) -> auto& { return s.hlod.boxes; }),
+  };
+  return settings;
+}
+
+}  // namespace occlod::viewer

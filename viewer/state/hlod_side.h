@@ -1,0 +1,56 @@
+// What a frame of an HLOD has drawn, for the window to draw it again: from any eye and in any colours.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+#include <memory>
+#include <vector>
+
+#include "objects.h"
+#include "occlod/traverse/traverser.h"
+#include "settings.h"
+
+namespace occlod::viewer {
+
+// The triangles that a frame has drawn of one object, draw by draw.
+struct FrontObject {
+  std::vector<glm::vec3> positions;    // object space
+  std::vector<glm::vec3> normals;      // by vertex, or none
+  std::vector<glm::u8vec4> colors;     // sRGB, by vertex, or none
+  std::vector<Triangle> triangles;     // ids into positions
+  std::vector<std::uint32_t> patches;  // by triangle: the number of its patch in HlodView::patches; of cuts no_id
+};
+
+// Immutable once it is handed over.
+struct HlodFront {
+  std::uint64_t number = 0;                 // ascending over all fronts
+  hlod::Frame frame;                        // without the indices of cuts
+  std::vector<FrontObject> objects;         // of the job
+  std::vector<std::size_t> first_triangle;  // by draw: of its object's triangles
+};
+
+// One half of the picture, or all of it.
+struct HlodSide {
+  hlod::Strategy strategy = hlod::Strategy::coh;  // that was asked for
+  std::shared_ptr<const HlodFront> front;         // not null
+  std::vector<std::vector<glm::u8vec4>> colors;   // by object and triangle; empty where colours tell nothing
+};
+
+// Throws Error when a mapped file is damaged. O(triangles).
+[[nodiscard]] std::shared_ptr<const HlodFront> make_front(const hlod::Frame& frame, const Objects& objects,
+                                                          std::uint64_t number);
+
+// The draw that a triangle of an object comes from, an index into Frame::draws. O(draws).
+[[nodiscard]] std::size_t draw_of(const HlodFront& front, std::size_t object, std::size_t triangle);
+
+// In pixels of the view: TraverseOptions::metric of the node as it was drawn.
+[[nodiscard]] double error_px(const hlod::DrawnNode& draw, const PlacedObject& object, const View& view,
+                              hlod::Metric metric);
+
+// By object and triangle; those of an object are none where they tell nothing. The front was drawn for the view.
+[[nodiscard]] std::vector<std::vector<glm::u8vec4>> colors_of(const HlodFront& front, const Objects& objects,
+                                                              const View& view, const HlodSettings& settings);
+
+}  // namespace occlod::viewer
