@@ -179,6 +179,39 @@ class Script(unittest.TestCase):
         frames = json.loads(done.stdout)["frames"]
         self.assertEqual([shown[frame["frame"]]["hash"] for frame in frames], [frame["hash"] for frame in frames])
 
+    @unittest.skipUnless("OCCLOD" in os.environ, "the command line is not built")
+    def test_hlod_path_is_that_of_the_command_line(self):
+        """The same nodes and queries in each frame, by strategies that wait and those that predict."""
+        hlod, scene = self.path / "city.ohlod", self.path / "city.json"
+        street = {"eye": [65, 181, 1.7], "target": [300, 180, 8], "up": [0, 0, 1], "near": 0.2, "far": 1500, "width": 160, "height": 120}
+        scene.write_text(json.dumps({"objects": [{"generator": "city", "options": {"blocks": 6, "facade_cells": 2}}],
+                                     "cameras": {"default": street},
+                                     "paths": {"by": {"frames": 6, "keys": [street, dict(street, eye=[125, 181, 1.7])]}}}))
+        subprocess.run([os.environ["OCCLOD"], "hlod", "build", scene, "-o", hlod, "--node-triangles", "64"], check=True, capture_output=True)
+        for strategy, device in [("coh", "software"), ("nohc", "virtual:modern")]:
+            done = subprocess.run([os.environ["OCCLOD"], "hlod", "render", hlod, "--scene", scene, "--path", "by", "--strategy", strategy, "--device", device,
+                                   "--json"], env=self.environment, capture_output=True, text=True, check=True, timeout=300)
+            frames = json.loads(done.stdout)["frames"]
+            scene_of_hlod = json.loads(scene.read_text())
+            scene_of_hlod["objects"] = [{"mesh": "city.ohlod"}]
+            (self.path / "hlod.json").write_text(json.dumps(scene_of_hlod))
+            numbers = self.path / "numbers.csv"
+            result = self.run_script([
+                {"do": "set", "setting": "device", "value": device},
+                {"do": "set", "setting": "strategy", "value": strategy},
+                {"do": "open", "file": str(self.path / "hlod.json")},
+                {"do": "play", "name": "by"},
+                {"do": "wait", "for": "path"},
+                {"do": "export_csv", "file": str(numbers)}])
+            self.assertEqual(result.returncode, 0, result.stderr)
+            with open(numbers, newline="") as file:
+                shown = {int(row["path_frame"]): row for row in csv.DictReader(file) if row["path_frame"] != "-1"}
+            self.assertEqual([shown[frame["frame"]]["hash"] for frame in frames], [frame["hash"] for frame in frames])
+            for name in ("drawn_nodes", "rarn", "delayed", "blocked", "queries", "wasted_queries"):
+                self.assertEqual([int(shown[frame["frame"]][name]) for frame in frames], [frame[name] for frame in frames], name)
+            if device.startswith("virtual"):
+                self.assertEqual([shown[frame["frame"]]["frame_ms"] for frame in frames], [f"{frame['frame_ms']:.4f}" for frame in frames])
+
     @unittest.skipUnless("BENCH_FRAMES" in os.environ, "SKIPPED: the benchmarks are not built")
     def test_path_is_that_of_the_benchmark(self):
         """bench_frames prints one number of the triangles of all frames: h = 31 h + the hash of the frame."""

@@ -6,6 +6,9 @@
 #include <chrono>
 #include <fstream>
 
+#include "occlod/hlod/build.h"
+#include "occlod/io/ohlod.h"
+#include "occlod/mesh/generate.h"
 #include "occlod/occlusion/software_occlusion.h"
 
 namespace occlod::viewer::test {
@@ -35,6 +38,26 @@ nlohmann::json planet_scene(int level) {
   return {{"objects", {{{"generator", "rough-planet"}, {"options", {{"level", level}}}}}},
           {"cameras", {{"default", near}, {"far", far}}},
           {"paths", {{"by", {{"frames", 5}, {"keys", {far, beside}}}}}}};
+}
+
+std::filesystem::path write_city(const Folder& folder) {
+  hlod::BuildOptions options;
+  options.node_triangles = 64;
+  options.within = hlod::Within::splits;
+  write_ohlod(folder.path("city.ohlod"), hlod::build_hlod(generate_city({.blocks = 6, .facade_cells = 2}), options),
+              {});
+  return folder.path("city.ohlod");
+}
+
+nlohmann::json city_scene(const std::string& mesh) {
+  const auto look = [](const nlohmann::json& eye, const nlohmann::json& target) {
+    return nlohmann::json{{"eye", eye},  {"target", target}, {"up", {0, 0, 1}}, {"fov_y_deg", 60},
+                          {"near", 0.2}, {"far", 1500},      {"width", 160},    {"height", 120}};
+  };
+  const nlohmann::json street = look({65, 181, 1.7}, {300, 180, 8});
+  return {{"objects", {{{"mesh", mesh}}}},
+          {"cameras", {{"default", street}, {"above", look({70, 20, 150}, {170, 185, 0})}}},
+          {"paths", {{"by", {{"frames", 5}, {"keys", {street, look({95, 181, 1.7}, {250, 330, 8})}}}}}}};
 }
 
 std::unique_ptr<Visibility> make_portable_visibility(Occlusion occlusion) {

@@ -27,6 +27,11 @@ class Folder {
 // A planet of 8 * 4^level triangles in a scene with a camera near it, the bookmark "far" and the path "by" of 5 frames.
 [[nodiscard]] nlohmann::json planet_scene(int level = 7);
 
+// Writes city.ohlod: 36 blocks of houses in nodes of up to 64 triangles, with splits.
+std::filesystem::path write_city(const Folder& folder);
+// A scene of this mesh with a camera in a street of that city, the bookmark "above" and the path "by" of 5 frames.
+[[nodiscard]] nlohmann::json city_scene(const std::string& mesh);
+
 // The software backend and none, no OpenGL.
 [[nodiscard]] std::unique_ptr<Visibility> make_portable_visibility(Occlusion occlusion);
 
