@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "controls.h"
@@ -49,24 +48,36 @@ void draw_bias(Panels& panels) {
   draw_bias_curve(panels.session.state().settings.hlod.traverse, panels.scale);
 }
 
+std::string time_text(double ns) {
+  if (ns < 1e3) return fmt::format("{:.3g} ns", ns);
+  return ns < 1e6 ? fmt::format("{:.3g} us", ns / 1e3) : fmt::format("{:.3g} ms", ns / 1e6);
+}
+
+struct Cost {
+  const char* name;
+  const char* help;
+  double ns;
+};
+
 void draw_costs(const hlod::DeviceCosts& costs) {
   if (!ImGui::BeginTable("costs", 4, ImGuiTableFlags_SizingStretchProp | ImGuiTableFlags_RowBg)) return;
-  const std::pair<const char*, double> rows[] = {{"draw", costs.draw_ns},
-                                                 {"triangle", costs.triangle_ns},
-                                                 {"fragment", costs.fragment_ns},
-                                                 {"query", costs.query_ns},
-                                                 {"its fragment", costs.query_fragment_ns},
-                                                 {"beside a draw", costs.wrapped_query_ns},
-                                                 {"answer's way", costs.readback_ns},
-                                                 {"batch", costs.batch_ns},
-                                                 {"its box", costs.batch_item_ns},
-                                                 {"command", costs.submit_ns},
-                                                 {"visit", costs.visit_ns}};
-  for (const auto& [name, ns] : rows) {
+  const Cost rows[] = {{"draw", "Setting up a draw", costs.draw_ns},
+                       {"triangle", "A triangle of a draw", costs.triangle_ns},
+                       {"pixel", "A pixel that a triangle covers", costs.fragment_ns},
+                       {"query", "Setting up a query", costs.query_ns},
+                       {"its pixel", "A pixel that a box covers", costs.query_fragment_ns},
+                       {"beside", "What a query beside a draw adds to it", costs.wrapped_query_ns},
+                       {"answer", "From the end of a query until its answer can be read", costs.readback_ns},
+                       {"batch", "Setting up a batch of queries", costs.batch_ns},
+                       {"its box", "A box of a batch", costs.batch_item_ns},
+                       {"command", "Of the processor: giving a command", costs.submit_ns},
+                       {"visit", "Of the processor: looking at a node", costs.visit_ns}};
+  for (const Cost& cost : rows) {
     ImGui::TableNextColumn();
-    ImGui::TextDisabled("%s", name);
+    ImGui::TextDisabled("%s", cost.name);
+    draw_help_of_item(cost.help);
     ImGui::TableNextColumn();
-    ImGui::TextUnformatted(fmt::format("{:.3g} ns", ns).c_str());
+    ImGui::TextUnformatted(time_text(cost.ns).c_str());
   }
   ImGui::EndTable();
 }

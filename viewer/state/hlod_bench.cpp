@@ -4,7 +4,6 @@
 #include <string_view>
 #include <utility>
 
-#include "hlod_strategies.h"
 #include "occlod/core/error.h"
 #include "occlod/device/measure_costs.h"
 #include "occlod/device/virtual_device.h"
@@ -87,7 +86,7 @@ hlod::TraverseOptions HlodBench::options_of(const RefineJob& job, hlod::Strategy
   options.geomorph = job.hlod.between == HlodBetween::geomorph;
   options.within = job.hlod.between == HlodBetween::within;
   options.oracle = &oracle_;
-  if (tool::needs_costs(strategy)) options.costs = *costs(job.hlod.device, true);
+  if (hlod::needs_costs(strategy)) options.costs = *costs(job.hlod.device, true);
   return options;
 }
 
