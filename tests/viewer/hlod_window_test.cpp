@@ -44,6 +44,7 @@ class Hlod : public WindowTest {
 
 // Each control shows what it is set to, and each value of it can be drawn.
 TEST_F(Hlod, EveryControlShowsItsValue) {
+  set("device", "virtual:modern");  // whose costs are known
   act({{"do", "picture_size"}, {"width", 120}, {"height", 90}});
   act({{"do", "window_size"}, {"width", 700}, {"height", 1040}});  // the whole panel
   set("graph", false);
