@@ -70,7 +70,8 @@ TEST_F(HlodSession, EverySettingReachesTheTraverser) {
   open();
   set("settle", false);
   const std::vector<hlod::PlacedHlod> placed = placed_hlods(*session_.state().objects);
-  const std::vector<std::pair<const char*, json>> changes = {{"strategy", "simp"},
+  const std::vector<std::pair<const char*, json>> changes = {{"coherence", "published"},
+                                                             {"strategy", "simp"},
                                                              {"strategy", "sw-b"},
                                                              {"hlod_tolerance", 4.0},
                                                              {"bias_s", 0.0},

@@ -117,7 +117,7 @@ void draw_hlod(Panels& panels) {
   draw_setting(panels, "other_strategy");
   draw_setting(panels, "hlod_tolerance");
   draw_bias(panels);
-  for (const char* name : {"alpha", "metric", "cover_model", "between"}) draw_setting(panels, name);
+  for (const char* name : {"alpha", "coherence", "metric", "cover_model", "between"}) draw_setting(panels, name);
   draw_device(panels);
   draw_setting(panels, "settle");
   for (const char* name : {"hlod_color_by", "node_boxes"}) draw_setting(panels, name);

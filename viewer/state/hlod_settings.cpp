@@ -48,6 +48,10 @@ std::span<const Setting> hlod_settings() {
            "Pixels of a node's box on an empty screen. exact: of its outline; paper: of a cube of its volume"},
           {"exact", "paper"}, [](auto& s) -> auto& { return s.hlod.traverse.alpha; }),
       choice(
+          {"coherence", "Coherence",
+           "When coh asks. mended: once all that is known to be visible has been drawn; published: in turn"},
+          {"mended", "published"}, [](auto& s) -> auto& { return s.hlod.traverse.coherence; }),
+      choice(
           {"metric", "Metric", "Where a node is nearest to the eye: of its box, or of its sphere, as published"},
           {"box", "sphere"}, [](auto& s) -> auto& { return s.hlod.traverse.metric; }),
       choice(
