@@ -52,6 +52,7 @@ class Told : public testing::Test {
   const Frame& next(Traverser& traverser, Strategy strategy) {
     TraverseOptions options;
     options.strategy = strategy;
+    options.coherence = Coherence::published;  // whose stories are short
     return traverser.draw_frame(View(camera()), device_, options);
   }
   ScriptedDevice device_;
