@@ -8,12 +8,6 @@
 namespace occlod::gl {
 namespace {
 
-bool draws_on_cpu(std::string_view renderer) {
-  constexpr std::array<std::string_view, 4> names{"llvmpipe", "softpipe", "swrast", "SwiftShader"};
-  return std::any_of(names.begin(), names.end(),
-                     [&](std::string_view name) { return renderer.find(name) != std::string_view::npos; });
-}
-
 bool has_timer(const Functions& gl) {
   GLint bits = 0;
   gl.GetQueryiv(GL_TIMESTAMP, GL_QUERY_COUNTER_BITS, &bits);
@@ -21,6 +15,12 @@ bool has_timer(const Functions& gl) {
 }
 
 }  // namespace
+
+bool draws_on_cpu(std::string_view renderer) {
+  constexpr std::array<std::string_view, 4> names{"llvmpipe", "softpipe", "swrast", "SwiftShader"};
+  return std::any_of(names.begin(), names.end(),
+                     [&](std::string_view name) { return renderer.find(name) != std::string_view::npos; });
+}
 
 FrameTimer::FrameTimer(const Functions& gl, std::string_view renderer)
     : gl_(&gl), meaningful_(!draws_on_cpu(renderer) && has_timer(gl)) {}

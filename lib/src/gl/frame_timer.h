@@ -9,12 +9,16 @@
 
 namespace occlod::gl {
 
+// Whether this renderer (GL_RENDERER) is a program on the processor. Such gather commands and work through them tile by
+// tile.
+[[nodiscard]] bool draws_on_cpu(std::string_view renderer);
+
 // Between start() and stop() commands are given; between stop() and start() the device may run out of them. Its context
 // is current in every call.
 class FrameTimer {
  public:
-  // renderer: GL_RENDERER. Drivers that draw on the CPU gather commands and work through them tile by tile: what their
-  // timers say of single commands is the time of the last tile, so they are not asked.
+  // renderer: GL_RENDERER. Of drivers that draw on the CPU, what timers say of single commands is the time of the last
+  // tile, so they are not asked.
   FrameTimer(const Functions& gl, std::string_view renderer);
 
   [[nodiscard]] bool is_meaningful() const noexcept { return meaningful_; }

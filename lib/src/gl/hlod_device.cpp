@@ -35,15 +35,21 @@ struct Batch {
   std::size_t count = 0;
 };
 
+// A driver on the processor draws so many nodes at a time: what it gathers for more no longer fits into caches. Frames
+// of 540 nodes without a query take 0.65 times as long as in one go (llvmpipe on one thread).
+constexpr std::size_t draws_at_a_time = 8;
+
 // Everything that lives in the context, and what is under way there.
 struct Resources {
   Resources(const Functions& gl, const HlodDeviceOptions& options, std::string_view renderer)
-      : stage(gl, options), pool(GL_SAMPLES_PASSED), timer(gl, renderer) {}
+      : stage(gl, options), pool(GL_SAMPLES_PASSED), timer(gl, renderer), on_cpu(draws_on_cpu(renderer)) {}
 
   HlodStage stage;
   QueryPool pool;
   FrameTimer timer;
+  bool on_cpu;
   // Of the frame:
+  std::size_t draws = 0;
   std::vector<Batch> batches;
   std::vector<Count> counts;
   std::vector<std::uint32_t> answers;  // as many as counts
@@ -112,6 +118,7 @@ void GlHlodDevice::begin_frame(const View& view, std::span<const hlod::PlacedHlo
   stall_ = {};
   Resources& resources = resources_.use();
   forget_queries(resources);
+  resources.draws = 0;
   resources.timer.begin_frame();
   resources.timer.start();
   resources.stage.begin_frame(view, objects);
@@ -121,6 +128,7 @@ void GlHlodDevice::draw(const hlod::NodeDraw& draw) {
   Resources& resources = resources_.use();
   resources.timer.start();
   resources.stage.draw(draw);
+  if (resources.on_cpu && ++resources.draws % draws_at_a_time == 0) resources.stage.gl().Flush();
 }
 
 // Asks for one count of all boxes.
