@@ -47,6 +47,12 @@ void VertexRing::gather(const StarMesh& mesh, VertexId v) {
   movable_ = (features == 0 || (features == 2 && constant)) && one_fan(mesh);
 }
 
+std::optional<std::size_t> VertexRing::place_of(VertexId u) const {
+  const auto at = std::lower_bound(neighbours_.begin(), neighbours_.end(), u);
+  if (at == neighbours_.end() || *at != u) return {};
+  return static_cast<std::size_t>(at - neighbours_.begin());
+}
+
 bool VertexRing::one_fan(const StarMesh& mesh) const {
   // Union-find over the neighbours; every face at v joins two of them.
   fan_of_.resize(neighbours_.size());
@@ -64,6 +70,21 @@ bool VertexRing::one_fan(const StarMesh& mesh) const {
     --fans;
   }
   return fans == 1;
+}
+
+bool has_inserted_star(const StarMesh& mesh, const SplitStar& star) {
+  const VertexId v = star.vertex();
+  const Star now = mesh.star(v);
+  std::size_t count = 0;
+  for (std::uint32_t slot = 0; slot < star.inserted_count(); ++slot) {
+    if (!contains(star.inserted(slot), v)) continue;
+    const Triangle t = rotated(star.inserted(slot), v);
+    bool is_there = false;
+    for (const StarFace f : now) is_there = is_there || (f.next == t.y && f.last == t.z);
+    if (!is_there) return false;
+    ++count;
+  }
+  return count == now.size();
 }
 
 bool keeps_topology(const StarMesh& mesh, const VertexRing& ring, std::size_t i) {

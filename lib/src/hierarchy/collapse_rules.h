@@ -1,10 +1,13 @@
 // Which half-edge collapses keep the topology and do not flip a face.
 #pragma once
 
+#include <cstddef>
 #include <glm/vec3.hpp>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "occlod/hierarchy/split_star.h"
 #include "position_view.h"
 #include "star_mesh.h"
 
@@ -17,6 +20,8 @@ class VertexRing {
 
   [[nodiscard]] VertexId vertex() const noexcept { return vertex_; }
   [[nodiscard]] std::span<const VertexId> neighbours() const noexcept { return neighbours_; }
+  // Of u among the neighbours, if it is one. O(log neighbours).
+  [[nodiscard]] std::optional<std::size_t> place_of(VertexId u) const;
   // Faces at the edge from v to neighbour i.
   [[nodiscard]] int degree(std::size_t i) const noexcept { return degrees_[i]; }
   // False when v is a corner of the complex: several fans, or feature edges (those without exactly two faces) that do
@@ -35,6 +40,10 @@ class VertexRing {
   bool on_feature_ = false;
   mutable std::vector<std::uint32_t> fan_of_;
 };
+
+// Whether the faces at the vertex that a split adds are those that it inserts there, so that the collapse it undoes can
+// be repeated.
+[[nodiscard]] bool has_inserted_star(const StarMesh& mesh, const SplitStar& star);
 
 // The link condition for merging v into its i-th neighbour (Dey, Edelsbrunner, Guha, Nekhayev 1999): the links of both
 // ends meet only in the link of the edge, feature edges coned to an extra vertex included. Then the result is

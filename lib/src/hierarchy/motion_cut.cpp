@@ -4,6 +4,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <optional>
 
 #include "active_faces.h"
 #include "change_bound.h"
@@ -73,13 +74,11 @@ class LimitedReplay {
     const SplitStar star = h_.star(s);
     if (star.inserted_count() == 0) return false;
     const VertexId v = star.vertex(), u = star.parent_vertex();
-    if (!is_star_of(v, star)) return false;
+    if (!has_inserted_star(mesh_, star)) return false;
     ring_.gather(mesh_, v);
-    const auto neighbours = ring_.neighbours();
-    const auto at = std::lower_bound(neighbours.begin(), neighbours.end(), u);
-    if (at == neighbours.end() || *at != u) return false;
-    const bool keeps =
-        is_plain(star) && keeps_topology(mesh_, ring_, static_cast<std::size_t>(at - neighbours.begin()));
+    const std::optional<std::size_t> place = ring_.place_of(u);
+    if (!place) return false;
+    const bool keeps = is_plain(star) && keeps_topology(mesh_, ring_, *place);
     if (!keeps && !without_.topology) return false;
     float before = 0.0F;
     for (std::uint32_t slot = 0; slot < star.inserted_count(); ++slot)
@@ -104,21 +103,6 @@ class LimitedReplay {
       others += contains(t, star.parent_vertex()) ? 0U : 1U;
     }
     return others == star.removed_count();
-  }
-
-  // Whether the faces at v are those that the split inserts.
-  [[nodiscard]] bool is_star_of(VertexId v, const SplitStar& star) const {
-    const Star now = mesh_.star(v);
-    std::size_t count = 0;
-    for (std::uint32_t slot = 0; slot < star.inserted_count(); ++slot) {
-      if (!contains(star.inserted(slot), v)) continue;
-      const Triangle t = rotated(star.inserted(slot), v);
-      bool is_there = false;
-      for (const StarFace f : now) is_there = is_there || (f.next == t.y && f.last == t.z);
-      if (!is_there) return false;
-      ++count;
-    }
-    return count == now.size();
   }
 
   const Hierarchy& h_;

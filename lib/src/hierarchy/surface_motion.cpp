@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <span>
 
 #include "change_bound.h"
@@ -48,13 +49,12 @@ class SurfaceMotion::Replay {
   bool undo(SplitId s) {
     const SplitStar star = h_.star(s);
     const VertexId v = star.vertex(), u = star.parent_vertex();
-    if (!is_star_of(v, star)) return false;
+    if (!has_inserted_star(mesh_, star)) return false;
     if (star.inserted_count() == 0) return true;
     ring_.gather(mesh_, v);
-    const auto neighbours = ring_.neighbours();
-    const auto at = std::lower_bound(neighbours.begin(), neighbours.end(), u);
-    if (at == neighbours.end() || *at != u) return false;
-    const bool keeps = keeps_topology(mesh_, ring_, static_cast<std::size_t>(at - neighbours.begin()));
+    const std::optional<std::size_t> place = ring_.place_of(u);
+    if (!place) return false;
+    const bool keeps = keeps_topology(mesh_, ring_, *place);
     if (!keeps) mark(u);
     const bool slides = !keeps || has_marks_[v];
     const double moved = slides ? glm::distance(glm::dvec3(positions_[v]), glm::dvec3(positions_[u]))
@@ -75,21 +75,6 @@ class SurfaceMotion::Replay {
         folded_.push_back(rotated(t, star.parent_vertex()));
     });
     return folded_;
-  }
-
-  // Whether the faces at v are those that the split inserts.
-  [[nodiscard]] bool is_star_of(VertexId v, const SplitStar& star) const {
-    const Star now = mesh_.star(v);
-    std::size_t count = 0;
-    for (std::uint32_t slot = 0; slot < star.inserted_count(); ++slot) {
-      if (!contains(star.inserted(slot), v)) continue;
-      const Triangle t = rotated(star.inserted(slot), v);
-      bool is_there = false;
-      for (const StarFace f : now) is_there = is_there || (f.next == t.y && f.last == t.z);
-      if (!is_there) return false;
-      ++count;
-    }
-    return count == now.size();
   }
 
   // u, and what is a neighbour of both ends.
