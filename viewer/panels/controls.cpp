@@ -81,6 +81,12 @@ void draw_label(const char* text) {
   ImGui::SetNextItemWidth(-1.0F);
 }
 
+void draw_row(const char* name, const std::string& value, float column) {
+  ImGui::TextDisabled("%s", name);
+  ImGui::SameLine(ImGui::GetWindowContentRegionMax().x * column);
+  ImGui::TextUnformatted(value.c_str());
+}
+
 bool draw_vector(const char* label, glm::dvec3& value, double speed) {
   draw_label(label);
   ImGui::PushID(label);

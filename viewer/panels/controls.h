@@ -18,6 +18,8 @@ bool draw_button(Panels& panels, const char* command, const nlohmann::json& argu
 
 // A label in the first column; what comes next stands in the second.
 void draw_label(const char* text);
+// A name, and a value that begins at this share of the width.
+void draw_row(const char* name, const std::string& value, float column = 0.42F);
 // Three numbers to drag; true when they have been changed. `speed`: a pixel.
 bool draw_vector(const char* label, glm::dvec3& value, double speed);
 [[nodiscard]] nlohmann::json as_json(const glm::dvec3& v);

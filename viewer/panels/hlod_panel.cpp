@@ -11,12 +11,6 @@
 namespace occlod::viewer {
 namespace {
 
-void draw_row(const char* name, const std::string& value) {
-  ImGui::TextDisabled("%s", name);
-  ImGui::SameLine(ImGui::GetWindowContentRegionMax().x * 0.42F);
-  ImGui::TextUnformatted(value.c_str());
-}
-
 // What of an error counts (up) where this share of a node is visible (to the right); the diagonal is the share itself.
 void draw_bias_curve(const hlod::TraverseOptions& options, float scale) {
   const float width = ImGui::GetContentRegionAvail().x;

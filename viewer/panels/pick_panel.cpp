@@ -10,12 +10,6 @@
 namespace occlod::viewer {
 namespace {
 
-void draw_row(const char* name, const std::string& value) {
-  ImGui::TextDisabled("%s", name);
-  ImGui::SameLine(ImGui::GetWindowContentRegionMax().x * 0.42F);
-  ImGui::TextUnformatted(value.c_str());
-}
-
 void draw_split(const PlacedObject& object, SplitId split) {
   const Hierarchy& hierarchy = *object.mesh->hierarchy;
   const SplitNode& node = hierarchy.node(split);
