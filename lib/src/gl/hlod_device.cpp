@@ -36,7 +36,7 @@ struct Batch {
 };
 
 // A driver on the processor draws so many nodes at a time: what it gathers for more no longer fits into caches. Frames
-// of 540 nodes without a query take 0.65 times as long as in one go (llvmpipe on one thread).
+// of 540 nodes without a query take 0.65 to 0.8 times as long as in one go (llvmpipe on one thread).
 constexpr std::size_t draws_at_a_time = 8;
 
 // Everything that lives in the context, and what is under way there.
