@@ -11,7 +11,8 @@
 
 namespace occlod {
 
-// The callback is only ever called by the thread that builds, at most every 20 ms, with shares that never fall.
+// The callback is only ever called by the thread that builds, with shares that never fall: after 20 ms, or sooner when a
+// twentieth more is done.
 class BuildProgress {
  public:
   explicit BuildProgress(const std::function<bool(double)>& callback) : callback_(callback) {}
@@ -24,7 +25,7 @@ class BuildProgress {
   void reach(double share) {
     if (!callback_) return;
     const auto now = Clock::now();
-    if (now < next_call_) return;
+    if (now < next_call_ && share < last_share_ + 0.05) return;
     next_call_ = now + std::chrono::milliseconds(20);
     last_share_ = std::clamp(share, last_share_, 1.0);
     try {
