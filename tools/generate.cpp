@@ -88,6 +88,15 @@ void add_generate(CLI::App& app) {
                            add(kind, "--bends", options.bends, WholeRange{1, 100'000}, "Straight pieces per pipe");
                            add(kind, "--sides", options.sides, WholeRange{3, 4096}, "Corners of the cross-section");
                          });
+  add_kind<PlantOptions>(
+      command, "plant", "Storeys of rooms full of pipes, with floors, walls and doors, z up", generate_plant,
+      [](CLI::App& kind, PlantOptions& options) {
+        add(kind, "--storeys", options.storeys, WholeRange{1, 64}, "Number of storeys");
+        add(kind, "--bays", options.bays, WholeRange{1, 256}, "Rooms along the aisle of each storey");
+        add(kind, "--pipes", options.pipes, WholeRange{1, 10'000}, "Pipes on each side of a room");
+        add(kind, "--bends", options.bends, WholeRange{1, 100'000}, "Straight pieces per pipe");
+        add(kind, "--sides", options.sides, WholeRange{3, 4096}, "Corners of the cross-section");
+      });
   add_kind<SpheresBehindWallOptions>(
       command, "spheres-behind-wall", "Spheres that a wall hides from +x", generate_spheres_behind_wall,
       [](CLI::App& kind, SpheresBehindWallOptions& options) {

@@ -118,6 +118,13 @@ void bind_generators(nb::module_& m) {
       nb::kw_only(), "pipes"_a = 64, "bends"_a = 12, "sides"_a = 16, "seed"_a = 1,
       "A bundle of bent pipes in a unit cube.");
   m.def(
+      "generate_plant",
+      [](int storeys, int bays, int pipes, int bends, int sides, std::uint64_t seed) {
+        return generate_plant({storeys, bays, pipes, bends, sides, seed});
+      },
+      nb::kw_only(), "storeys"_a = 4, "bays"_a = 8, "pipes"_a = 64, "bends"_a = 48, "sides"_a = 32, "seed"_a = 1,
+      "Storeys of rooms full of pipes, with floors, walls and doors, z up.");
+  m.def(
       "generate_spheres_behind_wall",
       [](int spheres, int level, int wall_cells, std::uint64_t seed) {
         return generate_spheres_behind_wall({spheres, level, wall_cells, seed});

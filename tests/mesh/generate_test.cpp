@@ -140,6 +140,43 @@ TEST(Pipes, OneStraightPipeHasTheVolumeOfAPrism) {
   EXPECT_LT(volume, 2.0 * 0.009 * 0.009 * 16.0 / 48.0 * 1.001);
 }
 
+// Floors and walls have an outside, an inside that doors and the shaft connect, and nothing else; two bundles a bay.
+TEST(Plant, IsOneClosedStructureAndPipesBesideTheAisle) {
+  const PlantOptions options{.storeys = 2, .bays = 3, .pipes = 4, .bends = 5, .sides = 6, .seed = 7};
+  const TriangleMesh mesh = generate_plant(options);
+  expect_closed(mesh, 2 + 2 * 3 * 2 * 4);
+  // The structure comes first, then pipes of 5 * 6 sides and two caps, with 6 rings and two centres.
+  constexpr std::size_t pipes = 2 * 3 * 2 * 4, pipe_triangles = 2 * 5 * 6 + 2 * 6, pipe_vertices = 6 * 6 + 2;
+  TriangleMesh structure = mesh;
+  structure.triangles.resize(mesh.triangle_count() - pipes * pipe_triangles);
+  // 16.2 x 13.6 x 10.9 m, less six rooms, four doors and the hole of the shaft.
+  const double solid = 16.2 * 13.6 * 10.9 - 6.0 * 5.0 * 13.0 * 5.0 - 4.0 * 0.3 * 1.2 * 2.2 - 5.0 * 3.0 * 0.3;
+  EXPECT_NEAR(signed_volume(structure), solid, 1e-3);
+  for (std::size_t v = mesh.vertex_count() - pipes * pipe_vertices; v < mesh.vertex_count(); ++v)
+    EXPECT_TRUE(mesh.positions[v].y < 5.3F || mesh.positions[v].y > 8.3F) << mesh.positions[v].y;
+}
+
+// The aisle is free from one end to the other, and up the shaft.
+TEST(Plant, CanBeWalkedThrough) {
+  const TriangleMesh mesh = generate_plant({.storeys = 2, .bays = 3, .pipes = 4, .bends = 5, .sides = 6});
+  const auto blocks = [&](const glm::vec3& a, const glm::vec3& b) {
+    return std::any_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const Triangle& t) {
+      const glm::vec3 &p = mesh.positions[t.x], &q = mesh.positions[t.y], &r = mesh.positions[t.z];
+      const auto side = [&](const glm::vec3& u, const glm::vec3& v) {
+        return glm::dot(glm::cross(u - a, v - a), b - a) > 0.0F;
+      };
+      const glm::vec3 normal = glm::cross(q - p, r - p);
+      return side(p, q) == side(q, r) && side(q, r) == side(r, p) &&
+             glm::dot(normal, a - p) * glm::dot(normal, b - p) < 0.0F;
+    });
+  };
+  const glm::vec3 begin(0.5F, 6.8F, 2.0F), end(13.7F, 6.8F, 2.0F), upstairs(13.7F, 6.8F, 7.0F);
+  EXPECT_FALSE(blocks(begin, end));
+  EXPECT_FALSE(blocks(end, upstairs));
+  EXPECT_TRUE(blocks(begin + glm::vec3(0, 0, 1), end + glm::vec3(0, 0, 1)));  // above the doors
+  EXPECT_TRUE(blocks(begin, glm::vec3(begin.x, begin.y, 7.0F)));              // through the floor
+}
+
 TEST(SpheresBehindWall, HidesTheSpheresBehindAClosedWall) {
   const TriangleMesh mesh = generate_spheres_behind_wall({.spheres = 10, .level = 2, .wall_cells = 3});
   expect_closed(mesh, 11);
@@ -165,6 +202,8 @@ TEST(Generators, RefuseOptionsOutOfRange) {
   EXPECT_THROW(static_cast<void>(generate_city({.blocks = 0})), Error);
   EXPECT_THROW(static_cast<void>(generate_city({.blocks = 256, .facade_cells = 256})), Error);
   EXPECT_THROW(static_cast<void>(generate_pipes({.sides = 2})), Error);
+  EXPECT_THROW(static_cast<void>(generate_plant({.storeys = 0})), Error);
+  EXPECT_THROW(static_cast<void>(generate_plant({.pipes = 10'000, .bends = 100'000})), Error);
   EXPECT_THROW(static_cast<void>(generate_spheres_behind_wall({.level = 9})), Error);
 }
 

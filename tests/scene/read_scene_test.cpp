@@ -57,7 +57,7 @@ TEST_F(ReadScene, ReadsOneNameOrSeveral) {
 TEST_F(ReadScene, ReadsGeneratorsAndKeepsDefaults) {
   const SceneDescription scene = read(scene_text(
       R"({"generator": "rough-planet", "options": {"level": 3, "seed": 18446744073709551615, "amplitude": 0.5}},
-         {"generator": "city", "options": {"blocks": 2}}, {"generator": "pipes"},
+         {"generator": "city", "options": {"blocks": 2}}, {"generator": "pipes"}, {"generator": "plant", "options": {"bays": 3}},
          {"generator": "spheres-behind-wall", "options": {"wall_cells": 7}})"));
   const auto& planet = std::get<RoughPlanetOptions>(scene.objects.at(0).source);
   EXPECT_EQ(planet.level, 3);
@@ -66,7 +66,8 @@ TEST_F(ReadScene, ReadsGeneratorsAndKeepsDefaults) {
   EXPECT_EQ(planet.octaves, RoughPlanetOptions{}.octaves);
   EXPECT_EQ(std::get<CityOptions>(scene.objects.at(1).source).blocks, 2);
   EXPECT_EQ(std::get<PipesOptions>(scene.objects.at(2).source).sides, PipesOptions{}.sides);
-  EXPECT_EQ(std::get<SpheresBehindWallOptions>(scene.objects.at(3).source).wall_cells, 7);
+  EXPECT_EQ(std::get<SpheresBehindWallOptions>(scene.objects.at(4).source).wall_cells, 7);
+  EXPECT_EQ(std::get<PlantOptions>(scene.objects.at(3).source).bays, 3);
 }
 
 // Scale 2 first: (1,0,0) -> (2,0,0); a quarter turn around z: (0,2,0); then moved by (10,0,0). Any other order ends
@@ -197,6 +198,39 @@ TEST_F(ReadScene, ChecksCameras) {
   };
   for (const auto& [camera, place] : cameras)
     EXPECT_EQ(place_of_mistake(scene_text(R"({"mesh": "a"})", camera)), place) << camera;
+}
+
+TEST_F(ReadScene, ReadsCells) {
+  const auto text = [](const std::string& cells) {
+    return R"({"objects": [{"mesh": "m"}], "cameras": {"default": )" + std::string(a_camera) + R"(}, "cells": )" +
+           cells + "}";
+  };
+  EXPECT_FALSE(read(scene_text(R"({"mesh": "a"})")).cells);
+  const std::string box = R"({"min": [0, 1, 2], "max": [3, 1, 4]})";  // it may be flat
+  const SceneCells bare = *read(text(R"({"regions": [)" + box + "]}")).cells;
+  EXPECT_EQ(bare.regions, (std::vector<CellBox>{{{0, 1, 2}, {3, 1, 4}}}));
+  EXPECT_FALSE(bare.root_cell || bare.smallest_cell || bare.most_triangles);
+  const SceneCells full = *read(text(R"({"regions": [)" + box + "," + box +
+                                     R"(], "root_cell": 8, "smallest_cell": 8, "most_triangles": 7})"))
+                               .cells;
+  EXPECT_EQ(full.regions.size(), 2U);
+  EXPECT_EQ(full.root_cell, 8.0);
+  EXPECT_EQ(full.smallest_cell, 8.0);
+  EXPECT_EQ(full.most_triangles, 7U);
+  const std::vector<std::pair<std::string, std::string>> mistakes = {
+      {"[]", "/cells"},
+      {"{}", "/cells"},
+      {R"({"regions": []})", "/cells/regions"},
+      {R"({"regions": [{"min": [0, 0, 0]}]})", "/cells/regions/0"},
+      {R"({"regions": [{"min": [0, 0, 0], "max": [0, 0]}]})", "/cells/regions/0/max"},
+      {R"({"regions": [{"min": [0, 0, 1], "max": [0, 0, 0]}]})", "/cells/regions/0"},
+      {R"({"regions": [)" + box + R"(], "root_cell": 0})", "/cells/root_cell"},
+      {R"({"regions": [)" + box + R"(], "smallest_cell": -1})", "/cells/smallest_cell"},
+      {R"({"regions": [)" + box + R"(], "root_cell": 2, "smallest_cell": 3})", "/cells/smallest_cell"},
+      {R"({"regions": [)" + box + R"(], "most_triangles": 0})", "/cells/most_triangles"},
+      {R"({"regions": [)" + box + R"(], "levels": 3})", "/cells/levels"},
+  };
+  for (const auto& [cells, place] : mistakes) EXPECT_EQ(place_of_mistake(text(cells)), place) << cells;
 }
 
 TEST_F(ReadScene, NeedsADefaultCameraAndAnObject) {

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <array>
+
 #include "occlod/core/error.h"
 #include "occlod/scene/scene.h"
 #include "scene/scene_folder.h"
@@ -16,12 +18,14 @@ SceneDescription some_scene() {
   scene.objects.push_back({CityOptions{3, 2, 7}, glm::dmat4(1.0), false});
   scene.objects.push_back({PipesOptions{5, 4, 3, 2}, glm::dmat4(1.0), false});
   scene.objects.push_back({RoughPlanetOptions{3, 2, 0.1, 3.3, 4}, glm::dmat4(1.0), false});
+  scene.objects.push_back({PlantOptions{2, 3, 5, 7, 9, 11}, glm::dmat4(1.0), false});
   scene.objects.push_back({SpheresBehindWallOptions{8, 2, 16, 5}, glm::dmat4(1.0), false});
   scene.objects[1].object_to_world[3] = glm::dvec4(0.1, 1.0 / 3.0, -1e-17, 1.0);  // no short decimal
   scene.cameras["default"] = Camera{{0.1, 0.2, 1.0 / 7.0}, {0.0, 0.0, -1.0}, {0.0, 1.0, 0.0}, 33.3, 640, 480, 0.1, 9.9};
   scene.cameras["plan"] = scene.cameras["default"];
   scene.cameras["plan"].fov_y_deg = Camera().fov_y_deg;
   scene.cameras["plan"].orthographic_height = 1.0 / 3.0;
+  scene.cells = SceneCells{{{{0.1, 0.0, -1.0 / 3.0}, {1.0, 2.0, 3.0}}, {{5, 5, 5}, {5, 6, 7}}}, 16.5, 0.3, 12'345};
   scene.paths["hop"] = {{scene.cameras["default"], scene.cameras["plan"]}, 5, true};
   scene.paths["by"] = {{scene.cameras["default"], Camera{}}, 17};
   return scene;
@@ -43,13 +47,22 @@ TEST_F(WriteScene, ComesBackExactly) {
   EXPECT_EQ(std::get<CityOptions>(read.objects[1].source).seed, 7U);
   EXPECT_EQ(std::get<PipesOptions>(read.objects[2].source).sides, 3);
   EXPECT_EQ(std::get<RoughPlanetOptions>(read.objects[3].source).frequency, 3.3);
-  EXPECT_EQ(std::get<SpheresBehindWallOptions>(read.objects[4].source).wall_cells, 16);
+  const auto& plant = std::get<PlantOptions>(read.objects[4].source);
+  EXPECT_EQ((std::array{plant.storeys, plant.bays, plant.pipes, plant.bends, plant.sides}),
+            (std::array{2, 3, 5, 7, 9}));
+  EXPECT_EQ(plant.seed, 11U);
+  EXPECT_EQ(std::get<SpheresBehindWallOptions>(read.objects[5].source).wall_cells, 16);
   EXPECT_EQ(read.cameras, written.cameras);
   EXPECT_EQ(read.paths.at("by").keys, written.paths.at("by").keys);
   EXPECT_EQ(read.paths.at("by").frames, 17);
   EXPECT_FALSE(read.paths.at("by").jump);
   EXPECT_EQ(read.paths.at("hop").keys, written.paths.at("hop").keys);
   EXPECT_TRUE(read.paths.at("hop").jump);
+  ASSERT_TRUE(read.cells);
+  EXPECT_EQ(read.cells->regions, written.cells->regions);
+  EXPECT_EQ(read.cells->root_cell, 16.5);
+  EXPECT_EQ(read.cells->smallest_cell, 0.3);
+  EXPECT_EQ(read.cells->most_triangles, 12'345U);
 }
 
 TEST_F(WriteScene, RefusesWhatCouldNotBeRead) {

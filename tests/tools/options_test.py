@@ -60,6 +60,7 @@ def generator(kind, ranges):
 WHOLE += generator("rough-planet", [("--level", 0, 11), ("--octaves", 0, 30)])
 WHOLE += generator("city", [("--blocks", 1, 256), ("--facade-cells", 1, 256)])
 WHOLE += generator("pipes", [("--pipes", 1, 10**6), ("--bends", 1, 10**5), ("--sides", 3, 4096)])
+WHOLE += generator("plant", [("--storeys", 1, 64), ("--bays", 1, 256), ("--pipes", 1, 10**4), ("--bends", 1, 10**5), ("--sides", 3, 4096)])
 WHOLE += generator("spheres-behind-wall", [("--spheres", 1, 10**6), ("--level", 0, 8), ("--wall-cells", 1, 4096)])
 REAL += [row for row in generator("rough-planet", [("--amplitude", 0, 0.99), ("--frequency", 0, 10**6)]) if row[1] != "--seed"]
 
@@ -138,7 +139,7 @@ class Options(ToolTest):
         """Help shows what a number is with N."""
         rows = {(row[0][0], row[0][1] if row[0][0] in ("generate", "hlod") else "", row[1]) for row in self.rows(0) + self.rows(1)}
         commands = ["build", "cut", "info", "validate", "render", *(["compare", "repair"] if self.has_cgal() else [])]
-        kinds = ["rough-planet", "city", "pipes", "spheres-behind-wall"]
+        kinds = ["rough-planet", "city", "pipes", "plant", "spheres-behind-wall"]
         hlod = ["build", "info", "validate", "render", "compare"]
         for command, kind in [(command, "") for command in commands] + [("generate", kind) for kind in kinds] + [("hlod", kind) for kind in hlod]:
             text = self.succeed(*([command, kind] if kind else [command]), "--help")

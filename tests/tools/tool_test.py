@@ -14,7 +14,9 @@ class GenerateBuildValidate(ToolTest):
 
     def test_generate_every_kind_in_every_format(self):
         for kind, options in [("rough-planet", ["--level", "1"]), ("city", ["--blocks", "1", "--facade-cells", "1"]),
-                              ("pipes", ["--pipes", "1"]), ("spheres-behind-wall", ["--spheres", "1", "--level", "0"])]:
+                              ("pipes", ["--pipes", "1"]),
+                              ("plant", ["--storeys", "1", "--bays", "1", "--pipes", "1", "--bends", "2", "--sides", "3"]),
+                              ("spheres-behind-wall", ["--spheres", "1", "--level", "0"])]:
             for extension in ("ply", "obj", "off", "stl"):
                 made = self.json_of("generate", kind, *options, "-o", f"m.{extension}")
                 built = self.json_of("build", f"m.{extension}", "-o", "m.olod")

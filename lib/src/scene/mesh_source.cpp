@@ -25,6 +25,10 @@ std::string describe(const CityOptions& o) {
 std::string describe(const PipesOptions& o) {
   return fmt::format("pipes pipes={} bends={} sides={} seed={}", o.pipes, o.bends, o.sides, o.seed);
 }
+std::string describe(const PlantOptions& o) {
+  return fmt::format("plant storeys={} bays={} pipes={} bends={} sides={} seed={}", o.storeys, o.bays, o.pipes, o.bends,
+                     o.sides, o.seed);
+}
 std::string describe(const SpheresBehindWallOptions& o) {
   return fmt::format("spheres-behind-wall spheres={} level={} wall_cells={} seed={}", o.spheres, o.level, o.wall_cells,
                      o.seed);
@@ -33,6 +37,7 @@ std::string describe(const SpheresBehindWallOptions& o) {
 TriangleMesh generate(const RoughPlanetOptions& options) { return generate_rough_planet(options); }
 TriangleMesh generate(const CityOptions& options) { return generate_city(options); }
 TriangleMesh generate(const PipesOptions& options) { return generate_pipes(options); }
+TriangleMesh generate(const PlantOptions& options) { return generate_plant(options); }
 TriangleMesh generate(const SpheresBehindWallOptions& options) { return generate_spheres_behind_wall(options); }
 
 std::string find_file(const MeshFile& file, const std::filesystem::path& folder, Diagnosis missing) {

@@ -57,6 +57,18 @@ PipesOptions read_pipes(const JsonPlace& options) {
   return result;
 }
 
+PlantOptions read_plant(const JsonPlace& options) {
+  options.expect_keys({"storeys", "bays", "pipes", "bends", "sides", "seed"});
+  PlantOptions result;
+  read_into(result.storeys, options, "storeys");
+  read_into(result.bays, options, "bays");
+  read_into(result.pipes, options, "pipes");
+  read_into(result.bends, options, "bends");
+  read_into(result.sides, options, "sides");
+  read_into(result.seed, options, "seed");
+  return result;
+}
+
 SpheresBehindWallOptions read_spheres_behind_wall(const JsonPlace& options) {
   options.expect_keys({"spheres", "level", "wall_cells", "seed"});
   SpheresBehindWallOptions result;
@@ -76,8 +88,9 @@ MeshSource read_generator(const JsonPlace& object) {
   if (name == "rough-planet") return read_rough_planet(options);
   if (name == "city") return read_city(options);
   if (name == "pipes") return read_pipes(options);
+  if (name == "plant") return read_plant(options);
   if (name == "spheres-behind-wall") return read_spheres_behind_wall(options);
-  generator.fail("is not a generator", "use one of: rough-planet, city, pipes, spheres-behind-wall");
+  generator.fail("is not a generator", "use one of: rough-planet, city, pipes, plant, spheres-behind-wall");
 }
 
 MeshFile read_mesh_file(const JsonPlace& mesh) {
@@ -187,13 +200,44 @@ CameraPath read_path(const JsonPlace& place) {
   return path;
 }
 
+CellBox read_region(const JsonPlace& place) {
+  place.expect_keys({"min", "max"});
+  const CellBox box{read_vector(place.at("min")), read_vector(place.at("max"))};
+  for (int axis = 0; axis < 3; ++axis)
+    if (box.max[axis] < box.min[axis]) place.fail("has a max below its min", "swap the two");
+  return box;
+}
+
+std::optional<double> read_length(const JsonPlace& cells, const char* key) {
+  const auto place = cells.find(key);
+  if (!place) return std::nullopt;
+  const double length = place->number();
+  if (!(length > 0.0)) place->fail("is not a length", "give a number of world units > 0");
+  return length;
+}
+
+SceneCells read_cells(const JsonPlace& place) {
+  place.expect_keys({"regions", "root_cell", "smallest_cell", "most_triangles"});
+  SceneCells cells;
+  for (const JsonPlace& region : place.at("regions").elements()) cells.regions.push_back(read_region(region));
+  cells.root_cell = read_length(place, "root_cell");
+  cells.smallest_cell = read_length(place, "smallest_cell");
+  if (cells.root_cell && cells.smallest_cell && *cells.smallest_cell > *cells.root_cell)
+    place.at("smallest_cell").fail("is more than \"root_cell\"", "give a smaller one");
+  if (const auto most = place.find("most_triangles")) {
+    cells.most_triangles = most->unsigned_integer();
+    if (*cells.most_triangles == 0) most->fail("is 0", "give a number of triangles");
+  }
+  return cells;
+}
+
 }  // namespace
 
 SceneDescription read_scene(const std::filesystem::path& path) {
   const nlohmann::json document = parse_json_file(path);
   const std::string file = path.string();
   const JsonPlace root(document, file);
-  root.expect_keys({"about", "objects", "cameras", "paths"});
+  root.expect_keys({"about", "objects", "cameras", "paths", "cells"});
 
   SceneDescription scene;
   scene.name = path.stem().string();
@@ -205,6 +249,7 @@ SceneDescription read_scene(const std::filesystem::path& path) {
     root.at("cameras").fail("has no \"default\"", "name the camera to start with");
   if (const auto paths = root.find("paths"))
     for (const auto& [name, place] : paths->members()) scene.paths.emplace(name, read_path(place));
+  if (const auto cells = root.find("cells")) scene.cells = read_cells(*cells);
   return scene;
 }
 

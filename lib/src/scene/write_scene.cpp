@@ -32,6 +32,16 @@ Json source_json(const PipesOptions& o) {
   return {{"generator", "pipes"},
           {"options", {{"pipes", o.pipes}, {"bends", o.bends}, {"sides", o.sides}, {"seed", o.seed}}}};
 }
+Json source_json(const PlantOptions& o) {
+  return {{"generator", "plant"},
+          {"options",
+           {{"storeys", o.storeys},
+            {"bays", o.bays},
+            {"pipes", o.pipes},
+            {"bends", o.bends},
+            {"sides", o.sides},
+            {"seed", o.seed}}}};
+}
 Json source_json(const SpheresBehindWallOptions& o) {
   return {{"generator", "spheres-behind-wall"},
           {"options", {{"spheres", o.spheres}, {"level", o.level}, {"wall_cells", o.wall_cells}, {"seed", o.seed}}}};
@@ -70,6 +80,16 @@ Json path_json(const CameraPath& path) {
   return json;
 }
 
+Json cells_json(const SceneCells& cells) {
+  Json json = Json::object();
+  for (const CellBox& region : cells.regions)
+    json["regions"].push_back({{"min", vector_json(region.min)}, {"max", vector_json(region.max)}});
+  if (cells.root_cell) json["root_cell"] = *cells.root_cell;
+  if (cells.smallest_cell) json["smallest_cell"] = *cells.smallest_cell;
+  if (cells.most_triangles) json["most_triangles"] = *cells.most_triangles;
+  return json;
+}
+
 }  // namespace
 
 void write_scene(const std::filesystem::path& path, const SceneDescription& scene) {
@@ -84,6 +104,7 @@ void write_scene(const std::filesystem::path& path, const SceneDescription& scen
   for (const SceneObject& object : scene.objects) document["objects"].push_back(object_json(object));
   for (const auto& [name, camera] : scene.cameras) document["cameras"][name] = camera_json(camera);
   for (const auto& [name, camera_path] : scene.paths) document["paths"][name] = path_json(camera_path);
+  if (scene.cells) document["cells"] = cells_json(*scene.cells);
   AtomicFile file(path);
   file.stream() << document.dump(1) << '\n';
   file.commit();

@@ -41,6 +41,19 @@ struct PipesOptions {
 // pipes * (bends + 1) * sides is at most 1e9.
 [[nodiscard]] TriangleMesh generate_pipes(const PipesOptions& options);
 
+// A plant of several storeys: floors and walls in one piece, doors along an aisle, a shaft at its end, and bundles of
+// pipes on both sides of the aisle. z up, in metres, from the origin to (5.3 bays + 0.3, 13.6, 5.3 storeys + 0.3).
+struct PlantOptions {
+  int storeys = 4;         // 1 to 64
+  int bays = 8;            // rooms along the aisle of each storey, 1 to 256
+  int pipes = 64;          // of each bundle, 1 to 10,000; there are two bundles a bay
+  int bends = 48;          // straight pieces of each pipe, 1 to 100,000
+  int sides = 32;          // corners of the cross-section, 3 to 4,096
+  std::uint64_t seed = 1;  // of the routes
+};
+// 2 * storeys * bays * pipes * (bends + 1) * sides is at most 1e9. The defaults make 12.8 million triangles.
+[[nodiscard]] TriangleMesh generate_plant(const PlantOptions& options);
+
 // A wall in the plane x = 0 and a cloud of spheres at x < 0: from +x everything but the wall is hidden.
 struct SpheresBehindWallOptions {
   int spheres = 64;        // 1 to 1,000,000

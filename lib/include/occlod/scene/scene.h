@@ -7,6 +7,7 @@
 #include <glm/mat4x4.hpp>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -17,6 +18,7 @@
 #include "occlod/mesh/generate.h"
 #include "occlod/mesh/mesh_report.h"
 #include "occlod/view/camera.h"
+#include "occlod/viewcells/cell_view.h"
 
 namespace occlod {
 
@@ -28,7 +30,8 @@ struct MeshFile {
 };
 
 // Where the mesh of an object comes from: a file or a generator.
-using MeshSource = std::variant<MeshFile, RoughPlanetOptions, CityOptions, PipesOptions, SpheresBehindWallOptions>;
+using MeshSource =
+    std::variant<MeshFile, RoughPlanetOptions, CityOptions, PipesOptions, PlantOptions, SpheresBehindWallOptions>;
 
 // One placed mesh.
 struct SceneObject {
@@ -44,6 +47,14 @@ struct CameraPath {
   bool jump = false;         // each key is held for its share of the frames, without moving between keys
 };
 
+// Where the eye may be, and how view cells are made there unless somebody says otherwise.
+struct SceneCells {
+  std::vector<CellBox> regions;         // world space, at least one, min <= max; they may overlap
+  std::optional<double> root_cell;      // edge of the largest cells, world units, > 0
+  std::optional<double> smallest_cell;  // edge below which no cell is divided, world units, > 0; at most root_cell
+  std::optional<std::uint64_t> most_triangles;  // a cell that draws more is divided, >= 1
+};
+
 // A scene as its file says it.
 struct SceneDescription {
   std::string name;                         // of the file, without its extension
@@ -52,6 +63,7 @@ struct SceneDescription {
   std::vector<SceneObject> objects;         // at least one
   std::map<std::string, Camera> cameras;    // by name; "default" is always there
   std::map<std::string, CameraPath> paths;  // by name
+  std::optional<SceneCells> cells;          // where the scene says it
 };
 
 // Reads a scene file and checks what can be checked without loading its meshes: types, ranges of placements and
