@@ -21,7 +21,9 @@ PREAMBLE = """#include <occlod/occlod.h>
 #include <occlod/hlod/within.h>
 #include <occlod/io/ohlod.h>
 #include <occlod/traverse/traverser.h>
+#include <occlod/viewcells/build_cells.h>
 #include <occlod/viewcells/cell_builder.h>
+#include <occlod/viewcells/vlod_file.h>
 #include <glm/gtc/matrix_transform.hpp>
 #include <iostream>
 #include <span>

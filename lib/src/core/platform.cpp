@@ -58,13 +58,13 @@ InputFile::InputFile(const char* path) : descriptor_(open(path, O_RDONLY | O_CLO
 
 InputFile::~InputFile() { close(descriptor_); }
 
-void InputFile::read(std::span<std::byte> bytes) const {
-  for (off_t offset = 0; !bytes.empty();) {
-    const ssize_t got = pread(descriptor_, bytes.data(), bytes.size(), offset);
+void InputFile::read(std::span<std::byte> bytes, std::uint64_t offset) const {
+  while (!bytes.empty()) {
+    const ssize_t got = pread(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
     if (got < 0 && errno == EINTR) continue;
     if (got <= 0) fail(got < 0 ? errno : EIO);
     bytes = bytes.subspan(static_cast<std::size_t>(got));
-    offset += got;
+    offset += static_cast<std::uint64_t>(got);
   }
 }
 

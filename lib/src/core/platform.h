@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 
 namespace occlod {
@@ -44,8 +45,8 @@ class InputFile {
   InputFile& operator=(const InputFile&) = delete;
 
   [[nodiscard]] std::size_t size() const noexcept { return size_; }
-  // The first bytes of the file; fails when it has become shorter than that.
-  void read(std::span<std::byte> bytes) const;
+  // The bytes of the file from `offset` on; fails when it has become shorter than that. For any thread.
+  void read(std::span<std::byte> bytes, std::uint64_t offset = 0) const;
   // The whole file in memory, of at least one byte, without reading it. Outlives this object; end it with unmap().
   [[nodiscard]] std::span<const std::byte> map() const;
 

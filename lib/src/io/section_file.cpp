@@ -145,6 +145,19 @@ std::vector<Section>::const_iterator SectionReader::find(std::string_view name) 
   return std::find_if(table_.begin(), table_.end(), [&](const Section& s) { return name_of(s) == name; });
 }
 
+std::uint64_t SectionReader::offset_of(std::string_view name) const {
+  const auto found = find(name);
+  if (found == table_.end()) refuse("", fmt::format("has no section {}", name));
+  if (found->codec != Codec::stored) refuse(place_of(*found), "is compressed, which it must not be");
+  return found->offset;
+}
+
+FileHeader SectionReader::header() const {
+  FileHeader header;
+  std::memcpy(&header, bytes_.data(), sizeof(header));
+  return header;
+}
+
 std::span<const std::byte> SectionReader::read_bytes(std::string_view name, std::uint32_t element_bytes, Check check) {
   const auto found = find(name);
   if (found == table_.end()) refuse("", fmt::format("has no section {}", name));

@@ -113,6 +113,10 @@ class SectionReader {
     if (values.size() != 1) refuse("", std::string("does not hold one ") + what);
     return values[0];
   }
+  // From the start of the file, of a section that is not compressed. Throws Error when it is missing or compressed.
+  [[nodiscard]] std::uint64_t offset_of(std::string_view name) const;
+  // What is at the start of the file.
+  [[nodiscard]] FileHeader header() const;
   // Whether there is a section of this name.
   [[nodiscard]] bool has(std::string_view name) const { return find(name) != table_.end(); }
   [[nodiscard]] MeshReport read_report();

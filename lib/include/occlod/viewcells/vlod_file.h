@@ -1,0 +1,105 @@
+// The .vlod file: what to draw in each cell of space, as a tree of what cells have in common. The layout is described
+// in docs/guide/view_cells.md.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <glm/mat4x4.hpp>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "occlod/hierarchy/split_star.h"
+#include "occlod/refine/refiner.h"
+#include "occlod/viewcells/cell_builder.h"
+#include "occlod/viewcells/cell_options.h"
+#include "occlod/viewcells/cell_tree.h"
+
+namespace occlod {
+
+// Of the files that are written; open_vlod() refuses any other.
+inline constexpr std::uint32_t vlod_version = 1;
+
+// What one node of the tree adds for one object.
+struct ObjectAdditions {
+  std::uint32_t object = 0;     // index of the object
+  std::vector<SplitId> splits;  // ascending: applied in all leaves below, and by no node above
+  std::vector<FaceRef> hidden;  // by split (the base mesh first), then slot: faces that are active in some leaf
+                                // below and drawn in none, and that no node above has. Their splits may be added
+                                // further down
+};
+
+// What one node of the tree adds to those above it. *The cell of a leaf* is all that the nodes on its path add: the
+// splits together, which are closed under dependency at every node of the path, and of their active faces those to draw
+// that are hidden by no node of the path and, where the object is not two-sided, do not face away from the leaf's box
+// (CellView::faces_away()). What two nodes of one path add has nothing in common.
+struct CellAdditions {
+  std::vector<ObjectAdditions> objects;  // those for which there is something, ascending
+  // What it takes in memory, about.
+  [[nodiscard]] std::size_t bytes() const noexcept;
+};
+
+// An object as the cells know it.
+struct VlodObject {
+  std::array<std::uint64_t, 2> hierarchy{};  // XXH3-128 of all that is in its hierarchy
+  std::uint32_t split_count = 0;             // of its hierarchy
+  std::uint32_t two_sided = 0;               // 0 or 1
+  std::uint64_t reserved = 0;                // 0
+  glm::dmat4 object_to_world{1.0};           // of its placement
+};
+static_assert(sizeof(VlodObject) == 160);
+
+// An open file. Immutable; any number of threads may read from one. Of the file itself only the header, the options and
+// the nodes are in memory. What is open stays readable when the file is removed or replaced by another.
+class VlodFile {
+ public:
+  ~VlodFile();
+  VlodFile(const VlodFile&) = delete;
+  VlodFile& operator=(const VlodFile&) = delete;
+
+  // The cells.
+  [[nodiscard]] const CellTree& tree() const noexcept;
+  // That it was built with; threads and progress are not stored.
+  [[nodiscard]] const CellTreeOptions& options() const noexcept;
+  // That the cells were built for.
+  [[nodiscard]] std::span<const VlodObject> objects() const noexcept;
+  // Of scene and options: files of one key hold the same.
+  [[nodiscard]] const std::array<std::uint64_t, 2>& key() const noexcept;
+  // The size of the file.
+  [[nodiscard]] std::uint64_t file_bytes() const noexcept;
+
+  // What a node adds. `ancestors`: what the nodes above it add, from the root to its parent; tree().node(cell).level of
+  // them. Reads the file at once, by one pread; waits for the disk. Checks checksum, sizes, that ids ascend and are in
+  // range, and, where the file was opened with its objects, that every split that another needs is there and every face
+  // exists. Throws Error that names the file and the node. Any number of threads may call it. O(bytes).
+  [[nodiscard]] CellAdditions read(CellId cell, std::span<const CellAdditions* const> ancestors) const;
+
+ private:
+  friend std::shared_ptr<const VlodFile> open_vlod(const std::filesystem::path& path);
+  friend std::shared_ptr<const VlodFile> open_vlod(const std::filesystem::path& path,
+                                                   std::span<const RefineObject> objects,
+                                                   std::span<const std::string> names);
+  class Impl;
+  explicit VlodFile(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+// Checks all but what nodes add, which read() does. Throws Error that says what is wrong and where. O(nodes).
+[[nodiscard]] std::shared_ptr<const VlodFile> open_vlod(const std::filesystem::path& path);
+// The same, for these objects, whose hierarchies outlive the file. Throws Error also when they are not those that the
+// cells were built for: it says which is not, by its name, if there are `names`: none, or one for each object.
+// O(nodes + bytes of the hierarchies), of which it reads all.
+[[nodiscard]] std::shared_ptr<const VlodFile> open_vlod(const std::filesystem::path& path,
+                                                        std::span<const RefineObject> objects,
+                                                        std::span<const std::string> names = {});
+
+// What to draw in the cell of a leaf, as the CellBuilder gave it: for each object. `objects`: that the file was opened
+// with. Reads the whole path. Throws Error as VlodFile::read() does.
+// O(size of the cut).
+[[nodiscard]] std::vector<CellObjectCut> read_cell(const VlodFile& file, std::span<const RefineObject> objects,
+                                                   CellId leaf);
+
+}  // namespace occlod

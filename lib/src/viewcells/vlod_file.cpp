@@ -1,0 +1,266 @@
+#include "occlod/viewcells/vlod_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+#include <map>
+#include <optional>
+#include <system_error>
+#include <utility>
+
+#include "core/platform.h"
+#include "occlod/core/error.h"
+#include "viewcells/leaf_faces.h"
+#include "viewcells/vlod_format.h"
+#include "viewcells/vlod_payload.h"
+
+namespace occlod {
+
+using namespace vlod;
+using sections::SectionReader;
+
+namespace {
+
+// What a node and those above it add for one object.
+class PathOfObject {
+ public:
+  PathOfObject(const ObjectAdditions& own, std::span<const CellAdditions* const> ancestors) : own_(&own) {
+    for (const CellAdditions* ancestor : ancestors) {
+      const auto& objects = ancestor->objects;
+      const auto found =
+          std::lower_bound(objects.begin(), objects.end(), own.object,
+                           [](const ObjectAdditions& a, std::uint32_t object) { return a.object < object; });
+      if (found != objects.end() && found->object == own.object) above_.emplace_back(found->splits);
+    }
+  }
+
+  [[nodiscard]] bool has_above(SplitId s) const {
+    return std::any_of(above_.begin(), above_.end(), [s](std::span<const SplitId> splits) {
+      return std::binary_search(splits.begin(), splits.end(), s);
+    });
+  }
+  [[nodiscard]] bool has(SplitId s) const {
+    return std::binary_search(own_->splits.begin(), own_->splits.end(), s) || has_above(s);
+  }
+
+ private:
+  const ObjectAdditions* own_;
+  std::vector<std::span<const SplitId>> above_;
+};
+
+// Nothing, or what is wrong.
+std::string problem_of(const ObjectAdditions& additions, const Hierarchy& hierarchy, const PathOfObject& path) {
+  for (const SplitId s : additions.splits) {
+    if (path.has_above(s)) return fmt::format("split {} is there twice", s);
+    for (const SplitId needed : hierarchy.star(s).dependencies())
+      if (!path.has(needed)) return fmt::format("split {} needs split {}, which is not there", s, needed);
+  }
+  for (const FaceRef& face : additions.hidden) {
+    const std::size_t faces =
+        face.split == no_id ? hierarchy.base_triangle_count() : hierarchy.star(face.split).inserted_count();
+    if (face.slot >= faces) return "a face is hidden that does not exist";
+  }
+  return {};
+}
+
+// By object.
+CellAdditions sorted(const Additions& additions, const GlobalIds& ids) {
+  std::map<std::uint32_t, ObjectAdditions> objects;
+  for (const std::uint64_t split : additions.splits) {
+    const GlobalIds::Place place = ids.place_of_split(split);
+    objects[place.object].splits.push_back(place.split);
+  }
+  for (const std::uint64_t face : additions.hidden) {
+    const GlobalIds::Place place = ids.place_of_owner(face >> 32U);
+    objects[place.object].hidden.push_back({place.split, static_cast<std::uint32_t>(face)});
+  }
+  CellAdditions result;
+  for (auto& [object, it] : objects) {
+    it.object = object;
+    result.objects.push_back(std::move(it));
+  }
+  return result;
+}
+
+}  // namespace
+
+std::size_t CellAdditions::bytes() const noexcept {
+  std::size_t bytes = sizeof(*this) + objects.capacity() * sizeof(ObjectAdditions);
+  for (const ObjectAdditions& object : objects)
+    bytes += object.splits.capacity() * sizeof(SplitId) + object.hidden.capacity() * sizeof(FaceRef);
+  return bytes;
+}
+
+class VlodFile::Impl {
+ public:
+  explicit Impl(const std::filesystem::path& path)
+      : path_(path.string()), file_(open(path)), reader_(std::in_place, path, file_kind, true) {
+    // Both may have been opened while one file replaced another.
+    sections::FileHeader header;
+    file_.read(std::as_writable_bytes(std::span(&header, 1)));
+    const sections::FileHeader mapped = reader_->header();
+    if (std::memcmp(&header, &mapped, sizeof(header)) != 0)
+      reader_->refuse("", "was replaced while it was opened", "open it again");
+    take_options();
+    take_nodes();
+    reader_.reset();  // and with it the mapping
+  }
+
+  void expect(std::span<const RefineObject> objects, std::span<const std::string> names);
+  [[nodiscard]] CellAdditions read(CellId cell, std::span<const CellAdditions* const> ancestors) const;
+
+  [[nodiscard]] const CellTree& tree() const noexcept { return *tree_; }
+  [[nodiscard]] const CellTreeOptions& options() const noexcept { return options_; }
+  [[nodiscard]] std::span<const VlodObject> objects() const noexcept { return objects_; }
+  [[nodiscard]] const Key& key() const noexcept { return key_; }
+  [[nodiscard]] std::uint64_t file_bytes() const noexcept { return file_.size(); }
+
+ private:
+  static InputFile open(const std::filesystem::path& path) try {
+    return InputFile(path.c_str());
+  } catch (const std::system_error& error) {
+    throw Error({path.string(), "", fmt::format("cannot be opened: {}", error.code().message()),
+                 "check that the file is there and can be read"});
+  }
+
+  [[noreturn]] void refuse(CellId cell, const std::string& problem) const {
+    throw Error({path_, fmt::format("cell {}", cell), problem, file_kind.rebuild});
+  }
+
+  void take_options() {
+    const auto stored = reader_->read_one<StoredOptions>(options_name, "set of options");
+    if (stored.epoch != epoch)
+      reader_->refuse("section OPTS",
+                      fmt::format("cells were made in way {}, this program makes them in way {}", stored.epoch, epoch));
+    options_ = restore(stored, reader_->read<CellBox>(regions_name));
+    check(options_, path_.c_str());
+    const std::span<const VlodObject> objects = reader_->read<VlodObject>(objects_name);
+    objects_.assign(objects.begin(), objects.end());
+    ids_.emplace(objects_, path_);
+    key_ = stored.key;
+    if (store({options_, objects_}).key != key_) reader_->refuse("section OPTS", "has a key that is not its own");
+  }
+
+  void take_nodes() {
+    const std::span<const CellNode> nodes = reader_->read<CellNode>(nodes_name);
+    tree_.emplace(std::vector<CellNode>(nodes.begin(), nodes.end()), path_);
+    const std::uint64_t data_bytes = reader_->read<std::byte>(data_name, sections::Check::parts).size();
+    data_ = reader_->offset_of(data_name);
+    for (CellId n = 0; n < nodes.size(); ++n) {
+      const CellNode& node = nodes[n];
+      if (node.payload > data_bytes || node.payload_bytes > data_bytes - node.payload)
+        refuse(n, "adds what lies outside the file");
+      if (node.payload_bytes > most_payload_bytes) refuse(n, "adds more than 16 MiB");
+      if ((std::uint64_t{node.splits} + node.hidden_faces) > std::uint64_t{node.payload_bytes} * most_ids_per_byte)
+        refuse(n, fmt::format("claims {} splits and {} faces", node.splits, node.hidden_faces));
+    }
+  }
+
+  std::string path_;
+  InputFile file_;
+  std::optional<SectionReader> reader_;  // while the file is opened
+  Key key_{};
+  CellTreeOptions options_;
+  std::vector<VlodObject> objects_;
+  std::optional<GlobalIds> ids_;
+  std::optional<CellTree> tree_;
+  std::uint64_t data_ = 0;                     // where the section begins
+  std::vector<const Hierarchy*> hierarchies_;  // by object, if it was opened with them
+};
+
+void VlodFile::Impl::expect(std::span<const RefineObject> objects, std::span<const std::string> names) {
+  constexpr const char* rebuild = "build the cells again with 'occlod cells build'";
+  if (objects.size() != objects_.size())
+    throw Error({path_, "",
+                 fmt::format("its cells are of {} objects, the scene has {}", objects_.size(), objects.size()),
+                 rebuild});
+  const std::vector<VlodObject> given = describe(objects);
+  for (std::size_t i = 0; i < given.size(); ++i) {
+    const VlodObject &now = given[i], &then = objects_[i];
+    const char* const what = now.hierarchy != then.hierarchy || now.split_count != then.split_count ? "has changed"
+                             : now.object_to_world != then.object_to_world                          ? "has been moved"
+                             : now.two_sided != then.two_sided ? "is now seen from other sides"
+                                                               : nullptr;
+    if (what == nullptr) continue;
+    const std::string name =
+        i < names.size() ? fmt::format("object {} ({})", i, names[i]) : fmt::format("object {}", i);
+    throw Error({path_, name, fmt::format("{} since its cells were built", what), rebuild});
+  }
+  for (const RefineObject& object : objects) hierarchies_.push_back(object.hierarchy);
+}
+
+CellAdditions VlodFile::Impl::read(CellId cell, std::span<const CellAdditions* const> ancestors) const {
+  const CellNode& node = tree_->node(cell);
+  std::vector<std::byte> bytes(node.payload_bytes);
+  try {
+    file_.read(bytes, data_ + node.payload);
+  } catch (const std::system_error& error) {
+    throw Error({path_, fmt::format("cell {}", cell), fmt::format("cannot be read: {}", error.code().message()),
+                 "check the disk"});
+  }
+  if (sections::checksum_of(bytes) != node.checksum) refuse(cell, "is damaged: its checksum is wrong");
+  std::string problem;
+  const auto additions =
+      decode(bytes, {ids_->split_count(), ids_->owner_count(), node.splits, node.hidden_faces}, problem);
+  if (!additions) refuse(cell, problem);
+  CellAdditions result = sorted(*additions, *ids_);
+  if (hierarchies_.empty()) return result;
+  for (const ObjectAdditions& object : result.objects) {
+    problem = problem_of(object, *hierarchies_[object.object], PathOfObject(object, ancestors));
+    if (!problem.empty()) refuse(cell, fmt::format("object {}: {}", object.object, problem));
+  }
+  return result;
+}
+
+VlodFile::VlodFile(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+VlodFile::~VlodFile() = default;
+
+const CellTree& VlodFile::tree() const noexcept { return impl_->tree(); }
+const CellTreeOptions& VlodFile::options() const noexcept { return impl_->options(); }
+std::span<const VlodObject> VlodFile::objects() const noexcept { return impl_->objects(); }
+const std::array<std::uint64_t, 2>& VlodFile::key() const noexcept { return impl_->key(); }
+std::uint64_t VlodFile::file_bytes() const noexcept { return impl_->file_bytes(); }
+CellAdditions VlodFile::read(CellId cell, std::span<const CellAdditions* const> ancestors) const {
+  return impl_->read(cell, ancestors);
+}
+
+std::shared_ptr<const VlodFile> open_vlod(const std::filesystem::path& path) { return open_vlod(path, {}, {}); }
+
+std::shared_ptr<const VlodFile> open_vlod(const std::filesystem::path& path, std::span<const RefineObject> objects,
+                                          std::span<const std::string> names) {
+  auto impl = std::make_unique<VlodFile::Impl>(path);
+  if (!objects.empty()) impl->expect(objects, names);
+  return std::shared_ptr<const VlodFile>(new VlodFile(std::move(impl)));
+}
+
+std::vector<CellObjectCut> read_cell(const VlodFile& file, std::span<const RefineObject> objects, CellId leaf) {
+  std::vector<CellId> path;
+  file.tree().path_to(leaf, path);
+  std::vector<CellAdditions> additions;
+  std::vector<const CellAdditions*> ancestors;
+  additions.reserve(path.size());
+  for (const CellId cell : path) ancestors.push_back(&additions.emplace_back(file.read(cell, ancestors)));
+
+  std::vector<CellObjectCut> cuts(objects.size());
+  std::vector<std::vector<FaceRef>> hidden(objects.size());
+  for (const CellAdditions& of_node : additions) {
+    for (const ObjectAdditions& object : of_node.objects) {
+      std::vector<SplitId>& applied = cuts[object.object].applied;
+      applied.insert(applied.end(), object.splits.begin(), object.splits.end());
+      std::vector<FaceRef>& faces = hidden[object.object];
+      faces.insert(faces.end(), object.hidden.begin(), object.hidden.end());
+    }
+  }
+  LeafFaces faces(objects);
+  for (std::uint32_t i = 0; i < objects.size(); ++i) {
+    std::ranges::sort(cuts[i].applied);
+    std::ranges::sort(hidden[i], {}, face_key);
+    const CellView view(file.tree().node(leaf).box, file.options().cell.eyes, objects[i].object_to_world);
+    faces.set(i, cuts[i].applied);
+    faces.drawn(i, view, hidden[i], cuts[i].triangles);
+  }
+  return cuts;
+}
+
+}  // namespace occlod
