@@ -18,7 +18,7 @@ class VlodFileTest : public testing::Test {
               ("vlod_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
     std::filesystem::create_directories(folder_);
     good_ = folder_ / "good.vlod";
-    build_cells(objects_, options_, good_, {.threads = 1});
+    CellBuild(objects_, options_).write(good_, {.threads = 1});
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
 

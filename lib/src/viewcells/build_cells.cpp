@@ -1,25 +1,29 @@
 #include "occlod/viewcells/build_cells.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <atomic>
+#include <optional>
+#include <system_error>
 #include <thread>
 #include <utility>
-#include <vector>
 
 #include "core/option_checker.h"
 #include "hierarchy/parallel.h"
 #include "occlod/core/error.h"
 #include "viewcells/cell_divider.h"
 #include "viewcells/cell_forest.h"
+#include "viewcells/vlod_part.h"
 #include "viewcells/write_vlod.h"
 
 namespace occlod {
 namespace {
 
 // One for all threads.
-class BuildRun {
+class SharedProgress {
  public:
-  BuildRun(const CellBuildRun& run, std::size_t roots) : run_(run), roots_(static_cast<double>(roots)) {}
+  SharedProgress(const CellBuildRun& run, std::size_t roots) : run_(run), roots_(static_cast<double>(roots)) {}
 
   // A share of a root cell is done. Throws Error when the build is cancelled.
   void advance(double share) {
@@ -35,38 +39,96 @@ class BuildRun {
   std::atomic<double> done_ = 0.0;
 };
 
-void check_run(std::span<const RefineObject> objects, const CellTreeOptions& options, const CellBuildRun& run) {
+std::span<const RefineObject> checked(std::span<const RefineObject> objects, const CellTreeOptions& options) {
   vlod::check(options, "cell options");
-  OptionChecker("cell options").in_range("threads", run.threads, 0, 1024);
   for (const RefineObject& object : objects)
     if (object.hierarchy == nullptr)
       throw Error({"cells", "", "an object has no hierarchy", "build one with build_hierarchy()"});
+  return objects;
 }
 
 }  // namespace
 
-CellBuildStats build_cells(std::span<const RefineObject> objects, const CellTreeOptions& options,
-                           const std::filesystem::path& path, const CellBuildRun& run) {
-  check_run(objects, options, run);
-  const vlod::Scene scene{options, vlod::describe(objects)};
-  const vlod::GlobalIds ids(scene.objects, "cells");
-  const std::vector<RootCell> roots = root_cells(options);
-  const CellOccluders occluders(objects, options.occluder_motion.value_or(options.smallest_cell / 4.0));
-  std::vector<CellSubtree> trees(roots.size());
-  std::atomic<std::size_t> cuts = 0;
-  BuildRun shared(run, roots.size());
+class CellBuild::Impl {
+ public:
+  Impl(std::span<const RefineObject> objects, const CellTreeOptions& options)
+      : objects_(objects.begin(), objects.end()),
+        scene_{options, vlod::describe(checked(objects, options))},
+        ids_(scene_.objects, "cells"),
+        key_(vlod::store(scene_).key),
+        roots_(root_cells(options)) {}
+
+  [[nodiscard]] std::vector<CellSubtree> divide(const CellRange& range, const CellBuildRun& run);
+
+  [[nodiscard]] const vlod::Scene& scene() const noexcept { return scene_; }
+  [[nodiscard]] const vlod::Key& key() const noexcept { return key_; }
+  [[nodiscard]] std::span<const RootCell> roots() const noexcept { return roots_; }
+  [[nodiscard]] std::size_t cuts() const noexcept { return cuts_; }
+
+ private:
+  std::vector<RefineObject> objects_;
+  vlod::Scene scene_;
+  vlod::GlobalIds ids_;
+  vlod::Key key_;
+  std::vector<RootCell> roots_;
+  std::optional<CellOccluders> occluders_;  // once something is built
+  std::atomic<std::size_t> cuts_ = 0;
+};
+
+std::vector<CellSubtree> CellBuild::Impl::divide(const CellRange& range, const CellBuildRun& run) {
+  OptionChecker("cell options").in_range("threads", run.threads, 0, 1024);
+  if (run.progress && !run.progress(0.0)) throw Error({"cells", "", "the build was cancelled", ""});
+  const CellTreeOptions& options = scene_.options;
+  if (!occluders_) occluders_.emplace(objects_, options.occluder_motion.value_or(options.smallest_cell / 4.0));
+  std::vector<CellSubtree> trees(range.count);
+  SharedProgress progress(run, range.count);
   for_each_task(
-      roots.size(), thread_count(run.threads), [&] { return CellDivider(objects, &occluders, options, ids); },
+      range.count, thread_count(run.threads), [&] { return CellDivider(objects_, &*occluders_, options, ids_); },
       [&](CellDivider& divider, std::size_t i) {
         const std::size_t before = divider.cuts();
-        trees[i] = divider.divide(roots[i].box, [&](double share) { shared.advance(share); });
-        cuts += divider.cuts() - before;
+        trees[i] = divider.divide(roots_[range.first + i].box, [&](double share) { progress.advance(share); });
+        cuts_ += divider.cuts() - before;
       },
       [] {});
-  CellSubtree tree = join_roots(roots, [&](std::size_t i) { return std::exchange(trees[i], {}); });
+  return trees;
+}
+
+CellBuild::CellBuild(std::span<const RefineObject> objects, const CellTreeOptions& options)
+    : impl_(std::make_unique<Impl>(objects, options)) {}
+CellBuild::~CellBuild() = default;
+
+std::uint32_t CellBuild::root_cell_count() const noexcept { return static_cast<std::uint32_t>(impl_->roots().size()); }
+std::size_t CellBuild::cuts() const noexcept { return impl_->cuts(); }
+
+CellRange CellBuild::shard(std::uint32_t i, std::uint32_t n) const {
+  const std::uint64_t count = root_cell_count(), first = count * i / n, end = count * (i + 1) / n;
+  return {static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(end - first)};
+}
+
+std::string CellBuild::part_name(const CellRange& range) const {
+  return fmt::format("{:016x}-{:08}-{:08}.vpart", impl_->key()[0], range.first, range.count);
+}
+
+bool CellBuild::has_part(const std::filesystem::path& part, const CellRange& range) const try {
+  const vlod::PartReader reader(part);
+  return reader.key() == impl_->key() && reader.range() == range;
+} catch (const Error&) {
+  return false;  // missing or damaged: it will be written again
+}
+
+void CellBuild::write_part(const std::filesystem::path& part, const CellRange& range, const CellBuildRun& run) {
+  if (range.count == 0 || range.count > root_cell_count() || range.first > root_cell_count() - range.count)
+    throw Error({"cells", "",
+                 fmt::format("there are {} root cells, not {} from {} on", root_cell_count(), range.count, range.first),
+                 "ask for a range of them"});
+  vlod::write_part(part, impl_->scene(), range, impl_->divide(range, run));
+}
+
+void CellBuild::write(const std::filesystem::path& path, const CellBuildRun& run) {
+  std::vector<CellSubtree> trees = impl_->divide({0, root_cell_count()}, run);
+  CellSubtree tree = join_roots(impl_->roots(), [&](std::size_t i) { return std::exchange(trees[i], {}); });
   finish(tree);
-  write_vlod(path, scene, tree);
-  return {cuts};
+  write_vlod(path, impl_->scene(), tree);
 }
 
 }  // namespace occlod

@@ -86,13 +86,17 @@ CellSubtree join(std::vector<CellSubtree> parts) {
   return tree;
 }
 
+void set_levels(CellSubtree& tree) {
+  for (CellNode& node : tree.nodes) node.level = node.parent == no_id ? 0 : tree.nodes[node.parent].level + 1;
+}
+
 void finish(CellSubtree& tree) {
   add_payload(tree, {});
+  set_levels(tree);
   // In the order of the nodes, whatever order the tree has grown in.
   std::vector<std::byte> payloads;
   payloads.reserve(tree.payloads.size());
   for (CellNode& node : tree.nodes) {
-    node.level = node.parent == no_id ? 0 : tree.nodes[node.parent].level + 1;
     const auto bytes = std::span(tree.payloads).subspan(node.payload, node.payload_bytes);
     node.payload = payloads.size();
     payloads.insert(payloads.end(), bytes.begin(), bytes.end());

@@ -29,6 +29,8 @@ struct CellSubtree {
 [[nodiscard]] CellSubtree leaf_of_tree(const CellNode& node, CellSets sets);
 // One tree of several, at least two. O(size of their sets + bytes).
 [[nodiscard]] CellSubtree join(std::vector<CellSubtree> parts);
+// Of all nodes.
+void set_levels(CellSubtree& tree);
 // Nodes with levels and payloads, for good: the root adds what all leaves have.
 void finish(CellSubtree& tree);
 

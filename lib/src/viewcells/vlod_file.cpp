@@ -102,7 +102,8 @@ class VlodFile::Impl {
     const sections::FileHeader mapped = reader_->header();
     if (std::memcmp(&header, &mapped, sizeof(header)) != 0)
       reader_->refuse("", "was replaced while it was opened", "open it again");
-    take_options();
+    scene_ = read_options(*reader_, path_, key_);
+    ids_.emplace(scene_.objects, path_);
     take_nodes();
     reader_.reset();  // and with it the mapping
   }
@@ -111,8 +112,8 @@ class VlodFile::Impl {
   [[nodiscard]] CellAdditions read(CellId cell, std::span<const CellAdditions* const> ancestors) const;
 
   [[nodiscard]] const CellTree& tree() const noexcept { return *tree_; }
-  [[nodiscard]] const CellTreeOptions& options() const noexcept { return options_; }
-  [[nodiscard]] std::span<const VlodObject> objects() const noexcept { return objects_; }
+  [[nodiscard]] const CellTreeOptions& options() const noexcept { return scene_.options; }
+  [[nodiscard]] std::span<const VlodObject> objects() const noexcept { return scene_.objects; }
   [[nodiscard]] const Key& key() const noexcept { return key_; }
   [[nodiscard]] std::uint64_t file_bytes() const noexcept { return file_.size(); }
 
@@ -126,20 +127,6 @@ class VlodFile::Impl {
 
   [[noreturn]] void refuse(CellId cell, const std::string& problem) const {
     throw Error({path_, fmt::format("cell {}", cell), problem, file_kind.rebuild});
-  }
-
-  void take_options() {
-    const auto stored = reader_->read_one<StoredOptions>(options_name, "set of options");
-    if (stored.epoch != epoch)
-      reader_->refuse("section OPTS",
-                      fmt::format("cells were made in way {}, this program makes them in way {}", stored.epoch, epoch));
-    options_ = restore(stored, reader_->read<CellBox>(regions_name));
-    check(options_, path_.c_str());
-    const std::span<const VlodObject> objects = reader_->read<VlodObject>(objects_name);
-    objects_.assign(objects.begin(), objects.end());
-    ids_.emplace(objects_, path_);
-    key_ = stored.key;
-    if (store({options_, objects_}).key != key_) reader_->refuse("section OPTS", "has a key that is not its own");
   }
 
   void take_nodes() {
@@ -161,8 +148,7 @@ class VlodFile::Impl {
   InputFile file_;
   std::optional<SectionReader> reader_;  // while the file is opened
   Key key_{};
-  CellTreeOptions options_;
-  std::vector<VlodObject> objects_;
+  Scene scene_;
   std::optional<GlobalIds> ids_;
   std::optional<CellTree> tree_;
   std::uint64_t data_ = 0;                     // where the section begins
@@ -171,13 +157,13 @@ class VlodFile::Impl {
 
 void VlodFile::Impl::expect(std::span<const RefineObject> objects, std::span<const std::string> names) {
   constexpr const char* rebuild = "build the cells again with 'occlod cells build'";
-  if (objects.size() != objects_.size())
+  if (objects.size() != scene_.objects.size())
     throw Error({path_, "",
-                 fmt::format("its cells are of {} objects, the scene has {}", objects_.size(), objects.size()),
+                 fmt::format("its cells are of {} objects, the scene has {}", scene_.objects.size(), objects.size()),
                  rebuild});
   const std::vector<VlodObject> given = describe(objects);
   for (std::size_t i = 0; i < given.size(); ++i) {
-    const VlodObject &now = given[i], &then = objects_[i];
+    const VlodObject &now = given[i], &then = scene_.objects[i];
     const char* const what = now.hierarchy != then.hierarchy || now.split_count != then.split_count ? "has changed"
                              : now.object_to_world != then.object_to_world                          ? "has been moved"
                              : now.two_sided != then.two_sided ? "is now seen from other sides"

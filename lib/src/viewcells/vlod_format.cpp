@@ -1,5 +1,6 @@
 #include "viewcells/vlod_format.h"
 
+#include <fmt/format.h>
 #include <xxhash.h>
 
 #include <algorithm>
@@ -104,6 +105,20 @@ CellTreeOptions restore(const StoredOptions& stored, std::span<const CellBox> re
   options.division = static_cast<CellDivision>(stored.division);
   options.occluder_motion = stored.occluder_motion;
   return options;
+}
+
+Scene read_options(sections::SectionReader& reader, const std::string& subject, Key& key) {
+  const auto stored = reader.read_one<StoredOptions>(options_name, "set of options");
+  if (stored.epoch != epoch)
+    reader.refuse("section OPTS",
+                  fmt::format("cells were made in way {}, this program makes them in way {}", stored.epoch, epoch));
+  Scene scene{restore(stored, reader.read<CellBox>(regions_name)), {}};
+  check(scene.options, subject.c_str());
+  const std::span<const VlodObject> objects = reader.read<VlodObject>(objects_name);
+  scene.objects.assign(objects.begin(), objects.end());
+  key = stored.key;
+  if (store(scene).key != key) reader.refuse("section OPTS", "has a key that is not its own");
+  return scene;
 }
 
 void check(const CellTreeOptions& options, const char* subject) {

@@ -59,6 +59,9 @@ struct Scene {
 [[nodiscard]] StoredOptions store(const Scene& scene);
 [[nodiscard]] CellTreeOptions restore(const StoredOptions& stored, std::span<const CellBox> regions);
 
+// What files of either kind begin with, checked, and its key.
+[[nodiscard]] Scene read_options(sections::SectionReader& reader, const std::string& subject, Key& key);
+
 // Throws Error that names the option, or the field of the file that was read.
 void check(const CellTreeOptions& options, const char* subject);
 
