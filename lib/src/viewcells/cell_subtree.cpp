@@ -25,23 +25,27 @@ constexpr auto in_both = [](auto... args) { std::set_intersection(args...); };
 constexpr auto in_either = [](auto... args) { std::set_union(args...); };
 constexpr auto not_in = [](auto... args) { std::set_difference(args...); };
 
-// What is in all trees.
+// Of one tree of all parts.
 CellSets joined_sets(std::span<const CellSubtree> parts) {
   CellSets sets = parts.front().sets;
+  sets.candidates.clear();
   for (const CellSubtree& part : parts.subspan(1)) {
     sets.splits = combined(sets.splits, part.sets.splits, in_both);
+    sets.candidates = combined(sets.candidates, combined(sets.used, part.sets.used, in_both), in_either);
+    sets.used = combined(sets.used, part.sets.used, in_either);
     sets.hidden = combined(sets.hidden, part.sets.hidden, in_either);
     sets.drawn = combined(sets.drawn, part.sets.drawn, in_either);
   }
+  sets.candidates = combined(sets.candidates, sets.splits, not_in);
   sets.hidden = combined(sets.hidden, sets.drawn, not_in);
   return sets;
 }
 
 // What the root of a tree adds to what is above it becomes its payload, behind all others.
 void add_payload(CellSubtree& tree, const CellSets& above) {
-  const vlod::Additions additions{combined(tree.sets.splits, above.splits, not_in),
+  const vlod::Additions additions{combined(tree.sets.splits, above.splits, not_in), std::move(tree.sets.candidates),
                                   combined(tree.sets.hidden, above.hidden, not_in)};
-  const std::vector<std::byte> bytes = vlod::encode(additions);
+  const std::vector<std::byte> bytes = vlod::encode(additions, above.candidates);
   CellNode& root = tree.nodes.front();
   if (bytes.size() > vlod::most_payload_bytes)
     throw Error({"cells", "", "one of them adds more than 16 MiB", "allow a larger tolerance"});
@@ -49,6 +53,7 @@ void add_payload(CellSubtree& tree, const CellSets& above) {
   root.payload_bytes = static_cast<std::uint32_t>(bytes.size());
   root.checksum = sections::checksum_of(bytes);
   root.splits = static_cast<std::uint32_t>(additions.splits.size());
+  root.candidates = static_cast<std::uint32_t>(additions.candidates.size());
   root.hidden_faces = static_cast<std::uint32_t>(additions.hidden.size());
   tree.payloads.insert(tree.payloads.end(), bytes.begin(), bytes.end());
 }
@@ -73,6 +78,7 @@ CellSubtree leaf_of_tree(const CellNode& node, CellSets sets) {
   CellSubtree tree{{node}, {}, std::move(sets)};
   tree.nodes.front().parent = no_id;
   tree.nodes.front().end = 1;
+  tree.sets.used = tree.sets.splits;
   return tree;
 }
 

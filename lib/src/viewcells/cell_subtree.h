@@ -12,9 +12,11 @@ namespace occlod {
 
 // What the leaves of a tree apply and draw. By the numbers of vlod::GlobalIds; all ascending.
 struct CellSets {
-  std::vector<std::uint64_t> splits;  // that all leaves apply
-  std::vector<std::uint64_t> hidden;  // faces, owner << 32 | slot, that are hidden in some leaf and drawn in none
-  std::vector<std::uint64_t> drawn;   // faces that are drawn in some leaf
+  std::vector<std::uint64_t> splits;      // that all leaves apply
+  std::vector<std::uint64_t> used;        // that some leaf applies
+  std::vector<std::uint64_t> candidates;  // that leaves below two of the root's children apply, but not all leaves
+  std::vector<std::uint64_t> hidden;      // faces, owner << 32 | slot, that are hidden in some leaf and drawn in none
+  std::vector<std::uint64_t> drawn;       // faces that are drawn in some leaf
 };
 
 // A tree whose root is not yet in a larger one: what the root adds depends on that, and is not yet known.
@@ -25,7 +27,7 @@ struct CellSubtree {
   CellSets sets;
 };
 
-// Of a cell that is not divided.
+// Of a cell that is not divided, with the splits, hidden and drawn faces of its cut.
 [[nodiscard]] CellSubtree leaf_of_tree(const CellNode& node, CellSets sets);
 // One tree of several, at least two. O(size of their sets + bytes).
 [[nodiscard]] CellSubtree join(std::vector<CellSubtree> parts);

@@ -76,6 +76,7 @@ CellAdditions sorted(const Additions& additions, const GlobalIds& ids) {
     objects[place.object].hidden.push_back({place.split, static_cast<std::uint32_t>(face)});
   }
   CellAdditions result;
+  result.candidates.assign(additions.candidates.begin(), additions.candidates.end());
   for (auto& [object, it] : objects) {
     it.object = object;
     result.objects.push_back(std::move(it));
@@ -86,7 +87,7 @@ CellAdditions sorted(const Additions& additions, const GlobalIds& ids) {
 }  // namespace
 
 std::size_t CellAdditions::bytes() const noexcept {
-  std::size_t bytes = sizeof(*this) + objects.capacity() * sizeof(ObjectAdditions);
+  std::size_t bytes = sizeof(*this) + objects.capacity() * sizeof(ObjectAdditions) + candidates.capacity() * 4;
   for (const ObjectAdditions& object : objects)
     bytes += object.splits.capacity() * sizeof(SplitId) + object.hidden.capacity() * sizeof(FaceRef);
   return bytes;
@@ -139,8 +140,10 @@ class VlodFile::Impl {
       if (node.payload > data_bytes || node.payload_bytes > data_bytes - node.payload)
         refuse(n, "adds what lies outside the file");
       if (node.payload_bytes > most_payload_bytes) refuse(n, "adds more than 16 MiB");
-      if ((std::uint64_t{node.splits} + node.hidden_faces) > std::uint64_t{node.payload_bytes} * most_ids_per_byte)
-        refuse(n, fmt::format("claims {} splits and {} faces", node.splits, node.hidden_faces));
+      if (std::uint64_t{node.splits} + node.candidates + node.hidden_faces >
+          std::uint64_t{node.payload_bytes} * most_ids_per_byte)
+        refuse(n, fmt::format("claims {} splits, {} candidates and {} faces", node.splits, node.candidates,
+                              node.hidden_faces));
     }
   }
 
@@ -187,8 +190,11 @@ CellAdditions VlodFile::Impl::read(CellId cell, std::span<const CellAdditions* c
   }
   if (sections::checksum_of(bytes) != node.checksum) refuse(cell, "is damaged: its checksum is wrong");
   std::string problem;
+  std::vector<std::uint64_t> known;
+  if (!ancestors.empty()) known.assign(ancestors.back()->candidates.begin(), ancestors.back()->candidates.end());
   const auto additions =
-      decode(bytes, {ids_->split_count(), ids_->owner_count(), node.splits, node.hidden_faces}, problem);
+      decode(bytes, {ids_->split_count(), ids_->owner_count(), node.splits, node.candidates, node.hidden_faces}, known,
+             problem);
   if (!additions) refuse(cell, problem);
   CellAdditions result = sorted(*additions, *ids_);
   if (hierarchies_.empty()) return result;

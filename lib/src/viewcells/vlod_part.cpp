@@ -27,15 +27,16 @@ void write_part(const std::filesystem::path& path, const Scene& scene, const Cel
   const auto append = [&](std::span<const std::byte> bytes) { data.insert(data.end(), bytes.begin(), bytes.end()); };
   for (CellSubtree& tree : trees) {
     set_levels(tree);
-    const Additions shared{tree.sets.splits, tree.sets.hidden}, drawn{{}, tree.sets.drawn};
-    const std::vector<std::byte> shared_bytes = encode(shared), drawn_bytes = encode(drawn);
+    const Additions shared{tree.sets.splits, tree.sets.candidates, tree.sets.hidden};
+    const Additions used{tree.sets.used, {}, tree.sets.drawn};
+    const std::vector<std::byte> shared_bytes = encode(shared, {}), used_bytes = encode(used, {});
     table.push_back({nodes.size(), tree.nodes.size(), data.size(), tree.payloads.size(),
-                     data.size() + tree.payloads.size(), shared_bytes.size(), drawn_bytes.size(), shared.splits.size(),
-                     shared.hidden.size(), drawn.hidden.size()});
+                     data.size() + tree.payloads.size(), shared_bytes.size(), used_bytes.size(), shared.splits.size(),
+                     shared.candidates.size(), shared.hidden.size(), used.splits.size(), used.hidden.size()});
     nodes.insert(nodes.end(), tree.nodes.begin(), tree.nodes.end());
     append(tree.payloads);
     append(shared_bytes);
-    append(drawn_bytes);
+    append(used_bytes);
     tree = {};
   }
   const StoredOptions options = store(scene);
@@ -69,7 +70,7 @@ CellSubtree PartReader::tree(std::uint32_t root) const {
   };
   if (!within(it.first_node, it.nodes, nodes_.size()) || !within(it.payloads, it.payload_bytes, data_.size()) ||
       !within(it.sets, it.shared_bytes, data_.size()) ||
-      !within(it.sets + it.shared_bytes, it.drawn_bytes, data_.size()))
+      !within(it.sets + it.shared_bytes, it.used_bytes, data_.size()))
     reader_.refuse(place, "lies outside the file");
   CellSubtree tree;
   tree.nodes.assign(nodes_.begin() + static_cast<std::ptrdiff_t>(it.first_node),
@@ -81,17 +82,21 @@ CellSubtree PartReader::tree(std::uint32_t root) const {
   tree.payloads.assign(payloads.begin(), payloads.end());
 
   const GlobalIds ids(scene_.objects, place);
-  const auto decoded = [&](std::uint64_t at, std::uint64_t bytes, std::uint64_t splits, std::uint64_t faces) {
-    std::string problem;
-    auto sets = splits <= bytes * most_ids_per_byte && faces <= bytes * most_ids_per_byte
-                    ? decode(data_.subspan(at, bytes), {ids.split_count(), ids.owner_count(), splits, faces}, problem)
-                    : std::nullopt;
-    if (!sets) reader_.refuse(place, problem.empty() ? "claims more than it can hold" : problem);
+  const auto decoded = [&](std::uint64_t at, std::uint64_t bytes, const Expected& expected) {
+    std::string problem = "claims more than it can hold";
+    std::optional<Additions> sets;
+    const std::uint64_t most = bytes * most_ids_per_byte;
+    if (expected.splits <= most && expected.candidates <= most && expected.hidden <= most)
+      sets = decode(data_.subspan(at, bytes), expected, {}, problem);
+    if (!sets) reader_.refuse(place, problem);
     return std::move(*sets);
   };
-  Additions shared = decoded(it.sets, it.shared_bytes, it.splits, it.hidden);
-  Additions drawn = decoded(it.sets + it.shared_bytes, it.drawn_bytes, 0, it.drawn);
-  tree.sets = {std::move(shared.splits), std::move(shared.hidden), std::move(drawn.hidden)};
+  Additions shared =
+      decoded(it.sets, it.shared_bytes, {ids.split_count(), ids.owner_count(), it.splits, it.candidates, it.hidden});
+  Additions used =
+      decoded(it.sets + it.shared_bytes, it.used_bytes, {ids.split_count(), ids.owner_count(), it.used, 0, it.drawn});
+  tree.sets = {std::move(shared.splits), std::move(used.splits), std::move(shared.candidates), std::move(shared.hidden),
+               std::move(used.hidden)};
   return tree;
 }
 

@@ -27,11 +27,11 @@ void write_part(const std::filesystem::path& path, const Scene& scene, const Cel
 struct PartTree {
   std::uint64_t first_node = 0, nodes = 0;        // in section CELL
   std::uint64_t payloads = 0, payload_bytes = 0;  // in section DATA
-  std::uint64_t sets = 0;  // in section DATA: what its leaves have in common, then what they draw
-  std::uint64_t shared_bytes = 0, drawn_bytes = 0;
-  std::uint64_t splits = 0, hidden = 0, drawn = 0;  // elements of its sets
+  std::uint64_t sets = 0;                         // in section DATA: what all leaves share, then what some have
+  std::uint64_t shared_bytes = 0, used_bytes = 0;
+  std::uint64_t splits = 0, candidates = 0, hidden = 0, used = 0, drawn = 0;  // elements of its sets
 };
-static_assert(sizeof(PartTree) == 80);
+static_assert(sizeof(PartTree) == 96);
 
 class PartReader {
  public:

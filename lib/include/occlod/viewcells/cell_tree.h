@@ -31,7 +31,7 @@ struct CellNode {
   std::uint32_t triangles = 0;        // of a leaf: active ones in its cut
   std::uint32_t drawn_triangles = 0;  // of a leaf: of these, to draw
   float error_px = 0.0F;              // of a leaf: how far anything seen is from what is drawn, at most
-  std::uint32_t reserved = 0;         // 0
+  std::uint32_t candidates = 0;       // CellAdditions::candidates
 };
 static_assert(sizeof(CellNode) == 104);
 

@@ -38,6 +38,9 @@ struct ObjectAdditions {
 // (CellView::faces_away()). What two nodes of one path add has nothing in common.
 struct CellAdditions {
   std::vector<ObjectAdditions> objects;  // those for which there is something, ascending
+  // Splits that several children of the node apply in some leaf, and not all in all leaves: what children add is stored
+  // as places in this list. Splits of all objects are numbered through. For VlodFile::read().
+  std::vector<std::uint32_t> candidates;
   // What it takes in memory, about.
   [[nodiscard]] std::size_t bytes() const noexcept;
 };
