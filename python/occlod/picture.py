@@ -6,14 +6,14 @@ from collections.abc import Iterable
 
 import numpy
 
-from ._occlod import Camera, Cut, DrawObject, Hierarchy, Mesh, Object, Refinement, View, draw_items, shade
+from ._occlod import Camera, CellCut, Cut, DrawObject, Hierarchy, Mesh, Object, Refinement, View, draw_items, shade
 
-Drawable = Mesh | Refinement | Cut | Hierarchy | Object
+Drawable = Mesh | Refinement | CellCut | Cut | Hierarchy | Object
 
 
 def draw_objects(what: Drawable | Iterable[Drawable]) -> list[DrawObject]:
-    """What draw_items() and shade() take, of meshes, refinements, cuts, hierarchies and objects at their finest."""
-    if isinstance(what, Refinement):
+    """What draw_items() and shade() take, of meshes, refinements, cuts of any kind, hierarchies and objects at their finest."""
+    if isinstance(what, (Refinement, CellCut)):
         return what.draw_objects()
     if isinstance(what, Mesh):
         return [DrawObject(what.positions, what.triangles, what.colors)]

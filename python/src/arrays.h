@@ -37,7 +37,7 @@ using ColorImage = nb::ndarray<nb::numpy, const std::uint8_t, nb::shape<-1, -1, 
 // none.
 template <typename T, nb::ssize_t columns>
 Array2<T, columns> rows_view(T* data, std::size_t n, nb::handle owner, std::size_t stride = columns) {
-  static std::remove_const_t<T> nothing[columns] = {};
+  static std::remove_const_t<T> nothing[static_cast<std::size_t>(columns)] = {};
   const std::size_t shape[2] = {n, static_cast<std::size_t>(columns)};
   const std::int64_t strides[2] = {static_cast<std::int64_t>(stride), 1};
   return Array2<T, columns>(n == 0 ? nothing : data, 2, shape, owner, strides);

@@ -13,6 +13,7 @@
 #include "occlod/hlod/build.h"
 #include "occlod/hlod/metric.h"
 #include "occlod/hlod/validate.h"
+#include "occlod/hlod/within.h"
 #include "occlod/io/ohlod.h"
 
 namespace occlod::python {
@@ -101,6 +102,30 @@ void bind_nodes(nb::module_& m) {
           "(n,) uint16: the vertex of the parent's mesh that each slides to, or 0xffff.");
 }
 
+NodeId with_within(const Hlod& hlod, std::int64_t node) {
+  const NodeId n = checked(hlod, node);
+  if (!hlod.has_within(n))
+    throw Error({"HLOD", "node " + std::to_string(n), "has no collapses of its own",
+                 "ask has_within(); build with within=Within.splits"});
+  hlod.require(n);
+  hlod.require_within(n);
+  return n;
+}
+
+Array2<float, 3> within_positions(const Hlod& hlod, std::int64_t node) {
+  const NodeId n = with_within(hlod, node);
+  std::vector<float> values;
+  for (const auto positions : {hlod.mesh(n).positions, hlod.within(n).positions})
+    for (const glm::vec3& p : positions) values.insert(values.end(), {p.x, p.y, p.z});
+  return rows_array_of<float, 3>(std::move(values));
+}
+
+Array2<std::uint16_t, 3> within_cut(const Hlod& hlod, std::int64_t node, double most_error) {
+  const NodeId n = with_within(hlod, node);
+  if (!(most_error >= 0.0)) throw nb::value_error("most_error: an error is at least 0, in object units");
+  return rows_array_of<std::uint16_t, 3>(hlod::within_cut(hlod, n, most_error).indices);
+}
+
 void bind_arrays(nb::class_<Hlod>& type) {
   type.def(
           "node", [](const Hlod& h, std::int64_t n) { return h.node(checked(h, n)); }, "node"_a)
@@ -112,6 +137,12 @@ void bind_arrays(nb::class_<Hlod>& type) {
             return PythonNodeMesh{h, h.mesh(node)};
           },
           "node"_a, "Error when that part of a mapped file is damaged.")
+      .def("within_positions", &within_positions, "node"_a,
+           "(n, 3) float32: the vertices of mesh(node), then those that its collapses bring back. A copy. Error where\n"
+           "the node has none, or a mapped file is damaged.")
+      .def("within_cut", &within_cut, "node"_a, "most_error"_a,
+           "(m, 3) uint16, ids into within_positions(node): the coarsest mesh of the node whose error is at most so\n"
+           "large, object units; the finest if none is. O(triangles that the node was made from).")
       .def(
           "children",
           [](nb::handle self, std::int64_t n) {

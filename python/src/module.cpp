@@ -50,7 +50,9 @@ NB_MODULE(_occlod, m) {
   bind_visibility(m);
   bind_refiner(m);
   bind_auto_refiner(m);
-  bind_scene(m);
   bind_hlod(m);
+  bind_scene(m);
+  bind_device(m);
   bind_traverse(m);
+  bind_cells(m);
 }

@@ -143,28 +143,7 @@ void bind_result(nb::module_& m) {
            "Vertices that slide, their parents, and how far they have gone, 0 to 1: three arrays of the same length.\n"
            "See MorphedPositions.")
       .def(
-          "mesh",
-          [](const Result& r, std::size_t i) {
-            const RefinedObject& object = r.object(i);
-            TriangleMesh mesh;
-            const HierarchyView& data = r.placed(i).hierarchy.data();
-            std::vector<VertexId> ids(data.positions.size(), no_id);
-            for (const Triangle& triangle : object.triangles) {
-              Triangle corners(0);
-              for (int c = 0; c < 3; ++c) {
-                const VertexId v = triangle[c];
-                if (ids[v] == no_id) {
-                  ids[v] = static_cast<VertexId>(mesh.positions.size());
-                  mesh.positions.push_back(data.positions[v]);
-                  if (!data.normals.empty()) mesh.normals.push_back(data.normals[v]);
-                  if (!data.colors.empty()) mesh.colors.push_back(data.colors[v]);
-                }
-                corners[c] = ids[v];
-              }
-              mesh.triangles.push_back(corners);
-            }
-            return mesh;
-          },
+          "mesh", [](const Result& r, std::size_t i) { return mesh_of(r.placed(i).hierarchy, r.object(i).triangles); },
           "object"_a = 0, "A Mesh of its own, object space, without vertices that no triangle uses. O(n).")
       .def(
           "draw_objects",
@@ -222,6 +201,27 @@ const RefinedObject& Result::object(std::size_t i) const {
   if (i >= now_->objects.size())
     throw nb::index_error(("there are " + std::to_string(now_->objects.size()) + " objects").c_str());
   return now_->objects[i];
+}
+
+TriangleMesh mesh_of(const Hierarchy& hierarchy, std::span<const Triangle> triangles) {
+  TriangleMesh mesh;
+  const HierarchyView& data = hierarchy.data();
+  std::vector<VertexId> ids(data.positions.size(), no_id);
+  for (const Triangle& triangle : triangles) {
+    Triangle corners(0);
+    for (int c = 0; c < 3; ++c) {
+      const VertexId v = triangle[c];
+      if (ids[v] == no_id) {
+        ids[v] = static_cast<VertexId>(mesh.positions.size());
+        mesh.positions.push_back(data.positions[v]);
+        if (!data.normals.empty()) mesh.normals.push_back(data.normals[v]);
+        if (!data.colors.empty()) mesh.colors.push_back(data.colors[v]);
+      }
+      corners[c] = ids[v];
+    }
+    mesh.triangles.push_back(corners);
+  }
+  return mesh;
 }
 
 RefineOptions to_options(const std::optional<RefineOptions>& options, std::optional<std::size_t> budget) {

@@ -13,6 +13,8 @@
 
 #include "arrays.h"
 #include "bindings.h"
+#include "device.h"
+#include "occlod/scene/load_hlods.h"
 
 namespace occlod::python {
 namespace {
@@ -32,6 +34,14 @@ nb::handle or_none(const std::optional<nb::callable>& callable) {
   return callable ? nb::handle(*callable) : nb::handle(Py_None);
 }
 
+std::function<void(const std::string&)> note_of(const std::optional<nb::callable>& note) {
+  if (!note) return {};
+  return [told = or_none(note)](const std::string& line) {
+    const nb::gil_scoped_acquire gil;
+    told(line);
+  };
+}
+
 std::vector<PlacedObject> load(const SceneDescription& scene, const std::filesystem::path& folder, int threads,
                                bool use_cache, const std::optional<nb::callable>& progress,
                                const std::optional<nb::callable>& note) {
@@ -39,15 +49,23 @@ std::vector<PlacedObject> load(const SceneDescription& scene, const std::filesys
   options.build.threads = threads;
   options.use_cache = use_cache;
   options.progress = step_of(or_none(progress));
-  if (note)
-    options.note = [told = or_none(note)](const std::string& line) {
-      const nb::gil_scoped_acquire gil;
-      told(line);
-    };
+  options.note = note_of(note);
   const nb::gil_scoped_release release;
   std::vector<PlacedObject> result;
   for (const LoadedObject& object : load_objects(scene, folder, options))
     result.push_back({*object.hierarchy, object.object_to_world, object.two_sided, object.source_name});
+  return result;
+}
+
+std::vector<HlodObject> load_hlods(const SceneDescription& scene, const std::filesystem::path& folder,
+                                   HlodLoadOptions options, const std::optional<nb::callable>& progress,
+                                   const std::optional<nb::callable>& note) {
+  options.progress = step_of(or_none(progress));
+  options.note = note_of(note);
+  const nb::gil_scoped_release release;
+  std::vector<HlodObject> result;
+  for (const LoadedHlod& object : occlod::load_hlods(scene, folder, options))
+    result.push_back({*object.hlod, object.object_to_world, object.two_sided, object.source_name});
   return result;
 }
 
@@ -163,6 +181,23 @@ void bind_scene(nb::module_& m) {
           "Reads or generates the meshes and builds their hierarchies, or fetches them from the user's cache: one\n"
           "Object for each of the scene. Relative names start in `folder`, or beside the scene file. `progress` is\n"
           "called with what is being done and the share of it, `note` with one line when the cache cannot be used.")
+      .def(
+          "load_hlods",
+          [](const SceneDescription& scene, const std::optional<std::filesystem::path>& folder,
+             std::uint32_t node_triangles, hlod::Within within, int threads, bool use_cache,
+             const std::optional<nb::callable>& progress, const std::optional<nb::callable>& note) {
+            HlodLoadOptions options;
+            options.build.node_triangles = node_triangles;
+            options.build.within = within;
+            options.build.threads = threads;
+            options.use_cache = use_cache;
+            return load_hlods(scene, folder_of(scene, folder), options, progress, note);
+          },
+          "folder"_a = nb::none(), nb::kw_only(), "node_triangles"_a = hlod::BuildOptions{}.node_triangles,
+          "within"_a = hlod::BuildOptions{}.within, "threads"_a = 0, "use_cache"_a = true, "progress"_a = nb::none(),
+          "note"_a = nb::none(),
+          "All objects that are no .ohlod files as one HLOD, built or fetched from the user's cache, then each .ohlod\n"
+          "file at its place. Otherwise as load().")
       .def(
           "flatten",
           [](const SceneDescription& scene, const std::optional<std::filesystem::path>& folder,

@@ -1,7 +1,8 @@
-// HLODs at their places, devices, and what is drawn of them.
+// HLODs at their places, and what is drawn of them.
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
 
 #include <cstddef>
@@ -10,9 +11,7 @@
 
 #include "arrays.h"
 #include "bindings.h"
-#include "occlod/device/measure_costs.h"
-#include "occlod/device/software_device.h"
-#include "occlod/device/virtual_device.h"
+#include "device.h"
 #include "occlod/traverse/traverser.h"
 #include "view_like.h"
 
@@ -23,35 +22,7 @@ using namespace nb::literals;
 using hlod::FrameStats;
 using hlod::FrameTimes;
 using hlod::Hlod;
-using hlod::RenderDevice;
 using hlod::TraverseOptions;
-
-struct HlodObject {
-  Hlod hlod;
-  glm::dmat4 object_to_world{1.0};
-  bool two_sided = false;
-};
-
-// The HLODs of a traverser, which it points into; so does a device until its next frame.
-struct KeptHlods {
-  explicit KeptHlods(std::vector<HlodObject> given) : objects(std::move(given)) {
-    for (const HlodObject& object : objects) placed.push_back({&object.hlod, object.object_to_world, object.two_sided});
-  }
-  KeptHlods(const KeptHlods&) = delete;
-  KeptHlods& operator=(const KeptHlods&) = delete;
-
-  std::vector<HlodObject> objects;
-  std::vector<hlod::PlacedHlod> placed;
-};
-
-struct PythonDevice {
-  std::unique_ptr<RenderDevice> device;
-  const hlod::SoftwareDevice* software = nullptr;  // that draws
-  bool has_items = false;
-  std::optional<hlod::DeviceCosts> costs;  // simulated, or measured when first needed
-  std::shared_ptr<const KeptHlods> drawn;
-  std::mutex in_use;
-};
 
 struct PythonTraverser {
   explicit PythonTraverser(std::vector<HlodObject> objects)
@@ -61,24 +32,31 @@ struct PythonTraverser {
   std::mutex in_use;
 };
 
-std::shared_ptr<PythonDevice> make_software(bool items) {
-  auto made = std::make_shared<PythonDevice>();
-  auto device = std::make_unique<hlod::SoftwareDevice>(hlod::SoftwareDeviceOptions{items});
-  made->software = device.get();
-  made->device = std::move(device);
-  made->has_items = items;
-  return made;
-}
+// A frame, and the cuts of its nodes, which the traverser keeps only until the next.
+struct PythonFrame {
+  explicit PythonFrame(const hlod::Frame& drawn) : frame(drawn) {
+    std::size_t size = 0;
+    for (const hlod::DrawnNode& draw : frame.draws) size += draw.cut.size();
+    cuts.reserve(size);
+    for (hlod::DrawnNode& draw : frame.draws) {
+      const std::size_t first = cuts.size();
+      cuts.insert(cuts.end(), draw.cut.begin(), draw.cut.end());
+      draw.cut = {cuts.data() + first, draw.cut.size()};
+    }
+  }
+  PythonFrame(const PythonFrame&) = delete;
+  PythonFrame& operator=(const PythonFrame&) = delete;
 
-std::shared_ptr<PythonDevice> make_virtual(const std::string& preset, bool items) {
-  auto made = std::make_shared<PythonDevice>();
-  auto device = std::make_unique<hlod::VirtualDevice>(hlod::device_preset(preset), hlod::SoftwareDeviceOptions{items});
-  made->software = &device->software();
-  made->costs = device->costs();
-  made->device = std::move(device);
-  made->has_items = items;
-  return made;
-}
+  // Throws IndexError.
+  [[nodiscard]] const hlod::DrawnNode& draw(std::size_t i) const {
+    if (i >= frame.draws.size())
+      throw nb::index_error(("there are " + std::to_string(frame.draws.size()) + " draws").c_str());
+    return frame.draws[i];
+  }
+
+  hlod::Frame frame;
+  std::vector<std::uint16_t> cuts;
+};
 
 std::vector<HlodObject> to_hlods(nb::handle objects) {
   std::vector<HlodObject> result;
@@ -86,7 +64,7 @@ std::vector<HlodObject> to_hlods(nb::handle objects) {
     if (nb::isinstance<HlodObject>(item)) {
       result.push_back(nb::cast<const HlodObject&>(item));
     } else if (nb::isinstance<Hlod>(item)) {
-      result.push_back({nb::cast<const Hlod&>(item), glm::dmat4(1.0), false});
+      result.push_back({nb::cast<const Hlod&>(item), glm::dmat4(1.0), false, ""});
     } else {
       return false;
     }
@@ -98,8 +76,8 @@ std::vector<HlodObject> to_hlods(nb::handle objects) {
   return result;
 }
 
-hlod::Frame draw_frame(PythonTraverser& self, const ViewLike& view, PythonDevice& device,
-                       const std::optional<TraverseOptions>& options, PythonDevice* oracle) {
+std::unique_ptr<PythonFrame> draw_frame(PythonTraverser& self, const ViewLike& view, PythonDevice& device,
+                                        const std::optional<TraverseOptions>& options, PythonDevice* oracle) {
   const View seen = view.get();
   TraverseOptions chosen = options.value_or(TraverseOptions{});
   if (oracle == &device) throw nb::value_error("oracle: give another device than the one that is drawn on");
@@ -107,13 +85,10 @@ hlod::Frame draw_frame(PythonTraverser& self, const ViewLike& view, PythonDevice
   const nb::gil_scoped_release release;
   std::mutex nobody;
   const std::scoped_lock lock(self.in_use, device.in_use, oracle != nullptr ? oracle->in_use : nobody);
-  if (hlod::needs_costs(chosen.strategy)) {
-    if (!device.costs) device.costs = hlod::measure_costs(*device.device);
-    chosen.costs = *device.costs;
-  }
+  if (hlod::needs_costs(chosen.strategy)) chosen.costs = device.needed_costs();
   device.drawn = self.hlods;
   if (oracle != nullptr) oracle->drawn = self.hlods;
-  return self.traverser.draw_frame(seen, *device.device, chosen);
+  return std::make_unique<PythonFrame>(self.traverser.draw_frame(seen, device.active(), chosen));
 }
 
 void bind_traverse_enums(nb::module_& m) {
@@ -142,6 +117,10 @@ void bind_traverse_enums(nb::module_& m) {
   nb::enum_<hlod::Alpha>(m, "Alpha", "How the pixels of a node's box on an empty screen are counted.")
       .value("exact", hlod::Alpha::exact)
       .value("paper", hlod::Alpha::paper);
+  nb::enum_<hlod::CoverModel>(m, "CoverModel", "How probable it is that all of a box is covered.")
+      .value("printed", hlod::CoverModel::printed,
+             "Boxes may stick out of the image: as Guthe and others 2006 print it.")
+      .value("corrected", hlod::CoverModel::corrected, "They lie inside it.");
 }
 
 void bind_traverse_options(nb::module_& m) {
@@ -150,7 +129,8 @@ void bind_traverse_options(nb::module_& m) {
       .def(
           "__init__",
           [](TraverseOptions* self, hlod::Strategy strategy, double tolerance_px, double bias_s, double bias_t,
-             bool biased, hlod::Metric metric, hlod::Alpha alpha, hlod::Coherence coherence, bool geomorph) {
+             bool biased, hlod::Metric metric, hlod::Alpha alpha, hlod::Coherence coherence, bool geomorph, bool within,
+             hlod::CoverModel cover_model) {
             TraverseOptions made;
             made.strategy = strategy;
             made.tolerance_px = tolerance_px;
@@ -160,12 +140,14 @@ void bind_traverse_options(nb::module_& m) {
             made.alpha = alpha;
             made.coherence = coherence;
             made.geomorph = geomorph;
+            made.within = within;
+            made.cover_model = cover_model;
             new (self) TraverseOptions(made);
           },
           nb::kw_only(), "strategy"_a = standard.strategy, "tolerance_px"_a = standard.tolerance_px,
           "bias_s"_a = standard.bias.s, "bias_t"_a = standard.bias.t, "biased"_a = standard.biased,
           "metric"_a = standard.metric, "alpha"_a = standard.alpha, "coherence"_a = standard.coherence,
-          "geomorph"_a = standard.geomorph)
+          "geomorph"_a = standard.geomorph, "within"_a = standard.within, "cover_model"_a = standard.cover_model)
       .def_rw("strategy", &TraverseOptions::strategy, "A change forgets what was visible.")
       .def_rw("tolerance_px", &TraverseOptions::tolerance_px, ">= 0; 0: the input itself.")
       .def_prop_rw(
@@ -179,43 +161,10 @@ void bind_traverse_options(nb::module_& m) {
       .def_rw("alpha", &TraverseOptions::alpha)
       .def_rw("coherence", &TraverseOptions::coherence, "Of Strategy.coh.")
       .def_rw("geomorph", &TraverseOptions::geomorph,
-              "Vertices slide to the parent's while its error goes from twice tolerance_px to tolerance_px.");
-}
-
-void bind_traverse_device(nb::module_& m) {
-  m.def(
-      "device_presets",
-      [] {
-        std::vector<std::string> names;
-        for (const hlod::DeviceCosts& costs : hlod::device_presets()) names.push_back(costs.name);
-        return names;
-      },
-      "Names for Device.virtual().");
-  nb::class_<PythonDevice>(m, "Device",
-                           "What HLODs are drawn with, and asked about. Several traversers may use one in turn.")
-      .def_static("software", &make_software, nb::kw_only(), "items"_a = false,
-                  "Our rasteriser, with exact counts at once. `items`: keep which triangle owns each pixel.")
-      .def_static("virtual", &make_virtual, "preset"_a, nb::kw_only(), "items"_a = false,
-                  "The same under a simulated clock: frame times are the same on every machine.")
-      .def_prop_ro("name", [](const PythonDevice& d) { return std::string(d.device->name()); })
-      .def(
-          "picture",
-          [](PythonDevice& d) {
-            const nb::gil_scoped_release release;
-            const std::scoped_lock lock(d.in_use);
-            if (d.drawn == nullptr) throw Error({"device", "", "has drawn nothing", "draw a frame first"});
-            ItemBuffer picture;
-            if (d.has_items) {
-              picture = d.software->items();
-            } else {
-              picture.depth = d.software->depth();
-              picture.items.assign(picture.depth.nearness.size(), no_item);
-            }
-            return picture;
-          },
-          "A copy of the last frame's depth and, where items are kept, of which triangle owns each pixel: triangle i "
-          "of\n"
-          "the k-th draw is i + the triangles of the draws before it. Without items all are NO_ID.");
+              "Vertices slide to the parent's while its error goes from twice tolerance_px to tolerance_px.")
+      .def_rw("within", &TraverseOptions::within,
+              "Of HLODs with Within.splits: nodes are refined within, by collapses of their own. Not with geomorph.")
+      .def_rw("cover_model", &TraverseOptions::cover_model, "Of Strategy.nohc and batch.");
 }
 
 void bind_traverse_frame(nb::module_& m) {
@@ -224,6 +173,7 @@ void bind_traverse_frame(nb::module_& m) {
       .def_ro("drawn_nodes", &FrameStats::drawn_nodes, "Drawn at least in part.")
       .def_ro("drawn_patches", &FrameStats::drawn_patches)
       .def_ro("drawn_triangles", &FrameStats::drawn_triangles)
+      .def_ro("cut_nodes", &FrameStats::cut_nodes, "Of drawn_nodes, those refined within.")
       .def_ro("rarn", &FrameStats::rarn, "Of drawn_nodes, those that were refined in the same frame too.")
       .def_ro("delayed", &FrameStats::delayed, "Of drawn_nodes, those that were drawn only when their answer came.")
       .def_ro("blocked", &FrameStats::blocked, "Drawn since one of their parents was not refined.")
@@ -237,22 +187,31 @@ void bind_traverse_frame(nb::module_& m) {
       .def_ro("gpu_ms", &FrameTimes::gpu_ms, "That the device was busy.")
       .def_ro("stall_ms", &FrameTimes::stall_ms, "That the calling thread waited for answers.")
       .def_ro("starve_ms", &FrameTimes::starve_ms, "That the device had nothing to do.");
-  nb::class_<hlod::Frame>(m, "HlodFrame", "One frame. Its arrays are read-only views, which keep it alive.")
+  nb::class_<PythonFrame>(m, "HlodFrame", "One frame. Its arrays are read-only views, which keep it alive.")
       .def_prop_ro(
           "draws",
           [](nb::handle self) {
-            const auto& draws = nb::cast<const hlod::Frame&>(self).draws;
+            const auto& draws = nb::cast<const PythonFrame&>(self).frame.draws;
             using hlod::DrawnNode;
             static_assert(offsetof(DrawnNode, node) == 4 && offsetof(DrawnNode, first_range) == 8 &&
                           offsetof(DrawnNode, range_count) == 12 && sizeof(DrawnNode) % 4 == 0);
             return rows_view<const std::uint32_t, 4>(draws.empty() ? nullptr : &draws[0].object, draws.size(), self,
                                                      sizeof(DrawnNode) / 4);
           },
-          "(d, 4) uint32, in the order of drawing: object, node, first range, number of ranges.")
+          "(d, 4) uint32, in the order of drawing: object, node, first range, number of ranges, 0 of those with a cut.")
+      .def(
+          "cut",
+          [](nb::handle self, std::size_t i) {
+            const std::span<const std::uint16_t> cut = nb::cast<const PythonFrame&>(self).draw(i).cut;
+            return rows_view<const std::uint16_t, 3>(cut.data(), cut.size() / 3, self);
+          },
+          "draw"_a,
+          "(m, 3) uint16, ids into Hlod.within_positions(node): what was drawn instead of ranges where the node was\n"
+          "refined within; else empty.")
       .def_prop_ro(
           "ranges",
           [](nb::handle self) {
-            const auto& ranges = nb::cast<const hlod::Frame&>(self).ranges;
+            const auto& ranges = nb::cast<const PythonFrame&>(self).frame.ranges;
             static_assert(offsetof(hlod::DrawRange, index_count) == 4 && sizeof(hlod::DrawRange) == 12);
             return rows_view<const std::uint32_t, 2>(ranges.empty() ? nullptr : &ranges[0].first_index, ranges.size(),
                                                      self, 3);
@@ -261,13 +220,17 @@ void bind_traverse_frame(nb::module_& m) {
       .def_prop_ro(
           "morphs",
           [](nb::handle self) {
-            const auto& ranges = nb::cast<const hlod::Frame&>(self).ranges;
+            const auto& ranges = nb::cast<const PythonFrame&>(self).frame.ranges;
             return values_view<const float>(ranges.empty() ? nullptr : &ranges[0].morph, ranges.size(), self, 3);
           },
           "(r,) float32: how far vertices have gone to where merged_into says, 0 to 1.")
-      .def_ro("stats", &hlod::Frame::stats)
-      .def_ro("times", &hlod::Frame::times)
-      .def_ro("front_hash", &hlod::Frame::front_hash, "Of the patches drawn, in any order.");
+      .def_prop_ro(
+          "stats", [](const PythonFrame& f) { return f.frame.stats; }, "Of this frame.")
+      .def_prop_ro(
+          "times", [](const PythonFrame& f) { return f.frame.times; }, "Of this frame.")
+      .def_prop_ro(
+          "front_hash", [](const PythonFrame& f) { return f.frame.front_hash; },
+          "Of the patches and cuts drawn, in any order.");
 }
 
 }  // namespace
@@ -275,14 +238,13 @@ void bind_traverse_frame(nb::module_& m) {
 void bind_traverse(nb::module_& m) {
   bind_traverse_enums(m);
   bind_traverse_options(m);
-  bind_traverse_device(m);
   bind_traverse_frame(m);
   nb::class_<HlodObject>(m, "HlodObject", "An HLOD at a place. Several may share an HLOD.")
       .def(
           "__init__",
           [](HlodObject* self, const Hlod& hlod, const std::optional<ArrayLike>& transform, bool two_sided) {
             const glm::dmat4 matrix = transform ? to_matrix(*transform, "transform") : glm::dmat4(1.0);
-            new (self) HlodObject{hlod, matrix, two_sided};
+            new (self) HlodObject{hlod, matrix, two_sided, ""};
           },
           "hlod"_a, "transform"_a = nb::none(), nb::kw_only(), "two_sided"_a = false,
           "`transform`: (4, 4), object to world, affine and invertible; multiplies columns from the left.")
@@ -290,7 +252,8 @@ void bind_traverse(nb::module_& m) {
       .def_prop_ro(
           "transform", [](const HlodObject& o) { return from_matrix(o.object_to_world); },
           nb::sig("def transform(self) -> numpy.typing.NDArray[numpy.float64]"), "(4, 4) float64. A copy.")
-      .def_ro("two_sided", &HlodObject::two_sided);
+      .def_ro("two_sided", &HlodObject::two_sided)
+      .def_ro("source_name", &HlodObject::source_name, "Of objects of a scene: a file, or the scene.");
   nb::class_<PythonTraverser>(
       m, "Traverser",
       "Draws HLODs front to back, refined and culled by occlusion queries. Remembers from frame to\n"
