@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "occlod/core/error.h"
+#include "report/beside.h"
 #include "report/document.h"
 #include "report/machine.h"
 #include "report/side_pictures.h"
@@ -45,8 +46,10 @@ void make_small(Options& options) {
 std::vector<SceneOutcomes> sweep_all(const std::vector<Setting>& settings, const SweepOptions& options) {
   std::vector<SceneOutcomes> outcomes;
   for (const auto& [scene, path] : options.scenes)
-    if (const std::unique_ptr<SceneRun> run = load_scene(scene_file(scene), options.size))
+    if (const std::unique_ptr<SceneRun> run = load_scene(scene_file(scene), options.size)) {
       outcomes.push_back(sweep_scene(*run, path, settings, options));
+      outcomes.back().ways = compare_with_hlods(*run, path, options);
+    }
   if (outcomes.empty()) throw Error({"bench_report", "", "has no scene to work on", "set OCCLOD_MESHES"});
   return outcomes;
 }

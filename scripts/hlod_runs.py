@@ -14,6 +14,8 @@ import platform
 import subprocess
 import sys
 
+import hlod_splits
+
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 SESSION = ("overview", "rotation", "close_ups")  # of Charalambos 2006: overall views, rotations, extreme close-ups
 FIRST_PAPER = ("hlod_row", "hlod_grid", "hlod_shelves")
@@ -47,6 +49,7 @@ class Effort:
     guthe: dict = dataclasses.field(default_factory=lambda: {"plant": 0.03, "city": 1.0, "dragon_alone": 1.0, "car": 0.5})
     llvmpipe_share: float = 0.15  # of these shares
     leaves_share: float = 0.15
+    splits: tuple = tuple(hlod_splits.SCENES)  # along their whole paths
     cover_frames: int = 16  # of each path
     cover_images: int = 100  # of random ellipsoids
     size: str = "640x480"
@@ -54,10 +57,10 @@ class Effort:
 
 
 QUICK = Effort(scenes=("hlod_row", "hlod_grid"), session_frames=20, walk_frames=20, slow_frames=100, compared=3, crack_frames=2, error_frames=2, pop_frames=4,
-               llvmpipe_frames=3, fronts=100, guthe={"city": 0.3, "dragon_alone": 0.25}, llvmpipe_share=0.1, leaves_share=0.2, cover_frames=4, cover_images=3)
+               llvmpipe_frames=3, fronts=100, guthe={"city": 0.3, "dragon_alone": 0.25}, llvmpipe_share=0.1, leaves_share=0.2, splits=("armadillo", "city"), cover_frames=4, cover_images=3)
 # Of scenes of some thousand triangles (bench/scenes/small): whether everything is there, not what it is worth.
 SMALL = Effort(session_frames=6, walk_frames=8, slow_frames=8, compared=2, crack_frames=1, error_frames=1, pop_frames=1, llvmpipe_frames=2, fronts=4, guthe=dict.fromkeys(GUTHE, 0.2),
-               llvmpipe_share=0.1, leaves_share=0.1, cover_frames=2, cover_images=1, size="192x144", guthe_size="192x144")
+               llvmpipe_share=0.1, leaves_share=0.1, splits=("city",), cover_frames=2, cover_images=1, size="192x144", guthe_size="192x144")
 
 
 class Runs:
@@ -202,6 +205,13 @@ class Runs:
             self.run_program(f"cover_{scene}", self.cover_probability, "--scene", self.scene_file(scene), "--hlod", self.hlod(scene, "objects"),
                              "--path", GUTHE[scene], "--frames", self.effort.cover_frames)
 
+    def splits(self):
+        """Where HLODs pay more than refinement by splits."""
+        for scene in self.effort.splits:
+            path, budget = hlod_splits.SCENES[scene]
+            self.run_program(f"splits_{scene}", self.occlod, "render", self.scene_file(scene), "--path", path, "--frame-to-frame", "--budget", budget,
+                             "--occlusion", "auto", "--explain", "--size", self.effort.guthe_size)
+
     def scenes(self, wanted):
         return [scene for scene in wanted if scene in self.effort.scenes]
 
@@ -220,8 +230,9 @@ def part_of_path(file, path, share, part):
 PARTS = {"second": lambda runs, devices: runs.second_paper(devices), "first": lambda runs, devices: runs.first_paper(devices),
          "sweep": lambda runs, devices: runs.sweep(devices.split(",")[-1]), "geomorphs": lambda runs, _: runs.geomorphs(),
          "equal_errors": lambda runs, _: runs.equal_errors(), "cracks": lambda runs, _: runs.cracks(), "fronts": lambda runs, _: runs.fronts(),
-         "slow": lambda runs, _: runs.slow(), "llvmpipe": lambda runs, _: runs.llvmpipe(), "table4": lambda runs, _: runs.table_4(), "cover": lambda runs, _: runs.cover()}
-OF_GUTHE = {"table4", "cover"}
+         "slow": lambda runs, _: runs.slow(), "llvmpipe": lambda runs, _: runs.llvmpipe(), "table4": lambda runs, _: runs.table_4(), "cover": lambda runs, _: runs.cover(),
+         "splits": lambda runs, _: runs.splits()}
+OF_GUTHE, OF_SCENES = {"table4", "cover"}, {"splits"}  # parts with HLODs of their own, and those that need none
 
 
 def main():
@@ -243,7 +254,7 @@ def make(options, effort, about):
     (options.out / "about.json").write_text(json.dumps(about))
     runs = Runs((options.occlod.resolve(), options.cover.resolve()), options.out.resolve(), options.scenes.resolve(), effort, options.reuse)
     chosen = options.only or list(PARTS)
-    if set(chosen) - OF_GUTHE:
+    if set(chosen) - OF_GUTHE - OF_SCENES:
         for scene in effort.scenes:
             runs.build(scene, "nested", "shifted")
     if set(chosen) & OF_GUTHE:

@@ -9,6 +9,7 @@ import pathlib
 import sys
 
 import hlod_cover
+import hlod_splits
 import hlod_table4
 from hlod_document import Markdown
 
@@ -309,7 +310,7 @@ def interpolated(curve, rms):
 def all_goals(results):
     """Rows: goal, what, asked, figure, verdict."""
     goals = Goals()
-    for add in (add_prediction, add_speed, add_pictures, hlod_table4.add_guthe, add_graph):
+    for add in (add_prediction, add_speed, add_pictures, hlod_table4.add_guthe, add_graph, hlod_splits.add_splits):
         add(goals, results)
     return sorted(goals.rows, key=lambda row: row[0])
 
@@ -359,6 +360,7 @@ def print_tables(document, results):
     print_sweep(document, results)
     hlod_table4.print_guthe(document, results)
     hlod_cover.print_cover(document, results)
+    hlod_splits.print_splits(document, results)
     print_goals(document, results)
 
 

@@ -9,6 +9,12 @@ std::vector<RefineObject> refine_objects(const std::vector<LoadedObject>& object
   return result;
 }
 
+std::vector<hlod::PlacedHlod> placed_objects(const std::vector<LoadedHlod>& hlods) {
+  std::vector<hlod::PlacedHlod> placed;
+  for (const LoadedHlod& hlod : hlods) placed.push_back({hlod.hlod.get(), hlod.object_to_world, hlod.two_sided});
+  return placed;
+}
+
 DrawObject draw_object(const LoadedObject& object, std::span<const Triangle> triangles) {
   return {object.hierarchy->positions(), object.hierarchy->data().colors, triangles, object.object_to_world};
 }

@@ -4,15 +4,20 @@
 #include <span>
 #include <vector>
 
+#include "occlod/device/device.h"
 #include "occlod/picture/picture.h"
 #include "occlod/raster/item_buffer.h"
 #include "occlod/refine/refiner.h"
+#include "occlod/scene/load_hlods.h"
 #include "occlod/scene/scene.h"
 #include "occlod/view/view.h"
 
 namespace occlod::tool {
 
 [[nodiscard]] std::vector<RefineObject> refine_objects(const std::vector<LoadedObject>& objects);
+
+// Points to them.
+[[nodiscard]] std::vector<hlod::PlacedHlod> placed_objects(const std::vector<LoadedHlod>& hlods);
 
 // Both point into their arguments.
 [[nodiscard]] DrawObject draw_object(const LoadedObject& object, std::span<const Triangle> triangles);

@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <utility>
 
+#include "drawing.h"
 #include "occlod/core/error.h"
 #include "occlod/view/view.h"
 #include "option_values.h"
@@ -50,16 +51,17 @@ CameraPath still(const Camera& camera, const HlodSceneOptions& options) {
   return {{camera}, options.frames.value_or(1), false};
 }
 
-std::vector<LoadedHlod> load(const HlodSceneOptions& options, const SceneDescription& objects) {
-  Progress progress;
-  HlodLoadOptions load_options;
-  load_options.use_cache = options.use_cache;
-  load_options.progress = [&](const std::string& what, double done) { progress.show(what, done); };
-  load_options.note = [](const std::string& line) { print_note(line); };
-  return load_hlods(objects, options.file.parent_path(), load_options);
-}
-
 }  // namespace
+
+std::vector<LoadedHlod> load_hlods_of(const SceneDescription& scene, const std::filesystem::path& folder,
+                                      bool use_cache) {
+  Progress progress;
+  HlodLoadOptions options;
+  options.use_cache = use_cache;
+  options.progress = [&](const std::string& what, double done) { progress.show(what, done); };
+  options.note = [](const std::string& line) { print_note(line); };
+  return load_hlods(scene, folder, options);
+}
 
 void add_hlod_scene_options(CLI::App& command, HlodSceneOptions& options) {
   add_file(command, "INPUT", options.file, "An HLOD (.ohlod), a scene (.json) or a mesh")->required();
@@ -104,10 +106,9 @@ std::vector<std::pair<std::string, std::filesystem::path>> files_of(const HlodSc
 HlodScene load_hlod_scene(const HlodSceneOptions& options, const HlodRequest& request) {
   HlodScene scene;
   scene.name = request.objects.name;
-  scene.hlods = load(options, request.objects);
+  scene.hlods = load_hlods_of(request.objects, options.file.parent_path(), options.use_cache);
   scene.path = request.path ? *request.path : still(camera_that_sees(world_box(scene.hlods), options.view), options);
-  for (const LoadedHlod& hlod : scene.hlods)
-    scene.placed.push_back({hlod.hlod.get(), hlod.object_to_world, hlod.two_sided});
+  scene.placed = placed_objects(scene.hlods);
   return scene;
 }
 

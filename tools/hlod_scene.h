@@ -33,6 +33,10 @@ struct HlodScene {
   CameraPath path;                       // of one key where a camera was asked for
 };
 
+// Reads and builds. Shows progress and notes on standard error. Throws Error as load_hlods() does.
+[[nodiscard]] std::vector<LoadedHlod> load_hlods_of(const SceneDescription& scene, const std::filesystem::path& folder,
+                                                    bool use_cache);
+
 void add_hlod_scene_options(CLI::App& command, HlodSceneOptions& options);
 
 // What is known before anything is read but scene files.

@@ -3,13 +3,18 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "accuracy.h"
 #include "backend.h"
+#include "beside_hlod.h"
 #include "command_files.h"
 #include "commands.h"
+#include "drawing.h"
 #include "explanation.h"
+#include "hlod_scene.h"
 #include "json_output.h"
 #include "measurement.h"
 #include "occlod/core/error.h"
@@ -35,7 +40,8 @@ void write_outputs(const RenderOptions& options, const Measurement& measurement,
   if (!options.mesh.empty()) write_mesh(options.mesh, world_mesh(objects));
 }
 
-void render_view(const RenderInput& input, const RenderOptions& options, RefineWay& way) {
+void render_view(const RenderInput& input, const RenderOptions& options, RefineWay& way,
+                 std::span<const hlod::PlacedHlod> hlods) {
   const View view(input.camera);
   Measurement measurement(input.objects);
   for (int i = 0; i < options.repeat; ++i) way.repeat(measurement, view, options.refine);
@@ -49,8 +55,22 @@ void render_view(const RenderInput& input, const RenderOptions& options, RefineW
     wrongly_hidden.set_view(view, fixed);
     result.wrongly_hidden_px = wrongly_hidden.count(fixed, way.visibility());
   }
-  options.json ? print_json(report_of(result)) : print_report(result);
-  if (options.explain) print_explanation(*way.chooser(), measurement.refinement().stats, input.objects);
+  std::vector<WayCost> ways;
+  if (options.explain) {
+    BesideHlod beside(input.objects, 1);
+    beside.add(view, measurement);
+    ways = costs_of_ways(beside, hlods);
+  }
+  if (options.json) {
+    Json report = report_of(result);
+    if (options.explain) report["splits_or_hlod"] = to_json(ways);
+    print_json(report);
+    return;
+  }
+  print_report(result);
+  if (!options.explain) return;
+  print_explanation(*way.chooser(), measurement.refinement().stats, input.objects);
+  print_ways(ways);
 }
 
 // Choosing takes looks that pay over a path and not in a single view. Effects that are given leave nothing to choose.
@@ -71,8 +91,6 @@ BackendOptions backend_options(const RenderOptions& options) {
     throw Error({"auto", options.fixed_effects.front(), "fixes what auto chooses", "leave it out or name a backend"});
   if (!is_auto && options.explain)
     throw Error({backend.occlusion, "--explain", "has no choice to explain", "use it with --occlusion auto"});
-  if (options.json && options.explain)
-    throw Error({"auto", "--explain", "prints text beside the JSON", "leave it out: --json explains as well"});
   return backend;
 }
 
@@ -98,13 +116,16 @@ void run(const RenderOptions& options) {
   check_files(options, scene);
   if (backend.occlusion != "auto") (void)make_backend(backend);  // before much is read and built
   const RenderInput input = load_render_input(options.input, scene);
+  std::vector<LoadedHlod> hlods;  // to compare with
+  if (options.explain) hlods = load_hlods_of(scene, options.input.file.parent_path(), options.input.use_cache);
+  const std::vector<hlod::PlacedHlod> placed = placed_objects(hlods);
   RefineWay way(input.objects, backend, options.auto_way);
   if (input.path)
     render_path(input, options.refine, way,
                 {options.png, options.frame_to_frame ? Following::frame_to_frame : Following::none, options.repeat,
-                 options.json, options.explain});
+                 options.json, options.explain && !options.json, placed});
   else
-    render_view(input, options, way);
+    render_view(input, options, way, placed);
 }
 
 }  // namespace

@@ -165,7 +165,10 @@ void add_auto_options(CLI::App& command, RenderOptions& options) {
            "Read what the parts of a frame cost on this machine; measured if not given");
   add_file(command, "--save-calibration", options.auto_way.save_calibration,
            "Write what the parts of a frame cost, to repeat this run exactly");
-  command.add_flag("--explain", options.explain, "Print what was on, what it cost and what it saved");
+  command.add_flag(
+      "--explain", options.explain,
+      "Print what was on, what it cost and what it saved, and where an HLOD of the scene, which is built for that, "
+      "would be the faster way to the same error; with --json the latter only, as the rest is told in any case");
 }
 
 // A frame that is refined again is the frame after it: there is nothing to repeat.

@@ -2,8 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <optional>
 #include <utility>
+#include <vector>
 
+#include "beside_hlod.h"
 #include "explanation.h"
 #include "occlod/picture/picture.h"
 #include "render_report.h"
@@ -42,6 +45,8 @@ std::filesystem::path numbered(const std::filesystem::path& file, int frame) {
 
 void render_path(const RenderInput& input, const RefineOptions& options, RefineWay& way, const PathOutput& output) {
   Measurement measurement(input.objects, output.following);
+  std::optional<BesideHlod> beside;
+  if (!output.beside.empty()) beside.emplace(input.objects, input.path->frames);
   Json frames = Json::array();
   if (!output.json) print_header(output.following);
   for (int i = 0; i < input.path->frames; ++i) {
@@ -57,13 +62,19 @@ void render_path(const RenderInput& input, const RefineOptions& options, RefineW
       write_png(numbered(output.png, i), shade(measurement.items(), measurement.objects(), view));
     if (!output.json) print_row(frame, output.following);
     if (output.explain) print_explanation(*way.chooser(), measurement.refinement().stats, input.objects);
+    if (beside) beside->add(view, measurement);
     frames.push_back(std::move(frame));
   }
-  if (!output.json) return;
+  const std::vector<WayCost> ways = beside ? costs_of_ways(*beside, output.beside) : std::vector<WayCost>();
+  if (!output.json) {
+    if (beside) print_ways(ways);
+    return;
+  }
   Json report = asked_of(input, options, way);
   report["frame_to_frame"] = output.following == Following::frame_to_frame;
   if (output.following == Following::frame_to_frame) report.update(following_asked_of(options));
   report["frames"] = std::move(frames);
+  if (beside) report["splits_or_hlod"] = to_json(ways);
   print_json(report);
 }
 

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <string>
 
 #include "measurement.h"
+#include "occlod/device/device.h"
 #include "occlod/refine/refiner.h"
 #include "refine_way.h"
 #include "render_input.h"
@@ -17,6 +19,7 @@ struct PathOutput {
   int repeat = 1;  // 1 when following
   bool json = false;
   bool explain = false;
+  std::span<const hlod::PlacedHlod> beside = {};  // unless empty, HLODs of the scene to compare with at the end
 };
 
 // Refines with one Refiner, frame by frame, the cameras of camera_at(*input.path, frame), and prints for each of them

@@ -99,7 +99,11 @@ Json settings_json(const std::vector<Setting>& settings) {
 Json scenes_json(const std::vector<SceneOutcomes>& scenes) {
   Json all = Json::array();
   for (const SceneOutcomes& s : scenes)
-    all.push_back({{"name", s.scene}, {"path", s.path}, {"triangles", s.full_triangles}, {"frames", s.frames}});
+    all.push_back({{"name", s.scene},
+                   {"path", s.path},
+                   {"triangles", s.full_triangles},
+                   {"frames", s.frames},
+                   {"splits_or_hlod", tool::to_json(s.ways)}});
   return all;
 }
 

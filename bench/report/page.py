@@ -11,6 +11,9 @@ import break_even
 import plot
 from plot import Plot, short
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "scripts"))
+import hlod_splits  # noqa: E402
+
 CSS = """
 :root{color-scheme:light dark}
 body{font:16px/1.5 system-ui,sans-serif;color:var(--ink);background:var(--paper);max-width:76rem;margin:0 auto;padding:1rem}
@@ -106,6 +109,17 @@ def pays(report):
             "without it as many as leave the same visible error, between two budgets by logarithms. Fewer triangles save a renderer time, and finding out which takes some: "
             "where a triangle costs more than that break-even to draw, shading included, occlusion is the faster way to the same picture; where it costs less, more triangles "
             "without occlusion are. 1 ns a triangle is a thousand million triangles a second.</p>")
+
+
+def hlod_rows(report):
+    return [row for scene in report.data["scenes"] for row in hlod_splits.rows_of(scene["name"], scene)]
+
+
+def hlods(report):
+    return (f"<h2>Splits or an HLOD?</h2>{table(hlod_splits.TITLES, hlod_rows(report))}<p>Frame to frame, {report.data['knob_budget']:,} triangles, occlusion where <code>auto</code> "
+            "has it pay; beside it HLODs whose tolerance leaves no larger error of depth. An HLOD draws more triangles and hardly has to think: where a triangle costs a "
+            "renderer less than the bound it is the faster way to the same picture. It has no budget that is never exceeded, and its queries take the device time that is "
+            "not counted here.</p>")
 
 
 def rule(report):
@@ -240,7 +254,7 @@ def page(report):
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width,initial-scale=1"><title>occlod: what accuracy costs in time</title>
 <style>{plot.style()}{CSS}</style></head><body>
 <h1>What accuracy costs in time</h1>{small}
-{pays(report)}<h2>Which setting?</h2>{answers(report)}
+{pays(report)}{hlods(report)}<h2>Which setting?</h2>{answers(report)}
 <div id="main">{report.main_plot(size=(900, 420)).svg()}</div>{plot.legend_html(report.series, report.fronts())}
 <h2>What each step costs</h2>{table(WITHIN_HEADER, within_rows(report))}
 <h2>Triangles, and other errors</h2><p>The recommended setting is ringed in each; the front is each plot's own. What is less than {plot.FLOOR} px is drawn there. Crosses that are no settings of the command line are never recommended.</p><div class="plots" id="measures">{by_measure}</div>{legend}
@@ -261,7 +275,7 @@ def markdown(header, rows):
 
 
 def tables_as_markdown(report):
-    return "\n".join([markdown(break_even.HEADER, break_even_rows(report)), markdown(ANSWER_HEADER, answer_rows(report)), markdown(WITHIN_HEADER, within_rows(report)), markdown(KNOB_HEADER, knob_rows(report)), markdown(STABILITY_HEADER, stability_rows(report)),
+    return "\n".join([markdown(break_even.HEADER, break_even_rows(report)), markdown(hlod_splits.TITLES, hlod_rows(report)), markdown(ANSWER_HEADER, answer_rows(report)), markdown(WITHIN_HEADER, within_rows(report)), markdown(KNOB_HEADER, knob_rows(report)), markdown(STABILITY_HEADER, stability_rows(report)),
                       markdown(point_header(report), point_rows(report, "all"))])
 
 

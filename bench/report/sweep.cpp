@@ -76,7 +76,7 @@ Burst burst_of(const SceneRun& run, const std::string& path_name, int i, const S
 
 SceneOutcomes sweep_scene(SceneRun& run, const std::string& path, const std::vector<Setting>& settings,
                           const SweepOptions& options) {
-  SceneOutcomes result{run.description.name, path, run.full_triangles(), {}, {}};
+  SceneOutcomes result{run.description.name, path, run.full_triangles(), {}, {}, {}};
   std::deque<SettingRun> runs;
   for (const Setting& setting : settings) runs.emplace_back(setting, run.objects);
   for (int i = 0; i < options.bursts; ++i) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "beside_hlod.h"
 #include "occlod/picture/picture.h"
 #include "report/measures.h"
 #include "report/settings.h"
@@ -44,8 +45,9 @@ struct SceneOutcomes {
   std::string scene;
   std::string path;
   std::size_t full_triangles = 0;
-  std::vector<int> frames;        // that were looked at
-  std::vector<Outcome> outcomes;  // of the settings, in their order
+  std::vector<int> frames;          // that were looked at
+  std::vector<Outcome> outcomes;    // of the settings, in their order
+  std::vector<tool::WayCost> ways;  // splits and HLODs
 };
 
 // Some consecutive frames.

@@ -168,6 +168,16 @@ class Report(unittest.TestCase):
         for row in first[1:]:
             self.assertRegex(row[5], "^(always|never|from [0-9,]+ ns a triangle on)$")
 
+    def test_the_second_table_says_where_hlods_pay(self):
+        second = self.page.tables[1]
+        self.assertIn("pays below, ns a triangle", second[0])
+        self.assertEqual([row[0] for row in second[1:] if row[0]], [s["name"] for s in self.json["scenes"]])
+        for scene in self.json["scenes"]:
+            splits, *hlods = scene["splits_or_hlod"]
+            self.assertLessEqual(splits["triangles"], self.json["knob_budget"])
+            self.assertEqual(len(hlods), 2)
+            self.assertTrue(all(way["depth_rms_px"] <= splits["depth_rms_px"] for way in hlods if way["pays_below_ns"] is not None))
+
     def test_recommendation(self):
         choice = self.json["choice"]
         offered = {s["name"] for s in self.json["settings"] if s["offered"]}

@@ -155,6 +155,20 @@ else:
         self.assertIn("| 0.500 / 0.950 |", row)
         self.assertTrue(row.endswith("| 0.950 | batch | 1.000 |"), row)
 
+    def test_splits_or_hlods(self):
+        def way(name, triangles, ms, below, **more):
+            return {"way": name, "triangles": triangles, "ms": ms, "draw_ms": 20.0, "depth_rms_px": 0.5, "tolerance_px": 1.0, "queries": 7.0, "pays_below_ns": below,
+                    "pays_above_ns": "infinite", **more}
+        splits = {"way": "splits", "triangles": 1e5, "ms": 100.0, "draw_ms": 20.0, "depth_rms_px": 0.5}
+        for triangles, ms, verdicts in ((1.6e5, 20.0, ("met", "met")), (1.7e5, 21.0, ("**missed**", "**missed**"))):
+            self.write("splits_hlod_12m", {"splits_or_hlod": [splits, way("HLOD, vfc", triangles, ms, 1234.5)]})
+            self.assertEqual((self.verdict("over splits at equal error, ms"), self.verdict("over splits at equal error, triangles")), verdicts)
+        self.write("splits_city", {"splits_or_hlod": [splits, way("HLOD, vfc", 2e5, 1.0, "infinite"), way("HLOD, coh", 2e5, 1.0, None), way("HLOD, x", 1.0, 900.0, 0, pays_above_ns=8.0),
+                                                      way("HLOD, y", 2e5, 900.0, 0)]})
+        rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in self.tables().splitlines()]
+        self.assertEqual([row[6] for row in rows if len(row) == 8 and row[2].startswith("HLOD, ")], ["any", "-", "above 8", "never", "1,234"])
+        self.assertIn(["city", "0.500", "splits", "100,000", "100.000", "", "", "200"], rows)
+
     def test_windows_slide(self):
         """Slower in 30 of 60 frames, by half."""
         self.assertAlmostEqual(hlod_table4.worst_window([1.0] * 15 + [1.5] * 30 + [1.0] * 15, [1.0] * 60), 1.5)

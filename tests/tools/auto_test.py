@@ -74,12 +74,29 @@ class Auto(ToolTest):
 
     def test_explains_itself_to_people(self):
         text = self.succeed("render", "wall.json", "--budget", 5000, "--calibration", "calibration.json", "--explain")
-        for part in ("look ahead", "would take", "cones", "occlusion on"):
+        for part in ("look ahead", "would take", "cones", "occlusion on", "splits or an HLOD"):
             self.assertIn(part, text)
         text = self.succeed("render", "ground.json", "--budget", 5000, "--calibration", "calibration.json", "--explain")
         self.assertIn("occlusion off", text)
         self.assertIn("--explain", self.failure_of("render", "wall.json", "--occlusion", "software", "--explain"))
-        self.assertIn("--explain", self.failure_of("render", "wall.json", "--explain", "--json"))
+
+    def test_says_where_an_hlod_pays(self):
+        """HLODs draw more triangles for no larger error, and take less time to find them: below some cost of a triangle they pay."""
+        for options in ([], ["--path", "aside", "--frame-to-frame"]):
+            splits, *hlods = self.render("wall.json", "--explain", *options, budget=3000)["splits_or_hlod"]
+            self.assertEqual((splits["way"], [way["way"] for way in hlods]), ("splits", ["HLOD, vfc", "HLOD, coh"]))
+            self.assertLessEqual(splits["triangles"], 3000)
+            self.assertTrue(0 < splits["depth_rms_px"] < 10)
+            self.assertEqual(hlods[0]["queries"], 0)
+            self.assertGreater(hlods[1]["queries"], 0)
+            self.assertLess(hlods[1]["triangles"], hlods[0]["triangles"])  # the wall hides the spheres
+            for way in hlods:
+                self.assertLessEqual(way["depth_rms_px"], splits["depth_rms_px"])
+                more, less_ms = way["triangles"] - splits["triangles"], splits["ms"] - way["ms"]
+                self.assertGreater(min(more, less_ms, way["tolerance_px"]), 0)
+                self.assertAlmostEqual(way["pays_below_ns"] / (1e6 * less_ms / more), 1)
+                self.assertEqual(way["pays_above_ns"], "infinite")
+        self.assertNotIn("splits_or_hlod", self.render("wall.json"))
 
     def test_bad_calibrations_are_refused(self):
         self.assertIn("none.json", self.failure_of("render", "wall.json", "--calibration", "none.json"))

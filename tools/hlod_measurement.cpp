@@ -1,0 +1,37 @@
+#include "hlod_measurement.h"
+
+#include "core/median.h"
+#include "drawing.h"
+#include "occlod/device/recorded_device.h"
+#include "stopwatch.h"
+
+namespace occlod::tool {
+
+HlodMeasurement::HlodMeasurement(std::span<const hlod::PlacedHlod> placed, const hlod::TraverseOptions& options)
+    : placed_(placed), options_(options), traverser_(placed), timed_(placed) {}
+
+void HlodMeasurement::begin() {
+  traverse_ms_.clear();
+  draw_ms_.clear();
+}
+
+void HlodMeasurement::repeat(const View& view) {
+  hlod::RecordingDevice recorder(software_);
+  const hlod::Frame& frame = traverser_.draw_frame(view, recorder, options_);
+  stats_ = frame.stats;
+  front_hash_ = frame.front_hash;
+  mesh_.assign(front_of(frame), placed_);
+
+  hlod::ReplayingDevice replay(recorder.recording());
+  const Stopwatch traversal;
+  (void)timed_.draw_frame(view, replay, options_);
+  traverse_ms_.push_back(traversal.milliseconds());
+
+  const Stopwatch drawing;
+  redraw(items_, mesh_.objects(), view);
+  draw_ms_.push_back(drawing.milliseconds());
+}
+
+HlodTimes HlodMeasurement::times() const { return {median(traverse_ms_), median(draw_ms_)}; }
+
+}  // namespace occlod::tool
