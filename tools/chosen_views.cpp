@@ -39,6 +39,8 @@ void change(Camera& camera, const ViewOptions& options) {
   if (options.orthographic && !camera.orthographic_height) camera = orthographic(camera);
 }
 
+}  // namespace
+
 std::optional<ImageSize> parse_size(const std::string& text) {
   const std::size_t x = std::min(text.find('x'), text.size());
   const auto width = whole_number(text.substr(0, x));
@@ -46,8 +48,6 @@ std::optional<ImageSize> parse_size(const std::string& text) {
   if (!width || !height || *width < 1 || *height < 1 || *width > most_pixels || *height > most_pixels) return {};
   return ImageSize{static_cast<int>(*width), static_cast<int>(*height)};
 }
-
-}  // namespace
 
 void add_size_options(CLI::App& command, ViewOptions& options) {
   const auto set_size = [&options](const std::string& text) {

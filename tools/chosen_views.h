@@ -26,6 +26,9 @@ struct ViewOptions {
   bool orthographic = false;      // instead of the camera's perspective, or of that of every key of a path
 };
 
+// "640x480"; nothing for anything else.
+[[nodiscard]] std::optional<ImageSize> parse_size(const std::string& text);
+
 // --size and --orthographic.
 void add_size_options(CLI::App& command, ViewOptions& options);
 

@@ -91,6 +91,31 @@ class Interrupt(Interrupting):
             self.cancel("building", number, "hlod build", "planet.ply", target="target.ohlod")
         self.cancel_while_writing(signal.SIGINT, "hlod build", "planet.ply", target="target.ohlod")
 
+    def test_cells_build(self):
+        self.make_large_planet(6)
+        self.succeed("build", "planet.ply", "-o", "planet.olod")
+        space = ["planet.olod", "--region", "-2.5,-0.5,-0.5,-1.5,0.5,0.5", "--root-cell", 0.125]
+        for number in (signal.SIGINT, signal.SIGTERM):
+            self.cancel("building", number, "cells build", *space, target="target.vlod")
+
+    def test_cells_build_in_parts(self):
+        """Signals end it between parts too; what is done is kept, and the rest is built when it is asked for again."""
+        self.make_large_planet(6)
+        self.succeed("build", "planet.ply", "-o", "planet.olod")
+        space = ["cells", "build", "planet.olod", "--region", "-2.5,-0.5,-0.5,-1.5,0.5,0.5", "--root-cell", 0.25, "--tolerance", 4]
+        process = self.start(*space, "-o", "a.vlod", "--work", "parts", "--threads", 1)
+        self.wait_for_stage(process, "writing")
+        process.send_signal(signal.SIGINT)
+        end = self.end_of(process)
+        if end[0] != 0:  # it may have come too late
+            self.assert_cancelled(end, "cells build", signal.SIGINT)
+            self.assertFalse((self.folder / "a.vlod").exists())
+        self.assertEqual([path.name for path in (self.folder / "parts").iterdir() if path.suffix != ".vpart"], [])
+        again = self.json_of(*space, "-o", "a.vlod", "--work", "parts", "--resume")
+        self.assertEqual(again["cuts"] + 16 * again["parts_found"], 64)
+        self.succeed(*space, "-o", "b.vlod")
+        self.assertTrue(self.same_bytes("a.vlod", "b.vlod"))
+
     def test_generate(self):
         self.cancel("generating", signal.SIGINT, "generate", "rough-planet", "--level", 10, target="target.ply")
         for number in (signal.SIGINT, signal.SIGTERM):

@@ -15,6 +15,7 @@ BUILD, CUT, COMPARE = ["build", "a.ply", "-o", "a.olod"], ["cut", "a.olod", "-o"
 REPAIR, VALIDATE, RENDER = ["repair", "a.ply", "-o", "b.ply"], ["validate", "a.olod"], ["render", "a.olod"]
 HLOD_BUILD, HLOD_VALIDATE = ["hlod", "build", "a.ply", "-o", "a.ohlod"], ["hlod", "validate", "a.ohlod"]
 HLOD_RENDER, HLOD_COMPARE = ["hlod", "render", "a.ohlod"], ["hlod", "compare", "a.ohlod"]
+CELLS_BUILD, CELLS_INFO, CELLS_MERGE = ["cells", "build", "a.json", "-o", "a.vlod"], ["cells", "info", "a.vlod"], ["cells", "merge", "parts", "-o", "a.vlod"]
 FRAMES = ["render", "a.json", "--path", "p", "--frame-to-frame"]
 WHOLE = [
     (BUILD, "--base-triangles", 0, ELEMENTS),
@@ -25,6 +26,10 @@ WHOLE = [
     (HLOD_BUILD, "--threads", 0, 1024),
     (HLOD_VALIDATE, "--fronts", 0, 10**6),
     *((command, option, low, 10**6) for command in (HLOD_RENDER, HLOD_COMPARE) for option, low in (("--frames", 1), ("--reference", 0))),
+    (CELLS_BUILD, "--levels", 0, 32),
+    (CELLS_BUILD, "--most-triangles", 0, LARGEST),
+    (CELLS_BUILD, "--threads", 0, 1024),
+    (CELLS_INFO, "--cell", 0, ELEMENTS),
     (RENDER, "--budget", 1, LARGEST),
     (RENDER, "--threads", 0, 1024),
     (RENDER, "--levels", 1, 1000),
@@ -40,6 +45,10 @@ REAL = [
     (BUILD, "--boundary-weight", 0, 10**6),
     (HLOD_BUILD, "--boundary-weight", 0, 10**6),
     (CUT, "--error", 0, None),
+    (CELLS_BUILD, "--tolerance", 1e-6, None),
+    (CELLS_BUILD, "--root-cell", 1e-6, LARGEST),
+    (CELLS_BUILD, "--smallest-cell", 1e-6, LARGEST),
+    (CELLS_BUILD, "--occluder-error", 0, None),
     (HLOD_RENDER, "--tolerance", 0, None),
     (HLOD_COMPARE, "--tolerance", 0, None),
     (RENDER, "--tolerance", 0, None),
@@ -99,6 +108,13 @@ class Options(ToolTest):
         for value in ("", "3", "0x3", "3x0", "-3x3", "3x3x3", "16385x3", "3x16385", "99999999999x3", "axb", "3 x 3"):
             for command in (RENDER, HLOD_RENDER, HLOD_COMPARE):
                 self.assert_refused(command, "--size", value, "1x1", "16384x16384")
+        for option, values in (("--eyes", ("", "640x480", "640x480,60", "0x480,60,0.1", "640x480,180,0.1", "640x480,0,0.1", "640x480,60,0", "640x480,60,nan", "640x480,60,0.1,2")),
+                               ("--region", ("", "1,2,3", "0,0,0,1,1", "0,0,0,1,1,x", "0,0,0,1,inf,1", "0,0,2,1,1,1", "0,0,0,1,1,1,1")),
+                               ("--shard", ("", "1", "0/3", "4/3", "1/0", "-1/3", "1/3x", "1/1000001"))):
+            for value in values:
+                self.assert_refused(CELLS_BUILD, option, value)
+        for value in ("", "1,2", "1,2,x", "1,2,nan", "1,2,3,4"):
+            self.assert_refused(CELLS_INFO, "--eye", value, "X,Y,Z")
         for value in ("300,200", "300,300", "adaptive,300", "300,x"):
             done = self.run_tool(*RENDER, "--occluder-splits", value)
             self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1), done.stderr)
@@ -107,10 +123,12 @@ class Options(ToolTest):
     def test_names_that_are_empty(self):
         for command, option in ((BUILD[:2], "--output"), (CUT[:2] + ["--triangles", 5], "--output"), (["generate", "city"], "--output"), (VALIDATE, "--input"),
                                 (HLOD_BUILD[:3], "--output"), (HLOD_VALIDATE, "--input"), (HLOD_COMPARE, "--csv"),
+                                (CELLS_BUILD[:3], "--output"), (CELLS_BUILD, "--work"), (CELLS_MERGE[:3], "--output"),
                                 *((HLOD_RENDER, option) for option in ("--scene", "--camera", "--path", "--device", "--record", "--replay", "--png", "--boxes", "--csv")),
                                 *((RENDER, option) for option in ("--camera", "--path", "--png", "--birdseye", "--mesh", "--calibration", "--save-calibration"))):
             self.assert_refused(command, option, "")
         for command in (["info", ""], ["build", "", "-o", "a.olod"], ["validate", ""], ["render", ""], ["hlod", "info", ""], ["hlod", "validate", ""], ["hlod", "render", ""], ["hlod", "compare", ""], ["hlod", "build", "", "-o", "a.ohlod"],
+                        ["cells", "build", "", "-o", "a.vlod"], ["cells", "info", ""], ["cells", "merge", "", "-o", "a.vlod"],
                         ["cut", "", "-o", "a.ply", "--triangles", 5]):
             self.assertEqual(self.run_tool(*command).returncode, 2, command)
 
@@ -137,11 +155,11 @@ class Options(ToolTest):
 
     def test_every_numeric_option_is_here(self):
         """Help shows what a number is with N."""
-        rows = {(row[0][0], row[0][1] if row[0][0] in ("generate", "hlod") else "", row[1]) for row in self.rows(0) + self.rows(1)}
+        rows = {(row[0][0], row[0][1] if row[0][0] in ("cells", "generate", "hlod") else "", row[1]) for row in self.rows(0) + self.rows(1)}
         commands = ["build", "cut", "info", "validate", "render", *(["compare", "repair"] if self.has_cgal() else [])]
         kinds = ["rough-planet", "city", "pipes", "plant", "spheres-behind-wall"]
-        hlod = ["build", "info", "validate", "render", "compare"]
-        for command, kind in [(command, "") for command in commands] + [("generate", kind) for kind in kinds] + [("hlod", kind) for kind in hlod]:
+        hlod, cells = ["build", "info", "validate", "render", "compare"], ["build", "info", "merge"]
+        for command, kind in [(command, "") for command in commands] + [("generate", kind) for kind in kinds] + [("hlod", kind) for kind in hlod] + [("cells", kind) for kind in cells]:
             text = self.succeed(*([command, kind] if kind else [command]), "--help")
             self.assertNotRegex(text, "INT|FLOAT|309")
             for option in re.findall(r"^ +(--[a-z-]+) N\b", text, re.MULTILINE):

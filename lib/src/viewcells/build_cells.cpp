@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <atomic>
+#include <exception>
+#include <mutex>
 #include <optional>
 #include <system_error>
 #include <thread>
@@ -27,16 +29,27 @@ class SharedProgress {
 
   // A share of a root cell is done. Throws Error when the build is cancelled.
   void advance(double share) {
+    if (failure_set_) throw Error({"cells", "", "the build has ended", ""});
     const double done = done_.fetch_add(share / roots_) + share / roots_;
     if (!run_.progress || std::this_thread::get_id() != caller_) return;
     if (!run_.progress(std::min(done, 1.0))) throw Error({"cells", "", "the build was cancelled", ""});
   }
+  // Ends the work of all threads; the first failure counts.
+  void fail(std::exception_ptr failure) {
+    const std::scoped_lock lock(mutex_);
+    if (!failure_) failure_ = std::move(failure);
+    failure_set_ = true;
+  }
+  [[nodiscard]] std::exception_ptr failure() const { return failure_; }
 
  private:
   const CellBuildRun& run_;
   double roots_;
   std::thread::id caller_ = std::this_thread::get_id();
   std::atomic<double> done_ = 0.0;
+  std::atomic<bool> failure_set_ = false;
+  std::mutex mutex_;
+  std::exception_ptr failure_;
 };
 
 std::span<const RefineObject> checked(std::span<const RefineObject> objects, const CellTreeOptions& options) {
@@ -82,14 +95,27 @@ std::vector<CellSubtree> CellBuild::Impl::divide(const CellRange& range, const C
   if (!occluders_) occluders_.emplace(objects_, options.occluder_motion.value_or(options.smallest_cell / 4.0));
   std::vector<CellSubtree> trees(range.count);
   SharedProgress progress(run, range.count);
-  for_each_task(
-      range.count, thread_count(run.threads), [&] { return CellDivider(objects_, &*occluders_, options, ids_); },
-      [&](CellDivider& divider, std::size_t i) {
-        const std::size_t before = divider.cuts();
-        trees[i] = divider.divide(roots_[range.first + i].box, [&](double share) { progress.advance(share); });
-        cuts_ += divider.cuts() - before;
-      },
-      [] {});
+  const auto divide = [&](CellDivider& divider, std::size_t i) {
+    const std::size_t before = divider.cuts();
+    trees[i] = divider.divide(roots_[range.first + i].box, [&](double share) { progress.advance(share); });
+    cuts_ += divider.cuts() - before;
+  };
+  const auto divide_or_fail = [&](CellDivider& divider, std::size_t i) {
+    try {
+      divide(divider, i);
+    } catch (...) {
+      progress.fail(std::current_exception());
+      throw;
+    }
+  };
+  try {
+    for_each_task(
+        range.count, thread_count(run.threads), [&] { return CellDivider(objects_, &*occluders_, options, ids_); },
+        divide_or_fail, [] {});
+  } catch (...) {
+    if (const std::exception_ptr first = progress.failure()) std::rethrow_exception(first);
+    throw;
+  }
   return trees;
 }
 

@@ -7,6 +7,46 @@
 #include "viewcells/cell_grid.h"
 
 namespace occlod {
+namespace {
+
+// The recursion of divide_cell().
+class Division {
+ public:
+  Division(const CellTreeOptions& options, const std::function<CellContent(const CellBox&)>& content_of,
+           const std::function<void(double)>& done)
+      : options_(options), content_of_(content_of), done_(done) {}
+
+  [[nodiscard]] CellSubtree tree_of(CellContent cell, std::uint32_t level, double share) const {
+    std::vector<CellContent> parts = parts_worth_having(cell.node, level);
+    if (parts.empty()) {
+      done_(share);
+      return leaf_of_tree(cell.node, std::move(cell.sets));
+    }
+    cell.sets = {};  // frees its memory
+    std::vector<CellSubtree> trees;
+    for (CellContent& part : parts)
+      trees.push_back(tree_of(std::move(part), level + 1, share / static_cast<double>(parts.size())));
+    return join(std::move(trees));
+  }
+
+ private:
+  [[nodiscard]] std::vector<CellContent> parts_worth_having(const CellNode& cell, std::uint32_t level) const {
+    if (cell.drawn_triangles <= options_.most_triangles || level >= options_.levels) return {};
+    const std::vector<CellBox> boxes = parts_of(cell.box, options_.smallest_cell);
+    if (boxes.size() == 1) return {};
+    std::vector<CellContent> parts;
+    std::vector<std::size_t> drawn;
+    for (const CellBox& box : boxes) drawn.push_back(parts.emplace_back(content_of_(box)).node.drawn_triangles);
+    if (!is_worth_dividing(options_, cell.drawn_triangles, drawn)) return {};
+    return parts;
+  }
+
+  const CellTreeOptions& options_;
+  const std::function<CellContent(const CellBox&)>& content_of_;
+  const std::function<void(double)>& done_;
+};
+
+}  // namespace
 
 bool is_worth_dividing(const CellTreeOptions& options, std::size_t drawn, std::span<const std::size_t> drawn_by_parts) {
   if (options.division == CellDivision::halving)
@@ -24,14 +64,21 @@ CellDivider::CellDivider(std::span<const RefineObject> objects, const CellOcclud
       builder_(objects, occluders, options.cell),
       faces_(objects) {}
 
-CellSubtree CellDivider::divide(const CellBox& root, const std::function<void(double share)>& done) {
-  return divide(cut_of(root), 0, 1.0, done);
+CellSubtree divide_cell(const CellTreeOptions& options, CellContent root,
+                        const std::function<CellContent(const CellBox&)>& content_of,
+                        const std::function<void(double)>& done) {
+  return Division(options, content_of, done).tree_of(std::move(root), 0, 1.0);
 }
 
-CellDivider::Cell CellDivider::cut_of(const CellBox& box) {
+CellSubtree CellDivider::divide(const CellBox& root, const std::function<void(double share)>& done) {
+  return divide_cell(
+      *options_, content_of(root), [this](const CellBox& box) { return content_of(box); }, done);
+}
+
+CellContent CellDivider::content_of(const CellBox& box) {
   const CellCut& cut = builder_.build(box);
   ++cuts_;
-  Cell cell;
+  CellContent cell;
   cell.node.box = box;
   cell.node.triangles = static_cast<std::uint32_t>(cut.triangles);
   cell.node.drawn_triangles = static_cast<std::uint32_t>(cut.drawn_triangles);
@@ -47,27 +94,6 @@ CellDivider::Cell CellDivider::cut_of(const CellBox& box) {
     for (const FaceRef& face : hidden_) cell.sets.hidden.push_back(id_of(face));
   }
   return cell;
-}
-
-CellSubtree CellDivider::divide(Cell cell, std::uint32_t level, double share,
-                                const std::function<void(double share)>& done) {
-  std::vector<Cell> parts;
-  if (cell.node.drawn_triangles > options_->most_triangles && level < options_->levels) {
-    const std::vector<CellBox> boxes = parts_of(cell.node.box, options_->smallest_cell);
-    std::vector<std::size_t> drawn;
-    if (boxes.size() > 1)
-      for (const CellBox& box : boxes) drawn.push_back(parts.emplace_back(cut_of(box)).node.drawn_triangles);
-    if (!drawn.empty() && !is_worth_dividing(*options_, cell.node.drawn_triangles, drawn)) parts.clear();
-  }
-  if (parts.empty()) {
-    done(share);
-    return leaf_of_tree(cell.node, std::move(cell.sets));
-  }
-  cell.sets = {};
-  std::vector<CellSubtree> subtrees;
-  for (Cell& part : parts)
-    subtrees.push_back(divide(std::move(part), level + 1, share / static_cast<double>(parts.size()), done));
-  return join(std::move(subtrees));
 }
 
 }  // namespace occlod

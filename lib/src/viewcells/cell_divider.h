@@ -18,6 +18,18 @@ namespace occlod {
 [[nodiscard]] bool is_worth_dividing(const CellTreeOptions& options, std::size_t drawn,
                                      std::span<const std::size_t> drawn_by_parts);
 
+// What was found for a cell.
+struct CellContent {
+  CellNode node;  // its box and counts
+  CellSets sets;  // of its cut
+};
+
+// The tree of a root cell with this content, by the options. Calls content_of(box) for each box that is looked at, and
+// done(share) for each leaf, with its share of the root cell; the sum is 1.
+[[nodiscard]] CellSubtree divide_cell(const CellTreeOptions& options, CellContent root,
+                                      const std::function<CellContent(const CellBox& box)>& content_of,
+                                      const std::function<void(double share)>& done);
+
 // Reuses its memory from cell to cell; one thread each. What it gives depends on nothing but the cell, the objects, the
 // occluders and the options.
 class CellDivider {
@@ -26,20 +38,14 @@ class CellDivider {
   CellDivider(std::span<const RefineObject> objects, const CellOccluders* occluders, const CellTreeOptions& options,
               const vlod::GlobalIds& ids);
 
-  // Calls done(share) for each leaf, with its share of the root cell; the sum is 1.
+  // As divide_cell().
   [[nodiscard]] CellSubtree divide(const CellBox& root, const std::function<void(double share)>& done);
 
   // Cuts that were found so far, also for cells that were divided.
   [[nodiscard]] std::size_t cuts() const noexcept { return cuts_; }
 
  private:
-  struct Cell {
-    CellNode node;
-    CellSets sets;
-  };
-  [[nodiscard]] Cell cut_of(const CellBox& box);
-  [[nodiscard]] CellSubtree divide(Cell cell, std::uint32_t level, double share,
-                                   const std::function<void(double share)>& done);
+  [[nodiscard]] CellContent content_of(const CellBox& box);
 
   std::vector<RefineObject> objects_;
   const CellTreeOptions* options_;

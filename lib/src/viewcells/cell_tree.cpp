@@ -13,6 +13,9 @@
 namespace occlod {
 namespace {
 
+// 32 below root cells, 22 above; no more, so that programs may go down by recursion.
+constexpr std::uint32_t most_levels = 64;
+
 [[noreturn]] void refuse(const std::string& subject, CellId cell, const char* problem) {
   throw Error({subject, fmt::format("cell {}", cell), problem, "build the cells again with 'occlod cells build'"});
 }
@@ -47,6 +50,7 @@ CellTree::CellTree(std::vector<CellNode> nodes, const std::string& subject) : no
     while (!open.empty() && nodes_[open.back()].end == n) open.pop_back();
     if (node.parent != (open.empty() ? no_id : open.back()) || open.empty() != (n == 0) || node.level != open.size())
       refuse(subject, n, "is not in its place in the tree");
+    if (node.level > most_levels) refuse(subject, n, "is too deep in the tree");
     if (node.end <= n || node.end > (open.empty() ? nodes_.size() : nodes_[open.back()].end))
       refuse(subject, n, "ends outside the cell above it");
     if (!is_box(node.box)) refuse(subject, n, "has a box that is not finite, or inverted");

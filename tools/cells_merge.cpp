@@ -1,0 +1,57 @@
+// occlod cells merge DIR -o FILE.vlod
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "cells.h"
+#include "command_files.h"
+#include "interrupt.h"
+#include "occlod/core/error.h"
+#include "occlod/viewcells/build_cells.h"
+#include "option_values.h"
+#include "stopwatch.h"
+
+namespace occlod::tool {
+namespace {
+
+struct Options {
+  std::filesystem::path folder;
+  std::filesystem::path output;
+  ShowProgress progress = ShowProgress::automatic;
+  bool json = false;
+};
+
+void run(const Options& options) {
+  handle_interrupts("cells merge");
+  const std::vector<std::filesystem::path> parts = cell_parts_in(options.folder);
+  if (parts.empty())
+    throw Error({options.folder.string(), "", "has no .vpart files", "make some with 'occlod cells build --work'"});
+  CommandFiles files;
+  for (const std::filesystem::path& part : parts) files.add_input("a part", part);
+  files.add_output("--output", options.output);
+  Progress progress(options.progress);
+  progress.show("merging " + options.folder.string(), std::nullopt);
+  const Stopwatch stopwatch;
+  write_interruptibly(options.output.string(), 0, progress, [&] { merge_cells(parts, options.output); });
+  progress.clear();
+  Json result = {{"parts", parts.size()}, {"file", options.output.string()}};
+  result.update(to_json(*open_vlod(options.output)));
+  result["merge_ms"] = stopwatch.milliseconds();
+  if (options.json) return print_json(result);
+  print_lines(result);
+}
+
+}  // namespace
+
+void add_cells_merge(CLI::App& cells) {
+  CLI::App& command = *cells.add_subcommand("merge", "Make a file of the parts that 'cells build --work' has written");
+  const auto options = std::make_shared<Options>();
+  add_file(command, "FOLDER", options->folder, "Folder with the parts of one build")->required();
+  add_file(command, "-o,--output", options->output, "File to write, .vlod")->required();
+  add_progress_option(command, options->progress);
+  command.add_flag("--json", options->json, "Print the result as one JSON object");
+  command.callback([options] { run(*options); });
+}
+
+}  // namespace occlod::tool
