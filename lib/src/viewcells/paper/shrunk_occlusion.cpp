@@ -28,10 +28,14 @@ std::size_t face_of(const ConvexOccluder& occluder, const CellBox& cell) {
   return static_cast<std::size_t>(2 * axis + (to[axis] < 0.0 ? 1 : 0));
 }
 
-// How far a ray goes until it is behind all faces; infinite if it never is or leaves the shrunk frustum.
+// Whether directions stay inside the shrunk frustum, which is the cone of all horizon planes moved to its apex.
+bool is_inside(const ShadowFrustum& frustum, const glm::dvec3& along) {
+  return std::all_of(frustum.horizon.begin(), frustum.horizon.end(),
+                     [&](const HalfSpace& space) { return glm::dot(space.normal, along) <= 0.0; });
+}
+
+// How far a ray goes until it is behind all faces; infinite if it never is.
 double depth_of(const ShadowFrustum& frustum, const glm::dvec3& from, const glm::dvec3& along) {
-  for (const HalfSpace& space : frustum.horizon)
-    if (glm::dot(space.normal, along) > 0.0) return nothing;
   double depth = 0.0;
   for (const HalfSpace& face : frustum.behind) {
     const double slope = glm::dot(face.normal, along);
@@ -83,9 +87,20 @@ void ShrunkOcclusion::draw(Image& image, const ShadowFrustum& frustum) const {
   std::vector<double> above(side + 1), below(side + 1);  // depths at the corners of a row of pixels
   const double step = 2.0 * half_width / resolution_;
   const auto find = [&](std::vector<double>& row, std::size_t y) {
-    const glm::dvec3 start = image.ahead + (static_cast<double>(y) * step - half_width) * image.up;
-    for (std::size_t x = 0; x <= side; ++x)
-      row[x] = depth_of(frustum, image.from, start + (static_cast<double>(x) * step - half_width) * image.right);
+    const glm::dvec3 first =
+        image.ahead + (static_cast<double>(y) * step - half_width) * image.up - half_width * image.right;
+    const auto along = [&](std::size_t x) { return first + static_cast<double>(x) * step * image.right; };
+    // Where the row meets the cone, give or take a corner.
+    double low = 0.0, high = static_cast<double>(side);
+    for (const HalfSpace& space : frustum.horizon) {
+      const double at = glm::dot(space.normal, first), slope = step * glm::dot(space.normal, image.right);
+      if (slope > 0.0) high = std::min(high, -at / slope + 1.0);
+      if (slope < 0.0) low = std::max(low, -at / slope - 1.0);
+    }
+    std::fill(row.begin(), row.end(), nothing);
+    if (!(low <= high)) return;
+    for (auto x = static_cast<std::size_t>(low); x <= static_cast<std::size_t>(high); ++x)
+      if (is_inside(frustum, along(x))) row[x] = depth_of(frustum, image.from, along(x));
   };
   find(below, 0);
   for (std::size_t y = 0; y < side; ++y) {
