@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# fuzz.sh SECONDS [READER...]: feeds each reader (ply obj off stl gltf scene olod ohlod orec) with mutated files for so long, and the refiner with operations
+# fuzz.sh SECONDS [READER...]: feeds each reader (ply obj off stl gltf scene olod ohlod orec vlod) with mutated files for so long, and the refiner with operations
 # (refiner), starting from tests/fuzz/corpus and,
 # where there are any, the files of its format in the folders that OCCLOD_MESHES names. What is found stays in build/fuzz/found.
 # Needs clang++-14 with libFuzzer; without it, says so and exits with 77. OCCLOD_CLANG: another clang++, with options.
@@ -9,7 +9,7 @@ cd "$(dirname "$0")/.."
 seconds=$1
 shift
 readers=("$@")
-[ ${#readers[@]} -gt 0 ] || readers=(ply obj off stl gltf scene olod ohlod orec refiner)
+[ ${#readers[@]} -gt 0 ] || readers=(ply obj off stl gltf scene olod ohlod orec vlod refiner)
 clang=${OCCLOD_CLANG:-clang++-14}
 largest=65536  # bytes; larger seeds are left out
 
