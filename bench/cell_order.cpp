@@ -6,164 +6,29 @@
 #include <algorithm>
 #include <array>
 #include <numeric>
-#include <optional>
 #include <random>
-#include <span>
 #include <utility>
 #include <vector>
 
-#include "occlod/hierarchy/build.h"
-#include "occlod/mesh/generate.h"
-#include "occlod/viewcells/cell_builder.h"
-#include "oracle/cell_oracle.h"
+#include "support/cell_lists.h"
 #include "support/cpu_clock.h"
-#include "viewcells/cell_subtree.h"
 #include "viewcells/paper/adaptive_huffman.h"
 #include "viewcells/paper/delimiter_code.h"
 #include "viewcells/paper/hamming_tour.h"
-#include "viewcells/paper/id_lists.h"
+#include "viewcells/paper/node_order.h"
 #include "viewcells/set_code.h"
 
 namespace occlod::bench {
 namespace {
 
-using paper::Ids;
 using paper::Order;
 
-constexpr double street = 14.0, pitch = 60.0;  // of generate_city()
-constexpr double edge = 3.5;                   // of a cell: four side by side in a street
 constexpr std::uint32_t most_neighbours = 20;
 constexpr std::size_t most_moves = 500'000;
 
 double seconds() { return 1e-3 * thread_cpu_ms(); }
 
-// --- cells
-
-// The cells of a square grid whose middles are in a street.
-struct Grid {
-  int side = 0;                           // a power of two
-  std::vector<std::optional<Ids>> cells;  // row by row: the splits of those that are there
-  std::uint32_t split_count = 0;
-
-  [[nodiscard]] const std::optional<Ids>& at(int x, int y) const {
-    return cells[static_cast<std::size_t>(y * side + x)];
-  }
-};
-
-bool is_in_street(double t) {
-  const double from_middle = std::abs(t - pitch * std::round(t / pitch));
-  return from_middle < street / 2.0;
-}
-
-Grid build_grid(int side) {
-  const Hierarchy city = build_hierarchy(generate_city({.blocks = 8, .facade_cells = 8}));
-  const RefineObject objects[] = {{.hierarchy = &city}};
-  const CellOccluders occluders(objects, 0.25);
-  CellBuilder builder(objects, &occluders, {.eyes = test::cube_eyes(1024, 0.1)});
-  Grid grid{side, {}, static_cast<std::uint32_t>(city.split_count())};
-  const double corner = 3.0 * pitch - street / 2.0;
-  for (int y = 0; y < side; ++y)
-    for (int x = 0; x < side; ++x) {
-      const glm::dvec3 low(corner + x * edge, corner + y * edge, 1.0), size(edge, edge, 1.5);
-      grid.cells.emplace_back();
-      if (!is_in_street(low.x + edge / 2.0) && !is_in_street(low.y + edge / 2.0)) continue;
-      grid.cells.back() = builder.build({low, low + size}).objects[0].applied;
-    }
-  return grid;
-}
-
-// --- the tree of additions
-
-struct Node {
-  Ids common;  // that all cells below have
-  Ids added;   // of these, those that not all cells below the parent have
-  std::size_t parent = 0;
-};
-
-// In depth-first order, a quarter of the square after the other.
-class Tree {
- public:
-  explicit Tree(const Grid& grid) : grid_(grid), leaf_(grid.cells.size(), 0) {
-    add(0, 0, grid.side, 0);
-    for (std::size_t n = 0; n < nodes_.size(); ++n)
-      nodes_[n].added =
-          n == 0 ? nodes_[n].common : paper::delta(nodes_[nodes_[n].parent].common, nodes_[n].common).added;
-  }
-  [[nodiscard]] const std::vector<Node>& nodes() const { return nodes_; }
-  [[nodiscard]] std::size_t leaf(int x, int y) const { return leaf_[static_cast<std::size_t>(y * grid_.side + x)]; }
-
- private:
-  // Whether there was any cell.
-  bool add(int x, int y, int side, std::size_t parent) {
-    const std::size_t n = nodes_.size();
-    nodes_.push_back({{}, {}, parent});
-    if (side == 1) {
-      if (!grid_.at(x, y)) {
-        nodes_.pop_back();
-        return false;
-      }
-      nodes_[n].common = *grid_.at(x, y);
-      leaf_[static_cast<std::size_t>(y * grid_.side + x)] = n;
-      return true;
-    }
-    bool is_first = true;
-    for (int quarter = 0; quarter < 4; ++quarter) {
-      const std::size_t child = nodes_.size();
-      if (!add(x + quarter % 2 * side / 2, y + quarter / 2 * side / 2, side / 2, n)) continue;
-      Ids both;
-      std::set_intersection(nodes_[n].common.begin(), nodes_[n].common.end(), nodes_[child].common.begin(),
-                            nodes_[child].common.end(), std::back_inserter(both));
-      nodes_[n].common = is_first ? nodes_[child].common : std::move(both);
-      is_first = false;
-    }
-    if (is_first) nodes_.pop_back();
-    return !is_first;
-  }
-
-  const Grid& grid_;
-  std::vector<Node> nodes_;
-  std::vector<std::size_t> leaf_;
-};
-
-// The tree as it is in files, of splits alone.
-CellSubtree packed_tree(const Grid& grid, int x, int y, int side) {
-  if (side == 1) {
-    if (!grid.at(x, y)) return {};
-    CellSets sets;
-    sets.splits.assign(grid.at(x, y)->begin(), grid.at(x, y)->end());
-    CellNode node;
-    node.box = {{x, y, 0}, {x + 1, y + 1, 1}};
-    return leaf_of_tree(node, std::move(sets));
-  }
-  std::vector<CellSubtree> parts;
-  for (int quarter = 0; quarter < 4; ++quarter) {
-    CellSubtree part = packed_tree(grid, x + quarter % 2 * side / 2, y + quarter / 2 * side / 2, side / 2);
-    if (!part.nodes.empty()) parts.push_back(std::move(part));
-  }
-  if (parts.size() < 2) return parts.empty() ? CellSubtree{} : std::move(parts[0]);
-  return join(std::move(parts));
-}
-
-// --- transitions
-
-struct Transition {
-  std::size_t from = 0, to = 0;  // leaves of the tree
-  glm::ivec2 from_cell{0}, to_cell{0};
-  paper::Delta delta;
-};
-
-std::vector<Transition> transitions_of(const Grid& grid, const Tree& tree) {
-  std::vector<Transition> transitions;
-  for (int y = 0; y < grid.side; ++y)
-    for (int x = 0; x < grid.side; ++x)
-      for (const glm::ivec2 step : {glm::ivec2(1, 0), glm::ivec2(0, 1)}) {
-        const glm::ivec2 to = glm::ivec2(x, y) + step;
-        if (to.x == grid.side || to.y == grid.side || !grid.at(x, y) || !grid.at(to.x, to.y)) continue;
-        transitions.push_back(
-            {tree.leaf(x, y), tree.leaf(to.x, to.y), {x, y}, to, paper::delta(*grid.at(x, y), *grid.at(to.x, to.y))});
-      }
-  return transitions;
-}
+// --- order
 
 // All lists of a crossing, in either direction.
 std::vector<Ids> lists_of(const std::vector<Transition>& transitions) {
@@ -172,58 +37,6 @@ std::vector<Ids> lists_of(const std::vector<Transition>& transitions) {
     for (const Ids* list : {&t.delta.added, &t.delta.removed})
       if (!list->empty()) lists.push_back(*list);
   return lists;
-}
-
-// --- order
-
-// The nodes that add each id, in depth-first order.
-struct Adders {
-  std::vector<std::size_t> first;
-  std::vector<std::uint32_t> nodes;
-
-  Adders(const std::vector<Node>& tree, std::uint32_t count) : first(count + std::size_t{1}, 0) {
-    for (const Node& node : tree)
-      for (const std::uint32_t id : node.added) ++first[id + std::size_t{1}];
-    std::partial_sum(first.begin(), first.end(), first.begin());
-    nodes.resize(first.back());
-    std::vector<std::size_t> next(first.begin(), first.end() - 1);
-    for (std::size_t n = 0; n < tree.size(); ++n)
-      for (const std::uint32_t id : tree[n].added) nodes[next[id]++] = static_cast<std::uint32_t>(n);
-  }
-  [[nodiscard]] std::span<const std::uint32_t> of(std::uint32_t id) const {
-    return {nodes.data() + first[id], first[id + 1] - first[id]};
-  }
-  // Of the first two nodes; what ends comes last.
-  [[nodiscard]] std::uint64_t key(std::uint32_t id) const {
-    const auto list = of(id);
-    return std::uint64_t{list.empty() ? no_id : list[0]} << 32U | (list.size() < 2 ? no_id : list[1]);
-  }
-  [[nodiscard]] bool less(std::uint32_t a, std::uint32_t b) const {
-    const auto left = of(a), right = of(b);
-    const auto [l, r] = std::mismatch(left.begin(), left.end(), right.begin(), right.end());
-    if (l != left.end() && r != right.end()) return *l < *r;
-    if (l == left.end() && r == right.end()) return a < b;
-    return r == right.end();
-  }
-};
-
-// Where each id comes: by the list of nodes that add it, one that goes on before one that ends, then by number. A split
-// that another depends on is in every cell that the other is in. So where their lists differ first, its node is farther
-// up, or earlier, or the other's list has ended: it comes first, as files need it. Splits of the same cells are one
-// run.
-std::vector<std::uint32_t> sorted_places(const std::vector<Node>& tree, std::uint32_t count, bool by_first_alone) {
-  const Adders adders(tree, count);
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> order(count);
-  for (std::uint32_t id = 0; id < count; ++id) order[id] = {adders.key(id), id};
-  if (by_first_alone)
-    for (auto& [key, id] : order) key >>= 32U;
-  std::sort(order.begin(), order.end(), [&](const auto& a, const auto& b) {
-    if (a.first != b.first) return a.first < b.first;
-    return by_first_alone ? a.second < b.second : adders.less(a.second, b.second);
-  });
-  std::vector<std::uint32_t> places(count);
-  for (std::uint32_t i = 0; i < count; ++i) places[order[i].second] = i;
-  return places;
 }
 
 std::vector<Ids> renumbered(std::vector<Ids> lists, const std::vector<std::uint32_t>& places) {
@@ -243,10 +56,10 @@ std::size_t count_runs(const std::vector<Ids>& lists) {
 // Only some ids, numbered from 0 in their order.
 struct Part {
   std::vector<Ids> lists;
-  std::vector<Node> nodes;
+  std::vector<Ids> added;  // by the nodes of the tree
 };
 
-Part part_of(const std::vector<Ids>& lists, const std::vector<Node>& nodes, const Ids& kept) {
+Part part_of(const std::vector<Ids>& lists, const std::vector<Ids>& added, const Ids& kept) {
   const auto keep = [&](const Ids& ids) {
     Ids result;
     for (const std::uint32_t id : ids) {
@@ -257,7 +70,7 @@ Part part_of(const std::vector<Ids>& lists, const std::vector<Node>& nodes, cons
   };
   Part part;
   for (const Ids& list : lists) part.lists.push_back(keep(list));
-  for (const Node& node : nodes) part.nodes.push_back({{}, keep(node.added), node.parent});
+  for (const Ids& ids : added) part.added.push_back(keep(ids));
   return part;
 }
 
@@ -265,8 +78,8 @@ struct TableRow {
   double tour_s = 0.0, sort_s = 0.0, tour_gain = 0.0, sort_gain = 0.0;
 };
 
-TableRow print_table_row(const std::vector<Ids>& lists, const std::vector<Node>& nodes, const Ids& kept) {
-  const Part part = part_of(lists, nodes, kept);
+TableRow print_table_row(const std::vector<Ids>& lists, const std::vector<Ids>& added, const Ids& kept) {
+  const Part part = part_of(lists, added, kept);
   std::vector<std::vector<std::uint32_t>> rows(kept.size());
   for (std::uint32_t row = 0; row < part.lists.size(); ++row)
     for (const std::uint32_t column : part.lists[row]) rows[column].push_back(row);
@@ -295,10 +108,10 @@ TableRow print_table_row(const std::vector<Ids>& lists, const std::vector<Node>&
   const paper::Improvement sampled_tour = paper::improve_tour(columns, sampled, sampled_order, most_moves);
 
   const double before_sort = seconds();
-  const std::vector<std::uint32_t> places = sorted_places(part.nodes, count, false);
+  const std::vector<std::uint32_t> places = paper::places_by_nodes(part.added, count);
   const double sort_s = seconds() - before_sort;
   const std::size_t sorted_runs = count_runs(renumbered(part.lists, places));
-  const std::size_t first_runs = count_runs(renumbered(part.lists, sorted_places(part.nodes, count, true)));
+  const std::size_t first_runs = count_runs(renumbered(part.lists, paper::places_by_first_node(part.added, count)));
 
   const TableRow row{after_seed - start + end - improving, sort_s, gain(improved.runs), gain(sorted_runs)};
   fmt::print("{},{},{},{:.3f},{:.3f},{:.2f},{:.2f},{},{:.3g},{:.3f},{:.4f},{:.2f},{:.6f},{:.2f},{:.2f}\n", count,
@@ -319,12 +132,12 @@ Ids spread(const Ids& ids, std::size_t count) {
 
 double sort_many(std::uint32_t count) {
   std::mt19937_64 random(1);
-  std::vector<Node> nodes(100'000);
+  std::vector<Ids> nodes(100'000);
   for (std::uint32_t id = 0; id < count; ++id)
     for (std::size_t n = random() % nodes.size(), i = 0; i < 3 && n < nodes.size(); ++i, n += 1 + random() % 1000)
-      nodes[n].added.push_back(id);
+      nodes[n].push_back(id);
   const double start = seconds();
-  const std::vector<std::uint32_t> places = sorted_places(nodes, count, false);
+  const std::vector<std::uint32_t> places = paper::places_by_nodes(nodes, count);
   return places.empty() ? 0.0 : seconds() - start;
 }
 
@@ -383,7 +196,7 @@ std::pair<std::size_t, double> print_crossings(const std::vector<Transition>& tr
   std::size_t deltas = 0, additions = 0, stored = 0;
   for (const Transition& t : transitions) {
     const std::size_t bytes = delta_bytes(t.delta.added) + delta_bytes(t.delta.removed);
-    const CellId from = leaf_at(t.from_cell), to = leaf_at(t.to_cell);
+    const CellId from = leaf_at(t.from), to = leaf_at(t.to);
     deltas += 2 * bytes;  // there and back
     additions += bytes_below(from, to) + bytes_below(to, from);
     stored += bytes;
@@ -399,9 +212,9 @@ std::pair<std::size_t, double> print_crossings(const std::vector<Transition>& tr
 }
 
 void run(int side, std::size_t most_columns, std::uint32_t many) {
-  const Grid grid = build_grid(side);
-  const Tree tree(grid);
-  const std::vector<Transition> transitions = transitions_of(grid, tree);
+  const CellGrid grid = build_grid(side);
+  const std::vector<Ids> added = tree_additions(grid);
+  const std::vector<Transition> transitions = transitions_of(grid);
   const std::vector<Ids> lists = lists_of(transitions);
   std::vector<bool> is_used(grid.split_count, false);
   for (const Ids& list : lists)
@@ -425,27 +238,24 @@ void run(int side, std::size_t most_columns, std::uint32_t many) {
       "fewer_runs_sample_tour,sort_s,fewer_runs_sort,fewer_runs_first_node\n");
   TableRow last;
   for (const std::size_t columns : {500U, 1000U, 3000U, 9000U, 27000U})
-    if (columns <= std::min(used.size(), most_columns))
-      last = print_table_row(lists, tree.nodes(), spread(used, columns));
-  if (used.size() <= most_columns) last = print_table_row(lists, tree.nodes(), used);
+    if (columns <= std::min(used.size(), most_columns)) last = print_table_row(lists, added, spread(used, columns));
+  if (used.size() <= most_columns) last = print_table_row(lists, added, used);
 
-  const std::vector<std::uint32_t> places = sorted_places(tree.nodes(), grid.split_count, false);
+  const std::vector<std::uint32_t> places = paper::places_by_nodes(added, grid.split_count);
   const std::vector<Ids> sorted = renumbered(lists, places);
   fmt::print("\norder,lists,ids,runs,bit_vector,int32,delimiter,delimiter_runs,adaptive_huffman_runs,ours\n");
   const Bits before = bits_of(lists, grid.split_count), after = bits_of(sorted, grid.split_count);
   print_bits("crossings as built", lists, before);
   print_bits("crossings sorted", sorted, after);
   std::vector<Ids> additions;
-  for (const Node& node : tree.nodes())
-    if (!node.added.empty()) additions.push_back(node.added);
+  for (const Ids& list : added)
+    if (!list.empty()) additions.push_back(list);
   const Bits in_tree = bits_of(additions, grid.split_count);
   print_bits("tree as built", additions, in_tree);
   const std::vector<Ids> sorted_additions = renumbered(additions, places);
   print_bits("tree sorted", sorted_additions, bits_of(sorted_additions, grid.split_count));
   fmt::print("\n");
-  CellSubtree packed = packed_tree(grid, 0, 0, side);
-  finish(packed);
-  const auto [tree_bytes, read_ratio] = print_crossings(transitions, packed);
+  const auto [tree_bytes, read_ratio] = print_crossings(transitions, packed_tree(grid));
 
   const auto ratio = [](std::size_t a, std::size_t b) { return static_cast<double>(a) / static_cast<double>(b); };
   fmt::print("\ngoal,measure,asked,is\n");
