@@ -44,8 +44,7 @@ bool hides(const Sheets& sheets, const CellBox& what = box, double near_reach = 
   const CellSurface surface(sheets.positions, sheets.triangles, sheets.moved);
   HullTest test(surface);
   test.set_cell(eyes, near_reach);
-  std::uint32_t blocker = no_id;
-  return test.hides(what, blocker);
+  return test.hides(what);
 }
 
 Sheets square(double x, double half, int cells = 4, int hole = -1, float moved = 0.0F) {
@@ -147,12 +146,11 @@ TEST(HullTest, FlatCellsAndBoxesWork) {
   const Sheets wall = square(10, 3);
   const CellSurface surface(wall.positions, wall.triangles, wall.moved);
   HullTest test(surface);
-  std::uint32_t blocker = no_id;
   test.set_cell({glm::dvec3(0), glm::dvec3(0)}, 0.0);
-  EXPECT_TRUE(test.hides({glm::dvec3(20, 0.7, 0.4), glm::dvec3(20, 0.7, 0.4)}, blocker));
-  EXPECT_FALSE(test.hides({glm::dvec3(20, 7, 0), glm::dvec3(20, 7, 0)}, blocker));
+  EXPECT_TRUE(test.hides({glm::dvec3(20, 0.7, 0.4), glm::dvec3(20, 0.7, 0.4)}));
+  EXPECT_FALSE(test.hides({glm::dvec3(20, 7, 0), glm::dvec3(20, 7, 0)}));
   test.set_cell({{0, -1, -1}, {0, 1, 1}}, 0.0);
-  EXPECT_TRUE(test.hides({{20, -1, -1}, {20, 1, 1}}, blocker));
+  EXPECT_TRUE(test.hides({{20, -1, -1}, {20, 1, 1}}));
 }
 
 // Of 5,800 triangles in the hull; one window, far from the middle, shows the box. A flood that ends early does not find
@@ -163,18 +161,16 @@ TEST(HullTest, AFloodThatIsTooLongFails) {
 }
 
 // The answer does not depend on what was remembered, but for the better.
-TEST(HullTest, BlockersAreRemembered) {
+TEST(HullTest, WhatHidIsRemembered) {
   const Sheets wall = square(10, 3);
   const CellSurface surface(wall.positions, wall.triangles, wall.moved);
   HullTest test(surface);
   test.set_cell(eyes, 0.0);
-  std::uint32_t blocker = no_id;
-  EXPECT_TRUE(test.hides(box, blocker));
-  EXPECT_NE(blocker, no_id);
+  EXPECT_TRUE(test.hides(box));
   EXPECT_EQ(test.counts().remembered, 0U);
-  EXPECT_TRUE(test.hides({{20, 0, 0}, {21, 1, 1}}, blocker));
+  EXPECT_TRUE(test.hides({{20, 0, 0}, {21, 1, 1}}));
   EXPECT_EQ(test.counts().remembered, 1U);
-  EXPECT_FALSE(test.hides({{20, 20, 0}, {21, 21, 1}}, blocker));
+  EXPECT_FALSE(test.hides({{20, 20, 0}, {21, 21, 1}}));
 }
 
 struct Count {
@@ -201,9 +197,8 @@ Count count_wrongly_hidden(const TriangleMesh& mesh, double max_motion, const Ce
     const glm::dvec3 p = glm::dvec3(mesh.positions[t.x]) + random.point(0.02), direction = random.unit();
     const CellBox cell = around(p + random.in(0.2, 1.5) * direction, random.in(0.0, 0.03));
     const CellBox what = around(p - random.in(0.05, 1.0) * direction, random.in(0.0, 0.03));
-    std::uint32_t blocker = no_id;
     test.set_cell(cell, 0.0);
-    if (!test.hides(what, blocker)) continue;
+    if (!test.hides(what)) continue;
     ++count.hidden;
     for (int k = 0; k < 30; ++k) {
       const glm::dvec3 from = any(cell), to = any(what);

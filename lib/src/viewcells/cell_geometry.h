@@ -34,4 +34,9 @@ namespace occlod {
   return std::max({m.x, m.y, m.z});
 }
 
+[[nodiscard]] inline int longest_axis(const CellBox& box) {
+  const glm::dvec3 size = box.max - box.min;
+  return size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+}
+
 }  // namespace occlod

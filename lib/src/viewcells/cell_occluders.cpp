@@ -28,8 +28,7 @@ CellOccluders::CellOccluders(std::span<const RefineObject> objects, double max_m
 bool CellOccluders::hides(const CellBox& eyes, const CellBox& what, double near_reach) const {
   HullTest test(*surface_);
   test.set_cell(eyes, near_reach);
-  std::uint32_t blocker = no_id;
-  return test.hides(what, blocker);
+  return test.hides(what);
 }
 
 std::size_t CellOccluders::triangle_count() const noexcept { return surface_->triangle_count(); }

@@ -3,11 +3,16 @@
 #include <algorithm>
 #include <array>
 #include <glm/common.hpp>
+#include <utility>
 
 #include "math/unite.h"
+#include "viewcells/cell_geometry.h"
 
 namespace occlod {
 namespace {
+
+// Of faces that are asked about at once before each is: larger groups are seldom hidden.
+constexpr std::size_t most_faces_at_once = 8;
 
 Box box_of(const SplitStar& star, std::span<const glm::vec3> positions) {
   Box box{positions[star.vertex()], positions[star.vertex()]};
@@ -22,20 +27,25 @@ Box box_of(const SplitStar& star, std::span<const glm::vec3> positions) {
 CellRefinement::CellRefinement(std::span<const RefineObject> objects, const CellSurface* surface,
                                const CellOptions& options, const Without& without)
     : objects_(objects.begin(), objects.end()), options_(options), without_(without) {
+  result_.objects.resize(objects.size());
   for (const RefineObject& object : objects) {
     object.hierarchy->require_all();
     cuts_.emplace_back(*object.hierarchy);
   }
-  if (surface != nullptr) hull_test_.emplace(*surface);
-  result_.objects.resize(objects.size());
+  if (surface == nullptr) return;
+  hull_test_.emplace(*surface);
+  images_.emplace(*surface);
 }
 
 const CellCut& CellRefinement::build(const CellBox& cell) {
   result_.stats = {};
   result_.triangles = result_.drawn_triangles = 0;
   result_.error_px = 0.0;
-  blocker_ = no_id;
-  if (hull_test_) hull_test_->set_cell(cell, without_.near ? 0.0 : options_.eyes.near / options_.eyes.cos_corner_angle);
+  if (hull_test_) {
+    const double near_reach = without_.near ? 0.0 : options_.eyes.near / options_.eyes.cos_corner_angle;
+    hull_test_->set_cell(cell, near_reach);
+    images_->draw(cell, near_reach);
+  }
   const HullTest::Counts before = hull_test_ ? hull_test_->counts() : HullTest::Counts{};
   for (std::uint32_t i = 0; i < objects_.size(); ++i) {
     const CellView view(cell, options_.eyes, objects_[i].object_to_world);
@@ -101,34 +111,73 @@ bool CellRefinement::is_fine(float error, float scale_px) {
   return true;
 }
 
+CellBox CellRefinement::grown_box(const CellView& view, const Box& box, float error) const {
+  const double within = options_.tolerance_px / view.smallest_scale_px(box);
+  return view.world_box(box, without_.growth ? 0.0 : std::min(static_cast<double>(error), within));
+}
+
 bool CellRefinement::is_hidden(const CellView& view, const Box& box, float error) {
-  if (!hull_test_) return false;
-  const double growth =
-      without_.growth ? 0.0 : std::min(static_cast<double>(error), options_.tolerance_px / view.smallest_scale_px(box));
+  return hull_test_ && is_hidden(grown_box(view, box, error));
+}
+
+bool CellRefinement::is_seen(const CellBox& what) {
+  const bool seen = images_->show(what);
+  result_.stats.seen_boxes += seen ? 1 : 0;
+  return seen;
+}
+
+bool CellRefinement::is_hidden(const CellBox& what) {
+  if (is_seen(what)) return false;
   ++result_.stats.queries;
-  const bool hidden = hull_test_->hides(view.world_box(box, growth), blocker_);
+  const bool hidden = hull_test_->hides(what);
   result_.stats.queries_hidden += hidden ? 1 : 0;
   return hidden;
 }
 
-bool CellRefinement::is_seen(std::uint32_t object, const CellView& view, const Triangle& t, float error) {
-  const std::span<const glm::vec3> positions = cuts_[object].hierarchy().positions();
-  const glm::vec3 &a = positions[t.x], &b = positions[t.y], &c = positions[t.z];
-  if (!objects_[object].two_sided && view.faces_away(a, b, c)) return false;
-  return !is_hidden(view, bounding_box(std::array{a, b, c}), error);
-}
-
 void CellRefinement::find_drawn(std::uint32_t object, const CellView& view) {
   Cut& cut = cuts_[object];
-  const Hierarchy& hierarchy = cut.hierarchy();
   CellObjectCut& result = result_.objects[object];
   cut.active_triangles(active_, true);  // sorts its splits
   result.applied.assign(cut.applied_splits().begin(), cut.applied_splits().end());
+  drawn_.assign(active_.size(), false);
+  faces_.clear();
+  std::uint32_t place = 0;
+  cut.for_each_active([&](const FaceRef& ref, const Triangle& t) { add_face(object, view, ref, t, place++); });
+  if (!faces_.empty()) drop_hidden(faces_);
   result.triangles.clear();
-  cut.for_each_active([&](const FaceRef& ref, const Triangle& t) {
-    const float error = ref.split == no_id ? hierarchy.error_bound() : hierarchy.node(ref.split).guaranteed_error;
-    if (is_seen(object, view, t, error)) result.triangles.push_back(t);
-  });
+  for (std::size_t i = 0; i < active_.size(); ++i)
+    if (drawn_[i]) result.triangles.push_back(active_[i]);
+}
+
+void CellRefinement::add_face(std::uint32_t object, const CellView& view, const FaceRef& ref, const Triangle& t,
+                              std::uint32_t place) {
+  const Hierarchy& hierarchy = cuts_[object].hierarchy();
+  const std::span<const glm::vec3> positions = hierarchy.positions();
+  const glm::vec3 &a = positions[t.x], &b = positions[t.y], &c = positions[t.z];
+  if (!objects_[object].two_sided && view.faces_away(a, b, c)) return;
+  drawn_[place] = true;
+  if (!hull_test_) return;
+  const float error = ref.split == no_id ? hierarchy.error_bound() : hierarchy.node(ref.split).guaranteed_error;
+  const CellBox box = grown_box(view, bounding_box(std::array{a, b, c}), error);
+  if (!is_seen(box)) faces_.push_back({box, place});
+}
+
+// Halves of them by place in space, like TriangleBvh.
+void CellRefinement::drop_hidden(std::span<Face> faces) {
+  CellBox box = faces[0].box;
+  for (const Face& face : faces) box = unite(box, face.box);
+  if (faces.size() <= most_faces_at_once && is_hidden(box)) {
+    for (const Face& face : faces) drawn_[face.place] = false;
+    return;
+  }
+  if (faces.size() == 1) return;
+  const int axis = longest_axis(box);
+  const auto key = [&](const Face& face) { return std::pair(face.box.min[axis] + face.box.max[axis], face.place); };
+  const std::size_t half = faces.size() / 2;
+  std::nth_element(faces.begin(), faces.begin() + static_cast<std::ptrdiff_t>(half), faces.end(),
+                   [&](const Face& x, const Face& y) { return key(x) < key(y); });
+  drop_hidden(faces.first(half));
+  drop_hidden(faces.subspan(half));
 }
 
 }  // namespace occlod

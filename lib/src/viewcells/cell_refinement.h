@@ -7,6 +7,7 @@
 
 #include "cut/cut.h"
 #include "occlod/viewcells/cell_builder.h"
+#include "viewcells/cell_images.h"
 #include "viewcells/hull_test.h"
 
 namespace occlod {
@@ -48,11 +49,22 @@ class CellRefinement {
   const CellCut& build(const CellBox& cell);
 
  private:
+  struct Face {
+    CellBox box;              // grown by g
+    std::uint32_t place = 0;  // in active_
+  };
+
   void refine(std::uint32_t object, const CellView& view);
   void visit(std::uint32_t object, const CellView& view, SplitId s);
   void try_split(std::uint32_t object, const CellView& view, SplitId s);
   void find_drawn(std::uint32_t object, const CellView& view);
-  [[nodiscard]] bool is_seen(std::uint32_t object, const CellView& view, const Triangle& t, float error);
+  // Unless it turns its back on the cell, it is drawn; unless the middle of the cell sees it, drop_hidden() decides.
+  void add_face(std::uint32_t object, const CellView& view, const FaceRef& ref, const Triangle& t, std::uint32_t place);
+  void drop_hidden(std::span<Face> faces);
+  [[nodiscard]] CellBox grown_box(const CellView& view, const Box& box, float error) const;
+  // From the middle of the cell, before anything that hides.
+  [[nodiscard]] bool is_seen(const CellBox& what);
+  [[nodiscard]] bool is_hidden(const CellBox& what);
   [[nodiscard]] bool is_hidden(const CellView& view, const Box& box, float error);
   // Whether the error, of so many pixels a unit, is within the tolerance; then it counts.
   [[nodiscard]] bool is_fine(float error, float scale_px);
@@ -62,9 +74,11 @@ class CellRefinement {
   Without without_;
   std::vector<Cut> cuts_;
   std::optional<HullTest> hull_test_;
-  std::uint32_t blocker_ = no_id;  // of the last box that was hidden
+  std::optional<CellImages> images_;
   std::vector<SplitId> stack_;
   std::vector<Triangle> active_;
+  std::vector<bool> drawn_;  // of active_
+  std::vector<Face> faces_;
   CellCut result_;
 };
 

@@ -61,12 +61,39 @@ void CellSurface::add_triangle(const Triangle& t, double moved) {
 
 void CellSurface::finish() {
   drop_duplicates();
+  std::vector<std::uint32_t> order;
+  bvh_ = TriangleBvh(positions_, triangles_, order);
+  sort(order);
   join_edges();
   for (const glm::dvec3& p : positions_) {
     const glm::dvec3 size = glm::abs(p);
     largest_coordinate_ = std::max({largest_coordinate_, size.x, size.y, size.z});
   }
-  bvh_ = TriangleBvh(positions_, triangles_);
+}
+
+void CellSurface::sort(std::span<const std::uint32_t> order) {
+  std::vector<Triangle> triangles;
+  std::vector<float> moved;
+  triangles.reserve(order.size());
+  moved.reserve(order.size());
+  for (const std::uint32_t t : order) {
+    triangles.push_back(triangles_[t]);
+    moved.push_back(moved_[t]);
+  }
+  triangles_ = std::move(triangles);
+  moved_ = std::move(moved);
+  std::vector<std::uint32_t> place_of(positions_.size(), no_id);
+  std::vector<glm::dvec3> positions;
+  for (Triangle& t : triangles_)
+    for (int k = 0; k < 3; ++k) {
+      std::uint32_t& place = place_of[t[k]];
+      if (place == no_id) {
+        place = static_cast<std::uint32_t>(positions.size());
+        positions.push_back(positions_[t[k]]);
+      }
+      t[k] = place;
+    }
+  positions_ = std::move(positions);
 }
 
 // A sheet that is given once for each side would have no inside and no border that is crossed an odd number of times.

@@ -15,8 +15,8 @@
 
 namespace occlod {
 
-// Triangles, what lies beyond their edges, and a tree over them. Immutable. Of triangles with the same three corners
-// one is kept; what has less than three corners is left out.
+// Triangles, what lies beyond their edges, and a tree over them, in whose order they are. Immutable. Of triangles with
+// the same three corners one is kept; what has less than three corners is left out.
 class CellSurface {
  public:
   // What is left out, for tests: then what is said to be hidden need not be.
@@ -46,6 +46,7 @@ class CellSurface {
   void for_each_hit(const glm::dvec3& from, const glm::dvec3& to, const Visit& visit) const {
     bvh_.for_each_hit(positions_, triangles_, from, to, visit);
   }
+  [[nodiscard]] const TriangleBvh& bvh() const noexcept { return bvh_; }
   // The largest coordinate of any corner.
   [[nodiscard]] double largest_coordinate() const noexcept { return largest_coordinate_; }
 
@@ -54,6 +55,8 @@ class CellSurface {
   void add_triangle(const Triangle& t, double moved);
   void finish();
   void drop_duplicates();
+  // Triangles in this order, corners in that in which they ask for them: neighbours lie near each other in memory.
+  void sort(std::span<const std::uint32_t> order);
   void join_edges();
 
   std::vector<glm::dvec3> positions_;

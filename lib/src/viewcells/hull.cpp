@@ -5,41 +5,28 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
 
 #include "viewcells/cell_geometry.h"
 
 namespace occlod {
 namespace {
 
-// A convex polygon in the unit square, cut by half-planes.
-class CutSquare {
- public:
-  // Keeps what has constant + by_t t + by_u u >= 0. False when nothing is left.
-  bool keep(double constant, double by_t, double by_u) {
-    std::array<glm::dvec2, most> kept;
-    std::array<double, most> value;
-    bool all = true;
-    for (std::size_t i = 0; i < size_; ++i) {
-      value[i] = constant + by_t * corners_[i].x + by_u * corners_[i].y;
-      all = all && value[i] >= 0.0;
-    }
-    if (all) return true;
-    std::size_t count = 0;
-    for (std::size_t i = 0; i < size_; ++i) {
-      const std::size_t j = i + 1 == size_ ? 0 : i + 1;
-      if (value[i] >= 0.0) kept[count++] = corners_[i];
-      if ((value[i] >= 0.0) != (value[j] >= 0.0))
-        kept[count++] = glm::mix(corners_[i], corners_[j], value[i] / (value[i] - value[j]));
-    }
-    corners_ = kept;
-    size_ = count;
-    return count > 0;
-  }
+// The part of a segment that is left, from 0 at its start to 1 at its end.
+struct Part {
+  double first = 0.0, last = 1.0;
 
- private:
-  static constexpr std::size_t most = 4 + 6;  // each line adds one corner at most
-  std::array<glm::dvec2, most> corners_ = {{{0, 0}, {1, 0}, {1, 1}, {0, 1}}};
-  std::size_t size_ = 4;
+  // Cuts off where what runs from `at_start` to `at_end` is above 0. False when nothing is left.
+  bool cut(double at_start, double at_end) {
+    if (at_start <= 0.0 && at_end <= 0.0) return true;
+    if (at_start > 0.0 && at_end > 0.0) return false;
+    const double crossing = at_start / (at_start - at_end);
+    if (at_start > 0.0)
+      first = std::max(first, crossing);
+    else
+      last = std::min(last, crossing);
+    return first <= last;
+  }
 };
 
 // Whether [low, high], which runs over the projections of the corners onto an axis, is apart from the box's.
@@ -51,20 +38,38 @@ bool apart(const glm::dvec3& axis, const std::array<glm::dvec3, 3>& corners, con
 
 }  // namespace
 
-Hull::Hull(const CellBox& eyes, const CellBox& what) : eyes_(eyes), what_(what), around_(unite(eyes, what)) {}
+Hull::Hull(const CellBox& eyes, const CellBox& what) : around_(unite(eyes, what)) {
+  for (int axis = 0; axis < 3; ++axis) add_planes(eyes, what, axis, (axis + 1) % 3);
+}
 
-// A point of the segment is a + u (b - a); it lies in the box for t iff six numbers that are linear in t and u are
-// not negative.
+// Of two rectangles: the hull has an edge between their corners of one side each iff neither corner lies beyond the
+// other in both axes.
+void Hull::add_planes(const CellBox& eyes, const CellBox& what, int u, int v) {
+  for (const double sign_u : {-1.0, 1.0})
+    for (const double sign_v : {-1.0, 1.0}) {
+      const auto corner = [&](const CellBox& box) {
+        return glm::dvec2(sign_u < 0.0 ? box.min[u] : box.max[u], sign_v < 0.0 ? box.min[v] : box.max[v]);
+      };
+      const glm::dvec2 p = corner(eyes), along = corner(what) - p;
+      if (!(sign_u * along.x * sign_v * along.y < 0.0)) continue;
+      const glm::dvec2 outwards(sign_u * std::abs(along.y), sign_v * std::abs(along.x));
+      planes_[plane_count_++] = {
+          u, v, outwards.x, outwards.y, glm::dot(outwards, p), std::abs(along.x) + std::abs(along.y)};
+    }
+}
+
 bool Hull::may_meet(const glm::dvec3& a, const glm::dvec3& b, double margin) const {
+  Part left;
   for (int axis = 0; axis < 3; ++axis) {
-    if (std::min(a[axis], b[axis]) > around_.max[axis] + margin) return false;
-    if (std::max(a[axis], b[axis]) < around_.min[axis] - margin) return false;
+    const double high = around_.max[axis] + margin, low = around_.min[axis] - margin;
+    if (!left.cut(a[axis] - high, b[axis] - high) || !left.cut(low - a[axis], low - b[axis])) return false;
   }
-  CutSquare left;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double along = b[axis] - a[axis];
-    if (!left.keep(a[axis] - eyes_.min[axis] + margin, eyes_.min[axis] - what_.min[axis], along)) return false;
-    if (!left.keep(eyes_.max[axis] - a[axis] + margin, what_.max[axis] - eyes_.max[axis], -along)) return false;
+  for (std::size_t i = 0; i < plane_count_; ++i) {
+    const Plane& plane = planes_[i];
+    const double reach = plane.reach + plane.growth * margin;
+    if (!left.cut(plane.by_u * a[plane.u] + plane.by_v * a[plane.v] - reach,
+                  plane.by_u * b[plane.u] + plane.by_v * b[plane.v] - reach))
+      return false;
   }
   return true;
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <limits>
 
 #include "viewcells/cell_geometry.h"
 
@@ -15,8 +16,7 @@ constexpr double relative_rounding = 1e-9;
 // Of volumes spanned by differences of coordinates.
 constexpr double volume_rounding = 1e-12;
 
-// Floods cost about as much as as many segments.
-constexpr std::size_t few_seeds = 2;
+// Where a segment meets more, those near the cell hide most.
 constexpr std::size_t most_seeds = 16;
 
 // Where segments begin in the cell and end in the box: shares of both. The next is tried where one comes too close to
@@ -35,76 +35,89 @@ int sign_of(double volume, double size) {
   return std::abs(volume) <= volume_rounding * size ? 0 : volume > 0.0 ? 1 : -1;
 }
 
+// The sign of x.cross(y, z), or 0 where rounding decides.
+int turn_of(const glm::dvec3& x, const glm::dvec3& y, const glm::dvec3& z) {
+  const double volume = glm::dot(x, glm::cross(y, z));
+  // Squares, so that no root is taken.
+  if (volume * volume <= volume_rounding * volume_rounding * glm::dot(x, x) * glm::dot(y, y) * glm::dot(z, z)) return 0;
+  return volume > 0.0 ? 1 : -1;
+}
+
 // Whether the segment from the origin to d meets the triangle; nothing where rounding decides.
 std::optional<bool> crosses(const glm::dvec3& d, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
-  const double to_a = glm::length(a), to_b = glm::length(b), to_c = glm::length(c), length = glm::length(d);
-  const int ab = sign_of(glm::dot(d, glm::cross(a, b)), length * to_a * to_b);
-  const int bc = sign_of(glm::dot(d, glm::cross(b, c)), length * to_b * to_c);
-  const int ca = sign_of(glm::dot(d, glm::cross(c, a)), length * to_c * to_a);
-  if (std::min({ab, bc, ca}) < 0 && std::max({ab, bc, ca}) > 0) return false;
+  const int ab = turn_of(d, a, b), bc = turn_of(d, b, c);
+  if (ab * bc < 0) return false;
+  const int ca = turn_of(d, c, a);
+  if (ab * ca < 0 || bc * ca < 0) return false;
   if (ab == 0 || bc == 0 || ca == 0) return std::nullopt;
   const glm::dvec3 normal = glm::cross(b - a, c - a);
-  const double size = glm::length(b - a) * glm::length(c - a);
+  const double size = glm::length(b - a) * glm::length(c - a), to_a = glm::length(a);
   const int start = sign_of(-glm::dot(normal, a), size * to_a),
-            end = sign_of(glm::dot(normal, d - a), size * (to_a + length));
+            end = sign_of(glm::dot(normal, d - a), size * (to_a + glm::length(d)));
   if (start == 0 || end == 0) return std::nullopt;
   return start != end;
 }
 
 }  // namespace
 
+HullTest::HullTest(const CellSurface& surface)
+    : surface_(surface), hid_(memory_size, no_id), reached_by_(zeroed_array<std::uint32_t>(surface.triangle_count())) {}
+
 void HullTest::set_cell(const CellBox& cell, double near_reach) {
   cell_ = cell;
   near_reach_ = near_reach;
   first_segment_ = 0;
+  std::fill(hid_.begin(), hid_.end(), no_id);
 }
 
-bool HullTest::hides(const CellBox& what, std::uint32_t& blocker) {
+bool HullTest::hides(const CellBox& what) {
   ++counts_.queries;
   if (overlap(cell_, what)) return false;
   rounding_ = relative_rounding *
               std::max({largest_coordinate(cell_), largest_coordinate(what), surface_.largest_coordinate()});
-  reached_.clear();
-  if (++query_ == 0) {
-    table_.assign(table_size, {});
-    query_ = 1;
-  }
+  begin_floods();
+  find_hits(what, first_segment_, most_seeds, seeds_);
+  if (seeds_.empty()) return ++counts_.free, false;
   const Hull hull(cell_, what);
-  if (blocker != no_id && flood(hull, what, blocker)) return ++counts_.remembered, true;
-  if (!find_seeds(what)) return ++counts_.free, false;
-  for (const std::uint32_t seed : seeds_) {
-    if (!flood(hull, what, seed)) continue;
-    blocker = seed;
+  const auto others =
+      std::stable_partition(seeds_.begin(), seeds_.end(), [&](std::uint32_t t) { return has_hidden(t); });
+  if (flood_any(hull, what, {seeds_.begin(), others})) return ++counts_.remembered, true;
+  if (is_free(what)) return ++counts_.free, false;
+  return flood_any(hull, what, {others, seeds_.end()});
+}
+
+void HullTest::begin_floods() {
+  // A query makes one flood a seed at most. Before their numbers run out they begin anew.
+  if (flood_ > std::numeric_limits<std::uint32_t>::max() - most_seeds) {
+    std::fill_n(reached_by_.get(), surface_.triangle_count(), 0U);
+    flood_ = 0;
+  }
+  first_flood_ = flood_ + 1;
+  reached_count_ = 0;
+}
+
+// Triangles on the segment that may hide, `most` of them or fewer, roughly from the cell to the box.
+void HullTest::find_hits(const CellBox& what, std::size_t segment, std::size_t most,
+                         std::vector<std::uint32_t>& hits) const {
+  const auto& s = segments[segment];
+  const glm::dvec3 from = glm::mix(cell_.min, cell_.max, glm::dvec3(s[0], s[1], s[2]));
+  hits.clear();
+  surface_.for_each_hit(from, glm::mix(what.min, what.max, glm::dvec3(s[3], s[4], s[5])), [&](std::uint32_t t) {
+    if (!must_avoid(t, what)) hits.push_back(t);
+    return hits.size() < most;
+  });
+}
+
+// Whether there is nothing on some other segment that may hide.
+bool HullTest::is_free(const CellBox& what) {
+  for (std::size_t i = 1; i < segments.size(); ++i) {
+    const std::size_t segment = (first_segment_ + i) % segments.size();
+    find_hits(what, segment, 1, hits_);
+    if (!hits_.empty()) continue;
+    first_segment_ = segment;
     return true;
   }
   return false;
-}
-
-// What hides is crossed by every segment, so it will do to begin where one crosses the fewest triangles. False when
-// there are none on some segment.
-bool HullTest::find_seeds(const CellBox& what) {
-  seeds_.clear();
-  for (std::size_t i = 0; i < segments.size() && (i == 0 || seeds_.size() > few_seeds); ++i) {
-    const std::size_t segment = (first_segment_ + i) % segments.size();
-    find_hits(what, segment, i == 0 ? most_seeds : seeds_.size());
-    if (hits_.empty()) {
-      first_segment_ = segment;
-      return false;
-    }
-    if (i == 0 || hits_.size() < seeds_.size()) seeds_.swap(hits_);
-  }
-  return true;
-}
-
-// Triangles on the segment that may hide, `most` of them or fewer.
-void HullTest::find_hits(const CellBox& what, std::size_t segment, std::size_t most) {
-  const auto& s = segments[segment];
-  const glm::dvec3 from = glm::mix(cell_.min, cell_.max, glm::dvec3(s[0], s[1], s[2]));
-  hits_.clear();
-  surface_.for_each_hit(from, glm::mix(what.min, what.max, glm::dvec3(s[3], s[4], s[5])), [&](std::uint32_t t) {
-    if (!must_avoid(t, what)) hits_.push_back(t);
-    return hits_.size() < most;
-  });
 }
 
 // What hides does not touch the ends of segments.
@@ -114,16 +127,24 @@ bool HullTest::must_avoid(std::uint32_t t, const CellBox& what) const {
   return triangle_meets(a, b, c, grown(cell_, margin + near_reach_)) || triangle_meets(a, b, c, grown(what, margin));
 }
 
+bool HullTest::flood_any(const Hull& hull, const CellBox& what, std::span<const std::uint32_t> seeds) {
+  return std::any_of(seeds.begin(), seeds.end(), [&](std::uint32_t seed) { return flood(hull, what, seed); });
+}
+
 // False where it meets what it must not.
 bool HullTest::flood(const Hull& hull, const CellBox& what, std::uint32_t first) {
-  first_reached_ = reached_.size();
+  reached_.clear();
+  ++flood_;
   if (!reach(first)) return false;
   ++counts_.floods;
-  for (std::size_t i = first_reached_; i < reached_.size(); ++i) {
+  std::size_t visited = 0;  // more are reached on the way
+  while (visited < reached_.size()) {
     ++counts_.triangles;
-    if (!visit(hull, what, reached_[i])) return false;
+    if (!visit(hull, what, reached_[visited++])) return false;
   }
-  return is_crossed(what);
+  if (!is_crossed(what)) return false;
+  for (const std::uint32_t t : reached_) hid_[memory_place(t)] = t;
+  return true;
 }
 
 bool HullTest::visit(const Hull& hull, const CellBox& what, std::uint32_t t) {
@@ -147,27 +168,18 @@ bool HullTest::visit(const Hull& hull, const CellBox& what, std::uint32_t t) {
 
 // Whether this flood has reached all triangles beyond the edge.
 bool HullTest::is_crossed_already(std::uint32_t edge) const {
-  for (std::uint32_t other = surface_.beyond(edge); other != edge; other = surface_.beyond(other)) {
-    const Entry& entry = table_[place_of(other / 3)];
-    if (entry.query != query_ || entry.place < first_reached_) return false;
-  }
+  for (std::uint32_t other = surface_.beyond(edge); other != edge; other = surface_.beyond(other))
+    if (reached_by_[other / 3] != flood_) return false;
   return true;
 }
 
-// Where the triangle is in the table, or would be.
-std::size_t HullTest::place_of(std::uint32_t t) const {
-  std::size_t place = (t * std::size_t{0x9E3779B1U}) % table_size;
-  while (table_[place].query == query_ && table_[place].triangle != t) place = (place + 1) % table_size;
-  return place;
-}
-
-// False where an earlier flood has been, which did not hide and would have come here as well; and when there are too
-// many.
+// False where an earlier flood of this query has been, which did not hide and would have come here as well; and when
+// there are too many.
 bool HullTest::reach(std::uint32_t t) {
-  Entry& entry = table_[place_of(t)];
-  if (entry.query == query_) return entry.place >= first_reached_;
-  if (reached_.size() == most_triangles) return false;
-  entry = {t, query_, static_cast<std::uint32_t>(reached_.size())};
+  if (reached_by_[t] >= first_flood_) return reached_by_[t] == flood_;
+  if (reached_count_ == most_triangles) return false;
+  ++reached_count_;
+  reached_by_[t] = flood_;
   reached_.push_back(t);
   return true;
 }
@@ -184,8 +196,7 @@ bool HullTest::is_crossed(const CellBox& what) const {
 // An odd number of times.
 std::optional<bool> HullTest::is_crossed(const glm::dvec3& from, const glm::dvec3& to) const {
   bool odd = false;
-  for (std::size_t i = first_reached_; i < reached_.size(); ++i) {
-    const std::uint32_t t = reached_[i];
+  for (const std::uint32_t t : reached_) {
     const auto crossed =
         crosses(to - from, surface_.corner(t, 0) - from, surface_.corner(t, 1) - from, surface_.corner(t, 2) - from);
     if (!crossed) return std::nullopt;

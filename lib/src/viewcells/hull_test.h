@@ -5,8 +5,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
+#include "core/zeroed_array.h"
 #include "viewcells/cell_surface.h"
 #include "viewcells/hull.h"
 
@@ -22,43 +24,50 @@ namespace occlod {
 // holds for S' if S keeps its distance m from cell and box, and dS from the hull. And what the near plane of an eye may
 // clip away hides nothing, so S keeps the distance of that from the cell as well.
 //
-// S is found by a flood from a triangle over all edges that meet the hull. What cannot be decided counts as not hidden.
-// Reuses its memory; one thread each.
+// S is found by a flood from a triangle over all edges that meet the hull. What hides is crossed by every segment, so
+// floods begin at the triangles on one of them; first at those that hid another box from the same cell. What cannot be
+// decided counts as not hidden. Reuses its memory, four bytes a triangle; one thread each.
 class HullTest {
  public:
   // Of all calls.
   struct Counts {
     std::size_t queries = 0;
-    std::size_t remembered = 0;  // of these, hidden by the triangle that was tried first
+    std::size_t remembered = 0;  // of these, hidden by a surface through a triangle that hid another box
     std::size_t free = 0;        // of these, not hidden because nothing on some segment from cell to box could hide it
     std::size_t floods = 0;
     std::size_t triangles = 0;  // that floods reached
   };
-  static constexpr std::size_t most_triangles = 2048;  // of all floods of a query
+  static constexpr std::size_t most_triangles = 4096;  // of all floods of a query
 
   // The surface outlives it.
-  explicit HullTest(const CellSurface& surface) : surface_(surface) {}
+  explicit HullTest(const CellSurface& surface);
 
-  // near_reach: world units from an eye within which its near plane may clip.
+  // near_reach: world units from an eye within which its near plane may clip. Forgets what was found for other cells.
   void set_cell(const CellBox& cell, double near_reach);
-  // Whether no segment from the cell to the box is free. `blocker`, unless no_id, is a triangle to begin with; where
-  // the answer is true it becomes one of those that hide.
-  [[nodiscard]] bool hides(const CellBox& what, std::uint32_t& blocker);
+  // Whether no segment from the cell to the box is free. What was asked about the cell before decides how soon it is
+  // found, and, where floods grow too long, whether it is.
+  [[nodiscard]] bool hides(const CellBox& what);
 
   [[nodiscard]] const Counts& counts() const noexcept { return counts_; }
 
  private:
-  [[nodiscard]] bool find_seeds(const CellBox& what);
-  void find_hits(const CellBox& what, std::size_t segment, std::size_t most);
+  void begin_floods();
+  void find_hits(const CellBox& what, std::size_t segment, std::size_t most, std::vector<std::uint32_t>& hits) const;
+  [[nodiscard]] bool is_free(const CellBox& what);
   [[nodiscard]] bool must_avoid(std::uint32_t t, const CellBox& what) const;
+  [[nodiscard]] bool flood_any(const Hull& hull, const CellBox& what, std::span<const std::uint32_t> seeds);
   [[nodiscard]] bool flood(const Hull& hull, const CellBox& what, std::uint32_t first);
   [[nodiscard]] bool visit(const Hull& hull, const CellBox& what, std::uint32_t t);
   [[nodiscard]] bool is_crossed_already(std::uint32_t edge) const;
   [[nodiscard]] bool reach(std::uint32_t t);
-  [[nodiscard]] std::size_t place_of(std::uint32_t t) const;
   [[nodiscard]] bool is_crossed(const CellBox& what) const;
   [[nodiscard]] std::optional<bool> is_crossed(const glm::dvec3& from, const glm::dvec3& to) const;
   [[nodiscard]] double growth(std::uint32_t t) const { return surface_.moved(t) + rounding_; }
+
+  // Which triangles have hidden something from the cell, the last of all that share a place.
+  static constexpr std::size_t memory_size = 1U << 13U;
+  [[nodiscard]] static std::size_t memory_place(std::uint32_t t) { return t * 0x9E3779B1U % memory_size; }
+  [[nodiscard]] bool has_hidden(std::uint32_t t) const { return hid_[memory_place(t)] == t; }
 
   const CellSurface& surface_;
   CellBox cell_;
@@ -66,20 +75,15 @@ class HullTest {
   double rounding_ = 0.0;
   Counts counts_;
 
-  std::vector<std::uint32_t> seeds_;    // triangles where floods begin
-  std::vector<std::uint32_t> hits_;     // those of one segment
-  std::size_t first_segment_ = 0;       // that is tried: the one that was free last
-  std::vector<std::uint32_t> reached_;  // by floods of this query, those that are looked at first
-  std::size_t first_reached_ = 0;       // by this flood
-  // Which triangles these are: open addressing, one entry in four at most.
-  static constexpr std::size_t table_size = 4 * most_triangles;
-  struct Entry {
-    std::uint32_t triangle = 0;
-    std::uint32_t query = 0;
-    std::uint32_t place = 0;  // in reached_
-  };
-  std::vector<Entry> table_ = std::vector<Entry>(table_size);
-  std::uint32_t query_ = 0;
+  std::vector<std::uint32_t> hid_;
+  std::vector<std::uint32_t> seeds_;       // triangles where floods begin
+  std::vector<std::uint32_t> hits_;        // those of another segment
+  std::size_t first_segment_ = 0;          // that is tried: the one that was free last
+  std::vector<std::uint32_t> reached_;     // by this flood, those that are looked at first
+  ZeroedArray<std::uint32_t> reached_by_;  // the last flood that did so, by triangle
+  std::uint32_t flood_ = 0;                // its number
+  std::uint32_t first_flood_ = 0;          // of this query
+  std::size_t reached_count_ = 0;          // by all floods of this query
 };
 
 }  // namespace occlod

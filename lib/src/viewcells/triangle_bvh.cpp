@@ -1,19 +1,34 @@
 #include "viewcells/triangle_bvh.h"
 
 #include <algorithm>
+#include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <limits>
 #include <numeric>
 #include <utility>
 
 #include "viewcells/cell_geometry.h"
 
 namespace occlod {
+namespace {
 
-bool TriangleBvh::meets(const CellBox& box, const glm::dvec3& from, const glm::dvec3& inverse) {
+constexpr float infinity = std::numeric_limits<float>::infinity();
+
+float rounded_down(double x) {
+  const auto f = static_cast<float>(x);
+  return static_cast<double>(f) > x ? std::nextafter(f, -infinity) : f;
+}
+float rounded_up(double x) { return -rounded_down(-x); }
+
+}  // namespace
+
+bool TriangleBvh::meets(const Node& node, const glm::dvec3& from, const glm::dvec3& inverse) {
   double first = 0.0, last = 1.0;
   for (int axis = 0; axis < 3; ++axis) {
-    const double a = (box.min[axis] - from[axis]) * inverse[axis], b = (box.max[axis] - from[axis]) * inverse[axis];
+    const auto i = static_cast<std::size_t>(axis);
+    const double a = (static_cast<double>(node.min[i]) - from[axis]) * inverse[axis];
+    const double b = (static_cast<double>(node.max[i]) - from[axis]) * inverse[axis];
     first = std::max(first, std::min(a, b));
     last = std::min(last, std::max(a, b));
   }
@@ -31,35 +46,39 @@ bool TriangleBvh::meets(const glm::dvec3& a, const glm::dvec3& b, const glm::dve
   return x >= 0.0 && y >= 0.0 && x + y <= 1.0 && t >= 0.0 && t <= 1.0;
 }
 
-TriangleBvh::TriangleBvh(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles)
-    : order_(triangles.size()) {
-  std::iota(order_.begin(), order_.end(), 0U);
+TriangleBvh::TriangleBvh(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles,
+                         std::vector<std::uint32_t>& order)
+    : count_(static_cast<std::uint32_t>(triangles.size())) {
+  order.resize(triangles.size());
+  std::iota(order.begin(), order.end(), 0U);
   std::vector<CellBox> boxes;
   boxes.reserve(triangles.size());
   for (const Triangle& t : triangles) {
     const glm::dvec3 &a = positions[t.x], &b = positions[t.y], &c = positions[t.z];
     boxes.push_back({glm::min(a, glm::min(b, c)), glm::max(a, glm::max(b, c))});
   }
-  nodes_.reserve(triangles.size());
-  if (!triangles.empty()) build(boxes, 0, static_cast<std::uint32_t>(triangles.size()));
+  if (!triangles.empty()) build(boxes, order);
 }
 
-void TriangleBvh::build(std::span<const CellBox> boxes, std::uint32_t first, std::uint32_t count) {
+void TriangleBvh::build(std::span<const CellBox> boxes, std::span<std::uint32_t> order) {
   const std::size_t place = nodes_.size();
-  CellBox box = boxes[order_[first]];
-  for (std::uint32_t i = 1; i < count; ++i) box = unite(box, boxes[order_[first + i]]);
-  nodes_.push_back({box, first, count, 0});
-  if (count <= leaf_size) return;
-  const glm::dvec3 size = box.max - box.min;
-  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+  CellBox box = boxes[order[0]];
+  for (const std::uint32_t t : order) box = unite(box, boxes[t]);
+  const int axis = longest_axis(box);
+  Node node{.axis = static_cast<std::uint32_t>(axis)};
+  for (int k = 0; k < 3; ++k) {
+    node.min[static_cast<std::size_t>(k)] = rounded_down(box.min[k]);
+    node.max[static_cast<std::size_t>(k)] = rounded_up(box.max[k]);
+  }
+  nodes_.push_back(node);
+  if (order.size() <= leaf_size) return;
   const auto key = [&](std::uint32_t t) { return std::pair(boxes[t].min[axis] + boxes[t].max[axis], t); };
-  const auto begin = order_.begin() + first;
-  std::nth_element(begin, begin + count / 2, begin + count,
+  const std::size_t half = order.size() / 2;
+  std::nth_element(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(half), order.end(),
                    [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
-  nodes_[place].count = 0;
-  build(boxes, first, count / 2);
+  build(boxes, order.first(half));
   nodes_[place].right = static_cast<std::uint32_t>(nodes_.size());
-  build(boxes, first + count / 2, count - count / 2);
+  build(boxes, order.subspan(half));
 }
 
 }  // namespace occlod

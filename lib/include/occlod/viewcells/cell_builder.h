@@ -26,7 +26,8 @@ struct CellStats {
   std::size_t fine_splits = 0;      // of what is left, whose own faces are within the tolerance
   std::size_t hidden_splits = 0;    // of what is left, whose own faces are hidden
   std::size_t forced_splits = 0;    // applied because another depends on them, before their own turn
-  std::size_t queries = 0;          // whether something is hidden
+  std::size_t seen_boxes = 0;       // that the middle of the cell sees: they are not asked about
+  std::size_t queries = 0;          // whether something else is hidden
   std::size_t queries_hidden = 0;   // of these, answered "hidden"
   std::size_t floods = 0;           // of the surface that hides, to answer them
   std::size_t flood_triangles = 0;  // that floods reached
