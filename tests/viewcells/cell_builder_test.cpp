@@ -8,11 +8,11 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <thread>
 
+#include "cell_sight.h"
 #include "occlod/core/error.h"
 #include "occlod/hierarchy/build.h"
 #include "occlod/hierarchy/cut_mesh.h"
 #include "occlod/mesh/generate.h"
-#include "oracle/cell_oracle.h"
 #include "support/holed_meshes.h"
 #include "support/meshes.h"
 #include "viewcells/cell_refinement.h"
@@ -75,16 +75,17 @@ TEST_P(CellPromise, EverythingSeenIsDrawn) {
   const Hierarchy hierarchy = build_hierarchy(scene.mesh);
   const RefineObject objects[] = {{.hierarchy = &hierarchy}};
   const CellOccluders occluders(objects, scene.max_motion);
-  const CellOptions options{.eyes = test::cube_eyes(128, scene.near)};
+  const CellOptions options{.eyes = tool::cube_eyes(128, scene.near)};
   CellBuilder none(objects, nullptr, options), hull(objects, &occluders, options);
-  test::RandomShapes random(13);
+  const tool::FullScene full(objects);
+  std::uint64_t seed = 13;
   std::size_t hidden = 0;
   for (const CellBox& cell : scene.cells) {
     const std::size_t drawn_without = none.build(cell).drawn_triangles;
     const CellCut& cut = hull.build(cell);
     EXPECT_LE(cut.error_px, options.tolerance_px);
     EXPECT_LE(cut.drawn_triangles, drawn_without);
-    const test::CellSight sight = test::look_from(cell, objects, options, cut, 41, 64, random);
+    const tool::CellSight sight = tool::look_from(cell, full, objects, options, cut.objects, {41, 64, seed++});
     EXPECT_EQ(sight.missing, 0U);
     EXPECT_GT(sight.pixels, 1000U);
     hidden += cut.stats.queries_hidden;
@@ -101,13 +102,14 @@ TEST(CellPromise, HoldsForPlacedObjects) {
                                   {&sheet, glm::translate(glm::dmat4(1.0), {0, 0, 2}), true},
                                   {&ball, glm::translate(glm::dmat4(1.0), {0, 0, 4})}};
   const CellOccluders occluders(objects, 0.03);
-  const CellOptions options{.eyes = test::cube_eyes(128, 0.01)};
+  const CellOptions options{.eyes = tool::cube_eyes(128, 0.01)};
   CellBuilder builder(objects, &occluders, options);
-  test::RandomShapes random(17);
+  const tool::FullScene full(objects);
+  std::uint64_t seed = 17;
   for (const glm::dvec3 center : {glm::dvec3(0, 0, -1.5), glm::dvec3(0, 0, 1.5), glm::dvec3(3, 0, 2)}) {
     const CellBox cell = around(center, glm::dvec3(0.1));
     const CellCut& cut = builder.build(cell);
-    EXPECT_EQ(test::look_from(cell, objects, options, cut, 20, 64, random).missing, 0U);
+    EXPECT_EQ(tool::look_from(cell, full, objects, options, cut.objects, {20, 64, seed++}).missing, 0U);
     EXPECT_GT(cut.stats.queries_hidden, 0U);
   }
 }
@@ -130,11 +132,11 @@ std::size_t missing_beside_a_wall(const CellRefinement::Without& without) {
   const Hierarchy wall = build_hierarchy(mesh);
   const RefineObject objects[] = {{&sheet, glm::dmat4(1.0), true}, {&wall, glm::dmat4(1.0), true}};
   const CellSurface surface(objects, 0.0, {});
-  const CellOptions options{.eyes = test::cube_eyes(128, 0.01), .tolerance_px = 14.0};
+  const CellOptions options{.eyes = tool::cube_eyes(128, 0.01), .tolerance_px = 14.0};
   const CellBox cell = around({0.1, -8.0, 0}, glm::dvec3(0.02));  // sees what is beyond x = 0.2 there
   CellRefinement refinement(objects, &surface, options, without);
-  test::RandomShapes random(1);
-  return test::look_from(cell, objects, options, refinement.build(cell), 2, 64, random).missing;
+  return tool::look_from(cell, tool::FullScene(objects), objects, options, refinement.build(cell).objects, {2, 64, 1})
+      .missing;
 }
 
 TEST(CellPromise, HoldsBesideAWall) { EXPECT_EQ(missing_beside_a_wall({}), 0U); }
@@ -148,11 +150,11 @@ std::size_t missing_behind_a_clipped_wall(const CellRefinement::Without& without
   const Hierarchy wall = build_hierarchy(mesh);
   const RefineObject objects[] = {{.hierarchy = &ball}, {.hierarchy = &wall}};
   const CellSurface surface(objects, 0.0, {});
-  const CellOptions options{.eyes = test::cube_eyes(128, 0.2)};
+  const CellOptions options{.eyes = tool::cube_eyes(128, 0.2)};
   const CellBox cell{{-0.05, -0.05, 2.2}, {0.05, 0.05, 2.4}};
   CellRefinement refinement(objects, &surface, options, without);
-  test::RandomShapes random(1);
-  return test::look_from(cell, objects, options, refinement.build(cell), 10, 64, random).missing;
+  return tool::look_from(cell, tool::FullScene(objects), objects, options, refinement.build(cell).objects, {10, 64, 1})
+      .missing;
 }
 
 TEST(CellPromise, HoldsBehindWhatIsClipped) { EXPECT_EQ(missing_behind_a_clipped_wall({}), 0U); }

@@ -2,13 +2,14 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
+#include "full_scene.h"
 #include "occlod/viewcells/cell_builder.h"
-#include "oracle/random_shapes.h"
 
-namespace occlod::test {
+namespace occlod::tool {
 
 // Pixels of square images to all six sides of some eyes.
 struct CellSight {
@@ -18,18 +19,25 @@ struct CellSight {
                             // the tolerance of what they show
 };
 
-// Eyes: the corners of the cell, its middle, and `random_eyes` more of it. `image_size`: pixels along each side; the
-// focal length of `options` decides how large a pixel of the tolerance is.
-[[nodiscard]] CellSight look_from(const CellBox& cell, std::span<const RefineObject> objects,
-                                  const CellOptions& options, const CellCut& cut, int random_eyes, int image_size,
-                                  RandomShapes& random);
+// Which eyes of a cell look: its corners, its middle, and some more of it.
+struct CellEyes {
+  int random = 0;          // so many more
+  int image_size = 256;    // pixels along each side; the focal length of options decides how large a pixel of the
+                           // tolerance is
+  std::uint64_t seed = 1;  // of the random ones
+};
+
+// Compares with the full scene, which is made of the same objects and outlives the call. A pixel beyond the corners of
+// the images that the options are for counts as if it were in such a corner.
+[[nodiscard]] CellSight look_from(const CellBox& cell, const FullScene& scene, std::span<const RefineObject> objects,
+                                  const CellOptions& options, std::span<const CellObjectCut> cut, const CellEyes& eyes);
 
 // Triangles of those to draw that own a pixel of any such eye: fewer would do only where nothing is seen between eyes
 // and pixels.
 [[nodiscard]] std::size_t count_seen(const CellBox& cell, std::span<const RefineObject> objects, double near,
-                                     const CellCut& cut, int random_eyes, int image_size, RandomShapes& random);
+                                     std::span<const CellObjectCut> cut, const CellEyes& eyes);
 
 // That sees a quarter of a turn, of so many pixels along each side.
 [[nodiscard]] EyeModel cube_eyes(double image_size, double near);
 
-}  // namespace occlod::test
+}  // namespace occlod::tool

@@ -1,0 +1,50 @@
+// The full meshes of placed objects, of any size, drawn to see which triangle owns each pixel.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "occlod/raster/item_buffer.h"
+#include "occlod/refine/refiner.h"
+#include "occlod/view/view.h"
+
+namespace occlod::tool {
+
+// Immutable; any number of threads may draw it, each into its own buffer. Triangles are kept in chunks of neighbours:
+// what is outside the frustum, or behind what is drawn already, is not drawn.
+class FullScene {
+ public:
+  // Hierarchies outlive it. Throws Error for 2^32 triangles or more. O(n log n), the same mesh only once.
+  explicit FullScene(std::span<const RefineObject> objects);
+  ~FullScene();
+  FullScene(const FullScene&) = delete;
+  FullScene& operator=(const FullScene&) = delete;
+
+  struct Item {
+    std::size_t object = 0;
+    Triangle triangle{0};  // ids of its hierarchy's vertices
+  };
+
+  // Resets the buffer to the size of a perspective view and draws. As draw_items() of all triangles in some order.
+  void draw(ItemBuffer& target, const View& view) const;
+  // What an item that owns a pixel is.
+  [[nodiscard]] Item item(std::uint32_t item) const;
+
+ private:
+  struct Mesh;
+  struct Chunk;
+  struct PlacedMesh {
+    std::shared_ptr<const Mesh> mesh;
+    RefineObject object;
+    std::uint32_t first_item = 0;
+  };
+  void find_chunks(const View& view, std::vector<Chunk>& chunks) const;
+
+  std::vector<PlacedMesh> meshes_;
+};
+
+}  // namespace occlod::tool
