@@ -7,7 +7,6 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <map>
-#include <ranges>
 #include <set>
 #include <thread>
 #include <utility>
@@ -169,7 +168,9 @@ class CellWalker::Work {
     frame_.outside = frame_.cell == no_id;
     if (frame_.outside) frame_.cell = tree.nearest_leaf(eye);
     frame_.crossed = before != no_id && before != frame_.cell;
-    if (frame_.cell != before) tree.path_to(frame_.cell, path_);
+    if (frame_.cell == before) return;
+    tree.path_to(frame_.cell, path_);
+    std::ranges::reverse(path_);
   }
 
   // Whether it may be asked for now. `forever`: set when it never may again.
@@ -189,7 +190,7 @@ class CellWalker::Work {
   void choose_target() {
     frame_.missing = false;
     target_ = 0;
-    for (auto at = path_.rbegin(); at != path_.rend() && *at != 0; ++at) {
+    for (auto at = path_.begin(); at != path_.end() && *at != 0; ++at) {
       bool forever = false;
       const std::size_t needed = needed_for(*at);
       if (needed > options_.memory) {
@@ -223,13 +224,13 @@ class CellWalker::Work {
     kept_.clear();
     wanted_.clear();
     left_ = options_.memory - std::min(options_.memory, residents_.bytes_of(0) + loads_.addition_bytes());
-    for (const CellId node : std::views::reverse(path_))
+    for (const CellId node : path_)
       if (node == target_ || (residents_.find(node) && kept_.size() < 2)) consider(node);
     if (options_.prefetch) {
       const double horizon = std::clamp(loads_ahead * waited_, shortest_horizon, longest_horizon);
       for (const ExpectedCell& cell : forecast_.expect(frame_.cell, eye, motion_.velocity(), horizon, most_expected))
         if (can_load(cell.leaf) && !consider(cell.leaf)) break;
-      for (const CellId node : std::views::reverse(path_))
+      for (const CellId node : path_)
         if (can_load(node) && !consider(node)) break;
     }
     std::size_t coming = 0;
@@ -255,7 +256,7 @@ class CellWalker::Work {
 
   void show() {
     std::shared_ptr<const CellMesh> mesh;
-    for (auto at = path_.rbegin(); !mesh; ++at) {
+    for (auto at = path_.begin(); !mesh; ++at) {
       mesh = residents_.find(*at);
       frame_.shown = *at;
     }
@@ -284,7 +285,7 @@ class CellWalker::Work {
   std::map<CellId, double> wanted_since_;
   std::map<CellId, Failure> failures_;  // by what could not be read
   std::set<CellId> told_too_large_;
-  std::vector<CellId> path_;  // to the cell of the eye
+  std::vector<CellId> path_;  // from the cell of the eye up
   std::vector<CellId> target_path_;
   CellId target_ = 0;                  // the node of it that is to be drawn
   std::vector<CellId> kept_, wanted_;  // the most urgent first
