@@ -155,6 +155,8 @@ void add_cells(CLI::App& app) {
   add_cells_build(command);
   add_cells_merge(command);
   add_cells_info(command);
+  add_cells_check(command);
+  add_cells_walk(command);
   command.footer(
       "For example:\n"
       "  occlod cells build city.json -o city.vlod\n"

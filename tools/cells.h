@@ -18,8 +18,10 @@ class App;
 namespace occlod::tool {
 
 void add_cells_build(CLI::App& cells);
+void add_cells_check(CLI::App& cells);
 void add_cells_info(CLI::App& cells);
 void add_cells_merge(CLI::App& cells);
+void add_cells_walk(CLI::App& cells);
 
 // The objects of a scene, or of a file of one object, ready for cells.
 struct CellScene {

@@ -1,0 +1,109 @@
+#include "cell_walk.h"
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <utility>
+
+#include "occlod/picture/compare.h"
+#include "stopwatch.h"
+
+namespace occlod::tool {
+namespace {
+
+double thread_cpu_ms() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
+}
+
+}  // namespace
+
+CameraPath at_speed(const CameraPath& path, double speed) {
+  CameraPath result = path;
+  const double frames = std::round((path.frames - 1) / speed) + 1.0;
+  const double least = path.jump ? static_cast<double>(path.keys.size()) : 2.0;
+  if (path.keys.size() > 1) result.frames = static_cast<int>(std::clamp(frames, least, 1e6));
+  return result;
+}
+
+CellWalk::CellWalk(std::shared_ptr<const VlodFile> file, std::span<const RefineObject> objects,
+                   const CellWalkOptions& options)
+    : file_(std::move(file)), objects_(objects.begin(), objects.end()) {
+  WalkOptions walk;
+  walk.memory = options.memory;
+  walk.prefetch = options.prefetch;
+  walk.loaders = 0;
+  walk.note = options.note;
+  if (options.disk)
+    walk.reader =
+        throttled([this](CellId cell, std::span<const CellAdditions* const> above) { return file_->read(cell, above); },
+                  *file_, *options.disk, [this](double seconds) { disk_clock_ += seconds; });
+  walker_.emplace(file_, objects_, walk);
+  loader_.emplace(*walker_);
+  takes_time_ = options.disk.has_value();
+  disk_clock_ = 0.0;  // what the walker has read to begin with was before the walk
+}
+
+void CellWalk::run_loads() {
+  now_ += walk_frame_seconds;
+  while (disk_clock_ <= now_ || !takes_time_) {
+    if (under_way_) loader_->finish();
+    disk_clock_ = std::max(disk_clock_, now_ - walk_frame_seconds);
+    const double start = thread_cpu_ms();
+    under_way_ = loader_->begin();
+    if (!under_way_) return;
+    const double ms = thread_cpu_ms() - start;
+    load_ms_ += ms;
+    disk_clock_ += 1e-3 * ms;
+  }
+}
+
+void CellWalk::stand(const Camera& camera, double seconds) {
+  for (double done = 0.0; done < seconds; done += walk_frame_seconds) {
+    walker_->step(camera.eye, walk_frame_seconds);
+    run_loads();
+  }
+}
+
+const CellWalkFrame& CellWalk::go_to(const Camera& camera) {
+  const View view(camera);
+  double start = thread_cpu_ms();
+  const WalkedFrame& walked = walker_->step(camera.eye, walk_frame_seconds);
+  const double stepped = thread_cpu_ms();
+  ranges_in_view(walked, objects_, view, ranges_);
+  const double culled = thread_cpu_ms();
+  drawn_.clear();
+  std::size_t triangles = 0;
+  for (const DrawRange& range : ranges_) {
+    const RefineObject& object = objects_[range.object];
+    drawn_.push_back({object.hierarchy->positions(), object.hierarchy->data().colors,
+                      walked.objects[range.object].triangles.subspan(range.first, range.count),
+                      object.object_to_world});
+    triangles += range.count;
+  }
+  const Stopwatch drawing;
+  draw_items(items_, drawn_, view);
+  frame_ = {camera,
+            walked,
+            triangles,
+            stepped - start,
+            culled - stepped,
+            drawing.milliseconds(),
+            std::exchange(load_ms_, 0.0)};
+  frame_.walked.objects.clear();
+  run_loads();
+  return frame_;
+}
+
+void WalkReference::set_view(const View& view) { full_.draw(items_, view); }
+
+WalkReference::Distance WalkReference::compare(const View& view, const DepthBuffer& depth, double allowed_px) const {
+  const Image blank{
+      view.width(), view.height(),
+      std::vector<glm::u8vec4>(static_cast<std::size_t>(view.width()) * static_cast<std::size_t>(view.height()))};
+  return {count_unexplained_pixels(view, items_.depth, depth, allowed_px),
+          compare_pictures(view, depth, blank, items_.depth, blank).depth_rms_px};
+}
+
+}  // namespace occlod::tool

@@ -1,0 +1,99 @@
+// A walk through view cells along a camera path, frame by frame, with a disk that is simulated.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "full_scene.h"
+#include "occlod/picture/picture.h"
+#include "occlod/raster/item_buffer.h"
+#include "occlod/refine/refiner.h"
+#include "occlod/scene/scene.h"
+#include "occlod/view/view.h"
+#include "occlod/viewcells/cell_walker.h"
+
+namespace occlod::tool {
+
+inline constexpr double walk_frame_seconds = 1.0 / 60.0;  // from one frame of a path to the next
+
+struct CellWalkOptions {
+  std::size_t memory = WalkOptions().memory;
+  bool prefetch = true;
+  // Loads take what this disk takes and the processor time that they need, of time that passes from frame to frame.
+  // None: a disk that takes no time.
+  std::optional<DiskSpeed> disk;
+  double speed = 1.0;  // of the path's own, > 0
+  std::function<void(const std::string& line)> note = {};
+};
+
+// What a frame took and shows. Times are of this thread's processor, but for drawing.
+struct CellWalkFrame {
+  Camera camera;
+  WalkedFrame walked;              // without objects
+  std::size_t view_triangles = 0;  // drawn: of the cell, in blocks that may be in the frustum
+  double step_ms = 0.0;            // CellWalker::step()
+  double cull_ms = 0.0;            // ranges_in_view()
+  double draw_ms = 0.0;            // draw_items(), wall time
+  double load_ms = 0.0;            // of loads that ended since the frame before
+};
+
+// The same path for everybody: key by key, at another speed.
+[[nodiscard]] CameraPath at_speed(const CameraPath& path, double speed);
+
+class CellWalk {
+ public:
+  // Objects and file outlive it.
+  CellWalk(std::shared_ptr<const VlodFile> file, std::span<const RefineObject> objects, const CellWalkOptions& options);
+
+  // Goes on by one frame: step, cull, draw; then loads run for as long as a frame lasts.
+  const CellWalkFrame& go_to(const Camera& camera);
+  // Steps without drawing, `seconds` long.
+  void stand(const Camera& camera, double seconds);
+
+  // What the last frame has drawn.
+  [[nodiscard]] const ItemBuffer& items() const { return items_; }
+  [[nodiscard]] std::span<const DrawObject> drawn() const { return drawn_; }
+
+ private:
+  void run_loads();
+
+  std::shared_ptr<const VlodFile> file_;
+  std::vector<RefineObject> objects_;
+  bool takes_time_ = false;              // loading
+  double disk_clock_ = 0.0, now_ = 0.0;  // seconds: when the disk is done with what it does, and of the walk
+  double load_ms_ = 0.0;                 // since the last frame
+  bool under_way_ = false;
+  std::optional<CellWalker> walker_;
+  std::optional<CellLoader> loader_;
+  std::vector<DrawRange> ranges_;
+  std::vector<DrawObject> drawn_;
+  ItemBuffer items_;
+  CellWalkFrame frame_;
+};
+
+// How far a picture is from that of the full mesh, which it draws itself.
+class WalkReference {
+ public:
+  explicit WalkReference(std::span<const RefineObject> objects) : full_(objects) {}
+
+  struct Distance {
+    std::size_t unexplained_px = 0;  // see count_unexplained_pixels()
+    double depth_rms_px = 0.0;       // see PictureDistance
+  };
+  void set_view(const View& view);
+  // `allowed_px`: how far anything may be.
+  [[nodiscard]] Distance compare(const View& view, const DepthBuffer& depth, double allowed_px) const;
+  [[nodiscard]] const FullScene& full() const { return full_; }
+
+ private:
+  FullScene full_;
+  ItemBuffer items_;
+};
+
+}  // namespace occlod::tool

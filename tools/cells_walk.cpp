@@ -1,0 +1,260 @@
+// occlod cells walk FILE.vlod SCENE --path NAME
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cell_walk.h"
+#include "cells.h"
+#include "chosen_views.h"
+#include "command_files.h"
+#include "core/median.h"
+#include "occlod/core/error.h"
+#include "occlod/occlusion/software_occlusion.h"
+#include "option_values.h"
+#include "standard_streams.h"
+
+namespace occlod::tool {
+namespace {
+
+constexpr double least_speed = 1e-3, most_speed = 1e6;
+constexpr std::size_t most_refined = 1'000'000;  // triangles by refinement, where the tolerance needs more
+constexpr std::uint64_t most_every = 1'000'000;
+
+struct Options {
+  std::filesystem::path file, scene, png;
+  ViewOptions view;
+  CellWalkOptions walk;
+  bool reference = false;
+  std::uint64_t every = 1;
+  bool use_cache = true;
+  bool json = false;
+};
+
+DiskSpeed parse_disk(const std::string& text) {
+  const auto numbers = numbers_in(text, 2);
+  if (!numbers || !((*numbers)[0] > 0.0) || !((*numbers)[1] >= 0.0))
+    throw CLI::ValidationError(
+        "--throttle",
+        fmt::format("{} is not MB/S,MS: megabytes a second above 0, and milliseconds a read of at least 0",
+                    shown(text)));
+  return {1e6 * (*numbers)[0], 1e-3 * (*numbers)[1]};
+}
+
+// Compares with the full mesh, and with refinement to the same tolerance.
+class Comparison {
+ public:
+  Comparison(std::span<const RefineObject> objects, double tolerance_px)
+      : objects_(objects), reference_(objects), refiner_(objects), visibility_(make_software_occlusion()) {
+    options_.tolerance_px = tolerance_px;
+  }
+
+  // So that the next one has a frame before it.
+  void follow(const View& view) { static_cast<void>(refiner_.update(view, options_, *visibility_)); }
+
+  [[nodiscard]] Json compare(const View& view, const ItemBuffer& items, double error_px) {
+    reference_.set_view(view);
+    const auto walked = reference_.compare(view, items.depth, error_px);
+    const Refinement& refined = refiner_.update(view, options_, *visibility_);
+    std::vector<DrawObject> drawn;
+    for (std::size_t i = 0; i < objects_.size(); ++i)
+      drawn.push_back(
+          {objects_[i].hierarchy->positions(), {}, refined.objects[i].triangles, objects_[i].object_to_world});
+    draw_items(items_, drawn, view);
+    const auto by_refiner = reference_.compare(view, items_.depth, options_.tolerance_px);
+    return {{"unexplained_px", walked.unexplained_px},
+            {"depth_rms_px", walked.depth_rms_px},
+            {"update",
+             {{"triangles", refined.stats.triangles},
+              {"refine_ms", refined.stats.refine_ms},
+              {"occlusion_ms", refined.stats.occlusion_ms},
+              {"unexplained_px", by_refiner.unexplained_px},
+              {"depth_rms_px", by_refiner.depth_rms_px}}}};
+  }
+
+ private:
+  std::span<const RefineObject> objects_;
+  WalkReference reference_;
+  Refiner refiner_;
+  std::unique_ptr<Visibility> visibility_;
+  RefineOptions options_{.budget = most_refined};
+  ItemBuffer items_;
+};
+
+Json to_json(int number, const CellWalkFrame& frame) {
+  const WalkedFrame& walked = frame.walked;
+  return {{"frame", number},
+          {"cell", walked.cell},
+          {"shown", walked.shown},
+          {"outside", walked.outside},
+          {"crossed", walked.crossed},
+          {"changed", walked.changed},
+          {"late", walked.late},
+          {"missing", walked.missing},
+          {"error_px", walked.error_px},
+          {"triangles", walked.drawn_triangles},
+          {"drawn_triangles", frame.view_triangles},
+          {"loads", walked.loads},
+          {"bytes_read", walked.bytes_read},
+          {"resident_bytes", walked.resident_bytes},
+          {"step_ms", frame.step_ms},
+          {"cull_ms", frame.cull_ms},
+          {"draw_ms", frame.draw_ms},
+          {"load_ms", frame.load_ms}};
+}
+
+void print_header() {
+  fmt::print("{:>6} {:>7} {:>7} {:>5} {:>9} {:>9} {:>9} {:>10} {:>10} {:>8} {:>8} {:>8}\n", "frame", "cell", "shown",
+             "late", "error px", "triangles", "drawn", "read", "resident", "step ms", "cull ms", "draw ms");
+}
+
+void print_row(const Json& frame) {
+  fmt::print("{:>6} {:>7} {:>7} {:>5} {:>9.3g} {:>9} {:>9} {:>10} {:>10} {:>8.3f} {:>8.3f} {:>8.2f}\n",
+             frame["frame"].get<int>(), frame["cell"].get<CellId>(), frame["shown"].get<CellId>(),
+             frame["missing"].get<bool>() ? "never"
+             : frame["late"].get<bool>()  ? "late"
+                                          : "",
+             frame["error_px"].get<double>(), frame["triangles"].get<std::size_t>(),
+             frame["drawn_triangles"].get<std::size_t>(), frame["bytes_read"].get<std::uint64_t>(),
+             frame["resident_bytes"].get<std::size_t>(), frame["step_ms"].get<double>(), frame["cull_ms"].get<double>(),
+             frame["draw_ms"].get<double>());
+}
+
+std::size_t count_of(const Json& frames, const char* key) {
+  return static_cast<std::size_t>(
+      std::count_if(frames.begin(), frames.end(), [&](const Json& frame) { return frame[key].get<bool>(); }));
+}
+
+double median_of(const Json& frames, const char* key) {
+  std::vector<double> values;
+  for (const Json& frame : frames) values.push_back(frame[key].get<double>());
+  return median(values);
+}
+
+double largest_of(const Json& frames, const char* key) {
+  double largest = 0.0;
+  for (const Json& frame : frames) largest = std::max(largest, frame[key].get<double>());
+  return largest;
+}
+
+Json summary_of(const Json& frames) {
+  std::uint64_t bytes = 0, unexplained = 0, compared = 0;
+  for (const Json& frame : frames) {
+    bytes += frame["bytes_read"].get<std::uint64_t>();
+    if (!frame.contains("unexplained_px")) continue;
+    ++compared;
+    unexplained += frame["unexplained_px"].get<std::uint64_t>();
+  }
+  Json summary = {{"frames", frames.size()},
+                  {"crossings", count_of(frames, "crossed")},
+                  {"late", count_of(frames, "late")},
+                  {"missing", count_of(frames, "missing")},
+                  {"outside", count_of(frames, "outside")},
+                  {"error_px_max", largest_of(frames, "error_px")},
+                  {"triangles_median", median_of(frames, "triangles")},
+                  {"drawn_triangles_median", median_of(frames, "drawn_triangles")},
+                  {"drawn_triangles_max", largest_of(frames, "drawn_triangles")},
+                  {"bytes_read", bytes},
+                  {"resident_bytes_max", largest_of(frames, "resident_bytes")},
+                  {"step_ms_median", median_of(frames, "step_ms")},
+                  {"step_ms_max", largest_of(frames, "step_ms")},
+                  {"draw_ms_median", median_of(frames, "draw_ms")}};
+  if (compared > 0) {
+    summary["frames_compared"] = compared;
+    summary["unexplained_px"] = unexplained;
+  }
+  return summary;
+}
+
+CameraPath walked_path(const Options& options, const SceneDescription& scene) {
+  const CameraPath path = at_speed(chosen_path(scene, options.view), options.walk.speed);
+  for (int i = 0; i < path.frames; ++i)
+    if (View(camera_at(path, i)).is_orthographic())
+      throw Error({options.scene.string(), "/paths/" + options.view.path, "has no eye in an orthographic frame",
+                   "name a path in perspective"});
+  return path;
+}
+
+void run(Options options) {
+  const SceneDescription description = describe_file(options.scene);
+  CommandFiles files;
+  files.add_input("the cells", options.file);
+  files.add_input("the scene", options.scene);
+  if (!options.png.empty()) files.add_output("--png", options.png);
+  const CameraPath path = walked_path(options, description);
+  static_cast<void>(open_vlod(options.file));  // before the scene, which takes longer
+  const CellScene scene = load_cell_scene(description, options.scene, options.use_cache);
+  const auto file = open_vlod(options.file, scene.objects, scene.names);
+  options.walk.note = [](const std::string& line) { print_note(line); };
+  CellWalk walk(file, scene.objects, options.walk);
+  std::optional<Comparison> comparison;
+  if (options.reference) comparison.emplace(scene.objects, file->options().cell.tolerance_px);
+  const auto every = static_cast<int>(options.every);
+  Json frames = Json::array();
+  if (!options.json) print_header();
+  for (int i = 0; i < path.frames; ++i) {
+    const CellWalkFrame& frame = walk.go_to(camera_at(path, i));
+    frames.push_back(to_json(i, frame));
+    const View view(frame.camera);
+    if (comparison && i % every == 0)
+      frames.back().update(
+          comparison->compare(view, walk.items(), std::max(file->options().cell.tolerance_px, frame.walked.error_px)));
+    else if (comparison && i % every == every - 1)
+      comparison->follow(view);
+    if (!options.json) print_row(frames.back());
+  }
+  if (!options.png.empty())
+    write_png(options.png, shade(walk.items(), walk.drawn(), View(camera_at(path, path.frames - 1))));
+  Json result = {{"file", options.file.string()},
+                 {"scene", options.scene.string()},
+                 {"path", options.view.path},
+                 {"cells", file->tree().leaf_count()}};
+  result.update(summary_of(frames));
+  if (options.json) {
+    result["frame"] = std::move(frames);
+    print_json(result);
+  } else {
+    fmt::print("\n");
+    print_lines(result);
+  }
+}
+
+}  // namespace
+
+void add_cells_walk(CLI::App& cells) {
+  CLI::App& command = *cells.add_subcommand("walk", "Walk along a camera path, and tell of each frame");
+  const auto options = std::make_shared<Options>();
+  add_file(command, "FILE", options->file, "Cells to walk through, .vlod")->required();
+  add_file(command, "SCENE", options->scene, "Scene (.json) that they were built of")->required();
+  add_name(command, "--path", options->view.path, "Camera path of the scene; a frame is a sixtieth of a second")
+      ->required();
+  add_size_options(command, options->view);
+  add_number(command, "--memory", options->walk.memory, WholeRange{1}, "Bytes for cells in memory")
+      ->capture_default_str();
+  command
+      .add_option_function<std::string>(
+          "--throttle", [options](const std::string& text) { options->walk.disk = parse_disk(text); },
+          "Simulate a disk of so many megabytes a second and milliseconds a read; else reading takes no time")
+      ->type_name("MB/S,MS");
+  add_number(command, "--speed", options->walk.speed, RealRange{least_speed, most_speed}, "Go so many times as fast")
+      ->capture_default_str();
+  command.add_flag_callback(
+      "--no-prefetch", [options] { options->walk.prefetch = false; }, "Load cells only when the eye is in them");
+  command.add_flag("--reference", options->reference,
+                   "Compare frames with the full mesh, and with refinement from frame to frame to the same tolerance");
+  add_number(command, "--every", options->every, WholeRange{1, most_every}, "With --reference: every N-th frame")
+      ->capture_default_str();
+  add_file(command, "--png", options->png, "Picture of the last frame to write");
+  command.add_flag_callback(
+      "--no-cache", [options] { options->use_cache = false; },
+      "Build the hierarchies of the scene again, and do not keep them for the next time");
+  command.add_flag("--json", options->json, "Print the result as one JSON object");
+  command.callback([options] { run(*options); });
+}
+
+}  // namespace occlod::tool
