@@ -59,11 +59,15 @@ void CellWalk::run_loads() {
   }
 }
 
+const WalkedFrame& CellWalk::step_to(const Camera& camera) {
+  stepped_ = walker_->step(camera.eye, walk_frame_seconds);
+  stepped_.objects.clear();
+  run_loads();
+  return stepped_;
+}
+
 void CellWalk::stand(const Camera& camera, double seconds) {
-  for (double done = 0.0; done < seconds; done += walk_frame_seconds) {
-    walker_->step(camera.eye, walk_frame_seconds);
-    run_loads();
-  }
+  for (double done = 0.0; done < seconds; done += walk_frame_seconds) step_to(camera);
 }
 
 const CellWalkFrame& CellWalk::go_to(const Camera& camera) {

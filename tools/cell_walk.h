@@ -53,7 +53,9 @@ class CellWalk {
 
   // Goes on by one frame: step, cull, draw; then loads run for as long as a frame lasts.
   const CellWalkFrame& go_to(const Camera& camera);
-  // Steps without drawing, `seconds` long.
+  // The same without drawing.
+  const WalkedFrame& step_to(const Camera& camera);
+  // Frames without drawing that last for so many seconds.
   void stand(const Camera& camera, double seconds);
 
   // What the last frame has drawn.
@@ -75,6 +77,7 @@ class CellWalk {
   std::vector<DrawObject> drawn_;
   ItemBuffer items_;
   CellWalkFrame frame_;
+  WalkedFrame stepped_;  // without objects
 };
 
 // How far a picture is from that of the full mesh, which it draws itself.

@@ -171,6 +171,18 @@ void FullScene::draw(ItemBuffer& target, const View& view) const {
   }
 }
 
+std::size_t FullScene::triangle_count() const noexcept {
+  return meshes_.empty() ? 0 : meshes_.back().first_item + meshes_.back().mesh->triangles.size();
+}
+
+std::size_t FullScene::triangles_in_view(const View& view) const {
+  std::vector<Chunk> chunks;
+  find_chunks(view, chunks);
+  std::size_t triangles = 0;
+  for (const Chunk& chunk : chunks) triangles += meshes_[chunk.mesh].mesh->parts[chunk.part].count;
+  return triangles;
+}
+
 FullScene::Item FullScene::item(std::uint32_t item) const {
   const auto after = std::upper_bound(meshes_.begin() + 1, meshes_.end(), item,
                                       [](std::uint32_t i, const PlacedMesh& mesh) { return i < mesh.first_item; });

@@ -31,6 +31,10 @@ class FullScene {
 
   // Resets the buffer to the size of a perspective view and draws. As draw_items() of all triangles in some order.
   void draw(ItemBuffer& target, const View& view) const;
+  // Of all objects.
+  [[nodiscard]] std::size_t triangle_count() const noexcept;
+  // In chunks that may be inside the frustum of a perspective view.
+  [[nodiscard]] std::size_t triangles_in_view(const View& view) const;
   // What an item that owns a pixel is.
   [[nodiscard]] Item item(std::uint32_t item) const;
 
