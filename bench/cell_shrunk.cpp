@@ -7,10 +7,10 @@
 #include <numeric>
 #include <vector>
 
+#include "cell_sight.h"
 #include "occlod/hierarchy/build.h"
 #include "occlod/mesh/generate.h"
 #include "occlod/viewcells/cell_builder.h"
-#include "oracle/cell_oracle.h"
 #include "support/cpu_clock.h"
 #include "viewcells/cell_geometry.h"
 #include "viewcells/paper/cull_map.h"
@@ -91,7 +91,7 @@ std::vector<CellBox> grown_boxes(const Hierarchy& hierarchy, const CellBox& cell
 
 void run(const Scene& scene, const CellOccluders& occluders, const Place& place, double edge) {
   const RefineObject objects[] = {{.hierarchy = &scene.hierarchy}};
-  const CellOptions options{.eyes = test::cube_eyes(image_size, near)};
+  const CellOptions options{.eyes = tool::cube_eyes(image_size, near)};
   const glm::dvec3 half = 0.5 * glm::dvec3(edge, edge, place.height > 0.0 ? place.height : edge);
   const CellBox cell{place.middle - half, place.middle + half};
   CellBuilder without(objects, nullptr, options), with(objects, &occluders, options);

@@ -5,10 +5,10 @@
 #include <iterator>
 #include <utility>
 
+#include "cell_sight.h"
 #include "occlod/hierarchy/build.h"
 #include "occlod/mesh/generate.h"
 #include "occlod/viewcells/cell_builder.h"
-#include "oracle/cell_oracle.h"
 
 namespace occlod::bench {
 namespace {
@@ -71,7 +71,7 @@ CellGrid build_grid(int side) {
   const Hierarchy city = build_hierarchy(generate_city({.blocks = 8, .facade_cells = 8}));
   const RefineObject objects[] = {{.hierarchy = &city}};
   const CellOccluders occluders(objects, 0.25);
-  CellBuilder builder(objects, &occluders, {.eyes = test::cube_eyes(1024, 0.1)});
+  CellBuilder builder(objects, &occluders, {.eyes = tool::cube_eyes(1024, 0.1)});
   CellGrid grid{side, {}, static_cast<std::uint32_t>(city.split_count())};
   const double corner = 3.0 * pitch - street / 2.0;
   for (int y = 0; y < side; ++y)

@@ -15,6 +15,7 @@ BUILD, CUT, COMPARE = ["build", "a.ply", "-o", "a.olod"], ["cut", "a.olod", "-o"
 REPAIR, VALIDATE, RENDER = ["repair", "a.ply", "-o", "b.ply"], ["validate", "a.olod"], ["render", "a.olod"]
 HLOD_BUILD, HLOD_VALIDATE = ["hlod", "build", "a.ply", "-o", "a.ohlod"], ["hlod", "validate", "a.ohlod"]
 HLOD_RENDER, HLOD_COMPARE = ["hlod", "render", "a.ohlod"], ["hlod", "compare", "a.ohlod"]
+CELLS_CHECK, CELLS_WALK = ["cells", "check", "a.vlod", "a.json"], ["cells", "walk", "a.vlod", "a.json", "--path", "p"]
 CELLS_BUILD, CELLS_INFO, CELLS_MERGE = ["cells", "build", "a.json", "-o", "a.vlod"], ["cells", "info", "a.vlod"], ["cells", "merge", "parts", "-o", "a.vlod"]
 FRAMES = ["render", "a.json", "--path", "p", "--frame-to-frame"]
 WHOLE = [
@@ -30,6 +31,12 @@ WHOLE = [
     (CELLS_BUILD, "--most-triangles", 0, LARGEST),
     (CELLS_BUILD, "--threads", 0, 1024),
     (CELLS_INFO, "--cell", 0, ELEMENTS),
+    (CELLS_CHECK, "--cells", 1, 10**6),
+    (CELLS_CHECK, "--eyes", 0, 10**6),
+    (CELLS_CHECK, "--image-size", 1, 8192),
+    (CELLS_CHECK, "--seed", 0, SEEDS),
+    (CELLS_WALK, "--memory", 1, SEEDS),
+    (CELLS_WALK, "--every", 1, 10**6),
     (RENDER, "--budget", 1, LARGEST),
     (RENDER, "--threads", 0, 1024),
     (RENDER, "--levels", 1, 1000),
@@ -49,6 +56,7 @@ REAL = [
     (CELLS_BUILD, "--root-cell", 1e-6, LARGEST),
     (CELLS_BUILD, "--smallest-cell", 1e-6, LARGEST),
     (CELLS_BUILD, "--occluder-error", 0, None),
+    (CELLS_WALK, "--speed", 1e-3, 10**6),
     (HLOD_RENDER, "--tolerance", 0, None),
     (HLOD_COMPARE, "--tolerance", 0, None),
     (RENDER, "--tolerance", 0, None),
@@ -123,7 +131,7 @@ class Options(ToolTest):
     def test_names_that_are_empty(self):
         for command, option in ((BUILD[:2], "--output"), (CUT[:2] + ["--triangles", 5], "--output"), (["generate", "city"], "--output"), (VALIDATE, "--input"),
                                 (HLOD_BUILD[:3], "--output"), (HLOD_VALIDATE, "--input"), (HLOD_COMPARE, "--csv"),
-                                (CELLS_BUILD[:3], "--output"), (CELLS_BUILD, "--work"), (CELLS_MERGE[:3], "--output"),
+                                (CELLS_BUILD[:3], "--output"), (CELLS_BUILD, "--work"), (CELLS_WALK[:4], "--path"), (CELLS_WALK, "--png"), (CELLS_MERGE[:3], "--output"),
                                 *((HLOD_RENDER, option) for option in ("--scene", "--camera", "--path", "--device", "--record", "--replay", "--png", "--boxes", "--csv")),
                                 *((RENDER, option) for option in ("--camera", "--path", "--png", "--birdseye", "--mesh", "--calibration", "--save-calibration"))):
             self.assert_refused(command, option, "")
@@ -158,7 +166,7 @@ class Options(ToolTest):
         rows = {(row[0][0], row[0][1] if row[0][0] in ("cells", "generate", "hlod") else "", row[1]) for row in self.rows(0) + self.rows(1)}
         commands = ["build", "cut", "info", "validate", "render", *(["compare", "repair"] if self.has_cgal() else [])]
         kinds = ["rough-planet", "city", "pipes", "plant", "spheres-behind-wall"]
-        hlod, cells = ["build", "info", "validate", "render", "compare"], ["build", "info", "merge"]
+        hlod, cells = ["build", "info", "validate", "render", "compare"], ["build", "check", "info", "merge", "walk"]
         for command, kind in [(command, "") for command in commands] + [("generate", kind) for kind in kinds] + [("hlod", kind) for kind in hlod] + [("cells", kind) for kind in cells]:
             text = self.succeed(*([command, kind] if kind else [command]), "--help")
             self.assertNotRegex(text, "INT|FLOAT|309")

@@ -1,0 +1,96 @@
+"""`occlod cells check` and `occlod cells walk` as people and scripts use them."""
+import json
+import unittest
+
+from tool_case import ToolTest
+
+CAMERA = {"target": [0, 0, 0], "up": [0, 0, 1], "near": 0.01, "far": 10, "width": 96, "height": 72}
+SCENE = {
+    "objects": [{"mesh": "planet.olod"}],
+    "cameras": {"default": {"eye": [2, 0, 0], **CAMERA}},
+    "paths": {"along": {"frames": 41, "keys": [{"eye": [2, -0.49, 0], **CAMERA}, {"eye": [2, 0.49, 0], **CAMERA}]},
+              "away": {"frames": 3, "keys": [{"eye": [2, 0, 0], **CAMERA}, {"eye": [9, 0, 0], **CAMERA}]},
+              "jumps": {"frames": 40, "jump": True, "keys": [{"eye": [1.6, y, 0.3], **CAMERA} for y in (-0.4, 0.4)]},
+              "flat": {"frames": 1, "keys": [{"eye": [2, 0, 0], "target": [0, 0, 0], "up": [0, 0, 1], "orthographic_height": 2}]}},
+    "cells": {"regions": [{"min": [1.5, -0.5, -0.5], "max": [2.5, 0.5, 0.5]}], "root_cell": 0.25, "smallest_cell": 0.125},
+}
+
+
+class Walk(ToolTest):
+    def setUp(self):
+        super().setUp()
+        self.make_hierarchy()
+        self.write_scene(json.dumps(SCENE))
+        self.json_of("cells", "build", "scene.json", "-o", "a.vlod", "--eyes", "96x72,60,0.01")
+
+    def walk(self, path, *options):
+        return self.json_of("cells", "walk", "a.vlod", "scene.json", "--path", path, *options)
+
+    def test_tells_of_each_frame(self):
+        walked = self.walk("along")
+        self.assert_has_keys(walked, "file scene path cells frames crossings late missing outside error_px_max triangles_median drawn_triangles_median drawn_triangles_max "
+                                     "bytes_read resident_bytes_max step_ms_median step_ms_max draw_ms_median frame")
+        self.assert_has_keys(walked["frame"][0], "frame cell shown outside crossed changed late missing error_px triangles drawn_triangles loads bytes_read resident_bytes "
+                                                 "step_ms cull_ms draw_ms load_ms")
+        # Cells are a quarter wide: from -0.49 to 0.49 there are four. At first nothing is loaded.
+        self.assertEqual((walked["frames"], walked["crossings"], walked["missing"], walked["outside"]), (41, 3, 0, 0))
+        self.assertEqual([frame["late"] for frame in walked["frame"]], [True] + [False] * 40)
+        for frame in walked["frame"]:
+            self.assertEqual(frame["late"], frame["cell"] != frame["shown"])
+            self.assertGreater(frame["drawn_triangles"], 0)
+            self.assertLessEqual(frame["drawn_triangles"], frame["triangles"])
+            if not frame["late"]:
+                self.assertLessEqual(frame["error_px"], 1)
+
+    def test_a_slow_disk_makes_frames_late(self):
+        self.assertEqual(self.walk("along", "--throttle", "100,5", "--speed", 0.1)["crossings"], 3)
+        late = [self.walk("along", *options)["late"] for options in (["--no-prefetch"], ["--throttle", "1,200"], ["--throttle", "1,200", "--speed", 0.05])]
+        self.assertEqual(late[0], 1 + 3, "the first frame and one for each crossing")
+        self.assertGreater(late[1], late[0])
+
+    def test_compares(self):
+        walked = self.walk("along", "--reference", "--every", 10)
+        compared = [frame for frame in walked["frame"] if "unexplained_px" in frame]
+        self.assertEqual([frame["frame"] for frame in compared], [0, 10, 20, 30, 40])
+        self.assertEqual(walked["frames_compared"], 5)
+        for frame in compared[1:]:
+            self.assertEqual((frame["unexplained_px"], frame["update"]["unexplained_px"]), (0, 0))
+            self.assertGreater(frame["update"]["triangles"], 0)
+
+    def test_memory_outside_and_jumps(self):
+        self.assertIn("needs", self.failure_of("cells", "walk", "a.vlod", "scene.json", "--path", "along", "--memory", 1))
+        some = self.walk("along", "--memory", 100_000)
+        self.assertLessEqual(some["resident_bytes_max"], 100_000)
+        self.assertGreater(self.walk("away")["outside"], 0)
+        self.assertEqual(self.walk("jumps")["late"], 2)
+        self.assertEqual(self.walk("along", "--speed", 2)["frames"], 21)
+        self.assertIn("orthographic", self.failure_of("cells", "walk", "a.vlod", "scene.json", "--path", "flat"))
+        self.assertIn("nowhere", self.failure_of("cells", "walk", "a.vlod", "scene.json", "--path", "nowhere"))
+        self.assertEqual(self.run_tool("cells", "walk", "a.vlod", "scene.json", "--path", "along", "--throttle", "0,5").returncode, 2)
+
+    def test_picture_and_table(self):
+        self.assertIn("crossings", self.succeed("cells", "walk", "a.vlod", "scene.json", "--path", "along", "--png", "last.png"))
+        self.assertTrue((self.folder / "last.png").read_bytes().startswith(b"\x89PNG"))
+
+    def test_check(self):
+        checked = self.json_of("cells", "check", "a.vlod", "scene.json", "--cells", 3, "--eyes", 4, "--image-size", 64, "--seed", 5)
+        self.assertEqual((checked["unexplained"], checked["cells_checked"], checked["eyes_a_cell"], checked["seed"]), (0, 3, 13, 5))
+        self.assertGreater(checked["pixels"], 1000)
+        self.assertEqual(len(checked["cells"]), 3)
+        again = self.json_of("cells", "check", "a.vlod", "scene.json", "--cells", 3, "--eyes", 4, "--image-size", 64, "--seed", 5)
+        self.assertEqual(checked["cells"], again["cells"])
+
+    def test_check_refuses_another_scene(self):
+        self.write_scene(json.dumps({**SCENE, "objects": [{"mesh": "planet.olod", "position": [0, 0, 1]}]}))
+        self.assertIn("has been moved", self.failure_of("cells", "check", "a.vlod", "scene.json"))
+        self.assertIn("has been moved", self.failure_of("cells", "walk", "a.vlod", "scene.json", "--path", "along"))
+
+    def test_check_refuses_damaged_cells(self):
+        data = bytearray((self.folder / "a.vlod").read_bytes())
+        data[-20] ^= 1
+        (self.folder / "a.vlod").write_bytes(data)
+        self.assertEqual(self.run_tool("cells", "check", "a.vlod", "scene.json", "--cells", 1000, "--eyes", 0, "--image-size", 8).returncode, 1)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=1)
