@@ -71,9 +71,10 @@ class CellBuild::Impl {
         key_(vlod::store(scene_).key),
         roots_(root_cells(options)) {}
 
-  [[nodiscard]] std::vector<CellSubtree> divide(const CellRange& range, const CellBuildRun& run);
+  [[nodiscard]] std::vector<PackedTree> divide(const CellRange& range, const CellBuildRun& run);
 
   [[nodiscard]] const vlod::Scene& scene() const noexcept { return scene_; }
+  [[nodiscard]] const vlod::GlobalIds& ids() const noexcept { return ids_; }
   [[nodiscard]] const vlod::Key& key() const noexcept { return key_; }
   [[nodiscard]] std::span<const RootCell> roots() const noexcept { return roots_; }
   [[nodiscard]] std::size_t cuts() const noexcept { return cuts_; }
@@ -88,16 +89,18 @@ class CellBuild::Impl {
   std::atomic<std::size_t> cuts_ = 0;
 };
 
-std::vector<CellSubtree> CellBuild::Impl::divide(const CellRange& range, const CellBuildRun& run) {
+std::vector<PackedTree> CellBuild::Impl::divide(const CellRange& range, const CellBuildRun& run) {
   OptionChecker("cell options").in_range("threads", run.threads, 0, 1024);
   if (run.progress && !run.progress(0.0)) throw Error({"cells", "", "the build was cancelled", ""});
   const CellTreeOptions& options = scene_.options;
   if (!occluders_) occluders_.emplace(objects_, options.occluder_motion.value_or(options.smallest_cell / 4.0));
-  std::vector<CellSubtree> trees(range.count);
+  std::vector<PackedTree> trees(range.count);
   SharedProgress progress(run, range.count);
   const auto divide = [&](CellDivider& divider, std::size_t i) {
     const std::size_t before = divider.cuts();
-    trees[i] = divider.divide(roots_[range.first + i].box, [&](double share) { progress.advance(share); });
+    CellSubtree tree = divider.divide(roots_[range.first + i].box, [&](double share) { progress.advance(share); });
+    set_levels(tree);
+    trees[i] = pack(std::move(tree));
     cuts_ += divider.cuts() - before;
   };
   const auto divide_or_fail = [&](CellDivider& divider, std::size_t i) {
@@ -151,8 +154,9 @@ void CellBuild::write_part(const std::filesystem::path& part, const CellRange& r
 }
 
 void CellBuild::write(const std::filesystem::path& path, const CellBuildRun& run) {
-  std::vector<CellSubtree> trees = impl_->divide({0, root_cell_count()}, run);
-  CellSubtree tree = join_roots(impl_->roots(), [&](std::size_t i) { return std::exchange(trees[i], {}); });
+  std::vector<PackedTree> trees = impl_->divide({0, root_cell_count()}, run);
+  CellSubtree tree =
+      join_roots(impl_->roots(), [&](std::size_t i) { return unpack(std::exchange(trees[i], {}), impl_->ids()); });
   finish(tree);
   write_vlod(path, impl_->scene(), tree);
 }

@@ -7,8 +7,6 @@
 #include <string>
 #include <utility>
 
-#include "viewcells/vlod_payload.h"
-
 namespace occlod::vlod {
 
 using namespace sections;
@@ -20,24 +18,19 @@ constexpr std::string_view range_name = "RANG", trees_name = "TREE";
 }  // namespace
 
 void write_part(const std::filesystem::path& path, const Scene& scene, const CellRange& range,
-                std::vector<CellSubtree> trees) {
+                std::span<const PackedTree> trees) {
   std::vector<PartTree> table;
   std::vector<CellNode> nodes;
   std::vector<std::byte> data;
   const auto append = [&](std::span<const std::byte> bytes) { data.insert(data.end(), bytes.begin(), bytes.end()); };
-  for (CellSubtree& tree : trees) {
-    set_levels(tree);
-    const Additions shared{tree.sets.splits, tree.sets.candidates, tree.sets.hidden};
-    const Additions used{tree.sets.used, {}, tree.sets.drawn};
-    const std::vector<std::byte> shared_bytes = encode(shared, {}), used_bytes = encode(used, {});
+  for (const PackedTree& packed : trees) {
+    const auto& [tree, sets] = packed;
     table.push_back({nodes.size(), tree.nodes.size(), data.size(), tree.payloads.size(),
-                     data.size() + tree.payloads.size(), shared_bytes.size(), used_bytes.size(), shared.splits.size(),
-                     shared.candidates.size(), shared.hidden.size(), used.splits.size(), used.hidden.size()});
+                     data.size() + tree.payloads.size(), sets.shared.size(), sets.used.size(), sets.counts});
     nodes.insert(nodes.end(), tree.nodes.begin(), tree.nodes.end());
     append(tree.payloads);
-    append(shared_bytes);
-    append(used_bytes);
-    tree = {};
+    append(sets.shared);
+    append(sets.used);
   }
   const StoredOptions options = store(scene);
   SectionWriter writer;
@@ -81,22 +74,11 @@ CellSubtree PartReader::tree(std::uint32_t root) const {
   const auto payloads = data_.subspan(it.payloads, it.payload_bytes);
   tree.payloads.assign(payloads.begin(), payloads.end());
 
-  const GlobalIds ids(scene_.objects, place);
-  const auto decoded = [&](std::uint64_t at, std::uint64_t bytes, const Expected& expected) {
-    std::string problem = "claims more than it can hold";
-    std::optional<Additions> sets;
-    const std::uint64_t most = bytes * most_ids_per_byte;
-    if (expected.splits <= most && expected.candidates <= most && expected.hidden <= most)
-      sets = decode(data_.subspan(at, bytes), expected, {}, problem);
-    if (!sets) reader_.refuse(place, problem);
-    return std::move(*sets);
-  };
-  Additions shared =
-      decoded(it.sets, it.shared_bytes, {ids.split_count(), ids.owner_count(), it.splits, it.candidates, it.hidden});
-  Additions used =
-      decoded(it.sets + it.shared_bytes, it.used_bytes, {ids.split_count(), ids.owner_count(), it.used, 0, it.drawn});
-  tree.sets = {std::move(shared.splits), std::move(used.splits), std::move(shared.candidates), std::move(shared.hidden),
-               std::move(used.hidden)};
+  std::string problem;
+  auto sets = unpack(data_.subspan(it.sets, it.shared_bytes), data_.subspan(it.sets + it.shared_bytes, it.used_bytes),
+                     it.counts, GlobalIds(scene_.objects, place), problem);
+  if (!sets) reader_.refuse(place, problem);
+  tree.sets = std::move(*sets);
   return tree;
 }
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "occlod/viewcells/build_cells.h"
-#include "viewcells/cell_subtree.h"
+#include "viewcells/packed_tree.h"
 #include "viewcells/vlod_format.h"
 
 namespace occlod::vlod {
@@ -21,7 +21,7 @@ inline constexpr sections::FileKind part_kind{{'V', 'P', 'R', 'T', '\r', '\n', '
 
 // `trees`: of the root cells of the range. Throws Error that names the file.
 void write_part(const std::filesystem::path& path, const Scene& scene, const CellRange& range,
-                std::vector<CellSubtree> trees);
+                std::span<const PackedTree> trees);
 
 // Where the tree of a root cell is.
 struct PartTree {
@@ -29,7 +29,7 @@ struct PartTree {
   std::uint64_t payloads = 0, payload_bytes = 0;  // in section DATA
   std::uint64_t sets = 0;                         // in section DATA: what all leaves share, then what some have
   std::uint64_t shared_bytes = 0, used_bytes = 0;
-  std::uint64_t splits = 0, candidates = 0, hidden = 0, used = 0, drawn = 0;  // elements of its sets
+  SetCounts counts;
 };
 static_assert(sizeof(PartTree) == 96);
 
