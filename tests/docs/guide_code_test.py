@@ -23,6 +23,7 @@ PREAMBLE = """#include <occlod/occlod.h>
 #include <occlod/traverse/traverser.h>
 #include <occlod/viewcells/build_cells.h>
 #include <occlod/viewcells/cell_builder.h>
+#include <occlod/viewcells/cell_walker.h>
 #include <occlod/viewcells/vlod_file.h>
 #include <glm/gtc/matrix_transform.hpp>
 #include <iostream>
