@@ -145,8 +145,15 @@ double sort_many(std::uint32_t count) {
 
 // Ours in whole bytes, with what says how long they are; the others without.
 struct Bits {
-  std::size_t ids = 0, vector = 0, integers = 0, delimiter = 0, delimiter_runs = 0, huffman_runs = 0, ours = 0;
+  std::size_t ids = 0, vector = 0, integers = 0, delimiter = 0, delimiter_runs = 0, paper = 0, huffman_runs = 0,
+              ours = 0;
 };
+
+// The delimiter code of gaps, or of runs where that is shorter: the paper takes runs where ids follow one another.
+std::size_t paper_bits(const Ids& list) {
+  return std::min(paper::encode_delimited(paper::gaps_of(list)).size(),
+                  paper::encode_delimited(paper::runs_of(list)).size());
+}
 
 Bits bits_of(const std::vector<Ids>& lists, std::uint32_t id_count) {
   Bits bits;
@@ -160,6 +167,7 @@ Bits bits_of(const std::vector<Ids>& lists, std::uint32_t id_count) {
     bits.integers += 32 * list.size();
     bits.delimiter += paper::encode_delimited(paper::gaps_of(list)).size();
     bits.delimiter_runs += paper::encode_delimited(runs).size();
+    bits.paper += paper_bits(list);
     bits.huffman_runs += paper::encode_adaptive(runs).size();
     bits.ours += 8 * writer.take().size();
   }
@@ -168,9 +176,9 @@ Bits bits_of(const std::vector<Ids>& lists, std::uint32_t id_count) {
 
 void print_bits(const char* order, const std::vector<Ids>& lists, const Bits& bits) {
   const auto an_id = [&](std::size_t n) { return static_cast<double>(n) / static_cast<double>(bits.ids); };
-  fmt::print("{},{},{},{},{:.0f},{:.1f},{:.2f},{:.2f},{:.2f},{:.2f}\n", order, lists.size(), bits.ids,
+  fmt::print("{},{},{},{},{:.0f},{:.1f},{:.2f},{:.2f},{:.2f},{:.2f},{:.2f}\n", order, lists.size(), bits.ids,
              count_runs(lists), an_id(bits.vector), an_id(bits.integers), an_id(bits.delimiter),
-             an_id(bits.delimiter_runs), an_id(bits.huffman_runs), an_id(bits.ours));
+             an_id(bits.delimiter_runs), an_id(bits.paper), an_id(bits.huffman_runs), an_id(bits.ours));
 }
 
 // --- crossings
@@ -190,9 +198,7 @@ std::pair<std::size_t, double> print_crossings(const std::vector<Transition>& tr
       bytes += tree.nodes[n].payload_bytes;
     return bytes;
   };
-  const auto delta_bytes = [](const Ids& list) {
-    return (paper::encode_delimited(paper::runs_of(list)).size() + 7) / 8;
-  };
+  const auto delta_bytes = [](const Ids& list) { return (paper_bits(list) + 7) / 8; };
   std::size_t deltas = 0, additions = 0, stored = 0;
   for (const Transition& t : transitions) {
     const std::size_t bytes = delta_bytes(t.delta.added) + delta_bytes(t.delta.removed);
@@ -243,7 +249,9 @@ void run(int side, std::size_t most_columns, std::uint32_t many) {
 
   const std::vector<std::uint32_t> places = paper::places_by_nodes(added, grid.split_count);
   const std::vector<Ids> sorted = renumbered(lists, places);
-  fmt::print("\norder,lists,ids,runs,bit_vector,int32,delimiter,delimiter_runs,adaptive_huffman_runs,ours\n");
+  fmt::print(
+      "\norder,lists,ids,runs,bit_vector,int32,delimiter,delimiter_runs,delimiter_shorter,adaptive_huffman_runs,"
+      "ours\n");
   const Bits before = bits_of(lists, grid.split_count), after = bits_of(sorted, grid.split_count);
   print_bits("crossings as built", lists, before);
   print_bits("crossings sorted", sorted, after);
@@ -259,11 +267,11 @@ void run(int side, std::size_t most_columns, std::uint32_t many) {
 
   const auto ratio = [](std::size_t a, std::size_t b) { return static_cast<double>(a) / static_cast<double>(b); };
   fmt::print("\ngoal,measure,asked,is\n");
-  fmt::print("8,bytes a crossing over deltas',<= 0.5,{:.3f}\n", read_ratio);
+  fmt::print("8,bytes a crossing over those of deltas,<= 0.5,{:.3f}\n", read_ratio);
   fmt::print("9,bits of the tree's files over the paper's code of its lists,<= 0.7,{:.3f}\n",
-             ratio(8 * tree_bytes, in_tree.delimiter_runs));
-  fmt::print("9,bits over the paper's code as built,<= 0.7,{:.3f}\n", ratio(before.ours, before.delimiter_runs));
-  fmt::print("9,bits over the paper's code sorted,<= 0.7,{:.3f}\n", ratio(after.ours, after.delimiter_runs));
+             ratio(8 * tree_bytes, in_tree.paper));
+  fmt::print("9,bits over the paper's code as built,<= 0.7,{:.3f}\n", ratio(before.ours, before.paper));
+  fmt::print("9,bits over the paper's code sorted,<= 0.7,{:.3f}\n", ratio(after.ours, after.paper));
   fmt::print("9,bits over bit vectors as built,<= 0.01,{:.4f}\n", ratio(before.ours, before.vector));
   fmt::print("9,bits over bit vectors sorted,<= 0.01,{:.4f}\n", ratio(after.ours, after.vector));
   fmt::print("10,fewer runs by the sort,>= 6,{:.2f}\n", ratio(count_runs(lists), count_runs(sorted)));

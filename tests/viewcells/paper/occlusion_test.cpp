@@ -228,6 +228,19 @@ TEST(ShrunkOcclusion, FusesOccluders) {
   EXPECT_FALSE(ShrunkOcclusion(cell, std::span(walls).first(1), big_scene, {}).hides(box));
 }
 
+// A square of half 8 at x = 10: from the middle of the cell its shrunk frustum has the slope 7 / 11 = 0.636, within the
+// pixel from 0 to 2/3 of an image of 4 x 4 pixels. What is up to y = 66 at x = 100 is seen past the square, whose umbra
+// ends there at 8 + 90 * 7 / 11 = 65.3.
+TEST(ShrunkOcclusion, DropsPixelsThatAreCoveredInPart) {
+  const CellBox big_scene{glm::dvec3(-200.0), glm::dvec3(200.0)}, across{{100, 62, 0}, {101, 66, 1}},
+      inside{{100, 1, 1}, {101, 2, 2}};
+  const std::vector<ConvexOccluder> square = {polygon_occluder({{10, -8, -8}, {10, 8, -8}, {10, 8, 8}, {10, -8, 8}})};
+  const ShrunkOcclusion coarse(cell, square, big_scene, {.best_point = false, .resolution = 4});
+  EXPECT_FALSE(coarse.hides(across));
+  EXPECT_FALSE(coarse.hides(inside));
+  EXPECT_TRUE(ShrunkOcclusion(cell, square, big_scene, {.best_point = false, .resolution = 64}).hides(inside));
+}
+
 // From farther behind the cell a square is shrunk less: at half = 2.35, from the middle of the cell the frustum's
 // planes have slope (2.35 - 1) / 11, and at x = 19 reach to 19 * 0.1227 = 2.33 < 3; from the apex, x = 10 - 2.35 /
 // 0.1227 = -9.1, to 28.1 * 0.1227 = 3.45.
