@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <condition_variable>
+#include <cstdlib>
 #include <fstream>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -40,18 +41,31 @@ std::vector<glm::dvec3> walk_in(const CellBox& region, double step) {
 
 class CellWalkerTest : public testing::Test {
  protected:
+  static void SetUpTestSuite() {
+    const std::filesystem::path folder = make_folder();
+    const test::SmallCells scene;
+    CellBuild(scene.objects(), walk_options()).write(folder / "cells.vlod", {.threads = 1});
+    file_bytes = test::bytes_of_file(folder / "cells.vlod");
+    std::filesystem::remove_all(folder);
+  }
   void SetUp() override {
-    folder_ = std::filesystem::path(testing::TempDir()) /
-              ("walk_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
-    std::filesystem::create_directories(folder_);
-    options_.root_cell = 0.25;
-    options_.most_triangles = 100;
+    folder_ = make_folder();
     path_ = folder_ / "cells.vlod";
-    CellBuild(objects_, options_).write(path_, {.threads = 1});
+    std::ofstream(path_, std::ios::binary) << file_bytes;
     file_ = open_vlod(path_, objects_);
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
+  [[nodiscard]] static std::filesystem::path make_folder() {
+    std::string pattern = (std::filesystem::temp_directory_path() / "occlod-walk-XXXXXX").string();
+    return mkdtemp(pattern.data());
+  }
+  [[nodiscard]] static CellTreeOptions walk_options() {
+    CellTreeOptions options = test::SmallCells::options();
+    options.root_cell = 0.25;
+    options.most_triangles = 100;
+    return options;
+  }
   [[nodiscard]] WalkOptions by_hand() {
     WalkOptions options;
     options.loaders = 0;
@@ -90,7 +104,8 @@ class CellWalkerTest : public testing::Test {
 
   test::SmallCells scene_;
   std::array<RefineObject, 3> objects_ = scene_.objects();
-  CellTreeOptions options_ = test::SmallCells::options();
+  CellTreeOptions options_ = walk_options();
+  static inline std::string file_bytes;  // all tests walk through the same
   std::filesystem::path folder_, path_;
   std::shared_ptr<const VlodFile> file_;
   std::vector<std::string> notes_;
