@@ -243,11 +243,129 @@ TEST(CellBuilder, CellsDoNotDependOnEachOther) {
   }
 }
 
+// More splits fit into a larger budget, what is left is within error_px of what is seen, and a budget that is large
+// enough gives what the tolerance takes.
+TEST(CellBudget, IsNeverExceeded) {
+  const CellScene scene = city();
+  const Hierarchy hierarchy = build_hierarchy(scene.mesh);
+  const RefineObject objects[] = {{.hierarchy = &hierarchy}};
+  const CellOccluders occluders(objects, scene.max_motion);
+  CellOptions options{.eyes = tool::cube_eyes(128, scene.near)};
+  const CellBox& cell = scene.cells[0];
+  const std::size_t without = CellBuilder(objects, &occluders, options).build(cell).triangles;
+  double last = 1e300;
+  int looked_at = 0;
+  for (const std::size_t budget : {hierarchy.base_triangle_count(), without / 4, without / 2, without * 3 / 4}) {
+    options.budget = budget;
+    CellBuilder builder(objects, &occluders, options);
+    const CellCut& cut = builder.build(cell);
+    EXPECT_LE(cut.triangles, budget);
+    EXPECT_GT(cut.triangles + 16, budget);  // a split that did not fit has few faces, with what it needs
+    EXPECT_GT(cut.error_px, options.tolerance_px);
+    EXPECT_LT(cut.error_px, last);
+    last = cut.error_px;
+    if (cut.error_px > 20.0) continue;  // the oracle is slow where all is near
+    CellOptions reached = options;
+    reached.tolerance_px = cut.error_px;
+    ++looked_at;
+    EXPECT_EQ(tool::look_from(cell, tool::FullScene(objects), objects, reached, cut.objects, {8, 64, 23}).missing, 0U);
+  }
+  EXPECT_GE(looked_at, 1);
+  options.budget = 1'000'000;
+  EXPECT_LE(CellBuilder(objects, &occluders, options).build(cell).error_px, options.tolerance_px);
+}
+
+// Each object is refined as far as its error on the screen asks for.
+TEST(CellBudget, IsSharedByError) {
+  const Hierarchy ball = build_hierarchy(test::noisy_sphere(4, 3));
+  const RefineObject objects[] = {{&ball}, {&ball, glm::translate(glm::dmat4(1.0), {0, 0, -30})}};
+  CellBuilder builder(objects, nullptr, {.budget = 600});
+  const CellCut& cut = builder.build(around({0, 0, 3}, glm::dvec3(0.5)));
+  EXPECT_LE(cut.triangles, 600U);
+  EXPECT_GT(cut.objects[0].applied.size(), 2 * cut.objects[1].applied.size());
+}
+
+TEST(CellOcclusion, NoneHidesNothing) {
+  const CellScene scene = city();
+  const Hierarchy hierarchy = build_hierarchy(scene.mesh);
+  const RefineObject objects[] = {{.hierarchy = &hierarchy}};
+  const CellOccluders occluders(objects, scene.max_motion);
+  CellBuilder none(objects, &occluders, {.occlusion = CellOcclusion::none}), without(objects, nullptr, {});
+  const CellCut& cut = none.build(scene.cells[0]);
+  EXPECT_EQ(cut.stats.queries, 0U);
+  EXPECT_EQ(cut.objects[0].applied, without.build(scene.cells[0]).objects[0].applied);
+}
+
+// Slats with gaps between them hide a ball only together: the hull test keeps it, images drop it.
+TEST(CellOcclusion, SampledDropsWhatAFenceHides) {
+  const Hierarchy ball = build_hierarchy(test::noisy_sphere(4, 3));
+  TriangleMesh mesh;
+  for (int i = 0; i < 40; ++i) {  // two rows, so that no eye looks through
+    TriangleMesh slat = test::grid(1, 1);
+    for (glm::vec3& p : slat.positions) p = {0.6F * p.x - 0.3F, 8.0F * p.y - 4.0F, 0.0F};
+    test::append(mesh, slat, {0.5F * static_cast<float>(i) - 10.0F, 0, i % 2 == 0 ? 3.0F : 2.99F});
+  }
+  const Hierarchy fence = build_hierarchy(mesh);
+  const RefineObject objects[] = {{.hierarchy = &ball}, {&fence, glm::dmat4(1.0), true}};
+  const CellOccluders occluders(objects, 0.001);
+  CellOptions options{.eyes = tool::cube_eyes(128, 0.01)};
+  const CellBox cell = around({0, 0, 4.5}, glm::dvec3(0.5));
+  CellBuilder hull(objects, &occluders, options);
+  options.occlusion = CellOcclusion::sampled;
+  options.sampled_eyes = 2;
+  CellBuilder sampled(objects, nullptr, options);
+  EXPECT_GT(hull.build(cell).objects[0].triangles.size(), 100U);
+  const CellCut& cut = sampled.build(cell);
+  EXPECT_TRUE(cut.objects[0].triangles.empty());
+  EXPECT_TRUE(cut.objects[0].applied.empty());
+  EXPECT_GT(cut.objects[1].triangles.size(), 20U);
+}
+
+// Aggressive: little of what other eyes see is missing.
+TEST(CellOcclusion, SampledMissesLittle) {
+  const CellScene scene = city();
+  const Hierarchy hierarchy = build_hierarchy(scene.mesh);
+  const RefineObject objects[] = {{.hierarchy = &hierarchy}};
+  CellOptions options{.eyes = tool::cube_eyes(256, scene.near), .sampled_eyes = 3};
+  CellBuilder none(objects, nullptr, options);
+  options.occlusion = CellOcclusion::sampled;
+  CellBuilder sampled(objects, nullptr, options);
+  std::size_t pixels = 0, missing = 0, drawn = 0, drawn_without = 0;
+  for (const CellBox& cell : {scene.cells[0], scene.cells[3]}) {
+    drawn_without += none.build(cell).drawn_triangles;
+    const CellCut& cut = sampled.build(cell);
+    drawn += cut.drawn_triangles;
+    EXPECT_LE(cut.error_px, options.tolerance_px);
+    const tool::CellSight sight =
+        tool::look_from(cell, tool::FullScene(objects), objects, options, cut.objects, {20, 64, 23});
+    pixels += sight.pixels;
+    missing += sight.missing;
+  }
+  EXPECT_LT(2 * drawn, drawn_without);
+  EXPECT_LT(missing * 200, pixels);
+}
+
+// Whatever was built before.
+TEST(CellOcclusion, SampledCellsDoNotDependOnEachOther) {
+  const Hierarchy hierarchy = build_hierarchy(test::noisy_sphere(4, 3));
+  const RefineObject objects[] = {{.hierarchy = &hierarchy}};
+  const CellOptions options{.eyes = tool::cube_eyes(64, 0.01), .occlusion = CellOcclusion::sampled, .sampled_eyes = 2};
+  CellBuilder builder(objects, nullptr, options);
+  const CellBox cell = around({0, 0, 2}, glm::dvec3(0.2));
+  const std::vector<Triangle> first = builder.build(cell).objects[0].triangles;
+  builder.build(around({0, 2, 0}, glm::dvec3(0.1)));
+  EXPECT_EQ(builder.build(cell).objects[0].triangles, first);
+  EXPECT_GT(first.size(), 50U);
+}
+
 TEST(CellBuilder, RefusesWhatMakesNoCut) {
   const Hierarchy hierarchy = build_hierarchy(test::tetrahedron());
   const RefineObject objects[] = {{.hierarchy = &hierarchy}}, missing[] = {{}};
   EXPECT_THROW(CellBuilder(objects, nullptr, {.tolerance_px = 0.0}), Error);
   EXPECT_THROW(CellBuilder(objects, nullptr, {.eyes = {.near = -1.0}}), Error);
+  EXPECT_THROW(CellBuilder(objects, nullptr, {.budget = 1}), Error);
+  EXPECT_THROW(CellBuilder(objects, nullptr, {.occlusion = CellOcclusion::sampled, .budget = 1'000}), Error);
+  EXPECT_THROW(CellBuilder(objects, nullptr, {.occlusion = CellOcclusion::sampled, .sampled_eyes = 0}), Error);
   EXPECT_THROW(CellBuilder(missing, nullptr, {}), Error);
   EXPECT_THROW(CellOccluders(missing, 0.1), Error);
   EXPECT_THROW(CellOccluders(objects, -1.0), Error);

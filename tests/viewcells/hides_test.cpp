@@ -3,6 +3,7 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <numbers>
 
 #include "occlod/hierarchy/build.h"
 #include "occlod/mesh/generate.h"
@@ -228,6 +229,52 @@ TEST(CellOccluders, SheetWithWindows) { expect_conservative(test::sheet_with_win
 TEST(CellOccluders, BlockWithTunnels) { expect_conservative(test::block(true), 0.02, 500); }
 TEST(CellOccluders, BlockWithGrooves) { expect_conservative(test::block(false), 0.05, 500); }
 TEST(CellOccluders, MoebiusBand) { expect_conservative(test::moebius(64), 0.02, 100); }
+
+// Without an inside, and it meets itself: its figure of eight turns by half on the way round.
+TEST(CellOccluders, KleinBottle) {
+  constexpr std::uint32_t around = 48, across = 24;
+  TriangleMesh mesh;
+  for (std::uint32_t i = 0; i < around; ++i)
+    for (std::uint32_t j = 0; j < across; ++j) {
+      const double u = 2.0 * std::numbers::pi * i / around, v = 2.0 * std::numbers::pi * j / across;
+      const double r = 0.7 + 0.3 * (std::cos(u / 2) * std::sin(v) - std::sin(u / 2) * std::sin(2 * v));
+      mesh.positions.emplace_back(r * std::cos(u), r * std::sin(u),
+                                  0.3 * (std::sin(u / 2) * std::sin(v) + std::cos(u / 2) * std::sin(2 * v)));
+    }
+  const auto at = [](std::uint32_t i, std::uint32_t j) {  // going round turns v into -v
+    const std::uint32_t turned = i == around ? (across - j % across) % across : j % across;
+    return i % around * across + turned;
+  };
+  for (std::uint32_t i = 0; i < around; ++i)
+    for (std::uint32_t j = 0; j < across; ++j) {
+      mesh.triangles.emplace_back(at(i, j), at(i + 1, j), at(i + 1, j + 1));
+      mesh.triangles.emplace_back(at(i, j), at(i + 1, j + 1), at(i, j + 1));
+    }
+  expect_conservative(mesh, 0.02, 200);
+}
+
+// Three sheets at one edge, and a fourth that lies on one of them.
+TEST(CellOccluders, SheetsAtAnEdge) {
+  TriangleMesh mesh;
+  constexpr VertexId n = 12;
+  for (int leaf = 0; leaf < 3; ++leaf)
+    for (VertexId j = 0; j <= n; ++j)
+      for (VertexId i = leaf == 0 ? 0 : 1; i <= n; ++i) {
+        const double angle = 2.0 * std::numbers::pi * leaf / 3, r = 1.0 * i / n;
+        mesh.positions.emplace_back(r * std::cos(angle), r * std::sin(angle), 2.0 * j / n - 1.0);
+      }
+  const auto at = [](int leaf, VertexId i, VertexId j) {
+    if (i == 0 || leaf == 0) return j * (n + 1) + i;
+    return (n + 1) * (n + 1) + static_cast<VertexId>(leaf - 1) * n * (n + 1) + j * n + i - 1;
+  };
+  for (const int leaf : {0, 1, 2, 2})
+    for (VertexId j = 0; j < n; ++j)
+      for (VertexId i = 0; i < n; ++i) {
+        mesh.triangles.emplace_back(at(leaf, i, j), at(leaf, i + 1, j), at(leaf, i + 1, j + 1));
+        mesh.triangles.emplace_back(at(leaf, i, j), at(leaf, i + 1, j + 1), at(leaf, i, j + 1));
+      }
+  expect_conservative(mesh, 0.02, 200);
+}
 TEST(CellOccluders, Soup) {
   TriangleMesh mesh;
   test::RandomShapes random(1);

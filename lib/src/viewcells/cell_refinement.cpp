@@ -7,20 +7,13 @@
 
 #include "math/unite.h"
 #include "viewcells/cell_geometry.h"
+#include "viewcells/star_box.h"
 
 namespace occlod {
 namespace {
 
 // Of faces that are asked about at once before each is: larger groups are seldom hidden.
 constexpr std::size_t most_faces_at_once = 8;
-
-Box box_of(const SplitStar& star, std::span<const glm::vec3> positions) {
-  Box box{positions[star.vertex()], positions[star.vertex()]};
-  star.for_each_face([&](const Triangle& t) {
-    for (int k = 0; k < 3; ++k) box = unite(box, {positions[t[k]], positions[t[k]]});
-  });
-  return box;
-}
 
 }  // namespace
 
@@ -32,7 +25,7 @@ CellRefinement::CellRefinement(std::span<const RefineObject> objects, const Cell
     object.hierarchy->require_all();
     cuts_.emplace_back(*object.hierarchy);
   }
-  if (surface == nullptr) return;
+  if (surface == nullptr || options.occlusion == CellOcclusion::none) return;
   hull_test_.emplace(*surface);
   images_.emplace(*surface);
 }
@@ -47,10 +40,17 @@ const CellCut& CellRefinement::build(const CellBox& cell) {
     images_->draw(cell, near_reach);
   }
   const HullTest::Counts before = hull_test_ ? hull_test_->counts() : HullTest::Counts{};
+  views_.clear();
+  triangles_ = 0;
   for (std::uint32_t i = 0; i < objects_.size(); ++i) {
-    const CellView view(cell, options_.eyes, objects_[i].object_to_world);
-    refine(i, view);
-    find_drawn(i, view);
+    views_.emplace_back(cell, options_.eyes, objects_[i].object_to_world);
+    cuts_[i].clear();
+    triangles_ += cuts_[i].triangle_count();
+  }
+  if (options_.budget > 0) refine_to_budget();
+  for (std::uint32_t i = 0; i < objects_.size(); ++i) {
+    if (options_.budget == 0) refine(i, views_[i]);
+    find_drawn(i, views_[i]);
     result_.triangles += cuts_[i].triangle_count();
     result_.drawn_triangles += result_.objects[i].triangles.size();
   }
@@ -62,14 +62,35 @@ const CellCut& CellRefinement::build(const CellBox& cell) {
 }
 
 void CellRefinement::refine(std::uint32_t object, const CellView& view) {
-  Cut& cut = cuts_[object];
-  cut.clear();
-  const std::span<const SplitId> roots = cut.hierarchy().data().roots;
+  const std::span<const SplitId> roots = cuts_[object].hierarchy().data().roots;
   stack_.assign(roots.rbegin(), roots.rend());
   while (!stack_.empty()) {
     const SplitId s = stack_.back();
     stack_.pop_back();
     visit(object, view, s);
+  }
+}
+
+void CellRefinement::refine_to_budget() {
+  heap_.clear();
+  is_full_ = false;
+  const auto push = [&](std::uint32_t object, SplitId s) {
+    const SplitNode& node = cuts_[object].hierarchy().node(s);
+    heap_.push_back({node.guaranteed_error * views_[object].largest_scale_px(node.sphere), object, s});
+    std::push_heap(heap_.begin(), heap_.end());
+  };
+  for (std::uint32_t i = 0; i < objects_.size(); ++i)
+    for (const SplitId root : cuts_[i].hierarchy().data().roots) push(i, root);
+  while (!heap_.empty() && !is_full_) {
+    std::pop_heap(heap_.begin(), heap_.end());
+    const Candidate next = heap_.back();
+    heap_.pop_back();
+    stack_.clear();
+    visit(next.object, views_[next.object], next.split);
+    for (const SplitId child : stack_) push(next.object, child);
+    if (!is_full_) continue;
+    const float left = heap_.empty() ? next.px : std::max(next.px, heap_.front().px);
+    result_.error_px = std::max(result_.error_px, static_cast<double>(left));
   }
 }
 
@@ -99,7 +120,11 @@ void CellRefinement::try_split(std::uint32_t object, const CellView& view, Split
   } else if (is_hidden(view, box, error)) {
     ++result_.stats.hidden_splits;
   } else {
-    result_.stats.forced_splits += cut.closure(s).splits.size() - 1;
+    const Cut::Closure closure = cut.closure(s);
+    is_full_ = options_.budget > 0 && triangles_ + closure.triangles > options_.budget;
+    if (is_full_) return;
+    triangles_ += closure.triangles;
+    result_.stats.forced_splits += closure.splits.size() - 1;
     cut.apply_closure();
   }
 }
@@ -112,8 +137,9 @@ bool CellRefinement::is_fine(float error, float scale_px) {
 }
 
 CellBox CellRefinement::grown_box(const CellView& view, const Box& box, float error) const {
-  const double within = options_.tolerance_px / view.smallest_scale_px(box);
-  return view.world_box(box, without_.growth ? 0.0 : std::min(static_cast<double>(error), within));
+  double growth = without_.growth ? 0.0 : static_cast<double>(error);
+  if (options_.budget == 0) growth = std::min(growth, options_.tolerance_px / view.smallest_scale_px(box));
+  return view.world_box(box, growth);
 }
 
 bool CellRefinement::is_hidden(const CellView& view, const Box& box, float error) {

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <span>
+#include <tuple>
 #include <vector>
 
 #include "cut/cut.h"
@@ -16,7 +17,9 @@ namespace occlod {
 // its box, grown by g, is hidden from the cell. Otherwise its children are visited; and if the faces of its own split
 // are not within the tolerance and their box, grown by g, is not hidden, the split is applied with all that it needs.
 // g(box) is the smaller of the subtree's guaranteed error and of what covers the tolerance at the point of the box
-// where that is most (all in object units).
+// where that is most (all in object units). With a budget it is the error alone, as the tolerance that is reached in
+// the end is not known before: nodes are visited in the order of their error on the screen, and where a split does not
+// fit, all that are left are within that of the node.
 //
 // *Why this keeps the promise.* Let an eye in the cell see a point x of the input. Follow x through the collapses: one
 // that ends its face moves it to a point of a face that it makes. Let t_1, ..., t_k be the splits of these collapses
@@ -49,12 +52,24 @@ class CellRefinement {
   const CellCut& build(const CellBox& cell);
 
  private:
+  // A node to visit.
+  struct Candidate {
+    float px = 0.0F;  // its guaranteed error on the screen
+    std::uint32_t object = 0;
+    SplitId split = 0;
+
+    // Smaller is visited later.
+    friend bool operator<(const Candidate& a, const Candidate& b) {
+      return std::tie(a.px, b.object, b.split) < std::tie(b.px, a.object, a.split);
+    }
+  };
   struct Face {
     CellBox box;              // grown by g
     std::uint32_t place = 0;  // in active_
   };
 
   void refine(std::uint32_t object, const CellView& view);
+  void refine_to_budget();
   void visit(std::uint32_t object, const CellView& view, SplitId s);
   void try_split(std::uint32_t object, const CellView& view, SplitId s);
   void find_drawn(std::uint32_t object, const CellView& view);
@@ -73,9 +88,13 @@ class CellRefinement {
   CellOptions options_;
   Without without_;
   std::vector<Cut> cuts_;
+  std::vector<CellView> views_;  // of objects
+  std::size_t triangles_ = 0;    // active
+  bool is_full_ = false;         // a split has not fitted into the budget
   std::optional<HullTest> hull_test_;
   std::optional<CellImages> images_;
-  std::vector<SplitId> stack_;
+  std::vector<SplitId> stack_;   // nodes to visit, of one object
+  std::vector<Candidate> heap_;  // of all objects, with a budget
   std::vector<Triangle> active_;
   std::vector<bool> drawn_;  // of active_
   std::vector<Face> faces_;

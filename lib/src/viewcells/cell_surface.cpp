@@ -5,16 +5,23 @@
 #include <glm/common.hpp>
 #include <glm/mat4x3.hpp>
 #include <limits>
+#include <map>
 #include <tuple>
+#include <utility>
 
-#include "hierarchy/motion_cut.h"
 #include "occlod/hierarchy/cut_mesh.h"
 #include "view/placement.h"
 
 namespace occlod {
 
 CellSurface::CellSurface(std::span<const RefineObject> objects, double max_motion, const Without& without) {
-  for (const RefineObject& object : objects) add(object, max_motion, without);
+  std::map<std::pair<const Hierarchy*, double>, MotionCut> cuts;  // instances of one hierarchy may share them
+  for (const RefineObject& object : objects) {
+    const double stretch = stretch_of(glm::dmat3(object.object_to_world));
+    const auto [cut, is_new] = cuts.try_emplace({object.hierarchy, max_motion / stretch});
+    if (is_new) cut->second = cut_of(*object.hierarchy, max_motion / stretch, without);
+    add(object, cut->second, without.motion ? 0.0 : stretch);
+  }
   finish();
 }
 
@@ -26,17 +33,16 @@ CellSurface::CellSurface(std::vector<glm::dvec3> positions, std::span<const Tria
   finish();
 }
 
-void CellSurface::add(const RefineObject& object, double max_motion, const Without& without) {
+MotionCut CellSurface::cut_of(const Hierarchy& hierarchy, double max_motion, const Without& without) {
+  if (max_motion > 0.0) return cut_to_motion(hierarchy, max_motion, {.topology = without.topology});
+  MotionCut cut{triangles_of(hierarchy, full_cut(hierarchy)), {}};
+  cut.moved.assign(cut.triangles.size(), 0.0F);
+  return cut;
+}
+
+void CellSurface::add(const RefineObject& object, const MotionCut& cut, double scale) {
   const Hierarchy& hierarchy = *object.hierarchy;
   const glm::dmat4x3 to_world(object.object_to_world);
-  const double stretch = stretch_of(glm::dmat3(object.object_to_world));
-  MotionCut cut;
-  if (max_motion > 0.0) {
-    cut = cut_to_motion(hierarchy, max_motion / stretch, {.topology = without.topology});
-  } else {
-    cut.triangles = triangles_of(hierarchy, full_cut(hierarchy));
-    cut.moved.assign(cut.triangles.size(), 0.0F);
-  }
   std::vector<std::uint32_t> place_of(hierarchy.vertex_count(), no_id);
   for (std::size_t i = 0; i < cut.triangles.size(); ++i) {
     Triangle t;
@@ -48,7 +54,7 @@ void CellSurface::add(const RefineObject& object, double max_motion, const Witho
       }
       t[k] = place;
     }
-    add_triangle(t, without.motion ? 0.0 : static_cast<double>(cut.moved[i]) * stretch);
+    add_triangle(t, static_cast<double>(cut.moved[i]) * scale);
   }
 }
 

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "hierarchy/motion_cut.h"
 #include "occlod/core/ids.h"
 #include "occlod/mesh/triangle_mesh.h"
 #include "occlod/refine/refiner.h"
@@ -51,7 +52,10 @@ class CellSurface {
   [[nodiscard]] double largest_coordinate() const noexcept { return largest_coordinate_; }
 
  private:
-  void add(const RefineObject& object, double max_motion, const Without& without);
+  // `max_motion`: object units.
+  [[nodiscard]] static MotionCut cut_of(const Hierarchy& hierarchy, double max_motion, const Without& without);
+  // `scale`: of motions, from object to world.
+  void add(const RefineObject& object, const MotionCut& cut, double scale);
   void add_triangle(const Triangle& t, double moved);
   void finish();
   void drop_duplicates();

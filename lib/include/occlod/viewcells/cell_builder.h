@@ -12,10 +12,22 @@
 
 namespace occlod {
 
+// How what cannot be seen from a cell is found.
+enum class CellOcclusion {
+  none,     // nothing is hidden
+  hull,     // by the occluders: what they hide from all eyes (conservative)
+  sampled,  // what no pixel of some eyes shows, nor its neighbours: less is drawn, but what other eyes see may be
+            // missing; needs no occluders, and takes much longer
+};
+
 // How the cut of a cell is chosen.
 struct CellOptions {
   EyeModel eyes = {};         // what all eyes have in common
   double tolerance_px = 1.0;  // how far from the input what is seen of it may be drawn, > 0
+  CellOcclusion occlusion = CellOcclusion::hull;
+  int sampled_eyes = 5;    // along each axis of the cell, for CellOcclusion::sampled: this to the power of three, >= 1
+  std::size_t budget = 0;  // active triangles of all objects, at most; 0: as many as the tolerance takes. Not for
+                           // CellOcclusion::sampled
 };
 
 // Counts of one call.
@@ -45,7 +57,8 @@ struct CellCut {
   std::vector<CellObjectCut> objects;  // as given to the builder
   std::size_t triangles = 0;           // active, of all objects
   std::size_t drawn_triangles = 0;     // of these, to draw
-  double error_px = 0.0;               // no more than the tolerance: how far anything seen is from what is drawn
+  double error_px = 0.0;               // how far anything seen is from what is drawn, at most: the tolerance or less,
+                                       // or what a budget left
   CellStats stats;                     // of the call
 };
 
@@ -53,15 +66,18 @@ struct CellCut {
 // objects, the occluders and the options.
 //
 // *What is promised.* For every eye in the cell and every direction, each point of the input whose front is seen beyond
-// the near plane is within the tolerance, on the screen, of a face that is drawn, or of one that is not because it
-// turns its back on the whole cell. Components of the input that are smaller than the tolerance may be gone. Both sides
-// of the input's triangles hide, and backs of objects that are not two-sided are never seen. It is proven for
-// hierarchies with ErrorBound::accumulated (see cell_builder.cpp); measured bounds promise for a cut as a whole.
+// the near plane is within the tolerance (with a budget: within error_px), on the screen, of a face that is drawn, or
+// of one that is not because it turns its back on the whole cell. Components of the input that are smaller than the
+// tolerance may be gone. Both sides of the input's triangles hide, and backs of objects that are not two-sided are
+// never seen. It is proven for hierarchies with ErrorBound::accumulated (see cell_refinement.h); measured bounds
+// promise for a cut as a whole. Nothing is promised for CellOcclusion::sampled.
+//
+// With a budget, splits are made in the order of the error below them, the largest first, until one does not fit.
 class CellBuilder {
  public:
-  // Without occluders nothing is hidden. Hierarchies and occluders outlive the builder; `occluders` are of the same
-  // objects. Throws Error when a hierarchy is missing or damaged, a placement cannot be inverted, or an option is out
-  // of its range.
+  // Without occluders CellOcclusion::hull hides nothing. Hierarchies and occluders outlive the builder; `occluders` are
+  // of the same objects. Throws Error when a hierarchy is missing or damaged, a placement cannot be inverted, or an
+  // option is out of its range: a budget below the triangles of the base meshes is.
   CellBuilder(std::span<const RefineObject> objects, const CellOccluders* occluders, const CellOptions& options);
   ~CellBuilder();
   CellBuilder(CellBuilder&&) noexcept;
