@@ -60,7 +60,7 @@ void run_all() {
       "missing_pixels\n");
   for (const Place& place : {Place{"crossing", {480, 480, 1.7}, 1.5}, Place{"street", {480, 510, 1.7}, 1.5},
                              Place{"12 m above a street", {480, 510, 12}, 0.0}})
-    for (const double edge : {1.0, 4.0, 8.0}) run(city, place, edge, 0.25);
+    for (const double edge : {1.0, 4.0, 8.0}) run(city, scene, place, edge, 0.25);
   const Place crossing{"crossing", {480, 480, 1.7}, 1.5};
   for (const double max_motion : {0.0, 1.0, 4.0}) run(city, scene, crossing, 4.0, max_motion);
   for (const std::size_t budget : {10'000U, 20'000U})

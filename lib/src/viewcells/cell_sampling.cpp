@@ -139,19 +139,19 @@ bool CellSampling::split_seen() {
   return changed;
 }
 
-bool CellSampling::must_split(std::size_t object, SplitId s) {
-  const Hierarchy& hierarchy = objects_[object].cut.hierarchy();
+bool CellSampling::must_split(std::size_t place, SplitId s) {
+  const Hierarchy& hierarchy = objects_[place].cut.hierarchy();
   const double px =
       static_cast<double>(hierarchy.node(s).guaranteed_error) *
-      static_cast<double>(views_[object].largest_scale_px(box_of(hierarchy.star(s), hierarchy.positions())));
+      static_cast<double>(views_[place].largest_scale_px(box_of(hierarchy.star(s), hierarchy.positions())));
   if (px > options_.tolerance_px) return true;
   result_.error_px = std::max(result_.error_px, px);
   return false;
 }
 
-void CellSampling::find_drawn(std::size_t i) {
-  Object& object = objects_[i];
-  CellObjectCut& result = result_.objects[i];
+void CellSampling::find_drawn(std::size_t place) {
+  Object& object = objects_[place];
+  CellObjectCut& result = result_.objects[place];
   const Hierarchy& hierarchy = object.cut.hierarchy();
   object.cut.active_triangles(object.triangles, true);  // sorts its splits
   result.applied.assign(object.cut.applied_splits().begin(), object.cut.applied_splits().end());
@@ -164,7 +164,7 @@ void CellSampling::find_drawn(std::size_t i) {
   const std::span<const glm::vec3> p = hierarchy.positions();
   for (const Triangle& t : object.triangles) {
     if (!near_seen[t.x] && !near_seen[t.y] && !near_seen[t.z]) continue;
-    if (object.placed.two_sided || !views_[i].faces_away(p[t.x], p[t.y], p[t.z])) result.triangles.push_back(t);
+    if (object.placed.two_sided || !views_[place].faces_away(p[t.x], p[t.y], p[t.z])) result.triangles.push_back(t);
   }
   result_.triangles += object.triangles.size();
   result_.drawn_triangles += result.triangles.size();

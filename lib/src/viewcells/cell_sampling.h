@@ -45,8 +45,8 @@ class CellSampling {
   void draw(const View& view);
   bool split_seen();
   // Whether the split changes its faces by more than the tolerance.
-  [[nodiscard]] bool must_split(std::size_t object, SplitId s);
-  void find_drawn(std::size_t object);
+  [[nodiscard]] bool must_split(std::size_t place, SplitId s);
+  void find_drawn(std::size_t place);
 
   CellOptions options_;
   std::vector<Object> objects_;

@@ -124,6 +124,8 @@ Scene read_options(sections::SectionReader& reader, const std::string& subject, 
 void check(const CellTreeOptions& options, const char* subject) {
   const OptionChecker checker(subject);
   checker.positive("tolerance_px", options.cell.tolerance_px);
+  if (options.cell.occlusion != CellOcclusion::hull || options.cell.budget > 0)
+    throw Error({subject, "cell", "asks for other cuts than files hold", "leave occlusion and budget as they are"});
   checker.positive("root_cell", options.root_cell);
   checker.positive("smallest_cell", options.smallest_cell);
   checker.in_range("levels", options.levels, 0, 32);
