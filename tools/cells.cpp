@@ -19,7 +19,12 @@ Json options_to_json(const CellTreeOptions& options) {
   Json regions = Json::array();
   for (const CellBox& region : options.regions)
     regions.push_back({{"min", to_json(region.min)}, {"max", to_json(region.max)}});
+  const char* const occlusion = options.cell.occlusion == CellOcclusion::none   ? "none"
+                                : options.cell.occlusion == CellOcclusion::hull ? "hull"
+                                                                                : "sampled";
   return {{"tolerance_px", options.cell.tolerance_px},
+          {"budget", options.cell.budget},
+          {"occlusion", occlusion},
           {"focal_length_px", eyes.focal_length_px},
           {"cos_corner_angle", eyes.cos_corner_angle},
           {"near", eyes.near},

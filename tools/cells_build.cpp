@@ -276,6 +276,13 @@ void add_cells_build(CLI::App& cells) {
   add_number(command, "--tolerance", options->tree.cell.tolerance_px, RealRange{least_px},
              "Pixels that what is seen may be off")
       ->capture_default_str();
+  add_number(command, "--budget", options->tree.cell.budget, WholeRange{1, most_drawn},
+             "Triangles of a cell's meshes, drawn or not, at most: then it may be off by more than --tolerance")
+      ->option_text("N");
+  add_choice(command, "--occlusion", options->tree.cell.occlusion,
+             {{"none", CellOcclusion::none}, {"hull", CellOcclusion::hull}, {"sampled", CellOcclusion::sampled}},
+             "hull: leave out what is hidden from all of a cell; sampled: what 125 eyes do not see, which may miss "
+             "something; none: leave out nothing that is hidden");
   add_text(command, "--eyes", "WxH,FOV,NEAR",
            "Image, field of view from top to bottom and near plane of all eyes [1024x768,60,0.01]",
            [options](const std::string& text) { options->tree.cell.eyes = parse_eyes(text); });

@@ -24,7 +24,7 @@ class Cells(ToolTest):
 
     def test_build_reports(self):
         built = self.build(*SPACE)
-        self.assert_has_keys(built, "input file root_cells cuts tolerance_px focal_length_px near occluder_motion root_cell smallest_cell levels most_triangles division "
+        self.assert_has_keys(built, "input file root_cells cuts tolerance_px budget occlusion focal_length_px near occluder_motion root_cell smallest_cell levels most_triangles division "
                                     "regions objects cells nodes depth above_most_triangles above_by drawn_mean drawn_median drawn_max triangles_mean error_px splits "
                                     "hidden_faces file_bytes payload_bytes bytes_per_cell bits_per_id teleport_bytes_max crossing_bytes_mean crossing_bytes_max "
                                     "hierarchy_bytes bytes_over_hierarchies cpu_s_per_cell cpu_s build_ms peak_bytes")
@@ -69,6 +69,17 @@ class Cells(ToolTest):
         self.assertEqual(self.build(*SPACE, "--most-triangles", 0, "--division", "gain", "--levels", 0)["cells"], 8)
         self.assertEqual(self.build(*SPACE, "--region", "3,0,0,3,0,0")["cells"], 9, "the eye may be at one point, too")
         self.assertEqual(self.build(*SPACE, "--occluder-error", 0.5)["occluder_motion"], 0.5)
+        self.assertEqual((usual["occlusion"], usual["budget"]), ("hull", 0))
+        less = self.build(*SPACE, "--budget", 600)
+        self.assertEqual(less["budget"], 600)
+        self.assertLessEqual(less["triangles_mean"], 600)
+        self.assertLess(less["triangles_mean"], usual["triangles_mean"])
+        self.assertGreater(less["error_px"], usual["error_px"])
+        everything, sampled = self.build(*SPACE, "--occlusion", "none"), self.build(*SPACE, "--occlusion", "sampled", "--levels", 0)
+        self.assertEqual((everything["occlusion"], sampled["occlusion"]), ("none", "sampled"))
+        self.assertGreater(everything["drawn_mean"], usual["drawn_mean"])
+        self.assertLess(sampled["drawn_mean"], everything["drawn_mean"])
+        self.assertEqual(everything["hidden_faces"], 0)
 
     def test_bytes_do_not_depend_on_threads_or_parts(self):
         self.build(*DIVIDED, "--threads", 1)

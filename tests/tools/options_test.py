@@ -27,6 +27,7 @@ WHOLE = [
     (HLOD_BUILD, "--threads", 0, 1024),
     (HLOD_VALIDATE, "--fronts", 0, 10**6),
     *((command, option, low, 10**6) for command in (HLOD_RENDER, HLOD_COMPARE) for option, low in (("--frames", 1), ("--reference", 0))),
+    (CELLS_BUILD, "--budget", 1, LARGEST),
     (CELLS_BUILD, "--levels", 0, 32),
     (CELLS_BUILD, "--most-triangles", 0, LARGEST),
     (CELLS_BUILD, "--threads", 0, 1024),

@@ -144,6 +144,27 @@ TEST_F(VlodFileTest, SaysWhatItWasBuiltWith) {
   EXPECT_EQ(file->file_bytes(), std::filesystem::file_size(good_));
 }
 
+TEST_F(VlodFileTest, KeepsBudgetAndKindOfOcclusion) {
+  CellTreeOptions others = options_;
+  others.cell.occlusion = CellOcclusion::none;
+  others.cell.budget = 2000;
+  CellBuild(objects_, others).write(folder_ / "others.vlod");
+  const auto file = open_vlod(folder_ / "others.vlod", objects_);
+  EXPECT_EQ(file->options().cell.occlusion, CellOcclusion::none);
+  EXPECT_EQ(file->options().cell.budget, 2000U);
+  EXPECT_EQ(file->options().cell.sampled_eyes, others.cell.sampled_eyes);
+  EXPECT_NE(file->key(), open_vlod(good_)->key());
+  CellBuilder builder(objects_, nullptr, others.cell);
+  for (CellId n = 0; n < file->tree().nodes().size(); ++n) {
+    EXPECT_EQ(file->tree().node(n).hidden_faces, 0U);
+    if (!file->tree().is_leaf(n)) continue;
+    EXPECT_LE(file->tree().node(n).triangles, 2000U);
+    const CellCut& expected = builder.build(file->tree().node(n).box);
+    const std::vector<CellObjectCut> cuts = read_cell(*file, objects_, n);
+    for (std::size_t i = 0; i < cuts.size(); ++i) EXPECT_EQ(cuts[i].triangles, expected.objects[i].triangles);
+  }
+}
+
 TEST_F(VlodFileTest, HasTheSameBytesForAnyNumberOfThreadsAndParts) {
   const std::string good = test::bytes_of_file(good_);
   CellBuild build(objects_, options_);
@@ -259,6 +280,8 @@ TEST_F(VlodFileTest, BadOptionsAreRefused) {
   refused([](CellTreeOptions& o) { o.occluder_motion = -0.5; });
   refused([](CellTreeOptions& o) { o.cell.tolerance_px = 0.0; });
   refused([](CellTreeOptions& o) { o.cell.eyes.near = 0.0; });
+  refused([](CellTreeOptions& o) { o.cell.occlusion = static_cast<CellOcclusion>(3); });
+  refused([](CellTreeOptions& o) { o.cell.sampled_eyes = 0; });
   const RefineObject missing[] = {RefineObject{}};
   EXPECT_THROW(CellBuild(missing, options_), Error);
   EXPECT_THROW(CellBuild(objects_, options_).write(good_, {.threads = -1}), Error);

@@ -93,7 +93,8 @@ std::vector<PackedTree> CellBuild::Impl::divide(const CellRange& range, const Ce
   OptionChecker("cell options").in_range("threads", run.threads, 0, 1024);
   if (run.progress && !run.progress(0.0)) throw Error({"cells", "", "the build was cancelled", ""});
   const CellTreeOptions& options = scene_.options;
-  if (!occluders_) occluders_.emplace(objects_, options.occluder_motion.value_or(options.smallest_cell / 4.0));
+  const bool hides = options.cell.occlusion == CellOcclusion::hull;
+  if (hides && !occluders_) occluders_.emplace(objects_, options.occluder_motion.value_or(options.smallest_cell / 4.0));
   std::vector<PackedTree> trees(range.count);
   SharedProgress progress(run, range.count);
   const auto divide = [&](CellDivider& divider, std::size_t i) {
@@ -113,8 +114,8 @@ std::vector<PackedTree> CellBuild::Impl::divide(const CellRange& range, const Ce
   };
   try {
     for_each_task(
-        range.count, thread_count(run.threads), [&] { return CellDivider(objects_, &*occluders_, options, ids_); },
-        divide_or_fail, [] {});
+        range.count, thread_count(run.threads),
+        [&] { return CellDivider(objects_, hides ? &*occluders_ : nullptr, options, ids_); }, divide_or_fail, [] {});
   } catch (...) {
     if (const std::exception_ptr first = progress.failure()) std::rethrow_exception(first);
     throw;

@@ -16,6 +16,8 @@
 namespace occlod::vlod {
 namespace {
 
+constexpr int most_sampled_eyes = 100;  // along each axis
+
 class Hash {
  public:
   Hash() : state_(XXH3_createState(), &XXH3_freeState) {
@@ -81,6 +83,9 @@ StoredOptions store(const Scene& scene) {
   stored.near = eyes.near;
   stored.clearance = eyes.clearance;
   stored.tolerance_px = options.cell.tolerance_px;
+  stored.occlusion = static_cast<std::uint32_t>(options.cell.occlusion);
+  stored.budget = options.cell.budget;
+  stored.sampled_eyes = static_cast<std::uint64_t>(options.cell.sampled_eyes);
   stored.root_cell = options.root_cell;
   stored.smallest_cell = options.smallest_cell;
   stored.occluder_motion = options.occluder_motion.value_or(options.smallest_cell / 4.0);
@@ -97,6 +102,9 @@ CellTreeOptions restore(const StoredOptions& stored, std::span<const CellBox> re
   CellTreeOptions options;
   options.cell.eyes = {stored.focal_length_px, stored.cos_corner_angle, stored.near, stored.clearance};
   options.cell.tolerance_px = stored.tolerance_px;
+  options.cell.occlusion = static_cast<CellOcclusion>(stored.occlusion);
+  options.cell.budget = stored.budget;
+  options.cell.sampled_eyes = static_cast<int>(std::min<std::uint64_t>(stored.sampled_eyes, most_sampled_eyes + 1));
   options.regions.assign(regions.begin(), regions.end());
   options.root_cell = stored.root_cell;
   options.smallest_cell = stored.smallest_cell;
@@ -124,8 +132,10 @@ Scene read_options(sections::SectionReader& reader, const std::string& subject, 
 void check(const CellTreeOptions& options, const char* subject) {
   const OptionChecker checker(subject);
   checker.positive("tolerance_px", options.cell.tolerance_px);
-  if (options.cell.occlusion != CellOcclusion::hull || options.cell.budget > 0)
-    throw Error({subject, "cell", "asks for other cuts than files hold", "leave occlusion and budget as they are"});
+  checker.in_range("sampled_eyes", options.cell.sampled_eyes, 1, most_sampled_eyes);
+  if (options.cell.occlusion != CellOcclusion::none && options.cell.occlusion != CellOcclusion::hull &&
+      options.cell.occlusion != CellOcclusion::sampled)
+    throw Error({subject, "occlusion", "is unknown", "use a newer program"});
   checker.positive("root_cell", options.root_cell);
   checker.positive("smallest_cell", options.smallest_cell);
   checker.in_range("levels", options.levels, 0, 32);

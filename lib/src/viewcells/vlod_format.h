@@ -28,12 +28,12 @@ struct StoredOptions {
   std::uint32_t epoch = 0;  // of the way in which cells are made
   std::uint32_t division = 0;
   std::uint32_t levels = 0;
-  std::uint32_t reserved = 0;
+  std::uint32_t occlusion = 0;
   double focal_length_px = 0.0, cos_corner_angle = 0.0, near = 0.0, clearance = 0.0;
   double tolerance_px = 0.0;
   double root_cell = 0.0, smallest_cell = 0.0, occluder_motion = 0.0;
-  std::uint64_t most_triangles = 0;
-  std::array<std::uint64_t, 3> reserved_words{};
+  std::uint64_t most_triangles = 0, budget = 0, sampled_eyes = 0;
+  std::uint64_t reserved = 0;
 };
 static_assert(sizeof(StoredOptions) == 128);
 

@@ -22,9 +22,9 @@ enum class CellOcclusion {
 
 // How the cut of a cell is chosen.
 struct CellOptions {
-  EyeModel eyes = {};         // what all eyes have in common
-  double tolerance_px = 1.0;  // how far from the input what is seen of it may be drawn, > 0
-  CellOcclusion occlusion = CellOcclusion::hull;
+  EyeModel eyes = {};                             // what all eyes have in common
+  double tolerance_px = 1.0;                      // how far from the input what is seen of it may be drawn, > 0
+  CellOcclusion occlusion = CellOcclusion::hull;  // how what is hidden is found
   int sampled_eyes = 5;    // along each axis of the cell, for CellOcclusion::sampled: this to the power of three, >= 1
   std::size_t budget = 0;  // active triangles of all objects, at most; 0: as many as the tolerance takes. Not for
                            // CellOcclusion::sampled
