@@ -1,14 +1,17 @@
 // View cells: questions about a cell, what hides from it, its cut.
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
 #include <memory>
 #include <mutex>
+#include <tuple>
 
 #include "arrays.h"
+#include "cell_cut.h"
 #include "occlod/viewcells/cell_builder.h"
 #include "refining.h"
 #include "view_like.h"
@@ -20,20 +23,6 @@ using namespace nb::literals;
 
 struct PythonOccluders {
   CellOccluders occluders;
-};
-
-// What build() gave, copied.
-struct PythonCellCut {
-  CellCut cut;
-  std::shared_ptr<const KeptObjects> objects;
-
-  // Throws IndexError.
-  [[nodiscard]] const CellObjectCut& object(std::size_t i) const {
-    if (i >= cut.objects.size())
-      throw nb::index_error(("there are " + std::to_string(cut.objects.size()) + " objects").c_str());
-    return cut.objects[i];
-  }
-  [[nodiscard]] const PlacedObject& placed(std::size_t i) const { return objects->objects()[i]; }
 };
 
 struct PythonCellBuilder {
@@ -100,8 +89,11 @@ void bind_questions(nb::module_& m) {
       .def(nb::init<glm::dvec3, glm::dvec3>(), "min"_a, "max"_a)
       .def_rw("min", &CellBox::min, "World space. A copy: assign three numbers.")
       .def_rw("max", &CellBox::max, "The same.")
-      .def("__eq__", [](const CellBox& a, nb::handle b) {
-        return nb::isinstance<CellBox>(b) && a == nb::cast<const CellBox&>(b);
+      .def("__eq__", [](const CellBox& a,
+                        nb::handle b) { return nb::isinstance<CellBox>(b) && a == nb::cast<const CellBox&>(b); })
+      .def("__getstate__", [](const CellBox& b) { return std::tuple(b.min, b.max); })
+      .def("__setstate__", [](CellBox& self, const std::tuple<glm::dvec3, glm::dvec3>& state) {
+        new (&self) CellBox{std::get<0>(state), std::get<1>(state)};
       });
   const EyeModel standard;
   nb::class_<EyeModel>(m, "EyeModel", "What all eyes of a cell have in common. See eye_model().")
@@ -117,7 +109,12 @@ void bind_questions(nb::module_& m) {
       .def_rw("cos_corner_angle", &EyeModel::cos_corner_angle,
               "Of the angle between the line of sight and the corners of the image; the smallest of all eyes.")
       .def_rw("near", &EyeModel::near, "Distance to the near plane; what it clips away hides nothing.")
-      .def_rw("clearance", &EyeModel::clearance, "No eye comes nearer than this to any surface.");
+      .def_rw("clearance", &EyeModel::clearance, "No eye comes nearer than this to any surface.")
+      .def("__getstate__",
+           [](const EyeModel& e) { return std::tuple(e.focal_length_px, e.cos_corner_angle, e.near, e.clearance); })
+      .def("__setstate__", [](EyeModel& self, const std::tuple<double, double, double, double>& state) {
+        new (&self) EyeModel{std::get<0>(state), std::get<1>(state), std::get<2>(state), std::get<3>(state)};
+      });
   m.def(
       "eye_model", [](const ViewLike& view) { return eye_model(view.get()); }, "view"_a,
       "Of all eyes that see what this view sees, up to where they are and look. Error for an orthographic view.");
@@ -243,19 +240,36 @@ void bind_cells(nb::module_& m) {
   bind_questions(m);
   bind_cut(m);
   const CellOptions standard;
+  nb::enum_<CellOcclusion>(m, "CellOcclusion", "How what cannot be seen from a cell is found.")
+      .value("none", CellOcclusion::none, "Nothing is hidden.")
+      .value("hull", CellOcclusion::hull, "By the occluders: what they hide from all eyes (conservative).")
+      .value("sampled", CellOcclusion::sampled,
+             "What no pixel of some eyes shows, nor its neighbours; what other eyes see may be missing.");
   nb::class_<CellOptions>(m, "CellOptions", "How the cut of a cell is chosen.")
       .def(
           "__init__",
-          [](CellOptions* self, const EyeModel& eyes, double tolerance_px) {
-            CellOptions made;
-            made.eyes = eyes;
-            made.tolerance_px = tolerance_px;
-            new (self) CellOptions(made);
+          [](CellOptions* self, const EyeModel& eyes, double tolerance_px, CellOcclusion occlusion, int sampled_eyes,
+             std::size_t budget) {
+            new (self) CellOptions{eyes, tolerance_px, occlusion, sampled_eyes, budget};
           },
-          nb::kw_only(), "eyes"_a = standard.eyes, "tolerance_px"_a = standard.tolerance_px)
+          nb::kw_only(), "eyes"_a = standard.eyes, "tolerance_px"_a = standard.tolerance_px,
+          "occlusion"_a = standard.occlusion, "sampled_eyes"_a = standard.sampled_eyes, "budget"_a = standard.budget)
       .def_rw("eyes", &CellOptions::eyes)
       .def_rw("tolerance_px", &CellOptions::tolerance_px,
-              "How far from the input what is seen of it may be drawn, > 0.");
+              "How far from the input what is seen of it may be drawn, > 0.")
+      .def_rw("occlusion", &CellOptions::occlusion)
+      .def_rw("sampled_eyes", &CellOptions::sampled_eyes, "Of CellOcclusion.sampled, along each axis of the cell.")
+      .def_rw("budget", &CellOptions::budget, "Active triangles at most; 0: as many as the tolerance takes.")
+      .def("__getstate__",
+           [](const CellOptions& o) {
+             return std::tuple(o.eyes, o.tolerance_px, o.occlusion, o.sampled_eyes, o.budget);
+           })
+      .def("__setstate__",
+           [](CellOptions& self, const std::tuple<EyeModel, double, CellOcclusion, int, std::size_t>& state) {
+             CellOptions made;
+             std::tie(made.eyes, made.tolerance_px, made.occlusion, made.sampled_eyes, made.budget) = state;
+             new (&self) CellOptions(made);
+           });
   nb::class_<PythonOccluders>(m, "CellOccluders",
                               "The surfaces of all objects, simplified: what can hide from cells. Immutable; threads\n"
                               "may share them.")

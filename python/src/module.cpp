@@ -38,6 +38,9 @@ std::function<bool(double)> progress_of(nb::handle progress) {
 
 NB_MODULE(_occlod, m) {
   using namespace occlod::python;
+#ifdef NDEBUG
+  nanobind::set_leak_warnings(false);  // threads of other packages may hold objects until the end
+#endif
   m.doc() = "The C++ library, bound. Import occlod instead.";
   nanobind::register_exception_translator(raise_error);
   m.def(
@@ -55,4 +58,5 @@ NB_MODULE(_occlod, m) {
   bind_device(m);
   bind_traverse(m);
   bind_cells(m);
+  bind_cell_files(m);
 }

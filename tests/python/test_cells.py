@@ -1,6 +1,9 @@
 """View cells: questions for all eyes of a cell, what hides, what is drawn."""
 import gc
 import itertools
+import pathlib
+import pickle
+import tempfile
 import threading
 import unittest
 
@@ -176,3 +179,80 @@ class Cuts(unittest.TestCase):
 
 if __name__ == "__main__":
     unittest.main()
+
+
+class Files(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(folder.cleanup)
+        cls.folder = pathlib.Path(folder.name)
+        cls.hierarchy = planet(5)[1]
+        cls.options = occlod.CellTreeOptions([occlod.CellBox((-2, -2, 1.5), (2, 2, 2.5))], cell=occlod.CellOptions(eyes=EYES), root_cell=2, smallest_cell=0.5)
+        cls.build = occlod.CellBuild(cls.hierarchy, cls.options)
+        told = []
+        cls.build.write(cls.folder / "a.vlod", threads=1, progress=told.append)
+        cls.told = told
+
+    def test_parts_give_the_same_bytes(self):
+        self.assertEqual((self.build.root_cells, self.told[0], self.told[-1]), (4, 0, 1))
+        build = occlod.CellBuild(self.hierarchy, pickle.loads(pickle.dumps(self.options)))
+        parts = []
+        for shard in (build.shard(i, 3) for i in range(3)):
+            parts.append(self.folder / build.part_name(shard))
+            self.assertFalse(build.has_part(parts[-1], shard))
+            build.write_part(parts[-1], shard)
+            self.assertTrue(build.has_part(parts[-1], shard))
+        occlod.merge_cells(parts, self.folder / "b.vlod")
+        self.assertEqual((self.folder / "a.vlod").read_bytes(), (self.folder / "b.vlod").read_bytes())
+        self.assertEqual(build.cuts, self.build.cuts)
+        with self.assertRaisesRegex(occlod.Error, "missing|root cells"):
+            occlod.merge_cells(parts[1:], self.folder / "c.vlod")
+        self.assertFalse((self.folder / "c.vlod").exists())
+
+    def test_cells_are_those_of_the_builder(self):
+        file = occlod.VlodFile(self.folder / "a.vlod", self.hierarchy)
+        self.assertEqual((file.options.root_cell, file.options.cell.eyes.near, file.file_bytes), (2, 0.1, (self.folder / "a.vlod").stat().st_size))
+        leaf = file.leaf_of((0.6, 0.7, 2))
+        node = file.node(leaf)
+        self.assertTrue(all(low <= x <= high for low, x, high in zip(node.box.min, (0.6, 0.7, 2), node.box.max)))
+        occluders = occlod.CellOccluders(self.hierarchy, 0.5 / 4)
+        expected = occlod.CellBuilder(self.hierarchy, occluders, self.options.cell).build(node.box)
+        cut = file.cut(leaf)
+        numpy.testing.assert_array_equal(cut.applied(), expected.applied())
+        numpy.testing.assert_array_equal(cut.triangles(), expected.triangles())
+        self.assertEqual((cut.drawn_triangles, node.drawn_triangles), (len(expected.triangles()),) * 2)
+        self.assertEqual(len(file.neighbours(leaf)), 2)
+        self.assertIsNone(file.leaf_of((9, 9, 9)))
+
+    def test_options_are_sent(self):
+        cell = occlod.CellOptions(eyes=EYES, tolerance_px=3, occlusion=occlod.CellOcclusion.sampled, sampled_eyes=2, budget=77)
+        options = occlod.CellTreeOptions([CUBE], cell=cell, root_cell=9, smallest_cell=3, levels=4, most_triangles=5, division=occlod.CellDivision.gain, occluder_motion=0.5)
+        again = pickle.loads(pickle.dumps(options))
+        self.assertEqual(again.regions, [CUBE])
+        for name in ("root_cell", "smallest_cell", "levels", "most_triangles", "division", "occluder_motion"):
+            self.assertEqual(getattr(again, name), getattr(options, name), name)
+        for name in ("tolerance_px", "occlusion", "sampled_eyes", "budget"):
+            self.assertEqual(getattr(again.cell, name), getattr(cell, name), name)
+        for name in ("focal_length_px", "cos_corner_angle", "near", "clearance"):
+            self.assertEqual(getattr(again.cell.eyes, name), getattr(EYES, name), name)
+
+    def test_bad_calls_are_told(self):
+        file = occlod.VlodFile(self.folder / "a.vlod")
+        with self.assertRaises(ValueError):
+            file.cut(file.leaf_of((0, 0, 2)))
+        with self.assertRaises(IndexError):
+            file.node(len(file))
+        with self.assertRaises(IndexError):
+            occlod.VlodFile(self.folder / "a.vlod", self.hierarchy).cut(0)  # the root
+        with self.assertRaisesRegex(occlod.Error, "a.vlod"):
+            occlod.VlodFile(self.folder / "a.vlod", planet(3)[1])
+        with self.assertRaises(occlod.Error):
+            occlod.CellBuild(self.hierarchy, occlod.CellTreeOptions([], root_cell=-1))
+
+        def stop(done):
+            raise KeyError("enough")
+
+        with self.assertRaises(KeyError):
+            self.build.write(self.folder / "d.vlod", progress=stop)
+        self.assertFalse((self.folder / "d.vlod").exists())

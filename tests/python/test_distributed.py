@@ -1,0 +1,166 @@
+"""occlod.distributed: view cells built by several processes have the bytes of one, whatever is killed or damaged meanwhile."""
+import os
+import pathlib
+import pickle
+import resource
+import signal
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import occlod
+
+try:
+    import distributed
+except ImportError as error:
+    raise unittest.SkipTest("Dask.distributed is not installed") from error
+import occlod.distributed  # noqa: E402  pylint: disable=wrong-import-position
+
+SCENE = """{"objects": [{"generator": "city", "options": {"blocks": 2, "facade_cells": 2}}],
+            "cameras": {"default": {"eye": [0, 0, 2], "target": [10, 10, 2], "up": [0, 0, 1]}}}"""
+OPTIONS = occlod.CellTreeOptions([occlod.CellBox((0, 0, 1), (96, 64, 3))], root_cell=16, smallest_cell=8, most_triangles=200)
+# What connects to a scheduler, builds, and says how far it is.
+DRIVER = """
+import pickle, sys
+import distributed, occlod.distributed
+scheduler, scene, path, options = sys.argv[1:]
+with distributed.Client(scheduler) as client:
+    occlod.distributed.build_cells(scene, pickle.loads(bytes.fromhex(options)), path, client=client, shards=24,
+                                   progress=lambda done: print(done, flush=True))
+"""
+
+
+class Poison(distributed.WorkerPlugin):
+    """Ends a worker that is to build this root cell. In new workers, too, since the scheduler hands it on."""
+
+    def __init__(self, root):
+        self.root = root
+
+    def setup(self, worker):
+        import occlod.distributed as module  # pylint: disable=import-outside-toplevel
+
+        build, root = module._build_of, self.root
+
+        class Poisoned:
+            def __init__(self, whole):
+                self.whole, self.part_name, self.has_part = whole, whole.part_name, whole.has_part
+
+            @property
+            def cuts(self):
+                return self.whole.cuts
+
+            def write_part(self, part, shard, **options):
+                if shard[0] <= root < shard[0] + shard[1]:
+                    os._exit(3)
+                self.whole.write_part(part, shard, **options)
+
+        module._build_of = lambda scene, options: Poisoned(build(scene, options))
+
+
+class Distributed(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory(prefix="occlod-cells-")
+        cls.addClassCleanup(folder.cleanup)
+        cls.folder = pathlib.Path(folder.name)
+        cls.scene = cls.folder / "city.json"
+        cls.scene.write_text(SCENE)
+        cls.build = occlod.CellBuild(occlod.Scene.read(cls.scene).load(), OPTIONS)
+        cls.build.write(cls.folder / "one.vlod", threads=1)
+        cls.expected = (cls.folder / "one.vlod").read_bytes()
+        pickle.loads(pickle.dumps(Poison))  # found by name in this module: nothing of it is sent to workers
+        os.environ["PYTHONPATH"] = os.pathsep.join([str(pathlib.Path(__file__).parent), os.environ.get("PYTHONPATH", "")])
+
+    def cluster(self, workers=2):
+        cluster = distributed.LocalCluster(n_workers=workers, threads_per_worker=1, processes=True, dashboard_address=":0", silence_logs=50)
+        self.addCleanup(cluster.close)
+        client = distributed.Client(cluster)
+        self.addCleanup(client.close)
+        return client
+
+    def run_build(self, client, name, shards=24, **options):
+        """Into a folder of its own."""
+        path = self.folder / name / "city.vlod"
+        path.parent.mkdir(exist_ok=True)
+        report = occlod.distributed.build_cells(self.scene, OPTIONS, path, client=client, shards=shards, **options)
+        self.assertEqual(path.read_bytes(), self.expected)
+        return report
+
+    def parts(self, name):
+        return sorted((self.folder / name / "city.vlod.parts").iterdir())
+
+    def test_bytes_do_not_depend_on_workers_and_shards(self):
+        self.assertEqual(self.build.root_cells, 24)
+        for workers, shards in ((1, 1), (2, 7), (3, 100)):
+            report = self.run_build(self.cluster(workers), f"w{workers}", shards)
+            self.assertEqual((report.shards, report.found, report.halved), (min(shards, 24), 0, 0))
+            self.assertEqual(report.cuts, self.build.cuts)
+            self.assertGreater(report.worker_seconds, 0)
+
+    def test_a_worker_is_killed(self):
+        client, killed = self.cluster(), []
+
+        def kill(done):
+            if done > 0.3 and not killed:
+                killed.append(next(iter(client.run(os.getpid).values())))
+                os.kill(killed[0], signal.SIGKILL)
+
+        report = self.run_build(client, "killed", progress=kill)
+        self.assertTrue(killed)
+        self.assertEqual((report.shards, report.found), (24, 0))
+
+    def test_the_driver_is_killed(self):
+        client = self.cluster()
+        path = self.folder / "driver" / "city.vlod"
+        path.parent.mkdir()
+        command = [sys.executable, "-c", DRIVER, client.scheduler.address, self.scene, path, pickle.dumps(OPTIONS).hex()]
+        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as driver:
+            for line in driver.stdout:
+                if float(line) >= 0.6:
+                    driver.send_signal(signal.SIGKILL)
+        self.assertFalse(path.exists())
+        report = self.run_build(client, "driver")
+        self.assertGreaterEqual(report.found, 14)
+        self.assertEqual(report.shards, 24)
+
+    def test_damaged_parts_are_built_again(self):
+        client = self.cluster()
+        self.run_build(client, "damaged")
+        parts = self.parts("damaged")
+        kept = {part: part.stat().st_mtime_ns for part in parts[3:]}
+        parts[0].write_bytes(parts[0].read_bytes()[:-20])
+        data = bytearray(parts[1].read_bytes())
+        data[len(data) // 2] ^= 4
+        parts[1].write_bytes(data)
+        parts[2].write_bytes(parts[3].read_bytes())  # of other root cells
+        report = self.run_build(client, "damaged")
+        self.assertEqual((report.shards, report.found), (24, 21))
+        self.assertEqual(kept, {part: part.stat().st_mtime_ns for part in kept})
+
+    def test_a_root_cell_that_kills_is_named(self):
+        client = self.cluster()
+        client.register_plugin(Poison(5), name="poison")
+        with self.assertRaisesRegex(occlod.Error, "root cell 5: kills the workers"):
+            self.run_build(client, "poison", shards=6)
+        self.assertFalse((self.folder / "poison" / "city.vlod").exists())
+        self.assertEqual(sum(int(part.stem.split("-")[2]) for part in self.parts("poison")), 23)  # all root cells but one
+        client.close()
+        report = self.run_build(self.cluster(), "poison", shards=6)
+        self.assertEqual(report.found, report.shards - 1)
+
+    def test_disk_full(self):
+        client = self.cluster()
+        client.run(resource.setrlimit, resource.RLIMIT_FSIZE, (100, resource.RLIM_INFINITY))
+        with self.assertRaisesRegex(occlod.Error, r"\.vpart: "):
+            self.run_build(client, "full")
+        self.assertEqual([part for part in self.parts("full") if part.suffix == ".vpart"], [])
+        client.run(resource.setrlimit, resource.RLIMIT_FSIZE, (resource.RLIM_INFINITY, resource.RLIM_INFINITY))
+        self.assertEqual(self.run_build(client, "full").found, 0)
+
+    def test_workers_with_another_scene_are_told(self):
+        client = self.cluster(1)
+        other = occlod.CellTreeOptions(OPTIONS.regions, root_cell=16, smallest_cell=8, most_triangles=199)
+        task = occlod.distributed._Task(str(self.scene), other, str(self.folder), self.build.part_name((0, 1)), (0, 1), 1)
+        with self.assertRaisesRegex(occlod.Error, "another scene"):
+            client.submit(occlod.distributed._write_shard, task).result()
