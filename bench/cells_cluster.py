@@ -93,8 +93,8 @@ def main():
     if given.csv:
         with given.csv.open("w", newline="") as file:
             table = csv.writer(file, lineterminator="\n")
-            table.writerow(["cells", "one_process_s", "one_worker_s", "two_workers_s"])
-            table.writerows([build.root_cells, *(f"{seconds:.3f}" for seconds in row)] for row in rows)
+            table.writerow(["run", "cells", "one_process_s", "one_worker_s", "two_workers_s"])
+            table.writerows([i, build.root_cells, *(f"{seconds:.3f}" for seconds in row)] for i, row in enumerate(rows, 1))
 
 
 if __name__ == "__main__":

@@ -16,7 +16,7 @@
 namespace occlod::vlod {
 namespace {
 
-constexpr int most_sampled_eyes = 100;  // along each axis
+constexpr int most_sampled_eyes = 64;  // along each axis, as CellBuilder has it
 
 class Hash {
  public:
