@@ -11,8 +11,8 @@
 
 namespace occlod {
 
-// The callback is only ever called by the thread that builds, with shares that never fall: after 20 ms, or sooner when a
-// twentieth more is done.
+// The callback is only ever called by the thread that builds, with shares that never fall: after 20 ms, or sooner when
+// a twentieth more is done.
 class BuildProgress {
  public:
   explicit BuildProgress(const std::function<bool(double)>& callback) : callback_(callback) {}
