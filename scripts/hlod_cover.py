@@ -5,18 +5,12 @@ MODELS = ("printed", "corrected")
 SOURCES = ("ellipsoids", *hlod_table4.SCENES)
 
 
-def counts(results):
-    """By source: what bench_cover_probability told."""
-    found = {source: results.load(f"cover_{source}") for source in SOURCES}
-    return {source: told for source, told in found.items() if told}
-
-
 def shown(difference):
     return "-" if difference is None else f"{difference:.3f}"
 
 
 def print_cover(document, results):
-    found = counts(results)
+    found = results.load_all("cover", SOURCES)
     if not found:
         return
     document.heading("Guthe, Balazs and Klein 2006, fig. 3")

@@ -126,7 +126,7 @@ def cover(document, results):
 
 
 def cover_plot(results, model, **options):
-    lines = {source: [(row["predicted"], row["hidden"]) for row in told["models"][model]["by_prediction"]] for source, told in hlod_cover.counts(results).items()}
+    lines = {source: [(row["predicted"], row["hidden"]) for row in told["models"][model]["by_prediction"]] for source, told in results.load_all("cover", hlod_cover.SOURCES).items()}
     drawn = plot.Lines(lines, f"p_cov, as {model}", "share of boxes that are covered", dots=True, **options)
     drawn.diagonal = True
     return drawn

@@ -5,11 +5,6 @@ SCENES = {"armadillo": ("orbit", 10_000), "armadillo_group": ("orbit", 10_000), 
 TITLES = ["scene", "error, px", "", "triangles", "ms", "queries", "pays below, ns a triangle", "splits drawn on the CPU, ns a triangle"]
 
 
-def reports(results):
-    found = {scene: results.load(f"splits_{scene}") for scene in SCENES}
-    return {scene: report for scene, report in found.items() if report}
-
-
 def shown(bound):
     return "-" if bound is None else "any" if bound == "infinite" else f"{bound:,.0f}"
 
@@ -32,7 +27,7 @@ def rows_of(scene, report):
 
 
 def print_splits(document, results):
-    found = reports(results)
+    found = results.load_all("splits", SCENES)
     if not found:
         return
     document.heading("Splits or an HLOD?")

@@ -36,6 +36,11 @@ class Results:
         file = self.folder / f"{name}.json"
         return json.loads(file.read_text()) if file.exists() else None
 
+    def load_all(self, part, names):
+        """By name: what is told of that part; without those that are missing."""
+        found = {name: self.load(f"{part}_{name}") for name in names}
+        return {name: told for name, told in found.items() if told}
+
     def runs(self, *names):
         """By device and strategy: averages over several runs with as many frames each. Nothing where one of them is missing."""
         reports = [self.load(name) for name in names]

@@ -1,4 +1,4 @@
-// occlod cells build|info|merge
+// occlod cells build|merge|info|check|walk: what they share.
 #include "cells.h"
 
 #include <CLI/CLI.hpp>
@@ -8,8 +8,9 @@
 
 #include "commands.h"
 #include "core/median.h"
-#include "progress.h"
-#include "standard_streams.h"
+#include "drawing.h"
+#include "option_names.h"
+#include "render_input.h"
 
 namespace occlod::tool {
 namespace {
@@ -19,12 +20,9 @@ Json options_to_json(const CellTreeOptions& options) {
   Json regions = Json::array();
   for (const CellBox& region : options.regions)
     regions.push_back({{"min", to_json(region.min)}, {"max", to_json(region.max)}});
-  const char* const occlusion = options.cell.occlusion == CellOcclusion::none   ? "none"
-                                : options.cell.occlusion == CellOcclusion::hull ? "hull"
-                                                                                : "sampled";
   return {{"tolerance_px", options.cell.tolerance_px},
           {"budget", options.cell.budget},
-          {"occlusion", occlusion},
+          {"occlusion", name_of(options.cell.occlusion)},
           {"focal_length_px", eyes.focal_length_px},
           {"cos_corner_angle", eyes.cos_corner_angle},
           {"near", eyes.near},
@@ -33,7 +31,7 @@ Json options_to_json(const CellTreeOptions& options) {
           {"smallest_cell", options.smallest_cell},
           {"levels", options.levels},
           {"most_triangles", options.most_triangles},
-          {"division", options.division == CellDivision::gain ? "gain" : "halving"},
+          {"division", name_of(options.division)},
           {"regions", regions}};
 }
 
@@ -122,18 +120,17 @@ Json bytes_to_json(const VlodFile& file) {
 }  // namespace
 
 CellScene load_cell_scene(const SceneDescription& scene, const std::filesystem::path& file, bool use_cache) {
-  Progress progress;
-  LoadOptions load_options;
-  load_options.use_cache = use_cache;
-  load_options.progress = [&](const std::string& what, double done) { progress.show(what, done); };
-  load_options.note = [](const std::string& line) { print_note(line); };
   CellScene result;
-  result.loaded = load_objects(scene, file.parent_path(), load_options);
-  for (const LoadedObject& object : result.loaded) {
-    result.objects.push_back({object.hierarchy.get(), object.object_to_world, object.two_sided});
-    result.names.push_back(object.source_name);
-  }
+  result.loaded = load_objects_of(scene, file.parent_path(), use_cache);
+  result.objects = refine_objects(result.loaded);
+  for (const LoadedObject& object : result.loaded) result.names.push_back(object.source_name);
   return result;
+}
+
+void add_no_cache(CLI::App& command, bool& use_cache) {
+  command.add_flag_callback(
+      "--no-cache", [&use_cache] { use_cache = false; },
+      "Build the hierarchies of the scene again, and do not keep them for the next time");
 }
 
 std::optional<std::vector<double>> numbers_in(const std::string& text, std::size_t count) {

@@ -33,6 +33,9 @@ struct CellScene {
 [[nodiscard]] CellScene load_cell_scene(const SceneDescription& scene, const std::filesystem::path& file,
                                         bool use_cache);
 
+// --no-cache. `use_cache` outlives the command.
+void add_no_cache(CLI::App& command, bool& use_cache);
+
 // Numbers of the form "1,2.5,-3": so many, finite. Nothing for anything else.
 [[nodiscard]] std::optional<std::vector<double>> numbers_in(const std::string& text, std::size_t count);
 

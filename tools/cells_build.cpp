@@ -296,9 +296,7 @@ void add_cells_build(CLI::App& cells) {
   add_number(command, "--threads", options->threads, WholeRange{0, most_threads},
              "Threads; 0: one per core. The result does not depend on it")
       ->capture_default_str();
-  command.add_flag_callback(
-      "--no-cache", [options] { options->use_cache = false; },
-      "Build the hierarchies of the scene again, and do not keep them for the next time");
+  add_no_cache(command, options->use_cache);
   add_progress_option(command, options->progress);
   command.add_flag("--json", options->json, "Print the result as one JSON object");
   command.callback([options] { run(*options); });

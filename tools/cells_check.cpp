@@ -117,9 +117,7 @@ void add_cells_check(CLI::App& cells) {
              "Pixels along each side of an image")
       ->capture_default_str();
   add_number(command, "--seed", options->eyes.seed, WholeRange{}, "Random seed")->capture_default_str();
-  command.add_flag_callback(
-      "--no-cache", [options] { options->use_cache = false; },
-      "Build the hierarchies of the scene again, and do not keep them for the next time");
+  add_no_cache(command, options->use_cache);
   command.add_flag("--json", options->json, "Print the result as one JSON object");
   command.callback([options] { run(*options); });
 }

@@ -250,9 +250,7 @@ void add_cells_walk(CLI::App& cells) {
   add_number(command, "--every", options->every, WholeRange{1, most_every}, "With --reference: every N-th frame")
       ->capture_default_str();
   add_file(command, "--png", options->png, "Picture of the last frame to write");
-  command.add_flag_callback(
-      "--no-cache", [options] { options->use_cache = false; },
-      "Build the hierarchies of the scene again, and do not keep them for the next time");
+  add_no_cache(command, options->use_cache);
   command.add_flag("--json", options->json, "Print the result as one JSON object");
   command.callback([options] { run(*options); });
 }

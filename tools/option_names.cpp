@@ -18,4 +18,18 @@ const char* name_of(Proxy proxy) {
   return "cylinder";
 }
 
+const char* name_of(CellOcclusion occlusion) {
+  switch (occlusion) {
+    case CellOcclusion::none:
+      return "none";
+    case CellOcclusion::hull:
+      return "hull";
+    case CellOcclusion::sampled:
+      break;
+  }
+  return "sampled";
+}
+
+const char* name_of(CellDivision division) { return division == CellDivision::gain ? "gain" : "halving"; }
+
 }  // namespace occlod::tool

@@ -2,11 +2,14 @@
 #pragma once
 
 #include "occlod/refine/refiner.h"
+#include "occlod/viewcells/cell_options.h"
 
 namespace occlod::tool {
 
 [[nodiscard]] const char* name_of(Culling culling);
 [[nodiscard]] const char* name_of(OccluderMode mode);
 [[nodiscard]] const char* name_of(Proxy proxy);
+[[nodiscard]] const char* name_of(CellOcclusion occlusion);
+[[nodiscard]] const char* name_of(CellDivision division);
 
 }  // namespace occlod::tool

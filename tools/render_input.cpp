@@ -9,18 +9,15 @@
 #include "world_box.h"
 
 namespace occlod::tool {
-namespace {
-
-std::vector<LoadedObject> load(const SceneDescription& scene, const RenderInputOptions& options) {
+std::vector<LoadedObject> load_objects_of(const SceneDescription& scene, const std::filesystem::path& folder,
+                                          bool use_cache) {
   Progress progress;
-  LoadOptions load_options;
-  load_options.use_cache = options.use_cache;
-  load_options.progress = [&](const std::string& what, double done) { progress.show(what, done); };
-  load_options.note = [](const std::string& line) { print_note(line); };
-  return load_objects(scene, options.file.parent_path(), load_options);
+  LoadOptions options;
+  options.use_cache = use_cache;
+  options.progress = [&](const std::string& what, double done) { progress.show(what, done); };
+  options.note = [](const std::string& line) { print_note(line); };
+  return load_objects(scene, folder, options);
 }
-
-}  // namespace
 
 SceneDescription describe_render_input(const RenderInputOptions& options) {
   if (!is_scene_file(options.file) && !options.path.empty())
@@ -52,7 +49,7 @@ RenderInput load_render_input(const RenderInputOptions& options, const SceneDesc
   } else if (is_scene) {
     input.camera = chosen_camera(scene, options);
   }
-  input.objects = load(scene, options);
+  input.objects = load_objects_of(scene, options.file.parent_path(), options.use_cache);
   if (!is_scene) input.camera = camera_that_sees(world_box(input.objects), options);
   return input;
 }

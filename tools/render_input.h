@@ -31,7 +31,11 @@ struct RenderInput {
 [[nodiscard]] std::vector<std::filesystem::path> mesh_files(const RenderInputOptions& options,
                                                             const SceneDescription& scene);
 
-// Reads and builds. Shows progress and notes on standard error. Throws Error.
+// Reads and builds. Shows progress and notes on standard error. Throws Error as load_objects() does.
+[[nodiscard]] std::vector<LoadedObject> load_objects_of(const SceneDescription& scene,
+                                                        const std::filesystem::path& folder, bool use_cache);
+
+// The same, with where it is seen from.
 [[nodiscard]] RenderInput load_render_input(const RenderInputOptions& options, const SceneDescription& scene);
 [[nodiscard]] RenderInput load_render_input(const RenderInputOptions& options);
 
