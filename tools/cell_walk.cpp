@@ -60,7 +60,8 @@ void CellWalk::run_loads() {
 }
 
 const WalkedFrame& CellWalk::step_to(const Camera& camera) {
-  stepped_ = walker_->step(camera.eye, walk_frame_seconds);
+  walked_ = &walker_->step(camera.eye, walk_frame_seconds);
+  stepped_ = *walked_;
   stepped_.objects.clear();
   run_loads();
   return stepped_;
@@ -74,6 +75,7 @@ const CellWalkFrame& CellWalk::go_to(const Camera& camera) {
   const View view(camera);
   double start = thread_cpu_ms();
   const WalkedFrame& walked = walker_->step(camera.eye, walk_frame_seconds);
+  walked_ = &walked;
   const double stepped = thread_cpu_ms();
   ranges_in_view(walked, objects_, view, ranges_);
   const double culled = thread_cpu_ms();

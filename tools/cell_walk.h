@@ -58,6 +58,8 @@ class CellWalk {
   // Frames without drawing that last for so many seconds.
   void stand(const Camera& camera, double seconds);
 
+  // What the last frame or step gave, with its objects; valid until the next one.
+  [[nodiscard]] const WalkedFrame& walked() const { return *walked_; }
   // What the last frame has drawn.
   [[nodiscard]] const ItemBuffer& items() const { return items_; }
   [[nodiscard]] std::span<const DrawObject> drawn() const { return drawn_; }
@@ -77,7 +79,8 @@ class CellWalk {
   std::vector<DrawObject> drawn_;
   ItemBuffer items_;
   CellWalkFrame frame_;
-  WalkedFrame stepped_;  // without objects
+  WalkedFrame stepped_;                  // without objects
+  const WalkedFrame* walked_ = nullptr;  // the walker's
 };
 
 // How far a picture is from that of the full mesh, which it draws itself.

@@ -77,7 +77,8 @@ void add_options(CLI::App& app, Arguments& arguments) {
   const CLI::Validator named([](const std::string& name) { return std::string(name.empty() ? "is empty" : ""); }, "",
                              "");
   app.set_version_flag("--version", version());
-  app.add_option("files", arguments.application.files, "Meshes, hierarchies (.olod), HLODs (.ohlod) and scenes (.json)")
+  app.add_option("files", arguments.application.files,
+                 "Meshes, hierarchies (.olod), HLODs (.ohlod), scenes (.json) and view cells of them (.vlod)")
       ->check(named);
   app.add_option("--script", arguments.script,
                  "Perform the actions of this file, then exit with 0, or with 1 if one failed")

@@ -10,6 +10,8 @@
 #include "occlod/io/ohlod.h"
 #include "occlod/mesh/generate.h"
 #include "occlod/occlusion/software_occlusion.h"
+#include "occlod/viewcells/build_cells.h"
+#include "view_cells.h"
 
 namespace occlod::viewer::test {
 
@@ -58,6 +60,27 @@ nlohmann::json city_scene(const std::string& mesh) {
   return {{"objects", {{{"mesh", mesh}}}},
           {"cameras", {{"default", street}, {"above", look({70, 20, 150}, {170, 185, 0})}}},
           {"paths", {{"by", {{"frames", 5}, {"keys", {street, look({95, 181, 1.7}, {250, 330, 8})}}}}}}};
+}
+
+nlohmann::json street_scene() {
+  nlohmann::json scene = city_scene("");
+  scene["objects"] = {{{"generator", "city"}, {"options", {{"blocks", 6}, {"facade_cells", 3}}}}};
+  return scene;
+}
+
+std::filesystem::path write_street_cells(const Folder& folder, const Objects& objects) {
+  Camera camera;  // as that of the scene
+  camera.width = 160;
+  camera.height = 120;
+  camera.fov_y_deg = 60.0;
+  camera.near = 0.2;
+  CellTreeOptions options;
+  options.cell.eyes = eye_model(View(camera));
+  options.regions = {{{60.0, 176.0, 1.0}, {100.0, 186.0, 2.5}}};
+  options.root_cell = 10.0;
+  options.levels = 0;
+  CellBuild(refine_objects(objects), options).write(folder.path("city.vlod"));
+  return folder.path("city.vlod");
 }
 
 std::unique_ptr<Visibility> make_portable_visibility(Occlusion occlusion) {

@@ -32,6 +32,11 @@ std::filesystem::path write_city(const Folder& folder);
 // A scene of this mesh with a camera in a street of that city, the bookmark "above" and the path "by" of 5 frames.
 [[nodiscard]] nlohmann::json city_scene(const std::string& mesh);
 
+// A scene of a smaller city with the same street, cameras and path, and cells along the street that are built for the
+// objects of a session that has opened it: their file.
+[[nodiscard]] nlohmann::json street_scene();
+std::filesystem::path write_street_cells(const Folder& folder, const Objects& objects);
+
 // The software backend and none, no OpenGL.
 [[nodiscard]] std::unique_ptr<Visibility> make_portable_visibility(Occlusion occlusion);
 

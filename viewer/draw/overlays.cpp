@@ -156,6 +156,33 @@ void add_node_boxes(std::vector<Line>& lines, const RefinedFrame& frame, std::si
   if (boxes == NodeBoxes::asked) add_asked_boxes(lines, *frame.job.objects, shown.front->frame);
 }
 
+constexpr Pen cell_pen{{0.98F, 0.55F, 0.10F, 1.0F}, 2.5, 0.5};
+constexpr std::size_t most_cell_boxes = 2000;  // those nearest to the eye
+
+void add_cell_box(std::vector<Line>& lines, const CellBox& box, const Pen& pen) {
+  const auto corner_of = [&](int i) {
+    return glm::dvec3((i & 1) != 0 ? box.max.x : box.min.x, (i & 2) != 0 ? box.max.y : box.min.y,
+                      (i & 4) != 0 ? box.max.z : box.min.z);
+  };
+  for (int i = 0; i < 8; ++i)
+    for (const int bit : {1, 2, 4})
+      if ((i & bit) == 0) lines.push_back({corner_of(i), corner_of(i | bit), pen});
+}
+
+// The cell of the eye last, over the others; where it is late also the node that is drawn instead.
+void add_cell_boxes(std::vector<Line>& lines, const CellsFrame& frame, const glm::dvec3& eye, CellBoxes boxes) {
+  if (boxes == CellBoxes::none) return;
+  const CellTree& tree = frame.cells->file->tree();
+  if (boxes != CellBoxes::cell) {
+    const CellScale scale = scale_of(*frame.cells, boxes);
+    for (const CellId leaf : nearest_leaves(*frame.cells, eye, most_cell_boxes))
+      add_cell_box(lines, tree.node(leaf).box, box_pen(box_color(frame, leaf, boxes, scale)));
+  }
+  if (frame.walked.shown != frame.walked.cell)
+    add_cell_box(lines, tree.node(frame.walked.shown).box, box_pen(color_of(CellArrival::late)));
+  add_cell_box(lines, tree.node(frame.walked.cell).box, cell_pen);
+}
+
 // To behind the scene.
 std::vector<std::array<glm::dvec3, 2>> refined_frustum(const Session& session) {
   const View view(session.refine_camera());
@@ -190,6 +217,8 @@ std::vector<Line> main_overlay(const Session& session, std::size_t side) {
   std::vector<Line> lines;
   const State& state = session.state();
   if (session.frame()) add_node_boxes(lines, *session.frame(), side, state.settings.hlod.boxes);
+  if (session.frame() && session.frame()->cells && side == 0)
+    add_cell_boxes(lines, *session.frame()->cells, session.refine_camera().eye, state.settings.cells.boxes);
   if (state.settings.freeze) add_frustum(lines, session);
   if (state.pick)
     for (const PlacedObject& object : *state.objects)

@@ -101,10 +101,12 @@ void SceneDrawing::draw(RenderTarget& target, const Camera& camera, std::size_t 
   gl.Enable(GL_DEPTH_TEST);
   gl.DepthFunc(GL_LESS);
   if (!sides_.empty()) {
-    const std::vector<Drawn>& drawn = sides_[std::min(side, sides_.size() - 1)].objects;
+    const std::size_t shown = std::min(side, sides_.size() - 1);
+    const std::vector<Drawn>& drawn = sides_[shown].objects;
     const bool seen = colors == Colors::seen && !is_hlod_;  // which nobody asks about HLODs
+    const bool own = has_own_colors(shown, look);
     for (std::size_t i = 0; i < drawn.size(); ++i)
-      draw_object((*frame_->job.objects)[i], drawn[i], seen ? drawn[i].seen : drawn[i].colors, view, look);
+      draw_object((*frame_->job.objects)[i], drawn[i], seen ? drawn[i].seen : drawn[i].colors, own, view, look);
   }
   gl.Disable(GL_CULL_FACE);
   gl.FrontFace(GL_CCW);
@@ -114,14 +116,19 @@ void SceneDrawing::draw(RenderTarget& target, const Camera& camera, std::size_t 
   target.finish();
 }
 
+// Whether the side is drawn in the colours of the file.
+bool SceneDrawing::has_own_colors(std::size_t side, const LookSettings& look) const {
+  if (is_hlod_) return frame_->job.hlod.color_by == HlodColorBy::vertices;
+  if (frame_->cells && side == 0) return frame_->job.walk.color_by == CellColorBy::vertices;
+  return look.color_by == ColorBy::vertices;
+}
+
 void SceneDrawing::draw_object(const PlacedObject& object, const Drawn& drawn, const TriangleColors& colors,
-                               const View& view, const LookSettings& look) const {
+                               bool own_colors, const View& view, const LookSettings& look) const {
   const Camera& camera = view.camera();
   const ObjectView object_view(view, object.object_to_world);
   const glm::dmat4 object_to_eye = glm::lookAt(camera.eye, camera.target, camera.up) * object.object_to_world;
   const VertexBuffers& vertices = drawn.vertices ? *drawn.vertices : vertices_.at(object.mesh);
-  const bool own_colors =
-      is_hlod_ ? frame_->job.hlod.color_by == HlodColorBy::vertices : look.color_by == ColorBy::vertices;
   MeshProgram::Uniforms uniforms;
   uniforms.object_to_clip = object_view.object_to_clip();
   uniforms.object_to_eye = glm::mat4(object_to_eye);

@@ -46,8 +46,9 @@ class SceneDrawing {
   std::size_t upload(Side& side, const HlodSide& drawn);
   void fit(Side& side) const;
   std::size_t upload_morphs(Drawn& drawn, const PlacedObject& object, std::span<const Geomorph> geomorphs);
-  void draw_object(const PlacedObject& object, const Drawn& drawn, const TriangleColors& colors, const View& view,
-                   const LookSettings& look) const;
+  [[nodiscard]] bool has_own_colors(std::size_t side, const LookSettings& look) const;
+  void draw_object(const PlacedObject& object, const Drawn& drawn, const TriangleColors& colors, bool own_colors,
+                   const View& view, const LookSettings& look) const;
 
   const gl::Functions* gl_;
   MeshProgram plain_;

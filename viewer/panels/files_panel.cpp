@@ -16,7 +16,7 @@ bool can_be_opened(const std::filesystem::path& file) {
   std::string extension = file.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return std::tolower(c); });
-  for (const char* known : {".ply", ".obj", ".off", ".stl", ".gltf", ".glb", ".olod", ".ohlod", ".json"})
+  for (const char* known : {".ply", ".obj", ".off", ".stl", ".gltf", ".glb", ".olod", ".ohlod", ".vlod", ".json"})
     if (extension == known) return true;
   return false;
 }
@@ -65,7 +65,9 @@ void draw_files(Panels& panels) {
   panels.drawn.insert("open");
   if (ImGui::Button("Open...", ImVec2(third, 0.0F))) panels.fields.opens = true;
   draw_help_of_item(
-      "Open a mesh, a hierarchy (.olod), an HLOD (.ohlod) or a scene (.json). Files can also be dropped on the window");
+      "Open a mesh, a hierarchy (.olod), an HLOD (.ohlod), a scene (.json) or its view cells (.vlod). Files can also "
+      "be "
+      "dropped on the window");
   ImGui::SameLine();
   ImGui::SetNextItemWidth(third);
   if (ImGui::BeginCombo("##recent", "Recent")) {

@@ -57,9 +57,11 @@ std::string count_text(const HlodSide& side) {
 void draw_tags(const Session& session, const Layout& layout, float margin) {
   const Settings& settings = session.state().settings;
   if (settings.compare && layout.pictures.size() == 2 && session.frame() && session.frame()->sides.size() == 2) {
-    const std::string name = find_setting("occlusion")->get(settings).get<std::string>();
-    draw_tag("with", layout.pictures[0], count_text(session.frame()->sides[0], ("occlusion " + name).c_str()), margin);
-    draw_tag("without", layout.pictures[1], count_text(session.frame()->sides[1], "no occlusion"), margin);
+    const std::string name = "occlusion " + find_setting("occlusion")->get(settings).get<std::string>();
+    const bool walks = session.frame()->cells != nullptr;
+    draw_tag("left", layout.pictures[0], count_text(session.frame()->sides[0], walks ? "cell" : name.c_str()), margin);
+    draw_tag("right", layout.pictures[1], count_text(session.frame()->sides[1], walks ? name.c_str() : "no occlusion"),
+             margin);
   } else if (settings.compare && layout.pictures.size() == 2 && session.frame() &&
              session.frame()->hlod_sides.size() == 2) {
     draw_tag("left", layout.pictures[0], count_text(session.frame()->hlod_sides[0]), margin);
@@ -69,7 +71,8 @@ void draw_tags(const Session& session, const Layout& layout, float margin) {
              "Drop a mesh, a hierarchy or a scene here, or open one with Ctrl + O. F1 lists keys and mouse actions.",
              margin);
   } else if (settings.freeze) {
-    draw_tag("frozen", layout.view, "Refinement is frozen (Z)", margin);
+    const bool walks = session.frame() && session.frame()->cells;
+    draw_tag("frozen", layout.view, walks ? "The cell is frozen (Z)" : "Refinement is frozen (Z)", margin);
   }
 }
 
@@ -79,7 +82,11 @@ std::vector<LegendEntry> legend_of_session(const Session& session) {
   if (!are_hlods(objects)) {
     int levels = 0;
     for (const PlacedObject& object : objects) levels = std::max(levels, object.mesh->level_count);
-    return legend_of(settings.look.color_by, levels);
+    const auto& frame = session.frame();
+    if (!frame || !frame->cells) return legend_of(settings.look.color_by, levels);
+    std::vector<LegendEntry> entries = legend_of(settings.cells.color_by, levels);
+    for (const LegendEntry& entry : legend_of(*frame->cells->cells, settings.cells.boxes)) entries.push_back(entry);
+    return entries;
   }
   std::size_t levels = 0;
   for (const PlacedObject& object : objects) levels = std::max(levels, object.hlod->hlod->level_count());

@@ -39,7 +39,10 @@ void draw_sidebar(Panels& panels, const Area& area) {
   draw_objects(panels);
   draw_pick(panels);
   draw_auto(panels);
-  if (!are_hlods(*panels.session.state().objects)) draw_refinement(panels);
+  if (!are_hlods(*panels.session.state().objects)) {
+    draw_cells(panels);
+    draw_refinement(panels);
+  }
   if (panels.session.state().objects->empty() || are_hlods(*panels.session.state().objects)) draw_hlod(panels);
   draw_look(panels);
   draw_camera(panels);

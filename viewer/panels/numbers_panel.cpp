@@ -83,6 +83,23 @@ void draw_hlod_table(const PictureRecord& last, const hlod::Frame& frame) {
   ImGui::EndTable();
 }
 
+void draw_cells_table(const PictureRecord& last, const CellsFrame& frame, const RefinedSide& side) {
+  if (!ImGui::BeginTable("numbers", 4, ImGuiTableFlags_SizingFixedFit | ImGuiTableFlags_NoClip)) return;
+  const WalkedFrame& walked = frame.walked;
+  draw_cell("triangles", grouped(static_cast<double>(walked.drawn_triangles)));
+  draw_cell("cell", fmt::format("{}{}", walked.cell, walked.late ? ", late" : ""));
+  draw_cell("visible", side.visible_triangles ? share(last.visible_triangles, walked.drawn_triangles)
+                                              : std::string("not counted"));
+  draw_cell("late frames", share(frame.late, frame.frames));
+  draw_cell("largest error", pixels(walked.error_px));
+  draw_cell("crossings", grouped(static_cast<double>(frame.crossings)));
+  draw_cell("memory", grouped(last.memory_mb) + " MB");
+  draw_cell("of cells", fmt::format("{:.2f} MB", static_cast<double>(walked.resident_bytes) / 1e6));
+  draw_cell("read", fmt::format("{:.2f} MB", static_cast<double>(frame.bytes_read) / 1e6));
+  draw_cell("loads", grouped(static_cast<double>(frame.loads)));
+  ImGui::EndTable();
+}
+
 // The scale of the graph: the first of 5, 10, 20, 50, ... that holds nearly all pictures.
 double top_of(const std::deque<PictureRecord>& records, std::size_t first) {
   std::vector<double> totals;
@@ -140,6 +157,8 @@ void draw_numbers(Panels& panels, const Area& area) {
   const bool is_hlod = !frame->hlod_sides.empty();
   if (is_hlod)
     draw_hlod_table(last, frame->hlod_sides[0].front->frame);
+  else if (frame->cells)
+    draw_cells_table(last, *frame->cells, frame->sides[0]);
   else
     draw_table(last, panels.session);
   draw_button(panels, "export_csv", {{"file", panels.fields.csv}});

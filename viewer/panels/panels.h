@@ -74,6 +74,7 @@ void draw_open_dialogue(Panels& panels, const Layout& layout);
 void draw_objects(Panels& panels);
 void draw_refinement(Panels& panels);
 void draw_hlod(Panels& panels);
+void draw_cells(Panels& panels);
 void draw_auto(Panels& panels);
 void draw_look(Panels& panels);
 void draw_pick(Panels& panels);

@@ -67,7 +67,15 @@ Loader::~Loader() {
 void Loader::open(const std::filesystem::path& file, LoadAs as) {
   {
     const std::lock_guard lock(mutex_);
-    waiting_.push_back({file, as});
+    waiting_.push_back({file, as, nullptr});
+  }
+  changed_.notify_all();
+}
+
+void Loader::open_cells(const std::filesystem::path& file, std::shared_ptr<const Objects> objects) {
+  {
+    const std::lock_guard lock(mutex_);
+    waiting_.push_back({file, LoadAs::hierarchy, std::move(objects)});
   }
   changed_.notify_all();
 }
@@ -126,6 +134,10 @@ LoadedFile Loader::load(const Wanted& wanted) {
   LoadedFile result;
   result.file = wanted.file;
   try {
+    if (wanted.cells_of) {
+      result.cells = open_view_cells(wanted.file, wanted.cells_of);
+      return result;
+    }
     const SceneDescription scene = describe_file(wanted.file);
     if (wanted.as == LoadAs::hlod || has_hlods(scene, wanted.file.parent_path()))
       load_as_hlods(scene, result);

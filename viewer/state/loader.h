@@ -6,6 +6,7 @@
 #include <deque>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -15,6 +16,7 @@
 #include "objects.h"
 #include "occlod/scene/scene.h"
 #include "settings.h"
+#include "view_cells.h"
 
 namespace occlod::viewer {
 
@@ -27,6 +29,7 @@ struct LoadedFile {
   std::map<std::string, Camera> cameras;  // of a scene
   std::map<std::string, CameraPath> paths;
   std::string about;
+  std::shared_ptr<const ViewCells> cells;  // of a .vlod file, instead of all these
 };
 
 struct LoadProgress {
@@ -45,6 +48,8 @@ class Loader {
 
   // HLODs (.ohlod), and scenes with such objects, are opened as HLODs whatever `as` says.
   void open(const std::filesystem::path& file, LoadAs as = LoadAs::hierarchy);
+  // A .vlod file, for these objects.
+  void open_cells(const std::filesystem::path& file, std::shared_ptr<const Objects> objects);
   void cancel();  // all of it
   [[nodiscard]] LoadProgress progress() const;
   [[nodiscard]] bool busy() const;
@@ -56,6 +61,7 @@ class Loader {
   struct Wanted {
     std::filesystem::path file;
     LoadAs as = LoadAs::hierarchy;
+    std::shared_ptr<const Objects> cells_of;  // of a .vlod file; else null
   };
   [[nodiscard]] LoadedFile load(const Wanted& wanted);
   void load_meshes(const SceneDescription& scene, LoadedFile& result);

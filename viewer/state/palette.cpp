@@ -56,6 +56,17 @@ constexpr std::array<const char*, 4> answer_words = {"answer not used", "hidden 
 constexpr std::array<glm::u8vec4, 4> answer_colors = {
     {{196, 152, 208, 255}, {246, 246, 246, 255}, {58, 132, 206, 255}, {12, 12, 14, 255}}};
 
+// As Seen where both say the same.
+constexpr std::array<const char*, cell_kept_count> kept_words = {"seen in this picture", "drawn, but unseen in it",
+                                                                 "left out: faces away from the cell",
+                                                                 "left out: hidden from the cell"};
+constexpr std::array<glm::u8vec4, cell_kept_count> kept_colors = {
+    {{238, 174, 92, 255}, {62, 96, 158, 255}, {128, 92, 148, 255}, {186, 192, 198, 255}}};
+constexpr std::array<const char*, cell_arrival_count> arrival_words = {"cell: not entered yet", "cell: in time",
+                                                                       "cell: late"};
+constexpr std::array<glm::u8vec4, cell_arrival_count> arrival_colors = {
+    {{150, 156, 164, 255}, {96, 164, 120, 255}, {208, 66, 76, 255}}};
+
 template <std::size_t count>
 std::vector<LegendEntry> entries(const std::array<glm::u8vec4, count>& colors,
                                  const std::array<const char*, count>& words) {
@@ -173,5 +184,17 @@ std::vector<LegendEntry> legend_of(NodeBoxes boxes) {
   legend.push_back({unasked_box_color, "box: drawn without a question"});
   return legend;
 }
+
+glm::u8vec4 color_of(CellKept kept) { return kept_colors[static_cast<std::size_t>(kept)]; }
+glm::u8vec4 color_of(CellArrival arrival) { return arrival_colors[static_cast<std::size_t>(arrival)]; }
+
+std::vector<LegendEntry> legend_of(CellColorBy color_by, int level_count) {
+  if (color_by == CellColorBy::level) return legend_of(ColorBy::level, level_count);
+  if (color_by == CellColorBy::error) return legend_of(ColorBy::error, 0);
+  if (color_by == CellColorBy::kept) return entries(kept_colors, kept_words);
+  return {};
+}
+
+std::vector<LegendEntry> legend_of_arrivals() { return entries(arrival_colors, arrival_words); }
 
 }  // namespace occlod::viewer

@@ -43,6 +43,19 @@ inline constexpr std::size_t drawn_as_count = 5;
 [[nodiscard]] DrawnAs drawn_as(const hlod::DrawnNode& draw);
 [[nodiscard]] const char* word_of(DrawnAs drawn);
 
+// What becomes of an active triangle of a view cell.
+enum class CellKept : std::uint8_t {
+  seen,         // drawn, and owns a pixel
+  unseen,       // drawn, and owns none in this picture
+  facing_away,  // left out: every eye in the cell sees its back
+  hidden,       // left out: hidden from all of the cell
+};
+inline constexpr std::size_t cell_kept_count = 4;
+
+// How the cells were there when the eye came to them.
+enum class CellArrival : std::uint8_t { not_visited, in_time, late };
+inline constexpr std::size_t cell_arrival_count = 3;
+
 // sRGB.
 [[nodiscard]] glm::u8vec4 color_of(Seen seen);
 [[nodiscard]] glm::u8vec4 color_of(Outcome outcome);
@@ -62,6 +75,10 @@ inline constexpr glm::u8vec4 base_mesh_color{120, 124, 132, 255};  // of triangl
 [[nodiscard]] glm::u8vec4 color_of(hlod::Answer answer);          // of a box
 inline constexpr glm::u8vec4 unasked_box_color{96, 96, 96, 255};  // drawn without a question
 
+// Of view cells.
+[[nodiscard]] glm::u8vec4 color_of(CellKept kept);
+[[nodiscard]] glm::u8vec4 color_of(CellArrival arrival);  // of a box
+
 struct LegendEntry {
   glm::u8vec4 color;
   std::string text;
@@ -70,5 +87,7 @@ struct LegendEntry {
 [[nodiscard]] std::vector<LegendEntry> legend_of(ColorBy color_by, int level_count);
 [[nodiscard]] std::vector<LegendEntry> legend_of(HlodColorBy color_by, std::size_t level_count);
 [[nodiscard]] std::vector<LegendEntry> legend_of(NodeBoxes boxes);
+[[nodiscard]] std::vector<LegendEntry> legend_of(CellColorBy color_by, int level_count);
+[[nodiscard]] std::vector<LegendEntry> legend_of_arrivals();
 
 }  // namespace occlod::viewer

@@ -6,6 +6,7 @@
 #include <exception>
 #include <map>
 
+#include "cells_bench.h"
 #include "explain.h"
 #include "hlod_bench.h"
 #include "occlod/picture/picture.h"
@@ -74,15 +75,19 @@ class Bench {
     try {
       if (are_hlods(*frame.job.objects))
         hlods_.draw(frame);
+      else if (frame.job.cells)
+        walk(frame);
       else
         refine(frame);
     } catch (const std::exception& error) {
       frame.sides.clear();
       frame.hlod_sides.clear();
+      frame.cells.reset();
       frame.error = error.what();
       refiners_.clear();  // whatever it was about is not to be gone on with
       backends_.clear();
       hlods_.forget();
+      cells_.forget();
     }
     return frame;
   }
@@ -90,7 +95,8 @@ class Bench {
  private:
   void refine(RefinedFrame& frame) {
     RefineJob& job = frame.job;
-    place(job);
+    cells_.forget();
+    place(job, job.compare ? 2 : 1);
     job.options.budget = std::max(job.options.budget, refiners_[0].base_triangles());
     frame.sides.push_back(side(refiners_[0], job, job.occlusion));
     frame.hash = frame.sides[0].refinement.hash();
@@ -98,18 +104,26 @@ class Bench {
     frame.goes_on = job.frame_to_frame && goes_on(frame);
   }
 
-  // One refiner for each side.
-  void place(const RefineJob& job) {
+  // Cells, and beside them a refinement.
+  void walk(RefinedFrame& frame) {
+    cells_.walk(frame, refinements_);
+    RefineJob& job = frame.job;
+    frame.hash = frame.sides[0].refinement.hash();
+    if (!job.compare) return refiners_.clear();
+    place(job, 1);
+    job.options.budget = std::max(job.options.budget, refiners_[0].base_triangles());
+    frame.sides.push_back(side(refiners_[0], job, job.occlusion));
+  }
+
+  // One refiner for each side that is refined.
+  void place(const RefineJob& job, std::size_t count) {
     const bool chooses = job.occlusion == Occlusion::automatic;
     if (job.objects != objects_ || job.from_scratch || chooses != chooses_) refiners_.clear();
     objects_ = job.objects;
     chooses_ = chooses;
-    const std::size_t count = job.compare ? 2 : 1;
     while (refiners_.size() > count) refiners_.pop_back();
     if (refiners_.size() == count) return;
-    std::vector<RefineObject> list;
-    for (const PlacedObject& object : *objects_)
-      list.push_back({object.mesh->hierarchy.get(), object.object_to_world, object.two_sided});
+    const std::vector<RefineObject> list = refine_objects(*objects_);
     while (refiners_.size() < count)
       if (chooses && refiners_.empty())
         refiners_.emplace_back(list, calibration(), visibility(Occlusion::software));
@@ -208,6 +222,7 @@ class Bench {
   int idle_frames_ = 0;
   ItemBuffer items_;
   HlodBench hlods_;
+  CellsBench cells_;
 };
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include <thread>
 #include <vector>
 
+#include "cells_side.h"
 #include "hlod_devices.h"
 #include "hlod_side.h"
 #include "objects.h"
@@ -38,7 +39,9 @@ struct RefineJob {
   bool keep_occluder = false;
   bool keep_seen = false;
   ColorBy color_by = ColorBy::plain;
-  HlodSettings hlod;  // where the objects are HLODs, instead of what is about meshes
+  HlodSettings hlod;                       // where the objects are HLODs, instead of what is about meshes
+  std::shared_ptr<const ViewCells> cells;  // of these objects, to walk through; null: refined
+  CellSettings walk;
 };
 
 // Of Occlusion::automatic: what was on and why. The choice's backend is one of the calibration's.
@@ -61,12 +64,15 @@ struct RefinedSide {
 // Immutable once it is handed over.
 struct RefinedFrame {
   RefineJob job;
-  // Either: as asked; with `compare` the same without occlusion, or by the other strategy, as well.
+  // Either: as asked; with `compare` the same without occlusion, or by the other strategy, as well. With cells the
+  // first side is what is drawn for the cell of the eye, that to compare with a refinement.
   std::vector<RefinedSide> sides;
   std::vector<HlodSide> hlod_sides;
+  std::shared_ptr<const CellsFrame> cells;        // of the first side, where the job has cells
   std::optional<hlod::DeviceCosts> device_costs;  // of the device that HLODs are drawn on, where they are known
   std::uint64_t hash = 0;                         // of the first side
-  // A limit has left work over, vertices slide, or other nodes may be drawn: one more frame is worth its while.
+  // A limit has left work over, vertices slide, other nodes may be drawn, or a cell is on its way: one more frame is
+  // worth its while.
   bool goes_on = false;
   std::string error;  // one line; then there are no sides
 

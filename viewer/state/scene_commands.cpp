@@ -46,10 +46,8 @@ bool is_usable(const glm::dmat4& matrix) {
   return true;
 }
 
-void open(Session& session, const JsonPlace& action) {
-  session.loader().open(action.at("file").string(), session.state().settings.load_as);
-}
-void cancel(Session& session, const JsonPlace&) { session.loader().cancel(); }
+void open(Session& session, const JsonPlace& action) { session.open(action.at("file").string()); }
+void cancel(Session& session, const JsonPlace&) { session.cancel_loading(); }
 
 void close(Session& session, const JsonPlace& action) {
   const std::uint64_t id = object_of(session, action);
@@ -62,8 +60,9 @@ void close(Session& session, const JsonPlace& action) {
 
 void close_all(Session& session, const JsonPlace&) {
   State& state = session.state();
-  session.loader().cancel();
+  session.cancel_loading();
   session.edit_objects([](Objects& objects) { objects.clear(); });
+  state.cells.reset();
   state.selected = 0;
   state.pick.reset();
   state.bookmarks.clear();
@@ -73,6 +72,8 @@ void close_all(Session& session, const JsonPlace&) {
   state.settings.freeze = false;
   session.setting_changed();
 }
+
+void close_cells(Session& session, const JsonPlace&) { session.state().cells.reset(); }
 
 void select(Session& session, const JsonPlace& action) { session.state().selected = object_of(session, action); }
 
@@ -152,12 +153,14 @@ std::span<const Command> scene_commands() {
   static const std::vector<Command> commands = {
       {"open",
        "Open",
-       "Add a mesh, a hierarchy (.olod), an HLOD (.ohlod) or a scene (.json) to what is open",
+       "Add a mesh, a hierarchy (.olod), an HLOD (.ohlod) or a scene (.json) to what is open; or walk through cells "
+       "(.vlod) of what is open",
        {{"file", "path"}},
        open},
       {"cancel", "Cancel", "Cancel loading and building", {}, cancel, false},
       {"close", "Close", "Close one object", {object}, close},
       {"close_all", "Close all", "Close everything", {}, close_all},
+      {"close_cells", "Close cells", "Refine again instead of walking through cells", {}, close_cells},
       {"select", "Select", "Select an object", {object}, select},
       {"place",
        "Place",

@@ -29,7 +29,8 @@ nlohmann::json key_of(const Camera& c) {
 nlohmann::json key_of(const RefineJob& job, const Settings& settings) {
   nlohmann::json key =
       nlohmann::json::array({key_of(job.camera), job.keep_occluder, job.keep_seen, static_cast<int>(job.color_by)});
-  for (const auto& group : {refine_settings(), hlod_settings()})
+  key.push_back(job.cells != nullptr);  // another file is a change of the objects for request_mesh()
+  for (const auto& group : {refine_settings(), hlod_settings(), cells_settings()})
     for (const Setting& setting : group) key.push_back(setting.get(settings));
   return key;
 }
@@ -75,29 +76,6 @@ void tell(PictureRecord& record, const HlodFront& front, bool is_new) {
   record.queries = stats.queries;
   record.queries_hidden = stats.hidden_nodes;
   record.max_error_px = stats.largest_sse_px;
-}
-
-void add_figures(std::map<std::string, double>& figures, const RefinedFrame& frame) {
-  const hlod::Frame& front = frame.hlod_sides[0].front->frame;
-  const hlod::FrameStats& stats = front.stats;
-  figures["triangles"] = static_cast<double>(stats.drawn_triangles);
-  figures["queries"] = static_cast<double>(stats.queries);
-  figures["queries_hidden"] = static_cast<double>(stats.hidden_nodes);
-  figures["max_error_px"] = stats.largest_sse_px;
-  figures["drawn_nodes"] = static_cast<double>(stats.drawn_nodes);
-  figures["drawn_patches"] = static_cast<double>(stats.drawn_patches);
-  figures["cut_nodes"] = static_cast<double>(stats.cut_nodes);
-  figures["rarn"] = static_cast<double>(stats.rarn);
-  figures["delayed"] = static_cast<double>(stats.delayed);
-  figures["blocked"] = static_cast<double>(stats.blocked);
-  figures["wasted_queries"] = static_cast<double>(stats.wasted_queries);
-  figures["frame_ms"] = front.times.frame_ms;
-  figures["stall_ms"] = front.times.stall_ms;
-  if (frame.hlod_sides.size() < 2) return;
-  const hlod::Frame& other = frame.hlod_sides[1].front->frame;
-  figures["other_drawn_nodes"] = static_cast<double>(other.stats.drawn_nodes);
-  figures["other_triangles"] = static_cast<double>(other.stats.drawn_triangles);
-  figures["other_frame_ms"] = other.times.frame_ms;
 }
 
 }  // namespace
@@ -147,6 +125,10 @@ void Session::update(double seconds, double patience_ms) {
   auto latest = worker_.latest();
   if (shown_->empty()) latest = nullptr;
   if (latest && latest != frame_ && !latest->error.empty()) notify(latest->error, true);
+  if (latest && latest->cells && latest->cells->note.number > notes_told_) {
+    notes_told_ = latest->cells->note.number;
+    notify(latest->cells->note.line, true);
+  }
   // After a failure the mesh of before is not what is asked for: nothing is drawn.
   frame_ = std::move(latest);
   touched_ = false;
@@ -167,11 +149,12 @@ void Session::picture_drawn(const PictureCost& cost) {
     tell(record, *frame_->hlod_sides[0].front, is_new);
   else
     tell(record, frame_->sides[0], is_new);
+  if (frame_->cells) record.walked = frame_->cells->walked;
   timeline_.add(record);
 }
 
 bool Session::settled() const noexcept {
-  if (touched_ || loader_.busy()) return false;
+  if (touched_ || loader_.busy() || !waiting_cells_.empty()) return false;
   return shown_->empty() || (is_current() && !goes_on());
 }
 
@@ -185,6 +168,20 @@ void Session::set_view_size(const ImageSize& size) {
   state_.camera.width = used.width;
   state_.camera.height = used.height;
 }
+
+void Session::open(const std::filesystem::path& file) {
+  if (is_vlod_file(file))
+    waiting_cells_.push_back(file);
+  else
+    loader_.open(file, state_.settings.load_as);
+}
+
+void Session::cancel_loading() {
+  waiting_cells_.clear();
+  loader_.cancel();
+}
+
+bool Session::cells_fit() const { return state_.cells && shown_ && are_of(*state_.cells, *shown_); }
 
 void Session::edit_objects(const std::function<void(Objects&)>& edit) {
   auto objects = std::make_shared<Objects>(*state_.objects);
@@ -210,9 +207,20 @@ void Session::take_loaded() {
       notify(file->file.filename().string() + ": cancelled");
     else if (!file->error.empty())
       notify(file->error, true);
+    else if (file->cells)
+      take_cells(file->cells);
     else
       add(*std::move(file));
   }
+  if (waiting_cells_.empty() || loader_.busy()) return;
+  loader_.open_cells(waiting_cells_.front(), state_.objects);
+  waiting_cells_.pop_front();
+}
+
+void Session::take_cells(std::shared_ptr<const ViewCells> cells) {
+  if (state_.objects->empty()) return;  // closed meanwhile
+  files_.add_input(std::filesystem::absolute(cells->path), "a file of view cells that was opened");
+  state_.cells = std::move(cells);
 }
 
 void Session::add(LoadedFile file) {
@@ -314,11 +322,14 @@ RefineJob Session::wanted_job() const {
   job.keep_seen = settings.insets.birdseye;
   job.color_by = settings.look.color_by;
   job.hlod = settings.hlod;
+  if (settings.cells.walk && cells_fit()) job.cells = state_.cells;
+  job.walk = settings.cells;
   return job;
 }
 
 void Session::request_mesh() {
-  if (shown_of_ != state_.objects) {
+  if (shown_of_ != state_.objects || cells_of_ != state_.cells) {
+    cells_of_ = state_.cells;
     shown_of_ = state_.objects;
     auto shown = std::make_shared<Objects>();
     for (const PlacedObject& object : *shown_of_)
@@ -336,47 +347,6 @@ void Session::request_mesh() {
   requested_key_ = std::move(key);
   requested_ = job.number;
   worker_.request(std::move(job));
-}
-
-std::map<std::string, double> Session::figures() const {
-  std::map<std::string, double> figures = {{"objects", static_cast<double>(state_.objects->size())},
-                                           {"bookmarks", static_cast<double>(state_.bookmarks.size())},
-                                           {"paths", static_cast<double>(state_.paths.size())},
-                                           {"pictures", static_cast<double>(pictures_)},
-                                           {"errors", static_cast<double>(state_.errors)},
-                                           {"picked", state_.pick ? 1.0 : 0.0},
-                                           {"memory_mb", resident_memory_mb()}};
-  if (frame_ && !frame_->hlod_sides.empty()) add_figures(figures, *frame_);
-  if (!frame_ || frame_->sides.empty()) return figures;
-  const RefineStats& stats = frame_->sides[0].refinement.stats;
-  figures["budget"] = static_cast<double>(stats.budget);
-  figures["triangles"] = static_cast<double>(stats.triangles);
-  figures["splits"] = static_cast<double>(stats.splits);
-  figures["forced_splits"] = static_cast<double>(stats.forced_splits);
-  figures["queries"] = static_cast<double>(stats.queries);
-  figures["queries_hidden"] = static_cast<double>(stats.queries_hidden);
-  figures["occluder_draws"] = static_cast<double>(stats.occluder_draws);
-  figures["max_error_px"] = stats.max_error_px;
-  figures["new_splits"] = static_cast<double>(stats.new_splits);
-  figures["merged_splits"] = static_cast<double>(stats.merged_splits);
-  figures["changed_triangles"] = static_cast<double>(stats.changed_triangles);
-  figures["pending"] = stats.pending ? 1.0 : 0.0;
-  figures["refine_ms"] = stats.refine_ms;
-  figures["occlusion_ms"] = stats.occlusion_ms;
-  if (const auto& visible = frame_->sides[0].visible_triangles) {
-    figures["visible_triangles"] = static_cast<double>(*visible);
-    figures["visible_share"] = static_cast<double>(*visible) / static_cast<double>(stats.triangles);
-  }
-  if (const auto& why = frame_->sides[0].explanation) {
-    figures["auto_effort"] = static_cast<double>(why->report.choice.effort);
-    figures["auto_held"] = why->report.held ? 1.0 : 0.0;
-    figures["look_ms"] = why->report.look_ms;
-    figures["same_error_triangles"] = why->report.same_error_without.triangles;
-    figures["same_error_ms"] = why->report.same_error_without.ms;
-  }
-  if (frame_->sides.size() > 1)
-    figures["visible_triangles_without"] = static_cast<double>(frame_->sides[1].visible_triangles.value_or(0));
-  return figures;
 }
 
 }  // namespace occlod::viewer

@@ -73,7 +73,8 @@ struct State {
   Settings defaults;  // what "reset" goes back to
   Settings settings;
   std::shared_ptr<const Objects> objects = std::make_shared<Objects>();
-  std::uint64_t selected = 0;  // id of an object; 0 = none
+  std::shared_ptr<const ViewCells> cells;  // of the objects as they were when it was opened; or null
+  std::uint64_t selected = 0;              // id of an object; 0 = none
   std::map<std::string, Camera> bookmarks;
   std::map<std::string, CameraPath> paths;
   std::string about;
@@ -128,6 +129,12 @@ class Session {
 
   // Pixels of the view area; half of it with the split screen.
   void set_view_size(const ImageSize& size);
+  // A mesh, a scene, ..., as the settings say; or, when all that is waiting has been opened, cells of what is open
+  // then.
+  void open(const std::filesystem::path& file);
+  void cancel_loading();
+  // Cells are open, and the objects are where the cells have them, all shown.
+  [[nodiscard]] bool cells_fit() const;
   void edit_objects(const std::function<void(Objects&)>& edit);
   void notify(const std::string& text, bool is_error = false);
   void setting_changed();  // after state().settings has been
@@ -135,6 +142,7 @@ class Session {
  private:
   void take_loaded();
   void add(LoadedFile file);
+  void take_cells(std::shared_ptr<const ViewCells> cells);
   void go_on_playing();
   void go_on_recording(double seconds);
   [[nodiscard]] Camera recorded_key();
@@ -149,8 +157,11 @@ class Session {
   Timeline timeline_;
   SessionFiles files_;
   ImageSize view_size_{1024, 768};
-  std::shared_ptr<const Objects> shown_of_;  // whose shown objects
-  std::shared_ptr<const Objects> shown_;     // these are
+  std::shared_ptr<const Objects> shown_of_;    // whose shown objects
+  std::shared_ptr<const ViewCells> cells_of_;  // with what cells the last mesh was asked for
+  std::shared_ptr<const Objects> shown_;       // these are
+  std::deque<std::filesystem::path> waiting_cells_;
+  std::uint64_t notes_told_ = 0;  // of cells that could not be loaded
   std::shared_ptr<const RefinedFrame> frame_;
   std::uint64_t requested_ = 0;  // number of the last job
   nlohmann::json requested_key_;

@@ -33,6 +33,7 @@ struct Setting {
 // In the order in which panels show them.
 [[nodiscard]] std::span<const Setting> refine_settings();
 [[nodiscard]] std::span<const Setting> hlod_settings();
+[[nodiscard]] std::span<const Setting> cells_settings();
 [[nodiscard]] std::span<const Setting> look_settings();
 [[nodiscard]] std::span<const Setting> camera_settings();
 [[nodiscard]] std::span<const Setting> window_settings();

@@ -59,6 +59,29 @@ struct HlodSettings {
   NodeBoxes boxes = NodeBoxes::none;
 };
 
+// What the colour of a triangle of a view cell tells.
+enum class CellColorBy {
+  plain,     // nothing
+  vertices,  // the colours of the file
+  level,     // as ColorBy
+  error,     // as ColorBy
+  kept,      // whether it is drawn for the cell, and if not, why
+};
+
+// Which view cells have their boxes drawn, and what their colour tells.
+enum class CellBoxes { none, cell, triangles, error, bytes, late };
+
+struct CellSettings {
+  bool walk = true;  // where cells are open
+  bool prefetch = true;
+  double memory_mb = 256.0;
+  double disk_mb_s = 0.0;  // of a simulated disk; 0: reading takes no time
+  double latency_ms = 5.0;
+  CellColorBy color_by = CellColorBy::plain;
+  bool left_out = false;
+  CellBoxes boxes = CellBoxes::none;
+};
+
 // How mouse and keys move the camera.
 enum class Steering { orbit, fly, walk };
 
@@ -91,6 +114,7 @@ struct Settings {
   LoadAs load_as = LoadAs::hierarchy;
   RefineOptions refine;
   HlodSettings hlod;
+  CellSettings cells;
   bool frame_to_frame = true;  // go on from the mesh of the picture before; else refine each from scratch
   Occlusion occlusion = Occlusion::software;
   bool freeze = false;         // refine for the camera of the moment when it was set

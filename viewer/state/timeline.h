@@ -4,9 +4,11 @@
 #include <cstdint>
 #include <deque>
 #include <filesystem>
+#include <optional>
 
 #include "occlod/device/device.h"
 #include "occlod/traverse/traverser.h"
+#include "occlod/viewcells/cell_walker.h"
 
 namespace occlod::viewer {
 
@@ -41,6 +43,8 @@ struct PictureRecord {
   // Of HLODs; else all 0. refine_ms is then the frame without stalls, occlusion_ms the stalls.
   hlod::FrameStats hlod;
   hlod::FrameTimes times;
+  // Of view cells; else none.
+  std::optional<WalkedFrame> walked;  // without objects
 
   [[nodiscard]] double total_ms() const { return refine_ms + occlusion_ms + cost.upload_ms + cost.draw_ms; }
 };
