@@ -1,15 +1,20 @@
 // occlod cells check FILE.vlod SCENE
 #include <fmt/format.h>
+#include <xxhash.h>
 
 #include <CLI/CLI.hpp>
+#include <exception>
 #include <filesystem>
 #include <memory>
+#include <mutex>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
 #include "cell_sight.h"
 #include "cells.h"
+#include "hierarchy/parallel.h"
 #include "mesh/portable_math.h"
 #include "occlod/core/error.h"
 #include "option_values.h"
@@ -24,6 +29,7 @@ struct Options {
   std::filesystem::path file, scene;
   std::uint64_t cells = 16;
   CellEyes eyes{50, 256, 1};
+  int threads = 0;
   bool use_cache = true;
   bool json = false;
 };
@@ -45,10 +51,95 @@ void print_header() {
   fmt::print("{:>8}  {:>10}  {:>10}  {:>10}  {:>11}\n", "cell", "drawn", "pixels", "backs", "unexplained");
 }
 
-void print_row(const Json& cell) {
-  fmt::print("{:>8}  {:>10}  {:>10}  {:>10}  {:>11}\n", cell["cell"].get<CellId>(),
-             cell["drawn_triangles"].get<std::size_t>(), cell["pixels"].get<std::size_t>(),
-             cell["backs"].get<std::size_t>(), cell["unexplained"].get<std::size_t>());
+struct Row {
+  CellId cell = no_id;
+  std::uint32_t drawn_triangles = 0;
+  CellSight sight;
+};
+
+void print_row(const Row& row) {
+  fmt::print("{:>8}  {:>10}  {:>10}  {:>10}  {:>11}\n", row.cell, row.drawn_triangles, row.sight.pixels,
+             row.sight.backs, row.sight.missing);
+}
+
+Json to_json(const Row& row) {
+  return {{"cell", row.cell},
+          {"drawn_triangles", row.drawn_triangles},
+          {"pixels", row.sight.pixels},
+          {"backs", row.sight.backs},
+          {"unexplained", row.sight.missing}};
+}
+
+// Rows of some cells, in their order whichever thread is done first.
+class Rows {
+ public:
+  Rows(std::size_t count, bool print) : rows_(count), print_(print) {}
+
+  void set(std::size_t i, const Row& row) {
+    const std::scoped_lock lock(mutex_);
+    rows_[i] = row;
+    for (; print_ && printed_ < rows_.size() && rows_[printed_]; ++printed_) print_row(*rows_[printed_]);
+  }
+  // Cells are begun in order and none is given up, so of all that fail the first is the same for any number of threads.
+  void fail(std::size_t i) {
+    const std::scoped_lock lock(mutex_);
+    if (failed_ && *failed_ < i) return;
+    failed_ = i;
+    failure_ = std::current_exception();
+  }
+  [[nodiscard]] std::exception_ptr failure() const { return failure_; }
+  [[nodiscard]] std::vector<Row> all() const {
+    std::vector<Row> rows;
+    for (const std::optional<Row>& row : rows_) rows.push_back(row.value());
+    return rows;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::optional<Row>> rows_;
+  bool print_;
+  std::size_t printed_ = 0;
+  std::optional<std::size_t> failed_;
+  std::exception_ptr failure_;
+};
+
+Row look_from_cell(CellId cell, const VlodFile& file, const CellScene& scene, const FullScene& full, CellEyes eyes) {
+  const CellNode& node = file.tree().node(cell);
+  const std::vector<CellObjectCut> cut = read_cell(file, scene.objects, cell);
+  eyes.seed += cell;
+  return {cell, node.drawn_triangles, look_from(node.box, full, scene.objects, file.options().cell, cut, eyes)};
+}
+
+std::vector<Row> look_from_all(const std::vector<CellId>& cells, const VlodFile& file, const CellScene& scene,
+                               const Options& options) {
+  const FullScene full(scene.objects);
+  Rows rows(cells.size(), !options.json);
+  const auto look = [&](int, std::size_t i) {
+    try {
+      rows.set(i, look_from_cell(cells[i], file, scene, full, options.eyes));
+    } catch (...) {
+      rows.fail(i);
+      throw;
+    }
+  };
+  try {
+    for_each_task(
+        cells.size(), thread_count(options.threads), [] { return 0; }, look, [] {});
+  } catch (...) {
+    if (const std::exception_ptr first = rows.failure()) std::rethrow_exception(first);
+    throw;
+  }
+  return rows.all();
+}
+
+CellSight sum_of(const std::vector<Row>& rows) {
+  CellSight all;
+  for (const Row& row : rows) {
+    all.pixels += row.sight.pixels;
+    all.backs += row.sight.backs;
+    all.missing += row.sight.missing;
+  }
+  return all;
 }
 
 void run(const Options& options) {
@@ -56,36 +147,24 @@ void run(const Options& options) {
   static_cast<void>(open_vlod(options.file));  // before the scene, which takes longer
   const CellScene scene = load_cell_scene(description, options.scene, options.use_cache);
   const auto file = open_vlod(options.file, scene.objects, scene.names);
-  const FullScene full(scene.objects);
   const Stopwatch stopwatch;
-  CellSight all;
-  Json cells = Json::array();
-  CellEyes eyes = options.eyes;
   if (!options.json) print_header();
-  for (const CellId cell : sample(file->tree(), options.cells, options.eyes.seed)) {
-    const std::vector<CellObjectCut> cut = read_cell(*file, scene.objects, cell);
-    eyes.seed = options.eyes.seed + cell;
-    const CellSight sight =
-        look_from(file->tree().node(cell).box, full, scene.objects, file->options().cell, cut, eyes);
-    all.pixels += sight.pixels;
-    all.backs += sight.backs;
-    all.missing += sight.missing;
-    cells.push_back({{"cell", cell},
-                     {"drawn_triangles", file->tree().node(cell).drawn_triangles},
-                     {"pixels", sight.pixels},
-                     {"backs", sight.backs},
-                     {"unexplained", sight.missing}});
-    if (!options.json) print_row(cells.back());
-  }
+  const std::vector<Row> rows =
+      look_from_all(sample(file->tree(), options.cells, options.eyes.seed), *file, scene, options);
+  const CellSight all = sum_of(rows);
+  Json cells = Json::array();
+  for (const Row& row : rows) cells.push_back(to_json(row));
+  const std::string text = cells.dump();
   Json result = {{"file", options.file.string()},
                  {"scene", options.scene.string()},
-                 {"cells_checked", cells.size()},
+                 {"cells_checked", rows.size()},
                  {"eyes_a_cell", 9 + options.eyes.random},
                  {"image_size", options.eyes.image_size},
                  {"seed", options.eyes.seed},
                  {"pixels", all.pixels},
                  {"backs", all.backs},
                  {"unexplained", all.missing},
+                 {"hash", fmt::format("{:016x}", XXH3_64bits(text.data(), text.size()))},
                  {"check_ms", stopwatch.milliseconds()}};
   if (options.json) {
     result["cells"] = std::move(cells);
@@ -117,6 +196,9 @@ void add_cells_check(CLI::App& cells) {
              "Pixels along each side of an image")
       ->capture_default_str();
   add_number(command, "--seed", options->eyes.seed, WholeRange{}, "Random seed")->capture_default_str();
+  add_number(command, "--threads", options->threads, WholeRange{0, most_threads},
+             "Threads, each with a cell of its own; 0: one per core. The result does not depend on it")
+      ->capture_default_str();
   add_no_cache(command, options->use_cache);
   command.add_flag("--json", options->json, "Print the result as one JSON object");
   command.callback([options] { run(*options); });

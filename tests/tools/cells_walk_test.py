@@ -1,8 +1,10 @@
 """`occlod cells check` and `occlod cells walk` as people and scripts use them."""
 import json
+import os
+import subprocess
 import unittest
 
-from tool_case import ToolTest
+from tool_case import OCCLOD, ToolTest
 
 CAMERA = {"target": [0, 0, 0], "up": [0, 0, 1], "near": 0.01, "far": 10, "width": 96, "height": 72}
 SCENE = {
@@ -79,6 +81,47 @@ class Walk(ToolTest):
         self.assertEqual(len(checked["cells"]), 3)
         again = self.json_of("cells", "check", "a.vlod", "scene.json", "--cells", 3, "--eyes", 4, "--image-size", 64, "--seed", 5)
         self.assertEqual(checked["cells"], again["cells"])
+
+    def check(self, threads, eyes=2):
+        return ["cells", "check", "a.vlod", "scene.json", "--cells", 1000, "--eyes", eyes, "--image-size", 32, "--threads", threads]
+
+    def test_check_does_not_depend_on_threads(self):
+        checked = [self.json_of(*self.check(threads)) for threads in (1, 2, 3, 64)]
+        self.assertGreater(checked[0]["cells_checked"], 32)
+        self.assertGreater(len({cell["pixels"] for cell in checked[0]["cells"]}), 32, "so rows that are swapped would be seen")
+        for result in checked:
+            result.pop("check_ms")
+            self.assertEqual(result, checked[0])
+        table = [self.succeed(*self.check(threads)).split("\n\n")[0] for threads in (1, 3)]
+        self.assertEqual(table[0], table[1])
+        self.assertEqual([int(line.split()[0]) for line in table[0].splitlines()[1:]], [cell["cell"] for cell in checked[0]["cells"]])
+
+    def test_check_names_the_first_cell_that_fails_for_any_number_of_threads(self):
+        """Half of what nodes add is damaged: of the cells that cannot be read one is the first, and all before it have their rows."""
+        data = bytearray((self.folder / "a.vlod").read_bytes())
+        for i in range(len(data) - len(data) // 8, len(data), 50):
+            data[i] ^= 1
+        (self.folder / "a.vlod").write_bytes(data)
+        ends = [self.run_tool(*self.check(threads)) for threads in (1, 2, 3, 64)]
+        for end in ends:
+            self.assertEqual((end.returncode, end.stdout, end.stderr), (1, ends[0].stdout, ends[0].stderr))
+        self.assertIn("checksum", ends[0].stderr)
+        self.assertGreater(ends[0].stdout.count("\n"), 2)
+
+    def test_check_starts_as_many_threads(self):
+        for threads in (1, 3):
+            with subprocess.Popen([OCCLOD, *map(str, self.check(threads, eyes=40))], cwd=self.folder, env=self.environment, stdout=subprocess.DEVNULL) as process:
+                most = 0
+                while process.poll() is None and most < 3:
+                    most = max(most, self.threads_of(process.pid))
+                process.kill()
+            self.assertEqual(most, threads)
+
+    def threads_of(self, pid):
+        try:
+            return len(os.listdir(f"/proc/{pid}/task"))
+        except FileNotFoundError:
+            return 0
 
     def test_check_refuses_another_scene(self):
         self.write_scene(json.dumps({**SCENE, "objects": [{"mesh": "planet.olod", "position": [0, 0, 1]}]}))
