@@ -1,5 +1,6 @@
 """`occlod cells` as people and scripts use it."""
 import json
+import re
 import resource
 import subprocess
 import unittest
@@ -150,16 +151,30 @@ class Cells(ToolTest):
         (self.folder / "planet.vlod").write_bytes(good[:-1])
         self.assertIn("truncated", self.failure_of("cells", "info", "planet.vlod"))
 
+    def test_a_budget_below_the_base_mesh_says_what_is_enough(self):
+        """No cut has fewer triangles than the base mesh, and the base mesh is one: the number that is named works, and one less does not."""
+        refused = self.failure_of("cells", "build", "planet.olod", "-o", "planet.vlod", *SPACE, "--budget", 1)
+        enough = int(re.search(r"give (\d+) or more", refused)[1])
+        self.assertFalse((self.folder / "planet.vlod").exists())
+        self.assertEqual(self.build(*SPACE, "--budget", enough)["triangles_mean"], enough)
+        self.assertIn(f"give {enough} or more", self.failure_of("cells", "build", "planet.olod", "-o", "planet.vlod", *SPACE, "--budget", enough - 1))
+
     def test_a_full_disk_leaves_the_old_file(self):
-        """The limit of file sizes stands for a full disk: it fails in the same calls."""
+        """The limit of file sizes stands for a full disk: it fails in the same calls. What was built before stays and can be merged later."""
         old = b"what was there before"
+        self.build(*SPACE, "--work", "good", output="good.vlod")
         (self.folder / "planet.vlod").write_bytes(old)
-        for arguments in (["-o", "planet.vlod"], ["-o", "planet.vlod", "--work", "parts"]):
-            done = subprocess.run([OCCLOD, "cells", "build", "planet.olod", *map(str, SPACE), *arguments], cwd=self.folder, env=self.environment, capture_output=True, text=True,
+        build = ["build", "planet.olod", *map(str, SPACE), "-o", "planet.vlod"]
+        for arguments in (build, [*build, "--work", "parts"], ["merge", "good", "-o", "planet.vlod"]):
+            done = subprocess.run([OCCLOD, "cells", *arguments], cwd=self.folder, env=self.environment, capture_output=True, text=True,
                                   preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000)))
             self.assertEqual((done.returncode, done.stdout, done.stderr.count("\n")), (1, "", 1), done.stderr)
+            self.assertIn("space on the disk", done.stderr)
             self.assertEqual((self.folder / "planet.vlod").read_bytes(), old)
-            self.assertEqual([path.name for path in self.folder.glob("**/*.v*")] + [path.name for path in self.folder.glob("**/.*")], ["planet.vlod"])
+            self.assertEqual(sorted(path.name for path in self.folder.glob("*.vlod")) + [path.name for path in self.folder.glob("**/.*")], ["good.vlod", "planet.vlod"])
+            self.assertEqual(list(self.folder.glob("parts/*")), [])
+        self.succeed("cells", "merge", "good", "-o", "planet.vlod")
+        self.assertTrue(self.same_bytes("planet.vlod", "good.vlod"))
 
 
 if __name__ == "__main__":

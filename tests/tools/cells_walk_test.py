@@ -1,11 +1,14 @@
 """`occlod cells check` and `occlod cells walk` as people and scripts use them."""
 import json
 import os
+import pathlib
+import signal
 import subprocess
 import unittest
 
 from tool_case import OCCLOD, ToolTest
 
+ATTEMPTS = 50
 CAMERA = {"target": [0, 0, 0], "up": [0, 0, 1], "near": 0.01, "far": 10, "width": 96, "height": 72}
 SCENE = {
     "objects": [{"mesh": "planet.olod"}],
@@ -69,6 +72,70 @@ class Walk(ToolTest):
         self.assertIn("orthographic", self.failure_of("cells", "walk", "a.vlod", "scene.json", "--path", "flat"))
         self.assertIn("nowhere", self.failure_of("cells", "walk", "a.vlod", "scene.json", "--path", "nowhere"))
         self.assertEqual(self.run_tool("cells", "walk", "a.vlod", "scene.json", "--path", "along", "--throttle", "0,5").returncode, 2)
+
+    def change_while_open(self, change, *arguments):
+        """Stops the command once it has a.vlod open for good, which is after it has mapped the hierarchy, calls change(), and lets it go on."""
+        with subprocess.Popen([OCCLOD, *map(str, arguments), "--json"], cwd=self.folder, env=self.environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+            while process.poll() is None:
+                if self.has_open(process.pid, "planet.olod", "maps") and self.has_open(process.pid, "a.vlod", "fd"):
+                    os.kill(process.pid, signal.SIGSTOP)
+                    os.waitid(os.P_PID, process.pid, os.WSTOPPED | os.WEXITED | os.WNOWAIT)
+                    change()
+                    os.kill(process.pid, signal.SIGCONT)
+                    break
+            output, errors = process.communicate()
+        return process.returncode, output, errors
+
+    def has_open(self, pid, name, how):
+        try:
+            folder = pathlib.Path(f"/proc/{pid}")
+            return name in (folder / "maps").read_text() if how == "maps" else any(os.readlink(link).endswith(name) for link in (folder / "fd").iterdir())
+        except FileNotFoundError:  # it has been closed, or the process has ended
+            return False
+
+    WALK = ["cells", "walk", "a.vlod", "scene.json", "--path", "along"]
+
+    def test_removed_or_replaced_while_walking(self):
+        """What is open lives on, so the same is drawn, and seen, as if nothing had happened."""
+        check = ["cells", "check", "a.vlod", "scene.json", "--cells", 2, "--eyes", 1, "--image-size", 16]
+        path = self.folder / "a.vlod"
+        good = path.read_bytes()
+        def drawn(result):
+            return [(frame["cell"], frame["shown"], frame["late"], frame["drawn_triangles"]) for frame in result["frame"]] if "frame" in result else result["cells"]
+        for arguments in (self.WALK, check):
+            path.write_bytes(good)
+            expected = drawn(self.json_of(*arguments))
+            for change in (path.unlink, lambda: (self.folder / "other").replace(path)):
+                path.write_bytes(good)
+                (self.folder / "other").write_bytes(b"something else")
+                code, output, errors = self.change_while_open(change, *arguments)
+                self.assertEqual((code, errors), (0, ""))
+                self.assertEqual(drawn(json.loads(output)), expected)
+
+    def test_cut_short_while_walking(self):
+        """All but what the root adds is gone, so all that can be drawn in any cell is the root's: in each frame something is, and every frame is late. Of
+        the cells that cannot be read each is told of."""
+        told = self.json_of("cells", "info", "a.vlod")
+        root = self.json_of("cells", "info", "a.vlod", "--cell", 0)["path"][0]["bytes"]
+        left = told["file_bytes"] - told["payload_bytes"] + root
+        path = self.folder / "a.vlod"
+        good = path.read_bytes()
+        for _ in range(ATTEMPTS):
+            path.write_bytes(good)
+            code, output, errors = self.change_while_open(lambda: os.truncate(path, left), *self.WALK)
+            if code == 0:
+                break
+            self.assertEqual((code, output, errors.count("\n")), (1, "", 1), errors)  # cut before it had been looked at: refused
+            self.assertIn("truncated", errors)
+        walked = json.loads(output)
+        self.assertEqual((walked["late"], walked["missing"] > 0), (walked["frames"], True))
+        self.assertEqual({frame["shown"] for frame in walked["frame"]}, {0})
+        self.assertGreater(min(frame["triangles"] for frame in walked["frame"]), 0)
+        lines = errors.splitlines()
+        self.assertGreater(len(lines), 0)
+        for line in lines:
+            self.assertIn("a.vlod", line)
+        self.assertIn("a.vlod", self.failure_of("cells", "check", "a.vlod", "scene.json"))
 
     def test_picture_and_table(self):
         self.assertIn("crossings", self.succeed("cells", "walk", "a.vlod", "scene.json", "--path", "along", "--png", "last.png"))

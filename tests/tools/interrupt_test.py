@@ -116,6 +116,29 @@ class Interrupt(Interrupting):
         self.succeed(*space, "-o", "b.vlod")
         self.assertTrue(self.same_bytes("a.vlod", "b.vlod"))
 
+    def test_cells_merge(self):
+        """A signal finds it while it merges, or comes too late: then the file is whole. Parts stay as they are."""
+        self.make_large_planet(6)
+        self.succeed("build", "planet.ply", "-o", "planet.olod")
+        self.succeed("cells", "build", "planet.olod", "-o", "whole.vlod", "--work", "parts", "--region", "-2.5,-0.5,-0.5,-1.5,0.5,0.5", "--root-cell", 0.25, "--tolerance", 4)
+        parts = {path.name: path.read_bytes() for path in (self.folder / "parts").iterdir()}
+        target, caught = self.folder / "a.vlod", 0
+        for number in (signal.SIGINT, signal.SIGTERM) * ATTEMPTS:
+            target.write_bytes(OLD)
+            process = self.start("cells", "merge", "parts", "-o", "a.vlod")
+            self.wait_for_stage(process, "merging")
+            process.send_signal(number)
+            end = self.end_of(process)
+            self.assertEqual({path.name: path.read_bytes() for path in (self.folder / "parts").iterdir()}, parts)
+            self.assertEqual([name for name in self.names() if name.startswith(".")], [])
+            if end[0] == 0:
+                self.assertTrue(self.same_bytes("a.vlod", "whole.vlod"))
+                continue
+            self.assert_cancelled(end, "cells merge", number)
+            self.assertEqual(target.read_bytes(), OLD)
+            caught += 1
+        self.assertGreater(caught, 0)
+
     def test_generate(self):
         self.cancel("generating", signal.SIGINT, "generate", "rough-planet", "--level", 10, target="target.ply")
         for number in (signal.SIGINT, signal.SIGTERM):
