@@ -12,10 +12,11 @@
 
 #include "support/cell_lists.h"
 #include "support/cpu_clock.h"
+#include "viewcells/node_order.h"
 #include "viewcells/paper/adaptive_huffman.h"
 #include "viewcells/paper/delimiter_code.h"
+#include "viewcells/paper/first_node.h"
 #include "viewcells/paper/hamming_tour.h"
-#include "viewcells/paper/node_order.h"
 #include "viewcells/set_code.h"
 
 namespace occlod::bench {
@@ -108,7 +109,7 @@ TableRow print_table_row(const std::vector<Ids>& lists, const std::vector<Ids>& 
   const paper::Improvement sampled_tour = paper::improve_tour(columns, sampled, sampled_order, most_moves);
 
   const double before_sort = seconds();
-  const std::vector<std::uint32_t> places = paper::places_by_nodes(part.added, count);
+  const std::vector<std::uint32_t> places = places_by_nodes(part.added, count);
   const double sort_s = seconds() - before_sort;
   const std::size_t sorted_runs = count_runs(renumbered(part.lists, places));
   const std::size_t first_runs = count_runs(renumbered(part.lists, paper::places_by_first_node(part.added, count)));
@@ -137,7 +138,7 @@ double sort_many(std::uint32_t count) {
     for (std::size_t n = random() % nodes.size(), i = 0; i < 3 && n < nodes.size(); ++i, n += 1 + random() % 1000)
       nodes[n].push_back(id);
   const double start = seconds();
-  const std::vector<std::uint32_t> places = paper::places_by_nodes(nodes, count);
+  const std::vector<std::uint32_t> places = places_by_nodes(nodes, count);
   return places.empty() ? 0.0 : seconds() - start;
 }
 
@@ -247,7 +248,7 @@ void run(int side, std::size_t most_columns, std::uint32_t many) {
     if (columns <= std::min(used.size(), most_columns)) last = print_table_row(lists, added, spread(used, columns));
   if (used.size() <= most_columns) last = print_table_row(lists, added, used);
 
-  const std::vector<std::uint32_t> places = paper::places_by_nodes(added, grid.split_count);
+  const std::vector<std::uint32_t> places = places_by_nodes(added, grid.split_count);
   const std::vector<Ids> sorted = renumbered(lists, places);
   fmt::print(
       "\norder,lists,ids,runs,bit_vector,int32,delimiter,delimiter_runs,delimiter_shorter,adaptive_huffman_runs,"

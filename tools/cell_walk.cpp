@@ -1,6 +1,7 @@
 #include "cell_walk.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <ctime>
 #include <utility>
@@ -19,6 +20,18 @@ double thread_cpu_ms() {
 
 }  // namespace
 
+std::uint64_t hash_of(const WalkedFrame& frame) {
+  std::uint64_t sum = 0;
+  for (std::size_t i = 0; i < frame.objects.size(); ++i)
+    for (const Triangle& t : frame.objects[i].triangles) {
+      std::uint64_t h = 14695981039346656037U + i;
+      for (int k = 0; k < 9; ++k)
+        h = (h ^ std::bit_cast<std::uint32_t>(frame.objects[i].positions[t[k / 3]][k % 3])) * 1099511628211U;
+      sum += h ^ h >> 32U;
+    }
+  return sum;
+}
+
 CameraPath at_speed(const CameraPath& path, double speed) {
   CameraPath result = path;
   const double frames = std::round((path.frames - 1) / speed) + 1.0;
@@ -29,17 +42,21 @@ CameraPath at_speed(const CameraPath& path, double speed) {
 
 CellWalk::CellWalk(std::shared_ptr<const VlodFile> file, std::span<const RefineObject> objects,
                    const CellWalkOptions& options)
-    : file_(std::move(file)), objects_(objects.begin(), objects.end()) {
+    : file_(std::move(file)),
+      objects_(objects.empty() ? placements(*file_) : std::vector<RefineObject>(objects.begin(), objects.end())) {
   WalkOptions walk;
   walk.memory = options.memory;
   walk.prefetch = options.prefetch;
   walk.loaders = 0;
   walk.note = options.note;
-  if (options.disk)
+  if (options.disk) {
+    const auto wait = [this](double seconds) { disk_clock_ += seconds; };
     walk.reader =
         throttled([this](CellId cell, std::span<const CellAdditions* const> above) { return file_->read(cell, above); },
-                  *file_, *options.disk, [this](double seconds) { disk_clock_ += seconds; });
-  walker_.emplace(file_, objects_, walk);
+                  *file_, *options.disk, wait);
+    walk.before_geometry = throttled_geometry(*options.disk, wait);
+  }
+  walker_.emplace(file_, objects, walk);
   loader_.emplace(*walker_);
   takes_time_ = options.disk.has_value();
   disk_clock_ = 0.0;  // what the walker has read to begin with was before the walk
@@ -82,10 +99,9 @@ const CellWalkFrame& CellWalk::go_to(const Camera& camera) {
   drawn_.clear();
   std::size_t triangles = 0;
   for (const DrawRange& range : ranges_) {
-    const RefineObject& object = objects_[range.object];
-    drawn_.push_back({object.hierarchy->positions(), object.hierarchy->data().colors,
-                      walked.objects[range.object].triangles.subspan(range.first, range.count),
-                      object.object_to_world});
+    const WalkedObject& object = walked.objects[range.object];
+    drawn_.push_back({object.positions, object.colors, object.triangles.subspan(range.first, range.count),
+                      objects_[range.object].object_to_world});
     triangles += range.count;
   }
   const Stopwatch drawing;
@@ -96,7 +112,8 @@ const CellWalkFrame& CellWalk::go_to(const Camera& camera) {
             stepped - start,
             culled - stepped,
             drawing.milliseconds(),
-            std::exchange(load_ms_, 0.0)};
+            std::exchange(load_ms_, 0.0),
+            walked.changed ? hash_of(walked) : frame_.hash};
   frame_.walked.objects.clear();
   run_loads();
   return frame_;

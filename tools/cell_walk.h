@@ -41,14 +41,20 @@ struct CellWalkFrame {
   double cull_ms = 0.0;            // ranges_in_view()
   double draw_ms = 0.0;            // draw_items(), wall time
   double load_ms = 0.0;            // of loads that ended since the frame before
+  std::uint64_t hash = 0;          // hash_of() what is drawn for the cell
 };
+
+// Of the triangles that are drawn, whatever their order: the sum, modulo 2^64, over all of h ^ h >> 32, where h begins
+// with 14695981039346656037 + the number of the object, and for each bit pattern of the nine coordinates becomes
+// (h ^ bits) * 1099511628211.
+[[nodiscard]] std::uint64_t hash_of(const WalkedFrame& frame);
 
 // The same path for everybody: key by key, at another speed.
 [[nodiscard]] CameraPath at_speed(const CameraPath& path, double speed);
 
 class CellWalk {
  public:
-  // Objects and file outlive it.
+  // Objects and file outlive it. No objects: through a packed file.
   CellWalk(std::shared_ptr<const VlodFile> file, std::span<const RefineObject> objects, const CellWalkOptions& options);
 
   // Goes on by one frame: step, cull, draw; then loads run for as long as a frame lasts.

@@ -1,10 +1,11 @@
-// occlod cells build|merge|info|check|walk: what they share.
+// occlod cells build|merge|pack|info|check|walk: what they share.
 #include "cells.h"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <set>
 
 #include "commands.h"
 #include "core/median.h"
@@ -117,6 +118,13 @@ Json bytes_to_json(const VlodFile& file) {
           {"crossing_bytes_max", paths.crossing_max}};
 }
 
+Json geometry_to_json(const PackedCounts& counts) {
+  return {{"geometry_splits", counts.splits},
+          {"geometry_bytes", counts.bytes},
+          {"geometry_raw_bytes", counts.raw_bytes},
+          {"geometry_frames", counts.frames}};
+}
+
 }  // namespace
 
 CellScene load_cell_scene(const SceneDescription& scene, const std::filesystem::path& file, bool use_cache) {
@@ -125,6 +133,14 @@ CellScene load_cell_scene(const SceneDescription& scene, const std::filesystem::
   result.objects = refine_objects(result.loaded);
   for (const LoadedObject& object : result.loaded) result.names.push_back(object.source_name);
   return result;
+}
+
+std::size_t hierarchy_bytes(std::span<const RefineObject> objects) {
+  std::set<const Hierarchy*> counted;
+  std::size_t bytes = 0;
+  for (const RefineObject& object : objects)
+    if (counted.insert(object.hierarchy).second) bytes += object.hierarchy->bytes();
+  return bytes;
 }
 
 void add_no_cache(CLI::App& command, bool& use_cache) {
@@ -148,6 +164,8 @@ Json to_json(const VlodFile& file) {
   told["objects"] = file.objects().size();
   told.update(cells_to_json(file));
   told.update(bytes_to_json(file));
+  told["packed"] = file.is_packed();
+  if (file.is_packed()) told.update(geometry_to_json(file.packed_counts()));
   return told;
 }
 
@@ -156,6 +174,7 @@ void add_cells(CLI::App& app) {
   command.require_subcommand(1);
   add_cells_build(command);
   add_cells_merge(command);
+  add_cells_pack(command);
   add_cells_info(command);
   add_cells_check(command);
   add_cells_walk(command);

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,7 @@ void add_cells_build(CLI::App& cells);
 void add_cells_check(CLI::App& cells);
 void add_cells_info(CLI::App& cells);
 void add_cells_merge(CLI::App& cells);
+void add_cells_pack(CLI::App& cells);
 void add_cells_walk(CLI::App& cells);
 
 // The objects of a scene, or of a file of one object, ready for cells.
@@ -32,6 +34,9 @@ struct CellScene {
 // Shows progress and notes on standard error. Throws Error.
 [[nodiscard]] CellScene load_cell_scene(const SceneDescription& scene, const std::filesystem::path& file,
                                         bool use_cache);
+
+// Of different hierarchies.
+[[nodiscard]] std::size_t hierarchy_bytes(std::span<const RefineObject> objects);
 
 // --no-cache. `use_cache` outlives the command.
 void add_no_cache(CLI::App& command, bool& use_cache);

@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -189,15 +188,6 @@ class Building {
   bool has_written_ = false;
 };
 
-// Of different hierarchies.
-std::size_t hierarchy_bytes(const CellScene& scene) {
-  std::set<const Hierarchy*> counted;
-  std::size_t bytes = 0;
-  for (const RefineObject& object : scene.objects)
-    if (counted.insert(object.hierarchy).second) bytes += object.hierarchy->bytes();
-  return bytes;
-}
-
 void run(const Options& options) {
   handle_interrupts("cells build");
   const SceneDescription description = describe_file(options.file);
@@ -226,7 +216,7 @@ void run(const Options& options) {
   if (!options.output.empty()) {
     const auto file = open_vlod(options.output);
     result.update(to_json(*file));
-    const auto bytes = hierarchy_bytes(scene);
+    const auto bytes = hierarchy_bytes(scene.objects);
     result["hierarchy_bytes"] = bytes;
     result["bytes_over_hierarchies"] = static_cast<double>(file->file_bytes()) / static_cast<double>(bytes);
     result["cpu_s_per_cell"] = cpu_s / file->tree().leaf_count();

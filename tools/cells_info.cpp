@@ -32,6 +32,12 @@ void check_below(const VlodFile& file, CellId cell, std::vector<const CellAdditi
   path.pop_back();
 }
 
+// Of a packed file the geometry of all cells.
+void check_geometry(const VlodFile& file) {
+  for (CellId n = 0; n < file.tree().nodes().size(); ++n)
+    if (file.tree().is_leaf(n)) static_cast<void>(read_cell(file, n));
+}
+
 CellId chosen_cell(const Options& options, const CellTree& tree) {
   if (options.cell) {
     if (*options.cell < tree.nodes().size()) return static_cast<CellId>(*options.cell);
@@ -82,7 +88,8 @@ void run(const Options& options) {
   const auto file = open_vlod(options.file);
   std::vector<const CellAdditions*> path;
   if (options.check) check_below(*file, 0, path);
-  Json result = {{"file", options.file.string()}, {"format", vlod_version}};
+  if (options.check && file->is_packed()) check_geometry(*file);
+  Json result = {{"file", options.file.string()}, {"format", file->is_packed() ? packed_vlod_version : vlod_version}};
   if (options.cell || options.eye)
     result.update(cell_to_json(*file, chosen_cell(options, file->tree())));
   else

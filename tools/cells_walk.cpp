@@ -6,7 +6,9 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cell_walk.h"
@@ -17,6 +19,7 @@
 #include "occlod/core/error.h"
 #include "occlod/occlusion/software_occlusion.h"
 #include "option_values.h"
+#include "peak_bytes.h"
 #include "standard_streams.h"
 
 namespace occlod::tool {
@@ -99,6 +102,7 @@ Json to_json(int number, const CellWalkFrame& frame) {
           {"error_px", walked.error_px},
           {"triangles", walked.drawn_triangles},
           {"drawn_triangles", frame.view_triangles},
+          {"hash", fmt::format("{:016x}", frame.hash)},
           {"loads", walked.loads},
           {"bytes_read", walked.bytes_read},
           {"resident_bytes", walked.resident_bytes},
@@ -187,11 +191,15 @@ void run(Options options) {
   files.add_input("the scene", options.scene);
   if (!options.png.empty()) files.add_output("--png", options.png);
   const CameraPath path = walked_path(options, description);
-  static_cast<void>(open_vlod(options.file));  // before the scene, which takes longer
-  const CellScene scene = load_cell_scene(description, options.scene, options.use_cache);
-  const auto file = open_vlod(options.file, scene.objects, scene.names);
+  auto file = open_vlod(options.file);  // before the scene, which takes longer
+  CellScene scene;
+  if (!file->is_packed() || options.reference) {
+    scene = load_cell_scene(description, options.scene, options.use_cache);
+    auto with_objects = open_vlod(options.file, scene.objects, scene.names);
+    if (!file->is_packed()) file = std::move(with_objects);
+  }
   options.walk.note = [](const std::string& line) { print_note(line); };
-  CellWalk walk(file, scene.objects, options.walk);
+  CellWalk walk(file, file->is_packed() ? std::span<const RefineObject>() : scene.objects, options.walk);
   std::optional<Comparison> comparison;
   if (options.reference) comparison.emplace(scene.objects, file->options().cell.tolerance_px);
   const auto every = static_cast<int>(options.every);
@@ -213,8 +221,10 @@ void run(Options options) {
   Json result = {{"file", options.file.string()},
                  {"scene", options.scene.string()},
                  {"path", options.view.path},
-                 {"cells", file->tree().leaf_count()}};
+                 {"cells", file->tree().leaf_count()},
+                 {"packed", file->is_packed()}};
   result.update(summary_of(frames));
+  result["peak_bytes"] = peak_bytes();
   if (options.json) {
     result["frame"] = std::move(frames);
     print_json(result);
@@ -230,7 +240,8 @@ void add_cells_walk(CLI::App& cells) {
   CLI::App& command = *cells.add_subcommand("walk", "Walk along a camera path, and tell of each frame");
   const auto options = std::make_shared<Options>();
   add_file(command, "FILE", options->file, "Cells to walk through, .vlod")->required();
-  add_file(command, "SCENE", options->scene, "Scene (.json) that they were built of")->required();
+  add_file(command, "SCENE", options->scene, "Scene (.json) that they were built of; of a packed file only its path")
+      ->required();
   add_name(command, "--path", options->view.path, "Camera path of the scene; a frame is a sixtieth of a second")
       ->required();
   add_size_options(command, options->view);

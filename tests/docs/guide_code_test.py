@@ -24,6 +24,7 @@ PREAMBLE = """#include <occlod/occlod.h>
 #include <occlod/viewcells/build_cells.h>
 #include <occlod/viewcells/cell_builder.h>
 #include <occlod/viewcells/cell_walker.h>
+#include <occlod/viewcells/pack_cells.h>
 #include <occlod/viewcells/vlod_file.h>
 #include <glm/gtc/matrix_transform.hpp>
 #include <iostream>

@@ -28,7 +28,7 @@ class Cells(ToolTest):
         self.assert_has_keys(built, "input file root_cells cuts tolerance_px budget occlusion focal_length_px near occluder_motion root_cell smallest_cell levels most_triangles division "
                                     "regions objects cells nodes depth above_most_triangles above_by drawn_mean drawn_median drawn_max triangles_mean error_px splits "
                                     "hidden_faces file_bytes payload_bytes bytes_per_cell bits_per_id teleport_bytes_max crossing_bytes_mean crossing_bytes_max "
-                                    "hierarchy_bytes bytes_over_hierarchies cpu_s_per_cell cpu_s build_ms peak_bytes")
+                                    "packed hierarchy_bytes bytes_over_hierarchies cpu_s_per_cell cpu_s build_ms peak_bytes")
         self.assertEqual((built["root_cells"], built["cells"], built["cuts"], built["depth"]), (8, 8, 8, 1))
         self.assertEqual((built["tolerance_px"], built["near"], built["occluder_motion"]), (1.5, 0.01, 0.125 / 4))
         self.assertAlmostEqual(built["focal_length_px"], 120 / 3**-0.5)
@@ -119,6 +119,40 @@ class Cells(ToolTest):
         self.assertIn("lacks the root cells 16 to 31; build them", self.failure_of("cells", "merge", "parts", "-o", "c.vlod"))
         self.assertFalse((self.folder / "c.vlod").exists())
 
+    def test_pack(self):
+        built = self.build(*DIVIDED)
+        packed = self.json_of("cells", "pack", "planet.vlod", "planet.olod", "-o", "packed.vlod")
+        self.assert_has_keys(packed, "input file level cells packed geometry_splits geometry_bytes geometry_raw_bytes geometry_frames unpacked_bytes file_bytes hierarchy_bytes "
+                                     "bytes_over_hierarchies pack_ms")
+        self.assertEqual((packed["packed"], packed["level"], packed["unpacked_bytes"]), (True, 12, built["file_bytes"]))
+        self.assertEqual(packed["file_bytes"], (self.folder / "packed.vlod").stat().st_size)
+        for key in ("cells", "nodes", "drawn_mean", "splits", "hidden_faces", "hierarchy_bytes"):
+            self.assertEqual(packed[key], built[key], key)
+        self.assertEqual((packed["candidates"], built["packed"]), (0, False))
+        self.assertLess(packed["bits_per_id"], built["bits_per_id"])
+        told = self.json_of("cells", "info", "packed.vlod", "--check")
+        self.assertEqual((told["format"], told["geometry_bytes"]), (2, packed["geometry_bytes"]))
+        plain = self.json_of("cells", "pack", "planet.vlod", "planet.olod", "-o", "plain.vlod", "--level", 0)
+        self.assertEqual(plain["geometry_bytes"], plain["geometry_raw_bytes"])
+        self.assertGreater(plain["file_bytes"], packed["file_bytes"])
+        self.succeed("cells", "pack", "plain.vlod", "planet.olod", "-o", "again.vlod")
+        self.assertTrue(self.same_bytes("packed.vlod", "again.vlod"))
+        checked = self.json_of("cells", "check", "packed.vlod", "planet.olod", "--cells", 2, "--eyes", 2, "--image-size", 32)
+        self.assertEqual(checked["unexplained"], 0)
+
+    def test_pack_says_what_is_wrong(self):
+        self.build(*SPACE)
+        self.succeed("generate", "rough-planet", "--level", 2, "-o", "other.ply")
+        self.assertRegex(self.failure_of("cells", "pack", "planet.vlod", "other.ply", "-o", "packed.vlod"), r"object 0 \(.*other.ply\): has changed since")
+        self.assertIn("would overwrite", self.run_tool("cells", "pack", "planet.vlod", "planet.olod", "-o", "planet.vlod").stderr)
+        self.assertIn("is not an .vlod file", self.failure_of("cells", "pack", "planet.olod", "planet.olod", "-o", "packed.vlod"))
+        self.assertFalse((self.folder / "packed.vlod").exists())
+        self.succeed("cells", "pack", "planet.vlod", "planet.olod", "-o", "packed.vlod")
+        good = (self.folder / "packed.vlod").read_bytes()
+        (self.folder / "packed.vlod").write_bytes(good[:-1] + bytes([good[-1] ^ 1]))
+        self.succeed("cells", "info", "packed.vlod")
+        self.assertRegex(self.failure_of("cells", "info", "packed.vlod", "--check"), r"packed.vlod: frame \d+: is damaged: its checksum is wrong")
+
     def test_scenes_say_where_the_eye_may_be(self):
         self.write_cells({"regions": [{"min": [1.5, -0.5, -0.5], "max": [2.5, 0.5, 0.5]}], "root_cell": 0.5, "smallest_cell": 0.125, "most_triangles": 77})
         built = self.json_of("cells", "build", "scene.json", "-o", "scene.vlod", *SPACE[6:])
@@ -175,6 +209,16 @@ class Cells(ToolTest):
             self.assertEqual(list(self.folder.glob("parts/*")), [])
         self.succeed("cells", "merge", "good", "-o", "planet.vlod")
         self.assertTrue(self.same_bytes("planet.vlod", "good.vlod"))
+
+    def test_packing_onto_a_full_disk_leaves_the_old_file(self):
+        self.build(*SPACE)
+        old = b"what was there before"
+        (self.folder / "packed.vlod").write_bytes(old)
+        done = subprocess.run([OCCLOD, "cells", "pack", "planet.vlod", "planet.olod", "-o", "packed.vlod"], cwd=self.folder, env=self.environment, capture_output=True, text=True,
+                              preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000)))
+        self.assertEqual((done.returncode, done.stdout, done.stderr.count("\n")), (1, "", 1), done.stderr)
+        self.assertEqual((self.folder / "packed.vlod").read_bytes(), old)
+        self.assertEqual([path.name for path in self.folder.glob(".*")], [])
 
 
 if __name__ == "__main__":

@@ -33,9 +33,9 @@ class Walk(ToolTest):
 
     def test_tells_of_each_frame(self):
         walked = self.walk("along")
-        self.assert_has_keys(walked, "file scene path cells frames crossings late missing outside error_px_max triangles_median drawn_triangles_median drawn_triangles_max "
+        self.assert_has_keys(walked, "file scene path cells packed peak_bytes frames crossings late missing outside error_px_max triangles_median drawn_triangles_median drawn_triangles_max "
                                      "bytes_read resident_bytes_max step_ms_median step_ms_max draw_ms_median frame")
-        self.assert_has_keys(walked["frame"][0], "frame cell shown outside crossed changed late missing error_px triangles drawn_triangles loads bytes_read resident_bytes "
+        self.assert_has_keys(walked["frame"][0], "frame cell shown outside crossed changed late missing error_px triangles drawn_triangles hash loads bytes_read resident_bytes "
                                                  "step_ms cull_ms draw_ms load_ms")
         # Cells are a quarter wide: from -0.49 to 0.49 there are four. At first nothing is loaded.
         self.assertEqual((walked["frames"], walked["crossings"], walked["missing"], walked["outside"]), (41, 3, 0, 0))
@@ -46,6 +46,26 @@ class Walk(ToolTest):
             self.assertLessEqual(frame["drawn_triangles"], frame["triangles"])
             if not frame["late"]:
                 self.assertLessEqual(frame["error_px"], 1)
+
+    def test_packed_files_draw_the_same_without_the_mesh(self):
+        self.succeed("cells", "pack", "a.vlod", "scene.json", "-o", "packed.vlod")
+        walked = {options: self.walk("along", *options) for options in ((), ("--no-prefetch",))}
+        hidden = (self.folder / "planet.olod").rename(self.folder / "elsewhere.olod")
+        for options, expected in walked.items():
+            packed = self.json_of("cells", "walk", "packed.vlod", "scene.json", "--path", "along", *options)
+            self.assertEqual((packed["packed"], expected["packed"]), (True, False))
+            for a, b in zip(expected["frame"], packed["frame"], strict=True):
+                for key in ("cell", "shown", "late", "crossed", "triangles", "drawn_triangles", "hash"):
+                    self.assertEqual(a[key], b[key], f"frame {a['frame']}: {key}")
+        self.assertGreater(len({frame["hash"] for frame in packed["frame"]}), 3)
+        self.assertIn("elsewhere", str(hidden))
+        self.assertIn("planet.olod", self.failure_of("cells", "walk", "a.vlod", "scene.json", "--path", "along"))
+        self.assertIn("planet.olod", self.failure_of("cells", "walk", "packed.vlod", "scene.json", "--path", "along", "--reference"))
+        hidden.rename(self.folder / "planet.olod")
+        compared = self.json_of("cells", "walk", "packed.vlod", "scene.json", "--path", "along", "--reference", "--every", 20)
+        self.assertEqual([frame["unexplained_px"] for frame in compared["frame"] if "unexplained_px" in frame][1:], [0, 0])
+        slow = [self.json_of("cells", "walk", "packed.vlod", "scene.json", "--path", "along", "--throttle", disk)["late"] for disk in ("1000,0", "0.01,1")]
+        self.assertGreater(slow[1], slow[0])
 
     def test_a_slow_disk_makes_frames_late(self):
         self.assertEqual(self.walk("along", "--throttle", "100,5", "--speed", 0.1)["crossings"], 3)

@@ -17,6 +17,7 @@ HLOD_BUILD, HLOD_VALIDATE = ["hlod", "build", "a.ply", "-o", "a.ohlod"], ["hlod"
 HLOD_RENDER, HLOD_COMPARE = ["hlod", "render", "a.ohlod"], ["hlod", "compare", "a.ohlod"]
 CELLS_CHECK, CELLS_WALK = ["cells", "check", "a.vlod", "a.json"], ["cells", "walk", "a.vlod", "a.json", "--path", "p"]
 CELLS_BUILD, CELLS_INFO, CELLS_MERGE = ["cells", "build", "a.json", "-o", "a.vlod"], ["cells", "info", "a.vlod"], ["cells", "merge", "parts", "-o", "a.vlod"]
+CELLS_PACK = ["cells", "pack", "a.vlod", "a.json", "-o", "b.vlod"]
 FRAMES = ["render", "a.json", "--path", "p", "--frame-to-frame"]
 WHOLE = [
     (BUILD, "--base-triangles", 0, ELEMENTS),
@@ -37,6 +38,7 @@ WHOLE = [
     (CELLS_CHECK, "--image-size", 1, 8192),
     (CELLS_CHECK, "--seed", 0, SEEDS),
     (CELLS_CHECK, "--threads", 0, 1024),
+    (CELLS_PACK, "--level", 0, 19),
     (CELLS_WALK, "--memory", 1, SEEDS),
     (CELLS_WALK, "--every", 1, 10**6),
     (RENDER, "--budget", 1, LARGEST),
@@ -133,12 +135,12 @@ class Options(ToolTest):
     def test_names_that_are_empty(self):
         for command, option in ((BUILD[:2], "--output"), (CUT[:2] + ["--triangles", 5], "--output"), (["generate", "city"], "--output"), (VALIDATE, "--input"),
                                 (HLOD_BUILD[:3], "--output"), (HLOD_VALIDATE, "--input"), (HLOD_COMPARE, "--csv"),
-                                (CELLS_BUILD[:3], "--output"), (CELLS_BUILD, "--work"), (CELLS_WALK[:4], "--path"), (CELLS_WALK, "--png"), (CELLS_MERGE[:3], "--output"),
+                                (CELLS_BUILD[:3], "--output"), (CELLS_BUILD, "--work"), (CELLS_WALK[:4], "--path"), (CELLS_WALK, "--png"), (CELLS_MERGE[:3], "--output"), (CELLS_PACK[:4], "--output"),
                                 *((HLOD_RENDER, option) for option in ("--scene", "--camera", "--path", "--device", "--record", "--replay", "--png", "--boxes", "--csv")),
                                 *((RENDER, option) for option in ("--camera", "--path", "--png", "--birdseye", "--mesh", "--calibration", "--save-calibration"))):
             self.assert_refused(command, option, "")
         for command in (["info", ""], ["build", "", "-o", "a.olod"], ["validate", ""], ["render", ""], ["hlod", "info", ""], ["hlod", "validate", ""], ["hlod", "render", ""], ["hlod", "compare", ""], ["hlod", "build", "", "-o", "a.ohlod"],
-                        ["cells", "build", "", "-o", "a.vlod"], ["cells", "info", ""], ["cells", "merge", "", "-o", "a.vlod"],
+                        ["cells", "build", "", "-o", "a.vlod"], ["cells", "info", ""], ["cells", "merge", "", "-o", "a.vlod"], ["cells", "pack", "", "a.json", "-o", "b.vlod"],
                         ["cut", "", "-o", "a.ply", "--triangles", 5]):
             self.assertEqual(self.run_tool(*command).returncode, 2, command)
 
@@ -168,7 +170,7 @@ class Options(ToolTest):
         rows = {(row[0][0], row[0][1] if row[0][0] in ("cells", "generate", "hlod") else "", row[1]) for row in self.rows(0) + self.rows(1)}
         commands = ["build", "cut", "info", "validate", "render", *(["compare", "repair"] if self.has_cgal() else [])]
         kinds = ["rough-planet", "city", "pipes", "plant", "spheres-behind-wall"]
-        hlod, cells = ["build", "info", "validate", "render", "compare"], ["build", "check", "info", "merge", "walk"]
+        hlod, cells = ["build", "info", "validate", "render", "compare"], ["build", "check", "info", "merge", "pack", "walk"]
         for command, kind in [(command, "") for command in commands] + [("generate", kind) for kind in kinds] + [("hlod", kind) for kind in hlod] + [("cells", kind) for kind in cells]:
             text = self.succeed(*([command, kind] if kind else [command]), "--help")
             self.assertNotRegex(text, "INT|FLOAT|309")

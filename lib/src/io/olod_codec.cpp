@@ -12,7 +12,11 @@ namespace {
 constexpr std::size_t packed_run = std::size_t{4} << 20U;  // raw bytes of a frame
 constexpr int level = 3;  // higher levels gain some percent here and cost many times the time
 
-// The k-th bytes of all elements, for every k; a rest that is no whole element stays at the end.
+// Whole elements, so that frames do not depend on each other.
+std::size_t run_of(std::size_t element_bytes) { return packed_run / element_bytes * element_bytes; }
+
+}  // namespace
+
 void separate(std::span<const std::byte> elements, std::size_t element_bytes, std::span<std::byte> planes) {
   const std::size_t count = elements.size() / element_bytes;
   for (std::size_t k = 0; k < element_bytes; ++k)
@@ -28,11 +32,6 @@ void join(std::span<const std::byte> planes, std::size_t element_bytes, std::spa
   std::copy(planes.begin() + static_cast<std::ptrdiff_t>(count * element_bytes), planes.end(),
             elements.begin() + static_cast<std::ptrdiff_t>(count * element_bytes));
 }
-
-// Whole elements, so that frames do not depend on each other.
-std::size_t run_of(std::size_t element_bytes) { return packed_run / element_bytes * element_bytes; }
-
-}  // namespace
 
 std::vector<std::byte> pack(std::span<const std::byte> raw, std::size_t element_bytes) {
   const std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)> context(ZSTD_createCCtx(), &ZSTD_freeCCtx);

@@ -8,8 +8,13 @@
 
 namespace occlod::olod {
 
-// zstd frames of up to packed_run raw bytes each. Within a frame the k-th bytes of all elements are stored together,
-// because neighbouring elements resemble each other byte by byte.
+// The k-th bytes of all elements, for every k, one after the other: neighbouring elements resemble each other byte by
+// byte. A rest that is no whole element stays at the end. Spans of the same size.
+void separate(std::span<const std::byte> elements, std::size_t element_bytes, std::span<std::byte> planes);
+// The reverse.
+void join(std::span<const std::byte> planes, std::size_t element_bytes, std::span<std::byte> elements);
+
+// zstd frames of up to packed_run raw bytes each, whose elements are separated.
 [[nodiscard]] std::vector<std::byte> pack(std::span<const std::byte> raw, std::size_t element_bytes);
 
 // The reverse; false when `packed` is damaged or does not hold exactly `raw.size()` bytes. Never writes outside `raw`.

@@ -59,6 +59,7 @@ CellLoad CellLoads::load(CellId cell, CellMeshMaker& maker) const {
     result.failed = at;
     result.problem = error.what();
   }
+  result.bytes_read += maker.take_bytes_read();
   return result;
 }
 

@@ -1,5 +1,7 @@
 #include "viewcells/cell_mesh.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <glm/common.hpp>
 
@@ -43,50 +45,67 @@ void divide(std::span<Triangle> triangles, std::uint32_t first, std::span<const 
 CellMeshMaker::CellMeshMaker(const VlodFile& file, std::span<const RefineObject> objects)
     : file_(file), objects_(objects.begin(), objects.end()), faces_(objects) {}
 
+CellMeshMaker::CellMeshMaker(const VlodFile& file, vlod::GeometryCache& cache, std::size_t most_bytes)
+    : file_(file),
+      objects_(placements(file)),
+      faces_(std::span<const RefineObject>()),
+      packed_(std::in_place, cache, most_bytes) {}
+
 CellMesh CellMeshMaker::make(CellId cell, std::span<const CellAdditions* const> path) {
-  const CellTree& tree = file_.tree();
-  const bool is_leaf = tree.is_leaf(cell);
+  const bool is_leaf = file_.tree().is_leaf(cell), has_error = is_leaf || packed_;
   CellMesh mesh;
   mesh.objects.resize(objects_.size());
-  if (is_leaf) mesh.error_px = tree.node(cell).error_px;
+  if (has_error) mesh.error_px = file_.tree().node(cell).error_px;
   for (std::uint32_t i = 0; i < objects_.size(); ++i) {
-    const CellView view(tree.node(cell).box, file_.options().cell.eyes, objects_[i].object_to_world);
-    gather(i, path, is_leaf);
-    faces_.set(i, applied_);
-    faces_.drawn(i, view, hidden_, drawn_);
-    if (!is_leaf) mesh.error_px = std::max(mesh.error_px, error_px(i, view));
+    const CellView view = view_of(cell, i);
+    cut_.gather(i, path, is_leaf);
+    draw(cell, i, view);
+    if (!has_error) mesh.error_px = std::max(mesh.error_px, error_of(i, view));
     append(i, mesh);
   }
   mesh.triangles.shrink_to_fit();
   mesh.blocks.shrink_to_fit();
+  mesh.positions.shrink_to_fit();
+  mesh.normals.shrink_to_fit();
+  mesh.colors.shrink_to_fit();
   return mesh;
 }
 
-void CellMeshMaker::gather(std::uint32_t object, std::span<const CellAdditions* const> path, bool with_hidden) {
-  applied_.clear();
-  hidden_.clear();
-  for (const CellAdditions* node : path) {
-    const auto found = std::ranges::lower_bound(node->objects, object, {}, &ObjectAdditions::object);
-    if (found == node->objects.end() || found->object != object) continue;
-    applied_.insert(applied_.end(), found->splits.begin(), found->splits.end());
-    if (with_hidden) hidden_.insert(hidden_.end(), found->hidden.begin(), found->hidden.end());
+double CellMeshMaker::error_px(CellId cell, std::span<const CellAdditions* const> path) {
+  double error = 0.0;
+  for (std::uint32_t i = 0; i < objects_.size(); ++i) {
+    cut_.gather(i, path, false);
+    error = std::max(error, error_of(i, view_of(cell, i)));
   }
-  std::ranges::sort(applied_);
-  std::ranges::sort(hidden_, {}, face_key);
+  return error;
+}
+
+CellView CellMeshMaker::view_of(CellId cell, std::uint32_t object) const {
+  return {file_.tree().node(cell).box, file_.options().cell.eyes, objects_[object].object_to_world};
+}
+
+void CellMeshMaker::draw(CellId cell, std::uint32_t object, const CellView& view) {
+  if (packed_) {
+    packed_->draw(object, cut_.applied, cut_.hidden, objects_[object].two_sided ? nullptr : &view,
+                  fmt::format("cell {}", cell), drawn_);
+    return;
+  }
+  faces_.set(object, cut_.applied);
+  faces_.drawn(object, view, cut_.hidden, drawn_.triangles);
 }
 
 // Errors of subtrees are in their topmost splits, so those next to the cut tell the most.
-double CellMeshMaker::error_px(std::uint32_t object, const CellView& view) const {
+double CellMeshMaker::error_of(std::uint32_t object, const CellView& view) const {
   const Hierarchy& hierarchy = *objects_[object].hierarchy;
   double error = 0.0;
   const auto look_at = [&](SplitId s) {
-    if (s == no_id || std::ranges::binary_search(applied_, s)) return;
+    if (s == no_id || std::ranges::binary_search(cut_.applied, s)) return;
     const SplitNode& node = hierarchy.node(s);
     error = std::max(
         error, static_cast<double>(node.guaranteed_error) * static_cast<double>(view.largest_scale_px(node.sphere)));
   };
   for (const SplitId root : hierarchy.data().roots) look_at(root);
-  for (const SplitId s : applied_) {
+  for (const SplitId s : cut_.applied) {
     look_at(hierarchy.node(s).child_u);
     look_at(hierarchy.node(s).child_v);
   }
@@ -94,13 +113,21 @@ double CellMeshMaker::error_px(std::uint32_t object, const CellView& view) const
 }
 
 void CellMeshMaker::append(std::uint32_t object, CellMesh& mesh) {
+  const auto size = [](const auto& values) { return static_cast<std::uint32_t>(values.size()); };
+  const auto add = [](const auto& from, auto& to) { to.insert(to.end(), from.begin(), from.end()); };
   CellMesh::Object& place = mesh.objects[object];
-  place = {static_cast<std::uint32_t>(mesh.triangles.size()), static_cast<std::uint32_t>(drawn_.size()),
-           static_cast<std::uint32_t>(mesh.blocks.size()), 0};
-  if (drawn_.empty()) return;
-  divide(drawn_, 0, objects_[object].hierarchy->positions(), mesh.blocks);
-  place.blocks = static_cast<std::uint32_t>(mesh.blocks.size()) - place.first_block;
-  mesh.triangles.insert(mesh.triangles.end(), drawn_.begin(), drawn_.end());
+  place = {size(mesh.triangles), size(drawn_.triangles), size(mesh.blocks),  0,
+           size(mesh.positions), size(drawn_.positions), size(mesh.normals), size(drawn_.normals),
+           size(mesh.colors),    size(drawn_.colors)};
+  if (drawn_.triangles.empty()) return;
+  const std::span<const glm::vec3> positions =
+      packed_ ? std::span<const glm::vec3>(drawn_.positions) : objects_[object].hierarchy->positions();
+  divide(drawn_.triangles, 0, positions, mesh.blocks);
+  place.blocks = size(mesh.blocks) - place.first_block;
+  add(drawn_.triangles, mesh.triangles);
+  add(drawn_.positions, mesh.positions);
+  add(drawn_.normals, mesh.normals);
+  add(drawn_.colors, mesh.colors);
 }
 
 }  // namespace occlod

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -11,6 +12,8 @@
 #include "occlod/viewcells/cell_walker.h"
 #include "occlod/viewcells/vlod_file.h"
 #include "viewcells/leaf_faces.h"
+#include "viewcells/packed_faces.h"
+#include "viewcells/path_cut.h"
 
 namespace occlod {
 
@@ -20,13 +23,18 @@ struct CellMesh {
   std::vector<TriangleBlock> blocks;  // of all objects
   struct Object {
     std::uint32_t first_triangle = 0, triangles = 0, first_block = 0, blocks = 0;
+    // Of a packed file; else there are none, and triangles are of the hierarchy's.
+    std::uint32_t first_vertex = 0, vertices = 0, first_normal = 0, normals = 0, first_color = 0, colors = 0;
   };
+  std::vector<glm::vec3> positions, normals;  // of all objects, in object space
+  std::vector<glm::u8vec4> colors;            // of all objects
   std::vector<Object> objects;
   double error_px = 0.0;  // of a leaf as the file has it; of other nodes for all eyes in its box, see CellMeshMaker
 
   [[nodiscard]] std::size_t bytes() const noexcept {
     return sizeof(*this) + triangles.capacity() * sizeof(Triangle) + blocks.capacity() * sizeof(TriangleBlock) +
-           objects.capacity() * sizeof(Object);
+           objects.capacity() * sizeof(Object) + (positions.capacity() + normals.capacity()) * sizeof(glm::vec3) +
+           colors.capacity() * sizeof(glm::u8vec4);
   }
 };
 
@@ -35,23 +43,30 @@ class CellMeshMaker {
  public:
   // Both outlive it.
   CellMeshMaker(const VlodFile& file, std::span<const RefineObject> objects);
+  // Of a packed file, whose objects have no hierarchies; the cache outlives it. `most_bytes`: see PackedFaces.
+  CellMeshMaker(const VlodFile& file, vlod::GeometryCache& cache, std::size_t most_bytes);
 
   // `path`: what the nodes from the root to this one add. A leaf is drawn as read_cell() gives it. Of another node all
   // faces are drawn that do not turn away from its box: those hidden in the leaves below are hidden by what these
   // have. Its error is that of all splits that it lacks, seen or not. O(size of the cut).
   [[nodiscard]] CellMesh make(CellId cell, std::span<const CellAdditions* const> path);
+  // The error alone, of a node that is no leaf. Not of a packed file, which has it in its nodes.
+  [[nodiscard]] double error_px(CellId cell, std::span<const CellAdditions* const> path);
+  // That was read of geometry since the last call of this.
+  [[nodiscard]] std::uint64_t take_bytes_read() noexcept { return packed_ ? packed_->take_bytes_read() : 0; }
 
  private:
-  void gather(std::uint32_t object, std::span<const CellAdditions* const> path, bool with_hidden);
-  [[nodiscard]] double error_px(std::uint32_t object, const CellView& view) const;
+  [[nodiscard]] CellView view_of(CellId cell, std::uint32_t object) const;
+  [[nodiscard]] double error_of(std::uint32_t object, const CellView& view) const;
+  void draw(CellId cell, std::uint32_t object, const CellView& view);
   void append(std::uint32_t object, CellMesh& mesh);
 
   const VlodFile& file_;
   std::vector<RefineObject> objects_;
-  LeafFaces faces_;
-  std::vector<SplitId> applied_;  // of the object at hand
-  std::vector<FaceRef> hidden_;   // of it
-  std::vector<Triangle> drawn_;   // of it
+  LeafFaces faces_;                          // of hierarchies
+  std::optional<vlod::PackedFaces> packed_;  // or of a packed file
+  PathCut cut_;                              // of the object at hand
+  CellObjectMesh drawn_;                     // of it; vertices only of a packed file
 };
 
 }  // namespace occlod

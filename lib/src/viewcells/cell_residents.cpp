@@ -4,11 +4,19 @@
 #include <utility>
 
 namespace occlod {
+namespace {
 
-CellResidents::CellResidents(const VlodFile& file, std::span<const RefineObject> objects)
-    : tree_(file.tree()), objects_(objects.size()) {
-  for (const RefineObject& object : objects) base_triangles_ += object.hierarchy->base_triangle_count();
-}
+// For each triangle that is drawn, about: two thirds of a vertex with its normal. What is left out makes borders, so
+// there are more than half as many vertices as triangles.
+constexpr std::size_t packed_vertex_bytes = 2 * (sizeof(glm::vec3) + sizeof(glm::vec3)) / 3;
+
+}  // namespace
+
+CellResidents::CellResidents(const VlodFile& file, std::size_t base_triangles)
+    : tree_(file.tree()),
+      triangle_bytes_(sizeof(Triangle) + (file.is_packed() && !file.has_objects() ? packed_vertex_bytes : 0)),
+      base_triangles_(base_triangles),
+      objects_(file.objects().size()) {}
 
 void CellResidents::add(CellId cell, std::shared_ptr<const CellMesh> mesh) {
   Resident& resident = residents_[cell];
@@ -34,7 +42,7 @@ std::size_t CellResidents::bytes_of(CellId cell) const {
       triangles += 2 * std::size_t{tree_.node(node).splits};
   }
   const std::size_t blocks = triangles / 256 + objects_;
-  return sizeof(CellMesh) + triangles * sizeof(Triangle) + blocks * sizeof(TriangleBlock) +
+  return sizeof(CellMesh) + triangles * triangle_bytes_ + blocks * sizeof(TriangleBlock) +
          objects_ * sizeof(CellMesh::Object);
 }
 

@@ -13,7 +13,9 @@ namespace occlod {
 
 class CellResidents {
  public:
-  explicit CellResidents(const VlodFile& file, std::span<const RefineObject> objects);
+  // `base_triangles`: of the base meshes of all objects, which have no bytes of their own for vertices unless the file
+  // is packed.
+  CellResidents(const VlodFile& file, std::size_t base_triangles);
 
   void add(CellId cell, std::shared_ptr<const CellMesh> mesh);
   // None if it is not there.
@@ -33,6 +35,7 @@ class CellResidents {
   };
 
   const CellTree& tree_;
+  std::size_t triangle_bytes_;  // with its share of the vertices
   std::size_t base_triangles_ = 0, objects_ = 0;
   std::map<CellId, Resident> residents_;
   std::map<CellId, std::size_t> known_bytes_;  // of cells that are there or have been

@@ -45,7 +45,7 @@ CellSets joined_sets(std::span<const CellSubtree> parts) {
 void add_payload(CellSubtree& tree, const CellSets& above) {
   const vlod::Additions additions{combined(tree.sets.splits, above.splits, not_in), std::move(tree.sets.candidates),
                                   combined(tree.sets.hidden, above.hidden, not_in)};
-  const std::vector<std::byte> bytes = vlod::encode(additions, above.candidates);
+  const std::vector<std::byte> bytes = vlod::encode(additions, above.candidates, vlod::most_ids_per_byte);
   CellNode& root = tree.nodes.front();
   if (bytes.size() > vlod::most_payload_bytes)
     throw Error({"cells", "", "one of them adds more than 16 MiB", "allow a larger tolerance"});

@@ -6,7 +6,9 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <limits>
 #include <map>
+#include <optional>
 #include <set>
 #include <thread>
 #include <utility>
@@ -42,15 +44,11 @@ bool is_outside(const Box& box, const ObjectView& view) {
 
 }  // namespace
 
-CellReader throttled(CellReader reader, const VlodFile& file, const DiskSpeed& disk,
-                     std::function<void(double seconds)> wait) {
-  if (!(disk.bytes_per_second > 0.0) || !(disk.latency_seconds >= 0.0) || !std::isfinite(disk.latency_seconds))
-    throw Error({"disk speed", "", "is out of its range", "give bytes per second > 0 and seconds >= 0"});
-  return [reader = std::move(reader), &file, disk, wait = std::move(wait)](
-             CellId cell, std::span<const CellAdditions* const> ancestors) {
-    wait(disk.latency_seconds + file.tree().node(cell).payload_bytes / disk.bytes_per_second);
-    return reader(cell, ancestors);
-  };
+std::vector<RefineObject> placements(const VlodFile& file) {
+  std::vector<RefineObject> objects;
+  for (const VlodObject& object : file.objects())
+    objects.push_back({.object_to_world = object.object_to_world, .two_sided = object.two_sided != 0});
+  return objects;
 }
 
 void ranges_in_view(const WalkedFrame& frame, std::span<const RefineObject> objects, const View& view,
@@ -70,20 +68,22 @@ void ranges_in_view(const WalkedFrame& frame, std::span<const RefineObject> obje
 
 class CellWalker::Work {
  public:
+  // Without objects: through a packed file.
   Work(std::shared_ptr<const VlodFile> file, std::span<const RefineObject> objects, const WalkOptions& options)
       : file_(std::move(file)),
         objects_(objects.begin(), objects.end()),
         options_(options),
         loads_(*file_, reader_of(*file_, options)),
-        residents_(*file_, objects),
+        residents_(*file_, base_triangles(*file_, objects)),
         motion_(file_->options().root_cell),
         forecast_(file_->tree()) {
     if (options.loaders < 0 || options.loaders > 64)
       throw Error({"walk options", "loaders", "is out of its range", "give a number from 0 to 64"});
-    if (objects.size() != file_->objects().size())
+    if (!objects.empty() && objects.size() != file_->objects().size())
       throw Error({"cell walker", "",
                    fmt::format("the cells are of {} objects, not {}", file_->objects().size(), objects.size()),
                    "give the objects that the file was opened with"});
+    if (objects.empty() && !file_->objects().empty()) use_geometry();
     load_root();
     for (int i = 0; i < options.loaders; ++i) threads_.emplace_back([this] { run_loader(); });
   }
@@ -106,9 +106,9 @@ class CellWalker::Work {
     return frame_;
   }
 
-  [[nodiscard]] const VlodFile& file() const { return *file_; }
-  [[nodiscard]] std::span<const RefineObject> objects() const { return objects_; }
   [[nodiscard]] CellLoads& loads() { return loads_; }
+  // For one loader.
+  [[nodiscard]] CellMeshMaker maker() { return maker(options_.memory); }
 
  private:
   struct Failure {
@@ -116,22 +116,45 @@ class CellWalker::Work {
     double retry_at = 0.0;
   };
 
+  static std::size_t base_triangles(const VlodFile& file, std::span<const RefineObject> objects) {
+    std::size_t triangles = 0;
+    for (const RefineObject& object : objects) triangles += object.hierarchy->base_triangle_count();
+    if (!objects.empty() || !file.is_packed()) return triangles;
+    for (std::uint32_t i = 0; i < file.objects().size(); ++i)
+      triangles += file.geometry()->mesh(file.geometry()->mesh_of(i)).base_faces;
+    return triangles;
+  }
+
+  void use_geometry() {
+    if (!file_->is_packed() || file_->has_objects())
+      throw Error({"cell walker", "", "has no objects, and the file is not packed or was opened with objects",
+                   "give the objects, or a packed file that was opened without"});
+    geometry_.emplace(*file_->geometry(), options_.before_geometry);
+    fixed_bytes_ = file_->geometry()->bytes();
+  }
+
+  [[nodiscard]] CellMeshMaker maker(std::size_t most_bytes) {
+    return geometry_ ? CellMeshMaker(*file_, *geometry_, most_bytes) : CellMeshMaker(*file_, objects_);
+  }
+
   void load_root() {
-    CellMeshMaker maker(*file_, objects_);
+    if (geometry_) geometry_->limit(options_.memory / 4);
+    CellMeshMaker maker = this->maker(std::numeric_limits<std::size_t>::max());
     CellLoad root = loads_.load(0, maker);
     if (!root.mesh) throw Error({"cell walker", "", root.problem, "walk with the file that the cells were built into"});
     residents_.add(0, root.mesh);
     loads_.finish(std::move(root));
     loads_.collect(ended_);
-    const std::size_t least = residents_.bytes() + loads_.addition_bytes();
+    const std::size_t least = fixed_bytes_ + residents_.bytes() + loads_.addition_bytes();
     if (least > options_.memory)
       throw Error({"walk options", "memory",
                    fmt::format("is {} bytes; what all cells have in common needs {}", options_.memory, least),
                    "give more"});
+    options_.memory -= fixed_bytes_;
   }
 
   void run_loader() {
-    CellMeshMaker maker(*file_, objects_);
+    CellMeshMaker maker = this->maker();
     while (const auto cell = loads_.take_or_wait()) loads_.finish(loads_.load(*cell, maker));
   }
 
@@ -208,7 +231,18 @@ class CellWalker::Work {
       file_->tree().path_to(target_, target_path_);
       loads_.keep_additions(target_path_);
     }
+    if (geometry_) limit_geometry();
   }
+
+  // A quarter of the memory, but for what it takes to show the target.
+  void limit_geometry() {
+    const std::size_t others = residents_.bytes_of(0) + residents_.bytes_of(target_) + loads_.addition_bytes();
+    geometry_bytes_ = std::min(options_.memory / 4, options_.memory - std::min(options_.memory, others));
+    geometry_->limit(geometry_bytes_);
+  }
+
+  // Bytes that are not for prepared cells: what nodes add, and what the geometry may take.
+  [[nodiscard]] std::size_t other_bytes() const { return loads_.addition_bytes() + geometry_bytes_; }
 
   // Bytes of memory to show it, about: it, the root, and what the nodes above it add.
   [[nodiscard]] std::size_t needed_for(CellId cell) const {
@@ -223,7 +257,7 @@ class CellWalker::Work {
   void plan(const glm::dvec3& eye) {
     kept_.clear();
     wanted_.clear();
-    left_ = options_.memory - std::min(options_.memory, residents_.bytes_of(0) + loads_.addition_bytes());
+    left_ = options_.memory - std::min(options_.memory, residents_.bytes_of(0) + other_bytes());
     for (const CellId node : path_)
       if (node == target_ || (residents_.find(node) && kept_.size() < 2)) consider(node);
     if (options_.prefetch) {
@@ -235,7 +269,7 @@ class CellWalker::Work {
     }
     std::size_t coming = 0;
     for (const CellId cell : wanted_) coming += residents_.bytes_of(cell);
-    const std::size_t others = loads_.addition_bytes() + coming;
+    const std::size_t others = other_bytes() + coming;
     residents_.shrink(kept_, options_.memory - std::min(options_.memory, others));
     loads_.want(wanted_);
     std::erase_if(wanted_since_,
@@ -265,18 +299,40 @@ class CellWalker::Work {
     frame_.changed = mesh != shown_;
     frame_.error_px = mesh->error_px;
     frame_.drawn_triangles = mesh->triangles.size();
-    frame_.resident_bytes = residents_.bytes() + loads_.addition_bytes();
-    frame_.objects.clear();
-    for (const CellMesh::Object& object : mesh->objects)
-      frame_.objects.push_back({std::span(mesh->triangles).subspan(object.first_triangle, object.triangles),
-                                std::span(mesh->blocks).subspan(object.first_block, object.blocks)});
+    frame_.resident_bytes =
+        fixed_bytes_ + residents_.bytes() + loads_.addition_bytes() + (geometry_ ? geometry_->bytes() : 0);
+    show_objects(*mesh);
+    frame_.owner = mesh;
     shown_ = std::move(mesh);
+  }
+
+  void show_objects(const CellMesh& mesh) {
+    frame_.objects.clear();
+    for (const CellMesh::Object& object : mesh.objects) {
+      WalkedObject shown;
+      shown.triangles = std::span(mesh.triangles).subspan(object.first_triangle, object.triangles);
+      shown.blocks = std::span(mesh.blocks).subspan(object.first_block, object.blocks);
+      if (geometry_) {
+        shown.positions = std::span(mesh.positions).subspan(object.first_vertex, object.vertices);
+        shown.normals = std::span(mesh.normals).subspan(object.first_normal, object.normals);
+        shown.colors = std::span(mesh.colors).subspan(object.first_color, object.colors);
+      } else {
+        const HierarchyView& hierarchy = objects_[frame_.objects.size()].hierarchy->data();
+        shown.positions = hierarchy.positions;
+        shown.normals = hierarchy.normals;
+        shown.colors = hierarchy.colors;
+      }
+      frame_.objects.push_back(shown);
+    }
   }
 
   std::shared_ptr<const VlodFile> file_;
   std::vector<RefineObject> objects_;
   WalkOptions options_;
   CellLoads loads_;
+  std::optional<vlod::GeometryCache> geometry_;  // of a packed file
+  std::size_t fixed_bytes_ = 0;                  // of it, always in memory; not in options_.memory
+  std::size_t geometry_bytes_ = 0;               // that its frames may take
   CellResidents residents_;
   WalkMotion motion_;
   CellForecast forecast_;
@@ -299,13 +355,15 @@ class CellWalker::Work {
 CellWalker::CellWalker(std::shared_ptr<const VlodFile> file, std::span<const RefineObject> objects,
                        const WalkOptions& options)
     : work_(std::make_unique<Work>(std::move(file), objects, options)) {}
+CellWalker::CellWalker(std::shared_ptr<const VlodFile> file, const WalkOptions& options)
+    : work_(std::make_unique<Work>(std::move(file), std::span<const RefineObject>(), options)) {}
 CellWalker::~CellWalker() = default;
 
 const WalkedFrame& CellWalker::step(const glm::dvec3& eye, double seconds) { return work_->step(eye, seconds); }
 
 class CellLoader::Work {
  public:
-  explicit Work(CellWalker::Work& walker) : walker_(walker), maker_(walker.file(), walker.objects()) {}
+  explicit Work(CellWalker::Work& walker) : walker_(walker), maker_(walker.maker()) {}
 
   bool begin() {
     const auto cell = walker_.loads().take();

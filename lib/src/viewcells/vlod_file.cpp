@@ -12,6 +12,8 @@
 #include "core/platform.h"
 #include "occlod/core/error.h"
 #include "viewcells/leaf_faces.h"
+#include "viewcells/packed_geometry.h"
+#include "viewcells/packed_numbers.h"
 #include "viewcells/vlod_format.h"
 #include "viewcells/vlod_payload.h"
 
@@ -95,8 +97,8 @@ std::size_t CellAdditions::bytes() const noexcept {
 
 class VlodFile::Impl {
  public:
-  explicit Impl(const std::filesystem::path& path)
-      : path_(path.string()), file_(open(path)), reader_(std::in_place, path, file_kind, true) {
+  Impl(const std::filesystem::path& path, bool has_objects)
+      : path_(path.string()), file_(open(path)), reader_(std::in_place, path, kind_of(file_), true) {
     // Both may have been opened while one file replaced another.
     sections::FileHeader header;
     file_.read(std::as_writable_bytes(std::span(&header, 1)));
@@ -105,6 +107,8 @@ class VlodFile::Impl {
       reader_->refuse("", "was replaced while it was opened", "open it again");
     scene_ = read_options(*reader_, path_, key_);
     ids_.emplace(scene_.objects, path_);
+    if (reader_->has(geometry_name)) geometry_.emplace(*reader_, scene_.objects, file_, path_);
+    if (geometry_ && has_objects) numbers_.emplace(*reader_, *geometry_, scene_.objects);
     take_nodes();
     reader_.reset();  // and with it the mapping
   }
@@ -117,8 +121,16 @@ class VlodFile::Impl {
   [[nodiscard]] std::span<const VlodObject> objects() const noexcept { return scene_.objects; }
   [[nodiscard]] const Key& key() const noexcept { return key_; }
   [[nodiscard]] std::uint64_t file_bytes() const noexcept { return file_.size(); }
+  [[nodiscard]] const PackedGeometry* geometry() const noexcept { return geometry_ ? &*geometry_ : nullptr; }
+  [[nodiscard]] bool has_objects() const noexcept { return !hierarchies_.empty(); }
 
  private:
+  // What begins like no file of ours is taken as one that is not packed, and refused as such.
+  static const sections::FileKind& kind_of(const InputFile& file) {
+    sections::FileHeader header;
+    if (file.size() >= sizeof(header)) file.read(std::as_writable_bytes(std::span(&header, 1)));
+    return header.version == packed_kind.version ? packed_kind : file_kind;
+  }
   static InputFile open(const std::filesystem::path& path) try {
     return InputFile(path.c_str());
   } catch (const std::system_error& error) {
@@ -127,11 +139,14 @@ class VlodFile::Impl {
   }
 
   [[noreturn]] void refuse(CellId cell, const std::string& problem) const {
-    throw Error({path_, fmt::format("cell {}", cell), problem, file_kind.rebuild});
+    throw Error({path_, fmt::format("cell {}", cell), problem, (geometry_ ? packed_kind : file_kind).rebuild});
   }
 
   void take_nodes() {
     const std::span<const CellNode> nodes = reader_->read<CellNode>(nodes_name);
+    std::uint64_t packed_splits = 0;
+    for (std::uint32_t i = 0; geometry_ && i < scene_.objects.size(); ++i)
+      packed_splits += geometry_->mesh(geometry_->mesh_of(i)).splits;
     tree_.emplace(std::vector<CellNode>(nodes.begin(), nodes.end()), path_);
     const std::uint64_t data_bytes = reader_->read<std::byte>(data_name, sections::Check::parts).size();
     data_ = reader_->offset_of(data_name);
@@ -141,11 +156,16 @@ class VlodFile::Impl {
         refuse(n, "adds what lies outside the file");
       if (node.payload_bytes > most_payload_bytes) refuse(n, "adds more than 16 MiB");
       if (std::uint64_t{node.splits} + node.candidates + node.hidden_faces >
-          std::uint64_t{node.payload_bytes} * most_ids_per_byte)
+              std::uint64_t{node.payload_bytes} * (geometry_ ? most_packed_ids_per_byte : most_ids_per_byte) ||
+          (geometry_ && node.splits > packed_splits))
         refuse(n, fmt::format("claims {} splits, {} candidates and {} faces", node.splits, node.candidates,
                               node.hidden_faces));
     }
   }
+
+  // Whether all splits are there, which then get the numbers that they have in their hierarchies, where these are
+  // given.
+  [[nodiscard]] bool take_packed(CellAdditions& additions) const;
 
   std::string path_;
   InputFile file_;
@@ -155,6 +175,8 @@ class VlodFile::Impl {
   std::optional<GlobalIds> ids_;
   std::optional<CellTree> tree_;
   std::uint64_t data_ = 0;                     // where the section begins
+  std::optional<PackedGeometry> geometry_;     // of a packed file
+  std::optional<PackedNumbers> numbers_;       // likewise, if it was opened with its objects
   std::vector<const Hierarchy*> hierarchies_;  // by object, if it was opened with them
 };
 
@@ -197,12 +219,24 @@ CellAdditions VlodFile::Impl::read(CellId cell, std::span<const CellAdditions* c
              problem);
   if (!additions) refuse(cell, problem);
   CellAdditions result = sorted(*additions, *ids_);
+  if (geometry_ && !take_packed(result)) refuse(cell, "adds a split that is not there");
   if (hierarchies_.empty()) return result;
   for (const ObjectAdditions& object : result.objects) {
     problem = problem_of(object, *hierarchies_[object.object], PathOfObject(object, ancestors));
     if (!problem.empty()) refuse(cell, fmt::format("object {}: {}", object.object, problem));
   }
   return result;
+}
+
+bool VlodFile::Impl::take_packed(CellAdditions& additions) const {
+  for (ObjectAdditions& object : additions.objects) {
+    const std::uint32_t mesh = geometry_->mesh_of(object.object), end = geometry_->mesh(mesh).splits;
+    const auto is_there = [end](SplitId s) { return s == no_id || s < end; };
+    if (!std::ranges::all_of(object.splits, is_there) || !std::ranges::all_of(object.hidden, is_there, &FaceRef::split))
+      return false;
+    if (numbers_) numbers_->restore(mesh, object);
+  }
+  return additions.candidates.empty();
 }
 
 VlodFile::VlodFile(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -213,6 +247,20 @@ const CellTreeOptions& VlodFile::options() const noexcept { return impl_->option
 std::span<const VlodObject> VlodFile::objects() const noexcept { return impl_->objects(); }
 const std::array<std::uint64_t, 2>& VlodFile::key() const noexcept { return impl_->key(); }
 std::uint64_t VlodFile::file_bytes() const noexcept { return impl_->file_bytes(); }
+bool VlodFile::is_packed() const noexcept { return geometry() != nullptr; }
+const vlod::PackedGeometry* VlodFile::geometry() const noexcept { return impl_->geometry(); }
+bool VlodFile::has_objects() const noexcept { return impl_->has_objects(); }
+PackedCounts VlodFile::packed_counts() const noexcept {
+  PackedCounts counts;
+  if (!is_packed()) return counts;
+  for (const MeshRow& mesh : geometry()->meshes()) counts.splits += mesh.splits;
+  for (const FrameRow& frame : geometry()->frames()) {
+    counts.bytes += frame.bytes;
+    counts.raw_bytes += frame.raw_bytes;
+  }
+  counts.frames = geometry()->frames().size();
+  return counts;
+}
 CellAdditions VlodFile::read(CellId cell, std::span<const CellAdditions* const> ancestors) const {
   return impl_->read(cell, ancestors);
 }
@@ -221,7 +269,7 @@ std::shared_ptr<const VlodFile> open_vlod(const std::filesystem::path& path) { r
 
 std::shared_ptr<const VlodFile> open_vlod(const std::filesystem::path& path, std::span<const RefineObject> objects,
                                           std::span<const std::string> names) {
-  auto impl = std::make_unique<VlodFile::Impl>(path);
+  auto impl = std::make_unique<VlodFile::Impl>(path, !objects.empty());
   if (!objects.empty()) impl->expect(objects, names);
   return std::shared_ptr<const VlodFile>(new VlodFile(std::move(impl)));
 }

@@ -20,6 +20,10 @@ inline constexpr sections::FileKind file_kind{{'V', 'L', 'O', 'D', '\r', '\n', '
                                               "make one with 'occlod cells build'",
                                               "build it again with 'occlod cells build'"};
 
+// With geometry. Of another version, so that programs that do not know it refuse them.
+inline constexpr sections::FileKind packed_kind{file_kind.magic, packed_vlod_version, file_kind.name, file_kind.make,
+                                                "pack it again with 'occlod cells pack'"};
+
 using Key = std::array<std::uint64_t, 2>;
 
 // CellTreeOptions without the regions, and all else that decides what is in a file.
@@ -46,6 +50,8 @@ inline constexpr std::string_view options_name = "OPTS", regions_name = "REGN", 
 inline constexpr std::uint32_t most_payload_bytes = 16U << 20U;
 // Ids that a payload may hold, for each byte of it: what a file claims takes no more than 64 times its size in memory.
 inline constexpr std::uint32_t most_ids_per_byte = 8;
+// In packed files, where ids are a few runs. No node has more than there are in the geometry.
+inline constexpr std::uint32_t most_packed_ids_per_byte = 64;
 
 // What decides what is in a file.
 struct Scene {

@@ -4,7 +4,6 @@
 #include <iterator>
 
 #include "viewcells/set_code.h"
-#include "viewcells/vlod_format.h"
 
 namespace occlod::vlod {
 namespace {
@@ -81,7 +80,8 @@ bool get_faces(BitReader& reader, const Expected& expected, std::vector<std::uin
 
 }  // namespace
 
-std::vector<std::byte> encode(const Additions& additions, std::span<const std::uint64_t> known) {
+std::vector<std::byte> encode(const Additions& additions, std::span<const std::uint64_t> known,
+                              std::uint32_t most_ids_per_byte) {
   BitWriter writer;
   put_splits(writer, additions.splits, known);
   put_splits(writer, additions.candidates, without(known, additions.splits));

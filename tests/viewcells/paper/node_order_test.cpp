@@ -1,11 +1,12 @@
 // Orders of ids by the nodes that add them.
-#include "viewcells/paper/node_order.h"
+#include "viewcells/node_order.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <random>
 
+#include "viewcells/paper/first_node.h"
 #include "viewcells/paper/hamming_tour.h"
 
 namespace occlod::paper {

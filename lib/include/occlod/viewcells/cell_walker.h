@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
 #include <memory>
 #include <span>
 #include <string>
@@ -32,14 +33,20 @@ struct DiskSpeed {
 [[nodiscard]] CellReader throttled(CellReader reader, const VlodFile& file, const DiskSpeed& disk,
                                    std::function<void(double seconds)> wait);
 
+// The same for WalkOptions::before_geometry.
+[[nodiscard]] std::function<void(std::uint64_t bytes)> throttled_geometry(const DiskSpeed& disk,
+                                                                          std::function<void(double seconds)> wait);
+
 // How a walk runs.
 struct WalkOptions {
-  // Bytes that may be in memory of what nodes add and of triangles to draw: a hard limit, but for what is just being
-  // loaded. What all cells have in common is always there.
+  // Bytes that may be in memory of what nodes add, of triangles to draw, and of the geometry of a packed file: a hard
+  // limit, but for what is just being loaded. What all cells have in common is always there.
   std::size_t memory = std::size_t{256} << 20U;
   bool prefetch = true;    // load cells before the eye is in them
   int loaders = 1;         // threads that load, in [0, 64]; 0: none, a CellLoader has to
   CellReader reader = {};  // instead of VlodFile::read(), if there is one
+  // Called before geometry of a packed file is read, with its bytes, on the thread that reads: for simulated disks.
+  std::function<void(std::uint64_t bytes)> before_geometry = {};
   // Told in one line what could not be loaded, by step().
   std::function<void(const std::string& line)> note = {};
 };
@@ -53,8 +60,11 @@ struct TriangleBlock {
 
 // What to draw of one object; valid until the next step.
 struct WalkedObject {
-  std::span<const Triangle> triangles;    // ids of the hierarchy's vertices, in no particular order
+  std::span<const Triangle> triangles;    // ids of these vertices, in no particular order
   std::span<const TriangleBlock> blocks;  // all triangles, block by block
+  std::span<const glm::vec3> positions;   // object space: of the hierarchy, or of a packed file those of this cell
+  std::span<const glm::vec3> normals;     // one for each position, or none
+  std::span<const glm::u8vec4> colors;    // likewise
 };
 
 // What step() gives; valid until its next call.
@@ -72,7 +82,10 @@ struct WalkedFrame {
   std::uint64_t bytes_read = 0;       // of the file, by loads that have ended since the step before
   std::size_t loads = 0;              // that have ended since
   std::size_t resident_bytes = 0;     // of what WalkOptions::memory limits
-  std::vector<WalkedObject> objects;  // as given to the walker
+  std::vector<WalkedObject> objects;  // as given to the walker, or as the file has them
+  // As long as it is kept, what `objects` point to stays as it is, whatever the walker does, but for hierarchies, which
+  // belong to whoever made them.
+  std::shared_ptr<const void> owner;
 };
 
 // A part of the triangles of an object.
@@ -86,6 +99,9 @@ struct DrawRange {
 void ranges_in_view(const WalkedFrame& frame, std::span<const RefineObject> objects, const View& view,
                     std::vector<DrawRange>& out);
 
+// The objects of a file, without hierarchies: for ranges_in_view() of a walk through a packed file.
+[[nodiscard]] std::vector<RefineObject> placements(const VlodFile& file);
+
 class CellLoader;
 
 // Chooses what to draw in each frame. Loads ahead what the motion of the eye makes likely, in other threads; a cell is
@@ -97,6 +113,8 @@ class CellWalker {
   // common. Throws Error when that cannot be read or options are out of their range: then the least memory is named.
   CellWalker(std::shared_ptr<const VlodFile> file, std::span<const RefineObject> objects,
              const WalkOptions& options = {});
+  // Through a packed file that was opened without objects: no hierarchies are needed.
+  explicit CellWalker(std::shared_ptr<const VlodFile> file, const WalkOptions& options = {});
   // Waits for reads that have begun.
   ~CellWalker();
   CellWalker(const CellWalker&) = delete;

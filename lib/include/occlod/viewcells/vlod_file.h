@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <filesystem>
 #include <glm/mat4x4.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
 #include <memory>
 #include <span>
 #include <string>
@@ -22,6 +24,8 @@ namespace occlod {
 
 // Of the files that are written; open_vlod() refuses any other.
 inline constexpr std::uint32_t vlod_version = 1;
+// Of packed files, which it reads as well: those that hold the geometry of their cells (pack_cells.h).
+inline constexpr std::uint32_t packed_vlod_version = 2;
 
 // What one node of the tree adds for one object.
 struct ObjectAdditions {
@@ -55,6 +59,18 @@ struct VlodObject {
 };
 static_assert(sizeof(VlodObject) == 160);
 
+namespace vlod {
+class PackedGeometry;
+}
+
+// What the geometry of a packed file takes.
+struct PackedCounts {
+  std::uint64_t splits = 0;     // of all different hierarchies, that some cell applies
+  std::uint64_t bytes = 0;      // of the file, of these splits and their vertices
+  std::uint64_t frames = 0;     // read one by one
+  std::uint64_t raw_bytes = 0;  // of all frames, decoded
+};
+
 // An open file. Immutable; any number of threads may read from one. Of the file itself only the header, the options and
 // the nodes are in memory. What is open stays readable when the file is removed or replaced by another.
 class VlodFile {
@@ -74,11 +90,21 @@ class VlodFile {
   // The size of the file.
   [[nodiscard]] std::uint64_t file_bytes() const noexcept;
 
+  // Whether it holds the geometry of its cells.
+  [[nodiscard]] bool is_packed() const noexcept;
+  // Zeros where it does not.
+  [[nodiscard]] PackedCounts packed_counts() const noexcept;
+  // For the library's own use; none where it does not.
+  [[nodiscard]] const vlod::PackedGeometry* geometry() const noexcept;
+
   // What a node adds. `ancestors`: what the nodes above it add, from the root to its parent; tree().node(cell).level of
   // them. Reads the file at once, by one pread; waits for the disk. Checks checksum, sizes, that ids ascend and are in
   // range, and, where the file was opened with its objects, that every split that another needs is there and every face
-  // exists. Throws Error that names the file and the node. Any number of threads may call it. O(bytes).
+  // exists. Of a packed file that was opened without objects splits have the numbers of the file, not of a hierarchy.
+  // Throws Error that names the file and the node. Any number of threads may call it. O(bytes).
   [[nodiscard]] CellAdditions read(CellId cell, std::span<const CellAdditions* const> ancestors) const;
+  // Whether it was opened with its objects.
+  [[nodiscard]] bool has_objects() const noexcept;
 
  private:
   friend std::shared_ptr<const VlodFile> open_vlod(const std::filesystem::path& path);
@@ -104,5 +130,17 @@ class VlodFile {
 // O(size of the cut).
 [[nodiscard]] std::vector<CellObjectCut> read_cell(const VlodFile& file, std::span<const RefineObject> objects,
                                                    CellId leaf);
+
+// What to draw of one object, by itself.
+struct CellObjectMesh {
+  std::vector<Triangle> triangles;   // of these vertices
+  std::vector<glm::vec3> positions;  // object space
+  std::vector<glm::vec3> normals;    // one for each vertex, or none
+  std::vector<glm::u8vec4> colors;   // likewise
+};
+// The same of a packed file that was opened without its objects: for each object. Also of a node that is no leaf: all
+// that its cells have in common, but for what faces away from its box. Reads the whole path and the geometry of its
+// splits. Throws Error as VlodFile::read() does, and where the geometry is damaged or does not fit together.
+[[nodiscard]] std::vector<CellObjectMesh> read_cell(const VlodFile& file, CellId cell);
 
 }  // namespace occlod

@@ -1,4 +1,4 @@
-#include "viewcells/paper/node_order.h"
+#include "viewcells/node_order.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -7,8 +7,10 @@
 
 #include "occlod/core/ids.h"
 
-namespace occlod::paper {
+namespace occlod {
 namespace {
+
+using Ids = std::vector<std::uint32_t>;
 
 // The nodes that add each id, in depth-first order.
 class Adders {
@@ -65,12 +67,4 @@ std::vector<std::uint32_t> places_by_nodes(std::span<const Ids> added, std::uint
   return places_of(order);
 }
 
-std::vector<std::uint32_t> places_by_first_node(std::span<const Ids> added, std::uint32_t count) {
-  const Adders adders(added, count);
-  std::vector<Keyed> order(count);
-  for (std::uint32_t id = 0; id < count; ++id) order[id] = {adders.key(id) >> 32U, id};
-  std::sort(order.begin(), order.end());
-  return places_of(order);
-}
-
-}  // namespace occlod::paper
+}  // namespace occlod

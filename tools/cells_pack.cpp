@@ -1,0 +1,81 @@
+// occlod cells pack FILE.vlod SCENE -o PACKED.vlod
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+
+#include "cells.h"
+#include "command_files.h"
+#include "interrupt.h"
+#include "occlod/viewcells/pack_cells.h"
+#include "option_values.h"
+#include "render_input.h"
+#include "stopwatch.h"
+
+namespace occlod::tool {
+namespace {
+
+struct Options {
+  std::filesystem::path file, scene, output;
+  int level = PackOptions().level;
+  bool use_cache = true;
+  ShowProgress progress = ShowProgress::automatic;
+  bool json = false;
+};
+
+void run(const Options& options) {
+  handle_interrupts("cells pack");
+  const SceneDescription description = describe_file(options.scene);
+  CommandFiles files;
+  files.add_input("the cells", options.file);
+  files.add_input("the scene", options.scene);
+  RenderInputOptions input;
+  input.file = options.scene;
+  for (const std::filesystem::path& mesh : mesh_files(input, description)) files.add_input("a mesh of the scene", mesh);
+  files.add_output("--output", options.output);
+  static_cast<void>(open_vlod(options.file));  // before the scene, which takes longer
+  const CellScene scene = load_cell_scene(description, options.scene, options.use_cache);
+  const auto file = open_vlod(options.file, scene.objects, scene.names);
+  Progress progress(options.progress);
+  const Stopwatch stopwatch;
+  PackOptions how;
+  how.level = options.level;
+  how.progress = [&](double share) {
+    progress.show("packing " + options.file.string(), share);
+    return true;
+  };
+  write_interruptibly(options.output.string(), 0, progress,
+                      [&] { pack_cells(*file, scene.objects, options.output, how); });
+  progress.clear();
+  const auto packed = open_vlod(options.output);
+  const std::size_t hierarchies = hierarchy_bytes(scene.objects);
+  Json result = {{"input", options.file.string()}, {"file", options.output.string()}, {"level", options.level}};
+  result.update(to_json(*packed));
+  result["unpacked_bytes"] = file->file_bytes();
+  result["hierarchy_bytes"] = hierarchies;
+  result["bytes_over_hierarchies"] = static_cast<double>(packed->file_bytes()) / static_cast<double>(hierarchies);
+  result["pack_ms"] = stopwatch.milliseconds();
+  if (options.json) return print_json(result);
+  print_lines(result);
+}
+
+}  // namespace
+
+void add_cells_pack(CLI::App& cells) {
+  CLI::App& command = *cells.add_subcommand(
+      "pack", "Add the geometry that cells draw, so that no hierarchy is needed to walk through the file");
+  const auto options = std::make_shared<Options>();
+  add_file(command, "FILE", options->file, "Cells to pack, .vlod")->required();
+  add_file(command, "SCENE", options->scene, "What they were built of: a scene (.json), a mesh or an .olod file")
+      ->required();
+  add_file(command, "-o,--output", options->output, "File to write, .vlod")->required();
+  add_number(command, "--level", options->level, WholeRange{0, 19},
+             "How hard to compress, as zstd has it; 0: the geometry is not compressed")
+      ->capture_default_str();
+  add_no_cache(command, options->use_cache);
+  add_progress_option(command, options->progress);
+  command.add_flag("--json", options->json, "Print the result as one JSON object");
+  command.callback([options] { run(*options); });
+}
+
+}  // namespace occlod::tool
