@@ -1,15 +1,18 @@
 // bench_cell_order: lists of splits of the cells of a grid. Their order by the tour of vLOD (2003), Table 1, and by our
 // sort; their codes; and what is read when the eye goes from a cell to the next.
 #include <fmt/format.h>
+#include <zstd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <numeric>
 #include <random>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
+#include "support/ball_shares.h"
 #include "support/cell_lists.h"
 #include "support/cpu_clock.h"
 #include "viewcells/node_order.h"
@@ -75,16 +78,20 @@ Part part_of(const std::vector<Ids>& lists, const std::vector<Ids>& added, const
   return part;
 }
 
+paper::BitColumns columns_of(const Part& part, std::size_t count) {
+  std::vector<std::vector<std::uint32_t>> rows(count);
+  for (std::uint32_t row = 0; row < part.lists.size(); ++row)
+    for (const std::uint32_t column : part.lists[row]) rows[column].push_back(row);
+  return paper::BitColumns(rows);
+}
+
 struct TableRow {
   double tour_s = 0.0, sort_s = 0.0, tour_gain = 0.0, sort_gain = 0.0;
 };
 
 TableRow print_table_row(const std::vector<Ids>& lists, const std::vector<Ids>& added, const Ids& kept) {
   const Part part = part_of(lists, added, kept);
-  std::vector<std::vector<std::uint32_t>> rows(kept.size());
-  for (std::uint32_t row = 0; row < part.lists.size(); ++row)
-    for (const std::uint32_t column : part.lists[row]) rows[column].push_back(row);
-  const paper::BitColumns columns(rows);
+  const paper::BitColumns columns = columns_of(part, kept.size());
   const auto count = static_cast<std::uint32_t>(kept.size());
   const std::size_t before = count_runs(part.lists);
   const auto gain = [&](std::size_t runs) { return static_cast<double>(before) / static_cast<double>(runs); };
@@ -124,6 +131,17 @@ TableRow print_table_row(const std::vector<Ids>& lists, const std::vector<Ids>& 
   return row;
 }
 
+constexpr std::array ball_factors{1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0};
+constexpr std::uint32_t most_centres = 500;
+
+// Figure 4: how much of all columns is near to one.
+void print_balls(const std::vector<Ids>& lists, const Ids& kept) {
+  const BallShares balls = ball_shares(columns_of(part_of(lists, {}, kept), kept.size()), ball_factors, most_centres);
+  for (std::size_t k = 0; k < ball_factors.size(); ++k)
+    fmt::print("{},{},{},{:.1f},{:.3f},{:.3f}\n", kept.size(), ball_factors[k], balls.centres,
+               100.0 * balls.equal_share, 100.0 * balls.mean[k], 100.0 * balls.least[k]);
+}
+
 // `count` of the ids, as evenly as they go.
 Ids spread(const Ids& ids, std::size_t count) {
   Ids result;
@@ -147,7 +165,7 @@ double sort_many(std::uint32_t count) {
 // Ours in whole bytes, with what says how long they are; the others without.
 struct Bits {
   std::size_t ids = 0, vector = 0, integers = 0, delimiter = 0, delimiter_runs = 0, paper = 0, huffman_runs = 0,
-              ours = 0;
+              zstd_runs = 0, ours = 0;
 };
 
 // The delimiter code of gaps, or of runs where that is shorter: the paper takes runs where ids follow one another.
@@ -156,8 +174,22 @@ std::size_t paper_bits(const Ids& list) {
                   paper::encode_delimited(paper::runs_of(list)).size());
 }
 
+void put_varint(std::vector<std::uint8_t>& bytes, std::uint32_t number) {
+  for (; number >= 128; number >>= 7U) bytes.push_back(static_cast<std::uint8_t>(number | 128U));
+  bytes.push_back(static_cast<std::uint8_t>(number));
+}
+
+// All lists as one frame, at the level that compresses best: no file could be read list by list like that.
+std::size_t zstd_bits(const std::vector<std::uint8_t>& bytes) {
+  std::vector<std::uint8_t> packed(ZSTD_compressBound(bytes.size()));
+  const std::size_t size = ZSTD_compress(packed.data(), packed.size(), bytes.data(), bytes.size(), 19);
+  if (ZSTD_isError(size) != 0) throw std::runtime_error(ZSTD_getErrorName(size));
+  return 8 * size;
+}
+
 Bits bits_of(const std::vector<Ids>& lists, std::uint32_t id_count) {
   Bits bits;
+  std::vector<std::uint8_t> bytes;
   for (const Ids& list : lists) {
     const std::vector<std::uint32_t> runs = paper::runs_of(list);
     const std::vector<std::uint64_t> wide(list.begin(), list.end());
@@ -171,15 +203,18 @@ Bits bits_of(const std::vector<Ids>& lists, std::uint32_t id_count) {
     bits.paper += paper_bits(list);
     bits.huffman_runs += paper::encode_adaptive(runs).size();
     bits.ours += 8 * writer.take().size();
+    for (const std::uint32_t number : runs) put_varint(bytes, number);
   }
+  bits.zstd_runs = zstd_bits(bytes);
   return bits;
 }
 
 void print_bits(const char* order, const std::vector<Ids>& lists, const Bits& bits) {
   const auto an_id = [&](std::size_t n) { return static_cast<double>(n) / static_cast<double>(bits.ids); };
-  fmt::print("{},{},{},{},{:.0f},{:.1f},{:.2f},{:.2f},{:.2f},{:.2f},{:.2f}\n", order, lists.size(), bits.ids,
+  fmt::print("{},{},{},{},{:.0f},{:.1f},{:.2f},{:.2f},{:.2f},{:.2f},{:.2f},{:.2f}\n", order, lists.size(), bits.ids,
              count_runs(lists), an_id(bits.vector), an_id(bits.integers), an_id(bits.delimiter),
-             an_id(bits.delimiter_runs), an_id(bits.paper), an_id(bits.huffman_runs), an_id(bits.ours));
+             an_id(bits.delimiter_runs), an_id(bits.paper), an_id(bits.huffman_runs), an_id(bits.zstd_runs),
+             an_id(bits.ours));
 }
 
 // --- crossings
@@ -244,15 +279,17 @@ void run(int side, std::size_t most_columns, std::uint32_t many) {
       "columns,rows,runs,knn_s,seed_s,fewer_runs_seed,fewer_runs_tour,moves,s_a_move,tour_s,sample_knn_s,"
       "fewer_runs_sample_tour,sort_s,fewer_runs_sort,fewer_runs_first_node\n");
   TableRow last;
+  std::vector<Ids> matrices;
   for (const std::size_t columns : {500U, 1000U, 3000U, 9000U, 27000U})
-    if (columns <= std::min(used.size(), most_columns)) last = print_table_row(lists, added, spread(used, columns));
-  if (used.size() <= most_columns) last = print_table_row(lists, added, used);
+    if (columns <= std::min(used.size(), most_columns)) matrices.push_back(spread(used, columns));
+  if (used.size() <= most_columns) matrices.push_back(used);
+  for (const Ids& kept : matrices) last = print_table_row(lists, added, kept);
 
   const std::vector<std::uint32_t> places = places_by_nodes(added, grid.split_count);
   const std::vector<Ids> sorted = renumbered(lists, places);
   fmt::print(
       "\norder,lists,ids,runs,bit_vector,int32,delimiter,delimiter_runs,delimiter_shorter,adaptive_huffman_runs,"
-      "ours\n");
+      "zstd_runs,ours\n");
   const Bits before = bits_of(lists, grid.split_count), after = bits_of(sorted, grid.split_count);
   print_bits("crossings as built", lists, before);
   print_bits("crossings sorted", sorted, after);
@@ -267,6 +304,9 @@ void run(int side, std::size_t most_columns, std::uint32_t many) {
   const auto [tree_bytes, read_ratio] = print_crossings(transitions, packed_tree(grid));
 
   const auto ratio = [](std::size_t a, std::size_t b) { return static_cast<double>(a) / static_cast<double>(b); };
+  fmt::print("\ncolumns,within,centres,equal_pct,share_mean_pct,share_least_pct\n");
+  for (const Ids& kept : matrices) print_balls(lists, kept);
+
   fmt::print("\ngoal,measure,asked,is\n");
   fmt::print("8,bytes a crossing over those of deltas,<= 0.5,{:.3f}\n", read_ratio);
   fmt::print("9,bits of the tree's files over the paper's code of its lists,<= 0.7,{:.3f}\n",

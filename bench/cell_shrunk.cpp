@@ -2,9 +2,9 @@
 // hides: shrunk occluders from the middle of the cell and from the point of its quadratic programme, and its cull map.
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <glm/common.hpp>
-#include <map>
-#include <numeric>
+#include <string>
 #include <vector>
 
 #include "cell_sight.h"
@@ -12,17 +12,17 @@
 #include "occlod/mesh/generate.h"
 #include "occlod/viewcells/cell_builder.h"
 #include "support/cpu_clock.h"
-#include "viewcells/cell_geometry.h"
+#include "support/mesh_parts.h"
 #include "viewcells/paper/cull_map.h"
 #include "viewcells/paper/shrunk_occlusion.h"
 
 namespace occlod::bench {
 namespace {
 
-constexpr int image_size = 1024;  // of the images that the tolerance is a pixel of
 constexpr double near = 0.1;
 constexpr double window_depth = 0.6;  // of generate_city()
 constexpr int map_pixels = 1024;
+constexpr int random_eyes = 116;  // 125 with the corners and the middle
 
 struct Place {
   const char* name;
@@ -33,24 +33,8 @@ struct Place {
 // The largest boxes inside all houses: what is best for convex occluders. Windows are set back, so the facades of these
 // boxes are, too.
 std::vector<paper::ConvexOccluder> inner_boxes(const TriangleMesh& city) {
-  std::vector<VertexId> parts(city.vertex_count());
-  std::iota(parts.begin(), parts.end(), 0U);
-  const auto part_of = [&](VertexId v) {
-    while (parts[v] != v) v = parts[v] = parts[parts[v]];
-    return v;
-  };
-  for (const Triangle& t : city.triangles) {
-    parts[part_of(t.y)] = part_of(t.x);
-    parts[part_of(t.z)] = part_of(t.x);
-  }
-  std::map<VertexId, CellBox> boxes;
-  for (VertexId v = 0; v < city.vertex_count(); ++v) {
-    const glm::dvec3 p(city.positions[v]);
-    const auto [box, is_new] = boxes.try_emplace(part_of(v), CellBox{p, p});
-    if (!is_new) box->second = unite(box->second, {p, p});
-  }
   std::vector<paper::ConvexOccluder> occluders;
-  for (const auto& [part, box] : boxes) {
+  for (const CellBox& box : parts_of(city).boxes) {
     if (box.max.z <= 0.0) continue;  // the ground
     const glm::dvec3 inwards(window_depth, window_depth, 0.0);
     occluders.push_back(paper::box_occluder({box.min + inwards, box.max - inwards}));
@@ -58,12 +42,23 @@ std::vector<paper::ConvexOccluder> inner_boxes(const TriangleMesh& city) {
   return occluders;
 }
 
+constexpr double pitch = 60.0;  // of generate_city(), from street to street
+
+struct Options {
+  int blocks = 16;
+  std::vector<double> edges = {2.0, 4.0, 8.0, 16.0};
+  bool sampled = false;
+  int image_size = 1024;  // of the images that the tolerance is a pixel of
+};
+
 struct Scene {
-  TriangleMesh mesh = generate_city({.blocks = 16, .facade_cells = 8});
+  TriangleMesh mesh;
   Hierarchy hierarchy = build_hierarchy(mesh);
   std::vector<paper::ConvexOccluder> houses = inner_boxes(mesh);
   CellBox box;
-  Scene() { box = {glm::dvec3(hierarchy.data().box.min) - 1.0, glm::dvec3(hierarchy.data().box.max) + 1.0}; }
+  explicit Scene(int blocks) : mesh(generate_city({.blocks = blocks, .facade_cells = 8})) {
+    box = {glm::dvec3(hierarchy.data().box.min) - 1.0, glm::dvec3(hierarchy.data().box.max) + 1.0};
+  }
 };
 
 // How many of the boxes are not hidden, and how long that takes.
@@ -89,7 +84,18 @@ std::vector<CellBox> grown_boxes(const Hierarchy& hierarchy, const CellBox& cell
   return boxes;
 }
 
-void run(const Scene& scene, const CellOccluders& occluders, const Place& place, double edge) {
+// What the builder draws where cubes of images decide what is hidden, and its ms; empty if it is not asked for.
+std::string drawn_by_samples(std::span<const RefineObject> objects, CellOptions options, const CellBox& cell,
+                             bool is_asked) {
+  if (!is_asked) return ",";
+  options.occlusion = CellOcclusion::sampled;
+  const double start = thread_cpu_ms();
+  const std::size_t drawn = CellBuilder(objects, nullptr, options).build(cell).drawn_triangles;
+  return fmt::format("{},{:.0f}", drawn, thread_cpu_ms() - start);
+}
+
+void run(const Scene& scene, const CellOccluders& occluders, const Place& place, double edge, const Options& chosen) {
+  const int image_size = chosen.image_size;
   const RefineObject objects[] = {{.hierarchy = &scene.hierarchy}};
   const CellOptions options{.eyes = tool::cube_eyes(image_size, near)};
   const glm::dvec3 half = 0.5 * glm::dvec3(edge, edge, place.height > 0.0 ? place.height : edge);
@@ -97,8 +103,10 @@ void run(const Scene& scene, const CellOccluders& occluders, const Place& place,
   CellBuilder without(objects, nullptr, options), with(objects, &occluders, options);
 
   const double start = thread_cpu_ms();
-  const std::size_t ours = with.build(cell).drawn_triangles;
+  const CellCut& cut = with.build(cell);
   const double ours_ms = thread_cpu_ms() - start;
+  const std::size_t ours = cut.drawn_triangles;
+  const std::size_t seen = tool::count_seen(cell, objects, near, cut.objects, {random_eyes, image_size, 1});
   const std::vector<CellBox> boxes = grown_boxes(scene.hierarchy, cell, options, without.build(cell));
   const double reach = options.eyes.near / options.eyes.cos_corner_angle;
   const auto hull = count_drawn(boxes, [&](const CellBox& box) { return occluders.hides(cell, box, reach); });
@@ -110,8 +118,9 @@ void run(const Scene& scene, const CellOccluders& occluders, const Place& place,
   const double map_ms = thread_cpu_ms() - before_map;
   const auto flat = count_drawn(boxes, [&](const CellBox& box) { return map.hides(box); });
 
-  fmt::print("{},{},{},{},{:.0f},{},{:.0f},{},{:.0f}", place.name, edge, boxes.size(), ours, ours_ms, hull.first,
-             hull.second, flat.first, flat.second + map_ms);
+  fmt::print("{},{},{},{},{},{},{:.0f},{},{:.0f},{},{:.0f}", place.name, edge, seen, boxes.size(),
+             drawn_by_samples(objects, options, cell, chosen.sampled), ours, ours_ms, hull.first, hull.second,
+             flat.first, flat.second + map_ms);
   for (const bool best_point : {false, true}) {
     const double before = thread_cpu_ms();
     const paper::ShrunkOcclusion shrunk(cell, scene.houses, scene.box, {best_point, image_size});
@@ -125,20 +134,34 @@ void run(const Scene& scene, const CellOccluders& occluders, const Place& place,
   static_cast<void>(std::fflush(stdout));
 }
 
-void run_all() {
-  const Scene scene;
+void run_all(const Options& chosen) {
+  const Scene scene(chosen.blocks);
   const RefineObject objects[] = {{.hierarchy = &scene.hierarchy}};
   const CellOccluders occluders(objects, 0.25);
   fmt::print(
-      "place,cell_edge,drawn_without_occlusion,hull_drawn,hull_cpu_ms,hull_on_that_cut_drawn,hull_on_that_cut_cpu_ms,"
+      "place,cell_edge,seen_by_125_eyes,drawn_without_occlusion,sampled_drawn,sampled_cpu_ms,hull_drawn,hull_cpu_ms,"
+      "hull_on_that_cut_"
+      "drawn,hull_on_that_cut_cpu_ms,"
       "cull_map_drawn,cull_map_cpu_ms,middle_occluders,middle_drawn,middle_shrink_cpu_ms,middle_query_cpu_ms,"
       "best_occluders,best_drawn,best_shrink_cpu_ms,best_query_cpu_ms,hull_over_best,hull_on_that_cut_over_best\n");
-  for (const Place& place : {Place{"crossing", {480, 480, 1.7}, 1.5}, Place{"street", {480, 510, 1.7}, 1.5},
-                             Place{"12 m above a street", {480, 510, 12}, 0.0}})
-    for (const double edge : {2.0, 4.0, 8.0, 16.0}) run(scene, occluders, place, edge);
+  const double middle = pitch * (chosen.blocks / 2);
+  for (const Place& place :
+       {Place{"crossing", {middle, middle, 1.7}, 1.5}, Place{"street", {middle, middle + 30.0, 1.7}, 1.5},
+        Place{"12 m above a street", {middle, middle + 30.0, 12}, 0.0}})
+    for (const double edge : chosen.edges) run(scene, occluders, place, edge, chosen);
 }
 
 }  // namespace
 }  // namespace occlod::bench
 
-int main() { occlod::bench::run_all(); }
+int main(int argc, char** argv) {
+  CLI::App app("What is drawn for cells of a city, by our hull test and by the methods of vLOD (2003).");
+  occlod::bench::Options options;
+  app.add_option("--blocks", options.blocks, "Blocks along each side of the city")->check(CLI::Range(2, 64));
+  app.add_option("--edges", options.edges, "Edges of cells, m")->delimiter(',')->check(CLI::PositiveNumber);
+  app.add_flag("--sampled", options.sampled, "Also by images from 125 eyes, which takes longest");
+  app.add_option("--image-size", options.image_size, "Pixels along each side of images")->check(CLI::Range(16, 4096));
+  CLI11_PARSE(app, argc, argv);
+  occlod::bench::run_all(options);
+  return 0;
+}

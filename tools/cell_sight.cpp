@@ -172,6 +172,36 @@ class SceneItems {
   std::vector<std::uint32_t> first_item_;
 };
 
+enum class Seen { front, back, unclear };
+// What a pixel shows.
+struct SeenPoint {
+  Seen what = Seen::unclear;
+  glm::dvec3 place{0.0}, ray{0.0};  // and the direction from the eye, unit length
+  double distance = 0.0;
+};
+
+SeenPoint seen_point(const FullScene::Item& item, std::span<const RefineObject> objects, const View& view, int x,
+                     int y) {
+  const RefineObject& object = objects[item.object];
+  const WorldTriangle t = world_triangle(object, item.triangle);
+  const glm::dvec4 far =
+      glm::inverse(view.world_to_clip()) *
+      glm::dvec4(2.0 * (x + 0.5) / view.width() - 1.0, 1.0 - 2.0 * (y + 0.5) / view.height(), 0.5, 1.0);
+  const glm::dvec3 eye = view.camera().eye, ray = glm::normalize(glm::dvec3(far) / far.w - eye);
+  const glm::dvec3 normal = glm::cross(t[1] - t[0], t[2] - t[0]);
+  const double towards = glm::dot(normal, ray), mirror = glm::determinant(glm::dmat3(object.object_to_world));
+  if (std::abs(towards) < 1e-4 * glm::length(normal)) return {};  // edge-on: too close to call
+  if (!object.two_sided && (towards > 0.0) == (mirror > 0.0)) return {Seen::back};
+  const double distance = glm::dot(normal, t[0] - eye) / towards;
+  const glm::dvec3 seen = eye + distance * ray;
+  if (distance_to(t, seen) > 1e-6 * distance) return {};  // the pixel is the triangle's by rounding only
+  return {Seen::front, seen, ray, distance};
+}
+
+std::size_t pixel_at(const View& view, int x, int y) {
+  return static_cast<std::size_t>(y) * static_cast<std::size_t>(view.width()) + static_cast<std::size_t>(x);
+}
+
 class Looking {
  public:
   Looking(const CellBox& cell, const FullScene& scene, std::span<const RefineObject> objects,
@@ -188,45 +218,28 @@ class Looking {
     drawn_.draw(view, [&](std::size_t i) -> const std::vector<Triangle>& { return cut_[i].triangles; });
     for (int y = 0; y < view.height(); ++y)
       for (int x = 0; x < view.width(); ++x)
-        if (items_.items[at(view, x, y)] != no_item) judge(view, x, y);
+        if (items_.items[pixel_at(view, x, y)] != no_item) judge(view, x, y);
   }
 
   [[nodiscard]] const CellSight& result() const { return sight_; }
 
  private:
-  static std::size_t at(const View& view, int x, int y) {
-    return static_cast<std::size_t>(y) * static_cast<std::size_t>(view.width()) + static_cast<std::size_t>(x);
-  }
-
   void judge(const View& view, int x, int y) {
-    const FullScene::Item item = scene_.item(items_.items[at(view, x, y)]);
-    const RefineObject& object = objects_[item.object];
-    const WorldTriangle t = world_triangle(object, item.triangle);
-    const glm::dvec4 far =
-        glm::inverse(view.world_to_clip()) *
-        glm::dvec4(2.0 * (x + 0.5) / view.width() - 1.0, 1.0 - 2.0 * (y + 0.5) / view.height(), 0.5, 1.0);
-    const glm::dvec3 eye = view.camera().eye, ray = glm::normalize(glm::dvec3(far) / far.w - eye);
-    const glm::dvec3 normal = glm::cross(t[1] - t[0], t[2] - t[0]);
-    const double towards = glm::dot(normal, ray), mirror = glm::determinant(glm::dmat3(object.object_to_world));
-    if (std::abs(towards) < 1e-4 * glm::length(normal)) return;  // edge-on: too close to call
-    if (!object.two_sided && (towards > 0.0) == (mirror > 0.0)) {
-      ++sight_.backs;
-      return;
-    }
-    const double distance = glm::dot(normal, t[0] - eye) / towards,
-                 cos_angle = std::max(glm::dot(ray, view.direction()), options_.eyes.cos_corner_angle);
-    const glm::dvec3 seen = eye + distance * ray;
-    if (distance_to(t, seen) > 1e-6 * distance) return;  // the pixel is the triangle's by rounding only
+    const SeenPoint point = seen_point(scene_.item(items_.items[pixel_at(view, x, y)]), objects_, view, x, y);
+    sight_.backs += point.what == Seen::back ? 1U : 0U;
+    if (point.what != Seen::front) return;
     ++sight_.pixels;
     // What the promise allows there, and a hundredth for the change of scale on the way.
+    const double cos_angle = std::max(glm::dot(point.ray, view.direction()), options_.eyes.cos_corner_angle);
     const double allowed =
-        1.01 * options_.tolerance_px * distance * cos_angle * cos_angle / options_.eyes.focal_length_px;
-    sight_.missing += is_drawn_there(view, x, y, seen, allowed) || standing_.any_within(seen, allowed) ? 0U : 1U;
+        1.01 * options_.tolerance_px * point.distance * cos_angle * cos_angle / options_.eyes.focal_length_px;
+    sight_.missing +=
+        is_drawn_there(view, x, y, point.place, allowed) || standing_.any_within(point.place, allowed) ? 0U : 1U;
   }
 
   // Whether what is drawn at the same pixel is near enough, which it mostly is: found sooner than by searching.
   bool is_drawn_there(const View& view, int x, int y, const glm::dvec3& seen, double allowed) const {
-    const std::uint32_t item = drawn_.items()[at(view, x, y)];
+    const std::uint32_t item = drawn_.items()[pixel_at(view, x, y)];
     if (item == no_item) return false;
     const std::size_t i = drawn_.object_of(item);
     return distance_to(world_triangle(objects_[i], cut_[i].triangles[drawn_.triangle_of(item)]), seen) <= allowed;
@@ -250,6 +263,22 @@ void for_each_view(const CellBox& cell, double near, const CellEyes& eyes, const
 }
 
 }  // namespace
+
+std::vector<std::uint32_t> count_pixels(const CellBox& cell, const FullScene& scene,
+                                        std::span<const RefineObject> objects, double near, const CellEyes& eyes) {
+  std::vector<std::uint32_t> pixels(scene.triangle_count(), 0);
+  ItemBuffer items;
+  for_each_view(cell, near, eyes, [&](const View& view) {
+    scene.draw(items, view);
+    for (int y = 0; y < view.height(); ++y)
+      for (int x = 0; x < view.width(); ++x) {
+        const std::uint32_t item = items.items[pixel_at(view, x, y)];
+        if (item == no_item || seen_point(scene.item(item), objects, view, x, y).what != Seen::front) continue;
+        ++pixels[item];
+      }
+  });
+  return pixels;
+}
 
 CellSight look_from(const CellBox& cell, const FullScene& scene, std::span<const RefineObject> objects,
                     const CellOptions& options, std::span<const CellObjectCut> cut, const CellEyes& eyes) {

@@ -37,6 +37,12 @@ struct CellEyes {
 [[nodiscard]] std::size_t count_seen(const CellBox& cell, std::span<const RefineObject> objects, double near,
                                      std::span<const CellObjectCut> cut, const CellEyes& eyes);
 
+// What such eyes see of the input: by triangle of the scene, as numbered there, pixels of the kind that
+// CellSight::pixels counts.
+[[nodiscard]] std::vector<std::uint32_t> count_pixels(const CellBox& cell, const FullScene& scene,
+                                                      std::span<const RefineObject> objects, double near,
+                                                      const CellEyes& eyes);
+
 // That sees a quarter of a turn, of so many pixels along each side.
 [[nodiscard]] EyeModel cube_eyes(double image_size, double near);
 

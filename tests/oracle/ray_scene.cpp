@@ -26,6 +26,13 @@ void intersect(RTCScene scene, RTCRayHit& ray) {
 #endif
 }
 
+RTCRayHit ray_from(const glm::vec3& o, const glm::vec3& d, float t_min) {
+  RTCRayHit ray{};
+  ray.ray = {o.x, o.y, o.z, t_min, d.x, d.y, d.z, 0.0F, std::numeric_limits<float>::infinity(), ~0U, 0, 0};
+  ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  return ray;
+}
+
 // Builds on the calling thread: the same tree every time.
 struct Device {
   Device() : handle(rtcNewDevice("threads=1")) {
@@ -81,12 +88,15 @@ RayScene::RayScene(std::span<const glm::vec3> positions, std::span<const Triangl
 
 RayScene::~RayScene() = default;
 
+RayScene::Hit RayScene::first_triangle(const glm::vec3& origin, const glm::vec3& direction) const {
+  RTCRayHit ray = ray_from(origin, direction, 0.0F);
+  intersect(embree_->scene(), ray);
+  if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
+  return {ray.hit.primID, ray.ray.tfar};
+}
+
 double RayScene::first_hit(const glm::dvec3& origin, const glm::dvec3& direction, double t_min) const {
-  const glm::vec3 o(origin), d(direction);
-  RTCRayHit ray{};
-  ray.ray = {o.x, o.y, o.z, static_cast<float>(t_min), d.x, d.y, d.z, 0.0F, std::numeric_limits<float>::infinity(),
-             ~0U, 0,   0};
-  ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  RTCRayHit ray = ray_from(glm::vec3(origin), glm::vec3(direction), static_cast<float>(t_min));
   intersect(embree_->scene(), ray);
   if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::numeric_limits<double>::infinity();
   const Triangle& t = triangles_[ray.hit.primID];

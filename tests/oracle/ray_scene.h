@@ -1,11 +1,13 @@
 // Rays against triangles.
 #pragma once
 
+#include <cstdint>
 #include <glm/vec3.hpp>
 #include <memory>
 #include <span>
 #include <vector>
 
+#include "occlod/core/ids.h"
 #include "occlod/mesh/triangle_mesh.h"
 
 namespace occlod::test {
@@ -23,6 +25,13 @@ class RayScene {
   // is. Which triangle that is may be wrong where two are closer to each other, or an edge to the ray, than 2^-20 of
   // the distance.
   [[nodiscard]] double first_hit(const glm::dvec3& origin, const glm::dvec3& direction, double t_min = 0.0) const;
+
+  struct Hit {
+    std::uint32_t triangle = no_id;  // none
+    float t = 0.0F;                  // origin + t direction is on it, give or take rounding
+  };
+  // The same with t >= 0 as Embree finds it, in single precision: for many rays.
+  [[nodiscard]] Hit first_triangle(const glm::vec3& origin, const glm::vec3& direction) const;
 
  private:
   class Embree;
