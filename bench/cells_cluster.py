@@ -13,6 +13,7 @@ import time
 import distributed
 import occlod
 import occlod.distributed
+from cluster_model import modelled
 
 
 def options_of(scene, root_cells):
@@ -51,13 +52,6 @@ def tasks_a_second():
             count = 2000
             _, seconds = timed(lambda: client.gather(client.map(lambda x: x + 1, range(count))))
             return count / seconds
-
-
-def modelled(cells, cell_s, cores, rate, start_s):
-    """(seconds, share of the cores that works): shards as short as the scheduler can hand out, at least 30 s; the last one takes half as long again."""
-    shard_s = max(30.0, 3 * cores / rate)
-    seconds = cells * cell_s / cores + start_s + 1.5 * shard_s
-    return seconds, cells * cell_s / cores / seconds
 
 
 def main():

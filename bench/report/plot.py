@@ -166,12 +166,12 @@ DASHES = ["", "7 3", "2 3", "9 3 2 3", "5 5", "12 4", "1 4"]
 
 
 class Lines:
-    """Lines over a common axis, such as what strategies take frame by frame. `lines`: by name, points (x, y) in order of x. Both axes are linear; that of y
-    begins at 0 unless told otherwise."""
+    """Lines over a common axis, such as what strategies take frame by frame. `lines`: by name, points (x, y) in order of x. Both axes are linear, that of y
+    from 0, unless told otherwise."""
 
-    def __init__(self, lines, x_label, y_label, size=(460, 300), dots=False, from_zero=True, legend_px=0):
+    def __init__(self, lines, x_label, y_label, size=(460, 300), dots=False, from_zero=True, legend_px=0, log_y=False):
         self.lines = {name: points for name, points in lines.items() if points}
-        self.x_label, self.y_label, self.dots, self.from_zero = x_label, y_label, dots, from_zero
+        self.x_label, self.y_label, self.dots, self.from_zero, self.log_y = x_label, y_label, dots, from_zero and not log_y, log_y
         self.width, self.height = size
         self.legend_px = legend_px  # on the right, where one is drawn in the plot itself
         self.diagonal = False  # where both axes show the same
@@ -180,7 +180,7 @@ class Lines:
         """There has to be a line."""
         points = [point for line in self.lines.values() for point in line]
         across = Axis([x for x, _ in points], 66, self.width - self.legend_px - 14, False)
-        up = Axis([0.0] * self.from_zero + [y for _, y in points], self.height - 46, 14, False)
+        up = Axis([0.0] * self.from_zero + [y for _, y in points], self.height - 46, 14, self.log_y)
         if self.from_zero:
             up.low = 0.0
         parts = [*grid(across, up, self.x_label, self.y_label)]
