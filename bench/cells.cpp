@@ -43,10 +43,11 @@ void run(const Hierarchy& hierarchy, const tool::FullScene& scene, const Place& 
   const std::size_t seen = tool::count_seen(cell, objects, near, cut.objects, {random_eyes, image_size, 1});
   options.tolerance_px = std::max(options.tolerance_px, cut.error_px);
   const tool::CellSight sight = tool::look_from(cell, scene, objects, options, cut.objects, {7, image_size / 4, 2});
-  fmt::print("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{:.0f},{:.2f},{},{}\n", place.name,
+  fmt::print("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{:.0f},{:.2f},{},{}\n", place.name,
              names[static_cast<std::size_t>(occlusion)], budget, edge, max_motion, occluders.triangle_count(),
              drawn_without, cut.triangles, cut.drawn_triangles, seen, cut.stats.seen_boxes, cut.stats.queries,
-             cut.stats.queries_hidden, cut.stats.flood_triangles, ms, cut.error_px, sight.pixels, sight.missing);
+             cut.stats.queries_hidden, cut.stats.queries_boxed, cut.stats.flood_triangles, ms, cut.error_px,
+             sight.pixels, sight.missing);
   static_cast<void>(std::fflush(stdout));
 }
 
@@ -56,7 +57,8 @@ void run_all() {
   const tool::FullScene scene(objects);
   fmt::print(
       "place,occlusion,budget,cell_edge,max_motion,occluder_triangles,drawn_without_occlusion,triangles,"
-      "drawn_triangles,seen_by_125_eyes,seen_boxes,queries,queries_hidden,flood_triangles,cpu_ms,error_px,pixels,"
+      "drawn_triangles,seen_by_125_eyes,seen_boxes,queries,queries_hidden,queries_boxed,flood_triangles,cpu_ms,error_"
+      "px,pixels,"
       "missing_pixels\n");
   for (const Place& place : {Place{"crossing", {480, 480, 1.7}, 1.5}, Place{"street", {480, 510, 1.7}, 1.5},
                              Place{"12 m above a street", {480, 510, 12}, 0.0}})

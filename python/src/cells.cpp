@@ -177,6 +177,7 @@ void bind_cut(nb::module_& m) {
       .def_ro("forced_splits", &CellStats::forced_splits, "Applied because another depends on them.")
       .def_ro("queries", &CellStats::queries, "Whether something is hidden.")
       .def_ro("queries_hidden", &CellStats::queries_hidden, "Of these, answered hidden.")
+      .def_ro("queries_boxed", &CellStats::queries_boxed, "Of these, behind a box inside a solid.")
       .def_ro("floods", &CellStats::floods, "To answer them.")
       .def_ro("flood_triangles", &CellStats::flood_triangles, "That floods reached.");
   nb::class_<PythonCellCut>(m, "CellCut",

@@ -134,7 +134,7 @@ std::size_t missing_beside_a_wall(const CellRefinement::Without& without) {
   const CellSurface surface(objects, 0.0, {});
   const CellOptions options{.eyes = tool::cube_eyes(128, 0.01), .tolerance_px = 14.0};
   const CellBox cell = around({0.1, -8.0, 0}, glm::dvec3(0.02));  // sees what is beyond x = 0.2 there
-  CellRefinement refinement(objects, &surface, options, without);
+  CellRefinement refinement(objects, &surface, nullptr, options, without);
   return tool::look_from(cell, tool::FullScene(objects), objects, options, refinement.build(cell).objects, {2, 64, 1})
       .missing;
 }
@@ -152,7 +152,7 @@ std::size_t missing_behind_a_clipped_wall(const CellRefinement::Without& without
   const CellSurface surface(objects, 0.0, {});
   const CellOptions options{.eyes = tool::cube_eyes(128, 0.2)};
   const CellBox cell{{-0.05, -0.05, 2.2}, {0.05, 0.05, 2.4}};
-  CellRefinement refinement(objects, &surface, options, without);
+  CellRefinement refinement(objects, &surface, nullptr, options, without);
   return tool::look_from(cell, tool::FullScene(objects), objects, options, refinement.build(cell).objects, {10, 64, 1})
       .missing;
 }

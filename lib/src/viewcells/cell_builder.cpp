@@ -43,8 +43,8 @@ class CellBuilder::Work {
     if (options.occlusion == CellOcclusion::sampled)
       sampling_.emplace(checked(objects, options), options);
     else
-      refinement_.emplace(checked(objects, options), occluders == nullptr ? nullptr : &occluders->surface(), options,
-                          CellRefinement::Without{});
+      refinement_.emplace(checked(objects, options), occluders == nullptr ? nullptr : &occluders->surface(),
+                          occluders == nullptr ? nullptr : &occluders->boxes(), options, CellRefinement::Without{});
   }
   const CellCut& build(const CellBox& cell) { return sampling_ ? sampling_->build(cell) : refinement_->build(cell); }
 

@@ -5,6 +5,7 @@
 #include "occlod/core/error.h"
 #include "view/placement.h"
 #include "viewcells/hull_test.h"
+#include "viewcells/inner_boxes.h"
 
 namespace occlod {
 namespace {
@@ -23,10 +24,10 @@ std::shared_ptr<const CellSurface> surface_of(std::span<const RefineObject> obje
 }  // namespace
 
 CellOccluders::CellOccluders(std::span<const RefineObject> objects, double max_motion)
-    : surface_(surface_of(objects, max_motion)) {}
+    : surface_(surface_of(objects, max_motion)), boxes_(std::make_shared<const InnerBoxes>(*surface_)) {}
 
 bool CellOccluders::hides(const CellBox& eyes, const CellBox& what, double near_reach) const {
-  HullTest test(*surface_);
+  HullTest test(*surface_, boxes_.get());
   test.set_cell(eyes, near_reach);
   return test.hides(what);
 }

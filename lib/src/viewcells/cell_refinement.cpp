@@ -18,7 +18,7 @@ constexpr std::size_t most_faces_at_once = 8;
 }  // namespace
 
 CellRefinement::CellRefinement(std::span<const RefineObject> objects, const CellSurface* surface,
-                               const CellOptions& options, const Without& without)
+                               const InnerBoxes* boxes, const CellOptions& options, const Without& without)
     : objects_(objects.begin(), objects.end()), options_(options), without_(without) {
   result_.objects.resize(objects.size());
   for (const RefineObject& object : objects) {
@@ -26,7 +26,7 @@ CellRefinement::CellRefinement(std::span<const RefineObject> objects, const Cell
     cuts_.emplace_back(*object.hierarchy);
   }
   if (surface == nullptr || options.occlusion == CellOcclusion::none) return;
-  hull_test_.emplace(*surface);
+  hull_test_.emplace(*surface, boxes);
   images_.emplace(*surface);
 }
 
@@ -55,6 +55,7 @@ const CellCut& CellRefinement::build(const CellBox& cell) {
     result_.drawn_triangles += result_.objects[i].triangles.size();
   }
   if (hull_test_) {
+    result_.stats.queries_boxed = hull_test_->counts().boxed - before.boxed;
     result_.stats.floods = hull_test_->counts().floods - before.floods;
     result_.stats.flood_triangles = hull_test_->counts().triangles - before.triangles;
   }

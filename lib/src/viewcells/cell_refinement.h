@@ -45,9 +45,9 @@ class CellRefinement {
     bool near = false;    // what the near plane clips away hides
   };
 
-  // `surface`: nothing is hidden without it.
-  CellRefinement(std::span<const RefineObject> objects, const CellSurface* surface, const CellOptions& options,
-                 const Without& without);
+  // `surface`: nothing is hidden without it. `boxes`: of the surface, or none.
+  CellRefinement(std::span<const RefineObject> objects, const CellSurface* surface, const InnerBoxes* boxes,
+                 const CellOptions& options, const Without& without);
 
   const CellCut& build(const CellBox& cell);
 

@@ -47,6 +47,10 @@ class CellSurface {
   void for_each_hit(const glm::dvec3& from, const glm::dvec3& to, const Visit& visit) const {
     bvh_.for_each_hit(positions_, triangles_, from, to, visit);
   }
+  // Whether the segment meets the triangle, up to rounding.
+  [[nodiscard]] bool meets(std::uint32_t t, const glm::dvec3& from, const glm::dvec3& to) const {
+    return TriangleBvh::meets(corner(t, 0), corner(t, 1), corner(t, 2), from, to - from);
+  }
   [[nodiscard]] const TriangleBvh& bvh() const noexcept { return bvh_; }
   // The largest coordinate of any corner.
   [[nodiscard]] double largest_coordinate() const noexcept { return largest_coordinate_; }

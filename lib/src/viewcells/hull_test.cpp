@@ -7,67 +7,31 @@
 #include <limits>
 
 #include "viewcells/cell_geometry.h"
+#include "viewcells/cell_segment.h"
 
 namespace occlod {
 namespace {
 
 // Of coordinates in world space, each a sum of a few products in double precision.
 constexpr double relative_rounding = 1e-9;
-// Of volumes spanned by differences of coordinates.
-constexpr double volume_rounding = 1e-12;
-
 // Where a segment meets more, those near the cell hide most.
 constexpr std::size_t most_seeds = 16;
 
-// Where segments begin in the cell and end in the box: shares of both. The next is tried where one comes too close to
-// an edge to tell on which side it passes.
-constexpr std::array<std::array<double, 6>, 8> segments = {{{0.5, 0.5, 0.5, 0.5, 0.5, 0.5},
-                                                            {0.37, 0.61, 0.43, 0.58, 0.41, 0.55},
-                                                            {0.71, 0.29, 0.64, 0.33, 0.69, 0.38},
-                                                            {0.23, 0.47, 0.81, 0.76, 0.24, 0.66},
-                                                            {0.86, 0.83, 0.19, 0.11, 0.87, 0.14},
-                                                            {0.13, 0.17, 0.27, 0.91, 0.79, 0.93},
-                                                            {0.54, 0.93, 0.72, 0.27, 0.09, 0.47},
-                                                            {0.94, 0.07, 0.57, 0.46, 0.51, 0.81}}};
-
-// 1, -1, or 0 where rounding decides.
-int sign_of(double volume, double size) {
-  return std::abs(volume) <= volume_rounding * size ? 0 : volume > 0.0 ? 1 : -1;
-}
-
-// The sign of x.cross(y, z), or 0 where rounding decides.
-int turn_of(const glm::dvec3& x, const glm::dvec3& y, const glm::dvec3& z) {
-  const double volume = glm::dot(x, glm::cross(y, z));
-  // Squares, so that no root is taken.
-  if (volume * volume <= volume_rounding * volume_rounding * glm::dot(x, x) * glm::dot(y, y) * glm::dot(z, z)) return 0;
-  return volume > 0.0 ? 1 : -1;
-}
-
-// Whether the segment from the origin to d meets the triangle; nothing where rounding decides.
-std::optional<bool> crosses(const glm::dvec3& d, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
-  const int ab = turn_of(d, a, b), bc = turn_of(d, b, c);
-  if (ab * bc < 0) return false;
-  const int ca = turn_of(d, c, a);
-  if (ab * ca < 0 || bc * ca < 0) return false;
-  if (ab == 0 || bc == 0 || ca == 0) return std::nullopt;
-  const glm::dvec3 normal = glm::cross(b - a, c - a);
-  const double size = glm::length(b - a) * glm::length(c - a), to_a = glm::length(a);
-  const int start = sign_of(-glm::dot(normal, a), size * to_a),
-            end = sign_of(glm::dot(normal, d - a), size * (to_a + glm::length(d)));
-  if (start == 0 || end == 0) return std::nullopt;
-  return start != end;
-}
-
 }  // namespace
 
-HullTest::HullTest(const CellSurface& surface)
-    : surface_(surface), hid_(memory_size, no_id), reached_by_(zeroed_array<std::uint32_t>(surface.triangle_count())) {}
+HullTest::HullTest(const CellSurface& surface, const InnerBoxes* boxes)
+    : surface_(surface), hid_(memory_size, no_id), reached_by_(zeroed_array<std::uint32_t>(surface.triangle_count())) {
+  if (boxes != nullptr) boxes_.emplace(surface, *boxes);
+  parts_ = boxes;
+}
 
 void HullTest::set_cell(const CellBox& cell, double near_reach) {
   cell_ = cell;
   near_reach_ = near_reach;
   first_segment_ = 0;
   std::fill(hid_.begin(), hid_.end(), no_id);
+  blockers_.fill(no_id);
+  if (boxes_) boxes_->set_cell(cell, near_reach);
 }
 
 bool HullTest::hides(const CellBox& what) {
@@ -75,14 +39,16 @@ bool HullTest::hides(const CellBox& what) {
   if (overlap(cell_, what)) return false;
   rounding_ = relative_rounding *
               std::max({largest_coordinate(cell_), largest_coordinate(what), surface_.largest_coordinate()});
-  begin_floods();
+  if (boxes_ && boxes_->hides_again(what)) return ++counts_.boxed, true;
   find_hits(what, first_segment_, most_seeds, seeds_);
   if (seeds_.empty()) return ++counts_.free, false;
+  if (boxes_ && is_boxed(what)) return ++counts_.boxed, true;
+  if (is_free(what)) return ++counts_.free, false;
+  begin_floods();
   const Hull hull(cell_, what);
   const auto others =
       std::stable_partition(seeds_.begin(), seeds_.end(), [&](std::uint32_t t) { return has_hidden(t); });
   if (flood_any(hull, what, {seeds_.begin(), others})) return ++counts_.remembered, true;
-  if (is_free(what)) return ++counts_.free, false;
   return flood_any(hull, what, {others, seeds_.end()});
 }
 
@@ -99,25 +65,46 @@ void HullTest::begin_floods() {
 // Triangles on the segment that may hide, `most` of them or fewer, roughly from the cell to the box.
 void HullTest::find_hits(const CellBox& what, std::size_t segment, std::size_t most,
                          std::vector<std::uint32_t>& hits) const {
-  const auto& s = segments[segment];
-  const glm::dvec3 from = glm::mix(cell_.min, cell_.max, glm::dvec3(s[0], s[1], s[2]));
+  const CellSegment s = segment_between(cell_, what, segment);
   hits.clear();
-  surface_.for_each_hit(from, glm::mix(what.min, what.max, glm::dvec3(s[3], s[4], s[5])), [&](std::uint32_t t) {
+  surface_.for_each_hit(s.from, s.to, [&](std::uint32_t t) {
     if (!must_avoid(t, what)) hits.push_back(t);
     return hits.size() < most;
   });
 }
 
+// By a box inside one of the parts that the first segment meets.
+bool HullTest::is_boxed(const CellBox& what) {
+  std::uint32_t last = no_id;
+  for (const std::uint32_t t : seeds_) {
+    const std::uint32_t part = parts_->part_of(t);
+    if (part != last && boxes_->hides(what, part)) return true;
+    last = part;
+  }
+  return false;
+}
+
 // Whether there is nothing on some other segment that may hide.
 bool HullTest::is_free(const CellBox& what) {
-  for (std::size_t i = 1; i < segments.size(); ++i) {
-    const std::size_t segment = (first_segment_ + i) % segments.size();
-    find_hits(what, segment, 1, hits_);
-    if (!hits_.empty()) continue;
+  constexpr std::size_t count = inner_segments + outer_segments;
+  for (std::size_t i = 1; i < count; ++i) {
+    const std::size_t segment = (first_segment_ + i) % count;
+    if (is_blocked(what, segment)) continue;
     first_segment_ = segment;
     return true;
   }
   return false;
+}
+
+// What has done so for another box often does so again.
+bool HullTest::is_blocked(const CellBox& what, std::size_t segment) {
+  const CellSegment s = segment_between(cell_, what, segment);
+  std::uint32_t& blocker = blockers_[segment];
+  if (blocker != no_id && surface_.meets(blocker, s.from, s.to) && !must_avoid(blocker, what)) return true;
+  find_hits(what, segment, 1, hits_);
+  if (hits_.empty()) return false;
+  blocker = hits_.front();
+  return true;
 }
 
 // What hides does not touch the ends of segments.
@@ -185,20 +172,16 @@ bool HullTest::reach(std::uint32_t t) {
 }
 
 bool HullTest::is_crossed(const CellBox& what) const {
-  for (const auto& s : segments) {
-    const glm::dvec3 from = glm::mix(cell_.min, cell_.max, glm::dvec3(s[0], s[1], s[2]));
-    const glm::dvec3 to = glm::mix(what.min, what.max, glm::dvec3(s[3], s[4], s[5]));
-    if (const auto crossed = is_crossed(from, to)) return *crossed;
-  }
+  for (std::size_t i = 0; i < inner_segments; ++i)
+    if (const auto crossed = is_crossed(segment_between(cell_, what, i))) return *crossed;
   return false;
 }
 
 // An odd number of times.
-std::optional<bool> HullTest::is_crossed(const glm::dvec3& from, const glm::dvec3& to) const {
+std::optional<bool> HullTest::is_crossed(const CellSegment& segment) const {
   bool odd = false;
   for (const std::uint32_t t : reached_) {
-    const auto crossed =
-        crosses(to - from, surface_.corner(t, 0) - from, surface_.corner(t, 1) - from, surface_.corner(t, 2) - from);
+    const auto crossed = crosses(segment, surface_.corner(t, 0), surface_.corner(t, 1), surface_.corner(t, 2));
     if (!crossed) return std::nullopt;
     odd = odd != *crossed;
   }

@@ -9,8 +9,10 @@
 #include <vector>
 
 #include "core/zeroed_array.h"
+#include "viewcells/cell_segment.h"
 #include "viewcells/cell_surface.h"
 #include "viewcells/hull.h"
+#include "viewcells/inner_box_test.h"
 
 namespace occlod {
 
@@ -32,6 +34,7 @@ class HullTest {
   // Of all calls.
   struct Counts {
     std::size_t queries = 0;
+    std::size_t boxed = 0;       // of these, hidden by a box inside a solid
     std::size_t remembered = 0;  // of these, hidden by a surface through a triangle that hid another box
     std::size_t free = 0;        // of these, not hidden because nothing on some segment from cell to box could hide it
     std::size_t floods = 0;
@@ -39,8 +42,8 @@ class HullTest {
   };
   static constexpr std::size_t most_triangles = 4096;  // of all floods of a query
 
-  // The surface outlives it.
-  explicit HullTest(const CellSurface& surface);
+  // Both outlive it. Without boxes all is found by floods.
+  explicit HullTest(const CellSurface& surface, const InnerBoxes* boxes = nullptr);
 
   // near_reach: world units from an eye within which its near plane may clip. Forgets what was found for other cells.
   void set_cell(const CellBox& cell, double near_reach);
@@ -53,7 +56,9 @@ class HullTest {
  private:
   void begin_floods();
   void find_hits(const CellBox& what, std::size_t segment, std::size_t most, std::vector<std::uint32_t>& hits) const;
+  [[nodiscard]] bool is_boxed(const CellBox& what);
   [[nodiscard]] bool is_free(const CellBox& what);
+  [[nodiscard]] bool is_blocked(const CellBox& what, std::size_t segment);
   [[nodiscard]] bool must_avoid(std::uint32_t t, const CellBox& what) const;
   [[nodiscard]] bool flood_any(const Hull& hull, const CellBox& what, std::span<const std::uint32_t> seeds);
   [[nodiscard]] bool flood(const Hull& hull, const CellBox& what, std::uint32_t first);
@@ -61,7 +66,7 @@ class HullTest {
   [[nodiscard]] bool is_crossed_already(std::uint32_t edge) const;
   [[nodiscard]] bool reach(std::uint32_t t);
   [[nodiscard]] bool is_crossed(const CellBox& what) const;
-  [[nodiscard]] std::optional<bool> is_crossed(const glm::dvec3& from, const glm::dvec3& to) const;
+  [[nodiscard]] std::optional<bool> is_crossed(const CellSegment& segment) const;
   [[nodiscard]] double growth(std::uint32_t t) const { return surface_.moved(t) + rounding_; }
 
   // Which triangles have hidden something from the cell, the last of all that share a place.
@@ -70,15 +75,18 @@ class HullTest {
   [[nodiscard]] bool has_hidden(std::uint32_t t) const { return hid_[memory_place(t)] == t; }
 
   const CellSurface& surface_;
+  const InnerBoxes* parts_ = nullptr;  // or none
+  std::optional<InnerBoxTest> boxes_;
   CellBox cell_;
   double near_reach_ = 0.0;
   double rounding_ = 0.0;
   Counts counts_;
 
   std::vector<std::uint32_t> hid_;
-  std::vector<std::uint32_t> seeds_;       // triangles where floods begin
-  std::vector<std::uint32_t> hits_;        // those of another segment
-  std::size_t first_segment_ = 0;          // that is tried: the one that was free last
+  std::vector<std::uint32_t> seeds_;                                       // triangles where floods begin
+  std::vector<std::uint32_t> hits_;                                        // those of another segment
+  std::size_t first_segment_ = 0;                                          // that is tried: the one that was free last
+  std::array<std::uint32_t, inner_segments + outer_segments> blockers_{};  // the last triangles that were on them
   std::vector<std::uint32_t> reached_;     // by this flood, those that are looked at first
   ZeroedArray<std::uint32_t> reached_by_;  // the last flood that did so, by triangle
   std::uint32_t flood_ = 0;                // its number

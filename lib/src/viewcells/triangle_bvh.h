@@ -29,6 +29,15 @@ class TriangleBvh {
   void for_each_hit(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles, const glm::dvec3& from,
                     const glm::dvec3& to, const Visit& visit) const;
 
+  // Calls visit(triangle), until it returns false, for triangles of leaves whose boxes the segment meets: none that it
+  // meets is missed.
+  template <typename Visit>
+  void for_each_near(const glm::dvec3& from, const glm::dvec3& to, const Visit& visit) const;
+
+  // Whether the segment meets the triangle, up to rounding.
+  [[nodiscard]] static bool meets(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const glm::dvec3& from,
+                                  const glm::dvec3& along);
+
   // Some triangles that follow each other, and a box around them.
   struct Group {
     CellBox box;
@@ -58,8 +67,6 @@ class TriangleBvh {
   // `inverse`: of the segment's direction, by axis. Where that is infinite the product may be no number, which std::min
   // and std::max then pass over.
   [[nodiscard]] static bool meets(const Node& node, const glm::dvec3& from, const glm::dvec3& inverse);
-  [[nodiscard]] static bool meets(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const glm::dvec3& from,
-                                  const glm::dvec3& along);
   // The children of the node, the one to visit first on top.
   void push_children(const Entry& entry, bool left_first, Stack& stack, std::size_t& size) const;
   void build(std::span<const CellBox> boxes, std::span<std::uint32_t> order);
@@ -71,6 +78,15 @@ class TriangleBvh {
 template <typename Visit>
 void TriangleBvh::for_each_hit(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles,
                                const glm::dvec3& from, const glm::dvec3& to, const Visit& visit) const {
+  const glm::dvec3 along = to - from;
+  for_each_near(from, to, [&](std::uint32_t i) {
+    const Triangle& t = triangles[i];
+    return !meets(positions[t.x], positions[t.y], positions[t.z], from, along) || visit(i);
+  });
+}
+
+template <typename Visit>
+void TriangleBvh::for_each_near(const glm::dvec3& from, const glm::dvec3& to, const Visit& visit) const {
   if (nodes_.empty()) return;
   const glm::dvec3 along = to - from, inverse = 1.0 / along;
   Stack stack;
@@ -84,10 +100,8 @@ void TriangleBvh::for_each_hit(std::span<const glm::dvec3> positions, std::span<
       push_children(entry, along[static_cast<int>(node.axis)] >= 0.0, stack, size);
       continue;
     }
-    for (std::uint32_t i = entry.first; i < entry.first + entry.count; ++i) {
-      const Triangle& t = triangles[i];
-      if (meets(positions[t.x], positions[t.y], positions[t.z], from, along) && !visit(i)) return;
-    }
+    for (std::uint32_t i = entry.first; i < entry.first + entry.count; ++i)
+      if (!visit(i)) return;
   }
 }
 

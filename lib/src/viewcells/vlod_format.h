@@ -42,7 +42,7 @@ struct StoredOptions {
 static_assert(sizeof(StoredOptions) == 128);
 
 // Files of another epoch were made in another way: shards of them do not fit together.
-inline constexpr std::uint32_t epoch = 1;
+inline constexpr std::uint32_t epoch = 2;
 
 inline constexpr std::string_view options_name = "OPTS", regions_name = "REGN", objects_name = "OBJS",
                                   nodes_name = "CELL", data_name = "DATA";

@@ -41,6 +41,7 @@ struct CellStats {
   std::size_t seen_boxes = 0;       // that the middle of the cell sees: they are not asked about
   std::size_t queries = 0;          // whether something else is hidden
   std::size_t queries_hidden = 0;   // of these, answered "hidden"
+  std::size_t queries_boxed = 0;    // of these, as something solid that holds a large box is before them
   std::size_t floods = 0;           // of the surface that hides, to answer them
   std::size_t flood_triangles = 0;  // that floods reached
 };

@@ -11,6 +11,7 @@
 namespace occlod {
 
 class CellSurface;
+class InnerBoxes;
 
 // The surfaces of all objects in world space, simplified. Immutable; copies share their memory, and any number of
 // threads may use one.
@@ -31,9 +32,12 @@ class CellOccluders {
   [[nodiscard]] std::size_t triangle_count() const noexcept;
   // For the library.
   [[nodiscard]] const CellSurface& surface() const noexcept { return *surface_; }
+  // For the library.
+  [[nodiscard]] const InnerBoxes& boxes() const noexcept { return *boxes_; }
 
  private:
   std::shared_ptr<const CellSurface> surface_;
+  std::shared_ptr<const InnerBoxes> boxes_;
 };
 
 }  // namespace occlod
