@@ -214,15 +214,21 @@ TEST(FacingExact, NoFaceThatAnEyeMaySeeIsLeftOut) {
   const EyeModel eyes;
   int away = 0, close = 0;
   for (int n = 0; n < 20'000; ++n) {
-    const CellBox cell = numbers.box();
+    CellBox cell = numbers.box();
     const glm::dmat4 m = n % 2 == 0 ? glm::dmat4(1.0) : numbers.shapes().placement();
-    const std::array<glm::vec3, 3> face = {glm::vec3(numbers.point()), glm::vec3(numbers.point()),
-                                           glm::vec3(numbers.point())};
+    std::array<glm::vec3, 3> face = {glm::vec3(numbers.point()), glm::vec3(numbers.point()),
+                                     glm::vec3(numbers.point())};
+    if (n % 3 == 0) {  // an eye in the plane of a face, as near to it as numbers are: on which side is as it happens
+      for (glm::vec3& p : face) p = glm::vec3(numbers.shapes().point(4.0));
+      const glm::dvec3 a(face[0]), u = glm::dvec3(face[1]) - a, v = glm::dvec3(face[2]) - a;
+      cell.min = m * glm::dvec4(a + numbers.shapes().in(-2.0, 2.0) * u + numbers.shapes().in(-2.0, 2.0) * v, 1.0);
+      cell.max = cell.min;
+    }
     const bool exactly = faces_away_exactly(cell, m, face);
     const bool answer = CellView(cell, eyes, m).faces_away(face[0], face[1], face[2]);
     EXPECT_TRUE(exactly || !answer);
     away += answer ? 1 : 0;
-    close += exactly && !answer ? 1 : 0;
+    close += exactly && !answer && n % 3 != 0 ? 1 : 0;
   }
   EXPECT_GT(away, 1000);
   EXPECT_LT(close, away / 10) << "only where rounding decides";

@@ -226,6 +226,8 @@ TEST(CellOccluders, Pipes) {
   expect_conservative(mesh, 0.01, 300);
 }
 TEST(CellOccluders, SheetWithWindows) { expect_conservative(test::sheet_with_windows(), 0.03, 200); }
+// Where all of them would close, if nothing held them open: see AreWrongWhereTopologyChanges.
+TEST(CellOccluders, SheetWithWindowsThatMayClose) { expect_conservative(test::sheet_with_windows(), 0.05, 100); }
 TEST(CellOccluders, BlockWithTunnels) { expect_conservative(test::block(true), 0.02, 500); }
 TEST(CellOccluders, BlockWithGrooves) { expect_conservative(test::block(false), 0.05, 500); }
 TEST(CellOccluders, MoebiusBand) { expect_conservative(test::moebius(64), 0.02, 100); }
