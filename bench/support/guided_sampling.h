@@ -16,8 +16,9 @@
 namespace occlod::bench {
 
 struct GuidedOptions {
-  bool guided = true;        // false: random rays only
-  double most_ms = 60e3;     // processor time of this thread
+  bool guided = true;     // false: random rays only
+  double most_ms = 60e3;  // processor time of this thread
+  std::uint64_t most_rays = ~std::uint64_t{0};
   double border_rad = 1e-3;  // how far outside a triangle's border it is sampled, as seen from the start of the ray
   double finest_rad = 2e-3;  // parts of this border that look shorter are not divided
   double jump = 0.01;        // share of the distance by which a hit has to be nearer than the border to hide it
@@ -37,7 +38,7 @@ class GuidedSampling {
   GuidedSampling(std::span<const glm::vec3> positions, std::span<const Triangle> triangles, const test::RayScene& scene,
                  const CellBox& cell, const GuidedOptions& options);
 
-  // Goes on until the time is up. In the order in which they were found.
+  // Goes on until time or rays are up. In the order in which they were found.
   std::span<const FoundTriangle> run();
   [[nodiscard]] std::uint64_t rays() const { return rays_; }
 

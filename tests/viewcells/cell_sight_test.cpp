@@ -64,5 +64,23 @@ TEST(CellSight, FindsWhatIsLeftOut) {
   EXPECT_EQ(tool::count_seen(cell, objects, 0.1, cut, eyes), 0U);
 }
 
+// The same pixels as look_from() counts, by triangle; from the street nothing below the ground is seen.
+TEST(CellSight, CountsPixelsByTriangle) {
+  const Hierarchy city = build_hierarchy(generate_city({.blocks = 2, .facade_cells = 4}));
+  const RefineObject objects[] = {{&city}, {&city, glm::translate(glm::dmat4(1.0), {0, 0, -200})}};
+  const tool::FullScene scene(objects);
+  const CellOptions options{.eyes = tool::cube_eyes(64, 0.1)};
+  const CellBox cell{{58, 58, 1}, {62, 62, 2.5}};
+  const tool::CellEyes eyes{4, 32, 3};
+  CellBuilder builder(objects, nullptr, options);
+  const tool::CellSight sight = tool::look_from(cell, scene, objects, options, builder.build(cell).objects, eyes);
+  std::size_t above = 0, below = 0;
+  const std::vector<std::uint32_t> pixels = tool::count_pixels(cell, scene, objects, 0.1, eyes);
+  ASSERT_EQ(pixels.size(), scene.triangle_count());
+  for (std::uint32_t i = 0; i < pixels.size(); ++i) (scene.item(i).object == 0 ? above : below) += pixels[i];
+  EXPECT_EQ(above + below, sight.pixels);
+  EXPECT_GT(above, 9 * sight.pixels / 10);
+}
+
 }  // namespace
 }  // namespace occlod
