@@ -37,8 +37,8 @@ class Effort:
     rays: tuple = ("--seconds", "30")
 
 
-QUICK = Effort(scenes=("vlod_city",), folder="bench/scenes/small", viewcells=("--quick",), compared=30, cost_cells=2, eyes=10, image_size=256,
-               order=("--side", "16", "--columns", "9000", "--sort", "1000000"), shrunk=("--sampled", "--blocks", "8", "--edges", "2,4,8"),
+QUICK = Effort(scenes=("vlod_city",), folder="bench/scenes/small", cost_model="512x384,60,0.1", viewcells=("--quick",), compared=30, cost_cells=2, eyes=10, image_size=256,
+               order=("--side", "16", "--columns", "9000", "--sort", "1000000"), shrunk=("--sampled", "--blocks", "8", "--edges", "2,4,8", "--image-size", "512"),
                rays=("--blocks", "8", "--edges", "4", "--seconds", "5", "--eyes", "16", "--image-size", "256"))
 # Whether everything is there, not what it is worth.
 SMALL = Effort(scenes=("vlod_city",), folder="bench/scenes/small", cost_model="160x120,60,0.1", divide=("--root-cell", "8", "--levels", "1"), viewcells=("--quick",), compared=6, cost_cells=1, eyes=2, image_size=64,
