@@ -39,6 +39,11 @@ build/bench/bench/bench_locality | tee "$out/locality.md"
 echo "bench_cells" >&2
 build/bench/bench/bench_cells | tee "$out/cells.csv"
 
+for name in order shrunk rays; do
+  echo "bench_cell_$name" >&2
+  "build/bench/bench/viewcells/bench_cell_$name" | tee "$out/cell_$name.csv"
+done
+
 echo "bench_cover_probability" >&2
 build/bench/bench/cover/bench_cover_probability | tee "$out/cover_probability.md"
 

@@ -286,7 +286,7 @@ def costs(results):
         bytes_.setdefault(name, []).append([tolerance, cost["bytes_per_cell"] / 1000])
     return part("costs", "What accuracy costs in seconds and bytes",
                 "The same cells at four tolerances and with each kind of occlusion, by one thread; seconds with what is made once for all cells. Pixels: of images from random eyes, to all sides; "
-                "unexplained are those that show surface of which nothing that is drawn is within the tolerance. hull promises none; sampled promises nothing.",
+                "unexplained are those that show surface with nothing drawn within the tolerance. With hull there are none, by promise; sampled promises nothing.",
                 Plot("cost_seconds", "processor time of a cell", "tolerance, px", "s a cell", seconds), Plot("cost_bytes", "file of the cells, bytes a cell", "tolerance, px", "kB a cell", bytes_),
                 Table("costs", ["scene", "occlusion", "tolerance, px", "cells", "s a cell", "triangles drawn, mean", "bytes a cell", "file over hierarchies", "pixels", "unexplained", "%"],
                       [None, None, 1, 0, 3, 0, 0, 5, 0, 0, 5], rows))
