@@ -12,6 +12,7 @@
 #include "fuzz/vlod_scene.h"
 #include "occlod/core/error.h"
 #include "occlod/viewcells/vlod_file.h"
+#include "viewcells/packed_geometry.h"
 #include "viewcells/vlod_format.h"
 
 namespace occlod::vlod {
@@ -27,6 +28,20 @@ void sign_payloads(const fuzz::SectionSigner& file) {
   for (CellNode& node : file.find<CellNode>(nodes_name))
     if (node.payload <= data.size() && node.payload_bytes <= data.size() - node.payload)
       node.checksum = sections::checksum_of(data.subspan(node.payload, node.payload_bytes));
+}
+
+void sign_frames(const fuzz::SectionSigner& file) {
+  const std::span<std::byte> data = file.find<std::byte>(geometry_name);
+  for (FrameRow& frame : file.find<FrameRow>(frames_name))
+    if (frame.offset <= data.size() && frame.bytes <= data.size() - frame.offset)
+      frame.checksum = sections::checksum_of(data.subspan(frame.offset, frame.bytes));
+}
+
+// Of packed files and of others: which, is in the header.
+const sections::FileKind& kind_of(std::span<const std::byte> bytes) {
+  sections::FileHeader header;
+  if (bytes.size() >= sizeof(header)) std::memcpy(&header, bytes.data(), sizeof(header));
+  return header.version == packed_kind.version ? packed_kind : file_kind;
 }
 
 void sign_options(const fuzz::SectionSigner& file) {
@@ -59,6 +74,7 @@ void use(const VlodFile& file, bool has_scene) {
     if (!tree.is_leaf(n)) continue;
     tree.neighbours(n, cells);
     if (has_scene) static_cast<void>(read_cell(file, scene().objects(), n));
+    if (file.is_packed() && !has_scene) static_cast<void>(read_cell(file, n));
   }
   read_below(file, 0, above);
 }
@@ -70,9 +86,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace occlod;
   std::vector<std::byte> bytes(size);
   if (size > 0) std::memcpy(bytes.data(), data, size);
-  fuzz::SectionSigner signer(bytes, vlod::file_kind);
+  fuzz::SectionSigner signer(bytes, vlod::kind_of(bytes));
   signer.sign([&] {
     vlod::sign_payloads(signer);
+    vlod::sign_frames(signer);
     vlod::sign_options(signer);
   });
   const fuzz::MemoryFile file(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
