@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <glm/geometric.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 #include <utility>
@@ -12,7 +13,9 @@
 #include "hierarchy/motion_cut.h"
 #include "occlod/hierarchy/build.h"
 #include "support/meshes.h"
+#include "viewcells/cell_geometry.h"
 #include "viewcells/hull_test.h"
+#include "viewcells/inner_box_test.h"
 
 namespace occlod {
 namespace {
@@ -20,10 +23,12 @@ namespace {
 constexpr CellBox eyes{{-1, -1, -1}, {1, 1, 1}};
 constexpr CellBox box{{19, -3, -3}, {21, 3, 3}};
 
-// A sheet over y from `first` to `last` and z from -8 to 8, where x = `at` + `slope` y.
+// A sheet over y from `first` to `last` and z from -8 to 8, where x = `at` + `slope` y, but for one vertex, if it has
+// any at that y and z.
 struct Sheet {
   double at = 0.0, slope = 0.0, first = -8.0, last = 8.0;
   float moved = 0.0F;
+  glm::dvec3 spike{0.0, 99.0, 99.0};
 };
 
 bool hides(std::vector<glm::dvec3> positions, const std::vector<Triangle>& triangles, const std::vector<float>& moved) {
@@ -39,7 +44,11 @@ bool hides(const std::vector<Sheet>& sheets, VertexId cells = 8) {
   std::vector<Triangle> triangles;
   std::vector<float> moved;
   const auto add_column = [&](const Sheet& sheet, double y) {
-    for (VertexId k = 0; k <= cells; ++k) positions.emplace_back(sheet.at + sheet.slope * y, y, 16.0 * k / cells - 8.0);
+    for (VertexId k = 0; k <= cells; ++k) {
+      const double z = 16.0 * k / cells - 8.0;
+      positions.emplace_back(y == sheet.spike.y && z == sheet.spike.z ? sheet.spike.x : sheet.at + sheet.slope * y, y,
+                             z);
+    }
   };
   add_column(sheets[0], sheets[0].first);
   for (const Sheet& sheet : sheets)
@@ -69,33 +78,96 @@ TEST(HullGuards, WhatReachesIntoTheCellFurtherOnDoesNotHide) {
   EXPECT_TRUE(hides({{.at = 4.55, .slope = 3.5}}, 160));  // at y = -1 it is at 1.05
 }
 
-// Three pages of a book, open to y = 8, whose spine is at (10, -1, z). Whatever an eye sees past the spine it sees; a
-// segment through the pages meets three, an odd number, and the spine is the border that it goes round.
-TEST(HullGuards, ThreePagesHideNothingBesideTheirSpine) {
+// A sheet at x = 16 with a hollow spike, 0.5 wide, into the box at y = -1.5, z = -1.75. Eyes see the bottom of it,
+// which lies in the box: from (1, -1, z) at x = 19.2 it is 0.03 wide, and the line of sight 0.006 beside its axis. No
+// segment that is tried comes near.
+TEST(HullGuards, WhatReachesIntoTheBoxByASpikeDoesNotHide) {
+  EXPECT_FALSE(hides({{.at = 16.0, .spike = {19.5, -1.5, -1.75}}}, 64));
+  EXPECT_TRUE(hides({{.at = 16.0, .spike = {18.9, -1.5, -1.75}}}, 64));
+}
+
+// A sheet at x = 4 with one into the cell: an eye in it sees all that is straight before it.
+TEST(HullGuards, WhatReachesIntoTheCellByASpikeDoesNotHide) {
+  EXPECT_FALSE(hides({{.at = 4.0, .spike = {0.5, 0.0, -0.75}}}, 64));
+  EXPECT_TRUE(hides({{.at = 4.0, .spike = {1.1, 0.0, -0.75}}}, 64));
+}
+
+struct Mesh {
   std::vector<glm::dvec3> positions;
-  for (const double z : {-8.0, 8.0}) {
-    positions.emplace_back(10.0, -1.0, z);
-    for (const double x : {7.0, 10.0, 13.0}) positions.emplace_back(x, 8.0, z);
-  }
   std::vector<Triangle> triangles;
-  for (const VertexId page : {1U, 2U, 3U}) triangles.insert(triangles.end(), {{0, page, page + 4}, {0, page + 4, 4}});
-  EXPECT_FALSE(hides(positions, triangles, {}));
+};
+
+// A wall at x = 10, to 2.5 in y and z, of cells x cells squares. The square (window, window) is missing.
+Mesh wall_with_window(VertexId cells, VertexId window) {
+  Mesh mesh;
+  for (VertexId j = 0; j <= cells; ++j)
+    for (VertexId i = 0; i <= cells; ++i)
+      mesh.positions.emplace_back(10.0, 5.0 * i / cells - 2.5, 5.0 * j / cells - 2.5);
+  for (VertexId j = 0; j < cells; ++j)
+    for (VertexId i = 0; i < cells; ++i) {
+      const VertexId a = j * (cells + 1) + i, b = a + cells + 1;
+      if (i != window || j != window) mesh.triangles.insert(mesh.triangles.end(), {{a, a + 1, b + 1}, {a, b + 1, b}});
+    }
+  return mesh;
+}
+
+// From 1.25 to 1.5 in y and z, in a hull that ends at 2.1: some eye sees some of the box through it. No segment that is
+// tried comes near: they are at (0, 0), (-0.2, 0.1), (0.4, -0.2), (-0.8, 0.8), (1.4, -1.4), (0.5, 1.1), (-0.8, 0.1),
+// (-0.4, 1.0) there, and those between corners at about 1.9 and 2.1.
+TEST(HullGuards, AWindowThatNoSegmentPassesShowsWhatIsBehindIt) {
+  const Mesh wall = wall_with_window(20, 15), closed = wall_with_window(20, 20);
+  EXPECT_FALSE(hides(wall.positions, wall.triangles, {}));
+  EXPECT_TRUE(hides(closed.positions, closed.triangles, {}));
+}
+
+// The same window with a hollow frame around it: three triangles at each edge of the window, two elsewhere. It is as
+// open as before, and an odd number of triangles is a border.
+TEST(HullGuards, AFramedWindowShowsWhatIsBehindIt) {
+  Mesh wall = wall_with_window(20, 15);
+  const VertexId a = 15 * 21 + 15, first = static_cast<VertexId>(wall.positions.size());
+  const std::array<VertexId, 4> rim = {a, a + 1, a + 22, a + 21};
+  for (const VertexId v : rim) wall.positions.push_back(wall.positions[v] + glm::dvec3(0.3, 0, 0));
+  const glm::dvec3 middle = 0.5 * (wall.positions[rim[0]] + wall.positions[rim[2]]);
+  for (const VertexId v : rim) {  // the outside of the frame
+    const glm::dvec3 outwards = glm::normalize(wall.positions[v] - middle);
+    wall.positions.push_back(wall.positions[v] + glm::dvec3(0.15, 0, 0) + 0.05 * outwards);
+  }
+  for (VertexId k = 0; k < 4; ++k) {
+    const VertexId next = (k + 1) % 4;
+    const auto side = [&](VertexId p, VertexId q, VertexId r, VertexId s) {
+      wall.triangles.insert(wall.triangles.end(), {{p, q, r}, {p, r, s}});
+    };
+    side(rim[k], rim[next], first + next, first + k);
+    side(rim[k], rim[next], first + 4 + next, first + 4 + k);
+    side(first + 4 + k, first + 4 + next, first + next, first + k);
+  }
+  EXPECT_FALSE(hides(wall.positions, wall.triangles, {}));
+}
+
+// Two such walls and a tunnel from window to window: no border at all, and each eye that sees through the windows sees
+// through the tunnel. A flood comes to the other wall by way of it, and every segment that is tried meets both.
+TEST(HullGuards, ATunnelIsOpen) {
+  Mesh walls = wall_with_window(20, 15);
+  const auto count = static_cast<VertexId>(walls.positions.size());
+  for (VertexId v = 0; v < count; ++v) walls.positions.push_back(walls.positions[v] + glm::dvec3(0.5, 0, 0));
+  for (std::size_t i = 0, n = walls.triangles.size(); i < n; ++i) {
+    const Triangle t = walls.triangles[i];
+    walls.triangles.emplace_back(t.x + count, t.y + count, t.z + count);
+  }
+  const VertexId a = 15 * 21 + 15;
+  const std::array<VertexId, 4> rim = {a, a + 1, a + 22, a + 21};
+  for (std::size_t k = 0; k < 4; ++k) {
+    const VertexId p = rim[k], q = rim[(k + 1) % 4];
+    walls.triangles.insert(walls.triangles.end(), {{p, q, q + count}, {p, q + count, p + count}});
+  }
+  EXPECT_FALSE(hides(walls.positions, walls.triangles, {}));
 }
 
 // Of 23,000 triangles in the hull. The window, at y = z = -2.0 in a hull that ends at -2.1, is far beyond the 4,096
 // that are looked at from the middle on: that none of those is a border says nothing.
 TEST(HullGuards, AFloodThatIsCutOffHidesNothing) {
-  constexpr VertexId cells = 128, window = 12;
-  std::vector<glm::dvec3> positions;
-  std::vector<Triangle> triangles;
-  for (VertexId j = 0; j <= cells; ++j)
-    for (VertexId i = 0; i <= cells; ++i) positions.emplace_back(10.0, 5.0 * i / cells - 2.5, 5.0 * j / cells - 2.5);
-  for (VertexId j = 0; j < cells; ++j)
-    for (VertexId i = 0; i < cells; ++i) {
-      const VertexId a = j * (cells + 1) + i, b = a + cells + 1;
-      if (i != window || j != window) triangles.insert(triangles.end(), {{a, a + 1, b + 1}, {a, b + 1, b}});
-    }
-  EXPECT_FALSE(hides(positions, triangles, {}));
+  const Mesh wall = wall_with_window(128, 12);
+  EXPECT_FALSE(hides(wall.positions, wall.triangles, {}));
 }
 
 // The hull reaches to y = 2.1 at x = 10. A sheet that has not moved goes on at y = 2.3 as one that ends at 2.5. If that
@@ -108,6 +180,27 @@ TEST(HullGuards, AnEdgeHasMovedAsFarAsTheFartherOfItsTriangles) {
   EXPECT_TRUE(hides({still, rest}));
   EXPECT_TRUE(hides({still, little}));
   EXPECT_FALSE(hides({still, far}));
+}
+
+// A block whose front is half open: one of its two triangles is missing, and eyes see what is inside it through that.
+// The first segment that is tried meets the other, at y = -0.3, z = 0.2, and no more: an odd number.
+TEST(BoxGuards, ABlockThatIsOpenInPartHidesNothing) {
+  const CellBox block{{9, -2.5, -2.5}, {13, 2.5, 2.5}};
+  std::vector<glm::dvec3> positions;
+  for (std::size_t k = 0; k < 8; ++k) positions.push_back(corner_of(block, k));
+  std::vector<Triangle> triangles = {{0, 4, 6}, {1, 3, 7}, {1, 7, 5}, {0, 1, 5}, {0, 5, 4}, {2, 6, 7},
+                                     {2, 7, 3}, {0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}};
+  const auto hidden = [&] {
+    const CellSurface surface(positions, triangles, {});
+    const InnerBoxes boxes(surface);
+    EXPECT_GT(boxes.boxes().size(), 0U);
+    InnerBoxTest test(surface, boxes);
+    test.set_cell(eyes, 0.0);
+    return test.hides(box, 0);
+  };
+  EXPECT_FALSE(hidden());
+  triangles.emplace_back(0, 6, 2);
+  EXPECT_TRUE(hidden());
 }
 
 // What has moved by m in an object three times as large has moved by 3 m in the world, and no float below that will do.
