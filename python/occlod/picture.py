@@ -6,14 +6,28 @@ from collections.abc import Iterable
 
 import numpy
 
-from ._occlod import Camera, CellCut, Cut, DrawObject, Hierarchy, Mesh, Object, Refinement, View, draw_items, shade
+from ._occlod import (
+    Camera,
+    CellCut,
+    Cut,
+    DrawObject,
+    Hierarchy,
+    Mesh,
+    Object,
+    Refinement,
+    View,
+    WalkedFrame,
+    draw_items,
+    shade,
+)
 
-Drawable = Mesh | Refinement | CellCut | Cut | Hierarchy | Object
+Drawable = Mesh | Refinement | CellCut | WalkedFrame | Cut | Hierarchy | Object
 
 
 def draw_objects(what: Drawable | Iterable[Drawable]) -> list[DrawObject]:
-    """What draw_items() and shade() take, of meshes, refinements, cuts of any kind, hierarchies and objects at their finest."""
-    if isinstance(what, (Refinement, CellCut)):
+    """What draw_items() and shade() take, of meshes, refinements, cuts of any kind, frames of a walk, hierarchies and objects
+    at their finest."""
+    if isinstance(what, (Refinement, CellCut, WalkedFrame)):
         return what.draw_objects()
     if isinstance(what, Mesh):
         return [DrawObject(what.positions, what.triangles, what.colors)]

@@ -32,6 +32,7 @@ void bind_device(nb::module_& m);
 void bind_traverse(nb::module_& m);
 void bind_cells(nb::module_& m);
 void bind_cell_files(nb::module_& m);
+void bind_cell_walker(nb::module_& m);
 
 // A hierarchy at a place.
 struct PlacedObject {

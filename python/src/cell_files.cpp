@@ -15,8 +15,9 @@
 #include "arrays.h"
 #include "cell_cut.h"
 #include "occlod/viewcells/build_cells.h"
-#include "occlod/viewcells/vlod_file.h"
+#include "occlod/viewcells/pack_cells.h"
 #include "refining.h"
+#include "vlod.h"
 
 namespace occlod::python {
 namespace {
@@ -35,11 +36,6 @@ struct PythonCellBuild {
   KeptObjects objects;
   CellBuild build;
   std::mutex in_use;
-};
-
-struct PythonVlodFile {
-  std::shared_ptr<const VlodFile> file;
-  std::shared_ptr<const KeptObjects> objects;  // none: only its cells can be looked at
 };
 
 CellBuildRun run_of(int threads, const std::optional<nb::callable>& progress) {
@@ -205,16 +201,13 @@ void bind_file(nb::module_& m) {
       .def(
           "__init__",
           [](PythonVlodFile* self, const fs::path& path, const std::optional<nb::object>& objects) {
-            std::shared_ptr<const KeptObjects> kept;
-            if (objects) kept = std::make_shared<KeptObjects>(to_objects(*objects));
-            const nb::gil_scoped_release release;
-            new (self) PythonVlodFile{kept ? open_vlod(path, kept->refine_objects()) : open_vlod(path), kept};
+            new (self) PythonVlodFile(open_file(path, objects ? nb::handle(*objects) : nb::handle(Py_None)));
           },
           "path"_a, "objects"_a = nb::none(),
           nb::sig("def __init__(self, path: str | os.PathLike[str], objects: Object | Hierarchy | "
                   "collections.abc.Iterable[Object | Hierarchy] | None = None) -> None"),
           "Error for a file that is damaged, and for objects other than those that the cells were built for; without\n"
-          "objects only its cells can be looked at.")
+          "objects its cells can be looked at, and walked through if it is packed.")
       .def(
           "__len__", [](const PythonVlodFile& f) { return f.file->tree().nodes().size(); }, "Number of nodes.")
       .def_prop_ro(
@@ -223,6 +216,22 @@ void bind_file(nb::module_& m) {
           "options", [](const PythonVlodFile& f) { return f.file->options(); }, "That it was built with.")
       .def_prop_ro(
           "file_bytes", [](const PythonVlodFile& f) { return f.file->file_bytes(); }, "Its size.")
+      .def_prop_ro(
+          "is_packed", [](const PythonVlodFile& f) { return f.file->is_packed(); },
+          "Whether it holds the geometry of its cells.")
+      .def(
+          "pack",
+          [](const PythonVlodFile& f, const fs::path& path, int level, const std::optional<nb::callable>& progress) {
+            if (!f.objects) throw nb::value_error("it was opened without objects");
+            PackOptions options;
+            options.level = level;
+            options.progress = progress_of(progress ? nb::handle(*progress) : nb::handle(Py_None));
+            const nb::gil_scoped_release release;
+            pack_cells(*f.file, f.objects->refine_objects(), path, options);
+          },
+          "path"_a, nb::kw_only(), "level"_a = PackOptions().level, "progress"_a = nb::none(),
+          "Writes the same cells with their geometry, so that no hierarchies are needed to walk through the file.\n"
+          "`level`: of zstd, in [1, 19]; 0: not compressed. ValueError without objects.")
       .def("node", &node_of, "cell"_a, nb::rv_policy::copy, "IndexError for one that is not there.")
       .def(
           "leaf_of", [](const PythonVlodFile& f, glm::dvec3 eye) { return or_none(f.file->tree().leaf_of(eye)); },
@@ -243,6 +252,13 @@ void bind_file(nb::module_& m) {
 }
 
 }  // namespace
+
+PythonVlodFile open_file(const fs::path& path, nb::handle objects) {
+  std::shared_ptr<const KeptObjects> kept;
+  if (!objects.is_none()) kept = std::make_shared<KeptObjects>(to_objects(objects));
+  const nb::gil_scoped_release release;
+  return {kept ? open_vlod(path, kept->refine_objects()) : open_vlod(path), kept};
+}
 
 void bind_cell_files(nb::module_& m) {
   bind_tree_options(m);

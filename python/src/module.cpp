@@ -59,4 +59,5 @@ NB_MODULE(_occlod, m) {
   bind_traverse(m);
   bind_cells(m);
   bind_cell_files(m);
+  bind_cell_walker(m);
 }
