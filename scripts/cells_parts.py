@@ -282,12 +282,12 @@ def costs(results):
         rows.append([scene, mode, tolerance, cost["cells"], cost["cpu_s_per_cell"], cost["drawn_mean"], cost["bytes_per_cell"], cost["bytes_over_hierarchies"], cost["pixels"], cost["unexplained"],
                      100 * ratio(cost["unexplained"], cost["pixels"])])
         name = mode if len(results.scenes) == 1 else f"{scene}, {mode}"
-        seconds.setdefault(name, []).append([tolerance, cost["cpu_s_per_cell"]])
+        seconds.setdefault(name, []).append([tolerance, 1000 * cost["cpu_s_per_cell"]])
         bytes_.setdefault(name, []).append([tolerance, cost["bytes_per_cell"] / 1000])
     return part("costs", "What accuracy costs in seconds and bytes",
                 "The same cells at four tolerances and with each kind of occlusion, by one thread; seconds with what is made once for all cells. Pixels: of images from random eyes, to all sides; "
                 "unexplained are those that show surface with nothing drawn within the tolerance. With hull there are none, by promise; sampled promises nothing.",
-                Plot("cost_seconds", "processor time of a cell", "tolerance, px", "s a cell", seconds), Plot("cost_bytes", "file of the cells, bytes a cell", "tolerance, px", "kB a cell", bytes_),
+                Plot("cost_seconds", "processor time of a cell", "tolerance, px", "ms a cell", seconds, log=True), Plot("cost_bytes", "file of the cells, bytes a cell", "tolerance, px", "kB a cell", bytes_),
                 Table("costs", ["scene", "occlusion", "tolerance, px", "cells", "s a cell", "triangles drawn, mean", "bytes a cell", "file over hierarchies", "pixels", "unexplained", "%"],
                       [None, None, 1, 0, 3, 0, 0, 5, 0, 0, 5], rows))
 
