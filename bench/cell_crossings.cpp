@@ -134,8 +134,8 @@ void print_row(const std::filesystem::path& path) {
   };
   const double split_bytes = ratio(packed.bytes, packed.splits);
   fmt::print("{},{},{},{},{:.0f},{:.0f},{:.3f},{},{:.3f},{:.3f},{:.3f},{:.1f},{:.0f},{:.0f},{:.0f},{:.1f}\n",
-             path.stem().string(), file->is_packed() ? "packed" : "as built", file->tree().leaf_count(), sum.count, ratio(sum.deltas, sum.count),
-             ratio(sum.tree, sum.count), ratio(sum.tree, sum.deltas), splits.ids(),
+             path.stem().string(), file->is_packed() ? "packed" : "as built", file->tree().leaf_count(), sum.count,
+             ratio(sum.deltas, sum.count), ratio(sum.tree, sum.count), ratio(sum.tree, sum.deltas), splits.ids(),
              8.0 * ratio(tree_bytes, splits.ids()), ratio(splits.paper_bits_of_tree(), splits.ids()),
              ratio(8 * tree_bytes, splits.paper_bits_of_tree()), split_bytes, ratio(sum.added, sum.count),
              ratio(sum.added, sum.count) * split_bytes, ratio(sum.frames, sum.count), ratio(sum.reads, sum.count));
@@ -150,7 +150,8 @@ int main(int argc, char** argv) try {
   app.add_option("FILE", files, "Files of view cells, as built or packed")->required();
   CLI11_PARSE(app, argc, argv);
   fmt::print(
-      "scene,order,cells,crossings,bytes_a_crossing_deltas,bytes_a_crossing_tree,ratio,ids,bits_an_id_tree,bits_an_id_paper,"
+      "scene,order,cells,crossings,bytes_a_crossing_deltas,bytes_a_crossing_tree,ratio,ids,bits_an_id_tree,bits_an_id_"
+      "paper,"
       "bits_ratio,geometry_bytes_a_split,splits_a_crossing,geometry_of_these_bytes,geometry_read_bytes,frames_a_"
       "crossing\n");
   for (const std::filesystem::path& file : files) occlod::bench::print_row(file);
