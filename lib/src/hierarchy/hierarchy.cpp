@@ -17,10 +17,27 @@ UninitializedVector<T> to_vector(std::span<const T> values) {
 }  // namespace
 
 HierarchyView view_of(const HierarchyData& data) {
-  return {data.positions,  data.normals,    data.colors,
-          data.nodes,      data.stars,      data.roots,
-          data.base_faces, data.box,        data.input_triangle_count,
-          data.face_count, data.error_bound};
+  return {data.positions,
+          data.normals,
+          data.colors,
+          data.nodes,
+          data.stars,
+          data.roots,
+          data.base_faces,
+          data.box,
+          data.input_triangle_count,
+          data.face_count,
+          data.error_bound,
+          data.texture_coordinates,
+          data.extra_wedges,
+          data.wedge_materials,
+          data.corners,
+          data.corner_starts,
+          data.base_corners,
+          data.materials,
+          data.textures,
+          data.attribute_errors,
+          data.texture_origin};
 }
 
 Hierarchy make_hierarchy(HierarchyData data) {
@@ -50,7 +67,17 @@ HierarchyData copy_data(const Hierarchy& hierarchy) {
           view.box,
           view.input_triangle_count,
           view.face_count,
-          view.error_bound};
+          view.error_bound,
+          to_vector(view.texture_coordinates),
+          to_vector(view.extra_wedges),
+          to_vector(view.wedge_materials),
+          to_vector(view.corners),
+          to_vector(view.corner_starts),
+          to_vector(view.base_corners),
+          {view.materials.begin(), view.materials.end()},
+          {view.textures.begin(), view.textures.end()},
+          to_vector(view.attribute_errors),
+          view.texture_origin};
 }
 
 Hierarchy::Hierarchy(const HierarchyView& view, std::shared_ptr<const void> owner)
@@ -67,7 +94,10 @@ void Hierarchy::require_all() const {
 
 std::size_t Hierarchy::bytes() const noexcept {
   return view_.positions.size_bytes() + view_.normals.size_bytes() + view_.colors.size_bytes() +
-         view_.nodes.size_bytes() + view_.stars.size_bytes() + view_.roots.size_bytes() + view_.base_faces.size_bytes();
+         view_.nodes.size_bytes() + view_.stars.size_bytes() + view_.roots.size_bytes() +
+         view_.base_faces.size_bytes() + view_.texture_coordinates.size_bytes() + view_.extra_wedges.size_bytes() +
+         view_.wedge_materials.size_bytes() + view_.corners.size_bytes() + view_.corner_starts.size_bytes() +
+         view_.base_corners.size_bytes() + view_.attribute_errors.size_bytes();
 }
 
 }  // namespace occlod

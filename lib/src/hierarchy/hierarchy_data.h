@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
+#include <vector>
 
 #include "core/large_vector.h"
 #include "occlod/hierarchy/hierarchy.h"
@@ -23,6 +25,16 @@ struct HierarchyData {
   std::uint64_t input_triangle_count = 0;
   std::uint64_t face_count = 0;
   float error_bound = 0.0F;
+  UninitializedVector<glm::vec2> texture_coordinates;
+  UninitializedVector<VertexId> extra_wedges;
+  UninitializedVector<MaterialId> wedge_materials;
+  UninitializedVector<std::uint32_t> corners;
+  UninitializedVector<std::uint32_t> corner_starts;
+  UninitializedVector<Triangle> base_corners;
+  std::vector<Material> materials;
+  std::vector<Texture> textures;
+  UninitializedVector<std::uint16_t> attribute_errors;
+  TextureOrigin texture_origin = TextureOrigin::bottom_left;
 };
 
 [[nodiscard]] HierarchyView view_of(const HierarchyData& data);
