@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -9,6 +10,7 @@
 
 #include "commands.h"
 #include "json_output.h"
+#include "measure/attribute_distance.h"
 #include "measure/surface_distance.h"
 #include "occlod/hierarchy/cut_mesh.h"
 #include "occlod/io/olod.h"
@@ -18,8 +20,11 @@
 namespace occlod::tool {
 namespace {
 
+using measure::AttributeDifference;
+using measure::AttributeDistance;
 using measure::OneWayDistance;
 using measure::SurfaceDistance;
+using measure::TextureSlip;
 
 constexpr std::uint64_t most_samples = 1'000'000'000;  // an hour or so
 
@@ -45,7 +50,20 @@ Json to_json(double rms, const OneWayDistance& farthest, double percent) {
           {"max_at", tool::to_json(farthest.max_at)}};
 }
 
-Json report_of(const Options& options, const SurfaceDistance& distance, double diagonal) {
+Json to_json(const AttributeDifference& difference) { return {{"rms", difference.rms}, {"max", difference.max}}; }
+
+Json to_json(const TextureSlip& slip, double percent) {
+  return {{"rms", slip.rms},
+          {"rms_percent", percent * slip.rms},
+          {"max", slip.max},
+          {"max_percent", percent * slip.max},
+          {"max_at", tool::to_json(slip.max_at)},
+          {"lost", slip.lost},
+          {"search_radius", slip.radius}};
+}
+
+Json report_of(const Options& options, const SurfaceDistance& distance, const AttributeDistance& attributes,
+               double diagonal) {
   const double percent = 100.0 / diagonal;
   Json report = {{"a", options.a},
                  {"b", options.b},
@@ -55,6 +73,9 @@ Json report_of(const Options& options, const SurfaceDistance& distance, double d
   report.update(to_json(distance.rms(), distance.farther(), percent));
   report["a_to_b"] = to_json(distance.a_to_b.rms, distance.a_to_b, percent);
   report["b_to_a"] = to_json(distance.b_to_a.rms, distance.b_to_a, percent);
+  if (attributes.texture) report["texture_slip"] = to_json(*attributes.texture, percent);
+  if (attributes.normals) report["normals_deg"] = to_json(*attributes.normals);
+  if (attributes.colors) report["colors"] = to_json(*attributes.colors);
   return report;
 }
 
@@ -70,13 +91,35 @@ void print_table(const Json& report) {
   print_row("a to b", report["a_to_b"]);
   print_row("b to a", report["b_to_a"]);
   print_row("larger", report);
+  if (report.contains("texture_slip")) {
+    const Json& slip = report["texture_slip"];
+    print_row("texture", slip);
+    if (const auto lost = slip["lost"].get<std::size_t>(); lost > 0)
+      fmt::print("        {} of {} texels are farther than {:.6g}, and count as that\n", lost,
+                 report["samples"].get<std::size_t>(), slip["search_radius"].get<double>());
+  }
+  const auto print_difference = [&](const char* name, const char* key, double scale, const char* unit) {
+    if (report.contains(key))
+      fmt::print("{:<7} {:>12.6g} {:>9} {:>12.6g}  {}\n", name, scale * report[key]["rms"].get<double>(), "",
+                 scale * report[key]["max"].get<double>(), unit);
+  };
+  print_difference("normals", "normals_deg", 1.0, "degrees");
+  print_difference("colors", "colors", 100.0, "% of full brightness");
+}
+
+// Of A's samples.
+AttributeDistance attributes_between(const TriangleMesh& a, const TriangleMesh& b, const Options& options) {
+  const bool have_some = (!a.texture_coordinates.empty() && !b.texture_coordinates.empty()) ||
+                         (!a.normals.empty() && !b.normals.empty()) || (!a.colors.empty() && !b.colors.empty());
+  if (!have_some) return {};
+  return measure::attribute_distance(a, b, {.samples = options.sampling.samples, .seed = options.sampling.seed});
 }
 
 void run(const Options& options) {
   const TriangleMesh a = read_surface(options.a), b = read_surface(options.b);
   const measure::Surface surface_a(a.positions, a.triangles), surface_b(b.positions, b.triangles);
   const SurfaceDistance distance = surface_distance(surface_a, surface_b, options.sampling);
-  const Json report = report_of(options, distance, surface_a.diagonal());
+  const Json report = report_of(options, distance, attributes_between(a, b, options), surface_a.diagonal());
   options.json ? print_json(report) : print_table(report);
 }
 
@@ -87,6 +130,8 @@ void add_compare(CLI::App& app) {
   command.footer(
       "Distances are in the unit of the meshes, percentages relative to the diagonal of A's bounding box.\n"
       "The RMS is over points spread evenly over the area, the maximum over these points and all vertices.\n"
+      "Where both have texture coordinates: how far A's texels are on B from where they should be. Where both have\n"
+      "normals or colours: how much those differ. From A's points to B.\n"
       "A program with this command contains parts of CGAL under the GPL.");
   const auto options = std::make_shared<Options>();
   add_file(command, "A", options->a, "A mesh, or an .olod file (its full mesh)")->required();

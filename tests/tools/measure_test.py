@@ -99,6 +99,23 @@ class Compare(ToolTest):
         self.assertEqual([line[:6] for line in lines[1:]], ["a to b", "b to a", "larger"])
         self.assertIn("GPL", self.succeed("compare", "--help"))
 
+    def write_colored_square(self, name, red):
+        header = "ply\nformat ascii 1.0\nelement vertex 4\n" + "".join(f"property float {axis}\n" for axis in "xyz")
+        header += "".join(f"property uchar {channel}\n" for channel in ("red", "green", "blue"))
+        corners = "".join(f"{x} {y} 0 {red} 0 0\n" for x, y in ((0, 0), (1, 0), (1, 1), (0, 1)))
+        self.folder.joinpath(name).write_text(
+            f"{header}element face 1\nproperty list uchar int vertex_indices\nend_header\n{corners}4 0 1 2 3\n")
+
+    def test_colors(self):
+        """One of three channels differs by 51 / 255 = 0.2 everywhere."""
+        self.write_colored_square("dark.ply", 51)
+        self.write_colored_square("bright.ply", 102)
+        result = self.compare("dark.ply", "bright.ply")
+        for key in ("rms", "max"):
+            self.assertAlmostEqual(result["colors"][key], 0.2 / 3**0.5)
+        self.assertFalse({"texture_slip", "normals_deg"} & result.keys())
+        self.assertIn("\ncolors ", self.succeed("compare", "dark.ply", "bright.ply"))
+
     def test_mistakes(self):
         self.write_square("a.off", 0)
         (self.folder / "text.olod").write_text("not a hierarchy")

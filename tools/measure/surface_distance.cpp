@@ -10,10 +10,10 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
-#include <random>
 #include <utility>
 #include <vector>
 
+#include "area_sampler.h"
 #include "triangle_distance.h"
 
 namespace occlod::measure {
@@ -79,49 +79,6 @@ class Traits : public CGAL::AABB_traits<Kernel, IndexedTriangle> {
   [[nodiscard]] NearestPoint closest_point_object() const { return NearestPoint(shared_data()); }
 };
 
-// 53 random bits in [0, 1): std::uniform_real_distribution may differ between C++ libraries.
-double next_unit(std::mt19937_64& random) { return static_cast<double>(random() >> 11) * 0x1p-53; }
-
-class AreaSampler {
- public:
-  explicit AreaSampler(const Surface& surface) : arrays_{surface.positions(), surface.triangles()} {
-    const auto faces = static_cast<FaceId>(arrays_.triangles.size());
-    areas_.reserve(faces);
-    for (FaceId f = 0; f < faces; ++f) {
-      const glm::dvec3 a = arrays_.corner(f, 0);
-      areas_.push_back(glm::length(glm::cross(arrays_.corner(f, 1) - a, arrays_.corner(f, 2) - a)));
-    }
-    if (std::all_of(areas_.begin(), areas_.end(), [](double area) { return area <= 0.0; }))
-      std::fill(areas_.begin(), areas_.end(), 1.0);
-    for (double area : areas_) total_ += area;
-  }
-
-  // One point in each of `count` strata of equal area, which run through the triangles in their order.
-  template <class Visit>
-  void visit(std::size_t count, std::uint64_t seed, const Visit& visit_point) const {
-    std::mt19937_64 random(seed);
-    FaceId face = 0;
-    double end = areas_[0];  // of the triangles up to and with `face`
-    for (std::size_t i = 0; i < count; ++i) {
-      const double at = total_ * ((static_cast<double>(i) + next_unit(random)) / static_cast<double>(count));
-      while (end <= at && face + 1 < areas_.size()) end += areas_[++face];
-      visit_point(point_in(face, random));
-    }
-  }
-
- private:
-  // Uniform in the triangle: Turk, Generating Random Points in Triangles, Graphics Gems 1990.
-  glm::dvec3 point_in(FaceId face, std::mt19937_64& random) const {
-    const double s = std::sqrt(next_unit(random)), t = next_unit(random);
-    return (1.0 - s) * arrays_.corner(face, 0) + s * (1.0 - t) * arrays_.corner(face, 1) +
-           s * t * arrays_.corner(face, 2);
-  }
-
-  Arrays arrays_;
-  std::vector<double> areas_;  // doubled
-  double total_ = 0.0;
-};
-
 template <class Visit>
 void visit_used_vertices(const Surface& surface, const Visit& visit_point) {
   std::vector<char> visited(surface.positions().size(), 0);
@@ -176,8 +133,9 @@ OneWayDistance one_way_distance(const Surface& from, const Surface& to, const Sa
     return distance;
   };
   double sum = 0.0;
-  AreaSampler(from).visit(options.samples, options.seed, [&](const glm::dvec3& point) {
-    const double distance = measure(point);
+  const AreaSampler sampler(from.positions(), from.triangles());
+  sampler.visit(options.samples, options.seed, [&](const SurfacePoint& point) {
+    const double distance = measure(sampler.position(point));
     sum += distance * distance;
   });
   result.rms = std::sqrt(sum / static_cast<double>(options.samples));
