@@ -14,13 +14,17 @@ RefineOptions to_one_pixel(RefineOptions options, const Refiner& refiner) {
 
 }  // namespace
 
-Image shade_without_wire(const ItemBuffer& items, std::span<const DrawObject> objects, const View& view) {
+Image shade_without_wire(const ItemBuffer& items, std::span<const DrawObject> objects, const View& view,
+                         std::span<const ObjectTexture> textures) {
   ShadeOptions shading;
   shading.wire = false;
+  shading.textures = textures;
   return shade(items, objects, view, shading);
 }
 
-FullMeshPicture::FullMeshPicture(const std::vector<LoadedObject>& objects, const View& view) : view_(view) {
+FullMeshPicture::FullMeshPicture(const std::vector<LoadedObject>& objects, const View& view,
+                                 std::span<const ObjectTexture> textures)
+    : view_(view), textures_(textures) {
   std::vector<std::vector<Triangle>> triangles;
   triangles.reserve(objects.size());
   std::vector<DrawObject> full;
@@ -29,11 +33,12 @@ FullMeshPicture::FullMeshPicture(const std::vector<LoadedObject>& objects, const
     full.push_back(draw_object(object, triangles.back()));
   }
   redraw(items_, full, view);
-  image_ = shade_without_wire(items_, full, view);
+  image_ = shade_without_wire(items_, full, view, textures_);
 }
 
 PictureDistance FullMeshPicture::distance_to(const ItemBuffer& items, std::span<const DrawObject> refined) const {
-  return compare_pictures(view_, items.depth, shade_without_wire(items, refined, view_), items_.depth, image_);
+  return compare_pictures(view_, items.depth, shade_without_wire(items, refined, view_, textures_), items_.depth,
+                          image_);
 }
 
 WronglyHidden::WronglyHidden(const std::vector<LoadedObject>& objects)

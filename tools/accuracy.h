@@ -12,13 +12,15 @@
 namespace occlod::tool {
 
 // As pictures are compared.
-[[nodiscard]] Image shade_without_wire(const ItemBuffer& items, std::span<const DrawObject> objects, const View& view);
+[[nodiscard]] Image shade_without_wire(const ItemBuffer& items, std::span<const DrawObject> objects, const View& view,
+                                       std::span<const ObjectTexture> textures = {});
 
 // The picture of the full meshes in one view, to compare refinements with.
 class FullMeshPicture {
  public:
-  // The view outlives it.
-  FullMeshPicture(const std::vector<LoadedObject>& objects, const View& view);
+  // The view outlives it, and so do the textures: one for each object, or none at all.
+  FullMeshPicture(const std::vector<LoadedObject>& objects, const View& view,
+                  std::span<const ObjectTexture> textures = {});
 
   [[nodiscard]] const ItemBuffer& items() const { return items_; }
   [[nodiscard]] const Image& image() const { return image_; }
@@ -28,6 +30,7 @@ class FullMeshPicture {
 
  private:
   const View& view_;
+  std::span<const ObjectTexture> textures_;
   ItemBuffer items_;
   Image image_;
 };

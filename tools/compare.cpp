@@ -130,8 +130,8 @@ void add_compare(CLI::App& app) {
   command.footer(
       "Distances are in the unit of the meshes, percentages relative to the diagonal of A's bounding box.\n"
       "The RMS is over points spread evenly over the area, the maximum over these points and all vertices.\n"
-      "Where both have texture coordinates: how far A's texels are on B from where they should be. Where both have\n"
-      "normals or colours: how much those differ. From A's points to B.\n"
+      "Where both have texture coordinates: how far A's texels are, on B, from where they should be.\n"
+      "Where both have normals or colours: how much those differ at the nearest points of B.\n"
       "A program with this command contains parts of CGAL under the GPL.");
   const auto options = std::make_shared<Options>();
   add_file(command, "A", options->a, "A mesh, or an .olod file (its full mesh)")->required();

@@ -17,6 +17,7 @@
 #include "hlod_scene.h"
 #include "json_output.h"
 #include "measurement.h"
+#include "object_textures.h"
 #include "occlod/core/error.h"
 #include "occlod/io/write_mesh.h"
 #include "occlod/picture/picture.h"
@@ -32,24 +33,26 @@
 namespace occlod::tool {
 namespace {
 
-void write_outputs(const RenderOptions& options, const Measurement& measurement, const View& view) {
+void write_outputs(const RenderOptions& options, const Measurement& measurement, const View& view,
+                   std::span<const ObjectTexture> textures) {
   const std::span<const DrawObject> objects = measurement.objects();
-  if (!options.png.empty()) write_png(options.png, shade(measurement.items(), objects, view));
+  if (!options.png.empty()) write_png(options.png, shade(measurement.items(), objects, view, {.textures = textures}));
   if (!options.birdseye.empty())
     write_png(options.birdseye, birdseye(objects, measurement.items(), view, View(birdseye_camera(objects, view))));
   if (!options.mesh.empty()) write_mesh(options.mesh, world_mesh(objects));
 }
 
 void render_view(const RenderInput& input, const RenderOptions& options, RefineWay& way,
-                 std::span<const hlod::PlacedHlod> hlods) {
+                 std::span<const hlod::PlacedHlod> hlods, std::span<const ObjectTexture> textures) {
   const View view(input.camera);
   Measurement measurement(input.objects);
   for (int i = 0; i < options.repeat; ++i) way.repeat(measurement, view, options.refine);
-  write_outputs(options, measurement, view);
+  write_outputs(options, measurement, view, textures);
 
   RenderResult result{input, options.refine, way, measurement, {}, {}};
   if (options.reference) {
-    result.distance = FullMeshPicture(input.objects, view).distance_to(measurement.items(), measurement.objects());
+    result.distance =
+        FullMeshPicture(input.objects, view, textures).distance_to(measurement.items(), measurement.objects());
     WronglyHidden wrongly_hidden(input.objects);
     const RefineOptions fixed = way.fixed(options.refine);
     wrongly_hidden.set_view(view, fixed);
@@ -119,13 +122,15 @@ void run(const RenderOptions& options) {
   std::vector<LoadedHlod> hlods;  // to compare with
   if (options.explain) hlods = load_hlods_of(scene, options.input.file.parent_path(), options.input.use_cache);
   const std::vector<hlod::PlacedHlod> placed = placed_objects(hlods);
+  const bool shows_textures = !options.png.empty() || options.reference;
+  const SceneTextures textures(input.objects, shows_textures ? options.texture : TextureChoice::none);
   RefineWay way(input.objects, backend, options.auto_way);
   if (input.path)
     render_path(input, options.refine, way,
                 {options.png, options.frame_to_frame ? Following::frame_to_frame : Following::none, options.repeat,
-                 options.json, options.explain && !options.json, placed});
+                 options.json, options.explain && !options.json, textures.textures(), placed});
   else
-    render_view(input, options, way, placed);
+    render_view(input, options, way, placed, textures.textures());
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "backend.h"
+#include "object_textures.h"
 #include "occlod/refine/refiner.h"
 #include "refine_way.h"
 #include "render_input.h"
@@ -25,6 +26,7 @@ struct RenderOptions {
   std::string png;
   std::string birdseye;
   std::string mesh;
+  TextureChoice texture = TextureChoice::automatic;  // of png and reference
   bool reference = false;
   bool frame_to_frame = false;
   int repeat = 1;

@@ -59,7 +59,8 @@ void render_path(const RenderInput& input, const RefineOptions& options, RefineW
     frame["camera"] = to_json(view.camera());
     if (way.chooser() != nullptr) frame["auto"] = to_json(*way.chooser());
     if (!output.png.empty())
-      write_png(numbered(output.png, i), shade(measurement.items(), measurement.objects(), view));
+      write_png(numbered(output.png, i),
+                shade(measurement.items(), measurement.objects(), view, {.textures = output.textures}));
     if (!output.json) print_row(frame, output.following);
     if (output.explain) print_explanation(*way.chooser(), measurement.refinement().stats, input.objects);
     if (beside) beside->add(view, measurement);

@@ -175,6 +175,18 @@ class Render(ToolTest):
         width, height = struct.unpack(">II", (self.folder / "view.png").read_bytes()[16:24])
         self.assertEqual((width, height), (320, 240))
 
+    def test_textures(self):
+        """The planet has no texture coordinates: nothing changes by default, and asking for a texture is a mistake."""
+        pictures = []
+        for choice in ([], ["--texture", "auto"], ["--texture", "none"]):
+            self.render("--png", "view.png", *choice)
+            pictures.append((self.folder / "view.png").read_bytes())
+        self.assertEqual(pictures[0], pictures[1])
+        self.assertEqual(pictures[0], pictures[2])
+        for choice in ("checker", "file"):
+            self.assertIn("--texture", self.failure_of("render", "planet.olod", "--texture", choice, "--png", "other.png"))
+        self.assertFalse((self.folder / "other.png").exists())
+
     def test_mesh_in_world_space(self):
         """The second object is mirrored and moved by 10: its half of the mesh lies there, and its outside stays outside."""
         self.write_scene("""{"objects": [{"mesh": "planet.olod"}, {"mesh": "planet.olod", "scale": -1, "position": [10, 0, 0]}],

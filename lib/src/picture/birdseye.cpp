@@ -60,12 +60,10 @@ Image birdseye(std::span<const DrawObject> objects, const ItemBuffer& main_items
   const std::vector<bool> visible = visible_items(main_items, picture::ItemTable(objects).size());
   const glm::vec3 seen(0.82F, 0.42F, 0.12F);
   const glm::vec3 unseen(0.06F, 0.11F, 0.22F);
-  Image image =
-      picture::shade_items(items, objects, view, dark_style,
-                           [&](std::uint32_t item, const picture::ItemTable::Owner&) -> picture::CornerColors {
-                             const glm::vec3& color = visible[item] ? seen : unseen;
-                             return {color, color, color};
-                           });
+  Image image = picture::shade_items(items, objects, view, dark_style,
+                                     [&](std::uint32_t item, const picture::ItemTable::Owner&) -> picture::ItemColor {
+                                       return visible[item] ? seen : unseen;
+                                     });
   draw_frustum(image, view, main_view, frustum_length(scene_corners(objects), main_view));
   return image;
 }
@@ -75,12 +73,10 @@ Image birdseye_boxes(std::span<const DrawObject> objects, std::span<const Marked
   assert(objects.size() == marks.size());
   ItemBuffer items;
   draw_items(items, objects, view);
-  Image image = picture::shade_items(
-      items, objects, view, dark_style,
-      [&](std::uint32_t, const picture::ItemTable::Owner& owner) -> picture::CornerColors {
-        const glm::vec3 color = marks[static_cast<std::size_t>(owner.object - objects.data())].color;
-        return {color, color, color};
-      });
+  Image image = picture::shade_items(items, objects, view, dark_style,
+                                     [&](std::uint32_t, const picture::ItemTable::Owner& owner) -> picture::ItemColor {
+                                       return marks[static_cast<std::size_t>(owner.object - objects.data())].color;
+                                     });
   for (std::size_t i = 0; i < objects.size(); ++i) draw_box(image, view, objects[i], marks[i]);
   draw_frustum(image, view, main_view, frustum_length(scene_corners(objects), main_view));
   return image;

@@ -64,10 +64,17 @@ class ScreenTriangle {
   }
 
   [[nodiscard]] glm::vec3 barycentric(const glm::dvec2& pixel) const {
-    const glm::dvec3 q(pixel, 1.0);
-    const glm::dvec3 e(glm::dot(edges_[0], q), glm::dot(edges_[1], q), glm::dot(edges_[2], q));
+    const glm::dvec3 e = at(pixel);
     const double sum = e.x + e.y + e.z;
     return sum == 0.0 ? glm::vec3(1.0F / 3.0F) : glm::clamp(glm::vec3(e / sum), 0.0F, 1.0F);
+  }
+
+  // How much they change a pixel; axis 0: across, 1: down.
+  [[nodiscard]] glm::dvec3 barycentric_step(const glm::dvec2& pixel, int axis) const {
+    // d (e / s) = (e' s - e s') / s^2.
+    const glm::dvec3 e = at(pixel), slope(edges_[0][axis], edges_[1][axis], edges_[2][axis]);
+    const double sum = e.x + e.y + e.z, sum_slope = slope.x + slope.y + slope.z;
+    return (slope * sum - e * sum_slope) / (sum * sum);
   }
 
   // From the pixel to the nearest edge.
@@ -82,6 +89,12 @@ class ScreenTriangle {
   [[nodiscard]] double diameter_px() const { return diameter_px_; }
 
  private:
+  // Of the edge functions.
+  [[nodiscard]] glm::dvec3 at(const glm::dvec2& pixel) const {
+    const glm::dvec3 q(pixel, 1.0);
+    return {glm::dot(edges_[0], q), glm::dot(edges_[1], q), glm::dot(edges_[2], q)};
+  }
+
   static double inscribed_diameter(const std::array<glm::dvec3, 3>& p) {
     if (!(p[0].z > 0.0 && p[1].z > 0.0 && p[2].z > 0.0)) return std::numeric_limits<double>::infinity();
     const glm::dvec2 a = glm::dvec2(p[0]) / p[0].z;
@@ -98,13 +111,13 @@ class ScreenTriangle {
 
 // What is the same for all pixels of one item.
 struct Appearance {
-  Appearance(const ItemTable::Owner& owner, const View& view, const Lights& lights, const CornerColors& corner_colors)
-      : Appearance(world_corners(owner), view, lights, corner_colors) {
+  Appearance(const ItemTable::Owner& owner, const View& view, const Lights& lights, const ItemColor& item_color)
+      : Appearance(world_corners(owner), view, lights, item_color) {
     if (glm::determinant(glm::dmat3(owner.object->object_to_world)) < 0.0) faces_viewer = !faces_viewer;
   }
   Appearance(const std::array<glm::dvec3, 3>& corners, const View& view, const Lights& lights,
-             const CornerColors& corner_colors)
-      : screen(corners, view), colors(corner_colors) {
+             const ItemColor& item_color)
+      : screen(corners, view), color(item_color) {
     const glm::dvec3 normal = glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
     const double length = glm::length(normal);
     const glm::dvec3 center = (corners[0] + corners[1] + corners[2]) / 3.0;
@@ -115,7 +128,7 @@ struct Appearance {
   }
 
   ScreenTriangle screen;
-  CornerColors colors;
+  ItemColor color;
   glm::vec3 light{0.0F};
   bool faces_viewer = false;  // its corners run counter-clockwise as seen, clockwise where the object is mirrored
   double wire_strength = 0.0;
@@ -224,12 +237,21 @@ class Painter {
     const Appearance& a = appearance(item);
     const glm::dvec2 pixel(x + 0.5, y + 0.5);
     const glm::vec3 weights = a.screen.barycentric(pixel);
-    glm::vec3 color = a.light * (weights.x * a.colors[0] + weights.y * a.colors[1] + weights.z * a.colors[2]);
+    const auto& corners = a.color.corners;
+    glm::vec3 color = a.light * (weights.x * corners[0] + weights.y * corners[1] + weights.z * corners[2]);
+    if (a.color.image != nullptr) color *= texture(a, pixel, weights);
     if (style_.wire && a.wire_strength > 0.0) {
       const double line = 1.0 - smooth_step(0.2, 1.1, a.screen.edge_distance_px(pixel));
       color *= static_cast<float>(1.0 - a.wire_strength * line);
     }
     return color * (1.0F - 0.65F * outline(view_, items_.depth, x, y));
+  }
+
+  static glm::vec3 texture(const Appearance& a, const glm::dvec2& pixel, const glm::dvec3& weights) {
+    const auto& corners = a.color.coordinates;
+    const auto at = [&](const glm::dvec3& w) { return w.x * corners[0] + w.y * corners[1] + w.z * corners[2]; };
+    return a.color.image->sample(at(weights), at(a.screen.barycentric_step(pixel, 0)),
+                                 at(a.screen.barycentric_step(pixel, 1)));
   }
 
   // Neighbouring pixels mostly belong to one item.
@@ -252,6 +274,24 @@ class Painter {
   std::uint32_t last_item_ = no_item;
 };
 
+// Of the corners; `base` without vertex colours.
+ItemColor vertex_color(const ItemTable::Owner& owner, const glm::vec3& base) {
+  const auto& colors = owner.object->colors;
+  if (colors.empty()) return base;
+  const Triangle& t = *owner.triangle;
+  return {to_linear(colors[t.x]), to_linear(colors[t.y]), to_linear(colors[t.z])};
+}
+
+void lay_over(ItemColor& color, const ObjectTexture& texture, const Triangle& triangle) {
+  if (texture.materials.empty()) return;
+  const DrawMaterial& material =
+      texture.materials[texture.vertex_materials.empty() ? 0 : texture.vertex_materials[triangle.x]];
+  for (glm::vec3& corner : color.corners) corner *= material.base_color;
+  if (texture.coordinates.empty()) return;
+  color.image = material.image;
+  for (int i = 0; i < 3; ++i) color.coordinates[static_cast<std::size_t>(i)] = texture.coordinates[triangle[i]];
+}
+
 }  // namespace
 
 Image shade_items(const ItemBuffer& items, std::span<const DrawObject> objects, const View& view, const Style& style,
@@ -266,12 +306,15 @@ Image shade(const ItemBuffer& items, std::span<const DrawObject> objects, const 
             const ShadeOptions& options) {
   const picture::Style style{
       .wire = options.wire, .background_top = {0.33F, 0.41F, 0.52F}, .background_bottom = {0.80F, 0.83F, 0.86F}};
+  assert(options.textures.empty() || options.textures.size() == objects.size());
   return picture::shade_items(
-      items, objects, view, style, [&](std::uint32_t, const picture::ItemTable::Owner& owner) -> picture::CornerColors {
-        const auto& colors = owner.object->colors;
-        if (colors.empty()) return {options.base, options.base, options.base};
-        const Triangle& t = *owner.triangle;
-        return {picture::to_linear(colors[t.x]), picture::to_linear(colors[t.y]), picture::to_linear(colors[t.z])};
+      items, objects, view, style, [&](std::uint32_t, const picture::ItemTable::Owner& owner) -> picture::ItemColor {
+        const auto object = static_cast<std::size_t>(owner.object - objects.data());
+        const ObjectTexture texture = options.textures.empty() ? ObjectTexture() : options.textures[object];
+        picture::ItemColor color =
+            picture::vertex_color(owner, texture.materials.empty() ? options.base : glm::vec3(1.0F));
+        picture::lay_over(color, texture, *owner.triangle);
+        return color;
       });
 }
 

@@ -12,9 +12,16 @@
 
 namespace occlod::picture {
 
-// Linear colours of the three corners of an item.
-using CornerColors = std::array<glm::vec3, 3>;
-using ColorOfItem = std::function<CornerColors(std::uint32_t item, const ItemTable::Owner& owner)>;
+// Linear colours of the three corners of an item, and an image that multiplies them.
+struct ItemColor {
+  ItemColor(const glm::vec3& color) : corners{color, color, color} {}  // NOLINT: the same everywhere
+  ItemColor(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) : corners{a, b, c} {}
+
+  std::array<glm::vec3, 3> corners;
+  const TextureImage* image = nullptr;
+  std::array<glm::dvec2, 3> coordinates{};  // of the image
+};
+using ColorOfItem = std::function<ItemColor(std::uint32_t item, const ItemTable::Owner& owner)>;
 
 struct Style {
   bool wire = true;

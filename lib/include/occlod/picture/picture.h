@@ -11,17 +11,11 @@
 
 #include "occlod/math/bounds.h"
 #include "occlod/mesh/triangle_mesh.h"
+#include "occlod/picture/texture_image.h"
 #include "occlod/raster/item_buffer.h"
 #include "occlod/view/view.h"
 
 namespace occlod {
-
-// An image in memory.
-struct Image {
-  int width = 0;                    // pixels
-  int height = 0;                   // pixels
-  std::vector<glm::u8vec4> pixels;  // width * height, sRGB and alpha, rows from the top
-};
 
 // The active triangles of one placed object. The spans need live only during a call.
 struct DrawObject {
@@ -38,7 +32,9 @@ void draw_items(ItemBuffer& target, std::span<const DrawObject> objects, const V
 // How shade() looks.
 struct ShadeOptions {
   bool wire = true;  // dark lines along triangle edges, where triangles are large enough on screen to show them
-  glm::vec3 base{0.80F, 0.70F, 0.58F};  // linear RGB in [0, 1] of objects without vertex colours
+  glm::vec3 base{0.80F, 0.70F, 0.58F};  // linear RGB in [0, 1] of objects without vertex colours and materials
+  // One for each object, or empty: no textures. Materials and their images multiply vertex colours.
+  std::span<const ObjectTexture> textures = {};
 };
 
 // Flat two-sided shading by a head light and a key light over the viewer's left shoulder, from an item buffer that

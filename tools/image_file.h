@@ -1,0 +1,18 @@
+// Image files, decoded.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+
+#include "occlod/picture/texture_image.h"
+
+namespace occlod::tool {
+
+// PNG, JPEG, TGA, BMP, GIF (its first picture), PSD, HDR, PIC and PNM, as sRGB. Throws Error that names the file, or
+// `name`, when it is missing, no image or larger than 2^28 pixels.
+[[nodiscard]] Image read_image(const std::filesystem::path& file);
+[[nodiscard]] Image decode_image(std::span<const std::uint8_t> bytes, const std::string& name);
+
+}  // namespace occlod::tool

@@ -1,0 +1,97 @@
+#include "object_textures.h"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "image_file.h"
+#include "occlod/core/error.h"
+#include "standard_streams.h"
+
+namespace occlod::tool {
+namespace {
+
+// Names of files made on other systems have backslashes.
+std::filesystem::path path_of(std::string name) {
+  std::replace(name.begin(), name.end(), '\\', '/');
+  return name;
+}
+
+Image image_of(const Texture& texture, const std::filesystem::path& folder) {
+  if (texture.file.empty()) return decode_image(texture.bytes, "an image within the mesh's file");
+  return read_image(folder / path_of(texture.file));
+}
+
+}  // namespace
+
+ObjectTextures::ObjectTextures(const TriangleMesh& mesh, const std::filesystem::path& folder, TextureChoice choice,
+                               const TextureNote& note)
+    : coordinates_(mesh.texture_coordinates) {
+  if (!mesh.triangle_materials.empty()) {
+    own_materials_.resize(mesh.wedge_count());
+    const std::vector<Triangle>& triangles = mesh.wedge_triangles();
+    for (std::size_t t = 0; t < triangles.size(); ++t)
+      for (int i = 0; i < 3; ++i) own_materials_[triangles[t][i]] = mesh.triangle_materials[t];
+    vertex_materials_ = own_materials_;
+  }
+  load({mesh.materials, mesh.textures, mesh.texture_origin}, folder, choice, note);
+}
+
+ObjectTextures::ObjectTextures(const HierarchyView& hierarchy, const std::filesystem::path& folder,
+                               TextureChoice choice, const TextureNote& note)
+    : coordinates_(hierarchy.texture_coordinates), vertex_materials_(hierarchy.wedge_materials) {
+  load({hierarchy.materials, hierarchy.textures, hierarchy.texture_origin}, folder, choice, note);
+}
+
+void ObjectTextures::load(const Source& source, const std::filesystem::path& folder, TextureChoice choice,
+                          const TextureNote& note) {
+  if (choice == TextureChoice::none) return;
+  if (choice == TextureChoice::checker) {
+    if (coordinates_.empty()) return;
+    images_.push_back(std::make_shared<TextureImage>(checker_image(), TextureAddress{.origin = source.origin}));
+    materials_.assign(std::max<std::size_t>(source.materials.size(), 1), {glm::vec3(1.0F), images_[0].get()});
+    return;
+  }
+  for (const Texture& texture : source.textures) {
+    images_.emplace_back();
+    if (coordinates_.empty()) continue;
+    try {
+      images_.back() = std::make_shared<TextureImage>(image_of(texture, folder),
+                                                      TextureAddress{texture.wrap_s, texture.wrap_t, source.origin});
+    } catch (const Error& error) {
+      if (choice == TextureChoice::file) throw;
+      if (note) note(std::string(error.what()) + "; it is drawn without");
+    }
+  }
+  for (const Material& material : source.materials)
+    materials_.push_back({glm::vec3(material.base_color),
+                          material.texture < images_.size() ? images_[material.texture].get() : nullptr});
+}
+
+bool ObjectTextures::has_image() const {
+  return std::any_of(materials_.begin(), materials_.end(), [](const DrawMaterial& m) { return m.image != nullptr; });
+}
+
+SceneTextures::SceneTextures(const std::vector<LoadedObject>& objects, TextureChoice choice) {
+  std::map<const Hierarchy*, std::shared_ptr<const ObjectTextures>> known;
+  bool has_image = false, has_any = false;
+  for (const LoadedObject& object : objects) {
+    std::shared_ptr<const ObjectTextures>& textures = known[object.hierarchy.get()];
+    if (!textures)
+      textures = std::make_shared<ObjectTextures>(object.hierarchy->data(),
+                                                  std::filesystem::path(object.source_name).parent_path(), choice,
+                                                  [](const std::string& line) { print_note(line); });
+    owners_.push_back(textures);
+    textures_.push_back(textures->texture());
+    has_image = has_image || textures->has_image();
+    has_any = has_any || !textures_.back().materials.empty();
+  }
+  if (!has_any) textures_.clear();
+  const std::string name = objects.empty() ? "" : objects.front().source_name;
+  if (choice == TextureChoice::checker && !has_image)
+    throw Error({name, "--texture", "has no texture coordinates", "leave the option out"});
+  if (choice == TextureChoice::file && !has_image)
+    throw Error({name, "--texture", "names no image", "leave the option out, or use --texture checker"});
+}
+
+}  // namespace occlod::tool
