@@ -20,6 +20,9 @@ build/bench/bench/bench_build_peers --repeat 5 --json "$out/build_peers.json" | 
 echo "bench_error_bound" >&2
 build/bench/bench/bench_error_bound | tee "$out/error_bound.md"
 
+echo "bench_wedges" >&2
+build/bench/bench/bench_wedges --repeat 3 --csv "$out/wedges.csv" | tee "$out/wedges.md"
+
 echo "bench_hlod_build" >&2
 build/bench/bench/bench_hlod_build | tee "$out/hlod_build.md"
 

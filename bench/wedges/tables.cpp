@@ -1,0 +1,150 @@
+#include "wedges/tables.h"
+
+#include <fmt/format.h>
+#include <xxhash.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+namespace occlod::bench {
+namespace {
+
+constexpr double allowed_error = 1.25;
+
+std::string number(const std::optional<double>& value, int digits) {
+  return value ? fmt::format("{:.{}f}", *value, digits) : "";
+}
+
+std::string named(const WedgeRow& row) {
+  return row.variant.empty() ? row.tool : fmt::format("{}, {}", row.tool, row.variant);
+}
+
+bool is_ours(const WedgeRow& row) { return row.tool == "occlod" && row.variant.empty(); }
+
+// In the order of their first rows.
+template <typename Key>
+auto distinct(std::span<const WedgeRow> rows, const Key& key) {
+  std::vector<decltype(key(rows[0]))> keys;
+  for (const WedgeRow& row : rows)
+    if (std::find(keys.begin(), keys.end(), key(row)) == keys.end()) keys.push_back(key(row));
+  return keys;
+}
+
+std::vector<WedgeRow> chosen(std::span<const WedgeRow> rows, const auto& is_wanted) {
+  std::vector<WedgeRow> result;
+  for (const WedgeRow& row : rows)
+    if (is_wanted(row)) result.push_back(row);
+  return result;
+}
+
+const WedgeRow& best_of(const std::vector<WedgeRow>& settings) {
+  double least = settings[0].geometry_rms_pct;
+  for (const WedgeRow& row : settings) least = std::min(least, row.geometry_rms_pct);
+  const WedgeRow* best = nullptr;
+  for (const WedgeRow& row : settings)
+    if (row.geometry_rms_pct <= allowed_error * least &&
+        (best == nullptr || row.slip_rms_pct.value_or(0.0) < best->slip_rms_pct.value_or(0.0)))
+      best = &row;
+  return *best;
+}
+
+// Of one tool and setting on one mesh, where its geometric RMS is `error`.
+std::optional<double> slip_at(std::vector<WedgeRow> rows, double error) {
+  std::sort(rows.begin(), rows.end(),
+            [](const WedgeRow& a, const WedgeRow& b) { return a.geometry_rms_pct < b.geometry_rms_pct; });
+  for (std::size_t i = 0; i + 1 < rows.size(); ++i) {
+    const WedgeRow &a = rows[i], &b = rows[i + 1];
+    if (!(a.geometry_rms_pct <= error && error <= b.geometry_rms_pct) || !(a.geometry_rms_pct > 0.0)) continue;
+    if (!(a.slip_rms_pct.value_or(0.0) > 0.0 && b.slip_rms_pct.value_or(0.0) > 0.0)) continue;
+    const double width = std::log(b.geometry_rms_pct / a.geometry_rms_pct);
+    const double part = width > 0.0 ? std::log(error / a.geometry_rms_pct) / width : 0.0;
+    return *a.slip_rms_pct * std::pow(*b.slip_rms_pct / *a.slip_rms_pct, part);
+  }
+  return {};
+}
+
+struct Equal {
+  double slip = 0.0;
+  std::string variant;
+};
+
+std::optional<Equal> best_slip_at(std::span<const WedgeRow> tool_rows, double error) {
+  std::optional<Equal> best;
+  for (const std::string& variant : distinct(tool_rows, [](const WedgeRow& row) { return row.variant; })) {
+    const std::optional<double> slip =
+        slip_at(chosen(tool_rows, [&](const WedgeRow& row) { return row.variant == variant; }), error);
+    if (slip && (!best || *slip < best->slip)) best = Equal{*slip, variant};
+  }
+  return best;
+}
+
+}  // namespace
+
+std::string csv_of(std::span<const WedgeRow> rows) {
+  std::string text =
+      "mesh,tool,variant,target,triangles,geometry_rms_pct,geometry_max_pct,slip_rms_pct,slip_max_pct,slip_lost_pct,"
+      "psnr_checker_db,psnr_image_db,simplify_ms,bytes_per_vertex,hash\n";
+  for (const WedgeRow& r : rows)
+    text += fmt::format("{},{},{},{},{},{:.5f},{:.5f},{},{},{},{},{},{:.1f},{},{:016x}\n", r.mesh, r.tool, r.variant,
+                        r.target, r.triangles, r.geometry_rms_pct, r.geometry_max_pct, number(r.slip_rms_pct, 5),
+                        number(r.slip_max_pct, 5), number(r.slip_lost_pct, 3), number(r.psnr_checker_db, 2),
+                        number(r.psnr_image_db, 2), r.milliseconds,
+                        r.bytes_per_vertex > 0.0 ? fmt::format("{:.1f}", r.bytes_per_vertex) : "", r.hash);
+  return text;
+}
+
+std::string best_table(std::span<const WedgeRow> rows) {
+  std::string text =
+      "| mesh | target | tool | triangles | geometry RMS % | slip RMS % | slip max % | lost % | PSNR checker | PSNR "
+      "image | ms | B/vertex |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n";
+  for (const std::string& mesh : distinct(rows, [](const WedgeRow& row) { return row.mesh; })) {
+    const std::vector<WedgeRow> of_mesh = chosen(rows, [&](const WedgeRow& row) { return row.mesh == mesh; });
+    for (const std::size_t target : distinct(of_mesh, [](const WedgeRow& row) { return row.target; })) {
+      const std::vector<WedgeRow> asked = chosen(of_mesh, [&](const WedgeRow& row) { return row.target == target; });
+      for (const std::string& tool : distinct(asked, [](const WedgeRow& row) {
+             return row.variant == "geometry" ? row.tool + ", geometry" : row.tool;
+           })) {
+        const WedgeRow r = best_of(chosen(asked, [&](const WedgeRow& row) {
+          return tool == (row.variant == "geometry" ? row.tool + ", geometry" : row.tool);
+        }));
+        text +=
+            fmt::format("| {} | {} | {} | {} | {:.4f} | {} | {} | {} | {} | {} | {:.0f} | {} |\n", mesh, target,
+                        named(r), r.triangles, r.geometry_rms_pct, number(r.slip_rms_pct, 4), number(r.slip_max_pct, 2),
+                        number(r.slip_lost_pct, 2), number(r.psnr_checker_db, 1), number(r.psnr_image_db, 1),
+                        r.milliseconds, r.bytes_per_vertex > 0.0 ? fmt::format("{:.0f}", r.bytes_per_vertex) : "");
+      }
+    }
+  }
+  return text;
+}
+
+std::string equal_error_table(std::span<const WedgeRow> rows) {
+  std::string text =
+      "| mesh | our triangles | geometry RMS % | our slip RMS % | tool | its slip RMS % | ours / its |\n"
+      "|---|---|---|---|---|---|---|\n";
+  for (const WedgeRow& ours : rows) {
+    if (!is_ours(ours) || !ours.slip_rms_pct) continue;
+    const auto is_peer = [&](const WedgeRow& row) { return row.mesh == ours.mesh && row.tool != ours.tool; };
+    const std::vector<WedgeRow> peers = chosen(rows, is_peer);
+    for (const std::string& tool : distinct(peers, [](const WedgeRow& row) { return row.tool; })) {
+      const std::optional<Equal> equal =
+          best_slip_at(chosen(peers, [&](const WedgeRow& row) { return row.tool == tool; }), ours.geometry_rms_pct);
+      text += fmt::format("| {} | {} | {:.4f} | {:.4f} | {} | {} | {} |\n", ours.mesh, ours.triangles,
+                          ours.geometry_rms_pct, *ours.slip_rms_pct,
+                          equal && !equal->variant.empty() ? fmt::format("{}, {}", tool, equal->variant) : tool,
+                          equal ? fmt::format("{:.4f}", equal->slip) : "",
+                          equal ? fmt::format("{:.2f}", *ours.slip_rms_pct / equal->slip) : "");
+    }
+  }
+  return text;
+}
+
+std::uint64_t hash_of(std::span<const WedgeRow> rows) {
+  std::vector<std::uint64_t> hashes;
+  for (const WedgeRow& row : rows) hashes.push_back(row.hash);
+  return XXH3_64bits(hashes.data(), sizeof(std::uint64_t) * hashes.size());
+}
+
+}  // namespace occlod::bench

@@ -1,0 +1,25 @@
+// What bench_wedges writes.
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "wedges/scores.h"
+
+namespace occlod::bench {
+
+// All rows, with a line of column names.
+[[nodiscard]] std::string csv_of(std::span<const WedgeRow> rows);
+
+// For each mesh and target, a row for each tool: of those with several settings, the one with the smallest slip among
+// those whose geometric error is at most 1.25 times the least of them.
+[[nodiscard]] std::string best_table(std::span<const WedgeRow> rows);
+
+// Slips at equal geometric errors: for each of our rows the smallest slip that any setting of a tool has where its
+// geometric RMS is ours, between two targets in logarithms, and ours divided by it. Empty where no setting gets there.
+[[nodiscard]] std::string equal_error_table(std::span<const WedgeRow> rows);
+
+// One number for all results.
+[[nodiscard]] std::uint64_t hash_of(std::span<const WedgeRow> rows);
+
+}  // namespace occlod::bench
