@@ -33,7 +33,7 @@ Json to_json(const MeshReport& report) {
                {"polygons_triangulated", report.polygons_triangulated},
                {"triangles_read", report.triangles_read},
                {"vertices_welded", report.vertices_welded},
-               {"attribute_conflicts", report.attribute_conflicts},
+               {"seam_vertices", report.seam_vertices},
                {"unreferenced_vertices", report.unreferenced_vertices},
                {"nonfinite_vertices", report.nonfinite_vertices},
                {"repeated_index_triangles", report.repeated_index_triangles}};

@@ -77,8 +77,8 @@ void bind_report(nb::module_& m) {
       .def_ro("polygons_triangulated", &MeshReport::polygons_triangulated, "Faces with more than three corners.")
       .def_ro("triangles_read", &MeshReport::triangles_read, "After triangulation.")
       .def_ro("vertices_welded", &MeshReport::vertices_welded, "Merged into another at exactly the same position.")
-      .def_ro("attribute_conflicts", &MeshReport::attribute_conflicts,
-              "Welded positions whose normals or colours differed; averaged.")
+      .def_ro("seam_vertices", &MeshReport::seam_vertices,
+              "Vertices with more than one set of normal, colour, texture coordinate and material.")
       .def_ro("unreferenced_vertices", &MeshReport::unreferenced_vertices, "Used by no triangle; dropped.")
       .def_ro("nonfinite_vertices", &MeshReport::nonfinite_vertices, "NaN or infinite and unreferenced; dropped.")
       .def_ro("repeated_index_triangles", &MeshReport::repeated_index_triangles,
@@ -142,9 +142,9 @@ void require_valid(const TriangleMesh& mesh) {
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     const Triangle& t = mesh.triangles[i];
     const std::uint32_t largest = std::max({t.x, t.y, t.z});
-    if (largest >= vertices)
+    if (largest >= mesh.vertex_count())
       throw Error({"mesh", "triangle " + std::to_string(i),
-                   "uses vertex " + std::to_string(largest) + " of " + std::to_string(vertices),
+                   "uses vertex " + std::to_string(largest) + " of " + std::to_string(mesh.vertex_count()),
                    "vertices are counted from 0"});
   }
 }

@@ -281,7 +281,7 @@ TEST(HardGeometry, AttributeSeamsDoNotOpen) {
   }
   const CleanMesh seamless = clean(mesh, {}, "box");
   EXPECT_EQ(seamless.mesh.vertex_count(), welded.vertex_count());
-  EXPECT_EQ(seamless.report.attribute_conflicts, 8U + 12U * 7U);  // corners, and vertices along edges
+  EXPECT_EQ(seamless.report.seam_vertices, 8U + 12U * 7U);  // corners, and vertices along edges
   const Hierarchy hierarchy = build_soundly(seamless.mesh, 12);
   EXPECT_EQ(topology_of(cut_to(hierarchy, 100)).boundary_edges, 0U);
   EXPECT_EQ(hierarchy.data().normals.size(), welded.vertex_count());

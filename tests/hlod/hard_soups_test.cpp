@@ -30,6 +30,12 @@ void expect_sound(const TriangleMesh& mesh, std::uint32_t node_triangles = 64) {
     }
 }
 
+void append_triangle(TriangleMesh& mesh, const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
+  const auto first = static_cast<VertexId>(mesh.positions.size());
+  mesh.positions.insert(mesh.positions.end(), {a, b, c});
+  mesh.triangles.emplace_back(first, first + 1, first + 2);
+}
+
 TriangleMesh cleaned(const TriangleMesh& mesh) { return clean(mesh, {}, "test mesh").mesh; }
 
 TEST(HardSoups, ThousandsOfComponents) { expect_sound(occlod::test::many_tetrahedra(5139)); }
@@ -42,12 +48,7 @@ TEST(HardSoups, AllTrianglesInOneCell) {
   for (int i = 0; i < 1000; ++i) {
     const float a = std::cos(static_cast<float>(i)), b = std::sin(static_cast<float>(i));
     const float c = static_cast<float>(i % 17) * 0.01F;
-    append(mesh,
-           {.positions = {{a, b, c}, {-b, a, -c}, {b - a, -a - b, 0.0F}},
-            .normals = {},
-            .colors = {},
-            .triangles = {{0, 1, 2}}},
-           {0.0F, 0.0F, 0.0F});
+    append_triangle(mesh, {a, b, c}, {-b, a, -c}, {b - a, -a - b, 0.0F});
   }
   expect_sound(cleaned(mesh));
 }
@@ -69,12 +70,7 @@ TEST(HardSoups, NeedlesAcrossAllCells) {
   const auto number = [&] { return static_cast<float>(random() % 2001) / 1000.0F - 1.0F; };
   for (int i = 0; i < 500; ++i) {
     const glm::vec3 p(number(), number(), number());
-    append(mesh,
-           {.positions = {p, -p, -p + glm::vec3(0.0F, 1e-4F, 0.0F)},
-            .normals = {},
-            .colors = {},
-            .triangles = {{0, 1, 2}}},
-           {0.0F, 0.0F, 0.0F});
+    append_triangle(mesh, p, -p, -p + glm::vec3(0.0F, 1e-4F, 0.0F));
   }
   expect_sound(cleaned(mesh));
 }

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "io/mesh_files.h"
+#include "support/wedges.h"
 
 namespace occlod {
 namespace {
@@ -19,12 +20,17 @@ class ReadObj : public testing::Test {
 };
 
 TEST_F(ReadObj, TakesEveryFormOfFaceCorner) {
-  for (const char* face : {"f 1 2 3", "f 1/7 2/8 3/9", "f 1//1 2//1 3//1", "f 1/7/1 2/8/1 3/9/1", "f -3 -2 -1",
-                           "f -3//-1 -2//-1 -1//-1", "f 1 \\\n 2 3", "f 1 2\\\r\n3", "  f\t1 2 3  # it"}) {
-    const CleanMesh result = read(std::string(three_vertices) + "vn 0 0 2\n" + face + "\n");
+  for (const char* face :
+       {"f 1 2 3", "f 1/1 2/2 3/1", "f 1//1 2//1 3//1", "f 1/1/1 2/2/1 3/1/1", "f -3 -2 -1", "f -3//-1 -2//-1 -1//-1",
+        "f -3/-2/-1 -2/-1/-1 -1/-2/-1", "f 1 \\\n 2 3", "f 1 2\\\r\n3", "  f\t1 2 3  # it"}) {
+    const CleanMesh result = read(std::string(three_vertices) + "vt 0.5 0.25\nvt 1\nvn 0 0 2\n" + face + "\n");
     ASSERT_EQ(result.mesh.triangles.size(), 1u) << face;
     EXPECT_EQ(result.mesh.triangles[0], Triangle(0, 1, 2)) << face;
-    const bool has_normals = std::string_view(face).find("//") != std::string_view::npos || std::strstr(face, "/1 ");
+    const bool has_normals = std::string_view(face).find("//") != std::string_view::npos ||
+                             std::string_view(face).ends_with("/1/1") || std::string_view(face).ends_with("/-2/-1");
+    const bool has_texture = std::strchr(face, '/') != nullptr && std::strstr(face, "//") == nullptr;
+    const std::vector<glm::vec2> coordinates = {{0.5F, 0.25F}, {1, 0}, {0.5F, 0.25F}};
+    EXPECT_EQ(result.mesh.texture_coordinates, has_texture ? coordinates : std::vector<glm::vec2>()) << face;
     EXPECT_EQ(result.mesh.normals.size(), has_normals ? 3u : 0u) << face;
     for (const glm::vec3& normal : result.mesh.normals) EXPECT_EQ(normal, glm::vec3(0, 0, 1)) << face;
   }
@@ -59,20 +65,66 @@ TEST_F(ReadObj, ReadsColoursOfEitherScaleAndIgnoresW) {
             (std::vector<glm::u8vec4>{{255, 255, 255, 255}, {255, 0, 0, 255}, {255, 255, 255, 255}}));
 }
 
-TEST_F(ReadObj, AveragesTheNormalsOfOneVertex) {
+// Vertices 1 and 3 have both normals, 2 and 4 one.
+TEST_F(ReadObj, KeepsTheNormalOfEachCorner) {
   const CleanMesh result =
       read("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvn 0 0 1\nvn 1 0 0\nf 1//1 2//1 3//1\nf 1//2 3//2 4//2\n");
-  // Vertex 1 and 3 have both normals, so the diagonal between; 2 and 4 have one.
-  EXPECT_FLOAT_EQ(result.mesh.normals[0].x, std::sqrt(0.5f));
-  EXPECT_FLOAT_EQ(result.mesh.normals[0].z, std::sqrt(0.5f));
-  EXPECT_EQ(result.mesh.normals[1], glm::vec3(0, 0, 1));
-  EXPECT_EQ(result.mesh.normals[3], glm::vec3(1, 0, 0));
-  EXPECT_EQ(result.report.attribute_conflicts, 2u);
+  EXPECT_EQ(test::wedge_problem(result.mesh), "");
+  EXPECT_EQ(result.mesh.extra_wedges, (std::vector<VertexId>{0, 2}));
+  for (const WedgeId corner : {result.mesh.corners[0].x, result.mesh.corners[0].y, result.mesh.corners[0].z})
+    EXPECT_EQ(result.mesh.normals[corner], glm::vec3(0, 0, 1));
+  for (const WedgeId corner : {result.mesh.corners[1].x, result.mesh.corners[1].y, result.mesh.corners[1].z})
+    EXPECT_EQ(result.mesh.normals[corner], glm::vec3(1, 0, 0));
+  EXPECT_EQ(result.report.seam_vertices, 2u);
+  EXPECT_EQ(result.report.vertices_read, 4u);
+  EXPECT_EQ(result.report.vertices_welded, 0u);
+}
+
+// A square of two triangles with a texture seam along the diagonal, by way of equal vt lines under several numbers.
+TEST_F(ReadObj, KeepsTheTextureCoordinateOfEachCorner) {
+  const std::string v = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+  const std::string vt = "vt 0 0\nvt 0.1 0\nvt 0.1 0.1\nvt 0 0.1\nvt 0 0\nvt 0.7 0.3\n";
+  const CleanMesh seam = read(v + vt + "f 1/1 2/2 3/3\nf 1/5 3/6 4/4\n");  // 5 is 1 again
+  EXPECT_EQ(test::wedge_problem(seam.mesh), "");
+  EXPECT_EQ(seam.mesh.extra_wedges, std::vector<VertexId>{2});
+  EXPECT_EQ(seam.mesh.texture_coordinates,
+            (std::vector<glm::vec2>{{0, 0}, {0.1F, 0}, {0.1F, 0.1F}, {0, 0.1F}, {0.7F, 0.3F}}));
+  EXPECT_EQ(seam.mesh.corners, (std::vector<Triangle>{{0, 1, 2}, {0, 4, 3}}));
+  EXPECT_EQ(seam.report.left_out, LeftOut{});
+  // Polygons keep theirs when they are cut. Corners without one have (0, 0).
+  const CleanMesh polygon = read(v + vt + "f 1/6 2/2 3/3 4\n");
+  EXPECT_EQ(polygon.mesh.texture_coordinates, (std::vector<glm::vec2>{{0.7F, 0.3F}, {0.1F, 0}, {0.1F, 0.1F}, {0, 0}}));
+  EXPECT_EQ(polygon.report.left_out.texture_coordinates, 3u);  // 1, 4 and 5
+  // A coordinate that is not finite becomes (0, 0) and counts as left out.
+  const CleanMesh nan = read(v + "vt nan 1\nvt 1 1\nf 1/1 2/2 3/2\n");
+  EXPECT_EQ(nan.mesh.texture_coordinates, (std::vector<glm::vec2>{{0, 0}, {1, 1}, {1, 1}}));
+  EXPECT_EQ(nan.report.left_out.texture_coordinates, 1u);
+}
+
+// Attributes may come after the faces that use them, and before the vertices.
+TEST_F(ReadObj, AttributesMayComeInAnyOrder) {
+  const CleanMesh result =
+      read(std::string("vn 1 0 0\nf 1/1/1 2/2/1 3/1/2\nvt 1 2\nvt 3 4\nvn 0 1 0\n") + three_vertices);
+  EXPECT_EQ(result.mesh.texture_coordinates, (std::vector<glm::vec2>{{1, 2}, {3, 4}, {1, 2}}));
+  EXPECT_EQ(result.mesh.normals, (std::vector<glm::vec3>{{1, 0, 0}, {1, 0, 0}, {0, 1, 0}}));
+}
+
+// As many coordinates at one vertex as there are faces: linear in the faces.
+TEST_F(ReadObj, ReadsAVertexWithManyCoordinates) {
+  std::string text = "v 0 0 0\n";
+  const int n = 30'000;
+  for (int i = 0; i <= n; ++i) text += "v " + std::to_string(i + 1) + " 1 0\nvt " + std::to_string(i) + " 0\n";
+  for (int i = 0; i < n; ++i) {
+    const std::string a = std::to_string(i + 2), b = std::to_string(i + 3), t = std::to_string(i + 1);
+    text += "f 1/" + t + " " + a + "/1 " + b + "/1\n";
+  }
+  const CleanMesh result = read(text);
+  EXPECT_EQ(result.mesh.extra_wedges, std::vector<VertexId>(static_cast<std::size_t>(n - 1), 0));
 }
 
 TEST_F(ReadObj, IgnoresWhatHasNoPartInTheSurface) {
-  const CleanMesh result = read(std::string("mtllib a.mtl\no x\ng y\ns off\nusemtl z\nvt 0 0\nvp 1\nl 1 2\np 1\n") +
-                                three_vertices + "f 1 2 3\n");
+  const CleanMesh result =
+      read(std::string("o x\ng y\ns off\nvt 0 0\nvp 1\nl 1 2\np 1\n") + three_vertices + "f 1 2 3\n");
   EXPECT_EQ(result.report.vertices_read, 3u);
   EXPECT_EQ(result.report.polygons_read, 1u);
 }
@@ -100,6 +152,12 @@ TEST_F(ReadObj, NamesTheLineOfEveryFault) {
   EXPECT_CONTAINS(complaint(v + "f 1 2 99999999999999999999\n"), "line 4");
   EXPECT_CONTAINS(complaint(v + "\nf 1 \\\n 2\n"), "line 5: a face needs three corners or more, but has 2");
   EXPECT_CONTAINS(complaint(v + "vn 0 0 1\nf 1//1 2//2 3//1\n"), "line 5: a face uses normal 2, but there are 1");
+  EXPECT_CONTAINS(complaint("vt\n"), "line 1: u of a texture coordinate is missing");
+  EXPECT_CONTAINS(complaint("vt 0 x\n"), "line 1: v of a texture coordinate is 'x'");
+  EXPECT_CONTAINS(complaint(v + "vt 0 1\nf 1/1 2/1 3/1\nf 1/2 2/1 3/1\nf 1/1 3/1 2/2\n"),
+                  "line 6: a face uses texture coordinate 2, but there are 1");
+  EXPECT_CONTAINS(complaint(v + "vt 0 1\nf 1/1 2/-2 3/1\n"), "line 5: the face corner '2/-2' is out of range");
+  EXPECT_CONTAINS(complaint(v + "f 1/0 2/1 3/1\n"), "line 4: the face corner '1/0' is out of range");
   for (const char* corner : {"1/", "1//", "1/2/", "1///1", "1/2/3/4", "x", "1.5", "1/x", "//1", "1//0"}) {
     EXPECT_CONTAINS(complaint(v + "f 2 3 " + corner + "\n"), "line 4: the face corner") << corner;
   }

@@ -8,6 +8,7 @@
 
 #include "io/mesh_files.h"
 #include "support/test_meshes.h"
+#include "support/wedges.h"
 
 namespace occlod {
 namespace {
@@ -98,6 +99,21 @@ TEST(RealMeshes, HaveTheListedCounts) {
   EXPECT_GT(checked, 15);
 }
 
+// Wedges by the meshes' own numbers: pairs of different positions and texture coordinates, less positions.
+TEST(RealMeshes, KeepTheirSeams) {
+  struct Expected {
+    const char* file;
+    std::size_t extra_wedges;
+  };
+  for (const auto& [file, extra_wedges] : {Expected{"textured/spot.obj", 295}, Expected{"textured/beast.obj", 1652}}) {
+    OCCLOD_FIND_TEST_MESH_OR_SKIP(path, file);
+    const CleanMesh result = read_mesh(path);
+    EXPECT_EQ(test::wedge_problem(result.mesh), "") << file;
+    EXPECT_EQ(result.mesh.extra_wedges.size(), extra_wedges) << file;
+    EXPECT_EQ(result.report.left_out.texture_coordinates, 0u) << file;
+  }
+}
+
 TEST(RealMeshes, HardOnesAreReadOrRefusedInOneLine) {
   OCCLOD_FIND_TEST_MESH_OR_SKIP(folder, "hard");
   int files = 0;
@@ -106,7 +122,9 @@ TEST(RealMeshes, HardOnesAreReadOrRefusedInOneLine) {
     if (!entry.is_regular_file()) continue;
     ++files;
     try {
-      EXPECT_GT(read_mesh(entry.path()).mesh.triangle_count(), 0u);
+      const TriangleMesh mesh = read_mesh(entry.path()).mesh;
+      EXPECT_GT(mesh.triangle_count(), 0u);
+      EXPECT_EQ(test::wedge_problem(mesh), "") << entry.path();
     } catch (const Error& error) {
       ++refused;
       EXPECT_EQ(error.diagnosis().subject, entry.path().string());

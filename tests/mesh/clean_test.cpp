@@ -46,20 +46,6 @@ TEST(Clean, WeldsNegativeZeroOntoZeroAndNothingElse) {
   EXPECT_EQ(clean(mesh, {}, "square").report.vertices_welded, 1u);
 }
 
-TEST(Clean, AveragesAttributesOfWeldedVertices) {
-  TriangleMesh mesh = split_square();
-  mesh.normals.assign(6, {0, 0, 1});
-  mesh.normals[3] = {1, 0, 0};  // with (0, 0, 1) of vertex 0: the diagonal between
-  mesh.colors.assign(6, {10, 10, 10, 255});
-  mesh.colors[4] = {21, 10, 10, 255};  // (10 + 21) / 2 = 15.5, rounded up
-  const CleanMesh result = clean(mesh, {}, "square");
-  EXPECT_FLOAT_EQ(result.mesh.normals[0].x, std::sqrt(0.5f));
-  EXPECT_FLOAT_EQ(result.mesh.normals[0].z, std::sqrt(0.5f));
-  EXPECT_EQ(result.mesh.colors[2], glm::u8vec4(16, 10, 10, 255));
-  EXPECT_EQ(result.mesh.colors[1], glm::u8vec4(10, 10, 10, 255));
-  EXPECT_EQ(result.report.attribute_conflicts, 2u);  // the normal at 0 and the colour at 2
-}
-
 TEST(Clean, ComputesUnusableNormalsFromTheTriangles) {
   TriangleMesh mesh = test::grid(1, 1);  // faces +z
   mesh.normals = {{0, 0, 0}, {std::numeric_limits<float>::quiet_NaN(), 0, 0}, {0, 3, 0}, {0, 0, -1}};

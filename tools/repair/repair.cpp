@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "occlod/mesh/merge_wedges.h"
 #include "repair/array_hash.h"
 #include "repair/collinear_faces.h"
 #include "repair/fill_holes.h"
@@ -46,7 +47,7 @@ RepairedMesh repair_mesh(const TriangleMesh& mesh, const RepairOptions& options)
     if (options.progress) options.progress(what, done);
   };
   RepairCounts counts;
-  TriangleMesh soup = mesh;
+  TriangleMesh soup = merge_wedges(mesh);
   if (options.weld > 0.0) {
     tell("welding", std::nullopt);
     weld(soup, options.weld, counts);

@@ -14,6 +14,7 @@
 #include "hierarchy/parallel.h"
 #include "hierarchy/spatial_order.h"
 #include "occlod/core/error.h"
+#include "occlod/mesh/merge_wedges.h"
 #include "simplify_nodes.h"
 
 namespace occlod::hlod {
@@ -85,6 +86,7 @@ class Builder {
 }  // namespace
 
 Hlod build_hlod(const TriangleMesh& mesh, const BuildOptions& options) {
+  if (!mesh.extra_wedges.empty()) return build_hlod(merge_wedges(mesh), options);
   check_options(options);
   check_input(mesh);
   check_welded(mesh);

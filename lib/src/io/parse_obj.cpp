@@ -8,22 +8,38 @@
 #include <system_error>
 
 #include "io/distinct_names.h"
+#include "io/obj_materials.h"
 #include "io/polygon_soup.h"
+#include "io/split_vertices.h"
 #include "io/text_cursor.h"
 
 namespace occlod {
 namespace {
 
-// The file's indices count from 1, or back from the newest element with -1; ours count from 0.
+// The largest index that faces use into a list, which may follow them.
+struct LargestIndex {
+  std::uint64_t end = 0;  // one more than it
+  std::uint64_t line = 0;
+
+  void add(std::uint32_t index, std::uint64_t at_line) {
+    if (index == no_id || index < end) return;
+    end = std::uint64_t{index} + 1;
+    line = at_line;
+  }
+};
+
+// A face's corner. The file's indices count from 1, or back from the newest element with -1; ours count from 0.
 struct ObjCorner {
   VertexId vertex;
-  VertexId normal;  // no_id where there is none
+  CornerAttributes::Corner attributes;
 };
 
 class ObjParser {
  public:
   ObjParser(std::string_view bytes, const FileErrors& errors)
-      : cursor_(bytes, errors, {.hash_comments = true, .backslash_continues = true}), errors_(errors) {}
+      : cursor_(bytes, errors, {.hash_comments = true, .backslash_continues = true}),
+        errors_(errors),
+        materials_(soup_) {}
 
   PolygonSoup parse() && {
     for (; cursor_.find_word(); cursor_.skip_line()) {
@@ -31,15 +47,18 @@ class ObjParser {
       if (keyword == "v") read_vertex();
       if (keyword == "vn") read_normal();
       if (keyword == "f") read_face();
-      if (keyword == "vt") ++soup_.left_out.texture_coordinates;
-      if (keyword == "usemtl") materials_.add(cursor_.rest_of_line());
+      if (keyword == "vt") read_texture_coordinate();
+      if (keyword == "usemtl") materials_.use(cursor_.rest_of_line(), cursor_);
+      if (keyword == "mtllib") materials_.add_library(cursor_.rest_of_line());
       if (keyword == "o") objects_.add(cursor_.rest_of_line());
       if (keyword == "g") groups_.add(cursor_.rest_of_line());
     }
     soup_.check(errors_, 1);
-    resolve_normals();
+    check_attributes();
+    count_unused_attributes();
     resolve_colors();
-    soup_.left_out.materials = materials_.count();
+    if (!attributes_.corners.empty()) split_vertices(soup_, attributes_, errors_);
+    materials_.read_libraries(errors_);
     soup_.left_out.groups = objects_.count() + groups_.count();
     return std::move(soup_);
   }
@@ -69,34 +88,44 @@ class ObjParser {
     const float x = to_float(cursor_.number("x of a normal"));
     const float y = to_float(cursor_.number("y of a normal"));
     const float z = to_float(cursor_.number("z of a normal"));
-    normals_.emplace_back(x, y, z);
+    attributes_.normals.emplace_back(x, y, z);
+  }
+
+  // u [v [w]]
+  void read_texture_coordinate() {
+    const float u = to_float(cursor_.number("u of a texture coordinate"));
+    const float v = cursor_.at_line_end() ? 0.0F : to_float(cursor_.number("v of a texture coordinate"));
+    attributes_.texture_coordinates.emplace_back(u, v);
   }
 
   void read_face() {
     const std::uint64_t line = cursor_.line();
+    std::vector<CornerAttributes::Corner>& corners = attributes_.corners;
     while (!cursor_.at_line_end()) {
-      const ObjCorner corner = parse_corner(cursor_.word());
-      soup_.add_corner(corner.vertex);
-      if (corner.normal != no_id) normal_uses_.push_back(corner);
-      if (corner.normal != no_id && corner.normal >= highest_normal_) {
-        highest_normal_ = corner.normal;
-        highest_normal_line_ = line;
-      }
+      const auto [vertex, attributes] = parse_corner(cursor_.word());
+      soup_.add_corner(vertex);
+      ++corner_count_;
+      if (attributes == CornerAttributes::Corner{}) continue;
+      corners.resize(corner_count_ - 1);
+      corners.push_back(attributes);
+      largest_texture_.add(attributes.texture, line);
+      largest_normal_.add(attributes.normal, line);
     }
     soup_.end_polygon(line);
+    materials_.end_polygon();
   }
 
-  // v, v/vt, v//vn or v/vt/vn. Texture coordinates are not used and their range is not checked.
+  // v, v/vt, v//vn or v/vt/vn.
   ObjCorner parse_corner(std::string_view text) {
     const char* at = text.data();
     const char* const end = at + text.size();
-    ObjCorner corner{parse_index(at, end, soup_.positions.size(), text), no_id};
+    ObjCorner corner{parse_index(at, end, soup_.positions.size(), text), {}};
     if (at == end) return corner;
     if (!skip_slash(at, end)) bad_corner(text);
-    if (at != end && *at != '/') static_cast<void>(parse_integer(at, end, text));
+    if (*at != '/') corner.attributes.texture = parse_index(at, end, attributes_.texture_coordinates.size(), text);
     if (at == end) return corner;
     if (!skip_slash(at, end)) bad_corner(text);
-    corner.normal = parse_index(at, end, normals_.size(), text);
+    corner.attributes.normal = parse_index(at, end, attributes_.normals.size(), text);
     if (at != end) bad_corner(text);
     return corner;
   }
@@ -132,28 +161,29 @@ class ObjParser {
                  "correct the line or export the mesh again");
   }
 
-  // The normal of a vertex is the sum over its corners; clean() brings it to unit length.
-  void resolve_normals() {
-    soup_.left_out.normals = normals_.size();
-    if (normal_uses_.empty()) return;
-    if (highest_normal_ >= normals_.size()) {
-      errors_.fail_at_line(
-          highest_normal_line_,
-          fmt::format("a face uses normal {}, but there are {}", std::uint64_t{highest_normal_} + 1, normals_.size()),
-          "export the mesh again");
+  void check_attributes() const {
+    check_index(largest_texture_, attributes_.texture_coordinates.size(), "texture coordinate");
+    check_index(largest_normal_, attributes_.normals.size(), "normal");
+  }
+
+  void check_index(const LargestIndex& largest, std::size_t count, const char* what) const {
+    if (largest.end <= count) return;
+    errors_.fail_at_line(largest.line, fmt::format("a face uses {} {}, but there are {}", what, largest.end, count),
+                         "export the mesh again");
+  }
+
+  void count_unused_attributes() {
+    soup_.left_out.texture_coordinates =
+        count_unused(attributes_.texture_coordinates.size(), &CornerAttributes::Corner::texture);
+    soup_.left_out.normals = count_unused(attributes_.normals.size(), &CornerAttributes::Corner::normal);
+  }
+
+  std::uint64_t count_unused(std::size_t count, std::uint32_t CornerAttributes::Corner::*index) const {
+    std::vector<bool> used(count);
+    for (const CornerAttributes::Corner& corner : attributes_.corners) {
+      if (corner.*index != no_id) used[corner.*index] = true;
     }
-    soup_.normals.assign(soup_.positions.size(), glm::vec3(0.0f));
-    std::vector<VertexId> first_normal(soup_.positions.size(), no_id);
-    std::vector<bool> conflict(soup_.positions.size());
-    for (const auto& [vertex, normal] : normal_uses_) {
-      soup_.normals[vertex] += normals_[normal];
-      if (first_normal[vertex] == no_id) first_normal[vertex] = normal;
-      if (normals_[first_normal[vertex]] != normals_[normal]) conflict[vertex] = true;
-    }
-    for (const bool differs : conflict) soup_.attribute_conflicts += differs;
-    std::vector<bool> used(normals_.size());
-    for (const ObjCorner& corner : normal_uses_) used[corner.normal] = true;
-    soup_.left_out.normals -= static_cast<std::uint64_t>(std::ranges::count(used, true));
+    return static_cast<std::uint64_t>(std::ranges::count(used, false));
   }
 
   // Components go up to 1, or up to 255 where any is larger than 1.
@@ -175,12 +205,12 @@ class ObjParser {
   TextCursor cursor_;
   const FileErrors& errors_;
   PolygonSoup soup_;
-  std::vector<glm::vec3> normals_;
-  std::vector<ObjCorner> normal_uses_;  // resolved at the end: a normal may follow the face that uses it
-  VertexId highest_normal_ = 0;
-  std::uint64_t highest_normal_line_ = 0;
+  CornerAttributes attributes_;  // checked at the end: a value may follow the face that uses it
+  std::size_t corner_count_ = 0;
+  LargestIndex largest_texture_, largest_normal_;
+  ObjMaterials materials_;
   std::vector<glm::vec3> raw_colors_;
-  DistinctNames materials_, objects_, groups_;
+  DistinctNames objects_, groups_;
 };
 
 }  // namespace

@@ -64,6 +64,12 @@ std::span<const VertexId> PolygonSoup::corners_of(std::size_t polygon) const {
   return {corners_.data() + begin, polygon_ends_[polygon] - begin};
 }
 
+std::span<VertexId> PolygonSoup::corners() {
+  static_assert(sizeof(Triangle) == 3 * sizeof(VertexId));
+  if (!triangles_.empty()) return {&triangles_[0].x, 3 * triangles_.size()};
+  return corners_;
+}
+
 bool PolygonSoup::has_only_valid_triangles() const {
   if (triangles_.empty()) return false;
   VertexId largest = 0;
@@ -111,33 +117,42 @@ void PolygonSoup::check_finite(const FileErrors& errors) const {
 }
 
 TriangleMesh PolygonSoup::take_mesh(MeshReport& report, const FileErrors& errors) {
-  report.vertices_read = positions.size();
+  report.vertices_read = positions.size() - added_vertices;
   report.polygons_read = polygon_count();
-  report.attribute_conflicts = attribute_conflicts;
   report.left_out = left_out;
   TriangleMesh mesh;
-  mesh.triangles = triangles_.empty() ? triangulate(report, errors) : std::move(triangles_);
+  if (triangles_.empty()) {
+    triangulate(mesh, report, errors);
+  } else {
+    mesh.triangles = std::move(triangles_);
+    mesh.triangle_materials = std::move(polygon_materials);
+  }
   report.triangles_read = mesh.triangle_count();
   mesh.positions = std::move(positions);
   mesh.normals = std::move(normals);
   mesh.colors = std::move(colors);
+  mesh.texture_coordinates = std::move(texture_coordinates);
+  mesh.materials = std::move(materials);
+  mesh.textures = std::move(textures);
+  mesh.texture_origin = texture_origin;
   *this = {};
   return mesh;
 }
 
-std::vector<Triangle> PolygonSoup::triangulate(MeshReport& report, const FileErrors& errors) const {
-  std::vector<Triangle> triangles;
-  triangles.reserve(corners_.size() - 2 * polygon_ends_.size());
+void PolygonSoup::triangulate(TriangleMesh& mesh, MeshReport& report, const FileErrors& errors) const {
+  mesh.triangles.reserve(corners_.size() - 2 * polygon_ends_.size());
+  if (!polygon_materials.empty()) mesh.triangle_materials.reserve(mesh.triangles.capacity());
   Triangulator triangulator(positions);
   for (std::size_t polygon = 0; polygon < polygon_ends_.size(); ++polygon) {
     const std::span<const VertexId> corners = corners_of(polygon);
     if (corners.size() > 3) ++report.polygons_triangulated;
-    if (triangulator.append(corners, triangles)) continue;
-    errors.fail(polygon_place(polygon),
-                fmt::format("a face with {} corners is too large to triangulate", corners.size()),
-                "triangulate the mesh before exporting it");
+    if (!triangulator.append(corners, mesh.triangles)) {
+      errors.fail(polygon_place(polygon),
+                  fmt::format("a face with {} corners is too large to triangulate", corners.size()),
+                  "triangulate the mesh before exporting it");
+    }
+    if (!polygon_materials.empty()) mesh.triangle_materials.resize(mesh.triangles.size(), polygon_materials[polygon]);
   }
-  return triangles;
 }
 
 }  // namespace occlod

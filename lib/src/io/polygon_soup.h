@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 #include <limits>
@@ -21,9 +22,14 @@ namespace occlod {
 class PolygonSoup {
  public:
   std::vector<glm::vec3> positions;
-  std::vector<glm::vec3> normals;   // empty or one per vertex, of any length
-  std::vector<glm::u8vec4> colors;  // empty or one per vertex
-  std::uint64_t attribute_conflicts = 0;
+  std::vector<glm::vec3> normals;              // empty or one per vertex, of any length
+  std::vector<glm::u8vec4> colors;             // empty or one per vertex
+  std::vector<glm::vec2> texture_coordinates;  // empty or one per vertex
+  std::vector<MaterialId> polygon_materials;   // empty or one per polygon
+  std::vector<Material> materials;
+  std::vector<Texture> textures;
+  TextureOrigin texture_origin = TextureOrigin::bottom_left;
+  std::uint64_t added_vertices = 0;  // at the end, which repeat others with other attributes
   LeftOut left_out;
 
   // `line` is 0 in binary files.
@@ -38,6 +44,9 @@ class PolygonSoup {
     else
       add_polygon(triangle);
   }
+  [[nodiscard]] std::size_t polygon_count() const { return triangles_.size() + polygon_ends_.size(); }
+  // The corners of all polygons, one after the other.
+  [[nodiscard]] std::span<VertexId> corners();
   void reserve_polygons(std::size_t count) { triangles_.reserve(count); }
 
   // Throws Error when a polygon has fewer than three corners, uses a vertex that does not exist or is not finite,
@@ -56,8 +65,7 @@ class PolygonSoup {
   [[nodiscard]] std::string polygon_place(std::size_t polygon) const;
   void check_corners(const FileErrors& errors, std::uint64_t first_index) const;
   void check_finite(const FileErrors& errors) const;
-  [[nodiscard]] std::vector<Triangle> triangulate(MeshReport& report, const FileErrors& errors) const;
-  [[nodiscard]] std::size_t polygon_count() const { return triangles_.size() + polygon_ends_.size(); }
+  void triangulate(TriangleMesh& mesh, MeshReport& report, const FileErrors& errors) const;
   [[nodiscard]] std::span<const VertexId> corners_of(std::size_t polygon) const;
   [[nodiscard]] bool has_only_valid_triangles() const;
   void add_polygon(const Triangle& triangle);

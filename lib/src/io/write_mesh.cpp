@@ -61,6 +61,11 @@ class ChunkedWriter {
   fmt::memory_buffer chunk_;
 };
 
+// Without those of extra wedges.
+std::span<const glm::vec3> vertices_of(const TriangleMesh& mesh) {
+  return std::span(mesh.positions).first(mesh.vertex_count());
+}
+
 void write_ply(ChunkedWriter& out, const TriangleMesh& mesh) {
   out.text("ply\nformat binary_little_endian 1.0\nelement vertex {}\n", mesh.vertex_count());
   out.text("property float x\nproperty float y\nproperty float z\n");
@@ -80,7 +85,7 @@ void write_ply(ChunkedWriter& out, const TriangleMesh& mesh) {
 }
 
 void write_obj(ChunkedWriter& out, const TriangleMesh& mesh) {
-  for (const glm::vec3& p : mesh.positions) out.text("v {} {} {}\n", p.x, p.y, p.z);
+  for (const glm::vec3& p : vertices_of(mesh)) out.text("v {} {} {}\n", p.x, p.y, p.z);
   for (const Triangle& t : mesh.triangles) {
     out.text("f {} {} {}\n", std::uint64_t{t.x} + 1, std::uint64_t{t.y} + 1, std::uint64_t{t.z} + 1);
   }
@@ -88,7 +93,7 @@ void write_obj(ChunkedWriter& out, const TriangleMesh& mesh) {
 
 void write_off(ChunkedWriter& out, const TriangleMesh& mesh) {
   out.text("OFF\n{} {} 0\n", mesh.vertex_count(), mesh.triangle_count());
-  for (const glm::vec3& p : mesh.positions) out.text("{} {} {}\n", p.x, p.y, p.z);
+  for (const glm::vec3& p : vertices_of(mesh)) out.text("{} {} {}\n", p.x, p.y, p.z);
   for (const Triangle& t : mesh.triangles) out.text("3 {} {} {}\n", t.x, t.y, t.z);
 }
 
@@ -123,8 +128,8 @@ void check_mesh_output(const std::filesystem::path& path) {
 }
 
 void write_mesh(const std::filesystem::path& path, const TriangleMesh& mesh) {
-  assert(mesh.normals.empty() || mesh.normals.size() == mesh.vertex_count());
-  assert(mesh.colors.empty() || mesh.colors.size() == mesh.vertex_count());
+  assert(mesh.normals.empty() || mesh.normals.size() == mesh.wedge_count());
+  assert(mesh.colors.empty() || mesh.colors.size() == mesh.wedge_count());
   const MeshFormat format = format_to_write(path);
   AtomicFile file(path);
   ChunkedWriter out(file);

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "math/inverse_power_of_two.h"
+#include "mesh/form_wedges.h"
 #include "mesh/portable_math.h"
 #include "occlod/core/error.h"
 #include "occlod/mesh/count_topology.h"
@@ -96,27 +97,37 @@ class Cleaner {
  public:
   Cleaner(TriangleMesh mesh, const MeshReport& report, const std::string& subject)
       : mesh_(std::move(mesh)), report_(report), subject_(subject) {
-    assert(mesh_.normals.empty() || mesh_.normals.size() == mesh_.vertex_count());
-    assert(mesh_.colors.empty() || mesh_.colors.size() == mesh_.vertex_count());
+    assert(mesh_.normals.empty() || mesh_.normals.size() == mesh_.wedge_count());
+    assert(mesh_.colors.empty() || mesh_.colors.size() == mesh_.wedge_count());
+    assert(mesh_.texture_coordinates.empty() || mesh_.texture_coordinates.size() == mesh_.wedge_count());
+    assert(mesh_.triangle_materials.empty() || mesh_.triangle_materials.size() == mesh_.triangle_count());
+    assert(mesh_.corners.empty() || mesh_.corners.size() == mesh_.triangle_count());
     if (report_.vertices_read == 0) {
       report_.vertices_read = mesh_.vertex_count();
       report_.triangles_read = report_.polygons_read = mesh_.triangle_count();
     }
+    // Wedges that are there already are formed anew.
+    if (!mesh_.corners.empty()) mesh_.triangles = std::move(mesh_.corners);
+    mesh_.corners.clear();
+    mesh_.extra_wedges.clear();
   }
 
   CleanMesh run() && {
     if (mesh_.triangles.empty()) fail("", "has no triangles", "give a mesh with at least one");
     check_indices();
+    check_materials();
     used_ = used_vertices();
     check_positions();
+    repair_texture_coordinates();
     find_leaders();
-    average_attributes();
-    relabel_triangles();
+    std::vector<Triangle> read_corners;
+    if (may_have_extra_wedges()) read_corners = mesh_.triangles;
+    relabel_triangles(read_corners);
     if (mesh_.triangles.empty()) {
       fail("", "has no triangle with three different corners", "give a mesh with at least one");
     }
-    drop_unused_vertices();
     repair_normals();
+    drop_unused_vertices(std::move(read_corners));
     count_topology(mesh_, report_);
     return {std::move(mesh_), report_};
   }
@@ -141,6 +152,28 @@ class Cleaner {
     }
   }
 
+  // Also drops materials by triangle that say nothing.
+  void check_materials() {
+    for (std::size_t m = 0; m < mesh_.materials.size(); ++m) {
+      const TextureId texture = mesh_.materials[m].texture;
+      if (texture == no_texture || texture < mesh_.textures.size()) continue;
+      fail(fmt::format("material {}", m),
+           fmt::format("has texture {}, but there are {}, numbered from 0", texture, mesh_.textures.size()),
+           "export the mesh again");
+    }
+    const std::size_t materials = std::max<std::size_t>(mesh_.materials.size(), 1);
+    bool has_others = false;  // than the first
+    for (std::size_t t = 0; t < mesh_.triangle_materials.size(); ++t) {
+      const MaterialId material = mesh_.triangle_materials[t];
+      has_others |= material != 0;
+      if (material < materials) continue;
+      fail(fmt::format("triangle {}", t),
+           fmt::format("has material {}, but there are {}, numbered from 0", material, mesh_.materials.size()),
+           "export the mesh again");
+    }
+    if (!has_others) mesh_.triangle_materials.clear();
+  }
+
   // 1 for each vertex that a triangle uses. Bytes rather than bits, so that a store needs no load.
   [[nodiscard]] std::vector<std::uint8_t> used_vertices() const {
     std::vector<std::uint8_t> used(mesh_.vertex_count(), 0);
@@ -152,7 +185,7 @@ class Cleaner {
     for (VertexId v = 0; v < mesh_.vertex_count(); ++v) {
       const bool finite = is_finite(mesh_.positions[v]);
       if (used_[v] == 0) {
-        ++(finite ? report_.unreferenced_vertices : report_.nonfinite_vertices);
+        if (is_of_file(v)) ++(finite ? report_.unreferenced_vertices : report_.nonfinite_vertices);
       } else if (!finite) {
         fail(fmt::format("vertex {}, numbered from 0", v), "a coordinate is NaN or infinite",
              "remove the vertex and its faces, or export the mesh again");
@@ -160,6 +193,18 @@ class Cleaner {
         fail(fmt::format("vertex {}, numbered from 0", v), "is farther than 1.5e37 from the origin",
              "scale the mesh down");
       }
+    }
+  }
+
+  // Whether it is not another wedge of one before: those come last.
+  [[nodiscard]] bool is_of_file(VertexId v) const { return v < report_.vertices_read; }
+
+  void repair_texture_coordinates() {
+    for (std::size_t v = 0; v < mesh_.texture_coordinates.size(); ++v) {
+      glm::vec2& at = mesh_.texture_coordinates[v];
+      if (std::isfinite(at.x) && std::isfinite(at.y)) continue;
+      at = glm::vec2(0.0F);
+      report_.left_out.texture_coordinates += used_[v];
     }
   }
 
@@ -187,86 +232,82 @@ class Cleaner {
         std::iota(leader_.begin(), leader_.end(), VertexId{0});
       }
       leader_[v] = first;
-      ++report_.vertices_welded;
+      report_.vertices_welded += is_of_file(v);
     }
   }
 
-  void average_attributes() {
-    if (leader_.empty()) return;
-    std::vector<bool> conflict(mesh_.vertex_count());
-    average_normals(conflict);
-    average_colors(conflict);
-    for (const bool differs : conflict) report_.attribute_conflicts += differs;
+  // Whether two corners of a vertex may differ in what they look like.
+  [[nodiscard]] bool may_have_extra_wedges() const {
+    const bool has_attributes = !mesh_.normals.empty() || !mesh_.colors.empty() || !mesh_.texture_coordinates.empty();
+    return (!leader_.empty() && has_attributes) || !mesh_.triangle_materials.empty();
   }
 
-  // Sums now; repair_normals() brings them to unit length.
-  void average_normals(std::vector<bool>& conflict) {
-    std::vector<glm::vec3>& normals = mesh_.normals;
-    if (normals.empty()) return;
-    const std::vector<glm::vec3> original = normals;
-    for (VertexId v = 0; v < normals.size(); ++v) {
-      const VertexId leader = leader_[v];
-      if (leader == v) continue;
-      if (original[v] != original[leader]) conflict[leader] = true;
-      normals[leader] += original[v];
-    }
-  }
-
-  void average_colors(std::vector<bool>& conflict) {
-    std::vector<glm::u8vec4>& colors = mesh_.colors;
-    if (colors.empty()) return;
-    std::vector<glm::u64vec4> sums(colors.size(), glm::u64vec4(0));
-    std::vector<std::uint32_t> counts(colors.size(), 0);
-    for (VertexId v = 0; v < colors.size(); ++v) {
-      const VertexId leader = leader_[v];
-      if (colors[v] != colors[leader]) conflict[leader] = true;
-      sums[leader] += glm::u64vec4(colors[v]);
-      ++counts[leader];
-    }
-    for (VertexId v = 0; v < colors.size(); ++v) {
-      if (counts[v] > 1) colors[v] = glm::u8vec4((sums[v] + std::uint64_t{counts[v] / 2}) / std::uint64_t{counts[v]});
-    }
-  }
-
-  void relabel_triangles() {
+  // Drops triangles of which welding made a line or a point, and what `read_corners`, where given, says of them.
+  void relabel_triangles(std::vector<Triangle>& read_corners) {
     if (!leader_.empty()) {
       for (Triangle& t : mesh_.triangles) t = {leader_[t.x], leader_[t.y], leader_[t.z]};
     }
-    report_.repeated_index_triangles += std::erase_if(mesh_.triangles, has_repeated_corner);
+    std::vector<MaterialId>& materials = mesh_.triangle_materials;
+    if (read_corners.empty() && materials.empty()) {
+      report_.repeated_index_triangles += std::erase_if(mesh_.triangles, has_repeated_corner);
+      return;
+    }
+    std::size_t kept = 0;
+    for (std::size_t t = 0; t < mesh_.triangle_count(); ++t) {
+      if (has_repeated_corner(mesh_.triangles[t])) continue;
+      mesh_.triangles[kept] = mesh_.triangles[t];
+      if (!read_corners.empty()) read_corners[kept] = read_corners[t];
+      if (!materials.empty()) materials[kept] = materials[t];
+      ++kept;
+    }
+    report_.repeated_index_triangles += mesh_.triangle_count() - kept;
+    mesh_.triangles.resize(kept);
+    if (!read_corners.empty()) read_corners.resize(kept);
+    if (!materials.empty()) materials.resize(kept);
   }
 
   // Also drops leaders whose triangles were all dropped.
-  void drop_unused_vertices() {
+  void drop_unused_vertices(std::vector<Triangle> read_corners) {
     const bool triangles_changed = !leader_.empty() || report_.repeated_index_triangles > 0;
     const std::vector<std::uint8_t> still_used = triangles_changed ? used_vertices() : used_;
+    for (VertexId v = 0; triangles_changed && v < still_used.size(); ++v) {
+      const bool was_leader = used_[v] != 0 && (leader_.empty() || leader_[v] == v);
+      report_.unreferenced_vertices += still_used[v] == 0 && was_leader && is_of_file(v);
+    }
+    if (read_corners.empty()) return move_vertices(still_used);
+    if (!form_wedges(mesh_, std::move(read_corners))) fail("", "has too many vertices", "split the mesh into parts");
+    const std::vector<VertexId>& extra = mesh_.extra_wedges;
+    for (std::size_t i = 0; i < extra.size(); ++i) report_.seam_vertices += i == 0 || extra[i] != extra[i - 1];
+  }
+
+  void move_vertices(const std::vector<std::uint8_t>& still_used) {
     if (std::ranges::find(still_used, 0) == still_used.end()) return;
     std::vector<VertexId> new_id(mesh_.vertex_count());
     VertexId kept = 0;
     for (VertexId v = 0; v < new_id.size(); ++v) {
-      if (still_used[v] == 0) {
-        report_.unreferenced_vertices += used_[v] != 0 && (leader_.empty() || leader_[v] == v);
-        continue;
-      }
+      if (still_used[v] == 0) continue;
       new_id[v] = kept;
       mesh_.positions[kept] = mesh_.positions[v];
       if (!mesh_.normals.empty()) mesh_.normals[kept] = mesh_.normals[v];
       if (!mesh_.colors.empty()) mesh_.colors[kept] = mesh_.colors[v];
+      if (!mesh_.texture_coordinates.empty()) mesh_.texture_coordinates[kept] = mesh_.texture_coordinates[v];
       ++kept;
     }
     mesh_.positions.resize(kept);
     if (!mesh_.normals.empty()) mesh_.normals.resize(kept);
     if (!mesh_.colors.empty()) mesh_.colors.resize(kept);
+    if (!mesh_.texture_coordinates.empty()) mesh_.texture_coordinates.resize(kept);
     for (Triangle& t : mesh_.triangles) t = {new_id[t.x], new_id[t.y], new_id[t.z]};
   }
 
-  // Unit length for all; one that is zero or not finite becomes the area-weighted normal of its triangles, or +z where
-  // those cancel out.
+  // Unit length for all; one that is zero or not finite becomes the area-weighted normal of the triangles at its
+  // position, or +z where those cancel out.
   void repair_normals() {
     if (mesh_.normals.empty()) return;
     std::vector<bool> unusable(mesh_.vertex_count());
     std::size_t unusable_count = 0;
     for (VertexId v = 0; v < mesh_.vertex_count(); ++v) {
-      unusable[v] = !normalize_in_place(mesh_.normals[v]);
+      unusable[v] = used_[v] != 0 && !normalize_in_place(mesh_.normals[v]);
       unusable_count += unusable[v];
     }
     if (unusable_count == 0) return;
@@ -278,13 +319,18 @@ class Cleaner {
     }
     for (VertexId v = 0; v < mesh_.vertex_count(); ++v) {
       if (!unusable[v]) continue;
-      const double length = glm::length(sums[v]);
-      mesh_.normals[v] = length > 0.0 && std::isfinite(length) ? glm::vec3(sums[v] / length) : glm::vec3(0, 0, 1);
+      const glm::dvec3& sum = sums[leader_.empty() ? v : leader_[v]];
+      const double length = glm::length(sum);
+      mesh_.normals[v] = length > 0.0 && std::isfinite(length) ? glm::vec3(sum / length) : glm::vec3(0, 0, 1);
     }
   }
 
+  // A normal of unit length but for rounding stays as it is, so that cleaning again changes nothing.
   static bool normalize_in_place(glm::vec3& normal) {
-    const double length = glm::length(glm::dvec3(normal));
+    constexpr double rounding = 0x1p-21;  // of the squared length, as single precision leaves it
+    const double squared = glm::dot(glm::dvec3(normal), glm::dvec3(normal));
+    if (std::abs(squared - 1.0) <= rounding) return true;
+    const double length = std::sqrt(squared);
     if (!(length > 0.0) || !std::isfinite(length)) return false;
     normal = glm::vec3(glm::dvec3(normal) / length);
     return true;

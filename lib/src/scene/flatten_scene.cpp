@@ -47,6 +47,7 @@ class MeshReader {
   std::map<std::string, CleanMesh> read_;  // by name
 };
 
+// A vertex for each wedge: clean() makes wedges of them again.
 void append(TriangleMesh& all, const TriangleMesh& mesh, const glm::dmat4& object_to_world) {
   const auto first = static_cast<VertexId>(all.positions.size());
   for (const glm::vec3& p : mesh.positions) all.positions.emplace_back(object_to_world * glm::dvec4(p, 1.0));
@@ -56,7 +57,7 @@ void append(TriangleMesh& all, const TriangleMesh& mesh, const glm::dmat4& objec
     all.normals.emplace_back(glm::normalize(normals_to_world * glm::dvec3(normal)));
   all.colors.insert(all.colors.end(), mesh.colors.begin(), mesh.colors.end());
   const bool is_mirrored = glm::determinant(linear) < 0.0;
-  for (Triangle t : mesh.triangles) {
+  for (Triangle t : mesh.wedge_triangles()) {
     if (is_mirrored) std::swap(t.y, t.z);
     all.triangles.push_back(t + first);
   }

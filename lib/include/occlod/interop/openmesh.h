@@ -11,7 +11,8 @@
 namespace occlod {
 
 // Replaces the content of `out`, a TriMesh_ArrayKernelT. Vertex i becomes vertex handle i. Normals and colours are
-// copied where both sides have them (request_vertex_normals(), request_vertex_colors() before). Returns how many
+// copied where both sides have them (request_vertex_normals(), request_vertex_colors() before), those of a vertex's
+// first wedge; merge_wedges() before this gives their mean. Returns how many
 // triangles OpenMesh refused because a half-edge mesh cannot hold them: those with a repeated corner, on a non-manifold
 // edge or against the orientation of a neighbour. O(n).
 template <class Mesh>
@@ -20,7 +21,8 @@ template <class Mesh>
   using NormalScalar = typename OpenMesh::vector_traits<typename Mesh::Normal>::value_type;
   out.clean();
   out.reserve(mesh.vertex_count(), 3 * mesh.vertex_count(), mesh.triangle_count());
-  for (const glm::vec3& p : mesh.positions) {
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+    const glm::vec3& p = mesh.positions[v];
     out.add_vertex(typename Mesh::Point(static_cast<Scalar>(p.x), static_cast<Scalar>(p.y), static_cast<Scalar>(p.z)));
   }
   for (const auto vertex : out.vertices()) {

@@ -5,19 +5,20 @@
 
 namespace occlod {
 
-// What a file holds and a TriangleMesh does not. Vertex normals and vertex colours are kept, one per vertex; they count
-// here only where no vertex takes them.
+// What a file holds and a TriangleMesh does not. What corners of triangles take is kept; it counts here only where none
+// does.
 struct LeftOut {
-  // OBJ: vt lines. PLY: vertices with a pair (u, v), (s, t) or (texture_u, texture_v), and the pairs of the faces'
-  // lists `texcoord`. OFF: vertices of STOFF files. glTF: vertices, once for each of their TEXCOORD_n.
+  // All: vertices with one that is not finite, which becomes (0, 0). OBJ: vt lines that no face uses. PLY: vertices
+  // with a pair (u, v), (s, t) or (texture_u, texture_v), and the pairs of the faces' lists `texcoord`. OFF: vertices
+  // of STOFF files. glTF: vertices, once for each of their TEXCOORD_n.
   std::uint64_t texture_coordinates = 0;
   // OBJ: vn lines that no face uses. PLY: faces that have one. STL: facets.
   std::uint64_t normals = 0;
   // PLY and OFF: faces that have one. STL: binary facets whose attribute bytes are not 0, which is how programs colour
   // them. glTF: vertices, once for each of their COLOR_n beyond COLOR_0.
   std::uint64_t colors = 0;
-  // OBJ: different names on usemtl lines. PLY: elements `material` and comments TextureFile. glTF: different materials
-  // of the primitives that are read.
+  // OBJ: names on usemtl lines that no library of the mtllib lines describes; their names are kept. PLY: elements
+  // `material` and comments TextureFile. glTF: different materials of the primitives that are read.
   std::uint64_t materials = 0;
   // OBJ: different names on o lines, and on g lines. STL: different names of solids (text). glTF: nodes with a mesh.
   std::uint64_t groups = 0;
@@ -36,7 +37,7 @@ struct MeshReport {
   std::uint64_t triangles_read = 0;         // after triangulation
   // Changed by clean().
   std::uint64_t vertices_welded = 0;        // merged into another with exactly the same position
-  std::uint64_t attribute_conflicts = 0;    // welded positions whose normals or colours differed; averaged
+  std::uint64_t seam_vertices = 0;          // with more than one wedge (mesh/triangle_mesh.h)
   std::uint64_t unreferenced_vertices = 0;  // used by no triangle; dropped
   std::uint64_t nonfinite_vertices = 0;     // NaN or infinite and unreferenced; dropped (a referenced one is an error)
   std::uint64_t repeated_index_triangles = 0;  // two corners at one position after welding; dropped

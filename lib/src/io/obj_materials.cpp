@@ -1,0 +1,87 @@
+#include "io/obj_materials.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string>
+#include <system_error>
+
+#include "io/parse_mtl.h"
+#include "io/text_encoding.h"
+
+namespace occlod {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uint64_t most_library_bytes = std::uint64_t{1} << 26;
+
+bool is_file(const fs::path& path) {
+  std::error_code unknown;
+  return fs::is_regular_file(path, unknown);
+}
+
+std::string_view without_quotes(std::string_view name) {
+  const bool quoted = name.size() >= 2 && name.front() == '"' && name.back() == '"';
+  return quoted ? name.substr(1, name.size() - 2) : name;
+}
+
+// The files of a mtllib line that exist, relative to the folder: the whole line as one name, or word by word.
+std::vector<std::string> library_names(std::string_view line, const fs::path& folder) {
+  std::string whole = with_slashes(without_quotes(line));
+  if (is_file(folder / whole)) return {std::move(whole)};
+  std::vector<std::string> names;
+  for (std::size_t begin = 0; begin < line.size();) {
+    const std::size_t end = std::min(line.find_first_of(" \t", begin), line.size());
+    std::string name = with_slashes(without_quotes(line.substr(begin, end - begin)));
+    if (!name.empty() && is_file(folder / name)) names.push_back(std::move(name));
+    begin = end + 1;
+  }
+  return names;
+}
+
+}  // namespace
+
+void ObjMaterials::use(std::string_view name, const TextCursor& cursor) {
+  MaterialId before = 0;
+  const bool first = soup_.materials.empty() && soup_.polygon_count() > 0;
+  if (first && !table_.find_or_add("", before)) return;
+  if (first) soup_.polygon_materials.resize(soup_.polygon_count(), before);
+  if (table_.find_or_add(name, current_)) return;
+  cursor.fail(fmt::format("there are more than {} materials", most_materials), "split the mesh into parts");
+}
+
+void ObjMaterials::read_libraries(const FileErrors& errors) {
+  is_defined_.assign(soup_.materials.size(), false);
+  const fs::path folder = fs::path(errors.subject()).parent_path();
+  for (const std::string_view line : libraries_) {
+    for (const std::string& name : library_names(line, folder))
+      read_library(folder / name, fs::path(name).parent_path());
+  }
+  for (std::size_t m = 0; m < soup_.materials.size(); ++m)
+    soup_.left_out.materials += !is_defined_[m] && !soup_.materials[m].name.empty();
+}
+
+// The first definition of a name counts. Names of textures become relative to the folder of the OBJ file.
+void ObjMaterials::read_library(const fs::path& path, const fs::path& folder) {
+  const FileErrors errors(path);
+  std::error_code unknown;
+  const std::uintmax_t bytes = fs::file_size(path, unknown);
+  if (bytes == 0) return;
+  if (bytes > most_library_bytes) errors.fail("", "is too large for a library of materials", "check the mtllib line");
+  InputBytes input(path, errors, {});
+  std::string converted;
+  for (auto& [material, texture] : parse_mtl(as_utf8(input.window(input.size()), converted, errors), errors)) {
+    Material* const used = table_.find(material.name);
+    if (used == nullptr) continue;
+    const auto id = static_cast<std::size_t>(used - soup_.materials.data());
+    if (is_defined_[id]) continue;
+    is_defined_[id] = true;
+    *used = std::move(material);
+    if (texture.file.empty()) continue;
+    texture.file = (folder / texture.file).generic_string();
+    used->texture = table_.texture(std::move(texture));
+  }
+}
+
+}  // namespace occlod
