@@ -36,7 +36,7 @@ class TextureTree::Builder {
   Builder(TextureTree& tree, const TriangleMesh& mesh, double texture_scale)
       : tree_(tree), texture_scale_(texture_scale) {
     boxes_.reserve(tree.triangles_.size());
-    for (const std::uint32_t triangle : tree.triangles_) boxes_.push_back({triangle, box_of(mesh, triangle)});
+    for (const std::uint32_t triangle : tree.triangles_) boxes_.emplace_back(triangle, box_of(mesh, triangle));
   }
 
   void build() {

@@ -56,25 +56,30 @@ std::size_t store_runs(const gl::Functions& gl, const gl::Buffer& buffer, std::s
 }  // namespace
 
 VertexData vertex_data_of(const ViewMesh& mesh) {
-  return {mesh.hierarchy->positions(), mesh.normals, mesh.creases, mesh.hierarchy->data().colors};
+  const HierarchyView& data = mesh.hierarchy->data();
+  return {data.positions, mesh.normals, mesh.creases, data.colors, data.texture_coordinates, data.wedge_materials};
 }
 
 VertexBuffers::VertexBuffers(const gl::Functions& gl)
-    : gl_(&gl), array_(gl), positions_(gl), normals_(gl), colors_(gl), creases_(gl) {}
+    : gl_(&gl), array_(gl), positions_(gl), normals_(gl), colors_(gl), creases_(gl), coordinates_(gl), materials_(gl) {}
 
 std::size_t VertexBuffers::fill(const VertexData& vertices, bool is_static) {
   const GLenum usage = is_static ? GL_STATIC_DRAW : GL_DYNAMIC_DRAW;
   has_normals_ = !vertices.normals.empty();
   has_creases_ = !vertices.creases.empty();
   has_colors_ = !vertices.colors.empty();
+  has_coordinates_ = !vertices.texture_coordinates.empty();
+  has_materials_ = !vertices.materials.empty();
   store(*gl_, positions_, vertices.positions, usage);
   if (has_normals_) store(*gl_, normals_, vertices.normals, usage);
   if (has_creases_) store(*gl_, creases_, vertices.creases, usage);
   if (has_colors_) store(*gl_, colors_, vertices.colors, usage);
+  if (has_coordinates_) store(*gl_, coordinates_, vertices.texture_coordinates, usage);
+  if (has_materials_) store(*gl_, materials_, vertices.materials, usage);
   gl_->BindVertexArray(array_.id());
   describe(positions_);
   return vertices.positions.size_bytes() + vertices.normals.size_bytes() + vertices.creases.size_bytes() +
-         vertices.colors.size_bytes();
+         vertices.colors.size_bytes() + vertices.texture_coordinates.size_bytes() + vertices.materials.size_bytes();
 }
 
 void VertexBuffers::describe(const gl::Buffer& positions) const {
@@ -82,6 +87,11 @@ void VertexBuffers::describe(const gl::Buffer& positions) const {
   if (has_normals_) attribute(*gl_, normals_, 1, 3, GL_FLOAT);
   if (has_colors_) attribute(*gl_, colors_, 2, 4, GL_UNSIGNED_BYTE);
   if (has_creases_) attribute(*gl_, creases_, 3, 1, GL_UNSIGNED_BYTE);
+  if (has_coordinates_) attribute(*gl_, coordinates_, 4, 2, GL_FLOAT);
+  if (!has_materials_) return;
+  gl_->BindBuffer(GL_ARRAY_BUFFER, materials_.id());
+  gl_->EnableVertexAttribArray(5);
+  gl_->VertexAttribIPointer(5, 1, GL_UNSIGNED_SHORT, 0, nullptr);
 }
 
 void VertexBuffers::bind() const { gl_->BindVertexArray(array_.id()); }

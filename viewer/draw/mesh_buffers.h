@@ -16,6 +16,8 @@ struct VertexData {
   std::span<const glm::vec3> normals;
   std::span<const std::uint8_t> creases;
   std::span<const glm::u8vec4> colors;
+  std::span<const glm::vec2> texture_coordinates = {};
+  std::span<const MaterialId> materials = {};
 };
 [[nodiscard]] VertexData vertex_data_of(const ViewMesh& mesh);
 
@@ -37,9 +39,13 @@ class VertexBuffers {
   gl::Buffer normals_;
   gl::Buffer colors_;
   gl::Buffer creases_;
+  gl::Buffer coordinates_;
+  gl::Buffer materials_;
   bool has_normals_ = false;
   bool has_creases_ = false;
   bool has_colors_ = false;
+  bool has_coordinates_ = false;
+  bool has_materials_ = false;
 };
 
 // The vertices of one object while some of them slide: positions of its own, here and there.

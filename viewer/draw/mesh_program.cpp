@@ -11,11 +11,13 @@ layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
 layout(location = 2) in vec4 color;
 layout(location = 3) in float crease;
+layout(location = 4) in vec2 coordinate;
+layout(location = 5) in int layer;
 uniform mat4 object_to_clip;
 uniform mat4 object_to_eye;
 uniform mat3 normal_to_eye;
 uniform float crease_limit;
-out VertexOut { vec3 position; vec3 normal; vec3 color; float smooth_share; } vertex;
+out VertexOut { vec3 position; vec3 normal; vec3 color; float smooth_share; vec2 coordinate; flat int layer; } vertex;
 void main() {
   gl_Position = object_to_clip * vec4(position, 1.0);
   vertex.position = vec3(object_to_eye * vec4(position, 1.0));
@@ -25,14 +27,16 @@ void main() {
   vertex.normal = has_normal ? normalize(in_eye_space) : vec3(0.0);
   vertex.smooth_share = has_normal ? 1.0 : 0.0;
   vertex.color = color.rgb;
+  vertex.coordinate = coordinate;
+  vertex.layer = layer;
 }
 )";
 
 constexpr const char* geometry_shader = R"(#version 330 core
 layout(triangles) in;
 layout(triangle_strip, max_vertices = 3) out;
-in VertexOut { vec3 position; vec3 normal; vec3 color; float smooth_share; } corners[];
-out VertexOut { vec3 position; vec3 normal; vec3 color; float smooth_share; } vertex;
+in VertexOut { vec3 position; vec3 normal; vec3 color; float smooth_share; vec2 coordinate; flat int layer; } corners[];
+out VertexOut { vec3 position; vec3 normal; vec3 color; float smooth_share; vec2 coordinate; flat int layer; } vertex;
 out vec3 barycentric;
 void main() {
   for (int i = 0; i < 3; ++i) {
@@ -42,6 +46,8 @@ void main() {
     vertex.normal = corners[i].normal;
     vertex.color = corners[i].color;
     vertex.smooth_share = corners[i].smooth_share;
+    vertex.coordinate = corners[i].coordinate;
+    vertex.layer = corners[i].layer;
     barycentric = vec3(i == 0, i == 1, i == 2);
     EmitVertex();
   }
@@ -51,12 +57,14 @@ void main() {
 
 // Lights and line widths as in src/picture/shade.cpp.
 constexpr const char* fragment_shader = R"(
-in VertexOut { vec3 position; vec3 normal; vec3 color; float smooth_share; } vertex;
+in VertexOut { vec3 position; vec3 normal; vec3 color; float smooth_share; vec2 coordinate; flat int layer; } vertex;
 uniform int color_mode;
 uniform bool flat_shading;
 uniform bool dim_back_faces;
 uniform bool orthographic;
+uniform bool texture_from_below;
 uniform sampler2D triangle_colors;
+uniform sampler2DArray layers;
 out vec4 target;
 
 // A gamma of 2: where the CPU draws, powers cost more than everything else together.
@@ -66,6 +74,10 @@ vec3 surface_color() {
   if (color_mode == 1) return to_linear(vertex.color);
   if (color_mode == 2)
     return to_linear(texelFetch(triangle_colors, ivec2(gl_PrimitiveID % 4096, gl_PrimitiveID / 4096), 0).rgb);
+  if (color_mode == 3) {
+    vec2 at = vec2(vertex.coordinate.x, texture_from_below ? 1.0 - vertex.coordinate.y : vertex.coordinate.y);
+    return to_linear(texture(layers, vec3(at, float(vertex.layer))).rgb);
+  }
   return vec3(0.80, 0.70, 0.58);
 }
 
@@ -143,7 +155,12 @@ MeshProgram::MeshProgram(const gl::Functions& gl, bool wire)
       crease_limit_(program_.uniform("crease_limit")),
       flat_(program_.uniform("flat_shading")),
       dim_(program_.uniform("dim_back_faces")),
-      orthographic_(program_.uniform("orthographic")) {}
+      orthographic_(program_.uniform("orthographic")),
+      from_below_(program_.uniform("texture_from_below")) {
+  // Samplers of different kinds may not share a unit.
+  gl.UseProgram(program_.id());
+  gl.Uniform1i(program_.uniform("layers"), 1);
+}
 
 void MeshProgram::use(const Uniforms& uniforms) const {
   gl_->UseProgram(program_.id());
@@ -155,6 +172,7 @@ void MeshProgram::use(const Uniforms& uniforms) const {
   gl_->Uniform1i(flat_, uniforms.flat ? 1 : 0);
   gl_->Uniform1i(dim_, uniforms.dim_back_faces ? 1 : 0);
   gl_->Uniform1i(orthographic_, uniforms.orthographic ? 1 : 0);
+  gl_->Uniform1i(from_below_, uniforms.texture_from_below ? 1 : 0);
 }
 
 BackgroundProgram::BackgroundProgram(const gl::Functions& gl)

@@ -8,14 +8,14 @@
 
 namespace occlod::viewer {
 
-// Attributes: 0 position, 1 normal, 2 colour (sRGB), 3 crease, see find_creases(). Lit like the pictures of
-// occlod::shade, as seen by the eye.
+// Attributes: 0 position, 1 normal, 2 colour (sRGB), 3 crease, see find_creases(), 4 texture coordinate, 5 layer. Lit
+// like the pictures of occlod::shade, as seen by the eye.
 class MeshProgram {
  public:
   // `wire`: with lines along edges, which takes a geometry shader.
   MeshProgram(const gl::Functions& gl, bool wire);
 
-  enum class Color { plain, vertices, triangles };
+  enum class Color { plain, vertices, triangles, texture };
   struct Uniforms {
     glm::mat4 object_to_clip{1.0F};
     glm::mat4 object_to_eye{1.0F};
@@ -25,8 +25,10 @@ class MeshProgram {
     bool flat = false;
     bool dim_back_faces = false;
     bool orthographic = false;
+    bool texture_from_below = true;  // texture coordinates grow upwards
   };
-  // By-triangle colours are texels of texture unit 0: triangle i at (i % texels_a_row, i / texels_a_row).
+  // By-triangle colours are texels of texture unit 0: triangle i at (i % texels_a_row, i / texels_a_row). Layers of the
+  // texture are those of the array of texture unit 1.
   void use(const Uniforms& uniforms) const;
 
   static constexpr int texels_a_row = 4096;
@@ -34,7 +36,7 @@ class MeshProgram {
  private:
   const gl::Functions* gl_;
   gl::Program program_;
-  GLint object_to_clip_, object_to_eye_, normal_to_eye_, color_, crease_limit_, flat_, dim_, orthographic_;
+  GLint object_to_clip_, object_to_eye_, normal_to_eye_, color_, crease_limit_, flat_, dim_, orthographic_, from_below_;
 };
 
 // A vertical gradient over the whole target.

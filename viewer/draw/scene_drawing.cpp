@@ -24,13 +24,16 @@ std::size_t SceneDrawing::upload(std::shared_ptr<const RefinedFrame> frame) {
 }
 
 void SceneDrawing::keep_vertices_of(const Objects& objects) {
-  std::erase_if(vertices_, [&](const auto& entry) {
+  const auto is_gone = [&](const auto& entry) {
     return std::none_of(objects.begin(), objects.end(),
                         [&](const PlacedObject& object) { return object.mesh == entry.first; });
-  });
+  };
+  std::erase_if(vertices_, is_gone);
+  std::erase_if(layers_, is_gone);
   for (const PlacedObject& object : objects) {
     if (object.hlod || vertices_.contains(object.mesh)) continue;
     vertices_.try_emplace(object.mesh, *gl_).first->second.fill(vertex_data_of(*object.mesh), true);
+    if (object.mesh->texture) layers_.try_emplace(object.mesh, *gl_, *object.mesh->texture);
   }
 }
 
@@ -141,6 +144,12 @@ void SceneDrawing::draw_object(const PlacedObject& object, const Drawn& drawn, c
     uniforms.color = MeshProgram::Color::triangles;
   else if (own_colors && vertices.has_colors())
     uniforms.color = MeshProgram::Color::vertices;
+  const auto layers = layers_.find(object.mesh);
+  if (layers != layers_.end() && !colors.any() && look.color_by == ColorBy::texture) {
+    uniforms.color = MeshProgram::Color::texture;
+    uniforms.texture_from_below = layers->second.from_below();
+    layers->second.bind();
+  }
   (look.wire ? wire_ : plain_).use(uniforms);
   drawn.morphs ? drawn.morphs->bind() : vertices.bind();
   colors.bind();

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "layer_buffer.h"
 #include "lines.h"
 #include "mesh_buffers.h"
 #include "mesh_program.h"
@@ -57,6 +58,7 @@ class SceneDrawing {
   LineDrawing lines_;
   std::shared_ptr<const RefinedFrame> frame_;
   std::map<std::shared_ptr<const ViewMesh>, VertexBuffers> vertices_;
+  std::map<std::shared_ptr<const ViewMesh>, LayerBuffer> layers_;  // of those with materials
   std::vector<Side> sides_;
   bool is_hlod_ = false;  // the frame
 };

@@ -23,8 +23,9 @@ class NextSplits {
     }
   }
 
-  // The first split of the vertex's chain that is not applied, or no_id.
-  [[nodiscard]] SplitId of(VertexId v) {
+  // The first split of the chain of the corner's vertex that is not applied, or no_id.
+  [[nodiscard]] SplitId of(WedgeId corner) {
+    const VertexId v = hierarchy_.vertex_of_wedge(corner);
     const auto known = known_.find(v);
     if (known != known_.end()) return known->second;
     SplitId s =
@@ -121,7 +122,8 @@ std::vector<SplitId> born_splits(const Hierarchy& hierarchy, std::span<const Tri
   std::vector<SplitId> born;
   born.reserve(triangles.size());
   for (const Triangle& t : triangles) {
-    const VertexId last = std::max({t.x, t.y, t.z});
+    const VertexId last =
+        std::max({hierarchy.vertex_of_wedge(t.x), hierarchy.vertex_of_wedge(t.y), hierarchy.vertex_of_wedge(t.z)});
     const auto base = static_cast<VertexId>(hierarchy.base_vertex_count());
     born.push_back(last < base ? no_id : static_cast<SplitId>(last - base));
   }

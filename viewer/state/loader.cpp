@@ -165,7 +165,7 @@ void Loader::load_meshes(const SceneDescription& scene, LoadedFile& result) {
   for (std::size_t i = 0; i < loaded.size(); ++i) {
     auto& mesh = meshes[loaded[i].hierarchy.get()];
     report("preparing " + loaded[i].source_name, 1.0);
-    if (!mesh) mesh = make_view_mesh(loaded[i].hierarchy);
+    if (!mesh) mesh = make_view_mesh(loaded[i].hierarchy, std::filesystem::path(loaded[i].source_name).parent_path());
     const std::string& source = loaded[i].source_name;
     PlacedObject& object = result.objects.emplace_back();
     object.name = short_name(scene.objects[i].source, source);

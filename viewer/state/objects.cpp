@@ -13,7 +13,9 @@
 #include <limits>
 
 #include "creases.h"
+#include "object_textures.h"
 #include "occlod/hierarchy/cut_mesh.h"
+#include "standard_streams.h"
 
 namespace occlod::viewer {
 namespace {
@@ -29,6 +31,21 @@ std::vector<glm::vec3> vertex_normals(std::span<const glm::vec3> positions, std:
     normal = length > 0.0F ? normal / length : glm::vec3(0.0F, 0.0F, 1.0F);
   }
   return normals;
+}
+
+// Of the full mesh: seams are no borders of the surface.
+std::vector<Triangle> vertex_triangles(const Hierarchy& hierarchy) {
+  std::vector<Triangle> triangles = triangles_of(hierarchy, full_cut(hierarchy));
+  for (Triangle& t : triangles)
+    t = {hierarchy.vertex_of_wedge(t.x), hierarchy.vertex_of_wedge(t.y), hierarchy.vertex_of_wedge(t.z)};
+  return triangles;
+}
+
+// The other wedges of a vertex take what its first one has.
+template <typename Value>
+std::vector<Value> by_wedge(const Hierarchy& hierarchy, std::vector<Value> values) {
+  for (const VertexId v : hierarchy.data().extra_wedges) values.push_back(Value(values[v]));
+  return values;
 }
 
 glm::dmat3 rotation_of(const glm::dvec3& degrees) {
@@ -50,14 +67,19 @@ glm::dvec3 angles_of(const glm::dmat3& m) {
 
 }  // namespace
 
-std::shared_ptr<const ViewMesh> make_view_mesh(std::shared_ptr<const Hierarchy> hierarchy) {
+std::shared_ptr<const ViewMesh> make_view_mesh(std::shared_ptr<const Hierarchy> hierarchy,
+                                               const std::filesystem::path& folder) {
   hierarchy->require_all();
   auto mesh = std::make_shared<ViewMesh>();
-  const std::vector<Triangle> triangles = triangles_of(*hierarchy, full_cut(*hierarchy));
+  const std::vector<Triangle> triangles = vertex_triangles(*hierarchy);
+  const std::span<const glm::vec3> positions = hierarchy->positions().first(hierarchy->vertex_count());
   const std::span<const glm::vec3> own = hierarchy->data().normals;
-  mesh->normals =
-      own.empty() ? vertex_normals(hierarchy->positions(), triangles) : std::vector<glm::vec3>(own.begin(), own.end());
-  mesh->creases = find_creases(hierarchy->positions(), triangles);
+  mesh->normals = own.empty() ? by_wedge(*hierarchy, vertex_normals(positions, triangles))
+                              : std::vector<glm::vec3>(own.begin(), own.end());
+  mesh->creases = by_wedge(*hierarchy, find_creases(positions, triangles));
+  const tool::ObjectTextures textures(hierarchy->data(), folder, tool::TextureChoice::automatic,
+                                      [](const std::string& line) { tool::print_note(line); });
+  mesh->texture = layered(textures.texture(), hierarchy->data().texture_origin);
   const Box& box = hierarchy->box();
   mesh->sphere.center = 0.5F * box.min + 0.5F * box.max;
   for (const glm::vec3& p : hierarchy->positions())

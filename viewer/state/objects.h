@@ -2,12 +2,14 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "layered_texture.h"
 #include "occlod/device/device.h"
 #include "occlod/hierarchy/hierarchy.h"
 #include "occlod/hlod/hlod.h"
@@ -19,15 +21,18 @@ namespace occlod::viewer {
 // A hierarchy and what is drawn with it, computed once. Immutable.
 struct ViewMesh {
   std::shared_ptr<const Hierarchy> hierarchy;
-  std::vector<glm::vec3> normals;     // by vertex: the file's own, else of the full mesh
-  std::vector<std::uint8_t> creases;  // by vertex: see find_creases()
+  std::vector<glm::vec3> normals;     // by wedge: the file's own, else of the full mesh
+  std::vector<std::uint8_t> creases;  // by wedge: see find_creases()
   std::vector<std::uint16_t> levels;  // by split: how deep it stands in the forest
   int level_count = 0;
-  Sphere sphere;  // around all vertices and the middle of their box
+  Sphere sphere;                                  // around all vertices and the middle of their box
+  std::shared_ptr<const LayeredTexture> texture;  // null without materials
 };
 
-// Throws Error when part of the hierarchy is damaged. O(size).
-[[nodiscard]] std::shared_ptr<const ViewMesh> make_view_mesh(std::shared_ptr<const Hierarchy> hierarchy);
+// folder: where the names of images start. Images that are missing are told of on standard error. Throws Error when
+// part of the hierarchy is damaged. O(size).
+[[nodiscard]] std::shared_ptr<const ViewMesh> make_view_mesh(std::shared_ptr<const Hierarchy> hierarchy,
+                                                             const std::filesystem::path& folder = {});
 
 // An HLOD, likewise.
 struct ViewHlod {

@@ -96,6 +96,7 @@ std::vector<LegendEntry> legend_of(ColorBy color_by, int level_count) {
   switch (color_by) {
     case ColorBy::plain:
     case ColorBy::vertices:
+    case ColorBy::texture:
       break;
     case ColorBy::level:
       legend.push_back({base_mesh_color, "base mesh"});

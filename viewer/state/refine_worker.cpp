@@ -196,6 +196,7 @@ class Bench {
     switch (job.color_by) {
       case ColorBy::plain:
       case ColorBy::vertices:
+      case ColorBy::texture:
         return {};
       case ColorBy::level:
         return level_colors(*object.mesh, refined);

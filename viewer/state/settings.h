@@ -15,6 +15,7 @@ enum class Shading { smooth, flat };
 enum class ColorBy {
   plain,       // nothing: one colour for everything
   vertices,    // the colours of the file
+  texture,     // its materials, with their images; one colour without
   level,       // how deep in the forest the split stands that made it
   error,       // how far it may be from the input, in pixels
   visibility,  // whether it owns a pixel, and if not, why
@@ -88,7 +89,7 @@ enum class Steering { orbit, fly, walk };
 struct LookSettings {
   Shading shading = Shading::smooth;
   double crease_deg = 40.0;  // smooth shading stops at edges that are sharper
-  ColorBy color_by = ColorBy::plain;
+  ColorBy color_by = ColorBy::texture;
   bool wire = false;
   bool bounds = true;      // of the picked split: its sphere or box or cylinder
   bool cone = true;        // of the picked split: its normals

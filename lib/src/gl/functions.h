@@ -63,6 +63,7 @@ namespace occlod::gl {
   X(FRAMEBUFFERTEXTURE2D, FramebufferTexture2D)                     \
   X(FRONTFACE, FrontFace)                                           \
   X(GENBUFFERS, GenBuffers)                                         \
+  X(GENERATEMIPMAP, GenerateMipmap)                                 \
   X(GENFRAMEBUFFERS, GenFramebuffers)                               \
   X(GENQUERIES, GenQueries)                                         \
   X(GENRENDERBUFFERS, GenRenderbuffers)                             \
@@ -91,8 +92,10 @@ namespace occlod::gl {
   X(RENDERBUFFERSTORAGEMULTISAMPLE, RenderbufferStorageMultisample) \
   X(SHADERSOURCE, ShaderSource)                                     \
   X(TEXIMAGE2D, TexImage2D)                                         \
+  X(TEXIMAGE3D, TexImage3D)                                         \
   X(TEXPARAMETERI, TexParameteri)                                   \
   X(TEXSUBIMAGE2D, TexSubImage2D)                                   \
+  X(TEXSUBIMAGE3D, TexSubImage3D)                                   \
   X(UNIFORM1F, Uniform1f)                                           \
   X(UNIFORM1I, Uniform1i)                                           \
   X(UNIFORM1UI, Uniform1ui)                                         \

@@ -34,6 +34,11 @@ class TextureImage {
   // O(pixels) time; memory is a third more than the image's.
   explicit TextureImage(Image image, const TextureAddress& address = {});
 
+  // In pixels.
+  [[nodiscard]] int width() const noexcept { return levels_[0].width; }
+  // In pixels.
+  [[nodiscard]] int height() const noexcept { return levels_[0].height; }
+
   // Linear RGB at a texture coordinate. across, down: how much the coordinate changes from one pixel of the picture to
   // the next. Bilinear within and between two sizes of the image, at up to 16 places along the longer of the two steps,
   // so that surfaces seen at a flat angle stay sharp. White where a number is not finite.

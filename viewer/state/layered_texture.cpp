@@ -1,0 +1,61 @@
+#include "layered_texture.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+
+namespace occlod::viewer {
+namespace {
+
+constexpr unsigned largest_size = 2048;
+constexpr std::uint64_t most_pixels = std::uint64_t{1} << 26U;
+
+std::uint8_t to_srgb(float linear) {
+  const float v = std::clamp(linear, 0.0F, 1.0F);
+  return static_cast<std::uint8_t>(
+      std::lround(255.0F * (v <= 0.0031308F ? 12.92F * v : 1.055F * std::pow(v, 1.0F / 2.4F) - 0.055F)));
+}
+
+glm::u8vec4 to_srgb(const glm::vec3& linear) { return {to_srgb(linear.x), to_srgb(linear.y), to_srgb(linear.z), 255}; }
+
+// Of a power of two.
+unsigned layer_size(const ObjectTexture& texture) {
+  unsigned size = 1;
+  for (const DrawMaterial& material : texture.materials)
+    if (material.image != nullptr && !texture.coordinates.empty())
+      size = std::max(size, static_cast<unsigned>(std::max(material.image->width(), material.image->height())));
+  size = std::min(std::bit_ceil(size), largest_size);
+  while (size > 1 && std::uint64_t{size} * size * texture.materials.size() > most_pixels) size /= 2;
+  return size;
+}
+
+Image layer(const DrawMaterial& material, int size, TextureOrigin origin) {
+  Image image{size, size, {}};
+  image.pixels.reserve(static_cast<std::size_t>(size) * static_cast<std::size_t>(size));
+  const double step = 1.0 / size;
+  for (int y = 0; y < size; ++y) {
+    const double down = (y + 0.5) * step;
+    for (int x = 0; x < size; ++x) {
+      const glm::dvec2 at((x + 0.5) * step, origin == TextureOrigin::bottom_left ? 1.0 - down : down);
+      const glm::vec3 color =
+          material.image == nullptr ? glm::vec3(1.0F) : material.image->sample(at, {step, 0.0}, {0.0, step});
+      image.pixels.push_back(to_srgb(material.base_color * color));
+    }
+  }
+  return image;
+}
+
+}  // namespace
+
+std::shared_ptr<const LayeredTexture> layered(const ObjectTexture& texture, TextureOrigin origin) {
+  if (texture.materials.empty()) return nullptr;
+  auto result = std::make_shared<LayeredTexture>();
+  result->size = static_cast<int>(layer_size(texture));
+  result->origin = origin;
+  for (const DrawMaterial& material : texture.materials)
+    result->layers.push_back(layer(material, result->size, origin));
+  return result;
+}
+
+}  // namespace occlod::viewer

@@ -1,0 +1,22 @@
+// The materials of a mesh as images of one size, as OpenGL draws them in one call.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "occlod/mesh/triangle_mesh.h"
+#include "occlod/picture/texture_image.h"
+
+namespace occlod::viewer {
+
+struct LayeredTexture {
+  int size = 1;               // pixels along each side of every layer
+  std::vector<Image> layers;  // one for each material: its image times its base colour
+  TextureOrigin origin = TextureOrigin::bottom_left;
+};
+
+// Images larger than 2,048 pixels, or than 2^26 pixels together allow, become smaller; others are made as large as the
+// largest. Null without materials. O(pixels).
+[[nodiscard]] std::shared_ptr<const LayeredTexture> layered(const ObjectTexture& texture, TextureOrigin origin);
+
+}  // namespace occlod::viewer
