@@ -116,6 +116,34 @@ class Compare(ToolTest):
         self.assertFalse({"texture_slip", "normals_deg"} & result.keys())
         self.assertIn("\ncolors ", self.succeed("compare", "dark.ply", "bright.ply"))
 
+    def write_textured_square(self, name, shift):
+        places = ((0, 0), (1, 0), (1, 1), (0, 1))
+        self.folder.joinpath(name).write_text("".join(
+            [f"v {x} {y} 0\n" for x, y in places] + [f"vt {x + shift} {y}\n" for x, y in places] + ["f 1/1 2/2 3/3 4/4\n"]))
+
+    def test_texture_slip(self):
+        """The texture is 0.05 further left: 0.05 of the unit, and 5 / sqrt(2) % of the diagonal, everywhere."""
+        self.write_textured_square("a.obj", 0)
+        self.write_textured_square("b.obj", 0.05)
+        result = self.compare("a.obj", "b.obj")
+        slip = result["texture_slip"]
+        self.assert_has_keys(slip, self.WAY + " lost search_radius")
+        for key in ("rms", "max"):
+            self.assertAlmostEqual(slip[key], 0.05, 6)
+            self.assertAlmostEqual(slip[key + "_percent"], 5 / 2**0.5, 4)
+        self.assertEqual(slip["lost"], 0)
+        self.assertLess(self.compare("a.obj", "a.obj")["texture_slip"]["max"], 1e-9)
+        self.assertIn("\ntexture ", self.succeed("compare", "a.obj", "b.obj"))
+
+    def test_texture_that_is_not_there_is_lost(self):
+        self.write_textured_square("a.obj", 0)
+        self.write_textured_square("b.obj", 5)
+        slip = self.compare("a.obj", "b.obj")["texture_slip"]
+        self.assertEqual(slip["lost"], 5000)
+        self.assertAlmostEqual(slip["rms"], slip["search_radius"])
+        self.assertAlmostEqual(slip["search_radius"], 0.1 * 2**0.5)
+        self.assertIn("200000 of 200000", self.succeed("compare", "a.obj", "b.obj"))
+
     def test_mistakes(self):
         self.write_square("a.off", 0)
         (self.folder / "text.olod").write_text("not a hierarchy")
