@@ -6,6 +6,8 @@
 #include <cassert>
 #include <numeric>
 
+#include "occlod/hierarchy/cut_mesh.h"
+
 namespace occlod {
 namespace {
 
@@ -172,6 +174,16 @@ void Cut::active_triangles(std::vector<Triangle>& out, bool sorted) {
   out.resize(triangles_);
   Triangle* at = out.data();
   for_each_active([&](const FaceRef&, const Triangle& triangle) { *at++ = triangle; });
+  assert(at == out.data() + triangles_);
+}
+
+void Cut::active_wedge_triangles(std::vector<Triangle>& out, bool sorted) {
+  if (!hierarchy_->has_seams()) return active_triangles(out, sorted);
+  drop_taken_back();
+  if (sorted) sort_ids(applied_, sorting_);
+  out.resize(triangles_);
+  Triangle* at = out.data();
+  for_each_active([&](const FaceRef& face, const Triangle& t) { *at++ = wedges_of_face(*hierarchy_, face, t); });
   assert(at == out.data() + triangles_);
 }
 

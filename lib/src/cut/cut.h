@@ -55,6 +55,8 @@ class Cut {
   // Active faces: base faces and faces of applied splits that no applied split removes; base faces first, then by
   // split and slot iff `sorted`; sorting also sorts applied_splits().
   void active_triangles(std::vector<Triangle>& out, bool sorted);
+  // The same by their wedges: what to draw.
+  void active_wedge_triangles(std::vector<Triangle>& out, bool sorted);
   // Calls visit(FaceRef, Triangle) for each active face in the order of applied_splits().
   template <typename Visit>
   void for_each_active(const Visit& visit) const;

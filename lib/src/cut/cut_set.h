@@ -29,6 +29,9 @@ class CutSet {
   void active_triangles(std::uint32_t object, std::vector<Triangle>& out, bool sorted) {
     cuts_[object].active_triangles(out, sorted);
   }
+  void active_wedge_triangles(std::uint32_t object, std::vector<Triangle>& out, bool sorted) {
+    cuts_[object].active_wedge_triangles(out, sorted);
+  }
 
   // Takes a leaf back, then calls visit_leaf(SplitId) for each split that this has made a leaf.
   template <typename Visit>

@@ -4,6 +4,8 @@
 #include <cassert>
 #include <functional>
 
+#include "occlod/hierarchy/cut_mesh.h"
+
 namespace occlod {
 
 FaceList::FaceList(const Hierarchy& hierarchy, std::vector<Triangle>& triangles)
@@ -22,7 +24,7 @@ void FaceList::assign(const Cut& cut) {
   begin_frame();
   cut.for_each_active([&](const FaceRef& face, const Triangle& triangle) {
     if (face.split != no_id && blocks_[face.split] == 0) new_block_of(face.split);
-    add(face, triangle);
+    add(face, drawn(face, triangle));
   });
   for (const SplitId s : cut.applied_splits())  // of which no face is active
     if (cut.applied(s) && blocks_[s] == 0) new_block_of(s);
@@ -43,7 +45,8 @@ void FaceList::apply(SplitId s) {
     place = nowhere;
   });
   new_block_of(s);
-  for (std::uint32_t slot = 0; slot < star.inserted_count(); ++slot) add({s, slot}, star.inserted(slot));
+  for (std::uint32_t slot = 0; slot < star.inserted_count(); ++slot)
+    add({s, slot}, drawn({s, slot}, star.inserted(slot)));
   fill_holes();
 }
 
@@ -54,10 +57,14 @@ void FaceList::take_back(SplitId s) {
   free_block_of(s);
   // With the corners in the order in which they were: the removed list may start at another.
   star.for_each_removed([&](const FaceRef& face, const Triangle&) {
-    add(face, face.split == no_id ? hierarchy_->data().base_faces[face.slot]
-                                  : hierarchy_->star(face.split).inserted(face.slot));
+    add(face, drawn(face, face.split == no_id ? hierarchy_->data().base_faces[face.slot]
+                                              : hierarchy_->star(face.split).inserted(face.slot)));
   });
   fill_holes();
+}
+
+Triangle FaceList::drawn(const FaceRef& face, const Triangle& vertices) const {
+  return wedges_of_face(*hierarchy_, face, vertices);
 }
 
 std::uint32_t& FaceList::place_of(const FaceRef& face) {

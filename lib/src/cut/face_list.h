@@ -34,6 +34,8 @@ class FaceList {
   static constexpr std::uint32_t nowhere = no_id;
 
   [[nodiscard]] std::uint32_t& place_of(const FaceRef& face);
+  // A face by its wedges.
+  [[nodiscard]] Triangle drawn(const FaceRef& face, const Triangle& vertices) const;
   void put(std::uint32_t place, const FaceRef& face, const Triangle& triangle);
   void add(const FaceRef& face, const Triangle& triangle);
   void fill_holes();

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "occlod/hierarchy/cut_mesh.h"
+
 namespace occlod {
 
 ActiveFaces::ActiveFaces(const Hierarchy& hierarchy) : hierarchy_(hierarchy), count_(hierarchy.base_triangle_count()) {
@@ -38,24 +40,41 @@ bool same_triangle(const Triangle& a, const Triangle& b) {
   return a == b || a == Triangle(b.y, b.z, b.x) || a == Triangle(b.z, b.x, b.y);
 }
 
-std::vector<Triangle> active_triangles(const Hierarchy& hierarchy, const std::vector<bool>& applied) {
+namespace {
+
+// Calls visit(FaceRef, Triangle) for each.
+template <typename Visit>
+void for_each_active(const Hierarchy& hierarchy, const std::vector<bool>& applied, const Visit& visit) {
   ActiveFaces active(hierarchy);
   for (SplitId s = 0; s < hierarchy.split_count(); ++s) {
     if (!applied[s]) continue;
     active.apply(s);
     hierarchy.star(s).for_each_removed([&](const FaceRef& ref, const Triangle&) { active.remove(ref); });
   }
-  std::vector<Triangle> triangles;
-  triangles.reserve(active.count());
   const std::span<const Triangle> base = hierarchy.data().base_faces;
   for (std::uint32_t slot = 0; slot < base.size(); ++slot)
-    if (active.active({no_id, slot})) triangles.push_back(base[slot]);
+    if (active.active({no_id, slot})) visit(FaceRef{no_id, slot}, base[slot]);
   for (SplitId s = 0; s < hierarchy.split_count(); ++s) {
     if (!applied[s]) continue;
     const SplitStar star = hierarchy.star(s);
     for (std::uint32_t slot = 0; slot < star.inserted_count(); ++slot)
-      if (active.active({s, slot})) triangles.push_back(star.inserted(slot));
+      if (active.active({s, slot})) visit(FaceRef{s, slot}, star.inserted(slot));
   }
+}
+
+}  // namespace
+
+std::vector<Triangle> active_triangles(const Hierarchy& hierarchy, const std::vector<bool>& applied) {
+  std::vector<Triangle> triangles;
+  for_each_active(hierarchy, applied, [&](const FaceRef&, const Triangle& t) { triangles.push_back(t); });
+  return triangles;
+}
+
+std::vector<Triangle> active_wedge_triangles(const Hierarchy& hierarchy, const std::vector<bool>& applied) {
+  std::vector<Triangle> triangles;
+  for_each_active(hierarchy, applied, [&](const FaceRef& face, const Triangle& t) {
+    triangles.push_back(wedges_of_face(hierarchy, face, t));
+  });
   return triangles;
 }
 

@@ -42,5 +42,8 @@ class ActiveFaces {
 // The faces of the base mesh and of applied splits that no applied split removes: base faces first, then by split and
 // slot. `applied` is closed under dependency.
 [[nodiscard]] std::vector<Triangle> active_triangles(const Hierarchy& hierarchy, const std::vector<bool>& applied);
+// The same by their wedges.
+[[nodiscard]] std::vector<Triangle> active_wedge_triangles(const Hierarchy& hierarchy,
+                                                           const std::vector<bool>& applied);
 
 }  // namespace occlod

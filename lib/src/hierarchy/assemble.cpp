@@ -3,16 +3,21 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <bit>
 #include <limits>
+#include <optional>
 #include <span>
 #include <tuple>
 
+#include "attribute_state.h"
 #include "core/platform.h"
 #include "fan_patches.h"
 #include "occlod/core/error.h"
 #include "parallel.h"
 #include "star_mesh.h"
 #include "star_record.h"
+#include "wedge_numbers.h"
+#include "write_corners.h"
 
 namespace occlod {
 namespace {
@@ -68,12 +73,21 @@ class Assembler {
 
   void copy_vertices() {
     const auto permute = [&](const auto& from, auto& to) {
-      to.resize(from.size());
-      for_each_id(from.size(), threads_, [&](VertexId v) { to[new_id_[v]] = from[v]; });
+      to.resize(std::min(from.size(), mesh_.vertex_count()));
+      for_each_id(to.size(), threads_, [&](VertexId v) { to[new_id_[v]] = from[v]; });
     };
     permute(mesh_.positions, result_.data.positions);
-    permute(mesh_.normals, result_.data.normals);
-    permute(mesh_.colors, result_.data.colors);
+    if (sequence_.has_attributes) {
+      numbers_.emplace(mesh_, sequence_, new_id_);
+      numbers_->copy_attributes(result_.data);
+    } else {
+      permute(mesh_.normals, result_.data.normals);
+      permute(mesh_.colors, result_.data.colors);
+      permute(wedge_materials(mesh_), result_.data.wedge_materials);
+    }
+    result_.data.materials = mesh_.materials;
+    result_.data.textures = mesh_.textures;
+    result_.data.texture_origin = mesh_.texture_origin;
     result_.data.box = bounding_box(result_.data.positions);
     result_.data.input_triangle_count = mesh_.triangle_count();
   }
@@ -124,6 +138,7 @@ class Assembler {
     });
     result_.stars.back() = static_cast<std::uint32_t>(stars.size());
     for (const LevelFace& face : sequence_.base) result_.data.base_faces.push_back(renumbered(face.corners));
+    if (!result_.data.extra_wedges.empty()) write_corners(sequence_, *numbers_, result_.stars, threads_, result_.data);
   }
 
   class StarWriter {
@@ -326,8 +341,26 @@ class Assembler {
       const SplitStar star(result_.data.stars.data() + result_.stars[s], base_vertices_ + s);
       for (const SplitId needed : star.dependencies()) raise(needed);
     }
+    if (sequence_.has_attributes) saturate_attribute_errors();
     for (const SplitId root : result_.data.roots)
       result_.data.error_bound = std::max(result_.data.error_bound, errors[root].guaranteed);
+  }
+
+  // Rounded up to the upper half of a float's bits.
+  void saturate_attribute_errors() {
+    std::vector<float> errors(split_count_);
+    for_each_split([&](SplitId s) { errors[s] = sequence_.attributes[reversed(s)].error; });
+    for (SplitId s = split_count_; s-- > 0;) {
+      const auto raise = [&](SplitId coarse) { errors[coarse] = std::max(errors[coarse], errors[s]); };
+      if (const SplitId parent = result_.parents[s]; parent != no_id) raise(parent);
+      const SplitStar star(result_.data.stars.data() + result_.stars[s], base_vertices_ + s);
+      for (const SplitId needed : star.dependencies()) raise(needed);
+    }
+    result_.data.attribute_errors.resize(split_count_);
+    for_each_split([&](SplitId s) {
+      result_.data.attribute_errors[s] =
+          static_cast<std::uint16_t>((std::bit_cast<std::uint32_t>(errors[s]) + 0xFFFFU) >> 16U);
+    });
   }
 
   const TriangleMesh& mesh_;
@@ -335,7 +368,8 @@ class Assembler {
   unsigned threads_;
   SplitId split_count_ = 0;
   VertexId base_vertices_ = 0;
-  LargeVector<VertexId> new_id_;  // of each input vertex
+  LargeVector<VertexId> new_id_;         // of each input vertex
+  std::optional<WedgeNumbers> numbers_;  // where attributes count
   std::vector<RemovedElsewhere> misplaced_;
   Assembly result_;
 };

@@ -18,6 +18,7 @@ namespace {
 void check_options(const BuildOptions& options) {
   const OptionChecker check("build");
   check.in_range("boundary_weight", options.boundary_weight, 0.0, 1e6);
+  check.in_range("attribute_weight", options.attribute_weight, 0.0, 1e6);
   check.in_range("threads", options.threads, 0, 1024);
 }
 

@@ -14,6 +14,10 @@ struct BlockRecord {
   std::vector<Collapse*> collapses;
   std::vector<float> ranks;  // of each collapse: its cost, no less than that of any that it comes after
   std::vector<MisplacedFace> misplaced;
+  // Where attributes count, of each collapse: how far they are off, and where the wedges of what it ended begin.
+  std::vector<float> attribute_errors;
+  std::vector<std::size_t> first_corners;
+  std::vector<EndedCorners> corners;
   std::size_t faces_gone = 0;
 };
 

@@ -20,6 +20,7 @@ void CollapseWorker::start(const Block& block) {
   made_.clear();
   ranks_.clear();
   ended_.clear();
+  corners_.clear();
   faces_gone_ = 0;
   queue_.reset(block.vertices.size());
   constexpr std::uint32_t ahead = 16;
@@ -71,7 +72,9 @@ void CollapseWorker::consider(VertexId v) {
   const std::span<const VertexId> ring = is_fan ? fan_.ring() : ring_.neighbours();
   if (!in_block(ring)) return;
   for (const VertexId w : ring) state_.mesh.prefetch(w);
-  const Choice choice = is_fan ? choose_in_fan() : choose_in_ring();
+  const Choice choice = state_.attributes != nullptr ? choose_with_attributes(ring, is_fan)
+                        : is_fan                     ? choose_in_fan()
+                                                     : choose_in_ring();
   if (CollapseQueue::level(choice.cost) > CollapseQueue::level(state_.vertices[v].cost))
     set_cost(v, choice.cost);
   else
@@ -112,6 +115,41 @@ CollapseWorker::Choice CollapseWorker::choose_in_ring() {
   return best.u == no_id ? break_topology(neighbours, v) : best;
 }
 
+// Both of the above, at the price of what happens to attributes too. That costs more to find out, so neighbours are
+// tried by their quadric costs until these alone exceed the best.
+CollapseWorker::Choice CollapseWorker::choose_with_attributes(std::span<const VertexId> ring, bool is_fan) {
+  const VertexId v = is_fan ? fan_.vertex() : ring_.vertex();
+  const VertexQuadric& quadric = state_.vertices[v].quadric;
+  std::span<float> costs;
+  if (is_fan) {
+    fan_.measure_offsets(state_.position_of());
+    fan_.measure_normals();
+    costs = fan_.costs(quadric);
+  } else {
+    ring_costs_.clear();
+    for (const VertexId u : ring) ring_costs_.push_back(state_.cost(v, u));
+    costs = ring_costs_;
+  }
+  attributes_.gather(state_.mesh, *state_.attributes, state_.positions(), v);
+  const float weight = quadric.order() * state_.attribute_weight2;
+  const float so_far = weight * quadric.inverse_weight() * state_.attributes->sums[v];
+  Choice best{no_id, infinity, true};
+  for (std::size_t tries = 0; tries < costs.size(); ++tries) {
+    const auto cheapest = std::min_element(costs.begin(), costs.end());
+    const float cost = *cheapest + so_far;
+    if (!(cost < best.cost)) break;
+    *cheapest = infinity;
+    const auto i = static_cast<std::size_t>(cheapest - costs.begin());
+    const bool is_allowed = is_fan ? fan_.keeps_orientation(i) && fan_.keeps_topology(state_.mesh, i)
+                                   : keeps_topology(state_.mesh, ring_, i) &&
+                                         keeps_orientation(state_.mesh, state_.positions(), v, ring[i]);
+    if (!is_allowed) continue;
+    const float total = cost + weight * attributes_.choose(ring[i]);
+    if (total < best.cost) best = {ring[i], total, true, i};
+  }
+  return best.u == no_id ? break_topology(ring, v) : best;
+}
+
 // A handle, a sliver or a component goes when errors have reached its size: at the price of the mean square of lengths
 // spread evenly about the middle of its extent.
 CollapseWorker::Choice CollapseWorker::break_topology(std::span<const VertexId> neighbours, VertexId v) const {
@@ -149,7 +187,8 @@ void CollapseWorker::compute_movements(Batch& batch) {
 void CollapseWorker::collapse(VertexId v, const Choice& choice, std::span<const VertexId> ring, float moved) {
   const VertexId u = choice.u;
   const auto id = static_cast<CollapseId>(CollapseRecords::first_id(block_->record) + made_.size());
-  const std::size_t first_ended = ended_.size();
+  const std::size_t first_ended = ended_.size(), first_corners = corners_.size();
+  const float deviation2 = state_.attributes != nullptr ? attributes_.choose(u) : 0.0F;
   faces_gone_ += state_.mesh.collapse(v, u, id, !choice.keeps_topology, arena_, ended_);
   const glm::vec3 edge = state_.edge(v, u);
   float error = std::sqrt(state_.vertices[v].quadric.mean_square(edge));
@@ -159,10 +198,43 @@ void CollapseWorker::collapse(VertexId v, const Choice& choice, std::span<const 
     error = std::max(error, moved);
   }
   made_.push_back({v, u, first_ended, error, moved, choice.keeps_topology});
+  if (state_.attributes != nullptr) {
+    made_.back().first_corners = first_corners;
+    move_corners(v, u, id, first_ended);
+    made_.back().attribute_error = add_deviation(v, deviation2);
+    state_.attributes->sums[u] += state_.attributes->sums[v];
+  }
   rank(v, choice, ring);
   state_.vertices[u].quadric.add(state_.vertices[v].quadric, edge);
   state_.vertices[v].cost = infinity;
   for (const VertexId w : ring) update(w, u);
+}
+
+// Of what v stands for. Returns the root mean square over all collapses that led to it.
+float CollapseWorker::add_deviation(VertexId v, float deviation2) {
+  const float weight = state_.vertices[v].quadric.weight;
+  float& sum = state_.attributes->sums[v];
+  sum += weight * deviation2;
+  return std::sqrt(weight > 0.0F ? sum / weight : deviation2);
+}
+
+// Records the wedges of what v's collapse has ended, and gives the faces that it made theirs. attributes_ has chosen.
+void CollapseWorker::move_corners(VertexId v, VertexId u, CollapseId id, std::size_t first_ended) {
+  const auto add = [&](const LevelFace& face, const Triangle& wedges) {
+    if (wedges != face.corners) corners_.push_back({face, wedges});
+  };
+  CornerMap& map = state_.attributes->corners;
+  const std::span<const StarFace> star = attributes_.faces();
+  for (std::size_t i = 0; i < star.size(); ++i)
+    add({{v, star[i].next, star[i].last}, star[i].made_by}, attributes_.wedges()[i]);
+  const auto folded = std::span<const LevelFace>(ended_).subspan(first_ended + star.size());
+  folded_.clear();
+  for (const LevelFace& face : folded) {
+    const StarFace of_u{face.corners.y, face.corners.z, face.made_by};
+    add(face, map.wedges(u, of_u, folded_));
+    folded_.push_back(of_u);
+  }
+  map.collapse(state_.mesh, v, u, id, star, attributes_.wedges_of_u(), folded);
 }
 
 // Records what has been made.
@@ -185,9 +257,30 @@ void CollapseWorker::finish() {
     collapse.guaranteed_error = scaled_up(after, to_object);
     collapse.moved = scaled_up(made.moved, to_object);
     records_.add(block_->record, collapse, ended);
+    if (state_.attributes != nullptr) {
+      record_corners(i, ended, record);
+      record.attribute_errors.push_back(scaled_up(made.attribute_error, to_object));
+    }
   }
   record.ranks = ranks_;
   record.faces_gone = faces_gone_;
+}
+
+// By the slots of what i has ended, which are in their final order.
+void CollapseWorker::record_corners(std::size_t i, std::span<const LevelFace> ended, BlockRecord& record) {
+  record.first_corners.push_back(record.corners.size());
+  const std::size_t first = made_[i].first_corners;
+  const std::size_t end = i + 1 < made_.size() ? made_[i + 1].first_corners : corners_.size();
+  const auto corners = std::span<const CornerFace>(corners_).subspan(first, end - first);
+  taken_.assign(corners.size(), false);
+  for (std::uint32_t slot = 0; !corners.empty() && slot < ended.size(); ++slot)
+    for (std::size_t c = 0; c < corners.size(); ++c) {
+      const LevelFace& face = corners[c].face;
+      if (taken_[c] || face.made_by != ended[slot].made_by || face.corners != ended[slot].corners) continue;
+      taken_[c] = true;
+      record.corners.push_back({slot, corners[c].wedges});
+      break;
+    }
 }
 
 // What i has ended.

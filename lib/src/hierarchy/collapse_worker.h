@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "attribute_star.h"
 #include "change_bound.h"
 #include "collapse_queue.h"
 #include "collapse_records.h"
@@ -55,6 +56,13 @@ class CollapseWorker {
     float error = 0.0F;
     float moved = 0.0F;  // of a fan: once its batch has been computed
     bool keeps_topology = false;
+    float attribute_error = 0.0F;
+    std::size_t first_corners = 0;  // into corners_
+  };
+  // A face that ended, and the wedges at its corners.
+  struct CornerFace {
+    LevelFace face;
+    Triangle wedges;
   };
   // Fans of one size whose movements are computed together, and their places in made_.
   struct Batch {
@@ -73,6 +81,10 @@ class CollapseWorker {
   [[nodiscard]] bool in_block(std::span<const VertexId> vertices) const;
   [[nodiscard]] Choice choose_in_fan();
   [[nodiscard]] Choice choose_in_ring();
+  [[nodiscard]] Choice choose_with_attributes(std::span<const VertexId> ring, bool is_fan);
+  [[nodiscard]] float add_deviation(VertexId v, float deviation2);
+  void record_corners(std::size_t i, std::span<const LevelFace> ended, BlockRecord& record);
+  void move_corners(VertexId v, VertexId u, CollapseId id, std::size_t first_ended);
   [[nodiscard]] Choice break_topology(std::span<const VertexId> neighbours, VertexId v) const;
   [[nodiscard]] float movement(const Choice& choice, bool is_fan);
   void compute_movements(Batch& batch);
@@ -93,6 +105,11 @@ class CollapseWorker {
   std::vector<Made> made_;
   std::vector<float> ranks_;
   std::vector<LevelFace> ended_;
+  AttributeStar attributes_;
+  std::vector<CornerFace> corners_;  // of faces that ended, where some wedge is not its vertex's first
+  std::vector<bool> taken_;
+  std::vector<float> ring_costs_;
+  std::vector<StarFace> folded_;
   std::size_t faces_gone_ = 0;
   std::array<Batch, Fan::most_neighbours + 1> batches_;  // by the number of corners
   CollapseRecords& records_;

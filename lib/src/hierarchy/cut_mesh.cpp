@@ -35,13 +35,46 @@ FixedCut make_cut(const Hierarchy& hierarchy, const IsApplied& is_applied) {
   return cut;
 }
 
+// Keeps what triangles use: vertices in the order of their first use, then extra wedges by their vertices.
 class Compaction {
  public:
-  explicit Compaction(const HierarchyView& data) : data_(data), new_ids_(data.positions.size(), no_id) {}
+  explicit Compaction(const Hierarchy& hierarchy)
+      : hierarchy_(hierarchy), data_(hierarchy.data()), new_ids_(hierarchy.vertex_count(), no_id) {
+    mesh_.materials = {data_.materials.begin(), data_.materials.end()};
+    mesh_.textures = {data_.textures.begin(), data_.textures.end()};
+    mesh_.texture_origin = data_.texture_origin;
+  }
 
   void add(Triangle triangle) {
     for (int corner = 0; corner < 3; ++corner) triangle[corner] = new_id(triangle[corner]);
     mesh_.triangles.push_back(triangle);
+  }
+  // By their wedges; after add() of the same faces. A vertex whose first wedge is not used has another one first.
+  void add_wedges(std::span<const Triangle> wedges) {
+    std::vector<WedgeId> first(mesh_.positions.size(), no_id);  // by new vertex
+    std::vector<std::pair<VertexId, WedgeId>> extras;
+    for (const Triangle& t : wedges)
+      for (int k = 0; k < 3; ++k)
+        if (WedgeId& w = first[new_ids_[hierarchy_.vertex_of_wedge(t[k])]]; t[k] < w) w = t[k];
+    for (const Triangle& t : wedges)
+      for (int k = 0; k < 3; ++k)
+        if (const VertexId v = new_ids_[hierarchy_.vertex_of_wedge(t[k])]; t[k] != first[v])
+          extras.emplace_back(v, t[k]);
+    std::sort(extras.begin(), extras.end());
+    extras.erase(std::unique(extras.begin(), extras.end()), extras.end());
+    copy_attributes(first, extras);
+    if (extras.empty()) return;
+    const std::size_t vertices = first.size();
+    for (const Triangle& t : wedges) {
+      Triangle corners;
+      for (int k = 0; k < 3; ++k) {
+        const VertexId v = new_ids_[hierarchy_.vertex_of_wedge(t[k])];
+        const auto at = std::lower_bound(extras.begin(), extras.end(), std::pair(v, t[k]));
+        corners[k] =
+            t[k] == first[v] ? v : static_cast<WedgeId>(vertices + static_cast<std::size_t>(at - extras.begin()));
+      }
+      mesh_.corners.push_back(corners);
+    }
   }
   [[nodiscard]] TriangleMesh take() { return std::move(mesh_); }
 
@@ -50,12 +83,27 @@ class Compaction {
     if (new_ids_[v] == no_id) {
       new_ids_[v] = static_cast<VertexId>(mesh_.positions.size());
       mesh_.positions.push_back(data_.positions[v]);
-      if (!data_.normals.empty()) mesh_.normals.push_back(data_.normals[v]);
-      if (!data_.colors.empty()) mesh_.colors.push_back(data_.colors[v]);
     }
     return new_ids_[v];
   }
 
+  void copy_attributes(std::span<const WedgeId> first, std::span<const std::pair<VertexId, WedgeId>> extras) {
+    const auto copy = [&](const auto& from, auto& to) {
+      if (from.empty()) return;
+      to.reserve(first.size() + extras.size());
+      for (const WedgeId w : first) to.push_back(from[w]);
+      for (const auto& [v, w] : extras) to.push_back(from[w]);
+    };
+    copy(data_.normals, mesh_.normals);
+    copy(data_.colors, mesh_.colors);
+    copy(data_.texture_coordinates, mesh_.texture_coordinates);
+    for (const auto& [v, w] : extras) {
+      mesh_.extra_wedges.push_back(v);
+      mesh_.positions.push_back(data_.positions[w]);
+    }
+  }
+
+  const Hierarchy& hierarchy_;
   const HierarchyView& data_;
   std::vector<VertexId> new_ids_;
   TriangleMesh mesh_;
@@ -87,10 +135,21 @@ std::vector<Triangle> triangles_of(const Hierarchy& hierarchy, const FixedCut& c
   return active_triangles(hierarchy, cut.applied);
 }
 
+std::vector<Triangle> wedge_triangles_of(const Hierarchy& hierarchy, const FixedCut& cut) {
+  assert(cut.applied.size() == hierarchy.split_count());
+  return active_wedge_triangles(hierarchy, cut.applied);
+}
+
 TriangleMesh cut_mesh(const Hierarchy& hierarchy, const FixedCut& cut) {
-  Compaction compaction(hierarchy.data());
-  for (const Triangle& triangle : triangles_of(hierarchy, cut)) compaction.add(triangle);
-  return compaction.take();
+  Compaction compaction(hierarchy);
+  std::vector<Triangle> wedges = triangles_of(hierarchy, cut);
+  for (const Triangle& triangle : wedges) compaction.add(triangle);
+  if (hierarchy.has_seams()) wedges = wedge_triangles_of(hierarchy, cut);
+  compaction.add_wedges(wedges);
+  TriangleMesh mesh = compaction.take();
+  if (!hierarchy.data().wedge_materials.empty())
+    for (const Triangle& t : wedges) mesh.triangle_materials.push_back(hierarchy.material_of(t.x));
+  return mesh;
 }
 
 }  // namespace occlod

@@ -24,8 +24,8 @@ class ForwardPass {
         samples_(mesh, levels),
         next_(samples_.size(), no_id),
         charge_of_face_(levels.face_count(), no_id),
-        charge_of_vertex_(mesh.positions.size(), no_id),
-        faces_at_(mesh.positions.size(), 0) {
+        charge_of_vertex_(mesh.vertex_count(), no_id),
+        faces_at_(mesh.vertex_count(), 0) {
     samples_.place([&](FaceId f, SampleId s) { push(charge_of_face_[f], s); });
     for (const Triangle& t : mesh.triangles)
       for (int k = 0; k < 3; ++k) ++faces_at_[t[k]];

@@ -2,6 +2,7 @@
 
 #include <bit>
 #include <cstdint>
+#include <utility>
 
 #include "core/large_vector.h"
 #include "parallel.h"
@@ -28,6 +29,24 @@ UninitializedVector<Keyed> by_rank(const CollapseRecords& records, unsigned thre
   return keyed;
 }
 
+// Only where attributes count.
+void join_attributes(CollapseRecords& records, const UninitializedVector<Keyed>& order, CollapseSequence& sequence) {
+  if (!sequence.has_attributes) return;
+  sequence.attributes.resize(order.size());
+  for (std::size_t block = 0; block < records.size(); ++block) {
+    BlockRecord& record = records[block];
+    const CollapseId first = CollapseRecords::first_id(block);
+    sequence.corner_memory.push_back(std::move(record.corners));
+    const std::vector<EndedCorners>& corners = sequence.corner_memory.back();
+    for (std::size_t i = 0; i < record.collapses.size(); ++i) {
+      const std::size_t begin = record.first_corners[i];
+      const std::size_t end = i + 1 < record.first_corners.size() ? record.first_corners[i + 1] : corners.size();
+      sequence.attributes[sequence.places[first + i]] = {record.attribute_errors[i],
+                                                         std::span(corners).subspan(begin, end - begin)};
+    }
+  }
+}
+
 }  // namespace
 
 void join_records(CollapseRecords& records, CollapseSequence& sequence, unsigned threads,
@@ -49,6 +68,7 @@ void join_records(CollapseRecords& records, CollapseSequence& sequence, unsigned
     const std::vector<MisplacedFace>& misplaced = records[block].misplaced;
     sequence.misplaced.insert(sequence.misplaced.end(), misplaced.begin(), misplaced.end());
   }
+  join_attributes(records, order, sequence);
   records.resize(0);
 }
 

@@ -49,7 +49,7 @@ class Simplifier {
         options_(options),
         threads_(thread_count(options.threads)),
         progress_(options.progress),
-        state_(std::make_unique<SimplifyState>(mesh, SimplifySetup{options.boundary_weight, threads_},
+        state_(std::make_unique<SimplifyState>(mesh, setup_of(options, threads_),
                                                ProgressPart{progress_, 0.0, passes_first, 1.0})),
         box_(scaled_box(mesh, state_->scale)),
         live_faces_(mesh.triangle_count()) {
@@ -73,6 +73,13 @@ class Simplifier {
   }
 
  private:
+  static SimplifySetup setup_of(const BuildOptions& options, unsigned threads) {
+    SimplifySetup setup{options.boundary_weight, threads};
+    setup.keeps_attributes = true;
+    setup.attribute_weight = options.attribute_weight;
+    return setup;
+  }
+
   // Blocks may take away far more than a fine base mesh allows, so they stop well before it.
   [[nodiscard]] bool many_left() const {
     return live_.size() > block_size && live_faces_ > 4 * options_.base_triangles;
@@ -141,11 +148,26 @@ class Simplifier {
     std::erase_if(live_, [&](VertexId v) { return state_->mesh.star(v).empty(); });
   }
 
+  // StarMesh lists faces by their smallest corners, in the order of these corners' stars.
+  void list_base_corners(CollapseSequence& sequence) const {
+    sequence.has_attributes = true;
+    std::vector<StarFace> before;
+    VertexId v = no_id;
+    for (const LevelFace& face : sequence.base) {
+      if (face.corners.x != v) before.clear();
+      v = face.corners.x;
+      const StarFace of_v{face.corners.y, face.corners.z, face.made_by};
+      sequence.base_corners.push_back(state_->attributes->corners.wedges(v, of_v, before));
+      before.push_back(of_v);
+    }
+  }
+
   // The records of all blocks as one sequence, in the order of their ranks. The state goes first: both need much
   // memory.
   CollapseSequence join() {
     CollapseSequence sequence;
     sequence.base = state_->mesh.faces();
+    if (state_->attributes != nullptr) list_base_corners(sequence);
     for (const auto& worker : workers_) sequence.memory.push_back(worker->take_memory());
     workers_.clear();
     state_.reset();

@@ -94,12 +94,30 @@ struct MisplacedFace {
   std::uint32_t slot = 0;  // there
 };
 
+// The corners of a face that a collapse ended: wedges of the input, whose attributes they have. Their vertices may be
+// others.
+struct EndedCorners {
+  std::uint32_t slot = 0;  // of the face among those that ended
+  Triangle wedges;
+};
+
+// What a collapse does to attributes, where they count.
+struct CollapseAttributes {
+  float error = 0.0F;                     // see Hierarchy::attribute_error(), object units; not saturated
+  std::span<const EndedCorners> corners;  // of faces with a wedge that is not its vertex's first; ascending
+};
+
 struct CollapseSequence {
   std::vector<Collapse*> collapses;        // in order
   UninitializedVector<CollapseId> places;  // of each id
   std::vector<LevelFace> base;             // faces that are left
   std::vector<MisplacedFace> misplaced;
   std::vector<CollapseMemory> memory;
+  // Where attributes count: what each collapse does, in order, and the wedges of the faces that are left.
+  bool has_attributes = false;
+  std::vector<CollapseAttributes> attributes;
+  std::vector<Triangle> base_corners;
+  std::vector<std::vector<EndedCorners>> corner_memory;  // that `attributes` points into
 
   // Where in `collapses` the one with this id is; no_id for no_id.
   [[nodiscard]] CollapseId place(CollapseId id) const noexcept { return id == no_id ? no_id : places[id]; }

@@ -20,7 +20,10 @@ SimplifyState::SimplifyState(const TriangleMesh& input, const SimplifySetup& set
       locked(setup.locked),
       vertices(input.vertex_count()),
       mesh(input.triangles, input.vertex_count(), setup.threads),
-      turns(input.vertex_count()) {
+      turns(input.vertex_count()),
+      attribute_weight2(static_cast<float>(setup.attribute_weight * setup.attribute_weight)) {
+  if (setup.keeps_attributes && has_wedge_attributes(input))
+    attributes = std::make_unique<AttributeState>(input, scale);
   for_each_id(vertices.size(), setup.threads, [&](VertexId v) {
     vertices[v] = {input.positions[v] * scale, infinity, 0.0F, {}};
   });

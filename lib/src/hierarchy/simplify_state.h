@@ -3,8 +3,10 @@
 
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <memory>
 #include <span>
 
+#include "attribute_state.h"
 #include "build_progress.h"
 #include "core/large_vector.h"
 #include "fan.h"
@@ -34,6 +36,8 @@ struct SimplifySetup {
   unsigned threads = 1;
   float scale = 0.0F;  // a power of two; 0: the one that takes the extent of the input into [1/2, 1]
   std::span<const std::uint8_t> locked{};  // by vertex: not 0 = is never merged into another; empty = none is
+  bool keeps_attributes = false;           // if the mesh has any that count: then it outlives the state
+  double attribute_weight = 1.0;           // of deviations of attributes, relative to distances
 };
 
 // Indexed by vertex. A worker touches only vertices of its block and reads stars of those.
@@ -45,6 +49,8 @@ struct SimplifyState {
   UninitializedVector<VertexState> vertices;
   StarMesh mesh;
   LargeVector<Turn> turns;
+  std::unique_ptr<AttributeState> attributes;  // null: none count
+  float attribute_weight2 = 1.0F;              // of squared deviations
 
   [[nodiscard]] PositionView positions() const {
     return {std::span<const VertexState>(vertices), &VertexState::position};

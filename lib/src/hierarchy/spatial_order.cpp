@@ -53,6 +53,16 @@ std::vector<T> permuted(const std::vector<T>& values, const std::vector<VertexId
   return result;
 }
 
+// Extra wedges follow in the new order of their vertices, those of one as they were.
+void add_extra_wedges(const TriangleMesh& mesh, std::vector<WedgeId>& new_id, std::vector<WedgeId>& order) {
+  const std::size_t vertices = mesh.vertex_count();
+  for (auto w = static_cast<WedgeId>(vertices); w < mesh.wedge_count(); ++w) order.push_back(w);
+  std::stable_sort(order.begin() + static_cast<std::ptrdiff_t>(vertices), order.end(),
+                   [&](WedgeId a, WedgeId b) { return new_id[mesh.vertex_of(a)] < new_id[mesh.vertex_of(b)]; });
+  new_id.resize(order.size());
+  for (std::size_t i = vertices; i < order.size(); ++i) new_id[order[i]] = static_cast<WedgeId>(i);
+}
+
 }  // namespace
 
 void sort_spatially(const PositionView& positions, const MortonCurve& curve, std::vector<VertexId>& vertices,
@@ -73,15 +83,28 @@ TriangleMesh in_spatial_order(const TriangleMesh& mesh, unsigned threads) {
   std::vector<VertexId> order(mesh.vertex_count());
   std::iota(order.begin(), order.end(), 0U);
   sort_spatially(mesh.positions, {bounding_box(mesh.positions), glm::dvec3(0.0), 10}, order, threads);
+  std::vector<VertexId> new_id(order.size());
+  for_each_id(order.size(), threads, [&](VertexId i) { new_id[order[i]] = i; });
+  add_extra_wedges(mesh, new_id, order);
   result.positions = permuted(mesh.positions, order, threads);
   result.normals = permuted(mesh.normals, order, threads);
   result.colors = permuted(mesh.colors, order, threads);
-  std::vector<VertexId> new_id(order.size());
-  for_each_id(order.size(), threads, [&](VertexId i) { new_id[order[i]] = i; });
+  result.texture_coordinates = permuted(mesh.texture_coordinates, order, threads);
+  for (std::size_t i = mesh.vertex_count(); i < order.size(); ++i)
+    result.extra_wedges.push_back(new_id[mesh.vertex_of(order[i])]);
+  result.triangle_materials = mesh.triangle_materials;
+  result.materials = mesh.materials;
+  result.textures = mesh.textures;
+  result.texture_origin = mesh.texture_origin;
   result.triangles.resize(mesh.triangles.size());
   for_each_id(mesh.triangles.size(), threads, [&](std::uint32_t f) {
     const Triangle& t = mesh.triangles[f];
     result.triangles[f] = {new_id[t.x], new_id[t.y], new_id[t.z]};
+  });
+  result.corners.resize(mesh.corners.size());
+  for_each_id(mesh.corners.size(), threads, [&](std::uint32_t f) {
+    const Triangle& t = mesh.corners[f];
+    result.corners[f] = {new_id[t.x], new_id[t.y], new_id[t.z]};
   });
   return result;
 }

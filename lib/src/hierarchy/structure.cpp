@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "corner_record.h"
 #include "occlod/hierarchy/validate.h"
 #include "star_record.h"
 
@@ -13,21 +14,81 @@ namespace {
 
 using Problem = std::optional<std::string>;
 
+std::size_t vertex_count(const HierarchyView& d) { return d.positions.size() - d.extra_wedges.size(); }
+
 Problem check_sizes(const HierarchyView& d) {
   if (d.nodes.empty()) return "there is no sentinel split";
   const std::size_t splits = d.nodes.size() - 1;
-  if (d.positions.size() <= splits) return "there are more splits than vertices to split";
+  if (d.extra_wedges.size() > d.positions.size() || vertex_count(d) <= splits)
+    return "there are more splits than vertices to split";
   if (d.positions.size() >= no_id || d.stars.size() >= no_id) return "there are more than 2^32 - 2 vertices or words";
   if (!d.normals.empty() && d.normals.size() != d.positions.size())
     return fmt::format("there are {} normals, not {}", d.normals.size(), d.positions.size());
   if (!d.colors.empty() && d.colors.size() != d.positions.size())
     return fmt::format("there are {} colors, not {}", d.colors.size(), d.positions.size());
+  if (!d.texture_coordinates.empty() && d.texture_coordinates.size() != d.positions.size())
+    return fmt::format("there are {} texture coordinates, not {}", d.texture_coordinates.size(), d.positions.size());
+  if (!d.wedge_materials.empty() && d.wedge_materials.size() != d.positions.size())
+    return fmt::format("there are {} materials of wedges, not {}", d.wedge_materials.size(), d.positions.size());
+  if (!d.attribute_errors.empty() && d.attribute_errors.size() != splits)
+    return fmt::format("there are {} errors of attributes, not {}", d.attribute_errors.size(), splits);
+  const bool has_seams = !d.extra_wedges.empty();
+  if (d.corner_starts.size() != (has_seams ? splits + 1 : 0) ||
+      d.base_corners.size() != (has_seams ? d.base_faces.size() : 0) || (!has_seams && !d.corners.empty()))
+    return "the wedges of the corners do not fit the faces";
   if (d.base_faces.size() > d.input_triangle_count || d.input_triangle_count > d.face_count)
     return "the counts of faces do not fit together";
   return std::nullopt;
 }
 
 bool is_finite(const glm::vec3& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
+
+// They lie at their vertex and have materials that are there.
+Problem check_wedges_of(const HierarchyView& d, VertexId vertex) {
+  const auto has_material = [&](std::size_t w) {
+    return d.wedge_materials.empty() || d.wedge_materials[w] < d.materials.size();
+  };
+  if (!has_material(vertex)) return fmt::format("vertex {} has a material that is not there", vertex);
+  auto at = std::lower_bound(d.extra_wedges.begin(), d.extra_wedges.end(), vertex);
+  for (; at != d.extra_wedges.end() && *at == vertex; ++at) {
+    const std::size_t w = vertex_count(d) + static_cast<std::size_t>(at - d.extra_wedges.begin());
+    if (d.positions[w] != d.positions[vertex]) return fmt::format("an extra wedge of vertex {} lies elsewhere", vertex);
+    if (!has_material(w)) return fmt::format("wedge {} has a material that is not there", w);
+  }
+  return std::nullopt;
+}
+
+// The record of split s, whose star has been checked.
+Problem check_split_corners(const HierarchyView& d, SplitId s, VertexId vertex) {
+  const std::uint32_t begin = d.corner_starts[s], end = d.corner_starts[s + 1];
+  if (begin > end || end > d.corners.size())
+    return fmt::format("the wedges at the corners of split {} leave their list", s);
+  const SplitStar star(d.stars.data() + d.nodes[s].star, vertex);
+  return check_corners(star, d.corners.subspan(begin, end - begin), s, d.extra_wedges, vertex_count(d));
+}
+
+// Extra wedges are those of vertices that are there, ascending, at their places; faces of the base mesh use wedges of
+// their vertices; materials and textures are there.
+Problem check_wedges(const HierarchyView& d) {
+  const std::size_t vertices = vertex_count(d);
+  VertexId last = 0;
+  for (std::size_t i = 0; i < d.extra_wedges.size(); ++i) {
+    const VertexId v = d.extra_wedges[i];
+    if (v >= vertices || v < last) return fmt::format("extra wedge {} is out of order", i);
+    last = v;
+  }
+  for (VertexId v = 0; v < vertices - (d.nodes.size() - 1); ++v)
+    if (Problem p = check_wedges_of(d, v)) return p;
+  for (std::size_t f = 0; f < d.base_corners.size(); ++f)
+    for (int k = 0; k < 3; ++k)
+      if (!is_wedge_of(d.base_corners[f][k], d.base_faces[f][k], d.extra_wedges, vertices))
+        return fmt::format("base face {} has a wedge of another vertex", f);
+  for (std::size_t m = 0; m < d.materials.size(); ++m)
+    if (d.materials[m].texture != no_texture && d.materials[m].texture >= d.textures.size())
+      return fmt::format("material {} names texture {}, but there are {}", m, d.materials[m].texture,
+                         d.textures.size());
+  return std::nullopt;
+}
 
 Problem check_node(const HierarchyView& d, SplitId s) {
   const SplitNode& node = d.nodes[s];
@@ -41,16 +102,18 @@ Problem check_node(const HierarchyView& d, SplitId s) {
   if (!(node.error >= 0.0F) || !(node.guaranteed_error >= 0.0F)) return fmt::format("split {} has an error below 0", s);
   const std::uint32_t end = d.nodes[s + 1].star;
   if (node.star > end || end > d.stars.size()) return fmt::format("the star of split {} leaves its list", s);
-  const auto vertex = static_cast<VertexId>(d.positions.size() - splits + s);
+  const auto vertex = static_cast<VertexId>(vertex_count(d) - splits + s);
   if (!is_finite(d.positions[vertex])) return fmt::format("vertex {} is not finite", vertex);
-  return check_star(d.stars.subspan(node.star, end - node.star), s, vertex, d.base_faces.size());
+  if (Problem p = check_wedges_of(d, vertex)) return p;
+  if (Problem p = check_star(d.stars.subspan(node.star, end - node.star), s, vertex, d.base_faces.size())) return p;
+  return d.corner_starts.empty() ? std::nullopt : check_split_corners(d, s, vertex);
 }
 
 }  // namespace
 
 std::optional<std::string> check_base(const HierarchyView& d) {
   if (Problem p = check_sizes(d)) return p;
-  const std::size_t base_vertices = d.positions.size() - (d.nodes.size() - 1);
+  const std::size_t base_vertices = vertex_count(d) - (d.nodes.size() - 1);
   const auto bad = std::find_if_not(d.positions.begin(),
                                     d.positions.begin() + static_cast<std::ptrdiff_t>(base_vertices), is_finite);
   if (bad != d.positions.begin() + static_cast<std::ptrdiff_t>(base_vertices))
@@ -59,6 +122,7 @@ std::optional<std::string> check_base(const HierarchyView& d) {
     for (int k = 0; k < 3; ++k)
       if (d.base_faces[f][k] >= base_vertices)
         return fmt::format("base face {} has a corner that is not in the base mesh", f);
+  if (Problem p = check_wedges(d)) return p;
   SplitId last = no_id;
   for (const SplitId root : d.roots) {
     if (root >= d.nodes.size() - 1) return fmt::format("root {} is not a split", root);
@@ -80,6 +144,8 @@ std::optional<std::string> check_structure(const HierarchyView& d) {
   if (Problem p = check_splits(d, 0, splits)) return p;
   if ((splits == 0 ? 0 : d.nodes[0].star) != 0 || d.nodes[splits].star != d.stars.size())
     return "the stars do not begin and end with their list";
+  if (!d.corner_starts.empty() && (d.corner_starts[0] != 0 || d.corner_starts[splits] != d.corners.size()))
+    return "the wedges of the corners do not begin and end with their list";
   // Every split is a root or the child of the split that it names as its parent.
   std::size_t children = 0;
   for (SplitId s = 0; s < splits; ++s)

@@ -23,9 +23,9 @@ glm::vec3 middle(const glm::vec3& a, const glm::vec3& b) { return a + (b - a) * 
 SurfaceSamples::SurfaceSamples(const TriangleMesh& mesh, const LevelFaces& levels) : mesh_(mesh), levels_(levels) {
   choose_limit();
   link_stars();
-  radii_.assign(mesh.positions.size(), -1.0F);
+  radii_.assign(mesh.vertex_count(), -1.0F);
   std::vector<glm::vec3> corners;
-  for (SampleId v = 0; v < mesh.positions.size(); ++v) {
+  for (SampleId v = 0; v < mesh.vertex_count(); ++v) {
     corners.clear();
     append_corners(v, corners);
     for (const glm::vec3& corner : corners) radii_[v] = std::max(radii_[v], glm::distance(corner, mesh.positions[v]));
@@ -64,7 +64,7 @@ void SurfaceSamples::choose_limit() {
 }
 
 void SurfaceSamples::link_stars() {
-  first_star_.assign(mesh_.positions.size() + 2, 0);
+  first_star_.assign(mesh_.vertex_count() + 2, 0);
   const auto for_each_corner = [&](const auto& visit) {
     for (std::uint32_t t = 0; t < mesh_.triangles.size(); ++t)
       if (longest_edge(mesh_.triangles[t]) <= limit_)
@@ -109,8 +109,8 @@ SurfaceSamples::Corners SurfaceSamples::lattice_corners(const Triangle& t, std::
 }
 
 void SurfaceSamples::append_corners(SampleId s, std::vector<glm::vec3>& out) const {
-  if (s >= mesh_.positions.size()) {
-    const LatticeCell& cell = lattice_[s - mesh_.positions.size()];
+  if (s >= mesh_.vertex_count()) {
+    const LatticeCell& cell = lattice_[s - mesh_.vertex_count()];
     const Corners corners = lattice_corners(levels_.corners(cell.face), cell.number);
     out.insert(out.end(), corners.begin(), corners.end());
     return;

@@ -24,7 +24,7 @@ class SurfaceSamples {
 
   [[nodiscard]] std::size_t size() const noexcept { return radii_.size(); }
   [[nodiscard]] glm::vec3 point(SampleId s) const noexcept {
-    return s < mesh_.positions.size() ? mesh_.positions[s] : lattice_[s - mesh_.positions.size()].point;
+    return s < mesh_.vertex_count() ? mesh_.positions[s] : lattice_[s - mesh_.vertex_count()].point;
   }
   // The cell lies in the ball of this radius round the point. Negative: the vertex has no cell.
   [[nodiscard]] float radius(SampleId s) const noexcept { return radii_[s]; }
@@ -62,7 +62,7 @@ class SurfaceSamples {
 
 template <typename Put>
 void SurfaceSamples::place(const Put& put) const {
-  std::vector<bool> placed(mesh_.positions.size(), false);
+  std::vector<bool> placed(mesh_.vertex_count(), false);
   for (FaceId f = 0; f < levels_.face_count(); ++f) {
     if (levels_.maker(f) != no_id || longest_edge(levels_.corners(f)) > limit_) continue;
     for (int k = 0; k < 3; ++k) {
@@ -72,7 +72,7 @@ void SurfaceSamples::place(const Put& put) const {
     }
   }
   for (std::size_t i = 0; i < lattice_.size(); ++i)
-    put(lattice_[i].face, static_cast<SampleId>(mesh_.positions.size() + i));
+    put(lattice_[i].face, static_cast<SampleId>(mesh_.vertex_count() + i));
 }
 
 }  // namespace occlod

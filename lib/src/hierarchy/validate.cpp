@@ -38,6 +38,7 @@ class Validator {
     check_corners();
     check_bounds();
     replay();
+    check_materials();
     check_random_cuts();
     return violations_;
   }
@@ -52,7 +53,8 @@ class Validator {
   void check_saturation() {
     const auto check = [&](SplitId coarse, SplitId fine, const char* relation) {
       const SplitNode &a = d_.nodes[coarse], &b = d_.nodes[fine];
-      if (!(a.error >= b.error && a.guaranteed_error >= b.guaranteed_error))
+      if (!(a.error >= b.error && a.guaranteed_error >= b.guaranteed_error) ||
+          h_.attribute_error(coarse) < h_.attribute_error(fine))
         report("split {} has a smaller error than split {}, which {}", coarse, fine, relation);
     };
     for (SplitId s = 0; s < splits_; ++s) {
@@ -238,6 +240,21 @@ class Validator {
       report("all splits together leave {} triangles, not {}", active.count(), h_.input_triangle_count());
   }
 
+  // The corners of every face have wedges of one material.
+  void check_materials() {
+    if (d_.wedge_materials.empty()) return;
+    const auto is_one = [&](const Triangle& t) {
+      return h_.material_of(t.x) == h_.material_of(t.y) && h_.material_of(t.x) == h_.material_of(t.z);
+    };
+    for (std::uint32_t f = 0; f < d_.base_faces.size(); ++f)
+      if (!is_one(wedges_of_face(h_, {no_id, f}, d_.base_faces[f]))) report("base face {} has several materials", f);
+    for (SplitId s = 0; s < splits_; ++s) {
+      const SplitCorners corners = h_.corners(s);
+      for (std::uint32_t slot = 0; slot < h_.star(s).inserted_count(); ++slot)
+        if (!is_one(corners.inserted(slot))) report("split {} inserts a face of several materials", s);
+    }
+  }
+
   // Invariant 4, second half. In a closed set every vertex that is not brought back stands for its nearest ancestor
   // that is. The cut conforms iff its oriented boundary is that of the input with the vertices so replaced: then every
   // edge inside is shared exactly as often as in the input, and no crack opens.
@@ -269,7 +286,7 @@ class Validator {
 
   void check_cut(const std::vector<bool>& applied, const std::vector<Triangle>& input) {
     const std::size_t base_vertices = h_.base_vertex_count();
-    std::vector<VertexId> stands_for(d_.positions.size());
+    std::vector<VertexId> stands_for(h_.vertex_count());
     for (VertexId v = 0; v < stands_for.size(); ++v)
       stands_for[v] = v < base_vertices || applied[v - base_vertices]
                           ? v

@@ -28,19 +28,32 @@ class Digest {
   XXH3_state_t state_;
 };
 
-void add_vertices(const HierarchyView& view, std::size_t first, std::size_t count, Digest& digest) {
+void add_wedges(const HierarchyView& view, std::size_t first, std::size_t count, Digest& digest) {
   digest.add(view.positions, first, count);
   digest.add(view.normals, first, count);
   digest.add(view.colors, first, count);
+  digest.add(view.texture_coordinates, first, count);
+  digest.add(view.wedge_materials, first, count);
 }
 
 std::size_t split_count(const HierarchyView& view) { return view.nodes.size() - 1; }
+std::size_t vertex_count(const HierarchyView& view) { return view.positions.size() - view.extra_wedges.size(); }
+
+// Vertices and their extra wedges, which ascend with them.
+void add_vertices(const HierarchyView& view, std::size_t first, std::size_t count, Digest& digest) {
+  add_wedges(view, first, count, digest);
+  const auto begin = std::lower_bound(view.extra_wedges.begin(), view.extra_wedges.end(), first);
+  const auto end = std::lower_bound(begin, view.extra_wedges.end(), first + count);
+  if (begin != end)
+    add_wedges(view, vertex_count(view) + static_cast<std::size_t>(begin - view.extra_wedges.begin()),
+               static_cast<std::size_t>(end - begin), digest);
+}
 
 }  // namespace
 
 std::uint64_t digest_of_base(const HierarchyView& view) {
   Digest digest;
-  add_vertices(view, 0, view.positions.size() - split_count(view), digest);
+  add_vertices(view, 0, vertex_count(view) - split_count(view), digest);
   return digest.value();
 }
 
@@ -55,7 +68,13 @@ std::uint64_t digest_of_block(const HierarchyView& view, std::size_t block) {
   digest.add(view.nodes, first, end - first);
   const std::size_t star = view.nodes[first].star;
   digest.add(view.stars, star, view.nodes[end].star - star);
-  add_vertices(view, view.positions.size() - split_count(view) + first, end - first, digest);
+  if (!view.corner_starts.empty()) {
+    digest.add(view.corner_starts, first, end + 1 - first);
+    const std::size_t corner = view.corner_starts[first];
+    digest.add(view.corners.subspan(corner, view.corner_starts[end] - corner));
+  }
+  digest.add(view.attribute_errors, first, end - first);
+  add_vertices(view, vertex_count(view) - split_count(view) + first, end - first, digest);
   return digest.value();
 }
 

@@ -3,8 +3,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "occlod/hierarchy/hierarchy.h"
 #include "occlod/io/olod.h"
@@ -12,12 +15,13 @@
 
 namespace occlod::olod {
 
+// Of files without texture coordinates, materials and seams.
+inline constexpr std::uint32_t plain_version = 2;
+
 // The carriage returns and the end-of-file byte reveal a transfer in text mode, as in PNG.
-inline constexpr sections::FileKind file_kind{{'O', 'L', 'O', 'D', '\r', '\n', '\x1a', '\n'},
-                                              olod_version,
-                                              ".olod",
-                                              "make one with 'occlod build'",
-                                              "build it again with 'occlod build'"};
+inline constexpr sections::FileKind file_kind{
+    {'O', 'L', 'O', 'D', '\r', '\n', '\x1a', '\n'}, olod_version, ".olod", "make one with 'occlod build'",
+    "build it again with 'occlod build'",           plain_version};
 
 // Everything in a hierarchy that is not an array.
 struct Summary {
@@ -29,7 +33,8 @@ struct Summary {
 };
 static_assert(sizeof(Summary) == 48);
 
-inline constexpr std::string_view summary_name = "INFO", digests_name = "BLOK";
+inline constexpr std::string_view summary_name = "INFO", digests_name = "BLOK", materials_name = "MATE",
+                                  images_name = "TEXI";
 
 // Calls visit(name, array, has_blocks) for every array of a hierarchy: the one list of what a file holds. Those with
 // blocks are checked block by block.
@@ -44,10 +49,39 @@ void for_each_array(View& view, const Visit& visit) {
   visit("BASE", view.base_faces, false);
 }
 
-// XXH3-64 of what belongs to the base vertices: positions, normals, colors.
+// The same for the arrays that only version 3 has, and of those only what is not empty.
+template <typename View, typename Visit>
+void for_each_wedge_array(View& view, const Visit& visit) {
+  visit("UVS0", view.texture_coordinates, true);
+  visit("WEDG", view.extra_wedges, false);
+  visit("WMAT", view.wedge_materials, true);
+  visit("CORN", view.corners, true);
+  visit("CSTA", view.corner_starts, true);
+  visit("BCOR", view.base_corners, false);
+  visit("AERR", view.attribute_errors, true);
+}
+
+// Whether a hierarchy needs version 3.
+[[nodiscard]] bool needs_wedges(const HierarchyView& view);
+
+// Materials and textures, as JSON text, and the bytes of embedded images, one after the other.
+struct MaterialSections {
+  std::string text;
+  std::vector<std::uint8_t> images;
+};
+[[nodiscard]] MaterialSections write_materials(const HierarchyView& view);
+struct Materials {
+  std::vector<Material> materials;
+  std::vector<Texture> textures;
+  TextureOrigin origin = TextureOrigin::bottom_left;
+};
+// Nothing when the text does not say what write_materials() writes.
+[[nodiscard]] std::optional<Materials> read_materials(std::string_view text, std::span<const std::uint8_t> images);
+
+// XXH3-64 of what belongs to the base vertices: the attributes of their wedges.
 [[nodiscard]] std::uint64_t digest_of_base(const HierarchyView& view);
-// And of what belongs to a block of SplitGuard::block_size splits: nodes, stars, positions, normals, colors. The places
-// of the stars have been checked.
+// And of what belongs to a block of SplitGuard::block_size splits: nodes, stars, corners, and the attributes of the
+// wedges of their vertices. The places of stars and corners have been checked.
 [[nodiscard]] std::uint64_t digest_of_block(const HierarchyView& view, std::size_t block);
 
 struct BlockRange {

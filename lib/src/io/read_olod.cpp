@@ -27,10 +27,16 @@ class FileGuard final : public SplitGuard {
   void check_block(std::size_t block) override {
     const auto [first, end] = range_of_block(view_, block);
     const std::uint32_t star = view_.nodes[first].star, star_end = view_.nodes[end].star;
-    if (star > star_end || star_end > view_.stars.size() || digest_of_block(view_, block) != digests_[block])
+    if (star > star_end || star_end > view_.stars.size() || !has_corners_in_place(first, end) ||
+        digest_of_block(view_, block) != digests_[block])
       refuse(first, end, "are damaged: their checksum is wrong");
     if (const auto problem = check_splits(view_, static_cast<SplitId>(first), static_cast<SplitId>(end)))
       refuse(first, end, "do not form a valid hierarchy: " + *problem);
+  }
+
+  [[nodiscard]] bool has_corners_in_place(std::size_t first, std::size_t end) const {
+    if (view_.corner_starts.empty()) return true;
+    return view_.corner_starts[first] <= view_.corner_starts[end] && view_.corner_starts[end] <= view_.corners.size();
   }
 
   [[noreturn]] void refuse(std::size_t first, std::size_t end, const std::string& problem) const {
@@ -42,6 +48,12 @@ class FileGuard final : public SplitGuard {
   std::span<const std::uint64_t> digests_;
 };
 
+// What a hierarchy in a file keeps alive.
+struct Owner {
+  std::shared_ptr<const SectionReader> reader;
+  Materials materials;
+};
+
 }  // namespace
 
 OlodFile read_olod(const std::filesystem::path& path, OlodAccess access) {
@@ -51,6 +63,20 @@ OlodFile read_olod(const std::filesystem::path& path, OlodAccess access) {
     using T = typename std::decay_t<decltype(array)>::value_type;
     array = reader->template read<T>(name, has_blocks ? Check::parts : Check::whole);
   });
+  for_each_wedge_array(view, [&](std::string_view name, auto& array, bool has_blocks) {
+    using T = typename std::decay_t<decltype(array)>::value_type;
+    if (reader->has(name)) array = reader->template read<T>(name, has_blocks ? Check::parts : Check::whole);
+  });
+  auto owner = std::make_shared<Owner>(Owner{reader, {}});
+  if (reader->has(materials_name)) {
+    const auto text = reader->read<char>(materials_name);
+    auto materials = read_materials({text.data(), text.size()}, reader->read<std::uint8_t>(images_name));
+    if (!materials) reader->refuse("section MATE", "does not hold materials");
+    owner->materials = std::move(*materials);
+    view.materials = owner->materials.materials;
+    view.textures = owner->materials.textures;
+    view.texture_origin = owner->materials.origin;
+  }
   const auto summary = reader->read_one<Summary>(summary_name, "summary");
   const MeshReport report = reader->read_report();
   const auto digests = reader->read<std::uint64_t>(digests_name);
@@ -63,7 +89,7 @@ OlodFile read_olod(const std::filesystem::path& path, OlodAccess access) {
   if (digests.size() != guard->block_count() + 1)
     reader->refuse("section BLOK", "does not have a checksum for every block");
   if (digest_of_base(view) != digests[0]) reader->refuse("base mesh", "is damaged: its checksum is wrong");
-  return {guarded_hierarchy(view, reader, guard), report,
+  return {guarded_hierarchy(view, owner, guard), report,
           reader->is_compressed() ? OlodCompression::zstd : OlodCompression::none};
 }
 

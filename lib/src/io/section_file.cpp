@@ -109,7 +109,8 @@ void SectionReader::read_header() {
   FileHeader header;
   if (bytes_.size() >= sizeof(header)) std::memcpy(&header, bytes_.data(), sizeof(header));
   if (header.magic != kind_.magic) refuse("byte 0", fmt::format("is not an {} file", kind_.name), kind_.make);
-  if (header.version != kind_.version)
+  const std::uint32_t oldest = kind_.oldest_version == 0 ? kind_.version : kind_.oldest_version;
+  if (header.version < oldest || header.version > kind_.version)
     refuse("byte 8", fmt::format("is an {} file of version {}, this program reads version {}", kind_.name,
                                  header.version, kind_.version));
   if (header.file_bytes != bytes_.size())

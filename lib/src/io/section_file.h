@@ -26,8 +26,9 @@ struct FileKind {
   std::array<char, 8> magic;
   std::uint32_t version;
   const char* name;
-  const char* make;     // where to get such a file
-  const char* rebuild;  // what to do about a damaged one
+  const char* make;                  // where to get such a file
+  const char* rebuild;               // what to do about a damaged one
+  std::uint32_t oldest_version = 0;  // that is read, too; 0: only `version`
 };
 
 inline constexpr std::uint64_t alignment = 64;  // of every section

@@ -28,12 +28,25 @@ void write_olod(const std::filesystem::path& path, const Hierarchy& hierarchy, c
   for_each_array(view, [&](std::string_view name, const auto& array, bool has_blocks) {
     writer.add(name, array, has_blocks ? Check::parts : Check::whole, has_blocks ? codec : Codec::stored);
   });
+  MaterialSections materials;
+  FileKind kind = file_kind;
+  if (needs_wedges(view)) {
+    for_each_wedge_array(view, [&](std::string_view name, const auto& array, bool has_blocks) {
+      if (!array.empty())
+        writer.add(name, array, has_blocks ? Check::parts : Check::whole, has_blocks ? codec : Codec::stored);
+    });
+    materials = write_materials(view);
+    writer.add(materials_name, std::span<const char>(materials.text));
+    writer.add(images_name, std::span<const std::uint8_t>(materials.images));
+  } else {
+    kind.version = plain_version;
+  }
   const Summary summary{view.box, view.input_triangle_count, view.face_count, view.error_bound, 0};
   const std::vector<std::uint64_t> digests = digests_of(view);
   writer.add(digests_name, std::span<const std::uint64_t>(digests));
   writer.add(summary_name, std::span<const Summary>(&summary, 1));
   writer.add_report(report);
-  writer.write(path, file_kind);
+  writer.write(path, kind);
 }
 
 }  // namespace occlod

@@ -126,7 +126,7 @@ class Refiner::Impl {
   void emit() {
     for (std::uint32_t i = 0; i < cuts_.size(); ++i) {
       RefinedObject& object = result_.objects[i];
-      cuts_.active_triangles(i, object.triangles, true);
+      cuts_.active_wedge_triangles(i, object.triangles, true);
       object.splits.assign(cuts_[i].applied_splits().begin(), cuts_[i].applied_splits().end());
       object.changes.assign(1, {0, static_cast<std::uint32_t>(object.triangles.size())});
       object.geomorphs.clear();

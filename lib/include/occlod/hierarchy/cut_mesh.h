@@ -32,7 +32,19 @@ struct FixedCut {
 // The triangles of a cut, as ids of the hierarchy's vertices: base faces first, then by split and slot. O(n).
 [[nodiscard]] std::vector<Triangle> triangles_of(const Hierarchy& hierarchy, const FixedCut& cut);
 
-// The cut as a mesh of its own, with the hierarchy's attributes and without vertices that no triangle uses. O(n).
+// The same triangles as ids of wedges: what to draw. The same where no vertex has more than one. O(n).
+[[nodiscard]] std::vector<Triangle> wedge_triangles_of(const Hierarchy& hierarchy, const FixedCut& cut);
+
+// The wedges at the corners of a face with these vertices, in the same order.
+[[nodiscard]] inline Triangle wedges_of_face(const Hierarchy& hierarchy, const FaceRef& face,
+                                             const Triangle& vertices) {
+  if (!hierarchy.has_seams()) return vertices;
+  return face.split == no_id ? hierarchy.data().base_corners[face.slot]
+                             : hierarchy.corners(face.split).inserted(face.slot);
+}
+
+// The cut as a mesh of its own, with the hierarchy's attributes and without vertices and wedges that no triangle uses.
+// O(n).
 [[nodiscard]] TriangleMesh cut_mesh(const Hierarchy& hierarchy, const FixedCut& cut);
 
 }  // namespace occlod

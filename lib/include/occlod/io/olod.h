@@ -10,7 +10,7 @@
 namespace occlod {
 
 // Of the files that write_olod() writes; read_olod() refuses any other.
-inline constexpr std::uint32_t olod_version = 2;
+inline constexpr std::uint32_t olod_version = 3;
 
 // How the arrays of a file are stored.
 enum class OlodCompression {

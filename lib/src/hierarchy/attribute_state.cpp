@@ -1,0 +1,53 @@
+#include "attribute_state.h"
+
+#include <cmath>
+#include <glm/geometric.hpp>
+
+namespace occlod {
+namespace {
+
+// sqrt(area / area in texture space), of the faces at each wedge. Where texture space has no area, that of the mesh.
+std::vector<float> lengths_of_texture(const TriangleMesh& mesh, float scale) {
+  if (mesh.texture_coordinates.empty()) return {};
+  struct Areas {
+    double surface = 0.0, texture = 0.0;
+    void add(const Areas& o) { surface += o.surface, texture += o.texture; }
+    [[nodiscard]] bool usable() const { return surface > 0.0 && texture > 0.0; }
+    [[nodiscard]] float length() const { return static_cast<float>(std::sqrt(surface / texture)); }
+  };
+  std::vector<Areas> at(mesh.wedge_count());
+  Areas all;
+  for (const Triangle& t : mesh.wedge_triangles()) {
+    const glm::dvec3 a(mesh.positions[t.x]);
+    const glm::dvec3 normal = glm::cross(glm::dvec3(mesh.positions[t.y]) - a, glm::dvec3(mesh.positions[t.z]) - a);
+    const glm::dvec2 o(mesh.texture_coordinates[t.x]);
+    const glm::dvec2 p = glm::dvec2(mesh.texture_coordinates[t.y]) - o,
+                     q = glm::dvec2(mesh.texture_coordinates[t.z]) - o;
+    const Areas areas{glm::length(normal) * scale * scale, std::abs(p.x * q.y - p.y * q.x)};
+    for (int i = 0; i < 3; ++i) at[t[i]].add(areas);
+    all.add(areas);
+  }
+  const float usual = all.usable() ? all.length() : 0.0F;
+  std::vector<float> lengths(at.size());
+  for (std::size_t w = 0; w < at.size(); ++w) lengths[w] = at[w].usable() ? at[w].length() : usual;
+  return lengths;
+}
+
+}  // namespace
+
+std::vector<MaterialId> wedge_materials(const TriangleMesh& mesh) {
+  if (mesh.triangle_materials.empty()) return {};
+  std::vector<MaterialId> materials(mesh.wedge_count(), 0);
+  for (std::size_t t = 0; t < mesh.triangle_count(); ++t)
+    for (int i = 0; i < 3; ++i) materials[mesh.wedge_triangles()[t][i]] = mesh.triangle_materials[t];
+  return materials;
+}
+
+AttributeState::AttributeState(const TriangleMesh& mesh, float scale)
+    : input(mesh),
+      materials(wedge_materials(mesh)),
+      texture_lengths(lengths_of_texture(mesh, scale)),
+      corners(mesh, materials),
+      sums(mesh.vertex_count(), 0.0F) {}
+
+}  // namespace occlod
