@@ -22,7 +22,7 @@ namespace {
 class RandomFront {
  public:
   RandomFront(std::size_t count, unsigned seed)
-      : hierarchy(build_hierarchy(test::noisy_sphere(5, 3))), front(hierarchy) {
+      : hierarchy(build_hierarchy(test::noisy_sphere(5, 3))), front(hierarchy, true) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<float> at(-6.0F, 6.0F), part(0.0F, 1.0F);
     for (SplitId s = 0; s < count; ++s) {
@@ -169,7 +169,7 @@ TEST(FrontView, WhatHoldsIsWhatLookingTells) {
   const RefineObject object{&hierarchy, glm::dmat4(1.0), false};
   RefineOptions options;
   Importance importance(object);
-  Front front(hierarchy);
+  Front front(hierarchy, true);
   for (SplitId s = 0; s < hierarchy.split_count(); ++s) front.obtain(s);
   ViewMotion motion;
   std::optional<View> last;
@@ -199,7 +199,7 @@ TEST(FrontView, WhatHoldsIsWhatLookingTells) {
         continue;
       }
       const FrontPriority found =
-          front_priority(star, front.errors()[k], front.guaranteed_errors()[k],
+          front_priority(star, {front.errors()[k], front.guaranteed_errors()[k]},
                          {seen, importance, false, 0.5F, static_cast<float>(2.0 * tan_corner_angle(seen)), {}});
       const float now = found.value.visible_share > 0.0F ? found.value.priority : 0.0F;
       if (priorities.is_outdated(k)) {

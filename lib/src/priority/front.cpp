@@ -50,8 +50,8 @@ FrontStar planes_of(const SplitStar& star, std::span<const glm::vec3> positions)
 
 }  // namespace
 
-Front::Front(const Hierarchy& hierarchy)
-    : hierarchy_(&hierarchy), slots_(zeroed_array<std::uint32_t>(hierarchy.split_count())) {}
+Front::Front(const Hierarchy& hierarchy, bool attributes)
+    : hierarchy_(&hierarchy), attributes_(attributes), slots_(zeroed_array<std::uint32_t>(hierarchy.split_count())) {}
 
 void Front::clear() {
   for (const FrontNode& node : nodes_) slots_[node.split] = 0;
@@ -73,8 +73,9 @@ Front::Index Front::obtain(SplitId s) {
   const SplitNode& split = hierarchy_->node(s);
   nodes_.push_back({split.sphere, split.cone(), s});
   flags_.push_back(0);
-  errors_.push_back(split.error);
-  guaranteed_errors_.push_back(split.guaranteed_error);
+  const SplitErrors errors = errors_of(*hierarchy_, s, attributes_);
+  errors_.push_back(errors.mean);
+  guaranteed_errors_.push_back(errors.guaranteed);
   visible_shares_.push_back(0.0F);
   forced_weights_.push_back(1.0F);
   scales_.add();

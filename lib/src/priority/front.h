@@ -72,7 +72,8 @@ class Front {
     needs_known = 8192,    // its unseen_needs have been found
   };
 
-  explicit Front(const Hierarchy& hierarchy);
+  // `attributes`: their errors count too.
+  Front(const Hierarchy& hierarchy, bool attributes);
 
   // Back to nothing. O(nodes).
   void clear();
@@ -121,6 +122,7 @@ class Front {
 
  private:
   const Hierarchy* hierarchy_;
+  bool attributes_;
   ZeroedArray<std::uint32_t> slots_;  // of each split: 1 + its index
   std::vector<FrontNode> nodes_;
   std::vector<std::uint16_t> flags_;

@@ -87,7 +87,7 @@ ErrorGrowth error_growth_of(const StarView& seen, float from_eye, const FrontVie
 
 }  // namespace
 
-FrontPriority front_priority(const FrontStar& star, float error, float guaranteed_error, const FrontView& front_view) {
+FrontPriority front_priority(const FrontStar& star, const SplitErrors& errors, const FrontView& front_view) {
   const glm::vec3 from_center = front_view.view.eye() - star.sphere.center;
   const float unit = inverse_power_of_two(from_center);
   const glm::vec3 eye = unit * from_center;
@@ -97,7 +97,7 @@ FrontPriority front_priority(const FrontStar& star, float error, float guarantee
   const float from_planes =
       front_view.two_sided ? std::numeric_limits<float>::infinity() : distance_from_planes(facing, star.length) / unit;
   const StarView seen = view_of(star, facing, eye, front_view);
-  FrontPriority result{front_view.importance.of(seen, error, guaranteed_error),
+  FrontPriority result{front_view.importance.of(seen, errors),
                        error_growth_of(seen, glm::length(eye) / unit, front_view)};
   const float rounding =
       4e-6F * (star.sphere.radius + glm::length(star.sphere.center) + glm::length(front_view.view.eye()));

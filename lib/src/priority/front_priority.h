@@ -22,7 +22,7 @@ struct FrontView {
 };
 
 // Of a star with no more than FrontStar::most_faces that is wholly inside the frustum, of a split with these errors.
-[[nodiscard]] FrontPriority front_priority(const FrontStar& star, float error, float guaranteed_error,
+[[nodiscard]] FrontPriority front_priority(const FrontStar& star, const SplitErrors& errors,
                                            const FrontView& front_view);
 
 }  // namespace occlod

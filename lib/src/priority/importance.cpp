@@ -20,6 +20,7 @@ float power(float base, double exponent) {
 
 Importance::Importance(const RefineObject& object)
     : hierarchy_(object.hierarchy),
+      attributes_(object.attributes),
       two_sided_(object.two_sided),
       shares_(zeroed_array<std::uint8_t>(object.hierarchy->split_count())) {}
 
@@ -35,16 +36,15 @@ void Importance::find(std::span<const SplitId> splits, std::span<Value> values) 
   star_.evaluate(*hierarchy_, splits, *view_, two_sided_, stars_);
   for (std::size_t i = 0; i < splits.size(); ++i) {
     remember(splits[i], stars_[i].visible_share);
-    const SplitNode& node = hierarchy_->node(splits[i]);
-    values[i] = of(stars_[i], node.error, node.guaranteed_error);
+    values[i] = of(stars_[i], errors_of(*hierarchy_, splits[i], attributes_));
   }
 }
 
 // A surface that is off by e along its normal is off by e / cos along the eye's ray.
-Importance::Value Importance::of(const StarView& star, float error, float guaranteed_error) const {
+Importance::Value Importance::of(const StarView& star, const SplitErrors& errors) const {
   Value value;
   value.visible_share = star.visible_share;
-  value.error = ScreenError(error, guaranteed_error, star.scale_px);
+  value.error = ScreenError(errors, star.scale_px);
   if (star.visible_share == 0.0F) return value;  // even where the eye is inside the star and the error has no limit
   value.priority = value.error.quadric_px * power(star.visible_share, options_->priority.visible_exponent) /
                    power(std::max(star.cosine, least_cosine), options_->priority.grazing_exponent);

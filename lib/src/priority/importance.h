@@ -38,7 +38,7 @@ class Importance {
   // The same of many, which costs less than one by one; `values` has as many places.
   void find(std::span<const SplitId> splits, std::span<Value> values);
   // The same for a star that has been looked at, of a split with these errors.
-  [[nodiscard]] Value of(const StarView& star, float error, float guaranteed_error) const;
+  [[nodiscard]] Value of(const StarView& star, const SplitErrors& errors) const;
   // The share of a star that has been looked at is known from now on.
   void remember(SplitId s, float visible_share);
 
@@ -55,6 +55,7 @@ class Importance {
 
  private:
   const Hierarchy* hierarchy_;
+  bool attributes_;
   bool two_sided_;
   const ObjectView* view_ = nullptr;
   const RefineOptions* options_ = nullptr;

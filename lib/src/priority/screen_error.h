@@ -2,10 +2,23 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 
-#include "occlod/hierarchy/split_node.h"
+#include "occlod/hierarchy/hierarchy.h"
 
 namespace occlod {
+
+// What counts of a split, object units: both saturated, since their parts are.
+struct SplitErrors {
+  float mean = 0.0F;        // quadric error and that of attributes together, about a root mean square
+  float guaranteed = 0.0F;  // the larger of the guaranteed error and that of attributes
+};
+[[nodiscard]] inline SplitErrors errors_of(const Hierarchy& hierarchy, SplitId s, bool with_attributes) noexcept {
+  const SplitNode& node = hierarchy.node(s);
+  const float slip = with_attributes ? hierarchy.attribute_error(s) : 0.0F;
+  if (slip == 0.0F) return {node.error, node.guaranteed_error};
+  return {std::sqrt(node.error * node.error + slip * slip), std::max(node.guaranteed_error, slip)};
+}
 
 // At most, pixels.
 struct ScreenError {
@@ -15,7 +28,7 @@ struct ScreenError {
   ScreenError() = default;
   ScreenError(float error, float guaranteed_error, float scale_px)
       : quadric_px(in_pixels(error, scale_px)), guaranteed_px(in_pixels(guaranteed_error, scale_px)) {}
-  ScreenError(const SplitNode& node, float scale_px) : ScreenError(node.error, node.guaranteed_error, scale_px) {}
+  ScreenError(const SplitErrors& errors, float scale_px) : ScreenError(errors.mean, errors.guaranteed, scale_px) {}
   // Where an unlimited scale leaves no error at 0.
   static float in_pixels(float error, float scale_px) { return error > 0.0F ? error * scale_px : 0.0F; }
   [[nodiscard]] bool includes(const ScreenError& o) const {

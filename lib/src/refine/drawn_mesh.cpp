@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <iterator>
 
+#include "occlod/hierarchy/cut_mesh.h"
+
 namespace occlod {
 
 void DrawnMesh::begin_frame() {
@@ -75,9 +77,54 @@ void DrawnMesh::emit_geomorphs(const Cut& cut, std::uint32_t geomorph_frames, st
   std::erase_if(morphs_, [&](const auto& morph) {
     return !cut.applied(morph.first) || frame_ - morph.second >= geomorph_frames;
   });
-  for (const auto& [s, born] : morphs_)
-    out.push_back({cut.hierarchy().vertex_of(s), cut.hierarchy().star(s).parent_vertex(),
-                   static_cast<float>(frame_ - born + 1) / static_cast<float>(geomorph_frames + 1)});
+  for (const auto& [s, born] : morphs_) {
+    const float t = static_cast<float>(frame_ - born + 1) / static_cast<float>(geomorph_frames + 1);
+    if (cut.hierarchy().has_seams())
+      emit_wedge_geomorphs(cut.hierarchy(), s, t, out);
+    else
+      out.push_back({cut.hierarchy().vertex_of(s), cut.hierarchy().star(s).parent_vertex(), t});
+  }
+}
+
+// Each wedge of the vertex slides from the wedge of its parent in the faces where their charts meet, or in the face
+// that took its face's place.
+void DrawnMesh::emit_wedge_geomorphs(const Hierarchy& hierarchy, SplitId s, float t, std::vector<Geomorph>& out) {
+  const SplitStar star = hierarchy.star(s);
+  const SplitCorners corners = hierarchy.corners(s);
+  const VertexId u = star.parent_vertex();
+  const std::size_t first = out.size();
+  const auto add = [&](WedgeId wedge, WedgeId of_u) {
+    const auto known = std::find_if(out.begin() + static_cast<std::ptrdiff_t>(first), out.end(),
+                                    [&](const Geomorph& g) { return g.vertex == wedge; });
+    if (known == out.end()) out.push_back({wedge, of_u, t});
+  };
+  const auto corner_of = [&](const Triangle& face, const Triangle& wedges, VertexId v) {
+    return face.x == v ? wedges.x : face.y == v ? wedges.y : face.z == v ? wedges.z : WedgeId{no_id};
+  };
+  for (std::uint32_t slot = 0; slot < star.inserted_count(); ++slot) {
+    const Triangle face = star.inserted(slot), wedges = corners.inserted(slot);
+    const WedgeId of_v = corner_of(face, wedges, star.vertex()), of_u = corner_of(face, wedges, u);
+    if (of_v != no_id && of_u != no_id) add(of_v, of_u);
+  }
+  star.for_each_removed([&](const FaceRef& ref, const Triangle& removed) {
+    const Triangle vertices =
+        ref.split == no_id ? hierarchy.data().base_faces[ref.slot] : hierarchy.star(ref.split).inserted(ref.slot);
+    const WedgeId of_u = corner_of(vertices, wedges_of_face(hierarchy, ref, vertices), u);
+    for (std::uint32_t slot = 0; of_u != no_id && slot < star.inserted_count(); ++slot) {
+      const Triangle face = star.inserted(slot);
+      int shared = 0;
+      for (int k = 0; k < 3; ++k)
+        shared += face[k] == removed.x || face[k] == removed.y || face[k] == removed.z ? 1 : 0;
+      const WedgeId of_v = corner_of(face, corners.inserted(slot), star.vertex());
+      if (shared == 2 && of_v != no_id && corner_of(face, face, u) == no_id) add(of_v, of_u);
+    }
+  });
+  // Wedges that other cuts use come along: all of a vertex lie at one place.
+  add(star.vertex(), u);
+  const std::span<const VertexId> extra = hierarchy.data().extra_wedges;
+  const auto [begin, end] = std::equal_range(extra.begin(), extra.end(), star.vertex());
+  for (auto at = begin; at != end; ++at)
+    add(static_cast<WedgeId>(hierarchy.vertex_count() + static_cast<std::size_t>(at - extra.begin())), u);
 }
 
 }  // namespace occlod

@@ -34,6 +34,7 @@ class DrawnMesh {
  private:
   void emit_splits(const Cut& cut, std::vector<SplitId>& out, RefineStats& stats);
   void emit_all_splits(const Cut& cut, std::vector<SplitId>& out, RefineStats& stats) const;
+  static void emit_wedge_geomorphs(const Hierarchy& hierarchy, SplitId s, float t, std::vector<Geomorph>& out);
   void emit_geomorphs(const Cut& cut, std::uint32_t geomorph_frames, std::vector<Geomorph>& out);
 
   FaceList faces_;

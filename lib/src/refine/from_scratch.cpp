@@ -255,7 +255,8 @@ void FromScratch::enqueue_roots(std::uint32_t object) {
   for (std::size_t i = 0; i < roots.size(); ++i) {
     require_parent(hierarchy, roots[i], no_id);
     enqueue_node({object, 0},
-                 {roots[i], root_scales_px_[i], ScreenError(hierarchy.node(roots[i]), root_scales_px_[i])});
+                 {roots[i], root_scales_px_[i],
+                  ScreenError(errors_of(hierarchy, roots[i], scene_.objects[object].attributes), root_scales_px_[i])});
   }
 }
 

@@ -31,7 +31,7 @@ bool is_small_motion(const ViewMotion& motion, const Box& box) {
 }  // namespace
 
 FrontEvaluation::FrontEvaluation(std::span<const RefineObject> objects) {
-  for (const RefineObject& object : objects) objects_.emplace_back(*object.hierarchy);
+  for (const RefineObject& object : objects) objects_.emplace_back(object);
 }
 
 void FrontEvaluation::restart(const RefinedScene& scene) {
@@ -166,7 +166,7 @@ SplitWorth FrontEvaluation::worth_by_star(std::uint32_t object, Front::Index k) 
   FrontPriority found;
   if (!star.has_too_many && is_wholly_inside(star.sphere, view))
     found = front_priority(
-        star, of.front.errors()[k], of.front.guaranteed_errors()[k],
+        star, {of.front.errors()[k], of.front.guaranteed_errors()[k]},
         {view, importance, scene_.objects[object].two_sided, static_cast<float>(options->priority.grazing_exponent),
          static_cast<float>(2.0 * tan_corner_angle(view)), center_of(scene_.hierarchy(object).box())});
   else

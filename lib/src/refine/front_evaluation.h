@@ -73,7 +73,7 @@ class FrontEvaluation {
 
  private:
   struct Object {
-    explicit Object(const Hierarchy& hierarchy) : front(hierarchy) {}
+    explicit Object(const RefineObject& object) : front(*object.hierarchy, object.attributes) {}
 
     Front front;
     std::optional<ObjectView> view;  // of the last frame

@@ -48,6 +48,7 @@ void NodeVisits::evaluate_object(std::span<const Entry> visits, std::span<Found>
   const ObjectView& view = scene_.views[object];
   const RefineOptions* const options = scene_.options;
   const bool wants_stars = options->priority.culling == Culling::star;
+  const bool attributes = scene_.objects[object].attributes;
   splits.clear();
   children.clear();
   for (const Entry& visit : visits) prefetch(&hierarchy.node(visit.split));
@@ -67,8 +68,7 @@ void NodeVisits::evaluate_object(std::span<const Entry> visits, std::span<Found>
     stars.resize(splits.size());
     star_visibility.evaluate(hierarchy, splits, view, scene_.objects[object].two_sided, stars);
     for (std::size_t i = 0; i < found.size(); ++i) {
-      const SplitNode& node = hierarchy.node(splits[i]);
-      found[i].value = scene_.importances[object].of(stars[i], node.error, node.guaranteed_error);
+      found[i].value = scene_.importances[object].of(stars[i], errors_of(hierarchy, splits[i], attributes));
     }
   }
   scales_px.resize(children.size());
@@ -78,7 +78,7 @@ void NodeVisits::evaluate_object(std::span<const Entry> visits, std::span<Found>
     child = {children[i], scales_px[i], {}};
     if (child.split == no_id) continue;
     require_parent(hierarchy, child.split, splits[i / 2]);
-    child.error = ScreenError(hierarchy.node(child.split), child.scale_px);
+    child.error = ScreenError(errors_of(hierarchy, child.split, attributes), child.scale_px);
   }
 }
 

@@ -21,9 +21,10 @@ struct RefineStats {
   std::size_t culled_frustum = 0;   // of these nodes, outside the frustum
   std::size_t culled_backface = 0;  // of the others, facing away; or (star) no face of their own split is seen
   std::size_t culled_occlusion = 0;  // of the others, hidden by the occluder that they were last asked about against
-  double max_error_px = 0.0;  // largest guaranteed screen error left on surface held to be visible; infinite when the
-                              // eye is inside the bounds of a split that is not applied
-  double max_quadric_error_px = 0.0;  // the same of the quadric error: about the root mean square distance, no bound
+  double max_error_px = 0.0;  // largest guaranteed screen error left on surface held to be visible, or slip of its
+                              // attributes; infinite when the eye is inside the bounds of a split that is not applied
+  double max_quadric_error_px = 0.0;  // the same of the quadric error and attributes together: about the root mean
+                                      // square distance, no bound
   double level_px = 0.0;              // priority of what would have been next when the budget was used up; 0 = nothing
   bool pending = false;               // update(): a limit ended the call before its work was done
 
@@ -53,15 +54,16 @@ struct TriangleRange {
 
 // Draw `vertex` at mix(where its parent is drawn, its own position, t): see geomorph.h.
 struct Geomorph {
-  VertexId vertex = no_id;  // that slides
-  VertexId parent = no_id;  // from which it slides; itself under way or not
-  float t = 1.0F;           // 0 at the parent, 1 at its own place
+  WedgeId vertex = no_id;  // that slides; of a vertex with several wedges each has an entry
+  WedgeId parent = no_id;  // from which it slides, a wedge of the parent vertex; itself under way or not
+  float t = 1.0F;          // 0 at the parent, 1 at its own place
 };
 
-// The active triangles of one object: ids into the hierarchy's vertices. From refine(): base faces first, then by split
-// and slot. From update(): those that stay active keep their places, but for those that fill holes.
+// The active triangles of one object: ids into the hierarchy's wedges, which are its vertices where it has no seams.
+// From refine(): base faces first, then by split and slot. From update(): those that stay active keep their places, but
+// for those that fill holes.
 struct RefinedObject {
-  std::vector<Triangle> triangles;     // ids of the hierarchy's vertices
+  std::vector<Triangle> triangles;     // ids of the hierarchy's wedges: see Hierarchy::vertex_of_wedge()
   std::vector<SplitId> splits;         // applied, ascending: the whole state
   std::vector<TriangleRange> changes;  // of `triangles` since the call before, ascending; the size may change too
   std::vector<Geomorph> geomorphs;     // under way, parents before their children

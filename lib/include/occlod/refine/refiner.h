@@ -22,6 +22,8 @@ struct RefineObject {
   const Hierarchy* hierarchy = nullptr;  // outlives the Refiner
   glm::dmat4 object_to_world{1.0};       // affine, invertible
   bool two_sided = false;                // back faces are visible too: no back-face culling
+  bool attributes = true;  // how far texture coordinates, normals and colours slip counts as an error too: see
+                           // Hierarchy::attribute_error()
 };
 
 // The age of a split about which nothing has been asked since refinement from scratch.
