@@ -24,7 +24,7 @@ namespace {
 // Of the time of a build, roughly: collapses report how far they are, what is made of them afterwards does not.
 constexpr double collapse_share = 0.6;
 
-constexpr double largest_boundary_weight = 1e6;
+constexpr double largest_boundary_weight = 1e6, largest_attribute_weight = 1e6;
 
 struct Options {
   std::string input;
@@ -101,6 +101,9 @@ void add_build(CLI::App& app) {
       ->capture_default_str();
   add_number(command, "--boundary-weight", options->build.boundary_weight, RealRange{0.0, largest_boundary_weight},
              "Weight of the error at boundary edges, relative to the error of the surface")
+      ->capture_default_str();
+  add_number(command, "--attribute-weight", options->build.attribute_weight, RealRange{0.0, largest_attribute_weight},
+             "Weight of how far texture coordinates, hard normals and colours slip, relative to distances")
       ->capture_default_str();
   add_choice(command, "--error-bound", options->build.error_bound,
              {{"accumulated", ErrorBound::accumulated}, {"measured", ErrorBound::measured}},

@@ -110,6 +110,14 @@ TEST_F(OlodTest, CompressionMakesFilesSmaller) {
   EXPECT_LT(std::filesystem::file_size(folder_ / "small.olod"), std::filesystem::file_size(write_good()) * 9 / 10);
 }
 
+// Constant normals pack a thousandfold, which no reader believes.
+TEST_F(OlodTest, WhatCompressesTooWellIsStored) {
+  TriangleMesh flat = test::grid(40, 40);
+  flat.normals.assign(flat.vertex_count(), {0.0F, 0.0F, 1.0F});
+  write_olod(folder_ / "flat.olod", build_hierarchy(flat), report_, OlodCompression::zstd);
+  EXPECT_TRUE(restores(read_olod(folder_ / "flat.olod").hierarchy, flat));
+}
+
 TEST_F(OlodTest, HierarchyWithoutSplitsIsAFileToo) {
   const Hierarchy small = build_hierarchy(test::single_triangle());
   ASSERT_EQ(small.split_count(), 0U);

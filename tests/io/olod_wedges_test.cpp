@@ -118,7 +118,7 @@ TEST_F(OlodWedges, ConsistentChecksumsDoNotMakeWedges) {
   expect_refused("errors of attributes", [](HierarchyData& d) { d.attribute_errors.pop_back(); });
   expect_refused("texture coordinates", [](HierarchyData& d) { d.texture_coordinates.pop_back(); });
   expect_refused("do not fit the faces", [](HierarchyData& d) { d.base_corners.clear(); });
-  expect_refused("checksum", [](HierarchyData& d) { d.corner_starts[3] = 4'000'000'000U; });
+  expect_refused("leave their list", [](HierarchyData& d) { d.corner_starts[3] = 4'000'000'000U; });
   // Every word of the records: whatever is in them is refused or can be read safely.
   for (std::size_t i = 0; i < hierarchy_.data().corners.size(); i += 7)
     for (const std::uint32_t word : {0U, 0x7FFFFFFFU, 0xFFFFFFFFU}) {

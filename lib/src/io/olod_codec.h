@@ -20,8 +20,8 @@ void join(std::span<const std::byte> planes, std::size_t element_bytes, std::spa
 // The reverse; false when `packed` is damaged or does not hold exactly `raw.size()` bytes. Never writes outside `raw`.
 [[nodiscard]] bool unpack(std::span<const std::byte> packed, std::size_t element_bytes, std::span<std::byte> raw);
 
-// Whether a section can decompress to so many bytes: no hierarchy compresses better, so a file that claims more is
-// refused before memory is allocated.
+// Whether a section can decompress to so many bytes: files hold nothing that compresses better, so one that claims more
+// is refused before memory is allocated.
 [[nodiscard]] constexpr bool is_plausible(std::uint64_t packed_bytes, std::uint64_t raw_bytes) {
   return raw_bytes / 64 <= packed_bytes;
 }

@@ -41,8 +41,9 @@ void SectionWriter::add_bytes(std::string_view name, std::span<const std::byte> 
   if (check == Check::whole) section.checksum = checksum_of(bytes);
   contents_.push_back(bytes);
   packed_.emplace_back();
-  if (codec == Codec::zstd && !bytes.empty()) {
-    packed_.back() = olod::pack(bytes, element_bytes);
+  if (codec == Codec::zstd && !bytes.empty()) packed_.back() = olod::pack(bytes, element_bytes);
+  // What packs better than readers believe, as the normals of a plane do, is stored.
+  if (!packed_.back().empty() && olod::is_plausible(packed_.back().size(), bytes.size())) {
     contents_.back() = packed_.back();
     section.bytes = packed_.back().size();
     section.codec = Codec::zstd;
