@@ -1,6 +1,8 @@
 #include "attribute_star.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
@@ -81,24 +83,40 @@ AttributeStar::Place AttributeStar::place_in(std::size_t face, const glm::vec3& 
   const glm::vec3 c = glm::vec3(glm::dot(glm::cross(a, b), normal), glm::dot(glm::cross(b, u), normal),
                                 glm::dot(glm::cross(u, a), normal)) /
                       area2;
-  const float inside = std::min({c.x, c.y, c.z});
-  return {c, inside, inside > -std::numeric_limits<float>::max()};
+  if (!(std::max({std::abs(c.x), std::abs(c.y), std::abs(c.z)}) < 1e6F)) return {};  // hardly an area
+  Place place{c, c, 0.0F, true};
+  if (std::min({c.x, c.y, c.z}) >= 0.0F) return place;
+  // Nearest on one of the edges, as seen from the projection.
+  const glm::vec3 p = c.x * u + c.y * a + c.z * b;
+  place.distance2 = std::numeric_limits<float>::infinity();
+  const std::array<glm::vec3, 3> corners{u, a, b};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t k = (i + 1) % 3;
+    const glm::vec3 edge = corners[k] - corners[i];
+    const float t = std::clamp(glm::dot(p - corners[i], edge) / glm::dot(edge, edge), 0.0F, 1.0F);
+    const glm::vec3 offset = p - (corners[i] + t * edge);
+    if (const float distance2 = glm::dot(offset, offset); distance2 < place.distance2) {
+      place.distance2 = distance2;
+      place.nearest = glm::vec3(0.0F);
+      place.nearest[static_cast<int>(i)] = 1.0F - t;
+      place.nearest[static_cast<int>(k)] = t;
+    }
+  }
+  return place;
 }
 
-// How far v's attributes are from those at v's place in the face, squared, if u has that wedge.
-float AttributeStar::deviation2(std::size_t face, const Place& place, WedgeId wedge_of_u, float length2) const {
-  if (!place.is_known) return 0.0F;
+// How far v's attributes are from those at a place in the face, squared, if u has that wedge.
+float AttributeStar::deviation2(std::size_t face, const glm::vec3& place, WedgeId wedge_of_u, float length2) const {
   const TriangleMesh& mesh = state_->input;
   const WedgeId v = wedges_[face].x;
   const Triangle corners{wedge_of_u, wedges_[face].y, wedges_[face].z};
   float sum = 0.0F;
   if (!mesh.texture_coordinates.empty()) {
-    const glm::vec2 slip =
-        mesh.texture_coordinates[v] - interpolate(mesh.texture_coordinates, corners, place.coordinates);
+    const glm::vec2 slip = mesh.texture_coordinates[v] - interpolate(mesh.texture_coordinates, corners, place);
     sum += state_->texture_lengths[v] * state_->texture_lengths[v] * glm::dot(slip, slip);
   }
   // Normals and colours mean nothing beyond the corners.
-  glm::vec3 within = glm::max(place.coordinates, 0.0F);
+  glm::vec3 within = glm::max(place, 0.0F);
   within /= within.x + within.y + within.z;
   if (!mesh.normals.empty()) {
     const glm::vec3 normal = interpolate(mesh.normals, corners, within);
@@ -119,16 +137,19 @@ float AttributeStar::deviation2(std::size_t face, const Place& place, WedgeId we
 float AttributeStar::choose_for_chart(std::size_t begin, std::size_t end, VertexId u, float length2) {
   candidates_.clear();
   std::size_t best_place = no_id;
+  bool has_moved = false;
   for (std::size_t i = begin; i < end; ++i) {
     const std::uint32_t f = order_[i];
     if (contains(faces_[f], u)) {
       const WedgeId wedge = faces_[f].next == u ? wedges_[f].y : wedges_[f].z;
       if (std::find(candidates_.begin(), candidates_.end(), wedge) == candidates_.end()) candidates_.push_back(wedge);
-    } else if (best_place == no_id || places_[f].inside > places_[best_place].inside) {
-      best_place = f;
+    } else {
+      has_moved = true;
+      if (places_[f].is_known && (best_place == no_id || places_[f].distance2 < places_[best_place].distance2))
+        best_place = f;
     }
   }
-  if (best_place == no_id) return extent2(begin, end);
+  if (!has_moved) return extent2(begin, end);
   const bool has_edge = !candidates_.empty();
   if (!has_edge) list_candidates(wedges_[order_[begin]].x, u);
   const auto cheapest = [&](std::size_t from, std::size_t to) {
@@ -137,8 +158,8 @@ float AttributeStar::choose_for_chart(std::size_t begin, std::size_t end, Vertex
     for (const WedgeId wedge : candidates_) {
       float sum = 0.0F;
       for (std::size_t i = from; i < to; ++i)
-        if (const std::uint32_t f = order_[i]; !contains(faces_[f], u))
-          sum += areas_[f] * deviation2(f, places_[f], wedge, length2);
+        if (const std::uint32_t f = order_[i]; !contains(faces_[f], u) && places_[f].is_known)
+          sum += areas_[f] * deviation2(f, places_[f].projected, wedge, length2);
       if (sum < least) {
         least = sum;
         best = wedge;
@@ -151,7 +172,9 @@ float AttributeStar::choose_for_chart(std::size_t begin, std::size_t end, Vertex
   const WedgeId of_all = candidates_.size() == 1 || is_split ? candidates_.front() : cheapest(begin, end);
   for (std::size_t i = begin; i < end; ++i)
     if (!contains(faces_[order_[i]], u)) chosen_[order_[i]] = is_split ? cheapest(i, i + 1) : of_all;
-  return deviation2(best_place, places_[best_place], chosen_[best_place], length2);
+  if (best_place == no_id) return 0.0F;
+  const float slip2 = deviation2(best_place, places_[best_place].nearest, chosen_[best_place], length2);
+  return std::min(slip2, state_->extents2[wedges_[order_[begin]].x]);
 }
 
 // Wedges at u in the chart's material, and at last the chart's own at v, for a new wedge of u.

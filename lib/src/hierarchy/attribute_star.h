@@ -35,16 +35,17 @@ class AttributeStar {
   [[nodiscard]] std::span<const WedgeId> wedges_of_u() const noexcept { return chosen_; }
 
  private:
-  // Where v is in a face (u, a, b) that a moved face becomes.
+  // Where v is in a face (u, a, b) that a moved face becomes: barycentric coordinates.
   struct Place {
-    glm::vec3 coordinates{0.0F};  // barycentric
-    float inside = 0.0F;          // the smallest of them
-    bool is_known = false;        // the face has an area
+    glm::vec3 projected{0.0F};  // on the face's plane, also outside of it
+    glm::vec3 nearest{0.0F};    // in the face
+    float distance2 = 0.0F;     // to that point, in the plane
+    bool is_known = false;      // the face has an area
   };
 
   void group_charts();
   [[nodiscard]] Place place_in(std::size_t face, const glm::vec3& u) const;
-  [[nodiscard]] float deviation2(std::size_t face, const Place& place, WedgeId wedge_of_u, float length2) const;
+  [[nodiscard]] float deviation2(std::size_t face, const glm::vec3& place, WedgeId wedge_of_u, float length2) const;
   [[nodiscard]] float choose_for_chart(std::size_t begin, std::size_t end, VertexId u, float length2);
   void list_candidates(WedgeId own, VertexId u);
   [[nodiscard]] float extent2(std::size_t begin, std::size_t end) const;

@@ -2,9 +2,16 @@
 
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <numeric>
 
 namespace occlod {
 namespace {
+
+// As long as twice the area.
+glm::dvec3 normal_of(const TriangleMesh& mesh, const Triangle& t) {
+  const glm::dvec3 a(mesh.positions[t.x]);
+  return glm::cross(glm::dvec3(mesh.positions[t.y]) - a, glm::dvec3(mesh.positions[t.z]) - a);
+}
 
 // sqrt(area / area in texture space), of the faces at each wedge. Where texture space has no area, that of the mesh.
 std::vector<float> lengths_of_texture(const TriangleMesh& mesh, float scale) {
@@ -18,12 +25,10 @@ std::vector<float> lengths_of_texture(const TriangleMesh& mesh, float scale) {
   std::vector<Areas> at(mesh.wedge_count());
   Areas all;
   for (const Triangle& t : mesh.wedge_triangles()) {
-    const glm::dvec3 a(mesh.positions[t.x]);
-    const glm::dvec3 normal = glm::cross(glm::dvec3(mesh.positions[t.y]) - a, glm::dvec3(mesh.positions[t.z]) - a);
     const glm::dvec2 o(mesh.texture_coordinates[t.x]);
     const glm::dvec2 p = glm::dvec2(mesh.texture_coordinates[t.y]) - o,
                      q = glm::dvec2(mesh.texture_coordinates[t.z]) - o;
-    const Areas areas{glm::length(normal) * scale * scale, std::abs(p.x * q.y - p.y * q.x)};
+    const Areas areas{glm::length(normal_of(mesh, t)) * scale * scale, std::abs(p.x * q.y - p.y * q.x)};
     for (int i = 0; i < 3; ++i) at[t[i]].add(areas);
     all.add(areas);
   }
@@ -31,6 +36,26 @@ std::vector<float> lengths_of_texture(const TriangleMesh& mesh, float scale) {
   std::vector<float> lengths(at.size());
   for (std::size_t w = 0; w < at.size(); ++w) lengths[w] = at[w].usable() ? at[w].length() : usual;
   return lengths;
+}
+
+// Faces that share wedges are one chart. The area of each, by wedge.
+std::vector<float> chart_areas(const TriangleMesh& mesh, float scale) {
+  std::vector<WedgeId> chart(mesh.wedge_count());
+  std::iota(chart.begin(), chart.end(), WedgeId{0});
+  const auto root = [&](WedgeId w) {
+    while (chart[w] != w) w = chart[w] = chart[chart[w]];
+    return w;
+  };
+  for (const Triangle& t : mesh.wedge_triangles()) {
+    chart[root(t.y)] = root(t.x);
+    chart[root(t.z)] = root(t.x);
+  }
+  std::vector<double> sums(chart.size(), 0.0);
+  for (const Triangle& t : mesh.wedge_triangles())
+    sums[root(t.x)] += 0.5 * glm::length(normal_of(mesh, t)) * scale * scale;
+  std::vector<float> areas(chart.size());
+  for (WedgeId w = 0; w < chart.size(); ++w) areas[w] = static_cast<float>(sums[root(w)]);
+  return areas;
 }
 
 }  // namespace
@@ -47,6 +72,7 @@ AttributeState::AttributeState(const TriangleMesh& mesh, float scale)
     : input(mesh),
       materials(wedge_materials(mesh)),
       texture_lengths(lengths_of_texture(mesh, scale)),
+      extents2(chart_areas(mesh, scale)),
       corners(mesh, materials),
       sums(mesh.vertex_count(), 0.0F) {}
 

@@ -6,7 +6,6 @@
 #include "core/option_checker.h"
 #include "hierarchy_data.h"
 #include "measure_error.h"
-#include "occlod/mesh/merge_wedges.h"
 #include "parallel.h"
 #include "simplify.h"
 #include "spatial_order.h"
@@ -25,7 +24,6 @@ void check_options(const BuildOptions& options) {
 }  // namespace
 
 Hierarchy build_hierarchy(const TriangleMesh& mesh, const BuildOptions& options) {
-  if (!mesh.extra_wedges.empty()) return build_hierarchy(merge_wedges(mesh), options);
   check_options(options);
   check_input(mesh);
   const unsigned threads = thread_count(options.threads);
