@@ -38,8 +38,8 @@ std::vector<float> lengths_of_texture(const TriangleMesh& mesh, float scale) {
   return lengths;
 }
 
-// Faces that share wedges are one chart. The area of each, by wedge.
-std::vector<float> chart_areas(const TriangleMesh& mesh, float scale) {
+// Faces that share wedges are one chart. About its mean square width, by wedge.
+std::vector<float> chart_extents2(const TriangleMesh& mesh, float scale) {
   std::vector<WedgeId> chart(mesh.wedge_count());
   std::iota(chart.begin(), chart.end(), WedgeId{0});
   const auto root = [&](WedgeId w) {
@@ -53,9 +53,9 @@ std::vector<float> chart_areas(const TriangleMesh& mesh, float scale) {
   std::vector<double> sums(chart.size(), 0.0);
   for (const Triangle& t : mesh.wedge_triangles())
     sums[root(t.x)] += 0.5 * glm::length(normal_of(mesh, t)) * scale * scale;
-  std::vector<float> areas(chart.size());
-  for (WedgeId w = 0; w < chart.size(); ++w) areas[w] = static_cast<float>(sums[root(w)]);
-  return areas;
+  std::vector<float> extents2(chart.size());
+  for (WedgeId w = 0; w < chart.size(); ++w) extents2[w] = static_cast<float>(sums[root(w)] / 6.0);
+  return extents2;
 }
 
 }  // namespace
@@ -72,7 +72,7 @@ AttributeState::AttributeState(const TriangleMesh& mesh, float scale)
     : input(mesh),
       materials(wedge_materials(mesh)),
       texture_lengths(lengths_of_texture(mesh, scale)),
-      extents2(chart_areas(mesh, scale)),
+      extents2(chart_extents2(mesh, scale)),
       corners(mesh, materials),
       sums(mesh.vertex_count(), 0.0F) {}
 

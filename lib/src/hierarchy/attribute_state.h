@@ -26,7 +26,7 @@ struct AttributeState {
   const TriangleMesh& input;
   std::vector<MaterialId> materials;   // by wedge, or empty
   std::vector<float> texture_lengths;  // by wedge: of a step of 1 in texture space, in the state's scale
-  std::vector<float> extents2;         // by wedge: area of its chart; nothing can slip farther than out of it
+  std::vector<float> extents2;         // by wedge: a sixth of the area of its chart; what has left it slips no farther
   CornerMap corners;
   std::vector<float> sums;  // by vertex: weight times squared deviation, over all collapses that led to it
 };

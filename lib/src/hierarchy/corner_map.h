@@ -22,6 +22,8 @@ class CornerMap {
   // that StarMesh cannot tell apart, each of its `before` equals takes one. A wedge is one of the input, whose
   // attributes the corner has; its vertex may be another.
   [[nodiscard]] Triangle wedges(VertexId v, const StarFace& face, std::span<const StarFace> before) const;
+  // Whether the corners of v have several wedges.
+  [[nodiscard]] bool is_on_seam(VertexId v) const noexcept { return !lists_[v].empty(); }
   // The wedges at the corners of v, each once, in an order that depends on the mesh only. Appends to `out`.
   void wedges_at(VertexId v, std::vector<WedgeId>& out) const;
 

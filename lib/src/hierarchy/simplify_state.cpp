@@ -4,6 +4,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <vector>
 
 #include "parallel.h"
 #include "unit_scale.h"
@@ -11,6 +12,9 @@
 namespace occlod {
 namespace {
 
+// Of the planes that hold seams, relative to those of a boundary, and the mean square width, in squared edges, that a
+// chart needs for all of it. See docs/decisions/037-wedges_beside_positions.md.
+constexpr float seam_weight = 0.3F, least_held = 4.0F / 3.0F;
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
 }  // namespace
@@ -44,6 +48,7 @@ void SimplifyState::make_quadric(VertexId v, Fan& fan, double boundary_weight) {
     fan.measure_offsets(position_of());
     fan.measure_normals();
     vertices[v].quadric = fan.quadric();
+    if (attributes != nullptr && attributes->corners.is_on_seam(v)) hold_seams(v);
     const auto fan_costs = fan.costs(vertices[v].quadric);
     vertices[v].cost = *std::min_element(fan_costs.begin(), fan_costs.end());
     return;
@@ -71,6 +76,37 @@ void SimplifyState::hold_edges(VertexId v, double boundary_weight) {
       if (length > 0.0F)
         vertices[v].quadric.add_plane(across / length, static_cast<float>(boundary_weight) * glm::dot(along, along));
     }
+  }
+}
+
+// Planes through the seams at v, upright on their faces, likewise: a chart keeps its outline. Charts of a few faces are
+// not worth it.
+void SimplifyState::hold_seams(VertexId v) {
+  struct Side {
+    VertexId w;
+    WedgeId of_v, of_w;
+    glm::vec3 across;
+  };
+  std::vector<Side> sides;
+  std::vector<StarFace> before;
+  for (const StarFace f : mesh.star(v)) {
+    const Triangle wedges = attributes->corners.wedges(v, f, before);
+    before.push_back(f);
+    const glm::vec3 to_next = edge(v, f.next), to_last = edge(v, f.last);
+    const glm::vec3 normal = glm::cross(to_next, to_last);
+    sides.push_back({f.next, wedges.x, wedges.y, glm::cross(to_next, normal)});
+    sides.push_back({f.last, wedges.x, wedges.z, glm::cross(to_last, normal)});
+  }
+  for (const Side& side : sides) {
+    const bool is_seam = std::any_of(sides.begin(), sides.end(), [&](const Side& o) {
+      return o.w == side.w && (o.of_v != side.of_v || o.of_w != side.of_w);
+    });
+    const float length = glm::length(side.across);
+    if (!is_seam || !(length > 0.0F)) continue;
+    const glm::vec3 along = edge(v, side.w);
+    const float length2 = glm::dot(along, along);
+    const float share = std::min(1.0F, attributes->extents2[side.of_v] / (least_held * length2));
+    vertices[v].quadric.add_plane(side.across / length, seam_weight * attribute_weight2 * share * share * length2);
   }
 }
 

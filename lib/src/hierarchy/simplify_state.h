@@ -68,6 +68,7 @@ struct SimplifyState {
  private:
   void make_quadric(VertexId v, Fan& fan, double boundary_weight);
   void hold_edges(VertexId v, double boundary_weight);
+  void hold_seams(VertexId v);
 };
 
 }  // namespace occlod

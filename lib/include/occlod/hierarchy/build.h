@@ -20,7 +20,7 @@ struct BuildOptions {
   std::size_t base_triangles = 64;  // stop at a base mesh of no more triangles than this; it may have fewer
   double boundary_weight = 1.0;     // weight of the planes that hold boundary and non-manifold edges in place, relative
                                     // to the triangles beside them; in [0, 1e6]
-  double attribute_weight = 1.0;    // weight of how far texture coordinates, normals and colours slip, relative to
+  double attribute_weight = 0.7;    // weight of how far texture coordinates, normals and colours slip, relative to
                                     // distances, where a mesh has texture coordinates or seams; in [0, 1e6]
   ErrorBound error_bound = ErrorBound::accumulated;  // how bounds on the distance to the input are computed
   int threads = 0;  // in [0, 1024]; 0: one for each core. The result does not depend on it
