@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <glm/mat4x4.hpp>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 #include <memory>
@@ -54,6 +55,9 @@ Array1<T> values_view(T* data, std::size_t n, nb::handle owner, std::size_t stri
 
 inline Array2<const float, 3> view_of(std::span<const glm::vec3> values, nb::handle owner) {
   return rows_view<const float, 3>(reinterpret_cast<const float*>(values.data()), values.size(), owner);
+}
+inline Array2<const float, 2> view_of(std::span<const glm::vec2> values, nb::handle owner) {
+  return rows_view<const float, 2>(reinterpret_cast<const float*>(values.data()), values.size(), owner);
 }
 inline Array2<const std::uint8_t, 4> view_of(std::span<const glm::u8vec4> values, nb::handle owner) {
   return rows_view<const std::uint8_t, 4>(reinterpret_cast<const std::uint8_t*>(values.data()), values.size(), owner);

@@ -40,6 +40,7 @@ struct PlacedObject {
   glm::dmat4 object_to_world{1.0};
   bool two_sided = false;
   std::string source_name;  // for people; may be empty
+  bool attributes = true;   // see RefineObject
 };
 
 // Draws something of an array that `owners` keep alive.

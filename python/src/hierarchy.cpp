@@ -31,9 +31,9 @@ struct HierarchyCut {
   FixedCut cut;
 };
 
-Hierarchy build(const TriangleMesh& mesh, std::size_t base_triangles, double boundary_weight, ErrorBound error_bound,
-                int threads, const std::optional<nb::callable>& progress) {
-  BuildOptions options{base_triangles, boundary_weight, error_bound, threads, {}};
+Hierarchy build(const TriangleMesh& mesh, std::size_t base_triangles, double boundary_weight, double attribute_weight,
+                ErrorBound error_bound, int threads, const std::optional<nb::callable>& progress) {
+  BuildOptions options{base_triangles, boundary_weight, attribute_weight, error_bound, threads, {}};
   options.progress = progress_of(progress ? nb::handle(*progress) : nb::handle(Py_None));
   const nb::gil_scoped_release release;
   return build_hierarchy(mesh, options);
@@ -158,6 +158,16 @@ void bind_cut(nb::module_& m) {
           },
           "(m, 3) uint32, ids of the hierarchy's vertices: base faces first, then by split. O(n).")
       .def(
+          "wedge_triangles",
+          [](const HierarchyCut& c) {
+            auto corners = std::make_unique<std::vector<Triangle>>(wedge_triangles_of(c.hierarchy, c.cut));
+            auto* const data = reinterpret_cast<std::uint32_t*>(corners->data());
+            const std::size_t n = corners->size();
+            return rows_view<std::uint32_t, 3>(data, n, owner_of(std::move(corners)));
+          },
+          "The same triangles as ids of wedges: what to draw with positions, normals, colors and\n"
+          "texture_coordinates. O(n).")
+      .def(
           "mesh",
           [](const HierarchyCut& c) {
             const nb::gil_scoped_release release;
@@ -193,7 +203,8 @@ void bind_hierarchy(nb::module_& m) {
       "arrays are read-only views, which keep it and a mapped file alive.");
   type.def_prop_ro(
           "positions", [](nb::handle self) { return view_of(nb::cast<const Hierarchy&>(self).positions(), self); },
-          "(n, 3) float32, object space: what triangles index. First the base mesh, then one for each split.")
+          "(n, 3) float32, object space: what triangles index. First the base mesh, then one for each split, then\n"
+          "one for each extra wedge.")
       .def_prop_ro(
           "normals",
           [](nb::handle self) -> std::optional<Array2<const float, 3>> {
@@ -210,6 +221,40 @@ void bind_hierarchy(nb::module_& m) {
             return view_of(colors, self);
           },
           "(n, 4) uint8, sRGB and alpha, or None.")
+      .def_prop_ro(
+          "texture_coordinates",
+          [](nb::handle self) -> std::optional<Array2<const float, 2>> {
+            const auto coordinates = nb::cast<const Hierarchy&>(self).data().texture_coordinates;
+            if (coordinates.empty()) return std::nullopt;
+            return view_of(coordinates, self);
+          },
+          "(n, 2) float32 as the input has them, one for each wedge, or None.")
+      .def_prop_ro(
+          "extra_wedges",
+          [](nb::handle self) { return view_of(nb::cast<const Hierarchy&>(self).data().extra_wedges, self); },
+          "(k,) uint32: the vertex of each wedge from vertex_count on, ascending. A wedge is a vertex with one set\n"
+          "of attributes; the first of each vertex has its id.")
+      .def_prop_ro(
+          "wedge_materials",
+          [](nb::handle self) -> std::optional<Array1<const std::uint16_t>> {
+            const auto materials = nb::cast<const Hierarchy&>(self).data().wedge_materials;
+            if (materials.empty()) return std::nullopt;
+            return view_of(materials, self);
+          },
+          "(n,) uint16: the material of the triangles at each wedge, or None when there is one or none.")
+      .def_prop_ro(
+          "attribute_errors",
+          [](const Hierarchy& h) -> std::optional<Array1<float>> {
+            if (h.data().attribute_errors.empty()) return std::nullopt;
+            h.require_all();
+            std::vector<float> errors(h.split_count());
+            for (std::size_t s = 0; s < errors.size(); ++s) errors[s] = h.attribute_error(static_cast<SplitId>(s));
+            return array_of(std::move(errors));
+          },
+          "(splits,) float32: how far texture coordinates, normals and colours are off without each split, as a\n"
+          "length in object units; about a root mean square. A copy. None where the input has neither texture\n"
+          "coordinates nor seams.")
+      .def_prop_ro("wedge_count", &Hierarchy::wedge_count, "Vertices and extra wedges.")
       .def_prop_ro(
           "base_triangles",
           [](nb::handle self) { return view_of(nb::cast<const Hierarchy&>(self).data().base_faces, self); },
@@ -267,8 +312,8 @@ void bind_hierarchy(nb::module_& m) {
 
   const BuildOptions standard;
   m.def("build_hierarchy", &build, "mesh"_a, nb::kw_only(), "base_triangles"_a = standard.base_triangles,
-        "boundary_weight"_a = standard.boundary_weight, "error_bound"_a = standard.error_bound,
-        "threads"_a = standard.threads, "progress"_a = nb::none(),
+        "boundary_weight"_a = standard.boundary_weight, "attribute_weight"_a = standard.attribute_weight,
+        "error_bound"_a = standard.error_bound, "threads"_a = standard.threads, "progress"_a = nb::none(),
         "Builds the hierarchy of any triangle soup with welded vertices (read_mesh() and Mesh.clean() weld). The same\n"
         "mesh and options give the same bytes for any number of threads (0: one for each core). `progress` is called\n"
         "with the share done; what it raises, and Ctrl-C, end the build. O(n log n).");

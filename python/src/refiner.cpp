@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "arrays.h"
+#include "occlod/hierarchy/cut_mesh.h"
 #include "occlod/refine/geomorph.h"
 #include "refining.h"
 
@@ -194,34 +195,13 @@ void bind_morph(nb::module_& m) {
 
 KeptObjects::KeptObjects(std::vector<PlacedObject> objects) : objects_(std::move(objects)) {
   for (const PlacedObject& object : objects_)
-    refine_objects_.push_back({&object.hierarchy, object.object_to_world, object.two_sided});
+    refine_objects_.push_back({&object.hierarchy, object.object_to_world, object.two_sided, object.attributes});
 }
 
 const RefinedObject& Result::object(std::size_t i) const {
   if (i >= now_->objects.size())
     throw nb::index_error(("there are " + std::to_string(now_->objects.size()) + " objects").c_str());
   return now_->objects[i];
-}
-
-TriangleMesh mesh_of(const Hierarchy& hierarchy, std::span<const Triangle> triangles) {
-  TriangleMesh mesh;
-  const HierarchyView& data = hierarchy.data();
-  std::vector<VertexId> ids(data.positions.size(), no_id);
-  for (const Triangle& triangle : triangles) {
-    Triangle corners(0);
-    for (int c = 0; c < 3; ++c) {
-      const VertexId v = triangle[c];
-      if (ids[v] == no_id) {
-        ids[v] = static_cast<VertexId>(mesh.positions.size());
-        mesh.positions.push_back(data.positions[v]);
-        if (!data.normals.empty()) mesh.normals.push_back(data.normals[v]);
-        if (!data.colors.empty()) mesh.colors.push_back(data.colors[v]);
-      }
-      corners[c] = ids[v];
-    }
-    mesh.triangles.push_back(corners);
-  }
-  return mesh;
 }
 
 RefineOptions to_options(const std::optional<RefineOptions>& options, std::optional<std::size_t> budget) {
@@ -252,18 +232,20 @@ void bind_refiner(nb::module_& m) {
   nb::class_<PlacedObject>(m, "Object", "A hierarchy at a place. Several may share a hierarchy.")
       .def(
           "__init__",
-          [](PlacedObject* self, const Hierarchy& hierarchy, const std::optional<ArrayLike>& transform,
-             bool two_sided) {
+          [](PlacedObject* self, const Hierarchy& hierarchy, const std::optional<ArrayLike>& transform, bool two_sided,
+             bool attributes) {
             const glm::dmat4 matrix = transform ? to_matrix(*transform, "transform") : glm::dmat4(1.0);
-            new (self) PlacedObject{hierarchy, matrix, two_sided, ""};
+            new (self) PlacedObject{hierarchy, matrix, two_sided, "", attributes};
           },
-          "hierarchy"_a, "transform"_a = nb::none(), nb::kw_only(), "two_sided"_a = false,
-          "`transform`: (4, 4), object to world, affine and invertible; multiplies columns from the left.")
+          "hierarchy"_a, "transform"_a = nb::none(), nb::kw_only(), "two_sided"_a = false, "attributes"_a = true,
+          "`transform`: (4, 4), object to world, affine and invertible; multiplies columns from the left.\n"
+          "`attributes`: how far texture coordinates, normals and colours slip counts as an error too.")
       .def_prop_ro("hierarchy", [](const PlacedObject& o) { return o.hierarchy; })
       .def_prop_ro(
           "transform", [](const PlacedObject& o) { return from_matrix(o.object_to_world); },
           nb::sig("def transform(self) -> numpy.typing.NDArray[numpy.float64]"), "(4, 4) float64. A copy.")
       .def_ro("two_sided", &PlacedObject::two_sided, "Back faces are visible too.")
+      .def_ro("attributes", &PlacedObject::attributes, "How far attributes slip counts as an error too.")
       .def_ro("source_name", &PlacedObject::source_name, "File or generator, of objects of a scene.");
   bind_stats(m);
   bind_result(m);

@@ -117,9 +117,6 @@ void set_transform(Refining& refining, std::size_t object, const ArrayLike& tran
 // The objects of an Object, a Hierarchy, or a sequence of them. TypeError for anything else.
 [[nodiscard]] std::vector<PlacedObject> to_objects(nb::handle objects);
 
-// These triangles, of the hierarchy's vertices, as a mesh of those vertices that they use.
-[[nodiscard]] TriangleMesh mesh_of(const Hierarchy& hierarchy, std::span<const Triangle> triangles);
-
 // `options`, or the standard ones, with `budget` in place of theirs where it is given.
 [[nodiscard]] RefineOptions to_options(const std::optional<RefineOptions>& options, std::optional<std::size_t> budget);
 

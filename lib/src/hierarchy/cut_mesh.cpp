@@ -136,20 +136,24 @@ std::vector<Triangle> triangles_of(const Hierarchy& hierarchy, const FixedCut& c
 }
 
 std::vector<Triangle> wedge_triangles_of(const Hierarchy& hierarchy, const FixedCut& cut) {
+  if (!hierarchy.has_seams()) return triangles_of(hierarchy, cut);
   assert(cut.applied.size() == hierarchy.split_count());
   return active_wedge_triangles(hierarchy, cut.applied);
 }
 
-TriangleMesh cut_mesh(const Hierarchy& hierarchy, const FixedCut& cut) {
+TriangleMesh mesh_of(const Hierarchy& hierarchy, std::span<const Triangle> wedge_triangles) {
   Compaction compaction(hierarchy);
-  std::vector<Triangle> wedges = triangles_of(hierarchy, cut);
-  for (const Triangle& triangle : wedges) compaction.add(triangle);
-  if (hierarchy.has_seams()) wedges = wedge_triangles_of(hierarchy, cut);
-  compaction.add_wedges(wedges);
+  for (const Triangle& t : wedge_triangles)
+    compaction.add({hierarchy.vertex_of_wedge(t.x), hierarchy.vertex_of_wedge(t.y), hierarchy.vertex_of_wedge(t.z)});
+  compaction.add_wedges(wedge_triangles);
   TriangleMesh mesh = compaction.take();
   if (!hierarchy.data().wedge_materials.empty())
-    for (const Triangle& t : wedges) mesh.triangle_materials.push_back(hierarchy.material_of(t.x));
+    for (const Triangle& t : wedge_triangles) mesh.triangle_materials.push_back(hierarchy.material_of(t.x));
   return mesh;
+}
+
+TriangleMesh cut_mesh(const Hierarchy& hierarchy, const FixedCut& cut) {
+  return mesh_of(hierarchy, wedge_triangles_of(hierarchy, cut));
 }
 
 }  // namespace occlod

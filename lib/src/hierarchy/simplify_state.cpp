@@ -61,6 +61,7 @@ void SimplifyState::make_quadric(VertexId v, Fan& fan, double boundary_weight) {
     vertices[v].quadric.weight += twice_area;
   }
   if (!mesh.star(v).is_ring()) hold_edges(v, boundary_weight);
+  if (attributes != nullptr && attributes->corners.is_on_seam(v)) hold_seams(v);
   vertices[v].cost = propose(v, fan);
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "occlod/hierarchy/hierarchy.h"
@@ -43,8 +44,11 @@ struct FixedCut {
                              : hierarchy.corners(face.split).inserted(face.slot);
 }
 
-// The cut as a mesh of its own, with the hierarchy's attributes and without vertices and wedges that no triangle uses.
-// O(n).
+// Triangles of wedges, as RefinedObject has them, as a mesh of their own, with the hierarchy's attributes and without
+// vertices and wedges that no triangle uses. Vertices are numbered as triangles first use them. O(n).
+[[nodiscard]] TriangleMesh mesh_of(const Hierarchy& hierarchy, std::span<const Triangle> wedge_triangles);
+
+// The same of a cut. O(n).
 [[nodiscard]] TriangleMesh cut_mesh(const Hierarchy& hierarchy, const FixedCut& cut);
 
 }  // namespace occlod
