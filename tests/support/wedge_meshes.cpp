@@ -74,7 +74,7 @@ TriangleMesh with_wedges(std::vector<glm::vec3> positions, std::vector<Triangle>
   return mesh;
 }
 
-std::vector<TriangleCorners> corners_of(const TriangleMesh& mesh) {
+std::vector<TriangleCorners> sorted_corners_of(const TriangleMesh& mesh) {
   std::vector<TriangleCorners> result;
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
     TriangleCorners triangle{{}, mesh.material_of(t)};

@@ -31,7 +31,7 @@ struct TriangleCorners {
   friend auto operator<=>(const TriangleCorners&, const TriangleCorners&) = default;
 };
 // Of all triangles, sorted.
-[[nodiscard]] std::vector<TriangleCorners> corners_of(const TriangleMesh& mesh);
+[[nodiscard]] std::vector<TriangleCorners> sorted_corners_of(const TriangleMesh& mesh);
 
 // A triangle soup with corners from few values, so that seams, charts and materials begin and end anywhere. The same
 // for the same seed.
