@@ -28,6 +28,7 @@ struct Options {
   std::vector<std::size_t> counts = {10'000, 64};
   ScoreOptions scores;
   int repeat = 1;
+  std::string with;
   std::string csv;
 };
 
@@ -95,6 +96,7 @@ void run(const Options& options) {
   fmt::print("meshoptimizer {}\n\n", meshoptimizer_version());
 #endif
   std::vector<WedgeRow> rows;
+  if (!options.with.empty()) rows = read_csv(options.with);
   for (const std::string& name : available_textured(options.meshes)) {
     const TriangleMesh mesh = load_textured_mesh(name);
     fmt::print(stderr, "{}: {} triangles, {} vertices, {} wedges\n", name, mesh.triangle_count(), mesh.vertex_count(),
@@ -133,6 +135,7 @@ int run(int argc, char** argv) {
       ->capture_default_str()
       ->check(CLI::Range(16, 4096));
   add_repeat_option(app, options.repeat, "Runs");
+  app.add_option("--with", options.with, "Read rows that an earlier run wrote, and put them in front");
   app.add_option("--csv", options.csv, "Write all rows");
   return run_app(app, argc, argv, [&] { run(options); });
 }

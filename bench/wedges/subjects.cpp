@@ -159,7 +159,7 @@ TriangleMesh load_textured_mesh(const std::string& name) {
   TriangleMesh mesh = raw_mesh(name);
   mesh.normals.clear();
   mesh.colors.clear();
-  return mesh;
+  return clean(std::move(mesh), {}, name).mesh;  // without the seams of normals alone
 }
 
 std::vector<std::string> available_textured(const std::vector<std::string>& names) {

@@ -5,8 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <optional>
 #include <vector>
+
+#include "occlod/core/error.h"
 
 namespace occlod::bench {
 namespace {
@@ -93,6 +96,26 @@ std::string csv_of(std::span<const WedgeRow> rows) {
                         number(r.psnr_image_db, 2), r.milliseconds,
                         r.bytes_per_vertex > 0.0 ? fmt::format("{:.1f}", r.bytes_per_vertex) : "", r.hash);
   return text;
+}
+
+std::vector<WedgeRow> read_csv(const std::string& file) {
+  std::ifstream stream(file);
+  std::string line;
+  if (!std::getline(stream, line) || line + "\n" != csv_of({}))
+    throw Error({file, "line 1", "is no table of bench_wedges", "give a file that --csv wrote"});
+  std::vector<WedgeRow> rows;
+  while (std::getline(stream, line)) {
+    std::vector<std::string> cells(1);
+    for (const char c : line) c == ',' ? cells.emplace_back() : cells.back() += c;
+    if (cells.size() != 15)
+      throw Error({file, fmt::format("line {}", rows.size() + 2), "has no 15 cells", "write the table again"});
+    const auto number = [&](std::size_t i) { return cells[i].empty() ? 0.0 : std::stod(cells[i]); };
+    const auto optional = [&](std::size_t i) { return cells[i].empty() ? std::nullopt : std::optional(number(i)); };
+    rows.push_back({cells[0], cells[1], cells[2], std::stoul(cells[3]), std::stoul(cells[4]), number(5), number(6),
+                    optional(7), optional(8), optional(9), optional(10), optional(11), number(12), number(13),
+                    std::stoull(cells[14], nullptr, 16)});
+  }
+  return rows;
 }
 
 std::string best_table(std::span<const WedgeRow> rows) {

@@ -3,6 +3,7 @@
 
 #include <span>
 #include <string>
+#include <vector>
 
 #include "wedges/scores.h"
 
@@ -10,6 +11,9 @@ namespace occlod::bench {
 
 // All rows, with a line of column names.
 [[nodiscard]] std::string csv_of(std::span<const WedgeRow> rows);
+
+// Reads what csv_of() writes. Throws Error.
+[[nodiscard]] std::vector<WedgeRow> read_csv(const std::string& file);
 
 // For each mesh and target, a row for each tool: of those with several settings, the one with the smallest slip among
 // those whose geometric error is at most 1.25 times the least of them.
