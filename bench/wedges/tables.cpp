@@ -26,6 +26,11 @@ std::string named(const WedgeRow& row) {
 
 bool is_ours(const WedgeRow& row) { return row.tool == "occlod" && row.variant.empty(); }
 
+// Whether a result has about as few triangles as ours.
+bool is_as_small(const WedgeRow& row, const WedgeRow& ours) {
+  return static_cast<double>(row.triangles) <= 1.02 * static_cast<double>(ours.triangles) + 2.0;
+}
+
 // In the order of their first rows.
 template <typename Key>
 auto distinct(std::span<const WedgeRow> rows, const Key& key) {
@@ -53,34 +58,34 @@ const WedgeRow& best_of(const std::vector<WedgeRow>& settings) {
   return *best;
 }
 
-// Of one tool and setting on one mesh, where its geometric RMS is `error`.
-std::optional<double> slip_at(std::vector<WedgeRow> rows, double error) {
-  std::sort(rows.begin(), rows.end(),
-            [](const WedgeRow& a, const WedgeRow& b) { return a.geometry_rms_pct < b.geometry_rms_pct; });
-  for (std::size_t i = 0; i + 1 < rows.size(); ++i) {
-    const WedgeRow &a = rows[i], &b = rows[i + 1];
-    if (!(a.geometry_rms_pct <= error && error <= b.geometry_rms_pct) || !(a.geometry_rms_pct > 0.0)) continue;
-    if (!(a.slip_rms_pct.value_or(0.0) > 0.0 && b.slip_rms_pct.value_or(0.0) > 0.0)) continue;
-    const double width = std::log(b.geometry_rms_pct / a.geometry_rms_pct);
-    const double part = width > 0.0 ? std::log(error / a.geometry_rms_pct) / width : 0.0;
-    return *a.slip_rms_pct * std::pow(*b.slip_rms_pct / *a.slip_rms_pct, part);
-  }
-  return {};
-}
-
+// What a tool does with as many triangles and as good a shape as ours.
 struct Equal {
   double slip = 0.0;
-  std::string variant;
+  double error = 0.0;   // geometric: ours, or the least that the tool reaches where that is worse
+  std::string variant;  // of the rows next to it
 };
 
-std::optional<Equal> best_slip_at(std::span<const WedgeRow> tool_rows, double error) {
+// The smallest slip of `rows`, one for each setting, whose error is no larger than `error`, or between two settings, in
+// logarithms, where it is equal.
+Equal at_error(const std::vector<WedgeRow>& rows, double error) {
+  const WedgeRow* least = &rows[0];
   std::optional<Equal> best;
-  for (const std::string& variant : distinct(tool_rows, [](const WedgeRow& row) { return row.variant; })) {
-    const std::optional<double> slip =
-        slip_at(chosen(tool_rows, [&](const WedgeRow& row) { return row.variant == variant; }), error);
-    if (slip && (!best || *slip < best->slip)) best = Equal{*slip, variant};
+  const auto take = [&](const Equal& equal) {
+    if (!best || equal.slip < best->slip) best = equal;
+  };
+  for (const WedgeRow& a : rows) {
+    if (a.geometry_rms_pct < least->geometry_rms_pct) least = &a;
+    if (a.geometry_rms_pct > error) continue;
+    take({*a.slip_rms_pct, a.geometry_rms_pct, a.variant});
+    for (const WedgeRow& b : rows) {
+      if (b.geometry_rms_pct <= error || !(a.geometry_rms_pct > 0.0 && *a.slip_rms_pct > 0.0 && *b.slip_rms_pct > 0.0))
+        continue;
+      const double part = std::log(error / a.geometry_rms_pct) / std::log(b.geometry_rms_pct / a.geometry_rms_pct);
+      take({*a.slip_rms_pct * std::pow(*b.slip_rms_pct / *a.slip_rms_pct, part), error,
+            fmt::format("{} to {}", a.variant, b.variant)});
+    }
   }
-  return best;
+  return best ? *best : Equal{*least->slip_rms_pct, least->geometry_rms_pct, least->variant};
 }
 
 }  // namespace
@@ -145,20 +150,27 @@ std::string best_table(std::span<const WedgeRow> rows) {
 
 std::string equal_error_table(std::span<const WedgeRow> rows) {
   std::string text =
-      "| mesh | our triangles | geometry RMS % | our slip RMS % | tool | its slip RMS % | ours / its |\n"
-      "|---|---|---|---|---|---|---|\n";
+      "| mesh | triangles | our geometry RMS % | our slip RMS % | tool | its geometry RMS % | its slip RMS % | ours / "
+      "its |\n|---|---|---|---|---|---|---|---|\n";
   for (const WedgeRow& ours : rows) {
     if (!is_ours(ours) || !ours.slip_rms_pct) continue;
-    const auto is_peer = [&](const WedgeRow& row) { return row.mesh == ours.mesh && row.tool != ours.tool; };
-    const std::vector<WedgeRow> peers = chosen(rows, is_peer);
-    for (const std::string& tool : distinct(peers, [](const WedgeRow& row) { return row.tool; })) {
-      const std::optional<Equal> equal =
-          best_slip_at(chosen(peers, [&](const WedgeRow& row) { return row.tool == tool; }), ours.geometry_rms_pct);
-      text += fmt::format("| {} | {} | {:.4f} | {:.4f} | {} | {} | {} |\n", ours.mesh, ours.triangles,
-                          ours.geometry_rms_pct, *ours.slip_rms_pct,
-                          equal && !equal->variant.empty() ? fmt::format("{}, {}", tool, equal->variant) : tool,
-                          equal ? fmt::format("{:.4f}", equal->slip) : "",
-                          equal ? fmt::format("{:.2f}", *ours.slip_rms_pct / equal->slip) : "");
+    const auto is_asked = [&](const WedgeRow& row) {
+      return row.mesh == ours.mesh && row.target == ours.target && row.tool != ours.tool && row.slip_rms_pct;
+    };
+    const std::vector<WedgeRow> asked = chosen(rows, is_asked);
+    for (const std::string& tool : distinct(asked, [](const WedgeRow& row) { return row.tool; })) {
+      const std::vector<WedgeRow> settings = chosen(asked, [&](const WedgeRow& row) { return row.tool == tool; });
+      const std::vector<WedgeRow> reached =
+          chosen(settings, [&](const WedgeRow& row) { return is_as_small(row, ours); });
+      text += fmt::format("| {} | {} | {:.4f} | {:.4f} | {}", ours.mesh, ours.triangles, ours.geometry_rms_pct,
+                          *ours.slip_rms_pct, tool);
+      if (reached.empty()) {
+        text += fmt::format(" | stuck at {} triangles | | |\n", settings[0].triangles);
+        continue;
+      }
+      const Equal equal = at_error(reached, ours.geometry_rms_pct);
+      text += fmt::format("{}{} | {:.4f} | {:.4f} | {:.2f} |\n", equal.variant.empty() ? "" : ", ", equal.variant,
+                          equal.error, equal.slip, *ours.slip_rms_pct / equal.slip);
     }
   }
   return text;

@@ -19,8 +19,9 @@ namespace occlod::bench {
 // those whose geometric error is at most 1.25 times the least of them.
 [[nodiscard]] std::string best_table(std::span<const WedgeRow> rows);
 
-// Slips at equal geometric errors: for each of our rows the smallest slip that any setting of a tool has where its
-// geometric RMS is ours, between two targets in logarithms, and ours divided by it. Empty where no setting gets there.
+// Slips at equal numbers of triangles and equal geometric errors: for each of our rows the smallest slip that a tool
+// has with as many triangles where its geometric RMS is ours, between two of its settings in logarithms, and ours
+// divided by it. Where it is worse with every setting, the setting with the least is taken.
 [[nodiscard]] std::string equal_error_table(std::span<const WedgeRow> rows);
 
 // One number for all results.
