@@ -2,9 +2,12 @@
 #include "occlod/hierarchy/build.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "command_files.h"
 #include "commands.h"
@@ -12,6 +15,7 @@
 #include "json_output.h"
 #include "occlod/io/olod.h"
 #include "occlod/io/read_mesh.h"
+#include "occlod/mesh/crease.h"
 #include "option_values.h"
 #include "peak_bytes.h"
 #include "progress.h"
@@ -30,6 +34,7 @@ struct Options {
   std::string input;
   std::string output;
   BuildOptions build;
+  std::optional<double> crease;  // degrees
   OlodCompression compression = OlodCompression::none;
   ShowProgress progress = ShowProgress::automatic;
   bool json = false;
@@ -42,6 +47,15 @@ CleanMesh read(const Options& options, Progress& progress) {
     else
       progress.show("cleaning " + options.input, std::nullopt);
   });
+}
+
+// Whether it has made normals: where the file has none.
+bool crease(const Options& options, CleanMesh& input) {
+  if (!options.crease || !input.mesh.normals.empty()) return false;
+  input.mesh = crease_normals(input.mesh, *options.crease);
+  std::vector<VertexId> seams = input.mesh.extra_wedges;
+  input.report.seam_vertices = static_cast<std::uint64_t>(std::unique(seams.begin(), seams.end()) - seams.begin());
+  return true;
 }
 
 Hierarchy build(const Options& options, const TriangleMesh& mesh, Progress& progress) {
@@ -66,7 +80,8 @@ void run(const Options& options) {
   check_files(options);
   Progress progress(options.progress);
   Stopwatch stopwatch;
-  const CleanMesh input = read(options, progress);
+  CleanMesh input = read(options, progress);
+  const bool creased = crease(options, input);
   const double read_ms = stopwatch.restart();
   const Hierarchy hierarchy = build(options, input.mesh, progress);
   const double build_ms = stopwatch.restart();
@@ -77,6 +92,7 @@ void run(const Options& options) {
 
   Json result = {{"input", options.input}, {"file", options.output}};
   result.update(counts_of(hierarchy));
+  if (options.crease) result["creased"] = creased;
   result["read_ms"] = read_ms;
   result["build_ms"] = build_ms;
   result["write_ms"] = write_ms;
@@ -105,6 +121,9 @@ void add_build(CLI::App& app) {
   add_number(command, "--attribute-weight", options->build.attribute_weight, RealRange{0.0, largest_attribute_weight},
              "Weight of how far texture coordinates, hard normals and colours slip, relative to distances")
       ->capture_default_str();
+  add_number(command, "--crease", options->crease, RealRange{0.0, 180.0},
+             "Where the file has no normals, make some: smooth where triangles meet at no more than this angle, in "
+             "degrees, hard elsewhere");
   add_choice(command, "--error-bound", options->build.error_bound,
              {{"accumulated", ErrorBound::accumulated}, {"measured", ErrorBound::measured}},
              "Guaranteed errors: accumulated (fast to build, loose) or measured (tight, several times the build time)");

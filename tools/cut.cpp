@@ -78,7 +78,7 @@ void add_cut(CLI::App& app) {
   add_number(command, "--error", options->error, RealRange{},
              "Instead: as few triangles as possible within this guaranteed distance to the full mesh, object units")
       ->excludes(triangles);
-  add_file(command, "-o,--output", options->output, "Mesh to write: .ply, .obj, .off or .stl")->required();
+  add_file(command, "-o,--output", options->output, "Mesh to write: .ply, .obj, .glb, .off or .stl")->required();
   add_progress_option(command, options->progress);
   command.add_flag("--json", options->json, "Print the result as one JSON object");
   command.callback([options] {

@@ -52,7 +52,7 @@ void add_kind(CLI::App& generate_command, const std::string& kind, const std::st
   const auto output = std::make_shared<Output>();
   add_options(command, *options);
   add_number(command, "--seed", options->seed, WholeRange{}, "Random seed")->capture_default_str();
-  add_file(command, "-o,--output", output->file, "Mesh to write: .ply, .obj, .off or .stl")->required();
+  add_file(command, "-o,--output", output->file, "Mesh to write: .ply, .obj, .glb, .off or .stl")->required();
   add_progress_option(command, output->progress);
   command.add_flag("--json", output->json, "Print the result as one JSON object");
   command.callback([=] { run(kind, *options, *output, generate); });

@@ -61,9 +61,13 @@ void tell_mesh(const Options& options) {
   const CleanMesh file = read_mesh(options.file);
   const Json result = {{"file", options.file},
                        {"vertices", file.mesh.vertex_count()},
+                       {"wedges", file.mesh.wedge_count()},
                        {"triangles", file.mesh.triangle_count()},
                        {"normals", !file.mesh.normals.empty()},
                        {"colors", !file.mesh.colors.empty()},
+                       {"texture_coordinates", !file.mesh.texture_coordinates.empty()},
+                       {"materials", file.mesh.materials.size()},
+                       {"textures", file.mesh.textures.size()},
                        {"box", to_json(bounding_box(file.mesh.positions))}};
   print(options, result, file.report);
 }

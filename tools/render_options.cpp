@@ -209,7 +209,7 @@ void add_output_options(CLI::App& command, RenderOptions& options) {
            "Write a picture from above: visible triangles bright, the others dark")
       ->excludes(path);
   add_file(command, "--mesh", options.mesh,
-           "Write the refined mesh, all objects in world space: .ply, .obj, .off or .stl")
+           "Write the refined mesh, all objects in world space: .ply, .obj, .glb, .off or .stl")
       ->excludes(path);
   add_choice(command, "--texture", options.texture,
              {{"auto", TextureChoice::automatic},

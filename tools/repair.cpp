@@ -135,7 +135,7 @@ void add_repair(CLI::App& app) {
       "A program with this command contains parts of CGAL under the GPL.");
   const auto options = std::make_shared<Options>();
   add_file(command, "MESH", options->input, "Mesh to read: .ply, .obj, .off, .stl, .gltf or .glb")->required();
-  add_file(command, "-o,--output", options->output, "Mesh to write: .ply, .obj, .off or .stl")->required();
+  add_file(command, "-o,--output", options->output, "Mesh to write: .ply, .obj, .glb, .off or .stl")->required();
   add_number(command, "--weld", options->repair.weld, RealRange{},
              "Also merge vertices that are no farther apart than this, object units")
       ->capture_default_str();

@@ -204,7 +204,7 @@ void bind_mesh(nb::module_& m) {
             require_valid(mesh);
             write_mesh(path, mesh);
           },
-          "path"_a, "As PLY, OBJ, OFF or STL, by the extension. An old file stays as it was when writing fails.")
+          "path"_a, "As PLY, OBJ, GLB, OFF or STL, by the extension. An old file stays as it was when writing fails.")
       .def("__repr__", [](const TriangleMesh& mesh) {
         return "<occlod.Mesh of " + std::to_string(mesh.vertex_count()) + " vertices and " +
                std::to_string(mesh.triangle_count()) + " triangles>";

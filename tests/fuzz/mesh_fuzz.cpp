@@ -20,6 +20,7 @@ void expect(bool holds) {
 
 // Only what is in the bytes themselves.
 bool names_a_file(std::string_view bytes) {
+  if (bytes.find("mtllib") != std::string_view::npos) return true;
   for (std::size_t at = bytes.find("uri"); at != std::string_view::npos; at = bytes.find("uri", at + 1))
     if (bytes.substr(at, 16).find("data:") == std::string_view::npos) return true;
   return false;

@@ -58,19 +58,22 @@ TEST_F(LeftOutTest, OfPly) {
   };
   const std::string color = "property uchar red\nproperty uchar green\nproperty uchar blue\n";
   const std::string normal = "property float nx\nproperty float ny\nproperty float nz\n";
-  // Two textures and three materials in each.
-  EXPECT_EQ(counts("a.ply", text(color + normal, "", " 1 2 3 0 0 1", "")), (LeftOut{.materials = 5}));
+  // Three elements `material` in each; textures are kept.
+  EXPECT_EQ(counts("a.ply", text(color + normal, "", " 1 2 3 0 0 1", "")), (LeftOut{.materials = 3}));
   EXPECT_EQ(counts("a.ply", text("", color + normal, "", " 1 2 3 0 0 1")),
-            (LeftOut{.normals = 1, .colors = 1, .materials = 5}));
+            (LeftOut{.normals = 1, .colors = 1, .materials = 3}));
   for (const auto& [u, v] : {std::pair("u", "v"), std::pair("s", "t"), std::pair("texture_u", "texture_v")}) {
     const std::string pair = std::string("property float ") + u + "\nproperty float " + v + "\n";
-    EXPECT_EQ(counts("a.ply", text(pair, "", " 0 1", "")), (LeftOut{.texture_coordinates = 3, .materials = 5}));
+    EXPECT_EQ(counts("a.ply", text(pair, "", " 0 1", "")), (LeftOut{.materials = 3}));
+    // The faces' own coordinates come first.
+    EXPECT_EQ(counts("a.ply", text(pair, "property list uchar float texcoord\n", " 0 1", " 6 0 0 1 0 0 1")),
+              (LeftOut{.texture_coordinates = 3, .materials = 3}));
   }
-  EXPECT_EQ(counts("a.ply", text("property float u\n", "", " 0", "")), (LeftOut{.materials = 5}));
+  EXPECT_EQ(counts("a.ply", text("property float u\n", "", " 0", "")), (LeftOut{.materials = 3}));
   // As MeshLab writes wedges: three pairs, and the number of the texture.
   EXPECT_EQ(
       counts("a.ply", text("", "property list uchar float texcoord\nproperty int texnumber\n", "", " 6 0 0 1 0 0 1 0")),
-      (LeftOut{.texture_coordinates = 3, .materials = 5}));
+      (LeftOut{.materials = 3}));
 }
 
 TEST_F(LeftOutTest, OfOff) {
@@ -97,12 +100,13 @@ TEST_F(LeftOutTest, OfStl) {
 
 // One triangle mesh of two primitives with three vertices each, placed by two nodes, and a third node without a mesh.
 // All attributes are the same nine floats: each placement has 2 x 3 vertices with TEXCOORD_0, three of them with
-// TEXCOORD_1 and with COLOR_1 as well; COLOR_0 is kept. Materials 0 and 2 of three are used.
+// TEXCOORD_1 and with COLOR_1 as well; COLOR_0 and TEXCOORD_0 are kept. Two textures are not of the base colour.
 TEST_F(LeftOutTest, OfGltf) {
   // Nine floats, 0 0 0 1 0 0 0 1 0, in base64.
   const std::string text =
       R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1, 2]}],
-          "nodes": [{"mesh": 0}, {"mesh": 0, "translation": [0, 0, 1]}, {}], "materials": [{}, {}, {}],
+          "nodes": [{"mesh": 0}, {"mesh": 0, "translation": [0, 0, 1]}, {}], "materials": [{}, {"normalTexture": {"index": 0}},
+            {"emissiveTexture": {"index": 0}, "pbrMetallicRoughness": {"baseColorFactor": [0, 0, 0, 1]}}],
           "meshes": [{"primitives": [
             {"attributes": {"POSITION": 0, "NORMAL": 0, "TEXCOORD_0": 0}, "material": 2},
             {"attributes": {"POSITION": 0, "TEXCOORD_0": 0, "TEXCOORD_1": 0, "COLOR_0": 0, "COLOR_1": 0}, "material": 0}]}],
@@ -110,7 +114,7 @@ TEST_F(LeftOutTest, OfGltf) {
           "bufferViews": [{"buffer": 0, "byteLength": 36}], "buffers": [{"byteLength": 36, "uri":
             "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]})";
   EXPECT_EQ(counts("a.gltf", text),
-            (LeftOut{.texture_coordinates = 18, .normals = 0, .colors = 6, .materials = 2, .groups = 2}));
+            (LeftOut{.texture_coordinates = 6, .normals = 0, .colors = 6, .materials = 2, .groups = 2}));
 }
 
 // What grep counts: different g lines. vt lines that no face names.

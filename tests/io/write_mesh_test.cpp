@@ -27,7 +27,7 @@ TriangleMesh awkward_mesh() {
 TEST(WriteMesh, IndexedFormatsBringBackTheSameMesh) {
   const test::TestFolder folder;
   const TriangleMesh mesh = awkward_mesh();
-  for (const char* name : {"a.ply", "a.obj", "a.off", "A.PLY", "A.Obj"}) {
+  for (const char* name : {"a.ply", "a.obj", "a.off", "A.PLY", "A.Obj", "a.glb"}) {
     write_mesh(folder.path() / name, mesh);
     const CleanMesh back = read_mesh(folder.path() / name);
     EXPECT_EQ(back.mesh.positions, mesh.positions) << name;
@@ -74,7 +74,7 @@ TEST(WriteMesh, ChecksNamesWithoutWriting) {
   const test::TestFolder folder;
   for (const char* name : {"missing/a.ply", "a.xyz", "a", "a.gltf"})
     EXPECT_THROW(check_mesh_output(folder.path() / name), Error) << name;
-  for (const char* name : {"a.ply", "a.obj", "a.off", "A.STL"})
+  for (const char* name : {"a.ply", "a.obj", "a.off", "A.STL", "a.GLB"})
     EXPECT_NO_THROW(check_mesh_output(folder.path() / name)) << name;
   EXPECT_EQ(test::files_in(folder.path()), 0u);
 }

@@ -126,7 +126,7 @@ class Files(ToolTest):
     def test_formats_that_are_not_written_are_told_first(self):
         for command, option, extension in self.outputs():
             if extension in ("ply", "obj", "off"):
-                for name in ("a.xyz", "a", "a.glb"):
+                for name in ("a.xyz", "a", "a.gltf"):
                     self.assert_refused([*command, option, name], 1, f"occlod: error: {name}: ")
 
     def test_folders_that_cannot_be_written_are_told_first(self):

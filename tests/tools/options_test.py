@@ -55,6 +55,7 @@ WHOLE = [
 REAL = [
     (BUILD, "--boundary-weight", 0, 10**6),
     (BUILD, "--attribute-weight", 0, 10**6),
+    (BUILD, "--crease", 0, 180),
     (HLOD_BUILD, "--boundary-weight", 0, 10**6),
     (CUT, "--error", 0, None),
     (CELLS_BUILD, "--tolerance", 1e-6, None),

@@ -1,11 +1,9 @@
 // glTF 2.0, text and binary, through tinygltf: the triangles of every mesh that the default scene places, in world
-// space. tinygltf parses; what it leaves unchecked, that accessors stay inside their buffers and nodes form a tree, is
-// checked here.
+// space. tinygltf parses; what it leaves unchecked, that nodes form a tree, is checked here.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
-#include <cstring>
 #include <exception>
 #include <filesystem>
 #include <glm/ext/matrix_transform.hpp>
@@ -13,101 +11,24 @@
 #include <glm/gtc/quaternion.hpp>
 #include <glm/gtc/type_ptr.hpp>
 #include <glm/matrix.hpp>
-#include <limits>
 #include <new>
-#include <set>
+#include <optional>
 #include <string>
 #include <system_error>
+#include <utility>
 
+#include "io/gltf_accessor.h"
+#include "io/gltf_buffers.h"
+#include "io/gltf_materials.h"
 #include "io/polygon_soup.h"
+#include "io/srgb.h"
 #include "io/tinygltf.h"
 
 namespace occlod {
 namespace {
 
-constexpr const char* remedy = "export the mesh again";
+constexpr const char* remedy = gltf_remedy;
 constexpr std::size_t most_depth = 256;  // of the node tree: deeper ones are taken for cycles
-
-// Typed reading of one accessor.
-class Accessor {
- public:
-  Accessor(const tinygltf::Model& model, int index, int components, const FileErrors& errors) {
-    if (index < 0 || static_cast<std::size_t>(index) >= model.accessors.size())
-      errors.fail("", fmt::format("refers to accessor {}, which is not there", index), remedy);
-    const tinygltf::Accessor& accessor = model.accessors[static_cast<std::size_t>(index)];
-    const std::string place = fmt::format("accessor {}", index);
-    if (accessor.sparse.isSparse)
-      errors.fail(place, "is sparse, which is not supported", "export the mesh without sparse accessors");
-    component_type_ = accessor.componentType;
-    components_ = tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(accessor.type));
-    if (components_ < components) errors.fail(place, "has too few components", remedy);
-    count_ = accessor.count;
-    normalized_ = accessor.normalized;
-    const auto view_index = static_cast<std::size_t>(accessor.bufferView);
-    if (accessor.bufferView < 0 || view_index >= model.bufferViews.size()) errors.fail(place, "has no data", remedy);
-    const tinygltf::BufferView& view = model.bufferViews[view_index];
-    if (view.buffer < 0 || static_cast<std::size_t>(view.buffer) >= model.buffers.size())
-      errors.fail(place, "has no buffer", remedy);
-    const std::vector<unsigned char>& buffer = model.buffers[static_cast<std::size_t>(view.buffer)].data;
-    const int stride = accessor.ByteStride(view);
-    const int size = tinygltf::GetComponentSizeInBytes(static_cast<std::uint32_t>(component_type_)) * components_;
-    if (stride <= 0 || size <= 0) errors.fail(place, "has elements of unknown size", remedy);
-    stride_ = static_cast<std::size_t>(stride);
-    const std::size_t offset = view.byteOffset + accessor.byteOffset;
-    const bool fits =
-        offset <= buffer.size() &&
-        (count_ == 0 || (static_cast<std::size_t>(size) <= buffer.size() - offset &&
-                         count_ - 1 <= (buffer.size() - offset - static_cast<std::size_t>(size)) / stride_));
-    if (!fits) errors.fail(place, "reaches beyond its buffer: the file was cut or is malformed", remedy);
-    data_ = buffer.data() + offset;
-  }
-
-  [[nodiscard]] std::size_t count() const { return count_; }
-  [[nodiscard]] int components() const { return components_; }
-
-  // Component k of element i; normalized integers become fractions.
-  [[nodiscard]] double value(std::size_t i, int k) const {
-    switch (component_type_) {
-      case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
-        return fraction(load<std::uint8_t>(i, k));
-      case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
-        return fraction(load<std::uint16_t>(i, k));
-      case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
-        return load<std::uint32_t>(i, k);
-      case TINYGLTF_COMPONENT_TYPE_BYTE:
-        return fraction(load<std::int8_t>(i, k));
-      case TINYGLTF_COMPONENT_TYPE_SHORT:
-        return fraction(load<std::int16_t>(i, k));
-      case TINYGLTF_COMPONENT_TYPE_INT:
-        return load<std::int32_t>(i, k);
-      case TINYGLTF_COMPONENT_TYPE_FLOAT:
-        return static_cast<double>(load<float>(i, k));
-      default:
-        return load<double>(i, k);
-    }
-  }
-
- private:
-  template <typename T>
-  [[nodiscard]] T load(std::size_t i, int k) const {
-    T x;
-    std::memcpy(&x, data_ + i * stride_ + static_cast<std::size_t>(k) * sizeof(T), sizeof(T));
-    return x;
-  }
-
-  template <typename T>
-  [[nodiscard]] double fraction(T x) const {
-    return normalized_ ? std::max(-1.0, static_cast<double>(x) / std::numeric_limits<T>::max())
-                       : static_cast<double>(x);
-  }
-
-  const unsigned char* data_ = nullptr;
-  std::size_t count_ = 0;
-  std::size_t stride_ = 0;
-  int component_type_ = 0;
-  int components_ = 0;
-  bool normalized_ = false;
-};
 
 glm::dmat4 local_transform(const tinygltf::Node& node) {
   if (node.matrix.size() == 16) return glm::make_mat4(node.matrix.data());
@@ -121,21 +42,32 @@ glm::dmat4 local_transform(const tinygltf::Node& node) {
 
 class GltfReader {
  public:
-  GltfReader(const tinygltf::Model& model, const FileErrors& errors) : model_(model), errors_(errors) {}
+  GltfReader(const tinygltf::Model& model, const FileErrors& errors)
+      : model_(model), errors_(errors), views_(model, errors), materials_(views_, soup_) {}
 
   PolygonSoup run() {
-    for (const std::string& extension : model_.extensionsRequired)
-      if (extension != "KHR_mesh_quantization" && extension.rfind("KHR_materials", 0) != 0 &&
-          extension != "KHR_texture_transform")
-        errors_.fail("", fmt::format("needs the extension {}, which is not supported", extension),
-                     "export the mesh without it");
+    for (const std::string& extension : model_.extensionsRequired) check_extension(extension);
     for (const int root : roots()) visit(root, glm::dmat4(1.0), 0);
     pad_attributes();
-    soup_.left_out.materials = materials_.size();
+    soup_.texture_origin = TextureOrigin::top_left;
     return std::move(soup_);
   }
 
  private:
+  // Those of images do not matter here: whoever draws decodes them.
+  void check_extension(const std::string& name) const {
+    constexpr std::array<std::string_view, 6> known{"KHR_mesh_quantization",   "KHR_texture_transform",
+                                                    "EXT_meshopt_compression", "EXT_texture_webp",
+                                                    "KHR_texture_basisu",      "MSFT_texture_dds"};
+    if (name.starts_with("KHR_materials") || std::ranges::find(known, name) != known.end()) return;
+    if (name == draco) fail_draco();
+    errors_.fail("", fmt::format("needs the extension {}, which is not supported", name), "export the mesh without it");
+  }
+  [[noreturn]] void fail_draco() const {
+    errors_.fail("", "is compressed with Draco, which is not supported",
+                 "decompress the file: gltf-transform copy IN OUT, or export it without Draco");
+  }
+
   // The nodes of the default scene, or every node without a parent.
   [[nodiscard]] std::vector<int> roots() const {
     const int scene = model_.defaultScene >= 0 ? model_.defaultScene : 0;
@@ -176,7 +108,8 @@ class GltfReader {
     const int mode = primitive.mode < 0 ? TINYGLTF_MODE_TRIANGLES : primitive.mode;
     if (position == primitive.attributes.end() || mode < TINYGLTF_MODE_TRIANGLES)
       return;  // points and lines have no surface
-    const Accessor positions(model_, position->second, 3, errors_);
+    if (primitive.extensions.contains(draco)) fail_draco();
+    const GltfAccessor positions(views_, position->second, 3);
     const std::size_t first = soup_.positions.size();
     if (positions.count() > max_vertices - first) errors_.fail("", "has more than 2^32 - 2 vertices", "split the mesh");
     for (std::size_t i = 0; i < positions.count(); ++i) {
@@ -184,25 +117,31 @@ class GltfReader {
           to_world * glm::dvec4(positions.value(i, 0), positions.value(i, 1), positions.value(i, 2), 1.0);
       soup_.add_vertex(p.x, p.y, p.z, 0);
     }
-    count_left_out(primitive, positions.count());
+    // Files without materials need none.
+    std::optional<MaterialId> material;
+    if (!model_.materials.empty()) material = materials_.id_of(primitive.material);
+    const GltfLookup lookup = material ? materials_.lookup(*material) : GltfLookup{};
+    count_left_out(primitive, lookup.set, positions.count());
     add_normals(primitive, to_world, first, positions.count());
     add_colors(primitive, first, positions.count());
+    add_texture_coordinates(primitive, lookup, first, positions.count());
     add_triangles(primitive, mode, first, positions.count(), glm::determinant(glm::dmat3(to_world)) < 0.0);
+    if (material) soup_.polygon_materials.resize(soup_.polygon_count(), *material);
   }
 
-  void count_left_out(const tinygltf::Primitive& primitive, std::size_t vertices) {
+  void count_left_out(const tinygltf::Primitive& primitive, int set, std::size_t vertices) {
+    const std::string used = fmt::format("TEXCOORD_{}", set);
     for (const auto& [name, accessor] : primitive.attributes) {
-      if (name.starts_with("TEXCOORD_")) soup_.left_out.texture_coordinates += vertices;
+      if (name.starts_with("TEXCOORD_") && name != used) soup_.left_out.texture_coordinates += vertices;
       if (name.starts_with("COLOR_") && name != "COLOR_0") soup_.left_out.colors += vertices;
     }
-    if (primitive.material >= 0) materials_.insert(primitive.material);
   }
 
   void add_normals(const tinygltf::Primitive& primitive, const glm::dmat4& to_world, std::size_t first,
                    std::size_t count) {
     const auto found = primitive.attributes.find("NORMAL");
     if (found == primitive.attributes.end()) return;
-    const Accessor normals(model_, found->second, 3, errors_);
+    const GltfAccessor normals(views_, found->second, 3);
     if (normals.count() < count)
       errors_.fail(fmt::format("accessor {}", found->second), "has fewer normals than there are vertices", remedy);
     const glm::dmat3 to_world_normal = glm::transpose(glm::inverse(glm::dmat3(to_world)));
@@ -215,14 +154,32 @@ class GltfReader {
   void add_colors(const tinygltf::Primitive& primitive, std::size_t first, std::size_t count) {
     const auto found = primitive.attributes.find("COLOR_0");
     if (found == primitive.attributes.end()) return;
-    const Accessor colors(model_, found->second, 3, errors_);
+    const GltfAccessor colors(views_, found->second, 3);
     if (colors.count() < count)
       errors_.fail(fmt::format("accessor {}", found->second), "has fewer colours than there are vertices", remedy);
     soup_.colors.resize(first, glm::u8vec4(255));
     for (std::size_t i = 0; i < count; ++i) {
       glm::u8vec4 color(255);
-      for (int k = 0; k < std::min(colors.components(), 4); ++k) color[k] = color_component(colors.value(i, k));
+      for (int k = 0; k < 3; ++k) color[k] = color_component(linear_to_srgb(colors.value(i, k)));
+      if (colors.components() >= 4) color.a = color_component(colors.value(i, 3));
       soup_.colors.push_back(color);
+    }
+  }
+
+  void add_texture_coordinates(const tinygltf::Primitive& primitive, const GltfLookup& lookup, std::size_t first,
+                               std::size_t count) {
+    const auto found = primitive.attributes.find(fmt::format("TEXCOORD_{}", lookup.set));
+    if (found == primitive.attributes.end()) return;
+    const GltfAccessor coordinates(views_, found->second, 2);
+    if (coordinates.count() < count)
+      errors_.fail(fmt::format("accessor {}", found->second), "has fewer texture coordinates than there are vertices",
+                   remedy);
+    soup_.texture_coordinates.resize(first, glm::vec2(0.0F));
+    for (std::size_t i = 0; i < count; ++i) {
+      glm::dvec2 at(coordinates.value(i, 0), coordinates.value(i, 1));
+      if (lookup.is_transformed)
+        at = lookup.offset + glm::dvec2(glm::dot(lookup.row_u, at), glm::dot(lookup.row_v, at));
+      soup_.texture_coordinates.emplace_back(to_float(at.x), to_float(at.y));
     }
   }
 
@@ -231,7 +188,7 @@ class GltfReader {
     std::vector<std::uint64_t> indices(vertices);
     for (std::size_t i = 0; i < vertices; ++i) indices[i] = i;
     if (primitive.indices >= 0) {
-      const Accessor accessor(model_, primitive.indices, 1, errors_);
+      const GltfAccessor accessor(views_, primitive.indices, 1);
       indices.resize(accessor.count());
       for (std::size_t i = 0; i < indices.size(); ++i) {
         const double index = accessor.value(i, 0);
@@ -262,13 +219,17 @@ class GltfReader {
   void pad_attributes() {
     if (!soup_.normals.empty()) soup_.normals.resize(soup_.positions.size(), glm::vec3(0.0F));
     if (!soup_.colors.empty()) soup_.colors.resize(soup_.positions.size(), glm::u8vec4(255));
+    if (!soup_.texture_coordinates.empty()) soup_.texture_coordinates.resize(soup_.positions.size(), glm::vec2(0.0F));
   }
+
+  static constexpr const char* draco = "KHR_draco_mesh_compression";
 
   const tinygltf::Model& model_;
   const FileErrors& errors_;
   PolygonSoup soup_;
+  GltfViews views_;
+  GltfMaterials materials_;
   std::size_t visits_ = 0;
-  std::set<int> materials_;
 };
 
 // tinygltf's own callbacks expand names through the shell and read from anything of that name, even an endless device.
@@ -289,10 +250,16 @@ tinygltf::FsCallbacks plain_files() {
 PolygonSoup parse_gltf(std::string_view bytes, const FileErrors& errors) {
   tinygltf::TinyGLTF loader;
   loader.SetFsCallbacks(plain_files());
-  // Textures are not read.
-  loader.SetImageLoader([](tinygltf::Image*, const int, std::string*, std::string*, int, int, const unsigned char*, int,
-                           void*) { return true; },
-                        nullptr);
+  // Images are not decoded. Those in buffer views are looked up later, where the view is checked.
+  loader.SetImageLoader(
+      [](tinygltf::Image* image, const int, std::string*, std::string*, int, int, const unsigned char* data, int size,
+         void*) {
+        if (image->bufferView < 0) image->image.assign(data, data + size);
+        return true;
+      },
+      nullptr);
+  std::string patched;
+  bytes = with_missing_buffers(bytes, patched);
   tinygltf::Model model;
   std::string problem, warning;
   const std::string folder = std::filesystem::path(errors.subject()).parent_path().string();

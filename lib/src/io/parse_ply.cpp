@@ -5,25 +5,42 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <type_traits>
 #include <utility>
 
+#include "io/material_table.h"
+#include "io/parse_mtl.h"
 #include "io/ply_values.h"
+#include "io/split_vertices.h"
 #include "io/text_encoding.h"
 
 namespace occlod {
 namespace {
 
-// Where a vertex property goes; coordinates, normals and colours lie next to each other.
-enum Slot : std::size_t { slot_x, slot_normal = 3, slot_red = 6, slot_alpha = 9, slot_count, no_slot = slot_count };
+// Where a vertex property goes; coordinates, normals, colours and texture coordinates lie next to each other.
+enum Slot : std::size_t {
+  slot_x,
+  slot_normal = 3,
+  slot_red = 6,
+  slot_alpha = 9,
+  slot_texture,
+  slot_count = 12,
+  no_slot = slot_count
+};
+
+// The names of texture coordinates, as different programs write them.
+constexpr std::array<std::array<std::string_view, 2>, 5> texture_names{
+    {{"u", "v"}, {"s", "t"}, {"texture_u", "texture_v"}, {"texture_s", "texture_t"}, {"s0", "t0"}}};
 
 Slot slot_of(std::string_view name) {
-  constexpr std::array<std::string_view, slot_count> names{"x",  "y",   "z",     "nx",   "ny",
-                                                           "nz", "red", "green", "blue", "alpha"};
+  constexpr std::array<std::string_view, slot_texture> names{"x",  "y",   "z",     "nx",   "ny",
+                                                             "nz", "red", "green", "blue", "alpha"};
   constexpr std::array<std::string_view, 4> short_colors{"r", "g", "b", "a"};
   const auto place = static_cast<std::size_t>(std::ranges::find(names, name) - names.begin());
   const auto color = static_cast<std::size_t>(std::ranges::find(short_colors, name) - short_colors.begin());
-  return static_cast<Slot>(color < short_colors.size() ? slot_red + color : place);
+  if (color < short_colors.size()) return static_cast<Slot>(slot_red + color);
+  return place < names.size() ? static_cast<Slot>(place) : no_slot;
 }
 
 // What one unit of a colour of this type is worth.
@@ -42,6 +59,7 @@ struct VertexLayout {
       present[slot] = true;
       if (slot >= slot_red) color_scales[slot - slot_red] = color_scale(property.type);
     }
+    find_texture_coordinates(element);
   }
   // Whether x, y and z come first, as float32, and nothing else is of use.
   [[nodiscard]] bool is_float_xyz(const PlyElement& element) const {
@@ -54,6 +72,23 @@ struct VertexLayout {
   [[nodiscard]] bool has(std::size_t first, std::size_t count) const {
     return std::all_of(present.begin() + static_cast<std::ptrdiff_t>(first),
                        present.begin() + static_cast<std::ptrdiff_t>(first + count), [](bool p) { return p; });
+  }
+
+  // The first pair of names that the element has both of.
+  void find_texture_coordinates(const PlyElement& element) {
+    const auto place_of = [&](std::string_view name) {
+      const auto found = std::ranges::find_if(element.properties,
+                                              [&](const PlyProperty& p) { return p.name == name && !p.count_type; });
+      return static_cast<std::size_t>(found - element.properties.begin());
+    };
+    for (const auto& [u, v] : texture_names) {
+      const std::size_t u_place = place_of(u), v_place = place_of(v);
+      if (std::max(u_place, v_place) >= slots.size()) continue;
+      slots[u_place] = slot_texture;
+      slots[v_place] = static_cast<Slot>(slot_texture + 1);
+      present[slot_texture] = present[slot_texture + 1] = true;
+      return;
+    }
   }
 
   std::vector<Slot> slots;  // of each property
@@ -69,7 +104,7 @@ class BodyParser {
   PolygonSoup parse(const PlyHeader& header) && {
     const auto vertices = std::ranges::find(header.elements, "vertex", &PlyElement::name);
     if (vertices != header.elements.end()) vertex_count_ = vertices->count;
-    soup_.left_out.materials = header.texture_files;
+    add_materials(header);
     for (const PlyElement& element : header.elements) {
       values_.begin_element(element);
       count_left_out(element);
@@ -83,15 +118,33 @@ class BodyParser {
         skip_element(element);
     }
     soup_.check(errors_);
+    if (!soup_.polygon_materials.empty()) soup_.polygon_materials.resize(soup_.polygon_count(), MaterialId{0});
+    if (!attributes_.corners.empty()) {
+      soup_.left_out.texture_coordinates += soup_.texture_coordinates.size();
+      split_vertices(soup_, attributes_, errors_);
+    }
     return std::move(soup_);
   }
 
  private:
+  // One for each texture: faces name textures, and the file says nothing else about how they look.
+  void add_materials(const PlyHeader& header) {
+    texture_count_ = header.texture_files.size();
+    if (texture_count_ >= most_materials)
+      errors_.fail("header", "has more than 65534 comments TextureFile", "split the mesh into parts");
+    for (const std::string& name : header.texture_files) {
+      Texture& texture = soup_.textures.emplace_back();
+      texture.file = with_slashes(name);
+      soup_.materials.emplace_back().texture = static_cast<TextureId>(soup_.textures.size() - 1);
+    }
+  }
+
   void read_vertices(const PlyElement& element) {
     const VertexLayout layout(element);
     if (!layout.has(slot_x, 3)) errors_.fail("header", "vertices lack x, y or z", "export the mesh with coordinates");
     const bool normals = layout.has(slot_normal, 3);
     const bool colors = layout.has(slot_red, 3);
+    const bool texture = layout.has(slot_texture, 2);
     soup_.positions.reserve(element.count);
     std::array<double, slot_count + 1> value{};  // the last takes what is not used
     value[slot_alpha] = 1.0;                     // opaque where there is no alpha
@@ -111,6 +164,8 @@ class BodyParser {
       soup_.add_vertex(value[0], value[1], value[2], values_.line());
       if (normals) soup_.normals.emplace_back(to_float(value[3]), to_float(value[4]), to_float(value[5]));
       if (colors) soup_.colors.push_back(color(&value[slot_red], layout));
+      if (texture)
+        soup_.texture_coordinates.emplace_back(to_float(value[slot_texture]), to_float(value[slot_texture + 1]));
       values_.end_record();
     }
   }
@@ -127,21 +182,13 @@ class BodyParser {
     return result;
   }
 
-  // What the header tells of it; pairs in the lists of faces are counted as they are skipped.
+  // What the header tells of it.
   void count_left_out(const PlyElement& element) {
     LeftOut& left_out = soup_.left_out;
     const VertexLayout layout(element);
-    if (element.name == "vertex" && has_texture_coordinates(element)) left_out.texture_coordinates += element.count;
     if (element.name == "face" && layout.has(slot_normal, 3)) left_out.normals += element.count;
     if (element.name == "face" && layout.has(slot_red, 3)) left_out.colors += element.count;
     if (element.name == "material") left_out.materials += element.count;
-  }
-
-  static bool has_texture_coordinates(const PlyElement& element) {
-    const auto has = [&](std::string_view name) {
-      return std::ranges::find(element.properties, name, &PlyProperty::name) != element.properties.end();
-    };
-    return (has("u") && has("v")) || (has("s") && has("t")) || (has("texture_u") && has("texture_v"));
   }
 
   static bool is_corner_list(const PlyProperty& p) {
@@ -165,17 +212,63 @@ class BodyParser {
         if (i == element.count) break;
       }
       values_.begin_record(i);
+      coordinates_.clear();
+      double texture = 0.0;
+      const std::size_t first_corner = corner_count_;
       for (const PlyProperty& property : element.properties) {
         if (is_corner_list(property))
           read_corners(property);
         else if (property.count_type && property.name == "texcoord")
-          soup_.left_out.texture_coordinates += skip_list(property) / 2;
+          read_texture_coordinates(property);
+        else if (!property.count_type && property.name == "texnumber")
+          texture = values_.next(property.type);
         else
           skip(property);
       }
       soup_.end_polygon(values_.line());
+      add_texture_coordinates(first_corner);
+      if (texture_count_ > 0) set_texture(texture);
       values_.end_record();
     }
+  }
+
+  void read_texture_coordinates(const PlyProperty& property) {
+    const std::uint64_t count = next_count(property);
+    for (std::uint64_t i = 0; i < count; ++i) coordinates_.push_back(to_float(values_.next(property.type)));
+  }
+
+  // A pair for each corner of the face that has been read, or none.
+  void add_texture_coordinates(std::size_t first_corner) {
+    if (coordinates_.empty()) return;
+    const std::size_t corners = corner_count_ - first_corner;
+    if (coordinates_.size() != 2 * corners) {
+      values_.fail(
+          fmt::format("the list texcoord has {} numbers for a face of {} corners", coordinates_.size(), corners),
+          "export the mesh again");
+    }
+    attributes_.corners.resize(first_corner);
+    for (std::size_t i = 0; i < corners; ++i) {
+      attributes_.corners.push_back({static_cast<std::uint32_t>(attributes_.texture_coordinates.size()), no_id});
+      attributes_.texture_coordinates.emplace_back(coordinates_[2 * i], coordinates_[2 * i + 1]);
+    }
+    if (attributes_.texture_coordinates.size() >= no_id)
+      values_.fail("there are too many texture coordinates", "split the mesh into parts");
+  }
+
+  // The number of the face that has been read; below 0: it has no texture.
+  void set_texture(double number) {
+    if (number == 0.0) {
+      if (!soup_.polygon_materials.empty()) soup_.polygon_materials.resize(soup_.polygon_count(), MaterialId{0});
+      return;
+    }
+    if (number >= static_cast<double>(texture_count_) || number != std::floor(number)) {
+      values_.fail(fmt::format("a face has texture {}, but there are {}, numbered from 0", number, texture_count_),
+                   "export the mesh again");
+    }
+    if (number < 0.0 && soup_.materials.size() == texture_count_) soup_.materials.emplace_back();
+    const auto material = static_cast<MaterialId>(number < 0.0 ? texture_count_ : static_cast<std::size_t>(number));
+    soup_.polygon_materials.resize(soup_.polygon_count() - 1, MaterialId{0});
+    soup_.polygon_materials.push_back(material);
   }
 
   // Whether faces are nothing but lists of 32-bit indices with a count of one byte.
@@ -195,6 +288,7 @@ class BodyParser {
       }
       soup_.add_corner(static_cast<VertexId>(index));
     }
+    corner_count_ += count;
   }
 
   void read_strips(const PlyElement& element) {
@@ -235,6 +329,7 @@ class BodyParser {
   void add_strip_triangle(const Triangle& triangle) {
     for (int corner = 0; corner < 3; ++corner) soup_.add_corner(triangle[corner]);
     soup_.end_polygon(values_.line());
+    corner_count_ += 3;
   }
 
   // Some write -1 into a list of unsigned integers; no vertex has that index.
@@ -293,6 +388,10 @@ class BodyParser {
   Values values_;
   const FileErrors& errors_;
   std::uint64_t vertex_count_ = 0;  // as the header has it
+  std::size_t texture_count_ = 0;
+  std::size_t corner_count_ = 0;    // of the polygons so far, where faces may have texture coordinates
+  std::vector<float> coordinates_;  // of the face that is read
+  CornerAttributes attributes_;
   PolygonSoup soup_;
 };
 

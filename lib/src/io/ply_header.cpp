@@ -51,7 +51,7 @@ class HeaderParser {
       else if (keyword == "property")
         read_property();
       else if (keyword == "comment")
-        header_.texture_files += cursor_.word() == "TextureFile";
+        read_comment();
       else if (keyword != "obj_info") {
         cursor_.fail(fmt::format("the header line begins with {}", in_quotes(keyword)), "export the mesh again");
       }
@@ -80,6 +80,12 @@ class HeaderParser {
     else if (format != "ascii")
       cursor_.fail(fmt::format("the format {} is unknown", in_quotes(format)), "export the mesh again");
     has_format_ = true;
+  }
+
+  void read_comment() {
+    if (cursor_.word() != "TextureFile") return;
+    const std::string_view name = cursor_.rest_of_line();
+    if (!name.empty()) header_.texture_files.emplace_back(name);
   }
 
   void read_element() {

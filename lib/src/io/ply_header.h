@@ -35,7 +35,7 @@ struct PlyHeader {
   std::vector<PlyElement> elements;
   std::size_t body_offset = 0;  // in bytes
   std::uint64_t body_line = 1;
-  std::uint64_t texture_files = 0;  // comments "TextureFile NAME"
+  std::vector<std::string> texture_files;  // of comments "TextureFile NAME"
 };
 
 // Throws Error for anything that is not a PLY header, or that promises more elements than the file has room for.

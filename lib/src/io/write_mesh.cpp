@@ -4,90 +4,80 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
-#include <bit>
 #include <cassert>
+#include <cctype>
 #include <cstdint>
-#include <cstring>
 #include <glm/geometric.hpp>
-#include <iterator>
 #include <span>
-#include <utility>
+#include <string>
 
 #include "io/atomic_file.h"
+#include "io/chunked_writer.h"
 #include "io/file_format.h"
 #include "io/file_input.h"
+#include "io/mesh_writers.h"
 
 namespace occlod {
 namespace {
-
-// Collects bytes and writes them in large blocks.
-class ChunkedWriter {
- public:
-  explicit ChunkedWriter(AtomicFile& file) : file_(file) {}
-
-  template <class... Args>
-  void text(fmt::format_string<Args...> format, Args&&... args) {
-    fmt::format_to(std::back_inserter(chunk_), format, std::forward<Args>(args)...);
-    if (chunk_.size() >= chunk_size) flush();
-  }
-  // The bytes of `values` in little-endian order, without gaps.
-  template <class... Numbers>
-  void numbers(Numbers... values) {
-    constexpr std::size_t size = (sizeof(Numbers) + ...);
-    chunk_.resize(chunk_.size() + size);
-    char* at = chunk_.data() + chunk_.size() - size;
-    ((put(at, values), at += sizeof(Numbers)), ...);
-    if (chunk_.size() >= chunk_size) flush();
-  }
-  void vector(const glm::vec3& v) { numbers(v.x, v.y, v.z); }
-  void flush() {
-    file_.write(std::as_bytes(std::span(chunk_.data(), chunk_.size())));
-    chunk_.clear();
-  }
-
- private:
-  static constexpr std::size_t chunk_size = std::size_t{1} << 18;
-
-  template <class Number>
-  static void put(char* at, Number value) {
-    auto bytes = std::bit_cast<std::array<char, sizeof(Number)>>(value);
-    if constexpr (std::endian::native == std::endian::big) std::reverse(bytes.begin(), bytes.end());
-    std::memcpy(at, bytes.data(), bytes.size());
-  }
-
-  AtomicFile& file_;
-  fmt::memory_buffer chunk_;
-};
 
 // Without those of extra wedges.
 std::span<const glm::vec3> vertices_of(const TriangleMesh& mesh) {
   return std::span(mesh.positions).first(mesh.vertex_count());
 }
 
-void write_ply(ChunkedWriter& out, const TriangleMesh& mesh) {
-  out.text("ply\nformat binary_little_endian 1.0\nelement vertex {}\n", mesh.vertex_count());
-  out.text("property float x\nproperty float y\nproperty float z\n");
+glm::vec2 from_bottom_left(const TriangleMesh& mesh, const glm::vec2& at) {
+  return mesh.texture_origin == TextureOrigin::bottom_left ? at : glm::vec2(at.x, from_other_origin(at.y));
+}
+
+// Of each texture's number, where faces have to name one: there are several, or some have none.
+bool needs_texture_numbers(const TriangleMesh& mesh) {
+  return !mesh.textures.empty() && (mesh.textures.size() > 1 || mesh.materials.size() > 1);
+}
+
+void write_ply_header(ChunkedWriter& out, const TriangleMesh& mesh, const std::filesystem::path& path) {
+  out.text("ply\nformat binary_little_endian 1.0\n");
+  for (const std::string& file : texture_files(mesh, path)) out.text("comment TextureFile {}\n", file);
+  out.text("element vertex {}\nproperty float x\nproperty float y\nproperty float z\n", mesh.wedge_count());
   if (!mesh.normals.empty()) out.text("property float nx\nproperty float ny\nproperty float nz\n");
   if (!mesh.colors.empty()) {
     out.text("property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n");
   }
-  out.text("element face {}\nproperty list uchar uint vertex_indices\nend_header\n", mesh.triangle_count());
-  for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
-    out.vector(mesh.positions[v]);
-    if (!mesh.normals.empty()) out.vector(mesh.normals[v]);
-    if (mesh.colors.empty()) continue;
-    const glm::u8vec4& color = mesh.colors[v];
-    out.numbers(color.r, color.g, color.b, color.a);
+  if (!mesh.texture_coordinates.empty()) out.text("property float s\nproperty float t\n");
+  out.text("element face {}\nproperty list uchar uint vertex_indices\n", mesh.triangle_count());
+  if (needs_texture_numbers(mesh)) {
+    if (!mesh.texture_coordinates.empty()) out.text("property list uchar float texcoord\n");
+    out.text("property int texnumber\n");
   }
-  for (const Triangle& t : mesh.triangles) out.numbers(std::uint8_t{3}, t.x, t.y, t.z);
+  out.text("end_header\n");
 }
 
-void write_obj(ChunkedWriter& out, const TriangleMesh& mesh) {
-  for (const glm::vec3& p : vertices_of(mesh)) out.text("v {} {} {}\n", p.x, p.y, p.z);
-  for (const Triangle& t : mesh.triangles) {
-    out.text("f {} {} {}\n", std::uint64_t{t.x} + 1, std::uint64_t{t.y} + 1, std::uint64_t{t.z} + 1);
+// A vertex for each wedge: readers that weld make one of those at one position, others show seams as they are. Faces
+// repeat the texture coordinates where they name a texture, as MeshLab has it.
+void write_ply(ChunkedWriter& out, const TriangleMesh& mesh, const std::filesystem::path& path) {
+  write_ply_header(out, mesh, path);
+  for (std::size_t w = 0; w < mesh.wedge_count(); ++w) {
+    out.vector(mesh.positions[w]);
+    if (!mesh.normals.empty()) out.vector(mesh.normals[w]);
+    if (!mesh.colors.empty()) {
+      const glm::u8vec4& color = mesh.colors[w];
+      out.numbers(color.r, color.g, color.b, color.a);
+    }
+    if (mesh.texture_coordinates.empty()) continue;
+    const glm::vec2 at = from_bottom_left(mesh, mesh.texture_coordinates[w]);
+    out.numbers(at.x, at.y);
+  }
+  const bool has_numbers = needs_texture_numbers(mesh);
+  for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
+    const Triangle& corners = mesh.wedge_triangles()[t];
+    out.numbers(std::uint8_t{3}, corners.x, corners.y, corners.z);
+    if (!has_numbers) continue;
+    if (!mesh.texture_coordinates.empty()) out.numbers(std::uint8_t{6});
+    for (int k = 0; k < 3 && !mesh.texture_coordinates.empty(); ++k) {
+      const glm::vec2 at = from_bottom_left(mesh, mesh.texture_coordinates[corners[k]]);
+      out.numbers(at.x, at.y);
+    }
+    const TextureId texture = mesh.materials.empty() ? no_texture : mesh.materials[mesh.material_of(t)].texture;
+    out.numbers(texture == no_texture ? std::int32_t{-1} : std::int32_t{texture});
   }
 }
 
@@ -116,7 +106,10 @@ void write_stl(ChunkedWriter& out, const TriangleMesh& mesh) {
 MeshFormat format_to_write(const std::filesystem::path& path) {
   const FileErrors errors(path);
   const MeshFormat format = format_of(path, errors);
-  if (format == MeshFormat::gltf) errors.fail("", "glTF is read but not written", "use .ply, .obj, .off or .stl");
+  std::string extension = path.extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (format == MeshFormat::gltf && extension != ".glb")
+    errors.fail("", "glTF in text is read but not written", "use .glb, or .ply, .obj, .off or .stl");
   return format;
 }
 
@@ -130,15 +123,16 @@ void check_mesh_output(const std::filesystem::path& path) {
 void write_mesh(const std::filesystem::path& path, const TriangleMesh& mesh) {
   assert(mesh.normals.empty() || mesh.normals.size() == mesh.wedge_count());
   assert(mesh.colors.empty() || mesh.colors.size() == mesh.wedge_count());
+  assert(mesh.texture_coordinates.empty() || mesh.texture_coordinates.size() == mesh.wedge_count());
   const MeshFormat format = format_to_write(path);
   AtomicFile file(path);
   ChunkedWriter out(file);
   switch (format) {
     case MeshFormat::ply:
-      write_ply(out, mesh);
+      write_ply(out, mesh, path);
       break;
     case MeshFormat::obj:
-      write_obj(out, mesh);
+      write_obj(out, mesh, path);
       break;
     case MeshFormat::off:
       write_off(out, mesh);
@@ -146,7 +140,8 @@ void write_mesh(const std::filesystem::path& path, const TriangleMesh& mesh) {
     case MeshFormat::stl:
       write_stl(out, mesh);
       break;
-    case MeshFormat::gltf:  // refused above
+    case MeshFormat::gltf:
+      write_glb(out, mesh, path);
       break;
   }
   out.flush();

@@ -47,7 +47,7 @@ struct HierarchyView {
   std::span<const Material> materials;              // that wedge_materials indexes
   std::span<const Texture> textures;                // that materials index
   std::span<const std::uint16_t> attribute_errors;  // by split, see Hierarchy::attribute_error()
-  TextureOrigin texture_origin = TextureOrigin::bottom_left;
+  TextureOrigin texture_origin = TextureOrigin::bottom_left;  // of texture_coordinates
 };
 
 class SplitGuard;

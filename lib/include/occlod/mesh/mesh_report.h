@@ -9,8 +9,8 @@ namespace occlod {
 // does.
 struct LeftOut {
   // All: vertices with one that is not finite, which becomes (0, 0). OBJ: vt lines that no face uses. PLY: vertices
-  // with a pair (u, v), (s, t) or (texture_u, texture_v), and the pairs of the faces' lists `texcoord`. OFF: vertices
-  // of STOFF files. glTF: vertices, once for each of their TEXCOORD_n.
+  // that have one, where faces do too. OFF: vertices of STOFF files. glTF: vertices, once for each of their TEXCOORD_n
+  // but the one that the base colour's texture names.
   std::uint64_t texture_coordinates = 0;
   // OBJ: vn lines that no face uses. PLY: faces that have one. STL: facets.
   std::uint64_t normals = 0;
@@ -18,7 +18,7 @@ struct LeftOut {
   // them. glTF: vertices, once for each of their COLOR_n beyond COLOR_0.
   std::uint64_t colors = 0;
   // OBJ: names on usemtl lines that no library of the mtllib lines describes; their names are kept. PLY: elements
-  // `material` and comments TextureFile. glTF: different materials of the primitives that are read.
+  // `material`. glTF: textures of materials that are not of the base colour.
   std::uint64_t materials = 0;
   // OBJ: different names on o lines, and on g lines. STL: different names of solids (text). glTF: nodes with a mesh.
   std::uint64_t groups = 0;

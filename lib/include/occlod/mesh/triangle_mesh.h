@@ -65,7 +65,7 @@ struct TriangleMesh {
   std::vector<MaterialId> triangle_materials;  // by triangle; empty: all have the first, if any. A wedge's are the same
   std::vector<Material> materials;             // that triangle_materials indexes
   std::vector<Texture> textures;               // that materials index
-  TextureOrigin texture_origin = TextureOrigin::bottom_left;
+  TextureOrigin texture_origin = TextureOrigin::bottom_left;  // of texture_coordinates
 
   // Number of vertices: of positions without those of extra wedges.
   [[nodiscard]] std::size_t vertex_count() const noexcept { return positions.size() - extra_wedges.size(); }

@@ -13,6 +13,7 @@ vcpkg_cmake_configure(
     -DOCCLOD_BUILD_VIEWER=OFF
     -DOCCLOD_WARNINGS_AS_ERRORS=OFF
     -DOCCLOD_WITH_CGAL=OFF
+    -DOCCLOD_WITH_MESHOPTIMIZER=OFF
     -DOCCLOD_WITH_OPENMESH=OFF)
 vcpkg_cmake_install()
 vcpkg_cmake_config_fixup(CONFIG_PATH lib/cmake/occlod)
