@@ -29,7 +29,7 @@ FullMeshPicture::FullMeshPicture(const std::vector<LoadedObject>& objects, const
   triangles.reserve(objects.size());
   std::vector<DrawObject> full;
   for (const LoadedObject& object : objects) {
-    triangles.push_back(triangles_of(*object.hierarchy, full_cut(*object.hierarchy)));
+    triangles.push_back(wedge_triangles_of(*object.hierarchy, full_cut(*object.hierarchy)));
     full.push_back(draw_object(object, triangles.back()));
   }
   redraw(items_, full, view);

@@ -187,6 +187,20 @@ class Render(ToolTest):
             self.assertIn("--texture", self.failure_of("render", "planet.olod", "--texture", choice, "--png", "other.png"))
         self.assertFalse((self.folder / "other.png").exists())
 
+    def test_textures_of_two_charts(self):
+        """All triangles are there, so the picture is that of the full mesh, on both sides of the seam; without its texture it is another."""
+        places = ((0, 0), (1, 0), (1, 1), (0, 1), (2, 0), (2, 1))
+        charts = ((0, 0), (0.2, 0), (0.2, 0.2), (0, 0.2), (0.7, 0.7), (0.9, 0.7), (0.9, 0.9), (0.7, 0.9))
+        (self.folder / "strip.obj").write_text(
+            "".join(f"v {x} {y} 0\n" for x, y in places) + "".join(f"vt {s} {t}\n" for s, t in charts)
+            + "f 1/1 2/2 3/3 4/4\nf 2/5 5/6 6/7 3/8\n")
+        pictures = {}
+        for choice in ("checker", "none"):
+            result = self.json_of("render", "strip.obj", "--no-cache", "--texture", choice, "--reference", "--png", "view.png")
+            self.assertEqual((result["psnr_y"], result["psnr_cb"], result["psnr_cr"]), (None, None, None))  # infinite
+            pictures[choice] = (self.folder / "view.png").read_bytes()
+        self.assertNotEqual(pictures["checker"], pictures["none"])
+
     def test_mesh_in_world_space(self):
         """The second object is mirrored and moved by 10: its half of the mesh lies there, and its outside stays outside."""
         self.write_scene("""{"objects": [{"mesh": "planet.olod"}, {"mesh": "planet.olod", "scale": -1, "position": [10, 0, 0]}],

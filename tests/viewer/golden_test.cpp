@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <fstream>
 #include <glm/common.hpp>
 
 #include "occlod/io/write_mesh.h"
@@ -64,6 +65,29 @@ TEST_F(Golden, VertexColours) {
   act({{"do", "view_from"}, {"side", "front"}});
   set("color_by", "vertices");
   expect_golden("vertices");
+}
+
+// A square with an image of four colours, each in its corner of the picture: no golden picture is needed to tell.
+TEST_F(Golden, Textures) {
+  Image four{2, 2, {{255, 0, 0, 255}, {0, 255, 0, 255}, {0, 0, 255, 255}, {255, 255, 255, 255}}};
+  write_png(folder_.path("four.png"), four);
+  std::ofstream(folder_.path("square.mtl")) << "newmtl four\nmap_Kd four.png\n";
+  std::ofstream(folder_.path("square.obj")) << "mtllib square.mtl\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\n"
+                                               "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
+                                               "usemtl four\nf 1/1 2/2 3/3 4/4\n";
+  act({{"do", "close_all"}});
+  act({{"do", "open"}, {"file", folder_.path("square.obj").string()}});
+  act({{"do", "view_from"}, {"side", "front"}});
+  const Image textured = picture();
+  const auto at = [&](const Image& image, int x, int y) { return image.pixels[static_cast<std::size_t>(200 * y + x)]; };
+  const glm::u8vec4 red = at(textured, 75, 50), green = at(textured, 125, 50), blue = at(textured, 75, 100),
+                    white = at(textured, 125, 100);
+  EXPECT_TRUE(red.x > 2 * red.y && red.x > 2 * red.z) << int{red.x} << " " << int{red.y} << " " << int{red.z};
+  EXPECT_TRUE(green.y > 2 * green.x && green.y > 2 * green.z);
+  EXPECT_TRUE(blue.z > 2 * blue.x && blue.z > 2 * blue.y);
+  EXPECT_TRUE(white.x > 100 && white.y > 100 && white.z > 100);
+  set("color_by", "plain");
+  EXPECT_EQ(at(picture(), 75, 50), at(picture(), 125, 100));
 }
 
 TEST_F(Golden, FrozenFromBehind) {

@@ -33,14 +33,6 @@ std::vector<glm::vec3> vertex_normals(std::span<const glm::vec3> positions, std:
   return normals;
 }
 
-// Of the full mesh: seams are no borders of the surface.
-std::vector<Triangle> vertex_triangles(const Hierarchy& hierarchy) {
-  std::vector<Triangle> triangles = triangles_of(hierarchy, full_cut(hierarchy));
-  for (Triangle& t : triangles)
-    t = {hierarchy.vertex_of_wedge(t.x), hierarchy.vertex_of_wedge(t.y), hierarchy.vertex_of_wedge(t.z)};
-  return triangles;
-}
-
 // The other wedges of a vertex take what its first one has.
 template <typename Value>
 std::vector<Value> by_wedge(const Hierarchy& hierarchy, std::vector<Value> values) {
@@ -71,7 +63,8 @@ std::shared_ptr<const ViewMesh> make_view_mesh(std::shared_ptr<const Hierarchy> 
                                                const std::filesystem::path& folder) {
   hierarchy->require_all();
   auto mesh = std::make_shared<ViewMesh>();
-  const std::vector<Triangle> triangles = vertex_triangles(*hierarchy);
+  // Of vertices: seams are no borders of the surface.
+  const std::vector<Triangle> triangles = triangles_of(*hierarchy, full_cut(*hierarchy));
   const std::span<const glm::vec3> positions = hierarchy->positions().first(hierarchy->vertex_count());
   const std::span<const glm::vec3> own = hierarchy->data().normals;
   mesh->normals = own.empty() ? by_wedge(*hierarchy, vertex_normals(positions, triangles))
