@@ -12,6 +12,7 @@
 #include "occlod/mesh/clean.h"
 #include "repair/repair_case.h"
 #include "support/meshes.h"
+#include "support/wedges.h"
 
 namespace occlod::repair {
 namespace {
@@ -28,6 +29,12 @@ TriangleMesh cube() {
     mesh.triangles.emplace_back(side.x, side.z, side.w);
   }
   return mesh;
+}
+
+std::vector<test::Corner> sorted_corners(const TriangleMesh& mesh) {
+  std::vector<test::Corner> corners = test::corners_of(mesh);
+  std::sort(corners.begin(), corners.end());
+  return corners;
 }
 
 double volume(const TriangleMesh& mesh) {
@@ -284,6 +291,42 @@ TEST(Repair, AttributesFollowTheirVertices) {
     EXPECT_EQ(repaired.mesh.positions[v], mesh.positions[source]);
     EXPECT_EQ(repaired.mesh.normals[v], mesh.normals[source]);
   }
+}
+
+// A cube whose sides are charts of their own, two of them of another material and one turned over, with a hole: what
+// stays has its wedges, and the triangle that fills the hole those of the vertices.
+TEST(Repair, SeamsAndMaterialsStay) {
+  TriangleMesh soup;
+  const TriangleMesh whole = cube();
+  for (std::size_t t = 0; t < 12; ++t) {
+    const auto first = static_cast<VertexId>(3 * t);
+    for (int k = 0; k < 3; ++k) {
+      soup.positions.push_back(whole.positions[whole.triangles[t][k]]);
+      soup.texture_coordinates.emplace_back(static_cast<float>(t / 2), static_cast<float>(whole.triangles[t][k]));
+    }
+    soup.triangles.emplace_back(first, first + 1, first + 2);
+    soup.triangle_materials.push_back(t < 4 ? 1 : 0);
+  }
+  soup.materials.resize(2);
+  soup.textures.resize(1);
+  turn(soup.triangles[5]);
+  const TriangleMesh mesh = clean(soup, {}, "cube").mesh;
+  ASSERT_EQ(mesh.wedge_count(), 24U);
+  const RepairedMesh repaired = repair_mesh(mesh);
+  EXPECT_EQ(test::wedge_problem(repaired.mesh), "");
+  EXPECT_EQ(repaired.changes.triangles_turned, 1U);
+  EXPECT_EQ(sorted_corners(repaired.mesh), sorted_corners(mesh));
+  EXPECT_EQ(repaired.mesh.materials.size(), 2U);
+  EXPECT_EQ(repaired.mesh.textures.size(), 1U);
+
+  soup.triangles.erase(soup.triangles.begin() + 3);
+  soup.triangle_materials.erase(soup.triangle_materials.begin() + 3);
+  RepairOptions options;
+  options.fill_holes = 3;
+  const RepairedMesh filled = repair_mesh(clean(soup, {}, "cube").mesh, options);
+  EXPECT_EQ(test::wedge_problem(filled.mesh), "");
+  EXPECT_EQ(filled.changes.triangles_added, 1U);
+  EXPECT_EQ(filled.mesh.triangle_count(), 12U);
 }
 
 TEST(Repair, WhatProgressThrowsEndsIt) {

@@ -14,7 +14,10 @@ const char* const sources_name = "v:source";
 Soup soup_of(const TriangleMesh& mesh) {
   Soup soup;
   soup.points.reserve(mesh.vertex_count());
-  for (const glm::vec3& p : mesh.positions) soup.points.emplace_back(p.x, p.y, p.z);
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+    const glm::vec3& p = mesh.positions[v];
+    soup.points.emplace_back(p.x, p.y, p.z);
+  }
   soup.sources.resize(mesh.vertex_count());
   std::iota(soup.sources.begin(), soup.sources.end(), VertexId{0});
   soup.triangles.reserve(mesh.triangle_count());
@@ -30,7 +33,7 @@ HalfedgeMesh halfedge_mesh_of(const Soup& soup) {
   return mesh;
 }
 
-TriangleMesh triangle_mesh_of(HalfedgeMesh mesh, const TriangleMesh& original) {
+TriangleMesh triangle_mesh_of(HalfedgeMesh mesh, const TriangleMesh& original, std::vector<VertexId>& vertex_sources) {
   const Sources sources = mesh.add_property_map<Vertex, VertexId>(sources_name).first;  // finds the one that is there
   TriangleMesh result;
   std::vector<VertexId> new_id(mesh.number_of_vertices() + mesh.number_of_removed_vertices(), no_id);
@@ -38,8 +41,7 @@ TriangleMesh triangle_mesh_of(HalfedgeMesh mesh, const TriangleMesh& original) {
     if (new_id[v] == no_id) {
       new_id[v] = static_cast<VertexId>(result.vertex_count());
       result.positions.push_back(original.positions[sources[v]]);
-      if (!original.normals.empty()) result.normals.push_back(original.normals[sources[v]]);
-      if (!original.colors.empty()) result.colors.push_back(original.colors[sources[v]]);
+      vertex_sources.push_back(sources[v]);
     }
     return new_id[v];
   };

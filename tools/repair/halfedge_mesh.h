@@ -34,7 +34,9 @@ using Sources = HalfedgeMesh::Property_map<Vertex, VertexId>;
 // Face i is triangle i, vertex i is point i. The soup must be a manifold in one direction.
 [[nodiscard]] HalfedgeMesh halfedge_mesh_of(const Soup& soup);
 
-// With the positions and attributes of `original` that the vertices come from; unused vertices are left out.
-[[nodiscard]] TriangleMesh triangle_mesh_of(HalfedgeMesh mesh, const TriangleMesh& original);
+// The positions of `original` that the vertices come from, which are appended to `vertex_sources`, and the triangles;
+// unused vertices are left out.
+[[nodiscard]] TriangleMesh triangle_mesh_of(HalfedgeMesh mesh, const TriangleMesh& original,
+                                            std::vector<VertexId>& vertex_sources);
 
 }  // namespace occlod::repair

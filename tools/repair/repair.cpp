@@ -6,22 +6,40 @@
 #include <utility>
 #include <vector>
 
-#include "occlod/mesh/merge_wedges.h"
 #include "repair/array_hash.h"
 #include "repair/collinear_faces.h"
 #include "repair/fill_holes.h"
+#include "repair/give_attributes.h"
 #include "repair/orient.h"
 #include "repair/weld.h"
 
 namespace occlod::repair {
 namespace {
 
+// Drops triangles for which `is_dropped(t)`, which is asked in their order, and what belongs to them; returns how many.
+template <class IsDropped>
+std::size_t drop_triangles(TriangleMesh& mesh, IsDropped is_dropped) {
+  std::size_t kept = 0;
+  const std::size_t before = mesh.triangle_count();
+  for (std::size_t t = 0; t < before; ++t) {
+    if (is_dropped(mesh.triangles[t])) continue;
+    mesh.triangles[kept] = mesh.triangles[t];
+    if (!mesh.corners.empty()) mesh.corners[kept] = mesh.corners[t];
+    if (!mesh.triangle_materials.empty()) mesh.triangle_materials[kept] = mesh.triangle_materials[t];
+    ++kept;
+  }
+  mesh.triangles.resize(kept);
+  if (!mesh.corners.empty()) mesh.corners.resize(kept);
+  if (!mesh.triangle_materials.empty()) mesh.triangle_materials.resize(kept);
+  return before - kept;
+}
+
 void weld(TriangleMesh& mesh, double distance, RepairCounts& counts) {
   const std::vector<VertexId> targets = weld_targets(mesh, distance);
   for (VertexId v = 0; v < targets.size(); ++v) counts.vertices_welded += targets[v] == v ? 0U : 1U;
   for (Triangle& t : mesh.triangles) t = {targets[t.x], targets[t.y], targets[t.z]};
   counts.collapsed_dropped =
-      std::erase_if(mesh.triangles, [](const Triangle& t) { return t.x == t.y || t.y == t.z || t.z == t.x; });
+      drop_triangles(mesh, [](const Triangle& t) { return t.x == t.y || t.y == t.z || t.z == t.x; });
 }
 
 bool is_odd(const Triangle& t) { return ((t.x > t.y) != (t.y > t.z)) != (t.z > t.x); }
@@ -31,7 +49,7 @@ void drop_repeated(TriangleMesh& mesh, RepairCounts& counts) {
   using Key = std::array<VertexId, 3>;
   std::unordered_map<Key, bool, ArrayHash<Key>> first_is_odd;
   first_is_odd.reserve(mesh.triangle_count());
-  std::erase_if(mesh.triangles, [&](const Triangle& t) {
+  drop_triangles(mesh, [&](const Triangle& t) {
     Key key = {t.x, t.y, t.z};
     std::sort(key.begin(), key.end());
     const auto [first, is_new] = first_is_odd.emplace(key, is_odd(t));
@@ -47,7 +65,7 @@ RepairedMesh repair_mesh(const TriangleMesh& mesh, const RepairOptions& options)
     if (options.progress) options.progress(what, done);
   };
   RepairCounts counts;
-  TriangleMesh soup = merge_wedges(mesh);
+  TriangleMesh soup = mesh;
   if (options.weld > 0.0) {
     tell("welding", std::nullopt);
     weld(soup, options.weld, counts);
@@ -59,7 +77,10 @@ RepairedMesh repair_mesh(const TriangleMesh& mesh, const RepairOptions& options)
   remove_collinear_faces(halfedges, counts);
   fill_holes(
       halfedges, options.fill_holes, [&](double done) { tell("filling holes", done); }, counts);
-  return {triangle_mesh_of(std::move(halfedges), soup), counts};
+  std::vector<VertexId> sources;
+  RepairedMesh result{triangle_mesh_of(std::move(halfedges), soup, sources), counts};
+  give_attributes(result.mesh, sources, soup);
+  return result;
 }
 
 }  // namespace occlod::repair
