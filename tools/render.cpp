@@ -113,6 +113,17 @@ void check_files(const RenderOptions& options, const SceneDescription& scene) {
   if (!options.mesh.empty()) files.add_mesh_output("--mesh", options.mesh);
 }
 
+// Images that meshes name are read too.
+void check_images(const RenderOptions& options, const RenderInput& input) {
+  CommandFiles files;
+  for (const LoadedObject& object : input.objects)
+    for (const Texture& texture : object.hierarchy->data().textures)
+      if (!texture.file.empty())
+        files.add_input("an image of a mesh", std::filesystem::path(object.source_name).parent_path() / texture.file);
+  if (!options.png.empty() && !input.path) files.add_output("--png", options.png);
+  if (!options.birdseye.empty()) files.add_output("--birdseye", options.birdseye);
+}
+
 void run(const RenderOptions& options) {
   const BackendOptions backend = backend_options(options);
   const SceneDescription scene = describe_render_input(options.input);
@@ -122,6 +133,7 @@ void run(const RenderOptions& options) {
   std::vector<LoadedHlod> hlods;  // to compare with
   if (options.explain) hlods = load_hlods_of(scene, options.input.file.parent_path(), options.input.use_cache);
   const std::vector<hlod::PlacedHlod> placed = placed_objects(hlods);
+  check_images(options, input);
   const bool shows_textures = !options.png.empty() || options.reference;
   const SceneTextures textures(input.objects, shows_textures ? options.texture : TextureChoice::none);
   RefineWay way(input.objects, backend, options.auto_way);

@@ -201,6 +201,15 @@ class Render(ToolTest):
             pictures[choice] = (self.folder / "view.png").read_bytes()
         self.assertNotEqual(pictures["checker"], pictures["none"])
 
+    def test_images_of_meshes_are_not_overwritten(self):
+        (self.folder / "skin.mtl").write_text("newmtl skin\nmap_Kd skin.png\n")
+        (self.folder / "one.obj").write_text("mtllib skin.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl skin\nf 1/1 2/1 3/1\n")
+        (self.folder / "skin.png").write_text("kept")
+        done = self.run_tool("render", "one.obj", "--no-cache", "--png", "skin.png")
+        self.assertEqual((done.returncode, done.stdout), (2, ""))
+        self.assertIn("--png: would overwrite skin.png, which is an image of a mesh", done.stderr)
+        self.assertEqual((self.folder / "skin.png").read_text(), "kept")
+
     def test_mesh_in_world_space(self):
         """The second object is mirrored and moved by 10: its half of the mesh lies there, and its outside stays outside."""
         self.write_scene("""{"objects": [{"mesh": "planet.olod"}, {"mesh": "planet.olod", "scale": -1, "position": [10, 0, 0]}],

@@ -1,6 +1,7 @@
 // What the viewer makes of wedges and materials.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -54,6 +55,27 @@ TEST(BornSplits, AreThoseOfVerticesNotOfWedges) {
       EXPECT_EQ(hierarchy->vertex_of(born[i]), last);
   }
   EXPECT_GT(of_extra_wedges, 0U);
+}
+
+// With all splits applied nothing has slipped; of the base mesh, whose texture is stretched, something has. Its errors
+// of shape are others.
+TEST(ErrorsPx, OfAttributesAreThoseOfTheNextSplits) {
+  PlacedObject object;
+  object.mesh = make_view_mesh(cylinder());
+  const Hierarchy& hierarchy = *object.mesh->hierarchy;
+  Camera camera;
+  camera.eye = {0.0, 0.0, 10.0};
+  const View view(camera);
+  RefinedObject base;
+  const FixedCut none{std::vector<bool>(hierarchy.split_count()), 0, hierarchy.base_triangle_count()};
+  base.triangles = wedge_triangles_of(hierarchy, none);
+  const std::vector<double> slips = errors_px(object, base, view, ErrorOf::attributes);
+  EXPECT_GT(*std::max_element(slips.begin(), slips.end()), 0.0);
+  EXPECT_NE(slips, errors_px(object, base, view));
+  RefinedObject full;
+  full.triangles = wedge_triangles_of(hierarchy, full_cut(hierarchy));
+  for (SplitId s = 0; s < hierarchy.split_count(); ++s) full.splits.push_back(s);
+  for (const double slip : errors_px(object, full, view, ErrorOf::attributes)) EXPECT_EQ(slip, 0.0);
 }
 
 // Every layer is as large as the largest image, a power of two; one without an image is its base colour.

@@ -168,7 +168,8 @@ std::vector<Outcome> outcomes(const PlacedObject& object, const RefinedObject& r
   return result;
 }
 
-std::vector<double> errors_px(const PlacedObject& object, const RefinedObject& refined, const View& view) {
+std::vector<double> errors_px(const PlacedObject& object, const RefinedObject& refined, const View& view,
+                              ErrorOf what) {
   const Hierarchy& hierarchy = *object.mesh->hierarchy;
   NextSplits next_splits(hierarchy, refined.splits);
   const ObjectView object_view(view, object.object_to_world);
@@ -177,7 +178,8 @@ std::vector<double> errors_px(const PlacedObject& object, const RefinedObject& r
   for (const Triangle& t : refined.triangles) {
     float error = 0.0F;
     for (int k = 0; k < 3; ++k)
-      if (const SplitId next = next_splits.of(t[k]); next != no_id) error = std::max(error, hierarchy.node(next).error);
+      if (const SplitId next = next_splits.of(t[k]); next != no_id)
+        error = std::max(error, what == ErrorOf::shape ? hierarchy.node(next).error : hierarchy.attribute_error(next));
     // The scale at the triangle itself: that of a whole subtree is unlimited as soon as the eye is inside its sphere.
     const std::array<glm::vec3, 3> corners = {hierarchy.positions()[t.x], hierarchy.positions()[t.y],
                                               hierarchy.positions()[t.z]};

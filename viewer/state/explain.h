@@ -23,8 +23,12 @@ namespace occlod::viewer {
 [[nodiscard]] std::vector<Outcome> outcomes(const PlacedObject& object, const RefinedObject& refined, const View& view,
                                             const DepthPyramid* occluder);
 
-// What one triangle may differ from the input by, in pixels: the quadric error of the largest split that has not been
-// applied at its corners; 0 when there is none.
-[[nodiscard]] std::vector<double> errors_px(const PlacedObject& object, const RefinedObject& refined, const View& view);
+enum class ErrorOf { shape, attributes };
+
+// What one triangle may differ from the input by, in pixels: the quadric error, or the error of attributes (how far
+// textures, hard normals and colours slip), of the largest split that has not been applied at its corners; 0 when there
+// is none.
+[[nodiscard]] std::vector<double> errors_px(const PlacedObject& object, const RefinedObject& refined, const View& view,
+                                            ErrorOf what = ErrorOf::shape);
 
 }  // namespace occlod::viewer

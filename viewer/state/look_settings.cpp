@@ -15,7 +15,7 @@ std::span<const Setting> look_settings() {
           {0.0, 180.0, false, "degrees"}, [](auto& s) -> auto& { return s.look.crease_deg; }),
       choice(
           {"color_by", "Colour by", "What the colour of a triangle stands for"},
-          {"plain", "vertices", "texture", "level", "error", "visibility", "outcome", "age"},
+          {"plain", "vertices", "texture", "level", "error", "slip", "visibility", "outcome", "age"},
           [](auto& s) -> auto& { return s.look.color_by; }),
       toggle(
           {"wire", "Wireframe", "Draw the edges of triangles"}, [](auto& s) -> auto& { return s.look.wire; }),

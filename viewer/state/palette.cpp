@@ -104,6 +104,7 @@ std::vector<LegendEntry> legend_of(ColorBy color_by, int level_count) {
         legend.push_back({level_color(share), fmt::format("level {:.0f}", share * std::max(level_count - 1, 0))});
       break;
     case ColorBy::error:
+    case ColorBy::slip:
       legend.push_back({error_color(least_error_px), fmt::format("{:g} px or less", least_error_px)});
       for (const double px : {0.5, 2.0, 8.0}) legend.push_back({error_color(px), fmt::format("{:g} px", px)});
       legend.push_back({error_color(most_error_px), fmt::format("{:g} px or more", most_error_px)});

@@ -202,6 +202,9 @@ class Bench {
         return level_colors(*object.mesh, refined);
       case ColorBy::error:
         return colored(errors_px(object, refined, view), [](double px) { return error_color(px); });
+      case ColorBy::slip:
+        return colored(errors_px(object, refined, view, ErrorOf::attributes),
+                       [](double px) { return error_color(px); });
       case ColorBy::visibility:
         return side.seen_colors[i];
       case ColorBy::outcome:

@@ -18,6 +18,7 @@ enum class ColorBy {
   texture,     // its materials, with their images; one colour without
   level,       // how deep in the forest the split stands that made it
   error,       // how far it may be from the input, in pixels
+  slip,        // how far its texture, hard normals and colours may have slipped, in pixels
   visibility,  // whether it owns a pixel, and if not, why
   outcome,     // what ended refinement here
   age,         // how long ago its split was last found visible
