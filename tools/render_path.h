@@ -20,7 +20,7 @@ struct PathOutput {
   int repeat = 1;  // 1 when following
   bool json = false;
   bool explain = false;
-  std::span<const ObjectTexture> textures = {};  // of the pictures; one for each object, or empty
+  std::span<const ObjectTexture> textures = {};   // of the pictures; one for each object, or empty
   std::span<const hlod::PlacedHlod> beside = {};  // unless empty, HLODs of the scene to compare with at the end
 };
 
