@@ -7,6 +7,7 @@
 
 #include "occlod/hierarchy/cut_mesh.h"
 #include "occlod/refine/geomorph.h"
+#include "occlod/refine/material_ranges.h"
 #include "refine/refine_support.h"
 #include "support/wedge_meshes.h"
 
@@ -78,6 +79,29 @@ TEST(RefinedWedges, AToleranceCoversHowFarTexturesSlip) {
   };
   EXPECT_GT(triangles(true, 0.5), 2 * triangles(false, 0.5));
   EXPECT_GT(triangles(true, 0.1), triangles(true, 0.5));
+}
+
+TEST(RefinedWedges, AreGroupedByMaterial) {
+  const Hierarchy hierarchy = build_hierarchy(many_charts());
+  FixedCut cut = cut_to_triangles(hierarchy, 900);
+  const std::vector<Triangle> triangles = wedge_triangles_of(hierarchy, cut);
+  MaterialRanges groups;
+  group_by_material(hierarchy, triangles, groups);
+  ASSERT_EQ(groups.ranges.size(), 2U);
+  EXPECT_EQ(groups.ranges[0].material, 0U);
+  EXPECT_EQ(groups.ranges[1].first, groups.ranges[0].count);
+  std::vector<Triangle> expected;
+  for (const MaterialRange& range : groups.ranges)
+    for (const Triangle& t : triangles)
+      if (hierarchy.material_of(t.y) == range.material) expected.push_back(t);
+  EXPECT_TRUE(groups.triangles == expected);
+  // Without materials there is one range, and none without triangles.
+  const Hierarchy plain = build_hierarchy(test::noisy_sphere(2, 1));
+  group_by_material(plain, triangles_of(plain, full_cut(plain)), groups);
+  ASSERT_EQ(groups.ranges.size(), 1U);
+  EXPECT_EQ(groups.ranges[0].count, plain.input_triangle_count());
+  group_by_material(hierarchy, {}, groups);
+  EXPECT_TRUE(groups.ranges.empty());
 }
 
 TEST(RefinedWedges, GeomorphsDoNotTearSeams) {
