@@ -282,6 +282,28 @@ TEST(Wedges, AMirroredChart) {
   }
 }
 
+TEST(Wedges, RestoresLooksAtEveryCorner) {
+  const TriangleMesh mesh = test::random_soup_with_wedges(7);
+  const Hierarchy hierarchy = build(mesh, 0);
+  EXPECT_TRUE(restores(hierarchy, mesh));
+  TriangleMesh changed = mesh;
+  changed.texture_coordinates.back().x += 1e-3F;
+  EXPECT_FALSE(restores(hierarchy, changed));
+  changed = mesh;
+  changed.normals.back().z = -changed.normals.back().z;
+  EXPECT_FALSE(restores(hierarchy, changed));
+  changed = mesh;
+  changed.colors.back().g ^= 1U;
+  EXPECT_FALSE(restores(hierarchy, changed));
+  changed = mesh;
+  changed.triangle_materials.back() ^= 1U;
+  EXPECT_FALSE(restores(hierarchy, changed));
+  // What the mesh does not have does not count.
+  changed = mesh;
+  changed.colors.clear();
+  EXPECT_TRUE(restores(hierarchy, changed));
+}
+
 TEST(Wedges, MeshesWithoutSeamsHaveNone) {
   const Hierarchy hierarchy = build(test::noisy_sphere(3, 1), 20);
   EXPECT_FALSE(hierarchy.has_seams());
