@@ -107,6 +107,40 @@ TEST(Wedges, ACubeKeepsItsEdgesAndChartsDownToTwelveTriangles) {
   EXPECT_LT(hierarchy.attribute_error(0), 1e-5F);
 }
 
+// V - E + F of each chart: faces that share wedges.
+std::vector<int> euler_characteristics(const TriangleMesh& mesh) {
+  std::vector<WedgeId> chart(mesh.wedge_count());
+  for (WedgeId w = 0; w < chart.size(); ++w) chart[w] = w;
+  const auto root = [&](WedgeId w) {
+    while (chart[w] != w) w = chart[w];
+    return w;
+  };
+  for (const Triangle& t : mesh.wedge_triangles()) chart[root(t.y)] = chart[root(t.z)] = root(t.x);
+  std::map<WedgeId, int> characteristics;
+  for (WedgeId w = 0; w < chart.size(); ++w) ++characteristics[root(w)];
+  std::map<std::pair<WedgeId, WedgeId>, int> edges;
+  for (const Triangle& t : mesh.wedge_triangles()) {
+    ++characteristics[root(t.x)];
+    for (int k = 0; k < 3; ++k) ++edges[std::minmax(t[k], t[(k + 1) % 3])];
+  }
+  for (const auto& [edge, count] : edges) --characteristics[root(edge.first)];
+  std::vector<int> result;
+  for (const auto& [w, characteristic] : characteristics) result.push_back(characteristic);
+  return result;
+}
+
+TEST(Wedges, ChartsStayDiscs) {
+  const Hierarchy cube = build(test::cube_of_charts(16), 12);
+  for (const std::size_t triangles : {12U, 30U, 100U, 700U, 3072U})
+    EXPECT_EQ(euler_characteristics(with_triangles(cube, triangles)), std::vector<int>(6, 1)) << triangles;
+  // Sixteen squares in a plane, where only textures ask for their outlines.
+  const Hierarchy grid = build(test::grid_of_charts(
+                                   32, [](int i, int j) { return (i / 8) * 4 + j / 8; }, [](int, int) { return 0; }),
+                               8);
+  for (const std::size_t triangles : {60U, 200U, 2048U})
+    EXPECT_EQ(euler_characteristics(with_triangles(grid, triangles)), std::vector<int>(16, 1)) << triangles;
+}
+
 TEST(Wedges, AttributesAreWorthTrianglesWhereTheSurfaceIsFlat) {
   // Any triangle of a plane can go, but the texture is stretched more and more to the right.
   TriangleMesh mesh = test::grid_of_charts(
