@@ -244,13 +244,14 @@ void bind_hierarchy(nb::module_& m) {
           "(n,) uint16: the material of the triangles at each wedge, or None when there is one or none.")
       .def_prop_ro(
           "attribute_errors",
-          [](const Hierarchy& h) -> std::optional<Array1<float>> {
-            if (h.data().attribute_errors.empty()) return std::nullopt;
+          [](const Hierarchy& h) -> nb::object {
+            if (h.data().attribute_errors.empty()) return nb::none();
             h.require_all();
             std::vector<float> errors(h.split_count());
             for (std::size_t s = 0; s < errors.size(); ++s) errors[s] = h.attribute_error(static_cast<SplitId>(s));
-            return array_of(std::move(errors));
+            return nb::cast(array_of(std::move(errors)));
           },
+          nb::sig("def attribute_errors(self) -> numpy.typing.NDArray[numpy.float32] | None"),
           "(splits,) float32: how far texture coordinates, normals and colours are off without each split, as a\n"
           "length in object units; about a root mean square. A copy. None where the input has neither texture\n"
           "coordinates nor seams.")

@@ -14,6 +14,66 @@ import occlod
 from support import corners, planet
 
 
+class Wedges(unittest.TestCase):
+    def setUp(self):
+        # A flat grid of two charts, whose texture coordinates are two apart at the seam x = 0.
+        lines, size = [], 16
+        for j in range(size + 1):
+            for i in range(size + 1):
+                lines += [f"v {i / 8 - 1} {j / 8 - 1} {0.2 * ((i * i + j) % 3)}", f"vt {i / 8} {j / 8}", f"vt {i / 8 + 2} {j / 8}"]
+        for j in range(size):
+            for i in range(size):
+                a, b = j * (size + 1) + i, (j + 1) * (size + 1) + i
+                side = 1 if i < size // 2 else 2
+                lines.append("f " + " ".join(f"{v + 1}/{2 * v + side}" for v in (a, a + 1, b + 1, b)))
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        path = pathlib.Path(folder.name) / "grid.obj"
+        path.write_text("\n".join(lines))
+        self.mesh = occlod.read_mesh(path)
+        self.hierarchy = occlod.build_hierarchy(self.mesh, base_triangles=8)
+
+    def test_arrays_are_by_wedge(self):
+        hierarchy = self.hierarchy
+        self.assertEqual(hierarchy.vertex_count, 17 * 17)
+        extra = hierarchy.extra_wedges
+        self.assertEqual(hierarchy.wedge_count, 17 * 17 + len(extra))
+        self.assertGreaterEqual(len(extra), 17)
+        self.assertTrue((numpy.diff(extra.astype(int)) >= 0).all())
+        self.assertEqual(hierarchy.texture_coordinates.shape, (hierarchy.wedge_count, 2))
+        numpy.testing.assert_array_equal(hierarchy.positions[hierarchy.vertex_count:], hierarchy.positions[extra])
+        self.assertEqual(len(hierarchy.attribute_errors), hierarchy.split_count)
+        self.assertGreater(hierarchy.attribute_errors.max(), 0)
+        self.assertIsNone(hierarchy.wedge_materials)
+        self.assertTrue(hierarchy.restores(self.mesh))
+
+    def test_triangles_of_wedges_have_one_chart(self):
+        cut = self.hierarchy.cut(triangles=60)
+        wedges = cut.wedge_triangles()
+        self.assertEqual(len(wedges), cut.triangle_count)
+        extra = self.hierarchy.extra_wedges
+        vertex = numpy.concatenate([numpy.arange(self.hierarchy.vertex_count), extra])
+        numpy.testing.assert_array_equal(vertex[wedges], cut.triangles())
+        u = self.hierarchy.texture_coordinates[wedges][:, :, 0]
+        self.assertTrue(((u <= 1.0).all(axis=1) | (u >= 3.0).all(axis=1)).all())
+
+    def test_a_view_may_leave_attributes_out(self):
+        view = occlod.View(occlod.Camera(eye=(0, 0, 3)))
+        options = occlod.RefineOptions(budget=512, tolerance_px=2.0)
+        counts = []
+        for attributes in (True, False):
+            item = occlod.Object(self.hierarchy, two_sided=True, attributes=attributes)
+            self.assertEqual(item.attributes, attributes)
+            counts.append(occlod.Refiner(item).refine(view, options, visibility=None).stats.triangles)
+        self.assertGreaterEqual(counts[0], counts[1])
+
+    def test_meshes_without_seams_have_none(self):
+        _, hierarchy = planet(2)
+        self.assertIsNone(hierarchy.texture_coordinates)
+        self.assertIsNone(hierarchy.attribute_errors)
+        self.assertEqual(len(hierarchy.extra_wedges), 0)
+
+
 class Build(unittest.TestCase):
     def test_restores_the_input(self):
         mesh, hierarchy = planet(3)
