@@ -64,7 +64,7 @@ class Wedges(unittest.TestCase):
         for attributes in (True, False):
             item = occlod.Object(self.hierarchy, two_sided=True, attributes=attributes)
             self.assertEqual(item.attributes, attributes)
-            counts.append(occlod.Refiner(item).refine(view, options, visibility=None).stats.triangles)
+            counts.append(occlod.Refiner(item).refine(view, options=options).stats.triangles)
         self.assertGreaterEqual(counts[0], counts[1])
 
     def test_meshes_without_seams_have_none(self):
