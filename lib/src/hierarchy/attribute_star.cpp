@@ -34,8 +34,11 @@ void AttributeStar::gather(const StarMesh& mesh, const AttributeState& state, co
   last_.clear();
   areas_.clear();
   const glm::vec3 origin = positions[v];
-  for (const StarFace f : mesh.star(v)) {
-    wedges_.push_back(state.corners.wedges(v, f, faces_));
+  const Star star = mesh.star(v);
+  equal_.find(star);
+  for (std::size_t i = 0; i < star.size(); ++i) {
+    const StarFace f = star[i];
+    wedges_.push_back(state.corners.wedges(v, f, equal_.rank(i)));
     faces_.push_back(f);
     next_.push_back(positions[f.next] - origin);
     last_.push_back(positions[f.last] - origin);
@@ -179,10 +182,7 @@ float AttributeStar::choose_for_chart(std::size_t begin, std::size_t end, Vertex
 
 // Wedges at u in the chart's material, and at last the chart's own at v, for a new wedge of u.
 void AttributeStar::list_candidates(WedgeId own, VertexId u) {
-  state_->corners.wedges_at(u, candidates_);
-  const std::vector<MaterialId>& materials = state_->materials;
-  if (!materials.empty()) std::erase_if(candidates_, [&](WedgeId w) { return materials[w] != materials[own]; });
-  if (candidates_.size() > most_candidates) candidates_.resize(most_candidates);
+  state_->corners.wedges_at(u, own, most_candidates, candidates_);
   candidates_.push_back(own);
 }
 

@@ -52,6 +52,7 @@ class AttributeStar {
 
   const AttributeState* state_ = nullptr;
   VertexId vertex_ = no_id;
+  EqualFaces equal_;
   std::vector<StarFace> faces_;
   std::vector<Triangle> wedges_;
   std::vector<glm::vec3> next_, last_;  // of each face, from v

@@ -12,6 +12,8 @@ namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
 constexpr float round_up = 1.0F + 1e-6F;
+// Neighbours of a vertex whose attributes are looked at: all, but for the hubs of large wheels.
+constexpr std::size_t most_evaluated = 32;
 
 }  // namespace
 
@@ -134,7 +136,8 @@ CollapseWorker::Choice CollapseWorker::choose_with_attributes(std::span<const Ve
   const float weight = quadric.order() * state_.attribute_weight2;
   const float so_far = weight * quadric.inverse_weight() * state_.attributes->sums[v];
   Choice best{no_id, infinity, true};
-  for (std::size_t tries = 0; tries < costs.size(); ++tries) {
+  std::size_t evaluated = 0;
+  for (std::size_t tries = 0; tries < costs.size() && evaluated < most_evaluated; ++tries) {
     const auto cheapest = std::min_element(costs.begin(), costs.end());
     const float cost = *cheapest + so_far;
     if (!(cost < best.cost)) break;
@@ -145,6 +148,7 @@ CollapseWorker::Choice CollapseWorker::choose_with_attributes(std::span<const Ve
                                          keeps_orientation(state_.mesh, state_.positions(), v, ring[i]);
     if (!is_allowed) continue;
     const float total = cost + weight * attributes_.choose(ring[i]);
+    ++evaluated;
     if (total < best.cost) best = {ring[i], total, true, i};
   }
   return best.u == no_id ? break_topology(ring, v) : best;
@@ -231,7 +235,7 @@ void CollapseWorker::move_corners(VertexId v, VertexId u, CollapseId id, std::si
   folded_.clear();
   for (const LevelFace& face : folded) {
     const StarFace of_u{face.corners.y, face.corners.z, face.made_by};
-    add(face, map.wedges(u, of_u, folded_));
+    add(face, map.wedges(u, of_u, static_cast<std::size_t>(std::count(folded_.begin(), folded_.end(), of_u))));
     folded_.push_back(of_u);
   }
   map.collapse(state_.mesh, v, u, id, star, attributes_.wedges_of_u(), folded);
@@ -273,14 +277,17 @@ void CollapseWorker::record_corners(std::size_t i, std::span<const LevelFace> en
   const std::size_t end = i + 1 < made_.size() ? made_[i + 1].first_corners : corners_.size();
   const auto corners = std::span<const CornerFace>(corners_).subspan(first, end - first);
   taken_.assign(corners.size(), false);
-  for (std::uint32_t slot = 0; !corners.empty() && slot < ended.size(); ++slot)
-    for (std::size_t c = 0; c < corners.size(); ++c) {
+  std::size_t first_left = 0;  // most are in order
+  for (std::uint32_t slot = 0; first_left < corners.size() && slot < ended.size(); ++slot) {
+    while (first_left < corners.size() && taken_[first_left]) ++first_left;
+    for (std::size_t c = first_left; c < corners.size(); ++c) {
       const LevelFace& face = corners[c].face;
       if (taken_[c] || face.made_by != ended[slot].made_by || face.corners != ended[slot].corners) continue;
       taken_[c] = true;
       record.corners.push_back({slot, corners[c].wedges});
       break;
     }
+  }
 }
 
 // What i has ended.

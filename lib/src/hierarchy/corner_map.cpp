@@ -1,8 +1,24 @@
 #include "corner_map.h"
 
 #include <algorithm>
+#include <tuple>
 
 namespace occlod {
+
+void EqualFaces::find(const Star& star) {
+  ranks_.clear();
+  sorted_.clear();
+  for (std::uint32_t i = 0; i < star.size(); ++i) sorted_.emplace_back(star[i], i);
+  std::sort(sorted_.begin(), sorted_.end(), [](const auto& a, const auto& b) {
+    return std::tie(a.first.next, a.first.last, a.first.made_by, a.second) <
+           std::tie(b.first.next, b.first.last, b.first.made_by, b.second);
+  });
+  for (std::size_t i = 1; i < sorted_.size(); ++i) {
+    if (sorted_[i].first != sorted_[i - 1].first) continue;
+    ranks_.resize(star.size(), 0);
+    ranks_[sorted_[i].second] = ranks_[sorted_[i - 1].second] + 1;
+  }
+}
 
 CornerMap::CornerMap(const TriangleMesh& mesh, std::span<const MaterialId> materials)
     : materials_(materials), single_(mesh.vertex_count(), no_id), lists_(mesh.vertex_count()) {
@@ -33,8 +49,7 @@ WedgeId CornerMap::find(VertexId w, const StarFace& face, std::size_t rank, Mate
   return last;
 }
 
-Triangle CornerMap::wedges(VertexId v, const StarFace& face, std::span<const StarFace> before) const {
-  auto rank = static_cast<std::size_t>(std::count(before.begin(), before.end(), face));
+Triangle CornerMap::wedges(VertexId v, const StarFace& face, std::size_t rank) const {
   WedgeId at_v = single_[v];
   if (!lists_[v].empty()) {
     std::size_t alike = 0;  // of the same material, before this one
@@ -53,11 +68,15 @@ Triangle CornerMap::wedges(VertexId v, const StarFace& face, std::span<const Sta
           find(face.last, {v, face.next, face.made_by}, rank, of)};
 }
 
-void CornerMap::wedges_at(VertexId v, std::vector<WedgeId>& out) const {
-  if (lists_[v].empty()) return out.push_back(single_[v]);
-  const auto first = static_cast<std::ptrdiff_t>(out.size());
-  for (const Corner& corner : lists_[v])
-    if (std::find(out.begin() + first, out.end(), corner.wedge) == out.end()) out.push_back(corner.wedge);
+void CornerMap::wedges_at(VertexId v, WedgeId like, std::size_t most, std::vector<WedgeId>& out) const {
+  const std::size_t first = out.size();
+  const auto add = [&](WedgeId wedge) {
+    const auto begin = out.begin() + static_cast<std::ptrdiff_t>(first);
+    if (material(wedge) == material(like) && std::find(begin, out.end(), wedge) == out.end()) out.push_back(wedge);
+  };
+  if (lists_[v].empty()) return add(single_[v]);
+  for (auto corner = lists_[v].begin(); corner != lists_[v].end() && out.size() < first + most; ++corner)
+    add(corner->wedge);
 }
 
 void CornerMap::collapse(const StarMesh& mesh, VertexId v, VertexId u, CollapseId id, std::span<const StarFace> star,
@@ -103,7 +122,7 @@ void CornerMap::erase(VertexId w, const StarFace& face, WedgeId wedge) {
 
 // Of one face, the first of those that are equal.
 void CornerMap::erase_at_corners(const Triangle& corners, CollapseId made_by) {
-  const Triangle of = wedges(corners.x, {corners.y, corners.z, made_by}, {});
+  const Triangle of = wedges(corners.x, {corners.y, corners.z, made_by}, 0);
   for (int i = 0; i < 3; ++i) erase(corners[i], {corners[(i + 1) % 3], corners[(i + 2) % 3], made_by}, of[i]);
 }
 

@@ -157,7 +157,8 @@ class Simplifier {
       if (face.corners.x != v) before.clear();
       v = face.corners.x;
       const StarFace of_v{face.corners.y, face.corners.z, face.made_by};
-      sequence.base_corners.push_back(state_->attributes->corners.wedges(v, of_v, before));
+      const auto rank = static_cast<std::size_t>(std::count(before.begin(), before.end(), of_v));
+      sequence.base_corners.push_back(state_->attributes->corners.wedges(v, of_v, rank));
       before.push_back(of_v);
     }
   }

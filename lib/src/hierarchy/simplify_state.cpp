@@ -4,6 +4,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <numeric>
 #include <vector>
 
 #include "parallel.h"
@@ -89,21 +90,33 @@ void SimplifyState::hold_seams(VertexId v) {
     glm::vec3 across;
   };
   std::vector<Side> sides;
-  std::vector<StarFace> before;
-  for (const StarFace f : mesh.star(v)) {
-    const Triangle wedges = attributes->corners.wedges(v, f, before);
-    before.push_back(f);
+  const Star star = mesh.star(v);
+  EqualFaces equal;
+  equal.find(star);
+  for (std::size_t i = 0; i < star.size(); ++i) {
+    const StarFace f = star[i];
+    const Triangle wedges = attributes->corners.wedges(v, f, equal.rank(i));
     const glm::vec3 to_next = edge(v, f.next), to_last = edge(v, f.last);
     const glm::vec3 normal = glm::cross(to_next, to_last);
     sides.push_back({f.next, wedges.x, wedges.y, glm::cross(to_next, normal)});
     sides.push_back({f.last, wedges.x, wedges.z, glm::cross(to_last, normal)});
   }
-  for (const Side& side : sides) {
-    const bool is_seam = std::any_of(sides.begin(), sides.end(), [&](const Side& o) {
-      return o.w == side.w && (o.of_v != side.of_v || o.of_w != side.of_w);
-    });
+  // By their neighbours, to find those whose wedges differ.
+  std::vector<std::uint32_t> order(sides.size());
+  std::iota(order.begin(), order.end(), 0U);
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return sides[a].w < sides[b].w; });
+  std::vector<bool> is_seam(sides.size());
+  for (auto begin = order.begin(), end = begin; begin != order.end(); begin = end) {
+    const Side& first = sides[*begin];
+    end = std::find_if(begin, order.end(), [&](std::uint32_t i) { return sides[i].w != first.w; });
+    const bool differ = std::any_of(
+        begin, end, [&](std::uint32_t i) { return sides[i].of_v != first.of_v || sides[i].of_w != first.of_w; });
+    for (auto i = begin; i != end; ++i) is_seam[*i] = differ;
+  }
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    const Side& side = sides[i];
     const float length = glm::length(side.across);
-    if (!is_seam || !(length > 0.0F)) continue;
+    if (!is_seam[i] || !(length > 0.0F)) continue;
     const glm::vec3 along = edge(v, side.w);
     const float length2 = glm::dot(along, along);
     const float share = std::min(1.0F, attributes->extents2[side.of_v] / (least_held * length2));
