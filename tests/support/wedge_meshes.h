@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <compare>
 #include <cstdint>
 #include <vector>
 
@@ -28,7 +27,10 @@ using CornerKey = std::array<std::uint32_t, 9>;
 struct TriangleCorners {
   std::array<CornerKey, 3> corners;
   MaterialId material;
-  friend auto operator<=>(const TriangleCorners&, const TriangleCorners&) = default;
+  friend bool operator==(const TriangleCorners&, const TriangleCorners&) = default;
+  friend bool operator<(const TriangleCorners& a, const TriangleCorners& b) {
+    return a.material != b.material ? a.material < b.material : a.corners < b.corners;
+  }
 };
 // Of all triangles, sorted.
 [[nodiscard]] std::vector<TriangleCorners> sorted_corners_of(const TriangleMesh& mesh);

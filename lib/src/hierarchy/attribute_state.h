@@ -20,8 +20,8 @@ namespace occlod {
 
 // Indexed by wedge or by vertex of the input. A worker touches only vertices of its block.
 struct AttributeState {
-  // `scale`: from object units to those of the state. `input` outlives it.
-  AttributeState(const TriangleMesh& input, float scale);
+  // `scale`: from object units to those of the state. `mesh` outlives it.
+  AttributeState(const TriangleMesh& mesh, float scale);
 
   const TriangleMesh& input;
   std::vector<MaterialId> materials;   // by wedge, or empty

@@ -55,7 +55,7 @@ class CornerMap {
   [[nodiscard]] MaterialId material(WedgeId wedge) const noexcept {
     return materials_.empty() ? MaterialId{0} : materials_[wedge];
   }
-  [[nodiscard]] WedgeId find(VertexId w, const StarFace& face, std::size_t rank, MaterialId material) const;
+  [[nodiscard]] WedgeId find(VertexId w, const StarFace& face, std::size_t rank, MaterialId of) const;
   void erase(VertexId w, const StarFace& face, WedgeId wedge);
   void erase_at_corners(const Triangle& corners, CollapseId made_by);
   void replace(VertexId w, const StarFace& face, const StarFace& by);

@@ -23,7 +23,10 @@ struct Attributes {
 struct CornerKey {
   std::array<std::array<std::uint32_t, 9>, 3> corners{};
   MaterialId material = 0;
-  friend auto operator<=>(const CornerKey&, const CornerKey&) = default;
+  friend bool operator==(const CornerKey&, const CornerKey&) = default;
+  friend bool operator<(const CornerKey& a, const CornerKey& b) {
+    return a.material != b.material ? a.material < b.material : a.corners < b.corners;
+  }
 };
 
 CornerKey corners_of(const Triangle& wedges, const Attributes& of, MaterialId material) {

@@ -30,7 +30,10 @@ class WedgeNumbers {
   struct Extra {
     VertexId vertex;  // of the hierarchy
     WedgeId wedge;    // of the mesh
-    friend auto operator<=>(const Extra&, const Extra&) = default;
+    friend bool operator==(const Extra&, const Extra&) = default;
+    friend bool operator<(const Extra& a, const Extra& b) {
+      return a.vertex != b.vertex ? a.vertex < b.vertex : a.wedge < b.wedge;
+    }
   };
   void add(VertexId vertex, WedgeId wedge);
 

@@ -10,7 +10,7 @@ using Json = nlohmann::json;
 constexpr const char* wrap_names[] = {"repeat", "clamp", "mirror"};
 
 TextureWrap wrap_of(const Json& name) {
-  for (std::uint8_t i = 0; i < std::size(wrap_names); ++i)
+  for (std::size_t i = 0; i < std::size(wrap_names); ++i)
     if (name == wrap_names[i]) return static_cast<TextureWrap>(i);
   throw Json::other_error::create(501, "no wrap mode", &name);
 }

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <glm/geometric.hpp>
 #include <numeric>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -148,7 +149,9 @@ class Creaser {
     std::uint32_t group;
     WedgeId wedge;
     std::uint32_t slot;
-    [[nodiscard]] auto operator<=>(const Ordered&) const = default;
+    [[nodiscard]] bool operator<(const Ordered& o) const {
+      return std::tie(group, wedge, slot) < std::tie(o.group, o.wedge, o.slot);
+    }
   };
 
   const TriangleMesh& mesh_;

@@ -10,10 +10,10 @@ namespace occlod {
 // The extension decides the format, whatever its case. Writes beside `path` and renames, so that a failure leaves the
 // old file as it was. What a format has is written: OBJ has normals, texture coordinates, materials (in a file PATH.mtl
 // beside it) and colours without alpha; PLY normals, colours, texture coordinates and names of textures; GLB all, its
-// triangles sorted by material. Wedges are there again after reading. Where a format has its texture coordinates' origin
-// elsewhere than the mesh, v is written as 1 - v. Names of textures are written as the mesh has them, relative to its
-// own file; images that it holds stay inside GLB and are written as files beside OBJ and PLY. Throws Error that names
-// the file. O(n).
+// triangles sorted by material. Wedges are there again after reading. Where a format has its texture coordinates'
+// origin elsewhere than the mesh, v is written as 1 - v. Names of textures are written as the mesh has them, relative
+// to its own file; images that it holds stay inside GLB and are written as files beside OBJ and PLY. Throws Error that
+// names the file. O(n).
 void write_mesh(const std::filesystem::path& path, const TriangleMesh& mesh);
 
 // Throws what write_mesh() would throw for this name and writes nothing: for programs that compute for long before.
