@@ -27,7 +27,6 @@ T interpolate(const std::vector<T>& values, const Triangle& wedges, const glm::v
 void AttributeStar::gather(const StarMesh& mesh, const AttributeState& state, const PositionView& positions,
                            VertexId v) {
   state_ = &state;
-  vertex_ = v;
   faces_.clear();
   wedges_.clear();
   next_.clear();

@@ -51,7 +51,6 @@ class AttributeStar {
   [[nodiscard]] float extent2(std::size_t begin, std::size_t end) const;
 
   const AttributeState* state_ = nullptr;
-  VertexId vertex_ = no_id;
   EqualFaces equal_;
   std::vector<StarFace> faces_;
   std::vector<Triangle> wedges_;

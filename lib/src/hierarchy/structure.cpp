@@ -14,8 +14,6 @@ namespace {
 
 using Problem = std::optional<std::string>;
 
-std::size_t vertex_count(const HierarchyView& d) { return d.positions.size() - d.extra_wedges.size(); }
-
 Problem check_sizes(const HierarchyView& d) {
   if (d.nodes.empty()) return "there is no sentinel split";
   const std::size_t splits = d.nodes.size() - 1;

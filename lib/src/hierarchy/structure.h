@@ -1,12 +1,18 @@
 // check_structure() in parts, for files that are checked as they are used.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 
 #include "occlod/hierarchy/hierarchy.h"
 
 namespace occlod {
+
+// Positions without those of extra wedges.
+[[nodiscard]] inline std::size_t vertex_count(const HierarchyView& data) noexcept {
+  return data.positions.size() - data.extra_wedges.size();
+}
 
 // Sizes, base mesh and roots; then splits [first, end), each on its own. What only all of them together show is left to
 // refinement, which descends to a child only if the child names its parent. Return what is wrong, or nothing.

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "hierarchy/split_guard.h"
+#include "hierarchy/structure.h"
 
 namespace occlod::olod {
 namespace {
@@ -37,7 +38,6 @@ void add_wedges(const HierarchyView& view, std::size_t first, std::size_t count,
 }
 
 std::size_t split_count(const HierarchyView& view) { return view.nodes.size() - 1; }
-std::size_t vertex_count(const HierarchyView& view) { return view.positions.size() - view.extra_wedges.size(); }
 
 // Vertices and their extra wedges, which ascend with them.
 void add_vertices(const HierarchyView& view, std::size_t first, std::size_t count, Digest& digest) {

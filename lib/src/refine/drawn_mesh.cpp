@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "hierarchy/active_faces.h"
 #include "occlod/hierarchy/cut_mesh.h"
 
 namespace occlod {
@@ -107,8 +108,7 @@ void DrawnMesh::emit_wedge_geomorphs(const Hierarchy& hierarchy, SplitId s, floa
     if (of_v != no_id && of_u != no_id) add(of_v, of_u);
   }
   star.for_each_removed([&](const FaceRef& ref, const Triangle& removed) {
-    const Triangle vertices =
-        ref.split == no_id ? hierarchy.data().base_faces[ref.slot] : hierarchy.star(ref.split).inserted(ref.slot);
+    const Triangle vertices = face_at(hierarchy, ref);
     const WedgeId of_u = corner_of(vertices, wedges_of_face(hierarchy, ref, vertices), u);
     for (std::uint32_t slot = 0; of_u != no_id && slot < star.inserted_count(); ++slot) {
       const Triangle face = star.inserted(slot);
