@@ -12,6 +12,12 @@ std::size_t index_count(const Front& front) {
                                [](const hlod::DrawRange& range) { return std::size_t{range.index_count}; });
 }
 
+template <typename T>
+void assign_both(std::vector<T>& to, std::span<const T> first, std::span<const T> second) {
+  to.assign(first.begin(), first.end());
+  to.insert(to.end(), second.begin(), second.end());
+}
+
 }  // namespace
 
 Front front_of(const hlod::Frame& frame) {
@@ -51,7 +57,8 @@ void FrontMesh::assign(const Front& front, std::span<const hlod::PlacedHlod> pla
   }
   triangles_.reserve(indices / 3);  // so that spans into them stay where they are
   positions_.resize(front.draws.size());
-  colors_.resize(front.draws.size());
+  attributes_.resize(front.draws.size());
+  laid_.clear();
   for (const hlod::DrawnNode& draw : front.draws)
     append(draw, std::span(front.ranges).subspan(draw.first_range, draw.range_count), placed[draw.object]);
 }
@@ -68,16 +75,25 @@ void FrontMesh::append(const hlod::DrawnNode& draw, std::span<const hlod::DrawRa
   append_triangles(cut.indices);
   for (const hlod::DrawRange& range : ranges)
     append_triangles(mesh.indices.subspan(range.first_index, range.index_count));
-  const auto colors = cut.splits > 0 ? colors_of_cut(hlod, draw.node) : mesh.colors;
-  objects_.push_back({positions, colors, std::span(triangles_).subspan(first), placed.object_to_world});
+  if (cut.splits == 0) {
+    objects_.push_back({positions, mesh.colors, std::span(triangles_).subspan(first), placed.object_to_world});
+    laid_.push_back({draw.object, mesh.texture_coordinates, mesh.materials});
+    return;
+  }
+  CutAttributes& attributes = attributes_[objects_.size()];
+  const hlod::NodeSplits within = hlod.within(draw.node);
+  assign_both(attributes.colors, mesh.colors, within.colors);
+  assign_both(attributes.texture_coordinates, mesh.texture_coordinates, within.texture_coordinates);
+  assign_both(attributes.materials, mesh.materials, within.materials);
+  objects_.push_back({positions, attributes.colors, std::span(triangles_).subspan(first), placed.object_to_world});
+  laid_.push_back({draw.object, attributes.texture_coordinates, attributes.materials});
 }
 
-std::span<const glm::u8vec4> FrontMesh::colors_of_cut(const hlod::Hlod& hlod, hlod::NodeId node) {
-  std::vector<glm::u8vec4>& colors = colors_[objects_.size()];
-  const auto own = hlod.mesh(node).colors, more = hlod.within(node).colors;
-  colors.assign(own.begin(), own.end());
-  colors.insert(colors.end(), more.begin(), more.end());
-  return colors;
+std::vector<ObjectTexture> FrontMesh::textures(std::span<const std::span<const DrawMaterial>> materials) const {
+  std::vector<ObjectTexture> textures;
+  if (materials.empty()) return textures;
+  for (const Laid& laid : laid_) textures.push_back({laid.texture_coordinates, laid.materials, materials[laid.placed]});
+  return textures;
 }
 
 void FrontMesh::append_triangles(std::span<const std::uint16_t> indices) {

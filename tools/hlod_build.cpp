@@ -19,7 +19,7 @@
 namespace occlod::tool {
 namespace {
 
-constexpr double largest_boundary_weight = 1e6;
+constexpr double largest_boundary_weight = 1e6, largest_attribute_weight = 1e6;
 constexpr std::uint64_t least_node_triangles = 16, most_node_triangles = 4096;
 
 struct Options {
@@ -109,6 +109,11 @@ void add_hlod_build(CLI::App& hlod) {
              "error can be anything between two levels, for about twice the bytes");
   add_number(command, "--boundary-weight", options->build.boundary_weight, RealRange{0.0, largest_boundary_weight},
              "Weight of the error at boundary edges, relative to the error of the surface")
+      ->capture_default_str();
+  add_number(
+      command, "--attribute-weight", options->build.attribute_weight, RealRange{0.0, largest_attribute_weight},
+      "Weight of how far texture coordinates, hard normals and colours slip, relative to distances; 0: errors are "
+      "of the surface alone")
       ->capture_default_str();
   add_number(command, "--threads", options->build.threads, WholeRange{0, most_threads},
              "Threads; 0: one per core. The result does not depend on it")

@@ -22,6 +22,7 @@
 #include "hlod_scene.h"
 #include "hlod_strategies.h"
 #include "interrupt.h"
+#include "object_textures.h"
 #include "occlod/core/error.h"
 #include "occlod/device/recorded_device.h"
 #include "option_values.h"
@@ -39,6 +40,7 @@ struct Options {
   std::string replay;  // instead of the device
   int compared_frames = 0;
   std::string png;
+  TextureChoice texture = TextureChoice::automatic;
   std::string boxes;
   std::string csv;
   bool json = false;
@@ -61,14 +63,16 @@ void check_files(const Options& options, const HlodRequest& request) {
       files.add_output(option, picture_file(file, request.frames, i));
 }
 
-void write_pictures(const Options& options, const HlodScene& scene, const Front& front, int frame) {
+void write_pictures(const Options& options, const HlodScene& scene, const HlodTextures& textures, const Front& front,
+                    int frame) {
   const View view(camera_at(scene.path, frame));
   if (!options.png.empty()) {
     FrontMesh mesh;
     mesh.assign(front, scene.placed);
     ItemBuffer items;
     redraw(items, mesh.objects(), view);
-    write_png(picture_file(options.png, scene.path.frames, frame), shade_without_wire(items, mesh.objects(), view));
+    write_png(picture_file(options.png, scene.path.frames, frame),
+              shade_without_wire(items, mesh.objects(), view, mesh.textures(textures.materials())));
   }
   if (!options.boxes.empty())
     write_png(picture_file(options.boxes, scene.path.frames, frame), picture_of_boxes(front, scene.placed, view));
@@ -107,6 +111,8 @@ void run(const Options& options) {
   std::optional<hlod::RecordingDevice> recorder;
   if (!options.record.empty()) recorder.emplace(*device.device);
   const HlodScene scene = load_hlod_scene(options.scene, request);
+  const HlodTextures textures(scene.hlods, options.scene.file.parent_path(),
+                              options.png.empty() ? TextureChoice::none : options.texture);
   hlod::RenderDevice* drawn_on = recorder ? &*recorder : device.device.get();
   HlodRuns runs(scene, {{traverse, drawn_on}}, options.compared_frames);
   const auto columns = frame_columns(options.compared_frames > 0);
@@ -114,7 +120,7 @@ void run(const Options& options) {
   for (int i = 0; i < scene.path.frames; ++i) {
     note_interrupts();
     runs.draw(i);
-    write_pictures(options, scene, runs.front(0), i);
+    write_pictures(options, scene, textures, runs.front(0), i);
     if (!options.json) print_row(columns, runs.told(0));
   }
   if (!options.csv.empty()) write_csv(options.csv, runs.rows(0));
@@ -150,6 +156,7 @@ void add_hlod_render(CLI::App& hlod) {
       ->capture_default_str();
   add_file(command, "--png", options->png,
            "Write a picture; of several frames one each: view.png becomes view_00000.png, ...");
+  add_texture_option(command, options->texture, "--png lays");
   add_file(
       command, "--boxes", options->boxes,
       "Likewise of the nodes drawn and their boxes from above: blue where errors counted in full, red where hardly");

@@ -6,6 +6,7 @@
 
 #include "image_file.h"
 #include "occlod/core/error.h"
+#include "option_values.h"
 #include "standard_streams.h"
 
 namespace occlod::tool {
@@ -22,7 +23,26 @@ Image image_of(const Texture& texture, const std::filesystem::path& folder) {
   return read_image(folder / path_of(texture.file));
 }
 
+// What was asked for is there.
+void check(TextureChoice choice, bool has_image, const std::string& name) {
+  if (choice == TextureChoice::checker && !has_image)
+    throw Error({name, "--texture", "has no texture coordinates", "leave the option out"});
+  if (choice == TextureChoice::file && !has_image)
+    throw Error({name, "--texture", "names no image", "leave the option out, or use --texture checker"});
+}
+
 }  // namespace
+
+void add_texture_option(CLI::App& command, TextureChoice& choice, const std::string& what) {
+  add_choice(command, "--texture", choice,
+             {{"auto", TextureChoice::automatic},
+              {"checker", TextureChoice::checker},
+              {"file", TextureChoice::file},
+              {"none", TextureChoice::none}},
+             "What " + what +
+                 " over meshes. auto: their materials, with the images that are found; file: the same, and a missing "
+                 "image is a mistake; checker: squares on what has texture coordinates");
+}
 
 ObjectTextures::ObjectTextures(const TriangleMesh& mesh, const std::filesystem::path& folder, TextureChoice choice,
                                const TextureNote& note)
@@ -34,27 +54,33 @@ ObjectTextures::ObjectTextures(const TriangleMesh& mesh, const std::filesystem::
       for (int i = 0; i < 3; ++i) own_materials_[triangles[t][i]] = mesh.triangle_materials[t];
     vertex_materials_ = own_materials_;
   }
-  load({mesh.materials, mesh.textures, mesh.texture_origin}, folder, choice, note);
+  load({mesh.materials, mesh.textures, mesh.texture_origin, !coordinates_.empty()}, folder, choice, note);
 }
 
 ObjectTextures::ObjectTextures(const HierarchyView& hierarchy, const std::filesystem::path& folder,
                                TextureChoice choice, const TextureNote& note)
     : coordinates_(hierarchy.texture_coordinates), vertex_materials_(hierarchy.wedge_materials) {
-  load({hierarchy.materials, hierarchy.textures, hierarchy.texture_origin}, folder, choice, note);
+  load({hierarchy.materials, hierarchy.textures, hierarchy.texture_origin, !coordinates_.empty()}, folder, choice,
+       note);
+}
+
+ObjectTextures::ObjectTextures(const hlod::HlodView& hlod, const std::filesystem::path& folder, TextureChoice choice,
+                               const TextureNote& note) {
+  load({hlod.materials, hlod.textures, hlod.texture_origin, hlod.has_texture_coordinates}, folder, choice, note);
 }
 
 void ObjectTextures::load(const Source& source, const std::filesystem::path& folder, TextureChoice choice,
                           const TextureNote& note) {
   if (choice == TextureChoice::none) return;
   if (choice == TextureChoice::checker) {
-    if (coordinates_.empty()) return;
+    if (!source.has_coordinates) return;
     images_.push_back(std::make_shared<TextureImage>(checker_image(), TextureAddress{.origin = source.origin}));
     materials_.assign(std::max<std::size_t>(source.materials.size(), 1), {glm::vec3(1.0F), images_[0].get()});
     return;
   }
   for (const Texture& texture : source.textures) {
     images_.emplace_back();
-    if (coordinates_.empty()) continue;
+    if (!source.has_coordinates) continue;
     try {
       images_.back() = std::make_shared<TextureImage>(image_of(texture, folder),
                                                       TextureAddress{texture.wrap_s, texture.wrap_t, source.origin});
@@ -87,11 +113,28 @@ SceneTextures::SceneTextures(const std::vector<LoadedObject>& objects, TextureCh
     has_any = has_any || !textures_.back().materials.empty();
   }
   if (!has_any) textures_.clear();
-  const std::string name = objects.empty() ? "" : objects.front().source_name;
-  if (choice == TextureChoice::checker && !has_image)
-    throw Error({name, "--texture", "has no texture coordinates", "leave the option out"});
-  if (choice == TextureChoice::file && !has_image)
-    throw Error({name, "--texture", "names no image", "leave the option out, or use --texture checker"});
+  check(choice, has_image, objects.empty() ? "" : objects.front().source_name);
+}
+
+HlodTextures::HlodTextures(const std::vector<LoadedHlod>& hlods, const std::filesystem::path& folder,
+                           TextureChoice choice) {
+  std::map<const hlod::Hlod*, std::shared_ptr<const ObjectTextures>> known;
+  bool has_image = false, has_any = false;
+  for (const LoadedHlod& object : hlods) {
+    std::shared_ptr<const ObjectTextures>& textures = known[object.hlod.get()];
+    if (!textures) {
+      const std::filesystem::path file = object.source_name;
+      textures = std::make_shared<ObjectTextures>(object.hlod->data(),
+                                                  file.extension() == ".ohlod" ? file.parent_path() : folder, choice,
+                                                  [](const std::string& line) { print_note(line); });
+    }
+    owners_.push_back(textures);
+    materials_.push_back(textures->materials());
+    has_image = has_image || textures->has_image();
+    has_any = has_any || !textures->materials().empty();
+  }
+  if (!has_any) materials_.clear();
+  check(choice, has_image, hlods.empty() ? "" : hlods.front().source_name);
 }
 
 }  // namespace occlod::tool

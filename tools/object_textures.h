@@ -9,9 +9,15 @@
 #include <vector>
 
 #include "occlod/hierarchy/hierarchy.h"
+#include "occlod/hlod/hlod.h"
 #include "occlod/mesh/triangle_mesh.h"
 #include "occlod/picture/texture_image.h"
+#include "occlod/scene/load_hlods.h"
 #include "occlod/scene/scene.h"
+
+namespace CLI {
+class App;
+}
 
 namespace occlod::tool {
 
@@ -21,6 +27,9 @@ enum class TextureChoice {
   checker,    // a checker on all that has texture coordinates
   none
 };
+
+// --texture. `what`: the outputs that have them.
+void add_texture_option(CLI::App& command, TextureChoice& choice, const std::string& what);
 
 // Told in one line of an image that is left out.
 using TextureNote = std::function<void(const std::string& line)>;
@@ -33,10 +42,14 @@ class ObjectTextures {
                  const TextureNote& note);
   ObjectTextures(const HierarchyView& hierarchy, const std::filesystem::path& folder, TextureChoice choice,
                  const TextureNote& note);
+  // Only materials(): each node has texture coordinates of its own.
+  ObjectTextures(const hlod::HlodView& hlod, const std::filesystem::path& folder, TextureChoice choice,
+                 const TextureNote& note);
   ~ObjectTextures() = default;
   ObjectTextures(const ObjectTextures&) = delete;
   ObjectTextures& operator=(const ObjectTextures&) = delete;
 
+  [[nodiscard]] std::span<const DrawMaterial> materials() const { return materials_; }
   [[nodiscard]] ObjectTexture texture() const { return {coordinates_, vertex_materials_, materials_}; }
   // Whether an image is drawn.
   [[nodiscard]] bool has_image() const;
@@ -46,6 +59,7 @@ class ObjectTextures {
     std::span<const Material> materials;
     std::span<const Texture> textures;
     TextureOrigin origin;
+    bool has_coordinates;
   };
   void load(const Source& source, const std::filesystem::path& folder, TextureChoice choice, const TextureNote& note);
 
@@ -68,6 +82,20 @@ class SceneTextures {
  private:
   std::vector<std::shared_ptr<const ObjectTextures>> owners_;
   std::vector<ObjectTexture> textures_;
+};
+
+// The same of HLODs.
+class HlodTextures {
+ public:
+  // `folder`: of the scene, for objects that were flattened. Throws Error as SceneTextures does.
+  HlodTextures(const std::vector<LoadedHlod>& hlods, const std::filesystem::path& folder, TextureChoice choice);
+
+  // One for each HLOD; empty when none has a texture or material.
+  [[nodiscard]] std::span<const std::span<const DrawMaterial>> materials() const { return materials_; }
+
+ private:
+  std::vector<std::shared_ptr<const ObjectTextures>> owners_;
+  std::vector<std::span<const DrawMaterial>> materials_;
 };
 
 }  // namespace occlod::tool

@@ -211,13 +211,7 @@ void add_output_options(CLI::App& command, RenderOptions& options) {
   add_file(command, "--mesh", options.mesh,
            "Write the refined mesh, all objects in world space: .ply, .obj, .glb, .off or .stl")
       ->excludes(path);
-  add_choice(command, "--texture", options.texture,
-             {{"auto", TextureChoice::automatic},
-              {"checker", TextureChoice::checker},
-              {"file", TextureChoice::file},
-              {"none", TextureChoice::none}},
-             "What --png and --reference lay over meshes. auto: their materials, with the images that are found; file: "
-             "the same, and a missing image is a mistake; checker: squares on what has texture coordinates");
+  add_texture_option(command, options.texture, "--png and --reference lay");
   command
       .add_flag("--reference", options.reference,
                 "Compare the picture with that of the full mesh, and count the pixels that occlusion hides wrongly")

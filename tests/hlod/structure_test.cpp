@@ -109,7 +109,7 @@ void expect_mesh_problem(const std::string& text,
                          const std::function<void(std::byte* mesh, const MeshLayout& layout)>& change) {
   HlodData data = copy_data(good());
   const auto last = static_cast<NodeId>(data.nodes.size() - 1);
-  change(data.meshes.data() + data.nodes[last].mesh, MeshLayout(data.nodes[last], false, false));
+  change(data.meshes.data() + data.nodes[last].mesh, MeshLayout(data.nodes[last], {}));
   const auto problem = check_mesh(view_of(data), last);
   ASSERT_TRUE(problem) << "nothing says '" << text << "'";
   EXPECT_NE(problem->find(text), std::string::npos) << *problem;
@@ -139,7 +139,7 @@ TEST(Structure, FindsMeshesThatCannotBeDrawn) {
   HlodData data = copy_data(good());
   for (NodeId n = 0; n < data.nodes.size(); ++n) {
     if (data.nodes[n].patches < 2) continue;
-    const MeshLayout layout(data.nodes[n], false, false);
+    const MeshLayout layout(data.nodes[n], {});
     for (std::size_t at = layout.merged_into; at < layout.bytes; at += 2)
       put(data.meshes.data() + data.nodes[n].mesh + at, std::uint16_t{0});
     EXPECT_NE(check_mesh(view_of(data), n).value_or("").find("not by one parent"), std::string::npos);

@@ -29,7 +29,7 @@ void expect_violation(const std::string& text, const std::function<void(HlodData
 }
 
 std::span<std::uint16_t> merged_into(HlodData& data, NodeId n) {
-  const MeshLayout layout(data.nodes[n], false, false);
+  const MeshLayout layout(data.nodes[n], {});
   return {reinterpret_cast<std::uint16_t*>(data.meshes.data() + data.nodes[n].mesh + layout.merged_into),
           data.nodes[n].vertices};
 }
@@ -37,7 +37,7 @@ std::span<glm::vec3> positions(HlodData& data, NodeId n) {
   return {reinterpret_cast<glm::vec3*>(data.meshes.data() + data.nodes[n].mesh), data.nodes[n].vertices};
 }
 std::span<std::uint16_t> indices(HlodData& data, NodeId n) {
-  const MeshLayout layout(data.nodes[n], false, false);
+  const MeshLayout layout(data.nodes[n], {});
   return {reinterpret_cast<std::uint16_t*>(data.meshes.data() + data.nodes[n].mesh + layout.indices),
           3 * std::size_t{data.nodes[n].triangles}};
 }
@@ -107,7 +107,7 @@ TEST(ValidateHlod, FindsTrianglesAndMergesThatContradictEachOther) {
 
 template <typename T>
 std::span<T> array_of(HlodData& data, NodeId n, std::size_t SplitsLayout::*offset, std::size_t count) {
-  const SplitsLayout layout(data.within[n], false, false);
+  const SplitsLayout layout(data.within[n], {});
   return {reinterpret_cast<T*>(data.splits.data() + data.within[n].place + layout.*offset), count};
 }
 std::span<float> split_errors(HlodData& data, NodeId n) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -16,6 +17,7 @@
 #include "occlod/hlod/validate.h"
 #include "occlod/hlod/within.h"
 #include "support/meshes.h"
+#include "support/wedge_meshes.h"
 
 namespace occlod {
 namespace {
@@ -90,6 +92,37 @@ class OhlodTest : public ::testing::Test {
   MeshReport report_;
 };
 
+TEST_F(OhlodTest, TexturesMaterialsAndSeamsComeBack) {
+  TriangleMesh mesh = test::grid_of_charts(
+      24, [](int i, int) { return i / 12; }, [](int i, int) { return i / 12; });
+  mesh.materials.resize(2);
+  mesh.materials[0] = {"left", glm::vec4(1.0F, 0.5F, 0.25F, 1.0F), 1};
+  mesh.textures.resize(2);
+  mesh.textures[0].file = "bark.png";
+  mesh.textures[1] = {"", "image/png", {1, 2, 3}, TextureWrap::clamp, TextureWrap::mirror};
+  mesh.texture_origin = TextureOrigin::top_left;
+  hlod::BuildOptions options;
+  options.node_triangles = 64;
+  options.within = hlod::Within::splits;
+  const Hlod built = build_hlod(mesh, options);
+  const std::filesystem::path file = folder_ / "textured.ohlod";
+  write_ohlod(file, built, report_);
+  EXPECT_EQ(bytes_of(file)[8], 2) << "version";
+  for (const OlodAccess access : {OlodAccess::mapped, OlodAccess::copied}) {
+    const Hlod read = read_ohlod(file, access).hlod;
+    EXPECT_EQ(hlod::validate(read), std::vector<std::string>{});
+    EXPECT_TRUE(restores(read, mesh));
+    EXPECT_TRUE(read.data().has_seams);
+    EXPECT_TRUE(std::ranges::equal(read.data().meshes, built.data().meshes));
+    EXPECT_TRUE(std::ranges::equal(read.data().splits, built.data().splits));
+    EXPECT_TRUE(std::ranges::equal(read.data().materials, mesh.materials));
+    EXPECT_TRUE(std::ranges::equal(read.data().textures, mesh.textures));
+    EXPECT_EQ(read.data().texture_origin, TextureOrigin::top_left);
+  }
+}
+
+TEST_F(OhlodTest, FilesWithoutTexturesAreOfVersionOne) { EXPECT_EQ(bytes_of(write_good())[8], 1); }
+
 TEST_F(OhlodTest, ComesBackByteForByte) {
   for (const OlodAccess access : {OlodAccess::mapped, OlodAccess::copied}) {
     const OhlodFile file = read_ohlod(write_good(), access);
@@ -156,7 +189,7 @@ TEST_F(OhlodTest, LiesAboutSplitsAreRefused) {
   EXPECT_NE(refusal_of_lie(good, [](HlodData& d) { d.within[0].place += 4; }).find("valid HLOD"), std::string::npos);
   EXPECT_NE(refusal_of_lie(good,
                            [](HlodData& d) {
-                             const hlod::SplitsLayout layout(d.within[0], false, true);
+                             const hlod::SplitsLayout layout(d.within[0], {.colors = true});
                              d.splits[d.within[0].place + layout.parents + 1] = std::byte{0x7f};
                            })
                 .find("splits of node 0: are not valid: a split comes before one that it needs"),
@@ -225,7 +258,7 @@ TEST_F(OhlodTest, LiesWithGoodChecksumsAreRefused) {
   EXPECT_NE(refusal_of_lie([](HlodData& d) { d.levels.clear(); }).find("valid HLOD"), std::string::npos);
   EXPECT_NE(refusal_of_lie([](HlodData& d) { d.children[0] = no_id; }).find("valid HLOD"), std::string::npos);
   EXPECT_NE(refusal_of_lie([](HlodData& d) {
-              const hlod::MeshLayout layout(d.nodes[4], false, true);
+              const hlod::MeshLayout layout(d.nodes[4], {.colors = true});
               d.meshes[d.nodes[4].mesh + layout.indices + 1] = std::byte{0x7f};
             }).find("node 4: has no valid mesh: an index is out of range"),
             std::string::npos);

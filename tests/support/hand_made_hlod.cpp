@@ -109,7 +109,7 @@ class Maker {
   }
 
   void store(Node& node, const PanelMesh& mesh) {
-    const hlod::MeshLayout layout(node, false, false);
+    const hlod::MeshLayout layout(node, {});
     node.mesh = data_.meshes.size();
     data_.meshes.resize(node.mesh +
                         (layout.bytes + hlod::mesh_alignment - 1) / hlod::mesh_alignment * hlod::mesh_alignment);

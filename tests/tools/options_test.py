@@ -57,6 +57,7 @@ REAL = [
     (BUILD, "--attribute-weight", 0, 10**6),
     (BUILD, "--crease", 0, 180),
     (HLOD_BUILD, "--boundary-weight", 0, 10**6),
+    (HLOD_BUILD, "--attribute-weight", 0, 10**6),
     (CUT, "--error", 0, None),
     (CELLS_BUILD, "--tolerance", 1e-6, None),
     (CELLS_BUILD, "--root-cell", 1e-6, LARGEST),

@@ -88,8 +88,7 @@ TEST(LayeredTexture, HasALayerForEachMaterial) {
     const TextureImage texture(image, {.origin = origin});
     const std::array<DrawMaterial, 2> materials = {
         {{glm::vec3(0.0F, 1.0F, 0.0F), nullptr}, {glm::vec3(1.0F), &texture}}};
-    const std::array<glm::vec2, 1> coordinates = {};
-    const auto layers = layered({coordinates, {}, materials}, origin);
+    const auto layers = layered(materials, origin);
     ASSERT_TRUE(layers);
     ASSERT_EQ(layers->size, 4);
     ASSERT_EQ(layers->layers.size(), 2U);

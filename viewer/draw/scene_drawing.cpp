@@ -29,11 +29,14 @@ void SceneDrawing::keep_vertices_of(const Objects& objects) {
                         [&](const PlacedObject& object) { return object.mesh == entry.first; });
   };
   std::erase_if(vertices_, is_gone);
-  std::erase_if(layers_, is_gone);
+  std::erase_if(layers_, [&](const auto& entry) {
+    return std::none_of(objects.begin(), objects.end(),
+                        [&](const PlacedObject& object) { return texture_of(object) == entry.first; });
+  });
   for (const PlacedObject& object : objects) {
+    if (const auto& texture = texture_of(object)) layers_.try_emplace(texture, *gl_, *texture);
     if (object.hlod || vertices_.contains(object.mesh)) continue;
     vertices_.try_emplace(object.mesh, *gl_).first->second.fill(vertex_data_of(*object.mesh), true);
-    if (object.mesh->texture) layers_.try_emplace(object.mesh, *gl_, *object.mesh->texture);
   }
 }
 
@@ -54,7 +57,8 @@ std::size_t SceneDrawing::upload(Side& side, const HlodSide& drawn) {
     if (side.number != drawn.front->number) {
       bytes += object.triangles.fill(front.triangles);
       if (!object.vertices) object.vertices.emplace(*gl_);
-      bytes += object.vertices->fill({front.positions, front.normals, {}, front.colors}, false);
+      bytes += object.vertices->fill(
+          {front.positions, front.normals, {}, front.colors, front.texture_coordinates, front.materials}, false);
       gl_->BindVertexArray(0);
     }
     bytes += object.colors.fill(drawn.colors[i]);
@@ -144,8 +148,10 @@ void SceneDrawing::draw_object(const PlacedObject& object, const Drawn& drawn, c
     uniforms.color = MeshProgram::Color::triangles;
   else if (own_colors && vertices.has_colors())
     uniforms.color = MeshProgram::Color::vertices;
-  const auto layers = layers_.find(object.mesh);
-  if (layers != layers_.end() && !colors.any() && look.color_by == ColorBy::texture) {
+  const auto layers = layers_.find(texture_of(object));
+  const bool textured =
+      is_hlod_ ? frame_->job.hlod.color_by == HlodColorBy::texture : look.color_by == ColorBy::texture;
+  if (layers != layers_.end() && !colors.any() && textured) {
     uniforms.color = MeshProgram::Color::texture;
     uniforms.texture_from_below = layers->second.from_below();
     layers->second.bind();

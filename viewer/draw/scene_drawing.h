@@ -58,7 +58,7 @@ class SceneDrawing {
   LineDrawing lines_;
   std::shared_ptr<const RefinedFrame> frame_;
   std::map<std::shared_ptr<const ViewMesh>, VertexBuffers> vertices_;
-  std::map<std::shared_ptr<const ViewMesh>, LayerBuffer> layers_;  // of those with materials
+  std::map<std::shared_ptr<const LayeredTexture>, LayerBuffer> layers_;  // of those with materials
   std::vector<Side> sides_;
   bool is_hlod_ = false;  // the frame
 };

@@ -73,7 +73,7 @@ std::span<const Setting> hlod_settings() {
           [](auto& s) -> auto& { return s.hlod.settle; }),
       choice(
           {"hlod_color_by", "Colour by", "What the colour of a node stands for"},
-          {"plain", "vertices", "level", "error", "bias", "state", "patch"},
+          {"plain", "vertices", "texture", "level", "error", "bias", "state", "patch"},
           [](auto& s) -> auto& { return s.hlod.color_by; }),
       choice(
           {"node_boxes", "Boxes",

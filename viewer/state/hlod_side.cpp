@@ -15,9 +15,15 @@ void append(std::vector<T>& to, std::span<const T> more) {
   to.insert(to.end(), more.begin(), more.end());
 }
 
-void append_normals(std::vector<glm::vec3>& to, const hlod::DrawnNode& draw, const hlod::Hlod& hlod) {
-  append(to, hlod.mesh(draw.node).normals);
-  if (draw.splits > 0) append(to, hlod.within(draw.node).normals);
+// What DrawObject lacks.
+void append_attributes(FrontObject& to, const hlod::DrawnNode& draw, const hlod::Hlod& hlod) {
+  const auto append_all = [&](const auto& from) {
+    append(to.normals, from.normals);
+    append(to.texture_coordinates, from.texture_coordinates);
+    append(to.materials, from.materials);
+  };
+  append_all(hlod.mesh(draw.node));
+  if (draw.splits > 0) append_all(hlod.within(draw.node));
 }
 
 // Ranges hold whole patches, both ascending.
@@ -35,7 +41,7 @@ void append_draw(FrontObject& to, const DrawObject& mesh, const hlod::DrawnNode&
                  std::span<const hlod::DrawRange> ranges, const hlod::Hlod& hlod) {
   const auto first = static_cast<std::uint32_t>(to.positions.size());
   append(to.positions, mesh.positions);
-  append_normals(to.normals, draw, hlod);
+  append_attributes(to, draw, hlod);
   append(to.colors, mesh.colors);
   for (const Triangle& t : mesh.triangles) to.triangles.push_back(t + first);
   append_patches(to.patches, draw, ranges, hlod);
@@ -56,6 +62,7 @@ glm::u8vec4 color_of_draw(const hlod::DrawnNode& draw, const PlacedObject& objec
       return color_of(drawn_as(draw));
     case HlodColorBy::plain:
     case HlodColorBy::vertices:
+    case HlodColorBy::texture:
     case HlodColorBy::patch:
       break;
   }
@@ -105,7 +112,9 @@ double error_px(const hlod::DrawnNode& draw, const PlacedObject& object, const V
 std::vector<std::vector<glm::u8vec4>> colors_of(const HlodFront& front, const Objects& objects, const View& view,
                                                 const HlodSettings& settings) {
   std::vector<std::vector<glm::u8vec4>> colors(objects.size());
-  if (settings.color_by == HlodColorBy::plain || settings.color_by == HlodColorBy::vertices) return colors;
+  if (settings.color_by == HlodColorBy::plain || settings.color_by == HlodColorBy::vertices ||
+      settings.color_by == HlodColorBy::texture)
+    return colors;
   const std::vector<hlod::DrawnNode>& draws = front.frame.draws;
   for (std::size_t o = 0; o < objects.size(); ++o) {
     const FrontObject& object = front.objects[o];

@@ -16,10 +16,12 @@ namespace occlod::viewer {
 
 // The triangles that a frame has drawn of one object, draw by draw.
 struct FrontObject {
-  std::vector<glm::vec3> positions;    // object space
-  std::vector<glm::vec3> normals;      // by vertex, or none
-  std::vector<glm::u8vec4> colors;     // sRGB, by vertex, or none
-  std::vector<Triangle> triangles;     // ids into positions
+  std::vector<glm::vec3> positions;            // object space
+  std::vector<glm::vec3> normals;              // by vertex, or none
+  std::vector<glm::u8vec4> colors;             // sRGB, by vertex, or none
+  std::vector<glm::vec2> texture_coordinates;  // by vertex, or none
+  std::vector<MaterialId> materials;           // by vertex, or none: all have the first
+  std::vector<Triangle> triangles;             // ids into positions
   std::vector<std::uint32_t> patches;  // by triangle: the number of its patch in HlodView::patches; of cuts no_id
 };
 

@@ -20,13 +20,13 @@ std::uint8_t to_srgb(float linear) {
 glm::u8vec4 to_srgb(const glm::vec3& linear) { return {to_srgb(linear.x), to_srgb(linear.y), to_srgb(linear.z), 255}; }
 
 // Of a power of two.
-unsigned layer_size(const ObjectTexture& texture) {
+unsigned layer_size(std::span<const DrawMaterial> materials) {
   unsigned size = 1;
-  for (const DrawMaterial& material : texture.materials)
-    if (material.image != nullptr && !texture.coordinates.empty())
+  for (const DrawMaterial& material : materials)
+    if (material.image != nullptr)
       size = std::max(size, static_cast<unsigned>(std::max(material.image->width(), material.image->height())));
   size = std::min(std::bit_ceil(size), largest_size);
-  while (size > 1 && std::uint64_t{size} * size * texture.materials.size() > most_pixels) size /= 2;
+  while (size > 1 && std::uint64_t{size} * size * materials.size() > most_pixels) size /= 2;
   return size;
 }
 
@@ -48,13 +48,12 @@ Image layer(const DrawMaterial& material, int size, TextureOrigin origin) {
 
 }  // namespace
 
-std::shared_ptr<const LayeredTexture> layered(const ObjectTexture& texture, TextureOrigin origin) {
-  if (texture.materials.empty()) return nullptr;
+std::shared_ptr<const LayeredTexture> layered(std::span<const DrawMaterial> materials, TextureOrigin origin) {
+  if (materials.empty()) return nullptr;
   auto result = std::make_shared<LayeredTexture>();
-  result->size = static_cast<int>(layer_size(texture));
+  result->size = static_cast<int>(layer_size(materials));
   result->origin = origin;
-  for (const DrawMaterial& material : texture.materials)
-    result->layers.push_back(layer(material, result->size, origin));
+  for (const DrawMaterial& material : materials) result->layers.push_back(layer(material, result->size, origin));
   return result;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "occlod/mesh/triangle_mesh.h"
@@ -17,6 +18,7 @@ struct LayeredTexture {
 
 // Images larger than 2,048 pixels, or than 2^26 pixels together allow, become smaller; others are made as large as the
 // largest. Null without materials. O(pixels).
-[[nodiscard]] std::shared_ptr<const LayeredTexture> layered(const ObjectTexture& texture, TextureOrigin origin);
+[[nodiscard]] std::shared_ptr<const LayeredTexture> layered(std::span<const DrawMaterial> materials,
+                                                            TextureOrigin origin);
 
 }  // namespace occlod::viewer

@@ -188,7 +188,10 @@ void Loader::load_as_hlods(const SceneDescription& scene, LoadedFile& result) {
   for (std::size_t i = 0; i < loaded.size(); ++i) {
     auto& hlod = hlods[loaded[i].hlod.get()];
     report("preparing " + loaded[i].source_name, 1.0);
-    if (!hlod) hlod = make_view_hlod(loaded[i].hlod);
+    if (!hlod) {
+      const std::filesystem::path source = loaded[i].source_name;
+      hlod = make_view_hlod(loaded[i].hlod, is_ohlod_file(source) ? source.parent_path() : folder);
+    }
     PlacedObject& object = result.objects.emplace_back();
     object.name = std::filesystem::path(loaded[i].source_name).stem().string();
     object.parts = parts[i];

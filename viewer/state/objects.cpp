@@ -72,7 +72,7 @@ std::shared_ptr<const ViewMesh> make_view_mesh(std::shared_ptr<const Hierarchy> 
   mesh->creases = by_wedge(*hierarchy, find_creases(positions, triangles));
   const tool::ObjectTextures textures(hierarchy->data(), folder, tool::TextureChoice::automatic,
                                       [](const std::string& line) { tool::print_note(line); });
-  mesh->texture = layered(textures.texture(), hierarchy->data().texture_origin);
+  mesh->texture = layered(textures.materials(), hierarchy->data().texture_origin);
   const Box& box = hierarchy->box();
   mesh->sphere.center = 0.5F * box.min + 0.5F * box.max;
   for (const glm::vec3& p : hierarchy->positions())
@@ -88,8 +88,12 @@ std::shared_ptr<const ViewMesh> make_view_mesh(std::shared_ptr<const Hierarchy> 
   return mesh;
 }
 
-std::shared_ptr<const ViewHlod> make_view_hlod(std::shared_ptr<const hlod::Hlod> hlod) {
+std::shared_ptr<const ViewHlod> make_view_hlod(std::shared_ptr<const hlod::Hlod> hlod,
+                                               const std::filesystem::path& folder) {
   auto view = std::make_shared<ViewHlod>();
+  const tool::ObjectTextures textures(hlod->data(), folder, tool::TextureChoice::automatic,
+                                      [](const std::string& line) { tool::print_note(line); });
+  view->texture = layered(textures.materials(), hlod->data().texture_origin);
   const Box& box = hlod->data().box;
   view->sphere.center = 0.5F * box.min + 0.5F * box.max;
   const hlod::Level& finest = hlod->data().levels[0];

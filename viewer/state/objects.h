@@ -36,12 +36,14 @@ struct ViewMesh {
 
 // An HLOD, likewise.
 struct ViewHlod {
-  std::shared_ptr<const hlod::Hlod> hlod;  // whose meshes have been checked
-  Sphere sphere;                           // around all vertices and the middle of their box
+  std::shared_ptr<const hlod::Hlod> hlod;         // whose meshes have been checked
+  Sphere sphere;                                  // around all vertices and the middle of their box
+  std::shared_ptr<const LayeredTexture> texture;  // null without materials
 };
 
-// O(size). Throws Error when a mesh of the HLOD is damaged.
-[[nodiscard]] std::shared_ptr<const ViewHlod> make_view_hlod(std::shared_ptr<const hlod::Hlod> hlod);
+// folder: as above. O(size). Throws Error when a mesh of the HLOD is damaged.
+[[nodiscard]] std::shared_ptr<const ViewHlod> make_view_hlod(std::shared_ptr<const hlod::Hlod> hlod,
+                                                             const std::filesystem::path& folder = {});
 
 // Scaled, turned around x, then y, then z, moved. `shape` comes before it all: what is no such placement, e.g. a shear.
 struct Placement {
@@ -68,6 +70,10 @@ struct PlacedObject {
 using Objects = std::vector<PlacedObject>;  // all meshes, or all HLODs
 
 [[nodiscard]] inline bool are_hlods(const Objects& objects) { return !objects.empty() && objects[0].hlod != nullptr; }
+// Null without materials.
+[[nodiscard]] inline const std::shared_ptr<const LayeredTexture>& texture_of(const PlacedObject& object) {
+  return object.hlod ? object.hlod->texture : object.mesh->texture;
+}
 // For traversal. The objects keep what these refer to.
 [[nodiscard]] std::vector<hlod::PlacedHlod> placed_hlods(const Objects& objects);
 // Object space.

@@ -160,6 +160,7 @@ std::vector<LegendEntry> legend_of(HlodColorBy color_by, std::size_t level_count
   switch (color_by) {
     case HlodColorBy::plain:
     case HlodColorBy::vertices:
+    case HlodColorBy::texture:
     case HlodColorBy::patch:
       break;
     case HlodColorBy::level:

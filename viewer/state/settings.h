@@ -37,6 +37,7 @@ enum class HlodBetween { nothing, geomorph, within };
 enum class HlodColorBy {
   plain,     // nothing
   vertices,  // the colours of the file
+  texture,   // its textures and the colours of its materials
   level,     // of its node
   error,     // of its node, in pixels
   bias,      // how much of it counted
@@ -57,7 +58,7 @@ struct HlodSettings {
   HlodBetween between = HlodBetween::nothing;
   HlodDevice device = HlodDevice::gl;
   bool settle = true;  // a view that stands still is drawn until its front stays
-  HlodColorBy color_by = HlodColorBy::plain;
+  HlodColorBy color_by = HlodColorBy::texture;
   NodeBoxes boxes = NodeBoxes::none;
 };
 

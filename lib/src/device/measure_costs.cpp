@@ -40,7 +40,7 @@ Hlod one_node(std::uint16_t cells) {
   node.triangles = static_cast<std::uint32_t>(indices.size() / 3);
   node.vertices = static_cast<std::uint32_t>(positions.size());
   node.patches = 1;
-  const MeshLayout layout(node, false, false);
+  const MeshLayout layout(node, {});
   data.meshes.resize((layout.bytes + mesh_alignment - 1) / mesh_alignment * mesh_alignment);
   std::memcpy(data.meshes.data(), positions.data(), positions.size() * sizeof(glm::vec3));
   std::memcpy(data.meshes.data() + layout.indices, indices.data(), indices.size() * sizeof(std::uint16_t));

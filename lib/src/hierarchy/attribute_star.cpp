@@ -179,6 +179,24 @@ float AttributeStar::choose_for_chart(std::size_t begin, std::size_t end, Vertex
   return std::min(slip2, state_->extents2[wedges_[order_[begin]].x]);
 }
 
+void AttributeStar::list_merges(VertexId v, VertexId u, std::vector<WedgeMerge>& merges) const {
+  for (std::size_t begin = 0, end = 0; begin < order_.size(); begin = end) {
+    WedgeMerge merge{v, wedges_[order_[begin]].x, no_id, false};
+    WedgeId at_edge = no_id;
+    for (end = begin; end < order_.size() && wedges_[order_[end]].x == merge.wedge; ++end) {
+      const std::uint32_t f = order_[end];
+      if (contains(faces_[f], u)) {
+        at_edge = faces_[f].next == u ? wedges_[f].y : wedges_[f].z;
+      } else {
+        merge.is_split = merge.is_split || (merge.into != no_id && merge.into != chosen_[f]);
+        merge.into = chosen_[f];
+      }
+    }
+    if (merge.into == no_id) merge.into = at_edge;
+    merges.push_back(merge);
+  }
+}
+
 // Wedges at u in the chart's material, and at last the chart's own at v, for a new wedge of u.
 void AttributeStar::list_candidates(WedgeId own, VertexId u) {
   state_->corners.wedges_at(u, own, most_candidates, candidates_);

@@ -21,6 +21,14 @@ namespace occlod {
 // stretched over u. So there is always a wedge, and every face keeps its material.
 class AttributeStar {
  public:
+  // Where corners with one wedge of v went.
+  struct WedgeMerge {
+    VertexId v = no_id;
+    WedgeId wedge = no_id;  // of the input, whose attributes they had
+    WedgeId into = no_id;   // whose attributes they have now, at u
+    bool is_split = false;  // others of them went elsewhere: v had the end of u's seam
+  };
+
   void gather(const StarMesh& mesh, const AttributeState& state, const PositionView& positions, VertexId v);
 
   [[nodiscard]] std::span<const StarFace> faces() const noexcept { return faces_; }
@@ -33,6 +41,8 @@ class AttributeStar {
   [[nodiscard]] float choose(VertexId u);
   // For each face what choose() gave u; of faces with u no_id.
   [[nodiscard]] std::span<const WedgeId> wedges_of_u() const noexcept { return chosen_; }
+  // The same chart by chart, for u of the last choose(). Charts that end are there too. Appends.
+  void list_merges(VertexId v, VertexId u, std::vector<WedgeMerge>& merges) const;
 
  private:
   // Where v is in a face (u, a, b) that a moved face becomes: barycentric coordinates.

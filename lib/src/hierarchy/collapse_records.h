@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "attribute_star.h"
 #include "simplify.h"
 
 namespace occlod {
@@ -18,6 +19,7 @@ struct BlockRecord {
   std::vector<float> attribute_errors;
   std::vector<std::size_t> first_corners;
   std::vector<EndedCorners> corners;
+  std::vector<AttributeStar::WedgeMerge> wedge_merges;  // of all collapses, in their order, where they are wanted
   std::size_t faces_gone = 0;
 };
 

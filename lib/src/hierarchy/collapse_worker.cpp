@@ -23,6 +23,7 @@ void CollapseWorker::start(const Block& block) {
   ranks_.clear();
   ended_.clear();
   corners_.clear();
+  wedge_merges_.clear();
   faces_gone_ = 0;
   queue_.reset(block.vertices.size());
   constexpr std::uint32_t ahead = 16;
@@ -205,6 +206,7 @@ void CollapseWorker::collapse(VertexId v, const Choice& choice, std::span<const 
   if (state_.attributes != nullptr) {
     made_.back().first_corners = first_corners;
     move_corners(v, u, id, first_ended);
+    if (state_.keeps_wedge_merges) attributes_.list_merges(v, u, wedge_merges_);
     made_.back().attribute_error = add_deviation(v, deviation2);
     state_.attributes->sums[u] += state_.attributes->sums[v];
   }
@@ -267,6 +269,7 @@ void CollapseWorker::finish() {
     }
   }
   record.ranks = ranks_;
+  record.wedge_merges = wedge_merges_;
   record.faces_gone = faces_gone_;
 }
 

@@ -107,6 +107,7 @@ class CollapseWorker {
   std::vector<LevelFace> ended_;
   AttributeStar attributes_;
   std::vector<CornerFace> corners_;  // of faces that ended, where some wedge is not its vertex's first
+  std::vector<AttributeStar::WedgeMerge> wedge_merges_;
   std::vector<bool> taken_;
   std::vector<float> ring_costs_;
   std::vector<StarFace> folded_;

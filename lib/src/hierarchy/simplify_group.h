@@ -19,24 +19,34 @@ struct GroupTarget {
   float most_cost = std::numeric_limits<float>::max();  // collapses that cost more are not made
   std::size_t least_triangles = 0;                      // ends when no more are left
   bool keeps_collapses = false;                         // whether SimplifiedGroup::collapses is wanted
+  double attribute_weight = 0.0;                        // as in BuildOptions; 0: attributes do not count
 };
 
-// v was merged into u.
+// Wedge v was merged into u: all wedges of a vertex at once, one after the other.
 struct GroupCollapse {
-  VertexId v = no_id;
-  VertexId u = no_id;
-  float error = 0.0F;  // quadric error, object units; no less than that of any collapse that this one comes after
+  WedgeId v = no_id;
+  WedgeId u = no_id;
+  float error = 0.0F;  // object units; no less than that of any collapse that this one comes after
 };
 
-// What a group became.
+// A wedge that collapses have added: a vertex with the attributes of another one's wedge.
+struct AddedWedge {
+  VertexId vertex = no_id;
+  WedgeId attributes = no_id;  // of the input
+};
+
+// What a group became. Wedges are those of the input, then `added`; of an input without extra wedges they are its
+// vertices, and none is added.
 struct SimplifiedGroup {
-  std::vector<Triangle> triangles;    // that are left, by the vertices of the input
-  std::vector<VertexId> merged_into;  // by vertex: the one that it ended up in; itself where it was not merged
-  float error = 0.0F;                 // the largest quadric error of a collapse, object units
-  float guaranteed_error = 0.0F;      // no triangle that is left is farther from the input, object units
-  float cost = 0.0F;                  // of the dearest collapse, for GroupTarget::most_cost
+  std::vector<Triangle> triangles;   // that are left, by the vertices of the input
+  std::vector<Triangle> corners;     // their wedges; empty when the input has no extra ones
+  std::vector<AddedWedge> added;     // wedges, numbered after those of the input
+  std::vector<WedgeId> merged_into;  // by wedge: the one that it ended up in; itself where it was not merged
+  float error = 0.0F;  // the largest of a collapse, object units: quadric error, or how far attributes have slipped
+  float guaranteed_error = 0.0F;  // no triangle that is left is farther from the input, object units
+  float cost = 0.0F;              // of the dearest collapse, for GroupTarget::most_cost
   // By descending error, each before those that it comes after: without the last k, the mesh is what the others lead
-  // to. Only if wanted.
+  // to. Only if wanted, and none where corners with one wedge went to several: no such list leads back there.
   std::vector<GroupCollapse> collapses;
 };
 

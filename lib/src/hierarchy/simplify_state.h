@@ -38,6 +38,7 @@ struct SimplifySetup {
   std::span<const std::uint8_t> locked{};  // by vertex: not 0 = is never merged into another; empty = none is
   bool keeps_attributes = false;           // if the mesh has any that count: then it outlives the state
   double attribute_weight = 1.0;           // of deviations of attributes, relative to distances
+  bool keeps_wedge_merges = false;         // whether BlockRecord::wedge_merges is wanted
 };
 
 // Indexed by vertex. A worker touches only vertices of its block and reads stars of those.
@@ -51,6 +52,7 @@ struct SimplifyState {
   LargeVector<Turn> turns;
   std::unique_ptr<AttributeState> attributes;  // null: none count
   float attribute_weight2 = 1.0F;              // of squared deviations
+  bool keeps_wedge_merges = false;
 
   [[nodiscard]] PositionView positions() const {
     return {std::span<const VertexState>(vertices), &VertexState::position};

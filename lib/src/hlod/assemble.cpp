@@ -1,7 +1,7 @@
 #include "assemble.h"
 
 #include <algorithm>
-#include <cstring>
+#include <tuple>
 #include <utility>
 
 #include "hierarchy/parallel.h"
@@ -13,17 +13,18 @@ namespace {
 
 // The vertices and patches of one node.
 struct NodeParts {
-  std::vector<VertexId> vertices;  // of the input mesh, in the order of their first use
+  std::vector<WedgeId> wedges;  // in the order of their first use
   std::vector<std::uint16_t> indices;
   std::vector<Patch> patches;
 };
 
 class Assembler {
  public:
-  Assembler(const TriangleMesh& mesh, std::vector<LevelDraft> levels, Within within, unsigned threads)
+  Assembler(const WedgeMesh& mesh, std::vector<LevelDraft> levels, Within within, unsigned threads)
       : mesh_(mesh), levels_(std::move(levels)), within_(within), threads_(threads) {}
 
   HlodData run() {
+    describe_input();
     number_nodes();
     parts_.resize(drafts_.size());
     for_each_node([&](LocalIds& ids, NodeId n) { divide(ids, n); });
@@ -31,14 +32,24 @@ class Assembler {
     for_each_node([&](LocalIds&, NodeId n) { write_mesh(n); });
     for_each_node([&](LocalIds& ids, NodeId n) { link_merged(ids, n); });
     if (within_ == Within::splits) add_splits();
-    data_.box = bounding_box(mesh_.positions);
-    data_.input_triangle_count = mesh_.triangles.size();
-    data_.has_normals = !mesh_.normals.empty();
-    data_.has_colors = !mesh_.colors.empty();
     return std::move(data_);
   }
 
  private:
+  void describe_input() {
+    const TriangleMesh& input = mesh_.mesh();
+    data_.box = bounding_box(input.positions);
+    data_.input_triangle_count = input.triangle_count();
+    data_.has_normals = !input.normals.empty();
+    data_.has_colors = !input.colors.empty();
+    data_.has_texture_coordinates = !input.texture_coordinates.empty();
+    data_.has_materials = !mesh_.materials().empty();
+    data_.has_seams = mesh_.has_seams();
+    data_.materials = input.materials;
+    data_.textures = input.textures;
+    data_.texture_origin = input.texture_origin;
+  }
+
   template <typename Visit>
   void for_each_node(const Visit& visit) {
     for_each_task(
@@ -65,29 +76,31 @@ class Assembler {
     return data_.levels[data_.nodes[n].level + 1U].first_node + place;
   }
 
-  // Into patches by ascending parent; within one, triangles keep their order.
+  // Into patches by ascending parent; within one by material, and then triangles keep their order.
   void divide(LocalIds& ids, NodeId n) {
     const NodeDraft& draft = *drafts_[n];
     const LevelDraft& level = levels_[data_.nodes[n].level];
-    std::vector<std::pair<NodeId, std::uint32_t>> order;  // by parent
+    std::vector<std::tuple<NodeId, MaterialId, std::uint32_t>> order;
     for (std::uint32_t t = draft.first_triangle; t < draft.first_triangle + draft.triangle_count; ++t)
-      order.emplace_back(level.parent_of.empty() ? no_id : parent_id(n, level.parent_of[t]), t);
+      order.emplace_back(level.parent_of.empty() ? no_id : parent_id(n, level.parent_of[t]),
+                         mesh_.materials().empty() ? MaterialId{0} : mesh_.materials()[level.wedge_triangles()[t].x],
+                         t);
     std::sort(order.begin(), order.end());
     NodeParts& parts = parts_[n];
     ids.reset(3 * order.size() + draft.bare_targets.size());
-    for (const auto& [parent, t] : order) {
+    for (const auto& [parent, material, t] : order) {
       if (parts.patches.empty() || parts.patches.back().parent != parent)
         parts.patches.push_back({parent, static_cast<std::uint32_t>(parts.indices.size()), 0});
       parts.patches.back().index_count += 3;
-      for (int k = 0; k < 3; ++k) parts.indices.push_back(static_cast<std::uint16_t>(ids.add(level.triangles[t][k])));
+      for (int k = 0; k < 3; ++k)
+        parts.indices.push_back(static_cast<std::uint16_t>(ids.add(level.wedge_triangles()[t][k])));
     }
-    for (const VertexId v : draft.bare_targets) ids.add(v);
-    parts.vertices.assign(ids.vertices().begin(), ids.vertices().end());
+    for (const WedgeId v : draft.bare_targets) ids.add(v);
+    parts.wedges.assign(ids.vertices().begin(), ids.vertices().end());
   }
 
   // What the nodes say of themselves, and where everything is.
   void lay_out() {
-    const bool has_normals = !mesh_.normals.empty(), has_colors = !mesh_.colors.empty();
     std::uint64_t end = 0;
     for (NodeId n = 0; n < data_.nodes.size(); ++n) {
       const NodeDraft& draft = *drafts_[n];
@@ -102,11 +115,11 @@ class Assembler {
       node.first_patch = static_cast<std::uint32_t>(data_.patches.size());
       node.first_child = static_cast<std::uint32_t>(data_.children.size());
       node.triangles = draft.triangle_count;
-      node.vertices = static_cast<std::uint32_t>(parts_[n].vertices.size());
+      node.vertices = static_cast<std::uint32_t>(parts_[n].wedges.size());
       node.patches = static_cast<std::uint16_t>(parts_[n].patches.size());
       node.children = static_cast<std::uint16_t>(draft.children.size());
       node.mesh = end;
-      end = align_mesh(end + MeshLayout(node, has_normals, has_colors).bytes);
+      end = align_mesh(end + MeshLayout(node, arrays_of(data_)).bytes);
       data_.patches.insert(data_.patches.end(), parts_[n].patches.begin(), parts_[n].patches.end());
       for (const std::uint32_t child : draft.children)
         data_.children.push_back(data_.levels[node.level - 1U].first_node + child);
@@ -123,10 +136,10 @@ class Assembler {
   void write_mesh(NodeId n) {
     const Node& node = data_.nodes[n];
     const NodeParts& parts = parts_[n];
-    const MeshLayout layout(node, !mesh_.normals.empty(), !mesh_.colors.empty());
-    copy_vertices(mesh_, parts.vertices, layout, data_.meshes.data() + node.mesh);
+    const MeshLayout layout(node, arrays_of(data_));
+    copy_wedges(mesh_, parts.wedges, layout, data_.meshes.data() + node.mesh);
     std::copy(parts.indices.begin(), parts.indices.end(), array_at<std::uint16_t>(node, layout.indices));
-    std::fill_n(array_at<std::uint16_t>(node, layout.merged_into), parts.vertices.size(), stays);
+    std::fill_n(array_at<std::uint16_t>(node, layout.merged_into), parts.wedges.size(), stays);
   }
 
   // Tells the children of n where their vertices went. What n merged belongs to it alone, so no other parent of the
@@ -134,19 +147,19 @@ class Assembler {
   void link_merged(LocalIds& own, NodeId n) {
     const NodeDraft& draft = *drafts_[n];
     if (draft.merges.empty()) return;
-    own.reset(parts_[n].vertices.size());
-    for (const VertexId v : parts_[n].vertices) own.add(v);
+    own.reset(parts_[n].wedges.size());
+    for (const WedgeId v : parts_[n].wedges) own.add(v);
     LocalIds merged;
     merged.reset(draft.merges.size());
     for (const Merge& merge : draft.merges) merged.add(merge.v);
     for (const std::uint32_t child : draft.children) {
       const NodeId c = data_.levels[data_.nodes[n].level - 1U].first_node + child;
       const Node& node = data_.nodes[c];
-      const MeshLayout layout(node, !mesh_.normals.empty(), !mesh_.colors.empty());
+      const MeshLayout layout(node, arrays_of(data_));
       auto* const merged_into = array_at<std::uint16_t>(node, layout.merged_into);
-      const std::size_t used = parts_[c].vertices.size() - drafts_[c]->bare_targets.size();
+      const std::size_t used = parts_[c].wedges.size() - drafts_[c]->bare_targets.size();
       for (std::size_t i = 0; i < used; ++i)
-        if (const std::uint32_t merge = merged.find(parts_[c].vertices[i]); merge != no_id)
+        if (const std::uint32_t merge = merged.find(parts_[c].wedges[i]); merge != no_id)
           merged_into[i] = static_cast<std::uint16_t>(own.find(draft.merges[merge].u));
     }
   }
@@ -154,11 +167,11 @@ class Assembler {
   void add_splits() {
     std::vector<NodeSplitsData> splits(drafts_.size());
     for_each_node(
-        [&](LocalIds& ids, NodeId n) { splits[n] = number_splits(drafts_[n]->within, parts_[n].vertices, ids); });
+        [&](LocalIds& ids, NodeId n) { splits[n] = number_splits(drafts_[n]->within, parts_[n].wedges, ids); });
     append_splits(mesh_, splits, data_);
   }
 
-  const TriangleMesh& mesh_;
+  const WedgeMesh& mesh_;
   std::vector<LevelDraft> levels_;
   Within within_;
   unsigned threads_;
@@ -169,7 +182,7 @@ class Assembler {
 
 }  // namespace
 
-HlodData assemble(const TriangleMesh& mesh, std::vector<LevelDraft> levels, Within within, unsigned threads) {
+HlodData assemble(const WedgeMesh& mesh, std::vector<LevelDraft> levels, Within within, unsigned threads) {
   return Assembler(mesh, std::move(levels), within, threads).run();
 }
 

@@ -6,13 +6,13 @@
 #include "hlod_data.h"
 #include "level_draft.h"
 #include "occlod/hlod/build.h"
+#include "wedge_mesh.h"
 
 namespace occlod::hlod {
 
 // Numbers nodes from coarse to fine, sorts the triangles of each into patches, and gives each node vertices of its own.
 // `levels` from level 0; they are used up. Fills all fields but grouping, borders and node_triangles. The result does
 // not depend on the threads. O(n log n) within each node.
-[[nodiscard]] HlodData assemble(const TriangleMesh& mesh, std::vector<LevelDraft> levels, Within within,
-                                unsigned threads);
+[[nodiscard]] HlodData assemble(const WedgeMesh& mesh, std::vector<LevelDraft> levels, Within within, unsigned threads);
 
 }  // namespace occlod::hlod

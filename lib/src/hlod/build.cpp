@@ -14,8 +14,8 @@
 #include "hierarchy/parallel.h"
 #include "hierarchy/spatial_order.h"
 #include "occlod/core/error.h"
-#include "occlod/mesh/merge_wedges.h"
 #include "simplify_nodes.h"
+#include "wedge_mesh.h"
 
 namespace occlod::hlod {
 namespace {
@@ -27,6 +27,7 @@ void check_options(const BuildOptions& options) {
   const OptionChecker check("hlod build");
   check.in_range("node_triangles", options.node_triangles, 16, 4096);
   check.in_range("boundary_weight", options.boundary_weight, 0.0, 1e6);
+  check.in_range("attribute_weight", options.attribute_weight, 0.0, 1e6);
   check.in_range("threads", options.threads, 0, 1024);
   if (options.grouping == Grouping::shifted && options.borders == Borders::free)
     throw Error({"hlod build", "option borders", "shifted groups need locked borders",
@@ -35,17 +36,17 @@ void check_options(const BuildOptions& options) {
 
 class Builder {
  public:
-  Builder(const TriangleMesh& mesh, const BuildOptions& options)
-      : mesh_(mesh),
+  Builder(TriangleMesh mesh, const BuildOptions& options)
+      : mesh_(std::move(mesh)),
         within_(options.within),
         threads_(thread_count(options.threads)),
         progress_(options.progress),
-        grouping_(mesh, options, threads_),
-        simplifier_(mesh, options, threads_) {}
+        grouping_(mesh_.mesh(), options, threads_),
+        simplifier_(mesh_, options, threads_) {}
 
   HlodData run() {
     progress_.reach(0.0);
-    levels_.push_back(input_level(mesh_, grouping_.group_input(), threads_));
+    levels_.push_back(input_level(mesh_.mesh(), grouping_.group_input(), threads_));
     while (levels_.back().nodes.size() > 1 && add_level()) continue;
     return assemble(mesh_, std::move(levels_), within_, threads_);
   }
@@ -74,7 +75,7 @@ class Builder {
     return simplified * (1.0 - std::pow(0.25, static_cast<double>(levels)));
   }
 
-  const TriangleMesh& mesh_;
+  WedgeMesh mesh_;
   Within within_;
   unsigned threads_;
   BuildProgress progress_;
@@ -86,13 +87,11 @@ class Builder {
 }  // namespace
 
 Hlod build_hlod(const TriangleMesh& mesh, const BuildOptions& options) {
-  if (!mesh.extra_wedges.empty()) return build_hlod(merge_wedges(mesh), options);
   check_options(options);
   check_input(mesh);
   check_welded(mesh);
   const LargeMemoryReuse reuse;
-  const TriangleMesh ordered = in_spatial_order(mesh, thread_count(options.threads));
-  HlodData data = Builder(ordered, options).run();
+  HlodData data = Builder(in_spatial_order(mesh, thread_count(options.threads)), options).run();
   data.grouping = options.grouping;
   data.borders = options.borders;
   data.node_triangles = options.node_triangles;

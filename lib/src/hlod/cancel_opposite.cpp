@@ -37,6 +37,11 @@ bool has_repeated(const std::vector<Triangle>& triangles) {
 }  // namespace
 
 void cancel_opposite(std::vector<Triangle>& triangles) {
+  std::vector<Triangle> none;
+  cancel_opposite(triangles, none);
+}
+
+void cancel_opposite(std::vector<Triangle>& triangles, std::vector<Triangle>& corners) {
   if (!has_repeated(triangles)) return;
   std::vector<std::pair<std::uint64_t, std::uint32_t>> sorted;
   for (std::uint32_t i = 0; i < triangles.size(); ++i) sorted.emplace_back(key_of(triangles[i]), i);
@@ -50,9 +55,14 @@ void cancel_opposite(std::vector<Triangle>& triangles) {
       goes[same[0][i]] = goes[same[1][i]] = true;
   }
   std::size_t kept = 0;
-  for (std::size_t i = 0; i < triangles.size(); ++i)
-    if (!goes[i]) triangles[kept++] = triangles[i];
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    if (goes[i]) continue;
+    triangles[kept] = triangles[i];
+    if (!corners.empty()) corners[kept] = corners[i];
+    ++kept;
+  }
   triangles.resize(kept);
+  if (!corners.empty()) corners.resize(kept);
 }
 
 }  // namespace occlod::hlod

@@ -92,8 +92,12 @@ LevelDraft input_level(const TriangleMesh& mesh, const TriangleGroups& groups, u
     node.first_triangle = std::exchange(first, first + node.triangle_count);
   }
   level.triangles.resize(mesh.triangles.size());
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
-    level.triangles[next[groups.group_of[t]]++] = mesh.triangles[t];
+  level.corners.resize(mesh.corners.size());
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    const std::uint32_t place = next[groups.group_of[t]]++;
+    level.triangles[place] = mesh.triangles[t];
+    if (!mesh.corners.empty()) level.corners[place] = mesh.corners[t];
+  }
   for_each_task(
       level.nodes.size(), threads, [] { return 0; },
       [&](int, std::size_t n) {
@@ -119,12 +123,15 @@ LevelDraft finish_level(const TriangleMesh& mesh, const LevelDraft& below, std::
     first += level.nodes[n].triangle_count;
   }
   level.triangles.resize(first);
+  level.corners.resize(below.corners.empty() ? 0 : first);
   for_each_task(
       level.nodes.size(), threads, [] { return 0; },
       [&](int, std::size_t n) {
         NodeDraft& node = level.nodes[n];
         SimplifiedNode& from = simplified[n];
         std::copy(from.triangles.begin(), from.triangles.end(), level.triangles.begin() + node.first_triangle);
+        std::copy(from.corners.begin(), from.corners.end(),
+                  level.corners.begin() + (below.corners.empty() ? 0 : node.first_triangle));
         node.children = std::move(children[n]);
         node.merges = std::move(from.merges);
         node.bare_targets = std::move(from.bare_targets);

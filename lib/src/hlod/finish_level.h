@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "group_triangles.h"
+#include "hierarchy/simplify_group.h"
 #include "level_draft.h"
 
 namespace occlod::hlod {
@@ -11,9 +12,11 @@ namespace occlod::hlod {
 // What simplification made of one group.
 struct SimplifiedNode {
   std::vector<Triangle> triangles;
-  std::vector<VertexId> lost;                   // locked vertices that none of them uses
-  std::vector<Merge> merges;                    // all vertices of the group that were merged
-  std::vector<VertexId> bare_targets;           // as in NodeDraft
+  std::vector<Triangle> corners;                // their wedges; empty without seams
+  std::vector<AddedWedge> added;                // wedges that the WedgeMesh does not have yet: numbered after its own
+  std::vector<VertexId> lost;                   // locked vertices that none of the triangles uses
+  std::vector<Merge> merges;                    // all wedges of the group that were merged
+  std::vector<WedgeId> bare_targets;            // as in NodeDraft
   Box box;                                      // as in Node
   float error = 0.0F, guaranteed_error = 0.0F;  // of this node's own collapses alone
   SplitsDraft within;                           // with Within::splits

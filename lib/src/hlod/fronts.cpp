@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <glm/geometric.hpp>
 
+#include "whole_splits.h"
+
 namespace occlod::hlod {
 namespace {
 
@@ -41,7 +43,7 @@ Cuts random_cuts_of(const Hlod& hlod, const Refined& refined, std::mt19937_64& r
   Cuts cuts(hlod.node_count(), 0);
   for (NodeId n = 0; n < hlod.node_count(); ++n)
     if (hlod.has_within(n) && refined[n] == 0 && are_parents_refined(hlod, refined, n) && random() % 2 == 0)
-      cuts[n] = static_cast<std::uint32_t>(random() % (hlod.data().within[n].splits + 1U));
+      cuts[n] = whole_splits(hlod, n, static_cast<std::uint32_t>(random() % (hlod.data().within[n].splits + 1U)));
   return cuts;
 }
 

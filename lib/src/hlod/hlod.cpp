@@ -21,20 +21,23 @@ std::span<const T> array_at(const std::byte* bytes, std::size_t count) {
 
 }  // namespace
 
-MeshLayout::MeshLayout(const Node& node, bool has_normals, bool has_colors) {
-  const std::size_t vertices = node.vertices;
+VertexLayout::VertexLayout(std::size_t vertices, const VertexArrays& arrays) {
   normals = vertices * sizeof(glm::vec3);
-  colors = normals + (has_normals ? vertices * sizeof(glm::vec3) : 0);
-  indices = colors + (has_colors ? vertices * sizeof(glm::u8vec4) : 0);
-  merged_into = indices + 3 * std::size_t{node.triangles} * sizeof(std::uint16_t);
-  bytes = merged_into + vertices * sizeof(std::uint16_t);
+  colors = normals + (arrays.normals ? vertices * sizeof(glm::vec3) : 0);
+  texture_coordinates = colors + (arrays.colors ? vertices * sizeof(glm::u8vec4) : 0);
+  materials = texture_coordinates + (arrays.texture_coordinates ? vertices * sizeof(glm::vec2) : 0);
+  end = materials + (arrays.materials ? vertices * sizeof(MaterialId) : 0);
 }
 
-SplitsLayout::SplitsLayout(const NodeWithin& within, bool has_normals, bool has_colors) {
-  const std::size_t vertices = std::size_t{within.bare} + within.splits;
-  normals = vertices * sizeof(glm::vec3);
-  colors = normals + (has_normals ? vertices * sizeof(glm::vec3) : 0);
-  errors = colors + (has_colors ? vertices * sizeof(glm::u8vec4) : 0);
+MeshLayout::MeshLayout(const Node& node, const VertexArrays& arrays) : VertexLayout(node.vertices, arrays) {
+  indices = end;
+  merged_into = indices + 3 * std::size_t{node.triangles} * sizeof(std::uint16_t);
+  bytes = merged_into + std::size_t{node.vertices} * sizeof(std::uint16_t);
+}
+
+SplitsLayout::SplitsLayout(const NodeWithin& within, const VertexArrays& arrays)
+    : VertexLayout(std::size_t{within.bare} + within.splits, arrays) {
+  errors = (end + alignof(float) - 1) / alignof(float) * alignof(float);
   indices = errors + within.splits * sizeof(float);
   parents = indices + 3 * std::size_t{within.triangles} * sizeof(std::uint16_t);
   bytes = parents + within.splits * sizeof(std::uint16_t);
@@ -55,7 +58,13 @@ HlodView view_of(const HlodData& data) {
           data.has_normals,
           data.has_colors,
           data.within,
-          data.splits};
+          data.splits,
+          data.has_texture_coordinates,
+          data.has_materials,
+          data.has_seams,
+          data.materials,
+          data.textures,
+          data.texture_origin};
 }
 
 Hlod make_hlod(HlodData data) {
@@ -79,7 +88,13 @@ HlodData copy_data(const Hlod& hlod) {
           view.has_normals,
           view.has_colors,
           to_vector(view.within),
-          {view.splits.begin(), view.splits.end()}};
+          {view.splits.begin(), view.splits.end()},
+          view.has_texture_coordinates,
+          view.has_materials,
+          view.has_seams,
+          to_vector(view.materials),
+          to_vector(view.textures),
+          view.texture_origin};
 }
 
 Hlod guarded_hlod(const HlodView& view, std::shared_ptr<const void> owner, std::shared_ptr<NodeGuard> guard) {
@@ -105,7 +120,7 @@ void Hlod::require_all() const {
 
 NodeMesh Hlod::mesh(NodeId n) const noexcept {
   const Node& node = view_.nodes[n];
-  const MeshLayout layout(node, view_.has_normals, view_.has_colors);
+  const MeshLayout layout(node, arrays_of(view_));
   assert(node.mesh % mesh_alignment == 0 && node.mesh + layout.bytes <= view_.meshes.size());
   const std::byte* const bytes = view_.meshes.data() + node.mesh;
   const std::size_t vertices = node.vertices;
@@ -113,12 +128,14 @@ NodeMesh Hlod::mesh(NodeId n) const noexcept {
           array_at<glm::vec3>(bytes + layout.normals, view_.has_normals ? vertices : 0),
           array_at<glm::u8vec4>(bytes + layout.colors, view_.has_colors ? vertices : 0),
           array_at<std::uint16_t>(bytes + layout.indices, 3 * std::size_t{node.triangles}),
-          array_at<std::uint16_t>(bytes + layout.merged_into, vertices)};
+          array_at<std::uint16_t>(bytes + layout.merged_into, vertices),
+          array_at<glm::vec2>(bytes + layout.texture_coordinates, view_.has_texture_coordinates ? vertices : 0),
+          array_at<MaterialId>(bytes + layout.materials, view_.has_materials ? vertices : 0)};
 }
 
 NodeSplits Hlod::within(NodeId n) const noexcept {
   const NodeWithin& within = view_.within[n];
-  const SplitsLayout layout(within, view_.has_normals, view_.has_colors);
+  const SplitsLayout layout(within, arrays_of(view_));
   assert(within.place % mesh_alignment == 0 && within.place + layout.bytes <= view_.splits.size());
   const std::byte* const bytes = view_.splits.data() + within.place;
   const std::size_t vertices = std::size_t{within.bare} + within.splits;
@@ -127,7 +144,9 @@ NodeSplits Hlod::within(NodeId n) const noexcept {
           array_at<glm::u8vec4>(bytes + layout.colors, view_.has_colors ? vertices : 0),
           array_at<float>(bytes + layout.errors, within.splits),
           array_at<std::uint16_t>(bytes + layout.indices, 3 * std::size_t{within.triangles}),
-          array_at<std::uint16_t>(bytes + layout.parents, within.splits)};
+          array_at<std::uint16_t>(bytes + layout.parents, within.splits),
+          array_at<glm::vec2>(bytes + layout.texture_coordinates, view_.has_texture_coordinates ? vertices : 0),
+          array_at<MaterialId>(bytes + layout.materials, view_.has_materials ? vertices : 0)};
 }
 
 std::size_t Hlod::bytes() const noexcept {

@@ -26,6 +26,12 @@ struct HlodData {
   bool has_colors = false;
   std::vector<NodeWithin> within;
   LargeVector<std::byte> splits;
+  bool has_texture_coordinates = false;
+  bool has_materials = false;
+  bool has_seams = false;
+  std::vector<Material> materials;
+  std::vector<Texture> textures;
+  TextureOrigin texture_origin = TextureOrigin::bottom_left;
 };
 
 [[nodiscard]] HlodView view_of(const HlodData& data);
@@ -33,19 +39,38 @@ struct HlodData {
 [[nodiscard]] Hlod make_hlod(HlodData data);
 [[nodiscard]] HlodData copy_data(const Hlod& hlod);
 
-// Where the arrays of one node's mesh begin, in bytes from the start of the mesh. In this order.
-struct MeshLayout {
-  MeshLayout(const Node& node, bool has_normals, bool has_colors);
+// Which attributes vertices have.
+struct VertexArrays {
+  bool normals = false, colors = false, texture_coordinates = false, materials = false;
+};
 
-  std::size_t normals, colors, indices, merged_into;
+// `data`: HlodView or HlodData.
+template <typename Data>
+VertexArrays arrays_of(const Data& data) {
+  return {data.has_normals, data.has_colors, data.has_texture_coordinates, data.has_materials};
+}
+
+// Where attributes begin, in bytes from the start of the positions. In this order.
+struct VertexLayout {
+  VertexLayout(std::size_t vertices, const VertexArrays& arrays);
+
+  std::size_t normals, colors, texture_coordinates, materials;
+  std::size_t end;
+};
+
+// Where the arrays of one node's mesh begin, in bytes from the start of the mesh. In this order, after attributes.
+struct MeshLayout : VertexLayout {
+  MeshLayout(const Node& node, const VertexArrays& arrays);
+
+  std::size_t indices, merged_into;
   std::size_t bytes;  // without what aligns the next mesh
 };
 
 // The same for its splits.
-struct SplitsLayout {
-  SplitsLayout(const NodeWithin& within, bool has_normals, bool has_colors);
+struct SplitsLayout : VertexLayout {
+  SplitsLayout(const NodeWithin& within, const VertexArrays& arrays);
 
-  std::size_t normals, colors, errors, indices, parents;
+  std::size_t errors, indices, parents;
   std::size_t bytes;
 };
 

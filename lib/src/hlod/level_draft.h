@@ -1,4 +1,5 @@
-// One level of an HLOD while it is built. Vertices are those of the input mesh.
+// One level of an HLOD while it is built. Vertices are those of the input mesh, wedges those of the WedgeMesh. Without
+// seams a wedge is a vertex.
 #pragma once
 
 #include <cstddef>
@@ -12,19 +13,19 @@
 
 namespace occlod::hlod {
 
-// Vertex v of a node's input ended up in u.
+// Wedge v of a node's input ended up in u.
 struct Merge {
-  VertexId v = no_id;
-  VertexId u = no_id;
+  WedgeId v = no_id;
+  WedgeId u = no_id;
 };
 
-// The splits of a node by its input's own vertex numbers, which have 16 bits.
+// The splits of a node by its input's own wedge numbers, which have 16 bits.
 struct SplitsDraft {
   struct Split {
     std::uint16_t v = 0, u = 0;  // v was merged into u
     float error = 0.0F;
   };
-  std::vector<VertexId> vertices;      // of the input mesh, by own number
+  std::vector<WedgeId> wedges;         // by own number
   std::vector<std::uint16_t> indices;  // three for each triangle that the node was made from
   std::vector<Split> splits;           // the coarsest first; none: the node has no splits, the rest is empty too
 };
@@ -34,7 +35,7 @@ struct NodeDraft {
   std::uint32_t triangle_count = 0;
   std::vector<std::uint32_t> children;  // places on the level below, ascending
   std::vector<Merge> merges;            // by v, in no order
-  std::vector<VertexId> bare_targets;   // vertices that others were merged into, but that no triangle uses any more
+  std::vector<WedgeId> bare_targets;    // wedges that others were merged into, but that no triangle uses any more
   Box box, lod_box;
   Sphere sphere;
   float error = 0.0F, child_error = 0.0F, guaranteed_error = 0.0F, area = 0.0F;
@@ -43,10 +44,12 @@ struct NodeDraft {
 
 struct LevelDraft {
   std::vector<NodeDraft> nodes;
-  LargeVector<Triangle> triangles;       // node by node
+  LargeVector<Triangle> triangles;       // vertices, node by node
+  LargeVector<Triangle> corners;         // their wedges; empty without seams
   LargeVector<std::uint32_t> parent_of;  // of each triangle: the place on the next level of the node that replaces it;
                                          // empty on the last level
 
+  [[nodiscard]] const LargeVector<Triangle>& wedge_triangles() const { return corners.empty() ? triangles : corners; }
   [[nodiscard]] std::span<const Triangle> triangles_of(const NodeDraft& node) const {
     return std::span<const Triangle>(triangles).subspan(node.first_triangle, node.triangle_count);
   }

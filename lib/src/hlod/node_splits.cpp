@@ -5,19 +5,19 @@
 
 namespace occlod::hlod {
 
-NodeSplitsData number_splits(const SplitsDraft& draft, std::span<const VertexId> own, LocalIds& ids) {
+NodeSplitsData number_splits(const SplitsDraft& draft, std::span<const WedgeId> own, LocalIds& ids) {
   NodeSplitsData result;
   if (draft.splits.empty()) return result;
   ids.reset(own.size());
-  for (const VertexId v : own) ids.add(v);
-  std::vector<std::uint32_t> number(draft.vertices.size(), no_id);
-  std::vector<bool> is_merged(draft.vertices.size(), false);
+  for (const WedgeId v : own) ids.add(v);
+  std::vector<std::uint32_t> number(draft.wedges.size(), no_id);
+  std::vector<bool> is_merged(draft.wedges.size(), false);
   for (const SplitsDraft::Split& split : draft.splits) is_merged[split.v] = true;
   for (std::size_t v = 0; v < number.size(); ++v)
-    if (!is_merged[v]) number[v] = ids.find(draft.vertices[v]);
+    if (!is_merged[v]) number[v] = ids.find(draft.wedges[v]);
   const auto add_vertex = [&](std::uint16_t v) {
-    number[v] = static_cast<std::uint32_t>(own.size() + result.vertices.size());
-    result.vertices.push_back(draft.vertices[v]);
+    number[v] = static_cast<std::uint32_t>(own.size() + result.wedges.size());
+    result.wedges.push_back(draft.wedges[v]);
   };
   for (const std::uint16_t v : draft.indices)
     if (number[v] == no_id && !is_merged[v]) add_vertex(v);
@@ -30,25 +30,37 @@ NodeSplitsData number_splits(const SplitsDraft& draft, std::span<const VertexId>
   return result;
 }
 
-void append_splits(const TriangleMesh& mesh, std::span<const NodeSplitsData> splits, HlodData& data) {
-  const bool has_normals = !mesh.normals.empty(), has_colors = !mesh.colors.empty();
+void append_splits(const WedgeMesh& mesh, std::span<const NodeSplitsData> splits, HlodData& data) {
   std::uint64_t end = 0;
   for (const NodeSplitsData& of_node : splits) {
     const auto count = static_cast<std::uint32_t>(of_node.errors.size());
-    const auto bare = static_cast<std::uint32_t>(of_node.vertices.size()) - count;
+    const auto bare = static_cast<std::uint32_t>(of_node.wedges.size()) - count;
     const NodeWithin within{end, count, bare, static_cast<std::uint32_t>(of_node.indices.size() / 3), 0};
-    end = align_mesh(end + SplitsLayout(within, has_normals, has_colors).bytes);
+    end = align_mesh(end + SplitsLayout(within, arrays_of(data)).bytes);
     data.within.push_back(within);
   }
   data.splits.resize(end);
   for (std::size_t n = 0; n < splits.size(); ++n) {
-    const SplitsLayout layout(data.within[n], has_normals, has_colors);
+    const SplitsLayout layout(data.within[n], arrays_of(data));
     std::byte* const to = data.splits.data() + data.within[n].place;
-    copy_vertices(mesh, splits[n].vertices, layout, to);
+    copy_wedges(mesh, splits[n].wedges, layout, to);
     std::ranges::copy(splits[n].errors, reinterpret_cast<float*>(to + layout.errors));
     std::ranges::copy(splits[n].indices, reinterpret_cast<std::uint16_t*>(to + layout.indices));
     std::ranges::copy(splits[n].parents, reinterpret_cast<std::uint16_t*>(to + layout.parents));
   }
+}
+
+void copy_wedges(const WedgeMesh& mesh, std::span<const WedgeId> wedges, const VertexLayout& layout, std::byte* to) {
+  const auto copy = [&](const auto& from, std::size_t offset) {
+    using T = typename std::decay_t<decltype(from)>::value_type;
+    if (from.empty()) return;
+    for (std::size_t i = 0; i < wedges.size(); ++i) reinterpret_cast<T*>(to + offset)[i] = from[wedges[i]];
+  };
+  copy(mesh.mesh().positions, 0);
+  copy(mesh.mesh().normals, layout.normals);
+  copy(mesh.mesh().colors, layout.colors);
+  copy(mesh.mesh().texture_coordinates, layout.texture_coordinates);
+  copy(mesh.materials(), layout.materials);
 }
 
 }  // namespace occlod::hlod

@@ -41,85 +41,153 @@ class NodeSimplifier::Worker {
     result.error = simplified.error;
     result.guaranteed_error = simplified.guaranteed_error;
     result.box = box();
-    for (const Triangle& t : simplified.triangles) result.triangles.emplace_back(global(t.x), global(t.y), global(t.z));
-    list_vertices(simplified, result);
-    if (!simplified.collapses.empty() && input_.positions.size() <= stays) keep_splits(simplified, result.within);
+    for (const Triangle& t : simplified.triangles) result.triangles.push_back(global(t, vertices_.vertices()));
+    for (const AddedWedge& added : simplified.added) {
+      result.added.push_back({vertices_.vertices()[added.vertex], wedges_[added.attributes]});
+      wedges_.push_back(static_cast<WedgeId>(all_.input().wedge_count() + result.added.size() - 1));
+    }
+    if (all_.mesh_.has_seams())
+      for (const Triangle& t : simplified.corners.empty() ? simplified.triangles : simplified.corners)
+        result.corners.push_back(global(t, wedges_));
+    list_merges(simplified, result);
+    list_lost(simplified, result);
+    if (!simplified.collapses.empty() && wedges_.size() <= stays) keep_splits(simplified, result.within);
     return result;
   }
 
  private:
   void gather(std::uint32_t group) {
     const std::span<const std::uint32_t> members = all_.members(group);
-    ids_.reset(3 * members.size());
-    input_.triangles.clear();
-    for (const std::uint32_t member : members) {
-      const Triangle& t = below_.triangles[member];
-      const auto x = ids_.add(t.x), y = ids_.add(t.y), z = ids_.add(t.z);
-      input_.triangles.emplace_back(x, y, z);
+    input_ = {};
+    vertices_.reset(3 * members.size());
+    for (const std::uint32_t member : members) input_.triangles.push_back(number(below_.triangles[member], vertices_));
+    if (all_.mesh_.has_seams()) {
+      seam_wedges_.reset(3 * members.size());
+      for (const std::uint32_t member : members) input_.corners.push_back(number(below_.corners[member], seam_wedges_));
     }
-    cancel_opposite(input_.triangles);
-    input_.positions.clear();
-    locked_.clear();
-    for (const VertexId v : ids_.vertices()) {
-      input_.positions.push_back(all_.mesh_.positions[v]);
-      locked_.push_back(all_.locked_[v]);
-    }
+    cancel_opposite(input_.triangles, input_.corners);
+    if (all_.mesh_.has_seams())
+      sort_wedges();
+    else
+      wedges_.assign(vertices_.vertices().begin(), vertices_.vertices().end());
+    copy_vertices();
   }
 
-  [[nodiscard]] VertexId global(std::uint32_t local) const { return ids_.vertices()[local]; }
+  static Triangle number(const Triangle& t, LocalIds& ids) {
+    const auto x = ids.add(t.x), y = ids.add(t.y), z = ids.add(t.z);
+    return {x, y, z};
+  }
+
+  static Triangle global(const Triangle& t, std::span<const std::uint32_t> ids) {
+    return {ids[t.x], ids[t.y], ids[t.z]};
+  }
+
+  // Numbers the wedges as a TriangleMesh does: one of each vertex, then the others by their vertices.
+  void sort_wedges() {
+    const std::size_t vertices = vertices_.vertices().size(), wedges = seam_wedges_.vertices().size();
+    wedges_.assign(vertices, no_id);
+    std::vector<std::uint32_t> local(wedges);
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> extra;  // a vertex, and a wedge of it
+    for (std::uint32_t i = 0; i < wedges; ++i) {
+      const WedgeId wedge = seam_wedges_.vertices()[i];
+      const std::uint32_t v = vertices_.find(all_.input().vertex_of(wedge));
+      if (wedges_[v] == no_id) {
+        wedges_[v] = wedge;
+        local[i] = v;
+      } else {
+        extra.emplace_back(v, i);
+      }
+    }
+    std::sort(extra.begin(), extra.end());
+    for (const auto& [v, i] : extra) {
+      local[i] = static_cast<std::uint32_t>(wedges_.size());
+      wedges_.push_back(seam_wedges_.vertices()[i]);
+      input_.extra_wedges.push_back(v);
+    }
+    for (Triangle& t : input_.corners) t = global(t, local);
+    if (extra.empty()) input_.corners.clear();
+  }
+
+  // Positions; attributes only where they count.
+  void copy_vertices() {
+    const TriangleMesh& from = all_.input();
+    const auto copy = [&](const auto& of_all, auto& to) {
+      if (of_all.empty()) return;
+      for (const WedgeId wedge : wedges_) to.push_back(of_all[wedge]);
+    };
+    copy(from.positions, input_.positions);
+    locked_.clear();
+    for (const VertexId v : vertices_.vertices()) locked_.push_back(all_.locked_[v]);
+    if (!has_wedge_attributes(from)) return;
+    copy(from.normals, input_.normals);
+    copy(from.colors, input_.colors);
+    copy(from.texture_coordinates, input_.texture_coordinates);
+    if (all_.mesh_.materials().empty()) return;
+    for (const Triangle& t : input_.wedge_triangles())
+      input_.triangle_materials.push_back(all_.mesh_.materials()[wedges_[t.x]]);
+  }
 
   [[nodiscard]] SimplifiedGroup simplify(float most_cost, std::size_t least_triangles) const {
     return simplify_group(input_, locked_,
                           {all_.scale_, all_.options_.boundary_weight, most_cost, least_triangles,
-                           all_.options_.within == Within::splits});
+                           all_.options_.within == Within::splits, all_.options_.attribute_weight});
   }
 
   [[nodiscard]] Box box() const {
-    Box box = all_.boxes_[global(0)];
-    for (const VertexId v : ids_.vertices()) box = unite(box, all_.boxes_[v]);
+    Box box = all_.boxes_[vertices_.vertices()[0]];
+    for (const VertexId v : vertices_.vertices()) box = unite(box, all_.boxes_[v]);
     return box;
   }
 
-  void list_vertices(const SimplifiedGroup& simplified, SimplifiedNode& result) {
-    used_.assign(input_.positions.size(), 0);
-    for (const Triangle& t : simplified.triangles) used_[t.x] = used_[t.y] = used_[t.z] = 1;
-    for (std::uint32_t v = 0; v < used_.size(); ++v) {
-      const std::uint32_t u = simplified.merged_into[v];
-      if (u != v) {
-        result.merges.push_back({global(v), global(u)});
-        if (used_[u] == 0) result.bare_targets.push_back(global(u));
-      }
-      if (locked_[v] != 0 && used_[v] == 0) result.lost.push_back(global(v));
+  void list_merges(const SimplifiedGroup& simplified, SimplifiedNode& result) {
+    used_.assign(wedges_.size(), 0);
+    for (const Triangle& t : simplified.corners.empty() ? simplified.triangles : simplified.corners)
+      used_[t.x] = used_[t.y] = used_[t.z] = 1;
+    for (std::uint32_t w = 0; w < wedges_.size(); ++w) {
+      const std::uint32_t into = simplified.merged_into[w];
+      if (into == w) continue;
+      result.merges.push_back({wedges_[w], wedges_[into]});
+      if (used_[into] == 0) result.bare_targets.push_back(wedges_[into]);
     }
     std::sort(result.bare_targets.begin(), result.bare_targets.end());
     result.bare_targets.erase(std::unique(result.bare_targets.begin(), result.bare_targets.end()),
                               result.bare_targets.end());
   }
 
+  void list_lost(const SimplifiedGroup& simplified, SimplifiedNode& result) {
+    used_.assign(locked_.size(), 0);
+    for (const Triangle& t : simplified.triangles) used_[t.x] = used_[t.y] = used_[t.z] = 1;
+    for (std::uint32_t v = 0; v < used_.size(); ++v)
+      if (locked_[v] != 0 && used_[v] == 0) result.lost.push_back(vertices_.vertices()[v]);
+  }
+
   void keep_splits(const SimplifiedGroup& simplified, SplitsDraft& within) const {
     const auto own = [](std::uint32_t local) { return static_cast<std::uint16_t>(local); };
-    within.vertices.assign(ids_.vertices().begin(), ids_.vertices().end());
-    for (const Triangle& t : input_.triangles)
+    within.wedges = wedges_;
+    for (const Triangle& t : input_.wedge_triangles())
       for (int k = 0; k < 3; ++k) within.indices.push_back(own(t[k]));
     for (const GroupCollapse& c : simplified.collapses) within.splits.push_back({own(c.v), own(c.u), c.error});
   }
 
   const NodeSimplifier& all_;
   const LevelDraft& below_;
-  LocalIds ids_;
+  LocalIds vertices_;     // of the input mesh, by local number
+  LocalIds seam_wedges_;  // as they are met
   TriangleMesh input_;
+  std::vector<WedgeId> wedges_;  // by local number, after simplification those added too
   std::vector<std::uint8_t> locked_, used_;
 };
 
-NodeSimplifier::NodeSimplifier(const TriangleMesh& mesh, const BuildOptions& options, unsigned threads)
+NodeSimplifier::NodeSimplifier(WedgeMesh& mesh, const BuildOptions& options, unsigned threads)
     : mesh_(mesh),
       options_(options),
       threads_(threads),
-      scale_(power_of_two_scale(mesh.positions)),
-      boxes_(mesh.vertex_count()),
-      locked_(mesh.vertex_count(), 0),
-      lost_(mesh.vertex_count(), 0) {
-  for_each_id(mesh.vertex_count(), threads, [&](VertexId v) { boxes_[v] = {mesh.positions[v], mesh.positions[v]}; });
+      scale_(power_of_two_scale(input().positions)),
+      boxes_(input().vertex_count()),
+      locked_(input().vertex_count(), 0),
+      lost_(input().vertex_count(), 0) {
+  const std::vector<glm::vec3>& positions = input().positions;
+  for_each_id(boxes_.size(), threads, [&](VertexId v) { boxes_[v] = {positions[v], positions[v]}; });
 }
 
 LevelDraft NodeSimplifier::run(LevelDraft& below, TriangleGroups groups, const ProgressPart& progress) {
@@ -142,8 +210,9 @@ LevelDraft NodeSimplifier::run(LevelDraft& below, TriangleGroups groups, const P
         done += members(group).size();
       },
       [&] { progress.reach(done); });
+  add_wedges(results);
   pass_on(results);
-  return finish_level(mesh_, below, std::move(results), threads_);
+  return finish_level(input(), below, std::move(results), threads_);
 }
 
 void NodeSimplifier::lock(const LevelDraft& below, std::uint32_t group_count) {
@@ -151,7 +220,7 @@ void NodeSimplifier::lock(const LevelDraft& below, std::uint32_t group_count) {
     locked_ = lost_;
     return;
   }
-  locked_ = shared_vertices(below.triangles, below.parent_of, mesh_.vertex_count(), threads_);
+  locked_ = shared_vertices(below.triangles, below.parent_of, input().vertex_count(), threads_);
   for_each_id(locked_.size(), threads_, [&](VertexId v) { locked_[v] |= lost_[v]; });
 }
 
@@ -195,8 +264,30 @@ float NodeSimplifier::common_cost(const LevelDraft& below, std::uint32_t group_c
 // To the vertices that are left.
 void NodeSimplifier::pass_on(const std::vector<SimplifiedNode>& results) {
   for (const SimplifiedNode& result : results) {
-    for (const auto& [v, u] : result.merges) boxes_[u] = unite(boxes_[u], boxes_[v]);
+    for (const auto& [v, u] : result.merges) {
+      Box& box = boxes_[input().vertex_of(u)];
+      box = unite(box, boxes_[input().vertex_of(v)]);
+    }
     for (const VertexId v : result.lost) lost_[v] = 1;
+  }
+}
+
+// Numbers those of all nodes through, one node after the other.
+void NodeSimplifier::add_wedges(std::vector<SimplifiedNode>& results) {
+  const auto first = static_cast<WedgeId>(input().wedge_count());
+  for (SimplifiedNode& result : results) {
+    if (result.added.empty()) continue;
+    const auto offset = static_cast<WedgeId>(input().wedge_count() - first);
+    for (const auto& [vertex, like] : result.added) mesh_.add(vertex, like);
+    const auto move = [&](WedgeId& wedge) { wedge += wedge < first ? 0 : offset; };
+    for (Triangle& t : result.corners)
+      for (int k = 0; k < 3; ++k) move(t[k]);
+    for (Merge& merge : result.merges) {
+      move(merge.v);
+      move(merge.u);
+    }
+    for (WedgeId& wedge : result.bare_targets) move(wedge);
+    for (WedgeId& wedge : result.within.wedges) move(wedge);
   }
 }
 

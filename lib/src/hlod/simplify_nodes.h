@@ -11,14 +11,17 @@
 #include "hierarchy/build_progress.h"
 #include "level_draft.h"
 #include "occlod/hlod/build.h"
+#include "wedge_mesh.h"
 
 namespace occlod::hlod {
 
 class NodeSimplifier {
  public:
-  NodeSimplifier(const TriangleMesh& mesh, const BuildOptions& options, unsigned threads);
+  // Both outlive it.
+  NodeSimplifier(WedgeMesh& mesh, const BuildOptions& options, unsigned threads);
 
-  // The level above `below`, whose parent_of is set to `groups`. `progress` counts triangles of `below`.
+  // The level above `below`, whose parent_of is set to `groups`. Adds wedges to the mesh. `progress` counts triangles
+  // of `below`.
   [[nodiscard]] LevelDraft run(LevelDraft& below, TriangleGroups groups, const ProgressPart& progress);
 
  private:
@@ -29,8 +32,10 @@ class NodeSimplifier {
   [[nodiscard]] std::span<const std::uint32_t> members(std::uint32_t group) const;
   [[nodiscard]] float common_cost(const LevelDraft& below, std::uint32_t group_count) const;
   void pass_on(const std::vector<SimplifiedNode>& results);
+  void add_wedges(std::vector<SimplifiedNode>& results);
+  [[nodiscard]] const TriangleMesh& input() const { return mesh_.mesh(); }
 
-  const TriangleMesh& mesh_;
+  WedgeMesh& mesh_;
   const BuildOptions& options_;
   unsigned threads_;
   float scale_;

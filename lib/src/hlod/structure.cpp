@@ -17,12 +17,21 @@ bool is_box(const Box& b) {
 }
 bool is_length(float x) { return std::isfinite(x) && x >= 0.0F; }
 
+bool are_materials(const HlodView& data, std::span<const MaterialId> ids) {
+  return std::ranges::all_of(ids, [&](MaterialId m) { return m < data.materials.size(); });
+}
+
+bool is_of_one_material(std::span<const MaterialId> materials, std::uint16_t a, std::uint16_t b, std::uint16_t c) {
+  return materials.empty() || (materials[a] == materials[b] && materials[b] == materials[c]);
+}
+
 class StructureCheck {
  public:
   explicit StructureCheck(const HlodView& data) : d_(data) {}
 
   Problem run() {
     if (const Problem problem = check_levels()) return problem;
+    if (const Problem problem = check_materials()) return problem;
     std::uint64_t input_triangles = 0, links = 0;
     for (NodeId n = 0; n < d_.nodes.size(); ++n) {
       if (const Problem problem = check_node(n)) return fmt::format("node {} {}", n, *problem);
@@ -57,6 +66,14 @@ class StructureCheck {
     return next == d_.nodes.size() ? Problem() : "the levels are not all nodes";
   }
 
+  [[nodiscard]] Problem check_materials() const {
+    if (d_.has_materials && d_.materials.empty()) return "there are no materials, but vertices name some";
+    for (std::size_t m = 0; m < d_.materials.size(); ++m)
+      if (const TextureId t = d_.materials[m].texture; t != no_texture && t >= d_.textures.size())
+        return fmt::format("material {} has a texture that is not there", m);
+    return {};
+  }
+
   [[nodiscard]] bool is_in_level(NodeId n, std::size_t level) const {
     return level < d_.levels.size() && n >= d_.levels[level].first_node &&
            n - d_.levels[level].first_node < d_.levels[level].node_count;
@@ -72,7 +89,7 @@ class StructureCheck {
       return "has an error or area that is none";
     if (node.vertices > stays || 3 * std::uint64_t{node.triangles} > 0xffffffffU) return "is too large";
     if (node.mesh % mesh_alignment != 0 || node.mesh > d_.meshes.size() ||
-        MeshLayout(node, d_.has_normals, d_.has_colors).bytes > d_.meshes.size() - node.mesh)
+        MeshLayout(node, arrays_of(d_)).bytes > d_.meshes.size() - node.mesh)
       return "has a mesh outside the meshes";
     return check_patches(node);
   }
@@ -132,7 +149,7 @@ class StructureCheck {
         3 * std::uint64_t{within.triangles} > 0xffffffffU)
       return "has too many splits";
     if (within.place % mesh_alignment != 0 || within.place > d_.splits.size() ||
-        SplitsLayout(within, d_.has_normals, d_.has_colors).bytes > d_.splits.size() - within.place)
+        SplitsLayout(within, arrays_of(d_)).bytes > d_.splits.size() - within.place)
       return "has splits outside the splits";
     return {};
   }
@@ -158,6 +175,7 @@ std::optional<std::string> check_mesh(const HlodView& data, NodeId n) {
   const NodeMesh mesh = hlod.mesh(n);
   for (const glm::vec3& p : mesh.positions)
     if (!is_finite(p)) return "a position is not finite";
+  if (!are_materials(data, mesh.materials)) return "a material is not there";
   constexpr NodeId several = no_id - 1;
   std::vector<NodeId> parent(mesh.positions.size(), no_id);  // of the patches that use the vertex
   for (const Patch& patch : hlod.patches(n))
@@ -165,6 +183,7 @@ std::optional<std::string> check_mesh(const HlodView& data, NodeId n) {
       const std::uint16_t a = mesh.indices[i], b = mesh.indices[i + 1], c = mesh.indices[i + 2];
       if (std::max({a, b, c}) >= mesh.positions.size()) return "an index is out of range";
       if (a == b || b == c || c == a) return "a triangle repeats a corner";
+      if (!is_of_one_material(mesh.materials, a, b, c)) return "a triangle has corners of several materials";
       for (const std::uint16_t v : {a, b, c})
         parent[v] = parent[v] == no_id || parent[v] == patch.parent ? patch.parent : several;
     }
@@ -183,6 +202,7 @@ std::optional<std::string> check_within(const HlodView& data, NodeId n) {
   const std::size_t first = hlod.node(n).vertices + std::size_t{data.within[n].bare};  // that a split brings back
   const std::size_t vertices = first + within.parents.size();
   if (!std::ranges::all_of(within.positions, is_finite)) return "a position is not finite";
+  if (!are_materials(data, within.materials)) return "a material is not there";
   for (std::size_t s = 0; s < within.parents.size(); ++s) {
     if (within.parents[s] >= first + s) return "a split comes before one that it needs";
     if (!is_length(within.errors[s]) || (s > 0 && within.errors[s] > within.errors[s - 1]))

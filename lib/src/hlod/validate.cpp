@@ -12,8 +12,8 @@
 
 #include "fronts.h"
 #include "hierarchy/chain_sum.h"
+#include "hierarchy/corner_key.h"
 #include "hierarchy/position_ids.h"
-#include "hierarchy/triangle_key.h"
 #include "math/unite.h"
 #include "within_points.h"
 
@@ -176,7 +176,10 @@ class Validator {
     if (!(wanted == found)) report("node {} is not what it replaces with all merges applied", n);
     if (h_.has_within(n)) check_splits(n, own, input);
     std::sort(own.begin(), own.end());
-    if (std::adjacent_find(own.begin(), own.end()) != own.end()) report("node {} has a vertex twice", n);
+    if (h_.data().has_seams)
+      own.erase(std::unique(own.begin(), own.end()), own.end());
+    else if (std::adjacent_find(own.begin(), own.end()) != own.end())
+      report("node {} has a vertex twice", n);
     inputs_.erase(std::unique(inputs_.begin(), inputs_.end()), inputs_.end());
     if (!std::includes(inputs_.begin(), inputs_.end(), own.begin(), own.end()))
       report("node {} has a vertex that none of its children has", n);
@@ -312,20 +315,25 @@ std::vector<std::string> validate(const Hlod& hlod, const ValidateOptions& optio
 
 bool restores(const Hlod& hlod, const TriangleMesh& mesh) {
   if (hlod.data().input_triangle_count != mesh.triangle_count()) return false;
-  std::vector<TriangleKey> restored, input;
+  const CornerAttributes input{mesh.positions, mesh.normals, mesh.colors, mesh.texture_coordinates};
+  std::vector<CornerKey> restored, given;
   restored.reserve(mesh.triangle_count());
-  input.reserve(mesh.triangle_count());
+  given.reserve(mesh.triangle_count());
   for (NodeId n = 0; n < hlod.node_count(); ++n) {
     if (hlod.node(n).level > 0) continue;
     hlod.require(n);
     const NodeMesh node = hlod.mesh(n);
+    CornerAttributes attributes{node.positions, node.normals, node.colors, node.texture_coordinates};
+    if (!node.positions.empty() && !keep_those_of(input, attributes)) return false;
     for (std::size_t i = 0; i < node.indices.size(); i += 3)
-      restored.push_back(key_of({node.indices[i], node.indices[i + 1], node.indices[i + 2]}, node.positions));
+      restored.push_back(corners_of({node.indices[i], node.indices[i + 1], node.indices[i + 2]}, attributes,
+                                    node.materials.empty() ? MaterialId{0} : node.materials[node.indices[i]]));
   }
-  for (const Triangle& t : mesh.triangles) input.push_back(key_of(t, mesh.positions));
+  for (std::size_t t = 0; t < mesh.triangle_count(); ++t)
+    given.push_back(corners_of(mesh.wedge_triangles()[t], input, mesh.material_of(t)));
   std::sort(restored.begin(), restored.end());
-  std::sort(input.begin(), input.end());
-  return restored == input;
+  std::sort(given.begin(), given.end());
+  return restored == given;
 }
 
 }  // namespace occlod::hlod

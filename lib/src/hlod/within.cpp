@@ -1,6 +1,7 @@
 #include "occlod/hlod/within.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <limits>
@@ -10,6 +11,8 @@
 #include <utility>
 
 #include "cancel_opposite.h"
+#include "hierarchy/triangle_key.h"
+#include "whole_splits.h"
 
 namespace occlod::hlod {
 namespace {
@@ -18,6 +21,24 @@ namespace {
 double joined(double child_error, double own) { return std::sqrt(child_error * child_error + own * own); }
 
 constexpr double quarter_steps[] = {1.0, 1.18920711500272106672, 1.41421356237309504880, 1.68179283050742908606};
+
+// By vertex of a node and its splits: the first vertex at the same place. Empty without seams, where no other is there.
+std::vector<std::uint16_t> vertices_by_place(const Hlod& hlod, NodeId n) {
+  if (!hlod.data().has_seams) return {};
+  const std::span<const glm::vec3> own = hlod.mesh(n).positions, more = hlod.within(n).positions;
+  using Place = std::array<std::uint32_t, 3>;
+  std::vector<std::pair<Place, std::uint16_t>> sorted(own.size() + more.size());
+  for (std::size_t v = 0; v < sorted.size(); ++v) {
+    const glm::vec3& p = v < own.size() ? own[v] : more[v - own.size()];
+    sorted[v] = {{bits_of(p.x), bits_of(p.y), bits_of(p.z)}, static_cast<std::uint16_t>(v)};
+  }
+  std::sort(sorted.begin(), sorted.end());
+  std::vector<std::uint16_t> first(sorted.size());
+  for (std::size_t i = 0; i < sorted.size(); ++i)
+    first[sorted[i].second] =
+        i > 0 && sorted[i].first == sorted[i - 1].first ? first[sorted[i - 1].second] : sorted[i].second;
+  return first;
+}
 
 }  // namespace
 
@@ -45,20 +66,25 @@ double error_of_splits(const Hlod& hlod, NodeId n, std::uint32_t splits) {
 NodeCut cut_with_splits(const Hlod& hlod, NodeId n, std::uint32_t splits) {
   const NodeSplits within = hlod.within(n);
   assert(splits <= within.parents.size());
+  const std::vector<std::uint16_t> vertices = vertices_by_place(hlod, n);
   const std::size_t first = hlod.node(n).vertices + std::size_t{hlod.data().within[n].bare};
+  splits = whole_splits(hlod, n, splits);
   std::vector<std::uint16_t> stands_for(first + within.parents.size());
   for (std::size_t v = 0; v < stands_for.size(); ++v)
     stands_for[v] = v < first + splits ? static_cast<std::uint16_t>(v) : stands_for[within.parents[v - first]];
-  std::vector<Triangle> triangles;
+  std::vector<Triangle> triangles, corners;
   for (std::size_t i = 0; i < within.indices.size(); i += 3) {
-    const Triangle t(stands_for[within.indices[i]], stands_for[within.indices[i + 1]],
-                     stands_for[within.indices[i + 2]]);
-    if (t.x != t.y && t.y != t.z && t.z != t.x) triangles.push_back(t);
+    const Triangle corner(stands_for[within.indices[i]], stands_for[within.indices[i + 1]],
+                          stands_for[within.indices[i + 2]]);
+    const Triangle t = vertices.empty() ? corner : Triangle(vertices[corner.x], vertices[corner.y], vertices[corner.z]);
+    if (t.x == t.y || t.y == t.z || t.z == t.x) continue;
+    triangles.push_back(t);
+    if (!vertices.empty()) corners.push_back(corner);
   }
-  cancel_opposite(triangles);
+  cancel_opposite(triangles, corners);
   NodeCut cut{splits, {}};
   cut.indices.reserve(3 * triangles.size());
-  for (const Triangle& t : triangles)
+  for (const Triangle& t : vertices.empty() ? triangles : corners)
     for (int k = 0; k < 3; ++k) cut.indices.push_back(static_cast<std::uint16_t>(t[k]));
   return cut;
 }

@@ -42,7 +42,8 @@ std::optional<std::string> WithinPoints::add(NodeId n, std::span<const PointId> 
   std::vector<PointId> sorted(points_of_.begin() + static_cast<std::ptrdiff_t>(first_[n]), points_of_.end());
   std::sort(sorted.begin(), sorted.end());
   if (sorted.back() == no_id) return "have a vertex that is none of the input";
-  if (std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end()) return "have a vertex twice";
+  if (!hlod_.data().has_seams && std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end())
+    return "have a vertex twice";
   for (std::size_t number = first_split(n); number < sorted.size(); ++number)
     number_of_[points_of_[first_[n] + number]] = static_cast<std::uint16_t>(number);
 

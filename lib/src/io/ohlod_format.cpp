@@ -15,12 +15,12 @@ std::uint64_t digest_of(std::span<const std::byte> all, std::uint64_t place, std
 
 std::uint64_t digest_of_mesh(const hlod::HlodView& view, hlod::NodeId n) {
   const hlod::Node& node = view.nodes[n];
-  return digest_of(view.meshes, node.mesh, hlod::MeshLayout(node, view.has_normals, view.has_colors).bytes);
+  return digest_of(view.meshes, node.mesh, hlod::MeshLayout(node, hlod::arrays_of(view)).bytes);
 }
 
 std::uint64_t digest_of_splits(const hlod::HlodView& view, hlod::NodeId n) {
   const hlod::NodeWithin& within = view.within[n];
-  return digest_of(view.splits, within.place, hlod::SplitsLayout(within, view.has_normals, view.has_colors).bytes);
+  return digest_of(view.splits, within.place, hlod::SplitsLayout(within, hlod::arrays_of(view)).bytes);
 }
 
 }  // namespace occlod::ohlod

@@ -10,12 +10,13 @@
 
 namespace occlod::ohlod {
 
+// Of files without texture coordinates, materials and seams.
+inline constexpr std::uint32_t plain_version = 1;
+
 // The carriage returns and the end-of-file byte reveal a transfer in text mode, as in PNG.
-inline constexpr sections::FileKind file_kind{{'O', 'H', 'L', 'D', '\r', '\n', '\x1a', '\n'},
-                                              ohlod_version,
-                                              ".ohlod",
-                                              "make one with 'occlod hlod build'",
-                                              "build it again with 'occlod hlod build'"};
+inline constexpr sections::FileKind file_kind{
+    {'O', 'H', 'L', 'D', '\r', '\n', '\x1a', '\n'}, ohlod_version, ".ohlod", "make one with 'occlod hlod build'",
+    "build it again with 'occlod hlod build'",      plain_version};
 
 // Everything in an HLOD that is not an array.
 struct Summary {
@@ -26,9 +27,22 @@ struct Summary {
   std::uint32_t node_triangles = 0;
   std::uint32_t has_normals = 0;  // 0 or 1
   std::uint32_t has_colors = 0;   // 0 or 1
-  std::uint32_t reserved = 0;
+  std::uint32_t wedges = 0;       // bits of WedgeFlag
 };
 static_assert(sizeof(Summary) == 56);
+
+// What meshes have, of version 2.
+enum WedgeFlag : std::uint32_t { has_texture_coordinates = 1, has_materials = 2, has_seams = 4, all_wedge_flags = 7 };
+
+[[nodiscard]] inline std::uint32_t wedge_flags(const hlod::HlodView& view) {
+  return (view.has_texture_coordinates ? has_texture_coordinates : 0U) | (view.has_materials ? has_materials : 0U) |
+         (view.has_seams ? has_seams : 0U);
+}
+
+// Whether an HLOD needs version 2.
+[[nodiscard]] inline bool needs_wedges(const hlod::HlodView& view) {
+  return wedge_flags(view) != 0 || !view.materials.empty() || !view.textures.empty();
+}
 
 inline constexpr std::string_view summary_name = "INFO", digests_name = "BLOK", splits_digests_name = "WBLK";
 

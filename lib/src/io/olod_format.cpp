@@ -51,6 +51,11 @@ void add_vertices(const HierarchyView& view, std::size_t first, std::size_t coun
 
 }  // namespace
 
+bool needs_wedges(const HierarchyView& view) {
+  return !view.extra_wedges.empty() || !view.texture_coordinates.empty() || !view.wedge_materials.empty() ||
+         !view.materials.empty() || !view.textures.empty();
+}
+
 std::uint64_t digest_of_base(const HierarchyView& view) {
   Digest digest;
   add_vertices(view, 0, vertex_count(view) - split_count(view), digest);

@@ -33,8 +33,7 @@ struct Summary {
 };
 static_assert(sizeof(Summary) == 48);
 
-inline constexpr std::string_view summary_name = "INFO", digests_name = "BLOK", materials_name = "MATE",
-                                  images_name = "TEXI";
+inline constexpr std::string_view summary_name = "INFO", digests_name = "BLOK";
 
 // Calls visit(name, array, has_blocks) for every array of a hierarchy: the one list of what a file holds. Those with
 // blocks are checked block by block.
@@ -63,20 +62,6 @@ void for_each_wedge_array(View& view, const Visit& visit) {
 
 // Whether a hierarchy needs version 3.
 [[nodiscard]] bool needs_wedges(const HierarchyView& view);
-
-// Materials and textures, as JSON text, and the bytes of embedded images, one after the other.
-struct MaterialSections {
-  std::string text;
-  std::vector<std::uint8_t> images;
-};
-[[nodiscard]] MaterialSections write_materials(const HierarchyView& view);
-struct Materials {
-  std::vector<Material> materials;
-  std::vector<Texture> textures;
-  TextureOrigin origin = TextureOrigin::bottom_left;
-};
-// Nothing when the text does not say what write_materials() writes.
-[[nodiscard]] std::optional<Materials> read_materials(std::string_view text, std::span<const std::uint8_t> images);
 
 // XXH3-64 of what belongs to the base vertices: the attributes of their wedges.
 [[nodiscard]] std::uint64_t digest_of_base(const HierarchyView& view);

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "hlod/node_guard.h"
+#include "material_sections.h"
 #include "occlod/core/error.h"
 #include "occlod/hlod/validate.h"
 #include "occlod/io/ohlod.h"
@@ -47,8 +48,15 @@ class FileGuard final : public hlod::NodeGuard {
   Digests digests_;
 };
 
+// What an HLOD in a file keeps alive.
+struct Owner {
+  std::shared_ptr<const SectionReader> reader;
+  Materials materials;
+};
+
 void take(const Summary& summary, const SectionReader& reader, hlod::HlodView& view) {
-  if (summary.has_normals > 1 || summary.has_colors > 1) reader.refuse("", "does not say whether it has attributes");
+  if (summary.has_normals > 1 || summary.has_colors > 1 || summary.wedges > all_wedge_flags)
+    reader.refuse("", "does not say whether it has attributes");
   view.box = summary.box;
   view.input_triangle_count = summary.input_triangle_count;
   view.grouping = static_cast<hlod::Grouping>(summary.grouping);
@@ -56,6 +64,9 @@ void take(const Summary& summary, const SectionReader& reader, hlod::HlodView& v
   view.node_triangles = summary.node_triangles;
   view.has_normals = summary.has_normals != 0;
   view.has_colors = summary.has_colors != 0;
+  view.has_texture_coordinates = (summary.wedges & has_texture_coordinates) != 0;
+  view.has_materials = (summary.wedges & has_materials) != 0;
+  view.has_seams = (summary.wedges & has_seams) != 0;
 }
 
 }  // namespace
@@ -69,6 +80,10 @@ OhlodFile read_ohlod(const std::filesystem::path& path, OlodAccess access) {
   };
   for_each_array(view, read);
   take(reader->read_one<Summary>(summary_name, "summary"), *reader, view);
+  const auto owner = std::make_shared<const Owner>(Owner{reader, read_materials(*reader)});
+  view.materials = owner->materials.materials;
+  view.textures = owner->materials.textures;
+  view.texture_origin = owner->materials.origin;
   const MeshReport report = reader->read_report();
   Digests digests{reader->read<std::uint64_t>(digests_name), {}};
   if (reader->has(splits_digests_name)) {
@@ -80,7 +95,7 @@ OhlodFile read_ohlod(const std::filesystem::path& path, OlodAccess access) {
     reader->refuse("section BLOK", "does not have a checksum for every node");
   if (digests.splits.size() != view.within.size())
     reader->refuse("section WBLK", "does not have a checksum for every node");
-  return {guarded_hlod(view, reader, std::make_shared<FileGuard>(reader, view, digests)), report};
+  return {guarded_hlod(view, owner, std::make_shared<FileGuard>(reader, view, digests)), report};
 }
 
 }  // namespace occlod

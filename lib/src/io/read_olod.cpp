@@ -7,6 +7,7 @@
 
 #include "hierarchy/split_guard.h"
 #include "hierarchy/structure.h"
+#include "material_sections.h"
 #include "occlod/core/error.h"
 #include "occlod/io/olod.h"
 #include "olod_format.h"
@@ -67,16 +68,10 @@ OlodFile read_olod(const std::filesystem::path& path, OlodAccess access) {
     using T = typename std::decay_t<decltype(array)>::value_type;
     if (reader->has(name)) array = reader->template read<T>(name, has_blocks ? Check::parts : Check::whole);
   });
-  auto owner = std::make_shared<Owner>(Owner{reader, {}});
-  if (reader->has(materials_name)) {
-    const auto text = reader->read<char>(materials_name);
-    auto materials = read_materials({text.data(), text.size()}, reader->read<std::uint8_t>(images_name));
-    if (!materials) reader->refuse("section MATE", "does not hold materials");
-    owner->materials = std::move(*materials);
-    view.materials = owner->materials.materials;
-    view.textures = owner->materials.textures;
-    view.texture_origin = owner->materials.origin;
-  }
+  const auto owner = std::make_shared<const Owner>(Owner{reader, read_materials(*reader)});
+  view.materials = owner->materials.materials;
+  view.textures = owner->materials.textures;
+  view.texture_origin = owner->materials.origin;
   const auto summary = reader->read_one<Summary>(summary_name, "summary");
   const MeshReport report = reader->read_report();
   const auto digests = reader->read<std::uint64_t>(digests_name);

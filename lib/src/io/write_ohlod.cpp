@@ -1,5 +1,6 @@
 #include <vector>
 
+#include "material_sections.h"
 #include "occlod/io/ohlod.h"
 #include "ohlod_format.h"
 
@@ -25,7 +26,7 @@ void write_ohlod(const std::filesystem::path& path, const hlod::Hlod& hlod, cons
                         view.node_triangles,
                         view.has_normals ? 1U : 0U,
                         view.has_colors ? 1U : 0U,
-                        0};
+                        wedge_flags(view)};
   writer.add(digests_name, std::span<const std::uint64_t>(digests));
   writer.add(summary_name, std::span<const Summary>(&summary, 1));
   writer.add_report(report);
@@ -34,7 +35,13 @@ void write_ohlod(const std::filesystem::path& path, const hlod::Hlod& hlod, cons
     for_each_within_array(view, add);
     writer.add(splits_digests_name, std::span<const std::uint64_t>(splits_digests));
   }
-  writer.write(path, file_kind);
+  MaterialSections materials;
+  FileKind kind = file_kind;
+  if (needs_wedges(view))
+    materials.add(view, writer);
+  else
+    kind.version = plain_version;
+  writer.write(path, kind);
 }
 
 }  // namespace occlod

@@ -1,5 +1,6 @@
 #include <vector>
 
+#include "material_sections.h"
 #include "occlod/io/olod.h"
 #include "olod_format.h"
 
@@ -35,9 +36,7 @@ void write_olod(const std::filesystem::path& path, const Hierarchy& hierarchy, c
       if (!array.empty())
         writer.add(name, array, has_blocks ? Check::parts : Check::whole, has_blocks ? codec : Codec::stored);
     });
-    materials = write_materials(view);
-    writer.add(materials_name, std::span<const char>(materials.text));
-    writer.add(images_name, std::span<const std::uint8_t>(materials.images));
+    materials.add(view, writer);
   } else {
     kind.version = plain_version;
   }

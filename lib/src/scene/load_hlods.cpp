@@ -18,9 +18,10 @@ namespace {
 using SharedHlod = std::shared_ptr<const hlod::Hlod>;
 
 std::string describe(const hlod::BuildOptions& options) {
-  return fmt::format("hlod node_triangles={} nested={} free={} splits={} boundary_weight={}", options.node_triangles,
-                     options.grouping == hlod::Grouping::nested, options.borders == hlod::Borders::free,
-                     options.within == hlod::Within::splits, options.boundary_weight);
+  return fmt::format("hlod node_triangles={} nested={} free={} splits={} boundary_weight={} attribute_weight={}",
+                     options.node_triangles, options.grouping == hlod::Grouping::nested,
+                     options.borders == hlod::Borders::free, options.within == hlod::Within::splits,
+                     options.boundary_weight, options.attribute_weight);
 }
 
 SharedHlod build(const SceneDescription& scene, const std::filesystem::path& folder, const HlodLoadOptions& options) {

@@ -23,9 +23,12 @@ struct BuildOptions {
   Grouping grouping = Grouping::shifted;  // how triangles are grouped from level to level
   Borders borders = Borders::locked;      // what happens at the borders of groups; `free` with nested groups only
   Within within = Within::geomorph;       // what is kept for the way from a node to its parent
-  double boundary_weight = 1.0;  // weight of the planes that hold boundary edges in place, relative to the triangles
-                                 // beside them; in [0, 1e6]
-  int threads = 0;               // in [0, 1024]; 0: one for each core. The result does not depend on it
+  double boundary_weight = 1.0;   // weight of the planes that hold boundary edges in place, relative to the triangles
+                                  // beside them; in [0, 1e6]
+  double attribute_weight = 0.7;  // of how far texture coordinates, normals and colours slip on the surface, relative
+                                  // to how far the surface moves, in which collapse is next; in [0, 1e6]; 0: errors
+                                  // are of the surface alone. For meshes with texture coordinates or seams
+  int threads = 0;                // in [0, 1024]; 0: one for each core. The result does not depend on it
   // Called now and then on the calling thread with the share done, in [0, 1]; returning false cancels the build, which
   // then throws Error. What it throws ends the build too.
   std::function<bool(double)> progress = {};

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 #include <memory>
@@ -44,7 +45,8 @@ struct Node {
   Box box;        // of the level-0 vertices that ended up in vertices of the node's input: holds all that it stands for
   Box lod_box;    // of `box` and the lod_boxes of the children
   Sphere sphere;  // contains `box` and the children's spheres
-  float error = 0.0F;             // of drawing this node instead of the input; no less than a child's; 0 on level 0
+  float error = 0.0F;  // of drawing this node instead of the input: how far the surface is off, or texture and other
+                       // attributes on it if that is more; no less than a child's; 0 on level 0
   float child_error = 0.0F;       // the largest error of a child
   float guaranteed_error = 0.0F;  // no point of the node's triangles is farther from the input; no less than a child's
   float area = 0.0F;              // of the node's triangles, square units
@@ -69,7 +71,8 @@ struct Level {
 // For NodeMesh::merged_into.
 inline constexpr std::uint16_t stays = 0xffff;
 
-// The mesh of one node. Vertices are vertices of the input, bit for bit.
+// The mesh of one node. Positions are those of vertices of the input, bit for bit, and so are attributes. Where the
+// input has seams, a vertex of it may be several here, one for each set of its attributes that the node uses.
 struct NodeMesh {
   std::span<const glm::vec3> positions;    // object space
   std::span<const glm::vec3> normals;      // unit length, one per vertex; empty when the input had none
@@ -79,6 +82,8 @@ struct NodeMesh {
   // the patches which use the vertex. `stays` for vertices that stay where they are, as all do that several parents
   // share.
   std::span<const std::uint16_t> merged_into;
+  std::span<const glm::vec2> texture_coordinates;  // as in the input, one per vertex; empty when it had none
+  std::span<const MaterialId> materials;  // one per vertex, the same at all corners of a triangle; empty: all 0
 };
 
 // What refinement within a node needs, beside its mesh.
@@ -93,15 +98,18 @@ static_assert(sizeof(NodeWithin) == 24);
 
 // The triangles that a node was made from, and the splits that lead from its mesh back to them, the coarsest first
 // (Hoppe 1996, progressive meshes): any number of first splits gives a mesh in between. Vertices are numbered through:
-// those of the NodeMesh, then these.
+// those of the NodeMesh, then these. Where the input has seams, splits of one place follow each other with one error
+// and are applied together.
 struct NodeSplits {
   std::span<const glm::vec3> positions;    // NodeWithin::bare vertices, then one for each split, which brings it back
   std::span<const glm::vec3> normals;      // as in NodeMesh
   std::span<const glm::u8vec4> colors;     // as in NodeMesh
-  std::span<const float> errors;           // by split, descending: the quadric error of this node's collapses when only
-                                           // the splits before it are applied, object units
+  std::span<const float> errors;           // by split, descending: the error of this node's collapses when only the
+                                           // splits before it are applied, object units
   std::span<const std::uint16_t> indices;  // three for each triangle, all splits applied
   std::span<const std::uint16_t> parents;  // by split: the vertex, of a smaller number, that its vertex was merged into
+  std::span<const glm::vec2> texture_coordinates;  // as in NodeMesh
+  std::span<const MaterialId> materials;           // as in NodeMesh
 };
 
 // The arrays of an HLOD, in memory of its own or of a file.
@@ -111,7 +119,7 @@ struct HlodView {
   std::span<const NodeId> children;        // node by node, ascending
   std::span<const NodeId> roots;           // nodes without a parent, ascending
   std::span<const Level> levels;           // from level 0
-  std::span<const std::byte> meshes;       // of all nodes: positions, normals, colors, indices, merged_into
+  std::span<const std::byte> meshes;       // of all nodes: the arrays of NodeMesh
   Box box;                                 // of the input
   std::uint64_t input_triangle_count = 0;  // of level 0
   Grouping grouping = Grouping::shifted;   // how it was built
@@ -121,6 +129,12 @@ struct HlodView {
   bool has_colors = false;                 // likewise
   std::span<const NodeWithin> within;      // by node; empty without BuildOptions::within
   std::span<const std::byte> splits;       // of all nodes: the arrays of NodeSplits
+  bool has_texture_coordinates = false;    // whether meshes have them
+  bool has_materials = false;              // whether meshes say which material their vertices have
+  bool has_seams = false;                  // whether vertices of one mesh may lie at one place
+  std::span<const Material> materials;     // that NodeMesh::materials index
+  std::span<const Texture> textures;       // that materials index
+  TextureOrigin texture_origin = TextureOrigin::bottom_left;  // of texture coordinates
 };
 
 inline constexpr std::size_t mesh_alignment = 16;  // of a node's mesh in HlodView::meshes, and of its splits

@@ -41,7 +41,8 @@ struct ValidateOptions {
 [[nodiscard]] std::vector<std::string> validate(const Hlod& hlod, const ValidateOptions& options = {});
 
 // True iff the nodes of level 0 together are exactly the triangles of `mesh`: the same positions in the same rotational
-// order, each as often. Expected O(n log n).
+// order, each as often, with the same material and, at each corner, the same of those attributes that the mesh has, to
+// the bit. O(n log n).
 [[nodiscard]] bool restores(const Hlod& hlod, const TriangleMesh& mesh);
 
 }  // namespace occlod::hlod

@@ -10,8 +10,9 @@
 
 namespace occlod {
 
-// Of the files that write_ohlod() writes; read_ohlod() refuses any other.
-inline constexpr std::uint32_t ohlod_version = 1;
+// Of the files that write_ohlod() writes of HLODs with texture coordinates, materials or seams. Others are files of
+// version 1, byte for byte; read_ohlod() reads both.
+inline constexpr std::uint32_t ohlod_version = 2;
 
 // What a file holds.
 struct OhlodFile {

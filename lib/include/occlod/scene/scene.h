@@ -116,9 +116,10 @@ struct LoadedObject {
 
 // All objects as one clean mesh in world space: triangles of mirrored objects are turned round, so that outsides stay
 // outside, and vertices of different objects at one position become one. Normals and colours are kept when every object
-// has them; the report counts what the meshes left out. Files are read in full, hierarchies at their finest. `progress`
-// as in LoadOptions. Throws Error as load_objects() does, and when all together have 2^32 vertices or more, or reach
-// too far. O(size of all objects).
+// has them, texture coordinates and materials when any has: the others lie at (0, 0) and are plain. Names of images
+// become relative to `folder`, or absolute where they lie elsewhere. The report counts what the meshes left out. Files
+// are read in full, hierarchies at their finest. `progress` as in LoadOptions. Throws Error as load_objects() does, and
+// when all together have 2^32 vertices or more, or reach too far. O(size of all objects).
 [[nodiscard]] CleanMesh flatten_scene(const SceneDescription& scene, const std::filesystem::path& folder,
                                       const std::function<void(const std::string& what, double done)>& progress = {});
 

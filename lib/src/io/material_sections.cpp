@@ -1,12 +1,15 @@
+#include "material_sections.h"
+
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <string_view>
 
-#include "olod_format.h"
-
-namespace occlod::olod {
+namespace occlod::sections {
 namespace {
 
 using Json = nlohmann::json;
 
+constexpr std::string_view materials_name = "MATE", images_name = "TEXI";
 constexpr const char* wrap_names[] = {"repeat", "clamp", "mirror"};
 
 TextureWrap wrap_of(const Json& name) {
@@ -39,28 +42,7 @@ Material material_of(const Json& json) {
   return material;
 }
 
-}  // namespace
-
-bool needs_wedges(const HierarchyView& view) {
-  return !view.extra_wedges.empty() || !view.texture_coordinates.empty() || !view.wedge_materials.empty() ||
-         !view.materials.empty() || !view.textures.empty();
-}
-
-MaterialSections write_materials(const HierarchyView& view) {
-  MaterialSections sections;
-  Json json = {{"materials", Json::array()}, {"textures", Json::array()}};
-  json["origin"] = view.texture_origin == TextureOrigin::bottom_left ? "bottom_left" : "top_left";
-  for (const Material& material : view.materials) json["materials"].push_back(to_json(material));
-  for (const Texture& texture : view.textures) {
-    json["textures"].push_back(to_json(texture));
-    sections.images.insert(sections.images.end(), texture.bytes.begin(), texture.bytes.end());
-  }
-  // Names may hold anything.
-  sections.text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
-  return sections;
-}
-
-std::optional<Materials> read_materials(std::string_view text, std::span<const std::uint8_t> images) {
+std::optional<Materials> unpack(std::string_view text, std::span<const std::uint8_t> images) {
   try {
     const Json json = Json::parse(text);
     Materials result;
@@ -85,4 +67,32 @@ std::optional<Materials> read_materials(std::string_view text, std::span<const s
   }
 }
 
-}  // namespace occlod::olod
+}  // namespace
+
+void MaterialSections::pack(std::span<const Material> materials, std::span<const Texture> textures,
+                            TextureOrigin origin) {
+  Json json = {{"materials", Json::array()}, {"textures", Json::array()}};
+  json["origin"] = origin == TextureOrigin::bottom_left ? "bottom_left" : "top_left";
+  for (const Material& material : materials) json["materials"].push_back(to_json(material));
+  for (const Texture& texture : textures) {
+    json["textures"].push_back(to_json(texture));
+    images_.insert(images_.end(), texture.bytes.begin(), texture.bytes.end());
+  }
+  // Names may hold anything.
+  text_ = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+void MaterialSections::add_to(SectionWriter& writer) const {
+  writer.add(materials_name, std::span<const char>(text_));
+  writer.add(images_name, std::span<const std::uint8_t>(images_));
+}
+
+Materials read_materials(SectionReader& reader) {
+  if (!reader.has(materials_name)) return {};
+  const auto text = reader.read<char>(materials_name);
+  auto materials = unpack({text.data(), text.size()}, reader.read<std::uint8_t>(images_name));
+  if (!materials) reader.refuse("section MATE", "does not hold materials");
+  return *std::move(materials);
+}
+
+}  // namespace occlod::sections
