@@ -4,6 +4,7 @@
 
 #include <fstream>
 #include <iterator>
+#include <string>
 #include <vector>
 
 #include "occlod/core/error.h"
@@ -44,6 +45,38 @@ TEST_F(LoadHlods, FlattensAllMeshes) {
   EXPECT_FALSE(hlods[0].two_sided);
   EXPECT_EQ(hlods[0].hlod->data().input_triangle_count, 3 * planet_triangles);
   EXPECT_TRUE(restores(*hlods[0].hlod, flatten_scene(scene, folder()).mesh));
+}
+
+TEST_F(LoadHlods, FlatteningKeepsTheTexturesOfItsObjects) {
+  std::filesystem::create_directories(folder() / "props");
+  std::ofstream(folder() / "props" / "box.mtl") << "newmtl wood\nKd 1 0.5 0.25\nmap_Kd wood.png\nnewmtl plain\n";
+  std::ofstream(folder() / "props" / "box.obj")
+      << "mtllib box.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nvt 0.25 0.5\nvt 1 0\nvt 0 1\n"
+         "usemtl wood\nf 1/1 2/2 3/3\nusemtl plain\nf 2/2 4/1 3/3\n";
+  SceneObject first{.source = MeshFile{{"props/box.obj"}}}, second = first;
+  second.object_to_world[3] = {5, 0, 0, 1};
+  const TriangleMesh mesh = flatten_scene(scene_of({planet(-9), first, second}), folder()).mesh;
+  ASSERT_EQ(mesh.textures.size(), 1U) << "objects of one mesh share its textures";
+  EXPECT_EQ(mesh.textures[0].file, "props/wood.png") << "relative to the scene";
+  ASSERT_EQ(mesh.materials.size(), 3U) << "and a plain one";
+  ASSERT_EQ(mesh.triangle_count(), planet_triangles + 4);
+  std::vector<std::string> names;
+  for (std::size_t t = planet_triangles; t < mesh.triangle_count(); ++t)
+    names.push_back(mesh.materials[mesh.material_of(t)].name);
+  EXPECT_EQ(names, (std::vector<std::string>{"wood", "plain", "wood", "plain"}));
+  const Triangle corners = mesh.wedge_triangles()[planet_triangles];
+  EXPECT_EQ(mesh.texture_coordinates[corners.x], glm::vec2(0.25F, 0.5F));
+  EXPECT_EQ(mesh.texture_coordinates[mesh.wedge_triangles()[0].x], glm::vec2(0.0F)) << "of the planet";
+  EXPECT_EQ(mesh.materials[mesh.material_of(0)].name, "");
+  const Material& wood = mesh.materials[mesh.material_of(planet_triangles)];
+  EXPECT_EQ(wood.texture, 0);
+}
+
+TEST_F(LoadHlods, FlatteningPlainObjectsSaysNothingOfMaterials) {
+  const TriangleMesh mesh = flatten_scene(scene_of({planet(0), planet(5)}), folder()).mesh;
+  EXPECT_TRUE(mesh.materials.empty());
+  EXPECT_TRUE(mesh.triangle_materials.empty());
+  EXPECT_TRUE(mesh.texture_coordinates.empty());
 }
 
 TEST_F(LoadHlods, IsTwoSidedWhereAnyMeshIs) {
