@@ -30,14 +30,14 @@ def draw_objects(what: Drawable | Iterable[Drawable]) -> list[DrawObject]:
     if isinstance(what, (Refinement, CellCut, WalkedFrame)):
         return what.draw_objects()
     if isinstance(what, Mesh):
-        return [DrawObject(what.positions, what.triangles, what.colors)]
+        return [DrawObject(what.positions, what.wedge_triangles, what.colors)]
     if isinstance(what, Cut):
         return draw_objects(what.mesh())
     if isinstance(what, Hierarchy):
-        return [DrawObject(what.positions, what.cut().triangles(), what.colors)]
+        return [DrawObject(what.positions, what.cut().wedge_triangles(), what.colors)]
     if isinstance(what, Object):
         h = what.hierarchy
-        return [DrawObject(h.positions, h.cut().triangles(), h.colors, what.transform)]
+        return [DrawObject(h.positions, h.cut().wedge_triangles(), h.colors, what.transform)]
     return [part for one in what for part in draw_objects(one)]
 
 

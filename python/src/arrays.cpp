@@ -40,15 +40,16 @@ std::vector<T> copied(const nb::object& values) {
   return result;
 }
 
-nb::object checked_ids(const ArrayLike& array, const char* name, std::size_t columns) {
+nb::object checked_ids(const ArrayLike& array, const char* name, std::size_t columns, const char* dtype = "uint32") {
+  const std::uint64_t most = std::strcmp(dtype, "uint16") == 0 ? 0xffffU : 0xffffffffU;
   nb::object values = checked(array, name, "iu", columns);
   if (nb::cast<std::size_t>(values.attr("size")) > 0) {
     const auto kind = nb::cast<std::string>(values.attr("dtype").attr("kind"));
     const bool is_negative = kind == "i" && nb::cast<std::int64_t>(nb::int_(nb::object(values.attr("min")()))) < 0;
-    if (is_negative || nb::cast<std::uint64_t>(nb::int_(nb::object(values.attr("max")()))) > 0xffffffffU)
-      throw nb::value_error((std::string(name) + ": ids are from 0 to 4294967295").c_str());
+    if (is_negative || nb::cast<std::uint64_t>(nb::int_(nb::object(values.attr("max")()))) > most)
+      throw nb::value_error((std::string(name) + ": ids are from 0 to " + std::to_string(most)).c_str());
   }
-  return converted(values, "uint32");
+  return converted(values, dtype);
 }
 
 }  // namespace
@@ -60,6 +61,10 @@ nb::object contiguous(const ArrayLike& array, const char* name, const char* dtyp
 
 std::vector<glm::vec3> to_vectors(const ArrayLike& array, const char* name) {
   return copied<glm::vec3>(contiguous(array, name, "float32", 3));
+}
+
+std::vector<glm::vec2> to_coordinates(const ArrayLike& array, const char* name) {
+  return copied<glm::vec2>(contiguous(array, name, "float32", 2));
 }
 
 std::vector<glm::u8vec4> to_colors(const ArrayLike& array, const char* name) {
@@ -75,6 +80,10 @@ std::vector<Triangle> to_triangles(const ArrayLike& array, const char* name) {
 
 std::vector<std::uint32_t> to_ids(const ArrayLike& array, const char* name) {
   return copied<std::uint32_t>(checked_ids(array, name, 0));
+}
+
+std::vector<MaterialId> to_material_ids(const ArrayLike& array, const char* name) {
+  return copied<MaterialId>(checked_ids(array, name, 0, "uint16"));
 }
 
 glm::dmat4 to_matrix(const ArrayLike& array, const char* name) {

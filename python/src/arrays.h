@@ -90,12 +90,15 @@ Array2<T, columns> rows_array_of(std::vector<T> values) {
   return rows_view<T, columns>(data, n, owner_of(std::move(kept)));
 }
 
-// Copies of arrays of the shapes (n, 3) and (n, 4), of any type of number. TypeError for another shape or type.
+// Copies of arrays of the shapes (n, 3), (n, 2) and (n, 4), of any type of number. TypeError for another shape or type.
 [[nodiscard]] std::vector<glm::vec3> to_vectors(const ArrayLike& array, const char* name);
+[[nodiscard]] std::vector<glm::vec2> to_coordinates(const ArrayLike& array, const char* name);
 [[nodiscard]] std::vector<glm::u8vec4> to_colors(const ArrayLike& array, const char* name);
 // Of integers of any type; ValueError for what is negative or has more than 32 bits.
 [[nodiscard]] std::vector<Triangle> to_triangles(const ArrayLike& array, const char* name);
 [[nodiscard]] std::vector<std::uint32_t> to_ids(const ArrayLike& array, const char* name);
+// The same with 16 bits.
+[[nodiscard]] std::vector<MaterialId> to_material_ids(const ArrayLike& array, const char* name);
 // Of the shape (4, 4), to be multiplied with columns from the right: element [0][3] moves along x.
 [[nodiscard]] glm::dmat4 to_matrix(const ArrayLike& array, const char* name);
 [[nodiscard]] nb::object from_matrix(const glm::dmat4& matrix);

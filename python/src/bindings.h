@@ -18,6 +18,7 @@ namespace occlod::python {
 
 namespace nb = nanobind;
 
+void bind_materials(nb::module_& m);
 void bind_mesh(nb::module_& m);
 void bind_hierarchy(nb::module_& m);
 void bind_view(nb::module_& m);
@@ -53,7 +54,8 @@ struct PythonDrawObject {
 // lives as long as what is returned. Holds no reference: it may be copied without the GIL.
 [[nodiscard]] std::function<bool(double)> progress_of(nb::handle progress);
 
-// Throws Error unless every optional array is empty or has one entry for each vertex and every index is in range. O(n).
+// Throws Error unless every optional array is empty or has one entry for each wedge or triangle, and every index is in
+// range. O(n).
 void require_valid(const TriangleMesh& mesh);
 
 // A backend by its name: "software", "none", "gl-query", "gl-mark" or "gl-compute".

@@ -15,6 +15,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "checks.h"
+#include "materials.h"
 #include "occlod/hierarchy/build.h"
 #include "occlod/hierarchy/cut_mesh.h"
 #include "occlod/hierarchy/validate.h"
@@ -173,7 +174,7 @@ void bind_cut(nb::module_& m) {
             const nb::gil_scoped_release release;
             return cut_mesh(c.hierarchy, c.cut);
           },
-          "A Mesh of its own, without vertices that no triangle uses. O(n).")
+          "A Mesh of its own with wedges, materials and textures, without vertices that no triangle uses. O(n).")
       .def(
           "vertices", [](const HierarchyCut& c) { return array_of(used_vertices(c.hierarchy, c.cut)); },
           "(k,) uint32: for each vertex of mesh() that of the hierarchy. O(n).")
@@ -242,6 +243,14 @@ void bind_hierarchy(nb::module_& m) {
             return view_of(materials, self);
           },
           "(n,) uint16: the material of the triangles at each wedge, or None when there is one or none.")
+      .def_prop_ro(
+          "materials", [](const Hierarchy& h) { return tuple_of<Material>(h.data().materials); },
+          nb::sig(materials_sig), "That wedge_materials counts.")
+      .def_prop_ro(
+          "textures", [](const Hierarchy& h) { return tuple_of<Texture>(h.data().textures); }, nb::sig(textures_sig),
+          "That materials count.")
+      .def_prop_ro(
+          "texture_origin", [](const Hierarchy& h) { return h.data().texture_origin; }, "Of texture_coordinates.")
       .def_prop_ro(
           "attribute_errors",
           [](const Hierarchy& h) -> nb::object {

@@ -3,12 +3,15 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
 
 #include <filesystem>
 #include <optional>
+#include <type_traits>
 
 #include "arrays.h"
 #include "bindings.h"
+#include "materials.h"
 #include "occlod/io/read_mesh.h"
 #include "occlod/io/write_mesh.h"
 #include "occlod/mesh/clean.h"
@@ -20,43 +23,66 @@ namespace {
 
 using namespace nb::literals;
 
-void require_size(const char* name, std::size_t count, std::size_t vertices) {
-  if (count != 0 && count != vertices)
-    throw Error({"mesh", name, "are " + std::to_string(count) + ", of " + std::to_string(vertices) + " vertices",
-                 "give one for each vertex"});
+void require_size(const char* name, std::size_t count, std::size_t wanted, const char* things) {
+  if (count != 0 && count != wanted)
+    throw Error({"mesh", name, "are " + std::to_string(count) + ", of " + std::to_string(wanted) + " " + things,
+                 "give one for each"});
 }
 
-TriangleMesh make_mesh(const ArrayLike& positions, const ArrayLike& triangles, const std::optional<ArrayLike>& normals,
-                       const std::optional<ArrayLike>& colors) {
+// What is not there stays empty.
+struct MeshArrays {
+  std::optional<ArrayLike> normals;
+  std::optional<ArrayLike> colors;
+  std::optional<ArrayLike> texture_coordinates;
+  std::optional<ArrayLike> extra_wedges;
+  std::optional<ArrayLike> corners;
+  std::optional<ArrayLike> triangle_materials;
+};
+
+TriangleMesh make_mesh(const ArrayLike& positions, const ArrayLike& triangles, const MeshArrays& arrays) {
   TriangleMesh mesh;
   mesh.positions = to_vectors(positions, "positions");
   mesh.triangles = to_triangles(triangles, "triangles");
-  if (normals) mesh.normals = to_vectors(*normals, "normals");
-  if (colors) mesh.colors = to_colors(*colors, "colors");
-  require_valid(mesh);
+  if (arrays.normals) mesh.normals = to_vectors(*arrays.normals, "normals");
+  if (arrays.colors) mesh.colors = to_colors(*arrays.colors, "colors");
+  if (arrays.texture_coordinates)
+    mesh.texture_coordinates = to_coordinates(*arrays.texture_coordinates, "texture_coordinates");
+  if (arrays.extra_wedges) mesh.extra_wedges = to_ids(*arrays.extra_wedges, "extra_wedges");
+  if (arrays.corners) mesh.corners = to_triangles(*arrays.corners, "corners");
+  if (arrays.triangle_materials)
+    mesh.triangle_materials = to_material_ids(*arrays.triangle_materials, "triangle_materials");
   return mesh;
 }
 
-TriangleMesh make_empty(std::size_t vertices, std::size_t triangles, bool normals, bool colors) {
+TriangleMesh make_empty(std::size_t vertices, std::size_t triangles, bool normals, bool colors,
+                        bool texture_coordinates) {
   TriangleMesh mesh;
   mesh.positions.resize(vertices, glm::vec3(0.0F));
   mesh.triangles.resize(triangles, Triangle(0));
   if (normals) mesh.normals.resize(vertices, glm::vec3(0.0F));
   if (colors) mesh.colors.resize(vertices, glm::u8vec4(255));
+  if (texture_coordinates) mesh.texture_coordinates.resize(vertices, glm::vec2(0.0F));
   return mesh;
 }
 
+template <typename T, nb::ssize_t columns>
+using ArrayOf = std::conditional_t<columns == 1, Array1<T>, Array2<T, columns>>;
+
 template <typename T, nb::ssize_t columns, typename Element>
 auto writable(std::vector<Element> TriangleMesh::*member) {
-  return [member](nb::handle self) {
+  return [member](nb::handle self) -> ArrayOf<T, columns> {
     std::vector<Element>& values = nb::cast<TriangleMesh&>(self).*member;
-    return rows_view<T, columns>(reinterpret_cast<T*>(values.data()), values.size(), self);
+    T* const data = reinterpret_cast<T*>(values.data());
+    if constexpr (columns == 1)
+      return values_view<T>(data, values.size(), self);
+    else
+      return rows_view<T, columns>(data, values.size(), self);
   };
 }
 // None where there are none.
 template <typename T, nb::ssize_t columns, typename Element>
 auto writable_or_none(std::vector<Element> TriangleMesh::*member) {
-  return [member](nb::handle self) -> std::optional<Array2<T, columns>> {
+  return [member](nb::handle self) -> std::optional<ArrayOf<T, columns>> {
     if ((nb::cast<TriangleMesh&>(self).*member).empty()) return std::nullopt;
     return writable<T, columns>(member)(self);
   };
@@ -133,12 +159,46 @@ void bind_generators(nb::module_& m) {
       "A wall in the plane x = 0 and a cloud of spheres at x < 0.");
 }
 
+void require_valid_wedges(const TriangleMesh& mesh) {
+  const auto fail = [](const std::string& place, const std::string& problem, const std::string& remedy) {
+    throw Error({"mesh", place, problem, remedy});
+  };
+  if (mesh.corners.empty() && !mesh.extra_wedges.empty())
+    fail("corners", "are missing, and there are extra wedges", "give a wedge for each corner of each triangle");
+  for (std::size_t i = 0; i < mesh.extra_wedges.size(); ++i)
+    if (mesh.extra_wedges[i] >= mesh.vertex_count() || (i > 0 && mesh.extra_wedges[i] < mesh.extra_wedges[i - 1]))
+      fail("extra wedge " + std::to_string(i), "is of vertex " + std::to_string(mesh.extra_wedges[i]),
+           "vertices ascend and are less than vertex_count");
+  for (std::size_t t = 0; t < mesh.corners.size(); ++t)
+    for (int k = 0; k < 3; ++k)
+      if (const WedgeId w = mesh.corners[t][k]; w >= mesh.wedge_count() || mesh.vertex_of(w) != mesh.triangles[t][k])
+        fail("triangle " + std::to_string(t), "has wedge " + std::to_string(w) + " at another vertex",
+             "corners has wedges of the vertices in triangles");
+  const std::size_t materials = std::max<std::size_t>(mesh.materials.size(), 1);
+  for (std::size_t t = 0; t < mesh.triangle_materials.size(); ++t)
+    if (mesh.triangle_materials[t] >= materials)
+      fail(
+          "triangle " + std::to_string(t),
+          "has material " + std::to_string(mesh.triangle_materials[t]) + " of " + std::to_string(mesh.materials.size()),
+          "materials are counted from 0");
+  for (std::size_t m = 0; m < mesh.materials.size(); ++m)
+    if (const TextureId texture = mesh.materials[m].texture; texture != no_texture && texture >= mesh.textures.size())
+      fail("material " + std::to_string(m),
+           "has texture " + std::to_string(texture) + " of " + std::to_string(mesh.textures.size()),
+           "textures are counted from 0");
+}
+
 }  // namespace
 
 void require_valid(const TriangleMesh& mesh) {
-  const std::size_t vertices = mesh.positions.size();
-  require_size("normals", mesh.normals.size(), vertices);
-  require_size("colors", mesh.colors.size(), vertices);
+  const std::size_t wedges = mesh.positions.size();
+  if (mesh.extra_wedges.size() > wedges)
+    throw Error({"mesh", "extra_wedges", "are more than positions", "positions has one for each of them too"});
+  require_size("normals", mesh.normals.size(), wedges, "positions");
+  require_size("colors", mesh.colors.size(), wedges, "positions");
+  require_size("texture_coordinates", mesh.texture_coordinates.size(), wedges, "positions");
+  require_size("corners", mesh.corners.size(), mesh.triangle_count(), "triangles");
+  require_size("triangle_materials", mesh.triangle_materials.size(), mesh.triangle_count(), "triangles");
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     const Triangle& t = mesh.triangles[i];
     const std::uint32_t largest = std::max({t.x, t.y, t.z});
@@ -147,6 +207,7 @@ void require_valid(const TriangleMesh& mesh) {
                    "uses vertex " + std::to_string(largest) + " of " + std::to_string(mesh.vertex_count()),
                    "vertices are counted from 0"});
   }
+  require_valid_wedges(mesh);
 }
 
 void bind_mesh(nb::module_& m) {
@@ -158,32 +219,78 @@ void bind_mesh(nb::module_& m) {
       .def(
           "__init__",
           [](TriangleMesh* self, const ArrayLike& positions, const ArrayLike& triangles,
-             const std::optional<ArrayLike>& normals, const std::optional<ArrayLike>& colors) {
-            new (self) TriangleMesh(make_mesh(positions, triangles, normals, colors));
+             const std::optional<ArrayLike>& normals, const std::optional<ArrayLike>& colors,
+             const std::optional<ArrayLike>& texture_coordinates, const std::optional<ArrayLike>& extra_wedges,
+             const std::optional<ArrayLike>& corners, const std::optional<ArrayLike>& triangle_materials,
+             std::vector<Material> materials, std::vector<Texture> textures, TextureOrigin texture_origin) {
+            TriangleMesh mesh =
+                make_mesh(positions, triangles,
+                          {normals, colors, texture_coordinates, extra_wedges, corners, triangle_materials});
+            mesh.materials = std::move(materials);
+            mesh.textures = std::move(textures);
+            mesh.texture_origin = texture_origin;
+            require_valid(mesh);
+            new (self) TriangleMesh(std::move(mesh));
           },
           "positions"_a, "triangles"_a, "normals"_a = nb::none(), "colors"_a = nb::none(),
-          "Copies the arrays: positions (n, 3) and normals (n, 3) to float32, triangles (m, 3) to uint32,\n"
-          "colors (n, 4) of uint8, sRGB and alpha. TypeError for other shapes, Error for an index out of range.")
+          "texture_coordinates"_a = nb::none(), nb::kw_only(), "extra_wedges"_a = nb::none(), "corners"_a = nb::none(),
+          "triangle_materials"_a = nb::none(), "materials"_a = nb::make_tuple(), "textures"_a = nb::make_tuple(),
+          "texture_origin"_a = TextureOrigin::bottom_left,
+          "Copies the arrays: positions (n, 3), normals (n, 3) and texture_coordinates (n, 2) to float32, triangles\n"
+          "(m, 3) and corners (m, 3) to uint32, colors (n, 4) of uint8, sRGB and alpha, triangle_materials (m,) to\n"
+          "uint16. TypeError for other shapes, Error for an index out of range. A mesh with a vertex for each set of\n"
+          "attributes needs no corners: clean() finds its wedges.")
       .def_static("empty", &make_empty, "vertices"_a, "triangles"_a, nb::kw_only(), "normals"_a = false,
-                  "colors"_a = false, "A mesh of zeros, to be filled through its arrays without a copy of them.")
+                  "colors"_a = false, "texture_coordinates"_a = false,
+                  "A mesh of zeros without seams, to be filled through its arrays without a copy of them.")
       .def_prop_ro("positions", writable<float, 3>(&TriangleMesh::positions),
-                   "(n, 3) float32, object space. A writable view.")
+                   "(n, 3) float32, object space, one for each wedge. A writable view.")
       .def_prop_ro("triangles", writable<std::uint32_t, 3>(&TriangleMesh::triangles),
                    "(m, 3) uint32, ids of vertices, counter-clockwise seen from outside. A writable view.")
       .def_prop_ro("normals", writable_or_none<float, 3>(&TriangleMesh::normals),
-                   "(n, 3) float32 of unit length, or None. A writable view.")
+                   "(n, 3) float32 of unit length, one for each wedge, or None. A writable view.")
       .def_prop_ro("colors", writable_or_none<std::uint8_t, 4>(&TriangleMesh::colors),
-                   "(n, 4) uint8, sRGB and alpha, or None. A writable view.")
-      .def_prop_ro("vertex_count", &TriangleMesh::vertex_count)
+                   "(n, 4) uint8, sRGB and alpha, one for each wedge, or None. A writable view.")
+      .def_prop_ro("texture_coordinates", writable_or_none<float, 2>(&TriangleMesh::texture_coordinates),
+                   "(n, 2) float32 as the file has them, one for each wedge, or None. A writable view.")
+      .def_prop_ro(
+          "extra_wedges", writable<std::uint32_t, 1>(&TriangleMesh::extra_wedges),
+          "(n - vertex_count,) uint32: the vertex of each wedge from vertex_count on, ascending. A wedge is a\n"
+          "vertex with one set of attributes; the first of each vertex has its id. A writable view.")
+      .def_prop_ro("corners", writable_or_none<std::uint32_t, 3>(&TriangleMesh::corners),
+                   "(m, 3) uint32: a wedge of each vertex of each triangle, or None without extra wedges. A writable\n"
+                   "view.")
+      .def_prop_ro(
+          "wedge_triangles",
+          [](nb::handle self) {
+            const bool has_seams = !nb::cast<TriangleMesh&>(self).corners.empty();
+            return writable<std::uint32_t, 3>(has_seams ? &TriangleMesh::corners : &TriangleMesh::triangles)(self);
+          },
+          "What to draw with positions and attributes: corners, or triangles without extra wedges.")
+      .def_prop_ro("triangle_materials", writable_or_none<std::uint16_t, 1>(&TriangleMesh::triangle_materials),
+                   "(m,) uint16: the material of each triangle, or None: all have the first, if any. A writable view.")
+      .def_prop_rw(
+          "materials", [](const TriangleMesh& mesh) { return tuple_of<Material>(mesh.materials); },
+          [](TriangleMesh& mesh, std::vector<Material> materials) { mesh.materials = std::move(materials); },
+          nb::for_getter(nb::sig(materials_sig)), "That triangle_materials counts; set as a whole.")
+      .def_prop_rw(
+          "textures", [](const TriangleMesh& mesh) { return tuple_of<Texture>(mesh.textures); },
+          [](TriangleMesh& mesh, std::vector<Texture> textures) { mesh.textures = std::move(textures); },
+          nb::for_getter(nb::sig(textures_sig)), "That materials count; set as a whole.")
+      .def_rw("texture_origin", &TriangleMesh::texture_origin, "Of texture_coordinates.")
+      .def_prop_ro("vertex_count", &TriangleMesh::vertex_count, "Of positions, without those of extra wedges.")
+      .def_prop_ro("wedge_count", &TriangleMesh::wedge_count, "Vertices and extra wedges.")
       .def_prop_ro("triangle_count", &TriangleMesh::triangle_count)
       .def(
           "clean",
           [](const TriangleMesh& mesh) {
             const nb::gil_scoped_release release;
+            require_valid(mesh);
             CleanMesh result = clean(mesh, MeshReport{}, "mesh");
             return std::pair<TriangleMesh, MeshReport>(std::move(result.mesh), result.report);
           },
-          "A new mesh, welded by exactly equal positions and without degenerate indices, and what was found.\n"
+          "A new mesh, welded by exactly equal positions and without degenerate indices, and what was found. What\n"
+          "differs in attributes or material at one position becomes wedges.\n"
           "Error for a vertex that is used and not finite, and when no triangle is left.")
       .def(
           "report",

@@ -45,6 +45,7 @@ NB_MODULE(_occlod, m) {
   nanobind::register_exception_translator(raise_error);
   m.def(
       "version", [] { return std::string(occlod::version()); }, "MAJOR.MINOR.PATCH of the C++ library.");
+  bind_materials(m);
   bind_mesh(m);
   bind_view(m);
   bind_picture(m);

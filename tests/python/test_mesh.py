@@ -7,7 +7,7 @@ import unittest
 
 import numpy
 import occlod
-from support import corners, tetrahedron
+from support import box_of_charts, corners, looks, tetrahedron
 
 
 class Arrays(unittest.TestCase):
@@ -66,6 +66,104 @@ class Arrays(unittest.TestCase):
             occlod.Mesh(positions, [[0, 1, 2], [0, 4, 1]])
         with self.assertRaisesRegex(occlod.Error, "normals"):
             occlod.Mesh(positions, triangles, normals=[[0, 0, 1]])
+
+
+class Wedges(unittest.TestCase):
+    def setUp(self):
+        self.read = box_of_charts()
+        self.mesh, self.report = self.read.clean()
+
+    def test_come_from_vertices_of_their_own(self):
+        # 6 sides of 9 x 9 vertices. A corner of the cube has 3 sides, one of the 7 others on each of its 12 edges has 2.
+        mesh = self.mesh
+        self.assertEqual((mesh.wedge_count, mesh.vertex_count), (6 * 81, 6 * 81 - 2 * 8 - 12 * 7))
+        self.assertEqual(self.report.seam_vertices, 8 + 12 * 7)
+        self.assertEqual(len(mesh.extra_wedges), mesh.wedge_count - mesh.vertex_count)
+        numpy.testing.assert_array_equal(mesh.positions[mesh.vertex_count:], mesh.positions[mesh.extra_wedges])
+        vertex = numpy.concatenate([numpy.arange(mesh.vertex_count), mesh.extra_wedges])
+        numpy.testing.assert_array_equal(vertex[mesh.corners], mesh.triangles)
+        self.assertTrue(numpy.shares_memory(mesh.wedge_triangles, mesh.corners))
+        self.assertEqual(looks(mesh), looks(self.read))
+        self.assertIsNone(self.read.corners)
+        self.assertTrue(numpy.shares_memory(self.read.wedge_triangles, self.read.triangles))
+
+    def test_go_in_as_they_come_out(self):
+        mesh = self.mesh
+        again = occlod.Mesh(mesh.positions, mesh.triangles, colors=mesh.colors, texture_coordinates=mesh.texture_coordinates,
+                            extra_wedges=mesh.extra_wedges, corners=mesh.corners, triangle_materials=mesh.triangle_materials,
+                            materials=mesh.materials, textures=mesh.textures, texture_origin=occlod.TextureOrigin.top_left)
+        self.assertEqual((again.corners.dtype, again.triangle_materials.dtype), (numpy.uint32, numpy.uint16))
+        self.assertEqual(looks(again), looks(mesh))
+        self.assertEqual((again.texture_origin, mesh.texture_origin), (occlod.TextureOrigin.top_left, occlod.TextureOrigin.bottom_left))
+        self.assertTrue(occlod.build_hierarchy(again, base_triangles=12).restores(mesh))
+
+    def test_are_given_back_by_cuts(self):
+        hierarchy = occlod.build_hierarchy(self.mesh, base_triangles=12)
+        self.assertEqual((hierarchy.materials, hierarchy.textures), (self.mesh.materials, self.mesh.textures))
+        self.assertEqual(hierarchy.texture_origin, occlod.TextureOrigin.bottom_left)
+        self.assertEqual(looks(hierarchy.cut().mesh()), looks(self.read))
+        # Every corner of a coarse cut lies in the square of the texture, has the colour and the material of one side.
+        coarse = hierarchy.cut(triangles=40).mesh()
+        self.assertEqual((coarse.materials, coarse.textures), (self.mesh.materials, self.mesh.textures))
+        self.assertLessEqual(coarse.triangle_count, 40)
+        u = coarse.texture_coordinates[coarse.wedge_triangles][:, :, 0]
+        side = u.min(axis=1).astype(int) // 2
+        self.assertTrue((u.max(axis=1) <= 2 * side + 1).all())
+        self.assertEqual(set(side.tolist()), set(range(6)))
+        numpy.testing.assert_array_equal(coarse.triangle_materials, side % 2)
+        numpy.testing.assert_array_equal(coarse.colors[coarse.wedge_triangles][:, :, 0], numpy.repeat(40 * side[:, None], 3, axis=1))
+
+    def test_are_kept_by_files(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder, "box.glb")
+            self.mesh.write(path)
+            again = occlod.read_mesh(path)
+            self.assertEqual(again.texture_origin, occlod.TextureOrigin.top_left)
+            self.assertEqual((again.materials, again.textures), (self.mesh.materials, self.mesh.textures))
+            again.texture_coordinates[:, 1] = 1 - again.texture_coordinates[:, 1]
+            self.assertEqual(looks(again), looks(self.mesh))
+
+    def test_are_drawn(self):
+        camera = occlod.Camera(eye=(3, 4, 5), width=160, height=120)
+        reference = occlod.picture(self.read, camera, wire=False)  # a vertex has one colour only there
+        hierarchy = occlod.build_hierarchy(self.mesh, base_triangles=12)
+        for what in (self.mesh, hierarchy, hierarchy.cut(), occlod.Object(hierarchy)):
+            numpy.testing.assert_array_equal(occlod.picture(what, camera, wire=False), reference)
+
+    def test_materials_are_values(self):
+        material, other = self.mesh.materials
+        self.assertEqual((material.name, material.base_color, material.texture), ("even", (1.0, 0.5, 0.25, 1.0), 0))
+        self.assertEqual((other.base_color, other.texture), ((1.0, 1.0, 1.0, 1.0), None))
+        self.assertNotEqual(material, other)
+        self.assertNotEqual(material, "even")
+        with self.assertRaises(AttributeError):
+            material.name = "odd"
+        texture = occlod.Texture(mime_type="image/png", bytes=b"\x89PNG\0")
+        self.assertEqual((texture.bytes, texture.wrap_s), (b"\x89PNG\0", occlod.TextureWrap.repeat))
+        self.mesh.textures = [*self.mesh.textures, texture]
+        self.mesh.materials = [material, occlod.Material("odd", texture=1)]
+        self.assertEqual(self.mesh.textures[self.mesh.materials[1].texture], texture)
+
+    def test_mistakes_are_told(self):
+        for arrays, text in [({"corners": self.mesh.triangles[:3]}, "mesh: corners: are 3, of 768 triangles"),
+                             ({"texture_coordinates": numpy.zeros((5, 2))}, "mesh: texture_coordinates: are 5, of 486 positions"),
+                             ({"extra_wedges": [9]}, "mesh: corners: are missing"),
+                             ({"extra_wedges": [5, 4], "corners": self.read.triangles}, "mesh: extra wedge 1: is of vertex 4"),
+                             ({"extra_wedges": numpy.zeros(487, int)}, "mesh: extra_wedges: are more than positions"),
+                             ({"triangle_materials": numpy.ones(768, int)}, "mesh: triangle 0: has material 1 of 0"),
+                             ({"materials": [occlod.Material(texture=2)]}, "mesh: material 0: has texture 2 of 0")]:
+            with self.subTest(text), self.assertRaisesRegex(occlod.Error, text):
+                triangles = numpy.minimum(self.read.triangles, 400) if "extra_wedges" in arrays else self.read.triangles
+                occlod.Mesh(self.read.positions, triangles, **arrays)
+        with self.assertRaisesRegex(ValueError, "triangle_materials: ids are from 0 to 65535"):
+            occlod.Mesh(self.read.positions, self.read.triangles, triangle_materials=numpy.full(768, 65536))
+        with self.assertRaisesRegex(TypeError, "texture_coordinates"):
+            occlod.Mesh(self.read.positions, self.read.triangles, texture_coordinates=self.read.positions)
+        self.mesh.corners[7, 1] = 485
+        for call in (self.mesh.clean, self.mesh.report, lambda: self.mesh.write("never.ply"), lambda: occlod.build_hierarchy(self.mesh),
+                     lambda: occlod.picture(occlod.build_hierarchy(self.mesh), occlod.Camera())):
+            with self.assertRaisesRegex(occlod.Error, "triangle 7"):
+                call()
 
 
 class Files(unittest.TestCase):

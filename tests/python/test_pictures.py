@@ -5,7 +5,7 @@ import unittest
 
 import numpy
 import occlod
-from support import VIEW, corners, planet
+from support import VIEW, box_of_charts, corners, planet
 
 
 class Pictures(unittest.TestCase):
@@ -260,6 +260,21 @@ class OtherPackages(unittest.TestCase):
         numpy.testing.assert_array_equal(back.faces, mesh.triangles)
         colored = occlod.Mesh(mesh.positions, mesh.triangles, colors=numpy.full((mesh.vertex_count, 4), 9, numpy.uint8))
         numpy.testing.assert_array_equal(occlod.from_trimesh(occlod.to_trimesh(colored)).colors, colored.colors)
+
+    def test_trimesh_keeps_texture_coordinates(self):
+        try:
+            import trimesh  # noqa: F401  pylint: disable=unused-import
+        except ImportError:
+            self.skipTest("SKIPPED: trimesh is not installed")
+        mesh, _ = box_of_charts(texture_origin=occlod.TextureOrigin.top_left).clean()
+        there = occlod.to_trimesh(mesh)
+        self.assertEqual((len(there.vertices), there.visual.kind), (mesh.wedge_count, "texture"))
+        again, _ = occlod.from_trimesh(there).clean()
+        self.assertEqual((again.vertex_count, again.wedge_count), (mesh.vertex_count, mesh.wedge_count))
+        numpy.testing.assert_array_equal(again.positions[again.wedge_triangles], mesh.positions[mesh.wedge_triangles])
+        # There v grows upwards.
+        numpy.testing.assert_array_equal(again.texture_coordinates[again.wedge_triangles],
+                                         mesh.texture_coordinates[mesh.wedge_triangles] * (1, -1) + (0, 1))
 
     def test_pyvista(self):
         try:

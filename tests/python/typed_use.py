@@ -6,6 +6,9 @@ import occlod
 
 def use() -> None:
     mesh: occlod.Mesh = occlod.read_mesh("a.ply", progress=print)
+    materials: tuple[occlod.Material, ...] = mesh.materials
+    mesh.materials = (*materials, occlod.Material("red", base_color=(1.0, 0.0, 0.0, 1.0)))
+    coordinates: numpy.typing.NDArray[numpy.float32] | None = mesh.texture_coordinates
     hierarchy = occlod.build_hierarchy(mesh, error_bound=occlod.ErrorBound.measured, progress=lambda done: None)
     box: tuple[tuple[float, float, float], tuple[float, float, float]] = hierarchy.box
     refiner = occlod.Refiner([hierarchy, occlod.Object(hierarchy, numpy.eye(4), two_sided=True)])
@@ -19,7 +22,7 @@ def use() -> None:
     image: numpy.typing.NDArray[numpy.uint8] = occlod.picture([mesh, refined, cut], camera)
     occlod.write_png("a.png", image)
     objects: list[occlod.Object] = occlod.Scene.read("city.json").load()
-    print(box, triangles, count, objects, occlod.to_trimesh(mesh))
+    print(coordinates, box, triangles, count, objects, occlod.to_trimesh(mesh))
 
 
 def misuse() -> None:
