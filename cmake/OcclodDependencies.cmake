@@ -23,7 +23,7 @@ target_compile_definitions(occlod_xxhash INTERFACE XXH_INLINE_ALL)
 if(OCCLOD_WITH_OPENMESH)
   find_package(OpenMesh REQUIRED)
 endif()
-# Decodes glTF files with EXT_meshopt_compression, which are refused without it.
+# Decodes and encodes EXT_meshopt_compression; files with it are refused, and not written, without.
 set(OCCLOD_MESHOPTIMIZER "")
 if(OCCLOD_WITH_MESHOPTIMIZER)
   find_package(meshoptimizer REQUIRED)
@@ -31,6 +31,9 @@ if(OCCLOD_WITH_MESHOPTIMIZER)
 endif()
 if(OCCLOD_BUILD_TOOLS OR OCCLOD_BUILD_VIEWER OR OCCLOD_BUILD_BENCH)
   occlod_find(CLI11 TARGET CLI11::CLI11 INCLUDE include)
+endif()
+if(OCCLOD_BUILD_TOOLS AND OCCLOD_WITH_SERVER)
+  find_package(Boost 1.70 REQUIRED)  # Asio and Beast, which are headers
 endif()
 if(OCCLOD_BUILD_VIEWER)
   find_package(glfw3 REQUIRED)

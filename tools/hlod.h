@@ -14,8 +14,10 @@ namespace occlod::tool {
 
 void add_hlod_build(CLI::App& hlod);
 void add_hlod_compare(CLI::App& hlod);
+void add_hlod_export(CLI::App& hlod);
 void add_hlod_info(CLI::App& hlod);
 void add_hlod_render(CLI::App& hlod);
+void add_hlod_serve(CLI::App& hlod);  // where OCCLOD_HAS_SERVER is defined
 void add_hlod_validate(CLI::App& hlod);
 
 // One mesh of all that these files hold: a mesh as it is, several, or scenes, together in world space.

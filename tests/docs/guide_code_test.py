@@ -20,6 +20,7 @@ PREAMBLE = """#include <occlod/occlod.h>
 #include <occlod/hlod/build.h>
 #include <occlod/hlod/within.h>
 #include <occlod/io/ohlod.h>
+#include <occlod/tiles/write_tileset.h>
 #include <occlod/traverse/traverser.h>
 #include <occlod/viewcells/build_cells.h>
 #include <occlod/viewcells/cell_builder.h>

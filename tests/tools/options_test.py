@@ -14,6 +14,7 @@ LARGEST = 10**12
 BUILD, CUT, COMPARE = ["build", "a.ply", "-o", "a.olod"], ["cut", "a.olod", "-o", "a.ply"], ["compare", "a.ply", "b.ply"]
 REPAIR, VALIDATE, RENDER = ["repair", "a.ply", "-o", "b.ply"], ["validate", "a.olod"], ["render", "a.olod"]
 HLOD_BUILD, HLOD_VALIDATE = ["hlod", "build", "a.ply", "-o", "a.ohlod"], ["hlod", "validate", "a.ohlod"]
+HLOD_EXPORT = ["hlod", "export", "a.ohlod", "a"]
 HLOD_RENDER, HLOD_COMPARE = ["hlod", "render", "a.ohlod"], ["hlod", "compare", "a.ohlod"]
 CELLS_CHECK, CELLS_WALK = ["cells", "check", "a.vlod", "a.json"], ["cells", "walk", "a.vlod", "a.json", "--path", "p"]
 CELLS_BUILD, CELLS_INFO, CELLS_MERGE = ["cells", "build", "a.json", "-o", "a.vlod"], ["cells", "info", "a.vlod"], ["cells", "merge", "parts", "-o", "a.vlod"]
@@ -27,6 +28,8 @@ WHOLE = [
     (HLOD_BUILD, "--node-triangles", 16, 4096),
     (HLOD_BUILD, "--threads", 0, 1024),
     (HLOD_VALIDATE, "--fronts", 0, 10**6),
+    (HLOD_EXPORT, "--quantise", 0, 16),
+    (HLOD_EXPORT, "--tiles-per-file", 1, 10**6),
     *((command, option, low, 10**6) for command in (HLOD_RENDER, HLOD_COMPARE) for option, low in (("--frames", 1), ("--reference", 0))),
     (CELLS_BUILD, "--budget", 1, LARGEST),
     (CELLS_BUILD, "--levels", 0, 32),
@@ -58,6 +61,7 @@ REAL = [
     (BUILD, "--crease", 0, 180),
     (HLOD_BUILD, "--boundary-weight", 0, 10**6),
     (HLOD_BUILD, "--attribute-weight", 0, 10**6),
+    (HLOD_EXPORT, "--crease", 0, 180),
     (CUT, "--error", 0, None),
     (CELLS_BUILD, "--tolerance", 1e-6, None),
     (CELLS_BUILD, "--root-cell", 1e-6, LARGEST),

@@ -2,135 +2,38 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <nlohmann/json.hpp>
 
 #include "io/file_input.h"
+#include "io/glb_document.h"
+#include "io/glb_primitives.h"
 #include "io/mesh_writers.h"
-#include "io/srgb.h"
 
 namespace occlod {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-constexpr int type_uint16 = 5123, type_uint32 = 5125, type_float = 5126;
-constexpr int array_buffer = 34962, element_array_buffer = 34963;
-
-// What has one material: its wedges, and its triangles by places in them.
-struct Primitive {
-  MaterialId material = 0;
-  std::vector<WedgeId> wedges;
-  std::vector<Triangle> triangles;
-};
-
-// A material's wedges come in the order of their first use; those of a mesh of one material as they are.
-std::vector<Primitive> primitives_of(const TriangleMesh& mesh) {
-  const std::vector<Triangle>& corners = mesh.wedge_triangles();
-  std::vector<Primitive> primitives;
-  if (mesh.triangle_materials.empty()) {
-    Primitive& all = primitives.emplace_back();
-    all.wedges.resize(mesh.wedge_count());
-    for (WedgeId w = 0; w < all.wedges.size(); ++w) all.wedges[w] = w;
-    all.triangles = corners;
-    return primitives;
-  }
-  std::vector<std::vector<std::size_t>> by_material(mesh.materials.size());
-  for (std::size_t t = 0; t < corners.size(); ++t) by_material[mesh.triangle_materials[t]].push_back(t);
-  std::vector<std::uint32_t> place(mesh.wedge_count());
-  std::vector<std::uint32_t> seen_by(mesh.wedge_count(), no_id);
-  for (std::size_t m = 0; m < by_material.size(); ++m) {
-    if (by_material[m].empty()) continue;
-    Primitive& primitive = primitives.emplace_back();
-    primitive.material = static_cast<MaterialId>(m);
-    for (const std::size_t t : by_material[m]) {
-      Triangle triangle;
-      for (int k = 0; k < 3; ++k) {
-        const WedgeId w = corners[t][k];
-        if (seen_by[w] != m) {
-          seen_by[w] = static_cast<std::uint32_t>(m);
-          place[w] = static_cast<std::uint32_t>(primitive.wedges.size());
-          primitive.wedges.push_back(w);
-        }
-        triangle[k] = place[w];
-      }
-      primitive.triangles.push_back(triangle);
-    }
-  }
-  return primitives;
-}
-
-bool has_short_indices(const Primitive& primitive) { return primitive.wedges.size() < 65535; }
-
-std::uint16_t linear_color(std::uint8_t encoded) {
-  return static_cast<std::uint16_t>(std::lround(65535.0 * srgb_to_linear(encoded / 255.0)));
-}
-
-// The name of a file as a URI.
-std::string uri_of(const std::string& file) {
-  constexpr std::string_view plain = "-._~/!$&'()*+,;=:@";
-  std::string uri;
-  for (const char c : file) {
-    const bool is_letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
-    if (is_letter || plain.find(c) != std::string_view::npos)
-      uri += c;
-    else
-      uri += fmt::format("%{:02X}", static_cast<unsigned char>(c));
-  }
-  return uri;
-}
-
-int wrap_mode(TextureWrap wrap) {
-  return wrap == TextureWrap::repeat ? 10497 : wrap == TextureWrap::clamp ? 33071 : 33648;
-}
+using Json = GlbDocument::Json;
+using namespace gltf;
 
 class GlbWriter {
  public:
-  GlbWriter(ChunkedWriter& out, const TriangleMesh& mesh) : out_(out), mesh_(mesh), primitives_(primitives_of(mesh)) {}
+  GlbWriter(ChunkedWriter& out, const TriangleMesh& mesh) : out_(out), mesh_(mesh), primitives_(glb_primitives(mesh)) {}
 
   void run(const FileErrors& errors) {
-    json_["asset"] = {{"version", "2.0"}, {"generator", "occlod"}};
-    json_["scene"] = 0;
-    json_["scenes"][0]["nodes"][0] = 0;
-    json_["nodes"][0]["mesh"] = 0;
-    json_["meshes"][0]["primitives"] = Json::array();
-    for (const Primitive& primitive : primitives_) describe(primitive);
-    describe_materials();
-    describe_textures();
-    json_["buffers"][0]["byteLength"] = bytes_;
-    std::string text = json_.dump(-1, ' ', false, Json::error_handler_t::replace);
-    text.resize((text.size() + 3) / 4 * 4, ' ');
-    const std::uint64_t whole = 28 + text.size() + bytes_;
-    if (whole > std::numeric_limits<std::uint32_t>::max())
-      errors.fail("", "would be larger than the 4 GiB that a GLB file can have", "write .ply");
-    out_.text("glTF");
-    out_.numbers(std::uint32_t{2}, static_cast<std::uint32_t>(whole), static_cast<std::uint32_t>(text.size()));
-    out_.text("JSON{}", text);
-    out_.numbers(static_cast<std::uint32_t>(bytes_));
-    out_.text("BIN");
-    out_.numbers(std::uint8_t{0});
-    for (const Primitive& primitive : primitives_) write(primitive);
+    for (const GlbPrimitive& primitive : primitives_) describe(primitive);
+    for (const Material& material : mesh_.materials) document_.add_material(material);
+    for (const Texture& texture : mesh_.textures) document_.add_texture(texture, image_of(texture));
+    out_.text("{}", document_.head(errors));
+    for (const GlbPrimitive& primitive : primitives_) write(primitive);
     for (const Texture& texture : mesh_.textures) write_image(texture);
   }
 
  private:
-  // Makes room in the buffer, of a multiple of four bytes.
-  std::size_t add_view(std::uint64_t bytes, int target) {
-    Json view = {{"buffer", 0}, {"byteOffset", bytes_}, {"byteLength", bytes}};
-    if (target != 0) view["target"] = target;
-    bytes_ += (bytes + 3) / 4 * 4;
-    json_["bufferViews"].push_back(std::move(view));
-    return json_["bufferViews"].size() - 1;
-  }
-
   std::size_t add_accessor(std::uint64_t bytes, int target, int component_type, std::size_t count, const char* type) {
-    const std::size_t view = add_view(bytes, target);
-    json_["accessors"].push_back(
-        {{"bufferView", view}, {"componentType", component_type}, {"count", count}, {"type", type}});
-    return json_["accessors"].size() - 1;
+    return document_.add_accessor(bytes, target, component_type, count, type);
   }
 
   // In the order in which write() writes.
-  void describe(const Primitive& primitive) {
+  void describe(const GlbPrimitive& primitive) {
     const std::size_t count = primitive.wedges.size();
     Json attributes;
     attributes["POSITION"] = add_accessor(12 * count, array_buffer, type_float, count, "VEC3");
@@ -141,18 +44,18 @@ class GlbWriter {
       attributes["TEXCOORD_0"] = add_accessor(8 * count, array_buffer, type_float, count, "VEC2");
     if (!mesh_.colors.empty()) {
       attributes["COLOR_0"] = add_accessor(8 * count, array_buffer, type_uint16, count, "VEC4");
-      json_["accessors"].back()["normalized"] = true;
+      document_.json()["accessors"].back()["normalized"] = true;
     }
-    const bool is_short = has_short_indices(primitive);
+    const bool is_short = primitive.has_short_indices();
     const std::size_t indices = 3 * primitive.triangles.size();
     Json described = {{"attributes", std::move(attributes)}};
     described["indices"] = add_accessor((is_short ? 2 : 4) * indices, element_array_buffer,
                                         is_short ? type_uint16 : type_uint32, indices, "SCALAR");
     if (!mesh_.materials.empty()) described["material"] = primitive.material;
-    json_["meshes"][0]["primitives"].push_back(std::move(described));
+    document_.primitives().push_back(std::move(described));
   }
 
-  void add_bounds(const Primitive& primitive) {
+  void add_bounds(const GlbPrimitive& primitive) {
     Json least = Json::array(), most = Json::array();
     for (int k = 0; k < 3; ++k) {
       float low = std::numeric_limits<float>::infinity(), high = -low;
@@ -165,37 +68,16 @@ class GlbWriter {
       least.push_back(low <= high ? low : 0.0F);
       most.push_back(low <= high ? high : 0.0F);
     }
-    json_["accessors"].back()["min"] = std::move(least);
-    json_["accessors"].back()["max"] = std::move(most);
+    document_.json()["accessors"].back()["min"] = std::move(least);
+    document_.json()["accessors"].back()["max"] = std::move(most);
   }
 
-  void describe_materials() {
-    for (const Material& material : mesh_.materials) {
-      const glm::vec4& c = material.base_color;
-      Json look = {{"baseColorFactor", {c.r, c.g, c.b, c.a}}, {"metallicFactor", 0}};
-      if (material.texture != no_texture) look["baseColorTexture"] = {{"index", material.texture}};
-      Json described;
-      if (!material.name.empty()) described["name"] = material.name;
-      described["pbrMetallicRoughness"] = std::move(look);
-      if (c.a < 1.0F) described["alphaMode"] = "BLEND";
-      json_["materials"].push_back(std::move(described));
-    }
+  Json image_of(const Texture& texture) {
+    if (texture.bytes.empty()) return {{"uri", uri_of(texture.file)}};
+    return {{"bufferView", document_.add_view(texture.bytes.size(), 0)}, {"mimeType", mime_type_of(texture)}};
   }
 
-  void describe_textures() {
-    for (std::size_t i = 0; i < mesh_.textures.size(); ++i) {
-      const Texture& texture = mesh_.textures[i];
-      if (texture.bytes.empty())
-        json_["images"].push_back({{"uri", uri_of(texture.file)}});
-      else
-        json_["images"].push_back(
-            {{"bufferView", add_view(texture.bytes.size(), 0)}, {"mimeType", mime_type_of(texture)}});
-      json_["samplers"].push_back({{"wrapS", wrap_mode(texture.wrap_s)}, {"wrapT", wrap_mode(texture.wrap_t)}});
-      json_["textures"].push_back({{"source", i}, {"sampler", i}});
-    }
-  }
-
-  void write(const Primitive& primitive) {
+  void write(const GlbPrimitive& primitive) {
     for (const WedgeId w : primitive.wedges) out_.vector(mesh_.positions[w]);
     for (const WedgeId w : primitive.wedges) {
       if (!mesh_.normals.empty()) out_.vector(mesh_.normals[w]);
@@ -211,7 +93,7 @@ class GlbWriter {
       const glm::u8vec4& c = mesh_.colors[w];
       out_.numbers(linear_color(c.r), linear_color(c.g), linear_color(c.b), static_cast<std::uint16_t>(257 * c.a));
     }
-    const bool is_short = has_short_indices(primitive);
+    const bool is_short = primitive.has_short_indices();
     for (const Triangle& t : primitive.triangles) {
       if (is_short)
         out_.numbers(static_cast<std::uint16_t>(t.x), static_cast<std::uint16_t>(t.y), static_cast<std::uint16_t>(t.z));
@@ -229,9 +111,8 @@ class GlbWriter {
 
   ChunkedWriter& out_;
   const TriangleMesh& mesh_;
-  const std::vector<Primitive> primitives_;
-  Json json_;
-  std::uint64_t bytes_ = 0;  // of the buffer
+  const std::vector<GlbPrimitive> primitives_;
+  GlbDocument document_;
 };
 
 }  // namespace

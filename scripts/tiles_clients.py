@@ -1,0 +1,139 @@
+#!/usr/bin/env python3
+"""Tilesets in other people's programs; called by scripts/check_tiles.sh, which says what it does.
+tiles_clients.py --occlod FILE --modules FOLDER --out FOLDER SCENE.json [--path NAME] [--frames N] [--error PX]"""
+import argparse
+import json
+import pathlib
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+CLIENTS = ROOT / "tests/clients"
+EXPORTS = {"plain": [], "quantised": ["--quantise", "14", "--skirts"], "meshopt": ["--compression", "meshopt"], "quadric": ["--compression", "meshopt", "--error", "quadric"],
+           "earth": ["--compression", "meshopt", "--origin", "11.575,48.137,519", "--tiles-per-file", "50"]}
+
+
+def say(text):
+    print(text, flush=True)
+
+
+def mean(rows, key):
+    return sum(row[key] for row in rows) / len(rows)
+
+
+class Run:
+    def __init__(self, options):
+        self.options, self.out = options, pathlib.Path(options.out).resolve()
+        self.out.mkdir(parents=True, exist_ok=True)
+        self.failures = []
+        self.table = {"scene": options.scene, "error_px": options.error, "exports": {}, "clients": {}, "ours": {}}
+
+    def occlod(self, *arguments):
+        done = subprocess.run([self.options.occlod, *map(str, arguments)], stdout=subprocess.PIPE, text=True, check=True)
+        return json.loads(done.stdout)
+
+    def node(self, program, *arguments):
+        """What a program of tests/clients prints; it runs where its packages are."""
+        done = subprocess.run(["node", str(self.out / "clients" / program), *map(str, arguments)], stdout=subprocess.PIPE, text=True, check=False)
+        if done.returncode != 0:
+            self.failures.append(f"{program}: exit {done.returncode}: {done.stdout.strip()[-500:]}")
+        return done.stdout.strip()
+
+    def install_programs(self):
+        folder = self.out / "clients"
+        folder.mkdir(exist_ok=True)
+        for source in [*CLIENTS.glob("*.js"), *CLIENTS.glob("*.html"), CLIENTS / "package.json"]:
+            (folder / source.name).write_text(source.read_text())
+        if not (folder / "node_modules").exists():
+            (folder / "node_modules").symlink_to(pathlib.Path(self.options.modules).resolve())
+
+    def cameras(self):
+        """The keys of the path, and a scene that jumps from one to the next."""
+        scene = json.loads(pathlib.Path(self.options.scene).read_text())
+        keys = scene["paths"][self.options.path]["keys"][: self.options.frames]
+        keys = [{"up": [0, 1, 0], "fov_y_deg": 60, **key} for key in keys]
+        (self.out / "cameras.json").write_text(json.dumps({"cameras": keys}))
+        jumps = {**scene, "paths": {"keys": {"frames": len(keys), "jump": True, "keys": keys}}}
+        beside = pathlib.Path(self.options.scene).resolve().parent
+        for item in jumps["objects"]:  # the scene of jumps lies elsewhere
+            mesh = item.get("mesh")
+            if isinstance(mesh, str) and (beside / mesh).exists():
+                item["mesh"] = str(beside / mesh)
+        (self.out / "jumps.json").write_text(json.dumps(jumps))
+        return len(keys)
+
+    def build(self):
+        for name, options in (("nested", ["--grouping", "nested", "--borders", "free"]), ("shifted", [])):
+            if not (self.out / f"{name}.ohlod").exists():
+                self.occlod("hlod", "build", self.options.scene, "-o", self.out / f"{name}.ohlod", *options, "--json")
+        say(f"\n{'export':12} {'tiles':>8} {'triangles':>11} {'content bytes':>14} {'all bytes':>12} {'per triangle':>13} {'ms':>8}")
+        for name, options in EXPORTS.items():
+            told = self.occlod("hlod", "export", self.out / "nested.ohlod", self.out / name, *options, "--replace", "--json")
+            self.table["exports"][name] = told
+            say(f"{name:12} {told['tiles']:8} {told['triangles']:11} {told['content_bytes']:14} {told['bytes']:12} {told['bytes_per_triangle']:13.2f} {told['write_ms']:8.0f}")
+        for name in ("nested", "shifted"):
+            self.table[name] = self.occlod("hlod", "info", self.out / f"{name}.ohlod", "--json")
+            say(f"{name + '.ohlod':36} {'':14} {self.table[name]['file_bytes']:9} {self.table[name]['file_bytes'] / self.table[name]['triangles']:13.2f}")
+
+    def check(self):
+        say("\nstrict checker")
+        for name in EXPORTS:
+            done = subprocess.run([sys.executable, ROOT / "tests/tools/tileset_check.py", self.out / name, "--json"], capture_output=True, text=True, check=False)
+            say(f"{name:12} {done.stdout.strip() or done.stderr.strip()}")
+            if done.returncode != 0:
+                self.failures.append(f"tileset_check.py: {done.stderr.strip()}")
+        say("\nglTF validator")
+        say(self.node("validate.js", *(self.out / name for name in EXPORTS)))
+
+    def client(self, program, export, *arguments):
+        arguments = [*arguments, "--cameras", self.out / "cameras.json", "--error", self.options.error, "--png", self.out / f"{program}_{export}.png"]
+        if program == "three":
+            return self.node("three.js", self.out / export, "--modules", self.out / "clients/node_modules", *arguments)
+        serving = [self.options.occlod, "hlod", "serve", self.out / export, "--port", "0", "--cesium", self.out / "clients/node_modules/cesium/Build/Cesium"]
+        with subprocess.Popen(serving, stdout=subprocess.PIPE, text=True) as server:
+            try:
+                return self.node("cesium.js", server.stdout.readline().strip(), *arguments)
+            finally:
+                server.terminate()
+
+    def clients(self):
+        say(f"\n{'client':28} {'triangles':>11} {'tiles':>8} {'failed':>7}   means of all cameras, {self.options.error} px")
+        for program, export in (("cesium", "meshopt"), ("cesium", "quadric"), ("cesium", "earth"), ("three", "plain"), ("three", "meshopt")):
+            text = self.client(program, export)
+            if not text:
+                continue
+            told = json.loads(text.splitlines()[-1])
+            self.table["clients"][f"{program}, {export}"] = told
+            say(f"{program + ', ' + export:28} {told['triangles']:11.0f} {told['tiles']:8.1f} {told['failed']:7}")
+        for name, strategy in (("nested", "vfc"), ("shifted", "vfc"), ("shifted", "coh")):
+            told = self.occlod("hlod", "render", self.out / f"{name}.ohlod", "--scene", self.out / "jumps.json", "--path", "keys", "--strategy", strategy,
+                               "--tolerance", self.options.error, "--size", "1024x768", "--json")
+            rows = told["frame"]
+            self.table["ours"][f"{name}, {strategy}"] = {"triangles": mean(rows, "triangles"), "nodes": mean(rows, "nodes")}
+            say(f"{'ours: ' + name + ', ' + strategy:28} {mean(rows, 'triangles'):11.0f} {mean(rows, 'nodes'):8.1f}")
+
+    def run(self):
+        self.install_programs()
+        say(f"{self.options.scene}, path {self.options.path}: {self.cameras()} cameras")
+        self.build()
+        self.check()
+        self.clients()
+        (self.out / "tiles.json").write_text(json.dumps(self.table, indent=1))
+        for failure in self.failures:
+            say(f"FAILED: {failure}")
+        return 1 if self.failures else 0
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    for name in ("--occlod", "--modules", "--out"):
+        parser.add_argument(name, required=True)
+    parser.add_argument("scene")
+    parser.add_argument("--path", default="walk")
+    parser.add_argument("--frames", type=int, default=100)
+    parser.add_argument("--error", default="2")
+    sys.exit(Run(parser.parse_args()).run())
+
+
+if __name__ == "__main__":
+    main()

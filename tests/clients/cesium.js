@@ -1,0 +1,46 @@
+// cesium.js URL --cameras FILE [--error PX] [--size WxH] [--png FILE] [--frame N]: CesiumJS in headless Chromium on the page of `occlod hlod serve`,
+// along a path. FILE: JSON, {"cameras": [{eye, target, up, fov_y_deg}]}, in the tileset's coordinates. Waits at each camera until all tiles are loaded.
+// Prints one JSON object; exit 1 when a tile failed or the page complained. The picture is of camera N, without the panel.
+import { readFileSync } from "node:fs";
+import { option, open } from "./browser.js";
+
+const [width, height] = option("--size", "1024x768").split("x").map(Number);
+const { browser, page, complaints } = await open(process.argv[2] + "?error=" + option("--error", "2"), width, height);
+const cameras = JSON.parse(readFileSync(option("--cameras"), "utf8")).cameras;
+await page.waitForFunction("window.occlod.tileset && window.occlod.tileset.tilesLoaded", { timeout: 120000 });
+const rows = [];
+let bytes = 0;
+page.on("response", async (response) => { bytes += Number(response.headers()["content-length"] ?? 0) * response.url().includes(".glb"); });
+for (const [index, camera] of cameras.entries()) {
+  rows.push(await page.evaluate(async (at) => {
+    const { viewer, tileset } = window.occlod;
+    const local = tileset.root.computedTransform;
+    const point = (p) => Cesium.Matrix4.multiplyByPoint(local, new Cesium.Cartesian3(...p), new Cesium.Cartesian3());
+    const vector = (p) => Cesium.Matrix4.multiplyByPointAsVector(local, new Cesium.Cartesian3(...p), new Cesium.Cartesian3());
+    const ahead = at.target.map((x, k) => x - at.eye[k]);
+    const canvas = viewer.scene.canvas, aspect = canvas.clientWidth / canvas.clientHeight;
+    const half = Math.tan((at.fov_y_deg * Math.PI) / 360);
+    viewer.camera.frustum.fov = 2 * Math.atan(half * Math.max(aspect, 1));  // of the wider side
+    viewer.camera.setView({ destination: point(at.eye), orientation: {
+      direction: Cesium.Cartesian3.normalize(vector(ahead), new Cesium.Cartesian3()),
+      up: Cesium.Cartesian3.normalize(vector(at.up), new Cesium.Cartesian3()) } });
+    const begin = performance.now();
+    const frame = () => new Promise((resolve) => { viewer.scene.render(); requestAnimationFrame(resolve); });
+    for (let calm = 0; calm < 3; calm = tileset.tilesLoaded ? calm + 1 : 0) {
+      await frame();
+      if (performance.now() - begin > 120000) throw new Error("tiles are not loaded after two minutes");
+    }
+    const counts = tileset.statistics;
+    return { triangles: counts.numberOfTrianglesSelected, tiles: counts.selected, ms: performance.now() - begin };
+  }, camera));
+  if (index === Number(option("--frame", "0")) && option("--png", "")) {
+    await page.evaluate("document.getElementById('panel').style.display = document.querySelector('.cesium-viewer-bottom').style.display = 'none'");
+    await page.screenshot({ path: option("--png") });
+  }
+}
+const failed = await page.evaluate("window.occlod.failed");
+const loaded = await page.evaluate("window.occlod.tileset.tilesLoaded");
+const mean = (key) => rows.reduce((sum, row) => sum + row[key], 0) / rows.length;
+console.log(JSON.stringify({ client: "cesium", cameras: rows.length, triangles: mean("triangles"), tiles: mean("tiles"), bytes, failed, loaded, complaints, rows }));
+await browser.close();
+process.exit(failed > 0 || !loaded || complaints.length > 0 ? 1 : 0);

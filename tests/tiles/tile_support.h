@@ -1,0 +1,64 @@
+// Tilesets and their contents, read back by the glTF reader.
+#pragma once
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "io/file_input.h"
+#include "occlod/hlod/build.h"
+#include "occlod/io/read_mesh.h"
+#include "occlod/mesh/clean.h"
+#include "support/meshes.h"
+#include "tiles/encode_tile.h"
+
+namespace occlod::tiles::test {
+
+// Is removed with all that is in it.
+class Folder {
+ public:
+  Folder() {
+    std::string name = (std::filesystem::temp_directory_path() / "occlod-tiles-XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no folder");
+    path_ = name;
+  }
+  ~Folder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+  [[nodiscard]] std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+// A content as a client that turns it to z up has it.
+[[nodiscard]] inline TriangleMesh read_content(const std::filesystem::path& file) {
+  TriangleMesh mesh = read_mesh(file).mesh;
+  for (glm::vec3& p : mesh.positions) p = {p.x, -p.z, p.y};
+  for (glm::vec3& n : mesh.normals) n = {n.x, -n.z, n.y};
+  return mesh;
+}
+
+[[nodiscard]] inline TriangleMesh decoded(const TileContent& content) {
+  const Folder folder;
+  std::ofstream(folder / "tile.glb", std::ios::binary) << content.bytes;
+  return read_content(folder / "tile.glb");
+}
+
+[[nodiscard]] inline hlod::Hlod nested_hlod(const TriangleMesh& mesh, std::uint32_t node_triangles = 64,
+                                            hlod::Borders borders = hlod::Borders::free) {
+  hlod::BuildOptions options;
+  options.node_triangles = node_triangles;
+  options.grouping = hlod::Grouping::nested;
+  options.borders = borders;
+  return hlod::build_hlod(mesh, options);
+}
+
+}  // namespace occlod::tiles::test

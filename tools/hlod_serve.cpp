@@ -1,0 +1,69 @@
+// occlod hlod serve FOLDER
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "file_server.h"
+#include "hlod.h"
+#include "occlod/core/error.h"
+#include "option_values.h"
+#include "tiles_page.h"
+
+namespace occlod::tool {
+namespace {
+
+constexpr std::uint64_t largest_port = 65535;
+
+struct Options {
+  std::string folder;
+  std::string cesium;
+  std::uint16_t port = 8080;
+};
+
+void require_file(const std::string& folder, const std::string& name, const std::string& remedy) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(std::filesystem::path(folder) / name, error))
+    throw Error({folder, "", "has no " + name, remedy});
+}
+
+void run(const Options& options) {
+  require_file(options.folder, "tileset.json", "make a tileset with 'occlod hlod export'");
+  if (!options.cesium.empty())
+    require_file(options.cesium, "Cesium.js", "name the folder Build/Cesium of the package cesium");
+  ServerOptions server;
+  server.port = options.port;
+  server.folders = {{"/tileset/", options.folder}};
+  if (options.cesium.empty()) {
+    server.page =
+        tiles_page(fmt::format("https://cesium.com/downloads/cesiumjs/releases/{}/Build/Cesium/", cesium_version));
+  } else {
+    server.page = tiles_page("/cesium/");
+    server.folders.push_back({"/cesium/", options.cesium});
+  }
+  serve(server, [](std::uint16_t port) {
+    fmt::print("http://127.0.0.1:{}/\n", port);
+    std::fflush(stdout);
+  });
+}
+
+}  // namespace
+
+void add_hlod_serve(CLI::App& hlod) {
+  CLI::App& command = *hlod.add_subcommand("serve", "Show a tileset in a browser of this machine, until Ctrl-C");
+  const auto options = std::make_shared<Options>();
+  add_file(command, "FOLDER", options->folder, "A tileset, with a tileset.json")->required();
+  add_number(command, "--port", options->port, WholeRange{0, largest_port}, "Of 127.0.0.1; 0: any that is free")
+      ->capture_default_str();
+  add_file(
+      command, "--cesium", options->cesium,
+      fmt::format("Folder Build/Cesium of the npm package cesium; without, the page loads CesiumJS {} from cesium.com",
+                  cesium_version))
+      ->type_name("FOLDER");
+  command.callback([options] { run(*options); });
+}
+
+}  // namespace occlod::tool
