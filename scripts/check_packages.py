@@ -33,6 +33,13 @@ def closure(package):
     return names
 
 
+def with_versions(packages):
+    """With the packages that some of them stand for: libboost1.74-dev for libboost-dev, of which each release has its own."""
+    depends = {name: output_of("dpkg-query", "-W", "-f=${Depends}", name) for name in packages}
+    versioned = {re.split(r"[ :(]", entry.strip())[0]: name for name, entries in depends.items() for entry in entries.split(",")}
+    return packages | {package for package, name in versioned.items() if re.sub(r"\d[\d.]*", "", package) == name}
+
+
 def header_dependencies(build_dir):
     """Every header outside the project that the build has read, as ninja noted it."""
     deps = output_of("ninja", "-C", str(build_dir), "-t", "deps")
@@ -79,7 +86,7 @@ def main():
     if not users:
         sys.exit(f"check_packages: {build_dir} has not been built with ninja")
     listed = listed_packages()
-    granted = listed | closure("g++")
+    granted = with_versions(listed) | closure("g++")
     missing = {}
     for path, package in sorted(packages_of(sorted(users)).items()):
         if package not in granted:
