@@ -69,6 +69,8 @@ class CellWalk {
   // What the last frame has drawn.
   [[nodiscard]] const ItemBuffer& items() const { return items_; }
   [[nodiscard]] std::span<const DrawObject> drawn() const { return drawn_; }
+  // And of which objects: one for each of drawn().
+  [[nodiscard]] std::span<const DrawRange> ranges() const { return ranges_; }
 
  private:
   void run_loads();

@@ -89,7 +89,7 @@ void run(const Options& options) {
   std::vector<const CellAdditions*> path;
   if (options.check) check_below(*file, 0, path);
   if (options.check && file->is_packed()) check_geometry(*file);
-  Json result = {{"file", options.file.string()}, {"format", file->is_packed() ? packed_vlod_version : vlod_version}};
+  Json result = {{"file", options.file.string()}, {"format", file->version()}};
   if (options.cell || options.eye)
     result.update(cell_to_json(*file, chosen_cell(options, file->tree())));
   else

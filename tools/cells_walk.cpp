@@ -9,6 +9,7 @@
 #include <span>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "cell_walk.h"
@@ -16,6 +17,7 @@
 #include "chosen_views.h"
 #include "command_files.h"
 #include "core/median.h"
+#include "object_textures.h"
 #include "occlod/core/error.h"
 #include "occlod/occlusion/software_occlusion.h"
 #include "option_values.h"
@@ -184,6 +186,19 @@ CameraPath walked_path(const Options& options, const SceneDescription& scene) {
   return path;
 }
 
+// By object: where names of images start.
+std::vector<std::filesystem::path> mesh_folders(const SceneDescription& scene, const std::filesystem::path& file) {
+  std::vector<std::filesystem::path> folders;
+  for (const SceneObject& object : scene.objects) {
+    std::filesystem::path& folder = folders.emplace_back();
+    const auto* const mesh = std::get_if<MeshFile>(&object.source);
+    if (mesh == nullptr) continue;
+    for (const std::string& name : mesh->names)
+      if (folder.empty()) folder = find_mesh(name, file.parent_path()).parent_path();
+  }
+  return folders;
+}
+
 void run(Options options) {
   const SceneDescription description = describe_file(options.scene);
   CommandFiles files;
@@ -216,8 +231,11 @@ void run(Options options) {
       comparison->follow(view);
     if (!options.json) print_row(frames.back());
   }
-  if (!options.png.empty())
-    write_png(options.png, shade(walk.items(), walk.drawn(), View(camera_at(path, path.frames - 1))));
+  if (!options.png.empty()) {
+    const WalkTextures textures(walk.walked(), mesh_folders(description, options.scene));
+    write_png(options.png, shade(walk.items(), walk.drawn(), View(camera_at(path, path.frames - 1)),
+                                 {.textures = textures.of(walk.ranges())}));
+  }
   Json result = {{"file", options.file.string()},
                  {"scene", options.scene.string()},
                  {"path", options.view.path},

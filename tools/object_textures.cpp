@@ -64,6 +64,13 @@ ObjectTextures::ObjectTextures(const HierarchyView& hierarchy, const std::filesy
        note);
 }
 
+ObjectTextures::ObjectTextures(const WalkedObject& object, const std::filesystem::path& folder, TextureChoice choice,
+                               const TextureNote& note)
+    : coordinates_(object.texture_coordinates), vertex_materials_(object.wedge_materials) {
+  const SurfaceMaterials& surface = object.surface;
+  load({surface.materials, surface.textures, surface.texture_origin, !coordinates_.empty()}, folder, choice, note);
+}
+
 ObjectTextures::ObjectTextures(const hlod::HlodView& hlod, const std::filesystem::path& folder, TextureChoice choice,
                                const TextureNote& note) {
   load({hlod.materials, hlod.textures, hlod.texture_origin, hlod.has_texture_coordinates}, folder, choice, note);
@@ -135,6 +142,24 @@ HlodTextures::HlodTextures(const std::vector<LoadedHlod>& hlods, const std::file
   }
   if (!has_any) materials_.clear();
   check(choice, has_image, hlods.empty() ? "" : hlods.front().source_name);
+}
+
+WalkTextures::WalkTextures(const WalkedFrame& frame, std::span<const std::filesystem::path> folders) {
+  for (std::size_t i = 0; i < frame.objects.size(); ++i)
+    objects_.push_back(
+        std::make_shared<ObjectTextures>(frame.objects[i], i < folders.size() ? folders[i] : std::filesystem::path(),
+                                         TextureChoice::automatic, [](const std::string& line) { print_note(line); }));
+}
+
+std::vector<ObjectTexture> WalkTextures::of(std::span<const DrawRange> ranges) const {
+  std::vector<ObjectTexture> textures;
+  bool has_any = false;
+  for (const DrawRange& range : ranges) {
+    textures.push_back(objects_[range.object]->texture());
+    has_any = has_any || !textures.back().materials.empty();
+  }
+  if (!has_any) textures.clear();
+  return textures;
 }
 
 }  // namespace occlod::tool

@@ -14,6 +14,7 @@
 #include "occlod/picture/texture_image.h"
 #include "occlod/scene/load_hlods.h"
 #include "occlod/scene/scene.h"
+#include "occlod/viewcells/cell_walker.h"
 
 namespace CLI {
 class App;
@@ -41,6 +42,8 @@ class ObjectTextures {
   ObjectTextures(const TriangleMesh& mesh, const std::filesystem::path& folder, TextureChoice choice,
                  const TextureNote& note);
   ObjectTextures(const HierarchyView& hierarchy, const std::filesystem::path& folder, TextureChoice choice,
+                 const TextureNote& note);
+  ObjectTextures(const WalkedObject& object, const std::filesystem::path& folder, TextureChoice choice,
                  const TextureNote& note);
   // Only materials(): each node has texture coordinates of its own.
   ObjectTextures(const hlod::HlodView& hlod, const std::filesystem::path& folder, TextureChoice choice,
@@ -96,6 +99,19 @@ class HlodTextures {
  private:
   std::vector<std::shared_ptr<const ObjectTextures>> owners_;
   std::vector<std::span<const DrawMaterial>> materials_;
+};
+
+// Of what a frame of a walk draws.
+class WalkTextures {
+ public:
+  // `folders`: of the meshes, by object, as far as they are known. The frame outlives this. Notes go to standard error.
+  WalkTextures(const WalkedFrame& frame, std::span<const std::filesystem::path> folders);
+
+  // One for each range; nothing when no object has a texture or material. As long as this.
+  [[nodiscard]] std::vector<ObjectTexture> of(std::span<const DrawRange> ranges) const;
+
+ private:
+  std::vector<std::shared_ptr<const ObjectTextures>> objects_;
 };
 
 }  // namespace occlod::tool

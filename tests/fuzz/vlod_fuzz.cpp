@@ -41,7 +41,8 @@ void sign_frames(const fuzz::SectionSigner& file) {
 const sections::FileKind& kind_of(std::span<const std::byte> bytes) {
   sections::FileHeader header;
   if (bytes.size() >= sizeof(header)) std::memcpy(&header, bytes.data(), sizeof(header));
-  return header.version == packed_kind.version ? packed_kind : file_kind;
+  const bool is_packed = header.version == packed_vlod_version || header.version == textured_vlod_version;
+  return is_packed ? packed_kind : file_kind;
 }
 
 void sign_options(const fuzz::SectionSigner& file) {

@@ -11,9 +11,9 @@
 #include <random>
 #include <set>
 
-#include "fuzz/memory_file.h"
 #include "occlod/core/error.h"
 #include "occlod/viewcells/cell_walker.h"
+#include "packed_files.h"
 #include "small_cells.h"
 #include "viewcells/packed_geometry.h"
 #include "viewcells/vlod_format.h"
@@ -21,12 +21,9 @@
 namespace occlod {
 namespace {
 
-// On no disk: thousands of files are opened.
-class FileOf : public fuzz::MemoryFile {
- public:
-  explicit FileOf(const std::string& bytes)
-      : MemoryFile(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()) {}
-};
+using test::FileOf;
+using test::sections_of;
+using test::with_lie;
 
 // The small cells, and a ball with normals and colours.
 class Scene {
@@ -116,41 +113,6 @@ class PackCells : public testing::Test {
         bad.insert(n);
       }
     return bad;
-  }
-  [[nodiscard]] static std::vector<sections::Section> sections_of(const std::string& bytes) {
-    sections::FileHeader header;
-    std::memcpy(&header, bytes.data(), sizeof(header));
-    std::vector<sections::Section> table(header.section_count);
-    std::memcpy(table.data(), bytes.data() + sizeof(header), table.size() * sizeof(sections::Section));
-    return table;
-  }
-  // A file with some elements of a section changed, and all checksums put right: `lie` gets them, and what it changes
-  // in section GEOM its frames say, too.
-  template <typename T>
-  [[nodiscard]] static std::string with_lie(std::string bytes, std::string_view name,
-                                            const std::function<void(std::span<T>)>& lie) {
-    std::vector<sections::Section> table = sections_of(bytes);
-    const auto section = [&](std::string_view of) -> sections::Section& {
-      return *std::ranges::find_if(
-          table, [&](const sections::Section& s) { return std::string_view(s.name.data(), 4) == of; });
-    };
-    const auto elements = [&]<typename E>(std::string_view of, E) {
-      return std::span(reinterpret_cast<E*>(bytes.data() + section(of).offset), section(of).bytes / sizeof(E));
-    };
-    lie(elements(name, T{}));
-    const auto geometry = elements(vlod::geometry_name, std::byte{});
-    for (vlod::FrameRow& frame : elements(vlod::frames_name, vlod::FrameRow{}))
-      if (frame.offset <= geometry.size() && frame.bytes <= geometry.size() - frame.offset)
-        frame.checksum = sections::checksum_of(geometry.subspan(frame.offset, frame.bytes));
-    for (sections::Section& s : table)
-      if (s.checksum != 0)
-        s.checksum = sections::checksum_of(std::as_bytes(std::span(bytes)).subspan(s.offset, s.bytes));
-    sections::FileHeader header;
-    std::memcpy(&header, bytes.data(), sizeof(header));
-    header.table_checksum = sections::checksum_of(std::as_bytes(std::span(table)));
-    std::memcpy(bytes.data(), &header, sizeof(header));
-    std::memcpy(bytes.data() + sizeof(header), table.data(), table.size() * sizeof(sections::Section));
-    return bytes;
   }
 
   static inline std::filesystem::path folder;

@@ -36,7 +36,7 @@ LeftOut left_out_of(const ViewCells& cells, CellId leaf, std::size_t object, con
   const CellView view(cells.file->tree().node(leaf).box, cells.file->options().cell.eyes, placed.object_to_world);
   LeftOut out;
   auto drawn = cut.triangles.begin();  // in the order of the active ones
-  for (const Triangle& t : triangles_of(hierarchy, fixed)) {
+  for (const Triangle& t : wedge_triangles_of(hierarchy, fixed)) {
     if (drawn != cut.triangles.end() && *drawn == t) {
       ++drawn;
       continue;

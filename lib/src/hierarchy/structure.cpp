@@ -47,9 +47,8 @@ Problem check_wedges_of(const HierarchyView& d, VertexId vertex) {
     return d.wedge_materials.empty() || d.wedge_materials[w] < d.materials.size();
   };
   if (!has_material(vertex)) return fmt::format("vertex {} has a material that is not there", vertex);
-  auto at = std::lower_bound(d.extra_wedges.begin(), d.extra_wedges.end(), vertex);
-  for (; at != d.extra_wedges.end() && *at == vertex; ++at) {
-    const std::size_t w = vertex_count(d) + static_cast<std::size_t>(at - d.extra_wedges.begin());
+  const WedgeRange extra = extra_wedges_of(d, vertex);
+  for (WedgeId w = extra.first; w < extra.first + extra.count; ++w) {
     if (d.positions[w] != d.positions[vertex]) return fmt::format("an extra wedge of vertex {} lies elsewhere", vertex);
     if (!has_material(w)) return fmt::format("wedge {} has a material that is not there", w);
   }
@@ -108,6 +107,14 @@ Problem check_node(const HierarchyView& d, SplitId s) {
 }
 
 }  // namespace
+
+WedgeRange extra_wedges_of(const HierarchyView& data, std::size_t first, std::size_t count) noexcept {
+  const auto wedges = data.extra_wedges;
+  const auto begin = std::lower_bound(wedges.begin(), wedges.end(), first);
+  const auto end = std::lower_bound(begin, wedges.end(), first + count);
+  return {static_cast<WedgeId>(vertex_count(data) + static_cast<std::size_t>(begin - wedges.begin())),
+          static_cast<std::uint32_t>(end - begin)};
+}
 
 std::optional<std::string> check_base(const HierarchyView& d) {
   if (Problem p = check_sizes(d)) return p;

@@ -14,6 +14,13 @@ namespace occlod {
   return data.positions.size() - data.extra_wedges.size();
 }
 
+// The extra wedges of vertices first to first + count - 1. O(log extra wedges).
+struct WedgeRange {
+  WedgeId first = 0;
+  std::uint32_t count = 0;
+};
+[[nodiscard]] WedgeRange extra_wedges_of(const HierarchyView& data, std::size_t first, std::size_t count = 1) noexcept;
+
 // Sizes, base mesh and roots; then splits [first, end), each on its own. What only all of them together show is left to
 // refinement, which descends to a child only if the child names its parent. Return what is wrong, or nothing.
 [[nodiscard]] std::optional<std::string> check_base(const HierarchyView& data);

@@ -42,11 +42,8 @@ std::size_t split_count(const HierarchyView& view) { return view.nodes.size() - 
 // Vertices and their extra wedges, which ascend with them.
 void add_vertices(const HierarchyView& view, std::size_t first, std::size_t count, Digest& digest) {
   add_wedges(view, first, count, digest);
-  const auto begin = std::lower_bound(view.extra_wedges.begin(), view.extra_wedges.end(), first);
-  const auto end = std::lower_bound(begin, view.extra_wedges.end(), first + count);
-  if (begin != end)
-    add_wedges(view, vertex_count(view) + static_cast<std::size_t>(begin - view.extra_wedges.begin()),
-               static_cast<std::size_t>(end - begin), digest);
+  const WedgeRange extra = extra_wedges_of(view, first, count);
+  if (extra.count > 0) add_wedges(view, extra.first, extra.count, digest);
 }
 
 }  // namespace

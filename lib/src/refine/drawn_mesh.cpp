@@ -4,6 +4,7 @@
 #include <iterator>
 
 #include "hierarchy/active_faces.h"
+#include "hierarchy/structure.h"
 #include "occlod/hierarchy/cut_mesh.h"
 
 namespace occlod {
@@ -121,10 +122,8 @@ void DrawnMesh::emit_wedge_geomorphs(const Hierarchy& hierarchy, SplitId s, floa
   });
   // Wedges that other cuts use come along: all of a vertex lie at one place.
   add(star.vertex(), u);
-  const std::span<const VertexId> extra = hierarchy.data().extra_wedges;
-  const auto [begin, end] = std::equal_range(extra.begin(), extra.end(), star.vertex());
-  for (auto at = begin; at != end; ++at)
-    add(static_cast<WedgeId>(hierarchy.vertex_count() + static_cast<std::size_t>(at - extra.begin())), u);
+  const WedgeRange extra = extra_wedges_of(hierarchy.data(), star.vertex());
+  for (WedgeId w = extra.first; w < extra.first + extra.count; ++w) add(w, u);
 }
 
 }  // namespace occlod

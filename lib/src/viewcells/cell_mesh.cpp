@@ -68,6 +68,8 @@ CellMesh CellMeshMaker::make(CellId cell, std::span<const CellAdditions* const> 
   mesh.positions.shrink_to_fit();
   mesh.normals.shrink_to_fit();
   mesh.colors.shrink_to_fit();
+  mesh.coordinates.shrink_to_fit();
+  mesh.materials.shrink_to_fit();
   return mesh;
 }
 
@@ -114,20 +116,26 @@ double CellMeshMaker::error_of(std::uint32_t object, const CellView& view) const
 
 void CellMeshMaker::append(std::uint32_t object, CellMesh& mesh) {
   const auto size = [](const auto& values) { return static_cast<std::uint32_t>(values.size()); };
-  const auto add = [](const auto& from, auto& to) { to.insert(to.end(), from.begin(), from.end()); };
+  const auto add = [&](const auto& from, auto& to) {
+    const CellMesh::Object::Part part{size(to), size(from)};
+    to.insert(to.end(), from.begin(), from.end());
+    return part;
+  };
   CellMesh::Object& place = mesh.objects[object];
-  place = {size(mesh.triangles), size(drawn_.triangles), size(mesh.blocks),  0,
-           size(mesh.positions), size(drawn_.positions), size(mesh.normals), size(drawn_.normals),
-           size(mesh.colors),    size(drawn_.colors)};
+  place.first_triangle = size(mesh.triangles);
+  place.triangles = size(drawn_.triangles);
+  place.first_block = size(mesh.blocks);
   if (drawn_.triangles.empty()) return;
   const std::span<const glm::vec3> positions =
       packed_ ? std::span<const glm::vec3>(drawn_.positions) : objects_[object].hierarchy->positions();
   divide(drawn_.triangles, 0, positions, mesh.blocks);
   place.blocks = size(mesh.blocks) - place.first_block;
   add(drawn_.triangles, mesh.triangles);
-  add(drawn_.positions, mesh.positions);
-  add(drawn_.normals, mesh.normals);
-  add(drawn_.colors, mesh.colors);
+  place.positions = add(drawn_.positions, mesh.positions);
+  place.normals = add(drawn_.normals, mesh.normals);
+  place.colors = add(drawn_.colors, mesh.colors);
+  place.coordinates = add(drawn_.texture_coordinates, mesh.coordinates);
+  place.materials = add(drawn_.materials, mesh.materials);
 }
 
 }  // namespace occlod

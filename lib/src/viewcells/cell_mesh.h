@@ -23,18 +23,24 @@ struct CellMesh {
   std::vector<TriangleBlock> blocks;  // of all objects
   struct Object {
     std::uint32_t first_triangle = 0, triangles = 0, first_block = 0, blocks = 0;
-    // Of a packed file; else there are none, and triangles are of the hierarchy's.
-    std::uint32_t first_vertex = 0, vertices = 0, first_normal = 0, normals = 0, first_color = 0, colors = 0;
+    // Its wedges, of a packed file; else there are none, and triangles are of the hierarchy's.
+    struct Part {
+      std::uint32_t first = 0, count = 0;
+    };
+    Part positions, normals, colors, coordinates, materials;
   };
   std::vector<glm::vec3> positions, normals;  // of all objects, in object space
-  std::vector<glm::u8vec4> colors;            // of all objects
+  std::vector<glm::u8vec4> colors;            // of all objects, as what follows
+  std::vector<glm::vec2> coordinates;
+  std::vector<MaterialId> materials;
   std::vector<Object> objects;
   double error_px = 0.0;  // of a leaf as the file has it; of other nodes for all eyes in its box, see CellMeshMaker
 
   [[nodiscard]] std::size_t bytes() const noexcept {
     return sizeof(*this) + triangles.capacity() * sizeof(Triangle) + blocks.capacity() * sizeof(TriangleBlock) +
            objects.capacity() * sizeof(Object) + (positions.capacity() + normals.capacity()) * sizeof(glm::vec3) +
-           colors.capacity() * sizeof(glm::u8vec4);
+           colors.capacity() * sizeof(glm::u8vec4) + coordinates.capacity() * sizeof(glm::vec2) +
+           materials.capacity() * sizeof(MaterialId);
   }
 };
 
@@ -66,7 +72,7 @@ class CellMeshMaker {
   LeafFaces faces_;                          // of hierarchies
   std::optional<vlod::PackedFaces> packed_;  // or of a packed file
   PathCut cut_;                              // of the object at hand
-  CellObjectMesh drawn_;                     // of it; vertices only of a packed file
+  CellObjectMesh drawn_;                     // of it; wedges only of a packed file
 };
 
 }  // namespace occlod

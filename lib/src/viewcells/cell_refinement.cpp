@@ -164,7 +164,7 @@ bool CellRefinement::is_hidden(const CellBox& what) {
 void CellRefinement::find_drawn(std::uint32_t object, const CellView& view) {
   Cut& cut = cuts_[object];
   CellObjectCut& result = result_.objects[object];
-  cut.active_triangles(active_, true);  // sorts its splits
+  cut.active_wedge_triangles(active_, true);  // sorts its splits
   result.applied.assign(cut.applied_splits().begin(), cut.applied_splits().end());
   drawn_.assign(active_.size(), false);
   faces_.clear();

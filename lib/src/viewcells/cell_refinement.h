@@ -93,10 +93,10 @@ class CellRefinement {
   bool is_full_ = false;         // a split has not fitted into the budget
   std::optional<HullTest> hull_test_;
   std::optional<CellImages> images_;
-  std::vector<SplitId> stack_;   // nodes to visit, of one object
-  std::vector<Candidate> heap_;  // of all objects, with a budget
-  std::vector<Triangle> active_;
-  std::vector<bool> drawn_;  // of active_
+  std::vector<SplitId> stack_;    // nodes to visit, of one object
+  std::vector<Candidate> heap_;   // of all objects, with a budget
+  std::vector<Triangle> active_;  // by their wedges
+  std::vector<bool> drawn_;       // of active_
   std::vector<Face> faces_;
   CellCut result_;
 };

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <glm/common.hpp>
 
+#include "occlod/hierarchy/cut_mesh.h"
 #include "viewcells/star_box.h"
 
 namespace occlod {
@@ -162,9 +163,11 @@ void CellSampling::find_drawn(std::size_t place) {
       for (int k = 0; k < 3; ++k) near_seen[object.triangles[f][k]] = true;
   result.triangles.clear();
   const std::span<const glm::vec3> p = hierarchy.positions();
-  for (const Triangle& t : object.triangles) {
+  for (std::size_t f = 0; f < object.faces.size(); ++f) {
+    const Triangle& t = object.triangles[f];
     if (!near_seen[t.x] && !near_seen[t.y] && !near_seen[t.z]) continue;
-    if (object.placed.two_sided || !views_[place].faces_away(p[t.x], p[t.y], p[t.z])) result.triangles.push_back(t);
+    if (object.placed.two_sided || !views_[place].faces_away(p[t.x], p[t.y], p[t.z]))
+      result.triangles.push_back(wedges_of_face(hierarchy, object.faces[f], t));
   }
   result_.triangles += object.triangles.size();
   result_.drawn_triangles += result.triangles.size();

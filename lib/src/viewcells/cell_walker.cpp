@@ -312,15 +312,25 @@ class CellWalker::Work {
       WalkedObject shown;
       shown.triangles = std::span(mesh.triangles).subspan(object.first_triangle, object.triangles);
       shown.blocks = std::span(mesh.blocks).subspan(object.first_block, object.blocks);
+      const auto i = static_cast<std::uint32_t>(frame_.objects.size());
+      const auto part = [](const auto& values, const CellMesh::Object::Part& of_object) {
+        return std::span(values).subspan(of_object.first, of_object.count);
+      };
       if (geometry_) {
-        shown.positions = std::span(mesh.positions).subspan(object.first_vertex, object.vertices);
-        shown.normals = std::span(mesh.normals).subspan(object.first_normal, object.normals);
-        shown.colors = std::span(mesh.colors).subspan(object.first_color, object.colors);
+        shown.positions = part(mesh.positions, object.positions);
+        shown.normals = part(mesh.normals, object.normals);
+        shown.colors = part(mesh.colors, object.colors);
+        shown.texture_coordinates = part(mesh.coordinates, object.coordinates);
+        shown.wedge_materials = part(mesh.materials, object.materials);
+        shown.surface = file_->materials(i);
       } else {
-        const HierarchyView& hierarchy = objects_[frame_.objects.size()].hierarchy->data();
+        const HierarchyView& hierarchy = objects_[i].hierarchy->data();
         shown.positions = hierarchy.positions;
         shown.normals = hierarchy.normals;
         shown.colors = hierarchy.colors;
+        shown.texture_coordinates = hierarchy.texture_coordinates;
+        shown.wedge_materials = hierarchy.wedge_materials;
+        shown.surface = {hierarchy.materials, hierarchy.textures, hierarchy.texture_origin};
       }
       frame_.objects.push_back(shown);
     }

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <memory>
 #include <new>
+#include <utility>
 
 #include "hierarchy/star_record.h"
 #include "io/olod_codec.h"
@@ -51,19 +52,54 @@ std::uint64_t length_of(std::span<const std::uint32_t> words) {
   return std::uint64_t{5} + std::uint64_t{3} * words[2] + words[3] + std::uint64_t{5} * words[4];
 }
 
-// What vertices of the pieces have.
+bool have_seams(std::span<const PieceRow> pieces, std::span<const MeshRow> meshes) {
+  return std::ranges::any_of(pieces,
+                             [&](const PieceRow& piece) { return (meshes[piece.mesh].attributes & has_seams) != 0; });
+}
+
+// What wedges of the pieces have, and where each piece begins. `extra`: as GeometryFrame::extra_wedges.
 struct Counts {
-  std::uint64_t splits = 0, normals = 0, colors = 0;
+  std::uint64_t splits = 0, normals = 0, colors = 0, coordinates = 0, materials = 0;
+  std::vector<WedgePlace> pieces;
+
+  [[nodiscard]] std::uint64_t bytes() const {
+    return (splits + normals) * vector_bytes + colors * sizeof(glm::u8vec4) + coordinates * sizeof(glm::vec2) +
+           materials * sizeof(MaterialId);
+  }
 };
-Counts count(std::span<const PieceRow> pieces, std::span<const MeshRow> meshes) {
+Counts count(std::span<const PieceRow> pieces, std::span<const MeshRow> meshes, std::span<const std::uint32_t> extra) {
   Counts counts;
   for (const PieceRow& piece : pieces) {
+    const auto place = [](std::uint64_t count) { return static_cast<std::uint32_t>(count); };
+    counts.pieces.push_back(
+        {place(counts.normals), place(counts.colors), place(counts.coordinates), place(counts.materials)});
     const std::uint32_t attributes = meshes[piece.mesh].attributes;
+    const std::uint64_t first = counts.splits;
     counts.splits += piece.count;
-    counts.normals += (attributes & has_normals) != 0 ? piece.count : 0;
-    counts.colors += (attributes & has_colors) != 0 ? piece.count : 0;
+    const std::uint64_t wedges = piece.count + (extra.empty() ? 0 : extra[counts.splits] - extra[first]);
+    counts.normals += (attributes & has_normals) != 0 ? wedges : 0;
+    counts.colors += (attributes & has_colors) != 0 ? wedges : 0;
+    counts.coordinates += (attributes & has_coordinates) != 0 ? wedges : 0;
+    counts.materials += (attributes & has_materials) != 0 ? wedges : 0;
   }
   return counts;
+}
+
+// Of ascending places the steps between them; and back.
+std::vector<std::uint32_t> steps_of(std::span<const std::uint32_t> places) {
+  std::vector<std::uint32_t> steps;
+  for (std::size_t i = 1; i < places.size(); ++i) steps.push_back(places[i] - places[i - 1]);
+  return steps;
+}
+// Nothing where they add up to more than `most`.
+std::vector<std::uint32_t> places_of(std::span<const std::uint32_t> steps, std::uint64_t most) {
+  std::vector<std::uint32_t> places{0};
+  std::uint64_t sum = 0;
+  for (const std::uint32_t step : steps) {
+    if ((sum += step) > most) return {};
+    places.push_back(static_cast<std::uint32_t>(sum));
+  }
+  return places;
 }
 
 template <typename T>
@@ -92,6 +128,25 @@ std::vector<std::byte> compressed(std::span<const std::byte> raw, int level) {
   return bytes;
 }
 
+// What is behind all else: how many extra wedges and corners each split has, and the corners. False: it does not fit.
+bool take_seams(std::span<const std::byte>& raw, GeometryFrame& frame, std::span<const PieceRow> pieces) {
+  std::size_t splits = 0;
+  for (const PieceRow& piece : pieces) splits += piece.count;
+  if (raw.size() / (2 * word_bytes) < splits) return false;
+  std::span<const std::byte> counts = raw.last(2 * word_bytes * splits);
+  raw = raw.first(raw.size() - counts.size());
+  std::vector<std::uint32_t> steps;
+  take(counts, splits, steps);
+  frame.extra_wedges = places_of(steps, most_frame_bytes);
+  take(counts, splits, steps);
+  frame.corner_starts = places_of(steps, raw.size() / word_bytes);
+  if (frame.extra_wedges.empty() || frame.corner_starts.empty()) return false;
+  std::span<const std::byte> corners = raw.last(frame.corner_starts.back() * word_bytes);
+  raw = raw.first(raw.size() - corners.size());
+  take(corners, frame.corner_starts.back(), frame.corners);
+  return true;
+}
+
 // Calls visit(split, its number in the frame, its vertex, its mesh) for each.
 template <typename Visit>
 void for_each_split(std::span<const PieceRow> pieces, std::span<const MeshRow> meshes, const Visit& visit) {
@@ -105,7 +160,7 @@ void for_each_split(std::span<const PieceRow> pieces, std::span<const MeshRow> m
 std::string read_stars(GeometryFrame& frame, std::span<const PieceRow> pieces, std::span<const MeshRow> meshes) {
   std::string problem;
   std::size_t at = 0;
-  for_each_split(pieces, meshes, [&](SplitId s, std::uint32_t, VertexId vertex, const MeshRow& mesh) {
+  for_each_split(pieces, meshes, [&](SplitId s, std::uint32_t place, VertexId vertex, const MeshRow& mesh) {
     if (!problem.empty()) return;
     const auto rest = std::span(frame.words).subspan(at);
     const std::uint64_t length = length_of(rest);
@@ -118,6 +173,11 @@ std::string read_stars(GeometryFrame& frame, std::span<const PieceRow> pieces, s
     if (const auto wrong = check_star(record, s, vertex, mesh.base_faces)) problem = *wrong;
     frame.stars.push_back(static_cast<std::uint32_t>(at));
     at += record.size();
+    if (problem.empty() && !frame.corner_starts.empty()) {
+      const std::uint32_t corners = frame.corner_starts[place + 1] - frame.corner_starts[place];
+      if (corners != 0 && corners != 3 * std::uint64_t{SplitStar(record.data(), vertex).inserted_count()})
+        problem = "has corners that are not those of its faces";
+    }
   });
   if (problem.empty() && at != frame.words.size()) problem = "holds more stars than it says";
   return problem;
@@ -142,6 +202,13 @@ EncodedFrame encode_frame(const GeometryFrame& frame, std::span<const PieceRow> 
   put(std::span<const glm::vec3>(frame.positions), raw);
   put(std::span<const glm::vec3>(frame.normals), raw);
   put(std::span<const glm::u8vec4>(frame.colors), raw);
+  put(std::span<const glm::vec2>(frame.coordinates), raw);
+  put(std::span<const MaterialId>(frame.materials), raw);
+  if (have_seams(pieces, meshes)) {
+    put(std::span<const std::uint32_t>(frame.corners), raw);
+    put(std::span<const std::uint32_t>(steps_of(frame.extra_wedges)), raw);
+    put(std::span<const std::uint32_t>(steps_of(frame.corner_starts)), raw);
+  }
   const auto raw_bytes = static_cast<std::uint32_t>(raw.size());
   std::vector<std::byte> bytes = level == 0 ? raw : compressed(raw, level);
   // Of the same size it would be taken as not compressed.
@@ -161,18 +228,23 @@ std::optional<GeometryFrame> decode_frame(std::span<const std::byte> bytes, std:
     }
     raw = unpacked;
   }
-  const Counts counts = count(pieces, meshes);
-  const std::uint64_t vertex_bytes =
-      (counts.splits + counts.normals) * vector_bytes + counts.colors * sizeof(glm::u8vec4);
-  if (vertex_bytes > raw.size() || (raw.size() - vertex_bytes) % word_bytes != 0) {
+  GeometryFrame frame;
+  if (have_seams(pieces, meshes) && !take_seams(raw, frame, pieces)) {
+    problem = "does not hold the seams that it says";
+    return {};
+  }
+  Counts counts = count(pieces, meshes, frame.extra_wedges);
+  if (counts.bytes() > raw.size() || (raw.size() - counts.bytes()) % word_bytes != 0) {
     problem = "does not hold the vertices that it says";
     return {};
   }
-  GeometryFrame frame;
-  take(raw, (raw.size() - static_cast<std::size_t>(vertex_bytes)) / word_bytes, frame.words);
+  take(raw, (raw.size() - static_cast<std::size_t>(counts.bytes())) / word_bytes, frame.words);
   take(raw, counts.splits, frame.positions);
   take(raw, counts.normals, frame.normals);
   take(raw, counts.colors, frame.colors);
+  take(raw, counts.coordinates, frame.coordinates);
+  take(raw, counts.materials, frame.materials);
+  frame.pieces = std::move(counts.pieces);
   frame.stars.reserve(counts.splits);
   problem = read_stars(frame, pieces, meshes);
   if (problem.empty() && (!are_finite(frame.positions) || !are_finite(frame.normals)))

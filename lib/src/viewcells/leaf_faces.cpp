@@ -1,5 +1,7 @@
 #include "viewcells/leaf_faces.h"
 
+#include "occlod/hierarchy/cut_mesh.h"
+
 namespace occlod {
 
 LeafFaces::LeafFaces(std::span<const RefineObject> objects) : objects_(objects.begin(), objects.end()) {
@@ -27,7 +29,7 @@ void LeafFaces::classify(std::uint32_t object, const CellView& view, std::span<c
   drawn_faces.clear();
   hidden_faces.clear();
   cuts_[object].for_each_active([&](const FaceRef& face, const Triangle& t) {
-    if (!drawn.empty() && drawn.front() == t) {
+    if (!drawn.empty() && drawn.front() == wedges_of_face(*objects_[object].hierarchy, face, t)) {
       drawn = drawn.subspan(1);
       drawn_faces.push_back(face);
     } else if (!faces_away(object, view, t)) {
@@ -42,7 +44,8 @@ void LeafFaces::drawn(std::uint32_t object, const CellView& view, std::span<cons
   cuts_[object].for_each_active([&](const FaceRef& face, const Triangle& t) {
     while (!hidden.empty() && face_key(hidden.front()) < face_key(face)) hidden = hidden.subspan(1);
     const bool is_hidden = !hidden.empty() && hidden.front() == face;
-    if (!is_hidden && !faces_away(object, view, t)) drawn.push_back(t);
+    if (!is_hidden && !faces_away(object, view, t))
+      drawn.push_back(wedges_of_face(*objects_[object].hierarchy, face, t));
   });
 }
 

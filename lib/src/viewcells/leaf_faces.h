@@ -26,10 +26,10 @@ class LeafFaces {
   void set(std::uint32_t object, std::span<const SplitId> applied);
 
   // The faces that are in `drawn`, and of all others those that do not face away: ascending. `drawn`: active triangles
-  // in the order of their faces. Clears both. O(faces).
+  // of wedges in the order of their faces. Clears both. O(faces).
   void classify(std::uint32_t object, const CellView& view, std::span<const Triangle> drawn,
                 std::vector<FaceRef>& drawn_faces, std::vector<FaceRef>& hidden_faces);
-  // The triangles of the faces that are not in `hidden`, ascending, and do not face away. Clears `drawn`. O(faces).
+  // The wedges of the faces that are not in `hidden`, ascending, and do not face away. Clears `drawn`. O(faces).
   void drawn(std::uint32_t object, const CellView& view, std::span<const FaceRef> hidden, std::vector<Triangle>& drawn);
 
  private:

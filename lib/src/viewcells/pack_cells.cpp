@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "io/material_sections.h"
+#include "io/olod_format.h"
 #include "occlod/core/error.h"
 #include "viewcells/cell_mesh.h"
 #include "viewcells/node_order.h"
@@ -59,6 +61,11 @@ class Packing {
   void make_frames();
   void add_frame(std::span<const std::uint32_t> splits);
   void add_base_meshes();
+  void add_base_mesh(const PackedStars& stars);
+  void add_materials(const HierarchyView& data);
+  [[nodiscard]] bool has_looks() const {
+    return std::ranges::any_of(hierarchies_, [](const Hierarchy* h) { return olod::needs_wedges(h->data()); });
+  }
 
   void tell(double share) const {
     if (options_.progress && !options_.progress(share)) throw Error({"packing", "", "was cancelled", "start it again"});
@@ -86,7 +93,16 @@ class Packing {
   std::vector<std::uint32_t> permutation_;
   std::vector<glm::vec3> base_positions_, base_normals_;
   std::vector<glm::u8vec4> base_colors_;
-  std::vector<Triangle> base_faces_;
+  std::vector<glm::vec2> base_coordinates_;
+  std::vector<MaterialId> base_materials_;
+  std::vector<std::uint32_t> base_wedges_;
+  std::vector<Triangle> base_faces_, base_corners_;
+  std::vector<LookRow> looks_;
+  struct {
+    std::vector<Material> materials;
+    std::vector<Texture> textures;
+    TextureOrigin texture_origin = TextureOrigin::bottom_left;  // each mesh says its own
+  } surface_;                                                   // of all meshes
 };
 
 void Packing::read_nodes(std::span<const RefineObject> objects) {
@@ -209,16 +225,35 @@ void Packing::add_frame(std::span<const std::uint32_t> splits) {
 }
 
 void Packing::add_base_meshes() {
-  const auto add = [](const auto& from, std::size_t count, auto& to) {
-    to.insert(to.end(), from.begin(), from.begin() + static_cast<std::ptrdiff_t>(std::min(count, from.size())));
-  };
-  for (const Hierarchy* hierarchy : hierarchies_) {
-    const HierarchyView& data = hierarchy->data();
-    add(data.positions, hierarchy->base_vertex_count(), base_positions_);
-    add(data.normals, hierarchy->base_vertex_count(), base_normals_);
-    add(data.colors, hierarchy->base_vertex_count(), base_colors_);
-    add(data.base_faces, data.base_faces.size(), base_faces_);
+  for (const PackedStars& stars : stars_) {
+    add_base_mesh(stars);
+    if (has_looks()) add_materials(stars.hierarchy().data());
   }
+}
+
+void Packing::add_base_mesh(const PackedStars& stars) {
+  const HierarchyView& data = stars.hierarchy().data();
+  for (VertexId v = 0; v < stars.hierarchy().base_vertex_count(); ++v) {
+    base_positions_.push_back(data.positions[v]);
+    std::uint32_t extra = 0;
+    stars.for_each_wedge(v, [&](WedgeId w) {
+      extra += w == v ? 0 : 1;
+      if (!data.normals.empty()) base_normals_.push_back(data.normals[w]);
+      if (!data.colors.empty()) base_colors_.push_back(data.colors[w]);
+      if (!data.texture_coordinates.empty()) base_coordinates_.push_back(data.texture_coordinates[w]);
+      if (!data.wedge_materials.empty()) base_materials_.push_back(data.wedge_materials[w]);
+    });
+    if (stars.hierarchy().has_seams()) base_wedges_.push_back(extra);
+  }
+  base_faces_.insert(base_faces_.end(), data.base_faces.begin(), data.base_faces.end());
+  for (const Triangle& wedges : data.base_corners) base_corners_.push_back(stars.corners(wedges));
+}
+
+void Packing::add_materials(const HierarchyView& data) {
+  looks_.push_back({static_cast<std::uint32_t>(data.materials.size()), static_cast<std::uint32_t>(data.textures.size()),
+                    static_cast<std::uint32_t>(data.texture_origin), 0});
+  surface_.materials.insert(surface_.materials.end(), data.materials.begin(), data.materials.end());
+  surface_.textures.insert(surface_.textures.end(), data.textures.begin(), data.textures.end());
 }
 
 void Packing::write(const std::filesystem::path& path) const {
@@ -227,6 +262,7 @@ void Packing::write(const std::filesystem::path& path) const {
   const StoredOptions options = store(scene);
   const Codec codec = options_.level == 0 ? Codec::stored : Codec::zstd;
   SectionWriter writer;
+  MaterialSections materials;
   writer.add(options_name, std::span<const StoredOptions>(&options, 1));
   writer.add(regions_name, std::span<const CellBox>(scene.options.regions));
   writer.add(objects_name, std::span<const VlodObject>(scene.objects));
@@ -236,12 +272,22 @@ void Packing::write(const std::filesystem::path& path) const {
   writer.add(base_normals_name, std::span<const glm::vec3>(base_normals_), Check::whole, codec);
   writer.add(base_colors_name, std::span<const glm::u8vec4>(base_colors_), Check::whole, codec);
   writer.add(base_faces_name, std::span<const Triangle>(base_faces_), Check::whole, codec);
+  if (has_looks()) {
+    writer.add(base_coordinates_name, std::span<const glm::vec2>(base_coordinates_), Check::whole, codec);
+    writer.add(base_materials_name, std::span<const MaterialId>(base_materials_), Check::whole, codec);
+    writer.add(base_wedges_name, std::span<const std::uint32_t>(base_wedges_), Check::whole, codec);
+    writer.add(base_corners_name, std::span<const Triangle>(base_corners_), Check::whole, codec);
+    writer.add(looks_name, std::span<const LookRow>(looks_));
+    materials.add(surface_, writer);
+  }
   writer.add(frames_name, std::span<const FrameRow>(frames_));
   writer.add(pieces_name, std::span<const PieceRow>(pieces_));
   writer.add(permutation_name, std::span<const std::uint32_t>(permutation_), Check::whole, codec);
   writer.add(data_name, std::span<const std::byte>(payloads_), Check::parts);
   writer.add(geometry_name, std::span<const std::byte>(geometry_), Check::parts);
-  writer.write(path, packed_kind);
+  FileKind kind = packed_kind;
+  if (!has_looks()) kind.version = packed_vlod_version;
+  writer.write(path, kind);
 }
 
 }  // namespace

@@ -15,16 +15,20 @@ void PackedFaces::draw(std::uint32_t object, std::span<const SplitId> applied, s
   out.positions.clear();
   out.normals.clear();
   out.colors.clear();
+  out.texture_coordinates.clear();
+  out.materials.clear();
   out.triangles.clear();
   take_cut(cache_.geometry().mesh_of(object), applied, place);
   remove_faces(applied, hidden, place);
+  out_of_others_.clear();
   out_of_.assign(base_.positions.size() + applied.size(), no_id);
   for (std::uint32_t f = 0; f < base_.faces.size(); ++f)
-    if (!removed_[f]) put(base_.faces[f], view, place, out);
+    if (!removed_[f]) put(base_.faces[f], base_.corners.empty() ? Triangle(0) : base_.corners[f], view, place, out);
   for (std::uint32_t rank = 0; rank < applied.size(); ++rank) {
     const SplitStar it = star(rank, applied[rank]);
     for (std::uint32_t slot = 0; slot < it.inserted_count(); ++slot)
-      if (!removed_[first_face_[rank] + slot]) put(it.inserted(slot), view, place, out);
+      if (!removed_[first_face_[rank] + slot])
+        put(it.inserted(slot), vertices_[rank].frame->corners_of(vertices_[rank].place, slot), view, place, out);
   }
   frames_.clear();
 }
@@ -65,9 +69,9 @@ void PackedFaces::take_frames(std::span<const SplitId> applied, const std::strin
   std::size_t at = 0;
   for (const SplitId s : applied) {
     if (s - pieces_[at]->row.first >= pieces_[at]->row.count) ++at;
-    const std::uint32_t i = s - pieces_[at]->row.first;
-    vertices_.push_back(
-        {frames_[at].get(), pieces_[at]->place + i, pieces_[at]->normals_place + i, pieces_[at]->colors_place + i});
+    const PackedGeometry::Piece& piece = *pieces_[at];
+    const std::uint32_t in_frame = piece.place + (s - piece.row.first);
+    vertices_.push_back({frames_[at].get(), in_frame, frames_[at]->first_wedge(in_frame, piece.number, piece.place)});
   }
 }
 
@@ -119,29 +123,49 @@ const glm::vec3& PackedFaces::position(std::uint32_t place) const noexcept {
   return vertex.frame->positions[vertex.place];
 }
 
-void PackedFaces::put(const Triangle& t, const CellView* view, const std::string& place, CellObjectMesh& out) {
+std::uint32_t PackedFaces::extra_count(std::uint32_t place) const noexcept {
+  if (place < base_.positions.size()) return base_.extra_count(place);
+  const Vertex& vertex = vertices_[place - base_.positions.size()];
+  return vertex.frame->extra_count(vertex.place);
+}
+
+void PackedFaces::put(const Triangle& t, const Triangle& corners, const CellView* view, const std::string& place,
+                      CellObjectMesh& out) {
   Triangle places;
   for (int k = 0; k < 3; ++k) {
     places[k] = place_of(t[k]);
     if (places[k] == no_id) refuse(place, "a face has a corner that is not there");
+    if (corners[k] > extra_count(places[k])) refuse(place, "a face has a wedge that is not there");
   }
   if (view != nullptr && view->faces_away(position(places.x), position(places.y), position(places.z))) return;
-  for (int k = 0; k < 3; ++k) places[k] = put_vertex(places[k], out);
+  for (int k = 0; k < 3; ++k) places[k] = put_wedge(places[k], corners[k], out);
   out.triangles.push_back(places);
 }
 
-std::uint32_t PackedFaces::put_vertex(std::uint32_t place, CellObjectMesh& out) {
-  std::uint32_t& it = out_of_[place];
+std::uint32_t PackedFaces::put_wedge(std::uint32_t place, std::uint32_t wedge, CellObjectMesh& out) {
+  const std::uint64_t key = std::uint64_t{place} << 32U | wedge;
+  std::uint32_t& it = wedge == 0 ? out_of_[place] : out_of_others_.try_emplace(key, no_id).first->second;
   if (it != no_id) return it;
   it = static_cast<std::uint32_t>(out.positions.size());
   out.positions.push_back(position(place));
   const std::uint32_t attributes = cache_.geometry().mesh(mesh_).attributes;
-  const bool is_base = place < base_.positions.size();
-  const Vertex* const vertex = is_base ? nullptr : &vertices_[place - base_.positions.size()];
-  if ((attributes & has_normals) != 0)
-    out.normals.push_back(is_base ? base_.normals[place] : vertex->frame->normals[vertex->normal]);
-  if ((attributes & has_colors) != 0)
-    out.colors.push_back(is_base ? base_.colors[place] : vertex->frame->colors[vertex->color]);
+  const auto take = [&](std::uint32_t attribute, const auto& values, std::uint32_t at, auto& to) {
+    if ((attributes & attribute) != 0) to.push_back(values[at]);
+  };
+  if (place < base_.positions.size()) {
+    const std::uint32_t at = base_.first_wedge(place) + wedge;
+    take(has_normals, base_.normals, at, out.normals);
+    take(has_colors, base_.colors, at, out.colors);
+    take(has_coordinates, base_.coordinates, at, out.texture_coordinates);
+    take(has_materials, base_.materials, at, out.materials);
+    return it;
+  }
+  const Vertex& vertex = vertices_[place - base_.positions.size()];
+  const WedgePlace at = vertex.first.after(wedge);
+  take(has_normals, vertex.frame->normals, at.normal, out.normals);
+  take(has_colors, vertex.frame->colors, at.color, out.colors);
+  take(has_coordinates, vertex.frame->coordinates, at.coordinate, out.texture_coordinates);
+  take(has_materials, vertex.frame->materials, at.material, out.materials);
   return it;
 }
 

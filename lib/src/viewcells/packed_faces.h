@@ -6,6 +6,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -43,7 +44,7 @@ class PackedFaces {
   struct Vertex {
     const GeometryFrame* frame = nullptr;
     std::uint32_t place = 0;  // in the frame
-    std::uint32_t normal = 0, color = 0;
+    WedgePlace first;         // of its wedges
   };
 
   void take_cut(std::uint32_t mesh, std::span<const SplitId> applied, const std::string& place);
@@ -54,8 +55,11 @@ class PackedFaces {
   [[nodiscard]] SplitStar star(std::uint32_t rank, SplitId s) const noexcept;
   [[nodiscard]] std::uint32_t place_of(VertexId vertex) const noexcept;  // base vertices, then by rank; no_id
   [[nodiscard]] const glm::vec3& position(std::uint32_t place) const noexcept;
-  void put(const Triangle& t, const CellView* view, const std::string& place, CellObjectMesh& out);
-  [[nodiscard]] std::uint32_t put_vertex(std::uint32_t place, CellObjectMesh& out);
+  // `corners`: which wedges of its vertices the face has.
+  void put(const Triangle& t, const Triangle& corners, const CellView* view, const std::string& place,
+           CellObjectMesh& out);
+  [[nodiscard]] std::uint32_t put_wedge(std::uint32_t place, std::uint32_t wedge, CellObjectMesh& out);
+  [[nodiscard]] std::uint32_t extra_count(std::uint32_t place) const noexcept;
   [[noreturn]] void refuse(const std::string& place, const std::string& problem) const;
 
   GeometryCache& cache_;
@@ -71,7 +75,9 @@ class PackedFaces {
   std::vector<Vertex> vertices_;           // by rank
   std::vector<std::uint32_t> first_face_;  // by rank, and one more; those of the base mesh come first
   std::vector<bool> removed_;              // or hidden; by face
-  std::vector<std::uint32_t> out_of_;      // by place of a vertex: where it is in `out`, or no_id
+  // By place of a vertex: where its first wedge is in `out`, or no_id; and of others by place and wedge.
+  std::vector<std::uint32_t> out_of_;
+  std::unordered_map<std::uint64_t, std::uint32_t> out_of_others_;
 };
 
 }  // namespace occlod::vlod

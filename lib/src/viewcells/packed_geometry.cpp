@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <system_error>
 #include <utility>
 
@@ -30,6 +31,7 @@ PackedGeometry::PackedGeometry(SectionReader& reader, std::span<const VlodObject
                                std::string subject)
     : file_(file), subject_(std::move(subject)), mesh_of_(meshes_of(objects)) {
   take_meshes(reader, objects);
+  take_materials(reader);
   take_base(reader);
   take_frames(reader);
 }
@@ -42,39 +44,114 @@ void PackedGeometry::take_meshes(SectionReader& reader, std::span<const VlodObje
   for (std::size_t i = 0; i < objects.size(); ++i) {
     const MeshRow& mesh = meshes[mesh_of_[i]];
     if (mesh.splits > objects[i].split_count || (std::uint64_t{mesh.base_vertices} + mesh.splits) >> 32U != 0 ||
-        (mesh.attributes & ~(has_normals | has_colors)) != 0)
+        (mesh.attributes & ~all_attributes) != 0)
       reader.refuse("section MESH",
                     fmt::format("claims {} splits of {} for object {}", mesh.splits, objects[i].split_count, i));
   }
   meshes_.assign(meshes.begin(), meshes.end());
 }
 
-void PackedGeometry::take_base(SectionReader& reader) {
-  First next;
-  for (const MeshRow& mesh : meshes_) {
-    first_.push_back(next);
-    next.vertex += mesh.base_vertices;
-    next.normal += (mesh.attributes & has_normals) != 0 ? mesh.base_vertices : 0;
-    next.color += (mesh.attributes & has_colors) != 0 ? mesh.base_vertices : 0;
-    next.face += mesh.base_faces;
+void PackedGeometry::take_materials(SectionReader& reader) {
+  if (!reader.has(looks_name)) return;
+  const std::span<const LookRow> looks = reader.read<LookRow>(looks_name);
+  if (looks.size() != meshes_.size())
+    reader.refuse("section LOOK", fmt::format("has {} meshes, not {}", looks.size(), meshes_.size()));
+  sections::Materials all = sections::read_materials(reader);
+  auto material = all.materials.begin();
+  auto texture = all.textures.begin();
+  const auto take = [](auto& at, auto end, std::uint32_t count, auto& to) {
+    if (count > static_cast<std::size_t>(end - at)) return false;
+    to.assign(std::make_move_iterator(at), std::make_move_iterator(at + count));
+    at += count;
+    return true;
+  };
+  for (const LookRow& look : looks) {
+    sections::Materials& own = materials_.emplace_back();
+    own.origin = static_cast<TextureOrigin>(look.texture_origin);
+    const auto has_texture = [&](const Material& m) {
+      return m.texture == no_texture || m.texture < own.textures.size();
+    };
+    if (look.texture_origin > static_cast<std::uint32_t>(TextureOrigin::top_left) ||
+        !take(material, all.materials.end(), look.materials, own.materials) ||
+        !take(texture, all.textures.end(), look.textures, own.textures) ||
+        !std::ranges::all_of(own.materials, has_texture))
+      reader.refuse("section LOOK", "does not say what materials there are");
   }
-  first_.push_back(next);
+}
+
+SurfaceMaterials PackedGeometry::materials(std::uint32_t mesh) const noexcept {
+  if (materials_.empty()) return {};
+  return {materials_[mesh].materials, materials_[mesh].textures, materials_[mesh].origin};
+}
+
+bool PackedGeometry::are_there(std::uint32_t mesh, std::span<const MaterialId> of_wedges) const {
+  const std::size_t count = std::max<std::size_t>(materials(mesh).materials.size(), 1);
+  return std::ranges::all_of(of_wedges, [count](MaterialId material) { return material < count; });
+}
+
+void PackedGeometry::take_base(SectionReader& reader) {
   const auto take = [&](std::string_view name, std::size_t count, auto& values) {
     const auto read = reader.read<typename std::remove_reference_t<decltype(values)>::value_type>(name);
     if (read.size() != count)
       reader.refuse(fmt::format("section {}", name), fmt::format("has {} elements, not {}", read.size(), count));
     values.assign(read.begin(), read.end());
   };
+  const bool has_looks = !materials_.empty();
+  std::size_t seam_vertices = 0;
+  for (const MeshRow& mesh : meshes_) seam_vertices += (mesh.attributes & has_seams) != 0 ? mesh.base_vertices : 0;
+  std::vector<std::uint32_t> extra;
+  if (has_looks) take(base_wedges_name, seam_vertices, extra);
+  if (!has_looks &&
+      std::ranges::any_of(meshes_, [](const MeshRow& mesh) { return mesh.attributes >= has_coordinates; }))
+    reader.refuse("section MESH", "claims attributes that are not there");
+  First next;
+  std::size_t at = 0;  // of `extra`
+  for (const MeshRow& mesh : meshes_) {
+    first_.push_back(next);
+    std::uint64_t wedges = mesh.base_vertices;
+    if ((mesh.attributes & has_seams) != 0) {
+      wedges = 0;
+      for (std::uint32_t v = 0; v < mesh.base_vertices; ++v, wedges += std::uint64_t{1} + extra[at++])
+        first_wedges_.push_back(static_cast<std::uint32_t>(wedges));
+      if (wedges >= no_id) reader.refuse("section BWED", "has more wedges than there can be");
+      first_wedges_.push_back(static_cast<std::uint32_t>(wedges));
+      next.corner += mesh.base_faces;
+    }
+    next.wedges = first_wedges_.size();
+    next.vertex += mesh.base_vertices;
+    next.normal += (mesh.attributes & has_normals) != 0 ? wedges : 0;
+    next.color += (mesh.attributes & has_colors) != 0 ? wedges : 0;
+    next.coordinate += (mesh.attributes & has_coordinates) != 0 ? wedges : 0;
+    next.material += (mesh.attributes & has_materials) != 0 ? wedges : 0;
+    next.face += mesh.base_faces;
+  }
+  first_.push_back(next);
   take(base_positions_name, next.vertex, positions_);
   take(base_normals_name, next.normal, normals_);
   take(base_colors_name, next.color, colors_);
   take(base_faces_name, next.face, faces_);
+  if (has_looks) {
+    take(base_coordinates_name, next.coordinate, coordinates_);
+    take(base_materials_name, next.material, wedge_materials_);
+    take(base_corners_name, next.corner, corners_);
+  }
+  check_base(reader);
+}
+
+void PackedGeometry::check_base(SectionReader& reader) const {
   if (!are_finite(positions_) || !are_finite(normals_))
     reader.refuse("section BPOS", "has a vertex that is not finite");
-  for (std::uint32_t m = 0; m < meshes_.size(); ++m)
-    for (const Triangle& t : base(m).faces)
-      if (std::max({t.x, t.y, t.z}) >= meshes_[m].base_vertices)
-        reader.refuse("section BFAC", "has a face with a corner that is not there");
+  for (std::uint32_t m = 0; m < meshes_.size(); ++m) {
+    const Base base = this->base(m);
+    for (std::size_t f = 0; f < base.faces.size(); ++f)
+      for (int k = 0; k < 3; ++k) {
+        if (base.faces[f][k] >= meshes_[m].base_vertices)
+          reader.refuse("section BFAC", "has a face with a corner that is not there");
+        if (!base.corners.empty() && base.corners[f][k] > base.extra_count(base.faces[f][k]))
+          reader.refuse("section BCOR", "has a corner with a wedge that is not there");
+      }
+    if (!are_there(m, base.materials)) reader.refuse("section BMAT", "has a material that is not there");
+  }
 }
 
 void PackedGeometry::take_frames(SectionReader& reader) {
@@ -107,10 +184,8 @@ void PackedGeometry::take_frames(SectionReader& reader) {
       next[row.mesh] += row.count;
       piece.row = row;
       pieces_[row.mesh].push_back(piece);
-      const std::uint32_t attributes = meshes_[row.mesh].attributes;
+      ++piece.number;
       piece.place += row.count;
-      piece.normals_place += (attributes & has_normals) != 0 ? row.count : 0;
-      piece.colors_place += (attributes & has_colors) != 0 ? row.count : 0;
     }
   }
   if (end != data_bytes) reader.refuse("section GEOM", "has bytes of no frame");
@@ -121,10 +196,17 @@ void PackedGeometry::take_frames(SectionReader& reader) {
 
 PackedGeometry::Base PackedGeometry::base(std::uint32_t mesh) const noexcept {
   const First &from = first_[mesh], &to = first_[mesh + std::size_t{1}];
-  return {std::span(positions_).subspan(from.vertex, to.vertex - from.vertex),
-          std::span(normals_).subspan(from.normal, to.normal - from.normal),
-          std::span(colors_).subspan(from.color, to.color - from.color),
-          std::span(faces_).subspan(from.face, to.face - from.face)};
+  const auto part = [](const auto& values, std::size_t first, std::size_t end) {
+    return std::span(values).subspan(first, end - first);
+  };
+  return {part(positions_, from.vertex, to.vertex),
+          part(normals_, from.normal, to.normal),
+          part(colors_, from.color, to.color),
+          part(coordinates_, from.coordinate, to.coordinate),
+          part(wedge_materials_, from.material, to.material),
+          part(first_wedges_, from.wedges, to.wedges),
+          part(faces_, from.face, to.face),
+          part(corners_, from.corner, to.corner)};
 }
 
 const PackedGeometry::Piece& PackedGeometry::piece_of(std::uint32_t mesh, SplitId split) const noexcept {
@@ -155,15 +237,28 @@ std::shared_ptr<const GeometryFrame> PackedGeometry::decode(std::uint32_t frame,
     throw Error({subject_, place, "is damaged: its checksum is wrong", packed_kind.rebuild});
   std::string problem;
   auto decoded = decode_frame(bytes, row.raw_bytes, pieces_of(row), meshes_, problem);
+  for (std::uint32_t p = 0; decoded && p < row.pieces; ++p) {
+    const std::uint32_t mesh = pieces_of(row)[p].mesh;
+    if ((meshes_[mesh].attributes & has_materials) == 0) continue;
+    const auto next = p + 1 < row.pieces ? decoded->pieces[p + 1].material : decoded->materials.size();
+    const auto first = decoded->pieces[p].material;
+    if (are_there(mesh, std::span(decoded->materials).subspan(first, next - first))) continue;
+    problem = "has a material that is not there";
+    decoded.reset();
+  }
   if (!decoded) throw Error({subject_, place, problem, packed_kind.rebuild});
   return std::make_shared<const GeometryFrame>(std::move(*decoded));
 }
 
 std::size_t PackedGeometry::bytes() const noexcept {
   std::size_t bytes = (positions_.size() + normals_.size()) * sizeof(glm::vec3) + colors_.size() * sizeof(glm::u8vec4) +
-                      faces_.size() * sizeof(Triangle) + frames_.size() * sizeof(FrameRow) +
+                      coordinates_.size() * sizeof(glm::vec2) + wedge_materials_.size() * sizeof(MaterialId) +
+                      first_wedges_.size() * sizeof(std::uint32_t) +
+                      (faces_.size() + corners_.size()) * sizeof(Triangle) + frames_.size() * sizeof(FrameRow) +
                       rows_.size() * sizeof(PieceRow);
   for (const std::vector<Piece>& pieces : pieces_) bytes += pieces.size() * sizeof(Piece);
+  for (const sections::Materials& materials : materials_)
+    for (const Texture& texture : materials.textures) bytes += texture.bytes.size();
   return bytes;
 }
 

@@ -105,6 +105,7 @@ class VlodFile::Impl {
     const sections::FileHeader mapped = reader_->header();
     if (std::memcmp(&header, &mapped, sizeof(header)) != 0)
       reader_->refuse("", "was replaced while it was opened", "open it again");
+    version_ = header.version;
     scene_ = read_options(*reader_, path_, key_);
     ids_.emplace(scene_.objects, path_);
     if (reader_->has(geometry_name)) geometry_.emplace(*reader_, scene_.objects, file_, path_);
@@ -120,6 +121,7 @@ class VlodFile::Impl {
   [[nodiscard]] const CellTreeOptions& options() const noexcept { return scene_.options; }
   [[nodiscard]] std::span<const VlodObject> objects() const noexcept { return scene_.objects; }
   [[nodiscard]] const Key& key() const noexcept { return key_; }
+  [[nodiscard]] std::uint32_t version() const noexcept { return version_; }
   [[nodiscard]] std::uint64_t file_bytes() const noexcept { return file_.size(); }
   [[nodiscard]] const PackedGeometry* geometry() const noexcept { return geometry_ ? &*geometry_ : nullptr; }
   [[nodiscard]] bool has_objects() const noexcept { return !hierarchies_.empty(); }
@@ -129,7 +131,8 @@ class VlodFile::Impl {
   static const sections::FileKind& kind_of(const InputFile& file) {
     sections::FileHeader header;
     if (file.size() >= sizeof(header)) file.read(std::as_writable_bytes(std::span(&header, 1)));
-    return header.version == packed_kind.version ? packed_kind : file_kind;
+    const bool is_packed = header.version == packed_vlod_version || header.version == textured_vlod_version;
+    return is_packed ? packed_kind : file_kind;
   }
   static InputFile open(const std::filesystem::path& path) try {
     return InputFile(path.c_str());
@@ -169,6 +172,7 @@ class VlodFile::Impl {
 
   std::string path_;
   InputFile file_;
+  std::uint32_t version_ = 0;
   std::optional<SectionReader> reader_;  // while the file is opened
   Key key_{};
   Scene scene_;
@@ -248,6 +252,10 @@ std::span<const VlodObject> VlodFile::objects() const noexcept { return impl_->o
 const std::array<std::uint64_t, 2>& VlodFile::key() const noexcept { return impl_->key(); }
 std::uint64_t VlodFile::file_bytes() const noexcept { return impl_->file_bytes(); }
 bool VlodFile::is_packed() const noexcept { return geometry() != nullptr; }
+std::uint32_t VlodFile::version() const noexcept { return impl_->version(); }
+SurfaceMaterials VlodFile::materials(std::uint32_t object) const noexcept {
+  return is_packed() ? geometry()->materials(geometry()->mesh_of(object)) : SurfaceMaterials{};
+}
 const vlod::PackedGeometry* VlodFile::geometry() const noexcept { return impl_->geometry(); }
 bool VlodFile::has_objects() const noexcept { return impl_->has_objects(); }
 PackedCounts VlodFile::packed_counts() const noexcept {

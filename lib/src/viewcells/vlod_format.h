@@ -21,8 +21,9 @@ inline constexpr sections::FileKind file_kind{{'V', 'L', 'O', 'D', '\r', '\n', '
                                               "build it again with 'occlod cells build'"};
 
 // With geometry. Of another version, so that programs that do not know it refuse them.
-inline constexpr sections::FileKind packed_kind{file_kind.magic, packed_vlod_version, file_kind.name, file_kind.make,
-                                                "pack it again with 'occlod cells pack'"};
+inline constexpr sections::FileKind packed_kind{
+    file_kind.magic,    textured_vlod_version, file_kind.name, file_kind.make, "pack it again with 'occlod cells pack'",
+    packed_vlod_version};
 
 using Key = std::array<std::uint64_t, 2>;
 

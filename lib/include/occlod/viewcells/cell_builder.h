@@ -50,7 +50,7 @@ struct CellStats {
 struct CellObjectCut {
   std::vector<SplitId> applied;     // ascending, closed under dependency
   std::vector<Triangle> triangles;  // to draw: active faces, but for those whose front no eye can see; base faces
-                                    // first, then by split and slot; ids of the hierarchy's vertices
+                                    // first, then by split and slot; ids of the hierarchy's wedges
 };
 
 // What build() gives; valid until its next call.

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 #include <memory>
@@ -60,11 +61,15 @@ struct TriangleBlock {
 
 // What to draw of one object; valid until the next step.
 struct WalkedObject {
-  std::span<const Triangle> triangles;    // ids of these vertices, in no particular order
-  std::span<const TriangleBlock> blocks;  // all triangles, block by block
-  std::span<const glm::vec3> positions;   // object space: of the hierarchy, or of a packed file those of this cell
-  std::span<const glm::vec3> normals;     // one for each position, or none
-  std::span<const glm::u8vec4> colors;    // likewise
+  std::span<const Triangle> triangles;             // ids of these wedges, in no particular order
+  std::span<const TriangleBlock> blocks;           // all triangles, block by block
+  std::span<const glm::vec3> positions;            // object space: of the hierarchy, or of a packed file those of this
+                                                   // cell; one for each wedge
+  std::span<const glm::vec3> normals;              // one for each wedge, or none
+  std::span<const glm::u8vec4> colors;             // likewise
+  std::span<const glm::vec2> texture_coordinates;  // likewise
+  std::span<const MaterialId> wedge_materials;     // likewise, of the faces there; none: all have the first, if any
+  SurfaceMaterials surface;                        // that wedge_materials index: of the hierarchy, or of the file
 };
 
 // What step() gives; valid until its next call.
@@ -83,8 +88,8 @@ struct WalkedFrame {
   std::size_t loads = 0;              // that have ended since
   std::size_t resident_bytes = 0;     // of what WalkOptions::memory limits
   std::vector<WalkedObject> objects;  // as given to the walker, or as the file has them
-  // As long as it is kept, what `objects` point to stays as it is, whatever the walker does, but for hierarchies, which
-  // belong to whoever made them.
+  // As long as it is kept, what `objects` point to stays as it is, whatever the walker does, but for hierarchies and
+  // `surface`, which belong to whoever made them and to the file.
   std::shared_ptr<const void> owner;
 };
 

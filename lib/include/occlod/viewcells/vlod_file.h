@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <glm/mat4x4.hpp>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 #include <memory>
@@ -15,6 +16,7 @@
 #include <vector>
 
 #include "occlod/hierarchy/split_star.h"
+#include "occlod/mesh/triangle_mesh.h"
 #include "occlod/refine/refiner.h"
 #include "occlod/viewcells/cell_builder.h"
 #include "occlod/viewcells/cell_options.h"
@@ -26,6 +28,8 @@ namespace occlod {
 inline constexpr std::uint32_t vlod_version = 1;
 // Of packed files, which it reads as well: those that hold the geometry of their cells (pack_cells.h).
 inline constexpr std::uint32_t packed_vlod_version = 2;
+// Of those among them with texture coordinates, materials or seams.
+inline constexpr std::uint32_t textured_vlod_version = 3;
 
 // What one node of the tree adds for one object.
 struct ObjectAdditions {
@@ -63,6 +67,13 @@ namespace vlod {
 class PackedGeometry;
 }
 
+// What the faces of one object look like.
+struct SurfaceMaterials {
+  std::span<const Material> materials;  // that materials of wedges index
+  std::span<const Texture> textures;    // that materials index; files are named relative to that of the mesh
+  TextureOrigin texture_origin = TextureOrigin::bottom_left;  // of texture coordinates
+};
+
 // What the geometry of a packed file takes.
 struct PackedCounts {
   std::uint64_t splits = 0;     // of all different hierarchies, that some cell applies
@@ -87,6 +98,8 @@ class VlodFile {
   [[nodiscard]] std::span<const VlodObject> objects() const noexcept;
   // Of scene and options: files of one key hold the same.
   [[nodiscard]] const std::array<std::uint64_t, 2>& key() const noexcept;
+  // One of vlod_version, packed_vlod_version and textured_vlod_version.
+  [[nodiscard]] std::uint32_t version() const noexcept;
   // The size of the file.
   [[nodiscard]] std::uint64_t file_bytes() const noexcept;
 
@@ -94,6 +107,8 @@ class VlodFile {
   [[nodiscard]] bool is_packed() const noexcept;
   // Zeros where it does not.
   [[nodiscard]] PackedCounts packed_counts() const noexcept;
+  // Of an object, object < objects().size(); nothing where it is not packed. Valid as long as the file.
+  [[nodiscard]] SurfaceMaterials materials(std::uint32_t object) const noexcept;
   // For the library's own use; none where it does not.
   [[nodiscard]] const vlod::PackedGeometry* geometry() const noexcept;
 
@@ -133,10 +148,12 @@ class VlodFile {
 
 // What to draw of one object, by itself.
 struct CellObjectMesh {
-  std::vector<Triangle> triangles;   // of these vertices
-  std::vector<glm::vec3> positions;  // object space
-  std::vector<glm::vec3> normals;    // one for each vertex, or none
-  std::vector<glm::u8vec4> colors;   // likewise
+  std::vector<Triangle> triangles;             // of these wedges: vertices, each with one set of attributes
+  std::vector<glm::vec3> positions;            // object space
+  std::vector<glm::vec3> normals;              // one for each wedge, or none
+  std::vector<glm::u8vec4> colors;             // likewise
+  std::vector<glm::vec2> texture_coordinates;  // likewise
+  std::vector<MaterialId> materials;           // likewise, of the faces there; see VlodFile::materials()
 };
 // The same of a packed file that was opened without its objects: for each object. Also of a node that is no leaf: all
 // that its cells have in common, but for what faces away from its box. Reads the whole path and the geometry of its
