@@ -17,10 +17,6 @@ def say(text):
     print(text, flush=True)
 
 
-def mean(rows, key):
-    return sum(row[key] for row in rows) / len(rows)
-
-
 class Run:
     def __init__(self, options):
         self.options, self.out = options, pathlib.Path(options.out).resolve()
@@ -108,9 +104,9 @@ class Run:
         for name, strategy in (("nested", "vfc"), ("shifted", "vfc"), ("shifted", "coh")):
             told = self.occlod("hlod", "render", self.out / f"{name}.ohlod", "--scene", self.out / "jumps.json", "--path", "keys", "--strategy", strategy,
                                "--tolerance", self.options.error, "--size", "1024x768", "--json")
-            rows = told["frame"]
-            self.table["ours"][f"{name}, {strategy}"] = {"triangles": mean(rows, "triangles"), "nodes": mean(rows, "nodes")}
-            say(f"{'ours: ' + name + ', ' + strategy:28} {mean(rows, 'triangles'):11.0f} {mean(rows, 'nodes'):8.1f}")
+            drawn = told["mean"]
+            self.table["ours"][f"{name}, {strategy}"] = {"triangles": drawn["drawn_triangles"], "nodes": drawn["drawn_nodes"]}
+            say(f"{'ours: ' + name + ', ' + strategy:28} {drawn['drawn_triangles']:11.0f} {drawn['drawn_nodes']:8.1f}")
 
     def run(self):
         self.install_programs()
