@@ -5,6 +5,7 @@
 #include <mutex>
 
 #include "core/platform.h"
+#include "core/scratch_memory.h"
 
 namespace occlod {
 namespace {
@@ -75,6 +76,7 @@ LargeMemoryReuse::~LargeMemoryReuse() { kept_memory().end(); }
 
 void* allocate_large(std::size_t bytes) {
   if (!is_large(bytes)) return ::operator new(bytes, cache_line);
+  if (void* const scratch = allocate_scratch(bytes)) return scratch;
   if (void* const kept = kept_memory().take(bytes)) return kept;
   void* const memory = ::operator new(bytes, page_alignment);
   advise_huge_pages(memory, bytes);
@@ -84,7 +86,7 @@ void* allocate_large(std::size_t bytes) {
 void free_large(void* memory, std::size_t bytes) noexcept {
   if (!is_large(bytes))
     ::operator delete(memory, cache_line);
-  else if (memory != nullptr && !kept_memory().put(memory, bytes))
+  else if (memory != nullptr && !free_scratch(memory) && !kept_memory().put(memory, bytes))
     ::operator delete(memory, page_alignment);
 }
 

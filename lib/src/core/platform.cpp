@@ -6,9 +6,14 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
 #include <system_error>
+#include <utility>
 
 namespace occlod {
 namespace {
@@ -37,6 +42,55 @@ void give_pages_back([[maybe_unused]] void* memory, [[maybe_unused]] std::size_t
              begin = reinterpret_cast<std::uintptr_t>(memory);
   const std::uintptr_t first = (begin + page - 1) / page * page, end = (begin + bytes) / page * page;
   if (first < end) static_cast<void>(madvise(reinterpret_cast<void*>(first), end - first, MADV_DONTNEED));
+#endif
+}
+
+ScratchFile::ScratchFile(const char* folder, std::size_t bytes) {
+  std::string name = std::string(folder) + "/occlod_XXXXXX";
+  descriptor_ = mkostemp(name.data(), O_CLOEXEC);
+  if (descriptor_ < 0) fail(errno);
+  unlink(name.c_str());
+  int problem = posix_fallocate(descriptor_, 0, static_cast<off_t>(bytes));
+  void* begin = nullptr;
+  if (problem == 0) {
+    begin = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor_, 0);
+    if (begin == MAP_FAILED) problem = errno;
+  }
+  if (problem != 0) {
+    close(descriptor_);
+    fail(problem);
+  }
+  mapped_ = {static_cast<std::byte*>(begin), bytes};
+}
+
+ScratchFile::ScratchFile(ScratchFile&& other) noexcept
+    : descriptor_(std::exchange(other.descriptor_, -1)), mapped_(std::exchange(other.mapped_, {})) {}
+
+ScratchFile::~ScratchFile() {
+  if (descriptor_ < 0) return;
+  munmap(mapped_.data(), mapped_.size());
+  close(descriptor_);
+}
+
+// Mapped again at the same place: advice would let other threads bring pages back while the rest leaves.
+void ScratchFile::page_out() const noexcept {
+  static_cast<void>(
+      mmap(mapped_.data(), mapped_.size(), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_FIXED, descriptor_, 0));
+}
+
+ResidentMemory resident_memory() noexcept {
+#if defined(__linux__)
+  const int descriptor = open("/proc/self/statm", O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) return {};
+  std::array<char, 128> text{};
+  const ssize_t length = read(descriptor, text.data(), text.size() - 1);
+  close(descriptor);
+  unsigned long all = 0, of_files = 0;  // pages
+  if (length <= 0 || std::sscanf(text.data(), "%*u %lu %lu", &all, &of_files) != 2) return {};
+  const auto page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+  return {all * page, of_files * page};
+#else
+  return {};
 #endif
 }
 

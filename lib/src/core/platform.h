@@ -29,6 +29,34 @@ void advise_huge_pages(void* memory, std::size_t bytes) noexcept;
 // Whole pages among these bytes may lose their contents, and take no memory until they are used again.
 void give_pages_back(void* memory, std::size_t bytes) noexcept;
 
+// A file without a name in a folder, with room for all its bytes, in memory for reading and writing.
+class ScratchFile {
+ public:
+  // Throws std::system_error with the system's reason, such as a full disk.
+  ScratchFile(const char* folder, std::size_t bytes);
+  ~ScratchFile();
+  ScratchFile(ScratchFile&& other) noexcept;
+  ScratchFile(const ScratchFile&) = delete;
+  ScratchFile& operator=(const ScratchFile&) = delete;
+  ScratchFile& operator=(ScratchFile&&) = delete;
+
+  [[nodiscard]] std::span<std::byte> bytes() const noexcept { return mapped_; }
+  // Its pages leave this process and stay in the file. Threads that touch them wait until all have left; then what they
+  // touch comes back.
+  void page_out() const noexcept;
+
+ private:
+  int descriptor_;
+  std::span<std::byte> mapped_;
+};
+
+// Main memory that this process has now, bytes; 0 where the system does not tell.
+struct ResidentMemory {
+  std::size_t all = 0;
+  std::size_t of_files = 0;  // that are mapped
+};
+[[nodiscard]] ResidentMemory resident_memory() noexcept;
+
 [[nodiscard]] int process_id() noexcept;
 // False only when there is surely no such process on this machine.
 [[nodiscard]] bool may_be_running(int process) noexcept;

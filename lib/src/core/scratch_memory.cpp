@@ -1,0 +1,152 @@
+#include "core/scratch_memory.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <condition_variable>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <system_error>
+#include <thread>
+#include <utility>
+
+#include "core/platform.h"
+#include "occlod/core/error.h"
+#include "occlod/core/memory_limit.h"
+
+namespace occlod {
+namespace {
+
+constexpr auto pause = std::chrono::milliseconds(1);
+// Of what the process may have, when pages leave: at most and at least. The rest is for what comes meanwhile.
+constexpr double most_used = 0.8, least_used = 0.4;
+constexpr std::size_t least_limit = std::size_t{1} << 26U;
+
+// All files that are mapped, also those that outlive their MemoryLimit.
+struct Scratch {
+  std::mutex mutex;
+  std::optional<std::filesystem::path> folder;  // while one lives
+  std::map<void*, ScratchFile> files;           // by its begin
+  std::size_t bytes = 0, most_bytes = 0;        // of `files`
+};
+
+Scratch& scratch() noexcept {
+  static Scratch all;
+  return all;
+}
+
+}  // namespace
+
+// The thread that watches.
+class MemoryLimit::Watch {
+ public:
+  explicit Watch(std::size_t limit) : limit_(limit), thread_([this] { run(); }) {}
+  ~Watch() {
+    {
+      const std::scoped_lock lock(mutex_);
+      ends_ = true;
+    }
+    wake_.notify_one();
+    thread_.join();
+  }
+
+ private:
+  void run() {
+    std::unique_lock lock(mutex_);
+    std::size_t last = 0, fastest = 0;
+    while (!wake_.wait_for(lock, pause, [this] { return ends_; })) {
+      const ResidentMemory now = resident_memory();
+      // What has come between two looks may come again, and on a busy machine that is much.
+      fastest = std::max(fastest, now.all - std::min(now.all, last));
+      last = now.all;
+      if (now.all < threshold(fastest) || now.of_files < limit_ / 16) continue;  // the rest cannot leave
+      const std::scoped_lock files(scratch().mutex);
+      for (const auto& [begin, file] : scratch().files) file.page_out();
+      last = now.all - std::min(now.all, now.of_files);
+    }
+  }
+
+  [[nodiscard]] std::size_t threshold(std::size_t fastest) const {
+    const auto limit = static_cast<double>(limit_);
+    return static_cast<std::size_t>(
+        std::clamp(limit - 2.0 * static_cast<double>(fastest), least_used * limit, most_used * limit));
+  }
+
+  std::size_t limit_;
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  bool ends_ = false;
+  std::thread thread_;
+};
+
+MemoryLimit::MemoryLimit(std::size_t bytes, const std::filesystem::path& folder) {
+  if (bytes < least_limit)
+    throw Error({"memory limit", "", fmt::format("is {} bytes, less than 64 MiB", bytes), "allow more"});
+  if (resident_memory().all == 0)
+    throw Error({"memory limit", "", "this system does not tell how much memory a process has", "build without one"});
+  if (const int problem = why_no_files_can_be_made(folder.c_str()); problem != 0)
+    throw Error({folder.string(), "",
+                 "no scratch files can be made in this folder: " + std::generic_category().message(problem),
+                 "name another folder"});
+  {
+    const std::scoped_lock lock(scratch().mutex);
+    if (scratch().folder) throw Error({"memory limit", "", "there is one already", "wait until it ends"});
+    scratch().folder = folder;
+    scratch().most_bytes = scratch().bytes;
+  }
+  watch_ = std::make_unique<Watch>(bytes);
+}
+
+MemoryLimit::~MemoryLimit() {
+  watch_.reset();
+  const std::scoped_lock lock(scratch().mutex);
+  scratch().folder.reset();
+}
+
+std::size_t MemoryLimit::most_scratch_bytes() const noexcept {
+  const std::scoped_lock lock(scratch().mutex);
+  return scratch().most_bytes;
+}
+
+// Making and ending files takes long: the thread that watches does not wait for it.
+void* allocate_scratch(std::size_t bytes) {
+  Scratch& all = scratch();
+  std::filesystem::path folder;
+  std::size_t beside = 0;
+  {
+    const std::scoped_lock lock(all.mutex);
+    if (!all.folder) return nullptr;
+    folder = *all.folder;
+    beside = all.bytes;
+  }
+  std::optional<ScratchFile> file;
+  try {
+    file.emplace(folder.c_str(), bytes);
+  } catch (const std::system_error& error) {
+    throw Error({folder.string(), "",
+                 fmt::format("has no room for {} MiB more of scratch, beside {} MiB: {}", (bytes >> 20U) + 1,
+                             beside >> 20U, error.code().message()),
+                 "free some of its disk, or name a folder on another one"});
+  }
+  void* const begin = file->bytes().data();
+  const std::scoped_lock lock(all.mutex);
+  all.files.emplace(begin, *std::move(file));
+  all.bytes += bytes;
+  all.most_bytes = std::max(all.most_bytes, all.bytes);
+  return begin;
+}
+
+bool free_scratch(void* memory) noexcept {
+  Scratch& all = scratch();
+  std::map<void*, ScratchFile>::node_type gone;  // ends when the lock has
+  const std::scoped_lock lock(all.mutex);
+  const auto found = all.files.find(memory);
+  if (found == all.files.end()) return false;
+  all.bytes -= found->second.bytes().size();
+  gone = all.files.extract(found);
+  return true;
+}
+
+}  // namespace occlod
