@@ -15,6 +15,14 @@ namespace occlod {
 // The same mesh with its vertices along a Morton curve through its box; triangles keep their order. O(n).
 [[nodiscard]] TriangleMesh in_spatial_order(const TriangleMesh& mesh, unsigned threads = 1);
 
+// The wedges of a mesh by their new numbers, and the new numbers of its wedges.
+struct WedgeOrder {
+  std::vector<WedgeId> old_id, new_id;
+};
+
+// That of in_spatial_order().
+[[nodiscard]] WedgeOrder spatial_order_of(const TriangleMesh& mesh, unsigned threads);
+
 struct MortonCurve {
   Box box;                // around all positions
   glm::dvec3 shift{0.0};  // of its grid, in [0, 1] of the box's extent along each axis: curves with different shifts
@@ -23,7 +31,7 @@ struct MortonCurve {
 };
 
 // Sorts vertices along a Morton curve; those in one cell of its grid keep their order. O(n).
-void sort_spatially(const PositionView& positions, const MortonCurve& curve, std::vector<VertexId>& vertices,
+void sort_spatially(const PositionView& positions, const MortonCurve& curve, std::span<VertexId> vertices,
                     unsigned threads = 1);
 
 }  // namespace occlod

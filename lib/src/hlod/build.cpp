@@ -12,10 +12,10 @@
 #include "hierarchy/build_progress.h"
 #include "hierarchy/check_input.h"
 #include "hierarchy/parallel.h"
-#include "hierarchy/spatial_order.h"
 #include "occlod/core/error.h"
 #include "simplify_nodes.h"
 #include "wedge_mesh.h"
+#include "weld_pieces.h"
 
 namespace occlod::hlod {
 namespace {
@@ -36,17 +36,17 @@ void check_options(const BuildOptions& options) {
 
 class Builder {
  public:
-  Builder(TriangleMesh mesh, const BuildOptions& options)
+  Builder(WedgeMesh mesh, const BuildOptions& options)
       : mesh_(std::move(mesh)),
         within_(options.within),
         threads_(thread_count(options.threads)),
         progress_(options.progress),
-        grouping_(mesh_.mesh(), options, threads_),
+        grouping_(mesh_, options, threads_),
         simplifier_(mesh_, options, threads_) {}
 
   HlodData run() {
     progress_.reach(0.0);
-    levels_.push_back(input_level(mesh_.mesh(), grouping_.group_input(), threads_));
+    levels_.push_back(input_level(mesh_, grouping_.group_input(), threads_));
     while (levels_.back().nodes.size() > 1 && add_level()) continue;
     return assemble(mesh_, std::move(levels_), within_, threads_);
   }
@@ -84,18 +84,33 @@ class Builder {
   std::vector<LevelDraft> levels_;
 };
 
+Hlod build(WedgeMesh mesh, const BuildOptions& options) {
+  const LargeMemoryReuse reuse;
+  HlodData data = Builder(std::move(mesh), options).run();
+  data.grouping = options.grouping;
+  data.borders = options.borders;
+  data.node_triangles = options.node_triangles;
+  return make_hlod(std::move(data));
+}
+
 }  // namespace
 
 Hlod build_hlod(const TriangleMesh& mesh, const BuildOptions& options) {
   check_options(options);
   check_input(mesh);
   check_welded(mesh);
-  const LargeMemoryReuse reuse;
-  HlodData data = Builder(in_spatial_order(mesh, thread_count(options.threads)), options).run();
-  data.grouping = options.grouping;
-  data.borders = options.borders;
-  data.node_triangles = options.node_triangles;
-  return make_hlod(std::move(data));
+  return build(to_wedge_mesh(mesh, thread_count(options.threads)), options);
+}
+
+Hlod build_hlod(const TriangleSource& source, const BuildOptions& options, MeshReport& report) {
+  check_options(options);
+  PieceCollector pieces;
+  source(pieces);
+  if (pieces.report().triangles_read == pieces.report().repeated_index_triangles)
+    throw Error({"hlod build", "", "the source has no triangle with three different corners", "give one at least"});
+  WedgeMesh mesh = pieces.weld(thread_count(options.threads));
+  report = pieces.report();
+  return build(std::move(mesh), options);
 }
 
 }  // namespace occlod::hlod

@@ -22,14 +22,14 @@ float rounded_up(double x) {
   return static_cast<double>(y) < x ? std::nextafter(y, most) : y;
 }
 
-Box box_of(const TriangleMesh& mesh, std::span<const Triangle> triangles) {
+Box box_of(const WedgeMesh& mesh, std::span<const Triangle> triangles) {
   Box box{mesh.positions[triangles[0].x], mesh.positions[triangles[0].x]};
   for (const Triangle& t : triangles)
     for (int k = 0; k < 3; ++k) box = unite(box, {mesh.positions[t[k]], mesh.positions[t[k]]});
   return box;
 }
 
-float area_of(const TriangleMesh& mesh, std::span<const Triangle> triangles) {
+float area_of(const WedgeMesh& mesh, std::span<const Triangle> triangles) {
   double area = 0.0;
   for (const Triangle& t : triangles) {
     const glm::dvec3 a(mesh.positions[t.x]), b(mesh.positions[t.y]), c(mesh.positions[t.z]);
@@ -81,7 +81,7 @@ void bound(NodeDraft& node, const std::vector<NodeDraft>& below) {
 
 }  // namespace
 
-LevelDraft input_level(const TriangleMesh& mesh, const TriangleGroups& groups, unsigned threads) {
+LevelDraft input_level(const WedgeMesh& mesh, const TriangleGroups& groups, unsigned threads) {
   LevelDraft level;
   level.nodes.resize(groups.count);
   for (const std::uint32_t group : groups.group_of) ++level.nodes[group].triangle_count;
@@ -111,40 +111,43 @@ LevelDraft input_level(const TriangleMesh& mesh, const TriangleGroups& groups, u
   return level;
 }
 
-LevelDraft finish_level(const TriangleMesh& mesh, const LevelDraft& below, std::vector<SimplifiedNode> simplified,
-                        unsigned threads) {
-  LevelDraft level;
-  level.nodes.resize(simplified.size());
-  std::vector<std::vector<std::uint32_t>> children = children_of_groups(below, simplified.size());
-  std::uint32_t first = 0;
-  for (std::size_t n = 0; n < level.nodes.size(); ++n) {
-    level.nodes[n].first_triangle = first;
-    level.nodes[n].triangle_count = static_cast<std::uint32_t>(simplified[n].triangles.size());
-    first += level.nodes[n].triangle_count;
-  }
-  level.triangles.resize(first);
-  level.corners.resize(below.corners.empty() ? 0 : first);
+LevelBuilder::LevelBuilder(const WedgeMesh& mesh, const LevelDraft& below, std::size_t nodes, unsigned threads)
+    : mesh_(mesh), below_(below), threads_(threads) {
+  level_.nodes.reserve(nodes);
+  const std::size_t expected = below.triangles.size() / 3;
+  level_.triangles.reserve(expected);
+  level_.corners.reserve(below.corners.empty() ? 0 : expected);
+}
+
+void LevelBuilder::append(SimplifiedNode& from) {
+  NodeDraft& node = level_.nodes.emplace_back();
+  node.first_triangle = static_cast<std::uint32_t>(level_.triangles.size());
+  node.triangle_count = static_cast<std::uint32_t>(from.triangles.size());
+  node.first_merge = level_.merges.size();
+  node.merge_count = from.merges.size();
+  level_.triangles.insert(level_.triangles.end(), from.triangles.begin(), from.triangles.end());
+  level_.corners.insert(level_.corners.end(), from.corners.begin(), from.corners.end());
+  level_.merges.insert(level_.merges.end(), from.merges.begin(), from.merges.end());
+  node.bare_targets = std::move(from.bare_targets);
+  node.within = std::move(from.within);
+  node.box = from.box;
+  node.error = from.error;
+  node.guaranteed_error = from.guaranteed_error;
+  from = {};
+}
+
+LevelDraft LevelBuilder::finish() {
+  std::vector<std::vector<std::uint32_t>> children = children_of_groups(below_, level_.nodes.size());
   for_each_task(
-      level.nodes.size(), threads, [] { return 0; },
+      level_.nodes.size(), threads_, [] { return 0; },
       [&](int, std::size_t n) {
-        NodeDraft& node = level.nodes[n];
-        SimplifiedNode& from = simplified[n];
-        std::copy(from.triangles.begin(), from.triangles.end(), level.triangles.begin() + node.first_triangle);
-        std::copy(from.corners.begin(), from.corners.end(),
-                  level.corners.begin() + (below.corners.empty() ? 0 : node.first_triangle));
+        NodeDraft& node = level_.nodes[n];
         node.children = std::move(children[n]);
-        node.merges = std::move(from.merges);
-        node.bare_targets = std::move(from.bare_targets);
-        node.within = std::move(from.within);
-        node.box = from.box;
-        node.error = from.error;
-        node.guaranteed_error = from.guaranteed_error;
-        node.area = area_of(mesh, from.triangles);
-        bound(node, below.nodes);
-        from = {};
+        node.area = area_of(mesh_, level_.triangles_of(node));
+        bound(node, below_.nodes);
       },
       [] {});
-  return level;
+  return std::move(level_);
 }
 
 }  // namespace occlod::hlod

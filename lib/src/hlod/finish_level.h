@@ -23,11 +23,25 @@ struct SimplifiedNode {
 };
 
 // Level 0: the groups of the input as they are.
-[[nodiscard]] LevelDraft input_level(const TriangleMesh& mesh, const TriangleGroups& groups, unsigned threads);
+[[nodiscard]] LevelDraft input_level(const WedgeMesh& mesh, const TriangleGroups& groups, unsigned threads);
 
 // The level of the nodes that replace the triangles of `below` by its parent_of. The result does not depend on the
-// threads. O(n).
-[[nodiscard]] LevelDraft finish_level(const TriangleMesh& mesh, const LevelDraft& below,
-                                      std::vector<SimplifiedNode> simplified, unsigned threads);
+// threads.
+class LevelBuilder {
+ public:
+  // Of so many nodes. All outlive it.
+  LevelBuilder(const WedgeMesh& mesh, const LevelDraft& below, std::size_t nodes, unsigned threads);
+
+  // The next node; takes what it has. O(size).
+  void append(SimplifiedNode& from);
+  // After all nodes. O(n).
+  [[nodiscard]] LevelDraft finish();
+
+ private:
+  const WedgeMesh& mesh_;
+  const LevelDraft& below_;
+  unsigned threads_;
+  LevelDraft level_;
+};
 
 }  // namespace occlod::hlod

@@ -25,7 +25,7 @@ TriangleGroups by_triangle(const Cells& cells, const CellGroups& groups, unsigne
 
 }  // namespace
 
-TriangleGrouping::TriangleGrouping(const TriangleMesh& mesh, const BuildOptions& options, unsigned threads)
+TriangleGrouping::TriangleGrouping(const WedgeMesh& mesh, const BuildOptions& options, unsigned threads)
     : mesh_(mesh), options_(options), threads_(threads), grid_(bounding_box(mesh.positions)) {}
 
 glm::dvec3 TriangleGrouping::centroid(const Triangle& t) const {
@@ -69,7 +69,7 @@ TriangleGroups TriangleGrouping::group_nodes(const LevelDraft& below) {
     for (const NodeDraft& node : below.nodes)
       node_codes_.push_back(grid_.code(centroid(below.triangles[node.first_triangle]), 0));
   LargeVector<std::uint64_t> codes(below.triangles.size());
-  std::vector<std::uint32_t> unit_of(below.triangles.size());
+  LargeVector<std::uint32_t> unit_of(below.triangles.size());
   for (std::uint32_t n = 0; n < below.nodes.size(); ++n) {
     const NodeDraft& node = below.nodes[n];
     std::fill_n(codes.begin() + node.first_triangle, node.triangle_count, node_codes_[n]);

@@ -9,6 +9,7 @@
 #include "level_draft.h"
 #include "occlod/hlod/build.h"
 #include "octree_grid.h"
+#include "wedge_mesh.h"
 
 namespace occlod::hlod {
 
@@ -20,7 +21,7 @@ struct TriangleGroups {
 
 class TriangleGrouping {
  public:
-  TriangleGrouping(const TriangleMesh& mesh, const BuildOptions& options, unsigned threads);
+  TriangleGrouping(const WedgeMesh& mesh, const BuildOptions& options, unsigned threads);
 
   // Of the input: at most node_triangles in each group.
   [[nodiscard]] TriangleGroups group_input() const;
@@ -34,7 +35,7 @@ class TriangleGrouping {
                                      std::uint32_t most_triangles, std::span<const std::uint32_t> unit_of) const;
   [[nodiscard]] TriangleGroups group_nodes(const LevelDraft& below);
 
-  const TriangleMesh& mesh_;
+  const WedgeMesh& mesh_;
   const BuildOptions& options_;
   unsigned threads_;
   OctreeGrid grid_;

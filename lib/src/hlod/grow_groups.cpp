@@ -108,7 +108,7 @@ void grow_stuck_groups(std::span<const Triangle> triangles, std::span<const std:
                        unsigned threads) {
   if (groups.count == 1) return;
   const std::vector<bool> stuck = find_stuck(triangles, vertex_count, groups, threads);
-  std::vector<std::uint32_t> members;
+  LargeVector<std::uint32_t> members;
   for (const std::uint32_t t : order)
     if (stuck[groups.group_of[t]]) members.push_back(t);
   if (4 * members.size() < triangles.size()) return;

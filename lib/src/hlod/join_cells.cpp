@@ -23,10 +23,10 @@ struct Link {
 
 // One for each vertex and two cells that follow each other among the vertex's cells: where many meet, a chain of links
 // is enough to join them. Each thread scans all triangles and handles the vertices of its part.
-std::vector<Link> find_links(const Cells& cells, std::span<const Triangle> triangles, std::size_t vertex_count,
+LargeVector<Link> find_links(const Cells& cells, std::span<const Triangle> triangles, std::size_t vertex_count,
                              unsigned threads) {
-  std::vector<CellId> last_cell(vertex_count, no_id);
-  std::vector<std::vector<Link>> parts(threads);
+  LargeVector<CellId> last_cell(vertex_count, no_id);
+  std::vector<LargeVector<Link>> parts(threads);
   for_each_part(vertex_count, threads, [&](std::size_t begin, std::size_t end, std::size_t part) {
     const auto meet = [&](VertexId v, CellId cell) {
       if (v < begin || v >= end || last_cell[v] == cell) return;
@@ -37,8 +37,8 @@ std::vector<Link> find_links(const Cells& cells, std::span<const Triangle> trian
       for (std::uint32_t i = cells.first_item[cell]; i < cells.first_item[cell + 1]; ++i)
         for (int k = 0; k < 3; ++k) meet(triangles[cells.order[i]][k], cell);
   });
-  std::vector<Link> links;
-  for (const std::vector<Link>& part : parts) links.insert(links.end(), part.begin(), part.end());
+  LargeVector<Link> links;
+  for (const LargeVector<Link>& part : parts) links.insert(links.end(), part.begin(), part.end());
   std::sort(links.begin(), links.end());
   return links;
 }
@@ -169,7 +169,7 @@ class CellJoiner {
 
 CellGroups join_cells(const Cells& cells, std::span<const Triangle> triangles, std::size_t vertex_count,
                       std::uint32_t most_triangles, unsigned threads) {
-  const std::vector<Link> links = find_links(cells, triangles, vertex_count, threads);
+  const LargeVector<Link> links = find_links(cells, triangles, vertex_count, threads);
   return CellJoiner(cells, links, most_triangles).run();
 }
 

@@ -34,8 +34,9 @@ struct NodeDraft {
   std::uint32_t first_triangle = 0;  // into LevelDraft::triangles
   std::uint32_t triangle_count = 0;
   std::vector<std::uint32_t> children;  // places on the level below, ascending
-  std::vector<Merge> merges;            // by v, in no order
-  std::vector<WedgeId> bare_targets;    // wedges that others were merged into, but that no triangle uses any more
+  std::size_t first_merge = 0;          // into LevelDraft::merges
+  std::size_t merge_count = 0;
+  std::vector<WedgeId> bare_targets;  // wedges that others were merged into, but that no triangle uses any more
   Box box, lod_box;
   Sphere sphere;
   float error = 0.0F, child_error = 0.0F, guaranteed_error = 0.0F, area = 0.0F;
@@ -46,9 +47,13 @@ struct LevelDraft {
   std::vector<NodeDraft> nodes;
   LargeVector<Triangle> triangles;       // vertices, node by node
   LargeVector<Triangle> corners;         // their wedges; empty without seams
+  LargeVector<Merge> merges;             // node by node
   LargeVector<std::uint32_t> parent_of;  // of each triangle: the place on the next level of the node that replaces it;
                                          // empty on the last level
 
+  [[nodiscard]] std::span<const Merge> merges_of(const NodeDraft& node) const {
+    return std::span<const Merge>(merges).subspan(node.first_merge, node.merge_count);
+  }
   [[nodiscard]] const LargeVector<Triangle>& wedge_triangles() const { return corners.empty() ? triangles : corners; }
   [[nodiscard]] std::span<const Triangle> triangles_of(const NodeDraft& node) const {
     return std::span<const Triangle>(triangles).subspan(node.first_triangle, node.triangle_count);

@@ -56,11 +56,11 @@ void copy_wedges(const WedgeMesh& mesh, std::span<const WedgeId> wedges, const V
     if (from.empty()) return;
     for (std::size_t i = 0; i < wedges.size(); ++i) reinterpret_cast<T*>(to + offset)[i] = from[wedges[i]];
   };
-  copy(mesh.mesh().positions, 0);
-  copy(mesh.mesh().normals, layout.normals);
-  copy(mesh.mesh().colors, layout.colors);
-  copy(mesh.mesh().texture_coordinates, layout.texture_coordinates);
-  copy(mesh.materials(), layout.materials);
+  copy(mesh.positions, 0);
+  copy(mesh.normals, layout.normals);
+  copy(mesh.colors, layout.colors);
+  copy(mesh.texture_coordinates, layout.texture_coordinates);
+  copy(mesh.wedge_materials, layout.materials);
 }
 
 }  // namespace occlod::hlod

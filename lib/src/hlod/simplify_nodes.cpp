@@ -20,6 +20,7 @@ namespace {
 constexpr std::size_t wanted_share = 4;    // a node is to have a quarter of its input's triangles,
 constexpr std::size_t smallest_share = 8;  // and has at least an eighth
 constexpr std::uint32_t sampled_groups = 32;
+constexpr std::uint32_t groups_at_once = 512;  // whose results are in memory before they join their level
 
 }  // namespace
 
@@ -44,7 +45,7 @@ class NodeSimplifier::Worker {
     for (const Triangle& t : simplified.triangles) result.triangles.push_back(global(t, vertices_.vertices()));
     for (const AddedWedge& added : simplified.added) {
       result.added.push_back({vertices_.vertices()[added.vertex], wedges_[added.attributes]});
-      wedges_.push_back(static_cast<WedgeId>(all_.input().wedge_count() + result.added.size() - 1));
+      wedges_.push_back(static_cast<WedgeId>(all_.mesh_.wedge_count() + result.added.size() - 1));
     }
     if (all_.mesh_.has_seams())
       for (const Triangle& t : simplified.corners.empty() ? simplified.triangles : simplified.corners)
@@ -90,7 +91,7 @@ class NodeSimplifier::Worker {
     std::vector<std::pair<std::uint32_t, std::uint32_t>> extra;  // a vertex, and a wedge of it
     for (std::uint32_t i = 0; i < wedges; ++i) {
       const WedgeId wedge = seam_wedges_.vertices()[i];
-      const std::uint32_t v = vertices_.find(all_.input().vertex_of(wedge));
+      const std::uint32_t v = vertices_.find(all_.mesh_.vertex_of(wedge));
       if (wedges_[v] == no_id) {
         wedges_[v] = wedge;
         local[i] = v;
@@ -110,7 +111,7 @@ class NodeSimplifier::Worker {
 
   // Positions; attributes only where they count.
   void copy_vertices() {
-    const TriangleMesh& from = all_.input();
+    const WedgeMesh& from = all_.mesh_;
     const auto copy = [&](const auto& of_all, auto& to) {
       if (of_all.empty()) return;
       for (const WedgeId wedge : wedges_) to.push_back(of_all[wedge]);
@@ -118,13 +119,13 @@ class NodeSimplifier::Worker {
     copy(from.positions, input_.positions);
     locked_.clear();
     for (const VertexId v : vertices_.vertices()) locked_.push_back(all_.locked_[v]);
-    if (!has_wedge_attributes(from)) return;
+    if (!from.has_wedge_attributes()) return;
     copy(from.normals, input_.normals);
     copy(from.colors, input_.colors);
     copy(from.texture_coordinates, input_.texture_coordinates);
-    if (all_.mesh_.materials().empty()) return;
+    if (all_.mesh_.wedge_materials.empty()) return;
     for (const Triangle& t : input_.wedge_triangles())
-      input_.triangle_materials.push_back(all_.mesh_.materials()[wedges_[t.x]]);
+      input_.triangle_materials.push_back(all_.mesh_.wedge_materials[wedges_[t.x]]);
   }
 
   [[nodiscard]] SimplifiedGroup simplify(float most_cost, std::size_t least_triangles) const {
@@ -182,11 +183,11 @@ NodeSimplifier::NodeSimplifier(WedgeMesh& mesh, const BuildOptions& options, uns
     : mesh_(mesh),
       options_(options),
       threads_(threads),
-      scale_(power_of_two_scale(input().positions)),
-      boxes_(input().vertex_count()),
-      locked_(input().vertex_count(), 0),
-      lost_(input().vertex_count(), 0) {
-  const std::vector<glm::vec3>& positions = input().positions;
+      scale_(power_of_two_scale(mesh_.positions)),
+      boxes_(mesh_.vertex_count()),
+      locked_(mesh_.vertex_count(), 0),
+      lost_(mesh_.vertex_count(), 0) {
+  const LargeVector<glm::vec3>& positions = mesh_.positions;
   for_each_id(boxes_.size(), threads, [&](VertexId v) { boxes_[v] = {positions[v], positions[v]}; });
 }
 
@@ -200,19 +201,29 @@ LevelDraft NodeSimplifier::run(LevelDraft& below, TriangleGroups groups, const P
   const float most_cost = is_last ? std::numeric_limits<float>::max() : common_cost(below, groups.count);
   const std::size_t share = is_last ? wanted_share : smallest_share;
 
-  std::vector<SimplifiedNode> results(groups.count);
-  std::atomic<std::size_t> done = 0;
-  for_each_task(
-      groups.count, threads_, [&] { return Worker(*this, below); },
-      [&](Worker& worker, std::size_t i) {
-        const auto group = static_cast<std::uint32_t>(i);
-        results[i] = worker.run(group, most_cost, members(group).size() / share);
-        done += members(group).size();
-      },
-      [&] { progress.reach(done); });
-  add_wedges(results);
-  pass_on(results);
-  return finish_level(input(), below, std::move(results), threads_);
+  LevelBuilder level(mesh_, below, groups.count, threads_);
+  std::vector<SimplifiedNode> results(groups_at_once);
+  std::size_t done_before = 0;
+  for (std::uint32_t first = 0; first < groups.count; first += groups_at_once) {
+    const std::uint32_t count = std::min(groups_at_once, groups.count - first);
+    std::atomic<std::size_t> done = done_before;
+    for_each_task(
+        count, threads_, [&] { return Worker(*this, below); },
+        [&](Worker& worker, std::size_t i) {
+          const auto group = static_cast<std::uint32_t>(first + i);
+          results[i] = worker.run(group, most_cost, members(group).size() / share);
+          done += members(group).size();
+        },
+        [&] { progress.reach(done); });
+    done_before = done;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      note(results[i]);
+      level.append(results[i]);
+    }
+  }
+  LevelDraft result = level.finish();
+  pass_on(result);
+  return result;
 }
 
 void NodeSimplifier::lock(const LevelDraft& below, std::uint32_t group_count) {
@@ -220,7 +231,7 @@ void NodeSimplifier::lock(const LevelDraft& below, std::uint32_t group_count) {
     locked_ = lost_;
     return;
   }
-  locked_ = shared_vertices(below.triangles, below.parent_of, input().vertex_count(), threads_);
+  locked_ = shared_vertices(below.triangles, below.parent_of, mesh_.vertex_count(), threads_);
   for_each_id(locked_.size(), threads_, [&](VertexId v) { locked_[v] |= lost_[v]; });
 }
 
@@ -261,34 +272,33 @@ float NodeSimplifier::common_cost(const LevelDraft& below, std::uint32_t group_c
   return costs.back().first;
 }
 
-// To the vertices that are left.
-void NodeSimplifier::pass_on(const std::vector<SimplifiedNode>& results) {
-  for (const SimplifiedNode& result : results) {
-    for (const auto& [v, u] : result.merges) {
-      Box& box = boxes_[input().vertex_of(u)];
-      box = unite(box, boxes_[input().vertex_of(v)]);
-    }
-    for (const VertexId v : result.lost) lost_[v] = 1;
+// What it has lost and added; wedges are numbered through, one node after the other.
+void NodeSimplifier::note(SimplifiedNode& result) {
+  losses_.insert(losses_.end(), result.lost.begin(), result.lost.end());
+  if (result.added.empty()) return;
+  const auto first = static_cast<WedgeId>(mesh_.wedge_count()), offset = static_cast<WedgeId>(added_.size());
+  added_.insert(added_.end(), result.added.begin(), result.added.end());
+  const auto move = [&](WedgeId& wedge) { wedge += wedge < first ? 0 : offset; };
+  for (Triangle& t : result.corners)
+    for (int k = 0; k < 3; ++k) move(t[k]);
+  for (Merge& merge : result.merges) {
+    move(merge.v);
+    move(merge.u);
   }
+  for (WedgeId& wedge : result.bare_targets) move(wedge);
+  for (WedgeId& wedge : result.within.wedges) move(wedge);
 }
 
-// Numbers those of all nodes through, one node after the other.
-void NodeSimplifier::add_wedges(std::vector<SimplifiedNode>& results) {
-  const auto first = static_cast<WedgeId>(input().wedge_count());
-  for (SimplifiedNode& result : results) {
-    if (result.added.empty()) continue;
-    const auto offset = static_cast<WedgeId>(input().wedge_count() - first);
-    for (const auto& [vertex, like] : result.added) mesh_.add(vertex, like);
-    const auto move = [&](WedgeId& wedge) { wedge += wedge < first ? 0 : offset; };
-    for (Triangle& t : result.corners)
-      for (int k = 0; k < 3; ++k) move(t[k]);
-    for (Merge& merge : result.merges) {
-      move(merge.v);
-      move(merge.u);
-    }
-    for (WedgeId& wedge : result.bare_targets) move(wedge);
-    for (WedgeId& wedge : result.within.wedges) move(wedge);
+// To the vertices that are left, once the level is finished: nodes share some of them.
+void NodeSimplifier::pass_on(const LevelDraft& level) {
+  for (const auto& [vertex, like] : added_) mesh_.add(vertex, like);
+  for (const auto& [v, u] : level.merges) {
+    Box& box = boxes_[mesh_.vertex_of(u)];
+    box = unite(box, boxes_[mesh_.vertex_of(v)]);
   }
+  for (const VertexId v : losses_) lost_[v] = 1;
+  added_.clear();
+  losses_.clear();
 }
 
 }  // namespace occlod::hlod

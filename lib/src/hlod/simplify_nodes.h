@@ -31,14 +31,16 @@ class NodeSimplifier {
   void list_members(const LevelDraft& below, std::uint32_t group_count);
   [[nodiscard]] std::span<const std::uint32_t> members(std::uint32_t group) const;
   [[nodiscard]] float common_cost(const LevelDraft& below, std::uint32_t group_count) const;
-  void pass_on(const std::vector<SimplifiedNode>& results);
-  void add_wedges(std::vector<SimplifiedNode>& results);
-  [[nodiscard]] const TriangleMesh& input() const { return mesh_.mesh(); }
+  void note(SimplifiedNode& result);
+  void pass_on(const LevelDraft& level);
 
   WedgeMesh& mesh_;
   const BuildOptions& options_;
   unsigned threads_;
   float scale_;
+  // What the nodes of a level that is not finished have lost and added.
+  LargeVector<VertexId> losses_;
+  LargeVector<AddedWedge> added_;
   // By vertex of the input mesh:
   LargeVector<Box> boxes_;              // around the level-0 vertices that were merged into it
   LargeVector<std::uint8_t> locked_;    // with locked borders: several nodes of the level share it, or `lost_`

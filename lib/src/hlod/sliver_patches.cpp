@@ -89,33 +89,38 @@ void drop_empty_groups(std::span<const std::uint32_t> size, TriangleGroups& grou
 }  // namespace
 
 void move_slivers(const LevelDraft& level, std::uint32_t node_triangles, TriangleGroups& groups, unsigned threads) {
-  std::vector<std::vector<Group>> moved(level.nodes.size());  // groups of all triangles of those with slivers
+  LargeVector<Group> moved(groups.group_of.size());  // groups of all triangles of those with slivers
+  std::vector<char> has_moved(level.nodes.size(), 0);
   for_each_task(
       level.nodes.size(), threads, [] { return 0; },
       [&](int, std::size_t n) {
         const NodeDraft& node = level.nodes[n];
         NodePatches patches(level.triangles_of(node),
                             std::span(groups.group_of).subspan(node.first_triangle, node.triangle_count));
-        if (patches.move(node_triangles / smallest_share))
-          moved[n].assign(patches.group_of().begin(), patches.group_of().end());
+        if (!patches.move(node_triangles / smallest_share)) return;
+        has_moved[n] = 1;
+        std::ranges::copy(patches.group_of(), moved.begin() + node.first_triangle);
       },
       [] {});
   std::vector<std::uint32_t> size(groups.count, 0);
   for (const Group group : groups.group_of) ++size[group];
   const std::uint32_t most = largest_group * node_triangles;
   bool any = false;
-  for (std::size_t n = 0; n < moved.size(); ++n) {
-    Group* const before = groups.group_of.data() + level.nodes[n].first_triangle;
+  for (std::size_t n = 0; n < has_moved.size(); ++n) {
+    if (has_moved[n] == 0) continue;
+    const NodeDraft& node = level.nodes[n];
+    Group* const before = groups.group_of.data() + node.first_triangle;
+    const Group* const after = moved.data() + node.first_triangle;
     bool fits = true;
-    for (std::size_t i = 0; i < moved[n].size(); ++i) {
+    for (std::size_t i = 0; i < node.triangle_count; ++i) {
       --size[before[i]];
-      fits = ++size[moved[n][i]] <= most && fits;
+      fits = ++size[after[i]] <= most && fits;
     }
-    if (!fits) {  // back
-      for (std::size_t i = 0; i < moved[n].size(); ++i) --size[moved[n][i]], ++size[before[i]];
-    } else {
-      std::copy(moved[n].begin(), moved[n].end(), before);
-      any = any || !moved[n].empty();
+    if (fits) {
+      std::copy_n(after, node.triangle_count, before);
+      any = true;
+    } else {  // back
+      for (std::size_t i = 0; i < node.triangle_count; ++i) --size[after[i]], ++size[before[i]];
     }
   }
   if (any) drop_empty_groups(size, groups);

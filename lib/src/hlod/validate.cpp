@@ -15,6 +15,7 @@
 #include "hierarchy/corner_key.h"
 #include "hierarchy/position_ids.h"
 #include "math/unite.h"
+#include "mesh/portable_math.h"
 #include "within_points.h"
 
 namespace occlod::hlod {
@@ -333,6 +334,53 @@ bool restores(const Hlod& hlod, const TriangleMesh& mesh) {
     given.push_back(corners_of(mesh.wedge_triangles()[t], input, mesh.material_of(t)));
   std::sort(restored.begin(), restored.end());
   std::sort(given.begin(), given.end());
+  return restored == given;
+}
+
+namespace {
+
+// Of a set of triangles, whatever their order.
+class TriangleSum final : public TriangleSink {
+ public:
+  void add(const Triangle& t, std::span<const glm::vec3> positions) {
+    const TriangleKey key = key_of(t, positions);
+    std::uint64_t low = 0x9e3779b97f4a7c15ULL, high = 0xc2b2ae3d27d4eb4fULL;
+    for (const std::uint32_t bits : key) {
+      low = scatter(low + bits);
+      high = scatter(high ^ (std::uint64_t{bits} << 17U));
+    }
+    ++count_;
+    low_ += low;
+    high_ += high;
+  }
+
+  void add(const TriangleMesh& piece) override {
+    for (const Triangle& t : piece.wedge_triangles()) {
+      const glm::vec3 &a = piece.positions[t.x], &b = piece.positions[t.y], &c = piece.positions[t.z];
+      if (a != b && b != c && c != a) add(t, piece.positions);
+    }
+  }
+
+  friend bool operator==(const TriangleSum& a, const TriangleSum& b) {
+    return a.count_ == b.count_ && a.low_ == b.low_ && a.high_ == b.high_;
+  }
+
+ private:
+  std::uint64_t count_ = 0, low_ = 0, high_ = 0;
+};
+
+}  // namespace
+
+bool restores(const Hlod& hlod, const TriangleSource& source) {
+  TriangleSum restored, given;
+  for (NodeId n = 0; n < hlod.node_count(); ++n) {
+    if (hlod.node(n).level > 0) continue;
+    hlod.require(n);
+    const NodeMesh mesh = hlod.mesh(n);
+    for (std::size_t i = 0; i < mesh.indices.size(); i += 3)
+      restored.add({mesh.indices[i], mesh.indices[i + 1], mesh.indices[i + 2]}, mesh.positions);
+  }
+  source(given);
   return restored == given;
 }
 

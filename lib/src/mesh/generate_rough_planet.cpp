@@ -84,30 +84,56 @@ class FractalNoise {
   std::vector<ValueNoise> octaves_;
 };
 
-}  // namespace
-
-TriangleMesh generate_rough_planet(const RoughPlanetOptions& options) {
+void check(const RoughPlanetOptions& options) {
   const OptionChecker check("rough planet");
   check.in_range("level", options.level, 0, 11);
   check.in_range("amplitude", options.amplitude, 0.0, 0.99);
   check.in_range("frequency", options.frequency, 0.0, 1e6);
   check.in_range("octaves", options.octaves, 0, 30);
+}
 
-  const OctahedronLattice lattice(options.level);
+// Between two rings, both with their vertices.
+TriangleMesh bands(const OctahedronLattice& lattice, std::size_t first_ring, std::size_t last_ring,
+                   const RoughPlanetOptions& options) {
   TriangleMesh mesh;
-  mesh.positions.resize(lattice.vertex_count());
-  share_tasks(lattice.ring_count(), [&](TaskQueue& rings) {
+  const std::size_t first = lattice.ring_start(first_ring);
+  const std::size_t end =
+      last_ring + 1 < lattice.ring_count() ? lattice.ring_start(last_ring + 1) : lattice.vertex_count();
+  mesh.positions.resize(end - first);
+  share_tasks(last_ring + 1 - first_ring, [&](TaskQueue& rings) {
     FractalNoise noise(options);
-    while (const auto ring = rings.next()) {
-      auto position = mesh.positions.begin() + static_cast<std::ptrdiff_t>(lattice.ring_start(*ring));
-      lattice.for_each_direction(*ring, [&](const glm::dvec3& direction) {
+    while (const auto task = rings.next()) {
+      const std::size_t ring = first_ring + *task;
+      auto position = mesh.positions.begin() + static_cast<std::ptrdiff_t>(lattice.ring_start(ring) - first);
+      lattice.for_each_direction(ring, [&](const glm::dvec3& direction) {
         const double radius = 1.0 + options.amplitude * noise.at(direction);
         *position++ = direction * radius;
       });
     }
   });
-  lattice.append_triangles(0, mesh.triangles);
+  lattice.append_bands(first_ring, last_ring, 0, mesh.triangles);
   return mesh;
+}
+
+}  // namespace
+
+TriangleMesh generate_rough_planet(const RoughPlanetOptions& options) {
+  check(options);
+  const OctahedronLattice lattice(options.level);
+  return bands(lattice, 0, lattice.ring_count() - 1, options);
+}
+
+void stream_rough_planet(const RoughPlanetOptions& options, const std::function<void(const TriangleMesh&)>& visit) {
+  check(options);
+  constexpr std::size_t most_vertices = std::size_t{1} << 18U;
+  const OctahedronLattice lattice(options.level);
+  const std::size_t last = lattice.ring_count() - 1;
+  for (std::size_t first = 0; first < last;) {
+    std::size_t end = first + 1;
+    while (end < last && lattice.ring_start(end + 1) - lattice.ring_start(first) < most_vertices) ++end;
+    visit(bands(lattice, first, end, options));
+    first = end;
+  }
 }
 
 }  // namespace occlod

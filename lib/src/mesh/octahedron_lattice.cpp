@@ -7,13 +7,19 @@ OctahedronLattice::OctahedronLattice(int subdivisions) : n_(1 << subdivisions) {
   for (int i = 0; i <= n_; ++i) warp_.push_back(sine_of_quarter_turns(static_cast<double>(i) / n_));
 }
 
-void OctahedronLattice::append_triangles(VertexId first_vertex, std::vector<Triangle>& triangles) const {
-  triangles.reserve(triangles.size() + triangle_count());
-  const auto vertex_of = [&](int ring) {
-    return first_vertex + static_cast<VertexId>(ring_start(static_cast<std::size_t>(ring)));
+void OctahedronLattice::append_bands(std::size_t first_ring, std::size_t last_ring, VertexId first_vertex,
+                                     std::vector<Triangle>& triangles) const {
+  const auto vertex_of = [&](std::size_t ring) {
+    return first_vertex + static_cast<VertexId>(ring_start(ring) - ring_start(first_ring));
   };
-  for (int m = 0; m < n_; ++m) append_band(vertex_of(m), vertex_of(m + 1), m, true, triangles);
-  for (int m = n_ - 1; m >= 0; --m) append_band(vertex_of(2 * n_ - m), vertex_of(2 * n_ - m - 1), m, false, triangles);
+  for (std::size_t ring = first_ring; ring < last_ring; ++ring) {
+    const VertexId above = vertex_of(ring), below = vertex_of(ring + 1);
+    const auto m = static_cast<int>(ring);
+    if (m < n_)
+      append_band(above, below, m, true, triangles);
+    else
+      append_band(below, above, 2 * n_ - 1 - m, false, triangles);
+  }
 }
 
 std::size_t OctahedronLattice::ring_start(std::size_t ring) const noexcept {

@@ -31,7 +31,12 @@ class OctahedronLattice {
   void for_each_direction(std::size_t ring, Visit visit) const;
 
   // Appends the triangles, counter-clockwise from outside, with `first_vertex` added to every index.
-  void append_triangles(VertexId first_vertex, std::vector<Triangle>& triangles) const;
+  void append_triangles(VertexId first_vertex, std::vector<Triangle>& triangles) const {
+    append_bands(0, ring_count() - 1, first_vertex, triangles);
+  }
+  // The same of those between the rings first_ring and last_ring, whose first vertex gets the number first_vertex.
+  void append_bands(std::size_t first_ring, std::size_t last_ring, VertexId first_vertex,
+                    std::vector<Triangle>& triangles) const;
 
  private:
   [[nodiscard]] std::size_t size_t_n() const noexcept { return static_cast<std::size_t>(n_); }

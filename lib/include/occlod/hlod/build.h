@@ -5,6 +5,8 @@
 #include <functional>
 
 #include "occlod/hlod/hlod.h"
+#include "occlod/hlod/triangle_source.h"
+#include "occlod/mesh/mesh_report.h"
 #include "occlod/mesh/triangle_mesh.h"
 
 namespace occlod::hlod {
@@ -40,5 +42,12 @@ struct BuildOptions {
 // coordinate beyond farthest_coordinate, and when cancelled. O(n log n) time; about 100 bytes a triangle beside the
 // result while building.
 [[nodiscard]] Hlod build_hlod(const TriangleMesh& mesh, const BuildOptions& options = {});
+
+// The same from a source that is read once, for meshes larger than memory: keep a MemoryLimit (core/memory_limit.h)
+// while this runs and while the result is written. Vertices of all pieces at one position become one, triangles with
+// two corners at one place and vertices without triangles go, as clean() has it; `report` is filled in but for
+// topology, which needs the mesh as a whole: those counts stay 0. The bytes are those of build_hlod() of the cleaned
+// mesh. Throws Error as above, for what pieces throw, and for 2^32 or more vertices or triangles.
+[[nodiscard]] Hlod build_hlod(const TriangleSource& source, const BuildOptions& options, MeshReport& report);
 
 }  // namespace occlod::hlod

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "occlod/hlod/hlod.h"
+#include "occlod/hlod/triangle_source.h"
 
 namespace occlod::hlod {
 
@@ -44,5 +45,10 @@ struct ValidateOptions {
 // order, each as often, with the same material and, at each corner, the same of those attributes that the mesh has, to
 // the bit. O(n log n).
 [[nodiscard]] bool restores(const Hlod& hlod, const TriangleMesh& mesh);
+
+// The same of a source, whose pieces are read once: compares how many triangles there are, and sums of hashes (128
+// bits) of their positions alone. Triangles with two corners at one place do not count. Meshes of the HLOD are checked
+// one by one; O(n) time, memory for one piece.
+[[nodiscard]] bool restores(const Hlod& hlod, const TriangleSource& source);
 
 }  // namespace occlod::hlod

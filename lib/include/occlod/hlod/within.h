@@ -15,7 +15,7 @@ namespace occlod::hlod {
 // refined, or else not drawn and out of sight: it has no patches. Whatever its neighbours are drawn with, no gap opens
 // where borders are locked (docs/decisions/029-cuts_within_nodes.md).
 struct NodeCut {
-  std::uint32_t splits = 0;  // how many; 0: the node's mesh as it is
+  std::uint32_t splits = 0;            // how many; 0: the node's mesh as it is
   std::vector<std::uint16_t> indices;  // three for each triangle: into NodeMesh::positions, then NodeSplits::positions
 };
 
@@ -28,9 +28,9 @@ struct NodeCut {
 // Node::error. splits <= NodeWithin::splits; the node's splits have been required. O(1).
 [[nodiscard]] double error_of_splits(const Hlod& hlod, NodeId n, std::uint32_t splits);
 
-// The mesh of node n, which has_within() and whose splits have been required, with its first splits applied, or some more
-// where the last one is of a place that others are at. O(triangles that the node was made from), times their logarithm
-// where the input has seams.
+// The mesh of node n, which has_within() and whose splits have been required, with its first splits applied, or some
+// more where the last one is of a place that others are at. O(triangles that the node was made from), times their
+// logarithm where the input has seams.
 [[nodiscard]] NodeCut cut_with_splits(const Hlod& hlod, NodeId n, std::uint32_t splits);
 
 // The coarsest mesh of node n whose error is at most `most_error`, object units; the finest if none is. Requires what

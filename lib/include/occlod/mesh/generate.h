@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 
 #include "occlod/mesh/triangle_mesh.h"
 
@@ -21,6 +22,9 @@ struct RoughPlanetOptions {
 };
 // Around the origin, radius 1.
 [[nodiscard]] TriangleMesh generate_rough_planet(const RoughPlanetOptions& options);
+// The same triangles in the same order, in pieces of some 500,000 from pole to pole: for meshes larger than memory.
+// Vertices where pieces meet are in both.
+void stream_rough_planet(const RoughPlanetOptions& options, const std::function<void(const TriangleMesh&)>& visit);
 
 // Blocks of box-shaped buildings on a ground plane, z up: many closed components that hide each other at street level.
 struct CityOptions {
