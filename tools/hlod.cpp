@@ -74,6 +74,11 @@ CleanMesh read_hlod_input(const std::vector<std::string>& files, Progress& progr
                        [&](const std::string& what, double done) { progress.show(what, done); });
 }
 
+hlod::TriangleSource stream_hlod_input(const std::vector<std::string>& files, Progress& progress) {
+  return stream_scene(describe_all(files), std::filesystem::path(files[0]).parent_path(),
+                      [&](const std::string& what, double done) { progress.show(what, done); });
+}
+
 Json counts_of(const hlod::Hlod& hlod) {
   const hlod::HlodView& view = hlod.data();
   std::uint64_t stored = 0;

@@ -7,6 +7,7 @@
 
 #include "json_output.h"
 #include "occlod/hlod/hlod.h"
+#include "occlod/hlod/triangle_source.h"
 #include "occlod/mesh/clean.h"
 #include "progress.h"
 
@@ -22,6 +23,9 @@ void add_hlod_validate(CLI::App& hlod);
 
 // One mesh of all that these files hold: a mesh as it is, several, or scenes, together in world space.
 [[nodiscard]] CleanMesh read_hlod_input(const std::vector<std::string>& files, Progress& progress);
+
+// The same piece by piece, for meshes larger than memory. `progress` outlives it.
+[[nodiscard]] hlod::TriangleSource stream_hlod_input(const std::vector<std::string>& files, Progress& progress);
 
 // nodes, levels, roots, patches, triangles, stored_triangles, grouping, borders, node_triangles, within, bytes; with
 // refinement within nodes splits and within_bytes, which are part of bytes.

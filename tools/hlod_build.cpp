@@ -1,4 +1,6 @@
 // occlod hlod build INPUT... -o FILE.ohlod
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <memory>
@@ -9,6 +11,7 @@
 #include "hlod.h"
 #include "interrupt.h"
 #include "occlod/core/error.h"
+#include "occlod/core/memory_limit.h"
 #include "occlod/hlod/build.h"
 #include "occlod/io/ohlod.h"
 #include "option_values.h"
@@ -26,6 +29,8 @@ struct Options {
   std::vector<std::string> inputs;
   std::string output;
   hlod::BuildOptions build;
+  std::optional<std::size_t> memory;
+  std::string scratch;
   ShowProgress progress = ShowProgress::automatic;
   bool json = false;
 };
@@ -36,15 +41,13 @@ std::vector<std::filesystem::path> mesh_files_of(const std::string& scene) {
   return mesh_files(options, read_scene(scene));
 }
 
-hlod::Hlod build(const Options& options, const TriangleMesh& mesh, Progress& progress) {
-  const std::string what = "building " + options.output;
-  progress.show(what, 0.0);
+hlod::BuildOptions with_progress(const Options& options, Progress& progress) {
   hlod::BuildOptions build = options.build;
-  build.progress = [&](double done) {
-    progress.show(what, done, mesh.triangle_count());
+  build.progress = [&progress, what = "building " + options.output](double done) {
+    progress.show(what, done);
     return true;
   };
-  return build_hlod(mesh, build);
+  return build;
 }
 
 void check(const Options& options) {
@@ -57,6 +60,42 @@ void check(const Options& options) {
     for (const std::filesystem::path& mesh : mesh_files_of(input)) files.add_input("a mesh of the scene", mesh);
   }
   files.add_output("--output", options.output);
+  if (options.memory && options.build.within == hlod::Within::splits)
+    throw CLI::ValidationError("--memory", "goes with --within geomorph only: splits of all nodes are kept in memory");
+}
+
+struct Built {
+  hlod::Hlod hlod;
+  MeshReport report;
+  double read_ms = 0.0;  // of the time, where reading comes first
+};
+
+Built build_in_memory(const Options& options, Progress& progress) {
+  const Stopwatch stopwatch;
+  const CleanMesh input = read_hlod_input(options.inputs, progress);
+  const double read_ms = stopwatch.milliseconds();
+  return {build_hlod(input.mesh, with_progress(options, progress)), input.report, read_ms};
+}
+
+Built build_streamed(const Options& options, Progress& progress) {
+  Built built;
+  const hlod::TriangleSource source = stream_hlod_input(options.inputs, progress);
+  built.hlod = build_hlod(source, with_progress(options, progress), built.report);
+  return built;
+}
+
+void set_memory(Options& options, const std::string& text) {
+  constexpr std::uint64_t least = std::uint64_t{64} << 20U;
+  options.memory = byte_count(text);
+  if (!options.memory || *options.memory < least)
+    throw CLI::ValidationError(
+        "--memory", fmt::format("{} is not a number of bytes, or one with K, M or G, of at least 64M", shown(text)));
+}
+
+std::filesystem::path scratch_folder(const Options& options) {
+  if (!options.scratch.empty()) return options.scratch;
+  const std::filesystem::path folder = std::filesystem::path(options.output).parent_path();
+  return folder.empty() ? "." : folder;  // where there has to be room for the result anyway
 }
 
 void run(const Options& options) {
@@ -64,25 +103,28 @@ void run(const Options& options) {
   check(options);
   Progress progress(options.progress);
   Stopwatch stopwatch;
-  const CleanMesh input = read_hlod_input(options.inputs, progress);
-  const double read_ms = stopwatch.restart();
-  const hlod::Hlod hlod = build(options, input.mesh, progress);
+  std::optional<MemoryLimit> limit;
+  if (options.memory) limit.emplace(*options.memory, scratch_folder(options));
+  const Built built = limit ? build_streamed(options, progress) : build_in_memory(options, progress);
   const double build_ms = stopwatch.restart();
-  write_interruptibly(options.output, hlod.bytes(), progress, [&] { write_ohlod(options.output, hlod, input.report); });
+  write_interruptibly(options.output, built.hlod.bytes(), progress,
+                      [&] { write_ohlod(options.output, built.hlod, built.report); });
   const double write_ms = stopwatch.milliseconds();
   progress.clear();
 
   Json result = {{"inputs", options.inputs}, {"file", options.output}};
-  result.update(counts_of(hlod));
-  result["read_ms"] = read_ms;
-  result["build_ms"] = build_ms;
+  result.update(counts_of(built.hlod));
+  if (!limit) result["read_ms"] = built.read_ms;
+  result["build_ms"] = build_ms - built.read_ms;
   result["write_ms"] = write_ms;
-  result["triangles_per_s"] = 1e3 * static_cast<double>(input.mesh.triangle_count()) / build_ms;
+  result["triangles_per_s"] =
+      1e3 * static_cast<double>(built.hlod.data().input_triangle_count) / (build_ms - built.read_ms);
   result["peak_bytes"] = peak_bytes();
-  result["report"] = to_json(input.report);
+  if (limit) result["scratch_bytes"] = limit->most_scratch_bytes();
+  result["report"] = to_json(built.report);
   if (options.json) return print_json(result);
   print_lines(result);
-  print_lines(input.report);
+  print_lines(built.report);
 }
 
 }  // namespace
@@ -118,6 +160,14 @@ void add_hlod_build(CLI::App& hlod) {
   add_number(command, "--threads", options->build.threads, WholeRange{0, most_threads},
              "Threads; 0: one per core. The result does not depend on it")
       ->capture_default_str();
+  command
+      .add_option_function<std::string>(
+          "--memory", [options](const std::string& text) { set_memory(*options, text); },
+          "Stream the input and keep to so much main memory, e.g. 1G: what does not fit lies in scratch files. The "
+          "result does not depend on how much")
+      ->option_text("BYTES");
+  add_name(command, "--scratch", options->scratch, "With --memory: folder for scratch files; else that of the output")
+      ->needs("--memory");
   add_progress_option(command, options->progress);
   command.add_flag("--json", options->json, "Print the result as one JSON object");
   command.callback([options] { run(*options); });

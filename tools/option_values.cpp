@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <string_view>
 
 namespace occlod::tool {
 namespace {
@@ -72,6 +73,15 @@ CLI::Validator file_name() {
 std::optional<std::uint64_t> whole_number(const std::string& text) {
   std::uint64_t value = 0;
   return parse(text, value) ? std::optional(value) : std::nullopt;
+}
+
+std::optional<std::uint64_t> byte_count(const std::string& text) {
+  constexpr std::string_view units = "KMG";
+  const std::size_t unit = text.empty() ? units.npos : units.find(text.back());
+  const auto count = whole_number(unit == units.npos ? text : text.substr(0, text.size() - 1));
+  const std::uint64_t factor = unit == units.npos ? 1 : std::uint64_t{1} << (10 * (unit + 1));
+  if (!count || *count > std::numeric_limits<std::uint64_t>::max() / factor) return std::nullopt;
+  return *count * factor;
 }
 
 std::string shown(const std::string& value) {

@@ -37,6 +37,8 @@ inline constexpr std::uint64_t most_threads = 1024;
 
 // For values that have parts. Decimal digits and nothing else, or nothing.
 [[nodiscard]] std::optional<std::uint64_t> whole_number(const std::string& text);
+// Bytes: such digits, and K, M or G for 1,024, 1,024^2 or 1,024^3 of them, or nothing.
+[[nodiscard]] std::optional<std::uint64_t> byte_count(const std::string& text);
 // For messages: in quotes, cut short, control characters as '?'.
 [[nodiscard]] std::string shown(const std::string& value);
 

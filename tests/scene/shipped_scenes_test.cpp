@@ -24,7 +24,7 @@ INSTANTIATE_TEST_SUITE_P(All, ShippedScene,
                          ::testing::Values("armadillo", "armadillo_group", "planet_full", "planet_near", "sponza",
                                            "sibenik", "city", "ww2_city", "hlod_row", "hlod_grid", "hlod_shelves",
                                            "hlod_5m", "hlod_12m", "plant", "dragon_alone", "car", "vlod_city",
-                                           "vlod_city_one", "vlod_plant"));
+                                           "vlod_city_one", "vlod_plant", "planets_268m"));
 
 }  // namespace
 }  // namespace occlod

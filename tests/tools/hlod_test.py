@@ -1,7 +1,8 @@
 """`occlod hlod` as people and scripts use it."""
+import subprocess
 import unittest
 
-from tool_case import TRIANGLES, ToolTest
+from tool_case import OCCLOD, TRIANGLES, ToolTest
 
 
 class Hlod(ToolTest):
@@ -83,6 +84,47 @@ class Hlod(ToolTest):
             self.build("--threads", threads, output=f"{threads}.ohlod")
         self.assertTrue(self.same_bytes("1.ohlod", "2.ohlod"))
         self.assertTrue(self.same_bytes("1.ohlod", "5.ohlod"))
+
+    def test_a_memory_limit_is_kept_and_does_not_change_the_file(self):
+        """How far it is overstepped depends on how busy the machine is: less than without one is asked of any."""
+        self.write_scene('{"objects": [{"generator": "rough-planet", "options": {"level": 9}}],'
+                         ' "cameras": {"default": {"eye": [0, 0, 4], "target": [0, 0, 0]}}}')
+        free = self.build(inputs=["scene.json"], output="free.ohlod")["peak_bytes"]
+        for limit in (96, 1024):
+            told = self.build("--memory", f"{limit}M", inputs=["scene.json"], output=f"{limit}.ohlod")
+            self.assertGreater(told["scratch_bytes"], 100 << 20)
+            if limit == 96:
+                self.assertLess(told["peak_bytes"], 0.8 * free)
+            self.assertEqual(told["report"]["triangles_read"], 8 * 4**9)
+        self.assertTrue(self.same_bytes("96.ohlod", "1024.ohlod"))
+        self.assertIn("valid", self.succeed("hlod", "validate", "96.ohlod", "--input", "scene.json", "--leaves-only"))
+        self.assertEqual(sorted(p.name for p in self.folder.iterdir() if p.suffix not in (".json", ".ply")), ["1024.ohlod", "96.ohlod", "free.ohlod"])
+
+    def test_a_killed_build_leaves_nothing(self):
+        self.write_scene('{"objects": [{"generator": "rough-planet", "options": {"level": 9}}],'
+                         ' "cameras": {"default": {"eye": [0, 0, 4], "target": [0, 0, 0]}}}')
+        (self.folder / "scratch").mkdir()
+        for seconds in (0.05, 0.4, 1.0, 2.0):
+            with subprocess.Popen([OCCLOD, "hlod", "build", "scene.json", "-o", "a.ohlod", "--memory", "64M", "--scratch", "scratch"],
+                                  cwd=self.folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as build:
+                try:
+                    build.wait(seconds)
+                except subprocess.TimeoutExpired:
+                    build.kill()
+            if build.returncode == 0:
+                break
+            self.assertFalse((self.folder / "a.ohlod").exists())
+            self.assertEqual(list((self.folder / "scratch").iterdir()), [])
+
+    def test_mistakes_with_memory(self):
+        build = ("hlod", "build", "planet.ply", "-o", "a.ohlod")
+        self.assertIn("missing", self.failure_of(*build, "--memory", "1G", "--scratch", "missing"))
+        for mistake, told in ((("--memory", "63M"), "of at least 64M"), (("--memory", "much"), "is not a number of bytes"),
+                              (("--scratch", "."), "requires --memory"), (("--memory", "1G", "--within", "splits"), "--within geomorph only")):
+            done = self.run_tool(*build, *mistake)
+            self.assertEqual((done.returncode, done.stdout, done.stderr.count("\n")), (2, "", 1), done.stderr)
+            self.assertIn(told, done.stderr)
+        self.assertFalse((self.folder / "a.ohlod").exists())
 
     def test_validate_tells_another_mesh_apart(self):
         self.build()

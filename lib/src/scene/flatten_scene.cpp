@@ -6,11 +6,13 @@
 #include <glm/matrix.hpp>
 #include <limits>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include "occlod/core/error.h"
 #include "occlod/hierarchy/cut_mesh.h"
 #include "occlod/io/olod.h"
+#include "occlod/mesh/generate.h"
 #include "occlod/scene/scene.h"
 #include "scene/mesh_source.h"
 
@@ -33,6 +35,12 @@ class MeshReader {
 
   [[nodiscard]] std::string name(std::size_t object) const {
     return name_of_source(scene_.objects[object].source, scene_, object, folder_);
+  }
+
+  // The same, with no other mesh in memory.
+  const CleanMesh& read_alone(std::size_t object) {
+    if (!read_.contains(name(object))) read_.clear();
+    return read(object);
   }
 
   const CleanMesh& read(std::size_t object) {
@@ -60,16 +68,26 @@ class SceneMaterials {
 
   // Those of the triangles of a mesh, the last ones of `all`. `name`: of its source.
   void add_triangles(const TriangleMesh& mesh, const std::string& name) {
+    const MaterialId first = first_of(mesh, name);
+    for (std::size_t t = 0; t < mesh.triangle_count(); ++t)
+      all_.triangle_materials.push_back(static_cast<MaterialId>(first + mesh.material_of(t)));
+  }
+
+  // The first of the mesh's materials among those of all.
+  MaterialId first_of(const TriangleMesh& mesh, const std::string& name) {
     const auto [found, is_new] = first_of_.try_emplace(mesh.materials.empty() ? std::string() : name, MaterialId{0});
     if (is_new) found->second = add_materials(mesh, name);
-    for (std::size_t t = 0; t < mesh.triangle_count(); ++t)
-      all_.triangle_materials.push_back(static_cast<MaterialId>(found->second + mesh.material_of(t)));
+    return found->second;
+  }
+
+  // Whether any mesh so far has some.
+  [[nodiscard]] bool any() const {
+    return first_of_.size() > 1 || (first_of_.size() == 1 && !first_of_.begin()->first.empty());
   }
 
   // After all objects. A scene without materials says nothing of them.
   void finish() {
-    const bool has_any = first_of_.size() > 1 || (first_of_.size() == 1 && !first_of_.begin()->first.empty());
-    if (has_any) return;
+    if (any()) return;
     all_.materials.clear();
     all_.triangle_materials.clear();
   }
@@ -111,10 +129,9 @@ class SceneMaterials {
   std::map<std::string, MaterialId> first_of_;  // by the mesh's name; "": of those that have none
 };
 
-// Objects without any have (0, 0). The first object that has some says where the origin is.
+// Objects without any have (0, 0).
 void append_texture_coordinates(TriangleMesh& all, const TriangleMesh& mesh, VertexId first) {
   if (mesh.texture_coordinates.empty()) return;
-  if (all.texture_coordinates.empty()) all.texture_origin = mesh.texture_origin;
   all.texture_coordinates.resize(first, glm::vec2(0.0F));
   for (glm::vec2 at : mesh.texture_coordinates) {
     if (mesh.texture_origin != all.texture_origin) at.y = 1.0F - at.y;
@@ -147,6 +164,99 @@ void add(LeftOut& sum, const LeftOut& more) {
   sum.groups += more.groups;
 }
 
+constexpr std::size_t piece_triangles = std::size_t{1} << 18U;
+
+// A run of triangles of a mesh and the vertices that they use.
+class PieceCutter {
+ public:
+  explicit PieceCutter(const TriangleMesh& mesh) : mesh_(mesh), local_(mesh.wedge_count(), no_id) {}
+
+  [[nodiscard]] TriangleMesh cut(std::size_t begin, std::size_t end) {
+    TriangleMesh piece;
+    std::vector<WedgeId> wedges;
+    for (std::size_t t = begin; t < end; ++t) {
+      Triangle triangle = mesh_.wedge_triangles()[t];
+      for (int k = 0; k < 3; ++k) {
+        VertexId& local = local_[triangle[k]];
+        if (local == no_id) {
+          local = static_cast<VertexId>(wedges.size());
+          wedges.push_back(triangle[k]);
+        }
+        triangle[k] = local;
+      }
+      piece.triangles.push_back(triangle);
+      if (!mesh_.triangle_materials.empty()) piece.triangle_materials.push_back(mesh_.triangle_materials[t]);
+    }
+    const auto gather = [&](const auto& from, auto& to) {
+      if (from.empty()) return;
+      for (const WedgeId wedge : wedges) to.push_back(from[wedge]);
+    };
+    gather(mesh_.positions, piece.positions);
+    gather(mesh_.normals, piece.normals);
+    gather(mesh_.colors, piece.colors);
+    gather(mesh_.texture_coordinates, piece.texture_coordinates);
+    piece.texture_origin = mesh_.texture_origin;
+    for (const WedgeId wedge : wedges) local_[wedge] = no_id;
+    return piece;
+  }
+
+ private:
+  const TriangleMesh& mesh_;
+  std::vector<VertexId> local_;  // by wedge, of the piece that is cut
+};
+
+// Gives the objects of a scene to a sink, one mesh in memory at a time.
+class SceneStreamer {
+ public:
+  SceneStreamer(const SceneDescription& scene, const std::filesystem::path& folder, const Progress& progress,
+                hlod::TriangleSink& sink)
+      : scene_(scene),
+        progress_(progress),
+        sink_(sink),
+        reader_(scene, folder, progress),
+        materials_(table_, folder, scene) {}
+
+  void run() {
+    const auto count = static_cast<double>(scene_.objects.size());
+    for (std::size_t i = 0; i < scene_.objects.size(); ++i) {
+      if (progress_) progress_("reading " + scene_.name, static_cast<double>(i) / count);
+      if (const auto* planet = std::get_if<RoughPlanetOptions>(&scene_.objects[i].source)) {
+        const MaterialId material = materials_.first_of({}, reader_.name(i));
+        stream_rough_planet(*planet, [&](const TriangleMesh& piece) { add(piece, i, material); });
+        continue;
+      }
+      const TriangleMesh& mesh = reader_.read_alone(i).mesh;
+      const MaterialId first = materials_.first_of(mesh, reader_.name(i));
+      PieceCutter cutter(mesh);
+      for (std::size_t begin = 0; begin < mesh.triangle_count(); begin += piece_triangles)
+        add(cutter.cut(begin, std::min(mesh.triangle_count(), begin + piece_triangles)), i, first);
+    }
+  }
+
+ private:
+  void add(const TriangleMesh& piece, std::size_t object, MaterialId first) {
+    TriangleMesh placed;
+    if (!piece.texture_coordinates.empty() && !origin_) origin_ = piece.texture_origin;
+    placed.texture_origin = origin_.value_or(TextureOrigin::bottom_left);
+    append(placed, piece, scene_.objects[object].object_to_world);
+    if (materials_.any()) {
+      placed.materials = table_.materials;
+      placed.textures = table_.textures;
+      for (std::size_t t = 0; t < piece.triangle_count(); ++t)
+        placed.triangle_materials.push_back(static_cast<MaterialId>(first + piece.material_of(t)));
+    }
+    sink_.add(placed);
+  }
+
+  const SceneDescription& scene_;
+  const Progress& progress_;
+  hlod::TriangleSink& sink_;
+  MeshReader reader_;
+  TriangleMesh table_;  // materials and textures so far
+  SceneMaterials materials_;
+  std::optional<TextureOrigin> origin_;
+};
+
 }  // namespace
 
 CleanMesh flatten_scene(const SceneDescription& scene, const std::filesystem::path& folder, const Progress& progress) {
@@ -159,6 +269,7 @@ CleanMesh flatten_scene(const SceneDescription& scene, const std::filesystem::pa
     if (all.positions.size() + object.mesh.positions.size() > std::numeric_limits<VertexId>::max())
       throw Error({scene.name, fmt::format("/objects/{}", i), "makes 2^32 vertices or more of all objects",
                    "use fewer objects"});
+    if (all.texture_coordinates.empty()) all.texture_origin = object.mesh.texture_origin;
     append(all, object.mesh, scene.objects[i].object_to_world);
     materials.add_triangles(object.mesh, reader.name(i));
     add(left_out, object.report.left_out);
@@ -170,6 +281,12 @@ CleanMesh flatten_scene(const SceneDescription& scene, const std::filesystem::pa
   CleanMesh result = clean(std::move(all), MeshReport{}, scene.name);
   result.report.left_out = left_out;
   return result;
+}
+
+hlod::TriangleSource stream_scene(SceneDescription scene, std::filesystem::path folder,
+                                  std::function<void(const std::string& what, double done)> progress) {
+  return [scene = std::move(scene), folder = std::move(folder), progress = std::move(progress)](
+             hlod::TriangleSink& sink) { SceneStreamer(scene, folder, progress, sink).run(); };
 }
 
 }  // namespace occlod

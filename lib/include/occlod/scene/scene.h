@@ -14,6 +14,7 @@
 
 #include "occlod/hierarchy/build.h"
 #include "occlod/hierarchy/hierarchy.h"
+#include "occlod/hlod/triangle_source.h"
 #include "occlod/mesh/clean.h"
 #include "occlod/mesh/generate.h"
 #include "occlod/mesh/mesh_report.h"
@@ -122,6 +123,12 @@ struct LoadedObject {
 // when all together have 2^32 vertices or more, or reach too far. O(size of all objects).
 [[nodiscard]] CleanMesh flatten_scene(const SceneDescription& scene, const std::filesystem::path& folder,
                                       const std::function<void(const std::string& what, double done)>& progress = {});
+
+// The triangles of flatten_scene() for build_hlod(), one mesh in memory at a time; rough planets are made piece by
+// piece. What fails is thrown as Error while they are given. `progress` is called on the thread that asks.
+[[nodiscard]] hlod::TriangleSource stream_scene(
+    SceneDescription scene, std::filesystem::path folder,
+    std::function<void(const std::string& what, double done)> progress = {});
 
 // Where a mesh of this name is found, searched for as MeshFile says, or an empty path. An absolute name is only looked
 // up as it is.
