@@ -4,8 +4,10 @@
 #include <signal.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
+#include <sys/uio.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstdint>
@@ -119,6 +121,27 @@ void InputFile::read(std::span<std::byte> bytes, std::uint64_t offset) const {
     if (got <= 0) fail(got < 0 ? errno : EIO);
     bytes = bytes.subspan(static_cast<std::size_t>(got));
     offset += static_cast<std::uint64_t>(got);
+  }
+}
+
+void InputFile::read(std::span<const std::span<std::byte>> parts, std::uint64_t offset) const {
+  constexpr std::size_t most_parts = 64;  // of one call; every system takes 16, this one 1,024
+  std::array<iovec, most_parts> vectors{};
+  while (!parts.empty()) {
+    const std::size_t count = std::min(parts.size(), most_parts);
+    for (std::size_t i = 0; i < count; ++i) vectors[i] = {parts[i].data(), parts[i].size()};
+    ssize_t got = preadv(descriptor_, vectors.data(), static_cast<int>(count), static_cast<off_t>(offset));
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) fail(got < 0 ? errno : EIO);
+    offset += static_cast<std::uint64_t>(got);
+    for (; !parts.empty() && static_cast<std::size_t>(got) >= parts.front().size(); parts = parts.subspan(1))
+      got -= static_cast<ssize_t>(parts.front().size());
+    if (got == 0) continue;
+    // The rest of an array that was filled in part.
+    const std::span<std::byte> rest = parts.front().subspan(static_cast<std::size_t>(got));
+    read(rest, offset);
+    offset += rest.size();
+    parts = parts.subspan(1);
   }
 }
 

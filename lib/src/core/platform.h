@@ -75,6 +75,8 @@ class InputFile {
   [[nodiscard]] std::size_t size() const noexcept { return size_; }
   // The bytes of the file from `offset` on; fails when it has become shorter than that. For any thread.
   void read(std::span<std::byte> bytes, std::uint64_t offset = 0) const;
+  // Likewise into several arrays in turn, in few calls of the system.
+  void read(std::span<const std::span<std::byte>> parts, std::uint64_t offset) const;
   // The whole file in memory, of at least one byte, without reading it. Outlives this object; end it with unmap().
   [[nodiscard]] std::span<const std::byte> map() const;
 

@@ -1,10 +1,12 @@
 #include "occlod/hlod/hlod.h"
 
 #include <cassert>
+#include <string>
 #include <utility>
 
 #include "hlod_data.h"
 #include "node_guard.h"
+#include "occlod/core/error.h"
 
 namespace occlod::hlod {
 namespace {
@@ -105,9 +107,27 @@ Hlod guarded_hlod(const HlodView& view, std::shared_ptr<const void> owner, std::
   return hlod;
 }
 
+NodeMesh mesh_at(const HlodView& view, NodeId n, const std::byte* bytes) noexcept {
+  const Node& node = view.nodes[n];
+  const MeshLayout layout(node, arrays_of(view));
+  const std::size_t vertices = node.vertices;
+  return {array_at<glm::vec3>(bytes, vertices),
+          array_at<glm::vec3>(bytes + layout.normals, view.has_normals ? vertices : 0),
+          array_at<glm::u8vec4>(bytes + layout.colors, view.has_colors ? vertices : 0),
+          array_at<std::uint16_t>(bytes + layout.indices, 3 * std::size_t{node.triangles}),
+          array_at<std::uint16_t>(bytes + layout.merged_into, vertices),
+          array_at<glm::vec2>(bytes + layout.texture_coordinates, view.has_texture_coordinates ? vertices : 0),
+          array_at<MaterialId>(bytes + layout.materials, view.has_materials ? vertices : 0)};
+}
+
 Hlod::Hlod(const HlodView& view, std::shared_ptr<const void> owner) : view_(view), owner_(std::move(owner)) {}
 
-void Hlod::check_mesh(NodeId n) const { guard_->check(n); }
+void Hlod::check_mesh(NodeId n) const {
+  if (!is_resident(n))
+    throw Error({"HLOD", "node " + std::to_string(n), "is not in memory: meshes come and go in a cache",
+                 "open the file without a cache"});
+  guard_->check(n);
+}
 
 void Hlod::check_within(NodeId n) const { guard_->check_within(n); }
 
@@ -119,18 +139,8 @@ void Hlod::require_all() const {
 }
 
 NodeMesh Hlod::mesh(NodeId n) const noexcept {
-  const Node& node = view_.nodes[n];
-  const MeshLayout layout(node, arrays_of(view_));
-  assert(node.mesh % mesh_alignment == 0 && node.mesh + layout.bytes <= view_.meshes.size());
-  const std::byte* const bytes = view_.meshes.data() + node.mesh;
-  const std::size_t vertices = node.vertices;
-  return {array_at<glm::vec3>(bytes, vertices),
-          array_at<glm::vec3>(bytes + layout.normals, view_.has_normals ? vertices : 0),
-          array_at<glm::u8vec4>(bytes + layout.colors, view_.has_colors ? vertices : 0),
-          array_at<std::uint16_t>(bytes + layout.indices, 3 * std::size_t{node.triangles}),
-          array_at<std::uint16_t>(bytes + layout.merged_into, vertices),
-          array_at<glm::vec2>(bytes + layout.texture_coordinates, view_.has_texture_coordinates ? vertices : 0),
-          array_at<MaterialId>(bytes + layout.materials, view_.has_materials ? vertices : 0)};
+  assert(is_resident(n));
+  return mesh_at(view_, n, resident_ == nullptr ? view_.meshes.data() + node(n).mesh : resident_[n].get());
 }
 
 NodeSplits Hlod::within(NodeId n) const noexcept {

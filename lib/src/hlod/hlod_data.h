@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "core/large_vector.h"
@@ -73,6 +75,13 @@ struct SplitsLayout : VertexLayout {
   std::size_t errors, indices, parents;
   std::size_t bytes;
 };
+
+// The mesh of node n, whose arrays begin here.
+[[nodiscard]] NodeMesh mesh_at(const HlodView& view, NodeId n, const std::byte* bytes) noexcept;
+
+// As in validate.h, of an HLOD whose meshes lie elsewhere: so many bytes of all, and that of node n.
+[[nodiscard]] std::optional<std::string> check_structure(const HlodView& data, std::uint64_t mesh_bytes);
+[[nodiscard]] std::optional<std::string> check_mesh(const HlodView& data, NodeId n, const NodeMesh& mesh);
 
 constexpr std::uint64_t align_mesh(std::uint64_t offset) {
   return (offset + mesh_alignment - 1) / mesh_alignment * mesh_alignment;

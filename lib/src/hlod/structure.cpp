@@ -27,7 +27,7 @@ bool is_of_one_material(std::span<const MaterialId> materials, std::uint16_t a, 
 
 class StructureCheck {
  public:
-  explicit StructureCheck(const HlodView& data) : d_(data) {}
+  StructureCheck(const HlodView& data, std::uint64_t mesh_bytes) : d_(data), mesh_bytes_(mesh_bytes) {}
 
   Problem run() {
     if (const Problem problem = check_levels()) return problem;
@@ -88,8 +88,8 @@ class StructureCheck {
         !is_length(node.area))
       return "has an error or area that is none";
     if (node.vertices > stays || 3 * std::uint64_t{node.triangles} > 0xffffffffU) return "is too large";
-    if (node.mesh % mesh_alignment != 0 || node.mesh > d_.meshes.size() ||
-        MeshLayout(node, arrays_of(d_)).bytes > d_.meshes.size() - node.mesh)
+    if (node.mesh % mesh_alignment != 0 || node.mesh > mesh_bytes_ ||
+        MeshLayout(node, arrays_of(d_)).bytes > mesh_bytes_ - node.mesh)
       return "has a mesh outside the meshes";
     return check_patches(node);
   }
@@ -163,16 +163,24 @@ class StructureCheck {
   }
 
   const HlodView& d_;
+  std::uint64_t mesh_bytes_;
   std::size_t next_patch_ = 0, next_child_ = 0;
 };
 
 }  // namespace
 
-std::optional<std::string> check_structure(const HlodView& data) { return StructureCheck(data).run(); }
+std::optional<std::string> check_structure(const HlodView& data) { return check_structure(data, data.meshes.size()); }
+
+std::optional<std::string> check_structure(const HlodView& data, std::uint64_t mesh_bytes) {
+  return StructureCheck(data, mesh_bytes).run();
+}
 
 std::optional<std::string> check_mesh(const HlodView& data, NodeId n) {
+  return check_mesh(data, n, Hlod(data, nullptr).mesh(n));
+}
+
+std::optional<std::string> check_mesh(const HlodView& data, NodeId n, const NodeMesh& mesh) {
   const Hlod hlod(data, nullptr);
-  const NodeMesh mesh = hlod.mesh(n);
   for (const glm::vec3& p : mesh.positions)
     if (!is_finite(p)) return "a position is not finite";
   if (!are_materials(data, mesh.materials)) return "a material is not there";

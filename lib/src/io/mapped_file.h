@@ -3,9 +3,11 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <memory>
 #include <span>
 
 #include "core/large_vector.h"
+#include "core/platform.h"
 
 namespace occlod {
 
@@ -26,5 +28,8 @@ class MappedFile {
 
 // The same bytes in memory, at any alignment up to 64. Throws Error likewise, and when they cannot all be read.
 [[nodiscard]] LargeVector<std::byte> read_whole(const std::filesystem::path& path);
+
+// A file to be read in parts, whatever becomes of its name. Throws Error when there is no such regular file.
+[[nodiscard]] std::shared_ptr<const InputFile> open_file(const std::filesystem::path& path);
 
 }  // namespace occlod

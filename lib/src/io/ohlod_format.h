@@ -44,7 +44,8 @@ enum WedgeFlag : std::uint32_t { has_texture_coordinates = 1, has_materials = 2,
   return wedge_flags(view) != 0 || !view.materials.empty() || !view.textures.empty();
 }
 
-inline constexpr std::string_view summary_name = "INFO", digests_name = "BLOK", splits_digests_name = "WBLK";
+inline constexpr std::string_view summary_name = "INFO", meshes_name = "MESH", digests_name = "BLOK",
+                                  splits_digests_name = "WBLK";
 
 // Calls visit(name, array, has_parts) for every array of an HLOD: the one list of what a file holds. That with parts is
 // checked node by node.
@@ -55,7 +56,7 @@ void for_each_array(View& view, const Visit& visit) {
   visit("CHIL", view.children, false);
   visit("ROOT", view.roots, false);
   visit("LEVL", view.levels, false);
-  visit("MESH", view.meshes, true);
+  visit(meshes_name, view.meshes, true);
 }
 
 // The same for the arrays of refinement within nodes, which a file may lack.

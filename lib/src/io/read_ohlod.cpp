@@ -1,10 +1,14 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 #include <string>
-#include <type_traits>
+#include <system_error>
 #include <utility>
 
+#include "core/platform.h"
+#include "hlod/hlod_data.h"
+#include "hlod/mesh_source.h"
 #include "hlod/node_guard.h"
 #include "material_sections.h"
 #include "occlod/core/error.h"
@@ -69,15 +73,75 @@ void take(const Summary& summary, const SectionReader& reader, hlod::HlodView& v
   view.has_seams = (summary.wedges & has_seams) != 0;
 }
 
+// For for_each_array(). Arrays with parts: those of meshes and splits.
+struct ArrayReader {
+  SectionReader& reader;
+  bool reads_parts;
+
+  template <typename T>
+  void operator()(std::string_view name, std::span<const T>& array, bool has_parts) const {
+    if (!has_parts || reads_parts) array = reader.read<T>(name, has_parts ? Check::parts : Check::whole);
+  }
+};
+
+// Of nodes, without meshes and splits. `mesh_bytes`: of all meshes. Throws Error.
+std::span<const std::uint64_t> check_nodes(SectionReader& reader, const hlod::HlodView& view,
+                                           std::uint64_t mesh_bytes) {
+  if (const auto problem = check_structure(view, mesh_bytes))
+    reader.refuse("", "does not hold a valid HLOD: " + *problem);
+  const auto digests = reader.read<std::uint64_t>(digests_name);
+  if (digests.size() != view.nodes.size()) reader.refuse("section BLOK", "does not have a checksum for every node");
+  return digests;
+}
+
+// Meshes in an open file.
+class FileMeshes final : public hlod::MeshSource {
+ public:
+  FileMeshes(std::shared_ptr<const InputFile> file, std::shared_ptr<const SectionReader> reader,
+             const hlod::HlodView& view, std::span<const std::uint64_t> digests)
+      : file_(std::move(file)),
+        reader_(std::move(reader)),
+        view_(view),
+        digests_(digests),
+        place_(reader_->offset_of(meshes_name)),
+        bytes_(reader_->bytes_of(meshes_name)) {}
+
+  [[nodiscard]] std::size_t bytes_of(hlod::NodeId n) const noexcept override {
+    const hlod::Node& node = view_.nodes[n];
+    const std::uint64_t bytes = hlod::align_mesh(hlod::MeshLayout(node, arrays_of(view_)).bytes);
+    return std::min(bytes, bytes_ - node.mesh);
+  }
+
+  void read(hlod::NodeId first, std::span<const std::span<std::byte>> meshes) override {
+    try {
+      file_->read(meshes, place_ + view_.nodes[first].mesh);
+    } catch (const std::system_error& error) {
+      reader_->refuse(fmt::format("node {}", first), fmt::format("cannot be read: {}", error.code().message()),
+                      "check that the file is whole");
+    }
+  }
+
+  void check(hlod::NodeId n, std::span<const std::byte> mesh) const override {
+    if (checksum_of(mesh) != digests_[n])
+      reader_->refuse(fmt::format("node {}", n), "is damaged: its checksum is wrong");
+    if (const auto problem = check_mesh(view_, n, mesh_at(view_, n, mesh.data())))
+      reader_->refuse(fmt::format("node {}", n), "has no valid mesh: " + *problem);
+  }
+
+ private:
+  std::shared_ptr<const InputFile> file_;
+  std::shared_ptr<const SectionReader> reader_;
+  hlod::HlodView view_;
+  std::span<const std::uint64_t> digests_;
+  std::uint64_t place_, bytes_;  // of all meshes
+};
+
 }  // namespace
 
 OhlodFile read_ohlod(const std::filesystem::path& path, OlodAccess access) {
   const auto reader = std::make_shared<SectionReader>(path, file_kind, access == OlodAccess::mapped);
   hlod::HlodView view;
-  const auto read = [&](std::string_view name, auto& array, bool has_parts) {
-    using T = typename std::decay_t<decltype(array)>::value_type;
-    array = reader->template read<T>(name, has_parts ? Check::parts : Check::whole);
-  };
+  const ArrayReader read{*reader, true};
   for_each_array(view, read);
   take(reader->read_one<Summary>(summary_name, "summary"), *reader, view);
   const auto owner = std::make_shared<const Owner>(Owner{reader, read_materials(*reader)});
@@ -85,17 +149,31 @@ OhlodFile read_ohlod(const std::filesystem::path& path, OlodAccess access) {
   view.textures = owner->materials.textures;
   view.texture_origin = owner->materials.origin;
   const MeshReport report = reader->read_report();
-  Digests digests{reader->read<std::uint64_t>(digests_name), {}};
+  Digests digests;
   if (reader->has(splits_digests_name)) {
     for_each_within_array(view, read);
     digests.splits = reader->read<std::uint64_t>(splits_digests_name);
   }
-  if (const auto problem = check_structure(view)) reader->refuse("", "does not hold a valid HLOD: " + *problem);
-  if (digests.meshes.size() != view.nodes.size())
-    reader->refuse("section BLOK", "does not have a checksum for every node");
+  digests.meshes = check_nodes(*reader, view, view.meshes.size());
   if (digests.splits.size() != view.within.size())
     reader->refuse("section WBLK", "does not have a checksum for every node");
   return {guarded_hlod(view, owner, std::make_shared<FileGuard>(reader, view, digests)), report};
+}
+
+OhlodFile open_ohlod(const std::filesystem::path& path, const hlod::CacheOptions& cache) {
+  const auto file = open_file(path);
+  const auto reader = std::make_shared<SectionReader>(file, path, file_kind);
+  hlod::HlodView view;
+  for_each_array(view, ArrayReader{*reader, false});
+  take(reader->read_one<Summary>(summary_name, "summary"), *reader, view);
+  const auto owner = std::make_shared<const Owner>(Owner{reader, read_materials(*reader)});
+  view.materials = owner->materials.materials;
+  view.textures = owner->materials.textures;
+  view.texture_origin = owner->materials.origin;
+  const MeshReport report = reader->read_report();
+  const auto digests = check_nodes(*reader, view, reader->bytes_of(meshes_name));
+  auto source = std::make_unique<FileMeshes>(file, reader, view, digests);
+  return {paged_hlod(std::make_shared<hlod::NodeStore>(view, owner, std::move(source), cache)), report};
 }
 
 }  // namespace occlod

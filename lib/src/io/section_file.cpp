@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cstring>
+#include <system_error>
+#include <utility>
 
 #include "io/atomic_file.h"
 #include "occlod/core/error.h"
@@ -94,6 +96,14 @@ SectionReader::SectionReader(const std::filesystem::path& path, const FileKind& 
     copy_ = read_whole(path);
     bytes_ = copy_;
   }
+  size_ = bytes_.size();
+  read_header();
+  check_table();
+}
+
+SectionReader::SectionReader(std::shared_ptr<const InputFile> file, const std::filesystem::path& path,
+                             const FileKind& kind)
+    : path_(path.string()), kind_(kind), open_file_(std::move(file)), size_(open_file_->size()) {
   read_header();
   check_table();
 }
@@ -107,27 +117,27 @@ void SectionReader::refuse(const std::string& place, const std::string& problem)
 }
 
 void SectionReader::read_header() {
-  FileHeader header;
-  if (bytes_.size() >= sizeof(header)) std::memcpy(&header, bytes_.data(), sizeof(header));
+  FileHeader& header = header_;
+  if (size_ >= sizeof(header)) std::memcpy(&header, bytes_at(0, sizeof(header)).data(), sizeof(header));
   if (header.magic != kind_.magic) refuse("byte 0", fmt::format("is not an {} file", kind_.name), kind_.make);
   const std::uint32_t oldest = kind_.oldest_version == 0 ? kind_.version : kind_.oldest_version;
   if (header.version < oldest || header.version > kind_.version)
     refuse("byte 8", fmt::format("is an {} file of version {}, this program reads version {}", kind_.name,
                                  header.version, kind_.version));
-  if (header.file_bytes != bytes_.size())
-    refuse("byte 16", fmt::format("has {} bytes, but says that it has {}: it is truncated or has extra bytes",
-                                  bytes_.size(), header.file_bytes));
+  if (header.file_bytes != size_)
+    refuse("byte 16", fmt::format("has {} bytes, but says that it has {}: it is truncated or has extra bytes", size_,
+                                  header.file_bytes));
   if (header.section_count > most_sections) refuse("byte 12", fmt::format("claims {} sections", header.section_count));
   table_.resize(header.section_count);
   const auto table = std::as_writable_bytes(std::span(table_));
-  if (bytes_.size() - sizeof(header) < table.size()) refuse("byte 32", "ends inside its section table");
-  std::ranges::copy(bytes_.subspan(sizeof(header), table.size()), table.begin());
+  if (size_ - sizeof(header) < table.size()) refuse("byte 32", "ends inside its section table");
+  std::ranges::copy(bytes_at(sizeof(header), table.size()), table.begin());
   if (checksum_of(table) != header.table_checksum)
     refuse("byte 32", "has a damaged section table: its checksum is wrong");
 }
 
 void SectionReader::check_table() const {
-  const std::uint64_t size = bytes_.size();
+  const std::uint64_t size = size_;
   for (const Section& section : table_) {
     if (section.offset > size || section.bytes > size - section.offset)
       refuse(place_of(section), "lies outside the file");
@@ -147,17 +157,11 @@ std::vector<Section>::const_iterator SectionReader::find(std::string_view name) 
   return std::find_if(table_.begin(), table_.end(), [&](const Section& s) { return name_of(s) == name; });
 }
 
-std::uint64_t SectionReader::offset_of(std::string_view name) const {
+const Section& SectionReader::stored_section(std::string_view name) const {
   const auto found = find(name);
   if (found == table_.end()) refuse("", fmt::format("has no section {}", name));
   if (found->codec != Codec::stored) refuse(place_of(*found), "is compressed, which it must not be");
-  return found->offset;
-}
-
-FileHeader SectionReader::header() const {
-  FileHeader header;
-  std::memcpy(&header, bytes_.data(), sizeof(header));
-  return header;
+  return *found;
 }
 
 std::span<const std::byte> SectionReader::read_bytes(std::string_view name, std::uint32_t element_bytes, Check check) {
@@ -171,8 +175,20 @@ std::span<const std::byte> SectionReader::read_bytes(std::string_view name, std:
   return bytes;
 }
 
-std::span<const std::byte> SectionReader::stored(const Section& section) const {
-  return bytes_.subspan(section.offset, section.bytes);
+std::span<const std::byte> SectionReader::stored(const Section& section) {
+  return bytes_at(section.offset, section.bytes);
+}
+
+// Inside the file.
+std::span<const std::byte> SectionReader::bytes_at(std::uint64_t offset, std::size_t bytes) {
+  if (open_file_ == nullptr) return bytes_.subspan(offset, bytes);
+  UninitializedVector<std::byte>& part = parts_.emplace_back(bytes);
+  try {
+    open_file_->read(part, offset);
+  } catch (const std::system_error& error) {
+    refuse(fmt::format("byte {}", offset), fmt::format("cannot be read: {}", error.code().message()));
+  }
+  return part;
 }
 
 std::span<const std::byte> SectionReader::unpacked(const Section& section) {

@@ -94,6 +94,8 @@ class SectionReader {
  public:
   // Checks header and table. Throws Error.
   SectionReader(const std::filesystem::path& path, const FileKind& kind, bool is_mapped);
+  // Of an open file, for messages at `path`: sections are copied when they are read. Likewise.
+  SectionReader(std::shared_ptr<const InputFile> file, const std::filesystem::path& path, const FileKind& kind);
 
   [[noreturn]] void refuse(const std::string& place, const std::string& problem, const std::string& remedy) const;
   // The remedy is to build the file again.
@@ -115,9 +117,11 @@ class SectionReader {
     return values[0];
   }
   // From the start of the file, of a section that is not compressed. Throws Error when it is missing or compressed.
-  [[nodiscard]] std::uint64_t offset_of(std::string_view name) const;
+  [[nodiscard]] std::uint64_t offset_of(std::string_view name) const { return stored_section(name).offset; }
+  // Its bytes. Likewise.
+  [[nodiscard]] std::uint64_t bytes_of(std::string_view name) const { return stored_section(name).bytes; }
   // What is at the start of the file.
-  [[nodiscard]] FileHeader header() const;
+  [[nodiscard]] const FileHeader& header() const noexcept { return header_; }
   // Whether there is a section of this name.
   [[nodiscard]] bool has(std::string_view name) const { return find(name) != table_.end(); }
   [[nodiscard]] MeshReport read_report();
@@ -129,7 +133,9 @@ class SectionReader {
   void check_table() const;
   [[nodiscard]] std::vector<Section>::const_iterator find(std::string_view name) const;
   [[nodiscard]] std::span<const std::byte> read_bytes(std::string_view name, std::uint32_t element_bytes, Check check);
-  [[nodiscard]] std::span<const std::byte> stored(const Section& section) const;
+  [[nodiscard]] const Section& stored_section(std::string_view name) const;
+  [[nodiscard]] std::span<const std::byte> stored(const Section& section);
+  [[nodiscard]] std::span<const std::byte> bytes_at(std::uint64_t offset, std::size_t bytes);
   [[nodiscard]] std::span<const std::byte> unpacked(const Section& section);
 
   std::string path_;
@@ -137,6 +143,10 @@ class SectionReader {
   std::optional<MappedFile> file_;  // or a copy
   LargeVector<std::byte> copy_;
   std::span<const std::byte> bytes_;
+  std::shared_ptr<const InputFile> open_file_;         // or parts of a file
+  std::vector<UninitializedVector<std::byte>> parts_;  // read so far
+  std::uint64_t size_ = 0;                             // of the file
+  FileHeader header_;
   std::vector<Section> table_;
   std::vector<std::vector<std::byte>> unpacked_;
 };

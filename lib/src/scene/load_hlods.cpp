@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <map>
 #include <optional>
+#include <set>
 #include <utility>
 
+#include "occlod/core/error.h"
 #include "occlod/io/ohlod.h"
 #include "scene/build_cache.h"
 #include "scene/mesh_source.h"
@@ -43,10 +45,27 @@ SharedHlod build(const SceneDescription& scene, const std::filesystem::path& fol
   return hlod;
 }
 
-SharedHlod read(const std::string& file) {
+SharedHlod read(const std::string& file, const std::optional<hlod::CacheOptions>& paged) {
+  if (paged) return std::make_shared<const hlod::Hlod>(open_ohlod(file, *paged).hlod);
   auto hlod = std::make_shared<const hlod::Hlod>(read_ohlod(file).hlod);
   hlod->require_all();
   return hlod;
+}
+
+// A file's share of the budget.
+std::optional<hlod::CacheOptions> share_of(std::optional<hlod::CacheOptions> paged, const SceneDescription& scene,
+                                           const std::filesystem::path& folder) {
+  if (!paged) return paged;
+  std::set<std::string> files;
+  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+    const std::string name = name_of_source(scene.objects[i].source, scene, i, folder);
+    if (!is_ohlod_file(name))
+      throw Error({name, "", "is no .ohlod file, and only of those meshes can come and go",
+                   "make one with 'occlod hlod build', or use no cache"});
+    files.insert(name);
+  }
+  paged->budget_bytes /= std::max<std::size_t>(files.size(), 1);
+  return paged;
 }
 
 }  // namespace
@@ -57,6 +76,7 @@ std::vector<LoadedHlod> load_hlods(const SceneDescription& scene, const std::fil
   meshes.objects.clear();
   std::vector<LoadedHlod> hlods;
   std::map<std::string, SharedHlod> files;  // by name
+  const std::optional<hlod::CacheOptions> paged = share_of(options.paged, scene, folder);
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     const SceneObject& object = scene.objects[i];
     const std::string name = name_of_source(object.source, scene, i, folder);
@@ -65,7 +85,7 @@ std::vector<LoadedHlod> load_hlods(const SceneDescription& scene, const std::fil
       continue;
     }
     SharedHlod& shared = files[name];
-    if (!shared) shared = read(name);
+    if (!shared) shared = read(name, paged);
     hlods.push_back({shared, object.object_to_world, object.two_sided, name});
   }
   if (meshes.objects.empty()) return hlods;

@@ -8,6 +8,7 @@ namespace occlod::hlod {
 FrameScene::FrameScene(std::span<const PlacedHlod> objects) {
   for (const PlacedHlod& object : objects) {
     hlods_.push_back(object.hlod);
+    stores_.push_back(object.hlod->store());
     states_.emplace_back(object.hlod->node_count());
   }
 }
@@ -28,8 +29,36 @@ void FrameScene::begin_frame(const View& view, std::span<const PlacedHlod> objec
   for (const PlacedHlod& object : objects) frames_.emplace_back(view, object, options);
 }
 
-bool FrameScene::is_fine(NodeRef n, double bias) const {
+bool FrameScene::is_within_tolerance(NodeRef n, double bias) const {
   return node(n).level == 0 || (options_.tolerance_px > 0.0 && bias * least_error_px(n) <= options_.tolerance_px);
+}
+
+bool FrameScene::lacks_children(NodeRef n) const {
+  const NodeStore* const store = stores_[n.object];
+  return store != nullptr && std::ranges::any_of(hlod(n).children(n.node), [&](NodeId child) {
+           return !store->may_have(child) && view_of(n).may_be_inside(hlod(n).node(child).box);
+         });
+}
+
+void FrameScene::need(NodeRef n) const {
+  if (stores_[n.object] != nullptr && hlod(n).is_resident(n.node)) stores_[n.object]->need(n.node);
+}
+
+void FrameScene::find_children_inside(NodeRef n) {
+  children_inside_.clear();
+  for (const NodeId child : hlod(n).children(n.node))
+    if (view_of(n).may_be_inside(hlod(n).node(child).box)) children_inside_.push_back(child);
+}
+
+bool FrameScene::fetch_children(NodeRef n) {
+  if (stores_[n.object] == nullptr) return true;
+  find_children_inside(n);
+  return stores_[n.object]->fetch(children_inside_);
+}
+
+void FrameScene::want_children(NodeRef n, double bias) {
+  find_children_inside(n);
+  stores_[n.object]->want(children_inside_, bias * error_px(n));
 }
 
 bool FrameScene::stops(NodeRef n, double bias) {

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "occlod/hlod/node_store.h"
 #include "occlod/hlod/within.h"
 #include "traverse/node_state.h"
 #include "traverse/object_frame.h"
@@ -44,9 +45,13 @@ class FrameScene {
   }
   // Of a node of which this share is visible.
   [[nodiscard]] double bias(double mu) const noexcept { return biased_ ? options_.bias(mu) : no_bias(mu); }
-  // Whether the node is fine enough with this bias, refined within if need be. With a tolerance of 0 only level 0 is,
-  // whatever the error.
-  [[nodiscard]] bool is_fine(NodeRef n, double bias) const;
+  // Whether the node is as fine as it should be with this bias, refined within if need be. With a tolerance of 0 only
+  // level 0 is, whatever the error.
+  [[nodiscard]] bool is_within_tolerance(NodeRef n, double bias) const;
+  // Whether the node cannot be refined in this frame: the mesh of a child that may be inside the frustum is not there.
+  [[nodiscard]] bool lacks_children(NodeRef n) const;
+  // Whether the node is as fine as it should be or as it can be: what is not there is as if there was nothing below.
+  [[nodiscard]] bool is_fine(NodeRef n, double bias) const { return is_within_tolerance(n, bias) || lacks_children(n); }
   // The same, but for what finer nodes needed of it in the last frame (raise_floor()). Notes when that decides.
   [[nodiscard]] bool stops(NodeRef n, double bias);
   // Whether a node that is fine enough with this bias is so only when it is refined within.
@@ -62,6 +67,12 @@ class FrameScene {
     const double error = error_of_splits(hlod(n), n.node, splits);
     return std::max(error / view_of(n).error_limit(node(n), 1.0), least_error_px(n));
   }
+  // The mesh of the node is used in this frame, if it is there.
+  void need(NodeRef n) const;
+  // Whether the children that may be inside the frustum are there, read if need be.
+  [[nodiscard]] bool fetch_children(NodeRef n);
+  // The node is drawn with this bias because they are not.
+  void want_children(NodeRef n, double bias);
   // Lets the node be refined in the next frame, since a finer one cannot be drawn without. Only its bias is against it.
   void raise_floor(NodeRef n);
 
@@ -70,7 +81,11 @@ class FrameScene {
     return options_.within && options_.tolerance_px > 0.0 && hlod(n).has_within(n.node);
   }
 
+  void find_children_inside(NodeRef n);
+
   std::vector<const Hlod*> hlods_;
+  std::vector<NodeStore*> stores_;              // by object; null where all meshes are there
+  std::vector<NodeId> children_inside_;         // scratch
   std::vector<std::vector<NodeState>> states_;  // by object, then by node
   std::vector<ObjectFrame> frames_;             // by object
   TraverseOptions options_;

@@ -30,6 +30,7 @@ void Front::reach(NodeRef n) {
   NodeState& state = scene_.state(n);
   enter_frame(state, scene_.frame());
   state.status = Status::undecided;
+  scene_.need(n);
   queue_.push({scene_.view_of(n).distance(scene_.node(n).box), n, reached_++});
 }
 

@@ -96,7 +96,7 @@ void Traversal::stop(NodeRef n, double bias) {
   NodeState& state = scene_.state(n);
   state.drawn_bias = static_cast<float>(bias);
   state.held_to_stop = false;
-  if (!scene_.needs_cut(n, bias)) return draw_whole(n);
+  if (!scene_.needs_cut(n, bias)) return draw_whole(n, bias);
   switch (front_.may_refine(n)) {
     case Permission::granted:
       front_.stop_within(n, scene_.cut_error(n, bias));
@@ -106,13 +106,14 @@ void Traversal::stop(NodeRef n, double bias) {
       return front_.hold(n);
     case Permission::denied:
       note_denied(n);
-      return draw_whole(n);
+      return draw_whole(n, bias);
   }
 }
 
-void Traversal::draw_whole(NodeRef n) {
+void Traversal::draw_whole(NodeRef n, double bias) {
   front_.stop(n);
   policy_.note_drawn(scene_, n);
+  note_waiting(n, bias);
 }
 
 void Traversal::settle_next() {
@@ -188,6 +189,10 @@ void Traversal::settle_held(NodeRef n, double bias) {
 // Drawn when it was asked about, because it was predicted to stop or had to.
 void Traversal::settle_drawn(NodeRef n, bool is_fine, double bias) {
   if (!is_fine && front_.may_refine(n) == Permission::granted) {
+    if (!scene_.fetch_children(n)) {
+      note_wasted(n);
+      return note_waiting(n, bias);
+    }
     if (is_drawable(n)) ++stats_.rarn;
     front_.keep_floors(n);
     return front_.refine(n);
@@ -220,18 +225,19 @@ bool Traversal::is_drawable(NodeRef n) const { return scene_.node(n).patches > 0
 void Traversal::want_refined(NodeRef n) {
   switch (front_.may_refine(n)) {
     case Permission::granted:
+      if (!scene_.fetch_children(n)) return draw_unrefined(n);
       front_.keep_floors(n);
       return front_.refine(n);
     case Permission::pending:
       return front_.hold(n);
     case Permission::denied:
-      return draw_denied(n);
+      note_denied(n);
+      return draw_unrefined(n);
   }
 }
 
 // A node that is asked about anyway was visible: the answer decides nothing but what the next frame predicts.
-void Traversal::draw_denied(NodeRef n) {
-  note_denied(n);
+void Traversal::draw_unrefined(NodeRef n) {
   const NodeState& state = scene_.state(n);
   if (state.asked) {
     if (is_drawable(n)) note_delayed(n);
@@ -241,7 +247,7 @@ void Traversal::draw_denied(NodeRef n) {
     else
       front_.see(n);
   }
-  draw_whole(n);
+  draw_whole(n, static_cast<double>(state.bias));
 }
 
 void Traversal::note_delayed(NodeRef n) {
@@ -252,6 +258,13 @@ void Traversal::note_delayed(NodeRef n) {
 void Traversal::note_wasted(NodeRef n) {
   ++stats_.wasted_queries;
   scene_.state(n).wasted = true;
+}
+
+// A node has been drawn with this bias: was it for want of a mesh?
+void Traversal::note_waiting(NodeRef n, double bias) {
+  if (scene_.is_within_tolerance(n, bias) || !scene_.lacks_children(n)) return;
+  if (is_drawable(n)) ++stats_.waiting_nodes;
+  scene_.want_children(n, bias);
 }
 
 void Traversal::note_denied(NodeRef n) {

@@ -35,15 +35,16 @@ class Traversal {
   void settle_unasked(NodeRef n);
   void see_unasked(NodeRef n);
   void stop(NodeRef n, double bias);
-  void draw_whole(NodeRef n);
+  void draw_whole(NodeRef n, double bias);
   void settle(NodeRef n, double mu);
   void settle_held(NodeRef n, double bias);
   void settle_drawn(NodeRef n, bool is_fine, double bias);
   bool draw_finer(NodeRef n, double bias);
   [[nodiscard]] bool is_drawable(NodeRef n) const;
   void want_refined(NodeRef n);
-  void draw_denied(NodeRef n);
+  void draw_unrefined(NodeRef n);
   void note_denied(NodeRef n);
+  void note_waiting(NodeRef n, double bias);
   void note_delayed(NodeRef n);
   void note_wasted(NodeRef n);
 

@@ -8,7 +8,9 @@
 
 #include "core/option_checker.h"
 #include "occlod/core/error.h"
+#include "occlod/hlod/node_store.h"
 #include "traverse/modelled_device.h"
+#include "traverse/prefetch.h"
 #include "traverse/strategy_choice.h"
 #include "traverse/traversal.h"
 #include "view/placement.h"
@@ -28,6 +30,7 @@ void check(const TraverseOptions& options, const RenderDevice& device) {
   checker.at_least("tolerance_px", options.tolerance_px, 0.0);
   checker.in_range("bias.s", options.bias.s, 0.0, 1.0);
   checker.in_range("bias.t", options.bias.t, 0.0, 1.0);
+  checker.in_range("prefetch_frames", options.prefetch_frames, 0, 1000);
   check_costs(options);
   if (options.within && options.geomorph)
     throw Error({"traversal options", "within", "does not go with geomorph", "choose one of them"});
@@ -100,7 +103,11 @@ bool needs_oracle(Strategy strategy) noexcept { return strategy == Strategy::ide
 class Traverser::Impl {
  public:
   explicit Impl(std::span<const PlacedHlod> objects)
-      : objects_((check(objects), std::vector(objects.begin(), objects.end()))) {}
+      : objects_((check(objects), std::vector(objects.begin(), objects.end()))) {
+    for (const PlacedHlod& object : objects_)
+      if (NodeStore* const store = object.hlod->store())
+        if (std::ranges::find(stores_, store) == stores_.end()) stores_.push_back(store);
+  }
 
   void set_transform(std::size_t object, const glm::dmat4& object_to_world) {
     if (object >= objects_.size())
@@ -121,10 +128,12 @@ class Traverser::Impl {
     strategy_ = options.strategy;
     broken_off_ = true;  // unless the end is reached
     clear(frame_);
+    for (NodeStore* const store : stores_) store->begin_frame();
     if (options.strategy == Strategy::automatic)
       draw_by_choice(view, device, options);
     else
       draw(way(0, options.strategy), view, device, options);
+    end_stores(view, options);
     broken_off_ = false;
     return frame_;
   }
@@ -175,6 +184,21 @@ class Traverser::Impl {
     frame_.times = device.end_frame();
   }
 
+  // Asks for what is missing, or else for what may be soon.
+  void end_stores(const View& view, const TraverseOptions& options) {
+    if (stores_.empty()) return;
+    if (frame_.stats.waiting_nodes == 0 && options.prefetch_frames > 0) {
+      const auto ahead =
+          last_camera_ ? view_ahead(*last_camera_, view, options.prefetch_frames) : std::optional<View>();
+      prefetcher_.run(objects_, frame_, ahead, options);
+    }
+    last_camera_ = view.camera();
+    for (NodeStore* const store : stores_) {
+      store->end_frame();
+      frame_.stats.missing += store->stats().missing;
+    }
+  }
+
   // What has been drawn, on another device, without a question.
   void draw_again(const View& view, RenderDevice& device) {
     device.begin_frame(view, objects_);
@@ -190,6 +214,9 @@ class Traverser::Impl {
   }
 
   std::vector<PlacedHlod> objects_;
+  std::vector<NodeStore*> stores_;  // of the objects that have one, each once
+  std::optional<Camera> last_camera_;
+  Prefetcher prefetcher_;
   std::array<std::unique_ptr<Way>, StrategyChoice::candidates.size()> ways_;  // the first alone, but for `automatic`
   std::optional<StrategyChoice> choice_;
   ModelledDevice modelled_;

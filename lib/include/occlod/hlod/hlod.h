@@ -119,7 +119,7 @@ struct HlodView {
   std::span<const NodeId> children;        // node by node, ascending
   std::span<const NodeId> roots;           // nodes without a parent, ascending
   std::span<const Level> levels;           // from level 0
-  std::span<const std::byte> meshes;       // of all nodes: the arrays of NodeMesh
+  std::span<const std::byte> meshes;       // of all nodes: the arrays of NodeMesh; empty of an HLOD with a store
   Box box;                                 // of the input
   std::uint64_t input_triangle_count = 0;  // of level 0
   Grouping grouping = Grouping::shifted;   // how it was built
@@ -140,8 +140,10 @@ struct HlodView {
 inline constexpr std::size_t mesh_alignment = 16;  // of a node's mesh in HlodView::meshes, and of its splits
 
 class NodeGuard;
+class NodeStore;
 
-// Immutable; copies share their arrays. Any number of threads may read one.
+// Immutable; copies share their arrays. Any number of threads may read one; of one with a store() only the thread that
+// uses the store may read meshes.
 class Hlod {
  public:
   // Of nothing: without nodes.
@@ -166,10 +168,15 @@ class Hlod {
   [[nodiscard]] std::span<const NodeId> children(NodeId n) const noexcept {
     return view_.children.subspan(node(n).first_child, node(n).children);
   }
+  // Whose meshes come and go (node_store.h); null where all are always there.
+  [[nodiscard]] NodeStore* store() const noexcept { return store_; }
+  // Whether the mesh of node n is there; always without a store.
+  [[nodiscard]] bool is_resident(NodeId n) const noexcept { return resident_ == nullptr || resident_[n] != nullptr; }
   // Call before the first use of the mesh of node n: checks the part of a mapped file that holds it, and throws Error
-  // when it is damaged. Nothing to do for other HLODs and when it has been checked before.
+  // when it is damaged; with a store, when it is not there. Nothing to do for other HLODs and when it has been checked
+  // before.
   void require(NodeId n) const {
-    if (checked_ != nullptr && !checked_[n].load(std::memory_order_acquire)) check_mesh(n);
+    if (!is_resident(n) || (checked_ != nullptr && !checked_[n].load(std::memory_order_acquire))) check_mesh(n);
   }
   // Whether node n can be refined within: it has splits. n < node_count().
   [[nodiscard]] bool has_within(NodeId n) const noexcept { return !view_.within.empty() && view_.within[n].splits > 0; }
@@ -183,19 +190,22 @@ class Hlod {
   [[nodiscard]] NodeMesh mesh(NodeId n) const noexcept;
   // Of node n, which has_within() and whose splits have been required.
   [[nodiscard]] NodeSplits within(NodeId n) const noexcept;
-  // That the arrays occupy.
+  // That the arrays occupy; meshes in a store do not count.
   [[nodiscard]] std::size_t bytes() const noexcept;
 
  private:
   friend Hlod guarded_hlod(const HlodView& view, std::shared_ptr<const void> owner, std::shared_ptr<NodeGuard> guard);
+  friend Hlod paged_hlod(const std::shared_ptr<NodeStore>& store);
   void check_mesh(NodeId n) const;
   void check_within(NodeId n) const;
 
   HlodView view_;
   std::shared_ptr<const void> owner_;
   std::shared_ptr<NodeGuard> guard_;
-  const std::atomic<bool>* checked_ = nullptr;         // by node, the guard's; null without a guard
-  const std::atomic<bool>* within_checked_ = nullptr;  // likewise, of splits
+  const std::atomic<bool>* checked_ = nullptr;              // by node, the guard's; null without a guard
+  const std::atomic<bool>* within_checked_ = nullptr;       // likewise, of splits
+  NodeStore* store_ = nullptr;                              // kept alive by owner_
+  const std::unique_ptr<std::byte[]>* resident_ = nullptr;  // by node, the mesh or null; null without a store
 };
 
 }  // namespace occlod::hlod

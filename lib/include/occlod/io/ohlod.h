@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "occlod/hlod/hlod.h"
+#include "occlod/hlod/node_store.h"
 #include "occlod/io/olod.h"
 #include "occlod/mesh/mesh_report.h"
 
@@ -30,5 +31,12 @@ void write_ohlod(const std::filesystem::path& path, const hlod::Hlod& hlod, cons
 //
 // What read_olod() says of mapped files holds here too: a file that is open must not be cut short.
 [[nodiscard]] OhlodFile read_ohlod(const std::filesystem::path& path, OlodAccess access = OlodAccess::mapped);
+
+// The same without meshes: these come and go within a budget while the HLOD is traversed, checked as they come (see
+// node_store.h, Hlod::store()). Splits within nodes are left out. What is known of nodes without their meshes is
+// copied, so that nothing depends on what becomes of the file: a mesh that is damaged or gone never comes, coarser ones
+// are drawn in its place, and NodeStore::take_failures() tells. Throws Error as read_ohlod() does, for options out of
+// their range, a budget that is too small, and when the coarsest nodes are damaged. O(nodes).
+[[nodiscard]] OhlodFile open_ohlod(const std::filesystem::path& path, const hlod::CacheOptions& cache);
 
 }  // namespace occlod

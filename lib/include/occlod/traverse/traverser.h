@@ -81,6 +81,10 @@ struct TraverseOptions {
   // Of strategies that need them (needs_costs()): of the device that is drawn on. measure_costs(), or those of a
   // simulated device.
   DeviceCosts costs = {};
+  // Of HLODs with a store (node_store.h): what the camera would see after so many more frames like the last is asked
+  // for when nothing is missing, and so are the siblings of what is drawn. At 60 frames a second, a quarter of a
+  // second. In [0, 1000]; 0: nothing is asked for before it is needed.
+  int prefetch_frames = 15;
   // Of nohc and batch. `printed` also means that benefits are spread over log2 of the nodes, as in a binary tree; else
   // over the levels.
   CoverModel cover_model = CoverModel::printed;
@@ -143,6 +147,8 @@ struct FrameStats {
   std::size_t queries = 0;          // boxes asked about
   std::size_t wasted_queries = 0;   // of them, answered visible, and nothing was decided by it
   std::size_t hidden_nodes = 0;     // of the nodes asked about, those answered hidden
+  std::size_t waiting_nodes = 0;    // of drawn_nodes, those that a finer one would have been drawn for if it were there
+  std::size_t missing = 0;          // nodes whose meshes they wait for, and which may come: see StoreStats
   double largest_sse_px = 0.0;      // the largest screen-space error drawn, without bias
 };
 
@@ -181,6 +187,11 @@ class Traverser {
   // available, and on earlier frames; nodes at equal distance are taken by object, then by id. Throws Error for options
   // out of their range, for a view that is too far from an object, and what the device throws; after that the next
   // frame is like the first. Expected O(nodes visited * log(nodes visited)).
+  //
+  // Of an HLOD with a store a node is refined only when the meshes of all children that may be inside the frustum are
+  // there; until then it is drawn in their place, and they are asked for. So the front is a legal one, and the same as
+  // without a store where nothing is missing. The frame is one of the store's, too; several traversers may use one
+  // store in turn.
   const Frame& draw_frame(const View& view, RenderDevice& device, const TraverseOptions& options = {});
 
   // As given, with the transforms as they are now.
