@@ -14,6 +14,7 @@
 #include "drawing.h"
 #include "hlod.h"
 #include "hlod_boxes.h"
+#include "hlod_cache.h"
 #include "hlod_costs.h"
 #include "hlod_device.h"
 #include "hlod_options.h"
@@ -27,6 +28,7 @@
 #include "occlod/device/recorded_device.h"
 #include "option_values.h"
 #include "render_path.h"
+#include "stopwatch.h"
 
 namespace occlod::tool {
 namespace {
@@ -85,6 +87,7 @@ Json report_of(const Options& options, const HlodScene& scene, const HlodDevice&
   report.update(to_json(options.traverse));
   report["device"] = device.name;
   if (hlod::needs_costs(options.traverse.strategy)) report["costs"] = to_json(costs);
+  if (options.scene.paged) report["cache"] = to_json(*options.scene.paged);
   if (!device.gl.is_null()) report["gl"] = device.gl;
   for (const LoadedHlod& hlod : scene.hlods) {
     Json counts = {{"source", hlod.source_name}};
@@ -94,6 +97,18 @@ Json report_of(const Options& options, const HlodScene& scene, const HlodDevice&
   report["mean"] = runs.summary(0);
   report["frames"] = runs.rows(0);
   return report;
+}
+
+// The line below the table: sums and maxima over all frames.
+void print_cache(const hlod::CacheOptions& cache, const Json& told, double first_picture_ms) {
+  const auto number = [&](const char* key) { return told[key].get<double>(); };
+  fmt::print(
+      "first picture after {:.0f} ms; frames of {:.3f} ms, 1 in 100 more than {:.3f} ms; at most {:.2f} of {:.2f} MB "
+      "in "
+      "memory; {:.2f} MB in {:.0f} meshes by {:.0f} reads, {:.0f} of them gone again; {:.0f} nodes failed\n",
+      first_picture_ms, number("p50_wall_ms"), number("p99_wall_ms"), number("resident_bytes") * 1e-6,
+      static_cast<double>(cache.budget_bytes) * 1e-6, number("bytes_loaded") * 1e-6, number("loads"), number("reads"),
+      number("evictions"), number("failed"));
 }
 
 void run(const Options& options) {
@@ -110,26 +125,34 @@ void run(const Options& options) {
   traverse.costs = costs_of(devices, options.costs, {traverse.strategy}).front();
   std::optional<hlod::RecordingDevice> recorder;
   if (!options.record.empty()) recorder.emplace(*device.device);
+  const Stopwatch opening;
   const HlodScene scene = load_hlod_scene(options.scene, request);
   const HlodTextures textures(scene.hlods, options.scene.file.parent_path(),
                               options.png.empty() ? TextureChoice::none : options.texture);
   hlod::RenderDevice* drawn_on = recorder ? &*recorder : device.device.get();
   HlodRuns runs(scene, {{traverse, drawn_on}}, options.compared_frames);
-  const auto columns = frame_columns(options.compared_frames > 0);
+  const bool is_paged = options.scene.paged.has_value();
+  const auto columns = frame_columns(options.compared_frames > 0, is_paged);
   if (!options.json) print_titles(columns);
+  double first_picture_ms = 0.0;
   for (int i = 0; i < scene.path.frames; ++i) {
     note_interrupts();
     runs.draw(i);
+    if (i == 0) first_picture_ms = opening.milliseconds();
+    print_failures(scene.placed);
+    write_pictures(options, scene, runs.front(0), i);
     write_pictures(options, scene, textures, runs.front(0), i);
     if (!options.json) print_row(columns, runs.told(0));
   }
   if (!options.csv.empty()) write_csv(options.csv, runs.rows(0));
   if (recorder) write_recording(options.record, recorder->recording());
-  const Json report = report_of(options, scene, device, traverse.costs, runs);
+  Json report = report_of(options, scene, device, traverse.costs, runs);
+  report["first_picture_ms"] = first_picture_ms;
   if (options.json) return print_json(report);
   Json mean = report["mean"];
   mean["frame"] = "mean";
-  print_row(mean_columns(options.compared_frames > 0), mean);
+  print_row(mean_columns(options.compared_frames > 0, is_paged), mean);
+  if (is_paged) print_cache(*options.scene.paged, mean, first_picture_ms);
 }
 
 }  // namespace
@@ -138,10 +161,12 @@ void add_hlod_render(CLI::App& hlod) {
   CLI::App& command = *hlod.add_subcommand("render", "Draw HLODs along a camera path, culled by occlusion queries");
   const auto options = std::make_shared<Options>();
   add_hlod_scene_options(command, options->scene);
+  CLI::Option* const cache = add_cache_options(command, options->scene.paged);
   command.option_defaults()->group("Refinement");
   add_choice(command, "--strategy", options->traverse.strategy, strategies(),
              "What decides which nodes are drawn; docs/guide/hlod.md explains them");
   add_traverse_options(command, options->traverse);
+  command.get_option("--within")->excludes(cache);  // splits are not read in parts
   command.option_defaults()->group("Device");
   CLI::Option* device =
       add_name(command, "--device", options->device, fmt::format("What draws and answers: {}", hlod_device_names))
@@ -153,7 +178,8 @@ void add_hlod_render(CLI::App& hlod) {
   command.option_defaults()->group("Output");
   add_number(command, "--reference", options->compared_frames, WholeRange{0, 1'000'000},
              "Compare so many frames, spread evenly, with the input and with what vfc draws; 0: none")
-      ->capture_default_str();
+      ->capture_default_str()
+      ->excludes(cache);  // they need all of it
   add_file(command, "--png", options->png,
            "Write a picture; of several frames one each: view.png becomes view_00000.png, ...");
   add_texture_option(command, options->texture, "--png lays");

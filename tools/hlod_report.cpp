@@ -17,7 +17,7 @@ std::string text_of(const ReportColumn& column, const Json& told) {
   if (found->is_string()) return found->get<std::string>();
   const double value = found->get<double>();
   if (!std::isfinite(value)) return "-";
-  return column.decimals < 0 ? found->dump() : fmt::format("{:.{}f}", value, column.decimals);
+  return column.decimals < 0 ? found->dump() : fmt::format("{:.{}f}", column.scale * value, column.decimals);
 }
 
 std::vector<ReportColumn> with(std::vector<ReportColumn> columns, const std::vector<ReportColumn>& more) {
@@ -55,7 +55,7 @@ void print_row(const std::vector<ReportColumn>& columns, const Json& told) {
   fmt::print("{}\n", line);
 }
 
-std::vector<ReportColumn> frame_columns(bool compared) {
+std::vector<ReportColumn> frame_columns(bool compared, bool paged) {
   const std::vector<ReportColumn> columns = {{"frame", "frame", 6},
                                              {"drawn_nodes", "nodes", 6},
                                              {"rarn", "rarn", 5},
@@ -73,11 +73,19 @@ std::vector<ReportColumn> frame_columns(bool compared) {
       {"depth_rms_px", "RMS px", 7, 3},    {"silhouette_mismatch", "outline %", 9, 3}, {"psnr_y", "PSNR Y", 7, 2},
       {"unculled_psnr_y", "to vfc", 7, 2}, {"wrongly_hidden_px", "lost px", 7},        {"crack_px", "crack px", 8},
       {"popping_px", "pop px", 7, 2},      {"depth_complexity", "layers", 6, 2}};
-  return with(compared ? with(columns, distances) : columns, {{"hash", "hash", 16}});
+  constexpr double megabyte = 1e-6;
+  const std::vector<ReportColumn> meshes = {{"waiting_nodes", "waiting", 7},
+                                            {"missing", "missing", 7},
+                                            {"loads", "loads", 6},
+                                            {"bytes_loaded", "read MB", 8, 3, megabyte},
+                                            {"resident_bytes", "there MB", 8, 2, megabyte},
+                                            {"wall_ms", "wall ms", 8, 3}};
+  const std::vector<ReportColumn> told = paged ? with(columns, meshes) : columns;
+  return with(compared ? with(told, distances) : told, {{"hash", "hash", 16}});
 }
 
-std::vector<ReportColumn> mean_columns(bool compared) {
-  std::vector<ReportColumn> columns = frame_columns(compared);
+std::vector<ReportColumn> mean_columns(bool compared, bool paged) {
+  std::vector<ReportColumn> columns = frame_columns(compared, paged);
   for (ReportColumn& column : columns)
     if (column.decimals < 0) column.decimals = column.width > 9 ? 0 : 1;
   return columns;

@@ -5,10 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <string>
 #include <utility>
 
+#include "hlod_cache.h"
 #include "hlod_strategies.h"
+#include "stopwatch.h"
 
 namespace occlod::tool {
 namespace {
@@ -26,6 +29,7 @@ Json to_json(const hlod::FrameStats& stats) {
           {"queries", stats.queries},
           {"wasted_queries", stats.wasted_queries},
           {"hidden_nodes", stats.hidden_nodes},
+          {"waiting_nodes", stats.waiting_nodes},
           {"largest_sse_px", stats.largest_sse_px}};
 }
 
@@ -66,11 +70,8 @@ Json to_json(const HlodDistance& distance) {
 struct Column {
   std::vector<double> values;
 
-  [[nodiscard]] double mean() const {
-    double sum = 0.0;
-    for (const double value : values) sum += value;
-    return values.empty() ? 0.0 : sum / static_cast<double>(values.size());
-  }
+  [[nodiscard]] double sum() const { return std::accumulate(values.begin(), values.end(), 0.0); }
+  [[nodiscard]] double mean() const { return values.empty() ? 0.0 : sum() / static_cast<double>(values.size()); }
   [[nodiscard]] double deviation() const {
     double sum = 0.0;
     for (const double value : values) sum += (value - mean()) * (value - mean());
@@ -93,6 +94,21 @@ std::string hash_of(const std::vector<Json>& rows) {
   std::string hashes;
   for (const Json& row : rows) hashes += row["hash"].get<std::string>();
   return fmt::format("{:016x}", XXH3_64bits(hashes.data(), hashes.size()));
+}
+
+// What so many of the values, of which there is at least one, do not exceed.
+double quantile(std::vector<double> values, double share) {
+  const auto place = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1) + 0.5);
+  std::nth_element(values.begin(), values.begin() + place, values.end());
+  return values[static_cast<std::size_t>(place)];
+}
+
+// Otherwise averages are told.
+bool is_told_largest(const std::string& key) {
+  return key == "largest_sse_px" || key == "resident_bytes" || key == "resident_nodes" || key == "failed";
+}
+bool is_told_whole(const std::string& key) {
+  return key == "loads" || key == "bytes_loaded" || key == "reads" || key == "evictions";
 }
 
 bool is_ratio(const std::string& key) { return key.find("psnr") != std::string::npos; }
@@ -120,12 +136,17 @@ void HlodRuns::draw(int frame) {
 }
 
 void HlodRuns::draw(State& state, int frame, const View& view) {
+  const std::optional<hlod::StoreStats> stores = store_stats(scene_.placed);
+  const Stopwatch watch;
   state.frame = &state.traverser.draw_frame(view, *state.run.device, state.run.options);
+  const double wall_ms = watch.milliseconds();
   Front before = std::exchange(state.front, front_of(*state.frame));
   if (frame == 0) before = state.front;
   Json row = {{"frame", frame}};
   row.update(to_json(state.frame->stats));
   row.update(to_json(state.frame->times));
+  row["wall_ms"] = wall_ms;
+  if (stores) row.update(to_json(*store_stats(scene_.placed), *stores));
   row["hash"] = fmt::format("{:016x}", state.frame->front_hash);
   if (state.run.options.strategy == hlod::Strategy::automatic) row.update(choice_to_json(*state.frame));
   if (is_compared(frame))
@@ -141,14 +162,17 @@ Json HlodRuns::summary(std::size_t run) const {
   for (const auto& [key, value] : keys.items()) {
     if (key == "frame" || key == "hash" || key == "drawn_by") continue;
     const Column column = column_of(rows, key);
-    const bool is_largest = key == "largest_sse_px";
-    result[key] = column.values.empty() ? Json() : Json(is_largest ? column.largest() : column.mean());
+    const double told = is_told_largest(key) ? column.largest() : is_told_whole(key) ? column.sum() : column.mean();
+    result[key] = column.values.empty() ? Json() : Json(told);
     if (is_ratio(key)) result[key + "_deviation"] = column.values.empty() ? Json() : Json(column.deviation());
     if (key == "popping_px" || key == "frame_ms") result["largest_" + key] = column.largest();
   }
   if (compared_frames_ > 0)
     result["equal_pictures"] =
         static_cast<std::size_t>(compared_frames_) - column_of(rows, "unculled_psnr_y").values.size();
+  const std::vector<double> wall_ms = column_of(rows, "wall_ms").values;
+  result["p50_wall_ms"] = quantile(wall_ms, 0.50);
+  result["p99_wall_ms"] = quantile(wall_ms, 0.99);
   const double frame_ms = result["frame_ms"].get<double>();
   result["fps"] = frame_ms > 0.0 ? 1e3 / frame_ms : 0.0;
   result["hash"] = hash_of(rows);

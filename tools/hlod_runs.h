@@ -35,7 +35,8 @@ class HlodRuns {
   [[nodiscard]] const Json& told(std::size_t run) const { return states_[run].rows.back(); }
   // Of all frames so far.
   [[nodiscard]] const std::vector<Json>& rows(std::size_t run) const { return states_[run].rows; }
-  // Averages over them, the largest of what is called largest, and a hash of all fronts.
+  // Averages over them, the largest of what is called largest and of what is resident, sums of what was loaded, and a
+  // hash of all fronts.
   [[nodiscard]] Json summary(std::size_t run) const;
 
  private:

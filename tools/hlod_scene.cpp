@@ -54,10 +54,11 @@ CameraPath still(const Camera& camera, const HlodSceneOptions& options) {
 }  // namespace
 
 std::vector<LoadedHlod> load_hlods_of(const SceneDescription& scene, const std::filesystem::path& folder,
-                                      bool use_cache) {
+                                      bool use_cache, const std::optional<hlod::CacheOptions>& paged) {
   Progress progress;
   HlodLoadOptions options;
   options.use_cache = use_cache;
+  options.paged = paged;
   options.progress = [&](const std::string& what, double done) { progress.show(what, done); };
   options.note = [](const std::string& line) { print_note(line); };
   return load_hlods(scene, folder, options);
@@ -106,7 +107,7 @@ std::vector<std::pair<std::string, std::filesystem::path>> files_of(const HlodSc
 HlodScene load_hlod_scene(const HlodSceneOptions& options, const HlodRequest& request) {
   HlodScene scene;
   scene.name = request.objects.name;
-  scene.hlods = load_hlods_of(request.objects, options.file.parent_path(), options.use_cache);
+  scene.hlods = load_hlods_of(request.objects, options.file.parent_path(), options.use_cache, options.paged);
   scene.path = request.path ? *request.path : still(camera_that_sees(world_box(scene.hlods), options.view), options);
   scene.placed = placed_objects(scene.hlods);
   return scene;

@@ -24,6 +24,7 @@ struct HlodSceneOptions {
   ViewOptions view;
   std::optional<int> frames;  // into so many a path is divided anew, or for which a camera stands still
   bool use_cache = true;
+  std::optional<hlod::CacheOptions> paged;  // of .ohlod files
 };
 
 struct HlodScene {
@@ -33,9 +34,11 @@ struct HlodScene {
   CameraPath path;                       // of one key where a camera was asked for
 };
 
-// Reads and builds. Shows progress and notes on standard error. Throws Error as load_hlods() does.
+// Reads and builds. `paged`: as in HlodLoadOptions. Shows progress and notes on standard error. Throws Error as
+// load_hlods() does.
 [[nodiscard]] std::vector<LoadedHlod> load_hlods_of(const SceneDescription& scene, const std::filesystem::path& folder,
-                                                    bool use_cache);
+                                                    bool use_cache,
+                                                    const std::optional<hlod::CacheOptions>& paged = std::nullopt);
 
 void add_hlod_scene_options(CLI::App& command, HlodSceneOptions& options);
 

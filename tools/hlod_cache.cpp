@@ -1,0 +1,124 @@
+#include "hlod_cache.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <set>
+#include <string_view>
+
+#include "option_values.h"
+#include "standard_streams.h"
+
+namespace occlod::tool {
+namespace {
+
+constexpr std::string_view simulated_prefix = "simulated:";
+constexpr double least_speed = 1e-6, most_speed = 1e6;  // MB a second
+
+void set_budget(hlod::CacheOptions& options, const std::string& text) {
+  const auto bytes = byte_count(text);
+  if (!bytes || *bytes == 0)
+    throw CLI::ValidationError("--cache",
+                               fmt::format("{} is not a number of bytes above 0, or one with K, M or G", shown(text)));
+  options.budget_bytes = *bytes;
+}
+
+void set_load(hlod::CacheOptions& options, const std::string& text) {
+  if (text == "blocking" || text == "async") {
+    options.load = text == "async" ? hlod::LoadMode::async : hlod::LoadMode::blocking;
+    return;
+  }
+  double speed = 0.0;
+  if (!text.starts_with(simulated_prefix) || !CLI::detail::lexical_cast(text.substr(simulated_prefix.size()), speed) ||
+      !(speed >= least_speed && speed <= most_speed))
+    throw CLI::ValidationError("--load",
+                               fmt::format("{} is not blocking, async or simulated:MBPS, megabytes a second from {} to "
+                                           "{}",
+                                           shown(text), least_speed, most_speed));
+  options.load = hlod::LoadMode::simulated;
+  options.simulated_mb_per_s = speed;
+}
+
+std::string name_of(const hlod::CacheOptions& options) {
+  if (options.load == hlod::LoadMode::simulated)
+    return fmt::format("{}{}", simulated_prefix, options.simulated_mb_per_s);
+  return options.load == hlod::LoadMode::async ? "async" : "blocking";
+}
+
+std::set<hlod::NodeStore*> stores_of(std::span<const hlod::PlacedHlod> placed) {
+  std::set<hlod::NodeStore*> stores;
+  for (const hlod::PlacedHlod& object : placed)
+    if (object.hlod->store() != nullptr) stores.insert(object.hlod->store());
+  return stores;
+}
+
+}  // namespace
+
+CLI::Option* add_cache_options(CLI::App& command, std::optional<hlod::CacheOptions>& options) {
+  const auto chosen = std::make_shared<hlod::CacheOptions>();
+  CLI::Option* const cache = command.add_option_function<std::string>(
+      "--cache",
+      [&options, chosen](const std::string& text) {
+        set_budget(*chosen, text);
+        options = *chosen;
+      },
+      "Of .ohlod files: read meshes when they are needed, and keep no more than so many bytes of them in memory (256M "
+      "are 256 times 1,024 times 1,024)");
+  cache->option_text("BYTES");
+  command
+      .add_option_function<std::string>(
+          "--load",
+          [&options, chosen](const std::string& text) {
+            set_load(*chosen, text);
+            if (options) *options = *chosen;
+          },
+          "How meshes are read: async: by a thread of its own, coarser ones are drawn until they are there; blocking: "
+          "frames wait for them; simulated: as async, but by a disk of so many megabytes a second at 60 frames a "
+          "second, the same in every run")
+      ->option_text("async|blocking|simulated:MBPS [async]")
+      ->needs(cache);
+  return cache;
+}
+
+Json to_json(const hlod::CacheOptions& options) {
+  return {{"budget_bytes", options.budget_bytes}, {"load", name_of(options)}};
+}
+
+std::optional<hlod::StoreStats> store_stats(std::span<const hlod::PlacedHlod> placed) {
+  std::optional<hlod::StoreStats> sum;
+  for (const hlod::NodeStore* store : stores_of(placed)) {
+    const hlod::StoreStats stats = store->stats();
+    if (!sum) sum.emplace();
+    sum->budget_bytes += stats.budget_bytes;
+    sum->resident_nodes += stats.resident_nodes;
+    sum->resident_bytes += stats.resident_bytes;
+    sum->loading_bytes += stats.loading_bytes;
+    sum->missing += stats.missing;
+    sum->failed += stats.failed;
+    sum->loads += stats.loads;
+    sum->bytes_loaded += stats.bytes_loaded;
+    sum->reads += stats.reads;
+    sum->evictions += stats.evictions;
+  }
+  return sum;
+}
+
+Json to_json(const hlod::StoreStats& after, const hlod::StoreStats& before) {
+  return {{"resident_nodes", after.resident_nodes},
+          {"resident_bytes", after.resident_bytes},
+          {"loading_bytes", after.loading_bytes},
+          {"missing", after.missing},
+          {"failed", after.failed},
+          {"loads", after.loads - before.loads},
+          {"bytes_loaded", after.bytes_loaded - before.bytes_loaded},
+          {"reads", after.reads - before.reads},
+          {"evictions", after.evictions - before.evictions}};
+}
+
+void print_failures(std::span<const hlod::PlacedHlod> placed) {
+  for (hlod::NodeStore* store : stores_of(placed))
+    for (const std::string& line : store->take_failures()) print_note(line);
+}
+
+}  // namespace occlod::tool
