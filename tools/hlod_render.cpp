@@ -140,7 +140,6 @@ void run(const Options& options) {
     runs.draw(i);
     if (i == 0) first_picture_ms = opening.milliseconds();
     print_failures(scene.placed);
-    write_pictures(options, scene, runs.front(0), i);
     write_pictures(options, scene, textures, runs.front(0), i);
     if (!options.json) print_row(columns, runs.told(0));
   }
