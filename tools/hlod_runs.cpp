@@ -98,7 +98,7 @@ std::string hash_of(const std::vector<Json>& rows) {
 
 // What so many of the values, of which there is at least one, do not exceed.
 double quantile(std::vector<double> values, double share) {
-  const auto place = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1) + 0.5);
+  const auto place = std::lround(share * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), values.begin() + place, values.end());
   return values[static_cast<std::size_t>(place)];
 }
