@@ -145,8 +145,10 @@ void HlodRuns::draw(State& state, int frame, const View& view) {
   Json row = {{"frame", frame}};
   row.update(to_json(state.frame->stats));
   row.update(to_json(state.frame->times));
-  row["wall_ms"] = wall_ms;
-  if (stores) row.update(to_json(*store_stats(scene_.placed), *stores));
+  if (stores) {  // whose times are the clock's: what is told of all others is the same in every run
+    row["wall_ms"] = wall_ms;
+    row.update(to_json(*store_stats(scene_.placed), *stores));
+  }
   row["hash"] = fmt::format("{:016x}", state.frame->front_hash);
   if (state.run.options.strategy == hlod::Strategy::automatic) row.update(choice_to_json(*state.frame));
   if (is_compared(frame))
@@ -170,9 +172,10 @@ Json HlodRuns::summary(std::size_t run) const {
   if (compared_frames_ > 0)
     result["equal_pictures"] =
         static_cast<std::size_t>(compared_frames_) - column_of(rows, "unculled_psnr_y").values.size();
-  const std::vector<double> wall_ms = column_of(rows, "wall_ms").values;
-  result["p50_wall_ms"] = quantile(wall_ms, 0.50);
-  result["p99_wall_ms"] = quantile(wall_ms, 0.99);
+  if (const std::vector<double> wall_ms = column_of(rows, "wall_ms").values; !wall_ms.empty()) {
+    result["p50_wall_ms"] = quantile(wall_ms, 0.50);
+    result["p99_wall_ms"] = quantile(wall_ms, 0.99);
+  }
   const double frame_ms = result["frame_ms"].get<double>();
   result["fps"] = frame_ms > 0.0 ? 1e3 / frame_ms : 0.0;
   result["hash"] = hash_of(rows);
