@@ -14,12 +14,14 @@ import unittest
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 PREAMBLE = """#include <occlod/occlod.h>
+#include <occlod/core/memory_limit.h>
 #include <occlod/device/recorded_device.h>
 #include <occlod/device/virtual_device.h>
 #include <occlod/gl/hlod_device.h>
 #include <occlod/hlod/build.h>
 #include <occlod/hlod/within.h>
 #include <occlod/io/ohlod.h>
+#include <occlod/scene/scene.h>
 #include <occlod/tiles/write_tileset.h>
 #include <occlod/traverse/traverser.h>
 #include <occlod/viewcells/build_cells.h>

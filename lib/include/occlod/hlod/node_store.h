@@ -23,13 +23,11 @@ enum class LoadMode {
 // What a store may use, and how it reads.
 struct CacheOptions {
   std::size_t budget_bytes = std::size_t{256} << 20U;  // of meshes, those that are being read included: a hard limit
-  LoadMode load = LoadMode::async;
+  LoadMode load = LoadMode::async;                     // how meshes come
   // That come in one frame at most, if it is more than one mesh; with blocking there is no such limit. > 0
   std::size_t frame_bytes = std::size_t{4} << 20U;
-  // With simulated, at 60 frames a second: 10^6 bytes a second, > 0; and how many frames later a mesh comes than its
-  // bytes have been transferred, in [0, 1000].
-  double simulated_mb_per_s = 50.0;
-  int simulated_delay = 1;
+  double simulated_mb_per_s = 50.0;  // with simulated, at 60 frames a second: 10^6 bytes a second, > 0
+  int simulated_delay = 1;           // likewise: frames from the transfer of a mesh's bytes to its coming, in [0, 1000]
 };
 
 // What a store holds and has done.
