@@ -4,6 +4,7 @@
 #include <signal.h>
 #include <sys/resource.h>
 
+#include <atomic>
 #include <filesystem>
 #include <numeric>
 #include <optional>
@@ -11,6 +12,7 @@
 
 #include "core/large_vector.h"
 #include "core/platform.h"
+#include "hierarchy/parallel.h"
 #include "occlod/core/error.h"
 
 namespace occlod {
@@ -47,6 +49,24 @@ TEST_F(MemoryLimitTest, KeepsContentsAndMostOfThemOutOfMemory) {
   EXPECT_GE(limit.most_scratch_bytes(), 512 * mebibyte);
   EXPECT_TRUE(std::filesystem::is_empty(folder_)) << "files without names";
   for (std::size_t i = 0; i < numbers.size(); i += 997) ASSERT_EQ(numbers[i], i);
+}
+
+// A read may bring in as much as 2 MiB, so these of 512 MiB in no order bring in more than the thread that watches can
+// keep up with.
+TEST_F(MemoryLimitTest, LoopsInNoOrderStayBelowIt) {
+  constexpr std::size_t count = 128 * mebibyte;  // 512 MiB
+  const std::size_t limit_bytes = resident_memory().all + 256 * mebibyte;
+  const MemoryLimit limit(limit_bytes, folder_);
+  LargeVector<std::uint32_t> numbers(count, 1);
+  std::atomic<std::size_t> most = 0, sum = 0;
+  for_each_id(std::size_t{1} << 14U, 2, [&](std::uint32_t i) {
+    sum += numbers[std::uint64_t{i} * 0x9e3779b97f4a7c15ULL >> 37U];
+    if (i % 32 != 0) return;
+    const std::size_t now = resident_memory().all;
+    for (std::size_t before = most; before < now && !most.compare_exchange_weak(before, now);) continue;
+  });
+  EXPECT_EQ(sum, std::size_t{1} << 14U);
+  EXPECT_LT(most, limit_bytes);
 }
 
 TEST_F(MemoryLimitTest, WhatOutlivesItIsStillThere) {

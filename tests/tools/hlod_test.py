@@ -86,15 +86,15 @@ class Hlod(ToolTest):
         self.assertTrue(self.same_bytes("1.ohlod", "5.ohlod"))
 
     def test_a_memory_limit_is_kept_and_does_not_change_the_file(self):
-        """How far it is overstepped depends on how busy the machine is: less than without one is asked of any."""
+        """Loops wait for room, so that this holds on a busy machine too."""
         self.write_scene('{"objects": [{"generator": "rough-planet", "options": {"level": 9}}],'
                          ' "cameras": {"default": {"eye": [0, 0, 4], "target": [0, 0, 0]}}}')
-        free = self.build(inputs=["scene.json"], output="free.ohlod")["peak_bytes"]
+        self.assertGreater(self.build(inputs=["scene.json"], output="free.ohlod")["peak_bytes"], 200 << 20)
         for limit in (96, 1024):
             told = self.build("--memory", f"{limit}M", inputs=["scene.json"], output=f"{limit}.ohlod")
             self.assertGreater(told["scratch_bytes"], 100 << 20)
             if limit == 96:
-                self.assertLess(told["peak_bytes"], 0.8 * free)
+                self.assertLess(told["peak_bytes"], 1.1 * (limit << 20))
             self.assertEqual(told["report"]["triangles_read"], 8 * 4**9)
         self.assertTrue(self.same_bytes("96.ohlod", "1024.ohlod"))
         self.assertIn("valid", self.succeed("hlod", "validate", "96.ohlod", "--input", "scene.json", "--leaves-only"))

@@ -19,7 +19,10 @@
 namespace occlod {
 namespace {
 
+using Clock = std::chrono::steady_clock;
+
 constexpr auto pause = std::chrono::milliseconds(1);
+constexpr auto look_interval = std::chrono::microseconds(100);  // of a thread that fills memory
 // Of what the process may have, when pages leave: at most and at least. The rest is for what comes meanwhile.
 constexpr double most_used = 0.8, least_used = 0.4;
 constexpr std::size_t least_limit = std::size_t{1} << 26U;
@@ -37,13 +40,60 @@ Scratch& scratch() noexcept {
   return all;
 }
 
+// Decides when pages leave. Whoever looks meanwhile waits.
+class Pager {
+ public:
+  // 0: never.
+  void set_limit(std::size_t limit) {
+    const std::scoped_lock lock(mutex_);
+    limit_ = limit;
+    last_ = resident_memory().all;
+    fastest_ = 0;
+  }
+
+  // `coming`: bytes that are about to be filled.
+  void look(std::size_t coming = 0) noexcept {
+    const std::scoped_lock lock(mutex_);
+    if (limit_ == 0) return;
+    const ResidentMemory now = resident_memory();
+    // What has come between two looks may come again, and in loops that do not look that may be much.
+    fastest_ = std::max(fastest_, now.all - std::min(now.all, last_));
+    last_ = now.all;
+    if (now.all + coming < threshold() || now.of_files < limit_ / 16) return;  // the rest cannot leave
+    const std::scoped_lock files(scratch().mutex);
+    for (const auto& [begin, file] : scratch().files) file.page_out();
+    last_ = now.all - std::min(now.all, now.of_files);
+  }
+
+ private:
+  [[nodiscard]] std::size_t threshold() const {
+    const auto limit = static_cast<double>(limit_);
+    return static_cast<std::size_t>(
+        std::clamp(limit - 2.0 * static_cast<double>(fastest_), least_used * limit, most_used * limit));
+  }
+
+  std::mutex mutex_;
+  std::size_t limit_ = 0, last_ = 0, fastest_ = 0;
+};
+
+Pager& pager() noexcept {
+  static Pager one;
+  return one;
+}
+
 }  // namespace
 
-// The thread that watches.
+// The thread that looks for those that do not.
 class MemoryLimit::Watch {
  public:
-  explicit Watch(std::size_t limit) : limit_(limit), thread_([this] { run(); }) {}
+  explicit Watch(std::size_t limit) {
+    pager().set_limit(limit);
+    thread_ = std::thread([this] { run(); });
+    memory_limit::lives = true;
+  }
   ~Watch() {
+    memory_limit::lives = false;
+    pager().set_limit(0);
     {
       const std::scoped_lock lock(mutex_);
       ends_ = true;
@@ -55,26 +105,9 @@ class MemoryLimit::Watch {
  private:
   void run() {
     std::unique_lock lock(mutex_);
-    std::size_t last = 0, fastest = 0;
-    while (!wake_.wait_for(lock, pause, [this] { return ends_; })) {
-      const ResidentMemory now = resident_memory();
-      // What has come between two looks may come again, and on a busy machine that is much.
-      fastest = std::max(fastest, now.all - std::min(now.all, last));
-      last = now.all;
-      if (now.all < threshold(fastest) || now.of_files < limit_ / 16) continue;  // the rest cannot leave
-      const std::scoped_lock files(scratch().mutex);
-      for (const auto& [begin, file] : scratch().files) file.page_out();
-      last = now.all - std::min(now.all, now.of_files);
-    }
+    while (!wake_.wait_for(lock, pause, [this] { return ends_; })) pager().look();
   }
 
-  [[nodiscard]] std::size_t threshold(std::size_t fastest) const {
-    const auto limit = static_cast<double>(limit_);
-    return static_cast<std::size_t>(
-        std::clamp(limit - 2.0 * static_cast<double>(fastest), least_used * limit, most_used * limit));
-  }
-
-  std::size_t limit_;
   std::mutex mutex_;
   std::condition_variable wake_;
   bool ends_ = false;
@@ -110,6 +143,13 @@ std::size_t MemoryLimit::most_scratch_bytes() const noexcept {
   return scratch().most_bytes;
 }
 
+void memory_limit::make_room() noexcept {
+  thread_local Clock::time_point next_look;
+  if (Clock::now() < next_look) return;
+  pager().look();
+  next_look = Clock::now() + look_interval;
+}
+
 // Making and ending files takes long: the thread that watches does not wait for it.
 void* allocate_scratch(std::size_t bytes) {
   Scratch& all = scratch();
@@ -130,6 +170,7 @@ void* allocate_scratch(std::size_t bytes) {
                              beside >> 20U, error.code().message()),
                  "free some of its disk, or name a folder on another one"});
   }
+  pager().look(bytes);
   void* const begin = file->bytes().data();
   const std::scoped_lock lock(all.mutex);
   all.files.emplace(begin, *std::move(file));

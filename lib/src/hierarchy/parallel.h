@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "core/helper_threads.h"
+#include "core/scratch_memory.h"
 
 namespace occlod {
 
@@ -17,6 +18,18 @@ namespace occlod {
 }
 
 inline constexpr std::size_t range_size = 8192;
+inline constexpr std::size_t steps_for_room = 16;  // between two calls of make_room(): each may bring in 2 MB
+
+// Calls visit(begin, end) for consecutive ranges that together are [begin, end), small enough for make_room().
+template <typename Visit>
+void for_each_short_range(std::size_t begin, std::size_t end, const Visit& visit) {
+  while (begin < end) {
+    make_room();
+    const std::size_t next = std::min(begin + steps_for_room, end);
+    visit(begin, next);
+    begin = next;
+  }
+}
 
 // Calls visit(begin, end) for consecutive ranges of range_size that together are [0, count), each on some thread;
 // visits must not touch what others write. Between its ranges the calling thread calls between(next), where all ranges
@@ -47,11 +60,13 @@ void for_each_range(std::size_t count, unsigned threads, const Visit& visit) {
   for_each_range(count, threads, visit, [](std::size_t) {});
 }
 
-// Calls visit(i) for every i of [0, count), likewise; all are ids, so below 2^32.
+// Calls visit(i) for every i of [0, count), likewise, one thread in this order; all are ids, so below 2^32.
 template <typename Visit>
 void for_each_id(std::size_t count, unsigned threads, const Visit& visit) {
   for_each_range(count, threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) visit(static_cast<std::uint32_t>(i));
+    for_each_short_range(begin, end, [&](std::size_t first, std::size_t last) {
+      for (std::size_t i = first; i < last; ++i) visit(static_cast<std::uint32_t>(i));
+    });
   });
 }
 
@@ -66,6 +81,7 @@ void for_each_task(std::size_t count, unsigned threads, const MakeWorker& make_w
     try {
       auto worker = make_worker();
       for (std::size_t i = next++; i < count; i = next++) {
+        make_room();
         visit(worker, i);
         after();
       }

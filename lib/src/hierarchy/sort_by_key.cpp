@@ -21,14 +21,18 @@ void sort_by_key(UninitializedVector<Keyed>& items, unsigned key_bits, unsigned 
     std::fill(starts.begin(), starts.end(), 0);
     for_each_part(items.size(), threads, [&](std::size_t begin, std::size_t end, std::size_t part) {
       std::size_t* const counts = starts.data() + part * digits;
-      for (std::size_t i = begin; i < end; ++i) ++counts[digit_of(items[i])];
+      for_each_short_range(begin, end, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i) ++counts[digit_of(items[i])];
+      });
     });
     std::size_t sum = 0;
     for (std::size_t digit = 0; digit < digits; ++digit)
       for (unsigned t = 0; t < threads; ++t) sum += std::exchange(starts[t * digits + digit], sum);
     for_each_part(items.size(), threads, [&](std::size_t begin, std::size_t end, std::size_t part) {
       std::size_t* const next = starts.data() + part * digits;
-      for (std::size_t i = begin; i < end; ++i) other[next[digit_of(items[i])]++] = items[i];
+      for_each_short_range(begin, end, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i) other[next[digit_of(items[i])]++] = items[i];
+      });
     });
     items.swap(other);
   }

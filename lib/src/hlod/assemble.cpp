@@ -33,7 +33,10 @@ class Assembler {
     for (NodeId first = 0; first < drafts_.size(); first += nodes_at_once) {
       const auto end = static_cast<NodeId>(std::min(drafts_.size(), first + nodes_at_once));
       for_each_node(first, end, [&](LocalIds& ids, NodeId n) { divide(ids, n, parts[n - first]); });
-      for (NodeId n = first; n < end; ++n) lay_out(n, parts[n - first]);
+      for (NodeId n = first; n < end; ++n) {
+        make_room();
+        lay_out(n, parts[n - first]);
+      }
       for_each_node(first, end, [&](LocalIds&, NodeId n) { write_mesh(n, parts[n - first]); });
     }
     for_each_node(0, static_cast<NodeId>(drafts_.size()), [&](LocalIds& ids, NodeId n) { link_merged(ids, n); });

@@ -24,17 +24,19 @@ float rounded_up(double x) {
 
 Box box_of(const WedgeMesh& mesh, std::span<const Triangle> triangles) {
   Box box{mesh.positions[triangles[0].x], mesh.positions[triangles[0].x]};
-  for (const Triangle& t : triangles)
-    for (int k = 0; k < 3; ++k) box = unite(box, {mesh.positions[t[k]], mesh.positions[t[k]]});
+  for_each_id(triangles.size(), 1, [&](std::uint32_t i) {
+    for (int k = 0; k < 3; ++k) box = unite(box, {mesh.positions[triangles[i][k]], mesh.positions[triangles[i][k]]});
+  });
   return box;
 }
 
 float area_of(const WedgeMesh& mesh, std::span<const Triangle> triangles) {
   double area = 0.0;
-  for (const Triangle& t : triangles) {
+  for_each_id(triangles.size(), 1, [&](std::uint32_t i) {
+    const Triangle& t = triangles[i];
     const glm::dvec3 a(mesh.positions[t.x]), b(mesh.positions[t.y]), c(mesh.positions[t.z]);
     area += 0.5 * glm::length(glm::cross(b - a, c - a));
-  }
+  });
   return static_cast<float>(std::min(area, static_cast<double>(std::numeric_limits<float>::max())));
 }
 
@@ -54,6 +56,7 @@ Sphere sphere_around(const Box& box, const std::vector<NodeDraft>& nodes, std::s
 std::vector<std::vector<std::uint32_t>> children_of_groups(const LevelDraft& below, std::size_t groups) {
   std::vector<std::vector<std::uint32_t>> children(groups);
   for (std::uint32_t n = 0; n < below.nodes.size(); ++n) {
+    make_room();
     const NodeDraft& node = below.nodes[n];
     for (std::uint32_t t = node.first_triangle; t < node.first_triangle + node.triangle_count; ++t) {
       std::vector<std::uint32_t>& list = children[below.parent_of[t]];
@@ -84,7 +87,7 @@ void bound(NodeDraft& node, const std::vector<NodeDraft>& below) {
 LevelDraft input_level(const WedgeMesh& mesh, const TriangleGroups& groups, unsigned threads) {
   LevelDraft level;
   level.nodes.resize(groups.count);
-  for (const std::uint32_t group : groups.group_of) ++level.nodes[group].triangle_count;
+  for_each_id(groups.group_of.size(), 1, [&](std::uint32_t t) { ++level.nodes[groups.group_of[t]].triangle_count; });
   std::vector<std::uint32_t> next;
   std::uint32_t first = 0;
   for (NodeDraft& node : level.nodes) {
@@ -93,11 +96,11 @@ LevelDraft input_level(const WedgeMesh& mesh, const TriangleGroups& groups, unsi
   }
   level.triangles.resize(mesh.triangles.size());
   level.corners.resize(mesh.corners.size());
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+  for_each_id(mesh.triangles.size(), 1, [&](std::uint32_t t) {
     const std::uint32_t place = next[groups.group_of[t]]++;
     level.triangles[place] = mesh.triangles[t];
     if (!mesh.corners.empty()) level.corners[place] = mesh.corners[t];
-  }
+  });
   for_each_task(
       level.nodes.size(), threads, [] { return 0; },
       [&](int, std::size_t n) {

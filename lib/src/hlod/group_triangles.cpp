@@ -17,6 +17,7 @@ constexpr std::uint32_t reduction = 4;  // triangles of a group to those of the 
 TriangleGroups by_triangle(const Cells& cells, const CellGroups& groups, unsigned threads) {
   TriangleGroups result{LargeVector<std::uint32_t>(cells.order.size()), groups.count};
   for_each_id(cells.leaf_count(), threads, [&](std::uint32_t cell) {
+    make_room();
     for (std::uint32_t i = cells.first_item[cell]; i < cells.first_item[cell + 1]; ++i)
       result.group_of[cells.order[i]] = groups.group_of[cell];
   });
@@ -71,13 +72,14 @@ TriangleGroups TriangleGrouping::group_nodes(const LevelDraft& below) {
   LargeVector<std::uint64_t> codes(below.triangles.size());
   LargeVector<std::uint32_t> unit_of(below.triangles.size());
   for (std::uint32_t n = 0; n < below.nodes.size(); ++n) {
+    make_room();
     const NodeDraft& node = below.nodes[n];
     std::fill_n(codes.begin() + node.first_triangle, node.triangle_count, node_codes_[n]);
     std::fill_n(unit_of.begin() + node.first_triangle, node.triangle_count, n);
   }
   TriangleGroups groups = group(codes, below.triangles, reduction * options_.node_triangles, unit_of);
   std::vector<std::uint64_t> codes_above(groups.count);
-  for (std::uint32_t t = 0; t < codes.size(); ++t) codes_above[groups.group_of[t]] = codes[t];
+  for_each_id(codes.size(), 1, [&](std::uint32_t t) { codes_above[groups.group_of[t]] = codes[t]; });
   node_codes_ = std::move(codes_above);
   return groups;
 }

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "hierarchy/parallel.h"
 #include "shared_vertices.h"
 
 namespace occlod::hlod {
@@ -15,10 +16,10 @@ std::vector<bool> find_stuck(std::span<const Triangle> triangles, std::size_t ve
                              const TriangleGroups& groups, unsigned threads) {
   const auto shared = shared_vertices(triangles, groups.group_of, vertex_count, threads);
   std::vector<std::uint32_t> corners(groups.count, 0), shared_corners(groups.count, 0);
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
+  for_each_id(triangles.size(), 1, [&](std::uint32_t t) {
     corners[groups.group_of[t]] += 3;
     for (int k = 0; k < 3; ++k) shared_corners[groups.group_of[t]] += shared[triangles[t][k]];
-  }
+  });
   std::vector<bool> stuck(groups.count);
   for (std::size_t group = 0; group < stuck.size(); ++group) stuck[group] = 2 * shared_corners[group] > corners[group];
   return stuck;
@@ -31,11 +32,13 @@ struct Incidences {
 
   Incidences(std::span<const Triangle> triangles, std::span<const std::uint32_t> members, std::size_t vertex_count)
       : first(vertex_count + 2, 0), triangle(3 * members.size()) {
-    for (const std::uint32_t t : members)
-      for (int k = 0; k < 3; ++k) ++first[triangles[t][k] + 2];
+    for_each_id(members.size(), 1, [&](std::uint32_t i) {
+      for (int k = 0; k < 3; ++k) ++first[triangles[members[i]][k] + 2];
+    });
     for (std::size_t v = 2; v < first.size(); ++v) first[v] += first[v - 1];
-    for (const std::uint32_t t : members)
-      for (int k = 0; k < 3; ++k) triangle[first[triangles[t][k] + 1]++] = t;
+    for_each_id(members.size(), 1, [&](std::uint32_t i) {
+      for (int k = 0; k < 3; ++k) triangle[first[triangles[members[i]][k] + 1]++] = members[i];
+    });
   }
 };
 
@@ -56,6 +59,7 @@ class Grower {
       if (groups_.group_of[t] != no_id) continue;
       add(t);
       while (!waiting_.empty()) {
+        make_room();
         const VertexId v = waiting_.front();
         waiting_.pop_front();
         for (std::uint32_t i = incidences_.first[v]; i < incidences_.first[v + 1]; ++i)
@@ -94,11 +98,11 @@ class Grower {
 void number_along(std::span<const std::uint32_t> order, TriangleGroups& groups) {
   std::vector<std::uint32_t> new_number(groups.count, no_id);
   groups.count = 0;
-  for (const std::uint32_t t : order) {
-    std::uint32_t& number = new_number[groups.group_of[t]];
-    if (number == no_id) number = groups.count++;
-    groups.group_of[t] = number;
-  }
+  for_each_id(order.size(), 1, [&](std::uint32_t i) {
+    std::uint32_t& group = groups.group_of[order[i]];
+    if (new_number[group] == no_id) new_number[group] = groups.count++;
+    group = new_number[group];
+  });
 }
 
 }  // namespace
@@ -109,8 +113,9 @@ void grow_stuck_groups(std::span<const Triangle> triangles, std::span<const std:
   if (groups.count == 1) return;
   const std::vector<bool> stuck = find_stuck(triangles, vertex_count, groups, threads);
   LargeVector<std::uint32_t> members;
-  for (const std::uint32_t t : order)
-    if (stuck[groups.group_of[t]]) members.push_back(t);
+  for_each_id(order.size(), 1, [&](std::uint32_t i) {
+    if (stuck[groups.group_of[order[i]]]) members.push_back(order[i]);
+  });
   if (4 * members.size() < triangles.size()) return;
   Grower(triangles, members, vertex_count, most_triangles, groups).run();
   number_along(order, groups);

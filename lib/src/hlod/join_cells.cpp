@@ -33,9 +33,11 @@ LargeVector<Link> find_links(const Cells& cells, std::span<const Triangle> trian
       if (last_cell[v] != no_id) parts[part].push_back({last_cell[v], cell});
       last_cell[v] = cell;
     };
-    for (CellId cell = 0; cell < cells.leaf_count(); ++cell)
+    for_each_id(cells.leaf_count(), 1, [&](CellId cell) {
+      make_room();
       for (std::uint32_t i = cells.first_item[cell]; i < cells.first_item[cell + 1]; ++i)
         for (int k = 0; k < 3; ++k) meet(triangles[cells.order[i]][k], cell);
+    });
   });
   LargeVector<Link> links;
   for (const LargeVector<Link>& part : parts) links.insert(links.end(), part.begin(), part.end());

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "hierarchy/parallel.h"
+
 namespace occlod::hlod {
 
 NodeSplitsData number_splits(const SplitsDraft& draft, std::span<const WedgeId> own, LocalIds& ids) {
@@ -54,7 +56,8 @@ void copy_wedges(const WedgeMesh& mesh, std::span<const WedgeId> wedges, const V
   const auto copy = [&](const auto& from, std::size_t offset) {
     using T = typename std::decay_t<decltype(from)>::value_type;
     if (from.empty()) return;
-    for (std::size_t i = 0; i < wedges.size(); ++i) reinterpret_cast<T*>(to + offset)[i] = from[wedges[i]];
+    T* const values = reinterpret_cast<T*>(to + offset);
+    for_each_id(wedges.size(), 1, [&](std::uint32_t i) { values[i] = from[wedges[i]]; });
   };
   copy(mesh.positions, 0);
   copy(mesh.normals, layout.normals);

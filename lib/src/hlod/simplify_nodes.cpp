@@ -114,11 +114,12 @@ class NodeSimplifier::Worker {
     const WedgeMesh& from = all_.mesh_;
     const auto copy = [&](const auto& of_all, auto& to) {
       if (of_all.empty()) return;
-      for (const WedgeId wedge : wedges_) to.push_back(of_all[wedge]);
+      for_each_id(wedges_.size(), 1, [&](std::uint32_t i) { to.push_back(of_all[wedges_[i]]); });
     };
     copy(from.positions, input_.positions);
     locked_.clear();
-    for (const VertexId v : vertices_.vertices()) locked_.push_back(all_.locked_[v]);
+    const std::span<const VertexId> vertices = vertices_.vertices();
+    for_each_id(vertices.size(), 1, [&](std::uint32_t i) { locked_.push_back(all_.locked_[vertices[i]]); });
     if (!from.has_wedge_attributes()) return;
     copy(from.normals, input_.normals);
     copy(from.colors, input_.colors);
@@ -135,8 +136,9 @@ class NodeSimplifier::Worker {
   }
 
   [[nodiscard]] Box box() const {
-    Box box = all_.boxes_[vertices_.vertices()[0]];
-    for (const VertexId v : vertices_.vertices()) box = unite(box, all_.boxes_[v]);
+    const std::span<const VertexId> vertices = vertices_.vertices();
+    Box box = all_.boxes_[vertices[0]];
+    for_each_id(vertices.size(), 1, [&](std::uint32_t i) { box = unite(box, all_.boxes_[vertices[i]]); });
     return box;
   }
 
@@ -217,6 +219,7 @@ LevelDraft NodeSimplifier::run(LevelDraft& below, TriangleGroups groups, const P
         [&] { progress.reach(done); });
     done_before = done;
     for (std::uint32_t i = 0; i < count; ++i) {
+      make_room();
       note(results[i]);
       level.append(results[i]);
     }
@@ -237,11 +240,11 @@ void NodeSimplifier::lock(const LevelDraft& below, std::uint32_t group_count) {
 
 void NodeSimplifier::list_members(const LevelDraft& below, std::uint32_t group_count) {
   first_member_.assign(group_count + 1, 0);
-  for (const std::uint32_t group : below.parent_of) ++first_member_[group + 1];
+  for_each_id(below.parent_of.size(), 1, [&](std::uint32_t t) { ++first_member_[below.parent_of[t] + 1]; });
   for (std::uint32_t group = 0; group < group_count; ++group) first_member_[group + 1] += first_member_[group];
   members_.resize(below.triangles.size());
   std::vector<std::uint32_t> next = first_member_;
-  for (std::uint32_t t = 0; t < below.triangles.size(); ++t) members_[next[below.parent_of[t]]++] = t;
+  for_each_id(below.triangles.size(), 1, [&](std::uint32_t t) { members_[next[below.parent_of[t]]++] = t; });
 }
 
 std::span<const std::uint32_t> NodeSimplifier::members(std::uint32_t group) const {
@@ -292,11 +295,12 @@ void NodeSimplifier::note(SimplifiedNode& result) {
 // To the vertices that are left, once the level is finished: nodes share some of them.
 void NodeSimplifier::pass_on(const LevelDraft& level) {
   for (const auto& [vertex, like] : added_) mesh_.add(vertex, like);
-  for (const auto& [v, u] : level.merges) {
+  for_each_id(level.merges.size(), 1, [&](std::uint32_t i) {
+    const auto& [v, u] = level.merges[i];
     Box& box = boxes_[mesh_.vertex_of(u)];
     box = unite(box, boxes_[mesh_.vertex_of(v)]);
-  }
-  for (const VertexId v : losses_) lost_[v] = 1;
+  });
+  for_each_id(losses_.size(), 1, [&](std::uint32_t i) { lost_[losses_[i]] = 1; });
   added_.clear();
   losses_.clear();
 }

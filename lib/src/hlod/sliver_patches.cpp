@@ -83,7 +83,7 @@ void drop_empty_groups(std::span<const std::uint32_t> size, TriangleGroups& grou
   groups.count = 0;
   for (std::size_t group = 0; group < size.size(); ++group)
     new_number[group] = size[group] > 0 ? groups.count++ : no_id;
-  for (Group& group : groups.group_of) group = new_number[group];
+  for_each_id(groups.group_of.size(), 1, [&](std::uint32_t t) { groups.group_of[t] = new_number[groups.group_of[t]]; });
 }
 
 }  // namespace
@@ -103,10 +103,11 @@ void move_slivers(const LevelDraft& level, std::uint32_t node_triangles, Triangl
       },
       [] {});
   std::vector<std::uint32_t> size(groups.count, 0);
-  for (const Group group : groups.group_of) ++size[group];
+  for_each_id(groups.group_of.size(), 1, [&](std::uint32_t t) { ++size[groups.group_of[t]]; });
   const std::uint32_t most = largest_group * node_triangles;
   bool any = false;
   for (std::size_t n = 0; n < has_moved.size(); ++n) {
+    make_room();
     if (has_moved[n] == 0) continue;
     const NodeDraft& node = level.nodes[n];
     Group* const before = groups.group_of.data() + node.first_triangle;

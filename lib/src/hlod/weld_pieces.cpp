@@ -171,6 +171,7 @@ class PieceCollector::Welder {
     sources_.reserve(order.size());
     for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end) {
       const std::uint32_t code = grid.code(raw_.positions[order[begin]]);
+      make_room();
       while (end < order.size() && grid.code(raw_.positions[order[end]]) == code) ++end;
       number_cell(std::span<const VertexId>(order).subspan(begin, end - begin));
     }

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/platform.h"
+#include "core/scratch_memory.h"
 #include "io/hidden_neighbour.h"
 #include "occlod/core/error.h"
 
@@ -90,6 +91,7 @@ AtomicFile::~AtomicFile() {
 void AtomicFile::write(std::span<const std::byte> bytes) {
   while (!bytes.empty()) {
     WriteMonitor::notify(written_);
+    make_room();  // which `bytes` may take
     const std::span<const std::byte> block = bytes.first(std::min(bytes.size(), block_bytes));
     errno = 0;
     stream_.write(reinterpret_cast<const char*>(block.data()), static_cast<std::streamsize>(block.size()));

@@ -1,5 +1,6 @@
 #include <vector>
 
+#include "core/scratch_memory.h"
 #include "material_sections.h"
 #include "occlod/io/ohlod.h"
 #include "ohlod_format.h"
@@ -18,7 +19,10 @@ void write_ohlod(const std::filesystem::path& path, const hlod::Hlod& hlod, cons
   };
   for_each_array(view, add);
   std::vector<std::uint64_t> digests, splits_digests;
-  for (hlod::NodeId n = 0; n < view.nodes.size(); ++n) digests.push_back(digest_of_mesh(view, n));
+  for (hlod::NodeId n = 0; n < view.nodes.size(); ++n) {
+    make_room();
+    digests.push_back(digest_of_mesh(view, n));
+  }
   const Summary summary{view.box,
                         view.input_triangle_count,
                         static_cast<std::uint32_t>(view.grouping),
