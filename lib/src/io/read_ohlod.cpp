@@ -84,6 +84,27 @@ struct ArrayReader {
   }
 };
 
+// All but what is told of splits within nodes.
+struct Tables {
+  hlod::HlodView view;
+  std::shared_ptr<const Owner> owner;  // of what the view refers to
+  MeshReport report;
+};
+
+// Throws Error.
+Tables read_tables(const std::shared_ptr<SectionReader>& reader, bool with_meshes) {
+  Tables tables;
+  hlod::HlodView& view = tables.view;
+  for_each_array(view, ArrayReader{*reader, with_meshes});
+  take(reader->read_one<Summary>(summary_name, "summary"), *reader, view);
+  tables.owner = std::make_shared<const Owner>(Owner{reader, read_materials(*reader)});
+  view.materials = tables.owner->materials.materials;
+  view.textures = tables.owner->materials.textures;
+  view.texture_origin = tables.owner->materials.origin;
+  tables.report = reader->read_report();
+  return tables;
+}
+
 // Of nodes, without meshes and splits. `mesh_bytes`: of all meshes. Throws Error.
 std::span<const std::uint64_t> check_nodes(SectionReader& reader, const hlod::HlodView& view,
                                            std::uint64_t mesh_bytes) {
@@ -140,18 +161,10 @@ class FileMeshes final : public hlod::MeshSource {
 
 OhlodFile read_ohlod(const std::filesystem::path& path, OlodAccess access) {
   const auto reader = std::make_shared<SectionReader>(path, file_kind, access == OlodAccess::mapped);
-  hlod::HlodView view;
-  const ArrayReader read{*reader, true};
-  for_each_array(view, read);
-  take(reader->read_one<Summary>(summary_name, "summary"), *reader, view);
-  const auto owner = std::make_shared<const Owner>(Owner{reader, read_materials(*reader)});
-  view.materials = owner->materials.materials;
-  view.textures = owner->materials.textures;
-  view.texture_origin = owner->materials.origin;
-  const MeshReport report = reader->read_report();
+  auto [view, owner, report] = read_tables(reader, true);
   Digests digests;
   if (reader->has(splits_digests_name)) {
-    for_each_within_array(view, read);
+    for_each_within_array(view, ArrayReader{*reader, true});
     digests.splits = reader->read<std::uint64_t>(splits_digests_name);
   }
   digests.meshes = check_nodes(*reader, view, view.meshes.size());
@@ -163,14 +176,7 @@ OhlodFile read_ohlod(const std::filesystem::path& path, OlodAccess access) {
 OhlodFile open_ohlod(const std::filesystem::path& path, const hlod::CacheOptions& cache) {
   const auto file = open_file(path);
   const auto reader = std::make_shared<SectionReader>(file, path, file_kind);
-  hlod::HlodView view;
-  for_each_array(view, ArrayReader{*reader, false});
-  take(reader->read_one<Summary>(summary_name, "summary"), *reader, view);
-  const auto owner = std::make_shared<const Owner>(Owner{reader, read_materials(*reader)});
-  view.materials = owner->materials.materials;
-  view.textures = owner->materials.textures;
-  view.texture_origin = owner->materials.origin;
-  const MeshReport report = reader->read_report();
+  const auto [view, owner, report] = read_tables(reader, false);
   const auto digests = check_nodes(*reader, view, reader->bytes_of(meshes_name));
   auto source = std::make_unique<FileMeshes>(file, reader, view, digests);
   return {paged_hlod(std::make_shared<hlod::NodeStore>(view, owner, std::move(source), cache)), report};
