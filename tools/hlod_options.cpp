@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 
@@ -43,9 +44,11 @@ void add_traverse_options(CLI::App& command, hlod::TraverseOptions& options) {
           "sw-b, simp, coh, ideal, batch, auto: how much of a node's error counts where only a share of it is "
           "visible. S: from that share itself (0) to a sigmoid (1); T: where the sigmoid turns; none: all of it")
       ->option_text(fmt::format("S,T|none [{},{}]", options.bias.s, options.bias.t));
-  add_choice(
-      command, "--metric", options.metric, {{"box", hlod::Metric::box}, {"sphere", hlod::Metric::sphere}},
-      "Where a node is nearest to the eye: box: of its box; sphere: of its sphere, as published, which is coarser");
+  add_choice(command, "--metric", options.metric,
+             {{"box", hlod::Metric::box}, {"sphere", hlod::Metric::sphere}, {"guaranteed", hlod::Metric::guaranteed}},
+             "Which error counts, and where a node is nearest to the eye: box: its error, of its box; sphere: the "
+             "same, of its "
+             "sphere, as published, which is coarser; guaranteed: a bound of how far its surface is off");
   add_choice(command, "--alpha", options.alpha, {{"exact", hlod::Alpha::exact}, {"paper", hlod::Alpha::paper}},
              "The pixels of a node's box on an empty screen: exact: of its outline; paper: of a cube of its volume");
   add_choice(command, "--coherence", options.coherence,
@@ -68,7 +71,7 @@ void add_traverse_options(CLI::App& command, hlod::TraverseOptions& options) {
 Json to_json(const hlod::TraverseOptions& options) {
   return {{"tolerance_px", options.tolerance_px},
           {"bias", options.biased ? Json{{"s", options.bias.s}, {"t", options.bias.t}} : Json()},
-          {"metric", options.metric == hlod::Metric::box ? "box" : "sphere"},
+          {"metric", std::array{"box", "sphere", "guaranteed"}.at(static_cast<std::size_t>(options.metric))},
           {"alpha", options.alpha == hlod::Alpha::exact ? "exact" : "paper"},
           {"coherence", options.coherence == hlod::Coherence::mended ? "mended" : "published"},
           {"cover_model", options.cover_model == hlod::CoverModel::corrected ? "corrected" : "printed"},

@@ -110,7 +110,8 @@ void bind_traverse_enums(nb::module_& m) {
       .value("cesium", Strategy::cesium, "What is hidden is not refined, but drawn.");
   nb::enum_<hlod::Metric>(m, "Metric", "How the error of a node on the screen is bounded.")
       .value("box", hlod::Metric::box)
-      .value("sphere", hlod::Metric::sphere, "As published.");
+      .value("sphere", hlod::Metric::sphere, "As published.")
+      .value("guaranteed", hlod::Metric::guaranteed, "A bound of how far the surface is off.");
   nb::enum_<hlod::Coherence>(m, "Coherence", "When Strategy.coh asks about nodes.")
       .value("mended", hlod::Coherence::mended, "When all that is known to be visible has been drawn.")
       .value("published", hlod::Coherence::published, "In turn, as Charalambos and others 2007 do.");

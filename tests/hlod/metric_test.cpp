@@ -33,6 +33,9 @@ TEST(ScreenError, TheLargerOfTwoTerms) {
   // 6 from the centre, 4 from the sphere.
   EXPECT_NEAR(sphere_error_px(node, at({-4.0, 0.0, 0.0})), 25.0, 1e-5);
   EXPECT_NEAR(sphere_error_px(node, at({2.0, 1.0, 0.0})), 1000.0 * 0.1 / 0.01, 1e-3);
+  // 4 from the lod_box, whatever the other errors are.
+  node.guaranteed_error = 0.2F;
+  EXPECT_NEAR(guaranteed_error_px(node, at({-4.0, 0.0, 0.0})), 50.0, 1e-5);
 }
 
 // From far away to within the mesh, and exactly on corners of boxes.
@@ -61,6 +64,7 @@ TEST(ScreenError, IsNeverLessThanAChilds) {
           for (const NodeId child : hlod.children(n)) {
             EXPECT_GE(screen_error_px(hlod.node(n), scale), screen_error_px(hlod.node(child), scale));
             EXPECT_GE(sphere_error_px(hlod.node(n), scale), sphere_error_px(hlod.node(child), scale));
+            EXPECT_GE(guaranteed_error_px(hlod.node(n), scale), guaranteed_error_px(hlod.node(child), scale));
           }
       }
     }

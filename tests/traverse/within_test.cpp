@@ -10,6 +10,7 @@
 
 #include "occlod/core/error.h"
 #include "occlod/device/software_device.h"
+#include "occlod/hlod/metric.h"
 #include "occlod/mesh/generate.h"
 #include "support/open_edges.h"
 #include "traverse/random_device.h"
@@ -110,6 +111,30 @@ TEST(TraverseWithin, AClosedSurfaceInSightStaysClosedWhateverIsAnswered) {
     const bool predicts_bias = strategy == Strategy::simp || strategy == Strategy::coh;
     EXPECT_EQ(recuts > 0, predicts_bias) << static_cast<int>(strategy);
     EXPECT_EQ(blocked > 0, predicts_bias || strategy == Strategy::sw_b) << static_cast<int>(strategy);
+  }
+}
+
+// How little a node's guaranteed error becomes within is not known, so nodes are refined by their children only: the
+// same front with and without, and every node on it or next to it as the bound says.
+TEST(TraverseWithin, GuaranteedErrorsAreMetByChildrenOnly) {
+  const Hlod& hlod = refinable();
+  const PlacedHlod placed{&hlod};
+  RandomDevice device(5, 0.0);
+  Traverser traverser({&placed, 1});
+  std::mt19937_64 random(31);
+  for (int i = 0; i < 30; ++i) {
+    TraverseOptions options = options_for(Strategy::vfc, std::exp2(uniform(random, -2.0, 4.0)), false);
+    options.metric = Metric::guaranteed;
+    const View view(random_camera(hlod.data().box, random));
+    const ScreenScale scale = screen_scale(view, ObjectView(view, placed.object_to_world));
+    const Frame frame = traverser.draw_frame(view, device, options);
+    EXPECT_EQ(frame.stats.cut_nodes, 0U);
+    for (const DrawnNode& draw : frame.draws)
+      EXPECT_LE(guaranteed_error_px(hlod.node(draw.node), scale), options.tolerance_px);
+    options.within = false;
+    EXPECT_EQ(traverser.draw_frame(view, device, options).front_hash, frame.front_hash);
+    options.metric = Metric::box;
+    EXPECT_LE(traverser.draw_frame(view, device, options).stats.drawn_triangles, frame.stats.drawn_triangles);
   }
 }
 

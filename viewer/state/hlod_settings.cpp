@@ -52,8 +52,10 @@ std::span<const Setting> hlod_settings() {
            "When coh asks. mended: once all that is known to be visible has been drawn; published: in turn"},
           {"mended", "published"}, [](auto& s) -> auto& { return s.hlod.traverse.coherence; }),
       choice(
-          {"metric", "Metric", "Where a node is nearest to the eye: of its box, or of its sphere, as published"},
-          {"box", "sphere"}, [](auto& s) -> auto& { return s.hlod.traverse.metric; }),
+          {"metric", "Metric",
+           "Where a node is nearest to the eye: of its box, or of its sphere, as published. guaranteed: by a bound of "
+           "how far its surface is off"},
+          {"box", "sphere", "guaranteed"}, [](auto& s) -> auto& { return s.hlod.traverse.metric; }),
       choice(
           {"cover_model", "Cover model",
            "nohc and batch: how probable it is that a box is covered. printed: as in the paper; corrected: for boxes "

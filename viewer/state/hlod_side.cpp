@@ -102,6 +102,7 @@ double error_px(const hlod::DrawnNode& draw, const PlacedObject& object, const V
   const hlod::Hlod& hlod = *object.hlod->hlod;
   const hlod::Node& node = hlod.node(draw.node);
   const hlod::ScreenScale scale = hlod::screen_scale(view, ObjectView(view, object.object_to_world));
+  if (metric == hlod::Metric::guaranteed) return guaranteed_error_px(node, scale);
   const bool by_box = metric == hlod::Metric::box;
   if (draw.splits == 0) return by_box ? screen_error_px(node, scale) : sphere_error_px(node, scale);
   const double least = by_box ? least_screen_error_px(node, scale) : least_sphere_error_px(node, scale);

@@ -71,6 +71,10 @@ double sphere_error_px(const Node& node, const ScreenScale& scale) {
   return error_px(node.error, distance_to(node.sphere, scale), scale);
 }
 
+double guaranteed_error_px(const Node& node, const ScreenScale& scale) {
+  return error_px(node.guaranteed_error, distance_to(node.lod_box, scale), scale);
+}
+
 double least_screen_error_px(const Node& node, const ScreenScale& scale) {
   return error_px(node.child_error, distance_to(node.lod_box, scale), scale);
 }

@@ -27,10 +27,12 @@ ObjectFrame::ObjectFrame(const View& view, const PlacedHlod& placed, const Trave
 }
 
 double ObjectFrame::error_px(const Node& node) const {
+  if (metric_ == Metric::guaranteed) return guaranteed_error_px(node, scale_);
   return metric_ == Metric::box ? screen_error_px(node, scale_) : sphere_error_px(node, scale_);
 }
 
 double ObjectFrame::least_error_px(const Node& node) const {
+  if (metric_ == Metric::guaranteed) return guaranteed_error_px(node, scale_);  // how little is left is not known
   return metric_ == Metric::box ? least_screen_error_px(node, scale_) : least_sphere_error_px(node, scale_);
 }
 

@@ -36,9 +36,13 @@ struct ScreenScale {
 // child either.
 [[nodiscard]] double sphere_error_px(const Node& node, const ScreenScale& scale);
 
-// The same of a node that is refined within as far as possible: what is left is its children's error, at its lod_box.
-// No less than the error of any child, so on a front of nodes for which it is below a tolerance, those whose own error
-// is not can be refined within.
+// Pixels that Node::guaranteed_error covers at most: seen from the eye, no point of the node's triangles is farther
+// from the input. By the nearest point of lod_box, so no less than for any child.
+[[nodiscard]] double guaranteed_error_px(const Node& node, const ScreenScale& scale);
+
+// As screen_error_px() of a node that is refined within as far as possible: what is left is its children's error, at
+// its lod_box. No less than the error of any child, so on a front of nodes for which it is below a tolerance, those
+// whose own error is not can be refined within.
 [[nodiscard]] double least_screen_error_px(const Node& node, const ScreenScale& scale);
 // Likewise, by the sphere.
 [[nodiscard]] double least_sphere_error_px(const Node& node, const ScreenScale& scale);

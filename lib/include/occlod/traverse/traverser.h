@@ -42,8 +42,9 @@ enum class Strategy {
 
 // How the error of a node on the screen is bounded.
 enum class Metric {
-  box,     // screen_error_px()
-  sphere,  // sphere_error_px(), as published
+  box,         // screen_error_px()
+  sphere,      // sphere_error_px(), as published
+  guaranteed,  // guaranteed_error_px(): a bound, several times the others; nodes are not refined within
 };
 
 // How the pixels of a node's box on an empty screen are counted.
