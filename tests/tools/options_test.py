@@ -134,6 +134,10 @@ class Options(ToolTest):
                 self.assert_refused(CELLS_BUILD, option, value)
         for value in ("", "1,2", "1,2,x", "1,2,nan", "1,2,3,4"):
             self.assert_refused(CELLS_INFO, "--eye", value, "X,Y,Z")
+        for value in ("", "x", "-1", "0", "0M", "1.5", "1e3", "nan", "0x10", "+1", " 1", "1 ", "M", "1T", "1KB", 2**64, f"{2**34}G", 10**30):
+            self.assert_refused(HLOD_RENDER, "--cache", value, "number of bytes")
+        for value in ("", "x", "Async", "async ", "blocking:1", "simulated", *(f"simulated:{speed}" for speed in ("", "x", "0", "-1", "nan", "inf", "1,5", "1e-7", "1e7", "5MB"))):
+            self.assert_refused([*HLOD_RENDER, "--cache", "1M"], "--load", value, "blocking", "async", "simulated:MBPS")
         for value in ("300,200", "300,300", "adaptive,300", "300,x"):
             done = self.run_tool(*RENDER, "--occluder-splits", value)
             self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1), done.stderr)
@@ -172,12 +176,17 @@ class Options(ToolTest):
                 done = self.run_tool(*arguments)
                 self.assertEqual(done.returncode, 1, f"{arguments}: {done.stderr}")
 
+    def test_ends_of_caches_are_taken(self):
+        for cache, load in ((1, "async"), (2**64 - 1, "blocking"), ("17179869183G", "simulated:1e-6"), ("1K", "simulated:1e6")):
+            done = self.run_tool(*HLOD_RENDER, "--cache", cache, "--load", load)
+            self.assertEqual((done.returncode, done.stderr.count("\n")), (1, 1), done.stderr)
+
     def test_every_numeric_option_is_here(self):
         """Help shows what a number is with N."""
         rows = {(row[0][0], row[0][1] if row[0][0] in ("cells", "generate", "hlod") else "", row[1]) for row in self.rows(0) + self.rows(1)}
         commands = ["build", "cut", "info", "validate", "render", *(["compare", "repair"] if self.has_cgal() else [])]
         kinds = ["rough-planet", "city", "pipes", "plant", "spheres-behind-wall"]
-        hlod, cells = ["build", "info", "validate", "render", "compare"], ["build", "check", "info", "merge", "pack", "walk"]
+        hlod, cells = ["build", "export", "info", "validate", "render", "compare"], ["build", "check", "info", "merge", "pack", "walk"]
         for command, kind in [(command, "") for command in commands] + [("generate", kind) for kind in kinds] + [("hlod", kind) for kind in hlod] + [("cells", kind) for kind in cells]:
             text = self.succeed(*([command, kind] if kind else [command]), "--help")
             self.assertNotRegex(text, "INT|FLOAT|309")
