@@ -1,9 +1,10 @@
 // HLODs in files. Checksums are put right first: damage by chance is found by them, what is to be found here is what a
 // hostile file can do. Whatever the bytes, reading and checking all of it ends with an HLOD that can be walked, or with
-// an Error.
+// an Error; and so does opening it with meshes that come and go, which are the same.
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <filesystem>
 #include <span>
 #include <string_view>
 #include <type_traits>
@@ -38,6 +39,9 @@ void sign_meshes(const fuzz::SectionSigner& file) {
   view.borders = static_cast<hlod::Borders>(summary[0].borders);
   view.has_normals = summary[0].has_normals == 1;
   view.has_colors = summary[0].has_colors == 1;
+  view.has_texture_coordinates = (summary[0].wedges & has_texture_coordinates) != 0;
+  view.has_materials = (summary[0].wedges & has_materials) != 0;
+  view.has_seams = (summary[0].wedges & has_seams) != 0;
   if (check_structure(view) || digests.size() != view.nodes.size()) return;
   for (hlod::NodeId n = 0; n < view.nodes.size(); ++n) digests[n] = digest_of_mesh(view, n);
   if (splits_digests.size() != view.within.size()) return;
@@ -49,6 +53,47 @@ void sign(std::vector<std::byte>& bytes) {
   file.sign([&] { sign_meshes(file); });
 }
 
+void require(bool holds) {
+  if (!holds) __builtin_trap();
+}
+
+template <typename T>
+bool same_bytes(std::span<const T> a, std::span<const T> b) {
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size_bytes()) == 0);
+}
+
+// Whether all of it is valid.
+bool read(const std::filesystem::path& path, hlod::Hlod& hlod) {
+  try {
+    hlod = read_ohlod(path).hlod;
+    hlod.require_all();
+    (void)hlod::validate(hlod, {4});
+    for (hlod::NodeId n = 0; n < hlod.node_count(); ++n)
+      (void)hlod::within_cut(hlod, n, 0.5 * static_cast<double>(hlod.node(n).error));
+  } catch (const Error&) {
+    return false;
+  }
+  return true;
+}
+
+// Asks for the children of all nodes, frame by frame. `whole`: the same HLOD, valid; or null.
+void page(const hlod::Hlod& hlod, const hlod::Hlod* whole) {
+  hlod::NodeStore& store = *hlod.store();
+  for (int frame = 0; frame < 3; ++frame) {
+    store.begin_frame();
+    for (hlod::NodeId n = 0; n < hlod.node_count(); ++n) {
+      if (!hlod.is_resident(n)) continue;
+      store.need(n);
+      if (whole != nullptr) require(same_bytes(hlod.mesh(n).positions, whole->mesh(n).positions));
+      if (!store.fetch(hlod.children(n))) store.want(hlod.children(n), 1.0);
+    }
+    store.end_frame();
+    const hlod::StoreStats stats = store.stats();
+    require(stats.resident_bytes + stats.loading_bytes <= stats.budget_bytes);
+    require(whole == nullptr || stats.failed == 0);
+  }
+}
+
 }  // namespace
 }  // namespace occlod::ohlod
 
@@ -57,13 +102,14 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (size > 0) std::memcpy(bytes.data(), data, size);
   occlod::ohlod::sign(bytes);
   const occlod::fuzz::MemoryFile file(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
-  try {
-    const occlod::hlod::Hlod hlod = occlod::read_ohlod(file.path()).hlod;
-    (void)occlod::hlod::validate(hlod, {4});
-    for (occlod::hlod::NodeId n = 0; n < hlod.node_count(); ++n)
-      (void)occlod::hlod::within_cut(hlod, n, 0.5 * static_cast<double>(hlod.node(n).error));
-  } catch (const occlod::Error&) {
-    return 0;  // refused
-  }
+  occlod::hlod::Hlod whole;
+  const bool is_valid = occlod::ohlod::read(file.path(), whole);
+  constexpr std::size_t plenty = std::size_t{1} << 24U;
+  for (const std::size_t budget : {plenty, size / 3}) try {
+      const occlod::hlod::CacheOptions options{.budget_bytes = budget, .load = occlod::hlod::LoadMode::blocking};
+      occlod::ohlod::page(occlod::open_ohlod(file.path(), options).hlod, is_valid ? &whole : nullptr);
+    } catch (const occlod::Error&) {
+      occlod::ohlod::require(!is_valid || budget < plenty);
+    }
   return 0;
 }
