@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Tilesets in other people's programs; called by scripts/check_tiles.sh, which says what it does.
-tiles_clients.py --occlod FILE --modules FOLDER --out FOLDER SCENE.json [--path NAME] [--frames N] [--error PX]"""
+tiles_clients.py --occlod FILE --modules FOLDER --out FOLDER SCENE.json [--paths NAME,...] [--frames N] [--error PX] [--size WxH]"""
 import argparse
 import json
 import pathlib
@@ -11,6 +11,8 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 CLIENTS = ROOT / "tests/clients"
 EXPORTS = {"plain": [], "quantised": ["--quantise", "14", "--skirts"], "meshopt": ["--compression", "meshopt"], "quadric": ["--compression", "meshopt", "--error", "quadric"],
            "earth": ["--compression", "meshopt", "--origin", "11.575,48.137,519", "--tiles-per-file", "50"]}
+OURS = [("nested", "vfc"), ("shifted", "vfc"), ("shifted", "coh")]
+LONGEST_S = 1200  # of one client
 
 
 def say(text):
@@ -22,7 +24,7 @@ class Run:
         self.options, self.out = options, pathlib.Path(options.out).resolve()
         self.out.mkdir(parents=True, exist_ok=True)
         self.failures = []
-        self.table = {"scene": options.scene, "error_px": options.error, "exports": {}, "clients": {}, "ours": {}}
+        self.table = {"scene": options.scene, "error_px": options.error, "exports": {}, "clients": {}, "ours": {}, "ratios": {}}
 
     def occlod(self, *arguments):
         done = subprocess.run([self.options.occlod, *map(str, arguments)], stdout=subprocess.PIPE, text=True, check=True)
@@ -30,10 +32,19 @@ class Run:
 
     def node(self, program, *arguments):
         """What a program of tests/clients prints; it runs where its packages are."""
-        done = subprocess.run(["node", str(self.out / "clients" / program), *map(str, arguments)], stdout=subprocess.PIPE, text=True, check=False)
-        if done.returncode != 0:
-            self.failures.append(f"{program}: exit {done.returncode}: {done.stdout.strip()[-500:]}")
-        return done.stdout.strip()
+        command = ["node", str(self.out / "clients" / program), *map(str, arguments)]
+        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as running:
+            try:
+                told = running.communicate(timeout=LONGEST_S)[0].strip()
+            except subprocess.TimeoutExpired:
+                self.failures.append(f"{program}: has not ended after {LONGEST_S} s")
+                return ""
+            finally:
+                running.terminate()  # it ends its browser first
+                running.wait()
+        if running.returncode != 0:
+            self.failures.append(f"{program}: exit {running.returncode}: {told[-500:]}")
+        return told
 
     def install_programs(self):
         folder = self.out / "clients"
@@ -44,9 +55,9 @@ class Run:
             (folder / "node_modules").symlink_to(pathlib.Path(self.options.modules).resolve())
 
     def cameras(self):
-        """The keys of the path, and a scene that jumps from one to the next."""
+        """The keys of the paths, and a scene that jumps from one to the next."""
         scene = json.loads(pathlib.Path(self.options.scene).read_text())
-        keys = scene["paths"][self.options.path]["keys"][: self.options.frames]
+        keys = [key for path in self.options.paths.split(",") for key in scene["paths"][path]["keys"]][: self.options.frames]
         keys = [{"up": [0, 1, 0], "fov_y_deg": 60, **key} for key in keys]
         (self.out / "cameras.json").write_text(json.dumps({"cameras": keys}))
         jumps = {**scene, "paths": {"keys": {"frames": len(keys), "jump": True, "keys": keys}}}
@@ -82,7 +93,8 @@ class Run:
         say(self.node("validate.js", *(self.out / name for name in EXPORTS)))
 
     def client(self, program, export, *arguments):
-        arguments = [*arguments, "--cameras", self.out / "cameras.json", "--error", self.options.error, "--png", self.out / f"{program}_{export}.png"]
+        arguments = [*arguments, "--cameras", self.out / "cameras.json", "--error", self.options.error, "--size", self.options.size,
+                     "--frame", self.options.picture, "--png", self.out / f"{program}_{export}.png"]
         if program == "three":
             return self.node("three.js", self.out / export, "--modules", self.out / "clients/node_modules", *arguments)
         serving = [self.options.occlod, "hlod", "serve", self.out / export, "--port", "0", "--cesium", self.out / "clients/node_modules/cesium/Build/Cesium"]
@@ -93,27 +105,42 @@ class Run:
                 server.terminate()
 
     def clients(self):
-        say(f"\n{'client':28} {'triangles':>11} {'tiles':>8} {'failed':>7}   means of all cameras, {self.options.error} px")
+        say(f"\n{'client':34} {'triangles':>11} {'tiles':>8} {'failed':>7}   means of all cameras, {self.options.error} px")
         for program, export in (("cesium", "meshopt"), ("cesium", "quadric"), ("cesium", "earth"), ("three", "plain"), ("three", "meshopt")):
             text = self.client(program, export)
             if not text:
                 continue
             told = json.loads(text.splitlines()[-1])
             self.table["clients"][f"{program}, {export}"] = told
-            say(f"{program + ', ' + export:28} {told['triangles']:11.0f} {told['tiles']:8.1f} {told['failed']:7}")
-        for name, strategy in (("nested", "vfc"), ("shifted", "vfc"), ("shifted", "coh")):
-            told = self.occlod("hlod", "render", self.out / f"{name}.ohlod", "--scene", self.out / "jumps.json", "--path", "keys", "--strategy", strategy,
-                               "--tolerance", self.options.error, "--size", "1024x768", "--json")
-            drawn = told["mean"]
-            self.table["ours"][f"{name}, {strategy}"] = {"triangles": drawn["drawn_triangles"], "nodes": drawn["drawn_nodes"]}
-            say(f"{'ours: ' + name + ', ' + strategy:28} {drawn['drawn_triangles']:11.0f} {drawn['drawn_nodes']:8.1f}")
+            say(f"{program + ', ' + export:34} {told['triangles']:11.0f} {told['tiles']:8.1f} {told['failed']:7}")
+
+    def ours(self):
+        """The same cameras by `occlod hlod render`, by both kinds of error, as CesiumJS has them."""
+        say("")
+        for error, metric in (("guaranteed", "guaranteed"), ("quadric", "box")):
+            for name, strategy in OURS:
+                drawn = self.occlod("hlod", "render", self.out / f"{name}.ohlod", "--scene", self.out / "jumps.json", "--path", "keys", "--strategy", strategy,
+                                    "--metric", metric, "--tolerance", self.options.error, "--size", self.options.size, "--json")["mean"]
+                self.table["ours"][f"{name}, {strategy}, {error}"] = {"triangles": drawn["drawn_triangles"], "nodes": drawn["drawn_nodes"]}
+                say(f"{f'ours: {name}, {strategy}, {error}':34} {drawn['drawn_triangles']:11.0f} {drawn['drawn_nodes']:8.1f}")
+
+    def compare(self):
+        say("")
+        for export, error in (("meshopt", "guaranteed"), ("quadric", "quadric")):
+            told = self.table["clients"].get(f"cesium, {export}")
+            if told:
+                ratios = [told["triangles"] / self.table["ours"][f"{name}, {strategy}, {error}"]["triangles"] for name, strategy in OURS]
+                self.table["ratios"][error] = {f"{name}, {strategy}": ratio for (name, strategy), ratio in zip(OURS, ratios)}
+                say(f"CesiumJS / ours, {error}: " + ", ".join(f"{ratio:.2f} ({name}, {strategy})" for (name, strategy), ratio in zip(OURS, ratios)))
 
     def run(self):
         self.install_programs()
-        say(f"{self.options.scene}, path {self.options.path}: {self.cameras()} cameras")
+        say(f"{self.options.scene}, paths {self.options.paths}: {self.cameras()} cameras")
         self.build()
         self.check()
         self.clients()
+        self.ours()
+        self.compare()
         (self.out / "tiles.json").write_text(json.dumps(self.table, indent=1))
         for failure in self.failures:
             say(f"FAILED: {failure}")
@@ -125,9 +152,11 @@ def main():
     for name in ("--occlod", "--modules", "--out"):
         parser.add_argument(name, required=True)
     parser.add_argument("scene")
-    parser.add_argument("--path", default="walk")
+    parser.add_argument("--paths", default="walk,fly_over")
     parser.add_argument("--frames", type=int, default=100)
     parser.add_argument("--error", default="2")
+    parser.add_argument("--size", default="640x480")
+    parser.add_argument("--picture", default="7")
     sys.exit(Run(parser.parse_args()).run())
 
 

@@ -1,5 +1,6 @@
 // cesium.js URL --cameras FILE [--error PX] [--size WxH] [--png FILE] [--frame N]: CesiumJS in headless Chromium on the page of `occlod hlod serve`,
-// along a path. FILE: JSON, {"cameras": [{eye, target, up, fov_y_deg}]}, in the tileset's coordinates. Waits at each camera until all tiles are loaded.
+// along a path. FILE: JSON, {"cameras": [{eye, target, up, fov_y_deg}]}, in the tileset's coordinates. Waits at each camera until all tiles are loaded,
+// drawing nothing meanwhile, since software takes long for that, and then draws one frame.
 // Prints one JSON object; exit 1 when a tile failed or the page complained. The picture is of camera N, without the panel.
 import { readFileSync } from "node:fs";
 import { option, open } from "./browser.js";
@@ -25,11 +26,15 @@ for (const [index, camera] of cameras.entries()) {
       direction: Cesium.Cartesian3.normalize(vector(ahead), new Cesium.Cartesian3()),
       up: Cesium.Cartesian3.normalize(vector(at.up), new Cesium.Cartesian3()) } });
     const begin = performance.now();
+    viewer.useDefaultRenderLoop = false;
+    viewer.scene.debugCommandFilter = () => false;
     const frame = () => new Promise((resolve) => { viewer.scene.render(); requestAnimationFrame(resolve); });
     for (let calm = 0; calm < 3; calm = tileset.tilesLoaded ? calm + 1 : 0) {
       await frame();
       if (performance.now() - begin > 300000) throw new Error("tiles are not loaded after five minutes");
     }
+    viewer.scene.debugCommandFilter = undefined;
+    await frame();
     const counts = tileset.statistics;
     return { triangles: counts.numberOfTrianglesSelected, tiles: counts.selected, ms: performance.now() - begin };
   }, camera));
