@@ -115,7 +115,8 @@ Application::Application(const ApplicationOptions& options) : options_(options) 
   if (options.script) script_.emplace(*options.script);
   std::optional<Calibration> calibration;
   if (!options.calibration.empty()) calibration = read_calibration(options.calibration);
-  session_ = std::make_unique<Session>(make_visibility, options.use_cache, std::move(calibration), make_device);
+  session_ =
+      std::make_unique<Session>(make_visibility, options.use_cache, std::move(calibration), make_device, options.paged);
   if (options.script) session_->files().add_input(*options.script, "the script");
   if (!options.calibration.empty()) session_->files().add_input(options.calibration, "the calibration");
   if (!options.settings_file.empty()) session_->files().add_input(options.settings_file, "the settings file");

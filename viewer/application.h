@@ -25,6 +25,7 @@ struct ApplicationOptions {
   std::optional<ImageSize> size;        // of the window, instead of the remembered one
   std::filesystem::path calibration;    // of this machine, for the setting auto; empty = measured
   bool use_cache = true;
+  std::optional<hlod::CacheOptions> paged;  // of .ohlod files, whose meshes come and go then
   bool debug_gl = false;
 };
 

@@ -13,6 +13,7 @@
 #include "application.h"
 #include "command.h"
 #include "file_faults.h"
+#include "hlod_cache.h"
 #include "io/atomic_file.h"
 #include "occlod/core/version.h"
 #include "setting_table.h"
@@ -91,6 +92,7 @@ void add_options(CLI::App& app, Arguments& arguments) {
   app.add_option("--calibration", arguments.application.calibration,
                  "For occlusion auto: this machine's costs, from `occlod render --save-calibration`; default: measured")
       ->check(named);
+  tool::add_cache_options(app, arguments.application.paged);
   app.add_flag("--no-cache", arguments.no_cache, "Build hierarchies again instead of taking them from the cache");
   app.add_flag("--debug-gl", arguments.application.debug_gl, "Treat messages of the OpenGL driver as errors");
 }

@@ -65,6 +65,53 @@ TEST_F(HlodSession, OpensLikeAMesh) {
   EXPECT_EQ(triangles, stats().drawn_triangles);
 }
 
+// Meshes come while the view stands still, within the budget, until there are those of the whole HLOD's front, and a
+// damaged one is counted.
+TEST_F(HlodSession, MeshesComeAndGo) {
+  json scene = test::city_scene("city.ohlod");
+  json& behind = scene["cameras"]["behind"] = scene["cameras"]["default"];  // the other half of the city
+  scene["cameras"]["default"]["eye"] = behind["eye"] = {180, 181, 30};
+  scene["cameras"]["default"]["target"] = {300, 181, 8};
+  behind["target"] = {60, 181, 8};
+  scene_ = folder_.write("halves.json", scene);
+  open();
+  set("strategy", "vfc");
+  const std::uint64_t wanted = side().front->frame.front_hash;
+  const std::size_t all = hlod().data().meshes.size(), of_front = stats().drawn_triangles;
+  for (const std::size_t budget : {all, all / 4}) {
+    hlod::CacheOptions cache;
+    cache.budget_bytes = budget;
+    Session paged{test::make_portable_visibility, false, {}, make_portable_device, cache};
+    act(paged, {{"do", "set"}, {"setting", "device"}, {"value", "software"}});
+    act(paged, {{"do", "set"}, {"setting", "strategy"}, {"value", "vfc"}});
+    act(paged, {{"do", "open"}, {"file", scene_.string()}});
+    ASSERT_TRUE(paged.frame() && paged.frame()->cache);
+    const auto figures = paged.figures();
+    EXPECT_EQ(figures.at("cache_budget_bytes"), static_cast<double>(budget));
+    EXPECT_LE(figures.at("cache_resident_bytes"), static_cast<double>(budget));
+    EXPECT_EQ(figures.at("cache_loading_bytes"), 0.0) << "it waits until all has come that may";
+    EXPECT_GT(figures.at("cache_loads"), 0.0);
+    EXPECT_EQ(figures.at("cache_failed"), 0.0);
+    const hlod::Frame& frame = paged.frame()->hlod_sides[0].front->frame;
+    EXPECT_EQ(frame.front_hash == wanted, budget == all);
+    EXPECT_EQ(figures.at("cache_missing") == 0.0, budget == all);
+    EXPECT_EQ(frame.stats.drawn_triangles == of_front, budget == all);
+    act(paged, {{"do", "go_to"}, {"name", "behind"}});
+    EXPECT_EQ(paged.figures().at("cache_evictions") > 0.0, budget < all);
+  }
+  EXPECT_FALSE(session_.frame()->cache) << "all of it is there";
+}
+
+TEST_F(HlodSession, AFileThatIsTooLargeForItsCacheIsToldInOneLine) {
+  hlod::CacheOptions cache;
+  cache.budget_bytes = 1;
+  Session paged{test::make_portable_visibility, false, {}, make_portable_device, cache};
+  act(paged, {{"do", "open"}, {"file", scene_.string()}});
+  ASSERT_FALSE(paged.state().notices.empty());
+  EXPECT_NE(paged.state().notices.back().text.find("at least"), std::string::npos);
+  EXPECT_TRUE(paged.state().objects->empty());
+}
+
 // The first frame of a view is the library's for the same options: nothing is left out on the way.
 TEST_F(HlodSession, EverySettingReachesTheTraverser) {
   open();

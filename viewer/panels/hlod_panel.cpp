@@ -87,6 +87,23 @@ void draw_device(Panels& panels) {
   draw_help_of_item("Measured when a strategy needs to know them: nohc, optimum, batch and auto");
 }
 
+std::string megabytes(std::uint64_t bytes) { return fmt::format("{:.1f} MB", static_cast<double>(bytes) * 1e-6); }
+
+// Of HLODs whose meshes come and go.
+void draw_cache(const hlod::StoreStats& cache) {
+  draw_row("Cache", fmt::format("{} of {}", megabytes(cache.resident_bytes), megabytes(cache.budget_bytes)));
+  draw_help_of_item("Meshes that are there, and what they may take: --cache");
+  draw_row("Waiting",
+           fmt::format("{}; {} come", grouped(static_cast<double>(cache.missing)), megabytes(cache.loading_bytes)));
+  draw_help_of_item("Meshes in place of which something coarser is drawn; what is being read, also ahead of time");
+  draw_row("Loaded", fmt::format("{}, {}", grouped(static_cast<double>(cache.loads)), megabytes(cache.bytes_loaded)));
+  draw_help_of_item("Meshes that came since the file was opened, those that came again included");
+  draw_row("Evicted", grouped(static_cast<double>(cache.evictions)));
+  draw_help_of_item("Meshes that left to make room");
+  draw_row("Damaged", grouped(static_cast<double>(cache.failed)));
+  draw_help_of_item("Meshes that cannot be read and never come; standard error says which");
+}
+
 // Of `auto`: what it drew, and what each strategy was found to take.
 void draw_forecasts(const hlod::Frame& frame) {
   draw_row("Drawn by", tool::name_of(frame.strategy));
@@ -112,6 +129,7 @@ void draw_hlod(Panels& panels) {
   draw_setting(panels, "hlod_tolerance");
   draw_bias(panels);
   for (const char* name : {"alpha", "coherence", "metric", "cover_model", "between"}) draw_setting(panels, name);
+  if (frame && frame->cache) draw_cache(*frame->cache);
   draw_device(panels);
   draw_setting(panels, "settle");
   for (const char* name : {"hlod_color_by", "node_boxes"}) draw_setting(panels, name);

@@ -7,7 +7,19 @@
 namespace occlod::viewer {
 namespace {
 
+void add_figures(std::map<std::string, double>& figures, const hlod::StoreStats& cache) {
+  figures["cache_budget_bytes"] = static_cast<double>(cache.budget_bytes);
+  figures["cache_resident_bytes"] = static_cast<double>(cache.resident_bytes);
+  figures["cache_resident_nodes"] = static_cast<double>(cache.resident_nodes);
+  figures["cache_loading_bytes"] = static_cast<double>(cache.loading_bytes);
+  figures["cache_missing"] = static_cast<double>(cache.missing);
+  figures["cache_loads"] = static_cast<double>(cache.loads);
+  figures["cache_evictions"] = static_cast<double>(cache.evictions);
+  figures["cache_failed"] = static_cast<double>(cache.failed);
+}
+
 void add_figures(std::map<std::string, double>& figures, const RefinedFrame& frame) {
+  if (frame.cache) add_figures(figures, *frame.cache);
   const hlod::Frame& front = frame.hlod_sides[0].front->frame;
   const hlod::FrameStats& stats = front.stats;
   figures["triangles"] = static_cast<double>(stats.drawn_triangles);

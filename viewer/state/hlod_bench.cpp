@@ -4,6 +4,7 @@
 #include <string_view>
 #include <utility>
 
+#include "hlod_cache.h"
 #include "occlod/core/error.h"
 #include "occlod/device/measure_costs.h"
 #include "occlod/device/virtual_device.h"
@@ -42,6 +43,10 @@ void HlodBench::draw(RefinedFrame& frame) {
   frame.hash = frame.hlod_sides[0].front->frame.front_hash;
   frame.device_costs = costs(job.hlod.device, false);
   frame.goes_on = goes_on(job);
+  const std::vector<hlod::PlacedHlod> placed = placed_hlods(*objects_);
+  frame.cache = tool::store_stats(placed);
+  if (frame.cache && frame.cache->loading_bytes > 0) frame.goes_on = true;
+  tool::print_failures(placed);
 }
 
 void HlodBench::forget() {

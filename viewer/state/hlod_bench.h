@@ -22,8 +22,9 @@ class HlodBench {
   HlodBench(const MakeDevice& make, const std::optional<Calibration>& calibration)
       : make_(make), calibration_(calibration) {}
 
-  // Fills the sides, the hash, the costs and goes_on. Of a job that asks for the same frame as the one before, and not
-  // for another one of it, that is the frame of before. The job's objects are HLODs. Throws Error.
+  // Fills the sides, the hash, the cache, the costs and goes_on. Meshes that never come are told on standard error. Of
+  // a job that asks for the same frame as the one before, and not for another one of it, that is the frame of before.
+  // The job's objects are HLODs. Throws Error.
   void draw(RefinedFrame& frame);
   // All that is known of nodes, and the devices: after an error.
   void forget();

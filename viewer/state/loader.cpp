@@ -52,7 +52,8 @@ bool has_hlods(const SceneDescription& scene, const std::filesystem::path& folde
 
 }  // namespace
 
-Loader::Loader(bool use_cache) : use_cache_(use_cache), thread_([this] { run(); }) {}
+Loader::Loader(bool use_cache, const std::optional<hlod::CacheOptions>& paged)
+    : use_cache_(use_cache), paged_(paged), thread_([this] { run(); }) {}
 
 Loader::~Loader() {
   {
@@ -181,6 +182,7 @@ void Loader::load_as_hlods(const SceneDescription& scene, LoadedFile& result) {
   const std::filesystem::path folder = result.file.parent_path();
   HlodLoadOptions options;
   options.use_cache = use_cache_;
+  if (has_hlods(scene, folder)) options.paged = paged_;
   options.progress = [this](const std::string& what, double done) { report(what, done); };
   const std::vector<LoadedHlod> loaded = load_hlods(scene, folder, options);
   const std::vector<std::vector<SceneObject>> parts = parts_of_hlods(scene, folder);

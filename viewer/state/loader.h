@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "objects.h"
+#include "occlod/hlod/node_store.h"
 #include "occlod/scene/scene.h"
 #include "settings.h"
 #include "view_cells.h"
@@ -40,8 +41,9 @@ struct LoadProgress {
 
 class Loader {
  public:
-  // `use_cache`: keep hierarchies that are built in the user's cache folder.
-  explicit Loader(bool use_cache);
+  // `use_cache`: keep hierarchies that are built in the user's cache folder. `paged`: let meshes of .ohlod files come
+  // and go, within the budget for each file or scene that is opened.
+  explicit Loader(bool use_cache, const std::optional<hlod::CacheOptions>& paged = {});
   Loader(const Loader&) = delete;
   Loader& operator=(const Loader&) = delete;
   ~Loader();  // cancels what is under way
@@ -69,6 +71,7 @@ class Loader {
   void report(const std::string& what, double done);  // throws when cancelled
 
   bool use_cache_;
+  std::optional<hlod::CacheOptions> paged_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<Wanted> waiting_;

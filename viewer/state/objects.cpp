@@ -57,6 +57,20 @@ glm::dvec3 angles_of(const glm::dmat3& m) {
   return glm::degrees(glm::dvec3(std::atan2(m[1][2], m[2][2]), y, std::atan2(m[0][1], m[0][0])));
 }
 
+// All vertices; where not all meshes are there, the box. Throws Error when a mesh is damaged.
+Sphere sphere_around(const hlod::Hlod& hlod) {
+  const Box& box = hlod.data().box;
+  Sphere sphere{0.5F * box.min + 0.5F * box.max, 0.0F};
+  if (hlod.store() != nullptr) return {sphere.center, glm::distance(sphere.center, box.max)};
+  const hlod::Level& finest = hlod.data().levels[0];
+  for (hlod::NodeId n = finest.first_node; n < finest.first_node + finest.node_count; ++n) {
+    hlod.require(n);
+    for (const glm::vec3& p : hlod.mesh(n).positions)
+      sphere.radius = std::max(sphere.radius, glm::distance(sphere.center, p));
+  }
+  return sphere;
+}
+
 }  // namespace
 
 std::shared_ptr<const ViewMesh> make_view_mesh(std::shared_ptr<const Hierarchy> hierarchy,
@@ -94,14 +108,7 @@ std::shared_ptr<const ViewHlod> make_view_hlod(std::shared_ptr<const hlod::Hlod>
   const tool::ObjectTextures textures(hlod->data(), folder, tool::TextureChoice::automatic,
                                       [](const std::string& line) { tool::print_note(line); });
   view->texture = layered(textures.materials(), hlod->data().texture_origin);
-  const Box& box = hlod->data().box;
-  view->sphere.center = 0.5F * box.min + 0.5F * box.max;
-  const hlod::Level& finest = hlod->data().levels[0];
-  for (hlod::NodeId n = finest.first_node; n < finest.first_node + finest.node_count; ++n) {
-    hlod->require(n);
-    for (const glm::vec3& p : hlod->mesh(n).positions)
-      view->sphere.radius = std::max(view->sphere.radius, glm::distance(view->sphere.center, p));
-  }
+  view->sphere = sphere_around(*hlod);
   view->hlod = std::move(hlod);
   return view;
 }

@@ -36,8 +36,8 @@ struct ViewMesh {
 
 // An HLOD, likewise.
 struct ViewHlod {
-  std::shared_ptr<const hlod::Hlod> hlod;         // whose meshes have been checked
-  Sphere sphere;                                  // around all vertices and the middle of their box
+  std::shared_ptr<const hlod::Hlod> hlod;         // whose meshes have been checked, or come and go
+  Sphere sphere;                                  // around all vertices, or their box, and the middle of it
   std::shared_ptr<const LayeredTexture> texture;  // null without materials
 };
 

@@ -19,6 +19,7 @@
 #include "objects.h"
 #include "occlod/device/device_costs.h"
 #include "occlod/effects/effect_choice.h"
+#include "occlod/hlod/node_store.h"
 #include "occlod/refine/refiner.h"
 #include "occlusion/depth_pyramid.h"
 #include "settings.h"
@@ -69,10 +70,11 @@ struct RefinedFrame {
   std::vector<RefinedSide> sides;
   std::vector<HlodSide> hlod_sides;
   std::shared_ptr<const CellsFrame> cells;        // of the first side, where the job has cells
+  std::optional<hlod::StoreStats> cache;          // after this frame, of HLODs whose meshes come and go
   std::optional<hlod::DeviceCosts> device_costs;  // of the device that HLODs are drawn on, where they are known
   std::uint64_t hash = 0;                         // of the first side
-  // A limit has left work over, vertices slide, other nodes may be drawn, or a cell is on its way: one more frame is
-  // worth its while.
+  // A limit has left work over, vertices slide, other nodes may be drawn, or a cell or meshes are on their way: one
+  // more frame is worth its while.
   bool goes_on = false;
   std::string error;  // one line; then there are no sides
 

@@ -85,8 +85,8 @@ std::filesystem::path frame_file(const std::filesystem::path& folder, int frame)
 }
 
 Session::Session(MakeVisibility make_visibility, bool use_cache, std::optional<Calibration> calibration,
-                 MakeDevice make_device)
-    : loader_(use_cache), worker_(std::move(make_visibility), std::move(calibration), std::move(make_device)) {}
+                 MakeDevice make_device, const std::optional<hlod::CacheOptions>& paged)
+    : loader_(use_cache, paged), worker_(std::move(make_visibility), std::move(calibration), std::move(make_device)) {}
 
 void Session::perform(const JsonPlace& action) {
   const JsonPlace name = action.at("do");

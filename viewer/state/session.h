@@ -95,9 +95,9 @@ struct State {
 
 class Session {
  public:
-  // `use_cache`: of hierarchies and HLODs that are built. The others: see RefineWorker.
+  // `use_cache`: of hierarchies and HLODs that are built. `paged`: see Loader. The others: see RefineWorker.
   Session(MakeVisibility make_visibility, bool use_cache, std::optional<Calibration> calibration = {},
-          MakeDevice make_device = make_portable_device);
+          MakeDevice make_device = make_portable_device, const std::optional<hlod::CacheOptions>& paged = {});
 
   // Throws Error that names the action's place: an unknown command or parameter, a value that does not fit, something
   // that cannot be done now.
