@@ -40,7 +40,8 @@ class CommandLine(unittest.TestCase):
     def test_wrong_use(self):
         sizes = ["big", "10x10", "640", "640x", "640x480x2", "640x480 ", "+640x480", "-640x480", "nanx480", "640xinf", "1e3x800", "9000x900",
                  "99999999999999999999x480", ""]
-        for arguments in [("--nonsense",), ("--script", ""), ("--settings", ""), ("--calibration", ""), ("",), *(("--size", size) for size in sizes)]:
+        for arguments in [("--nonsense",), ("--script", ""), ("--settings", ""), ("--calibration", ""), ("",), *(("--size", size) for size in sizes),
+                          *(("--cache", size) for size in ("", "0", "-1", "1.5", "1T", "18446744073709551616")), ("--load", "async"), ("--cache", "1M", "--load", "fast")]:
             result = view(*arguments, environment={})
             self.assertEqual(result.returncode, 2, arguments)
             self.assertIn("--help", result.stderr)
@@ -211,6 +212,32 @@ class Script(unittest.TestCase):
                 self.assertEqual([int(shown[frame["frame"]][name]) for frame in frames], [frame[name] for frame in frames], name)
             if device.startswith("virtual"):
                 self.assertEqual([shown[frame["frame"]]["frame_ms"] for frame in frames], [f"{frame['frame_ms']:.4f}" for frame in frames])
+
+    def test_hlod_within_a_cache(self):
+        """All meshes are asked for: what there is no room for does not come, what is damaged is told once."""
+        hlod = self.path / "city.ohlod"
+        subprocess.run([os.environ["OCCLOD"], "generate", "city", "--blocks", "6", "--facade-cells", "2", "-o", self.path / "city.ply"], check=True, capture_output=True)
+        subprocess.run([os.environ["OCCLOD"], "hlod", "build", self.path / "city.ply", "-o", hlod, "--node-triangles", "64"], check=True, capture_output=True)
+        whole = hlod.read_bytes()
+        damaged = bytearray(whole)
+        damaged[len(whole) // 2] ^= 1  # in a mesh
+        for content, budget, failed in ((whole, 64 << 10, 0), (damaged, 4 << 20, 1)):
+            hlod.write_bytes(content)
+            result = self.run_script([
+                {"do": "set", "setting": "device", "value": "software"},
+                {"do": "set", "setting": "strategy", "value": "vfc"},
+                {"do": "set", "setting": "hlod_tolerance", "value": 0},
+                {"do": "open", "file": str(hlod)},
+                {"do": "wait", "for": "refinement"},
+                {"do": "report"}], "--cache", str(budget))
+            self.assertEqual(result.returncode, 0, result.stderr)
+            told = json.loads(result.stdout)
+            self.assertEqual((told["cache_budget_bytes"], told["cache_loading_bytes"], told["cache_failed"]), (budget, 0, failed))
+            self.assertGreater(told["cache_resident_bytes"], budget / 2 if failed == 0 else 64 << 10)
+            self.assertLessEqual(told["cache_resident_bytes"], budget)
+            self.assertEqual(told["cache_missing"] > 0, failed == 0, "what has failed is waited for no more")
+            lines = [line for line in result.stderr.splitlines() if "is damaged" in line]
+            self.assertEqual((len(lines), len(set(lines))), (failed, failed), result.stderr)
 
     @unittest.skipUnless("BENCH_FRAMES" in os.environ, "SKIPPED: the benchmarks are not built")
     def test_path_is_that_of_the_benchmark(self):
