@@ -42,15 +42,22 @@ std::vector<hlod::BoxRef> boxes_of_level(std::size_t level) {
   return boxes;
 }
 
+struct Setting {
+  bool quality = false;
+  bool tiny = false;  // hardly any memory for meshes
+  bool indirect = true;
+};
+
 // One device for each setting, kept: a new one would upload all meshes again.
-gl::HlodDevice& device(bool quality, bool tiny = false) {
+gl::HlodDevice& device(const Setting& setting) {
   static const std::shared_ptr<gl::Context> context = gl::create_any_context();
-  static std::array<std::unique_ptr<gl::HlodDevice>, 4> devices;
-  auto& chosen = devices[(quality ? 1U : 0U) + (tiny ? 2U : 0U)];
+  static std::array<std::unique_ptr<gl::HlodDevice>, 8> devices;
+  auto& chosen = devices[(setting.quality ? 1U : 0U) + (setting.tiny ? 2U : 0U) + (setting.indirect ? 4U : 0U)];
   if (!chosen)
     chosen = gl::make_hlod_device(
-        context,
-        {.quality = quality, .mesh_bytes = tiny ? std::size_t{512} << 10 : gl::HlodDeviceOptions{}.mesh_bytes});
+        context, {.quality = setting.quality,
+                  .mesh_bytes = setting.tiny ? std::size_t{512} << 10 : gl::HlodDeviceOptions{}.mesh_bytes,
+                  .indirect = setting.indirect});
   return *chosen;
 }
 
@@ -90,7 +97,7 @@ void per(benchmark::State& state, const char* name, std::size_t count) {
 
 void empty_frame(benchmark::State& state) {
   guarded(state, [&] {
-    gl::HlodDevice& gl = device(state.range(0) != 0);
+    gl::HlodDevice& gl = device({.quality = state.range(0) != 0});
     for ([[maybe_unused]] auto iteration : state) {
       begin(gl);
       benchmark::DoNotOptimize(gl.end_frame());
@@ -98,16 +105,17 @@ void empty_frame(benchmark::State& state) {
   });
 }
 
-// Arguments: quality, level, patches by themselves, morphing, hardly any memory for meshes.
+// Arguments: quality, level, patches by themselves, morphing, hardly any memory for meshes, many draws by one call.
 void draw(benchmark::State& state) {
   guarded(state, [&] {
-    gl::HlodDevice& gl = device(state.range(0) != 0, state.range(4) != 0);
+    gl::HlodDevice& gl = device({state.range(0) != 0, state.range(4) != 0, state.range(5) != 0});
     const auto level = static_cast<std::size_t>(state.range(1));
     for ([[maybe_unused]] auto iteration : state) {
       begin(gl);
       draw_level(gl, level, state.range(2) != 0, state.range(3) != 0 ? 0.5F : 0.0F);
       benchmark::DoNotOptimize(gl.end_frame());
     }
+    state.counters["calls"] = static_cast<double>(gl.calls().draw_calls);
     per(state, "each_draw", planet().data().levels[level].node_count);
   });
 }
@@ -117,7 +125,7 @@ enum class Asking { one_batch, one_by_one, waited, polled, one_sum };
 // After the coarse planet is drawn, all finest nodes are asked about. Without what the drawing takes.
 void ask(benchmark::State& state, Asking asking) {
   guarded(state, [&] {
-    gl::HlodDevice& gl = device(state.range(0) != 0);
+    gl::HlodDevice& gl = device({.quality = state.range(0) != 0});
     const std::vector<hlod::BoxRef> boxes = boxes_of_level(0);
     std::vector<hlod::QueryId> queries;
     std::uint64_t pixels = 0;
@@ -158,7 +166,7 @@ void ask(benchmark::State& state, Asking asking) {
 // Draws and queries by turns, nothing waited for: what changing between them costs.
 void by_turns(benchmark::State& state) {
   guarded(state, [&] {
-    gl::HlodDevice& gl = device(state.range(0) != 0);
+    gl::HlodDevice& gl = device({.quality = state.range(0) != 0, .indirect = state.range(1) != 0});
     const hlod::Level& nodes = planet().data().levels[1];
     for ([[maybe_unused]] auto iteration : state) {
       begin(gl);
@@ -184,15 +192,19 @@ void register_all() {
     return &registered;
   };
   add("empty_frame", empty_frame)->ArgName("quality")->Arg(0)->Arg(1);
-  auto* const draws = add("draw", draw)->ArgNames({"quality", "level", "patches", "morph", "tiny"});
-  for (const int level : {0, 1, 2}) draws->Args({0, level, 0, 0, 0});
-  draws->Args({0, 1, 1, 0, 0})->Args({0, 1, 0, 1, 0})->Args({0, 1, 0, 0, 1})->Args({1, 1, 0, 0, 0});
+  auto* const draws = add("draw", draw)->ArgNames({"quality", "level", "patches", "morph", "tiny", "indirect"});
+  for (const int indirect : {0, 1}) {
+    for (const int level : {0, 1, 2}) draws->Args({0, level, 0, 0, 0, indirect});
+    draws->Args({0, 1, 1, 0, 0, indirect})->Args({0, 1, 0, 1, 0, indirect});
+    draws->Args({0, 1, 0, 0, 1, indirect})->Args({1, 1, 0, 0, 0, indirect});
+  }
   add("ask/one_batch", ask, Asking::one_batch)->ArgName("quality")->Arg(0)->Arg(1);
   add("ask/one_by_one", ask, Asking::one_by_one)->ArgName("quality")->Arg(0);
   add("ask/polled", ask, Asking::polled)->ArgName("quality")->Arg(0);
   add("ask/waited", ask, Asking::waited)->ArgName("quality")->Arg(0)->Arg(1);
   add("ask/one_sum", ask, Asking::one_sum)->ArgName("quality")->Arg(0);
-  add("by_turns", by_turns)->ArgName("quality")->Arg(0)->Arg(1);
+  auto* const turns = add("by_turns", by_turns)->ArgNames({"quality", "indirect"});
+  for (const int indirect : {0, 1}) turns->Args({0, indirect})->Args({1, indirect});
 }
 
 int run(int argc, char** argv) {

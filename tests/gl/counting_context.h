@@ -17,7 +17,7 @@ class ContextWithFunctions : public Context {
       : functions_(inner->functions()), inner_(std::move(inner)) {}
   [[nodiscard]] const Functions& functions() const noexcept final { return functions_; }
   [[nodiscard]] std::string_view platform_name() const noexcept final { return inner_->platform_name(); }
-  [[nodiscard]] std::string renderer() const final { return inner_->renderer(); }
+  [[nodiscard]] std::string renderer() const override { return inner_->renderer(); }
   [[nodiscard]] std::string version() const final { return inner_->version(); }
   void make_current() override { inner_->make_current(); }
 

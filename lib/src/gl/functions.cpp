@@ -61,6 +61,12 @@ PFNGLGETGRAPHICSRESETSTATUSPROC find_reset_status(const Functions& gl, GetProc g
   return name != nullptr ? reinterpret_cast<PFNGLGETGRAPHICSRESETSTATUSPROC>(get_proc(name)) : nullptr;
 }
 
+// Likewise.
+bool has_indirect_draws(const Functions& gl) {
+  return gl.version >= 43 ||
+         (has_extension(gl, "GL_ARB_multi_draw_indirect") && has_extension(gl, "GL_ARB_base_instance"));
+}
+
 #ifndef NDEBUG
 void APIENTRY keep_message(GLenum, GLenum type, GLuint, GLenum, GLsizei, const GLchar* message, const void* user) {
   if (type == GL_DEBUG_TYPE_ERROR) *static_cast<std::string*>(const_cast<void*>(user)) = message;
@@ -77,9 +83,8 @@ void listen_to_driver(Functions& gl, GetProc get_proc) {
 }
 #endif
 
-}  // namespace
-
-Functions load_functions(GetProc get_proc, const std::string& subject) {
+// All but what extensions decide about.
+Functions load_table(GetProc get_proc, const std::string& subject) {
   Functions gl;
 #define OCCLOD_GL_LOAD(TYPE, name)                                     \
   gl.name = reinterpret_cast<PFNGL##TYPE##PROC>(get_proc("gl" #name)); \
@@ -91,10 +96,18 @@ Functions load_functions(GetProc get_proc, const std::string& subject) {
 #define OCCLOD_GL_LOAD_NEWER(TYPE, name) gl.name = reinterpret_cast<PFNGL##TYPE##PROC>(get_proc("gl" #name));
   OCCLOD_GL_NEWER_FUNCTIONS(OCCLOD_GL_LOAD_NEWER)
 #undef OCCLOD_GL_LOAD_NEWER
+  return gl;
+}
+
+}  // namespace
+
+Functions load_functions(GetProc get_proc, const std::string& subject) {
+  Functions gl = load_table(get_proc, subject);
   gl.version = version_of(gl);
   if (gl.version < 33)
     throw Error({subject, "", "offers OpenGL " + dotted(gl.version) + " only",
                  "install a driver with OpenGL 3.3 core, or use the software backend"});
+  if (!has_indirect_draws(gl)) gl.MultiDrawElementsIndirect = nullptr;
   gl.GetGraphicsResetStatus = find_reset_status(gl, get_proc);
 #ifndef NDEBUG
   listen_to_driver(gl, get_proc);

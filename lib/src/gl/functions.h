@@ -50,6 +50,7 @@ namespace occlod::gl {
   X(DEPTHMASK, DepthMask)                                           \
   X(DEPTHRANGE, DepthRange)                                         \
   X(DISABLE, Disable)                                               \
+  X(DISABLEVERTEXATTRIBARRAY, DisableVertexAttribArray)             \
   X(DRAWARRAYS, DrawArrays)                                         \
   X(DRAWBUFFER, DrawBuffer)                                         \
   X(DRAWELEMENTS, DrawElements)                                     \
@@ -105,16 +106,20 @@ namespace occlod::gl {
   X(UNIFORMMATRIX3FV, UniformMatrix3fv)                             \
   X(UNIFORMMATRIX4FV, UniformMatrix4fv)                             \
   X(USEPROGRAM, UseProgram)                                         \
+  X(VERTEXATTRIB1F, VertexAttrib1f)                                 \
   X(VERTEXATTRIBDIVISOR, VertexAttribDivisor)                       \
   X(VERTEXATTRIBIPOINTER, VertexAttribIPointer)                     \
   X(VERTEXATTRIBPOINTER, VertexAttribPointer)                       \
   X(VIEWPORT, Viewport)
 
-// Of OpenGL 4.2 and 4.3: null where the driver has none. Whoever calls them asks require_version(43) first.
+// Of OpenGL 4.2 and 4.3: null where the driver has none. Whoever calls them asks require_version(43) first, but for
+// MultiDrawElementsIndirect: it is also there, each draw with its base instance, where ARB_multi_draw_indirect and
+// ARB_base_instance are, and null everywhere else.
 #define OCCLOD_GL_NEWER_FUNCTIONS(X)                                      \
   X(DISPATCHCOMPUTE, DispatchCompute)                                     \
   X(DRAWELEMENTSINSTANCEDBASEINSTANCE, DrawElementsInstancedBaseInstance) \
-  X(MEMORYBARRIER, MemoryBarrier)
+  X(MEMORYBARRIER, MemoryBarrier)                                         \
+  X(MULTIDRAWELEMENTSINDIRECT, MultiDrawElementsIndirect)
 
 struct Functions {
 #define OCCLOD_GL_MEMBER(TYPE, name) PFNGL##TYPE##PROC name = nullptr;

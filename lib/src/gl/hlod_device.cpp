@@ -71,9 +71,10 @@ class GlHlodDevice final : public HlodDevice {
   void visit(std::size_t /*nodes*/) override {}
   hlod::FrameTimes end_frame() override;
 
-  [[nodiscard]] Image read_image() override { return resources_.use().stage.target().read_image(); }
-  [[nodiscard]] DepthBuffer read_depth() override { return resources_.use().stage.target().read_depth(); }
+  [[nodiscard]] Image read_image() override { return resources_.use().stage.read_image(); }
+  [[nodiscard]] DepthBuffer read_depth() override { return resources_.use().stage.read_depth(); }
   [[nodiscard]] MeshMemory mesh_memory() const noexcept override { return resources_.look().stage.mesh_memory(); }
+  [[nodiscard]] CallCounts calls() const noexcept override { return resources_.look().stage.calls(); }
   [[nodiscard]] bool measures_gpu() const noexcept override { return resources_.look().timer.is_meaningful(); }
 
  private:
@@ -128,7 +129,9 @@ void GlHlodDevice::draw(const hlod::NodeDraw& draw) {
   Resources& resources = resources_.use();
   resources.timer.start();
   resources.stage.draw(draw);
-  if (resources.on_cpu && ++resources.draws % draws_at_a_time == 0) resources.stage.gl().Flush();
+  if (!resources.on_cpu || ++resources.draws % draws_at_a_time != 0) return;
+  resources.stage.submit();
+  resources.stage.gl().Flush();
 }
 
 // Asks for one count of all boxes.
@@ -187,7 +190,10 @@ std::span<const std::uint32_t> GlHlodDevice::wait(hlod::QueryId query) {
   Resources& resources = resources_.use();
   assert(query < resources.batches.size());
   const Batch& batch = resources.batches[query];
-  if (!available(query)) resources.timer.stop();
+  if (!available(query)) {
+    resources.stage.submit();
+    resources.timer.stop();
+  }
   take_answers(resources, batch);
   stall_ += Clock::now() - start;
   return std::span(resources.answers).subspan(batch.first, batch.count);
@@ -195,6 +201,7 @@ std::span<const std::uint32_t> GlHlodDevice::wait(hlod::QueryId query) {
 
 hlod::FrameTimes GlHlodDevice::end_frame() {
   Resources& resources = resources_.use();
+  resources.stage.submit();
   resources.timer.stop();
   const Clock::time_point given = Clock::now();
   finish(resources.stage.gl(), "end of a frame");

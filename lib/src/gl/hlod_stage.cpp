@@ -16,10 +16,11 @@ constexpr int quality_samples = 4;
 HlodStage::HlodStage(const Functions& gl, const HlodDeviceOptions& options)
     : gl_(&gl),
       target_(gl, options.quality ? quality_samples : 1),
-      arena_(gl, options.mesh_bytes),
+      arena_(gl, options.mesh_bytes, [this] { submit(); }),
       nodes_(gl, options.quality),
       plain_(gl),
       proxies_(gl) {
+  if (options.indirect && gl.MultiDrawElementsIndirect != nullptr) gathered_.emplace(gl);
   check(gl, "set-up of the device");
 }
 
@@ -32,6 +33,8 @@ void HlodStage::begin_frame(const View& view, std::span<const hlod::PlacedHlod> 
   }
   mode_ = Mode::nothing;
   object_ = no_id;
+  calls_ = {};
+  if (gathered_) gathered_->clear();
   target_.begin(view);
   arena_.begin_frame(objects);
   set_common_state();
@@ -65,23 +68,35 @@ void HlodStage::draw(const hlod::NodeDraw& draw) {
   assert(!draw.ranges.empty());
   const bool morphs = std::any_of(draw.ranges.begin(), draw.ranges.end(),
                                   [](const hlod::DrawRange& range) { return range.morph > 0.0F; });
-  const ArenaPlace place = arena_.place(draw.object, draw.node, morphs);
-  start_nodes(draw.object);
+  draw_ranges(draw.object, arena_.place(draw.object, draw.node, morphs), draw.ranges);
+}
+
+void HlodStage::draw_cut(const hlod::NodeDraw& draw) {
+  const hlod::DrawRange all{0, static_cast<std::uint32_t>(draw.cut.size()), 0.0F};
+  draw_ranges(draw.object, arena_.place_cut(draw.object, draw.node, draw.splits, draw.cut), {&all, 1});
+}
+
+void HlodStage::draw_ranges(std::uint32_t object, const ArenaPlace& place, std::span<const hlod::DrawRange> ranges) {
+  ++calls_.draws;
+  if (gathered_) return gathered_->add(object, place, ranges);
+  start_nodes(object);
   gl().BindVertexArray(place.array);
-  for (std::size_t first = 0; first < draw.ranges.size();) {
+  for (std::size_t first = 0; first < ranges.size();) {
     std::size_t end = first + 1;
-    while (end < draw.ranges.size() && draw.ranges[end].morph == draw.ranges[first].morph) ++end;
-    draw_run(place, draw.ranges.subspan(first, end - first));
+    while (end < ranges.size() && ranges[end].morph == ranges[first].morph) ++end;
+    draw_run(place, ranges.subspan(first, end - first));
     first = end;
   }
 }
 
-void HlodStage::draw_cut(const hlod::NodeDraw& draw) {
-  const ArenaPlace place = arena_.place_cut(draw.object, draw.node, draw.splits, draw.cut);
-  start_nodes(draw.object);
-  gl().BindVertexArray(place.array);
-  const hlod::DrawRange all{0, static_cast<std::uint32_t>(draw.cut.size()), 0.0F};
-  draw_run(place, {&all, 1});
+void HlodStage::submit() {
+  if (!gathered_ || gathered_->empty()) return;
+  for (const DrawKind& kind : gathered_->kinds()) {
+    start_nodes(kind.object);
+    gathered_->draw(kind);
+    ++calls_.draw_calls;
+  }
+  gathered_->clear();
 }
 
 // Ranges that morph alike; adjacent ones are one.
@@ -98,7 +113,8 @@ void HlodStage::draw_run(const ArenaPlace& place, std::span<const hlod::DrawRang
     }
     end = range.first_index + range.index_count;
   }
-  nodes_.set_morph(ranges.front().morph);
+  gl().VertexAttrib1f(NodeProgram::morph_location, ranges.front().morph);
+  ++calls_.draw_calls;
   if (counts_.size() == 1) {
     gl().DrawElementsBaseVertex(GL_TRIANGLES, counts_[0], GL_UNSIGNED_SHORT, first_indices_[0], place.base_vertex);
     return;
@@ -119,7 +135,18 @@ std::uint32_t HlodStage::most_pixels(const BoxProxy& proxy) const {
   return static_cast<std::uint32_t>(pixels.x * pixels.y);
 }
 
+Image HlodStage::read_image() {
+  submit();
+  return target_.read_image();
+}
+
+DepthBuffer HlodStage::read_depth() {
+  submit();
+  return target_.read_depth();
+}
+
 void HlodStage::start_proxies() {
+  submit();
   if (mode_ == Mode::proxies) return;
   if (mode_ == Mode::nothing) set_surface_state(gl());
   mode_ = Mode::proxies;

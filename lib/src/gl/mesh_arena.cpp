@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cstring>
 #include <string>
+#include <utility>
 
 #include "occlod/core/error.h"
 #include "picture/color.h"
@@ -77,10 +78,11 @@ MeshArena::Chunk::Chunk(const Functions& gl, std::size_t vertices) : array(gl), 
   check(gl, "memory for meshes");
 }
 
-MeshArena::MeshArena(const Functions& gl, std::size_t budget_bytes)
+MeshArena::MeshArena(const Functions& gl, std::size_t budget_bytes, std::function<void()> before_eviction)
     : gl_(&gl),
       budget_(budget_bytes / sizeof(ArenaVertex)),
-      chunk_size_(std::min(budget_, usual_chunk_bytes / sizeof(ArenaVertex))) {}
+      chunk_size_(std::min(budget_, usual_chunk_bytes / sizeof(ArenaVertex))),
+      before_eviction_(std::move(before_eviction)) {}
 
 void MeshArena::begin_frame(std::span<const hlod::PlacedHlod> objects) {
   for (auto& [nodes, held] : held_) held.wanted = false;
@@ -170,6 +172,7 @@ MeshArena::Slot& MeshArena::slot_of(Held& held, std::uint64_t key, std::size_t v
   assert(slot.count <= held.largest);
   while (!take_range(slot)) {
     if (add_chunk()) continue;
+    before_eviction_();
     remove(slots_.begin());
     ++memory_.evictions;
   }

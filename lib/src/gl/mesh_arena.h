@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <list>
 #include <span>
 #include <unordered_map>
@@ -40,7 +41,9 @@ struct ArenaPlace {
 // is current in every call.
 class MeshArena {
  public:
-  MeshArena(const Functions& gl, std::size_t budget_bytes);
+  // before_eviction: called before any mesh makes room for another, so that what is to be drawn from it is given to
+  // OpenGL.
+  MeshArena(const Functions& gl, std::size_t budget_bytes, std::function<void()> before_eviction);
 
   // Meshes of these objects may be wanted until the next call; those of other HLODs are given up. Throws Error when a
   // mesh is larger than the budget.
@@ -96,6 +99,7 @@ class MeshArena {
   const Functions* gl_;
   std::size_t budget_;      // vertices
   std::size_t chunk_size_;  // vertices
+  std::function<void()> before_eviction_;
   std::vector<Chunk> chunks_;
   std::unordered_map<const hlod::Node*, Held> held_;  // by where their nodes lie
   std::vector<Held*> objects_;                        // of the frame

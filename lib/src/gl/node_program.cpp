@@ -11,11 +11,11 @@ constexpr const char* vertex_shader = R"(
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec4 color;
 layout(location = 2) in vec3 merged;
+layout(location = 3) in float morph;
 uniform vec3 eye;
 uniform mat3 to_view;
 uniform vec3 offset;
 uniform mat4 view_to_clip;
-uniform float morph;
 out vec3 view_position;
 out vec3 linear_color;
 
@@ -110,8 +110,7 @@ NodeProgram::NodeProgram(const Functions& gl, bool dear)
       orthographic_(program_.uniform("orthographic")),
       eye_(program_.uniform("eye")),
       to_view_(program_.uniform("to_view")),
-      offset_(program_.uniform("offset")),
-      morph_(program_.uniform("morph")) {}
+      offset_(program_.uniform("offset")) {}
 
 void NodeProgram::set_view(const View& view) const {
   const glm::mat4 matrix(view_to_clip(view));

@@ -8,16 +8,18 @@
 
 namespace occlod::gl {
 
-// Vertices as ArenaVertex has them; flat two-sided shading with the lights of shade() in src/picture/shade.cpp.
+// Vertices as ArenaVertex has them, and at morph_location how far they have slid, of a whole draw or of each instance;
+// flat two-sided shading with the lights of shade() in src/picture/shade.cpp.
 class NodeProgram {
  public:
+  static constexpr GLuint morph_location = 3;
+
   // `dear`: the sky is made of eight lights with highlights, and colours are encoded exactly.
   NodeProgram(const Functions& gl, bool dear);
   void use() const { gl_->UseProgram(program_.id()); }
   // Of the program in use.
   void set_view(const View& view) const;
   void set_object(const EyeSpace& object) const;
-  void set_morph(float morph) const { gl_->Uniform1f(morph_, morph); }
 
  private:
   const Functions* gl_;
@@ -27,7 +29,6 @@ class NodeProgram {
   GLint eye_;
   GLint to_view_;
   GLint offset_;
-  GLint morph_;
 };
 
 }  // namespace occlod::gl

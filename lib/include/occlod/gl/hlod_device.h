@@ -19,6 +19,10 @@ struct HlodDeviceOptions {
   // The most that meshes of nodes may occupy in OpenGL's memory, bytes, > 0: 28 for each vertex and 6 for each
   // triangle.
   std::size_t mesh_bytes = std::size_t{256} << 20;
+  // Nodes that are drawn one after the other, without a question in between, are given to OpenGL by one call for each
+  // object and buffer of meshes, where the context has OpenGL 4.3, or ARB_multi_draw_indirect and ARB_base_instance.
+  // The depths and counts are the same, and so is the picture but for equal depths.
+  bool indirect = true;
 };
 
 // What the device holds of meshes and has done about them.
@@ -27,6 +31,12 @@ struct MeshMemory {
   std::size_t bytes = 0;      // that they occupy, at most HlodDeviceOptions::mesh_bytes
   std::size_t uploads = 0;    // of nodes, since the device was made
   std::size_t evictions = 0;  // of nodes that made room for others, since then
+};
+
+// How a frame was given to OpenGL.
+struct CallCounts {
+  std::size_t draws = 0;       // calls of draw()
+  std::size_t draw_calls = 0;  // of OpenGL that drew them; draws that are still gathered are not among these
 };
 
 // A device whose picture can be read back.
@@ -39,6 +49,8 @@ class HlodDevice : public hlod::RenderDevice {
   [[nodiscard]] virtual DepthBuffer read_depth() = 0;
   // Counts of the cache of meshes.
   [[nodiscard]] virtual MeshMemory mesh_memory() const noexcept = 0;
+  // Counts since begin_frame().
+  [[nodiscard]] virtual CallCounts calls() const noexcept = 0;
   // Whether gpu_ms and starve_ms are measured: not on drivers without timer queries, nor on those that draw on the CPU,
   // whose timers tell nothing of use. They are 0 then.
   [[nodiscard]] virtual bool measures_gpu() const noexcept = 0;
