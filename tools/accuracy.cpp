@@ -24,7 +24,7 @@ Image shade_without_wire(const ItemBuffer& items, std::span<const DrawObject> ob
 
 FullMeshPicture::FullMeshPicture(const std::vector<LoadedObject>& objects, const View& view,
                                  std::span<const ObjectTexture> textures)
-    : view_(view), textures_(textures) {
+    : view_(view), textures_(textures), coordinates_(texture_coordinates(objects)) {
   std::vector<std::vector<Triangle>> triangles;
   triangles.reserve(objects.size());
   std::vector<DrawObject> full;
@@ -34,11 +34,18 @@ FullMeshPicture::FullMeshPicture(const std::vector<LoadedObject>& objects, const
   }
   redraw(items_, full, view);
   image_ = shade_without_wire(items_, full, view, textures_);
+  if (!coordinates_.empty()) texels_ = find_texels(items_, full, view, coordinates_);
 }
 
 PictureDistance FullMeshPicture::distance_to(const ItemBuffer& items, std::span<const DrawObject> refined) const {
   return compare_pictures(view_, items.depth, shade_without_wire(items, refined, view_, textures_), items_.depth,
                           image_);
+}
+
+std::optional<double> FullMeshPicture::texture_slip_px(const ItemBuffer& items,
+                                                       std::span<const DrawObject> refined) const {
+  if (coordinates_.empty()) return std::nullopt;
+  return occlod::texture_slip_px(find_texels(items, refined, view_, coordinates_), texels_);
 }
 
 WronglyHidden::WronglyHidden(const std::vector<LoadedObject>& objects)

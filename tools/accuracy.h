@@ -2,10 +2,12 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "occlod/picture/compare.h"
+#include "occlod/picture/texture_slip.h"
 #include "occlod/refine/refiner.h"
 #include "occlod/scene/scene.h"
 
@@ -27,12 +29,17 @@ class FullMeshPicture {
 
   // Of a drawn refinement of the same objects in the same view.
   [[nodiscard]] PictureDistance distance_to(const ItemBuffer& items, std::span<const DrawObject> refined) const;
+  // Likewise, see texture_slip_px(): with or without textures; none where nothing has texture coordinates.
+  [[nodiscard]] std::optional<double> texture_slip_px(const ItemBuffer& items,
+                                                      std::span<const DrawObject> refined) const;
 
  private:
   const View& view_;
   std::span<const ObjectTexture> textures_;
+  std::vector<ObjectTexture> coordinates_;  // of each object
   ItemBuffer items_;
   Image image_;
+  TexelBuffer texels_;  // empty where no object has texture coordinates
 };
 
 // Counts what occlusion hides wrongly. Reuses its memory from view to view.

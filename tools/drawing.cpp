@@ -5,7 +5,7 @@ namespace occlod::tool {
 std::vector<RefineObject> refine_objects(const std::vector<LoadedObject>& objects) {
   std::vector<RefineObject> result;
   for (const LoadedObject& object : objects)
-    result.push_back({object.hierarchy.get(), object.object_to_world, object.two_sided});
+    result.push_back({object.hierarchy.get(), object.object_to_world, object.two_sided, object.attributes});
   return result;
 }
 
@@ -23,6 +23,18 @@ std::vector<DrawObject> draw_objects(const std::vector<LoadedObject>& objects, c
   std::vector<DrawObject> result;
   for (std::size_t i = 0; i < objects.size(); ++i)
     result.push_back(draw_object(objects[i], refinement.objects[i].triangles));
+  return result;
+}
+
+std::vector<ObjectTexture> texture_coordinates(const std::vector<LoadedObject>& objects) {
+  std::vector<ObjectTexture> result;
+  bool has_any = false;
+  for (const LoadedObject& object : objects) {
+    const HierarchyView& hierarchy = object.hierarchy->data();
+    result.push_back({.coordinates = hierarchy.texture_coordinates, .vertex_materials = hierarchy.wedge_materials});
+    has_any = has_any || !hierarchy.texture_coordinates.empty();
+  }
+  if (!has_any) result.clear();
   return result;
 }
 

@@ -49,10 +49,11 @@ void render_view(const RenderInput& input, const RenderOptions& options, RefineW
   for (int i = 0; i < options.repeat; ++i) way.repeat(measurement, view, options.refine);
   write_outputs(options, measurement, view, textures);
 
-  RenderResult result{input, options.refine, way, measurement, {}, {}};
+  RenderResult result{input, options.refine, way, measurement, {}, {}, {}};
   if (options.reference) {
-    result.distance =
-        FullMeshPicture(input.objects, view, textures).distance_to(measurement.items(), measurement.objects());
+    const FullMeshPicture full(input.objects, view, textures);
+    result.distance = full.distance_to(measurement.items(), measurement.objects());
+    result.texture_slip_px = full.texture_slip_px(measurement.items(), measurement.objects());
     WronglyHidden wrongly_hidden(input.objects);
     const RefineOptions fixed = way.fixed(options.refine);
     wrongly_hidden.set_view(view, fixed);

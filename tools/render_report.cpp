@@ -111,6 +111,7 @@ Json report_of(const RenderResult& result) {
     report["psnr_y"] = result.distance->psnr_y;
     report["psnr_cb"] = result.distance->psnr_cb;
     report["psnr_cr"] = result.distance->psnr_cr;
+    if (result.texture_slip_px) report["texture_slip_px"] = *result.texture_slip_px;
   }
   report["camera"] = to_json(result.input.camera);
   report["objects"] = objects_of(result);

@@ -20,6 +20,7 @@ struct RenderResult {
   const RefineWay& way;
   const Measurement& measurement;
   std::optional<PictureDistance> distance;       // to the full mesh
+  std::optional<double> texture_slip_px;         // from it, see accuracy.h
   std::optional<std::size_t> wrongly_hidden_px;  // see accuracy.h
 };
 

@@ -53,7 +53,8 @@ std::vector<PlacedObject> load(const SceneDescription& scene, const std::filesys
   const nb::gil_scoped_release release;
   std::vector<PlacedObject> result;
   for (const LoadedObject& object : load_objects(scene, folder, options))
-    result.push_back({*object.hierarchy, object.object_to_world, object.two_sided, object.source_name});
+    result.push_back(
+        {*object.hierarchy, object.object_to_world, object.two_sided, object.source_name, object.attributes});
   return result;
 }
 
@@ -88,11 +89,12 @@ void bind_objects(nb::module_& m) {
   nb::class_<SceneObject>(m, "SceneObject", "One placed mesh of a scene.")
       .def(
           "__init__",
-          [](SceneObject* self, MeshFile source, const std::optional<ArrayLike>& transform, bool two_sided) {
+          [](SceneObject* self, MeshFile source, const std::optional<ArrayLike>& transform, bool two_sided,
+             bool attributes) {
             const glm::dmat4 matrix = transform ? to_matrix(*transform, "transform") : glm::dmat4(1.0);
-            new (self) SceneObject{std::move(source), matrix, two_sided};
+            new (self) SceneObject{std::move(source), matrix, two_sided, attributes};
           },
-          "source"_a, "transform"_a = nb::none(), nb::kw_only(), "two_sided"_a = false)
+          "source"_a, "transform"_a = nb::none(), nb::kw_only(), "two_sided"_a = false, "attributes"_a = true)
       .def_prop_ro(
           "source",
           [](const SceneObject& o) -> std::optional<MeshFile> {
@@ -106,7 +108,8 @@ void bind_objects(nb::module_& m) {
           nb::for_getter(nb::sig("def transform(self) -> numpy.typing.NDArray[numpy.float64]")),
           nb::for_setter(nb::sig("def transform(self, value: numpy.typing.ArrayLike, /) -> None")),
           "(4, 4) float64, object to world. A copy: assign a matrix.")
-      .def_rw("two_sided", &SceneObject::two_sided, "Back faces are visible too.");
+      .def_rw("two_sided", &SceneObject::two_sided, "Back faces are visible too.")
+      .def_rw("attributes", &SceneObject::attributes, "How far attributes slip counts as an error too.");
   nb::class_<CameraPath>(m, "CameraPath", "A camera that moves between keys, or is held at each (`jump`).")
       .def(
           "__init__",

@@ -86,7 +86,7 @@ class Scenes(unittest.TestCase):
         mesh.write(pathlib.Path(folder, "planet.ply"))
         away = numpy.eye(4)
         away[0, 3] = 2.0
-        objects = [occlod.SceneObject(occlod.MeshFile(["planet.ply"])), occlod.SceneObject(occlod.MeshFile(["planet.ply"]), away, two_sided=True)]
+        objects = [occlod.SceneObject(occlod.MeshFile(["planet.ply"])), occlod.SceneObject(occlod.MeshFile(["planet.ply"]), away, two_sided=True, attributes=False)]
         path = occlod.CameraPath([VIEW, occlod.Camera(eye=(3, 0, 3))], 3)
         return occlod.Scene(objects, {"default": VIEW}, {"aside": path}, about="two planets")
 
@@ -105,6 +105,7 @@ class Scenes(unittest.TestCase):
             objects = again.load(use_cache=False, progress=lambda what, done: told.append(done))
             self.assertTrue(told)
             self.assertEqual([o.two_sided for o in objects], [False, True])
+            self.assertEqual([o.attributes for o in objects], [True, False])
             self.assertEqual(objects[1].transform[0, 3], 2.0)
             self.assertEqual(len(occlod.Refiner(objects).refine(VIEW)), 2)
             flat, report = again.flatten()

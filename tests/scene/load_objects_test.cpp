@@ -44,13 +44,15 @@ TEST_F(LoadObjects, SharesHierarchiesOfEqualSources) {
   EXPECT_EQ(objects[0].hierarchy->input_triangle_count(), planet_triangles);
 }
 
-TEST_F(LoadObjects, KeepsPlacementAndSides) {
+TEST_F(LoadObjects, KeepsPlacementSidesAndWhatCounts) {
   SceneObject object = small_planet();
   object.object_to_world[3] = {1, 2, 3, 1};
   object.two_sided = true;
+  object.attributes = false;
   const auto objects = load(scene_of({object}));
   EXPECT_EQ(objects[0].object_to_world, object.object_to_world);
   EXPECT_TRUE(objects[0].two_sided);
+  EXPECT_FALSE(objects[0].attributes);
 }
 
 TEST_F(LoadObjects, ReadsTheFirstMeshThatIsFound) {

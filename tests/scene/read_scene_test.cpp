@@ -46,12 +46,14 @@ TEST_F(ReadScene, TakesItsNameFromTheFile) { EXPECT_EQ(read(scene_text(R"({"mesh
 
 TEST_F(ReadScene, ReadsOneNameOrSeveral) {
   const SceneDescription scene =
-      read(scene_text(R"({"mesh": "a.ply"}, {"mesh": ["b.ply", "c.ply"], "two_sided": true})"));
+      read(scene_text(R"({"mesh": "a.ply"}, {"mesh": ["b.ply", "c.ply"], "two_sided": true, "attributes": false})"));
   ASSERT_EQ(scene.objects.size(), 2U);
   EXPECT_EQ(std::get<MeshFile>(scene.objects[0].source).names, (std::vector<std::string>{"a.ply"}));
   EXPECT_FALSE(scene.objects[0].two_sided);
+  EXPECT_TRUE(scene.objects[0].attributes);
   EXPECT_EQ(std::get<MeshFile>(scene.objects[1].source).names, (std::vector<std::string>{"b.ply", "c.ply"}));
   EXPECT_TRUE(scene.objects[1].two_sided);
+  EXPECT_FALSE(scene.objects[1].attributes);
 }
 
 TEST_F(ReadScene, ReadsGeneratorsAndKeepsDefaults) {
@@ -172,6 +174,7 @@ TEST_F(ReadScene, NamesThePlaceOfTheMistake) {
       {R"({"mesh": "a", "scale": "2"})", "/objects/0/scale"},
       {R"({"mesh": "a", "scale": 0})", "/objects/0/scale"},
       {R"({"mesh": "a", "two_sided": 1})", "/objects/0/two_sided"},
+      {R"({"mesh": "a", "attributes": "no"})", "/objects/0/attributes"},
       {R"({"mesh": "a", "position": [0, 0]})", "/objects/0/position"},
       {R"({"mesh": "a", "position": [0, 0, null]})", "/objects/0/position/2"},
       {R"({"mesh": "a", "rotation": {"axis": [0, 0, 0], "degrees": 1}})", "/objects/0/rotation/axis"},

@@ -42,6 +42,7 @@ TEST_F(WriteScene, ComesBackExactly) {
     EXPECT_EQ(read.objects[i].source.index(), written.objects[i].source.index());
     EXPECT_EQ(read.objects[i].object_to_world, written.objects[i].object_to_world);
     EXPECT_EQ(read.objects[i].two_sided, written.objects[i].two_sided);
+    EXPECT_EQ(read.objects[i].attributes, written.objects[i].attributes);
   }
   EXPECT_EQ(std::get<MeshFile>(read.objects[0].source).names, std::get<MeshFile>(written.objects[0].source).names);
   EXPECT_EQ(std::get<CityOptions>(read.objects[1].source).seed, 7U);

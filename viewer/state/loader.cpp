@@ -175,6 +175,7 @@ void Loader::load_meshes(const SceneDescription& scene, LoadedFile& result) {
     object.object_to_world = loaded[i].object_to_world;
     object.placement = placement_of(object.object_to_world);
     object.two_sided = loaded[i].two_sided;
+    object.attributes = loaded[i].attributes;
   }
 }
 

@@ -64,6 +64,7 @@ struct PlacedObject {
   glm::dmat4 object_to_world{1.0};       // exactly as loaded until `placement` is edited
   Placement placement;
   bool two_sided = false;
+  bool attributes = true;  // how far these slip counts as an error too: see RefineObject
   bool shown = true;
 };
 

@@ -136,7 +136,7 @@ void save_scene(Session& session, const JsonPlace& action) {
   for (const PlacedObject& object : *state.objects)
     for (const SceneObject& part : object.parts)
       scene.objects.push_back({source_in_scene(part.source, file.parent_path()),
-                               object.object_to_world * part.object_to_world, part.two_sided});
+                               object.object_to_world * part.object_to_world, part.two_sided, part.attributes});
   scene.cameras = state.bookmarks;
   scene.cameras["default"] = state.camera;
   scene.paths = state.paths;

@@ -14,7 +14,7 @@ bool is_vlod_file(const std::filesystem::path& file) { return file.extension() =
 std::vector<RefineObject> refine_objects(const Objects& objects) {
   std::vector<RefineObject> list;
   for (const PlacedObject& object : objects)
-    list.push_back({object.mesh->hierarchy.get(), object.object_to_world, object.two_sided});
+    list.push_back({object.mesh->hierarchy.get(), object.object_to_world, object.two_sided, object.attributes});
   return list;
 }
 

@@ -5,10 +5,10 @@
 #include <glm/exponential.hpp>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
-#include <limits>
 #include <optional>
 
 #include "picture/color.h"
+#include "picture/screen_triangle.h"
 #include "picture/shading.h"
 
 namespace occlod {
@@ -47,67 +47,6 @@ double smooth_step(double low, double high, double x) {
   const double t = std::clamp((x - low) / (high - low), 0.0, 1.0);
   return t * t * (3.0 - 2.0 * t);
 }
-
-// The three edge functions of a triangle in homogeneous pixel coordinates (Olano & Greer 1997): linear over the image
-// and valid for triangles that reach behind the eye. Their ratios are perspective-correct barycentric coordinates.
-class ScreenTriangle {
- public:
-  ScreenTriangle(const std::array<glm::dvec3, 3>& corners, const View& view) {
-    std::array<glm::dvec3, 3> p;
-    const glm::dvec2 half = glm::dvec2(view.width(), view.height()) / 2.0;
-    for (std::size_t i = 0; i < 3; ++i) {
-      const glm::dvec4 clip = view.world_to_clip() * glm::dvec4(corners[i], 1.0);
-      p[i] = {(clip.w + clip.x) * half.x, (clip.w - clip.y) * half.y, clip.w};
-    }
-    for (std::size_t i = 0; i < 3; ++i) edges_[i] = glm::cross(p[(i + 1) % 3], p[(i + 2) % 3]);
-    diameter_px_ = inscribed_diameter(p);
-  }
-
-  [[nodiscard]] glm::vec3 barycentric(const glm::dvec2& pixel) const {
-    const glm::dvec3 e = at(pixel);
-    const double sum = e.x + e.y + e.z;
-    return sum == 0.0 ? glm::vec3(1.0F / 3.0F) : glm::clamp(glm::vec3(e / sum), 0.0F, 1.0F);
-  }
-
-  // How much they change a pixel; axis 0: across, 1: down.
-  [[nodiscard]] glm::dvec3 barycentric_step(const glm::dvec2& pixel, int axis) const {
-    // d (e / s) = (e' s - e s') / s^2.
-    const glm::dvec3 e = at(pixel), slope(edges_[0][axis], edges_[1][axis], edges_[2][axis]);
-    const double sum = e.x + e.y + e.z, sum_slope = slope.x + slope.y + slope.z;
-    return (slope * sum - e * sum_slope) / (sum * sum);
-  }
-
-  // From the pixel to the nearest edge.
-  [[nodiscard]] double edge_distance_px(const glm::dvec2& pixel) const {
-    double nearest = std::numeric_limits<double>::infinity();
-    for (const glm::dvec3& edge : edges_)
-      nearest = std::min(nearest, std::abs(glm::dot(edge, glm::dvec3(pixel, 1.0))) / glm::length(glm::dvec2(edge)));
-    return nearest;
-  }
-
-  // Of the inscribed circle; infinite when the triangle reaches behind the eye.
-  [[nodiscard]] double diameter_px() const { return diameter_px_; }
-
- private:
-  // Of the edge functions.
-  [[nodiscard]] glm::dvec3 at(const glm::dvec2& pixel) const {
-    const glm::dvec3 q(pixel, 1.0);
-    return {glm::dot(edges_[0], q), glm::dot(edges_[1], q), glm::dot(edges_[2], q)};
-  }
-
-  static double inscribed_diameter(const std::array<glm::dvec3, 3>& p) {
-    if (!(p[0].z > 0.0 && p[1].z > 0.0 && p[2].z > 0.0)) return std::numeric_limits<double>::infinity();
-    const glm::dvec2 a = glm::dvec2(p[0]) / p[0].z;
-    const glm::dvec2 b = glm::dvec2(p[1]) / p[1].z;
-    const glm::dvec2 c = glm::dvec2(p[2]) / p[2].z;
-    const glm::dvec2 ab = b - a, ac = c - a;
-    const double perimeter = glm::length(ab) + glm::length(ac) + glm::length(c - b);
-    return perimeter > 0.0 ? 2.0 * std::abs(ab.x * ac.y - ab.y * ac.x) / perimeter : 0.0;
-  }
-
-  std::array<glm::dvec3, 3> edges_;
-  double diameter_px_;
-};
 
 // What is the same for all pixels of one item.
 struct Appearance {

@@ -29,6 +29,7 @@ class Loader {
     LoadedObject result;
     result.object_to_world = object.object_to_world;
     result.two_sided = object.two_sided;
+    result.attributes = object.attributes;
     result.source_name = name_of_source(object.source, scene, index, folder_);
     SharedHierarchy& shared = loaded_[result.source_name];
     if (!shared)

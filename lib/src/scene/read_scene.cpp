@@ -148,11 +148,13 @@ glm::dmat4 read_placement(const JsonPlace& object) {
 }
 
 SceneObject read_object(const JsonPlace& object) {
-  object.expect_keys({"mesh", "generator", "options", "matrix", "position", "rotation", "scale", "two_sided"});
+  object.expect_keys(
+      {"mesh", "generator", "options", "matrix", "position", "rotation", "scale", "two_sided", "attributes"});
   SceneObject result;
   result.source = read_source(object);
   result.object_to_world = read_placement(object);
   if (const auto two_sided = object.find("two_sided")) result.two_sided = two_sided->boolean();
+  if (const auto attributes = object.find("attributes")) result.attributes = attributes->boolean();
   return result;
 }
 

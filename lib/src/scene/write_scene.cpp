@@ -54,6 +54,7 @@ Json object_json(const SceneObject& object) {
     for (int row = 0; row < 4; ++row) matrix.push_back(object.object_to_world[column][row]);
   json["matrix"] = std::move(matrix);
   json["two_sided"] = object.two_sided;
+  if (!object.attributes) json["attributes"] = false;
   return json;
 }
 

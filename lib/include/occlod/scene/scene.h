@@ -39,6 +39,7 @@ struct SceneObject {
   MeshSource source;                // file or generator
   glm::dmat4 object_to_world{1.0};  // affine, invertible
   bool two_sided = false;           // back faces are visible too
+  bool attributes = true;  // how far textures, normals and colours slip counts as an error: RefineObject has it
 };
 
 // A camera that moves.
@@ -106,6 +107,7 @@ struct LoadedObject {
   std::shared_ptr<const Hierarchy> hierarchy;  // shared by objects with the same source
   glm::dmat4 object_to_world{1.0};             // as in the scene
   bool two_sided = false;                      // as in the scene
+  bool attributes = true;                      // as in the scene
   std::string source_name;                     // file or generator, for people
 };
 
