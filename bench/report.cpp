@@ -34,7 +34,7 @@ struct Options {
 void make_small(Options& options) {
   options.is_small = true;
   SweepOptions& sweep = options.sweep;
-  sweep.scenes = {{"armadillo", "orbit"}, {"planet_full", "orbit"}, {"city", "fly_over"}};
+  sweep.scenes = {{"armadillo", "orbit"}, {"planet_full", "orbit"}, {"city", "fly_over"}, {"sponza", "walk"}};
   sweep.budgets = {500, 1'000, 2'000, 4'000};
   sweep.knob_budget = 2'000;
   sweep.size = {320, 240};

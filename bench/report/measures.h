@@ -46,6 +46,9 @@ inline constexpr std::array measures = {
             "the farthest that any silhouette or surface jumps, no more than 64"},
     Measure{"max_error_px", "promised error", "px", true, Mean::middle,
             "the largest guaranteed error left on surface held to be visible"},
+    Measure{"texture_slip_px", "texture slip", "px", true, Mean::square,
+            "root mean square distance of what is on textures from where the picture of the full mesh has it, each "
+            "capped at 10; scenes without texture coordinates have none"},
 };
 
 // Places in `measures`.

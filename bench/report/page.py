@@ -40,7 +40,8 @@ class Report:
     def __init__(self, folder):
         self.folder = folder
         self.data = json.loads((folder / "report.json").read_text())
-        self.measures = {m["key"]: m for m in self.data["measures"]}
+        # No scene has textures, for instance, and so none a slip.
+        self.measures = {m["key"]: m for m in self.data["measures"] if any(p[m["key"]] is not None for p in self.data["points"])}
         self.settings = {s["name"]: s for s in self.data["settings"]}
         self.series = list(dict.fromkeys(s["series"] for s in self.data["settings"] if s["series"]))
         self.choice = self.data["choice"]

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <limits>
+#include <utility>
 
 #include "core/median.h"
 #include "drawing.h"
@@ -16,6 +17,11 @@ constexpr double not_measured = std::numeric_limits<double>::quiet_NaN();
 
 // FNV-1a, of words.
 std::uint64_t combined(std::uint64_t hash, std::uint64_t word) { return (hash ^ word) * 1099511628211U; }
+
+std::vector<LoadedObject> as_asked(std::vector<LoadedObject> objects, const Setting& setting) {
+  for (LoadedObject& object : objects) object.attributes = object.attributes && setting.attributes;
+  return objects;
+}
 
 }  // namespace
 
@@ -33,9 +39,10 @@ std::string what_hides(const Setting& setting) {
                      static_cast<int>(o.occluder.mode), static_cast<int>(o.queries.proxy), o.queries.level_step);
 }
 
-SettingRun::SettingRun(const Setting& setting, const std::vector<LoadedObject>& objects)
+SettingRun::SettingRun(const Setting& setting, std::vector<LoadedObject> objects)
     : setting_(setting),
-      measurement_(objects, setting.frame_to_frame ? tool::Following::frame_to_frame : tool::Following::none),
+      objects_(as_asked(std::move(objects), setting)),
+      measurement_(objects_, setting.frame_to_frame ? tool::Following::frame_to_frame : tool::Following::none),
       visibility_(make_visibility(setting)) {}
 
 void SettingRun::start(const View& view) {
@@ -70,7 +77,8 @@ void SettingRun::next(const View& view, const tool::FullMeshPicture& full) {
   const Share share{measurement_.refinement().stats.triangles, measurement_.visible_triangles(), {}};
   pictures_.push_back({distance.depth_rms_px, largest_px, distance.psnr_y, distance.psnr_cb, distance.psnr_cr,
                        distance.silhouette_mismatch, share.percent(), not_measured, popping.rms_px, popping.largest_px,
-                       measurement_.refinement().stats.max_error_px});
+                       measurement_.refinement().stats.max_error_px,
+                       full.texture_slip_px(measurement_.items(), measurement_.objects()).value_or(not_measured)});
 }
 
 Outcome SettingRun::outcome() const {

@@ -22,8 +22,11 @@ namespace occlod::bench {
 
 class SettingRun {
  public:
-  // Both outlive it.
-  SettingRun(const Setting& setting, const std::vector<LoadedObject>& objects);
+  // The setting outlives it.
+  SettingRun(const Setting& setting, std::vector<LoadedObject> objects);
+  SettingRun(const SettingRun&) = delete;
+  SettingRun& operator=(const SettingRun&) = delete;
+  ~SettingRun() = default;
 
   // The first frame of a burst, a jump: without a work limit, and not timed.
   void start(const View& view);
@@ -41,6 +44,7 @@ class SettingRun {
   void record();
 
   const Setting& setting_;
+  std::vector<LoadedObject> objects_;
   tool::Measurement measurement_;
   std::unique_ptr<Visibility> visibility_;
   std::vector<double> refine_ms_, occlusion_ms_, ms_, draw_ms_, triangles_;

@@ -41,6 +41,10 @@ Change raster(int divisor) {
           [divisor](S& s) { s.raster_divisor = divisor; }};
 }
 
+Change free_to_slip() {
+  return {"free to slip", "(\"attributes\": false in the scene)", [](S& s) { s.attributes = false; }};
+}
+
 void go_on(S& setting) { setting.frame_to_frame = true; }
 
 constexpr const char* update_flags = "--path NAME --frame-to-frame";
@@ -114,6 +118,9 @@ const std::vector<Knob>& knobs() {
        "what is asked again when the occluder has changed",
        {{"no retest", "--no-retest", [](S& s) { s.refine.occluder.retest_hidden = false; }},
         {"no final check", "--no-final-check", [](S& s) { s.refine.queries.final_check = false; }}}},
+      {"textures",
+       "triangles go where the shape is wrong alone, however far texture coordinates, normals and colours slip",
+       {free_to_slip()}},
   };
   return all;
 }

@@ -20,9 +20,10 @@ struct Setting {
   bool occlusion = true;        // by the software backend
   bool frame_to_frame = false;  // Refiner::update() instead of refine()
   int raster_divisor = 1;       // one sample of its occluder for so many pixels in each direction
+  bool attributes = true;       // see SceneObject
 
   // Others are measured to see what they would be worth, and never recommended.
-  [[nodiscard]] bool is_offered() const { return raster_divisor == 1; }
+  [[nodiscard]] bool is_offered() const { return raster_divisor == 1 && attributes; }
 };
 
 // What one value of a knob does to a setting.

@@ -75,6 +75,7 @@ class Report(unittest.TestCase):
         cls.text = (cls.out / "report.html").read_text()
         cls.page = Page(cls.text)
         cls.json = json.loads((cls.out / "report.json").read_text())
+        cls.measures = [m for m in cls.json["measures"] if any(p[m["key"]] is not None for p in cls.json["points"])]
         cls.points = {scene: [p for p in cls.json["points"] if p["scene"] == scene] for scene in ["all"] + [s["name"] for s in cls.json["scenes"]]}
 
     def test_page_needs_nothing_else(self):
@@ -91,7 +92,7 @@ class Report(unittest.TestCase):
 
     def test_every_plot_has_its_points(self):
         """The main plot, the same by triangles, each other measure and each scene; a point for each setting that was measured, with the value of the JSON."""
-        keys = [m["key"] for m in self.json["measures"]]
+        keys = [m["key"] for m in self.measures]
         wanted = [("all", "ms", keys[0]), ("all", "triangles", keys[0])] + [("all", "ms", key) for key in keys[1:]]
         wanted += [(s["name"], "ms", keys[0]) for s in self.json["scenes"]]
         self.assertEqual(len(self.page.plots), len(wanted))
@@ -151,6 +152,21 @@ class Report(unittest.TestCase):
                 self.assertEqual(row[0], point["setting"])
                 shown, value = float(row[2].replace(",", "")), point["ms"]
                 self.assertAlmostEqual(shown, value, delta=0.006 * value)
+
+    def test_textures(self):
+        """Sponza alone has some: its slip is that of all. It is not there when the scene was skipped. What may slip slips farther, and is not recommended."""
+        textured = "sponza" in self.points
+        self.assertEqual("texture_slip_px" in [m["key"] for m in self.measures], textured)
+        if not textured:
+            self.skipTest("needs Sponza")
+        for scene in ("armadillo", "planet_full", "city"):
+            self.assertEqual({p["texture_slip_px"] for p in self.points.get(scene, [])} - {None}, set())
+        slips = {p["setting"]: p["texture_slip_px"] for p in self.points["sponza"]}
+        self.assertEqual(slips, {p["setting"]: p["texture_slip_px"] for p in self.points["all"]})
+        self.assertTrue(all(0 < slip <= 10 for slip in slips.values()))
+        self.assertLess(slips["occlod, 4,000"], slips["occlod, 1,000"])
+        self.assertNotEqual(slips["textures free to slip, 2,000"], slips["occlod, 2,000"])
+        self.assertFalse(next(s["offered"] for s in self.json["settings"] if s["knob"] == "textures"))
 
     def test_fronts(self):
         for measure in self.json["measures"]:
