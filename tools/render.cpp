@@ -33,13 +33,14 @@
 namespace occlod::tool {
 namespace {
 
-void write_outputs(const RenderOptions& options, const Measurement& measurement, const View& view,
-                   std::span<const ObjectTexture> textures) {
+void write_outputs(const RenderInput& input, const RenderOptions& options, const Measurement& measurement,
+                   const View& view, std::span<const ObjectTexture> textures) {
   const std::span<const DrawObject> objects = measurement.objects();
   if (!options.png.empty()) write_png(options.png, shade(measurement.items(), objects, view, {.textures = textures}));
   if (!options.birdseye.empty())
     write_png(options.birdseye, birdseye(objects, measurement.items(), view, View(birdseye_camera(objects, view))));
-  if (!options.mesh.empty()) write_mesh(options.mesh, world_mesh(objects));
+  if (!options.mesh.empty())
+    write_mesh(options.mesh, world_mesh(input.objects, measurement.refinement(), options.mesh));
 }
 
 void render_view(const RenderInput& input, const RenderOptions& options, RefineWay& way,
@@ -47,7 +48,7 @@ void render_view(const RenderInput& input, const RenderOptions& options, RefineW
   const View view(input.camera);
   Measurement measurement(input.objects);
   for (int i = 0; i < options.repeat; ++i) way.repeat(measurement, view, options.refine);
-  write_outputs(options, measurement, view, textures);
+  write_outputs(input, options, measurement, view, textures);
 
   RenderResult result{input, options.refine, way, measurement, {}, {}, {}};
   if (options.reference) {

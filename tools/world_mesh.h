@@ -1,15 +1,17 @@
 // The refined objects of a scene as one mesh in world space.
 #pragma once
 
-#include <span>
+#include <filesystem>
+#include <vector>
 
 #include "occlod/mesh/triangle_mesh.h"
-#include "occlod/picture/picture.h"
+#include "occlod/refine/refinement.h"
+#include "occlod/scene/scene.h"
 
 namespace occlod::tool {
 
-// Vertices that no triangle uses are left out; triangles of mirrored objects are turned round, so that outsides stay
-// outside. Colours are kept when every object has them.
-[[nodiscard]] TriangleMesh world_mesh(std::span<const DrawObject> objects);
+// As join_meshes() makes it, to be written to `file`. What no triangle uses is left out.
+[[nodiscard]] TriangleMesh world_mesh(const std::vector<LoadedObject>& objects, const Refinement& refinement,
+                                      const std::filesystem::path& file);
 
 }  // namespace occlod::tool

@@ -198,8 +198,74 @@ class Render(ToolTest):
         for choice in ("checker", "none"):
             result = self.json_of("render", "strip.obj", "--no-cache", "--texture", choice, "--reference", "--png", "view.png")
             self.assertEqual((result["psnr_y"], result["psnr_cb"], result["psnr_cr"]), (None, None, None))  # infinite
+            self.assertEqual(result["texture_slip_px"], 0)
             pictures[choice] = (self.folder / "view.png").read_bytes()
         self.assertNotEqual(pictures["checker"], pictures["none"])
+
+    def write_bent_strip(self):
+        """OBJ: a flat strip of 40 x 4 squares whose texture is bent along it, so that fewer triangles show it elsewhere."""
+        places = [(x, y) for x in range(41) for y in range(5)]
+        def corner(x, y):
+            return f"{5 * x + y + 1}/{5 * x + y + 1}"
+        (self.folder / "skin.mtl").write_text("newmtl skin\nKd 0.5 0.5 0.5\nnewmtl bare\nKd 1 0 0\n")
+        (self.folder / "strip.obj").write_text(
+            "mtllib skin.mtl\n" + "".join(f"v {x / 4} {y / 4} 0\n" for x, y in places)
+            + "".join(f"vt {(x / 40) ** 3} {y / 4}\n" for x, y in places)
+            + "".join(("usemtl skin\n" if x == 0 else "usemtl bare\n" if x == 20 else "")
+                      + "".join(f"f {corner(x, y)} {corner(x + 1, y)} {corner(x + 1, y + 1)} {corner(x, y + 1)}\n" for y in range(4)) for x in range(40)))
+
+    def test_textures_slip(self):
+        """A flat surface has no other error. Where textures may slip, triangles do not go there; without coordinates there is nothing to slip."""
+        self.write_bent_strip()
+        def slip(budget, **keys):
+            scene = {"objects": [{"mesh": "strip.obj", **keys}], "cameras": {"default": {"eye": [5, 0.5, 8], "target": [5, 0.5, 0], "width": 400, "height": 160}}}
+            self.write_scene(json.dumps(scene))
+            result = self.json_of("render", "scene.json", "--no-cache", "--budget", budget, "--reference")
+            self.assertEqual(result["depth_rms_px"], 0)
+            return result["texture_slip_px"]
+        slips = [slip(budget) for budget in (64, 100, 320)]
+        self.assertEqual(slips, sorted(slips, reverse=True))
+        self.assertTrue(0.01 < slips[0] <= 10)
+        self.assertEqual(slips[-1], 0)
+        self.assertGreaterEqual(slip(100, attributes=False), slips[1])
+        self.assertNotIn("texture_slip_px", self.render("--reference", budget=200))
+
+    def triangles_of_obj(self, name):
+        """By corner: position, texture coordinate and material; triangles start at their least corner."""
+        places, coordinates, triangles, material = [], [], [], None
+        for line in (self.folder / name).read_text().splitlines():
+            kind, *words = line.split()
+            if kind in ("v", "vt"):
+                (places if kind == "v" else coordinates).append(tuple(round(float(word), 4) + 0.0 for word in words[:3]))
+            elif kind == "usemtl":
+                material = words[0]
+            elif kind == "f":
+                corners = [word.split("/") for word in words]
+                corners = [(places[int(v) - 1], coordinates[int(t) - 1], material) for v, t in corners]
+                for i in range(1, len(corners) - 1):
+                    triangle = [corners[0], corners[i], corners[i + 1]]
+                    first = triangle.index(min(triangle))
+                    triangles.append(tuple(triangle[first:] + triangle[:first]))
+        return sorted(triangles)
+
+    def test_mesh_of_textured_objects(self):
+        """Each object keeps its seams and materials to the corner, also as GLB, which is read and written again here. The second one is mirrored and turned."""
+        self.write_bent_strip()
+        self.write_scene("""{"objects": [{"mesh": "strip.obj", "two_sided": true}, {"mesh": "strip.obj", "two_sided": true, "scale": -1, "position": [0, 0, 5]}],
+                             "cameras": {"default": {"eye": [0, 0, 30], "target": [0, 0, 0]}}}""")
+        for name in ("all.obj", "all.glb"):
+            self.succeed("render", "scene.json", "--no-cache", "--budget", 640, "--mesh", name)
+        self.succeed("build", "all.glb", "-o", "all.olod")
+        self.succeed("cut", "all.olod", "--triangles", 640, "-o", "from_glb.obj")
+        strip = self.triangles_of_obj("strip.obj")
+        mirrored = [[((-x, -y, 5 - z), at, material) for (x, y, z), at, material in (a, c, b)] for a, b, c in strip]
+        mirrored = [[(tuple(coordinate + 0.0 for coordinate in place), at, material) for place, at, material in triangle] for triangle in mirrored]
+        wanted = sorted(strip + [tuple(t[t.index(min(t)):] + t[:t.index(min(t))]) for t in mirrored])
+        self.assertEqual(self.triangles_of_obj("all.obj"), wanted)
+        self.assertEqual(self.triangles_of_obj("from_glb.obj"), wanted)
+        text = (self.folder / "all.mtl").read_text()
+        self.assertEqual(text.count("newmtl"), 2)
+        self.assertRegex(text, r"newmtl bare\nKd (1|0\.9999999\d*) 0 0\n")
 
     def test_images_of_meshes_are_not_overwritten(self):
         (self.folder / "skin.mtl").write_text("newmtl skin\nmap_Kd skin.png\n")
