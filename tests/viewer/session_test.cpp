@@ -11,6 +11,7 @@
 #include "occlod/hierarchy/build.h"
 #include "occlod/occlusion/software_occlusion.h"
 #include "palette.h"
+#include "view_cells.h"
 #include "viewer/support.h"
 
 namespace occlod::viewer {
@@ -310,6 +311,17 @@ TEST_F(SessionTest, RecordedPathIsSavedAndReadAgain) {
   EXPECT_EQ(saved.objects.at(0).object_to_world, session_.state().objects->at(0).object_to_world);
   EXPECT_EQ(saved.paths.at("mine").keys.at(7).eye, path.keys.at(7).eye);
   EXPECT_EQ(saved.cameras.at("default").eye, session_.state().camera.eye);
+}
+
+// "attributes": false reaches refinement, and is there again when the scene is saved.
+TEST_F(SessionTest, KeepsWhatMaySlip) {
+  json scene = test::planet_scene(2);
+  scene["objects"][0]["attributes"] = false;
+  act(session_, {{"do", "open"}, {"file", folder_.write("free.json", scene).string()}});
+  ASSERT_EQ(session_.state().objects->size(), 1U);
+  EXPECT_FALSE(refine_objects(*session_.state().objects)[0].attributes);
+  act(session_, {{"do", "save_scene"}, {"file", folder_.path("saved.json").string()}});
+  EXPECT_FALSE(read_scene(folder_.path("saved.json")).objects.at(0).attributes);
 }
 
 TEST_F(SessionTest, BuildingIsCancelled) {
