@@ -46,18 +46,26 @@ struct Setting {
   bool quality = false;
   bool tiny = false;  // hardly any memory for meshes
   bool indirect = true;
+  bool marks = true;
 };
+
+Box middle_eighth(const Box& box) {
+  const glm::vec3 middle = 0.5F * (box.min + box.max), half = (box.max - box.min) / 16.0F;
+  return {middle - half, middle + half};
+}
 
 // One device for each setting, kept: a new one would upload all meshes again.
 gl::HlodDevice& device(const Setting& setting) {
   static const std::shared_ptr<gl::Context> context = gl::create_any_context();
-  static std::array<std::unique_ptr<gl::HlodDevice>, 8> devices;
-  auto& chosen = devices[(setting.quality ? 1U : 0U) + (setting.tiny ? 2U : 0U) + (setting.indirect ? 4U : 0U)];
+  static std::array<std::unique_ptr<gl::HlodDevice>, 16> devices;
+  auto& chosen = devices[(setting.quality ? 1U : 0U) + (setting.tiny ? 2U : 0U) + (setting.indirect ? 4U : 0U) +
+                         (setting.marks ? 8U : 0U)];
   if (!chosen)
     chosen = gl::make_hlod_device(
         context, {.quality = setting.quality,
                   .mesh_bytes = setting.tiny ? std::size_t{512} << 10 : gl::HlodDeviceOptions{}.mesh_bytes,
-                  .indirect = setting.indirect});
+                  .indirect = setting.indirect,
+                  .marks = setting.marks});
   return *chosen;
 }
 
@@ -122,11 +130,15 @@ void draw(benchmark::State& state) {
 
 enum class Asking { one_batch, one_by_one, waited, polled, one_sum };
 
-// After the coarse planet is drawn, all finest nodes are asked about. Without what the drawing takes.
+// After the coarse planet is drawn, all finest nodes are asked about. Without what the drawing takes. Arguments:
+// quality, batches by marks, only the middle eighth of each box, boxes at most.
 void ask(benchmark::State& state, Asking asking) {
   guarded(state, [&] {
-    gl::HlodDevice& gl = device({.quality = state.range(0) != 0});
-    const std::vector<hlod::BoxRef> boxes = boxes_of_level(0);
+    gl::HlodDevice& gl = device({.quality = state.range(0) != 0, .marks = state.range(1) != 0});
+    std::vector<hlod::BoxRef> boxes = boxes_of_level(0);
+    if (state.range(2) != 0)
+      for (hlod::BoxRef& box : boxes) box.box = middle_eighth(box.box);
+    boxes.resize(std::min(boxes.size(), static_cast<std::size_t>(state.range(3))));
     std::vector<hlod::QueryId> queries;
     std::uint64_t pixels = 0;
     double least_wait = std::numeric_limits<double>::infinity();
@@ -198,11 +210,16 @@ void register_all() {
     draws->Args({0, 1, 1, 0, 0, indirect})->Args({0, 1, 0, 1, 0, indirect});
     draws->Args({0, 1, 0, 0, 1, indirect})->Args({1, 1, 0, 0, 0, indirect});
   }
-  add("ask/one_batch", ask, Asking::one_batch)->ArgName("quality")->Arg(0)->Arg(1);
-  add("ask/one_by_one", ask, Asking::one_by_one)->ArgName("quality")->Arg(0);
-  add("ask/polled", ask, Asking::polled)->ArgName("quality")->Arg(0);
-  add("ask/waited", ask, Asking::waited)->ArgName("quality")->Arg(0)->Arg(1);
-  add("ask/one_sum", ask, Asking::one_sum)->ArgName("quality")->Arg(0);
+  const std::vector<std::string> names{"quality", "marks", "small", "most"};
+  auto* const batches = add("ask/one_batch", ask, Asking::one_batch)->ArgNames(names);
+  for (const int marks : {0, 1})
+    for (const int small : {0, 1})
+      for (const int most : {2, 1000}) batches->Args({0, marks, small, most});
+  batches->Args({1, 0, 0, 1000});
+  add("ask/one_by_one", ask, Asking::one_by_one)->ArgNames(names)->Args({0, 0, 0, 1000});
+  add("ask/polled", ask, Asking::polled)->ArgNames(names)->Args({0, 0, 0, 1000});
+  add("ask/waited", ask, Asking::waited)->ArgNames(names)->Args({0, 0, 0, 1000})->Args({1, 0, 0, 1000});
+  add("ask/one_sum", ask, Asking::one_sum)->ArgNames(names)->Args({0, 0, 0, 1000});
   auto* const turns = add("by_turns", by_turns)->ArgNames({"quality", "indirect"});
   for (const int indirect : {0, 1}) turns->Args({0, indirect})->Args({1, indirect});
 }

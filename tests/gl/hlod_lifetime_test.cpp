@@ -206,8 +206,10 @@ TEST_P(HlodLifetime, AHundredFramesLeaveNothing) {
   for (int i = 0; i < 100; ++i) {
     begin(*device, sphere_hlod());
     static_cast<void>(device->ask(box));  // nobody reads it
+    static_cast<void>(device->ask_each(box));
     draw_level(*device, sphere_hlod(), 1);
     static_cast<void>(device->wait(device->ask(box)));
+    static_cast<void>(device->wait(device->ask_each(box)));
     if (i % 3 != 0) static_cast<void>(device->end_frame());
     if (i == 0) after_first = CountingContext::alive;
   }
@@ -302,8 +304,10 @@ TEST_P(HlodLifetime, StaysLost) {
 TEST_P(HlodLifetime, LostWhileWaitingIsNotASilentDriver) {
   const auto device = make_hlod_device(std::make_shared<HangingContext>(context_), {GetParam().quality});
   begin(*device, sphere_hlod());
-  const hlod::QueryId query = device->ask(std::vector<hlod::BoxRef>{{0, sphere_hlod().data().box}});
+  const std::vector<hlod::BoxRef> box{{0, sphere_hlod().data().box}};
+  const hlod::QueryId query = device->ask(box), batch = device->ask_each(box);
   EXPECT_THROW(static_cast<void>(device->wait(query)), ContextLost);
+  EXPECT_THROW(static_cast<void>(device->wait(batch)), ContextLost);
 }
 
 // Random ranges of a hundred units against a table of which units are taken.

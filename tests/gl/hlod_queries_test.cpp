@@ -107,6 +107,10 @@ class BoastingContext final : public ContextWithFunctions {
       real->GetQueryObjectuiv(query, name, value);
       if (name == GL_QUERY_RESULT) *value += 4 * 63'000;
     };
+    functions_.GetBufferSubData = [](GLenum target, GLintptr offset, GLsizeiptr bytes, void* data) {
+      real->GetBufferSubData(target, offset, bytes, data);
+      for (GLsizeiptr i = 0; i < bytes / 4; ++i) static_cast<std::uint32_t*>(data)[i] += 63'000;
+    };
   }
 
  private:
@@ -119,8 +123,50 @@ TEST_P(HlodQueries, CountsAreBelievedOnlyAsFarAsTheBoxReaches) {
   const std::uint32_t small = count({{-0.2F, -0.2F, 0.1F}, {0.2F, 0.2F, 0.5F}});
   EXPECT_GE(small, 9U * 9U);
   EXPECT_LE(small, 13U * 13U);
+  const std::vector<hlod::BoxRef> each{{0, {{-0.2F, -0.2F, 0.1F}, {0.2F, 0.2F, 0.5F}}}, {0, cube({50, 0, 0}, 0.1F)}};
+  const auto counts = device_->wait(device_->ask_each(each));
+  EXPECT_EQ(counts[0], small);
+  EXPECT_EQ(counts[1], 0U);  // beside the image
   const std::vector<hlod::BoxRef> many(100, {0, {{-0.5F, -0.5F, 0.1F}, {0.5F, 0.5F, 0.5F}}});
   EXPECT_EQ(count(many), all_pixels);
+}
+
+// A batch is one call, and its counts are those of a query for each box: also of several batches that are under way at
+// once, behind draws that come in between, and of boxes that are not drawn.
+TEST_P(HlodQueries, BatchesAreOneCall) {
+  const bool marks = !GetParam().quality && context_->functions().version >= 43;
+  const auto plain = make_hlod_device(context_, {.quality = GetParam().quality, .marks = false});
+  std::vector<hlod::BoxRef> boxes;
+  for (int i = 0; i < 40; ++i)
+    boxes.push_back(
+        {0, cube({0.05F * static_cast<float>(i) - 1.0F, 0.01F * static_cast<float>(i), i % 2 == 0 ? -0.4F : 0.4F},
+                 0.02F * static_cast<float>(1 + i % 7))});
+  boxes.push_back({0, cube({0, 0, 3}, 0.2F)});   // through the near plane
+  boxes.push_back({0, cube({50, 0, 0}, 0.1F)});  // beside the image
+  const std::size_t drawn = boxes.size() - 2;
+  std::vector<std::vector<std::uint32_t>> found;
+  for (HlodDevice* const device : {device_.get(), plain.get()}) {
+    const std::array<hlod::PlacedHlod, 1> objects{{{&wall_}}};
+    device->begin_frame(view_, objects);
+    const hlod::QueryId before = device->ask_each(boxes);
+    draw_node(*device, 0, wall_, 0);
+    const hlod::QueryId behind = device->ask_each(boxes), single = device->ask(std::span(boxes).subspan(3, 1));
+    const hlod::QueryId again = device->ask_each(std::span(boxes).first(5));
+    std::vector<std::uint32_t>& counts = found.emplace_back();
+    for (const hlod::QueryId query : {again, single, behind, before}) {
+      const auto answer = device->wait(query);
+      EXPECT_TRUE(device->available(query));
+      counts.insert(counts.end(), answer.begin(), answer.end());
+    }
+    EXPECT_EQ(device->calls().boxes, 2 * drawn + 6);
+    EXPECT_EQ(device->calls().box_calls, device == device_.get() && marks ? 4U : 2 * drawn + 6);
+    static_cast<void>(device->ask_each(boxes));  // nobody reads it
+    static_cast<void>(device->end_frame());
+  }
+  EXPECT_EQ(found[0], found[1]);
+  const auto hidden = std::count(found[0].begin() + 6, found[0].begin() + 6 + std::ssize(boxes), 0U);
+  EXPECT_GT(hidden, 10);
+  EXPECT_LT(hidden, 30);
 }
 
 // Never says that an answer is there.
@@ -143,6 +189,8 @@ TEST(SilentDriver, IsAnErrorAfterTenSeconds) {
   const hlod::QueryId query = device->ask(std::vector<hlod::BoxRef>{{0, cube({0, 0, 0.5F}, 0.2F)}});
   EXPECT_FALSE(device->available(query));
   EXPECT_THROW(static_cast<void>(device->wait(query)), Error);
+  const hlod::QueryId batch = device->ask_each(std::vector<hlod::BoxRef>{{0, cube({0, 0, 0.5F}, 0.2F)}});
+  EXPECT_FALSE(device->available(batch));
   EXPECT_THROW(static_cast<void>(device->end_frame()), Error);
 }
 

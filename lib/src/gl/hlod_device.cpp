@@ -25,14 +25,21 @@ double milliseconds(Clock::duration duration) { return std::chrono::duration<dou
 
 // Pixels of one box or several that OpenGL counts.
 struct Count {
-  std::optional<Query> query;  // until the answer is taken; none when it was known at once
+  std::optional<Query> query;  // until the answer is taken; none when it was known at once, or is counted by marks
   std::uint32_t most = 0;      // pixels that it can be
+};
+
+// Where the boxes of a batch count.
+struct Marks {
+  Buffer words;  // one for each count of the batch
+  Fence written;
 };
 
 // A call of ask() or ask_each().
 struct Batch {
   std::size_t first = 0;  // into the counts of the frame
   std::size_t count = 0;
+  std::optional<Marks> marks = {};  // until the answers are taken; none when there are queries or nothing is drawn
 };
 
 // A driver on the processor draws so many nodes at a time: what it gathers for more no longer fits into caches. Frames
@@ -54,6 +61,9 @@ struct Resources {
   std::vector<Count> counts;
   std::vector<std::uint32_t> answers;  // as many as counts
   std::vector<BoxProxy> proxies;       // of one count
+  MarkedProxies marked;                // of one batch
+  std::vector<std::uint32_t> words;    // likewise
+  std::vector<Buffer> idle_words;
 };
 
 class GlHlodDevice final : public HlodDevice {
@@ -87,7 +97,21 @@ std::span<Count> counts_of(Resources& resources, const Batch& batch) {
   return std::span(resources.counts).subspan(batch.first, batch.count);
 }
 
-void take_answers(Resources& resources, const Batch& batch) {
+// Of boxes that are not drawn `most` is 0, and the answer is there already.
+void take_marks(Resources& resources, Batch& batch) {
+  Marks marks = *std::exchange(batch.marks, std::nullopt);
+  const Functions& gl = resources.stage.gl();
+  resources.words.resize(batch.count);
+  gl.BindBuffer(GL_SHADER_STORAGE_BUFFER, marks.words.id());
+  read_back(gl, resources.words, marks.written, "counting boxes");
+  for (std::size_t i = 0; i < batch.count; ++i)
+    if (const Count& count = resources.counts[batch.first + i]; count.most > 0)
+      resources.answers[batch.first + i] = std::min(resources.words[i], count.most);
+  resources.idle_words.push_back(std::move(marks.words));
+}
+
+void take_answers(Resources& resources, Batch& batch) {
+  if (batch.marks) return take_marks(resources, batch);
   const std::uint32_t samples = resources.stage.samples_per_pixel();
   for (std::size_t i = batch.first; i < batch.first + batch.count; ++i) {
     Count& count = resources.counts[i];
@@ -102,13 +126,15 @@ void take_answers(Resources& resources, const Batch& batch) {
 
 // Of the counts that were added since the last one.
 hlod::QueryId add_batch(Resources& resources, std::size_t count) {
-  resources.batches.push_back({resources.counts.size() - count, count});
+  resources.batches.push_back({resources.counts.size() - count, count, std::nullopt});
   return static_cast<hlod::QueryId>(resources.batches.size() - 1);
 }
 
 void forget_queries(Resources& resources) {
   for (Count& count : resources.counts)
     if (count.query) resources.pool.drop(*std::exchange(count.query, std::nullopt));
+  for (Batch& batch : resources.batches)
+    if (batch.marks) resources.idle_words.push_back(std::move(batch.marks->words));
   resources.batches.clear();
   resources.counts.clear();
   resources.answers.clear();
@@ -162,6 +188,34 @@ void add_count(Resources& resources, std::span<const hlod::BoxRef> boxes) {
   resources.answers.push_back(0);
 }
 
+// Asks for a count of each box.
+hlod::QueryId add_marks(Resources& resources, std::span<const hlod::BoxRef> boxes) {
+  HlodStage& stage = resources.stage;
+  std::vector<MarkedProxy>& marked = resources.marked[static_cast<std::size_t>(ProxyShape::box)];
+  marked.clear();
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    const BoxProxy proxy = stage.project(boxes[i]);
+    const bool is_drawn = proxy.kind == BoxProxy::Kind::drawn;
+    if (is_drawn) marked.push_back({HlodStage::unit_to_clip(proxy), static_cast<std::uint32_t>(i)});
+    resources.counts.push_back({std::nullopt, is_drawn ? stage.most_pixels(proxy) : 0});
+    resources.answers.push_back(proxy.kind == BoxProxy::Kind::uncertain ? stage.pixels() : 0);
+  }
+  const hlod::QueryId query = add_batch(resources, boxes.size());
+  if (marked.empty()) return query;
+  resources.timer.start();
+  const Functions& gl = stage.gl();
+  if (resources.idle_words.empty()) resources.idle_words.emplace_back(gl);
+  Buffer words = std::move(resources.idle_words.back());
+  resources.idle_words.pop_back();
+  resources.words.assign(boxes.size(), 0);
+  gl.BindBuffer(GL_SHADER_STORAGE_BUFFER, words.id());
+  fill(gl, GL_SHADER_STORAGE_BUFFER, std::span<const std::uint32_t>(resources.words), GL_DYNAMIC_READ);
+  stage.mark_proxies(resources.marked, words);
+  gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+  resources.batches.back().marks.emplace(Marks{std::move(words), Fence(gl)});
+  return query;
+}
+
 hlod::QueryId GlHlodDevice::ask(std::span<const hlod::BoxRef> boxes) {
   assert(!boxes.empty());
   Resources& resources = resources_.use();
@@ -171,6 +225,7 @@ hlod::QueryId GlHlodDevice::ask(std::span<const hlod::BoxRef> boxes) {
 
 hlod::QueryId GlHlodDevice::ask_each(std::span<const hlod::BoxRef> boxes) {
   Resources& resources = resources_.use();
+  if (resources.stage.can_mark()) return add_marks(resources, boxes);
   for (std::size_t i = 0; i < boxes.size(); ++i) add_count(resources, boxes.subspan(i, 1));
   return add_batch(resources, boxes.size());
 }
@@ -178,6 +233,7 @@ hlod::QueryId GlHlodDevice::ask_each(std::span<const hlod::BoxRef> boxes) {
 bool GlHlodDevice::available(hlod::QueryId query) {
   Resources& resources = resources_.use();
   assert(query < resources.batches.size());
+  if (const auto& marks = resources.batches[query].marks) return marks->written.is_over();
   // OpenGL answers queries of one kind in the order in which they were issued.
   const std::span<const Count> counts = counts_of(resources, resources.batches[query]);
   const auto last =
@@ -189,7 +245,7 @@ std::span<const std::uint32_t> GlHlodDevice::wait(hlod::QueryId query) {
   const Clock::time_point start = Clock::now();
   Resources& resources = resources_.use();
   assert(query < resources.batches.size());
-  const Batch& batch = resources.batches[query];
+  Batch& batch = resources.batches[query];
   if (!available(query)) {
     resources.stage.submit();
     resources.timer.stop();

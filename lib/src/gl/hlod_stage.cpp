@@ -21,6 +21,7 @@ HlodStage::HlodStage(const Functions& gl, const HlodDeviceOptions& options)
       plain_(gl),
       proxies_(gl) {
   if (options.indirect && gl.MultiDrawElementsIndirect != nullptr) gathered_.emplace(gl);
+  if (options.marks && !options.quality && gl.version >= 43) marks_.emplace(gl, Marking::pixels);
   check(gl, "set-up of the device");
 }
 
@@ -145,26 +146,45 @@ DepthBuffer HlodStage::read_depth() {
   return target_.read_depth();
 }
 
+void HlodStage::set_proxy_state() {
+  if (mode_ == Mode::nothing) set_surface_state(gl());
+  gl::set_proxy_state(gl());
+  gl().ColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+}
+
 void HlodStage::start_proxies() {
   submit();
   if (mode_ == Mode::proxies) return;
-  if (mode_ == Mode::nothing) set_surface_state(gl());
+  set_proxy_state();
   mode_ = Mode::proxies;
-  set_proxy_state(gl());
-  gl().ColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
   plain_.use();
   proxies_.bind(gl());
 }
 
-void HlodStage::draw_proxy(const BoxProxy& proxy) const {
-  assert(mode_ == Mode::proxies);
+glm::mat4 HlodStage::unit_to_clip(const BoxProxy& proxy) {
   // Clip space has no scale of its own: the middle is at w = 1, so that nothing leaves the range of single precision.
   glm::dmat4 to_clip = proxy.unit_to_clip / proxy.unit_to_clip[3].w;
   // The cube is its own mirror image: one more reflection turns the winding and nothing else.
   if (proxy.image.mirrored) to_clip[2] = -to_clip[2];
-  plain_.set_to_clip(glm::mat4(to_clip));
+  return glm::mat4(to_clip);
+}
+
+void HlodStage::draw_proxy(const BoxProxy& proxy) {
+  assert(mode_ == Mode::proxies);
+  plain_.set_to_clip(unit_to_clip(proxy));
   const ProxyBuffer::Part& part = proxies_.part(ProxyShape::box);
   gl().DrawElements(GL_TRIANGLES, part.count, GL_UNSIGNED_SHORT, part.pointer());
+  ++calls_.boxes;
+  ++calls_.box_calls;
+}
+
+void HlodStage::mark_proxies(const MarkedProxies& proxies, const Buffer& words) {
+  submit();
+  set_proxy_state();
+  mode_ = Mode::marks;
+  marks_->draw(proxies, words);
+  calls_.boxes += proxies[static_cast<std::size_t>(ProxyShape::box)].size();
+  ++calls_.box_calls;
 }
 
 std::uint32_t HlodStage::pixels() const {

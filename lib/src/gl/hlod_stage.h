@@ -15,6 +15,7 @@
 #include "gl/node_program.h"
 #include "gl/plain_program.h"
 #include "gl/proxy_buffer.h"
+#include "gl/proxy_marks.h"
 #include "occlod/device/device.h"
 #include "occlod/gl/hlod_device.h"
 
@@ -39,7 +40,13 @@ class HlodStage {
   [[nodiscard]] std::uint32_t most_pixels(const BoxProxy& proxy) const;
   // To be called after draw() and before draw_proxy(). Submits.
   void start_proxies();
-  void draw_proxy(const BoxProxy& proxy) const;
+  void draw_proxy(const BoxProxy& proxy);
+  // Whether mark_proxies() may be called.
+  [[nodiscard]] bool can_mark() const noexcept { return marks_.has_value(); }
+  // Of a proxy that is to be drawn: from the unit cube to clip space.
+  [[nodiscard]] static glm::mat4 unit_to_clip(const BoxProxy& proxy);
+  // Draws all of them by one call; each adds the pixels of it that pass to its word. Submits.
+  void mark_proxies(const MarkedProxies& proxies, const Buffer& words);
 
   // Of the image.
   [[nodiscard]] std::uint32_t pixels() const;
@@ -53,13 +60,14 @@ class HlodStage {
   [[nodiscard]] const Functions& gl() const noexcept { return *gl_; }
 
  private:
-  enum class Mode { nothing, nodes, proxies };
+  enum class Mode { nothing, nodes, proxies, marks };
   struct Object {
     EyeSpace eye_space;
     ProxySpace proxy_space;
   };
 
   void set_common_state() const;
+  void set_proxy_state();
   void start_nodes(std::uint32_t object);
   void draw_cut(const hlod::NodeDraw& draw);
   void draw_ranges(std::uint32_t object, const ArenaPlace& place, std::span<const hlod::DrawRange> ranges);
@@ -72,6 +80,7 @@ class HlodStage {
   PlainProgram plain_;
   ProxyBuffer proxies_;
   std::optional<GatheredDraws> gathered_;  // where many nodes may be drawn by one call
+  std::optional<ProxyMarks> marks_;        // where many boxes may
 
   Screen screen_;
   std::vector<Object> objects_;

@@ -54,20 +54,6 @@ class Shader {
   GLuint id_;
 };
 
-// False when it takes longer than longest_wait_ns.
-bool wait_until_done(const Functions& gl) {
-  const GLsync fence = gl.FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
-  const GLenum state = gl.ClientWaitSync(fence, GL_SYNC_FLUSH_COMMANDS_BIT, longest_wait_ns);
-  gl.DeleteSync(fence);
-  return state == GL_ALREADY_SIGNALED || state == GL_CONDITION_SATISFIED;
-}
-
-void require_done(const Functions& gl, bool is_done, const char* work) {
-  check(gl, work);
-  if (!is_done)
-    throw Error({"OpenGL", work, "the driver gave no answer", "use another driver, or the software backend"});
-}
-
 }  // namespace
 
 Program::Program(const Functions& gl, std::initializer_list<ShaderSource> sources) : gl_(&gl) {
@@ -124,14 +110,27 @@ void FloatTarget::allocate() const {
                  "try another driver, or use the software backend"});
 }
 
-void finish(const Functions& gl, const char* work) { require_done(gl, wait_until_done(gl), work); }
+// Of a context that is lost it is over, and wait() tells.
+bool Fence::is_over() const { return gl_->ClientWaitSync(sync_, GL_SYNC_FLUSH_COMMANDS_BIT, 0) != GL_TIMEOUT_EXPIRED; }
+
+void Fence::wait(const char* work) const {
+  const GLenum state = gl_->ClientWaitSync(sync_, GL_SYNC_FLUSH_COMMANDS_BIT, longest_wait_ns);
+  check(*gl_, work);
+  if (state != GL_ALREADY_SIGNALED && state != GL_CONDITION_SATISFIED)
+    throw Error({"OpenGL", work, "the driver gave no answer", "use another driver, or the software backend"});
+}
+
+void finish(const Functions& gl, const char* work) { Fence(gl).wait(work); }
 
 void read_back(const Functions& gl, std::span<std::uint32_t> words, const char* work) {
   gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-  const bool is_done = wait_until_done(gl);
-  if (is_done)
-    gl.GetBufferSubData(GL_SHADER_STORAGE_BUFFER, 0, static_cast<GLsizeiptr>(words.size_bytes()), words.data());
-  require_done(gl, is_done, work);
+  read_back(gl, words, Fence(gl), work);
+}
+
+void read_back(const Functions& gl, std::span<std::uint32_t> words, const Fence& written, const char* work) {
+  written.wait(work);
+  gl.GetBufferSubData(GL_SHADER_STORAGE_BUFFER, 0, static_cast<GLsizeiptr>(words.size_bytes()), words.data());
+  check(gl, work);
 }
 
 }  // namespace occlod::gl

@@ -82,6 +82,32 @@ class FloatTarget {
   int height_ = 0;
 };
 
+// A moment in the stream of commands: when it is made.
+class Fence {
+ public:
+  explicit Fence(const Functions& gl) : gl_(&gl), sync_(gl.FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0)) {}
+  Fence(const Fence&) = delete;
+  Fence& operator=(const Fence&) = delete;
+  Fence(Fence&& other) noexcept : gl_(other.gl_), sync_(std::exchange(other.sync_, nullptr)) {}
+  Fence& operator=(Fence&& other) noexcept {
+    std::swap(gl_, other.gl_);
+    std::swap(sync_, other.sync_);
+    return *this;
+  }
+  ~Fence() {
+    if (sync_ != nullptr) gl_->DeleteSync(sync_);
+  }
+  // Whether wait() would not wait. Never waits itself, as far as the driver holds to that.
+  [[nodiscard]] bool is_over() const;
+  // Waits until all commands before it are done. Throws Error that names `work` when they are not after 10 s, or
+  // failed.
+  void wait(const char* work) const;
+
+ private:
+  const Functions* gl_;
+  GLsync sync_;
+};
+
 // Replaces what the buffer bound to `target` holds.
 template <class T>
 void fill(const Functions& gl, GLenum target, std::span<const T> data, GLenum usage) {
@@ -94,5 +120,7 @@ void finish(const Functions& gl, const char* work);
 // What shaders have written into the start of the buffer bound to GL_SHADER_STORAGE_BUFFER. Waits until `work` is done;
 // throws Error that names it when it is not after 10 s, or failed.
 void read_back(const Functions& gl, std::span<std::uint32_t> words, const char* work);
+// The same when there is a fence behind the work, and behind a barrier for updates of buffers after it.
+void read_back(const Functions& gl, std::span<std::uint32_t> words, const Fence& written, const char* work);
 
 }  // namespace occlod::gl

@@ -8,6 +8,7 @@ namespace {
 constexpr const char* vertex_shader = R"(#version 330 core
 layout(location = 0) in vec4 position;
 uniform mat4 to_clip;
+invariant gl_Position;
 void main() { gl_Position = to_clip * position; }
 )";
 constexpr const char* fragment_shader = R"(#version 330 core

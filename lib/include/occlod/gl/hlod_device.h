@@ -23,6 +23,9 @@ struct HlodDeviceOptions {
   // object and buffer of meshes, where the context has OpenGL 4.3, or ARB_multi_draw_indirect and ARB_base_instance.
   // The depths and counts are the same, and so is the picture but for equal depths.
   bool indirect = true;
+  // The boxes of ask_each() are drawn by one call, and each counts its pixels in a word of a storage buffer, where the
+  // context has OpenGL 4.3; not with `quality`. The counts are the same as by a query for each.
+  bool marks = true;
 };
 
 // What the device holds of meshes and has done about them.
@@ -37,6 +40,8 @@ struct MeshMemory {
 struct CallCounts {
   std::size_t draws = 0;       // calls of draw()
   std::size_t draw_calls = 0;  // of OpenGL that drew them; draws that are still gathered are not among these
+  std::size_t boxes = 0;       // that were drawn to answer questions
+  std::size_t box_calls = 0;   // of OpenGL that drew them
 };
 
 // A device whose picture can be read back.
@@ -58,8 +63,8 @@ class HlodDevice : public hlod::RenderDevice {
 
 // Draws into an image of its own, of the view's size; surfaces are clipped at the far plane. Meshes are uploaded when
 // they are first drawn, again for each number of splits within a node, and those leave that were drawn longest ago. A
-// count is that of GL_SAMPLES_PASSED around the grown boxes; with several samples a pixel it is divided by their number
-// and rounded up. It is at most the pixels of the boxes' screen rectangles.
+// count is that of GL_SAMPLES_PASSED around the grown boxes, or the same by additions in a shader; with several samples
+// a pixel it is divided by their number and rounded up. It is at most the pixels of the boxes' screen rectangles.
 //
 // frame_ms is by the clock, until all commands are done; cpu_ms until all are given. gpu_ms is from the first to the
 // last command between two waits, added up, by timer queries; starve_ms what lies between, within the frame.
