@@ -107,8 +107,8 @@ struct LoadedObject {
   std::shared_ptr<const Hierarchy> hierarchy;  // shared by objects with the same source
   glm::dmat4 object_to_world{1.0};             // as in the scene
   bool two_sided = false;                      // as in the scene
-  bool attributes = true;                      // as in the scene
   std::string source_name;                     // file or generator, for people
+  bool attributes = true;                      // as in the scene
 };
 
 // Reads or generates the meshes and builds their hierarchies or fetches them from the cache; objects come in the order
