@@ -33,7 +33,7 @@ void read_and_build(std::string_view bytes) {
   InputBytes input(bytes);
   PolygonSoup soup = parse_mesh(MeshFormat::OCCLOD_FUZZ_FORMAT, input, errors);
   MeshReport report;
-  TriangleMesh mesh = soup.take_mesh(report, errors);
+  TriangleMesh mesh = take_mesh(soup, report, errors);
   const CleanMesh cleaned = clean(std::move(mesh), report, errors.subject());
   expect(cleaned.mesh.triangle_count() + cleaned.report.repeated_index_triangles == cleaned.report.triangles_read);
   if (cleaned.mesh.triangle_count() > most_to_build) return;

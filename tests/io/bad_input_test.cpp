@@ -39,7 +39,7 @@ TriangleMesh read_bytes(const std::string& name, std::string_view bytes) {
   InputBytes input(bytes);
   PolygonSoup soup = parse_mesh(format_of(name, errors), input, errors);
   MeshReport report;
-  TriangleMesh mesh = soup.take_mesh(report, errors);
+  TriangleMesh mesh = take_mesh(soup, report, errors);
   return clean(std::move(mesh), report, name).mesh;
 }
 

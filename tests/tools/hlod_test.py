@@ -100,6 +100,31 @@ class Hlod(ToolTest):
         self.assertIn("valid", self.succeed("hlod", "validate", "96.ohlod", "--input", "scene.json", "--leaves-only"))
         self.assertEqual(sorted(p.name for p in self.folder.iterdir() if p.suffix not in (".json", ".ply")), ["1024.ohlod", "96.ohlod", "free.ohlod"])
 
+    def test_a_file_larger_than_the_limit_is_streamed(self):
+        """Read as a whole, it takes 130 MiB."""
+        self.json_of("generate", "rough-planet", "--level", 9, "-o", "large.obj")
+        told = self.build("--memory", "96M", inputs=["large.obj"], output="large.ohlod")
+        self.assertLess(told["peak_bytes"], 1.1 * (96 << 20))
+
+    def test_a_file_and_its_mesh_make_the_same(self):
+        """A file that is streamed, whatever its format, and one that is read as a whole."""
+        for name in ("planet.ply", "planet.obj", "planet.off"):
+            self.make_planet(name)
+            self.build("--memory", "64M", inputs=[name], output=name + ".ohlod")
+            self.assertTrue(self.same_bytes("planet.ply.ohlod", name + ".ohlod"), name)
+
+    def test_bad_files_are_refused_as_without_a_limit(self):
+        self.make_planet("planet.obj")
+        for name in ("planet.ply", "planet.obj"):
+            whole = (self.folder / name).read_bytes()
+            for content in (whole[:len(whole) // 2], whole[:len(whole) // 3], whole[:40], whole[:-1] + b"x 7", b""):
+                (self.folder / name).write_bytes(content)
+                build = ("hlod", "build", name, "-o", "bad.ohlod")
+                told = self.failure_of(*build, "--memory", "64M")
+                self.assertEqual(told.replace(f"{self.folder}/", ""), self.failure_of(*build))
+                self.assertIn(name, told)
+                self.assertEqual([p.name for p in self.folder.glob(".*")] + [p.name for p in self.folder.glob("bad*")], [])
+
     def test_a_killed_build_leaves_nothing(self):
         self.write_scene('{"objects": [{"generator": "rough-planet", "options": {"level": 9}}],'
                          ' "cameras": {"default": {"eye": [0, 0, 4], "target": [0, 0, 0]}}}')

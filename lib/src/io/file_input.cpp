@@ -6,6 +6,7 @@
 #include <system_error>
 #include <utility>
 
+#include "core/scratch_memory.h"
 #include "occlod/core/error.h"
 
 namespace occlod {
@@ -64,6 +65,7 @@ std::string_view InputBytes::window(std::size_t least) {
 // Reads until the window, which is at the beginning of the buffer, has `bytes` bytes.
 void InputBytes::read_to(std::size_t bytes) {
   for (std::size_t have = window_.size(); have < bytes;) {
+    make_room();  // what was read before has filled arrays
     if (progress_) progress_(static_cast<double>(offset_ + have) / static_cast<double>(size_));
     const std::size_t block = std::min(bytes - have, block_bytes);
     stream_.read(buffer_.get() + have, static_cast<std::streamsize>(block));

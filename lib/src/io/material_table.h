@@ -17,7 +17,7 @@ inline constexpr std::size_t most_materials = no_texture;
 // Adds to the lists of a soup, which outlives it.
 class MaterialTable {
  public:
-  explicit MaterialTable(PolygonSoup& soup) : soup_(soup) {}
+  explicit MaterialTable(SoupTables& soup) : soup_(soup) {}
 
   // The material of this name, which is added where there is none. False where there are too many.
   [[nodiscard]] bool find_or_add(std::string_view name, MaterialId& id) {
@@ -47,7 +47,7 @@ class MaterialTable {
   }
 
  private:
-  PolygonSoup& soup_;
+  SoupTables& soup_;
   std::map<std::string, MaterialId, std::less<>> by_name_;
   std::map<std::tuple<std::string, TextureWrap, TextureWrap>, TextureId> textures_;
 };

@@ -42,19 +42,18 @@ std::vector<std::string> library_names(std::string_view line, const fs::path& fo
 
 }  // namespace
 
-void ObjMaterials::use(std::string_view name, const TextCursor& cursor) {
-  MaterialId before = 0;
-  const bool first = soup_.materials.empty() && soup_.polygon_count() > 0;
-  if (first && !table_.find_or_add("", before)) return;
-  if (first) soup_.polygon_materials.resize(soup_.polygon_count(), before);
-  if (table_.find_or_add(name, current_)) return;
+bool ObjMaterials::use(std::string_view name, bool has_polygons, const TextCursor& cursor) {
+  MaterialId unnamed = 0;
+  const bool is_first = !any() && has_polygons;
+  if (is_first && !table_.find_or_add("", unnamed)) return false;
+  if (table_.find_or_add(name, current_)) return is_first;
   cursor.fail(fmt::format("there are more than {} materials", most_materials), "split the mesh into parts");
 }
 
 void ObjMaterials::read_libraries(const FileErrors& errors) {
   is_defined_.assign(soup_.materials.size(), false);
   const fs::path folder = fs::path(errors.subject()).parent_path();
-  for (const std::string_view line : libraries_) {
+  for (const std::string& line : libraries_) {
     for (const std::string& name : library_names(line, folder))
       read_library(folder / name, fs::path(name).parent_path());
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -12,20 +13,20 @@
 
 namespace occlod {
 
-// Fills the materials and textures of a soup, in the order of their names on usemtl lines. The soup and the views given
-// outlive it.
+// Fills the materials and textures of a soup, in the order of their names on usemtl lines. The soup outlives
+// it.
 class ObjMaterials {
  public:
-  explicit ObjMaterials(PolygonSoup& soup) : soup_(soup), table_(soup) {}
+  explicit ObjMaterials(SoupTables& soup) : soup_(soup), table_(soup) {}
 
-  // Of the polygons from here on. Those before the first have a material without a name.
-  void use(std::string_view name, const TextCursor& cursor);
+  // Of the polygons from here on. Those before the first have a material without a name: true for the first where there
+  // are some.
+  [[nodiscard]] bool use(std::string_view name, bool has_polygons, const TextCursor& cursor);
   // What follows mtllib: a name, or several between blanks.
-  void add_library(std::string_view names) { libraries_.push_back(names); }
-  // After each polygon.
-  void end_polygon() {
-    if (!soup_.materials.empty()) soup_.polygon_materials.push_back(current_);
-  }
+  void add_library(std::string_view names) { libraries_.emplace_back(names); }
+  // Whether polygons have materials, and that of the next one.
+  [[nodiscard]] bool any() const { return !soup_.materials.empty(); }
+  [[nodiscard]] MaterialId current() const { return current_; }
   // Looks up the materials. One that no library has keeps its name and counts as left out. Throws Error that names the
   // library for one that cannot be read, but not for one that does not exist.
   void read_libraries(const FileErrors& errors);
@@ -33,10 +34,10 @@ class ObjMaterials {
  private:
   void read_library(const std::filesystem::path& path, const std::filesystem::path& folder);
 
-  PolygonSoup& soup_;
+  SoupTables& soup_;
   MaterialTable table_;
   MaterialId current_ = 0;
-  std::vector<std::string_view> libraries_;
+  std::vector<std::string> libraries_;
   std::vector<bool> is_defined_;  // by material
 };
 

@@ -11,7 +11,9 @@
 #include "io/obj_materials.h"
 #include "io/polygon_soup.h"
 #include "io/split_vertices.h"
+#include "io/text_chunks.h"
 #include "io/text_cursor.h"
+#include "io/text_encoding.h"
 
 namespace occlod {
 namespace {
@@ -31,28 +33,19 @@ struct LargestIndex {
 // A face's corner. The file's indices count from 1, or back from the newest element with -1; ours count from 0.
 struct ObjCorner {
   VertexId vertex;
-  CornerAttributes::Corner attributes;
+  AttributeCorner attributes;
 };
 
+constexpr TextCursor::Syntax obj_syntax{.hash_comments = true, .backslash_continues = true};
+
+template <class Storage>
 class ObjParser {
  public:
-  ObjParser(std::string_view bytes, const FileErrors& errors)
-      : cursor_(bytes, errors, {.hash_comments = true, .backslash_continues = true}),
-        errors_(errors),
-        materials_(soup_) {}
+  ObjParser(InputBytes& input, const FileErrors& errors)
+      : chunks_(input, errors, obj_syntax), cursor_({}, errors, obj_syntax), errors_(errors), materials_(soup_) {}
 
-  PolygonSoup parse() && {
-    for (; cursor_.find_word(); cursor_.skip_line()) {
-      const std::string_view keyword = cursor_.word();
-      if (keyword == "v") read_vertex();
-      if (keyword == "vn") read_normal();
-      if (keyword == "f") read_face();
-      if (keyword == "vt") read_texture_coordinate();
-      if (keyword == "usemtl") materials_.use(cursor_.rest_of_line(), cursor_);
-      if (keyword == "mtllib") materials_.add_library(cursor_.rest_of_line());
-      if (keyword == "o") objects_.add(cursor_.rest_of_line());
-      if (keyword == "g") groups_.add(cursor_.rest_of_line());
-    }
+  BasicPolygonSoup<Storage> parse() && {
+    while (chunks_.next(cursor_)) read_lines();
     soup_.check(errors_, 1);
     check_attributes();
     count_unused_attributes();
@@ -64,6 +57,28 @@ class ObjParser {
   }
 
  private:
+  template <class T>
+  using Array = typename Storage::template Array<T>;
+
+  void read_lines() {
+    for (; cursor_.find_word(); cursor_.skip_line()) {
+      const std::string_view keyword = cursor_.word();
+      if (keyword == "v") read_vertex();
+      if (keyword == "vn") read_normal();
+      if (keyword == "f") read_face();
+      if (keyword == "vt") read_texture_coordinate();
+      if (keyword == "usemtl") use_material();
+      if (keyword == "mtllib") materials_.add_library(cursor_.rest_of_line());
+      if (keyword == "o") objects_.add(cursor_.rest_of_line());
+      if (keyword == "g") groups_.add(cursor_.rest_of_line());
+    }
+  }
+
+  void use_material() {
+    if (materials_.use(cursor_.rest_of_line(), soup_.polygon_count() > 0, cursor_))
+      soup_.polygon_materials.resize(soup_.polygon_count(), MaterialId{0});
+  }
+
   // x y z, x y z w (w only weighs curves) or x y z r g b; what follows is ignored.
   void read_vertex() {
     const std::uint64_t line = cursor_.line();
@@ -100,19 +115,19 @@ class ObjParser {
 
   void read_face() {
     const std::uint64_t line = cursor_.line();
-    std::vector<CornerAttributes::Corner>& corners = attributes_.corners;
+    Array<AttributeCorner>& corners = attributes_.corners;
     while (!cursor_.at_line_end()) {
       const auto [vertex, attributes] = parse_corner(cursor_.word());
       soup_.add_corner(vertex);
       ++corner_count_;
-      if (attributes == CornerAttributes::Corner{}) continue;
+      if (attributes == AttributeCorner{}) continue;
       corners.resize(corner_count_ - 1);
       corners.push_back(attributes);
       largest_texture_.add(attributes.texture, line);
       largest_normal_.add(attributes.normal, line);
     }
     soup_.end_polygon(line);
-    materials_.end_polygon();
+    if (materials_.any()) soup_.polygon_materials.push_back(materials_.current());
   }
 
   // v, v/vt, v//vn or v/vt/vn.
@@ -174,13 +189,13 @@ class ObjParser {
 
   void count_unused_attributes() {
     soup_.left_out.texture_coordinates =
-        count_unused(attributes_.texture_coordinates.size(), &CornerAttributes::Corner::texture);
-    soup_.left_out.normals = count_unused(attributes_.normals.size(), &CornerAttributes::Corner::normal);
+        count_unused(attributes_.texture_coordinates.size(), &AttributeCorner::texture);
+    soup_.left_out.normals = count_unused(attributes_.normals.size(), &AttributeCorner::normal);
   }
 
-  std::uint64_t count_unused(std::size_t count, std::uint32_t CornerAttributes::Corner::*index) const {
+  std::uint64_t count_unused(std::size_t count, std::uint32_t AttributeCorner::*index) const {
     std::vector<bool> used(count);
-    for (const CornerAttributes::Corner& corner : attributes_.corners) {
+    for (const AttributeCorner& corner : attributes_.corners) {
       if (corner.*index != no_id) used[corner.*index] = true;
     }
     return static_cast<std::uint64_t>(std::ranges::count(used, false));
@@ -202,19 +217,30 @@ class ObjParser {
 
   static constexpr glm::vec3 no_color{-1.0f};  // of vertices in a file where only others have one: white
 
+  TextChunks chunks_;
   TextCursor cursor_;
   const FileErrors& errors_;
-  PolygonSoup soup_;
-  CornerAttributes attributes_;  // checked at the end: a value may follow the face that uses it
+  BasicPolygonSoup<Storage> soup_;
+  CornerAttributes<Storage> attributes_;  // checked at the end: a value may follow the face that uses it
   std::size_t corner_count_ = 0;
   LargestIndex largest_texture_, largest_normal_;
   ObjMaterials materials_;
-  std::vector<glm::vec3> raw_colors_;
+  Array<glm::vec3> raw_colors_;
   DistinctNames objects_, groups_;
 };
 
 }  // namespace
 
-PolygonSoup parse_obj(std::string_view text, const FileErrors& errors) { return ObjParser(text, errors).parse(); }
+template <class Storage>
+BasicPolygonSoup<Storage> parse_obj(InputBytes& input, const FileErrors& errors) {
+  input.skip(utf8_mark_bytes(input.window(1)));
+  if (!is_wide_text(input.window(1))) return ObjParser<Storage>(input, errors).parse();
+  std::string converted;
+  InputBytes text(as_utf8(input.window(input.size()), converted, errors));
+  return ObjParser<Storage>(text, errors).parse();
+}
+
+template PolygonSoup parse_obj<InMemory>(InputBytes& input, const FileErrors& errors);
+template ScratchSoup parse_obj<InScratch>(InputBytes& input, const FileErrors& errors);
 
 }  // namespace occlod

@@ -96,12 +96,12 @@ struct VertexLayout {
   std::array<double, 4> color_scales;
 };
 
-template <class Values>
+template <class Values, class Storage>
 class BodyParser {
  public:
   BodyParser(Values values, const FileErrors& errors) : values_(std::move(values)), errors_(errors) {}
 
-  PolygonSoup parse(const PlyHeader& header) && {
+  BasicPolygonSoup<Storage> parse(const PlyHeader& header) && {
     const auto vertices = std::ranges::find(header.elements, "vertex", &PlyElement::name);
     if (vertices != header.elements.end()) vertex_count_ = vertices->count;
     add_materials(header);
@@ -391,8 +391,8 @@ class BodyParser {
   std::size_t texture_count_ = 0;
   std::size_t corner_count_ = 0;    // of the polygons so far, where faces may have texture coordinates
   std::vector<float> coordinates_;  // of the face that is read
-  CornerAttributes attributes_;
-  PolygonSoup soup_;
+  CornerAttributes<Storage> attributes_;
+  BasicPolygonSoup<Storage> soup_;
 };
 
 // The beginning of the file with the whole header. Its last line is looked for as nearly every file has it; for others
@@ -408,22 +408,26 @@ std::string_view window_with_header(InputBytes& input) {
   return head;
 }
 
-PolygonSoup parse_whole(InputBytes& input, const FileErrors& errors) {
+template <class Storage>
+BasicPolygonSoup<Storage> parse_whole(InputBytes& input, const FileErrors& errors) {
   const PlyHeader header = parse_ply_header(window_with_header(input), input.size(), errors);
-  if (header.binary_order) {
-    input.skip(header.body_offset);
-    return BodyParser(BinaryValues(input, header, errors), errors).parse(header);
-  }
-  return BodyParser(AsciiValues(input.window(input.size()), header, errors), errors).parse(header);
+  input.skip(header.body_offset);
+  if (header.binary_order)
+    return BodyParser<BinaryValues, Storage>(BinaryValues(input, header, errors), errors).parse(header);
+  return BodyParser<AsciiValues, Storage>(AsciiValues(input, header, errors), errors).parse(header);
 }
 
 }  // namespace
 
-PolygonSoup parse_ply(InputBytes& input, const FileErrors& errors) {
-  if (input.window(1).starts_with("ply")) return parse_whole(input, errors);
+template <class Storage>
+BasicPolygonSoup<Storage> parse_ply(InputBytes& input, const FileErrors& errors) {
+  if (input.window(1).starts_with("ply")) return parse_whole<Storage>(input, errors);
   std::string converted;
   InputBytes text(as_utf8(input.window(input.size()), converted, errors));
-  return parse_whole(text, errors);
+  return parse_whole<Storage>(text, errors);
 }
+
+template PolygonSoup parse_ply<InMemory>(InputBytes& input, const FileErrors& errors);
+template ScratchSoup parse_ply<InScratch>(InputBytes& input, const FileErrors& errors);
 
 }  // namespace occlod

@@ -14,6 +14,7 @@
 #include "io/byte_order.h"
 #include "io/ply_header.h"
 #include "io/polygon_soup.h"
+#include "io/text_chunks.h"
 #include "io/text_cursor.h"
 
 namespace occlod {
@@ -22,16 +23,19 @@ inline constexpr const char* ply_cut_short = "the file is cut short or its heade
 
 class AsciiValues {
  public:
-  AsciiValues(std::string_view bytes, const PlyHeader& header, const FileErrors& errors)
-      : cursor_(bytes.substr(header.body_offset), errors, {}, header.body_line) {}
+  // `input` is at the beginning of the body.
+  AsciiValues(InputBytes& input, const PlyHeader& header, const FileErrors& errors)
+      : chunks_(input, errors, {}), cursor_({}, errors, {}, header.body_line) {}
 
   void begin_element(const PlyElement& element) {
     element_ = &element;
     what_ = fmt::format("a value of element {}", in_quotes(element.name));
   }
   void begin_record(std::uint64_t i) {
-    if (cursor_.find_word()) return;
-    fail(fmt::format("the file ends before {} {} of {}", element_->name, i + 1, element_->count), ply_cut_short);
+    while (!cursor_.find_word()) {
+      if (chunks_.next(cursor_)) continue;
+      fail(fmt::format("the file ends before {} {} of {}", element_->name, i + 1, element_->count), ply_cut_short);
+    }
   }
   [[nodiscard]] double next(PlyType) { return cursor_.number(what_.c_str()); }
   void end_record() {
@@ -45,6 +49,7 @@ class AsciiValues {
   }
 
  private:
+  TextChunks chunks_;
   TextCursor cursor_;
   const PlyElement* element_ = nullptr;
   std::string what_;
@@ -90,7 +95,8 @@ class BinaryValues {
 
   // Takes up to `most` vertices whose records begin with x, y and z as float32; returns how many. Those at the end of
   // the window are left to next().
-  std::uint64_t take_float_vertices(std::uint64_t most, std::size_t record_bytes, PolygonSoup& soup) {
+  template <class Soup>
+  std::uint64_t take_float_vertices(std::uint64_t most, std::size_t record_bytes, Soup& soup) {
     const std::uint64_t count = std::min<std::uint64_t>(most, left_.size() / record_bytes);
     const char* at = left_.data();
     for (std::uint64_t i = 0; i < count; ++i, at += record_bytes) {
@@ -102,7 +108,8 @@ class BinaryValues {
 
   // The same for triangles whose records are a count of one byte and three indices of 32 bits, up to the first face
   // that is not a triangle or has an index that next() has to refuse.
-  std::uint64_t take_triangles(std::uint64_t most, PolygonSoup& soup) {
+  template <class Soup>
+  std::uint64_t take_triangles(std::uint64_t most, Soup& soup) {
     const std::uint64_t count = std::min<std::uint64_t>(most, left_.size() / ply_triangle_bytes);
     const char* at = left_.data();
     std::uint64_t taken = 0;

@@ -23,19 +23,19 @@ PolygonSoup parse_file(const std::filesystem::path& path, const FileErrors& erro
 }  // namespace
 
 PolygonSoup parse_mesh(MeshFormat format, InputBytes& input, const FileErrors& errors) {
-  if (format == MeshFormat::ply) return parse_ply(input, errors);
+  if (format == MeshFormat::ply) return parse_ply<InMemory>(input, errors);
+  if (format == MeshFormat::obj) return parse_obj<InMemory>(input, errors);
   const std::string_view bytes = input.window(input.size());
   if (format == MeshFormat::stl) return parse_stl(bytes, errors);  // binary or text
   std::string converted;
   const std::string_view text = as_utf8(bytes, converted, errors);
   switch (format) {
-    case MeshFormat::obj:
-      return parse_obj(text, errors);
     case MeshFormat::off:
       return parse_off(text, errors);
     case MeshFormat::gltf:
       return parse_gltf(text, errors);
     case MeshFormat::ply:  // above
+    case MeshFormat::obj:
     case MeshFormat::stl:
       break;
   }
@@ -46,7 +46,7 @@ CleanMesh read_mesh(const std::filesystem::path& path, const std::function<void(
   const FileErrors errors(path);
   PolygonSoup soup = parse_file(path, errors, progress);
   MeshReport report;
-  TriangleMesh mesh = soup.take_mesh(report, errors);
+  TriangleMesh mesh = take_mesh(soup, report, errors);
   if (progress) progress(1.0);
   return clean(std::move(mesh), report, errors.subject());
 }

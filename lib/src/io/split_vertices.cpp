@@ -5,16 +5,20 @@
 #include <cstddef>
 #include <span>
 
+#include "core/scratch_memory.h"
 #include "mesh/portable_math.h"
 
 namespace occlod {
 namespace {
 
-using Corner = CornerAttributes::Corner;
+using Corner = AttributeCorner;
 
+constexpr std::size_t corners_between_looks = 4096;  // whether memory has room
+
+template <class Storage>
 class VertexSplitter {
  public:
-  VertexSplitter(PolygonSoup& soup, const CornerAttributes& attributes)
+  VertexSplitter(BasicPolygonSoup<Storage>& soup, const CornerAttributes<Storage>& attributes)
       : soup_(soup),
         values_(attributes),
         vertices_(soup.positions.size()),
@@ -26,6 +30,7 @@ class VertexSplitter {
   [[nodiscard]] bool run() {
     const std::span<VertexId> ids = soup_.corners();
     for (std::size_t i = 0; i < ids.size(); ++i) {
+      if (i % corners_between_looks == 0) make_room();
       const Corner corner = i < values_.corners.size() ? values_.corners[i] : Corner{};
       has_texture_ |= corner.texture != no_id;
       has_normal_ |= corner.normal != no_id;
@@ -37,6 +42,9 @@ class VertexSplitter {
   }
 
  private:
+  template <class T>
+  using Array = typename Storage::template Array<T>;
+
   struct Added {
     VertexId vertex;  // that it repeats
     Corner corner;
@@ -105,36 +113,41 @@ class VertexSplitter {
   }
 
   template <class T>
-  void repeat(std::vector<T>& values) const {
+  void repeat(Array<T>& values) const {
     if (values.empty()) return;
     values.reserve(vertices_ + added_.size());
     for (const Added& added : added_) values.push_back(values[added.vertex]);
   }
 
   template <class T, class ValueOf>
-  void take(std::vector<T>& values, ValueOf value_of) const {
+  void take(Array<T>& values, ValueOf value_of) const {
     values.clear();
     values.reserve(vertices_ + added_.size());
     for (const Corner& corner : first_) values.push_back(value_of(corner));
     for (const Added& added : added_) values.push_back(value_of(added.corner));
   }
 
-  PolygonSoup& soup_;
-  const CornerAttributes& values_;
-  std::size_t vertices_;         // before
-  std::vector<Corner> first_;    // by vertex
-  std::vector<bool> is_used_;    // by vertex
-  std::vector<Added> added_;     // vertices_ on
-  std::vector<VertexId> slots_;  // into added_: open addressing, at most half full
+  BasicPolygonSoup<Storage>& soup_;
+  const CornerAttributes<Storage>& values_;
+  std::size_t vertices_;   // before
+  Array<Corner> first_;    // by vertex
+  Array<bool> is_used_;    // by vertex
+  Array<Added> added_;     // vertices_ on
+  Array<VertexId> slots_;  // into added_: open addressing, at most half full
   bool has_texture_ = false;
   bool has_normal_ = false;
 };
 
 }  // namespace
 
-void split_vertices(PolygonSoup& soup, const CornerAttributes& attributes, const FileErrors& errors) {
-  if (!VertexSplitter(soup, attributes).run())
+template <class Storage>
+void split_vertices(BasicPolygonSoup<Storage>& soup, const CornerAttributes<Storage>& attributes,
+                    const FileErrors& errors) {
+  if (!VertexSplitter<Storage>(soup, attributes).run())
     errors.fail("", "has too many vertices with attributes of their own", "split the mesh into parts");
 }
+
+template void split_vertices(PolygonSoup&, const CornerAttributes<InMemory>&, const FileErrors&);
+template void split_vertices(ScratchSoup&, const CornerAttributes<InScratch>&, const FileErrors&);
 
 }  // namespace occlod

@@ -74,8 +74,14 @@ std::string from_utf16(std::string_view units, std::endian order) {
 
 }  // namespace
 
+bool is_wide_text(std::string_view beginning) { return is_utf32(beginning) || utf16_order(beginning).has_value(); }
+
+std::size_t utf8_mark_bytes(std::string_view beginning) {
+  return beginning.starts_with(utf8_mark) ? utf8_mark.size() : 0;
+}
+
 std::string_view as_utf8(std::string_view bytes, std::string& converted, const FileErrors& errors) {
-  if (bytes.starts_with(utf8_mark)) return bytes.substr(utf8_mark.size());
+  if (const std::size_t mark = utf8_mark_bytes(bytes); mark > 0) return bytes.substr(mark);
   if (is_utf32(bytes)) errors.fail("", "is UTF-32 text", "save it as UTF-8, e.g. with 'iconv -f UTF-32 -t UTF-8'");
   const std::optional<std::endian> order = utf16_order(bytes);
   if (!order) return bytes;

@@ -4,6 +4,8 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "core/large_vector.h"
+
 namespace occlod {
 namespace {
 
@@ -14,13 +16,15 @@ double turn(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c) {
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
 
-void append_fan(std::span<const VertexId> corners, std::vector<Triangle>& triangles) {
+template <class Triangles>
+void append_fan(std::span<const VertexId> corners, Triangles& triangles) {
   for (std::size_t i = 2; i < corners.size(); ++i) triangles.emplace_back(corners[0], corners[i - 1], corners[i]);
 }
 
 }  // namespace
 
-bool Triangulator::append(std::span<const VertexId> corners, std::vector<Triangle>& triangles) {
+template <class Triangles>
+bool Triangulator::append(std::span<const VertexId> corners, Triangles& triangles) {
   if (corners.size() == 3 || !project(corners) || is_strictly_convex()) {
     append_fan(corners, triangles);
     return true;
@@ -63,7 +67,8 @@ bool Triangulator::is_strictly_convex() const {
   return true;
 }
 
-Triangulator::Clipping Triangulator::clip_ears(std::span<const VertexId> corners, std::vector<Triangle>& triangles) {
+template <class Triangles>
+Triangulator::Clipping Triangulator::clip_ears(std::span<const VertexId> corners, Triangles& triangles) {
   const std::size_t n = corners.size();
   next_.resize(n);
   previous_.resize(n);
@@ -124,5 +129,8 @@ bool Triangulator::is_ear(std::size_t tip, bool allow_flat) {
   }
   return true;
 }
+
+template bool Triangulator::append(std::span<const VertexId> corners, std::vector<Triangle>& triangles);
+template bool Triangulator::append(std::span<const VertexId> corners, LargeVector<Triangle>& triangles);
 
 }  // namespace occlod

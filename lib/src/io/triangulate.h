@@ -13,24 +13,26 @@ namespace occlod {
 // Keeps its scratch memory from polygon to polygon. `positions` outlives it.
 class Triangulator {
  public:
-  explicit Triangulator(const std::vector<glm::vec3>& positions) : positions_(positions) {}
+  explicit Triangulator(std::span<const glm::vec3> positions) : positions_(positions) {}
 
   // Appends corners.size() - 2 triangles with the polygon's winding: a fan where it is strictly convex, otherwise ears
   // clipped in the plane of its area vector (Newell). One that crosses itself or lies on a line becomes a fan. At least
   // three corners with finite positions. False, with nothing appended, where clipping takes more than 2^28 steps:
   // 16,384 corners can need that many.
-  [[nodiscard]] bool append(std::span<const VertexId> corners, std::vector<Triangle>& triangles);
+  template <class Triangles>  // a vector or a LargeVector
+  [[nodiscard]] bool append(std::span<const VertexId> corners, Triangles& triangles);
 
  private:
   [[nodiscard]] bool project(std::span<const VertexId> corners);
   [[nodiscard]] bool is_strictly_convex() const;
   enum class Clipping { done, crosses_itself, takes_too_long };
-  [[nodiscard]] Clipping clip_ears(std::span<const VertexId> corners, std::vector<Triangle>& triangles);
+  template <class Triangles>
+  [[nodiscard]] Clipping clip_ears(std::span<const VertexId> corners, Triangles& triangles);
   [[nodiscard]] bool is_ear(std::size_t tip, bool allow_flat);
   void unlink(std::size_t corner);
   [[nodiscard]] double turn_at(std::size_t corner) const;
 
-  const std::vector<glm::vec3>& positions_;
+  std::span<const glm::vec3> positions_;
   std::vector<glm::dvec2> points_;  // the polygon in its plane, counter-clockwise
   std::vector<std::size_t> next_;   // the ring of the corners that are left
   std::vector<std::size_t> previous_;

@@ -7,7 +7,6 @@
 #include <cassert>
 #include <cmath>
 #include <cstring>
-#include <glm/geometric.hpp>
 #include <numeric>
 #include <utility>
 #include <vector>
@@ -15,6 +14,7 @@
 #include "math/inverse_power_of_two.h"
 #include "mesh/form_wedges.h"
 #include "mesh/portable_math.h"
+#include "mesh/unit_normal.h"
 #include "occlod/core/error.h"
 #include "occlod/mesh/count_topology.h"
 
@@ -313,27 +313,13 @@ class Cleaner {
     if (unusable_count == 0) return;
     std::vector<glm::dvec3> sums(mesh_.vertex_count(), glm::dvec3(0.0));
     for (const Triangle& t : mesh_.triangles) {
-      const glm::dvec3 a(mesh_.positions[t.x]);
-      const glm::dvec3 area = glm::cross(glm::dvec3(mesh_.positions[t.y]) - a, glm::dvec3(mesh_.positions[t.z]) - a);
+      const glm::dvec3 area = area_vector(mesh_.positions[t.x], mesh_.positions[t.y], mesh_.positions[t.z]);
       for (int corner = 0; corner < 3; ++corner) sums[t[corner]] += area;
     }
     for (VertexId v = 0; v < mesh_.vertex_count(); ++v) {
       if (!unusable[v]) continue;
-      const glm::dvec3& sum = sums[leader_.empty() ? v : leader_[v]];
-      const double length = glm::length(sum);
-      mesh_.normals[v] = length > 0.0 && std::isfinite(length) ? glm::vec3(sum / length) : glm::vec3(0, 0, 1);
+      mesh_.normals[v] = normal_along(sums[leader_.empty() ? v : leader_[v]]);
     }
-  }
-
-  // A normal of unit length but for rounding stays as it is, so that cleaning again changes nothing.
-  static bool normalize_in_place(glm::vec3& normal) {
-    constexpr double rounding = 0x1p-21;  // of the squared length, as single precision leaves it
-    const double squared = glm::dot(glm::dvec3(normal), glm::dvec3(normal));
-    if (std::abs(squared - 1.0) <= rounding) return true;
-    const double length = std::sqrt(squared);
-    if (!(length > 0.0) || !std::isfinite(length)) return false;
-    normal = glm::vec3(glm::dvec3(normal) / length);
-    return true;
   }
 
   TriangleMesh mesh_;

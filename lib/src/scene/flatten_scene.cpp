@@ -1,8 +1,12 @@
 #include <algorithm>
 #include <map>
+#include <memory>
 #include <optional>
+#include <string>
 #include <utility>
 
+#include "io/stream_mesh.h"
+#include "mesh/piece_cutter.h"
 #include "occlod/hierarchy/cut_mesh.h"
 #include "occlod/io/olod.h"
 #include "occlod/mesh/generate.h"
@@ -38,6 +42,8 @@ class MeshReader {
     return read(object);
   }
 
+  void forget() { read_.clear(); }
+
   const CleanMesh& read(std::size_t object) {
     const MeshSource& source = scene_.objects[object].source;
     const std::string name = this->name(object);
@@ -62,48 +68,15 @@ void add(LeftOut& sum, const LeftOut& more) {
   sum.groups += more.groups;
 }
 
+// HLODs and hierarchies are no mesh files.
+bool is_streamable_file(const std::string& name) {
+  return !is_olod_file(name) && !is_ohlod_file(name) && is_streamable(name);
+}
+
 constexpr std::size_t piece_triangles = std::size_t{1} << 18U;
 
-// A run of triangles of a mesh and the vertices that they use.
-class PieceCutter {
- public:
-  explicit PieceCutter(const TriangleMesh& mesh) : mesh_(mesh), local_(mesh.wedge_count(), no_id) {}
-
-  [[nodiscard]] TriangleMesh cut(std::size_t begin, std::size_t end) {
-    TriangleMesh piece;
-    std::vector<WedgeId> wedges;
-    for (std::size_t t = begin; t < end; ++t) {
-      Triangle triangle = mesh_.wedge_triangles()[t];
-      for (int k = 0; k < 3; ++k) {
-        VertexId& local = local_[triangle[k]];
-        if (local == no_id) {
-          local = static_cast<VertexId>(wedges.size());
-          wedges.push_back(triangle[k]);
-        }
-        triangle[k] = local;
-      }
-      piece.triangles.push_back(triangle);
-      if (!mesh_.triangle_materials.empty()) piece.triangle_materials.push_back(mesh_.triangle_materials[t]);
-    }
-    const auto gather = [&](const auto& from, auto& to) {
-      if (from.empty()) return;
-      for (const WedgeId wedge : wedges) to.push_back(from[wedge]);
-    };
-    gather(mesh_.positions, piece.positions);
-    gather(mesh_.normals, piece.normals);
-    gather(mesh_.colors, piece.colors);
-    gather(mesh_.texture_coordinates, piece.texture_coordinates);
-    piece.texture_origin = mesh_.texture_origin;
-    for (const WedgeId wedge : wedges) local_[wedge] = no_id;
-    return piece;
-  }
-
- private:
-  const TriangleMesh& mesh_;
-  std::vector<VertexId> local_;  // by wedge, of the piece that is cut
-};
-
-// Gives the objects of a scene to a sink, one mesh in memory at a time.
+// Gives the objects of a scene to a sink, one mesh at a time; PLY and OBJ files and rough planets are never whole in
+// memory.
 class SceneStreamer {
  public:
   SceneStreamer(const SceneDescription& scene, const std::filesystem::path& folder, const Progress& progress,
@@ -123,15 +96,35 @@ class SceneStreamer {
         stream_rough_planet(*planet, [&](const TriangleMesh& piece) { add(piece, i, material); });
         continue;
       }
+      const std::string name = reader_.name(i);
+      if (std::holds_alternative<MeshFile>(scene_.objects[i].source) && is_streamable_file(name)) {
+        add_file(i, name);
+        continue;
+      }
+      streamed_.reset();
       const TriangleMesh& mesh = reader_.read_alone(i).mesh;
-      const MaterialId first = materials_.first_of(mesh, reader_.name(i));
-      PieceCutter cutter(mesh);
+      const MaterialId first = materials_.first_of(mesh, name);
+      PieceCutter cutter(arrays_of(mesh));
       for (std::size_t begin = 0; begin < mesh.triangle_count(); begin += piece_triangles)
         add(cutter.cut(begin, std::min(mesh.triangle_count(), begin + piece_triangles)), i, first);
     }
   }
 
  private:
+  // Copies that follow each other are read once.
+  void add_file(std::size_t object, const std::string& name) {
+    reader_.forget();
+    if (!streamed_ || streamed_name_ != name) {
+      streamed_.reset();
+      streamed_ = std::make_unique<StreamedMesh>(name, [&](double done) {
+        if (progress_) progress_("reading " + name, done);
+      });
+      streamed_name_ = name;
+    }
+    streamed_->visit(piece_triangles,
+                     [&](const TriangleMesh& piece) { add(piece, object, materials_.first_of(piece, name)); });
+  }
+
   void add(const TriangleMesh& piece, std::size_t object, MaterialId first) {
     TriangleMesh placed;
     if (!piece.texture_coordinates.empty() && !origin_) origin_ = piece.texture_origin;
@@ -153,6 +146,8 @@ class SceneStreamer {
   TriangleMesh table_;  // materials and textures so far
   SceneMaterials materials_;
   std::optional<TextureOrigin> origin_;
+  std::unique_ptr<StreamedMesh> streamed_;  // the newest file
+  std::string streamed_name_;
 };
 
 }  // namespace

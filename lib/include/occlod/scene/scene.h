@@ -126,8 +126,10 @@ struct LoadedObject {
 [[nodiscard]] CleanMesh flatten_scene(const SceneDescription& scene, const std::filesystem::path& folder,
                                       const std::function<void(const std::string& what, double done)>& progress = {});
 
-// The triangles of flatten_scene() for build_hlod(), one mesh in memory at a time; rough planets are made piece by
-// piece. What fails is thrown as Error while they are given. `progress` is called on the thread that asks.
+// The triangles of flatten_scene() for build_hlod(), one mesh at a time. PLY and OBJ files are read block by block into
+// arrays that a MemoryLimit keeps in scratch files, and once where copies follow each other; rough planets are made
+// piece by piece; other meshes are in memory as a whole. What fails is thrown as Error while they are given. `progress`
+// is called on the thread that asks.
 [[nodiscard]] hlod::TriangleSource stream_scene(
     SceneDescription scene, std::filesystem::path folder,
     std::function<void(const std::string& what, double done)> progress = {});
