@@ -150,7 +150,7 @@ TEST(StreamedHlod, WhatCannotBeBuiltIsRefused) {
 
 TEST(StreamedHlod, ALimitOfMemoryChangesNothing) {
   const TriangleSource planet = [](TriangleSink& sink) {
-    stream_rough_planet({.level = 9}, [&](const TriangleMesh& piece) { sink.add(piece); });
+    stream_rough_planet({.level = 9}, [&](const TriangleMesh& piece, std::size_t) { sink.add(piece); });
   };
   MeshReport report;
   const Hlod free = build_hlod(planet, {}, report);
@@ -181,7 +181,7 @@ TEST(StreamRoughPlanet, PiecesAreTheWholeMesh) {
   for (const int level : {0, 3, 8}) {
     const TriangleMesh whole = generate_rough_planet({.level = level});
     std::size_t triangles = 0;
-    stream_rough_planet({.level = level}, [&](const TriangleMesh& piece) {
+    stream_rough_planet({.level = level}, [&](const TriangleMesh& piece, std::size_t) {
       for (const Triangle& t : piece.triangles) {
         for (int k = 0; k < 3; ++k)
           ASSERT_EQ(piece.positions[t[k]], whole.positions[whole.triangles[triangles][k]]) << triangles;

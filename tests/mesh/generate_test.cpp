@@ -207,5 +207,44 @@ TEST(Generators, RefuseOptionsOutOfRange) {
   EXPECT_THROW(static_cast<void>(generate_spheres_behind_wall({.level = 9})), Error);
 }
 
+// All parts, one after the other, without the vertices that repeat others.
+TriangleMesh joined(const std::function<void(const PartVisitor& visit)>& parts, std::size_t& count) {
+  TriangleMesh mesh;
+  count = 0;
+  parts([&](const TriangleMesh& part, std::size_t repeated) {
+    const auto first = static_cast<VertexId>(mesh.vertex_count() - repeated);
+    for (std::size_t v = 0; v < part.vertex_count(); ++v) {
+      if (v >= repeated)
+        mesh.positions.push_back(part.positions[v]);
+      else
+        EXPECT_EQ(part.positions[v], mesh.positions[first + v]);
+    }
+    for (const Triangle& t : part.triangles) mesh.triangles.push_back(t + first);
+    ++count;
+  });
+  return mesh;
+}
+
+template <class Options>
+void expect_parts(const Options& options, TriangleMesh (*generate)(const Options&),
+                  void (*stream)(const Options&, const PartVisitor&), std::size_t least) {
+  std::size_t count = 0;
+  const TriangleMesh parts = joined([&](const PartVisitor& visit) { stream(options, visit); }, count);
+  const TriangleMesh whole = generate(options);
+  EXPECT_EQ(parts.positions, whole.positions);
+  EXPECT_EQ(parts.triangles, whole.triangles);
+  EXPECT_GE(count, least);
+}
+
+TEST(Generated, PartsAreTheWhole) {
+  expect_parts(RoughPlanetOptions{.level = 9}, generate_rough_planet, stream_rough_planet, 4);
+  expect_parts(RoughPlanetOptions{.level = 0}, generate_rough_planet, stream_rough_planet, 1);
+  expect_parts(CityOptions{}, generate_city, stream_city, 3);
+  expect_parts(CityOptions{.blocks = 1}, generate_city, stream_city, 1);
+  expect_parts(PipesOptions{.pipes = 1500}, generate_pipes, stream_pipes, 2);
+  expect_parts(PlantOptions{.storeys = 1, .bays = 2}, generate_plant, stream_plant, 2);
+  expect_parts(SpheresBehindWallOptions{.spheres = 300}, generate_spheres_behind_wall, stream_spheres_behind_wall, 2);
+}
+
 }  // namespace
 }  // namespace occlod

@@ -144,6 +144,32 @@ TEST_F(StreamedFiles, WhatCleaningDropsIsDropped) {
             "");
 }
 
+// The corners of all triangles.
+struct Corners : hlod::TriangleSink {
+  std::vector<glm::vec3> all;
+  std::size_t pieces = 0;
+  void add(const TriangleMesh& piece) override {
+    ++pieces;
+    for (const Triangle& t : piece.wedge_triangles())
+      for (int k = 0; k < 3; ++k) all.push_back(piece.positions[t[k]]);
+  }
+};
+
+TEST(StreamedGenerators, GiveTheTrianglesOfTheWhole) {
+  SceneDescription scene;
+  scene.objects.resize(4);
+  scene.objects[0].source = CityOptions{.facade_cells = 6};
+  scene.objects[1].source = PipesOptions{};
+  scene.objects[2].source = PlantOptions{.storeys = 1, .bays = 1, .pipes = 4};
+  scene.objects[3].source = SpheresBehindWallOptions{.spheres = 20};
+  for (std::size_t i = 0; i < 4; ++i) scene.objects[i].object_to_world[3].x = 2000.0 * static_cast<double>(i);
+  Corners streamed, whole;
+  stream_scene(scene, "")(streamed);
+  whole.add(flatten_scene(scene, "").mesh);
+  EXPECT_EQ(streamed.all, whole.all);
+  EXPECT_EQ(streamed.pieces, 5U) << "the city makes two";
+}
+
 // Before the scene turns them over for other objects with another origin.
 TEST_F(StreamedFiles, TextureCoordinatesThatAreNotFiniteAreZero) {
   const StreamedMesh mesh(file("nan.obj", obj_vertices(1) + "vt nan 0.5\nvt 0.25 0.5\nf 1/1 2/2 3/2\n"), {});

@@ -22,6 +22,22 @@ class GenerateBuildValidate(ToolTest):
                 built = self.json_of("build", f"m.{extension}", "-o", "m.olod")
                 self.assertEqual(built["triangles"], made["triangles"], f"{kind} {extension}")
 
+    def test_generate_streams_the_same_file(self):
+        for kind, options in [("rough-planet", ["--level", 8]), ("plant", ["--storeys", 1, "--bays", 2])]:
+            for extension in ("ply", "obj"):
+                whole = self.json_of("generate", kind, *options, "-o", f"whole.{extension}")
+                streamed = self.json_of("generate", kind, *options, "-o", f"streamed.{extension}", "--stream")
+                self.assertTrue(self.same_bytes(f"whole.{extension}", f"streamed.{extension}"), f"{kind} {extension}")
+                for key in ("vertices", "triangles"):
+                    self.assertEqual(whole[key], streamed[key])
+        (self.folder / "m.off").write_text("old")
+        self.assertIn("only PLY and OBJ files are written in parts", self.failure_of("generate", "city", "-o", "m.off", "--stream"))
+        self.assertEqual((self.folder / "m.off").read_text(), "old")
+
+    def test_a_mesh_that_is_streamed_is_never_whole(self):
+        plant = ("generate", "plant", "--storeys", 2, "--bays", 4, "-o", "plant.ply")
+        self.assertLess(2 * self.json_of(*plant, "--stream")["peak_bytes"], self.json_of(*plant)["peak_bytes"])
+
     def test_generate_is_reproducible_and_seeded(self):
         for name, seed in [("a.ply", 1), ("b.ply", 1), ("c.ply", 2)]:
             self.make_planet(name, seed)

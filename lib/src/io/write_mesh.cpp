@@ -16,6 +16,7 @@
 #include "io/file_format.h"
 #include "io/file_input.h"
 #include "io/mesh_writers.h"
+#include "io/polygon_soup.h"
 
 namespace occlod {
 namespace {
@@ -34,16 +35,18 @@ bool needs_texture_numbers(const TriangleMesh& mesh) {
   return !mesh.textures.empty() && (mesh.textures.size() > 1 || mesh.materials.size() > 1);
 }
 
-void write_ply_header(ChunkedWriter& out, const TriangleMesh& mesh, const std::filesystem::path& path) {
+// `counts`: of the file, of which `mesh` says all else.
+void write_ply_header(ChunkedWriter& out, const TriangleMesh& mesh, const WrittenCounts& counts,
+                      const std::filesystem::path& path) {
   out.text("ply\nformat binary_little_endian 1.0\n");
   for (const std::string& file : texture_files(mesh, path)) out.text("comment TextureFile {}\n", file);
-  out.text("element vertex {}\nproperty float x\nproperty float y\nproperty float z\n", mesh.wedge_count());
+  out.text("element vertex {}\nproperty float x\nproperty float y\nproperty float z\n", counts.vertices);
   if (!mesh.normals.empty()) out.text("property float nx\nproperty float ny\nproperty float nz\n");
   if (!mesh.colors.empty()) {
     out.text("property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n");
   }
   if (!mesh.texture_coordinates.empty()) out.text("property float s\nproperty float t\n");
-  out.text("element face {}\nproperty list uchar uint vertex_indices\n", mesh.triangle_count());
+  out.text("element face {}\nproperty list uchar uint vertex_indices\n", counts.triangles);
   if (needs_texture_numbers(mesh)) {
     if (!mesh.texture_coordinates.empty()) out.text("property list uchar float texcoord\n");
     out.text("property int texnumber\n");
@@ -54,7 +57,7 @@ void write_ply_header(ChunkedWriter& out, const TriangleMesh& mesh, const std::f
 // A vertex for each wedge: readers that weld make one of those at one position, others show seams as they are. Faces
 // repeat the texture coordinates where they name a texture, as MeshLab has it.
 void write_ply(ChunkedWriter& out, const TriangleMesh& mesh, const std::filesystem::path& path) {
-  write_ply_header(out, mesh, path);
+  write_ply_header(out, mesh, {mesh.wedge_count(), mesh.triangle_count()}, path);
   for (std::size_t w = 0; w < mesh.wedge_count(); ++w) {
     out.vector(mesh.positions[w]);
     if (!mesh.normals.empty()) out.vector(mesh.normals[w]);
@@ -113,7 +116,59 @@ MeshFormat format_to_write(const std::filesystem::path& path) {
   return format;
 }
 
+// Calls what(part, repeated, first): `first` is the number of the part's first vertex in the whole.
+template <class What>
+WrittenCounts for_each_part(const MeshParts& parts, const std::filesystem::path& path, const What& what) {
+  WrittenCounts counts;
+  parts([&](const TriangleMesh& part, std::size_t repeated) {
+    const std::uint64_t first = counts.vertices - repeated;
+    if (first + part.vertex_count() >= max_vertices)
+      FileErrors(path).fail("", "would have too many vertices", "make a smaller mesh");
+    what(part, repeated, first);
+    counts.vertices = first + part.vertex_count();
+    counts.triangles += part.triangle_count();
+  });
+  return counts;
+}
+
+WrittenCounts write_parts(ChunkedWriter& out, const MeshParts& parts, bool is_ply, const std::filesystem::path& path) {
+  for_each_part(parts, path, [&](const TriangleMesh& part, std::size_t repeated, std::uint64_t) {
+    for (const glm::vec3& p : vertices_of(part).subspan(repeated))
+      is_ply ? out.vector(p) : out.text("v {} {} {}\n", p.x, p.y, p.z);
+  });
+  return for_each_part(parts, path, [&](const TriangleMesh& part, std::size_t, std::uint64_t first) {
+    for (const Triangle& t : part.triangles) {
+      const Triangle whole = t + static_cast<VertexId>(first + (is_ply ? 0 : 1));
+      is_ply ? out.numbers(std::uint8_t{3}, whole.x, whole.y, whole.z)
+             : out.text("f {} {} {}\n", whole.x, whole.y, whole.z);
+    }
+  });
+}
+
+MeshFormat format_of_parts(const std::filesystem::path& path) {
+  const MeshFormat format = format_to_write(path);
+  if (format != MeshFormat::ply && format != MeshFormat::obj)
+    FileErrors(path).fail("", "only PLY and OBJ files are written in parts", "use .ply or .obj");
+  return format;
+}
+
 }  // namespace
+
+void check_mesh_parts_output(const std::filesystem::path& path) {
+  (void)format_of_parts(path);
+  AtomicFile::check(path);
+}
+
+WrittenCounts write_mesh_parts(const std::filesystem::path& path, const MeshParts& parts) {
+  const bool is_ply = format_of_parts(path) == MeshFormat::ply;
+  AtomicFile file(path);
+  ChunkedWriter out(file);
+  if (is_ply) write_ply_header(out, {}, for_each_part(parts, path, [](const auto&...) {}), path);
+  const WrittenCounts counts = write_parts(out, parts, is_ply, path);
+  out.flush();
+  file.commit();
+  return counts;
+}
 
 void check_mesh_output(const std::filesystem::path& path) {
   (void)format_to_write(path);

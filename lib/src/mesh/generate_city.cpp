@@ -1,5 +1,8 @@
+#include <utility>
+
 #include "core/option_checker.h"
 #include "mesh/box_lattice.h"
+#include "mesh/part_giver.h"
 #include "mesh/portable_math.h"
 #include "occlod/mesh/generate.h"
 
@@ -64,9 +67,7 @@ Building plan_building(glm::ivec2 block, glm::ivec2 quarter, int blocks, RandomS
   return {corner + (plot - size) / 2.0, size, lowest + more};
 }
 
-}  // namespace
-
-TriangleMesh generate_city(const CityOptions& options) {
+void append_city(const CityOptions& options, PartGiver& parts) {
   const OptionChecker check("city");
   check.in_range("blocks", options.blocks, 1, 256);
   check.in_range("facade_cells", options.facade_cells, 1, 256);
@@ -74,17 +75,30 @@ TriangleMesh generate_city(const CityOptions& options) {
   check.in_range("blocks^2 * facade_cells^2 * 48", 2.0 * walls, 0.0, 1e9);
 
   RandomStream random(options.seed);
-  TriangleMesh mesh;
-  append_ground(mesh, options.blocks);
+  append_ground(parts.part, options.blocks);
   for (int y = 0; y < options.blocks; ++y) {
     for (int x = 0; x < options.blocks; ++x) {
       for (int quarter = 0; quarter < 4; ++quarter) {
         const Building building = plan_building({x, y}, {quarter % 2, quarter / 2}, options.blocks, random);
-        append_building(mesh, building, options.facade_cells, random);
+        append_building(parts.part, building, options.facade_cells, random);
+        parts.end_component();
       }
     }
   }
-  return mesh;
+}
+
+}  // namespace
+
+TriangleMesh generate_city(const CityOptions& options) {
+  PartGiver whole;
+  append_city(options, whole);
+  return std::move(whole.part);
+}
+
+void stream_city(const CityOptions& options, const PartVisitor& visit) {
+  PartGiver parts(visit);
+  append_city(options, parts);
+  parts.finish();
 }
 
 }  // namespace occlod

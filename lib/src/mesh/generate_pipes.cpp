@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <glm/geometric.hpp>
+#include <utility>
 
 #include "core/option_checker.h"
+#include "mesh/part_giver.h"
 #include "mesh/portable_math.h"
 #include "occlod/mesh/generate.h"
 
@@ -124,9 +126,7 @@ class PipeBuilder {
   std::vector<glm::dvec3> offsets_;  // of the hull's lines from the axis
 };
 
-}  // namespace
-
-TriangleMesh generate_pipes(const PipesOptions& options) {
+void append_pipes(const PipesOptions& options, PartGiver& parts) {
   const OptionChecker check("pipes");
   check.in_range("pipes", options.pipes, 1, 1'000'000);
   check.in_range("bends", options.bends, 1, 100'000);
@@ -135,10 +135,25 @@ TriangleMesh generate_pipes(const PipesOptions& options) {
                  1e9);
 
   RandomStream random(options.seed);
-  TriangleMesh mesh;
-  PipeBuilder builder(options, random, mesh);
-  for (int pipe = 0; pipe < options.pipes; ++pipe) builder.build();
-  return mesh;
+  PipeBuilder builder(options, random, parts.part);
+  for (int pipe = 0; pipe < options.pipes; ++pipe) {
+    builder.build();
+    parts.end_component();
+  }
+}
+
+}  // namespace
+
+TriangleMesh generate_pipes(const PipesOptions& options) {
+  PartGiver whole;
+  append_pipes(options, whole);
+  return std::move(whole.part);
+}
+
+void stream_pipes(const PipesOptions& options, const PartVisitor& visit) {
+  PartGiver parts(visit);
+  append_pipes(options, parts);
+  parts.finish();
 }
 
 }  // namespace occlod

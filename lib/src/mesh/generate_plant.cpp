@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/option_checker.h"
+#include "mesh/part_giver.h"
 #include "mesh/portable_math.h"
 #include "occlod/mesh/generate.h"
 
@@ -98,16 +99,18 @@ class Structure {
   std::unordered_map<int, VertexId> vertices_;
 };
 
-void append_bundle(TriangleMesh& mesh, const PipesOptions& options, const glm::dvec3& corner) {
-  const TriangleMesh pipes = generate_pipes(options);
-  const auto first = static_cast<VertexId>(mesh.vertex_count());
-  for (const glm::vec3& p : pipes.positions) mesh.positions.emplace_back(corner + (room - 2.0 * inset) * glm::dvec3(p));
-  for (const Triangle& t : pipes.triangles) mesh.triangles.push_back(t + first);
+void append_bundle(PartGiver& parts, const PipesOptions& options, const glm::dvec3& corner) {
+  stream_pipes(options, [&](const TriangleMesh& pipes, std::size_t) {
+    TriangleMesh& mesh = parts.part;
+    const auto first = static_cast<VertexId>(mesh.vertex_count());
+    for (const glm::vec3& p : pipes.positions)
+      mesh.positions.emplace_back(corner + (room - 2.0 * inset) * glm::dvec3(p));
+    for (const Triangle& t : pipes.triangles) mesh.triangles.push_back(t + first);
+    parts.end_component();
+  });
 }
 
-}  // namespace
-
-TriangleMesh generate_plant(const PlantOptions& options) {
+void append_plant(const PlantOptions& options, PartGiver& parts) {
   const OptionChecker check("plant");
   check.in_range("storeys", options.storeys, 1, 64);
   check.in_range("bays", options.bays, 1, 256);
@@ -118,17 +121,30 @@ TriangleMesh generate_plant(const PlantOptions& options) {
   check.in_range("2 * storeys * bays * pipes * (bends + 1) * sides",
                  bundles * options.pipes * (options.bends + 1) * options.sides, 0.0, 1e9);
 
-  TriangleMesh mesh;
   Structure structure(options.storeys, options.bays);
-  structure.append_to(mesh);
+  structure.append_to(parts.part);
   std::uint64_t bundle = 0;
   for (int storey = 0; storey < options.storeys; ++storey)
     for (int bay = 0; bay < options.bays; ++bay)
       for (int side = 0; side < 2; ++side, ++bundle)
         append_bundle(
-            mesh, {options.pipes, options.bends, options.sides, scatter(options.seed) + bundle * 0x9e3779b97f4a7c15ULL},
+            parts,
+            {options.pipes, options.bends, options.sides, scatter(options.seed) + bundle * 0x9e3779b97f4a7c15ULL},
             structure.bundle_corner(storey, bay, side));
-  return mesh;
+}
+
+}  // namespace
+
+TriangleMesh generate_plant(const PlantOptions& options) {
+  PartGiver whole;
+  append_plant(options, whole);
+  return std::move(whole.part);
+}
+
+void stream_plant(const PlantOptions& options, const PartVisitor& visit) {
+  PartGiver parts(visit);
+  append_plant(options, parts);
+  parts.finish();
 }
 
 }  // namespace occlod

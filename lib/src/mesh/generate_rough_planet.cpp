@@ -123,7 +123,7 @@ TriangleMesh generate_rough_planet(const RoughPlanetOptions& options) {
   return bands(lattice, 0, lattice.ring_count() - 1, options);
 }
 
-void stream_rough_planet(const RoughPlanetOptions& options, const std::function<void(const TriangleMesh&)>& visit) {
+void stream_rough_planet(const RoughPlanetOptions& options, const PartVisitor& visit) {
   check(options);
   constexpr std::size_t most_vertices = std::size_t{1} << 18U;
   const OctahedronLattice lattice(options.level);
@@ -131,7 +131,9 @@ void stream_rough_planet(const RoughPlanetOptions& options, const std::function<
   for (std::size_t first = 0; first < last;) {
     std::size_t end = first + 1;
     while (end < last && lattice.ring_start(end + 1) - lattice.ring_start(first) < most_vertices) ++end;
-    visit(bands(lattice, first, end, options));
+    // A ring of the part before begins each but the first.
+    const std::size_t repeated = first == 0 ? 0 : lattice.ring_start(first + 1) - lattice.ring_start(first);
+    visit(bands(lattice, first, end, options), repeated);
     first = end;
   }
 }

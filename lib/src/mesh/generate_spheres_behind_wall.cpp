@@ -1,6 +1,9 @@
+#include <utility>
+
 #include "core/option_checker.h"
 #include "mesh/box_lattice.h"
 #include "mesh/octahedron_lattice.h"
+#include "mesh/part_giver.h"
 #include "mesh/portable_math.h"
 #include "occlod/mesh/generate.h"
 
@@ -33,9 +36,7 @@ void append_sphere(TriangleMesh& mesh, const OctahedronLattice& lattice, RandomS
   lattice.append_triangles(first, mesh.triangles);
 }
 
-}  // namespace
-
-TriangleMesh generate_spheres_behind_wall(const SpheresBehindWallOptions& options) {
+void append_spheres_behind_wall(const SpheresBehindWallOptions& options, PartGiver& parts) {
   const OptionChecker check("spheres behind wall");
   check.in_range("spheres", options.spheres, 1, 1'000'000);
   check.in_range("level", options.level, 0, 8);
@@ -43,11 +44,26 @@ TriangleMesh generate_spheres_behind_wall(const SpheresBehindWallOptions& option
   check.in_range("spheres * 4^level", static_cast<double>(options.spheres) * (1 << (2 * options.level)), 0.0, 1e8);
 
   RandomStream random(options.seed);
-  TriangleMesh mesh;
-  append_wall(mesh, options.wall_cells);
+  append_wall(parts.part, options.wall_cells);
   const OctahedronLattice lattice(options.level);
-  for (int sphere = 0; sphere < options.spheres; ++sphere) append_sphere(mesh, lattice, random);
-  return mesh;
+  for (int sphere = 0; sphere < options.spheres; ++sphere) {
+    append_sphere(parts.part, lattice, random);
+    parts.end_component();
+  }
+}
+
+}  // namespace
+
+TriangleMesh generate_spheres_behind_wall(const SpheresBehindWallOptions& options) {
+  PartGiver whole;
+  append_spheres_behind_wall(options, whole);
+  return std::move(whole.part);
+}
+
+void stream_spheres_behind_wall(const SpheresBehindWallOptions& options, const PartVisitor& visit) {
+  PartGiver parts(visit);
+  append_spheres_behind_wall(options, parts);
+  parts.finish();
 }
 
 }  // namespace occlod

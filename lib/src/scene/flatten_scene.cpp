@@ -75,8 +75,8 @@ bool is_streamable_file(const std::string& name) {
 
 constexpr std::size_t piece_triangles = std::size_t{1} << 18U;
 
-// Gives the objects of a scene to a sink, one mesh at a time; PLY and OBJ files and rough planets are never whole in
-// memory.
+// Gives the objects of a scene to a sink, one mesh at a time; generated ones and those of PLY and OBJ files are never
+// whole in memory.
 class SceneStreamer {
  public:
   SceneStreamer(const SceneDescription& scene, const std::filesystem::path& folder, const Progress& progress,
@@ -91,13 +91,13 @@ class SceneStreamer {
     const auto count = static_cast<double>(scene_.objects.size());
     for (std::size_t i = 0; i < scene_.objects.size(); ++i) {
       if (progress_) progress_("reading " + scene_.name, static_cast<double>(i) / count);
-      if (const auto* planet = std::get_if<RoughPlanetOptions>(&scene_.objects[i].source)) {
-        const MaterialId material = materials_.first_of({}, reader_.name(i));
-        stream_rough_planet(*planet, [&](const TriangleMesh& piece) { add(piece, i, material); });
+      const std::string name = reader_.name(i);
+      if (!std::holds_alternative<MeshFile>(scene_.objects[i].source)) {
+        const MaterialId material = materials_.first_of({}, name);
+        stream_generated(scene_.objects[i].source, [&](const TriangleMesh& piece) { add(piece, i, material); });
         continue;
       }
-      const std::string name = reader_.name(i);
-      if (std::holds_alternative<MeshFile>(scene_.objects[i].source) && is_streamable_file(name)) {
+      if (is_streamable_file(name)) {
         add_file(i, name);
         continue;
       }

@@ -40,6 +40,14 @@ TriangleMesh generate(const PipesOptions& options) { return generate_pipes(optio
 TriangleMesh generate(const PlantOptions& options) { return generate_plant(options); }
 TriangleMesh generate(const SpheresBehindWallOptions& options) { return generate_spheres_behind_wall(options); }
 
+void stream(const RoughPlanetOptions& options, const PartVisitor& visit) { stream_rough_planet(options, visit); }
+void stream(const CityOptions& options, const PartVisitor& visit) { stream_city(options, visit); }
+void stream(const PipesOptions& options, const PartVisitor& visit) { stream_pipes(options, visit); }
+void stream(const PlantOptions& options, const PartVisitor& visit) { stream_plant(options, visit); }
+void stream(const SpheresBehindWallOptions& options, const PartVisitor& visit) {
+  stream_spheres_behind_wall(options, visit);
+}
+
 std::string find_file(const MeshFile& file, const std::filesystem::path& folder, Diagnosis missing) {
   for (const std::string& name : file.names)
     if (const std::filesystem::path path = find_mesh(name, folder); !path.empty()) return path.string();
@@ -91,6 +99,15 @@ std::string name_of_source(const MeshSource& source, const SceneDescription& sce
 bool is_olod_file(const std::filesystem::path& path) { return has_extension(path, ".olod"); }
 
 bool is_ohlod_file(const std::filesystem::path& path) { return has_extension(path, ".ohlod"); }
+
+void stream_generated(const MeshSource& source, const std::function<void(const TriangleMesh& piece)>& take) {
+  std::visit(
+      [&](const auto& options) {
+        if constexpr (!std::is_same_v<std::decay_t<decltype(options)>, MeshFile>)
+          stream(options, [&](const TriangleMesh& part, std::size_t) { take(part); });
+      },
+      source);
+}
 
 CleanMesh read_source(const MeshSource& source, const std::string& name,
                       const std::function<void(const std::string& what, double done)>& progress) {

@@ -22,6 +22,9 @@ namespace occlod {
 // The same of an .ohlod file.
 [[nodiscard]] bool is_ohlod_file(const std::filesystem::path& path);
 
+// Gives what the generator makes in pieces; nothing of a file.
+void stream_generated(const MeshSource& source, const std::function<void(const TriangleMesh& piece)>& take);
+
 // Reads the file, which is no .olod file, or generates the mesh. `name` is name_of_source(); `progress` may be empty.
 // Throws Error, also for an .ohlod file, whose nodes are no longer one mesh.
 [[nodiscard]] CleanMesh read_source(const MeshSource& source, const std::string& name,

@@ -1,8 +1,11 @@
 // Writes a mesh as PLY (little endian), OBJ, GLB, OFF or STL (binary).
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <functional>
 
+#include "occlod/mesh/generate.h"
 #include "occlod/mesh/triangle_mesh.h"
 
 namespace occlod {
@@ -15,6 +18,23 @@ namespace occlod {
 // to its own file; images that it holds stay inside GLB and are written as files beside OBJ and PLY. Throws Error that
 // names the file. O(n).
 void write_mesh(const std::filesystem::path& path, const TriangleMesh& mesh);
+
+// Gives a mesh without attributes in parts, the same each time.
+using MeshParts = std::function<void(const PartVisitor& visit)>;
+
+// What has been written.
+struct WrittenCounts {
+  std::uint64_t vertices = 0;   // in the file
+  std::uint64_t triangles = 0;  // of all parts
+};
+
+// The same file for a mesh that is never whole in memory, as PLY or OBJ: `parts` is called twice for OBJ and three
+// times for PLY, whose header has the counts. Throws Error as write_mesh() does, for another format, and for 2^32 or
+// more vertices. O(n).
+WrittenCounts write_mesh_parts(const std::filesystem::path& path, const MeshParts& parts);
+
+// Throws what write_mesh_parts() would throw for this name and writes nothing.
+void check_mesh_parts_output(const std::filesystem::path& path);
 
 // Throws what write_mesh() would throw for this name and writes nothing: for programs that compute for long before.
 void check_mesh_output(const std::filesystem::path& path);

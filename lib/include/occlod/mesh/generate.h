@@ -3,12 +3,18 @@
 // of the mesh).
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 
 #include "occlod/mesh/triangle_mesh.h"
 
 namespace occlod {
+
+// Takes a part of a mesh that is larger than memory, of some 500,000 triangles with ids into its own vertices. The
+// first `repeated` of these are the last ones of the part before; without them, the vertices and triangles of all parts
+// are those of the whole mesh, in the same order. Connected components are not cut, but for a rough planet.
+using PartVisitor = std::function<void(const TriangleMesh& part, std::size_t repeated)>;
 
 // The rough planet of Birkholz & Rahn: an octahedron lattice, subdivided `level` times, pushed onto the unit sphere and
 // displaced along the radius by seeded value noise, so that normal cones are wide. 4^(level+1)+2 vertices, 8*4^level
@@ -22,9 +28,8 @@ struct RoughPlanetOptions {
 };
 // Around the origin, radius 1.
 [[nodiscard]] TriangleMesh generate_rough_planet(const RoughPlanetOptions& options);
-// The same triangles in the same order, in pieces of some 500,000 from pole to pole: for meshes larger than memory.
-// Vertices where pieces meet are in both.
-void stream_rough_planet(const RoughPlanetOptions& options, const std::function<void(const TriangleMesh&)>& visit);
+// In parts, from pole to pole.
+void stream_rough_planet(const RoughPlanetOptions& options, const PartVisitor& visit);
 
 // Blocks of box-shaped buildings on a ground plane, z up: many closed components that hide each other at street level.
 struct CityOptions {
@@ -34,6 +39,8 @@ struct CityOptions {
 };
 // At most 1e9 triangles.
 [[nodiscard]] TriangleMesh generate_city(const CityOptions& options);
+// In parts.
+void stream_city(const CityOptions& options, const PartVisitor& visit);
 
 // A bundle of bent pipes in a unit cube: long thin closed components, as in plant models.
 struct PipesOptions {
@@ -44,6 +51,8 @@ struct PipesOptions {
 };
 // pipes * (bends + 1) * sides is at most 1e9.
 [[nodiscard]] TriangleMesh generate_pipes(const PipesOptions& options);
+// In parts.
+void stream_pipes(const PipesOptions& options, const PartVisitor& visit);
 
 // A plant of several storeys: floors and walls in one piece, doors along an aisle, a shaft at its end, and bundles of
 // pipes on both sides of the aisle. z up, in metres, from the origin to (5.3 bays + 0.3, 13.6, 5.3 storeys + 0.3).
@@ -57,6 +66,8 @@ struct PlantOptions {
 };
 // 2 * storeys * bays * pipes * (bends + 1) * sides is at most 1e9. The defaults make 12.8 million triangles.
 [[nodiscard]] TriangleMesh generate_plant(const PlantOptions& options);
+// In parts.
+void stream_plant(const PlantOptions& options, const PartVisitor& visit);
 
 // A wall in the plane x = 0 and a cloud of spheres at x < 0: from +x everything but the wall is hidden.
 struct SpheresBehindWallOptions {
@@ -67,5 +78,7 @@ struct SpheresBehindWallOptions {
 };
 // spheres * 4^level is at most 1e8.
 [[nodiscard]] TriangleMesh generate_spheres_behind_wall(const SpheresBehindWallOptions& options);
+// In parts.
+void stream_spheres_behind_wall(const SpheresBehindWallOptions& options, const PartVisitor& visit);
 
 }  // namespace occlod

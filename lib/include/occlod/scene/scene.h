@@ -127,8 +127,8 @@ struct LoadedObject {
                                       const std::function<void(const std::string& what, double done)>& progress = {});
 
 // The triangles of flatten_scene() for build_hlod(), one mesh at a time. PLY and OBJ files are read block by block into
-// arrays that a MemoryLimit keeps in scratch files, and once where copies follow each other; rough planets are made
-// piece by piece; other meshes are in memory as a whole. What fails is thrown as Error while they are given. `progress`
+// arrays that a MemoryLimit keeps in scratch files, and once where copies follow each other; generated meshes are made
+// piece by piece; other files are in memory as a whole. What fails is thrown as Error while they are given. `progress`
 // is called on the thread that asks.
 [[nodiscard]] hlod::TriangleSource stream_scene(
     SceneDescription scene, std::filesystem::path folder,
