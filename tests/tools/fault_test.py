@@ -3,6 +3,7 @@ one line that names what failed, and leaves the file that was there. Tests wait 
 import json
 import os
 import pathlib
+import random
 import re
 import resource
 import signal
@@ -173,6 +174,101 @@ class Writing(Faults):
         os.utime(self.folder / leftovers[0], (long_ago, long_ago))
         self.succeed(*write)
         self.assertEqual(self.names(), sorted([*others, "planet.ply", target.name]))
+
+
+class HlodBuildCase(Faults):
+    """Builds that keep to a memory limit, whose arrays lie in scratch files."""
+    BUILD = ["hlod", "build", "planet.ply", "-o", "a.ohlod", "--memory", "64M"]
+
+    def setUp(self):
+        super().setUp()
+        self.succeed("generate", "rough-planet", "--level", 8, "-o", "planet.ply")
+        (self.folder / "scratch").mkdir()
+
+
+class HlodBuild(HlodBuildCase):
+    def test_scratch_too_large(self):
+        """The limit of file sizes stands for a full disk."""
+        (self.folder / "a.ohlod").write_bytes(OLD)
+        self.assert_failed(self.run_limited(resource.RLIMIT_FSIZE, 8 << 20, *self.BUILD, "--scratch", "scratch"),
+                           "scratch: has no room for", "MiB more of scratch", "File too large", "name a folder on another one")
+        self.assertEqual((self.folder / "a.ohlod").read_bytes(), OLD)
+        self.assertEqual(self.names(), ["a.ohlod", "planet.ply", "scratch"])
+        self.assertEqual(list((self.folder / "scratch").iterdir()), [])
+
+    def run_on_small_disk(self, megabytes, *arguments):
+        """With the folder `small` on a disk of so many megabytes, which has the file a.ohlod. Returns how the command ended; what is on the disk
+        then lies in the folder `kept`."""
+        (self.folder / "small").mkdir()
+        within = ["unshare", "-rm", "sh", "-c"]
+        mount = f"mount -t tmpfs -o size={megabytes}m none small"
+        try:
+            possible = subprocess.run([*within, mount], cwd=self.folder, capture_output=True).returncode == 0
+        except FileNotFoundError:
+            possible = False
+        if not possible:
+            self.skipTest("SKIPPED: this needs unshare(1) and leave to mount a tmpfs in a user namespace")
+        script = mount + " && printf old > small/a.ohlod; \"$@\"; code=$?; cp -a small kept; exit $code"
+        with subprocess.Popen([*within, script, "sh", OCCLOD, *map(str, arguments)], cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                              text=True) as process:
+            output, errors = process.communicate()
+        return process.returncode, output, errors
+
+    def test_disk_full_of_scratch(self):
+        self.assert_failed(self.run_on_small_disk(6, *self.BUILD, "--scratch", "small"), "small: has no room for", "No space left on device")
+        self.assertEqual([path.name for path in (self.folder / "kept").iterdir()], ["a.ohlod"])
+        self.assertEqual(self.names(), ["kept", "planet.ply", "scratch", "small"])
+
+    def test_disk_full_of_output(self):
+        arguments = [argument.replace("a.ohlod", "small/a.ohlod") for argument in self.BUILD]
+        self.assert_failed(self.run_on_small_disk(6, *arguments, "--scratch", "scratch"), "small/a.ohlod", "No space left on device", "space on the disk")
+        self.assertEqual([path.name for path in (self.folder / "kept").iterdir()], ["a.ohlod"])
+        self.assertEqual((self.folder / "kept" / "a.ohlod").read_text(), "old")
+        self.assertEqual(self.names(), ["kept", "planet.ply", "scratch", "small"])
+        self.assertEqual(list((self.folder / "scratch").iterdir()), [])
+
+
+class HlodKills(HlodBuildCase):
+    def leftovers(self):
+        """What killed builds have left: files that were being written, which the next build removes once they are a minute old."""
+        names = [name for name in self.names() if name not in ("planet.ply", "scratch")]
+        for name in names:
+            self.assertRegex(name, r"^\.a\.ohlod\.[0-9]+-0\.tmp$")
+        self.assertEqual(list((self.folder / "scratch").iterdir()), [])
+        return names
+
+    def test_killed_at_any_moment(self):
+        """At random moments of all its time, and of that in which it writes."""
+        build = [*self.BUILD, "--scratch", "scratch"]
+        began = time.monotonic()
+        self.assertGreater(self.json_of(*build)["scratch_bytes"], 0)
+        duration = time.monotonic() - began
+        whole = (self.folder / "a.ohlod").read_bytes()
+        (self.folder / "a.ohlod").unlink()
+        moments, killed = random.Random(1), 0
+        for attempt in range(20):
+            process = self.start(*build)
+            if attempt % 4 == 0:
+                while process.poll() is None and f".a.ohlod.{process.pid}-0.tmp" not in self.names():
+                    continue
+            else:
+                try:
+                    process.wait(moments.uniform(0, duration))
+                except subprocess.TimeoutExpired:
+                    pass
+            process.kill()
+            if self.end_of(process)[0] == 0:  # it was faster than the first
+                self.assertEqual((self.folder / "a.ohlod").read_bytes(), whole)
+                (self.folder / "a.ohlod").unlink()
+            else:
+                killed += 1
+            left = self.leftovers()
+        self.assertGreaterEqual(killed, 10)
+        for name in left:
+            os.utime(self.folder / name, (0, 0))
+        self.succeed(*build)
+        self.assertEqual((self.folder / "a.ohlod").read_bytes(), whole)
+        self.assertEqual(self.names(), ["a.ohlod", "planet.ply", "scratch"])
 
 
 class Permissions(Faults):

@@ -30,6 +30,18 @@ std::size_t size_of_file(int descriptor) {
   return static_cast<std::size_t>(status.st_size);
 }
 
+// Sets errno where it is below 0. Where the file system cannot do without, the file has a name for a moment.
+int open_without_name(const char* folder) {
+#if defined(O_TMPFILE)
+  if (const int descriptor = open(folder, O_TMPFILE | O_RDWR | O_CLOEXEC, S_IRUSR | S_IWUSR); descriptor >= 0)
+    return descriptor;
+#endif
+  std::string name = std::string(folder) + "/occlod_XXXXXX";
+  const int descriptor = mkostemp(name.data(), O_CLOEXEC);
+  if (descriptor >= 0) unlink(name.c_str());
+  return descriptor;
+}
+
 }  // namespace
 
 void advise_huge_pages([[maybe_unused]] void* memory, [[maybe_unused]] std::size_t bytes) noexcept {
@@ -48,10 +60,8 @@ void give_pages_back([[maybe_unused]] void* memory, [[maybe_unused]] std::size_t
 }
 
 ScratchFile::ScratchFile(const char* folder, std::size_t bytes) {
-  std::string name = std::string(folder) + "/occlod_XXXXXX";
-  descriptor_ = mkostemp(name.data(), O_CLOEXEC);
+  descriptor_ = open_without_name(folder);
   if (descriptor_ < 0) fail(errno);
-  unlink(name.c_str());
   int problem = posix_fallocate(descriptor_, 0, static_cast<off_t>(bytes));
   void* begin = nullptr;
   if (problem == 0) {
