@@ -136,6 +136,9 @@ TEST(TextureSlip, IsNoneWithoutTexels) {
   EXPECT_FALSE(texture_slip_px(texels(wall, once), texels(wall, ObjectTexture())));
   // All corners at one place of the texture: it could slip anywhere without being seen.
   EXPECT_FALSE(texture_slip_px(texels(wall, once), texels(wall, Coordinates())));
+  // A line of the texture, but for rounding.
+  const Coordinates line = {{{0, 0}, {0, 1e-6F}, {1, 1}, {1, 1}}};
+  EXPECT_FALSE(texture_slip_px(texels(wall, once), texels(wall, line)));
 }
 
 }  // namespace

@@ -13,13 +13,17 @@ glm::dvec3 normal_of(const TriangleMesh& mesh, const Triangle& t) {
   return glm::cross(glm::dvec3(mesh.positions[t.y]) - a, glm::dvec3(mesh.positions[t.z]) - a);
 }
 
+// Of the squared edges, in texture space: faces of less area there have a line of the texture, but for rounding, and
+// their area says nothing.
+constexpr double least_area = 1e-4;
+
 // sqrt(area / area in texture space), of the faces at each wedge. Where texture space has no area, that of the mesh.
 std::vector<float> lengths_of_texture(const TriangleMesh& mesh, float scale) {
   if (mesh.texture_coordinates.empty()) return {};
   struct Areas {
-    double surface = 0.0, texture = 0.0;
-    void add(const Areas& o) { surface += o.surface, texture += o.texture; }
-    [[nodiscard]] bool usable() const { return surface > 0.0 && texture > 0.0; }
+    double surface = 0.0, texture = 0.0, edges2 = 0.0;
+    void add(const Areas& o) { surface += o.surface, texture += o.texture, edges2 += o.edges2; }
+    [[nodiscard]] bool usable() const { return surface > 0.0 && texture > least_area * edges2; }
     [[nodiscard]] float length() const { return static_cast<float>(std::sqrt(surface / texture)); }
   };
   std::vector<Areas> at(mesh.wedge_count());
@@ -28,7 +32,8 @@ std::vector<float> lengths_of_texture(const TriangleMesh& mesh, float scale) {
     const glm::dvec2 o(mesh.texture_coordinates[t.x]);
     const glm::dvec2 p = glm::dvec2(mesh.texture_coordinates[t.y]) - o,
                      q = glm::dvec2(mesh.texture_coordinates[t.z]) - o;
-    const Areas areas{glm::length(normal_of(mesh, t)) * scale * scale, std::abs(p.x * q.y - p.y * q.x)};
+    const Areas areas{glm::length(normal_of(mesh, t)) * scale * scale, std::abs(p.x * q.y - p.y * q.x),
+                      glm::dot(p, p) + glm::dot(q, q)};
     for (int i = 0; i < 3; ++i) at[t[i]].add(areas);
     all.add(areas);
   }

@@ -45,7 +45,12 @@ class TexelsOfItem {
 
 double cross(const glm::dvec2& a, const glm::dvec2& b) { return a.x * b.y - a.y * b.x; }
 
-bool has_place(const Texel& texel) { return texel.surface != 0 && cross(texel.across, texel.down) != 0.0; }
+// Less than a ten-thousandth in the other direction is rounding.
+bool has_place(const Texel& texel) {
+  constexpr double least = 1e-4;
+  const double changes = glm::dot(texel.across, texel.across) + glm::dot(texel.down, texel.down);
+  return texel.surface != 0 && std::abs(cross(texel.across, texel.down)) > least * changes;
+}
 
 // A pixel near another.
 struct Offset {
