@@ -1,3 +1,5 @@
+#include <array>
+#include <cstring>
 #include <fstream>
 #include <iterator>
 #include <vector>
@@ -119,6 +121,33 @@ TEST_F(LoadObjects, CachesUnderInputAndOptions) {
   (void)write("n.off", quad);  // the same bytes under another name
   (void)load(scene_of({{.source = MeshFile{{"n.off"}}}}));
   EXPECT_EQ(cached().size(), 5U);
+}
+
+TEST_F(LoadObjects, CachesUnderFilesThatAMeshNames) {
+  const auto load_file = [&](const char* name) { return load(scene_of({{.source = MeshFile{{name}}}})); };
+  (void)write("m.obj", "mtllib colours.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n");
+  const auto color = [&] { return load_file("m.obj")[0].hierarchy->data().materials[0].base_color.x; };
+  (void)write("colours.mtl", "newmtl a\nKd 0 0 0\n");
+  EXPECT_EQ(color(), 0.0F);
+  EXPECT_EQ(color(), 0.0F);
+  EXPECT_EQ(cached().size(), 1U);
+  (void)write("colours.mtl", "newmtl a\nKd 1 0 0\n");
+  EXPECT_EQ(color(), 1.0F);
+  EXPECT_EQ(cached().size(), 2U);
+
+  (void)write("m.gltf", R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+    "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}], "buffers": [{"uri": "the%20corners", "byteLength": 36}],
+    "bufferViews": [{"buffer": 0, "byteLength": 36}],
+    "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [9, 9, 9]}]})");
+  const auto width = [&](float to) {
+    const std::array<float, 9> corners = {0, 0, 0, to, 0, 0, 0, 1, 0};
+    std::string bytes(sizeof(corners), '\0');
+    std::memcpy(bytes.data(), corners.data(), bytes.size());
+    (void)write("the corners", bytes);
+    return load_file("m.gltf")[0].hierarchy->data().box.max.x;
+  };
+  EXPECT_EQ(width(1.0F), 1.0F);
+  EXPECT_EQ(width(2.0F), 2.0F);
 }
 
 // What may stand where a cached hierarchy should be: the mesh is built again, as if there were no cache, one line tells

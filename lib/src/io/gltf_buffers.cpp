@@ -19,15 +19,17 @@ std::uint32_t word_at(std::string_view bytes, std::size_t offset) {
   return load<std::uint32_t>(bytes.data() + offset, std::endian::little);
 }
 
+bool is_binary(std::string_view bytes) { return bytes.substr(0, 4) == "glTF"; }
+
 // Empty where nothing has to be replaced, or where the text is none.
-std::string with_placeholders(std::string_view text, bool is_binary) {
+std::string with_placeholders(std::string_view text, bool has_chunk) {
   if (text.find(extension) == std::string_view::npos) return {};
   Json json = Json::parse(text, nullptr, false);
   if (!json.is_object() || !json.contains("buffers") || !json["buffers"].is_array()) return {};
   bool changed = false;
   std::size_t index = 0;
   for (Json& buffer : json["buffers"]) {
-    const bool is_chunk = is_binary && index++ == 0;
+    const bool is_chunk = has_chunk && index++ == 0;
     if (is_chunk || !buffer.is_object() || buffer.contains("uri")) continue;
     buffer["byteLength"] = 1;
     buffer["uri"] = "data:application/octet-stream;base64,AA==";
@@ -42,15 +44,19 @@ void append_word(std::string& bytes, std::size_t value) {
 
 }  // namespace
 
+std::string_view gltf_text(std::string_view bytes) {
+  if (!is_binary(bytes)) return bytes;
+  if (bytes.size() < header_bytes || word_at(bytes, 12) > bytes.size() - header_bytes) return {};
+  return bytes.substr(header_bytes, word_at(bytes, 12));
+}
+
 std::string_view with_missing_buffers(std::string_view bytes, std::string& patched) {
-  const bool is_binary = bytes.substr(0, 4) == "glTF";
-  if (!is_binary) {
+  if (!is_binary(bytes)) {
     patched = with_placeholders(bytes, false);
     return patched.empty() ? bytes : patched;
   }
-  if (bytes.size() < header_bytes || word_at(bytes, 12) > bytes.size() - header_bytes) return bytes;
-  const std::size_t chunk = word_at(bytes, 12);
-  std::string text = with_placeholders(bytes.substr(header_bytes, chunk), true);
+  const std::size_t chunk = gltf_text(bytes).size();
+  std::string text = with_placeholders(gltf_text(bytes), true);
   if (text.empty()) return bytes;
   text.resize((text.size() + 3) / 4 * 4, ' ');
   patched = bytes.substr(0, 8);

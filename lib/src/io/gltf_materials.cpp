@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "io/files_beside.h"
 #include "io/material_table.h"
 
 namespace occlod {
@@ -13,28 +14,6 @@ namespace {
 TextureWrap wrap_of(int mode) {
   if (mode == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE) return TextureWrap::clamp;
   return mode == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT ? TextureWrap::mirror : TextureWrap::repeat;
-}
-
-int hex_digit(char c) {
-  if (c >= '0' && c <= '9') return c - '0';
-  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
-  return c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
-}
-
-// A URI with %20 and the like as the name of a file.
-std::string file_name(const std::string& uri) {
-  std::string name;
-  for (std::size_t i = 0; i < uri.size(); ++i) {
-    const int high = uri[i] == '%' && i + 2 < uri.size() ? hex_digit(uri[i + 1]) : -1;
-    const int low = high >= 0 ? hex_digit(uri[i + 2]) : -1;
-    if (low < 0) {
-      name += uri[i];
-      continue;
-    }
-    name += static_cast<char>(16 * high + low);
-    i += 2;
-  }
-  return name;
 }
 
 double number_or(const tinygltf::Value& value, double otherwise) {
@@ -144,7 +123,7 @@ void GltfMaterials::fill(Texture& texture, int image_index) {
     views_.errors().fail("", fmt::format("refers to image {}, which is not there", image_index), gltf_remedy);
   const tinygltf::Image& image = model.images[static_cast<std::size_t>(image_index)];
   if (!image.uri.empty()) {
-    texture.file = file_name(image.uri);
+    texture.file = file_name_of_uri(image.uri);
     return;
   }
   texture.mime_type = image.mimeType;

@@ -6,6 +6,7 @@
 #include <string>
 #include <system_error>
 
+#include "io/files_beside.h"
 #include "io/parse_mtl.h"
 #include "io/text_encoding.h"
 
@@ -15,30 +16,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::uint64_t most_library_bytes = std::uint64_t{1} << 26;
-
-bool is_file(const fs::path& path) {
-  std::error_code unknown;
-  return fs::is_regular_file(path, unknown);
-}
-
-std::string_view without_quotes(std::string_view name) {
-  const bool quoted = name.size() >= 2 && name.front() == '"' && name.back() == '"';
-  return quoted ? name.substr(1, name.size() - 2) : name;
-}
-
-// The files of a mtllib line that exist, relative to the folder: the whole line as one name, or word by word.
-std::vector<std::string> library_names(std::string_view line, const fs::path& folder) {
-  std::string whole = with_slashes(without_quotes(line));
-  if (is_file(folder / whole)) return {std::move(whole)};
-  std::vector<std::string> names;
-  for (std::size_t begin = 0; begin < line.size();) {
-    const std::size_t end = std::min(line.find_first_of(" \t", begin), line.size());
-    std::string name = with_slashes(without_quotes(line.substr(begin, end - begin)));
-    if (!name.empty() && is_file(folder / name)) names.push_back(std::move(name));
-    begin = end + 1;
-  }
-  return names;
-}
 
 }  // namespace
 

@@ -36,8 +36,6 @@ struct ObjCorner {
   AttributeCorner attributes;
 };
 
-constexpr TextCursor::Syntax obj_syntax{.hash_comments = true, .backslash_continues = true};
-
 template <class Storage>
 class ObjParser {
  public:

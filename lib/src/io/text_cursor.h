@@ -60,4 +60,7 @@ class TextCursor {
   Syntax syntax_;
 };
 
+// Of OBJ files.
+inline constexpr TextCursor::Syntax obj_syntax{.hash_comments = true, .backslash_continues = true};
+
 }  // namespace occlod

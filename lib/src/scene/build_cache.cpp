@@ -4,12 +4,14 @@
 #include <xxhash.h>
 
 #include <array>
+#include <cstdint>
 #include <exception>
 #include <fstream>
 #include <map>
 #include <memory>
 #include <utility>
 
+#include "io/files_beside.h"
 #include "occlod/core/error.h"
 #include "occlod/core/version.h"
 #include "scene/builder_id.h"
@@ -25,6 +27,18 @@ class Hasher {
  public:
   Hasher() : state_(XXH3_createState(), &XXH3_freeState) { XXH3_128bits_reset(state_.get()); }
   void add(const void* bytes, std::size_t size) { XXH3_128bits_update(state_.get(), bytes, size); }
+  // And how long it is, so that what follows needs no separator.
+  void add_file(const fs::path& path) {
+    std::ifstream stream(path, std::ios::binary);
+    std::array<char, 1 << 16> block;
+    std::uint64_t bytes = 0;
+    while (stream.read(block.data(), block.size()) || stream.gcount() > 0) {
+      add(block.data(), static_cast<std::size_t>(stream.gcount()));
+      bytes += static_cast<std::uint64_t>(stream.gcount());
+    }
+    if (!stream.eof()) throw Error({path.string(), "", "cannot be read", "check its permissions"});
+    add(&bytes, sizeof(bytes));
+  }
   [[nodiscard]] std::string hex() const {
     const XXH128_hash_t hash = XXH3_128bits_digest(state_.get());
     return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
@@ -53,11 +67,9 @@ std::string cache_key_of_text(const std::string& text, const std::string& build_
 std::string cache_key_of_file(const fs::path& path, const std::string& build_options) {
   Hasher hasher;
   add_builder(hasher, build_options + path.extension().string());
-  std::ifstream stream(path, std::ios::binary);
-  std::array<char, 1 << 16> block;
-  while (stream.read(block.data(), block.size()) || stream.gcount() > 0)
-    hasher.add(block.data(), static_cast<std::size_t>(stream.gcount()));
-  if (!stream.eof()) throw Error({path.string(), "", "cannot be read", "check its permissions"});
+  hasher.add_file(path);
+  if (!is_olod_file(path))
+    for (const fs::path& beside : files_beside(path)) hasher.add_file(beside);
   return hasher.hex();
 }
 

@@ -37,9 +37,9 @@ class BuildCache {
   std::function<void(const std::string&)> note_;
 };
 
-// 32 hexadecimal digits that change whenever what is built might: the bytes of the input (a file's content or a
-// generator's options), the build options, the versions of the formats and of the sources of the builders. Throws Error
-// when the file cannot be read.
+// 32 hexadecimal digits that change whenever what is built might: the bytes of the input (the content of a file and of
+// those that it names, or a generator's options), the build options, the versions of the formats and of the sources of
+// the builders. Throws Error when the file cannot be read.
 [[nodiscard]] std::string cache_key_of_file(const std::filesystem::path& path, const std::string& build_options);
 [[nodiscard]] std::string cache_key_of_text(const std::string& text, const std::string& build_options);
 // The same for all objects of a scene together and where they are. Throws Error also for a mesh that is nowhere.
