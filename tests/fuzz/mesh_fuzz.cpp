@@ -1,11 +1,18 @@
-// One mesh format: whatever the bytes, the parser makes a mesh that builds, or throws an Error with a message.
+// One mesh format: whatever the bytes, the parser makes a mesh that builds, or throws an Error with a message. A file
+// that can be streamed makes as many triangles that way, or is refused for the same reason.
+#include <unistd.h>
+
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
 #include <string_view>
 #include <utility>
 
 #include "io/polygon_soup.h"
+#include "io/stream_mesh.h"
 #include "occlod/core/error.h"
 #include "occlod/hierarchy/build.h"
 #include "occlod/hierarchy/validate.h"
@@ -26,33 +33,99 @@ bool names_a_file(std::string_view bytes) {
   return false;
 }
 
-void read_and_build(std::string_view bytes) {
-  if (names_a_file(bytes)) return;
+// What became of a file: its triangles, or why it was refused.
+struct Outcome {
+  std::size_t triangles = 0;
+  std::string problem;
+  friend bool operator==(const Outcome&, const Outcome&) = default;
+};
+
+Outcome refused(const Error& error) {
+  expect(std::string_view(error.what()).find('\n') == std::string_view::npos);
+  return {0, error.diagnosis().place + ": " + error.diagnosis().problem};
+}
+
+void build(const TriangleMesh& mesh) try {
   constexpr std::size_t most_to_build = 500;  // triangles; larger meshes are no harder and take longer
+  if (mesh.triangle_count() > most_to_build) return;
+  BuildOptions options;
+  options.base_triangles = 0;
+  options.threads = 1;
+  const Hierarchy hierarchy = build_hierarchy(mesh, options);
+  expect(validate(hierarchy, {2}).empty());
+  expect(restores(hierarchy, mesh));
+} catch (const Error& error) {
+  static_cast<void>(refused(error));
+}
+
+Outcome read_and_build(std::string_view bytes) try {
   const FileErrors errors("fuzz");
   InputBytes input(bytes);
   PolygonSoup soup = parse_mesh(MeshFormat::OCCLOD_FUZZ_FORMAT, input, errors);
   MeshReport report;
   TriangleMesh mesh = take_mesh(soup, report, errors);
   const CleanMesh cleaned = clean(std::move(mesh), report, errors.subject());
-  expect(cleaned.mesh.triangle_count() + cleaned.report.repeated_index_triangles == cleaned.report.triangles_read);
-  if (cleaned.mesh.triangle_count() > most_to_build) return;
-  BuildOptions options;
-  options.base_triangles = 0;
-  options.threads = 1;
-  const Hierarchy hierarchy = build_hierarchy(cleaned.mesh, options);
-  expect(validate(hierarchy, {2}).empty());
-  expect(restores(hierarchy, cleaned.mesh));
+  const std::size_t triangles = cleaned.mesh.triangle_count();
+  expect(triangles + cleaned.report.repeated_index_triangles == cleaned.report.triangles_read);
+  build(cleaned.mesh);
+  return {triangles, ""};
+} catch (const Error& error) {
+  return refused(error);
+}
+
+// A file whose name ends as the format wants it; gone when the program ends.
+class NamedFile {
+ public:
+  explicit NamedFile(std::string_view extension)
+      : path_(std::filesystem::temp_directory_path() /
+              ("occlod_fuzz_" + std::to_string(getpid()) + "." + std::string(extension))) {}
+  ~NamedFile() {
+    std::error_code ignored;
+    std::filesystem::remove(path_, ignored);
+  }
+  NamedFile(const NamedFile&) = delete;
+  NamedFile& operator=(const NamedFile&) = delete;
+
+  const std::filesystem::path& with(std::string_view bytes) const {
+    std::ofstream(path_, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    return path_;
+  }
+
+ private:
+  std::filesystem::path path_;
+};
+
+Outcome stream(const std::filesystem::path& path) try {
+  constexpr std::size_t most = 7;  // triangles of a piece
+  const StreamedMesh mesh(path, {});
+  std::size_t triangles = 0;
+  mesh.visit(most, [&](const TriangleMesh& piece) {
+    expect(piece.triangle_count() > 0 && piece.triangle_count() <= most);
+    triangles += piece.triangle_count();
+    for (const Triangle& t : piece.triangles)
+      for (int k = 0; k < 3; ++k) expect(t[k] < piece.positions.size());
+    for (const MaterialId m : piece.triangle_materials) expect(m < piece.materials.size());
+  });
+  return {triangles, ""};
+} catch (const Error& error) {
+  return refused(error);
+}
+
+void read(std::string_view bytes) {
+  if (names_a_file(bytes) || bytes.empty()) return;
+  const Outcome outcome = read_and_build(bytes);
+  constexpr bool is_streamed =
+      MeshFormat::OCCLOD_FUZZ_FORMAT == MeshFormat::ply || MeshFormat::OCCLOD_FUZZ_FORMAT == MeshFormat::obj;
+  if constexpr (is_streamed) {
+    static const NamedFile file(MeshFormat::OCCLOD_FUZZ_FORMAT == MeshFormat::ply ? "ply" : "obj");
+    expect(stream(file.with(bytes)) == outcome);
+  }
 }
 
 }  // namespace
 }  // namespace occlod
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  try {
-    occlod::read_and_build({reinterpret_cast<const char*>(data), size});
-  } catch (const occlod::Error& error) {
-    if (std::string_view(error.what()).find('\n') != std::string_view::npos) std::abort();  // one line
-  }
+  occlod::read({reinterpret_cast<const char*>(data), size});
   return 0;
 }

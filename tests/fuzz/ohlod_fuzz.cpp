@@ -1,6 +1,7 @@
 // HLODs in files. Checksums are put right first: damage by chance is found by them, what is to be found here is what a
 // hostile file can do. Whatever the bytes, reading and checking all of it ends with an HLOD that can be walked, or with
-// an Error; and so does opening it with meshes that come and go, which are the same.
+// an Error; and so does opening it with meshes that come and go, which are the same. OCCLOD_FUZZ_PART: what is mutated,
+// "header", "nodes" or "blobs"; anything without it.
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -11,6 +12,7 @@
 #include <vector>
 
 #include "fuzz/memory_file.h"
+#include "fuzz/section_mutator.h"
 #include "fuzz/section_signer.h"
 #include "io/ohlod_format.h"
 #include "occlod/core/error.h"
@@ -33,6 +35,9 @@ void sign_meshes(const fuzz::SectionSigner& file) {
   const std::span<std::uint64_t> digests = file.find<std::uint64_t>(digests_name);
   const std::span<std::uint64_t> splits_digests = file.find<std::uint64_t>(splits_digests_name);
   if (summary.empty()) return;
+  // Whether vertices have materials that are there, the reader finds out.
+  static const Material any_material;
+  view.materials = {&any_material, 1};
   view.box = summary[0].box;
   view.input_triangle_count = summary[0].input_triangle_count;
   view.grouping = static_cast<hlod::Grouping>(summary[0].grouping);
@@ -94,8 +99,24 @@ void page(const hlod::Hlod& hlod, const hlod::Hlod* whole) {
   }
 }
 
+#ifdef OCCLOD_FUZZ_PART
+fuzz::SectionMutator::Part part_of(std::string_view name) {
+  if (name == "header") return {true, {"INFO", "REPO", "LEFT", "MATE", "TEXI"}};
+  if (name == "nodes") return {false, {"NODE", "PTCH", "CHIL", "ROOT", "LEVL", "WNOD"}};
+  return {false, {"MESH", "WSPL"}};
+}
+#endif
+
 }  // namespace
 }  // namespace occlod::ohlod
+
+#ifdef OCCLOD_FUZZ_PART
+extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t max_size,
+                                               unsigned seed) {
+  static const occlod::fuzz::SectionMutator mutator(occlod::ohlod::part_of(OCCLOD_FUZZ_PART));
+  return mutator.mutate({data, size}, seed) ? size : LLVMFuzzerMutate(data, size, max_size);
+}
+#endif
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   std::vector<std::byte> bytes(size);

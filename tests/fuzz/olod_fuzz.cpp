@@ -13,6 +13,7 @@
 #include "fuzz/section_signer.h"
 #include "hierarchy/split_guard.h"
 #include "hierarchy/structure.h"
+#include "io/material_table.h"
 #include "io/olod_format.h"
 #include "occlod/core/error.h"
 #include "occlod/hierarchy/cut_mesh.h"
@@ -22,12 +23,26 @@
 namespace occlod::olod {
 namespace {
 
+bool have_corners_in_place(const HierarchyView& view, std::size_t first, std::size_t end) {
+  if (view.corner_starts.empty()) return true;
+  return view.corner_starts[first] <= view.corner_starts[end] && view.corner_starts[end] <= view.corners.size();
+}
+
 // The digests of all blocks, as far as the arrays are such that they have one.
 void sign_blocks(const fuzz::SectionSigner& file) {
   HierarchyView view;
-  for_each_array(view, [&](std::string_view name, auto& array, bool) {
+  const auto find = [&](std::string_view name, auto& array, bool) {
     array = file.find<typename std::decay_t<decltype(array)>::value_type>(name);
-  });
+  };
+  for_each_array(view, find);
+  for_each_wedge_array(view, find);
+  // Whether wedges have materials that are there, the reader finds out: there may be as many as can be.
+  static const std::vector<Material> any_materials(most_materials);
+  view.materials = any_materials;
+  if (const auto summary = file.find<Summary>(summary_name); !summary.empty()) {
+    view.input_triangle_count = summary[0].input_triangle_count;
+    view.face_count = summary[0].face_count;
+  }
   const std::span<std::uint64_t> digests = file.find<std::uint64_t>(digests_name);
   if (digests.empty() || view.nodes.empty() || check_base(view)) return;
   digests[0] = digest_of_base(view);
@@ -35,7 +50,8 @@ void sign_blocks(const fuzz::SectionSigner& file) {
     if (block * SplitGuard::block_size + 1 >= view.nodes.size()) return;
     const auto [first, end] = range_of_block(view, block);
     const std::uint32_t star = view.nodes[first].star, star_end = view.nodes[end].star;
-    if (star <= star_end && star_end <= view.stars.size()) digests[block + 1] = digest_of_block(view, block);
+    if (star <= star_end && star_end <= view.stars.size() && have_corners_in_place(view, first, end))
+      digests[block + 1] = digest_of_block(view, block);
   }
 }
 

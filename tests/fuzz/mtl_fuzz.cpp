@@ -1,0 +1,42 @@
+// Material libraries: whatever the text, its materials have colours that can be shown, or it is refused with an Error
+// of one line.
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <string>
+#include <string_view>
+
+#include "io/parse_mtl.h"
+#include "io/text_encoding.h"
+#include "occlod/core/error.h"
+
+namespace occlod {
+namespace {
+
+void expect(bool holds) {
+  if (!holds) std::abort();
+}
+
+void read(std::string_view bytes) {
+  const FileErrors errors("fuzz");
+  std::string converted;
+  for (const MtlMaterial& read : parse_mtl(as_utf8(bytes, converted, errors), errors)) {
+    for (int k = 0; k < 4; ++k) expect(read.material.base_color[k] >= 0.0F && read.material.base_color[k] <= 1.0F);
+    expect(read.material.texture == no_texture);
+    expect(read.material.name.find('\n') == std::string::npos && read.texture.file.find('\n') == std::string::npos);
+    expect(read.texture.file.find('\\') == std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace occlod
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  try {
+    occlod::read({reinterpret_cast<const char*>(data), size});
+  } catch (const occlod::Error& error) {
+    if (std::string_view(error.what()).find('\n') != std::string_view::npos) std::abort();
+  }
+  return 0;
+}
