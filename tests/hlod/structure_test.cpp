@@ -100,6 +100,7 @@ TEST(Structure, FindsSplitsThatDoNotFit) {
   expect_problem("too many splits", [](HlodData& d) { d.within[2].triangles = no_id; });
   expect_problem("outside the splits", [](HlodData& d) { d.within[2].place += 4; });
   expect_problem("outside the splits", [](HlodData& d) { d.within[2].place = ~std::uint64_t{15}; });
+  expect_problem("outside the splits", [](HlodData& d) { d.within.back().place = d.splits.size() + 16; });  // of none
   expect_problem("outside the splits", [](HlodData& d) { d.within[2].triangles = 1'000'000; });
   expect_problem("outside the splits", [](HlodData& d) { d.splits.resize(d.splits.size() / 2); });
 }

@@ -142,13 +142,14 @@ class StructureCheck {
   }
 
   [[nodiscard]] Problem check_splits(const Node& node, const NodeWithin& within) const {
+    if (within.place > d_.splits.size()) return "has splits outside the splits";
     if (within.splits == 0)
       return within.bare == 0 && within.triangles == 0 ? Problem() : "has what splits need, but no splits";
     if (node.level == 0) return "is part of the input, but has splits";
     if (std::uint64_t{node.vertices} + within.bare + within.splits > stays ||
         3 * std::uint64_t{within.triangles} > 0xffffffffU)
       return "has too many splits";
-    if (within.place % mesh_alignment != 0 || within.place > d_.splits.size() ||
+    if (within.place % mesh_alignment != 0 ||
         SplitsLayout(within, arrays_of(d_)).bytes > d_.splits.size() - within.place)
       return "has splits outside the splits";
     return {};
