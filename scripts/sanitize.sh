@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # sanitize.sh address|thread: builds with GCC's sanitizers in build/sanitize or build/sanitize-thread and runs under them
 # every test (address, with undefined behaviour) or those of what runs on several threads (thread): building hierarchies
-# and HLODs, topology, hierarchies shared by threads, refinement on two, building and walking through view cells, the
-# viewer's workers. In the background of whatever else runs.
+# and HLODs, also streamed within a limit of memory, HLODs whose meshes a thread loads, topology, hierarchies shared by
+# threads, refinement on two, building and walking through view cells, the viewer's workers. In the background of
+# whatever else runs.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 renice -n 19 $$ >/dev/null
@@ -21,10 +22,15 @@ case ${1:-} in
     if command -v ccache >/dev/null; then export CMAKE_CXX_COMPILER_LAUNCHER=ccache; fi
     cmake --preset sanitize-thread >&2
     cmake --build --preset sanitize-thread -j "$jobs" >&2
-    for test in core/test_core mesh/test_mesh hierarchy/test_hierarchy hlod/test_hlod refine/test_refine viewcells/test_viewcells viewer/test_viewer; do
+    export TSAN_OPTIONS="suppressions=$PWD/cmake/tsan_suppressions.txt"
+    for test in core/test_core mesh/test_mesh hierarchy/test_hierarchy hlod/test_hlod io/test_io traverse/test_traverse scene/test_scene refine/test_refine \
+      viewcells/test_viewcells viewer/test_viewer; do
       filter='*'
       case $test in
-        hlod/*) filter='*Threads*' ;;
+        hlod/*) filter='*Threads*:NodeStore.*:Stream*-*ALimitOfMemory*' ;;
+        io/*) filter='*Ohlod*' ;;
+        traverse/*) filter='Paged*' ;;
+        scene/*) filter='Streamed*:LoadHlods.*' ;;
         refine/*) filter='SharedHierarchy.*:*Threads*' ;;
         viewcells/*) filter='CellWalkerTest.*:VlodFileTest.*Threads*:VlodFileTest.Cancel*:CellBuilder.CellsDoNot*' ;;
       esac
