@@ -81,13 +81,19 @@ bool read(const std::filesystem::path& path, hlod::Hlod& hlod) {
   return true;
 }
 
-// Asks for the children of all nodes, frame by frame. `whole`: the same HLOD, valid; or null.
+// Asks for the children of all nodes, frame by frame, and at last for less memory. `whole`: the same HLOD, valid; or
+// null. Loads in the background come in frames that bytes decide, not threads.
 void page(const hlod::Hlod& hlod, const hlod::Hlod* whole) {
   hlod::NodeStore& store = *hlod.store();
-  for (int frame = 0; frame < 3; ++frame) {
+  constexpr int frames = 5;
+  for (int frame = 0; frame < frames; ++frame) {
+    if (frame + 1 == frames) store.set_budget(store.stats().budget_bytes / 2);  // or an Error
     store.begin_frame();
     for (hlod::NodeId n = 0; n < hlod.node_count(); ++n) {
-      if (!hlod.is_resident(n)) continue;
+      if (!hlod.is_resident(n)) {
+        if (frame % 2 == 0) store.prefetch(n);
+        continue;
+      }
       store.need(n);
       if (whole != nullptr) require(same_bytes(hlod.mesh(n).positions, whole->mesh(n).positions));
       if (!store.fetch(hlod.children(n))) store.want(hlod.children(n), 1.0);
@@ -125,12 +131,19 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const occlod::fuzz::MemoryFile file(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
   occlod::hlod::Hlod whole;
   const bool is_valid = occlod::ohlod::read(file.path(), whole);
+  using occlod::hlod::LoadMode;
+  struct Way {
+    LoadMode load;
+    std::size_t budget;
+  };
   constexpr std::size_t plenty = std::size_t{1} << 24U;
-  for (const std::size_t budget : {plenty, size / 3}) try {
-      const occlod::hlod::CacheOptions options{.budget_bytes = budget, .load = occlod::hlod::LoadMode::blocking};
+  for (const Way& way : {Way{LoadMode::blocking, plenty}, Way{LoadMode::blocking, size / 3},
+                         Way{LoadMode::simulated, plenty}, Way{LoadMode::simulated, size / 2}})
+    try {
+      const occlod::hlod::CacheOptions options{.budget_bytes = way.budget, .load = way.load};
       occlod::ohlod::page(occlod::open_ohlod(file.path(), options).hlod, is_valid ? &whole : nullptr);
     } catch (const occlod::Error&) {
-      occlod::ohlod::require(!is_valid || budget < plenty);
+      occlod::ohlod::require(!is_valid || way.budget < plenty);
     }
   return 0;
 }
