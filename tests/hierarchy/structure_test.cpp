@@ -4,6 +4,7 @@
 
 #include <limits>
 #include <random>
+#include <utility>
 
 #include "hierarchy/hierarchy_data.h"
 #include "occlod/hierarchy/build.h"
@@ -85,6 +86,37 @@ TEST(CheckStructure, RefusesStarsThatLie) {
     d.stars[d.nodes[s].star + 1 + (d.stars[d.nodes[s].star] & 0xFFU)] = s;
   });
   expect_refused([](HierarchyData& d) { d.stars[d.nodes[some_fan(d) + 1].star - 1] |= 0x0FU; });
+}
+
+// What a removed face is called is written to by whoever applies the split: it must be a face.
+TEST(CheckStructure, RefusesRemovedFacesThatNoSplitInserts) {
+  expect_refused([](HierarchyData& d) {  // no fan of a smooth mesh has 16 faces
+    const SplitId s = some_fan(d);
+    const std::uint32_t removed = make_hierarchy(d).star(s).removed_count();
+    d.stars[d.nodes[s + 1].star - (removed + 3) / 4] |= 0xF0U;
+  });
+  // Stars that are no fans, of a vertex with more neighbours than a fan has.
+  BuildOptions options;
+  options.base_triangles = 0;
+  HierarchyData data = copy_data(build_hierarchy(test::fan(200), options));
+  ASSERT_FALSE(check_structure(view_of(data)).has_value());
+  std::size_t tried = 0;
+  for (SplitId s = 0; s + 1 < data.nodes.size(); ++s) {
+    const std::uint32_t star = data.nodes[s].star;
+    if ((data.stars[star] & SplitStar::other_bit) == 0) continue;
+    const std::uint32_t removed = data.stars[star + 4];
+    for (std::uint32_t at = data.nodes[s + 1].star - 5 * removed; at < data.nodes[s + 1].star; at += 5) {
+      if (data.stars[at] == no_id) continue;
+      const std::uint32_t faces = make_hierarchy(data).star(data.stars[at]).inserted_count();
+      for (const std::uint32_t slot : {faces, no_id - 1}) {
+        const std::uint32_t good_slot = std::exchange(data.stars[at + 1], slot);
+        EXPECT_TRUE(check_structure(view_of(data)).has_value()) << "split " << s << ", slot " << slot;
+        data.stars[at + 1] = good_slot;
+        ++tried;
+      }
+    }
+  }
+  EXPECT_GT(tried, 400U);
 }
 
 TEST(CheckStructure, WhatItAcceptsCanBeWalked) {

@@ -24,7 +24,7 @@ class ActiveFaces {
 
  private:
   [[nodiscard]] std::size_t place_of(const FaceRef& ref) const {
-    return ref.split == no_id ? ref.slot : first_[ref.split] + ref.slot;
+    return ref.split == no_id ? ref.slot : std::size_t{first_[ref.split]} + ref.slot;
   }
 
   const Hierarchy& hierarchy_;

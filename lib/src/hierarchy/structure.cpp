@@ -87,6 +87,25 @@ Problem check_wedges(const HierarchyView& d) {
   return std::nullopt;
 }
 
+// Of a split whose star need not have been checked yet, of which no more than the header is read.
+std::uint32_t inserted_count_of(const HierarchyView& d, SplitId s) {
+  constexpr std::size_t longest_header = 5;
+  const std::size_t begin = d.nodes[s].star;
+  if (begin >= d.stars.size()) return 0;
+  const bool is_fan = (d.stars[begin] & SplitStar::other_bit) == 0;
+  if (!is_fan && d.stars.size() - begin < longest_header) return 0;
+  return SplitStar(d.stars.data() + begin, no_id).inserted_count();
+}
+
+// The faces that split s removes are faces that the splits before it insert. Its star has been checked.
+Problem check_removed_slots(const HierarchyView& d, SplitId s, VertexId vertex) {
+  bool are_there = true;
+  SplitStar(d.stars.data() + d.nodes[s].star, vertex).for_each_removed_ref([&](const FaceRef& face) {
+    are_there = are_there && (face.split == no_id || face.slot < inserted_count_of(d, face.split));
+  });
+  return are_there ? Problem() : fmt::format("split {} removes a face that no split inserts", s);
+}
+
 Problem check_node(const HierarchyView& d, SplitId s) {
   const SplitNode& node = d.nodes[s];
   const std::size_t splits = d.nodes.size() - 1;
@@ -103,6 +122,7 @@ Problem check_node(const HierarchyView& d, SplitId s) {
   if (!is_finite(d.positions[vertex])) return fmt::format("vertex {} is not finite", vertex);
   if (Problem p = check_wedges_of(d, vertex)) return p;
   if (Problem p = check_star(d.stars.subspan(node.star, end - node.star), s, vertex, d.base_faces.size())) return p;
+  if (Problem p = check_removed_slots(d, s, vertex)) return p;
   return d.corner_starts.empty() ? std::nullopt : check_split_corners(d, s, vertex);
 }
 
