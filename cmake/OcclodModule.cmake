@@ -32,3 +32,29 @@ function(occlod_module name)
   set_target_properties(occlod_${name} PROPERTIES
     OCCLOD_PUBLIC_DEPENDENCIES "${ARG_PUBLIC}" OCCLOD_PRIVATE_DEPENDENCIES "${ARG_PRIVATE}")
 endfunction()
+
+# occlod_hash_sources(LAYER NAME [LAYERS layer ...] [FILES file ...])
+# Makes the header LAYER/NAME.h, for the sources of that layer: the constant NAME, a hash of all sources and public
+# headers of the layers named, and of the files.
+function(occlod_hash_sources layer name)
+  cmake_parse_arguments(PARSE_ARGV 2 ARG "" "" "FILES;LAYERS")
+  if(ARG_UNPARSED_ARGUMENTS)
+    message(FATAL_ERROR "occlod_hash_sources(${layer} ${name}): unknown arguments ${ARG_UNPARSED_ARGUMENTS}")
+  endif()
+  set(patterns "")
+  foreach(other IN LISTS ARG_LAYERS)
+    list(APPEND patterns ${PROJECT_SOURCE_DIR}/lib/src/${other}/* ${PROJECT_SOURCE_DIR}/lib/include/occlod/${other}/*.h)
+  endforeach()
+  file(GLOB files CONFIGURE_DEPENDS ${patterns})
+  list(APPEND files ${ARG_FILES})
+  set(folder ${CMAKE_CURRENT_BINARY_DIR}/generated)
+  add_custom_command(
+    OUTPUT ${folder}/${layer}/${name}.h
+    COMMAND ${CMAKE_COMMAND} "-DFILES=${files}" -DNAME=${name} -DOUTPUT=${folder}/${layer}/${name}.h
+            -P ${PROJECT_SOURCE_DIR}/cmake/HashSources.cmake
+    DEPENDS ${files} ${PROJECT_SOURCE_DIR}/cmake/HashSources.cmake
+    COMMENT "Hashing the sources that decide ${name}"
+    VERBATIM)
+  target_sources(occlod_${layer} PRIVATE ${folder}/${layer}/${name}.h)
+  target_include_directories(occlod_${layer} PRIVATE ${folder})
+endfunction()

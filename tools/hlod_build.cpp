@@ -31,6 +31,7 @@ struct Options {
   hlod::BuildOptions build;
   std::optional<std::size_t> memory;
   std::string scratch;
+  bool resume = false;
   ShowProgress progress = ShowProgress::automatic;
   bool json = false;
 };
@@ -41,8 +42,12 @@ std::vector<std::filesystem::path> mesh_files_of(const std::string& scene) {
   return mesh_files(options, read_scene(scene));
 }
 
-hlod::BuildOptions with_progress(const Options& options, Progress& progress) {
+std::string journal_of(const Options& options) { return options.output + ".journal"; }
+
+hlod::BuildOptions build_options(const Options& options, Progress& progress, std::size_t& nodes_found) {
   hlod::BuildOptions build = options.build;
+  if (options.resume) build.journal = journal_of(options);
+  build.resumed = [&nodes_found](std::size_t nodes) { nodes_found = nodes; };
   build.progress = [&progress, what = "building " + options.output](double done) {
     progress.show(what, done);
     return true;
@@ -60,6 +65,7 @@ void check(const Options& options) {
     for (const std::filesystem::path& mesh : mesh_files_of(input)) files.add_input("a mesh of the scene", mesh);
   }
   files.add_output("--output", options.output);
+  if (options.resume) files.add_output("--resume", journal_of(options));
   if (options.memory && options.build.within == hlod::Within::splits)
     throw CLI::ValidationError("--memory", "goes with --within geomorph only: splits of all nodes are kept in memory");
 }
@@ -67,20 +73,24 @@ void check(const Options& options) {
 struct Built {
   hlod::Hlod hlod;
   MeshReport report;
-  double read_ms = 0.0;  // of the time, where reading comes first
+  double read_ms = 0.0;         // of the time, where reading comes first
+  std::size_t nodes_found = 0;  // in the journal
 };
 
 Built build_in_memory(const Options& options, Progress& progress) {
+  Built built;
   const Stopwatch stopwatch;
   const CleanMesh input = read_hlod_input(options.inputs, progress);
-  const double read_ms = stopwatch.milliseconds();
-  return {build_hlod(input.mesh, with_progress(options, progress)), input.report, read_ms};
+  built.read_ms = stopwatch.milliseconds();
+  built.hlod = build_hlod(input.mesh, build_options(options, progress, built.nodes_found));
+  built.report = input.report;
+  return built;
 }
 
 Built build_streamed(const Options& options, Progress& progress) {
   Built built;
   const hlod::TriangleSource source = stream_hlod_input(options.inputs, progress);
-  built.hlod = build_hlod(source, with_progress(options, progress), built.report);
+  built.hlod = build_hlod(source, build_options(options, progress, built.nodes_found), built.report);
   return built;
 }
 
@@ -98,6 +108,12 @@ std::filesystem::path scratch_folder(const Options& options) {
   return folder.empty() ? "." : folder;  // where there has to be room for the result anyway
 }
 
+void remove_journal(const std::string& file) {
+  std::error_code error;
+  std::filesystem::remove(file, error);
+  if (error) throw Error({file, "", "cannot be removed: " + error.message(), "remove it: the build is finished"});
+}
+
 void run(const Options& options) {
   handle_interrupts("hlod build");
   check(options);
@@ -109,6 +125,7 @@ void run(const Options& options) {
   const double build_ms = stopwatch.restart();
   write_interruptibly(options.output, built.hlod.bytes(), progress,
                       [&] { write_ohlod(options.output, built.hlod, built.report); });
+  if (options.resume) remove_journal(journal_of(options));
   const double write_ms = stopwatch.milliseconds();
   progress.clear();
 
@@ -121,6 +138,7 @@ void run(const Options& options) {
       1e3 * static_cast<double>(built.hlod.data().input_triangle_count) / (build_ms - built.read_ms);
   result["peak_bytes"] = peak_bytes();
   if (limit) result["scratch_bytes"] = limit->most_scratch_bytes();
+  if (options.resume) result["nodes_found"] = built.nodes_found;
   result["report"] = to_json(built.report);
   if (options.json) return print_json(result);
   print_lines(result);
@@ -168,6 +186,9 @@ void add_hlod_build(CLI::App& hlod) {
       ->option_text("BYTES");
   add_name(command, "--scratch", options->scratch, "With --memory: folder for scratch files; else that of the output")
       ->needs("--memory");
+  command.add_flag("--resume", options->resume,
+                   "Keep finished nodes in OUTPUT.journal until the output is there. A build that was killed goes on "
+                   "from it when the same command runs again");
   add_progress_option(command, options->progress);
   command.add_flag("--json", options->json, "Print the result as one JSON object");
   command.callback([options] { run(*options); });

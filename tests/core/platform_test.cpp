@@ -79,6 +79,46 @@ TEST_F(PlatformFile, OnlyRegularFilesAreOpened) {
   EXPECT_EQ(why_not("no such file"), std::errc::no_such_file_or_directory);
 }
 
+TEST_F(PlatformFile, JournalsGrowAndAreCut) {
+  const auto in_bytes = [](std::string_view added) { return std::as_bytes(std::span(added)); };
+  {
+    JournalFile file(path());
+    EXPECT_EQ(file.size(), content.size());
+    file.cut(6);
+    file.append(in_bytes("-one"));
+    EXPECT_EQ(file.size(), 10U);
+    std::array<std::byte, 3> bytes{};
+    file.read(bytes, 4);
+    EXPECT_EQ(text(bytes), "ty-");
+    EXPECT_THROW(file.read(bytes, 8), std::system_error);
+  }
+  std::array<std::byte, 10> bytes{};
+  InputFile(path()).read(bytes);
+  EXPECT_EQ(text(bytes), "twenty-one");
+  std::filesystem::remove(path());
+  JournalFile(path()).append(in_bytes("made"));
+  EXPECT_EQ(std::filesystem::file_size(path()), 4U);
+}
+
+TEST_F(PlatformFile, OneJournalAtATime) {
+  const auto why_no_journal = [](const char* file) {
+    try {
+      const JournalFile journal(file);
+    } catch (const std::system_error& error) {
+      return static_cast<std::errc>(error.code().value());
+    }
+    return std::errc{};
+  };
+  {
+    const JournalFile file(path());
+    EXPECT_EQ(why_no_journal(path()), std::errc::resource_unavailable_try_again);
+  }
+  EXPECT_EQ(why_no_journal(path()), std::errc{});
+  EXPECT_EQ(why_no_journal(testing::TempDir().c_str()), std::errc::is_a_directory);
+  EXPECT_EQ(why_no_journal("/dev/null"), std::errc::invalid_argument);
+  EXPECT_EQ(why_no_journal("no such folder/file"), std::errc::no_such_file_or_directory);
+}
+
 TEST(Platform, KnowsWhereFilesCanBeMade) {
   EXPECT_EQ(why_no_files_can_be_made(testing::TempDir().c_str()), 0);
   EXPECT_EQ(why_no_files_can_be_made("no such folder"), ENOENT);

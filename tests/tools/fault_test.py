@@ -219,6 +219,23 @@ class HlodBuild(HlodBuildCase):
         self.assertEqual([path.name for path in (self.folder / "kept").iterdir()], ["a.ohlod"])
         self.assertEqual(self.names(), ["kept", "planet.ply", "scratch", "small"])
 
+    def test_disk_full_with_journal(self):
+        """What was finished stays, and the build goes on from it where there is room: whether the journal, 17.1 MB, did not fit, or the output, 18.9 MB.
+        The limit of file sizes stands for a full disk."""
+        build = ["hlod", "build", "planet.ply", "-o", "a.ohlod", "--within", "splits"]
+        nodes = self.json_of(*build)["nodes"]
+        whole = (self.folder / "a.ohlod").read_bytes()
+        (self.folder / "a.ohlod").write_bytes(OLD)
+        for size, refused in ((14_000_000, "a.ohlod.journal"), (18_000_000, "a.ohlod")):
+            end = self.run_limited(resource.RLIMIT_FSIZE, size, *build, "--resume")
+            self.assert_failed(end, f"error: {refused}: cannot be written: File too large", "space on the disk")
+            self.assertEqual((self.folder / "a.ohlod").read_bytes(), OLD)
+            self.assertEqual(self.names(), ["a.ohlod", "a.ohlod.journal", "planet.ply", "scratch"])
+        found = self.json_of(*build, "--resume")["nodes_found"]
+        self.assertTrue(nodes // 5 < found < nodes, found)
+        self.assertEqual((self.folder / "a.ohlod").read_bytes(), whole)
+        self.assertEqual(self.names(), ["a.ohlod", "planet.ply", "scratch"])
+
     def test_disk_full_of_output(self):
         arguments = [argument.replace("a.ohlod", "small/a.ohlod") for argument in self.BUILD]
         self.assert_failed(self.run_on_small_disk(6, *arguments, "--scratch", "scratch"), "small/a.ohlod", "No space left on device", "space on the disk")
@@ -269,6 +286,43 @@ class HlodKills(HlodBuildCase):
         self.succeed(*build)
         self.assertEqual((self.folder / "a.ohlod").read_bytes(), whole)
         self.assertEqual(self.names(), ["a.ohlod", "planet.ply", "scratch"])
+
+    def test_killed_again_and_again_and_resumed(self):
+        """Each build goes on where the one before was killed: at random moments, each time a little later, until one ends."""
+        build = [*self.BUILD, "--scratch", "scratch", "--node-triangles", "64"]
+        began = time.monotonic()
+        nodes = self.json_of(*build)["nodes"]
+        duration = time.monotonic() - began
+        whole, target, journal = (self.folder / "a.ohlod").read_bytes(), self.folder / "a.ohlod", self.folder / "a.ohlod.journal"
+        moments = random.Random(2)
+        for story in range(3):
+            target.unlink()
+            kills, size = 0, 0
+            while True:
+                process = self.start(*build, "--resume", "--threads", moments.choice((1, 2, 3)), "--json")
+                try:
+                    process.wait(moments.uniform(0.2, 0.5 + 0.1 * kills) * duration)
+                except subprocess.TimeoutExpired:
+                    process.kill()
+                code, output, errors = self.end_of(process)
+                if code == 0:
+                    break
+                self.assertEqual(code, -signal.SIGKILL, errors)
+                kills += 1
+                if target.exists():  # killed before it could remove the journal
+                    self.assertEqual(target.read_bytes(), whole)
+                if journal.exists():
+                    self.assertGreaterEqual(journal.stat().st_size, size)
+                    size = journal.stat().st_size
+            self.assertGreater(kills, 0)
+            self.assertEqual(target.read_bytes(), whole)
+            found = json.loads(output)["nodes_found"]
+            self.assertTrue(0 < found < nodes, found)
+            left = [name for name in self.names() if name not in ("a.ohlod", "planet.ply", "scratch")]
+            for name in left:
+                self.assertRegex(name, r"^\.a\.ohlod\.[0-9]+-0\.tmp$")
+                (self.folder / name).unlink()
+            self.assertEqual(list((self.folder / "scratch").iterdir()), [])
 
 
 class Permissions(Faults):

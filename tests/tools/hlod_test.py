@@ -105,6 +105,16 @@ class Hlod(ToolTest):
         told = self.build("--memory", "96M", inputs=["large.obj"], output="large.ohlod")
         self.assertLess(told["peak_bytes"], 1.1 * (96 << 20))
 
+    def test_a_journal_that_does_not_fit_is_told(self):
+        """Before the input is read, where the options differ."""
+        self.build()
+        (self.folder / "planet.ohlod.journal").write_text("my diary")
+        command = ["hlod", "build", "planet.ply", "-o", "planet.ohlod", "--resume"]
+        self.assertIn("planet.ohlod.journal: is not a journal of an HLOD build; move it away", self.failure_of(*command))
+        self.assertEqual((self.folder / "planet.ohlod.journal").read_text(), "my diary")
+        self.build()  # without --resume it is left alone
+        self.assertEqual((self.folder / "planet.ohlod.journal").read_text(), "my diary")
+
     def test_a_file_and_its_mesh_make_the_same(self):
         """A file that is streamed, whatever its format, and one that is read as a whole."""
         for name in ("planet.ply", "planet.obj", "planet.off"):

@@ -91,6 +91,24 @@ class Interrupt(Interrupting):
             self.cancel("building", number, "hlod build", "planet.ply", target="target.ohlod")
         self.cancel_while_writing(signal.SIGINT, "hlod build", "planet.ply", target="target.ohlod")
 
+    def test_hlod_build_that_is_resumed(self):
+        """A signal leaves the journal; the next build goes on from it, and removes it."""
+        self.make_large_planet(8)
+        self.succeed("hlod", "build", "planet.ply", "-o", "whole.ohlod", "--node-triangles", 32)
+        journal, groups = self.folder / "a.ohlod.journal", 2 * 4 * 8 * 4**8  # first the groups of the input and of the next level
+        for number in (signal.SIGINT, signal.SIGTERM):
+            process = self.start("hlod", "build", "planet.ply", "-o", "a.ohlod", "--node-triangles", 32, "--resume")
+            while process.poll() is None and not (journal.exists() and journal.stat().st_size > groups + 100_000):
+                continue
+            process.send_signal(number)
+            self.assert_cancelled(self.end_of(process), "hlod build", number)
+            self.assertEqual(self.names(), ["a.ohlod.journal", "planet.ply", "whole.ohlod"])
+            again = self.json_of("hlod", "build", "planet.ply", "-o", "a.ohlod", "--node-triangles", 32, "--resume")
+            self.assertGreater(again["nodes_found"], 100)
+            self.assertTrue(self.same_bytes("a.ohlod", "whole.ohlod"))
+            self.assertEqual(self.names(), ["a.ohlod", "planet.ply", "whole.ohlod"])
+            (self.folder / "a.ohlod").unlink()
+
     def test_cells_build(self):
         self.make_large_planet(6)
         self.succeed("build", "planet.ply", "-o", "planet.olod")

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <signal.h>
+#include <sys/file.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <sys/uio.h>
@@ -28,6 +29,17 @@ std::size_t size_of_file(int descriptor) {
   if (fstat(descriptor, &status) != 0) fail(errno);
   if (!S_ISREG(status.st_mode)) fail(S_ISDIR(status.st_mode) ? EISDIR : EINVAL);
   return static_cast<std::size_t>(status.st_size);
+}
+
+// The bytes from `offset` on. Throws std::system_error, also when the file ends before.
+void read_at(int descriptor, std::span<std::byte> bytes, std::uint64_t offset) {
+  while (!bytes.empty()) {
+    const ssize_t got = pread(descriptor, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) fail(got < 0 ? errno : EIO);
+    bytes = bytes.subspan(static_cast<std::size_t>(got));
+    offset += static_cast<std::uint64_t>(got);
+  }
 }
 
 // Sets errno where it is below 0. Where the file system cannot do without, the file has a name for a moment.
@@ -124,15 +136,7 @@ InputFile::InputFile(const char* path) : descriptor_(open(path, O_RDONLY | O_CLO
 
 InputFile::~InputFile() { close(descriptor_); }
 
-void InputFile::read(std::span<std::byte> bytes, std::uint64_t offset) const {
-  while (!bytes.empty()) {
-    const ssize_t got = pread(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
-    if (got < 0 && errno == EINTR) continue;
-    if (got <= 0) fail(got < 0 ? errno : EIO);
-    bytes = bytes.subspan(static_cast<std::size_t>(got));
-    offset += static_cast<std::uint64_t>(got);
-  }
-}
+void InputFile::read(std::span<std::byte> bytes, std::uint64_t offset) const { read_at(descriptor_, bytes, offset); }
 
 void InputFile::read(std::span<const std::span<std::byte>> parts, std::uint64_t offset) const {
   constexpr std::size_t most_parts = 64;  // of one call; every system takes 16, this one 1,024
@@ -162,5 +166,36 @@ std::span<const std::byte> InputFile::map() const {
 }
 
 void unmap(std::span<const std::byte> bytes) noexcept { munmap(const_cast<std::byte*>(bytes.data()), bytes.size()); }
+
+JournalFile::JournalFile(const char* path) : descriptor_(open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0666)) {
+  if (descriptor_ < 0) fail(errno);
+  try {
+    // Some file systems have no locks: there nobody is kept out.
+    if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) fail(EAGAIN);
+    size_ = size_of_file(descriptor_);
+  } catch (...) {
+    close(descriptor_);
+    throw;
+  }
+}
+
+JournalFile::~JournalFile() { close(descriptor_); }
+
+void JournalFile::read(std::span<std::byte> bytes, std::uint64_t offset) const { read_at(descriptor_, bytes, offset); }
+
+void JournalFile::append(std::span<const std::byte> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t put = pwrite(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(size_));
+    if (put < 0 && errno == EINTR) continue;
+    if (put < 0) fail(errno);
+    bytes = bytes.subspan(static_cast<std::size_t>(put));
+    size_ += static_cast<std::uint64_t>(put);
+  }
+}
+
+void JournalFile::cut(std::uint64_t size) {
+  if (ftruncate(descriptor_, static_cast<off_t>(size)) != 0) fail(errno);
+  size_ = size;
+}
 
 }  // namespace occlod

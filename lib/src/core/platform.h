@@ -87,4 +87,26 @@ class InputFile {
 
 void unmap(std::span<const std::byte> bytes) noexcept;
 
+// A regular file, made where there is none, that one object at a time on this machine reads and appends to. What fails
+// throws std::system_error with the system's reason: std::errc::resource_unavailable_try_again while another has it.
+class JournalFile {
+ public:
+  explicit JournalFile(const char* path);
+  ~JournalFile();
+  JournalFile(const JournalFile&) = delete;
+  JournalFile& operator=(const JournalFile&) = delete;
+
+  [[nodiscard]] std::uint64_t size() const noexcept { return size_; }
+  // The bytes from `offset` on; fails when the file ends before.
+  void read(std::span<std::byte> bytes, std::uint64_t offset) const;
+  // At the end, in the system's hands when this returns: they outlive the process. What fails leaves a part of them.
+  void append(std::span<const std::byte> bytes);
+  // To its first `size` bytes, at most size().
+  void cut(std::uint64_t size);
+
+ private:
+  int descriptor_;
+  std::uint64_t size_ = 0;
+};
+
 }  // namespace occlod

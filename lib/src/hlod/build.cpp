@@ -1,10 +1,12 @@
 #include "occlod/hlod/build.h"
 
 #include <cmath>
+#include <memory>
 #include <utility>
 #include <vector>
 
 #include "assemble.h"
+#include "build_journal.h"
 #include "core/large_vector.h"
 #include "core/option_checker.h"
 #include "finish_level.h"
@@ -36,17 +38,20 @@ void check_options(const BuildOptions& options) {
 
 class Builder {
  public:
-  Builder(WedgeMesh mesh, const BuildOptions& options)
+  // `journal`, which may be null, and the options outlive it.
+  Builder(WedgeMesh mesh, const BuildOptions& options, BuildJournal* journal)
       : mesh_(std::move(mesh)),
         within_(options.within),
         threads_(thread_count(options.threads)),
         progress_(options.progress),
+        journal_(journal),
         grouping_(mesh_, options, threads_),
-        simplifier_(mesh_, options, threads_) {}
+        simplifier_(mesh_, options, threads_, journal) {}
 
   HlodData run() {
     progress_.reach(0.0);
-    levels_.push_back(input_level(mesh_, grouping_.group_input(), threads_));
+    const TriangleGroups groups = known_or(mesh_.triangles.size(), [&] { return grouping_.group_input(); });
+    levels_.push_back(input_level(mesh_, groups, threads_));
     while (levels_.back().nodes.size() > 1 && add_level()) continue;
     return assemble(mesh_, std::move(levels_), within_, threads_);
   }
@@ -56,7 +61,9 @@ class Builder {
   bool add_level() {
     LevelDraft& below = levels_.back();
     const double before = share_of(levels_.size() - 1), after = share_of(levels_.size());
-    TriangleGroups groups = grouping_.group_level(below, static_cast<unsigned>(levels_.size()));
+    TriangleGroups groups = known_or(
+        below.triangles.size(), [&] { return grouping_.group_level(below, static_cast<unsigned>(levels_.size())); });
+    grouping_.finish_level(below, groups);
     const ProgressPart part{progress_, before + grouped * (after - before), after,
                             static_cast<double>(below.triangles.size())};
     part.reach(0);
@@ -70,6 +77,16 @@ class Builder {
     return !levels_.back().triangles.empty();
   }
 
+  // The next groups in the journal, of so many triangles, or those that make() makes.
+  template <typename Make>
+  TriangleGroups known_or(std::size_t triangles, const Make& make) {
+    TriangleGroups groups;
+    if (journal_ != nullptr && journal_->take(triangles, groups)) return groups;
+    groups = make();
+    if (journal_ != nullptr) journal_->append(groups);
+    return groups;
+  }
+
   // What is done when so many levels above the input are: each takes a quarter of the time of the one below.
   static double share_of(std::size_t levels) {
     return simplified * (1.0 - std::pow(0.25, static_cast<double>(levels)));
@@ -79,38 +96,48 @@ class Builder {
   Within within_;
   unsigned threads_;
   BuildProgress progress_;
+  BuildJournal* journal_;
   TriangleGrouping grouping_;
   NodeSimplifier simplifier_;
   std::vector<LevelDraft> levels_;
 };
 
-Hlod build(WedgeMesh mesh, const BuildOptions& options) {
+Hlod build(WedgeMesh mesh, const BuildOptions& options, BuildJournal* journal) {
   const LargeMemoryReuse reuse;
-  HlodData data = Builder(std::move(mesh), options).run();
+  if (journal != nullptr) journal->begin(mesh);
+  HlodData data = Builder(std::move(mesh), options, journal).run();
+  if (journal != nullptr && options.resumed) options.resumed(journal->taken());
   data.grouping = options.grouping;
   data.borders = options.borders;
   data.node_triangles = options.node_triangles;
   return make_hlod(std::move(data));
 }
 
+// Before the mesh is there, so that a journal that does not fit is told at once. Null: none.
+std::unique_ptr<BuildJournal> open_journal(const BuildOptions& options) {
+  return options.journal.empty() ? nullptr : std::make_unique<BuildJournal>(options.journal, options);
+}
+
 }  // namespace
 
 Hlod build_hlod(const TriangleMesh& mesh, const BuildOptions& options) {
   check_options(options);
+  const std::unique_ptr<BuildJournal> journal = open_journal(options);
   check_input(mesh);
   check_welded(mesh);
-  return build(to_wedge_mesh(mesh, thread_count(options.threads)), options);
+  return build(to_wedge_mesh(mesh, thread_count(options.threads)), options, journal.get());
 }
 
 Hlod build_hlod(const TriangleSource& source, const BuildOptions& options, MeshReport& report) {
   check_options(options);
+  const std::unique_ptr<BuildJournal> journal = open_journal(options);
   PieceCollector pieces;
   source(pieces);
   if (pieces.report().triangles_read == pieces.report().repeated_index_triangles)
     throw Error({"hlod build", "", "the source has no triangle with three different corners", "give one at least"});
   WedgeMesh mesh = pieces.weld(thread_count(options.threads));
   report = pieces.report();
-  return build(std::move(mesh), options);
+  return build(std::move(mesh), options, journal.get());
 }
 
 }  // namespace occlod::hlod

@@ -66,9 +66,7 @@ TriangleGroups TriangleGrouping::group_level(const LevelDraft& below, unsigned l
 
 // All triangles of a node have its code, so that they end up in one cell.
 TriangleGroups TriangleGrouping::group_nodes(const LevelDraft& below) {
-  if (node_codes_.empty())
-    for (const NodeDraft& node : below.nodes)
-      node_codes_.push_back(grid_.code(centroid(below.triangles[node.first_triangle]), 0));
+  if (node_codes_.empty()) find_node_codes(below);
   LargeVector<std::uint64_t> codes(below.triangles.size());
   LargeVector<std::uint32_t> unit_of(below.triangles.size());
   for (std::uint32_t n = 0; n < below.nodes.size(); ++n) {
@@ -77,11 +75,26 @@ TriangleGroups TriangleGrouping::group_nodes(const LevelDraft& below) {
     std::fill_n(codes.begin() + node.first_triangle, node.triangle_count, node_codes_[n]);
     std::fill_n(unit_of.begin() + node.first_triangle, node.triangle_count, n);
   }
-  TriangleGroups groups = group(codes, below.triangles, reduction * options_.node_triangles, unit_of);
+  return group(codes, below.triangles, reduction * options_.node_triangles, unit_of);
+}
+
+void TriangleGrouping::find_node_codes(const LevelDraft& input) {
+  for (const NodeDraft& node : input.nodes)
+    node_codes_.push_back(grid_.code(centroid(input.triangles[node.first_triangle]), 0));
+}
+
+// The code of a group is that of its last triangle.
+void TriangleGrouping::finish_level(const LevelDraft& below, const TriangleGroups& groups) {
+  if (options_.grouping != Grouping::nested) return;
+  if (node_codes_.empty()) find_node_codes(below);
   std::vector<std::uint64_t> codes_above(groups.count);
-  for_each_id(codes.size(), 1, [&](std::uint32_t t) { codes_above[groups.group_of[t]] = codes[t]; });
+  for (std::uint32_t n = 0; n < below.nodes.size(); ++n) {
+    make_room();
+    const NodeDraft& node = below.nodes[n];
+    for (std::uint32_t t = node.first_triangle; t < node.first_triangle + node.triangle_count; ++t)
+      codes_above[groups.group_of[t]] = node_codes_[n];
+  }
   node_codes_ = std::move(codes_above);
-  return groups;
 }
 
 }  // namespace occlod::hlod

@@ -27,6 +27,8 @@ class TriangleGrouping {
   [[nodiscard]] TriangleGroups group_input() const;
   // Of a level, the one below `level`: about four times as many. With nested groups no node is divided.
   [[nodiscard]] TriangleGroups group_level(const LevelDraft& below, unsigned level);
+  // After each level, with its groups, whether they come from group_level() or are known from an earlier build.
+  void finish_level(const LevelDraft& below, const TriangleGroups& groups);
 
  private:
   [[nodiscard]] glm::dvec3 centroid(const Triangle& t) const;
@@ -34,6 +36,7 @@ class TriangleGrouping {
   [[nodiscard]] TriangleGroups group(std::span<const std::uint64_t> codes, std::span<const Triangle> triangles,
                                      std::uint32_t most_triangles, std::span<const std::uint32_t> unit_of) const;
   [[nodiscard]] TriangleGroups group_nodes(const LevelDraft& below);
+  void find_node_codes(const LevelDraft& input);
 
   const WedgeMesh& mesh_;
   const BuildOptions& options_;

@@ -181,10 +181,11 @@ class NodeSimplifier::Worker {
   std::vector<std::uint8_t> locked_, used_;
 };
 
-NodeSimplifier::NodeSimplifier(WedgeMesh& mesh, const BuildOptions& options, unsigned threads)
+NodeSimplifier::NodeSimplifier(WedgeMesh& mesh, const BuildOptions& options, unsigned threads, BuildJournal* journal)
     : mesh_(mesh),
       options_(options),
       threads_(threads),
+      journal_(journal),
       scale_(power_of_two_scale(mesh_.positions)),
       boxes_(mesh_.vertex_count()),
       locked_(mesh_.vertex_count(), 0),
@@ -195,19 +196,33 @@ NodeSimplifier::NodeSimplifier(WedgeMesh& mesh, const BuildOptions& options, uns
 
 LevelDraft NodeSimplifier::run(LevelDraft& below, TriangleGroups groups, const ProgressPart& progress) {
   below.parent_of = std::move(groups.group_of);
-  list_members(below, groups.count);
-  if (options_.borders == Borders::locked) lock(below, groups.count);
+  LevelBuilder level(mesh_, below, groups.count, threads_);
+  std::uint32_t first = 0;
+  for (SimplifiedNode node; first < groups.count && journal_ != nullptr && journal_->take(node); ++first) {
+    join(node, level);
+    progress.reach(below.triangles.size() / groups.count * first);
+  }
+  if (first < groups.count) simplify(below, first, groups.count, level, progress);
+  LevelDraft result = level.finish();
+  pass_on(result);
+  return result;
+}
+
+// The groups from `first_group` on.
+void NodeSimplifier::simplify(const LevelDraft& below, std::uint32_t first_group, std::uint32_t group_count,
+                              LevelBuilder& level, const ProgressPart& progress) {
+  list_members(below, group_count);
+  if (options_.borders == Borders::locked) lock(below, group_count);
   // One node is simplified to a quarter. Several all stop at one cost: forced to a quarter each, those with many locked
   // vertices would have errors many times the others', which every coarser node inherits.
-  const bool is_last = groups.count == 1;
-  const float most_cost = is_last ? std::numeric_limits<float>::max() : common_cost(below, groups.count);
+  const bool is_last = group_count == 1;
+  const float most_cost = is_last ? std::numeric_limits<float>::max() : common_cost(below, group_count);
   const std::size_t share = is_last ? wanted_share : smallest_share;
 
-  LevelBuilder level(mesh_, below, groups.count, threads_);
   std::vector<SimplifiedNode> results(groups_at_once);
-  std::size_t done_before = 0;
-  for (std::uint32_t first = 0; first < groups.count; first += groups_at_once) {
-    const std::uint32_t count = std::min(groups_at_once, groups.count - first);
+  std::size_t done_before = first_member_[first_group];
+  for (std::uint32_t first = first_group; first < group_count; first += groups_at_once) {
+    const std::uint32_t count = std::min(groups_at_once, group_count - first);
     std::atomic<std::size_t> done = done_before;
     for_each_task(
         count, threads_, [&] { return Worker(*this, below); },
@@ -219,14 +234,10 @@ LevelDraft NodeSimplifier::run(LevelDraft& below, TriangleGroups groups, const P
         [&] { progress.reach(done); });
     done_before = done;
     for (std::uint32_t i = 0; i < count; ++i) {
-      make_room();
-      note(results[i]);
-      level.append(results[i]);
+      if (journal_ != nullptr) journal_->append(results[i]);
+      join(results[i], level);
     }
   }
-  LevelDraft result = level.finish();
-  pass_on(result);
-  return result;
 }
 
 void NodeSimplifier::lock(const LevelDraft& below, std::uint32_t group_count) {
@@ -273,6 +284,12 @@ float NodeSimplifier::common_cost(const LevelDraft& below, std::uint32_t group_c
     if (2 * below_median >= total) return cost;
   }
   return costs.back().first;
+}
+
+void NodeSimplifier::join(SimplifiedNode& result, LevelBuilder& level) {
+  make_room();
+  note(result);
+  level.append(result);
 }
 
 // What it has lost and added; wedges are numbered through, one node after the other.

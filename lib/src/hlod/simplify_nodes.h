@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "build_journal.h"
 #include "core/large_vector.h"
 #include "finish_level.h"
 #include "group_triangles.h"
@@ -17,26 +18,30 @@ namespace occlod::hlod {
 
 class NodeSimplifier {
  public:
-  // Both outlive it.
-  NodeSimplifier(WedgeMesh& mesh, const BuildOptions& options, unsigned threads);
+  // All outlive it; the journal may be null.
+  NodeSimplifier(WedgeMesh& mesh, const BuildOptions& options, unsigned threads, BuildJournal* journal);
 
-  // The level above `below`, whose parent_of is set to `groups`. Adds wedges to the mesh. `progress` counts triangles
-  // of `below`.
+  // The level above `below`, whose parent_of is set to `groups`: nodes of the journal as far as it goes, then groups
+  // simplified. Adds wedges to the mesh. `progress` counts triangles of `below`.
   [[nodiscard]] LevelDraft run(LevelDraft& below, TriangleGroups groups, const ProgressPart& progress);
 
  private:
   class Worker;
 
+  void simplify(const LevelDraft& below, std::uint32_t first_group, std::uint32_t group_count, LevelBuilder& level,
+                const ProgressPart& progress);
   void lock(const LevelDraft& below, std::uint32_t group_count);
   void list_members(const LevelDraft& below, std::uint32_t group_count);
   [[nodiscard]] std::span<const std::uint32_t> members(std::uint32_t group) const;
   [[nodiscard]] float common_cost(const LevelDraft& below, std::uint32_t group_count) const;
+  void join(SimplifiedNode& result, LevelBuilder& level);
   void note(SimplifiedNode& result);
   void pass_on(const LevelDraft& level);
 
   WedgeMesh& mesh_;
   const BuildOptions& options_;
   unsigned threads_;
+  BuildJournal* journal_;
   float scale_;
   // What the nodes of a level that is not finished have lost and added.
   LargeVector<VertexId> losses_;

@@ -1,7 +1,9 @@
 // Builds hierarchical levels of detail: groups of triangles by octrees, each simplified by half-edge collapses.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 
 #include "occlod/hlod/hlod.h"
@@ -31,6 +33,14 @@ struct BuildOptions {
                                   // to how far the surface moves, in which collapse is next; in [0, 1e6]; 0: errors
                                   // are of the surface alone. For meshes with texture coordinates or seams
   int threads = 0;                // in [0, 1024]; 0: one for each core. The result does not depend on it
+  // A file in which a build keeps what it has finished; empty: none. A build of the same mesh with the same options
+  // goes on from there, to the same bytes; threads may differ, and so may the limit of memory, though not whether the
+  // mesh comes from a TriangleSource. It is made where there is none, takes about 18 bytes a triangle of the input, and
+  // stays when the build ends: remove it once the result is written. What is damaged or cut off at its end is done
+  // again. Error for a file that is no journal, that another build uses, or that does not fit.
+  std::filesystem::path journal = {};
+  // Called on the calling thread, once, before a build with a journal returns: how many nodes it has taken over.
+  std::function<void(std::size_t nodes)> resumed = {};
   // Called now and then on the calling thread with the share done, in [0, 1]; returning false cancels the build, which
   // then throws Error. What it throws ends the build too.
   std::function<bool(double)> progress = {};
