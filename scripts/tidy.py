@@ -22,16 +22,12 @@ import shlex
 import subprocess
 import sys
 
+from source_groups import RENAMED, groups_of
+
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 BATCH = 16
 ANALYZER = "--checks=-*,clang-analyzer-*,-clang-analyzer-optin.*"
 INCLUDE = re.compile(r"^\s*#\s*include\s+([<\"])([^>\"]+)[>\"]", re.M)
-# What stands at the left margin is declared at namespace scope: clang-format does not indent namespaces.
-TYPE = re.compile(r"^(?:struct|class|union|enum|enum class|using|concept)\s+(\w+)", re.M)
-TEST = re.compile(r"^(?:TYPED_)?TEST(?:_F|_P)?\((\w+),\s*(\w+)\)", re.M)
-VALUE = re.compile(r"^(?!return|using|namespace|typedef|else|friend)[A-Za-z_][\w:<>,&*\[\] ]*?[\w>&*\]] [&*]*((?:\w+::)*~?\w+)(?:\(|\{| =|;|\[)", re.M)
-MACRO = re.compile(r"^#\s*define\s+(\w+)", re.M)
-ALONE = re.compile(r"foreach_target\.h|_IMPLEMENTATION\b")
 CLANG_ERROR = re.compile(r"^(?:In file included from )?(/[^:]+):\d+:\d+: (?:fatal )?error: .*\[clang-diagnostic-", re.M)
 
 
@@ -53,11 +49,6 @@ class Source:
                 self.standard = word
         self.text = path.read_text(encoding="utf-8")
 
-    def declared(self):
-        """Names of which a batch can have one only."""
-        names = {name for pattern in (TYPE, VALUE, MACRO) for name in pattern.findall(self.text) if "::" not in name}
-        return names | {f"{suite}.{test}" for suite, test in TEST.findall(self.text)}
-
     def search_path(self):
         return [flag[0][2:] for flag in self.flags if flag[0].startswith("-I")] + [flag[1] for flag in self.flags if len(flag) == 2]
 
@@ -66,8 +57,11 @@ def compiled_sources(build_dir):
     found = {}
     for entry in json.loads((build_dir / "compile_commands.json").read_text()):
         path = pathlib.Path(os.path.realpath(os.path.join(entry["directory"], entry["file"])))
-        if path.is_relative_to(ROOT) and not path.is_relative_to(build_dir) and path not in found:
-            found[path] = Source(path, entry["command"])
+        # With OCCLOD_UNITY some of what is compiled includes our sources.
+        paths = [pathlib.Path(name) for _, name in INCLUDE.findall(path.read_text())] if path.parent.name == "Unity" else [path]
+        for source in paths:
+            if source.is_relative_to(ROOT) and not source.is_relative_to(build_dir) and source not in found:
+                found[source] = Source(source, entry["command"])
     return [found[path] for path in sorted(found)]
 
 
@@ -112,22 +106,8 @@ class Fingerprints:
 
 def batches_of(sources):
     """Lists of sources that can be read as one, each of one folder and standard."""
-    open_batches, result = {}, []
-    for source in sources:
-        if ALONE.search(source.text):
-            result.append([source])
-            continue
-        names = source.declared()
-        candidates = open_batches.setdefault((source.folder, source.standard), [])
-        for members, taken in candidates:
-            if len(members) < BATCH and not names & taken:
-                members.append(source)
-                taken |= names
-                break
-        else:
-            candidates.append(([source], set(names)))
-            result.append(candidates[-1][0])
-    return sorted(result, key=len, reverse=True)
+    groups = groups_of(sources, lambda source: source.text, lambda source: (source.folder, source.standard), BATCH)
+    return sorted(groups, key=len, reverse=True)
 
 
 def those_that_read(files, sources, fingerprints):
@@ -159,7 +139,9 @@ class Reader:
             name = hashlib.sha256(" ".join(source.name for source in batch).encode()).hexdigest()[:16]
             text, overlay = self.folder / f"{name}.cpp", self.folder / f"{name}.json"
             main = ROOT / batch[0].folder / f"lint_batch_{name}.cpp"
-            text.write_text("".join(f'#include "{source.path}"\n' for source in batch))
+            text.write_text("".join(
+                "".join(f"#define {name} {name}_{i}\n" for name in sorted(RENAMED)) + f'#include "{source.path}"\n'
+                + "".join(f"#undef {name}\n" for name in sorted(RENAMED)) for i, source in enumerate(batch)))
             overlay.write_text(json.dumps({"version": 0, "roots": [
                 {"type": "file", "name": str(main), "external-contents": str(text)}]}))
             options = [f"--vfsoverlay={overlay}"]

@@ -16,7 +16,7 @@ namespace occlod::viewer {
 namespace {
 
 std::shared_ptr<const Hierarchy> cylinder() {
-  TriangleMesh mesh = test::cylinder_with_seam(32, 6);
+  TriangleMesh mesh = occlod::test::cylinder_with_seam(32, 6);
   mesh.normals.clear();
   return std::make_shared<const Hierarchy>(build_hierarchy(mesh));
 }

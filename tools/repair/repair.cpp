@@ -46,11 +46,11 @@ bool is_odd(const Triangle& t) { return ((t.x > t.y) != (t.y > t.z)) != (t.z > t
 
 // Of triangles with the same corners the first stays.
 void drop_repeated(TriangleMesh& mesh, RepairCounts& counts) {
-  using Key = std::array<VertexId, 3>;
-  std::unordered_map<Key, bool, ArrayHash<Key>> first_is_odd;
+  using Corners = std::array<VertexId, 3>;
+  std::unordered_map<Corners, bool, ArrayHash<Corners>> first_is_odd;
   first_is_odd.reserve(mesh.triangle_count());
   drop_triangles(mesh, [&](const Triangle& t) {
-    Key key = {t.x, t.y, t.z};
+    Corners key = {t.x, t.y, t.z};
     std::sort(key.begin(), key.end());
     const auto [first, is_new] = first_is_odd.emplace(key, is_odd(t));
     if (!is_new) ++(first->second == is_odd(t) ? counts.repeated_dropped : counts.opposite_dropped);
