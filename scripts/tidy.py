@@ -140,7 +140,7 @@ class Reader:
             text, overlay = self.folder / f"{name}.cpp", self.folder / f"{name}.json"
             main = ROOT / batch[0].folder / f"lint_batch_{name}.cpp"
             text.write_text("".join(
-                "".join(f"#define {name} {name}_{i}\n" for name in sorted(RENAMED)) + f'#include "{source.path}"\n'
+                "".join(f"#define {name} {name}{i}  // NOLINT\n" for name in sorted(RENAMED)) + f'#include "{source.path}"\n'
                 + "".join(f"#undef {name}\n" for name in sorted(RENAMED)) for i, source in enumerate(batch)))
             overlay.write_text(json.dumps({"version": 0, "roots": [
                 {"type": "file", "name": str(main), "external-contents": str(text)}]}))
