@@ -10,6 +10,8 @@
 #include <tuple>
 #include <vector>
 
+#include "hierarchy/hierarchy_data.h"
+#include "occlod/core/error.h"
 #include "occlod/occlusion/software_occlusion.h"
 #include "occlod/raster/item_buffer.h"
 #include "occlod/refine/geomorph.h"
@@ -419,6 +421,32 @@ TEST(FramesGeomorph, ParentsComeBeforeTheirChildren) {
       }
   }
   EXPECT_GT(pairs, 0U);
+}
+
+// Reading split by split does not find two splits that remove the same face.
+TEST(Frames, AFaceThatIsRemovedTwiceIsAnErrorEachTime) {
+  HierarchyData data = copy_data(planet());
+  for (SplitId s = 50;; ++s) {  // whose star names one face twice
+    const SplitStar star = planet().star(s);
+    if (!star.is_fan() || star.removed_count() < 2) continue;
+    std::uint32_t& bytes = data.stars[data.nodes[s].star + 1 + star.ring().size() + star.dependencies().size()];
+    bytes = (bytes & ~0xFFU) | ((bytes >> 8U) & 0xFFU);
+    break;
+  }
+  const Hierarchy damaged = make_hierarchy(std::move(data));
+  const RefineObject object{&damaged};
+  Refiner refiner({&object, 1});
+  NoOcclusion all;
+  RefineOptions coarse, fine;
+  coarse.budget = refiner.base_triangles() + 20;
+  fine.budget = refiner.full_triangles();
+  const View view(orbiting(0.0));
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(refiner.update(view, coarse, all).objects[0].triangles.size(),
+              refiner.refine(view, coarse, all).objects[0].triangles.size());
+    EXPECT_THROW((void)refiner.update(view, fine, all), Error);
+    EXPECT_THROW((void)refiner.refine(view, fine, all), Error);
+  }
 }
 
 }  // namespace

@@ -5,7 +5,9 @@
 #include <bit>
 #include <cassert>
 #include <numeric>
+#include <string>
 
+#include "occlod/core/error.h"
 #include "occlod/hierarchy/cut_mesh.h"
 
 namespace occlod {
@@ -31,6 +33,12 @@ void sort_ids(std::vector<SplitId>& ids, std::vector<SplitId>& scratch) {
     for (const SplitId s : ids) scratch[end[s >> shift & (digits - 1)]++] = s;
     ids.swap(scratch);
   }
+}
+
+// Reading a file split by split does not find it.
+[[noreturn]] void fail_removed_twice(SplitId s) {
+  throw Error(
+      {"hierarchy", "split " + std::to_string(s), "removes a face that is not there any more", "build it again"});
 }
 
 }  // namespace
@@ -95,6 +103,7 @@ void Cut::apply_closure() {
 void Cut::apply(SplitId s) {
   const SplitStar star = hierarchy_->star(s);
   star.for_each_removed_ref([&](const FaceRef& face) {
+    if (removed(face)) fail_removed_twice(s);
     if (face.split != no_id && face.slot < mask_slots)
       state_[face.split] |= 1U << face.slot;
     else
@@ -162,6 +171,10 @@ void Cut::set_removed(const FaceRef& face, bool removed) {
     others_removed_.insert(key_of(face.split, face.slot));
   else
     others_removed_.erase(key_of(face.split, face.slot));
+}
+
+bool Cut::removed(const FaceRef& face) const {
+  return face.split == no_id ? base_removed_[face.slot] : removed(face.split, face.slot);
 }
 
 bool Cut::removed(SplitId s, std::uint32_t slot) const {

@@ -42,7 +42,8 @@ class Cut {
     prefetch(&state_[s]);
     for (const SplitId needed : hierarchy_->star(s).dependencies()) prefetch(&state_[needed]);
   }
-  // Applies what the last closure() found.
+  // Applies what the last closure() found. Throws Error for a split that removes a face which another has removed; only
+  // clear() may follow.
   void apply_closure();
 
   // Whether no applied split needs s. Precondition: s is applied.
@@ -72,6 +73,7 @@ class Cut {
   void apply(SplitId s);
   void drop_taken_back();
   void set_removed(const FaceRef& face, bool removed);
+  [[nodiscard]] bool removed(const FaceRef& face) const;
   [[nodiscard]] bool removed(SplitId s, std::uint32_t slot) const;
   // Calls visit(SplitId) for each split that s needs though s removes no face of it, for a corner alone.
   template <typename Visit>

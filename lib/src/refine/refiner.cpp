@@ -70,13 +70,11 @@ class Refiner::Impl {
     last_ = {view.camera(), &visibility};
     placed_ = false;
     if (frames_ && !same_backend) frames_->forget_hidden();
-    const bool limited = options.update.most_changes > 0 || options.update.time_limit_ms > 0.0;
-    if (frames_ && (frames_->move_to(scene(view)) || limited)) {
-      frames_->advance(moved, start, stats_);
-    } else {
-      from_scratch_.refine(scene(view), stats_);
-      if (!frames_) frames_.emplace(objects_, result_.objects);
-      frames_->adopt(scene(view), from_scratch_.end_level(), from_scratch_.hidden());
+    try {
+      choose(view, moved, start);
+    } catch (...) {  // in the middle of a frame: the next one cannot go on from it
+      frames_.reset();
+      throw;
     }
     frames_->emit(result_.objects, stats_);
     stats_.splits = 0;
@@ -121,6 +119,18 @@ class Refiner::Impl {
 
   [[nodiscard]] RefinedScene scene(const View& view) {
     return {objects_, views_, importances_, &cuts_, &gate_, &queries_, &view, &options_};
+  }
+
+  // The cuts of update().
+  void choose(const View& view, bool moved, Clock::time_point start) {
+    const bool limited = options_.update.most_changes > 0 || options_.update.time_limit_ms > 0.0;
+    if (frames_ && (frames_->move_to(scene(view)) || limited)) {
+      frames_->advance(moved, start, stats_);
+    } else {
+      from_scratch_.refine(scene(view), stats_);
+      if (!frames_) frames_.emplace(objects_, result_.objects);
+      frames_->adopt(scene(view), from_scratch_.end_level(), from_scratch_.hidden());
+    }
   }
 
   void emit() {

@@ -49,8 +49,8 @@ class Refiner {
   void set_transform(std::size_t object, const glm::dmat4& object_to_world);
 
   // Refines from the base meshes. Throws Error for options that check_options() refuses, a budget smaller than
-  // base_triangles(), or effects that are neither none nor one for each object. The result is valid until the next
-  // call. Deterministic for a backend whose answers are.
+  // base_triangles(), effects that are neither none nor one for each object, or a hierarchy that turns out to be
+  // damaged. The result is valid until the next call. Deterministic for a backend whose answers are.
   const Refinement& refine(const View& view, const RefineOptions& options, Visibility& visibility);
 
   // Goes on from the cut of the call before: merges splits that have lost priority, applies those that have gained.
