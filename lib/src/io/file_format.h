@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 
 #include "io/file_input.h"
 
@@ -9,7 +10,9 @@ namespace occlod {
 
 enum class MeshFormat { ply, obj, off, stl, gltf };
 
-// By the extension, case ignored. Throws Error for any other.
+// By the extension, case ignored; none for any other.
+[[nodiscard]] std::optional<MeshFormat> find_format(const std::filesystem::path& path);
+// The same. Throws Error for any other.
 [[nodiscard]] MeshFormat format_of(const std::filesystem::path& path, const FileErrors& errors);
 
 }  // namespace occlod

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <system_error>
 
 #include "io/file_format.h"
@@ -62,7 +63,7 @@ std::vector<fs::path> buffers_of(std::string_view bytes, const fs::path& folder)
 
 std::vector<fs::path> files_beside(const fs::path& mesh) {
   const FileErrors errors(mesh);
-  const MeshFormat format = format_of(mesh, errors);
+  const std::optional<MeshFormat> format = find_format(mesh);
   if (format != MeshFormat::obj && format != MeshFormat::gltf) return {};
   InputBytes input(mesh, errors, {});
   if (format == MeshFormat::gltf) return buffers_of(input.window(input.size()), mesh.parent_path());

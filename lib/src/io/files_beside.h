@@ -9,8 +9,8 @@
 namespace occlod {
 
 // Those whose contents belong to the mesh, in the order of their names in the file, as far as they exist: libraries of
-// materials of OBJ and buffers of glTF, not pictures. None of a file that is damaged. Throws Error for a file that
-// cannot be read, or whose name tells no format. O(size).
+// materials of OBJ and buffers of glTF, not pictures. None of a file that is damaged, or of another format. Throws
+// Error for a file that cannot be read. O(size).
 [[nodiscard]] std::vector<std::filesystem::path> files_beside(const std::filesystem::path& mesh);
 
 // The names on a mtllib line, with slashes, of files that exist in the folder: the whole line, or word by word.

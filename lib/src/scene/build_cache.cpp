@@ -68,8 +68,7 @@ std::string cache_key_of_file(const fs::path& path, const std::string& build_opt
   Hasher hasher;
   add_builder(hasher, build_options + path.extension().string());
   hasher.add_file(path);
-  if (!is_olod_file(path))
-    for (const fs::path& beside : files_beside(path)) hasher.add_file(beside);
+  for (const fs::path& beside : files_beside(path)) hasher.add_file(beside);
   return hasher.hex();
 }
 

@@ -40,8 +40,8 @@ inline constexpr double largest_slip_px = 10.0;
 // The root mean square over the pixels that have texels in both pictures: how far each texel of `shown` is from the
 // nearest place at which `full` shows it, between pixels by its change across them, at most largest_slip_px. 0 where
 // they are equal; none when no pixel has texels in both. Pixels of `full` around which the coordinate does not change
-// in both directions, but for rounding, say nothing of where a texel should be, and do not count. Both have the same size. O(pixels *
-// slip^2).
+// in both directions, but for rounding, say nothing of where a texel should be, and do not count. Both have the same
+// size. O(pixels * slip^2).
 [[nodiscard]] std::optional<double> texture_slip_px(const TexelBuffer& shown, const TexelBuffer& full);
 
 }  // namespace occlod
