@@ -2,7 +2,7 @@
 # headers of GoogleTest, CLI11 and JSON. That hides includes that sources lack, names in one file shadow those of another,
 # and one change compiles a whole group again, so only scripts/test.sh asks for it. Layers of the library are compiled as
 # ever, and so are targets whose property UNITY_BUILD says OFF.
-option(OCCLOD_UNITY "Compile tools, viewer and tests in groups of sources: a whole build takes two thirds of the time" OFF)
+option(OCCLOD_UNITY "Compile tools, viewer and tests in groups of sources, in about three fifths of the processor time" OFF)
 
 # All targets of the project but those of the library, after the last of them.
 function(occlod_compile_in_groups)
