@@ -6,6 +6,7 @@
 #include <optional>
 #include <system_error>
 
+#include "core/hex_digit.h"
 #include "io/file_format.h"
 #include "io/file_input.h"
 #include "io/gltf_buffers.h"
@@ -29,20 +30,20 @@ std::string_view without_quotes(std::string_view name) {
   return quoted ? name.substr(1, name.size() - 2) : name;
 }
 
-int hex_digit(char c) {
-  if (c >= '0' && c <= '9') return c - '0';
-  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
-  return c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
-}
-
+// Looks at no line without the keyword: files are large, and have one such line or none.
 std::vector<fs::path> libraries_of(InputBytes& input, const fs::path& folder, const FileErrors& errors) {
+  constexpr std::string_view keyword = "mtllib";
   std::vector<fs::path> files;
   TextChunks chunks(input, errors, obj_syntax);
-  TextCursor cursor({}, errors, obj_syntax);
-  while (chunks.next(cursor))
-    for (; cursor.find_word(); cursor.skip_line())
-      if (cursor.word() == "mtllib")
-        for (const std::string& name : library_names(cursor.rest_of_line(), folder)) files.push_back(folder / name);
+  for (std::string_view lines; chunks.next(lines);) {
+    for (std::size_t at = lines.find(keyword); at != std::string_view::npos;
+         at = lines.find(keyword, at + keyword.size())) {
+      const std::size_t line = lines.find_last_of("\r\n", at) + 1;  // 0 where there is none before
+      TextCursor cursor(lines.substr(line), errors, obj_syntax);
+      if (!cursor.find_word() || cursor.word() != keyword) continue;
+      for (const std::string& name : library_names(cursor.rest_of_line(), folder)) files.push_back(folder / name);
+    }
+  }
   return files;
 }
 

@@ -15,6 +15,13 @@ std::size_t whole_lines(std::string_view text) {
 }  // namespace
 
 bool TextChunks::next(TextCursor& cursor) {
+  std::string_view lines;
+  if (!next(lines)) return false;
+  cursor = TextCursor(lines, errors_, syntax_, cursor.line());
+  return true;
+}
+
+bool TextChunks::next(std::string_view& lines) {
   input_.skip(taken_);
   std::string_view text = input_.window(1);
   taken_ = 0;
@@ -23,9 +30,8 @@ bool TextChunks::next(TextCursor& cursor) {
     taken_ = is_last ? text.size() : whole_lines(text);
     if (taken_ == 0) text = input_.window(2 * text.size());
   }
-  if (taken_ == 0) return false;
-  cursor = TextCursor(text.substr(0, taken_), errors_, syntax_, cursor.line());
-  return true;
+  lines = text.substr(0, taken_);
+  return taken_ > 0;
 }
 
 }  // namespace occlod

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
 
 #include "io/file_input.h"
 #include "io/text_cursor.h"
@@ -17,6 +18,8 @@ class TextChunks {
   // Puts the cursor, which is at the end of the lines before, on the next ones; what it gave out before is void. False
   // at the end of the text. No line is cut, also one that a backslash continues.
   [[nodiscard]] bool next(TextCursor& cursor);
+  // The same lines as a text, which is valid until the next call.
+  [[nodiscard]] bool next(std::string_view& lines);
 
  private:
   InputBytes& input_;
