@@ -43,7 +43,8 @@ std::shared_ptr<const ViewCells> open_view_cells(const std::filesystem::path& fi
 bool are_of(const ViewCells& cells, const Objects& objects) {
   return std::equal(objects.begin(), objects.end(), cells.objects->begin(), cells.objects->end(),
                     [](const PlacedObject& a, const PlacedObject& b) {
-                      return a.mesh == b.mesh && a.object_to_world == b.object_to_world && a.two_sided == b.two_sided;
+                      return a.mesh == b.mesh && a.object_to_world == b.object_to_world && a.two_sided == b.two_sided &&
+                             a.attributes == b.attributes;
                     });
 }
 

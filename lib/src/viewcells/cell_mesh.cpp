@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <glm/common.hpp>
 
+#include "priority/screen_error.h"
+
 namespace occlod {
 namespace {
 
@@ -102,9 +104,9 @@ double CellMeshMaker::error_of(std::uint32_t object, const CellView& view) const
   double error = 0.0;
   const auto look_at = [&](SplitId s) {
     if (s == no_id || std::ranges::binary_search(cut_.applied, s)) return;
-    const SplitNode& node = hierarchy.node(s);
-    error = std::max(
-        error, static_cast<double>(node.guaranteed_error) * static_cast<double>(view.largest_scale_px(node.sphere)));
+    const float own = errors_of(hierarchy, s, objects_[object].attributes).guaranteed;
+    error = std::max(error,
+                     static_cast<double>(own) * static_cast<double>(view.largest_scale_px(hierarchy.node(s).sphere)));
   };
   for (const SplitId root : hierarchy.data().roots) look_at(root);
   for (const SplitId s : cut_.applied) {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "math/unite.h"
+#include "priority/screen_error.h"
 #include "viewcells/cell_geometry.h"
 #include "viewcells/star_box.h"
 
@@ -76,8 +77,8 @@ void CellRefinement::refine_to_budget() {
   heap_.clear();
   is_full_ = false;
   const auto push = [&](std::uint32_t object, SplitId s) {
-    const SplitNode& node = cuts_[object].hierarchy().node(s);
-    heap_.push_back({node.guaranteed_error * views_[object].largest_scale_px(node.sphere), object, s});
+    const Sphere& sphere = cuts_[object].hierarchy().node(s).sphere;
+    heap_.push_back({error_of(object, s) * views_[object].largest_scale_px(sphere), object, s});
     std::push_heap(heap_.begin(), heap_.end());
   };
   for (std::uint32_t i = 0; i < objects_.size(); ++i)
@@ -98,7 +99,7 @@ void CellRefinement::refine_to_budget() {
 void CellRefinement::visit(std::uint32_t object, const CellView& view, SplitId s) {
   const SplitNode& node = cuts_[object].hierarchy().node(s);
   ++result_.stats.nodes;
-  if (is_fine(node.guaranteed_error, view.largest_scale_px(node.sphere))) {
+  if (is_fine(error_of(object, s), view.largest_scale_px(node.sphere))) {
     ++result_.stats.fine_nodes;
     return;
   }
@@ -115,10 +116,9 @@ void CellRefinement::try_split(std::uint32_t object, const CellView& view, Split
   Cut& cut = cuts_[object];
   const Hierarchy& hierarchy = cut.hierarchy();
   const Box box = box_of(hierarchy.star(s), hierarchy.positions());
-  const float error = hierarchy.node(s).guaranteed_error;
-  if (is_fine(error, view.largest_scale_px(box))) {
+  if (is_fine(error_of(object, s), view.largest_scale_px(box))) {
     ++result_.stats.fine_splits;
-  } else if (is_hidden(view, box, error)) {
+  } else if (is_hidden(view, box, hierarchy.node(s).guaranteed_error)) {
     ++result_.stats.hidden_splits;
   } else {
     const Cut::Closure closure = cut.closure(s);
@@ -128,6 +128,10 @@ void CellRefinement::try_split(std::uint32_t object, const CellView& view, Split
     result_.stats.forced_splits += closure.splits.size() - 1;
     cut.apply_closure();
   }
+}
+
+float CellRefinement::error_of(std::uint32_t object, SplitId s) const {
+  return errors_of(cuts_[object].hierarchy(), s, objects_[object].attributes).guaranteed;
 }
 
 bool CellRefinement::is_fine(float error, float scale_px) {

@@ -35,6 +35,12 @@ namespace occlod {
 // and t_1, ..., t_(j-1) with it. Then x is in the cut on some f_i, i >= j, and within the tolerance of it. The box of
 // f_i, grown by its own g, holds x as well; so f_i is not left out because it is hidden.
 //
+// *Attributes.* The error that has to be within the tolerance is the larger of the guaranteed one and of how far
+// attributes slip, where these count: a split that is fine in that sense is fine in the sense above, so all of this
+// holds. A point x that is seen is then in the cut on a face f_i, and all splits on its path after t_i are fine: its
+// texel has slipped by no more than the tolerance since then, as far as Hierarchy::attribute_error() tells. Boxes are
+// grown by the guaranteed error only, as slipping moves no surface.
+//
 // Whether faces turn away decides only what is drawn, never what is refined: the input may face an eye where a coarse
 // version of it does not.
 class CellRefinement {
@@ -54,7 +60,7 @@ class CellRefinement {
  private:
   // A node to visit.
   struct Candidate {
-    float px = 0.0F;  // its guaranteed error on the screen
+    float px = 0.0F;  // its error on the screen, see error_of()
     std::uint32_t object = 0;
     SplitId split = 0;
 
@@ -81,6 +87,8 @@ class CellRefinement {
   [[nodiscard]] bool is_seen(const CellBox& what);
   [[nodiscard]] bool is_hidden(const CellBox& what);
   [[nodiscard]] bool is_hidden(const CellView& view, const Box& box, float error);
+  // What has to be within the tolerance: the guaranteed error, or how far attributes slip where that is more.
+  [[nodiscard]] float error_of(std::uint32_t object, SplitId s) const;
   // Whether the error, of so many pixels a unit, is within the tolerance; then it counts.
   [[nodiscard]] bool is_fine(float error, float scale_px);
 

@@ -5,6 +5,7 @@
 #include <glm/common.hpp>
 
 #include "occlod/hierarchy/cut_mesh.h"
+#include "priority/screen_error.h"
 #include "viewcells/star_box.h"
 
 namespace occlod {
@@ -143,7 +144,7 @@ bool CellSampling::split_seen() {
 bool CellSampling::must_split(std::size_t place, SplitId s) {
   const Hierarchy& hierarchy = objects_[place].cut.hierarchy();
   const double px =
-      static_cast<double>(hierarchy.node(s).guaranteed_error) *
+      static_cast<double>(errors_of(hierarchy, s, objects_[place].placed.attributes).guaranteed) *
       static_cast<double>(views_[place].largest_scale_px(box_of(hierarchy.star(s), hierarchy.positions())));
   if (px > options_.tolerance_px) return true;
   result_.error_px = std::max(result_.error_px, px);

@@ -196,7 +196,9 @@ void VlodFile::Impl::expect(std::span<const RefineObject> objects, std::span<con
     const char* const what = now.hierarchy != then.hierarchy || now.split_count != then.split_count ? "has changed"
                              : now.object_to_world != then.object_to_world                          ? "has been moved"
                              : now.two_sided != then.two_sided ? "is now seen from other sides"
-                                                               : nullptr;
+                             : now.ignores_attributes != then.ignores_attributes
+                                 ? "has had 'attributes' turned on or off"
+                                 : nullptr;
     if (what == nullptr) continue;
     const std::string name =
         i < names.size() ? fmt::format("object {} ({})", i, names[i]) : fmt::format("object {}", i);

@@ -66,6 +66,7 @@ std::vector<VlodObject> describe(std::span<const RefineObject> objects) {
     it.hierarchy = earlier < i ? described[earlier].hierarchy : hash_of(*object.hierarchy);
     it.split_count = static_cast<std::uint32_t>(object.hierarchy->split_count());
     it.two_sided = object.two_sided ? 1 : 0;
+    it.ignores_attributes = !object.attributes && !object.hierarchy->data().attribute_errors.empty() ? 1 : 0;
     it.object_to_world = object.object_to_world;
   }
   return described;

@@ -23,7 +23,8 @@ enum class CellOcclusion {
 // How the cut of a cell is chosen.
 struct CellOptions {
   EyeModel eyes = {};                             // what all eyes have in common
-  double tolerance_px = 1.0;                      // how far from the input what is seen of it may be drawn, > 0
+  double tolerance_px = 1.0;                      // how far from the input what is seen of it may be drawn, and how far
+                                                  // attributes may slip on it where they count, > 0
   CellOcclusion occlusion = CellOcclusion::hull;  // how what is hidden is found
   int sampled_eyes = 5;    // along each axis of the cell, for CellOcclusion::sampled: this to the power of three, >= 1
   std::size_t budget = 0;  // active triangles of all objects, at most; 0: as many as the tolerance takes. Not for
@@ -58,8 +59,8 @@ struct CellCut {
   std::vector<CellObjectCut> objects;  // as given to the builder
   std::size_t triangles = 0;           // active, of all objects
   std::size_t drawn_triangles = 0;     // of these, to draw
-  double error_px = 0.0;               // how far anything seen is from what is drawn, at most: the tolerance or less,
-                                       // or what a budget left
+  double error_px = 0.0;               // how far anything seen is from what is drawn, at most, or attributes slip
+                                       // if that is more: the tolerance or less, or what a budget left
   CellStats stats;                     // of the call
 };
 
@@ -72,6 +73,9 @@ struct CellCut {
 // tolerance may be gone. Both sides of the input's triangles hide, and backs of objects that are not two-sided are
 // never seen. It is proven for hierarchies with ErrorBound::accumulated (see cell_refinement.h); measured bounds
 // promise for a cut as a whole. Nothing is promised for CellOcclusion::sampled.
+//
+// Where an object's attributes count (RefineObject::attributes) no split is left out whose Hierarchy::attribute_error()
+// is more than the tolerance at anything seen: about a root mean square of how far textures slip, no bound.
 //
 // With a budget, splits are made in the order of the error below them, the largest first, until one does not fit.
 class CellBuilder {

@@ -81,8 +81,8 @@ struct WalkedFrame {
   bool changed = false;   // what is drawn is
   bool late = false;      // `shown` is not `cell`: its cut is not there yet
   bool missing = false;   // late, and it will not come: it cannot be read, or needs more memory than there may be
-  double error_px = 0.0;  // how far anything seen from `cell` is from what is drawn, at most; of what is hidden too
-                          // where the frame is late
+  double error_px = 0.0;  // how far anything seen from `cell` is from what is drawn, at most, as CellCut::error_px; of
+                          // what is hidden too where the frame is late
   std::size_t drawn_triangles = 0;    // of all objects
   std::uint64_t bytes_read = 0;       // of the file, by loads that have ended since the step before
   std::size_t loads = 0;              // that have ended since

@@ -58,7 +58,8 @@ struct VlodObject {
   std::array<std::uint64_t, 2> hierarchy{};  // XXH3-128 of all that is in its hierarchy
   std::uint32_t split_count = 0;             // of its hierarchy
   std::uint32_t two_sided = 0;               // 0 or 1
-  std::uint64_t reserved = 0;                // 0
+  std::uint32_t ignores_attributes = 0;      // 1 where attributes slip, and do not count: RefineObject::attributes
+  std::uint32_t reserved = 0;                // 0
   glm::dmat4 object_to_world{1.0};           // of its placement
 };
 static_assert(sizeof(VlodObject) == 160);
