@@ -1,5 +1,6 @@
 // Cells of meshes with seams and materials: what is drawn has the wedges that its faces have in the hierarchy.
 #include <gtest/gtest.h>
+#include <xxhash.h>
 
 #include <algorithm>
 #include <array>
@@ -15,6 +16,7 @@
 #include "occlod/core/error.h"
 #include "occlod/hierarchy/build.h"
 #include "occlod/hierarchy/cut_mesh.h"
+#include "occlod/io/olod.h"
 #include "occlod/viewcells/build_cells.h"
 #include "occlod/viewcells/cell_walker.h"
 #include "occlod/viewcells/pack_cells.h"
@@ -240,6 +242,81 @@ TEST_F(CellWedges, AreWalkedThrough) {
     while (found_loader.begin()) found_loader.finish();
   }
   EXPECT_GT(crossed, 2U);
+}
+
+// A hierarchy that differs in nothing else is another: cells of it would draw other corners.
+TEST_F(CellWedges, ArePartOfTheScene) {
+  const std::vector<RefineObject> good(scene->objects().begin(), scene->objects().end());
+  const HierarchyView& sheet = good[2].hierarchy->data();
+  // The cells, for this instead of the sheet.
+  const auto is_refused = [&](const HierarchyView& view) {
+    const Hierarchy changed(view, nullptr);
+    std::vector<RefineObject> objects = good;
+    objects[2].hierarchy = &changed;
+    try {
+      static_cast<void>(open_vlod(folder / "cells.vlod", objects));
+      return false;
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find("object 2: has changed since its cells were built"), std::string::npos)
+          << error.what();
+      return true;
+    }
+  };
+  EXPECT_FALSE(is_refused(sheet));
+  const auto is_refused_with = [&]<typename Value>(std::span<const Value> HierarchyView::*array, const auto& change) {
+    std::vector<Value> values((sheet.*array).begin(), (sheet.*array).end());
+    EXPECT_FALSE(values.empty());
+    change(values[values.size() / 2]);  // in a copy
+    HierarchyView view = sheet;
+    view.*array = values;
+    return is_refused(view);
+  };
+  EXPECT_TRUE(is_refused_with(&HierarchyView::texture_coordinates, [](glm::vec2& uv) { uv.y += 0.25F; }));
+  EXPECT_TRUE(is_refused_with(&HierarchyView::extra_wedges, [](VertexId& v) { v ^= 1U; }));
+  EXPECT_TRUE(is_refused_with(&HierarchyView::wedge_materials, [](MaterialId& m) { m ^= 1U; }));
+  EXPECT_TRUE(is_refused_with(&HierarchyView::corners, [](std::uint32_t& c) { c ^= 1U; }));
+  EXPECT_TRUE(is_refused_with(&HierarchyView::corner_starts, [](std::uint32_t& c) { c ^= 1U; }));
+  EXPECT_TRUE(is_refused_with(&HierarchyView::base_corners, [](Triangle& t) { std::swap(t.x, t.y); }));
+  EXPECT_TRUE(is_refused_with(&HierarchyView::attribute_errors, [](std::uint16_t& e) { e ^= 1U; }));
+  EXPECT_TRUE(is_refused_with(&HierarchyView::materials, [](Material& m) { m.name += "s"; }));
+  EXPECT_TRUE(is_refused_with(&HierarchyView::materials, [](Material& m) { m.base_color.a = 0.75F; }));
+  EXPECT_TRUE(is_refused_with(&HierarchyView::materials, [](Material& m) { m.texture ^= 1U; }));
+  EXPECT_TRUE(is_refused_with(&HierarchyView::textures, [](Texture& t) { t.file += "2"; }));
+  EXPECT_TRUE(is_refused_with(&HierarchyView::textures, [](Texture& t) { t.mime_type += "2"; }));
+  EXPECT_TRUE(is_refused_with(&HierarchyView::textures, [](Texture& t) { t.bytes.push_back(7); }));
+  EXPECT_TRUE(is_refused_with(&HierarchyView::textures, [](Texture& t) { t.wrap_s = TextureWrap::mirror; }));
+  EXPECT_TRUE(is_refused_with(&HierarchyView::textures, [](Texture& t) { t.wrap_t = TextureWrap::clamp; }));
+  HierarchyView view = sheet;
+  view.texture_origin = TextureOrigin::bottom_left;
+  EXPECT_TRUE(is_refused(view));
+  view = sheet;
+  view.materials = {};
+  EXPECT_TRUE(is_refused(view));
+  // The same from a file.
+  write_olod(folder / "sheet.olod", *good[2].hierarchy, {});
+  const Hierarchy read = read_olod(folder / "sheet.olod").hierarchy;
+  EXPECT_FALSE(is_refused(read.data()));
+}
+
+// As files have always had it: of seven arrays, each after its length, and of the bound of the error.
+TEST_F(CellWedges, DoNotChangeTheHashOfMeshesWithoutThem) {
+  const HierarchyView& ball = scene->objects()[4].hierarchy->data();
+  std::string bytes;
+  const auto add = [&](const auto& values) {
+    const std::uint64_t count = values.size();
+    bytes.append(reinterpret_cast<const char*>(&count), sizeof(count));
+    bytes.append(reinterpret_cast<const char*>(values.data()), values.size_bytes());
+  };
+  add(ball.positions);
+  add(ball.normals);
+  add(ball.colors);
+  add(ball.nodes);
+  add(ball.stars);
+  add(ball.roots);
+  add(ball.base_faces);
+  add(std::span(&ball.error_bound, 1));
+  const XXH128_hash_t hash = XXH3_128bits(bytes.data(), bytes.size());
+  EXPECT_EQ(cells->objects()[4].hierarchy, (std::array<std::uint64_t, 2>{hash.low64, hash.high64}));
 }
 
 // Files of meshes without textures, materials and seams are of version 2 and have no section that this has not.

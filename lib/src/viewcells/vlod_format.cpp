@@ -43,12 +43,32 @@ class Hash {
   std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state_;
 };
 
+// What wedges and materials add to a hierarchy.
+void add_wedges(const HierarchyView& view, Hash& hash) {
+  olod::for_each_wedge_array(view, [&](std::string_view, const auto& array, bool) { hash.add(array); });
+  const auto add_text = [&](const std::string& text) { hash.add(std::span<const char>(text)); };
+  for (const Material& material : view.materials) {
+    add_text(material.name);
+    hash.add_one(material.base_color);
+    hash.add_one(material.texture);
+  }
+  for (const Texture& texture : view.textures) {
+    add_text(texture.file);
+    add_text(texture.mime_type);
+    hash.add(std::span<const std::uint8_t>(texture.bytes));
+    hash.add_one(static_cast<std::uint32_t>(texture.wrap_s));
+    hash.add_one(static_cast<std::uint32_t>(texture.wrap_t));
+  }
+  hash.add_one(static_cast<std::uint32_t>(view.texture_origin));
+}
+
 Key hash_of(const Hierarchy& hierarchy) {
   hierarchy.require_all();
   const HierarchyView& view = hierarchy.data();
   Hash hash;
   olod::for_each_array(view, [&](std::string_view, const auto& array, bool) { hash.add(array); });
   hash.add_one(view.error_bound);
+  if (olod::needs_wedges(view)) add_wedges(view, hash);
   return hash.value();
 }
 
