@@ -16,6 +16,7 @@
 #include <variant>
 
 #include "arrays.h"
+#include "materials.h"
 #include "view_like.h"
 #include "vlod.h"
 
@@ -145,6 +146,29 @@ void bind_frame(nb::module_& m) {
       .def(
           "colors", [](nb::handle self, std::size_t i) { return view_of(frame_in(self).object(i).colors, self); },
           "object"_a = 0, "(n, 4) uint8, or (0, 4) where vertices have none.")
+      .def(
+          "texture_coordinates",
+          [](nb::handle self, std::size_t i) { return view_of(frame_in(self).object(i).texture_coordinates, self); },
+          "object"_a = 0, "(n, 2) float32 as the input has them, or (0, 2) where vertices have none.")
+      .def(
+          "wedge_materials",
+          [](nb::handle self, std::size_t i) { return view_of(frame_in(self).object(i).wedge_materials, self); },
+          "object"_a = 0,
+          "(n,) uint16: the material of the triangles at each of the positions; (0,) when there is one or none.")
+      .def(
+          "materials",
+          [](const PythonWalkedFrame& f, std::size_t i) { return tuple_of<Material>(f.object(i).surface.materials); },
+          "object"_a = 0, nb::sig("def materials(self, object: int = 0) -> tuple[Material, ...]"),
+          "That wedge_materials(object) counts. Copies.")
+      .def(
+          "textures",
+          [](const PythonWalkedFrame& f, std::size_t i) { return tuple_of<Texture>(f.object(i).surface.textures); },
+          "object"_a = 0, nb::sig("def textures(self, object: int = 0) -> tuple[Texture, ...]"),
+          "That materials(object) count. Copies, with the images that the mesh file held.")
+      .def(
+          "texture_origin",
+          [](const PythonWalkedFrame& f, std::size_t i) { return f.object(i).surface.texture_origin; }, "object"_a = 0,
+          "Of texture_coordinates(object).")
       .def(
           "transform",
           [](const PythonWalkedFrame& f, std::size_t i) {

@@ -11,10 +11,17 @@ import unittest
 
 import numpy
 import occlod
-from support import planet
+from support import box_of_charts, looks, planet
 
 EYES = occlod.EyeModel(focal_length_px=100, cos_corner_angle=0.5, near=0.05)
 WAY = [(-1.4 + 0.07 * i, 0.3, 2.0) for i in range(41)]
+
+
+def surface_of(frame, i):
+    """As a mesh with a vertex for each wedge."""
+    triangles = frame.triangles(i)
+    return occlod.Mesh(frame.positions(i), triangles, colors=frame.colors(i), texture_coordinates=frame.texture_coordinates(i),
+                       triangle_materials=frame.wedge_materials(i)[triangles[:, 0]], materials=frame.materials(i), textures=frame.textures(i))
 
 
 def words(array):
@@ -89,6 +96,41 @@ class Walking(unittest.TestCase):
                 self.assertEqual(b.colors(i).tolist(), [[1, 2, 3, 255]] * len(b.positions(i)))
                 self.assertEqual((b.normals(i).shape, a.normals(i).shape), ((0, 3), (0, 3)))
                 numpy.testing.assert_array_equal(a.transform(i), b.transform(i))
+
+    def test_frames_have_textures_and_materials(self):
+        box = box_of_charts(texture_origin=occlod.TextureOrigin.top_left).clean()[0]
+        hierarchy, plain = occlod.build_hierarchy(box, base_triangles=12), self.hierarchy
+        self.assertGreater(hierarchy.wedge_count, hierarchy.vertex_count)
+        objects = [occlod.Object(plain, transform=numpy.diag([0.5, 0.5, 0.5, 1])), occlod.Object(hierarchy)]
+        region = occlod.CellBox((1.5, -2.5, -0.5), (2.5, -1.5, 0.5))  # sees an even and an odd side
+        options = occlod.CellTreeOptions([region], cell=occlod.CellOptions(eyes=EYES, tolerance_px=0.5), root_cell=0.5, smallest_cell=0.5)
+        cells, packed = self.folder / "box.vlod", self.folder / "packed_box.vlod"
+        occlod.CellBuild(objects, options).write(cells)
+        occlod.VlodFile(cells, objects).pack(packed)
+        file, there = occlod.VlodFile(cells, objects), 0
+        walks = [walk_by_hand(occlod.CellWalker(*arguments, loaders=0), [(1.6 + 0.05 * i, -1.9, 0.2) for i in range(16)])
+                 for arguments in ((cells, objects), (packed,))]
+        for frames in zip(*walks, strict=True):
+            for frame in frames:
+                self.assertEqual((frame.texture_coordinates().shape, frame.wedge_materials().shape), ((0, 2), (0,)))
+                self.assertEqual((frame.materials(), frame.textures()), ((), ()))
+                self.assertEqual((frame.materials(1), frame.textures(1)), (box.materials, box.textures))
+                self.assertEqual(frame.texture_origin(1), occlod.TextureOrigin.top_left)
+                self.assertEqual(frame.texture_coordinates(1).shape, (len(frame.positions(1)), 2))
+                self.assertFalse(frame.texture_coordinates(1).flags.writeable or frame.texture_coordinates(1).flags.owndata)
+                self.assertEqual(frame.wedge_materials(1).dtype, numpy.uint16)
+            seen = [surface_of(frame, 1) for frame in frames]
+            self.assertEqual(looks(seen[1]), looks(seen[0]))
+            if not frames[0].late:
+                # What the cut of the cell says without a walk.
+                self.assertEqual(looks(seen[0]), looks(file.cut(frames[0].cell).mesh(1)))
+                self.assertEqual({"odd", "even"}, {box.materials[m].name for m in seen[0].triangle_materials})
+                there += 1
+        self.assertGreater(there, 3)
+        with self.assertRaises(IndexError):
+            frames[0].texture_coordinates(2)
+        with self.assertRaises(IndexError):
+            frames[0].materials(2)
 
     @unittest.skipUnless("OCCLOD" in os.environ, "SKIPPED: there is no command line beside the package")
     def test_draws_what_the_command_line_draws(self):

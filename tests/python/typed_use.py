@@ -22,6 +22,12 @@ def use() -> None:
     image: numpy.typing.NDArray[numpy.uint8] = occlod.picture([mesh, refined, cut], camera)
     occlod.write_png("a.png", image)
     objects: list[occlod.Object] = occlod.Scene.read("city.json").load()
+    frame: occlod.WalkedFrame = occlod.CellWalker("packed.vlod").step((0.0, 0.0, 2.0), 1 / 60)
+    texture_coordinates: numpy.typing.NDArray[numpy.float32] = frame.texture_coordinates()
+    wedge_materials: numpy.typing.NDArray[numpy.uint16] = frame.wedge_materials(0)
+    surface: tuple[tuple[occlod.Material, ...], tuple[occlod.Texture, ...]] = frame.materials(), frame.textures()
+    origin: occlod.TextureOrigin = frame.texture_origin()
+    print(texture_coordinates, wedge_materials, surface, origin)
     print(coordinates, box, triangles, count, objects, occlod.to_trimesh(mesh))
 
 
