@@ -222,24 +222,40 @@ void bind_hlod(nb::module_& m) {
   m.def(
       "build_hlod",
       [](const TriangleMesh& mesh, std::uint32_t node_triangles, hlod::Grouping grouping, hlod::Borders borders,
-         hlod::Within within, double boundary_weight, int threads, const std::optional<nb::callable>& progress) {
+         hlod::Within within, double boundary_weight, double attribute_weight, int threads,
+         const std::optional<std::filesystem::path>& journal, const std::optional<nb::callable>& resumed,
+         const std::optional<nb::callable>& progress) {
         hlod::BuildOptions options;
         options.node_triangles = node_triangles;
         options.grouping = grouping;
         options.borders = borders;
         options.within = within;
         options.boundary_weight = boundary_weight;
+        options.attribute_weight = attribute_weight;
         options.threads = threads;
+        if (journal && journal->empty())
+          throw nb::value_error("journal: names no file; give a path, or None for a build without a journal");
+        options.journal = journal.value_or(std::filesystem::path());
+        if (resumed)
+          options.resumed = [call = nb::handle(*resumed)](std::size_t nodes) {
+            const nb::gil_scoped_acquire acquire;
+            call(nodes);
+          };
         options.progress = progress_of(progress ? nb::handle(*progress) : nb::handle(Py_None));
         const nb::gil_scoped_release release;
         return hlod::build_hlod(mesh, options);
       },
       "mesh"_a, nb::kw_only(), "node_triangles"_a = standard.node_triangles, "grouping"_a = standard.grouping,
       "borders"_a = standard.borders, "within"_a = standard.within, "boundary_weight"_a = standard.boundary_weight,
-      "threads"_a = standard.threads, "progress"_a = nb::none(),
+      "attribute_weight"_a = standard.attribute_weight, "threads"_a = standard.threads, "journal"_a = nb::none(),
+      "resumed"_a = nb::none(), "progress"_a = nb::none(),
       "Builds the HLOD of any triangle soup with welded vertices. The same bytes for any number of threads. "
       "`progress`\n"
-      "is called with the share done; what it raises, and Ctrl-C, end the build. O(n log n).");
+      "is called with the share done; what it raises, and Ctrl-C, end the build. O(n log n).\n"
+      "`journal`: a file in which the build keeps what it has finished, 18 bytes for each triangle. A build of the\n"
+      "same mesh with the same options goes on from there, to the same bytes; threads may differ. Remove it once the\n"
+      "result is written. Error for a file that is no journal, that another build uses, or that does not fit.\n"
+      "`resumed` is called once, at the end of a build with a journal, with the number of nodes that it took over.");
   m.def(
       "read_hlod_and_report",
       [](const std::filesystem::path& path, OlodAccess access) {

@@ -159,6 +159,67 @@ class Hlods(unittest.TestCase):
         mesh, _ = planet(2)
         with self.assertRaisesRegex(occlod.Error, "locked"):
             occlod.build_hlod(mesh, borders=occlod.Borders.free)
+        with self.assertRaisesRegex(occlod.Error, "attribute_weight"):
+            occlod.build_hlod(mesh, attribute_weight=-1)
+        with self.assertRaisesRegex(ValueError, "journal"):
+            occlod.build_hlod(mesh, journal="")
+
+    def test_textures_weigh_nothing_if_so_told(self):
+        """On a flat sheet only the texture can be off."""
+        steps = numpy.linspace(0, 1, 65)
+        x, y = (axis.ravel() for axis in numpy.meshgrid(steps, steps))
+        places = numpy.stack([x, y, 0 * x], axis=1)
+        corner = numpy.array([i + 65 * j for j in range(64) for i in range(64)])
+        triangles = numpy.concatenate([numpy.stack([corner, corner + 1, corner + 66], axis=1), numpy.stack([corner, corner + 66, corner + 65], axis=1)])
+        waves = numpy.stack([x + 0.05 * numpy.sin(20 * y), y + 0.05 * numpy.sin(20 * x)], axis=1)
+        sheet, _ = occlod.Mesh(places, triangles, texture_coordinates=waves).clean()
+        errors = []
+        for weight in (0, 0.7):
+            hlod = occlod.build_hlod(sheet, node_triangles=500, attribute_weight=weight)
+            errors.append(max(hlod.node(root).error for root in hlod.roots))
+        self.assertLess(errors[0], 1e-5)
+        self.assertGreater(errors[1], 1e-3)
+
+    def test_killed_builds_go_on(self):
+        mesh, _ = planet(6)
+        with tempfile.TemporaryDirectory() as folder:
+            journal, written = pathlib.Path(folder, "planet.journal"), pathlib.Path(folder, "planet.ohlod")
+            options = {"node_triangles": 16, "threads": 1}
+
+            def bytes_of(**more):
+                occlod.build_hlod(mesh, **options, **more).write(written)
+                return written.read_bytes()
+
+            def stop(done):
+                if done > 0.8:
+                    raise KeyboardInterrupt
+
+            expected, told = bytes_of(), []
+            with self.assertRaises(KeyboardInterrupt):
+                bytes_of(journal=journal, resumed=told.append, progress=stop)
+            self.assertEqual(told, [], "nothing is said of a build that has not ended")
+            kept = journal.read_bytes()
+            # Whole, cut off in the middle of something, with wrong bytes in it, as text, and gone.
+            for text in (kept, kept[: len(kept) * 3 // 4], kept[: len(kept) * 3 // 4] + bytes(1000), None):
+                if text is None:
+                    journal.unlink()
+                else:
+                    journal.write_bytes(text)
+                self.assertEqual(bytes_of(journal=str(journal), resumed=told.append), expected)
+            whole, cut, wrong, none = told
+            self.assertTrue(0 < cut < whole, told)
+            self.assertEqual((wrong, none), (cut, 0))
+            # A journal of a build that has ended has all nodes but those of the input.
+            hlod = occlod.build_hlod(mesh, journal=journal, resumed=told.append, node_triangles=16, threads=2)
+            self.assertEqual(told[-1], hlod.node_count - hlod.levels[0][1])
+            with self.assertRaisesRegex(occlod.Error, "planet.journal"):
+                occlod.build_hlod(mesh, journal=journal, node_triangles=32)
+            with self.assertRaisesRegex(ZeroDivisionError, "zero"):
+                occlod.build_hlod(mesh, journal=journal, resumed=lambda nodes: nodes / 0, node_triangles=16)
+            written.write_text("a file of something else")
+            with self.assertRaisesRegex(occlod.Error, "planet.ohlod"):
+                bytes_of(journal=written)
+            self.assertEqual(written.read_text(), "a file of something else")
 
 
 class Traversal(unittest.TestCase):

@@ -1,4 +1,6 @@
 """Read by mypy, not run: how the package is meant to be used has types, and misuse does not pass."""
+import pathlib
+
 import numpy
 import numpy.typing
 import occlod
@@ -27,7 +29,8 @@ def use() -> None:
     wedge_materials: numpy.typing.NDArray[numpy.uint16] = frame.wedge_materials(0)
     surface: tuple[tuple[occlod.Material, ...], tuple[occlod.Texture, ...]] = frame.materials(), frame.textures()
     origin: occlod.TextureOrigin = frame.texture_origin()
-    print(texture_coordinates, wedge_materials, surface, origin)
+    hlod: occlod.Hlod = occlod.build_hlod(mesh, attribute_weight=0.5, journal=pathlib.Path("a.journal"), resumed=lambda nodes: print(nodes))
+    print(hlod, texture_coordinates, wedge_materials, surface, origin)
     print(coordinates, box, triangles, count, objects, occlod.to_trimesh(mesh))
 
 
