@@ -1,5 +1,5 @@
-// Material libraries: whatever the text, its materials have colours that can be shown, or it is refused with an Error
-// of one line.
+// Material libraries: whatever the text, its materials have colours that can be shown and textures at finite places, or
+// it is refused with an Error of one line.
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -26,6 +26,8 @@ void read(std::string_view bytes) {
     expect(read.material.texture == no_texture);
     expect(read.material.name.find('\n') == std::string::npos && read.texture.file.find('\n') == std::string::npos);
     expect(read.texture.file.find('\\') == std::string::npos);
+    for (int k = 0; k < 2; ++k)
+      expect(std::isfinite(read.placement.scale[k]) && std::isfinite(read.placement.offset[k]));
   }
 }
 

@@ -118,6 +118,21 @@ TEST_F(StreamedFiles, MakeWhatTheirMeshesMake) {
     }
 }
 
+// Materials that scale and move their textures, by turns and on quads.
+TEST_F(StreamedFiles, TexturesAreAtTheSamePlaces) {
+  static_cast<void>(
+      write("placed.mtl", "newmtl a\nmap_Kd -s 2 3 t.png\nnewmtl b\nmap_Kd -o 0.5 0.25 t.png\nnewmtl c\n"));
+  const auto textured = [](int c, int, int) { return fmt::format("/{}", c % 5 + 1); };
+  std::string text = "mtllib placed.mtl\n" + obj_vertices(12) + "vt 0 0\nvt 1 0\nvt 0.5 0.5\nvt 0 1\nvt 1 1\n";
+  for (const char* const material : {"a", "b", "a", "c", "b"})
+    text += fmt::format("usemtl {}\n", material) + obj_faces(12, textured);
+  const std::string placed = file("placed.obj", text);
+  EXPECT_EQ(difference(placed), "");
+  const std::string before = built(stream(placed));
+  static_cast<void>(write("placed.mtl", "newmtl a\nmap_Kd t.png\nnewmtl b\nmap_Kd t.png\nnewmtl c\n"));
+  EXPECT_NE(built(stream(placed)), before) << "or they are not placed";
+}
+
 TEST_F(StreamedFiles, NormalsWithoutADirectionAreThoseOfTheSurface) {
   const std::string normals = "vn 0 0 2\nvn 0 0 0\nvn 1 0 1\n";
   const auto mixed = [](int, int x, int y) {

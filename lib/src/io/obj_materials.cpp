@@ -7,7 +7,6 @@
 #include <system_error>
 
 #include "io/files_beside.h"
-#include "io/parse_mtl.h"
 #include "io/text_encoding.h"
 
 namespace occlod {
@@ -29,6 +28,7 @@ bool ObjMaterials::use(std::string_view name, bool has_polygons, const TextCurso
 
 void ObjMaterials::read_libraries(const FileErrors& errors) {
   is_defined_.assign(soup_.materials.size(), false);
+  placements_.assign(soup_.materials.size(), {});
   const fs::path folder = fs::path(errors.subject()).parent_path();
   for (const std::string& line : libraries_) {
     for (const std::string& name : library_names(line, folder))
@@ -47,7 +47,8 @@ void ObjMaterials::read_library(const fs::path& path, const fs::path& folder) {
   if (bytes > most_library_bytes) errors.fail("", "is too large for a library of materials", "check the mtllib line");
   InputBytes input(path, errors, {});
   std::string converted;
-  for (auto& [material, texture] : parse_mtl(as_utf8(input.window(input.size()), converted, errors), errors)) {
+  for (auto& [material, texture, placement] :
+       parse_mtl(as_utf8(input.window(input.size()), converted, errors), errors)) {
     Material* const used = table_.find(material.name);
     if (used == nullptr) continue;
     const auto id = static_cast<std::size_t>(used - soup_.materials.data());
@@ -57,6 +58,7 @@ void ObjMaterials::read_library(const fs::path& path, const fs::path& folder) {
     if (texture.file.empty()) continue;
     texture.file = (folder / texture.file).generic_string();
     used->texture = table_.texture(std::move(texture));
+    placements_[id] = placement;
   }
 }
 

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "io/file_input.h"
 #include "io/material_table.h"
+#include "io/parse_mtl.h"
 #include "io/polygon_soup.h"
 #include "io/text_cursor.h"
 
@@ -30,6 +32,8 @@ class ObjMaterials {
   // Looks up the materials. One that no library has keeps its name and counts as left out. Throws Error that names the
   // library for one that cannot be read, but not for one that does not exist.
   void read_libraries(const FileErrors& errors);
+  // Of the textures, by material; after read_libraries().
+  [[nodiscard]] std::span<const MapPlacement> placements() const { return placements_; }
 
  private:
   void read_library(const std::filesystem::path& path, const std::filesystem::path& folder);
@@ -38,7 +42,8 @@ class ObjMaterials {
   MaterialTable table_;
   MaterialId current_ = 0;
   std::vector<std::string> libraries_;
-  std::vector<bool> is_defined_;  // by material
+  std::vector<bool> is_defined_;          // by material
+  std::vector<MapPlacement> placements_;  // likewise
 };
 
 }  // namespace occlod

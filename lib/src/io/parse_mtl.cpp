@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 #include <string>
 
@@ -39,6 +40,12 @@ bool is_number(std::string_view word) {
   return first != last && parse_double(first, last, value).ptr == last;
 }
 
+// Whether the word is one that a double can hold, too.
+bool read_number(std::string_view word, double& value) {
+  const char* const first = word.data() + (word.starts_with('+') ? 1 : 0);
+  return is_number(word) && parse_double(first, word.data() + word.size(), value).ec == std::errc{};
+}
+
 // An option of a map_ line and what follows it: a number of words, of which all but the first may be missing where
 // they are numbers.
 struct MapOption {
@@ -65,23 +72,6 @@ std::string_view without_quotes(std::string_view name) {
   return name.substr(0, name.find('"'));
 }
 
-// "[options] file", where the name of the file may have blanks.
-Texture parse_map(std::string_view line) {
-  Texture texture;
-  Words words(line);
-  for (;;) {
-    const auto option = std::ranges::find(map_options, words.front(), &MapOption::name);
-    if (option == map_options.end()) break;
-    words.take();
-    const bool clamps = option->name == "-clamp" && words.front() == "on";
-    if (clamps) texture.wrap_s = texture.wrap_t = TextureWrap::clamp;
-    words.take();
-    for (int i = 1; i < option->words && is_number(words.front()); ++i) words.take();
-  }
-  texture.file = with_slashes(without_quotes(words.rest()));
-  return texture;
-}
-
 class MtlParser {
  public:
   MtlParser(std::string_view text, const FileErrors& errors)
@@ -94,7 +84,7 @@ class MtlParser {
       if (keyword == "Kd") read_color();
       if (keyword == "d") read_dissolve();
       if (keyword == "Tr") read_transparency();
-      if (keyword == "map_Kd") current().texture = parse_map(cursor_.rest_of_line());
+      if (keyword == "map_Kd") read_map();
     }
     return std::move(materials_);
   }
@@ -134,6 +124,42 @@ class MtlParser {
     has_dissolve_ = true;
   }
 
+  // "[options] file", where the name of the file may have blanks.
+  void read_map() {
+    MtlMaterial& material = current();
+    Texture texture;
+    MapPlacement placement;
+    Words words(cursor_.rest_of_line());
+    for (;;) {
+      const auto option = std::ranges::find(map_options, words.front(), &MapOption::name);
+      if (option == map_options.end()) break;
+      words.take();
+      if (option->name == "-o") placement.offset = take_pair(option->name, words, 0.0);
+      if (option->name == "-s") placement.scale = take_pair(option->name, words, 1.0);
+      if (option->name == "-o" || option->name == "-s") continue;
+      if (option->name == "-clamp" && words.front() == "on") texture.wrap_s = texture.wrap_t = TextureWrap::clamp;
+      words.take();
+      for (int i = 1; i < option->words && is_number(words.front()); ++i) words.take();
+    }
+    texture.file = with_slashes(without_quotes(words.rest()));
+    material.texture = std::move(texture);
+    material.placement = placement;
+  }
+
+  // u [v [w]]; w is for textures in three dimensions.
+  glm::dvec2 take_pair(std::string_view option, Words& words, double missing) const {
+    glm::dvec2 pair(missing);
+    for (int i = 0; i < 3 && (i == 0 || is_number(words.front())); ++i) {
+      const std::string_view word = words.take();
+      double value = 0.0;
+      if (!read_number(word, value) || !std::isfinite(value))
+        cursor_.fail(std::string(option) + " of a texture is " + in_quotes(word) + ", which is not a finite number",
+                     "correct the line or export the materials again");
+      if (i < 2) pair[i] = value;
+    }
+    return pair;
+  }
+
   // The opposite; some programs write Tr 1 beside d 1 for what is opaque.
   void read_transparency() {
     Words words(cursor_.rest_of_line());
@@ -146,8 +172,7 @@ class MtlParser {
 
   double number(std::string_view word) {
     double value = 0.0;
-    const char* const first = word.data() + (word.starts_with('+') ? 1 : 0);
-    if (!is_number(word) || parse_double(first, word.data() + word.size(), value).ec != std::errc{})
+    if (!read_number(word, value))
       cursor_.fail("a value of a material is " + in_quotes(word) + ", which is not a number",
                    "correct the line or export the materials again");
     return value;

@@ -1,6 +1,8 @@
 // Material libraries of OBJ files.
 #pragma once
 
+#include <glm/vec2.hpp>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -9,13 +11,22 @@
 
 namespace occlod {
 
-// A newmtl block, as far as a Material says it.
-struct MtlMaterial {
-  Material material;  // its texture is not set
-  Texture texture;    // its file is empty where there is none
+// What a map_ line does with texture coordinates: it shows its image at scale * coordinate + offset.
+struct MapPlacement {
+  glm::dvec2 scale{1.0};   // -s, finite
+  glm::dvec2 offset{0.0};  // -o, finite
+  [[nodiscard]] bool operator==(const MapPlacement&) const = default;
 };
 
-// newmtl, Kd, d, Tr and map_Kd, of which the options but -clamp are skipped; the rest is ignored. `text` is UTF-8.
+// A newmtl block, as far as a Material says it.
+struct MtlMaterial {
+  Material material;            // its texture is not set
+  Texture texture;              // its file is empty where there is none
+  MapPlacement placement = {};  // of the texture
+};
+
+// newmtl, Kd, d, Tr and map_Kd, of which the options but -clamp, -o and -s are skipped; the rest is ignored. `text` is
+// UTF-8.
 // Throws Error for numbers that cannot be read and for what comes before the first newmtl. O(n).
 [[nodiscard]] std::vector<MtlMaterial> parse_mtl(std::string_view text, const FileErrors& errors);
 

@@ -9,6 +9,7 @@
 
 #include "io/distinct_names.h"
 #include "io/obj_materials.h"
+#include "io/place_textures.h"
 #include "io/polygon_soup.h"
 #include "io/split_vertices.h"
 #include "io/text_chunks.h"
@@ -48,8 +49,9 @@ class ObjParser {
     check_attributes();
     count_unused_attributes();
     resolve_colors();
-    if (!attributes_.corners.empty()) split_vertices(soup_, attributes_, errors_);
     materials_.read_libraries(errors_);
+    place_textures(soup_, materials_.placements(), attributes_, errors_);
+    if (!attributes_.corners.empty()) split_vertices(soup_, attributes_, errors_);
     soup_.left_out.groups = objects_.count() + groups_.count();
     return std::move(soup_);
   }

@@ -66,6 +66,8 @@ class BasicPolygonSoup : public SoupTables {
   [[nodiscard]] std::size_t polygon_count() const { return triangles_.size() + polygon_ends_.size(); }
   // The corners of all polygons, one after the other.
   [[nodiscard]] std::span<VertexId> corners();
+  // polygon < polygon_count().
+  [[nodiscard]] std::size_t corner_count(std::size_t polygon) const { return corners_of(polygon).size(); }
   void reserve_polygons(std::size_t count) { triangles_.reserve(count); }
 
   // Throws Error when a polygon has fewer than three corners, uses a vertex that does not exist or is not finite,
