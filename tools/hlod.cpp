@@ -93,6 +93,7 @@ Json counts_of(const hlod::Hlod& hlod) {
                  {"borders", view.borders == hlod::Borders::free ? "free" : "locked"},
                  {"node_triangles", view.node_triangles},
                  {"within", view.within.empty() ? "geomorph" : "splits"}};
+  if (view.lattice_step > 0.0F) counts["lattice_step"] = view.lattice_step;
   if (!view.within.empty()) {
     std::uint64_t splits = 0;
     for (const hlod::NodeWithin& within : view.within) splits += within.splits;
@@ -102,6 +103,13 @@ Json counts_of(const hlod::Hlod& hlod) {
   counts["bytes"] = hlod.bytes();
   counts["bytes_per_triangle"] = static_cast<double>(hlod.bytes()) / static_cast<double>(view.input_triangle_count);
   return counts;
+}
+
+Json file_size_of(const std::string& file, const hlod::Hlod& hlod) {
+  const std::uintmax_t bytes = std::filesystem::file_size(file);
+  return {
+      {"file_bytes", bytes},
+      {"file_bytes_per_triangle", static_cast<double>(bytes) / static_cast<double>(hlod.data().input_triangle_count)}};
 }
 
 Json levels_of(const hlod::Hlod& hlod) {

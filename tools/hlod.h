@@ -27,9 +27,12 @@ void add_hlod_validate(CLI::App& hlod);
 // The same piece by piece, for meshes larger than memory. `progress` outlives it.
 [[nodiscard]] hlod::TriangleSource stream_hlod_input(const std::vector<std::string>& files, Progress& progress);
 
-// nodes, levels, roots, patches, triangles, stored_triangles, grouping, borders, node_triangles, within, bytes; with
-// refinement within nodes splits and within_bytes, which are part of bytes.
+// nodes, levels, roots, patches, triangles, stored_triangles, grouping, borders, node_triangles, within, bytes;
+// lattice_step if positions were quantised; with refinement within nodes splits and within_bytes, which are part of
+// bytes.
 [[nodiscard]] Json counts_of(const hlod::Hlod& hlod);
+// Of its file.
+[[nodiscard]] Json file_size_of(const std::string& file, const hlod::Hlod& hlod);
 
 // For each level from the input up: nodes, triangles, vertices, what a node has of parents and children on average, and
 // its errors.

@@ -24,11 +24,13 @@ namespace {
 
 constexpr double largest_boundary_weight = 1e6, largest_attribute_weight = 1e6;
 constexpr std::uint64_t least_node_triangles = 16, most_node_triangles = 4096;
+constexpr int least_bits = 8, most_bits = 23;
 
 struct Options {
   std::vector<std::string> inputs;
   std::string output;
   hlod::BuildOptions build;
+  OlodCompression compression = OlodCompression::zstd;
   std::optional<std::size_t> memory;
   std::string scratch;
   bool resume = false;
@@ -84,6 +86,8 @@ Built build_in_memory(const Options& options, Progress& progress) {
   built.read_ms = stopwatch.milliseconds();
   built.hlod = build_hlod(input.mesh, build_options(options, progress, built.nodes_found));
   built.report = input.report;
+  // Those that quantising dropped, as when the input is streamed.
+  built.report.repeated_index_triangles += input.mesh.triangle_count() - built.hlod.data().input_triangle_count;
   return built;
 }
 
@@ -124,13 +128,14 @@ void run(const Options& options) {
   const Built built = limit ? build_streamed(options, progress) : build_in_memory(options, progress);
   const double build_ms = stopwatch.restart();
   write_interruptibly(options.output, built.hlod.bytes(), progress,
-                      [&] { write_ohlod(options.output, built.hlod, built.report); });
+                      [&] { write_ohlod(options.output, built.hlod, built.report, options.compression); });
   if (options.resume) remove_journal(journal_of(options));
   const double write_ms = stopwatch.milliseconds();
   progress.clear();
 
   Json result = {{"inputs", options.inputs}, {"file", options.output}};
   result.update(counts_of(built.hlod));
+  result.update(file_size_of(options.output, built.hlod));
   if (!limit) result["read_ms"] = built.read_ms;
   result["build_ms"] = build_ms - built.read_ms;
   result["write_ms"] = write_ms;
@@ -178,6 +183,23 @@ void add_hlod_build(CLI::App& hlod) {
   add_number(command, "--threads", options->build.threads, WholeRange{0, most_threads},
              "Threads; 0: one per core. The result does not depend on it")
       ->capture_default_str();
+  command
+      .add_option_function<int>(
+          "--quantise",
+          [options](int bits) {
+            if (bits > 0 && bits < least_bits)
+              throw CLI::ValidationError("--quantise",
+                                         fmt::format("{} is not 0 or in [{}, {}]", bits, least_bits, most_bits));
+            options->build.quantise_bits = bits;
+          },
+          "Round positions to a lattice of so many bits for the longest side of the box: about half the bytes again. "
+          "Errors are then relative to the rounded mesh; 0: as they are")
+      ->transform(in_range(WholeRange{0, most_bits}))
+      ->type_name("N");
+  add_choice(command, "--compress", options->compression,
+             {{"none", OlodCompression::none}, {"zstd", OlodCompression::zstd}},
+             "zstd: meshes of nodes take half the bytes or less, none of them lost, and are unpacked one by one when "
+             "used; none: the file is mapped into memory when used");
   command
       .add_option_function<std::string>(
           "--memory", [options](const std::string& text) { set_memory(*options, text); },

@@ -1,6 +1,5 @@
 // occlod hlod info FILE.ohlod
 #include <CLI/CLI.hpp>
-#include <filesystem>
 #include <memory>
 #include <string>
 
@@ -21,9 +20,10 @@ void run(const Options& options) {
   const OhlodFile file = read_ohlod(options.file);
   if (options.check) file.hlod.require_all();
   const hlod::HlodView& view = file.hlod.data();
-  Json result = {{"file", options.file}, {"format", ohlod_version}};
+  Json result = {{"file", options.file}, {"format", file.version}};
   result.update(counts_of(file.hlod));
-  result["file_bytes"] = std::filesystem::file_size(options.file);
+  result["compressed"] = file.compression != OlodCompression::none;
+  result.update(file_size_of(options.file, file.hlod));
   result["normals"] = view.has_normals;
   result["colors"] = view.has_colors;
   result["box"] = {{"min", to_json(glm::dvec3(view.box.min))}, {"max", to_json(glm::dvec3(view.box.max))}};

@@ -185,13 +185,18 @@ void bind_hlod_class(nb::module_& m) {
       .def_prop_ro("grouping", [](const Hlod& h) { return h.data().grouping; })
       .def_prop_ro("borders", [](const Hlod& h) { return h.data().borders; })
       .def_prop_ro("node_triangles", [](const Hlod& h) { return h.data().node_triangles; })
+      .def_prop_ro(
+          "lattice_step", [](const Hlod& h) { return h.data().lattice_step; },
+          "All coordinates are multiples of it; 0: they are as the input's.")
       .def(
           "write",
-          [](const Hlod& h, const std::filesystem::path& path, const std::optional<MeshReport>& report) {
+          [](const Hlod& h, const std::filesystem::path& path, const std::optional<MeshReport>& report,
+             OlodCompression compression) {
             const nb::gil_scoped_release release;
-            write_ohlod(path, h, report.value_or(MeshReport{}));
+            write_ohlod(path, h, report.value_or(MeshReport{}), compression);
           },
-          "path"_a, nb::kw_only(), "report"_a = nb::none(), "As .ohlod.")
+          "path"_a, nb::kw_only(), "report"_a = nb::none(), "compression"_a = OlodCompression::zstd,
+          "As .ohlod; compressed node by node.")
       .def(
           "has_within", [](const Hlod& h, std::int64_t n) { return h.has_within(checked(h, n)); }, "node"_a,
           "Whether the node has collapses of its own: Within.splits.")
@@ -222,7 +227,7 @@ void bind_hlod(nb::module_& m) {
   m.def(
       "build_hlod",
       [](const TriangleMesh& mesh, std::uint32_t node_triangles, hlod::Grouping grouping, hlod::Borders borders,
-         hlod::Within within, double boundary_weight, double attribute_weight, int threads,
+         hlod::Within within, double boundary_weight, double attribute_weight, int quantise_bits, int threads,
          const std::optional<std::filesystem::path>& journal, const std::optional<nb::callable>& resumed,
          const std::optional<nb::callable>& progress) {
         hlod::BuildOptions options;
@@ -232,6 +237,7 @@ void bind_hlod(nb::module_& m) {
         options.within = within;
         options.boundary_weight = boundary_weight;
         options.attribute_weight = attribute_weight;
+        options.quantise_bits = quantise_bits;
         options.threads = threads;
         if (journal && journal->empty())
           throw nb::value_error("journal: names no file; give a path, or None for a build without a journal");
@@ -247,11 +253,13 @@ void bind_hlod(nb::module_& m) {
       },
       "mesh"_a, nb::kw_only(), "node_triangles"_a = standard.node_triangles, "grouping"_a = standard.grouping,
       "borders"_a = standard.borders, "within"_a = standard.within, "boundary_weight"_a = standard.boundary_weight,
-      "attribute_weight"_a = standard.attribute_weight, "threads"_a = standard.threads, "journal"_a = nb::none(),
-      "resumed"_a = nb::none(), "progress"_a = nb::none(),
+      "attribute_weight"_a = standard.attribute_weight, "quantise_bits"_a = standard.quantise_bits,
+      "threads"_a = standard.threads, "journal"_a = nb::none(), "resumed"_a = nb::none(), "progress"_a = nb::none(),
       "Builds the HLOD of any triangle soup with welded vertices. The same bytes for any number of threads. "
       "`progress`\n"
       "is called with the share done; what it raises, and Ctrl-C, end the build. O(n log n).\n"
+      "`quantise_bits`: positions are rounded to a lattice of so many bits for the longest side of the box, in\n"
+      "[8, 23]; 0: they stay as they are.\n"
       "`journal`: a file in which the build keeps what it has finished, 18 bytes for each triangle. A build of the\n"
       "same mesh with the same options goes on from there, to the same bytes; threads may differ. Remove it once the\n"
       "result is written. Error for a file that is no journal, that another build uses, or that does not fit.\n"

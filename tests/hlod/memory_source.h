@@ -36,6 +36,8 @@ class MemorySource final : public MeshSource {
     return std::min<std::size_t>(bytes, view.meshes.size() - view.nodes[n].mesh);
   }
 
+  [[nodiscard]] StoredMesh stored(NodeId n) const noexcept override { return {hlod_.node(n).mesh, bytes_of(n)}; }
+
   void read(NodeId first, std::span<const std::span<std::byte>> meshes) override {
     if (faults_->before) faults_->before(first);
     ++faults_->reads;
@@ -49,8 +51,9 @@ class MemorySource final : public MeshSource {
     }
   }
 
-  void check(NodeId n, std::span<const std::byte> /*mesh*/) const override {
+  [[nodiscard]] MeshBytes unpack(NodeId n, MeshBytes stored) override {
     if (faults_->damaged.contains(n)) throw Error({"memory", "node " + std::to_string(n), "is damaged", ""});
+    return stored;
   }
 
  private:

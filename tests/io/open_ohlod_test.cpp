@@ -18,19 +18,30 @@ namespace {
 
 using hlod::NodeId;
 
-class OpenOhlodTest : public ::testing::Test {
+class OpenOhlodTest : public ::testing::TestWithParam<OlodCompression> {
  protected:
   OpenOhlodTest() {
     const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = std::filesystem::path(::testing::TempDir()) / (std::string("occlod_open_ohlod_") + test->name());
+    std::string name = std::string("occlod_open_ohlod_") + test->name();
+    std::ranges::replace(name, '/', '_');
+    folder_ = std::filesystem::path(::testing::TempDir()) / name;
     std::filesystem::create_directories(folder_);
     hlod::BuildOptions options;
     options.node_triangles = 64;
     options.within = hlod::Within::splits;
     built_ = build_hlod(test::noisy_sphere(5, 1), options);
     path_ = folder_ / "good.ohlod";
-    write_ohlod(path_, built_, {});
-    meshes_ = sections::SectionReader(path_, ohlod::file_kind, true).offset_of(ohlod::meshes_name);
+    write_ohlod(path_, built_, {}, GetParam());
+    sections::SectionReader reader(path_, ohlod::file_kind, true);
+    const bool is_packed = GetParam() != OlodCompression::none;
+    meshes_ = reader.offset_of(is_packed ? ohlod::packed_meshes_name : ohlod::meshes_name);
+    if (is_packed) {
+      const auto places = reader.read<std::uint64_t>(ohlod::mesh_places_name);
+      places_.assign(places.begin(), places.end());
+    } else {
+      for (const hlod::Node& node : built_.data().nodes) places_.push_back(node.mesh);
+      places_.push_back(built_.data().meshes.size());
+    }
   }
   ~OpenOhlodTest() override { std::filesystem::remove_all(folder_); }
 
@@ -58,11 +69,15 @@ class OpenOhlodTest : public ::testing::Test {
 
   std::filesystem::path folder_, path_;
   hlod::Hlod built_;
-  std::uint64_t meshes_ = 0;  // where they begin in the file
+  std::uint64_t meshes_ = 0;           // where they begin in the file
+  std::vector<std::uint64_t> places_;  // from there, of each node's, and the end
   hlod::CacheOptions cache_{.load = hlod::LoadMode::blocking};
 };
 
-TEST_F(OpenOhlodTest, GivesTheMeshesOfTheFile) {
+INSTANTIATE_TEST_SUITE_P(Of, OpenOhlodTest, ::testing::Values(OlodCompression::none, OlodCompression::zstd),
+                         [](const auto& of) { return of.param == OlodCompression::none ? "stored" : "packed"; });
+
+TEST_P(OpenOhlodTest, GivesTheMeshesOfTheFile) {
   const OhlodFile file = open_ohlod(path_, cache_);
   EXPECT_EQ(file.hlod.node_count(), built_.node_count());
   EXPECT_EQ(file.hlod.store()->stats().loads, built_.data().roots.size());
@@ -76,20 +91,18 @@ TEST_F(OpenOhlodTest, GivesTheMeshesOfTheFile) {
     EXPECT_TRUE(std::ranges::equal(mesh.indices, truth.indices));
     EXPECT_TRUE(std::ranges::equal(mesh.merged_into, truth.merged_into));
   }
-  EXPECT_EQ(file.hlod.store()->stats().bytes_loaded, built_.data().meshes.size());
+  EXPECT_EQ(file.hlod.store()->stats().bytes_loaded, places_.back());
+  EXPECT_EQ(file.hlod.store()->stats().resident_bytes, built_.data().meshes.size());
   EXPECT_TRUE(file.hlod.store()->take_failures().empty());
 }
 
 // Any bit of a mesh: the node and what is below it do not come, all else does.
-TEST_F(OpenOhlodTest, ADamagedMeshIsOneLine) {
+TEST_P(OpenOhlodTest, ADamagedMeshIsOneLine) {
   const std::string good = bytes();
   std::mt19937_64 random(1);
   for (int i = 0; i < 40; ++i) {
     const NodeId n = 1 + static_cast<NodeId>(random() % (built_.node_count() - 1));
-    const std::uint64_t first = built_.node(n).mesh;
-    const std::uint64_t end =
-        n + 1 < built_.node_count() ? built_.node(n + 1).mesh : std::uint64_t{built_.data().meshes.size()};
-    const std::uint64_t place = meshes_ + first + random() % (end - first);
+    const std::uint64_t place = meshes_ + places_[n] + random() % (places_[n + 1] - places_[n]);
     overwrite(place, std::string(1, static_cast<char>(good[place] ^ (1 << random() % 8))));
     const OhlodFile file = open_ohlod(path_, cache_);
     fetch_all(file.hlod);
@@ -108,7 +121,7 @@ TEST_F(OpenOhlodTest, ADamagedMeshIsOneLine) {
   }
 }
 
-TEST_F(OpenOhlodTest, DamagedRootsAndTablesAreErrors) {
+TEST_P(OpenOhlodTest, DamagedRootsAndTablesAreErrors) {
   const std::string good = bytes();
   for (const char* section : {"NODE", "PTCH", "CHIL", "ROOT", "LEVL", "BLOK", "INFO"}) {
     std::uint64_t offset = 0;
@@ -130,7 +143,7 @@ TEST_F(OpenOhlodTest, DamagedRootsAndTablesAreErrors) {
 }
 
 // Another file under the same name is none of our business; the same file cut short is a coarser picture.
-TEST_F(OpenOhlodTest, WhatBecomesOfTheFile) {
+TEST_P(OpenOhlodTest, WhatBecomesOfTheFile) {
   {
     const OhlodFile file = open_ohlod(path_, cache_);
     std::ofstream(folder_ / "other", std::ios::binary) << "something else";
@@ -138,10 +151,10 @@ TEST_F(OpenOhlodTest, WhatBecomesOfTheFile) {
     fetch_all(file.hlod);
     EXPECT_EQ(file.hlod.store()->stats().resident_nodes, built_.node_count());
   }
-  write_ohlod(path_, built_, {});
+  write_ohlod(path_, built_, {}, GetParam());
   const OhlodFile file = open_ohlod(path_, cache_);
   const NodeId last = static_cast<NodeId>(built_.node_count() - 1);
-  std::filesystem::resize_file(path_, meshes_ + built_.node(last).mesh + 100);
+  std::filesystem::resize_file(path_, meshes_ + places_[last] + 100);
   fetch_all(file.hlod);
   EXPECT_EQ(file.hlod.store()->stats().resident_nodes, built_.node_count() - 1);
   const std::vector<std::string> lines = file.hlod.store()->take_failures();

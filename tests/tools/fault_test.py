@@ -222,7 +222,7 @@ class HlodBuild(HlodBuildCase):
     def test_disk_full_with_journal(self):
         """What was finished stays, and the build goes on from it where there is room: whether the journal, 17.1 MB, did not fit, or the output, 18.9 MB.
         The limit of file sizes stands for a full disk."""
-        build = ["hlod", "build", "planet.ply", "-o", "a.ohlod", "--within", "splits"]
+        build = ["hlod", "build", "planet.ply", "-o", "a.ohlod", "--within", "splits", "--compress", "none"]
         nodes = self.json_of(*build)["nodes"]
         whole = (self.folder / "a.ohlod").read_bytes()
         (self.folder / "a.ohlod").write_bytes(OLD)
@@ -237,7 +237,7 @@ class HlodBuild(HlodBuildCase):
         self.assertEqual(self.names(), ["a.ohlod", "planet.ply", "scratch"])
 
     def test_disk_full_of_output(self):
-        arguments = [argument.replace("a.ohlod", "small/a.ohlod") for argument in self.BUILD]
+        arguments = [argument.replace("a.ohlod", "small/a.ohlod") for argument in (*self.BUILD, "--compress", "none")]
         self.assert_failed(self.run_on_small_disk(6, *arguments, "--scratch", "scratch"), "small/a.ohlod", "No space left on device", "space on the disk")
         self.assertEqual([path.name for path in (self.folder / "kept").iterdir()], ["a.ohlod"])
         self.assertEqual((self.folder / "kept" / "a.ohlod").read_text(), "old")

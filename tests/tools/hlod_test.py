@@ -15,7 +15,7 @@ class Hlod(ToolTest):
     def test_build_reports(self):
         built = self.build()
         self.assert_has_keys(built, "inputs file triangles nodes levels roots patches stored_triangles grouping borders node_triangles bytes "
-                                    "bytes_per_triangle read_ms build_ms write_ms triangles_per_s peak_bytes report")
+                                    "bytes_per_triangle file_bytes file_bytes_per_triangle read_ms build_ms write_ms triangles_per_s peak_bytes report")
         self.assertEqual((built["triangles"], built["roots"], built["grouping"], built["borders"], built["node_triangles"]),
                          (TRIANGLES, 1, "shifted", "locked", 64))
         self.assertEqual(built["inputs"], ["planet.ply"])
@@ -48,6 +48,40 @@ class Hlod(ToolTest):
         done = self.run_tool("hlod", "build", "planet.ply", "-o", "a.ohlod", "--borders", "free")
         self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1))
         self.assertIn("--grouping nested", done.stderr)
+
+    def test_files_are_compressed_without_loss(self):
+        packed, stored = self.build(), self.build("--compress", "none", output="stored.ohlod")
+        self.assertEqual(packed["bytes"], stored["bytes"])
+        for built, name in ((packed, "planet.ohlod"), (stored, "stored.ohlod")):
+            size = (self.folder / name).stat().st_size
+            self.assertEqual((built["file_bytes"], built["file_bytes_per_triangle"]), (size, size / TRIANGLES))
+            told = self.json_of("hlod", "info", name, "--check")
+            self.assertEqual((told["compressed"], told["format"]), (name == "planet.ohlod", 3 if name == "planet.ohlod" else 1))
+            self.assertTrue(self.json_of("hlod", "validate", name, "--input", "planet.ply")["valid"])
+        self.assertLess(packed["file_bytes"], 0.8 * stored["file_bytes"])
+
+    def test_positions_are_quantised_on_request(self):
+        exact, rounded = self.build(), self.build("--quantise", 10, output="rounded.ohlod")
+        self.assertNotIn("lattice_step", exact)
+        self.assertLess(rounded["file_bytes"], 0.8 * exact["file_bytes"])
+        told = self.json_of("hlod", "info", "rounded.ohlod")
+        box = told["box"]
+        side = max(high - low for low, high in zip(box["min"], box["max"]))
+        self.assertEqual(told["lattice_step"], rounded["lattice_step"])
+        self.assertTrue(1 / 2048 < told["lattice_step"] / side < 1 / 510, told["lattice_step"])
+        for more in ([], ["--leaves-only"]):
+            self.assertTrue(self.json_of("hlod", "validate", "rounded.ohlod", "--input", "planet.ply", *more)["valid"])
+        self.assertEqual(self.build("--quantise", 0, output="zero.ohlod")["file_bytes"], exact["file_bytes"])
+        done = self.run_tool("hlod", "build", "planet.ply", "-o", "a.ohlod", "--quantise", 5)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("5 is not 0 or in [8, 23]", done.stderr)
+
+    def test_triangles_that_quantising_drops_are_told(self):
+        self.run_tool("generate", "rough-planet", "--level", 7, "-o", "fine.ply")
+        for more in ([], ["--memory", "64M"]):
+            built = self.build("--quantise", 8, *more, inputs=("fine.ply",), output="coarse.ohlod")
+            read, dropped = built["report"]["triangles_read"], built["report"]["repeated_index_triangles"]
+            self.assertEqual(read - dropped, built["triangles"])
 
     def test_splits_are_kept_on_request(self):
         usual, splits = self.build(), self.build("--within", "splits", output="splits.ohlod")

@@ -27,6 +27,7 @@ WHOLE = [
     (VALIDATE, "--cuts", 0, 10**6),
     (HLOD_BUILD, "--node-triangles", 16, 4096),
     (HLOD_BUILD, "--threads", 0, 1024),
+    (HLOD_BUILD, "--quantise", 0, 23),
     (HLOD_VALIDATE, "--fronts", 0, 10**6),
     (HLOD_EXPORT, "--quantise", 0, 16),
     (HLOD_EXPORT, "--tiles-per-file", 1, 10**6),

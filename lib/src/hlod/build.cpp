@@ -15,6 +15,8 @@
 #include "hierarchy/check_input.h"
 #include "hierarchy/parallel.h"
 #include "occlod/core/error.h"
+#include "occlod/mesh/clean.h"
+#include "occlod/mesh/quantise.h"
 #include "simplify_nodes.h"
 #include "wedge_mesh.h"
 #include "weld_pieces.h"
@@ -30,6 +32,7 @@ void check_options(const BuildOptions& options) {
   check.in_range("node_triangles", options.node_triangles, 16, 4096);
   check.in_range("boundary_weight", options.boundary_weight, 0.0, 1e6);
   check.in_range("attribute_weight", options.attribute_weight, 0.0, 1e6);
+  if (options.quantise_bits != 0) check.in_range("quantise_bits", options.quantise_bits, 8, 23);
   check.in_range("threads", options.threads, 0, 1024);
   if (options.grouping == Grouping::shifted && options.borders == Borders::free)
     throw Error({"hlod build", "option borders", "shifted groups need locked borders",
@@ -102,7 +105,7 @@ class Builder {
   std::vector<LevelDraft> levels_;
 };
 
-Hlod build(WedgeMesh mesh, const BuildOptions& options, BuildJournal* journal) {
+Hlod build(WedgeMesh mesh, float lattice_step, const BuildOptions& options, BuildJournal* journal) {
   const LargeMemoryReuse reuse;
   if (journal != nullptr) journal->begin(mesh);
   HlodData data = Builder(std::move(mesh), options, journal).run();
@@ -110,12 +113,18 @@ Hlod build(WedgeMesh mesh, const BuildOptions& options, BuildJournal* journal) {
   data.grouping = options.grouping;
   data.borders = options.borders;
   data.node_triangles = options.node_triangles;
+  data.lattice_step = lattice_step;
   return make_hlod(std::move(data));
 }
 
 // Before the mesh is there, so that a journal that does not fit is told at once. Null: none.
 std::unique_ptr<BuildJournal> open_journal(const BuildOptions& options) {
   return options.journal.empty() ? nullptr : std::make_unique<BuildJournal>(options.journal, options);
+}
+
+// Of the lattice of positions; 0 without one.
+float step_of(std::span<const glm::vec3> positions, const BuildOptions& options) {
+  return options.quantise_bits == 0 ? 0.0F : lattice_step(bounding_box(positions), options.quantise_bits);
 }
 
 }  // namespace
@@ -125,7 +134,13 @@ Hlod build_hlod(const TriangleMesh& mesh, const BuildOptions& options) {
   const std::unique_ptr<BuildJournal> journal = open_journal(options);
   check_input(mesh);
   check_welded(mesh);
-  return build(to_wedge_mesh(mesh, thread_count(options.threads)), options, journal.get());
+  const unsigned threads = thread_count(options.threads);
+  const float step = step_of(mesh.positions, options);
+  if (step == 0.0F) return build(to_wedge_mesh(mesh, threads), step, options, journal.get());
+  TriangleMesh rounded = mesh;
+  round_to_lattice(rounded, step);
+  return build(to_wedge_mesh(clean(std::move(rounded), {}, "rounded mesh").mesh, threads), step, options,
+               journal.get());
 }
 
 Hlod build_hlod(const TriangleSource& source, const BuildOptions& options, MeshReport& report) {
@@ -135,9 +150,11 @@ Hlod build_hlod(const TriangleSource& source, const BuildOptions& options, MeshR
   source(pieces);
   if (pieces.report().triangles_read == pieces.report().repeated_index_triangles)
     throw Error({"hlod build", "", "the source has no triangle with three different corners", "give one at least"});
+  const float step = step_of(pieces.positions(), options);
+  if (step > 0.0F) pieces.round(step);
   WedgeMesh mesh = pieces.weld(thread_count(options.threads));
   report = pieces.report();
-  return build(std::move(mesh), options, journal.get());
+  return build(std::move(mesh), step, options, journal.get());
 }
 
 }  // namespace occlod::hlod

@@ -66,7 +66,8 @@ HlodView view_of(const HlodData& data) {
           data.has_seams,
           data.materials,
           data.textures,
-          data.texture_origin};
+          data.texture_origin,
+          data.lattice_step};
 }
 
 Hlod make_hlod(HlodData data) {
@@ -96,7 +97,8 @@ HlodData copy_data(const Hlod& hlod) {
           view.has_seams,
           to_vector(view.materials),
           to_vector(view.textures),
-          view.texture_origin};
+          view.texture_origin,
+          view.lattice_step};
 }
 
 Hlod guarded_hlod(const HlodView& view, std::shared_ptr<const void> owner, std::shared_ptr<NodeGuard> guard) {

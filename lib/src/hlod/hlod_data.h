@@ -34,6 +34,7 @@ struct HlodData {
   std::vector<Material> materials;
   std::vector<Texture> textures;
   TextureOrigin texture_origin = TextureOrigin::bottom_left;
+  float lattice_step = 0.0F;
 };
 
 [[nodiscard]] HlodView view_of(const HlodData& data);

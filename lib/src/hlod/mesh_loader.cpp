@@ -8,20 +8,20 @@
 namespace occlod::hlod {
 namespace {
 
-// Of the nodes [begin, end) of the load. Throws Error.
+// What is stored of the nodes [begin, end) of the load. Throws Error.
 void read_part(MeshSource& source, MeshLoad& load, std::size_t begin, std::size_t end) {
   std::vector<std::span<std::byte>> parts;
   for (std::size_t i = begin; i < end; ++i) {
-    const std::size_t bytes = source.bytes_of(load.first + static_cast<NodeId>(i));
+    const std::size_t bytes = source.stored(load.first + static_cast<NodeId>(i)).bytes;
     load.meshes[i] = std::make_unique_for_overwrite<std::byte[]>(bytes);
     parts.emplace_back(load.meshes[i].get(), bytes);
   }
   source.read(load.first + static_cast<NodeId>(begin), parts);
 }
 
-void check_mesh(const MeshSource& source, const MeshLoad& load, std::size_t i) {
-  const NodeId n = load.first + static_cast<NodeId>(i);
-  source.check(n, {load.meshes[i].get(), source.bytes_of(n)});
+// Throws Error.
+void unpack(MeshSource& source, MeshLoad& load, std::size_t i) {
+  load.meshes[i] = source.unpack(load.first + static_cast<NodeId>(i), std::move(load.meshes[i]));
 }
 
 }  // namespace
@@ -29,7 +29,7 @@ void check_mesh(const MeshSource& source, const MeshLoad& load, std::size_t i) {
 void read_or_throw(MeshSource& source, MeshLoad& load) {
   load.problems.resize(load.meshes.size());
   read_part(source, load, 0, load.meshes.size());
-  for (std::size_t i = 0; i < load.meshes.size(); ++i) check_mesh(source, load, i);
+  for (std::size_t i = 0; i < load.meshes.size(); ++i) unpack(source, load, i);
 }
 
 void read_meshes(MeshSource& source, MeshLoad& load) {
@@ -42,7 +42,7 @@ void read_meshes(MeshSource& source, MeshLoad& load) {
   }
   for (std::size_t i = 0; i < load.meshes.size(); ++i) try {
       if (!is_read) read_part(source, load, i, i + 1);
-      check_mesh(source, load, i);
+      unpack(source, load, i);
     } catch (const std::exception& error) {
       load.meshes[i].reset();
       load.problems[i] = error.what();

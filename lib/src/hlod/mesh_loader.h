@@ -17,7 +17,7 @@ namespace occlod::hlod {
 // Consecutive nodes whose meshes lie side by side, to be read together.
 struct MeshLoad {
   NodeId first = 0;
-  std::size_t bytes = 0;
+  std::size_t bytes = 0;              // as they are stored
   std::vector<MeshBytes> meshes;      // of the nodes from `first` on; null before they are read, and where that failed
   std::vector<std::string> problems;  // of each, one line if it failed
 };

@@ -14,8 +14,6 @@
 
 namespace occlod::hlod {
 
-using MeshBytes = std::unique_ptr<std::byte[]>;
-
 class NodeCache {
  public:
   enum class State : std::uint8_t {

@@ -246,7 +246,7 @@ class NodeStore::Impl {
     }
     cache_.put(arrival.node, std::move(arrival.mesh));
     ++stats_.loads;
-    stats_.bytes_loaded += source_->bytes_of(arrival.node);
+    stats_.bytes_loaded += source_->stored(arrival.node).bytes;
     return true;
   }
 
@@ -320,7 +320,8 @@ class NodeStore::Impl {
   }
 
   [[nodiscard]] bool are_side_by_side(NodeId a) const {
-    return view_.nodes[a].mesh + source_->bytes_of(a) == view_.nodes[a + 1].mesh;
+    const StoredMesh mesh = source_->stored(a);
+    return mesh.place + mesh.bytes == source_->stored(a + 1).place;
   }
 
   // Of the nodes in order_, each in the load of the first that it can be read with.
@@ -332,13 +333,13 @@ class NodeStore::Impl {
     for (const NodeId n : order_) {
       const auto place = static_cast<std::size_t>(std::lower_bound(left.begin(), left.end(), n) - left.begin());
       if (taken[place]) continue;
-      std::size_t begin = place, end = place + 1, bytes = source_->bytes_of(n);
+      std::size_t begin = place, end = place + 1, bytes = source_->stored(n).bytes;
       const auto may_join = [&](std::size_t a, std::size_t joined) {  // left[a] and the one behind it
         return !taken[joined] && left[a] + 1 == left[a + 1] && are_side_by_side(left[a]) &&
-               bytes + source_->bytes_of(left[joined]) <= most_read_bytes;
+               bytes + source_->stored(left[joined]).bytes <= most_read_bytes;
       };
-      while (end < left.size() && may_join(end - 1, end)) bytes += source_->bytes_of(left[end++]);
-      while (begin > 0 && may_join(begin - 1, begin - 1)) bytes += source_->bytes_of(left[--begin]);
+      while (end < left.size() && may_join(end - 1, end)) bytes += source_->stored(left[end++]).bytes;
+      while (begin > 0 && may_join(begin - 1, begin - 1)) bytes += source_->stored(left[--begin]).bytes;
       std::fill(taken.begin() + static_cast<std::ptrdiff_t>(begin), taken.begin() + static_cast<std::ptrdiff_t>(end),
                 true);
       loads.push_back({left[begin], bytes, std::vector<MeshBytes>(end - begin), {}});

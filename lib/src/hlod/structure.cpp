@@ -31,6 +31,7 @@ class StructureCheck {
 
   Problem run() {
     if (const Problem problem = check_levels()) return problem;
+    if (!is_length(d_.lattice_step)) return "the step of its lattice is no length";
     if (const Problem problem = check_materials()) return problem;
     std::uint64_t input_triangles = 0, links = 0;
     for (NodeId n = 0; n < d_.nodes.size(); ++n) {

@@ -16,6 +16,8 @@
 #include "hierarchy/position_ids.h"
 #include "math/unite.h"
 #include "mesh/portable_math.h"
+#include "occlod/mesh/clean.h"
+#include "occlod/mesh/quantise.h"
 #include "within_points.h"
 
 namespace occlod::hlod {
@@ -314,7 +316,10 @@ std::vector<std::string> validate(const Hlod& hlod, const ValidateOptions& optio
   return Validator(hlod, options).run();
 }
 
-bool restores(const Hlod& hlod, const TriangleMesh& mesh) {
+namespace {
+
+// As restores(), of a mesh that has been rounded.
+bool is_level_zero(const Hlod& hlod, const TriangleMesh& mesh) {
   if (hlod.data().input_triangle_count != mesh.triangle_count()) return false;
   const CornerAttributes input{mesh.positions, mesh.normals, mesh.colors, mesh.texture_coordinates};
   std::vector<CornerKey> restored, given;
@@ -337,11 +342,12 @@ bool restores(const Hlod& hlod, const TriangleMesh& mesh) {
   return restored == given;
 }
 
-namespace {
-
 // Of a set of triangles, whatever their order.
 class TriangleSum final : public TriangleSink {
  public:
+  // Pieces are rounded to the lattice, if there is one.
+  explicit TriangleSum(float lattice_step = 0.0F) : step_(lattice_step) {}
+
   void add(const Triangle& t, std::span<const glm::vec3> positions) {
     const TriangleKey key = key_of(t, positions);
     std::uint64_t low = 0x9e3779b97f4a7c15ULL, high = 0xc2b2ae3d27d4eb4fULL;
@@ -355,9 +361,11 @@ class TriangleSum final : public TriangleSink {
   }
 
   void add(const TriangleMesh& piece) override {
+    positions_ = piece.positions;
+    for (glm::vec3& p : positions_) p = round_to_lattice(p, step_);
     for (const Triangle& t : piece.wedge_triangles()) {
-      const glm::vec3 &a = piece.positions[t.x], &b = piece.positions[t.y], &c = piece.positions[t.z];
-      if (a != b && b != c && c != a) add(t, piece.positions);
+      const glm::vec3 &a = positions_[t.x], &b = positions_[t.y], &c = positions_[t.z];
+      if (a != b && b != c && c != a) add(t, positions_);
     }
   }
 
@@ -366,13 +374,24 @@ class TriangleSum final : public TriangleSink {
   }
 
  private:
+  float step_;
+  std::vector<glm::vec3> positions_;  // of a piece
   std::uint64_t count_ = 0, low_ = 0, high_ = 0;
 };
 
 }  // namespace
 
+bool restores(const Hlod& hlod, const TriangleMesh& mesh) {
+  if (hlod.data().lattice_step > 0.0F) {
+    TriangleMesh rounded = mesh;
+    round_to_lattice(rounded, hlod.data().lattice_step);
+    return is_level_zero(hlod, clean(std::move(rounded), {}, "rounded mesh").mesh);
+  }
+  return is_level_zero(hlod, mesh);
+}
+
 bool restores(const Hlod& hlod, const TriangleSource& source) {
-  TriangleSum restored, given;
+  TriangleSum restored, given(hlod.data().lattice_step);
   for (NodeId n = 0; n < hlod.node_count(); ++n) {
     if (hlod.node(n).level > 0) continue;
     hlod.require(n);

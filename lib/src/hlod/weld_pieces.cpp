@@ -17,6 +17,7 @@
 #include "hierarchy/triangle_key.h"
 #include "occlod/core/error.h"
 #include "occlod/mesh/clean.h"
+#include "occlod/mesh/quantise.h"
 
 namespace occlod::hlod {
 namespace {
@@ -121,6 +122,39 @@ void PieceCollector::append(const TriangleMesh& piece) {
     raw_.texture_origin = piece.texture_origin;
   }
   for (const Triangle& t : piece.wedge_triangles()) raw_.triangles.push_back(t + static_cast<VertexId>(first));
+}
+
+void PieceCollector::round(float lattice_step) {
+  for (glm::vec3& p : raw_.positions) p = round_to_lattice(p, lattice_step);
+  const std::size_t before = raw_.triangles.size();
+  std::erase_if(raw_.triangles, [&](const Triangle& t) {
+    const glm::vec3 &a = raw_.positions[t.x], &b = raw_.positions[t.y], &c = raw_.positions[t.z];
+    return a == b || b == c || c == a;
+  });
+  report_.repeated_index_triangles += before - raw_.triangles.size();
+  if (raw_.triangles.empty())
+    throw Error({"rounded mesh", "", "has no triangle with three different corners", "quantise with more bits"});
+  constexpr VertexId unused = no_id;
+  LargeVector<VertexId> place(raw_.positions.size(), unused);
+  for (const Triangle& t : raw_.triangles)
+    for (int k = 0; k < 3; ++k) place[t[k]] = 0;
+  VertexId used = 0;
+  for (VertexId& v : place)
+    if (v != unused) v = used++;
+  report_.unreferenced_vertices += place.size() - used;
+  const auto keep_used = [&](auto& values) {
+    if (values.empty()) return;
+    for (std::size_t v = 0; v < place.size(); ++v)
+      if (place[v] != unused) values[place[v]] = values[v];
+    values.resize(used);
+  };
+  keep_used(raw_.positions);
+  keep_used(raw_.normals);
+  keep_used(raw_.colors);
+  keep_used(raw_.texture_coordinates);
+  keep_used(raw_.wedge_materials);
+  for (Triangle& t : raw_.triangles)
+    for (int k = 0; k < 3; ++k) t[k] = place[t[k]];
 }
 
 // Vertices of `raw` are numbered anew.

@@ -17,6 +17,11 @@ class PieceCollector final : public TriangleSink {
  public:
   // Cleans the piece. Throws Error as TriangleSink says.
   void add(const TriangleMesh& piece) override;
+  // Of all pieces so far.
+  [[nodiscard]] std::span<const glm::vec3> positions() const { return raw_.positions; }
+  // After all pieces: positions to the lattice, as clean() has it of a mesh whose positions were rounded: triangles
+  // with two corners at one place go, and vertices that no other uses. Throws Error when no triangle is left. O(n).
+  void round(float lattice_step);
   // After all pieces: the mesh with its vertices along a Morton curve, those of one cell in the order in which
   // triangles use them first. Vertices at one position become one, equal attributes there one wedge. Takes what was
   // collected. O(n log n).

@@ -10,8 +10,8 @@
 
 namespace occlod::ohlod {
 
-// Of files without texture coordinates, materials and seams.
-inline constexpr std::uint32_t plain_version = 1;
+// Of files that are not packed: those with texture coordinates, materials or seams, and those without.
+inline constexpr std::uint32_t wedges_version = 2, plain_version = 1;
 
 // The carriage returns and the end-of-file byte reveal a transfer in text mode, as in PNG.
 inline constexpr sections::FileKind file_kind{
@@ -31,7 +31,7 @@ struct Summary {
 };
 static_assert(sizeof(Summary) == 56);
 
-// What meshes have, of version 2.
+// What meshes have, of wedges_version or later.
 enum WedgeFlag : std::uint32_t { has_texture_coordinates = 1, has_materials = 2, has_seams = 4, all_wedge_flags = 7 };
 
 [[nodiscard]] inline std::uint32_t wedge_flags(const hlod::HlodView& view) {
@@ -39,13 +39,19 @@ enum WedgeFlag : std::uint32_t { has_texture_coordinates = 1, has_materials = 2,
          (view.has_seams ? has_seams : 0U);
 }
 
-// Whether an HLOD needs version 2.
+// Whether an HLOD needs wedges_version.
 [[nodiscard]] inline bool needs_wedges(const hlod::HlodView& view) {
   return wedge_flags(view) != 0 || !view.materials.empty() || !view.textures.empty();
 }
 
-inline constexpr std::string_view summary_name = "INFO", meshes_name = "MESH", digests_name = "BLOK",
-                                  splits_digests_name = "WBLK";
+// lattice_name: one float, HlodView::lattice_step, where there is one.
+inline constexpr std::string_view summary_name = "INFO", lattice_name = "LATT", meshes_name = "MESH",
+                                  digests_name = "BLOK", splits_name = "WSPL", splits_digests_name = "WBLK";
+
+// Of packed files, instead of meshes_name and splits_name: what node_codec.h makes of each node, and where that begins;
+// one place more, for the end of the last.
+inline constexpr std::string_view packed_meshes_name = "PMSH", mesh_places_name = "PMPL", packed_splits_name = "PSPL",
+                                  splits_places_name = "PSPP";
 
 // Calls visit(name, array, has_parts) for every array of an HLOD: the one list of what a file holds. That with parts is
 // checked node by node.
@@ -63,7 +69,7 @@ void for_each_array(View& view, const Visit& visit) {
 template <typename View, typename Visit>
 void for_each_within_array(View& view, const Visit& visit) {
   visit("WNOD", view.within, false);
-  visit("WSPL", view.splits, true);
+  visit(splits_name, view.splits, true);
 }
 
 // XXH3-64 of the mesh of a node and what aligns the next one. The place of the mesh has been checked.

@@ -140,7 +140,7 @@ void BuildCache::store(const std::string& key, const Hierarchy& hierarchy, const
 }
 
 void BuildCache::store(const std::string& key, const hlod::Hlod& hlod, const MeshReport& report) const {
-  store_by("the HLOD", [&] { write_ohlod(path_of(key, ".ohlod"), hlod, report); });
+  store_by("the HLOD", [&] { write_ohlod(path_of(key, ".ohlod"), hlod, report, OlodCompression::none); });
 }
 
 }  // namespace occlod

@@ -135,6 +135,7 @@ struct HlodView {
   std::span<const Material> materials;     // that NodeMesh::materials index
   std::span<const Texture> textures;       // that materials index
   TextureOrigin texture_origin = TextureOrigin::bottom_left;  // of texture coordinates
+  float lattice_step = 0.0F;  // all coordinates are multiples of it, BuildOptions::quantise_bits; 0: as the input's
 };
 
 inline constexpr std::size_t mesh_alignment = 16;  // of a node's mesh in HlodView::meshes, and of its splits

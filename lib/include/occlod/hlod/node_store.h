@@ -39,7 +39,7 @@ struct StoreStats {
   std::size_t missing = 0;         // nodes that traversal waited for in the last frame, without those that failed
   std::size_t failed = 0;          // nodes that never come, since their meshes are damaged or cannot be read
   std::uint64_t loads = 0;         // meshes that came since the store was opened
-  std::uint64_t bytes_loaded = 0;  // of them
+  std::uint64_t bytes_loaded = 0;  // of them, as they are stored: of a packed file fewer than in memory
   std::uint64_t reads = 0;         // of the file: meshes that lie side by side are read together
   std::uint64_t evictions = 0;     // meshes that left since then
 };

@@ -41,9 +41,9 @@ struct ValidateOptions {
 // random_fronts).
 [[nodiscard]] std::vector<std::string> validate(const Hlod& hlod, const ValidateOptions& options = {});
 
-// True iff the nodes of level 0 together are exactly the triangles of `mesh`: the same positions in the same rotational
-// order, each as often, with the same material and, at each corner, the same of those attributes that the mesh has, to
-// the bit. O(n log n).
+// True iff the nodes of level 0 together are exactly the triangles of `mesh`, rounded to the HLOD's lattice and cleaned
+// if it has one: the same positions in the same rotational order, each as often, with the same material and, at each
+// corner, the same of those attributes that the mesh has, to the bit. O(n log n).
 [[nodiscard]] bool restores(const Hlod& hlod, const TriangleMesh& mesh);
 
 // The same of a source, whose pieces are read once: compares how many triangles there are, and sums of hashes (128

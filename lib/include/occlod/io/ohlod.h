@@ -11,23 +11,28 @@
 
 namespace occlod {
 
-// Of the files that write_ohlod() writes of HLODs with texture coordinates, materials or seams. Others are files of
-// version 1, byte for byte; read_ohlod() reads both.
-inline constexpr std::uint32_t ohlod_version = 2;
+// Of compressed files. Others are of version 2, or 1 without texture coordinates, materials and seams; read_ohlod() reads
+// them all.
+inline constexpr std::uint32_t ohlod_version = 3;
 
 // What a file holds.
 struct OhlodFile {
-  hlod::Hlod hlod;    // mapped or in memory
-  MeshReport report;  // of the mesh that it was built from
+  hlod::Hlod hlod;                                      // mapped or in memory
+  MeshReport report;                                    // of the mesh that it was built from
+  OlodCompression compression = OlodCompression::zstd;  // of the file
+  std::uint32_t version = ohlod_version;                // likewise
 };
 
 // Writes beside `path` and renames, so that a file that was there stays as it was when writing fails. The same
-// arguments give the same bytes. Throws Error that names the file. O(bytes).
-void write_ohlod(const std::filesystem::path& path, const hlod::Hlod& hlod, const MeshReport& report);
+// arguments give the same bytes. With compression meshes and splits of nodes take about half their bytes, none of them
+// lost, node by node. Throws Error that names the file. O(bytes).
+void write_ohlod(const std::filesystem::path& path, const hlod::Hlod& hlod, const MeshReport& report,
+                 OlodCompression compression = OlodCompression::zstd);
 
 // Checks magic, version, sizes, and all that is known of nodes without their meshes: O(nodes). The mesh of a node is
 // checked (checksum and content) when Hlod::require() is first called for it, its splits when require_within() is;
-// require_all() checks the whole file. All throw Error that says what failed and where.
+// require_all() checks the whole file. All throw Error that says what failed and where. Of a compressed file, what has
+// been checked is kept in memory, decompressed: all meshes and splits at most.
 //
 // What read_olod() says of mapped files holds here too: a file that is open must not be cut short.
 [[nodiscard]] OhlodFile read_ohlod(const std::filesystem::path& path, OlodAccess access = OlodAccess::mapped);

@@ -15,7 +15,7 @@ inline constexpr std::uint32_t olod_version = 3;
 // How the arrays of a file are stored.
 enum class OlodCompression {
   none,  // as they are in memory: the file can be mapped, so that only what is used is ever loaded
-  zstd,  // about half the size; decompressed into memory when read
+  zstd,  // about half the size or less; decompressed into memory when read
 };
 
 // How a file without compression is read.
