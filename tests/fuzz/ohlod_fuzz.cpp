@@ -23,6 +23,17 @@
 namespace occlod::ohlod {
 namespace {
 
+// The digests of what is packed, as far as places are inside.
+void sign_packed(const fuzz::SectionSigner& file, std::string_view bytes_name, std::string_view places_name,
+                 std::string_view digests_name) {
+  const std::span<const std::byte> bytes = file.find<std::byte>(bytes_name);
+  const std::span<const std::uint64_t> places = file.find<std::uint64_t>(places_name);
+  const std::span<std::uint64_t> digests = file.find<std::uint64_t>(digests_name);
+  for (std::size_t n = 0; n < digests.size() && n + 1 < places.size(); ++n)
+    if (places[n] <= places[n + 1] && places[n + 1] <= bytes.size())
+      digests[n] = sections::checksum_of(bytes.subspan(places[n], places[n + 1] - places[n]));
+}
+
 // The digests of all nodes, if the arrays are such that they have one.
 void sign_meshes(const fuzz::SectionSigner& file) {
   hlod::HlodView view;
@@ -55,7 +66,11 @@ void sign_meshes(const fuzz::SectionSigner& file) {
 
 void sign(std::vector<std::byte>& bytes) {
   fuzz::SectionSigner file(bytes, file_kind);
-  file.sign([&] { sign_meshes(file); });
+  file.sign([&] {
+    sign_meshes(file);
+    sign_packed(file, packed_meshes_name, mesh_places_name, digests_name);
+    sign_packed(file, packed_splits_name, splits_places_name, splits_digests_name);
+  });
 }
 
 void require(bool holds) {
@@ -107,9 +122,9 @@ void page(const hlod::Hlod& hlod, const hlod::Hlod* whole) {
 
 #ifdef OCCLOD_FUZZ_PART
 fuzz::SectionMutator::Part part_of(std::string_view name) {
-  if (name == "header") return {true, {"INFO", "REPO", "LEFT", "MATE", "TEXI"}};
-  if (name == "nodes") return {false, {"NODE", "PTCH", "CHIL", "ROOT", "LEVL", "WNOD"}};
-  return {false, {"MESH", "WSPL"}};
+  if (name == "header") return {true, {"INFO", "LATT", "REPO", "LEFT", "MATE", "TEXI"}};
+  if (name == "nodes") return {false, {"NODE", "PTCH", "CHIL", "ROOT", "LEVL", "WNOD", "PMPL", "PSPP"}};
+  return {false, {"MESH", "WSPL", "PMSH", "PSPL"}};
 }
 #endif
 

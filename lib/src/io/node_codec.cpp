@@ -36,13 +36,13 @@ struct Stream {
 };
 
 // Arrays in the order in which they lie.
-template <std::size_t Count>
-using Streams = std::array<Stream, Count>;
+template <std::size_t count>
+using Streams = std::array<Stream, count>;
 
 constexpr std::size_t vertex_streams = 5;
 
-template <std::size_t Count>
-void put_vertices(const hlod::VertexLayout& layout, Streams<Count>& to) {
+template <std::size_t count>
+void put_vertices(const hlod::VertexLayout& layout, Streams<count>& to) {
   const auto stream = [](std::size_t first, std::size_t end, std::size_t element_bytes, Filter filter) {
     return Stream{first, end - first, element_bytes, filter};
   };

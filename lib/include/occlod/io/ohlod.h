@@ -11,8 +11,8 @@
 
 namespace occlod {
 
-// Of compressed files. Others are of version 2, or 1 without texture coordinates, materials and seams; read_ohlod() reads
-// them all.
+// Of compressed files. Others are of version 2, or 1 without texture coordinates, materials and seams; read_ohlod()
+// reads them all.
 inline constexpr std::uint32_t ohlod_version = 3;
 
 // What a file holds.
