@@ -192,7 +192,7 @@ void add_hlod_build(CLI::App& hlod) {
                                          fmt::format("{} is not 0 or in [{}, {}]", bits, least_bits, most_bits));
             options->build.quantise_bits = bits;
           },
-          "Round positions to a lattice of so many bits for the longest side of the box: about half the bytes again. "
+          "Round positions to a lattice of so many bits for the longest side of the box, for smaller files. "
           "Errors are then relative to the rounded mesh; 0: as they are")
       ->transform(in_range(WholeRange{0, most_bits}))
       ->type_name("N");

@@ -16,6 +16,20 @@
 
 namespace occlod::test {
 
+// What run() says about bad bytes of the file `subject`: "place: problem". "accepted" where it does not refuse them.
+template <typename Run>
+[[nodiscard]] std::string complaint_of(const std::filesystem::path& subject, const Run& run) {
+  try {
+    run();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.diagnosis().subject, subject.string());
+    EXPECT_FALSE(error.diagnosis().remedy.empty());
+    EXPECT_EQ(std::string_view(error.what()).find('\n'), std::string_view::npos);
+    return error.diagnosis().place + ": " + error.diagnosis().problem;
+  }
+  return "accepted";
+}
+
 // A folder of its own for the running test, removed at the end.
 class TestFolder {
  public:
@@ -41,18 +55,10 @@ class TestFolder {
   [[nodiscard]] CleanMesh read(const std::string& name, std::string_view bytes) const {
     return read_mesh(write(name, bytes));
   }
-  // What the reader says about bad bytes: "place: problem". "accepted" where it does not refuse them.
+  // The same of the reader.
   [[nodiscard]] std::string complaint(const std::string& name, std::string_view bytes) const {
     const std::filesystem::path path = write(name, bytes);
-    try {
-      static_cast<void>(read_mesh(path));
-    } catch (const Error& error) {
-      EXPECT_EQ(error.diagnosis().subject, path.string());
-      EXPECT_FALSE(error.diagnosis().remedy.empty());
-      EXPECT_EQ(std::string_view(error.what()).find('\n'), std::string_view::npos);
-      return error.diagnosis().place + ": " + error.diagnosis().problem;
-    }
-    return "accepted";
+    return complaint_of(path, [&] { static_cast<void>(read_mesh(path)); });
   }
 
  private:

@@ -40,14 +40,7 @@ class PlaceTextures : public testing::Test {
     return corners_of(mesh).at(0)[2];
   }
   [[nodiscard]] std::string complaint(const std::string& options) const {
-    try {
-      static_cast<void>(far_corner(options));
-    } catch (const Error& error) {
-      EXPECT_TRUE(error.diagnosis().subject.ends_with("a.mtl"));
-      EXPECT_FALSE(error.diagnosis().remedy.empty());
-      return error.diagnosis().place + ": " + error.diagnosis().problem;
-    }
-    return "accepted";
+    return test::complaint_of(folder_.path() / "a.mtl", [&] { static_cast<void>(far_corner(options)); });
   }
 
   test::TestFolder folder_;

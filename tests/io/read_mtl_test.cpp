@@ -29,14 +29,7 @@ class ReadMtl : public testing::Test {
   }
   // "place: problem" of a library that is refused.
   [[nodiscard]] std::string complaint(const std::string& library) const {
-    try {
-      static_cast<void>(with_library(library));
-    } catch (const Error& error) {
-      EXPECT_TRUE(error.diagnosis().subject.ends_with("a.mtl"));
-      EXPECT_FALSE(error.diagnosis().remedy.empty());
-      return error.diagnosis().place + ": " + error.diagnosis().problem;
-    }
-    return "accepted";
+    return test::complaint_of(folder_.path() / "a.mtl", [&] { static_cast<void>(with_library(library)); });
   }
 
   test::TestFolder folder_;

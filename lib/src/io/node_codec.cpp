@@ -35,41 +35,45 @@ struct Stream {
   Filter filter = Filter::none;
 };
 
-// Arrays in the order in which they lie.
-template <std::size_t count>
-using Streams = std::array<Stream, count>;
-
-constexpr std::size_t vertex_streams = 5;
-
-template <std::size_t count>
-void put_vertices(const hlod::VertexLayout& layout, Streams<count>& to) {
-  const auto stream = [](std::size_t first, std::size_t end, std::size_t element_bytes, Filter filter) {
+// In the order in which they lie.
+std::array<Stream, 5> vertex_streams(const hlod::VertexLayout& layout) {
+  const auto stream = [](std::size_t first, std::size_t end, std::size_t element_bytes, Filter filter = Filter::none) {
     return Stream{first, end - first, element_bytes, filter};
   };
-  to[0] = stream(0, layout.normals, sizeof(glm::vec3), Filter::positions);
-  to[1] = stream(layout.normals, layout.colors, sizeof(glm::vec3), Filter::none);
-  to[2] = stream(layout.colors, layout.texture_coordinates, sizeof(glm::u8vec4), Filter::none);
-  to[3] = stream(layout.texture_coordinates, layout.materials, sizeof(glm::vec2), Filter::none);
-  to[4] = stream(layout.materials, layout.end, sizeof(MaterialId), Filter::none);
+  return {stream(0, layout.normals, sizeof(glm::vec3), Filter::positions),
+          stream(layout.normals, layout.colors, sizeof(glm::vec3)),
+          stream(layout.colors, layout.texture_coordinates, sizeof(glm::u8vec4)),
+          stream(layout.texture_coordinates, layout.materials, sizeof(glm::vec2)),
+          stream(layout.materials, layout.end, sizeof(MaterialId))};
 }
 
-Streams<vertex_streams + 2> mesh_streams(const hlod::HlodView& view, hlod::NodeId n) {
+}  // namespace
+
+// The arrays of a node, in the order in which they lie.
+struct NodeStreams {
+  std::array<Stream, 8> streams;  // those that there are none of are empty
+  std::size_t bytes = 0;          // without what aligns the next
+};
+
+namespace {
+
+NodeStreams mesh_streams(const hlod::HlodView& view, hlod::NodeId n) {
   const hlod::MeshLayout layout(view.nodes[n], arrays_of(view));
-  Streams<vertex_streams + 2> streams;
-  put_vertices(layout, streams);
-  streams[vertex_streams] = {layout.indices, layout.merged_into - layout.indices, 2, Filter::first_use};
-  streams[vertex_streams + 1] = {layout.merged_into, layout.bytes - layout.merged_into, 2, Filter::links};
-  return streams;
+  NodeStreams result{{}, layout.bytes};
+  const auto rest = std::ranges::copy(vertex_streams(layout), result.streams.begin()).out;
+  rest[0] = {layout.indices, layout.merged_into - layout.indices, 2, Filter::first_use};
+  rest[1] = {layout.merged_into, layout.bytes - layout.merged_into, 2, Filter::links};
+  return result;
 }
 
-Streams<vertex_streams + 3> splits_streams(const hlod::HlodView& view, hlod::NodeId n) {
+NodeStreams splits_streams(const hlod::HlodView& view, hlod::NodeId n) {
   const hlod::SplitsLayout layout(view.within[n], arrays_of(view));
-  Streams<vertex_streams + 3> streams;
-  put_vertices(layout, streams);
-  streams[vertex_streams] = {layout.errors, layout.indices - layout.errors, 4, Filter::floats};
-  streams[vertex_streams + 1] = {layout.indices, layout.parents - layout.indices, 2, Filter::none};
-  streams[vertex_streams + 2] = {layout.parents, layout.bytes - layout.parents, 2, Filter::links};
-  return streams;
+  NodeStreams result{{}, layout.bytes};
+  const auto rest = std::ranges::copy(vertex_streams(layout), result.streams.begin()).out;
+  rest[0] = {layout.errors, layout.indices - layout.errors, 4, Filter::floats};
+  rest[1] = {layout.indices, layout.parents - layout.indices, 2, Filter::none};
+  rest[2] = {layout.parents, layout.bytes - layout.parents, 2, Filter::links};
+  return result;
 }
 
 template <typename T>
@@ -272,12 +276,11 @@ void NodePacker::pack_splits(const hlod::HlodView& view, hlod::NodeId n, LargeVe
 }
 
 // The code of the lattice, then a zstd frame for each array that is not empty, its bytes separated.
-template <typename Streams>
-void NodePacker::pack(const Streams& streams, std::span<const std::byte> raw, LargeVector<std::byte>& out) {
+void NodePacker::pack(const NodeStreams& node, std::span<const std::byte> raw, LargeVector<std::byte>& out) {
   const std::size_t begin = out.size();
-  const LatticeCode lattice = lattice_of(raw.subspan(streams[0].first, streams[0].bytes));
+  const LatticeCode lattice = lattice_of(raw.first(node.streams[0].bytes));
   out.push_back(std::byte{lattice});
-  for (const Stream& stream : streams) {
+  for (const Stream& stream : node.streams) {
     if (stream.bytes == 0) continue;
     filtered_.resize(stream.bytes);
     planes_.resize(stream.bytes);
@@ -289,7 +292,7 @@ void NodePacker::pack(const Streams& streams, std::span<const std::byte> raw, La
     if (ZSTD_isError(size) != 0) throw std::bad_alloc();  // the only way to fail with room for the worst case
     out.insert(out.end(), frame_.begin(), frame_.begin() + static_cast<std::ptrdiff_t>(size));
   }
-  const std::size_t raw_bytes = hlod::align_mesh(streams.back().first + streams.back().bytes);
+  const std::size_t raw_bytes = hlod::align_mesh(node.bytes);
   out.resize(std::max(out.size(), begin + (raw_bytes + most_packing - 1) / most_packing));
 }
 
@@ -313,18 +316,16 @@ bool NodeUnpacker::unpack_splits(const hlod::HlodView& view, hlod::NodeId n, std
   return view.within[n].splits > 0 ? unpack(splits_streams(view, n), packed, raw) : packed.empty();
 }
 
-template <typename Streams>
-bool NodeUnpacker::unpack(const Streams& streams, std::span<const std::byte> packed, std::span<std::byte> raw) {
+bool NodeUnpacker::unpack(const NodeStreams& node, std::span<const std::byte> packed, std::span<std::byte> raw) {
   if (packed.empty()) return false;
   const auto lattice = std::to_integer<LatticeCode>(packed[0]);
   if (lattice > 2 * code_offset) return false;
   packed = packed.subspan(1);
   std::size_t end = 0;
-  for (const Stream& stream : streams) {
-    std::fill(raw.begin() + static_cast<std::ptrdiff_t>(end), raw.begin() + static_cast<std::ptrdiff_t>(stream.first),
-              std::byte{0});
-    end = stream.first + stream.bytes;
+  for (const Stream& stream : node.streams) {
     if (stream.bytes == 0) continue;
+    std::ranges::fill(raw.subspan(end, stream.first - end), std::byte{0});
+    end = stream.first + stream.bytes;
     const std::size_t frame = ZSTD_findFrameCompressedSize(packed.data(), packed.size());
     planes_.resize(stream.bytes);
     if (ZSTD_isError(frame) != 0 ||
@@ -335,7 +336,7 @@ bool NodeUnpacker::unpack(const Streams& streams, std::span<const std::byte> pac
     unfilter(stream, values, lattice);
     packed = packed.subspan(frame);
   }
-  std::fill(raw.begin() + static_cast<std::ptrdiff_t>(end), raw.end(), std::byte{0});
+  std::ranges::fill(raw.subspan(end), std::byte{0});
   return std::ranges::all_of(packed, [](std::byte b) { return b == std::byte{0}; });
 }
 

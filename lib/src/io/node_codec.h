@@ -15,6 +15,8 @@ namespace occlod::ohlod {
 // before memory is allocated.
 inline constexpr std::size_t most_packing = 1024;
 
+struct NodeStreams;
+
 // One at a time; buffers are kept.
 class NodePacker {
  public:
@@ -30,8 +32,7 @@ class NodePacker {
 
  private:
   struct Context;
-  template <typename Streams>
-  void pack(const Streams& streams, std::span<const std::byte> raw, LargeVector<std::byte>& out);
+  void pack(const NodeStreams& node, std::span<const std::byte> raw, LargeVector<std::byte>& out);
 
   std::unique_ptr<Context> context_;
   std::vector<std::byte> filtered_, planes_, frame_;
@@ -55,8 +56,7 @@ class NodeUnpacker {
 
  private:
   struct Context;
-  template <typename Streams>
-  [[nodiscard]] bool unpack(const Streams& streams, std::span<const std::byte> packed, std::span<std::byte> raw);
+  [[nodiscard]] bool unpack(const NodeStreams& node, std::span<const std::byte> packed, std::span<std::byte> raw);
 
   std::unique_ptr<Context> context_;
   std::vector<std::byte> planes_;

@@ -208,25 +208,14 @@ class FileGuard final : public hlod::NodeGuard {
   Digests digests_;
 };
 
-// Makes room in the owner for what is unpacked, and the view refer to it.
-std::unique_ptr<Unpacking> read_packed_meshes(Tables& tables) {
-  SectionReader& reader = *tables.owner->reader;
-  const PackedNodes packed = read_packed(reader, packed_meshes_name, mesh_places_name, tables.view.nodes.size(),
-                                         [&](hlod::NodeId n) { return mesh_extent(tables.view, n); });
-  tables.owner->meshes.resize(packed.unpacked_bytes);
-  tables.view.meshes = tables.owner->meshes;
-  return std::make_unique<Unpacking>(reader.read<std::byte>(packed_meshes_name, Check::parts), packed,
-                                     tables.owner->meshes);
-}
-
-std::unique_ptr<Unpacking> read_packed_splits(Tables& tables) {
-  SectionReader& reader = *tables.owner->reader;
-  const PackedNodes packed = read_packed(reader, packed_splits_name, splits_places_name, tables.view.within.size(),
-                                         [&](hlod::NodeId n) { return splits_extent(tables.view, n); });
-  tables.owner->splits.resize(packed.unpacked_bytes);
-  tables.view.splits = tables.owner->splits;
-  return std::make_unique<Unpacking>(reader.read<std::byte>(packed_splits_name, Check::parts), packed,
-                                     tables.owner->splits);
+// Makes room for what is unpacked.
+template <typename ExtentOf>
+std::unique_ptr<Unpacking> unpack_into(UninitializedVector<std::byte>& unpacked, SectionReader& reader,
+                                       std::string_view bytes_name, std::string_view places_name, std::size_t nodes,
+                                       const ExtentOf& extent_of) {
+  const PackedNodes packed = read_packed(reader, bytes_name, places_name, nodes, extent_of);
+  unpacked.resize(packed.unpacked_bytes);
+  return std::make_unique<Unpacking>(reader.read<std::byte>(bytes_name, Check::parts), packed, unpacked);
 }
 
 // Meshes in an open file.
@@ -296,17 +285,24 @@ OhlodFile read_ohlod(const std::filesystem::path& path, OlodAccess access) {
   const bool is_packed = tables.compression == OlodCompression::zstd, has_splits = reader->has(splits_digests_name);
   std::unique_ptr<Unpacking> meshes, splits;
   Digests digests;
-  if (is_packed)
-    meshes = read_packed_meshes(tables);
-  else
+  Owner& owner = *tables.owner;
+  if (is_packed) {
+    meshes = unpack_into(owner.meshes, *reader, packed_meshes_name, mesh_places_name, view.nodes.size(),
+                         [&](hlod::NodeId n) { return mesh_extent(view, n); });
+    view.meshes = owner.meshes;
+  } else {
     view.meshes = reader->read<std::byte>(meshes_name, Check::parts);
+  }
   if (has_splits) {
     for_each_within_array(view, TableReader{*reader});
     digests.splits = reader->read<std::uint64_t>(splits_digests_name);
-    if (is_packed)
-      splits = read_packed_splits(tables);
-    else
+    if (is_packed) {
+      splits = unpack_into(owner.splits, *reader, packed_splits_name, splits_places_name, view.within.size(),
+                           [&](hlod::NodeId n) { return splits_extent(view, n); });
+      view.splits = owner.splits;
+    } else {
       view.splits = reader->read<std::byte>(splits_name, Check::parts);
+    }
   }
   digests.meshes = check_nodes(*reader, view, view.meshes.size());
   if (digests.splits.size() != view.within.size())

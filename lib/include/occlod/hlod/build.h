@@ -32,10 +32,10 @@ struct BuildOptions {
   double attribute_weight = 0.7;  // of how far texture coordinates, normals and colours slip on the surface, relative
                                   // to how far the surface moves, in which collapse is next; in [0, 1e6]; 0: errors
                                   // are of the surface alone. For meshes with texture coordinates or seams
-  int quantise_bits =
-      0;            // 0: positions stay as they are; in [8, 23]: they are rounded to a lattice of so many bits for
-                    // the longest side of the mesh's box (lattice_step() in mesh/quantise.h), for about half the
-                    // bytes in a file. What falls together is cleaned. All errors are relative to what was rounded
+  // 0: positions stay as they are; in [8, 23]: they are rounded to a lattice of so many bits for the longest side of
+  // the mesh's box (lattice_step() in mesh/quantise.h), so that files take fewer bytes. What falls together is cleaned.
+  // All errors are relative to the rounded mesh.
+  int quantise_bits = 0;
   int threads = 0;  // in [0, 1024]; 0: one for each core. The result does not depend on it
   // A file in which a build keeps what it has finished; empty: none. A build of the same mesh with the same options
   // goes on from there, to the same bytes; threads may differ, and so may the limit of memory, though not whether the
