@@ -10,11 +10,11 @@
 #include <vector>
 
 #include "occlod/viewcells/vlod_file.h"
-#include "viewcells/packed_geometry.h"
-#include "viewcells/paper/delimiter_code.h"
-#include "viewcells/paper/id_lists.h"
-#include "viewcells/vlod_format.h"
-#include "viewcells/vlod_payload.h"
+#include "cells/packed_geometry.h"
+#include "papers/delimiter_code.h"
+#include "papers/id_lists.h"
+#include "cells/vlod_format.h"
+#include "cells/vlod_payload.h"
 
 namespace occlod::bench {
 namespace {

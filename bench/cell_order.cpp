@@ -15,12 +15,12 @@
 #include "support/ball_shares.h"
 #include "support/cell_lists.h"
 #include "support/cpu_clock.h"
-#include "viewcells/node_order.h"
-#include "viewcells/paper/adaptive_huffman.h"
-#include "viewcells/paper/delimiter_code.h"
-#include "viewcells/paper/first_node.h"
-#include "viewcells/paper/hamming_tour.h"
-#include "viewcells/set_code.h"
+#include "cells/node_order.h"
+#include "papers/adaptive_huffman.h"
+#include "papers/delimiter_code.h"
+#include "papers/first_node.h"
+#include "papers/hamming_tour.h"
+#include "cells/set_code.h"
 
 namespace occlod::bench {
 namespace {

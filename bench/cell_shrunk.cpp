@@ -13,8 +13,8 @@
 #include "occlod/viewcells/cell_builder.h"
 #include "support/cpu_clock.h"
 #include "support/mesh_parts.h"
-#include "viewcells/paper/cull_map.h"
-#include "viewcells/paper/shrunk_occlusion.h"
+#include "papers/cull_map.h"
+#include "papers/shrunk_occlusion.h"
 
 namespace occlod::bench {
 namespace {

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/median.h"
+#include "base/median.h"
 #include "measure/surface_distance.h"
 #include "occlod/hierarchy/build.h"
 #include "occlod/hierarchy/cut_mesh.h"

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "core/median.h"
+#include "base/median.h"
 #include "drawing.h"
 #include "frames_vdpm.h"
 #include "json_output.h"

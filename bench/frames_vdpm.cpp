@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "core/median.h"
+#include "base/median.h"
 #include "occlod/hierarchy/build.h"
 #include "occlod/refine/refiner.h"
 #include "peers/openmesh_vdpm.h"

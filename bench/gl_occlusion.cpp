@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "core/median.h"
+#include "base/median.h"
 #include "gl/objects.h"
 #include "occlod/core/error.h"
 #include "occlod/gl/compute_occlusion.h"

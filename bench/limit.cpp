@@ -12,12 +12,12 @@
 #include <variant>
 #include <vector>
 
-#include "core/median.h"
-#include "cut/cut_set.h"
+#include "base/median.h"
+#include "refine/cut_set.h"
 #include "occlod/occlusion/software_occlusion.h"
 #include "occlod/refine/refiner.h"
-#include "priority/star_visibility.h"
-#include "priority/weigh_splits.h"
+#include "refine/star_visibility.h"
+#include "refine/weigh_splits.h"
 #include "render_input.h"
 #include "stopwatch.h"
 #include "support/run_app.h"

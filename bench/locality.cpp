@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/median.h"
+#include "base/median.h"
 #include "occlod/hierarchy/build.h"
 #include "occlod/refine/refiner.h"
 #include "option_names.h"

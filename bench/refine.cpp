@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/median.h"
+#include "base/median.h"
 #include "occlod/hierarchy/build.h"
 #include "occlod/io/olod.h"
 #include "occlod/refine/refiner.h"

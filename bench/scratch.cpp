@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "core/median.h"
+#include "base/median.h"
 #include "occlod/occlusion/software_occlusion.h"
 #include "occlod/refine/refiner.h"
 #include "render_input.h"

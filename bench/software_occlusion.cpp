@@ -16,10 +16,10 @@
 #include <string_view>
 #include <vector>
 
-#include "core/median.h"
+#include "base/median.h"
 #include "occlod/hierarchy/build.h"
 #include "occlod/refine/refiner.h"
-#include "occlusion/depth_pyramid.h"
+#include "raster/depth_pyramid.h"
 #include "oracle/ray_oracle.h"
 #include "stopwatch.h"
 #include "support/bench_meshes.h"

@@ -16,8 +16,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/median.h"
-#include "io/atomic_file.h"
+#include "base/median.h"
+#include "base/atomic_file.h"
 #include "occlod/hierarchy/build.h"
 #include "occlod/io/olod.h"
 #include "occlod/occlusion/software_occlusion.h"

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "core/median.h"
+#include "base/median.h"
 #include "occlod/scene/scene.h"
 #include "support/run_app.h"
 #include "wedges/scores.h"

@@ -1,8 +1,8 @@
-# occlod_library(TARGET NAME name FILE_NAME name LAYERS layer ... [PUBLIC target ...])
-# One installed library, static or shared by BUILD_SHARED_LIBS, made of the objects of its layers; occlod::NAME to those
+# occlod_library(TARGET NAME name FILE_NAME name ROOMS room ... [PUBLIC target ...])
+# One installed library, static or shared by BUILD_SHARED_LIBS, made of the objects of its rooms; occlod::NAME to those
 # who use it. The interface of a 0.x version may change with every minor version: the name of the shared library has both.
 function(occlod_library target)
-  cmake_parse_arguments(PARSE_ARGV 1 ARG "" "NAME;FILE_NAME" "LAYERS;PUBLIC")
+  cmake_parse_arguments(PARSE_ARGV 1 ARG "" "NAME;FILE_NAME" "ROOMS;PUBLIC")
   add_library(${target})
   add_library(occlod::${ARG_NAME} ALIAS ${target})
   set_target_properties(${target} PROPERTIES
@@ -12,10 +12,10 @@ function(occlod_library target)
   target_include_directories(${target}
     PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/lib/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   target_link_libraries(${target} PUBLIC ${ARG_PUBLIC})
-  foreach(layer IN LISTS ARG_LAYERS)
-    target_sources(${target} PRIVATE $<TARGET_OBJECTS:occlod_${layer}>)
-    get_target_property(public occlod_${layer} OCCLOD_PUBLIC_DEPENDENCIES)
-    get_target_property(private occlod_${layer} OCCLOD_PRIVATE_DEPENDENCIES)
+  foreach(room IN LISTS ARG_ROOMS)
+    target_sources(${target} PRIVATE $<TARGET_OBJECTS:occlod_${room}>)
+    get_target_property(public occlod_${room} OCCLOD_PUBLIC_DEPENDENCIES)
+    get_target_property(private occlod_${room} OCCLOD_PRIVATE_DEPENDENCIES)
     target_link_libraries(${target} PUBLIC ${public} PRIVATE ${private})
   endforeach()
   if(BUILD_SHARED_LIBS)

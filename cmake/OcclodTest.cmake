@@ -33,7 +33,7 @@ function(occlod_test name)
   endif()
   set(labels ${ARG_LABELS})
   add_executable(test_${name} ${ARG_SOURCES})
-  target_include_directories(test_${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests ${PROJECT_SOURCE_DIR}/lib/src)
+  target_include_directories(test_${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests ${PROJECT_SOURCE_DIR}/lib)
   target_link_libraries(test_${name} PRIVATE ${ARG_LIBRARIES} occlod_warnings GTest::gtest_main)
   # They are compiled longer than they run; what they test keeps its own options.
   target_compile_options(test_${name} PRIVATE $<$<CONFIG:Release>:-O1>)

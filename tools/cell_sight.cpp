@@ -7,7 +7,7 @@
 #include <glm/matrix.hpp>
 #include <unordered_map>
 
-#include "mesh/portable_math.h"
+#include "base/portable_math.h"
 #include "occlod/hierarchy/cut_mesh.h"
 #include "occlod/raster/item_buffer.h"
 

@@ -8,7 +8,7 @@
 #include <set>
 
 #include "commands.h"
-#include "core/median.h"
+#include "base/median.h"
 #include "drawing.h"
 #include "option_names.h"
 #include "render_input.h"

@@ -14,8 +14,8 @@
 
 #include "cell_sight.h"
 #include "cells.h"
-#include "hierarchy/parallel.h"
-#include "mesh/portable_math.h"
+#include "splits/parallel.h"
+#include "base/portable_math.h"
 #include "occlod/core/error.h"
 #include "option_values.h"
 #include "stopwatch.h"

@@ -16,7 +16,7 @@
 #include "cells.h"
 #include "chosen_views.h"
 #include "command_files.h"
-#include "core/median.h"
+#include "base/median.h"
 #include "object_textures.h"
 #include "occlod/core/error.h"
 #include "occlod/occlusion/software_occlusion.h"

@@ -4,7 +4,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "io/atomic_file.h"
+#include "base/atomic_file.h"
 #include "occlod/io/write_mesh.h"
 
 namespace occlod::tool {

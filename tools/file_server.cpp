@@ -16,7 +16,7 @@
 #include <system_error>
 #include <utility>
 
-#include "core/platform.h"
+#include "base/platform.h"
 #include "occlod/core/error.h"
 #include "served_files.h"
 

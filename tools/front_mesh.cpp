@@ -2,7 +2,7 @@
 
 #include <numeric>
 
-#include "device/morphed_positions.h"
+#include "hlod/draw/morphed_positions.h"
 
 namespace occlod::tool {
 namespace {

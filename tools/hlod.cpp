@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "commands.h"
-#include "core/median.h"
+#include "base/median.h"
 #include "occlod/io/read_mesh.h"
 #include "occlod/scene/scene.h"
 

@@ -6,7 +6,7 @@
 #include <memory>
 #include <string_view>
 
-#include "device/device_cost_fields.h"
+#include "raster/device_cost_fields.h"
 #include "occlod/device/measure_costs.h"
 #include "occlod/device/virtual_device.h"
 #include "occlod/effects/calibration.h"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "command_files.h"
-#include "core/parse_double.h"
+#include "base/parse_double.h"
 #include "hlod.h"
 #include "interrupt.h"
 #include "occlod/core/error.h"

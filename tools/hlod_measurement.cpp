@@ -1,6 +1,6 @@
 #include "hlod_measurement.h"
 
-#include "core/median.h"
+#include "base/median.h"
 #include "drawing.h"
 #include "occlod/device/recorded_device.h"
 #include "stopwatch.h"

@@ -7,7 +7,7 @@
 
 #include "accuracy.h"
 #include "drawing.h"
-#include "effects/fragment_count.h"
+#include "refine/fragment_count.h"
 
 namespace occlod::tool {
 namespace {

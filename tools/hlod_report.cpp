@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "io/atomic_file.h"
+#include "base/atomic_file.h"
 
 namespace occlod::tool {
 namespace {

@@ -9,7 +9,7 @@
 #include <optional>
 #include <string>
 
-#include "io/atomic_file.h"
+#include "base/atomic_file.h"
 #include "progress.h"
 
 namespace occlod::tool {

@@ -5,7 +5,7 @@
 #include <system_error>
 #include <utility>
 
-#include "core/hex_digit.h"
+#include "base/hex_digit.h"
 
 namespace occlod::tool {
 namespace {

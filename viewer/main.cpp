@@ -14,7 +14,7 @@
 #include "command.h"
 #include "file_faults.h"
 #include "hlod_cache.h"
-#include "io/atomic_file.h"
+#include "base/atomic_file.h"
 #include "occlod/core/version.h"
 #include "setting_table.h"
 #include "settings_file.h"

@@ -10,8 +10,8 @@
 #include "occlod/scene/scene.h"
 #include "occlod/traverse/occlusion_probability.h"
 #include "occlod/view/view.h"
-#include "traverse/distance_queue.h"
-#include "traverse/object_frame.h"
+#include "hlod/draw/distance_queue.h"
+#include "hlod/draw/object_frame.h"
 
 namespace occlod::bench {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "core/median.h"
+#include "base/median.h"
 #include "drawing.h"
 #include "support/cpu_clock.h"
 #include "visibility/views.h"

@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "core/median.h"
+#include "base/median.h"
 
 namespace occlod::bench {
 namespace {

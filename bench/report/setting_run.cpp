@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "core/median.h"
+#include "base/median.h"
 #include "drawing.h"
 #include "report/coarse_occlusion.h"
 

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "viewcells/paper/hamming_tour.h"
+#include "papers/hamming_tour.h"
 
 namespace occlod::bench {
 

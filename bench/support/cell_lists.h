@@ -7,8 +7,8 @@
 #include <optional>
 #include <vector>
 
-#include "viewcells/cell_subtree.h"
-#include "viewcells/paper/id_lists.h"
+#include "cells/cell_subtree.h"
+#include "papers/id_lists.h"
 
 namespace occlod::bench {
 

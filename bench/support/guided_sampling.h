@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "mesh/portable_math.h"
+#include "base/portable_math.h"
 #include "occlod/viewcells/cell_view.h"
 #include "oracle/ray_scene.h"
 

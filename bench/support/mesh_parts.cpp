@@ -2,7 +2,7 @@
 
 #include <numeric>
 
-#include "viewcells/cell_geometry.h"
+#include "cells/cell_geometry.h"
 
 namespace occlod::bench {
 

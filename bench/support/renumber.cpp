@@ -4,8 +4,8 @@
 #include <numeric>
 #include <random>
 
-#include "hierarchy/hierarchy_data.h"
-#include "hierarchy/star_record.h"
+#include "splits/hierarchy_data.h"
+#include "splits/star_record.h"
 
 namespace occlod::bench {
 namespace {

@@ -15,10 +15,10 @@
 
 #include "cell_sight.h"
 #include "cell_walk.h"
-#include "core/median.h"
+#include "base/median.h"
 #include "drawing.h"
 #include "json_output.h"
-#include "mesh/portable_math.h"
+#include "base/portable_math.h"
 #include "occlod/core/error.h"
 #include "occlod/occlusion/software_occlusion.h"
 #include "occlod/viewcells/cell_builder.h"

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "io/atomic_file.h"
+#include "base/atomic_file.h"
 #include "occlod/core/error.h"
 
 namespace occlod::bench {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "mesh/portable_math.h"
+#include "base/portable_math.h"
 #include "visibility/scene_run.h"
 
 namespace occlod::bench {

@@ -1,4 +1,4 @@
-#include "core/companion_thread.h"
+#include "base/companion_thread.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/helper_threads.h"
+#include "base/helper_threads.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <new>
 #include <stdexcept>
 
-#include "hierarchy/parallel.h"
+#include "splits/parallel.h"
 
 namespace occlod {
 namespace {

@@ -1,4 +1,4 @@
-#include "core/large_vector.h"
+#include "base/large_vector.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/median.h"
+#include "base/median.h"
 
 #include <gtest/gtest.h>
 

@@ -10,9 +10,9 @@
 #include <optional>
 #include <string>
 
-#include "core/large_vector.h"
-#include "core/platform.h"
-#include "hierarchy/parallel.h"
+#include "base/large_vector.h"
+#include "base/platform.h"
+#include "splits/parallel.h"
 #include "occlod/core/error.h"
 
 namespace occlod {

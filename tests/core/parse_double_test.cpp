@@ -1,4 +1,4 @@
-#include "core/parse_double.h"
+#include "base/parse_double.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "cut/cut.h"
+#include "refine/cut.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "cut/face_list.h"
+#include "refine/face_list.h"
 
 #include <gtest/gtest.h>
 

@@ -10,7 +10,7 @@
 #include <limits>
 #include <random>
 
-#include "device/recording_data.h"
+#include "hlod/draw/recording_data.h"
 #include "device/small_scenes.h"
 #include "occlod/core/error.h"
 #include "occlod/device/virtual_device.h"

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "device/box_proxy.h"
+#include "hlod/draw/box_proxy.h"
 #include "device/small_scenes.h"
 #include "occlod/hlod/build.h"
 #include "occlod/hlod/within.h"

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "device/small_scenes.h"
-#include "device/virtual_clock.h"
+#include "hlod/draw/virtual_clock.h"
 #include "occlod/core/error.h"
 
 namespace occlod::hlod {

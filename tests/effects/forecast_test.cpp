@@ -1,4 +1,4 @@
-#include "effects/forecast.h"
+#include "refine/forecast.h"
 
 #include <gtest/gtest.h>
 

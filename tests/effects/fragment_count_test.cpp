@@ -1,4 +1,4 @@
-#include "effects/fragment_count.h"
+#include "refine/fragment_count.h"
 
 #include <gtest/gtest.h>
 

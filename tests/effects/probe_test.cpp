@@ -1,4 +1,4 @@
-#include "effects/probe.h"
+#include "refine/probe.h"
 
 #include <gtest/gtest.h>
 

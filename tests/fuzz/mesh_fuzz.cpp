@@ -11,8 +11,8 @@
 #include <string_view>
 #include <utility>
 
-#include "io/polygon_soup.h"
-#include "io/stream_mesh.h"
+#include "mesh/polygon_soup.h"
+#include "mesh/stream_mesh.h"
 #include "occlod/core/error.h"
 #include "occlod/hierarchy/build.h"
 #include "occlod/hierarchy/validate.h"

@@ -7,8 +7,8 @@
 #include <string>
 #include <string_view>
 
-#include "io/parse_mtl.h"
-#include "io/text_encoding.h"
+#include "mesh/parse_mtl.h"
+#include "base/text_encoding.h"
 #include "occlod/core/error.h"
 
 namespace occlod {

@@ -14,7 +14,7 @@
 #include "fuzz/memory_file.h"
 #include "fuzz/section_mutator.h"
 #include "fuzz/section_signer.h"
-#include "io/ohlod_format.h"
+#include "hlod/store/ohlod_format.h"
 #include "occlod/core/error.h"
 #include "occlod/hlod/validate.h"
 #include "occlod/hlod/within.h"

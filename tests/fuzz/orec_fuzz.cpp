@@ -7,7 +7,7 @@
 #include <cstring>
 #include <vector>
 
-#include "device/recording_data.h"
+#include "hlod/draw/recording_data.h"
 #include "fuzz/memory_file.h"
 #include "fuzz/section_signer.h"
 #include "occlod/core/error.h"

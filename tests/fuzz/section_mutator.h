@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "io/section_file.h"
+#include "mesh/section_file.h"
 
 extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t max_size);
 

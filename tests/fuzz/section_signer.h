@@ -10,8 +10,8 @@
 #include <string_view>
 #include <vector>
 
-#include "io/olod_codec.h"
-#include "io/section_file.h"
+#include "mesh/olod_codec.h"
+#include "mesh/section_file.h"
 
 namespace occlod::fuzz {
 

@@ -12,8 +12,8 @@
 #include "fuzz/vlod_scene.h"
 #include "occlod/core/error.h"
 #include "occlod/viewcells/vlod_file.h"
-#include "viewcells/packed_geometry.h"
-#include "viewcells/vlod_format.h"
+#include "cells/packed_geometry.h"
+#include "cells/vlod_format.h"
 
 namespace occlod::vlod {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "hlod/hlod_data.h"
+#include "hlod/store/hlod_data.h"
 #include "occlod/core/ids.h"
 #include "occlod/hlod/build.h"
 #include "occlod/picture/compare.h"

@@ -8,7 +8,7 @@
 #include <map>
 #include <numbers>
 
-#include "device/clip_matrix.h"
+#include "hlod/draw/clip_matrix.h"
 #include "gl/support.h"
 #include "oracle/random_shapes.h"
 

@@ -1,4 +1,4 @@
-#include "hierarchy/change_bound.h"
+#include "splits/change_bound.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "hierarchy/collapse_queue.h"
+#include "splits/collapse_queue.h"
 
 #include <gtest/gtest.h>
 

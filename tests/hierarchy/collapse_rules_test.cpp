@@ -1,4 +1,4 @@
-#include "hierarchy/collapse_rules.h"
+#include "splits/collapse_rules.h"
 
 #include <gtest/gtest.h>
 

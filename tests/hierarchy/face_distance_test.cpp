@@ -1,5 +1,5 @@
 // The parts that measure guaranteed errors, on shapes whose distances are known.
-#include "hierarchy/face_distance.h"
+#include "splits/face_distance.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
-#include "hierarchy/triangle_batch.h"
+#include "splits/triangle_batch.h"
 #include "support/meshes.h"
 
 namespace occlod {

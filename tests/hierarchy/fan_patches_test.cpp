@@ -1,5 +1,5 @@
 // Stars bounded together must get what each would get alone.
-#include "hierarchy/fan_patches.h"
+#include "splits/fan_patches.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-#include "hierarchy/star_record.h"
+#include "splits/star_record.h"
 #include "occlod/hierarchy/split_star.h"
 
 namespace occlod {

@@ -1,5 +1,5 @@
 // The quick way must say what the general one says.
-#include "hierarchy/fan.h"
+#include "splits/fan.h"
 
 #include <gtest/gtest.h>
 
@@ -7,9 +7,9 @@
 #include <cmath>
 #include <random>
 
-#include "hierarchy/change_bound.h"
-#include "hierarchy/collapse_rules.h"
-#include "hierarchy/fan_movements.h"
+#include "splits/change_bound.h"
+#include "splits/collapse_rules.h"
+#include "splits/fan_movements.h"
 #include "support/meshes.h"
 
 namespace occlod {

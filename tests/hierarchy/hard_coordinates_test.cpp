@@ -9,7 +9,7 @@
 #include <tuple>
 
 #include "hierarchy/hard_geometry.h"
-#include "hierarchy/spatial_order.h"
+#include "splits/spatial_order.h"
 #include "occlod/core/error.h"
 #include "occlod/mesh/clean.h"
 #include "support/meshes.h"

@@ -1,4 +1,4 @@
-#include "hierarchy/motion_cut.h"
+#include "splits/motion_cut.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Extents of nodes whose patches are looked at together must be those that one look at each patch gives.
-#include "hierarchy/patch_rows.h"
+#include "splits/patch_rows.h"
 
 #include <gtest/gtest.h>
 

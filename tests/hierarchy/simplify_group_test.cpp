@@ -1,4 +1,4 @@
-#include "hierarchy/simplify_group.h"
+#include "splits/simplify_group.h"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,8 @@
 #include <cmath>
 #include <vector>
 
-#include "hierarchy/chain_sum.h"
-#include "hierarchy/unit_scale.h"
+#include "splits/chain_sum.h"
+#include "splits/unit_scale.h"
 #include "support/meshes.h"
 
 namespace occlod {

@@ -1,11 +1,11 @@
 // What simplify() promises of its sequence.
-#include "hierarchy/simplify.h"
+#include "splits/simplify.h"
 
 #include <gtest/gtest.h>
 
 #include <vector>
 
-#include "hierarchy/level_faces.h"
+#include "splits/level_faces.h"
 #include "support/meshes.h"
 
 namespace occlod {

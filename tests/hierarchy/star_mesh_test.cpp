@@ -1,11 +1,11 @@
-#include "hierarchy/star_mesh.h"
+#include "splits/star_mesh.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <random>
 
-#include "hierarchy/collapse_rules.h"
+#include "splits/collapse_rules.h"
 #include "support/meshes.h"
 
 namespace occlod {

@@ -1,4 +1,4 @@
-#include "hierarchy/star_record.h"
+#include "splits/star_record.h"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include <random>
 #include <utility>
 
-#include "hierarchy/hierarchy_data.h"
+#include "splits/hierarchy_data.h"
 #include "occlod/hierarchy/build.h"
 #include "occlod/hierarchy/validate.h"
 #include "support/meshes.h"

@@ -1,4 +1,4 @@
-#include "hierarchy/surface_motion.h"
+#include "splits/surface_motion.h"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <set>
 
-#include "hierarchy/hierarchy_data.h"
+#include "splits/hierarchy_data.h"
 #include "occlod/hierarchy/build.h"
 #include "support/meshes.h"
 

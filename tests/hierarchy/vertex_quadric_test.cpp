@@ -1,4 +1,4 @@
-#include "hierarchy/vertex_quadric.h"
+#include "splits/vertex_quadric.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Cells, how they are joined, and what is done about slivers and folds.
-#include "hlod/cells.h"
+#include "hlod/build/cells.h"
 
 #include <gtest/gtest.h>
 
@@ -8,10 +8,10 @@
 #include <random>
 #include <set>
 
-#include "hlod/cancel_opposite.h"
-#include "hlod/join_cells.h"
-#include "hlod/octree_grid.h"
-#include "hlod/sliver_patches.h"
+#include "hlod/build/cancel_opposite.h"
+#include "hlod/build/join_cells.h"
+#include "hlod/build/octree_grid.h"
+#include "hlod/build/sliver_patches.h"
 #include "support/meshes.h"
 
 namespace occlod::hlod {

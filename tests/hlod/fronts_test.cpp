@@ -1,5 +1,5 @@
 // The promise of shifted grouping: whatever is refined, nothing gapes.
-#include "hlod/fronts.h"
+#include "hlod/store/fronts.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <numeric>
 #include <string>
 
-#include "hlod/hlod_data.h"
+#include "hlod/store/hlod_data.h"
 #include "occlod/hlod/build.h"
 #include "occlod/hlod/metric.h"
 #include "occlod/hlod/validate.h"

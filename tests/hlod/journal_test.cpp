@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "core/platform.h"
+#include "base/platform.h"
 #include "hlod_bytes.h"
 #include "occlod/core/error.h"
 #include "occlod/core/memory_limit.h"

@@ -12,8 +12,8 @@
 #include <thread>
 #include <vector>
 
-#include "hlod/hlod_data.h"
-#include "hlod/mesh_source.h"
+#include "hlod/store/hlod_data.h"
+#include "hlod/build/mesh_source.h"
 #include "occlod/core/error.h"
 #include "occlod/hlod/node_store.h"
 

@@ -1,4 +1,4 @@
-#include "hlod/octree_grid.h"
+#include "hlod/build/octree_grid.h"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "hlod/good_hlod.h"
-#include "hlod/hlod_data.h"
+#include "hlod/store/hlod_data.h"
 #include "occlod/hlod/validate.h"
 
 namespace occlod::hlod {

@@ -8,7 +8,7 @@
 #include <functional>
 
 #include "hlod/good_hlod.h"
-#include "hlod/hlod_data.h"
+#include "hlod/store/hlod_data.h"
 
 namespace occlod::hlod {
 namespace {

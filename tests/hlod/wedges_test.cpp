@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "hierarchy/corner_key.h"
+#include "splits/corner_key.h"
 #include "occlod/hlod/build.h"
 #include "occlod/hlod/validate.h"
 #include "occlod/hlod/within.h"

@@ -12,8 +12,8 @@
 #include <random>
 #include <vector>
 
-#include "hierarchy/triangle_key.h"
-#include "hlod/fronts.h"
+#include "splits/triangle_key.h"
+#include "hlod/store/fronts.h"
 #include "hlod_bytes.h"
 #include "occlod/hlod/build.h"
 #include "support/meshes.h"

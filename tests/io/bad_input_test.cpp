@@ -9,7 +9,7 @@
 #include <tuple>
 
 #include "io/mesh_files.h"
-#include "io/polygon_soup.h"
+#include "mesh/polygon_soup.h"
 #include "occlod/io/write_mesh.h"
 #include "support/meshes.h"
 

@@ -1,4 +1,4 @@
-#include "io/node_codec.h"
+#include "hlod/store/node_codec.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <random>
 #include <vector>
 
-#include "hlod/hlod_data.h"
+#include "hlod/store/hlod_data.h"
 
 namespace occlod::ohlod {
 namespace {

@@ -12,8 +12,8 @@
 #include <thread>
 
 #include "fuzz/section_signer.h"
-#include "hlod/hlod_data.h"
-#include "io/ohlod_format.h"
+#include "hlod/store/hlod_data.h"
+#include "hlod/store/ohlod_format.h"
 #include "occlod/core/error.h"
 #include "occlod/hlod/build.h"
 #include "occlod/hlod/validate.h"

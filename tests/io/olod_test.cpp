@@ -10,8 +10,8 @@
 #include <random>
 #include <span>
 
-#include "hierarchy/hierarchy_data.h"
-#include "hierarchy/split_guard.h"
+#include "splits/hierarchy_data.h"
+#include "splits/split_guard.h"
 #include "occlod/core/error.h"
 #include "occlod/hierarchy/build.h"
 #include "occlod/hierarchy/validate.h"

@@ -7,7 +7,7 @@
 #include <iterator>
 #include <random>
 
-#include "hierarchy/hierarchy_data.h"
+#include "splits/hierarchy_data.h"
 #include "occlod/core/error.h"
 #include "occlod/hierarchy/build.h"
 #include "occlod/hierarchy/cut_mesh.h"

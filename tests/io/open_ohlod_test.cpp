@@ -7,7 +7,7 @@
 #include <iterator>
 #include <random>
 
-#include "io/ohlod_format.h"
+#include "hlod/store/ohlod_format.h"
 #include "occlod/core/error.h"
 #include "occlod/hlod/build.h"
 #include "occlod/io/ohlod.h"

@@ -1,4 +1,4 @@
-#include "io/text_encoding.h"
+#include "base/text_encoding.h"
 
 #include <gtest/gtest.h>
 

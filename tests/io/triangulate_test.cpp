@@ -1,4 +1,4 @@
-#include "io/triangulate.h"
+#include "mesh/triangulate.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // The pyramid answers what a loop over the pixels answers.
-#include "occlusion/depth_pyramid.h"
+#include "raster/depth_pyramid.h"
 
 #include <gtest/gtest.h>
 

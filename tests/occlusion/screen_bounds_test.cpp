@@ -1,5 +1,5 @@
 // The rectangle holds every pixel that a bound touches, and its depth is nearer than every point of it.
-#include "occlusion/screen_bounds.h"
+#include "raster/screen_bounds.h"
 
 #include <gtest/gtest.h>
 

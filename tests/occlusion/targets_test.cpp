@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "occlod/occlusion/software_occlusion.h"
-#include "occlusion/bounds_batch.h"
-#include "occlusion/depth_pyramid.h"
-#include "occlusion/screen_bounds.h"
+#include "raster/bounds_batch.h"
+#include "raster/depth_pyramid.h"
+#include "raster/screen_bounds.h"
 #include "oracle/random_shapes.h"
 #include "raster/every_target.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "priority/star_visibility.h"
+#include "refine/star_visibility.h"
 
 namespace occlod::oracle {
 namespace {

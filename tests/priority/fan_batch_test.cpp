@@ -1,4 +1,4 @@
-#include "priority/fan_batch.h"
+#include "refine/fan_batch.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // What a split is worth to one eye, on stars whose faces are known.
-#include "priority/importance.h"
+#include "refine/importance.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "priority/queue.h"
+#include "refine/queue.h"
 
 #include <gtest/gtest.h>
 

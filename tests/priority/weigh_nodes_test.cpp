@@ -1,4 +1,4 @@
-#include "priority/weigh_nodes.h"
+#include "refine/weigh_nodes.h"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,8 @@
 #include <random>
 #include <vector>
 
-#include "priority/front_priority.h"
-#include "priority/weighed_lanes.h"
+#include "refine/front_priority.h"
+#include "refine/weighed_lanes.h"
 #include "refine/refine_support.h"
 
 namespace occlod {

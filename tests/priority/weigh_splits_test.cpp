@@ -1,4 +1,4 @@
-#include "priority/weigh_splits.h"
+#include "refine/weigh_splits.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "queries/effect_gate.h"
+#include "refine/effect_gate.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "queries/occluder_steps.h"
+#include "refine/occluder_steps.h"
 
 #include <gtest/gtest.h>
 

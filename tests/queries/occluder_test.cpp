@@ -1,4 +1,4 @@
-#include "queries/occluder.h"
+#include "refine/occluder.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "queries/tile_occluder.h"
+#include "refine/tile_occluder.h"
 
 #include <gtest/gtest.h>
 

@@ -10,7 +10,7 @@
 #include <tuple>
 #include <vector>
 
-#include "hierarchy/hierarchy_data.h"
+#include "splits/hierarchy_data.h"
 #include "occlod/core/error.h"
 #include "occlod/occlusion/software_occlusion.h"
 #include "occlod/raster/item_buffer.h"

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "core/helper_threads.h"
+#include "base/helper_threads.h"
 #include "occlod/io/olod.h"
 #include "occlod/mesh/generate.h"
 #include "occlod/occlusion/software_occlusion.h"

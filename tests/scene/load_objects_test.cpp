@@ -4,7 +4,7 @@
 #include <iterator>
 #include <vector>
 
-#include "hierarchy/hierarchy_data.h"
+#include "splits/hierarchy_data.h"
 #include "occlod/core/error.h"
 #include "occlod/io/olod.h"
 #include "occlod/scene/scene.h"

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "hlod/hlod_bytes.h"
-#include "io/stream_mesh.h"
+#include "mesh/stream_mesh.h"
 #include "occlod/core/error.h"
 #include "occlod/hlod/build.h"
 #include "occlod/io/read_mesh.h"

@@ -5,8 +5,8 @@
 #include <glm/geometric.hpp>
 #include <utility>
 
-#include "hlod/hlod_data.h"
-#include "math/unite.h"
+#include "hlod/store/hlod_data.h"
+#include "base/unite.h"
 #include "support/cameras.h"
 
 namespace occlod::test {

@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "tile_support.h"
-#include "tiles/border_edges.h"
-#include "tiles/border_vertices.h"
-#include "tiles/tile_mesh.h"
+#include "hlod/tiles/border_edges.h"
+#include "hlod/tiles/border_vertices.h"
+#include "hlod/tiles/tile_mesh.h"
 
 namespace occlod::tiles {
 namespace {

@@ -6,8 +6,8 @@
 #include <tuple>
 
 #include "tile_support.h"
-#include "tiles/meshopt_codec.h"
-#include "tiles/tile_lattice.h"
+#include "hlod/tiles/meshopt_codec.h"
+#include "hlod/tiles/tile_lattice.h"
 
 namespace occlod::tiles {
 namespace {

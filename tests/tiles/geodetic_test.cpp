@@ -1,4 +1,4 @@
-#include "tiles/geodetic.h"
+#include "hlod/tiles/geodetic.h"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "tiles/tile_lattice.h"
+#include "hlod/tiles/tile_lattice.h"
 
 namespace occlod::tiles {
 namespace {

@@ -9,12 +9,12 @@
 #include <string>
 #include <vector>
 
-#include "io/file_input.h"
+#include "base/file_input.h"
 #include "occlod/hlod/build.h"
 #include "occlod/io/read_mesh.h"
 #include "occlod/mesh/clean.h"
 #include "support/meshes.h"
-#include "tiles/encode_tile.h"
+#include "hlod/tiles/encode_tile.h"
 
 namespace occlod::tiles::test {
 

@@ -1,4 +1,4 @@
-#include "tiles/tile_tree.h"
+#include "hlod/tiles/tile_tree.h"
 
 #include <gtest/gtest.h>
 

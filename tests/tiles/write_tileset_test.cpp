@@ -11,7 +11,7 @@
 #include "occlod/hlod/validate.h"
 #include "support/hand_made_hlod.h"
 #include "tile_support.h"
-#include "tiles/tileset_json.h"
+#include "hlod/tiles/tileset_json.h"
 
 namespace occlod::tiles {
 namespace {

@@ -9,8 +9,8 @@
 #include "occlod/traverse/bias.h"
 #include "support/hand_made_hlod.h"
 #include "support/scripted_device.h"
-#include "traverse/object_frame.h"
-#include "traverse/outline_area.h"
+#include "hlod/draw/object_frame.h"
+#include "hlod/draw/outline_area.h"
 
 namespace occlod::hlod {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "hlod/fronts.h"
+#include "hlod/store/fronts.h"
 #include "occlod/traverse/traverser.h"
 
 namespace occlod::hlod::test {

@@ -1,4 +1,4 @@
-#include "traverse/hiding_rates.h"
+#include "hlod/draw/hiding_rates.h"
 
 #include <gtest/gtest.h>
 

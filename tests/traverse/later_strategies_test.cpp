@@ -10,7 +10,7 @@
 #include "support/hand_made_hlod.h"
 #include "support/scripted_device.h"
 #include "traverse/small_scenes.h"
-#include "traverse/strategy_choice.h"
+#include "hlod/draw/strategy_choice.h"
 
 namespace occlod::hlod {
 namespace {

@@ -1,5 +1,5 @@
 // The test that decides whether to ask: Guthe, Balazs and Klein 2006, fig. 5, line by line.
-#include "traverse/query_value.h"
+#include "hlod/draw/query_value.h"
 
 #include <gtest/gtest.h>
 

@@ -15,7 +15,7 @@
 #include "occlod/mesh/generate.h"
 #include "support/holed_meshes.h"
 #include "support/meshes.h"
-#include "viewcells/cell_refinement.h"
+#include "cells/cell_refinement.h"
 
 namespace occlod {
 namespace {

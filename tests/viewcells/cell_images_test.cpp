@@ -1,11 +1,11 @@
-#include "viewcells/cell_images.h"
+#include "cells/cell_images.h"
 
 #include <gtest/gtest.h>
 
 #include "oracle/random_shapes.h"
 #include "support/holed_meshes.h"
 #include "support/meshes.h"
-#include "viewcells/hull_test.h"
+#include "cells/hull_test.h"
 
 namespace occlod {
 namespace {

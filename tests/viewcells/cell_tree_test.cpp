@@ -10,12 +10,12 @@
 #include <set>
 
 #include "occlod/core/error.h"
-#include "viewcells/cell_divider.h"
-#include "viewcells/cell_forest.h"
-#include "viewcells/cell_geometry.h"
-#include "viewcells/cell_grid.h"
-#include "viewcells/cell_subtree.h"
-#include "viewcells/vlod_payload.h"
+#include "cells/cell_divider.h"
+#include "cells/cell_forest.h"
+#include "cells/cell_geometry.h"
+#include "cells/cell_grid.h"
+#include "cells/cell_subtree.h"
+#include "cells/vlod_payload.h"
 
 namespace occlod {
 namespace {

@@ -13,8 +13,8 @@
 
 #include "occlod/viewcells/cell_view.h"
 #include "oracle/random_shapes.h"
-#include "viewcells/cell_geometry.h"
-#include "viewcells/hull.h"
+#include "cells/cell_geometry.h"
+#include "cells/hull.h"
 
 namespace occlod {
 namespace {

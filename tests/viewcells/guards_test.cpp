@@ -10,12 +10,12 @@
 #include <vector>
 
 #include "cell_sight.h"
-#include "hierarchy/motion_cut.h"
+#include "splits/motion_cut.h"
 #include "occlod/hierarchy/build.h"
 #include "support/meshes.h"
-#include "viewcells/cell_geometry.h"
-#include "viewcells/hull_test.h"
-#include "viewcells/inner_box_test.h"
+#include "cells/cell_geometry.h"
+#include "cells/hull_test.h"
+#include "cells/inner_box_test.h"
 
 namespace occlod {
 namespace {

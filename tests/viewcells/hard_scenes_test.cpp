@@ -12,7 +12,7 @@
 #include "occlod/hierarchy/build.h"
 #include "oracle/random_shapes.h"
 #include "support/meshes.h"
-#include "viewcells/hull_test.h"
+#include "cells/hull_test.h"
 
 namespace occlod {
 namespace {

@@ -11,7 +11,7 @@
 #include "oracle/ray_scene.h"
 #include "support/holed_meshes.h"
 #include "support/meshes.h"
-#include "viewcells/hull_test.h"
+#include "cells/hull_test.h"
 
 namespace occlod {
 namespace {

@@ -10,10 +10,10 @@
 #include "oracle/ray_scene.h"
 #include "support/holed_meshes.h"
 #include "support/meshes.h"
-#include "viewcells/cell_geometry.h"
-#include "viewcells/hull_test.h"
-#include "viewcells/inner_box_test.h"
-#include "viewcells/voxel_grid.h"
+#include "cells/cell_geometry.h"
+#include "cells/hull_test.h"
+#include "cells/inner_box_test.h"
+#include "cells/voxel_grid.h"
 
 namespace occlod {
 namespace {

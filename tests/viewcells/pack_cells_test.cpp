@@ -15,8 +15,8 @@
 #include "occlod/viewcells/cell_walker.h"
 #include "packed_files.h"
 #include "small_cells.h"
-#include "viewcells/packed_geometry.h"
-#include "viewcells/vlod_format.h"
+#include "cells/packed_geometry.h"
+#include "cells/vlod_format.h"
 
 namespace occlod {
 namespace {

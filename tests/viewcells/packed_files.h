@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "fuzz/memory_file.h"
-#include "io/section_file.h"
-#include "viewcells/packed_geometry.h"
+#include "mesh/section_file.h"
+#include "cells/packed_geometry.h"
 
 namespace occlod::test {
 

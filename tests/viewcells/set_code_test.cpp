@@ -1,4 +1,4 @@
-#include "viewcells/set_code.h"
+#include "cells/set_code.h"
 
 #include <gtest/gtest.h>
 

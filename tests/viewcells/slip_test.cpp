@@ -18,7 +18,7 @@
 #include "occlod/viewcells/pack_cells.h"
 #include "small_cells.h"
 #include "support/wedge_meshes.h"
-#include "viewcells/star_box.h"
+#include "cells/star_box.h"
 
 namespace occlod {
 namespace {

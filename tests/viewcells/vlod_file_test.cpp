@@ -12,10 +12,10 @@
 #include <stdexcept>
 
 #include "fuzz/memory_file.h"
-#include "io/section_file.h"
+#include "mesh/section_file.h"
 #include "occlod/core/error.h"
 #include "small_cells.h"
-#include "viewcells/vlod_format.h"
+#include "cells/vlod_format.h"
 
 namespace occlod {
 namespace {

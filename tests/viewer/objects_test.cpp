@@ -6,7 +6,7 @@
 
 #include "occlod/hierarchy/build.h"
 #include "occlod/mesh/generate.h"
-#include "occlusion/depth_pyramid.h"
+#include "raster/depth_pyramid.h"
 
 namespace occlod::viewer {
 namespace {

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "gl/objects.h"
-#include "occlusion/depth_pyramid.h"
+#include "raster/depth_pyramid.h"
 
 namespace occlod::viewer {
 

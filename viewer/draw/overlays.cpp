@@ -10,7 +10,7 @@
 #include <numbers>
 
 #include "palette.h"
-#include "picture/frustum_edges.h"
+#include "scene/frustum_edges.h"
 
 namespace occlod::viewer {
 namespace {

@@ -5,7 +5,7 @@
 #include <glm/vec3.hpp>
 #include <string_view>
 
-#include "scene/strict_json.h"
+#include "base/strict_json.h"
 
 namespace occlod::viewer {
 

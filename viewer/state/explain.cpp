@@ -4,8 +4,8 @@
 #include <array>
 #include <unordered_map>
 
-#include "occlusion/screen_bounds.h"
-#include "priority/star_visibility.h"
+#include "raster/screen_bounds.h"
+#include "refine/star_visibility.h"
 
 namespace occlod::viewer {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "objects.h"
 #include "occlod/refine/refiner.h"
-#include "occlusion/depth_pyramid.h"
+#include "raster/depth_pyramid.h"
 #include "palette.h"
 
 namespace occlod::viewer {

@@ -9,7 +9,7 @@
 #include <span>
 
 #include "bias_color.h"
-#include "picture/color.h"
+#include "scene/color.h"
 
 namespace occlod::viewer {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "occlod/refine/visibility.h"
-#include "occlusion/depth_pyramid.h"
+#include "raster/depth_pyramid.h"
 
 namespace occlod::viewer {
 

@@ -21,7 +21,7 @@
 #include "occlod/effects/effect_choice.h"
 #include "occlod/hlod/node_store.h"
 #include "occlod/refine/refiner.h"
-#include "occlusion/depth_pyramid.h"
+#include "raster/depth_pyramid.h"
 #include "settings.h"
 
 namespace occlod::viewer {

@@ -17,7 +17,7 @@
 #include "objects.h"
 #include "pick.h"
 #include "refine_worker.h"
-#include "scene/strict_json.h"
+#include "base/strict_json.h"
 #include "session_files.h"
 #include "settings.h"
 #include "timeline.h"

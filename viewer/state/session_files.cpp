@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "io/atomic_file.h"
+#include "base/atomic_file.h"
 #include "occlod/core/error.h"
 
 namespace occlod::viewer {

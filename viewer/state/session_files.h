@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "objects.h"
-#include "scene/strict_json.h"
+#include "base/strict_json.h"
 
 namespace occlod::viewer {
 

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "scene/strict_json.h"
+#include "base/strict_json.h"
 #include "settings.h"
 
 namespace occlod::viewer {

@@ -1,6 +1,6 @@
 #include "settings_file.h"
 
-#include "io/atomic_file.h"
+#include "base/atomic_file.h"
 #include "scene/user_folders.h"
 #include "setting_table.h"
 

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <string>
 
-#include "io/atomic_file.h"
+#include "base/atomic_file.h"
 
 namespace occlod::viewer {
 

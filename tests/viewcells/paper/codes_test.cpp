@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "viewcells/paper/adaptive_huffman.h"
-#include "viewcells/paper/delimiter_code.h"
-#include "viewcells/paper/id_lists.h"
+#include "papers/adaptive_huffman.h"
+#include "papers/delimiter_code.h"
+#include "papers/id_lists.h"
 
 namespace occlod::paper {
 namespace {

@@ -1,5 +1,5 @@
 // Tours through columns of bits, beside all permutations.
-#include "viewcells/paper/hamming_tour.h"
+#include "papers/hamming_tour.h"
 
 #include <gtest/gtest.h>
 

@@ -1,13 +1,13 @@
 // Orders of ids by the nodes that add them.
-#include "viewcells/node_order.h"
+#include "cells/node_order.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <random>
 
-#include "viewcells/paper/first_node.h"
-#include "viewcells/paper/hamming_tour.h"
+#include "papers/first_node.h"
+#include "papers/hamming_tour.h"
 
 namespace occlod::paper {
 namespace {

@@ -8,9 +8,9 @@
 #include <numbers>
 
 #include "oracle/random_shapes.h"
-#include "viewcells/paper/back_faces.h"
-#include "viewcells/paper/cull_map.h"
-#include "viewcells/paper/shrunk_occlusion.h"
+#include "papers/back_faces.h"
+#include "papers/cull_map.h"
+#include "papers/shrunk_occlusion.h"
 
 namespace occlod::paper {
 namespace {

@@ -1,5 +1,5 @@
 // The quadratic programme, beside brute force and CGAL's.
-#include "viewcells/paper/projection_point.h"
+#include "papers/projection_point.h"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,79 @@
+#include "base/file_input.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <system_error>
+#include <utility>
+
+#include "base/scratch_memory.h"
+#include "occlod/core/error.h"
+
+namespace occlod {
+namespace fs = std::filesystem;
+
+void FileErrors::fail(std::string place, std::string problem, std::string remedy) const {
+  throw Error({subject_, std::move(place), std::move(problem), std::move(remedy)});
+}
+
+void FileErrors::fail_at_line(std::uint64_t line, std::string problem, std::string remedy) const {
+  fail(fmt::format("line {}", line), std::move(problem), std::move(remedy));
+}
+
+namespace {
+
+constexpr std::size_t block_bytes = std::size_t{1} << 20;
+
+}  // namespace
+
+std::string in_quotes(std::string_view text) {
+  constexpr std::size_t longest = 40;
+  std::string shown = "'";
+  for (const char c : text.substr(0, longest)) shown += c >= ' ' && c <= '~' ? c : '?';
+  return shown + (text.size() > longest ? "...'" : "'");
+}
+
+InputBytes::InputBytes(const fs::path& path, const FileErrors& errors, std::function<void(double)> progress)
+    : errors_(&errors), progress_(std::move(progress)) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (!fs::exists(status)) errors.fail("", "no such file", "check the path");
+  if (fs::is_directory(status)) errors.fail("", "is a folder", "name a mesh file in it");
+  if (!fs::is_regular_file(status)) errors.fail("", "is not a regular file", "save the mesh to a file first");
+  size_ = fs::file_size(path, error);
+  stream_.open(path, std::ios::binary);
+  if (error || !stream_) errors.fail("", "cannot be opened", "check its permissions");
+  if (size_ == 0) errors.fail("", "is empty", "export the mesh again");
+}
+
+std::string_view InputBytes::window(std::size_t least) {
+  const std::uint64_t left = size_ - offset_;
+  if (window_.size() >= least || window_.size() == left) return window_;
+  const auto wanted = static_cast<std::size_t>(std::min<std::uint64_t>(left, std::max(least, block_bytes)));
+  if (wanted > capacity_) {
+    auto larger = std::make_unique_for_overwrite<char[]>(wanted);
+    std::ranges::copy(window_, larger.get());
+    buffer_ = std::move(larger);
+    capacity_ = wanted;
+  } else {
+    std::ranges::copy(window_, buffer_.get());  // to the front, over what has been skipped
+  }
+  read_to(wanted);
+  return window_;
+}
+
+// Reads until the window, which is at the beginning of the buffer, has `bytes` bytes.
+void InputBytes::read_to(std::size_t bytes) {
+  for (std::size_t have = window_.size(); have < bytes;) {
+    make_room();  // what was read before has filled arrays
+    if (progress_) progress_(static_cast<double>(offset_ + have) / static_cast<double>(size_));
+    const std::size_t block = std::min(bytes - have, block_bytes);
+    stream_.read(buffer_.get() + have, static_cast<std::streamsize>(block));
+    const auto got = static_cast<std::size_t>(stream_.gcount());
+    have += got;
+    if (got != block) errors_->fail(fmt::format("byte {}", offset_ + have), "cannot be read further", "check the disk");
+  }
+  window_ = {buffer_.get(), bytes};
+}
+
+}  // namespace occlod

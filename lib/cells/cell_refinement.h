@@ -1,0 +1,112 @@
+// The cuts of all objects for one cell.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <tuple>
+#include <vector>
+
+#include "refine/cut.h"
+#include "occlod/viewcells/cell_builder.h"
+#include "cells/cell_images.h"
+#include "cells/hull_test.h"
+
+namespace occlod {
+
+// Walks the forests from their roots. A subtree is dropped if its error is within the tolerance for every eye, or if
+// its box, grown by g, is hidden from the cell. Otherwise its children are visited; and if the faces of its own split
+// are not within the tolerance and their box, grown by g, is not hidden, the split is applied with all that it needs.
+// g(box) is the smaller of the subtree's guaranteed error and of what covers the tolerance at the point of the box
+// where that is most (all in object units). With a budget it is the error alone, as the tolerance that is reached in
+// the end is not known before: nodes are visited in the order of their error on the screen, and where a split does not
+// fit, all that are left are within that of the node.
+//
+// *Why this keeps the promise.* Let an eye in the cell see a point x of the input. Follow x through the collapses: one
+// that ends its face moves it to a point of a face that it makes. Let t_1, ..., t_k be the splits of these collapses
+// from coarse to fine, f_j the face with x that t_j inserts, x_j its place there; f_0 is of the base mesh, or there is
+// none because the component of x vanishes. t_(j+1) removes f_j, so it depends on t_j and is applied only with it, and
+// |x - x_j| <= error(t_(j+1)). Call t_j fine if it, its own faces or a subtree that holds it is within the tolerance.
+// Bounds of all of these hold f_(j-1), which t_j removes, and errors are saturated: so x is within the tolerance of
+// x_(j-1), as measured at x_(j-1), if t_j is fine, and closer than any error of a split before t_j.
+//   Let t_j be the last that is not fine; if none is, x is within the tolerance wherever it is in the cut, or its
+// component is smaller than that. x is no farther from x_j than error(t_j), and, if j < k, than the tolerance at x_j.
+// (If j = k, x = x_j.) So it is no farther than the g of any box that holds f_j: that of t_j's own faces and those of
+// all subtrees that hold t_j. Grown by g they hold x, which is seen, and are not hidden. So t_j is reached and applied,
+// and t_1, ..., t_(j-1) with it. Then x is in the cut on some f_i, i >= j, and within the tolerance of it. The box of
+// f_i, grown by its own g, holds x as well; so f_i is not left out because it is hidden.
+//
+// *Attributes.* The error that has to be within the tolerance is the larger of the guaranteed one and of how far
+// attributes slip, where these count: a split that is fine in that sense is fine in the sense above, so all of this
+// holds. A point x that is seen is then in the cut on a face f_i, and all splits on its path after t_i are fine: its
+// texel has slipped by no more than the tolerance since then, as far as Hierarchy::attribute_error() tells. Boxes are
+// grown by the guaranteed error only, as slipping moves no surface.
+//
+// Whether faces turn away decides only what is drawn, never what is refined: the input may face an eye where a coarse
+// version of it does not.
+class CellRefinement {
+ public:
+  // What is left out, for tests: then the result is not what it promises.
+  struct Without {
+    bool growth = false;  // boxes are not grown by g
+    bool near = false;    // what the near plane clips away hides
+  };
+
+  // `surface`: nothing is hidden without it. `boxes`: of the surface, or none.
+  CellRefinement(std::span<const RefineObject> objects, const CellSurface* surface, const InnerBoxes* boxes,
+                 const CellOptions& options, const Without& without);
+
+  const CellCut& build(const CellBox& cell);
+
+ private:
+  // A node to visit.
+  struct Candidate {
+    float px = 0.0F;  // its error on the screen, see error_of()
+    std::uint32_t object = 0;
+    SplitId split = 0;
+
+    // Smaller is visited later.
+    friend bool operator<(const Candidate& a, const Candidate& b) {
+      return std::tie(a.px, b.object, b.split) < std::tie(b.px, a.object, a.split);
+    }
+  };
+  struct Face {
+    CellBox box;              // grown by g
+    std::uint32_t place = 0;  // in active_
+  };
+
+  void refine(std::uint32_t object, const CellView& view);
+  void refine_to_budget();
+  void visit(std::uint32_t object, const CellView& view, SplitId s);
+  void try_split(std::uint32_t object, const CellView& view, SplitId s);
+  void find_drawn(std::uint32_t object, const CellView& view);
+  // Unless it turns its back on the cell, it is drawn; unless the middle of the cell sees it, drop_hidden() decides.
+  void add_face(std::uint32_t object, const CellView& view, const FaceRef& ref, const Triangle& t, std::uint32_t place);
+  void drop_hidden(std::span<Face> faces);
+  [[nodiscard]] CellBox grown_box(const CellView& view, const Box& box, float error) const;
+  // From the middle of the cell, before anything that hides.
+  [[nodiscard]] bool is_seen(const CellBox& what);
+  [[nodiscard]] bool is_hidden(const CellBox& what);
+  [[nodiscard]] bool is_hidden(const CellView& view, const Box& box, float error);
+  // What has to be within the tolerance: the guaranteed error, or how far attributes slip where that is more.
+  [[nodiscard]] float error_of(std::uint32_t object, SplitId s) const;
+  // Whether the error, of so many pixels a unit, is within the tolerance; then it counts.
+  [[nodiscard]] bool is_fine(float error, float scale_px);
+
+  std::vector<RefineObject> objects_;
+  CellOptions options_;
+  Without without_;
+  std::vector<Cut> cuts_;
+  std::vector<CellView> views_;  // of objects
+  std::size_t triangles_ = 0;    // active
+  bool is_full_ = false;         // a split has not fitted into the budget
+  std::optional<HullTest> hull_test_;
+  std::optional<CellImages> images_;
+  std::vector<SplitId> stack_;    // nodes to visit, of one object
+  std::vector<Candidate> heap_;   // of all objects, with a budget
+  std::vector<Triangle> active_;  // by their wedges
+  std::vector<bool> drawn_;       // of active_
+  std::vector<Face> faces_;
+  CellCut result_;
+};
+
+}  // namespace occlod

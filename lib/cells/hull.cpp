@@ -1,0 +1,92 @@
+#include "cells/hull.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
+
+#include "cells/cell_geometry.h"
+
+namespace occlod {
+namespace {
+
+// The part of a segment that is left, from 0 at its start to 1 at its end.
+struct Part {
+  double first = 0.0, last = 1.0;
+
+  // Cuts off where what runs from `at_start` to `at_end` is above 0. False when nothing is left.
+  bool cut(double at_start, double at_end) {
+    if (at_start <= 0.0 && at_end <= 0.0) return true;
+    if (at_start > 0.0 && at_end > 0.0) return false;
+    const double crossing = at_start / (at_start - at_end);
+    if (at_start > 0.0)
+      first = std::max(first, crossing);
+    else
+      last = std::min(last, crossing);
+    return first <= last;
+  }
+};
+
+// Whether [low, high], which runs over the projections of the corners onto an axis, is apart from the box's.
+bool apart(const glm::dvec3& axis, const std::array<glm::dvec3, 3>& corners, const glm::dvec3& half) {
+  const double p = glm::dot(axis, corners[0]), q = glm::dot(axis, corners[1]), r = glm::dot(axis, corners[2]);
+  const double reach = glm::dot(glm::abs(axis), half);
+  return std::min({p, q, r}) > reach || std::max({p, q, r}) < -reach;
+}
+
+}  // namespace
+
+Hull::Hull(const CellBox& eyes, const CellBox& what) : around_(unite(eyes, what)) {
+  for (int axis = 0; axis < 3; ++axis) add_planes(eyes, what, axis, (axis + 1) % 3);
+}
+
+// Of two rectangles: the hull has an edge between their corners of one side each iff neither corner lies beyond the
+// other in both axes.
+void Hull::add_planes(const CellBox& eyes, const CellBox& what, int u, int v) {
+  for (const double sign_u : {-1.0, 1.0})
+    for (const double sign_v : {-1.0, 1.0}) {
+      const auto corner = [&](const CellBox& box) {
+        return glm::dvec2(sign_u < 0.0 ? box.min[u] : box.max[u], sign_v < 0.0 ? box.min[v] : box.max[v]);
+      };
+      const glm::dvec2 p = corner(eyes), along = corner(what) - p;
+      if (!(sign_u * along.x * sign_v * along.y < 0.0)) continue;
+      const glm::dvec2 outwards(sign_u * std::abs(along.y), sign_v * std::abs(along.x));
+      planes_[plane_count_++] = {
+          u, v, outwards.x, outwards.y, glm::dot(outwards, p), std::abs(along.x) + std::abs(along.y)};
+    }
+}
+
+bool Hull::may_meet(const glm::dvec3& a, const glm::dvec3& b, double margin) const {
+  Part left;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double high = around_.max[axis] + margin, low = around_.min[axis] - margin;
+    if (!left.cut(a[axis] - high, b[axis] - high) || !left.cut(low - a[axis], low - b[axis])) return false;
+  }
+  for (std::size_t i = 0; i < plane_count_; ++i) {
+    const Plane& plane = planes_[i];
+    const double reach = plane.reach + plane.growth * margin;
+    if (!left.cut(plane.by_u * a[plane.u] + plane.by_v * a[plane.v] - reach,
+                  plane.by_u * b[plane.u] + plane.by_v * b[plane.v] - reach))
+      return false;
+  }
+  return true;
+}
+
+bool triangle_meets(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const CellBox& box) {
+  if (!overlap({glm::min(a, glm::min(b, c)), glm::max(a, glm::max(b, c))}, box)) return false;
+  const glm::dvec3 middle = 0.5 * (box.min + box.max), half = 0.5 * (box.max - box.min);
+  const std::array<glm::dvec3, 3> corners = {a - middle, b - middle, c - middle};
+  if (apart(glm::cross(b - a, c - a), corners, half)) return false;
+  for (int k = 0; k < 3; ++k) {
+    const glm::dvec3 side =
+        corners[static_cast<std::size_t>(k == 2 ? 0 : k + 1)] - corners[static_cast<std::size_t>(k)];
+    for (const glm::dvec3& axis :
+         {glm::dvec3(0, -side.z, side.y), glm::dvec3(side.z, 0, -side.x), glm::dvec3(-side.y, side.x, 0)})
+      if (apart(axis, corners, half)) return false;
+  }
+  return true;
+}
+
+}  // namespace occlod

@@ -1,0 +1,191 @@
+#include "cells/hull_test.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <limits>
+
+#include "cells/cell_geometry.h"
+#include "cells/cell_segment.h"
+
+namespace occlod {
+namespace {
+
+// Of coordinates in world space, each a sum of a few products in double precision.
+constexpr double relative_rounding = 1e-9;
+// Where a segment meets more, those near the cell hide most.
+constexpr std::size_t most_seeds = 16;
+
+}  // namespace
+
+HullTest::HullTest(const CellSurface& surface, const InnerBoxes* boxes)
+    : surface_(surface), hid_(memory_size, no_id), reached_by_(zeroed_array<std::uint32_t>(surface.triangle_count())) {
+  if (boxes != nullptr) boxes_.emplace(surface, *boxes);
+  parts_ = boxes;
+}
+
+void HullTest::set_cell(const CellBox& cell, double near_reach) {
+  cell_ = cell;
+  near_reach_ = near_reach;
+  first_segment_ = 0;
+  std::fill(hid_.begin(), hid_.end(), no_id);
+  blockers_.fill(no_id);
+  if (boxes_) boxes_->set_cell(cell, near_reach);
+}
+
+bool HullTest::hides(const CellBox& what) {
+  ++counts_.queries;
+  if (overlap(cell_, what)) return false;
+  rounding_ = relative_rounding *
+              std::max({largest_coordinate(cell_), largest_coordinate(what), surface_.largest_coordinate()});
+  if (boxes_ && boxes_->hides_again(what)) return ++counts_.boxed, true;
+  find_hits(what, first_segment_, most_seeds, seeds_);
+  if (seeds_.empty()) return ++counts_.free, false;
+  if (boxes_ && is_boxed(what)) return ++counts_.boxed, true;
+  if (is_free(what)) return ++counts_.free, false;
+  begin_floods();
+  const Hull hull(cell_, what);
+  const auto others =
+      std::stable_partition(seeds_.begin(), seeds_.end(), [&](std::uint32_t t) { return has_hidden(t); });
+  if (flood_any(hull, what, {seeds_.begin(), others})) return ++counts_.remembered, true;
+  return flood_any(hull, what, {others, seeds_.end()});
+}
+
+void HullTest::begin_floods() {
+  // A query makes one flood a seed at most. Before their numbers run out they begin anew.
+  if (flood_ > std::numeric_limits<std::uint32_t>::max() - most_seeds) {
+    std::fill_n(reached_by_.get(), surface_.triangle_count(), 0U);
+    flood_ = 0;
+  }
+  first_flood_ = flood_ + 1;
+  reached_count_ = 0;
+}
+
+// Triangles on the segment that may hide, `most` of them or fewer, roughly from the cell to the box.
+void HullTest::find_hits(const CellBox& what, std::size_t segment, std::size_t most,
+                         std::vector<std::uint32_t>& hits) const {
+  const CellSegment s = segment_between(cell_, what, segment);
+  hits.clear();
+  surface_.for_each_hit(s.from, s.to, [&](std::uint32_t t) {
+    if (!must_avoid(t, what)) hits.push_back(t);
+    return hits.size() < most;
+  });
+}
+
+// By a box inside one of the parts that the first segment meets.
+bool HullTest::is_boxed(const CellBox& what) {
+  std::uint32_t last = no_id;
+  for (const std::uint32_t t : seeds_) {
+    const std::uint32_t part = parts_->part_of(t);
+    if (part != last && boxes_->hides(what, part)) return true;
+    last = part;
+  }
+  return false;
+}
+
+// Whether there is nothing on some other segment that may hide.
+bool HullTest::is_free(const CellBox& what) {
+  constexpr std::size_t count = inner_segments + outer_segments;
+  for (std::size_t i = 1; i < count; ++i) {
+    const std::size_t segment = (first_segment_ + i) % count;
+    if (is_blocked(what, segment)) continue;
+    first_segment_ = segment;
+    return true;
+  }
+  return false;
+}
+
+// What has done so for another box often does so again.
+bool HullTest::is_blocked(const CellBox& what, std::size_t segment) {
+  const CellSegment s = segment_between(cell_, what, segment);
+  std::uint32_t& blocker = blockers_[segment];
+  if (blocker != no_id && surface_.meets(blocker, s.from, s.to) && !must_avoid(blocker, what)) return true;
+  find_hits(what, segment, 1, hits_);
+  if (hits_.empty()) return false;
+  blocker = hits_.front();
+  return true;
+}
+
+// What hides does not touch the ends of segments.
+bool HullTest::must_avoid(std::uint32_t t, const CellBox& what) const {
+  const glm::dvec3 &a = surface_.corner(t, 0), &b = surface_.corner(t, 1), &c = surface_.corner(t, 2);
+  const double margin = growth(t);
+  return triangle_meets(a, b, c, grown(cell_, margin + near_reach_)) || triangle_meets(a, b, c, grown(what, margin));
+}
+
+bool HullTest::flood_any(const Hull& hull, const CellBox& what, std::span<const std::uint32_t> seeds) {
+  return std::any_of(seeds.begin(), seeds.end(), [&](std::uint32_t seed) { return flood(hull, what, seed); });
+}
+
+// False where it meets what it must not.
+bool HullTest::flood(const Hull& hull, const CellBox& what, std::uint32_t first) {
+  reached_.clear();
+  ++flood_;
+  if (!reach(first)) return false;
+  ++counts_.floods;
+  std::size_t visited = 0;  // more are reached on the way
+  while (visited < reached_.size()) {
+    ++counts_.triangles;
+    if (!visit(hull, what, reached_[visited++])) return false;
+  }
+  if (!is_crossed(what)) return false;
+  for (const std::uint32_t t : reached_) hid_[memory_place(t)] = t;
+  return true;
+}
+
+bool HullTest::visit(const Hull& hull, const CellBox& what, std::uint32_t t) {
+  if (must_avoid(t, what)) return false;
+  const double margin = growth(t);
+  for (std::uint32_t k = 0; k < 3; ++k) {
+    const std::uint32_t edge = 3 * t + k;
+    if (!surface_.is_border(edge) && is_crossed_already(edge)) continue;
+    double largest = margin;
+    for (std::uint32_t other = surface_.beyond(edge); other != edge; other = surface_.beyond(other))
+      largest = std::max(largest, growth(other / 3));
+    if (!hull.may_meet(surface_.corner(t, static_cast<int>(k)),
+                       surface_.corner(t, k == 2 ? 0 : static_cast<int>(k) + 1), largest))
+      continue;
+    if (surface_.is_border(edge)) return false;
+    for (std::uint32_t other = surface_.beyond(edge); other != edge; other = surface_.beyond(other))
+      if (!reach(other / 3)) return false;
+  }
+  return true;
+}
+
+// Whether this flood has reached all triangles beyond the edge.
+bool HullTest::is_crossed_already(std::uint32_t edge) const {
+  for (std::uint32_t other = surface_.beyond(edge); other != edge; other = surface_.beyond(other))
+    if (reached_by_[other / 3] != flood_) return false;
+  return true;
+}
+
+// False where an earlier flood of this query has been, which did not hide and would have come here as well; and when
+// there are too many.
+bool HullTest::reach(std::uint32_t t) {
+  if (reached_by_[t] >= first_flood_) return reached_by_[t] == flood_;
+  if (reached_count_ == most_triangles) return false;
+  ++reached_count_;
+  reached_by_[t] = flood_;
+  reached_.push_back(t);
+  return true;
+}
+
+bool HullTest::is_crossed(const CellBox& what) const {
+  for (std::size_t i = 0; i < inner_segments; ++i)
+    if (const auto crossed = is_crossed(segment_between(cell_, what, i))) return *crossed;
+  return false;
+}
+
+// An odd number of times.
+std::optional<bool> HullTest::is_crossed(const CellSegment& segment) const {
+  bool odd = false;
+  for (const std::uint32_t t : reached_) {
+    const auto crossed = crosses(segment, surface_.corner(t, 0), surface_.corner(t, 1), surface_.corner(t, 2));
+    if (!crossed) return std::nullopt;
+    odd = odd != *crossed;
+  }
+  return odd;
+}
+
+}  // namespace occlod

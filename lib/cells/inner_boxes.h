@@ -1,0 +1,64 @@
+// Boxes of space inside the solids of a surface: the quickest proof that something is hidden.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "cells/cell_surface.h"
+
+namespace occlod {
+
+// A *part* is what is connected over edges. Where a part as a whole hides a box of space from a cell (see HullTest), it
+// hides all that can be seen through that box only: each segment from the cell to it meets the part before the box.
+// That is quickly told, as both are convex: it is so iff the segments from corners to corners meet the box.
+//
+// So boxes inside solids are found here, once. No triangle comes closer to one than it may have moved. Which of them
+// are hidden from a cell has to be asked. Immutable.
+class InnerBoxes {
+ public:
+  static constexpr std::size_t most_boxes = 4;       // of a part
+  static constexpr std::size_t most_parts = 4096;    // that are looked at: those with the largest bounds
+  static constexpr std::size_t most_borders = 4096;  // edges of a part with boxes
+  static constexpr int resolution = 32;              // voxels along the longest edge of a part's bounds
+  static constexpr std::size_t least_triangles = 8;  // of a part with boxes
+
+  struct Part {
+    std::uint32_t first_box = 0, box_count = 0;
+    std::uint32_t first_border = 0, border_count = 0;
+  };
+
+  InnerBoxes() = default;
+  // O(n) mostly, and some thousand steps for each part that is looked at.
+  explicit InnerBoxes(const CellSurface& surface);
+
+  // Of a triangle.
+  [[nodiscard]] std::uint32_t part_of(std::uint32_t t) const { return part_of_[t]; }
+  [[nodiscard]] const Part& part(std::uint32_t p) const { return parts_[p]; }
+  [[nodiscard]] std::size_t part_count() const noexcept { return parts_.size(); }
+  // Of all parts; those of a part follow each other.
+  [[nodiscard]] std::span<const CellBox> boxes() const noexcept { return boxes_; }
+  // The part of a box.
+  [[nodiscard]] std::uint32_t owner(std::uint32_t box) const { return owners_[box]; }
+  // Edges (see CellSurface::beyond) that an odd number of the part's triangles share.
+  [[nodiscard]] std::span<const std::uint32_t> borders(const Part& part) const {
+    return std::span(borders_).subspan(part.first_border, part.border_count);
+  }
+  // How far any triangle may be from the input, at most.
+  [[nodiscard]] double largest_motion() const noexcept { return largest_motion_; }
+
+ private:
+  void find_parts(const CellSurface& surface);
+  [[nodiscard]] std::vector<std::uint32_t> parts_worth_a_look(const CellSurface& surface) const;
+  void add_boxes(const CellSurface& surface, std::uint32_t part, std::span<const std::uint32_t> triangles);
+
+  std::vector<std::uint32_t> part_of_;
+  std::vector<Part> parts_;
+  std::vector<CellBox> boxes_;
+  std::vector<std::uint32_t> owners_;
+  std::vector<std::uint32_t> borders_;
+  double largest_motion_ = 0.0;
+};
+
+}  // namespace occlod

@@ -1,0 +1,83 @@
+// The faces of a cut of a packed file, with their vertices.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "occlod/hierarchy/split_star.h"
+#include "occlod/viewcells/cell_view.h"
+#include "occlod/viewcells/vlod_file.h"
+#include "cells/geometry_cache.h"
+
+namespace occlod::vlod {
+
+// Reuses its memory; one thread each.
+class PackedFaces {
+ public:
+  // `most_bytes`: that the geometry of one object's cut may take in memory while it is put together. The cache outlives
+  // it.
+  PackedFaces(GeometryCache& cache, std::size_t most_bytes) : cache_(cache), most_bytes_(most_bytes) {}
+
+  // What is drawn of an object: the active faces that are neither hidden nor face away, as LeafFaces
+  // has them, and those vertices that they have. `applied`: by the numbers of the file, ascending, within the mesh.
+  // `hidden`: in any order; of splits that are not applied they are ignored. `view`: none where both sides are drawn.
+  // Clears `out`. Throws Error, which names `place`, when what is applied does not fit together, and for frames that
+  // cannot be read. O(size of the cut).
+  void draw(std::uint32_t object, std::span<const SplitId> applied, std::span<const FaceRef> hidden,
+            const CellView* view, const std::string& place, CellObjectMesh& out);
+
+  // That draw() has read from the file, since the last call of this.
+  [[nodiscard]] std::uint64_t take_bytes_read() noexcept { return std::exchange(bytes_read_, 0); }
+
+ private:
+  // Applied splits with consecutive numbers.
+  struct Run {
+    SplitId first = 0, end = 0;
+    std::uint32_t rank = 0;  // of the first: how many applied splits come before it
+  };
+  struct Vertex {
+    const GeometryFrame* frame = nullptr;
+    std::uint32_t place = 0;  // in the frame
+    WedgePlace first;         // of its wedges
+  };
+
+  void take_cut(std::uint32_t mesh, std::span<const SplitId> applied, const std::string& place);
+  void take_frames(std::span<const SplitId> applied, const std::string& place);
+  void remove_faces(std::span<const SplitId> applied, std::span<const FaceRef> hidden, const std::string& place);
+  void remove(const FaceRef& face, const std::string& place);
+  [[nodiscard]] std::uint32_t rank_of(SplitId s) const noexcept;  // no_id: not applied
+  [[nodiscard]] SplitStar star(std::uint32_t rank, SplitId s) const noexcept;
+  [[nodiscard]] std::uint32_t place_of(VertexId vertex) const noexcept;  // base vertices, then by rank; no_id
+  [[nodiscard]] const glm::vec3& position(std::uint32_t place) const noexcept;
+  // `corners`: which wedges of its vertices the face has.
+  void put(const Triangle& t, const Triangle& corners, const CellView* view, const std::string& place,
+           CellObjectMesh& out);
+  [[nodiscard]] std::uint32_t put_wedge(std::uint32_t place, std::uint32_t wedge, CellObjectMesh& out);
+  [[nodiscard]] std::uint32_t extra_count(std::uint32_t place) const noexcept;
+  [[noreturn]] void refuse(const std::string& place, const std::string& problem) const;
+
+  GeometryCache& cache_;
+  std::size_t most_bytes_;
+  std::uint64_t bytes_read_ = 0;
+  // Of the object at hand.
+  std::uint32_t mesh_ = 0;
+  PackedGeometry::Base base_;
+  std::vector<const PackedGeometry::Piece*> pieces_;  // that applied splits are in
+  std::vector<std::uint32_t> numbers_;                // of their frames
+  GeometryCache::Frames frames_;
+  std::vector<Run> runs_;
+  std::vector<Vertex> vertices_;           // by rank
+  std::vector<std::uint32_t> first_face_;  // by rank, and one more; those of the base mesh come first
+  std::vector<bool> removed_;              // or hidden; by face
+  // By place of a vertex: where its first wedge is in `out`, or no_id; and of others by place and wedge.
+  std::vector<std::uint32_t> out_of_;
+  std::unordered_map<std::uint64_t, std::uint32_t> out_of_others_;
+};
+
+}  // namespace occlod::vlod

@@ -1,0 +1,43 @@
+// The volumes that are drawn in place of bounds, and the cases that are decided without drawing. No OpenGL here.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <glm/mat4x4.hpp>
+#include <glm/vec3.hpp>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "hlod/draw/proxy_space.h"
+#include "occlod/refine/visibility.h"
+
+namespace occlod::gl {
+
+inline constexpr std::size_t proxy_shape_count = 3;
+
+// Convex, closed, counter-clockwise seen from outside, circumscribed: contains the unit ball (32 triangles), the cube
+// [-1, 1]^3 (12), or the cylinder of radius 1 around z in [-1, 1] (64). Symmetric about z = 0.
+struct ProxyMesh {
+  std::vector<glm::vec3> vertices;
+  std::vector<std::uint16_t> indices;
+};
+[[nodiscard]] const ProxyMesh& unit_proxy(ProxyShape shape);
+
+struct ProxyDraw {
+  ProxyShape shape = ProxyShape::box;
+  glm::mat4 unit_to_clip{1.0F};   // of the target; front faces are counter-clockwise, also for mirrored objects
+  std::uint32_t most_pixels = 0;  // of the view that the proxy can cover
+};
+
+// What to do about one query: draw, or answer at once.
+struct QueryPlan {
+  std::optional<ProxyDraw> draw;
+  bool visible = true;  // the answer when nothing is drawn
+};
+
+// Nothing for bounds that are not finite or inside out.
+[[nodiscard]] std::optional<Placement> place(const VisibilityQuery& query);
+[[nodiscard]] QueryPlan plan_query(const Screen& screen, const ProxySpace& space, const VisibilityQuery& query);
+
+}  // namespace occlod::gl

@@ -1,0 +1,211 @@
+#include "hlod/build/assemble.h"
+
+#include <algorithm>
+#include <tuple>
+#include <utility>
+
+#include "splits/parallel.h"
+#include "hlod/build/local_ids.h"
+#include "hlod/build/node_splits.h"
+
+namespace occlod::hlod {
+namespace {
+
+// The vertices and patches of one node.
+struct NodeParts {
+  std::vector<WedgeId> wedges;  // in the order of their first use
+  std::vector<std::uint16_t> indices;
+  std::vector<Patch> patches;
+};
+
+constexpr std::size_t nodes_at_once = 512;  // whose parts are in memory before they are written
+
+class Assembler {
+ public:
+  Assembler(const WedgeMesh& mesh, std::vector<LevelDraft> levels, Within within, unsigned threads)
+      : mesh_(mesh), levels_(std::move(levels)), within_(within), threads_(threads) {}
+
+  HlodData run() {
+    describe_input();
+    number_nodes();
+    reserve();
+    std::vector<NodeParts> parts(nodes_at_once);
+    for (NodeId first = 0; first < drafts_.size(); first += nodes_at_once) {
+      const auto end = static_cast<NodeId>(std::min(drafts_.size(), first + nodes_at_once));
+      for_each_node(first, end, [&](LocalIds& ids, NodeId n) { divide(ids, n, parts[n - first]); });
+      for (NodeId n = first; n < end; ++n) {
+        make_room();
+        lay_out(n, parts[n - first]);
+      }
+      for_each_node(first, end, [&](LocalIds&, NodeId n) { write_mesh(n, parts[n - first]); });
+    }
+    for_each_node(0, static_cast<NodeId>(drafts_.size()), [&](LocalIds& ids, NodeId n) { link_merged(ids, n); });
+    if (within_ == Within::splits) add_splits();
+    return std::move(data_);
+  }
+
+ private:
+  void describe_input() {
+    const WedgeMesh& input = mesh_;
+    data_.box = bounding_box(input.positions);
+    data_.input_triangle_count = input.triangles.size();
+    data_.has_normals = !input.normals.empty();
+    data_.has_colors = !input.colors.empty();
+    data_.has_texture_coordinates = !input.texture_coordinates.empty();
+    data_.has_materials = !mesh_.wedge_materials.empty();
+    data_.has_seams = mesh_.has_seams();
+    data_.materials = input.materials;
+    data_.textures = input.textures;
+    data_.texture_origin = input.texture_origin;
+  }
+
+  template <typename Visit>
+  void for_each_node(NodeId begin, NodeId end, const Visit& visit) {
+    for_each_task(
+        end - begin, threads_, [] { return LocalIds(); },
+        [&](LocalIds& ids, std::size_t i) { visit(ids, static_cast<NodeId>(begin + i)); }, [] {});
+  }
+
+  // Room for what most surfaces need, so that nothing has to be copied into larger memory.
+  void reserve() {
+    std::size_t triangles = 0;
+    for (const NodeDraft* draft : drafts_) triangles += draft->triangle_count;
+    wedges_.reserve(triangles * 2 / 3);
+    Node two;  // vertices for three triangles
+    two.vertices = 2;
+    two.triangles = 3;
+    data_.meshes.reserve(triangles / 3 * MeshLayout(two, arrays_of(data_)).bytes + drafts_.size() * mesh_alignment);
+  }
+
+  void number_nodes() {
+    data_.levels.resize(levels_.size());
+    for (std::size_t level = levels_.size(); level-- > 0;) {
+      data_.levels[level] = {static_cast<NodeId>(drafts_.size()),
+                             static_cast<std::uint32_t>(levels_[level].nodes.size())};
+      for (const NodeDraft& draft : levels_[level].nodes) {
+        drafts_.push_back(&draft);
+        Node node;
+        node.level = static_cast<std::uint16_t>(level);
+        data_.nodes.push_back(node);
+      }
+    }
+  }
+
+  // The id of the node at a place of the level above that of n.
+  [[nodiscard]] NodeId parent_id(NodeId n, std::uint32_t place) const {
+    return data_.levels[data_.nodes[n].level + 1U].first_node + place;
+  }
+
+  // Into patches by ascending parent; within one by material, and then triangles keep their order.
+  void divide(LocalIds& ids, NodeId n, NodeParts& parts) const {
+    const NodeDraft& draft = *drafts_[n];
+    const LevelDraft& level = levels_[data_.nodes[n].level];
+    std::vector<std::tuple<NodeId, MaterialId, std::uint32_t>> order;
+    for (std::uint32_t t = draft.first_triangle; t < draft.first_triangle + draft.triangle_count; ++t)
+      order.emplace_back(
+          level.parent_of.empty() ? no_id : parent_id(n, level.parent_of[t]),
+          mesh_.wedge_materials.empty() ? MaterialId{0} : mesh_.wedge_materials[level.wedge_triangles()[t].x], t);
+    std::sort(order.begin(), order.end());
+    parts = {};
+    ids.reset(3 * order.size() + draft.bare_targets.size());
+    for (const auto& [parent, material, t] : order) {
+      if (parts.patches.empty() || parts.patches.back().parent != parent)
+        parts.patches.push_back({parent, static_cast<std::uint32_t>(parts.indices.size()), 0});
+      parts.patches.back().index_count += 3;
+      for (int k = 0; k < 3; ++k)
+        parts.indices.push_back(static_cast<std::uint16_t>(ids.add(level.wedge_triangles()[t][k])));
+    }
+    for (const WedgeId v : draft.bare_targets) ids.add(v);
+    parts.wedges.assign(ids.vertices().begin(), ids.vertices().end());
+  }
+
+  // What the node says of itself, and where everything is.
+  void lay_out(NodeId n, const NodeParts& parts) {
+    const NodeDraft& draft = *drafts_[n];
+    Node& node = data_.nodes[n];
+    node.box = draft.box;
+    node.lod_box = draft.lod_box;
+    node.sphere = draft.sphere;
+    node.error = draft.error;
+    node.child_error = draft.child_error;
+    node.guaranteed_error = draft.guaranteed_error;
+    node.area = draft.area;
+    node.first_patch = static_cast<std::uint32_t>(data_.patches.size());
+    node.first_child = static_cast<std::uint32_t>(data_.children.size());
+    node.triangles = draft.triangle_count;
+    node.vertices = static_cast<std::uint32_t>(parts.wedges.size());
+    node.patches = static_cast<std::uint16_t>(parts.patches.size());
+    node.children = static_cast<std::uint16_t>(draft.children.size());
+    node.mesh = data_.meshes.size();
+    data_.meshes.resize(align_mesh(node.mesh + MeshLayout(node, arrays_of(data_)).bytes));
+    data_.patches.insert(data_.patches.end(), parts.patches.begin(), parts.patches.end());
+    for (const std::uint32_t child : draft.children)
+      data_.children.push_back(data_.levels[node.level - 1U].first_node + child);
+    if (parts.patches.empty() || parts.patches[0].parent == no_id) data_.roots.push_back(n);
+    first_wedge_.push_back(wedges_.size());
+    wedges_.insert(wedges_.end(), parts.wedges.begin(), parts.wedges.end());
+  }
+
+  [[nodiscard]] std::span<const WedgeId> wedges_of(NodeId n) const {
+    return std::span<const WedgeId>(wedges_).subspan(first_wedge_[n], data_.nodes[n].vertices);
+  }
+
+  template <typename T>
+  [[nodiscard]] T* array_at(const Node& node, std::size_t offset) {
+    return reinterpret_cast<T*>(data_.meshes.data() + node.mesh + offset);
+  }
+
+  void write_mesh(NodeId n, const NodeParts& parts) {
+    const Node& node = data_.nodes[n];
+    const MeshLayout layout(node, arrays_of(data_));
+    copy_wedges(mesh_, parts.wedges, layout, data_.meshes.data() + node.mesh);
+    std::copy(parts.indices.begin(), parts.indices.end(), array_at<std::uint16_t>(node, layout.indices));
+    std::fill_n(array_at<std::uint16_t>(node, layout.merged_into), parts.wedges.size(), stays);
+  }
+
+  // Tells the children of n where their vertices went. What n merged belongs to it alone, so no other parent of the
+  // child writes to the same place.
+  void link_merged(LocalIds& own, NodeId n) {
+    const NodeDraft& draft = *drafts_[n];
+    const std::span<const Merge> merges = levels_[data_.nodes[n].level].merges_of(draft);
+    if (merges.empty()) return;
+    own.reset(wedges_of(n).size());
+    for (const WedgeId wedge : wedges_of(n)) own.add(wedge);
+    LocalIds merged;
+    merged.reset(merges.size());
+    for (const Merge& merge : merges) merged.add(merge.v);
+    for (const std::uint32_t child : draft.children) {
+      const NodeId c = data_.levels[data_.nodes[n].level - 1U].first_node + child;
+      const Node& node = data_.nodes[c];
+      auto* const merged_into = array_at<std::uint16_t>(node, MeshLayout(node, arrays_of(data_)).merged_into);
+      const auto used = wedges_of(c).first(node.vertices - drafts_[c]->bare_targets.size());
+      for (std::size_t i = 0; i < used.size(); ++i)
+        if (const std::uint32_t merge = merged.find(used[i]); merge != no_id)
+          merged_into[i] = static_cast<std::uint16_t>(own.find(merges[merge].u));
+    }
+  }
+
+  void add_splits() {
+    std::vector<NodeSplitsData> splits(drafts_.size());
+    for_each_node(0, static_cast<NodeId>(drafts_.size()),
+                  [&](LocalIds& ids, NodeId n) { splits[n] = number_splits(drafts_[n]->within, wedges_of(n), ids); });
+    append_splits(mesh_, splits, data_);
+  }
+
+  const WedgeMesh& mesh_;
+  std::vector<LevelDraft> levels_;
+  Within within_;
+  unsigned threads_;
+  std::vector<const NodeDraft*> drafts_;  // by node
+  LargeVector<WedgeId> wedges_;           // of the vertices of all nodes
+  std::vector<std::size_t> first_wedge_;  // by node, into wedges_
+  HlodData data_;
+};
+
+}  // namespace
+
+HlodData assemble(const WedgeMesh& mesh, std::vector<LevelDraft> levels, Within within, unsigned threads) {
+  return Assembler(mesh, std::move(levels), within, threads).run();
+}
+
+}  // namespace occlod::hlod

@@ -1,0 +1,292 @@
+#include "hlod/build/build_journal.h"
+
+#include <fmt/format.h>
+#include <xxhash.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cstring>
+#include <memory>
+#include <string_view>
+#include <system_error>
+#include <type_traits>
+#include <utility>
+
+#include "base/scratch_memory.h"
+#include "hlod/hlod_builder_id.h"
+#include "occlod/core/error.h"
+
+namespace occlod::hlod {
+namespace {
+
+constexpr std::array<char, 8> magic = {'O', 'C', 'C', 'L', 'O', 'D', 'H', 'J'};
+constexpr const char* grouping_names[] = {"nested", "shifted"};
+constexpr const char* borders_names[] = {"free", "locked"};
+constexpr const char* within_names[] = {"geomorph", "splits"};
+
+template <typename T>
+std::span<const std::byte> bytes_of(const T& value) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  return std::as_bytes(std::span<const T, 1>(&value, 1));
+}
+
+template <typename T>
+std::span<std::byte> writable_bytes_of(T& value) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  return std::as_writable_bytes(std::span<T, 1>(&value, 1));
+}
+
+// Of a header or a record's head, whose last member is that.
+template <typename T>
+std::uint64_t checksum_of(const T& head, std::uint64_t seed) {
+  return XXH3_64bits_withSeed(&head, sizeof(head) - sizeof(head.checksum), seed);
+}
+
+void put(std::vector<std::byte>& to, std::span<const std::byte> bytes) {
+  to.insert(to.end(), bytes.begin(), bytes.end());
+}
+
+// Pieces that are in memory at a time, of an array that may be larger.
+template <typename T, typename Visit>
+void for_each_piece(std::span<T> values, const Visit& visit) {
+  constexpr std::size_t most = std::size_t{1} << 18U;
+  for (; !values.empty(); values = values.subspan(std::min(most, values.size()))) {
+    make_room();
+    visit(values.first(std::min(most, values.size())));
+  }
+}
+
+// Of all that nodes depend on; the arrays may be larger than memory.
+std::uint64_t hash_of(const WedgeMesh& mesh) {
+  const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state(XXH3_createState(), &XXH3_freeState);
+  XXH3_64bits_reset(state.get());
+  const auto add = [&](const auto& values) {
+    const std::size_t size = values.size();
+    XXH3_64bits_update(state.get(), &size, sizeof(size));
+    for_each_piece(std::span(values),
+                   [&](const auto& piece) { XXH3_64bits_update(state.get(), piece.data(), piece.size_bytes()); });
+  };
+  add(mesh.positions);
+  add(mesh.normals);
+  add(mesh.colors);
+  add(mesh.texture_coordinates);
+  add(mesh.extra_wedges);
+  add(mesh.triangles);
+  add(mesh.corners);
+  add(mesh.wedge_materials);
+  return XXH3_64bits_digest(state.get());
+}
+
+// Of a node to be written or read.
+template <typename Node, typename Visit>
+void for_each_array(Node& node, const Visit& visit) {
+  visit(node.triangles);
+  visit(node.corners);
+  visit(node.added);
+  visit(node.lost);
+  visit(node.merges);
+  visit(node.bare_targets);
+  visit(node.within.wedges);
+  visit(node.within.indices);
+  visit(node.within.splits);
+}
+
+// What a node has beside its arrays.
+struct NodeFacts {
+  Box box;
+  float error = 0.0F, guaranteed_error = 0.0F;
+};
+static_assert(sizeof(NodeFacts) == 32 && sizeof(AddedWedge) == 8 && sizeof(Merge) == 8 &&
+              sizeof(SplitsDraft::Split) == 8);  // no padding, whose bytes nobody has set
+
+}  // namespace
+
+BuildJournal::BuildJournal(std::filesystem::path path, const BuildOptions& options) : path_(std::move(path)) {
+  wanted_.magic = magic;
+  static_assert(sizeof(hlod_builder_id) == sizeof(wanted_.builder) + 1);
+  std::copy_n(hlod_builder_id, wanted_.builder.size(), wanted_.builder.begin());
+  wanted_.node_triangles = options.node_triangles;
+  wanted_.grouping = static_cast<std::uint32_t>(options.grouping);
+  wanted_.borders = static_cast<std::uint32_t>(options.borders);
+  wanted_.within = static_cast<std::uint32_t>(options.within);
+  wanted_.boundary_weight = options.boundary_weight;
+  wanted_.attribute_weight = options.attribute_weight;
+  if (std::error_code ignored; std::filesystem::exists(path_, ignored)) open();
+}
+
+void BuildJournal::refuse(std::string place, std::string problem, std::string remedy) const {
+  throw Error({path_.string(), std::move(place), std::move(problem), std::move(remedy)});
+}
+
+void BuildJournal::open() {
+  try {
+    file_.emplace(path_.c_str());
+  } catch (const std::system_error& error) {
+    if (error.code() == std::errc::resource_unavailable_try_again)
+      refuse("", "another build uses it", "wait until that has ended");
+    refuse("", "cannot be opened: " + error.code().message(), "check its permissions");
+  }
+  read_header();
+  if (found_) check(*found_);
+}
+
+// A journal whose header is damaged or cut off has no node that can be trusted.
+void BuildJournal::read_header() {
+  Header header;
+  const std::size_t size = std::min<std::uint64_t>(file_->size(), sizeof(header));
+  read(writable_bytes_of(header).first(size), 0);
+  if (!std::equal(magic.begin(), magic.begin() + static_cast<std::ptrdiff_t>(std::min(size, magic.size())),
+                  header.magic.begin()))
+    refuse("", "is not a journal of an HLOD build", "move it away");
+  if (size == sizeof(header) && header.checksum == checksum_of(header, 0)) found_ = header;
+}
+
+void BuildJournal::check(const Header& found) const {
+  const char* const remedy = "build with the same, or remove the journal to start anew";
+  const auto compare = [&](const char* option, const auto& theirs, const auto& ours) {
+    if (theirs != ours)
+      refuse(fmt::format("option {}", option),
+             fmt::format("is {} in the build that left the journal, {} in this one", theirs, ours), remedy);
+  };
+  const auto name = [](const auto& names, std::uint32_t value) {
+    return value < std::size(names) ? std::string_view(names[value]) : "unknown";
+  };
+  if (found.builder != wanted_.builder)
+    refuse("", "is the journal of another version of this program", "remove it to start anew");
+  compare("node_triangles", found.node_triangles, wanted_.node_triangles);
+  compare("grouping", name(grouping_names, found.grouping), name(grouping_names, wanted_.grouping));
+  compare("borders", name(borders_names, found.borders), name(borders_names, wanted_.borders));
+  compare("within", name(within_names, found.within), name(within_names, wanted_.within));
+  compare("boundary_weight", found.boundary_weight, wanted_.boundary_weight);
+  compare("attribute_weight", found.attribute_weight, wanted_.attribute_weight);
+}
+
+void BuildJournal::begin(const WedgeMesh& mesh) {
+  wanted_.mesh = hash_of(mesh);
+  wanted_.checksum = checksum_of(wanted_, 0);
+  if (!file_) open();
+  if (found_ && found_->mesh != wanted_.mesh)
+    refuse("", "is the journal of another mesh",
+           "build the same input, with a memory limit or without as before, or remove the journal to start anew");
+  checksum_ = wanted_.checksum;
+  place_ = sizeof(Header);
+  if (found_) return;
+  cut(0);
+  write(bytes_of(wanted_));
+}
+
+bool BuildJournal::take(std::size_t triangles, TriangleGroups& groups) {
+  if (all_taken_) return false;
+  const std::uint64_t place = place_, checksum = checksum_;
+  bool is_whole = read_record();
+  if (is_whole) {
+    assert(bytes_.size() == sizeof(groups.count));
+    std::memcpy(&groups.count, bytes_.data(), sizeof(groups.count));
+    groups.group_of.resize(triangles);
+    for_each_piece(std::span(groups.group_of), [&](std::span<std::uint32_t> piece) {
+      is_whole = is_whole && read_record();
+      if (is_whole) std::ranges::copy(bytes_, std::as_writable_bytes(piece).begin());
+    });
+  }
+  if (is_whole) return true;
+  place_ = place;
+  checksum_ = checksum;
+  stop_taking();
+  return false;
+}
+
+void BuildJournal::append(const TriangleGroups& groups) {
+  bytes_.resize(sizeof(RecordHead));
+  put(bytes_, bytes_of(groups.count));
+  append_record();
+  for_each_piece(std::span(groups.group_of), [&](std::span<const std::uint32_t> piece) {
+    bytes_.resize(sizeof(RecordHead));
+    put(bytes_, std::as_bytes(piece));
+    append_record();
+  });
+}
+
+void BuildJournal::stop_taking() {
+  all_taken_ = true;
+  if (place_ < file_->size()) cut(place_);
+}
+
+bool BuildJournal::take(SimplifiedNode& node) {
+  if (all_taken_) return false;
+  if (!read_record()) {
+    stop_taking();
+    return false;
+  }
+  std::span<const std::byte> left = bytes_;
+  const auto get = [&](std::span<std::byte> to) {
+    assert(to.size() <= left.size());  // its checksum says that append() wrote it
+    std::copy_n(left.begin(), to.size(), to.begin());
+    left = left.subspan(to.size());
+  };
+  NodeFacts facts;
+  get(writable_bytes_of(facts));
+  node.box = facts.box;
+  node.error = facts.error;
+  node.guaranteed_error = facts.guaranteed_error;
+  for_each_array(node, [&](auto& values) {
+    std::uint32_t size = 0;
+    get(writable_bytes_of(size));
+    values.resize(size);
+    get(std::as_writable_bytes(std::span(values)));
+  });
+  ++taken_;
+  return true;
+}
+
+// Into bytes_, when it is whole.
+bool BuildJournal::read_record() {
+  RecordHead head;
+  if (file_->size() - place_ < sizeof(head)) return false;
+  read(writable_bytes_of(head), place_);
+  if (head.checksum != checksum_of(head, checksum_)) return false;
+  if (file_->size() - place_ - sizeof(head) < head.bytes) return false;
+  bytes_.resize(head.bytes);
+  read(bytes_, place_ + sizeof(head));
+  if (head.body_checksum != XXH3_64bits(bytes_.data(), bytes_.size())) return false;
+  place_ += sizeof(head) + head.bytes;
+  checksum_ = head.checksum;
+  return true;
+}
+
+void BuildJournal::append(const SimplifiedNode& node) {
+  bytes_.resize(sizeof(RecordHead));
+  put(bytes_, bytes_of(NodeFacts{node.box, node.error, node.guaranteed_error}));
+  for_each_array(node, [&](const auto& values) {
+    put(bytes_, bytes_of(static_cast<std::uint32_t>(values.size())));
+    put(bytes_, std::as_bytes(std::span(values)));
+  });
+  append_record();
+}
+
+// What is in bytes_ behind room for its head.
+void BuildJournal::append_record() {
+  RecordHead head;
+  head.bytes = bytes_.size() - sizeof(head);
+  head.body_checksum = XXH3_64bits(bytes_.data() + sizeof(head), head.bytes);
+  head.checksum = checksum_ = checksum_of(head, checksum_);
+  std::memcpy(bytes_.data(), &head, sizeof(head));
+  write(bytes_);
+}
+
+void BuildJournal::read(std::span<std::byte> bytes, std::uint64_t offset) const try {
+  file_->read(bytes, offset);
+} catch (const std::system_error& error) {
+  refuse("", "cannot be read: " + error.code().message(), "remove it to start anew");
+}
+
+void BuildJournal::write(std::span<const std::byte> bytes) try {
+  file_->append(bytes);
+} catch (const std::system_error& error) {
+  refuse("", "cannot be written: " + error.code().message(), "check the space on the disk");
+}
+
+void BuildJournal::cut(std::uint64_t size) try { file_->cut(size); } catch (const std::system_error& error) {
+  refuse("", "cannot be cut short: " + error.code().message(), "remove it to start anew");
+}
+
+}  // namespace occlod::hlod

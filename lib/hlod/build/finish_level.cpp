@@ -1,0 +1,156 @@
+#include "hlod/build/finish_level.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <utility>
+
+#include "splits/parallel.h"
+#include "base/unite.h"
+
+namespace occlod::hlod {
+namespace {
+
+// Rounding of doubles must not make a sphere that holds another one too small for it.
+constexpr double slack = 1.0 + 1e-6;
+
+float rounded_up(double x) {
+  constexpr float most = std::numeric_limits<float>::max();
+  if (!(x < static_cast<double>(most))) return most;
+  const auto y = static_cast<float>(x);
+  return static_cast<double>(y) < x ? std::nextafter(y, most) : y;
+}
+
+Box box_of(const WedgeMesh& mesh, std::span<const Triangle> triangles) {
+  Box box{mesh.positions[triangles[0].x], mesh.positions[triangles[0].x]};
+  for_each_id(triangles.size(), 1, [&](std::uint32_t i) {
+    for (int k = 0; k < 3; ++k) box = unite(box, {mesh.positions[triangles[i][k]], mesh.positions[triangles[i][k]]});
+  });
+  return box;
+}
+
+float area_of(const WedgeMesh& mesh, std::span<const Triangle> triangles) {
+  double area = 0.0;
+  for_each_id(triangles.size(), 1, [&](std::uint32_t i) {
+    const Triangle& t = triangles[i];
+    const glm::dvec3 a(mesh.positions[t.x]), b(mesh.positions[t.y]), c(mesh.positions[t.z]);
+    area += 0.5 * glm::length(glm::cross(b - a, c - a));
+  });
+  return static_cast<float>(std::min(area, static_cast<double>(std::numeric_limits<float>::max())));
+}
+
+// Around the middle of `box`: of the box and of the children's spheres.
+Sphere sphere_around(const Box& box, const std::vector<NodeDraft>& nodes, std::span<const std::uint32_t> children) {
+  const glm::vec3 center(0.5 * (glm::dvec3(box.min) + glm::dvec3(box.max)));
+  double radius = 0.0;
+  for (int i = 0; i < 8; ++i) radius = std::max(radius, glm::distance(glm::dvec3(corner(box, i)), glm::dvec3(center)));
+  for (const std::uint32_t child : children) {
+    const Sphere& s = nodes[child].sphere;
+    radius = std::max(radius, glm::distance(glm::dvec3(s.center), glm::dvec3(center)) + static_cast<double>(s.radius));
+  }
+  return {center, rounded_up(radius * slack)};
+}
+
+// For each group the nodes with triangles in it.
+std::vector<std::vector<std::uint32_t>> children_of_groups(const LevelDraft& below, std::size_t groups) {
+  std::vector<std::vector<std::uint32_t>> children(groups);
+  for (std::uint32_t n = 0; n < below.nodes.size(); ++n) {
+    make_room();
+    const NodeDraft& node = below.nodes[n];
+    for (std::uint32_t t = node.first_triangle; t < node.first_triangle + node.triangle_count; ++t) {
+      std::vector<std::uint32_t>& list = children[below.parent_of[t]];
+      if (list.empty() || list.back() != n) list.push_back(n);
+    }
+  }
+  return children;
+}
+
+// From its children, its box and its own errors. Errors of levels are added as if they were independent: their sum
+// would drift upwards with every level, where measured errors do not.
+void bound(NodeDraft& node, const std::vector<NodeDraft>& below) {
+  node.lod_box = node.box;
+  float guaranteed = 0.0F;
+  for (const std::uint32_t child : node.children) {
+    node.lod_box = unite(node.lod_box, below[child].lod_box);
+    node.child_error = std::max(node.child_error, below[child].error);
+    guaranteed = std::max(guaranteed, below[child].guaranteed_error);
+  }
+  const double own = node.error, inherited = node.child_error;
+  node.error = rounded_up(std::sqrt(inherited * inherited + own * own));
+  node.guaranteed_error = rounded_up(static_cast<double>(guaranteed) + static_cast<double>(node.guaranteed_error));
+  node.sphere = sphere_around(node.lod_box, below, node.children);
+}
+
+}  // namespace
+
+LevelDraft input_level(const WedgeMesh& mesh, const TriangleGroups& groups, unsigned threads) {
+  LevelDraft level;
+  level.nodes.resize(groups.count);
+  for_each_id(groups.group_of.size(), 1, [&](std::uint32_t t) { ++level.nodes[groups.group_of[t]].triangle_count; });
+  std::vector<std::uint32_t> next;
+  std::uint32_t first = 0;
+  for (NodeDraft& node : level.nodes) {
+    next.push_back(first);
+    node.first_triangle = std::exchange(first, first + node.triangle_count);
+  }
+  level.triangles.resize(mesh.triangles.size());
+  level.corners.resize(mesh.corners.size());
+  for_each_id(mesh.triangles.size(), 1, [&](std::uint32_t t) {
+    const std::uint32_t place = next[groups.group_of[t]]++;
+    level.triangles[place] = mesh.triangles[t];
+    if (!mesh.corners.empty()) level.corners[place] = mesh.corners[t];
+  });
+  for_each_task(
+      level.nodes.size(), threads, [] { return 0; },
+      [&](int, std::size_t n) {
+        NodeDraft& node = level.nodes[n];
+        const std::span<const Triangle> triangles = level.triangles_of(node);
+        node.box = box_of(mesh, triangles);
+        node.area = area_of(mesh, triangles);
+        bound(node, {});
+      },
+      [] {});
+  return level;
+}
+
+LevelBuilder::LevelBuilder(const WedgeMesh& mesh, const LevelDraft& below, std::size_t nodes, unsigned threads)
+    : mesh_(mesh), below_(below), threads_(threads) {
+  level_.nodes.reserve(nodes);
+  const std::size_t expected = below.triangles.size() / 3;
+  level_.triangles.reserve(expected);
+  level_.corners.reserve(below.corners.empty() ? 0 : expected);
+}
+
+void LevelBuilder::append(SimplifiedNode& from) {
+  NodeDraft& node = level_.nodes.emplace_back();
+  node.first_triangle = static_cast<std::uint32_t>(level_.triangles.size());
+  node.triangle_count = static_cast<std::uint32_t>(from.triangles.size());
+  node.first_merge = level_.merges.size();
+  node.merge_count = from.merges.size();
+  level_.triangles.insert(level_.triangles.end(), from.triangles.begin(), from.triangles.end());
+  level_.corners.insert(level_.corners.end(), from.corners.begin(), from.corners.end());
+  level_.merges.insert(level_.merges.end(), from.merges.begin(), from.merges.end());
+  node.bare_targets = std::move(from.bare_targets);
+  node.within = std::move(from.within);
+  node.box = from.box;
+  node.error = from.error;
+  node.guaranteed_error = from.guaranteed_error;
+  from = {};
+}
+
+LevelDraft LevelBuilder::finish() {
+  std::vector<std::vector<std::uint32_t>> children = children_of_groups(below_, level_.nodes.size());
+  for_each_task(
+      level_.nodes.size(), threads_, [] { return 0; },
+      [&](int, std::size_t n) {
+        NodeDraft& node = level_.nodes[n];
+        node.children = std::move(children[n]);
+        node.area = area_of(mesh_, level_.triangles_of(node));
+        bound(node, below_.nodes);
+      },
+      [] {});
+  return std::move(level_);
+}
+
+}  // namespace occlod::hlod

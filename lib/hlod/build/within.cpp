@@ -1,0 +1,171 @@
+#include "occlod/hlod/within.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <list>
+#include <map>
+#include <tuple>
+#include <utility>
+
+#include "hlod/build/cancel_opposite.h"
+#include "splits/triangle_key.h"
+#include "hlod/build/whole_splits.h"
+
+namespace occlod::hlod {
+namespace {
+
+// Errors of levels are added as if they were independent, as those of nodes are.
+double joined(double child_error, double own) { return std::sqrt(child_error * child_error + own * own); }
+
+constexpr double quarter_steps[] = {1.0, 1.18920711500272106672, 1.41421356237309504880, 1.68179283050742908606};
+
+// By vertex of a node and its splits: the first vertex at the same place. Empty without seams, where no other is there.
+std::vector<std::uint16_t> vertices_by_place(const Hlod& hlod, NodeId n) {
+  if (!hlod.data().has_seams) return {};
+  const std::span<const glm::vec3> own = hlod.mesh(n).positions, more = hlod.within(n).positions;
+  using Place = std::array<std::uint32_t, 3>;
+  std::vector<std::pair<Place, std::uint16_t>> sorted(own.size() + more.size());
+  for (std::size_t v = 0; v < sorted.size(); ++v) {
+    const glm::vec3& p = v < own.size() ? own[v] : more[v - own.size()];
+    sorted[v] = {{bits_of(p.x), bits_of(p.y), bits_of(p.z)}, static_cast<std::uint16_t>(v)};
+  }
+  std::sort(sorted.begin(), sorted.end());
+  std::vector<std::uint16_t> first(sorted.size());
+  for (std::size_t i = 0; i < sorted.size(); ++i)
+    first[sorted[i].second] =
+        i > 0 && sorted[i].first == sorted[i - 1].first ? first[sorted[i - 1].second] : sorted[i].second;
+  return first;
+}
+
+}  // namespace
+
+std::uint32_t splits_to_error(const Hlod& hlod, NodeId n, double most_error) {
+  if (!hlod.has_within(n)) return 0;
+  const Node& node = hlod.node(n);
+  if (most_error >= static_cast<double>(node.error)) return 0;
+  const auto child_error = static_cast<double>(node.child_error);
+  const auto errors = hlod.within(n).errors;
+  const double most = std::max(most_error, child_error);
+  const auto end = std::partition_point(errors.begin(), errors.end(), [&](float error) {
+    return error > 0.0F && joined(child_error, static_cast<double>(error)) > most;
+  });
+  return static_cast<std::uint32_t>(end - errors.begin());
+}
+
+double error_of_splits(const Hlod& hlod, NodeId n, std::uint32_t splits) {
+  const Node& node = hlod.node(n);
+  if (splits == 0) return static_cast<double>(node.error);
+  const auto errors = hlod.within(n).errors;
+  const double own = splits < errors.size() ? static_cast<double>(errors[splits]) : 0.0;
+  return std::min(joined(static_cast<double>(node.child_error), own), static_cast<double>(node.error));
+}
+
+NodeCut cut_with_splits(const Hlod& hlod, NodeId n, std::uint32_t splits) {
+  const NodeSplits within = hlod.within(n);
+  assert(splits <= within.parents.size());
+  const std::vector<std::uint16_t> vertices = vertices_by_place(hlod, n);
+  const std::size_t first = hlod.node(n).vertices + std::size_t{hlod.data().within[n].bare};
+  splits = whole_splits(hlod, n, splits);
+  std::vector<std::uint16_t> stands_for(first + within.parents.size());
+  for (std::size_t v = 0; v < stands_for.size(); ++v)
+    stands_for[v] = v < first + splits ? static_cast<std::uint16_t>(v) : stands_for[within.parents[v - first]];
+  std::vector<Triangle> triangles, corners;
+  for (std::size_t i = 0; i < within.indices.size(); i += 3) {
+    const Triangle corner(stands_for[within.indices[i]], stands_for[within.indices[i + 1]],
+                          stands_for[within.indices[i + 2]]);
+    const Triangle t = vertices.empty() ? corner : Triangle(vertices[corner.x], vertices[corner.y], vertices[corner.z]);
+    if (t.x == t.y || t.y == t.z || t.z == t.x) continue;
+    triangles.push_back(t);
+    if (!vertices.empty()) corners.push_back(corner);
+  }
+  cancel_opposite(triangles, corners);
+  NodeCut cut{splits, {}};
+  cut.indices.reserve(3 * triangles.size());
+  for (const Triangle& t : vertices.empty() ? triangles : corners)
+    for (int k = 0; k < 3; ++k) cut.indices.push_back(static_cast<std::uint16_t>(t[k]));
+  return cut;
+}
+
+NodeCut within_cut(const Hlod& hlod, NodeId n, double most_error) {
+  if (hlod.has_within(n)) {
+    hlod.require_within(n);
+    return cut_with_splits(hlod, n, splits_to_error(hlod, n, most_error));
+  }
+  hlod.require(n);
+  const NodeMesh mesh = hlod.mesh(n);
+  return {0, {mesh.indices.begin(), mesh.indices.end()}};
+}
+
+double error_step(double x) {
+  if (!(x > 0.0)) return 0.0;
+  int exponent = 0;
+  const double mantissa = 2.0 * std::frexp(std::min(x, std::numeric_limits<double>::max()), &exponent);  // in [1, 2)
+  const auto* const above = std::upper_bound(std::begin(quarter_steps), std::end(quarter_steps), mantissa);
+  return std::ldexp(above[-1], exponent - 1);
+}
+
+class CutCache::Impl {
+ public:
+  explicit Impl(std::size_t most_bytes) : most_bytes_(most_bytes) {}
+
+  void begin_frame() {
+    while (bytes_ > most_bytes_ && !used_.empty()) {
+      const auto oldest = cuts_.find(used_.front());
+      bytes_ -= bytes_of(oldest->second.cut);
+      cuts_.erase(oldest);
+      used_.pop_front();
+    }
+  }
+
+  const NodeCut& get(const Hlod& hlod, NodeId n, double most_error) {
+    static const NodeCut none;
+    if (!hlod.has_within(n) || most_error >= static_cast<double>(hlod.node(n).error)) return none;
+    hlod.require_within(n);
+    const std::uint32_t splits = splits_to_error(hlod, n, error_step(most_error));
+    if (splits == 0) return none;
+    const Key key{&hlod, n, splits};
+    auto found = cuts_.find(key);
+    if (found == cuts_.end()) {
+      NodeCut cut = cut_with_splits(hlod, n, splits);
+      bytes_ += bytes_of(cut);
+      found = cuts_.emplace(key, Entry{std::move(cut), used_.insert(used_.end(), key)}).first;
+    } else {
+      used_.splice(used_.end(), used_, found->second.place);
+    }
+    return found->second.cut;
+  }
+
+  [[nodiscard]] std::size_t bytes() const noexcept { return bytes_; }
+
+ private:
+  using Key = std::tuple<const Hlod*, NodeId, std::uint32_t>;  // the last: splits
+  struct Entry {
+    NodeCut cut;
+    std::list<Key>::iterator place;  // in used_
+  };
+
+  static std::size_t bytes_of(const NodeCut& cut) {
+    return sizeof(Entry) + cut.indices.size() * sizeof(cut.indices[0]);
+  }
+
+  std::size_t most_bytes_;
+  std::size_t bytes_ = 0;
+  std::map<Key, Entry> cuts_;
+  std::list<Key> used_;  // the longest unused first
+};
+
+CutCache::CutCache(std::size_t most_bytes) : impl_(std::make_unique<Impl>(most_bytes)) {}
+CutCache::CutCache(CutCache&&) noexcept = default;
+CutCache& CutCache::operator=(CutCache&&) noexcept = default;
+CutCache::~CutCache() = default;
+
+void CutCache::begin_frame() { impl_->begin_frame(); }
+
+const NodeCut& CutCache::get(const Hlod& hlod, NodeId n, double most_error) { return impl_->get(hlod, n, most_error); }
+
+std::size_t CutCache::bytes() const noexcept { return impl_->bytes(); }
+
+}  // namespace occlod::hlod

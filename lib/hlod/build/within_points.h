@@ -1,0 +1,52 @@
+// The vertices of cuts within nodes by the positions of the input: for validate().
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "splits/chain_sum.h"
+#include "splits/position_ids.h"
+#include "occlod/hlod/within.h"
+
+namespace occlod::hlod {
+
+using PointId = std::uint32_t;  // of a position of level 0
+
+class WithinPoints {
+ public:
+  // Both outlive it; `points` is complete.
+  WithinPoints(const Hlod& hlod, const PositionIds& points);
+
+  // Identifies the vertices of node n, which has splits: of its mesh they are `own`. Checks the splits against its mesh
+  // and against the triangles that it was made from, whose chain is `input`. Returns what is wrong, or nothing.
+  [[nodiscard]] std::optional<std::string> add(NodeId n, std::span<const PointId> own, const ChainSum& input);
+  // Where point p, which node n has merged, is with the first `splits` splits applied; n has been added.
+  [[nodiscard]] PointId moved(PointId p, NodeId n, std::uint32_t splits) const;
+  // Calls visit(p, where p is without splits) for the points that splits of n bring back.
+  template <typename Visit>
+  void for_each_merge(NodeId n, const Visit& visit) const {
+    for (std::size_t s = 0; s < hlod_.data().within[n].splits; ++s) {
+      const PointId p = points_of_[first_[n] + first_split(n) + s];
+      visit(p, moved(p, n, 0));
+    }
+  }
+  // The chain of the edges of the cut of node n.
+  [[nodiscard]] ChainSum edges(NodeId n, std::uint32_t splits) const;
+
+ private:
+  [[nodiscard]] std::size_t first_split(NodeId n) const;  // number of the first vertex that a split brings back
+  [[nodiscard]] Triangle triangle(NodeId n, std::span<const std::uint16_t> indices, std::size_t i) const;
+  [[nodiscard]] ChainSum triangles(NodeId n, std::span<const std::uint16_t> indices) const;
+
+  const Hlod& hlod_;
+  const PositionIds& points_;
+  std::vector<std::size_t> first_;        // by node, into points_of_
+  std::vector<PointId> points_of_;        // of all vertices of the nodes that have splits
+  std::vector<std::uint16_t> number_of_;  // by point: its number in the node that merged it
+};
+
+}  // namespace occlod::hlod

@@ -1,0 +1,165 @@
+// Strategy::batch: Coh(B)'s prediction, but what it would ask is counted together, in at most three rounds a frame, or
+// hidden nodes in groups. What is asked, and whether anything is, is decided by what it costs and saves, as in NOHC.
+#include <algorithm>
+
+#include "hlod/draw/hidden_groups.h"
+#include "hlod/draw/hiding_rates.h"
+#include "hlod/draw/policy.h"
+#include "hlod/draw/work_below.h"
+
+namespace occlod::hlod {
+namespace {
+
+constexpr int most_rounds = 3;
+constexpr double usual_group = 4.0;  // nodes in a query, with those that have to be asked about again
+// What is expected to be saved has to be so many times what waiting for answers takes: only the latter is certain.
+constexpr double least_return = 2.0;
+
+// What a frame's questions cost beside its boxes: the device has nothing to do until the last answers have been read.
+double waiting_ns(const DeviceCosts& costs, bool in_groups) {
+  return (in_groups ? costs.query_ns : costs.batch_ns) + costs.readback_ns + costs.submit_ns;
+}
+
+class BatchPolicy : public Policy {
+ public:
+  void begin_frame(const FrameScene& scene) override {
+    const DeviceCosts& costs = scene.options().costs;
+    work_.begin_frame(scene);
+    memory_.fit(scene);
+    groups_.begin_frame(scene);
+    rates_.begin_frame();
+    in_groups_ = groups_are_cheaper(costs);
+    asks_ = scene.frame() == 1 || possible_gain_ns_ > least_return * waiting_ns(costs, in_groups_);
+    asked_ = 0;
+    covered_ = round_gain_ns_ = possible_gain_ns_ = 0.0;
+    rounds_ = 0;
+    has_to_ = false;
+  }
+
+  [[nodiscard]] Action predict(FrameScene& scene, const ReachedNode& reached) override {
+    const NodeRef n = reached.ref;
+    work_.note_visited(n);
+    const Action action = predict_coherent(scene, n, Coherence::mended);
+    if (action == Action::refine) return action;
+    const bool is_fine = scene.is_fine(n, 1.0);
+    const Action unasked = is_fine ? Action::draw : Action::refine;
+    if (rounds_ == most_rounds) return unasked;
+    const double gain = gain_ns(scene, n);
+    if (!(gain > 0.0)) return unasked;
+    possible_gain_ns_ += gain;
+    if (!asks_) return unasked;
+    round_gain_ns_ += gain;
+    // Drawn only because little of it was visible: that has to be known anew in every frame.
+    has_to_ = has_to_ || (action == Action::stop && !is_fine);
+    note_asked(scene, n);
+    return action;
+  }
+
+  bool end_round(const FrameScene& scene, std::size_t) override {
+    const bool pays = has_to_ || round_gain_ns_ > waiting_ns(scene.options().costs, false);
+    round_gain_ns_ = 0.0;
+    has_to_ = false;
+    ++rounds_;
+    return pays;
+  }
+
+  void note_drawn(const FrameScene& scene, NodeRef n) override {
+    work_.note_drawn(scene, n);
+    covered_ = covered_with(covered_, own_coverage(scene, n));
+  }
+  void note_answer(const FrameScene&, NodeRef n, bool visible) override {
+    groups_.note_answer(n, visible);
+    const Memory& memory = memory_[n];
+    if (memory.last == LastSight::visible) rates_.note_visible(memory.covered, memory.frames, !visible);
+    if (memory.last == LastSight::outside) rates_.note_new(memory.covered, !visible);
+  }
+  void end_frame(const FrameScene& scene) override {
+    work_.end_frame(scene);
+    last_asked_ = asked_;
+  }
+
+  [[nodiscard]] Asking asking() const noexcept override { return in_groups_ ? Asking::by_groups : Asking::by_rounds; }
+  [[nodiscard]] std::size_t group(const FrameScene&, std::span<NodeRef> hidden) override {
+    return groups_.group(hidden);
+  }
+  [[nodiscard]] double bias(const FrameScene& scene, const ReachedNode& n) const override {
+    return static_cast<double>(scene.state(n.ref).bias);
+  }
+
+ private:
+  struct Memory {
+    std::uint32_t asked_frame = 0;  // or in which it came into the frustum
+    // When it was asked about last:
+    float covered = 0.0F;                // cover_probability()
+    float frames = 0.0F;                 // since asked_frame
+    LastSight last = LastSight::hidden;  // what was known of it
+  };
+
+  // For as many nodes as in the last frame.
+  [[nodiscard]] bool groups_are_cheaper(const DeviceCosts& costs) const {
+    const auto nodes = static_cast<double>(last_asked_);
+    return nodes / usual_group * costs.query_ns < costs.batch_ns + nodes * costs.batch_item_ns + costs.readback_ns;
+  }
+
+  [[nodiscard]] double cover_probability_of(const FrameScene& scene, double coverage) const {
+    return cover_probability(covered_, coverage, scene.options().cover_model);
+  }
+
+  // What asking about the node is expected to save.
+  [[nodiscard]] double gain_ns(const FrameScene& scene, NodeRef n) {
+    const DeviceCosts& costs = scene.options().costs;
+    const ObjectFrame& view = scene.view_of(n);
+    const double coverage = view.coverage(scene.node(n).box);
+    const LastSight last = last_sight(scene, n);
+    const double alone_ns = last == LastSight::visible ? costs.query_ns : costs.query_ns / usual_group;
+    const double item_ns =
+        std::max(in_groups_ ? alone_ns : costs.batch_item_ns, coverage * view.pixels() * costs.query_fragment_ns);
+    const double draw_ns = draw_time_ns(costs, work_.of(scene, n, coverage));
+    if (last == LastSight::hidden) return draw_ns - item_ns;
+    const double covered = cover_probability_of(scene, coverage);
+    if (last == LastSight::outside) {
+      memory_[n].asked_frame = scene.frame();
+      return rates_.of_new(covered) * draw_ns - item_ns;
+    }
+    const auto frames = static_cast<double>(scene.frame() - memory_[n].asked_frame);
+    const double hidden = std::min(1.0, rates_.of_visible(covered) * frames);
+    return hidden * draw_ns + bias_gain_ns(scene, n, coverage) - item_ns;
+  }
+
+  // What is saved by drawing the node instead of what is below it, where little enough of it may be visible.
+  [[nodiscard]] double bias_gain_ns(const FrameScene& scene, NodeRef n, double coverage) const {
+    if (scene.is_fine(n, 1.0)) return 0.0;
+    const DeviceCosts& costs = scene.options().costs;
+    const double refined_ns = draw_time_ns(costs, work_.refined(scene, n, coverage));
+    return std::max(0.0, refined_ns - draw_time_ns(costs, own_work(scene, n, coverage)));
+  }
+
+  void note_asked(const FrameScene& scene, NodeRef n) {
+    Memory& memory = memory_[n];
+    memory.covered = static_cast<float>(cover_probability_of(scene, scene.view_of(n).coverage(scene.node(n).box)));
+    memory.frames = static_cast<float>(scene.frame() - memory.asked_frame);
+    memory.last = last_sight(scene, n);
+    memory.asked_frame = scene.frame();
+    ++asked_;
+  }
+
+  WorkBelow work_;
+  PerNode<Memory> memory_;
+  HiddenGroups groups_;
+  HidingRates rates_;
+  bool asks_ = true;  // in this frame
+  bool in_groups_ = false;
+  std::size_t asked_ = 0;               // nodes, in this frame
+  std::size_t last_asked_ = 1'000'000;  // in the last; before the first, many
+  double covered_ = 0.0;                // c_scr
+  double possible_gain_ns_ = 0.0;       // of this frame so far, whether it asks or not
+  double round_gain_ns_ = 0.0;          // of the round so far
+  bool has_to_ = false;                 // make the round, whatever it gains
+  int rounds_ = 0;                      // in this frame
+};
+
+}  // namespace
+
+std::unique_ptr<Policy> make_batch_policy() { return std::make_unique<BatchPolicy>(); }
+
+}  // namespace occlod::hlod

@@ -1,0 +1,56 @@
+// Strategy::coh: predicted from the answers of the last frame (Charalambos and others 2007, fig. 3).
+#include "hlod/draw/policy.h"
+
+namespace occlod::hlod {
+namespace {
+
+// Whether all children stopped and would stop again, and the mean of their biases would stop the node, which has none
+// of its own. Children that were not visited know nothing; those that were hidden have a bias of 0.
+bool may_move_up(FrameScene& scene, NodeRef n) {
+  double sum = 0.0;
+  int count = 0;
+  for (const NodeId id : scene.hlod(n).children(n.node)) {
+    const NodeRef child{n.object, id};
+    const LastFrame last = scene.last(child);
+    if (!last.visited) continue;
+    const double bias = scene.state(child).bias;
+    if (last.refined || !scene.is_fine(child, bias)) return false;
+    sum += bias;
+    ++count;
+  }
+  return scene.stops(n, count > 0 ? sum / count : 1.0);
+}
+
+class CoherentPolicy : public Policy {
+ public:
+  void begin_frame(const FrameScene& scene) override { coherence_ = scene.options().coherence; }
+  [[nodiscard]] Action predict(FrameScene& scene, const ReachedNode& n) override {
+    return predict_coherent(scene, n.ref, coherence_);
+  }
+  [[nodiscard]] double bias(const FrameScene& scene, const ReachedNode& n) const override {
+    return static_cast<double>(scene.state(n.ref).bias);
+  }
+  [[nodiscard]] Asking asking() const noexcept override {
+    return coherence_ == Coherence::published ? Asking::singly : Asking::late;
+  }
+
+ private:
+  Coherence coherence_ = Coherence::mended;
+};
+
+}  // namespace
+
+Action predict_coherent(FrameScene& scene, NodeRef n, Coherence coherence) {
+  const LastFrame last = scene.last(n);
+  if (!last.visible) return Action::delay;
+  // No bias can change that; the paper would let the front move up by one level a frame only.
+  if (scene.is_fine(n, 1.0)) return Action::stop;
+  const bool knows_bias = !last.refined || (last.asked && coherence == Coherence::mended);
+  if (knows_bias && scene.stops(n, static_cast<double>(scene.state(n).bias))) return Action::stop;
+  if (!last.refined || !may_move_up(scene, n)) return Action::refine;
+  return coherence == Coherence::mended ? Action::descend : Action::delay;
+}
+
+std::unique_ptr<Policy> make_coherent_policy() { return std::make_unique<CoherentPolicy>(); }
+
+}  // namespace occlod::hlod

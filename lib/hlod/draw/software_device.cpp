@@ -1,0 +1,205 @@
+#include "occlod/device/software_device.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "base/milliseconds_since.h"
+#include "hlod/draw/answers.h"
+#include "hlod/draw/box_proxy.h"
+#include "hlod/draw/morphed_positions.h"
+#include "raster/depth_image.h"
+#include "raster/depth_tiles.h"
+
+namespace occlod::hlod {
+namespace {
+
+// One object of a frame.
+struct DrawnObject {
+  const Hlod* hlod;
+  ObjectView view;
+  ProxySpace space;
+};
+
+// How long a frame's commands take.
+class Stopwatch {
+ public:
+  void begin() {
+    start_ = Clock::now();
+    first_ms_.reset();
+    last_ms_ = busy_ms_ = 0.0;
+  }
+  template <typename Work>
+  void measure(const Work& work) {
+    const double before = milliseconds_since(start_);
+    if (!first_ms_) first_ms_ = before;
+    work();
+    last_ms_ = milliseconds_since(start_);
+    busy_ms_ += last_ms_ - before;
+  }
+  [[nodiscard]] FrameTimes end() const {
+    const double frame_ms = milliseconds_since(start_);
+    const double span_ms = first_ms_ ? last_ms_ - *first_ms_ : 0.0;
+    return {frame_ms, frame_ms, busy_ms_, 0.0, std::max(span_ms - busy_ms_, 0.0)};
+  }
+
+ private:
+  Clock::time_point start_;
+  std::optional<double> first_ms_;  // when the first command began
+  double last_ms_ = 0.0;            // when the last one ended
+  double busy_ms_ = 0.0;
+};
+
+// Rows that are multiples of this many pixels apart share their places in the cache, see DepthImage.
+constexpr std::ptrdiff_t bad_stride = 1024;
+constexpr std::ptrdiff_t padding = 16;
+
+}  // namespace
+
+class SoftwareDevice::Impl {
+ public:
+  explicit Impl(const SoftwareDeviceOptions& options) : options_(options) {}
+
+  void begin(const View& view, std::span<const PlacedHlod> objects) {
+    watch_.begin();
+    screen_ = Screen(view);
+    objects_.clear();
+    for (const PlacedHlod& placed : objects) {
+      const ObjectView object(view, placed.object_to_world);
+      objects_.push_back({placed.hlod, object, proxy_space(screen_, view, object)});
+    }
+    begin_image();
+    tiles_.begin(image_);
+    answers_.clear();
+    work_ = {};
+  }
+
+  void draw(const NodeDraw& draw) {
+    assert(draw.object < objects_.size() && draw.ranges.empty() != draw.cut.empty());
+    watch_.measure([&] { draw_now(draw); });
+  }
+
+  [[nodiscard]] QueryId ask(std::span<const BoxRef> boxes) {
+    assert(!boxes.empty());
+    const QueryId query = answers_.begin_query();
+    watch_.measure([&] {
+      std::uint64_t sum = 0;
+      for (const BoxRef& box : boxes) sum += count(box);
+      answers_.add(static_cast<std::uint32_t>(std::min<std::uint64_t>(sum, pixels())));
+    });
+    return query;
+  }
+
+  [[nodiscard]] QueryId ask_each(std::span<const BoxRef> boxes) {
+    const QueryId query = answers_.begin_query();
+    watch_.measure([&] {
+      for (const BoxRef& box : boxes) answers_.add(count(box));
+    });
+    return query;
+  }
+
+  [[nodiscard]] std::span<const std::uint32_t> answer(QueryId query) const { return answers_.of(query); }
+  [[nodiscard]] FrameTimes end() const { return watch_.end(); }
+  [[nodiscard]] const DeviceWork& work() const noexcept { return work_; }
+  [[nodiscard]] const ItemBuffer& items() const noexcept { return items_; }
+
+  [[nodiscard]] DepthBuffer depth() const {
+    DepthBuffer copy;
+    copy.reset(image_.width, image_.height);
+    for (int y = 0; y < image_.height; ++y)
+      std::copy_n(image_.nearness + y * image_.stride, image_.width,
+                  copy.nearness.begin() + static_cast<std::ptrdiff_t>(y) * image_.width);
+    return copy;
+  }
+
+ private:
+  void begin_image() {
+    const int width = screen_.width, height = screen_.height;
+    if (options_.items) {
+      items_.reset(width, height);
+      image_ = {items_.depth.nearness.data(), width, height, width};
+      return;
+    }
+    const std::ptrdiff_t stride = width % bad_stride == 0 ? width + padding : width;
+    nearness_.assign(static_cast<std::size_t>(stride) * static_cast<std::size_t>(height), 0.0F);
+    image_ = {nearness_.data(), width, height, stride};
+  }
+
+  void draw_now(const NodeDraw& draw) {
+    const DrawnObject& object = objects_[draw.object];
+    const std::span<const glm::vec3> positions =
+        draw.cut.empty() ? morphed_positions(*object.hlod, draw.node, draw.ranges, positions_)
+                         : cut_positions(*object.hlod, draw.node, positions_);
+    triangles_.clear();
+    add_triangles(draw.cut);
+    const std::span<const std::uint16_t> indices = object.hlod->mesh(draw.node).indices;
+    for (const DrawRange& range : draw.ranges) {
+      assert(std::size_t{range.first_index} + range.index_count <= indices.size());
+      add_triangles(indices.subspan(range.first_index, range.index_count));
+    }
+    const DrawnPixels drawn = options_.items
+                                  ? draw_items_counted(items_, positions, triangles_, object.view.object_to_clip(),
+                                                       static_cast<std::uint32_t>(work_.triangles))
+                                  : draw_depth_counted(image_, positions, triangles_, object.view.object_to_clip());
+    tiles_.change(drawn.rect);
+    ++work_.draws;
+    work_.triangles += triangles_.size();
+    work_.fragments += drawn.fragments;
+  }
+
+  void add_triangles(std::span<const std::uint16_t> indices) {
+    assert(indices.size() % 3 == 0);
+    for (std::size_t i = 0; i < indices.size(); i += 3)
+      triangles_.emplace_back(indices[i], indices[i + 1], indices[i + 2]);
+  }
+
+  [[nodiscard]] std::uint32_t count(const BoxRef& box) {
+    assert(box.object < objects_.size());
+    ++work_.boxes;
+    const BoxProxy proxy = project_box(screen_, objects_[box.object].space, box.box);
+    if (proxy.kind == BoxProxy::Kind::beside) return 0;
+    if (proxy.kind == BoxProxy::Kind::uncertain) return pixels();
+    const raster::DepthCount counted = tiles_.count(proxy.image);
+    ++work_.drawn_boxes;
+    work_.query_fragments += counted.covered;
+    return counted.passed;
+  }
+
+  // Of the image.
+  [[nodiscard]] std::uint32_t pixels() const noexcept {
+    return static_cast<std::uint32_t>(screen_.width) * static_cast<std::uint32_t>(screen_.height);
+  }
+
+  SoftwareDeviceOptions options_;
+  Screen screen_;
+  std::vector<DrawnObject> objects_;
+  std::vector<float> nearness_;  // of image_ without items
+  ItemBuffer items_;
+  DepthImage image_;
+  raster::DepthTiles tiles_;
+  Answers answers_;
+  DeviceWork work_;
+  Stopwatch watch_;
+  std::vector<glm::vec3> positions_;  // scratch
+  std::vector<Triangle> triangles_;   // likewise
+};
+
+SoftwareDevice::SoftwareDevice(const SoftwareDeviceOptions& options) : impl_(std::make_unique<Impl>(options)) {}
+SoftwareDevice::~SoftwareDevice() = default;
+
+std::string_view SoftwareDevice::name() const noexcept { return "software"; }
+void SoftwareDevice::begin_frame(const View& view, std::span<const PlacedHlod> objects) { impl_->begin(view, objects); }
+void SoftwareDevice::draw(const NodeDraw& draw) { impl_->draw(draw); }
+QueryId SoftwareDevice::ask(std::span<const BoxRef> boxes) { return impl_->ask(boxes); }
+QueryId SoftwareDevice::ask_each(std::span<const BoxRef> boxes) { return impl_->ask_each(boxes); }
+bool SoftwareDevice::available(QueryId /*query*/) { return true; }
+std::span<const std::uint32_t> SoftwareDevice::wait(QueryId query) { return impl_->answer(query); }
+void SoftwareDevice::visit(std::size_t /*nodes*/) {}
+FrameTimes SoftwareDevice::end_frame() { return impl_->end(); }
+const DeviceWork& SoftwareDevice::work() const noexcept { return impl_->work(); }
+DepthBuffer SoftwareDevice::depth() const { return impl_->depth(); }
+const ItemBuffer& SoftwareDevice::items() const noexcept { return impl_->items(); }
+
+}  // namespace occlod::hlod

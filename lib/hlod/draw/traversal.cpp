@@ -1,0 +1,277 @@
+#include "hlod/draw/traversal.h"
+
+#include <algorithm>
+#include <optional>
+
+namespace occlod::hlod {
+namespace {
+
+// The visible share of a box, from two counts of pixels. Flat boxes cover none by the paper's alpha.
+double share(std::uint32_t visible, double all) {
+  const auto count = static_cast<double>(visible);
+  return count < all ? count / all : std::min(count, 1.0);
+}
+
+}  // namespace
+
+Traversal::Traversal(FrameScene& scene, Policy& policy, RenderDevice& device, TraversalMemory& memory, Frame& frame)
+    : scene_(scene),
+      policy_(policy),
+      device_(device),
+      memory_(memory),
+      stats_(frame.stats),
+      asked_(frame.asked),
+      draws_(scene, device, memory.cuts, frame),
+      front_(scene, memory.reached, draws_) {
+  memory_.questions.begin_frame(scene, policy, device, stats_);
+  memory_.cuts.begin_frame();
+}
+
+void Traversal::run() {
+  policy_.begin_frame(scene_);
+  front_.reach_roots();
+  DistanceQueue& reached = memory_.reached;
+  Questions& questions = memory_.questions;
+  while (true) {
+    // Waits only when there is nothing else to do.
+    while (questions.may_look(reached.empty())) settle_next();
+    if (!reached.empty())
+      visit(reached.pop());
+    else if (!questions.ask_waiting())
+      break;
+  }
+  policy_.end_frame(scene_);
+  scene_.end_frame(front_.reached());
+}
+
+void Traversal::visit(const ReachedNode& reached) {
+  const NodeRef n = reached.ref;
+  NodeState& state = scene_.state(n);
+  if (state.gone) return front_.cull(n);
+  if (state.status == Status::held)
+    return state.held_to_stop ? stop(n, static_cast<double>(state.drawn_bias)) : want_refined(n);
+  if (!scene_.view_of(n).may_be_inside(scene_.node(n).box)) return front_.cull(n);
+  ++stats_.visits;
+  device_.visit(1);
+  state.visited = true;
+  predict(reached);
+}
+
+void Traversal::predict(const ReachedNode& reached) {
+  const NodeRef n = reached.ref;
+  const Action action = policy_.predict(scene_, reached);
+  if (action == Action::refine) return want_refined(n);
+  if (action == Action::draw) {
+    see_unasked(n);
+    return stop(n, 1.0);
+  }
+  const std::optional<double> pixels = scene_.view_of(n).box_pixels(scene_.node(n));
+  if (!pixels) return settle(n, 1.0);
+  ask(n, *pixels, action == Action::stop || action == Action::descend);
+  act(reached, action);
+}
+
+// After the query: a flat node must not hide its own box.
+void Traversal::act(const ReachedNode& reached, Action action) {
+  const NodeRef n = reached.ref;
+  if (action == Action::stop) stop(n, policy_.bias(scene_, reached));
+  if (action == Action::descend) want_refined(n);
+  if (action == Action::drop) {
+    ++stats_.hidden_nodes;
+    NodeState& state = scene_.state(n);
+    state.answered = state.hidden = true;
+    front_.cull(n);
+  }
+  if (policy_.waits()) settle_next();
+}
+
+void Traversal::ask(NodeRef n, double pixels, bool was_visible) {
+  scene_.state(n).asked = true;
+  asked_.push_back({n.object, n.node});
+  memory_.questions.ask({n, pixels}, was_visible);
+}
+
+// Draws a node that is fine enough with this bias, refined within if need be. That takes what refining takes.
+void Traversal::stop(NodeRef n, double bias) {
+  NodeState& state = scene_.state(n);
+  state.drawn_bias = static_cast<float>(bias);
+  state.held_to_stop = false;
+  if (!scene_.needs_cut(n, bias)) return draw_whole(n, bias);
+  switch (front_.may_refine(n)) {
+    case Permission::granted:
+      front_.stop_within(n, scene_.cut_error(n, bias));
+      return policy_.note_drawn(scene_, n);
+    case Permission::pending:
+      state.held_to_stop = true;
+      return front_.hold(n);
+    case Permission::denied:
+      note_denied(n);
+      return draw_whole(n, bias);
+  }
+}
+
+void Traversal::draw_whole(NodeRef n, double bias) {
+  front_.stop(n);
+  policy_.note_drawn(scene_, n);
+  note_waiting(n, bias);
+}
+
+void Traversal::settle_next() {
+  const AnsweredNode answered = memory_.questions.next();
+  const NodeRef n = answered.ref;
+  NodeState& state = scene_.state(n);
+  if (!policy_.answers_decide()) {
+    policy_.note_answer(scene_, n, answered.visible > 0);
+    state.answered = true;
+    state.hidden = answered.visible == 0;
+    if (answered.visible == 0 && state.status != Status::culled) ++stats_.hidden_nodes;
+    return;
+  }
+  if (!answered.was_asked) state.asked = false;
+  if (state.gone) {
+    if (state.status == Status::undecided) front_.cull(n);
+    return;
+  }
+  if (!answered.was_asked) return settle_unasked(n);
+  policy_.note_answer(scene_, n, answered.visible > 0);
+  state.answered = true;
+  state.hidden = answered.visible == 0;
+  if (answered.visible > 0) return settle(n, share(answered.visible, answered.pixels));
+  ++stats_.hidden_nodes;
+  settle_hidden(n);
+}
+
+// How much of it was visible is still believed, if anything was.
+void Traversal::see_unasked(NodeRef n) {
+  if (!scene_.last(n).visible) scene_.state(n).bias = 1.0F;
+  front_.see(n);
+}
+
+void Traversal::settle_unasked(NodeRef n) {
+  see_unasked(n);
+  if (scene_.state(n).status != Status::undecided) return;
+  if (scene_.is_fine(n, 1.0)) return stop(n, 1.0);
+  want_refined(n);
+}
+
+void Traversal::settle_hidden(NodeRef n) {
+  NodeState& state = scene_.state(n);
+  state.bias = 0.0F;
+  if (state.status == Status::undecided) return front_.cull(n);
+  if (state.status == Status::refined || state.status == Status::held) front_.hide(n);
+}
+
+// Of a node that is visible.
+void Traversal::settle(NodeRef n, double mu) {
+  NodeState& state = scene_.state(n);
+  const double bias = scene_.bias(mu);
+  state.bias = static_cast<float>(bias);
+  front_.see(n);
+  if (state.held_to_stop) return settle_held(n, bias);
+  if (state.status == Status::refined || state.status == Status::held) {  // Action::descend
+    if (!scene_.is_fine(n, bias)) note_wasted(n);                         // otherwise the next frame makes use of it
+    return;
+  }
+  const bool is_fine = scene_.stops(n, bias);
+  if (state.status == Status::stopped) return settle_drawn(n, is_fine, bias);
+  if (!is_fine) return want_refined(n);
+  if (state.asked && is_drawable(n)) note_delayed(n);
+  stop(n, bias);
+}
+
+// Predicted to stop, but not drawn yet: now it is known with which bias, or that it is to be refined.
+void Traversal::settle_held(NodeRef n, double bias) {
+  NodeState& state = scene_.state(n);
+  state.held_to_stop = scene_.stops(n, bias);
+  state.drawn_bias = static_cast<float>(bias);
+}
+
+// Drawn when it was asked about, because it was predicted to stop or had to.
+void Traversal::settle_drawn(NodeRef n, bool is_fine, double bias) {
+  if (!is_fine && front_.may_refine(n) == Permission::granted) {
+    if (!scene_.fetch_children(n)) {
+      note_wasted(n);
+      return note_waiting(n, bias);
+    }
+    if (is_drawable(n)) ++stats_.rarn;
+    front_.keep_floors(n);
+    return front_.refine(n);
+  }
+  if (is_fine && draw_finer(n, bias)) return;
+  note_wasted(n);
+  if (!is_fine) note_denied(n);
+}
+
+// A node that was refined within, or not at all, by a bias that was too small.
+bool Traversal::draw_finer(NodeRef n, double bias) {
+  NodeState& state = scene_.state(n);
+  const auto drawn_bias = static_cast<double>(state.drawn_bias);
+  if (!(bias > drawn_bias) || !scene_.needs_cut(n, bias)) return false;
+  if (front_.may_refine(n) != Permission::granted) {
+    note_denied(n);
+    return false;
+  }
+  if (!draws_.draw_finer_cut(n, scene_.cut_error(n, bias), scene_.cut_error(n, drawn_bias))) return false;
+  if (!state.cut) ++stats_.cut_nodes;
+  state.cut = true;
+  ++stats_.recut_nodes;
+  return true;
+}
+
+// A root where everything has vanished has nothing to draw. Any other node that stops draws a patch: a parent of it is
+// refined, or it would not have been reached.
+bool Traversal::is_drawable(NodeRef n) const { return scene_.node(n).patches > 0; }
+
+void Traversal::want_refined(NodeRef n) {
+  switch (front_.may_refine(n)) {
+    case Permission::granted:
+      if (!scene_.fetch_children(n)) return draw_unrefined(n);
+      front_.keep_floors(n);
+      return front_.refine(n);
+    case Permission::pending:
+      return front_.hold(n);
+    case Permission::denied:
+      note_denied(n);
+      return draw_unrefined(n);
+  }
+}
+
+// A node that is asked about anyway was visible: the answer decides nothing but what the next frame predicts.
+void Traversal::draw_unrefined(NodeRef n) {
+  const NodeState& state = scene_.state(n);
+  if (state.asked) {
+    if (is_drawable(n)) note_delayed(n);
+  } else if (!state.visible) {
+    if (const std::optional<double> pixels = scene_.view_of(n).box_pixels(scene_.node(n)))
+      ask(n, *pixels, true);
+    else
+      front_.see(n);
+  }
+  draw_whole(n, static_cast<double>(state.bias));
+}
+
+void Traversal::note_delayed(NodeRef n) {
+  ++stats_.delayed;
+  scene_.state(n).delayed = true;
+}
+
+void Traversal::note_wasted(NodeRef n) {
+  ++stats_.wasted_queries;
+  scene_.state(n).wasted = true;
+}
+
+// A node has been drawn with this bias: was it for want of a mesh?
+void Traversal::note_waiting(NodeRef n, double bias) {
+  if (scene_.is_within_tolerance(n, bias) || !scene_.lacks_children(n)) return;
+  if (is_drawable(n)) ++stats_.waiting_nodes;
+  scene_.want_children(n, bias);
+}
+
+void Traversal::note_denied(NodeRef n) {
+  NodeState& state = scene_.state(n);
+  if (!state.denied) ++stats_.blocked;
+  state.denied = true;
+  front_.raise_floors(n);
+}
+
+}  // namespace occlod::hlod

@@ -1,0 +1,269 @@
+#include "hlod/tiles/encode_tile.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <glm/vec2.hpp>
+#include <limits>
+#include <map>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "mesh/glb_document.h"
+#include "mesh/glb_primitives.h"
+#include "mesh/mesh_writers.h"
+#include "hlod/tiles/byte_stream.h"
+#include "hlod/tiles/meshopt_codec.h"
+#include "hlod/tiles/tile_lattice.h"
+
+namespace occlod::tiles {
+namespace {
+
+using Json = GlbDocument::Json;
+
+template <typename Vector>
+Vector y_up(const Vector& v) {
+  return {v.x, v.z, -v.y};
+}
+
+std::int8_t signed_byte(float x) { return static_cast<std::int8_t>(std::lround(127.0F * std::clamp(x, -1.0F, 1.0F))); }
+
+std::uint16_t unsigned_short(float x) { return static_cast<std::uint16_t>(std::lround(65535.0F * x)); }
+
+class TileEncoder {
+ public:
+  TileEncoder(const TileMesh& tile, const TileLook& look, const TileFormat& format)
+      : mesh_(tile.mesh), look_(look), format_(format), origin_(near_origin(mesh_.positions)) {
+    if (format.quantise_bits > 0) lattice_.emplace(mesh_.positions, format.quantise_bits);
+  }
+
+  TileContent run(const FileErrors& errors) && {
+    for (GlbPrimitive& primitive : glb_primitives(mesh_)) {
+      if (is_compressed()) order_for_codec(primitive);
+      add(primitive);
+    }
+    place();
+    if (lattice_) require_extension("KHR_mesh_quantization");
+    if (is_compressed()) {
+      require_extension("EXT_meshopt_compression");
+      // For clients without the extension, of which there are none, as it is required.
+      document_.json()["buffers"][1] = {{"byteLength", fallback_bytes_},
+                                        {"extensions", {{"EXT_meshopt_compression", {{"fallback", true}}}}}};
+    }
+    content_.bytes = document_.head(errors) + buffer_;
+    return std::move(content_);
+  }
+
+ private:
+  [[nodiscard]] bool is_compressed() const { return format_.compression == Compression::meshopt; }
+
+  void require_extension(const char* name) {
+    document_.json()["extensionsUsed"].push_back(name);
+    document_.json()["extensionsRequired"].push_back(name);
+  }
+
+  void place() {
+    const glm::dvec3 translation = lattice_ ? y_up(lattice_->origin()) : y_up(origin_);
+    document_.node()["translation"] = {translation.x, translation.y, translation.z};
+    if (lattice_) document_.node()["scale"] = {lattice_->step(), lattice_->step(), lattice_->step()};
+  }
+
+  void add(const GlbPrimitive& primitive) {
+    Json attributes;
+    attributes["POSITION"] = lattice_ ? add_lattice_positions(primitive) : add_positions(primitive);
+    if (!mesh_.normals.empty()) attributes["NORMAL"] = lattice_ ? add_short_normals(primitive) : add_normals(primitive);
+    if (needs_texture_coordinates(primitive)) attributes["TEXCOORD_0"] = add_texture_coordinates(primitive);
+    if (!mesh_.colors.empty()) attributes["COLOR_0"] = add_colors(primitive);
+    Json described = {{"attributes", std::move(attributes)}};
+    described["indices"] = add_indices(primitive);
+    described["material"] = add_material(primitive.material);
+    document_.primitives().push_back(std::move(described));
+  }
+
+  [[nodiscard]] bool needs_texture_coordinates(const GlbPrimitive& primitive) const {
+    if (mesh_.texture_coordinates.empty()) return false;
+    return look_.materials.empty() || image_of(look_.materials[primitive.material]) != nullptr;
+  }
+
+  // Null without one.
+  [[nodiscard]] const std::string* image_of(const Material& material) const {
+    if (material.texture == no_texture || look_.images[material.texture].empty()) return nullptr;
+    return &look_.images[material.texture];
+  }
+
+  std::size_t add_material(MaterialId id) {
+    Material material = look_.materials.empty() ? Material() : look_.materials[id];
+    const std::string* const image = image_of(material);
+    material.texture = image != nullptr ? add_texture(material.texture, *image) : no_texture;
+    document_.add_material(material);
+    Json& materials = document_.json()["materials"];
+    materials.back()["doubleSided"] = true;
+    return materials.size() - 1;
+  }
+
+  TextureId add_texture(TextureId id, const std::string& image) {
+    const auto [known, is_new] = textures_.try_emplace(id, static_cast<TextureId>(textures_.size()));
+    if (is_new) document_.add_texture(look_.textures[id], {{"uri", uri_of(image)}});
+    return known->second;
+  }
+
+  // As integers where they are in [0, 1].
+  std::size_t add_texture_coordinates(const GlbPrimitive& primitive) {
+    const bool flip = look_.origin != TextureOrigin::top_left;
+    const auto at = [&](WedgeId w) {
+      const glm::vec2& uv = mesh_.texture_coordinates[w];
+      return flip ? glm::vec2(uv.x, from_other_origin(uv.y)) : uv;
+    };
+    const auto is_within = [&](WedgeId w) {
+      const glm::vec2 uv = at(w);
+      return uv.x >= 0.0F && uv.x <= 1.0F && uv.y >= 0.0F && uv.y <= 1.0F;
+    };
+    const std::vector<WedgeId>& wedges = primitive.wedges;
+    const bool is_short = lattice_ && std::all_of(wedges.begin(), wedges.end(), is_within);
+    ByteStream stream(is_short ? 4 : 8, wedges.size());
+    for (const WedgeId w : wedges) {
+      const glm::vec2 uv = at(w);
+      is_short ? stream.add(unsigned_short(uv.x), unsigned_short(uv.y)) : stream.add(uv.x, uv.y);
+    }
+    return add_attribute(stream, is_short ? gltf::type_uint16 : gltf::type_float, "VEC2", is_short);
+  }
+
+  std::size_t add_positions(const GlbPrimitive& primitive) {
+    ByteStream stream(12, primitive.wedges.size());
+    glm::vec3 least(std::numeric_limits<float>::infinity()), most(-least);
+    for (const WedgeId w : primitive.wedges) {
+      const glm::vec3 from_origin(glm::dvec3(mesh_.positions[w]) - origin_);
+      content_.box.take(glm::dvec3(from_origin) + origin_);
+      const glm::vec3 position = y_up(from_origin);
+      least = glm::min(least, position);
+      most = glm::max(most, position);
+      stream.add(position.x, position.y, position.z);
+    }
+    const std::size_t accessor = add_attribute(stream, gltf::type_float, "VEC3", false);
+    set_bounds({least.x, least.y, least.z}, {most.x, most.y, most.z});
+    return accessor;
+  }
+
+  // In glTF's axes: y of the lattice counts downwards from its far end.
+  std::size_t add_lattice_positions(const GlbPrimitive& primitive) {
+    ByteStream stream(8, primitive.wedges.size());
+    glm::u16vec3 least(65535), most(0);
+    for (const WedgeId w : primitive.wedges) {
+      const glm::u16vec3 at = lattice_->at(mesh_.positions[w]);
+      content_.box.take(lattice_->position(at));
+      least = glm::min(least, at);
+      most = glm::max(most, at);
+      stream.add(at.x, at.z, static_cast<std::uint16_t>(lattice_->far_end().y - at.y), std::uint16_t{0});
+    }
+    const std::size_t accessor = add_attribute(stream, gltf::type_uint16, "VEC3", false);
+    const int far_y = lattice_->far_end().y;
+    set_bounds({least.x, least.z, far_y - most.y}, {most.x, most.z, far_y - least.y});
+    return accessor;
+  }
+
+  void set_bounds(Json least, Json most) {
+    document_.json()["accessors"].back()["min"] = std::move(least);
+    document_.json()["accessors"].back()["max"] = std::move(most);
+  }
+
+  std::size_t add_normals(const GlbPrimitive& primitive) {
+    ByteStream stream(12, primitive.wedges.size());
+    for (const WedgeId w : primitive.wedges) {
+      const glm::vec3 normal = y_up(mesh_.normals[w]);
+      stream.add(normal.x, normal.y, normal.z);
+    }
+    return add_attribute(stream, gltf::type_float, "VEC3", false);
+  }
+
+  std::size_t add_short_normals(const GlbPrimitive& primitive) {
+    ByteStream stream(4, primitive.wedges.size());
+    for (const WedgeId w : primitive.wedges) {
+      const glm::vec3 normal = y_up(mesh_.normals[w]);
+      stream.add(signed_byte(normal.x), signed_byte(normal.y), signed_byte(normal.z), std::int8_t{0});
+    }
+    return add_attribute(stream, gltf::type_int8, "VEC3", true);
+  }
+
+  std::size_t add_colors(const GlbPrimitive& primitive) {
+    ByteStream stream(8, primitive.wedges.size());
+    for (const WedgeId w : primitive.wedges) {
+      const glm::u8vec4& c = mesh_.colors[w];
+      stream.add(linear_color(c.r), linear_color(c.g), linear_color(c.b), static_cast<std::uint16_t>(257 * c.a));
+    }
+    return add_attribute(stream, gltf::type_uint16, "VEC4", true);
+  }
+
+  std::size_t add_indices(const GlbPrimitive& primitive) {
+    const bool is_short = primitive.has_short_indices();
+    ByteStream stream(is_short ? 2 : 4, 3 * primitive.triangles.size());
+    std::vector<std::uint32_t> indices;
+    for (const Triangle& t : primitive.triangles)
+      for (int k = 0; k < 3; ++k) {
+        indices.push_back(t[k]);
+        is_short ? stream.add(static_cast<std::uint16_t>(t[k])) : stream.add(t[k]);
+      }
+    return add_accessor(stream, is_compressed() ? encode_triangles(indices, primitive.wedges.size()) : std::string(),
+                        is_short ? gltf::type_uint16 : gltf::type_uint32, "SCALAR", gltf::element_array_buffer);
+  }
+
+  std::size_t add_attribute(const ByteStream& stream, int component_type, const char* type, bool is_normalized) {
+    const std::size_t accessor = add_accessor(stream, is_compressed() ? encode_vertices(stream) : std::string(),
+                                              component_type, type, gltf::array_buffer);
+    if (is_normalized) document_.json()["accessors"].back()["normalized"] = true;
+    return accessor;
+  }
+
+  // `encoded`: of a compressed tile; else the stream is written as it is.
+  std::size_t add_accessor(const ByteStream& stream, const std::string& encoded, int component_type, const char* type,
+                           int target) {
+    const std::string& bytes = is_compressed() ? encoded : stream.bytes();
+    const std::uint64_t offset = document_.reserve(bytes.size());
+    buffer_ += bytes;
+    buffer_.resize((buffer_.size() + 3) / 4 * 4, '\0');
+    Json view = {{"buffer", 0}, {"byteOffset", offset}, {"byteLength", bytes.size()}};
+    const bool is_attribute = target == gltf::array_buffer;
+    if (is_compressed()) {
+      view["byteStride"] = stream.stride();
+      view["mode"] = is_attribute ? "ATTRIBUTES" : "TRIANGLES";
+      view["count"] = stream.count();
+      view = {{"buffer", 1},
+              {"byteOffset", fallback_bytes_},
+              {"byteLength", stream.bytes().size()},
+              {"extensions", {{"EXT_meshopt_compression", std::move(view)}}}};
+      fallback_bytes_ += (stream.bytes().size() + 3) / 4 * 4;
+    }
+    if (is_attribute) view["byteStride"] = stream.stride();
+    view["target"] = target;
+    Json& json = document_.json();
+    json["bufferViews"].push_back(std::move(view));
+    json["accessors"].push_back({{"bufferView", json["bufferViews"].size() - 1},
+                                 {"componentType", component_type},
+                                 {"count", stream.count()},
+                                 {"type", type}});
+    return json["accessors"].size() - 1;
+  }
+
+  const TriangleMesh& mesh_;
+  const TileLook& look_;
+  const TileFormat& format_;
+  const glm::dvec3 origin_;             // of positions as floats
+  std::optional<TileLattice> lattice_;  // of positions as integers
+  GlbDocument document_;
+  std::map<TextureId, TextureId> textures_;  // from those of the HLOD to those of the document
+  std::string buffer_;                       // the file's
+  std::uint64_t fallback_bytes_ = 0;         // of the buffer that decoders fill
+  TileContent content_;
+};
+
+}  // namespace
+
+TileContent encode_tile(const TileMesh& tile, const TileLook& look, const TileFormat& format,
+                        const FileErrors& errors) {
+  return TileEncoder(tile, look, format).run(errors);
+}
+
+}  // namespace occlod::tiles

@@ -1,0 +1,50 @@
+// The tiles of a tileset: those of an HLOD's nodes, with the bounds that clients go by.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "occlod/hlod/hlod.h"
+#include "occlod/tiles/write_tileset.h"
+#include "hlod/tiles/tile_box.h"
+
+namespace occlod::tiles {
+
+struct Tile {
+  double error = 0.0;        // geometricError: 0 at leaves, else more than any child's
+  TileBox box;               // of the content and of the children's boxes
+  TileBox content_box;       // empty: the tile has no content, since all has vanished
+  std::uint32_t extent = 1;  // tiles from here down in the same file, those that refer to others among them
+  bool is_external = false;  // its tileset is a file of its own
+};
+
+// By node. Tiles are given their boxes first, then complete() is called once.
+class TileTree {
+ public:
+  explicit TileTree(const hlod::Hlod& hlod) : hlod_(hlod), tiles_(hlod.node_count()) {}
+
+  [[nodiscard]] const hlod::Hlod& hlod() const noexcept { return hlod_; }
+  [[nodiscard]] Tile& operator[](hlod::NodeId n) { return tiles_[n]; }
+  [[nodiscard]] const Tile& operator[](hlod::NodeId n) const { return tiles_[n]; }
+
+  // Errors, boxes, files: a tile below which there are more than `tiles_per_file` gives away its largest subtrees.
+  void complete(TileError error, std::uint32_t tiles_per_file);
+  // Of all tiles.
+  [[nodiscard]] const TileBox& box() const noexcept { return box_; }
+  // Of drawing nothing: the diagonal of the box, or a little more than the coarsest tile's.
+  [[nodiscard]] double error() const noexcept { return error_; }
+
+ private:
+  void bound(hlod::NodeId n, TileError error);
+  void divide(std::vector<hlod::NodeId> children, std::uint32_t tiles_per_file, std::uint32_t& extent);
+
+  const hlod::Hlod& hlod_;
+  std::vector<Tile> tiles_;
+  TileBox box_;
+  double error_ = 0.0;
+};
+
+// Of node n, or no_id of a root.
+[[nodiscard]] hlod::NodeId parent_of(const hlod::Hlod& hlod, hlod::NodeId n);
+
+}  // namespace occlod::tiles

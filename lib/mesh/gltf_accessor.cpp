@@ -1,0 +1,138 @@
+#include "mesh/gltf_accessor.h"
+
+#include <fmt/format.h>
+
+#include "mesh/decode_meshopt.h"
+
+namespace occlod {
+namespace {
+
+constexpr const char* compression_name = "EXT_meshopt_compression";
+constexpr const char* beyond = "reaches beyond its buffer: the file was cut or is malformed";
+
+// Whether `count` elements lie inside so many bytes.
+bool fits(std::size_t bytes, std::size_t offset, std::size_t count, std::size_t stride, std::size_t size) {
+  return offset <= bytes && (count == 0 || (size <= bytes - offset && count - 1 <= (bytes - offset - size) / stride));
+}
+
+std::size_t number_of(const tinygltf::Value& object, const char* key, const std::string& place,
+                      const FileErrors& errors) {
+  const tinygltf::Value& value = object.Get(key);
+  const double number = value.IsNumber() ? value.GetNumberAsDouble() : 0.0;
+  if (!(number >= 0.0 && number <= 0x1p53))
+    errors.fail(place, fmt::format("has a {} of {} in {}", key, number, compression_name), gltf_remedy);
+  return static_cast<std::size_t>(number);
+}
+
+std::string text_of(const tinygltf::Value& object, const char* key) {
+  const tinygltf::Value& value = object.Get(key);
+  return value.IsString() ? value.Get<std::string>() : std::string();
+}
+
+std::span<const std::uint8_t> buffer_of(const tinygltf::Model& model, std::size_t index, const std::string& place,
+                                        const FileErrors& errors) {
+  if (index >= model.buffers.size()) errors.fail(place, "has no buffer", gltf_remedy);
+  return model.buffers[index].data;
+}
+
+}  // namespace
+
+GltfViews::View GltfViews::view(int index, const std::string& place) {
+  if (index < 0 || static_cast<std::size_t>(index) >= model_.bufferViews.size())
+    errors_.fail(place, "has no data", gltf_remedy);
+  const tinygltf::BufferView& view = model_.bufferViews[static_cast<std::size_t>(index)];
+  if (const auto found = view.extensions.find(compression_name); found != view.extensions.end()) {
+    const std::vector<std::uint8_t>& bytes = decoded(index, found->second);
+    return {bytes, bytes.size(), number_of(found->second, "byteStride", place, errors_)};
+  }
+  if (view.buffer < 0) errors_.fail(place, "has no buffer", gltf_remedy);
+  const std::span<const std::uint8_t> bytes = buffer_of(model_, static_cast<std::size_t>(view.buffer), place, errors_);
+  if (view.byteOffset > bytes.size()) errors_.fail(place, beyond, gltf_remedy);
+  return {bytes.subspan(view.byteOffset), view.byteLength, view.byteStride};
+}
+
+const std::vector<std::uint8_t>& GltfViews::decoded(int index, const tinygltf::Value& compression) {
+  const auto [found, is_new] = decoded_.try_emplace(index);
+  if (!is_new) return found->second;
+  const std::string place = fmt::format("buffer view {}", index);
+  const auto number = [&](const char* key) { return number_of(compression, key, place, errors_); };
+  const std::span<const std::uint8_t> buffer = buffer_of(model_, number("buffer"), place, errors_);
+  const std::size_t offset = number("byteOffset"), length = number("byteLength");
+  if (!fits(buffer.size(), offset, 1, 1, length)) errors_.fail(place, beyond, gltf_remedy);
+  found->second = decode_meshopt({buffer.subspan(offset, length), number("count"), number("byteStride"),
+                                  text_of(compression, "mode"), text_of(compression, "filter")},
+                                 place, errors_);
+  return found->second;
+}
+
+GltfAccessor::GltfAccessor(GltfViews& views, int index, int components) {
+  const FileErrors& errors = views.errors();
+  if (index < 0 || static_cast<std::size_t>(index) >= views.model().accessors.size())
+    errors.fail("", fmt::format("refers to accessor {}, which is not there", index), gltf_remedy);
+  const tinygltf::Accessor& accessor = views.model().accessors[static_cast<std::size_t>(index)];
+  const std::string place = fmt::format("accessor {}", index);
+  component_type_ = accessor.componentType;
+  components_ = tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(accessor.type));
+  if (components_ < components) errors.fail(place, "has too few components", gltf_remedy);
+  const int size = tinygltf::GetComponentSizeInBytes(static_cast<std::uint32_t>(component_type_)) * components_;
+  if (size <= 0) errors.fail(place, "has elements of unknown size", gltf_remedy);
+  count_ = accessor.count;
+  normalized_ = accessor.normalized;
+  const bool is_sparse = accessor.sparse.isSparse;
+  if (!is_sparse || accessor.bufferView >= 0) read_base(views, accessor, static_cast<std::size_t>(size), place);
+  if (is_sparse) replace_sparse(views, accessor, static_cast<std::size_t>(size), place);
+}
+
+void GltfAccessor::read_base(GltfViews& views, const tinygltf::Accessor& accessor, std::size_t size,
+                             const std::string& place) {
+  const GltfViews::View view = views.view(accessor.bufferView, place);
+  stride_ = view.stride == 0 ? size : view.stride;
+  if (!fits(view.bytes.size(), accessor.byteOffset, count_, stride_, size))
+    views.errors().fail(place, beyond, gltf_remedy);
+  data_ = view.bytes.data() + accessor.byteOffset;
+}
+
+// A copy without gaps, or zeros.
+void GltfAccessor::make_own(std::size_t size) {
+  own_.assign(count_ * size, 0);
+  for (std::size_t i = 0; data_ != nullptr && i < count_; ++i)
+    std::memcpy(own_.data() + i * size, data_ + i * stride_, size);
+  data_ = own_.data();
+  stride_ = size;
+}
+
+void GltfAccessor::replace_sparse(GltfViews& views, const tinygltf::Accessor& accessor, std::size_t size,
+                                  const std::string& place) {
+  const FileErrors& errors = views.errors();
+  // Zeros that nobody wrote down may not take more memory than the file.
+  std::size_t file_bytes = 0;
+  for (const tinygltf::Buffer& buffer : views.model().buffers) file_bytes += buffer.data.size();
+  if (data_ == nullptr && count_ > file_bytes)
+    errors.fail(place, fmt::format("has {} elements without data", count_), gltf_remedy);
+  make_own(size);
+  const auto& sparse = accessor.sparse;
+  const auto count = static_cast<std::size_t>(std::max(sparse.count, 0));
+  const auto index_type = sparse.indices.componentType;
+  const std::size_t index_size = index_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE    ? 1
+                                 : index_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT ? 2
+                                 : index_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT   ? 4
+                                                                                        : 0;
+  if (index_size == 0) errors.fail(place, "has sparse indices of an unknown type", gltf_remedy);
+  const auto bytes_of = [&](int view_index, int offset, std::size_t element) {
+    const std::span<const std::uint8_t> bytes = views.view(view_index, place).bytes;
+    if (offset < 0 || !fits(bytes.size(), static_cast<std::size_t>(offset), count, element, element))
+      errors.fail(place, beyond, gltf_remedy);
+    return bytes.data() + offset;
+  };
+  const std::uint8_t* const indices = bytes_of(sparse.indices.bufferView, sparse.indices.byteOffset, index_size);
+  const std::uint8_t* const values = bytes_of(sparse.values.bufferView, sparse.values.byteOffset, size);
+  for (std::size_t i = 0; i < count; ++i) {
+    std::uint32_t index = 0;  // little-endian, as this machine is
+    std::memcpy(&index, indices + i * index_size, index_size);
+    if (index >= count_)
+      errors.fail(place, fmt::format("has a sparse value for element {} of {}", index, count_), gltf_remedy);
+    std::memcpy(own_.data() + index * size, values + i * size, size);
+  }
+}
+
+}  // namespace occlod

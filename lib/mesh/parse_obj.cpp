@@ -1,0 +1,246 @@
+// Our own reader: OpenMesh's skips vertex lines that it cannot parse, which shifts the index of every later
+// vertex, and names no line in its messages.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <system_error>
+
+#include "mesh/distinct_names.h"
+#include "mesh/obj_materials.h"
+#include "mesh/place_textures.h"
+#include "mesh/polygon_soup.h"
+#include "mesh/split_vertices.h"
+#include "mesh/text_chunks.h"
+#include "base/text_cursor.h"
+#include "base/text_encoding.h"
+
+namespace occlod {
+namespace {
+
+// The largest index that faces use into a list, which may follow them.
+struct LargestIndex {
+  std::uint64_t end = 0;  // one more than it
+  std::uint64_t line = 0;
+
+  void add(std::uint32_t index, std::uint64_t at_line) {
+    if (index == no_id || index < end) return;
+    end = std::uint64_t{index} + 1;
+    line = at_line;
+  }
+};
+
+// A face's corner. The file's indices count from 1, or back from the newest element with -1; ours count from 0.
+struct ObjCorner {
+  VertexId vertex;
+  AttributeCorner attributes;
+};
+
+template <class Storage>
+class ObjParser {
+ public:
+  ObjParser(InputBytes& input, const FileErrors& errors)
+      : chunks_(input, errors, obj_syntax), cursor_({}, errors, obj_syntax), errors_(errors), materials_(soup_) {}
+
+  BasicPolygonSoup<Storage> parse() && {
+    while (chunks_.next(cursor_)) read_lines();
+    soup_.check(errors_, 1);
+    check_attributes();
+    count_unused_attributes();
+    resolve_colors();
+    materials_.read_libraries(errors_);
+    place_textures(soup_, materials_.placements(), attributes_, errors_);
+    if (!attributes_.corners.empty()) split_vertices(soup_, attributes_, errors_);
+    soup_.left_out.groups = objects_.count() + groups_.count();
+    return std::move(soup_);
+  }
+
+ private:
+  template <class T>
+  using Array = typename Storage::template Array<T>;
+
+  void read_lines() {
+    for (; cursor_.find_word(); cursor_.skip_line()) {
+      const std::string_view keyword = cursor_.word();
+      if (keyword == "v") read_vertex();
+      if (keyword == "vn") read_normal();
+      if (keyword == "f") read_face();
+      if (keyword == "vt") read_texture_coordinate();
+      if (keyword == "usemtl") use_material();
+      if (keyword == "mtllib") materials_.add_library(cursor_.rest_of_line());
+      if (keyword == "o") objects_.add(cursor_.rest_of_line());
+      if (keyword == "g") groups_.add(cursor_.rest_of_line());
+    }
+  }
+
+  void use_material() {
+    if (materials_.use(cursor_.rest_of_line(), soup_.polygon_count() > 0, cursor_))
+      soup_.polygon_materials.resize(soup_.polygon_count(), MaterialId{0});
+  }
+
+  // x y z, x y z w (w only weighs curves) or x y z r g b; what follows is ignored.
+  void read_vertex() {
+    const std::uint64_t line = cursor_.line();
+    const double x = cursor_.number("x of a vertex");
+    const double y = cursor_.number("y of a vertex");
+    const double z = cursor_.number("z of a vertex");
+    if (!cursor_.at_line_end()) read_vertex_extras();
+    soup_.add_vertex(x, y, z, line);
+    if (!raw_colors_.empty()) raw_colors_.resize(soup_.positions.size(), no_color);
+  }
+
+  void read_vertex_extras() {
+    const double first = cursor_.number("the fourth number of a vertex");
+    if (cursor_.at_line_end()) return;
+    const double second = cursor_.number("the fifth number of a vertex");
+    const double third = cursor_.number("the sixth number of a vertex");
+    raw_colors_.resize(soup_.positions.size(), no_color);
+    raw_colors_.emplace_back(to_float(first), to_float(second), to_float(third));
+  }
+
+  void read_normal() {
+    const float x = to_float(cursor_.number("x of a normal"));
+    const float y = to_float(cursor_.number("y of a normal"));
+    const float z = to_float(cursor_.number("z of a normal"));
+    attributes_.normals.emplace_back(x, y, z);
+  }
+
+  // u [v [w]]
+  void read_texture_coordinate() {
+    const float u = to_float(cursor_.number("u of a texture coordinate"));
+    const float v = cursor_.at_line_end() ? 0.0F : to_float(cursor_.number("v of a texture coordinate"));
+    attributes_.texture_coordinates.emplace_back(u, v);
+  }
+
+  void read_face() {
+    const std::uint64_t line = cursor_.line();
+    Array<AttributeCorner>& corners = attributes_.corners;
+    while (!cursor_.at_line_end()) {
+      const auto [vertex, attributes] = parse_corner(cursor_.word());
+      soup_.add_corner(vertex);
+      ++corner_count_;
+      if (attributes == AttributeCorner{}) continue;
+      corners.resize(corner_count_ - 1);
+      corners.push_back(attributes);
+      largest_texture_.add(attributes.texture, line);
+      largest_normal_.add(attributes.normal, line);
+    }
+    soup_.end_polygon(line);
+    if (materials_.any()) soup_.polygon_materials.push_back(materials_.current());
+  }
+
+  // v, v/vt, v//vn or v/vt/vn.
+  ObjCorner parse_corner(std::string_view text) {
+    const char* at = text.data();
+    const char* const end = at + text.size();
+    ObjCorner corner{parse_index(at, end, soup_.positions.size(), text), {}};
+    if (at == end) return corner;
+    if (!skip_slash(at, end)) bad_corner(text);
+    if (*at != '/') corner.attributes.texture = parse_index(at, end, attributes_.texture_coordinates.size(), text);
+    if (at == end) return corner;
+    if (!skip_slash(at, end)) bad_corner(text);
+    corner.attributes.normal = parse_index(at, end, attributes_.normals.size(), text);
+    if (at != end) bad_corner(text);
+    return corner;
+  }
+
+  // Skips a slash that is followed by something.
+  static bool skip_slash(const char*& at, const char* end) {
+    if (*at != '/' || end - at < 2) return false;
+    ++at;
+    return true;
+  }
+
+  VertexId parse_index(const char*& at, const char* end, std::size_t count, std::string_view text) {
+    const std::int64_t value = parse_integer(at, end, text);
+    const std::int64_t index = value > 0 ? value - 1 : value + static_cast<std::int64_t>(count);
+    if (value == 0 || index < 0 || index >= static_cast<std::int64_t>(no_id)) {
+      cursor_.fail(fmt::format("the face corner {} is out of range; indices count from 1, or from -1 backwards",
+                               in_quotes(text)),
+                   "export the mesh again");
+    }
+    return static_cast<VertexId>(index);
+  }
+
+  std::int64_t parse_integer(const char*& at, const char* end, std::string_view text) {
+    std::int64_t value = 0;
+    const std::from_chars_result result = std::from_chars(at, end, value);
+    if (result.ec != std::errc{}) bad_corner(text);
+    at = result.ptr;
+    return value;
+  }
+
+  [[noreturn]] void bad_corner(std::string_view text) const {
+    cursor_.fail(fmt::format("the face corner {} is not v, v/vt, v//vn or v/vt/vn", in_quotes(text)),
+                 "correct the line or export the mesh again");
+  }
+
+  void check_attributes() const {
+    check_index(largest_texture_, attributes_.texture_coordinates.size(), "texture coordinate");
+    check_index(largest_normal_, attributes_.normals.size(), "normal");
+  }
+
+  void check_index(const LargestIndex& largest, std::size_t count, const char* what) const {
+    if (largest.end <= count) return;
+    errors_.fail_at_line(largest.line, fmt::format("a face uses {} {}, but there are {}", what, largest.end, count),
+                         "export the mesh again");
+  }
+
+  void count_unused_attributes() {
+    soup_.left_out.texture_coordinates =
+        count_unused(attributes_.texture_coordinates.size(), &AttributeCorner::texture);
+    soup_.left_out.normals = count_unused(attributes_.normals.size(), &AttributeCorner::normal);
+  }
+
+  std::uint64_t count_unused(std::size_t count, std::uint32_t AttributeCorner::*index) const {
+    std::vector<bool> used(count);
+    for (const AttributeCorner& corner : attributes_.corners) {
+      if (corner.*index != no_id) used[corner.*index] = true;
+    }
+    return static_cast<std::uint64_t>(std::ranges::count(used, false));
+  }
+
+  // Components go up to 1, or up to 255 where any is larger than 1.
+  void resolve_colors() {
+    if (raw_colors_.empty()) return;
+    float largest = 0.0f;
+    for (const glm::vec3& c : raw_colors_) largest = std::max({largest, c.x, c.y, c.z});
+    const double scale = largest > 1.0f ? 1.0 / 255.0 : 1.0;
+    soup_.colors.reserve(raw_colors_.size());
+    for (const glm::vec3& c : raw_colors_) {
+      const bool given = c != no_color;
+      const auto component = [&](float value) { return given ? color_component(scale * value) : std::uint8_t{255}; };
+      soup_.colors.emplace_back(component(c.x), component(c.y), component(c.z), std::uint8_t{255});
+    }
+  }
+
+  static constexpr glm::vec3 no_color{-1.0f};  // of vertices in a file where only others have one: white
+
+  TextChunks chunks_;
+  TextCursor cursor_;
+  const FileErrors& errors_;
+  BasicPolygonSoup<Storage> soup_;
+  CornerAttributes<Storage> attributes_;  // checked at the end: a value may follow the face that uses it
+  std::size_t corner_count_ = 0;
+  LargestIndex largest_texture_, largest_normal_;
+  ObjMaterials materials_;
+  Array<glm::vec3> raw_colors_;
+  DistinctNames objects_, groups_;
+};
+
+}  // namespace
+
+template <class Storage>
+BasicPolygonSoup<Storage> parse_obj(InputBytes& input, const FileErrors& errors) {
+  input.skip(utf8_mark_bytes(input.window(1)));
+  if (!is_wide_text(input.window(1))) return ObjParser<Storage>(input, errors).parse();
+  std::string converted;
+  InputBytes text(as_utf8(input.window(input.size()), converted, errors));
+  return ObjParser<Storage>(text, errors).parse();
+}
+
+template PolygonSoup parse_obj<InMemory>(InputBytes& input, const FileErrors& errors);
+template ScratchSoup parse_obj<InScratch>(InputBytes& input, const FileErrors& errors);
+
+}  // namespace occlod

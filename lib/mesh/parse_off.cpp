@@ -1,0 +1,151 @@
+// Our own reader: OpenMesh's trusts the counts in the header, goes on after a failed extraction and reads through
+// the stream's locale; its messages name no line.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "mesh/polygon_soup.h"
+#include "base/text_cursor.h"
+
+namespace occlod {
+namespace {
+
+// What each vertex line holds after its coordinates: [ST][C][N]OFF, in the order normal, colour, texture.
+struct OffFormat {
+  bool texture = false;
+  bool color = false;
+  bool normal = false;
+};
+
+class OffParser {
+ public:
+  OffParser(std::string_view bytes, const FileErrors& errors) : cursor_(bytes, errors, {.hash_comments = true}) {}
+
+  PolygonSoup parse() && {
+    read_keyword();
+    const std::uint64_t vertices = read_count("the number of vertices");
+    const std::uint64_t faces = read_count("the number of faces");
+    // Shortest lines: "0 0 0" and "3"; the number of edges is optional, often wrong and not used.
+    check_room("vertices", vertices, 6);
+    check_room("faces", faces, 2);
+    cursor_.skip_line();
+    soup_.positions.reserve(vertices);
+    for (std::uint64_t i = 0; i < vertices; ++i) read_vertex(i, vertices);
+    if (format_.texture) soup_.left_out.texture_coordinates = vertices;
+    for (std::uint64_t i = 0; i < faces; ++i) read_face(i, faces);
+    soup_.check(cursor_.errors());
+    return std::move(soup_);
+  }
+
+ private:
+  // The keyword may be missing; the counts may follow it on its line.
+  void read_keyword() {
+    find_line("the header");
+    TextCursor ahead = cursor_;
+    const std::string_view keyword = ahead.word();
+    if (keyword.find_first_not_of("0123456789") == std::string_view::npos) return;
+    cursor_ = ahead;
+    std::string_view rest = keyword;
+    format_.texture = take_prefix(rest, "ST");
+    format_.color = take_prefix(rest, "C");
+    format_.normal = take_prefix(rest, "N");
+    if (rest != "OFF") {
+      cursor_.fail(
+          fmt::format("the header {} is not OFF, NOFF, COFF, CNOFF or one of these with ST", in_quotes(keyword)),
+          "export the mesh as OFF with three coordinates a vertex");
+    }
+    if (ahead.word() == "BINARY") cursor_.fail("binary OFF is not read", "export the mesh as text or as PLY");
+  }
+
+  static bool take_prefix(std::string_view& text, std::string_view prefix) {
+    if (!text.starts_with(prefix)) return false;
+    text.remove_prefix(prefix.size());
+    return true;
+  }
+
+  void find_line(const char* what) {
+    if (!cursor_.find_word()) cursor_.fail(fmt::format("the file ends before {}", what), "export the mesh again");
+  }
+
+  // The line of element `i` of `count`.
+  void find_line(const char* what, std::uint64_t i, std::uint64_t count) {
+    if (cursor_.find_word()) return;
+    cursor_.fail(fmt::format("the file ends before {} {} of {}", what, i + 1, count),
+                 "the file is cut short or its header is wrong; export the mesh again");
+  }
+
+  std::uint64_t read_count(const char* what) {
+    find_line(what);
+    const std::int64_t count = cursor_.integer(what);
+    if (count < 0) cursor_.fail(fmt::format("{} is negative", what), "export the mesh again");
+    return static_cast<std::uint64_t>(count);
+  }
+
+  void check_room(const char* what, std::uint64_t count, std::size_t shortest_line) const {
+    if (count <= (cursor_.bytes_left() + 1) / shortest_line) return;
+    cursor_.fail(fmt::format("{} {} do not fit in a file of this size", count, what),
+                 "the file is cut short or its header is wrong; export the mesh again");
+  }
+
+  void read_vertex(std::uint64_t i, std::uint64_t count) {
+    find_line("vertex", i, count);
+    const double x = cursor_.number("x of a vertex");
+    const double y = cursor_.number("y of a vertex");
+    const double z = cursor_.number("z of a vertex");
+    soup_.add_vertex(x, y, z, cursor_.line());
+    if (format_.normal) read_normal();
+    if (format_.color) read_color();
+    cursor_.skip_line();
+  }
+
+  void read_normal() {
+    const float x = to_float(cursor_.number("x of a normal"));
+    const float y = to_float(cursor_.number("y of a normal"));
+    const float z = to_float(cursor_.number("z of a normal"));
+    soup_.normals.emplace_back(x, y, z);
+  }
+
+  // Three or four components, whole up to 255 or with a point up to 1; only their number tells whether alpha is there.
+  void read_color() {
+    int words = 0;
+    bool fractional = false;
+    for (TextCursor ahead = cursor_; !ahead.at_line_end(); ++words) {
+      fractional |= ahead.word().find_first_of(".eE") != std::string_view::npos;
+    }
+    const int components = words - (format_.texture ? 2 : 0);
+    if (components < 3)
+      cursor_.fail("a vertex of a COFF file needs three or four colour numbers", "export the mesh again");
+    glm::u8vec4 color(255);
+    for (int i = 0; i < std::min(components, 4); ++i) {
+      color[i] = color_component(cursor_.number("a colour") / (fractional ? 1.0 : 255.0));
+    }
+    soup_.colors.push_back(color);
+  }
+
+  // The colour that may follow the corners is counted only.
+  void read_face(std::uint64_t i, std::uint64_t count) {
+    find_line("face", i, count);
+    const std::int64_t corners = cursor_.integer("the number of corners of a face");
+    for (std::int64_t corner = 0; corner < corners; ++corner) {
+      const std::int64_t vertex = cursor_.integer("a corner of a face");
+      if (vertex < 0 || vertex >= std::int64_t{no_id}) {
+        cursor_.fail(fmt::format("a face uses vertex {}, which is out of range", vertex), "export the mesh again");
+      }
+      soup_.add_corner(static_cast<VertexId>(vertex));
+    }
+    if (!cursor_.at_line_end()) ++soup_.left_out.colors;
+    soup_.end_polygon(cursor_.line());
+    cursor_.skip_line();
+  }
+
+  TextCursor cursor_;
+  OffFormat format_;
+  PolygonSoup soup_;
+};
+
+}  // namespace
+
+PolygonSoup parse_off(std::string_view text, const FileErrors& errors) { return OffParser(text, errors).parse(); }
+
+}  // namespace occlod

@@ -1,0 +1,433 @@
+// Our own reader: OpenMesh's allocates as many list values as the file claims, reads double as float and names no
+// place in its messages.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <type_traits>
+#include <utility>
+
+#include "mesh/material_table.h"
+#include "mesh/parse_mtl.h"
+#include "mesh/ply_values.h"
+#include "mesh/split_vertices.h"
+#include "base/text_encoding.h"
+
+namespace occlod {
+namespace {
+
+// Where a vertex property goes; coordinates, normals, colours and texture coordinates lie next to each other.
+enum Slot : std::size_t {
+  slot_x,
+  slot_normal = 3,
+  slot_red = 6,
+  slot_alpha = 9,
+  slot_texture,
+  slot_count = 12,
+  no_slot = slot_count
+};
+
+// The names of texture coordinates, as different programs write them.
+constexpr std::array<std::array<std::string_view, 2>, 5> texture_names{
+    {{"u", "v"}, {"s", "t"}, {"texture_u", "texture_v"}, {"texture_s", "texture_t"}, {"s0", "t0"}}};
+
+Slot slot_of(std::string_view name) {
+  constexpr std::array<std::string_view, slot_texture> names{"x",  "y",   "z",     "nx",   "ny",
+                                                             "nz", "red", "green", "blue", "alpha"};
+  constexpr std::array<std::string_view, 4> short_colors{"r", "g", "b", "a"};
+  const auto place = static_cast<std::size_t>(std::ranges::find(names, name) - names.begin());
+  const auto color = static_cast<std::size_t>(std::ranges::find(short_colors, name) - short_colors.begin());
+  if (color < short_colors.size()) return static_cast<Slot>(slot_red + color);
+  return place < names.size() ? static_cast<Slot>(place) : no_slot;
+}
+
+// What one unit of a colour of this type is worth.
+double color_scale(PlyType type) {
+  if (!is_integer(type)) return 1.0;
+  return type == PlyType::uint16 ? 1.0 / 65535.0 : 1.0 / 255.0;
+}
+
+struct VertexLayout {
+  explicit VertexLayout(const PlyElement& element) {
+    color_scales.fill(1.0);
+    for (const PlyProperty& property : element.properties) {
+      const Slot slot = property.count_type ? no_slot : slot_of(property.name);
+      slots.push_back(slot);
+      if (slot == no_slot) continue;
+      present[slot] = true;
+      if (slot >= slot_red) color_scales[slot - slot_red] = color_scale(property.type);
+    }
+    find_texture_coordinates(element);
+  }
+  // Whether x, y and z come first, as float32, and nothing else is of use.
+  [[nodiscard]] bool is_float_xyz(const PlyElement& element) const {
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (slots[i] != slot_x + i || element.properties[i].type != PlyType::float32) return false;
+    }
+    return std::all_of(slots.begin() + 3, slots.end(), [](Slot slot) { return slot == no_slot; }) &&
+           std::ranges::none_of(element.properties, [](const PlyProperty& p) { return p.count_type.has_value(); });
+  }
+  [[nodiscard]] bool has(std::size_t first, std::size_t count) const {
+    return std::all_of(present.begin() + static_cast<std::ptrdiff_t>(first),
+                       present.begin() + static_cast<std::ptrdiff_t>(first + count), [](bool p) { return p; });
+  }
+
+  // The first pair of names that the element has both of.
+  void find_texture_coordinates(const PlyElement& element) {
+    const auto place_of = [&](std::string_view name) {
+      const auto found = std::ranges::find_if(element.properties,
+                                              [&](const PlyProperty& p) { return p.name == name && !p.count_type; });
+      return static_cast<std::size_t>(found - element.properties.begin());
+    };
+    for (const auto& [u, v] : texture_names) {
+      const std::size_t u_place = place_of(u), v_place = place_of(v);
+      if (std::max(u_place, v_place) >= slots.size()) continue;
+      slots[u_place] = slot_texture;
+      slots[v_place] = static_cast<Slot>(slot_texture + 1);
+      present[slot_texture] = present[slot_texture + 1] = true;
+      return;
+    }
+  }
+
+  std::vector<Slot> slots;  // of each property
+  std::array<bool, slot_count> present{};
+  std::array<double, 4> color_scales;
+};
+
+template <class Values, class Storage>
+class BodyParser {
+ public:
+  BodyParser(Values values, const FileErrors& errors) : values_(std::move(values)), errors_(errors) {}
+
+  BasicPolygonSoup<Storage> parse(const PlyHeader& header) && {
+    const auto vertices = std::ranges::find(header.elements, "vertex", &PlyElement::name);
+    if (vertices != header.elements.end()) vertex_count_ = vertices->count;
+    add_materials(header);
+    for (const PlyElement& element : header.elements) {
+      values_.begin_element(element);
+      count_left_out(element);
+      if (element.name == "vertex")
+        read_vertices(element);
+      else if (element.name == "face")
+        read_faces(element);
+      else if (element.name == "tristrips")
+        read_strips(element);
+      else
+        skip_element(element);
+    }
+    soup_.check(errors_);
+    if (!soup_.polygon_materials.empty()) soup_.polygon_materials.resize(soup_.polygon_count(), MaterialId{0});
+    if (!attributes_.corners.empty()) {
+      soup_.left_out.texture_coordinates += soup_.texture_coordinates.size();
+      split_vertices(soup_, attributes_, errors_);
+    }
+    return std::move(soup_);
+  }
+
+ private:
+  // One for each texture: faces name textures, and the file says nothing else about how they look.
+  void add_materials(const PlyHeader& header) {
+    texture_count_ = header.texture_files.size();
+    if (texture_count_ >= most_materials)
+      errors_.fail("header", "has more than 65534 comments TextureFile", "split the mesh into parts");
+    for (const std::string& name : header.texture_files) {
+      Texture& texture = soup_.textures.emplace_back();
+      texture.file = with_slashes(name);
+      soup_.materials.emplace_back().texture = static_cast<TextureId>(soup_.textures.size() - 1);
+    }
+  }
+
+  void read_vertices(const PlyElement& element) {
+    const VertexLayout layout(element);
+    if (!layout.has(slot_x, 3)) errors_.fail("header", "vertices lack x, y or z", "export the mesh with coordinates");
+    const bool normals = layout.has(slot_normal, 3);
+    const bool colors = layout.has(slot_red, 3);
+    const bool texture = layout.has(slot_texture, 2);
+    soup_.positions.reserve(element.count);
+    std::array<double, slot_count + 1> value{};  // the last takes what is not used
+    value[slot_alpha] = 1.0;                     // opaque where there is no alpha
+    const bool is_float_xyz = layout.is_float_xyz(element);
+    for (std::uint64_t i = 0; i < element.count; ++i) {
+      if constexpr (is_binary) {
+        if (is_float_xyz) i += values_.take_float_vertices(element.count - i, record_bytes(element), soup_);
+        if (i == element.count) break;
+      }
+      values_.begin_record(i);
+      for (std::size_t p = 0; p < layout.slots.size(); ++p) {
+        if (element.properties[p].count_type)
+          static_cast<void>(skip_list(element.properties[p]));
+        else
+          value[layout.slots[p]] = values_.next(element.properties[p].type);
+      }
+      soup_.add_vertex(value[0], value[1], value[2], values_.line());
+      if (normals) soup_.normals.emplace_back(to_float(value[3]), to_float(value[4]), to_float(value[5]));
+      if (colors) soup_.colors.push_back(color(&value[slot_red], layout));
+      if (texture)
+        soup_.texture_coordinates.emplace_back(to_float(value[slot_texture]), to_float(value[slot_texture + 1]));
+      values_.end_record();
+    }
+  }
+
+  static std::size_t record_bytes(const PlyElement& element) {
+    std::size_t bytes = 0;
+    for (const PlyProperty& property : element.properties) bytes += size_of(property.type);
+    return bytes;
+  }
+
+  static glm::u8vec4 color(const double* rgba, const VertexLayout& layout) {
+    glm::u8vec4 result;
+    for (int i = 0; i < 4; ++i) result[i] = color_component(rgba[i] * layout.color_scales[static_cast<std::size_t>(i)]);
+    return result;
+  }
+
+  // What the header tells of it.
+  void count_left_out(const PlyElement& element) {
+    LeftOut& left_out = soup_.left_out;
+    const VertexLayout layout(element);
+    if (element.name == "face" && layout.has(slot_normal, 3)) left_out.normals += element.count;
+    if (element.name == "face" && layout.has(slot_red, 3)) left_out.colors += element.count;
+    if (element.name == "material") left_out.materials += element.count;
+  }
+
+  static bool is_corner_list(const PlyProperty& p) {
+    return p.count_type && (p.name == "vertex_indices" || p.name == "vertex_index");
+  }
+
+  void expect_corner_lists(const PlyElement& element, const char* what) const {
+    if (element.count == 0 || std::ranges::any_of(element.properties, is_corner_list)) return;
+    errors_.fail("header", fmt::format("{} have no list 'vertex_indices'", what), "export the mesh with its faces");
+  }
+
+  void read_faces(const PlyElement& element) {
+    expect_corner_lists(element, "faces");
+    const bool has_short_lists = has_short_lists_only(element);
+    if constexpr (is_binary) {
+      if (has_short_lists) soup_.reserve_polygons(std::min(element.count, values_.bytes_left() / ply_triangle_bytes));
+    }
+    for (std::uint64_t i = 0; i < element.count; ++i) {
+      if constexpr (is_binary) {
+        if (has_short_lists) i += values_.take_triangles(element.count - i, soup_);
+        if (i == element.count) break;
+      }
+      values_.begin_record(i);
+      coordinates_.clear();
+      double texture = 0.0;
+      const std::size_t first_corner = corner_count_;
+      for (const PlyProperty& property : element.properties) {
+        if (is_corner_list(property))
+          read_corners(property);
+        else if (property.count_type && property.name == "texcoord")
+          read_texture_coordinates(property);
+        else if (!property.count_type && property.name == "texnumber")
+          texture = values_.next(property.type);
+        else
+          skip(property);
+      }
+      soup_.end_polygon(values_.line());
+      add_texture_coordinates(first_corner);
+      if (texture_count_ > 0) set_texture(texture);
+      values_.end_record();
+    }
+  }
+
+  void read_texture_coordinates(const PlyProperty& property) {
+    const std::uint64_t count = next_count(property);
+    for (std::uint64_t i = 0; i < count; ++i) coordinates_.push_back(to_float(values_.next(property.type)));
+  }
+
+  // A pair for each corner of the face that has been read, or none.
+  void add_texture_coordinates(std::size_t first_corner) {
+    if (coordinates_.empty()) return;
+    const std::size_t corners = corner_count_ - first_corner;
+    if (coordinates_.size() != 2 * corners) {
+      values_.fail(
+          fmt::format("the list texcoord has {} numbers for a face of {} corners", coordinates_.size(), corners),
+          "export the mesh again");
+    }
+    attributes_.corners.resize(first_corner);
+    for (std::size_t i = 0; i < corners; ++i) {
+      attributes_.corners.push_back({static_cast<std::uint32_t>(attributes_.texture_coordinates.size()), no_id});
+      attributes_.texture_coordinates.emplace_back(coordinates_[2 * i], coordinates_[2 * i + 1]);
+    }
+    if (attributes_.texture_coordinates.size() >= no_id)
+      values_.fail("there are too many texture coordinates", "split the mesh into parts");
+  }
+
+  // The number of the face that has been read; below 0: it has no texture.
+  void set_texture(double number) {
+    if (number == 0.0) {
+      if (!soup_.polygon_materials.empty()) soup_.polygon_materials.resize(soup_.polygon_count(), MaterialId{0});
+      return;
+    }
+    if (number >= static_cast<double>(texture_count_) || number != std::floor(number)) {
+      values_.fail(fmt::format("a face has texture {}, but there are {}, numbered from 0", number, texture_count_),
+                   "export the mesh again");
+    }
+    if (number < 0.0 && soup_.materials.size() == texture_count_) soup_.materials.emplace_back();
+    const auto material = static_cast<MaterialId>(number < 0.0 ? texture_count_ : static_cast<std::size_t>(number));
+    soup_.polygon_materials.resize(soup_.polygon_count() - 1, MaterialId{0});
+    soup_.polygon_materials.push_back(material);
+  }
+
+  // Whether faces are nothing but lists of 32-bit indices with a count of one byte.
+  static bool has_short_lists_only(const PlyElement& element) {
+    if (element.properties.size() != 1) return false;
+    const PlyProperty& property = element.properties[0];
+    return property.count_type && size_of(*property.count_type) == 1 && is_integer(property.type) &&
+           size_of(property.type) == 4;
+  }
+
+  void read_corners(const PlyProperty& property) {
+    const std::uint64_t count = next_count(property);
+    for (std::uint64_t corner = 0; corner < count; ++corner) {
+      const double index = values_.next(property.type);
+      if (!(index >= 0.0 && index < double{no_id}) || index != std::floor(index)) {
+        values_.fail(fmt::format("a face uses vertex {}, which is out of range", index), "export the mesh again");
+      }
+      soup_.add_corner(static_cast<VertexId>(index));
+    }
+    corner_count_ += count;
+  }
+
+  void read_strips(const PlyElement& element) {
+    expect_corner_lists(element, "triangle strips");
+    for (std::uint64_t i = 0; i < element.count; ++i) {
+      values_.begin_record(i);
+      for (const PlyProperty& property : element.properties) {
+        if (is_corner_list(property))
+          read_strip(property);
+        else
+          skip(property);
+      }
+      values_.end_record();
+    }
+  }
+
+  // Strips one after the other, each but the last ended by -1. Every second triangle of a strip runs the other way
+  // round. Those that only lead from strip to strip, with a corner twice, are left for clean() to drop and count.
+  void read_strip(const PlyProperty& property) {
+    const std::uint64_t count = next_count(property);
+    Triangle last(no_id);  // the three newest corners
+    std::uint64_t length = 0;
+    for (std::uint64_t entry = 0; entry < count; ++entry) {
+      const double index = values_.next(property.type);
+      if (is_strip_end(index, property.type)) {
+        expect_whole_strip(length, entry);
+        length = 0;
+        continue;
+      }
+      last = {last.y, last.z, strip_vertex(index, entry)};
+      if (++length < 3) continue;
+      const bool turned = length % 2 == 0;
+      add_strip_triangle(turned ? Triangle(last.x, last.z, last.y) : last);
+    }
+    expect_whole_strip(length, count);
+  }
+
+  void add_strip_triangle(const Triangle& triangle) {
+    for (int corner = 0; corner < 3; ++corner) soup_.add_corner(triangle[corner]);
+    soup_.end_polygon(values_.line());
+    corner_count_ += 3;
+  }
+
+  // Some write -1 into a list of unsigned integers; no vertex has that index.
+  static bool is_strip_end(double index, PlyType type) {
+    return index == -1.0 || (type == PlyType::uint32 && index == 4294967295.0);
+  }
+
+  void expect_whole_strip(std::uint64_t length, std::uint64_t end) const {
+    if (length == 0 || length >= 3) return;
+    values_.fail(
+        fmt::format("the triangle strip that ends before entry {} has {} of at least three vertices", end, length),
+        "remove the strip or export the mesh again");
+  }
+
+  VertexId strip_vertex(double index, std::uint64_t entry) const {
+    if (index >= 0.0 && index < static_cast<double>(vertex_count_) && index == std::floor(index))
+      return static_cast<VertexId>(index);
+    values_.fail(fmt::format("entry {} of the triangle strips is vertex {}, but there are {} vertices, numbered from 0",
+                             entry, index, vertex_count_),
+                 "export the mesh again");
+  }
+
+  std::uint64_t next_count(const PlyProperty& list) {
+    const double count = values_.next(*list.count_type);
+    if (!(count >= 0.0 && count <= 4294967295.0) || count != std::floor(count)) {
+      values_.fail(fmt::format("the list {} has {} entries", in_quotes(list.name), count), "export the mesh again");
+    }
+    return static_cast<std::uint64_t>(count);
+  }
+
+  void skip_element(const PlyElement& element) {
+    if (element.properties.empty()) return;
+    for (std::uint64_t i = 0; i < element.count; ++i) {
+      values_.begin_record(i);
+      for (const PlyProperty& property : element.properties) skip(property);
+      values_.end_record();
+    }
+  }
+
+  void skip(const PlyProperty& property) {
+    if (property.count_type)
+      static_cast<void>(skip_list(property));
+    else
+      static_cast<void>(values_.next(property.type));
+  }
+
+  // Returns how many values the list has.
+  std::uint64_t skip_list(const PlyProperty& property) {
+    const std::uint64_t count = next_count(property);
+    for (std::uint64_t i = 0; i < count; ++i) static_cast<void>(values_.next(property.type));
+    return count;
+  }
+
+  static constexpr bool is_binary = std::is_same_v<Values, BinaryValues>;
+
+  Values values_;
+  const FileErrors& errors_;
+  std::uint64_t vertex_count_ = 0;  // as the header has it
+  std::size_t texture_count_ = 0;
+  std::size_t corner_count_ = 0;    // of the polygons so far, where faces may have texture coordinates
+  std::vector<float> coordinates_;  // of the face that is read
+  CornerAttributes<Storage> attributes_;
+  BasicPolygonSoup<Storage> soup_;
+};
+
+// The beginning of the file with the whole header. Its last line is looked for as nearly every file has it; for others
+// this is the whole file.
+std::string_view window_with_header(InputBytes& input) {
+  constexpr std::string_view last_line = "\nend_header";
+  std::string_view head = input.window(1);
+  while (head.size() < input.size()) {
+    const std::size_t end = head.find(last_line);
+    if (end != std::string_view::npos && head.find('\n', end + last_line.size()) != std::string_view::npos) break;
+    head = input.window(2 * head.size());
+  }
+  return head;
+}
+
+template <class Storage>
+BasicPolygonSoup<Storage> parse_whole(InputBytes& input, const FileErrors& errors) {
+  const PlyHeader header = parse_ply_header(window_with_header(input), input.size(), errors);
+  input.skip(header.body_offset);
+  if (header.binary_order)
+    return BodyParser<BinaryValues, Storage>(BinaryValues(input, header, errors), errors).parse(header);
+  return BodyParser<AsciiValues, Storage>(AsciiValues(input, header, errors), errors).parse(header);
+}
+
+}  // namespace
+
+template <class Storage>
+BasicPolygonSoup<Storage> parse_ply(InputBytes& input, const FileErrors& errors) {
+  if (input.window(1).starts_with("ply")) return parse_whole<Storage>(input, errors);
+  std::string converted;
+  InputBytes text(as_utf8(input.window(input.size()), converted, errors));
+  return parse_whole<Storage>(text, errors);
+}
+
+template PolygonSoup parse_ply<InMemory>(InputBytes& input, const FileErrors& errors);
+template ScratchSoup parse_ply<InScratch>(InputBytes& input, const FileErrors& errors);
+
+}  // namespace occlod

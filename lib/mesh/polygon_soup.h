@@ -1,0 +1,134 @@
+// The result of every reader: vertices and polygons as the file has them, indices not checked yet.
+#pragma once
+
+#include <cstdint>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+#include <limits>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/large_vector.h"
+#include "mesh/file_format.h"
+#include "base/file_input.h"
+#include "occlod/core/ids.h"
+#include "occlod/mesh/mesh_report.h"
+#include "occlod/mesh/triangle_mesh.h"
+
+namespace occlod {
+
+// What a soup has whatever its arrays are.
+struct SoupTables {
+  std::vector<Material> materials;
+  std::vector<Texture> textures;
+  TextureOrigin texture_origin = TextureOrigin::bottom_left;
+  std::uint64_t added_vertices = 0;  // at the end, which repeat others with other attributes
+  LeftOut left_out;
+};
+
+// Where a soup's arrays lie. InScratch: in scratch files while a MemoryLimit lives.
+struct InMemory {
+  template <class T>
+  using Array = std::vector<T>;
+};
+struct InScratch {
+  template <class T>
+  using Array = LargeVector<T>;
+};
+
+template <class Storage>
+class BasicPolygonSoup : public SoupTables {
+ public:
+  template <class T>
+  using Array = typename Storage::template Array<T>;
+
+  Array<glm::vec3> positions;
+  Array<glm::vec3> normals;              // empty or one per vertex, of any length
+  Array<glm::u8vec4> colors;             // empty or one per vertex
+  Array<glm::vec2> texture_coordinates;  // empty or one per vertex
+  Array<MaterialId> polygon_materials;   // empty or one per polygon
+
+  // `line` is 0 in binary files.
+  void add_vertex(double x, double y, double z, std::uint64_t line);
+  // A polygon is begun, given its corners, and ended.
+  void add_corner(VertexId vertex) { corners_.push_back(vertex); }
+  void end_polygon(std::uint64_t line);
+  // A whole polygon of a binary file, which numbers no lines.
+  void add_triangle(const Triangle& triangle) {
+    if (polygon_ends_.empty())
+      triangles_.push_back(triangle);
+    else
+      add_polygon(triangle);
+  }
+  [[nodiscard]] std::size_t polygon_count() const { return triangles_.size() + polygon_ends_.size(); }
+  // The corners of all polygons, one after the other.
+  [[nodiscard]] std::span<VertexId> corners();
+  // polygon < polygon_count().
+  [[nodiscard]] std::size_t corner_count(std::size_t polygon) const { return corners_of(polygon).size(); }
+  void reserve_polygons(std::size_t count) { triangles_.reserve(count); }
+
+  // Throws Error when a polygon has fewer than three corners, uses a vertex that does not exist or is not finite,
+  // or when there is no polygon. The file calls its first vertex `first_index`.
+  void check(const FileErrors& errors, std::uint64_t first_index = 0) const;
+
+  // Cuts the polygons of a checked soup into triangles. Afterwards it has none, and a material for each triangle.
+  [[nodiscard]] Array<Triangle> take_triangles(MeshReport& report, const FileErrors& errors);
+
+ private:
+  struct NonfiniteVertex {
+    VertexId vertex;
+    std::uint64_t line;
+  };
+
+  [[nodiscard]] std::string polygon_place(std::size_t polygon) const;
+  void check_corners(const FileErrors& errors, std::uint64_t first_index) const;
+  void check_finite(const FileErrors& errors) const;
+  [[nodiscard]] Array<Triangle> triangulate(MeshReport& report, const FileErrors& errors);
+  [[nodiscard]] std::span<const VertexId> corners_of(std::size_t polygon) const;
+  [[nodiscard]] bool has_only_valid_triangles() const;
+  void add_polygon(const Triangle& triangle);
+  void unpack_triangles();
+
+  // Triangles only, as long as every polygon is one; then all polygons are unpacked into corners_.
+  Array<Triangle> triangles_;
+  Array<VertexId> corners_;             // of all polygons, one after the other; the last may not have ended
+  Array<std::size_t> polygon_ends_;     // into corners_
+  Array<std::uint32_t> polygon_lines_;  // empty for binary files
+  std::vector<NonfiniteVertex> nonfinite_;
+};
+
+using PolygonSoup = BasicPolygonSoup<InMemory>;
+using ScratchSoup = BasicPolygonSoup<InScratch>;
+
+// All of a checked soup, its polygons cut into triangles. Leaves the soup empty.
+[[nodiscard]] TriangleMesh take_mesh(PolygonSoup& soup, MeshReport& report, const FileErrors& errors);
+
+// The largest number of vertices that ids can count.
+inline constexpr std::uint64_t max_vertices = no_id;
+
+// The nearest float; infinite where that would be beyond its range.
+[[nodiscard]] inline float to_float(double value) noexcept {
+  static_assert(std::numeric_limits<float>::is_iec559);
+  return static_cast<float>(value);
+}
+
+// A colour component from [0, 1]; values outside are clamped, NaN is 0.
+[[nodiscard]] std::uint8_t color_component(double unit_value) noexcept;
+
+// Parses a whole file in any encoding (see text_encoding.h); `input` is at its beginning.
+[[nodiscard]] PolygonSoup parse_mesh(MeshFormat format, InputBytes& input, const FileErrors& errors);
+
+// The parsers, which parse_mesh() calls. Texts are UTF-8; STL, text or binary, is as it is in the file.
+[[nodiscard]] PolygonSoup parse_off(std::string_view text, const FileErrors& errors);
+[[nodiscard]] PolygonSoup parse_gltf(std::string_view bytes, const FileErrors& errors);
+[[nodiscard]] PolygonSoup parse_stl(std::string_view bytes, const FileErrors& errors);
+// These read a file as it is, in any encoding, block by block. UTF-16 alone is converted as a whole.
+template <class Storage>
+[[nodiscard]] BasicPolygonSoup<Storage> parse_ply(InputBytes& input, const FileErrors& errors);
+template <class Storage>
+[[nodiscard]] BasicPolygonSoup<Storage> parse_obj(InputBytes& input, const FileErrors& errors);
+
+}  // namespace occlod

@@ -1,0 +1,154 @@
+// Files of named, checksummed sections: what .olod and .ohlod files have in common.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+#include "base/large_vector.h"
+#include "base/mapped_file.h"
+#include "occlod/mesh/mesh_report.h"
+
+namespace occlod::sections {
+
+static_assert(std::endian::native == std::endian::little, "these files are little-endian and read as they are");
+
+// One format. `name`: its extension. The rest is for messages.
+struct FileKind {
+  std::array<char, 8> magic;
+  std::uint32_t version;
+  const char* name;
+  const char* make;                  // where to get such a file
+  const char* rebuild;               // what to do about a damaged one
+  std::uint32_t oldest_version = 0;  // that is read, too; 0: only `version`
+};
+
+inline constexpr std::uint64_t alignment = 64;  // of every section
+inline constexpr std::uint32_t most_sections = 64;
+
+struct FileHeader {
+  std::array<char, 8> magic{};
+  std::uint32_t version = 0;
+  std::uint32_t section_count = 0;
+  std::uint64_t file_bytes = 0;
+  std::uint64_t table_checksum = 0;  // XXH3-64 of the section table
+};
+static_assert(sizeof(FileHeader) == 32);
+
+enum class Codec : std::uint32_t { stored = 0, zstd = 1 };
+
+struct Section {
+  std::array<char, 4> name{};
+  std::uint32_t element_bytes = 0;
+  std::uint64_t offset = 0;     // from the start of the file
+  std::uint64_t bytes = 0;      // in the file
+  std::uint64_t raw_bytes = 0;  // unpacked; the same when stored
+  std::uint64_t checksum = 0;   // XXH3-64 of the unpacked section; 0 for those whose parts have their own
+  Codec codec = Codec::stored;
+  std::uint32_t reserved = 0;
+};
+static_assert(sizeof(Section) == 48);
+
+// XXH3-64.
+[[nodiscard]] std::uint64_t checksum_of(std::span<const std::byte> bytes);
+
+// Whose business the checksum of a section is.
+enum class Check {
+  whole,  // the table's
+  parts,  // the caller's, part by part
+};
+
+// Collects sections, which have to stay where they are, then writes them.
+class SectionWriter {
+ public:
+  template <typename T>
+  void add(std::string_view name, std::span<const T> values, Check check = Check::whole, Codec codec = Codec::stored) {
+    static_assert(std::is_trivially_copyable_v<T> && alignof(T) <= alignment);
+    add_bytes(name, std::as_bytes(values), sizeof(T), check, codec);
+  }
+  // In one or two sections, which read_report() reads.
+  void add_report(const MeshReport& report);
+  // Through an AtomicFile. Throws Error that names `path`.
+  void write(const std::filesystem::path& path, const FileKind& kind);
+
+ private:
+  void add_bytes(std::string_view name, std::span<const std::byte> bytes, std::uint32_t element_bytes, Check check,
+                 Codec codec);
+
+  std::vector<Section> table_;
+  std::vector<std::span<const std::byte>> contents_;
+  std::vector<std::vector<std::byte>> packed_;
+  std::vector<std::vector<std::byte>> own_;  // copies of what has no owner
+};
+
+// Owns what is made from a file: its mapping or copy, and the sections that had to be decompressed.
+class SectionReader {
+ public:
+  // Checks header and table. Throws Error.
+  SectionReader(const std::filesystem::path& path, const FileKind& kind, bool is_mapped);
+  // Of an open file, for messages at `path`: sections are copied when they are read. Likewise.
+  SectionReader(std::shared_ptr<const InputFile> file, const std::filesystem::path& path, const FileKind& kind);
+
+  [[noreturn]] void refuse(const std::string& place, const std::string& problem, const std::string& remedy) const;
+  // The remedy is to build the file again.
+  [[noreturn]] void refuse(const std::string& place, const std::string& problem) const;
+
+  // Elements of a section, in the mapping or decompressed. Throws Error when it is missing, damaged or of other
+  // elements.
+  template <typename T>
+  [[nodiscard]] std::span<const T> read(std::string_view name, Check check = Check::whole) {
+    static_assert(std::is_trivially_copyable_v<T> && alignof(T) <= alignment);
+    const std::span<const std::byte> bytes = read_bytes(name, sizeof(T), check);
+    return {reinterpret_cast<const T*>(bytes.data()), bytes.size() / sizeof(T)};
+  }
+  // The only element of a section. `what`: for messages.
+  template <typename T>
+  [[nodiscard]] T read_one(std::string_view name, const char* what) {
+    const std::span<const T> values = read<T>(name);
+    if (values.size() != 1) refuse("", std::string("does not hold one ") + what);
+    return values[0];
+  }
+  // From the start of the file, of a section that is not compressed. Throws Error when it is missing or compressed.
+  [[nodiscard]] std::uint64_t offset_of(std::string_view name) const { return stored_section(name).offset; }
+  // Its bytes. Likewise.
+  [[nodiscard]] std::uint64_t bytes_of(std::string_view name) const { return stored_section(name).bytes; }
+  // What is at the start of the file.
+  [[nodiscard]] const FileHeader& header() const noexcept { return header_; }
+  // Whether there is a section of this name.
+  [[nodiscard]] bool has(std::string_view name) const { return find(name) != table_.end(); }
+  [[nodiscard]] MeshReport read_report();
+
+  [[nodiscard]] bool is_compressed() const noexcept { return !unpacked_.empty(); }
+
+ private:
+  void read_header();
+  void check_table() const;
+  [[nodiscard]] std::vector<Section>::const_iterator find(std::string_view name) const;
+  [[nodiscard]] std::span<const std::byte> read_bytes(std::string_view name, std::uint32_t element_bytes, Check check);
+  [[nodiscard]] const Section& stored_section(std::string_view name) const;
+  [[nodiscard]] std::span<const std::byte> stored(const Section& section);
+  [[nodiscard]] std::span<const std::byte> bytes_at(std::uint64_t offset, std::size_t bytes);
+  [[nodiscard]] std::span<const std::byte> unpacked(const Section& section);
+
+  std::string path_;
+  FileKind kind_;
+  std::optional<MappedFile> file_;  // or a copy
+  LargeVector<std::byte> copy_;
+  std::span<const std::byte> bytes_;
+  std::shared_ptr<const InputFile> open_file_;         // or parts of a file
+  std::vector<UninitializedVector<std::byte>> parts_;  // read so far
+  std::uint64_t size_ = 0;                             // of the file
+  FileHeader header_;
+  std::vector<Section> table_;
+  std::vector<std::vector<std::byte>> unpacked_;
+};
+
+}  // namespace occlod::sections

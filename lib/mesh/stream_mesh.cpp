@@ -1,0 +1,162 @@
+#include "mesh/stream_mesh.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+
+#include "base/scratch_memory.h"
+#include "mesh/file_format.h"
+#include "mesh/piece_cutter.h"
+#include "mesh/unit_normal.h"
+#include "occlod/mesh/clean.h"
+
+namespace occlod {
+namespace {
+
+// Calls what(i) for all i below `count`, and looks now and then whether memory has room.
+template <class What>
+void for_each_index(std::size_t count, const What& what) {
+  constexpr std::size_t between_looks = 1024;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (i % between_looks == 0) make_room();
+    what(i);
+  }
+}
+
+// Sums of area vectors at some positions; +0 and -0 are one.
+class AreaSums {
+ public:
+  void add_place(const glm::vec3& p) { places_.push_back(key_of(p)); }
+  // After all places.
+  void begin() {
+    std::sort(places_.begin(), places_.end());
+    places_.erase(std::unique(places_.begin(), places_.end()), places_.end());
+    sums_.assign(places_.size(), glm::dvec3(0.0));
+  }
+  void add(const glm::vec3& p, const glm::dvec3& area) {
+    if (glm::dvec3* const sum = find(p)) *sum += area;
+  }
+  // Of a place that has been added.
+  [[nodiscard]] const glm::dvec3& at(const glm::vec3& p) { return *find(p); }
+
+ private:
+  using Key = std::array<float, 3>;
+  static Key key_of(const glm::vec3& p) { return {p.x + 0.0F, p.y + 0.0F, p.z + 0.0F}; }
+
+  glm::dvec3* find(const glm::vec3& p) {
+    const Key key = key_of(p);
+    const auto found = std::lower_bound(places_.begin(), places_.end(), key);
+    if (found == places_.end() || *found != key) return nullptr;
+    return &sums_[static_cast<std::size_t>(found - places_.begin())];
+  }
+
+  LargeVector<Key> places_;
+  LargeVector<glm::dvec3> sums_;
+};
+
+ScratchSoup parse(const std::filesystem::path& path, const FileErrors& errors,
+                  const std::function<void(double)>& progress) {
+  const bool is_ply = format_of(path, errors) == MeshFormat::ply;
+  InputBytes input(path, errors, progress);
+  return is_ply ? parse_ply<InScratch>(input, errors) : parse_obj<InScratch>(input, errors);
+}
+
+}  // namespace
+
+bool is_streamable(const std::filesystem::path& path) {
+  const MeshFormat format = format_of(path, FileErrors(path));
+  return format == MeshFormat::ply || format == MeshFormat::obj;
+}
+
+StreamedMesh::StreamedMesh(const std::filesystem::path& path, const std::function<void(double)>& progress) {
+  const FileErrors errors(path);
+  soup_ = parse(path, errors, progress);
+  MeshReport report;
+  triangles_ = soup_.take_triangles(report, errors);
+  is_used_.resize(soup_.positions.size());
+  for_each_index(triangles_.size(), [&](std::size_t t) {
+    for (int k = 0; k < 3; ++k) is_used_[triangles_[t][k]] = true;
+  });
+  check_distances(errors);
+  drop_repeated_corners(errors);
+  repair_texture_coordinates();
+  repair_normals();
+  is_used_ = {};
+}
+
+void StreamedMesh::visit(std::size_t most, const std::function<void(const TriangleMesh& piece)>& take) const {
+  PieceCutter cutter({.positions = soup_.positions,
+                      .normals = soup_.normals,
+                      .colors = soup_.colors,
+                      .texture_coordinates = soup_.texture_coordinates,
+                      .triangles = triangles_,
+                      .triangle_materials = soup_.polygon_materials,
+                      .texture_origin = soup_.texture_origin});
+  for (std::size_t begin = 0; begin < triangles_.size(); begin += most) {
+    TriangleMesh piece = cutter.cut(begin, std::min(triangles_.size(), begin + most));
+    piece.materials = soup_.materials;
+    piece.textures = soup_.textures;
+    take(piece);
+  }
+}
+
+void StreamedMesh::check_distances(const FileErrors& errors) const {
+  for_each_index(is_used_.size(), [&](std::size_t v) {
+    const glm::vec3& p = soup_.positions[v];
+    if (!is_used_[v] || std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) <= farthest_coordinate) return;
+    errors.fail(fmt::format("vertex {}, numbered from 0", v), "is farther than 1.5e37 from the origin",
+                "scale the mesh down");
+  });
+}
+
+bool StreamedMesh::has_repeated_corner(const Triangle& t) const {
+  const glm::vec3 &a = soup_.positions[t.x], &b = soup_.positions[t.y], &c = soup_.positions[t.z];
+  return a == b || b == c || c == a;
+}
+
+void StreamedMesh::drop_repeated_corners(const FileErrors& errors) {
+  LargeVector<MaterialId>& materials = soup_.polygon_materials;
+  std::size_t kept = 0;
+  for_each_index(triangles_.size(), [&](std::size_t t) {
+    if (has_repeated_corner(triangles_[t])) return;
+    triangles_[kept] = triangles_[t];
+    if (!materials.empty()) materials[kept] = materials[t];
+    ++kept;
+  });
+  if (kept == 0) errors.fail("", "has no triangle with three different corners", "give a mesh with at least one");
+  triangles_.resize(kept);
+  if (!materials.empty()) materials.resize(kept);
+}
+
+void StreamedMesh::repair_texture_coordinates() {
+  for_each_index(soup_.texture_coordinates.size(), [&](std::size_t v) {
+    glm::vec2& at = soup_.texture_coordinates[v];
+    if (!std::isfinite(at.x) || !std::isfinite(at.y)) at = glm::vec2(0.0F);
+  });
+}
+
+void StreamedMesh::repair_normals() {
+  LargeVector<VertexId> unusable;
+  AreaSums sums;
+  for_each_index(soup_.normals.size(), [&](std::size_t v) {
+    if (!is_used_[v] || normalize_in_place(soup_.normals[v])) return;
+    unusable.push_back(static_cast<VertexId>(v));
+    sums.add_place(soup_.positions[v]);
+  });
+  if (unusable.empty()) return;
+  sums.begin();
+  for_each_index(triangles_.size(), [&](std::size_t i) {
+    const Triangle& t = triangles_[i];
+    const glm::dvec3 area = area_vector(soup_.positions[t.x], soup_.positions[t.y], soup_.positions[t.z]);
+    for (int k = 0; k < 3; ++k) sums.add(soup_.positions[t[k]], area);
+  });
+  for_each_index(unusable.size(), [&](std::size_t i) {
+    soup_.normals[unusable[i]] = normal_along(sums.at(soup_.positions[unusable[i]]));
+  });
+}
+
+}  // namespace occlod

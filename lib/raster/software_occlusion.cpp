@@ -1,0 +1,305 @@
+#include "occlod/occlusion/software_occlusion.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <optional>
+#include <tuple>
+#include <type_traits>
+#include <vector>
+
+#include "occlod/raster/item_buffer.h"
+#include "raster/bounds_batch.h"
+#include "raster/depth_epochs.h"
+#include "raster/depth_kernels.h"
+#include "raster/depth_pyramid.h"
+#include "raster/screen_bounds.h"
+
+namespace occlod {
+namespace {
+
+// Bounds of one kind and one object that are not tested yet, and where their answers belong.
+template <class Shape>
+struct Pending {
+  std::size_t size = 0;
+  std::uint32_t object = 0;
+  std::array<Shape, bounds_batch_size> shapes;
+  PerBound<std::uint32_t> answer;
+
+  [[nodiscard]] VisibilityQuery query(std::size_t i) const { return {object, shapes[i]}; }
+  [[nodiscard]] bool takes(std::uint32_t other_object) const {
+    return size == 0 || (size < bounds_batch_size && object == other_object);
+  }
+};
+
+class SoftwareOcclusion final : public Visibility {
+ public:
+  explicit SoftwareOcclusion(const SoftwareOcclusionOptions& options) : options_(options) {}
+
+  [[nodiscard]] std::string_view name() const noexcept override { return "software"; }
+
+  void begin_view(const View& view, std::span<const ObjectView> objects) override {
+    view_ = view;
+    objects_.assign(objects.begin(), objects.end());
+    set_scale(1.0F, 0.0F);
+    occluder_drawn_ = false;
+    forget_answers();
+  }
+
+  void draw_occluder(std::span<const OccluderPart> parts) override {
+    assert(view_ && next_answer_ == answers_.size());
+    const bool goes_on = epochs_.begin(*view_, objects_);
+    set_scale(epochs_.scale(), epochs_.least());
+    const DepthImage image = pyramid_.begin(view_->width(), view_->height(), !goes_on);
+    PixelRect drawn;
+    for (const OccluderPart& part : parts)
+      drawn = united(drawn, draw_depth(image, part.positions, part.triangles,
+                                       objects_[part.object].object_to_clip() / nearness_scale_));
+    pyramid_.finish(drawn);
+    levels_ = pyramid_.levels();
+    occluder_drawn_ = true;
+  }
+
+  // Queries are kept until an answer is needed: many cost less than one by one.
+  void submit(const VisibilityQuery& query) override {
+    assert(query.object < objects_.size());
+    if (next_answer_ == answers_.size()) forget_answers();
+    const bool waits = !std::holds_alternative<PointHull>(query.shape);  // whose points need not outlive the call
+    if (waits) {
+      waiting_.push_back(query);
+      places_.push_back(answers_.size());
+    }
+    answers_.push_back(waits ? 0 : visible_pixels(query));
+  }
+
+  [[nodiscard]] std::uint32_t collect() override {
+    assert(next_answer_ < answers_.size());
+    if (!waiting_.empty() && next_answer_ >= places_.front()) answer_waiting();
+    return answers_[next_answer_++];
+  }
+
+  [[nodiscard]] bool answers_many_threads() const noexcept override { return true; }
+
+  void answer(std::span<const VisibilityQuery> queries, std::span<std::uint32_t> answers) override {
+    Batches batches(*this, answers);
+    for (std::size_t i = 0; i < queries.size(); ++i)
+      std::visit([&](const auto& shape) { batches.add(queries[i].object, shape, static_cast<std::uint32_t>(i)); },
+                 queries[i].shape);
+    batches.test_all();
+  }
+
+  void find_visible_points(std::uint32_t object, std::span<const glm::vec3> points,
+                           std::span<std::uint8_t> visible) override {
+    if (!occluder_drawn_ || options_.count_pixels) {
+      Visibility::find_visible_points(object, points, visible);
+      return;
+    }
+    PointsOutput pixels;
+    for (std::size_t first = 0; first < points.size(); first += bounds_batch_size) {
+      const std::size_t count = std::min(bounds_batch_size, points.size() - first);
+      find_pixels(bounds_views_[object], points.subspan(first, count), pixels);
+      for (std::size_t i = 0; i < count; ++i) {
+        const bool shows = pyramid_.farthest(0, pixels.x[i], pixels.y[i]) <= pixels.nearness[i];
+        visible[first + i] = (pixels.on_screen[i] != 0) & shows ? 1 : 0;
+      }
+    }
+  }
+
+ private:
+  // The queries of one call: tested whenever there are as many of one kind and one object as vectors take.
+  class Batches {
+   public:
+    Batches(const SoftwareOcclusion& occlusion, std::span<std::uint32_t> answers)
+        : occlusion_(occlusion), answers_(answers) {}
+
+    template <class Shape>
+    void add(std::uint32_t object, const Shape& shape, std::uint32_t answer) {
+      if constexpr (std::is_same_v<Shape, PointHull>)
+        if (shape.points.size() > most_hull_points) {
+          answers_[answer] = occlusion_.visible_pixels({object, shape});
+          return;
+        }
+      auto& batch = std::get<Pending<Shape>>(pending_);
+      if (!batch.takes(object)) test(batch);
+      batch.object = object;
+      batch.answer[batch.size] = answer;
+      batch.shapes[batch.size++] = shape;
+    }
+    void test_all() {
+      std::apply([&](auto&... batch) { (test(batch), ...); }, pending_);
+    }
+
+   private:
+    template <class Shape>
+    void test(Pending<Shape>& batch);
+    template <class Shape>
+    void test_any(const Pending<Shape>& batch);
+
+    // Boxes gain hardly anything from an octagon.
+    static Diagonals diagonals_of(const Pending<Box>& /*batch*/, std::size_t /*i*/) { return {}; }
+    [[nodiscard]] Diagonals diagonals_of(const Pending<PointHull>& /*batch*/, std::size_t i) const {
+      return {diagonals_.sum_low[i], diagonals_.sum_high[i], diagonals_.difference_low[i],
+              diagonals_.difference_high[i]};
+    }
+    template <class Shape>
+    [[nodiscard]] Diagonals diagonals_of(const Pending<Shape>& batch, std::size_t i) const {
+      return screen_diagonals(*occlusion_.view_, occlusion_.objects_[batch.object], batch.query(i));
+    }
+
+    [[nodiscard]] PixelRect rect(std::size_t i) const {
+      return {bounds_.x0[i], bounds_.y0[i], bounds_.x1[i], bounds_.y1[i]};
+    }
+    [[nodiscard]] std::optional<ScreenBounds> bounds(std::size_t i) const {
+      if (bounds_.trusted[i] == 0) return std::nullopt;
+      return ScreenBounds{rect(i), bounds_.largest_nearness[i]};
+    }
+
+    const SoftwareOcclusion& occlusion_;
+    std::span<std::uint32_t> answers_;
+    std::tuple<Pending<Sphere>, Pending<Box>, Pending<Cylinder>, Pending<PointHull>> pending_;
+    BoundsOutput bounds_{};  // of the batch that is being tested
+    DiagonalsOutput diagonals_;
+  };
+
+  // What is computed of bounds from now on is in these units of nearness.
+  void set_scale(float scale, float least) {
+    nearness_scale_ = scale;
+    least_nearness_ = least;
+    bounds_views_.clear();
+    for (const ObjectView& object : objects_) bounds_views_.emplace_back(*view_, object, scale);
+  }
+
+  void forget_answers() {
+    answers_.clear();
+    next_answer_ = 0;
+    waiting_.clear();
+    places_.clear();
+  }
+
+  void answer_waiting() {
+    found_.resize(waiting_.size());
+    answer(waiting_, found_);
+    for (std::size_t i = 0; i < waiting_.size(); ++i) answers_[places_[i]] = found_[i];
+    waiting_.clear();
+    places_.clear();
+  }
+
+  [[nodiscard]] std::uint32_t visible_pixels(const VisibilityQuery& query) const {
+    if (occluder_drawn_ && !options_.count_pixels && one_point_shows(query)) return 1;
+    std::optional<ScreenBounds> bounds = screen_bounds(*view_, objects_[query.object], query);
+    if (bounds) bounds->largest_nearness = std::max(nearness_scale_ * bounds->largest_nearness, least_nearness_);
+    return visible_pixels(query, bounds);
+  }
+
+  [[nodiscard]] std::uint32_t visible_pixels(const VisibilityQuery& query,
+                                             const std::optional<ScreenBounds>& bounds) const {
+    if (!bounds) return options_.count_pixels ? area({0, 0, view_->width(), view_->height()}) : 1;
+    if (!occluder_drawn_) return options_.count_pixels ? area(bounds->rect) : (area(bounds->rect) > 0 ? 1 : 0);
+    const float nearest = bounds->largest_nearness;
+    const DepthPyramid::Verdict verdict = pyramid_.quick_verdict(bounds->rect, nearest);
+    if (verdict == DepthPyramid::Verdict::hidden) return 0;
+    // The middle of the rectangle is assumed to be inside the outline, which errs towards visible.
+    const std::uint32_t at_least = verdict == DepthPyramid::Verdict::visible ? 1 : 0;
+    if (at_least != 0 && !options_.count_pixels) return 1;
+    const Diagonals diagonals = std::holds_alternative<Box>(query.shape)
+                                    ? Diagonals{}
+                                    : screen_diagonals(*view_, objects_[query.object], query);
+    if (options_.count_pixels) return std::max(at_least, pyramid_.count_visible(bounds->rect, nearest, diagonals));
+    return pyramid_.any_visible(bounds->rect, nearest, diagonals) ? 1 : 0;
+  }
+
+  // Most bounds show, and one of their points says so at once. Gives no other answer than the whole test: the point's
+  // pixel is one that the bound touches, and the bound's nearest point is no farther.
+  [[nodiscard]] bool one_point_shows(const VisibilityQuery& query) const {
+    const BoundsView& view = bounds_views_[query.object];
+    if (const auto* hull = std::get_if<PointHull>(&query.shape)) return shows(view, hull->points.front());
+    if (const auto* box = std::get_if<Box>(&query.shape))
+      return shows(view, glm::clamp(objects_[query.object].eye(), box->min, box->max));
+    return false;
+  }
+
+  // Whether the occluder is no nearer than p at p's pixel. False where p is not on the screen.
+  [[nodiscard]] bool shows(const BoundsView& view, const glm::dvec3& p) const {
+    const glm::dvec4 point(p, 1.0);
+    const double w = glm::dot(view.w, point);
+    if (!(w > 0.0) || !(glm::dot(view.z, point) + w >= 0.0)) return false;
+    const double x = (glm::dot(view.x, point) / w * 0.5 + 0.5) * view.size.x;
+    const double y = (0.5 - glm::dot(view.y, point) / w * 0.5) * view.size.y;
+    if (!(x >= 0.0 && x < view.size.x && y >= 0.0 && y < view.size.y)) return false;
+    const double nearness = view.orthographic ? (w - glm::dot(view.z, point)) * 0.5 : 1.0 / w;
+    return pyramid_.farthest(0, static_cast<int>(x), static_cast<int>(y)) <= static_cast<float>(nearness);
+  }
+
+  static std::uint32_t area(const PixelRect& rect) {
+    return static_cast<std::uint32_t>(rect.x1 - rect.x0) * static_cast<std::uint32_t>(rect.y1 - rect.y0);
+  }
+
+  SoftwareOcclusionOptions options_;
+  std::optional<View> view_;
+  std::vector<ObjectView> objects_;
+  std::vector<BoundsView> bounds_views_;
+  DepthEpochs epochs_;
+  float nearness_scale_ = 1.0F, least_nearness_ = 0.0F;  // in the picture, see DepthEpochs
+  DepthPyramid pyramid_;
+  DepthPyramid::Levels levels_;
+  bool occluder_drawn_ = false;
+  std::vector<std::uint32_t> answers_;  // since the queue was last empty; those before next_answer_ are collected
+  std::size_t next_answer_ = 0;
+  std::vector<VisibilityQuery> waiting_;  // that have no answer yet
+  std::vector<std::size_t> places_;       // of their answers
+  std::vector<std::uint32_t> found_;      // scratch
+};
+
+template <class Shape>
+void SoftwareOcclusion::Batches::test(Pending<Shape>& batch) {
+  if (batch.size == 1) {  // vectors would have one lane to work on
+    answers_[batch.answer[0]] = occlusion_.visible_pixels(batch.query(0));
+  } else if (batch.size > 1) {
+    const BoundsView& view = occlusion_.bounds_views_[batch.object];
+    const std::span<const Shape> shapes(batch.shapes.data(), batch.size);
+    if constexpr (std::is_same_v<Shape, PointHull>)
+      find_screen_bounds(view, shapes, bounds_, diagonals_);
+    else
+      find_screen_bounds(view, shapes, bounds_);
+    for (float& nearness : bounds_.largest_nearness) nearness = std::max(nearness, occlusion_.least_nearness_);
+    if (occlusion_.options_.count_pixels || !occlusion_.occluder_drawn_) {
+      for (std::size_t i = 0; i < batch.size; ++i)
+        answers_[batch.answer[i]] = occlusion_.visible_pixels(batch.query(i), bounds(i));
+    } else {
+      test_any(batch);
+    }
+  }
+  batch.size = 0;
+}
+
+// First what a few texels decide, without unpredictable branches, then the rest.
+template <class Shape>
+void SoftwareOcclusion::Batches::test_any(const Pending<Shape>& batch) {
+  PerBound<std::int32_t> verdicts;
+  find_quick_verdicts(occlusion_.levels_, bounds_, batch.size, verdicts);
+  PerBound<std::uint8_t> open;
+  std::size_t open_count = 0;
+  for (std::size_t i = 0; i < batch.size; ++i) {
+    const auto verdict = static_cast<DepthPyramid::Verdict>(verdicts[i]);
+    const bool trusted = bounds_.trusted[i] != 0;
+    answers_[batch.answer[i]] = (!trusted | (verdict == DepthPyramid::Verdict::visible)) ? 1 : 0;
+    open[open_count] = static_cast<std::uint8_t>(i);
+    open_count += (trusted & (verdict == DepthPyramid::Verdict::unknown)) ? 1 : 0;
+  }
+  for (std::size_t k = 0; k < open_count; ++k) {
+    const std::size_t i = open[k];
+    const bool visible =
+        occlusion_.pyramid_.search_visible(rect(i), bounds_.largest_nearness[i], diagonals_of(batch, i));
+    answers_[batch.answer[i]] = visible ? 1 : 0;
+  }
+}
+
+}  // namespace
+
+std::unique_ptr<Visibility> make_software_occlusion(const SoftwareOcclusionOptions& options) {
+  return std::make_unique<SoftwareOcclusion>(options);
+}
+
+}  // namespace occlod

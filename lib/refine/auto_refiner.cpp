@@ -1,0 +1,444 @@
+#include "occlod/effects/auto_refiner.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "base/milliseconds_since.h"
+#include "refine/forecast.h"
+#include "refine/object_places.h"
+#include "occlod/core/error.h"
+#include "occlod/occlusion/software_occlusion.h"
+#include "refine/probe.h"
+#include "refine/renewal.h"
+
+namespace occlod {
+namespace {
+
+constexpr std::size_t look_interval = 30;  // views from one look ahead to the next while the camera stays near
+// The same from frame to frame, where a frame takes a fraction of the time; sooner when the camera moves far, but never
+// before the least interval.
+constexpr std::size_t frame_look_interval = 90;
+constexpr std::size_t least_frame_look_interval = 30;
+// A camera that jumps in every view is followed by looks ahead alone, but for one look back in so many.
+constexpr std::size_t jumps_per_look_back = 7;
+// Views from the same place before the first look back, and before later ones.
+constexpr std::size_t views_before_look_back = 1, views_before_later_look_back = 3;
+// Views from elsewhere that go without a look ahead, at most, when more looks ahead in turn than these have found that
+// queries do not pay.
+constexpr std::size_t most_unlooked = 3, vain_looks_in_turn = 2;
+constexpr double near_cosine = 0.94;  // cosine of the angle by which the camera may turn: 20 degrees
+constexpr double near_share = 0.1;    // share of the scene's extent by which the eye may move
+constexpr double same_budget_factor = 2.0;
+constexpr double same_zoom_factor = 1.25;
+constexpr double least_gain = 0.1;              // relative gain of the score for which a frame changes the choice
+constexpr double least_gain_of_queries = 0.07;  // from scratch, of the score, for which queries are made at all
+constexpr double new_share = 0.25;              // weight of the last frame in the running means of frames
+// The first frames after a new choice, until everything has been queried in turn, do not predict later ones.
+constexpr std::size_t settling_frames = 8;
+constexpr double least_queries = 24.0;         // before a region is judged
+constexpr std::size_t least_cone_tests = 128;  // before an object's cones are judged
+constexpr std::size_t least_samples = 12;      // before an object of which nothing is hidden is judged
+constexpr double visits_saved_by_cone = 4.0;   // at least, for each culled subtree
+
+// The calibration's backends in the order of those given.
+Calibration matched(Calibration calibration, std::span<const std::unique_ptr<Visibility>> backends) {
+  check_calibration(calibration);
+  std::vector<BackendCosts> costs;
+  for (const std::unique_ptr<Visibility>& backend : backends) {
+    const auto found = std::find_if(calibration.backends.begin(), calibration.backends.end(),
+                                    [&](const BackendCosts& c) { return c.name == backend->name(); });
+    if (found == calibration.backends.end())
+      throw Error({"calibration", std::string(backend->name()), "is not in it", "measure it again with this backend"});
+    costs.push_back(*found);
+  }
+  calibration.backends = std::move(costs);
+  return calibration;
+}
+
+std::vector<std::unique_ptr<Visibility>> or_software(std::vector<std::unique_ptr<Visibility>> backends) {
+  if (backends.empty()) backends.push_back(make_software_occlusion());
+  for (std::size_t i = 0; i < backends.size(); ++i)
+    if (!backends[i]) throw Error({"auto refiner", "backend " + std::to_string(i), "is missing", "give a backend"});
+  return backends;
+}
+
+// A coarse occluder that bulges out of the surface seems to hide more than a fine one.
+HiddenShares smaller(HiddenShares coarse, const HiddenShares& fine) {
+  coarse.visits_hidden = std::min(coarse.visits_hidden, fine.visits_hidden);
+  coarse.splits_hidden = std::min(coarse.splits_hidden, fine.splits_hidden);
+  coarse.stars_hidden = std::min(coarse.stars_hidden, fine.stars_hidden);
+  coarse.finer = fine.finer;
+  return coarse;
+}
+
+}  // namespace
+
+// A look ahead when one is due, a choice by forecast, refinement, then its counts are recorded, and a look back when
+// one is due. Looks are rare, so a scene without occlusion pays hardly anything for them.
+class AutoRefiner::Impl {
+ public:
+  Impl(std::span<const RefineObject> objects, AutoOptions options)
+      : objects_(objects.begin(), objects.end()),
+        refiner_(objects),
+        probe_(objects),
+        backends_(or_software(std::move(options.backends))),
+        calibration_(matched(options.calibration ? *options.calibration : measure_calibration(backends_), backends_)),
+        extent_(extent_of(objects)),
+        far_share_(far_share(splits_of(objects))),
+        effects_(objects.size()),
+        worths_(objects.size()),
+        was_judged_(objects.size(), false) {}
+
+  [[nodiscard]] const Calibration& calibration() const { return calibration_; }
+  [[nodiscard]] const Refiner& refiner() const { return refiner_; }
+  [[nodiscard]] Refinement take_result() { return refiner_.take_result(); }
+  [[nodiscard]] const EffectReport& report() const { return report_; }
+  [[nodiscard]] Visibility& backend(std::size_t index) const { return *backends_[index]; }
+
+  void set_transform(std::size_t object, const glm::dmat4& object_to_world) {
+    refiner_.set_transform(object, object_to_world);
+    probe_.set_transform(object, object_to_world);
+    glm::dmat4& place = objects_[object].object_to_world;
+    if (place == object_to_world) return;
+    place = object_to_world;
+    extent_ = extent_of(objects_);
+    placed_ = true;
+  }
+
+  const Refinement& refine(const View& view, const RefineOptions& options) {
+    check_options(options);
+    if (options.budget < refiner_.base_triangles()) return refiner_.refine(view, options, none_);  // throws
+    last_.reset();
+    choose(Way::from_scratch, view, options);
+    const Refinement& refinement = refiner_.refine(view, report_.choice.with(options), chosen_backend());
+    learn(Way::from_scratch, view, options, refinement);
+    return refinement;
+  }
+
+  const Refinement& update(const View& view, const RefineOptions& options) {
+    check_options(options);
+    if (options.budget < refiner_.base_triangles()) return refiner_.update(view, options, none_);  // throws
+    const bool stands = !placed_ && last_ && last_->camera == view.camera() && last_->options == options;
+    if (stands) {
+      report_.looked_ahead = report_.looked_back = false;
+      report_.look_ms = 0.0;
+    } else {
+      choose(Way::going_on, view, options);
+    }
+    last_ = {view.camera(), options};
+    placed_ = false;
+    RefineOptions chosen = report_.choice.with(options);
+    // Each frame draws one occluder, whatever these are; where they changed it would be refined from scratch.
+    chosen.occluder.splits.clear();
+    chosen.occluder.retest_hidden = true;
+    const Refinement& refinement = refiner_.update(view, chosen, chosen_backend());
+    report_.objects = refinement.effects;
+    if (stands) return refinement;
+    const bool goes_on = refinement.stats.new_splits < refinement.stats.splits;
+    learn(goes_on ? Way::going_on : Way::from_scratch, view, options, refinement);
+    return refinement;
+  }
+
+ private:
+  // Counts since the camera was last far away.
+  struct Counted {
+    std::array<std::optional<FrameCounts>, occlusion_effort_count> known;
+    QueryRates rates{};
+  };
+  [[nodiscard]] Counted& counted(Way way) { return way == Way::going_on ? going_on_ : from_scratch_; }
+  [[nodiscard]] Visibility& chosen_backend() {
+    const std::optional<std::size_t>& backend = report_.choice.backend;
+    return backend ? *backends_[*backend] : none_;
+  }
+
+  [[nodiscard]] bool must_look(Way way, const View& view, const RefineOptions& options) {
+    const bool goes_on = way == Way::going_on;
+    if (!looked_from_ || views_since_look_ >= (goes_on ? frame_look_interval : look_interval)) return true;
+    if (goes_on && views_since_look_ < least_frame_look_interval) return false;
+    if (!is_far_from_last_look(view, options)) return false;
+    const std::size_t vain = vain_looks_ - std::min(vain_looks_, vain_looks_in_turn);
+    return goes_on || ++unlooked_ > std::min(vain, most_unlooked);
+  }
+  [[nodiscard]] bool is_far_from_last_look(const View& view, const RefineOptions& options) const {
+    const double growth = static_cast<double>(options.budget) / static_cast<double>(looked_with_.budget);
+    const double zoom = view.focal_length_px() / looked_from_->focal_length_px();
+    return options.priority.culling != looked_with_.priority.culling ||
+           options.occluder.mode != looked_with_.occluder.mode || growth > same_budget_factor ||
+           growth * same_budget_factor < 1.0 || zoom > same_zoom_factor || zoom * same_zoom_factor < 1.0 ||
+           view.is_orthographic() != looked_from_->is_orthographic() ||
+           glm::dot(view.direction(), looked_from_->direction()) < near_cosine ||
+           glm::distance(view.camera().eye, looked_from_->camera().eye) > near_share * extent_ || has_moved_far();
+  }
+
+  [[nodiscard]] bool has_moved_far() const {
+    for (std::size_t i = 0; i < objects_.size(); ++i)
+      if (moved_by(looked_at_[i], objects_[i]) > near_share * extent_) return true;
+    return false;
+  }
+
+  void look_ahead(Way way, const View& view, const RefineOptions& options) {
+    const Clock::time_point start = Clock::now();
+    const Probe::Result& result = probe_.look_ahead(view, options);
+    ahead_ = result.all;
+    // From frame to frame, the counts follow the camera.
+    const bool forgets = way == Way::from_scratch || options.budget != looked_with_.budget;
+    if (looked_from_ && forgets && is_far_from_last_look(view, options)) {
+      back_.reset();
+      from_scratch_.known = {};
+      going_on_.known = {};
+    }
+    for (std::size_t i = 0; i < effects_.size(); ++i) {
+      const HiddenShares& seen = result.objects[i];
+      effects_[i] = {};
+      effects_[i].occlusion =
+          seen.visits < least_samples || seen.visits_hidden + seen.splits_hidden + seen.stars_hidden > 0.0;
+      worths_[i] = {};
+      was_judged_[i] = false;
+    }
+    looked_from_ = view;
+    looked_at_ = objects_;
+    looked_with_ = options;
+    views_since_look_ = 0;
+    back_due_ = true;
+    ++jumps_;
+    unlooked_ = 0;
+    report_.looked_ahead = true;
+    report_.look_ms += milliseconds_since(start);
+  }
+
+  void look_back(const View& view, const RefineOptions& options, const Refinement& refinement, double level_px) {
+    const Clock::time_point start = Clock::now();
+    const Probe::Result& result = probe_.look_back(view, options, refinement, level_px);
+    back_ = result.all;
+    // A coarse mesh may hide nothing of an object of which a fine one hides something.
+    for (std::size_t i = 0; i < effects_.size(); ++i)
+      if (!was_judged_[i] && result.objects[i].stars_hidden > 0.0) effects_[i].occlusion = true;
+    renewal_.learn(ahead_, *back_);
+    back_due_ = false;
+    jumps_ = 0;
+    report_.looked_back = true;
+    report_.look_ms += milliseconds_since(start);
+  }
+
+  // Before the view, with a look ahead when one is due.
+  void choose(Way way, const View& view, const RefineOptions& options) {
+    const bool had_choice = way == Way::going_on && last_;
+    const EffectChoice choice_before = std::move(report_.choice);
+    const EffectChoice* const before = had_choice ? &choice_before : nullptr;
+    report_ = {};
+    if (must_look(way, view, options)) look_ahead(way, view, options);
+    ++views_since_look_;
+    const Prospect prospect = prospect_of(way, view, options);
+    report_.forecasts = forecasts(calibration_, prospect);
+    const EffortForecast* const best = best_forecast(way, before);
+    if (report_.looked_ahead) vain_looks_ = best->backend ? 0 : vain_looks_ + 1;
+    EffectChoice& choice = report_.choice;
+    choice.effort = best->effort;
+    choice.backend = best->backend;
+    const bool stays = before != nullptr && before->effort == choice.effort && before->backend == choice.backend;
+    frames_with_choice_ = stays ? frames_with_choice_ + 1 : 0;
+    choice.objects = effects_;
+    if (way == Way::going_on)
+      for (ObjectEffects& effects : choice.objects) effects.cones = true;
+    report_.ahead = ahead_;
+    report_.back = back_;
+    report_.same_error_without = same_error_without(calibration_, prospect, *best, refiner_.full_triangles());
+  }
+
+  // Without occlusion: in views near this one, else in others of the scene, else of the shipped scenes.
+  [[nodiscard]] FrameCounts counts_so_far(Way way, std::size_t budget, const View& view) const {
+    const Counted& past = way == Way::going_on ? going_on_ : from_scratch_;
+    if (past.known.front()) return *past.known.front();
+    FrameCounts counts = usual_counts(way, budget, view, far_share_);
+    if (way == Way::from_scratch && visits_per_triangle_) counts.visits = *visits_per_triangle_ * counts.triangles;
+    return counts;
+  }
+  [[nodiscard]] Prospect prospect_of(Way way, const View& view, const RefineOptions& options) {
+    const HiddenShares fine = back_ ? *back_ : renewal_.of(ahead_);
+    const Counted& past = counted(way);
+    Prospect prospect{way,
+                      counts_so_far(way, options.budget, view),
+                      past.known,
+                      smaller(ahead_, fine),
+                      fine,
+                      past.rates,
+                      picture_error_px(probe_.level_ahead_px(), fine.stars_hidden)};
+    const auto with = std::find_if(past.known.begin(), past.known.end(), [](const auto& k) { return k.has_value(); });
+    if (with != past.known.end() && with != past.known.begin()) prospect.counts = counts_without(**with, fine);
+    prospect.counts.layers = fine.coverage.layers;
+    for (std::optional<FrameCounts>& known : prospect.known)
+      if (known) known->layers = fine.coverage.layers;
+    return prospect;
+  }
+
+  // The best of what may be chosen. Where no object may be queried, occluders would be drawn for nothing.
+  [[nodiscard]] const EffortForecast* best_forecast(Way way, const EffectChoice* before) {
+    const bool may_ask =
+        std::any_of(effects_.begin(), effects_.end(), [](const auto& e) { return e.occlusion && e.regions != 0; });
+    const std::span<const EffortForecast> all(report_.forecasts.data(), may_ask ? report_.forecasts.size() : 1);
+    const auto best =
+        std::min_element(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.score() < b.score(); });
+    // From scratch no queries, the first forecast: what they cost is surer than what they gain.
+    const auto same = std::find_if(all.begin(), all.end(), [&](const EffortForecast& forecast) {
+      if (before == nullptr) return way == Way::from_scratch;
+      return forecast.effort == before->effort && forecast.backend == before->backend;
+    });
+    const double least = before == nullptr ? least_gain_of_queries : least_gain;
+    report_.held = same != all.end() && same != best && best->score() > (1.0 - least) * same->score();
+    return report_.held ? &*same : &*best;
+  }
+
+  // After the view, with a look back when one is due.
+  void learn(Way way, const View& view, const RefineOptions& options, const Refinement& refinement) {
+    const RefineStats& stats = refinement.stats;
+    report_.objects = refinement.effects;
+    const FrameCounts counts = counts_of(way, view, stats);
+    const auto effort = static_cast<std::size_t>(report_.choice.effort);
+    Counted& past = counted(way);
+    std::optional<FrameCounts>& known = past.known[effort];
+    double& rate = past.rates[effort];
+    const double new_rate = static_cast<double>(stats.queries) / counts.triangles;
+    if (way == Way::from_scratch) {
+      known = counts;
+      if (stats.occluder_draws > 0) rate = new_rate;
+    } else if (frames_with_choice_ >= settling_frames) {
+      known = mixed(known.value_or(usual_counts(way, options.budget, view, far_share_)), counts);
+      rate = std::lerp(rate, new_rate, new_share);
+    }
+    if (way == Way::from_scratch) {
+      const HiddenShares fine = back_ ? *back_ : renewal_.of(ahead_);
+      const double visits = (report_.choice.backend ? counts_without(counts, fine) : counts).visits / counts.triangles;
+      visits_per_triangle_ = visits_per_triangle_ ? std::sqrt(*visits_per_triangle_ * visits) : visits;
+    }
+    const double level_px = probe_.level_ahead_px();
+    for (std::size_t i = 0; i < effects_.size(); ++i) {
+      judge_cones(refinement.effects[i], effects_[i]);
+      if (report_.choice.backend) judge_regions(refinement.effects[i], level_px, counts, i);
+    }
+    const std::size_t views = renewal_.known() ? views_before_later_look_back : views_before_look_back;
+    const bool has_settled =
+        (unlooked_ == 0 && views_since_look_ > views) || jumps_ >= (renewal_.known() ? jumps_per_look_back : 2);
+    if (back_due_ && has_settled && options.occluder.mode == OccluderMode::paper)
+      look_back(view, options, refinement, std::max(level_px, stats.level_px));
+  }
+
+  [[nodiscard]] FrameCounts counts_of(Way way, const View& view, const RefineStats& stats) const {
+    FrameCounts counts;
+    counts.triangles = static_cast<double>(std::max<std::size_t>(stats.triangles, 1));
+    counts.splits = static_cast<double>(stats.splits);
+    if (way == Way::going_on) {
+      counts.kept_splits = counts.splits;
+      counts.splits = static_cast<double>(stats.new_splits + stats.merged_splits);
+    }
+    counts.visits = static_cast<double>(stats.visits);
+    counts.pixels = static_cast<double>(view.width()) * view.height();
+    counts.far_share = far_share_;
+    return counts;
+  }
+
+  // Counts change little from one frame to the next, with few exceptions.
+  [[nodiscard]] static FrameCounts mixed(const FrameCounts& before, FrameCounts now) {
+    now.splits = std::lerp(before.splits, now.splits, new_share);
+    now.visits = std::lerp(before.visits, now.visits, new_share);
+    return now;
+  }
+
+  // What does not pay on an object stays off until the next look ahead.
+  void judge_cones(const ObjectEffectStats& stats, ObjectEffects& effects) const {
+    if (stats.cone_tests < least_cone_tests) return;
+    effects.cones = static_cast<double>(stats.cone_culled) * visits_saved_by_cone * calibration_.visit_ns >=
+                    static_cast<double>(stats.cone_tests) * calibration_.cone_ns;
+  }
+  void judge_regions(const ObjectEffectStats& stats, double level_px, const FrameCounts& counts, std::size_t object) {
+    const double worth_ns = split_worth_ns(calibration_, counts);
+    const double query_ns = calibration_.backends[*report_.choice.backend].query_ns;
+    const auto is_vain = [&](const Worth& sum) {
+      return sum.queries >= least_queries && sum.splits * worth_ns < sum.queries * query_ns;
+    };
+    Worth whole;
+    const FinerCounts& finer = (back_ ? *back_ : ahead_).finer;
+    for (std::size_t r = 0; r < effect_region_count; ++r) {
+      Worth& sum = worths_[object][r];
+      sum.queries += stats.regions[r].queries;
+      sum.splits += splits_freed(stats.regions[r], level_px, finer);
+      if (is_vain(sum)) effects_[object].regions &= ~(std::uint64_t{1} << r);
+      whole.queries += sum.queries;
+      whole.splits += sum.splits;
+    }
+    if (!is_vain(whole)) return;
+    effects_[object].occlusion = false;
+    was_judged_[object] = true;
+  }
+
+  std::vector<RefineObject> objects_;
+  bool placed_ = false;  // some of them elsewhere, since the last update()
+  Refiner refiner_;
+  Probe probe_;
+  NoOcclusion none_;
+  std::vector<std::unique_ptr<Visibility>> backends_;
+  Calibration calibration_;
+  std::vector<RefineObject> looked_at_;  // where they were then
+  double extent_ = 0.0;
+  double far_share_ = 0.0;
+
+  std::optional<View> looked_from_;
+  RefineOptions looked_with_;
+  std::size_t views_since_look_ = 0;
+  bool back_due_ = false;
+  std::size_t jumps_ = 0;       // looks ahead since the last look back
+  std::size_t vain_looks_ = 0;  // looks ahead in turn after which nothing was queried
+  std::size_t unlooked_ = 0;    // views from elsewhere since the last look ahead
+  Renewal renewal_;
+  std::optional<double> visits_per_triangle_;  // from scratch without occlusion, wherever the camera was
+  HiddenShares ahead_;
+  std::optional<HiddenShares> back_;
+  Counted from_scratch_{{}, usual_query_rates(Way::from_scratch)};
+  Counted going_on_{{}, usual_query_rates(Way::going_on)};
+  struct Last {
+    Camera camera;
+    RefineOptions options;
+  };
+  std::optional<Last> last_;            // from update(), since the last refine()
+  std::size_t frames_with_choice_ = 0;  // from frame to frame, before the last
+  std::vector<ObjectEffects> effects_;
+  struct Worth {
+    double queries = 0.0;
+    double splits = 0.0;  // freed
+  };
+  std::vector<std::array<Worth, effect_region_count>> worths_;  // since the last look ahead
+  std::vector<bool> was_judged_;  // by what its queries took, since then: found not worth it
+  EffectReport report_;
+};
+
+AutoRefiner::AutoRefiner(std::span<const RefineObject> objects, AutoOptions options)
+    : impl_(std::make_unique<Impl>(objects, std::move(options))) {}
+AutoRefiner::~AutoRefiner() = default;
+AutoRefiner::AutoRefiner(AutoRefiner&&) noexcept = default;
+AutoRefiner& AutoRefiner::operator=(AutoRefiner&&) noexcept = default;
+
+const Calibration& AutoRefiner::calibration() const noexcept { return impl_->calibration(); }
+std::size_t AutoRefiner::base_triangles() const noexcept { return impl_->refiner().base_triangles(); }
+std::size_t AutoRefiner::full_triangles() const noexcept { return impl_->refiner().full_triangles(); }
+void AutoRefiner::set_transform(std::size_t object, const glm::dmat4& object_to_world) {
+  impl_->set_transform(object, object_to_world);
+}
+const Refinement& AutoRefiner::refine(const View& view, const RefineOptions& options) {
+  return impl_->refine(view, options);
+}
+const Refinement& AutoRefiner::update(const View& view, const RefineOptions& options) {
+  return impl_->update(view, options);
+}
+Refinement AutoRefiner::take_result() { return impl_->take_result(); }
+
+std::vector<std::uint32_t> AutoRefiner::visibility_ages(std::size_t object) const {
+  return impl_->refiner().visibility_ages(object);
+}
+const EffectReport& AutoRefiner::report() const noexcept { return impl_->report(); }
+Visibility& AutoRefiner::backend(std::size_t index) const noexcept { return impl_->backend(index); }
+
+}  // namespace occlod

@@ -1,0 +1,283 @@
+#include "occlod/effects/calibration.h"
+
+#include <algorithm>
+#include <array>
+#include <glm/gtc/matrix_transform.hpp>
+#include <limits>
+
+#include "refine/calibration_fields.h"
+#include "base/median.h"
+#include "base/milliseconds_since.h"
+#include "refine/fragment_count.h"
+#include "occlod/hierarchy/build.h"
+#include "occlod/mesh/generate.h"
+#include "occlod/raster/item_buffer.h"
+#include "occlod/refine/refiner.h"
+#include "refine/star_visibility.h"
+#include "refine/weigh_splits.h"
+
+namespace occlod {
+namespace {
+
+constexpr std::size_t passes = 5;  // over everything
+constexpr int rounds = 2;          // of each thing in a pass
+constexpr int image_side = 1024;   // a usual size; smaller images would fit into caches
+constexpr double least_ns = 0.01;  // the resolution of the clock
+
+// The shorter of two rounds, in ns: other load on the machine can only make a round longer.
+template <typename Work>
+double fastest_ns(const Work& work) {
+  double best = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < rounds; ++i) {
+    const Clock::time_point start = Clock::now();
+    work();
+    best = std::min(best, 1e6 * milliseconds_since(start));
+  }
+  return best;
+}
+
+double per(double ns, std::size_t count) { return std::max(ns / static_cast<double>(count), least_ns); }
+
+View view_from(double distance) {
+  Camera camera;
+  camera.eye = {0.0, 0.0, distance};
+  camera.width = image_side;
+  camera.height = image_side;
+  camera.near = 0.001 * distance;
+  camera.far = 2.0 * distance;
+  return View(camera);
+}
+
+// About as many as refinement visits together.
+constexpr std::size_t visits_at_once = 64;
+
+// Visits each split once, many at a time. `stride`: from one to the next; all are visited unless it divides their
+// number.
+template <typename Visit>
+void visit_all(SplitId splits, SplitId stride, const Visit& visit) {
+  std::array<SplitId, visits_at_once> some;
+  std::size_t size = 0;
+  for (SplitId i = 0, s = 0; i < splits; ++i, s = (s + stride) % splits) {
+    some[size++] = s;
+    if (size < some.size() && i + 1 < splits) continue;
+    visit(std::span<const SplitId>(some.data(), size));
+    size = 0;
+  }
+}
+
+// In an order that prefetchers cannot predict, after filling the caches with other data.
+template <typename Visit>
+double far_visit_ns(SplitId splits, const Visit& visit) {
+  constexpr std::size_t cache_bytes = std::size_t{24} << 20U;
+  constexpr SplitId stride = 389;  // prime
+  const std::vector<char> other(cache_bytes, 1);
+  volatile char sink = 0;
+  for (std::size_t i = 0; i < cache_bytes; i += 64) sink = static_cast<char>(sink + other[i]);
+  const Clock::time_point start = Clock::now();
+  visit_all(splits, stride, visit);
+  return per(1e6 * milliseconds_since(start), splits);
+}
+
+// O+ of Guthe's sec. 3.2.2, whose cost is by triangles, and O-, whose cost is by fragments: the same mesh from far and
+// from near.
+class Workload {
+ public:
+  void measure_refinement(Calibration& calibration) const;
+  // `calibration`: with what refinement from scratch costs.
+  [[nodiscard]] double kept_split_ns(const Calibration& calibration) const;
+  void measure_drawing(Calibration& calibration) const;
+  // `calibration`: with what refinement costs.
+  [[nodiscard]] BackendCosts costs_of(Visibility& backend, const Calibration& calibration) const;
+
+ private:
+  [[nodiscard]] RefineOptions half_budget() const {
+    RefineOptions options;
+    options.budget = mesh_.triangle_count() / 2;
+    return options;
+  }
+  [[nodiscard]] double query_ns(Visibility& backend, const Calibration& calibration) const;
+  template <typename Draw>
+  [[nodiscard]] double one_planet_ns(const Draw& draw, const View& view) const;
+  template <typename Draw>
+  [[nodiscard]] double fragment_ns(const Draw& draw, double triangle_ns) const;
+  [[nodiscard]] std::vector<OccluderPart> planets(std::size_t count) const {
+    return std::vector<OccluderPart>(count, {0, mesh_.positions, mesh_.triangles});
+  }
+  [[nodiscard]] std::vector<OccluderPart> walls(std::size_t count) const {
+    return std::vector<OccluderPart>(count, {0, wall_positions_, wall_triangles_});
+  }
+
+  TriangleMesh mesh_ = generate_rough_planet({.level = 4});
+  Hierarchy hierarchy_ = build_hierarchy(mesh_);
+  std::vector<glm::vec3> wall_positions_ = {
+      {-9.0F, -9.0F, 0.0F}, {9.0F, -9.0F, 0.0F}, {9.0F, 9.0F, 0.0F}, {-9.0F, 9.0F, 0.0F}};
+  std::vector<Triangle> wall_triangles_ = {{0, 1, 2}, {0, 2, 3}};
+  View near_ = view_from(3.0);     // the planet is large in it; the wall reaches beyond its edges
+  View nearer_ = view_from(2.98);  // the next frame
+  View far_ = view_from(20.0);     // its triangles are a few pixels wide
+};
+
+void Workload::measure_refinement(Calibration& calibration) const {
+  const ObjectView view(near_, glm::dmat4(1.0));
+  const auto splits = static_cast<SplitId>(hierarchy_.split_count());
+  volatile float sink = 0.0F;  // keeps the compiler from removing the loops
+  StarVisibility star;
+  std::array<StarView, visits_at_once> stars;
+  std::array<float, visits_at_once> scales;
+  const auto visit = [&](std::span<const SplitId> some) {
+    weigh_splits(hierarchy_, some, view, false, scales);
+    star.evaluate(hierarchy_, some, view, false, stars);
+    sink = sink + scales[0] + stars[0].visible_share;
+  };
+  calibration.visit_ns = per(fastest_ns([&] { visit_all(splits, 1, visit); }), splits);
+  calibration.far_visit_ns = std::max(calibration.visit_ns, far_visit_ns(splits, visit));
+  calibration.cone_ns = per(fastest_ns([&] {
+                              for (SplitId s = 0; s < splits; ++s) {
+                                const SplitNode& node = hierarchy_.node(s);
+                                sink = sink + (faces_away(node.cone(), node.sphere, view.eye()) ? 1.0F : 0.0F);
+                              }
+                            }),
+                            splits);
+  const RefineObject objects[] = {{.hierarchy = &hierarchy_}};
+  Refiner refiner(objects);
+  NoOcclusion none;
+  RefineStats stats;
+  const double all = fastest_ns([&] { stats = refiner.refine(near_, half_budget(), none).stats; });
+  const double visits = static_cast<double>(stats.visits) * calibration.visit_ns;
+  calibration.split_ns = std::max(per(all - visits, stats.splits), calibration.visit_ns);
+  calibration.kept_split_ns = kept_split_ns(calibration);
+}
+
+// What a frame takes besides visits and changes.
+double Workload::kept_split_ns(const Calibration& calibration) const {
+  const RefineObject objects[] = {{.hierarchy = &hierarchy_}};
+  Refiner refiner(objects);
+  NoOcclusion none;
+  bool at_near = false;
+  const auto next_frame = [&] {
+    at_near = !at_near;
+    return refiner.update(at_near ? near_ : nearer_, half_budget(), none).stats;
+  };
+  (void)next_frame();
+  RefineStats stats;
+  const double all = fastest_ns([&] { stats = next_frame(); });
+  const double changes = static_cast<double>(stats.new_splits + stats.merged_splits) * calibration.split_ns;
+  return per(all - changes - static_cast<double>(stats.visits) * calibration.visit_ns, stats.splits);
+}
+
+// What one more planet takes. `draw`: draws parts in a view and tells how long it took, ns; what is done once for an
+// image cancels.
+template <typename Draw>
+double Workload::one_planet_ns(const Draw& draw, const View& view) const {
+  constexpr std::size_t more = 4;
+  return (draw(planets(1 + more), view) - draw(planets(1), view)) / static_cast<double>(more);
+}
+
+// What is left of it when it is near and its triangles have been paid for.
+template <typename Draw>
+double Workload::fragment_ns(const Draw& draw, double triangle_ns) const {
+  const ObjectView view(near_, glm::dmat4(1.0));
+  const double layers = count_fragments(mesh_.positions, mesh_.triangles, view, true, 1).all.layers;
+  const double triangles_ns = triangle_ns * static_cast<double>(mesh_.triangle_count());
+  return std::max((one_planet_ns(draw, near_) - triangles_ns) / (layers * image_side * image_side), least_ns);
+}
+
+void Workload::measure_drawing(Calibration& calibration) const {
+  ItemBuffer items;
+  const auto draw = [&](const std::vector<OccluderPart>& parts, const View& view) {
+    return fastest_ns([&] {
+      items.reset(view.width(), view.height());
+      for (const OccluderPart& part : parts)
+        draw_items(items, part.positions, part.triangles, glm::mat4(view.world_to_clip()), 0);
+    });
+  };
+  calibration.triangle_ns = per(one_planet_ns(draw, far_), mesh_.triangle_count());
+  calibration.fragment_ns = per(draw(walls(1), near_), std::size_t{image_side} * image_side);
+}
+
+// The extra time per query when refinement queries all that it can instead of nothing. The cost of the occluder
+// cancels, and collecting the queries and keeping the answers are included.
+double Workload::query_ns(Visibility& backend, const Calibration& calibration) const {
+  constexpr std::uint32_t no_levels = 1U << 30U;  // no forest is so deep
+  const RefineObject objects[] = {{.hierarchy = &hierarchy_}};
+  Refiner refiner(objects);
+  RefineOptions options = half_budget();
+  options.occluder.splits = {64};
+  options.occluder.retest_hidden = options.queries.final_check = false;
+  std::array<double, 2> ns{}, queries{};
+  for (const std::size_t asks : {0U, 1U}) {
+    options.queries.ask_stars = asks != 0;
+    options.queries.level_step = asks != 0 ? 1 : no_levels;
+    RefineStats stats;
+    const double all = fastest_ns([&] { stats = refiner.refine(near_, options, backend).stats; });
+    ns[asks] = all - static_cast<double>(stats.visits) * calibration.visit_ns -
+               static_cast<double>(stats.splits) * calibration.split_ns;
+    queries[asks] = static_cast<double>(stats.queries);
+  }
+  return std::max(ns[1] - ns[0], 0.0) / std::max(queries[1] - queries[0], 1.0);
+}
+
+BackendCosts Workload::costs_of(Visibility& backend, const Calibration& calibration) const {
+  BackendCosts costs;
+  costs.name = backend.name();
+  const auto draw = [&](const std::vector<OccluderPart>& parts, const View& view) {
+    const ObjectView objects[] = {ObjectView(view, glm::dmat4(1.0))};
+    backend.begin_view(view, objects);
+    return fastest_ns([&] {
+      backend.draw_occluder(parts);
+      backend.submit({0, Sphere{{}, 0.1F}});
+      (void)backend.collect();  // a backend may defer drawing until a query is submitted
+    });
+  };
+  costs.occluder_triangle_ns = per(one_planet_ns(draw, far_), mesh_.triangle_count());
+  costs.occluder_fragment_ns = fragment_ns(draw, costs.occluder_triangle_ns);
+  const double walls_ns = draw(walls(5), near_), wall_ns = draw(walls(1), near_);
+  costs.occluder_pixel_ns = per(wall_ns - (walls_ns - wall_ns) / 4.0, std::size_t{image_side} * image_side);
+
+  (void)draw(planets(1), near_);
+  costs.latency_ns = per(fastest_ns([&] {
+                           backend.submit({0, hierarchy_.node(0).box()});
+                           (void)backend.collect();
+                         }),
+                         1);
+  // As a difference of two times it is the least certain: on the shipped scenes a query among many takes between half
+  // of the time of one that is waited for and all of it.
+  costs.query_ns = std::clamp(query_ns(backend, calibration), 0.5 * costs.latency_ns, costs.latency_ns);
+  return costs;
+}
+
+}  // namespace
+
+// Each number is the median of what the passes found: of differences, too, which other load can make smaller as well as
+// larger.
+Calibration measure_calibration(std::span<const std::unique_ptr<Visibility>> backends) {
+  const Workload workload;
+  std::array<Calibration, passes> found;
+  for (Calibration& calibration : found) {
+    workload.measure_refinement(calibration);
+    workload.measure_drawing(calibration);
+    for (const std::unique_ptr<Visibility>& backend : backends)
+      calibration.backends.push_back(workload.costs_of(*backend, calibration));
+  }
+  Calibration result = found.front();
+  const auto take_medians = [&](const auto& for_each, const auto& of, auto& costs) {
+    std::vector<std::vector<double>> values;
+    for (Calibration& calibration : found) {
+      std::size_t i = 0;
+      for_each(of(calibration), [&](const char*, double value) {
+        values.resize(std::max(values.size(), i + 1));
+        values[i++].push_back(value);
+      });
+    }
+    std::size_t i = 0;
+    for_each(costs, [&](const char*, double& value) { value = median(std::move(values[i++])); });
+  };
+  take_medians([](auto& costs, const auto& visit) { for_each_cost(costs, visit); },
+               [](Calibration& c) -> Calibration& { return c; }, result);
+  for (std::size_t b = 0; b < backends.size(); ++b)
+    take_medians([](auto& costs, const auto& visit) { for_each_backend_cost(costs, visit); },
+                 [b](Calibration& c) -> BackendCosts& { return c.backends[b]; }, result.backends[b]);
+  return result;
+}
+
+}  // namespace occlod

@@ -1,0 +1,118 @@
+// The state of one refined object: which splits are applied. Always closed under dependency.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <unordered_map>
+#include <unordered_set>
+#include <vector>
+
+#include "base/platform.h"
+#include "base/zeroed_array.h"
+#include "occlod/hierarchy/hierarchy.h"
+
+namespace occlod {
+
+class Cut {
+ public:
+  explicit Cut(const Hierarchy& hierarchy);
+
+  // Back to the base mesh. O(applied splits).
+  void clear();
+
+  [[nodiscard]] const Hierarchy& hierarchy() const noexcept { return *hierarchy_; }
+  [[nodiscard]] bool applied(SplitId s) const noexcept { return (state_[s] & applied_bit) != 0; }
+  // In the order of application until active_triangles() sorts them. Where some have been taken back, only
+  // active_triangles() drops those.
+  [[nodiscard]] std::span<const SplitId> applied_splits() const noexcept { return applied_; }
+  [[nodiscard]] std::size_t triangle_count() const noexcept { return triangles_; }
+
+  // What it takes to apply s: itself and every unapplied split that it needs, directly or not.
+  struct Closure {
+    std::span<const SplitId> splits;  // valid until the next call
+    std::size_t triangles = 0;        // that the cut would gain; splits never lose any on balance
+  };
+  // Precondition: s is not applied. O(closure). Throws Error when a needed split is damaged.
+  [[nodiscard]] Closure closure(SplitId s);
+  // Whether s may be applied will soon be asked. Its star should be at hand.
+  void prefetch_needs(SplitId s) const noexcept {
+    prefetch(&state_[s]);
+    for (const SplitId needed : hierarchy_->star(s).dependencies()) prefetch(&state_[needed]);
+  }
+  // Applies what the last closure() found. Throws Error for a split that removes a face which another has removed; only
+  // clear() may follow.
+  void apply_closure();
+
+  // Whether no applied split needs s. Precondition: s is applied.
+  [[nodiscard]] bool is_leaf(SplitId s) const;
+  // How many of the faces that s inserts have been removed by applied splits. Precondition: s is applied.
+  [[nodiscard]] std::uint32_t removed_faces(SplitId s) const;
+  // Takes a leaf back.
+  void take_back(SplitId s);
+
+  // Active faces: base faces and faces of applied splits that no applied split removes; base faces first, then by
+  // split and slot iff `sorted`; sorting also sorts applied_splits().
+  void active_triangles(std::vector<Triangle>& out, bool sorted);
+  // The same by their wedges: what to draw.
+  void active_wedge_triangles(std::vector<Triangle>& out, bool sorted);
+  // Calls visit(FaceRef, Triangle) for each active face in the order of applied_splits().
+  template <typename Visit>
+  void for_each_active(const Visit& visit) const;
+
+ private:
+  static constexpr std::uint32_t applied_bit = 1U << 31U;
+  static constexpr std::uint32_t closure_bit = 1U << 30U;
+  static constexpr std::uint32_t listed_bit = 1U << 29U;  // is in applied_, where a split stays that is taken back
+  static constexpr std::uint32_t mask_slots = 29;         // low bits: the faces of these slots have been removed
+  static constexpr std::uint32_t mask_bits = (1U << mask_slots) - 1;
+
+  [[nodiscard]] bool needs_no_other(const SplitStar& star) const;
+  void apply(SplitId s);
+  void drop_taken_back();
+  void set_removed(const FaceRef& face, bool removed);
+  [[nodiscard]] bool removed(const FaceRef& face) const;
+  [[nodiscard]] bool removed(SplitId s, std::uint32_t slot) const;
+  // Calls visit(SplitId) for each split that s needs though s removes no face of it, for a corner alone.
+  template <typename Visit>
+  void for_each_corner_need(const SplitStar& star, const Visit& visit);
+
+  const Hierarchy* hierarchy_;
+  ZeroedArray<std::uint32_t> state_;                         // of each split
+  std::vector<bool> base_removed_;                           // of each base face
+  std::unordered_set<std::uint64_t> others_removed_;         // split << 32 | slot, of slots that have no bit
+  std::unordered_map<SplitId, std::uint32_t> corner_needs_;  // how many applied splits need this one for a corner alone
+  std::vector<SplitId> applied_;                             // and splits that have been taken back, if any
+  bool some_taken_back_ = false;
+  std::vector<SplitId> closure_;
+  std::vector<SplitId> removed_from_, sorting_;  // scratch
+  std::ptrdiff_t closure_gain_ = 0;
+  std::size_t triangles_ = 0;
+};
+
+template <typename Visit>
+void Cut::for_each_active(const Visit& visit) const {
+  constexpr std::size_t ahead = 8;  // stars are read in no order of memory
+  const std::span<const Triangle> base = hierarchy_->data().base_faces;
+  for (std::uint32_t f = 0; f < base.size(); ++f)
+    if (!base_removed_[f]) visit(FaceRef{no_id, f}, base[f]);
+  for (std::size_t i = 0; i < applied_.size(); ++i) {
+    if (i + 2 * ahead < applied_.size()) prefetch(&hierarchy_->node(applied_[i + 2 * ahead]));
+    if (i + ahead < applied_.size())
+      prefetch(hierarchy_->data().stars.data() + hierarchy_->node(applied_[i + ahead]).star);
+    const SplitId s = applied_[i];
+    if (!applied(s)) continue;
+    const SplitStar star = hierarchy_->star(s);
+    const std::uint32_t in_mask = std::min(star.inserted_count(), mask_slots);
+    for (std::uint32_t left = ~state_[s] & ((1U << in_mask) - 1); left != 0; left &= left - 1) {
+      const auto slot = static_cast<std::uint32_t>(std::countr_zero(left));
+      visit(FaceRef{s, slot}, star.inserted(slot));
+    }
+    for (std::uint32_t slot = mask_slots; slot < star.inserted_count(); ++slot)
+      if (!removed(s, slot)) visit(FaceRef{s, slot}, star.inserted(slot));
+  }
+}
+
+}  // namespace occlod

@@ -1,0 +1,349 @@
+#include "refine/from_scratch.h"
+
+#include <algorithm>
+
+#include "base/platform.h"
+#include "splits/parallel.h"
+#include "refine/weigh_splits.h"
+#include "refine/forest.h"
+
+namespace occlod {
+namespace {
+
+// When so many visible splits in a row need more triangles than are left, or in the final check than less important
+// ones have, the budget counts as used up.
+constexpr std::size_t most_rejections_in_a_row = 64, most_in_final_check = 256;
+
+// What a larger budget looks at is not in the caches.
+constexpr std::size_t most_cached_triangles = 100'000;
+
+std::uint64_t key_of(std::uint32_t object, SplitId s) { return std::uint64_t{object} << 32U | s; }
+
+}  // namespace
+
+void FromScratch::refine(const RefinedScene& scene, RefineStats& stats) {
+  scene_ = scene;
+  stats_ = &stats;
+  threads_ = thread_count(scene.options->threads);
+  waits_for_memory_ = scene.options->budget > most_cached_triangles;
+  begin();
+  run();
+  end_level_ = queues_.top_priority();
+  const RefineOptions* const options = scene_.options;
+  if (options->queries.final_check) readmit();
+  finish();
+}
+
+void FromScratch::begin() {
+  scene_.cuts->clear();
+  queues_.clear();
+  entries_.begin(scene_);
+  victims_.clear();
+  forced_.clear();
+  taken_back_.clear();
+  rejections_in_a_row_ = 0;
+  left_ = {};
+  level_.reset();
+  for (std::uint32_t i = 0; i < scene_.objects.size(); ++i) enqueue_roots(i);
+}
+
+void FromScratch::run() {
+  const struct Waits {
+    FromScratch* self;
+    ~Waits() {
+      self->visits_.end();
+      self->companion_.abandon();
+    }
+  } waits{this};
+  while (!used_up()) {
+    if (occluder_due()) draw_occluder();
+    take_visits();
+    start_visits();
+    const bool applied = apply_above_visits();
+    if (taken_visits_.empty() && !applied) break;
+    if (used_up() && !visits_known_) {  // for nothing
+      for (const Entry& entry : taken_visits_) queues_.push(entry);
+      break;
+    }
+    finish_visits();
+    enqueue_found();
+  }
+}
+
+// All of the worst band that matter; of as many bands as a backend needs that answers many as fast as one.
+void FromScratch::take_visits() {
+  const std::size_t least = entries_.occluder() > 0 && scene_.queries->in_flights() ? scene_.queries->flight() : 1;
+  taken_visits_.clear();
+  Queue& visits = queues_.visits;
+  while (taken_visits_.size() < least && !visits.empty() && matters(visits.top())) {
+    visits_band_ = visits.top_band();
+    while (!visits.empty() && visits.top_band() == visits_band_ && matters(visits.top()))
+      taken_visits_.push_back(visits.pop());
+  }
+  const auto object_of = [](const Entry& entry) { return entry.object; };
+  if (!std::ranges::is_sorted(taken_visits_, {}, object_of)) std::ranges::stable_sort(taken_visits_, {}, object_of);
+}
+
+// Until the next occluder is drawn, another thread may look at them while splits are applied.
+void FromScratch::start_visits() {
+  visits_.begin(scene_, entries_, taken_visits_);
+  visits_known_ = false;
+  const RefineOptions* const options = scene_.options;
+  const bool is_worth_it = options->priority.culling == Culling::star || waits_for_memory_;
+  if (threads_ > 1 && is_worth_it && visits_.piece_count() > 0 && scene_.queries->many_threads_may_ask())
+    companion_.start(work_beside_);
+}
+
+void FromScratch::finish_visits() {
+  if (visits_known_) return;
+  visits_.work_as_caller();
+  companion_.finish();
+  visits_known_ = true;
+  for (const NodeVisits::Piece& piece : visits_.pieces()) entries_.note_answers(piece.questions, piece.by_caller);
+}
+
+void FromScratch::enqueue_found() {
+  const RefineOptions* const options = scene_.options;
+  const bool by_star = options->priority.culling == Culling::star;
+  for (const NodeVisits::Piece& piece : visits_.pieces()) {
+    if (!by_star) apply_visited(piece.visits);
+    for (std::size_t i = 0; i < piece.visits.size(); ++i) {
+      const Entry& entry = piece.visits[i];
+      if (by_star) enqueue_split(entry, piece.found[i].value);
+      for (const NodeVisits::Child& child : piece.found[i].children)
+        if (child.split != no_id) enqueue_node({entry.object, entry.level + 1}, child);
+    }
+  }
+}
+
+// Culling::subtree: what may be seen is applied.
+void FromScratch::apply_visited(std::span<const Entry> visits) {
+  applies_.assign(visits.begin(), visits.end());
+  for (Entry& entry : applies_) entry.kind = Entry::Kind::apply;
+  apply_taken();
+}
+
+// Worst first, as far as no node that is as bad is being looked at. False when there is none.
+bool FromScratch::apply_above_visits() {
+  bool any = false;
+  while (!used_up() && take_applies()) {
+    any = true;
+    apply_taken();
+  }
+  return any;
+}
+
+// The next ones. False when there is none whose turn it is.
+bool FromScratch::take_applies() {
+  const std::size_t most_at_once = std::max<std::size_t>(128, scene_.queries->flight());
+  Queue& applies = queues_.applies;
+  applies_.clear();
+  while (applies_.size() < most_at_once && !applies.empty() && matters(applies.top()) && is_above_visits(applies.top()))
+    applies_.push_back(applies.pop());
+  return !applies_.empty();
+}
+
+// Those that are seen, until the budget is used up.
+void FromScratch::apply_taken() {
+  entries_.take_out_hidden(applies_, about_applies_);
+  entries_.note_answers(about_applies_);
+  look_at_needed();
+  for (turn_ = 0; turn_ < applies_.size(); ++turn_) {
+    if (used_up() || step_due()) break;
+    apply(applies_[turn_]);
+  }
+  while (applies_.size() > turn_) {
+    queues_.push(applies_.back());
+    applies_.pop_back();
+  }
+  if (!used_up() && step_due()) {
+    finish_visits();  // they have been asked about before this one
+    draw_occluder();
+  }
+}
+
+// To its place among those that are taken, or into the queue behind them.
+bool FromScratch::step_back(const Entry& entry) {
+  const auto next = applies_.begin() + static_cast<std::ptrdiff_t>(turn_) + 1;
+  const auto place =
+      std::find_if(next, applies_.end(), [&](const Entry& other) { return Queue::may_precede(entry, other); });
+  const bool is_next =
+      place == next && (place != applies_.end() || (is_above_visits(entry) && queues_.applies.would_be_next(entry)));
+  if (is_next) return false;
+  if (place != applies_.end())
+    applies_.insert(place, entry);
+  else
+    queues_.push(entry);
+  return true;
+}
+
+// What the splits and those that they will force want from memory, in steps; and how the latter are seen, together.
+void FromScratch::look_at_needed() {
+  const RefineOptions* const options = scene_.options;
+  const bool by_star = options->priority.culling == Culling::star;
+  if (!by_star && !waits_for_memory_) return;
+  for (const Entry& entry : applies_) prefetch(&scene_.hierarchy(entry.object).node(entry.split));
+  for (const Entry& entry : applies_) {
+    const Hierarchy& hierarchy = scene_.hierarchy(entry.object);
+    prefetch(hierarchy.data().stars.data() + hierarchy.node(entry.split).star);
+  }
+  for (const Entry& entry : applies_) (*scene_.cuts)[entry.object].prefetch_needs(entry.split);
+  for (std::size_t first = 0, end = 0; first < applies_.size(); first = end) {
+    const std::uint32_t object = applies_[first].object;
+    const Hierarchy& hierarchy = scene_.hierarchy(object);
+    const Cut& cut = (*scene_.cuts)[object];
+    needed_.clear();
+    for (; end < applies_.size() && applies_[end].object == object; ++end)
+      for (const SplitId needed : hierarchy.star(applies_[end].split).dependencies()) {
+        if (cut.applied(needed)) continue;
+        hierarchy.require(needed);
+        prefetch(&hierarchy.node(needed));
+        needed_.push_back(needed);
+      }
+    for (const SplitId needed : needed_) prefetch(hierarchy.data().stars.data() + hierarchy.node(needed).star);
+    if (by_star) scene_.importances[object].find_shares(needed_);
+    for (const SplitId needed : needed_) cut.prefetch_needs(needed);
+  }
+}
+
+void FromScratch::draw_occluder() { entries_.draw_occluder(queues_, growth()); }
+
+bool FromScratch::used_up() const {
+  if (rejections_in_a_row_ >= (level_ ? most_in_final_check : most_rejections_in_a_row)) return true;
+  return !level_ && scene_.cuts->triangle_count() >= scene_.options->budget;
+}
+
+// What earlier occluders hid is asked about once more, before the mesh as it is now. What this mesh shows takes the
+// place of what matters less.
+void FromScratch::readmit() {
+  if (entries_.occluder() == 0 || hidden().empty() || stats_->splits == entries_.steps().last().splits) return;
+  level_ = queues_.top_priority();
+  rejections_in_a_row_ = 0;
+  stats_->readmitted = entries_.ask_again_about_hidden(queues_, growth());
+  run();
+}
+
+void FromScratch::finish() {
+  count_forced();
+  stats_->nodes = stats_->visits;
+  stats_->triangles = scene_.cuts->triangle_count();
+  stats_->culled_occlusion = hidden().size();
+  queues_.for_each([&](const Entry& entry) {
+    if (left_.includes(entry.error)) return;
+    if (!(*scene_.cuts)[entry.object].applied(entry.split)) left_.include(entry.error);
+  });
+  stats_->level_px = static_cast<double>(end_level_);
+  stats_->max_error_px = static_cast<double>(left_.guaranteed_px);
+  stats_->max_quadric_error_px = static_cast<double>(left_.quadric_px);
+}
+
+// Of the splits that are still applied.
+void FromScratch::count_forced() {
+  for (std::size_t i = 0; i < forced_.size(); ++i) {
+    const auto back = taken_back_.find(key_of(forced_[i].object, forced_[i].split));
+    if (back != taken_back_.end() && i < back->second) continue;
+    ++stats_->forced_splits;
+    if (forced_[i].unseen) ++stats_->forced_unseen_splits;
+  }
+}
+
+void FromScratch::enqueue_roots(std::uint32_t object) {
+  const Hierarchy& hierarchy = scene_.hierarchy(object);
+  const std::span<const SplitId> roots = hierarchy.data().roots;
+  root_scales_px_.resize(roots.size());
+  weigh_splits(hierarchy, roots, scene_.views[object], scene_.gate->tests_cone(object), root_scales_px_);
+  for (std::size_t i = 0; i < roots.size(); ++i) {
+    require_parent(hierarchy, roots[i], no_id);
+    enqueue_node({object, 0},
+                 {roots[i], root_scales_px_[i],
+                  ScreenError(errors_of(hierarchy, roots[i], scene_.objects[object].attributes), root_scales_px_[i])});
+  }
+}
+
+// A node comes into sight of the refinement: dropped for good, or enqueued.
+void FromScratch::enqueue_node(const Place& at, const NodeVisits::Child& node) {
+  ++stats_->visits;
+  if (node.scale_px == scale_outside) {
+    ++stats_->culled_frustum;
+    return;
+  }
+  if (scene_.gate->tests_cone(at.object) && scene_.gate->cone_culled(at.object, node.scale_px == scale_facing_away)) {
+    ++stats_->culled_backface;
+    return;
+  }
+  if (leaves(node.error)) return;
+  queues_.push({node.error.quadric_px, node.error, node.split, at.object, at.level, 0, Entry::Kind::visit});
+}
+
+// Culling::star: does the split itself change anything that is seen, and how much of what it changes?
+void FromScratch::enqueue_split(const Entry& node, const Importance::Value& value) {
+  if ((*scene_.cuts)[node.object].applied(node.split)) return;
+  scene_.importances[node.object].remember(node.split, value.visible_share);
+  if (value.visible_share == 0.0F) {
+    ++stats_->culled_backface;
+    return;
+  }
+  if (leaves(value.error)) return;
+  queues_.push({value.priority, value.error, node.split, node.object, node.level,
+                node.star_shows ? node.asked_occluder : 0, Entry::Kind::apply});
+}
+
+// Whether it is small enough to be left as it is; if so, it is counted as such.
+bool FromScratch::leaves(const ScreenError& error) {
+  if (!error.is_within(scene_.options->tolerance_px)) return false;
+  left_.include(error);
+  return true;
+}
+
+void FromScratch::apply(Entry entry) {
+  if (apply_split(scene_, entry, *this)) return;
+  ++stats_->rejected_splits;
+  ++rejections_in_a_row_;
+  left_.include(entry.error);
+}
+
+float FromScratch::forced_weight(const Entry& entry, const Cut::Closure& closure) const {
+  return closure.splits.size() == 1 ? 1.0F : scene_.importances[entry.object].forced_weight(closure.splits);
+}
+
+// After the final check: gives up the least important leaf, if it matters less. It may come back.
+bool FromScratch::make_room(float turn_priority, float /*priority*/) {
+  if (!level_) return false;
+  if (!victims_.gathered()) victims_.gather(*scene_.cuts, scene_.importances);
+  const std::optional<Victims::Victim> victim =
+      victims_.take_back_below(turn_priority, *scene_.cuts, scene_.importances);
+  if (!victim) return false;
+  taken_back_[key_of(victim->object, victim->split)] = forced_.size();
+  --stats_->splits;
+  ++stats_->taken_back;
+  if (victim->priority > 0.0F)
+    queues_.push(
+        {victim->priority, victim->error, victim->split, victim->object, 0, entries_.occluder(), Entry::Kind::apply});
+  return true;
+}
+
+void FromScratch::apply_closure(const Entry& entry, const Cut::Closure& closure) {
+  rejections_in_a_row_ = 0;
+  entries_.steps().split_applied(entry.error.quadric_px);
+  stats_->splits += closure.splits.size();
+  const bool by_star = scene_.options->priority.culling == Culling::star;
+  for (const SplitId s : closure.splits.subspan(1))
+    forced_.push_back({entry.object, s, by_star && scene_.importances[entry.object].visible_share(s) == 0.0F});
+  scene_.cuts->apply_closure(entry.object);
+}
+
+Growth FromScratch::growth() const {
+  return {stats_->splits, scene_.cuts->triangle_count() - scene_.cuts->base_triangle_count()};
+}
+
+// Whether the mesh has come to the next step at which it is drawn.
+bool FromScratch::step_due() { return scene_.queries->can_hide() && !level_ && entries_.steps().due(growth()); }
+
+// At its step, and when all that is left is hidden by an occluder that has since been refined.
+bool FromScratch::occluder_due() {
+  if (step_due()) return true;
+  return scene_.queries->can_hide() && !level_ && scene_.options->occluder.retest_hidden && queues_.empty() &&
+         !hidden().empty() && stats_->splits > entries_.steps().last().splits;
+}
+
+}  // namespace occlod

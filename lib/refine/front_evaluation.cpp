@@ -1,0 +1,250 @@
+#include "refine/front_evaluation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+
+#include "refine/front_priority.h"
+#include "refine/weigh_nodes.h"
+#include "refine/weighed_lanes.h"
+
+namespace occlod {
+namespace {
+
+// Sums of motion from here on count as rounded too much: in diagonals of the object, and in radians.
+constexpr double most_motion = 64.0;
+// Diagonals of objects beyond which sums of squares of what is seen near them might be out of the range of floats.
+constexpr double least_diagonal = 0x1p-40, most_diagonal = 0x1p40;
+constexpr ErrorGrowth while_unseen = {0.0F, 0.0F, std::numeric_limits<float>::max(), 0.0F,
+                                      std::numeric_limits<float>::max()};
+
+glm::vec3 center_of(const Box& box) { return 0.5F * box.min + 0.5F * box.max; }
+
+bool is_small_motion(const ViewMotion& motion, const Box& box) {
+  const double diagonal = glm::distance(glm::dvec3(box.min), glm::dvec3(box.max));
+  return diagonal >= least_diagonal && diagonal <= most_diagonal &&
+         std::max(motion.eye_distance, motion.center_distance) <= most_motion * diagonal &&
+         motion.rotation_rad <= most_motion;
+}
+
+}  // namespace
+
+FrontEvaluation::FrontEvaluation(std::span<const RefineObject> objects) {
+  for (const RefineObject& object : objects) objects_.emplace_back(object);
+}
+
+void FrontEvaluation::restart(const RefinedScene& scene) {
+  scene_ = scene;
+  for (std::uint32_t i = 0; i < objects_.size(); ++i) {
+    objects_[i].front.clear();
+    objects_[i].motion = {};
+    objects_[i].view = scene_.views[i];
+  }
+  last_view_ = *scene_.view;
+}
+
+void FrontEvaluation::move_to(const RefinedScene& scene) {
+  scene_ = scene;
+  for (std::uint32_t i = 0; i < objects_.size(); ++i) {
+    move(i);
+    evaluate_expired(i);
+  }
+  last_view_ = *scene_.view;
+}
+
+// To the view of this frame. Nothing is known any more when that is of another kind.
+void FrontEvaluation::move(std::uint32_t object) {
+  Object& of = objects_[object];
+  const RefineOptions* const options = scene_.options;
+  const ObjectView& view = scene_.views[object];
+  const Box& box = scene_.hierarchy(object).box();
+  const std::optional<ViewMotion> moved = motion_between({*last_view_, *of.view}, {*scene_.view, view}, center_of(box));
+  of.view = view;
+  if (moved) {
+    of.motion.eye_distance += moved->eye_distance;
+    of.motion.center_distance += moved->center_distance;
+    of.motion.rotation_rad += moved->rotation_rad;
+    if (is_small_motion(of.motion, box)) {
+      of.front.scales().update(of.motion);
+      if (options->priority.culling == Culling::star) of.front.priorities().update(of.motion);
+      return;
+    }
+  }
+  of.motion = {};
+  of.front.scales().forget_all();
+  of.front.priorities().forget_all();
+}
+
+std::size_t FrontEvaluation::node_count() const noexcept {
+  std::size_t nodes = 0;
+  for (const Object& object : objects_) nodes += object.front.size();
+  return nodes;
+}
+
+BoundedProducts FrontEvaluation::errors(std::uint32_t object) const {
+  const Front& front = objects_[object].front;
+  return {front.scales(), front.errors(), front.flags()};
+}
+
+BoundedProducts FrontEvaluation::guaranteed_errors(std::uint32_t object) const {
+  const Front& front = objects_[object].front;
+  return {front.scales(), front.guaranteed_errors(), front.flags()};
+}
+
+BoundedProducts FrontEvaluation::priorities(std::uint32_t object) const {
+  const RefineOptions* const options = scene_.options;
+  if (options->priority.culling == Culling::subtree) return errors(object);
+  const Front& front = objects_[object].front;
+  return {front.priorities(), {}, front.flags()};
+}
+
+BoundedProducts FrontEvaluation::leaf_priorities(std::uint32_t object) const {
+  const RefineOptions* const options = scene_.options;
+  if (options->priority.culling == Culling::subtree) return errors(object);
+  const Front& front = objects_[object].front;
+  return {front.priorities(), front.forced_weights(), front.flags()};
+}
+
+float FrontEvaluation::most_grazing() const {
+  constexpr float rounding = 1.001F;
+  const RefineOptions* const options = scene_.options;
+  return rounding * std::pow(least_cosine, -static_cast<float>(options->priority.grazing_exponent));
+}
+
+float FrontEvaluation::priority_at_most(std::uint32_t object, Front::Index k) const {
+  const Front& front = objects_[object].front;
+  const RefineOptions* const options = scene_.options;
+  const float by_subtree = front.scales().error_factor[k] * front.error_at_most(k).quadric_px;
+  if (options->priority.culling == Culling::subtree) return by_subtree;
+  if (front.priorities().is_outdated(k)) return most_grazing() * by_subtree;
+  return front.priorities().error_factor[k] * front.priorities().value[k];
+}
+
+void FrontEvaluation::evaluate(std::uint32_t object, std::span<const Front::Index> nodes) {
+  Object& of = objects_[object];
+  expired_.clear();
+  for (const Front::Index k : nodes)
+    if (!of.front.scales().is_exact(k)) expired_.push_back(k);
+  weigh_nodes(
+      of.front, expired_,
+      {scene_.views[object], scene_.gate->tests_cone(object), of.motion, center_of(scene_.hierarchy(object).box())});
+}
+
+void FrontEvaluation::evaluate_expired(std::uint32_t object) {
+  found_.clear();
+  const BoundedValues& scales = objects_[object].front.scales();
+  for (Front::Index k = 0; k < scales.value.size(); ++k)
+    if (scales.is_outdated(k)) found_.push_back(k);
+  evaluate(object, found_);
+}
+
+SplitWorth FrontEvaluation::worth(std::uint32_t object, Front::Index k) {
+  Object& of = objects_[object];
+  Front& front = of.front;
+  const RefineOptions* const options = scene_.options;
+  const bool by_star = options->priority.culling == Culling::star;
+  // A star has a scale of its own: whether the node is seen is known from frames before.
+  if (!by_star || front.scales().is_outdated(k)) evaluate(object, {&k, 1});
+  if (front.is(k, Front::hidden)) return {};
+  if (!(front.scales().value[k] > 0.0F)) {
+    front.priorities().put(k, 0.0F, while_unseen, of.motion);
+    front.visible_share(k) = 0.0F;
+    return {};
+  }
+  if (by_star) return worth_by_star(object, k);
+  const ScreenError error = front.error_at_most(k);
+  return {error.quadric_px, error.quadric_px, error};
+}
+
+SplitWorth FrontEvaluation::worth_by_star(std::uint32_t object, Front::Index k) {
+  Object& of = objects_[object];
+  const RefineOptions* const options = scene_.options;
+  Importance& importance = scene_.importances[object];
+  const ObjectView& view = scene_.views[object];
+  const FrontStar& star = of.front.star(k);
+  FrontPriority found;
+  if (!star.has_too_many && is_wholly_inside(star.sphere, view))
+    found = front_priority(
+        star, {of.front.errors()[k], of.front.guaranteed_errors()[k]},
+        {view, importance, scene_.objects[object].two_sided, static_cast<float>(options->priority.grazing_exponent),
+         static_cast<float>(2.0 * tan_corner_angle(view)), center_of(scene_.hierarchy(object).box())});
+  else
+    found.value = importance.of(of.front.node(k).split);
+  const bool is_seen = found.value.visible_share > 0.0F;
+  const float priority = is_seen ? found.value.priority : 0.0F;
+  of.front.priorities().put(k, priority, found.growth, of.motion);
+  of.front.visible_share(k) = found.value.visible_share;
+  if (!is_seen) return {};
+  return {priority * of.front.forced_weight(k), priority, found.value.error};
+}
+
+AppliedCount FrontEvaluation::count_applied(float least) const {
+  AppliedCount applied;
+  for (std::uint32_t i = 0; i < objects_.size(); ++i) {
+    const BoundedProducts of = errors(i);
+    const std::size_t all = count(of, {.all = Front::applied});
+    applied.all += all;
+    applied.worthless += all - count(of, {.all = Front::applied, .none = Front::subtree_hidden, .may_exceed = least});
+  }
+  return applied;
+}
+
+void FrontEvaluation::count_nodes(RefineStats& stats) const {
+  constexpr std::uint16_t unseen = Front::outside | Front::facing_away;
+  for (std::uint32_t i = 0; i < objects_.size(); ++i) {
+    const BoundedProducts of = errors(i);
+    stats.nodes += count(of, {.all = Front::reached});
+    stats.culled_frustum += count(of, {.all = Front::reached | Front::outside});
+    stats.culled_backface += count(of, {.all = Front::reached | Front::facing_away});
+    stats.culled_occlusion += count(of, {.all = Front::reached | Front::hidden, .none = unseen});
+    if (scene_.options->priority.culling == Culling::subtree) continue;
+    constexpr std::uint16_t all = Front::reached | Front::descended;
+    constexpr std::uint16_t none = Front::applied | Front::hidden | unseen;
+    const BoundedProducts own = priorities(i);  // without an entry for what has expired, which may be anything
+    stats.culled_backface +=
+        count(own, {.all = all, .none = none}) - count(own, {.all = all, .none = none, .may_exceed = 0.0F});
+  }
+}
+
+void FrontEvaluation::measure_errors(ScreenError& left) {
+  for (std::uint32_t i = 0; i < objects_.size(); ++i) {
+    measure_unreached(i, errors(i), left.quadric_px, left);
+    measure_unreached(i, guaranteed_errors(i), left.guaranteed_px, left);
+  }
+  for (std::uint32_t i = 0; i < objects_.size(); ++i) {
+    measure_unapplied(i, errors(i), left.quadric_px, left);
+    measure_unapplied(i, guaranteed_errors(i), left.guaranteed_px, left);
+  }
+}
+
+// By the bounds of subtrees that have not been descended.
+void FrontEvaluation::measure_unreached(std::uint32_t object, const BoundedProducts& of, float so_far,
+                                        ScreenError& left) {
+  constexpr std::uint16_t all = Front::reached, none = Front::descended | Front::subtree_hidden;
+  found_.clear();
+  const float least = (1.0F - 1e-6F) * std::max(so_far, largest_at_least(of, all, none));
+  select(of, {.all = all, .none = none, .may_exceed = least}, found_);
+  evaluate(object, found_);
+  for (const Front::Index k : found_) left.include(objects_[object].front.error_at_most(k));
+}
+
+// By stars of splits, where their subtree's bounds leave room for a larger one.
+void FrontEvaluation::measure_unapplied(std::uint32_t object, const BoundedProducts& of, float so_far,
+                                        ScreenError& left) {
+  constexpr std::uint16_t all = Front::reached | Front::descended, none = Front::applied | Front::hidden;
+  found_.clear();
+  select(of, {.all = all, .none = none, .may_exceed = so_far}, found_);
+  const RefineOptions* const options = scene_.options;
+  const BoundedValues& known = priorities(object).values;
+  Front& front = objects_[object].front;
+  for (const Front::Index k : found_) {
+    if (options->priority.culling == Culling::subtree || known.is_outdated(k))
+      left.include(worth(object, k).error);
+    else if (known.value[k] > 0.0F)  // still seen
+      left.include({front.errors()[k], front.guaranteed_errors()[k],
+                    scene_.views[object].largest_scale_px(front.star(k).sphere)});
+  }
+}
+
+}  // namespace occlod

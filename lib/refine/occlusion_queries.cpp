@@ -1,0 +1,156 @@
+#include "refine/occlusion_queries.h"
+
+#include <algorithm>
+
+#include "base/milliseconds_since.h"
+#include "base/platform.h"
+#include "refine/star_visibility.h"
+
+namespace occlod {
+namespace {
+
+constexpr std::size_t least_at_once = 128;
+
+}  // namespace
+
+void OcclusionQueries::begin(Visibility& visibility, const QueriedScene& scene) {
+  visibility_ = &visibility;
+  scene_ = scene;
+  counts_ = {};
+  const Clock::time_point start = Clock::now();
+  visibility_->begin_view(*scene.view, scene.views);
+  can_hide_ = visibility_->can_hide();
+  flight_ = visibility_->flight();
+  milliseconds_ = milliseconds_since(start);
+}
+
+bool OcclusionQueries::asks(const Entry& entry) const {
+  const RefineOptions* const options = scene_.options;
+  if (entry.kind == Entry::Kind::apply ? !asks_stars()
+                                       : entry.level % options->queries.level_step != options->queries.level_step - 1)
+    return false;
+  return asks_in_region(entry.object, entry.split);
+}
+
+bool OcclusionQueries::asks_in_region(std::uint32_t object, SplitId s) const {
+  return scene_.gate->asks(object, scene_.cuts->hierarchy(object).node(s).sphere.center);
+}
+
+bool OcclusionQueries::asks_stars() const {
+  const RefineOptions* const options = scene_.options;
+  return options->priority.culling == Culling::star && options->queries.ask_stars;
+}
+
+bool OcclusionQueries::asks_splits() const {
+  const RefineOptions* const options = scene_.options;
+  return options->priority.culling == Culling::subtree || asks_stars();
+}
+
+Entry::Kind OcclusionQueries::split_question() const {
+  const RefineOptions* const options = scene_.options;
+  return options->priority.culling == Culling::star ? Entry::Kind::apply : Entry::Kind::visit;
+}
+
+void OcclusionQueries::ask(std::span<const Entry> entries, std::span<Verdict> verdicts) {
+  const Clock::time_point start = Clock::now();
+  find(entries, verdicts, scratch_);
+  count(entries, verdicts, milliseconds_since(start));
+}
+
+// In pieces that stay in the cache: by their vertices, which decide most, then by their bounds.
+void OcclusionQueries::find(std::span<const Entry> entries, std::span<Verdict> verdicts, Scratch& scratch) const {
+  const std::size_t most_at_once = std::max(least_at_once, flight_);
+  for (std::size_t first = 0; first < entries.size(); first += most_at_once) {
+    const std::size_t size = std::min(most_at_once, entries.size() - first);
+    find_vertices_that_show(entries.subspan(first, size), verdicts.subspan(first, size), scratch);
+    ask_about_bounds(entries.subspan(first, size), verdicts.subspan(first, size), scratch);
+  }
+}
+
+void OcclusionQueries::count(std::span<const Entry> entries, std::span<const Verdict> verdicts, double milliseconds) {
+  milliseconds_ += milliseconds;
+  counts_.asked += entries.size();
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    if (!verdicts[i].visible) ++counts_.hidden;
+    const glm::vec3& center = scene_.cuts->hierarchy(entries[i].object).node(entries[i].split).sphere.center;
+    scene_.gate->answered(entries[i].object, entries[i].kind, center, entries[i].error.quadric_px, verdicts[i].visible);
+  }
+}
+
+void OcclusionQueries::find_vertices_that_show(std::span<const Entry> entries, std::span<Verdict> verdicts,
+                                               Scratch& scratch) const {
+  scratch.vertices.resize(entries.size());
+  scratch.vertex_shows.resize(entries.size());
+  for (const Entry& entry : entries) {
+    const Hierarchy& hierarchy = scene_.cuts->hierarchy(entry.object);
+    prefetch(&hierarchy.positions()[hierarchy.vertex_of(entry.split)]);
+    prefetch(&hierarchy.node(entry.split));
+  }
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    const Hierarchy& hierarchy = scene_.cuts->hierarchy(entries[i].object);
+    scratch.vertices[i] = hierarchy.positions()[hierarchy.vertex_of(entries[i].split)];
+  }
+  for (std::size_t first = 0, end = 0; first < entries.size(); first = end) {
+    while (end < entries.size() && entries[end].object == entries[first].object) ++end;
+    visibility_->find_visible_points(entries[first].object, std::span(scratch.vertices).subspan(first, end - first),
+                                     std::span(scratch.vertex_shows).subspan(first, end - first));
+  }
+  for (std::size_t i = 0; i < entries.size(); ++i) verdicts[i] = {true, scratch.vertex_shows[i] != 0};
+}
+
+// Those whose vertices do not show.
+void OcclusionQueries::ask_about_bounds(std::span<const Entry> entries, std::span<Verdict> verdicts,
+                                        Scratch& scratch) const {
+  auto& [vertices, vertex_shows, asked, first_points, points, queries, answers] = scratch;
+  asked.clear();
+  points.clear();
+  first_points.clear();
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    if (verdicts[i].vertex_shows) continue;
+    asked.push_back(i);
+    first_points.push_back(points.size());
+    if (entries[i].kind == Entry::Kind::apply)
+      StarVisibility::append_points(scene_.cuts->hierarchy(entries[i].object), entries[i].split, points);
+  }
+  if (asked.empty()) return;
+  first_points.push_back(points.size());
+  queries.clear();
+  for (std::size_t k = 0; k < asked.size(); ++k) {
+    const Entry& entry = entries[asked[k]];
+    if (entry.kind == Entry::Kind::apply)
+      queries.push_back(
+          {entry.object, PointHull{std::span(points).subspan(first_points[k], first_points[k + 1] - first_points[k])}});
+    else
+      queries.push_back(query_about(entry));
+  }
+  answers.resize(asked.size());
+  visibility_->answer(queries, answers);
+  for (std::size_t k = 0; k < asked.size(); ++k) verdicts[asked[k]].visible = answers[k] != 0;
+}
+
+// The bounds of its subtree.
+VisibilityQuery OcclusionQueries::query_about(const Entry& entry) const {
+  const SplitNode& node = scene_.cuts->hierarchy(entry.object).node(entry.split);
+  const RefineOptions* const options = scene_.options;
+  switch (options->queries.proxy) {
+    case Proxy::sphere:
+      return {entry.object, node.sphere};
+    case Proxy::cylinder:
+      return {entry.object, node.cylinder()};
+    case Proxy::box:
+      break;
+  }
+  return {entry.object, node.box()};
+}
+
+void OcclusionQueries::draw_occluder(CutSet& cuts) {
+  const RefineOptions* const options = scene_.options;
+  const std::span<const OccluderPart> parts =
+      occluder_.build(scene_.objects, cuts, *scene_.view, scene_.views, options->occluder.mode);
+  const Clock::time_point start = Clock::now();
+  visibility_->draw_occluder(parts);
+  milliseconds_ += milliseconds_since(start);
+  ++counts_.draws;
+}
+
+}  // namespace occlod

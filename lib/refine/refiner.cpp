@@ -1,0 +1,221 @@
+#include "occlod/refine/refiner.h"
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/milliseconds_since.h"
+#include "occlod/core/error.h"
+#include "refine/frames.h"
+#include "refine/from_scratch.h"
+#include "refine/refined_scene.h"
+#include "base/placement.h"
+
+namespace occlod {
+namespace {
+
+// Whether a cut that was refined with one can be gone on with by the other. What else is asked about occlusion may
+// change: each frame forgets what it would not ask.
+bool go_on_alike(const RefineOptions& a, const RefineOptions& b) {
+  return a.priority == b.priority && a.occluder == b.occluder && a.queries.proxy == b.queries.proxy;
+}
+
+}  // namespace
+
+class Refiner::Impl {
+ public:
+  explicit Impl(std::span<const RefineObject> objects) : objects_(objects.begin(), objects.end()) {
+    for (const RefineObject& object : objects_) {
+      if (object.hierarchy == nullptr)
+        throw Error({"refiner", "object " + std::to_string(cuts_.size()), "has no hierarchy", "build one first"});
+      cuts_.add(*object.hierarchy);
+      importances_.emplace_back(object);
+    }
+    result_.objects.resize(objects_.size());
+  }
+
+  [[nodiscard]] std::size_t base_triangles() const noexcept { return cuts_.base_triangle_count(); }
+  [[nodiscard]] std::size_t full_triangles() const noexcept { return sum(&Hierarchy::input_triangle_count); }
+
+  void set_transform(std::size_t object, const glm::dmat4& object_to_world) {
+    if (object >= objects_.size())
+      throw Error({"refiner", "object " + std::to_string(object), "is not there",
+                   "there are " + std::to_string(objects_.size()) + ", counted from 0"});
+    require_placement(object_to_world);
+    if (objects_[object].object_to_world == object_to_world) return;
+    objects_[object].object_to_world = object_to_world;
+    placed_ = true;
+  }
+
+  const Refinement& refine(const View& view, const RefineOptions& options, Visibility& visibility) {
+    check_options(options);
+    const Clock::time_point start = Clock::now();
+    begin(view, options, visibility);
+    frames_.reset();
+    from_scratch_.refine(scene(view), stats_);
+    emit();
+    finish(start);
+    return result_;
+  }
+
+  const Refinement& update(const View& view, const RefineOptions& options, Visibility& visibility) {
+    check_options(options);
+    const Clock::time_point start = Clock::now();
+    const bool moved = placed_ || !last_ || last_->visibility != &visibility || last_->camera != view.camera();
+    if (frames_ && !moved && options_ == options && frames_->at_rest()) return repeat(start);
+    const bool same_backend = last_ && last_->visibility == &visibility;
+    if (!go_on_alike(options_, options)) frames_.reset();
+    begin(view, options, visibility);
+    last_ = {view.camera(), &visibility};
+    placed_ = false;
+    if (frames_ && !same_backend) frames_->forget_hidden();
+    try {
+      choose(view, moved, start);
+    } catch (...) {  // in the middle of a frame: the next one cannot go on from it
+      frames_.reset();
+      throw;
+    }
+    frames_->emit(result_.objects, stats_);
+    stats_.splits = 0;
+    for (const RefinedObject& object : result_.objects) stats_.splits += object.splits.size();
+    finish(start);
+    return result_;
+  }
+
+  // What goes on from the result refers to its objects, so these stay where they are.
+  [[nodiscard]] Refinement take_result() {
+    Refinement taken = result_;
+    for (std::size_t i = 0; i < taken.objects.size(); ++i) std::swap(taken.objects[i], result_.objects[i]);
+    return taken;
+  }
+
+  [[nodiscard]] std::vector<std::uint32_t> visibility_ages(std::size_t object) const {
+    const std::vector<SplitId>& splits = result_.objects[object].splits;
+    if (!frames_) return std::vector<std::uint32_t>(splits.size(), 0);
+    return frames_->visibility_ages(static_cast<std::uint32_t>(object), splits);
+  }
+
+ private:
+  [[nodiscard]] std::size_t sum(std::size_t (Hierarchy::*count)() const noexcept) const noexcept {
+    std::size_t total = 0;
+    for (const RefineObject& object : objects_) total += (object.hierarchy->*count)();
+    return total;
+  }
+
+  void begin(const View& view, const RefineOptions& options, Visibility& visibility) {
+    if (options.budget < base_triangles())
+      throw Error({"budget", "", "of " + std::to_string(options.budget) + " triangles is smaller than the base meshes",
+                   "give at least " + std::to_string(base_triangles())});
+    options_ = options;
+    views_.clear();
+    for (const RefineObject& object : objects_) views_.emplace_back(view, object.object_to_world);
+    for (std::size_t i = 0; i < objects_.size(); ++i) importances_[i].begin(views_[i], options_);
+    gate_.begin(objects_, options_);
+    queries_.begin(visibility, {objects_, views_, &cuts_, &gate_, &view, &options_});
+    stats_ = {};
+    stats_.budget = options.budget;
+  }
+
+  [[nodiscard]] RefinedScene scene(const View& view) {
+    return {objects_, views_, importances_, &cuts_, &gate_, &queries_, &view, &options_};
+  }
+
+  // The cuts of update().
+  void choose(const View& view, bool moved, Clock::time_point start) {
+    const bool limited = options_.update.most_changes > 0 || options_.update.time_limit_ms > 0.0;
+    if (frames_ && (frames_->move_to(scene(view)) || limited)) {
+      frames_->advance(moved, start, stats_);
+    } else {
+      from_scratch_.refine(scene(view), stats_);
+      if (!frames_) frames_.emplace(objects_, result_.objects);
+      frames_->adopt(scene(view), from_scratch_.end_level(), from_scratch_.hidden());
+    }
+  }
+
+  void emit() {
+    for (std::uint32_t i = 0; i < cuts_.size(); ++i) {
+      RefinedObject& object = result_.objects[i];
+      cuts_.active_wedge_triangles(i, object.triangles, true);
+      object.splits.assign(cuts_[i].applied_splits().begin(), cuts_[i].applied_splits().end());
+      object.changes.assign(1, {0, static_cast<std::uint32_t>(object.triangles.size())});
+      object.geomorphs.clear();
+    }
+    stats_.new_splits = stats_.splits;
+    stats_.changed_triangles = stats_.triangles;
+  }
+
+  // Nothing has changed since the call before.
+  const Refinement& repeat(Clock::time_point start) {
+    for (RefinedObject& object : result_.objects) object.changes.clear();
+    const RefineStats& last = result_.stats;
+    stats_ = {.budget = last.budget,
+              .triangles = last.triangles,
+              .splits = last.splits,
+              .nodes = last.nodes,
+              .culled_frustum = last.culled_frustum,
+              .culled_backface = last.culled_backface,
+              .culled_occlusion = last.culled_occlusion,
+              .max_error_px = last.max_error_px,
+              .max_quadric_error_px = last.max_quadric_error_px,
+              .level_px = last.level_px};
+    stats_.refine_ms = milliseconds_since(start);
+    result_.stats = stats_;
+    return result_;
+  }
+
+  void finish(Clock::time_point start) {
+    stats_.queries = queries_.counts().asked;
+    stats_.queries_hidden = queries_.counts().hidden;
+    stats_.occluder_draws = queries_.counts().draws;
+    stats_.occlusion_ms = queries_.milliseconds();
+    stats_.refine_ms = milliseconds_since(start) - stats_.occlusion_ms;
+    result_.stats = stats_;
+    result_.effects.assign(gate_.stats().begin(), gate_.stats().end());
+  }
+
+  std::vector<RefineObject> objects_;
+  CutSet cuts_;
+  std::vector<ObjectView> views_;
+  std::vector<Importance> importances_;
+  RefineOptions options_;
+  OcclusionQueries queries_;
+  EffectGate gate_;
+  FromScratch from_scratch_;
+  RefineStats stats_;
+  Refinement result_;
+
+  struct Last {
+    Camera camera;
+    const Visibility* visibility;  // only compared
+  };
+  bool placed_ = false;           // objects elsewhere, since the last update()
+  std::optional<Last> last_;      // of update()
+  std::optional<Frames> frames_;  // of update(), since the last refine()
+};
+
+const Refinement& Refiner::update(const View& view, const RefineOptions& options, Visibility& visibility) {
+  return impl_->update(view, options, visibility);
+}
+
+void Refiner::set_transform(std::size_t object, const glm::dmat4& object_to_world) {
+  impl_->set_transform(object, object_to_world);
+}
+
+Refinement Refiner::take_result() { return impl_->take_result(); }
+
+std::vector<std::uint32_t> Refiner::visibility_ages(std::size_t object) const { return impl_->visibility_ages(object); }
+
+Refiner::Refiner(std::span<const RefineObject> objects) : impl_(std::make_unique<Impl>(objects)) {}
+Refiner::~Refiner() = default;
+Refiner::Refiner(Refiner&&) noexcept = default;
+Refiner& Refiner::operator=(Refiner&&) noexcept = default;
+
+std::size_t Refiner::base_triangles() const noexcept { return impl_->base_triangles(); }
+std::size_t Refiner::full_triangles() const noexcept { return impl_->full_triangles(); }
+
+const Refinement& Refiner::refine(const View& view, const RefineOptions& options, Visibility& visibility) {
+  return impl_->refine(view, options, visibility);
+}
+
+}  // namespace occlod

@@ -1,0 +1,122 @@
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
+#include <vector>
+
+#include "scene/frustum_edges.h"
+#include "scene/lines.h"
+#include "scene/shading.h"
+
+namespace occlod {
+namespace {
+
+// The corners of the boxes of all objects, in world space.
+std::vector<glm::dvec3> scene_corners(std::span<const DrawObject> objects) {
+  std::vector<glm::dvec3> corners;
+  for (const DrawObject& object : objects) {
+    if (object.positions.empty()) continue;
+    const Box box = bounding_box(object.positions);
+    for (int i = 0; i < 8; ++i) corners.emplace_back(object.object_to_world * glm::dvec4(corner(box, i), 1.0));
+  }
+  return corners;
+}
+
+// How far along the axis the frustum is drawn: to the farthest part of the scene, to the far plane when nothing of it
+// lies ahead.
+double frustum_length(std::span<const glm::dvec3> corners, const View& view) {
+  double farthest = 0.0;
+  for (const glm::dvec3& p : corners) farthest = std::max(farthest, glm::dot(p - view.camera().eye, view.direction()));
+  return farthest > 0.0 ? std::min(farthest, view.camera().far) : view.camera().far;
+}
+
+void draw_frustum(Image& image, const View& view, const View& main_view, double length) {
+  const picture::Pen pen{{0.95F, 0.72F, 0.05F}, 0.9F, 2.0F};
+  for (const auto& [from, to] : picture::frustum_edges(main_view, length))
+    picture::draw_line(image, view, from, to, pen);
+}
+
+// The main eye is at the bottom of the picture: light from there shines on what it sees.
+constexpr picture::Style dark_style{.background_top = {0.045F, 0.055F, 0.075F},
+                                    .background_bottom = {0.10F, 0.115F, 0.14F},
+                                    .key_light = {-0.35, -0.55, 0.75}};
+
+void draw_box(Image& image, const View& view, const DrawObject& object, const MarkedObject& mark) {
+  const picture::Pen pen{glm::mix(mark.color, glm::vec3(1.0F), 0.25F), 0.8F, 1.0F};
+  const auto at = [&](int i) { return glm::dvec3(object.object_to_world * glm::dvec4(corner(mark.box, i), 1.0)); };
+  for (int i = 0; i < 8; ++i)
+    for (int axis = 1; axis < 8; axis *= 2)  // bits of a corner's number are its sides
+      if ((i & axis) == 0) picture::draw_line(image, view, at(i), at(i | axis), pen);
+}
+
+}  // namespace
+
+Image birdseye(std::span<const DrawObject> objects, const ItemBuffer& main_items, const View& main_view,
+               const View& view) {
+  ItemBuffer items;
+  draw_items(items, objects, view);
+  const std::vector<bool> visible = visible_items(main_items, picture::ItemTable(objects).size());
+  const glm::vec3 seen(0.82F, 0.42F, 0.12F);
+  const glm::vec3 unseen(0.06F, 0.11F, 0.22F);
+  Image image = picture::shade_items(items, objects, view, dark_style,
+                                     [&](std::uint32_t item, const picture::ItemTable::Owner&) -> picture::ItemColor {
+                                       return visible[item] ? seen : unseen;
+                                     });
+  draw_frustum(image, view, main_view, frustum_length(scene_corners(objects), main_view));
+  return image;
+}
+
+Image birdseye_boxes(std::span<const DrawObject> objects, std::span<const MarkedObject> marks, const View& main_view,
+                     const View& view) {
+  assert(objects.size() == marks.size());
+  ItemBuffer items;
+  draw_items(items, objects, view);
+  Image image = picture::shade_items(items, objects, view, dark_style,
+                                     [&](std::uint32_t, const picture::ItemTable::Owner& owner) -> picture::ItemColor {
+                                       return marks[static_cast<std::size_t>(owner.object - objects.data())].color;
+                                     });
+  for (std::size_t i = 0; i < objects.size(); ++i) draw_box(image, view, objects[i], marks[i]);
+  draw_frustum(image, view, main_view, frustum_length(scene_corners(objects), main_view));
+  return image;
+}
+
+Camera birdseye_camera(std::span<const DrawObject> objects, const View& main_view) {
+  const Camera& main = main_view.camera();
+  std::vector<glm::dvec3> points = scene_corners(objects);
+  points.push_back(main.eye);
+  const glm::dvec3 up = glm::normalize(main.up);
+  const glm::dvec3 right = glm::normalize(glm::cross(main_view.direction(), up));
+  const glm::dvec3 ahead = glm::cross(up, right);  // upwards in the picture
+
+  // Extents along the three axes of the camera, relative to the main eye.
+  glm::dvec3 low(0.0), high(0.0);
+  for (const glm::dvec3& p : points) {
+    const glm::dvec3 d = p - main.eye;
+    const glm::dvec3 local(glm::dot(d, right), glm::dot(d, ahead), glm::dot(d, up));
+    low = glm::min(low, local);
+    high = glm::max(high, local);
+  }
+  const glm::dvec3 size = high - low;
+  const double largest = std::max({size.x, size.y, size.z});
+  const double scale = largest > 0.0 ? largest : 1.0;
+
+  Camera camera;
+  camera.width = main.width;
+  camera.height = main.height;
+  camera.fov_y_deg = 30.0;
+  const double half_tangent = std::tan(glm::radians(camera.fov_y_deg) / 2.0);
+  const double half_height = std::max(size.y, size.x * camera.height / camera.width) / 2.0;
+  // The whole box fits when its top does; a twentieth is left free around it.
+  const double distance = std::max(1.05 * half_height / half_tangent, 0.05 * scale);
+  const glm::dvec3 middle = (low + high) / 2.0;
+  camera.target = main.eye + middle.x * right + middle.y * ahead + middle.z * up;
+  camera.eye = camera.target + (size.z / 2.0 + distance) * up;
+  camera.up = ahead;
+  camera.near = distance / 2.0;
+  camera.far = 1.5 * (distance + size.z);
+  return camera;
+}
+
+}  // namespace occlod

@@ -1,0 +1,57 @@
+// Which half-edge collapses keep the topology and do not flip a face.
+#pragma once
+
+#include <cstddef>
+#include <glm/vec3.hpp>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "occlod/hierarchy/split_star.h"
+#include "splits/position_view.h"
+#include "splits/star_mesh.h"
+
+namespace occlod {
+
+// What the collapses of one vertex have in common. Computed once for v, then asked for each target.
+class VertexRing {
+ public:
+  void gather(const StarMesh& mesh, VertexId v);
+
+  [[nodiscard]] VertexId vertex() const noexcept { return vertex_; }
+  [[nodiscard]] std::span<const VertexId> neighbours() const noexcept { return neighbours_; }
+  // Of u among the neighbours, if it is one. O(log neighbours).
+  [[nodiscard]] std::optional<std::size_t> place_of(VertexId u) const;
+  // Faces at the edge from v to neighbour i.
+  [[nodiscard]] int degree(std::size_t i) const noexcept { return degrees_[i]; }
+  // False when v is a corner of the complex: several fans, or feature edges (those without exactly two faces) that do
+  // not pass through v as one line of constant degree. Nothing that starts at such a vertex keeps the topology.
+  [[nodiscard]] bool movable() const noexcept { return movable_; }
+  // True when v lies on a line of feature edges; it may then move only along that line.
+  [[nodiscard]] bool on_feature() const noexcept { return on_feature_; }
+
+ private:
+  [[nodiscard]] bool one_fan(const StarMesh& mesh) const;
+
+  VertexId vertex_ = no_id;
+  std::vector<VertexId> neighbours_;
+  std::vector<int> degrees_;
+  bool movable_ = false;
+  bool on_feature_ = false;
+  mutable std::vector<std::uint32_t> fan_of_;
+};
+
+// Whether the faces at the vertex that a split adds are those that it inserts there, so that the collapse it undoes can
+// be repeated.
+[[nodiscard]] bool has_inserted_star(const StarMesh& mesh, const SplitStar& star);
+
+// The link condition for merging v into its i-th neighbour (Dey, Edelsbrunner, Guha, Nekhayev 1999): the links of both
+// ends meet only in the link of the edge, feature edges coned to an extra vertex included. Then the result is
+// homeomorphic to what was there.
+[[nodiscard]] bool keeps_topology(const StarMesh& mesh, const VertexRing& ring, std::size_t i);
+
+// True iff no face that merging v into u moves turns by more than about 75 degrees or degenerates. Faces without area
+// before may do anything.
+[[nodiscard]] bool keeps_orientation(const StarMesh& mesh, const PositionView& positions, VertexId v, VertexId u);
+
+}  // namespace occlod

@@ -1,0 +1,366 @@
+#include "splits/collapse_worker.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+
+#include "splits/unit_scale.h"
+
+namespace occlod {
+namespace {
+
+constexpr float infinity = std::numeric_limits<float>::infinity();
+constexpr float round_up = 1.0F + 1e-6F;
+// Neighbours of a vertex whose attributes are looked at: all, but for the hubs of large wheels.
+constexpr std::size_t most_evaluated = 32;
+
+}  // namespace
+
+void CollapseWorker::start(const Block& block) {
+  block_ = &block;
+  made_.clear();
+  ranks_.clear();
+  ended_.clear();
+  corners_.clear();
+  wedge_merges_.clear();
+  faces_gone_ = 0;
+  queue_.reset(block.vertices.size());
+  constexpr std::uint32_t ahead = 16;
+  for (std::uint32_t i = 0; i < block.vertices.size(); ++i) {
+    if (i + ahead < block.vertices.size()) {
+      prefetch(&state_.vertices[block.vertices[i + ahead]]);
+      state_.mesh.prefetch(block.vertices[i + ahead / 2]);
+    }
+    if (const float cost = state_.vertices[block.vertices[i]].cost; cost <= block.threshold) queue_.push(i, cost);
+  }
+}
+
+// Some more of the block, less than a millisecond's work; false when nothing is left to do.
+bool CollapseWorker::take_steps() {
+  constexpr int steps = 512;
+  for (int step = 0; step < steps; ++step) {
+    if (faces_gone_ >= block_->stop_after) return false;
+    const std::uint32_t i = queue_.pop();
+    if (i == CollapseQueue::none) return false;
+    prefetch_next();
+    consider(block_->vertices[i]);
+  }
+  return true;
+}
+
+// What consider() will read first.
+void CollapseWorker::prefetch_next() const {
+  const std::uint32_t next = queue_.likely_next();
+  if (next == CollapseQueue::none) return;
+  state_.mesh.prefetch(block_->vertices[next]);
+  const std::uint32_t later = queue_.likely_after(next);
+  if (later == CollapseQueue::none) return;
+  prefetch(&state_.vertices[block_->vertices[later]]);
+  state_.mesh.prefetch_place(block_->vertices[later]);
+}
+
+// Of a vertex of the block.
+void CollapseWorker::set_cost(VertexId v, float cost) {
+  state_.vertices[v].cost = cost;
+  const std::uint32_t item = state_.turns[v].place - block_->first_turn;
+  queue_.remove(item);
+  if (cost <= block_->threshold) queue_.push(item, cost);
+}
+
+// Checks a vertex whose turn has come; makes its collapse, or puts it back where it belongs.
+void CollapseWorker::consider(VertexId v) {
+  const bool is_fan = fan_.gather(state_.mesh, v);
+  if (!is_fan) ring_.gather(state_.mesh, v);
+  const std::span<const VertexId> ring = is_fan ? fan_.ring() : ring_.neighbours();
+  if (!in_block(ring)) return;
+  for (const VertexId w : ring) state_.mesh.prefetch(w);
+  const Choice choice = state_.attributes != nullptr ? choose_with_attributes(ring, is_fan)
+                        : is_fan                     ? choose_in_fan()
+                                                     : choose_in_ring();
+  if (CollapseQueue::level(choice.cost) > CollapseQueue::level(state_.vertices[v].cost))
+    set_cost(v, choice.cost);
+  else
+    collapse(v, choice, ring, choice.keeps_topology ? movement(choice, is_fan) : 0.0F);
+}
+
+bool CollapseWorker::in_block(std::span<const VertexId> vertices) const {
+  return std::all_of(vertices.begin(), vertices.end(),
+                     [&](VertexId w) { return state_.turns[w].place - block_->first_turn < block_->vertices.size(); });
+}
+
+// The cheapest collapse that the rules allow. Where they allow none, the cheapest that breaks the topology.
+CollapseWorker::Choice CollapseWorker::choose_in_fan() {
+  fan_.measure_offsets(state_.position_of());
+  fan_.measure_normals();
+  const VertexId v = fan_.vertex();
+  const std::span<float> costs = fan_.costs(state_.vertices[v].quadric);
+  for (std::size_t tries = 0; tries < costs.size(); ++tries) {
+    const auto cheapest = std::min_element(costs.begin(), costs.end());
+    if (!(*cheapest < infinity)) break;
+    const auto i = static_cast<std::size_t>(cheapest - costs.begin());
+    if (fan_.keeps_orientation(i) && fan_.keeps_topology(state_.mesh, i)) return {fan_.ring()[i], *cheapest, true, i};
+    *cheapest = infinity;
+  }
+  return break_topology(fan_.ring(), v);
+}
+
+CollapseWorker::Choice CollapseWorker::choose_in_ring() {
+  const VertexId v = ring_.vertex();
+  const auto neighbours = ring_.neighbours();
+  Choice best{no_id, infinity, true};
+  for (std::size_t i = 0; i < neighbours.size(); ++i) {
+    const float c = state_.cost(v, neighbours[i]);
+    if (c < best.cost && keeps_topology(state_.mesh, ring_, i) &&
+        keeps_orientation(state_.mesh, state_.positions(), v, neighbours[i]))
+      best = {neighbours[i], c, true, i};
+  }
+  return best.u == no_id ? break_topology(neighbours, v) : best;
+}
+
+// Both of the above, at the price of what happens to attributes too. That costs more to find out, so neighbours are
+// tried by their quadric costs until these alone exceed the best.
+CollapseWorker::Choice CollapseWorker::choose_with_attributes(std::span<const VertexId> ring, bool is_fan) {
+  const VertexId v = is_fan ? fan_.vertex() : ring_.vertex();
+  const VertexQuadric& quadric = state_.vertices[v].quadric;
+  std::span<float> costs;
+  if (is_fan) {
+    fan_.measure_offsets(state_.position_of());
+    fan_.measure_normals();
+    costs = fan_.costs(quadric);
+  } else {
+    ring_costs_.clear();
+    for (const VertexId u : ring) ring_costs_.push_back(state_.cost(v, u));
+    costs = ring_costs_;
+  }
+  attributes_.gather(state_.mesh, *state_.attributes, state_.positions(), v);
+  const float weight = quadric.order() * state_.attribute_weight2;
+  const float so_far = weight * quadric.inverse_weight() * state_.attributes->sums[v];
+  Choice best{no_id, infinity, true};
+  std::size_t evaluated = 0;
+  for (std::size_t tries = 0; tries < costs.size() && evaluated < most_evaluated; ++tries) {
+    const auto cheapest = std::min_element(costs.begin(), costs.end());
+    const float cost = *cheapest + so_far;
+    if (!(cost < best.cost)) break;
+    *cheapest = infinity;
+    const auto i = static_cast<std::size_t>(cheapest - costs.begin());
+    const bool is_allowed = is_fan ? fan_.keeps_orientation(i) && fan_.keeps_topology(state_.mesh, i)
+                                   : keeps_topology(state_.mesh, ring_, i) &&
+                                         keeps_orientation(state_.mesh, state_.positions(), v, ring[i]);
+    if (!is_allowed) continue;
+    const float total = cost + weight * attributes_.choose(ring[i]);
+    ++evaluated;
+    if (total < best.cost) best = {ring[i], total, true, i};
+  }
+  return best.u == no_id ? break_topology(ring, v) : best;
+}
+
+// A handle, a sliver or a component goes when errors have reached its size: at the price of the mean square of lengths
+// spread evenly about the middle of its extent.
+CollapseWorker::Choice CollapseWorker::break_topology(std::span<const VertexId> neighbours, VertexId v) const {
+  Choice cheapest{no_id, infinity, false};
+  float extent2 = 0.0F;
+  for (const VertexId u : neighbours) {
+    const glm::vec3 edge = state_.edge(v, u);
+    extent2 = std::max(extent2, glm::dot(edge, edge));
+    const float c = state_.cost(v, u);
+    if (c < cheapest.cost) cheapest = {u, c, false};
+  }
+  // A star without area has no weight to order it by.
+  const float order = std::max(state_.vertices[v].quadric.order(), std::sqrt(extent2));
+  cheapest.cost = std::max(cheapest.cost, order * extent2 / 12.0F);
+  return cheapest;
+}
+
+// A bound on how far a collapse that keeps the topology moves the surface. That of a fan follows with those of others.
+float CollapseWorker::movement(const Choice& choice, bool is_fan) {
+  if (!is_fan) return static_cast<float>(change_bound_(state_.mesh, state_.positions(), ring_, choice.u)) * round_up;
+  Batch& batch = batches_[fan_.size()];
+  if (batch.fans.size() == FanMovements::capacity) compute_movements(batch);
+  batch.made[batch.fans.size()] = made_.size();
+  batch.fans.add(fan_, choice.place);
+  return 0.0F;
+}
+
+void CollapseWorker::compute_movements(Batch& batch) {
+  const FanMovements::PerFan<float> bounds = batch.fans.bounds();
+  for (std::size_t i = 0; i < batch.fans.size(); ++i) made_[batch.made[i]].moved = bounds[i];
+  batch.fans.clear();
+}
+
+// `moved`: how far the surface moves at most, if the topology is kept.
+void CollapseWorker::collapse(VertexId v, const Choice& choice, std::span<const VertexId> ring, float moved) {
+  const VertexId u = choice.u;
+  const auto id = static_cast<CollapseId>(CollapseRecords::first_id(block_->record) + made_.size());
+  const std::size_t first_ended = ended_.size(), first_corners = corners_.size();
+  const float deviation2 = state_.attributes != nullptr ? attributes_.choose(u) : 0.0F;
+  faces_gone_ += state_.mesh.collapse(v, u, id, !choice.keeps_topology, arena_, ended_);
+  const glm::vec3 edge = state_.edge(v, u);
+  float error = std::sqrt(state_.vertices[v].quadric.mean_square(edge));
+  // What ended without keeping the topology may have left nothing near it: its own extent is missing.
+  if (!choice.keeps_topology) {
+    moved = longest_edge(std::span(ended_).subspan(first_ended));
+    error = std::max(error, moved);
+  }
+  made_.push_back({v, u, first_ended, error, moved, choice.keeps_topology});
+  if (state_.attributes != nullptr) {
+    made_.back().first_corners = first_corners;
+    move_corners(v, u, id, first_ended);
+    if (state_.keeps_wedge_merges) attributes_.list_merges(v, u, wedge_merges_);
+    made_.back().attribute_error = add_deviation(v, deviation2);
+    state_.attributes->sums[u] += state_.attributes->sums[v];
+  }
+  rank(v, choice, ring);
+  state_.vertices[u].quadric.add(state_.vertices[v].quadric, edge);
+  state_.vertices[v].cost = infinity;
+  for (const VertexId w : ring) update(w, u);
+}
+
+// Of what v stands for. Returns the root mean square over all collapses that led to it.
+float CollapseWorker::add_deviation(VertexId v, float deviation2) {
+  const float weight = state_.vertices[v].quadric.weight;
+  float& sum = state_.attributes->sums[v];
+  sum += weight * deviation2;
+  return std::sqrt(weight > 0.0F ? sum / weight : deviation2);
+}
+
+// Records the wedges of what v's collapse has ended, and gives the faces that it made theirs. attributes_ has chosen.
+void CollapseWorker::move_corners(VertexId v, VertexId u, CollapseId id, std::size_t first_ended) {
+  const auto add = [&](const LevelFace& face, const Triangle& wedges) {
+    if (wedges != face.corners) corners_.push_back({face, wedges});
+  };
+  CornerMap& map = state_.attributes->corners;
+  const std::span<const StarFace> star = attributes_.faces();
+  for (std::size_t i = 0; i < star.size(); ++i)
+    add({{v, star[i].next, star[i].last}, star[i].made_by}, attributes_.wedges()[i]);
+  const auto folded = std::span<const LevelFace>(ended_).subspan(first_ended + star.size());
+  folded_.clear();
+  for (const LevelFace& face : folded) {
+    const StarFace of_u{face.corners.y, face.corners.z, face.made_by};
+    add(face, map.wedges(u, of_u, static_cast<std::size_t>(std::count(folded_.begin(), folded_.end(), of_u))));
+    folded_.push_back(of_u);
+  }
+  map.collapse(state_.mesh, v, u, id, star, attributes_.wedges_of_u(), folded);
+}
+
+// Records what has been made.
+void CollapseWorker::finish() {
+  for (Batch& batch : batches_)
+    if (batch.fans.size() > 0) compute_movements(batch);
+  BlockRecord& record = records_[block_->record];
+  record.collapses.reserve(made_.size());
+  const float to_object = round_up / state_.scale;
+  for (std::size_t i = 0; i < made_.size(); ++i) {
+    const Made& made = made_[i];
+    const std::span<LevelFace> ended = ended_by(i);
+    prefetch_makers(i);
+    const float after = pass_on_errors(made, ended);
+    const StarShape shape = shape_of(made.v, ended);
+    Collapse& collapse = memory_.add(ended, shape);
+    collapse.v = made.v;
+    collapse.u = made.u;
+    collapse.error = scaled_up(made.error, to_object);
+    collapse.guaranteed_error = scaled_up(after, to_object);
+    collapse.moved = scaled_up(made.moved, to_object);
+    records_.add(block_->record, collapse, ended);
+    if (state_.attributes != nullptr) {
+      record_corners(i, ended, record);
+      record.attribute_errors.push_back(scaled_up(made.attribute_error, to_object));
+    }
+  }
+  record.ranks = ranks_;
+  record.wedge_merges = wedge_merges_;
+  record.faces_gone = faces_gone_;
+}
+
+// By the slots of what i has ended, which are in their final order.
+void CollapseWorker::record_corners(std::size_t i, std::span<const LevelFace> ended, BlockRecord& record) {
+  record.first_corners.push_back(record.corners.size());
+  const std::size_t first = made_[i].first_corners;
+  const std::size_t end = i + 1 < made_.size() ? made_[i + 1].first_corners : corners_.size();
+  const auto corners = std::span<const CornerFace>(corners_).subspan(first, end - first);
+  taken_.assign(corners.size(), false);
+  std::size_t first_left = 0;  // most are in order
+  for (std::uint32_t slot = 0; first_left < corners.size() && slot < ended.size(); ++slot) {
+    while (first_left < corners.size() && taken_[first_left]) ++first_left;
+    for (std::size_t c = first_left; c < corners.size(); ++c) {
+      const LevelFace& face = corners[c].face;
+      if (taken_[c] || face.made_by != ended[slot].made_by || face.corners != ended[slot].corners) continue;
+      taken_[c] = true;
+      record.corners.push_back({slot, corners[c].wedges});
+      break;
+    }
+  }
+}
+
+// What i has ended.
+std::span<LevelFace> CollapseWorker::ended_by(std::size_t i) {
+  const std::size_t end = i + 1 < made_.size() ? made_[i + 1].first_ended : ended_.size();
+  return std::span(ended_).subspan(made_[i].first_ended, end - made_[i].first_ended);
+}
+
+// Collapses of earlier passes are anywhere in memory.
+void CollapseWorker::prefetch_makers(std::size_t i) {
+  constexpr std::size_t ahead = 4;
+  const auto for_each_maker = [&](std::size_t later, const auto& visit) {
+    if (later >= made_.size()) return;
+    for (const LevelFace& face : ended_by(later))
+      if (face.made_by < CollapseRecords::first_id(block_->record)) visit(records_.collapse(face.made_by));
+  };
+  for_each_maker(i + 2 * ahead, [](Collapse* const& place) { prefetch(&place); });
+  for_each_maker(i + ahead, [](Collapse* const& place) { prefetch(place); });
+}
+
+// Faces that a collapse makes are as far from the input as the worst of those that it ends, plus how far it moves the
+// surface. Each vertex of the ring, a corner of what ended, has one of them. Returns their error.
+float CollapseWorker::pass_on_errors(const Made& made, std::span<const LevelFace> ended) {
+  float before = state_.vertices[made.v].error;
+  // Faces that others were folded onto lie at the ring.
+  if (!made.keeps_topology)
+    for (const LevelFace& face : ended)
+      for (int k = 0; k < 3; ++k) before = std::max(before, state_.vertices[face.corners[k]].error);
+  const float after = (before + made.moved) * round_up;
+  const auto raise = [&](VertexId w) {
+    float& error = state_.vertices[w].error;
+    error = std::max(error, after);
+  };
+  for (const LevelFace& face : ended) {
+    raise(face.corners.y);
+    raise(face.corners.z);
+  }
+  return after;
+}
+
+// What a collapse comes after had its vertex in the ring: it made faces there, or holds a corner that this one needs.
+// Faces that others are folded onto are not at v, but all their corners are in its ring.
+void CollapseWorker::rank(VertexId v, const Choice& choice, std::span<const VertexId> ring) {
+  float rank = std::max(choice.cost, state_.turns[v].rank);
+  if (!choice.keeps_topology)
+    for (const VertexId w : ring) rank = std::max(rank, state_.turns[w].rank);
+  for (const VertexId w : ring) state_.turns[w].rank = std::max(state_.turns[w].rank, rank);
+  ranks_.push_back(rank);
+}
+
+// After a collapse into u: w, of the ring, has lost one neighbour, which leaves its cost a lower bound, and may have
+// gained u. Only u's quadric has changed.
+void CollapseWorker::update(VertexId w, VertexId u) {
+  if (state_.is_locked(w)) return;
+  const float old_cost = state_.vertices[w].cost;
+  float cost = old_cost;
+  if (w == u) {
+    cost = state_.propose(w, fan_of_u_);
+  } else {
+    cost = std::min(cost, state_.cost(w, u));
+  }
+  if (cost != old_cost) set_cost(w, cost);
+}
+
+float CollapseWorker::longest_edge(std::span<const LevelFace> faces) const {
+  float longest = 0.0F;
+  for (const LevelFace& face : faces)
+    for (int i = 0; i < 3; ++i)
+      longest = std::max(longest, glm::length(state_.edge(face.corners[i], face.corners[(i + 1) % 3])));
+  return longest;
+}
+
+}  // namespace occlod

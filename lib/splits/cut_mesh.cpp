@@ -1,0 +1,159 @@
+#include "occlod/hierarchy/cut_mesh.h"
+
+#include <algorithm>
+#include <cassert>
+#include <utility>
+
+#include "splits/active_faces.h"
+
+namespace occlod {
+namespace {
+
+// How many triangles there are after split s when there were `triangles` before it.
+std::size_t grown(const Hierarchy& hierarchy, std::size_t triangles, SplitId s) {
+  const SplitStar star = hierarchy.star(s);
+  return triangles + star.inserted_count() - star.removed_count();
+}
+
+template <class IsApplied>
+FixedCut make_cut(const Hierarchy& hierarchy, const IsApplied& is_applied) {
+  hierarchy.require_all();
+  FixedCut cut;
+  cut.applied.resize(hierarchy.split_count());
+  cut.triangles = hierarchy.base_triangle_count();
+  for (SplitId s = 0; s < hierarchy.split_count(); ++s) {
+    const SplitNode& node = hierarchy.node(s);
+    if (is_applied(s)) {
+      cut.applied[s] = true;
+      ++cut.splits;
+      cut.triangles = grown(hierarchy, cut.triangles, s);
+    } else {
+      cut.guaranteed_error = std::max(cut.guaranteed_error, node.guaranteed_error);
+      cut.error = std::max(cut.error, node.error);
+    }
+  }
+  return cut;
+}
+
+// Keeps what triangles use: vertices in the order of their first use, then extra wedges by their vertices.
+class Compaction {
+ public:
+  explicit Compaction(const Hierarchy& hierarchy)
+      : hierarchy_(hierarchy), data_(hierarchy.data()), new_ids_(hierarchy.vertex_count(), no_id) {
+    mesh_.materials = {data_.materials.begin(), data_.materials.end()};
+    mesh_.textures = {data_.textures.begin(), data_.textures.end()};
+    mesh_.texture_origin = data_.texture_origin;
+  }
+
+  void add(Triangle triangle) {
+    for (int corner = 0; corner < 3; ++corner) triangle[corner] = new_id(triangle[corner]);
+    mesh_.triangles.push_back(triangle);
+  }
+  // By their wedges; after add() of the same faces. A vertex whose first wedge is not used has another one first.
+  void add_wedges(std::span<const Triangle> wedges) {
+    std::vector<WedgeId> first(mesh_.positions.size(), no_id);  // by new vertex
+    std::vector<std::pair<VertexId, WedgeId>> extras;
+    for (const Triangle& t : wedges)
+      for (int k = 0; k < 3; ++k)
+        if (WedgeId& w = first[new_ids_[hierarchy_.vertex_of_wedge(t[k])]]; t[k] < w) w = t[k];
+    for (const Triangle& t : wedges)
+      for (int k = 0; k < 3; ++k)
+        if (const VertexId v = new_ids_[hierarchy_.vertex_of_wedge(t[k])]; t[k] != first[v])
+          extras.emplace_back(v, t[k]);
+    std::sort(extras.begin(), extras.end());
+    extras.erase(std::unique(extras.begin(), extras.end()), extras.end());
+    copy_attributes(first, extras);
+    if (extras.empty()) return;
+    const std::size_t vertices = first.size();
+    for (const Triangle& t : wedges) {
+      Triangle corners;
+      for (int k = 0; k < 3; ++k) {
+        const VertexId v = new_ids_[hierarchy_.vertex_of_wedge(t[k])];
+        const auto at = std::lower_bound(extras.begin(), extras.end(), std::pair(v, t[k]));
+        corners[k] =
+            t[k] == first[v] ? v : static_cast<WedgeId>(vertices + static_cast<std::size_t>(at - extras.begin()));
+      }
+      mesh_.corners.push_back(corners);
+    }
+  }
+  [[nodiscard]] TriangleMesh take() { return std::move(mesh_); }
+
+ private:
+  VertexId new_id(VertexId v) {
+    if (new_ids_[v] == no_id) {
+      new_ids_[v] = static_cast<VertexId>(mesh_.positions.size());
+      mesh_.positions.push_back(data_.positions[v]);
+    }
+    return new_ids_[v];
+  }
+
+  void copy_attributes(std::span<const WedgeId> first, std::span<const std::pair<VertexId, WedgeId>> extras) {
+    const auto copy = [&](const auto& from, auto& to) {
+      if (from.empty()) return;
+      to.reserve(first.size() + extras.size());
+      for (const WedgeId w : first) to.push_back(from[w]);
+      for (const auto& [v, w] : extras) to.push_back(from[w]);
+    };
+    copy(data_.normals, mesh_.normals);
+    copy(data_.colors, mesh_.colors);
+    copy(data_.texture_coordinates, mesh_.texture_coordinates);
+    for (const auto& [v, w] : extras) {
+      mesh_.extra_wedges.push_back(v);
+      mesh_.positions.push_back(data_.positions[w]);
+    }
+  }
+
+  const Hierarchy& hierarchy_;
+  const HierarchyView& data_;
+  std::vector<VertexId> new_ids_;
+  TriangleMesh mesh_;
+};
+
+}  // namespace
+
+FixedCut full_cut(const Hierarchy& hierarchy) {
+  return make_cut(hierarchy, [](SplitId) { return true; });
+}
+
+FixedCut cut_to_triangles(const Hierarchy& hierarchy, std::size_t max_triangles) {
+  hierarchy.require_all();
+  SplitId end = 0;
+  std::size_t triangles = hierarchy.base_triangle_count();
+  for (; end < hierarchy.split_count(); ++end) {
+    triangles = grown(hierarchy, triangles, end);
+    if (triangles > max_triangles) break;
+  }
+  return make_cut(hierarchy, [&](SplitId s) { return s < end; });
+}
+
+FixedCut cut_to_error(const Hierarchy& hierarchy, double max_error) {
+  return make_cut(hierarchy, [&](SplitId s) { return hierarchy.node(s).guaranteed_error > max_error; });
+}
+
+std::vector<Triangle> triangles_of(const Hierarchy& hierarchy, const FixedCut& cut) {
+  assert(cut.applied.size() == hierarchy.split_count());
+  return active_triangles(hierarchy, cut.applied);
+}
+
+std::vector<Triangle> wedge_triangles_of(const Hierarchy& hierarchy, const FixedCut& cut) {
+  if (!hierarchy.has_seams()) return triangles_of(hierarchy, cut);
+  assert(cut.applied.size() == hierarchy.split_count());
+  return active_wedge_triangles(hierarchy, cut.applied);
+}
+
+TriangleMesh mesh_of(const Hierarchy& hierarchy, std::span<const Triangle> wedge_triangles) {
+  Compaction compaction(hierarchy);
+  for (const Triangle& t : wedge_triangles)
+    compaction.add({hierarchy.vertex_of_wedge(t.x), hierarchy.vertex_of_wedge(t.y), hierarchy.vertex_of_wedge(t.z)});
+  compaction.add_wedges(wedge_triangles);
+  TriangleMesh mesh = compaction.take();
+  if (!hierarchy.data().wedge_materials.empty())
+    for (const Triangle& t : wedge_triangles) mesh.triangle_materials.push_back(hierarchy.material_of(t.x));
+  return mesh;
+}
+
+TriangleMesh cut_mesh(const Hierarchy& hierarchy, const FixedCut& cut) {
+  return mesh_of(hierarchy, wedge_triangles_of(hierarchy, cut));
+}
+
+}  // namespace occlod

@@ -1,0 +1,198 @@
+#include "splits/simplify.h"
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <glm/common.hpp>
+#include <limits>
+#include <memory>
+
+#include "splits/build_progress.h"
+#include "splits/collapse_worker.h"
+#include "splits/join_records.h"
+#include "splits/parallel.h"
+#include "splits/spatial_order.h"
+
+namespace occlod {
+namespace {
+
+// Vertices of a block: large enough for a good order, small enough for a cache. Once no more are left, the rest is one
+// block.
+constexpr std::size_t block_size = CollapseRecords::block_size;
+constexpr double cheap_share = 0.5;  // of the vertices, those with the cheapest collapses have their turn in a pass
+constexpr double least_progress = 1.0 / 128;  // of the vertices; a pass that collapses fewer is the last
+
+// Shares of the whole build's time: passes begin and end, the sequence is joined. The rest is for what comes after.
+constexpr double passes_first = 0.15, passes_last = 0.7, joined = 0.75;
+
+// The fractional parts of multiples of irrational numbers: no two passes cut space in the same place.
+glm::dvec3 shift_of(std::size_t pass) {
+  const glm::dvec3 shift = static_cast<double>(pass) * glm::dvec3(0.6180339887, 0.4142135624, 0.7320508076);
+  return shift - glm::floor(shift);
+}
+
+Box scaled_box(const TriangleMesh& mesh, float scale) {
+  Box box = bounding_box(mesh.positions);
+  box.min *= scale;
+  box.max *= scale;
+  return box;
+}
+
+// Passes over all blocks, each as far as a threshold of cost below which half of the vertices lie; then the rest in
+// one. Blocks are runs of vertices along a Morton curve, another curve in each pass, so that what a border kept has its
+// turn in the next. Blocks do not touch each other, and their records are joined in their order: the result does not
+// depend on which thread ran which.
+class Simplifier {
+ public:
+  Simplifier(const TriangleMesh& mesh, const BuildOptions& options)
+      : mesh_(mesh),
+        options_(options),
+        threads_(thread_count(options.threads)),
+        progress_(options.progress),
+        state_(std::make_unique<SimplifyState>(mesh, setup_of(options, threads_),
+                                               ProgressPart{progress_, 0.0, passes_first, 1.0})),
+        box_(scaled_box(mesh, state_->scale)),
+        live_faces_(mesh.triangle_count()) {
+    live_.reserve(mesh.vertex_count());
+    for (VertexId v = 0; v < mesh.vertex_count(); ++v) live_.push_back(v);
+    drop_dead();
+    for (unsigned i = 0; i < threads_; ++i) workers_.push_back(std::make_unique<CollapseWorker>(*state_, records_));
+  }
+
+  CollapseSequence run() {
+    for (std::size_t pass = 0; many_left(); ++pass) {
+      if (pass > 0) sort_live(pass);
+      const std::size_t made = run_pass(make_blocks(block_size, threshold()));
+      if (static_cast<double>(made) < least_progress * static_cast<double>(live_.size())) break;
+      drop_dead();
+    }
+    // Down to the base, however long that takes: each run ends with a block that has nothing left or is small enough.
+    drop_dead();
+    if (live_faces_ > options_.base_triangles) run_pass(make_blocks(live_.size(), std::numeric_limits<float>::max()));
+    return join();
+  }
+
+ private:
+  static SimplifySetup setup_of(const BuildOptions& options, unsigned threads) {
+    SimplifySetup setup{options.boundary_weight, threads};
+    setup.keeps_attributes = true;
+    setup.attribute_weight = options.attribute_weight;
+    return setup;
+  }
+
+  // Blocks may take away far more than a fine base mesh allows, so they stop well before it.
+  [[nodiscard]] bool many_left() const {
+    return live_.size() > block_size && live_faces_ > 4 * options_.base_triangles;
+  }
+
+  // Coarse cells do to cut blocks: some hundred for each on a surface.
+  void sort_live(std::size_t pass) {
+    const auto blocks = static_cast<unsigned>(live_.size() / block_size + 1);
+    const unsigned bits = std::min(10U, 5U + static_cast<unsigned>(std::bit_width(blocks)) / 2);
+    sort_spatially(state_->positions(), {box_, shift_of(pass), bits}, live_, threads_);
+  }
+
+  // The cost below which the cheap share lies, by every sixteenth vertex.
+  [[nodiscard]] float threshold() const {
+    std::vector<float> costs;
+    for (std::size_t i = 0; i < live_.size(); i += 16) costs.push_back(state_->vertices[live_[i]].cost);
+    const auto middle = costs.begin() + static_cast<std::ptrdiff_t>(cheap_share * static_cast<double>(costs.size()));
+    std::nth_element(costs.begin(), middle, costs.end());
+    return std::min(*middle, std::numeric_limits<float>::max());
+  }
+
+  [[nodiscard]] std::vector<Block> make_blocks(std::size_t size, float threshold) {
+    for_each_id(live_.size(), threads_, [&](std::uint32_t i) { state_->turns[live_[i]].place = i; });
+    std::vector<Block> blocks;
+    for (std::size_t begin = 0; begin < live_.size(); begin += size) {
+      const auto vertices = std::span<const VertexId>(live_).subspan(begin, std::min(size, live_.size() - begin));
+      blocks.push_back({vertices, static_cast<std::uint32_t>(begin), records_.size() + blocks.size(), threshold,
+                        live_faces_ - std::min(live_faces_, options_.base_triangles)});
+    }
+    return blocks;
+  }
+
+  // Returns how many collapses were made.
+  std::size_t run_pass(const std::vector<Block>& blocks) {
+    const std::size_t first_record = records_.size();
+    records_.resize(first_record + blocks.size());
+    std::atomic<std::size_t> next = 0;
+    const auto work = [&](CollapseWorker& worker, const auto& go_on) {
+      try {
+        for (std::size_t i = next++; i < blocks.size() && !progress_.is_cancelled(); i = next++) {
+          worker.run(blocks[i], go_on);
+          faces_gone_ += records_[blocks[i].record].faces_gone;
+        }
+      } catch (...) {
+        next = blocks.size();  // or the other threads would go on to the end
+        throw;
+      }
+    };
+    const ProgressPart part{progress_, passes_first, passes_last, static_cast<double>(mesh_.triangle_count())};
+    const auto report = [&](std::size_t gone) { return part.reach(faces_gone_ + gone), true; };
+    const auto heed = [&](std::size_t) { return !progress_.is_cancelled(); };
+    HelperThreads others;
+    for (std::size_t i = 1; i < std::min(workers_.size(), blocks.size()); ++i)
+      if (!others.start([&, i] { work(*workers_[i], heed); })) break;
+    work(*workers_[0], report);
+    others.join();
+    std::size_t made = 0;
+    for (std::size_t i = first_record; i < records_.size(); ++i) {
+      live_faces_ -= records_[i].faces_gone;
+      made += records_[i].collapses.size();
+    }
+    return made;
+  }
+
+  void drop_dead() {
+    std::erase_if(live_, [&](VertexId v) { return state_->mesh.star(v).empty(); });
+  }
+
+  // StarMesh lists faces by their smallest corners, in the order of these corners' stars.
+  void list_base_corners(CollapseSequence& sequence) const {
+    sequence.has_attributes = true;
+    std::vector<StarFace> before;
+    VertexId v = no_id;
+    for (const LevelFace& face : sequence.base) {
+      if (face.corners.x != v) before.clear();
+      v = face.corners.x;
+      const StarFace of_v{face.corners.y, face.corners.z, face.made_by};
+      const auto rank = static_cast<std::size_t>(std::count(before.begin(), before.end(), of_v));
+      sequence.base_corners.push_back(state_->attributes->corners.wedges(v, of_v, rank));
+      before.push_back(of_v);
+    }
+  }
+
+  // The records of all blocks as one sequence, in the order of their ranks. The state goes first: both need much
+  // memory.
+  CollapseSequence join() {
+    CollapseSequence sequence;
+    sequence.base = state_->mesh.faces();
+    if (state_->attributes != nullptr) list_base_corners(sequence);
+    for (const auto& worker : workers_) sequence.memory.push_back(worker->take_memory());
+    workers_.clear();
+    state_.reset();
+    join_records(records_, sequence, threads_, ProgressPart{progress_, passes_last, joined, 1.0});
+    return sequence;
+  }
+
+  const TriangleMesh& mesh_;
+  const BuildOptions& options_;
+  unsigned threads_;
+  BuildProgress progress_;
+  std::unique_ptr<SimplifyState> state_;
+  Box box_;
+  CollapseRecords records_;
+  std::vector<std::unique_ptr<CollapseWorker>> workers_;
+  std::vector<VertexId> live_;  // in the order of the pass
+  std::size_t live_faces_ = 0;
+  std::atomic<std::size_t> faces_gone_ = 0;
+};
+
+}  // namespace
+
+CollapseSequence simplify(const TriangleMesh& mesh, const BuildOptions& options) {
+  return Simplifier(mesh, options).run();
+}
+
+}  // namespace occlod

@@ -1,0 +1,76 @@
+// What all threads share while they simplify one mesh.
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <memory>
+#include <span>
+
+#include "splits/attribute_state.h"
+#include "splits/build_progress.h"
+#include "base/large_vector.h"
+#include "splits/fan.h"
+#include "splits/position_view.h"
+#include "splits/star_mesh.h"
+#include "splits/vertex_quadric.h"
+
+namespace occlod {
+
+// Fields of a vertex that are read together. All lengths are in the state's scale.
+struct alignas(64) VertexState {
+  glm::vec3 position;
+  float cost;   // of the cheapest collapse; a lower bound until checked; infinite without faces
+  float error;  // distance of the worst face at the vertex from the input
+  VertexQuadric quadric;
+};
+static_assert(sizeof(VertexState) == 64, "one cache line");
+
+struct Turn {
+  std::uint32_t place = 0;  // in the order of the pass that runs
+  float rank = 0.0F;        // the largest of any collapse that had the vertex in its ring
+};
+
+// How a state is set up.
+struct SimplifySetup {
+  double boundary_weight = 1.0;
+  unsigned threads = 1;
+  float scale = 0.0F;  // a power of two; 0: the one that takes the extent of the input into [1/2, 1]
+  std::span<const std::uint8_t> locked{};  // by vertex: not 0 = is never merged into another; empty = none is
+  bool keeps_attributes = false;           // if the mesh has any that count: then it outlives the state
+  double attribute_weight = 1.0;           // of deviations of attributes, relative to distances
+  bool keeps_wedge_merges = false;         // whether BlockRecord::wedge_merges is wanted
+};
+
+// Indexed by vertex. A worker touches only vertices of its block and reads stars of those.
+struct SimplifyState {
+  SimplifyState(const TriangleMesh& input, const SimplifySetup& setup, const ProgressPart& progress);
+
+  float scale = 1.0F;  // a power of two, so that scaling is exact
+  std::span<const std::uint8_t> locked;
+  UninitializedVector<VertexState> vertices;
+  StarMesh mesh;
+  LargeVector<Turn> turns;
+  std::unique_ptr<AttributeState> attributes;  // null: none count
+  float attribute_weight2 = 1.0F;              // of squared deviations
+  bool keeps_wedge_merges = false;
+
+  [[nodiscard]] PositionView positions() const {
+    return {std::span<const VertexState>(vertices), &VertexState::position};
+  }
+  [[nodiscard]] auto position_of() const {
+    return [first = vertices.data()](VertexId v) -> const glm::vec3& { return first[v].position; };
+  }
+  [[nodiscard]] glm::vec3 edge(VertexId v, VertexId u) const { return vertices[u].position - vertices[v].position; }
+  // A locked vertex has infinite cost.
+  [[nodiscard]] bool is_locked(VertexId v) const { return !locked.empty() && locked[v] != 0; }
+  [[nodiscard]] float cost(VertexId v, VertexId u) const { return vertices[v].quadric.cost(edge(v, u)); }
+  // The cost of v's cheapest collapse, unchecked.
+  [[nodiscard]] float propose(VertexId v, Fan& fan) const;
+
+ private:
+  void make_quadric(VertexId v, Fan& fan, double boundary_weight);
+  void hold_edges(VertexId v, double boundary_weight);
+  void hold_seams(VertexId v);
+};
+
+}  // namespace occlod

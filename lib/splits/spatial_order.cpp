@@ -1,0 +1,85 @@
+#include "splits/spatial_order.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <numeric>
+
+#include "base/platform.h"
+#include "splits/morton_grid.h"
+#include "splits/parallel.h"
+#include "splits/sort_by_key.h"
+
+namespace occlod {
+namespace {
+
+template <typename T>
+std::vector<T> permuted(const std::vector<T>& values, const std::vector<VertexId>& order, unsigned threads) {
+  std::vector<T> result(values.size());
+  if (!values.empty()) for_each_id(order.size(), threads, [&](std::uint32_t i) { result[i] = values[order[i]]; });
+  return result;
+}
+
+// Extra wedges follow in the new order of their vertices, those of one as they were.
+void add_extra_wedges(const TriangleMesh& mesh, WedgeOrder& order) {
+  const std::size_t vertices = mesh.vertex_count();
+  for (auto w = static_cast<WedgeId>(vertices); w < mesh.wedge_count(); ++w) order.old_id.push_back(w);
+  std::stable_sort(
+      order.old_id.begin() + static_cast<std::ptrdiff_t>(vertices), order.old_id.end(),
+      [&](WedgeId a, WedgeId b) { return order.new_id[mesh.vertex_of(a)] < order.new_id[mesh.vertex_of(b)]; });
+  order.new_id.resize(order.old_id.size());
+  for (std::size_t i = vertices; i < order.old_id.size(); ++i) order.new_id[order.old_id[i]] = static_cast<WedgeId>(i);
+}
+
+}  // namespace
+
+void sort_spatially(const PositionView& positions, const MortonCurve& curve, std::span<VertexId> vertices,
+                    unsigned threads) {
+  const MortonGrid grid(curve);
+  UninitializedVector<Keyed> keyed(vertices.size());
+  for_each_id(vertices.size(), threads, [&](std::uint32_t i) {
+    constexpr std::size_t ahead = 16;
+    if (i + ahead < vertices.size()) prefetch(&positions[vertices[i + ahead]]);
+    keyed[i] = {grid.code(positions[vertices[i]]), vertices[i]};
+  });
+  sort_by_key(keyed, 3 * curve.bits, threads);
+  for_each_id(vertices.size(), threads, [&](std::uint32_t i) { vertices[i] = keyed[i].item; });
+}
+
+WedgeOrder spatial_order_of(const TriangleMesh& mesh, unsigned threads) {
+  WedgeOrder order;
+  order.old_id.resize(mesh.vertex_count());
+  std::iota(order.old_id.begin(), order.old_id.end(), 0U);
+  sort_spatially(mesh.positions, {bounding_box(mesh.positions), glm::dvec3(0.0), 10}, order.old_id, threads);
+  order.new_id.resize(order.old_id.size());
+  for_each_id(order.old_id.size(), threads, [&](VertexId i) { order.new_id[order.old_id[i]] = i; });
+  add_extra_wedges(mesh, order);
+  return order;
+}
+
+TriangleMesh in_spatial_order(const TriangleMesh& mesh, unsigned threads) {
+  TriangleMesh result;
+  const auto [order, new_id] = spatial_order_of(mesh, threads);
+  result.positions = permuted(mesh.positions, order, threads);
+  result.normals = permuted(mesh.normals, order, threads);
+  result.colors = permuted(mesh.colors, order, threads);
+  result.texture_coordinates = permuted(mesh.texture_coordinates, order, threads);
+  for (std::size_t i = mesh.vertex_count(); i < order.size(); ++i)
+    result.extra_wedges.push_back(new_id[mesh.vertex_of(order[i])]);
+  result.triangle_materials = mesh.triangle_materials;
+  result.materials = mesh.materials;
+  result.textures = mesh.textures;
+  result.texture_origin = mesh.texture_origin;
+  result.triangles.resize(mesh.triangles.size());
+  for_each_id(mesh.triangles.size(), threads, [&, &new_id = new_id](std::uint32_t f) {
+    const Triangle& t = mesh.triangles[f];
+    result.triangles[f] = {new_id[t.x], new_id[t.y], new_id[t.z]};
+  });
+  result.corners.resize(mesh.corners.size());
+  for_each_id(mesh.corners.size(), threads, [&, &new_id = new_id](std::uint32_t f) {
+    const Triangle& t = mesh.corners[f];
+    result.corners[f] = {new_id[t.x], new_id[t.y], new_id[t.z]};
+  });
+  return result;
+}
+
+}  // namespace occlod

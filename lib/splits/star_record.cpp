@@ -1,0 +1,163 @@
+#include "splits/star_record.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+namespace occlod {
+namespace {
+
+// The outer vertices of a fan.
+std::size_t ring_size(const StarContents& star) {
+  return star.inserted.size() + (star.shape == StarShape::open_fan ? 1 : 0);
+}
+VertexId ring_at(const StarContents& star, std::size_t place) {
+  return place < star.inserted.size() ? star.inserted[place].y : star.inserted.back().z;
+}
+
+// Sorts the removed faces to the order of slots; false when they are not those that the fan implies.
+bool match_removed(const StarContents& star, std::size_t parent_place) {
+  const std::size_t size = ring_size(star);
+  std::size_t found = 0;
+  for (std::size_t slot = 0; slot < star.inserted.size(); ++slot) {
+    const std::size_t next = slot + 1 == size ? 0 : slot + 1;
+    if (slot == parent_place || next == parent_place) continue;
+    const VertexId a = star.inserted[slot].y, b = star.inserted[slot].z;
+    std::size_t i = found;
+    const auto is_it = [&](const Triangle& t) {
+      return (t.x == star.u && t.y == a && t.z == b) || (t.y == star.u && t.z == a && t.x == b) ||
+             (t.z == star.u && t.x == a && t.y == b);
+    };
+    while (i < star.removed.size() && !is_it(star.removed[i].corners)) ++i;
+    if (i == star.removed.size()) return false;
+    std::swap(star.removed[found++], star.removed[i]);
+  }
+  return found == star.removed.size();
+}
+
+bool append_fan(const StarContents& star, std::vector<std::uint32_t>& words) {
+  if (star.shape == StarShape::other || star.dependencies.size() > SplitStar::most_dependencies) return false;
+  const std::size_t size = ring_size(star);
+  if (size > SplitStar::most_ring) return false;
+  std::size_t parent_place = 0;
+  while (parent_place < size && ring_at(star, parent_place) != star.u) ++parent_place;
+  if (parent_place == size || !match_removed(star, parent_place)) return false;
+  for (const RemovedFace& face : star.removed)
+    if (face.ref.split == no_id || face.ref.slot >= SplitStar::most_slots) return false;
+
+  words.push_back(static_cast<std::uint32_t>(size | parent_place << 8U | star.dependencies.size() << 16U) |
+                  (star.shape == StarShape::closed_fan ? SplitStar::closed_bit : 0U));
+  for (std::size_t place = 0; place < size; ++place) words.push_back(ring_at(star, place));
+  words.insert(words.end(), star.dependencies.begin(), star.dependencies.end());
+  for (std::size_t i = 0; i < star.removed.size(); ++i) {
+    if (i % 4 == 0) words.push_back(0);
+    const FaceRef& ref = star.removed[i].ref;
+    const auto at = std::lower_bound(star.dependencies.begin(), star.dependencies.end(), ref.split);
+    const auto dependency = static_cast<std::uint32_t>(at - star.dependencies.begin());
+    words.back() |= (ref.slot << 4U | dependency) << (8 * (i % 4));
+  }
+  return true;
+}
+
+void append_corners(const Triangle& t, std::vector<std::uint32_t>& words) {
+  for (int k = 0; k < 3; ++k) words.push_back(t[k]);
+}
+
+bool is_fan_header(std::uint32_t header) {
+  const std::uint32_t size = header & 0xFFU, parent_place = (header >> 8U) & 0xFFU;
+  constexpr std::uint32_t known_bits = 0xFFFFFFU | SplitStar::closed_bit;
+  return (header & ~known_bits) == 0 && size >= 2 && size <= SplitStar::most_ring && parent_place < size &&
+         ((header >> 16U) & 0xFFU) <= SplitStar::most_dependencies;
+}
+
+// The bytes after the dependencies name dependencies that are there.
+bool names_dependencies(const SplitStar& star, std::span<const std::uint32_t> record) {
+  const std::size_t first = record.size() - (star.removed_count() + 3) / 4;
+  for (std::uint32_t i = 0; i < star.removed_count(); ++i)
+    if (((record[first + i / 4] >> (8 * (i % 4))) & 0xFU) >= star.dependencies().size()) return false;
+  return true;
+}
+
+}  // namespace
+
+void append_star(const StarContents& star, std::vector<std::uint32_t>& words) {
+  if (append_fan(star, words)) return;
+  words.insert(words.end(),
+               {SplitStar::other_bit, star.u, static_cast<std::uint32_t>(star.inserted.size()),
+                static_cast<std::uint32_t>(star.dependencies.size()), static_cast<std::uint32_t>(star.removed.size())});
+  for (const Triangle& t : star.inserted) append_corners(t, words);
+  words.insert(words.end(), star.dependencies.begin(), star.dependencies.end());
+  for (const RemovedFace& face : star.removed) {
+    words.insert(words.end(), {face.ref.split, face.ref.slot});
+    append_corners(face.corners, words);
+  }
+}
+
+bool append_fan(const FanContents& fan, std::vector<std::uint32_t>& words) {
+  const std::size_t size = fan.ring.size(), removed_words = (fan.removed.size() + 3) / 4;
+  if (size > SplitStar::most_ring) return false;
+  std::array<SplitId, SplitStar::most_ring> dependencies;
+  std::size_t count = 0;
+  for (const FaceRef& ref : fan.removed) {
+    if (ref.split == no_id || ref.slot >= SplitStar::most_slots) return false;
+    std::size_t at = count;
+    while (at > 0 && dependencies[at - 1] > ref.split) --at;
+    if (at > 0 && dependencies[at - 1] == ref.split) continue;
+    std::copy_backward(dependencies.begin() + at, dependencies.begin() + count, dependencies.begin() + count + 1);
+    dependencies[at] = ref.split;
+    ++count;
+  }
+  if (count > SplitStar::most_dependencies) return false;
+  const std::size_t begin = words.size();
+  words.resize(begin + 1 + size + count + removed_words, 0);
+  std::uint32_t* next = words.data() + begin;
+  *next++ = static_cast<std::uint32_t>(size | fan.parent_place << 8U | count << 16U) | SplitStar::closed_bit;
+  next = std::copy(fan.ring.begin(), fan.ring.end(), next);
+  next = std::copy_n(dependencies.begin(), count, next);
+  for (std::size_t i = 0; i < fan.removed.size(); ++i) {
+    std::uint32_t dependency = 0;
+    while (dependencies[dependency] != fan.removed[i].split) ++dependency;
+    next[i / 4] |= (fan.removed[i].slot << 4U | dependency) << (8 * (i % 4));
+  }
+  return true;
+}
+
+std::optional<std::string> check_star(std::span<const std::uint32_t> record, SplitId s, VertexId vertex,
+                                      std::size_t base_faces) {
+  const auto wrong_size = [&] { return fmt::format("the star of split {} does not end where the next begins", s); };
+  if (record.empty()) return wrong_size();
+  const bool is_fan = (record[0] & SplitStar::other_bit) == 0;
+  if (is_fan && !is_fan_header(record[0])) return fmt::format("the star of split {} has a header that no fan has", s);
+  // Three counts below 2^32, times at most 5, fit 64 bits.
+  if (!is_fan &&
+      (record.size() < 5 ||
+       std::uint64_t{5} + std::uint64_t{3} * record[2] + record[3] + std::uint64_t{5} * record[4] != record.size()))
+    return wrong_size();
+  const SplitStar star(record.data(), vertex);
+  if (star.word_count() != record.size()) return wrong_size();
+  if (star.parent_vertex() >= vertex) return fmt::format("split {} splits a vertex that comes later", s);
+  SplitId last = no_id;
+  for (const SplitId needed : star.dependencies()) {
+    if (needed >= s) return fmt::format("split {} depends on split {}, which comes later", s, needed);
+    if (last != no_id && needed <= last) return fmt::format("the dependencies of split {} do not ascend", s);
+    last = needed;
+  }
+  std::optional<std::string> problem;
+  const auto check_corners = [&](const Triangle& t, VertexId end) {
+    for (int k = 0; k < 3; ++k)
+      if (t[k] >= end) problem = fmt::format("split {} has a face with a corner that comes later", s);
+  };
+  star.for_each_inserted([&](const Triangle& t) { check_corners(t, vertex + 1); });
+  if (is_fan && !names_dependencies(star, record))
+    return fmt::format("split {} removes a face of a split that it does not depend on", s);
+  star.for_each_removed([&](const FaceRef& ref, const Triangle& t) {
+    check_corners(t, vertex);
+    const auto needed = star.dependencies();
+    if (ref.split == no_id ? ref.slot >= base_faces : !std::binary_search(needed.begin(), needed.end(), ref.split))
+      problem = fmt::format("split {} removes a face of a split that it does not depend on", s);
+  });
+  return problem;
+}
+
+}  // namespace occlod
