@@ -1,6 +1,4 @@
 // bench_build: how quickly hierarchies are built, how large they are and how much memory that takes.
-#include "occlod/hierarchy/build.h"
-
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
@@ -8,6 +6,7 @@
 #include <string>
 #include <thread>
 
+#include "occlod/build_hierarchy.h"
 #include "support/bench_meshes.h"
 #include "support/hierarchy_hash.h"
 #include "support/memory.h"

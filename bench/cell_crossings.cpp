@@ -9,12 +9,12 @@
 #include <string>
 #include <vector>
 
-#include "occlod/viewcells/vlod_file.h"
 #include "cells/packed_geometry.h"
-#include "papers/delimiter_code.h"
-#include "papers/id_lists.h"
 #include "cells/vlod_format.h"
 #include "cells/vlod_payload.h"
+#include "occlod/vlod_file.h"
+#include "papers/delimiter_code.h"
+#include "papers/id_lists.h"
 
 namespace occlod::bench {
 namespace {

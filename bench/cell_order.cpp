@@ -12,15 +12,15 @@
 #include <utility>
 #include <vector>
 
-#include "support/ball_shares.h"
-#include "support/cell_lists.h"
-#include "support/cpu_clock.h"
-#include "cells/node_order.h"
+#include "cells/packed_numbers.h"
+#include "cells/vlod_payload.h"
 #include "papers/adaptive_huffman.h"
 #include "papers/delimiter_code.h"
 #include "papers/first_node.h"
 #include "papers/hamming_tour.h"
-#include "cells/set_code.h"
+#include "support/ball_shares.h"
+#include "support/cell_lists.h"
+#include "support/cpu_clock.h"
 
 namespace occlod::bench {
 namespace {

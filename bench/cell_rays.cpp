@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "cell_sight.h"
-#include "occlod/hierarchy/build.h"
-#include "occlod/mesh/generate.h"
-#include "occlod/viewcells/cell_builder.h"
+#include "occlod/build_hierarchy.h"
+#include "occlod/cell_builder.h"
+#include "occlod/generate.h"
 #include "support/cpu_clock.h"
 #include "support/guided_sampling.h"
 #include "support/mesh_parts.h"

@@ -8,13 +8,13 @@
 #include <vector>
 
 #include "cell_sight.h"
-#include "occlod/hierarchy/build.h"
-#include "occlod/mesh/generate.h"
-#include "occlod/viewcells/cell_builder.h"
-#include "support/cpu_clock.h"
-#include "support/mesh_parts.h"
+#include "occlod/build_hierarchy.h"
+#include "occlod/cell_builder.h"
+#include "occlod/generate.h"
 #include "papers/cull_map.h"
 #include "papers/shrunk_occlusion.h"
+#include "support/cpu_clock.h"
+#include "support/mesh_parts.h"
 
 namespace occlod::bench {
 namespace {

@@ -14,8 +14,8 @@
 #include "effects/fixed_settings.h"
 #include "effects/followed_path.h"
 #include "effects/scores.h"
-#include "occlod/effects/auto_refiner.h"
-#include "occlod/occlusion/software_occlusion.h"
+#include "occlod/auto_refiner.h"
+#include "occlod/visibility.h"
 #include "support/run_app.h"
 #include "visibility/table.h"
 

@@ -9,10 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "base/median.h"
+#include "base/timing.h"
 #include "measure/surface_distance.h"
-#include "occlod/hierarchy/build.h"
-#include "occlod/hierarchy/cut_mesh.h"
+#include "occlod/build_hierarchy.h"
 #include "support/bench_meshes.h"
 #include "support/run_app.h"
 

@@ -13,14 +13,14 @@
 #include <string>
 #include <vector>
 
-#include "base/median.h"
+#include "base/timing.h"
 #include "drawing.h"
 #include "frames_vdpm.h"
 #include "json_output.h"
-#include "occlod/core/error.h"
-#include "occlod/occlusion/software_occlusion.h"
-#include "occlod/refine/refiner.h"
-#include "occlod/scene/scene.h"
+#include "occlod/base.h"
+#include "occlod/refiner.h"
+#include "occlod/scene.h"
+#include "occlod/visibility.h"
 #include "oracle/cut_error.h"
 #include "render_input.h"
 #include "support/frame_log.h"

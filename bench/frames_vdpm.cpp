@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "base/median.h"
-#include "occlod/hierarchy/build.h"
-#include "occlod/refine/refiner.h"
+#include "base/timing.h"
+#include "occlod/build_hierarchy.h"
+#include "occlod/refiner.h"
 #include "peers/openmesh_vdpm.h"
 #include "support/bench_meshes.h"
 #include "support/frame_log.h"

@@ -11,10 +11,9 @@
 #include <memory>
 #include <vector>
 
-#include "occlod/core/error.h"
-#include "occlod/gl/context.h"
-#include "occlod/gl/hlod_device.h"
-#include "occlod/hlod/build.h"
+#include "occlod/base.h"
+#include "occlod/build_hlod.h"
+#include "occlod/gl.h"
 #include "support/bench_meshes.h"
 #include "support/run_benchmarks.h"
 

@@ -12,14 +12,11 @@
 #include <string>
 #include <vector>
 
-#include "base/median.h"
+#include "base/timing.h"
 #include "gl/objects.h"
-#include "occlod/core/error.h"
-#include "occlod/gl/compute_occlusion.h"
-#include "occlod/gl/context.h"
-#include "occlod/gl/mark_occlusion.h"
-#include "occlod/gl/query_occlusion.h"
-#include "occlod/occlusion/software_occlusion.h"
+#include "occlod/base.h"
+#include "occlod/gl.h"
+#include "occlod/visibility.h"
 #include "stopwatch.h"
 #include "support/bench_meshes.h"
 #include "support/run_app.h"

@@ -15,10 +15,9 @@
 #include <vector>
 
 #include "measure/surface_distance.h"
-#include "occlod/hierarchy/build.h"
-#include "occlod/hierarchy/cut_mesh.h"
-#include "occlod/hlod/build.h"
-#include "occlod/hlod/validate.h"
+#include "occlod/build_hierarchy.h"
+#include "occlod/build_hlod.h"
+#include "occlod/hlod.h"
 #include "stopwatch.h"
 #include "support/bench_meshes.h"
 #include "support/run_app.h"

@@ -12,10 +12,9 @@
 #include <string>
 #include <vector>
 
-#include "occlod/device/recorded_device.h"
-#include "occlod/device/virtual_device.h"
-#include "occlod/hlod/build.h"
-#include "occlod/mesh/generate.h"
+#include "occlod/build_hlod.h"
+#include "occlod/generate.h"
+#include "occlod/trial_devices.h"
 #include "support/bench_meshes.h"
 #include "support/run_benchmarks.h"
 

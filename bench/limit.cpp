@@ -12,12 +12,12 @@
 #include <variant>
 #include <vector>
 
-#include "base/median.h"
-#include "refine/cut_set.h"
-#include "occlod/occlusion/software_occlusion.h"
-#include "occlod/refine/refiner.h"
+#include "base/timing.h"
+#include "occlod/refiner.h"
+#include "occlod/visibility.h"
+#include "refine/cut.h"
 #include "refine/star_visibility.h"
-#include "refine/weigh_splits.h"
+#include "refine/weigh.h"
 #include "render_input.h"
 #include "stopwatch.h"
 #include "support/run_app.h"

@@ -7,10 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "base/median.h"
-#include "occlod/hierarchy/build.h"
-#include "occlod/io/olod.h"
-#include "occlod/refine/refiner.h"
+#include "base/timing.h"
+#include "occlod/build_hierarchy.h"
+#include "occlod/refiner.h"
 #include "option_names.h"
 #include "stopwatch.h"
 #include "support/bench_meshes.h"

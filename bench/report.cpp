@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "occlod/core/error.h"
+#include "occlod/base.h"
 #include "report/beside.h"
 #include "report/document.h"
 #include "report/machine.h"

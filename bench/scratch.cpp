@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "base/median.h"
-#include "occlod/occlusion/software_occlusion.h"
-#include "occlod/refine/refiner.h"
+#include "base/timing.h"
+#include "occlod/refiner.h"
+#include "occlod/visibility.h"
 #include "render_input.h"
 #include "support/frame_log.h"
 #include "support/run_app.h"

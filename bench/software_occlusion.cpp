@@ -1,7 +1,5 @@
 // bench_software_occlusion: drawing occluders, reducing them and testing bounds on the CPU, by instruction set; and how
 // many of the bounds that rays find hidden the tests find.
-#include "occlod/occlusion/software_occlusion.h"
-
 #include <fmt/format.h>
 #include <hwy/targets.h>
 
@@ -16,11 +14,12 @@
 #include <string_view>
 #include <vector>
 
-#include "base/median.h"
-#include "occlod/hierarchy/build.h"
-#include "occlod/refine/refiner.h"
-#include "raster/depth_pyramid.h"
+#include "base/timing.h"
+#include "occlod/build_hierarchy.h"
+#include "occlod/refiner.h"
+#include "occlod/visibility.h"
 #include "oracle/ray_oracle.h"
+#include "raster/depth_pyramid.h"
 #include "stopwatch.h"
 #include "support/bench_meshes.h"
 #include "support/planet_views.h"

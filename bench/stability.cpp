@@ -16,12 +16,11 @@
 #include <utility>
 #include <vector>
 
-#include "base/median.h"
 #include "base/atomic_file.h"
-#include "occlod/hierarchy/build.h"
-#include "occlod/io/olod.h"
-#include "occlod/occlusion/software_occlusion.h"
-#include "occlod/refine/refiner.h"
+#include "base/timing.h"
+#include "occlod/build_hierarchy.h"
+#include "occlod/refiner.h"
+#include "occlod/visibility.h"
 #include "support/bench_meshes.h"
 #include "support/cpu_clock.h"
 #include "support/planet_views.h"

@@ -10,9 +10,9 @@
 #include <memory>
 #include <vector>
 
-#include "occlod/occlusion/software_occlusion.h"
-#include "occlod/refine/refiner.h"
-#include "occlod/scene/scene.h"
+#include "occlod/refiner.h"
+#include "occlod/scene.h"
+#include "occlod/visibility.h"
 
 namespace {
 

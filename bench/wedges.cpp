@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "base/median.h"
-#include "occlod/scene/scene.h"
+#include "base/timing.h"
+#include "occlod/scene.h"
 #include "support/run_app.h"
 #include "wedges/scores.h"
 #include "wedges/simplifiers.h"

@@ -349,7 +349,7 @@ def elsewhere(results):
     return part("elsewhere", "What has no numbers",
                 Table("elsewhere", ["in the paper", "what", "ours"], [None] * 3,
                       [["Fig. 1, 12 to 15", "pictures of cells and of what is drawn", "the viewer's panel Cells and its script scripts/viewer_cells.json (docs/guide/viewer.md)"],
-                       ["Fig. 3, 5, 6, 8, 9", "constructions: cones, horizon planes, cull maps, shrunk occluders", "lib/src/viewcells/paper, tested by ctest -R '^paper_cells$'"],
+                       ["Fig. 3, 5, 6, 8, 9", "constructions: cones, horizon planes, cull maps, shrunk occluders", "bench/papers, tested by ctest -R '^paper_cells$'"],
                        ["dual ray space", "compared, slower to compute; no figures", "not built"]]))
 
 

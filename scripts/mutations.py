@@ -12,7 +12,7 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 WORK = ROOT / "build" / "mutations"
 BUILD = WORK / "build" / "release"  # as far from the sources as the usual one: ccache has most of it
-CELLS, HIERARCHY = "lib/src/viewcells/", "lib/src/hierarchy/"
+CELLS, SPLITS = "lib/cells/", "lib/splits/"
 # Tests are of these programs: the folder under tests/ of each.
 PROGRAMS = {"viewcells": "viewcells", "viewcells_exact": "viewcells", "hierarchy": "hierarchy"}
 
@@ -54,7 +54,7 @@ MUTATIONS = [
              "if (!is_crossed(what)) return false;", "", "HullTest.*:HullGuards.*:CellOccluders.*"),
     Mutation("crossing_parity", "an odd number of times", CELLS + "hull_test.cpp",
              "odd = odd != *crossed;", "odd = odd || *crossed;", "HullGuards.ATunnelIsOpen"),
-    Mutation("crossing_rounding", "a segment too close to an edge decides nothing", CELLS + "cell_segment.cpp",
+    Mutation("crossing_rounding", "a segment too close to an edge decides nothing", CELLS + "hull.cpp",
              "if (ab == 0 || bc == 0 || ca == 0) return std::nullopt;", "", "HullTest.ASquareHidesIffItHoldsTheSection"),
     # The hull.
     Mutation("hull_planes", "the hull is no smaller than it is", CELLS + "hull.cpp",
@@ -75,22 +75,22 @@ MUTATIONS = [
              "OccluderGuards.MotionsAreWorldUnitsAndRoundedUp"),
     Mutation("topology", "windows and tunnels stay open", CELLS + "cell_surface.cpp",
              "{.topology = without.topology}", "{.topology = without.topology || true}", "CellOccluders.SheetWithWindowsThatMayClose"),
-    Mutation("topology_cut", "as no collapse that would close them is repeated", HIERARCHY + "motion_cut.cpp",
+    Mutation("topology_cut", "as no collapse that would close them is repeated", SPLITS + "surface_motion.cpp",
              "if (!keeps && !without_.topology) return false;", "", {"viewcells": "CellOccluders.SheetWithWindowsThatMayClose", "hierarchy": "MotionCut.TopologyStays"}),
-    Mutation("motion_limit", "what has moved too far stays", HIERARCHY + "motion_cut.cpp",
+    Mutation("motion_limit", "what has moved too far stays", SPLITS + "surface_motion.cpp",
              "if (!(after <= max_motion_)) return false;", "", {"viewcells": "CellOccluders.*:HullTest.*", "hierarchy": "MotionCut.*"}),
-    Mutation("motion_sum", "motions of one collapse after another add up", HIERARCHY + "motion_cut.cpp",
+    Mutation("motion_sum", "motions of one collapse after another add up", SPLITS + "surface_motion.cpp",
              "static_cast<double>(before) + now", "0.0 * static_cast<double>(before) + now", {"viewcells": "CellOccluders.*", "hierarchy": "MotionCut.*"}),
     # Boxes inside solids.
-    Mutation("box_cell", "a part that touches the cell hides nothing", CELLS + "inner_box_test.cpp",
+    Mutation("box_cell", "a part that touches the cell hides nothing", CELLS + "hull_test.cpp",
              "if (at_cell_[part]) return false;", "", "InnerBoxes.*"),
-    Mutation("box_near", "nor one that the near plane may clip", CELLS + "inner_box_test.cpp",
+    Mutation("box_near", "nor one that the near plane may clip", CELLS + "hull_test.cpp",
              "grown(cell_, near_reach_ + surface_.moved(t) + rounding)", "grown(cell_, surface_.moved(t) + rounding)", "InnerBoxes.WhatIsAtTheCellHidesNothing"),
-    Mutation("box_border", "nor one that is open in the hull", CELLS + "inner_box_test.cpp",
+    Mutation("box_border", "nor one that is open in the hull", CELLS + "hull_test.cpp",
              "      return State::seen;\n  }\n  for", "      static_cast<void>(hull);\n  }\n  for", "BoxGuards.ABlockThatIsOpenInPartHidesNothing"),
-    Mutation("box_crossing", "the box is behind an odd number of its triangles", CELLS + "inner_box_test.cpp",
+    Mutation("box_crossing", "the box is behind an odd number of its triangles", CELLS + "hull_test.cpp",
              "if (odd) return *odd ? State::hidden : State::seen;", "if (odd) return State::hidden;", "InnerBoxes.*"),
-    Mutation("box_between", "all segments meet the box", CELLS + "inner_box_test.cpp",
+    Mutation("box_between", "all segments meet the box", CELLS + "hull_test.cpp",
              "    for (std::size_t j = 0; j < 8; ++j)\n", "    for (std::size_t j = 0; j < 4; ++j)\n", "InnerBoxes.*"),
     Mutation("box_motion", "triangles are farther from a box than they have moved", CELLS + "inner_boxes.cpp",
              "glm::max(a, glm::max(b, c))}, surface.moved(t));", "glm::max(a, glm::max(b, c))}, 0.0 * surface.moved(t));", "InnerBoxes.*"),
@@ -107,21 +107,21 @@ MUTATIONS = [
     Mutation("two_sided", "backs of two-sided objects are drawn", CELLS + "cell_refinement.cpp",
              "if (!objects_[object].two_sided && view.faces_away(a, b, c)) return;", "if (view.faces_away(a, b, c)) return;", "CellPromise.*:HardCells.*"),
     # Questions about all eyes of a cell.
-    Mutation("corner", "all eight corners of the cell count", CELLS + "cell_view.cpp",
+    Mutation("corner", "all eight corners of the cell count", CELLS + "cell_builder.cpp",
              "return std::all_of(corners_.begin(), corners_.end(),", "return std::all_of(corners_.begin(), corners_.end() - 1,", "CellFacing.EachCornerCounts"),
-    Mutation("corner_cone", "for normal cones as well", CELLS + "cell_view.cpp",
+    Mutation("corner_cone", "for normal cones as well", CELLS + "cell_builder.cpp",
              "return std::all_of(rounded_corners_.begin(), rounded_corners_.end(),", "return std::all_of(rounded_corners_.begin(), rounded_corners_.end() - 1,",
              "CellFacing.EachCornerCounts"),
-    Mutation("facing_rounding", "what rounding decides faces the cell", CELLS + "cell_view.cpp",
+    Mutation("facing_rounding", "what rounding decides faces the cell", CELLS + "cell_builder.cpp",
              "return glm::dot(normal, to_eye) < -slack;", "return glm::dot(normal, to_eye) < 0.0 * slack;", {"viewcells_exact": "FacingExact.*"}),
-    Mutation("scale_angle", "the corners of an image are magnified twice", CELLS + "cell_view.cpp",
+    Mutation("scale_angle", "the corners of an image are magnified twice", CELLS + "cell_builder.cpp",
              "(nearest * cos_angle * cos_angle)", "(nearest * cos_angle)", {"viewcells": "CellScale.*", "viewcells_exact": "ScaleExact.*"}),
-    Mutation("scale_distance", "the nearest point of bounds counts", CELLS + "cell_view.cpp",
+    Mutation("scale_distance", "the nearest point of bounds counts", CELLS + "cell_builder.cpp",
              " - static_cast<double>(sphere.radius) * largest_stretch_", "", "CellScale.*"),
-    Mutation("scale_stretch", "pixels of an object's unit", CELLS + "cell_view.cpp",
+    Mutation("scale_stretch", "pixels of an object's unit", CELLS + "cell_builder.cpp",
              "std::min(scale_at_near_px_, eyes_.focal_length_px * largest_stretch_ /", "std::min(scale_at_near_px_, eyes_.focal_length_px /",
              {"viewcells": "CellScale.*", "viewcells_exact": "ScaleExact.*"}),
-    Mutation("box_turned", "boxes of turned objects are as wide as they are", CELLS + "cell_view.cpp",
+    Mutation("box_turned", "boxes of turned objects are as wide as they are", CELLS + "cell_builder.cpp",
              "reach += glm::abs(object_to_world_[axis]) * half[axis];", "reach[axis] += glm::abs(object_to_world_[axis])[axis] * half[axis];", "CellView.WorldBoxHoldsTheBox"),
 ]
 

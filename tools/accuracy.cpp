@@ -1,7 +1,7 @@
 #include "accuracy.h"
 
 #include "drawing.h"
-#include "occlod/hierarchy/cut_mesh.h"
+#include "occlod/build_hierarchy.h"
 
 namespace occlod::tool {
 namespace {

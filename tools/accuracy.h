@@ -6,10 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "occlod/picture/compare.h"
-#include "occlod/picture/texture_slip.h"
-#include "occlod/refine/refiner.h"
-#include "occlod/scene/scene.h"
+#include "occlod/compare.h"
+#include "occlod/refiner.h"
+#include "occlod/scene.h"
 
 namespace occlod::tool {
 

@@ -2,13 +2,10 @@
 
 #include <utility>
 
-#include "occlod/core/error.h"
-#include "occlod/occlusion/software_occlusion.h"
+#include "occlod/base.h"
+#include "occlod/visibility.h"
 #ifdef OCCLOD_HAS_GL
-#include "occlod/gl/compute_occlusion.h"
-#include "occlod/gl/context.h"
-#include "occlod/gl/mark_occlusion.h"
-#include "occlod/gl/query_occlusion.h"
+#include "occlod/gl.h"
 #endif
 
 namespace occlod::tool {

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "json_output.h"
-#include "occlod/refine/visibility.h"
+#include "occlod/visibility.h"
 
 namespace occlod::tool {
 

@@ -11,10 +11,10 @@
 #include "accuracy.h"
 #include "json_output.h"
 #include "measurement.h"
-#include "occlod/device/device.h"
-#include "occlod/scene/scene.h"
-#include "occlod/traverse/traverser.h"
-#include "occlod/view/view.h"
+#include "occlod/device.h"
+#include "occlod/scene.h"
+#include "occlod/traverser.h"
+#include "occlod/view.h"
 
 namespace occlod::tool {
 

@@ -1,6 +1,4 @@
 // occlod build MESH -o FILE.olod
-#include "occlod/hierarchy/build.h"
-
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdint>
@@ -13,9 +11,9 @@
 #include "commands.h"
 #include "interrupt.h"
 #include "json_output.h"
-#include "occlod/io/olod.h"
-#include "occlod/io/read_mesh.h"
-#include "occlod/mesh/crease.h"
+#include "occlod/build_hierarchy.h"
+#include "occlod/mesh.h"
+#include "occlod/mesh_file.h"
 #include "option_values.h"
 #include "peak_bytes.h"
 #include "progress.h"

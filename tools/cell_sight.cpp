@@ -7,9 +7,9 @@
 #include <glm/matrix.hpp>
 #include <unordered_map>
 
-#include "base/portable_math.h"
-#include "occlod/hierarchy/cut_mesh.h"
-#include "occlod/raster/item_buffer.h"
+#include "base/arithmetic.h"
+#include "occlod/build_hierarchy.h"
+#include "occlod/item_buffer.h"
 
 namespace occlod::tool {
 namespace {

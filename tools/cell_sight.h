@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "full_scene.h"
-#include "occlod/viewcells/cell_builder.h"
+#include "occlod/cell_builder.h"
 
 namespace occlod::tool {
 

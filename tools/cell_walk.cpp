@@ -6,7 +6,7 @@
 #include <ctime>
 #include <utility>
 
-#include "occlod/picture/compare.h"
+#include "occlod/compare.h"
 #include "stopwatch.h"
 
 namespace occlod::tool {

@@ -11,12 +11,12 @@
 #include <vector>
 
 #include "full_scene.h"
-#include "occlod/picture/picture.h"
-#include "occlod/raster/item_buffer.h"
-#include "occlod/refine/refiner.h"
-#include "occlod/scene/scene.h"
-#include "occlod/view/view.h"
-#include "occlod/viewcells/cell_walker.h"
+#include "occlod/cell_walker.h"
+#include "occlod/item_buffer.h"
+#include "occlod/picture.h"
+#include "occlod/refiner.h"
+#include "occlod/scene.h"
+#include "occlod/view.h"
 
 namespace occlod::tool {
 

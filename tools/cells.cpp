@@ -7,8 +7,8 @@
 #include <numeric>
 #include <set>
 
+#include "base/timing.h"
 #include "commands.h"
-#include "base/median.h"
 #include "drawing.h"
 #include "option_names.h"
 #include "render_input.h"

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "json_output.h"
-#include "occlod/refine/refiner.h"
-#include "occlod/scene/scene.h"
-#include "occlod/viewcells/vlod_file.h"
+#include "occlod/refiner.h"
+#include "occlod/scene.h"
+#include "occlod/vlod_file.h"
 
 namespace CLI {
 class App;

@@ -12,11 +12,11 @@
 #include <string>
 #include <vector>
 
+#include "base/arithmetic.h"
+#include "base/threads.h"
 #include "cell_sight.h"
 #include "cells.h"
-#include "splits/parallel.h"
-#include "base/portable_math.h"
-#include "occlod/core/error.h"
+#include "occlod/base.h"
 #include "option_values.h"
 #include "stopwatch.h"
 

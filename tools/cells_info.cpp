@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "cells.h"
-#include "occlod/core/error.h"
+#include "occlod/base.h"
 #include "option_values.h"
 
 namespace occlod::tool {

@@ -7,8 +7,8 @@
 #include "cells.h"
 #include "command_files.h"
 #include "interrupt.h"
-#include "occlod/core/error.h"
-#include "occlod/viewcells/build_cells.h"
+#include "occlod/base.h"
+#include "occlod/build_cells.h"
 #include "option_values.h"
 #include "stopwatch.h"
 

@@ -7,7 +7,7 @@
 #include "cells.h"
 #include "command_files.h"
 #include "interrupt.h"
-#include "occlod/viewcells/pack_cells.h"
+#include "occlod/build_cells.h"
 #include "option_values.h"
 #include "render_input.h"
 #include "stopwatch.h"

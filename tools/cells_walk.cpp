@@ -12,14 +12,14 @@
 #include <variant>
 #include <vector>
 
+#include "base/timing.h"
 #include "cell_walk.h"
 #include "cells.h"
 #include "chosen_views.h"
 #include "command_files.h"
-#include "base/median.h"
 #include "object_textures.h"
-#include "occlod/core/error.h"
-#include "occlod/occlusion/software_occlusion.h"
+#include "occlod/base.h"
+#include "occlod/visibility.h"
 #include "option_values.h"
 #include "peak_bytes.h"
 #include "standard_streams.h"

@@ -11,7 +11,7 @@
 #include <map>
 #include <vector>
 
-#include "occlod/core/error.h"
+#include "occlod/base.h"
 #include "option_values.h"
 
 namespace occlod::tool {

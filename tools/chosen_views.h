@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
-#include "occlod/scene/scene.h"
-#include "occlod/view/camera.h"
+#include "occlod/scene.h"
+#include "occlod/view.h"
 #include "world_box.h"
 
 namespace CLI {

@@ -5,7 +5,7 @@
 #include <CLI/CLI.hpp>
 
 #include "base/atomic_file.h"
-#include "occlod/io/write_mesh.h"
+#include "occlod/mesh_file.h"
 
 namespace occlod::tool {
 namespace fs = std::filesystem;

@@ -12,9 +12,8 @@
 #include "json_output.h"
 #include "measure/attribute_distance.h"
 #include "measure/surface_distance.h"
-#include "occlod/hierarchy/cut_mesh.h"
-#include "occlod/io/olod.h"
-#include "occlod/io/read_mesh.h"
+#include "occlod/build_hierarchy.h"
+#include "occlod/mesh_file.h"
 #include "option_values.h"
 
 namespace occlod::tool {

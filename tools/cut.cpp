@@ -11,10 +11,9 @@
 #include "commands.h"
 #include "interrupt.h"
 #include "json_output.h"
-#include "occlod/core/error.h"
-#include "occlod/hierarchy/cut_mesh.h"
-#include "occlod/io/olod.h"
-#include "occlod/io/write_mesh.h"
+#include "occlod/base.h"
+#include "occlod/build_hierarchy.h"
+#include "occlod/mesh_file.h"
 #include "option_values.h"
 #include "progress.h"
 

@@ -4,14 +4,12 @@
 #include <span>
 #include <vector>
 
-#include "occlod/device/device.h"
-#include "occlod/picture/picture.h"
-#include "occlod/picture/texture_image.h"
-#include "occlod/raster/item_buffer.h"
-#include "occlod/refine/refiner.h"
-#include "occlod/scene/load_hlods.h"
-#include "occlod/scene/scene.h"
-#include "occlod/view/view.h"
+#include "occlod/device.h"
+#include "occlod/item_buffer.h"
+#include "occlod/picture.h"
+#include "occlod/refiner.h"
+#include "occlod/scene.h"
+#include "occlod/view.h"
 
 namespace occlod::tool {
 

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "json_output.h"
-#include "occlod/effects/auto_refiner.h"
-#include "occlod/refine/refiner.h"
-#include "occlod/scene/scene.h"
+#include "occlod/auto_refiner.h"
+#include "occlod/refiner.h"
+#include "occlod/scene.h"
 
 namespace occlod::tool {
 

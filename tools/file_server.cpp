@@ -17,7 +17,7 @@
 #include <utility>
 
 #include "base/platform.h"
-#include "occlod/core/error.h"
+#include "occlod/base.h"
 #include "served_files.h"
 
 namespace occlod::tool {

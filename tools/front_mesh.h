@@ -9,12 +9,11 @@
 #include <span>
 #include <vector>
 
-#include "occlod/device/device.h"
-#include "occlod/hlod/within.h"
-#include "occlod/picture/picture.h"
-#include "occlod/picture/texture_image.h"
-#include "occlod/traverse/traverser.h"
-#include "occlod/view/view.h"
+#include "occlod/build_hlod.h"
+#include "occlod/device.h"
+#include "occlod/picture.h"
+#include "occlod/traverser.h"
+#include "occlod/view.h"
 
 namespace occlod::tool {
 

@@ -7,8 +7,8 @@
 #include <limits>
 #include <map>
 
-#include "occlod/core/error.h"
-#include "occlod/hierarchy/cut_mesh.h"
+#include "occlod/base.h"
+#include "occlod/build_hierarchy.h"
 
 namespace occlod::tool {
 namespace {

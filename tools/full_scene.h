@@ -8,9 +8,9 @@
 #include <span>
 #include <vector>
 
-#include "occlod/raster/item_buffer.h"
-#include "occlod/refine/refiner.h"
-#include "occlod/view/view.h"
+#include "occlod/item_buffer.h"
+#include "occlod/refiner.h"
+#include "occlod/view.h"
 
 namespace occlod::tool {
 

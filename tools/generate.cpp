@@ -1,5 +1,5 @@
 // occlod generate KIND ... -o FILE
-#include "occlod/mesh/generate.h"
+#include "occlod/generate.h"
 
 #include <CLI/CLI.hpp>
 #include <memory>
@@ -10,7 +10,7 @@
 #include "commands.h"
 #include "interrupt.h"
 #include "json_output.h"
-#include "occlod/io/write_mesh.h"
+#include "occlod/mesh_file.h"
 #include "option_values.h"
 #include "peak_bytes.h"
 #include "progress.h"

@@ -9,10 +9,10 @@
 #include <optional>
 #include <utility>
 
+#include "base/timing.h"
 #include "commands.h"
-#include "base/median.h"
-#include "occlod/io/read_mesh.h"
-#include "occlod/scene/scene.h"
+#include "occlod/mesh_file.h"
+#include "occlod/scene.h"
 
 namespace occlod::tool {
 namespace {

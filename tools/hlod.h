@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "json_output.h"
-#include "occlod/hlod/hlod.h"
-#include "occlod/hlod/triangle_source.h"
-#include "occlod/mesh/clean.h"
+#include "occlod/build_hlod.h"
+#include "occlod/hlod.h"
+#include "occlod/mesh.h"
 #include "progress.h"
 
 namespace occlod::tool {

@@ -4,8 +4,8 @@
 #include <span>
 
 #include "front_mesh.h"
-#include "occlod/picture/picture.h"
-#include "occlod/view/view.h"
+#include "occlod/picture.h"
+#include "occlod/view.h"
 
 namespace occlod::tool {
 

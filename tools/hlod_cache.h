@@ -5,8 +5,8 @@
 #include <span>
 
 #include "json_output.h"
-#include "occlod/device/device.h"
-#include "occlod/hlod/node_store.h"
+#include "occlod/device.h"
+#include "occlod/node_store.h"
 
 namespace CLI {
 class App;

@@ -6,12 +6,12 @@
 #include <memory>
 #include <string_view>
 
-#include "raster/device_cost_fields.h"
-#include "occlod/device/measure_costs.h"
-#include "occlod/device/virtual_device.h"
-#include "occlod/effects/calibration.h"
-#include "occlod/occlusion/software_occlusion.h"
+#include "occlod/auto_refiner.h"
+#include "occlod/device.h"
+#include "occlod/trial_devices.h"
+#include "occlod/visibility.h"
 #include "option_values.h"
+#include "raster/device_cost_fields.h"
 
 namespace occlod::tool {
 namespace {

@@ -7,8 +7,8 @@
 
 #include "command_files.h"
 #include "hlod_device.h"
-#include "occlod/device/device_costs.h"
-#include "occlod/traverse/traverser.h"
+#include "occlod/device_costs.h"
+#include "occlod/traverser.h"
 
 namespace CLI {
 class App;

@@ -3,14 +3,12 @@
 #include <string_view>
 #include <utility>
 
-#include "occlod/core/error.h"
-#include "occlod/device/device_costs.h"
-#include "occlod/device/recorded_device.h"
-#include "occlod/device/software_device.h"
-#include "occlod/device/virtual_device.h"
+#include "occlod/base.h"
+#include "occlod/device.h"
+#include "occlod/device_costs.h"
+#include "occlod/trial_devices.h"
 #ifdef OCCLOD_HAS_GL
-#include "occlod/gl/context.h"
-#include "occlod/gl/hlod_device.h"
+#include "occlod/gl.h"
 #endif
 
 namespace occlod::tool {

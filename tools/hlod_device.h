@@ -5,7 +5,7 @@
 #include <string>
 
 #include "json_output.h"
-#include "occlod/device/device.h"
+#include "occlod/device.h"
 
 namespace occlod::tool {
 

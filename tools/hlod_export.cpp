@@ -8,13 +8,13 @@
 #include <system_error>
 #include <vector>
 
+#include "base/text.h"
 #include "command_files.h"
-#include "base/parse_double.h"
 #include "hlod.h"
 #include "interrupt.h"
-#include "occlod/core/error.h"
-#include "occlod/io/ohlod.h"
-#include "occlod/tiles/write_tileset.h"
+#include "occlod/base.h"
+#include "occlod/node_store.h"
+#include "occlod/tiles.h"
 #include "option_values.h"
 #include "peak_bytes.h"
 #include "standard_streams.h"

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "hlod.h"
-#include "occlod/io/ohlod.h"
+#include "occlod/node_store.h"
 #include "option_values.h"
 
 namespace occlod::tool {

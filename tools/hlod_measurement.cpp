@@ -1,8 +1,8 @@
 #include "hlod_measurement.h"
 
-#include "base/median.h"
+#include "base/timing.h"
 #include "drawing.h"
-#include "occlod/device/recorded_device.h"
+#include "occlod/trial_devices.h"
 #include "stopwatch.h"
 
 namespace occlod::tool {

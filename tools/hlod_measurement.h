@@ -6,12 +6,11 @@
 #include <vector>
 
 #include "front_mesh.h"
-#include "occlod/device/device.h"
-#include "occlod/device/software_device.h"
-#include "occlod/picture/picture.h"
-#include "occlod/raster/item_buffer.h"
-#include "occlod/traverse/traverser.h"
-#include "occlod/view/view.h"
+#include "occlod/device.h"
+#include "occlod/item_buffer.h"
+#include "occlod/picture.h"
+#include "occlod/traverser.h"
+#include "occlod/view.h"
 
 namespace occlod::tool {
 

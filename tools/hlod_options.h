@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "json_output.h"
-#include "occlod/traverse/traverser.h"
+#include "occlod/traverser.h"
 
 namespace CLI {
 class App;

@@ -7,7 +7,7 @@
 
 #include "accuracy.h"
 #include "drawing.h"
-#include "refine/fragment_count.h"
+#include "raster/clip.h"
 
 namespace occlod::tool {
 namespace {

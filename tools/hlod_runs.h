@@ -9,9 +9,8 @@
 #include "hlod_reference.h"
 #include "hlod_scene.h"
 #include "json_output.h"
-#include "occlod/device/device.h"
-#include "occlod/device/software_device.h"
-#include "occlod/traverse/traverser.h"
+#include "occlod/device.h"
+#include "occlod/traverser.h"
 
 namespace occlod::tool {
 

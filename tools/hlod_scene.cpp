@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "drawing.h"
-#include "occlod/core/error.h"
-#include "occlod/view/view.h"
+#include "occlod/base.h"
+#include "occlod/view.h"
 #include "option_values.h"
 #include "progress.h"
 #include "render_input.h"

@@ -8,9 +8,8 @@
 #include <vector>
 
 #include "chosen_views.h"
-#include "occlod/device/device.h"
-#include "occlod/scene/load_hlods.h"
-#include "occlod/scene/scene.h"
+#include "occlod/device.h"
+#include "occlod/scene.h"
 
 namespace CLI {
 class App;

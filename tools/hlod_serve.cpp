@@ -9,7 +9,7 @@
 
 #include "file_server.h"
 #include "hlod.h"
-#include "occlod/core/error.h"
+#include "occlod/base.h"
 #include "option_values.h"
 #include "tiles_page.h"
 

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "hlod.h"
-#include "occlod/hlod/validate.h"
-#include "occlod/io/ohlod.h"
+#include "occlod/hlod.h"
+#include "occlod/node_store.h"
 #include "option_values.h"
 #include "validation.h"
 

@@ -12,7 +12,7 @@
 #include <memory>
 #include <vector>
 
-#include "occlod/core/error.h"
+#include "occlod/base.h"
 
 namespace occlod::tool {
 namespace {

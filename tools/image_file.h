@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-#include "occlod/picture/texture_image.h"
+#include "occlod/picture.h"
 
 namespace occlod::tool {
 

@@ -10,9 +10,9 @@
 
 #include "commands.h"
 #include "json_output.h"
-#include "occlod/core/error.h"
-#include "occlod/io/olod.h"
-#include "occlod/io/read_mesh.h"
+#include "occlod/base.h"
+#include "occlod/build_hierarchy.h"
+#include "occlod/mesh_file.h"
 #include "option_values.h"
 #include "repair_advice.h"
 

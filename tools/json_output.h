@@ -6,9 +6,9 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "occlod/hierarchy/hierarchy.h"
-#include "occlod/mesh/mesh_report.h"
-#include "occlod/view/camera.h"
+#include "occlod/hierarchy.h"
+#include "occlod/mesh.h"
+#include "occlod/view.h"
 
 namespace occlod::tool {
 

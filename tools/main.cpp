@@ -14,8 +14,7 @@
 #include "file_faults.h"
 #include "help_formatter.h"
 #include "interrupt.h"
-#include "occlod/core/error.h"
-#include "occlod/core/version.h"
+#include "occlod/base.h"
 #include "option_values.h"
 #include "standard_streams.h"
 

@@ -4,13 +4,12 @@
 #include <span>
 #include <vector>
 
-#include "occlod/effects/auto_refiner.h"
-#include "occlod/picture/picture.h"
-#include "occlod/raster/item_buffer.h"
-#include "occlod/refine/geomorph.h"
-#include "occlod/refine/refiner.h"
-#include "occlod/scene/scene.h"
-#include "occlod/view/view.h"
+#include "occlod/auto_refiner.h"
+#include "occlod/item_buffer.h"
+#include "occlod/picture.h"
+#include "occlod/refiner.h"
+#include "occlod/scene.h"
+#include "occlod/view.h"
 
 namespace occlod::tool {
 

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "image_file.h"
-#include "occlod/core/error.h"
+#include "occlod/base.h"
 #include "option_values.h"
 #include "standard_streams.h"
 

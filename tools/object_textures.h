@@ -8,13 +8,12 @@
 #include <string>
 #include <vector>
 
-#include "occlod/hierarchy/hierarchy.h"
-#include "occlod/hlod/hlod.h"
-#include "occlod/mesh/triangle_mesh.h"
-#include "occlod/picture/texture_image.h"
-#include "occlod/scene/load_hlods.h"
-#include "occlod/scene/scene.h"
-#include "occlod/viewcells/cell_walker.h"
+#include "occlod/cell_walker.h"
+#include "occlod/hierarchy.h"
+#include "occlod/hlod.h"
+#include "occlod/mesh.h"
+#include "occlod/picture.h"
+#include "occlod/scene.h"
 
 namespace CLI {
 class App;

@@ -1,8 +1,8 @@
 // What options are called on the command line and in every report.
 #pragma once
 
-#include "occlod/refine/refiner.h"
-#include "occlod/viewcells/cell_options.h"
+#include "occlod/cell_builder.h"
+#include "occlod/refiner.h"
 
 namespace occlod::tool {
 

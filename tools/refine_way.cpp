@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "drawing.h"
-#include "occlod/core/error.h"
+#include "occlod/base.h"
 
 namespace occlod::tool {
 namespace {

@@ -10,9 +10,9 @@
 #include "backend.h"
 #include "json_output.h"
 #include "measurement.h"
-#include "occlod/effects/auto_refiner.h"
-#include "occlod/refine/refiner.h"
-#include "occlod/scene/scene.h"
+#include "occlod/auto_refiner.h"
+#include "occlod/refiner.h"
+#include "occlod/scene.h"
 
 namespace occlod::tool {
 

@@ -3,7 +3,7 @@
 #include <utility>
 #include <variant>
 
-#include "occlod/core/error.h"
+#include "occlod/base.h"
 #include "progress.h"
 #include "standard_streams.h"
 #include "world_box.h"

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "chosen_views.h"
-#include "occlod/scene/scene.h"
-#include "occlod/view/camera.h"
+#include "occlod/scene.h"
+#include "occlod/view.h"
 
 namespace occlod::tool {
 

@@ -6,7 +6,7 @@
 
 #include "backend.h"
 #include "object_textures.h"
-#include "occlod/refine/refiner.h"
+#include "occlod/refiner.h"
 #include "refine_way.h"
 #include "render_input.h"
 

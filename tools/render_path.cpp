@@ -8,7 +8,7 @@
 
 #include "beside_hlod.h"
 #include "explanation.h"
-#include "occlod/picture/picture.h"
+#include "occlod/picture.h"
 #include "render_report.h"
 
 namespace occlod::tool {

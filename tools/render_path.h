@@ -6,9 +6,9 @@
 #include <string>
 
 #include "measurement.h"
-#include "occlod/device/device.h"
-#include "occlod/picture/texture_image.h"
-#include "occlod/refine/refiner.h"
+#include "occlod/device.h"
+#include "occlod/picture.h"
+#include "occlod/refiner.h"
 #include "refine_way.h"
 #include "render_input.h"
 

@@ -7,8 +7,8 @@
 
 #include "json_output.h"
 #include "measurement.h"
-#include "occlod/picture/compare.h"
-#include "occlod/refine/refiner.h"
+#include "occlod/compare.h"
+#include "occlod/refiner.h"
 #include "refine_way.h"
 #include "render_input.h"
 

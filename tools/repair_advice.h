@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "occlod/mesh/mesh_report.h"
+#include "occlod/mesh.h"
 
 namespace occlod::tool {
 

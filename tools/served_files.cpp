@@ -5,7 +5,7 @@
 #include <system_error>
 #include <utility>
 
-#include "base/hex_digit.h"
+#include "base/text.h"
 
 namespace occlod::tool {
 namespace {

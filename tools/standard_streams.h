@@ -4,7 +4,7 @@
 #include <string_view>
 #include <system_error>
 
-#include "occlod/core/error.h"
+#include "occlod/base.h"
 
 namespace occlod::tool {
 

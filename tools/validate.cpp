@@ -1,6 +1,4 @@
 // occlod validate FILE.olod [--input MESH]
-#include "occlod/hierarchy/validate.h"
-
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -10,8 +8,8 @@
 #include <vector>
 
 #include "commands.h"
-#include "occlod/io/olod.h"
-#include "occlod/io/read_mesh.h"
+#include "occlod/build_hierarchy.h"
+#include "occlod/mesh_file.h"
 #include "option_values.h"
 #include "validation.h"
 

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "json_output.h"
-#include "occlod/core/error.h"
+#include "occlod/base.h"
 
 namespace occlod::tool {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "occlod/mesh/mesh_report.h"
+#include "occlod/mesh.h"
 
 namespace occlod::tool {
 

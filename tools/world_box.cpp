@@ -5,7 +5,7 @@
 #include <glm/mat4x4.hpp>
 #include <limits>
 
-#include "occlod/math/bounds.h"
+#include "occlod/bounds.h"
 
 namespace occlod::tool {
 namespace {

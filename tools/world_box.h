@@ -4,8 +4,7 @@
 #include <glm/vec3.hpp>
 #include <span>
 
-#include "occlod/scene/load_hlods.h"
-#include "occlod/scene/scene.h"
+#include "occlod/scene.h"
 
 namespace occlod::tool {
 

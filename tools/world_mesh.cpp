@@ -1,7 +1,7 @@
 #include "world_mesh.h"
 
-#include "occlod/hierarchy/cut_mesh.h"
-#include "occlod/scene/join_meshes.h"
+#include "occlod/build_hierarchy.h"
+#include "occlod/scene.h"
 
 namespace occlod::tool {
 

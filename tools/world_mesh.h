@@ -4,9 +4,9 @@
 #include <filesystem>
 #include <vector>
 
-#include "occlod/mesh/triangle_mesh.h"
-#include "occlod/refine/refinement.h"
-#include "occlod/scene/scene.h"
+#include "occlod/mesh.h"
+#include "occlod/refiner.h"
+#include "occlod/scene.h"
 
 namespace occlod::tool {
 

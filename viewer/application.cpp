@@ -15,7 +15,7 @@
 #include "draw/overlays.h"
 #include "draw/render_target.h"
 #include "hlod_device.h"
-#include "occlod/core/error.h"
+#include "occlod/base.h"
 #include "panels/theme.h"
 #include "setting_table.h"
 

@@ -11,11 +11,11 @@
 #include <vector>
 
 #include "application.h"
+#include "base/atomic_file.h"
 #include "command.h"
 #include "file_faults.h"
 #include "hlod_cache.h"
-#include "base/atomic_file.h"
-#include "occlod/core/version.h"
+#include "occlod/base.h"
 #include "setting_table.h"
 #include "settings_file.h"
 #include "standard_streams.h"

@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <utility>
 
-#include "occlod/core/error.h"
+#include "occlod/base.h"
 
 namespace occlod::viewer {
 namespace {

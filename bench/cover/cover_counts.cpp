@@ -8,7 +8,7 @@
 #include <limits>
 #include <string>
 
-#include "occlod/traverse/occlusion_probability.h"
+#include "occlod/traverser.h"
 
 namespace occlod::bench {
 namespace {

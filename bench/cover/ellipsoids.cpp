@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "occlod/traverse/occlusion_probability.h"
+#include "occlod/traverser.h"
 
 namespace occlod::bench {
 namespace {

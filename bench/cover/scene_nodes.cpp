@@ -5,13 +5,12 @@
 #include <vector>
 
 #include "chosen_views.h"
-#include "occlod/device/software_device.h"
-#include "occlod/io/ohlod.h"
-#include "occlod/scene/scene.h"
-#include "occlod/traverse/occlusion_probability.h"
-#include "occlod/view/view.h"
-#include "hlod/draw/distance_queue.h"
-#include "hlod/draw/object_frame.h"
+#include "hlod/draw/frame_scene.h"
+#include "occlod/device.h"
+#include "occlod/node_store.h"
+#include "occlod/scene.h"
+#include "occlod/traverser.h"
+#include "occlod/view.h"
 
 namespace occlod::bench {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "base/median.h"
+#include "base/timing.h"
 #include "drawing.h"
 #include "support/cpu_clock.h"
 #include "visibility/views.h"

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "accuracy.h"
-#include "occlod/refine/refiner.h"
+#include "occlod/refiner.h"
 #include "visibility/scene_run.h"
 
 namespace occlod::bench {

@@ -6,7 +6,7 @@
 #include <optional>
 #include <span>
 
-#include "occlod/viewcells/cell_view.h"
+#include "occlod/cell_builder.h"
 
 namespace occlod::paper {
 

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <numeric>
 
-#include "occlod/core/ids.h"
+#include "occlod/base.h"
 
 namespace occlod::paper {
 

@@ -1,5 +1,4 @@
-#include "occlod/hierarchy/build.h"
-#include "occlod/hierarchy/cut_mesh.h"
+#include "occlod/build_hierarchy.h"
 #include "peers/peers.h"
 #include "stopwatch.h"
 

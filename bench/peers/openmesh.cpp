@@ -1,4 +1,4 @@
-#include "occlod/interop/openmesh.h"
+#include "occlod/openmesh.h"
 
 #include <fmt/format.h>
 

@@ -18,7 +18,7 @@
 #include <utility>
 #include <vector>
 
-#include "occlod/interop/openmesh.h"
+#include "occlod/openmesh.h"
 
 namespace occlod::bench {
 namespace {

@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <memory>
 
-#include "occlod/mesh/triangle_mesh.h"
-#include "occlod/view/view.h"
+#include "occlod/mesh.h"
+#include "occlod/view.h"
 
 namespace occlod::bench {
 

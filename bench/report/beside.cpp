@@ -2,8 +2,8 @@
 
 #include "drawing.h"
 #include "measurement.h"
-#include "occlod/effects/auto_refiner.h"
-#include "occlod/scene/load_hlods.h"
+#include "occlod/auto_refiner.h"
+#include "occlod/scene.h"
 
 namespace occlod::bench {
 

@@ -1,6 +1,6 @@
 #include "report/coarse_occlusion.h"
 
-#include "occlod/occlusion/software_occlusion.h"
+#include "occlod/visibility.h"
 
 namespace occlod::bench {
 namespace {

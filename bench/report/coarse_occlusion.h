@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "occlod/refine/visibility.h"
+#include "occlod/visibility.h"
 
 namespace occlod::bench {
 

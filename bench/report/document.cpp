@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "occlod/core/error.h"
+#include "occlod/base.h"
 #include "report/choice.h"
 #include "report/measures.h"
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <thread>
 
-#include "occlod/core/version.h"
+#include "occlod/base.h"
 
 namespace occlod::bench {
 namespace {

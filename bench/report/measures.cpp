@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "base/median.h"
+#include "base/timing.h"
 
 namespace occlod::bench {
 namespace {

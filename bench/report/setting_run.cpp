@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "base/median.h"
+#include "base/timing.h"
 #include "drawing.h"
 #include "report/coarse_occlusion.h"
 

@@ -9,7 +9,7 @@
 
 #include "accuracy.h"
 #include "measurement.h"
-#include "occlod/refine/visibility.h"
+#include "occlod/visibility.h"
 #include "report/settings.h"
 #include "report/sweep.h"
 

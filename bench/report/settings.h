@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "occlod/refine/refiner.h"
+#include "occlod/refiner.h"
 
 namespace occlod::bench {
 

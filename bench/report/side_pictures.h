@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "occlod/picture/picture.h"
+#include "occlod/picture.h"
 #include "report/settings.h"
 #include "report/sweep.h"
 

@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "accuracy.h"
-#include "occlod/core/error.h"
+#include "occlod/base.h"
 #include "report/setting_run.h"
 #include "visibility/views.h"
 

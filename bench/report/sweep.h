@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "beside_hlod.h"
-#include "occlod/picture/picture.h"
+#include "occlod/picture.h"
 #include "report/measures.h"
 #include "report/settings.h"
 #include "visibility/scene_run.h"

@@ -5,9 +5,9 @@
 #include <charconv>
 #include <optional>
 
-#include "occlod/io/read_mesh.h"
-#include "occlod/mesh/generate.h"
-#include "occlod/scene/scene.h"
+#include "occlod/generate.h"
+#include "occlod/mesh_file.h"
+#include "occlod/scene.h"
 
 namespace occlod::bench {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "occlod/mesh/triangle_mesh.h"
+#include "occlod/mesh.h"
 
 namespace occlod::bench {
 

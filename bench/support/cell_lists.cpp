@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "cell_sight.h"
-#include "occlod/hierarchy/build.h"
-#include "occlod/mesh/generate.h"
-#include "occlod/viewcells/cell_builder.h"
+#include "occlod/build_hierarchy.h"
+#include "occlod/cell_builder.h"
+#include "occlod/generate.h"
 
 namespace occlod::bench {
 namespace {

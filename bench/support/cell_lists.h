@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "cells/cell_subtree.h"
+#include "cells/cell_divider.h"
 #include "papers/id_lists.h"
 
 namespace occlod::bench {

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "occlod/refine/refiner.h"
+#include "occlod/refiner.h"
 #include "stopwatch.h"
 
 namespace occlod::bench {

@@ -9,8 +9,8 @@
 #include <span>
 #include <vector>
 
-#include "base/portable_math.h"
-#include "occlod/viewcells/cell_view.h"
+#include "base/arithmetic.h"
+#include "occlod/cell_builder.h"
 #include "oracle/ray_scene.h"
 
 namespace occlod::bench {

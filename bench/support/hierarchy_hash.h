@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "occlod/hierarchy/hierarchy.h"
+#include "occlod/hierarchy.h"
 
 namespace occlod::bench {
 

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "occlod/mesh/triangle_mesh.h"
-#include "occlod/viewcells/cell_view.h"
+#include "occlod/cell_builder.h"
+#include "occlod/mesh.h"
 
 namespace occlod::bench {
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <string_view>
 
-#include "occlod/view/camera.h"
+#include "occlod/view.h"
 
 namespace occlod::bench {
 

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "occlod/hierarchy/hierarchy.h"
+#include "occlod/hierarchy.h"
 
 namespace occlod::bench {
 

@@ -13,15 +13,15 @@
 #include <string>
 #include <vector>
 
+#include "base/arithmetic.h"
+#include "base/timing.h"
 #include "cell_sight.h"
 #include "cell_walk.h"
-#include "base/median.h"
 #include "drawing.h"
 #include "json_output.h"
-#include "base/portable_math.h"
-#include "occlod/core/error.h"
-#include "occlod/occlusion/software_occlusion.h"
-#include "occlod/viewcells/cell_builder.h"
+#include "occlod/base.h"
+#include "occlod/cell_builder.h"
+#include "occlod/visibility.h"
 #include "stopwatch.h"
 #include "support/cpu_clock.h"
 

@@ -17,9 +17,9 @@
 #include "drawing.h"
 #include "full_scene.h"
 #include "json_output.h"
-#include "occlod/core/error.h"
-#include "occlod/occlusion/software_occlusion.h"
-#include "occlod/viewcells/cell_builder.h"
+#include "occlod/base.h"
+#include "occlod/cell_builder.h"
+#include "occlod/visibility.h"
 
 namespace occlod::bench {
 namespace {

@@ -5,7 +5,7 @@
 #include <span>
 
 #include "drawing.h"
-#include "occlod/picture/picture.h"
+#include "occlod/picture.h"
 #include "visibility/subjects.h"
 
 namespace occlod::bench {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "occlod/occlusion/software_occlusion.h"
+#include "occlod/visibility.h"
 
 namespace occlod::bench {
 namespace {

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "measurement.h"
-#include "occlod/refine/refiner.h"
-#include "occlod/scene/scene.h"
-#include "occlod/view/view.h"
+#include "occlod/refiner.h"
+#include "occlod/scene.h"
+#include "occlod/view.h"
 #include "render_input.h"
 
 namespace occlod::bench {

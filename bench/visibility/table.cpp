@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "base/atomic_file.h"
-#include "occlod/core/error.h"
+#include "occlod/base.h"
 
 namespace occlod::bench {
 namespace {

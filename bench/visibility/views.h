@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "base/portable_math.h"
+#include "base/arithmetic.h"
 #include "visibility/scene_run.h"
 
 namespace occlod::bench {

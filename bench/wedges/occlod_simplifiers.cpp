@@ -1,5 +1,4 @@
-#include "occlod/hierarchy/build.h"
-#include "occlod/hierarchy/cut_mesh.h"
+#include "occlod/build_hierarchy.h"
 #include "stopwatch.h"
 #include "wedges/simplifiers.h"
 #include "wedges/subjects.h"

@@ -11,11 +11,11 @@
 #include "measure/attribute_distance.h"
 #include "measure/surface_distance.h"
 #include "object_textures.h"
-#include "occlod/math/bounds.h"
-#include "occlod/picture/compare.h"
-#include "occlod/picture/picture.h"
-#include "occlod/raster/item_buffer.h"
-#include "occlod/view/view.h"
+#include "occlod/bounds.h"
+#include "occlod/compare.h"
+#include "occlod/item_buffer.h"
+#include "occlod/picture.h"
+#include "occlod/view.h"
 
 namespace occlod::bench {
 namespace {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "occlod/mesh/triangle_mesh.h"
+#include "occlod/mesh.h"
 #include "wedges/simplifiers.h"
 
 namespace occlod::bench {

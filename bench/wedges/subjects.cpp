@@ -10,8 +10,8 @@
 #include <tuple>
 #include <utility>
 
-#include "occlod/mesh/clean.h"
-#include "occlod/mesh/generate.h"
+#include "occlod/generate.h"
+#include "occlod/mesh.h"
 #include "support/bench_meshes.h"
 
 namespace occlod::bench {

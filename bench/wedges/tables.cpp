@@ -9,7 +9,7 @@
 #include <optional>
 #include <vector>
 
-#include "occlod/core/error.h"
+#include "occlod/base.h"
 
 namespace occlod::bench {
 namespace {

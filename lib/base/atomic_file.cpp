@@ -4,17 +4,82 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
+#include <charconv>
+#include <chrono>
+#include <cstddef>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
+#include "base/memory.h"
 #include "base/platform.h"
-#include "base/scratch_memory.h"
-#include "base/hidden_neighbour.h"
-#include "occlod/core/error.h"
+#include "occlod/base.h"
 
 namespace occlod {
 namespace {
+
+// Hidden names beside a file or folder, under which it is written before it is renamed.
+
+// Unique among the running processes and among the files of this one. `target`: with links followed.
+[[nodiscard]] std::filesystem::path hidden_neighbour(const std::filesystem::path& target);
+
+// Removes what processes that were killed while they wrote `target` have left beside it, when it is a minute old.
+void remove_leftovers(const std::filesystem::path& target);
+
+// Of a path without one: ".".
+[[nodiscard]] std::filesystem::path folder_of(const std::filesystem::path& file);
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view hidden_suffix = ".tmp";
+
+// Of the target's name the hidden one has no more bytes: a name may be as long as the file system allows.
+constexpr std::size_t longest_stem = 100;
+
+std::string hidden_prefix(const fs::path& target) {
+  const std::string name = target.filename().string();
+  std::size_t size = std::min(name.size(), longest_stem);
+  const auto continues_a_character = [&](std::size_t i) {
+    return (static_cast<unsigned char>(name[i]) & 0xC0U) == 0x80;
+  };
+  while (size > 0 && size < name.size() && continues_a_character(size)) --size;  // UTF-8
+  return fmt::format(".{}.", name.substr(0, size));
+}
+
+// What a process that was killed while it wrote `target` has left beside it. A process on another machine may be at
+// work in the same folder: then its file is new.
+bool is_leftover(const fs::directory_entry& entry, const std::string& prefix) {
+  const std::string name = entry.path().filename().string();
+  if (!name.starts_with(prefix) || !name.ends_with(hidden_suffix)) return false;
+  const char* const end = name.data() + name.size();
+  int process = 0;
+  const auto [after, error] = std::from_chars(name.data() + prefix.size(), end, process);
+  if (error != std::errc() || after == end || *after != '-' || process <= 0) return false;
+  if (may_be_running(process)) return false;
+  std::error_code unknown;
+  const auto age = fs::file_time_type::clock::now() - entry.last_write_time(unknown);
+  return !unknown && age > std::chrono::minutes(1);
+}
+
+fs::path hidden_neighbour(const fs::path& target) {
+  static std::atomic<unsigned> counter = 0;
+  return target.parent_path() / fmt::format("{}{}-{}{}", hidden_prefix(target), process_id(), counter++, hidden_suffix);
+}
+
+void remove_leftovers(const fs::path& target) {
+  const std::string prefix = hidden_prefix(target);
+  std::error_code ignored;
+  for (fs::directory_iterator entry(folder_of(target), ignored); !ignored && entry != fs::directory_iterator();
+       entry.increment(ignored))
+    if (std::error_code kept; is_leftover(*entry, prefix)) fs::remove_all(entry->path(), kept);
+}
+
+fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : fs::path("."); }
 
 namespace fs = std::filesystem;
 
@@ -135,6 +200,106 @@ WriteMonitor::~WriteMonitor() { innermost_monitor = outer_; }
 
 void WriteMonitor::notify(std::uint64_t bytes) {
   if (innermost_monitor != nullptr) innermost_monitor->progress_(bytes);
+}
+
+namespace {
+
+namespace fs = std::filesystem;
+
+// Without a slash at its end, which would leave no name.
+fs::path without_slash(fs::path path) {
+  if (path.filename().empty() && path.has_parent_path() && path != path.root_path()) path = path.parent_path();
+  return path;
+}
+
+void require_writable_folder(const fs::path& path, const fs::path& target) {
+  if (path.empty()) throw Error({"output folder", "", "has no name", "name a folder"});
+  std::error_code unknown;
+  const fs::file_status status = fs::status(target, unknown);
+  if (unknown == std::errc::filename_too_long) fail(path, "the name is too long", "choose a shorter one");
+  if (fs::exists(status) && !fs::is_directory(status)) fail(path, "is not a folder", "choose another name");
+  if (target.filename().empty() || target.filename() == "." || target.filename() == "..")
+    fail(path, "cannot be replaced by a new folder", "name a folder in it");
+  const fs::path folder = folder_of(target);
+  if (!fs::is_directory(folder, unknown))
+    fail(path, fmt::format("the folder {} does not exist", folder.string()), "create it first");
+  if (const int why_not = why_no_files_can_be_made(folder.c_str()); why_not != 0)
+    fail(path, fmt::format("cannot be written: {}", std::generic_category().message(why_not)),
+         "check the permissions of the folder that it is in");
+}
+
+// Under whose name nothing is.
+bool is_free(const fs::path& target) {
+  std::error_code unknown;
+  return !fs::exists(fs::symlink_status(target, unknown));
+}
+
+}  // namespace
+
+void AtomicFolder::check(const fs::path& path) { require_writable_folder(path, AtomicFile::target_of(without_slash(path))); }
+
+AtomicFolder::AtomicFolder(fs::path path)
+    : path_(std::move(path)), target_(AtomicFile::target_of(without_slash(path_))) {
+  require_writable_folder(path_, target_);
+  WriteMonitor::notify(0);
+  remove_leftovers(target_);
+  const fs::path hidden = hidden_neighbour(target_);
+  std::error_code error;
+  if (!fs::create_directory(hidden, error)) fail_to_write(error.value());
+  temporary_ = hidden;
+}
+
+AtomicFolder::~AtomicFolder() {
+  std::error_code ignored;
+  if (!temporary_.empty()) fs::remove_all(temporary_, ignored);
+}
+
+void AtomicFolder::write(const std::string& name, std::string_view bytes) {
+  WriteMonitor::notify(bytes_);
+  errno = 0;
+  std::ofstream stream(place(name), std::ios::binary | std::ios::trunc);
+  stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  stream.close();
+  if (!stream) fail_to_write(errno);
+  bytes_ += bytes.size();
+}
+
+void AtomicFolder::commit() {
+  WriteMonitor::notify(bytes_);
+  std::error_code error;
+  if (is_free(target_)) {
+    fs::rename(temporary_, target_, error);
+    if (!error) temporary_.clear();
+  } else if (!exchange_names(temporary_.c_str(), target_.c_str())) {
+    // The file system cannot do it at once: for a moment nothing has the name.
+    const fs::path old = hidden_neighbour(target_);
+    fs::rename(target_, old, error);
+    if (!error) {
+      fs::rename(temporary_, target_, error);
+      std::error_code ignored;
+      if (error)
+        fs::rename(old, target_, ignored);
+      else
+        temporary_ = old;  // for the destructor
+    }
+  }
+  if (error)
+    fail(path_, fmt::format("cannot be replaced: {}", error.message()), "check the permissions of the folder it is in");
+}
+
+fs::path AtomicFolder::place(const std::string& name) {
+  const fs::path file = temporary_ / name;
+  if (made_.insert(file.parent_path()).second) {
+    std::error_code error;
+    fs::create_directories(file.parent_path(), error);
+    if (error) fail_to_write(error.value());
+  }
+  return file;
+}
+
+void AtomicFolder::fail_to_write(int error_number) const {
+  const std::string reason = std::generic_category().message(error_number != 0 ? error_number : EIO);
+  fail(path_, fmt::format("cannot be written: {}", reason), "check the space on the disk");
 }
 
 }  // namespace occlod

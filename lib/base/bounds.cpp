@@ -1,12 +1,11 @@
-#include "occlod/math/bounds.h"
+#include "occlod/bounds.h"
 
 #include <cassert>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include "base/facing_slack.h"
-#include "base/inverse_power_of_two.h"
+#include "base/arithmetic.h"
 
 namespace occlod {
 

@@ -1,6 +1,6 @@
-#include "occlod/core/error.h"
-
 #include <utility>
+
+#include "occlod/base.h"
 
 namespace occlod {
 namespace {
@@ -16,5 +16,7 @@ std::string one_line(const Diagnosis& diagnosis) {
 }  // namespace
 
 Error::Error(Diagnosis diagnosis) : std::runtime_error(one_line(diagnosis)), diagnosis_(std::move(diagnosis)) {}
+
+const char* version() noexcept { return OCCLOD_VERSION; }
 
 }  // namespace occlod

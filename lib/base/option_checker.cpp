@@ -5,7 +5,7 @@
 #include <cmath>
 #include <string>
 
-#include "occlod/core/error.h"
+#include "occlod/base.h"
 
 namespace occlod {
 namespace {

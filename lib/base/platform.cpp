@@ -198,4 +198,12 @@ void JournalFile::cut(std::uint64_t size) {
   size_ = size;
 }
 
+bool exchange_names([[maybe_unused]] const char* a, [[maybe_unused]] const char* b) noexcept {
+#ifdef RENAME_EXCHANGE  // Linux
+  return renameat2(AT_FDCWD, a, AT_FDCWD, b, RENAME_EXCHANGE) == 0;
+#else
+  return false;
+#endif
+}
+
 }  // namespace occlod

@@ -10,7 +10,7 @@
 #include <set>
 #include <utility>
 
-#include "occlod/core/error.h"
+#include "occlod/base.h"
 
 namespace occlod {
 namespace {

@@ -1,15 +1,182 @@
-#include "occlod/view/view.h"
+#include "occlod/view.h"
 
+#include <algorithm>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/ext/matrix_clip_space.hpp>
 #include <glm/ext/matrix_transform.hpp>
 #include <glm/geometric.hpp>
+#include <glm/gtc/matrix_access.hpp>
+#include <glm/matrix.hpp>
 #include <glm/trigonometric.hpp>
+#include <limits>
 
-#include "occlod/core/error.h"
+#include "base/arithmetic.h"
+#include "base/placement.h"
+#include "occlod/base.h"
 
 namespace occlod {
+
+// The smaller side of the image decides.
+double fitting_distance(const Camera& camera, double radius) {
+  const double half_y = glm::radians(camera.fov_y_deg) / 2.0;
+  const double half = std::atan(std::tan(half_y) * std::min(1.0, static_cast<double>(camera.width) / camera.height));
+  return 1.02 * radius / std::sin(half);
+}
+
+Camera orthographic(const Camera& camera) {
+  Camera result = camera;
+  const double half_tangent = std::tan(glm::radians(camera.fov_y_deg) / 2.0);
+  result.orthographic_height = 2.0 * glm::distance(camera.eye, camera.target) * half_tangent;
+  return result;
+}
+
+namespace {
+
+bool finite(const glm::dmat4& m) {
+  for (int column = 0; column < 4; ++column)
+    for (int row = 0; row < 4; ++row)
+      if (!std::isfinite(m[column][row])) return false;
+  return true;
+}
+
+// a * b - c * d to 1.5 units in the last place (Kahan; Jeannerod, Louvet & Muller 2013): std::fma rounds once.
+double difference_of_products(double a, double b, double c, double d) noexcept {
+  const double cd = c * d;
+  return std::fma(a, b, -cd) - std::fma(c, d, -cd);
+}
+
+glm::dvec3 accurate_cross(const glm::dvec3& a, const glm::dvec3& b) noexcept {
+  return {difference_of_products(a.y, b.z, a.z, b.y), difference_of_products(a.z, b.x, a.x, b.z),
+          difference_of_products(a.x, b.y, a.y, b.x)};
+}
+
+}  // namespace
+
+double stretch_of(const glm::dmat3& m) {
+  const glm::dmat3 square = glm::transpose(m) * m;
+  double largest = 0.0;
+  for (int column = 0; column < 3; ++column) {
+    const glm::dvec3 c = glm::abs(square[column]);
+    largest = std::max(largest, c.x + c.y + c.z);
+  }
+  return std::sqrt(largest);
+}
+
+double determinant_of(const glm::dmat3& m) { return glm::dot(m[0], accurate_cross(m[1], m[2])); }
+
+glm::dvec3 solve(const glm::dmat3& m, const glm::dvec3& y) {
+  const glm::dvec3 yz = accurate_cross(m[1], m[2]), zx = accurate_cross(m[2], m[0]), xy = accurate_cross(m[0], m[1]);
+  return glm::dvec3(glm::dot(yz, y), glm::dot(zx, y), glm::dot(xy, y)) / determinant_of(m);
+}
+
+void require_placement(const glm::dmat4& object_to_world) {
+  const double determinant = determinant_of(glm::dmat3(object_to_world));
+  if (!finite(object_to_world) || glm::row(object_to_world, 3) != glm::dvec4(0, 0, 0, 1) ||
+      !std::isfinite(determinant) || determinant == 0.0)
+    throw Error({"object", "transform", "is not an affine matrix with an inverse",
+                 "give finite numbers, last row 0 0 0 1, and no zero scale"});
+}
+
+namespace {
+
+// A plane as the dot product with a point, object space. `normal` and `offset`: in world space relative to the eye.
+// Moved outwards by what sums in double precision may be off by.
+glm::vec4 unit_plane(const glm::dvec3& normal, double offset, const glm::dmat4x3& object_to_eye) {
+  const glm::dvec3 in_object = normal * glm::dmat3(object_to_eye);
+  const glm::dvec3 terms = normal * object_to_eye[3];
+  const double rounding = 1e-15 * (std::abs(terms.x) + std::abs(terms.y) + std::abs(terms.z) + std::abs(offset));
+  return glm::vec4(glm::dvec4(in_object, terms.x + terms.y + terms.z + offset + rounding) / glm::length(in_object));
+}
+
+// From the axes of the view and not, as usual, from sums of rows of the matrix to clip space: where the far plane is
+// 1e9 times as far away as the near one, or the eye far from the origin, their difference is rounding only.
+std::array<glm::vec4, 6> frustum_planes(const View& view, const glm::dmat4x3& object_to_eye) {
+  const glm::dvec3 across(glm::row(view.world_to_clip(), 0)), along(glm::row(view.world_to_clip(), 1));
+  const glm::dvec3& ahead = view.direction();
+  // w relative to the eye: w_per_unit * distance along the axis + w_at_eye.
+  const glm::dvec3 w_per_unit = view.is_orthographic() ? glm::dvec3(0.0) : ahead;
+  const double w_at_eye = view.is_orthographic() ? 1.0 : 0.0;
+  const auto plane = [&](const glm::dvec3& normal, double offset) { return unit_plane(normal, offset, object_to_eye); };
+  return {plane(w_per_unit + across, w_at_eye), plane(w_per_unit - across, w_at_eye),
+          plane(w_per_unit + along, w_at_eye),  plane(w_per_unit - along, w_at_eye),
+          plane(ahead, -view.camera().near),    plane(-ahead, view.camera().far)};
+}
+
+// As far as anything that the view shows can be from the object's origin, in its space, rounded up to a power of two,
+// and no less than the least normal float, so that a multiple of it has all digits.
+double shown_reach(const View& view, const glm::dmat3& linear, const glm::dvec3& eye) {
+  const Camera& camera = view.camera();
+  const glm::dvec2 half = glm::dvec2(camera.width, camera.height) / (2.0 * view.focal_length_px());
+  const glm::dvec3 axes[] = {solve(linear, glm::dvec3(1, 0, 0)), solve(linear, glm::dvec3(0, 1, 0)),
+                             solve(linear, glm::dvec3(0, 0, 1))};
+  const double largest = std::max({glm::length(axes[0]), glm::length(axes[1]), glm::length(axes[2])});
+  const double reach = glm::length(eye) + 2.0 * largest * (glm::length(half) + camera.far);
+  return std::exp2(std::ceil(std::log2(std::max(reach, 0x1p-126))));
+}
+
+// A stand-in for the eye of an orthographic view, e: a normal n turns away from all rays iff dot(n, -e) > 0. For a
+// sphere of centre c and radius r faces_away() finds that dot(n, c - e) > r + slack, and where it touches what is shown
+// |c| is no more than the reach + r. The slack is 1.2e-7 of the largest coordinate of e, of which the rounding of e
+// takes sqrt(3) * 2^-24 at most: the rest is more than the reach.
+glm::dvec3 far_eye(const View& view, const glm::dmat3& linear, const glm::dvec3& eye) {
+  constexpr double times_as_far = 1 << 27;
+  return shown_reach(view, linear, eye) * times_as_far * glm::normalize(solve(linear, -view.direction()));
+}
+
+}  // namespace
+
+ObjectView::ObjectView(const View& view, const glm::dmat4& object_to_world) {
+  require_placement(object_to_world);
+  const glm::dmat3 linear(object_to_world);
+  object_to_clip_ = glm::mat4(view.world_to_clip() * object_to_world);
+  // Far from the origin the difference of two places is rounded once, and little; their images under a matrix are not.
+  object_to_eye_ = glm::dmat4x3(object_to_world);
+  object_to_eye_[3] -= view.camera().eye;
+  orthographic_ = view.is_orthographic();
+  const glm::dvec3 eye = solve(linear, -object_to_eye_[3]);
+  eye_ = glm::vec3(orthographic_ ? far_eye(view, linear, eye) : eye);
+  if (orthographic_ && !std::isfinite(largest_coordinate(eye_)))
+    throw Error({"camera", "orthographic_height, far", "reach too far from the object for single precision",
+                 "stay within 1e29 object units"});
+  direction_ = view.direction();
+  largest_stretch_ = stretch_of(linear);
+  focal_length_px_ = view.focal_length_px();
+  cos_corner_angle_ = view.cos_corner_angle();
+  mirrored_ = determinant_of(linear) < 0.0;
+  planes_ = frustum_planes(view, object_to_eye_);
+}
+
+bool ObjectView::may_be_inside(const Sphere& sphere) const noexcept {
+  return std::all_of(planes_.begin(), planes_.end(), [&](const glm::vec4& plane) {
+    const glm::vec3 terms = glm::vec3(plane) * sphere.center;
+    const float slack =
+        1e-6F * (std::abs(terms.x) + std::abs(terms.y) + std::abs(terms.z) + std::abs(plane.w) + sphere.radius);
+    // Written so that NaN counts as inside.
+    return !(terms.x + terms.y + terms.z + plane.w < -(sphere.radius + slack));
+  });
+}
+
+// In double precision: the centre may be far from the object's origin and near the eye, and squares of tiny or huge
+// lengths leave the range of floats.
+float ObjectView::largest_scale_px(const Sphere& sphere) const noexcept {
+  if (orthographic_) return rounded_up(focal_length_px_ * largest_stretch_);
+  const glm::dvec3 center = object_to_eye_ * glm::dvec4(sphere.center, 1.0);
+  const double radius = static_cast<double>(sphere.radius) * largest_stretch_;
+  const double distance = glm::length(center);
+  const double nearest = distance - radius;
+  if (!(nearest > 0.0)) return std::numeric_limits<float>::infinity();
+  // A displacement at distance d and angle a from the axis covers at most f / (d cos^2 a) pixels per unit: f / z for
+  // the depth z = d cos a, and once more 1 / cos a in the radial direction. The largest angle: that of the centre plus
+  // that under which the sphere is seen; the image ends at its corners.
+  const double cos_center = std::clamp(glm::dot(center, direction_) / distance, -1.0, 1.0);
+  const double sin_center = std::sqrt(1.0 - cos_center * cos_center);
+  const double sin_radius = radius / distance;
+  const double cos_radius = std::sqrt(1.0 - sin_radius * sin_radius);
+  const double cos_largest = std::max(cos_corner_angle_, cos_center * cos_radius - sin_center * sin_radius);
+  return rounded_up(focal_length_px_ * largest_stretch_ / (nearest * cos_largest * cos_largest));
+}
+
 namespace {
 
 [[noreturn]] void refuse(const char* place, const char* problem, const char* remedy) {

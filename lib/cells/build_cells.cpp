@@ -1,23 +1,238 @@
-#include "occlod/viewcells/build_cells.h"
+#include "occlod/build_cells.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <atomic>
+#include <cassert>
+#include <cstddef>
+#include <cstdint>
 #include <exception>
+#include <filesystem>
+#include <limits>
+#include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
+#include <string>
 #include <system_error>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "base/option_checker.h"
-#include "splits/parallel.h"
-#include "occlod/core/error.h"
+#include "base/threads.h"
 #include "cells/cell_divider.h"
-#include "cells/cell_forest.h"
-#include "cells/vlod_part.h"
-#include "cells/write_vlod.h"
+#include "cells/vlod_format.h"
+#include "cells/vlod_payload.h"
+#include "occlod/base.h"
+
+namespace occlod {
+namespace {
+
+// Writes .vlod files.
+
+// `tree`: finished. Throws Error that names the file.
+void write_vlod(const std::filesystem::path& path, const vlod::Scene& scene, const CellSubtree& tree);
+
+using namespace vlod;
+using namespace sections;
+
+void write_vlod(const std::filesystem::path& path, const Scene& scene, const CellSubtree& tree) {
+  const StoredOptions options = store(scene);
+  SectionWriter writer;
+  writer.add(options_name, std::span<const StoredOptions>(&options, 1));
+  writer.add(regions_name, std::span<const CellBox>(scene.options.regions));
+  writer.add(objects_name, std::span<const VlodObject>(scene.objects));
+  writer.add(nodes_name, std::span<const CellNode>(tree.nodes));
+  writer.add(data_name, std::span<const std::byte>(tree.payloads), Check::parts);
+  writer.write(path, file_kind);
+}
+
+// Trees of root cells in a tenth of the memory, until they are joined.
+
+// Elements of the sets of a tree.
+struct SetCounts {
+  std::uint64_t splits = 0, candidates = 0, hidden = 0, used = 0, drawn = 0;
+};
+
+// The sets of a tree, coded: what all leaves share, and what some have.
+struct PackedSets {
+  std::vector<std::byte> shared, used;
+  SetCounts counts;
+};
+
+struct PackedTree {
+  CellSubtree tree;  // without its sets
+  PackedSets sets;
+};
+
+[[nodiscard]] PackedTree pack(CellSubtree tree);
+[[nodiscard]] CellSubtree unpack(PackedTree packed, const vlod::GlobalIds& ids);
+
+// Of the same bytes in a file. Nothing, and what is wrong in `problem`, when they do not hold so many elements.
+[[nodiscard]] std::optional<CellSets> unpack(std::span<const std::byte> shared, std::span<const std::byte> used,
+                                             const SetCounts& counts, const vlod::GlobalIds& ids, std::string& problem);
+
+using vlod::Additions;
+using vlod::Expected;
+using vlod::most_ids_per_byte;
+
+PackedTree pack(CellSubtree tree) {
+  CellSets sets = std::exchange(tree.sets, {});
+  const SetCounts counts{sets.splits.size(), sets.candidates.size(), sets.hidden.size(), sets.used.size(),
+                         sets.drawn.size()};
+  const Additions shared{std::move(sets.splits), std::move(sets.candidates), std::move(sets.hidden)};
+  const Additions used{std::move(sets.used), {}, std::move(sets.drawn)};
+  return {std::move(tree), {encode(shared, {}, most_ids_per_byte), encode(used, {}, most_ids_per_byte), counts}};
+}
+
+std::optional<CellSets> unpack(std::span<const std::byte> shared, std::span<const std::byte> used,
+                               const SetCounts& counts, const vlod::GlobalIds& ids, std::string& problem) {
+  const auto decoded = [&](std::span<const std::byte> bytes, std::uint64_t splits, std::uint64_t candidates,
+                           std::uint64_t faces) -> std::optional<Additions> {
+    problem = "claims more than it can hold";
+    if (std::max({splits, candidates, faces}) > bytes.size() * most_ids_per_byte) return {};
+    return decode(bytes, Expected{ids.split_count(), ids.owner_count(), splits, candidates, faces}, {}, problem);
+  };
+  auto first = decoded(shared, counts.splits, counts.candidates, counts.hidden);
+  if (!first) return {};
+  auto second = decoded(used, counts.used, 0, counts.drawn);
+  if (!second) return {};
+  return CellSets{std::move(first->splits), std::move(second->splits), std::move(first->candidates),
+                  std::move(first->hidden), std::move(second->hidden)};
+}
+
+CellSubtree unpack(PackedTree packed, const vlod::GlobalIds& ids) {
+  std::string problem;
+  auto sets = unpack(packed.sets.shared, packed.sets.used, packed.sets.counts, ids, problem);
+  assert(sets.has_value());  // what pack() has made
+  packed.tree.sets = std::move(*sets);
+  return std::move(packed.tree);
+}
+
+}  // namespace
+
+}  // namespace occlod
+
+namespace occlod::vlod {
+namespace {
+
+// The .vpart file: the trees of a run of root cells, to be merged into a .vlod file.
+
+inline constexpr sections::FileKind part_kind{{'V', 'P', 'R', 'T', '\r', '\n', '\x1a', '\n'},
+                                              vlod_version,
+                                              ".vpart",
+                                              "make one with 'occlod cells build --work'",
+                                              "remove it, and build again with --resume"};
+
+// `trees`: of the root cells of the range. Throws Error that names the file.
+void write_part(const std::filesystem::path& path, const Scene& scene, const CellRange& range,
+                std::span<const PackedTree> trees);
+
+// Where the tree of a root cell is.
+struct PartTree {
+  std::uint64_t first_node = 0, nodes = 0;        // in section CELL
+  std::uint64_t payloads = 0, payload_bytes = 0;  // in section DATA
+  std::uint64_t sets = 0;                         // in section DATA: what all leaves share, then what some have
+  std::uint64_t shared_bytes = 0, used_bytes = 0;
+  SetCounts counts;
+};
+static_assert(sizeof(PartTree) == 96);
+
+class PartReader {
+ public:
+  // Checks all of the file but what sets hold. Throws Error.
+  explicit PartReader(const std::filesystem::path& path);
+
+  [[nodiscard]] const Scene& scene() const noexcept { return scene_; }
+  [[nodiscard]] const Key& key() const noexcept { return key_; }
+  [[nodiscard]] const CellRange& range() const noexcept { return range_; }
+  // Of this root cell, which is in the range. Throws Error.
+  [[nodiscard]] CellSubtree tree(std::uint32_t root) const;
+
+ private:
+  sections::SectionReader reader_;
+  Scene scene_;
+  Key key_{};
+  CellRange range_;
+  std::span<const PartTree> trees_;
+  std::span<const CellNode> nodes_;
+  std::span<const std::byte> data_;
+};
+
+using namespace sections;
+
+constexpr std::string_view range_name = "RANG", trees_name = "TREE";
+
+void write_part(const std::filesystem::path& path, const Scene& scene, const CellRange& range,
+                std::span<const PackedTree> trees) {
+  std::vector<PartTree> table;
+  std::vector<CellNode> nodes;
+  std::vector<std::byte> data;
+  const auto append = [&](std::span<const std::byte> bytes) { data.insert(data.end(), bytes.begin(), bytes.end()); };
+  for (const PackedTree& packed : trees) {
+    const auto& [tree, sets] = packed;
+    table.push_back({nodes.size(), tree.nodes.size(), data.size(), tree.payloads.size(),
+                     data.size() + tree.payloads.size(), sets.shared.size(), sets.used.size(), sets.counts});
+    nodes.insert(nodes.end(), tree.nodes.begin(), tree.nodes.end());
+    append(tree.payloads);
+    append(sets.shared);
+    append(sets.used);
+  }
+  const StoredOptions options = store(scene);
+  SectionWriter writer;
+  writer.add(options_name, std::span<const StoredOptions>(&options, 1));
+  writer.add(regions_name, std::span<const CellBox>(scene.options.regions));
+  writer.add(objects_name, std::span<const VlodObject>(scene.objects));
+  writer.add(range_name, std::span<const CellRange>(&range, 1));
+  writer.add(trees_name, std::span<const PartTree>(table));
+  writer.add(nodes_name, std::span<const CellNode>(nodes));
+  writer.add(data_name, std::span<const std::byte>(data));
+  writer.write(path, part_kind);
+}
+
+PartReader::PartReader(const std::filesystem::path& path) : reader_(path, part_kind, true) {
+  scene_ = read_options(reader_, path.string(), key_);
+  range_ = reader_.read_one<CellRange>(range_name, "range");
+  trees_ = reader_.read<PartTree>(trees_name);
+  nodes_ = reader_.read<CellNode>(nodes_name);
+  data_ = reader_.read<std::byte>(data_name);
+  if (trees_.empty() || trees_.size() != range_.count ||
+      range_.count > std::numeric_limits<std::uint32_t>::max() - range_.first)
+    reader_.refuse("section TREE", "does not have a tree for every root cell");
+}
+
+CellSubtree PartReader::tree(std::uint32_t root) const {
+  const PartTree& it = trees_[root - range_.first];
+  const std::string place = fmt::format("root cell {}", root);
+  const auto within = [](std::uint64_t first, std::uint64_t count, std::size_t size) {
+    return first <= size && count <= size - first;
+  };
+  if (!within(it.first_node, it.nodes, nodes_.size()) || !within(it.payloads, it.payload_bytes, data_.size()) ||
+      !within(it.sets, it.shared_bytes, data_.size()) ||
+      !within(it.sets + it.shared_bytes, it.used_bytes, data_.size()))
+    reader_.refuse(place, "lies outside the file");
+  CellSubtree tree;
+  tree.nodes.assign(nodes_.begin() + static_cast<std::ptrdiff_t>(it.first_node),
+                    nodes_.begin() + static_cast<std::ptrdiff_t>(it.first_node + it.nodes));
+  const CellTree checked(tree.nodes, place);
+  for (const CellNode& node : tree.nodes)
+    if (!within(node.payload, node.payload_bytes, it.payload_bytes)) reader_.refuse(place, "adds what is not there");
+  const auto payloads = data_.subspan(it.payloads, it.payload_bytes);
+  tree.payloads.assign(payloads.begin(), payloads.end());
+
+  std::string problem;
+  auto sets = unpack(data_.subspan(it.sets, it.shared_bytes), data_.subspan(it.sets + it.shared_bytes, it.used_bytes),
+                     it.counts, GlobalIds(scene_.objects, place), problem);
+  if (!sets) reader_.refuse(place, problem);
+  tree.sets = std::move(*sets);
+  return tree;
+}
+
+}  // namespace
+
+}  // namespace occlod::vlod
 
 namespace occlod {
 namespace {
@@ -160,6 +375,78 @@ void CellBuild::write(const std::filesystem::path& path, const CellBuildRun& run
       join_roots(impl_->roots(), [&](std::size_t i) { return unpack(std::exchange(trees[i], {}), impl_->ids()); });
   finish(tree);
   write_vlod(path, impl_->scene(), tree);
+}
+
+namespace {
+
+using vlod::PartReader;
+
+// The parts of one build, which are asked for root cells in ascending order.
+class Parts {
+ public:
+  explicit Parts(std::span<const std::filesystem::path> paths) {
+    for (const std::filesystem::path& path : paths) {
+      readers_.push_back(std::make_unique<PartReader>(path));
+      if (readers_.back()->key() != readers_.front()->key())
+        throw Error({path.string(), "",
+                     fmt::format("is of another scene or of other options than {}", paths.front().string()),
+                     "merge the parts of one build"});
+    }
+    std::ranges::sort(readers_, {}, [](const auto& reader) { return reader->range().first; });
+  }
+
+  [[nodiscard]] const vlod::Scene& scene() const { return readers_.front()->scene(); }
+
+  // Throws Error that says which of the first `count` root cells are in no part.
+  void expect(std::size_t count, const std::filesystem::path& folder) const {
+    std::uint64_t end = 0;
+    const auto expect_at = [&](std::uint64_t next) {
+      if (next > end)
+        throw Error({folder.string(), "", fmt::format("lacks the root cells {} to {}", end, next - 1),
+                     "build them with 'occlod cells build --work --resume', or the shard that has them"});
+    };
+    for (const auto& reader : readers_) {
+      expect_at(reader->range().first);
+      end = std::max<std::uint64_t>(end, std::uint64_t{reader->range().first} + reader->range().count);
+    }
+    expect_at(count);
+    if (end > count)
+      throw Error({folder.string(), "", "has more root cells than its regions", "remove it and build again"});
+  }
+
+  [[nodiscard]] CellSubtree take(std::uint32_t root) {
+    const auto has_it = [root](const auto& reader) {
+      return root >= reader->range().first && root - reader->range().first < reader->range().count;
+    };
+    return (*std::ranges::find_if(readers_, has_it))->tree(root);
+  }
+
+ private:
+  std::vector<std::unique_ptr<PartReader>> readers_;
+};
+
+}  // namespace
+
+std::vector<std::filesystem::path> cell_parts_in(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::vector<std::filesystem::path> parts;
+  for (std::filesystem::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
+    if (it->path().extension() == ".vpart") parts.push_back(it->path());
+  if (error)
+    throw Error(
+        {folder.string(), "", fmt::format("cannot be read: {}", error.message()), "name the folder of the parts"});
+  std::ranges::sort(parts);
+  return parts;
+}
+
+void merge_cells(std::span<const std::filesystem::path> parts, const std::filesystem::path& path) {
+  if (parts.empty()) throw Error({path.string(), "", "there are no parts to merge", "name some"});
+  Parts all(parts);
+  const std::vector<RootCell> roots = root_cells(all.scene().options);
+  all.expect(roots.size(), parts.front().parent_path());
+  CellSubtree tree = join_roots(roots, [&](std::size_t i) { return all.take(static_cast<std::uint32_t>(i)); });
+  finish(tree);
+  write_vlod(path, all.scene(), tree);
 }
 
 }  // namespace occlod

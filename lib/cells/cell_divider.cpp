@@ -1,12 +1,214 @@
 #include "cells/cell_divider.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
+#include <iterator>
 #include <numeric>
 #include <utility>
+#include <vector>
 
-#include "cells/cell_grid.h"
+#include "cells/cell_geometry.h"
+#include "cells/vlod_format.h"
+#include "cells/vlod_payload.h"
+#include "mesh/section_file.h"
+#include "occlod/base.h"
 
 namespace occlod {
+namespace {
+
+constexpr unsigned hilbert_bits = 21;
+constexpr double most_root_cells = 1U << 24U;
+
+double edge(const CellBox& box, int axis) { return box.max[axis] - box.min[axis]; }
+
+// The i-th of n + 1 planes that cut the box into n.
+double plane(const CellBox& box, int axis, std::uint32_t i, std::uint32_t n) {
+  return i == n ? box.max[axis] : box.min[axis] + edge(box, axis) * (static_cast<double>(i) / n);
+}
+
+std::array<std::uint32_t, 3> counts_of(const CellBox& region, double root_cell) {
+  std::array<double, 3> counts{};
+  for (int axis = 0; axis < 3; ++axis)  // rounding makes no cell more
+    counts[static_cast<std::size_t>(axis)] = std::max(1.0, std::ceil(edge(region, axis) / root_cell - 1e-9));
+  if (!(counts[0] * counts[1] * counts[2] <= most_root_cells) ||
+      *std::max_element(counts.begin(), counts.end()) > static_cast<double>(1U << hilbert_bits))
+    throw Error({"cell options", "root_cell",
+                 fmt::format("{} cuts a region into more than {} cells", root_cell, most_root_cells),
+                 "make root cells larger, or the region smaller"});
+  return {static_cast<std::uint32_t>(counts[0]), static_cast<std::uint32_t>(counts[1]),
+          static_cast<std::uint32_t>(counts[2])};
+}
+
+}  // namespace
+
+std::uint64_t hilbert_index(std::array<std::uint32_t, 3> x) {
+  constexpr std::uint32_t top = 1U << (hilbert_bits - 1);
+  for (std::uint32_t q = top; q > 1; q >>= 1U) {
+    const std::uint32_t p = q - 1;
+    for (std::uint32_t& axis : x) {
+      if ((axis & q) != 0) {
+        x[0] ^= p;
+      } else {
+        const std::uint32_t t = (x[0] ^ axis) & p;
+        x[0] ^= t;
+        axis ^= t;
+      }
+    }
+  }
+  x[1] ^= x[0];
+  x[2] ^= x[1];
+  std::uint32_t t = 0;
+  for (std::uint32_t q = top; q > 1; q >>= 1U)
+    if ((x[2] & q) != 0) t ^= q - 1;
+  std::uint64_t index = 0;
+  for (unsigned bit = hilbert_bits; bit-- > 0;)
+    for (const std::uint32_t axis : x) index = index << 1U | (((axis ^ t) >> bit) & 1U);
+  return index;
+}
+
+std::vector<RootCell> root_cells(const CellTreeOptions& options) {
+  std::vector<RootCell> cells;
+  for (std::uint32_t r = 0; r < options.regions.size(); ++r) {
+    const CellBox& region = options.regions[r];
+    const auto [nx, ny, nz] = counts_of(region, options.root_cell);
+    const std::size_t first = cells.size();
+    for (std::uint32_t z = 0; z < nz; ++z)
+      for (std::uint32_t y = 0; y < ny; ++y)
+        for (std::uint32_t x = 0; x < nx; ++x)
+          cells.push_back({{{plane(region, 0, x, nx), plane(region, 1, y, ny), plane(region, 2, z, nz)},
+                            {plane(region, 0, x + 1, nx), plane(region, 1, y + 1, ny), plane(region, 2, z + 1, nz)}},
+                           r,
+                           {x, y, z}});
+    if (static_cast<double>(cells.size()) > most_root_cells)
+      throw Error({"cell options", "regions", fmt::format("have more than {} root cells", most_root_cells),
+                   "make root cells larger"});
+    std::sort(cells.begin() + static_cast<std::ptrdiff_t>(first), cells.end(),
+              [](const RootCell& a, const RootCell& b) { return hilbert_index(a.place) < hilbert_index(b.place); });
+  }
+  return cells;
+}
+
+std::vector<CellBox> parts_of(const CellBox& box, double smallest) {
+  constexpr double long_enough = 0.7;  // of the longest axis
+  const double longest = std::max({edge(box, 0), edge(box, 1), edge(box, 2)});
+  std::vector<CellBox> parts = {box};
+  for (int axis = 2; axis >= 0; --axis) {
+    const double half = 0.5 * edge(box, axis);
+    if (!(edge(box, axis) > long_enough * longest) || half < smallest) continue;
+    const double middle = box.min[axis] + half;
+    std::vector<CellBox> halves;
+    for (const CellBox& part : parts) {
+      halves.push_back(part);
+      halves.back().max[axis] = middle;
+      halves.push_back(part);
+      halves.back().min[axis] = middle;
+    }
+    parts = std::move(halves);
+  }
+  return parts;
+}
+
+namespace {
+
+using Set = std::vector<std::uint64_t>;
+
+template <typename Operation>
+Set combined(const Set& a, const Set& b, const Operation& operation) {
+  Set result;
+  operation(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(result));
+  return result;
+}
+constexpr auto in_both = [](auto... args) { std::set_intersection(args...); };
+constexpr auto in_either = [](auto... args) { std::set_union(args...); };
+constexpr auto not_in = [](auto... args) { std::set_difference(args...); };
+
+// Of one tree of all parts.
+CellSets joined_sets(std::span<const CellSubtree> parts) {
+  CellSets sets = parts.front().sets;
+  sets.candidates.clear();
+  for (const CellSubtree& part : parts.subspan(1)) {
+    sets.splits = combined(sets.splits, part.sets.splits, in_both);
+    sets.candidates = combined(sets.candidates, combined(sets.used, part.sets.used, in_both), in_either);
+    sets.used = combined(sets.used, part.sets.used, in_either);
+    sets.hidden = combined(sets.hidden, part.sets.hidden, in_either);
+    sets.drawn = combined(sets.drawn, part.sets.drawn, in_either);
+  }
+  sets.candidates = combined(sets.candidates, sets.splits, not_in);
+  sets.hidden = combined(sets.hidden, sets.drawn, not_in);
+  return sets;
+}
+
+// What the root of a tree adds to what is above it becomes its payload, behind all others.
+void add_payload(CellSubtree& tree, const CellSets& above) {
+  const vlod::Additions additions{combined(tree.sets.splits, above.splits, not_in), std::move(tree.sets.candidates),
+                                  combined(tree.sets.hidden, above.hidden, not_in)};
+  const std::vector<std::byte> bytes = vlod::encode(additions, above.candidates, vlod::most_ids_per_byte);
+  CellNode& root = tree.nodes.front();
+  if (bytes.size() > vlod::most_payload_bytes)
+    throw Error({"cells", "", "one of them adds more than 16 MiB", "allow a larger tolerance"});
+  root.payload = tree.payloads.size();
+  root.payload_bytes = static_cast<std::uint32_t>(bytes.size());
+  root.checksum = sections::checksum_of(bytes);
+  root.splits = static_cast<std::uint32_t>(additions.splits.size());
+  root.candidates = static_cast<std::uint32_t>(additions.candidates.size());
+  root.hidden_faces = static_cast<std::uint32_t>(additions.hidden.size());
+  tree.payloads.insert(tree.payloads.end(), bytes.begin(), bytes.end());
+}
+
+// `part` becomes a child of the first node of `tree`.
+void append(CellSubtree& tree, CellSubtree part) {
+  const auto first = static_cast<CellId>(tree.nodes.size());
+  for (CellNode& node : part.nodes) {
+    node.parent = node.parent == no_id ? 0 : node.parent + first;
+    node.end += first;
+    node.payload += tree.payloads.size();
+    tree.nodes.push_back(node);
+  }
+  tree.payloads.insert(tree.payloads.end(), part.payloads.begin(), part.payloads.end());
+  tree.nodes.front().box = unite(tree.nodes.front().box, part.nodes.front().box);
+  tree.nodes.front().end = static_cast<CellId>(tree.nodes.size());
+}
+
+}  // namespace
+
+CellSubtree leaf_of_tree(const CellNode& node, CellSets sets) {
+  CellSubtree tree{{node}, {}, std::move(sets)};
+  tree.nodes.front().parent = no_id;
+  tree.nodes.front().end = 1;
+  tree.sets.used = tree.sets.splits;
+  return tree;
+}
+
+CellSubtree join(std::vector<CellSubtree> parts) {
+  CellSubtree tree{{CellNode{}}, {}, joined_sets(parts)};
+  tree.nodes.front().box = parts.front().nodes.front().box;
+  for (CellSubtree& part : parts) {
+    add_payload(part, tree.sets);
+    append(tree, std::exchange(part, {}));
+  }
+  return tree;
+}
+
+void set_levels(CellSubtree& tree) {
+  for (CellNode& node : tree.nodes) node.level = node.parent == no_id ? 0 : tree.nodes[node.parent].level + 1;
+}
+
+void finish(CellSubtree& tree) {
+  add_payload(tree, {});
+  set_levels(tree);
+  // In the order of the nodes, whatever order the tree has grown in.
+  std::vector<std::byte> payloads;
+  payloads.reserve(tree.payloads.size());
+  for (CellNode& node : tree.nodes) {
+    const auto bytes = std::span(tree.payloads).subspan(node.payload, node.payload_bytes);
+    node.payload = payloads.size();
+    payloads.insert(payloads.end(), bytes.begin(), bytes.end());
+  }
+  tree.payloads = std::move(payloads);
+}
+
 namespace {
 
 // The recursion of divide_cell().
@@ -94,6 +296,38 @@ CellContent CellDivider::content_of(const CellBox& box) {
     for (const FaceRef& face : hidden_) cell.sets.hidden.push_back(id_of(face));
   }
   return cell;
+}
+
+namespace {
+
+constexpr unsigned regions_level = 22;  // above blocks of 2^21 root cells to every side
+
+// Whether two root cells are in one block of 2^level to every side.
+bool together(const RootCell& a, const RootCell& b, unsigned level) {
+  if (level >= regions_level) return true;
+  bool same = a.region == b.region;
+  for (std::size_t axis = 0; axis < 3; ++axis) same = same && a.place[axis] >> level == b.place[axis] >> level;
+  return same;
+}
+
+// Of roots [first, end), which are together at this level.
+CellSubtree join_block(std::span<const RootCell> roots, std::size_t first, std::size_t end, unsigned level,
+                       const std::function<CellSubtree(std::size_t)>& take) {
+  if (end - first == 1) return take(first);
+  std::vector<CellSubtree> parts;
+  for (std::size_t begin = first; begin < end;) {
+    std::size_t next = begin + 1;
+    while (next < end && together(roots[begin], roots[next], level - 1)) ++next;
+    parts.push_back(join_block(roots, begin, next, level - 1, take));
+    begin = next;
+  }
+  return parts.size() == 1 ? std::move(parts.front()) : join(std::move(parts));
+}
+
+}  // namespace
+
+CellSubtree join_roots(std::span<const RootCell> roots, const std::function<CellSubtree(std::size_t)>& take) {
+  return join_block(roots, 0, roots.size(), regions_level, take);
 }
 
 }  // namespace occlod

@@ -5,8 +5,12 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+#include <span>
 
-#include "occlod/viewcells/cell_view.h"
+#include "base/arithmetic.h"
+#include "occlod/cell_builder.h"
+#include "occlod/hierarchy.h"
 
 namespace occlod {
 
@@ -37,6 +41,17 @@ namespace occlod {
 [[nodiscard]] inline int longest_axis(const CellBox& box) {
   const glm::dvec3 size = box.max - box.min;
   return size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+}
+
+// A box around what a split changes.
+
+// Around the faces that it inserts, object space.
+[[nodiscard]] inline Box box_of(const SplitStar& star, std::span<const glm::vec3> positions) {
+  Box box{positions[star.vertex()], positions[star.vertex()]};
+  star.for_each_face([&](const Triangle& t) {
+    for (int k = 0; k < 3; ++k) box = unite(box, {positions[t[k]], positions[t[k]]});
+  });
+  return box;
 }
 
 }  // namespace occlod

@@ -1,7 +1,14 @@
 #include "cells/cell_loads.h"
 
 #include <algorithm>
+#include <cmath>
 #include <exception>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <utility>
+
+#include "occlod/base.h"
+#include "occlod/cell_walker.h"
 
 namespace occlod {
 
@@ -105,6 +112,152 @@ void CellLoads::stop() {
     stopped_ = true;
   }
   changed_.notify_all();
+}
+
+namespace {
+
+// For each triangle that is drawn, about: two thirds of a vertex with its normal. What is left out makes borders, so
+// there are more than half as many vertices as triangles.
+constexpr std::size_t packed_vertex_bytes = 2 * (sizeof(glm::vec3) + sizeof(glm::vec3)) / 3;
+
+}  // namespace
+
+CellResidents::CellResidents(const VlodFile& file, std::size_t base_triangles)
+    : tree_(file.tree()),
+      triangle_bytes_(sizeof(Triangle) + (file.is_packed() && !file.has_objects() ? packed_vertex_bytes : 0)),
+      base_triangles_(base_triangles),
+      objects_(file.objects().size()) {}
+
+void CellResidents::add(CellId cell, std::shared_ptr<const CellMesh> mesh) {
+  Resident& resident = residents_[cell];
+  if (resident.mesh) bytes_ -= resident.mesh->bytes();
+  bytes_ += mesh->bytes();
+  known_bytes_[cell] = mesh->bytes();
+  resident = {std::move(mesh), calls_};
+}
+
+const std::shared_ptr<const CellMesh>& CellResidents::find(CellId cell) const {
+  static const std::shared_ptr<const CellMesh> none;
+  const auto found = residents_.find(cell);
+  return found == residents_.end() ? none : found->second.mesh;
+}
+
+std::size_t CellResidents::bytes_of(CellId cell) const {
+  if (const auto known = known_bytes_.find(cell); known != known_bytes_.end()) return known->second;
+  std::size_t triangles = tree_.node(cell).drawn_triangles;
+  if (!tree_.is_leaf(cell)) {
+    // A split mostly adds two faces to a cut.
+    triangles = base_triangles_;
+    for (CellId node = cell; node != no_id; node = tree_.node(node).parent)
+      triangles += 2 * std::size_t{tree_.node(node).splits};
+  }
+  const std::size_t blocks = triangles / 256 + objects_;
+  return sizeof(CellMesh) + triangles * triangle_bytes_ + blocks * sizeof(TriangleBlock) +
+         objects_ * sizeof(CellMesh::Object);
+}
+
+void CellResidents::shrink(std::span<const CellId> kept, std::size_t bytes) {
+  ++calls_;
+  for (const CellId cell : kept)
+    if (const auto found = residents_.find(cell); found != residents_.end()) found->second.wanted = calls_;
+  while (bytes_ > bytes) {
+    auto oldest = residents_.end();
+    for (auto at = residents_.begin(); at != residents_.end(); ++at)
+      if (at->first != 0 && at->second.wanted < calls_ &&
+          (oldest == residents_.end() || at->second.wanted < oldest->second.wanted))
+        oldest = at;
+    if (oldest == residents_.end()) return;
+    bytes_ -= oldest->second.mesh->bytes();
+    residents_.erase(oldest);
+  }
+}
+
+namespace {
+
+constexpr double memory_seconds = 0.2;
+constexpr double slope = 0.25;         // how far the eye may leave its course, of the way that it goes
+constexpr double walking_speed = 1.4;  // m/s: that an eye may take up at any time
+constexpr int most_samples = 64;       // of the course
+
+double distance_to(const CellBox& box, const glm::dvec3& p) {
+  return glm::distance(p, glm::clamp(p, box.min, box.max));
+}
+
+}  // namespace
+
+void WalkMotion::step(const glm::dvec3& eye, double seconds) {
+  const glm::dvec3 way = eye - eye_;
+  eye_ = eye;
+  if (is_first_ || !(glm::length(way) < jump_)) {
+    is_first_ = false;
+    velocity_ = glm::dvec3(0.0);
+  } else if (seconds > 0.0) {
+    velocity_ = glm::mix(velocity_, way / seconds, 1.0 - std::exp(-seconds / memory_seconds));
+  }
+}
+
+void CellForecast::add(CellId leaf, double seconds) {
+  const auto at = std::ranges::find(expected_, leaf, &ExpectedCell::leaf);
+  if (at == expected_.end())
+    expected_.push_back({leaf, seconds});
+  else
+    at->seconds = std::min(at->seconds, seconds);
+}
+
+const std::vector<ExpectedCell>& CellForecast::expect(CellId leaf, const glm::dvec3& eye, const glm::dvec3& velocity,
+                                                      double horizon, std::size_t most) {
+  if (leaf != here_) tree_.neighbours(leaf, neighbours_);
+  here_ = leaf;
+  expected_.clear();
+  const double speed = glm::length(velocity), at_least = std::max(speed, walking_speed);
+  for (const CellId other : neighbours_) {
+    // Ahead it is entered when it is reached, elsewhere only after a turn.
+    const CellBox& box = tree_.node(other).box;
+    const glm::dvec3 there = glm::clamp(eye, box.min, box.max) - eye;
+    const double distance = distance_to(box, eye);
+    add(other, distance / at_least + (glm::dot(there, velocity) < 0.0 ? memory_seconds : 0.0));
+  }
+  // Along the course, in steps of half a cell; the first and the last sample are its ends.
+  const CellBox& box = tree_.node(leaf).box;
+  const double reach = speed * horizon, edge = std::max(glm::length(box.max - box.min) / 2.0, 1e-12);
+  const int samples = static_cast<int>(std::clamp(std::ceil(2.0 * reach / edge), 1.0, double{most_samples}));
+  for (int i = 0; speed > 0.0 && i <= samples && expected_.size() < 4 * most; ++i) {
+    const double way = reach * i / samples, radius = slope * std::max(way, reach / samples);
+    const glm::dvec3 place = eye + velocity * (way / speed);
+    tree_.leaves_in({place - radius, place + radius}, found_);
+    for (const CellId other : found_)
+      if (other != leaf) add(other, way / speed);
+  }
+  std::ranges::stable_sort(expected_, {}, &ExpectedCell::seconds);
+  if (expected_.size() > most) expected_.resize(most);
+  return expected_;
+}
+
+namespace {
+
+void check(const DiskSpeed& disk) {
+  if (!(disk.bytes_per_second > 0.0) || !(disk.latency_seconds >= 0.0) || !std::isfinite(disk.latency_seconds))
+    throw Error({"disk speed", "", "is out of its range", "give bytes per second > 0 and seconds >= 0"});
+}
+
+}  // namespace
+
+CellReader throttled(CellReader reader, const VlodFile& file, const DiskSpeed& disk,
+                     std::function<void(double seconds)> wait) {
+  check(disk);
+  return [reader = std::move(reader), &file, disk, wait = std::move(wait)](
+             CellId cell, std::span<const CellAdditions* const> ancestors) {
+    wait(disk.latency_seconds + file.tree().node(cell).payload_bytes / disk.bytes_per_second);
+    return reader(cell, ancestors);
+  };
+}
+
+std::function<void(std::uint64_t bytes)> throttled_geometry(const DiskSpeed& disk,
+                                                            std::function<void(double seconds)> wait) {
+  check(disk);
+  return [disk, wait = std::move(wait)](std::uint64_t bytes) {
+    wait(disk.latency_seconds + static_cast<double>(bytes) / disk.bytes_per_second);
+  };
 }
 
 }  // namespace occlod

@@ -7,13 +7,11 @@
 #include <span>
 #include <vector>
 
-#include "occlod/refine/refiner.h"
-#include "occlod/viewcells/cell_tree.h"
-#include "occlod/viewcells/cell_walker.h"
-#include "occlod/viewcells/vlod_file.h"
 #include "cells/leaf_faces.h"
 #include "cells/packed_faces.h"
-#include "cells/path_cut.h"
+#include "occlod/cell_walker.h"
+#include "occlod/refiner.h"
+#include "occlod/vlod_file.h"
 
 namespace occlod {
 

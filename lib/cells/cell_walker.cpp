@@ -1,4 +1,4 @@
-#include "occlod/viewcells/cell_walker.h"
+#include "occlod/cell_walker.h"
 
 #include <fmt/format.h>
 
@@ -13,10 +13,8 @@
 #include <thread>
 #include <utility>
 
-#include "occlod/core/error.h"
 #include "cells/cell_loads.h"
-#include "cells/cell_residents.h"
-#include "cells/walk_motion.h"
+#include "occlod/base.h"
 
 namespace occlod {
 namespace {

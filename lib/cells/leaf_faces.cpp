@@ -1,6 +1,8 @@
 #include "cells/leaf_faces.h"
 
-#include "occlod/hierarchy/cut_mesh.h"
+#include <algorithm>
+
+#include "occlod/build_hierarchy.h"
 
 namespace occlod {
 
@@ -47,6 +49,19 @@ void LeafFaces::drawn(std::uint32_t object, const CellView& view, std::span<cons
     if (!is_hidden && !faces_away(object, view, t))
       drawn.push_back(wedges_of_face(*objects_[object].hierarchy, face, t));
   });
+}
+
+void PathCut::gather(std::uint32_t object, std::span<const CellAdditions* const> path, bool is_leaf) {
+  applied.clear();
+  hidden.clear();
+  for (const CellAdditions* node : path) {
+    const auto found = std::ranges::lower_bound(node->objects, object, {}, &ObjectAdditions::object);
+    if (found == node->objects.end() || found->object != object) continue;
+    applied.insert(applied.end(), found->splits.begin(), found->splits.end());
+    if (is_leaf) hidden.insert(hidden.end(), found->hidden.begin(), found->hidden.end());
+  }
+  std::ranges::sort(applied);
+  std::ranges::sort(hidden, {}, face_key);
 }
 
 }  // namespace occlod

@@ -5,9 +5,10 @@
 #include <span>
 #include <vector>
 
+#include "occlod/cell_builder.h"
+#include "occlod/refiner.h"
+#include "occlod/vlod_file.h"
 #include "refine/cut.h"
-#include "occlod/refine/refiner.h"
-#include "occlod/viewcells/cell_view.h"
 
 namespace occlod {
 
@@ -37,6 +38,18 @@ class LeafFaces {
 
   std::vector<RefineObject> objects_;
   std::vector<Cut> cuts_;
+};
+
+// The cut of one object at a node of the tree of cells.
+
+// Reuses its memory.
+struct PathCut {
+  std::vector<SplitId> applied;  // ascending
+  std::vector<FaceRef> hidden;   // in the order of face_key()
+
+  // `path`: what the nodes from the root to this one add. Faces that are hidden count in leaves only: those of other
+  // nodes are hidden by what the leaves below have.
+  void gather(std::uint32_t object, std::span<const CellAdditions* const> path, bool is_leaf);
 };
 
 }  // namespace occlod

@@ -1,23 +1,160 @@
-#include "occlod/viewcells/pack_cells.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <span>
 #include <utility>
 #include <vector>
 
-#include "mesh/material_sections.h"
-#include "splits/olod_format.h"
-#include "occlod/core/error.h"
 #include "cells/cell_mesh.h"
-#include "cells/node_order.h"
 #include "cells/packed_geometry.h"
 #include "cells/packed_numbers.h"
-#include "cells/packed_stars.h"
 #include "cells/vlod_format.h"
 #include "cells/vlod_payload.h"
+#include "mesh/section_file.h"
+#include "occlod/base.h"
+#include "occlod/build_cells.h"
+#include "occlod/hierarchy.h"
+#include "splits/olod.h"
+#include "splits/star_record.h"
+#include "splits/structure.h"
+
+namespace occlod::vlod {
+namespace {
+
+// The stars and vertices of a hierarchy under the numbers of a packed file.
+
+// One mesh of a packed file: which splits it has, in their order there.
+class PackedStars {
+ public:
+  // `splits`: of the hierarchy, which outlives this: each after those that it needs, all of which are there.
+  PackedStars(const Hierarchy& hierarchy, std::vector<SplitId> splits);
+
+  [[nodiscard]] MeshRow row() const;
+  [[nodiscard]] std::span<const SplitId> splits() const noexcept { return splits_; }
+  [[nodiscard]] const Hierarchy& hierarchy() const noexcept { return hierarchy_; }
+  // no_id: it is not there.
+  [[nodiscard]] SplitId number_of(SplitId split) const noexcept { return split == no_id ? no_id : numbers_[split]; }
+
+  // Behind what the frame has: split `number` of the file.
+  void append(SplitId number, GeometryFrame& frame) const;
+
+  // Calls visit(wedge) for each that the file has of a vertex: its first one, and those of the others that some face of
+  // the file has. They are numbered in this order.
+  template <typename Visit>
+  void for_each_wedge(VertexId v, const Visit& visit) const {
+    visit(v);
+    const WedgeRange extra = extra_wedges_of(hierarchy_.data(), v);
+    for (WedgeId w = extra.first; w < extra.first + extra.count; ++w)
+      if (number_of_wedge(w) != no_id) visit(w);
+  }
+  // Of a face: for each corner the number of its wedge.
+  [[nodiscard]] Triangle corners(const Triangle& wedges) const noexcept {
+    return {number_of_wedge(wedges.x), number_of_wedge(wedges.y), number_of_wedge(wedges.z)};
+  }
+
+ private:
+  void number_wedges();
+  void append_corners(SplitId split, std::uint32_t extra, GeometryFrame& frame) const;
+  [[nodiscard]] std::uint32_t number_of_wedge(WedgeId wedge) const noexcept {
+    return wedge < hierarchy_.vertex_count() ? 0 : wedge_numbers_[wedge - hierarchy_.vertex_count()];
+  }
+  [[nodiscard]] VertexId vertex(VertexId v) const noexcept;
+  [[nodiscard]] Triangle triangle(const Triangle& t) const noexcept { return {vertex(t.x), vertex(t.y), vertex(t.z)}; }
+
+  const Hierarchy& hierarchy_;
+  std::vector<SplitId> splits_, numbers_;     // by the other number
+  std::vector<std::uint32_t> wedge_numbers_;  // of extra wedges: from 1 on, or no_id where no face of the file has it
+};
+
+PackedStars::PackedStars(const Hierarchy& hierarchy, std::vector<SplitId> splits)
+    : hierarchy_(hierarchy), splits_(std::move(splits)), numbers_(hierarchy.split_count(), no_id) {
+  for (SplitId number = 0; number < splits_.size(); ++number) numbers_[splits_[number]] = number;
+  number_wedges();
+}
+
+void PackedStars::number_wedges() {
+  const std::span<const VertexId> extra = hierarchy_.data().extra_wedges;
+  wedge_numbers_.assign(extra.size(), no_id);
+  const auto use = [&](const Triangle& wedges) {
+    for (int k = 0; k < 3; ++k)
+      if (wedges[k] >= hierarchy_.vertex_count()) wedge_numbers_[wedges[k] - hierarchy_.vertex_count()] = 0;
+  };
+  for (const Triangle& wedges : hierarchy_.data().base_corners) use(wedges);
+  if (extra.empty()) return;
+  for (const SplitId split : splits_) {
+    const SplitCorners corners = hierarchy_.corners(split);
+    for (std::uint32_t slot = 0; slot < hierarchy_.star(split).inserted_count(); ++slot) use(corners.inserted(slot));
+  }
+  std::uint32_t last = 0;
+  for (std::size_t i = 0; i < extra.size(); ++i) {
+    if (i > 0 && extra[i] != extra[i - 1]) last = 0;
+    if (wedge_numbers_[i] != no_id) wedge_numbers_[i] = ++last;
+  }
+}
+
+MeshRow PackedStars::row() const {
+  const HierarchyView& data = hierarchy_.data();
+  const auto bit_of = [](const auto& values, std::uint32_t bit) { return values.empty() ? 0 : bit; };
+  return {static_cast<std::uint32_t>(hierarchy_.base_vertex_count()),
+          static_cast<std::uint32_t>(hierarchy_.base_triangle_count()), static_cast<std::uint32_t>(splits_.size()),
+          bit_of(data.normals, has_normals) | bit_of(data.colors, has_colors) |
+              bit_of(data.texture_coordinates, has_coordinates) | bit_of(data.wedge_materials, has_materials) |
+              bit_of(data.extra_wedges, has_seams)};
+}
+
+VertexId PackedStars::vertex(VertexId v) const noexcept {
+  const auto base = static_cast<VertexId>(hierarchy_.base_vertex_count());
+  return v < base ? v : base + numbers_[v - base];
+}
+
+void PackedStars::append(SplitId number, GeometryFrame& frame) const {
+  const SplitId split = splits_[number];
+  const SplitStar star = hierarchy_.star(split);
+  std::vector<Triangle> inserted;
+  std::vector<RemovedFace> removed;
+  std::vector<SplitId> dependencies;
+  star.for_each_inserted([&](const Triangle& t) { inserted.push_back(triangle(t)); });
+  star.for_each_removed([&](const FaceRef& face, const Triangle& t) {
+    removed.push_back({{number_of(face.split), face.slot}, triangle(t)});
+  });
+  for (const SplitId needed : star.dependencies()) dependencies.push_back(number_of(needed));
+  std::ranges::sort(dependencies);
+  const StarShape fan = star.ring().size() == inserted.size() ? StarShape::closed_fan : StarShape::open_fan;
+  frame.stars.push_back(static_cast<std::uint32_t>(frame.words.size()));
+  append_star({vertex(star.parent_vertex()), star.is_fan() ? fan : StarShape::other, inserted, removed, dependencies},
+              frame.words);
+  const HierarchyView& data = hierarchy_.data();
+  const VertexId v = hierarchy_.vertex_of(split);
+  frame.positions.push_back(data.positions[v]);
+  std::uint32_t extra = 0;
+  for_each_wedge(v, [&](WedgeId w) {
+    extra += w == v ? 0 : 1;
+    if (!data.normals.empty()) frame.normals.push_back(data.normals[w]);
+    if (!data.colors.empty()) frame.colors.push_back(data.colors[w]);
+    if (!data.texture_coordinates.empty()) frame.coordinates.push_back(data.texture_coordinates[w]);
+    if (!data.wedge_materials.empty()) frame.materials.push_back(data.wedge_materials[w]);
+  });
+  append_corners(split, extra, frame);
+}
+
+void PackedStars::append_corners(SplitId split, std::uint32_t extra, GeometryFrame& frame) const {
+  const SplitCorners corners = hierarchy_.corners(split);
+  if (!corners.are_first())
+    for (std::uint32_t slot = 0; slot < hierarchy_.star(split).inserted_count(); ++slot) {
+      const Triangle numbers = this->corners(corners.inserted(slot));
+      frame.corners.insert(frame.corners.end(), {numbers.x, numbers.y, numbers.z});
+    }
+  if (frame.extra_wedges.empty()) frame.extra_wedges = frame.corner_starts = {0};
+  frame.extra_wedges.push_back(frame.extra_wedges.back() + extra);
+  frame.corner_starts.push_back(static_cast<std::uint32_t>(frame.corners.size()));
+}
+
+}  // namespace
+
+}  // namespace occlod::vlod
 
 namespace occlod {
 

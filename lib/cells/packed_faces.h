@@ -10,10 +10,10 @@
 #include <utility>
 #include <vector>
 
-#include "occlod/hierarchy/split_star.h"
-#include "occlod/viewcells/cell_view.h"
-#include "occlod/viewcells/vlod_file.h"
-#include "cells/geometry_cache.h"
+#include "cells/packed_geometry.h"
+#include "occlod/cell_builder.h"
+#include "occlod/hierarchy.h"
+#include "occlod/vlod_file.h"
 
 namespace occlod::vlod {
 

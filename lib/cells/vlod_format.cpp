@@ -10,8 +10,8 @@
 #include <new>
 
 #include "base/option_checker.h"
-#include "splits/olod_format.h"
-#include "occlod/core/error.h"
+#include "occlod/base.h"
+#include "splits/olod.h"
 
 namespace occlod::vlod {
 namespace {

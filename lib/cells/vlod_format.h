@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "mesh/section_file.h"
-#include "occlod/viewcells/vlod_file.h"
+#include "occlod/vlod_file.h"
 
 namespace occlod::vlod {
 

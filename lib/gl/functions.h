@@ -7,7 +7,7 @@
 #include <memory>
 #include <string>
 
-#include "occlod/core/error.h"
+#include "occlod/base.h"
 
 namespace occlod::gl {
 

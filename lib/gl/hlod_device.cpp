@@ -1,8 +1,8 @@
-#include "occlod/gl/hlod_device.h"
-
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -10,14 +10,101 @@
 #include <utility>
 #include <vector>
 
-#include "gl/frame_timer.h"
+#include "gl/backend.h"
 #include "gl/hlod_stage.h"
-#include "gl/in_context.h"
-#include "gl/query_pool.h"
-#include "occlod/core/error.h"
+#include "gl/objects.h"
+#include "occlod/base.h"
+#include "occlod/gl.h"
 
 namespace occlod::gl {
 namespace {
+
+// When the device worked during a frame, by timer queries.
+
+// Whether this renderer (GL_RENDERER) is a program on the processor. Such gather commands and work through them tile by
+// tile.
+[[nodiscard]] bool draws_on_cpu(std::string_view renderer);
+
+// Between start() and stop() commands are given; between stop() and start() the device may run out of them. Its context
+// is current in every call.
+class FrameTimer {
+ public:
+  // renderer: GL_RENDERER. Of drivers that draw on the CPU, what timers say of single commands is the time of the last
+  // tile, so they are not asked.
+  FrameTimer(const Functions& gl, std::string_view renderer);
+
+  [[nodiscard]] bool is_meaningful() const noexcept { return meaningful_; }
+  void begin_frame();
+  void start();  // nothing when started already
+  void stop();   // nothing when stopped already
+
+  struct Times {
+    double busy_ms = 0.0;  // from each start to the next stop
+    double idle_ms = 0.0;  // from each stop to the next start
+  };
+  // Of the frame, when all commands are done; zeros where timers are not meaningful.
+  [[nodiscard]] Times read() const;
+
+ private:
+  void stamp();
+  [[nodiscard]] double milliseconds(std::size_t stamp) const;
+
+  const Functions* gl_;
+  bool meaningful_;
+  bool started_ = false;
+  std::vector<Query> stamps_;
+  std::size_t used_ = 0;  // of stamps_: starts and stops by turns
+};
+
+bool has_timer(const Functions& gl) {
+  GLint bits = 0;
+  gl.GetQueryiv(GL_TIMESTAMP, GL_QUERY_COUNTER_BITS, &bits);
+  return bits > 0;
+}
+
+bool draws_on_cpu(std::string_view renderer) {
+  constexpr std::array<std::string_view, 4> names{"llvmpipe", "softpipe", "swrast", "SwiftShader"};
+  return std::any_of(names.begin(), names.end(),
+                     [&](std::string_view name) { return renderer.find(name) != std::string_view::npos; });
+}
+
+FrameTimer::FrameTimer(const Functions& gl, std::string_view renderer)
+    : gl_(&gl), meaningful_(!draws_on_cpu(renderer) && has_timer(gl)) {}
+
+void FrameTimer::begin_frame() {
+  started_ = false;
+  used_ = 0;
+}
+
+void FrameTimer::start() {
+  if (!std::exchange(started_, true)) stamp();
+}
+
+void FrameTimer::stop() {
+  if (std::exchange(started_, false)) stamp();
+}
+
+void FrameTimer::stamp() {
+  if (!meaningful_) return;
+  if (used_ == stamps_.size()) stamps_.emplace_back(*gl_);
+  gl_->QueryCounter(stamps_[used_++].id(), GL_TIMESTAMP);
+}
+
+double FrameTimer::milliseconds(std::size_t stamp) const {
+  GLuint64 nanoseconds = 0;
+  gl_->GetQueryObjectui64v(stamps_[stamp].id(), GL_QUERY_RESULT, &nanoseconds);
+  return static_cast<double>(nanoseconds) / 1e6;
+}
+
+FrameTimer::Times FrameTimer::read() const {
+  assert(!started_);
+  Times times;
+  for (std::size_t i = 0; i + 1 < used_; ++i) {
+    const double between = milliseconds(i + 1) - milliseconds(i);
+    (i % 2 == 0 ? times.busy_ms : times.idle_ms) += between;
+  }
+  return times;
+}
 
 using Clock = std::chrono::steady_clock;
 

@@ -1,4 +1,4 @@
-// Nodes of HLODs and proxies of boxes, drawn by turns into one image: what the device `gl` does without queries.
+// The image that HLODs are drawn into, and how it is read.
 #pragma once
 
 #include <cstddef>
@@ -7,19 +7,54 @@
 #include <span>
 #include <vector>
 
-#include "hlod/draw/box_proxy.h"
-#include "gl/eye_space.h"
-#include "gl/gathered_draws.h"
-#include "gl/hlod_target.h"
 #include "gl/mesh_arena.h"
-#include "gl/node_program.h"
-#include "gl/plain_program.h"
-#include "gl/proxy_buffer.h"
-#include "gl/proxy_marks.h"
-#include "occlod/device/device.h"
-#include "occlod/gl/hlod_device.h"
+#include "gl/objects.h"
+#include "gl/programs.h"
+#include "gl/proxies.h"
+#include "gl/proxy_stage.h"
+#include "hlod/draw/box_proxy.h"
+#include "occlod/device.h"
+#include "occlod/gl.h"
+#include "occlod/item_buffer.h"
+#include "occlod/picture.h"
+#include "occlod/view.h"
 
 namespace occlod::gl {
+
+// Colours of 8 bits and depths of 32, with one or several samples a pixel.
+class HlodTarget {
+ public:
+  // Throws Error when the driver has fewer samples.
+  HlodTarget(const Functions& gl, int samples);
+  // Makes it what is drawn into, of the view's size and empty: alpha is 0 where nothing is drawn. Throws Error for a
+  // size that the driver cannot hold.
+  void begin(const View& view);
+  // What has been drawn, before the background of shade(). Drawing may go on.
+  [[nodiscard]] Image read_image() const;
+  [[nodiscard]] DepthBuffer read_depth() const;
+  [[nodiscard]] int samples() const noexcept { return samples_; }
+
+ private:
+  struct Storage {
+    explicit Storage(const Functions& gl) : framebuffer(gl), color(gl), depth(gl) {}
+    Framebuffer framebuffer;
+    Renderbuffer color;
+    Renderbuffer depth;
+  };
+  void require_size(int width, int height) const;
+  void allocate(const Storage& storage, int samples) const;
+  void read(GLbitfield what, GLenum format, GLenum type, void* pixels) const;
+
+  const Functions* gl_;
+  int samples_;
+  Storage drawn_;
+  std::optional<Storage> resolved_;  // with several samples
+  Camera camera_;
+  int width_ = 0;  // of the storage
+  int height_ = 0;
+};
+
+// Nodes of HLODs and proxies of boxes, drawn by turns into one image: what the device `gl` does without queries.
 
 // Lives in a context that is current in every call. Everything that draws depend on is set in begin_frame() and after
 // it, so that others may have used the context since the last frame. Where OpenGL can draw many nodes by one call,

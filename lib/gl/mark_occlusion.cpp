@@ -1,16 +1,12 @@
-#include "occlod/gl/mark_occlusion.h"
-
 #include <cstddef>
 #include <cstdint>
 #include <utility>
 #include <vector>
 
-#include "gl/backend_options.h"
-#include "gl/batched_visibility.h"
-#include "gl/in_context.h"
+#include "gl/backend.h"
 #include "gl/objects.h"
-#include "gl/proxy_marks.h"
 #include "gl/proxy_stage.h"
+#include "occlod/gl.h"
 
 namespace occlod::gl {
 namespace {

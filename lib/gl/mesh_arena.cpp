@@ -3,13 +3,49 @@
 #include <algorithm>
 #include <cassert>
 #include <cstring>
+#include <iterator>
 #include <string>
 #include <utility>
 
-#include "occlod/core/error.h"
+#include "gl/programs.h"
+#include "occlod/base.h"
 #include "scene/color.h"
 
 namespace occlod::gl {
+
+RangeAllocator::RangeAllocator(std::size_t size) : size_(size) {
+  if (size > 0) gaps_.emplace(0, size);
+}
+
+std::optional<std::size_t> RangeAllocator::take(std::size_t count) {
+  assert(count > 0);
+  auto best = gaps_.end();
+  for (auto gap = gaps_.begin(); gap != gaps_.end(); ++gap)
+    if (gap->second >= count && (best == gaps_.end() || gap->second < best->second)) best = gap;
+  if (best == gaps_.end()) return std::nullopt;
+  const auto [first, free] = *best;
+  gaps_.erase(best);
+  if (free > count) gaps_.emplace(first + count, free - count);
+  return first;
+}
+
+void RangeAllocator::give_back(std::size_t first, std::size_t count) {
+  assert(count > 0 && first + count <= size_);
+  auto gap = gaps_.emplace(first, count).first;
+  const auto next = std::next(gap);
+  assert(next == gaps_.end() || first + count <= next->first);
+  if (next != gaps_.end() && next->first == first + count) {
+    gap->second += next->second;
+    gaps_.erase(next);
+  }
+  if (gap == gaps_.begin()) return;
+  const auto before = std::prev(gap);
+  assert(before->first + before->second <= first);
+  if (before->first + before->second != first) return;
+  before->second += gap->second;
+  gaps_.erase(gap);
+}
+
 namespace {
 
 // Larger ones are harder to come by, smaller ones mean more changes of the vertex array.
@@ -222,6 +258,59 @@ void MeshArena::remove(Slots::iterator slot) {
   --memory_.nodes;
   memory_.bytes -= slot->count * sizeof(ArenaVertex);
   slots_.erase(slot);
+}
+
+DrawKind& GatheredDraws::kind_of(std::uint32_t object, GLuint array) {
+  for (DrawKind& kind : std::span(kinds_).first(used_))
+    if (kind.object == object && kind.array == array) return kind;
+  if (used_ == kinds_.size()) kinds_.emplace_back();
+  DrawKind& kind = kinds_[used_++];
+  kind.object = object;
+  kind.array = array;
+  kind.commands.clear();
+  kind.morphs.clear();
+  return kind;
+}
+
+void GatheredDraws::add(std::uint32_t object, const ArenaPlace& place, std::span<const hlod::DrawRange> ranges) {
+  DrawKind& kind = kind_of(object, place.array);
+  const auto first = static_cast<GLuint>(place.first_index / sizeof(std::uint16_t));
+  const std::size_t first_command = kind.commands.size();
+  std::uint32_t end = 0;
+  for (const hlod::DrawRange& range : ranges) {
+    const bool goes_on =
+        kind.commands.size() > first_command && range.first_index == end && range.morph == kind.morphs.back();
+    end = range.first_index + range.index_count;
+    if (goes_on) {
+      kind.commands.back().count += range.index_count;
+      continue;
+    }
+    const auto instance = static_cast<GLuint>(kind.commands.size());
+    kind.commands.push_back({range.index_count, 1, first + range.first_index, place.base_vertex, instance});
+    kind.morphs.push_back(range.morph);
+  }
+}
+
+void GatheredDraws::draw(const DrawKind& kind) {
+  assert(!kind.commands.empty());
+  gl_->BindVertexArray(kind.array);
+  set_morphs(kind.morphs);
+  gl_->BindBuffer(GL_DRAW_INDIRECT_BUFFER, commands_.id());
+  fill(*gl_, GL_DRAW_INDIRECT_BUFFER, std::span<const DrawCommand>(kind.commands), GL_STREAM_DRAW);
+  gl_->MultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_SHORT, nullptr, static_cast<GLsizei>(kind.commands.size()),
+                                 0);
+  gl_->DisableVertexAttribArray(NodeProgram::morph_location);
+}
+
+// As an array only where they differ: single draws from the same vertex array have one factor for all vertices.
+void GatheredDraws::set_morphs(std::span<const GLfloat> morphs) {
+  if (std::all_of(morphs.begin(), morphs.end(), [&](GLfloat morph) { return morph == morphs.front(); }))
+    return gl_->VertexAttrib1f(NodeProgram::morph_location, morphs.front());
+  gl_->BindBuffer(GL_ARRAY_BUFFER, morphs_.id());
+  fill(*gl_, GL_ARRAY_BUFFER, morphs, GL_STREAM_DRAW);
+  gl_->EnableVertexAttribArray(NodeProgram::morph_location);
+  gl_->VertexAttribPointer(NodeProgram::morph_location, 1, GL_FLOAT, GL_FALSE, 0, nullptr);
+  gl_->VertexAttribDivisor(NodeProgram::morph_location, 1);
 }
 
 }  // namespace occlod::gl

@@ -1,20 +1,38 @@
-// Meshes of nodes in OpenGL's buffers: uploaded when they are wanted, the longest unused ones given up for others.
+// Which parts of a buffer are in use. No OpenGL here.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <list>
+#include <map>
+#include <optional>
 #include <span>
 #include <unordered_map>
 #include <vector>
 
 #include "gl/objects.h"
-#include "gl/range_allocator.h"
-#include "occlod/device/device.h"
-#include "occlod/gl/hlod_device.h"
+#include "occlod/device.h"
+#include "occlod/gl.h"
 
 namespace occlod::gl {
+
+// Ranges of [0, size) that do not overlap; free neighbours are one.
+class RangeAllocator {
+ public:
+  explicit RangeAllocator(std::size_t size);
+  [[nodiscard]] std::size_t size() const noexcept { return size_; }
+  // The start of a free range of so many, > 0: the first in the smallest gap that has room. O(gaps).
+  [[nodiscard]] std::optional<std::size_t> take(std::size_t count);
+  // Frees a range as take() gave it. O(log gaps).
+  void give_back(std::size_t first, std::size_t count);
+
+ private:
+  std::size_t size_;
+  std::map<std::size_t, std::size_t> gaps_;  // first to count
+};
+
+// Meshes of nodes in OpenGL's buffers: uploaded when they are wanted, the longest unused ones given up for others.
 
 // A vertex as the node program reads it.
 struct ArenaVertex {
@@ -106,6 +124,52 @@ class MeshArena {
   Slots slots_;                                       // the longest unused first
   std::vector<ArenaVertex> staging_;
   MeshMemory memory_;
+};
+
+// Draws of nodes that are gathered, and then given to OpenGL by one call for each object and buffer of meshes.
+
+// As glMultiDrawElementsIndirect reads it.
+struct DrawCommand {
+  GLuint count = 0;
+  GLuint instances = 1;
+  GLuint first_index = 0;  // into the index buffer
+  GLint base_vertex = 0;
+  GLuint base_instance = 0;  // into the factors by which draws morph
+};
+static_assert(sizeof(DrawCommand) == 20);
+
+// Draws of one object from one buffer of meshes.
+struct DrawKind {
+  std::uint32_t object = 0;
+  GLuint array = 0;                   // vertex array
+  std::vector<DrawCommand> commands;  // at least one
+  std::vector<GLfloat> morphs;        // by command
+};
+
+// Lives in a context that is current in every call and has Functions::MultiDrawElementsIndirect.
+class GatheredDraws {
+ public:
+  explicit GatheredDraws(const Functions& gl) : gl_(&gl), commands_(gl), morphs_(gl) {}
+
+  // Ranges of a mesh, at least one, ascending; adjacent ones that morph alike are one.
+  void add(std::uint32_t object, const ArenaPlace& place, std::span<const hlod::DrawRange> ranges);
+  [[nodiscard]] bool empty() const noexcept { return used_ == 0; }
+  // In the order in which each had its first draw.
+  [[nodiscard]] std::span<const DrawKind> kinds() const noexcept { return std::span(kinds_).first(used_); }
+  // Draws all of a kind by one call, in the order in which they were added, with the program in use.
+  void draw(const DrawKind& kind);
+  // Forgets all of them.
+  void clear() noexcept { used_ = 0; }
+
+ private:
+  [[nodiscard]] DrawKind& kind_of(std::uint32_t object, GLuint array);
+  void set_morphs(std::span<const GLfloat> morphs);
+
+  const Functions* gl_;
+  Buffer commands_;
+  Buffer morphs_;
+  std::vector<DrawKind> kinds_;  // those beyond used_ keep their memory
+  std::size_t used_ = 0;
 };
 
 }  // namespace occlod::gl

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "occlod/core/error.h"
+#include "occlod/base.h"
 
 namespace occlod::gl {
 namespace {

@@ -1,6 +1,7 @@
 // The volumes that are drawn in place of bounds, and the cases that are decided without drawing. No OpenGL here.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <glm/mat4x4.hpp>
@@ -9,8 +10,9 @@
 #include <span>
 #include <vector>
 
-#include "hlod/draw/proxy_space.h"
-#include "occlod/refine/visibility.h"
+#include "gl/objects.h"
+#include "hlod/draw/box_proxy.h"
+#include "occlod/visibility.h"
 
 namespace occlod::gl {
 
@@ -39,5 +41,30 @@ struct QueryPlan {
 // Nothing for bounds that are not finite or inside out.
 [[nodiscard]] std::optional<Placement> place(const VisibilityQuery& query);
 [[nodiscard]] QueryPlan plan_query(const Screen& screen, const ProxySpace& space, const VisibilityQuery& query);
+
+// The three proxies in one static buffer.
+
+class ProxyBuffer {
+ public:
+  struct Part {
+    GLsizei count = 0;       // indices, GL_UNSIGNED_SHORT
+    std::size_t offset = 0;  // bytes
+    // As OpenGL takes it: the offset into the bound buffer as a pointer.
+    [[nodiscard]] const void* pointer() const noexcept {
+      return reinterpret_cast<const void*>(offset);  // NOLINT(performance-no-int-to-ptr)
+    }
+  };
+
+  explicit ProxyBuffer(const Functions& gl);
+  // Binds the vertex array: positions at location 0.
+  void bind(const Functions& gl) const { gl.BindVertexArray(array_.id()); }
+  [[nodiscard]] const Part& part(ProxyShape shape) const { return parts_[static_cast<std::size_t>(shape)]; }
+
+ private:
+  VertexArray array_;
+  Buffer vertices_;
+  Buffer indices_;
+  std::array<Part, proxy_shape_count> parts_;
+};
 
 }  // namespace occlod::gl

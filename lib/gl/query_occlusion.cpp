@@ -1,5 +1,3 @@
-#include "occlod/gl/query_occlusion.h"
-
 #include <algorithm>
 #include <array>
 #include <cassert>
@@ -12,13 +10,12 @@
 #include <utility>
 #include <vector>
 
-#include "base/median.h"
-#include "gl/backend_options.h"
-#include "gl/in_context.h"
+#include "base/timing.h"
+#include "gl/backend.h"
 #include "gl/objects.h"
 #include "gl/proxy_stage.h"
-#include "gl/query_pool.h"
-#include "occlod/core/error.h"
+#include "occlod/base.h"
+#include "occlod/gl.h"
 
 namespace occlod::gl {
 namespace {

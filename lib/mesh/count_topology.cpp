@@ -1,5 +1,3 @@
-#include "occlod/mesh/count_topology.h"
-
 #include <algorithm>
 #include <glm/common.hpp>
 #include <mutex>
@@ -9,6 +7,7 @@
 #include <vector>
 
 #include "mesh/share_tasks.h"
+#include "occlod/mesh.h"
 
 namespace occlod {
 namespace {

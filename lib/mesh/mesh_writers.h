@@ -1,14 +1,66 @@
-// The writers of formats with materials, which write_mesh() calls.
+// Text and numbers on their way into a file.
 #pragma once
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstring>
 #include <filesystem>
+#include <glm/vec3.hpp>
+#include <iterator>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "mesh/chunked_writer.h"
-#include "occlod/mesh/triangle_mesh.h"
+#include "base/atomic_file.h"
+#include "occlod/mesh.h"
 
 namespace occlod {
+
+// Collects bytes and writes them in large blocks.
+class ChunkedWriter {
+ public:
+  explicit ChunkedWriter(AtomicFile& file) : file_(file) {}
+
+  template <class... Args>
+  void text(fmt::format_string<Args...> format, Args&&... args) {
+    fmt::format_to(std::back_inserter(chunk_), format, std::forward<Args>(args)...);
+    if (chunk_.size() >= chunk_size) flush();
+  }
+  // The bytes of `values` in little-endian order, without gaps.
+  template <class... Numbers>
+  void numbers(Numbers... values) {
+    constexpr std::size_t size = (sizeof(Numbers) + ...);
+    chunk_.resize(chunk_.size() + size);
+    char* at = chunk_.data() + chunk_.size() - size;
+    ((put(at, values), at += sizeof(Numbers)), ...);
+    if (chunk_.size() >= chunk_size) flush();
+  }
+  void vector(const glm::vec3& v) { numbers(v.x, v.y, v.z); }
+  void flush() {
+    file_.write(std::as_bytes(std::span(chunk_.data(), chunk_.size())));
+    chunk_.clear();
+  }
+
+ private:
+  static constexpr std::size_t chunk_size = std::size_t{1} << 18;
+
+  template <class Number>
+  static void put(char* at, Number value) {
+    auto bytes = std::bit_cast<std::array<char, sizeof(Number)>>(value);
+    if constexpr (std::endian::native == std::endian::big) std::reverse(bytes.begin(), bytes.end());
+    std::memcpy(at, bytes.data(), bytes.size());
+  }
+
+  AtomicFile& file_;
+  fmt::memory_buffer chunk_;
+};
+
+// The writers of formats with materials, which write_mesh() calls.
 
 // Also writes PATH with the extension .mtl where the mesh has materials. `path`: of the mesh.
 void write_obj(ChunkedWriter& out, const TriangleMesh& mesh, const std::filesystem::path& path);

@@ -1,23 +1,168 @@
-// Our own reader: OpenMesh's skips vertex lines that it cannot parse, which shifts the index of every later
-// vertex, and names no line in its messages.
+// Our own reader: OpenMesh's skips vertex lines that it cannot parse, which shifts the index of every later vertex, and
+// names no line in its messages.
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
 #include <system_error>
+#include <vector>
 
-#include "mesh/distinct_names.h"
-#include "mesh/obj_materials.h"
-#include "mesh/place_textures.h"
+#include "base/file_input.h"
+#include "base/memory.h"
+#include "base/text.h"
+#include "mesh/materials.h"
+#include "mesh/mesh_files.h"
 #include "mesh/polygon_soup.h"
-#include "mesh/split_vertices.h"
-#include "mesh/text_chunks.h"
-#include "base/text_cursor.h"
-#include "base/text_encoding.h"
 
 namespace occlod {
 namespace {
+
+// Texture coordinates of materials that scale and move their textures: OBJ.
+
+// Gives the corners of polygons whose material places its texture coordinates of their own, at the end of those there
+// are; others stay as they are, and corners without any have none. `placements`: by material, of a soup whose polygons
+// have materials; indices of corners have been checked. Throws Error when ids cannot count the texture coordinates.
+// O(corners); a copy of a coordinate for each run of polygons of one placement that uses it.
+template <class Storage>
+void place_textures(const BasicPolygonSoup<Storage>& soup, std::span<const MapPlacement> placements,
+                    CornerAttributes<Storage>& attributes, const FileErrors& errors);
+
+constexpr std::size_t polygons_between_looks = 4096;  // whether memory has room
+
+glm::vec2 placed(const glm::vec2& at, const MapPlacement& by) {
+  const glm::dvec2 there = by.scale * glm::dvec2(at) + by.offset;
+  return {to_float(there.x), to_float(there.y)};
+}
+
+template <class Storage>
+void place_textures(const BasicPolygonSoup<Storage>& soup, std::span<const MapPlacement> placements,
+                    CornerAttributes<Storage>& attributes, const FileErrors& errors) {
+  const MapPlacement as_it_is;
+  auto& corners = attributes.corners;
+  auto& coordinates = attributes.texture_coordinates;
+  if (coordinates.empty() || std::ranges::count(placements, as_it_is) == std::ssize(placements)) return;
+  typename Storage::template Array<std::uint32_t> copies(coordinates.size(), 0);  // by coordinate: its latest
+  std::size_t run = coordinates.size();                                           // from here on copies are placed by:
+  const MapPlacement* by = &as_it_is;
+  std::size_t corner = 0;
+  for (std::size_t polygon = 0; polygon < soup.polygon_count() && corner < corners.size(); ++polygon) {
+    if (polygon % polygons_between_looks == 0) make_room();
+    const std::size_t first = corner;
+    corner += soup.corner_count(polygon);
+    const MapPlacement& placement = placements[soup.polygon_materials[polygon]];
+    if (placement == as_it_is) continue;
+    if (placement != *by) {
+      by = &placement;
+      run = coordinates.size();
+    }
+    for (std::size_t i = first; i < std::min(corner, corners.size()); ++i) {
+      std::uint32_t& index = corners[i].texture;
+      if (index == no_id) continue;
+      if (copies[index] < run) {
+        if (coordinates.size() >= no_id)
+          errors.fail("", "has too many texture coordinates of materials that scale or move them",
+                      "split the mesh into parts");
+        copies[index] = static_cast<std::uint32_t>(coordinates.size());
+        coordinates.push_back(placed(coordinates[index], placement));
+      }
+      index = copies[index];
+    }
+  }
+}
+
+template void place_textures(const PolygonSoup&, std::span<const MapPlacement>, CornerAttributes<InMemory>&,
+                             const FileErrors&);
+template void place_textures(const ScratchSoup&, std::span<const MapPlacement>, CornerAttributes<InScratch>&,
+                             const FileErrors&);
+
+// The materials of an OBJ file: usemtl lines and the files that mtllib lines name.
+
+// Fills the materials and textures of a soup, in the order of their names on usemtl lines. The soup outlives
+// it.
+class ObjMaterials {
+ public:
+  explicit ObjMaterials(SoupTables& soup) : soup_(soup), table_(soup) {}
+
+  // Of the polygons from here on. Those before the first have a material without a name: true for the first where there
+  // are some.
+  [[nodiscard]] bool use(std::string_view name, bool has_polygons, const TextCursor& cursor);
+  // What follows mtllib: a name, or several between blanks.
+  void add_library(std::string_view names) { libraries_.emplace_back(names); }
+  // Whether polygons have materials, and that of the next one.
+  [[nodiscard]] bool any() const { return !soup_.materials.empty(); }
+  [[nodiscard]] MaterialId current() const { return current_; }
+  // Looks up the materials. One that no library has keeps its name and counts as left out. Throws Error that names the
+  // library for one that cannot be read, but not for one that does not exist.
+  void read_libraries(const FileErrors& errors);
+  // Of the textures, by material; after read_libraries().
+  [[nodiscard]] std::span<const MapPlacement> placements() const { return placements_; }
+
+ private:
+  void read_library(const std::filesystem::path& path, const std::filesystem::path& folder);
+
+  SoupTables& soup_;
+  MaterialTable table_;
+  MaterialId current_ = 0;
+  std::vector<std::string> libraries_;
+  std::vector<bool> is_defined_;          // by material
+  std::vector<MapPlacement> placements_;  // likewise
+};
+
+namespace fs = std::filesystem;
+
+constexpr std::uint64_t most_library_bytes = std::uint64_t{1} << 26;
+
+bool ObjMaterials::use(std::string_view name, bool has_polygons, const TextCursor& cursor) {
+  MaterialId unnamed = 0;
+  const bool is_first = !any() && has_polygons;
+  if (is_first && !table_.find_or_add("", unnamed)) return false;
+  if (table_.find_or_add(name, current_)) return is_first;
+  cursor.fail(fmt::format("there are more than {} materials", most_materials), "split the mesh into parts");
+}
+
+void ObjMaterials::read_libraries(const FileErrors& errors) {
+  is_defined_.assign(soup_.materials.size(), false);
+  placements_.assign(soup_.materials.size(), {});
+  const fs::path folder = fs::path(errors.subject()).parent_path();
+  for (const std::string& line : libraries_) {
+    for (const std::string& name : library_names(line, folder))
+      read_library(folder / name, fs::path(name).parent_path());
+  }
+  for (std::size_t m = 0; m < soup_.materials.size(); ++m)
+    soup_.left_out.materials += !is_defined_[m] && !soup_.materials[m].name.empty();
+}
+
+// The first definition of a name counts. Names of textures become relative to the folder of the OBJ file.
+void ObjMaterials::read_library(const fs::path& path, const fs::path& folder) {
+  const FileErrors errors(path);
+  std::error_code unknown;
+  const std::uintmax_t bytes = fs::file_size(path, unknown);
+  if (bytes == 0) return;
+  if (bytes > most_library_bytes) errors.fail("", "is too large for a library of materials", "check the mtllib line");
+  InputBytes input(path, errors, {});
+  std::string converted;
+  for (auto& [material, texture, placement] :
+       parse_mtl(as_utf8(input.window(input.size()), converted, errors), errors)) {
+    Material* const used = table_.find(material.name);
+    if (used == nullptr) continue;
+    const auto id = static_cast<std::size_t>(used - soup_.materials.data());
+    if (is_defined_[id]) continue;
+    is_defined_[id] = true;
+    *used = std::move(material);
+    if (texture.file.empty()) continue;
+    texture.file = (folder / texture.file).generic_string();
+    used->texture = table_.texture(std::move(texture));
+    placements_[id] = placement;
+  }
+}
 
 // The largest index that faces use into a list, which may follow them.
 struct LargestIndex {

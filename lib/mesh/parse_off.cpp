@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/text.h"
 #include "mesh/polygon_soup.h"
-#include "base/text_cursor.h"
 
 namespace occlod {
 namespace {

@@ -9,11 +9,10 @@
 #include <type_traits>
 #include <utility>
 
-#include "mesh/material_table.h"
-#include "mesh/parse_mtl.h"
-#include "mesh/ply_values.h"
-#include "mesh/split_vertices.h"
-#include "base/text_encoding.h"
+#include "base/text.h"
+#include "mesh/materials.h"
+#include "mesh/ply_file.h"
+#include "mesh/polygon_soup.h"
 
 namespace occlod {
 namespace {

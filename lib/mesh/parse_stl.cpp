@@ -9,11 +9,8 @@
 #include <string>
 #include <utility>
 
-#include "base/byte_order.h"
-#include "mesh/distinct_names.h"
+#include "base/text.h"
 #include "mesh/polygon_soup.h"
-#include "base/text_cursor.h"
-#include "base/text_encoding.h"
 
 namespace occlod {
 namespace {

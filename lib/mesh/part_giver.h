@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#include "occlod/mesh/generate.h"
+#include "occlod/generate.h"
 
 namespace occlod {
 

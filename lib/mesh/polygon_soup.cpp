@@ -3,14 +3,144 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstddef>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
 #include <span>
 #include <utility>
 
-#include "base/scratch_memory.h"
-#include "mesh/triangulate.h"
+#include "base/arithmetic.h"
+#include "base/memory.h"
 
 namespace occlod {
+namespace {
+
+constexpr std::size_t max_steps = std::size_t{1} << 28;
+
+// Twice the signed area of a, b, c: positive for a left turn.
+double turn(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c) {
+  return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+}
+
+template <class Triangles>
+void append_fan(std::span<const VertexId> corners, Triangles& triangles) {
+  for (std::size_t i = 2; i < corners.size(); ++i) triangles.emplace_back(corners[0], corners[i - 1], corners[i]);
+}
+
+}  // namespace
+
+template <class Triangles>
+bool Triangulator::append(std::span<const VertexId> corners, Triangles& triangles) {
+  if (corners.size() == 3 || !project(corners) || is_strictly_convex()) {
+    append_fan(corners, triangles);
+    return true;
+  }
+  const std::size_t before = triangles.size();
+  const Clipping clipping = clip_ears(corners, triangles);
+  if (clipping != Clipping::done) triangles.resize(before);
+  if (clipping == Clipping::crosses_itself) append_fan(corners, triangles);
+  return clipping != Clipping::takes_too_long;
+}
+
+// Drops the coordinate along which the area vector is longest: that keeps orientation and convexity. False for zero
+// area.
+bool Triangulator::project(std::span<const VertexId> corners) {
+  const glm::dvec3 origin(positions_[corners[0]]);
+  glm::dvec3 area(0.0);
+  for (std::size_t i = 2; i < corners.size(); ++i) {
+    area += glm::cross(glm::dvec3(positions_[corners[i - 1]]) - origin, glm::dvec3(positions_[corners[i]]) - origin);
+  }
+  const glm::dvec3 size = glm::abs(area);
+  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+  if (!(size[axis] > 0.0)) return false;
+  const int u = (axis + (area[axis] > 0.0 ? 1 : 2)) % 3;
+  const int v = 3 - axis - u;
+  points_.clear();
+  for (const VertexId corner : corners) {
+    const glm::dvec3 p = glm::dvec3(positions_[corner]) - origin;
+    points_.emplace_back(p[u], p[v]);
+  }
+  return true;
+}
+
+// A star polygon that winds several times also turns left everywhere; it crosses itself, so it may become a fan as
+// well.
+bool Triangulator::is_strictly_convex() const {
+  const std::size_t n = points_.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    if (!(turn(points_[i], points_[(i + 1) % n], points_[(i + 2) % n]) > 0.0)) return false;
+  }
+  return true;
+}
+
+template <class Triangles>
+Triangulator::Clipping Triangulator::clip_ears(std::span<const VertexId> corners, Triangles& triangles) {
+  const std::size_t n = corners.size();
+  next_.resize(n);
+  previous_.resize(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    next_[i] = (i + 1) % n;
+    previous_[i] = (i + n - 1) % n;
+  }
+  const auto emit = [&](std::size_t tip) {
+    triangles.emplace_back(corners[previous_[tip]], corners[tip], corners[next_[tip]]);
+  };
+  steps_ = 0;
+  std::size_t tip = 0;
+  std::size_t refused = 0;  // consecutive corners that are not ears
+  for (std::size_t left = n; left > 3;) {
+    // Flat ears, whose triangles have no area, only where nothing else is left: corners on a straight edge.
+    if (refused == 2 * left) return Clipping::crosses_itself;
+    if (steps_ > max_steps) return Clipping::takes_too_long;
+    if (!is_ear(tip, refused >= left)) {
+      ++refused;
+      tip = next_[tip];
+      continue;
+    }
+    emit(tip);
+    unlink(tip);
+    tip = next_[next_[tip]];  // not the neighbour: that would make a fan of slivers
+    --left;
+    refused = 0;
+  }
+  if (turn_at(tip) < 0.0) return Clipping::crosses_itself;
+  emit(tip);
+  return Clipping::done;
+}
+
+void Triangulator::unlink(std::size_t corner) {
+  next_[previous_[corner]] = next_[corner];
+  previous_[next_[corner]] = previous_[corner];
+}
+
+double Triangulator::turn_at(std::size_t corner) const {
+  return turn(points_[previous_[corner]], points_[corner], points_[next_[corner]]);
+}
+
+// An ear is a corner that turns left and whose triangle holds no other corner. Only corners that do not turn left need
+// to be tested: if any corner is inside, one of those is.
+bool Triangulator::is_ear(std::size_t tip, bool allow_flat) {
+  ++steps_;
+  const double area = turn_at(tip);
+  if (area == 0.0) return allow_flat;
+  if (!(area > 0.0)) return false;
+  const glm::dvec2& a = points_[previous_[tip]];
+  const glm::dvec2& b = points_[tip];
+  const glm::dvec2& c = points_[next_[tip]];
+  for (std::size_t i = next_[next_[tip]]; i != previous_[tip]; i = next_[i]) {
+    ++steps_;
+    const glm::dvec2& p = points_[i];
+    if (p == a || p == b || p == c || turn_at(i) > 0.0) continue;
+    if (turn(a, b, p) >= 0.0 && turn(b, c, p) >= 0.0 && turn(c, a, p) >= 0.0) return false;
+  }
+  return true;
+}
+
+template bool Triangulator::append(std::span<const VertexId> corners, std::vector<Triangle>& triangles);
+template bool Triangulator::append(std::span<const VertexId> corners, LargeVector<Triangle>& triangles);
+
 namespace {
 
 constexpr std::size_t polygons_between_looks = 4096;  // whether memory has room
@@ -192,5 +322,146 @@ TriangleMesh take_mesh(PolygonSoup& soup, MeshReport& report, const FileErrors& 
 
 template class BasicPolygonSoup<InMemory>;
 template class BasicPolygonSoup<InScratch>;
+
+namespace {
+
+using Corner = AttributeCorner;
+
+constexpr std::size_t corners_between_looks = 4096;  // whether memory has room
+
+template <class Storage>
+class VertexSplitter {
+ public:
+  VertexSplitter(BasicPolygonSoup<Storage>& soup, const CornerAttributes<Storage>& attributes)
+      : soup_(soup),
+        values_(attributes),
+        vertices_(soup.positions.size()),
+        first_(vertices_),
+        is_used_(vertices_),
+        slots_(64, no_id) {}
+
+  // False where there are more vertices than ids.
+  [[nodiscard]] bool run() {
+    const std::span<VertexId> ids = soup_.corners();
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+      if (i % corners_between_looks == 0) make_room();
+      const Corner corner = i < values_.corners.size() ? values_.corners[i] : Corner{};
+      has_texture_ |= corner.texture != no_id;
+      has_normal_ |= corner.normal != no_id;
+      ids[i] = vertex_for(ids[i], corner);
+      if (vertices_ + added_.size() >= max_vertices) return false;
+    }
+    append_vertices();
+    return true;
+  }
+
+ private:
+  template <class T>
+  using Array = typename Storage::template Array<T>;
+
+  struct Added {
+    VertexId vertex;  // that it repeats
+    Corner corner;
+  };
+
+  VertexId vertex_for(VertexId vertex, const Corner& corner) {
+    if (!is_used_[vertex]) {
+      is_used_[vertex] = true;
+      first_[vertex] = corner;
+      return vertex;
+    }
+    if (is_same(first_[vertex], corner)) return vertex;
+    if (2 * added_.size() >= slots_.size()) grow();
+    std::size_t slot = hash_of({vertex, corner}) & (slots_.size() - 1);
+    while (slots_[slot] != no_id && !is_same(added_[slots_[slot]], {vertex, corner}))
+      slot = (slot + 1) & (slots_.size() - 1);
+    if (slots_[slot] == no_id) {
+      slots_[slot] = static_cast<std::uint32_t>(added_.size());
+      added_.push_back({vertex, corner});
+    }
+    return static_cast<VertexId>(vertices_ + slots_[slot]);
+  }
+
+  [[nodiscard]] glm::vec2 texture_of(const Corner& corner) const {
+    return corner.texture == no_id ? glm::vec2(0.0F) : values_.texture_coordinates[corner.texture];
+  }
+  [[nodiscard]] glm::vec3 normal_of(const Corner& corner) const {
+    return corner.normal == no_id ? glm::vec3(0.0F) : values_.normals[corner.normal];
+  }
+  static std::uint64_t bits(float a, float b) {
+    return std::bit_cast<std::uint32_t>(a) | std::uint64_t{std::bit_cast<std::uint32_t>(b)} << 32;
+  }
+
+  // By value, to the bit: many files have equal values under several indices, and some have NaN.
+  [[nodiscard]] bool is_same(const Corner& a, const Corner& b) const {
+    if (a == b) return true;
+    const glm::vec2 s = texture_of(a), t = texture_of(b);
+    const glm::vec3 m = normal_of(a), n = normal_of(b);
+    return bits(s.x, s.y) == bits(t.x, t.y) && bits(m.x, m.y) == bits(n.x, n.y) && bits(m.z, 0) == bits(n.z, 0);
+  }
+  [[nodiscard]] bool is_same(const Added& a, const Added& b) const {
+    return a.vertex == b.vertex && is_same(a.corner, b.corner);
+  }
+  [[nodiscard]] std::size_t hash_of(const Added& of) const {
+    const glm::vec2 t = texture_of(of.corner);
+    const glm::vec3 n = normal_of(of.corner);
+    return scatter(scatter(scatter(of.vertex + bits(t.x, t.y)) + bits(n.x, n.y)) + bits(n.z, 0));
+  }
+
+  void grow() {
+    slots_.assign(2 * slots_.size(), no_id);
+    for (std::uint32_t i = 0; i < added_.size(); ++i) {
+      std::size_t slot = hash_of(added_[i]) & (slots_.size() - 1);
+      while (slots_[slot] != no_id) slot = (slot + 1) & (slots_.size() - 1);
+      slots_[slot] = i;
+    }
+  }
+
+  void append_vertices() {
+    repeat(soup_.positions);
+    repeat(soup_.normals);
+    repeat(soup_.colors);
+    soup_.added_vertices += added_.size();
+    if (has_texture_) take(soup_.texture_coordinates, [this](const Corner& corner) { return texture_of(corner); });
+    if (has_normal_) take(soup_.normals, [this](const Corner& corner) { return normal_of(corner); });
+  }
+
+  template <class T>
+  void repeat(Array<T>& values) const {
+    if (values.empty()) return;
+    values.reserve(vertices_ + added_.size());
+    for (const Added& added : added_) values.push_back(values[added.vertex]);
+  }
+
+  template <class T, class ValueOf>
+  void take(Array<T>& values, ValueOf value_of) const {
+    values.clear();
+    values.reserve(vertices_ + added_.size());
+    for (const Corner& corner : first_) values.push_back(value_of(corner));
+    for (const Added& added : added_) values.push_back(value_of(added.corner));
+  }
+
+  BasicPolygonSoup<Storage>& soup_;
+  const CornerAttributes<Storage>& values_;
+  std::size_t vertices_;   // before
+  Array<Corner> first_;    // by vertex
+  Array<bool> is_used_;    // by vertex
+  Array<Added> added_;     // vertices_ on
+  Array<VertexId> slots_;  // into added_: open addressing, at most half full
+  bool has_texture_ = false;
+  bool has_normal_ = false;
+};
+
+}  // namespace
+
+template <class Storage>
+void split_vertices(BasicPolygonSoup<Storage>& soup, const CornerAttributes<Storage>& attributes,
+                    const FileErrors& errors) {
+  if (!VertexSplitter<Storage>(soup, attributes).run())
+    errors.fail("", "has too many vertices with attributes of their own", "split the mesh into parts");
+}
+
+template void split_vertices(PolygonSoup&, const CornerAttributes<InMemory>&, const FileErrors&);
+template void split_vertices(ScratchSoup&, const CornerAttributes<InScratch>&, const FileErrors&);
 
 }  // namespace occlod

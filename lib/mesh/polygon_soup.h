@@ -1,7 +1,9 @@
-// The result of every reader: vertices and polygons as the file has them, indices not checked yet.
+// Counts the different names in a text.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
@@ -9,16 +11,64 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <unordered_set>
 #include <vector>
 
-#include "base/large_vector.h"
-#include "mesh/file_format.h"
 #include "base/file_input.h"
-#include "occlod/core/ids.h"
-#include "occlod/mesh/mesh_report.h"
-#include "occlod/mesh/triangle_mesh.h"
+#include "base/memory.h"
+#include "mesh/mesh_files.h"
+#include "occlod/base.h"
+#include "occlod/mesh.h"
 
 namespace occlod {
+
+class DistinctNames {
+ public:
+  // Empty names are none.
+  void add(std::string_view name) {
+    if (!name.empty() && !names_.contains(name)) names_.emplace(name);
+  }
+  [[nodiscard]] std::size_t count() const { return names_.size(); }
+
+ private:
+  struct Hash : std::hash<std::string_view> {
+    using is_transparent = void;
+  };
+  std::unordered_set<std::string, Hash, std::equal_to<>> names_;
+};
+
+// Cuts polygons into triangles.
+
+// Keeps its scratch memory from polygon to polygon. `positions` outlives it.
+class Triangulator {
+ public:
+  explicit Triangulator(std::span<const glm::vec3> positions) : positions_(positions) {}
+
+  // Appends corners.size() - 2 triangles with the polygon's winding: a fan where it is strictly convex, otherwise ears
+  // clipped in the plane of its area vector (Newell). One that crosses itself or lies on a line becomes a fan. At least
+  // three corners with finite positions. False, with nothing appended, where clipping takes more than 2^28 steps:
+  // 16,384 corners can need that many.
+  template <class Triangles>  // a vector or a LargeVector
+  [[nodiscard]] bool append(std::span<const VertexId> corners, Triangles& triangles);
+
+ private:
+  [[nodiscard]] bool project(std::span<const VertexId> corners);
+  [[nodiscard]] bool is_strictly_convex() const;
+  enum class Clipping { done, crosses_itself, takes_too_long };
+  template <class Triangles>
+  [[nodiscard]] Clipping clip_ears(std::span<const VertexId> corners, Triangles& triangles);
+  [[nodiscard]] bool is_ear(std::size_t tip, bool allow_flat);
+  void unlink(std::size_t corner);
+  [[nodiscard]] double turn_at(std::size_t corner) const;
+
+  std::span<const glm::vec3> positions_;
+  std::vector<glm::dvec2> points_;  // the polygon in its plane, counter-clockwise
+  std::vector<std::size_t> next_;   // the ring of the corners that are left
+  std::vector<std::size_t> previous_;
+  std::size_t steps_ = 0;  // corners looked at while clipping the current polygon
+};
+
+// The result of every reader: vertices and polygons as the file has them, indices not checked yet.
 
 // What a soup has whatever its arrays are.
 struct SoupTables {
@@ -130,5 +180,32 @@ template <class Storage>
 [[nodiscard]] BasicPolygonSoup<Storage> parse_ply(InputBytes& input, const FileErrors& errors);
 template <class Storage>
 [[nodiscard]] BasicPolygonSoup<Storage> parse_obj(InputBytes& input, const FileErrors& errors);
+
+// Attributes that a file gives to the corners of polygons rather than to vertices: OBJ, and PLY with `texcoord`.
+
+// Indices into the values of CornerAttributes; no_id: none, which is (0, 0) and a zero normal.
+struct AttributeCorner {
+  std::uint32_t texture = no_id;
+  std::uint32_t normal = no_id;
+  [[nodiscard]] bool operator==(const AttributeCorner&) const = default;
+};
+
+// Of a soup with the same Storage.
+template <class Storage>
+struct CornerAttributes {
+  template <class T>
+  using Array = typename Storage::template Array<T>;
+  Array<AttributeCorner> corners;  // of all polygons, in order; those missing at the end have none
+  Array<glm::vec2> texture_coordinates;
+  Array<glm::vec3> normals;
+};
+
+// Gives each vertex of a checked soup the attributes of the first corner that uses it and adds vertices at the end,
+// which repeat an earlier one, for corners with others. Sets the arrays of the soup of which any corner has a value;
+// the vertices that are added have the others of the one that they repeat. Throws Error when ids cannot count the
+// vertices. Expected O(n).
+template <class Storage>
+void split_vertices(BasicPolygonSoup<Storage>& soup, const CornerAttributes<Storage>& attributes,
+                    const FileErrors& errors);
 
 }  // namespace occlod

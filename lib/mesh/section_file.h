@@ -1,4 +1,4 @@
-// Files of named, checksummed sections: what .olod and .ohlod files have in common.
+// Compression of the sections of .olod files.
 #pragma once
 
 #include <array>
@@ -13,11 +13,35 @@
 #include <type_traits>
 #include <vector>
 
-#include "base/large_vector.h"
-#include "base/mapped_file.h"
-#include "occlod/mesh/mesh_report.h"
+#include "base/file_input.h"
+#include "base/memory.h"
+#include "occlod/mesh.h"
+
+namespace occlod::olod {
+
+// The k-th bytes of all elements, for every k, one after the other: neighbouring elements resemble each other byte by
+// byte. A rest that is no whole element stays at the end. Spans of the same size.
+void separate(std::span<const std::byte> elements, std::size_t element_bytes, std::span<std::byte> planes);
+// The reverse.
+void join(std::span<const std::byte> planes, std::size_t element_bytes, std::span<std::byte> elements);
+
+// zstd frames of up to packed_run raw bytes each, whose elements are separated.
+[[nodiscard]] std::vector<std::byte> pack(std::span<const std::byte> raw, std::size_t element_bytes);
+
+// The reverse; false when `packed` is damaged or does not hold exactly `raw.size()` bytes. Never writes outside `raw`.
+[[nodiscard]] bool unpack(std::span<const std::byte> packed, std::size_t element_bytes, std::span<std::byte> raw);
+
+// Whether a section can decompress to so many bytes: files hold nothing that compresses better, so one that claims more
+// is refused before memory is allocated.
+[[nodiscard]] constexpr bool is_plausible(std::uint64_t packed_bytes, std::uint64_t raw_bytes) {
+  return raw_bytes / 64 <= packed_bytes;
+}
+
+}  // namespace occlod::olod
 
 namespace occlod::sections {
+
+// Files of named, checksummed sections: what .olod and .ohlod files have in common.
 
 static_assert(std::endian::native == std::endian::little, "these files are little-endian and read as they are");
 
@@ -150,5 +174,34 @@ class SectionReader {
   std::vector<Section> table_;
   std::vector<std::vector<std::byte>> unpacked_;
 };
+
+// The materials of .olod and .ohlod files.
+
+struct Materials {
+  std::vector<Material> materials;
+  std::vector<Texture> textures;
+  TextureOrigin origin = TextureOrigin::bottom_left;
+};
+
+// As JSON text, and the bytes of embedded images, one after the other. Stays where it is while a SectionWriter has it.
+class MaterialSections {
+ public:
+  // `view`: HierarchyView or HlodView.
+  template <typename View>
+  void add(const View& view, SectionWriter& writer) {
+    pack(view.materials, view.textures, view.texture_origin);
+    add_to(writer);
+  }
+
+ private:
+  void pack(std::span<const Material> materials, std::span<const Texture> textures, TextureOrigin origin);
+  void add_to(SectionWriter& writer) const;
+
+  std::string text_;
+  std::vector<std::uint8_t> images_;
+};
+
+// Nothing but the defaults when the file has no such sections. Refuses what MaterialSections does not write.
+[[nodiscard]] Materials read_materials(SectionReader& reader);
 
 }  // namespace occlod::sections

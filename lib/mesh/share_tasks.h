@@ -7,7 +7,7 @@
 #include <optional>
 #include <thread>
 
-#include "base/helper_threads.h"
+#include "base/threads.h"
 
 namespace occlod {
 

@@ -1,11 +1,10 @@
-#include "raster/bounds_batch.h"
-
 #include <algorithm>
 #include <cassert>
 #include <glm/gtc/matrix_access.hpp>
 #include <limits>
 
-#include "raster/bounds_slack.h"
+#include "raster/depth_kernels.h"
+#include "raster/screen_bounds.h"
 
 // Compiles this file once for every instruction set.
 #undef HWY_TARGET_INCLUDE

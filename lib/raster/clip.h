@@ -5,7 +5,12 @@
 #include <array>
 #include <cstddef>
 #include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
+#include <span>
+
+#include "occlod/mesh.h"
+#include "occlod/view.h"
 
 namespace occlod::raster {
 
@@ -25,3 +30,31 @@ struct ClipPolygon {
 [[nodiscard]] ClipPolygon clip_triangle(const std::array<glm::dvec4, 3>& triangle, const glm::dvec2& guard);
 
 }  // namespace occlod::raster
+
+namespace occlod {
+
+// How many fragments a mesh has in a view: what drawing it costs besides its triangles.
+
+// Of a mesh, or of its front faces: those that occluders keep.
+struct FragmentCount {
+  double triangles = 0.0;
+  double layers = 0.0;  // fragments for each pixel of the image: 1 where triangles cover it once
+
+  FragmentCount& operator+=(const FragmentCount& o) {
+    triangles += o.triangles;
+    layers += o.layers;
+    return *this;
+  }
+};
+
+struct MeshFragments {
+  FragmentCount all;
+  FragmentCount front;
+};
+
+// From the areas of triangles in the image, clipped to it. Of every `step`-th of them, each of which stands for `step`;
+// step >= 1. `two_sided`: all are fronts. Not finite corners count as triangles without fragments. O(triangles / step).
+[[nodiscard]] MeshFragments count_fragments(std::span<const glm::vec3> positions, std::span<const Triangle> triangles,
+                                            const ObjectView& view, bool two_sided, std::size_t step);
+
+}  // namespace occlod

@@ -7,8 +7,8 @@
 #include <glm/vec3.hpp>
 #include <span>
 
-#include "occlod/mesh/triangle_mesh.h"
-#include "occlod/raster/item_buffer.h"
+#include "occlod/item_buffer.h"
+#include "occlod/mesh.h"
 
 namespace occlod {
 

@@ -8,7 +8,7 @@
 #include <limits>
 #include <vector>
 
-#include "occlod/raster/item_buffer.h"
+#include "occlod/item_buffer.h"
 #include "raster/depth_image.h"
 
 namespace occlod {

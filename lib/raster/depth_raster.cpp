@@ -1,6 +1,4 @@
-#include "raster/depth_raster.h"
-
-#include "raster/scan.h"
+#include "raster/projection.h"
 
 // Compiles this file once for every instruction set.
 #undef HWY_TARGET_INCLUDE

@@ -1,8 +1,115 @@
 #include "raster/depth_tiles.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
+#include <limits>
 
 namespace occlod::raster {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+// Pairs of corners that differ in one bit.
+struct Edge {
+  std::size_t from, to;
+};
+constexpr std::array<Edge, 12> edges{
+    {{0, 1}, {2, 3}, {4, 5}, {6, 7}, {0, 2}, {1, 3}, {4, 6}, {5, 7}, {0, 4}, {1, 5}, {2, 6}, {3, 7}}};
+
+// Corners of each face, counter-clockwise seen from outside.
+constexpr std::array<std::array<std::size_t, 4>, 6> faces{
+    {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}}};
+
+// Pixels. What is seen of a face that is less wide than this is next to nothing, and its plane would be all rounding.
+constexpr double thinnest_face = 1.0 / 128.0;
+
+// The first pixel whose centre is not before x, in [0, size].
+std::int32_t first_pixel_at(double x, int size) {
+  return static_cast<std::int32_t>(std::clamp(std::ceil(x - 0.5), 0.0, static_cast<double>(size)));
+}
+
+// Of x and y.
+double cross_on_screen(const glm::dvec3& a, const glm::dvec3& b) { return a.x * b.y - a.y * b.x; }
+
+}  // namespace
+
+// A row's centre line cuts the outline where it cuts the leftmost and the rightmost of the twelve edges that it meets;
+// which of them make the outline need not be known.
+void BoxOutline::assign(const ProjectedBox& box, int width, int height) {
+  double top = infinity, bottom = -infinity;
+  for (const glm::dvec3& corner : box.corners) {
+    top = std::min(top, corner.y);
+    bottom = std::max(bottom, corner.y);
+  }
+  first_row_ = first_pixel_at(top, height);
+  const std::int32_t end = std::max(first_pixel_at(bottom, height), first_row_);
+  crossings_.assign(static_cast<std::size_t>(end - first_row_), {infinity, -infinity});
+  for (const Edge& edge : edges) {
+    const bool down = box.corners[edge.from].y <= box.corners[edge.to].y;
+    const glm::dvec3& p = box.corners[down ? edge.from : edge.to];
+    const glm::dvec3& q = box.corners[down ? edge.to : edge.from];
+    const double slope = (q.x - p.x) / (q.y - p.y);  // not used where the edge is horizontal
+    const std::int32_t end_of_edge = first_pixel_at(q.y, height);
+    for (std::int32_t row = first_pixel_at(p.y, height); row < end_of_edge; ++row) {
+      const double x = p.x + (row + 0.5 - p.y) * slope;
+      Crossing& crossing = crossings_[static_cast<std::size_t>(row - first_row_)];
+      crossing.left = crossing.left < x ? crossing.left : x;
+      crossing.right = crossing.right > x ? crossing.right : x;
+    }
+  }
+  spans_.clear();
+  pixels_ = 0;
+  for (const Crossing& crossing : crossings_) {
+    const Span span{first_pixel_at(crossing.left, width), first_pixel_at(crossing.right, width)};
+    spans_.push_back(span);
+    pixels_ += static_cast<std::uint32_t>(span.end - span.begin);
+  }
+}
+
+BoxFront::BoxFront(const ProjectedBox& box) : least_(infinity), most_(0.0) {
+  for (const glm::dvec3& corner : box.corners) {
+    least_ = std::min(least_, corner.z);
+    most_ = std::max(most_, corner.z);
+  }
+  least_ = std::max(least_, 0.0);  // what lies beyond the far plane of an orthographic view shows before nothing
+  planes_.fill({infinity, 0.0, 0.0});
+  std::size_t count = 0;
+  for (const auto& face : faces) {
+    const glm::dvec3 first = box.corners[face[2]] - box.corners[face[0]];
+    const glm::dvec3 second = box.corners[face[3]] - box.corners[face[1]];
+    // Twice the face's area, negative where it is counter-clockwise on the screen, where y points down.
+    const double area = cross_on_screen(first, second) * (box.mirrored ? -1.0 : 1.0);
+    const double longest = std::max(glm::length(glm::dvec2(first)), glm::length(glm::dvec2(second)));
+    if (count == most_planes || !(-area > thinnest_face * longest)) continue;
+    // Through the diagonals, which span the face's plane, and one corner.
+    const double scale = 1.0 / cross_on_screen(first, second);
+    Plane plane{};
+    plane.per_column = (first.z * second.y - second.z * first.y) * scale;
+    plane.per_row = (second.z * first.x - first.z * second.x) * scale;
+    const glm::dvec3& corner = box.corners[face[0]];
+    plane.at_origin = corner.z + plane.per_column * (0.5 - corner.x) + plane.per_row * (0.5 - corner.y);
+    planes_[count++] = plane;
+  }
+}
+
+BoxFront::Range BoxFront::range(std::int32_t x0, std::int32_t y0, std::int32_t x1, std::int32_t y1) const noexcept {
+  // Each plane is least and most at a corner, in the very arithmetic of single pixels.
+  const Row upper = row(y0), lower = row(y1 - 1);
+  const double left = x0, right = x1 - 1;
+  Range range{most_, most_};
+  for (std::size_t i = 0; i < most_planes; ++i) {
+    const double a = upper.start[i] + upper.step[i] * left, b = upper.start[i] + upper.step[i] * right;
+    const double c = lower.start[i] + lower.step[i] * left, d = lower.start[i] + lower.step[i] * right;
+    range.least = std::min(range.least, std::min(std::min(a, b), std::min(c, d)));
+    range.most = std::min(range.most, std::max(std::max(a, b), std::max(c, d)));
+  }
+  return {std::max(range.least, least_), std::max(range.most, least_)};
+}
+
 namespace {
 
 constexpr int tiles_over(int pixels) { return (pixels + DepthTiles::size - 1) / DepthTiles::size; }

@@ -1,7 +1,7 @@
 // The times of a device by name.
 #pragma once
 
-#include "occlod/device/device_costs.h"
+#include "occlod/device_costs.h"
 
 namespace occlod::hlod {
 

@@ -1,12 +1,12 @@
-#include "occlod/device/device_costs.h"
+#include "occlod/device_costs.h"
 
 #include <algorithm>
 #include <array>
 
-#include "base/option_checker.h"
-#include "raster/device_cost_fields.h"
 #include "base/file_input.h"
-#include "occlod/core/error.h"
+#include "base/option_checker.h"
+#include "occlod/base.h"
+#include "raster/device_cost_fields.h"
 
 namespace occlod::hlod {
 namespace {

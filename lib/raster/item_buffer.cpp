@@ -1,13 +1,11 @@
-#include "occlod/raster/item_buffer.h"
+#include "occlod/item_buffer.h"
 
 #include <algorithm>
 #include <cassert>
 
 #include "raster/clip.h"
 #include "raster/depth_image.h"
-#include "raster/depth_raster.h"
 #include "raster/projection.h"
-#include "raster/scan.h"
 
 namespace occlod {
 namespace {

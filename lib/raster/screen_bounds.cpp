@@ -8,8 +8,6 @@
 #include <glm/gtc/matrix_access.hpp>
 #include <limits>
 
-#include "raster/bounds_slack.h"
-
 namespace occlod {
 namespace {
 

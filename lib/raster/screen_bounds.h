@@ -1,13 +1,22 @@
-// From a bound in object space to the pixels it may touch and its nearest depth.
+// How far every screen rectangle grows.
 #pragma once
 
+#include <limits>
 #include <optional>
 
-#include "occlod/refine/visibility.h"
-#include "occlod/view/view.h"
+#include "occlod/view.h"
+#include "occlod/visibility.h"
 #include "raster/depth_pyramid.h"
 
 namespace occlod {
+
+// Pixels: the rasteriser moves corners by up to half of 1/256.
+inline constexpr double bounds_slack_px = 1.0 / 256.0;
+// Relative error of an entry of the single-precision object_to_clip and of the nearness that the rasteriser
+// stores, with room to spare.
+inline constexpr double bounds_rounding = 2.0 * std::numeric_limits<float>::epsilon();
+
+// From a bound in object space to the pixels it may touch and its nearest depth.
 
 struct ScreenBounds {
   PixelRect rect;  // every pixel that the bound touches, even in part; clipped to the image; empty when it lies beside

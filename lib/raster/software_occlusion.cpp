@@ -1,24 +1,82 @@
-#include "occlod/occlusion/software_occlusion.h"
-
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <optional>
+#include <span>
 #include <tuple>
 #include <type_traits>
 #include <vector>
 
-#include "occlod/raster/item_buffer.h"
-#include "raster/bounds_batch.h"
-#include "raster/depth_epochs.h"
+#include "occlod/item_buffer.h"
+#include "occlod/view.h"
+#include "occlod/visibility.h"
 #include "raster/depth_kernels.h"
 #include "raster/depth_pyramid.h"
 #include "raster/screen_bounds.h"
 
 namespace occlod {
 namespace {
+
+// By which powers of two nearness is multiplied, so that one picture can be drawn over another without clearing it.
+
+// Whatever is left of earlier pictures is then smaller than anything that the view shows: as if nothing were there. A
+// power of two changes no bit of a number but its exponent, so answers are those of pictures that have been cleared.
+class DepthEpochs {
+ public:
+  // Begins a picture of a view of objects; false when it must be cleared first.
+  [[nodiscard]] bool begin(const View& view, std::span<const ObjectView> objects);
+
+  // Nearness is multiplied by this, and object_to_clip divided by it, which comes to the same.
+  [[nodiscard]] float scale() const noexcept { return scale_; }
+  // Less is farther than anything in the view, times scale().
+  [[nodiscard]] float least() const noexcept { return least_; }
+
+ private:
+  struct Range {
+    double near, far;
+    int width, height;
+    friend bool operator==(const Range&, const Range&) = default;
+  };
+  std::optional<Range> range_;  // of the pictures since the last that was cleared
+  int exponent_ = 0;
+  float scale_ = 1.0F, least_ = 0.0F;
+};
+
+// Numbers up to 2^60 and down to 2^-60 stay in the range of floats when they are multiplied or divided by as much.
+constexpr int most_exponent = 60;
+
+bool is_in_range(double number) { return number == 0.0 || (std::abs(number) <= 0x1p60 && std::abs(number) >= 0x1p-60); }
+
+bool is_in_range(const ObjectView& object) {
+  for (int column = 0; column < 4; ++column)
+    for (int row = 0; row < 4; ++row)
+      if (!is_in_range(static_cast<double>(object.object_to_clip()[column][row]))) return false;
+  return true;
+}
+
+bool DepthEpochs::begin(const View& view, std::span<const ObjectView> objects) {
+  const Range range = {view.camera().near, view.camera().far, view.width(), view.height()};
+  const bool can_scale =
+      !view.is_orthographic() && range.near >= 0x1p-40 && range.far <= 0x1p40 &&
+      std::all_of(objects.begin(), objects.end(), [](const ObjectView& object) { return is_in_range(object); });
+  if (!can_scale) {
+    range_.reset();
+    scale_ = 1.0F;
+    least_ = 0.0F;
+    return false;
+  }
+  // From the nearest of one picture to beyond the farthest of the next.
+  const int step = static_cast<int>(std::ceil(std::log2(range.far / range.near))) + 3;
+  const bool goes_on = range_ == range && exponent_ + step <= most_exponent;
+  exponent_ = goes_on ? exponent_ + step : -most_exponent;
+  range_ = range;
+  scale_ = std::ldexp(1.0F, exponent_);
+  least_ = scale_ * static_cast<float>(0.25 / range.far);
+  return goes_on;
+}
 
 // Bounds of one kind and one object that are not tested yet, and where their answers belong.
 template <class Shape>

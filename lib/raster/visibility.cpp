@@ -1,4 +1,4 @@
-#include "occlod/refine/visibility.h"
+#include "occlod/visibility.h"
 
 #include <algorithm>
 #include <cassert>

@@ -1,23 +1,103 @@
-#include "occlod/effects/auto_refiner.h"
+#include "occlod/auto_refiner.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
-#include "base/milliseconds_since.h"
+#include "base/timing.h"
+#include "occlod/base.h"
+#include "occlod/refiner.h"
+#include "occlod/visibility.h"
 #include "refine/forecast.h"
-#include "refine/object_places.h"
-#include "occlod/core/error.h"
-#include "occlod/occlusion/software_occlusion.h"
 #include "refine/probe.h"
-#include "refine/renewal.h"
 
 namespace occlod {
 namespace {
+
+// What looks back find beyond looks ahead.
+
+// How much more the refined mesh hides than a coarse one, and how much more it fills the image: from places where both
+// have been looked at, for those where only a coarse one has been.
+class Renewal {
+ public:
+  void learn(const HiddenShares& ahead, const HiddenShares& back) {
+    const auto mix = [&](double& ratio, double now) { ratio = known_ ? std::sqrt(ratio * now) : now; };
+    mix(visits_shown_, shown(back.visits_hidden) / shown(ahead.visits_hidden));
+    mix(splits_shown_, shown(back.splits_hidden) / shown(ahead.splits_hidden));
+    mix(stars_shown_, shown(back.stars_hidden) / shown(ahead.stars_hidden));
+    mix(layers_, (1.0 + back.coverage.layers) / (1.0 + ahead.coverage.layers));
+    mix(front_layers_, (1.0 + back.coverage.front_layers) / (1.0 + ahead.coverage.front_layers));
+    front_share_ = back.coverage.front_share;
+    known_ = true;
+  }
+  [[nodiscard]] bool known() const noexcept { return known_; }
+  // What a look back would find where `ahead` has been found; until anything is known, the same.
+  [[nodiscard]] HiddenShares of(HiddenShares ahead) const {
+    ahead.visits_hidden = hidden(visits_shown_ * shown(ahead.visits_hidden));
+    ahead.splits_hidden = hidden(splits_shown_ * shown(ahead.splits_hidden));
+    ahead.stars_hidden = std::max(hidden(stars_shown_ * shown(ahead.stars_hidden)), ahead.splits_hidden);
+    Coverage& coverage = ahead.coverage;
+    coverage.layers = (1.0 + coverage.layers) * layers_ - 1.0;
+    coverage.front_layers = (1.0 + coverage.front_layers) * front_layers_ - 1.0;
+    coverage.front_share = front_share_;
+    return ahead;
+  }
+
+ private:
+  static constexpr double least_shown = 0.05;
+  [[nodiscard]] static double shown(double hidden) { return std::max(1.0 - hidden, least_shown); }
+  [[nodiscard]] static double hidden(double shown) { return std::clamp(1.0 - shown, 0.0, 1.0 - least_shown); }
+
+  bool known_ = false;
+  double visits_shown_ = 1.0, splits_shown_ = 1.0, stars_shown_ = 1.0;
+  double layers_ = 1.0, front_layers_ = 1.0, front_share_ = 1.0;
+};
+
+// How large a scene is, and how far its objects have moved.
+
+// Over all hierarchies, each counted once.
+[[nodiscard]] std::size_t splits_of(std::span<const RefineObject> objects);
+// The diagonal of the box around the boxes of all objects, world units.
+[[nodiscard]] double extent_of(std::span<const RefineObject> objects);
+// The largest distance between two places of a corner of its box, world units.
+[[nodiscard]] double moved_by(const RefineObject& from, const RefineObject& to);
+
+std::size_t splits_of(std::span<const RefineObject> objects) {
+  std::vector<const Hierarchy*> hierarchies;
+  for (const RefineObject& object : objects) hierarchies.push_back(object.hierarchy);
+  std::sort(hierarchies.begin(), hierarchies.end());
+  hierarchies.erase(std::unique(hierarchies.begin(), hierarchies.end()), hierarchies.end());
+  std::size_t splits = 0;
+  for (const Hierarchy* hierarchy : hierarchies) splits += hierarchy->split_count();
+  return splits;
+}
+
+double extent_of(std::span<const RefineObject> objects) {
+  glm::dvec3 low(std::numeric_limits<double>::infinity()), high = -low;
+  for (const RefineObject& object : objects)
+    for (int i = 0; i < 8; ++i) {
+      const glm::dvec3 p(object.object_to_world * glm::dvec4(corner(object.hierarchy->box(), i), 1.0));
+      low = glm::min(low, p);
+      high = glm::max(high, p);
+    }
+  return glm::length(high - low);
+}
+
+double moved_by(const RefineObject& from, const RefineObject& to) {
+  double moved = 0.0;
+  for (int i = 0; i < 8; ++i) {
+    const glm::dvec4 p(corner(from.hierarchy->box(), i), 1.0);
+    moved = std::max(moved, glm::length((to.object_to_world - from.object_to_world) * p));
+  }
+  return moved;
+}
 
 constexpr std::size_t look_interval = 30;  // views from one look ahead to the next while the camera stays near
 // The same from frame to frame, where a frame takes a fraction of the time; sooner when the camera moves far, but never

@@ -1,8 +1,8 @@
-#include "refine/bounded_values.h"
-
 #include <algorithm>
 #include <array>
 #include <bit>
+
+#include "refine/front.h"
 
 // Compiles this file once for every instruction set.
 #undef HWY_TARGET_INCLUDE

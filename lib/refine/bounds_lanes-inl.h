@@ -11,10 +11,9 @@
 #include <glm/vec3.hpp>
 #include <limits>
 
+#include "base/arithmetic.h"
 #include "hwy/highway.h"
-#include "base/facing_slack.h"
-#include "base/inverse_power_of_two.h"
-#include "occlod/view/view.h"
+#include "occlod/view.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace occlod::HWY_NAMESPACE {

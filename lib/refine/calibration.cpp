@@ -1,23 +1,54 @@
-#include "occlod/effects/calibration.h"
-
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 #include <limits>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
-#include "refine/calibration_fields.h"
-#include "base/median.h"
-#include "base/milliseconds_since.h"
-#include "refine/fragment_count.h"
-#include "occlod/hierarchy/build.h"
-#include "occlod/mesh/generate.h"
-#include "occlod/raster/item_buffer.h"
-#include "occlod/refine/refiner.h"
+#include "base/atomic_file.h"
+#include "base/file_input.h"
+#include "base/option_checker.h"
+#include "base/strict_json.h"
+#include "base/timing.h"
+#include "occlod/auto_refiner.h"
+#include "occlod/base.h"
+#include "occlod/build_hierarchy.h"
+#include "occlod/generate.h"
+#include "occlod/item_buffer.h"
+#include "occlod/refiner.h"
+#include "raster/clip.h"
+#include "raster/device_cost_fields.h"
 #include "refine/star_visibility.h"
-#include "refine/weigh_splits.h"
+#include "refine/weigh.h"
 
 namespace occlod {
 namespace {
+
+// The numbers of a calibration by name.
+
+// Calls visit(key, value) for each number. `Costs` may be const.
+template <typename Costs, typename Visit>
+void for_each_backend_cost(Costs& costs, const Visit& visit) {
+  visit("occluder_triangle_ns", costs.occluder_triangle_ns);
+  visit("occluder_fragment_ns", costs.occluder_fragment_ns);
+  visit("occluder_pixel_ns", costs.occluder_pixel_ns);
+  visit("query_ns", costs.query_ns);
+  visit("latency_ns", costs.latency_ns);
+}
+template <typename Costs, typename Visit>
+void for_each_cost(Costs& costs, const Visit& visit) {
+  visit("visit_ns", costs.visit_ns);
+  visit("far_visit_ns", costs.far_visit_ns);
+  visit("cone_ns", costs.cone_ns);
+  visit("split_ns", costs.split_ns);
+  visit("kept_split_ns", costs.kept_split_ns);
+  visit("triangle_ns", costs.triangle_ns);
+  visit("fragment_ns", costs.fragment_ns);
+}
 
 constexpr std::size_t passes = 5;  // over everything
 constexpr int rounds = 2;          // of each thing in a pass
@@ -278,6 +309,113 @@ Calibration measure_calibration(std::span<const std::unique_ptr<Visibility>> bac
     take_medians([](auto& costs, const auto& visit) { for_each_backend_cost(costs, visit); },
                  [b](Calibration& c) -> BackendCosts& { return c.backends[b]; }, result.backends[b]);
   return result;
+}
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+double positive(const JsonPlace& place) {
+  const double value = place.number();
+  if (!(value > 0.0 && std::isfinite(value))) place.fail("is not larger than 0", "measure it again");
+  return value;
+}
+
+BackendCosts read_backend(const JsonPlace& place) {
+  place.expect_keys(
+      {"name", "occluder_triangle_ns", "occluder_fragment_ns", "occluder_pixel_ns", "query_ns", "latency_ns"});
+  BackendCosts costs;
+  costs.name = place.at("name").string();
+  for_each_backend_cost(costs, [&](const char* key, double& value) { value = positive(place.at(key)); });
+  return costs;
+}
+
+hlod::DeviceCosts read_device(const JsonPlace& place) {
+  hlod::DeviceCosts costs;
+  std::vector<std::string_view> keys{"name", "latency_commands"};
+  hlod::for_each_device_cost(costs, [&](const char* key, double) { keys.emplace_back(key); });
+  place.expect_keys(keys);
+  costs.name = place.at("name").string();
+  costs.latency_commands = static_cast<std::uint32_t>(place.at("latency_commands").integer(0));
+  hlod::for_each_device_cost(costs, [&](const char* key, double& value) {
+    value = place.at(key).number();
+    if (!(value >= 0.0 && std::isfinite(value))) place.at(key).fail("is below 0", "measure it again");
+  });
+  return costs;
+}
+
+// Of the elements of an array so far, the last must have a name of its own.
+template <typename Costs>
+void expect_new_name(const std::vector<Costs>& costs, const JsonPlace& place) {
+  for (std::size_t i = 0; i + 1 < costs.size(); ++i)
+    if (costs[i].name == costs.back().name) place.at("name").fail("is there twice", "leave one of them out");
+}
+
+}  // namespace
+
+const hlod::DeviceCosts& device_costs_of(const Calibration& calibration, std::string_view device) {
+  const auto found = std::find_if(calibration.devices.begin(), calibration.devices.end(),
+                                  [&](const hlod::DeviceCosts& costs) { return costs.name == device; });
+  if (found != calibration.devices.end()) return *found;
+  std::string names;
+  for (const hlod::DeviceCosts& costs : calibration.devices) names += (names.empty() ? "" : ", ") + costs.name;
+  throw Error({"calibration", "devices", "has no device " + in_quotes(std::string(device)),
+               names.empty() ? "measure it" : "there are " + names});
+}
+
+void check_calibration(const Calibration& calibration) {
+  const OptionChecker check("calibration");
+  for_each_cost(calibration, [&](const char* key, double value) { check.positive(key, value); });
+  for (const BackendCosts& costs : calibration.backends)
+    for_each_backend_cost(
+        costs, [&](const char* key, double value) { check.positive((costs.name + "." + key).c_str(), value); });
+  for (const hlod::DeviceCosts& costs : calibration.devices)
+    for_each_device_cost(
+        costs, [&](const char* key, double value) { check.at_least((costs.name + "." + key).c_str(), value, 0.0); });
+}
+
+Calibration read_calibration(const std::filesystem::path& path) {
+  const nlohmann::json json = parse_json_file(path);
+  const std::string file = path.string();
+  const JsonPlace place(json, file);
+  place.expect_keys({"visit_ns", "far_visit_ns", "cone_ns", "split_ns", "kept_split_ns", "triangle_ns", "fragment_ns",
+                     "backends", "devices"});
+  Calibration calibration;
+  for_each_cost(calibration, [&](const char* key, double& value) { value = positive(place.at(key)); });
+  for (const JsonPlace& backend : place.at("backends").elements()) {
+    calibration.backends.push_back(read_backend(backend));
+    expect_new_name(calibration.backends, backend);
+  }
+  if (const std::optional<JsonPlace> devices = place.find("devices"))
+    for (const JsonPlace& device : devices->elements(0)) {
+      calibration.devices.push_back(read_device(device));
+      expect_new_name(calibration.devices, device);
+    }
+  return calibration;
+}
+
+std::string calibration_json(const Calibration& calibration) {
+  Json json;
+  for_each_cost(calibration, [&](const char* key, double value) { json[key] = value; });
+  json["backends"] = Json::array();
+  for (const BackendCosts& costs : calibration.backends) {
+    Json backend = {{"name", costs.name}};
+    for_each_backend_cost(costs, [&](const char* key, double value) { backend[key] = value; });
+    json["backends"].push_back(std::move(backend));
+  }
+  if (!calibration.devices.empty()) json["devices"] = Json::array();
+  for (const hlod::DeviceCosts& costs : calibration.devices) {
+    Json device = {{"name", costs.name}, {"latency_commands", costs.latency_commands}};
+    hlod::for_each_device_cost(costs, [&](const char* key, double value) { device[key] = value; });
+    json["devices"].push_back(std::move(device));
+  }
+  return json.dump(2) + "\n";
+}
+
+void write_calibration(const std::filesystem::path& path, const Calibration& calibration) {
+  AtomicFile file(path);
+  file.stream() << calibration_json(calibration);
+  file.commit();
 }
 
 }  // namespace occlod

@@ -4,11 +4,13 @@
 #include <array>
 #include <bit>
 #include <cassert>
+#include <glm/common.hpp>
 #include <numeric>
 #include <string>
 
-#include "occlod/core/error.h"
-#include "occlod/hierarchy/cut_mesh.h"
+#include "occlod/base.h"
+#include "occlod/build_hierarchy.h"
+#include "occlod/refiner.h"
 
 namespace occlod {
 namespace {
@@ -198,6 +200,22 @@ void Cut::active_wedge_triangles(std::vector<Triangle>& out, bool sorted) {
   Triangle* at = out.data();
   for_each_active([&](const FaceRef& face, const Triangle& t) { *at++ = wedges_of_face(*hierarchy_, face, t); });
   assert(at == out.data() + triangles_);
+}
+
+MorphedPositions::MorphedPositions(std::span<const glm::vec3> positions)
+    : own_(positions), drawn_(positions.begin(), positions.end()) {}
+
+void MorphedPositions::update(std::span<const Geomorph> geomorphs) {
+  for (const VertexId v : under_way_) drawn_[v] = own_[v];
+  moved_.swap(under_way_);
+  under_way_.clear();
+  for (const Geomorph& g : geomorphs) {
+    drawn_[g.vertex] = glm::mix(drawn_[g.parent], own_[g.vertex], g.t);
+    under_way_.push_back(g.vertex);
+  }
+  moved_.insert(moved_.end(), under_way_.begin(), under_way_.end());
+  std::sort(moved_.begin(), moved_.end());
+  moved_.erase(std::unique(moved_.begin(), moved_.end()), moved_.end());
 }
 
 }  // namespace occlod

@@ -1,9 +1,9 @@
-#include "refine/fan_batch.h"
-
 #include <algorithm>
 #include <cassert>
 #include <limits>
 #include <utility>
+
+#include "refine/star_visibility.h"
 
 // Compiles this file once for every instruction set.
 #undef HWY_TARGET_INCLUDE

@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "occlod/effects/effect_choice.h"
+#include "occlod/auto_refiner.h"
 
 namespace occlod {
 

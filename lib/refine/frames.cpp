@@ -1,8 +1,477 @@
 #include "refine/frames.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
 
 namespace occlod {
+namespace {
+
+// Of what needs what: no file can use up the stack.
+constexpr int most_depth = 64;
+// In frames, for which what a split needs is held to be known.
+constexpr std::uint16_t most_age = 4;
+// In splits: more than this counts as this, so that what is kept by others anyway sinks to a third at most.
+constexpr float most_kept = 2.0F;
+
+std::uint32_t count_removed(const SplitStar& star, SplitId from) {
+  std::uint32_t faces = 0;
+  star.for_each_removed_ref([&](const FaceRef& face) { faces += face.split == from ? 1U : 0U; });
+  return faces;
+}
+
+}  // namespace
+
+float UnseenNeeds::weight_of_applied(std::uint32_t object, SplitId s) {
+  return weight(std::min(needed_by(object, s, most_depth), most_kept));
+}
+
+float UnseenNeeds::weight_of_closure(std::uint32_t object, const Cut::Closure& closure) {
+  float kept = 0.0F, forced = 0.0F;
+  for (const SplitId s : closure.splits) {
+    kept += needed_by_unapplied(object, s);
+    if (s != closure.splits[0]) forced += unseen_part(object, s);
+  }
+  return weight(std::min(kept, most_kept) + forced);
+}
+
+// What removes several faces of one is charged for each.
+float UnseenNeeds::needed_by(std::uint32_t object, SplitId s, int depth) {
+  const Cut& cut = (*evaluation_.scene().cuts)[object];
+  const SplitStar star = evaluation_.scene().hierarchy(object).star(s);
+  float unseen = 0.0F;
+  star.for_each_removed_ref([&](const FaceRef& face) {
+    if (face.split == no_id) return;
+    unseen += charge(object, face.split, count_removed(star, face.split), cut.removed_faces(face.split), depth);
+  });
+  return unseen;
+}
+
+// Of what is applied already.
+float UnseenNeeds::needed_by_unapplied(std::uint32_t object, SplitId s) {
+  const Cut& cut = (*evaluation_.scene().cuts)[object];
+  const SplitStar star = evaluation_.scene().hierarchy(object).star(s);
+  float unseen = 0.0F;
+  star.for_each_removed_ref([&](const FaceRef& face) {
+    if (face.split == no_id || !cut.applied(face.split)) return;
+    const std::uint32_t own = count_removed(star, face.split);
+    unseen += charge(object, face.split, own, own + cut.removed_faces(face.split), most_depth);
+  });
+  return unseen;
+}
+
+// For each of `own` faces among those removed.
+float UnseenNeeds::charge(std::uint32_t object, SplitId s, std::uint32_t own, std::uint32_t removed, int depth) {
+  const float part = unseen_part(object, s);
+  if (part == 0.0F) return 0.0F;
+  const float whole = 1.0F + below(object, evaluation_.front(object).find(s), depth);
+  return part * whole / std::sqrt(static_cast<float>(own) * static_cast<float>(removed));
+}
+
+// What an applied split needs.
+float UnseenNeeds::below(std::uint32_t object, Front::Index k, int depth) {
+  Front& front = evaluation_.front(object);
+  const auto now = static_cast<std::uint16_t>(frame_);
+  const auto age = static_cast<std::uint16_t>(now - front.node(k).weighed_frame);
+  if (front.is(k, Front::needs_known) && age < most_age) return front.node(k).unseen_needs;
+  if (depth == 0) return 0.0F;
+  const float found = needed_by(object, front.node(k).split, depth - 1);
+  FrontNode& node = front.node(k);
+  node.unseen_needs = found;
+  node.weighed_frame = now;
+  front.set(k, Front::needs_known, true);
+  return found;
+}
+
+float UnseenNeeds::unseen_part(std::uint32_t object, SplitId s) {
+  Front& front = evaluation_.front(object);
+  const Front::Index k = front.find(s);
+  if (k == Front::none) return 1.0F - evaluation_.scene().importances[object].visible_share(s);
+  if (front.is(k, Front::hidden)) return 1.0F;
+  if (front.priorities().is_outdated(k)) static_cast<void>(evaluation_.worth(object, k));
+  return 1.0F - front.visible_share(k);
+}
+
+float UnseenNeeds::weight(float unseen) const {
+  const RefineOptions* const options = evaluation_.scene().options;
+  const double exponent = options->priority.forced_exponent;
+  return exponent == 1.0 ? 1.0F / (1.0F + unseen) : std::pow(1.0F + unseen, -static_cast<float>(exponent));
+}
+
+namespace {
+
+constexpr float infinity = std::numeric_limits<float>::infinity();
+// When so many candidates need more triangles than are left, the budget counts as used up.
+constexpr std::size_t most_rejections = 16;
+constexpr std::size_t least_gain = 1;  // of triangles, by a split: one at a border
+// Where the candidates that are queued do not suffice, less important ones follow, so much at a time.
+constexpr float band_step = 1.25F;
+// From scratch leaves do not pay for what they keep, so the budget ends at a higher level than from frame to frame. The
+// frames after it come down in steps that grow by this factor, rather than the first of them at once, until they are so
+// far below.
+constexpr float settling_growth = 1.12F, settled_part = 0.25F;
+// A budget with less room than this, in triangles, counts as used up.
+constexpr std::size_t least_room = 16;
+
+}  // namespace
+
+SplitExchange::SplitExchange(FrontEvaluation& evaluation, FrontForest& forest, FrontQueries& queries,
+                             std::span<DrawnMesh> meshes)
+    : evaluation_(evaluation), forest_(forest), queries_(queries), meshes_(meshes), unseen_needs_(evaluation) {}
+
+void SplitExchange::begin_frame(std::uint32_t frame, Clock::time_point start, RefineStats& stats) {
+  frame_ = frame;
+  start_ = start;
+  stats_ = &stats;
+  changes_ = 0;
+  rejected_ = {};
+  settling_level_ /= settling_step_;
+  settling_step_ *= settling_growth;
+  if (settling_level_ < settled_part * adopted_level_) settling_level_ = 0.0F;
+  unseen_needs_.begin_frame(frame);
+}
+
+void SplitExchange::run() {
+  gather();
+  exchange();
+}
+
+void SplitExchange::run_on(std::span<const Entry> shown) {
+  for (const Entry& entry : shown) {
+    const Front& front = evaluation_.front(entry.object);
+    const Front::Index k = front.find(entry.split);
+    if (front.is(k, Front::hidden) || front.is(k, Front::applied)) continue;
+    if (front.is(k, Front::descended))
+      enqueue_split(entry.object, k);
+    else
+      enqueue_visit(entry.object, k);
+  }
+  if (!candidates_.empty()) exchange();
+}
+
+void SplitExchange::enqueue_visit(std::uint32_t object, Front::Index k) {
+  const Front& front = evaluation_.front(object);
+  const ScreenError error = front.error_at_most(k);
+  if (error.quadric_px > 0.0F && !front.is(k, Front::subtree_hidden) &&
+      !error.is_within(evaluation_.scene().options->tolerance_px))
+    candidates_.push(
+        {error.quadric_px, error, front.node(k).split, object, front.node(k).level, 0, Entry::Kind::visit});
+}
+
+void SplitExchange::exchange() {
+  const std::size_t budget = evaluation_.scene().options->budget;
+  const CutSet& cuts = *evaluation_.scene().cuts;
+  std::size_t rejections = 0;
+  level_ = 0.0F;
+  while (true) {
+    if (cuts.triangle_count() > budget) {
+      if (!take_back_least()) break;
+      continue;
+    }
+    if (candidates_.empty() || candidates_.top().priority <= candidates_above_) gather_more_candidates();
+    if (candidates_.empty() || candidates_.top().priority <= candidates_above_) {
+      level_ = std::max(level_, candidates_above_);
+      return;
+    }
+    if (limit_reached()) break;
+    Entry entry = candidates_.pop();
+    ++stats_->visits;
+    if (queries_.is_hidden(entry)) continue;
+    if (entry.kind == Entry::Kind::visit) {
+      descend(entry);
+    } else if (!apply_split(evaluation_.scene(), entry, *this)) {
+      // What comes later matters less and takes no room from leaves either: it can only fit into what is left.
+      level_ = std::max(level_, entry.priority);
+      ++stats_->rejected_splits;
+      rejected_.include(entry.error);
+      if (++rejections == most_rejections || cuts.triangle_count() + least_gain > budget) return;
+    }
+  }
+  stats_->pending = !candidates_.empty();
+  if (stats_->pending) level_ = std::max(level_, candidates_.top().priority);
+}
+
+void SplitExchange::gather() {
+  const RefineOptions* const options = evaluation_.scene().options;
+  candidates_.clear();
+  leaves_.clear();
+  for (std::uint32_t i = 0; i < evaluation_.object_count(); ++i) forest_.close(i, worthless_part * level_);
+  candidates_above_ = level_ / level_band;
+  last_step_ = worthless_part * level_;
+  leaves_below_ = level_ * level_band;
+  // All of them where the budget is enough: some may be needless.
+  if (level_ == 0.0F && options->tolerance_px > 0.0) leaves_below_ = infinity;
+  gather_candidates(candidates_above_, infinity);
+  gather_leaves(0.0F, leaves_below_);
+}
+
+// Reached nodes, at which refinement may go on.
+void SplitExchange::gather_candidates(float low, float high) {
+  const RefineOptions* const options = evaluation_.scene().options;
+  const auto is_wanted = [&](float priority, const ScreenError& error) {
+    return priority > low && priority <= high && !error.is_within(options->tolerance_px);
+  };
+  for (std::uint32_t i = 0; i < evaluation_.object_count(); ++i) {
+    const Front& front = evaluation_.front(i);
+    found_.clear();
+    select(evaluation_.errors(i),
+           {.all = Front::reached, .none = Front::descended | Front::subtree_hidden, .may_exceed = low}, found_);
+    evaluation_.evaluate(i, found_);
+    for (const Front::Index k : found_) {
+      const ScreenError bound = front.error_at_most(k);
+      const FrontNode& node = front.node(k);
+      if (is_wanted(bound.quadric_px, bound))
+        candidates_.push({bound.quadric_px, bound, node.split, i, node.level, 0, Entry::Kind::visit});
+    }
+    found_.clear();
+    select(evaluation_.priorities(i),
+           {.all = Front::reached | Front::descended, .none = Front::applied | Front::hidden, .may_exceed = low},
+           found_);
+    if (options->priority.culling == Culling::subtree) evaluation_.evaluate(i, found_);
+    leave_out_low(i, low);
+    constexpr std::size_t ahead = 4;
+    for (std::size_t at = 0; at < found_.size(); ++at) {
+      if (at + ahead < found_.size()) front.prefetch_star(found_[at + ahead]);
+      const Front::Index k = found_[at];
+      const bool again = weighs_again(front, k);
+      const SplitWorth worth = evaluation_.worth(i, k);
+      const float priority = again ? worth.own_priority : worth.priority;
+      const FrontNode& node = front.node(k);
+      if (is_wanted(priority, worth.error))
+        candidates_.push({priority, worth.error, node.split, i, node.level, 0, Entry::Kind::apply, !again});
+    }
+  }
+}
+
+bool SplitExchange::weighs_again(const Front& front, Front::Index k) const {
+  return !front.is(k, Front::weighed) || (front.node(k).split + frame_) % weighing_rounds == 0;
+}
+
+// Of found_.
+void SplitExchange::leave_out_low(std::uint32_t object, float low) {
+  const Front& front = evaluation_.front(object);
+  std::size_t kept = 0;
+  for (const Front::Index k : found_) {
+    const float most = evaluation_.priority_at_most(object, k);
+    const bool is_low = (weighs_again(front, k) ? most : most * front.forced_weights()[k]) <= low;
+    found_[kept] = k;
+    kept += is_low ? 0 : 1;
+  }
+  found_.resize(kept);
+}
+
+// A tolerance is kept in each frame.
+bool SplitExchange::waits_for_later_frames() const {
+  const RefineOptions* const options = evaluation_.scene().options;
+  return candidates_above_ <= settling_level_ && !(options->tolerance_px > 0.0) &&
+         evaluation_.scene().cuts->triangle_count() + least_room > options->budget;
+}
+
+// Until there is one that comes before all that is not queued yet: a little less important ones each time, then the
+// rest; as far as this frame goes.
+void SplitExchange::gather_more_candidates() {
+  while (candidates_above_ > 0.0F && !waits_for_later_frames() &&
+         (candidates_.empty() || candidates_.top().priority <= candidates_above_)) {
+    const float below = candidates_above_;
+    candidates_above_ = below > last_step_ ? below / band_step : 0.0F;
+    gather_candidates(candidates_above_, below);
+  }
+}
+
+// In turn.
+void SplitExchange::weigh_leaves(std::uint32_t object) {
+  found_.clear();
+  select(evaluation_.errors(object), {.all = Front::applied | Front::leaf, .none = Front::is_new | Front::hidden},
+         found_);
+  const Front& front = evaluation_.front(object);
+  for (const Front::Index k : found_)
+    if ((front.node(k).split + frame_) % weighing_rounds == 0) weigh_leaf(object, k);
+}
+
+void SplitExchange::weigh_leaf(std::uint32_t object, Front::Index k) {
+  Front& front = evaluation_.front(object);
+  front.forced_weight(k) = unseen_needs_.weight_of_applied(object, front.node(k).split);
+}
+
+// Applied splits that none needs.
+void SplitExchange::gather_leaves(float low, float high) {
+  constexpr std::uint16_t wanted = Front::applied | Front::leaf;
+  const RefineOptions* const options = evaluation_.scene().options;
+  const float may_be_below = options->tolerance_px > 0.0 ? infinity : high;
+  for (std::uint32_t i = 0; i < evaluation_.object_count(); ++i) {
+    if (options->priority.culling == Culling::star) weigh_leaves(i);
+    found_.clear();
+    select(evaluation_.errors(i), {.all = wanted | Front::hidden, .none = Front::is_new}, found_);
+    select(evaluation_.leaf_priorities(i),
+           {.all = wanted, .none = Front::is_new | Front::hidden, .may_be_below = may_be_below}, found_);
+    if (options->priority.culling == Culling::subtree) evaluation_.evaluate(i, found_);
+    for (const Front::Index k : found_) {
+      const float priority = leaf_priority(i, k);
+      if (priority >= low && priority < high) enqueue_leaf(i, evaluation_.front(i).node(k).split, priority);
+    }
+  }
+}
+
+// The rest.
+bool SplitExchange::gather_more_leaves() {
+  if (leaves_below_ == infinity) return false;
+  const float from = std::exchange(leaves_below_, infinity);
+  gather_leaves(from, leaves_below_);
+  return !leaves_.empty();
+}
+
+bool SplitExchange::limit_reached() const {
+  const RefineOptions* const options = evaluation_.scene().options;
+  if (options->update.most_changes > 0 && changes_ >= options->update.most_changes) return true;
+  return options->update.time_limit_ms > 0.0 && milliseconds_since(start_) >= options->update.time_limit_ms;
+}
+
+void SplitExchange::descend(const Entry& entry) {
+  const std::uint32_t i = entry.object;
+  for (const Front::Index k : forest_.descend(i, entry.split)) enqueue_visit(i, k);
+  const Front& front = evaluation_.front(i);
+  const Front::Index k = front.find(entry.split);
+  if (!front.is(k, Front::applied)) enqueue_split(i, k);
+}
+
+// The split of a node that is reached, if it is worth anything.
+void SplitExchange::enqueue_split(std::uint32_t object, Front::Index k) {
+  const SplitWorth worth = evaluation_.worth(object, k);
+  const FrontNode& node = evaluation_.front(object).node(k);
+  if (worth.own_priority > 0.0F && !worth.error.is_within(evaluation_.scene().options->tolerance_px))
+    candidates_.push({worth.own_priority, worth.error, node.split, object, node.level, 0, Entry::Kind::apply});
+}
+
+float SplitExchange::forced_weight(const Entry& entry, const Cut::Closure& closure) {
+  Front& front = evaluation_.front(entry.object);
+  const Front::Index k = front.find(entry.split);
+  front.set(k, Front::weighed, true);
+  return front.forced_weight(k) = unseen_needs_.weight_of_closure(entry.object, closure);
+}
+
+bool SplitExchange::step_back(const Entry& entry) {
+  if (candidates_.would_be_next(entry)) return false;
+  candidates_.push(entry);
+  return true;
+}
+
+// Gives up the least important leaf, if that is worth it for what matters so much.
+bool SplitExchange::make_room(float /*turn_priority*/, float priority) {
+  const RefineOptions* const options = evaluation_.scene().options;
+  const float most = priority * (1.0F - static_cast<float>(options->update.hysteresis));
+  // What is not queued yet matters more than the queue's limit.
+  if (leaves_.empty() && (most <= leaves_below_ || !gather_more_leaves())) return false;
+  if (!(1.0F / leaves_.top().priority < most)) return false;
+  return take_back_least();
+}
+
+void SplitExchange::apply_closure(const Entry& entry, const Cut::Closure& closure) {
+  CutSet& cuts = *evaluation_.scene().cuts;
+  Front& front = evaluation_.front(entry.object);
+  sorted_.assign(closure.splits.begin(), closure.splits.end());
+  std::sort(sorted_.begin(), sorted_.end());  // what is needed comes first
+  cuts.apply_closure(entry.object);
+  for (const SplitId s : sorted_) {
+    meshes_[entry.object].apply(s);
+    const Front::Index k = front.obtain(s);
+    for (const Front::Flag flag : {Front::applied, Front::leaf, Front::is_new}) front.set(k, flag, true);
+    for (const SplitId needed : cuts.hierarchy(entry.object).star(s).dependencies())
+      front.set(front.find(needed), Front::leaf, false);
+  }
+  changes_ += sorted_.size();
+  note_forced(entry, closure);
+}
+
+void SplitExchange::note_forced(const Entry& entry, const Cut::Closure& closure) {
+  const bool by_star = evaluation_.scene().options->priority.culling == Culling::star;
+  Front& front = evaluation_.front(entry.object);
+  for (const SplitId s : closure.splits) {
+    const Front::Index k = front.find(s);
+    const bool forced = s != entry.split;
+    front.set(k, Front::forced, forced);
+    front.set(
+        k, Front::forced_unseen,
+        forced && by_star &&
+            (front.is(k, Front::hidden) || evaluation_.scene().importances[entry.object].visible_share(s) == 0.0F));
+  }
+}
+
+// Still what it was when it was queued.
+bool SplitExchange::is_old_leaf(const Entry& leaf) const {
+  if (!(*evaluation_.scene().cuts)[leaf.object].applied(leaf.split)) return false;
+  const Front& front = evaluation_.front(leaf.object);
+  const Front::Index k = front.find(leaf.split);
+  return front.is(k, Front::leaf) && !front.is(k, Front::is_new);
+}
+
+// False when there is none left.
+bool SplitExchange::take_back_least() {
+  while (!leaves_.empty() || gather_more_leaves()) {
+    const Entry leaf = leaves_.pop();
+    if (!is_old_leaf(leaf)) continue;
+    take_back(leaf.object, leaf.split);
+    return true;
+  }
+  return false;
+}
+
+void SplitExchange::take_back_needless() {
+  const RefineOptions* const options = evaluation_.scene().options;
+  if (stats_->pending) return;
+  if (!(options->tolerance_px > 0.0)) {
+    if (level_ > 0.0F) return;
+    leaves_.clear();
+    leaves_below_ = infinity;
+    gather_leaves(0.0F, std::numeric_limits<float>::min());
+  }
+  while (!limit_reached() && !leaves_.empty() && std::isinf(leaves_.top().priority)) {
+    const Entry leaf = leaves_.pop();
+    if (is_old_leaf(leaf)) take_back(leaf.object, leaf.split);
+  }
+}
+
+void SplitExchange::take_back(std::uint32_t object, SplitId s) {
+  Front& front = evaluation_.front(object);
+  const Front::Index k = front.find(s);
+  ++changes_;
+  ++stats_->taken_back;
+  for (const Front::Flag flag : {Front::applied, Front::leaf, Front::is_new}) front.set(k, flag, false);
+  const auto note_leaves = [&](SplitId needed) { enqueue_new_leaf(object, needed); };
+  meshes_[object].take_back(s);
+  evaluation_.scene().cuts->take_back(object, s, note_leaves);
+  if (front.is(k, Front::reached))
+    enqueue_split(object, k);  // it may be wanted again once better leaves have come up
+  else
+    front.remove(k);
+}
+
+void SplitExchange::enqueue_new_leaf(std::uint32_t object, SplitId s) {
+  Front& front = evaluation_.front(object);
+  const Front::Index k = front.find(s);
+  front.set(k, Front::leaf, true);
+  if (front.is(k, Front::is_new)) return;
+  // It may well be hidden too, and then its room is wanted now.
+  queries_.ask_about_new_leaf(object, k);
+  if (evaluation_.scene().options->priority.culling == Culling::star) weigh_leaf(object, k);
+  const float priority = leaf_priority(object, k);
+  if (priority < leaves_below_) enqueue_leaf(object, s, priority);
+}
+
+void SplitExchange::enqueue_leaf(std::uint32_t object, SplitId s, float priority) {
+  leaves_.push({1.0F / priority, {}, s, object});  // infinite for what is worth nothing
+}
+
+// 0 for what a tolerance makes needless; finite, also with the eye inside the bounds, so that everything can be given
+// up.
+float SplitExchange::leaf_priority(std::uint32_t object, Front::Index k) {
+  const SplitWorth worth = evaluation_.worth(object, k);
+  const RefineOptions* const options = evaluation_.scene().options;
+  const double needless = options->tolerance_px * (1.0 - options->update.hysteresis);
+  if (static_cast<double>(worth.error.guaranteed_px) <= needless) return 0.0F;
+  return std::min(worth.priority, std::numeric_limits<float>::max());
+}
+
 namespace {
 
 // More than this part of the applied splits matters much less than what the budget goes to.

@@ -3,11 +3,216 @@
 #include <algorithm>
 
 #include "base/platform.h"
-#include "splits/parallel.h"
-#include "refine/weigh_splits.h"
-#include "refine/forest.h"
+#include "base/threads.h"
+#include "base/timing.h"
+#include "refine/refined_scene.h"
+#include "refine/weigh.h"
 
 namespace occlod {
+namespace {
+
+// For a heap with the least important on top; ties by object and split, fine ones first.
+bool less_urgent(const Victims::Victim& a, const Victims::Victim& b) {
+  if (a.priority != b.priority) return a.priority > b.priority;
+  if (a.object != b.object) return a.object > b.object;
+  return a.split < b.split;
+}
+
+}  // namespace
+
+void Victims::clear() noexcept {
+  heap_.clear();
+  gathered_ = false;
+}
+
+void Victims::gather(const CutSet& cuts, std::span<Importance> importances) {
+  clear();
+  for (std::uint32_t i = 0; i < cuts.size(); ++i) {
+    leaves_.clear();
+    for (const SplitId s : cuts[i].applied_splits())
+      if (cuts[i].applied(s) && cuts[i].is_leaf(s)) leaves_.push_back(s);
+    values_.resize(leaves_.size());
+    importances[i].find(leaves_, values_);
+    for (std::size_t k = 0; k < leaves_.size(); ++k)
+      heap_.push_back({i, leaves_[k], values_[k].priority, values_[k].error});
+  }
+  std::make_heap(heap_.begin(), heap_.end(), less_urgent);
+  gathered_ = true;
+}
+
+std::optional<Victims::Victim> Victims::take_back_below(float priority, CutSet& cuts,
+                                                        std::span<Importance> importances) {
+  while (!heap_.empty() && heap_.front().priority < priority) {
+    std::pop_heap(heap_.begin(), heap_.end(), less_urgent);
+    const Victim victim = heap_.back();
+    heap_.pop_back();
+    const Cut& cut = cuts[victim.object];
+    if (!cut.applied(victim.split) || !cut.is_leaf(victim.split)) continue;  // since it was put here
+    cuts.take_back(victim.object, victim.split,
+                   [&](SplitId needed) { push(victim.object, needed, importances[victim.object]); });
+    return victim;
+  }
+  return std::nullopt;
+}
+
+void Victims::push(std::uint32_t object, SplitId s, Importance& importance) {
+  const Importance::Value value = importance.of(s);
+  heap_.push_back({object, s, value.priority, value.error});
+  std::push_heap(heap_.begin(), heap_.end(), less_urgent);
+}
+
+void EntryQueries::begin(const RefinedScene& scene) {
+  scene_ = scene;
+  queries_ = scene.queries;
+  steps_.begin(*scene.options);
+  occluder_ = 0;
+  hidden_.clear();
+}
+
+void EntryQueries::hide(const Entry& entry) {
+  hidden_.push_back(entry);
+  if (entry.kind == Entry::Kind::apply) scene_.importances[entry.object].set_hidden(entry.split, true);
+}
+
+// An older occluder hid it: that is no longer held to be true.
+void EntryQueries::forget_verdict(const Entry& entry) const {
+  if (entry.kind == Entry::Kind::apply) scene_.importances[entry.object].set_hidden(entry.split, false);
+}
+
+void EntryQueries::take_out_hidden(std::vector<Entry>& entries, Questions& questions) const {
+  auto& [asked, places, verdicts, scratch, milliseconds] = questions;
+  const Clock::time_point start = Clock::now();
+  asked.clear();
+  places.clear();
+  milliseconds = 0.0;
+  if (occluder_ == 0) return;
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    if (!must_ask(entries[i])) continue;
+    asked.push_back(entries[i]);
+    places.push_back(i);
+  }
+  if (asked.empty()) return;
+  verdicts.resize(asked.size());
+  queries_->find(asked, verdicts, scratch);
+  std::size_t next = 0, kept = places.front();
+  for (std::size_t i = kept; i < entries.size(); ++i) {
+    Entry entry = entries[i];
+    if (next < places.size() && places[next] == i) {
+      const OcclusionQueries::Verdict& verdict = verdicts[next++];
+      if (!verdict.visible) continue;
+      entry.asked_occluder = occluder_;
+      entry.star_shows = verdict.vertex_shows;
+    }
+    entries[kept++] = entry;
+  }
+  entries.resize(kept);
+  milliseconds = milliseconds_since(start);
+}
+
+void EntryQueries::note_answers(const Questions& questions, bool own_time) {
+  queries_->count(questions.asked, questions.verdicts, own_time ? questions.milliseconds : 0.0);
+  for (std::size_t i = 0; i < questions.asked.size(); ++i)
+    if (!questions.verdicts[i].visible) hide(questions.asked[i]);
+}
+
+void EntryQueries::draw_occluder(EntryQueues& queues, const Growth& now) {
+  const RefineOptions* const options = scene_.options;
+  queries_->draw_occluder(*scene_.cuts);
+  steps_.drawn(now);
+  ++occluder_;
+  if (!options->occluder.retest_hidden) return;
+  for (const Entry& entry : hidden_) {  // (Birkholz & Rahn, sec. 3.2)
+    forget_verdict(entry);
+    queues.push(entry);
+  }
+  hidden_.clear();
+}
+
+std::size_t EntryQueries::ask_again_about_hidden(EntryQueues& queues, const Growth& now) {
+  doubtful_.clear();
+  doubtful_.swap(hidden_);
+  draw_occluder(queues, now);
+  for (const Entry& entry : doubtful_) forget_verdict(entry);
+  take_out_hidden(doubtful_, about_doubtful_);
+  note_answers(about_doubtful_);
+  for (const Entry& entry : doubtful_) queues.push(entry);
+  return doubtful_.size();
+}
+
+void NodeVisits::begin(const RefinedScene& scene, const EntryQueries& entries, std::span<const Entry> visits) {
+  constexpr std::size_t piece_size = 64;
+  scene_ = scene;
+  entries_ = &entries;
+  piece_count_ = (visits.size() + piece_size - 1) / piece_size;
+  if (pieces_.size() < piece_count_) pieces_.resize(piece_count_);
+  for (std::size_t i = 0; i < piece_count_; ++i) {
+    const std::span<const Entry> part =
+        visits.subspan(i * piece_size, std::min(piece_size, visits.size() - i * piece_size));
+    pieces_[i].visits.assign(part.begin(), part.end());
+  }
+  next_ = 0;
+}
+
+void NodeVisits::work(std::size_t thread) {
+  for (std::size_t i = next_.fetch_add(1); i < piece_count_; i = next_.fetch_add(1)) {
+    Piece& piece = pieces_[i];
+    piece.by_caller = thread == 0;
+    entries_->take_out_hidden(piece.visits, piece.questions);
+    evaluate(piece, scratch_[thread]);
+  }
+}
+
+void NodeVisits::evaluate(Piece& piece, Scratch& scratch) const {
+  const std::span<const Entry> visits = piece.visits;
+  piece.found.resize(visits.size());
+  for (std::size_t first = 0, end = 0; first < visits.size(); first = end) {
+    while (end < visits.size() && visits[end].object == visits[first].object) ++end;
+    evaluate_object(visits.subspan(first, end - first), std::span(piece.found).subspan(first, end - first), scratch);
+  }
+}
+
+// In steps, so that what one of them wants from memory is on its way while others are at work.
+void NodeVisits::evaluate_object(std::span<const Entry> visits, std::span<Found> found, Scratch& scratch) const {
+  auto& [star_visibility, splits, children, stars, scales_px] = scratch;
+  const std::uint32_t object = visits.front().object;
+  const Hierarchy& hierarchy = scene_.hierarchy(object);
+  const ObjectView& view = scene_.views[object];
+  const RefineOptions* const options = scene_.options;
+  const bool wants_stars = options->priority.culling == Culling::star;
+  const bool attributes = scene_.objects[object].attributes;
+  splits.clear();
+  children.clear();
+  for (const Entry& visit : visits) prefetch(&hierarchy.node(visit.split));
+  for (const Entry& visit : visits) {
+    const SplitNode& node = hierarchy.node(visit.split);
+    if (wants_stars) prefetch(hierarchy.data().stars.data() + node.star);
+    splits.push_back(visit.split);
+    for (const SplitId child : {node.child_u, node.child_v}) {
+      children.push_back(child);
+      if (child != no_id) prefetch(&hierarchy.node(child));
+    }
+  }
+  if (wants_stars) {
+    for (const SplitId s : splits)
+      if (const SplitStar star = hierarchy.star(s); star.is_fan())
+        for (const VertexId v : star.ring()) prefetch(&hierarchy.positions()[v]);
+    stars.resize(splits.size());
+    star_visibility.evaluate(hierarchy, splits, view, scene_.objects[object].two_sided, stars);
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      found[i].value = scene_.importances[object].of(stars[i], errors_of(hierarchy, splits[i], attributes));
+    }
+  }
+  scales_px.resize(children.size());
+  weigh_splits(hierarchy, children, view, scene_.gate->tests_cone(object), scales_px);
+  for (std::size_t i = 0; i < children.size(); ++i) {
+    Child& child = found[i / 2].children[i % 2];
+    child = {children[i], scales_px[i], {}};
+    if (child.split == no_id) continue;
+    require_parent(hierarchy, child.split, splits[i / 2]);
+    child.error = ScreenError(errors_of(hierarchy, child.split, attributes), child.scale_px);
+  }
+}
+
 namespace {
 
 // When so many visible splits in a row need more triangles than are left, or in the final check than less important

@@ -1,6 +1,9 @@
-// Refinement from the base meshes.
+// Applied splits that could be given up for something better.
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -8,15 +11,168 @@
 #include <unordered_map>
 #include <vector>
 
-#include "base/companion_thread.h"
-#include "refine/apply_split.h"
-#include "refine/entry_queries.h"
-#include "refine/entry_queues.h"
-#include "refine/node_visits.h"
+#include "base/threads.h"
+#include "refine/cut.h"
+#include "refine/importance.h"
+#include "refine/occluder.h"
+#include "refine/queue.h"
 #include "refine/refined_scene.h"
-#include "refine/victims.h"
+#include "refine/star_visibility.h"
 
 namespace occlod {
+
+// Leaves of the cuts of all objects, the least important on top.
+class Victims {
+ public:
+  void clear() noexcept;
+  [[nodiscard]] bool gathered() const noexcept { return gathered_; }
+
+  // Looks at every applied split. O(n).
+  void gather(const CutSet& cuts, std::span<Importance> importances);
+
+  struct Victim {
+    std::uint32_t object = 0;
+    SplitId split = no_id;
+    float priority = 0.0F;  // as in Importance::Value; of splits that change nothing that is seen 0
+    ScreenError error;
+  };
+  // Takes back the least important leaf, if that is worth less than `priority`.
+  std::optional<Victim> take_back_below(float priority, CutSet& cuts, std::span<Importance> importances);
+
+ private:
+  void push(std::uint32_t object, SplitId s, Importance& importance);
+
+  bool gathered_ = false;
+  std::vector<Victim> heap_;
+  std::vector<SplitId> leaves_;  // scratch, both of one object
+  std::vector<Importance::Value> values_;
+};
+
+// What refinement from scratch may do next: nodes to look at, and splits to apply.
+
+struct EntryQueues {
+  Queue visits, applies;
+
+  [[nodiscard]] bool empty() const noexcept { return visits.empty() && applies.empty(); }
+  // Of what is most important, 0 where there is nothing.
+  [[nodiscard]] float top_priority() const noexcept {
+    return std::max(visits.empty() ? 0.0F : visits.top().priority, applies.empty() ? 0.0F : applies.top().priority);
+  }
+  void clear() noexcept {
+    visits.clear();
+    applies.clear();
+  }
+  void push(const Entry& entry) { (entry.kind == Entry::Kind::visit ? visits : applies).push(entry); }
+  // Calls visit(const Entry&) for each.
+  template <typename Visit>
+  void for_each(const Visit& visit) const {
+    visits.for_each(visit);
+    applies.for_each(visit);
+  }
+};
+
+// Which entries of the queues of refinement from scratch are asked about, when, and which are hidden.
+
+// An entry is asked about once for each occluder at most, when its turn comes. Reuses its memory.
+class EntryQueries {
+ public:
+  void begin(const RefinedScene& scene);
+
+  // How many occluders have been drawn.
+  [[nodiscard]] std::uint32_t occluder() const noexcept { return occluder_; }
+  // Entries that the occluder of their time hid.
+  [[nodiscard]] std::span<const Entry> hidden() const noexcept { return hidden_; }
+  // Some entries, and what is asked about them. Reuses its memory.
+  struct Questions {
+    std::vector<Entry> asked;
+    std::vector<std::size_t> places;  // of these among all
+    std::vector<OcclusionQueries::Verdict> verdicts;
+    OcclusionQueries::Scratch scratch;
+    double milliseconds = 0.0;  // that it took
+  };
+  // Asks about those that must be asked about. What is hidden is taken out; the others stay in their order. Then
+  // note_answers() is to be called. On any thread, where many may ask; only the time of the caller's own counts.
+  void take_out_hidden(std::vector<Entry>& entries, Questions& questions) const;
+  void note_answers(const Questions& questions, bool own_time = true);
+
+  // When it is time for an occluder.
+  [[nodiscard]] OccluderSteps& steps() noexcept { return steps_; }
+  // The cuts as they are. Where options say so, what older ones hid is put back into the queues.
+  void draw_occluder(EntryQueues& queues, const Growth& now);
+  // Asks about all that is hidden before an occluder drawn now; what it shows is put into the queues. Returns how many.
+  std::size_t ask_again_about_hidden(EntryQueues& queues, const Growth& now);
+
+ private:
+  [[nodiscard]] bool must_ask(const Entry& entry) const {
+    return entry.asked_occluder != occluder_ && queries_->asks(entry);
+  }
+  void hide(const Entry& entry);
+  void forget_verdict(const Entry& entry) const;
+
+  RefinedScene scene_;
+  OcclusionQueries* queries_ = nullptr;
+  OccluderSteps steps_;
+  std::uint32_t occluder_ = 0;
+  std::vector<Entry> hidden_;
+  std::vector<Entry> doubtful_;  // scratch: what earlier occluders hid
+  Questions about_doubtful_;
+};
+
+// What nodes of the forest have to offer when refinement comes to them: their own splits, and their children.
+
+// Many nodes at once, in pieces that one or two threads work on. Whether nodes are seen and what they have to offer
+// depends on hierarchies, views and the occluder alone, on nothing that refinement does meanwhile. Reuses its memory.
+class NodeVisits {
+ public:
+  struct Child {
+    SplitId split = no_id;  // no_id: there is none
+    float scale_px = 0.0F;  // what weigh_splits() tells
+    ScreenError error;
+  };
+  struct Found {
+    Importance::Value value;  // of the split itself, with Culling::star
+    std::array<Child, 2> children;
+  };
+  struct Piece {
+    std::vector<Entry> visits;  // that are not hidden
+    std::vector<Found> found;   // of each of them
+    EntryQueries::Questions questions;
+    bool by_caller = false;  // and not by the other thread
+  };
+
+  // All of them outlive the work. `visits`: those of one object should be side by side.
+  void begin(const RefinedScene& scene, const EntryQueries& entries, std::span<const Entry> visits);
+  [[nodiscard]] std::size_t piece_count() const noexcept { return piece_count_; }
+  // Works on pieces until all are done or under way. Throws Error when a node is damaged or is not where its parent
+  // says.
+  void work_as_caller() { work(0); }
+  void work_beside() { work(1); }
+  // No other piece is begun.
+  void end() noexcept { next_ = piece_count_; }
+  // When all are done.
+  [[nodiscard]] std::span<const Piece> pieces() const noexcept { return std::span(pieces_).first(piece_count_); }
+
+ private:
+  // Of a thread.
+  struct Scratch {
+    StarVisibility star_visibility;
+    std::vector<SplitId> splits, children;  // of one object; children of an entry at twice its place
+    std::vector<StarView> stars;
+    std::vector<float> scales_px;
+  };
+  void work(std::size_t thread);
+  void evaluate(Piece& piece, Scratch& scratch) const;
+  void evaluate_object(std::span<const Entry> visits, std::span<Found> found, Scratch& scratch) const;
+
+  RefinedScene scene_;
+  const EntryQueries* entries_ = nullptr;
+  std::vector<Piece> pieces_;
+  std::size_t piece_count_ = 0;
+  std::atomic<std::size_t> next_ = 0;
+  std::array<Scratch, 2> scratch_;
+};
+
+// Refinement from the base meshes.
 
 // One refinement, from the base meshes to the end of the budget:
 //   while there is something that may matter: take the worst; ask whether it is seen; descend below it, or apply it.

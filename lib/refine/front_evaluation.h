@@ -1,4 +1,4 @@
-// What the nodes on the fronts of all objects are worth in the view of this frame.
+// What the split of a node is worth by how its own faces are seen, and for how long.
 #pragma once
 
 #include <cstddef>
@@ -7,11 +7,32 @@
 #include <span>
 #include <vector>
 
+#include "occlod/refiner.h"
 #include "refine/front.h"
-#include "refine/view_motion.h"
+#include "refine/importance.h"
 #include "refine/refined_scene.h"
 
 namespace occlod {
+
+struct FrontPriority {
+  Importance::Value value;
+  ErrorGrowth growth;
+};
+
+struct FrontView {
+  const ObjectView& view;
+  const Importance& importance;
+  bool two_sided = false;
+  float grazing_exponent = 0.0F;
+  float steepness = 0.0F;  // twice the tangent of the angle of the image's corners
+  glm::vec3 center{0.0F};  // that motion is counted from
+};
+
+// Of a star with no more than FrontStar::most_faces that is wholly inside the frustum, of a split with these errors.
+[[nodiscard]] FrontPriority front_priority(const FrontStar& star, const SplitErrors& errors,
+                                           const FrontView& front_view);
+
+// What the nodes on the fronts of all objects are worth in the view of this frame.
 
 // What matters within this factor of the level, the priority where the budget ended, is looked at first.
 inline constexpr float level_band = 1.06F;

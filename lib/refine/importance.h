@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "base/zeroed_array.h"
-#include "occlod/refine/refiner.h"
+#include "base/memory.h"
+#include "occlod/refiner.h"
 #include "refine/screen_error.h"
 #include "refine/star_visibility.h"
 

@@ -1,9 +1,325 @@
 #include "refine/occluder.h"
 
 #include <algorithm>
+#include <cmath>
 #include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+#include <limits>
+#include <numeric>
+#include <tuple>
 
 namespace occlod {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+// Faces that may be elsewhere by more pixels hide too little for what they cost.
+constexpr double largest_radius_px = 48.0;
+// What rasterisers and single precision may move: pixels, and shares of depths.
+constexpr double slack_px = 0.02;
+constexpr double slack_depth = 2e-5;
+
+double cross2(const glm::dvec2& a, const glm::dvec2& b) { return a.x * b.y - a.y * b.x; }
+
+// Inverse: infinite where it is not a number.
+double safe_ratio(double a, double b) {
+  const double ratio = a / b;
+  return std::isfinite(ratio) ? ratio : infinity;
+}
+
+}  // namespace
+
+void TileOccluder::begin(const View& view, const Without& without) {
+  without_ = without;
+  glm::dmat4 from_eye(1.0);
+  from_eye[3] = glm::dvec4(view.camera().eye, 1.0);
+  eye_to_clip_ = view.world_to_clip() * from_eye;
+  clip_to_eye_ = glm::inverse(eye_to_clip_);
+  direction_ = view.direction();
+  near_ = view.camera().near;
+  focal_length_px_ = view.focal_length_px();
+  stretch_ = view.is_orthographic() ? 1.0 : 1.0 / view.cos_corner_angle();
+  is_orthographic_ = view.is_orthographic();
+  width_ = view.width();
+  height_ = view.height();
+  columns_ = (width_ + tile_size - 1) / tile_size;
+  rows_ = (height_ + tile_size - 1) / tile_size;
+  tiles_.assign(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_), {infinity, 0});
+}
+
+void TileOccluder::add(std::uint32_t object, std::span<const MovedFace> faces, std::span<const glm::vec3> positions,
+                       const ObjectView& view, bool two_sided) {
+  faces_.clear();
+  Face made;
+  for (const MovedFace& face : faces)
+    if (make_face(face, positions, view, two_sided, made)) faces_.push_back(made);
+  join_faces();
+  unsorted_intervals_.clear();
+  unsorted_borders_.clear();
+  for (std::uint32_t f = 0; f < faces_.size(); ++f) {
+    add_intervals(f);
+    add_borders(f);
+  }
+  sort_by_tile();
+  find_depths(object);
+}
+
+// False for what is no use: backs, edge-on faces, what reaches the near plane, what may be far from where it is.
+bool TileOccluder::make_face(const MovedFace& face, std::span<const glm::vec3> positions, const ObjectView& view,
+                             bool two_sided, Face& result) const {
+  for (int k = 0; k < 3; ++k) {
+    result.vertices[static_cast<std::size_t>(k)] = face.corners[k];
+    result.corners[static_cast<std::size_t>(k)] = project(positions[face.corners[k]], view);
+  }
+  result.marked = face.marked;
+  result.moved = static_cast<double>(face.moved) * view.largest_stretch();
+  const auto& c = result.corners;
+  const double least_depth = std::min({c[0].depth, c[1].depth, c[2].depth});
+  if (!(least_depth - result.moved > near_)) return false;
+  result.radius = radius_of(result.moved, least_depth);
+  result.reach = result.radius;
+  if (!(result.radius <= largest_radius_px)) return false;
+  // Pixels run downwards: what is counter-clockwise has a negative area there.
+  const double area = cross2(c[1].pixel - c[0].pixel, c[2].pixel - c[0].pixel);
+  const bool is_front = view.mirrored() ? area > 0.0 : area < 0.0;
+  if (!std::isfinite(area) || area == 0.0 || !(is_front || two_sided)) return false;
+  if (area < 0.0) return true;
+  std::swap(result.corners[1], result.corners[2]);
+  std::swap(result.vertices[1], result.vertices[2]);
+  result.marked =
+      static_cast<std::uint8_t>((face.marked & 1U) | ((face.marked & 2U) << 1U) | ((face.marked & 4U) >> 1U));
+  return true;
+}
+
+TileOccluder::Corner TileOccluder::project(const glm::vec3& position, const ObjectView& view) const {
+  const glm::dvec3 from_eye = view.object_to_eye() * glm::dvec4(position, 1.0);
+  const glm::dvec4 clip = eye_to_clip_ * glm::dvec4(from_eye, 1.0);
+  const double depth = glm::dot(from_eye, direction_);
+  return {{(0.5 + 0.5 * clip.x / clip.w) * width_, (0.5 - 0.5 * clip.y / clip.w) * height_},
+          is_orthographic_ ? -depth : 1.0 / depth,
+          depth};
+}
+
+// A point that moves by `moved` and is then in the image, has moved by no more pixels than this.
+double TileOccluder::radius_of(double moved, double least_depth) const {
+  if (without_.erosion) return 0.0;
+  return slack_px + focal_length_px_ * moved * stretch_ / (is_orthographic_ ? 1.0 : least_depth);
+}
+
+// Edges that have one face on either side as seen from the eye are no border.
+void TileOccluder::join_faces() {
+  edges_.clear();
+  for (std::uint32_t f = 0; f < faces_.size(); ++f)
+    for (std::uint8_t k = 0; k < 3; ++k) {
+      const std::uint64_t a = faces_[f].vertices[k], b = faces_[f].vertices[(k + 1U) % 3U];
+      edges_.push_back({std::min(a, b) << 32U | std::max(a, b), f, k, a < b});
+      faces_[f].beyond[k] = no_face;
+    }
+  std::sort(edges_.begin(), edges_.end(),
+            [](const Edge& x, const Edge& y) { return std::tie(x.ends, x.face) < std::tie(y.ends, y.face); });
+  for (std::size_t i = 0; i < edges_.size();) {
+    std::size_t end = i + 1;
+    while (end < edges_.size() && edges_[end].ends == edges_[i].ends) ++end;
+    if (end == i + 2 && edges_[i].is_forward != edges_[i + 1].is_forward) {
+      const Edge &a = edges_[i], &b = edges_[i + 1];
+      const unsigned both = (1U << a.corner) | (1U << ((a.corner + 1U) % 3U));
+      if (without_.marks || (faces_[a.face].marked & both) != both) {
+        faces_[a.face].beyond[a.corner] = b.face;
+        faces_[b.face].beyond[b.corner] = a.face;
+        // So that what the edge is near both its faces are near.
+        const double reach = std::max(faces_[a.face].radius, faces_[b.face].radius);
+        for (const std::uint32_t f : {a.face, b.face}) faces_[f].reach = std::max(faces_[f].reach, reach);
+      }
+    }
+    i = end;
+  }
+}
+
+TileOccluder::Rect TileOccluder::tiles_near(const glm::dvec2& low, const glm::dvec2& high, double radius) const {
+  const auto tile = [](double pixel, int count) {
+    return static_cast<int>(std::clamp(std::floor(pixel / tile_size), -1.0, static_cast<double>(count)));
+  };
+  return {std::max(0, tile(low.x - radius, columns_)), std::max(0, tile(low.y - radius, rows_)),
+          std::min(columns_, tile(high.x + radius, columns_) + 1), std::min(rows_, tile(high.y + radius, rows_) + 1)};
+}
+
+void TileOccluder::add_intervals(std::uint32_t f) {
+  const Face& face = faces_[f];
+  const auto& [a, b, c] = face.corners;
+  const Rect rect = tiles_near(glm::min(glm::min(a.pixel, b.pixel), c.pixel),
+                               glm::max(glm::max(a.pixel, b.pixel), c.pixel), face.reach);
+  // Outward normals, unit length, and the nearness as a function of the pixel.
+  std::array<glm::dvec2, 3> normals;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const glm::dvec2 edge = face.corners[(k + 1) % 3].pixel - face.corners[k].pixel;
+    const double length = glm::length(edge);
+    normals[k] = length > 0.0 ? glm::dvec2(-edge.y, edge.x) / length : glm::dvec2(0.0);
+  }
+  const glm::dvec2 ab = b.pixel - a.pixel, ac = c.pixel - a.pixel;
+  const double area = cross2(ab, ac), to_b = b.nearness - a.nearness, to_c = c.nearness - a.nearness;
+  const glm::dvec2 slope((to_b * ac.y - to_c * ab.y) / area, (to_c * ab.x - to_b * ac.x) / area);
+  const double nearest = std::max({a.nearness, b.nearness, c.nearness});
+  const double farthest = std::min({a.nearness, b.nearness, c.nearness});
+  constexpr double half = 0.5 * tile_size;
+  const double change = (std::abs(slope.x) + std::abs(slope.y)) * (half + face.radius);
+  for (int y = rect.top; y < rect.bottom; ++y)
+    for (int x = rect.left; x < rect.right; ++x) {
+      const glm::dvec2 middle((x + 0.5) * tile_size, (y + 0.5) * tile_size);
+      bool touches = true, holds_middle = true;
+      for (std::size_t k = 0; touches && k < 3; ++k) {
+        const double outside = glm::dot(normals[k], middle - face.corners[k].pixel);
+        touches = outside - half * (std::abs(normals[k].x) + std::abs(normals[k].y)) <= face.reach;
+        holds_middle = holds_middle && outside <= 0.0;
+      }
+      if (!touches) continue;
+      const double at = a.nearness + glm::dot(slope, middle - a.pixel);
+      double high = at + change, low = at - change;
+      high = high < nearest ? std::max(high, farthest) : nearest;
+      low = low > farthest ? std::min(low, nearest) : farthest;
+      unsorted_intervals_.push_back({static_cast<std::uint32_t>(y * columns_ + x), f,
+                                     static_cast<float>((depth_at(high) - face.moved) * (1.0 - slack_depth)),
+                                     static_cast<float>((depth_at(low) + face.moved) * (1.0 + slack_depth)),
+                                     holds_middle});
+    }
+}
+
+void TileOccluder::add_borders(std::uint32_t f) {
+  const Face& face = faces_[f];
+  unsigned ends = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (face.beyond[k] != no_face) continue;
+    add_border(f, face.corners[k], face.corners[(k + 1) % 3]);
+    ends |= (1U << k) | (1U << ((k + 1U) % 3U));
+  }
+  if (without_.marks) return;
+  for (std::size_t k = 0; k < 3; ++k)
+    if (((face.marked & ~ends) >> k & 1U) != 0) add_border(f, face.corners[k], face.corners[k]);
+}
+
+void TileOccluder::add_border(std::uint32_t f, const Corner& a, const Corner& b) {
+  if (without_.erosion) return;
+  const Face& face = faces_[f];
+  constexpr double half_diagonal = 0.7072 * tile_size;
+  const Rect rect = tiles_near(glm::min(a.pixel, b.pixel), glm::max(a.pixel, b.pixel), face.radius);
+  const glm::dvec2 along = b.pixel - a.pixel;
+  const double length2 = glm::dot(along, along);
+  const double reach = half_diagonal + face.radius;
+  const double change = length2 > 0.0 ? reach / std::sqrt(length2) : 1.0;  // of the place on the edge, in [0, 1]
+  for (int y = rect.top; y < rect.bottom; ++y)
+    for (int x = rect.left; x < rect.right; ++x) {
+      const glm::dvec2 middle((x + 0.5) * tile_size, (y + 0.5) * tile_size);
+      const double place = length2 > 0.0 ? glm::dot(middle - a.pixel, along) / length2 : 0.0;
+      const glm::dvec2 nearest = a.pixel + std::clamp(place, 0.0, 1.0) * along;
+      if (!(glm::distance(nearest, middle) <= reach)) continue;
+      const double first = std::clamp(place - change, 0.0, 1.0), last = std::clamp(place + change, 0.0, 1.0);
+      const double rise = b.nearness - a.nearness;
+      const double nearness = std::max(a.nearness + first * rise, a.nearness + last * rise);
+      unsorted_borders_.push_back({static_cast<std::uint32_t>(y * columns_ + x), f,
+                                   static_cast<float>((depth_at(nearness) - face.moved) * (1.0 - slack_depth))});
+    }
+}
+
+void TileOccluder::sort_by_tile() {
+  const auto sort = [&](const auto& unsorted, auto& sorted, std::vector<std::uint32_t>& first) {
+    first.assign(tiles_.size() + 2, 0);
+    for (const auto& item : unsorted) ++first[item.tile + 2];
+    std::partial_sum(first.begin(), first.end(), first.begin());
+    sorted.resize(unsorted.size());
+    for (const auto& item : unsorted) sorted[first[item.tile + 1]++] = item;
+    first.pop_back();
+  };
+  sort(unsorted_intervals_, intervals_, first_interval_);
+  sort(unsorted_borders_, borders_, first_border_);
+}
+
+void TileOccluder::find_depths(std::uint32_t object) {
+  place_.assign(faces_.size(), no_face);
+  for (std::uint32_t tile = 0; tile < tiles_.size(); ++tile) {
+    const auto part = [&](const auto& all, const std::vector<std::uint32_t>& first) {
+      return std::span(all).subspan(first[tile], first[tile + 1] - first[tile]);
+    };
+    const auto near = part(intervals_, first_interval_);
+    if (std::none_of(near.begin(), near.end(), [](const Interval& i) { return i.holds_middle; })) continue;
+    find_depth(tile, object, near, part(borders_, first_border_));
+    for (const Interval& i : near) place_[i.face] = no_face;
+  }
+}
+
+std::uint32_t TileOccluder::root(std::uint32_t i) {
+  while (roots_[i] != i) i = roots_[i] = roots_[roots_[i]];
+  return i;
+}
+
+void TileOccluder::find_depth(std::uint32_t tile, std::uint32_t object, std::span<const Interval> near,
+                              std::span<const Border> borders) {
+  const auto count = static_cast<std::uint32_t>(near.size());
+  roots_.resize(count);
+  order_.resize(count);
+  std::iota(roots_.begin(), roots_.end(), 0U);
+  std::iota(order_.begin(), order_.end(), 0U);
+  for (std::uint32_t i = 0; i < count; ++i) place_[near[i].face] = i;
+  for (std::uint32_t i = 0; i < count; ++i)
+    for (const std::uint32_t other : faces_[near[i].face].beyond)
+      if (other != no_face && place_[other] != no_face) roots_[root(i)] = root(place_[other]);
+  least_border_.assign(count, infinity);
+  for (const Border& border : borders) {
+    if (place_[border.face] == no_face) continue;
+    double& least = least_border_[root(place_[border.face])];
+    least = std::min(least, static_cast<double>(border.first));
+  }
+  for (std::uint32_t i = 0; i < count; ++i) roots_[i] = root(i);
+  std::sort(order_.begin(), order_.end(), [&](std::uint32_t i, std::uint32_t j) {
+    return std::tie(roots_[i], near[i].first, i) < std::tie(roots_[j], near[j].first, j);
+  });
+  for (std::uint32_t k = 0; k < count;) {
+    const std::uint32_t set = roots_[order_[k]];
+    // Groups of intervals that overlap, from near to far, until one hides.
+    bool hides = false;
+    while (!hides && k < count && roots_[order_[k]] == set) {
+      double last = 0.0;
+      for (bool is_first = true; k < count && roots_[order_[k]] == set; ++k, is_first = false) {
+        const Interval& i = near[order_[k]];
+        if (!is_first && static_cast<double>(i.first) > last) break;
+        last = is_first ? static_cast<double>(i.last) : std::max(last, static_cast<double>(i.last));
+        hides = hides || i.holds_middle;
+      }
+      if (hides && last < least_border_[set] && last < tiles_[tile].depth) tiles_[tile] = {last, object};
+    }
+    while (k < count && roots_[order_[k]] == set) ++k;
+  }
+}
+
+void TileOccluder::write(std::uint32_t object, const ObjectView& view, std::vector<glm::vec3>& positions,
+                         std::vector<Triangle>& triangles) const {
+  const glm::dmat3 to_eye(view.object_to_eye());
+  const glm::dmat3 to_object = glm::inverse(to_eye);
+  const glm::dvec3 origin = view.object_to_eye()[3];
+  for (std::size_t t = 0; t < tiles_.size(); ++t) {
+    const Tile& tile = tiles_[t];
+    if (!(tile.depth < infinity) || tile.object != object) continue;
+    const int x = static_cast<int>(t) % columns_ * tile_size, y = static_cast<int>(t) / columns_ * tile_size;
+    const auto place = [&](int column, int row, double depth) {
+      const glm::dvec2 clip(2.0 * column / width_ - 1.0, 1.0 - 2.0 * row / height_);
+      const glm::dvec4 a = clip_to_eye_ * glm::dvec4(clip, -1.0, 1.0), b = clip_to_eye_ * glm::dvec4(clip, 1.0, 1.0);
+      const glm::dvec3 from = glm::dvec3(a) / a.w, to = glm::dvec3(b) / b.w;
+      const double share = safe_ratio(depth - glm::dot(from, direction_), glm::dot(to - from, direction_));
+      return to_object * (from + share * (to - from) - origin);
+    };
+    // Single precision may take away this much; far from its origin an object has no room for tiles.
+    const glm::dvec3 there = place(x + tile_size / 2, y + tile_size / 2, tile.depth);
+    const double largest = std::max({std::abs(there.x), std::abs(there.y), std::abs(there.z)});
+    const double rounding = 1e-6 * (largest * view.largest_stretch() + tile.depth);
+    if (!(focal_length_px_ * stretch_ * rounding <= 0.25 * (is_orthographic_ ? 1.0 : tile.depth))) continue;
+    const double depth = tile.depth + rounding;
+    const auto first = static_cast<VertexId>(positions.size());
+    for (const auto& [column, row] :
+         {std::pair(x, y), {x, y + tile_size}, {x + tile_size, y + tile_size}, {x + tile_size, y}})
+      positions.emplace_back(place(column, row, depth));
+    triangles.emplace_back(first, first + 1, first + 2);
+    triangles.emplace_back(first, first + 2, first + 3);
+  }
+}
+
 namespace {
 
 // What shows its back is not drawn, and so hides nothing; of a closed surface it lies behind what shows its front.

@@ -1,17 +1,142 @@
-// The mesh that hides: the current cuts of all objects.
+// What hides although the mesh is not exactly where it is said to be: for each tile of the image a depth behind which
+// nothing can be seen.
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <glm/mat4x4.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
 #include <memory>
 #include <span>
 #include <vector>
 
-#include "refine/cut_set.h"
+#include "occlod/mesh.h"
+#include "occlod/refiner.h"
+#include "occlod/view.h"
+#include "occlod/visibility.h"
+#include "refine/cut.h"
 #include "splits/surface_motion.h"
-#include "occlod/refine/refiner.h"
-#include "occlod/refine/visibility.h"
-#include "refine/tile_occluder.h"
 
 namespace occlod {
+
+// A face of a cut, and how far what it stands for may be from it.
+struct MovedFace {
+  Triangle corners;
+  float moved = 0.0F;       // object units; see SurfaceMotion
+  std::uint8_t marked = 0;  // bit k: corner k is a mark
+};
+
+// Orient the faces that are drawn towards the eye, and let S be a set of them. Where as many faces of S lie on the left
+// of an edge as on its right, seen from the eye, the edge is none of its border. What stands for S in the input is
+// carried to S, and its border to the border of S and to marks, by motions that are bounded. So take a ray from the
+// near plane to a point x that is farther from each face of S than what that stands for has moved, and likewise from
+// the border of S and from marks all along. It meets the input as often as S, counted with sign: as often as it meets
+// S, since all of S faces the eye. **If it meets S at all, the input hides x.**
+//
+// This is used for all rays of a tile at once. Everything is grown by how far it may have moved, on the screen by as
+// many pixels as that covers at most. Of the faces that touch the tile so, those that are joined over edges which are
+// no border are one S. A face is near the rays between two depths; x has to be in none of these intervals, behind the
+// first group of them in which a face holds the middle of the tile, and before the nearest border. Nothing depends on
+// where pixels have their centres.
+//
+// Reuses its memory.
+class TileOccluder {
+ public:
+  static constexpr int tile_size = 8;  // pixels
+
+  // What is left out, for tests: then the result is not what it promises.
+  struct Without {
+    bool marks = false;    // marks are no border
+    bool erosion = false;  // borders and faces are not grown on the screen
+  };
+
+  // Forgets what was added.
+  void begin(const View& view, const Without& without);
+  // `faces` index `positions` (object space). O(n log n + tiles touched).
+  void add(std::uint32_t object, std::span<const MovedFace> faces, std::span<const glm::vec3> positions,
+           const ObjectView& view, bool two_sided);
+  // Appends a square for each tile where this object hides most, object space.
+  void write(std::uint32_t object, const ObjectView& view, std::vector<glm::vec3>& positions,
+             std::vector<Triangle>& triangles) const;
+
+ private:
+  struct Corner {
+    glm::dvec2 pixel;
+    double nearness;  // linear over the image of a plane: 1 / depth, or -depth in orthographic views
+    double depth;     // from the eye plane, world units
+  };
+  // Of a set S: corners counter-clockwise as seen.
+  struct Face {
+    std::array<Corner, 3> corners;
+    std::array<VertexId, 3> vertices;
+    std::array<std::uint32_t, 3> beyond;  // the face over the edge that begins at corner k; no_face: a border
+    double moved;                         // world units
+    double radius;                        // pixels that this covers at most
+    double reach;                         // the largest radius of the face and of those beyond its edges
+    std::uint8_t marked;
+  };
+  struct Interval {
+    std::uint32_t tile, face;
+    float first, last;  // depths, world units
+    bool holds_middle;
+  };
+  struct Border {
+    std::uint32_t tile, face;
+    float first;
+  };
+  struct Tile {
+    double depth;  // nothing behind can be seen
+    std::uint32_t object;
+  };
+  struct Rect {
+    int left, top, right, bottom;  // tiles, exclusive
+  };
+  static constexpr std::uint32_t no_face = ~std::uint32_t{0};
+
+  [[nodiscard]] bool make_face(const MovedFace& face, std::span<const glm::vec3> positions, const ObjectView& view,
+                               bool two_sided, Face& result) const;
+  [[nodiscard]] Corner project(const glm::vec3& position, const ObjectView& view) const;
+  [[nodiscard]] double depth_at(double nearness) const { return is_orthographic_ ? -nearness : 1.0 / nearness; }
+  [[nodiscard]] double radius_of(double moved, double least_depth) const;
+  void join_faces();
+  void add_intervals(std::uint32_t f);
+  void add_borders(std::uint32_t f);
+  void add_border(std::uint32_t f, const Corner& a, const Corner& b);
+  [[nodiscard]] Rect tiles_near(const glm::dvec2& low, const glm::dvec2& high, double radius) const;
+  void sort_by_tile();
+  void find_depths(std::uint32_t object);
+  void find_depth(std::uint32_t tile, std::uint32_t object, std::span<const Interval> near,
+                  std::span<const Border> borders);
+  [[nodiscard]] std::uint32_t root(std::uint32_t i);
+
+  Without without_;
+  glm::dmat4 eye_to_clip_{1.0}, clip_to_eye_{1.0};  // from and to world space relative to the eye
+  glm::dvec3 direction_{0.0};
+  double near_ = 0.0, focal_length_px_ = 0.0, stretch_ = 1.0;
+  bool is_orthographic_ = false;
+  int width_ = 0, height_ = 0, columns_ = 0, rows_ = 0;  // pixels; tiles
+  std::vector<Tile> tiles_;
+
+  std::vector<Face> faces_;
+  struct Edge {
+    std::uint64_t ends;
+    std::uint32_t face;
+    std::uint8_t corner;
+    bool is_forward;
+  };
+  std::vector<Edge> edges_;
+  std::vector<Interval> intervals_, unsorted_intervals_;
+  std::vector<Border> borders_, unsorted_borders_;
+  std::vector<std::uint32_t> first_interval_, first_border_;  // of tiles
+  std::vector<std::uint32_t> place_;                          // of faces in the tile that is looked at
+  std::vector<std::uint32_t> roots_, order_;
+  std::vector<double> least_border_;
+};
+
+// The mesh that hides: the current cuts of all objects.
 
 // Reuses its memory. In mode paper, the parts are triangles of the hierarchy's own vertices, in no order; without those
 // that show their backs, except of two-sided objects. In mode conservative, they are squares on tiles of the image.
@@ -59,6 +184,69 @@ class Occluder {
   std::vector<SplitId> base_roots_;
   std::vector<MovedFace> faces_;  // of one cut
   TileOccluder tiles_;
+};
+
+// When the occluder is drawn anew.
+
+// How far refinement has come.
+struct Growth {
+  std::size_t splits = 0;     // applied
+  std::size_t triangles = 0;  // more than the base meshes have
+};
+
+// Either at given numbers of applied splits or, where none are given, when the mesh has grown to a third of the budget,
+// or to that divided by powers of some factor, and some split has moved its surface far enough to be worth it. So the
+// work of drawing is a geometric series, and the last one but that of the final check still decides about most of the
+// budget.
+class OccluderSteps {
+ public:
+  // Where no numbers are given: of how many triangles the first is, and the next ones times how many.
+  static constexpr double factor = 6.0;
+  [[nodiscard]] static double first(double budget) {
+    const double last = budget / last_part;
+    const double least = std::clamp(last / factor, least_triangles, enough_triangles);
+    double triangles = std::max(last, least);
+    while (triangles >= factor * least) triangles /= factor;
+    return triangles;
+  }
+
+  void begin(const RefineOptions& options) {
+    options_ = &options;
+    next_ = 0;
+    next_triangles_ = first(static_cast<double>(options.budget));
+    last_ = {};
+    moved_px_ = 0.0F;
+  }
+
+  void split_applied(float quadric_error_px) { moved_px_ = std::max(moved_px_, quadric_error_px); }
+
+  [[nodiscard]] bool due(const Growth& now) const {
+    const std::vector<std::uint32_t>& given = options_->occluder.splits;
+    if (!given.empty()) return next_ < given.size() && now.splits >= given[next_];
+    return static_cast<double>(now.triangles) >= next_triangles_ && moved_px_ >= least_move_px;
+  }
+
+  void drawn(const Growth& now) {
+    if (!options_->occluder.splits.empty())
+      while (due(now)) ++next_;
+    while (next_triangles_ <= static_cast<double>(now.triangles)) next_triangles_ *= factor;
+    last_ = now;
+    moved_px_ = 0.0F;
+  }
+  // When it was drawn last.
+  [[nodiscard]] const Growth& last() const noexcept { return last_; }
+
+ private:
+  // That a first one has: at least; and where two of them are drawn anyway.
+  static constexpr double least_triangles = 32.0, enough_triangles = 128.0;
+  static constexpr double last_part = 3.0;  // of the budget, at the last of them
+  static constexpr float least_move_px = 1.0F;
+
+  const RefineOptions* options_ = nullptr;
+  std::size_t next_ = 0;         // of the given ones
+  double next_triangles_ = 0.0;  // where none are given
+  Growth last_;
+  float moved_px_ = 0.0F;  // since then
 };
 
 }  // namespace occlod

@@ -6,9 +6,9 @@
 #include <numeric>
 
 #include "base/platform.h"
+#include "occlod/visibility.h"
+#include "raster/clip.h"
 #include "refine/forecast.h"
-#include "refine/fragment_count.h"
-#include "occlod/occlusion/software_occlusion.h"
 #include "refine/queue.h"
 
 namespace occlod {

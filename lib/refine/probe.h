@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "occlod/effects/effect_choice.h"
-#include "occlod/refine/refiner.h"
+#include "occlod/auto_refiner.h"
+#include "occlod/refiner.h"
 #include "refine/importance.h"
 #include "refine/star_visibility.h"
 

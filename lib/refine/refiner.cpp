@@ -1,18 +1,65 @@
-#include "occlod/refine/refiner.h"
+#include "occlod/refiner.h"
 
+#include <fmt/format.h>
+
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "base/milliseconds_since.h"
-#include "occlod/core/error.h"
+#include "base/option_checker.h"
+#include "base/placement.h"
+#include "base/timing.h"
+#include "occlod/base.h"
 #include "refine/frames.h"
 #include "refine/from_scratch.h"
 #include "refine/refined_scene.h"
-#include "base/placement.h"
 
 namespace occlod {
+
+void require_parent(const Hierarchy& hierarchy, SplitId s, SplitId parent) {
+  if (hierarchy.node(s).parent != parent)
+    throw Error({"hierarchy", "split " + std::to_string(s), "is not where its parent says", "build it again"});
+}
+
+namespace {
+
+constexpr double largest_exponent = 8.0;  // weights beyond leave the range of floats
+
+void check_ascending(const std::vector<std::uint32_t>& splits) {
+  for (std::size_t i = 1; i < splits.size(); ++i)
+    if (splits[i] <= splits[i - 1])
+      throw Error({"refinement", "option occluder.splits", fmt::format("{} follows {}", splits[i], splits[i - 1]),
+                   "give ascending numbers"});
+}
+
+}  // namespace
+
+void check_options(const RefineOptions& options) {
+  const OptionChecker check("refinement");
+  check.at_least("tolerance_px", options.tolerance_px, 0.0);
+  check.in_range("priority.visible_exponent", options.priority.visible_exponent, 0.0, largest_exponent);
+  check.in_range("priority.grazing_exponent", options.priority.grazing_exponent, 0.0, largest_exponent);
+  check.in_range("priority.forced_exponent", options.priority.forced_exponent, 0.0, largest_exponent);
+  check_ascending(options.occluder.splits);
+  check.at_least("queries.level_step", options.queries.level_step, 1.0);
+  check.below("update.hysteresis", options.update.hysteresis, 0.0, 1.0);
+  check.at_least("update.time_limit_ms", options.update.time_limit_ms, 0.0);
+  check.in_range("threads", options.threads, 0, 1024);
+}
+
+std::uint64_t Refinement::hash() const noexcept {
+  std::uint64_t hash = 0xcbf29ce484222325ULL;
+  const auto add = [&](std::uint64_t value) { hash = (hash ^ value) * 0x100000001b3ULL; };
+  for (const RefinedObject& object : objects) {
+    add(object.triangles.size());
+    for (const Triangle& t : object.triangles)
+      for (int k = 0; k < 3; ++k) add(t[k]);
+  }
+  return hash;
+}
+
 namespace {
 
 // Whether a cut that was refined with one can be gone on with by the other. What else is asked about occlusion may

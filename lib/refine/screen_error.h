@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "occlod/hierarchy/hierarchy.h"
+#include "occlod/hierarchy.h"
 
 namespace occlod {
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "base/inverse_power_of_two.h"
+#include "base/arithmetic.h"
 
 namespace occlod {
 namespace {

@@ -1,5 +1,3 @@
-#include "refine/weigh_nodes.h"
-
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -7,9 +5,8 @@
 #include <limits>
 #include <numbers>
 
-#include "base/facing_slack.h"
-#include "base/inverse_power_of_two.h"
-#include "refine/weighed_lanes.h"
+#include "base/arithmetic.h"
+#include "refine/weigh.h"
 
 // Compiles this file once for every instruction set.
 #undef HWY_TARGET_INCLUDE

@@ -1,5 +1,3 @@
-#include "refine/weigh_splits.h"
-
 #include <algorithm>
 #include <array>
 #include <cassert>
@@ -7,8 +5,8 @@
 #include <cstdint>
 
 #include "base/platform.h"
-#include "occlod/hierarchy/split_node.h"
-#include "refine/weighed_lanes.h"
+#include "occlod/hierarchy.h"
+#include "refine/weigh.h"
 
 // Compiles this file once for every instruction set.
 #undef HWY_TARGET_INCLUDE

@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
-#include "occlod/core/error.h"
-#include "occlod/scene/scene.h"
+#include "occlod/base.h"
+#include "occlod/scene.h"
 
 namespace occlod {
 

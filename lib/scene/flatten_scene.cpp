@@ -1,22 +1,192 @@
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cstddef>
+#include <filesystem>
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/mat4x4.hpp>
+#include <glm/matrix.hpp>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "mesh/stream_mesh.h"
-#include "mesh/piece_cutter.h"
-#include "occlod/hierarchy/cut_mesh.h"
-#include "occlod/io/olod.h"
-#include "occlod/mesh/generate.h"
-#include "occlod/scene/scene.h"
-#include "scene/mesh_joiner.h"
+#include "occlod/base.h"
+#include "occlod/build_hierarchy.h"
+#include "occlod/generate.h"
+#include "occlod/mesh.h"
+#include "occlod/scene.h"
 #include "scene/mesh_source.h"
-#include "scene/scene_materials.h"
 
 namespace occlod {
 namespace {
+
+// The materials and textures of meshes that become one.
+
+// The materials and textures of all meshes, each mesh's once.
+class SceneMaterials {
+ public:
+  // `all` gets them; names of image files become relative to `folder`, or absolute where they lie elsewhere. `name`: of
+  // the whole, for errors.
+  SceneMaterials(TriangleMesh& all, std::string name, std::filesystem::path folder);
+
+  // Those of the triangles of a mesh, the last ones of `all`. `name`: of its source.
+  void add_triangles(const TriangleMesh& mesh, const std::string& name);
+
+  // The first of the mesh's materials among those of all. Throws Error when there would be too many.
+  MaterialId first_of(const TriangleMesh& mesh, const std::string& name);
+
+  // Whether any mesh so far has some.
+  [[nodiscard]] bool any() const;
+
+  // After all objects. A scene without materials says nothing of them.
+  void finish();
+
+ private:
+  MaterialId add_materials(const TriangleMesh& mesh, const std::string& name);
+  [[nodiscard]] std::string name_of_image(std::string file, const std::filesystem::path& mesh_folder) const;
+
+  TriangleMesh& all_;
+  std::string name_;
+  std::filesystem::path folder_;
+  std::map<std::optional<std::string>, MaterialId> first_of_;  // by the mesh's name; nothing: of those that have none
+};
+
+SceneMaterials::SceneMaterials(TriangleMesh& all, std::string name, std::filesystem::path folder)
+    : all_(all), name_(std::move(name)), folder_(std::move(folder)) {}
+
+void SceneMaterials::add_triangles(const TriangleMesh& mesh, const std::string& name) {
+  const MaterialId first = first_of(mesh, name);
+  for (std::size_t t = 0; t < mesh.triangle_count(); ++t)
+    all_.triangle_materials.push_back(static_cast<MaterialId>(first + mesh.material_of(t)));
+}
+
+MaterialId SceneMaterials::first_of(const TriangleMesh& mesh, const std::string& name) {
+  const std::optional<std::string> key = mesh.materials.empty() ? std::nullopt : std::optional(name);
+  const auto [found, is_new] = first_of_.try_emplace(key, MaterialId{0});
+  if (is_new) found->second = add_materials(mesh, name);
+  return found->second;
+}
+
+bool SceneMaterials::any() const {
+  return std::ranges::any_of(first_of_, [](const auto& entry) { return entry.first.has_value(); });
+}
+
+void SceneMaterials::finish() {
+  if (any()) return;
+  all_.materials.clear();
+  all_.triangle_materials.clear();
+}
+
+MaterialId SceneMaterials::add_materials(const TriangleMesh& mesh, const std::string& name) {
+  const std::size_t first = all_.materials.size(), first_texture = all_.textures.size();
+  const std::size_t count = std::max<std::size_t>(mesh.materials.size(), 1);  // plain where it has none
+  constexpr std::size_t most = std::numeric_limits<MaterialId>::max();
+  if (first + count > most || first_texture + mesh.textures.size() > most)
+    throw Error({name_, name, "makes more than 65,535 materials or textures of all objects",
+                 "use fewer objects that have their own"});
+  all_.materials.insert(all_.materials.end(), mesh.materials.begin(), mesh.materials.end());
+  all_.materials.resize(first + count);
+  for (std::size_t m = first; m < all_.materials.size(); ++m)
+    if (TextureId& texture = all_.materials[m].texture; texture != no_texture)
+      texture = static_cast<TextureId>(texture + first_texture);
+  for (Texture texture : mesh.textures) {
+    texture.file = name_of_image(texture.file, std::filesystem::path(name).parent_path());
+    all_.textures.push_back(std::move(texture));
+  }
+  return static_cast<MaterialId>(first);
+}
+
+std::string SceneMaterials::name_of_image(std::string file, const std::filesystem::path& mesh_folder) const {
+  if (file.empty()) return file;
+  std::replace(file.begin(), file.end(), '\\', '/');  // in files made on other systems
+  const auto absolute = [](const std::filesystem::path& path) {
+    return std::filesystem::absolute(path).lexically_normal();
+  };
+  const std::filesystem::path image = absolute(mesh_folder / file);
+  const std::filesystem::path near = image.lexically_relative(absolute(folder_ / "."));
+  return (near.empty() || *near.begin() == ".." ? image : near).generic_string();
+}
+
+// Meshes at their places as one, a vertex for each wedge.
+
+// All but materials. Where `all` has texture coordinates of meshes before, those without get (0, 0) once others follow.
+void append_placed(TriangleMesh& all, const TriangleMesh& mesh, const glm::dmat4& object_to_world);
+
+class MeshJoiner {
+ public:
+  // `name`: of the whole, for errors. `folder`: see SceneMaterials.
+  MeshJoiner(std::string name, const std::filesystem::path& folder);
+  MeshJoiner(const MeshJoiner&) = delete;
+  MeshJoiner& operator=(const MeshJoiner&) = delete;
+  ~MeshJoiner() = default;
+
+  // `source_name`: of its file or generator; meshes of one name share their materials. Throws Error when all together
+  // have 2^32 vertices or more, or too many materials.
+  void add(const TriangleMesh& mesh, const glm::dmat4& object_to_world, const std::string& source_name);
+
+  // Without extra wedges. Normals and colours only when every mesh has them.
+  [[nodiscard]] TriangleMesh finish();
+
+ private:
+  std::string name_;
+  TriangleMesh all_;
+  SceneMaterials materials_;  // of all_
+  std::size_t count_ = 0;     // of meshes
+};
+
+// Objects without any have (0, 0).
+void append_texture_coordinates(TriangleMesh& all, const TriangleMesh& mesh, VertexId first) {
+  if (mesh.texture_coordinates.empty()) return;
+  all.texture_coordinates.resize(first, glm::vec2(0.0F));
+  for (glm::vec2 at : mesh.texture_coordinates) {
+    if (mesh.texture_origin != all.texture_origin) at.y = 1.0F - at.y;
+    all.texture_coordinates.push_back(at);
+  }
+}
+
+void append_placed(TriangleMesh& all, const TriangleMesh& mesh, const glm::dmat4& object_to_world) {
+  const auto first = static_cast<VertexId>(all.positions.size());
+  for (const glm::vec3& p : mesh.positions) all.positions.emplace_back(object_to_world * glm::dvec4(p, 1.0));
+  const glm::dmat3 linear(object_to_world);
+  const glm::dmat3 normals_to_world = glm::transpose(glm::inverse(linear));
+  for (const glm::vec3& normal : mesh.normals)
+    all.normals.emplace_back(glm::normalize(normals_to_world * glm::dvec3(normal)));
+  all.colors.insert(all.colors.end(), mesh.colors.begin(), mesh.colors.end());
+  append_texture_coordinates(all, mesh, first);
+  const bool is_mirrored = glm::determinant(linear) < 0.0;
+  for (Triangle t : mesh.wedge_triangles()) {
+    if (is_mirrored) std::swap(t.y, t.z);
+    all.triangles.push_back(t + first);
+  }
+}
+
+MeshJoiner::MeshJoiner(std::string name, const std::filesystem::path& folder)
+    : name_(std::move(name)), materials_(all_, name_, folder) {}
+
+void MeshJoiner::add(const TriangleMesh& mesh, const glm::dmat4& object_to_world, const std::string& source_name) {
+  if (all_.positions.size() + mesh.positions.size() > std::numeric_limits<VertexId>::max())
+    throw Error(
+        {name_, fmt::format("/objects/{}", count_), "makes 2^32 vertices or more of all objects", "use fewer objects"});
+  if (all_.texture_coordinates.empty()) all_.texture_origin = mesh.texture_origin;
+  append_placed(all_, mesh, object_to_world);
+  materials_.add_triangles(mesh, source_name);
+  ++count_;
+}
+
+TriangleMesh MeshJoiner::finish() {
+  const std::size_t vertices = all_.positions.size();
+  if (all_.normals.size() != vertices) all_.normals.clear();
+  if (all_.colors.size() != vertices) all_.colors.clear();
+  if (!all_.texture_coordinates.empty()) all_.texture_coordinates.resize(vertices, glm::vec2(0.0F));
+  materials_.finish();
+  return std::move(all_);
+}
 
 using Progress = std::function<void(const std::string& what, double done)>;
 
@@ -170,6 +340,59 @@ hlod::TriangleSource stream_scene(SceneDescription scene, std::filesystem::path 
                                   std::function<void(const std::string& what, double done)> progress) {
   return [scene = std::move(scene), folder = std::move(folder), progress = std::move(progress)](
              hlod::TriangleSink& sink) { SceneStreamer(scene, folder, progress, sink).run(); };
+}
+
+namespace {
+
+// The vertex of each wedge of a joined mesh, by number among all wedges.
+std::vector<WedgeId> first_wedges(std::span<const PlacedMesh> meshes) {
+  std::vector<WedgeId> first;
+  for (const PlacedMesh& placed : meshes) {
+    const auto begin = static_cast<WedgeId>(first.size());
+    for (WedgeId wedge = 0; wedge < placed.mesh->wedge_count(); ++wedge)
+      first.push_back(begin + placed.mesh->vertex_of(wedge));
+  }
+  return first;
+}
+
+template <typename T>
+void reorder(std::vector<T>& values, const std::vector<WedgeId>& order) {
+  if (values.empty()) return;
+  std::vector<T> result;
+  result.reserve(values.size());
+  for (const WedgeId wedge : order) result.push_back(values[wedge]);
+  values = std::move(result);
+}
+
+// Makes extra wedges of those vertices that are not their own first one: these move to the end.
+void make_wedges(TriangleMesh& mesh, const std::vector<WedgeId>& first) {
+  std::vector<WedgeId> order, extra, new_ids(first.size());
+  for (WedgeId wedge = 0; wedge < first.size(); ++wedge) (first[wedge] == wedge ? order : extra).push_back(wedge);
+  if (extra.empty()) return;
+  order.insert(order.end(), extra.begin(), extra.end());
+  for (WedgeId i = 0; i < order.size(); ++i) new_ids[order[i]] = i;
+  reorder(mesh.positions, order);
+  reorder(mesh.normals, order);
+  reorder(mesh.colors, order);
+  reorder(mesh.texture_coordinates, order);
+  for (const WedgeId wedge : extra) mesh.extra_wedges.push_back(new_ids[first[wedge]]);
+  mesh.corners = mesh.triangles;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    for (int k = 0; k < 3; ++k) {
+      mesh.corners[t][k] = new_ids[mesh.triangles[t][k]];
+      mesh.triangles[t][k] = new_ids[first[mesh.triangles[t][k]]];
+    }
+}
+
+}  // namespace
+
+TriangleMesh join_meshes(std::span<const PlacedMesh> meshes, const std::filesystem::path& folder,
+                         const std::string& name) {
+  MeshJoiner joiner(name, folder);
+  for (const PlacedMesh& placed : meshes) joiner.add(*placed.mesh, placed.object_to_world, placed.source_name);
+  TriangleMesh all = joiner.finish();
+  make_wedges(all, first_wedges(meshes));
+  return all;
 }
 
 }  // namespace occlod

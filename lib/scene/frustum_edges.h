@@ -5,7 +5,7 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "occlod/view/view.h"
+#include "occlod/view.h"
 
 namespace occlod::picture {
 

@@ -8,9 +8,9 @@
 #include <variant>
 #include <vector>
 
-#include "occlod/core/error.h"
-#include "occlod/io/read_mesh.h"
-#include "scene/mesh_folders.h"
+#include "occlod/base.h"
+#include "occlod/mesh_file.h"
+#include "scene/find_mesh.h"
 
 namespace occlod {
 namespace {

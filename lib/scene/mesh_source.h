@@ -6,8 +6,8 @@
 #include <functional>
 #include <string>
 
-#include "occlod/mesh/clean.h"
-#include "occlod/scene/scene.h"
+#include "occlod/mesh.h"
+#include "occlod/scene.h"
 
 namespace occlod {
 

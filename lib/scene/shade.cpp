@@ -8,7 +8,6 @@
 #include <optional>
 
 #include "scene/color.h"
-#include "scene/screen_triangle.h"
 #include "scene/shading.h"
 
 namespace occlod {

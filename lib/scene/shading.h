@@ -1,16 +1,74 @@
-// The shading that all pictures share; what differs is the colour of a triangle.
+// From the number of an item back to the triangle.
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <span>
+#include <vector>
 
-#include "occlod/picture/picture.h"
-#include "scene/item_table.h"
+#include "occlod/picture.h"
+#include "occlod/view.h"
 
 namespace occlod::picture {
+
+// Items are numbered as draw_items() does: object by object.
+class ItemTable {
+ public:
+  explicit ItemTable(std::span<const DrawObject> objects);
+
+  [[nodiscard]] std::size_t size() const noexcept { return first_items_.back(); }
+  [[nodiscard]] std::uint32_t first_item(std::size_t object) const noexcept { return first_items_[object]; }
+
+  struct Owner {
+    const DrawObject* object;
+    const Triangle* triangle;
+  };
+  // Precondition: item < size().
+  [[nodiscard]] Owner owner(std::uint32_t item) const;
+
+ private:
+  std::span<const DrawObject> objects_;
+  std::vector<std::uint32_t> first_items_;  // of each object, and the end
+};
+
+// The corners in world space.
+[[nodiscard]] std::array<glm::dvec3, 3> world_corners(const ItemTable::Owner& owner);
+
+// A triangle on the screen, to interpolate what belongs to its corners.
+
+// The three edge functions of a triangle in homogeneous pixel coordinates (Olano & Greer 1997): linear over the image
+// and valid for triangles that reach behind the eye. Their ratios are perspective-correct barycentric coordinates.
+class ScreenTriangle {
+ public:
+  // In world space.
+  ScreenTriangle(const std::array<glm::dvec3, 3>& corners, const View& view);
+
+  [[nodiscard]] glm::vec3 barycentric(const glm::dvec2& pixel) const;
+  // The same beyond the triangle's edges too, and not rounded. The triangle must have an area on the screen.
+  [[nodiscard]] glm::dvec3 exact_barycentric(const glm::dvec2& pixel) const;
+
+  // How much they change a pixel; axis 0: across, 1: down.
+  [[nodiscard]] glm::dvec3 barycentric_step(const glm::dvec2& pixel, int axis) const;
+
+  // From the pixel to the nearest edge.
+  [[nodiscard]] double edge_distance_px(const glm::dvec2& pixel) const;
+
+  // Of the inscribed circle; infinite when the triangle reaches behind the eye.
+  [[nodiscard]] double diameter_px() const { return diameter_px_; }
+
+ private:
+  // Of the edge functions.
+  [[nodiscard]] glm::dvec3 at(const glm::dvec2& pixel) const;
+
+  std::array<glm::dvec3, 3> edges_;
+  double diameter_px_;
+};
+
+// The shading that all pictures share; what differs is the colour of a triangle.
 
 // Linear colours of the three corners of an item, and an image that multiplies them.
 struct ItemColor {

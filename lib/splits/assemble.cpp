@@ -1,26 +1,168 @@
-#include "splits/assemble.h"
-
 #include <algorithm>
 #include <array>
 #include <atomic>
 #include <bit>
+#include <cstdint>
 #include <limits>
 #include <optional>
 #include <span>
 #include <tuple>
+#include <vector>
 
-#include "splits/attribute_state.h"
 #include "base/platform.h"
-#include "splits/fan_patches.h"
-#include "occlod/core/error.h"
-#include "splits/parallel.h"
+#include "base/threads.h"
+#include "occlod/base.h"
+#include "occlod/mesh.h"
+#include "splits/attribute_state.h"
+#include "splits/build_steps.h"
+#include "splits/hierarchy_data.h"
+#include "splits/simplify.h"
 #include "splits/star_mesh.h"
+#include "splits/star_patch.h"
 #include "splits/star_record.h"
-#include "splits/wedge_numbers.h"
-#include "splits/write_corners.h"
 
 namespace occlod {
 namespace {
+
+// The wedges of a hierarchy: the input's, and those that collapses across seams add.
+
+// Numbers pairs of a vertex and a wedge of the input whose attributes it has. Vertices as in the hierarchy, wedges as
+// in the mesh.
+class WedgeNumbers {
+ public:
+  // `new_ids`: by vertex of the mesh its number in the hierarchy. Both outlive it, and so does the sequence. O(n log
+  // n).
+  WedgeNumbers(const TriangleMesh& mesh, const CollapseSequence& sequence, std::span<const VertexId> new_ids);
+
+  // The new number of a wedge at a corner of this vertex of the mesh. O(log n).
+  [[nodiscard]] WedgeId operator()(VertexId vertex, WedgeId wedge) const;
+  [[nodiscard]] Triangle operator()(const Triangle& vertices, const Triangle& wedges) const;
+
+  // Attributes and materials of all wedges.
+  void copy_attributes(HierarchyData& data) const;
+
+ private:
+  struct Extra {
+    VertexId vertex;  // of the hierarchy
+    WedgeId wedge;    // of the mesh
+    friend bool operator==(const Extra&, const Extra&) = default;
+    friend bool operator<(const Extra& a, const Extra& b) {
+      return a.vertex != b.vertex ? a.vertex < b.vertex : a.wedge < b.wedge;
+    }
+  };
+  void add(VertexId vertex, WedgeId wedge);
+
+  const TriangleMesh& mesh_;
+  std::span<const VertexId> new_ids_;
+  std::vector<Extra> extras_;  // ascending
+};
+
+WedgeNumbers::WedgeNumbers(const TriangleMesh& mesh, const CollapseSequence& sequence,
+                           std::span<const VertexId> new_ids)
+    : mesh_(mesh), new_ids_(new_ids) {
+  for (WedgeId w = static_cast<WedgeId>(mesh.vertex_count()); w < mesh.wedge_count(); ++w) add(mesh.vertex_of(w), w);
+  for (std::size_t c = 0; c < sequence.attributes.size(); ++c)
+    for (const EndedCorners& face : sequence.attributes[c].corners)
+      for (int i = 0; i < 3; ++i) add(sequence.collapses[c]->ended(face.slot)[i], face.wedges[i]);
+  for (std::size_t f = 0; f < sequence.base_corners.size(); ++f)
+    for (int i = 0; i < 3; ++i) add(sequence.base[f].corners[i], sequence.base_corners[f][i]);
+  std::sort(extras_.begin(), extras_.end());
+  extras_.erase(std::unique(extras_.begin(), extras_.end()), extras_.end());
+}
+
+void WedgeNumbers::add(VertexId vertex, WedgeId wedge) {
+  if (vertex != wedge) extras_.push_back({new_ids_[vertex], wedge});
+}
+
+WedgeId WedgeNumbers::operator()(VertexId vertex, WedgeId wedge) const {
+  const VertexId id = new_ids_[vertex];
+  if (vertex == wedge) return id;
+  const auto at = std::lower_bound(extras_.begin(), extras_.end(), Extra{id, wedge});
+  return static_cast<WedgeId>(new_ids_.size()) + static_cast<WedgeId>(at - extras_.begin());
+}
+
+Triangle WedgeNumbers::operator()(const Triangle& vertices, const Triangle& wedges) const {
+  return {(*this)(vertices.x, wedges.x), (*this)(vertices.y, wedges.y), (*this)(vertices.z, wedges.z)};
+}
+
+void WedgeNumbers::copy_attributes(HierarchyData& data) const {
+  const std::size_t vertices = new_ids_.size();
+  const auto copy = [&](const auto& from, auto& to) {
+    if (from.empty()) return;
+    to.resize(vertices + extras_.size());
+    for (VertexId v = 0; v < vertices; ++v) to[new_ids_[v]] = from[v];
+    for (std::size_t i = 0; i < extras_.size(); ++i) to[vertices + i] = from[extras_[i].wedge];
+  };
+  copy(mesh_.normals, data.normals);
+  copy(mesh_.colors, data.colors);
+  copy(mesh_.texture_coordinates, data.texture_coordinates);
+  copy(wedge_materials(mesh_), data.wedge_materials);
+  data.extra_wedges.reserve(extras_.size());
+  for (const Extra& extra : extras_) {
+    data.extra_wedges.push_back(extra.vertex);
+    data.positions.push_back(glm::vec3(data.positions[extra.vertex]));
+  }
+}
+
+// The wedges of all faces of a hierarchy, from a collapse sequence.
+
+// Fills in corners, corner_starts and base_corners of `data`, whose star records are written: that of split s starts at
+// star_starts[s]. The result does not depend on the number of threads. O(n).
+void write_corners(const CollapseSequence& sequence, const WedgeNumbers& numbers,
+                   std::span<const std::uint32_t> star_starts, unsigned threads, HierarchyData& data);
+
+// Writes the records of one split after the other.
+class CornerWriter {
+ public:
+  CornerWriter(const CollapseSequence& sequence, const WedgeNumbers& numbers)
+      : sequence_(sequence), numbers_(numbers) {}
+
+  void write(std::size_t place, const SplitStar& star, std::vector<std::uint32_t>& words) {
+    const std::span<const EndedCorners> corners = sequence_.attributes[place].corners;
+    if (corners.empty()) return;
+    const Collapse& collapse = *sequence_.collapses[place];
+    wedges_.clear();
+    for (std::uint32_t slot = 0; slot < collapse.ended_count(); ++slot) wedges_.push_back(star.inserted(slot));
+    for (const EndedCorners& face : corners) wedges_[face.slot] = numbers_(collapse.ended(face.slot), face.wedges);
+    append_corners(star, wedges_, words);
+  }
+
+ private:
+  const CollapseSequence& sequence_;
+  const WedgeNumbers& numbers_;
+  std::vector<Triangle> wedges_;
+};
+
+void write_corners(const CollapseSequence& sequence, const WedgeNumbers& numbers,
+                   std::span<const std::uint32_t> star_starts, unsigned threads, HierarchyData& data) {
+  const std::size_t splits = sequence.collapses.size();
+  const std::size_t vertices = data.positions.size() - data.extra_wedges.size();
+  data.corner_starts.resize(splits + 1);
+  std::vector<std::vector<std::uint32_t>> ranges((splits + range_size - 1) / range_size);
+  for_each_range(splits, threads, [&](std::size_t begin, std::size_t end) {
+    std::vector<std::uint32_t>& words = ranges[begin / range_size];
+    CornerWriter writer(sequence, numbers);
+    for (std::size_t s = begin; s < end; ++s) {
+      data.corner_starts[s] = static_cast<std::uint32_t>(words.size());
+      const SplitStar star(data.stars.data() + star_starts[s], static_cast<VertexId>(vertices - splits + s));
+      writer.write(splits - 1 - s, star, words);
+    }
+  });
+  std::size_t start = 0;
+  for (std::size_t r = 0; r < ranges.size(); ++r) {
+    for (std::size_t s = r * range_size; s < std::min((r + 1) * range_size, splits); ++s)
+      data.corner_starts[s] += static_cast<std::uint32_t>(start);
+    start += ranges[r].size();
+    if (start >= std::numeric_limits<std::uint32_t>::max())
+      throw Error({"mesh", "", "has too many seams for 32-bit places of wedges", "split it into several meshes"});
+  }
+  data.corner_starts[splits] = static_cast<std::uint32_t>(start);
+  data.corners.reserve(start);
+  for (const std::vector<std::uint32_t>& words : ranges)
+    data.corners.insert(data.corners.end(), words.begin(), words.end());
+  for (std::size_t f = 0; f < sequence.base.size(); ++f)
+    data.base_corners.push_back(numbers(sequence.base[f].corners, sequence.base_corners[f]));
+}
 
 // A face that a split removes, in no place that the faces of its star imply.
 struct RemovedElsewhere {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "splits/attribute_state.h"
-#include "splits/position_view.h"
+#include "splits/positions.h"
 #include "splits/star_mesh.h"
 
 namespace occlod {

@@ -1,10 +1,150 @@
 #include "splits/attribute_state.h"
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numeric>
+#include <tuple>
 
 namespace occlod {
+
+void EqualFaces::find(const Star& star) {
+  ranks_.clear();
+  sorted_.clear();
+  for (std::uint32_t i = 0; i < star.size(); ++i) sorted_.emplace_back(star[i], i);
+  std::sort(sorted_.begin(), sorted_.end(), [](const auto& a, const auto& b) {
+    return std::tie(a.first.next, a.first.last, a.first.made_by, a.second) <
+           std::tie(b.first.next, b.first.last, b.first.made_by, b.second);
+  });
+  for (std::size_t i = 1; i < sorted_.size(); ++i) {
+    if (sorted_[i].first != sorted_[i - 1].first) continue;
+    ranks_.resize(star.size(), 0);
+    ranks_[sorted_[i].second] = ranks_[sorted_[i - 1].second] + 1;
+  }
+}
+
+CornerMap::CornerMap(const TriangleMesh& mesh, std::span<const MaterialId> materials)
+    : materials_(materials), single_(mesh.vertex_count(), no_id), lists_(mesh.vertex_count()) {
+  const std::vector<Triangle>& wedges = mesh.wedge_triangles();
+  std::vector<bool> differs(mesh.vertex_count());
+  const auto for_each_corner = [&](const auto& visit) {
+    for (std::size_t t = 0; t < wedges.size(); ++t)
+      for (int i = 0; i < 3; ++i) visit(mesh.triangles[t], wedges[t], i);
+  };
+  for_each_corner([&](const Triangle& face, const Triangle& corners, int i) {
+    WedgeId& single = single_[face[i]];
+    if (single == no_id) single = corners[i];
+    if (single != corners[i]) differs[face[i]] = true;
+  });
+  for_each_corner([&](const Triangle& face, const Triangle& corners, int i) {
+    if (differs[face[i]]) lists_[face[i]].push_back({{face[(i + 1) % 3], face[(i + 2) % 3], no_id}, corners[i]});
+  });
+}
+
+WedgeId CornerMap::find(VertexId w, const StarFace& face, std::size_t rank, MaterialId of) const {
+  if (lists_[w].empty()) return single_[w];
+  WedgeId last = no_id;
+  for (const Corner& corner : lists_[w]) {
+    if (corner.face != face || material(corner.wedge) != of) continue;
+    last = corner.wedge;
+    if (rank-- == 0) break;
+  }
+  return last;
+}
+
+Triangle CornerMap::wedges(VertexId v, const StarFace& face, std::size_t rank) const {
+  WedgeId at_v = single_[v];
+  if (!lists_[v].empty()) {
+    std::size_t alike = 0;  // of the same material, before this one
+    for (auto corner = lists_[v].begin(); corner != lists_[v].end(); ++corner) {
+      if (corner->face != face) continue;
+      at_v = corner->wedge;
+      if (rank-- > 0) continue;
+      for (auto other = lists_[v].begin(); other != corner; ++other)
+        alike += other->face == face && material(other->wedge) == material(at_v) ? 1U : 0U;
+      break;
+    }
+    rank = alike;
+  }
+  const MaterialId of = material(at_v);
+  return {at_v, find(face.next, {face.last, v, face.made_by}, rank, of),
+          find(face.last, {v, face.next, face.made_by}, rank, of)};
+}
+
+void CornerMap::wedges_at(VertexId v, WedgeId like, std::size_t most, std::vector<WedgeId>& out) const {
+  const std::size_t first = out.size();
+  const auto add = [&](WedgeId wedge) {
+    const auto begin = out.begin() + static_cast<std::ptrdiff_t>(first);
+    if (material(wedge) == material(like) && std::find(begin, out.end(), wedge) == out.end()) out.push_back(wedge);
+  };
+  if (lists_[v].empty()) return add(single_[v]);
+  for (auto corner = lists_[v].begin(); corner != lists_[v].end() && out.size() < first + most; ++corner)
+    add(corner->wedge);
+}
+
+void CornerMap::collapse(const StarMesh& mesh, VertexId v, VertexId u, CollapseId id, std::span<const StarFace> star,
+                         std::span<const WedgeId> wedges_of_u, std::span<const LevelFace> folded) {
+  bool differs = !lists_[u].empty();
+  for (std::size_t i = 0; i < star.size(); ++i)
+    differs = differs || (!contains(star[i], u) && wedges_of_u[i] != single_[u]);
+  if (differs && lists_[u].empty()) {
+    for (const StarFace f : mesh.star(u))
+      if (f.made_by != id) lists_[u].push_back({f, single_[u]});
+    for (const LevelFace& face : folded)  // which are no longer there
+      lists_[u].push_back({{face.corners.y, face.corners.z, face.made_by}, single_[u]});
+  }
+  for (std::size_t i = 0; i < star.size(); ++i) {
+    const StarFace& f = star[i];
+    if (contains(f, u)) {  // and so do all faces that are equal
+      erase(f.next, {f.last, v, f.made_by}, no_id);
+      erase(f.last, {v, f.next, f.made_by}, no_id);
+      continue;
+    }
+    replace(f.next, {f.last, v, f.made_by}, {f.last, u, id});
+    replace(f.last, {v, f.next, f.made_by}, {u, f.next, id});
+    if (differs) lists_[u].push_back({{f.next, f.last, id}, wedges_of_u[i]});
+  }
+  for (const LevelFace& face : folded) {
+    erase_at_corners(face.corners, face.made_by);
+    erase_at_corners({u, face.corners.z, face.corners.y}, id);
+  }
+  std::vector<Corner>().swap(lists_[v]);
+  for (const StarFace& f : star) {
+    settle(f.next);
+    settle(f.last);
+  }
+}
+
+// The first with that wedge, or any for no_id, if there is one.
+void CornerMap::erase(VertexId w, const StarFace& face, WedgeId wedge) {
+  std::vector<Corner>& list = lists_[w];
+  const auto at = std::find_if(list.begin(), list.end(),
+                               [&](const Corner& c) { return c.face == face && (wedge == no_id || c.wedge == wedge); });
+  if (at != list.end()) list.erase(at);
+}
+
+// Of one face, the first of those that are equal.
+void CornerMap::erase_at_corners(const Triangle& corners, CollapseId made_by) {
+  const Triangle of = wedges(corners.x, {corners.y, corners.z, made_by}, 0);
+  for (int i = 0; i < 3; ++i) erase(corners[i], {corners[(i + 1) % 3], corners[(i + 2) % 3], made_by}, of[i]);
+}
+
+void CornerMap::replace(VertexId w, const StarFace& face, const StarFace& by) {
+  std::vector<Corner>& list = lists_[w];
+  const auto at = std::find_if(list.begin(), list.end(), [&](const Corner& c) { return c.face == face; });
+  if (at != list.end()) at->face = by;
+}
+
+// Does without a list where all corners have become one.
+void CornerMap::settle(VertexId w) {
+  std::vector<Corner>& list = lists_[w];
+  if (list.empty()) return;
+  const WedgeId first = list.front().wedge;
+  if (std::any_of(list.begin(), list.end(), [&](const Corner& c) { return c.wedge != first; })) return;
+  single_[w] = first;
+  std::vector<Corner>().swap(list);
+}
+
 namespace {
 
 // As long as twice the area.

@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <functional>
 
-#include "occlod/core/error.h"
+#include "occlod/base.h"
 
 namespace occlod {
 

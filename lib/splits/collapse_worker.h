@@ -1,23 +1,132 @@
-// Greedy simplification of one block of vertices, as far as a threshold of cost.
+// A queue of vertices by the cost of their collapses, exact to some per cent.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include "splits/attribute_star.h"
-#include "splits/change_bound.h"
-#include "splits/collapse_queue.h"
-#include "splits/collapse_records.h"
 #include "splits/collapse_rules.h"
 #include "splits/fan.h"
-#include "splits/fan_movements.h"
 #include "splits/simplify.h"
 #include "splits/simplify_state.h"
 
 namespace occlod {
+
+// Items are small numbers, each there at most once. Costs fall into levels of 1/32 octave; within a level the last to
+// come is the first to go. Every operation takes constant time, but for the search of the next level that is not empty.
+class CollapseQueue {
+ public:
+  // Empties the queue, for items in [0, count).
+  void reset(std::size_t count) {
+    links_.assign(count, {});
+    heads_.fill(none);
+    cursor_ = level_count;
+  }
+
+  [[nodiscard]] static std::uint32_t level(float cost) {
+    const std::uint32_t bits = std::bit_cast<std::uint32_t>(cost) >> 18;
+    return std::clamp(bits, lowest_bits, highest_bits) - lowest_bits;
+  }
+
+  // The item is not in the queue. cost >= 0.
+  void push(std::uint32_t item, float cost) {
+    const std::uint32_t at = level(cost);
+    links_[item] = {none, heads_[at], at};
+    if (heads_[at] != none) links_[heads_[at]].before = item;
+    heads_[at] = item;
+    cursor_ = std::min(cursor_, at);
+  }
+
+  void remove(std::uint32_t item) {
+    Link& link = links_[item];
+    if (link.level == none) return;
+    (link.before == none ? heads_[link.level] : links_[link.before].after) = link.after;
+    if (link.after != none) links_[link.after].before = link.before;
+    link.level = none;
+  }
+
+  // The cheapest item, or `none` when there is none; it leaves the queue.
+  std::uint32_t pop() {
+    while (cursor_ < level_count && heads_[cursor_] == none) ++cursor_;
+    if (cursor_ >= level_count) return none;
+    const std::uint32_t item = heads_[cursor_];
+    remove(item);
+    return item;
+  }
+
+  // Most likely the next item to pop; `none` when unknown.
+  [[nodiscard]] std::uint32_t likely_next() const { return cursor_ < level_count ? heads_[cursor_] : none; }
+  // Most likely the one to pop after that item.
+  [[nodiscard]] std::uint32_t likely_after(std::uint32_t item) const { return links_[item].after; }
+
+  static constexpr std::uint32_t none = UINT32_MAX;
+
+ private:
+  struct Link {
+    std::uint32_t before = none, after = none;  // in the same level
+    std::uint32_t level = none;                 // none: not in the queue
+  };
+  static constexpr std::uint32_t lowest_bits = (127U - 80U) << 5, highest_bits = (127U + 8U) << 5;  // 2^-80 to 2^8
+  static constexpr std::uint32_t level_count = highest_bits - lowest_bits + 1;
+
+  std::vector<Link> links_;
+  std::array<std::uint32_t, level_count> heads_{};
+  std::uint32_t cursor_ = level_count;
+};
+
+// What blocks record of their collapses, found again by the ids of these.
+
+struct BlockRecord {
+  std::vector<Collapse*> collapses;
+  std::vector<float> ranks;  // of each collapse: its cost, no less than that of any that it comes after
+  std::vector<MisplacedFace> misplaced;
+  // Where attributes count, of each collapse: how far they are off, and where the wedges of what it ended begin.
+  std::vector<float> attribute_errors;
+  std::vector<std::size_t> first_corners;
+  std::vector<EndedCorners> corners;
+  std::vector<AttributeStar::WedgeMerge> wedge_merges;  // of all collapses, in their order, where they are wanted
+  std::size_t faces_gone = 0;
+};
+
+// The ids of a block's collapses ascend from a multiple of block_size: only the last block may have more of them.
+// Blocks that run at the same time may add collapses, each to its own record.
+class CollapseRecords {
+ public:
+  static constexpr std::size_t block_size = 8192;
+
+  void resize(std::size_t blocks) { records_.resize(blocks); }
+  [[nodiscard]] std::size_t size() const noexcept { return records_.size(); }
+  [[nodiscard]] BlockRecord& operator[](std::size_t block) noexcept { return records_[block]; }
+  [[nodiscard]] const BlockRecord& operator[](std::size_t block) const noexcept { return records_[block]; }
+  [[nodiscard]] static CollapseId first_id(std::size_t block) noexcept {
+    return static_cast<CollapseId>(block * block_size);
+  }
+  // No id is larger.
+  [[nodiscard]] std::size_t end_id() const noexcept {
+    return records_.empty() ? 0 : first_id(size() - 1) + records_.back().collapses.size();
+  }
+  [[nodiscard]] Collapse* const& collapse(CollapseId id) const noexcept {
+    const std::size_t block = std::min(id / block_size, size() - 1);
+    return records_[block].collapses[id - first_id(block)];
+  }
+  // Adds one to the record of this block, which ended faces of these makers. The faces in whose place those were made
+  // learn of it.
+  void add(std::size_t block, Collapse& collapse, std::span<const LevelFace> ended);
+
+ private:
+  std::vector<BlockRecord> records_;
+};
+
+// The shape of the faces that one collapse of v ended, brought into ring order if they are one fan.
+[[nodiscard]] StarShape shape_of(VertexId v, std::span<LevelFace> faces);
+
+// Greedy simplification of one block of vertices, as far as a threshold of cost.
 
 struct Block {
   std::span<const VertexId> vertices;

@@ -4,9 +4,172 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 namespace occlod {
+
+LevelFaces::LevelFaces(const CollapseSequence& sequence) : sequence_(sequence) {
+  list_ended();
+  find_makers();
+  // Counting sort by maker; afterwards first_made_[c + 1] has moved up to where the next one's faces begin.
+  first_made_.assign(collapse_count() + 2, 0);
+  for (FaceId f = 0; f < face_count(); ++f)
+    if (const CollapseIndex c = maker(f); c != no_id) ++first_made_[c + 2];
+  for (std::size_t c = 2; c < first_made_.size(); ++c) first_made_[c] += first_made_[c - 1];
+  made_.resize(first_made_.back());
+  for (FaceId f = 0; f < face_count(); ++f)
+    if (const CollapseIndex c = maker(f); c != no_id) made_[first_made_[c + 1]++] = f;
+  first_made_.pop_back();
+}
+
+void LevelFaces::list_ended() {
+  for (const Collapse* collapse : sequence_.collapses) {
+    first_ended_.push_back(face_count());
+    for (std::uint32_t slot = 0; slot < collapse->ended_count(); ++slot)
+      faces_.push_back({collapse->ended(slot), no_id});
+  }
+  first_ended_.push_back(face_count());
+  for (const LevelFace& face : sequence_.base) faces_.push_back({face.corners, sequence_.place(face.made_by)});
+}
+
+void LevelFaces::find_makers() {
+  for (CollapseIndex c = 0; c < collapse_count(); ++c)
+    for (std::uint32_t slot = 0; collapse(c).is_fan() && slot < collapse(c).ended_count(); ++slot)
+      if (const Collapse::EndedFace face = collapse(c).successor(slot); face.ended_by != no_id)
+        faces_[first_ended_[sequence_.place(face.ended_by)] + face.slot].made_by = c;
+  for (const MisplacedFace& face : sequence_.misplaced)
+    faces_[first_ended_[sequence_.place(face.ended_by)] + face.slot].made_by = sequence_.place(face.made_by);
+}
+
+void PointBatch::resize(std::size_t count) {
+  x.resize(count);
+  y.resize(count);
+  z.resize(count);
+}
+
+// The frame is made in double precision, so that slivers have one as exact as others; only those whose normal is lost
+// even then are taken for their edges, which are part of them.
+TriangleBatch::TriangleBatch(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) : origin_(a) {
+  const std::array<glm::dvec3, 3> corners = {glm::dvec3(0.0), glm::dvec3(b) - glm::dvec3(a),
+                                             glm::dvec3(c) - glm::dvec3(a)};
+  const glm::dvec3 area = glm::cross(corners[1], corners[2]);
+  const double twice_area = glm::length(area);
+  double longest2 = 0.0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const glm::dvec3 edge = corners[(i + 1) % 3] - corners[i];
+    longest2 = std::max(longest2, glm::dot(edge, edge));
+  }
+  longest_edge_ = static_cast<float>(std::sqrt(longest2));
+  const bool has_inside = twice_area > 1e-6 * longest2;
+  const glm::dvec3 normal = has_inside ? area / twice_area : glm::dvec3(0.0);
+  normal_ = glm::vec3(normal);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const glm::dvec3 along = corners[(i + 1) % 3] - corners[i];
+    const double length2 = glm::dot(along, along);
+    const double length = std::sqrt(length2);
+    edges_[i] = {glm::vec3(corners[i]), glm::vec3(along),
+                 has_inside ? glm::vec3(glm::cross(normal, along) / length) : glm::vec3(0.0F),
+                 length2 > 1e-30 ? static_cast<float>(1.0 / length2) : 0.0F, has_inside ? 0.0F : -1.0F};
+  }
+}
+
+// Every choice is a select of values that are there anyway: a loop over this has no branch.
+inline float TriangleBatch::squared_distance(float x, float y, float z) const {
+  x -= origin_.x;
+  y -= origin_.y;
+  z -= origin_.z;
+  const auto least = [](float a, float b) { return a < b ? a : b; };
+  const auto most = [](float a, float b) { return a > b ? a : b; };
+  const auto depth = [&](const Edge& e) {
+    return e.inwards.x * (x - e.start.x) + e.inwards.y * (y - e.start.y) + e.inwards.z * (z - e.start.z) + e.offset;
+  };
+  const auto squared_distance_to = [&](const Edge& e) {
+    const float px = x - e.start.x, py = y - e.start.y, pz = z - e.start.z;
+    const float along = (e.along.x * px + e.along.y * py + e.along.z * pz) * e.inverse_squared_length;
+    const float t = least(most(along, 0.0F), 1.0F);
+    const float dx = px - t * e.along.x, dy = py - t * e.along.y, dz = pz - t * e.along.z;
+    return dx * dx + dy * dy + dz * dz;
+  };
+  const float height = normal_.x * x + normal_.y * y + normal_.z * z;
+  const float height2 = height * height;
+  const float inside = least(least(depth(edges_[0]), depth(edges_[1])), depth(edges_[2]));
+  const float outside2 =
+      least(least(squared_distance_to(edges_[0]), squared_distance_to(edges_[1])), squared_distance_to(edges_[2]));
+  return inside >= 0.0F ? height2 : outside2;
+}
+
+// In runs: distances first, then choices, so that each loop is simple enough to be vectorised.
+void TriangleBatch::choose_nearer(const PointBatch& points, std::uint32_t number, float* __restrict least,
+                                  std::uint32_t* __restrict chosen) const {
+  constexpr std::size_t run = 256;
+  std::array<float, run> squares;
+  const TriangleBatch triangle = *this;  // a local: nothing that is written can be part of it
+  for (std::size_t begin = 0; begin < points.size(); begin += run) {
+    const float* const x = points.x.data() + begin;
+    const float* const y = points.y.data() + begin;
+    const float* const z = points.z.data() + begin;
+    const std::size_t count = std::min(run, points.size() - begin);
+    for (std::size_t i = 0; i < count; ++i) squares[i] = triangle.squared_distance(x[i], y[i], z[i]);
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::uint32_t nearer = squares[i] < least[begin + i] ? ~0U : 0U;
+      chosen[begin + i] = (number & nearer) | (chosen[begin + i] & ~nearer);
+      least[begin + i] = squares[i] < least[begin + i] ? squares[i] : least[begin + i];
+    }
+  }
+}
+
+TriangleBatch::Four TriangleBatch::squared_distances(const Four& x, const Four& y, const Four& z) const {
+  Four squares;
+  for (std::size_t i = 0; i < 4; ++i) squares[i] = squared_distance(x[i], y[i], z[i]);
+  return squares;
+}
+
+float TriangleBatch::squared_distance(const glm::vec3& point) const {
+  return squared_distance(point.x, point.y, point.z);
+}
+
+ReferenceMesh::ReferenceMesh(std::span<const glm::vec3> positions, const LevelFaces& levels, CollapseIndex time,
+                             std::span<const float> maker_errors)
+    : number_of_(positions.size(), no_id) {
+  // What ended before is gone; of the rest, what was made by then is there.
+  for (FaceId f = levels.first_ended(time); f < levels.face_count(); ++f) {
+    const CollapseIndex maker = levels.maker(f);
+    if (maker != no_id && maker >= time) continue;
+    add_face(levels.corners(f), positions);
+    errors_.push_back(maker == no_id ? 0.0F : maker_errors[maker]);
+  }
+  mean_error_ = std::accumulate(errors_.begin(), errors_.end(), 0.0) / static_cast<double>(face_count());
+  link_stars();
+}
+
+void ReferenceMesh::add_face(const Triangle& corners, std::span<const glm::vec3> positions) {
+  Triangle face;
+  for (int k = 0; k < 3; ++k) {
+    std::uint32_t& number = number_of_[corners[k]];
+    if (number == no_id) {
+      number = vertex_count();
+      positions_.push_back(positions[corners[k]]);
+    }
+    face[k] = number;
+  }
+  faces_.push_back(face);
+  const glm::vec3 &a = positions[corners.x], &b = positions[corners.y], &c = positions[corners.z];
+  const glm::vec3 center = a + ((b - a) + (c - a)) * (1.0F / 3.0F);
+  balls_.push_back({center, std::max({glm::distance(center, a), glm::distance(center, b), glm::distance(center, c)})});
+}
+
+void ReferenceMesh::link_stars() {
+  first_star_.assign(positions_.size() + 2, 0);
+  for (const Triangle& face : faces_)
+    for (int k = 0; k < 3; ++k) ++first_star_[face[k] + 2];
+  for (std::size_t v = 2; v < first_star_.size(); ++v) first_star_[v] += first_star_[v - 1];
+  stars_.resize(first_star_.back());
+  for (std::uint32_t f = 0; f < face_count(); ++f)
+    for (int k = 0; k < 3; ++k) stars_[first_star_[faces_[f][k] + 1]++] = f;
+  first_star_.pop_back();
+}
+
 namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();

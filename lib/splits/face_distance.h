@@ -1,16 +1,134 @@
-// How far triangles are from a mesh: an upper bound that holds for every point of them.
+// A collapse sequence read face by face: which collapse made each, which ended it.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <span>
 #include <vector>
 
-#include "splits/reference_mesh.h"
-#include "splits/triangle_batch.h"
+#include "splits/simplify.h"
 
 namespace occlod {
+
+using CollapseIndex = CollapseId;  // into CollapseSequence::collapses
+using FaceId = std::uint32_t;      // of LevelFaces
+
+// Numbers all faces that ever existed: those that ended, in their order, then those of the base mesh. Keeps a view of
+// the sequence.
+class LevelFaces {
+ public:
+  explicit LevelFaces(const CollapseSequence& sequence);
+
+  [[nodiscard]] CollapseIndex collapse_count() const noexcept {
+    return static_cast<CollapseIndex>(sequence_.collapses.size());
+  }
+  [[nodiscard]] const Collapse& collapse(CollapseIndex c) const noexcept { return *sequence_.collapses[c]; }
+
+  [[nodiscard]] FaceId face_count() const noexcept { return static_cast<FaceId>(faces_.size()); }
+  [[nodiscard]] const Triangle& corners(FaceId f) const noexcept { return faces_[f].corners; }
+  // The collapse that made the face; no_id for faces of the input.
+  [[nodiscard]] CollapseIndex maker(FaceId f) const noexcept { return faces_[f].made_by; }
+  // The faces that collapse c ended: [first_ended(c), first_ended(c + 1)).
+  [[nodiscard]] FaceId first_ended(CollapseIndex c) const noexcept { return first_ended_[c]; }
+  [[nodiscard]] std::span<const FaceId> made(CollapseIndex c) const noexcept {
+    return {made_.data() + first_made_[c], first_made_[c + 1] - first_made_[c]};
+  }
+
+ private:
+  void list_ended();
+  void find_makers();
+
+  const CollapseSequence& sequence_;
+  std::vector<LevelFace> faces_;  // made by places
+  std::vector<FaceId> first_ended_;
+  std::vector<std::uint32_t> first_made_;
+  std::vector<FaceId> made_;
+};
+
+// The distances of many points from one triangle, in single precision.
+
+// Points as one array a coordinate, so that compilers vectorise the loops over them.
+struct PointBatch {
+  std::vector<float> x, y, z;
+
+  [[nodiscard]] std::size_t size() const noexcept { return x.size(); }
+  void resize(std::size_t count);
+  void set(std::size_t i, const glm::vec3& p) { x[i] = p.x, y[i] = p.y, z[i] = p.z; }
+};
+
+class TriangleBatch {
+ public:
+  TriangleBatch(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c);
+
+  // For every point whose squared distance is less than `least` has for it: that, and `number` into `chosen`.
+  void choose_nearer(const PointBatch& points, std::uint32_t number, float* least, std::uint32_t* chosen) const;
+  [[nodiscard]] float squared_distance(const glm::vec3& point) const;
+  // Of four points, a coordinate at a time.
+  using Four = std::array<float, 4>;
+  [[nodiscard]] Four squared_distances(const Four& x, const Four& y, const Four& z) const;
+  // To be added to a distance so that it is an upper bound whatever was lost in rounding.
+  [[nodiscard]] float rounding(float distance) const { return 2e-6F * (distance + longest_edge_); }
+
+ private:
+  struct Edge {
+    glm::vec3 start;    // from origin_
+    glm::vec3 along;    // to its end
+    glm::vec3 inwards;  // in the plane, unit length; zero where the triangle has no inside to speak of
+    float inverse_squared_length = 0.0F;
+    float offset = 0.0F;  // added to the distance from the line: negative where there is no inside
+  };
+  [[nodiscard]] float squared_distance(float x, float y, float z) const;
+
+  glm::vec3 origin_;
+  glm::vec3 normal_;
+  std::array<Edge, 3> edges_;
+  float longest_edge_ = 0.0F;
+};
+
+// One mesh of the sequence, kept to measure the faces of coarser ones against.
+
+// The faces that are there before collapse `time`. Vertices have numbers of their own.
+class ReferenceMesh {
+ public:
+  // `maker_errors`: one for each collapse before `time`, how far the faces that it made are from the input at most.
+  ReferenceMesh(std::span<const glm::vec3> positions, const LevelFaces& levels, CollapseIndex time,
+                std::span<const float> maker_errors);
+
+  [[nodiscard]] std::uint32_t vertex_count() const noexcept { return static_cast<std::uint32_t>(positions_.size()); }
+  [[nodiscard]] std::uint32_t face_count() const noexcept { return static_cast<std::uint32_t>(faces_.size()); }
+  [[nodiscard]] const glm::vec3& position(std::uint32_t v) const noexcept { return positions_[v]; }
+  // By the number that the vertex has in the input; no_id when it is not there any more.
+  [[nodiscard]] std::uint32_t vertex_of(VertexId v) const noexcept { return number_of_[v]; }
+  [[nodiscard]] const Triangle& corners(std::uint32_t face) const noexcept { return faces_[face]; }
+  [[nodiscard]] float error(std::uint32_t face) const noexcept { return errors_[face]; }
+  [[nodiscard]] double mean_error() const noexcept { return mean_error_; }
+  [[nodiscard]] std::span<const std::uint32_t> star(std::uint32_t v) const noexcept {
+    return {stars_.data() + first_star_[v], first_star_[v + 1] - first_star_[v]};
+  }
+  // Holds the face.
+  struct Ball {
+    glm::vec3 center;
+    float radius;
+  };
+  [[nodiscard]] const Ball& ball(std::uint32_t face) const noexcept { return balls_[face]; }
+
+ private:
+  void add_face(const Triangle& corners, std::span<const glm::vec3> positions);
+  void link_stars();
+
+  std::vector<std::uint32_t> number_of_;
+  std::vector<glm::vec3> positions_;
+  std::vector<Ball> balls_;
+  std::vector<Triangle> faces_;
+  std::vector<float> errors_;
+  double mean_error_ = 0.0;
+  std::vector<std::uint32_t> first_star_;
+  std::vector<std::uint32_t> stars_;
+};
+
+// How far triangles are from a mesh: an upper bound that holds for every point of them.
 
 // Halves the triangle until every piece is near one face of the mesh. A face is convex, so its distance is a convex
 // function: a piece is no farther from it than the farthest of the piece's corners. Nothing is asked of the mesh.

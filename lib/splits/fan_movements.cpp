@@ -1,7 +1,7 @@
-#include "splits/fan_movements.h"
-
 #include <cassert>
 #include <limits>
+
+#include "splits/fan.h"
 
 // Compiles this file once for every instruction set.
 #undef HWY_TARGET_INCLUDE

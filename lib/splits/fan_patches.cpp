@@ -1,6 +1,6 @@
-#include "splits/fan_patches.h"
-
 #include <cassert>
+
+#include "splits/star_patch.h"
 
 // Compiles this file once for every instruction set.
 #undef HWY_TARGET_INCLUDE

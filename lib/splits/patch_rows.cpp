@@ -1,9 +1,9 @@
-#include "splits/patch_rows.h"
-
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
+
+#include "splits/star_patch.h"
 
 // Compiles this file once for every instruction set.
 #undef HWY_TARGET_INCLUDE

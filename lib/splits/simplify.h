@@ -5,11 +5,11 @@
 #include <span>
 #include <vector>
 
-#include "base/large_vector.h"
-#include "occlod/core/ids.h"
-#include "occlod/hierarchy/build.h"
-#include "occlod/mesh/triangle_mesh.h"
-#include "splits/star_shape.h"
+#include "base/memory.h"
+#include "occlod/base.h"
+#include "occlod/build_hierarchy.h"
+#include "occlod/mesh.h"
+#include "splits/star_record.h"
 
 namespace occlod {
 

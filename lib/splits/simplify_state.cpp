@@ -7,8 +7,8 @@
 #include <numeric>
 #include <vector>
 
-#include "splits/parallel.h"
-#include "splits/unit_scale.h"
+#include "base/threads.h"
+#include "splits/positions.h"
 
 namespace occlod {
 namespace {

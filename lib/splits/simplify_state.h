@@ -6,13 +6,12 @@
 #include <memory>
 #include <span>
 
+#include "base/memory.h"
 #include "splits/attribute_state.h"
 #include "splits/build_progress.h"
-#include "base/large_vector.h"
 #include "splits/fan.h"
-#include "splits/position_view.h"
+#include "splits/positions.h"
 #include "splits/star_mesh.h"
-#include "splits/vertex_quadric.h"
 
 namespace occlod {
 

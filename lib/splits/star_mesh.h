@@ -8,9 +8,9 @@
 #include <span>
 #include <vector>
 
-#include "base/large_vector.h"
+#include "base/memory.h"
 #include "base/platform.h"
-#include "occlod/mesh/triangle_mesh.h"
+#include "occlod/mesh.h"
 #include "splits/simplify.h"
 
 namespace occlod {

@@ -5,8 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "splits/corner_record.h"
-#include "occlod/hierarchy/validate.h"
+#include "occlod/build_hierarchy.h"
 #include "splits/star_record.h"
 
 namespace occlod {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "occlod/hierarchy/hierarchy.h"
+#include "occlod/hierarchy.h"
 
 namespace occlod {
 

@@ -1,15 +1,13 @@
-#include "splits/subtree_bounds.h"
-
 #include <algorithm>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
 
-#include "base/large_vector.h"
+#include "base/memory.h"
 #include "base/platform.h"
-#include "splits/parallel.h"
-#include "splits/patch_rows.h"
+#include "base/threads.h"
+#include "splits/build_steps.h"
 #include "splits/star_patch.h"
 
 namespace occlod {

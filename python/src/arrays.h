@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-#include "occlod/mesh/triangle_mesh.h"
+#include "occlod/mesh.h"
 
 namespace occlod::python {
 

@@ -1,5 +1,5 @@
 // Refinement that chooses its effects, and what it chooses by.
-#include "occlod/effects/auto_refiner.h"
+#include "occlod/auto_refiner.h"
 
 #include <nanobind/operators.h>
 #include <nanobind/stl/filesystem.h>

@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "occlod/core/error.h"
-#include "occlod/hierarchy/hierarchy.h"
-#include "occlod/mesh/triangle_mesh.h"
-#include "occlod/picture/picture.h"
-#include "occlod/refine/visibility.h"
+#include "occlod/base.h"
+#include "occlod/hierarchy.h"
+#include "occlod/mesh.h"
+#include "occlod/picture.h"
+#include "occlod/visibility.h"
 
 namespace occlod::python {
 

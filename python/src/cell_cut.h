@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "occlod/viewcells/cell_builder.h"
+#include "occlod/cell_builder.h"
 #include "refining.h"
 
 namespace occlod::python {

@@ -14,8 +14,7 @@
 
 #include "arrays.h"
 #include "cell_cut.h"
-#include "occlod/viewcells/build_cells.h"
-#include "occlod/viewcells/pack_cells.h"
+#include "occlod/build_cells.h"
 #include "refining.h"
 #include "vlod.h"
 

@@ -1,5 +1,5 @@
 // Walking through files of view cells, frame by frame.
-#include "occlod/viewcells/cell_walker.h"
+#include "occlod/cell_walker.h"
 
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>

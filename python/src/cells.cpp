@@ -12,8 +12,8 @@
 
 #include "arrays.h"
 #include "cell_cut.h"
-#include "occlod/hierarchy/cut_mesh.h"
-#include "occlod/viewcells/cell_builder.h"
+#include "occlod/build_hierarchy.h"
+#include "occlod/cell_builder.h"
 #include "refining.h"
 #include "view_like.h"
 

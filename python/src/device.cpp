@@ -9,12 +9,10 @@
 
 #include <filesystem>
 
-#include "occlod/device/measure_costs.h"
-#include "occlod/device/software_device.h"
-#include "occlod/device/virtual_device.h"
+#include "occlod/device.h"
+#include "occlod/trial_devices.h"
 #ifdef OCCLOD_HAS_GL
-#include "occlod/gl/context.h"
-#include "occlod/gl/hlod_device.h"
+#include "occlod/gl.h"
 #endif
 
 namespace occlod::python {

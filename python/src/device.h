@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "bindings.h"
-#include "occlod/device/device.h"
-#include "occlod/device/device_costs.h"
-#include "occlod/device/recorded_device.h"
-#include "occlod/raster/item_buffer.h"
+#include "occlod/device.h"
+#include "occlod/device_costs.h"
+#include "occlod/item_buffer.h"
+#include "occlod/trial_devices.h"
 
 namespace occlod::python {
 

@@ -16,10 +16,7 @@
 #include "bindings.h"
 #include "checks.h"
 #include "materials.h"
-#include "occlod/hierarchy/build.h"
-#include "occlod/hierarchy/cut_mesh.h"
-#include "occlod/hierarchy/validate.h"
-#include "occlod/io/olod.h"
+#include "occlod/build_hierarchy.h"
 
 namespace occlod::python {
 namespace {

@@ -1,4 +1,6 @@
 // Hierarchical levels of detail: built, read, written, validated.
+#include "occlod/hlod.h"
+
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
@@ -10,11 +12,8 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "checks.h"
-#include "occlod/hlod/build.h"
-#include "occlod/hlod/metric.h"
-#include "occlod/hlod/validate.h"
-#include "occlod/hlod/within.h"
-#include "occlod/io/ohlod.h"
+#include "occlod/build_hlod.h"
+#include "occlod/node_store.h"
 
 namespace occlod::python {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <span>
 
-#include "occlod/mesh/triangle_mesh.h"
+#include "occlod/mesh.h"
 
 namespace occlod::python {
 

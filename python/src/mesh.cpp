@@ -1,4 +1,6 @@
 // Meshes: read, cleaned, generated, written.
+#include "occlod/mesh.h"
+
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
@@ -12,11 +14,8 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "materials.h"
-#include "occlod/io/read_mesh.h"
-#include "occlod/io/write_mesh.h"
-#include "occlod/mesh/clean.h"
-#include "occlod/mesh/count_topology.h"
-#include "occlod/mesh/generate.h"
+#include "occlod/generate.h"
+#include "occlod/mesh_file.h"
 
 namespace occlod::python {
 namespace {

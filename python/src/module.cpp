@@ -5,8 +5,7 @@
 #include <exception>
 
 #include "bindings.h"
-#include "occlod/core/error.h"
-#include "occlod/core/version.h"
+#include "occlod/base.h"
 
 namespace occlod::python {
 namespace {

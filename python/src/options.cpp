@@ -4,7 +4,7 @@
 
 #include "arrays.h"
 #include "bindings.h"
-#include "occlod/refine/refine_options.h"
+#include "occlod/refiner.h"
 
 namespace occlod::python {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "arrays.h"
 #include "bindings.h"
-#include "occlod/picture/compare.h"
-#include "occlod/raster/item_buffer.h"
+#include "occlod/compare.h"
+#include "occlod/item_buffer.h"
 #include "view_like.h"
 
 namespace occlod::python {

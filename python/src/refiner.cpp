@@ -1,4 +1,6 @@
 // Objects, refiners and what they give.
+#include "occlod/refiner.h"
+
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
@@ -8,8 +10,7 @@
 #include <tuple>
 
 #include "arrays.h"
-#include "occlod/hierarchy/cut_mesh.h"
-#include "occlod/refine/geomorph.h"
+#include "occlod/build_hierarchy.h"
 #include "refining.h"
 
 namespace occlod::python {

@@ -12,9 +12,7 @@
 
 #include "arrays.h"
 #include "bindings.h"
-#include "occlod/refine/refine_options.h"
-#include "occlod/refine/refinement.h"
-#include "occlod/refine/refiner.h"
+#include "occlod/refiner.h"
 #include "view_like.h"
 
 namespace occlod::python {

@@ -1,5 +1,5 @@
 // Scenes: read, written, loaded.
-#include "occlod/scene/scene.h"
+#include "occlod/scene.h"
 
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/map.h>
@@ -14,7 +14,6 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "device.h"
-#include "occlod/scene/load_hlods.h"
 
 namespace occlod::python {
 namespace {

@@ -12,7 +12,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "device.h"
-#include "occlod/traverse/traverser.h"
+#include "occlod/traverser.h"
 #include "view_like.h"
 
 namespace occlod::python {

@@ -1,12 +1,11 @@
 // Cameras and views.
-#include "occlod/view/view.h"
+#include "occlod/view.h"
 
 #include <nanobind/operators.h>
 #include <nanobind/stl/optional.h>
 
 #include "arrays.h"
 #include "bindings.h"
-#include "occlod/view/camera.h"
 
 namespace occlod::python {
 

@@ -3,8 +3,7 @@
 
 #include <nanobind/nanobind.h>
 
-#include "occlod/view/camera.h"
-#include "occlod/view/view.h"
+#include "occlod/view.h"
 
 namespace occlod::python {
 

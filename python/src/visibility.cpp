@@ -1,16 +1,14 @@
 // Visibility backends by name.
+#include "occlod/visibility.h"
+
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
 #include "bindings.h"
-#include "occlod/occlusion/software_occlusion.h"
 #include "refining.h"
 #ifdef OCCLOD_HAS_GL
-#include "occlod/gl/compute_occlusion.h"
-#include "occlod/gl/context.h"
-#include "occlod/gl/mark_occlusion.h"
-#include "occlod/gl/query_occlusion.h"
+#include "occlod/gl.h"
 #endif
 
 namespace occlod::python {

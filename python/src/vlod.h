@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "occlod/viewcells/vlod_file.h"
+#include "occlod/vlod_file.h"
 #include "refining.h"
 
 namespace occlod::python {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <set>
 
-#include "occlod/mesh/triangle_mesh.h"
+#include "occlod/mesh.h"
 
 namespace occlod::bench {
 namespace {

@@ -1,4 +1,4 @@
-#include "occlod/math/bounds.h"
+#include "occlod/bounds.h"
 
 #include <gtest/gtest.h>
 

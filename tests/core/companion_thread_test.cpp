@@ -1,10 +1,10 @@
-#include "base/companion_thread.h"
-
 #include <gtest/gtest.h>
 
 #include <chrono>
 #include <stdexcept>
 #include <thread>
+
+#include "base/threads.h"
 
 namespace occlod {
 namespace {

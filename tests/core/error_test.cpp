@@ -1,6 +1,6 @@
-#include "occlod/core/error.h"
-
 #include <gtest/gtest.h>
+
+#include "occlod/base.h"
 
 namespace occlod {
 namespace {

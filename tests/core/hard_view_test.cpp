@@ -9,8 +9,8 @@
 #include <random>
 #include <string>
 
-#include "occlod/core/error.h"
-#include "occlod/view/view.h"
+#include "occlod/base.h"
+#include "occlod/view.h"
 
 namespace occlod {
 namespace {

@@ -1,12 +1,10 @@
-#include "base/helper_threads.h"
-
 #include <gtest/gtest.h>
 
 #include <atomic>
 #include <new>
 #include <stdexcept>
 
-#include "splits/parallel.h"
+#include "base/threads.h"
 
 namespace occlod {
 namespace {

@@ -1,9 +1,9 @@
-#include "base/large_vector.h"
-
 #include <gtest/gtest.h>
 
 #include <cstddef>
 #include <cstring>
+
+#include "base/memory.h"
 
 namespace occlod {
 namespace {

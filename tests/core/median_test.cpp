@@ -1,9 +1,9 @@
-#include "base/median.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <numeric>
+
+#include "base/timing.h"
 
 namespace occlod {
 namespace {

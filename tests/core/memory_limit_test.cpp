@@ -1,5 +1,3 @@
-#include "occlod/core/memory_limit.h"
-
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/resource.h>
@@ -10,10 +8,10 @@
 #include <optional>
 #include <string>
 
-#include "base/large_vector.h"
+#include "base/memory.h"
 #include "base/platform.h"
-#include "splits/parallel.h"
-#include "occlod/core/error.h"
+#include "base/threads.h"
+#include "occlod/base.h"
 
 namespace occlod {
 namespace {

@@ -7,8 +7,8 @@
 #include <numbers>
 #include <random>
 
-#include "occlod/core/error.h"
-#include "occlod/view/view.h"
+#include "occlod/base.h"
+#include "occlod/view.h"
 #include "support/cameras.h"
 
 namespace occlod {

@@ -1,5 +1,3 @@
-#include "base/parse_double.h"
-
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -9,6 +7,8 @@
 #include <random>
 #include <string>
 #include <string_view>
+
+#include "base/text.h"
 
 namespace occlod {
 namespace {

@@ -1,11 +1,11 @@
-#include "occlod/view/view.h"
+#include "occlod/view.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
-#include "occlod/core/error.h"
+#include "occlod/base.h"
 
 namespace occlod {
 namespace {

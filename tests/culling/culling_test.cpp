@@ -13,9 +13,9 @@
 #include <vector>
 
 #include "culling/hard_views.h"
-#include "occlod/hierarchy/build.h"
-#include "occlod/mesh/clean.h"
-#include "occlod/view/view.h"
+#include "occlod/build_hierarchy.h"
+#include "occlod/mesh.h"
+#include "occlod/view.h"
 #include "oracle/culling_oracle.h"
 
 namespace occlod {

@@ -5,7 +5,7 @@
 #include <glm/ext/matrix_transform.hpp>
 #include <glm/geometric.hpp>
 
-#include "occlod/math/bounds.h"
+#include "occlod/bounds.h"
 #include "support/meshes.h"
 
 namespace occlod::test {

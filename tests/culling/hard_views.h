@@ -5,8 +5,8 @@
 #include <glm/mat4x4.hpp>
 #include <random>
 
-#include "occlod/mesh/triangle_mesh.h"
-#include "occlod/view/camera.h"
+#include "occlod/mesh.h"
+#include "occlod/view.h"
 
 namespace occlod::test {
 

@@ -7,7 +7,7 @@
 #include <set>
 #include <string>
 
-#include "occlod/hierarchy/build.h"
+#include "occlod/build_hierarchy.h"
 #include "support/meshes.h"
 
 namespace occlod {

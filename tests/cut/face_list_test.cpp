@@ -1,5 +1,3 @@
-#include "refine/face_list.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,7 +5,8 @@
 #include <tuple>
 #include <vector>
 
-#include "occlod/hierarchy/build.h"
+#include "occlod/build_hierarchy.h"
+#include "refine/drawn_mesh.h"
 #include "support/meshes.h"
 
 namespace occlod {

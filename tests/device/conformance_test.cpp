@@ -10,10 +10,9 @@
 
 #include "device/small_scenes.h"
 #include "device/tested_devices.h"
-#include "occlod/hlod/build.h"
-#include "occlod/hlod/within.h"
-#include "occlod/mesh/generate.h"
-#include "occlod/raster/item_buffer.h"
+#include "occlod/build_hlod.h"
+#include "occlod/generate.h"
+#include "occlod/item_buffer.h"
 #include "support/meshes.h"
 
 namespace occlod::hlod {

@@ -1,9 +1,8 @@
 // What commands cost, measured where it is known.
-#include "occlod/device/measure_costs.h"
-
 #include <gtest/gtest.h>
 
-#include "occlod/device/virtual_device.h"
+#include "occlod/device.h"
+#include "occlod/trial_devices.h"
 
 namespace occlod::hlod {
 namespace {

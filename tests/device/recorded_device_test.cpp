@@ -1,5 +1,5 @@
 // Recordings: replayed call by call, refused where a call differs, and kept in files.
-#include "occlod/device/recorded_device.h"
+#include "hlod/draw/recorded_device.h"
 
 #include <gtest/gtest.h>
 
@@ -10,10 +10,9 @@
 #include <limits>
 #include <random>
 
-#include "hlod/draw/recording_data.h"
 #include "device/small_scenes.h"
-#include "occlod/core/error.h"
-#include "occlod/device/virtual_device.h"
+#include "occlod/base.h"
+#include "occlod/trial_devices.h"
 
 namespace occlod::hlod {
 namespace {

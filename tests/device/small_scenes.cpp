@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "occlod/hlod/build.h"
-#include "occlod/mesh/generate.h"
+#include "occlod/build_hlod.h"
+#include "occlod/generate.h"
 #include "support/meshes.h"
 
 namespace occlod::hlod::test {

@@ -4,9 +4,9 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "occlod/device/device.h"
-#include "occlod/hlod/hlod.h"
-#include "occlod/view/view.h"
+#include "occlod/device.h"
+#include "occlod/hlod.h"
+#include "occlod/view.h"
 
 namespace occlod::hlod::test {
 

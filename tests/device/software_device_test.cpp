@@ -1,15 +1,13 @@
 // What the software device promises beyond other devices: exact pictures, morphs, counts of work, the same bits.
-#include "occlod/device/software_device.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "hlod/draw/box_proxy.h"
 #include "device/small_scenes.h"
-#include "occlod/hlod/build.h"
-#include "occlod/hlod/within.h"
-#include "occlod/mesh/generate.h"
+#include "hlod/draw/box_proxy.h"
+#include "occlod/build_hlod.h"
+#include "occlod/device.h"
+#include "occlod/generate.h"
 #include "raster/every_target.h"
 
 namespace occlod::hlod {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "occlod/device/device.h"
+#include "occlod/device.h"
 
 namespace occlod::hlod::test {
 

@@ -1,5 +1,5 @@
 // Frame times of sequences of commands, added up by hand.
-#include "occlod/device/virtual_device.h"
+#include "hlod/draw/virtual_device.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <limits>
 
 #include "device/small_scenes.h"
-#include "hlod/draw/virtual_clock.h"
-#include "occlod/core/error.h"
+#include "occlod/base.h"
+#include "occlod/trial_devices.h"
 
 namespace occlod::hlod {
 namespace {

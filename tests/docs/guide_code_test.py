@@ -14,21 +14,21 @@ import unittest
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 PREAMBLE = """#include <occlod/occlod.h>
-#include <occlod/core/memory_limit.h>
-#include <occlod/device/recorded_device.h>
-#include <occlod/device/virtual_device.h>
-#include <occlod/gl/hlod_device.h>
-#include <occlod/hlod/build.h>
-#include <occlod/hlod/within.h>
-#include <occlod/io/ohlod.h>
-#include <occlod/scene/scene.h>
-#include <occlod/tiles/write_tileset.h>
-#include <occlod/traverse/traverser.h>
-#include <occlod/viewcells/build_cells.h>
-#include <occlod/viewcells/cell_builder.h>
-#include <occlod/viewcells/cell_walker.h>
-#include <occlod/viewcells/pack_cells.h>
-#include <occlod/viewcells/vlod_file.h>
+#include <occlod/base.h>
+#include <occlod/trial_devices.h>
+#include <occlod/trial_devices.h>
+#include <occlod/gl.h>
+#include <occlod/build_hlod.h>
+#include <occlod/build_hlod.h>
+#include <occlod/node_store.h>
+#include <occlod/scene.h>
+#include <occlod/tiles.h>
+#include <occlod/traverser.h>
+#include <occlod/build_cells.h>
+#include <occlod/cell_builder.h>
+#include <occlod/cell_walker.h>
+#include <occlod/build_cells.h>
+#include <occlod/vlod_file.h>
 #include <glm/gtc/matrix_transform.hpp>
 #include <iostream>
 #include <span>

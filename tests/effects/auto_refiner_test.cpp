@@ -1,4 +1,4 @@
-#include "occlod/effects/auto_refiner.h"
+#include "occlod/auto_refiner.h"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "effect_scenes.h"
-#include "occlod/core/error.h"
-#include "occlod/occlusion/software_occlusion.h"
+#include "occlod/base.h"
+#include "occlod/visibility.h"
 #include "support/bad_options.h"
 
 namespace occlod::test {

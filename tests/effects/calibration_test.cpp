@@ -1,5 +1,3 @@
-#include "occlod/effects/calibration.h"
-
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -9,8 +7,9 @@
 #include <string>
 
 #include "effect_scenes.h"
-#include "occlod/core/error.h"
-#include "occlod/occlusion/software_occlusion.h"
+#include "occlod/auto_refiner.h"
+#include "occlod/base.h"
+#include "occlod/visibility.h"
 
 namespace occlod::test {
 namespace {

@@ -6,10 +6,10 @@
 #include <utility>
 #include <vector>
 
-#include "occlod/effects/calibration.h"
-#include "occlod/hierarchy/build.h"
-#include "occlod/mesh/generate.h"
-#include "occlod/refine/refiner.h"
+#include "occlod/auto_refiner.h"
+#include "occlod/build_hierarchy.h"
+#include "occlod/generate.h"
+#include "occlod/refiner.h"
 #include "support/meshes.h"
 
 namespace occlod::test {

@@ -1,11 +1,10 @@
-#include "refine/fragment_count.h"
-
 #include <gtest/gtest.h>
 
 #include <limits>
 #include <vector>
 
 #include "effect_scenes.h"
+#include "raster/clip.h"
 
 namespace occlod::test {
 namespace {

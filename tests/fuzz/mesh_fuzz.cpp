@@ -13,10 +13,9 @@
 
 #include "mesh/polygon_soup.h"
 #include "mesh/stream_mesh.h"
-#include "occlod/core/error.h"
-#include "occlod/hierarchy/build.h"
-#include "occlod/hierarchy/validate.h"
-#include "occlod/mesh/clean.h"
+#include "occlod/base.h"
+#include "occlod/build_hierarchy.h"
+#include "occlod/mesh.h"
 
 namespace occlod {
 namespace {

@@ -7,9 +7,9 @@
 #include <string>
 #include <string_view>
 
-#include "mesh/parse_mtl.h"
-#include "base/text_encoding.h"
-#include "occlod/core/error.h"
+#include "base/text.h"
+#include "mesh/materials.h"
+#include "occlod/base.h"
 
 namespace occlod {
 namespace {

@@ -14,11 +14,11 @@
 #include "fuzz/memory_file.h"
 #include "fuzz/section_mutator.h"
 #include "fuzz/section_signer.h"
-#include "hlod/store/ohlod_format.h"
-#include "occlod/core/error.h"
-#include "occlod/hlod/validate.h"
-#include "occlod/hlod/within.h"
-#include "occlod/io/ohlod.h"
+#include "hlod/store/ohlod.h"
+#include "occlod/base.h"
+#include "occlod/build_hlod.h"
+#include "occlod/hlod.h"
+#include "occlod/node_store.h"
 
 namespace occlod::ohlod {
 namespace {

@@ -11,14 +11,12 @@
 
 #include "fuzz/memory_file.h"
 #include "fuzz/section_signer.h"
-#include "splits/split_guard.h"
+#include "mesh/materials.h"
+#include "occlod/base.h"
+#include "occlod/build_hierarchy.h"
+#include "splits/hierarchy_data.h"
+#include "splits/olod.h"
 #include "splits/structure.h"
-#include "mesh/material_table.h"
-#include "splits/olod_format.h"
-#include "occlod/core/error.h"
-#include "occlod/hierarchy/cut_mesh.h"
-#include "occlod/hierarchy/validate.h"
-#include "occlod/io/olod.h"
 
 namespace occlod::olod {
 namespace {

@@ -7,11 +7,11 @@
 #include <cstring>
 #include <vector>
 
-#include "hlod/draw/recording_data.h"
 #include "fuzz/memory_file.h"
 #include "fuzz/section_signer.h"
-#include "occlod/core/error.h"
-#include "occlod/device/recorded_device.h"
+#include "hlod/draw/recorded_device.h"
+#include "occlod/base.h"
+#include "occlod/trial_devices.h"
 
 namespace occlod::hlod {
 namespace {

@@ -12,11 +12,11 @@
 #include <utility>
 #include <vector>
 
-#include "occlod/core/error.h"
-#include "occlod/hierarchy/build.h"
-#include "occlod/mesh/generate.h"
-#include "occlod/occlusion/software_occlusion.h"
-#include "occlod/refine/refiner.h"
+#include "occlod/base.h"
+#include "occlod/build_hierarchy.h"
+#include "occlod/generate.h"
+#include "occlod/refiner.h"
+#include "occlod/visibility.h"
 
 namespace occlod::fuzz {
 

@@ -4,9 +4,9 @@
 #include <cstdint>
 
 #include "fuzz/memory_file.h"
-#include "occlod/core/error.h"
-#include "occlod/scene/scene.h"
-#include "occlod/view/view.h"
+#include "occlod/base.h"
+#include "occlod/scene.h"
+#include "occlod/view.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const occlod::fuzz::MemoryFile file(data, size);

@@ -10,7 +10,6 @@
 #include <string_view>
 #include <vector>
 
-#include "mesh/olod_codec.h"
 #include "mesh/section_file.h"
 
 namespace occlod::fuzz {

@@ -7,13 +7,13 @@
 #include <span>
 #include <vector>
 
+#include "cells/packed_geometry.h"
+#include "cells/vlod_format.h"
 #include "fuzz/memory_file.h"
 #include "fuzz/section_signer.h"
 #include "fuzz/vlod_scene.h"
-#include "occlod/core/error.h"
-#include "occlod/viewcells/vlod_file.h"
-#include "cells/packed_geometry.h"
-#include "cells/vlod_format.h"
+#include "occlod/base.h"
+#include "occlod/vlod_file.h"
 
 namespace occlod::vlod {
 namespace {

@@ -4,10 +4,10 @@
 #include <array>
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "occlod/hierarchy/build.h"
-#include "occlod/mesh/generate.h"
-#include "occlod/refine/refiner.h"
-#include "occlod/viewcells/cell_options.h"
+#include "occlod/build_hierarchy.h"
+#include "occlod/cell_builder.h"
+#include "occlod/generate.h"
+#include "occlod/refiner.h"
 
 namespace occlod::fuzz {
 

@@ -5,9 +5,8 @@
 
 #include "gl/backends.h"
 #include "gl/counting_context.h"
-#include "occlod/core/error.h"
-#include "occlod/gl/compute_occlusion.h"
-#include "occlod/gl/mark_occlusion.h"
+#include "occlod/base.h"
+#include "occlod/gl.h"
 
 namespace occlod::gl {
 namespace {

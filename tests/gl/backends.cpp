@@ -3,9 +3,8 @@
 #include <array>
 #include <utility>
 
-#include "occlod/gl/compute_occlusion.h"
-#include "occlod/gl/mark_occlusion.h"
-#include "occlod/occlusion/software_occlusion.h"
+#include "occlod/gl.h"
+#include "occlod/visibility.h"
 
 namespace occlod::gl {
 namespace {

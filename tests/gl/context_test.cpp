@@ -1,10 +1,10 @@
+#include "gl/context.h"
+
 #include <cstdlib>
 #include <cstring>
 
-#include "gl/context_base.h"
-#include "gl/shared_library.h"
 #include "gl/support.h"
-#include "occlod/core/error.h"
+#include "occlod/base.h"
 
 namespace occlod::gl {
 namespace {

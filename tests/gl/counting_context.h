@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "gl/functions.h"
-#include "occlod/gl/context.h"
+#include "occlod/gl.h"
 
 namespace occlod::gl {
 

@@ -4,9 +4,9 @@
 
 #include "gl/counting_context.h"
 #include "gl/hlod_cases.h"
-#include "occlod/hlod/build.h"
-#include "occlod/mesh/generate.h"
-#include "occlod/traverse/traverser.h"
+#include "occlod/build_hlod.h"
+#include "occlod/generate.h"
+#include "occlod/traverser.h"
 #include "support/scripted_device.h"
 
 namespace occlod::gl {

@@ -3,9 +3,9 @@
 #include <array>
 
 #include "hlod/store/hlod_data.h"
-#include "occlod/core/ids.h"
-#include "occlod/hlod/build.h"
-#include "occlod/picture/compare.h"
+#include "occlod/base.h"
+#include "occlod/build_hlod.h"
+#include "occlod/compare.h"
 #include "support/meshes.h"
 
 namespace occlod::gl {

@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "gl/support.h"
-#include "occlod/gl/hlod_device.h"
-#include "occlod/hlod/hlod.h"
-#include "occlod/picture/picture.h"
-#include "occlod/raster/item_buffer.h"
+#include "occlod/gl.h"
+#include "occlod/hlod.h"
+#include "occlod/item_buffer.h"
+#include "occlod/picture.h"
 
 namespace occlod::gl {
 

@@ -1,7 +1,7 @@
 // The device `gl` in the suite that every device has to pass.
 #include "device/tested_devices.h"
 #include "gl/support.h"
-#include "occlod/gl/hlod_device.h"
+#include "occlod/gl.h"
 
 namespace occlod::hlod::test {
 

@@ -7,9 +7,9 @@
 #include "gl/backends.h"
 #include "gl/hlod_cases.h"
 #include "gl/losing_context.h"
-#include "gl/range_allocator.h"
-#include "occlod/core/error.h"
-#include "occlod/hlod/build.h"
+#include "gl/mesh_arena.h"
+#include "occlod/base.h"
+#include "occlod/build_hlod.h"
 #include "support/meshes.h"
 
 namespace occlod::gl {

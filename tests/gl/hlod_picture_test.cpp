@@ -3,9 +3,8 @@
 #include <glm/ext/matrix_transform.hpp>
 
 #include "gl/hlod_cases.h"
-#include "occlod/core/ids.h"
-#include "occlod/hlod/build.h"
-#include "occlod/hlod/within.h"
+#include "occlod/base.h"
+#include "occlod/build_hlod.h"
 #include "support/meshes.h"
 
 namespace occlod::gl {

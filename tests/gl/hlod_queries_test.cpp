@@ -3,7 +3,7 @@
 
 #include "gl/counting_context.h"
 #include "gl/hlod_cases.h"
-#include "occlod/core/error.h"
+#include "occlod/base.h"
 
 namespace occlod::gl {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "gl/backends.h"
 #include "gl/losing_context.h"
-#include "occlod/core/error.h"
+#include "occlod/base.h"
 
 namespace occlod::gl {
 namespace {

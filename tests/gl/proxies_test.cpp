@@ -8,8 +8,8 @@
 #include <map>
 #include <numbers>
 
-#include "hlod/draw/clip_matrix.h"
 #include "gl/support.h"
+#include "hlod/draw/box_proxy.h"
 #include "oracle/random_shapes.h"
 
 namespace occlod::gl {

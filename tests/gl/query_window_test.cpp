@@ -3,7 +3,7 @@
 
 #include "gl/counting_context.h"
 #include "gl/support.h"
-#include "occlod/core/error.h"
+#include "occlod/base.h"
 #include "oracle/random_shapes.h"
 
 namespace occlod::gl {

@@ -1,6 +1,6 @@
 #include "gl/support.h"
 
-#include "occlod/core/error.h"
+#include "occlod/base.h"
 
 namespace occlod::gl {
 

@@ -10,10 +10,9 @@
 
 #include "gl/functions.h"
 #include "gl/proxies.h"
-#include "occlod/gl/context.h"
-#include "occlod/gl/query_occlusion.h"
-#include "occlod/refine/visibility.h"
-#include "occlod/view/view.h"
+#include "occlod/gl.h"
+#include "occlod/view.h"
+#include "occlod/visibility.h"
 
 namespace occlod::gl {
 

@@ -14,14 +14,13 @@
 #include <vector>
 
 #include "hashes/expected_hashes.h"
-#include "occlod/hierarchy/build.h"
-#include "occlod/hlod/build.h"
-#include "occlod/io/ohlod.h"
-#include "occlod/io/olod.h"
-#include "occlod/mesh/clean.h"
-#include "occlod/mesh/generate.h"
-#include "occlod/occlusion/software_occlusion.h"
-#include "occlod/refine/refiner.h"
+#include "occlod/build_hierarchy.h"
+#include "occlod/build_hlod.h"
+#include "occlod/generate.h"
+#include "occlod/mesh.h"
+#include "occlod/node_store.h"
+#include "occlod/refiner.h"
+#include "occlod/visibility.h"
 #include "raster/every_target.h"
 
 namespace occlod {

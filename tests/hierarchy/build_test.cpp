@@ -1,5 +1,3 @@
-#include "occlod/hierarchy/build.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -13,9 +11,9 @@
 #include <vector>
 
 #include "hierarchy/hierarchy_bytes.h"
-#include "occlod/core/error.h"
-#include "occlod/hierarchy/validate.h"
-#include "occlod/mesh/clean.h"
+#include "occlod/base.h"
+#include "occlod/build_hierarchy.h"
+#include "occlod/mesh.h"
 #include "support/meshes.h"
 
 namespace occlod {

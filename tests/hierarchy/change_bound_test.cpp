@@ -1,10 +1,9 @@
-#include "splits/change_bound.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "splits/collapse_rules.h"
 #include "support/meshes.h"
 
 namespace occlod {

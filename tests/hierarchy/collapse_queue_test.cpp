@@ -1,11 +1,11 @@
-#include "splits/collapse_queue.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <random>
 #include <vector>
+
+#include "splits/collapse_worker.h"
 
 namespace occlod {
 namespace {

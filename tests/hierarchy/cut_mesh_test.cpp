@@ -1,12 +1,9 @@
-#include "occlod/hierarchy/cut_mesh.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "occlod/hierarchy/build.h"
-#include "occlod/hierarchy/validate.h"
-#include "occlod/mesh/count_topology.h"
+#include "occlod/build_hierarchy.h"
+#include "occlod/mesh.h"
 #include "support/meshes.h"
 
 namespace occlod {

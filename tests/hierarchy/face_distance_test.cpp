@@ -9,7 +9,6 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
-#include "splits/triangle_batch.h"
 #include "support/meshes.h"
 
 namespace occlod {

@@ -1,6 +1,4 @@
 // Stars bounded together must get what each would get alone.
-#include "splits/fan_patches.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,8 +6,9 @@
 #include <random>
 #include <vector>
 
+#include "occlod/hierarchy.h"
+#include "splits/star_patch.h"
 #include "splits/star_record.h"
-#include "occlod/hierarchy/split_star.h"
 
 namespace occlod {
 namespace {

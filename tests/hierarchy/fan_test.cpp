@@ -7,9 +7,7 @@
 #include <cmath>
 #include <random>
 
-#include "splits/change_bound.h"
 #include "splits/collapse_rules.h"
-#include "splits/fan_movements.h"
 #include "support/meshes.h"
 
 namespace occlod {

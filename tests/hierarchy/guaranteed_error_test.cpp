@@ -7,8 +7,7 @@
 #include <glm/trigonometric.hpp>
 #include <random>
 
-#include "occlod/hierarchy/build.h"
-#include "occlod/hierarchy/cut_mesh.h"
+#include "occlod/build_hierarchy.h"
 #include "support/meshes.h"
 
 namespace occlod {

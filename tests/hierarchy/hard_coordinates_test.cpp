@@ -9,9 +9,9 @@
 #include <tuple>
 
 #include "hierarchy/hard_geometry.h"
+#include "occlod/base.h"
+#include "occlod/mesh.h"
 #include "splits/spatial_order.h"
-#include "occlod/core/error.h"
-#include "occlod/mesh/clean.h"
 #include "support/meshes.h"
 
 namespace occlod {

@@ -9,9 +9,7 @@
 #include <vector>
 
 #include "hierarchy/hierarchy_bytes.h"
-#include "occlod/hierarchy/build.h"
-#include "occlod/hierarchy/cut_mesh.h"
-#include "occlod/hierarchy/validate.h"
+#include "occlod/build_hierarchy.h"
 
 namespace occlod::test {
 

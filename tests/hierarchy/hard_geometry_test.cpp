@@ -8,8 +8,7 @@
 #include <glm/geometric.hpp>
 #include <random>
 
-#include "occlod/mesh/clean.h"
-#include "occlod/mesh/count_topology.h"
+#include "occlod/mesh.h"
 #include "support/meshes.h"
 
 namespace occlod {

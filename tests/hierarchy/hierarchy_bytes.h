@@ -4,7 +4,7 @@
 #include <cstring>
 #include <span>
 
-#include "occlod/hierarchy/hierarchy.h"
+#include "occlod/hierarchy.h"
 
 namespace occlod::test {
 

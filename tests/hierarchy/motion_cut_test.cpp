@@ -1,5 +1,3 @@
-#include "splits/motion_cut.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,7 +7,8 @@
 #include <set>
 #include <utility>
 
-#include "occlod/hierarchy/build.h"
+#include "occlod/build_hierarchy.h"
+#include "splits/surface_motion.h"
 #include "support/holed_meshes.h"
 #include "support/meshes.h"
 

@@ -1,6 +1,4 @@
 // Extents of nodes whose patches are looked at together must be those that one look at each patch gives.
-#include "splits/patch_rows.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,6 +6,8 @@
 #include <limits>
 #include <random>
 #include <vector>
+
+#include "splits/star_patch.h"
 
 namespace occlod {
 namespace {

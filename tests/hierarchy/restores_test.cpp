@@ -2,8 +2,7 @@
 
 #include <algorithm>
 
-#include "occlod/hierarchy/build.h"
-#include "occlod/hierarchy/validate.h"
+#include "occlod/build_hierarchy.h"
 #include "support/meshes.h"
 
 namespace occlod {

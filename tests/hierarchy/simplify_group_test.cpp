@@ -6,8 +6,8 @@
 #include <cmath>
 #include <vector>
 
-#include "splits/chain_sum.h"
-#include "splits/unit_scale.h"
+#include "splits/positions.h"
+#include "splits/triangle_keys.h"
 #include "support/meshes.h"
 
 namespace occlod {

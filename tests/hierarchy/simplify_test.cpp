@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "splits/level_faces.h"
+#include "splits/face_distance.h"
 #include "support/meshes.h"
 
 namespace occlod {

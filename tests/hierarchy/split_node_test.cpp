@@ -1,11 +1,11 @@
 // Packed bounds may only grow: whatever was inside before packing is inside after unpacking.
-#include "occlod/hierarchy/split_node.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <random>
+
+#include "occlod/hierarchy.h"
 
 namespace occlod {
 namespace {

@@ -6,9 +6,8 @@
 #include <random>
 #include <utility>
 
+#include "occlod/build_hierarchy.h"
 #include "splits/hierarchy_data.h"
-#include "occlod/hierarchy/build.h"
-#include "occlod/hierarchy/validate.h"
 #include "support/meshes.h"
 
 namespace occlod {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "occlod/hierarchy/build.h"
+#include "occlod/build_hierarchy.h"
 #include "support/meshes.h"
 
 namespace occlod {

@@ -1,13 +1,11 @@
 // A validator that finds nothing is worth something only if it finds what is wrong: every invariant is broken once.
-#include "occlod/hierarchy/validate.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <set>
 
+#include "occlod/build_hierarchy.h"
 #include "splits/hierarchy_data.h"
-#include "occlod/hierarchy/build.h"
 #include "support/meshes.h"
 
 namespace occlod {

@@ -1,6 +1,6 @@
-#include "splits/vertex_quadric.h"
-
 #include <gtest/gtest.h>
+
+#include "splits/fan.h"
 
 namespace occlod {
 namespace {

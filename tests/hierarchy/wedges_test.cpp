@@ -6,10 +6,8 @@
 #include <glm/geometric.hpp>
 #include <map>
 
-#include "occlod/core/error.h"
-#include "occlod/hierarchy/build.h"
-#include "occlod/hierarchy/cut_mesh.h"
-#include "occlod/hierarchy/validate.h"
+#include "occlod/base.h"
+#include "occlod/build_hierarchy.h"
 #include "support/meshes.h"
 #include "support/wedge_meshes.h"
 

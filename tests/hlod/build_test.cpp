@@ -1,5 +1,3 @@
-#include "occlod/hlod/build.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,9 +8,10 @@
 #include <vector>
 
 #include "hlod_bytes.h"
-#include "occlod/core/error.h"
-#include "occlod/hlod/validate.h"
-#include "occlod/mesh/generate.h"
+#include "occlod/base.h"
+#include "occlod/build_hlod.h"
+#include "occlod/generate.h"
+#include "occlod/hlod.h"
 #include "support/meshes.h"
 
 namespace occlod::hlod {

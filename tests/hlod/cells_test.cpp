@@ -8,10 +8,8 @@
 #include <random>
 #include <set>
 
-#include "hlod/build/cancel_opposite.h"
-#include "hlod/build/join_cells.h"
-#include "hlod/build/octree_grid.h"
-#include "hlod/build/sliver_patches.h"
+#include "hlod/build/finish_level.h"
+#include "hlod/build/group_triangles.h"
 #include "support/meshes.h"
 
 namespace occlod::hlod {

@@ -1,6 +1,4 @@
 // The promise of shifted grouping: whatever is refined, nothing gapes.
-#include "hlod/store/fronts.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,10 +7,10 @@
 #include <string>
 
 #include "hlod/store/hlod_data.h"
-#include "occlod/hlod/build.h"
-#include "occlod/hlod/metric.h"
-#include "occlod/hlod/validate.h"
-#include "occlod/mesh/generate.h"
+#include "hlod/store/structure.h"
+#include "occlod/build_hlod.h"
+#include "occlod/generate.h"
+#include "occlod/hlod.h"
 #include "support/meshes.h"
 
 namespace occlod::hlod {

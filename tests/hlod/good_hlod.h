@@ -1,7 +1,7 @@
 // An HLOD in which tests break one thing at a time.
 #pragma once
 
-#include "occlod/hlod/build.h"
+#include "occlod/build_hlod.h"
 #include "support/meshes.h"
 
 namespace occlod::hlod::test {

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <random>
 
-#include "occlod/hlod/build.h"
-#include "occlod/hlod/validate.h"
-#include "occlod/mesh/clean.h"
+#include "occlod/build_hlod.h"
+#include "occlod/hlod.h"
+#include "occlod/mesh.h"
 #include "support/meshes.h"
 
 namespace occlod::hlod {

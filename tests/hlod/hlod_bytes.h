@@ -4,7 +4,7 @@
 #include <span>
 #include <string>
 
-#include "occlod/hlod/hlod.h"
+#include "occlod/hlod.h"
 
 namespace occlod::hlod::test {
 

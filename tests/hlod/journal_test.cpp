@@ -15,10 +15,9 @@
 
 #include "base/platform.h"
 #include "hlod_bytes.h"
-#include "occlod/core/error.h"
-#include "occlod/core/memory_limit.h"
-#include "occlod/hlod/build.h"
-#include "occlod/mesh/generate.h"
+#include "occlod/base.h"
+#include "occlod/build_hlod.h"
+#include "occlod/generate.h"
 #include "support/meshes.h"
 #include "support/wedge_meshes.h"
 

@@ -13,9 +13,9 @@
 #include <vector>
 
 #include "hlod/store/hlod_data.h"
-#include "hlod/build/mesh_source.h"
-#include "occlod/core/error.h"
-#include "occlod/hlod/node_store.h"
+#include "hlod/store/mesh_loader.h"
+#include "occlod/base.h"
+#include "occlod/node_store.h"
 
 namespace occlod::hlod::test {
 

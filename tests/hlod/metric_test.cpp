@@ -1,5 +1,3 @@
-#include "occlod/hlod/metric.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -7,8 +5,9 @@
 #include <random>
 #include <utility>
 
-#include "occlod/hlod/build.h"
-#include "occlod/mesh/generate.h"
+#include "occlod/build_hlod.h"
+#include "occlod/generate.h"
+#include "occlod/hlod.h"
 #include "support/meshes.h"
 
 namespace occlod::hlod {

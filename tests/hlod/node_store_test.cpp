@@ -1,4 +1,4 @@
-#include "occlod/hlod/node_store.h"
+#include "occlod/node_store.h"
 
 #include <gtest/gtest.h>
 

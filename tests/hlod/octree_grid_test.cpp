@@ -1,9 +1,9 @@
-#include "hlod/build/octree_grid.h"
-
 #include <gtest/gtest.h>
 
 #include <cstdlib>
 #include <vector>
+
+#include "hlod/build/cells.h"
 
 namespace occlod::hlod {
 namespace {

@@ -1,6 +1,4 @@
 // HLODs of meshes whose positions are rounded to a lattice.
-#include "occlod/mesh/quantise.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,10 +6,10 @@
 #include <vector>
 
 #include "hlod_bytes.h"
-#include "occlod/core/error.h"
-#include "occlod/hlod/build.h"
-#include "occlod/hlod/validate.h"
-#include "occlod/mesh/clean.h"
+#include "occlod/base.h"
+#include "occlod/build_hlod.h"
+#include "occlod/hlod.h"
+#include "occlod/mesh.h"
 #include "support/meshes.h"
 #include "support/wedge_meshes.h"
 

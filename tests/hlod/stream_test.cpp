@@ -10,12 +10,11 @@
 #include <vector>
 
 #include "hlod_bytes.h"
-#include "occlod/core/error.h"
-#include "occlod/core/memory_limit.h"
-#include "occlod/hlod/build.h"
-#include "occlod/hlod/validate.h"
-#include "occlod/mesh/clean.h"
-#include "occlod/mesh/generate.h"
+#include "occlod/base.h"
+#include "occlod/build_hlod.h"
+#include "occlod/generate.h"
+#include "occlod/hlod.h"
+#include "occlod/mesh.h"
 #include "support/meshes.h"
 #include "support/wedge_meshes.h"
 

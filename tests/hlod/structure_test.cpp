@@ -7,7 +7,7 @@
 
 #include "hlod/good_hlod.h"
 #include "hlod/store/hlod_data.h"
-#include "occlod/hlod/validate.h"
+#include "occlod/hlod.h"
 
 namespace occlod::hlod {
 namespace {

@@ -1,6 +1,4 @@
 // A validator that finds nothing is worth something only if it finds what is wrong: every invariant is broken once.
-#include "occlod/hlod/validate.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,6 +7,7 @@
 
 #include "hlod/good_hlod.h"
 #include "hlod/store/hlod_data.h"
+#include "occlod/hlod.h"
 
 namespace occlod::hlod {
 namespace {

@@ -7,10 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "splits/corner_key.h"
-#include "occlod/hlod/build.h"
-#include "occlod/hlod/validate.h"
-#include "occlod/hlod/within.h"
+#include "occlod/build_hlod.h"
+#include "occlod/hlod.h"
+#include "splits/triangle_keys.h"
 #include "support/wedge_meshes.h"
 
 namespace occlod::hlod {

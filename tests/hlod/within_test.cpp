@@ -1,6 +1,4 @@
 // Refinement within nodes: what a cut is, how large its error is, and that no gap opens beside it.
-#include "occlod/hlod/within.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,10 +10,10 @@
 #include <random>
 #include <vector>
 
-#include "splits/triangle_key.h"
-#include "hlod/store/fronts.h"
+#include "hlod/store/structure.h"
 #include "hlod_bytes.h"
-#include "occlod/hlod/build.h"
+#include "occlod/build_hlod.h"
+#include "splits/triangle_keys.h"
 #include "support/meshes.h"
 #include "support/open_edges.h"
 

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "io/mesh_files.h"
-#include "occlod/io/write_mesh.h"
+#include "occlod/mesh_file.h"
 #include "support/meshes.h"
 
 namespace occlod {

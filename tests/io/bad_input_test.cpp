@@ -10,7 +10,7 @@
 
 #include "io/mesh_files.h"
 #include "mesh/polygon_soup.h"
-#include "occlod/io/write_mesh.h"
+#include "occlod/mesh_file.h"
 #include "support/meshes.h"
 
 namespace occlod {

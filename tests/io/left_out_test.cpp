@@ -6,8 +6,7 @@
 #include <vector>
 
 #include "io/mesh_files.h"
-#include "occlod/hierarchy/build.h"
-#include "occlod/io/olod.h"
+#include "occlod/build_hierarchy.h"
 #include "support/test_meshes.h"
 
 namespace occlod {

@@ -11,8 +11,8 @@
 #include <string>
 #include <string_view>
 
-#include "occlod/core/error.h"
-#include "occlod/io/read_mesh.h"
+#include "occlod/base.h"
+#include "occlod/mesh_file.h"
 
 namespace occlod::test {
 

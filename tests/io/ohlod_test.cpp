@@ -1,4 +1,4 @@
-#include "occlod/io/ohlod.h"
+#include "hlod/store/ohlod.h"
 
 #include <gtest/gtest.h>
 
@@ -13,11 +13,10 @@
 
 #include "fuzz/section_signer.h"
 #include "hlod/store/hlod_data.h"
-#include "hlod/store/ohlod_format.h"
-#include "occlod/core/error.h"
-#include "occlod/hlod/build.h"
-#include "occlod/hlod/validate.h"
-#include "occlod/hlod/within.h"
+#include "occlod/base.h"
+#include "occlod/build_hlod.h"
+#include "occlod/hlod.h"
+#include "occlod/node_store.h"
 #include "support/meshes.h"
 #include "support/wedge_meshes.h"
 

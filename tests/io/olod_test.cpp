@@ -1,5 +1,3 @@
-#include "occlod/io/olod.h"
-
 #include <gtest/gtest.h>
 #include <xxhash.h>
 
@@ -10,11 +8,9 @@
 #include <random>
 #include <span>
 
+#include "occlod/base.h"
+#include "occlod/build_hierarchy.h"
 #include "splits/hierarchy_data.h"
-#include "splits/split_guard.h"
-#include "occlod/core/error.h"
-#include "occlod/hierarchy/build.h"
-#include "occlod/hierarchy/validate.h"
 #include "support/meshes.h"
 
 namespace occlod {

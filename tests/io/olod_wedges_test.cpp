@@ -7,12 +7,9 @@
 #include <iterator>
 #include <random>
 
+#include "occlod/base.h"
+#include "occlod/build_hierarchy.h"
 #include "splits/hierarchy_data.h"
-#include "occlod/core/error.h"
-#include "occlod/hierarchy/build.h"
-#include "occlod/hierarchy/cut_mesh.h"
-#include "occlod/hierarchy/validate.h"
-#include "occlod/io/olod.h"
 #include "support/meshes.h"
 #include "support/wedge_meshes.h"
 

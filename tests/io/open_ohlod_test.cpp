@@ -7,10 +7,10 @@
 #include <iterator>
 #include <random>
 
-#include "hlod/store/ohlod_format.h"
-#include "occlod/core/error.h"
-#include "occlod/hlod/build.h"
-#include "occlod/io/ohlod.h"
+#include "hlod/store/ohlod.h"
+#include "occlod/base.h"
+#include "occlod/build_hlod.h"
+#include "occlod/node_store.h"
 #include "support/meshes.h"
 
 namespace occlod {

@@ -1,4 +1,4 @@
-#include "occlod/interop/openmesh.h"
+#include "occlod/openmesh.h"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,10 @@
-#include "base/text_encoding.h"
-
 #include <gtest/gtest.h>
 
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "base/text.h"
 #include "io/mesh_files.h"
 
 namespace occlod {

@@ -1,11 +1,11 @@
-#include "mesh/triangulate.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numeric>
+
+#include "mesh/polygon_soup.h"
 
 namespace occlod {
 namespace {

@@ -1,5 +1,3 @@
-#include "occlod/io/write_mesh.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,6 +6,7 @@
 #include <vector>
 
 #include "io/mesh_files.h"
+#include "occlod/mesh_file.h"
 #include "support/meshes.h"
 
 namespace occlod {

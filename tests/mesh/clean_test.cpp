@@ -1,11 +1,10 @@
-#include "occlod/mesh/clean.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
-#include "occlod/core/error.h"
+#include "occlod/base.h"
+#include "occlod/mesh.h"
 #include "support/meshes.h"
 
 namespace occlod {

@@ -1,5 +1,3 @@
-#include "occlod/mesh/count_topology.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,6 +6,7 @@
 #include <map>
 #include <random>
 
+#include "occlod/mesh.h"
 #include "support/meshes.h"
 
 namespace occlod {

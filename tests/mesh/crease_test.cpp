@@ -1,13 +1,11 @@
-#include "occlod/mesh/crease.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
 
-#include "occlod/core/error.h"
-#include "occlod/mesh/clean.h"
+#include "occlod/base.h"
+#include "occlod/mesh.h"
 #include "support/meshes.h"
 #include "support/wedges.h"
 

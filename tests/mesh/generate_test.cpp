@@ -1,4 +1,4 @@
-#include "occlod/mesh/generate.h"
+#include "occlod/generate.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <limits>
 #include <vector>
 
-#include "occlod/core/error.h"
-#include "occlod/mesh/clean.h"
+#include "occlod/base.h"
+#include "occlod/mesh.h"
 
 namespace occlod {
 namespace {

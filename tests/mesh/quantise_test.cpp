@@ -1,10 +1,10 @@
-#include "occlod/mesh/quantise.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <glm/vec3.hpp>
 #include <random>
+
+#include "occlod/mesh.h"
 
 namespace occlod {
 namespace {

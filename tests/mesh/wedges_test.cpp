@@ -8,9 +8,8 @@
 #include <limits>
 #include <random>
 
-#include "occlod/core/error.h"
-#include "occlod/mesh/clean.h"
-#include "occlod/mesh/merge_wedges.h"
+#include "occlod/base.h"
+#include "occlod/mesh.h"
 #include "support/meshes.h"
 
 namespace occlod {

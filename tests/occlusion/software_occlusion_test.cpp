@@ -1,13 +1,12 @@
 // The backend `software`: what is in front is never hidden, what is behind a wall is.
-#include "occlod/occlusion/software_occlusion.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <glm/ext/matrix_transform.hpp>
 #include <vector>
 
-#include "occlod/raster/item_buffer.h"
+#include "occlod/item_buffer.h"
+#include "occlod/visibility.h"
 #include "oracle/judge.h"
 #include "support/cameras.h"
 

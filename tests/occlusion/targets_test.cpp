@@ -5,12 +5,12 @@
 #include <limits>
 #include <vector>
 
-#include "occlod/occlusion/software_occlusion.h"
-#include "raster/bounds_batch.h"
-#include "raster/depth_pyramid.h"
-#include "raster/screen_bounds.h"
+#include "occlod/visibility.h"
 #include "oracle/random_shapes.h"
+#include "raster/depth_kernels.h"
+#include "raster/depth_pyramid.h"
 #include "raster/every_target.h"
+#include "raster/screen_bounds.h"
 
 namespace occlod {
 namespace {

@@ -4,7 +4,7 @@
 #include <glm/vec3.hpp>
 #include <limits>
 
-#include "occlod/refine/visibility.h"
+#include "occlod/visibility.h"
 
 namespace occlod::test {
 

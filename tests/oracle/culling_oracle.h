@@ -8,7 +8,7 @@
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
 
-#include "occlod/view/camera.h"
+#include "occlod/view.h"
 
 namespace occlod::test {
 

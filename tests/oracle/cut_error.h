@@ -3,9 +3,9 @@
 
 #include <span>
 
-#include "occlod/refine/refiner.h"
-#include "occlod/refine/visibility.h"
-#include "occlod/view/view.h"
+#include "occlod/refiner.h"
+#include "occlod/view.h"
+#include "occlod/visibility.h"
 
 namespace occlod::oracle {
 

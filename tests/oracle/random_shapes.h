@@ -9,8 +9,8 @@
 #include <random>
 #include <vector>
 
-#include "occlod/refine/visibility.h"
-#include "occlod/view/view.h"
+#include "occlod/view.h"
+#include "occlod/visibility.h"
 
 namespace occlod::test {
 

@@ -6,8 +6,8 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
-#include "occlod/math/bounds.h"
-#include "occlod/mesh/generate.h"
+#include "occlod/bounds.h"
+#include "occlod/generate.h"
 
 namespace occlod::test {
 namespace {

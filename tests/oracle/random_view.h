@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "occlod/mesh/triangle_mesh.h"
+#include "occlod/mesh.h"
 #include "oracle/random_shapes.h"
 #include "oracle/ray_oracle.h"
 

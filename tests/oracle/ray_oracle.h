@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-#include "occlod/refine/visibility.h"
+#include "occlod/visibility.h"
 #include "oracle/bound_rays.h"
 #include "oracle/ray_scene.h"
 

@@ -11,7 +11,7 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
-#include "occlod/core/error.h"
+#include "occlod/base.h"
 
 namespace occlod::test {
 namespace {

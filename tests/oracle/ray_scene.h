@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "occlod/core/ids.h"
-#include "occlod/mesh/triangle_mesh.h"
+#include "occlod/base.h"
+#include "occlod/mesh.h"
 
 namespace occlod::test {
 

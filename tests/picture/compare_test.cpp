@@ -1,5 +1,5 @@
 // Distances between pictures that can be worked out by hand.
-#include "occlod/picture/compare.h"
+#include "occlod/compare.h"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include <glm/trigonometric.hpp>
 #include <vector>
 
-#include "occlod/picture/compare.h"
+#include "occlod/compare.h"
 #include "picture/quads.h"
 #include "support/meshes.h"
 

@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
-#include "occlod/core/error.h"
-#include "occlod/picture/picture.h"
+#include "occlod/base.h"
+#include "occlod/picture.h"
 
 namespace occlod {
 namespace {

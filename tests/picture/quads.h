@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "occlod/picture/picture.h"
+#include "occlod/picture.h"
 #include "support/cameras.h"
 
 namespace occlod::test {

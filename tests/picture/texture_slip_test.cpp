@@ -1,6 +1,4 @@
 // How far textures are from where they should be.
-#include "occlod/picture/texture_slip.h"
-
 #include <gtest/gtest.h>
 
 #include <array>
@@ -8,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "occlod/compare.h"
 #include "picture/quads.h"
 
 namespace occlod {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "occlod/picture/texture_image.h"
+#include "occlod/picture.h"
 #include "picture/quads.h"
 
 namespace occlod {

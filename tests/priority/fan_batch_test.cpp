@@ -1,5 +1,3 @@
-#include "refine/fan_batch.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,6 +9,7 @@
 
 #include "raster/every_target.h"
 #include "refine/refine_support.h"
+#include "refine/star_visibility.h"
 
 namespace occlod {
 namespace {

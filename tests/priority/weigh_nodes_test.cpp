@@ -1,5 +1,3 @@
-#include "refine/weigh_nodes.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,9 +8,9 @@
 #include <random>
 #include <vector>
 
-#include "refine/front_priority.h"
-#include "refine/weighed_lanes.h"
+#include "refine/front_evaluation.h"
 #include "refine/refine_support.h"
+#include "refine/weigh.h"
 
 namespace occlod {
 namespace {

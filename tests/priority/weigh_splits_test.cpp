@@ -1,5 +1,3 @@
-#include "refine/weigh_splits.h"
-
 #include <gtest/gtest.h>
 
 #include <cstddef>
@@ -10,6 +8,7 @@
 
 #include "raster/every_target.h"
 #include "refine/refine_support.h"
+#include "refine/weigh.h"
 
 namespace occlod {
 namespace {

@@ -1,8 +1,7 @@
-#include "refine/effect_gate.h"
-
 #include <gtest/gtest.h>
 
-#include "occlod/core/error.h"
+#include "occlod/base.h"
+#include "refine/occlusion_queries.h"
 #include "refine/refine_support.h"
 
 namespace occlod::test {

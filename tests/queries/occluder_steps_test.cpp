@@ -1,8 +1,8 @@
-#include "refine/occluder_steps.h"
-
 #include <gtest/gtest.h>
 
 #include <vector>
+
+#include "refine/occluder.h"
 
 namespace occlod {
 namespace {

@@ -8,7 +8,7 @@
 #include <iterator>
 #include <random>
 
-#include "occlod/mesh/generate.h"
+#include "occlod/generate.h"
 #include "oracle/ray_scene.h"
 #include "refine/refine_support.h"
 #include "support/holed_meshes.h"

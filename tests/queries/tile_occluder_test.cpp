@@ -1,10 +1,10 @@
-#include "refine/tile_occluder.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 #include <utility>
+
+#include "refine/occluder.h"
 
 namespace occlod {
 namespace {

@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "occlod/view/view.h"
+#include "occlod/view.h"
 #include "raster/clip.h"
 #include "raster/pixel_space.h"
 #include "support/cameras.h"

@@ -11,8 +11,8 @@
 #include <random>
 #include <vector>
 
-#include "occlod/math/bounds.h"
-#include "occlod/view/view.h"
+#include "occlod/bounds.h"
+#include "occlod/view.h"
 
 namespace occlod::raster {
 namespace {

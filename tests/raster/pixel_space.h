@@ -7,7 +7,7 @@
 #include <random>
 #include <span>
 
-#include "occlod/raster/item_buffer.h"
+#include "occlod/item_buffer.h"
 
 namespace occlod::test {
 

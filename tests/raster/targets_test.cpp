@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "occlod/raster/item_buffer.h"
+#include "occlod/item_buffer.h"
 #include "raster/depth_image.h"
 #include "raster/every_target.h"
 #include "raster/pixel_space.h"

@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "occlod/occlusion/software_occlusion.h"
+#include "occlod/visibility.h"
 #include "refine/refine_support.h"
 #include "support/counted_allocations.h"
 

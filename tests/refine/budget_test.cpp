@@ -3,8 +3,8 @@
 #include <array>
 #include <glm/ext/matrix_transform.hpp>
 
-#include "occlod/core/error.h"
-#include "occlod/hierarchy/cut_mesh.h"
+#include "occlod/base.h"
+#include "occlod/build_hierarchy.h"
 #include "refine/refine_support.h"
 
 namespace occlod {

@@ -1,8 +1,8 @@
 // Which options of refinement are refused, and by whom.
 #include <gtest/gtest.h>
 
-#include "occlod/hierarchy/build.h"
-#include "occlod/refine/refiner.h"
+#include "occlod/build_hierarchy.h"
+#include "occlod/refiner.h"
 #include "support/bad_options.h"
 #include "support/meshes.h"
 

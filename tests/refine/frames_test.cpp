@@ -10,13 +10,13 @@
 #include <tuple>
 #include <vector>
 
-#include "splits/hierarchy_data.h"
-#include "occlod/core/error.h"
-#include "occlod/occlusion/software_occlusion.h"
-#include "occlod/raster/item_buffer.h"
-#include "occlod/refine/geomorph.h"
+#include "occlod/base.h"
+#include "occlod/item_buffer.h"
+#include "occlod/refiner.h"
+#include "occlod/visibility.h"
 #include "oracle/cut_error.h"
 #include "refine/refine_support.h"
+#include "splits/hierarchy_data.h"
 
 namespace occlod {
 namespace {

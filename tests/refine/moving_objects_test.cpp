@@ -9,8 +9,8 @@
 #include <string>
 #include <utility>
 
-#include "occlod/core/error.h"
-#include "occlod/occlusion/software_occlusion.h"
+#include "occlod/base.h"
+#include "occlod/visibility.h"
 #include "refine/refine_support.h"
 
 namespace occlod::test {

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "occlod/hierarchy/build.h"
-#include "occlod/refine/refiner.h"
+#include "occlod/build_hierarchy.h"
+#include "occlod/refiner.h"
 #include "support/meshes.h"
 
 namespace occlod::test {

@@ -7,8 +7,8 @@
 #include <functional>
 #include <memory>
 
-#include "occlod/mesh/generate.h"
-#include "occlod/occlusion/software_occlusion.h"
+#include "occlod/generate.h"
+#include "occlod/visibility.h"
 #include "refine/refine_support.h"
 
 namespace occlod {

@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "occlod/effects/auto_refiner.h"
-#include "occlod/occlusion/software_occlusion.h"
+#include "occlod/auto_refiner.h"
+#include "occlod/visibility.h"
 #include "oracle/cut_error.h"
 #include "refine/refine_support.h"
 #include "support/shipped_scenes.h"

@@ -3,10 +3,10 @@
 
 #include <filesystem>
 
-#include "base/helper_threads.h"
-#include "occlod/io/olod.h"
-#include "occlod/mesh/generate.h"
-#include "occlod/occlusion/software_occlusion.h"
+#include "base/threads.h"
+#include "occlod/build_hierarchy.h"
+#include "occlod/generate.h"
+#include "occlod/visibility.h"
 #include "refine/refine_support.h"
 
 namespace occlod {

@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "occlod/occlusion/software_occlusion.h"
+#include "occlod/visibility.h"
 #include "refine/refine_support.h"
 
 namespace occlod::test {

@@ -2,8 +2,8 @@
 #include <array>
 #include <memory>
 
-#include "occlod/core/error.h"
-#include "occlod/occlusion/software_occlusion.h"
+#include "occlod/base.h"
+#include "occlod/visibility.h"
 #include "refine/refine_support.h"
 
 namespace occlod {

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "occlod/occlusion/software_occlusion.h"
+#include "occlod/visibility.h"
 #include "refine/refine_support.h"
 
 namespace occlod {

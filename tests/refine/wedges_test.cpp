@@ -5,9 +5,8 @@
 #include <array>
 #include <map>
 
-#include "occlod/hierarchy/cut_mesh.h"
-#include "occlod/refine/geomorph.h"
-#include "occlod/refine/material_ranges.h"
+#include "occlod/build_hierarchy.h"
+#include "occlod/refiner.h"
 #include "refine/refine_support.h"
 #include "support/wedge_meshes.h"
 

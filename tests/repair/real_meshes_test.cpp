@@ -8,11 +8,10 @@
 #include <sstream>
 #include <vector>
 
-#include "occlod/core/error.h"
-#include "occlod/hierarchy/build.h"
-#include "occlod/hierarchy/validate.h"
-#include "occlod/io/read_mesh.h"
-#include "occlod/mesh/clean.h"
+#include "occlod/base.h"
+#include "occlod/build_hierarchy.h"
+#include "occlod/mesh.h"
+#include "occlod/mesh_file.h"
 #include "repair/repair_case.h"
 #include "support/test_meshes.h"
 

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "occlod/mesh/count_topology.h"
+#include "occlod/mesh.h"
 #include "repair/repair.h"
 
 namespace occlod::repair {

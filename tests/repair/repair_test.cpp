@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "occlod/mesh/clean.h"
+#include "occlod/mesh.h"
 #include "repair/repair_case.h"
 #include "support/meshes.h"
 #include "support/wedges.h"

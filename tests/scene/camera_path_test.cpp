@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "occlod/scene/scene.h"
+#include "occlod/scene.h"
 
 namespace occlod {
 namespace {

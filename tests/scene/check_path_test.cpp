@@ -4,7 +4,7 @@
 
 #include <random>
 
-#include "occlod/view/view.h"
+#include "occlod/view.h"
 
 namespace occlod {
 namespace {

@@ -1,4 +1,4 @@
-#include "occlod/scene/scene.h"
+#include "occlod/scene.h"
 #include "scene/scene_folder.h"
 
 namespace occlod {

@@ -1,6 +1,4 @@
 // Several meshes at their places as one.
-#include "occlod/scene/join_meshes.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,8 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "occlod/core/error.h"
-#include "occlod/mesh/clean.h"
+#include "occlod/base.h"
+#include "occlod/mesh.h"
+#include "occlod/scene.h"
 #include "support/wedges.h"
 
 namespace occlod {

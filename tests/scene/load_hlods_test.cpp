@@ -1,5 +1,3 @@
-#include "occlod/scene/load_hlods.h"
-
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -7,9 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "occlod/core/error.h"
-#include "occlod/hlod/validate.h"
-#include "occlod/io/ohlod.h"
+#include "occlod/base.h"
+#include "occlod/hlod.h"
+#include "occlod/node_store.h"
+#include "occlod/scene.h"
 #include "scene/loaded_scenes.h"
 
 namespace occlod {

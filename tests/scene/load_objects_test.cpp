@@ -4,11 +4,11 @@
 #include <iterator>
 #include <vector>
 
-#include "splits/hierarchy_data.h"
-#include "occlod/core/error.h"
-#include "occlod/io/olod.h"
-#include "occlod/scene/scene.h"
+#include "occlod/base.h"
+#include "occlod/build_hierarchy.h"
+#include "occlod/scene.h"
 #include "scene/loaded_scenes.h"
+#include "splits/hierarchy_data.h"
 
 namespace occlod {
 namespace {

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "occlod/scene/scene.h"
+#include "occlod/scene.h"
 #include "scene/scene_folder.h"
 
 namespace occlod::test {

@@ -2,8 +2,8 @@
 #include <utility>
 #include <vector>
 
-#include "occlod/core/error.h"
-#include "occlod/scene/scene.h"
+#include "occlod/base.h"
+#include "occlod/scene.h"
 #include "scene/scene_folder.h"
 
 namespace occlod {

@@ -2,8 +2,8 @@
 
 #include <filesystem>
 
-#include "occlod/scene/scene.h"
-#include "occlod/view/view.h"
+#include "occlod/scene.h"
+#include "occlod/view.h"
 
 namespace occlod {
 namespace {

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "occlod/core/error.h"
-#include "occlod/refine/refine_options.h"
+#include "occlod/base.h"
+#include "occlod/refiner.h"
 
 namespace occlod::test {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "occlod/view/camera.h"
+#include "occlod/view.h"
 
 namespace occlod::test {
 

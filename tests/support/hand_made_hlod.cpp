@@ -5,8 +5,8 @@
 #include <glm/geometric.hpp>
 #include <utility>
 
+#include "base/arithmetic.h"
 #include "hlod/store/hlod_data.h"
-#include "base/unite.h"
 #include "support/cameras.h"
 
 namespace occlod::test {

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "occlod/hlod/hlod.h"
-#include "occlod/view/camera.h"
+#include "occlod/hlod.h"
+#include "occlod/view.h"
 
 namespace occlod::test {
 

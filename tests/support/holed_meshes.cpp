@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "meshes.h"
-#include "occlod/mesh/clean.h"
+#include "occlod/mesh.h"
 
 namespace occlod::test {
 

@@ -1,7 +1,7 @@
 // Meshes that close when they are simplified, from -1 to 1 along x and y.
 #pragma once
 
-#include "occlod/mesh/triangle_mesh.h"
+#include "occlod/mesh.h"
 
 namespace occlod::test {
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "occlod/mesh/generate.h"
+#include "occlod/generate.h"
 
 namespace occlod::test {
 namespace {

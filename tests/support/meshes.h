@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "occlod/mesh/triangle_mesh.h"
+#include "occlod/mesh.h"
 
 namespace occlod::test {
 

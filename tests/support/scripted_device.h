@@ -8,7 +8,7 @@
 #include <tuple>
 #include <vector>
 
-#include "occlod/device/device.h"
+#include "occlod/device.h"
 
 namespace occlod::test {
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "occlod/scene/scene.h"
+#include "occlod/scene.h"
 
 namespace occlod::test {
 

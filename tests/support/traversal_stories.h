@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "occlod/traverse/traverser.h"
+#include "occlod/traverser.h"
 #include "support/scripted_device.h"
 
 namespace occlod::test {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "occlod/mesh/triangle_mesh.h"
+#include "occlod/mesh.h"
 
 namespace occlod::test {
 

@@ -7,7 +7,7 @@
 #include <tuple>
 #include <vector>
 
-#include "occlod/mesh/triangle_mesh.h"
+#include "occlod/mesh.h"
 
 namespace occlod::test {
 

@@ -6,10 +6,8 @@
 #include <tuple>
 #include <utility>
 
-#include "tile_support.h"
-#include "hlod/tiles/border_edges.h"
-#include "hlod/tiles/border_vertices.h"
 #include "hlod/tiles/tile_mesh.h"
+#include "tile_support.h"
 
 namespace occlod::tiles {
 namespace {

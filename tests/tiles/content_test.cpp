@@ -5,9 +5,8 @@
 #include <glm/glm.hpp>
 #include <tuple>
 
+#include "hlod/tiles/encode_tile.h"
 #include "tile_support.h"
-#include "hlod/tiles/meshopt_codec.h"
-#include "hlod/tiles/tile_lattice.h"
 
 namespace occlod::tiles {
 namespace {

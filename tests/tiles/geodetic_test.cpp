@@ -1,9 +1,9 @@
-#include "hlod/tiles/geodetic.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <glm/glm.hpp>
+
+#include "hlod/tiles/tile_tree.h"
 
 namespace occlod::tiles {
 namespace {

@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "hlod/tiles/tile_lattice.h"
+#include "hlod/tiles/encode_tile.h"
 
 namespace occlod::tiles {
 namespace {

@@ -10,11 +10,11 @@
 #include <vector>
 
 #include "base/file_input.h"
-#include "occlod/hlod/build.h"
-#include "occlod/io/read_mesh.h"
-#include "occlod/mesh/clean.h"
-#include "support/meshes.h"
 #include "hlod/tiles/encode_tile.h"
+#include "occlod/build_hlod.h"
+#include "occlod/mesh.h"
+#include "occlod/mesh_file.h"
+#include "support/meshes.h"
 
 namespace occlod::tiles::test {
 

@@ -1,5 +1,3 @@
-#include "occlod/tiles/write_tileset.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -7,11 +5,12 @@
 #include <glm/glm.hpp>
 #include <limits>
 
-#include "occlod/core/error.h"
-#include "occlod/hlod/validate.h"
+#include "hlod/tiles/tile_tree.h"
+#include "occlod/base.h"
+#include "occlod/hlod.h"
+#include "occlod/tiles.h"
 #include "support/hand_made_hlod.h"
 #include "tile_support.h"
-#include "hlod/tiles/tileset_json.h"
 
 namespace occlod::tiles {
 namespace {

@@ -8,11 +8,10 @@
 #include <random>
 #include <string>
 
-#include "occlod/hierarchy/build.h"
-#include "occlod/hierarchy/cut_mesh.h"
-#include "occlod/occlusion/software_occlusion.h"
-#include "occlod/raster/item_buffer.h"
-#include "occlod/refine/refiner.h"
+#include "occlod/build_hierarchy.h"
+#include "occlod/item_buffer.h"
+#include "occlod/refiner.h"
+#include "occlod/visibility.h"
 #include "oracle/random_view.h"
 #include "support/shipped_scenes.h"
 

@@ -5,10 +5,9 @@
 #include <vector>
 
 #include "measure/surface_distance.h"
-#include "occlod/hierarchy/build.h"
-#include "occlod/hierarchy/cut_mesh.h"
-#include "occlod/io/read_mesh.h"
-#include "occlod/mesh/generate.h"
+#include "occlod/build_hierarchy.h"
+#include "occlod/generate.h"
+#include "occlod/mesh_file.h"
 #include "support/test_meshes.h"
 
 namespace occlod::measure {

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "image_file.h"
-#include "occlod/core/error.h"
-#include "occlod/picture/picture.h"
+#include "occlod/base.h"
+#include "occlod/picture.h"
 #include "support/meshes.h"
 
 namespace occlod::tool {

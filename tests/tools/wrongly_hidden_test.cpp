@@ -10,14 +10,13 @@
 
 #include "accuracy.h"
 #include "drawing.h"
-#include "occlod/hierarchy/build.h"
-#include "occlod/occlusion/software_occlusion.h"
+#include "occlod/build_hierarchy.h"
+#include "occlod/visibility.h"
 #include "oracle/random_view.h"
 #include "support/meshes.h"
 #ifdef OCCLOD_HAS_GL
-#include "occlod/core/error.h"
-#include "occlod/gl/context.h"
-#include "occlod/gl/mark_occlusion.h"
+#include "occlod/base.h"
+#include "occlod/gl.h"
 #endif
 
 namespace occlod::tool {

@@ -3,8 +3,8 @@
 
 #include <cstddef>
 
-#include "occlod/device/device_costs.h"
-#include "occlod/device/software_device.h"
+#include "occlod/device.h"
+#include "occlod/device_costs.h"
 #include "support/counted_allocations.h"
 #include "traverse/small_scenes.h"
 

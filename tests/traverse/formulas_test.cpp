@@ -5,12 +5,11 @@
 #include <glm/ext/matrix_transform.hpp>
 #include <random>
 
-#include "occlod/device/software_device.h"
-#include "occlod/traverse/bias.h"
+#include "hlod/draw/frame_scene.h"
+#include "occlod/device.h"
+#include "occlod/traverser.h"
 #include "support/hand_made_hlod.h"
 #include "support/scripted_device.h"
-#include "hlod/draw/object_frame.h"
-#include "hlod/draw/outline_area.h"
 
 namespace occlod::hlod {
 namespace {

@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "hlod/store/fronts.h"
-#include "occlod/traverse/traverser.h"
+#include "hlod/store/structure.h"
+#include "occlod/traverser.h"
 
 namespace occlod::hlod::test {
 

@@ -9,9 +9,9 @@
 #include <limits>
 #include <string>
 
-#include "occlod/core/error.h"
-#include "occlod/device/software_device.h"
-#include "occlod/device/virtual_device.h"
+#include "occlod/base.h"
+#include "occlod/device.h"
+#include "occlod/trial_devices.h"
 #include "support/hand_made_hlod.h"
 #include "support/meshes.h"
 #include "support/scripted_device.h"

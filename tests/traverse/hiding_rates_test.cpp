@@ -1,6 +1,6 @@
-#include "hlod/draw/hiding_rates.h"
-
 #include <gtest/gtest.h>
+
+#include "hlod/draw/query_value.h"
 
 namespace occlod::hlod {
 namespace {

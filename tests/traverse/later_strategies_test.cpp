@@ -4,13 +4,13 @@
 #include <array>
 #include <map>
 
-#include "occlod/core/error.h"
-#include "occlod/device/software_device.h"
-#include "occlod/device/virtual_device.h"
+#include "hlod/draw/strategy_choice.h"
+#include "occlod/base.h"
+#include "occlod/device.h"
+#include "occlod/trial_devices.h"
 #include "support/hand_made_hlod.h"
 #include "support/scripted_device.h"
 #include "traverse/small_scenes.h"
-#include "hlod/draw/strategy_choice.h"
 
 namespace occlod::hlod {
 namespace {

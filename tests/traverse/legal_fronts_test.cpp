@@ -6,9 +6,8 @@
 #include <glm/geometric.hpp>
 #include <set>
 
-#include "occlod/device/software_device.h"
-#include "occlod/hlod/metric.h"
-#include "occlod/hlod/validate.h"
+#include "occlod/device.h"
+#include "occlod/hlod.h"
 #include "traverse/front_checks.h"
 #include "traverse/random_device.h"
 #include "traverse/small_scenes.h"

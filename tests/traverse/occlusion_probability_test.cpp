@@ -1,10 +1,10 @@
 // The formulas of Guthe, Balazs and Klein 2006, by hand.
-#include "occlod/traverse/occlusion_probability.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
+
+#include "occlod/traverser.h"
 
 namespace occlod::hlod {
 namespace {

@@ -6,9 +6,9 @@
 #include <set>
 
 #include "hlod/memory_source.h"
-#include "occlod/core/error.h"
-#include "occlod/device/software_device.h"
-#include "occlod/hlod/validate.h"
+#include "occlod/base.h"
+#include "occlod/device.h"
+#include "occlod/hlod.h"
 #include "traverse/front_checks.h"
 #include "traverse/random_device.h"
 #include "traverse/small_scenes.h"

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "occlod/device/device.h"
+#include "occlod/device.h"
 #include "traverse/small_scenes.h"
 
 namespace occlod::hlod::test {

@@ -6,10 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "occlod/core/error.h"
-#include "occlod/device/recorded_device.h"
-#include "occlod/device/virtual_device.h"
-#include "occlod/traverse/traverser.h"
+#include "occlod/base.h"
+#include "occlod/traverser.h"
+#include "occlod/trial_devices.h"
 #include "traverse/small_scenes.h"
 
 namespace occlod::hlod {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "occlod/mesh/generate.h"
+#include "occlod/generate.h"
 
 namespace occlod::hlod::test {
 namespace {

@@ -6,10 +6,10 @@
 #include <random>
 #include <vector>
 
-#include "occlod/hlod/build.h"
-#include "occlod/mesh/triangle_mesh.h"
-#include "occlod/traverse/traverser.h"
-#include "occlod/view/view.h"
+#include "occlod/build_hlod.h"
+#include "occlod/mesh.h"
+#include "occlod/traverser.h"
+#include "occlod/view.h"
 
 namespace occlod::hlod::test {
 

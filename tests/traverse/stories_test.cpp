@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "occlod/hlod/validate.h"
+#include "occlod/hlod.h"
 #include "support/hand_made_hlod.h"
 #include "support/traversal_stories.h"
 #include "traverse/traverse_support.h"

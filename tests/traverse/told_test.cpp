@@ -5,8 +5,8 @@
 #include <set>
 #include <string>
 
-#include "occlod/device/device_costs.h"
-#include "occlod/device/software_device.h"
+#include "occlod/device.h"
+#include "occlod/device_costs.h"
 #include "support/hand_made_hlod.h"
 #include "support/scripted_device.h"
 #include "traverse/small_scenes.h"

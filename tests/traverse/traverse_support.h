@@ -1,7 +1,7 @@
 // What tests of traversal draw with.
 #pragma once
 
-#include "occlod/traverse/traverser.h"
+#include "occlod/traverser.h"
 
 namespace occlod::hlod::test {
 

@@ -6,8 +6,8 @@
 #include <glm/ext/matrix_transform.hpp>
 #include <set>
 
-#include "occlod/device/software_device.h"
-#include "occlod/device/virtual_device.h"
+#include "occlod/device.h"
+#include "occlod/trial_devices.h"
 #include "traverse/small_scenes.h"
 
 namespace occlod::hlod {

@@ -1,6 +1,4 @@
 // Traversal that refines nodes within: legal, as fine as asked for, and cheaper.
-#include "occlod/hlod/within.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,10 +6,11 @@
 #include <map>
 #include <vector>
 
-#include "occlod/core/error.h"
-#include "occlod/device/software_device.h"
-#include "occlod/hlod/metric.h"
-#include "occlod/mesh/generate.h"
+#include "occlod/base.h"
+#include "occlod/build_hlod.h"
+#include "occlod/device.h"
+#include "occlod/generate.h"
+#include "occlod/hlod.h"
 #include "support/open_edges.h"
 #include "traverse/random_device.h"
 #include "traverse/small_scenes.h"

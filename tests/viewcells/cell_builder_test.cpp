@@ -1,4 +1,4 @@
-#include "occlod/viewcells/cell_builder.h"
+#include "occlod/cell_builder.h"
 
 #include <gtest/gtest.h>
 
@@ -9,13 +9,12 @@
 #include <thread>
 
 #include "cell_sight.h"
-#include "occlod/core/error.h"
-#include "occlod/hierarchy/build.h"
-#include "occlod/hierarchy/cut_mesh.h"
-#include "occlod/mesh/generate.h"
+#include "cells/cell_refinement.h"
+#include "occlod/base.h"
+#include "occlod/build_hierarchy.h"
+#include "occlod/generate.h"
 #include "support/holed_meshes.h"
 #include "support/meshes.h"
-#include "cells/cell_refinement.h"
 
 namespace occlod {
 namespace {

@@ -1,11 +1,10 @@
-#include "cells/cell_images.h"
-
 #include <gtest/gtest.h>
 
+#include "cells/cell_refinement.h"
+#include "cells/hull_test.h"
 #include "oracle/random_shapes.h"
 #include "support/holed_meshes.h"
 #include "support/meshes.h"
-#include "cells/hull_test.h"
 
 namespace occlod {
 namespace {

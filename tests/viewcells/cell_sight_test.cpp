@@ -5,10 +5,9 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "full_scene.h"
-#include "occlod/hierarchy/build.h"
-#include "occlod/hierarchy/cut_mesh.h"
-#include "occlod/mesh/generate.h"
-#include "occlod/picture/picture.h"
+#include "occlod/build_hierarchy.h"
+#include "occlod/generate.h"
+#include "occlod/picture.h"
 
 namespace occlod {
 namespace {

@@ -1,5 +1,3 @@
-#include "occlod/viewcells/cell_tree.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,13 +7,11 @@
 #include <random>
 #include <set>
 
-#include "occlod/core/error.h"
 #include "cells/cell_divider.h"
-#include "cells/cell_forest.h"
 #include "cells/cell_geometry.h"
-#include "cells/cell_grid.h"
-#include "cells/cell_subtree.h"
 #include "cells/vlod_payload.h"
+#include "occlod/base.h"
+#include "occlod/vlod_file.h"
 
 namespace occlod {
 namespace {

@@ -1,5 +1,3 @@
-#include "occlod/viewcells/cell_view.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,7 +6,8 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <limits>
 
-#include "occlod/core/error.h"
+#include "occlod/base.h"
+#include "occlod/cell_builder.h"
 #include "oracle/random_shapes.h"
 
 namespace occlod {

@@ -1,4 +1,4 @@
-#include "occlod/viewcells/cell_walker.h"
+#include "occlod/cell_walker.h"
 
 #include <gtest/gtest.h>
 
@@ -16,10 +16,10 @@
 #include <thread>
 #include <tuple>
 
-#include "occlod/core/error.h"
-#include "occlod/hierarchy/cut_mesh.h"
-#include "occlod/picture/picture.h"
-#include "occlod/viewcells/build_cells.h"
+#include "occlod/base.h"
+#include "occlod/build_cells.h"
+#include "occlod/build_hierarchy.h"
+#include "occlod/picture.h"
 #include "small_cells.h"
 
 namespace occlod {

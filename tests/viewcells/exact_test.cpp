@@ -11,10 +11,10 @@
 #include <limits>
 #include <vector>
 
-#include "occlod/viewcells/cell_view.h"
-#include "oracle/random_shapes.h"
 #include "cells/cell_geometry.h"
 #include "cells/hull.h"
+#include "occlod/cell_builder.h"
+#include "oracle/random_shapes.h"
 
 namespace occlod {
 namespace {

@@ -10,12 +10,11 @@
 #include <vector>
 
 #include "cell_sight.h"
-#include "splits/motion_cut.h"
-#include "occlod/hierarchy/build.h"
-#include "support/meshes.h"
 #include "cells/cell_geometry.h"
 #include "cells/hull_test.h"
-#include "cells/inner_box_test.h"
+#include "occlod/build_hierarchy.h"
+#include "splits/surface_motion.h"
+#include "support/meshes.h"
 
 namespace occlod {
 namespace {

@@ -6,8 +6,8 @@
 #include <numbers>
 
 #include "cell_sight.h"
-#include "occlod/hierarchy/build.h"
-#include "occlod/mesh/generate.h"
+#include "occlod/build_hierarchy.h"
+#include "occlod/generate.h"
 #include "support/holed_meshes.h"
 #include "support/meshes.h"
 

@@ -9,10 +9,10 @@
 #include <glm/mat4x3.hpp>
 
 #include "cell_sight.h"
-#include "occlod/hierarchy/build.h"
+#include "cells/hull_test.h"
+#include "occlod/build_hierarchy.h"
 #include "oracle/random_shapes.h"
 #include "support/meshes.h"
-#include "cells/hull_test.h"
 
 namespace occlod {
 namespace {

@@ -5,13 +5,13 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
-#include "occlod/hierarchy/build.h"
-#include "occlod/mesh/generate.h"
+#include "cells/hull_test.h"
+#include "occlod/build_hierarchy.h"
+#include "occlod/generate.h"
 #include "oracle/random_shapes.h"
 #include "oracle/ray_scene.h"
 #include "support/holed_meshes.h"
 #include "support/meshes.h"
-#include "cells/hull_test.h"
 
 namespace occlod {
 namespace {

@@ -1,19 +1,19 @@
+#include "cells/inner_boxes.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include "occlod/hierarchy/build.h"
-#include "occlod/mesh/generate.h"
+#include "cells/cell_geometry.h"
+#include "cells/hull_test.h"
+#include "occlod/build_hierarchy.h"
+#include "occlod/generate.h"
 #include "oracle/random_shapes.h"
 #include "oracle/ray_scene.h"
 #include "support/holed_meshes.h"
 #include "support/meshes.h"
-#include "cells/cell_geometry.h"
-#include "cells/hull_test.h"
-#include "cells/inner_box_test.h"
-#include "cells/voxel_grid.h"
 
 namespace occlod {
 namespace {

@@ -1,6 +1,4 @@
 // Packed files: the same cells, with their geometry instead of hierarchies.
-#include "occlod/viewcells/pack_cells.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,12 +9,13 @@
 #include <random>
 #include <set>
 
-#include "occlod/core/error.h"
-#include "occlod/viewcells/cell_walker.h"
-#include "packed_files.h"
-#include "small_cells.h"
 #include "cells/packed_geometry.h"
 #include "cells/vlod_format.h"
+#include "occlod/base.h"
+#include "occlod/build_cells.h"
+#include "occlod/cell_walker.h"
+#include "packed_files.h"
+#include "small_cells.h"
 
 namespace occlod {
 namespace {

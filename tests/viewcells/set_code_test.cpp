@@ -1,10 +1,10 @@
-#include "cells/set_code.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <random>
 #include <set>
+
+#include "cells/vlod_payload.h"
 
 namespace occlod {
 namespace {

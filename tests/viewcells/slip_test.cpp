@@ -10,15 +10,13 @@
 #include <string>
 #include <vector>
 
-#include "occlod/core/error.h"
-#include "occlod/hierarchy/build.h"
-#include "occlod/hierarchy/cut_mesh.h"
-#include "occlod/viewcells/build_cells.h"
-#include "occlod/viewcells/cell_walker.h"
-#include "occlod/viewcells/pack_cells.h"
+#include "cells/cell_geometry.h"
+#include "occlod/base.h"
+#include "occlod/build_cells.h"
+#include "occlod/build_hierarchy.h"
+#include "occlod/cell_walker.h"
 #include "small_cells.h"
 #include "support/wedge_meshes.h"
-#include "cells/star_box.h"
 
 namespace occlod {
 namespace {

@@ -8,10 +8,10 @@
 #include <iterator>
 #include <string>
 
-#include "occlod/hierarchy/build.h"
-#include "occlod/mesh/generate.h"
-#include "occlod/viewcells/build_cells.h"
-#include "occlod/viewcells/vlod_file.h"
+#include "occlod/build_cells.h"
+#include "occlod/build_hierarchy.h"
+#include "occlod/generate.h"
+#include "occlod/vlod_file.h"
 #include "support/meshes.h"
 
 namespace occlod::test {

@@ -1,4 +1,4 @@
-#include "occlod/viewcells/vlod_file.h"
+#include "occlod/vlod_file.h"
 
 #include <gtest/gtest.h>
 
@@ -11,11 +11,11 @@
 #include <set>
 #include <stdexcept>
 
+#include "cells/vlod_format.h"
 #include "fuzz/memory_file.h"
 #include "mesh/section_file.h"
-#include "occlod/core/error.h"
+#include "occlod/base.h"
 #include "small_cells.h"
-#include "cells/vlod_format.h"
 
 namespace occlod {
 namespace {

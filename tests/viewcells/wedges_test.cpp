@@ -13,13 +13,10 @@
 #include <string>
 #include <tuple>
 
-#include "occlod/core/error.h"
-#include "occlod/hierarchy/build.h"
-#include "occlod/hierarchy/cut_mesh.h"
-#include "occlod/io/olod.h"
-#include "occlod/viewcells/build_cells.h"
-#include "occlod/viewcells/cell_walker.h"
-#include "occlod/viewcells/pack_cells.h"
+#include "occlod/base.h"
+#include "occlod/build_cells.h"
+#include "occlod/build_hierarchy.h"
+#include "occlod/cell_walker.h"
 #include "packed_files.h"
 #include "small_cells.h"
 #include "support/wedge_meshes.h"

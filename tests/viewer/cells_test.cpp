@@ -6,7 +6,7 @@
 #include <map>
 
 #include "cell_walk.h"
-#include "occlod/core/error.h"
+#include "occlod/base.h"
 #include "setting_table.h"
 #include "viewer/support.h"
 

@@ -4,11 +4,11 @@
 
 #include <algorithm>
 
-#include "occlod/hierarchy/build.h"
-#include "occlod/mesh/generate.h"
-#include "occlod/occlusion/software_occlusion.h"
-#include "occlod/picture/picture.h"
-#include "occlod/raster/item_buffer.h"
+#include "occlod/build_hierarchy.h"
+#include "occlod/generate.h"
+#include "occlod/item_buffer.h"
+#include "occlod/picture.h"
+#include "occlod/visibility.h"
 #include "pick.h"
 #include "recorded_occlusion.h"
 

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "occlod/picture/picture.h"
+#include "occlod/picture.h"
 
 namespace occlod::viewer::test {
 

@@ -7,8 +7,8 @@
 #include <fstream>
 #include <glm/common.hpp>
 
-#include "occlod/io/write_mesh.h"
-#include "occlod/mesh/generate.h"
+#include "occlod/generate.h"
+#include "occlod/mesh_file.h"
 #include "viewer/window_support.h"
 
 namespace occlod::viewer::test {

@@ -7,10 +7,10 @@
 #include <glm/vector_relational.hpp>
 #include <set>
 
-#include "occlod/core/error.h"
-#include "occlod/device/software_device.h"
-#include "occlod/io/ohlod.h"
-#include "occlod/scene/scene.h"
+#include "occlod/base.h"
+#include "occlod/device.h"
+#include "occlod/node_store.h"
+#include "occlod/scene.h"
 #include "palette.h"
 #include "setting_table.h"
 #include "viewer/support.h"

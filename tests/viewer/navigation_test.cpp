@@ -8,7 +8,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec4.hpp>
 
-#include "occlod/view/view.h"
+#include "occlod/view.h"
 
 namespace occlod::viewer {
 namespace {

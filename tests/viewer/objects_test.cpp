@@ -4,8 +4,8 @@
 
 #include <glm/geometric.hpp>
 
-#include "occlod/hierarchy/build.h"
-#include "occlod/mesh/generate.h"
+#include "occlod/build_hierarchy.h"
+#include "occlod/generate.h"
 #include "raster/depth_pyramid.h"
 
 namespace occlod::viewer {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <glm/geometric.hpp>
 
-#include "occlod/core/error.h"
+#include "occlod/base.h"
 #include "session.h"
 #include "viewer/support.h"
 

@@ -6,10 +6,10 @@
 #include <sstream>
 
 #include "mesh_names.h"
-#include "occlod/core/error.h"
-#include "occlod/io/write_mesh.h"
-#include "occlod/mesh/generate.h"
-#include "occlod/scene/scene.h"
+#include "occlod/base.h"
+#include "occlod/generate.h"
+#include "occlod/mesh_file.h"
+#include "occlod/scene.h"
 #include "settings_file.h"
 #include "support/kept_environment.h"
 #include "viewer/support.h"

@@ -9,8 +9,8 @@
 #include <string_view>
 #include <variant>
 
-#include "occlod/picture/picture.h"
-#include "occlod/scene/scene.h"
+#include "occlod/picture.h"
+#include "occlod/scene.h"
 #include "viewer/golden.h"
 #include "viewer/support.h"
 

@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "occlod/core/error.h"
+#include "occlod/base.h"
 #include "viewer/support.h"
 
 namespace occlod::viewer {

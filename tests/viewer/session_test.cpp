@@ -6,10 +6,10 @@
 #include <fstream>
 #include <glm/geometric.hpp>
 
-#include "occlod/core/error.h"
-#include "occlod/effects/auto_refiner.h"
-#include "occlod/hierarchy/build.h"
-#include "occlod/occlusion/software_occlusion.h"
+#include "occlod/auto_refiner.h"
+#include "occlod/base.h"
+#include "occlod/build_hierarchy.h"
+#include "occlod/visibility.h"
 #include "palette.h"
 #include "view_cells.h"
 #include "viewer/support.h"

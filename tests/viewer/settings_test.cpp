@@ -4,7 +4,7 @@
 #include <set>
 
 #include "command.h"
-#include "occlod/core/error.h"
+#include "occlod/base.h"
 #include "setting_table.h"
 #include "settings_file.h"
 #include "viewer/support.h"

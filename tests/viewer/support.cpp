@@ -6,11 +6,11 @@
 #include <chrono>
 #include <fstream>
 
-#include "occlod/hlod/build.h"
-#include "occlod/io/ohlod.h"
-#include "occlod/mesh/generate.h"
-#include "occlod/occlusion/software_occlusion.h"
-#include "occlod/viewcells/build_cells.h"
+#include "occlod/build_cells.h"
+#include "occlod/build_hlod.h"
+#include "occlod/generate.h"
+#include "occlod/node_store.h"
+#include "occlod/visibility.h"
 #include "view_cells.h"
 
 namespace occlod::viewer::test {

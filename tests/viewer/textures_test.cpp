@@ -8,8 +8,7 @@
 #include "explain.h"
 #include "layered_texture.h"
 #include "objects.h"
-#include "occlod/hierarchy/build.h"
-#include "occlod/hierarchy/cut_mesh.h"
+#include "occlod/build_hierarchy.h"
 #include "support/wedge_meshes.h"
 
 namespace occlod::viewer {

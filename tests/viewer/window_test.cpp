@@ -7,9 +7,9 @@
 #include "draw/overlays.h"
 #include "draw/render_target.h"
 #include "draw/scene_drawing.h"
-#include "occlod/core/error.h"
-#include "occlod/io/write_mesh.h"
-#include "occlod/occlusion/software_occlusion.h"
+#include "occlod/base.h"
+#include "occlod/mesh_file.h"
+#include "occlod/visibility.h"
 #include "viewer/golden.h"
 #include "viewer/window_support.h"
 

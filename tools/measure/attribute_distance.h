@@ -6,7 +6,7 @@
 #include <glm/vec3.hpp>
 #include <optional>
 
-#include "occlod/mesh/triangle_mesh.h"
+#include "occlod/mesh.h"
 
 namespace occlod::measure {
 

@@ -7,7 +7,7 @@
 #include <memory>
 #include <span>
 
-#include "occlod/mesh/triangle_mesh.h"
+#include "occlod/mesh.h"
 
 namespace occlod::measure {
 

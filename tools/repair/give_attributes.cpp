@@ -4,8 +4,8 @@
 #include <array>
 #include <unordered_map>
 
-#include "mesh/form_wedges.h"
-#include "occlod/core/error.h"
+#include "mesh/wedges.h"
+#include "occlod/base.h"
 #include "repair/array_hash.h"
 
 namespace occlod::repair {

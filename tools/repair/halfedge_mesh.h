@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "occlod/mesh/triangle_mesh.h"
+#include "occlod/mesh.h"
 
 namespace occlod::repair {
 

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "occlod/mesh/count_topology.h"
+#include "occlod/mesh.h"
 
 namespace occlod::repair {
 namespace {

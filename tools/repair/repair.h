@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "occlod/mesh/triangle_mesh.h"
+#include "occlod/mesh.h"
 
 namespace occlod::repair {
 

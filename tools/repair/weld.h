@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "occlod/mesh/triangle_mesh.h"
+#include "occlod/mesh.h"
 
 namespace occlod::repair {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "gl/objects.h"
-#include "occlod/view/view.h"
+#include "occlod/view.h"
 
 namespace occlod::viewer {
 

@@ -6,7 +6,7 @@
 
 #include "gl/objects.h"
 #include "objects.h"
-#include "occlod/refine/geomorph.h"
+#include "occlod/refiner.h"
 
 namespace occlod::viewer {
 

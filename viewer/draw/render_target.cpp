@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "occlod/core/error.h"
+#include "occlod/base.h"
 
 namespace occlod::viewer {
 

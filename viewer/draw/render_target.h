@@ -2,7 +2,7 @@
 #pragma once
 
 #include "gl/objects.h"
-#include "occlod/picture/picture.h"
+#include "occlod/picture.h"
 
 namespace occlod::viewer {
 

@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "explain.h"
-#include "occlod/core/error.h"
-#include "occlod/picture/picture.h"
+#include "occlod/base.h"
+#include "occlod/picture.h"
 
 namespace occlod::viewer {
 namespace {

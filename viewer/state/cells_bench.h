@@ -9,7 +9,7 @@
 
 #include "cell_walk.h"
 #include "cells_side.h"
-#include "occlod/raster/item_buffer.h"
+#include "occlod/item_buffer.h"
 #include "refine_worker.h"
 
 namespace occlod::viewer {

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <limits>
 
-#include "occlod/hierarchy/cut_mesh.h"
-#include "occlod/viewcells/cell_view.h"
+#include "occlod/build_hierarchy.h"
+#include "occlod/cell_builder.h"
 
 namespace occlod::viewer {
 namespace {

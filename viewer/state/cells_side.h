@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "objects.h"
-#include "occlod/refine/refinement.h"
-#include "occlod/viewcells/cell_walker.h"
+#include "occlod/cell_walker.h"
+#include "occlod/refiner.h"
 #include "palette.h"
 #include "settings.h"
 #include "view_cells.h"

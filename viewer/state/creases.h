@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "occlod/mesh/triangle_mesh.h"
+#include "occlod/mesh.h"
 
 namespace occlod::viewer {
 

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "objects.h"
-#include "occlod/refine/refiner.h"
-#include "raster/depth_pyramid.h"
+#include "occlod/refiner.h"
 #include "palette.h"
+#include "raster/depth_pyramid.h"
 
 namespace occlod::viewer {
 

@@ -5,9 +5,9 @@
 #include <utility>
 
 #include "hlod_cache.h"
-#include "occlod/core/error.h"
-#include "occlod/device/measure_costs.h"
-#include "occlod/device/virtual_device.h"
+#include "occlod/base.h"
+#include "occlod/device.h"
+#include "occlod/trial_devices.h"
 
 namespace occlod::viewer {
 namespace {

@@ -9,9 +9,9 @@
 
 #include "hlod_devices.h"
 #include "hlod_side.h"
-#include "occlod/device/device_costs.h"
-#include "occlod/device/software_device.h"
-#include "occlod/effects/calibration.h"
+#include "occlod/auto_refiner.h"
+#include "occlod/device.h"
+#include "occlod/device_costs.h"
 #include "refine_worker.h"
 
 namespace occlod::viewer {

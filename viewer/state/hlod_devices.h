@@ -5,7 +5,7 @@
 #include <functional>
 #include <memory>
 
-#include "occlod/device/device.h"
+#include "occlod/device.h"
 #include "settings.h"
 
 namespace occlod::viewer {

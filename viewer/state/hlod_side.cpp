@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "front_mesh.h"
-#include "occlod/hlod/metric.h"
-#include "occlod/hlod/within.h"
+#include "occlod/build_hlod.h"
+#include "occlod/hlod.h"
 #include "palette.h"
 
 namespace occlod::viewer {

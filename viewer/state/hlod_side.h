@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "objects.h"
-#include "occlod/traverse/traverser.h"
+#include "occlod/traverser.h"
 #include "settings.h"
 
 namespace occlod::viewer {

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "occlod/mesh/triangle_mesh.h"
-#include "occlod/picture/texture_image.h"
+#include "occlod/mesh.h"
+#include "occlod/picture.h"
 
 namespace occlod::viewer {
 

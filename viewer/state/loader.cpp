@@ -3,8 +3,8 @@
 #include <exception>
 #include <utility>
 
-#include "occlod/core/error.h"
-#include "occlod/scene/load_hlods.h"
+#include "occlod/base.h"
+#include "occlod/scene.h"
 #include "scene/mesh_source.h"
 
 namespace occlod::viewer {

@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "objects.h"
-#include "occlod/hlod/node_store.h"
-#include "occlod/scene/scene.h"
+#include "occlod/node_store.h"
+#include "occlod/scene.h"
 #include "settings.h"
 #include "view_cells.h"
 

@@ -3,7 +3,7 @@
 #include <iterator>
 #include <system_error>
 
-#include "occlod/scene/scene.h"
+#include "occlod/scene.h"
 
 namespace occlod::viewer {
 namespace {

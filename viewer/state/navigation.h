@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "objects.h"
-#include "occlod/view/camera.h"
+#include "occlod/view.h"
 
 namespace occlod::viewer {
 

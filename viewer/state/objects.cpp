@@ -14,7 +14,7 @@
 
 #include "creases.h"
 #include "object_textures.h"
-#include "occlod/hierarchy/cut_mesh.h"
+#include "occlod/build_hierarchy.h"
 #include "standard_streams.h"
 
 namespace occlod::viewer {

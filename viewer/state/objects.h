@@ -10,11 +10,11 @@
 #include <vector>
 
 #include "layered_texture.h"
-#include "occlod/device/device.h"
-#include "occlod/hierarchy/hierarchy.h"
-#include "occlod/hlod/hlod.h"
-#include "occlod/math/bounds.h"
-#include "occlod/scene/scene.h"
+#include "occlod/bounds.h"
+#include "occlod/device.h"
+#include "occlod/hierarchy.h"
+#include "occlod/hlod.h"
+#include "occlod/scene.h"
 
 namespace occlod::viewer {
 

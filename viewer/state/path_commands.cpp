@@ -2,7 +2,7 @@
 #include <filesystem>
 
 #include "command.h"
-#include "occlod/core/error.h"
+#include "occlod/base.h"
 #include "session.h"
 
 namespace occlod::viewer {

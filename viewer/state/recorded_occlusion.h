@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "occlod/refine/visibility.h"
+#include "occlod/visibility.h"
 #include "raster/depth_pyramid.h"
 
 namespace occlod::viewer {

@@ -9,8 +9,8 @@
 #include "cells_bench.h"
 #include "explain.h"
 #include "hlod_bench.h"
-#include "occlod/picture/picture.h"
-#include "occlod/raster/item_buffer.h"
+#include "occlod/item_buffer.h"
+#include "occlod/picture.h"
 #include "side_refiner.h"
 
 namespace occlod::viewer {

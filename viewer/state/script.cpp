@@ -4,7 +4,7 @@
 
 #include "arguments.h"
 #include "command.h"
-#include "occlod/core/error.h"
+#include "occlod/base.h"
 
 namespace occlod::viewer {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "command.h"
 #include "navigation.h"
-#include "occlod/core/error.h"
-#include "occlod/view/view.h"
+#include "occlod/base.h"
+#include "occlod/view.h"
 #include "setting_table.h"
 
 namespace occlod::viewer {

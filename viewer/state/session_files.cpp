@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "base/atomic_file.h"
-#include "occlod/core/error.h"
+#include "occlod/base.h"
 
 namespace occlod::viewer {
 namespace {

@@ -1,8 +1,8 @@
 // All that a user can set, as plain data. state/setting_table.h says how each is named, shown, limited and saved.
 #pragma once
 
-#include "occlod/refine/refiner.h"
-#include "occlod/traverse/traverser.h"
+#include "occlod/refiner.h"
+#include "occlod/traverser.h"
 
 namespace occlod::viewer {
 

@@ -1,7 +1,7 @@
 #include "settings_file.h"
 
 #include "base/atomic_file.h"
-#include "scene/user_folders.h"
+#include "scene/find_mesh.h"
 #include "setting_table.h"
 
 namespace occlod::viewer {

@@ -8,9 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "occlod/effects/auto_refiner.h"
-#include "occlod/refine/geomorph.h"
-#include "occlod/refine/refiner.h"
+#include "occlod/auto_refiner.h"
+#include "occlod/refiner.h"
 #include "recorded_occlusion.h"
 #include "refine_worker.h"
 

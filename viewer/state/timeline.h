@@ -6,9 +6,9 @@
 #include <filesystem>
 #include <optional>
 
-#include "occlod/device/device.h"
-#include "occlod/traverse/traverser.h"
-#include "occlod/viewcells/cell_walker.h"
+#include "occlod/cell_walker.h"
+#include "occlod/device.h"
+#include "occlod/traverser.h"
 
 namespace occlod::viewer {
 

@@ -5,7 +5,7 @@
 #include <glm/geometric.hpp>
 #include <utility>
 
-#include "occlod/core/error.h"
+#include "occlod/base.h"
 
 namespace occlod::viewer {
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "objects.h"
-#include "occlod/refine/refiner.h"
-#include "occlod/viewcells/vlod_file.h"
+#include "occlod/refiner.h"
+#include "occlod/vlod_file.h"
 
 namespace occlod::viewer {
 

@@ -3,10 +3,9 @@
 
 #include <vector>
 
-#include "hlod/store/hlod_data.h"
 #include "hlod/build/level_draft.h"
-#include "occlod/hlod/build.h"
-#include "hlod/store/wedge_mesh.h"
+#include "hlod/store/hlod_data.h"
+#include "occlod/build_hlod.h"
 
 namespace occlod::hlod {
 

@@ -12,9 +12,9 @@
 #include <type_traits>
 #include <utility>
 
-#include "base/scratch_memory.h"
+#include "base/memory.h"
 #include "hlod/hlod_builder_id.h"
-#include "occlod/core/error.h"
+#include "occlod/base.h"
 
 namespace occlod::hlod {
 namespace {

@@ -13,8 +13,8 @@
 #include "base/platform.h"
 #include "hlod/build/finish_level.h"
 #include "hlod/build/group_triangles.h"
-#include "occlod/hlod/build.h"
-#include "hlod/store/wedge_mesh.h"
+#include "hlod/build/level_draft.h"
+#include "occlod/build_hlod.h"
 
 namespace occlod::hlod {
 

@@ -1,13 +1,23 @@
-// Puts the nodes of one level together: links, bounds and errors.
+// Removes triangles that cover each other with opposite faces.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "hlod/build/group_triangles.h"
-#include "splits/simplify_group.h"
 #include "hlod/build/level_draft.h"
+#include "occlod/mesh.h"
+#include "splits/simplify_group.h"
 
 namespace occlod::hlod {
+
+// Neighbouring nodes may have folded their surfaces onto each other: of each set of triangles with the same corners,
+// pairs of opposite winding go, so the oriented boundary stays what it is. The rest keeps its order. Ids are below
+// 2^21. `corners`: their wedges, which go with them; empty or as many. Expected O(n).
+void cancel_opposite(std::vector<Triangle>& triangles, std::vector<Triangle>& corners);
+void cancel_opposite(std::vector<Triangle>& triangles);
+
+// Puts the nodes of one level together: links, bounds and errors.
 
 // What simplification made of one group.
 struct SimplifiedNode {

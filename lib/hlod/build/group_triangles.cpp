@@ -1,15 +1,34 @@
 #include "hlod/build/group_triangles.h"
 
+#include <algorithm>
+#include <deque>
 #include <numeric>
 #include <utility>
+#include <vector>
 
+#include "base/threads.h"
 #include "hlod/build/cells.h"
-#include "hlod/build/grow_groups.h"
-#include "splits/parallel.h"
-#include "hlod/build/join_cells.h"
-#include "hlod/build/sliver_patches.h"
 
 namespace occlod::hlod {
+
+// Each thread scans all triangles and handles the vertices of its part.
+LargeVector<std::uint8_t> shared_vertices(std::span<const Triangle> triangles, std::span<const std::uint32_t> group_of,
+                                          std::size_t vertex_count, unsigned threads) {
+  LargeVector<std::uint8_t> shared(vertex_count, 0);
+  LargeVector<std::uint32_t> first_user(vertex_count, no_id);
+  for_each_part(vertex_count, threads, [&](std::size_t begin, std::size_t end, std::size_t) {
+    for_each_id(triangles.size(), 1, [&](std::uint32_t t) {
+      for (int k = 0; k < 3; ++k) {
+        const VertexId v = triangles[t][k];
+        if (v < begin || v >= end) continue;
+        if (first_user[v] == no_id) first_user[v] = group_of[t];
+        if (first_user[v] != group_of[t]) shared[v] = 1;
+      }
+    });
+  });
+  return shared;
+}
+
 namespace {
 
 constexpr std::uint32_t reduction = 4;  // triangles of a group to those of the node that is made of it
@@ -95,6 +114,238 @@ void TriangleGrouping::finish_level(const LevelDraft& below, const TriangleGroup
       codes_above[groups.group_of[t]] = node_codes_[n];
   }
   node_codes_ = std::move(codes_above);
+}
+
+namespace {
+
+// By group.
+std::vector<bool> find_stuck(std::span<const Triangle> triangles, std::size_t vertex_count,
+                             const TriangleGroups& groups, unsigned threads) {
+  const auto shared = shared_vertices(triangles, groups.group_of, vertex_count, threads);
+  std::vector<std::uint32_t> corners(groups.count, 0), shared_corners(groups.count, 0);
+  for_each_id(triangles.size(), 1, [&](std::uint32_t t) {
+    corners[groups.group_of[t]] += 3;
+    for (int k = 0; k < 3; ++k) shared_corners[groups.group_of[t]] += shared[triangles[t][k]];
+  });
+  std::vector<bool> stuck(groups.count);
+  for (std::size_t group = 0; group < stuck.size(); ++group) stuck[group] = 2 * shared_corners[group] > corners[group];
+  return stuck;
+}
+
+// The triangles at each vertex.
+struct Incidences {
+  LargeVector<std::uint32_t> first;  // those at v are [first[v], first[v + 1])
+  LargeVector<std::uint32_t> triangle;
+
+  Incidences(std::span<const Triangle> triangles, std::span<const std::uint32_t> members, std::size_t vertex_count)
+      : first(vertex_count + 2, 0), triangle(3 * members.size()) {
+    for_each_id(members.size(), 1, [&](std::uint32_t i) {
+      for (int k = 0; k < 3; ++k) ++first[triangles[members[i]][k] + 2];
+    });
+    for (std::size_t v = 2; v < first.size(); ++v) first[v] += first[v - 1];
+    for_each_id(members.size(), 1, [&](std::uint32_t i) {
+      for (int k = 0; k < 3; ++k) triangle[first[triangles[members[i]][k] + 1]++] = members[i];
+    });
+  }
+};
+
+class Grower {
+ public:
+  Grower(std::span<const Triangle> triangles, std::span<const std::uint32_t> members, std::size_t vertex_count,
+         std::uint32_t most_triangles, TriangleGroups& groups)
+      : triangles_(triangles),
+        members_(members),
+        most_triangles_(most_triangles),
+        groups_(groups),
+        incidences_(triangles, members, vertex_count),
+        is_met_(vertex_count, false) {}
+
+  void run() {
+    for (const std::uint32_t t : members_) groups_.group_of[t] = no_id;
+    for (const std::uint32_t t : members_) {
+      if (groups_.group_of[t] != no_id) continue;
+      add(t);
+      while (!waiting_.empty()) {
+        make_room();
+        const VertexId v = waiting_.front();
+        waiting_.pop_front();
+        for (std::uint32_t i = incidences_.first[v]; i < incidences_.first[v + 1]; ++i)
+          if (groups_.group_of[incidences_.triangle[i]] == no_id) add(incidences_.triangle[i]);
+      }
+    }
+    ++groups_.count;
+  }
+
+ private:
+  // Whatever still waits when a group is full begins the next one.
+  void add(std::uint32_t t) {
+    if (size_ == most_triangles_) {
+      ++groups_.count;
+      size_ = 0;
+    }
+    ++size_;
+    groups_.group_of[t] = groups_.count;
+    for (int k = 0; k < 3; ++k)
+      if (const VertexId v = triangles_[t][k]; !is_met_[v]) {
+        is_met_[v] = true;
+        waiting_.push_back(v);
+      }
+  }
+
+  std::span<const Triangle> triangles_;
+  std::span<const std::uint32_t> members_;
+  std::uint32_t most_triangles_;
+  TriangleGroups& groups_;
+  Incidences incidences_;
+  std::vector<bool> is_met_;
+  std::deque<VertexId> waiting_;
+  std::uint32_t size_ = 0;  // of the group that grows
+};
+
+void number_along(std::span<const std::uint32_t> order, TriangleGroups& groups) {
+  std::vector<std::uint32_t> new_number(groups.count, no_id);
+  groups.count = 0;
+  for_each_id(order.size(), 1, [&](std::uint32_t i) {
+    std::uint32_t& group = groups.group_of[order[i]];
+    if (new_number[group] == no_id) new_number[group] = groups.count++;
+    group = new_number[group];
+  });
+}
+
+}  // namespace
+
+void grow_stuck_groups(std::span<const Triangle> triangles, std::span<const std::uint32_t> order,
+                       std::size_t vertex_count, std::uint32_t most_triangles, TriangleGroups& groups,
+                       unsigned threads) {
+  if (groups.count == 1) return;
+  const std::vector<bool> stuck = find_stuck(triangles, vertex_count, groups, threads);
+  LargeVector<std::uint32_t> members;
+  for_each_id(order.size(), 1, [&](std::uint32_t i) {
+    if (stuck[groups.group_of[order[i]]]) members.push_back(order[i]);
+  });
+  if (4 * members.size() < triangles.size()) return;
+  Grower(triangles, members, vertex_count, most_triangles, groups).run();
+  number_along(order, groups);
+}
+
+namespace {
+
+constexpr std::uint32_t smallest_share = 32;  // of node_triangles
+constexpr int most_moves = 20;                // of one node: soups may consist of slivers
+// Of node_triangles. A group of so many triangles has at most three times as many vertices, which 16 bits can number.
+constexpr std::uint32_t largest_group = 5;
+
+using Group = std::uint32_t;
+
+struct PatchSize {
+  Group group = 0;
+  std::uint32_t triangles = 0;
+};
+
+// What one node has in which group, and how that changes.
+class NodePatches {
+ public:
+  NodePatches(std::span<const Triangle> triangles, std::span<const Group> group_of)
+      : triangles_(triangles), group_of_(group_of.begin(), group_of.end()) {
+    std::vector<Group> sorted = group_of_;
+    std::sort(sorted.begin(), sorted.end());
+    for (const Group group : sorted) {
+      if (sizes_.empty() || sizes_.back().group != group) sizes_.push_back({group, 0});
+      ++sizes_.back().triangles;
+    }
+  }
+
+  // Whether anything has moved.
+  bool move(std::uint32_t least_triangles) {
+    int moves = 0;
+    for (; moves < most_moves && sizes_.size() > 1; ++moves) {
+      const auto sliver = std::min_element(sizes_.begin(), sizes_.end(), [](const PatchSize& a, const PatchSize& b) {
+        return a.triangles < b.triangles;
+      });
+      if (sliver->triangles >= least_triangles) break;
+      const PatchSize gone = *sliver;
+      sizes_.erase(sliver);
+      const std::size_t to = neighbour_of(gone.group);
+      sizes_[to].triangles += gone.triangles;
+      std::replace(group_of_.begin(), group_of_.end(), gone.group, sizes_[to].group);
+    }
+    return moves > 0;
+  }
+
+  [[nodiscard]] std::span<const Group> group_of() const { return group_of_; }
+
+ private:
+  // The place in sizes_ of the group that shares most corners with it; the largest where none does.
+  [[nodiscard]] std::size_t neighbour_of(Group group) const {
+    std::vector<VertexId> corners;
+    for (std::size_t i = 0; i < triangles_.size(); ++i)
+      if (group_of_[i] == group) corners.insert(corners.end(), {triangles_[i].x, triangles_[i].y, triangles_[i].z});
+    std::sort(corners.begin(), corners.end());
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> rank(sizes_.size());  // shared corners, then triangles
+    for (std::size_t i = 0; i < triangles_.size(); ++i) {
+      if (group_of_[i] == group) continue;
+      const auto at = std::partition_point(sizes_.begin(), sizes_.end(),
+                                           [&](const PatchSize& size) { return size.group < group_of_[i]; });
+      for (int k = 0; k < 3; ++k)
+        if (std::binary_search(corners.begin(), corners.end(), triangles_[i][k]))
+          ++rank[static_cast<std::size_t>(at - sizes_.begin())].first;
+    }
+    for (std::size_t i = 0; i < rank.size(); ++i) rank[i].second = sizes_[i].triangles;
+    return static_cast<std::size_t>(std::max_element(rank.begin(), rank.end()) - rank.begin());
+  }
+
+  std::span<const Triangle> triangles_;
+  std::vector<Group> group_of_;
+  std::vector<PatchSize> sizes_;  // by group
+};
+
+void drop_empty_groups(std::span<const std::uint32_t> size, TriangleGroups& groups) {
+  std::vector<Group> new_number(size.size());
+  groups.count = 0;
+  for (std::size_t group = 0; group < size.size(); ++group)
+    new_number[group] = size[group] > 0 ? groups.count++ : no_id;
+  for_each_id(groups.group_of.size(), 1, [&](std::uint32_t t) { groups.group_of[t] = new_number[groups.group_of[t]]; });
+}
+
+}  // namespace
+
+void move_slivers(const LevelDraft& level, std::uint32_t node_triangles, TriangleGroups& groups, unsigned threads) {
+  LargeVector<Group> moved(groups.group_of.size());  // groups of all triangles of those with slivers
+  std::vector<char> has_moved(level.nodes.size(), 0);
+  for_each_task(
+      level.nodes.size(), threads, [] { return 0; },
+      [&](int, std::size_t n) {
+        const NodeDraft& node = level.nodes[n];
+        NodePatches patches(level.triangles_of(node),
+                            std::span(groups.group_of).subspan(node.first_triangle, node.triangle_count));
+        if (!patches.move(node_triangles / smallest_share)) return;
+        has_moved[n] = 1;
+        std::ranges::copy(patches.group_of(), moved.begin() + node.first_triangle);
+      },
+      [] {});
+  std::vector<std::uint32_t> size(groups.count, 0);
+  for_each_id(groups.group_of.size(), 1, [&](std::uint32_t t) { ++size[groups.group_of[t]]; });
+  const std::uint32_t most = largest_group * node_triangles;
+  bool any = false;
+  for (std::size_t n = 0; n < has_moved.size(); ++n) {
+    make_room();
+    if (has_moved[n] == 0) continue;
+    const NodeDraft& node = level.nodes[n];
+    Group* const before = groups.group_of.data() + node.first_triangle;
+    const Group* const after = moved.data() + node.first_triangle;
+    bool fits = true;
+    for (std::size_t i = 0; i < node.triangle_count; ++i) {
+      --size[before[i]];
+      fits = ++size[after[i]] <= most && fits;
+    }
+    if (fits) {
+      std::copy_n(after, node.triangle_count, before);
+      any = true;
+    } else {  // back
+      for (std::size_t i = 0; i < node.triangle_count; ++i) --size[after[i]], ++size[before[i]];
+    }
+  }
+  if (any) drop_empty_groups(size, groups);
 }
 
 }  // namespace occlod::hlod

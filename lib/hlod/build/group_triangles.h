@@ -1,17 +1,26 @@
-// Groups the triangles of one level into the nodes of the next.
+// Which vertices several groups use.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
 
-#include "base/large_vector.h"
+#include "base/memory.h"
+#include "hlod/build/cells.h"
 #include "hlod/build/level_draft.h"
-#include "occlod/hlod/build.h"
-#include "hlod/build/octree_grid.h"
-#include "hlod/store/wedge_mesh.h"
+#include "occlod/build_hlod.h"
+#include "occlod/mesh.h"
 
 namespace occlod::hlod {
+
+// By vertex: 1 where triangles of different groups use it, 0 elsewhere. `group_of` by triangle. The result does not
+// depend on the threads. O(n * threads) steps, shared by them.
+[[nodiscard]] LargeVector<std::uint8_t> shared_vertices(std::span<const Triangle> triangles,
+                                                        std::span<const std::uint32_t> group_of,
+                                                        std::size_t vertex_count, unsigned threads);
+
+// Groups the triangles of one level into the nodes of the next.
 
 // Groups of triangles, numbered along a Morton curve.
 struct TriangleGroups {
@@ -44,5 +53,23 @@ class TriangleGrouping {
   OctreeGrid grid_;
   std::vector<std::uint64_t> node_codes_;  // with nested groups: of a point in the cell of each node of the last level
 };
+
+// Groups along the surface, where cells of space do not work.
+
+// Where triangles are much longer than the cells that so many of them fill, as on pipes with few bends, nearly all
+// vertices are shared by several groups, so that nothing could be simplified. If groups with more shared corners than
+// others have a quarter of the triangles or more, their triangles are grouped anew: from one triangle to those that
+// share a vertex with it, and so on, until a group has `most_triangles`; what is left around it begins the next.
+// `order` is all triangles along a Morton curve; groups are numbered along it. O(n).
+void grow_stuck_groups(std::span<const Triangle> triangles, std::span<const std::uint32_t> order,
+                       std::size_t vertex_count, std::uint32_t most_triangles, TriangleGroups& groups,
+                       unsigned threads);
+
+// Spares patches that are too small to be worth a draw call.
+
+// A patch is what a node has in one group. Those with less than a 32nd of `node_triangles` triangles move to the group
+// of the same node that shares most vertices with them, unless that makes a group too large for 16-bit indices. Any
+// assignment of triangles to groups is legal. The result does not depend on the threads. O(n log n) within each node.
+void move_slivers(const LevelDraft& level, std::uint32_t node_triangles, TriangleGroups& groups, unsigned threads);
 
 }  // namespace occlod::hlod

@@ -1,10 +1,10 @@
-#include "occlod/hlod/metric.h"
-
 #include <algorithm>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
+
+#include "occlod/hlod.h"
 
 namespace occlod::hlod {
 namespace {

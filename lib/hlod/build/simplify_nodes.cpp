@@ -5,14 +5,13 @@
 #include <limits>
 #include <utility>
 
-#include "hlod/build/cancel_opposite.h"
+#include "base/arithmetic.h"
+#include "base/threads.h"
 #include "hlod/build/finish_level.h"
-#include "splits/parallel.h"
+#include "hlod/build/group_triangles.h"
+#include "hlod/build/level_draft.h"
+#include "splits/positions.h"
 #include "splits/simplify_group.h"
-#include "splits/unit_scale.h"
-#include "hlod/build/local_ids.h"
-#include "base/unite.h"
-#include "hlod/build/shared_vertices.h"
 
 namespace occlod::hlod {
 namespace {

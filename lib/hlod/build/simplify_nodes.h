@@ -5,14 +5,13 @@
 #include <span>
 #include <vector>
 
+#include "base/memory.h"
 #include "hlod/build/build_journal.h"
-#include "base/large_vector.h"
 #include "hlod/build/finish_level.h"
 #include "hlod/build/group_triangles.h"
-#include "splits/build_progress.h"
 #include "hlod/build/level_draft.h"
-#include "occlod/hlod/build.h"
-#include "hlod/store/wedge_mesh.h"
+#include "occlod/build_hlod.h"
+#include "splits/build_progress.h"
 
 namespace occlod::hlod {
 

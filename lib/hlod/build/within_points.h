@@ -1,4 +1,4 @@
-// The vertices of cuts within nodes by the positions of the input: for validate().
+// Splits of one place belong together.
 #pragma once
 
 #include <cstddef>
@@ -8,11 +8,23 @@
 #include <string>
 #include <vector>
 
-#include "splits/chain_sum.h"
-#include "splits/position_ids.h"
-#include "occlod/hlod/within.h"
+#include "occlod/build_hlod.h"
+#include "occlod/hlod.h"
+#include "splits/positions.h"
+#include "splits/triangle_keys.h"
 
 namespace occlod::hlod {
+
+// The least number of splits of node n, no less than `splits`, that applies all of a place or none. O(their number).
+[[nodiscard]] inline std::uint32_t whole_splits(const Hlod& hlod, NodeId n, std::uint32_t splits) {
+  if (!hlod.data().has_seams) return splits;
+  const NodeWithin& within = hlod.data().within[n];
+  const auto places = hlod.within(n).positions.subspan(within.bare);
+  while (splits > 0 && splits < within.splits && places[splits] == places[splits - 1]) ++splits;
+  return splits;
+}
+
+// The vertices of cuts within nodes by the positions of the input: for validate().
 
 using PointId = std::uint32_t;  // of a position of level 0
 

@@ -1,16 +1,92 @@
-// The grown box that every device draws in place of a box that it is asked about: one proxy, whatever counts its
-// pixels.
+// From object space to clip space for depth buffers.
 #pragma once
 
 #include <cstdint>
+#include <glm/mat3x3.hpp>
 #include <glm/mat4x4.hpp>
 #include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <optional>
+#include <span>
+#include <vector>
 
-#include "hlod/draw/proxy_space.h"
-#include "occlod/math/bounds.h"
-#include "raster/projected_box.h"
+#include "occlod/bounds.h"
+#include "occlod/view.h"
+#include "raster/depth_tiles.h"
 
 namespace occlod {
+
+// ObjectView's own matrix is single-precision. Close to the eye and far from the object's origin its rows for z and w
+// cancel, and each by itself is wrong by 2^-24 of what cancels: z / w by many steps of a depth buffer, differently for
+// each object. Here z is what it must be for that w, z = a w + b, so that what is left of the error moves a depth by no
+// larger part than w's. An orthographic z is kept: it is off by 2^-24 of the distance from the object's origin.
+[[nodiscard]] inline glm::dmat4 clip_matrix(const Camera& camera, const ObjectView& object) {
+  const double a = (camera.far + camera.near) / (camera.far - camera.near);
+  const double b = -2.0 * camera.far * camera.near / (camera.far - camera.near);
+  glm::dmat4 matrix(object.object_to_clip());
+  if (object.is_orthographic()) return matrix;
+  for (int column = 0; column < 4; ++column) matrix[column].z = a * matrix[column].w;
+  matrix[3].z += b;
+  return matrix;
+}
+
+[[nodiscard]] inline std::vector<glm::dmat4> clip_matrices(const Camera& camera, std::span<const ObjectView> objects) {
+  std::vector<glm::dmat4> matrices;
+  matrices.reserve(objects.size());
+  for (const ObjectView& object : objects) matrices.push_back(clip_matrix(camera, object));
+  return matrices;
+}
+
+// Boxes and other bounds in object space, and how far they are grown before they are drawn in place of what they hold:
+// the same for every device.
+
+enum class ProxyShape { sphere, box, cylinder };
+
+// The view's image and the smaller one that proxies are drawn into: one sample for divisor x divisor pixels, the last
+// column and row for what is left of them.
+struct Screen {
+  Screen() = default;
+  explicit Screen(const View& view, int target_divisor = 1);
+  [[nodiscard]] int target_width() const noexcept { return (width + divisor - 1) / divisor; }
+  [[nodiscard]] int target_height() const noexcept { return (height + divisor - 1) / divisor; }
+
+  int width = 0;   // pixels
+  int height = 0;  // pixels
+  int divisor = 1;
+  double focal_length_px = 0.0;
+  double depth_range = 0.0;  // world units, from the near to the far plane
+  bool orthographic = false;
+};
+
+// One object's view in double precision, with what growing a bound by pixels needs.
+struct ProxySpace {
+  // to_clip: see clip_matrix.
+  ProxySpace(const Screen& screen, const glm::dmat4& to_clip, bool is_mirrored);
+
+  glm::dmat4 object_to_clip;
+  // Object units that move a point where w = 1 by one pixel, in any direction across or along the line of sight: the
+  // image of that unit ball reaches length(row(d)) along the unit vector d, and never more than reach.
+  glm::dmat3 object_from_pixels;
+  double reach = 0.0;
+  bool mirrored = false;
+};
+
+// A bound as the image center + directions * (half * u) of a unit shape.
+struct Placement {
+  ProxyShape shape = ProxyShape::box;
+  glm::dvec3 center{0.0};
+  glm::dmat3 directions{1.0};  // orthonormal, right-handed
+  glm::dvec3 half{0.0};        // object units, >= 0
+};
+
+// Nothing for boxes that are not finite or inside out.
+[[nodiscard]] std::optional<Placement> place_box(const Box& box);
+// Grows the placement so that it covers the sample of every pixel that it touches, at no greater depth than where it
+// touches it.
+[[nodiscard]] Placement grown(const Placement& placement, const Screen& screen, const ProxySpace& space);
+
+// The grown box that every device draws in place of a box that it is asked about: one proxy, whatever counts its
+// pixels.
 
 struct BoxProxy {
   enum class Kind {

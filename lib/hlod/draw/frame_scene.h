@@ -1,17 +1,177 @@
-// What a frame is traversed with: the objects in its view, and their nodes' states.
+// Areas of what points surround in an image.
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
+#include <glm/vec2.hpp>
+#include <glm/vec4.hpp>
+#include <optional>
 #include <span>
 #include <vector>
 
-#include "occlod/hlod/node_store.h"
-#include "occlod/hlod/within.h"
-#include "hlod/draw/node_state.h"
-#include "hlod/draw/object_frame.h"
+#include "hlod/draw/box_proxy.h"
+#include "occlod/build_hlod.h"
+#include "occlod/hlod.h"
+#include "occlod/node_store.h"
+#include "occlod/traverser.h"
+#include "occlod/view.h"
 
 namespace occlod::hlod {
+
+// Pixels of the part of the convex hull of at most 8 points that lies in [0, size.x] x [0, size.y].
+[[nodiscard]] double hull_area_inside(std::span<const glm::dvec2> points, const glm::dvec2& size);
+
+// One object in one view: what traversal computes of a node from its bounds.
+
+class ObjectFrame {
+ public:
+  ObjectFrame(const View& view, const PlacedHlod& placed, const TraverseOptions& options);
+
+  [[nodiscard]] double error_px(const Node& node) const;
+  // Refined within as far as possible.
+  [[nodiscard]] double least_error_px(const Node& node) const;
+  // Object units; of so many pixels.
+  [[nodiscard]] double error_limit(const Node& node, double pixels) const;
+  // By which nodes are taken in turn: world units from the eye, or from the eye plane where rays are parallel.
+  [[nodiscard]] double distance(const Box& box) const;
+  // False only when no point of the box is inside the frustum.
+  [[nodiscard]] bool may_be_inside(const Box& box) const;
+  // Share of the image that a box covers, whether inside it or not: box_coverage().
+  [[nodiscard]] double coverage(const Box& box) const;
+  // Of the image.
+  [[nodiscard]] double pixels() const noexcept { return static_cast<double>(screen_.width) * screen_.height; }
+  // Pixels that the node's box covers on an empty screen, as `alpha` counts them. Nothing where devices would not draw
+  // it but count all pixels, as around the eye: such nodes are visible.
+  [[nodiscard]] std::optional<double> box_pixels(const Node& node) const;
+
+ private:
+  [[nodiscard]] std::optional<double> outline_pixels(const Box& box) const;
+  [[nodiscard]] double cube_pixels(const Node& node) const;
+
+  ObjectView view_;
+  ScreenScale scale_;
+  Screen screen_;
+  ProxySpace proxy_space_;
+  glm::dvec4 depth_;     // dot product with (p, 1): distance from the eye plane, world units
+  double volume_scale_;  // cubic world units per cubic object unit
+  Metric metric_;
+  Alpha alpha_;
+};
+
+// What traversal knows of a node, in this frame and from the last.
+
+// A node of one of the objects.
+struct NodeRef {
+  std::uint32_t object = 0;
+  NodeId node = 0;
+};
+
+enum class Status : std::uint8_t {
+  absent,          // no parent has been refined so far
+  undecided,       // reached: in the queue, or asked about
+  held,            // wants to be refined, or refined within, but a parent is undecided
+  refined,         // replaced by its children
+  stopped,         // drawn where its parents are refined
+  culled,          // outside the frustum, or hidden
+  absent_stopped,  // never reached, since a coarser node is drawn
+  absent_culled,   // never reached, since all coarser nodes are culled
+};
+
+// What is left of the frame before.
+struct LastFrame {
+  bool visited = false;  // reached, and inside the frustum
+  bool visible = false;  // of those, it or a node below it was seen
+  bool refined = false;  // of those, not stopped
+  bool asked = false;    // reached, and asked about
+};
+
+struct NodeState {
+  std::uint32_t frame = 0;        // that the fields below are of; 0: none
+  std::uint32_t floor_frame = 0;  // in which bias_floor was set
+  float bias = 1.0F;              // of the last answer; 1 again where the last frame did not visit the node
+  float bias_floor = 0.0F;        // the least bias that the frame after floor_frame reckons with
+  NodeId first_held = no_id;      // of the nodes that are held until this one is decided
+  NodeId next_held = no_id;       // of those held for the same node
+  float drawn_bias = 1.0F;        // that the node is drawn with, or will be when it is not held any more
+  Status status = Status::absent;
+  bool visited : 1 = false;
+  bool visible : 1 = false;
+  bool asked : 1 = false;
+  bool denied : 1 = false;        // wanted to be refined, and a parent was drawn
+  bool floored : 1 = false;       // it would have stopped without its bias_floor
+  bool gone : 1 = false;          // found hidden after it was refined, or all its parents are gone or culled
+  bool held_to_stop : 1 = false;  // held, and to be refined within
+  bool cut : 1 = false;           // drawn refined within
+  bool delayed : 1 = false;       // drawn only when its answer came
+  bool hidden : 1 = false;        // so it was answered
+  bool wasted : 1 = false;        // answered visible, and nothing was decided by it
+  bool answered : 1 = false;      // the answer was read
+  bool last_visited : 1 = false;
+  bool last_visible : 1 = false;
+  bool last_refined : 1 = false;
+  bool last_asked : 1 = false;
+};
+static_assert(sizeof(NodeState) <= 32);
+
+[[nodiscard]] inline LastFrame last_frame(const NodeState& state, std::uint32_t frame) noexcept {
+  if (state.frame == frame) return {state.last_visited, state.last_visible, state.last_refined, state.last_asked};
+  if (state.frame + 1 != frame || !state.visited) return {};
+  return {true, state.visible, state.status == Status::refined, state.asked};
+}
+
+// Before the fields of this frame are used.
+inline void enter_frame(NodeState& state, std::uint32_t frame) noexcept {
+  if (state.frame == frame) return;
+  const LastFrame last = last_frame(state, frame);
+  if (!last.visited) state.bias = 1.0F;
+  state.last_visited = last.visited;
+  state.last_visible = last.visible;
+  state.last_refined = last.refined;
+  state.last_asked = last.asked;
+  state.visited = state.visible = state.asked = state.denied = state.floored = state.gone = false;
+  state.held_to_stop = state.cut = false;
+  state.delayed = state.hidden = state.wasted = state.answered = false;
+  state.first_held = state.next_held = no_id;
+  state.status = Status::absent;
+  state.frame = frame;
+}
+
+// Nodes that have been reached, the nearest first.
+
+struct ReachedNode {
+  double distance = 0.0;  // as ObjectFrame::distance()
+  NodeRef ref;
+  std::uint32_t place = 0;  // how many nodes were reached before it in this frame
+};
+
+// Ties by object, then by node, so coarse nodes first.
+class DistanceQueue {
+ public:
+  void clear() noexcept { heap_.clear(); }
+  [[nodiscard]] bool empty() const noexcept { return heap_.empty(); }
+  void push(const ReachedNode& node) {
+    heap_.push_back(node);
+    std::push_heap(heap_.begin(), heap_.end(), comes_later);
+  }
+  [[nodiscard]] ReachedNode pop() {
+    std::pop_heap(heap_.begin(), heap_.end(), comes_later);
+    const ReachedNode node = heap_.back();
+    heap_.pop_back();
+    return node;
+  }
+
+ private:
+  static bool comes_later(const ReachedNode& a, const ReachedNode& b) noexcept {
+    if (a.distance != b.distance) return a.distance > b.distance;
+    if (a.ref.object != b.ref.object) return a.ref.object > b.ref.object;
+    return a.ref.node > b.ref.node;
+  }
+
+  std::vector<ReachedNode> heap_;
+};
+
+// What a frame is traversed with: the objects in its view, and their nodes' states.
 
 class FrameScene {
  public:

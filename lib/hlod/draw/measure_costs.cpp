@@ -1,5 +1,3 @@
-#include "occlod/device/measure_costs.h"
-
 #include <algorithm>
 #include <array>
 #include <cstring>
@@ -7,8 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "base/median.h"
+#include "base/timing.h"
 #include "hlod/store/hlod_data.h"
+#include "occlod/device.h"
 
 namespace occlod::hlod {
 namespace {

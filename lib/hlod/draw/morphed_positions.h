@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "occlod/device/device.h"
-#include "occlod/hlod/hlod.h"
+#include "occlod/device.h"
+#include "occlod/hlod.h"
 
 namespace occlod::hlod {
 

@@ -8,9 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "occlod/traverse/traverser.h"
-#include "hlod/draw/distance_queue.h"
 #include "hlod/draw/frame_scene.h"
+#include "occlod/traverser.h"
 
 namespace occlod::hlod {
 

@@ -1,10 +1,35 @@
-// Whether a query is worth its time: Guthe, Balazs and Klein 2006, secs. 3.2, 4.1 and 4.2.
+// What a strategy remembers of nodes.
 #pragma once
 
-#include "occlod/device/device_costs.h"
-#include "occlod/traverse/occlusion_probability.h"
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "hlod/draw/frame_scene.h"
+#include "occlod/device_costs.h"
+#include "occlod/traverser.h"
 
 namespace occlod::hlod {
+
+template <typename T>
+class PerNode {
+ public:
+  // Before the first use in a frame. Forgets everything in the first frame of the scene. Whether nothing is known.
+  bool fit(const FrameScene& scene) {
+    if (scene.frame() > 1 && !values_.empty()) return false;
+    values_.resize(scene.object_count());
+    for (std::uint32_t i = 0; i < scene.object_count(); ++i) values_[i].assign(scene.hlod({i, 0}).node_count(), T());
+    return true;
+  }
+  [[nodiscard]] T& operator[](NodeRef n) noexcept { return values_[n.object][n.node]; }
+  [[nodiscard]] const T& operator[](NodeRef n) const noexcept { return values_[n.object][n.node]; }
+
+ private:
+  std::vector<std::vector<T>> values_;
+};
+
+// Whether a query is worth its time: Guthe, Balazs and Klein 2006, secs. 3.2, 4.1 and 4.2.
 
 // What drawing takes of a device's stages.
 struct DrawWork {
@@ -60,5 +85,77 @@ struct ChildrenValue {
 
 // N_q: so many queries after one was asked, it must be answered.
 [[nodiscard]] double most_parallel_queries(const DeviceCosts& costs) noexcept;
+
+// What drawing takes of what is below a node.
+
+// Square object units.
+[[nodiscard]] double box_area(const Box& box);
+// Of drawing the node itself, whatever its level. coverage: ObjectFrame::coverage() of its box.
+[[nodiscard]] DrawWork own_work(const FrameScene& scene, NodeRef n, double coverage);
+// The share of the image that the node's triangles cover, likewise.
+[[nodiscard]] double own_coverage(const FrameScene& scene, NodeRef n);
+
+// What was known of a node in the last frame.
+[[nodiscard]] LastSight last_sight(const FrameScene& scene, NodeRef n);
+
+// A node that stops is known; of any other counts what was drawn below it when something was last; before that, what
+// its error lets expect. Nodes with several parents count for each by its share of their triangles.
+class WorkBelow {
+ public:
+  void begin_frame(const FrameScene& scene);
+  // n is inside the frustum; once a frame.
+  void note_visited(NodeRef n) { visited_.push_back(n); }
+  void note_drawn(const FrameScene& scene, NodeRef n);
+  void end_frame(const FrameScene& scene);
+
+  // coverage: ObjectFrame::coverage() of the node's box.
+  [[nodiscard]] DrawWork of(const FrameScene& scene, NodeRef n, double coverage) const;
+  // The same of a node that is not fine enough without a bias, if it is refined.
+  [[nodiscard]] DrawWork refined(const FrameScene& scene, NodeRef n, double coverage) const;
+
+ private:
+  struct Record {
+    float draws = 0.0F;      // when something was last drawn below it; 0: never
+    float triangles = 0.0F;  // likewise
+    float now_draws = 0.0F;  // in this frame
+    float now_triangles = 0.0F;
+    float all_draws = 0.0F;  // nodes of level 0 below it
+    float all_triangles = 0.0F;
+  };
+  void add_up_level_0(const FrameScene& scene);
+
+  PerNode<Record> records_;
+  std::vector<NodeRef> visited_;  // in this frame
+};
+
+// How often nodes turn out hidden when they are asked about, by what the model of cover says of them.
+
+// The model of Guthe and others 2006 takes what is drawn for rectangles at random places. Real scenes are a row of
+// houses or an engine under its hood, so its probabilities are used for order only: nodes of about the same probability
+// share a rate, which answers correct.
+class HidingRates {
+ public:
+  void begin_frame();
+  // A node that was visible when it was asked about last, `frames` ago.
+  void note_visible(double cover_probability, double frames, bool hidden);
+  // A node of which nothing was known.
+  void note_new(double cover_probability, bool hidden);
+
+  // How probable it is that a visible node is hidden in the next frame.
+  [[nodiscard]] double of_visible(double cover_probability) const;
+  // How probable it is that a node of which nothing is known is hidden.
+  [[nodiscard]] double of_new(double cover_probability) const;
+
+ private:
+  static constexpr std::size_t classes = 8;
+  struct Count {
+    double hidden = 0.0;
+    double all = 0.0;
+  };
+  [[nodiscard]] static std::size_t class_of(double cover_probability);
+
+  std::array<Count, classes> visible_;  // all: frames
+  std::array<Count, classes> new_;      // all: nodes
+};
 
 }  // namespace occlod::hlod

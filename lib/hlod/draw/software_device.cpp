@@ -1,20 +1,47 @@
-#include "occlod/device/software_device.h"
-
 #include <algorithm>
 #include <cassert>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
-#include "base/milliseconds_since.h"
-#include "hlod/draw/answers.h"
+#include "base/timing.h"
 #include "hlod/draw/box_proxy.h"
 #include "hlod/draw/morphed_positions.h"
+#include "occlod/device.h"
 #include "raster/depth_image.h"
 #include "raster/depth_tiles.h"
 
 namespace occlod::hlod {
 namespace {
+
+// Counts of the queries of one frame.
+
+class Answers {
+ public:
+  void clear() {
+    counts_.clear();
+    first_.clear();
+  }
+  // A new query; its counts are added next.
+  QueryId begin_query() {
+    first_.push_back(counts_.size());
+    return static_cast<QueryId>(first_.size() - 1);
+  }
+  void add(std::uint32_t count) { counts_.push_back(count); }
+
+  [[nodiscard]] std::span<const std::uint32_t> of(QueryId query) const {
+    assert(query < first_.size());
+    const std::size_t first = first_[query];
+    const std::size_t end = query + 1 < first_.size() ? first_[query + 1] : counts_.size();
+    return std::span(counts_).subspan(first, end - first);
+  }
+
+ private:
+  std::vector<std::uint32_t> counts_;
+  std::vector<std::size_t> first_;  // of each query
+};
 
 // One object of a frame.
 struct DrawnObject {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "occlod/traverse/traverser.h"
+#include "occlod/traverser.h"
 
 namespace occlod::hlod {
 

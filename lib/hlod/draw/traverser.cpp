@@ -1,21 +1,240 @@
-#include "occlod/traverse/traverser.h"
+#include "occlod/traverser.h"
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
+#include <glm/geometric.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "base/option_checker.h"
-#include "occlod/core/error.h"
-#include "occlod/hlod/node_store.h"
-#include "hlod/draw/modelled_device.h"
-#include "hlod/draw/prefetch.h"
+#include "base/placement.h"
+#include "hlod/draw/frame_scene.h"
+#include "hlod/draw/query_value.h"
 #include "hlod/draw/strategy_choice.h"
 #include "hlod/draw/traversal.h"
-#include "base/placement.h"
+#include "hlod/draw/virtual_device.h"
+#include "occlod/base.h"
+#include "occlod/node_store.h"
 
 namespace occlod::hlod {
+namespace {
+
+// What is likely to be needed soon of HLODs whose meshes come and go.
+
+// The view after so many more frames like the one that led from `before` to `now`: the eye goes on along a line, the
+// line of sight turns on. Nothing when the camera stands still, or would end up where it makes no image.
+[[nodiscard]] std::optional<View> view_ahead(const Camera& before, const View& now, int frames);
+
+class Prefetcher {
+ public:
+  // Tells the stores of these objects, all of which have begun a frame, what it may be: first what is missing to draw
+  // the objects from `ahead`, if given, without regard to occlusion; then the siblings of what `frame` has drawn.
+  // O(nodes drawn, and inside that frustum), but at most some thousand of the latter.
+  void run(std::span<const PlacedHlod> objects, const Frame& frame, const std::optional<View>& ahead,
+           const TraverseOptions& options);
+
+ private:
+  void look_ahead(const PlacedHlod& object, const View& ahead, const TraverseOptions& options);
+
+  std::vector<NodeId> reached_;  // scratch: in turn, each once
+  std::vector<bool> marks_;      // by node, whether it is among them; all false between calls
+};
+
+constexpr std::size_t most_reached = 4096;  // nodes, of one object
+
+std::optional<View> view_ahead(const Camera& before, const View& now, int frames) {
+  Camera camera = now.camera();
+  const glm::dvec3 last = before.target - before.eye, sight = camera.target - camera.eye;
+  const double length = glm::length(sight);
+  const glm::dvec3 motion = camera.eye - before.eye, turn = sight / length - last / glm::length(last);
+  if (frames == 0 || (motion == glm::dvec3(0.0) && turn == glm::dvec3(0.0))) return std::nullopt;
+  camera.eye += static_cast<double>(frames) * motion;
+  const glm::dvec3 turned = sight / length + static_cast<double>(frames) * turn;
+  camera.target = camera.eye + length / glm::length(turned) * turned;
+  try {
+    return View(camera);
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+}
+
+void Prefetcher::run(std::span<const PlacedHlod> objects, const Frame& frame, const std::optional<View>& ahead,
+                     const TraverseOptions& options) {
+  for (const PlacedHlod& object : objects)
+    if (object.hlod->store() != nullptr && ahead) look_ahead(object, *ahead, options);
+  for (const DrawnNode& drawn : frame.draws) {
+    const Hlod& hlod = *objects[drawn.object].hlod;
+    if (hlod.store() == nullptr) continue;
+    for (const Patch& patch : hlod.patches(drawn.node)) {
+      if (patch.parent == no_id) continue;
+      for (const NodeId sibling : hlod.children(patch.parent))
+        if (!hlod.is_resident(sibling)) hlod.store()->prefetch(sibling);
+    }
+  }
+}
+
+// As vfc does, down to what is not there.
+void Prefetcher::look_ahead(const PlacedHlod& object, const View& ahead, const TraverseOptions& options) {
+  const Hlod& hlod = *object.hlod;
+  if (marks_.size() < hlod.node_count()) marks_.resize(hlod.node_count(), false);
+  const ObjectFrame view(ahead, object, options);
+  reached_.assign(hlod.data().roots.begin(), hlod.data().roots.end());
+  for (std::size_t i = 0; i < reached_.size() && reached_.size() < most_reached; ++i) {
+    const NodeId n = reached_[i];
+    const Node& node = hlod.node(n);
+    if (!view.may_be_inside(node.box)) continue;
+    hlod.store()->prefetch(n);
+    const bool is_fine = options.tolerance_px > 0.0 && view.error_px(node) <= options.tolerance_px;
+    if (is_fine || !hlod.is_resident(n)) continue;
+    for (const NodeId child : hlod.children(n)) {
+      if (marks_[child]) continue;
+      marks_[child] = true;
+      reached_.push_back(child);
+    }
+  }
+  for (const NodeId n : reached_) marks_[n] = false;
+}
+
+// Adds up what a frame would take by calibrated costs, while it is drawn.
+
+// Passes everything on to a device. Fragments are estimated from bounds, so the times depend on counts and answers
+// only.
+class ModelledDevice final : public RenderDevice {
+ public:
+  // Before begin_frame(). Both outlive the frame.
+  void set(RenderDevice& device, const FrameScene& scene) {
+    device_ = &device;
+    scene_ = &scene;
+  }
+  // Of the last frame.
+  [[nodiscard]] double frame_ms() const noexcept { return clock_.times().frame_ms; }
+
+  [[nodiscard]] std::string_view name() const noexcept override { return device_->name(); }
+  void begin_frame(const View& view, std::span<const PlacedHlod> objects) override;
+  void draw(const NodeDraw& draw) override;
+  [[nodiscard]] QueryId ask(std::span<const BoxRef> boxes) override;
+  [[nodiscard]] QueryId ask_each(std::span<const BoxRef> boxes) override;
+  [[nodiscard]] bool available(QueryId query) override { return device_->available(query); }
+  [[nodiscard]] std::span<const std::uint32_t> wait(QueryId query) override;
+  void visit(std::size_t nodes) override;
+  FrameTimes end_frame() override { return device_->end_frame(); }
+
+ private:
+  QueryId note(QueryId query, double query_ns);
+  [[nodiscard]] double pixels_of(std::span<const BoxRef> boxes) const;
+
+  RenderDevice* device_ = nullptr;
+  const FrameScene* scene_ = nullptr;
+  VirtualClock clock_;
+  std::vector<double> ready_ns_;  // by query
+};
+
+void ModelledDevice::begin_frame(const View& view, std::span<const PlacedHlod> objects) {
+  clock_.begin();
+  ready_ns_.clear();
+  device_->begin_frame(view, objects);
+}
+
+void ModelledDevice::draw(const NodeDraw& draw) {
+  const NodeRef n{draw.object, draw.node};
+  const Node& node = scene_->node(n);
+  double triangles = static_cast<double>(draw.cut.size()) / 3.0;
+  for (const DrawRange& range : draw.ranges) triangles += static_cast<double>(range.index_count) / 3.0;
+  DrawWork work = own_work(*scene_, n, scene_->view_of(n).coverage(node.box));
+  if (!draw.ranges.empty()) work.fragments *= triangles / static_cast<double>(node.triangles);
+  work.triangles = triangles;
+  const DeviceCosts& costs = scene_->options().costs;
+  clock_.command(costs.submit_ns, draw_time_ns(costs, work));
+  device_->draw(draw);
+}
+
+double ModelledDevice::pixels_of(std::span<const BoxRef> boxes) const {
+  double pixels = 0.0;
+  for (const BoxRef& box : boxes) {
+    const ObjectFrame& view = scene_->view_of({box.object, 0});
+    pixels += view.coverage(box.box) * view.pixels();
+  }
+  return pixels;
+}
+
+QueryId ModelledDevice::note(QueryId query, double query_ns) {
+  const DeviceCosts& costs = scene_->options().costs;
+  if (ready_ns_.size() <= query) ready_ns_.resize(query + std::size_t{1});
+  ready_ns_[query] = clock_.command(costs.submit_ns, query_ns) + costs.readback_ns;
+  return query;
+}
+
+QueryId ModelledDevice::ask(std::span<const BoxRef> boxes) {
+  return note(device_->ask(boxes), query_time_ns(scene_->options().costs, pixels_of(boxes)));
+}
+
+QueryId ModelledDevice::ask_each(std::span<const BoxRef> boxes) {
+  const DeviceCosts& costs = scene_->options().costs;
+  return note(device_->ask_each(boxes),
+              std::max(costs.batch_ns + static_cast<double>(boxes.size()) * costs.batch_item_ns,
+                       pixels_of(boxes) * costs.query_fragment_ns));
+}
+
+std::span<const std::uint32_t> ModelledDevice::wait(QueryId query) {
+  clock_.wait_until(ready_ns_[query]);
+  return device_->wait(query);
+}
+
+void ModelledDevice::visit(std::size_t nodes) {
+  clock_.work(static_cast<double>(nodes) * scene_->options().costs.visit_ns);
+  device_->visit(nodes);
+}
+
+constexpr double trial_share = 0.005;    // of the time, at most, for trials
+constexpr std::uint32_t first_try = 16;  // frame: before, batch has yet to learn what is hidden
+constexpr std::uint32_t least_wait = 32, most_wait = 1024;
+constexpr double clearly = 0.97;  // the other one is taken where it needs so much less
+constexpr double settling = 0.5;  // share of a new time in the usual one
+
+// What is hidden takes batch some frames to find out, and they do not count; vfc need not know.
+int trial_length(Strategy strategy) { return strategy == Strategy::vfc ? 1 : 4; }
+
+}  // namespace
+
+std::size_t StrategyChoice::next() {
+  ++frame_;
+  if (next_try_ == 0) next_try_ = first_try;
+  const std::size_t other = 1 - chosen_;
+  if (trial_frames_ == 0 && frame_ >= next_try_) trial_frames_ = trial_length(candidates[other]);
+  return trial_frames_ > 0 ? other : chosen_;
+}
+
+void StrategyChoice::note(double frame_ms) {
+  if (trial_frames_ > 0) {
+    if (--trial_frames_ == 0) end_trial(frame_ms);
+    return;
+  }
+  usual_ms_ = usual_ms_ > 0.0 ? usual_ms_ + settling * (frame_ms - usual_ms_) : frame_ms;
+}
+
+void StrategyChoice::end_trial(double frame_ms) {
+  const std::size_t other = 1 - chosen_;
+  tried_ = frame_;
+  ratio_ = usual_ms_ > 0.0 ? frame_ms / usual_ms_ : 1.0;
+  if (ratio_ < clearly) {
+    chosen_ = other;
+    usual_ms_ = frame_ms;
+    ratio_ = 1.0 / ratio_;
+  }
+  const double wait = trial_length(candidates[1 - chosen_]) * (ratio_ - 1.0) / trial_share;
+  next_try_ = frame_ + static_cast<std::uint32_t>(std::clamp(wait, double{least_wait}, double{most_wait}));
+}
+
+void StrategyChoice::write_forecasts(std::vector<StrategyForecast>& forecasts) const {
+  forecasts.clear();
+  if (usual_ms_ > 0.0) forecasts.push_back({candidates[chosen_], usual_ms_, 0});
+  if (tried_ > 0) forecasts.push_back({candidates[1 - chosen_], ratio_ * usual_ms_, frame_ - tried_});
+}
+
 namespace {
 
 void check_costs(const TraverseOptions& options) {

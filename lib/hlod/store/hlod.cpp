@@ -1,12 +1,11 @@
-#include "occlod/hlod/hlod.h"
+#include "occlod/hlod.h"
 
 #include <cassert>
 #include <string>
 #include <utility>
 
 #include "hlod/store/hlod_data.h"
-#include "hlod/store/node_guard.h"
-#include "occlod/core/error.h"
+#include "occlod/base.h"
 
 namespace occlod::hlod {
 namespace {

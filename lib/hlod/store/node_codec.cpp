@@ -11,7 +11,7 @@
 #include <limits>
 #include <new>
 
-#include "mesh/olod_codec.h"
+#include "mesh/section_file.h"
 
 namespace occlod::ohlod {
 namespace {

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "base/large_vector.h"
+#include "base/memory.h"
 #include "hlod/store/hlod_data.h"
 
 namespace occlod::ohlod {

@@ -1,4 +1,4 @@
-#include "occlod/hlod/node_store.h"
+#include "occlod/node_store.h"
 
 #include <algorithm>
 #include <cassert>
@@ -7,10 +7,8 @@
 #include <utility>
 
 #include "base/option_checker.h"
-#include "hlod/build/mesh_loader.h"
-#include "hlod/store/node_cache.h"
-#include "hlod/store/simulated_link.h"
-#include "occlod/core/error.h"
+#include "hlod/store/mesh_loader.h"
+#include "occlod/base.h"
 
 namespace occlod::hlod {
 namespace {

@@ -1,5 +1,3 @@
-#include "occlod/hlod/validate.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,15 +8,13 @@
 #include <random>
 #include <utility>
 
-#include "hlod/store/fronts.h"
-#include "splits/chain_sum.h"
-#include "splits/corner_key.h"
-#include "splits/position_ids.h"
-#include "base/unite.h"
-#include "base/portable_math.h"
-#include "occlod/mesh/clean.h"
-#include "occlod/mesh/quantise.h"
+#include "base/arithmetic.h"
 #include "hlod/build/within_points.h"
+#include "hlod/store/structure.h"
+#include "occlod/hlod.h"
+#include "occlod/mesh.h"
+#include "splits/positions.h"
+#include "splits/triangle_keys.h"
 
 namespace occlod::hlod {
 namespace {

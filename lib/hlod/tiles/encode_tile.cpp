@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
 #include <cstdint>
+#include <glm/common.hpp>
 #include <glm/vec2.hpp>
 #include <limits>
 #include <map>
@@ -13,14 +15,105 @@
 #include <utility>
 #include <vector>
 
-#include "mesh/glb_document.h"
-#include "mesh/glb_primitives.h"
+#include "mesh/glb.h"
 #include "mesh/mesh_writers.h"
-#include "hlod/tiles/byte_stream.h"
-#include "hlod/tiles/meshopt_codec.h"
-#include "hlod/tiles/tile_lattice.h"
+#include "occlod/bounds.h"
+
+#ifdef OCCLOD_HAS_MESHOPTIMIZER
+#include <meshoptimizer.h>
+#endif
 
 namespace occlod::tiles {
+
+#ifdef OCCLOD_HAS_MESHOPTIMIZER
+
+bool has_meshopt() noexcept { return true; }
+
+void order_for_codec(GlbPrimitive& primitive) {
+  std::vector<std::uint32_t> indices;
+  indices.reserve(3 * primitive.triangles.size());
+  for (const Triangle& t : primitive.triangles) indices.insert(indices.end(), {t.x, t.y, t.z});
+  const std::size_t vertices = primitive.wedges.size();
+  meshopt_optimizeVertexCacheStrip(indices.data(), indices.data(), indices.size(), vertices);
+  std::vector<std::uint32_t> place(vertices);
+  const std::size_t used = meshopt_optimizeVertexFetchRemap(place.data(), indices.data(), indices.size(), vertices);
+  std::vector<WedgeId> wedges(used);
+  for (std::size_t v = 0; v < vertices; ++v)
+    if (place[v] != no_id) wedges[place[v]] = primitive.wedges[v];
+  primitive.wedges = std::move(wedges);
+  for (std::size_t t = 0; t < primitive.triangles.size(); ++t)
+    for (int k = 0; k < 3; ++k) primitive.triangles[t][k] = place[indices[3 * t + static_cast<std::size_t>(k)]];
+}
+
+std::string encode_vertices(const ByteStream& stream) {
+  meshopt_encodeVertexVersion(0);
+  std::string encoded(meshopt_encodeVertexBufferBound(stream.count(), stream.stride()), '\0');
+  encoded.resize(meshopt_encodeVertexBuffer(reinterpret_cast<unsigned char*>(encoded.data()), encoded.size(),
+                                            stream.bytes().data(), stream.count(), stream.stride()));
+  return encoded;
+}
+
+std::string encode_triangles(std::span<const std::uint32_t> indices, std::size_t vertices) {
+  meshopt_encodeIndexVersion(1);
+  std::string encoded(meshopt_encodeIndexBufferBound(indices.size(), vertices), '\0');
+  encoded.resize(meshopt_encodeIndexBuffer(reinterpret_cast<unsigned char*>(encoded.data()), encoded.size(),
+                                           indices.data(), indices.size()));
+  return encoded;
+}
+
+#else
+
+bool has_meshopt() noexcept { return false; }
+void order_for_codec(GlbPrimitive&) { assert(false); }
+std::string encode_vertices(const ByteStream&) { return {}; }
+std::string encode_triangles(std::span<const std::uint32_t>, std::size_t) { return {}; }
+
+#endif
+
+namespace {
+
+glm::dvec3 rounded(const glm::dvec3& v) { return {std::nearbyint(v.x), std::nearbyint(v.y), std::nearbyint(v.z)}; }
+
+double largest(const glm::dvec3& v) { return std::max({v.x, v.y, v.z}); }
+
+}  // namespace
+
+glm::dvec3 near_origin(std::span<const glm::vec3> positions) {
+  const Box box = bounding_box(positions);
+  glm::dvec3 origin(0.0);
+  for (int k = 0; k < 3; ++k) {
+    const double least = box.min[k], most = box.max[k];
+    const double nearest = least > 0.0 ? least : most < 0.0 ? -most : 0.0;
+    if (nearest > (most - least) / 2.0) origin[k] = static_cast<double>(static_cast<float>((least + most) / 2.0));
+  }
+  return origin;
+}
+
+TileLattice::TileLattice(std::span<const glm::vec3> positions, int bits) {
+  assert(!positions.empty() && bits >= 1 && bits <= 16);
+  const Box box = bounding_box(positions);
+  const glm::dvec3 low(box.min), high(box.max);
+  const double most_steps = std::exp2(bits) - 1.0;
+  // Doubles hold 53 bits, of which the place itself takes some.
+  const double farthest = largest(glm::max(glm::abs(low), glm::abs(high)));
+  const double finest = std::max({largest(high - low) / most_steps, std::ldexp(farthest, -50), std::ldexp(1.0, -149)});
+  step_ = std::exp2(std::ceil(std::log2(finest)));
+  // Rounding may add a step.
+  while (largest(rounded(high / step_) - rounded(low / step_)) > most_steps) step_ *= 2.0;
+  least_ = rounded(low / step_);
+  far_end_ = glm::u16vec3(rounded(high / step_) - least_);
+}
+
+glm::dvec3 TileLattice::origin() const noexcept {
+  return glm::dvec3(least_.x, least_.y + far_end_.y, least_.z) * step_;
+}
+
+glm::u16vec3 TileLattice::at(const glm::vec3& position) const {
+  return glm::u16vec3(rounded(glm::dvec3(position) / step_) - least_);
+}
+
+glm::dvec3 TileLattice::position(const glm::u16vec3& at) const { return (least_ + glm::dvec3(at)) * step_; }
+
 namespace {
 
 using Json = GlbDocument::Json;

@@ -2,13 +2,153 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <glm/geometric.hpp>
+#include <numeric>
+#include <tuple>
 #include <utility>
 
-#include "occlod/mesh/clean.h"
-#include "occlod/mesh/crease.h"
+#include "occlod/base.h"
+#include "occlod/mesh.h"
 
 namespace occlod::tiles {
+
+std::vector<std::uint32_t> first_at_position(std::span<const glm::vec3> positions) {
+  std::vector<std::uint32_t> order(positions.size()), first(positions.size());
+  std::iota(order.begin(), order.end(), 0U);
+  const auto key = [&](std::uint32_t v) {
+    const glm::vec3& p = positions[v];
+    return std::tuple(p.x, p.y, p.z);
+  };
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return std::tuple_cat(key(a), std::tuple(a)) < std::tuple_cat(key(b), std::tuple(b));
+  });
+  for (std::size_t i = 0; i < order.size(); ++i)
+    first[order[i]] = i > 0 && key(order[i]) == key(order[i - 1]) ? first[order[i - 1]] : order[i];
+  return first;
+}
+
+std::vector<BorderEdge> border_edges(std::span<const Triangle> triangles, std::span<const std::uint32_t> first) {
+  struct Use {
+    std::pair<std::uint32_t, std::uint32_t> edge;  // at first vertices, the lesser first
+    std::size_t corner;                            // from which it leads, of 3 for each triangle
+  };
+  std::vector<Use> uses;
+  uses.reserve(3 * triangles.size());
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    for (int k = 0; k < 3; ++k) {
+      const std::uint32_t a = first[triangles[t][k]], b = first[triangles[t][(k + 1) % 3]];
+      uses.push_back({std::minmax(a, b), 3 * t + static_cast<std::size_t>(k)});
+    }
+  std::sort(uses.begin(), uses.end(), [](const Use& a, const Use& b) { return a.edge < b.edge; });
+  std::vector<std::size_t> corners;
+  for (std::size_t i = 0, end = 0; i < uses.size(); i = end) {
+    while (end < uses.size() && uses[end].edge == uses[i].edge) ++end;
+    if (end - i == 1) corners.push_back(uses[i].corner);
+  }
+  std::sort(corners.begin(), corners.end());
+  std::vector<BorderEdge> edges;
+  edges.reserve(corners.size());
+  for (const std::size_t corner : corners) {
+    const Triangle& t = triangles[corner / 3];
+    const int k = static_cast<int>(corner % 3);
+    edges.push_back({t[k], t[(k + 1) % 3], static_cast<std::uint32_t>(corner / 3)});
+  }
+  return edges;
+}
+
+std::vector<glm::dvec3> area_sums(std::span<const glm::vec3> positions, std::span<const Triangle> triangles,
+                                  std::span<const std::uint32_t> first) {
+  std::vector<glm::dvec3> sums(positions.size(), glm::dvec3(0.0));
+  for (const Triangle& t : triangles) {
+    const glm::dvec3 a(positions[t.x]);
+    const glm::dvec3 area = glm::cross(glm::dvec3(positions[t.y]) - a, glm::dvec3(positions[t.z]) - a);
+    for (int k = 0; k < 3; ++k) sums[first[t[k]]] += area;
+  }
+  return sums;
+}
+
+namespace {
+
+bool is_before(const glm::vec3& a, const glm::vec3& b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); }
+
+// What one node adds to a vertex.
+struct Part {
+  glm::vec3 position;
+  glm::dvec3 area;
+};
+
+struct Edge {
+  glm::vec3 a, b;  // a is before b
+};
+
+bool is_before(const Edge& x, const Edge& y) { return is_before(x.a, y.a) || (x.a == y.a && is_before(x.b, y.b)); }
+
+// In the order of the nodes, so that sums are the same on every run.
+void take_node(const hlod::NodeMesh& mesh, std::vector<Part>& parts, std::vector<Edge>& edges) {
+  const std::vector<Triangle> triangles = triangles_of(mesh);
+  const std::vector<std::uint32_t> first = first_at_position(mesh.positions);
+  const std::vector<glm::dvec3> areas = area_sums(mesh.positions, triangles, first);
+  std::vector<bool> is_taken(mesh.positions.size());
+  for (const BorderEdge& edge : border_edges(triangles, first)) {
+    glm::vec3 a = mesh.positions[edge.from], b = mesh.positions[edge.to];
+    if (is_before(b, a)) std::swap(a, b);
+    edges.push_back({a, b});
+    for (const std::uint32_t v : {first[edge.from], first[edge.to]}) {
+      if (is_taken[v]) continue;
+      is_taken[v] = true;
+      parts.push_back({mesh.positions[v], areas[v]});
+    }
+  }
+}
+
+std::vector<BorderVertex> join(std::vector<Part> parts) {
+  std::stable_sort(parts.begin(), parts.end(),
+                   [](const Part& x, const Part& y) { return is_before(x.position, y.position); });
+  std::vector<BorderVertex> vertices;
+  for (std::size_t i = 0, end = 0; i < parts.size(); i = end) {
+    glm::dvec3 sum(0.0);
+    for (; end < parts.size() && parts[end].position == parts[i].position; ++end) sum += parts[end].area;
+    const double length = glm::length(sum);
+    vertices.push_back({parts[i].position, length > 0.0 ? glm::vec3(sum / length) : glm::vec3(0.0F), false});
+  }
+  return vertices;
+}
+
+// Of the first that is not before the position.
+std::size_t place_of(const std::vector<BorderVertex>& vertices, const glm::vec3& position) {
+  const auto found =
+      std::lower_bound(vertices.begin(), vertices.end(), position,
+                       [](const BorderVertex& vertex, const glm::vec3& p) { return is_before(vertex.position, p); });
+  return static_cast<std::size_t>(found - vertices.begin());
+}
+
+}  // namespace
+
+BorderVertices::BorderVertices(const hlod::Hlod& hlod, const std::function<void()>& next) {
+  std::vector<Part> parts;
+  std::vector<Edge> edges;
+  const hlod::Level& finest = hlod.data().levels[0];
+  for (hlod::NodeId n = finest.first_node; n < finest.first_node + finest.node_count; ++n) {
+    next();
+    hlod.require(n);
+    take_node(hlod.mesh(n), parts, edges);
+  }
+  vertices_ = join(std::move(parts));
+  std::sort(edges.begin(), edges.end(), [](const Edge& x, const Edge& y) { return is_before(x, y); });
+  for (std::size_t i = 0, end = 0; i < edges.size(); i = end) {
+    while (end < edges.size() && edges[end].a == edges[i].a && edges[end].b == edges[i].b) ++end;
+    if (end - i > 1) continue;
+    for (const glm::vec3& position : {edges[i].a, edges[i].b})
+      vertices_[place_of(vertices_, position)].is_at_input_border = true;
+  }
+}
+
+const BorderVertex* BorderVertices::at(const glm::vec3& position) const {
+  const std::size_t place = place_of(vertices_, position);
+  return place < vertices_.size() && vertices_[place].position == position ? &vertices_[place] : nullptr;
+}
+
 namespace {
 
 bool has_area(const TriangleMesh& mesh, const Triangle& t) {
@@ -67,5 +207,68 @@ TileMesh tile_mesh(const hlod::Hlod& hlod, hlod::NodeId n, double crease_deg, co
   take_border_normals(mesh, crease_deg, borders);
   return {std::move(mesh)};
 }
+
+namespace {
+
+class SkirtMaker {
+ public:
+  SkirtMaker(TileMesh& tile, double depth)
+      : tile_(tile),
+        mesh_(tile.mesh),
+        depth_(depth),
+        first_(first_at_position(mesh_.positions)),
+        areas_(area_sums(mesh_.positions, mesh_.triangles, first_)),
+        hem_(mesh_.positions.size(), no_id) {}
+
+  void run(const BorderVertices& borders) {
+    const auto is_inputs = [&](VertexId v) {
+      const BorderVertex* border = borders.at(mesh_.positions[v]);
+      return border != nullptr && border->is_at_input_border;
+    };
+    for (const BorderEdge& edge : border_edges(mesh_.triangles, first_)) {
+      if (is_inputs(edge.from) && is_inputs(edge.to)) continue;
+      const VertexId from = hem(edge.from), to = hem(edge.to);
+      // Wound like a neighbour across the edge, so that it faces away from the tile.
+      mesh_.triangles.emplace_back(edge.to, edge.from, from);
+      mesh_.triangles.emplace_back(edge.to, from, to);
+      tile_.skirt_triangles += 2;
+      if (!mesh_.triangle_materials.empty())
+        mesh_.triangle_materials.insert(mesh_.triangle_materials.end(), 2, mesh_.triangle_materials[edge.triangle]);
+    }
+  }
+
+ private:
+  // The vertex below v, with its attributes.
+  VertexId hem(VertexId v) {
+    if (hem_[v] != no_id) return hem_[v];
+    hem_[v] = static_cast<VertexId>(mesh_.positions.size());
+    const glm::dvec3 area = areas_[first_[v]];
+    const double length = glm::length(area);
+    const glm::dvec3 inwards = length > 0.0 ? -area / length : glm::dvec3(0.0);
+    mesh_.positions.emplace_back(glm::dvec3(mesh_.positions[v]) + depth_ * inwards);
+    repeat(mesh_.normals, v);
+    repeat(mesh_.colors, v);
+    repeat(mesh_.texture_coordinates, v);
+    return hem_[v];
+  }
+
+  template <typename T>
+  static void repeat(std::vector<T>& attributes, VertexId v) {
+    if (attributes.empty()) return;
+    const T attribute = attributes[v];
+    attributes.push_back(attribute);
+  }
+
+  TileMesh& tile_;
+  TriangleMesh& mesh_;
+  double depth_;
+  std::vector<std::uint32_t> first_;
+  std::vector<glm::dvec3> areas_;
+  std::vector<VertexId> hem_;  // by vertex of the node: the one below it
+};
+
+}  // namespace
+
+void add_skirts(TileMesh& tile, double depth, const BorderVertices& borders) { SkirtMaker(tile, depth).run(borders); }
 
 }  // namespace occlod::tiles

@@ -1,15 +1,62 @@
-// What one tile shows.
+// The edges at which a mesh ends.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <functional>
 #include <glm/vec3.hpp>
+#include <span>
 #include <vector>
 
-#include "occlod/hlod/hlod.h"
-#include "occlod/mesh/triangle_mesh.h"
-#include "hlod/tiles/border_vertices.h"
+#include "occlod/hlod.h"
+#include "occlod/mesh.h"
 
 namespace occlod::tiles {
+
+// By vertex: the first vertex at the same position. O(n log n).
+[[nodiscard]] std::vector<std::uint32_t> first_at_position(std::span<const glm::vec3> positions);
+
+// An edge that one triangle uses, as it is wound.
+struct BorderEdge {
+  std::uint32_t from;
+  std::uint32_t to;
+  std::uint32_t triangle;
+};
+
+// Of positions, not of vertices: at seams between wedges there is no border. `first`: of first_at_position(). By
+// triangle. O(n log n).
+[[nodiscard]] std::vector<BorderEdge> border_edges(std::span<const Triangle> triangles,
+                                                   std::span<const std::uint32_t> first);
+
+// By vertex: the sum of the doubled area vectors of the triangles at its position; zero for all but the first there.
+[[nodiscard]] std::vector<glm::dvec3> area_sums(std::span<const glm::vec3> positions,
+                                                std::span<const Triangle> triangles,
+                                                std::span<const std::uint32_t> first);
+
+// What the nodes of level 0 have in common along their borders. Borders of coarser nodes run along the same vertices.
+
+struct BorderVertex {
+  glm::vec3 position{0.0F};
+  glm::vec3 normal{0.0F};           // the mean over all triangles of level 0 there, by area; zero where that is
+  bool is_at_input_border = false;  // an edge of level 0 that ends here is used by one triangle
+};
+
+class BorderVertices {
+ public:
+  // None.
+  BorderVertices() = default;
+  // Of all nodes of level 0, which are required. Calls `next` before each. Throws Error when a mapped file is damaged.
+  // O(n log n).
+  BorderVertices(const hlod::Hlod& hlod, const std::function<void()>& next);
+
+  // Null where no border of a node of level 0 runs through `position`. O(log n).
+  [[nodiscard]] const BorderVertex* at(const glm::vec3& position) const;
+
+ private:
+  std::vector<BorderVertex> vertices_;  // by position
+};
+
+// What one tile shows.
 
 // A vertex for each set of attributes: what is drawn are `triangles`, wherever vertices lie. Object space.
 struct TileMesh {

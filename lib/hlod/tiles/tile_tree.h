@@ -2,11 +2,15 @@
 #pragma once
 
 #include <cstdint>
+#include <glm/mat4x4.hpp>
+#include <optional>
+#include <string>
 #include <vector>
 
-#include "occlod/hlod/hlod.h"
-#include "occlod/tiles/write_tileset.h"
-#include "hlod/tiles/tile_box.h"
+#include "base/atomic_file.h"
+#include "hlod/tiles/encode_tile.h"
+#include "occlod/hlod.h"
+#include "occlod/tiles.h"
 
 namespace occlod::tiles {
 
@@ -46,5 +50,20 @@ class TileTree {
 
 // Of node n, or no_id of a root.
 [[nodiscard]] hlod::NodeId parent_of(const hlod::Hlod& hlod, hlod::NodeId n);
+
+// tileset.json and the external tilesets.
+
+// Relative to the folder.
+[[nodiscard]] std::string content_name(hlod::NodeId n);
+
+// How many files it has written. `transform`: of the whole tileset. `tree` is complete.
+std::uint64_t write_tileset_json(AtomicFolder& folder, const TileTree& tree,
+                                 const std::optional<glm::dmat4>& transform);
+
+// Places on the WGS84 ellipsoid.
+
+// From metres to the east, north and up of a place to Earth-centred, Earth-fixed metres. At the poles east is where it
+// is along the meridian of the given longitude.
+[[nodiscard]] glm::dmat4 east_north_up(const GeodeticOrigin& origin);
 
 }  // namespace occlod::tiles

@@ -1,23 +1,139 @@
-#include "occlod/tiles/write_tileset.h"
+// Which folders a tileset may replace.
+
+#include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
+#include <fstream>
 #include <glm/mat4x4.hpp>
+#include <iterator>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <system_error>
 #include <utility>
+#include <vector>
 
-#include "base/option_checker.h"
-#include "base/atomic_folder.h"
+#include "base/atomic_file.h"
 #include "base/file_input.h"
-#include "occlod/core/error.h"
-#include "hlod/tiles/border_vertices.h"
+#include "base/option_checker.h"
 #include "hlod/tiles/encode_tile.h"
-#include "hlod/tiles/geodetic.h"
-#include "hlod/tiles/meshopt_codec.h"
-#include "hlod/tiles/tile_images.h"
 #include "hlod/tiles/tile_mesh.h"
 #include "hlod/tiles/tile_tree.h"
-#include "hlod/tiles/tileset_json.h"
+#include "mesh/mesh_writers.h"
+#include "occlod/base.h"
+#include "occlod/hlod.h"
+#include "occlod/tiles.h"
 
 namespace occlod::tiles {
+namespace {
+
+// The images of a tileset's textures: files that its contents share.
+
+// Writes each image once, in the folder textures/. Those that are not there or neither PNG nor JPEG, which is all that
+// glTF knows, are left out and named in `left_out`. `image_folder`: what names of files are relative to. O(bytes).
+[[nodiscard]] TileLook write_images(AtomicFolder& folder, const hlod::HlodView& hlod,
+                                    const std::filesystem::path& image_folder, std::vector<std::string>& left_out);
+
+namespace fs = std::filesystem;
+
+// Nothing when it cannot be read.
+std::optional<std::string> bytes_of(const Texture& texture, const fs::path& folder) {
+  if (!texture.bytes.empty()) return std::string(texture.bytes.begin(), texture.bytes.end());
+  std::error_code error;
+  const fs::path file = folder / texture.file;
+  if (!fs::is_regular_file(file, error)) return std::nullopt;
+  std::ifstream stream(file, std::ios::binary);
+  std::string bytes{std::istreambuf_iterator<char>(stream), {}};
+  if (stream.bad() || bytes.empty()) return std::nullopt;
+  return bytes;
+}
+
+// Of what the first bytes say, whatever the file is called; empty for what glTF does not know.
+std::string extension_of(const std::string& bytes) {
+  Texture texture;
+  texture.bytes.assign(bytes.begin(),
+                       bytes.begin() + static_cast<std::ptrdiff_t>(std::min<std::size_t>(bytes.size(), 16)));
+  const std::string type = mime_type_of(texture);
+  return type == "image/png" ? ".png" : type == "image/jpeg" ? ".jpg" : "";
+}
+
+TileLook write_images(AtomicFolder& folder, const hlod::HlodView& hlod, const fs::path& image_folder,
+                      std::vector<std::string>& left_out) {
+  TileLook look{hlod.materials, hlod.textures, {}, hlod.texture_origin};
+  std::map<std::string, std::string> written;  // from the name of a file to its uri
+  for (const Texture& texture : hlod.textures) {
+    std::string& uri = look.images.emplace_back();
+    const bool is_file = texture.bytes.empty();
+    if (const auto known = written.find(texture.file); is_file && known != written.end()) {
+      uri = known->second;
+      continue;
+    }
+    const std::size_t number = look.images.size() - 1;
+    const std::optional<std::string> bytes = bytes_of(texture, image_folder);
+    const std::string extension = bytes ? extension_of(*bytes) : "";
+    if (extension.empty()) {
+      left_out.push_back(is_file ? texture.file : fmt::format("image {}", number));
+    } else {
+      const std::string name = fmt::format("textures/{}{}", number, extension);
+      folder.write(name, *bytes);
+      uri = "../../" + name;
+    }
+    if (is_file) written[texture.file] = uri;
+  }
+  return look;
+}
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void fail(const fs::path& folder, std::string problem, std::string remedy) {
+  throw Error({folder.string(), "", std::move(problem), std::move(remedy)});
+}
+
+// Whether write_tileset() has made it.
+bool is_ours(const fs::path& tileset) {
+  std::ifstream stream(tileset, std::ios::binary);
+  const nlohmann::json json = nlohmann::json::parse(stream, nullptr, false);
+  if (!json.is_object() || !json.contains("asset")) return false;
+  const nlohmann::json& asset = json["asset"];
+  if (!asset.is_object() || !asset.contains("extras") || !asset["extras"].is_object()) return false;
+  const auto generator = asset["extras"].find("generator");
+  return generator != asset["extras"].end() && generator->is_string() &&
+         generator->get<std::string>().starts_with("occlod ");
+}
+
+bool is_part(const std::string& name) {
+  if (name == "tileset.json" || name == "tiles" || name == "textures") return true;
+  constexpr std::string_view before = "tileset-", after = ".json";
+  if (name.size() <= before.size() + after.size() || !name.starts_with(before) || !name.ends_with(after)) return false;
+  const std::string number = name.substr(before.size(), name.size() - before.size() - after.size());
+  return number.find_first_not_of("0123456789") == std::string::npos;
+}
+
+}  // namespace
+
+void check_tileset_output(const fs::path& folder, bool replace) {
+  AtomicFolder::check(folder);
+  std::error_code error;
+  if (!fs::exists(folder, error)) return;
+  std::string other;
+  bool is_empty = true;
+  for (fs::directory_iterator entry(folder, error); !error && entry != fs::directory_iterator();
+       entry.increment(error)) {
+    is_empty = false;
+    const std::string name = entry->path().filename().string();
+    if (!is_part(name)) other = other.empty() ? name : std::min(other, name);
+  }
+  if (error) fail(folder, fmt::format("cannot be read: {}", error.message()), "check its permissions");
+  if (is_empty) return;
+  if (!other.empty())
+    fail(folder, fmt::format("holds {}, which is no part of a tileset of occlod", other), "choose a new folder");
+  if (!is_ours(folder / "tileset.json"))
+    fail(folder, "holds a tileset.json that occlod has not written, or none", "choose a new folder");
+  if (!replace) fail(folder, "holds a tileset already", "choose a new folder, or replace it with --replace");
+}
+
 namespace {
 
 constexpr std::size_t most_levels = 100;  // files are nested as deeply

@@ -2,13 +2,11 @@
 // scenes, comparisons and the OpenGL backends have headers of their own.
 #pragma once
 
-#include "occlod/core/error.h"
-#include "occlod/core/version.h"
-#include "occlod/effects/auto_refiner.h"
-#include "occlod/hierarchy/build.h"
-#include "occlod/io/olod.h"
-#include "occlod/io/read_mesh.h"
-#include "occlod/mesh/generate.h"
-#include "occlod/occlusion/software_occlusion.h"
-#include "occlod/refine/refiner.h"
-#include "occlod/view/view.h"
+#include "occlod/auto_refiner.h"
+#include "occlod/base.h"
+#include "occlod/build_hierarchy.h"
+#include "occlod/generate.h"
+#include "occlod/mesh_file.h"
+#include "occlod/refiner.h"
+#include "occlod/view.h"
+#include "occlod/visibility.h"

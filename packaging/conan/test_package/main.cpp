@@ -1,6 +1,6 @@
-#include <occlod/core/version.h>
-#include <occlod/hierarchy/build.h>
-#include <occlod/mesh/generate.h>
+#include <occlod/base.h>
+#include <occlod/build_hierarchy.h>
+#include <occlod/generate.h>
 
 #include <cstdio>
 

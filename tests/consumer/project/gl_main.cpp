@@ -1,7 +1,6 @@
 // Links: whether there is a driver here is not the question.
-#include <occlod/core/error.h>
-#include <occlod/gl/context.h>
-#include <occlod/gl/query_occlusion.h>
+#include <occlod/base.h>
+#include <occlod/gl.h>
 
 #include <cstdio>
 #include <memory>

@@ -1,13 +1,11 @@
 // Every layer that needs no GL, once: a generated planet, its hierarchy on disk and back, a refined view, a picture of
 // it.
-#include <occlod/hierarchy/build.h>
-#include <occlod/hierarchy/validate.h>
-#include <occlod/io/olod.h>
-#include <occlod/mesh/generate.h>
-#include <occlod/occlusion/software_occlusion.h>
-#include <occlod/picture/picture.h>
-#include <occlod/refine/refiner.h>
-#include <occlod/scene/scene.h>
+#include <occlod/build_hierarchy.h>
+#include <occlod/generate.h>
+#include <occlod/picture.h>
+#include <occlod/refiner.h>
+#include <occlod/scene.h>
+#include <occlod/visibility.h>
 
 #include <cstdio>
 

@@ -1,11 +1,10 @@
 // Orders of ids by the nodes that add them.
-#include "cells/node_order.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <random>
 
+#include "cells/packed_numbers.h"
 #include "papers/first_node.h"
 #include "papers/hamming_tour.h"
 

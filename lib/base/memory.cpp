@@ -1,0 +1,275 @@
+#include "base/memory.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <condition_variable>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <system_error>
+#include <thread>
+#include <utility>
+
+#include "base/platform.h"
+#include "occlod/base.h"
+
+namespace occlod {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr auto pause = std::chrono::milliseconds(1);
+constexpr auto look_interval = std::chrono::microseconds(100);  // of a thread that fills memory
+// Of what the process may have, when pages leave: at most and at least. The rest is for what comes meanwhile.
+constexpr double most_used = 0.8, least_used = 0.4;
+constexpr std::size_t least_limit = std::size_t{1} << 26U;
+
+// All files that are mapped, also those that outlive their MemoryLimit.
+struct Scratch {
+  std::mutex mutex;
+  std::optional<std::filesystem::path> folder;  // while one lives
+  std::map<void*, ScratchFile> files;           // by its begin
+  std::size_t bytes = 0, most_bytes = 0;        // of `files`
+};
+
+Scratch& scratch() noexcept {
+  static Scratch all;
+  return all;
+}
+
+// Decides when pages leave. Whoever looks meanwhile waits.
+class Pager {
+ public:
+  // 0: never.
+  void set_limit(std::size_t limit) {
+    const std::scoped_lock lock(mutex_);
+    limit_ = limit;
+    last_ = resident_memory().all;
+    fastest_ = 0;
+  }
+
+  // `coming`: bytes that are about to be filled.
+  void look(std::size_t coming = 0) noexcept {
+    const std::scoped_lock lock(mutex_);
+    if (limit_ == 0) return;
+    const ResidentMemory now = resident_memory();
+    // What has come between two looks may come again, and in loops that do not look that may be much.
+    fastest_ = std::max(fastest_, now.all - std::min(now.all, last_));
+    last_ = now.all;
+    if (now.all + coming < threshold() || now.of_files < limit_ / 16) return;  // the rest cannot leave
+    const std::scoped_lock files(scratch().mutex);
+    for (const auto& [begin, file] : scratch().files) file.page_out();
+    last_ = now.all - std::min(now.all, now.of_files);
+  }
+
+ private:
+  [[nodiscard]] std::size_t threshold() const {
+    const auto limit = static_cast<double>(limit_);
+    return static_cast<std::size_t>(
+        std::clamp(limit - 2.0 * static_cast<double>(fastest_), least_used * limit, most_used * limit));
+  }
+
+  std::mutex mutex_;
+  std::size_t limit_ = 0, last_ = 0, fastest_ = 0;
+};
+
+Pager& pager() noexcept {
+  static Pager one;
+  return one;
+}
+
+}  // namespace
+
+// The thread that looks for those that do not.
+class MemoryLimit::Watch {
+ public:
+  explicit Watch(std::size_t limit) {
+    pager().set_limit(limit);
+    thread_ = std::thread([this] { run(); });
+    memory_limit::lives = true;
+  }
+  ~Watch() {
+    memory_limit::lives = false;
+    pager().set_limit(0);
+    {
+      const std::scoped_lock lock(mutex_);
+      ends_ = true;
+    }
+    wake_.notify_one();
+    thread_.join();
+  }
+
+ private:
+  void run() {
+    std::unique_lock lock(mutex_);
+    while (!wake_.wait_for(lock, pause, [this] { return ends_; })) pager().look();
+  }
+
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  bool ends_ = false;
+  std::thread thread_;
+};
+
+MemoryLimit::MemoryLimit(std::size_t bytes, const std::filesystem::path& folder) {
+  if (bytes < least_limit)
+    throw Error({"memory limit", "", fmt::format("is {} bytes, less than 64 MiB", bytes), "allow more"});
+  if (resident_memory().all == 0)
+    throw Error({"memory limit", "", "this system does not tell how much memory a process has", "build without one"});
+  if (const int problem = why_no_files_can_be_made(folder.c_str()); problem != 0)
+    throw Error({folder.string(), "",
+                 "no scratch files can be made in this folder: " + std::generic_category().message(problem),
+                 "name another folder"});
+  {
+    const std::scoped_lock lock(scratch().mutex);
+    if (scratch().folder) throw Error({"memory limit", "", "there is one already", "wait until it ends"});
+    scratch().folder = folder;
+    scratch().most_bytes = scratch().bytes;
+  }
+  watch_ = std::make_unique<Watch>(bytes);
+}
+
+MemoryLimit::~MemoryLimit() {
+  watch_.reset();
+  const std::scoped_lock lock(scratch().mutex);
+  scratch().folder.reset();
+}
+
+std::size_t MemoryLimit::most_scratch_bytes() const noexcept {
+  const std::scoped_lock lock(scratch().mutex);
+  return scratch().most_bytes;
+}
+
+void memory_limit::make_room() noexcept {
+  thread_local Clock::time_point next_look;
+  if (Clock::now() < next_look) return;
+  pager().look();
+  next_look = Clock::now() + look_interval;
+}
+
+// Making and ending files takes long: the thread that watches does not wait for it.
+void* allocate_scratch(std::size_t bytes) {
+  Scratch& all = scratch();
+  std::filesystem::path folder;
+  std::size_t beside = 0;
+  {
+    const std::scoped_lock lock(all.mutex);
+    if (!all.folder) return nullptr;
+    folder = *all.folder;
+    beside = all.bytes;
+  }
+  std::optional<ScratchFile> file;
+  try {
+    file.emplace(folder.c_str(), bytes);
+  } catch (const std::system_error& error) {
+    throw Error({folder.string(), "",
+                 fmt::format("has no room for {} MiB more of scratch, beside {} MiB: {}", (bytes >> 20U) + 1,
+                             beside >> 20U, error.code().message()),
+                 "free some of its disk, or name a folder on another one"});
+  }
+  pager().look(bytes);
+  void* const begin = file->bytes().data();
+  const std::scoped_lock lock(all.mutex);
+  all.files.emplace(begin, *std::move(file));
+  all.bytes += bytes;
+  all.most_bytes = std::max(all.most_bytes, all.bytes);
+  return begin;
+}
+
+bool free_scratch(void* memory) noexcept {
+  Scratch& all = scratch();
+  std::map<void*, ScratchFile>::node_type gone;  // ends when the lock has
+  const std::scoped_lock lock(all.mutex);
+  const auto found = all.files.find(memory);
+  if (found == all.files.end()) return false;
+  all.bytes -= found->second.bytes().size();
+  gone = all.files.extract(found);
+  return true;
+}
+
+namespace {
+
+constexpr std::size_t huge_page = std::size_t{2} << 20U;
+constexpr std::align_val_t page_alignment{huge_page}, cache_line{64};
+
+// Below a few pages the rounding up to whole pages would cost more than they save.
+bool is_large(std::size_t bytes) { return bytes >= 4 * huge_page; }
+
+// Memory that was given back.
+class KeptMemory {
+ public:
+  void begin() noexcept {
+    const std::scoped_lock lock(mutex_);
+    ++users_;
+  }
+  void end() noexcept {
+    const std::scoped_lock lock(mutex_);
+    if (--users_ > 0) return;
+    for (std::size_t i = 0; i < count_; ++i) ::operator delete(blocks_[i].memory, page_alignment);
+    count_ = 0;
+  }
+
+  // False: it is not kept.
+  bool put(void* memory, std::size_t bytes) noexcept {
+    const std::scoped_lock lock(mutex_);
+    if (users_ == 0 || count_ == blocks_.size()) return false;
+    blocks_[count_++] = {memory, bytes};
+    return true;
+  }
+
+  // The smallest that holds so many bytes, without the pages that they do not need; null when there is none.
+  void* take(std::size_t bytes) noexcept {
+    const std::scoped_lock lock(mutex_);
+    Block* best = nullptr;
+    for (std::size_t i = 0; i < count_; ++i)
+      if (blocks_[i].bytes >= bytes && (best == nullptr || blocks_[i].bytes < best->bytes)) best = &blocks_[i];
+    if (best == nullptr) return nullptr;
+    const Block block = *best;
+    *best = blocks_[--count_];
+    const std::size_t needed = std::min((bytes + huge_page - 1) / huge_page * huge_page, block.bytes);
+    give_pages_back(static_cast<std::byte*>(block.memory) + needed, block.bytes - needed);
+    return block.memory;
+  }
+
+ private:
+  struct Block {
+    void* memory = nullptr;
+    std::size_t bytes = 0;
+  };
+
+  std::mutex mutex_;
+  int users_ = 0;
+  std::array<Block, 32> blocks_;
+  std::size_t count_ = 0;
+};
+
+KeptMemory& kept_memory() noexcept {
+  static KeptMemory kept;
+  return kept;
+}
+
+}  // namespace
+
+LargeMemoryReuse::LargeMemoryReuse() noexcept { kept_memory().begin(); }
+LargeMemoryReuse::~LargeMemoryReuse() { kept_memory().end(); }
+
+void* allocate_large(std::size_t bytes) {
+  if (!is_large(bytes)) return ::operator new(bytes, cache_line);
+  if (void* const scratch = allocate_scratch(bytes)) return scratch;
+  if (void* const kept = kept_memory().take(bytes)) return kept;
+  void* const memory = ::operator new(bytes, page_alignment);
+  advise_huge_pages(memory, bytes);
+  return memory;
+}
+
+void free_large(void* memory, std::size_t bytes) noexcept {
+  if (!is_large(bytes))
+    ::operator delete(memory, cache_line);
+  else if (memory != nullptr && !free_scratch(memory) && !kept_memory().put(memory, bytes))
+    ::operator delete(memory, page_alignment);
+}
+
+}  // namespace occlod

@@ -1,0 +1,140 @@
+// Digits of numbers to base 16.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <version>
+
+#include "base/file_input.h"
+
+namespace occlod {
+
+// 0 to 15, or -1 for what is no digit.
+[[nodiscard]] constexpr int hex_digit(char c) noexcept {
+  if (c >= '0' && c <= '9') return c - '0';
+  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
+  return c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
+}
+
+// Numbers in files of either byte order.
+
+// The sizeof(Number) bytes at `at`, which need not be aligned.
+template <class Number>
+[[nodiscard]] Number load(const char* at, std::endian order) noexcept {
+  std::array<char, sizeof(Number)> bytes;
+  std::memcpy(bytes.data(), at, sizeof(Number));
+  if (order != std::endian::native) std::reverse(bytes.begin(), bytes.end());
+  return std::bit_cast<Number>(bytes);
+}
+
+// std::from_chars for decimal fractions, which libc++ before 20 does not have.
+
+// The same, from strtod.
+[[nodiscard]] std::from_chars_result parse_double_portably(const char* first, const char* last, double& value);
+
+[[nodiscard]] inline std::from_chars_result parse_double(const char* first, const char* last, double& value) {
+#if defined(__cpp_lib_to_chars)
+  return std::from_chars(first, last, value);
+#else
+  return parse_double_portably(first, last, value);
+#endif
+}
+
+// Walks through the words of a text, line by line, and reads numbers without regard to the locale.
+
+// Lines end with LF, CR LF or CR. Words are separated by blanks. Views and errors outlive the cursor.
+class TextCursor {
+ public:
+  struct Syntax {
+    bool hash_comments = false;        // a word that starts with '#' begins a comment
+    bool backslash_continues = false;  // a backslash at the end of a line joins it with the next
+  };
+
+  TextCursor(std::string_view text, const FileErrors& errors, Syntax syntax, std::uint64_t first_line = 1);
+
+  [[nodiscard]] std::uint64_t line() const noexcept { return line_; }
+  [[nodiscard]] std::size_t bytes_left() const noexcept { return static_cast<std::size_t>(end_ - at_); }
+  [[nodiscard]] std::size_t offset() const noexcept { return static_cast<std::size_t>(at_ - begin_); }
+  [[nodiscard]] const FileErrors& errors() const noexcept { return *errors_; }
+
+  // Skips blanks; true where no word is left on this line.
+  [[nodiscard]] bool at_line_end();
+  // Goes to the next line that has a word; false at the end of the text. The current line counts.
+  [[nodiscard]] bool find_word();
+  void skip_line();
+
+  // The next word of this line, empty where there is none.
+  [[nodiscard]] std::string_view word();
+  // What is left of this line, without the blanks around it: a name that may have blanks and '#' within. Is not joined
+  // with the next line.
+  [[nodiscard]] std::string_view rest_of_line();
+  // The next word of this line as a number; `what` names it in errors, e.g. "x of a vertex".
+  [[nodiscard]] double number(const char* what);
+  [[nodiscard]] std::int64_t integer(const char* what);
+
+  [[noreturn]] void fail(std::string problem, std::string remedy) const {
+    errors_->fail_at_line(line_, std::move(problem), std::move(remedy));
+  }
+
+ private:
+  template <class Number>
+  Number parse(const char* what, const char* kind);
+  [[nodiscard]] bool is_continuation(const char* at) const;
+  [[nodiscard]] bool ends_word(const char* at) const;
+  bool skip_continuation();
+  void skip_line_break();
+
+  const char* begin_;
+  const char* at_;
+  const char* end_;
+  std::uint64_t line_;
+  const FileErrors* errors_;
+  Syntax syntax_;
+};
+
+// Of OBJ files.
+inline constexpr TextCursor::Syntax obj_syntax{.hash_comments = true, .backslash_continues = true};
+
+// Text in the encodings that editors and exporters write.
+
+// A text as UTF-8 without a byte order mark: a view of `bytes` or, where they are UTF-16 of either byte order, of
+// `converted`, which holds the text afterwards. UTF-16 is recognised by its byte order mark or, without one, by two
+// ASCII characters at the beginning. Throws Error for UTF-16 that ends within a character and for UTF-32.
+[[nodiscard]] std::string_view as_utf8(std::string_view bytes, std::string& converted, const FileErrors& errors);
+
+// Whether the text that begins like this is UTF-16 or UTF-32, which as_utf8() has to see as a whole.
+[[nodiscard]] bool is_wide_text(std::string_view beginning);
+
+// Of the byte order mark that a text in UTF-8 begins with, or 0.
+[[nodiscard]] std::size_t utf8_mark_bytes(std::string_view beginning);
+
+// A text read in runs of whole lines, so that it need not lie in memory.
+
+class TextChunks {
+ public:
+  // The UTF-8 text from where `input` is, which outlives this as `errors` does.
+  TextChunks(InputBytes& input, const FileErrors& errors, TextCursor::Syntax syntax)
+      : input_(input), errors_(errors), syntax_(syntax) {}
+
+  // Puts the cursor, which is at the end of the lines before, on the next ones; what it gave out before is void. False
+  // at the end of the text. No line is cut, also one that a backslash continues.
+  [[nodiscard]] bool next(TextCursor& cursor);
+  // The same lines as a text, which is valid until the next call.
+  [[nodiscard]] bool next(std::string_view& lines);
+
+ private:
+  InputBytes& input_;
+  const FileErrors& errors_;
+  TextCursor::Syntax syntax_;
+  std::size_t taken_ = 0;  // of the window, by the cursor
+};
+
+}  // namespace occlod

@@ -1,0 +1,65 @@
+#include "base/threads.h"
+
+namespace occlod {
+namespace {
+
+// About as long as falling asleep and being woken takes.
+constexpr int most_looks = 4000;
+
+// Until it is another state than `state`.
+void wait_while(const std::atomic<std::uint32_t>& current, std::uint32_t state) noexcept {
+  for (int i = 0; i < most_looks; ++i) {
+    if (current.load(std::memory_order_acquire) != state) return;
+    relax();
+  }
+  current.wait(state, std::memory_order_acquire);
+}
+
+}  // namespace
+
+CompanionThread::~CompanionThread() {
+  if (!thread_.joinable()) return;
+  wait();
+  state_.store(ending, std::memory_order_release);
+  state_.notify_all();
+  thread_.join();
+}
+
+void CompanionThread::start() {
+  if (!thread_.joinable()) {
+    try {
+      thread_ = std::thread([this] { run(); });
+    } catch (const std::system_error&) {
+      work();
+      return;
+    }
+  }
+  state_.store(working, std::memory_order_release);
+  state_.notify_all();
+}
+
+void CompanionThread::wait() noexcept {
+  while (state_.load(std::memory_order_acquire) == working) wait_while(state_, working);
+}
+
+void CompanionThread::run() noexcept {
+  while (true) {
+    wait_while(state_, resting);
+    const std::uint32_t state = state_.load(std::memory_order_acquire);
+    if (state == ending) return;
+    if (state != working) continue;
+    work();
+    state_.store(resting, std::memory_order_release);
+    state_.notify_all();
+  }
+}
+
+void CompanionThread::work() noexcept {
+  try {
+    call_(work_);
+  } catch (...) {
+    failure_ = std::current_exception();
+  }
+}
+
+}  // namespace occlod

@@ -1,7 +1,0 @@
-#include "occlod/core/version.h"
-
-namespace occlod {
-
-const char* version() noexcept { return OCCLOD_VERSION; }
-
-}  // namespace occlod

@@ -1,0 +1,63 @@
+// A shared library opened at run time, so that its absence is a message and not a failure to link or to start.
+#pragma once
+
+#include <initializer_list>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "gl/functions.h"
+#include "occlod/gl.h"
+
+namespace occlod::gl {
+
+class SharedLibrary {
+ public:
+  // Opens the first of `names` that is found. Throws Error with `remedy` when none is. Never closed again: drivers
+  // leave thread-local destructors behind that point into themselves.
+  SharedLibrary(std::initializer_list<const char*> names, const char* remedy);
+
+  // Throws Error when the library has no such symbol.
+  template <class Function>
+  [[nodiscard]] Function symbol(const char* name) const {
+    return reinterpret_cast<Function>(address(name));
+  }
+
+ private:
+  [[nodiscard]] void* address(const char* name) const;
+
+  void* handle_ = nullptr;
+  std::string name_;
+};
+
+// What EGL and OSMesa contexts share: the function table and the rule which of them is current.
+
+class ContextBase : public Context {
+ public:
+  [[nodiscard]] const Functions& functions() const noexcept final { return functions_; }
+  [[nodiscard]] std::string_view platform_name() const noexcept final { return platform_name_; }
+  [[nodiscard]] std::string renderer() const final;
+  [[nodiscard]] std::string version() const final;
+  void make_current() final;
+
+ protected:
+  explicit ContextBase(std::string_view platform_name) : platform_name_(platform_name) {}
+  // Makes the context current for the first time and loads its functions.
+  void start(GetProc get_proc);
+  // To be called first in the destructor of the derived class, which ends the context.
+  void retire() noexcept;
+
+  [[nodiscard]] virtual bool is_current() const noexcept = 0;  // as the platform sees it
+  virtual void bind() = 0;                                     // throws Error
+  virtual void unbind() noexcept = 0;
+
+ private:
+  std::string_view platform_name_;
+  Functions functions_;
+};
+
+enum class EglDisplayKind { surfaceless, device };
+[[nodiscard]] std::unique_ptr<Context> create_egl_context(EglDisplayKind kind);
+[[nodiscard]] std::unique_ptr<Context> create_osmesa_context();
+
+}  // namespace occlod::gl

@@ -1,0 +1,37 @@
+#include "hlod/build/level_draft.h"
+
+#include "base/threads.h"
+#include "splits/attribute_state.h"
+#include "splits/spatial_order.h"
+
+namespace occlod::hlod {
+
+WedgeMesh to_wedge_mesh(const TriangleMesh& mesh, unsigned threads) {
+  WedgeMesh result;
+  const WedgeOrder order = spatial_order_of(mesh, threads);
+  const auto permute = [&](const auto& from, auto& to) {
+    to.resize(from.size());
+    for_each_id(from.size(), threads, [&](std::uint32_t i) { to[i] = from[order.old_id[i]]; });
+  };
+  permute(mesh.positions, result.positions);
+  permute(mesh.normals, result.normals);
+  permute(mesh.colors, result.colors);
+  permute(mesh.texture_coordinates, result.texture_coordinates);
+  permute(wedge_materials(mesh), result.wedge_materials);
+  for (std::size_t i = mesh.vertex_count(); i < mesh.wedge_count(); ++i)
+    result.extra_wedges.push_back(order.new_id[mesh.vertex_of(order.old_id[i])]);
+  const auto renumber = [&](const std::vector<Triangle>& from, LargeVector<Triangle>& to) {
+    to.resize(from.size());
+    for_each_id(from.size(), threads, [&](std::uint32_t f) {
+      for (int k = 0; k < 3; ++k) to[f][k] = order.new_id[from[f][k]];
+    });
+  };
+  renumber(mesh.triangles, result.triangles);
+  renumber(mesh.corners, result.corners);
+  result.materials = mesh.materials;
+  result.textures = mesh.textures;
+  result.texture_origin = mesh.texture_origin;
+  return result;
+}
+
+}  // namespace occlod::hlod

@@ -1,0 +1,481 @@
+// Strategy::chc_plus: CHC++ (Mattausch, Bittner and Wimmer, "CHC++: Coherent Hierarchical Culling Revisited", 2008).
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <span>
+
+#include "hlod/draw/policy.h"
+#include "hlod/draw/query_value.h"
+
+namespace occlod::hlod {
+namespace {
+
+// Which hidden nodes are asked about in one query: the multi-queries of CHC++ (Mattausch and others 2008, sec. 5.2).
+
+class HiddenGroups {
+ public:
+  void begin_frame(const FrameScene& scene) { hidden_frames_.fit(scene); }
+  void note_answer(NodeRef n, bool visible) { hidden_frames_[n] = visible ? 0 : hidden_frames_[n] + 1; }
+
+  // The largest V = m / (1 + p_fail m), greedily; first those that are most likely to stay hidden. They go to the
+  // front; returns their number.
+  [[nodiscard]] std::size_t group(std::span<NodeRef> hidden) const {
+    std::sort(hidden.begin(), hidden.end(), [this](NodeRef a, NodeRef b) {
+      if (hidden_frames_[a] != hidden_frames_[b]) return hidden_frames_[a] > hidden_frames_[b];
+      return a.object != b.object ? a.object < b.object : a.node < b.node;
+    });
+    double keep = 1.0, best = 0.0;
+    for (std::size_t m = 1; m <= hidden.size(); ++m) {
+      keep *= 0.99 - 0.7 * std::exp(-static_cast<double>(hidden_frames_[hidden[m - 1]]));
+      const auto size = static_cast<double>(m);
+      const double value = size / (1.0 + (1.0 - keep) * size);
+      if (value < best) return m - 1;
+      best = value;
+    }
+    return hidden.size();
+  }
+
+ private:
+  PerNode<std::uint32_t> hidden_frames_;
+};
+
+constexpr std::uint32_t least_wait = 5, most_wait = 10;  // frames between questions about visible leaves (sec. 4.1)
+constexpr int deepest = 3;                               // levels down to which boxes are refined (sec. 4.3)
+constexpr double most_area = 1.4;                        // of them, relative to the node's
+
+// A mixer of integers (SplitMix64): the same on every machine.
+std::uint64_t mixed(std::uint64_t x) {
+  x += 0x9e3779b97f4a7c15U;
+  x = (x ^ (x >> 30U)) * 0xbf58476d1ce4e5b9U;
+  x = (x ^ (x >> 27U)) * 0x94d049bb133111ebU;
+  return x ^ (x >> 31U);
+}
+
+class GroupingPolicy : public Policy {
+ public:
+  void begin_frame(const FrameScene& scene) override {
+    memory_.fit(scene);
+    groups_.begin_frame(scene);
+  }
+
+  [[nodiscard]] Action predict(FrameScene& scene, const ReachedNode& reached) override {
+    const NodeRef n = reached.ref;
+    const LastFrame last = scene.last(n);
+    if (!last.visible) return Action::delay;
+    if (!scene.is_fine(n, 1.0)) return Action::refine;
+    Memory& memory = memory_[n];
+    if (memory.next_question == 0) memory.next_question = scene.frame() + wait(scene, n, 1);
+    if (scene.frame() < memory.next_question) return Action::draw;
+    memory.next_question = scene.frame() + wait(scene, n, least_wait);
+    return Action::stop;
+  }
+
+  void note_answer(const FrameScene&, NodeRef n, bool visible) override {
+    groups_.note_answer(n, visible);
+    if (!visible) memory_[n].next_question = 0;
+  }
+
+  [[nodiscard]] std::size_t group(const FrameScene&, std::span<NodeRef> hidden) override {
+    return groups_.group(hidden);
+  }
+
+  // The boxes below it, as long as they are hardly larger together. Only nodes that will be refined have all that is
+  // drawn inside the boxes of their children.
+  void add_boxes(const FrameScene& scene, NodeRef n, std::vector<BoxRef>& boxes) override {
+    level_.assign(1, n);
+    const double limit = most_area * box_area(scene.node(n).box);
+    for (int i = 0; i < deepest && refine_level(scene, limit); ++i) {
+    }
+    for (const NodeRef below : level_) boxes.push_back({below.object, scene.node(below).box});
+  }
+
+  [[nodiscard]] bool biased() const noexcept override { return false; }
+  [[nodiscard]] Asking asking() const noexcept override { return Asking::by_groups; }
+
+ private:
+  struct Memory {
+    std::uint32_t next_question = 0;  // frame; 0: none
+  };
+
+  static std::uint32_t wait(const FrameScene& scene, NodeRef n, std::uint32_t least) {
+    const std::uint64_t seed = mixed((std::uint64_t{n.object} << 32U | n.node) ^ mixed(scene.frame()));
+    return least + static_cast<std::uint32_t>(seed % (most_wait - least + 1));
+  }
+
+  // Replaces level_ by what is below it. False if that is too large, or nothing.
+  bool refine_level(const FrameScene& scene, double limit) {
+    next_.clear();
+    double area = 0.0;
+    bool refined = false;
+    for (const NodeRef n : level_) {
+      const bool is_fine = scene.is_fine(n, 1.0);
+      refined = refined || !is_fine;
+      if (is_fine) next_.push_back(n);
+      if (is_fine) area += box_area(scene.node(n).box);
+      if (is_fine) continue;
+      for (const NodeId child : scene.hlod(n).children(n.node)) {
+        next_.push_back({n.object, child});
+        area += box_area(scene.node(next_.back()).box);
+        if (area > limit) return false;
+      }
+    }
+    if (refined && area <= limit) level_.swap(next_);
+    return refined && area <= limit;
+  }
+
+  PerNode<Memory> memory_;
+  HiddenGroups groups_;
+  std::vector<NodeRef> level_, next_;
+};
+
+}  // namespace
+
+std::unique_ptr<Policy> make_grouping_policy() { return std::make_unique<GroupingPolicy>(); }
+
+// Strategy::nohc: near optimal hierarchical culling (Guthe, Balazs and Klein 2006, secs. 3 and 4).
+
+namespace {
+
+class NearOptimalPolicy : public Policy {
+ public:
+  void begin_frame(const FrameScene& scene) override {
+    work_.begin_frame(scene);
+    if (memory_.fit(scene)) count(scene);
+    covered_ = 0.0;
+    depth_ = scene.options().cover_model == CoverModel::printed ? std::log2(static_cast<double>(nodes_) + 1.0)
+                                                                : static_cast<double>(levels_);
+    most_asked_ = static_cast<std::size_t>(std::min(most_parallel_queries(scene.options().costs), 1e6));
+  }
+
+  [[nodiscard]] Action predict(FrameScene& scene, const ReachedNode& reached) override {
+    const NodeRef n = reached.ref;
+    work_.note_visited(n);
+    const bool is_leaf = scene.is_fine(n, 1.0);
+    const LastSight last = last_sight(scene, n);
+    Memory& memory = memory_[n];
+    if (last == LastSight::outside) memory.asked_frame = scene.frame();  // the wait begins
+    if (!is_reasonable(scene, n, is_leaf, last)) return is_leaf ? Action::draw : Action::refine;
+    memory.asked_frame = scene.frame();
+    if (last == LastSight::hidden) return Action::delay;
+    return is_leaf ? Action::stop : Action::descend;
+  }
+
+  void note_drawn(const FrameScene& scene, NodeRef n) override {
+    work_.note_drawn(scene, n);
+    covered_ = covered_with(covered_, own_coverage(scene, n));
+  }
+  void end_frame(const FrameScene& scene) override { work_.end_frame(scene); }
+
+  [[nodiscard]] bool biased() const noexcept override { return false; }
+  [[nodiscard]] std::size_t most_asked() const noexcept override { return most_asked_; }
+
+ private:
+  struct Memory {
+    std::uint32_t asked_frame = 0;  // or in which the node came into sight
+  };
+  struct Weighed {
+    QueryValue value;
+    double occlusion_probability = 0.0;
+    DrawWork work;
+  };
+
+  void count(const FrameScene& scene) {
+    nodes_ = levels_ = 0;
+    for (std::uint32_t object = 0; object < scene.object_count(); ++object) {
+      nodes_ += scene.hlod({object, 0}).node_count();
+      levels_ = std::max(levels_, scene.hlod({object, 0}).level_count());
+    }
+  }
+
+  [[nodiscard]] Weighed weigh(const FrameScene& scene, NodeRef n, LastSight last) const {
+    const DeviceCosts& costs = scene.options().costs;
+    const ObjectFrame& view = scene.view_of(n);
+    const double coverage = view.coverage(scene.node(n).box);
+    const double covered = cover_probability(covered_, coverage, scene.options().cover_model);
+    Weighed result;
+    result.work = work_.of(scene, n, coverage);
+    result.occlusion_probability = occlusion_probability(covered, last);
+    result.value = query_value(draw_time_ns(costs, result.work), query_time_ns(costs, coverage * view.pixels()),
+                               result.occlusion_probability, depth_);
+    return result;
+  }
+
+  [[nodiscard]] bool is_reasonable(const FrameScene& scene, NodeRef n, bool is_leaf, LastSight last) const {
+    const DeviceCosts& costs = scene.options().costs;
+    const Weighed node = weigh(scene, n, last);
+    const double waited = static_cast<double>(scene.frame() - memory_[n].asked_frame);
+    const AskedBefore before{last, node.occlusion_probability, waited};
+    if (is_leaf) return is_query_reasonable(costs, node.value, before, nullptr);
+    ChildrenValue children;
+    for (const NodeId id : scene.hlod(n).children(n.node)) {
+      const NodeRef child{n.object, id};
+      if (!scene.view_of(child).may_be_inside(scene.node(child).box)) continue;
+      const Weighed weighed = weigh(scene, child, last_sight(scene, child));
+      children.query_ns += weighed.value.query_ns;
+      children.benefit_ns += weighed.value.benefit_ns;
+      children.any_unaskable = children.any_unaskable || weighed.value.draw_ns < weighed.value.query_ns;
+    }
+    children.leaves = node.work.draws;
+    return is_query_reasonable(costs, node.value, before, &children);
+  }
+
+  WorkBelow work_;
+  PerNode<Memory> memory_;
+  double covered_ = 0.0;  // c_scr
+  std::size_t nodes_ = 0, levels_ = 0;
+  double depth_ = 1.0;
+  std::size_t most_asked_ = 1;
+};
+
+}  // namespace
+
+std::unique_ptr<Policy> make_near_optimal_policy() { return std::make_unique<NearOptimalPolicy>(); }
+
+// Strategy::optimum: what single queries can reach at best (Guthe, Balazs and Klein 2006, sec. 5.1). An oracle tells
+// what is hidden; of each hidden part the cheapest is done: asking, asking about its children, or drawing.
+
+namespace {
+
+struct Plan {
+  std::uint32_t frame = 0;  // of the oracle
+  Action action = Action::drop;
+};
+
+// Stop-and-wait, which notes what is hidden and plans what to do about it.
+class PlanningPolicy : public Policy {
+ public:
+  explicit PlanningPolicy(PerNode<Plan>& plans) : plans_(plans) {}
+
+  void begin_frame(const FrameScene& scene) override {
+    plans_.fit(scene);
+    hidden_.clear();
+  }
+  [[nodiscard]] Action predict(FrameScene&, const ReachedNode&) override { return Action::delay; }
+  void note_answer(const FrameScene&, NodeRef n, bool visible) override {
+    if (!visible) hidden_.push_back(n);
+  }
+  void end_frame(const FrameScene& scene) override {
+    for (const NodeRef n : hidden_) plan(scene, n);
+  }
+  [[nodiscard]] bool biased() const noexcept override { return false; }
+  [[nodiscard]] bool waits() const noexcept override { return true; }
+
+ private:
+  // ns. A node that another hidden one has planned already costs nothing more, and one that another parent shows is not
+  // hidden.
+  double plan(const FrameScene& scene, NodeRef n) {
+    const NodeState& state = scene.state(n);
+    if (plans_[n].frame == scene.frame() || (state.frame == scene.frame() && state.visible)) return 0.0;
+    if (!scene.view_of(n).may_be_inside(scene.node(n).box)) return 0.0;
+    const DeviceCosts& costs = scene.options().costs;
+    const std::optional<double> pixels = scene.view_of(n).box_pixels(scene.node(n));
+    const double query_ns = pixels ? query_time_ns(costs, *pixels) : std::numeric_limits<double>::infinity();
+    Plan& plan = plans_[n] = {scene.frame(), Action::drop};
+    const double other_ns = scene.is_fine(n, 1.0) ? draw_ns(scene, n) : children_ns(scene, n, query_ns);
+    if (query_ns <= other_ns) return query_ns;
+    plan.action = scene.is_fine(n, 1.0) ? Action::draw : Action::refine;
+    return other_ns;
+  }
+
+  static double draw_ns(const FrameScene& scene, NodeRef n) {
+    return draw_time_ns(scene.options().costs, own_work(scene, n, scene.view_of(n).coverage(scene.node(n).box)));
+  }
+
+  // Or something that is not less than `enough`.
+  double children_ns(const FrameScene& scene, NodeRef n, double enough) {
+    const DeviceCosts& costs = scene.options().costs;
+    double least_ns = 0.0, sum_ns = 0.0;
+    for (const NodeId id : scene.hlod(n).children(n.node))
+      if (scene.view_of(n).may_be_inside(scene.hlod(n).node(id).box))
+        least_ns += std::min(costs.draw_ns, costs.query_ns);
+    if (least_ns >= enough) return least_ns;
+    for (const NodeId id : scene.hlod(n).children(n.node)) {
+      sum_ns += plan(scene, {n.object, id});
+      if (sum_ns >= enough) break;
+    }
+    return sum_ns;
+  }
+
+  PerNode<Plan>& plans_;
+  std::vector<NodeRef> hidden_;
+};
+
+class OptimumPolicy : public Policy {
+ public:
+  [[nodiscard]] Action predict(FrameScene& scene, const ReachedNode& n) override {
+    if (plans_[n.ref].frame + 1 == scene.frame()) return plans_[n.ref].action;
+    return scene.is_fine(n.ref, 1.0) ? Action::draw : Action::refine;
+  }
+  [[nodiscard]] bool biased() const noexcept override { return false; }
+  [[nodiscard]] bool answers_decide() const noexcept override { return false; }
+  [[nodiscard]] Policy* oracle() noexcept override { return &oracle_; }
+
+ private:
+  PerNode<Plan> plans_;
+  PlanningPolicy oracle_{plans_};
+};
+
+}  // namespace
+
+std::unique_ptr<Policy> make_optimum_policy() { return std::make_unique<OptimumPolicy>(); }
+
+// Strategy::batch: Coh(B)'s prediction, but what it would ask is counted together, in at most three rounds a frame, or
+// hidden nodes in groups. What is asked, and whether anything is, is decided by what it costs and saves, as in NOHC.
+
+namespace {
+
+constexpr int most_rounds = 3;
+constexpr double usual_group = 4.0;  // nodes in a query, with those that have to be asked about again
+// What is expected to be saved has to be so many times what waiting for answers takes: only the latter is certain.
+constexpr double least_return = 2.0;
+
+// What a frame's questions cost beside its boxes: the device has nothing to do until the last answers have been read.
+double waiting_ns(const DeviceCosts& costs, bool in_groups) {
+  return (in_groups ? costs.query_ns : costs.batch_ns) + costs.readback_ns + costs.submit_ns;
+}
+
+class BatchPolicy : public Policy {
+ public:
+  void begin_frame(const FrameScene& scene) override {
+    const DeviceCosts& costs = scene.options().costs;
+    work_.begin_frame(scene);
+    memory_.fit(scene);
+    groups_.begin_frame(scene);
+    rates_.begin_frame();
+    in_groups_ = groups_are_cheaper(costs);
+    asks_ = scene.frame() == 1 || possible_gain_ns_ > least_return * waiting_ns(costs, in_groups_);
+    asked_ = 0;
+    covered_ = round_gain_ns_ = possible_gain_ns_ = 0.0;
+    rounds_ = 0;
+    has_to_ = false;
+  }
+
+  [[nodiscard]] Action predict(FrameScene& scene, const ReachedNode& reached) override {
+    const NodeRef n = reached.ref;
+    work_.note_visited(n);
+    const Action action = predict_coherent(scene, n, Coherence::mended);
+    if (action == Action::refine) return action;
+    const bool is_fine = scene.is_fine(n, 1.0);
+    const Action unasked = is_fine ? Action::draw : Action::refine;
+    if (rounds_ == most_rounds) return unasked;
+    const double gain = gain_ns(scene, n);
+    if (!(gain > 0.0)) return unasked;
+    possible_gain_ns_ += gain;
+    if (!asks_) return unasked;
+    round_gain_ns_ += gain;
+    // Drawn only because little of it was visible: that has to be known anew in every frame.
+    has_to_ = has_to_ || (action == Action::stop && !is_fine);
+    note_asked(scene, n);
+    return action;
+  }
+
+  bool end_round(const FrameScene& scene, std::size_t) override {
+    const bool pays = has_to_ || round_gain_ns_ > waiting_ns(scene.options().costs, false);
+    round_gain_ns_ = 0.0;
+    has_to_ = false;
+    ++rounds_;
+    return pays;
+  }
+
+  void note_drawn(const FrameScene& scene, NodeRef n) override {
+    work_.note_drawn(scene, n);
+    covered_ = covered_with(covered_, own_coverage(scene, n));
+  }
+  void note_answer(const FrameScene&, NodeRef n, bool visible) override {
+    groups_.note_answer(n, visible);
+    const Memory& memory = memory_[n];
+    if (memory.last == LastSight::visible) rates_.note_visible(memory.covered, memory.frames, !visible);
+    if (memory.last == LastSight::outside) rates_.note_new(memory.covered, !visible);
+  }
+  void end_frame(const FrameScene& scene) override {
+    work_.end_frame(scene);
+    last_asked_ = asked_;
+  }
+
+  [[nodiscard]] Asking asking() const noexcept override { return in_groups_ ? Asking::by_groups : Asking::by_rounds; }
+  [[nodiscard]] std::size_t group(const FrameScene&, std::span<NodeRef> hidden) override {
+    return groups_.group(hidden);
+  }
+  [[nodiscard]] double bias(const FrameScene& scene, const ReachedNode& n) const override {
+    return static_cast<double>(scene.state(n.ref).bias);
+  }
+
+ private:
+  struct Memory {
+    std::uint32_t asked_frame = 0;  // or in which it came into the frustum
+    // When it was asked about last:
+    float covered = 0.0F;                // cover_probability()
+    float frames = 0.0F;                 // since asked_frame
+    LastSight last = LastSight::hidden;  // what was known of it
+  };
+
+  // For as many nodes as in the last frame.
+  [[nodiscard]] bool groups_are_cheaper(const DeviceCosts& costs) const {
+    const auto nodes = static_cast<double>(last_asked_);
+    return nodes / usual_group * costs.query_ns < costs.batch_ns + nodes * costs.batch_item_ns + costs.readback_ns;
+  }
+
+  [[nodiscard]] double cover_probability_of(const FrameScene& scene, double coverage) const {
+    return cover_probability(covered_, coverage, scene.options().cover_model);
+  }
+
+  // What asking about the node is expected to save.
+  [[nodiscard]] double gain_ns(const FrameScene& scene, NodeRef n) {
+    const DeviceCosts& costs = scene.options().costs;
+    const ObjectFrame& view = scene.view_of(n);
+    const double coverage = view.coverage(scene.node(n).box);
+    const LastSight last = last_sight(scene, n);
+    const double alone_ns = last == LastSight::visible ? costs.query_ns : costs.query_ns / usual_group;
+    const double item_ns =
+        std::max(in_groups_ ? alone_ns : costs.batch_item_ns, coverage * view.pixels() * costs.query_fragment_ns);
+    const double draw_ns = draw_time_ns(costs, work_.of(scene, n, coverage));
+    if (last == LastSight::hidden) return draw_ns - item_ns;
+    const double covered = cover_probability_of(scene, coverage);
+    if (last == LastSight::outside) {
+      memory_[n].asked_frame = scene.frame();
+      return rates_.of_new(covered) * draw_ns - item_ns;
+    }
+    const auto frames = static_cast<double>(scene.frame() - memory_[n].asked_frame);
+    const double hidden = std::min(1.0, rates_.of_visible(covered) * frames);
+    return hidden * draw_ns + bias_gain_ns(scene, n, coverage) - item_ns;
+  }
+
+  // What is saved by drawing the node instead of what is below it, where little enough of it may be visible.
+  [[nodiscard]] double bias_gain_ns(const FrameScene& scene, NodeRef n, double coverage) const {
+    if (scene.is_fine(n, 1.0)) return 0.0;
+    const DeviceCosts& costs = scene.options().costs;
+    const double refined_ns = draw_time_ns(costs, work_.refined(scene, n, coverage));
+    return std::max(0.0, refined_ns - draw_time_ns(costs, own_work(scene, n, coverage)));
+  }
+
+  void note_asked(const FrameScene& scene, NodeRef n) {
+    Memory& memory = memory_[n];
+    memory.covered = static_cast<float>(cover_probability_of(scene, scene.view_of(n).coverage(scene.node(n).box)));
+    memory.frames = static_cast<float>(scene.frame() - memory.asked_frame);
+    memory.last = last_sight(scene, n);
+    memory.asked_frame = scene.frame();
+    ++asked_;
+  }
+
+  WorkBelow work_;
+  PerNode<Memory> memory_;
+  HiddenGroups groups_;
+  HidingRates rates_;
+  bool asks_ = true;  // in this frame
+  bool in_groups_ = false;
+  std::size_t asked_ = 0;               // nodes, in this frame
+  std::size_t last_asked_ = 1'000'000;  // in the last; before the first, many
+  double covered_ = 0.0;                // c_scr
+  double possible_gain_ns_ = 0.0;       // of this frame so far, whether it asks or not
+  double round_gain_ns_ = 0.0;          // of the round so far
+  bool has_to_ = false;                 // make the round, whatever it gains
+  int rounds_ = 0;                      // in this frame
+};
+
+}  // namespace
+
+std::unique_ptr<Policy> make_batch_policy() { return std::make_unique<BatchPolicy>(); }
+
+}  // namespace occlod::hlod

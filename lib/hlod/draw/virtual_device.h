@@ -1,0 +1,34 @@
+// The two clocks of a simulated device.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "occlod/device.h"
+
+namespace occlod::hlod {
+
+// A processor that gives commands and a device that works them off one after the other, side by side. ns; exact as long
+// as all times are whole numbers below 2^53.
+class VirtualClock {
+ public:
+  void begin() { *this = {}; }
+  // The processor does something by itself.
+  void work(double ns) { cpu_ns_ += ns; }
+  // The processor gives a command, for submit_ns, which then takes the device command_ns. Returns when it is done.
+  double command(double submit_ns, double command_ns);
+  // The processor waits until then.
+  void wait_until(double ns);
+
+  [[nodiscard]] double cpu_ns() const noexcept { return cpu_ns_; }
+  // That have been given.
+  [[nodiscard]] std::uint64_t commands() const noexcept { return commands_; }
+  [[nodiscard]] FrameTimes times() const noexcept;
+
+ private:
+  double cpu_ns_ = 0.0, gpu_ns_ = 0.0;
+  double busy_ns_ = 0.0, stall_ns_ = 0.0, starve_ns_ = 0.0;
+  std::uint64_t commands_ = 0;
+};
+
+}  // namespace occlod::hlod

@@ -1,0 +1,80 @@
+// The parts that writing and reading .ohlod files share.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+#include "mesh/section_file.h"
+#include "occlod/hlod.h"
+#include "occlod/node_store.h"
+
+namespace occlod::ohlod {
+
+// Of files that are not packed: those with texture coordinates, materials or seams, and those without.
+inline constexpr std::uint32_t wedges_version = 2, plain_version = 1;
+
+// The carriage returns and the end-of-file byte reveal a transfer in text mode, as in PNG.
+inline constexpr sections::FileKind file_kind{
+    {'O', 'H', 'L', 'D', '\r', '\n', '\x1a', '\n'}, ohlod_version, ".ohlod", "make one with 'occlod hlod build'",
+    "build it again with 'occlod hlod build'",      plain_version};
+
+// Everything in an HLOD that is not an array.
+struct Summary {
+  Box box;
+  std::uint64_t input_triangle_count = 0;
+  std::uint32_t grouping = 0;
+  std::uint32_t borders = 0;
+  std::uint32_t node_triangles = 0;
+  std::uint32_t has_normals = 0;  // 0 or 1
+  std::uint32_t has_colors = 0;   // 0 or 1
+  std::uint32_t wedges = 0;       // bits of WedgeFlag
+};
+static_assert(sizeof(Summary) == 56);
+
+// What meshes have, of wedges_version or later.
+enum WedgeFlag : std::uint32_t { has_texture_coordinates = 1, has_materials = 2, has_seams = 4, all_wedge_flags = 7 };
+
+[[nodiscard]] inline std::uint32_t wedge_flags(const hlod::HlodView& view) {
+  return (view.has_texture_coordinates ? has_texture_coordinates : 0U) | (view.has_materials ? has_materials : 0U) |
+         (view.has_seams ? has_seams : 0U);
+}
+
+// Whether an HLOD needs wedges_version.
+[[nodiscard]] inline bool needs_wedges(const hlod::HlodView& view) {
+  return wedge_flags(view) != 0 || !view.materials.empty() || !view.textures.empty();
+}
+
+// lattice_name: one float, HlodView::lattice_step, where there is one.
+inline constexpr std::string_view summary_name = "INFO", lattice_name = "LATT", meshes_name = "MESH",
+                                  digests_name = "BLOK", splits_name = "WSPL", splits_digests_name = "WBLK";
+
+// Of packed files, instead of meshes_name and splits_name: what node_codec.h makes of each node, and where that begins;
+// one place more, for the end of the last.
+inline constexpr std::string_view packed_meshes_name = "PMSH", mesh_places_name = "PMPL", packed_splits_name = "PSPL",
+                                  splits_places_name = "PSPP";
+
+// Calls visit(name, array, has_parts) for every array of an HLOD: the one list of what a file holds. That with parts is
+// checked node by node.
+template <typename View, typename Visit>
+void for_each_array(View& view, const Visit& visit) {
+  visit("NODE", view.nodes, false);
+  visit("PTCH", view.patches, false);
+  visit("CHIL", view.children, false);
+  visit("ROOT", view.roots, false);
+  visit("LEVL", view.levels, false);
+  visit(meshes_name, view.meshes, true);
+}
+
+// The same for the arrays of refinement within nodes, which a file may lack.
+template <typename View, typename Visit>
+void for_each_within_array(View& view, const Visit& visit) {
+  visit("WNOD", view.within, false);
+  visit(splits_name, view.splits, true);
+}
+
+// XXH3-64 of the mesh of a node and what aligns the next one. The place of the mesh has been checked.
+[[nodiscard]] std::uint64_t digest_of_mesh(const hlod::HlodView& view, hlod::NodeId n);
+// The same for its splits.
+[[nodiscard]] std::uint64_t digest_of_splits(const hlod::HlodView& view, hlod::NodeId n);
+
+}  // namespace occlod::ohlod

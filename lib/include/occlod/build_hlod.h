@@ -1,0 +1,123 @@
+// Builds hierarchical levels of detail: groups of triangles by octrees, each simplified by half-edge collapses.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "occlod/hlod.h"
+#include "occlod/mesh.h"
+
+namespace occlod::hlod {
+
+// What lies between a node and its parents.
+enum class Within {
+  geomorph,  // NodeMesh::merged_into: vertices can slide to the parent's
+  splits,    // also every node's collapses: it can be drawn with any number of them undone (within.h), for twice the
+             // bytes
+};
+
+// How an HLOD is built.
+struct BuildOptions {
+  std::uint32_t node_triangles = 2000;    // the most that a node of level 0 has; groups of four times as many are
+                                          // simplified to about a quarter; in [16, 4096]
+  Grouping grouping = Grouping::shifted;  // how triangles are grouped from level to level
+  Borders borders = Borders::locked;      // what happens at the borders of groups; `free` with nested groups only
+  Within within = Within::geomorph;       // what is kept for the way from a node to its parent
+  double boundary_weight = 1.0;   // weight of the planes that hold boundary edges in place, relative to the triangles
+                                  // beside them; in [0, 1e6]
+  double attribute_weight = 0.7;  // of how far texture coordinates, normals and colours slip on the surface, relative
+                                  // to how far the surface moves, in which collapse is next; in [0, 1e6]; 0: errors
+                                  // are of the surface alone. For meshes with texture coordinates or seams
+  // 0: positions stay as they are; in [8, 23]: they are rounded to a lattice of so many bits for the longest side of
+  // the mesh's box (lattice_step() in mesh/quantise.h), so that files take fewer bytes. What falls together is cleaned.
+  // All errors are relative to the rounded mesh.
+  int quantise_bits = 0;
+  int threads = 0;  // in [0, 1024]; 0: one for each core. The result does not depend on it
+  // A file in which a build keeps what it has finished; empty: none. A build of the same mesh with the same options
+  // goes on from there, to the same bytes; threads may differ, and so may the limit of memory, though not whether the
+  // mesh comes from a TriangleSource. It is made where there is none, takes about 18 bytes a triangle of the input, and
+  // stays when the build ends: remove it once the result is written. What is damaged or cut off at its end is done
+  // again. Error for a file that is no journal, that another build uses, or that does not fit.
+  std::filesystem::path journal = {};
+  // Called on the calling thread, once, before a build with a journal returns: how many nodes it has taken over.
+  std::function<void(std::size_t nodes)> resumed = {};
+  // Called now and then on the calling thread with the share done, in [0, 1]; returning false cancels the build, which
+  // then throws Error. What it throws ends the build too.
+  std::function<bool(double)> progress = {};
+};
+
+// Any triangle soup that clean() accepts can be built; the same mesh and options give the same bytes, whatever the
+// number of threads. Throws Error for an option out of its range or free borders of shifted groups, for a mesh without
+// triangles, with an index out of range, with two vertices at one position or a position that is not finite or has a
+// coordinate beyond farthest_coordinate, and when cancelled. O(n log n) time; about 100 bytes a triangle beside the
+// result while building.
+[[nodiscard]] Hlod build_hlod(const TriangleMesh& mesh, const BuildOptions& options = {});
+
+// The same from a source that is read once, for meshes larger than memory: keep a MemoryLimit (core/memory_limit.h)
+// while this runs and while the result is written. Vertices of all pieces at one position become one, triangles with
+// two corners at one place and vertices without triangles go, as clean() has it; `report` is filled in but for
+// topology, which needs the mesh as a whole: those counts stay 0. The bytes are those of build_hlod() of the cleaned
+// mesh. Throws Error as above, for what pieces throw, and for 2^32 or more vertices or triangles.
+[[nodiscard]] Hlod build_hlod(const TriangleSource& source, const BuildOptions& options, MeshReport& report);
+
+// Refinement within nodes (Charalambos 2006, sec. 4.4): the mesh of a node with some of its collapses undone, so that
+// its error is anything between its own and its children's. For HLODs built with Within::splits.
+
+// A node's mesh with its first splits applied. It may be drawn in place of the node when all the node's parents are
+// refined, or else not drawn and out of sight: it has no patches. Whatever its neighbours are drawn with, no gap opens
+// where borders are locked (docs/decisions/029-cuts_within_nodes.md).
+struct NodeCut {
+  std::uint32_t splits = 0;            // how many; 0: the node's mesh as it is
+  std::vector<std::uint16_t> indices;  // three for each triangle: into NodeMesh::positions, then NodeSplits::positions
+};
+
+// How many splits leave an error of at most `most_error` (object units): none when that is Node::error or more, all
+// that change anything when it is Node::child_error or less. 0 for a node without splits, which else have been
+// required. O(log splits).
+[[nodiscard]] std::uint32_t splits_to_error(const Hlod& hlod, NodeId n, double most_error);
+
+// The error of drawing node n with its first splits applied instead of the input: between Node::child_error and
+// Node::error. splits <= NodeWithin::splits; the node's splits have been required. O(1).
+[[nodiscard]] double error_of_splits(const Hlod& hlod, NodeId n, std::uint32_t splits);
+
+// The mesh of node n, which has_within() and whose splits have been required, with its first splits applied, or some
+// more where the last one is of a place that others are at. O(triangles that the node was made from), times their
+// logarithm where the input has seams.
+[[nodiscard]] NodeCut cut_with_splits(const Hlod& hlod, NodeId n, std::uint32_t splits);
+
+// The coarsest mesh of node n whose error is at most `most_error`, object units; the finest if none is. Requires what
+// it needs, so it throws Error when a mapped file is damaged. O(triangles that the node was made from).
+[[nodiscard]] NodeCut within_cut(const Hlod& hlod, NodeId n, double most_error);
+
+// The largest 2^(i/4), i an integer, that is at most x; 0 for 0. x >= 0; of infinity the largest that is finite.
+[[nodiscard]] double error_step(double x);
+
+// Cuts of nodes, kept from frame to frame. Errors are rounded down to error_step(), so that a node's cut changes only
+// when its error has changed by a fifth. One thread at a time.
+class CutCache {
+ public:
+  // Empty.
+  explicit CutCache(std::size_t most_bytes = std::size_t{64} << 20U);
+  CutCache(CutCache&&) noexcept;
+  CutCache& operator=(CutCache&&) noexcept;
+  ~CutCache();
+
+  // Starts a frame: drops cuts, the longest unused first, while all have more than `most_bytes`.
+  void begin_frame();
+  // within_cut() to error_step(most_error). Valid until the next begin_frame(). `hlod` stays where it is as long as the
+  // cache is used; cuts without splits have no indices: draw the node's own. Throws Error when a mapped file is
+  // damaged.
+  [[nodiscard]] const NodeCut& get(const Hlod& hlod, NodeId n, double most_error);
+  // Of all cuts that are kept.
+  [[nodiscard]] std::size_t bytes() const noexcept;
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace occlod::hlod

@@ -1,0 +1,319 @@
+// Hierarchical levels of detail: a mesh cut into nodes of some thousand triangles, level by level coarser, each node a
+// small indexed mesh that is drawn as a whole or in few patches. Built once, immutable. Level 0 is the input; a parent
+// is coarser, a child finer. Lengths are object units.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "occlod/base.h"
+#include "occlod/bounds.h"
+#include "occlod/mesh.h"
+#include "occlod/view.h"
+
+namespace occlod::hlod {
+
+// Takes pieces of a mesh.
+class TriangleSink {
+ public:
+  virtual ~TriangleSink() = default;
+  // A piece: any triangle soup, with ids into its own positions. Normals and colours are kept when every piece has
+  // them, texture coordinates when any has: the others lie at (0, 0). Each piece has the materials and textures of
+  // those before it, perhaps with more behind them, or none. Throws Error as clean() does.
+  virtual void add(const TriangleMesh& piece) = 0;
+};
+
+// Gives all its triangles to a sink, in pieces of a size that fits into memory, some hundred thousand triangles each.
+// Called once or several times; gives the same each time.
+using TriangleSource = std::function<void(TriangleSink& sink)>;
+
+using NodeId = std::uint32_t;  // into HlodView::nodes, from coarse to fine: parents come before their children
+
+// How triangles of one level are grouped into the nodes of the next.
+enum class Grouping : std::uint32_t {
+  nested,   // by one octree for all levels: every node has one parent
+  shifted,  // by an octree that is moved by a third from level to level, so that borders do not stay where they are
+};
+
+// What simplification does with vertices that several nodes of a level share.
+enum class Borders : std::uint32_t {
+  free,    // each node moves its own copy: neighbours of different levels leave gaps, as wide as their errors at most
+  locked,  // they stay until a node has them inside: no gaps
+};
+
+// The triangles of a node that one parent replaces: drawn iff that parent is refined and the node is not.
+struct Patch {
+  NodeId parent = no_id;          // no_id: of a root, drawn whenever the root is not refined
+  std::uint32_t first_index = 0;  // into NodeMesh::indices
+  std::uint32_t index_count = 0;  // a multiple of 3, > 0
+};
+static_assert(sizeof(Patch) == 12);
+
+// What is known of a node without its mesh.
+struct Node {
+  Box box;        // of the level-0 vertices that ended up in vertices of the node's input: holds all that it stands for
+  Box lod_box;    // of `box` and the lod_boxes of the children
+  Sphere sphere;  // contains `box` and the children's spheres
+  float error = 0.0F;  // of drawing this node instead of the input: how far the surface is off, or texture and other
+                       // attributes on it if that is more; no less than a child's; 0 on level 0
+  float child_error = 0.0F;       // the largest error of a child
+  float guaranteed_error = 0.0F;  // no point of the node's triangles is farther from the input; no less than a child's
+  float area = 0.0F;              // of the node's triangles, square units
+  std::uint32_t first_patch = 0;  // into HlodView::patches
+  std::uint32_t first_child = 0;  // into HlodView::children
+  std::uint32_t triangles = 0;    // of the mesh; may be none where everything has vanished
+  std::uint32_t vertices = 0;     // of the mesh; less than 65,536
+  std::uint16_t patches = 0;      // none only for a node without triangles
+  std::uint16_t children = 0;     // none on level 0, at least one elsewhere
+  std::uint16_t level = 0;        // into HlodView::levels
+  std::uint16_t reserved = 0;     // always 0
+  std::uint64_t mesh = 0;         // place of its mesh in HlodView::meshes, a multiple of mesh_alignment
+};
+static_assert(sizeof(Node) == 112);
+
+// The nodes of one level are consecutive.
+struct Level {
+  NodeId first_node = 0;         // the level's nodes are [first_node, first_node + node_count)
+  std::uint32_t node_count = 0;  // > 0
+};
+
+// For NodeMesh::merged_into.
+inline constexpr std::uint16_t stays = 0xffff;
+
+// The mesh of one node. Positions are those of vertices of the input, bit for bit, and so are attributes. Where the
+// input has seams, a vertex of it may be several here, one for each set of its attributes that the node uses.
+struct NodeMesh {
+  std::span<const glm::vec3> positions;    // object space
+  std::span<const glm::vec3> normals;      // unit length, one per vertex; empty when the input had none
+  std::span<const glm::u8vec4> colors;     // sRGB and alpha, one per vertex; empty when the input had none
+  std::span<const std::uint16_t> indices;  // three for each triangle, patch by patch
+  // By vertex: the vertex of the parent's mesh that it slides to while that parent takes over; the parent is that of
+  // the patches which use the vertex. `stays` for vertices that stay where they are, as all do that several parents
+  // share.
+  std::span<const std::uint16_t> merged_into;
+  std::span<const glm::vec2> texture_coordinates;  // as in the input, one per vertex; empty when it had none
+  std::span<const MaterialId> materials;  // one per vertex, the same at all corners of a triangle; empty: all 0
+};
+
+// What refinement within a node needs, beside its mesh.
+struct NodeWithin {
+  std::uint64_t place = 0;      // of its splits in HlodView::splits, a multiple of mesh_alignment
+  std::uint32_t splits = 0;     // 0: the node can be drawn as it is only
+  std::uint32_t bare = 0;       // vertices without triangles in the node's mesh that no collapse moved
+  std::uint32_t triangles = 0;  // that the node was made from
+  std::uint32_t reserved = 0;   // always 0
+};
+static_assert(sizeof(NodeWithin) == 24);
+
+// The triangles that a node was made from, and the splits that lead from its mesh back to them, the coarsest first
+// (Hoppe 1996, progressive meshes): any number of first splits gives a mesh in between. Vertices are numbered through:
+// those of the NodeMesh, then these. Where the input has seams, splits of one place follow each other with one error
+// and are applied together.
+struct NodeSplits {
+  std::span<const glm::vec3> positions;    // NodeWithin::bare vertices, then one for each split, which brings it back
+  std::span<const glm::vec3> normals;      // as in NodeMesh
+  std::span<const glm::u8vec4> colors;     // as in NodeMesh
+  std::span<const float> errors;           // by split, descending: the error of this node's collapses when only the
+                                           // splits before it are applied, object units
+  std::span<const std::uint16_t> indices;  // three for each triangle, all splits applied
+  std::span<const std::uint16_t> parents;  // by split: the vertex, of a smaller number, that its vertex was merged into
+  std::span<const glm::vec2> texture_coordinates;  // as in NodeMesh
+  std::span<const MaterialId> materials;           // as in NodeMesh
+};
+
+// The arrays of an HLOD, in memory of its own or of a file.
+struct HlodView {
+  std::span<const Node> nodes;             // level by level, the coarsest first; along a Morton curve within a level
+  std::span<const Patch> patches;          // node by node; those of a node by ascending parent, one for each
+  std::span<const NodeId> children;        // node by node, ascending
+  std::span<const NodeId> roots;           // nodes without a parent, ascending
+  std::span<const Level> levels;           // from level 0
+  std::span<const std::byte> meshes;       // of all nodes: the arrays of NodeMesh; empty of an HLOD with a store
+  Box box;                                 // of the input
+  std::uint64_t input_triangle_count = 0;  // of level 0
+  Grouping grouping = Grouping::shifted;   // how it was built
+  Borders borders = Borders::locked;       // likewise
+  std::uint32_t node_triangles = 0;        // likewise: BuildOptions::node_triangles
+  bool has_normals = false;                // whether meshes have them
+  bool has_colors = false;                 // likewise
+  std::span<const NodeWithin> within;      // by node; empty without BuildOptions::within
+  std::span<const std::byte> splits;       // of all nodes: the arrays of NodeSplits
+  bool has_texture_coordinates = false;    // whether meshes have them
+  bool has_materials = false;              // whether meshes say which material their vertices have
+  bool has_seams = false;                  // whether vertices of one mesh may lie at one place
+  std::span<const Material> materials;     // that NodeMesh::materials index
+  std::span<const Texture> textures;       // that materials index
+  TextureOrigin texture_origin = TextureOrigin::bottom_left;  // of texture coordinates
+  float lattice_step = 0.0F;  // all coordinates are multiples of it, BuildOptions::quantise_bits; 0: as the input's
+};
+
+inline constexpr std::size_t mesh_alignment = 16;  // of a node's mesh in HlodView::meshes, and of its splits
+
+class NodeGuard;
+class NodeStore;
+
+// Immutable; copies share their arrays. Any number of threads may read one; of one with a store() only the thread that
+// uses the store may read meshes.
+class Hlod {
+ public:
+  // Of nothing: without nodes.
+  Hlod() = default;
+  // Arrays that `owner` keeps alive and that do not change. Their sizes and indices fit together: check_structure() in
+  // validate.h returns nothing.
+  Hlod(const HlodView& view, std::shared_ptr<const void> owner);
+
+  // Of an HLOD in a mapped file meshes have been checked only where require() was called.
+  [[nodiscard]] const HlodView& data() const noexcept { return view_; }
+  // In all levels.
+  [[nodiscard]] std::size_t node_count() const noexcept { return view_.nodes.size(); }
+  // From the input to the coarsest.
+  [[nodiscard]] std::size_t level_count() const noexcept { return view_.levels.size(); }
+  // n < node_count().
+  [[nodiscard]] const Node& node(NodeId n) const noexcept { return view_.nodes[n]; }
+  // Of node n, one for each parent, or one of a root.
+  [[nodiscard]] std::span<const Patch> patches(NodeId n) const noexcept {
+    return view_.patches.subspan(node(n).first_patch, node(n).patches);
+  }
+  // Of node n: the nodes that it replaces in part, ascending.
+  [[nodiscard]] std::span<const NodeId> children(NodeId n) const noexcept {
+    return view_.children.subspan(node(n).first_child, node(n).children);
+  }
+  // Whose meshes come and go (node_store.h); null where all are always there.
+  [[nodiscard]] NodeStore* store() const noexcept { return store_; }
+  // Whether the mesh of node n is there; always without a store.
+  [[nodiscard]] bool is_resident(NodeId n) const noexcept { return resident_ == nullptr || resident_[n] != nullptr; }
+  // Call before the first use of the mesh of node n: checks the part of a mapped file that holds it, and throws Error
+  // when it is damaged; with a store, when it is not there. Nothing to do for other HLODs and when it has been checked
+  // before.
+  void require(NodeId n) const {
+    if (!is_resident(n) || (checked_ != nullptr && !checked_[n].load(std::memory_order_acquire))) check_mesh(n);
+  }
+  // Whether node n can be refined within: it has splits. n < node_count().
+  [[nodiscard]] bool has_within(NodeId n) const noexcept { return !view_.within.empty() && view_.within[n].splits > 0; }
+  // Call before the first use of the splits of node n; otherwise like require().
+  void require_within(NodeId n) const {
+    if (within_checked_ != nullptr && !within_checked_[n].load(std::memory_order_acquire)) check_within(n);
+  }
+  // Both for all nodes. O(bytes) the first time.
+  void require_all() const;
+  // Of node n, which has been required.
+  [[nodiscard]] NodeMesh mesh(NodeId n) const noexcept;
+  // Of node n, which has_within() and whose splits have been required.
+  [[nodiscard]] NodeSplits within(NodeId n) const noexcept;
+  // That the arrays occupy; meshes in a store do not count.
+  [[nodiscard]] std::size_t bytes() const noexcept;
+
+ private:
+  friend Hlod guarded_hlod(const HlodView& view, std::shared_ptr<const void> owner, std::shared_ptr<NodeGuard> guard);
+  friend Hlod paged_hlod(const std::shared_ptr<NodeStore>& store);
+  void check_mesh(NodeId n) const;
+  void check_within(NodeId n) const;
+
+  HlodView view_;
+  std::shared_ptr<const void> owner_;
+  std::shared_ptr<NodeGuard> guard_;
+  const std::atomic<bool>* checked_ = nullptr;              // by node, the guard's; null without a guard
+  const std::atomic<bool>* within_checked_ = nullptr;       // likewise, of splits
+  NodeStore* store_ = nullptr;                              // kept alive by owner_
+  const std::unique_ptr<std::byte[]>* resident_ = nullptr;  // by node, the mesh or null; null without a store
+};
+
+// The invariants of an HLOD, checked without trusting anything in it. Tests call this after every build and load.
+
+// Checks that sizes and indices of the arrays fit together, so that an Hlod made from them can be traversed safely:
+// levels are runs of nodes, patches divide a node's triangles and name parents one level up, children are the nodes
+// whose patches name them, meshes and splits lie within their arrays. Meshes and splits are not looked at. Returns what
+// is wrong, or nothing. O(nodes + patches).
+[[nodiscard]] std::optional<std::string> check_structure(const HlodView& data);
+
+// Checks that the mesh of node n can be drawn: indices and merged_into in range, positions finite. `data` has passed
+// check_structure(). Returns what is wrong, or nothing. O(size of the mesh).
+[[nodiscard]] std::optional<std::string> check_mesh(const HlodView& data, NodeId n);
+
+// The same for its splits: their parents come before them, errors are finite and descend. O(size of the splits).
+[[nodiscard]] std::optional<std::string> check_within(const HlodView& data, NodeId n);
+
+// How thoroughly validate() looks.
+struct ValidateOptions {
+  std::size_t random_fronts = 64;  // random legal fronts whose boundary is compared with the input's
+};
+
+// Checks five invariants: (1) no error is smaller than a child's, and boxes and spheres contain what they say; (2) all
+// vertices of a node are vertices of its children; (3) the triangles of a node are those of its children that it
+// replaces, with its merges applied, where degenerate ones vanish and opposite ones cancel; (4) where borders are
+// locked, every vertex is merged in one node only, and the oriented boundary of random legal fronts is that of the
+// input with the merges of all coarser nodes applied: no crack opens between nodes of different levels; (5) of nodes
+// with splits, all splits together give the triangles that the node was made from, and none of them its mesh, triangle
+// for triangle; their errors descend from that of the node; and (4) holds too for fronts on which nodes whose parents
+// are all refined are drawn with a random number of their splits. Returns one line per violation (at most 20), none
+// when all hold. Throws Error when a mapped file is damaged. O(size + nodes * random_fronts); with splits O(size *
+// random_fronts).
+[[nodiscard]] std::vector<std::string> validate(const Hlod& hlod, const ValidateOptions& options = {});
+
+// True iff the nodes of level 0 together are exactly the triangles of `mesh`, rounded to the HLOD's lattice and cleaned
+// if it has one: the same positions in the same rotational order, each as often, with the same material and, at each
+// corner, the same of those attributes that the mesh has, to the bit. O(n log n).
+[[nodiscard]] bool restores(const Hlod& hlod, const TriangleMesh& mesh);
+
+// The same of a source, whose pieces are read once: compares how many triangles there are, and sums of hashes (128
+// bits) of their positions alone. Triangles with two corners at one place do not count. Meshes of the HLOD are checked
+// one by one; O(n) time, memory for one piece.
+[[nodiscard]] bool restores(const Hlod& hlod, const TriangleSource& source);
+
+// The error of a node on the screen.
+
+// An eye in object space, and how lengths of the object appear from there.
+struct ScreenScale {
+  glm::dvec3 eye{0.0};            // its place, object space; where rays are parallel, of no meaning
+  double focal_length_px = 1.0;   // pixels that one world unit across the line of sight covers at distance 1, or
+                                  // anywhere where rays are parallel
+  double least_distance = 1e-30;  // > 0, world units: of the near plane
+  // World units per object unit along each axis, or less: distances are measured with it. Exact unless the placement
+  // shears.
+  glm::dvec3 axis_stretch{1.0};
+  double largest_stretch = 1.0;  // world units per object unit at most: errors are measured with it
+  bool orthographic = false;     // rays are parallel: errors look the same at every distance
+};
+
+// Of an object in a view: `object` was made for `view`.
+[[nodiscard]] ScreenScale screen_scale(const View& view, const ObjectView& object);
+
+// World units from the eye to the nearest point of the box, or less where the placement shears; not for parallel rays.
+[[nodiscard]] double distance_to(const Box& box, const ScreenScale& scale);
+
+// Pixels that the node's error covers at most where the node is nearest to the eye: the larger of its own error at its
+// box and its children's at its lod_box. No less than for any child of the node, seen from anywhere, so a front of
+// nodes whose error is below a tolerance is legal as it is.
+[[nodiscard]] double screen_error_px(const Node& node, const ScreenScale& scale);
+
+// The same by the nearest point of the node's sphere, as published methods have it: coarser, and no less than for any
+// child either.
+[[nodiscard]] double sphere_error_px(const Node& node, const ScreenScale& scale);
+
+// Pixels that Node::guaranteed_error covers at most: seen from the eye, no point of the node's triangles is farther
+// from the input. By the nearest point of lod_box, so no less than for any child.
+[[nodiscard]] double guaranteed_error_px(const Node& node, const ScreenScale& scale);
+
+// As screen_error_px() of a node that is refined within as far as possible: what is left is its children's error, at
+// its lod_box. No less than the error of any child, so on a front of nodes for which it is below a tolerance, those
+// whose own error is not can be refined within.
+[[nodiscard]] double least_screen_error_px(const Node& node, const ScreenScale& scale);
+// Likewise, by the sphere.
+[[nodiscard]] double least_sphere_error_px(const Node& node, const ScreenScale& scale);
+
+// The error in object units that covers so many pixels where the node's box is nearest to the eye. For within_cut().
+[[nodiscard]] double screen_error_limit(const Node& node, const ScreenScale& scale, double pixels);
+// Likewise, of the sphere.
+[[nodiscard]] double sphere_error_limit(const Node& node, const ScreenScale& scale, double pixels);
+
+}  // namespace occlod::hlod

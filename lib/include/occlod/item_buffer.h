@@ -1,0 +1,57 @@
+// Exact z-buffer rasterisation on the CPU: one sample at each pixel centre, watertight (top-left rule), clipped at the
+// near plane, both sides of every triangle. The software occlusion backend and everything that measures or draws
+// pictures use it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <glm/mat4x4.hpp>
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
+#include "occlod/base.h"
+#include "occlod/mesh.h"
+
+namespace occlod {
+
+// Depth as nearness, which is linear over the image of a plane. In perspective it is 1 / w, where w is the distance
+// from the eye plane in world units; drawn through an affine matrix, which is orthographic, it runs from 1 on the near
+// plane to 0 on the far plane. 0: nothing there.
+struct DepthBuffer {
+  int width = 0;                // pixels
+  int height = 0;               // pixels
+  std::vector<float> nearness;  // width * height, rows from the top
+
+  // Resizes, and empties every pixel. Reuses its memory.
+  void reset(int new_width, int new_height);
+};
+
+// What owns a pixel of the background.
+inline constexpr std::uint32_t no_item = no_id;
+
+// Depth, and which triangle owns each pixel.
+struct ItemBuffer {
+  DepthBuffer depth;                 // of the nearest triangle at each pixel
+  std::vector<std::uint32_t> items;  // width * height, rows from the top; no_item: background
+
+  // As DepthBuffer::reset().
+  void reset(int width, int height);
+};
+
+// Draws `triangles`, ids into `positions` (object space), through object_to_clip (OpenGL clip space). The nearer
+// triangle wins; at equal depth the one drawn first. In orthographic views nothing beyond the far plane is drawn.
+// Triangles with a corner that is not finite after transformation are skipped. O(triangles + pixels covered).
+void draw_depth(DepthBuffer& target, std::span<const glm::vec3> positions, std::span<const Triangle> triangles,
+                const glm::mat4& object_to_clip);
+
+// The same; triangle i of the call owns its pixels as item first_item + i.
+void draw_items(ItemBuffer& target, std::span<const glm::vec3> positions, std::span<const Triangle> triangles,
+                const glm::mat4& object_to_clip, std::uint32_t first_item);
+
+// Which items own at least one pixel. item_count: larger than every item. O(pixels + item_count).
+[[nodiscard]] std::vector<bool> visible_items(const ItemBuffer& buffer, std::size_t item_count);
+// How many items own at least one pixel, likewise.
+[[nodiscard]] std::size_t count_visible_items(const ItemBuffer& buffer, std::size_t item_count);
+
+}  // namespace occlod

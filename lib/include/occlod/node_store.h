@@ -1,0 +1,141 @@
+// Meshes of nodes that come and go: an HLOD that is larger than memory, drawn within a fixed number of bytes. Traversal
+// tells what it needs and what it waits for; a thread reads. Opened by open_ohlod() in occlod/io/ohlod.h.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "occlod/build_hierarchy.h"
+#include "occlod/hlod.h"
+#include "occlod/mesh.h"
+
+namespace occlod::hlod {
+
+// How meshes come.
+enum class LoadMode {
+  blocking,   // at once, on the thread that traverses, which waits for the disk
+  async,      // read by a thread of the store; frames never wait
+  simulated,  // likewise, but in which frame a mesh comes depends on its bytes only: the same in every run
+};
+
+// What a store may use, and how it reads.
+struct CacheOptions {
+  std::size_t budget_bytes = std::size_t{256} << 20U;  // of meshes, those that are being read included: a hard limit
+  LoadMode load = LoadMode::async;                     // how meshes come
+  // That come in one frame at most, if it is more than one mesh; with blocking there is no such limit. > 0
+  std::size_t frame_bytes = std::size_t{4} << 20U;
+  double simulated_mb_per_s = 50.0;  // with simulated, at 60 frames a second: 10^6 bytes a second, > 0
+  int simulated_delay = 1;           // likewise: frames from the transfer of a mesh's bytes to its coming, in [0, 1000]
+};
+
+// What a store holds and has done.
+struct StoreStats {
+  std::size_t budget_bytes = 0;    // CacheOptions::budget_bytes, or that of set_budget()
+  std::size_t resident_nodes = 0;  // whose meshes are there
+  std::size_t resident_bytes = 0;  // of their meshes
+  std::size_t loading_bytes = 0;   // kept free for meshes that come; with resident_bytes at most the budget
+  std::size_t missing = 0;         // nodes that traversal waited for in the last frame, without those that failed
+  std::size_t failed = 0;          // nodes that never come, since their meshes are damaged or cannot be read
+  std::uint64_t loads = 0;         // meshes that came since the store was opened
+  std::uint64_t bytes_loaded = 0;  // of them, as they are stored: of a packed file fewer than in memory
+  std::uint64_t reads = 0;         // of the file: meshes that lie side by side are read together
+  std::uint64_t evictions = 0;     // meshes that left since then
+};
+
+class MeshSource;
+
+// The meshes that are there are closed upwards: where a node's mesh is there, so are its parents', and those of roots
+// always. So coarser nodes can be drawn in place of what is missing. Meshes leave that neither the last two frames nor
+// a child that is there needed, the longest unused first, then the finest; those of the coarsest nodes that fit in a
+// sixteenth of the budget stay. One thread at a time; meshes change in begin_frame(), fetch(), end_frame() and
+// set_budget() only.
+class NodeStore {
+ public:
+  // Of an HLOD without meshes and splits, whose arrays `owner` keeps alive. Reads the meshes of the roots. Throws Error
+  // when they cannot be read, for options out of their range, and for a budget that the roots do not fit in, with the
+  // least that would do.
+  NodeStore(const HlodView& view, std::shared_ptr<const void> owner, std::unique_ptr<MeshSource> source,
+            const CacheOptions& options);
+  // Waits for a read that has begun.
+  ~NodeStore();
+  NodeStore(const NodeStore&) = delete;
+  NodeStore& operator=(const NodeStore&) = delete;
+
+  // May be called between frames only: what does not fit any more leaves at once. Throws Error as the constructor does.
+  void set_budget(std::size_t bytes);
+  // O(1).
+  [[nodiscard]] StoreStats stats() const;
+  // One line for each node that has failed since the last call.
+  [[nodiscard]] std::vector<std::string> take_failures();
+
+  // What follows is for traversal. A frame begins: what has been read comes.
+  void begin_frame();
+  // Whether the mesh of node n is there or, with LoadMode::blocking, may be had by fetch().
+  [[nodiscard]] bool may_have(NodeId n) const noexcept;
+  // Whether the meshes of all these nodes are there; with LoadMode::blocking they are read if need be.
+  [[nodiscard]] bool fetch(std::span<const NodeId> nodes);
+  // The mesh of node n, which is there, is used in this frame.
+  void need(NodeId n) noexcept;
+  // Something coarser is drawn in place of these nodes, of which some are missing. They are read together or, where
+  // there is no room for all, not at all; those with the largest priority first, of which that of each node is the sum
+  // over all calls in a frame.
+  void want(std::span<const NodeId> nodes, double priority);
+  // The mesh of node n may be of use soon. Comes after all that is wanted.
+  void prefetch(NodeId n);
+  // The frame ends: what is missing is asked for, and room made for it.
+  void end_frame();
+
+ private:
+  friend Hlod paged_hlod(const std::shared_ptr<NodeStore>& store);
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+// The HLOD whose meshes the store holds, and which keeps it alive.
+[[nodiscard]] Hlod paged_hlod(const std::shared_ptr<NodeStore>& store);
+
+}  // namespace occlod::hlod
+
+namespace occlod {
+
+// The .ohlod file: an HLOD as versioned, checksummed sections. The layout is described in docs/guide/hlod.md.
+
+// Of compressed files. Others are of version 2, or 1 without texture coordinates, materials and seams; read_ohlod()
+// reads them all.
+inline constexpr std::uint32_t ohlod_version = 3;
+
+// What a file holds.
+struct OhlodFile {
+  hlod::Hlod hlod;                                      // mapped or in memory
+  MeshReport report;                                    // of the mesh that it was built from
+  OlodCompression compression = OlodCompression::zstd;  // of the file
+  std::uint32_t version = ohlod_version;                // likewise
+};
+
+// Writes beside `path` and renames, so that a file that was there stays as it was when writing fails. The same
+// arguments give the same bytes. With compression meshes and splits of nodes take about half their bytes, none of them
+// lost, node by node. Throws Error that names the file. O(bytes).
+void write_ohlod(const std::filesystem::path& path, const hlod::Hlod& hlod, const MeshReport& report,
+                 OlodCompression compression = OlodCompression::zstd);
+
+// Checks magic, version, sizes, and all that is known of nodes without their meshes: O(nodes). The mesh of a node is
+// checked (checksum and content) when Hlod::require() is first called for it, its splits when require_within() is;
+// require_all() checks the whole file. All throw Error that says what failed and where. Of a compressed file, what has
+// been checked is kept in memory, decompressed: all meshes and splits at most.
+//
+// What read_olod() says of mapped files holds here too: a file that is open must not be cut short.
+[[nodiscard]] OhlodFile read_ohlod(const std::filesystem::path& path, OlodAccess access = OlodAccess::mapped);
+
+// The same without meshes: these come and go within a budget while the HLOD is traversed, checked as they come (see
+// node_store.h, Hlod::store()). Splits within nodes are left out. What is known of nodes without their meshes is
+// copied, so that nothing depends on what becomes of the file: a mesh that is damaged or gone never comes, coarser ones
+// are drawn in its place, and NodeStore::take_failures() tells. Throws Error as read_ohlod() does, for options out of
+// their range, a budget that is too small, and when the coarsest nodes are damaged. O(nodes).
+[[nodiscard]] OhlodFile open_ohlod(const std::filesystem::path& path, const hlod::CacheOptions& cache);
+
+}  // namespace occlod

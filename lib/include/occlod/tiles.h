@@ -1,0 +1,86 @@
+// Writes an HLOD of nested groups as a tileset of 3D Tiles 1.1, for CesiumJS, cesium-native, 3DTilesRendererJS and
+// others. docs/guide/tiles.md says what is in it.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "occlod/hlod.h"
+
+namespace occlod::tiles {
+
+// What a tile's geometricError is.
+enum class TileError {
+  guaranteed,  // Node::guaranteed_error: no point of the tile is farther from the input
+  quadric,     // Node::error: smaller, and not a bound
+};
+
+// How the contents of tiles are compressed.
+enum class Compression {
+  none,
+  meshopt,  // EXT_meshopt_compression; needs a build with meshoptimizer
+};
+
+// Which axis of the HLOD points up. Tilesets have z.
+enum class UpAxis { z, y };
+
+// A place on or above the WGS84 ellipsoid.
+struct GeodeticOrigin {
+  double longitude_deg = 0.0;  // in [-180, 180], east of Greenwich
+  double latitude_deg = 0.0;   // in [-90, 90], north of the equator
+  double height_m = 0.0;       // above the ellipsoid, not the sea; in [-1e7, 1e9]
+};
+
+// How a tileset is written. One unit of the HLOD is a metre.
+struct TilesetOptions {
+  TileError error = TileError::guaranteed;      // what clients refine by
+  Compression compression = Compression::none;  // of contents
+  // Bits of each coordinate within its tile, by KHR_mesh_quantization, in [8, 16]; normals then have 8. 0: positions
+  // and normals are floats, and those of the finest tiles the input's, bit for bit. Nothing: 14 with compression, else
+  // 0.
+  std::optional<int> quantise_bits;
+  // Where the edge of a tile is none of the input, a strip hangs from it against the normals, as deep as the parent's
+  // Node::error: it covers gaps between tiles of different levels.
+  bool skirts = false;
+  double crease_deg = 60.0;              // of HLODs without normals: as in crease_normals(), in [0, 180]
+  UpAxis up = UpAxis::z;                 // of the HLOD
+  std::optional<GeodeticOrigin> origin;  // where the HLOD's origin is, x to the east; nothing: no place on Earth
+  std::uint32_t tiles_per_file = 1000;   // the most tiles in a .json, or else one with its children; in [1, 1e6]
+  std::filesystem::path image_folder;    // what names of image files are relative to: the folder of the scene or mesh
+  bool replace = false;                  // a tileset in the folder, if nothing else is there
+  // Called now and then with the share done, in [0, 1]. What it throws ends the writing, and leaves the folder as it
+  // was.
+  std::function<void(double)> progress = {};
+};
+
+// What was written.
+struct TilesetCounts {
+  std::uint64_t tiles = 0;            // with a content
+  std::uint64_t tileset_files = 0;    // .json
+  std::uint64_t triangles = 0;        // of all contents, without skirts
+  std::uint64_t skirt_triangles = 0;  // of all contents
+  std::uint64_t content_bytes = 0;    // of all contents
+  std::uint64_t bytes = 0;            // of all files
+  // Of textures: files that are not there, and images that are neither PNG nor JPEG. Their materials have a colour
+  // only.
+  std::vector<std::string> images_left_out;
+};
+
+// Writes tileset.json and what it refers to into `folder`, which is new, empty, or as `replace` has it. Writes beside
+// it and renames, so that a failure leaves it as it was. Meshes are read one at a time, so an HLOD in a mapped file
+// need not fit into memory; the vertices at borders of level 0 must, at some 100 bytes each, where normals or skirts
+// are made. The same arguments give the same bytes.
+//
+// Throws Error for an option out of its range, for an HLOD of shifted groups, which is no tree, or without triangles,
+// for what check_tileset_output() refuses, and when a file cannot be read or written. O(size).
+TilesetCounts write_tileset(const std::filesystem::path& folder, const hlod::Hlod& hlod,
+                            const TilesetOptions& options = {});
+
+// Throws what write_tileset() throws for this folder and writes nothing: for programs that compute for long before.
+void check_tileset_output(const std::filesystem::path& folder, bool replace);
+
+}  // namespace occlod::tiles

@@ -1,0 +1,133 @@
+// A camera as data: what scene files hold and what every report prints.
+#pragma once
+
+#include <array>
+#include <glm/mat4x4.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+#include <optional>
+
+#include "occlod/bounds.h"
+
+namespace occlod {
+
+// Right-handed; a camera at `eye` looks at `target`, in perspective unless it has an orthographic height. World units;
+// pixels are square.
+struct Camera {
+  glm::dvec3 eye{0.0, 0.0, 3.0};  // world space
+  glm::dvec3 target{0.0};         // world space, not the eye
+  glm::dvec3 up{0.0, 1.0, 0.0};   // of any length, not along the line of sight
+  double fov_y_deg = 45.0;        // full vertical angle, in (0, 180); an orthographic camera ignores it
+  int width = 1024;               // pixels, 1 to 16,384
+  int height = 768;               // pixels, 1 to 16,384
+  double near = 0.01;             // distance to the near plane, > 0
+  double far = 100.0;             // distance to the far plane, > near
+  // World units from the lower to the upper border of the image, > 0: all rays are parallel to the line of sight.
+  std::optional<double> orthographic_height = std::nullopt;
+
+  friend bool operator==(const Camera&, const Camera&) = default;
+};
+
+// The distance, world units, from which the camera sees all of a sphere of this radius (world units) in the middle of
+// its image, with a fiftieth to spare; an orthographic camera is taken as if it were in perspective.
+[[nodiscard]] double fitting_distance(const Camera& camera, double radius);
+
+// The same camera with parallel rays, showing as much at the distance of its target.
+[[nodiscard]] Camera orthographic(const Camera& camera);
+
+// What refinement, occlusion and drawing need to know about a camera, computed once per view.
+
+// An immutable view in world space. Clip space is OpenGL's: x, y, z in [-w, w], z = -w on the near plane,
+// w = distance from the eye plane, or 1 when orthographic. Pixel (0, 0) is the top left; its centre is (0.5, 0.5).
+class View {
+ public:
+  // Throws Error that names the camera's field when it is not finite, has no direction, or has a size, angle or range
+  // that makes no image.
+  explicit View(const Camera& camera);
+
+  // As given.
+  [[nodiscard]] const Camera& camera() const noexcept { return camera_; }
+  // Pixels.
+  [[nodiscard]] int width() const noexcept { return camera_.width; }
+  // Pixels.
+  [[nodiscard]] int height() const noexcept { return camera_.height; }
+  // From world space to OpenGL clip space.
+  [[nodiscard]] const glm::dmat4& world_to_clip() const noexcept { return world_to_clip_; }
+  // Of the line of sight, unit length, world space, from the eye.
+  [[nodiscard]] const glm::dvec3& direction() const noexcept { return direction_; }
+  // Whether rays are parallel.
+  [[nodiscard]] bool is_orthographic() const noexcept { return camera_.orthographic_height.has_value(); }
+  // Pixels that one world unit across the line of sight covers where w = 1: at distance 1, or anywhere when
+  // orthographic.
+  [[nodiscard]] double focal_length_px() const noexcept { return focal_length_px_; }
+  // The distance from the eye plane, world units, at which depth images hold this nearness > 0 (see DepthBuffer).
+  [[nodiscard]] double distance_at(double nearness) const noexcept {
+    return is_orthographic() ? camera_.far - nearness * (camera_.far - camera_.near) : 1.0 / nearness;
+  }
+  // Pixels that one world unit across the line of sight covers there.
+  [[nodiscard]] double scale_px_at(double nearness) const noexcept {
+    return is_orthographic() ? focal_length_px_ : focal_length_px_ * nearness;
+  }
+  // Cosine of the angle between the line of sight and the rays to the corners of the image.
+  [[nodiscard]] double cos_corner_angle() const noexcept { return cos_corner_angle_; }
+
+ private:
+  void project();
+
+  Camera camera_;
+  glm::dmat4 world_to_clip_{1.0};
+  glm::dvec3 direction_{0.0, 0.0, -1.0};
+  double focal_length_px_ = 0.0;
+  double cos_corner_angle_ = 1.0;
+};
+
+// A view in the space of one object. Immutable.
+class ObjectView {
+ public:
+  // Throws Error when `object_to_world` is not finite, not affine or cannot be inverted, and when an orthographic view
+  // shows what is 1e29 object units or more from the object.
+  ObjectView(const View& view, const glm::dmat4& object_to_world);
+
+  // From object space to OpenGL clip space.
+  [[nodiscard]] const glm::mat4& object_to_clip() const noexcept { return object_to_clip_; }
+  // The eye in object space. For an orthographic view a point 2^27 times as far away as anything that it shows, in the
+  // direction from which its rays come: what faces away from there, give or take rounding, faces away from the rays.
+  [[nodiscard]] const glm::vec3& eye() const noexcept { return eye_; }
+  // Whether rays are parallel.
+  [[nodiscard]] bool is_orthographic() const noexcept { return orthographic_; }
+  // True when the transform turns triangles inside out: its determinant is negative.
+  [[nodiscard]] bool mirrored() const noexcept { return mirrored_; }
+  // False only when no point of the sphere (object space) is inside the frustum. Conservative.
+  [[nodiscard]] bool may_be_inside(const Sphere& sphere) const noexcept;
+  // The frustum planes in object space, with unit normals that point inwards: left, right, bottom, top, near, far. A
+  // point p is inside when dot(plane.xyz, p) + plane.w >= 0 for all.
+  [[nodiscard]] const std::array<glm::vec4, 6>& planes() const noexcept { return planes_; }
+  // Pixels that a displacement of one object unit can cover on the screen, at most, at any point of the sphere (object
+  // space) inside the frustum. Infinite when the eye of a perspective view may be inside the sphere.
+  [[nodiscard]] float largest_scale_px(const Sphere& sphere) const noexcept;
+
+  // The parts of largest_scale_px(), to compute it for many spheres at once. To world space relative to the eye:
+  [[nodiscard]] const glm::dmat4x3& object_to_eye() const noexcept { return object_to_eye_; }
+  // The line of sight of the view, unit length, world space.
+  [[nodiscard]] const glm::dvec3& direction() const noexcept { return direction_; }
+  // World units per object unit, in the direction in which the transform stretches most.
+  [[nodiscard]] double largest_stretch() const noexcept { return largest_stretch_; }
+  // As View::focal_length_px().
+  [[nodiscard]] double focal_length_px() const noexcept { return focal_length_px_; }
+  // As View::cos_corner_angle().
+  [[nodiscard]] double cos_corner_angle() const noexcept { return cos_corner_angle_; }
+
+ private:
+  glm::mat4 object_to_clip_{1.0F};
+  glm::dmat4x3 object_to_eye_{1.0};  // world units, relative to the eye
+  std::array<glm::vec4, 6> planes_{};
+  glm::vec3 eye_{0.0F};
+  glm::dvec3 direction_{0.0, 0.0, -1.0};  // world space
+  double largest_stretch_ = 1.0;          // world units per object unit
+  double focal_length_px_ = 0.0;
+  double cos_corner_angle_ = 1.0;
+  bool mirrored_ = false;
+  bool orthographic_ = false;
+};
+
+}  // namespace occlod

@@ -1,0 +1,482 @@
+#include "occlod/generate.h"
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "base/arithmetic.h"
+#include "base/option_checker.h"
+#include "mesh/part_giver.h"
+#include "mesh/share_tasks.h"
+#include "occlod/mesh.h"
+
+namespace occlod {
+namespace {
+
+// The surface lattice of a box: cells.x by cells.y by cells.z, welded along its edges, counter-clockwise from outside.
+
+class BoxLattice {
+ public:
+  explicit BoxLattice(glm::ivec3 cells) : cells_(cells) {}  // each >= 1
+
+  // Calls place(glm::ivec3 lattice point) once a vertex, in the order of their indices: layer by layer upwards.
+  template <class Place>
+  void for_each_point(Place place) const;
+
+  // Appends 4 (xy + yz + zx) triangles with `first_vertex` added to every index.
+  void append_triangles(VertexId first_vertex, std::vector<Triangle>& triangles) const;
+
+ private:
+  [[nodiscard]] VertexId index(glm::ivec3 p) const;
+  [[nodiscard]] int ring_place(glm::ivec3 p) const;
+  void append_side(int axis, bool far, VertexId first_vertex, std::vector<Triangle>& triangles) const;
+
+  glm::ivec3 cells_;
+};
+
+template <class Place>
+void BoxLattice::for_each_point(Place place) const {
+  const int nx = cells_.x;
+  const int ny = cells_.y;
+  for (int z = 0; z <= cells_.z; ++z) {
+    if (z == 0 || z == cells_.z) {
+      for (int y = 0; y <= ny; ++y) {
+        for (int x = 0; x <= nx; ++x) place(glm::ivec3(x, y, z));
+      }
+      continue;
+    }
+    for (int x = 0; x < nx; ++x) place(glm::ivec3(x, 0, z));
+    for (int y = 0; y < ny; ++y) place(glm::ivec3(nx, y, z));
+    for (int x = nx; x > 0; --x) place(glm::ivec3(x, ny, z));
+    for (int y = ny; y > 0; --y) place(glm::ivec3(0, y, z));
+  }
+}
+
+VertexId BoxLattice::index(glm::ivec3 p) const {
+  const int layer = (cells_.x + 1) * (cells_.y + 1);
+  const int ring = 2 * (cells_.x + cells_.y);
+  if (p.z == 0) return static_cast<VertexId>(p.y * (cells_.x + 1) + p.x);
+  if (p.z == cells_.z) return static_cast<VertexId>(layer + (p.z - 1) * ring + p.y * (cells_.x + 1) + p.x);
+  return static_cast<VertexId>(layer + (p.z - 1) * ring + ring_place(p));
+}
+
+int BoxLattice::ring_place(glm::ivec3 p) const {
+  if (p.y == 0) return p.x;
+  if (p.x == cells_.x) return cells_.x + p.y;
+  if (p.y == cells_.y) return cells_.x + cells_.y + (cells_.x - p.x);
+  return 2 * cells_.x + cells_.y + (cells_.y - p.y);
+}
+
+void BoxLattice::append_triangles(VertexId first_vertex, std::vector<Triangle>& triangles) const {
+  for (int axis = 0; axis < 3; ++axis) {
+    append_side(axis, false, first_vertex, triangles);
+    append_side(axis, true, first_vertex, triangles);
+  }
+}
+
+// The side across `axis` through the origin, or the far one.
+void BoxLattice::append_side(int axis, bool far, VertexId first_vertex, std::vector<Triangle>& triangles) const {
+  const int u = (axis + 1) % 3;
+  const int v = (axis + 2) % 3;
+  for (int j = 0; j < cells_[v]; ++j) {
+    for (int i = 0; i < cells_[u]; ++i) {
+      const auto at = [&](int du, int dv) {
+        glm::ivec3 p(0);
+        p[axis] = far ? cells_[axis] : 0;
+        p[u] = i + du;
+        p[v] = j + dv;
+        return first_vertex + index(p);
+      };
+      const VertexId b = far ? at(1, 0) : at(0, 1);
+      const VertexId d = far ? at(0, 1) : at(1, 0);
+      triangles.emplace_back(at(0, 0), b, at(1, 1));
+      triangles.emplace_back(at(0, 0), at(1, 1), d);
+    }
+  }
+}
+
+// The lattice |x| + |y| + |z| = n on an octahedron, in rings of equal z from the north pole (0, 0, n) down: ring m has
+// 4 m points (the poles one), so indices follow from (ring, place in the ring) and no map of edges is needed.
+
+class OctahedronLattice {
+ public:
+  explicit OctahedronLattice(int subdivisions);
+
+  [[nodiscard]] std::size_t vertex_count() const noexcept { return 4 * size_t_n() * size_t_n() + 2; }
+  [[nodiscard]] std::size_t triangle_count() const noexcept { return 8 * size_t_n() * size_t_n(); }
+
+  // Rings of equal z, from 0 at the north pole.
+  [[nodiscard]] std::size_t ring_count() const noexcept { return 2 * size_t_n() + 1; }
+  // The index of the first vertex of a ring.
+  [[nodiscard]] std::size_t ring_start(std::size_t ring) const noexcept;
+
+  // Calls visit(direction) once a vertex of a ring in the order of their indices. Directions have unit length (to a few
+  // ulp).
+  template <class Visit>
+  void for_each_direction(std::size_t ring, Visit visit) const;
+
+  // Appends the triangles, counter-clockwise from outside, with `first_vertex` added to every index.
+  void append_triangles(VertexId first_vertex, std::vector<Triangle>& triangles) const {
+    append_bands(0, ring_count() - 1, first_vertex, triangles);
+  }
+  // The same of those between the rings first_ring and last_ring, whose first vertex gets the number first_vertex.
+  void append_bands(std::size_t first_ring, std::size_t last_ring, VertexId first_vertex,
+                    std::vector<Triangle>& triangles) const;
+
+ private:
+  [[nodiscard]] std::size_t size_t_n() const noexcept { return static_cast<std::size_t>(n_); }
+  [[nodiscard]] double warped(int coordinate) const noexcept {
+    return coordinate < 0 ? -warp_[static_cast<std::size_t>(-coordinate)] : warp_[static_cast<std::size_t>(coordinate)];
+  }
+  [[nodiscard]] glm::dvec3 direction(int x, int y, int z) const noexcept;
+  void append_band(VertexId narrow, VertexId wide, int m, bool north, std::vector<Triangle>& triangles) const;
+
+  int n_;                     // edges along each edge of the octahedron
+  std::vector<double> warp_;  // sin(pi/2 * i/n): with it, areas on the sphere differ by a factor of 1.7 instead of 5.2
+};
+
+template <class Visit>
+void OctahedronLattice::for_each_direction(std::size_t ring, Visit visit) const {
+  const int z = n_ - static_cast<int>(ring);
+  const int m = n_ - std::abs(z);
+  if (m == 0) visit(direction(0, 0, z));
+  for (int i = 0; i < m; ++i) visit(direction(m - i, i, z));
+  for (int i = 0; i < m; ++i) visit(direction(-i, m - i, z));
+  for (int i = 0; i < m; ++i) visit(direction(i - m, -i, z));
+  for (int i = 0; i < m; ++i) visit(direction(i, i - m, z));
+}
+
+inline glm::dvec3 OctahedronLattice::direction(int x, int y, int z) const noexcept {
+  const glm::dvec3 p(warped(x), warped(y), warped(z));
+  return p / std::sqrt(p.x * p.x + p.y * p.y + p.z * p.z);
+}
+
+OctahedronLattice::OctahedronLattice(int subdivisions) : n_(1 << subdivisions) {
+  warp_.reserve(size_t_n() + 1);
+  for (int i = 0; i <= n_; ++i) warp_.push_back(sine_of_quarter_turns(static_cast<double>(i) / n_));
+}
+
+void OctahedronLattice::append_bands(std::size_t first_ring, std::size_t last_ring, VertexId first_vertex,
+                                     std::vector<Triangle>& triangles) const {
+  const auto vertex_of = [&](std::size_t ring) {
+    return first_vertex + static_cast<VertexId>(ring_start(ring) - ring_start(first_ring));
+  };
+  for (std::size_t ring = first_ring; ring < last_ring; ++ring) {
+    const VertexId above = vertex_of(ring), below = vertex_of(ring + 1);
+    const auto m = static_cast<int>(ring);
+    if (m < n_)
+      append_band(above, below, m, true, triangles);
+    else
+      append_band(below, above, 2 * n_ - 1 - m, false, triangles);
+  }
+}
+
+std::size_t OctahedronLattice::ring_start(std::size_t ring) const noexcept {
+  if (ring == 0) return 0;
+  if (ring <= size_t_n()) return 1 + 2 * ring * (ring - 1);
+  const std::size_t m = 2 * size_t_n() - ring;
+  return vertex_count() - 1 - 2 * m * (m + 1);
+}
+
+// The band between the ring of 4 m points that starts at `narrow` and that of 4 (m + 1) points at `wide`.
+void OctahedronLattice::append_band(VertexId narrow, VertexId wide, int m, bool north,
+                                    std::vector<Triangle>& triangles) const {
+  const auto inner = static_cast<VertexId>(m);
+  const VertexId outer = inner + 1;
+  const auto push = [&](VertexId a, VertexId b, VertexId c) {
+    triangles.push_back(north ? Triangle(a, b, c) : Triangle(a, c, b));
+  };
+  for (VertexId quadrant = 0; quadrant < 4; ++quadrant) {
+    const auto near_pole = [&](VertexId i) { return m == 0 ? narrow : narrow + (quadrant * inner + i) % (4 * inner); };
+    const auto far_from_pole = [&](VertexId i) { return wide + (quadrant * outer + i) % (4 * outer); };
+    for (VertexId i = 0; i < outer; ++i) {
+      push(near_pole(i), far_from_pole(i), far_from_pole(i + 1));
+      if (i < inner) push(near_pole(i), far_from_pole(i + 1), near_pole(i + 1));
+    }
+  }
+}
+
+double mix(double a, double b, double t) noexcept { return a + (b - a) * t; }
+
+double smoothstep(double t) noexcept { return t * t * (3.0 - 2.0 * t); }
+
+// Value noise in [-1, 1]: random numbers on the integer lattice, blended smoothly between. The numbers round the last
+// point are kept: the next point is near it, and mostly in the same cell.
+class ValueNoise {
+ public:
+  explicit ValueNoise(std::uint64_t seed) noexcept : seed_(seed) {}
+
+  double at(const glm::dvec3& p) noexcept {
+    const glm::dvec3 below(std::floor(p.x), std::floor(p.y), std::floor(p.z));
+    if (below != below_) enter_cell(below);
+    const double x = smoothstep(p.x - below.x);
+    const double y = smoothstep(p.y - below.y);
+    const double z = smoothstep(p.z - below.z);
+    double along_x[2];
+    for (int i = 0; i < 2; ++i) {
+      along_x[i] = mix(mix(corners_[i][0][0], corners_[i][0][1], z), mix(corners_[i][1][0], corners_[i][1][1], z), y);
+    }
+    return mix(along_x[0], along_x[1], x);
+  }
+
+ private:
+  void enter_cell(const glm::dvec3& below) noexcept {
+    below_ = below;
+    const glm::i64vec3 cell(below);
+    for (int i = 0; i < 2; ++i) {
+      const std::uint64_t hash_x = scatter(seed_ + static_cast<std::uint64_t>(cell.x + i));
+      for (int j = 0; j < 2; ++j) {
+        const std::uint64_t hash_y = scatter(hash_x + static_cast<std::uint64_t>(cell.y + j));
+        for (int k = 0; k < 2; ++k) {
+          const std::uint64_t hash = scatter(hash_y + static_cast<std::uint64_t>(cell.z + k));
+          corners_[i][j][k] = static_cast<double>(static_cast<std::int64_t>(hash)) * 0x1p-63;
+        }
+      }
+    }
+  }
+
+  std::uint64_t seed_;
+  glm::dvec3 below_{std::numeric_limits<double>::infinity()};  // the smallest corner of the cell; of none yet
+  double corners_[2][2][2] = {};                               // along x, y, z
+};
+
+// Octaves with halving heights whose sum is 1: the result lies in [-1, 1].
+class FractalNoise {
+ public:
+  explicit FractalNoise(const RoughPlanetOptions& options) : frequency_(options.frequency) {
+    for (int octave = 0; octave < options.octaves; ++octave) {
+      octaves_.emplace_back(scatter(options.seed + static_cast<std::uint64_t>(octave)));
+    }
+  }
+
+  double at(const glm::dvec3& direction) noexcept {
+    double sum = 0.0;
+    double heights = 0.0;
+    double height = 1.0;
+    double frequency = frequency_;
+    for (ValueNoise& octave : octaves_) {
+      sum += height * octave.at(direction * frequency);
+      heights += height;
+      height *= 0.5;
+      frequency *= 2.0;
+    }
+    return heights > 0.0 ? sum / heights : 0.0;
+  }
+
+ private:
+  double frequency_;
+  std::vector<ValueNoise> octaves_;
+};
+
+void check(const RoughPlanetOptions& options) {
+  const OptionChecker check("rough planet");
+  check.in_range("level", options.level, 0, 11);
+  check.in_range("amplitude", options.amplitude, 0.0, 0.99);
+  check.in_range("frequency", options.frequency, 0.0, 1e6);
+  check.in_range("octaves", options.octaves, 0, 30);
+}
+
+// Between two rings, both with their vertices.
+TriangleMesh bands(const OctahedronLattice& lattice, std::size_t first_ring, std::size_t last_ring,
+                   const RoughPlanetOptions& options) {
+  TriangleMesh mesh;
+  const std::size_t first = lattice.ring_start(first_ring);
+  const std::size_t end =
+      last_ring + 1 < lattice.ring_count() ? lattice.ring_start(last_ring + 1) : lattice.vertex_count();
+  mesh.positions.resize(end - first);
+  share_tasks(last_ring + 1 - first_ring, [&](TaskQueue& rings) {
+    FractalNoise noise(options);
+    while (const auto task = rings.next()) {
+      const std::size_t ring = first_ring + *task;
+      auto position = mesh.positions.begin() + static_cast<std::ptrdiff_t>(lattice.ring_start(ring) - first);
+      lattice.for_each_direction(ring, [&](const glm::dvec3& direction) {
+        const double radius = 1.0 + options.amplitude * noise.at(direction);
+        *position++ = direction * radius;
+      });
+    }
+  });
+  lattice.append_bands(first_ring, last_ring, 0, mesh.triangles);
+  return mesh;
+}
+
+}  // namespace
+
+TriangleMesh generate_rough_planet(const RoughPlanetOptions& options) {
+  check(options);
+  const OctahedronLattice lattice(options.level);
+  return bands(lattice, 0, lattice.ring_count() - 1, options);
+}
+
+void stream_rough_planet(const RoughPlanetOptions& options, const PartVisitor& visit) {
+  check(options);
+  constexpr std::size_t most_vertices = std::size_t{1} << 18U;
+  const OctahedronLattice lattice(options.level);
+  const std::size_t last = lattice.ring_count() - 1;
+  for (std::size_t first = 0; first < last;) {
+    std::size_t end = first + 1;
+    while (end < last && lattice.ring_start(end + 1) - lattice.ring_start(first) < most_vertices) ++end;
+    // A ring of the part before begins each but the first.
+    const std::size_t repeated = first == 0 ? 0 : lattice.ring_start(first + 1) - lattice.ring_start(first);
+    visit(bands(lattice, first, end, options), repeated);
+    first = end;
+  }
+}
+
+namespace {
+
+// Metres.
+constexpr double block_pitch = 60.0;  // from block to block: the block itself and one street
+constexpr double block_width = 46.0;
+constexpr double alley = 4.0;         // between the buildings of one block
+constexpr double ground_depth = 4.0;  // the ground is a slab whose top is z = 0; buildings stand one metre in it
+constexpr double recess = 0.6;        // of windows
+
+struct Building {
+  glm::dvec2 low;   // corner on the ground
+  glm::dvec2 size;  // of the ground plan
+  double height;
+};
+
+// A lattice point strictly inside a wall is a window, set back, or flush with the wall.
+glm::dvec3 facade_point(const Building& building, glm::ivec3 p, int cells, RandomStream& random) {
+  const glm::dvec3 low(building.low, -1.0);
+  const glm::dvec3 size(building.size, building.height + 1.0);
+  glm::dvec3 point = low + size * glm::dvec3(p) / static_cast<double>(cells);
+  const auto inside = [cells](int coordinate) { return coordinate > 0 && coordinate < cells; };
+  if (!inside(p.z) || inside(p.x) == inside(p.y)) return point;
+  const int across = inside(p.x) ? 1 : 0;
+  if (random.below(2) == 0) point[across] += p[across] == 0 ? recess : -recess;
+  return point;
+}
+
+void append_building(TriangleMesh& mesh, const Building& building, int cells, RandomStream& random) {
+  const BoxLattice lattice(glm::ivec3{cells});
+  const auto first = static_cast<VertexId>(mesh.vertex_count());
+  lattice.for_each_point([&](glm::ivec3 p) { mesh.positions.emplace_back(facade_point(building, p, cells, random)); });
+  lattice.append_triangles(first, mesh.triangles);
+}
+
+void append_ground(TriangleMesh& mesh, int blocks) {
+  const int cells = 2 * blocks;
+  const double width = blocks * block_pitch;
+  const BoxLattice lattice({cells, cells, 1});
+  lattice.for_each_point([&](glm::ivec3 p) {
+    mesh.positions.emplace_back(width * p.x / cells, width * p.y / cells, ground_depth * (p.z - 1));
+  });
+  lattice.append_triangles(0, mesh.triangles);
+}
+
+// Heights grow towards the middle of the city.
+Building plan_building(glm::ivec2 block, glm::ivec2 quarter, int blocks, RandomStream& random) {
+  constexpr double plot = (block_width - alley) / 2.0;
+  const glm::dvec2 street((block_pitch - block_width) / 2.0);
+  const glm::dvec2 corner = block_pitch * glm::dvec2(block) + street + (plot + alley) * glm::dvec2(quarter);
+  // One number after the other: the order of arguments and of sums is the compiler's.
+  glm::dvec2 size;
+  size.y = random.between(0.75, 1.0) * plot;
+  size.x = random.between(0.75, 1.0) * plot;
+  const glm::dvec2 from_middle = (glm::dvec2(block) + 0.5) * 2.0 / static_cast<double>(blocks) - 1.0;
+  const double distance2 = (from_middle.x * from_middle.x + from_middle.y * from_middle.y) / 2.0;
+  const double lowest = random.between(12.0, 30.0);
+  const double more = random.between(0.0, 90.0) * (1.0 - distance2);
+  return {corner + (plot - size) / 2.0, size, lowest + more};
+}
+
+void append_city(const CityOptions& options, PartGiver& parts) {
+  const OptionChecker check("city");
+  check.in_range("blocks", options.blocks, 1, 256);
+  check.in_range("facade_cells", options.facade_cells, 1, 256);
+  const double walls = 4.0 * options.blocks * options.blocks * 6.0 * options.facade_cells * options.facade_cells;
+  check.in_range("blocks^2 * facade_cells^2 * 48", 2.0 * walls, 0.0, 1e9);
+
+  RandomStream random(options.seed);
+  append_ground(parts.part, options.blocks);
+  for (int y = 0; y < options.blocks; ++y) {
+    for (int x = 0; x < options.blocks; ++x) {
+      for (int quarter = 0; quarter < 4; ++quarter) {
+        const Building building = plan_building({x, y}, {quarter % 2, quarter / 2}, options.blocks, random);
+        append_building(parts.part, building, options.facade_cells, random);
+        parts.end_component();
+      }
+    }
+  }
+}
+
+}  // namespace
+
+TriangleMesh generate_city(const CityOptions& options) {
+  PartGiver whole;
+  append_city(options, whole);
+  return std::move(whole.part);
+}
+
+void stream_city(const CityOptions& options, const PartVisitor& visit) {
+  PartGiver parts(visit);
+  append_city(options, parts);
+  parts.finish();
+}
+
+namespace {
+
+// The wall is [-thickness, 0] x [-1, 1]^2; the spheres stay within [-2.3, -0.2] x [-0.9, 0.9]^2, so an eye at x > 0
+// that is inside the wall's square sees none of them.
+constexpr double wall_thickness = 0.05;
+
+void append_wall(TriangleMesh& mesh, int cells) {
+  const BoxLattice lattice({1, cells, cells});
+  lattice.for_each_point([&](glm::ivec3 p) {
+    mesh.positions.emplace_back(wall_thickness * (p.x - 1), 2.0 * p.y / cells - 1.0, 2.0 * p.z / cells - 1.0);
+  });
+  lattice.append_triangles(0, mesh.triangles);
+}
+
+void append_sphere(TriangleMesh& mesh, const OctahedronLattice& lattice, RandomStream& random) {
+  const auto first = static_cast<VertexId>(mesh.vertex_count());
+  const double radius = random.between(0.04, 0.1);
+  const double x = random.between(-2.2, -0.3);
+  const double y = random.between(-0.8, 0.8);
+  const double z = random.between(-0.8, 0.8);
+  for (std::size_t ring = 0; ring < lattice.ring_count(); ++ring) {
+    lattice.for_each_direction(ring, [&](const glm::dvec3& direction) {
+      mesh.positions.emplace_back(glm::dvec3(x, y, z) + radius * direction);
+    });
+  }
+  lattice.append_triangles(first, mesh.triangles);
+}
+
+void append_spheres_behind_wall(const SpheresBehindWallOptions& options, PartGiver& parts) {
+  const OptionChecker check("spheres behind wall");
+  check.in_range("spheres", options.spheres, 1, 1'000'000);
+  check.in_range("level", options.level, 0, 8);
+  check.in_range("wall_cells", options.wall_cells, 1, 4096);
+  check.in_range("spheres * 4^level", static_cast<double>(options.spheres) * (1 << (2 * options.level)), 0.0, 1e8);
+
+  RandomStream random(options.seed);
+  append_wall(parts.part, options.wall_cells);
+  const OctahedronLattice lattice(options.level);
+  for (int sphere = 0; sphere < options.spheres; ++sphere) {
+    append_sphere(parts.part, lattice, random);
+    parts.end_component();
+  }
+}
+
+}  // namespace
+
+TriangleMesh generate_spheres_behind_wall(const SpheresBehindWallOptions& options) {
+  PartGiver whole;
+  append_spheres_behind_wall(options, whole);
+  return std::move(whole.part);
+}
+
+void stream_spheres_behind_wall(const SpheresBehindWallOptions& options, const PartVisitor& visit) {
+  PartGiver parts(visit);
+  append_spheres_behind_wall(options, parts);
+  parts.finish();
+}
+
+}  // namespace occlod

@@ -1,0 +1,21 @@
+// Where find_mesh() looks.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+namespace occlod {
+
+// In the order of the search: the scene's folder, those of OCCLOD_MESHES, the user's.
+[[nodiscard]] std::vector<std::filesystem::path> mesh_folders(const std::filesystem::path& folder);
+
+// The user's own folders, as the XDG Base Directory Specification places them.
+
+// ${XDG_CACHE_HOME:-~/.cache}/occlod; empty when neither variable nor HOME is set to an absolute path.
+[[nodiscard]] std::filesystem::path user_cache_folder();
+// ${XDG_CONFIG_HOME:-~/.config}/occlod; empty likewise.
+[[nodiscard]] std::filesystem::path user_config_folder();
+// ${XDG_DATA_HOME:-~/.local/share}/occlod/meshes; empty likewise.
+[[nodiscard]] std::filesystem::path user_mesh_folder();
+
+}  // namespace occlod

@@ -1,0 +1,394 @@
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <glm/ext/matrix_transform.hpp>
+#include <glm/geometric.hpp>
+#include <glm/gtc/type_ptr.hpp>
+#include <glm/trigonometric.hpp>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "base/atomic_file.h"
+#include "base/strict_json.h"
+#include "occlod/base.h"
+#include "occlod/scene.h"
+#include "occlod/view.h"
+#include "scene/check_path.h"
+
+namespace occlod {
+
+namespace fs = std::filesystem;
+
+bool is_scene_file(const fs::path& path) {
+  std::string extension = path.extension().string();
+  std::ranges::transform(extension, extension.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension == ".json";
+}
+
+SceneDescription describe_file(const fs::path& path) {
+  std::error_code ignored;
+  const fs::file_status status = fs::status(path, ignored);
+  if (!fs::exists(status)) throw Error({path.string(), "", "no such file", "check the path"});
+  if (fs::is_directory(status))
+    throw Error({path.string(), "", "is a folder", "name a scene (.json), a mesh or a hierarchy (.olod) in it"});
+  if (!fs::is_regular_file(status))
+    throw Error({path.string(), "", "is not a regular file", "save it to a file first"});
+  if (is_scene_file(path)) return read_scene(path);
+  SceneDescription scene;
+  scene.name = path.stem().string();
+  scene.file = path;
+  scene.objects.push_back({.source = MeshFile{{fs::absolute(path).string()}}});
+  return scene;
+}
+
+// The format is described in docs/guide/scenes.md.
+
+namespace {
+
+void read_into(int& target, const JsonPlace& options, const char* key) {
+  if (const auto place = options.find(key)) target = place->integer(0);
+}
+
+void read_into(double& target, const JsonPlace& options, const char* key) {
+  if (const auto place = options.find(key)) target = place->number();
+}
+
+void read_into(std::uint64_t& target, const JsonPlace& options, const char* key) {
+  if (const auto place = options.find(key)) target = place->unsigned_integer();
+}
+
+RoughPlanetOptions read_rough_planet(const JsonPlace& options) {
+  options.expect_keys({"level", "seed", "amplitude", "frequency", "octaves"});
+  RoughPlanetOptions result;
+  read_into(result.level, options, "level");
+  read_into(result.seed, options, "seed");
+  read_into(result.amplitude, options, "amplitude");
+  read_into(result.frequency, options, "frequency");
+  read_into(result.octaves, options, "octaves");
+  return result;
+}
+
+CityOptions read_city(const JsonPlace& options) {
+  options.expect_keys({"blocks", "facade_cells", "seed"});
+  CityOptions result;
+  read_into(result.blocks, options, "blocks");
+  read_into(result.facade_cells, options, "facade_cells");
+  read_into(result.seed, options, "seed");
+  return result;
+}
+
+PipesOptions read_pipes(const JsonPlace& options) {
+  options.expect_keys({"pipes", "bends", "sides", "seed"});
+  PipesOptions result;
+  read_into(result.pipes, options, "pipes");
+  read_into(result.bends, options, "bends");
+  read_into(result.sides, options, "sides");
+  read_into(result.seed, options, "seed");
+  return result;
+}
+
+PlantOptions read_plant(const JsonPlace& options) {
+  options.expect_keys({"storeys", "bays", "pipes", "bends", "sides", "seed"});
+  PlantOptions result;
+  read_into(result.storeys, options, "storeys");
+  read_into(result.bays, options, "bays");
+  read_into(result.pipes, options, "pipes");
+  read_into(result.bends, options, "bends");
+  read_into(result.sides, options, "sides");
+  read_into(result.seed, options, "seed");
+  return result;
+}
+
+SpheresBehindWallOptions read_spheres_behind_wall(const JsonPlace& options) {
+  options.expect_keys({"spheres", "level", "wall_cells", "seed"});
+  SpheresBehindWallOptions result;
+  read_into(result.spheres, options, "spheres");
+  read_into(result.level, options, "level");
+  read_into(result.wall_cells, options, "wall_cells");
+  read_into(result.seed, options, "seed");
+  return result;
+}
+
+MeshSource read_generator(const JsonPlace& object) {
+  const JsonPlace generator = object.at("generator");
+  const std::string name = generator.string();
+  static const nlohmann::json no_options = nlohmann::json::object();
+  static const std::string no_file;
+  const JsonPlace options = object.find("options").value_or(JsonPlace(no_options, no_file));
+  if (name == "rough-planet") return read_rough_planet(options);
+  if (name == "city") return read_city(options);
+  if (name == "pipes") return read_pipes(options);
+  if (name == "plant") return read_plant(options);
+  if (name == "spheres-behind-wall") return read_spheres_behind_wall(options);
+  generator.fail("is not a generator", "use one of: rough-planet, city, pipes, plant, spheres-behind-wall");
+}
+
+MeshFile read_mesh_file(const JsonPlace& mesh) {
+  if (mesh.is_string()) return {{mesh.string()}};
+  MeshFile file;
+  for (const JsonPlace& name : mesh.elements()) file.names.push_back(name.string());
+  return file;
+}
+
+MeshSource read_source(const JsonPlace& object) {
+  const bool has_mesh = object.has("mesh");
+  if (has_mesh == object.has("generator")) object.fail("needs either \"mesh\" or \"generator\"", "give one of them");
+  if (!has_mesh) return read_generator(object);
+  if (const auto options = object.find("options")) options->fail("is only for generators", "remove it");
+  return read_mesh_file(object.at("mesh"));
+}
+
+glm::dvec3 read_vector(const JsonPlace& place) {
+  const std::vector<double> numbers = place.numbers(3);
+  return {numbers[0], numbers[1], numbers[2]};
+}
+
+glm::dmat4 read_matrix(const JsonPlace& place) {
+  const std::vector<double> numbers = place.numbers(16);
+  const glm::dmat4 matrix = glm::make_mat4(numbers.data());
+  if (glm::dvec4(matrix[0].w, matrix[1].w, matrix[2].w, matrix[3].w) != glm::dvec4(0.0, 0.0, 0.0, 1.0))
+    place.fail("is not affine: elements 3, 7, 11, 15 are not 0, 0, 0, 1", "give the matrix by columns");
+  if (glm::determinant(glm::dmat3(matrix)) == 0.0) place.fail("cannot be inverted", "scale by something other than 0");
+  return matrix;
+}
+
+glm::dmat4 read_rotation(const JsonPlace& place) {
+  place.expect_keys({"axis", "degrees"});
+  const glm::dvec3 axis = read_vector(place.at("axis"));
+  if (!(glm::length(axis) > 0.0)) place.at("axis").fail("has no length", "give the axis to turn around");
+  return glm::rotate(glm::dmat4(1.0), glm::radians(place.at("degrees").number()), axis);
+}
+
+// Scaled first, then rotated, then moved.
+glm::dmat4 read_placement(const JsonPlace& object) {
+  if (const auto matrix = object.find("matrix")) {
+    for (const char* key : {"position", "rotation", "scale"})
+      if (const auto other = object.find(key)) other->fail("cannot be combined with \"matrix\"", "remove one of them");
+    return read_matrix(*matrix);
+  }
+  glm::dmat4 result(1.0);
+  if (const auto position = object.find("position")) result = glm::translate(result, read_vector(*position));
+  if (const auto rotation = object.find("rotation")) result *= read_rotation(*rotation);
+  if (const auto scale = object.find("scale")) {
+    const double factor = scale->number();
+    if (factor == 0.0) scale->fail("is 0", "give the size relative to the mesh's own");
+    result = glm::scale(result, glm::dvec3(factor));
+  }
+  return result;
+}
+
+SceneObject read_object(const JsonPlace& object) {
+  object.expect_keys(
+      {"mesh", "generator", "options", "matrix", "position", "rotation", "scale", "two_sided", "attributes"});
+  SceneObject result;
+  result.source = read_source(object);
+  result.object_to_world = read_placement(object);
+  if (const auto two_sided = object.find("two_sided")) result.two_sided = two_sided->boolean();
+  if (const auto attributes = object.find("attributes")) result.attributes = attributes->boolean();
+  return result;
+}
+
+Camera read_camera(const JsonPlace& place) {
+  place.expect_keys({"eye", "target", "up", "fov_y_deg", "near", "far", "width", "height", "orthographic_height"});
+  Camera camera;
+  camera.eye = read_vector(place.at("eye"));
+  camera.target = read_vector(place.at("target"));
+  if (const auto up = place.find("up")) camera.up = read_vector(*up);
+  read_into(camera.fov_y_deg, place, "fov_y_deg");
+  read_into(camera.near, place, "near");
+  read_into(camera.far, place, "far");
+  if (const auto height = place.find("orthographic_height")) {
+    if (const auto angle = place.find("fov_y_deg"))
+      angle->fail("cannot be combined with \"orthographic_height\"", "remove one of them");
+    camera.orthographic_height = height->number();
+  }
+  if (const auto width = place.find("width")) camera.width = width->integer(1);
+  if (const auto height = place.find("height")) camera.height = height->integer(1);
+  try {
+    const View check(camera);
+  } catch (const Error& error) {
+    place.fail(error.diagnosis().place + " " + error.diagnosis().problem, error.diagnosis().remedy);
+  }
+  return camera;
+}
+
+CameraPath read_path(const JsonPlace& place) {
+  place.expect_keys({"frames", "keys", "jump"});
+  CameraPath path;
+  path.frames = place.at("frames").integer(1);
+  for (const JsonPlace& key : place.at("keys").elements()) path.keys.push_back(read_camera(key));
+  if (const auto jump = place.find("jump")) path.jump = jump->boolean();
+  const auto is_orthographic = [](const Camera& key) { return key.orthographic_height.has_value(); };
+  const auto parallel = std::count_if(path.keys.begin(), path.keys.end(), is_orthographic);
+  if (!path.jump && parallel != 0 && parallel != std::ssize(path.keys))
+    place.at("keys").fail("mix perspective and orthographic cameras, which cannot be interpolated",
+                          "give all keys an orthographic_height or none, or set \"jump\": true");
+  if (path.jump && path.keys.size() < 2)
+    place.at("keys").fail("has only one key, so that there is nothing to jump to", "add a key");
+  if (path.jump && path.keys.size() > static_cast<std::size_t>(path.frames))
+    place.at("frames").fail("is less than the number of keys, each of which needs a frame",
+                            "give more frames or fewer keys");
+  if (const auto bad = find_bad_frame(path)) place.fail(bad->text(), BadFrame::remedy);
+  return path;
+}
+
+CellBox read_region(const JsonPlace& place) {
+  place.expect_keys({"min", "max"});
+  const CellBox box{read_vector(place.at("min")), read_vector(place.at("max"))};
+  for (int axis = 0; axis < 3; ++axis)
+    if (box.max[axis] < box.min[axis]) place.fail("has a max below its min", "swap the two");
+  return box;
+}
+
+std::optional<double> read_length(const JsonPlace& cells, const char* key) {
+  const auto place = cells.find(key);
+  if (!place) return std::nullopt;
+  const double length = place->number();
+  if (!(length > 0.0)) place->fail("is not a length", "give a number of world units > 0");
+  return length;
+}
+
+SceneCells read_cells(const JsonPlace& place) {
+  place.expect_keys({"regions", "root_cell", "smallest_cell", "most_triangles"});
+  SceneCells cells;
+  for (const JsonPlace& region : place.at("regions").elements()) cells.regions.push_back(read_region(region));
+  cells.root_cell = read_length(place, "root_cell");
+  cells.smallest_cell = read_length(place, "smallest_cell");
+  if (cells.root_cell && cells.smallest_cell && *cells.smallest_cell > *cells.root_cell)
+    place.at("smallest_cell").fail("is more than \"root_cell\"", "give a smaller one");
+  if (const auto most = place.find("most_triangles")) {
+    cells.most_triangles = most->unsigned_integer();
+    if (*cells.most_triangles == 0) most->fail("is 0", "give a number of triangles");
+  }
+  return cells;
+}
+
+}  // namespace
+
+SceneDescription read_scene(const std::filesystem::path& path) {
+  const nlohmann::json document = parse_json_file(path);
+  const std::string file = path.string();
+  const JsonPlace root(document, file);
+  root.expect_keys({"about", "objects", "cameras", "paths", "cells"});
+
+  SceneDescription scene;
+  scene.name = path.stem().string();
+  scene.file = path;
+  if (const auto about = root.find("about")) scene.about = about->string();
+  for (const JsonPlace& object : root.at("objects").elements()) scene.objects.push_back(read_object(object));
+  for (const auto& [name, place] : root.at("cameras").members()) scene.cameras.emplace(name, read_camera(place));
+  if (!scene.cameras.contains("default"))
+    root.at("cameras").fail("has no \"default\"", "name the camera to start with");
+  if (const auto paths = root.find("paths"))
+    for (const auto& [name, place] : paths->members()) scene.paths.emplace(name, read_path(place));
+  if (const auto cells = root.find("cells")) scene.cells = read_cells(*cells);
+  return scene;
+}
+
+// The format is described in docs/guide/scenes.md.
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json vector_json(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
+
+Json source_json(const MeshFile& file) { return {{"mesh", file.names}}; }
+Json source_json(const RoughPlanetOptions& o) {
+  return {{"generator", "rough-planet"},
+          {"options",
+           {{"level", o.level},
+            {"seed", o.seed},
+            {"amplitude", o.amplitude},
+            {"frequency", o.frequency},
+            {"octaves", o.octaves}}}};
+}
+Json source_json(const CityOptions& o) {
+  return {{"generator", "city"},
+          {"options", {{"blocks", o.blocks}, {"facade_cells", o.facade_cells}, {"seed", o.seed}}}};
+}
+Json source_json(const PipesOptions& o) {
+  return {{"generator", "pipes"},
+          {"options", {{"pipes", o.pipes}, {"bends", o.bends}, {"sides", o.sides}, {"seed", o.seed}}}};
+}
+Json source_json(const PlantOptions& o) {
+  return {{"generator", "plant"},
+          {"options",
+           {{"storeys", o.storeys},
+            {"bays", o.bays},
+            {"pipes", o.pipes},
+            {"bends", o.bends},
+            {"sides", o.sides},
+            {"seed", o.seed}}}};
+}
+Json source_json(const SpheresBehindWallOptions& o) {
+  return {{"generator", "spheres-behind-wall"},
+          {"options", {{"spheres", o.spheres}, {"level", o.level}, {"wall_cells", o.wall_cells}, {"seed", o.seed}}}};
+}
+
+Json object_json(const SceneObject& object) {
+  Json json = std::visit([](const auto& source) { return source_json(source); }, object.source);
+  Json matrix = Json::array();
+  for (int column = 0; column < 4; ++column)
+    for (int row = 0; row < 4; ++row) matrix.push_back(object.object_to_world[column][row]);
+  json["matrix"] = std::move(matrix);
+  json["two_sided"] = object.two_sided;
+  if (!object.attributes) json["attributes"] = false;
+  return json;
+}
+
+Json camera_json(const Camera& camera) {
+  Json json = {{"eye", vector_json(camera.eye)},
+               {"target", vector_json(camera.target)},
+               {"up", vector_json(camera.up)},
+               {"near", camera.near},
+               {"far", camera.far},
+               {"width", camera.width},
+               {"height", camera.height}};
+  if (camera.orthographic_height)
+    json["orthographic_height"] = *camera.orthographic_height;
+  else
+    json["fov_y_deg"] = camera.fov_y_deg;
+  return json;
+}
+
+Json path_json(const CameraPath& path) {
+  Json keys = Json::array();
+  for (const Camera& key : path.keys) keys.push_back(camera_json(key));
+  Json json = {{"frames", path.frames}, {"keys", std::move(keys)}};
+  if (path.jump) json["jump"] = true;
+  return json;
+}
+
+Json cells_json(const SceneCells& cells) {
+  Json json = Json::object();
+  for (const CellBox& region : cells.regions)
+    json["regions"].push_back({{"min", vector_json(region.min)}, {"max", vector_json(region.max)}});
+  if (cells.root_cell) json["root_cell"] = *cells.root_cell;
+  if (cells.smallest_cell) json["smallest_cell"] = *cells.smallest_cell;
+  if (cells.most_triangles) json["most_triangles"] = *cells.most_triangles;
+  return json;
+}
+
+}  // namespace
+
+void write_scene(const std::filesystem::path& path, const SceneDescription& scene) {
+  if (scene.objects.empty()) throw Error({path.string(), "", "would have no objects", "open a mesh first"});
+  if (!scene.cameras.contains("default"))
+    throw Error({path.string(), "", "would have no camera \"default\"", "name the camera to start with"});
+  for (const auto& [name, camera_path] : scene.paths)
+    if (const auto bad = find_bad_frame(camera_path))
+      throw Error({path.string(), "/paths/" + name, bad->text(), BadFrame::remedy});
+  Json document = Json::object();
+  if (!scene.about.empty()) document["about"] = scene.about;
+  for (const SceneObject& object : scene.objects) document["objects"].push_back(object_json(object));
+  for (const auto& [name, camera] : scene.cameras) document["cameras"][name] = camera_json(camera);
+  for (const auto& [name, camera_path] : scene.paths) document["paths"][name] = path_json(camera_path);
+  if (scene.cells) document["cells"] = cells_json(*scene.cells);
+  AtomicFile file(path);
+  file.stream() << document.dump(1) << '\n';
+  file.commit();
+}
+
+}  // namespace occlod
