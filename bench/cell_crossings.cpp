@@ -59,8 +59,7 @@ class SplitsOf {
       for (const SplitId s : object.splits) splits.splits.push_back(ids_.split(object.object, s));
     splits.candidates.assign(additions.candidates.begin(), additions.candidates.end());
     bytes_[cell] =
-        vlod::encode(splits, known, file_.is_packed() ? vlod::most_packed_ids_per_byte : vlod::most_ids_per_byte)
-            .size();
+        vlod::encode(splits, known, file_.is_packed() ? vlod::max_packed_ids_per_byte : vlod::max_ids_per_byte).size();
     const Ids list(splits.splits.begin(), splits.splits.end());
     added_ += list.size();
     if (!list.empty()) paper_bits_ += paper_bits(list);

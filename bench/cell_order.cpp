@@ -27,8 +27,8 @@ namespace {
 
 using paper::Order;
 
-constexpr std::uint32_t most_neighbours = 20;
-constexpr std::size_t most_moves = 500'000;
+constexpr std::uint32_t max_neighbours = 20;
+constexpr std::size_t max_moves = 500'000;
 
 double seconds() { return 1e-3 * thread_cpu_ms(); }
 
@@ -97,23 +97,23 @@ TableRow print_table_row(const std::vector<Ids>& lists, const std::vector<Ids>& 
   const auto gain = [&](std::size_t runs) { return static_cast<double>(before) / static_cast<double>(runs); };
 
   const double start = seconds();
-  const paper::Neighbours near = paper::nearest_columns(columns, most_neighbours);
+  const paper::Neighbours near = paper::nearest_columns(columns, max_neighbours);
   const double after_near = seconds();
   Order order = paper::greedy_tour(columns, near);
   const double after_seed = seconds();
   const std::size_t seed_runs = paper::count_runs(columns, order);
   const double improving = seconds();
-  const paper::Improvement improved = paper::improve_tour(columns, near, order, most_moves);
+  const paper::Improvement improved = paper::improve_tour(columns, near, order, max_moves);
   const double end = seconds();
 
   // By one common sample instead.
   const auto sample_size = static_cast<std::uint32_t>(20.0 * std::log(static_cast<double>(count)));
   const double before_sample = seconds();
   const paper::Neighbours sampled =
-      paper::nearest_of_sample(columns, most_neighbours, paper::sample_columns(columns, sample_size, 1));
+      paper::nearest_of_sample(columns, max_neighbours, paper::sample_columns(columns, sample_size, 1));
   const double after_sample = seconds();
   Order sampled_order = paper::greedy_tour(columns, sampled);
-  const paper::Improvement sampled_tour = paper::improve_tour(columns, sampled, sampled_order, most_moves);
+  const paper::Improvement sampled_tour = paper::improve_tour(columns, sampled, sampled_order, max_moves);
 
   const double before_sort = seconds();
   const std::vector<std::uint32_t> places = places_by_nodes(part.added, count);
@@ -132,11 +132,11 @@ TableRow print_table_row(const std::vector<Ids>& lists, const std::vector<Ids>& 
 }
 
 constexpr std::array ball_factors{1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0};
-constexpr std::uint32_t most_centres = 500;
+constexpr std::uint32_t max_centres = 500;
 
 // Figure 4: how much of all columns is near to one.
 void print_balls(const std::vector<Ids>& lists, const Ids& kept) {
-  const BallShares balls = ball_shares(columns_of(part_of(lists, {}, kept), kept.size()), ball_factors, most_centres);
+  const BallShares balls = ball_shares(columns_of(part_of(lists, {}, kept), kept.size()), ball_factors, max_centres);
   for (std::size_t k = 0; k < ball_factors.size(); ++k)
     fmt::print("{},{},{},{:.1f},{:.3f},{:.3f}\n", kept.size(), ball_factors[k], balls.centres,
                100.0 * balls.equal_share, 100.0 * balls.mean[k], 100.0 * balls.least[k]);
@@ -253,7 +253,7 @@ std::pair<std::size_t, double> print_crossings(const std::vector<Transition>& tr
   return {tree_bytes, static_cast<double>(additions) / static_cast<double>(deltas)};
 }
 
-void run(int side, std::size_t most_columns, std::uint32_t many) {
+void run(int side, std::size_t max_columns, std::uint32_t many) {
   const CellGrid grid = build_grid(side);
   const std::vector<Ids> added = tree_additions(grid);
   const std::vector<Transition> transitions = transitions_of(grid);
@@ -281,8 +281,8 @@ void run(int side, std::size_t most_columns, std::uint32_t many) {
   TableRow last;
   std::vector<Ids> matrices;
   for (const std::size_t columns : {500U, 1000U, 3000U, 9000U, 27000U})
-    if (columns <= std::min(used.size(), most_columns)) matrices.push_back(spread(used, columns));
-  if (used.size() <= most_columns) matrices.push_back(used);
+    if (columns <= std::min(used.size(), max_columns)) matrices.push_back(spread(used, columns));
+  if (used.size() <= max_columns) matrices.push_back(used);
   for (const Ids& kept : matrices) last = print_table_row(lists, added, kept);
 
   const std::vector<std::uint32_t> places = places_by_nodes(added, grid.split_count);
@@ -327,13 +327,13 @@ void run(int side, std::size_t most_columns, std::uint32_t many) {
 int main(int argc, char** argv) {
   CLI::App app("Order and codes of the splits of view cells, beside the methods of vLOD (2003).");
   int side = 32;
-  std::size_t most_columns = 30'000;
+  std::size_t max_columns = 30'000;
   std::uint32_t many = 25'000'000;
   app.add_option("--side", side, "Cells along each side of the grid, a power of two")
       ->check(CLI::IsMember({4, 8, 16, 32}));
-  app.add_option("--columns", most_columns, "Columns of Table 1, at most");
+  app.add_option("--columns", max_columns, "Columns of Table 1, at most");
   app.add_option("--sort", many, "Splits to sort at the end");
   CLI11_PARSE(app, argc, argv);
-  occlod::bench::run(side, most_columns, many);
+  occlod::bench::run(side, max_columns, many);
   return 0;
 }

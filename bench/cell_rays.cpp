@@ -126,11 +126,11 @@ void run_rays(const City& city, const Row& row, const Truth& truth, const CellBo
   const std::span<const FoundTriangle> found = sampling.run();
   const std::vector<std::size_t> ones(truth.by_triangle.size(), 1);
   print_course(
-      row, options.guided ? "gvs" : "random rays", found, options.most_ms, sampling.rays(),
+      row, options.guided ? "gvs" : "random rays", found, options.max_ms, sampling.rays(),
       [](std::uint32_t t) { return t; }, truth.by_triangle, ones);
   if (options.guided)
     print_course(
-        row, "objects by gvs", found, options.most_ms, sampling.rays(),
+        row, "objects by gvs", found, options.max_ms, sampling.rays(),
         [&](std::uint32_t t) { return city.parts.of_triangle[t]; }, truth.by_part, city.parts.triangles);
 }
 
@@ -172,7 +172,7 @@ void run(const City& city, const Place& place, double edge, const Options& optio
   for (const bool is_guided : {true, false}) {
     GuidedOptions guided = options.guided;
     guided.guided = is_guided;
-    guided.most_ms = 1e3 * options.seconds;
+    guided.max_ms = 1e3 * options.seconds;
     run_rays(city, row, truth, cell, guided);
   }
   const auto seen = static_cast<std::size_t>(

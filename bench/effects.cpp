@@ -25,8 +25,8 @@ namespace {
 namespace fs = std::filesystem;
 using tool::Json;
 
-constexpr int most_followed_rounds = 3;  // each is many frames
-constexpr int views_until_settled = 3;   // one look ahead, one back, and a choice by both
+constexpr int max_followed_rounds = 3;  // each is many frames
+constexpr int views_until_settled = 3;  // one look ahead, one back, and a choice by both
 
 struct Options {
   std::vector<std::string> scenes = {
@@ -213,7 +213,7 @@ Json followed_row(SceneRun& run, const std::string& scene, const Options& option
   std::vector<Contestant> contestants = followed_settings(refine_options.budget);
   Scores by_auto;
   std::vector<std::string> choices;
-  for (int round = 0; round < std::min(options.repeat, most_followed_rounds); ++round) {
+  for (int round = 0; round < std::min(options.repeat, max_followed_rounds); ++round) {
     for (Contestant& contestant : contestants) {
       Refiner refiner(tool::refine_objects(run.objects));
       Visibility& visibility = contestant.setting.occlusion ? *run.software : static_cast<Visibility&>(run.none);

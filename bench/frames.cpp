@@ -35,7 +35,7 @@ struct Options {
   std::vector<std::string> tables = {"scenes", "vdpm"};
   std::string path;
   std::vector<std::size_t> budgets = {10'000};
-  int most_frames = 120;
+  int max_frames = 120;
   int repeat = 1;
   bool quality = true;
   std::filesystem::path json;
@@ -96,7 +96,7 @@ class PathComparison {
   }
 
  private:
-  [[nodiscard]] int count() const { return std::min(subject_.path->frames, options_.most_frames); }
+  [[nodiscard]] int count() const { return std::min(subject_.path->frames, options_.max_frames); }
   [[nodiscard]] View view(int frame) const { return View(camera_at(*subject_.path, frame)); }
 
   // One and the other in turns, frame by frame.
@@ -252,7 +252,7 @@ int run(int argc, char** argv) {
       ->check(CLI::IsMember({"scenes", "vdpm"}));
   app.add_option("--path", options.path, "Only paths of this name");
   app.add_option("--budgets", options.budgets, "Triangles")->capture_default_str();
-  app.add_option("--frames", options.most_frames, "Of each path at most")->capture_default_str();
+  app.add_option("--frames", options.max_frames, "Of each path at most")->capture_default_str();
   app.add_option("--repeat", options.repeat, "Rounds from frame to frame; of each frame the least time counts")
       ->capture_default_str()
       ->check(CLI::PositiveNumber);

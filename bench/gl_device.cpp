@@ -140,7 +140,7 @@ void ask(benchmark::State& state, Asking asking) {
     boxes.resize(std::min(boxes.size(), static_cast<std::size_t>(state.range(3))));
     std::vector<hlod::QueryId> queries;
     std::uint64_t pixels = 0;
-    double least_wait = std::numeric_limits<double>::infinity();
+    double min_wait = std::numeric_limits<double>::infinity();
     for ([[maybe_unused]] auto iteration : state) {
       state.PauseTiming();
       begin(gl);
@@ -159,7 +159,7 @@ void ask(benchmark::State& state, Asking asking) {
         pixels += gl.wait(queries.back()).front();
         queries.clear();
         const std::chrono::duration<double> wait = std::chrono::steady_clock::now() - start;
-        least_wait = std::min(least_wait, wait.count());
+        min_wait = std::min(min_wait, wait.count());
       }
       for (const hlod::QueryId query : queries)
         for (const std::uint32_t count : gl.wait(query)) pixels += count;
@@ -168,7 +168,7 @@ void ask(benchmark::State& state, Asking asking) {
       state.ResumeTiming();
     }
     // Of a single box, where programs beside this one disturb the sum.
-    if (asking == Asking::waited) state.counters["least_wait"] = least_wait;
+    if (asking == Asking::waited) state.counters["min_wait"] = min_wait;
     state.counters["pixels"] = static_cast<double>(pixels) / static_cast<double>(state.iterations());
     per(state, "each_box", boxes.size());
   });

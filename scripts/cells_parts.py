@@ -186,7 +186,7 @@ def deltas(results):
         counts = [sum(1 for value in ratios if min(int(BINS * value), BINS) == bin) for bin in range(BINS + 1)]
         if ratios:
             lines[f"{scene}, {shown}"] = [[(bin + 0.5) / BINS, 100 * count / len(ratios)] for bin, count in enumerate(counts)]
-        rows.append([scene, shown, walked["most_triangles"], walked["cells"], len(ratios), statistics.median(ratios) if ratios else None, max(ratios, default=None),
+        rows.append([scene, shown, walked["max_triangles"], walked["cells"], len(ratios), statistics.median(ratios) if ratios else None, max(ratios, default=None),
                      100 * ratio(sum(value > 0.5 for value in ratios), len(ratios)) if ratios else None])
     return part("fig10", "Fig. 10: how much changes from cell to cell",
                 "Triangles that come and triangles that go when a path of the scene crosses into another cell, over what is drawn there. T is what half of the undivided cells draw; cells above it are divided where a part draws less than half, as in the paper. "

@@ -76,7 +76,7 @@ class Runs:
         self.run(f"{name}_viewcells.json", self.bench / "bench_viewcells", self.out / f"{name}.vlod", scene, *self.effort.viewcells)
         most = round(whole["drawn_median"])  # T: what half of all cells draw before any is divided
         for part, triangles in (("t", most), ("t4", max(1, most // 4))):
-            self.build(f"{name}_{part}", scene, "--most-triangles", triangles, *self.effort.divide)
+            self.build(f"{name}_{part}", scene, "--max-triangles", triangles, *self.effort.divide)
             self.run(f"{name}_{part}_walks.json", self.bench / "bench_cell_walks", self.out / f"{name}_{part}.vlod", scene, "--frames", self.effort.compared)
         self.costs(name, scene)
 

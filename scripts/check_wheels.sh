@@ -7,7 +7,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-most_bytes=1500000
+max_bytes=1500000
 work=$PWD/build/wheels
 mkdir -p "$work/wheelhouse"
 
@@ -49,6 +49,6 @@ for python in "${pythons[@]}"; do
   quietly "$work/$name/env/bin/python" -B -m unittest discover -s tests/python
   bytes=$(stat -c %s "$wheel")
   echo "$(basename "$wheel"): $bytes bytes, tests passed"
-  [ "$bytes" -le "$most_bytes" ] || { echo "check_wheels: more than $most_bytes bytes" >&2; exit 1; }
+  [ "$bytes" -le "$max_bytes" ] || { echo "check_wheels: more than $max_bytes bytes" >&2; exit 1; }
 done
 echo "check_wheels: passed"

@@ -47,7 +47,7 @@ MUTATIONS = [
     Mutation("edge_motion", "an edge has moved as far as the farther triangle", CELLS + "hull_test.cpp",
              "largest = std::max(largest, growth(other / 3));", ";", "HullGuards.AnEdgeHasMovedAsFarAsTheFartherOfItsTriangles"),
     Mutation("flood_limit", "a flood that is cut off does not hide", CELLS + "hull_test.cpp",
-             "if (reached_count_ == most_triangles) return false;", "if (reached_count_ == most_triangles) return true;", "HullGuards.AFloodThatIsCutOffHidesNothing"),
+             "if (reached_count_ == max_triangles) return false;", "if (reached_count_ == max_triangles) return true;", "HullGuards.AFloodThatIsCutOffHidesNothing"),
     Mutation("flood_failed", "where an earlier flood failed, so does this one", CELLS + "hull_test.cpp",
              "return reached_by_[t] == flood_;", "return true;", "HullTest.*:HullGuards.*:CellOccluders.*"),
     Mutation("crossing", "a segment crosses the flood", CELLS + "hull_test.cpp",

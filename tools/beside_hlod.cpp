@@ -11,8 +11,8 @@
 namespace occlod::tool {
 namespace {
 
-constexpr std::size_t most_compared = 3;
-constexpr double least_tolerance_px = 1.0 / 64, most_tolerance_px = 1024.0;
+constexpr std::size_t max_compared = 3;
+constexpr double min_tolerance_px = 1.0 / 64, max_tolerance_px = 1024.0;
 constexpr int tolerance_steps = 12;  // halvings of the 16 octaves between them: 0.3 % in the end
 
 hlod::TraverseOptions options_of(hlod::Strategy strategy, double tolerance_px) {
@@ -63,7 +63,7 @@ BesideHlod::BesideHlod(const std::vector<LoadedObject>& objects, int views)
     : objects_(objects), view_count_(static_cast<std::size_t>(views)) {}
 
 bool BesideHlod::is_compared(std::size_t view) const {
-  const auto so_far = [this](std::size_t views) { return views * std::min(most_compared, view_count_) / view_count_; };
+  const auto so_far = [this](std::size_t views) { return views * std::min(max_compared, view_count_) / view_count_; };
   return so_far(view + 1) > so_far(view);
 }
 
@@ -102,11 +102,11 @@ double BesideHlod::depth_rms_px(std::span<const hlod::PlacedHlod> placed, hlod::
 }
 
 WayCost BesideHlod::hlod(std::span<const hlod::PlacedHlod> placed, hlod::Strategy strategy) const {
-  const double most_px = splits().depth_rms_px;
-  double keeps = std::log2(least_tolerance_px), exceeds = std::log2(most_tolerance_px);
+  const double max_px = splits().depth_rms_px;
+  double keeps = std::log2(min_tolerance_px), exceeds = std::log2(max_tolerance_px);
   for (int step = 0; step < tolerance_steps; ++step) {
     const double middle = (keeps + exceeds) / 2.0;
-    (depth_rms_px(placed, strategy, std::exp2(middle)) <= most_px ? keeps : exceeds) = middle;
+    (depth_rms_px(placed, strategy, std::exp2(middle)) <= max_px ? keeps : exceeds) = middle;
   }
   WayCost cost{.name = fmt::format("HLOD, {}", name_of(strategy)), .tolerance_px = std::exp2(keeps)};
   cost.depth_rms_px = depth_rms_px(placed, strategy, cost.tolerance_px);

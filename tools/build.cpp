@@ -110,7 +110,7 @@ void add_build(CLI::App& app) {
   const auto options = std::make_shared<Options>();
   add_file(command, "MESH", options->input, "Mesh to read: .ply, .obj, .off, .stl, .gltf or .glb")->required();
   add_file(command, "-o,--output", options->output, "Hierarchy to write, an .olod file")->required();
-  add_number(command, "--base-triangles", options->build.base_triangles, WholeRange{0, most_elements},
+  add_number(command, "--base-triangles", options->build.base_triangles, WholeRange{0, max_elements},
              "Collapse edges until no more triangles than this are left: the base mesh, and the smallest budget")
       ->capture_default_str();
   add_number(command, "--boundary-weight", options->build.boundary_weight, RealRange{0.0, largest_boundary_weight},
@@ -125,7 +125,7 @@ void add_build(CLI::App& app) {
   add_choice(command, "--error-bound", options->build.error_bound,
              {{"accumulated", ErrorBound::accumulated}, {"measured", ErrorBound::measured}},
              "Guaranteed errors: accumulated (fast to build, loose) or measured (tight, several times the build time)");
-  add_number(command, "--threads", options->build.threads, WholeRange{0, most_threads},
+  add_number(command, "--threads", options->build.threads, WholeRange{0, max_threads},
              "Threads; 0: one per core. The result does not depend on it")
       ->capture_default_str();
   add_choice(command, "--compress", options->compression,

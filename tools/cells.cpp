@@ -31,7 +31,7 @@ Json options_to_json(const CellTreeOptions& options) {
           {"root_cell", options.root_cell},
           {"smallest_cell", options.smallest_cell},
           {"levels", options.levels},
-          {"most_triangles", options.most_triangles},
+          {"max_triangles", options.max_triangles},
           {"division", name_of(options.division)},
           {"regions", regions}};
 }
@@ -39,7 +39,7 @@ Json options_to_json(const CellTreeOptions& options) {
 // What the leaves draw.
 Json cells_to_json(const VlodFile& file) {
   const CellTree& tree = file.tree();
-  const double most = static_cast<double>(file.options().most_triangles);
+  const double most = static_cast<double>(file.options().max_triangles);
   std::vector<double> drawn, active, above;
   double error_px = 0.0;
   std::uint32_t depth = 0;

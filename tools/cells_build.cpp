@@ -25,9 +25,9 @@
 namespace occlod::tool {
 namespace {
 
-constexpr double least_length = 1e-6, most_length = 1e12;  // world units
-constexpr double least_px = 1e-6;
-constexpr std::uint64_t most_drawn = 1'000'000'000'000, most_shards = 1'000'000;
+constexpr double min_length = 1e-6, max_length = 1e12;  // world units
+constexpr double min_px = 1e-6;
+constexpr std::uint64_t max_drawn = 1'000'000'000'000, max_shards = 1'000'000;
 constexpr std::uint32_t roots_in_part = 16;  // of files in --work: what is lost when a build is ended
 
 struct Shard {
@@ -40,7 +40,7 @@ struct Options {
   CellTreeOptions tree;
   std::vector<CellBox> regions;  // instead of the scene's
   std::optional<double> root_cell, smallest_cell;
-  std::optional<std::uint64_t> most_triangles;
+  std::optional<std::uint64_t> max_triangles;
   std::optional<Shard> shard;
   bool resume = false;
   bool use_cache = true;
@@ -53,9 +53,8 @@ Shard parse_shard(const std::string& text) {
   const std::size_t slash = text.find('/');
   const auto index = whole_number(text.substr(0, slash));
   const auto count = slash == std::string::npos ? std::nullopt : whole_number(text.substr(slash + 1));
-  if (!index || !count || *index < 1 || *index > *count || *count > most_shards)
-    throw CLI::ValidationError("--shard",
-                               fmt::format("{} is not I/N with 1 <= I <= N <= {}", shown(text), most_shards));
+  if (!index || !count || *index < 1 || *index > *count || *count > max_shards)
+    throw CLI::ValidationError("--shard", fmt::format("{} is not I/N with 1 <= I <= N <= {}", shown(text), max_shards));
   return {static_cast<std::uint32_t>(*index - 1), static_cast<std::uint32_t>(*count)};
 }
 
@@ -100,7 +99,7 @@ CellTreeOptions chosen_options(const Options& options, const SceneDescription& s
   const CellTreeOptions usual;
   chosen.root_cell = options.root_cell.value_or(in_scene.root_cell.value_or(usual.root_cell));
   chosen.smallest_cell = options.smallest_cell.value_or(in_scene.smallest_cell.value_or(usual.smallest_cell));
-  chosen.most_triangles = options.most_triangles.value_or(in_scene.most_triangles.value_or(usual.most_triangles));
+  chosen.max_triangles = options.max_triangles.value_or(in_scene.max_triangles.value_or(usual.max_triangles));
   return chosen;
 }
 
@@ -243,13 +242,13 @@ void add_space_options(CLI::App& command, const std::shared_ptr<Options>& option
           "A box in which the eye may be, instead of those of the scene; may be given several times")
       ->type_name("X,Y,Z,X,Y,Z")
       ->allow_extra_args(false);
-  add_number(command, "--root-cell", options->root_cell, RealRange{least_length, most_length},
+  add_number(command, "--root-cell", options->root_cell, RealRange{min_length, max_length},
              "Longest edge of a cell before it is divided, world units; else what the scene says, or 16");
-  add_number(command, "--smallest-cell", options->smallest_cell, RealRange{least_length, most_length},
+  add_number(command, "--smallest-cell", options->smallest_cell, RealRange{min_length, max_length},
              "No edge becomes shorter, world units; else what the scene says, or 1");
   add_number(command, "--levels", options->tree.levels, WholeRange{0, 32}, "How often a cell may be divided")
       ->capture_default_str();
-  add_number(command, "--most-triangles", options->most_triangles, WholeRange{0, most_drawn},
+  add_number(command, "--max-triangles", options->max_triangles, WholeRange{0, max_drawn},
              "Divide a cell that draws more; else what the scene says, or 200000");
   add_choice(
       command, "--division", options->tree.division, {{"halving", CellDivision::halving}, {"gain", CellDivision::gain}},
@@ -263,10 +262,10 @@ void add_cells_build(CLI::App& cells) {
   const auto options = std::make_shared<Options>();
   add_file(command, "INPUT", options->file, "A scene (.json), a mesh, or a hierarchy (.olod)")->required();
   add_file(command, "-o,--output", options->output, "File to write, .vlod");
-  add_number(command, "--tolerance", options->tree.cell.tolerance_px, RealRange{least_px},
+  add_number(command, "--tolerance", options->tree.cell.tolerance_px, RealRange{min_px},
              "Pixels that what is seen may be off")
       ->capture_default_str();
-  add_number(command, "--budget", options->tree.cell.budget, WholeRange{1, most_drawn},
+  add_number(command, "--budget", options->tree.cell.budget, WholeRange{1, max_drawn},
              "Triangles of a cell's meshes, drawn or not, at most: then it may be off by more than --tolerance")
       ->option_text("N");
   add_choice(command, "--occlusion", options->tree.cell.occlusion,
@@ -283,7 +282,7 @@ void add_cells_build(CLI::App& cells) {
   add_text(command, "--shard", "I/N", "Build the I-th of N shares of all cells, as parts in --work",
            [options](const std::string& text) { options->shard = parse_shard(text); });
   command.add_flag("--resume", options->resume, "Build only parts that are not in --work, or damaged");
-  add_number(command, "--threads", options->threads, WholeRange{0, most_threads},
+  add_number(command, "--threads", options->threads, WholeRange{0, max_threads},
              "Threads; 0: one per core. The result does not depend on it")
       ->capture_default_str();
   add_no_cache(command, options->use_cache);

@@ -23,7 +23,7 @@
 namespace occlod::tool {
 namespace {
 
-constexpr std::uint64_t most_eyes = 1'000'000, most_image = 8192;
+constexpr std::uint64_t max_eyes = 1'000'000, max_image = 8192;
 
 struct Options {
   std::filesystem::path file, scene;
@@ -188,15 +188,15 @@ void add_cells_check(CLI::App& cells) {
   add_file(command, "FILE", options->file, "File to check, .vlod")->required();
   add_file(command, "SCENE", options->scene, "What it was built of: a scene (.json), a mesh or an .olod file")
       ->required();
-  add_number(command, "--cells", options->cells, WholeRange{1, most_eyes}, "Number of cells")->capture_default_str();
-  add_number(command, "--eyes", options->eyes.random, WholeRange{0, most_eyes},
+  add_number(command, "--cells", options->cells, WholeRange{1, max_eyes}, "Number of cells")->capture_default_str();
+  add_number(command, "--eyes", options->eyes.random, WholeRange{0, max_eyes},
              "Random eyes of each, besides its corners and its middle; each looks to all six sides")
       ->capture_default_str();
-  add_number(command, "--image-size", options->eyes.image_size, WholeRange{1, most_image},
+  add_number(command, "--image-size", options->eyes.image_size, WholeRange{1, max_image},
              "Pixels along each side of an image")
       ->capture_default_str();
   add_number(command, "--seed", options->eyes.seed, WholeRange{}, "Random seed")->capture_default_str();
-  add_number(command, "--threads", options->threads, WholeRange{0, most_threads},
+  add_number(command, "--threads", options->threads, WholeRange{0, max_threads},
              "Threads, each with a cell of its own; 0: one per core. The result does not depend on it")
       ->capture_default_str();
   add_no_cache(command, options->use_cache);

@@ -105,7 +105,7 @@ void add_cells_info(CLI::App& cells) {
   const auto options = std::make_shared<Options>();
   add_file(command, "FILE", options->file, "A .vlod file")->required();
   command.add_flag("--check", options->check, "Read and check what all cells draw too");
-  CLI::Option* cell = add_number(command, "--cell", options->cell, WholeRange{0, most_elements},
+  CLI::Option* cell = add_number(command, "--cell", options->cell, WholeRange{0, max_elements},
                                  "Describe this node of the tree of cells");
   command
       .add_option_function<std::string>(

@@ -27,9 +27,9 @@
 namespace occlod::tool {
 namespace {
 
-constexpr double least_speed = 1e-3, most_speed = 1e6;
+constexpr double min_speed = 1e-3, max_speed = 1e6;
 constexpr std::size_t most_refined = 1'000'000;  // triangles by refinement, where the tolerance needs more
-constexpr std::uint64_t most_every = 1'000'000;
+constexpr std::uint64_t max_every = 1'000'000;
 
 struct Options {
   std::filesystem::path file, scene, png;
@@ -270,13 +270,13 @@ void add_cells_walk(CLI::App& cells) {
           "--throttle", [options](const std::string& text) { options->walk.disk = parse_disk(text); },
           "Simulate a disk of so many megabytes a second and milliseconds a read; else reading takes no time")
       ->type_name("MB/S,MS");
-  add_number(command, "--speed", options->walk.speed, RealRange{least_speed, most_speed}, "Go so many times as fast")
+  add_number(command, "--speed", options->walk.speed, RealRange{min_speed, max_speed}, "Go so many times as fast")
       ->capture_default_str();
   command.add_flag_callback(
       "--no-prefetch", [options] { options->walk.prefetch = false; }, "Load cells only when the eye is in them");
   command.add_flag("--reference", options->reference,
                    "Compare frames with the full mesh, and with refinement from frame to frame to the same tolerance");
-  add_number(command, "--every", options->every, WholeRange{1, most_every}, "With --reference: every N-th frame")
+  add_number(command, "--every", options->every, WholeRange{1, max_every}, "With --reference: every N-th frame")
       ->capture_default_str();
   add_file(command, "--png", options->png, "Picture of the last frame to write");
   add_no_cache(command, options->use_cache);

@@ -17,7 +17,7 @@
 namespace occlod::tool {
 namespace {
 
-constexpr std::uint64_t most_pixels = 16'384;  // of an image, in each direction
+constexpr std::uint64_t max_pixels = 16'384;  // of an image, in each direction
 
 // What has this name among the cameras or paths of a scene.
 template <typename Named>
@@ -45,7 +45,7 @@ std::optional<ImageSize> parse_size(const std::string& text) {
   const std::size_t x = std::min(text.find('x'), text.size());
   const auto width = whole_number(text.substr(0, x));
   const auto height = whole_number(text.substr(std::min(x + 1, text.size())));
-  if (!width || !height || *width < 1 || *height < 1 || *width > most_pixels || *height > most_pixels) return {};
+  if (!width || !height || *width < 1 || *height < 1 || *width > max_pixels || *height > max_pixels) return {};
   return ImageSize{static_cast<int>(*width), static_cast<int>(*height)};
 }
 
@@ -54,7 +54,7 @@ void add_size_options(CLI::App& command, ViewOptions& options) {
     options.size = parse_size(text);
     if (!options.size)
       throw CLI::ValidationError("--size", fmt::format("{} is not WIDTHxHEIGHT from 1x1 to {}x{} pixels", shown(text),
-                                                       most_pixels, most_pixels));
+                                                       max_pixels, max_pixels));
   };
   command
       .add_option_function<std::string>("--size", set_size, "Size of the image in pixels instead of the camera's own")

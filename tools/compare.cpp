@@ -25,7 +25,7 @@ using measure::OneWayDistance;
 using measure::SurfaceDistance;
 using measure::TextureSlip;
 
-constexpr std::uint64_t most_samples = 1'000'000'000;  // an hour or so
+constexpr std::uint64_t max_samples = 1'000'000'000;  // an hour or so
 
 struct Options {
   std::string a;
@@ -135,7 +135,7 @@ void add_compare(CLI::App& app) {
   const auto options = std::make_shared<Options>();
   add_file(command, "A", options->a, "A mesh, or an .olod file (its full mesh)")->required();
   add_file(command, "B", options->b, "Another mesh or .olod file")->required();
-  add_number(command, "--samples", options->sampling.samples, WholeRange{1, most_samples}, "Points on each surface")
+  add_number(command, "--samples", options->sampling.samples, WholeRange{1, max_samples}, "Points on each surface")
       ->capture_default_str();
   add_number(command, "--seed", options->sampling.seed, WholeRange{}, "Random seed of the points")
       ->capture_default_str();

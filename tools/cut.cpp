@@ -72,7 +72,7 @@ void add_cut(CLI::App& app) {
   CLI::App& command = *app.add_subcommand("cut", "Extract a coarser mesh from a hierarchy, the same for every view");
   const auto options = std::make_shared<Options>();
   add_file(command, "FILE", options->file, "Hierarchy to read, an .olod file")->required();
-  CLI::Option* triangles = add_number(command, "--triangles", options->triangles, WholeRange{1, most_elements},
+  CLI::Option* triangles = add_number(command, "--triangles", options->triangles, WholeRange{1, max_elements},
                                       "At most so many triangles, with the smallest quadric error");
   add_number(command, "--error", options->error, RealRange{},
              "Instead: as few triangles as possible within this guaranteed distance to the full mesh, object units")

@@ -29,7 +29,7 @@ namespace http = beast::http;
 using Tcp = asio::ip::tcp;
 using ErrorCode = beast::error_code;
 
-constexpr std::uint32_t most_header_bytes = 8192;
+constexpr std::uint32_t max_header_bytes = 8192;
 constexpr std::size_t part_bytes = std::size_t{1} << 16;
 
 std::string_view view_of(beast::string_view text) { return {text.data(), text.size()}; }
@@ -98,7 +98,7 @@ class Session : public std::enable_shared_from_this<Session> {
 
   Server& server_;
   beast::tcp_stream stream_;
-  beast::flat_buffer buffer_{most_header_bytes};
+  beast::flat_buffer buffer_{max_header_bytes};
   std::optional<http::request_parser<http::empty_body>> parser_;
   std::optional<Answer> answer_;
   std::optional<http::response_serializer<http::buffer_body>> serializer_;
@@ -139,7 +139,7 @@ class Server {
 
  private:
   void accept() {
-    is_accepting_ = sessions_ < options_.most_connections;
+    is_accepting_ = sessions_ < options_.max_connections;
     if (!is_accepting_) return;
     acceptor_.async_accept([this](const ErrorCode& error, Tcp::socket socket) {
       if (error == asio::error::operation_aborted) return;
@@ -172,7 +172,7 @@ Session::~Session() { server_.session_ended(); }
 
 void Session::read() {
   parser_.emplace();
-  parser_->header_limit(most_header_bytes);
+  parser_->header_limit(max_header_bytes);
   parser_->body_limit(0);
   stream_.expires_after(server_.options().patience);
   http::async_read_header(stream_, buffer_, *parser_, [self = shared_from_this()](const ErrorCode& error, std::size_t) {

@@ -21,7 +21,7 @@ struct ServerOptions {
   std::uint16_t port = 0;  // 0: any that is free
   std::string page;        // the HTML at "/"
   std::vector<ServedFolder> folders;
-  std::size_t most_connections = 256;         // at once; others wait
+  std::size_t max_connections = 256;          // at once; others wait
   std::chrono::milliseconds patience{10000};  // a client has so long for a request, or for taking a part of an answer
 };
 

@@ -22,8 +22,8 @@ namespace occlod::tool {
 namespace {
 
 constexpr double largest_boundary_weight = 1e6, largest_attribute_weight = 1e6;
-constexpr std::uint64_t least_node_triangles = 16, most_node_triangles = 4096;
-constexpr int least_bits = 8, most_bits = 23;
+constexpr std::uint64_t min_node_triangles = 16, max_node_triangles = 4096;
+constexpr int min_bits = 8, max_bits = 23;
 
 struct Options {
   std::vector<std::string> inputs;
@@ -141,7 +141,7 @@ void run(const Options& options) {
   result["triangles_per_s"] =
       1e3 * static_cast<double>(built.hlod.data().input_triangle_count) / (build_ms - built.read_ms);
   result["peak_bytes"] = peak_bytes();
-  if (limit) result["scratch_bytes"] = limit->most_scratch_bytes();
+  if (limit) result["scratch_bytes"] = limit->max_scratch_bytes();
   if (options.resume) result["nodes_found"] = built.nodes_found;
   result["report"] = to_json(built.report);
   if (options.json) return print_json(result);
@@ -158,7 +158,7 @@ void add_hlod_build(CLI::App& hlod) {
       ->required();
   add_file(command, "-o,--output", options->output, "File to write, .ohlod")->required();
   add_number(command, "--node-triangles", options->build.node_triangles,
-             WholeRange{least_node_triangles, most_node_triangles},
+             WholeRange{min_node_triangles, max_node_triangles},
              "The most triangles that a node of the finest level has")
       ->capture_default_str();
   add_choice(command, "--grouping", options->build.grouping,
@@ -179,21 +179,21 @@ void add_hlod_build(CLI::App& hlod) {
       "Weight of how far texture coordinates, hard normals and colours slip, relative to distances; 0: errors are "
       "of the surface alone")
       ->capture_default_str();
-  add_number(command, "--threads", options->build.threads, WholeRange{0, most_threads},
+  add_number(command, "--threads", options->build.threads, WholeRange{0, max_threads},
              "Threads; 0: one per core. The result does not depend on it")
       ->capture_default_str();
   command
       .add_option_function<int>(
           "--quantise",
           [options](int bits) {
-            if (bits > 0 && bits < least_bits)
+            if (bits > 0 && bits < min_bits)
               throw CLI::ValidationError("--quantise",
-                                         fmt::format("{} is not 0 or in [{}, {}]", bits, least_bits, most_bits));
+                                         fmt::format("{} is not 0 or in [{}, {}]", bits, min_bits, max_bits));
             options->build.quantise_bits = bits;
           },
           "Round positions to a lattice of so many bits for the longest side of the box, for smaller files. "
           "Errors are then relative to the rounded mesh; 0: as they are")
-      ->transform(in_range(WholeRange{0, most_bits}))
+      ->transform(in_range(WholeRange{0, max_bits}))
       ->type_name("N");
   add_choice(command, "--compress", options->compression,
              {{"none", OlodCompression::none}, {"zstd", OlodCompression::zstd}},

@@ -14,7 +14,7 @@ namespace occlod::tool {
 namespace {
 
 constexpr std::string_view simulated_prefix = "simulated:";
-constexpr double least_speed = 1e-6, most_speed = 1e6;  // MB a second
+constexpr double min_speed = 1e-6, max_speed = 1e6;  // MB a second
 
 void set_budget(hlod::CacheOptions& options, const std::string& text) {
   const auto bytes = byte_count(text);
@@ -31,11 +31,11 @@ void set_load(hlod::CacheOptions& options, const std::string& text) {
   }
   double speed = 0.0;
   if (!text.starts_with(simulated_prefix) || !CLI::detail::lexical_cast(text.substr(simulated_prefix.size()), speed) ||
-      !(speed >= least_speed && speed <= most_speed))
+      !(speed >= min_speed && speed <= max_speed))
     throw CLI::ValidationError("--load",
                                fmt::format("{} is not blocking, async or simulated:MBPS, megabytes a second from {} to "
                                            "{}",
-                                           shown(text), least_speed, most_speed));
+                                           shown(text), min_speed, max_speed));
   options.load = hlod::LoadMode::simulated;
   options.simulated_mb_per_s = speed;
 }

@@ -23,8 +23,8 @@
 namespace occlod::tool {
 namespace {
 
-constexpr std::uint64_t most_tiles_per_file = 1'000'000;
-constexpr int least_bits = 8, most_bits = 16;
+constexpr std::uint64_t max_tiles_per_file = 1'000'000;
+constexpr int min_bits = 8, max_bits = 16;
 
 enum class Format { tiles_3d };
 
@@ -126,12 +126,12 @@ void add_hlod_export(CLI::App& hlod) {
       .add_option_function<int>(
           "--quantise",
           [&tileset](int bits) {
-            if (bits > 0 && bits < least_bits)
+            if (bits > 0 && bits < min_bits)
               throw CLI::ValidationError("--quantise", std::to_string(bits) + " is not 0 or in [8, 16]");
             tileset.quantise_bits = bits;
           },
           "Bits of a coordinate within its tile, 8 to 16, and 8 of normals; 0: floats [14 with meshopt, else 0]")
-      ->transform(in_range(WholeRange{0, most_bits}))
+      ->transform(in_range(WholeRange{0, max_bits}))
       ->type_name("N");
   command.add_flag("--skirts", tileset.skirts,
                    "Hang strips from the borders of tiles, which cover gaps between levels");
@@ -144,7 +144,7 @@ void add_hlod_export(CLI::App& hlod) {
       .add_option("--origin", options->origin, "Where the input's origin is on Earth (WGS84): degrees, degrees, metres")
       ->transform(not_empty())
       ->type_name("LON,LAT,H");
-  add_number(command, "--tiles-per-file", tileset.tiles_per_file, WholeRange{1, most_tiles_per_file},
+  add_number(command, "--tiles-per-file", tileset.tiles_per_file, WholeRange{1, max_tiles_per_file},
              "The most tiles in a .json file; more go on in others")
       ->capture_default_str();
   add_file(command, "--images", options->images,

@@ -17,7 +17,7 @@
 namespace occlod::tool {
 namespace {
 
-constexpr std::uint64_t most_frames = 1'000'000;
+constexpr std::uint64_t max_frames = 1'000'000;
 
 // The scene that has the cameras.
 SceneDescription read_views(const HlodSceneOptions& options, const SceneDescription& objects) {
@@ -71,7 +71,7 @@ void add_hlod_scene_options(CLI::App& command, HlodSceneOptions& options) {
   CLI::Option* camera =
       add_name(command, "--camera", options.view.camera, "Camera of the scene")->capture_default_str();
   add_name(command, "--path", options.view.path, "Draw every frame of this camera path of the scene")->excludes(camera);
-  add_number(command, "--frames", options.frames, WholeRange{1, most_frames},
+  add_number(command, "--frames", options.frames, WholeRange{1, max_frames},
              "With --path: go along it in so many frames instead of its own number; else stand still for so many")
       ->option_text("N");
   add_size_options(command, options.view);

@@ -17,7 +17,7 @@
 namespace occlod::tool {
 namespace {
 
-constexpr int most_fronts = 1'000'000;
+constexpr int max_fronts = 1'000'000;
 
 struct Options {
   std::string file;
@@ -54,7 +54,7 @@ void add_hlod_validate(CLI::App& hlod) {
       .add_flag("--leaves-only", options->leaves_only,
                 "Check nothing else, by a hash of all triangles' positions, one piece of the input in memory at a time")
       ->needs(input);
-  add_number(command, "--fronts", options->validate.random_fronts, WholeRange{0, most_fronts},
+  add_number(command, "--fronts", options->validate.random_fronts, WholeRange{0, max_fronts},
              "Number of random fronts to check for cracks")
       ->capture_default_str();
   command.add_flag("--json", options->json, "Print the result as one JSON object");

@@ -17,7 +17,7 @@
 namespace occlod::tool {
 namespace {
 
-constexpr std::int64_t most_pixels = std::int64_t{1} << 28U;
+constexpr std::int64_t max_pixels = std::int64_t{1} << 28U;
 constexpr char remedy[] = "convert it to PNG or JPEG, or leave it out with --texture none";
 
 }  // namespace
@@ -29,7 +29,7 @@ Image decode_image(std::span<const std::uint8_t> bytes, const std::string& name)
   int width = 0, height = 0, channels = 0;
   if (stbi_info_from_memory(bytes.data(), size, &width, &height, &channels) == 0)
     throw Error({name, "", "is no image that can be read", remedy});
-  if (std::int64_t{width} * height > most_pixels) throw Error({name, "", "is too large for an image", remedy});
+  if (std::int64_t{width} * height > max_pixels) throw Error({name, "", "is too large for an image", remedy});
   const std::unique_ptr<stbi_uc, void (*)(void*)> pixels(
       stbi_load_from_memory(bytes.data(), size, &width, &height, &channels, 4), stbi_image_free);
   if (!pixels) throw Error({name, "", std::string("cannot be decoded: ") + stbi_failure_reason(), remedy});

@@ -85,8 +85,8 @@ std::optional<std::uint64_t> byte_count(const std::string& text) {
 }
 
 std::string shown(const std::string& value) {
-  constexpr std::size_t most_characters = 40;
-  std::string text = value.substr(0, most_characters) + (value.size() > most_characters ? "..." : "");
+  constexpr std::size_t max_characters = 40;
+  std::string text = value.substr(0, max_characters) + (value.size() > max_characters ? "..." : "");
   std::replace_if(
       text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; }, '?');
   return '"' + text + '"';

@@ -23,9 +23,9 @@ struct RealRange {
 };
 
 // Triangles, splits, vertices and edges of one mesh are numbered with 32 bits.
-inline constexpr std::uint64_t most_elements = std::numeric_limits<std::uint32_t>::max();
+inline constexpr std::uint64_t max_elements = std::numeric_limits<std::uint32_t>::max();
 
-inline constexpr std::uint64_t most_threads = 1024;
+inline constexpr std::uint64_t max_threads = 1024;
 
 // For CLI::Option::transform(). Numbers are decimal and finite.
 [[nodiscard]] CLI::Validator in_range(WholeRange range);

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double bar_interval_ms = 100.0;
 constexpr double line_interval_ms = 1000.0;
-constexpr double least_ms = 1000.0;  // rates of less time are noise
+constexpr double min_ms = 1000.0;  // rates of less time are noise
 
 const std::string wipe_line = "\r\x1b[K";
 
@@ -26,7 +26,7 @@ std::string bar(double done) {
 }
 
 std::string rate_and_rest(double done, double elapsed_ms, std::size_t triangles) {
-  if (done <= 0.0 || elapsed_ms < least_ms) return "";
+  if (done <= 0.0 || elapsed_ms < min_ms) return "";
   std::string text;
   if (triangles > 0) {
     text += fmt::format(", {:.2f} M triangles/s", 1e-3 * done * static_cast<double>(triangles) / elapsed_ms);

@@ -12,9 +12,9 @@
 namespace occlod::tool {
 namespace {
 
-constexpr std::uint64_t most_triangles = 1'000'000'000'000;  // of a scene: its objects may share hierarchies
-constexpr std::uint64_t most_questions = 1'000'000;
-constexpr std::uint64_t most_frames = 1'000'000;
+constexpr std::uint64_t max_triangles = 1'000'000'000'000;  // of a scene: its objects may share hierarchies
+constexpr std::uint64_t max_questions = 1'000'000;
+constexpr std::uint64_t max_frames = 1'000'000;
 constexpr double largest_exponent = 8.0;
 constexpr double largest_hysteresis = 0.999;
 
@@ -39,7 +39,7 @@ void add_exponent(CLI::App& command, const std::string& name, double& exponent, 
 
 void add_refine_options(CLI::App& command, RefineOptions& refine) {
   command.option_defaults()->group("Refinement");
-  add_number(command, "--budget", refine.budget, WholeRange{1, most_triangles},
+  add_number(command, "--budget", refine.budget, WholeRange{1, max_triangles},
              "Most triangles over all objects; never exceeded")
       ->capture_default_str();
   add_number(command, "--tolerance", refine.tolerance_px, RealRange{},
@@ -53,7 +53,7 @@ void add_refine_options(CLI::App& command, RefineOptions& refine) {
   add_exponent(command, "--grazing-exponent", refine.priority.grazing_exponent,
                "1 / cosine of the angle between its faces and the view");
   add_exponent(command, "--forced-exponent", refine.priority.forced_exponent, "1 / (1 + unseen splits that it forces)");
-  add_number(command, "--threads", refine.threads, WholeRange{0, most_threads},
+  add_number(command, "--threads", refine.threads, WholeRange{0, max_threads},
              "Threads that refinement from scratch may use; 0: one per core; more than 2 are not used. The result does "
              "not depend on it")
       ->capture_default_str();
@@ -65,11 +65,11 @@ std::vector<std::uint32_t> parse_occluder_splits(const std::vector<std::string>&
   if (steps.size() == 1 && steps[0] == "adaptive") return splits;
   for (const std::string& step : steps) {
     const auto value = whole_number(step);
-    if (!value || *value > most_elements || (!splits.empty() && *value <= splits.back()))
+    if (!value || *value > max_elements || (!splits.empty() && *value <= splits.back()))
       throw CLI::ValidationError(
           "--occluder-splits",
           fmt::format("{} is neither adaptive alone nor one of ascending whole numbers from 0 to {}", shown(step),
-                      most_elements));
+                      max_elements));
     splits.push_back(static_cast<std::uint32_t>(*value));
   }
   return splits;
@@ -144,9 +144,9 @@ void add_gl_options(CLI::App& command, BackendOptions& backend) {
   command.option_defaults()->group("Occlusion by OpenGL (--occlusion gl-...)");
   add_choice<std::string>(command, "--gl-platform", backend.gl_platform, {{"egl", "egl"}, {"osmesa", "osmesa"}},
                           "How to create the OpenGL context; whatever the machine offers if not given");
-  add_number(command, "--flight", backend.flight, WholeRange{1, most_questions},
+  add_number(command, "--flight", backend.flight, WholeRange{1, max_questions},
              "Queries under way at once; the backend's own number if not given");
-  add_number(command, "--query-window", backend.window, WholeRange{0, most_questions},
+  add_number(command, "--query-window", backend.window, WholeRange{0, max_questions},
              "gl-query: of those, queries that OpenGL holds at once; measured if 0 or not given");
   add_number(command, "--occlusion-divisor", backend.divisor, WholeRange{1, 1024},
              "gl-query, gl-mark: test at a resolution so many times smaller in each direction");
@@ -185,7 +185,7 @@ void add_following_options(CLI::App& command, RenderOptions& options) {
              "Relative margin by which a candidate must exceed an applied split to replace it")
       ->capture_default_str()
       ->needs(following);
-  add_number(command, "--most-changes", refine.update.most_changes, WholeRange{0, most_triangles},
+  add_number(command, "--max-changes", refine.update.max_changes, WholeRange{0, max_triangles},
              "Most splits and merges in one frame, except what the budget forces; 0: no limit")
       ->capture_default_str()
       ->needs(following);
@@ -194,7 +194,7 @@ void add_following_options(CLI::App& command, RenderOptions& options) {
       "Milliseconds after which a frame splits and merges no more; 0: no limit. Results then depend on the clock")
       ->capture_default_str()
       ->needs(following);
-  add_number(command, "--geomorph-frames", refine.update.geomorph_frames, WholeRange{0, most_frames},
+  add_number(command, "--geomorph-frames", refine.update.geomorph_frames, WholeRange{0, max_frames},
              "Frames in which a new vertex slides from its parent to its place; 0: at once")
       ->capture_default_str()
       ->needs(following);

@@ -88,7 +88,7 @@ Json stats_of(const Measurement& measurement) {
 
 Json following_asked_of(const RefineOptions& options) {
   return {{"hysteresis", options.update.hysteresis},
-          {"most_changes", options.update.most_changes},
+          {"max_changes", options.update.max_changes},
           {"time_limit_ms", options.update.time_limit_ms},
           {"geomorph_frames", options.update.geomorph_frames}};
 }

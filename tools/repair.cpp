@@ -138,7 +138,7 @@ void add_repair(CLI::App& app) {
   add_number(command, "--weld", options->repair.weld, RealRange{},
              "Also merge vertices that are no farther apart than this, object units")
       ->capture_default_str();
-  add_number(command, "--fill-holes", options->repair.fill_holes, WholeRange{0, most_elements},
+  add_number(command, "--fill-holes", options->repair.fill_holes, WholeRange{0, max_elements},
              "Close holes with at most so many edges; 0: none")
       ->capture_default_str();
   add_progress_option(command, options->progress);

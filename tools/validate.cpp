@@ -16,7 +16,7 @@
 namespace occlod::tool {
 namespace {
 
-constexpr int most_cuts = 1'000'000;
+constexpr int max_cuts = 1'000'000;
 
 struct Options {
   std::string file;
@@ -40,7 +40,7 @@ void add_validate(CLI::App& app) {
   const auto options = std::make_shared<Options>();
   add_file(command, "FILE", options->file, "Hierarchy to check, an .olod file")->required();
   add_file(command, "--input", options->input, "Also check that all splits together give back this mesh");
-  add_number(command, "--cuts", options->validate.random_cuts, WholeRange{0, most_cuts},
+  add_number(command, "--cuts", options->validate.random_cuts, WholeRange{0, max_cuts},
              "Number of random cuts to check for cracks")
       ->capture_default_str();
   command.add_flag("--json", options->json, "Print the result as one JSON object");

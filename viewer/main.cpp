@@ -105,9 +105,9 @@ ImageSize parse_size(const std::string& text) {
   const bool has_height = width.ec == std::errc() && width.ptr != end && *width.ptr == 'x';
   const auto height = has_height ? std::from_chars(width.ptr + 1, end, size.height) : width;
   if (!has_height || height.ec != std::errc() || height.ptr != end || !is_window_size(size))
-    throw CLI::ValidationError("--size",
-                               fmt::format("\"{}\" is not WxH between {}x{} and {}x{}", text, least_window.width,
-                                           least_window.height, most_window.width, most_window.height));
+    throw CLI::ValidationError(
+        "--size", fmt::format("\"{}\" is not WxH between {}x{} and {}x{}", text, min_window.width, min_window.height,
+                              max_window.width, max_window.height));
   return size;
 }
 

@@ -12,7 +12,7 @@ namespace {
 
 // Nobody sees a tenth of a pixel: what is nearer to the full mesh than that is no better, and an exact picture must not
 // make its time worthless.
-constexpr double least_error_px = 0.1;
+constexpr double min_error_px = 0.1;
 
 template <typename Values, typename Of>
 double geometric_mean(const Values& values, const Of& of) {
@@ -29,7 +29,7 @@ double Scores::frame_ms_mean() const {
 
 double Scores::error_px_mean() const {
   return geometric_mean(error_px,
-                        [](const std::vector<double>& rounds) { return std::hypot(median(rounds), least_error_px); });
+                        [](const std::vector<double>& rounds) { return std::hypot(median(rounds), min_error_px); });
 }
 
 double Scores::score() const { return frame_ms_mean() * error_px_mean(); }

@@ -47,7 +47,7 @@ SettingRun::SettingRun(const Setting& setting, std::vector<LoadedObject> objects
 
 void SettingRun::start(const View& view) {
   RefineOptions unlimited = setting_.refine;
-  unlimited.update.most_changes = 0;
+  unlimited.update.max_changes = 0;
   unlimited.update.time_limit_ms = 0.0;
   measurement_.repeat(view, unlimited, *visibility_);
   record();

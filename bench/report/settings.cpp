@@ -50,10 +50,10 @@ void go_on(S& setting) { setting.frame_to_frame = true; }
 constexpr const char* update_flags = "--path NAME --frame-to-frame";
 
 Change work_limit(std::size_t changes) {
-  return {fmt::format("{}", changes), fmt::format("--path NAME --frame-to-frame --most-changes {}", changes),
+  return {fmt::format("{}", changes), fmt::format("--path NAME --frame-to-frame --max-changes {}", changes),
           [changes](S& s) {
             go_on(s);
-            s.refine.update.most_changes = changes;
+            s.refine.update.max_changes = changes;
           }};
 }
 

@@ -4,11 +4,11 @@
 
 namespace occlod::bench {
 
-BallShares ball_shares(const paper::BitColumns& columns, std::span<const double> factors, std::uint32_t most_centres) {
+BallShares ball_shares(const paper::BitColumns& columns, std::span<const double> factors, std::uint32_t max_centres) {
   BallShares result;
   result.mean.assign(factors.size(), 0.0);
   result.least.assign(factors.size(), 1.0);
-  const std::uint32_t wanted = std::min(most_centres, columns.size());
+  const std::uint32_t wanted = std::min(max_centres, columns.size());
   std::vector<std::uint32_t> distances;
   for (std::uint32_t i = 0; i < wanted; ++i) {
     const auto centre = static_cast<std::uint32_t>(std::uint64_t{i} * columns.size() / wanted);

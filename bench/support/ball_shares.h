@@ -16,9 +16,9 @@ struct BallShares {
   std::vector<double> least;  // that is not equal; mean and least over centres
 };
 
-// From at most `most_centres` columns, evenly spread, none without another that differs. `factors` >= 1.
+// From at most `max_centres` columns, evenly spread, none without another that differs. `factors` >= 1.
 // O(centres * columns * ones).
 [[nodiscard]] BallShares ball_shares(const paper::BitColumns& columns, std::span<const double> factors,
-                                     std::uint32_t most_centres);
+                                     std::uint32_t max_centres);
 
 }  // namespace occlod::bench

@@ -64,7 +64,7 @@ GuidedSampling::GuidedSampling(std::span<const glm::vec3> positions, std::span<c
 std::span<const FoundTriangle> GuidedSampling::run() {
   start_ms_ = thread_cpu_ms();
   ms_ = 0.0;
-  while (ms_ < options_.most_ms && rays_ < options_.most_rays) {
+  while (ms_ < options_.max_ms && rays_ < options_.max_rays) {
     if (queue_.empty() || !options_.guided) {
       shoot_at_random();
       continue;

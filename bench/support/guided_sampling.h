@@ -16,9 +16,9 @@
 namespace occlod::bench {
 
 struct GuidedOptions {
-  bool guided = true;     // false: random rays only
-  double most_ms = 60e3;  // processor time of this thread
-  std::uint64_t most_rays = ~std::uint64_t{0};
+  bool guided = true;    // false: random rays only
+  double max_ms = 60e3;  // processor time of this thread
+  std::uint64_t max_rays = ~std::uint64_t{0};
   double border_rad = 1e-3;  // how far outside a triangle's border it is sampled, as seen from the start of the ray
   double finest_rad = 2e-3;  // parts of this border that look shorter are not divided
   double jump = 0.01;        // share of the distance by which a hit has to be nearer than the border to hide it

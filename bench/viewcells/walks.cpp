@@ -184,7 +184,7 @@ void run(const std::filesystem::path& file, const std::filesystem::path& scene, 
                     {"triangles", full.triangle_count()},
                     {"cells", subject.file->tree().leaf_count()},
                     {"tolerance_px", options.cell.tolerance_px},
-                    {"most_triangles", options.most_triangles},
+                    {"max_triangles", options.max_triangles},
                     {"paths", std::move(paths)},
                     {"hash", fmt::format("{:016x}", XXH3_64bits(counted.data(), counted.size()))}});
 }

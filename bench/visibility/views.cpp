@@ -13,8 +13,8 @@
 namespace occlod::bench {
 namespace {
 
-constexpr double least_covered = 0.05;  // of the picture
-constexpr double most_backs = 0.001;    // of the covered pixels
+constexpr double min_covered = 0.05;  // of the picture
+constexpr double max_backs = 0.001;   // of the covered pixels
 
 // Any direction that is not along the line of sight.
 glm::dvec3 up_for(const glm::dvec3& along, const glm::dvec3& wanted) {
@@ -115,8 +115,8 @@ bool is_fair(const SceneRun& run, const View& view, const ItemBuffer& items, std
     ++covered;
     backs += is_back[item] ? 1U : 0U;
   }
-  return static_cast<double>(covered) >= least_covered * static_cast<double>(items.items.size()) &&
-         static_cast<double>(backs) <= most_backs * static_cast<double>(covered);
+  return static_cast<double>(covered) >= min_covered * static_cast<double>(items.items.size()) &&
+         static_cast<double>(backs) <= max_backs * static_cast<double>(covered);
 }
 
 }  // namespace occlod::bench

@@ -16,7 +16,7 @@ namespace {
 using tool::Json;
 
 constexpr std::uint64_t seed = 1;
-constexpr int most_tries_a_view = 20;
+constexpr int max_tries_a_view = 20;
 constexpr std::array modes = {OccluderMode::paper, OccluderMode::conservative};
 
 // What came of all views of one scene in one mode.
@@ -41,7 +41,7 @@ class Hunt {
 
   void look_everywhere() {
     RandomCameras cameras(run_, options_, seed);
-    for (int tries = 0; random_ < options_.views && tries < options_.views * most_tries_a_view; ++tries)
+    for (int tries = 0; random_ < options_.views && tries < options_.views * max_tries_a_view; ++tries)
       if (look({fmt::format("random {}", tries), cameras.next()})) ++random_;
     for (const NamedView& view : path_views(run_, options_.path_frames, options_.hidden_size))
       if (look(view)) ++on_paths_;

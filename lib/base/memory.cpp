@@ -25,14 +25,14 @@ constexpr auto pause = std::chrono::milliseconds(1);
 constexpr auto look_interval = std::chrono::microseconds(100);  // of a thread that fills memory
 // Of what the process may have, when pages leave: at most and at least. The rest is for what comes meanwhile.
 constexpr double most_used = 0.8, least_used = 0.4;
-constexpr std::size_t least_limit = std::size_t{1} << 26U;
+constexpr std::size_t min_limit = std::size_t{1} << 26U;
 
 // All files that are mapped, also those that outlive their MemoryLimit.
 struct Scratch {
   std::mutex mutex;
   std::optional<std::filesystem::path> folder;  // while one lives
   std::map<void*, ScratchFile> files;           // by its begin
-  std::size_t bytes = 0, most_bytes = 0;        // of `files`
+  std::size_t bytes = 0, max_bytes = 0;         // of `files`
 };
 
 Scratch& scratch() noexcept {
@@ -115,7 +115,7 @@ class MemoryLimit::Watch {
 };
 
 MemoryLimit::MemoryLimit(std::size_t bytes, const std::filesystem::path& folder) {
-  if (bytes < least_limit)
+  if (bytes < min_limit)
     throw Error({"memory limit", "", fmt::format("is {} bytes, less than 64 MiB", bytes), "allow more"});
   if (resident_memory().all == 0)
     throw Error({"memory limit", "", "this system does not tell how much memory a process has", "build without one"});
@@ -127,7 +127,7 @@ MemoryLimit::MemoryLimit(std::size_t bytes, const std::filesystem::path& folder)
     const std::scoped_lock lock(scratch().mutex);
     if (scratch().folder) throw Error({"memory limit", "", "there is one already", "wait until it ends"});
     scratch().folder = folder;
-    scratch().most_bytes = scratch().bytes;
+    scratch().max_bytes = scratch().bytes;
   }
   watch_ = std::make_unique<Watch>(bytes);
 }
@@ -138,9 +138,9 @@ MemoryLimit::~MemoryLimit() {
   scratch().folder.reset();
 }
 
-std::size_t MemoryLimit::most_scratch_bytes() const noexcept {
+std::size_t MemoryLimit::max_scratch_bytes() const noexcept {
   const std::scoped_lock lock(scratch().mutex);
-  return scratch().most_bytes;
+  return scratch().max_bytes;
 }
 
 void memory_limit::make_room() noexcept {
@@ -175,7 +175,7 @@ void* allocate_scratch(std::size_t bytes) {
   const std::scoped_lock lock(all.mutex);
   all.files.emplace(begin, *std::move(file));
   all.bytes += bytes;
-  all.most_bytes = std::max(all.most_bytes, all.bytes);
+  all.max_bytes = std::max(all.max_bytes, all.bytes);
   return begin;
 }
 

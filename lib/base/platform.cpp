@@ -139,10 +139,10 @@ InputFile::~InputFile() { close(descriptor_); }
 void InputFile::read(std::span<std::byte> bytes, std::uint64_t offset) const { read_at(descriptor_, bytes, offset); }
 
 void InputFile::read(std::span<const std::span<std::byte>> parts, std::uint64_t offset) const {
-  constexpr std::size_t most_parts = 64;  // of one call; every system takes 16, this one 1,024
-  std::array<iovec, most_parts> vectors{};
+  constexpr std::size_t max_parts = 64;  // of one call; every system takes 16, this one 1,024
+  std::array<iovec, max_parts> vectors{};
   while (!parts.empty()) {
-    const std::size_t count = std::min(parts.size(), most_parts);
+    const std::size_t count = std::min(parts.size(), max_parts);
     for (std::size_t i = 0; i < count; ++i) vectors[i] = {parts[i].data(), parts[i].size()};
     ssize_t got = preadv(descriptor_, vectors.data(), static_cast<int>(count), static_cast<off_t>(offset));
     if (got < 0 && errno == EINTR) continue;

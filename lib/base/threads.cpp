@@ -4,11 +4,11 @@ namespace occlod {
 namespace {
 
 // About as long as falling asleep and being woken takes.
-constexpr int most_looks = 4000;
+constexpr int max_looks = 4000;
 
 // Until it is another state than `state`.
 void wait_while(const std::atomic<std::uint32_t>& current, std::uint32_t state) noexcept {
-  for (int i = 0; i < most_looks; ++i) {
+  for (int i = 0; i < max_looks; ++i) {
     if (current.load(std::memory_order_acquire) != state) return;
     relax();
   }

@@ -76,7 +76,7 @@ struct PackedTree {
 
 using vlod::Additions;
 using vlod::Expected;
-using vlod::most_ids_per_byte;
+using vlod::max_ids_per_byte;
 
 PackedTree pack(CellSubtree tree) {
   CellSets sets = std::exchange(tree.sets, {});
@@ -84,7 +84,7 @@ PackedTree pack(CellSubtree tree) {
                          sets.drawn.size()};
   const Additions shared{std::move(sets.splits), std::move(sets.candidates), std::move(sets.hidden)};
   const Additions used{std::move(sets.used), {}, std::move(sets.drawn)};
-  return {std::move(tree), {encode(shared, {}, most_ids_per_byte), encode(used, {}, most_ids_per_byte), counts}};
+  return {std::move(tree), {encode(shared, {}, max_ids_per_byte), encode(used, {}, max_ids_per_byte), counts}};
 }
 
 std::optional<CellSets> unpack(std::span<const std::byte> shared, std::span<const std::byte> used,
@@ -92,7 +92,7 @@ std::optional<CellSets> unpack(std::span<const std::byte> shared, std::span<cons
   const auto decoded = [&](std::span<const std::byte> bytes, std::uint64_t splits, std::uint64_t candidates,
                            std::uint64_t faces) -> std::optional<Additions> {
     problem = "claims more than it can hold";
-    if (std::max({splits, candidates, faces}) > bytes.size() * most_ids_per_byte) return {};
+    if (std::max({splits, candidates, faces}) > bytes.size() * max_ids_per_byte) return {};
     return decode(bytes, Expected{ids.split_count(), ids.owner_count(), splits, candidates, faces}, {}, problem);
   };
   auto first = decoded(shared, counts.splits, counts.candidates, counts.hidden);

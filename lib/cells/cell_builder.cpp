@@ -72,7 +72,7 @@ class CellSampling {
   CellCut result_;
 };
 
-constexpr int most_pixels = 4096;  // along each side of an image
+constexpr int max_pixels = 4096;  // along each side of an image
 
 // To one side of a cube around the eye.
 View view_to(const glm::dvec3& eye, int side, const EyeModel& eyes) {
@@ -81,7 +81,7 @@ View view_to(const glm::dvec3& eye, int side, const EyeModel& eyes) {
   up[(side / 2 + 1) % 3] = 1.0;
   Camera camera{.eye = eye, .target = eye + direction, .up = up, .fov_y_deg = 90.0};
   camera.width = camera.height =
-      static_cast<int>(std::clamp(std::ceil(2.0 * eyes.focal_length_px), 1.0, 1.0 * most_pixels));
+      static_cast<int>(std::clamp(std::ceil(2.0 * eyes.focal_length_px), 1.0, 1.0 * max_pixels));
   camera.near = eyes.near;
   camera.far = 1e9 * eyes.near;
   return View(camera);
@@ -370,12 +370,12 @@ std::size_t CellOccluders::triangle_count() const noexcept { return surface_->tr
 
 namespace {
 
-constexpr int most_sampled_eyes = 64;
+constexpr int max_sampled_eyes = 64;
 
 std::span<const RefineObject> checked(std::span<const RefineObject> objects, const CellOptions& options) {
   if (!(options.tolerance_px > 0.0) || !std::isfinite(options.tolerance_px))
     throw Error({"cell options", "tolerance_px", "is out of its range", "give a number of pixels > 0"});
-  if (options.sampled_eyes < 1 || options.sampled_eyes > most_sampled_eyes)
+  if (options.sampled_eyes < 1 || options.sampled_eyes > max_sampled_eyes)
     throw Error({"cell options", "sampled_eyes", "is out of its range", "give 1 to 64 eyes along each axis"});
   if (options.budget > 0 && options.occlusion == CellOcclusion::sampled)
     throw Error({"cell options", "budget", "does not go with sampled occlusion", "give a tolerance only"});

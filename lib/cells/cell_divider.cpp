@@ -19,7 +19,7 @@ namespace occlod {
 namespace {
 
 constexpr unsigned hilbert_bits = 21;
-constexpr double most_root_cells = 1U << 24U;
+constexpr double max_root_cells = 1U << 24U;
 
 double edge(const CellBox& box, int axis) { return box.max[axis] - box.min[axis]; }
 
@@ -32,10 +32,10 @@ std::array<std::uint32_t, 3> counts_of(const CellBox& region, double root_cell) 
   std::array<double, 3> counts{};
   for (int axis = 0; axis < 3; ++axis)  // rounding makes no cell more
     counts[static_cast<std::size_t>(axis)] = std::max(1.0, std::ceil(edge(region, axis) / root_cell - 1e-9));
-  if (!(counts[0] * counts[1] * counts[2] <= most_root_cells) ||
+  if (!(counts[0] * counts[1] * counts[2] <= max_root_cells) ||
       *std::max_element(counts.begin(), counts.end()) > static_cast<double>(1U << hilbert_bits))
     throw Error({"cell options", "root_cell",
-                 fmt::format("{} cuts a region into more than {} cells", root_cell, most_root_cells),
+                 fmt::format("{} cuts a region into more than {} cells", root_cell, max_root_cells),
                  "make root cells larger, or the region smaller"});
   return {static_cast<std::uint32_t>(counts[0]), static_cast<std::uint32_t>(counts[1]),
           static_cast<std::uint32_t>(counts[2])};
@@ -81,8 +81,8 @@ std::vector<RootCell> root_cells(const CellTreeOptions& options) {
                             {plane(region, 0, x + 1, nx), plane(region, 1, y + 1, ny), plane(region, 2, z + 1, nz)}},
                            r,
                            {x, y, z}});
-    if (static_cast<double>(cells.size()) > most_root_cells)
-      throw Error({"cell options", "regions", fmt::format("have more than {} root cells", most_root_cells),
+    if (static_cast<double>(cells.size()) > max_root_cells)
+      throw Error({"cell options", "regions", fmt::format("have more than {} root cells", max_root_cells),
                    "make root cells larger"});
     std::sort(cells.begin() + static_cast<std::ptrdiff_t>(first), cells.end(),
               [](const RootCell& a, const RootCell& b) { return hilbert_index(a.place) < hilbert_index(b.place); });
@@ -144,9 +144,9 @@ CellSets joined_sets(std::span<const CellSubtree> parts) {
 void add_payload(CellSubtree& tree, const CellSets& above) {
   const vlod::Additions additions{combined(tree.sets.splits, above.splits, not_in), std::move(tree.sets.candidates),
                                   combined(tree.sets.hidden, above.hidden, not_in)};
-  const std::vector<std::byte> bytes = vlod::encode(additions, above.candidates, vlod::most_ids_per_byte);
+  const std::vector<std::byte> bytes = vlod::encode(additions, above.candidates, vlod::max_ids_per_byte);
   CellNode& root = tree.nodes.front();
-  if (bytes.size() > vlod::most_payload_bytes)
+  if (bytes.size() > vlod::max_payload_bytes)
     throw Error({"cells", "", "one of them adds more than 16 MiB", "allow a larger tolerance"});
   root.payload = tree.payloads.size();
   root.payload_bytes = static_cast<std::uint32_t>(bytes.size());
@@ -233,7 +233,7 @@ class Division {
 
  private:
   [[nodiscard]] std::vector<CellContent> parts_worth_having(const CellNode& cell, std::uint32_t level) const {
-    if (cell.drawn_triangles <= options_.most_triangles || level >= options_.levels) return {};
+    if (cell.drawn_triangles <= options_.max_triangles || level >= options_.levels) return {};
     const std::vector<CellBox> boxes = parts_of(cell.box, options_.smallest_cell);
     if (boxes.size() == 1) return {};
     std::vector<CellContent> parts;

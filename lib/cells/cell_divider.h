@@ -63,7 +63,7 @@ void finish(CellSubtree& tree);
 
 // Divides a root cell into a tree of cells and finds their cuts.
 
-// Whether a cell that draws more than options.most_triangles is worth dividing into cells that draw so much.
+// Whether a cell that draws more than options.max_triangles is worth dividing into cells that draw so much.
 [[nodiscard]] bool is_worth_dividing(const CellTreeOptions& options, std::size_t drawn,
                                      std::span<const std::size_t> drawn_by_parts);
 

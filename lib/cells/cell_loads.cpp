@@ -177,7 +177,7 @@ namespace {
 constexpr double memory_seconds = 0.2;
 constexpr double slope = 0.25;         // how far the eye may leave its course, of the way that it goes
 constexpr double walking_speed = 1.4;  // m/s: that an eye may take up at any time
-constexpr int most_samples = 64;       // of the course
+constexpr int max_samples = 64;        // of the course
 
 double distance_to(const CellBox& box, const glm::dvec3& p) {
   return glm::distance(p, glm::clamp(p, box.min, box.max));
@@ -220,7 +220,7 @@ const std::vector<ExpectedCell>& CellForecast::expect(CellId leaf, const glm::dv
   // Along the course, in steps of half a cell; the first and the last sample are its ends.
   const CellBox& box = tree_.node(leaf).box;
   const double reach = speed * horizon, edge = std::max(glm::length(box.max - box.min) / 2.0, 1e-12);
-  const int samples = static_cast<int>(std::clamp(std::ceil(2.0 * reach / edge), 1.0, double{most_samples}));
+  const int samples = static_cast<int>(std::clamp(std::ceil(2.0 * reach / edge), 1.0, double{max_samples}));
   for (int i = 0; speed > 0.0 && i <= samples && expected_.size() < 4 * most; ++i) {
     const double way = reach * i / samples, radius = slope * std::max(way, reach / samples);
     const glm::dvec3 place = eye + velocity * (way / speed);

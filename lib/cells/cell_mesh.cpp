@@ -47,11 +47,11 @@ void divide(std::span<Triangle> triangles, std::uint32_t first, std::span<const 
 CellMeshMaker::CellMeshMaker(const VlodFile& file, std::span<const RefineObject> objects)
     : file_(file), objects_(objects.begin(), objects.end()), faces_(objects) {}
 
-CellMeshMaker::CellMeshMaker(const VlodFile& file, vlod::GeometryCache& cache, std::size_t most_bytes)
+CellMeshMaker::CellMeshMaker(const VlodFile& file, vlod::GeometryCache& cache, std::size_t max_bytes)
     : file_(file),
       objects_(placements(file)),
       faces_(std::span<const RefineObject>()),
-      packed_(std::in_place, cache, most_bytes) {}
+      packed_(std::in_place, cache, max_bytes) {}
 
 CellMesh CellMeshMaker::make(CellId cell, std::span<const CellAdditions* const> path) {
   const bool is_leaf = file_.tree().is_leaf(cell), has_error = is_leaf || packed_;

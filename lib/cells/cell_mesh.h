@@ -47,8 +47,8 @@ class CellMeshMaker {
  public:
   // Both outlive it.
   CellMeshMaker(const VlodFile& file, std::span<const RefineObject> objects);
-  // Of a packed file, whose objects have no hierarchies; the cache outlives it. `most_bytes`: see PackedFaces.
-  CellMeshMaker(const VlodFile& file, vlod::GeometryCache& cache, std::size_t most_bytes);
+  // Of a packed file, whose objects have no hierarchies; the cache outlives it. `max_bytes`: see PackedFaces.
+  CellMeshMaker(const VlodFile& file, vlod::GeometryCache& cache, std::size_t max_bytes);
 
   // `path`: what the nodes from the root to this one add. A leaf is drawn as read_cell() gives it. Of another node all
   // faces are drawn that do not turn away from its box: those hidden in the leaves below are hidden by what these

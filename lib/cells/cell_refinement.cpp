@@ -156,7 +156,7 @@ float CellImages::farthest(Side& side, int x, int y) {
 namespace {
 
 // Of faces that are asked about at once before each is: larger groups are seldom hidden.
-constexpr std::size_t most_faces_at_once = 8;
+constexpr std::size_t max_faces_at_once = 8;
 
 }  // namespace
 
@@ -339,7 +339,7 @@ void CellRefinement::add_face(std::uint32_t object, const CellView& view, const 
 void CellRefinement::drop_hidden(std::span<Face> faces) {
   CellBox box = faces[0].box;
   for (const Face& face : faces) box = unite(box, face.box);
-  if (faces.size() <= most_faces_at_once && is_hidden(box)) {
+  if (faces.size() <= max_faces_at_once && is_hidden(box)) {
     for (const Face& face : faces) drawn_[face.place] = false;
     return;
   }

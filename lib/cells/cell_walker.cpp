@@ -19,8 +19,8 @@
 namespace occlod {
 namespace {
 
-constexpr std::size_t most_expected = 64;  // cells
-constexpr int most_tries = 3;
+constexpr std::size_t max_expected = 64;  // cells
+constexpr int max_tries = 3;
 constexpr double retry_seconds = 1.0;
 // How far ahead cells are loaded: several times what a load has taken lately.
 constexpr double shortest_horizon = 0.5, longest_horizon = 2.0, loads_ahead = 4.0;
@@ -131,8 +131,8 @@ class CellWalker::Work {
     fixed_bytes_ = file_->geometry()->bytes();
   }
 
-  [[nodiscard]] CellMeshMaker maker(std::size_t most_bytes) {
-    return geometry_ ? CellMeshMaker(*file_, *geometry_, most_bytes) : CellMeshMaker(*file_, objects_);
+  [[nodiscard]] CellMeshMaker maker(std::size_t max_bytes) {
+    return geometry_ ? CellMeshMaker(*file_, *geometry_, max_bytes) : CellMeshMaker(*file_, objects_);
   }
 
   void load_root() {
@@ -173,7 +173,7 @@ class CellWalker::Work {
         Failure& failure = failures_[load.failed];
         failure = {failure.tries + 1, clock_ + retry_seconds};
         note(fmt::format("{}; {}", load.problem,
-                         failure.tries < most_tries ? "trying again in a second" : "going on without it"));
+                         failure.tries < max_tries ? "trying again in a second" : "going on without it"));
       }
       if (const auto since = wanted_since_.find(load.cell); since != wanted_since_.end()) {
         waited_ = std::max(clock_ - since->second, 0.9 * waited_);
@@ -200,7 +200,7 @@ class CellWalker::Work {
     for (CellId node = cell; node != no_id; node = file_->tree().node(node).parent) {
       const auto found = failures_.find(node);
       if (found == failures_.end()) continue;
-      const bool is_lost = found->second.tries >= most_tries;
+      const bool is_lost = found->second.tries >= max_tries;
       if (is_lost && forever != nullptr) *forever = true;
       if (is_lost || clock_ < found->second.retry_at) return false;
     }
@@ -260,7 +260,7 @@ class CellWalker::Work {
       if (node == target_ || (residents_.find(node) && kept_.size() < 2)) consider(node);
     if (options_.prefetch) {
       const double horizon = std::clamp(loads_ahead * waited_, shortest_horizon, longest_horizon);
-      for (const ExpectedCell& cell : forecast_.expect(frame_.cell, eye, motion_.velocity(), horizon, most_expected))
+      for (const ExpectedCell& cell : forecast_.expect(frame_.cell, eye, motion_.velocity(), horizon, max_expected))
         if (can_load(cell.leaf) && !consider(cell.leaf)) break;
       for (const CellId node : path_)
         if (can_load(node) && !consider(node)) break;

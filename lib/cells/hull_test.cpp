@@ -125,14 +125,14 @@ InnerBoxTest::State InnerBoxTest::find_state(std::uint32_t box) const {
 }
 
 void InnerBoxTest::remember(std::uint32_t box) {
-  if (remembered_.size() == most_remembered) remembered_.pop_back();
+  if (remembered_.size() == max_remembered) remembered_.pop_back();
   remembered_.insert(remembered_.begin(), box);
 }
 
 namespace {
 
 // Where a segment meets more, those near the cell hide most.
-constexpr std::size_t most_seeds = 16;
+constexpr std::size_t max_seeds = 16;
 
 }  // namespace
 
@@ -157,7 +157,7 @@ bool HullTest::hides(const CellBox& what) {
   rounding_ = relative_rounding *
               std::max({largest_coordinate(cell_), largest_coordinate(what), surface_.largest_coordinate()});
   if (boxes_ && boxes_->hides_again(what)) return ++counts_.boxed, true;
-  find_hits(what, first_segment_, most_seeds, seeds_);
+  find_hits(what, first_segment_, max_seeds, seeds_);
   if (seeds_.empty()) return ++counts_.free, false;
   if (boxes_ && is_boxed(what)) return ++counts_.boxed, true;
   if (is_free(what)) return ++counts_.free, false;
@@ -171,7 +171,7 @@ bool HullTest::hides(const CellBox& what) {
 
 void HullTest::begin_floods() {
   // A query makes one flood a seed at most. Before their numbers run out they begin anew.
-  if (flood_ > std::numeric_limits<std::uint32_t>::max() - most_seeds) {
+  if (flood_ > std::numeric_limits<std::uint32_t>::max() - max_seeds) {
     std::fill_n(reached_by_.get(), surface_.triangle_count(), 0U);
     flood_ = 0;
   }
@@ -281,7 +281,7 @@ bool HullTest::is_crossed_already(std::uint32_t edge) const {
 // there are too many.
 bool HullTest::reach(std::uint32_t t) {
   if (reached_by_[t] >= first_flood_) return reached_by_[t] == flood_;
-  if (reached_count_ == most_triangles) return false;
+  if (reached_count_ == max_triangles) return false;
   ++reached_count_;
   reached_by_[t] = flood_;
   reached_.push_back(t);

@@ -40,7 +40,7 @@ class InnerBoxTest {
   [[nodiscard]] State find_state(std::uint32_t box) const;
   void remember(std::uint32_t box);
 
-  static constexpr std::size_t most_remembered = 32;
+  static constexpr std::size_t max_remembered = 32;
 
   const CellSurface& surface_;
   const InnerBoxes& boxes_;
@@ -77,7 +77,7 @@ class HullTest {
     std::size_t floods = 0;
     std::size_t triangles = 0;  // that floods reached
   };
-  static constexpr std::size_t most_triangles = 4096;  // of all floods of a query
+  static constexpr std::size_t max_triangles = 4096;  // of all floods of a query
 
   // Both outlive it. Without boxes all is found by floods.
   explicit HullTest(const CellSurface& surface, const InnerBoxes* boxes = nullptr);

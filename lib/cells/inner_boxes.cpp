@@ -102,9 +102,9 @@ constexpr CellBox empty_box{glm::dvec3(std::numeric_limits<double>::infinity()),
 // Of coordinates.
 constexpr double relative_rounding = 1e-9;
 // A block of a part is given up that is this many times smaller than its first.
-constexpr double least_share = 1.0 / 16.0;
+constexpr double min_share = 1.0 / 16.0;
 // Of the six sides of a voxel inside a solid, those with surface before the end of the grid: a house may stand open.
-constexpr int least_sides = 5;
+constexpr int min_sides = 5;
 
 CellBox bounds_of(const CellSurface& surface, std::uint32_t t) {
   const glm::dvec3 &a = surface.corner(t, 0), &b = surface.corner(t, 1), &c = surface.corner(t, 2);
@@ -202,7 +202,7 @@ class PartGrid {
     for (p[2] = 0; p[2] < size[2]; ++p[2])
       for (p[1] = 0; p[1] < size[1]; ++p[1])
         for (p[0] = 0; p[0] < size[0]; ++p[0])
-          if (sides[place_of(p)] < least_sides) grid_.take(p);
+          if (sides[place_of(p)] < min_sides) grid_.take(p);
   }
 
   const CellSurface& surface_;
@@ -277,8 +277,8 @@ std::vector<std::uint32_t> InnerBoxes::parts_worth_a_look(const CellSurface& sur
   }
   std::vector<std::pair<double, std::uint32_t>> sizes;
   for (std::uint32_t p = 0; p < parts_.size(); ++p)
-    if (counts[p] >= least_triangles && volume_of(bounds[p]) > 0.0) sizes.emplace_back(-volume_of(bounds[p]), p);
-  const auto end = sizes.begin() + static_cast<std::ptrdiff_t>(std::min(sizes.size(), most_parts));
+    if (counts[p] >= min_triangles && volume_of(bounds[p]) > 0.0) sizes.emplace_back(-volume_of(bounds[p]), p);
+  const auto end = sizes.begin() + static_cast<std::ptrdiff_t>(std::min(sizes.size(), max_parts));
   std::partial_sort(sizes.begin(), end, sizes.end());
   std::vector<std::uint32_t> chosen;
   for (auto it = sizes.begin(); it != end; ++it) chosen.push_back(it->second);
@@ -295,7 +295,7 @@ void InnerBoxes::add_boxes(const CellSurface& surface, std::uint32_t part, std::
     for (std::uint32_t edge = 3 * t; edge < 3 * t + 3; ++edge)
       if (surface.is_border(edge)) borders.push_back(edge);
   }
-  if (borders.size() > most_borders) return;
+  if (borders.size() > max_borders) return;
   PartGrid grid(surface, triangles);
   for (const std::uint32_t edge : borders) obstacles.push_back(grown(bounds_of_edge(surface, edge), grid.edge() / 2.0));
   Part& added = parts_[part];
@@ -303,11 +303,11 @@ void InnerBoxes::add_boxes(const CellSurface& surface, std::uint32_t part, std::
   added.first_border = static_cast<std::uint32_t>(borders_.size());
   const double margin = relative_rounding * surface.largest_coordinate();
   double first_volume = 0.0;
-  while (added.box_count < most_boxes) {
+  while (added.box_count < max_boxes) {
     const std::optional<CellBox> block = grid.next_box();
     if (!block) break;
     const CellBox box = widened(grown(*block, -margin), grown(grid.bounds(), -margin), obstacles, margin);
-    if (glm::any(glm::lessThanEqual(box.max, box.min)) || volume_of(box) < least_share * first_volume) break;
+    if (glm::any(glm::lessThanEqual(box.max, box.min)) || volume_of(box) < min_share * first_volume) break;
     first_volume = std::max(first_volume, volume_of(box));
     boxes_.push_back(box);
     owners_.push_back(part);

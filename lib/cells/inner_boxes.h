@@ -58,11 +58,11 @@ class VoxelGrid {
 // are hidden from a cell has to be asked. Immutable.
 class InnerBoxes {
  public:
-  static constexpr std::size_t most_boxes = 4;       // of a part
-  static constexpr std::size_t most_parts = 4096;    // that are looked at: those with the largest bounds
-  static constexpr std::size_t most_borders = 4096;  // edges of a part with boxes
-  static constexpr int resolution = 32;              // voxels along the longest edge of a part's bounds
-  static constexpr std::size_t least_triangles = 8;  // of a part with boxes
+  static constexpr std::size_t max_boxes = 4;       // of a part
+  static constexpr std::size_t max_parts = 4096;    // that are looked at: those with the largest bounds
+  static constexpr std::size_t max_borders = 4096;  // edges of a part with boxes
+  static constexpr int resolution = 32;             // voxels along the longest edge of a part's bounds
+  static constexpr std::size_t min_triangles = 8;   // of a part with boxes
 
   struct Part {
     std::uint32_t first_box = 0, box_count = 0;

@@ -162,18 +162,18 @@ using namespace vlod;
 
 namespace {
 
-constexpr int most_level = 19;
+constexpr int max_level = 19;
 // Splits of a frame. It ends where splits begin that another node adds first, unless it would be small.
-constexpr std::uint32_t least_in_frame = 128, most_in_frame = 512;
+constexpr std::uint32_t min_in_frame = 128, max_in_frame = 512;
 constexpr double read_share = 0.4;  // of the time, about
 
 class Packing {
  public:
   Packing(const VlodFile& file, std::span<const RefineObject> objects, const PackOptions& options)
       : file_(file), options_(options), mesh_of_(meshes_of(file.objects())), ids_(file.objects(), "the objects") {
-    if (options.level < 0 || options.level > most_level)
+    if (options.level < 0 || options.level > max_level)
       throw Error(
-          {"pack options", "level", "is out of its range", fmt::format("give a number from 0 to {}", most_level)});
+          {"pack options", "level", "is out of its range", fmt::format("give a number from 0 to {}", max_level)});
     if (!file.has_objects() || objects.size() != file.objects().size())
       throw Error({"pack_cells()", "", "has not the objects that the file was opened with", "open the file with them"});
     for (std::uint32_t i = 0; i < objects.size(); ++i) {
@@ -310,8 +310,8 @@ void Packing::encode_nodes() {
     }
     std::ranges::sort(additions.splits);
     std::ranges::sort(additions.hidden);
-    const std::vector<std::byte> bytes = encode(additions, {}, most_packed_ids_per_byte);
-    if (bytes.size() > most_payload_bytes)
+    const std::vector<std::byte> bytes = encode(additions, {}, max_packed_ids_per_byte);
+    if (bytes.size() > max_payload_bytes)
       throw Error({"cells", fmt::format("cell {}", n), "adds more than 16 MiB", "allow a larger tolerance"});
     CellNode& node = nodes_[n];
     node.payload = payloads_.size();
@@ -329,7 +329,7 @@ void Packing::make_frames() {
     tell(read_share + (1.0 - read_share) * static_cast<double>(first) / static_cast<double>(order.size()));
     const auto is_full = [&] {
       const std::size_t count = end - first;
-      return count == most_in_frame || (count >= least_in_frame && adders_[order[end]] != adders_[order[end - 1]]);
+      return count == max_in_frame || (count >= min_in_frame && adders_[order[end]] != adders_[order[end - 1]]);
     };
     while (end < order.size() && !is_full()) ++end;
     add_frame(order.subspan(first, end - first));
@@ -353,7 +353,7 @@ void Packing::add_frame(std::span<const std::uint32_t> splits) {
   for (const PieceRow& piece : pieces)
     for (std::uint32_t i = 0; i < piece.count; ++i) stars_[piece.mesh].append(piece.first + i, frame);
   const EncodedFrame encoded = encode_frame(frame, pieces, meshes_, options_.level);
-  if (encoded.raw_bytes > most_frame_bytes)
+  if (encoded.raw_bytes > max_frame_bytes)
     throw Error({"cells", "", "have splits with millions of faces", "repair the mesh with 'occlod repair'"});
   frames_.push_back({geometry_.size(), sections::checksum_of(encoded.bytes),
                      static_cast<std::uint32_t>(encoded.bytes.size()), encoded.raw_bytes,

@@ -64,9 +64,9 @@ void PackedFaces::take_frames(std::span<const SplitId> applied, const std::strin
     numbers_.push_back(pieces_.back()->frame);
     bytes += geometry.frames()[numbers_.back()].raw_bytes;
   }
-  if (bytes > most_bytes_)
+  if (bytes > max_bytes_)
     throw Error({geometry.subject(), place,
-                 fmt::format("needs {} bytes of memory to be put together, which may hold {}", bytes, most_bytes_),
+                 fmt::format("needs {} bytes of memory to be put together, which may hold {}", bytes, max_bytes_),
                  "give more"});
   cache_.get(numbers_, frames_, bytes_read_);
   vertices_.clear();

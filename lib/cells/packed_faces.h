@@ -20,9 +20,9 @@ namespace occlod::vlod {
 // Reuses its memory; one thread each.
 class PackedFaces {
  public:
-  // `most_bytes`: that the geometry of one object's cut may take in memory while it is put together. The cache outlives
+  // `max_bytes`: that the geometry of one object's cut may take in memory while it is put together. The cache outlives
   // it.
-  PackedFaces(GeometryCache& cache, std::size_t most_bytes) : cache_(cache), most_bytes_(most_bytes) {}
+  PackedFaces(GeometryCache& cache, std::size_t max_bytes) : cache_(cache), max_bytes_(max_bytes) {}
 
   // What is drawn of an object: the active faces that are neither hidden nor face away, as LeafFaces
   // has them, and those vertices that they have. `applied`: by the numbers of the file, ascending, within the mesh.
@@ -63,7 +63,7 @@ class PackedFaces {
   [[noreturn]] void refuse(const std::string& place, const std::string& problem) const;
 
   GeometryCache& cache_;
-  std::size_t most_bytes_;
+  std::size_t max_bytes_;
   std::uint64_t bytes_read_ = 0;
   // Of the object at hand.
   std::uint32_t mesh_ = 0;

@@ -142,7 +142,7 @@ bool take_seams(std::span<const std::byte>& raw, GeometryFrame& frame, std::span
   raw = raw.first(raw.size() - counts.size());
   std::vector<std::uint32_t> steps;
   take(counts, splits, steps);
-  frame.extra_wedges = places_of(steps, most_frame_bytes);
+  frame.extra_wedges = places_of(steps, max_frame_bytes);
   take(counts, splits, steps);
   frame.corner_starts = places_of(steps, raw.size() / word_bytes);
   if (frame.extra_wedges.empty() || frame.corner_starts.empty()) return false;
@@ -415,7 +415,7 @@ void PackedGeometry::take_frames(SectionReader& reader) {
     if (frame.bytes > data_bytes - end) refuse("lies outside the file");
     if (frame.offset != end) refuse("does not begin where the one before ends");
     end += frame.bytes;
-    if (frame.raw_bytes > most_frame_bytes || !olod::is_plausible(frame.bytes, frame.raw_bytes))
+    if (frame.raw_bytes > max_frame_bytes || !olod::is_plausible(frame.bytes, frame.raw_bytes))
       refuse("claims more than it can hold");
     if (frame.first_piece != next_row || frame.pieces == 0 || frame.pieces > rows_.size() - next_row)
       refuse("has pieces that are not its own");
@@ -509,7 +509,7 @@ std::size_t PackedGeometry::bytes() const noexcept {
 
 namespace {
 
-constexpr std::uint64_t most_at_once = 1U << 20U;  // bytes in the file, about
+constexpr std::uint64_t max_at_once = 1U << 20U;  // bytes in the file, about
 
 }  // namespace
 
@@ -519,7 +519,7 @@ void GeometryCache::get(std::span<const std::uint32_t> frames, Frames& out, std:
     end = first + 1;
     if (out[first]) continue;
     std::uint64_t bytes = geometry_.frames()[frames[first]].bytes;
-    while (end < frames.size() && !out[end] && frames[end] == frames[end - 1] + 1 && bytes < most_at_once)
+    while (end < frames.size() && !out[end] && frames[end] == frames[end - 1] + 1 && bytes < max_at_once)
       bytes += geometry_.frames()[frames[end++]].bytes;
     read(frames[first], std::span(out).subspan(first, end - first), bytes_read);
   }

@@ -46,7 +46,7 @@ struct PieceRow {
 };
 static_assert(sizeof(PieceRow) == 12);
 
-inline constexpr std::uint32_t most_frame_bytes = 16U << 20U;  // decoded
+inline constexpr std::uint32_t max_frame_bytes = 16U << 20U;  // decoded
 
 // Where a wedge is in those arrays of a frame that its mesh has.
 struct WedgePlace {
@@ -109,7 +109,7 @@ struct EncodedFrame {
 [[nodiscard]] EncodedFrame encode_frame(const GeometryFrame& frame, std::span<const PieceRow> pieces,
                                         std::span<const MeshRow> meshes, int level);
 // Nothing, and what is wrong in `problem`, when the bytes do not hold the splits of these pieces, with records and
-// vertices that can be used. Meshes of pieces and their splits are there; raw_bytes <= most_frame_bytes.
+// vertices that can be used. Meshes of pieces and their splits are there; raw_bytes <= max_frame_bytes.
 [[nodiscard]] std::optional<GeometryFrame> decode_frame(std::span<const std::byte> bytes, std::uint32_t raw_bytes,
                                                         std::span<const PieceRow> pieces,
                                                         std::span<const MeshRow> meshes, std::string& problem);

@@ -24,7 +24,7 @@ namespace occlod {
 namespace {
 
 // 32 below root cells, 22 above; no more, so that programs may go down by recursion.
-constexpr std::uint32_t most_levels = 64;
+constexpr std::uint32_t max_levels = 64;
 
 [[noreturn]] void refuse(const std::string& subject, CellId cell, const char* problem) {
   throw Error({subject, fmt::format("cell {}", cell), problem, "build the cells again with 'occlod cells build'"});
@@ -60,7 +60,7 @@ CellTree::CellTree(std::vector<CellNode> nodes, const std::string& subject) : no
     while (!open.empty() && nodes_[open.back()].end == n) open.pop_back();
     if (node.parent != (open.empty() ? no_id : open.back()) || open.empty() != (n == 0) || node.level != open.size())
       refuse(subject, n, "is not in its place in the tree");
-    if (node.level > most_levels) refuse(subject, n, "is too deep in the tree");
+    if (node.level > max_levels) refuse(subject, n, "is too deep in the tree");
     if (node.end <= n || node.end > (open.empty() ? nodes_.size() : nodes_[open.back()].end))
       refuse(subject, n, "ends outside the cell above it");
     if (!is_box(node.box)) refuse(subject, n, "has a box that is not finite, or inverted");
@@ -263,9 +263,9 @@ class VlodFile::Impl {
       const CellNode& node = nodes[n];
       if (node.payload > data_bytes || node.payload_bytes > data_bytes - node.payload)
         refuse(n, "adds what lies outside the file");
-      if (node.payload_bytes > most_payload_bytes) refuse(n, "adds more than 16 MiB");
+      if (node.payload_bytes > max_payload_bytes) refuse(n, "adds more than 16 MiB");
       if (std::uint64_t{node.splits} + node.candidates + node.hidden_faces >
-              std::uint64_t{node.payload_bytes} * (geometry_ ? most_packed_ids_per_byte : most_ids_per_byte) ||
+              std::uint64_t{node.payload_bytes} * (geometry_ ? max_packed_ids_per_byte : max_ids_per_byte) ||
           (geometry_ && node.splits > packed_splits))
         refuse(n, fmt::format("claims {} splits, {} candidates and {} faces", node.splits, node.candidates,
                               node.hidden_faces));

@@ -16,7 +16,7 @@
 namespace occlod::vlod {
 namespace {
 
-constexpr int most_sampled_eyes = 64;  // along each axis, as CellBuilder has it
+constexpr int max_sampled_eyes = 64;  // along each axis, as CellBuilder has it
 
 class Hash {
  public:
@@ -110,7 +110,7 @@ StoredOptions store(const Scene& scene) {
   stored.root_cell = options.root_cell;
   stored.smallest_cell = options.smallest_cell;
   stored.occluder_motion = options.occluder_motion.value_or(options.smallest_cell / 4.0);
-  stored.most_triangles = options.most_triangles;
+  stored.max_triangles = options.max_triangles;
   Hash hash;
   hash.add_one(stored);
   hash.add(std::span<const CellBox>(options.regions));
@@ -125,12 +125,12 @@ CellTreeOptions restore(const StoredOptions& stored, std::span<const CellBox> re
   options.cell.tolerance_px = stored.tolerance_px;
   options.cell.occlusion = static_cast<CellOcclusion>(stored.occlusion);
   options.cell.budget = stored.budget;
-  options.cell.sampled_eyes = static_cast<int>(std::min<std::uint64_t>(stored.sampled_eyes, most_sampled_eyes + 1));
+  options.cell.sampled_eyes = static_cast<int>(std::min<std::uint64_t>(stored.sampled_eyes, max_sampled_eyes + 1));
   options.regions.assign(regions.begin(), regions.end());
   options.root_cell = stored.root_cell;
   options.smallest_cell = stored.smallest_cell;
   options.levels = stored.levels;
-  options.most_triangles = stored.most_triangles;
+  options.max_triangles = stored.max_triangles;
   options.division = static_cast<CellDivision>(stored.division);
   options.occluder_motion = stored.occluder_motion;
   return options;
@@ -153,7 +153,7 @@ Scene read_options(sections::SectionReader& reader, const std::string& subject, 
 void check(const CellTreeOptions& options, const char* subject) {
   const OptionChecker checker(subject);
   checker.positive("tolerance_px", options.cell.tolerance_px);
-  checker.in_range("sampled_eyes", options.cell.sampled_eyes, 1, most_sampled_eyes);
+  checker.in_range("sampled_eyes", options.cell.sampled_eyes, 1, max_sampled_eyes);
   if (options.cell.occlusion != CellOcclusion::none && options.cell.occlusion != CellOcclusion::hull &&
       options.cell.occlusion != CellOcclusion::sampled)
     throw Error({subject, "occlusion", "is unknown", "use a newer program"});

@@ -37,7 +37,7 @@ struct StoredOptions {
   double focal_length_px = 0.0, cos_corner_angle = 0.0, near = 0.0, clearance = 0.0;
   double tolerance_px = 0.0;
   double root_cell = 0.0, smallest_cell = 0.0, occluder_motion = 0.0;
-  std::uint64_t most_triangles = 0, budget = 0, sampled_eyes = 0;
+  std::uint64_t max_triangles = 0, budget = 0, sampled_eyes = 0;
   std::uint64_t reserved = 0;
 };
 static_assert(sizeof(StoredOptions) == 128);
@@ -48,11 +48,11 @@ inline constexpr std::uint32_t epoch = 2;
 inline constexpr std::string_view options_name = "OPTS", regions_name = "REGN", objects_name = "OBJS",
                                   nodes_name = "CELL", data_name = "DATA";
 
-inline constexpr std::uint32_t most_payload_bytes = 16U << 20U;
+inline constexpr std::uint32_t max_payload_bytes = 16U << 20U;
 // Ids that a payload may hold, for each byte of it: what a file claims takes no more than 64 times its size in memory.
-inline constexpr std::uint32_t most_ids_per_byte = 8;
+inline constexpr std::uint32_t max_ids_per_byte = 8;
 // In packed files, where ids are a few runs. No node has more than there are in the geometry.
-inline constexpr std::uint32_t most_packed_ids_per_byte = 64;
+inline constexpr std::uint32_t max_packed_ids_per_byte = 64;
 
 // What decides what is in a file.
 struct Scene {

@@ -194,14 +194,14 @@ bool get_faces(BitReader& reader, const Expected& expected, std::vector<std::uin
 }  // namespace
 
 std::vector<std::byte> encode(const Additions& additions, std::span<const std::uint64_t> known,
-                              std::uint32_t most_ids_per_byte) {
+                              std::uint32_t max_ids_per_byte) {
   BitWriter writer;
   put_splits(writer, additions.splits, known);
   put_splits(writer, additions.candidates, without(known, additions.splits));
   put_faces(writer, additions.hidden);
   std::vector<std::byte> bytes = writer.take();
   const std::size_t ids = additions.splits.size() + additions.candidates.size() + additions.hidden.size();
-  bytes.resize(std::max(bytes.size(), (ids + most_ids_per_byte - 1) / most_ids_per_byte));
+  bytes.resize(std::max(bytes.size(), (ids + max_ids_per_byte - 1) / max_ids_per_byte));
   return bytes;
 }
 

@@ -144,9 +144,9 @@ struct Additions {
 };
 
 // Splits that are among `known`, ascending, are coded as places there, which takes about half the bits: what the node
-// above has as candidates. `most_ids_per_byte`: filled up with zeros, so that there are no more.
+// above has as candidates. `max_ids_per_byte`: filled up with zeros, so that there are no more.
 [[nodiscard]] std::vector<std::byte> encode(const Additions& additions, std::span<const std::uint64_t> known,
-                                            std::uint32_t most_ids_per_byte);
+                                            std::uint32_t max_ids_per_byte);
 
 // What was encoded must have.
 struct Expected {

@@ -247,7 +247,7 @@ struct Question {
 static_assert(sizeof(Question) == 32);
 
 // Groups in one dispatch that every driver takes.
-constexpr std::size_t most_groups = 65'535;
+constexpr std::size_t max_groups = 65'535;
 // Pixels that one group counts at most: half of llvmpipe's rounds.
 constexpr std::uint32_t pixels_per_group = 64 * 32'768;
 
@@ -277,9 +277,9 @@ void Resources::test(std::size_t asked) const {
 }
 
 void Resources::count(std::size_t asked, std::uint32_t pixels) const {
-  for (std::size_t first = 0; first < asked; first += most_groups) {
+  for (std::size_t first = 0; first < asked; first += max_groups) {
     gl.Uniform1ui(program.uniform("first_question"), static_cast<GLuint>(first));
-    gl.DispatchCompute(static_cast<GLuint>(std::min(asked - first, most_groups)), 1 + pixels / pixels_per_group, 1);
+    gl.DispatchCompute(static_cast<GLuint>(std::min(asked - first, max_groups)), 1 + pixels / pixels_per_group, 1);
   }
 }
 

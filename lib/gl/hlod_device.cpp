@@ -258,7 +258,7 @@ void add_count(Resources& resources, std::span<const hlod::BoxRef> boxes) {
     const BoxProxy proxy = stage.project(box);
     any_is_uncertain = any_is_uncertain || proxy.kind == BoxProxy::Kind::uncertain;
     if (proxy.kind != BoxProxy::Kind::drawn) continue;
-    most += stage.most_pixels(proxy);
+    most += stage.max_pixels(proxy);
     resources.proxies.push_back(proxy);
   }
   if (any_is_uncertain || resources.proxies.empty()) {
@@ -284,7 +284,7 @@ hlod::QueryId add_marks(Resources& resources, std::span<const hlod::BoxRef> boxe
     const BoxProxy proxy = stage.project(boxes[i]);
     const bool is_drawn = proxy.kind == BoxProxy::Kind::drawn;
     if (is_drawn) marked.push_back({HlodStage::unit_to_clip(proxy), static_cast<std::uint32_t>(i)});
-    resources.counts.push_back({std::nullopt, is_drawn ? stage.most_pixels(proxy) : 0});
+    resources.counts.push_back({std::nullopt, is_drawn ? stage.max_pixels(proxy) : 0});
     resources.answers.push_back(proxy.kind == BoxProxy::Kind::uncertain ? stage.pixels() : 0);
   }
   const hlod::QueryId query = add_batch(resources, boxes.size());

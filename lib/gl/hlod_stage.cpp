@@ -270,7 +270,7 @@ BoxProxy HlodStage::project(const hlod::BoxRef& box) const {
   return project_box(screen_, objects_[box.object].proxy_space, box.box);
 }
 
-std::uint32_t HlodStage::most_pixels(const BoxProxy& proxy) const {
+std::uint32_t HlodStage::max_pixels(const BoxProxy& proxy) const {
   const glm::dvec2 size(screen_.width, screen_.height);
   const glm::dvec2 pixels = glm::ceil(glm::min(proxy.max, size)) - glm::floor(glm::max(proxy.min, glm::dvec2(0.0)));
   return static_cast<std::uint32_t>(pixels.x * pixels.y);

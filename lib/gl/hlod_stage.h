@@ -72,7 +72,7 @@ class HlodStage {
   // What is drawn in place of a box; see project_box().
   [[nodiscard]] BoxProxy project(const hlod::BoxRef& box) const;
   // The most pixels of the image that a proxy which is to be drawn can cover.
-  [[nodiscard]] std::uint32_t most_pixels(const BoxProxy& proxy) const;
+  [[nodiscard]] std::uint32_t max_pixels(const BoxProxy& proxy) const;
   // To be called after draw() and before draw_proxy(). Submits.
   void start_proxies();
   void draw_proxy(const BoxProxy& proxy);

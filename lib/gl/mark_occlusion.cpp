@@ -40,13 +40,13 @@ class MarkOcclusion final : public BatchedVisibility {
  private:
   void forget() {
     for (auto& of_shape : proxies_) of_shape.clear();
-    most_pixels_.clear();
+    max_pixels_.clear();
   }
 
   InContext<Resources> resources_;
   bool counts_;
   MarkedProxies proxies_;
-  std::vector<std::uint32_t> most_pixels_;  // of each question
+  std::vector<std::uint32_t> max_pixels_;  // of each question
 };
 
 std::optional<std::uint32_t> MarkOcclusion::ask(const VisibilityQuery& query) {
@@ -54,21 +54,21 @@ std::optional<std::uint32_t> MarkOcclusion::ask(const VisibilityQuery& query) {
   const QueryPlan plan = stage.plan(query);
   if (!plan.draw) return stage.answer(plan, counts_);
   proxies_[static_cast<std::size_t>(plan.draw->shape)].push_back(
-      {plan.draw->unit_to_clip, static_cast<std::uint32_t>(most_pixels_.size())});
-  most_pixels_.push_back(plan.draw->most_pixels);
+      {plan.draw->unit_to_clip, static_cast<std::uint32_t>(max_pixels_.size())});
+  max_pixels_.push_back(plan.draw->max_pixels);
   return std::nullopt;
 }
 
 void MarkOcclusion::answer_all(std::vector<std::uint32_t>& answers) {
   const Resources& resources = resources_.use();
   const Functions& gl = resources.stage.gl();
-  answers.assign(most_pixels_.size(), 0);
+  answers.assign(max_pixels_.size(), 0);
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, resources.marks.id());
   fill(gl, GL_SHADER_STORAGE_BUFFER, std::span<const std::uint32_t>(answers), GL_DYNAMIC_READ);
   resources.proxies.draw(proxies_, resources.marks);
   read_back(gl, std::span(answers), "marking visible proxies");
   if (counts_)
-    for (std::size_t i = 0; i < answers.size(); ++i) answers[i] = resources.stage.pixels(answers[i], most_pixels_[i]);
+    for (std::size_t i = 0; i < answers.size(); ++i) answers[i] = resources.stage.pixels(answers[i], max_pixels_[i]);
   forget();
 }
 

@@ -57,7 +57,7 @@ std::size_t room_for(std::size_t vertices, std::size_t indices) {
 }
 
 // For node n as it is or with all its splits, whatever takes more.
-std::size_t most_room(const hlod::HlodView& data, hlod::NodeId n) {
+std::size_t max_room(const hlod::HlodView& data, hlod::NodeId n) {
   const hlod::Node& node = data.nodes[n];
   const std::size_t plain = room_for(node.vertices, 3 * std::size_t{node.triangles});
   if (data.within.empty()) return plain;
@@ -134,7 +134,7 @@ MeshArena::Held& MeshArena::hold(const hlod::Hlod& hlod) {
   held.wanted = true;
   if (!is_new) return held;
   held.hlod = hlod;
-  for (hlod::NodeId n = 0; n < hlod.node_count(); ++n) held.largest = std::max(held.largest, most_room(hlod.data(), n));
+  for (hlod::NodeId n = 0; n < hlod.node_count(); ++n) held.largest = std::max(held.largest, max_room(hlod.data(), n));
   return held;
 }
 

@@ -28,8 +28,8 @@ struct ProxyMesh {
 
 struct ProxyDraw {
   ProxyShape shape = ProxyShape::box;
-  glm::mat4 unit_to_clip{1.0F};   // of the target; front faces are counter-clockwise, also for mirrored objects
-  std::uint32_t most_pixels = 0;  // of the view that the proxy can cover
+  glm::mat4 unit_to_clip{1.0F};  // of the target; front faces are counter-clockwise, also for mirrored objects
+  std::uint32_t max_pixels = 0;  // of the view that the proxy can cover
 };
 
 // What to do about one query: draw, or answer at once.

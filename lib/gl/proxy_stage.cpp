@@ -155,10 +155,10 @@ std::uint32_t ProxyStage::answer(const QueryPlan& plan, bool counts) const {
   return counts ? static_cast<std::uint32_t>(screen_.width) * static_cast<std::uint32_t>(screen_.height) : 1;
 }
 
-std::uint32_t ProxyStage::pixels(std::uint32_t samples, std::uint32_t most_pixels) const {
+std::uint32_t ProxyStage::pixels(std::uint32_t samples, std::uint32_t max_pixels) const {
   const std::uint64_t pixels = std::uint64_t{samples} * static_cast<std::uint64_t>(divisor_ * divisor_);
   // llvmpipe has been seen to count some 60,000 too many, so a count is believed only as far as the proxy reaches.
-  return static_cast<std::uint32_t>(std::min<std::uint64_t>(pixels, most_pixels));
+  return static_cast<std::uint32_t>(std::min<std::uint64_t>(pixels, max_pixels));
 }
 
 void ProxyStage::draw(const ProxyDraw& draw) const {

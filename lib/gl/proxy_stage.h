@@ -67,8 +67,8 @@ class ProxyStage {
   [[nodiscard]] QueryPlan plan(const VisibilityQuery& query) const;
   // The answer to a query that is not drawn: with `counts` all pixels where nothing is known.
   [[nodiscard]] std::uint32_t answer(const QueryPlan& plan, bool counts) const;
-  // Pixels of the view from samples of the target that passed; most_pixels as in ProxyDraw.
-  [[nodiscard]] std::uint32_t pixels(std::uint32_t samples, std::uint32_t most_pixels) const;
+  // Pixels of the view from samples of the target that passed; max_pixels as in ProxyDraw.
+  [[nodiscard]] std::uint32_t pixels(std::uint32_t samples, std::uint32_t max_pixels) const;
   // Draws one proxy, all by itself.
   void draw(const ProxyDraw& draw) const;
 

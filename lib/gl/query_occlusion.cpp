@@ -149,7 +149,7 @@ std::uint32_t QueryOcclusion::collect() {
   issue(resources);
   // Checked once for all queries between two occluders: a lost context may answer anything.
   if (issued_ == 0) check(resources.stage.gl(), "occlusion query");
-  return counts_ ? resources.stage.pixels(passed, oldest.draw->most_pixels) : std::min(passed, 1U);
+  return counts_ ? resources.stage.pixels(passed, oldest.draw->max_pixels) : std::min(passed, 1U);
 }
 
 }  // namespace

@@ -73,8 +73,8 @@ class SharedSlots {
 // Finds the first vertex with the same coordinates: open addressing over vertex ids, at most half full.
 class PositionTable {
  public:
-  PositionTable(const std::vector<glm::vec3>& positions, std::size_t most_vertices)
-      : positions_(positions), slots_(std::bit_ceil(2 * most_vertices + 1), no_id) {}
+  PositionTable(const std::vector<glm::vec3>& positions, std::size_t max_vertices)
+      : positions_(positions), slots_(std::bit_ceil(2 * max_vertices + 1), no_id) {}
 
   // The vertex inserted earlier at the position of `vertex`, or `vertex` itself.
   VertexId find_or_insert(VertexId vertex) {

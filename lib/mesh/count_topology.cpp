@@ -255,7 +255,7 @@ std::uint64_t count_zero_areas(const TriangleMesh& mesh, std::size_t begin, std:
 class TopologyCounter {
  public:
   explicit TopologyCounter(const TriangleMesh& mesh)
-      : mesh_(mesh), ranges_(mesh), parts_(1 + std::min<std::size_t>(15, mesh.vertex_count() / least_vertices)) {}
+      : mesh_(mesh), ranges_(mesh), parts_(1 + std::min<std::size_t>(15, mesh.vertex_count() / min_vertices)) {}
 
   MeshReport run() {
     share_tasks(parts_ + 1, [this](TaskQueue& queue) { work(queue); });
@@ -264,7 +264,7 @@ class TopologyCounter {
 
  private:
   // Fewer are not worth a part; 16 parts keep the lists of a large mesh small and are many enough for its threads.
-  static constexpr std::size_t least_vertices = 32768;
+  static constexpr std::size_t min_vertices = 32768;
 
   void work(TaskQueue& queue) {
     StarCounter stars(mesh_, ranges_);

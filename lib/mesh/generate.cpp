@@ -314,12 +314,12 @@ TriangleMesh generate_rough_planet(const RoughPlanetOptions& options) {
 
 void stream_rough_planet(const RoughPlanetOptions& options, const PartVisitor& visit) {
   check(options);
-  constexpr std::size_t most_vertices = std::size_t{1} << 18U;
+  constexpr std::size_t max_vertices = std::size_t{1} << 18U;
   const OctahedronLattice lattice(options.level);
   const std::size_t last = lattice.ring_count() - 1;
   for (std::size_t first = 0; first < last;) {
     std::size_t end = first + 1;
-    while (end < last && lattice.ring_start(end + 1) - lattice.ring_start(first) < most_vertices) ++end;
+    while (end < last && lattice.ring_start(end + 1) - lattice.ring_start(first) < max_vertices) ++end;
     // A ring of the part before begins each but the first.
     const std::size_t repeated = first == 0 ? 0 : lattice.ring_start(first + 1) - lattice.ring_start(first);
     visit(bands(lattice, first, end, options), repeated);

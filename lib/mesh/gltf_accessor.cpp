@@ -39,11 +39,11 @@ constexpr const char* remedy = "export the mesh again, or without compression";
 
 // The codecs spend at least so much: a larger promise is not believed, and no memory taken for it.
 bool is_possible(const MeshoptView& view) {
-  constexpr std::size_t most_bytes_of_one = 4096;
+  constexpr std::size_t max_bytes_of_one = 4096;
   const std::size_t bytes = view.bytes.size();
   if (view.mode == "TRIANGLES") return view.count % 3 == 0 && view.count / 3 <= bytes;
   if (view.mode == "INDICES") return view.count <= bytes;
-  return view.count <= most_bytes_of_one * (bytes / view.stride + 1) && view.count <= most_bytes_of_one * bytes;
+  return view.count <= max_bytes_of_one * (bytes / view.stride + 1) && view.count <= max_bytes_of_one * bytes;
 }
 
 bool has_valid_layout(const MeshoptView& view) {

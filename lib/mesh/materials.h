@@ -54,7 +54,7 @@ struct MtlMaterial {
 // The materials and textures of a file while it is read.
 
 // Ids are 16 bits, of which the last is no texture.
-inline constexpr std::size_t most_materials = no_texture;
+inline constexpr std::size_t max_materials = no_texture;
 
 // Adds to the lists of a soup, which outlives it.
 class MaterialTable {
@@ -68,7 +68,7 @@ class MaterialTable {
       id = found->second;
       return true;
     }
-    if (soup_.materials.size() == most_materials) return false;
+    if (soup_.materials.size() == max_materials) return false;
     id = static_cast<MaterialId>(soup_.materials.size());
     soup_.materials.push_back({.name = std::string(name)});
     by_name_.emplace(name, id);

@@ -111,9 +111,8 @@ int source_of(const tinygltf::Texture& texture) {
 
 GltfMaterials::GltfMaterials(GltfViews& views, PolygonSoup& soup) : views_(views), soup_(soup) {
   const std::vector<tinygltf::Material>& materials = views.model().materials;
-  if (materials.size() >= most_materials)
-    views.errors().fail("",
-                        fmt::format("has {} materials, which is more than {}", materials.size(), most_materials - 1),
+  if (materials.size() >= max_materials)
+    views.errors().fail("", fmt::format("has {} materials, which is more than {}", materials.size(), max_materials - 1),
                         "split the mesh into parts");
   for (const tinygltf::Material& material : materials) add(material);
 }
@@ -187,7 +186,7 @@ void GltfMaterials::fill(Texture& texture, int image_index) {
 }
 
 constexpr const char* remedy = gltf_remedy;
-constexpr std::size_t most_depth = 256;  // of the node tree: deeper ones are taken for cycles
+constexpr std::size_t max_depth = 256;  // of the node tree: deeper ones are taken for cycles
 
 glm::dmat4 local_transform(const tinygltf::Node& node) {
   if (node.matrix.size() == 16) return glm::make_mat4(node.matrix.data());
@@ -247,7 +246,7 @@ class GltfReader {
     if (index < 0 || static_cast<std::size_t>(index) >= model_.nodes.size())
       errors_.fail("", fmt::format("refers to node {}, which is not there", index), remedy);
     // A tree visits each node once; more visits than nodes means that nodes are shared or form a cycle.
-    if (depth > most_depth || ++visits_ > model_.nodes.size())
+    if (depth > max_depth || ++visits_ > model_.nodes.size())
       errors_.fail(fmt::format("node {}", index), "is not part of a tree of nodes", remedy);
     const tinygltf::Node& node = model_.nodes[static_cast<std::size_t>(index)];
     const glm::dmat4 to_world = above * local_transform(node);

@@ -118,14 +118,14 @@ class ObjMaterials {
 
 namespace fs = std::filesystem;
 
-constexpr std::uint64_t most_library_bytes = std::uint64_t{1} << 26;
+constexpr std::uint64_t max_library_bytes = std::uint64_t{1} << 26;
 
 bool ObjMaterials::use(std::string_view name, bool has_polygons, const TextCursor& cursor) {
   MaterialId unnamed = 0;
   const bool is_first = !any() && has_polygons;
   if (is_first && !table_.find_or_add("", unnamed)) return false;
   if (table_.find_or_add(name, current_)) return is_first;
-  cursor.fail(fmt::format("there are more than {} materials", most_materials), "split the mesh into parts");
+  cursor.fail(fmt::format("there are more than {} materials", max_materials), "split the mesh into parts");
 }
 
 void ObjMaterials::read_libraries(const FileErrors& errors) {
@@ -146,7 +146,7 @@ void ObjMaterials::read_library(const fs::path& path, const fs::path& folder) {
   std::error_code unknown;
   const std::uintmax_t bytes = fs::file_size(path, unknown);
   if (bytes == 0) return;
-  if (bytes > most_library_bytes) errors.fail("", "is too large for a library of materials", "check the mtllib line");
+  if (bytes > max_library_bytes) errors.fail("", "is too large for a library of materials", "check the mtllib line");
   InputBytes input(path, errors, {});
   std::string converted;
   for (auto& [material, texture, placement] :

@@ -129,7 +129,7 @@ class BodyParser {
   // One for each texture: faces name textures, and the file says nothing else about how they look.
   void add_materials(const PlyHeader& header) {
     texture_count_ = header.texture_files.size();
-    if (texture_count_ >= most_materials)
+    if (texture_count_ >= max_materials)
       errors_.fail("header", "has more than 65534 comments TextureFile", "split the mesh into parts");
     for (const std::string& name : header.texture_files) {
       Texture& texture = soup_.textures.emplace_back();

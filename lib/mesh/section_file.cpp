@@ -193,7 +193,7 @@ void SectionReader::read_header() {
   if (header.file_bytes != size_)
     refuse("byte 16", fmt::format("has {} bytes, but says that it has {}: it is truncated or has extra bytes", size_,
                                   header.file_bytes));
-  if (header.section_count > most_sections) refuse("byte 12", fmt::format("claims {} sections", header.section_count));
+  if (header.section_count > max_sections) refuse("byte 12", fmt::format("claims {} sections", header.section_count));
   table_.resize(header.section_count);
   const auto table = std::as_writable_bytes(std::span(table_));
   if (size_ - sizeof(header) < table.size()) refuse("byte 32", "ends inside its section table");

@@ -56,7 +56,7 @@ struct FileKind {
 };
 
 inline constexpr std::uint64_t alignment = 64;  // of every section
-inline constexpr std::uint32_t most_sections = 64;
+inline constexpr std::uint32_t max_sections = 64;
 
 struct FileHeader {
   std::array<char, 8> magic{};

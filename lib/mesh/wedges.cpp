@@ -278,7 +278,7 @@ class Stars {
 class Creaser {
  public:
   Creaser(const TriangleMesh& mesh, double degrees)
-      : mesh_(mesh), stars_(mesh), smooths_all_(degrees >= 180.0), least_cosine_(std::cos(degrees * radians) - slack) {
+      : mesh_(mesh), stars_(mesh), smooths_all_(degrees >= 180.0), min_cosine_(std::cos(degrees * radians) - slack) {
     areas_.reserve(mesh.triangle_count());
     for (const Triangle& t : mesh.triangles) {
       const glm::dvec3 a(mesh.positions[t.x]);
@@ -335,7 +335,7 @@ class Creaser {
   // A triangle without area has no angle and is smooth with any.
   [[nodiscard]] bool are_smooth(std::uint32_t a, std::uint32_t b) const {
     const double lengths = glm::length(areas_[a]) * glm::length(areas_[b]);
-    return smooths_all_ || !(lengths > 0.0) || glm::dot(areas_[a], areas_[b]) >= least_cosine_ * lengths;
+    return smooths_all_ || !(lengths > 0.0) || glm::dot(areas_[a], areas_[b]) >= min_cosine_ * lengths;
   }
 
   std::uint32_t root(std::uint32_t slot) {
@@ -391,7 +391,7 @@ class Creaser {
   const TriangleMesh& mesh_;
   const Stars stars_;
   const bool smooths_all_;
-  const double least_cosine_;
+  const double min_cosine_;
   std::vector<glm::dvec3> areas_;  // of triangles, twice
   TriangleMesh result_;
   std::vector<Spoke> spokes_;  // of the current vertex, as are those below

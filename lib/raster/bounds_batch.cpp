@@ -28,7 +28,7 @@ struct BoundsInput {
 struct HullsInput {
   std::size_t size = 0;
   std::size_t longest = 0;
-  std::array<std::array<PerBound<float>, 3>, most_hull_points> points;
+  std::array<std::array<PerBound<float>, 3>, max_hull_points> points;
 };
 
 }  // namespace occlod
@@ -426,7 +426,7 @@ void find_screen_bounds(const BoundsView& view, std::span<const PointHull> hulls
   HullsInput input;
   input.size = hulls.size();
   for (const PointHull& hull : hulls) input.longest = std::max(input.longest, hull.points.size());
-  assert(input.longest <= most_hull_points);
+  assert(input.longest <= max_hull_points);
   for (std::size_t i = 0; i < hulls.size(); ++i)
     for (std::size_t k = 0; k < input.longest; ++k)
       put(input.points[k], i, hulls[i].points[k < hulls[i].points.size() ? k : 0]);

@@ -45,10 +45,10 @@ void find_screen_bounds(const BoundsView& view, std::span<const Cylinder> cylind
 struct DiagonalsOutput {
   PerBound<double> sum_low, sum_high, difference_low, difference_high;
 };
-// Of no more than most_hull_points points each.
+// Of no more than max_hull_points points each.
 void find_screen_bounds(const BoundsView& view, std::span<const PointHull> hulls, BoundsOutput& output,
                         DiagonalsOutput& diagonals);
-inline constexpr std::size_t most_hull_points = 32;
+inline constexpr std::size_t max_hull_points = 32;
 
 // Pixels that points fall into.
 struct PointsOutput {

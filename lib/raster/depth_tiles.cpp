@@ -84,7 +84,7 @@ BoxFront::BoxFront(const ProjectedBox& box) : least_(infinity), most_(0.0) {
     // Twice the face's area, negative where it is counter-clockwise on the screen, where y points down.
     const double area = cross_on_screen(first, second) * (box.mirrored ? -1.0 : 1.0);
     const double longest = std::max(glm::length(glm::dvec2(first)), glm::length(glm::dvec2(second)));
-    if (count == most_planes || !(-area > thinnest_face * longest)) continue;
+    if (count == max_planes || !(-area > thinnest_face * longest)) continue;
     // Through the diagonals, which span the face's plane, and one corner.
     const double scale = 1.0 / cross_on_screen(first, second);
     Plane plane{};
@@ -101,7 +101,7 @@ BoxFront::Range BoxFront::range(std::int32_t x0, std::int32_t y0, std::int32_t x
   const Row upper = row(y0), lower = row(y1 - 1);
   const double left = x0, right = x1 - 1;
   Range range{most_, most_};
-  for (std::size_t i = 0; i < most_planes; ++i) {
+  for (std::size_t i = 0; i < max_planes; ++i) {
     const double a = upper.start[i] + upper.step[i] * left, b = upper.start[i] + upper.step[i] * right;
     const double c = lower.start[i] + lower.step[i] * left, d = lower.start[i] + lower.step[i] * right;
     range.least = std::min(range.least, std::min(std::min(a, b), std::min(c, d)));

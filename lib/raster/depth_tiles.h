@@ -58,16 +58,16 @@ class BoxFront {
     double at_origin, per_column, per_row;  // at the centre of pixel (0, 0)
   };
   // At most three faces of a box face an eye; those beyond are so near everywhere that they do not count.
-  static constexpr std::size_t most_planes = 3;
+  static constexpr std::size_t max_planes = 3;
 
   // On one row. Rounding keeps the order: where a plane rises from pixel to pixel, so does what is computed.
   struct Row {
-    std::array<double, most_planes> start, step;
+    std::array<double, max_planes> start, step;
     double least, most;
 
     [[nodiscard]] double at(double column) const noexcept {
       double z = most;
-      for (std::size_t i = 0; i < most_planes; ++i) {
+      for (std::size_t i = 0; i < max_planes; ++i) {
         const double plane = start[i] + step[i] * column;
         z = z < plane ? z : plane;
       }
@@ -76,7 +76,7 @@ class BoxFront {
   };
   [[nodiscard]] Row row(std::int32_t y) const noexcept {
     Row row{{}, {}, least_, most_};
-    for (std::size_t i = 0; i < most_planes; ++i) {
+    for (std::size_t i = 0; i < max_planes; ++i) {
       row.start[i] = planes_[i].at_origin + planes_[i].per_row * y;
       row.step[i] = planes_[i].per_column;
     }
@@ -90,7 +90,7 @@ class BoxFront {
   [[nodiscard]] Range range(std::int32_t x0, std::int32_t y0, std::int32_t x1, std::int32_t y1) const noexcept;
 
  private:
-  std::array<Plane, most_planes> planes_;
+  std::array<Plane, max_planes> planes_;
   double least_, most_;
 };
 

@@ -46,7 +46,7 @@ class DepthEpochs {
 };
 
 // Numbers up to 2^60 and down to 2^-60 stay in the range of floats when they are multiplied or divided by as much.
-constexpr int most_exponent = 60;
+constexpr int max_exponent = 60;
 
 bool is_in_range(double number) { return number == 0.0 || (std::abs(number) <= 0x1p60 && std::abs(number) >= 0x1p-60); }
 
@@ -70,8 +70,8 @@ bool DepthEpochs::begin(const View& view, std::span<const ObjectView> objects) {
   }
   // From the nearest of one picture to beyond the farthest of the next.
   const int step = static_cast<int>(std::ceil(std::log2(range.far / range.near))) + 3;
-  const bool goes_on = range_ == range && exponent_ + step <= most_exponent;
-  exponent_ = goes_on ? exponent_ + step : -most_exponent;
+  const bool goes_on = range_ == range && exponent_ + step <= max_exponent;
+  exponent_ = goes_on ? exponent_ + step : -max_exponent;
   range_ = range;
   scale_ = std::ldexp(1.0F, exponent_);
   least_ = scale_ * static_cast<float>(0.25 / range.far);
@@ -175,7 +175,7 @@ class SoftwareOcclusion final : public Visibility {
     template <class Shape>
     void add(std::uint32_t object, const Shape& shape, std::uint32_t answer) {
       if constexpr (std::is_same_v<Shape, PointHull>)
-        if (shape.points.size() > most_hull_points) {
+        if (shape.points.size() > max_hull_points) {
           answers_[answer] = occlusion_.visible_pixels({object, shape});
           return;
         }
@@ -224,7 +224,7 @@ class SoftwareOcclusion final : public Visibility {
   // What is computed of bounds from now on is in these units of nearness.
   void set_scale(float scale, float least) {
     nearness_scale_ = scale;
-    least_nearness_ = least;
+    min_nearness_ = least;
     bounds_views_.clear();
     for (const ObjectView& object : objects_) bounds_views_.emplace_back(*view_, object, scale);
   }
@@ -247,7 +247,7 @@ class SoftwareOcclusion final : public Visibility {
   [[nodiscard]] std::uint32_t visible_pixels(const VisibilityQuery& query) const {
     if (occluder_drawn_ && !options_.count_pixels && one_point_shows(query)) return 1;
     std::optional<ScreenBounds> bounds = screen_bounds(*view_, objects_[query.object], query);
-    if (bounds) bounds->largest_nearness = std::max(nearness_scale_ * bounds->largest_nearness, least_nearness_);
+    if (bounds) bounds->largest_nearness = std::max(nearness_scale_ * bounds->largest_nearness, min_nearness_);
     return visible_pixels(query, bounds);
   }
 
@@ -299,7 +299,7 @@ class SoftwareOcclusion final : public Visibility {
   std::vector<ObjectView> objects_;
   std::vector<BoundsView> bounds_views_;
   DepthEpochs epochs_;
-  float nearness_scale_ = 1.0F, least_nearness_ = 0.0F;  // in the picture, see DepthEpochs
+  float nearness_scale_ = 1.0F, min_nearness_ = 0.0F;  // in the picture, see DepthEpochs
   DepthPyramid pyramid_;
   DepthPyramid::Levels levels_;
   bool occluder_drawn_ = false;
@@ -321,7 +321,7 @@ void SoftwareOcclusion::Batches::test(Pending<Shape>& batch) {
       find_screen_bounds(view, shapes, bounds_, diagonals_);
     else
       find_screen_bounds(view, shapes, bounds_);
-    for (float& nearness : bounds_.largest_nearness) nearness = std::max(nearness, occlusion_.least_nearness_);
+    for (float& nearness : bounds_.largest_nearness) nearness = std::max(nearness, occlusion_.min_nearness_);
     if (occlusion_.options_.count_pixels || !occlusion_.occluder_drawn_) {
       for (std::size_t i = 0; i < batch.size; ++i)
         answers_[batch.answer[i]] = occlusion_.visible_pixels(batch.query(i), bounds(i));

@@ -13,10 +13,10 @@ void Visibility::find_visible_points(std::uint32_t /*object*/, std::span<const g
 
 void Visibility::answer(std::span<const VisibilityQuery> queries, std::span<std::uint32_t> answers) {
   assert(answers.size() >= queries.size());
-  const std::size_t most_open = std::max<std::size_t>(flight(), 1);
+  const std::size_t max_open = std::max<std::size_t>(flight(), 1);
   std::size_t answered = 0;
   for (std::size_t asked = 0; asked < queries.size(); ++asked) {
-    if (asked - answered == most_open) answers[answered++] = collect();
+    if (asked - answered == max_open) answers[answered++] = collect();
     submit(queries[asked]);
   }
   while (answered < queries.size()) answers[answered++] = collect();

@@ -51,9 +51,9 @@ class Renewal {
   }
 
  private:
-  static constexpr double least_shown = 0.05;
-  [[nodiscard]] static double shown(double hidden) { return std::max(1.0 - hidden, least_shown); }
-  [[nodiscard]] static double hidden(double shown) { return std::clamp(1.0 - shown, 0.0, 1.0 - least_shown); }
+  static constexpr double min_shown = 0.05;
+  [[nodiscard]] static double shown(double hidden) { return std::max(1.0 - hidden, min_shown); }
+  [[nodiscard]] static double hidden(double shown) { return std::clamp(1.0 - shown, 0.0, 1.0 - min_shown); }
 
   bool known_ = false;
   double visits_shown_ = 1.0, splits_shown_ = 1.0, stars_shown_ = 1.0;
@@ -103,27 +103,27 @@ constexpr std::size_t look_interval = 30;  // views from one look ahead to the n
 // The same from frame to frame, where a frame takes a fraction of the time; sooner when the camera moves far, but never
 // before the least interval.
 constexpr std::size_t frame_look_interval = 90;
-constexpr std::size_t least_frame_look_interval = 30;
+constexpr std::size_t min_frame_look_interval = 30;
 // A camera that jumps in every view is followed by looks ahead alone, but for one look back in so many.
 constexpr std::size_t jumps_per_look_back = 7;
 // Views from the same place before the first look back, and before later ones.
 constexpr std::size_t views_before_look_back = 1, views_before_later_look_back = 3;
 // Views from elsewhere that go without a look ahead, at most, when more looks ahead in turn than these have found that
 // queries do not pay.
-constexpr std::size_t most_unlooked = 3, vain_looks_in_turn = 2;
+constexpr std::size_t max_unlooked = 3, vain_looks_in_turn = 2;
 constexpr double near_cosine = 0.94;  // cosine of the angle by which the camera may turn: 20 degrees
 constexpr double near_share = 0.1;    // share of the scene's extent by which the eye may move
 constexpr double same_budget_factor = 2.0;
 constexpr double same_zoom_factor = 1.25;
-constexpr double least_gain = 0.1;              // relative gain of the score for which a frame changes the choice
-constexpr double least_gain_of_queries = 0.07;  // from scratch, of the score, for which queries are made at all
-constexpr double new_share = 0.25;              // weight of the last frame in the running means of frames
+constexpr double min_gain = 0.1;              // relative gain of the score for which a frame changes the choice
+constexpr double min_gain_of_queries = 0.07;  // from scratch, of the score, for which queries are made at all
+constexpr double new_share = 0.25;            // weight of the last frame in the running means of frames
 // The first frames after a new choice, until everything has been queried in turn, do not predict later ones.
 constexpr std::size_t settling_frames = 8;
-constexpr double least_queries = 24.0;         // before a region is judged
-constexpr std::size_t least_cone_tests = 128;  // before an object's cones are judged
-constexpr std::size_t least_samples = 12;      // before an object of which nothing is hidden is judged
-constexpr double visits_saved_by_cone = 4.0;   // at least, for each culled subtree
+constexpr double min_queries = 24.0;          // before a region is judged
+constexpr std::size_t min_cone_tests = 128;   // before an object's cones are judged
+constexpr std::size_t min_samples = 12;       // before an object of which nothing is hidden is judged
+constexpr double visits_saved_by_cone = 4.0;  // at least, for each culled subtree
 
 // The calibration's backends in the order of those given.
 Calibration matched(Calibration calibration, std::span<const std::unique_ptr<Visibility>> backends) {
@@ -239,10 +239,10 @@ class AutoRefiner::Impl {
   [[nodiscard]] bool must_look(Way way, const View& view, const RefineOptions& options) {
     const bool goes_on = way == Way::going_on;
     if (!looked_from_ || views_since_look_ >= (goes_on ? frame_look_interval : look_interval)) return true;
-    if (goes_on && views_since_look_ < least_frame_look_interval) return false;
+    if (goes_on && views_since_look_ < min_frame_look_interval) return false;
     if (!is_far_from_last_look(view, options)) return false;
     const std::size_t vain = vain_looks_ - std::min(vain_looks_, vain_looks_in_turn);
-    return goes_on || ++unlooked_ > std::min(vain, most_unlooked);
+    return goes_on || ++unlooked_ > std::min(vain, max_unlooked);
   }
   [[nodiscard]] bool is_far_from_last_look(const View& view, const RefineOptions& options) const {
     const double growth = static_cast<double>(options.budget) / static_cast<double>(looked_with_.budget);
@@ -276,7 +276,7 @@ class AutoRefiner::Impl {
       const HiddenShares& seen = result.objects[i];
       effects_[i] = {};
       effects_[i].occlusion =
-          seen.visits < least_samples || seen.visits_hidden + seen.splits_hidden + seen.stars_hidden > 0.0;
+          seen.visits < min_samples || seen.visits_hidden + seen.splits_hidden + seen.stars_hidden > 0.0;
       worths_[i] = {};
       was_judged_[i] = false;
     }
@@ -368,7 +368,7 @@ class AutoRefiner::Impl {
       if (before == nullptr) return way == Way::from_scratch;
       return forecast.effort == before->effort && forecast.backend == before->backend;
     });
-    const double least = before == nullptr ? least_gain_of_queries : least_gain;
+    const double least = before == nullptr ? min_gain_of_queries : min_gain;
     report_.held = same != all.end() && same != best && best->score() > (1.0 - least) * same->score();
     return report_.held ? &*same : &*best;
   }
@@ -430,7 +430,7 @@ class AutoRefiner::Impl {
 
   // What does not pay on an object stays off until the next look ahead.
   void judge_cones(const ObjectEffectStats& stats, ObjectEffects& effects) const {
-    if (stats.cone_tests < least_cone_tests) return;
+    if (stats.cone_tests < min_cone_tests) return;
     effects.cones = static_cast<double>(stats.cone_culled) * visits_saved_by_cone * calibration_.visit_ns >=
                     static_cast<double>(stats.cone_tests) * calibration_.cone_ns;
   }
@@ -438,7 +438,7 @@ class AutoRefiner::Impl {
     const double worth_ns = split_worth_ns(calibration_, counts);
     const double query_ns = calibration_.backends[*report_.choice.backend].query_ns;
     const auto is_vain = [&](const Worth& sum) {
-      return sum.queries >= least_queries && sum.splits * worth_ns < sum.queries * query_ns;
+      return sum.queries >= min_queries && sum.splits * worth_ns < sum.queries * query_ns;
     };
     Worth whole;
     const FinerCounts& finer = (back_ ? *back_ : ahead_).finer;

@@ -53,7 +53,7 @@ void for_each_cost(Costs& costs, const Visit& visit) {
 constexpr std::size_t passes = 5;  // over everything
 constexpr int rounds = 2;          // of each thing in a pass
 constexpr int image_side = 1024;   // a usual size; smaller images would fit into caches
-constexpr double least_ns = 0.01;  // the resolution of the clock
+constexpr double min_ns = 0.01;    // the resolution of the clock
 
 // The shorter of two rounds, in ns: other load on the machine can only make a round longer.
 template <typename Work>
@@ -67,7 +67,7 @@ double fastest_ns(const Work& work) {
   return best;
 }
 
-double per(double ns, std::size_t count) { return std::max(ns / static_cast<double>(count), least_ns); }
+double per(double ns, std::size_t count) { return std::max(ns / static_cast<double>(count), min_ns); }
 
 View view_from(double distance) {
   Camera camera;
@@ -210,7 +210,7 @@ double Workload::fragment_ns(const Draw& draw, double triangle_ns) const {
   const ObjectView view(near_, glm::dmat4(1.0));
   const double layers = count_fragments(mesh_.positions, mesh_.triangles, view, true, 1).all.layers;
   const double triangles_ns = triangle_ns * static_cast<double>(mesh_.triangle_count());
-  return std::max((one_planet_ns(draw, near_) - triangles_ns) / (layers * image_side * image_side), least_ns);
+  return std::max((one_planet_ns(draw, near_) - triangles_ns) / (layers * image_side * image_side), min_ns);
 }
 
 void Workload::measure_drawing(Calibration& calibration) const {

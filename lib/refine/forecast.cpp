@@ -9,7 +9,7 @@
 namespace occlod {
 namespace {
 
-constexpr double most_hidden = 0.95;  // limits the shares found by small samples
+constexpr double max_hidden = 0.95;  // limits the shares found by small samples
 
 bool is_renewed(OcclusionEffort effort) {
   return effort == OcclusionEffort::renewed_subtrees || effort == OcclusionEffort::renewed_stars;
@@ -55,7 +55,7 @@ OccluderCounts occluders_of(const Prospect& prospect, OcclusionEffort effort) {
 // without occlusion does not visit all of what is hidden either.
 double visits_factor(const HiddenShares& shares) {
   constexpr double least = 0.4;
-  return std::clamp((1.0 - shares.visits_hidden) / (1.0 - std::min(shares.splits_hidden, most_hidden)), least, 1.0);
+  return std::clamp((1.0 - shares.visits_hidden) / (1.0 - std::min(shares.splits_hidden, max_hidden)), least, 1.0);
 }
 
 // Counted with this effort if known, else with another, else estimated from the shares.
@@ -77,8 +77,8 @@ const HiddenShares& shares_for(OcclusionEffort effort, const Prospect& prospect)
 // them what becomes hidden stays, and the error falls by 0.4 times as many octaves (0.2 to 0.45 on the shipped scenes).
 double hidden_with(OcclusionEffort effort, const Prospect& prospect, const HiddenShares& shares) {
   constexpr double found_anew = 0.4;
-  if (asks_stars(effort)) return std::min(shares.stars_hidden, most_hidden);
-  const double hidden = std::min(shares.splits_hidden, most_hidden);
+  if (asks_stars(effort)) return std::min(shares.stars_hidden, max_hidden);
+  const double hidden = std::min(shares.splits_hidden, max_hidden);
   return prospect.way == Way::going_on ? 1.0 - std::pow(1.0 - hidden, found_anew) : hidden;
 }
 
@@ -132,14 +132,14 @@ FrameForecast same_error_without(const Calibration& calibration, const Prospect&
 }
 
 double error_with(double hidden, const FinerCounts& finer) {
-  constexpr double least_error = 0.05;  // limits the gain claimed by small samples
+  constexpr double min_error = 0.05;  // limits the gain claimed by small samples
   if (hidden <= 0.0) return 1.0;
-  const double wanted = 1.0 / (1.0 - std::min(hidden, most_hidden));
+  const double wanted = 1.0 / (1.0 - std::min(hidden, max_hidden));
   std::size_t i = 1;
   while (i < finer.size() && finer[i] < wanted) ++i;
-  if (i == finer.size()) return least_error;
+  if (i == finer.size()) return min_error;
   const double part = std::log(wanted / finer[i - 1]) / std::log(finer[i] / finer[i - 1]);
-  return std::max(std::exp2(-(static_cast<double>(i - 1) + part)), least_error);
+  return std::max(std::exp2(-(static_cast<double>(i - 1) + part)), min_error);
 }
 
 double triangles_for(double error, const FinerCounts& finer) {
@@ -166,12 +166,12 @@ std::vector<EffortForecast> forecasts(const Calibration& calibration, const Pros
 // A hidden star is one split. The splits below a node are taken to be more the larger its error is by the law by which
 // they become more below the level, all hidden subtrees of a region to have their mean error.
 double splits_freed(const ObjectEffectStats::Region& region, double level_px, const FinerCounts& finer) {
-  constexpr double least_level_px = 0.1;
+  constexpr double min_level_px = 0.1;
   const auto subtrees = static_cast<double>(region.hidden - region.hidden_stars);
   if (subtrees == 0.0) return region.hidden_stars;
   const double mean_px = static_cast<double>(region.hidden_subtrees_px) / subtrees;
   const double exponent = std::clamp(std::log2(finer[1]), 1.0, 2.0);
-  return region.hidden_stars + subtrees * std::pow(mean_px / std::max(level_px, least_level_px), exponent);
+  return region.hidden_stars + subtrees * std::pow(mean_px / std::max(level_px, min_level_px), exponent);
 }
 
 double split_worth_ns(const Calibration& calibration, const FrameCounts& counts) {

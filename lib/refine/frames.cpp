@@ -9,11 +9,11 @@ namespace occlod {
 namespace {
 
 // Of what needs what: no file can use up the stack.
-constexpr int most_depth = 64;
+constexpr int max_depth = 64;
 // In frames, for which what a split needs is held to be known.
-constexpr std::uint16_t most_age = 4;
+constexpr std::uint16_t max_age = 4;
 // In splits: more than this counts as this, so that what is kept by others anyway sinks to a third at most.
-constexpr float most_kept = 2.0F;
+constexpr float max_kept = 2.0F;
 
 std::uint32_t count_removed(const SplitStar& star, SplitId from) {
   std::uint32_t faces = 0;
@@ -24,7 +24,7 @@ std::uint32_t count_removed(const SplitStar& star, SplitId from) {
 }  // namespace
 
 float UnseenNeeds::weight_of_applied(std::uint32_t object, SplitId s) {
-  return weight(std::min(needed_by(object, s, most_depth), most_kept));
+  return weight(std::min(needed_by(object, s, max_depth), max_kept));
 }
 
 float UnseenNeeds::weight_of_closure(std::uint32_t object, const Cut::Closure& closure) {
@@ -33,7 +33,7 @@ float UnseenNeeds::weight_of_closure(std::uint32_t object, const Cut::Closure& c
     kept += needed_by_unapplied(object, s);
     if (s != closure.splits[0]) forced += unseen_part(object, s);
   }
-  return weight(std::min(kept, most_kept) + forced);
+  return weight(std::min(kept, max_kept) + forced);
 }
 
 // What removes several faces of one is charged for each.
@@ -56,7 +56,7 @@ float UnseenNeeds::needed_by_unapplied(std::uint32_t object, SplitId s) {
   star.for_each_removed_ref([&](const FaceRef& face) {
     if (face.split == no_id || !cut.applied(face.split)) return;
     const std::uint32_t own = count_removed(star, face.split);
-    unseen += charge(object, face.split, own, own + cut.removed_faces(face.split), most_depth);
+    unseen += charge(object, face.split, own, own + cut.removed_faces(face.split), max_depth);
   });
   return unseen;
 }
@@ -74,7 +74,7 @@ float UnseenNeeds::below(std::uint32_t object, Front::Index k, int depth) {
   Front& front = evaluation_.front(object);
   const auto now = static_cast<std::uint16_t>(frame_);
   const auto age = static_cast<std::uint16_t>(now - front.node(k).weighed_frame);
-  if (front.is(k, Front::needs_known) && age < most_age) return front.node(k).unseen_needs;
+  if (front.is(k, Front::needs_known) && age < max_age) return front.node(k).unseen_needs;
   if (depth == 0) return 0.0F;
   const float found = needed_by(object, front.node(k).split, depth - 1);
   FrontNode& node = front.node(k);
@@ -103,8 +103,8 @@ namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
 // When so many candidates need more triangles than are left, the budget counts as used up.
-constexpr std::size_t most_rejections = 16;
-constexpr std::size_t least_gain = 1;  // of triangles, by a split: one at a border
+constexpr std::size_t max_rejections = 16;
+constexpr std::size_t min_gain = 1;  // of triangles, by a split: one at a border
 // Where the candidates that are queued do not suffice, less important ones follow, so much at a time.
 constexpr float band_step = 1.25F;
 // From scratch leaves do not pay for what they keep, so the budget ends at a higher level than from frame to frame. The
@@ -112,7 +112,7 @@ constexpr float band_step = 1.25F;
 // far below.
 constexpr float settling_growth = 1.12F, settled_part = 0.25F;
 // A budget with less room than this, in triangles, counts as used up.
-constexpr std::size_t least_room = 16;
+constexpr std::size_t min_room = 16;
 
 }  // namespace
 
@@ -185,7 +185,7 @@ void SplitExchange::exchange() {
       level_ = std::max(level_, entry.priority);
       ++stats_->rejected_splits;
       rejected_.include(entry.error);
-      if (++rejections == most_rejections || cuts.triangle_count() + least_gain > budget) return;
+      if (++rejections == max_rejections || cuts.triangle_count() + min_gain > budget) return;
     }
   }
   stats_->pending = !candidates_.empty();
@@ -265,7 +265,7 @@ void SplitExchange::leave_out_low(std::uint32_t object, float low) {
 bool SplitExchange::waits_for_later_frames() const {
   const RefineOptions* const options = evaluation_.scene().options;
   return candidates_above_ <= settling_level_ && !(options->tolerance_px > 0.0) &&
-         evaluation_.scene().cuts->triangle_count() + least_room > options->budget;
+         evaluation_.scene().cuts->triangle_count() + min_room > options->budget;
 }
 
 // Until there is one that comes before all that is not queued yet: a little less important ones each time, then the
@@ -323,7 +323,7 @@ bool SplitExchange::gather_more_leaves() {
 
 bool SplitExchange::limit_reached() const {
   const RefineOptions* const options = evaluation_.scene().options;
-  if (options->update.most_changes > 0 && changes_ >= options->update.most_changes) return true;
+  if (options->update.max_changes > 0 && changes_ >= options->update.max_changes) return true;
   return options->update.time_limit_ms > 0.0 && milliseconds_since(start_) >= options->update.time_limit_ms;
 }
 
@@ -478,12 +478,12 @@ namespace {
 constexpr double lost_part = 0.25;
 
 // In a view that does not move: what is exchanged after so many frames goes to and fro.
-constexpr std::uint32_t most_restless_frames = 4 * weighing_rounds;
+constexpr std::uint32_t max_restless_frames = 4 * weighing_rounds;
 
 // What the mesh of a frame turns out to show matters when its error is this many times the level.
 constexpr float much_error = 4.0F;
 // After so many checks in a row that found nothing of the kind, one frame in so many is checked.
-constexpr std::uint32_t most_useless_checks = 16, rare_checks = 4;
+constexpr std::uint32_t max_useless_checks = 16, rare_checks = 4;
 
 std::vector<DrawnMesh> meshes_of(std::span<const RefineObject> objects, std::span<RefinedObject> result) {
   std::vector<DrawnMesh> meshes;
@@ -550,7 +550,7 @@ void Frames::exchange_splits(bool moved, RefineStats& stats) {
     queries_.forget_hidden();
   exchange_.run();
   if (!can_hide || !moved || !scene.options->queries.final_check || exchange_.changes() == 0) return;
-  if (checks_since_useful_ > most_useless_checks && frame_ % rare_checks != 0) return;
+  if (checks_since_useful_ > max_useless_checks && frame_ % rare_checks != 0) return;
   const std::span<const Entry> shown = queries_.check_hidden(exchange_.level());
   stats.readmitted += shown.size();
   note_check(shown);
@@ -591,7 +591,7 @@ void Frames::emit(std::span<RefinedObject> out, RefineStats& stats) {
   const bool same_mesh = stats.new_splits + stats.merged_splits == 0;
   same_frames_ = same_mesh && frame_ != moved_frame_ ? same_frames_ + 1 : 0;
   at_rest_ = at_rest_ && (exchange_.changes() == 0 || same_frames_ >= weighing_rounds ||
-                          frame_ - moved_frame_ >= most_restless_frames);
+                          frame_ - moved_frame_ >= max_restless_frames);
 }
 
 }  // namespace occlod

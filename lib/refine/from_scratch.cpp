@@ -217,10 +217,10 @@ namespace {
 
 // When so many visible splits in a row need more triangles than are left, or in the final check than less important
 // ones have, the budget counts as used up.
-constexpr std::size_t most_rejections_in_a_row = 64, most_in_final_check = 256;
+constexpr std::size_t max_rejections_in_a_row = 64, max_in_final_check = 256;
 
 // What a larger budget looks at is not in the caches.
-constexpr std::size_t most_cached_triangles = 100'000;
+constexpr std::size_t max_cached_triangles = 100'000;
 
 std::uint64_t key_of(std::uint32_t object, SplitId s) { return std::uint64_t{object} << 32U | s; }
 
@@ -230,7 +230,7 @@ void FromScratch::refine(const RefinedScene& scene, RefineStats& stats) {
   scene_ = scene;
   stats_ = &stats;
   threads_ = thread_count(scene.options->threads);
-  waits_for_memory_ = scene.options->budget > most_cached_triangles;
+  waits_for_memory_ = scene.options->budget > max_cached_triangles;
   begin();
   run();
   end_level_ = queues_.top_priority();
@@ -340,10 +340,10 @@ bool FromScratch::apply_above_visits() {
 
 // The next ones. False when there is none whose turn it is.
 bool FromScratch::take_applies() {
-  const std::size_t most_at_once = std::max<std::size_t>(128, scene_.queries->flight());
+  const std::size_t max_at_once = std::max<std::size_t>(128, scene_.queries->flight());
   Queue& applies = queues_.applies;
   applies_.clear();
-  while (applies_.size() < most_at_once && !applies.empty() && matters(applies.top()) && is_above_visits(applies.top()))
+  while (applies_.size() < max_at_once && !applies.empty() && matters(applies.top()) && is_above_visits(applies.top()))
     applies_.push_back(applies.pop());
   return !applies_.empty();
 }
@@ -414,7 +414,7 @@ void FromScratch::look_at_needed() {
 void FromScratch::draw_occluder() { entries_.draw_occluder(queues_, growth()); }
 
 bool FromScratch::used_up() const {
-  if (rejections_in_a_row_ >= (level_ ? most_in_final_check : most_rejections_in_a_row)) return true;
+  if (rejections_in_a_row_ >= (level_ ? max_in_final_check : max_rejections_in_a_row)) return true;
   return !level_ && scene_.cuts->triangle_count() >= scene_.options->budget;
 }
 

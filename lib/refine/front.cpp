@@ -98,7 +98,7 @@ Sphere sphere_around(const SplitStar& star, std::span<const glm::vec3> positions
 
 FrontStar planes_of(const SplitStar& star, std::span<const glm::vec3> positions) {
   FrontStar planes;
-  planes.has_too_many = star.inserted_count() + star.removed_count() > FrontStar::most_faces;
+  planes.has_too_many = star.inserted_count() + star.removed_count() > FrontStar::max_faces;
   if (planes.has_too_many) return planes;
   planes.sphere = sphere_around(star, positions);
   const float unit = inverse_power_of_two(planes.sphere.radius);

@@ -132,14 +132,14 @@ static_assert(sizeof(FrontNode) == 64, "one cache line");
 
 // The planes of a split's faces, for many looks from many eyes.
 struct FrontStar {
-  static constexpr std::size_t most_faces = 16;
-  using Lanes = std::array<float, most_faces>;
+  static constexpr std::size_t max_faces = 16;
+  using Lanes = std::array<float, max_faces>;
 
   // Of face i: its normal, twice its area long in a unit near the star's size, and dot(normal, sphere.center - corner).
   alignas(64) Lanes normal_x{}, normal_y{}, normal_z{}, offset{}, length{};
   Sphere sphere;              // around all corners
   std::uint32_t faces = 0;    // in the first lanes; all other lanes are zero
-  bool has_too_many = false;  // more than most_faces: nothing else is known
+  bool has_too_many = false;  // more than max_faces: nothing else is known
 };
 
 // Nodes by index. What every frame looks through lies in arrays of its own, in the order of nodes.

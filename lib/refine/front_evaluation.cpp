@@ -15,9 +15,9 @@ namespace {
 // How far the eye may move while none of the faces turns its other side towards it, but for rounding.
 float distance_from_planes(const FrontStar::Lanes& facing, const FrontStar::Lanes& length) {
   FrontStar::Lanes distance;
-  for (std::size_t i = 0; i < FrontStar::most_faces; ++i)
+  for (std::size_t i = 0; i < FrontStar::max_faces; ++i)
     distance[i] = length[i] > 0.0F ? std::abs(facing[i]) / length[i] : std::numeric_limits<float>::infinity();
-  for (std::size_t half = FrontStar::most_faces / 2; half > 0; half /= 2)
+  for (std::size_t half = FrontStar::max_faces / 2; half > 0; half /= 2)
     for (std::size_t i = 0; i < half; ++i) distance[i] = std::min(distance[i], distance[i + half]);
   return distance[0];
 }
@@ -29,7 +29,7 @@ StarView view_of(const FrontStar& star, FrontStar::Lanes& facing, const glm::vec
     for (float& f : facing) f = std::abs(f);
   std::uint32_t seen_faces = 0;
   float whole = 0.0F, seen = 0.0F;
-  for (std::size_t i = 0; i < FrontStar::most_faces; ++i) {
+  for (std::size_t i = 0; i < FrontStar::max_faces; ++i) {
     const bool is_seen = facing[i] > 0.0F;
     seen_faces += is_seen ? 1 : 0;
     whole += is_seen ? star.length[i] : 0.0F;
@@ -55,8 +55,8 @@ float room_inside(const Sphere& sphere, const ObjectView& view) {
 // By how much of itself a cosine to a power between `cosine` and the least that counts changes at most while it loses
 // or gains `change`.
 float power_change(float cosine, float change, float exponent) {
-  const float now = std::max(cosine, least_cosine);
-  const float ratio = std::max(now / std::max(now - change, least_cosine), std::min(now + change, 1.0F) / now);
+  const float now = std::max(cosine, min_cosine);
+  const float ratio = std::max(now / std::max(now - change, min_cosine), std::min(now + change, 1.0F) / now);
   return (exponent == 0.5F ? std::sqrt(ratio) : std::pow(ratio, exponent)) - 1.0F;
 }
 
@@ -92,7 +92,7 @@ FrontPriority front_priority(const FrontStar& star, const SplitErrors& errors, c
   const float unit = inverse_power_of_two(from_center);
   const glm::vec3 eye = unit * from_center;
   FrontStar::Lanes facing;
-  for (std::size_t i = 0; i < FrontStar::most_faces; ++i)
+  for (std::size_t i = 0; i < FrontStar::max_faces; ++i)
     facing[i] = star.normal_x[i] * eye.x + star.normal_y[i] * eye.y + star.normal_z[i] * eye.z + unit * star.offset[i];
   const float from_planes =
       front_view.two_sided ? std::numeric_limits<float>::infinity() : distance_from_planes(facing, star.length) / unit;
@@ -114,9 +114,9 @@ FrontPriority front_priority(const FrontStar& star, const SplitErrors& errors, c
 namespace {
 
 // Sums of motion from here on count as rounded too much: in diagonals of the object, and in radians.
-constexpr double most_motion = 64.0;
+constexpr double max_motion = 64.0;
 // Diagonals of objects beyond which sums of squares of what is seen near them might be out of the range of floats.
-constexpr double least_diagonal = 0x1p-40, most_diagonal = 0x1p40;
+constexpr double min_diagonal = 0x1p-40, max_diagonal = 0x1p40;
 constexpr ErrorGrowth while_unseen = {0.0F, 0.0F, std::numeric_limits<float>::max(), 0.0F,
                                       std::numeric_limits<float>::max()};
 
@@ -124,9 +124,9 @@ glm::vec3 center_of(const Box& box) { return 0.5F * box.min + 0.5F * box.max; }
 
 bool is_small_motion(const ViewMotion& motion, const Box& box) {
   const double diagonal = glm::distance(glm::dvec3(box.min), glm::dvec3(box.max));
-  return diagonal >= least_diagonal && diagonal <= most_diagonal &&
-         std::max(motion.eye_distance, motion.center_distance) <= most_motion * diagonal &&
-         motion.rotation_rad <= most_motion;
+  return diagonal >= min_diagonal && diagonal <= max_diagonal &&
+         std::max(motion.eye_distance, motion.center_distance) <= max_motion * diagonal &&
+         motion.rotation_rad <= max_motion;
 }
 
 }  // namespace
@@ -210,7 +210,7 @@ BoundedProducts FrontEvaluation::leaf_priorities(std::uint32_t object) const {
 float FrontEvaluation::most_grazing() const {
   constexpr float rounding = 1.001F;
   const RefineOptions* const options = scene_.options;
-  return rounding * std::pow(least_cosine, -static_cast<float>(options->priority.grazing_exponent));
+  return rounding * std::pow(min_cosine, -static_cast<float>(options->priority.grazing_exponent));
 }
 
 float FrontEvaluation::priority_at_most(std::uint32_t object, Front::Index k) const {

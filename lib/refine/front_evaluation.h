@@ -28,7 +28,7 @@ struct FrontView {
   glm::vec3 center{0.0F};  // that motion is counted from
 };
 
-// Of a star with no more than FrontStar::most_faces that is wholly inside the frustum, of a split with these errors.
+// Of a star with no more than FrontStar::max_faces that is wholly inside the frustum, of a split with these errors.
 [[nodiscard]] FrontPriority front_priority(const FrontStar& star, const SplitErrors& errors,
                                            const FrontView& front_view);
 

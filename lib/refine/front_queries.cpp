@@ -108,7 +108,7 @@ bool FrontForest::close_one(std::uint32_t object, SplitId s, float least) {
 
 namespace {
 
-constexpr std::uint32_t most_age = 0xFFFF;  // that a node can tell, in occluders
+constexpr std::uint32_t max_age = 0xFFFF;  // that a node can tell, in occluders
 
 }  // namespace
 
@@ -128,7 +128,7 @@ void FrontQueries::begin_frame(std::uint32_t frame, bool moved) {
 
 std::size_t FrontQueries::ask_again(float level) {
   draw_occluder();
-  const float least = least_error(level);
+  const float least = min_error(level);
   for (std::uint32_t i = 0; i < evaluation_.object_count(); ++i) {
     forget_what_is_not_asked(i);
     ask_about_hidden(i, least);
@@ -141,7 +141,7 @@ std::size_t FrontQueries::ask_again(float level) {
 
 std::span<const Entry> FrontQueries::check_hidden(float level) {
   draw_occluder();
-  for (std::uint32_t i = 0; i < evaluation_.object_count(); ++i) ask_about_hidden(i, least_error(level));
+  for (std::uint32_t i = 0; i < evaluation_.object_count(); ++i) ask_about_hidden(i, min_error(level));
   ask_all();
   return asked_;
 }
@@ -153,7 +153,7 @@ void FrontQueries::draw_occluder() {
 }
 
 // Of a subtree that may matter.
-float FrontQueries::least_error(float level) const { return level / level_band / evaluation_.most_grazing(); }
+float FrontQueries::min_error(float level) const { return level / level_band / evaluation_.most_grazing(); }
 
 void FrontQueries::ask_all() {
   verdicts_.resize(asked_.size());
@@ -222,7 +222,7 @@ void FrontQueries::ask_about_leaves(std::uint32_t object) {
 bool FrontQueries::is_shown_since(std::uint32_t draw, const FrontNode& node, Entry::Kind kind) const {
   if (draw > draw_) return false;
   const std::uint16_t shown = kind == Entry::Kind::visit ? node.subtree_shown : node.star_shown;
-  return static_cast<std::uint16_t>(draw_ - shown) <= std::min(draw_ - draw, most_age);
+  return static_cast<std::uint16_t>(draw_ - shown) <= std::min(draw_ - draw, max_age);
 }
 
 // True when it was hidden and is no longer.

@@ -81,7 +81,7 @@ class FrontQueries {
   // Asks all of asked_, and keeps those there that are shown now and were hidden before.
   void ask_all();
   bool note(const Entry& entry, bool visible);
-  [[nodiscard]] float least_error(float level) const;
+  [[nodiscard]] float min_error(float level) const;
 
   FrontEvaluation& evaluation_;
   std::uint32_t frame_ = 0;

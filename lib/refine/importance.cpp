@@ -6,7 +6,7 @@
 namespace occlod {
 namespace {
 
-constexpr float most_steps = 254.0F;
+constexpr float max_steps = 254.0F;
 
 // Most exponents are 1, a half or 0.
 float power(float base, double exponent) {
@@ -47,7 +47,7 @@ Importance::Value Importance::of(const StarView& star, const SplitErrors& errors
   value.error = ScreenError(errors, star.scale_px);
   if (star.visible_share == 0.0F) return value;  // even where the eye is inside the star and the error has no limit
   value.priority = value.error.quadric_px * power(star.visible_share, options_->priority.visible_exponent) /
-                   power(std::max(star.cosine, least_cosine), options_->priority.grazing_exponent);
+                   power(std::max(star.cosine, min_cosine), options_->priority.grazing_exponent);
   return value;
 }
 
@@ -60,7 +60,7 @@ float Importance::forced_weight(std::span<const SplitId> closure) {
 
 float Importance::visible_share(SplitId s) {
   if (shares_[s] == 0) remember(s, star_.evaluate(*hierarchy_, s, *view_, two_sided_).visible_share);
-  return static_cast<float>(shares_[s] - 1) / most_steps;
+  return static_cast<float>(shares_[s] - 1) / max_steps;
 }
 
 void Importance::find_shares(std::span<const SplitId> splits) {
@@ -85,7 +85,7 @@ void Importance::set_hidden(SplitId s, bool hidden) {
 
 void Importance::remember(SplitId s, float share) {
   if (shares_[s] == 0) known_.push_back(s);
-  shares_[s] = static_cast<std::uint8_t>(1.0F + std::round(share * most_steps));
+  shares_[s] = static_cast<std::uint8_t>(1.0F + std::round(share * max_steps));
 }
 
 }  // namespace occlod

@@ -14,7 +14,7 @@ namespace occlod {
 
 // Faces that are seen under a smaller cosine count as if it were this: the nearly edge-on ones are narrower than a
 // pixel.
-inline constexpr float least_cosine = 0.2F;
+inline constexpr float min_cosine = 0.2F;
 
 // Of one object. Reuses its memory from view to view.
 class Importance {

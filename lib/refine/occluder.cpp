@@ -74,9 +74,9 @@ bool TileOccluder::make_face(const MovedFace& face, std::span<const glm::vec3> p
   result.marked = face.marked;
   result.moved = static_cast<double>(face.moved) * view.largest_stretch();
   const auto& c = result.corners;
-  const double least_depth = std::min({c[0].depth, c[1].depth, c[2].depth});
-  if (!(least_depth - result.moved > near_)) return false;
-  result.radius = radius_of(result.moved, least_depth);
+  const double min_depth = std::min({c[0].depth, c[1].depth, c[2].depth});
+  if (!(min_depth - result.moved > near_)) return false;
+  result.radius = radius_of(result.moved, min_depth);
   result.reach = result.radius;
   if (!(result.radius <= largest_radius_px)) return false;
   // Pixels run downwards: what is counter-clockwise has a negative area there.
@@ -101,9 +101,9 @@ TileOccluder::Corner TileOccluder::project(const glm::vec3& position, const Obje
 }
 
 // A point that moves by `moved` and is then in the image, has moved by no more pixels than this.
-double TileOccluder::radius_of(double moved, double least_depth) const {
+double TileOccluder::radius_of(double moved, double min_depth) const {
   if (without_.erosion) return 0.0;
-  return slack_px + focal_length_px_ * moved * stretch_ / (is_orthographic_ ? 1.0 : least_depth);
+  return slack_px + focal_length_px_ * moved * stretch_ / (is_orthographic_ ? 1.0 : min_depth);
 }
 
 // Edges that have one face on either side as seen from the eye are no border.
@@ -261,10 +261,10 @@ void TileOccluder::find_depth(std::uint32_t tile, std::uint32_t object, std::spa
   for (std::uint32_t i = 0; i < count; ++i)
     for (const std::uint32_t other : faces_[near[i].face].beyond)
       if (other != no_face && place_[other] != no_face) roots_[root(i)] = root(place_[other]);
-  least_border_.assign(count, infinity);
+  min_border_.assign(count, infinity);
   for (const Border& border : borders) {
     if (place_[border.face] == no_face) continue;
-    double& least = least_border_[root(place_[border.face])];
+    double& least = min_border_[root(place_[border.face])];
     least = std::min(least, static_cast<double>(border.first));
   }
   for (std::uint32_t i = 0; i < count; ++i) roots_[i] = root(i);
@@ -283,7 +283,7 @@ void TileOccluder::find_depth(std::uint32_t tile, std::uint32_t object, std::spa
         last = is_first ? static_cast<double>(i.last) : std::max(last, static_cast<double>(i.last));
         hides = hides || i.holds_middle;
       }
-      if (hides && last < least_border_[set] && last < tiles_[tile].depth) tiles_[tile] = {last, object};
+      if (hides && last < min_border_[set] && last < tiles_[tile].depth) tiles_[tile] = {last, object};
     }
     while (k < count && roots_[order_[k]] == set) ++k;
   }

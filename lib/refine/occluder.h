@@ -100,7 +100,7 @@ class TileOccluder {
                                bool two_sided, Face& result) const;
   [[nodiscard]] Corner project(const glm::vec3& position, const ObjectView& view) const;
   [[nodiscard]] double depth_at(double nearness) const { return is_orthographic_ ? -nearness : 1.0 / nearness; }
-  [[nodiscard]] double radius_of(double moved, double least_depth) const;
+  [[nodiscard]] double radius_of(double moved, double min_depth) const;
   void join_faces();
   void add_intervals(std::uint32_t f);
   void add_borders(std::uint32_t f);
@@ -133,7 +133,7 @@ class TileOccluder {
   std::vector<std::uint32_t> first_interval_, first_border_;  // of tiles
   std::vector<std::uint32_t> place_;                          // of faces in the tile that is looked at
   std::vector<std::uint32_t> roots_, order_;
-  std::vector<double> least_border_;
+  std::vector<double> min_border_;
 };
 
 // The mesh that hides: the current cuts of all objects.
@@ -204,7 +204,7 @@ class OccluderSteps {
   static constexpr double factor = 6.0;
   [[nodiscard]] static double first(double budget) {
     const double last = budget / last_part;
-    const double least = std::clamp(last / factor, least_triangles, enough_triangles);
+    const double least = std::clamp(last / factor, min_triangles, enough_triangles);
     double triangles = std::max(last, least);
     while (triangles >= factor * least) triangles /= factor;
     return triangles;
@@ -223,7 +223,7 @@ class OccluderSteps {
   [[nodiscard]] bool due(const Growth& now) const {
     const std::vector<std::uint32_t>& given = options_->occluder.splits;
     if (!given.empty()) return next_ < given.size() && now.splits >= given[next_];
-    return static_cast<double>(now.triangles) >= next_triangles_ && moved_px_ >= least_move_px;
+    return static_cast<double>(now.triangles) >= next_triangles_ && moved_px_ >= min_move_px;
   }
 
   void drawn(const Growth& now) {
@@ -238,9 +238,9 @@ class OccluderSteps {
 
  private:
   // That a first one has: at least; and where two of them are drawn anyway.
-  static constexpr double least_triangles = 32.0, enough_triangles = 128.0;
+  static constexpr double min_triangles = 32.0, enough_triangles = 128.0;
   static constexpr double last_part = 3.0;  // of the budget, at the last of them
-  static constexpr float least_move_px = 1.0F;
+  static constexpr float min_move_px = 1.0F;
 
   const RefineOptions* options_ = nullptr;
   std::size_t next_ = 0;         // of the given ones

@@ -33,7 +33,7 @@ void EffectGate::begin(std::span<const RefineObject> objects, const RefineOption
 
 namespace {
 
-constexpr std::size_t least_at_once = 128;
+constexpr std::size_t min_at_once = 128;
 
 }  // namespace
 
@@ -83,9 +83,9 @@ void OcclusionQueries::ask(std::span<const Entry> entries, std::span<Verdict> ve
 
 // In pieces that stay in the cache: by their vertices, which decide most, then by their bounds.
 void OcclusionQueries::find(std::span<const Entry> entries, std::span<Verdict> verdicts, Scratch& scratch) const {
-  const std::size_t most_at_once = std::max(least_at_once, flight_);
-  for (std::size_t first = 0; first < entries.size(); first += most_at_once) {
-    const std::size_t size = std::min(most_at_once, entries.size() - first);
+  const std::size_t max_at_once = std::max(min_at_once, flight_);
+  for (std::size_t first = 0; first < entries.size(); first += max_at_once) {
+    const std::size_t size = std::min(max_at_once, entries.size() - first);
     find_vertices_that_show(entries.subspan(first, size), verdicts.subspan(first, size), scratch);
     ask_about_bounds(entries.subspan(first, size), verdicts.subspan(first, size), scratch);
   }

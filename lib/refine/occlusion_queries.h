@@ -66,7 +66,7 @@ class EffectGate {
     if (kind == Entry::Kind::apply)
       ++region.hidden_stars;
     else
-      region.hidden_subtrees_px += std::min(error_px, Region::most_error_px);
+      region.hidden_subtrees_px += std::min(error_px, Region::max_error_px);
   }
   [[nodiscard]] std::span<const ObjectEffectStats> stats() const noexcept { return stats_; }
 

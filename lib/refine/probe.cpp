@@ -17,11 +17,11 @@ namespace {
 constexpr int image_divisor = 4;
 constexpr std::size_t walks_ahead = 128;
 constexpr std::size_t walks_back = 512;  // more than ahead: looks back are rarer and decide for longer
-constexpr std::size_t most_roots = 256;  // limits the roots that are sampled in scenes of thousands of components
-constexpr double most_finer = 16.0;      // times the budget: nodes that the last node of a walk may stand for
+constexpr std::size_t max_roots = 256;   // limits the roots that are sampled in scenes of thousands of components
+constexpr double max_finer = 16.0;       // times the budget: nodes that the last node of a walk may stand for
 constexpr std::uint32_t no_levels = 1U << 30U;  // no forest is so deep: nothing is asked
-constexpr std::size_t most_counted = 2048;      // triangles whose area is taken, to know how much they fill the image
-constexpr float least_level_px = 1e-3F;         // the level of a fully refined mesh
+constexpr std::size_t max_counted = 2048;       // triangles whose area is taken, to know how much they fill the image
+constexpr float min_level_px = 1e-3F;           // the level of a fully refined mesh
 constexpr float largest_error_px = 1e4F;        // for nodes whose bounds contain the eye
 
 Camera smaller(Camera camera) {
@@ -70,7 +70,7 @@ class Probe::SmallVisibility final : public Visibility {
     MeshFragments sum;
     for (const OccluderPart& part : parts) {
       const MeshFragments one = count_fragments(part.positions, part.triangles, views_[part.object],
-                                                objects_[part.object].two_sided, triangles / most_counted + 1);
+                                                objects_[part.object].two_sided, triangles / max_counted + 1);
       sum.all += one.all;
       sum.front += one.front;
     }
@@ -107,7 +107,7 @@ const Probe::Result& Probe::look_ahead(const View& view, const RefineOptions& op
   (void)scout_.refine(view, coarse, *visibility_);
   begin(view, options);
   result_.all.coverage = visibility_->coverage();
-  take_walks(walks_ahead, most_finer * static_cast<double>(options.budget));
+  take_walks(walks_ahead, max_finer * static_cast<double>(options.budget));
   level_ahead_px_ = level_of(options.budget);
   if (visibility_->drawn()) count_walks(level_ahead_px_);
   return result_;
@@ -133,7 +133,7 @@ const Probe::Result& Probe::look_back(const View& view, const RefineOptions& opt
   }
   visibility_->draw_occluder(parts);
   result_.all.coverage = visibility_->coverage();
-  take_walks(walks_back, most_finer * static_cast<double>(options.budget));
+  take_walks(walks_back, max_finer * static_cast<double>(options.budget));
   count_walks(level_px);
   return result_;
 }
@@ -149,8 +149,8 @@ void Probe::begin(const View& view, const RefineOptions& options) {
 }
 
 // Evenly spread walks, which go on below the level at which the budget ends, to nodes that stand for more than
-// most_nodes. All take a step in turn: their nodes are anywhere in memory, and so it fetches many at a time.
-void Probe::take_walks(std::size_t walks, double most_nodes) {
+// max_nodes. All take a step in turn: their nodes are anywhere in memory, and so it fetches many at a time.
+void Probe::take_walks(std::size_t walks, double max_nodes) {
   find_roots();
   walks_.clear();
   if (roots_.empty()) return;
@@ -165,7 +165,7 @@ void Probe::take_walks(std::size_t walks, double most_nodes) {
     for (const std::size_t i : active_) prefetch_children(walks_[i].at);
     std::erase_if(active_, [&](std::size_t i) {
       Walk& walk = walks_[i];
-      if (walk.at.stands_for > most_nodes || !take_step(walk)) return true;
+      if (walk.at.stands_for > max_nodes || !take_step(walk)) return true;
       paths_[i].push_back(walk.at);
       return false;
     });
@@ -185,7 +185,7 @@ double Probe::level_of(std::size_t nodes) {
 }
 
 void Probe::count_walks(double level_px) {
-  const float level = std::isfinite(level_px) ? std::max(static_cast<float>(level_px), least_level_px) : 1.0F;
+  const float level = std::isfinite(level_px) ? std::max(static_cast<float>(level_px), min_level_px) : 1.0F;
   for (std::size_t i = 0; i < walks_.size(); ++i) count(paths_[i], level);
   Sums all;
   for (std::size_t i = 0; i < sums_.size(); ++i) {
@@ -227,11 +227,11 @@ HiddenShares Probe::Sums::shares() const {
   return result;
 }
 
-// Every n-th root of all forests, at most most_roots.
+// Every n-th root of all forests, at most max_roots.
 void Probe::find_roots() {
   std::size_t count = 0;
   for (const RefineObject& object : objects_) count += object.hierarchy->data().roots.size();
-  const std::size_t step = count / most_roots + 1;
+  const std::size_t step = count / max_roots + 1;
   root_step_ = static_cast<double>(step);
   roots_.clear();
   std::size_t next = 0;
@@ -321,9 +321,9 @@ void Probe::count(std::span<const Step> path, float level_px) {
       for (double& seen : sums.seen) seen += weight;
       for (const Step& below : path.subspan(last + 1)) {
         const double nodes = weight * below.stands_for / at.stands_for;
-        float least_px = level_px;
+        float min_px = level_px;
         for (std::size_t i = 1; i < sums.seen.size(); ++i)
-          if (below.error_px >= (least_px *= 0.5F)) sums.seen[i] += nodes;
+          if (below.error_px >= (min_px *= 0.5F)) sums.seen[i] += nodes;
       }
       return;
     }

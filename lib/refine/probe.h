@@ -68,7 +68,7 @@ class Probe {
 
   void begin(const View& view, const RefineOptions& options);
   void find_roots();
-  void take_walks(std::size_t walks, double most_nodes);
+  void take_walks(std::size_t walks, double max_nodes);
   [[nodiscard]] Walk begin_walk(double place) const;
   void prefetch_children(const Step& at) const;
   [[nodiscard]] bool take_step(Walk& walk) const;

@@ -170,7 +170,7 @@ class Refiner::Impl {
 
   // The cuts of update().
   void choose(const View& view, bool moved, Clock::time_point start) {
-    const bool limited = options_.update.most_changes > 0 || options_.update.time_limit_ms > 0.0;
+    const bool limited = options_.update.max_changes > 0 || options_.update.time_limit_ms > 0.0;
     if (frames_ && (frames_->move_to(scene(view)) || limited)) {
       frames_->advance(moved, start, stats_);
     } else {

@@ -30,10 +30,10 @@ class FanBatch {
 
   // For find_fan_views(). Places beyond a ring repeat it from its first vertex on.
   struct Corners {
-    static constexpr std::size_t most_places = SplitStar::most_ring + 1;
-    alignas(64) std::array<PerFan<float>, most_places> x, y, z;  // of the ring
-    alignas(64) PerFan<float> vertex_x, vertex_y, vertex_z;      // in the middle
-    alignas(64) PerFan<float> parent_x, parent_y, parent_z;      // that removed faces meet in
+    static constexpr std::size_t max_places = SplitStar::max_ring + 1;
+    alignas(64) std::array<PerFan<float>, max_places> x, y, z;  // of the ring
+    alignas(64) PerFan<float> vertex_x, vertex_y, vertex_z;     // in the middle
+    alignas(64) PerFan<float> parent_x, parent_y, parent_z;     // that removed faces meet in
     alignas(64) PerFan<float> inserted, parent_place, place_before_parent;
   };
   [[nodiscard]] const Corners& corners() const noexcept { return corners_; }

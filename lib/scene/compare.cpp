@@ -162,12 +162,12 @@ DepthBuffer depth_steps(const View& view, const DepthBuffer& depth) {
 }
 
 // The largest motion of any pixel of `expected`.
-double motion_into(const View& view, const DepthBuffer& expected, const DepthBuffer& found, double most_px) {
+double motion_into(const View& view, const DepthBuffer& expected, const DepthBuffer& found, double max_px) {
   std::vector<float> nearest = found.nearness, farthest = found.nearness, rows;
   std::vector<std::size_t> open(expected.nearness.size());
   std::iota(open.begin(), open.end(), std::size_t{0});
   double largest = 0.0;
-  for (int radius = 0; radius < most_px; ++radius) {
+  for (int radius = 0; radius < max_px; ++radius) {
     const auto is_explained = [&](std::size_t i) {
       const double px = depth_motion_px(view, expected.nearness[i], nearest[i], farthest[i]);
       if (px >= radius + 1) return false;
@@ -175,11 +175,11 @@ double motion_into(const View& view, const DepthBuffer& expected, const DepthBuf
       return true;
     };
     open.erase(std::remove_if(open.begin(), open.end(), is_explained), open.end());
-    if (open.empty()) return std::min(largest, most_px);
+    if (open.empty()) return std::min(largest, max_px);
     spread(nearest, rows, found.width, found.height, [](float a, float b) { return a > b ? a : b; });
     spread(farthest, rows, found.width, found.height, [](float a, float b) { return a < b ? a : b; });
   }
-  return most_px;
+  return max_px;
 }
 
 struct DepthDistance {
@@ -216,9 +216,9 @@ PictureDistance compare_pictures(const View& view, const DepthBuffer& depth, con
           psnr(sums.cr, pixels)};
 }
 
-double largest_motion_px(const View& view, const DepthBuffer& one, const DepthBuffer& other, double most_px) {
-  assert(one.nearness.size() == other.nearness.size() && most_px >= 0.0);
-  return std::max(motion_into(view, one, other, most_px), motion_into(view, other, one, most_px));
+double largest_motion_px(const View& view, const DepthBuffer& one, const DepthBuffer& other, double max_px) {
+  assert(one.nearness.size() == other.nearness.size() && max_px >= 0.0);
+  return std::max(motion_into(view, one, other, max_px), motion_into(view, other, one, max_px));
 }
 
 Popping measure_popping(const View& view, const DepthBuffer& before, const DepthBuffer& after) {

@@ -250,16 +250,16 @@ std::optional<double> read_length(const JsonPlace& cells, const char* key) {
 }
 
 SceneCells read_cells(const JsonPlace& place) {
-  place.expect_keys({"regions", "root_cell", "smallest_cell", "most_triangles"});
+  place.expect_keys({"regions", "root_cell", "smallest_cell", "max_triangles"});
   SceneCells cells;
   for (const JsonPlace& region : place.at("regions").elements()) cells.regions.push_back(read_region(region));
   cells.root_cell = read_length(place, "root_cell");
   cells.smallest_cell = read_length(place, "smallest_cell");
   if (cells.root_cell && cells.smallest_cell && *cells.smallest_cell > *cells.root_cell)
     place.at("smallest_cell").fail("is more than \"root_cell\"", "give a smaller one");
-  if (const auto most = place.find("most_triangles")) {
-    cells.most_triangles = most->unsigned_integer();
-    if (*cells.most_triangles == 0) most->fail("is 0", "give a number of triangles");
+  if (const auto most = place.find("max_triangles")) {
+    cells.max_triangles = most->unsigned_integer();
+    if (*cells.max_triangles == 0) most->fail("is 0", "give a number of triangles");
   }
   return cells;
 }
@@ -367,7 +367,7 @@ Json cells_json(const SceneCells& cells) {
     json["regions"].push_back({{"min", vector_json(region.min)}, {"max", vector_json(region.max)}});
   if (cells.root_cell) json["root_cell"] = *cells.root_cell;
   if (cells.smallest_cell) json["smallest_cell"] = *cells.smallest_cell;
-  if (cells.most_triangles) json["most_triangles"] = *cells.most_triangles;
+  if (cells.max_triangles) json["max_triangles"] = *cells.max_triangles;
   return json;
 }
 

@@ -153,14 +153,14 @@ class Painter {
     if (appearance(item).faces_viewer || !is_single(item, x, y)) return item;
     const ItemTable::Owner owner = table_.owner(item);
     std::uint32_t shown = item;
-    int most_shared = 0;
+    int max_shared = 0;
     for (int i = 0; i < 9; ++i) {
       const std::uint32_t other = item_at(x + i % 3 - 1, y + i / 3 - 1);
       if (other == no_item || table_.owner(other).object != owner.object) continue;
       const int shared = shared_corners(*table_.owner(other).triangle, *owner.triangle);
-      if (shared <= most_shared || !appearance(other).faces_viewer) continue;
+      if (shared <= max_shared || !appearance(other).faces_viewer) continue;
       shown = other;
-      most_shared = shared;
+      max_shared = shared;
     }
     return shown;
   }

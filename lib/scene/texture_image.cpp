@@ -50,7 +50,7 @@ void write_png(const std::filesystem::path& path, const Image& image) {
 
 namespace {
 
-constexpr double most_taps = 16.0;  // along the longer step
+constexpr double max_taps = 16.0;  // along the longer step
 
 const std::array<float, 256>& linear_of_byte() {
   static const std::array<float, 256> table = [] {
@@ -115,7 +115,7 @@ glm::vec3 TextureImage::sample(const glm::dvec2& coordinate, const glm::dvec2& a
   const glm::dvec2 size(levels_[0].width, levels_[0].height);
   const double a = glm::length(across * size), b = glm::length(down * size);
   const double major = std::max({a, b, 1e-9}), minor = std::max(std::min(a, b), 1e-9);
-  const double taps = std::clamp(std::ceil(major / std::max(minor, 1.0)), 1.0, most_taps);
+  const double taps = std::clamp(std::ceil(major / std::max(minor, 1.0)), 1.0, max_taps);
   const double level = std::log2(std::max(major / taps, 1.0));
   const glm::dvec2 along = a >= b ? across : down;
   glm::vec3 sum(0.0F);

@@ -307,9 +307,9 @@ class Assembler {
       if (collapse_->shape() != StarShape::closed_fan) return false;
       const std::span<const VertexId> around = collapse_->ring();
       const std::size_t size = around.size();
-      if (size < 3 || size > SplitStar::most_ring) return false;
-      std::array<VertexId, SplitStar::most_ring> ring;
-      std::array<FaceRef, SplitStar::most_ring> removed;
+      if (size < 3 || size > SplitStar::max_ring) return false;
+      std::array<VertexId, SplitStar::max_ring> ring;
+      std::array<FaceRef, SplitStar::max_ring> removed;
       std::size_t parent_place = size, removed_count = 0;
       for (std::size_t k = 0; k < size; ++k) {
         ring[k] = a_.new_id_[around[k]];
@@ -408,7 +408,7 @@ class Assembler {
     void add(SplitId s) {
       const Collapse& collapse = a_.collapse_of(s);
       const std::size_t corners = collapse.ended_count();
-      if (collapse.shape() != StarShape::closed_fan || corners > FanPatches::most_corners) {
+      if (collapse.shape() != StarShape::closed_fan || corners > FanPatches::max_corners) {
         others_.push_back(s);
         return;
       }
@@ -445,7 +445,7 @@ class Assembler {
     }
 
     Assembler& a_;
-    std::array<Batch, FanPatches::most_corners + 1> batches_;
+    std::array<Batch, FanPatches::max_corners + 1> batches_;
     std::vector<SplitId> others_;
   };
 

@@ -15,7 +15,7 @@ namespace {
 // length.
 constexpr float normal_weight = 0.25F, color_weight = 0.25F;
 // Wedges of u that are tried for a chart without an edge to u, beside a new one.
-constexpr std::size_t most_candidates = 16;
+constexpr std::size_t max_candidates = 16;
 
 template <typename T>
 T interpolate(const std::vector<T>& values, const Triangle& wedges, const glm::vec3& coordinates) {
@@ -199,7 +199,7 @@ void AttributeStar::list_merges(VertexId v, VertexId u, std::vector<WedgeMerge>&
 
 // Wedges at u in the chart's material, and at last the chart's own at v, for a new wedge of u.
 void AttributeStar::list_candidates(WedgeId own, VertexId u) {
-  state_->corners.wedges_at(u, own, most_candidates, candidates_);
+  state_->corners.wedges_at(u, own, max_candidates, candidates_);
   candidates_.push_back(own);
 }
 

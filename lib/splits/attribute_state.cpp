@@ -155,7 +155,7 @@ glm::dvec3 normal_of(const TriangleMesh& mesh, const Triangle& t) {
 
 // Of the squared edges, in texture space: faces of less area there have a line of the texture, but for rounding, and
 // their area says nothing.
-constexpr double least_area = 1e-4;
+constexpr double min_area = 1e-4;
 
 // sqrt(area / area in texture space), of the faces at each wedge. Where texture space has no area, that of the mesh.
 std::vector<float> lengths_of_texture(const TriangleMesh& mesh, float scale) {
@@ -163,7 +163,7 @@ std::vector<float> lengths_of_texture(const TriangleMesh& mesh, float scale) {
   struct Areas {
     double surface = 0.0, texture = 0.0, edges2 = 0.0;
     void add(const Areas& o) { surface += o.surface, texture += o.texture, edges2 += o.edges2; }
-    [[nodiscard]] bool usable() const { return surface > 0.0 && texture > least_area * edges2; }
+    [[nodiscard]] bool usable() const { return surface > 0.0 && texture > min_area * edges2; }
     [[nodiscard]] float length() const { return static_cast<float>(std::sqrt(surface / texture)); }
   };
   std::vector<Areas> at(mesh.wedge_count());

@@ -68,7 +68,7 @@ std::uint32_t find_slot(const Collapse& maker, const Triangle& corners) {
 }  // namespace
 
 StarShape shape_of(VertexId v, std::span<LevelFace> faces) {
-  if (faces.empty() || faces.size() > SplitStar::most_ring) return StarShape::other;
+  if (faces.empty() || faces.size() > SplitStar::max_ring) return StarShape::other;
   for (const LevelFace& face : faces)
     if (face.corners.x != v) return StarShape::other;
   const bool closed = is_closed_fan(faces);
@@ -133,7 +133,7 @@ namespace {
 constexpr float infinity = std::numeric_limits<float>::infinity();
 constexpr float round_up = 1.0F + 1e-6F;
 // Neighbours of a vertex whose attributes are looked at: all, but for the hubs of large wheels.
-constexpr std::size_t most_evaluated = 32;
+constexpr std::size_t max_evaluated = 32;
 
 }  // namespace
 
@@ -258,7 +258,7 @@ CollapseWorker::Choice CollapseWorker::choose_with_attributes(std::span<const Ve
   const float so_far = weight * quadric.inverse_weight() * state_.attributes->sums[v];
   Choice best{no_id, infinity, true};
   std::size_t evaluated = 0;
-  for (std::size_t tries = 0; tries < costs.size() && evaluated < most_evaluated; ++tries) {
+  for (std::size_t tries = 0; tries < costs.size() && evaluated < max_evaluated; ++tries) {
     const auto cheapest = std::min_element(costs.begin(), costs.end());
     const float cost = *cheapest + so_far;
     if (!(cost < best.cost)) break;

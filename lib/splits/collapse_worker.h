@@ -221,7 +221,7 @@ class CollapseWorker {
   std::vector<float> ring_costs_;
   std::vector<StarFace> folded_;
   std::size_t faces_gone_ = 0;
-  std::array<Batch, Fan::most_neighbours + 1> batches_;  // by the number of corners
+  std::array<Batch, Fan::max_neighbours + 1> batches_;  // by the number of corners
   CollapseRecords& records_;
   CollapseMemory memory_;
 };

@@ -179,7 +179,7 @@ constexpr float near_exact = 1.125F;
 constexpr float too_wide = 0.35F;
 // Beside `wanted`: how far away a face may be and still be looked at.
 constexpr float reach_of_faces = 0.6F;
-constexpr std::size_t most_pieces = 1000;  // of one triangle; where that is not enough the bound is loose
+constexpr std::size_t max_pieces = 1000;  // of one triangle; where that is not enough the bound is loose
 
 glm::vec3 centroid(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
   return a + ((b - a) + (c - a)) * (1.0F / 3.0F);
@@ -203,7 +203,7 @@ float FaceDistance::bound(const Triangle& corners, float wanted, float useful) {
   useful_ = useful;
   at_least_ = 0.0F;
   bound_ = 0.0F;
-  pieces_left_ = most_pieces;
+  pieces_left_ = max_pieces;
   gather(corners);
   refine({mesh_.position(corners.x), mesh_.position(corners.y), mesh_.position(corners.z)}, 0);
   if (bound_ < useful) return bound_;

@@ -16,7 +16,7 @@ bool Fan::gather(const StarMesh& mesh, VertexId v) {
   const Star star = mesh.star(v);
   vertex_ = v;
   size_ = star.size();
-  if (!star.is_ring() || size_ > most_neighbours) return false;
+  if (!star.is_ring() || size_ > max_neighbours) return false;
   padded_ = (size_ + 3) & ~std::size_t{3};
   const auto ring = star.ring();
   for (std::size_t i = 0; i < size_; ++i) ring_[i] = ring[i];
@@ -99,7 +99,7 @@ bool Fan::keeps_topology(const StarMesh& mesh, std::size_t i) const {
 
 bool Fan::keeps_orientation(std::size_t i) const {
   const float tx = x_[i], ty = y_[i], tz = z_[i];
-  alignas(16) std::array<std::int32_t, most_neighbours> fails;
+  alignas(16) std::array<std::int32_t, max_neighbours> fails;
   const std::size_t n = columns();
   for (std::size_t k = 0; k < n; ++k) {
     const float ax = x_[k] - tx, ay = y_[k] - ty, az = z_[k] - tz;

@@ -67,7 +67,7 @@ struct VertexQuadric {
 // the vertex. Loops run over arrays of one coordinate each, filled up to a multiple of four, so that they vectorize.
 class Fan {
  public:
-  static constexpr std::size_t most_neighbours = 24;
+  static constexpr std::size_t max_neighbours = 24;
 
   // False when the star of v is no ring, or too large; nothing else may be asked then.
   [[nodiscard]] bool gather(const StarMesh& mesh, VertexId v);
@@ -96,7 +96,7 @@ class Fan {
   [[nodiscard]] bool keeps_orientation(std::size_t i) const;
 
  private:
-  using Row = std::array<float, most_neighbours + 4>;  // a column for each neighbour; the first once more at the end
+  using Row = std::array<float, max_neighbours + 4>;  // a column for each neighbour; the first once more at the end
 
   [[nodiscard]] std::size_t after(std::size_t i) const noexcept { return i + 1 == size_ ? 0 : i + 1; }
   [[nodiscard]] std::size_t before(std::size_t i) const noexcept { return i == 0 ? size_ - 1 : i - 1; }
@@ -105,7 +105,7 @@ class Fan {
   VertexId vertex_ = no_id;
   std::size_t size_ = 0;
   std::size_t padded_ = 0;  // size_, rounded up to a multiple of four
-  std::array<VertexId, most_neighbours> ring_{};
+  std::array<VertexId, max_neighbours> ring_{};
   alignas(16) Row x_{}, y_{}, z_{};                       // ring()[i] - v
   alignas(16) Row normal_x_{}, normal_y_{}, normal_z_{};  // of the face between ring i and its next, twice its area
   alignas(16) Row area2_{};                               // their squared lengths
@@ -148,7 +148,7 @@ class FanMovements {
 
   // For bounds(). Relative to the vertex, in ring order, beginning with the one that it is merged into.
   struct Corners {
-    alignas(64) std::array<PerFan<float>, Fan::most_neighbours> x, y, z;
+    alignas(64) std::array<PerFan<float>, Fan::max_neighbours> x, y, z;
     alignas(64) PerFan<float> normal_x, normal_y, normal_z;  // Fan::normal_sum()
   };
   [[nodiscard]] const Corners& corners() const noexcept { return corners_; }

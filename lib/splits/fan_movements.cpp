@@ -147,7 +147,7 @@ class Overlay {
   }
 
   static constexpr float unbounded = std::numeric_limits<float>::infinity();
-  using Row = std::array<PerFan, Fan::most_neighbours>;
+  using Row = std::array<PerFan, Fan::max_neighbours>;
 
   std::size_t n_;
   FanVec length_;           // of the sum of normals

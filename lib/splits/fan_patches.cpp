@@ -151,7 +151,7 @@ class Bounder {
   std::size_t n_, i_;
   Vectors vertex_, sum_;
   FanMask is_bounded_;
-  std::array<PerFan, 2 * FanPatches::most_corners> normal_x_, normal_y_, normal_z_;
+  std::array<PerFan, 2 * FanPatches::max_corners> normal_x_, normal_y_, normal_z_;
 };
 
 void bound_fans(const FanPatches& fans, FanPatchBounds& results) {
@@ -172,7 +172,7 @@ HWY_EXPORT(bound_fans);
 
 void FanPatches::add(VertexId v, std::span<const VertexId> ring, VertexId parent,
                      std::span<const glm::vec3> positions) {
-  assert(size_ < capacity && ring.size() <= most_corners && (size_ == 0 || ring.size() == corner_count_));
+  assert(size_ < capacity && ring.size() <= max_corners && (size_ == 0 || ring.size() == corner_count_));
   const std::size_t i = size_++;
   corner_count_ = ring.size();
   for (std::size_t k = 0; k < ring.size(); ++k) {

@@ -86,7 +86,7 @@ void SurfaceSamples::place(const Put& put) const {
 }
 
 constexpr float round_up = 1.0F + 1e-5F;
-constexpr double most_lattice_cells = 1.0 / 8.0;  // of the number of triangles
+constexpr double max_lattice_cells = 1.0 / 8.0;  // of the number of triangles
 
 glm::vec3 centroid(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
   return a + ((b - a) + (c - a)) * (1.0F / 3.0F);
@@ -126,7 +126,7 @@ void SurfaceSamples::choose_limit() {
   double squares = 0.0;
   for (const float length : lengths) squares += static_cast<double>(length) * length;
   double limit = std::sqrt(squares / static_cast<double>(lengths.size()));
-  const double most = most_lattice_cells * static_cast<double>(lengths.size()) + 16.0;
+  const double most = max_lattice_cells * static_cast<double>(lengths.size()) + 16.0;
   const auto cells = [&] {
     double sum = 0.0;
     for (const float length : lengths)
@@ -359,7 +359,7 @@ ForwardErrors forward_errors(const TriangleMesh& mesh, const LevelFaces& levels)
 
 constexpr float round_sum_up = 1.0F + 1e-6F;
 // The sequence's meshes are kept at every halving of the number of faces, the latest of them.
-constexpr std::size_t most_references = 4;
+constexpr std::size_t max_references = 4;
 // Faces are measured against the coarsest that has so many times as many as there are now. Its errors add to what is
 // measured; finer ones are tighter and take longer.
 constexpr std::size_t reference_ratio = 4;
@@ -419,7 +419,7 @@ class BackwardPass {
   }
 
   void renew(CollapseIndex time) {
-    if (references_.size() == most_references) references_.erase(references_.begin());
+    if (references_.size() == max_references) references_.erase(references_.begin());
     references_.push_back(std::make_unique<Reference>(mesh_, levels_, time, errors_));
     renew_at_ = faces_ / 2;
   }

@@ -21,9 +21,9 @@ namespace occlod {
 class PositionIds {
  public:
   // Holds up to so many.
-  explicit PositionIds(std::size_t most_positions)
-      : slots_(std::bit_ceil(2 * most_positions + 1), no_id), mask_(slots_.size() - 1) {
-    positions_.reserve(most_positions);
+  explicit PositionIds(std::size_t max_positions)
+      : slots_(std::bit_ceil(2 * max_positions + 1), no_id), mask_(slots_.size() - 1) {
+    positions_.reserve(max_positions);
   }
 
   // The number of p, a new one when it has none.

@@ -87,7 +87,7 @@ void join_records(CollapseRecords& records, CollapseSequence& sequence, unsigned
 // block.
 constexpr std::size_t block_size = CollapseRecords::block_size;
 constexpr double cheap_share = 0.5;  // of the vertices, those with the cheapest collapses have their turn in a pass
-constexpr double least_progress = 1.0 / 128;  // of the vertices; a pass that collapses fewer is the last
+constexpr double min_progress = 1.0 / 128;  // of the vertices; a pass that collapses fewer is the last
 
 // Shares of the whole build's time: passes begin and end, the sequence is joined. The rest is for what comes after.
 constexpr double passes_first = 0.15, passes_last = 0.7, joined = 0.75;
@@ -130,7 +130,7 @@ class Simplifier {
     for (std::size_t pass = 0; many_left(); ++pass) {
       if (pass > 0) sort_live(pass);
       const std::size_t made = run_pass(make_blocks(block_size, threshold()));
-      if (static_cast<double>(made) < least_progress * static_cast<double>(live_.size())) break;
+      if (static_cast<double>(made) < min_progress * static_cast<double>(live_.size())) break;
       drop_dead();
     }
     // Down to the base, however long that takes: each run ends with a block that has nothing left or is small enough.

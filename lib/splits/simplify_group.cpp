@@ -164,7 +164,7 @@ SimplifiedGroup simplify_group(const TriangleMesh& mesh, std::span<const std::ui
   records.resize(1);
   CollapseWorker worker(state, records);
   const std::size_t count = mesh.triangle_count();
-  const Block block{all, 0, 0, target.most_cost, count - std::min(count, target.least_triangles)};
+  const Block block{all, 0, 0, target.max_cost, count - std::min(count, target.min_triangles)};
   worker.run(block, [](std::size_t) { return true; });
   const BlockRecord& record = records[0];
 

@@ -15,11 +15,11 @@ namespace occlod {
 struct GroupTarget {
   float scale = 1.0F;  // a power of two, the same for all groups whose costs are compared; takes the extent of their
                        // common mesh into [1/2, 1]
-  double boundary_weight = 1.0;                         // as in BuildOptions
-  float most_cost = std::numeric_limits<float>::max();  // collapses that cost more are not made
-  std::size_t least_triangles = 0;                      // ends when no more are left
-  bool keeps_collapses = false;                         // whether SimplifiedGroup::collapses is wanted
-  double attribute_weight = 0.0;                        // as in BuildOptions; 0: attributes do not count
+  double boundary_weight = 1.0;                        // as in BuildOptions
+  float max_cost = std::numeric_limits<float>::max();  // collapses that cost more are not made
+  std::size_t min_triangles = 0;                       // ends when no more are left
+  bool keeps_collapses = false;                        // whether SimplifiedGroup::collapses is wanted
+  double attribute_weight = 0.0;                       // as in BuildOptions; 0: attributes do not count
 };
 
 // Wedge v was merged into u: all wedges of a vertex at once, one after the other.
@@ -44,7 +44,7 @@ struct SimplifiedGroup {
   std::vector<WedgeId> merged_into;  // by wedge: the one that it ended up in; itself where it was not merged
   float error = 0.0F;  // the largest of a collapse, object units: quadric error, or how far attributes have slipped
   float guaranteed_error = 0.0F;  // no triangle that is left is farther from the input, object units
-  float cost = 0.0F;              // of the dearest collapse, for GroupTarget::most_cost
+  float cost = 0.0F;              // of the dearest collapse, for GroupTarget::max_cost
   // By descending error, each before those that it comes after: without the last k, the mesh is what the others lead
   // to. Only if wanted, and none where corners with one wedge went to several: no such list leads back there.
   std::vector<GroupCollapse> collapses;

@@ -15,7 +15,7 @@ namespace {
 
 // Of the planes that hold seams, relative to those of a boundary, and the mean square width, in squared edges, that a
 // chart needs for all of it. See docs/decisions/037-wedges_beside_positions.md.
-constexpr float seam_weight = 0.3F, least_held = 4.0F / 3.0F;
+constexpr float seam_weight = 0.3F, min_held = 4.0F / 3.0F;
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
 }  // namespace
@@ -120,7 +120,7 @@ void SimplifyState::hold_seams(VertexId v) {
     if (!is_seam[i] || !(length > 0.0F)) continue;
     const glm::vec3 along = edge(v, side.w);
     const float length2 = glm::dot(along, along);
-    const float share = std::min(1.0F, attributes->extents2[side.of_v] / (least_held * length2));
+    const float share = std::min(1.0F, attributes->extents2[side.of_v] / (min_held * length2));
     vertices[v].quadric.add_plane(side.across / length, seam_weight * attribute_weight2 * share * share * length2);
   }
 }

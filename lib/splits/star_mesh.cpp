@@ -51,10 +51,10 @@ bool chain_by_sorting(std::span<StarFace> faces) {
 }
 
 bool chain(std::span<StarFace> faces) {
-  constexpr std::size_t most_by_search = 64;
+  constexpr std::size_t max_by_search = 64;
   const std::size_t n = faces.size();
   if (n < 3) return false;
-  if (n > most_by_search) return chain_by_sorting(faces);
+  if (n > max_by_search) return chain_by_sorting(faces);
   for (std::size_t i = 1; i < n; ++i) {
     const VertexId from = faces[i - 1].last;
     // Closed too early: there is another fan, or the ring passes a neighbour twice.

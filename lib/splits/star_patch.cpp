@@ -102,8 +102,8 @@ class FanPatch {
   const SplitStar& star_;
   glm::vec3 origin_;
   std::size_t size_;
-  std::array<glm::vec3, SplitStar::most_ring> corners_;
-  std::array<glm::vec3, 2 * SplitStar::most_ring> normals_;
+  std::array<glm::vec3, SplitStar::max_ring> corners_;
+  std::array<glm::vec3, 2 * SplitStar::max_ring> normals_;
   std::size_t normal_count_ = 0;
 };
 

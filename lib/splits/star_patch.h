@@ -125,7 +125,7 @@ struct FanPatchBounds {
 class FanPatches {
  public:
   static constexpr std::size_t capacity = FanPatchBounds::capacity;
-  static constexpr std::size_t most_corners = 24;
+  static constexpr std::size_t max_corners = 24;
 
   [[nodiscard]] std::size_t size() const noexcept { return size_; }
   void clear() noexcept { size_ = 0; }
@@ -139,7 +139,7 @@ class FanPatches {
   // For bounds(). In ring order.
   struct Corners {
     using PerFan = FanPatchBounds::PerFan;
-    alignas(64) std::array<PerFan, most_corners> x, y, z;
+    alignas(64) std::array<PerFan, max_corners> x, y, z;
     alignas(64) PerFan vertex_x, vertex_y, vertex_z;  // in the middle
     alignas(64) PerFan parent_x, parent_y, parent_z;  // that removed faces meet in
     alignas(64) PerFan parent_place;

@@ -37,14 +37,14 @@ bool match_removed(const StarContents& star, std::size_t parent_place) {
 }
 
 bool append_fan(const StarContents& star, std::vector<std::uint32_t>& words) {
-  if (star.shape == StarShape::other || star.dependencies.size() > SplitStar::most_dependencies) return false;
+  if (star.shape == StarShape::other || star.dependencies.size() > SplitStar::max_dependencies) return false;
   const std::size_t size = ring_size(star);
-  if (size > SplitStar::most_ring) return false;
+  if (size > SplitStar::max_ring) return false;
   std::size_t parent_place = 0;
   while (parent_place < size && ring_at(star, parent_place) != star.u) ++parent_place;
   if (parent_place == size || !match_removed(star, parent_place)) return false;
   for (const RemovedFace& face : star.removed)
-    if (face.ref.split == no_id || face.ref.slot >= SplitStar::most_slots) return false;
+    if (face.ref.split == no_id || face.ref.slot >= SplitStar::max_slots) return false;
 
   words.push_back(static_cast<std::uint32_t>(size | parent_place << 8U | star.dependencies.size() << 16U) |
                   (star.shape == StarShape::closed_fan ? SplitStar::closed_bit : 0U));
@@ -67,8 +67,8 @@ void append_corners(const Triangle& t, std::vector<std::uint32_t>& words) {
 bool is_fan_header(std::uint32_t header) {
   const std::uint32_t size = header & 0xFFU, parent_place = (header >> 8U) & 0xFFU;
   constexpr std::uint32_t known_bits = 0xFFFFFFU | SplitStar::closed_bit;
-  return (header & ~known_bits) == 0 && size >= 2 && size <= SplitStar::most_ring && parent_place < size &&
-         ((header >> 16U) & 0xFFU) <= SplitStar::most_dependencies;
+  return (header & ~known_bits) == 0 && size >= 2 && size <= SplitStar::max_ring && parent_place < size &&
+         ((header >> 16U) & 0xFFU) <= SplitStar::max_dependencies;
 }
 
 // The bytes after the dependencies name dependencies that are there.
@@ -96,11 +96,11 @@ void append_star(const StarContents& star, std::vector<std::uint32_t>& words) {
 
 bool append_fan(const FanContents& fan, std::vector<std::uint32_t>& words) {
   const std::size_t size = fan.ring.size(), removed_words = (fan.removed.size() + 3) / 4;
-  if (size > SplitStar::most_ring) return false;
-  std::array<SplitId, SplitStar::most_ring> dependencies;
+  if (size > SplitStar::max_ring) return false;
+  std::array<SplitId, SplitStar::max_ring> dependencies;
   std::size_t count = 0;
   for (const FaceRef& ref : fan.removed) {
-    if (ref.split == no_id || ref.slot >= SplitStar::most_slots) return false;
+    if (ref.split == no_id || ref.slot >= SplitStar::max_slots) return false;
     std::size_t at = count;
     while (at > 0 && dependencies[at - 1] > ref.split) --at;
     if (at > 0 && dependencies[at - 1] == ref.split) continue;
@@ -108,7 +108,7 @@ bool append_fan(const FanContents& fan, std::vector<std::uint32_t>& words) {
     dependencies[at] = ref.split;
     ++count;
   }
-  if (count > SplitStar::most_dependencies) return false;
+  if (count > SplitStar::max_dependencies) return false;
   const std::size_t begin = words.size();
   words.resize(begin + 1 + size + count + removed_words, 0);
   std::uint32_t* next = words.data() + begin;
@@ -165,7 +165,7 @@ namespace {
 // The masks of a fan's places and the wedges that they list.
 struct FanCorners {
   std::uint32_t first_mask = 0, second_mask = 0;
-  std::array<WedgeId, SplitStar::most_ring> firsts{}, seconds{};
+  std::array<WedgeId, SplitStar::max_ring> firsts{}, seconds{};
   std::size_t first_count = 0, second_count = 0;
 };
 
@@ -197,7 +197,7 @@ bool append_apexes(const SplitStar& star, std::span<const Triangle> wedges, Wedg
   for (std::size_t slot = 0; slot < wedges.size(); ++slot) {
     const WedgeId wedge = wedges[slot].x;
     const std::uint32_t which = wedge == star.vertex() ? 0 : wedge - second + 1;
-    if (which >= SplitCorners::most_apex_wedges) {
+    if (which >= SplitCorners::max_apex_wedges) {
       words.resize(begin);
       return false;
     }

@@ -61,7 +61,7 @@ bool restores(const Hierarchy& hierarchy, const TriangleMesh& mesh) {
 
 namespace {
 
-constexpr std::size_t most_violations = 20;
+constexpr std::size_t max_violations = 20;
 
 class Validator {
  public:
@@ -89,7 +89,7 @@ class Validator {
  private:
   template <typename... Args>
   void report(fmt::format_string<Args...> format, Args&&... args) {
-    if (violations_.size() < most_violations) violations_.push_back(fmt::format(format, std::forward<Args>(args)...));
+    if (violations_.size() < max_violations) violations_.push_back(fmt::format(format, std::forward<Args>(args)...));
   }
 
   // Invariant 1.

@@ -77,29 +77,28 @@ void bind_tree_options(nb::module_& m) {
       .def(
           "__init__",
           [](CellTreeOptions* self, std::vector<CellBox> regions, const CellOptions& cell, double root_cell,
-             double smallest_cell, std::uint32_t levels, std::uint64_t most_triangles, CellDivision division,
+             double smallest_cell, std::uint32_t levels, std::uint64_t max_triangles, CellDivision division,
              std::optional<double> occluder_motion) {
             new (self) CellTreeOptions{cell,   std::move(regions), root_cell, smallest_cell,
-                                       levels, most_triangles,     division,  occluder_motion};
+                                       levels, max_triangles,      division,  occluder_motion};
           },
           "regions"_a, nb::kw_only(), "cell"_a = standard.cell, "root_cell"_a = standard.root_cell,
           "smallest_cell"_a = standard.smallest_cell, "levels"_a = standard.levels,
-          "most_triangles"_a = standard.most_triangles, "division"_a = standard.division,
+          "max_triangles"_a = standard.max_triangles, "division"_a = standard.division,
           "occluder_motion"_a = nb::none())
       .def_rw("regions", &CellTreeOptions::regions, "Where the eye may be, world space. Copies: assign a list.")
       .def_rw("cell", &CellTreeOptions::cell, "Of each cell.")
       .def_rw("root_cell", &CellTreeOptions::root_cell, "No edge of an undivided cell is longer; world units.")
       .def_rw("smallest_cell", &CellTreeOptions::smallest_cell, "No edge is divided that would become shorter.")
       .def_rw("levels", &CellTreeOptions::levels, "Of cells below those, at most.")
-      .def_rw("most_triangles", &CellTreeOptions::most_triangles, "A cell that draws more may be divided.")
+      .def_rw("max_triangles", &CellTreeOptions::max_triangles, "A cell that draws more may be divided.")
       .def_rw("division", &CellTreeOptions::division, "Whether that is worth while.")
       .def_rw("occluder_motion", &CellTreeOptions::occluder_motion,
               "How far occluders may have moved, world units; None: a quarter of smallest_cell.")
       .def("__getstate__",
            [](const CellTreeOptions& o) {
-             return TreeState{
-                 o.cell,     o.regions,        {o.root_cell, o.smallest_cell}, {o.levels, o.most_triangles},
-                 o.division, o.occluder_motion};
+             return TreeState{o.cell,     o.regions,        {o.root_cell, o.smallest_cell}, {o.levels, o.max_triangles},
+                              o.division, o.occluder_motion};
            })
       .def("__setstate__", [](CellTreeOptions& self, TreeState state) {
         auto& [cell, regions, edges, limits, division, motion] = state;

@@ -55,17 +55,17 @@ void bind_nodes(nb::module_& m) {
       .def_ro("level", &Node::level, "0: the input.")
       .def(
           "screen_error_px",
-          [](const Node& n, glm::dvec3 eye, double focal_length_px, double least_distance) {
-            return hlod::screen_error_px(n, {eye, focal_length_px, least_distance});
+          [](const Node& n, glm::dvec3 eye, double focal_length_px, double min_distance) {
+            return hlod::screen_error_px(n, {eye, focal_length_px, min_distance});
           },
-          "eye"_a, "focal_length_px"_a, "least_distance"_a = 1e-30,
+          "eye"_a, "focal_length_px"_a, "min_distance"_a = 1e-30,
           "Pixels that the error covers at most, by the node's boxes; `eye` in object space.")
       .def(
           "sphere_error_px",
-          [](const Node& n, glm::dvec3 eye, double focal_length_px, double least_distance) {
-            return hlod::sphere_error_px(n, {eye, focal_length_px, least_distance});
+          [](const Node& n, glm::dvec3 eye, double focal_length_px, double min_distance) {
+            return hlod::sphere_error_px(n, {eye, focal_length_px, min_distance});
           },
-          "eye"_a, "focal_length_px"_a, "least_distance"_a = 1e-30, "The same by the node's sphere, as published.");
+          "eye"_a, "focal_length_px"_a, "min_distance"_a = 1e-30, "The same by the node's sphere, as published.");
   nb::class_<PythonNodeMesh>(m, "HlodNodeMesh",
                              "The mesh of one node. Read-only views of the HLOD, which keep it alive.")
       .def_prop_ro(
@@ -119,10 +119,10 @@ Array2<float, 3> within_positions(const Hlod& hlod, std::int64_t node) {
   return rows_array_of<float, 3>(std::move(values));
 }
 
-Array2<std::uint16_t, 3> within_cut(const Hlod& hlod, std::int64_t node, double most_error) {
+Array2<std::uint16_t, 3> within_cut(const Hlod& hlod, std::int64_t node, double max_error) {
   const NodeId n = with_within(hlod, node);
-  if (!(most_error >= 0.0)) throw nb::value_error("most_error: an error is at least 0, in object units");
-  return rows_array_of<std::uint16_t, 3>(hlod::within_cut(hlod, n, most_error).indices);
+  if (!(max_error >= 0.0)) throw nb::value_error("max_error: an error is at least 0, in object units");
+  return rows_array_of<std::uint16_t, 3>(hlod::within_cut(hlod, n, max_error).indices);
 }
 
 void bind_arrays(nb::class_<Hlod>& type) {
@@ -139,7 +139,7 @@ void bind_arrays(nb::class_<Hlod>& type) {
       .def("within_positions", &within_positions, "node"_a,
            "(n, 3) float32: the vertices of mesh(node), then those that its collapses bring back. A copy. Error where\n"
            "the node has none, or a mapped file is damaged.")
-      .def("within_cut", &within_cut, "node"_a, "most_error"_a,
+      .def("within_cut", &within_cut, "node"_a, "max_error"_a,
            "(m, 3) uint16, ids into within_positions(node): the coarsest mesh of the node whose error is at most so\n"
            "large, object units; the finest if none is. O(triangles that the node was made from).")
       .def(

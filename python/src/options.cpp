@@ -76,15 +76,15 @@ void bind_parts(nb::module_& m) {
   nb::class_<UpdateOptions>(m, "UpdateOptions", "update() only: how fast the mesh may follow the camera.")
       .def(
           "__init__",
-          [](UpdateOptions* self, double hysteresis, std::size_t most_changes, double time_limit_ms,
+          [](UpdateOptions* self, double hysteresis, std::size_t max_changes, double time_limit_ms,
              std::uint32_t geomorph_frames) {
-            new (self) UpdateOptions{hysteresis, most_changes, time_limit_ms, geomorph_frames};
+            new (self) UpdateOptions{hysteresis, max_changes, time_limit_ms, geomorph_frames};
           },
-          nb::kw_only(), "hysteresis"_a = update.hysteresis, "most_changes"_a = update.most_changes,
+          nb::kw_only(), "hysteresis"_a = update.hysteresis, "max_changes"_a = update.max_changes,
           "time_limit_ms"_a = update.time_limit_ms, "geomorph_frames"_a = update.geomorph_frames)
       .def_rw("hysteresis", &UpdateOptions::hysteresis,
               "Relative margin by which a candidate must exceed an applied split to replace it; in [0, 1).")
-      .def_rw("most_changes", &UpdateOptions::most_changes, "Splits and merges in one call; 0: no limit.")
+      .def_rw("max_changes", &UpdateOptions::max_changes, "Splits and merges in one call; 0: no limit.")
       .def_rw("time_limit_ms", &UpdateOptions::time_limit_ms, "No further changes after so long; 0: no limit.")
       .def_rw("geomorph_frames", &UpdateOptions::geomorph_frames,
               "Calls in which a new vertex slides from its parent to its place; 0: at once.")

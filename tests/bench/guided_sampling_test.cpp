@@ -42,7 +42,7 @@ TEST(GuidedSampling, FindsWhatIsSeenAndNothingElse) {
   add_quad(mesh, 2.5F, {0.4F, 0.4F}, {0.6F, 0.6F});
   add_quad(mesh, 2.5F, {10, 0}, {11, 1});
   for (const bool guided : {true, false})
-    EXPECT_EQ(found_in(mesh, {.guided = guided, .most_ms = 1e9, .most_rays = 200'000}),
+    EXPECT_EQ(found_in(mesh, {.guided = guided, .max_ms = 1e9, .max_rays = 200'000}),
               (std::set<std::uint32_t>{0, 1, 4, 5}));
 }
 
@@ -55,8 +55,8 @@ TEST(GuidedSampling, FollowsWhatItHasFound) {
     const float y = -5.0F + 0.02F * static_cast<float>(i);
     add_quad(mesh, 20.0F, {y, 0.5F}, {y + 0.02F, 0.52F});
   }
-  EXPECT_EQ(found_in(mesh, {.guided = true, .most_ms = 1e9, .most_rays = 1'000'000}).size(), 1000U);
-  const std::size_t by_chance = found_in(mesh, {.guided = false, .most_ms = 1e9, .most_rays = 1'000'000}).size();
+  EXPECT_EQ(found_in(mesh, {.guided = true, .max_ms = 1e9, .max_rays = 1'000'000}).size(), 1000U);
+  const std::size_t by_chance = found_in(mesh, {.guided = false, .max_ms = 1e9, .max_rays = 1'000'000}).size();
   EXPECT_GT(by_chance, 0U);
   EXPECT_LT(by_chance, 60U);
 }
@@ -72,7 +72,7 @@ TEST(GuidedSampling, LooksPastWhatHides) {
     const float y = -0.1F + 0.002F * static_cast<float>(i);
     add_quad(mesh, 10.0F, {y, 0}, {y + 0.002F, 1});
   }
-  GuidedOptions options{.guided = true, .most_ms = 1e9, .most_rays = 300'000};
+  GuidedOptions options{.guided = true, .max_ms = 1e9, .max_rays = 300'000};
   EXPECT_GT(found_in(mesh, options).size(), 1000U);
   options.jump = 1.0;  // nothing is so much nearer than the border
   EXPECT_LT(found_in(mesh, options).size(), 500U);

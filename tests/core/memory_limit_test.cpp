@@ -44,7 +44,7 @@ TEST_F(MemoryLimitTest, KeepsContentsAndMostOfThemOutOfMemory) {
   std::iota(numbers.begin(), numbers.end(), std::uint64_t{0});
   // The thread that watches may be late, but not by hundreds of megabytes.
   EXPECT_LT(resident_memory().all, before + 448 * mebibyte);
-  EXPECT_GE(limit.most_scratch_bytes(), 512 * mebibyte);
+  EXPECT_GE(limit.max_scratch_bytes(), 512 * mebibyte);
   EXPECT_TRUE(std::filesystem::is_empty(folder_)) << "files without names";
   for (std::size_t i = 0; i < numbers.size(); i += 997) ASSERT_EQ(numbers[i], i);
 }
@@ -72,18 +72,18 @@ TEST_F(MemoryLimitTest, WhatOutlivesItIsStillThere) {
   {
     const MemoryLimit limit(std::size_t{8} << 30U, folder_);
     numbers.assign(4 * mebibyte, 7);
-    EXPECT_EQ(limit.most_scratch_bytes(), 16 * mebibyte);
+    EXPECT_EQ(limit.max_scratch_bytes(), 16 * mebibyte);
   }
   EXPECT_EQ(std::accumulate(numbers.begin(), numbers.end(), std::uint64_t{0}), 7 * 4 * mebibyte);
   LargeVector<std::uint32_t>().swap(numbers);
   const MemoryLimit next(std::size_t{8} << 30U, folder_);
-  EXPECT_EQ(next.most_scratch_bytes(), 0U) << "it was given back";
+  EXPECT_EQ(next.max_scratch_bytes(), 0U) << "it was given back";
 }
 
 TEST_F(MemoryLimitTest, SmallArraysStayInMemory) {
   const MemoryLimit limit(std::size_t{8} << 30U, folder_);
   const LargeVector<std::uint32_t> numbers(mebibyte, 7);
-  EXPECT_EQ(limit.most_scratch_bytes(), 0U);
+  EXPECT_EQ(limit.max_scratch_bytes(), 0U);
 }
 
 TEST_F(MemoryLimitTest, RefusesWhatCannotBeKept) {

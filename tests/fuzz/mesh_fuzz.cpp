@@ -45,8 +45,8 @@ Outcome refused(const Error& error) {
 }
 
 void build(const TriangleMesh& mesh) try {
-  constexpr std::size_t most_to_build = 500;  // triangles; larger meshes are no harder and take longer
-  if (mesh.triangle_count() > most_to_build) return;
+  constexpr std::size_t max_to_build = 500;  // triangles; larger meshes are no harder and take longer
+  if (mesh.triangle_count() > max_to_build) return;
   BuildOptions options;
   options.base_triangles = 0;
   options.threads = 1;

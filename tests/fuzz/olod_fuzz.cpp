@@ -35,7 +35,7 @@ void sign_blocks(const fuzz::SectionSigner& file) {
   for_each_array(view, find);
   for_each_wedge_array(view, find);
   // Whether wedges have materials that are there, the reader finds out: there may be as many as can be.
-  static const std::vector<Material> any_materials(most_materials);
+  static const std::vector<Material> any_materials(max_materials);
   view.materials = any_materials;
   if (const auto summary = file.find<Summary>(summary_name); !summary.empty()) {
     view.input_triangle_count = summary[0].input_triangle_count;

@@ -47,11 +47,11 @@ class RefinerOperations {
         refiner_(objects_),
         buffers_(objects_.size()) {}
 
-  static constexpr int most_operations = 128;  // a second or two under sanitizers
+  static constexpr int max_operations = 128;  // a second or two under sanitizers
 
-  // What went wrong, or nothing. Bytes beyond most_operations are not read.
+  // What went wrong, or nothing. Bytes beyond max_operations are not read.
   std::string run(Bytes bytes) {
-    for (int operation = 0; operation < most_operations && !bytes.empty(); ++operation) {
+    for (int operation = 0; operation < max_operations && !bytes.empty(); ++operation) {
       change(bytes);
       std::string fault = bytes.number(8) == 0 ? call(false) : call(true);
       if (!fault.empty()) return fault;
@@ -77,7 +77,7 @@ class RefinerOperations {
         occlusion_ = bytes.number(2) == 0;
         break;
       case 3:
-        options_.update.most_changes = bytes.number(100);
+        options_.update.max_changes = bytes.number(100);
         break;
       case 4:
         options_.tolerance_px = bytes.number(2) == 0 ? 0.0 : bytes.real(0.0, 20.0);

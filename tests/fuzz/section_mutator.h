@@ -52,7 +52,7 @@ class SectionMutator {
     if (file.size() < sizeof(header)) return {};
     std::memcpy(&header, file.data(), sizeof(header));
     const std::size_t room = (file.size() - sizeof(header)) / sizeof(sections::Section);
-    const std::size_t count = std::min<std::size_t>({header.section_count, room, sections::most_sections});
+    const std::size_t count = std::min<std::size_t>({header.section_count, room, sections::max_sections});
     std::vector<std::span<std::uint8_t>> ranges;
     if (part_.has_header) ranges.push_back(file.first(sizeof(header) + count * sizeof(sections::Section)));
     for (std::size_t i = 0; i < count; ++i) {

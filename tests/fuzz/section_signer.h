@@ -29,7 +29,7 @@ class SectionSigner {
     header.version = kind_.version;
     header.file_bytes = file_.size();
     const std::size_t room = (file_.size() - sizeof(header)) / sizeof(sections::Section);
-    table_.resize(std::min<std::size_t>({header.section_count, room, sections::most_sections}));
+    table_.resize(std::min<std::size_t>({header.section_count, room, sections::max_sections}));
     const auto table = std::as_writable_bytes(std::span(table_));
     if (table_.empty()) return;
     std::memcpy(table.data(), file_.data() + sizeof(header), table.size());

@@ -27,7 +27,7 @@ class VlodScene {
     options.regions = {{{1.5, 0, 0}, {2.5, 1, 0.5}}, {{-2, -2, 0}, {-1.5, -1.5, 0.5}}};
     options.root_cell = 0.5;
     options.smallest_cell = 0.25;
-    options.most_triangles = 60;
+    options.max_triangles = 60;
     options.division = CellDivision::gain;
     return options;
   }

@@ -95,8 +95,8 @@ TEST(Fan, IsOnlyOneClosedFan) {
   EXPECT_FALSE(gathers(test::bow_tie(), 0));
   EXPECT_FALSE(gathers(test::book(3), 0));
   EXPECT_FALSE(gathers(test::double_sided_quad(), 0));
-  EXPECT_FALSE(gathers(test::fan(static_cast<int>(Fan::most_neighbours) + 1), 0));  // too large for the quick way
-  TriangleMesh two_fans = test::tetrahedron();  // two tetrahedra that share vertex 0
+  EXPECT_FALSE(gathers(test::fan(static_cast<int>(Fan::max_neighbours) + 1), 0));  // too large for the quick way
+  TriangleMesh two_fans = test::tetrahedron();                                     // two tetrahedra that share vertex 0
   two_fans.positions.resize(7);
   for (Triangle t : test::tetrahedron().triangles) {
     for (int k = 0; k < 3; ++k) t[k] = t[k] == 0 ? 0 : t[k] + 3;

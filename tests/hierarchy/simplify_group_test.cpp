@@ -15,10 +15,10 @@ namespace {
 
 using Locked = std::vector<std::uint8_t>;
 
-GroupTarget target_for(const TriangleMesh& mesh, std::size_t least_triangles) {
+GroupTarget target_for(const TriangleMesh& mesh, std::size_t min_triangles) {
   GroupTarget target;
   target.scale = power_of_two_scale(mesh.positions);
-  target.least_triangles = least_triangles;
+  target.min_triangles = min_triangles;
   return target;
 }
 
@@ -83,10 +83,10 @@ TEST(SimplifyGroup, EndsAtTheCostAndAtTheTriangles) {
   const SimplifiedGroup quarter = simplify_group(mesh, {}, target);
   EXPECT_LE(quarter.triangles.size(), mesh.triangle_count() / 4);
   EXPECT_GE(quarter.triangles.size(), mesh.triangle_count() / 4 - 1);  // a collapse inside a surface ends two
-  target.most_cost = quarter.cost / 4.0F;
+  target.max_cost = quarter.cost / 4.0F;
   const SimplifiedGroup cheap = simplify_group(mesh, {}, target);
   EXPECT_GT(cheap.triangles.size(), quarter.triangles.size());
-  EXPECT_LE(cheap.cost, target.most_cost);
+  EXPECT_LE(cheap.cost, target.max_cost);
   EXPECT_LE(cheap.error, quarter.error);
 }
 
@@ -121,8 +121,8 @@ TEST(SimplifyGroup, CostsOfGroupsCompareWhateverTheirSize) {
   const GroupTarget target = target_for(large, 20);
   Locked locked(large.vertex_count(), 0);
   std::fill(locked.begin() + static_cast<std::ptrdiff_t>(small.vertex_count()), locked.end(), 1);
-  const SimplifiedGroup a = simplify_group(small, {}, {target.scale, 1.0, target.most_cost, 20});
-  const SimplifiedGroup b = simplify_group(large, locked, {target.scale, 1.0, target.most_cost, 21});
+  const SimplifiedGroup a = simplify_group(small, {}, {target.scale, 1.0, target.max_cost, 20});
+  const SimplifiedGroup b = simplify_group(large, locked, {target.scale, 1.0, target.max_cost, 21});
   EXPECT_EQ(a.cost, b.cost);
   EXPECT_EQ(a.error, b.error);
   EXPECT_EQ(a.triangles.size() + 1, b.triangles.size());

@@ -115,7 +115,7 @@ std::uint32_t number_at(const std::string& journal, std::size_t place) {
 // Of a whole journal of a build of so many triangles. Each level has the number of groups, the group of each triangle
 // in pieces, and, but for the input, as many nodes, which tell their triangles after 32 other bytes.
 std::vector<Record> records_in(const std::string& journal, std::size_t triangles) {
-  constexpr std::size_t most_in_piece = 1U << 18U;
+  constexpr std::size_t max_in_piece = 1U << 18U;
   std::vector<Record> records;
   const auto next = [&](bool is_node) {
     const std::size_t begin = records.empty() ? header_bytes : records.back().end;
@@ -125,7 +125,7 @@ std::vector<Record> records_in(const std::string& journal, std::size_t triangles
   for (bool is_input = true; records.empty() || records.back().end < journal.size(); is_input = false) {
     next(false);
     const std::uint32_t groups = number_at(journal, records.back().begin + head_bytes);
-    for (std::size_t t = 0; t < triangles; t += most_in_piece) next(false);
+    for (std::size_t t = 0; t < triangles; t += max_in_piece) next(false);
     if (is_input) continue;
     triangles = 0;
     for (std::uint32_t n = 0; n < groups; ++n) {
@@ -404,7 +404,7 @@ TEST_F(Journal, MemoryMayDiffer) {
   {
     const MemoryLimit limit(std::size_t{64} << 20U, testing::TempDir());
     EXPECT_EQ(test::bytes_of(build_hlod(planet, options, report)), plain);
-    EXPECT_GT(limit.most_scratch_bytes(), std::size_t{20} << 20U);
+    EXPECT_GT(limit.max_scratch_bytes(), std::size_t{20} << 20U);
   }
   const std::string whole = content();
   const std::vector<Record> records = records_in(whole, 8U << 16U);

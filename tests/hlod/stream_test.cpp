@@ -156,7 +156,7 @@ TEST(StreamedHlod, ALimitOfMemoryChangesNothing) {
   const std::filesystem::path folder = ::testing::TempDir();
   const MemoryLimit limit(std::size_t{64} << 20U, folder);
   const Hlod limited = build_hlod(planet, {}, report);
-  EXPECT_GT(limit.most_scratch_bytes(), std::size_t{100} << 20U);
+  EXPECT_GT(limit.max_scratch_bytes(), std::size_t{100} << 20U);
   EXPECT_EQ(free.data().input_triangle_count, 8U << 18U);
   EXPECT_TRUE(std::ranges::equal(free.data().meshes, limited.data().meshes));
   EXPECT_EQ(free.node_count(), limited.node_count());

@@ -142,7 +142,7 @@ class LargeNodeCodecTest : public NodeCodecTest {
 TEST_F(LargeNodeCodecTest, NeverPacksTooWell) {
   const std::size_t packed = packed_bytes();
   EXPECT_GT(packed, 0U);
-  EXPECT_EQ(packed, (data_.meshes.size() + most_packing - 1) / most_packing);
+  EXPECT_EQ(packed, (data_.meshes.size() + max_packing - 1) / max_packing);
 }
 
 // Never writes outside its memory, which sanitizers see, and ends.

@@ -68,7 +68,7 @@ class FanBatchTest : public ::testing::Test {
   FanBatchTest() {
     std::mt19937 random(7);
     for (int repeat = 0; repeat < 6; ++repeat)
-      for (std::uint32_t size = 2; size <= SplitStar::most_ring; ++size)
+      for (std::uint32_t size = 2; size <= SplitStar::max_ring; ++size)
         for (const bool closed : {false, true}) fans_.push_back(random_fan(size, closed, random));
     std::shuffle(fans_.begin(), fans_.end(), random);
   }

@@ -19,7 +19,7 @@ import occlod.distributed  # noqa: E402  pylint: disable=wrong-import-position
 
 SCENE = """{"objects": [{"generator": "city", "options": {"blocks": 2, "facade_cells": 2}}],
             "cameras": {"default": {"eye": [0, 0, 2], "target": [10, 10, 2], "up": [0, 0, 1]}}}"""
-OPTIONS = occlod.CellTreeOptions([occlod.CellBox((0, 0, 1), (96, 64, 3))], root_cell=16, smallest_cell=8, most_triangles=200)
+OPTIONS = occlod.CellTreeOptions([occlod.CellBox((0, 0, 1), (96, 64, 3))], root_cell=16, smallest_cell=8, max_triangles=200)
 # What connects to a scheduler, builds, and says how far it is.
 DRIVER = """
 import pickle, sys
@@ -160,7 +160,7 @@ class Distributed(unittest.TestCase):
 
     def test_workers_with_another_scene_are_told(self):
         client = self.cluster(1)
-        other = occlod.CellTreeOptions(OPTIONS.regions, root_cell=16, smallest_cell=8, most_triangles=199)
+        other = occlod.CellTreeOptions(OPTIONS.regions, root_cell=16, smallest_cell=8, max_triangles=199)
         task = occlod.distributed._Task(str(self.scene), other, str(self.folder), self.build.part_name((0, 1)), (0, 1), 1)
         with self.assertRaisesRegex(occlod.Error, "another scene"):
             client.submit(occlod.distributed._write_shard, task).result()

@@ -86,12 +86,12 @@ Sweep with(Sweep sweep, OccluderMode mode) {
 
 // What the occluder hides along a ray has to be behind the input there, whatever the bounds of the hierarchy are.
 // Coarse triangles as they are bulge out.
-void expect_conservative(const TriangleMesh& mesh, Sweep sweep, int least_hidden) {
+void expect_conservative(const TriangleMesh& mesh, Sweep sweep, int min_hidden) {
   for (const ErrorBound error_bound : {ErrorBound::accumulated, ErrorBound::measured}) {
     sweep.error_bound = error_bound;
     const Count conservative = count_wrongly_hidden(mesh, sweep);
     EXPECT_EQ(conservative.wrong, 0);
-    EXPECT_GT(conservative.hidden, least_hidden);  // and is an occluder still
+    EXPECT_GT(conservative.hidden, min_hidden);  // and is an occluder still
     EXPECT_GT(count_wrongly_hidden(mesh, with(sweep, OccluderMode::paper)).wrong, 20);
   }
 }

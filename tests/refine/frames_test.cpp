@@ -212,7 +212,7 @@ TEST_P(Frames, WorkIsLimitedAndFollows) {
   Refiner refiner(objects);
   RefineOptions limited = options(3000);
   static_cast<void>(refiner.update(View(orbiting(0.0, 6.0)), limited, *backend_));
-  limited.update.most_changes = 40;
+  limited.update.max_changes = 40;
   const View view(orbiting(100.0, 6.0));
   int frames = 0;
   bool pending = true;
@@ -225,7 +225,7 @@ TEST_P(Frames, WorkIsLimitedAndFollows) {
   }
   EXPECT_GT(frames, 5);
   EXPECT_LT(frames, 500);
-  limited.update.most_changes = 0;
+  limited.update.max_changes = 0;
   const Refinement& caught_up = refiner.update(view, limited, *backend_);
   Refiner scratch(objects);
   const double fresh = oracle::cut_error(objects, scratch.refine(view, limited, *backend_), view, *backend_).quadric_px;
@@ -325,15 +325,15 @@ TEST(FramesSettling, TheSecondFrameVisitsNoMoreThanTheOnesAfterIt) {
   options.budget = 1000;
   const double first_level = refiner.update(View(orbiting(0.0)), options, none).stats.level_px;
   const std::size_t second = refiner.update(View(orbiting(0.5)), options, none).stats.visits;
-  std::size_t most_later = 0;
+  std::size_t max_later = 0;
   double level = 0.0;
   for (int i = 2; i <= 12; ++i) {
     const RefineStats& stats = refiner.update(View(orbiting(0.5 * i)), options, none).stats;
-    most_later = std::max(most_later, stats.visits);
+    max_later = std::max(max_later, stats.visits);
     level = stats.level_px;
   }
   EXPECT_LT(level, first_level);
-  EXPECT_LE(second, 2 * most_later);
+  EXPECT_LE(second, 2 * max_later);
 }
 
 // A coarser tolerance frees what the budget had been spent on: what remains is about what refinement from scratch

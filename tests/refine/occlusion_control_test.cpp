@@ -33,7 +33,7 @@ class ScriptedVisibility final : public Visibility {
   void submit(const VisibilityQuery& query) override {
     EXPECT_FALSE(occluders.empty()) << "asked before there was an occluder";
     answers_.push_back(rule_(query, occluders.size()));
-    most_open = std::max(most_open, answers_.size());
+    max_open = std::max(max_open, answers_.size());
     ++asked;
     if (const Sphere* sphere = std::get_if<Sphere>(&query.shape)) spheres.push_back(*sphere);
     if (std::holds_alternative<PointHull>(query.shape)) ++stars;
@@ -49,7 +49,7 @@ class ScriptedVisibility final : public Visibility {
 
   std::vector<std::size_t> occluders;  // triangles of each occluder drawn
   std::vector<Sphere> spheres;         // asked about
-  std::size_t views = 0, asked = 0, most_open = 0, stars = 0, cylinders = 0, boxes = 0;
+  std::size_t views = 0, asked = 0, max_open = 0, stars = 0, cylinders = 0, boxes = 0;
 
  private:
   Rule rule_;
@@ -133,7 +133,7 @@ TEST_F(OcclusionControl, FinalCheckReadmitsWhatTheFinalMeshShows) {
     const Refinement& without = refine(unchecked);
     EXPECT_EQ(without.stats.occluder_draws, 2U);
     EXPECT_LE(without.objects[1].splits.size(), 110U);
-    const double most_error_px = without.stats.max_quadric_error_px;
+    const double max_error_px = without.stats.max_quadric_error_px;
 
     options_.queries.final_check = true;
     ScriptedVisibility checked(rule, flight);
@@ -147,7 +147,7 @@ TEST_F(OcclusionControl, FinalCheckReadmitsWhatTheFinalMeshShows) {
     const auto splits = static_cast<double>(result.stats.splits);
     EXPECT_NEAR(static_cast<double>(result.objects[1].splits.size()), splits / 2, splits / 10);
     EXPECT_EQ(result.stats.splits, result.objects[0].splits.size() + result.objects[1].splits.size());
-    EXPECT_GT(result.stats.max_quadric_error_px, most_error_px);  // which the other run did not know of
+    EXPECT_GT(result.stats.max_quadric_error_px, max_error_px);  // which the other run did not know of
     for (const RefinedObject& object : result.objects) test::expect_valid_cut(hierarchy_, object);
   }
 }
@@ -227,7 +227,7 @@ TEST_F(OcclusionControl, FlightsAreFilledAndNeverOverfilled) {
     options_.priority.culling = culling;
     ScriptedVisibility visible([](const VisibilityQuery&, std::size_t) { return true; }, 8);
     const Refinement& result = refine(visible);
-    EXPECT_EQ(visible.most_open, 8U);
+    EXPECT_EQ(visible.max_open, 8U);
     EXPECT_GE(result.stats.triangles + 1, options_.budget);
     // The order of questions, not their answers, is what a flight changes: deterministic all the same.
     ScriptedVisibility again([](const VisibilityQuery&, std::size_t) { return true; }, 8);

@@ -45,7 +45,7 @@ TEST(RandomOperations, MemoryStays) {
     double& seen = seed <= first_runs ? largest_at_first : largest;
     seen = std::max(seen, heap_mb());
     if (wanted != nullptr && seed % 500 == 0)
-      std::cout << seed << " runs of " << fuzz::RefinerOperations::most_operations << " operations: " << heap_mb()
+      std::cout << seed << " runs of " << fuzz::RefinerOperations::max_operations << " operations: " << heap_mb()
                 << " MB, at most " << largest << std::endl;
   }
   EXPECT_LT(largest, 1.1 * largest_at_first + 1.0);

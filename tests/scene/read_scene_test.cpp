@@ -212,14 +212,14 @@ TEST_F(ReadScene, ReadsCells) {
   const std::string box = R"({"min": [0, 1, 2], "max": [3, 1, 4]})";  // it may be flat
   const SceneCells bare = *read(text(R"({"regions": [)" + box + "]}")).cells;
   EXPECT_EQ(bare.regions, (std::vector<CellBox>{{{0, 1, 2}, {3, 1, 4}}}));
-  EXPECT_FALSE(bare.root_cell || bare.smallest_cell || bare.most_triangles);
+  EXPECT_FALSE(bare.root_cell || bare.smallest_cell || bare.max_triangles);
   const SceneCells full = *read(text(R"({"regions": [)" + box + "," + box +
-                                     R"(], "root_cell": 8, "smallest_cell": 8, "most_triangles": 7})"))
+                                     R"(], "root_cell": 8, "smallest_cell": 8, "max_triangles": 7})"))
                                .cells;
   EXPECT_EQ(full.regions.size(), 2U);
   EXPECT_EQ(full.root_cell, 8.0);
   EXPECT_EQ(full.smallest_cell, 8.0);
-  EXPECT_EQ(full.most_triangles, 7U);
+  EXPECT_EQ(full.max_triangles, 7U);
   const std::vector<std::pair<std::string, std::string>> mistakes = {
       {"[]", "/cells"},
       {"{}", "/cells"},
@@ -230,7 +230,7 @@ TEST_F(ReadScene, ReadsCells) {
       {R"({"regions": [)" + box + R"(], "root_cell": 0})", "/cells/root_cell"},
       {R"({"regions": [)" + box + R"(], "smallest_cell": -1})", "/cells/smallest_cell"},
       {R"({"regions": [)" + box + R"(], "root_cell": 2, "smallest_cell": 3})", "/cells/smallest_cell"},
-      {R"({"regions": [)" + box + R"(], "most_triangles": 0})", "/cells/most_triangles"},
+      {R"({"regions": [)" + box + R"(], "max_triangles": 0})", "/cells/max_triangles"},
       {R"({"regions": [)" + box + R"(], "levels": 3})", "/cells/levels"},
   };
   for (const auto& [cells, place] : mistakes) EXPECT_EQ(place_of_mistake(text(cells)), place) << cells;

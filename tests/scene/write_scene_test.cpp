@@ -63,7 +63,7 @@ TEST_F(WriteScene, ComesBackExactly) {
   EXPECT_EQ(read.cells->regions, written.cells->regions);
   EXPECT_EQ(read.cells->root_cell, 16.5);
   EXPECT_EQ(read.cells->smallest_cell, 0.3);
-  EXPECT_EQ(read.cells->most_triangles, 12'345U);
+  EXPECT_EQ(read.cells->max_triangles, 12'345U);
 }
 
 TEST_F(WriteScene, RefusesWhatCouldNotBeRead) {

@@ -61,25 +61,25 @@ TEST(TileTree, FilesHoldNoMoreThanTheLimit) {
   ASSERT_GT(hlod.node_count(), 500U);
   for (const std::uint32_t limit : {1U, 9U, 30U, 200U, 100'000U}) {
     const TileTree tree = complete_tree(hlod, TileError::guaranteed, limit);
-    std::size_t files = 0, tiles = 0, most_children = 0;
+    std::size_t files = 0, tiles = 0, max_children = 0;
     std::vector<NodeId> roots;  // of files
     std::vector<NodeId> here;
     for (const NodeId n : hlod.data().roots) (tree[n].is_external ? roots : here).push_back(n);
     std::size_t in_file = hlod.data().roots.size();
-    most_children = in_file;
+    max_children = in_file;
     while (true) {
       ++files;
       while (!here.empty()) {
         const NodeId n = here.back();
         here.pop_back();
         ++tiles;
-        most_children = std::max(most_children, hlod.children(n).size());
+        max_children = std::max(max_children, hlod.children(n).size());
         for (const NodeId child : hlod.children(n)) {
           ++in_file;
           (tree[child].is_external ? roots : here).push_back(child);
         }
       }
-      EXPECT_LE(in_file, std::max<std::size_t>(limit, most_children + 1));
+      EXPECT_LE(in_file, std::max<std::size_t>(limit, max_children + 1));
       if (roots.empty()) break;
       here = {roots.back()};
       roots.pop_back();

@@ -9,7 +9,7 @@ from tool_case import OCCLOD, TRIANGLES, ToolTest
 
 # Eight root cells beside a planet of radius 1.
 SPACE = ["--region", "1.5,-0.5,-0.5,2.5,0.5,0.5", "--root-cell", 0.5, "--smallest-cell", 0.125, "--eyes", "320x240,60,0.01", "--tolerance", 1.5]
-DIVIDED = [*SPACE, "--most-triangles", 400, "--division", "gain", "--levels", 1]
+DIVIDED = [*SPACE, "--max-triangles", 400, "--division", "gain", "--levels", 1]
 
 
 class Cells(ToolTest):
@@ -25,7 +25,7 @@ class Cells(ToolTest):
 
     def test_build_reports(self):
         built = self.build(*SPACE)
-        self.assert_has_keys(built, "input file root_cells cuts tolerance_px budget occlusion focal_length_px near occluder_motion root_cell smallest_cell levels most_triangles division "
+        self.assert_has_keys(built, "input file root_cells cuts tolerance_px budget occlusion focal_length_px near occluder_motion root_cell smallest_cell levels max_triangles division "
                                     "regions objects cells nodes depth above_most_triangles above_by drawn_mean drawn_median drawn_max triangles_mean error_px splits "
                                     "hidden_faces file_bytes payload_bytes bytes_per_cell bits_per_id teleport_bytes_max crossing_bytes_mean crossing_bytes_max "
                                     "packed hierarchy_bytes bytes_over_hierarchies cpu_s_per_cell cpu_s build_ms peak_bytes")
@@ -67,7 +67,7 @@ class Cells(ToolTest):
         self.assertGreater(fine["drawn_mean"], usual["drawn_mean"])
         self.assertGreater(self.build(*[word if word != "320x240,60,0.01" else "1280x960,60,0.01" for word in SPACE])["drawn_mean"], usual["drawn_mean"])
         self.assertEqual(self.build(*[word if word != 0.5 else 1 for word in SPACE])["cells"], 1)
-        self.assertEqual(self.build(*SPACE, "--most-triangles", 0, "--division", "gain", "--levels", 0)["cells"], 8)
+        self.assertEqual(self.build(*SPACE, "--max-triangles", 0, "--division", "gain", "--levels", 0)["cells"], 8)
         self.assertEqual(self.build(*SPACE, "--region", "3,0,0,3,0,0")["cells"], 9, "the eye may be at one point, too")
         self.assertEqual(self.build(*SPACE, "--occluder-error", 0.5)["occluder_motion"], 0.5)
         self.assertEqual((usual["occlusion"], usual["budget"]), ("hull", 0))
@@ -154,11 +154,11 @@ class Cells(ToolTest):
         self.assertRegex(self.failure_of("cells", "info", "packed.vlod", "--check"), r"packed.vlod: frame \d+: is damaged: its checksum is wrong")
 
     def test_scenes_say_where_the_eye_may_be(self):
-        self.write_cells({"regions": [{"min": [1.5, -0.5, -0.5], "max": [2.5, 0.5, 0.5]}], "root_cell": 0.5, "smallest_cell": 0.125, "most_triangles": 77})
+        self.write_cells({"regions": [{"min": [1.5, -0.5, -0.5], "max": [2.5, 0.5, 0.5]}], "root_cell": 0.5, "smallest_cell": 0.125, "max_triangles": 77})
         built = self.json_of("cells", "build", "scene.json", "-o", "scene.vlod", *SPACE[6:])
-        self.assertEqual((built["cells"], built["root_cell"], built["smallest_cell"], built["most_triangles"]), (8, 0.5, 0.125, 77))
-        over = self.json_of("cells", "build", "scene.json", "-o", "scene.vlod", "--region", "2,0,0,2.5,0.5,0.5", "--root-cell", 0.25, "--most-triangles", 10**6)
-        self.assertEqual((over["cells"], over["smallest_cell"], over["most_triangles"]), (8, 0.125, 10**6))
+        self.assertEqual((built["cells"], built["root_cell"], built["smallest_cell"], built["max_triangles"]), (8, 0.5, 0.125, 77))
+        over = self.json_of("cells", "build", "scene.json", "-o", "scene.vlod", "--region", "2,0,0,2.5,0.5,0.5", "--root-cell", 0.25, "--max-triangles", 10**6)
+        self.assertEqual((over["cells"], over["smallest_cell"], over["max_triangles"]), (8, 0.125, 10**6))
 
     def test_wrong_use(self):
         for arguments, told in ((["-o", "a.vlod", "--shard", "1/2", "--work", "w"], "leave --output out"), (["--shard", "1/2"], "--shard: needs --work"),

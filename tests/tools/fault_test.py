@@ -312,7 +312,7 @@ class HlodKills(HlodBuildCase):
         duration = time.monotonic() - began
         whole, target, journal = (self.folder / "a.ohlod").read_bytes(), self.folder / "a.ohlod", self.folder / "a.ohlod.journal"
         moments = random.Random(2)
-        most_found = 0
+        max_found = 0
         for story in range(3):
             target.unlink()
             kills, kept = 0, 0
@@ -326,7 +326,7 @@ class HlodKills(HlodBuildCase):
                 if code == 0:
                     found = json.loads(output)["nodes_found"]
                     self.assertLessEqual(found, nodes)
-                    most_found = max(most_found, found)
+                    max_found = max(max_found, found)
                     break
                 self.assertEqual(code, -signal.SIGKILL, errors)
                 kills += 1
@@ -344,7 +344,7 @@ class HlodKills(HlodBuildCase):
                 self.assertRegex(name, r"^\.a\.ohlod\.[0-9]+-0\.tmp$")
                 (self.folder / name).unlink()
             self.assertEqual(list((self.folder / "scratch").iterdir()), [])
-        self.assertGreater(most_found, 0)
+        self.assertGreater(max_found, 0)
 
 
 class Permissions(Faults):

@@ -81,9 +81,9 @@ class Mistakes(ToolTest):
                           ["render", "x", "--path", "p", "--reference"], ["render", "x", "--frame-to-frame"],
                           ["render", "x", "--path", "p", "--frame-to-frame", "--repeat", "2"],
                           *(["render", "x", "--path", "p", option, "0"]
-                            for option in ("--hysteresis", "--most-changes", "--time-limit", "--geomorph-frames")),
+                            for option in ("--hysteresis", "--max-changes", "--time-limit", "--geomorph-frames")),
                           *(["render", "x", "--path", "p", "--frame-to-frame", *option]
-                            for option in (["--hysteresis", "1"], ["--hysteresis", "-0.1"], ["--most-changes", "-1"],
+                            for option in (["--hysteresis", "1"], ["--hysteresis", "-0.1"], ["--max-changes", "-1"],
                                            ["--time-limit", "-1"], ["--geomorph-frames", "x"]))]:
             done = self.run_tool(*arguments)
             self.assertEqual(done.returncode, 2, f"{arguments}: {done.stderr}")

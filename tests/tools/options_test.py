@@ -34,7 +34,7 @@ WHOLE = [
     *((command, option, low, 10**6) for command in (HLOD_RENDER, HLOD_COMPARE) for option, low in (("--frames", 1), ("--reference", 0))),
     (CELLS_BUILD, "--budget", 1, LARGEST),
     (CELLS_BUILD, "--levels", 0, 32),
-    (CELLS_BUILD, "--most-triangles", 0, LARGEST),
+    (CELLS_BUILD, "--max-triangles", 0, LARGEST),
     (CELLS_BUILD, "--threads", 0, 1024),
     (CELLS_INFO, "--cell", 0, ELEMENTS),
     (CELLS_CHECK, "--cells", 1, 10**6),
@@ -53,7 +53,7 @@ WHOLE = [
     (RENDER, "--query-window", 0, 10**6),
     (RENDER, "--occlusion-divisor", 1, 1024),
     (RENDER, "--repeat", 1, 10**6),
-    (FRAMES, "--most-changes", 0, LARGEST),
+    (FRAMES, "--max-changes", 0, LARGEST),
     (FRAMES, "--geomorph-frames", 0, 10**6),
 ]
 REAL = [

@@ -50,9 +50,9 @@ def check_transform(place):
 
 
 class Checker:
-    def __init__(self, folder, most_tiles=None):
+    def __init__(self, folder, max_tiles=None):
         self.folder = pathlib.Path(folder).resolve()
-        self.most_tiles = most_tiles
+        self.max_tiles = max_tiles
         self.found = {"tilesets": 0, "tiles": 0, "contents": 0, "leaves": 0, "triangles": 0, "leaf_triangles": 0, "content_bytes": 0, "depth": 0}
         self.seen = set()
 
@@ -101,7 +101,7 @@ class Checker:
         while tiles:
             tiles += self.tile(*tiles.pop(), path.parent, externals, is_root=in_file == 0)
             in_file += 1
-        tileset.require(self.most_tiles is None or in_file <= self.most_tiles, f"holds {in_file} tiles")
+        tileset.require(self.max_tiles is None or in_file <= self.max_tiles, f"holds {in_file} tiles")
         return externals
 
     def tile(self, tile, parent_box, parent_error, depth, base, externals, is_root):
@@ -148,9 +148,9 @@ class Checker:
         self.found["content_bytes"] += path.stat().st_size
 
 
-def check(folder, most_tiles=None):
+def check(folder, max_tiles=None):
     """What was found, as a dictionary; raises Wrong."""
-    return Checker(folder, most_tiles).run()
+    return Checker(folder, max_tiles).run()
 
 
 def main():

@@ -23,8 +23,8 @@ class Tileset(ToolTest):
     def export(self, *arguments, folder="tiles"):
         return self.json_of("hlod", "export", "planet.ohlod", folder, *arguments)
 
-    def check(self, folder="tiles", most_tiles=None):
-        return tileset_check.check(self.folder / folder, most_tiles)
+    def check(self, folder="tiles", max_tiles=None):
+        return tileset_check.check(self.folder / folder, max_tiles)
 
     def root(self, folder="tiles"):
         return json.loads((self.folder / folder / "tileset.json").read_text())["root"]

@@ -412,7 +412,7 @@ class Render(ToolTest):
         self.write_scene_with_orbit()
         result = self.json_of("render", "scene.json", "--budget", 500, "--path", "orbit", "--frame-to-frame")
         self.assertTrue(result["frame_to_frame"])
-        self.assert_has_keys(result, "hysteresis most_changes time_limit_ms geomorph_frames")
+        self.assert_has_keys(result, "hysteresis max_changes time_limit_ms geomorph_frames")
         frames = result["frames"]
         scratch = self.json_of("render", "scene.json", "--budget", 500, "--path", "orbit")
         self.assertFalse(scratch["frame_to_frame"])
@@ -430,10 +430,10 @@ class Render(ToolTest):
 
     def test_frame_to_frame_is_reproducible(self):
         self.write_scene_with_orbit()
-        first, second = [[frame["hash"] for frame in self.frames_of("--most-changes", 20)] for _ in range(2)]
+        first, second = [[frame["hash"] for frame in self.frames_of("--max-changes", 20)] for _ in range(2)]
         self.assertEqual(first, second)
         self.assertGreater(len(set(first)), 6)
-        lines = self.succeed("render", "scene.json", "--budget", 500, "--path", "orbit", "--frame-to-frame", "--most-changes", 20).splitlines()
+        lines = self.succeed("render", "scene.json", "--budget", 500, "--path", "orbit", "--frame-to-frame", "--max-changes", 20).splitlines()
         self.assertEqual([line.split()[-1] for line in lines[1:]], first)
         for column in ("new splits", "merged splits", "changed triangles", "pending"):
             self.assertIn(column, lines[0])
@@ -441,7 +441,7 @@ class Render(ToolTest):
     def test_work_of_a_frame_is_limited(self):
         """One step may force a few splits beyond the limit and make room for them; what is left over is told."""
         self.write_scene_with_orbit()
-        free, limited = self.frames_of()[1:], self.frames_of("--most-changes", 4)[1:]
+        free, limited = self.frames_of()[1:], self.frames_of("--max-changes", 4)[1:]
         changes = lambda frames: sum(frame["new_splits"] + frame["merged_splits"] for frame in frames)
         self.assertLess(changes(limited), changes(free))
         self.assertTrue(any(frame["pending"] for frame in limited))

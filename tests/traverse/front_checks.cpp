@@ -71,7 +71,7 @@ std::vector<int> patches_of(const Hlod& hlod, const Refined& refined) {
   return drawn;
 }
 
-Refined least_front(const Hlod& hlod, const std::vector<int>& drawn) {
+Refined min_front(const Hlod& hlod, const std::vector<int>& drawn) {
   Refined refined(hlod.node_count(), 0);
   for (NodeId n = static_cast<NodeId>(hlod.node_count()); n-- > 0;) {  // children first
     std::size_t place = hlod.node(n).first_patch;

@@ -19,7 +19,7 @@ namespace occlod::hlod::test {
 [[nodiscard]] std::vector<int> patches_of(const Hlod& hlod, const Refined& refined);
 
 // The least legal front of which all that is drawn is part.
-[[nodiscard]] Refined least_front(const Hlod& hlod, const std::vector<int>& drawn);
+[[nodiscard]] Refined min_front(const Hlod& hlod, const std::vector<int>& drawn);
 
 // Takes away what was drawn of nodes that are refined. Returns how many nodes that are.
 std::size_t clear_refined(const Hlod& hlod, const Refined& refined, std::vector<int>& drawn);

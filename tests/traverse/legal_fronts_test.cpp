@@ -93,7 +93,7 @@ TEST(LegalFronts, AreWholeWhereEverythingIsInSight) {
           options.tolerance_px = std::exp2(uniform(random, -9.0, 0.0));
           const Frame& frame = traverser.draw_frame(View(from_afar(*hlod, random)), device, options);
           std::vector<int> drawn = drawn_patches(*hlod, frame);
-          const Refined refined = least_front(*hlod, drawn);
+          const Refined refined = min_front(*hlod, drawn);
           EXPECT_EQ(clear_refined(*hlod, refined, drawn), frame.stats.rarn);
           EXPECT_EQ(drawn, patches_of(*hlod, refined));
           fronts.insert(frame.front_hash);

@@ -28,7 +28,7 @@ CacheOptions cache(LoadMode load, std::size_t budget = plenty) {
   return options;
 }
 
-std::size_t least_budget(const Hlod& hlod) { return bytes_of(hlod, hlod.data().roots); }
+std::size_t min_budget(const Hlod& hlod) { return bytes_of(hlod, hlod.data().roots); }
 
 // Of one frame: nothing is drawn that is not there, and the budget is kept.
 void expect_kept(const Hlod& hlod, const Frame& frame) {
@@ -147,7 +147,7 @@ TEST(Paged, ALoaderThatNeverDelivers) {
 TEST(Paged, ACacheOfTheLeastSize) {
   for (const LoadMode load : {LoadMode::blocking, LoadMode::async, LoadMode::simulated}) {
     const Hlod& whole = planet(Grouping::shifted);
-    const Hlod hlod = paged(whole, cache(load, least_budget(whole)));
+    const Hlod hlod = paged(whole, cache(load, min_budget(whole)));
     const PlacedHlod placed{&hlod};
     Traverser traverser({&placed, 1});
     SoftwareDevice device;
@@ -188,7 +188,7 @@ TEST(Paged, ADamagedNodeLeavesItsParentsCoarse) {
     EXPECT_GT(frame->stats.waiting_nodes, 0U);
     EXPECT_EQ(illegal_nodes(hlod, *frame), 0U);
     std::vector<int> drawn = drawn_patches(hlod, *frame);
-    const Refined refined = least_front(hlod, drawn);
+    const Refined refined = min_front(hlod, drawn);
     EXPECT_EQ(drawn, patches_of(hlod, refined));
     EXPECT_EQ(refined[damaged], 0);
     for (const Patch& patch : hlod.patches(damaged)) EXPECT_EQ(refined[patch.parent], 0);
@@ -260,8 +260,8 @@ TEST(PagedFronts, AreLegalWhateverComesAndFails) {
       faults->damaged.insert(1 + static_cast<NodeId>(random() % (whole.node_count() - 1)));
     CacheOptions options = cache(s % 4 == 3 ? LoadMode::blocking : LoadMode::simulated);
     const double share = std::exp2(uniform(random, -6.0, 0.5));
-    options.budget_bytes = std::max(least_budget(whole),
-                                    static_cast<std::size_t>(share * static_cast<double>(whole.data().meshes.size())));
+    options.budget_bytes =
+        std::max(min_budget(whole), static_cast<std::size_t>(share * static_cast<double>(whole.data().meshes.size())));
     options.simulated_mb_per_s = std::exp2(uniform(random, -3.0, 8.0));
     options.simulated_delay = static_cast<int>(random() % 8);
     options.frame_bytes = 1 + random() % 200'000;
@@ -282,14 +282,14 @@ TEST(PagedFronts, AreLegalWhateverComesAndFails) {
       if (HasFatalFailure()) return;
       if (is_far) {
         std::vector<int> drawn = drawn_patches(hlod, frame);
-        const Refined refined = least_front(hlod, drawn);
+        const Refined refined = min_front(hlod, drawn);
         ASSERT_EQ(clear_refined(hlod, refined, drawn), frame.stats.rarn);
         ASSERT_EQ(drawn, patches_of(hlod, refined));
         ++whole_fronts;
       } else if (i % 10 == 0) {
         ASSERT_LE(illegal_nodes(hlod, frame), frame.stats.rarn);
       }
-      if (i % 200 == 150) hlod.store()->set_budget(least_budget(whole) + random() % (options.budget_bytes + 1));
+      if (i % 200 == 150) hlod.store()->set_budget(min_budget(whole) + random() % (options.budget_bytes + 1));
       waiting += frame.stats.waiting_nodes;
       drawn_nodes += frame.stats.drawn_nodes;
     }

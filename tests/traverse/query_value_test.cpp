@@ -31,7 +31,7 @@ TEST(Times, AreThoseOfTheSlowestStage) {
 TEST(Times, BenefitIsSpreadOverTheLevels) { EXPECT_EQ(query_value(140.0, 40.0, 0.5, 10.0).benefit_ns, 5.0); }
 
 // (40 + 500) / min(40, 20 + 100) = 13.5, rounded up, and one more.
-TEST(Times, LimitQueriesUnderWay) { EXPECT_EQ(most_parallel_queries(costs), 15.0); }
+TEST(Times, LimitQueriesUnderWay) { EXPECT_EQ(max_parallel_queries(costs), 15.0); }
 
 class Reasonable : public ::testing::Test {
  protected:

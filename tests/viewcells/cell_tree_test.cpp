@@ -24,7 +24,7 @@ CellTreeOptions two_regions() {
   options.root_cell = 10.0;
   options.smallest_cell = 1.0;
   options.levels = 3;
-  options.most_triangles = 100;
+  options.max_triangles = 100;
   return options;
 }
 
@@ -55,7 +55,7 @@ std::vector<CellBox> leaves_of(const CellSubtree& tree) {
 
 TEST(CellDivision, PaperHalvesWhereAPartDrawsLessThanHalf) {
   CellTreeOptions options;
-  options.most_triangles = 100;
+  options.max_triangles = 100;
   EXPECT_TRUE(is_worth_dividing(options, 200, std::vector<std::size_t>{99, 200, 200}));
   EXPECT_FALSE(is_worth_dividing(options, 200, std::vector<std::size_t>{100, 200, 200})) << "exactly half is not less";
   options.division = CellDivision::gain;
@@ -75,10 +75,10 @@ TEST(CellDivision, StopsAtEveryLimit) {
   options.levels = 3;
   options.smallest_cell = 1.5;
   EXPECT_EQ(leaves_of(divided(options, root, dear)).size(), 2U * 3U + 1U);
-  options.most_triangles = 1080;
+  options.max_triangles = 1080;
   EXPECT_EQ(leaves_of(divided(options, root, dear)).size(), 1U);
   // Without a dear point every part draws half of the 80: not less than half, so the division is taken back.
-  options.most_triangles = 50;
+  options.max_triangles = 50;
   EXPECT_EQ(leaves_of(divided(options, root, {99, 0, 0})).size(), 1U);
   options.division = CellDivision::gain;
   EXPECT_EQ(leaves_of(divided(options, root, {99, 0, 0})).size(), 4U);

@@ -63,7 +63,7 @@ class CellWalkerTest : public testing::Test {
   [[nodiscard]] static CellTreeOptions walk_options() {
     CellTreeOptions options = test::SmallCells::options();
     options.root_cell = 0.25;
-    options.most_triangles = 100;
+    options.max_triangles = 100;
     return options;
   }
   [[nodiscard]] WalkOptions by_hand() {

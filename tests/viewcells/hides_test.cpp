@@ -209,10 +209,10 @@ Count count_wrongly_hidden(const TriangleMesh& mesh, double max_motion, const Ce
   return count;
 }
 
-void expect_conservative(const TriangleMesh& mesh, double max_motion, int least_hidden) {
+void expect_conservative(const TriangleMesh& mesh, double max_motion, int min_hidden) {
   const Count count = count_wrongly_hidden(mesh, max_motion);
   EXPECT_EQ(count.wrong, 0);
-  EXPECT_GT(count.hidden, least_hidden);
+  EXPECT_GT(count.hidden, min_hidden);
 }
 
 TEST(CellOccluders, Input) {

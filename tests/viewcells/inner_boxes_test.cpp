@@ -167,7 +167,7 @@ TEST(InnerBoxes, HullTestsAskThemFirst) {
 }
 
 // Of boxes around points of the mesh, that its inner boxes hide from cells beside it: no segment between both passes.
-void expect_conservative(const TriangleMesh& mesh, double max_motion, int least_hidden) {
+void expect_conservative(const TriangleMesh& mesh, double max_motion, int min_hidden) {
   const Hierarchy hierarchy = build_hierarchy(mesh);
   const RefineObject objects[] = {{.hierarchy = &hierarchy}};
   const CellSurface surface(objects, max_motion, {});
@@ -196,7 +196,7 @@ void expect_conservative(const TriangleMesh& mesh, double max_motion, int least_
     }
   }
   EXPECT_EQ(passed, 0);
-  EXPECT_GT(hidden, least_hidden);
+  EXPECT_GT(hidden, min_hidden);
 }
 
 TEST(InnerBoxes, Ball) {

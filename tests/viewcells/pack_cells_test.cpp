@@ -74,7 +74,7 @@ class PackCells : public testing::Test {
     scene = std::make_unique<Scene>();
     CellTreeOptions options = test::SmallCells::options();
     options.root_cell = 0.25;
-    options.most_triangles = 100;
+    options.max_triangles = 100;
     options.cell.tolerance_px = 0.25;  // enough for several frames
     CellBuild(scene->objects(), options).write(folder / "cells.vlod", {.threads = 1});
     cells = open_vlod(folder / "cells.vlod", scene->objects());

@@ -36,7 +36,7 @@ class SmallCells {
     options.root_cell = 0.5;
     options.smallest_cell = 0.125;
     options.levels = 2;
-    options.most_triangles = 300;
+    options.max_triangles = 300;
     options.division = CellDivision::gain;
     options.occluder_motion = 0.01;
     return options;

@@ -137,7 +137,7 @@ TEST_F(VlodFileTest, SaysWhatItWasBuiltWith) {
   EXPECT_EQ(file->options().root_cell, 0.5);
   EXPECT_EQ(file->options().smallest_cell, 0.125);
   EXPECT_EQ(file->options().levels, 2U);
-  EXPECT_EQ(file->options().most_triangles, 300U);
+  EXPECT_EQ(file->options().max_triangles, 300U);
   EXPECT_EQ(file->options().division, CellDivision::gain);
   EXPECT_EQ(file->options().occluder_motion, 0.01);
   EXPECT_EQ(file->objects().size(), 3U);

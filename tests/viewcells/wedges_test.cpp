@@ -58,7 +58,7 @@ class Scene {
     CellTreeOptions options = test::SmallCells::options();
     options.regions.resize(1);
     options.root_cell = 0.25;
-    options.most_triangles = 100;
+    options.max_triangles = 100;
     options.cell.tolerance_px = 0.25;
     return options;
   }

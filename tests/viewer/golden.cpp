@@ -16,9 +16,9 @@
 namespace occlod::viewer::test {
 namespace {
 
-constexpr double most_mean = 1.5;  // of 255
-constexpr int much = 24;           // of 255
-constexpr double most_share_of_much = 0.02;
+constexpr double max_mean = 1.5;  // of 255
+constexpr int much = 24;          // of 255
+constexpr double max_share_of_much = 0.02;
 
 }  // namespace
 
@@ -48,7 +48,7 @@ std::string difference(const Image& found, const Image& expected) {
     far_off += most > much ? 1.0 : 0.0;
   }
   const auto count = static_cast<double>(found.pixels.size());
-  if (sum / count <= most_mean && far_off / count <= most_share_of_much) return "";
+  if (sum / count <= max_mean && far_off / count <= max_share_of_much) return "";
   return fmt::format("differs by {:.2f} of 255 on average, by more than {} in {:.1f} % of its pixels", sum / count,
                      much, 100.0 * far_off / count);
 }

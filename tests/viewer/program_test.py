@@ -129,9 +129,9 @@ class Script(unittest.TestCase):
     @unittest.skipUnless("OCCLOD" in os.environ, "the command line is not built")
     def test_path_is_that_of_the_command_line(self):
         """Frame to frame, each frame is the same triangles in both programs, whatever the viewer has shown before."""
-        shown = self.played_path(("most_changes", 40))
+        shown = self.played_path(("max_changes", 40))
         done = subprocess.run([os.environ["OCCLOD"], "render", str(self.path / "path.json"), "--path", "by", "--frame-to-frame",
-                               "--budget", "1500", "--most-changes", "40", "--json"], env=self.environment,
+                               "--budget", "1500", "--max-changes", "40", "--json"], env=self.environment,
                               capture_output=True, text=True, check=True, timeout=300)
         frames = json.loads(done.stdout)["frames"]
         self.assertEqual([shown[frame["frame"]]["hash"] for frame in frames], [frame["hash"] for frame in frames])

@@ -176,8 +176,8 @@ TEST_F(SessionTest, ReplayedPathGivesTheMeshesOfTheLibrary) {
 TEST_F(SessionTest, ReplayedPathGivesTheFramesOfTheLibrary) {
   open();
   set("budget", 2000);
-  for (const int most_changes : {0, 30}) {
-    set("most_changes", most_changes);
+  for (const int max_changes : {0, 30}) {
+    set("max_changes", max_changes);
     const std::vector<std::uint64_t> expected = refined(session_, session_.state().settings.refine, true);
     EXPECT_EQ(played(session_), expected);
     act(session_, {{"do", "orbit"}, {"right", 40}, {"up", 10}});
@@ -223,7 +223,7 @@ TEST_F(SessionTest, WorkThatIsLeftOverIsDone) {
   open();
   act(session_, {{"do", "go_to"}, {"name", "far"}});
   set("budget", 1000);
-  set("most_changes", 50);
+  set("max_changes", 50);
   session_.perform(json{{"do", "set"}, {"setting", "budget"}, {"value", 3000}});
   std::size_t steps = 0;
   bool was_pending = false;

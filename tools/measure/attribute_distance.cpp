@@ -19,7 +19,7 @@ namespace {
 
 constexpr double tie = 1e-6;  // of the diagonal: points of B that are as near as this are all the nearest
 // A triangle's texture gradient is trusted between this and its inverse times that of the whole mesh.
-constexpr double least_scale = 1e-3;
+constexpr double min_scale = 1e-3;
 
 struct Corners {
   std::array<glm::dvec3, 3> position;
@@ -75,7 +75,7 @@ class TextureMetric {
     const double ss = glm::dot(ds, ds), st = glm::dot(ds, dt), tt = glm::dot(dt, dt);
     const double mean = (ss + tt) / 2.0, spread = std::hypot((ss - tt) / 2.0, st);
     const double low = std::sqrt(std::max(mean - spread, 0.0)), high = std::sqrt(mean + spread);
-    if (!(low >= least_scale * scale && high <= scale / least_scale)) return;
+    if (!(low >= min_scale * scale && high <= scale / min_scale)) return;
     form_ = glm::dmat2(ss, st, st, tt);
     least_ = low;
     gradient_ = 0.0;

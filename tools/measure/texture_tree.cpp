@@ -7,7 +7,7 @@
 namespace occlod::measure {
 namespace {
 
-constexpr std::size_t most_in_leaf = 4;
+constexpr std::size_t max_in_leaf = 4;
 
 TextureBox box_of(const TriangleMesh& mesh, std::uint32_t triangle) {
   const Triangle& t = mesh.wedge_triangles()[triangle];
@@ -52,7 +52,7 @@ class TextureTree::Builder {
     for (std::size_t i = begin + 1; i < end; ++i) box = joined(box, boxes_[i].second);
     const auto id = static_cast<std::uint32_t>(tree_.nodes_.size());
     tree_.nodes_.push_back({box, static_cast<std::uint32_t>(begin), 0, static_cast<std::uint32_t>(end - begin)});
-    if (end - begin <= most_in_leaf) return id;
+    if (end - begin <= max_in_leaf) return id;
     const std::size_t middle = begin + (end - begin) / 2;
     const int axis = longest_axis(box);
     const auto at = [&](std::size_t i) { return boxes_.begin() + static_cast<std::ptrdiff_t>(i); };

@@ -26,9 +26,9 @@ void main() { target = pen; }
 )";
 
 // Cuts off what is not ahead of the eye by this distance; false when nothing is left.
-bool clip_to_eye(glm::dvec4& a, glm::dvec4& b, double least_w) {
-  const double ahead_a = a.w - least_w;
-  const double ahead_b = b.w - least_w;
+bool clip_to_eye(glm::dvec4& a, glm::dvec4& b, double min_w) {
+  const double ahead_a = a.w - min_w;
+  const double ahead_b = b.w - min_w;
   if (ahead_a <= 0.0 && ahead_b <= 0.0) return false;
   if (ahead_a < 0.0) a = glm::mix(a, b, ahead_a / (ahead_a - ahead_b));
   if (ahead_b < 0.0) b = glm::mix(b, a, ahead_b / (ahead_b - ahead_a));

@@ -157,7 +157,7 @@ void add_node_boxes(std::vector<Line>& lines, const RefinedFrame& frame, std::si
 }
 
 constexpr Pen cell_pen{{0.98F, 0.55F, 0.10F, 1.0F}, 2.5, 0.5};
-constexpr std::size_t most_cell_boxes = 2000;  // those nearest to the eye
+constexpr std::size_t max_cell_boxes = 2000;  // those nearest to the eye
 
 void add_cell_box(std::vector<Line>& lines, const CellBox& box, const Pen& pen) {
   const auto corner_of = [&](int i) {
@@ -175,7 +175,7 @@ void add_cell_boxes(std::vector<Line>& lines, const CellsFrame& frame, const glm
   const CellTree& tree = frame.cells->file->tree();
   if (boxes != CellBoxes::cell) {
     const CellScale scale = scale_of(*frame.cells, boxes);
-    for (const CellId leaf : nearest_leaves(*frame.cells, eye, most_cell_boxes))
+    for (const CellId leaf : nearest_leaves(*frame.cells, eye, max_cell_boxes))
       add_cell_box(lines, tree.node(leaf).box, box_pen(box_color(frame, leaf, boxes, scale)));
   }
   if (frame.walked.shown != frame.walked.cell)

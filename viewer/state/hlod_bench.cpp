@@ -13,8 +13,8 @@ namespace occlod::viewer {
 namespace {
 
 // A view that stands still is drawn until so many frames after the first have drawn the same, or so many in all.
-constexpr int least_repeats = 3;
-constexpr int most_frames_at_rest = 24;
+constexpr int min_repeats = 3;
+constexpr int max_frames_at_rest = 24;
 
 std::string_view preset_of(HlodDevice device) {
   const std::string_view name = name_of(device);
@@ -113,8 +113,8 @@ std::optional<hlod::DeviceCosts> HlodBench::costs(HlodDevice device, bool needed
 
 bool HlodBench::goes_on(const RefineJob& job) {
   frames_at_rest_ = job.again ? frames_at_rest_ + 1 : 1;
-  if (!job.hlod.settle || frames_at_rest_ >= most_frames_at_rest) return false;
-  return std::any_of(sides_.begin(), sides_.end(), [](const Side& side) { return side.repeats < least_repeats; });
+  if (!job.hlod.settle || frames_at_rest_ >= max_frames_at_rest) return false;
+  return std::any_of(sides_.begin(), sides_.end(), [](const Side& side) { return side.repeats < min_repeats; });
 }
 
 }  // namespace occlod::viewer

@@ -105,7 +105,7 @@ double error_px(const hlod::DrawnNode& draw, const PlacedObject& object, const V
   if (metric == hlod::Metric::guaranteed) return guaranteed_error_px(node, scale);
   const bool by_box = metric == hlod::Metric::box;
   if (draw.splits == 0) return by_box ? screen_error_px(node, scale) : sphere_error_px(node, scale);
-  const double least = by_box ? least_screen_error_px(node, scale) : least_sphere_error_px(node, scale);
+  const double least = by_box ? min_screen_error_px(node, scale) : min_sphere_error_px(node, scale);
   const double a_pixel = by_box ? screen_error_limit(node, scale, 1.0) : sphere_error_limit(node, scale, 1.0);
   return std::max(error_of_splits(hlod, draw.node, draw.splits) / a_pixel, least);
 }

@@ -9,7 +9,7 @@ namespace occlod::viewer {
 namespace {
 
 constexpr unsigned largest_size = 2048;
-constexpr std::uint64_t most_pixels = std::uint64_t{1} << 26U;
+constexpr std::uint64_t max_pixels = std::uint64_t{1} << 26U;
 
 std::uint8_t to_srgb(float linear) {
   const float v = std::clamp(linear, 0.0F, 1.0F);
@@ -26,7 +26,7 @@ unsigned layer_size(std::span<const DrawMaterial> materials) {
     if (material.image != nullptr)
       size = std::max(size, static_cast<unsigned>(std::max(material.image->width(), material.image->height())));
   size = std::min(std::bit_ceil(size), largest_size);
-  while (size > 1 && std::uint64_t{size} * size * materials.size() > most_pixels) size /= 2;
+  while (size > 1 && std::uint64_t{size} * size * materials.size() > max_pixels) size /= 2;
   return size;
 }
 

@@ -11,7 +11,7 @@
 namespace occlod::viewer {
 namespace {
 
-constexpr double most_elevation_deg = 89.0;
+constexpr double max_elevation_deg = 89.0;
 
 struct Axes {
   glm::dvec3 right, up, ahead;  // unit; up and ahead as in the picture
@@ -30,7 +30,7 @@ Axes axes_of(const Camera& camera) {
 // The direction turned right and up, kept from the poles.
 glm::dvec3 turned(const Axes& axes, const glm::dvec3& direction, double right_deg, double up_deg) {
   const double elevation = glm::degrees(std::asin(std::clamp(glm::dot(direction, axes.world_up), -1.0, 1.0)));
-  const double up = std::clamp(elevation + up_deg, -most_elevation_deg, most_elevation_deg) - elevation;
+  const double up = std::clamp(elevation + up_deg, -max_elevation_deg, max_elevation_deg) - elevation;
   glm::dmat4 turn = glm::rotate(glm::dmat4(1.0), glm::radians(-right_deg), axes.world_up);
   turn = glm::rotate(turn, glm::radians(up), axes.right);
   return glm::dvec3(turn * glm::dvec4(direction, 0.0));

@@ -77,8 +77,8 @@ void export_csv(Session& session, const JsonPlace& action) {
 void window_size(Session& session, const JsonPlace& action) {
   const ImageSize size{action.at("width").integer(1), action.at("height").integer(1)};
   if (!is_window_size(size))
-    action.fail(fmt::format("is not between {}x{} and {}x{} pixels", least_window.width, least_window.height,
-                            most_window.width, most_window.height));
+    action.fail(fmt::format("is not between {}x{} and {}x{} pixels", min_window.width, min_window.height,
+                            max_window.width, max_window.height));
   session.state().wanted_window = size;
 }
 

@@ -82,13 +82,13 @@ glm::u8vec4 color_of(Outcome outcome) { return outcome_colors[static_cast<std::s
 glm::u8vec4 level_color(double share) { return mix(level_stops, share); }
 
 glm::u8vec4 error_color(double error_px) {
-  if (!(error_px > least_error_px)) return mix(error_stops, 0.0);
-  return mix(error_stops, std::log2(error_px / least_error_px) / std::log2(most_error_px / least_error_px));
+  if (!(error_px > min_error_px)) return mix(error_stops, 0.0);
+  return mix(error_stops, std::log2(error_px / min_error_px) / std::log2(max_error_px / min_error_px));
 }
 
 glm::u8vec4 age_color(std::uint32_t occluders) {
   if (occluders == never_asked) return never_asked_color;
-  return mix(level_stops, 1.0 - std::log2(1.0 + occluders) / std::log2(1.0 + most_age));
+  return mix(level_stops, 1.0 - std::log2(1.0 + occluders) / std::log2(1.0 + max_age));
 }
 
 std::vector<LegendEntry> legend_of(ColorBy color_by, int level_count) {
@@ -105,16 +105,16 @@ std::vector<LegendEntry> legend_of(ColorBy color_by, int level_count) {
       break;
     case ColorBy::error:
     case ColorBy::slip:
-      legend.push_back({error_color(least_error_px), fmt::format("{:g} px or less", least_error_px)});
+      legend.push_back({error_color(min_error_px), fmt::format("{:g} px or less", min_error_px)});
       for (const double px : {0.5, 2.0, 8.0}) legend.push_back({error_color(px), fmt::format("{:g} px", px)});
-      legend.push_back({error_color(most_error_px), fmt::format("{:g} px or more", most_error_px)});
+      legend.push_back({error_color(max_error_px), fmt::format("{:g} px or more", max_error_px)});
       break;
     case ColorBy::age:
       legend.push_back({base_mesh_color, "base mesh"});
       legend.push_back({age_color(0), "visible by the last occluder"});
       for (const std::uint32_t age : {1U, 3U, 7U})
         legend.push_back({age_color(age), fmt::format("visible {} occluder{} ago", age, age > 1 ? "s" : "")});
-      legend.push_back({age_color(most_age), fmt::format("visible {} or more occluders ago", most_age)});
+      legend.push_back({age_color(max_age), fmt::format("visible {} or more occluders ago", max_age)});
       legend.push_back({never_asked_color, "not queried since refinement from scratch"});
       break;
     case ColorBy::visibility:

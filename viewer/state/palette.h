@@ -61,10 +61,10 @@ inline constexpr std::size_t cell_arrival_count = 3;
 [[nodiscard]] glm::u8vec4 color_of(Outcome outcome);
 [[nodiscard]] glm::u8vec4 level_color(double share);  // of the deepest level, in [0, 1]
 [[nodiscard]] glm::u8vec4 error_color(double error_px);
-inline constexpr double least_error_px = 0.125;  // the ends of its logarithmic scale
-inline constexpr double most_error_px = 16.0;
+inline constexpr double min_error_px = 0.125;  // the ends of its logarithmic scale
+inline constexpr double max_error_px = 16.0;
 [[nodiscard]] glm::u8vec4 age_color(std::uint32_t occluders);      // see Refiner::visibility_ages()
-inline constexpr std::uint32_t most_age = 15;                      // the end of its logarithmic scale
+inline constexpr std::uint32_t max_age = 15;                       // the end of its logarithmic scale
 inline constexpr glm::u8vec4 base_mesh_color{120, 124, 132, 255};  // of triangles that no split has made
 
 // Of HLODs. Levels: `level` 0 is the input.

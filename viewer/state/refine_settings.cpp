@@ -76,8 +76,8 @@ std::vector<Setting> frame_settings() {
            "Frame to frame: relative margin by which a candidate must exceed an applied split to replace it"},
           {0.0, 0.9, false, ""}, [](auto& s) -> auto& { return s.refine.update.hysteresis; }),
       integer(
-          {"most_changes", "Most changes", "Frame to frame: limit on splits and merges per frame; 0: no limit"},
-          {0, 100'000, true, ""}, [](auto& s) -> auto& { return s.refine.update.most_changes; }),
+          {"max_changes", "Most changes", "Frame to frame: limit on splits and merges per frame; 0: no limit"},
+          {0, 100'000, true, ""}, [](auto& s) -> auto& { return s.refine.update.max_changes; }),
       number(
           {"time_limit", "Time limit",
            "Frame to frame: no further splits and merges in a frame after this time; 0: no limit"},

@@ -17,7 +17,7 @@ namespace occlod::viewer {
 namespace {
 
 // Frames that change nothing though work is left over: nothing comes of it in the time that they have.
-constexpr int most_idle_frames = 8;
+constexpr int max_idle_frames = 8;
 
 std::vector<DrawObject> draw_objects(const Objects& objects, const SideRefiner& refiner, const Refinement& refinement) {
   std::vector<DrawObject> result;
@@ -143,7 +143,7 @@ class Bench {
   [[nodiscard]] bool goes_on(const RefinedFrame& frame) {
     const auto any = [&](auto is) { return std::any_of(frame.sides.begin(), frame.sides.end(), is); };
     idle_frames_ = frame.job.again && !any(has_changed) ? idle_frames_ + 1 : 0;
-    return any(is_sliding) || (any(is_pending) && idle_frames_ < most_idle_frames);
+    return any(is_sliding) || (any(is_pending) && idle_frames_ < max_idle_frames);
   }
 
   [[nodiscard]] RefinedSide side(SideRefiner& refiner, const RefineJob& job, Occlusion occlusion) {

@@ -107,8 +107,8 @@ void Script::begin_repeat(const JsonPlace& action) {
   if (action.has("times") == action.has("seconds")) action.fail("needs either \"times\" or \"seconds\"");
   Level level{action.at("actions").elements(), 0, 1, Clock::time_point::max()};
   if (const auto seconds = action.find("seconds")) {
-    constexpr double most_s = 1e6;
-    if (!(seconds->number() >= 0.0 && seconds->number() <= most_s)) seconds->fail("is not between 0 and 1,000,000");
+    constexpr double max_s = 1e6;
+    if (!(seconds->number() >= 0.0 && seconds->number() <= max_s)) seconds->fail("is not between 0 and 1,000,000");
     level.times_left = 0;
     level.until =
         Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds->number()));

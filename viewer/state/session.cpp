@@ -17,7 +17,7 @@ namespace {
 
 constexpr double recording_step_s = 1.0 / 30.0;
 constexpr std::size_t most_recent = 12;
-constexpr std::size_t most_notices = 4;
+constexpr std::size_t max_notices = 4;
 
 nlohmann::json key_of(const Camera& c) {
   return {c.eye.x,    c.eye.y, c.eye.z, c.target.x, c.target.y,
@@ -191,7 +191,7 @@ void Session::edit_objects(const std::function<void(Objects&)>& edit) {
 
 void Session::notify(const std::string& text, bool is_error) {
   state_.notices.push_back({text, is_error, 0.0});
-  if (state_.notices.size() > most_notices) state_.notices.pop_front();
+  if (state_.notices.size() > max_notices) state_.notices.pop_front();
   if (is_error) ++state_.errors;
 }
 

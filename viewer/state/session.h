@@ -13,11 +13,11 @@
 #include <string>
 #include <vector>
 
+#include "base/strict_json.h"
 #include "loader.h"
 #include "objects.h"
 #include "pick.h"
 #include "refine_worker.h"
-#include "base/strict_json.h"
 #include "session_files.h"
 #include "settings.h"
 #include "timeline.h"
@@ -43,11 +43,11 @@ struct ImageSize {
 };
 
 // Of windows.
-inline constexpr ImageSize least_window{320, 240};
-inline constexpr ImageSize most_window{8192, 8192};
+inline constexpr ImageSize min_window{320, 240};
+inline constexpr ImageSize max_window{8192, 8192};
 [[nodiscard]] constexpr bool is_window_size(const ImageSize& size) noexcept {
-  return size.width >= least_window.width && size.height >= least_window.height && size.width <= most_window.width &&
-         size.height <= most_window.height;
+  return size.width >= min_window.width && size.height >= min_window.height && size.width <= max_window.width &&
+         size.height <= max_window.height;
 }
 
 // Of a picture sequence.

@@ -349,7 +349,7 @@ class PieceCollector::Welder {
 
 WedgeMesh PieceCollector::weld(unsigned threads) { return Welder(std::move(raw_), threads).run(report_); }
 
-constexpr double least_progress = 0.97;  // a level with a larger share of the triangles below it is left out
+constexpr double min_progress = 0.97;  // a level with a larger share of the triangles below it is left out
 constexpr double grouped = 0.15, simplified = 0.85;  // shares of the whole time
 
 void check_options(const BuildOptions& options) {
@@ -397,7 +397,7 @@ class Builder {
     part.reach(0);
     LevelDraft level = simplifier_.run(below, std::move(groups), part);
     if (!level.triangles.empty() &&
-        static_cast<double>(level.triangles.size()) > least_progress * static_cast<double>(below.triangles.size())) {
+        static_cast<double>(level.triangles.size()) > min_progress * static_cast<double>(below.triangles.size())) {
       below.parent_of = {};
       return false;
     }

@@ -49,9 +49,9 @@ constexpr unsigned key_bits = 30;  // of the codes, the highest
 
 class CellMaker {
  public:
-  CellMaker(std::span<const std::uint64_t> codes, std::uint32_t most_items, std::span<const std::uint32_t> unit_of,
+  CellMaker(std::span<const std::uint64_t> codes, std::uint32_t max_items, std::span<const std::uint32_t> unit_of,
             unsigned threads)
-      : codes_(codes), most_items_(most_items), unit_of_(unit_of) {
+      : codes_(codes), max_items_(max_items), unit_of_(unit_of) {
     sort(threads);
   }
 
@@ -75,7 +75,7 @@ class CellMaker {
   // Items [begin, end) of the order are those of one cell.
   void split(std::uint32_t begin, std::uint32_t end, unsigned depth) {
     if (begin == end) return;
-    if (end - begin <= most_items_) return add_leaf(begin);
+    if (end - begin <= max_items_) return add_leaf(begin);
     if (3 * depth == key_bits) sort_further(begin, end);
     if (depth == OctreeGrid::depth) return cut(begin, end);
     const auto first_leaf = static_cast<std::uint32_t>(cells_.first_item.size());
@@ -100,7 +100,7 @@ class CellMaker {
     const auto first_leaf = static_cast<std::uint32_t>(cells_.first_item.size());
     while (begin < end) {
       add_leaf(begin);
-      std::uint32_t next = std::min(end, begin + most_items_);
+      std::uint32_t next = std::min(end, begin + max_items_);
       if (next < end && !unit_of_.empty()) {
         std::uint32_t unit_begin = next;
         while (unit_begin > begin && unit(unit_begin - 1) == unit(next)) --unit_begin;
@@ -115,16 +115,16 @@ class CellMaker {
   void add_leaf(std::uint32_t begin) { cells_.first_item.push_back(begin); }
 
   std::span<const std::uint64_t> codes_;
-  std::uint32_t most_items_;
+  std::uint32_t max_items_;
   std::span<const std::uint32_t> unit_of_;
   Cells cells_;
 };
 
 }  // namespace
 
-Cells make_cells(std::span<const std::uint64_t> codes, std::uint32_t most_items, std::span<const std::uint32_t> unit_of,
+Cells make_cells(std::span<const std::uint64_t> codes, std::uint32_t max_items, std::span<const std::uint32_t> unit_of,
                  unsigned threads) {
-  return CellMaker(codes, most_items, unit_of, threads).run();
+  return CellMaker(codes, max_items, unit_of, threads).run();
 }
 
 namespace {
@@ -176,9 +176,9 @@ struct Candidate {
 // A group is named by its first cell.
 class CellJoiner {
  public:
-  CellJoiner(const Cells& cells, std::span<const Link> links, std::uint32_t most_triangles)
+  CellJoiner(const Cells& cells, std::span<const Link> links, std::uint32_t max_triangles)
       : cells_(cells),
-        most_triangles_(most_triangles),
+        max_triangles_(max_triangles),
         joined_to_(cells.leaf_count()),
         size_(cells.leaf_count()),
         version_(cells.leaf_count(), 0),
@@ -207,7 +207,7 @@ class CellJoiner {
       waiting.erase(first, waiting.end());
       join(groups, i);
       for (const CellId group : groups)
-        if (joined_to_[group] == group && 2 * size_[group] < most_triangles_) waiting.push_back(group);
+        if (joined_to_[group] == group && 2 * size_[group] < max_triangles_) waiting.push_back(group);
     }
     return number();
   }
@@ -233,7 +233,7 @@ class CellJoiner {
   template <typename Wanted>
   void propose(CellId group, std::uint32_t cell, const Wanted& wanted) {
     for (const Neighbour& n : neighbours_[group]) {
-      if (cell_now_[n.group] != cell || !wanted(n.group) || size_[group] + size_[n.group] > most_triangles_) continue;
+      if (cell_now_[n.group] != cell || !wanted(n.group) || size_[group] + size_[n.group] > max_triangles_) continue;
       const double smaller = std::min(size_[group], size_[n.group]);
       const CellId a = std::min(group, n.group), b = std::max(group, n.group);
       queue_.push({static_cast<double>(n.shared) / std::sqrt(smaller), a, b, version_[a], version_[b]});
@@ -275,7 +275,7 @@ class CellJoiner {
   }
 
   const Cells& cells_;
-  std::uint32_t most_triangles_;
+  std::uint32_t max_triangles_;
   std::vector<CellId> joined_to_;
   std::vector<std::uint32_t> size_;      // triangles
   std::vector<std::uint32_t> version_;   // counts changes
@@ -287,9 +287,9 @@ class CellJoiner {
 }  // namespace
 
 CellGroups join_cells(const Cells& cells, std::span<const Triangle> triangles, std::size_t vertex_count,
-                      std::uint32_t most_triangles, unsigned threads) {
+                      std::uint32_t max_triangles, unsigned threads) {
   const LargeVector<Link> links = find_links(cells, triangles, vertex_count, threads);
-  return CellJoiner(cells, links, most_triangles).run();
+  return CellJoiner(cells, links, max_triangles).run();
 }
 
 CellGroups separate_cells(const Cells& cells) {

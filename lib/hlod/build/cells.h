@@ -55,10 +55,10 @@ struct Cells {
   [[nodiscard]] std::uint32_t item_count(std::uint32_t leaf) const { return first_item[leaf + 1] - first_item[leaf]; }
 };
 
-// Of items by their codes in an OctreeGrid. Where the finest cell still holds more than `most_items`, it is cut into
+// Of items by their codes in an OctreeGrid. Where the finest cell still holds more than `max_items`, it is cut into
 // runs of so many by id; items with equal unit_of[id], which are consecutive, stay together as far as they fit into one
 // cell; empty: every item is a unit. O(n).
-[[nodiscard]] Cells make_cells(std::span<const std::uint64_t> codes, std::uint32_t most_items,
+[[nodiscard]] Cells make_cells(std::span<const std::uint64_t> codes, std::uint32_t max_items,
                                std::span<const std::uint32_t> unit_of, unsigned threads);
 
 // Joins small neighbouring cells of an octree to groups of nearly the wanted size.
@@ -70,10 +70,10 @@ struct CellGroups {
 };
 
 // Within each inner cell, from the finest to the root, joins the two groups that share most vertices for their size as
-// long as both together have at most `most_triangles`; what has less than half as many is handed up to the next cell.
+// long as both together have at most `max_triangles`; what has less than half as many is handed up to the next cell.
 // Cells hold triangles, by id. The result does not depend on the threads. O(n + cells log cells).
 [[nodiscard]] CellGroups join_cells(const Cells& cells, std::span<const Triangle> triangles, std::size_t vertex_count,
-                                    std::uint32_t most_triangles, unsigned threads);
+                                    std::uint32_t max_triangles, unsigned threads);
 
 // Every leaf cell is a group.
 [[nodiscard]] CellGroups separate_cells(const Cells& cells);

@@ -60,13 +60,12 @@ LargeVector<std::uint64_t> TriangleGrouping::codes_of(std::span<const Triangle> 
 }
 
 TriangleGroups TriangleGrouping::group(std::span<const std::uint64_t> codes, std::span<const Triangle> triangles,
-                                       std::uint32_t most_triangles, std::span<const std::uint32_t> unit_of) const {
-  const Cells cells = make_cells(codes, most_triangles, unit_of, threads_);
+                                       std::uint32_t max_triangles, std::span<const std::uint32_t> unit_of) const {
+  const Cells cells = make_cells(codes, max_triangles, unit_of, threads_);
   if (options_.grouping == Grouping::nested) return by_triangle(cells, separate_cells(cells), threads_);
   const std::size_t vertices = mesh_.vertex_count();
-  TriangleGroups groups =
-      by_triangle(cells, join_cells(cells, triangles, vertices, most_triangles, threads_), threads_);
-  grow_stuck_groups(triangles, cells.order, vertices, most_triangles, groups, threads_);
+  TriangleGroups groups = by_triangle(cells, join_cells(cells, triangles, vertices, max_triangles, threads_), threads_);
+  grow_stuck_groups(triangles, cells.order, vertices, max_triangles, groups, threads_);
   return groups;
 }
 
@@ -152,10 +151,10 @@ struct Incidences {
 class Grower {
  public:
   Grower(std::span<const Triangle> triangles, std::span<const std::uint32_t> members, std::size_t vertex_count,
-         std::uint32_t most_triangles, TriangleGroups& groups)
+         std::uint32_t max_triangles, TriangleGroups& groups)
       : triangles_(triangles),
         members_(members),
-        most_triangles_(most_triangles),
+        max_triangles_(max_triangles),
         groups_(groups),
         incidences_(triangles, members, vertex_count),
         is_met_(vertex_count, false) {}
@@ -179,7 +178,7 @@ class Grower {
  private:
   // Whatever still waits when a group is full begins the next one.
   void add(std::uint32_t t) {
-    if (size_ == most_triangles_) {
+    if (size_ == max_triangles_) {
       ++groups_.count;
       size_ = 0;
     }
@@ -194,7 +193,7 @@ class Grower {
 
   std::span<const Triangle> triangles_;
   std::span<const std::uint32_t> members_;
-  std::uint32_t most_triangles_;
+  std::uint32_t max_triangles_;
   TriangleGroups& groups_;
   Incidences incidences_;
   std::vector<bool> is_met_;
@@ -215,7 +214,7 @@ void number_along(std::span<const std::uint32_t> order, TriangleGroups& groups) 
 }  // namespace
 
 void grow_stuck_groups(std::span<const Triangle> triangles, std::span<const std::uint32_t> order,
-                       std::size_t vertex_count, std::uint32_t most_triangles, TriangleGroups& groups,
+                       std::size_t vertex_count, std::uint32_t max_triangles, TriangleGroups& groups,
                        unsigned threads) {
   if (groups.count == 1) return;
   const std::vector<bool> stuck = find_stuck(triangles, vertex_count, groups, threads);
@@ -224,14 +223,14 @@ void grow_stuck_groups(std::span<const Triangle> triangles, std::span<const std:
     if (stuck[groups.group_of[order[i]]]) members.push_back(order[i]);
   });
   if (4 * members.size() < triangles.size()) return;
-  Grower(triangles, members, vertex_count, most_triangles, groups).run();
+  Grower(triangles, members, vertex_count, max_triangles, groups).run();
   number_along(order, groups);
 }
 
 namespace {
 
 constexpr std::uint32_t smallest_share = 32;  // of node_triangles
-constexpr int most_moves = 20;                // of one node: soups may consist of slivers
+constexpr int max_moves = 20;                 // of one node: soups may consist of slivers
 // Of node_triangles. A group of so many triangles has at most three times as many vertices, which 16 bits can number.
 constexpr std::uint32_t largest_group = 5;
 
@@ -256,13 +255,13 @@ class NodePatches {
   }
 
   // Whether anything has moved.
-  bool move(std::uint32_t least_triangles) {
+  bool move(std::uint32_t min_triangles) {
     int moves = 0;
-    for (; moves < most_moves && sizes_.size() > 1; ++moves) {
+    for (; moves < max_moves && sizes_.size() > 1; ++moves) {
       const auto sliver = std::min_element(sizes_.begin(), sizes_.end(), [](const PatchSize& a, const PatchSize& b) {
         return a.triangles < b.triangles;
       });
-      if (sliver->triangles >= least_triangles) break;
+      if (sliver->triangles >= min_triangles) break;
       const PatchSize gone = *sliver;
       sizes_.erase(sliver);
       const std::size_t to = neighbour_of(gone.group);

@@ -43,7 +43,7 @@ class TriangleGrouping {
   [[nodiscard]] glm::dvec3 centroid(const Triangle& t) const;
   [[nodiscard]] LargeVector<std::uint64_t> codes_of(std::span<const Triangle> triangles, unsigned thirds) const;
   [[nodiscard]] TriangleGroups group(std::span<const std::uint64_t> codes, std::span<const Triangle> triangles,
-                                     std::uint32_t most_triangles, std::span<const std::uint32_t> unit_of) const;
+                                     std::uint32_t max_triangles, std::span<const std::uint32_t> unit_of) const;
   [[nodiscard]] TriangleGroups group_nodes(const LevelDraft& below);
   void find_node_codes(const LevelDraft& input);
 
@@ -59,11 +59,10 @@ class TriangleGrouping {
 // Where triangles are much longer than the cells that so many of them fill, as on pipes with few bends, nearly all
 // vertices are shared by several groups, so that nothing could be simplified. If groups with more shared corners than
 // others have a quarter of the triangles or more, their triangles are grouped anew: from one triangle to those that
-// share a vertex with it, and so on, until a group has `most_triangles`; what is left around it begins the next.
+// share a vertex with it, and so on, until a group has `max_triangles`; what is left around it begins the next.
 // `order` is all triangles along a Morton curve; groups are numbered along it. O(n).
 void grow_stuck_groups(std::span<const Triangle> triangles, std::span<const std::uint32_t> order,
-                       std::size_t vertex_count, std::uint32_t most_triangles, TriangleGroups& groups,
-                       unsigned threads);
+                       std::size_t vertex_count, std::uint32_t max_triangles, TriangleGroups& groups, unsigned threads);
 
 // Spares patches that are too small to be worth a draw call.
 

@@ -19,9 +19,9 @@ namespace occlod::hlod {
 class LocalIds {
  public:
   // Forgets all; room for so many vertices.
-  void reset(std::size_t most_vertices) {
+  void reset(std::size_t max_vertices) {
     vertices_.clear();
-    const std::size_t slots = std::bit_ceil(2 * most_vertices + 2);
+    const std::size_t slots = std::bit_ceil(2 * max_vertices + 2);
     mask_ = slots - 1;
     slots_.assign(slots, no_id);
   }

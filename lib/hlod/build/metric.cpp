@@ -12,13 +12,13 @@ namespace {
 // Of at most `error` object units at this distance.
 double error_px(float error, double distance, const ScreenScale& scale) {
   const double covered_at_1 = scale.focal_length_px * scale.largest_stretch * static_cast<double>(error);
-  return scale.orthographic ? covered_at_1 : covered_at_1 / std::max(distance, scale.least_distance);
+  return scale.orthographic ? covered_at_1 : covered_at_1 / std::max(distance, scale.min_distance);
 }
 
 // The inverse: object units that cover so many pixels.
 double error_limit(double pixels, double distance, const ScreenScale& scale) {
   const double covers_1 = 1.0 / (scale.focal_length_px * scale.largest_stretch);
-  return pixels * covers_1 * (scale.orthographic ? 1.0 : std::max(distance, scale.least_distance));
+  return pixels * covers_1 * (scale.orthographic ? 1.0 : std::max(distance, scale.min_distance));
 }
 
 // To the nearest point, or less; below 0 inside.
@@ -51,7 +51,7 @@ ScreenScale screen_scale(const View& view, const ObjectView& object) {
   ScreenScale scale;
   scale.eye = glm::inverse(linear) * -object.object_to_eye()[3];
   scale.focal_length_px = view.focal_length_px();
-  scale.least_distance = view.camera().near;
+  scale.min_distance = view.camera().near;
   scale.axis_stretch = axis_stretch(linear);
   scale.largest_stretch = object.largest_stretch();
   scale.orthographic = view.is_orthographic();
@@ -64,7 +64,7 @@ double distance_to(const Box& box, const ScreenScale& scale) {
 }
 
 double screen_error_px(const Node& node, const ScreenScale& scale) {
-  return std::max(error_px(node.error, distance_to(node.box, scale), scale), least_screen_error_px(node, scale));
+  return std::max(error_px(node.error, distance_to(node.box, scale), scale), min_screen_error_px(node, scale));
 }
 
 double sphere_error_px(const Node& node, const ScreenScale& scale) {
@@ -75,11 +75,11 @@ double guaranteed_error_px(const Node& node, const ScreenScale& scale) {
   return error_px(node.guaranteed_error, distance_to(node.lod_box, scale), scale);
 }
 
-double least_screen_error_px(const Node& node, const ScreenScale& scale) {
+double min_screen_error_px(const Node& node, const ScreenScale& scale) {
   return error_px(node.child_error, distance_to(node.lod_box, scale), scale);
 }
 
-double least_sphere_error_px(const Node& node, const ScreenScale& scale) {
+double min_sphere_error_px(const Node& node, const ScreenScale& scale) {
   return error_px(node.child_error, distance_to(node.sphere, scale), scale);
 }
 

@@ -34,9 +34,9 @@ class NodeSimplifier::Worker {
     return simplify(std::numeric_limits<float>::max(), all_.members(group).size() / wanted_share).cost;
   }
 
-  SimplifiedNode run(std::uint32_t group, float most_cost, std::size_t least_triangles) {
+  SimplifiedNode run(std::uint32_t group, float max_cost, std::size_t min_triangles) {
     gather(group);
-    const SimplifiedGroup simplified = simplify(most_cost, least_triangles);
+    const SimplifiedGroup simplified = simplify(max_cost, min_triangles);
     SimplifiedNode result;
     result.error = simplified.error;
     result.guaranteed_error = simplified.guaranteed_error;
@@ -128,9 +128,9 @@ class NodeSimplifier::Worker {
       input_.triangle_materials.push_back(all_.mesh_.wedge_materials[wedges_[t.x]]);
   }
 
-  [[nodiscard]] SimplifiedGroup simplify(float most_cost, std::size_t least_triangles) const {
+  [[nodiscard]] SimplifiedGroup simplify(float max_cost, std::size_t min_triangles) const {
     return simplify_group(input_, locked_,
-                          {all_.scale_, all_.options_.boundary_weight, most_cost, least_triangles,
+                          {all_.scale_, all_.options_.boundary_weight, max_cost, min_triangles,
                            all_.options_.within == Within::splits, all_.options_.attribute_weight});
   }
 
@@ -215,7 +215,7 @@ void NodeSimplifier::simplify(const LevelDraft& below, std::uint32_t first_group
   // One node is simplified to a quarter. Several all stop at one cost: forced to a quarter each, those with many locked
   // vertices would have errors many times the others', which every coarser node inherits.
   const bool is_last = group_count == 1;
-  const float most_cost = is_last ? std::numeric_limits<float>::max() : common_cost(below, group_count);
+  const float max_cost = is_last ? std::numeric_limits<float>::max() : common_cost(below, group_count);
   const std::size_t share = is_last ? wanted_share : smallest_share;
 
   std::vector<SimplifiedNode> results(groups_at_once);
@@ -227,7 +227,7 @@ void NodeSimplifier::simplify(const LevelDraft& below, std::uint32_t first_group
         count, threads_, [&] { return Worker(*this, below); },
         [&](Worker& worker, std::size_t i) {
           const auto group = static_cast<std::uint32_t>(first + i);
-          results[i] = worker.run(group, most_cost, members(group).size() / share);
+          results[i] = worker.run(group, max_cost, members(group).size() / share);
           done += members(group).size();
         },
         [&] { progress.reach(done); });

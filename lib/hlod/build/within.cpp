@@ -106,13 +106,13 @@ std::vector<std::uint16_t> vertices_by_place(const Hlod& hlod, NodeId n) {
 
 }  // namespace
 
-std::uint32_t splits_to_error(const Hlod& hlod, NodeId n, double most_error) {
+std::uint32_t splits_to_error(const Hlod& hlod, NodeId n, double max_error) {
   if (!hlod.has_within(n)) return 0;
   const Node& node = hlod.node(n);
-  if (most_error >= static_cast<double>(node.error)) return 0;
+  if (max_error >= static_cast<double>(node.error)) return 0;
   const auto child_error = static_cast<double>(node.child_error);
   const auto errors = hlod.within(n).errors;
-  const double most = std::max(most_error, child_error);
+  const double most = std::max(max_error, child_error);
   const auto end = std::partition_point(errors.begin(), errors.end(), [&](float error) {
     return error > 0.0F && joined(child_error, static_cast<double>(error)) > most;
   });
@@ -153,10 +153,10 @@ NodeCut cut_with_splits(const Hlod& hlod, NodeId n, std::uint32_t splits) {
   return cut;
 }
 
-NodeCut within_cut(const Hlod& hlod, NodeId n, double most_error) {
+NodeCut within_cut(const Hlod& hlod, NodeId n, double max_error) {
   if (hlod.has_within(n)) {
     hlod.require_within(n);
-    return cut_with_splits(hlod, n, splits_to_error(hlod, n, most_error));
+    return cut_with_splits(hlod, n, splits_to_error(hlod, n, max_error));
   }
   hlod.require(n);
   const NodeMesh mesh = hlod.mesh(n);
@@ -173,10 +173,10 @@ double error_step(double x) {
 
 class CutCache::Impl {
  public:
-  explicit Impl(std::size_t most_bytes) : most_bytes_(most_bytes) {}
+  explicit Impl(std::size_t max_bytes) : max_bytes_(max_bytes) {}
 
   void begin_frame() {
-    while (bytes_ > most_bytes_ && !used_.empty()) {
+    while (bytes_ > max_bytes_ && !used_.empty()) {
       const auto oldest = cuts_.find(used_.front());
       bytes_ -= bytes_of(oldest->second.cut);
       cuts_.erase(oldest);
@@ -184,11 +184,11 @@ class CutCache::Impl {
     }
   }
 
-  const NodeCut& get(const Hlod& hlod, NodeId n, double most_error) {
+  const NodeCut& get(const Hlod& hlod, NodeId n, double max_error) {
     static const NodeCut none;
-    if (!hlod.has_within(n) || most_error >= static_cast<double>(hlod.node(n).error)) return none;
+    if (!hlod.has_within(n) || max_error >= static_cast<double>(hlod.node(n).error)) return none;
     hlod.require_within(n);
-    const std::uint32_t splits = splits_to_error(hlod, n, error_step(most_error));
+    const std::uint32_t splits = splits_to_error(hlod, n, error_step(max_error));
     if (splits == 0) return none;
     const Key key{&hlod, n, splits};
     auto found = cuts_.find(key);
@@ -215,20 +215,20 @@ class CutCache::Impl {
     return sizeof(Entry) + cut.indices.size() * sizeof(cut.indices[0]);
   }
 
-  std::size_t most_bytes_;
+  std::size_t max_bytes_;
   std::size_t bytes_ = 0;
   std::map<Key, Entry> cuts_;
   std::list<Key> used_;  // the longest unused first
 };
 
-CutCache::CutCache(std::size_t most_bytes) : impl_(std::make_unique<Impl>(most_bytes)) {}
+CutCache::CutCache(std::size_t max_bytes) : impl_(std::make_unique<Impl>(max_bytes)) {}
 CutCache::CutCache(CutCache&&) noexcept = default;
 CutCache& CutCache::operator=(CutCache&&) noexcept = default;
 CutCache::~CutCache() = default;
 
 void CutCache::begin_frame() { impl_->begin_frame(); }
 
-const NodeCut& CutCache::get(const Hlod& hlod, NodeId n, double most_error) { return impl_->get(hlod, n, most_error); }
+const NodeCut& CutCache::get(const Hlod& hlod, NodeId n, double max_error) { return impl_->get(hlod, n, max_error); }
 
 std::size_t CutCache::bytes() const noexcept { return impl_->bytes(); }
 

@@ -15,11 +15,11 @@
 namespace occlod::hlod {
 namespace {
 
-constexpr std::size_t most_points = 8;
+constexpr std::size_t max_points = 8;
 
 // A convex polygon; each of the image's four sides cuts off corners and adds one at most.
 struct Polygon {
-  std::array<glm::dvec2, most_points + 4> corners;
+  std::array<glm::dvec2, max_points + 4> corners;
   std::size_t size = 0;
 
   void add(const glm::dvec2& p) { corners[size++] = p; }
@@ -31,7 +31,7 @@ double cross(const glm::dvec2& o, const glm::dvec2& a, const glm::dvec2& b) {
 
 // Andrew's monotone chain: the lower half from left to right, then the upper half back.
 Polygon hull_of(std::span<const glm::dvec2> points) {
-  std::array<glm::dvec2, most_points> sorted;
+  std::array<glm::dvec2, max_points> sorted;
   auto end = sorted.begin();
   for (const glm::dvec2& p : points) {
     const auto place = std::upper_bound(sorted.begin(), end, p, [](const glm::dvec2& a, const glm::dvec2& b) {
@@ -75,7 +75,7 @@ Polygon clipped(const Polygon& polygon, int axis, double sign, double end) {
 }  // namespace
 
 double hull_area_inside(std::span<const glm::dvec2> points, const glm::dvec2& size) {
-  assert(!points.empty() && points.size() <= most_points);
+  assert(!points.empty() && points.size() <= max_points);
   Polygon polygon = hull_of(points);
   for (int axis = 0; axis < 2; ++axis) {
     polygon = clipped(polygon, axis, -1.0, 0.0);
@@ -106,9 +106,9 @@ double ObjectFrame::error_px(const Node& node) const {
   return metric_ == Metric::box ? screen_error_px(node, scale_) : sphere_error_px(node, scale_);
 }
 
-double ObjectFrame::least_error_px(const Node& node) const {
+double ObjectFrame::min_error_px(const Node& node) const {
   if (metric_ == Metric::guaranteed) return guaranteed_error_px(node, scale_);  // how little is left is not known
-  return metric_ == Metric::box ? least_screen_error_px(node, scale_) : least_sphere_error_px(node, scale_);
+  return metric_ == Metric::box ? min_screen_error_px(node, scale_) : min_sphere_error_px(node, scale_);
 }
 
 double ObjectFrame::error_limit(const Node& node, double pixels) const {
@@ -161,7 +161,7 @@ double ObjectFrame::cube_pixels(const Node& node) const {
   const glm::dvec3 extent = glm::dvec3(node.box.max) - glm::dvec3(node.box.min);
   const double edge = std::cbrt(extent.x * extent.y * extent.z * volume_scale_);
   const glm::dvec3 center = view_.object_to_eye() * glm::dvec4(node.sphere.center, 1.0);
-  const double distance = scale_.orthographic ? 1.0 : std::max(glm::length(center), scale_.least_distance);
+  const double distance = scale_.orthographic ? 1.0 : std::max(glm::length(center), scale_.min_distance);
   const double edge_px = edge * scale_.focal_length_px / distance;
   return std::min(edge_px * edge_px, static_cast<double>(screen_.width) * screen_.height);
 }
@@ -191,7 +191,7 @@ void FrameScene::begin_frame(const View& view, std::span<const PlacedHlod> objec
 }
 
 bool FrameScene::is_within_tolerance(NodeRef n, double bias) const {
-  return node(n).level == 0 || (options_.tolerance_px > 0.0 && bias * least_error_px(n) <= options_.tolerance_px);
+  return node(n).level == 0 || (options_.tolerance_px > 0.0 && bias * min_error_px(n) <= options_.tolerance_px);
 }
 
 bool FrameScene::lacks_children(NodeRef n) const {
@@ -235,7 +235,7 @@ bool FrameScene::stops(NodeRef n, double bias) {
 void FrameScene::raise_floor(NodeRef n) {
   constexpr double beyond = 1.01;  // the tolerance
   NodeState& s = state(n);
-  s.bias_floor = static_cast<float>(std::min(1.0, beyond * options_.tolerance_px / least_error_px(n)));
+  s.bias_floor = static_cast<float>(std::min(1.0, beyond * options_.tolerance_px / min_error_px(n)));
   s.floor_frame = frame_;
 }
 

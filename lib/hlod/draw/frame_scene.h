@@ -30,7 +30,7 @@ class ObjectFrame {
 
   [[nodiscard]] double error_px(const Node& node) const;
   // Refined within as far as possible.
-  [[nodiscard]] double least_error_px(const Node& node) const;
+  [[nodiscard]] double min_error_px(const Node& node) const;
   // Object units; of so many pixels.
   [[nodiscard]] double error_limit(const Node& node, double pixels) const;
   // By which nodes are taken in turn: world units from the eye, or from the eye plane where rays are parallel.
@@ -200,8 +200,8 @@ class FrameScene {
   // As the node is.
   [[nodiscard]] double error_px(NodeRef n) const { return view_of(n).error_px(node(n)); }
   // Without replacing it by its children.
-  [[nodiscard]] double least_error_px(NodeRef n) const {
-    return may_be_cut(n) ? view_of(n).least_error_px(node(n)) : error_px(n);
+  [[nodiscard]] double min_error_px(NodeRef n) const {
+    return may_be_cut(n) ? view_of(n).min_error_px(node(n)) : error_px(n);
   }
   // Of a node of which this share is visible.
   [[nodiscard]] double bias(double mu) const noexcept { return biased_ ? options_.bias(mu) : no_bias(mu); }
@@ -225,7 +225,7 @@ class FrameScene {
   // With so many of its splits applied.
   [[nodiscard]] double cut_error_px(NodeRef n, std::uint32_t splits) const {
     const double error = error_of_splits(hlod(n), n.node, splits);
-    return std::max(error / view_of(n).error_limit(node(n), 1.0), least_error_px(n));
+    return std::max(error / view_of(n).error_limit(node(n), 1.0), min_error_px(n));
   }
   // The mesh of the node is used in this frame, if it is there.
   void need(NodeRef n) const;

@@ -33,16 +33,16 @@ void DrawRecorder::submit(NodeRef n, bool first) {
   device_.draw({n.object, n.node, ranges, {}, 0});
 }
 
-bool DrawRecorder::draw_cut(NodeRef n, bool first, double most_error) {
-  const NodeCut& cut = cuts_.get(scene_.hlod(n), n.node, most_error);
+bool DrawRecorder::draw_cut(NodeRef n, bool first, double max_error) {
+  const NodeCut& cut = cuts_.get(scene_.hlod(n), n.node, max_error);
   if (cut.splits == 0) return false;
   submit_cut(n, first, cut);
   return true;
 }
 
-bool DrawRecorder::draw_finer_cut(NodeRef n, double most_error, double drawn_error) {
+bool DrawRecorder::draw_finer_cut(NodeRef n, double max_error, double drawn_error) {
   const std::uint32_t drawn = cuts_.get(scene_.hlod(n), n.node, drawn_error).splits;
-  const NodeCut& cut = cuts_.get(scene_.hlod(n), n.node, most_error);
+  const NodeCut& cut = cuts_.get(scene_.hlod(n), n.node, max_error);
   if (cut.splits <= drawn) return false;
   submit_cut(n, false, cut);
   return true;
@@ -181,9 +181,9 @@ void Front::stop(NodeRef n) {
   requeue_held(state, n.object);
 }
 
-void Front::stop_within(NodeRef n, double most_error) {
+void Front::stop_within(NodeRef n, double max_error) {
   NodeState& state = scene_.state(n);
-  state.cut = draws_.draw_cut(n, true, most_error);
+  state.cut = draws_.draw_cut(n, true, max_error);
   if (!state.cut) return stop(n);
   state.status = Status::stopped;
   requeue_held(state, n.object);

@@ -30,9 +30,9 @@ class DrawRecorder {
   }
 
   // Draws the node refined within, which is to have this error at most. False when that changes nothing of it.
-  bool draw_cut(NodeRef n, bool first, double most_error);
+  bool draw_cut(NodeRef n, bool first, double max_error);
   // The same over a draw that was to have `drawn_error`, if it is finer.
-  bool draw_finer_cut(NodeRef n, double most_error, double drawn_error);
+  bool draw_finer_cut(NodeRef n, double max_error, double drawn_error);
 
  private:
   void submit_cut(NodeRef n, bool first, const NodeCut& cut);
@@ -73,7 +73,7 @@ class Front {
   // Draws what of the node its parents allow.
   void stop(NodeRef n);
   // The same of a node that may be refined: refined within, so that its error is at most this.
-  void stop_within(NodeRef n, double most_error);
+  void stop_within(NodeRef n, double max_error);
   void cull(NodeRef n);
   // A node that has been refined is hidden after all: nodes below it that are reached by nothing else are gone.
   void hide(NodeRef n);

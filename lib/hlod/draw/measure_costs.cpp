@@ -14,7 +14,7 @@ namespace {
 
 constexpr int rounds = 9;
 constexpr std::size_t latencies = 1000;
-constexpr double least_ns = 1e-3;
+constexpr double min_ns = 1e-3;
 constexpr int image_side = 512;
 constexpr double ns = 1e6;  // in a ms
 
@@ -95,7 +95,7 @@ class Workload {
       const double few = frame([&] { work(counts.few); }).*of, many = frame([&] { work(counts.many); }).*of;
       found.push_back(ns * (many - few) / static_cast<double>(counts.many - counts.few));
     }
-    return std::max(median(std::move(found)), least_ns);
+    return std::max(median(std::move(found)), min_ns);
   }
   [[nodiscard]] double latency_ns();
 
@@ -146,13 +146,13 @@ DeviceCosts Workload::measure() {
   const double both_ns = one_more_ns(commands, frame_ms, [&](std::size_t times) {
     for (std::size_t i = 0; i < times; ++i) ask(few_small, 1), draw(few_small, 1);
   });
-  costs.wrapped_query_ns = std::max(both_ns - costs.draw_ns, least_ns);
+  costs.wrapped_query_ns = std::max(both_ns - costs.draw_ns, min_ns);
   costs.batch_item_ns = one_more_ns(commands, frame_ms, [&](std::size_t boxes) { ask_batches(boxes, 1); });
   const double batch_ns = one_more_ns({1, 4}, frame_ms, [&](std::size_t times) { ask_batches(batch, times); });
-  costs.batch_ns = std::max(batch_ns - batch * costs.batch_item_ns, least_ns);
+  costs.batch_ns = std::max(batch_ns - batch * costs.batch_item_ns, min_ns);
   costs.submit_ns = one_more_ns(commands, cpu_ms, small_draws);
   costs.visit_ns = one_more_ns(commands, cpu_ms, [&](std::size_t times) { device_.visit(times); });
-  costs.readback_ns = std::max(latency_ns() - costs.query_ns - costs.submit_ns, least_ns);
+  costs.readback_ns = std::max(latency_ns() - costs.query_ns - costs.submit_ns, min_ns);
   return costs;
 }
 

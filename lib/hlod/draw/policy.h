@@ -59,7 +59,7 @@ class Policy {
   [[nodiscard]] virtual bool waits() const noexcept { return false; }
   [[nodiscard]] virtual Asking asking() const noexcept { return Asking::singly; }
   // So many questions after one was asked, its answer is taken to be there.
-  [[nodiscard]] virtual std::size_t most_asked() const noexcept { return std::numeric_limits<std::size_t>::max(); }
+  [[nodiscard]] virtual std::size_t max_asked() const noexcept { return std::numeric_limits<std::size_t>::max(); }
   // Otherwise answers are for the next frame.
   [[nodiscard]] virtual bool answers_decide() const noexcept { return true; }
   // When nothing else is to do. Otherwise those that are late are dropped.

@@ -41,9 +41,9 @@ class HiddenGroups {
   PerNode<std::uint32_t> hidden_frames_;
 };
 
-constexpr std::uint32_t least_wait = 5, most_wait = 10;  // frames between questions about visible leaves (sec. 4.1)
-constexpr int deepest = 3;                               // levels down to which boxes are refined (sec. 4.3)
-constexpr double most_area = 1.4;                        // of them, relative to the node's
+constexpr std::uint32_t min_wait = 5, max_wait = 10;  // frames between questions about visible leaves (sec. 4.1)
+constexpr int deepest = 3;                            // levels down to which boxes are refined (sec. 4.3)
+constexpr double max_area = 1.4;                      // of them, relative to the node's
 
 // A mixer of integers (SplitMix64): the same on every machine.
 std::uint64_t mixed(std::uint64_t x) {
@@ -68,7 +68,7 @@ class GroupingPolicy : public Policy {
     Memory& memory = memory_[n];
     if (memory.next_question == 0) memory.next_question = scene.frame() + wait(scene, n, 1);
     if (scene.frame() < memory.next_question) return Action::draw;
-    memory.next_question = scene.frame() + wait(scene, n, least_wait);
+    memory.next_question = scene.frame() + wait(scene, n, min_wait);
     return Action::stop;
   }
 
@@ -85,7 +85,7 @@ class GroupingPolicy : public Policy {
   // drawn inside the boxes of their children.
   void add_boxes(const FrameScene& scene, NodeRef n, std::vector<BoxRef>& boxes) override {
     level_.assign(1, n);
-    const double limit = most_area * box_area(scene.node(n).box);
+    const double limit = max_area * box_area(scene.node(n).box);
     for (int i = 0; i < deepest && refine_level(scene, limit); ++i) {
     }
     for (const NodeRef below : level_) boxes.push_back({below.object, scene.node(below).box});
@@ -101,7 +101,7 @@ class GroupingPolicy : public Policy {
 
   static std::uint32_t wait(const FrameScene& scene, NodeRef n, std::uint32_t least) {
     const std::uint64_t seed = mixed((std::uint64_t{n.object} << 32U | n.node) ^ mixed(scene.frame()));
-    return least + static_cast<std::uint32_t>(seed % (most_wait - least + 1));
+    return least + static_cast<std::uint32_t>(seed % (max_wait - least + 1));
   }
 
   // Replaces level_ by what is below it. False if that is too large, or nothing.
@@ -146,7 +146,7 @@ class NearOptimalPolicy : public Policy {
     covered_ = 0.0;
     depth_ = scene.options().cover_model == CoverModel::printed ? std::log2(static_cast<double>(nodes_) + 1.0)
                                                                 : static_cast<double>(levels_);
-    most_asked_ = static_cast<std::size_t>(std::min(most_parallel_queries(scene.options().costs), 1e6));
+    max_asked_ = static_cast<std::size_t>(std::min(max_parallel_queries(scene.options().costs), 1e6));
   }
 
   [[nodiscard]] Action predict(FrameScene& scene, const ReachedNode& reached) override {
@@ -169,7 +169,7 @@ class NearOptimalPolicy : public Policy {
   void end_frame(const FrameScene& scene) override { work_.end_frame(scene); }
 
   [[nodiscard]] bool biased() const noexcept override { return false; }
-  [[nodiscard]] std::size_t most_asked() const noexcept override { return most_asked_; }
+  [[nodiscard]] std::size_t max_asked() const noexcept override { return max_asked_; }
 
  private:
   struct Memory {
@@ -226,7 +226,7 @@ class NearOptimalPolicy : public Policy {
   double covered_ = 0.0;  // c_scr
   std::size_t nodes_ = 0, levels_ = 0;
   double depth_ = 1.0;
-  std::size_t most_asked_ = 1;
+  std::size_t max_asked_ = 1;
 };
 
 }  // namespace
@@ -286,11 +286,10 @@ class PlanningPolicy : public Policy {
   // Or something that is not less than `enough`.
   double children_ns(const FrameScene& scene, NodeRef n, double enough) {
     const DeviceCosts& costs = scene.options().costs;
-    double least_ns = 0.0, sum_ns = 0.0;
+    double min_ns = 0.0, sum_ns = 0.0;
     for (const NodeId id : scene.hlod(n).children(n.node))
-      if (scene.view_of(n).may_be_inside(scene.hlod(n).node(id).box))
-        least_ns += std::min(costs.draw_ns, costs.query_ns);
-    if (least_ns >= enough) return least_ns;
+      if (scene.view_of(n).may_be_inside(scene.hlod(n).node(id).box)) min_ns += std::min(costs.draw_ns, costs.query_ns);
+    if (min_ns >= enough) return min_ns;
     for (const NodeId id : scene.hlod(n).children(n.node)) {
       sum_ns += plan(scene, {n.object, id});
       if (sum_ns >= enough) break;
@@ -326,10 +325,10 @@ std::unique_ptr<Policy> make_optimum_policy() { return std::make_unique<OptimumP
 
 namespace {
 
-constexpr int most_rounds = 3;
+constexpr int max_rounds = 3;
 constexpr double usual_group = 4.0;  // nodes in a query, with those that have to be asked about again
 // What is expected to be saved has to be so many times what waiting for answers takes: only the latter is certain.
-constexpr double least_return = 2.0;
+constexpr double min_return = 2.0;
 
 // What a frame's questions cost beside its boxes: the device has nothing to do until the last answers have been read.
 double waiting_ns(const DeviceCosts& costs, bool in_groups) {
@@ -345,7 +344,7 @@ class BatchPolicy : public Policy {
     groups_.begin_frame(scene);
     rates_.begin_frame();
     in_groups_ = groups_are_cheaper(costs);
-    asks_ = scene.frame() == 1 || possible_gain_ns_ > least_return * waiting_ns(costs, in_groups_);
+    asks_ = scene.frame() == 1 || possible_gain_ns_ > min_return * waiting_ns(costs, in_groups_);
     asked_ = 0;
     covered_ = round_gain_ns_ = possible_gain_ns_ = 0.0;
     rounds_ = 0;
@@ -359,7 +358,7 @@ class BatchPolicy : public Policy {
     if (action == Action::refine) return action;
     const bool is_fine = scene.is_fine(n, 1.0);
     const Action unasked = is_fine ? Action::draw : Action::refine;
-    if (rounds_ == most_rounds) return unasked;
+    if (rounds_ == max_rounds) return unasked;
     const double gain = gain_ns(scene, n);
     if (!(gain > 0.0)) return unasked;
     possible_gain_ns_ += gain;

@@ -29,7 +29,7 @@ bool is_query_reasonable(const DeviceCosts& costs, const QueryValue& node, const
   return node.benefit_ns > children->benefit_ns && costs.wrapped_query_ns * children->leaves > node.query_ns;
 }
 
-double most_parallel_queries(const DeviceCosts& costs) noexcept {
+double max_parallel_queries(const DeviceCosts& costs) noexcept {
   const double least = std::min(costs.query_ns, costs.wrapped_query_ns + costs.draw_ns);
   return least > 0.0 ? std::ceil((costs.query_ns + costs.readback_ns) / least) + 1.0 : 1.0;
 }
@@ -145,7 +145,7 @@ namespace {
 constexpr double kept = 0.98;          // of the counts, from frame to frame
 constexpr double prior_frames = 16.0;  // that the first guess counts for
 constexpr double prior_nodes = 2.0;    // likewise
-constexpr double least_rate = 0.002;   // a guess too: nothing stays visible for ever
+constexpr double min_rate = 0.002;     // a guess too: nothing stays visible for ever
 
 }  // namespace
 
@@ -173,7 +173,7 @@ void HidingRates::note_new(double cover_probability, bool hidden) {
 
 double HidingRates::of_visible(double cover_probability) const {
   const Count& count = visible_[class_of(cover_probability)];
-  const double guess = std::max(0.5 * cover_probability * cover_probability, least_rate);
+  const double guess = std::max(0.5 * cover_probability * cover_probability, min_rate);
   return (count.hidden + prior_frames * guess) / (count.all + prior_frames);
 }
 

@@ -84,7 +84,7 @@ struct ChildrenValue {
                                        const ChildrenValue* children) noexcept;
 
 // N_q: so many queries after one was asked, it must be answered.
-[[nodiscard]] double most_parallel_queries(const DeviceCosts& costs) noexcept;
+[[nodiscard]] double max_parallel_queries(const DeviceCosts& costs) noexcept;
 
 // What drawing takes of what is below a node.
 

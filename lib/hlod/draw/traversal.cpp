@@ -7,7 +7,7 @@ namespace occlod::hlod {
 namespace {
 
 // As many hidden nodes as CHC++ keeps (Mattausch and others 2008, sec. 5.1).
-constexpr std::size_t most_hidden = 50;
+constexpr std::size_t max_hidden = 50;
 
 }  // namespace
 
@@ -35,7 +35,7 @@ void Questions::ask(const AskedNode& n, bool was_visible) {
     case Asking::by_groups:
       if (was_visible) return kept_.push_back(n);
       hidden_.push_back(n.ref);
-      if (hidden_.size() >= most_hidden) ask_groups();
+      if (hidden_.size() >= max_hidden) ask_groups();
   }
 }
 
@@ -112,7 +112,7 @@ void Questions::settle_group() {
 bool Questions::is_gone(const Question& question) const { return scene_->state(question.node.ref).gone; }
 
 bool Questions::is_answered(const Question& question) {
-  return question.is_known || is_gone(question) || asked_.size() - settled_ >= policy_->most_asked() ||
+  return question.is_known || is_gone(question) || asked_.size() - settled_ >= policy_->max_asked() ||
          device_->available(question.query);
 }
 

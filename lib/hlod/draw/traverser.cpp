@@ -44,7 +44,7 @@ class Prefetcher {
   std::vector<bool> marks_;      // by node, whether it is among them; all false between calls
 };
 
-constexpr std::size_t most_reached = 4096;  // nodes, of one object
+constexpr std::size_t max_reached = 4096;  // nodes, of one object
 
 std::optional<View> view_ahead(const Camera& before, const View& now, int frames) {
   Camera camera = now.camera();
@@ -83,7 +83,7 @@ void Prefetcher::look_ahead(const PlacedHlod& object, const View& ahead, const T
   if (marks_.size() < hlod.node_count()) marks_.resize(hlod.node_count(), false);
   const ObjectFrame view(ahead, object, options);
   reached_.assign(hlod.data().roots.begin(), hlod.data().roots.end());
-  for (std::size_t i = 0; i < reached_.size() && reached_.size() < most_reached; ++i) {
+  for (std::size_t i = 0; i < reached_.size() && reached_.size() < max_reached; ++i) {
     const NodeId n = reached_[i];
     const Node& node = hlod.node(n);
     if (!view.may_be_inside(node.box)) continue;
@@ -191,7 +191,7 @@ void ModelledDevice::visit(std::size_t nodes) {
 
 constexpr double trial_share = 0.005;    // of the time, at most, for trials
 constexpr std::uint32_t first_try = 16;  // frame: before, batch has yet to learn what is hidden
-constexpr std::uint32_t least_wait = 32, most_wait = 1024;
+constexpr std::uint32_t min_wait = 32, max_wait = 1024;
 constexpr double clearly = 0.97;  // the other one is taken where it needs so much less
 constexpr double settling = 0.5;  // share of a new time in the usual one
 
@@ -226,7 +226,7 @@ void StrategyChoice::end_trial(double frame_ms) {
     ratio_ = 1.0 / ratio_;
   }
   const double wait = trial_length(candidates[1 - chosen_]) * (ratio_ - 1.0) / trial_share;
-  next_try_ = frame_ + static_cast<std::uint32_t>(std::clamp(wait, double{least_wait}, double{most_wait}));
+  next_try_ = frame_ + static_cast<std::uint32_t>(std::clamp(wait, double{min_wait}, double{max_wait}));
 }
 
 void StrategyChoice::write_forecasts(std::vector<StrategyForecast>& forecasts) const {

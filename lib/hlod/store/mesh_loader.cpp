@@ -26,7 +26,7 @@ NodeCache::NodeCache(const HlodView& view, const MeshSource& source)
   for (const NodeId root : view.roots) entries_[root].is_root = true;
 }
 
-std::size_t NodeCache::least_budget() const {
+std::size_t NodeCache::min_budget() const {
   std::size_t bytes = 0;
   for (const NodeId root : view_.roots) bytes += source_.bytes_of(root);
   return bytes;
@@ -39,9 +39,9 @@ bool NodeCache::are_parents_resident(NodeId n) const {
 }
 
 void NodeCache::set_budget(std::size_t bytes) {
-  assert(bytes >= least_budget() && coming_bytes_ == 0);
+  assert(bytes >= min_budget() && coming_bytes_ == 0);
   budget_ = bytes;
-  const std::size_t most = std::min(budget_ / lasting_share, budget_ - least_budget());
+  const std::size_t most = std::min(budget_ / lasting_share, budget_ - min_budget());
   const NodeId before = std::exchange(lasting_, 0);
   for (std::size_t sum = 0; lasting_ < entries_.size(); ++lasting_) {
     sum += source_.bytes_of(lasting_);

@@ -71,12 +71,12 @@ class NodeCache {
   [[nodiscard]] std::size_t coming_bytes() const noexcept { return coming_bytes_; }
   [[nodiscard]] std::uint64_t evictions() const noexcept { return evictions_; }
   // Of the roots.
-  [[nodiscard]] std::size_t least_budget() const;
+  [[nodiscard]] std::size_t min_budget() const;
   // Coarsest first; they stay once they are there. Roots on finer levels stay, too.
   [[nodiscard]] NodeId lasting_nodes() const noexcept { return lasting_; }
   [[nodiscard]] bool are_parents_resident(NodeId n) const;
 
-  // At least least_budget(). Nothing is coming. What does not fit any more leaves, needed or not.
+  // At least min_budget(). Nothing is coming. What does not fit any more leaves, needed or not.
   void set_budget(std::size_t bytes);
   void begin_frame() noexcept { ++frame_; }
   // The node, which is not absent, stays for two frames, whoever else is to come.

@@ -293,7 +293,7 @@ void NodePacker::pack(const NodeStreams& node, std::span<const std::byte> raw, L
     out.insert(out.end(), frame_.begin(), frame_.begin() + static_cast<std::ptrdiff_t>(size));
   }
   const std::size_t raw_bytes = hlod::align_mesh(node.bytes);
-  out.resize(std::max(out.size(), begin + (raw_bytes + most_packing - 1) / most_packing));
+  out.resize(std::max(out.size(), begin + (raw_bytes + max_packing - 1) / max_packing));
 }
 
 struct NodeUnpacker::Context {

@@ -13,7 +13,7 @@ namespace occlod::ohlod {
 
 // So many raw bytes for each packed one at most: zeros follow what is packed better. A file that claims more is refused
 // before memory is allocated.
-inline constexpr std::size_t most_packing = 1024;
+inline constexpr std::size_t max_packing = 1024;
 
 struct NodeStreams;
 

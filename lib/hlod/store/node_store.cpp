@@ -17,7 +17,7 @@ using State = NodeCache::State;
 using Urgency = NodeCache::Urgency;
 
 // Meshes that lie side by side are read together up to so many bytes: larger reads are hardly faster, and come late.
-constexpr std::size_t most_read_bytes = std::size_t{1} << 20U;
+constexpr std::size_t max_read_bytes = std::size_t{1} << 20U;
 
 void check(const CacheOptions& options) {
   const OptionChecker checker("cache options");
@@ -150,7 +150,7 @@ class NodeStore::Impl {
   };
 
   void check_budget(std::size_t bytes) const {
-    const std::size_t least = cache_.least_budget();
+    const std::size_t least = cache_.min_budget();
     if (bytes < least)
       throw Error({"cache", "budget_bytes", "is " + std::to_string(bytes) + ", too little for the coarsest picture",
                    "allow at least " + std::to_string(least) + " bytes"});
@@ -334,7 +334,7 @@ class NodeStore::Impl {
       std::size_t begin = place, end = place + 1, bytes = source_->stored(n).bytes;
       const auto may_join = [&](std::size_t a, std::size_t joined) {  // left[a] and the one behind it
         return !taken[joined] && left[a] + 1 == left[a + 1] && are_side_by_side(left[a]) &&
-               bytes + source_->stored(left[joined]).bytes <= most_read_bytes;
+               bytes + source_->stored(left[joined]).bytes <= max_read_bytes;
       };
       while (end < left.size() && may_join(end - 1, end)) bytes += source_->stored(left[end++]).bytes;
       while (begin > 0 && may_join(begin - 1, begin - 1)) bytes += source_->stored(left[--begin]).bytes;

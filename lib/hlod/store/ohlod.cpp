@@ -250,7 +250,7 @@ PackedNodes read_packed(SectionReader& reader, std::string_view bytes_name, std:
   for (hlod::NodeId n = 0; n < nodes; ++n) {
     const Extent extent = extent_of(n);
     if (extent.place != packed.unpacked_bytes) refuse(fmt::format("node {} does not follow the one before", n));
-    if (extent.bytes > most_packing * packed.bytes_of(n)) refuse(fmt::format("node {} has too few bytes", n));
+    if (extent.bytes > max_packing * packed.bytes_of(n)) refuse(fmt::format("node {} has too few bytes", n));
     packed.unpacked_bytes += extent.bytes;
   }
   return packed;

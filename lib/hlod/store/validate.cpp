@@ -19,7 +19,7 @@
 namespace occlod::hlod {
 namespace {
 
-constexpr std::size_t most_violations = 20;
+constexpr std::size_t max_violations = 20;
 
 bool holds(const Box& outer, const Box& inner) {
   return glm::all(glm::lessThanEqual(outer.min, inner.min)) && glm::all(glm::lessThanEqual(inner.max, outer.max));
@@ -86,7 +86,7 @@ class Validator {
 
   template <typename... Args>
   void report(fmt::format_string<Args...> format, Args&&... args) {
-    if (violations_.size() < most_violations) violations_.push_back(fmt::format(format, std::forward<Args>(args)...));
+    if (violations_.size() < max_violations) violations_.push_back(fmt::format(format, std::forward<Args>(args)...));
   }
 
   [[nodiscard]] std::size_t point_count() const {

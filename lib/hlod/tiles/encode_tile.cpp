@@ -93,13 +93,13 @@ TileLattice::TileLattice(std::span<const glm::vec3> positions, int bits) {
   assert(!positions.empty() && bits >= 1 && bits <= 16);
   const Box box = bounding_box(positions);
   const glm::dvec3 low(box.min), high(box.max);
-  const double most_steps = std::exp2(bits) - 1.0;
+  const double max_steps = std::exp2(bits) - 1.0;
   // Doubles hold 53 bits, of which the place itself takes some.
   const double farthest = largest(glm::max(glm::abs(low), glm::abs(high)));
-  const double finest = std::max({largest(high - low) / most_steps, std::ldexp(farthest, -50), std::ldexp(1.0, -149)});
+  const double finest = std::max({largest(high - low) / max_steps, std::ldexp(farthest, -50), std::ldexp(1.0, -149)});
   step_ = std::exp2(std::ceil(std::log2(finest)));
   // Rounding may add a step.
-  while (largest(rounded(high / step_) - rounded(low / step_)) > most_steps) step_ *= 2.0;
+  while (largest(rounded(high / step_) - rounded(low / step_)) > max_steps) step_ *= 2.0;
   least_ = rounded(low / step_);
   far_end_ = glm::u16vec3(rounded(high / step_) - least_);
 }

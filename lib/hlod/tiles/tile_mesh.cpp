@@ -163,11 +163,11 @@ void take_materials(TriangleMesh& mesh, const hlod::NodeMesh& node) {
 
 // Smooth across the border too where the node's own normal is within the angle of what all nodes there have.
 void take_border_normals(TriangleMesh& mesh, double crease_deg, const BorderVertices& borders) {
-  const float least_cosine = static_cast<float>(std::cos(crease_deg * 0.017453292519943295));
+  const float min_cosine = static_cast<float>(std::cos(crease_deg * 0.017453292519943295));
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
     const BorderVertex* border = borders.at(mesh.positions[v]);
     if (border == nullptr || border->normal == glm::vec3(0.0F)) continue;
-    if (crease_deg >= 180.0 || glm::dot(mesh.normals[v], border->normal) >= least_cosine)
+    if (crease_deg >= 180.0 || glm::dot(mesh.normals[v], border->normal) >= min_cosine)
       mesh.normals[v] = border->normal;
   }
 }

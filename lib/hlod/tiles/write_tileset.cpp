@@ -136,7 +136,7 @@ void check_tileset_output(const fs::path& folder, bool replace) {
 
 namespace {
 
-constexpr std::size_t most_levels = 100;  // files are nested as deeply
+constexpr std::size_t max_levels = 100;  // files are nested as deeply
 
 void check(const TilesetOptions& options) {
   const OptionChecker checker("tileset options");
@@ -163,7 +163,7 @@ void check(const hlod::Hlod& hlod) {
   if (!is_tree)
     throw Error({"HLOD", "", "has nodes with several parents, and tiles form a tree",
                  "build it with nested groups: --grouping nested --borders free"});
-  if (view.levels.size() > most_levels) throw Error({"HLOD", "", "has more than 100 levels", "build it again"});
+  if (view.levels.size() > max_levels) throw Error({"HLOD", "", "has more than 100 levels", "build it again"});
 }
 
 std::optional<glm::dmat4> transform_of(const TilesetOptions& options) {

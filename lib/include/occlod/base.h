@@ -66,7 +66,7 @@ class MemoryLimit {
   MemoryLimit& operator=(const MemoryLimit&) = delete;
 
   // The most that all files together have had at a time.
-  [[nodiscard]] std::size_t most_scratch_bytes() const noexcept;
+  [[nodiscard]] std::size_t max_scratch_bytes() const noexcept;
 
  private:
   class Watch;

@@ -75,10 +75,10 @@ struct NodeCut {
   std::vector<std::uint16_t> indices;  // three for each triangle: into NodeMesh::positions, then NodeSplits::positions
 };
 
-// How many splits leave an error of at most `most_error` (object units): none when that is Node::error or more, all
+// How many splits leave an error of at most `max_error` (object units): none when that is Node::error or more, all
 // that change anything when it is Node::child_error or less. 0 for a node without splits, which else have been
 // required. O(log splits).
-[[nodiscard]] std::uint32_t splits_to_error(const Hlod& hlod, NodeId n, double most_error);
+[[nodiscard]] std::uint32_t splits_to_error(const Hlod& hlod, NodeId n, double max_error);
 
 // The error of drawing node n with its first splits applied instead of the input: between Node::child_error and
 // Node::error. splits <= NodeWithin::splits; the node's splits have been required. O(1).
@@ -89,9 +89,9 @@ struct NodeCut {
 // logarithm where the input has seams.
 [[nodiscard]] NodeCut cut_with_splits(const Hlod& hlod, NodeId n, std::uint32_t splits);
 
-// The coarsest mesh of node n whose error is at most `most_error`, object units; the finest if none is. Requires what
+// The coarsest mesh of node n whose error is at most `max_error`, object units; the finest if none is. Requires what
 // it needs, so it throws Error when a mapped file is damaged. O(triangles that the node was made from).
-[[nodiscard]] NodeCut within_cut(const Hlod& hlod, NodeId n, double most_error);
+[[nodiscard]] NodeCut within_cut(const Hlod& hlod, NodeId n, double max_error);
 
 // The largest 2^(i/4), i an integer, that is at most x; 0 for 0. x >= 0; of infinity the largest that is finite.
 [[nodiscard]] double error_step(double x);
@@ -101,17 +101,17 @@ struct NodeCut {
 class CutCache {
  public:
   // Empty.
-  explicit CutCache(std::size_t most_bytes = std::size_t{64} << 20U);
+  explicit CutCache(std::size_t max_bytes = std::size_t{64} << 20U);
   CutCache(CutCache&&) noexcept;
   CutCache& operator=(CutCache&&) noexcept;
   ~CutCache();
 
-  // Starts a frame: drops cuts, the longest unused first, while all have more than `most_bytes`.
+  // Starts a frame: drops cuts, the longest unused first, while all have more than `max_bytes`.
   void begin_frame();
-  // within_cut() to error_step(most_error). Valid until the next begin_frame(). `hlod` stays where it is as long as the
+  // within_cut() to error_step(max_error). Valid until the next begin_frame(). `hlod` stays where it is as long as the
   // cache is used; cuts without splits have no indices: draw the node's own. Throws Error when a mapped file is
   // damaged.
-  [[nodiscard]] const NodeCut& get(const Hlod& hlod, NodeId n, double most_error);
+  [[nodiscard]] const NodeCut& get(const Hlod& hlod, NodeId n, double max_error);
   // Of all cuts that are kept.
   [[nodiscard]] std::size_t bytes() const noexcept;
 

@@ -203,7 +203,7 @@ class CellBuilder {
 
 // How space is divided into view cells, and how their cuts are chosen.
 
-// When a cell is divided that draws more than CellTreeOptions::most_triangles.
+// When a cell is divided that draws more than CellTreeOptions::max_triangles.
 enum class CellDivision : std::uint32_t {
   halving,  // as in Chhugani and others 2003: if one of its parts, at least, draws less than half of what it draws
   gain      // if its parts draw, on average by volume, less than nine tenths of what it draws
@@ -217,7 +217,7 @@ struct CellTreeOptions {
   double root_cell = 16.0;     // world units, > 0: a region is cut into equal boxes whose edges are no longer
   double smallest_cell = 1.0;  // world units, > 0: no edge is halved that would become shorter
   std::uint32_t levels = 10;   // of cells below those, at most; at most 32
-  std::uint64_t most_triangles = 200'000;         // to draw: a cell that draws more is divided if `division` says so
+  std::uint64_t max_triangles = 200'000;          // to draw: a cell that draws more is divided if `division` says so
   CellDivision division = CellDivision::halving;  // whether that is worth while
   // How far occluders may have moved, world units, >= 0; a quarter of smallest_cell unless it is given. See
   // CellOccluders. Unused where nothing is hidden.

@@ -50,10 +50,10 @@ struct PictureDistance {
 
 // The largest distance in pixels by which anything moved between two depth images of one surface, whichever came first:
 // the largest over the pixels of both of the smallest a with which the other image explains the pixel as above, looking
-// within floor(a) pixels. A silhouette that moved by 3 pixels gives 3. At most most_px, for instance where one image
+// within floor(a) pixels. A silhouette that moved by 3 pixels gives 3. At most max_px, for instance where one image
 // lacks what the other has. O(pixels * result).
 [[nodiscard]] double largest_motion_px(const View& view, const DepthBuffer& one, const DepthBuffer& other,
-                                       double most_px = 64.0);
+                                       double max_px = 64.0);
 
 // How a change of the mesh alone changes the picture: the meshes of two consecutive frames, both drawn with the later
 // frame's camera.

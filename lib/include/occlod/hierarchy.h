@@ -106,9 +106,9 @@ class SplitStar {
     return head + (is_fan() ? (removed_count_ + 3) / 4 : 5 * std::size_t{removed_count_});
   }
 
-  static constexpr std::uint32_t most_ring = 30;          // outer vertices of a fan
-  static constexpr std::uint32_t most_dependencies = 16;  // of a fan
-  static constexpr std::uint32_t most_slots = 16;  // a fan removes faces with smaller slots only, and none of the base
+  static constexpr std::uint32_t max_ring = 30;          // outer vertices of a fan
+  static constexpr std::uint32_t max_dependencies = 16;  // of a fan
+  static constexpr std::uint32_t max_slots = 16;  // a fan removes faces with smaller slots only, and none of the base
   static constexpr std::uint32_t closed_bit = 1U << 24U;  // of a fan's header: the ring is closed
   static constexpr std::uint32_t other_bit = 1U << 31U;   // of a header: no fan
 
@@ -189,7 +189,7 @@ class SplitCorners {
 
   static constexpr std::uint32_t explicit_bit = 1U << 31U;  // of the first word: no masks
   static constexpr std::uint32_t apex_bit = 1U << 31U;      // of the second mask: v has more wedges than its first
-  static constexpr std::uint32_t most_apex_wedges = 16;     // of v, in a record with masks
+  static constexpr std::uint32_t max_apex_wedges = 16;      // of v, in a record with masks
 
   // The words of a record with these masks, of a star that inserts so many faces.
   [[nodiscard]] static std::size_t word_count(std::uint32_t first_mask, std::uint32_t second_mask,

@@ -274,10 +274,10 @@ struct ValidateOptions {
 
 // An eye in object space, and how lengths of the object appear from there.
 struct ScreenScale {
-  glm::dvec3 eye{0.0};            // its place, object space; where rays are parallel, of no meaning
-  double focal_length_px = 1.0;   // pixels that one world unit across the line of sight covers at distance 1, or
-                                  // anywhere where rays are parallel
-  double least_distance = 1e-30;  // > 0, world units: of the near plane
+  glm::dvec3 eye{0.0};           // its place, object space; where rays are parallel, of no meaning
+  double focal_length_px = 1.0;  // pixels that one world unit across the line of sight covers at distance 1, or
+                                 // anywhere where rays are parallel
+  double min_distance = 1e-30;   // > 0, world units: of the near plane
   // World units per object unit along each axis, or less: distances are measured with it. Exact unless the placement
   // shears.
   glm::dvec3 axis_stretch{1.0};
@@ -307,9 +307,9 @@ struct ScreenScale {
 // As screen_error_px() of a node that is refined within as far as possible: what is left is its children's error, at
 // its lod_box. No less than the error of any child, so on a front of nodes for which it is below a tolerance, those
 // whose own error is not can be refined within.
-[[nodiscard]] double least_screen_error_px(const Node& node, const ScreenScale& scale);
+[[nodiscard]] double min_screen_error_px(const Node& node, const ScreenScale& scale);
 // Likewise, by the sphere.
-[[nodiscard]] double least_sphere_error_px(const Node& node, const ScreenScale& scale);
+[[nodiscard]] double min_sphere_error_px(const Node& node, const ScreenScale& scale);
 
 // The error in object units that covers so many pixels where the node's box is nearest to the eye. For within_cut().
 [[nodiscard]] double screen_error_limit(const Node& node, const ScreenScale& scale, double pixels);

@@ -50,9 +50,9 @@ struct ObjectEffectStats {
     std::uint32_t queries = 0;        // answered
     std::uint32_t hidden = 0;         // of these, answered hidden
     std::uint32_t hidden_stars = 0;   // of the hidden ones, queries about the star of one split
-    float hidden_subtrees_px = 0.0F;  // sum over the other hidden ones of the node's error, each at most most_error_px.
+    float hidden_subtrees_px = 0.0F;  // sum over the other hidden ones of the node's error, each at most max_error_px.
                                       // Divided by RefineStats::level_px: about the splits below them that were saved
-    static constexpr float most_error_px = 1e4F;  // pixels
+    static constexpr float max_error_px = 1e4F;  // pixels
   };
   std::array<Region, effect_region_count> regions{};  // by region
 
@@ -128,7 +128,7 @@ struct QueryOptions {
 // Refiner::update() only: how fast the mesh may follow the camera.
 struct UpdateOptions {
   double hysteresis = 0.03;  // relative margin by which a candidate must exceed an applied split to replace it; [0, 1)
-  std::size_t most_changes = 0;       // splits and merges in one call, except what the budget forces; 0: no limit
+  std::size_t max_changes = 0;        // splits and merges in one call, except what the budget forces; 0: no limit
   double time_limit_ms = 0.0;         // no further splits and merges after so long; 0: no limit. Depends on a clock
   std::uint32_t geomorph_frames = 0;  // calls in which a new vertex slides from its parent to its place; 0: at once
 

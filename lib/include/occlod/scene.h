@@ -56,7 +56,7 @@ struct SceneCells {
   std::vector<CellBox> regions;         // world space, at least one, min <= max; they may overlap
   std::optional<double> root_cell;      // edge of the largest cells, world units, > 0
   std::optional<double> smallest_cell;  // edge below which no cell is divided, world units, > 0; at most root_cell
-  std::optional<std::uint64_t> most_triangles;  // a cell that draws more is divided, >= 1
+  std::optional<std::uint64_t> max_triangles;  // a cell that draws more is divided, >= 1
 };
 
 // A scene as its file says it.
