@@ -1,11 +1,11 @@
-# occlod_module(NAME SOURCES a.cpp ... [PUBLIC target ...] [PRIVATE target ...] [BUILD_ONLY target ...])
-# One room of the library: its sources and private headers lie in lib/NAME, its public headers in lib/include/occlod. In the
-# build it is a static library of its own, occlod_NAME, which links the rooms that it uses and no other: one that calls what
+# occlod_module(NAME HEADERS a.h ... SOURCES a.cpp ... [PUBLIC target ...] [PRIVATE target ...] [BUILD_ONLY target ...])
+# One room of the library: its sources and private headers lie in lib/NAME, its public headers, HEADERS, in
+# lib/include/occlod. In the build it is a static library of its own, occlod_NAME, which links the rooms that it uses and no other: one that calls what
 # stands below it in lib/CMakeLists.txt does not link. occlod_library() joins the objects of the rooms into what is installed.
 # BUILD_ONLY dependencies are header-only and leave nothing behind. PRIVATE ones are linked by users of the static library
 # too: cmake/occlodConfig.cmake.in and packaging/pkgconfig find them.
 function(occlod_module name)
-  cmake_parse_arguments(PARSE_ARGV 1 ARG "" "" "SOURCES;PUBLIC;PRIVATE;BUILD_ONLY")
+  cmake_parse_arguments(PARSE_ARGV 1 ARG "" "" "HEADERS;SOURCES;PUBLIC;PRIVATE;BUILD_ONLY")
   if(ARG_UNPARSED_ARGUMENTS)
     message(FATAL_ERROR "occlod_module(${name}): unknown arguments ${ARG_UNPARSED_ARGUMENTS}")
   endif()
@@ -18,7 +18,8 @@ function(occlod_module name)
     list(TRANSFORM ARG_PRIVATE REPLACE "^occlod::${room}$" occlod_${room})
   endforeach()
 
-  add_library(occlod_${name} STATIC ${ARG_SOURCES})
+  list(TRANSFORM ARG_HEADERS PREPEND ${PROJECT_SOURCE_DIR}/lib/include/occlod/)
+  add_library(occlod_${name} STATIC ${ARG_SOURCES} ${ARG_HEADERS})
   set_target_properties(occlod_${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)  # the same objects for either kind
   target_compile_features(occlod_${name} PUBLIC cxx_std_20)
   target_compile_options(occlod_${name} PRIVATE ${OCCLOD_ARITHMETIC_FLAGS})

@@ -1,6 +1,7 @@
 # How tests are registered: each with labels, which ctest -L and the test presets choose by.
 #   unit    one layer of the library or one part of a program: no OpenGL, no display, seconds
 #   gl      needs an OpenGL context          viewer  the viewer's programs, on a virtual display
+#   meshes  reads real meshes where there are any
 #   tools   programs as people start them    slow    left out by scripts/test.sh --quick
 # and the name of its folder under tests/. scripts/count_tests.py counts the single tests.
 set(OCCLOD_TEST_TIMEOUT 600 CACHE STRING "Seconds that one entry of ctest may take")

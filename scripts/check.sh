@@ -12,8 +12,16 @@ if [ ${#changed[@]} -eq 0 ]; then echo "check: nothing differs from the main bra
 # Folders of tests/ that have the tests of a changed file: those of its own name; core tests what has no folder.
 test_folders() {
   printf '%s\n' "${changed[@]}" | sed -nE \
-    -e 's#^lib/(src|include/occlod)/(math|view|platform)/.*#core#p;t' \
-    -e 's#^lib/(src|include/occlod)/([a-z_]+)/.*#\2#p;t' \
+    -e 's#^lib/include/.*#core\nmesh\nhierarchy\nrefine\nhlod\nviewcells\nscene#p;t' \
+    -e 's#^lib/base/.*#core#p;t' \
+    -e 's#^lib/mesh/.*#mesh\nio#p;t' \
+    -e 's#^lib/raster/.*#raster\nocclusion#p;t' \
+    -e 's#^lib/splits/.*#hierarchy#p;t' \
+    -e 's#^lib/refine/.*#cut\npriority\nqueries\nrefine\neffects#p;t' \
+    -e 's#^lib/hlod/.*#hlod\ndevice\ntraverse\ntiles#p;t' \
+    -e 's#^lib/cells/.*#viewcells#p;t' \
+    -e 's#^lib/scene/.*#scene\npicture#p;t' \
+    -e 's#^lib/gl/.*#gl#p;t' \
     -e 's#^tests/(oracle|support)/.*##;t' \
     -e 's#^tests/([a-z_]+)/.*#\1#p;t' \
     -e 's#^tools/repair/.*#repair#p;t' \
@@ -21,7 +29,7 @@ test_folders() {
     -e 's#^[^/]*\.md$#docs#p' | LC_ALL=C sort -u
 }
 
-scripts/build.sh release -DOCCLOD_BUILD_TESTS=ON -DOCCLOD_WARNINGS_AS_ERRORS=ON -DOCCLOD_TEST_PCH=ON >&2
+scripts/build.sh release -U "OCCLOD_BUILD_*" -U "OCCLOD_WITH_*" -DOCCLOD_BUILD_TESTS=ON -DOCCLOD_WARNINGS_AS_ERRORS=ON -DOCCLOD_TEST_PCH=ON >&2
 
 folders=$(test_folders | paste -sd '|')
 left_out="tests of other folders"

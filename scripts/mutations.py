@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""mutations.py [NAME...]: switches off each guard of the promise of view cells in a copy of the sources (build/mutations), one at a time, and builds
+"""mutations.py [NAME...]: switches off each guard of the promises of view cells and of conservative occluders in a copy of the sources (build/mutations), one at a time, and builds
 and runs the tests that are named for it. All must pass with the guard, and at least one of them must fail without it. Exit 1 where none does, and
 where a guard is no longer found in the sources. One line each; --markdown: the table of docs/benchmarks/view_cell_proofs.md."""
 import argparse
@@ -12,9 +12,9 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 WORK = ROOT / "build" / "mutations"
 BUILD = WORK / "build" / "release"  # as far from the sources as the usual one: ccache has most of it
-CELLS, SPLITS = "lib/cells/", "lib/splits/"
+CELLS, REFINE, SPLITS = "lib/cells/", "lib/refine/", "lib/splits/"
 # Tests are of these programs: the folder under tests/ of each.
-PROGRAMS = {"viewcells": "viewcells", "viewcells_exact": "viewcells", "hierarchy": "hierarchy"}
+PROGRAMS = {"queries": "queries", "viewcells": "viewcells", "viewcells_exact": "viewcells", "hierarchy": "hierarchy"}
 
 
 class Mutation:
@@ -25,6 +25,13 @@ class Mutation:
 
 
 MUTATIONS = [
+    # Conservative occluders.
+    Mutation("occluder_motion", "faces are grown by how far they have moved", REFINE + "occluder.cpp",
+             "MovedFace face{t, motion.moved(ref)};", "MovedFace face{t, 0.0F * motion.moved(ref)};", {"queries": "ConservativeOccluder.*"}),
+    Mutation("occluder_marks", "edges whose ends are marked are borders", REFINE + "occluder.cpp",
+             "if ((faces_[a.face].marked & both) != both) {", "if (both != 0) {", {"queries": "ConservativeOccluder.*"}),
+    Mutation("occluder_erosion", "borders and faces are grown on the screen", REFINE + "occluder.cpp",
+             "return slack_px + focal_length_px_ * moved * stretch_", "return 0.0 * moved * stretch_", {"queries": "ConservativeOccluder.*"}),
     # The hull test.
     Mutation("near", "what the near plane may clip hides nothing", CELLS + "hull_test.cpp",
              "grown(cell_, margin + near_reach_)", "grown(cell_, margin)", "HullTest.WhatIsClippedHidesNothing"),
@@ -67,16 +74,14 @@ MUTATIONS = [
              {"viewcells_exact": "HullExact.NoTriangleThatMeetsABoxIsMissed"}),
     # Occluders.
     Mutation("motion", "occluders know how far they have moved", CELLS + "cell_surface.cpp",
-             "without.motion ? 0.0 : stretch", "0.0", "CellOccluders.SheetWithWindows"),
+             "add(object, cut->second, stretch);", "add(object, cut->second, 0.0 * stretch);", "CellOccluders.SheetWithWindows"),
     Mutation("motion_scale", "in world units", CELLS + "cell_surface.cpp",
-             "without.motion ? 0.0 : stretch", "1.0", "OccluderGuards.MotionsAreWorldUnitsAndRoundedUp"),
+             "add(object, cut->second, stretch);", "add(object, cut->second, 1.0);", "OccluderGuards.MotionsAreWorldUnitsAndRoundedUp"),
     Mutation("motion_rounding", "rounded up", CELLS + "cell_surface.cpp",
              "moved > 0.0 ? std::nextafter(static_cast<float>(moved), std::numeric_limits<float>::infinity())", "moved > 0.0 ? static_cast<float>(moved)",
              "OccluderGuards.MotionsAreWorldUnitsAndRoundedUp"),
-    Mutation("topology", "windows and tunnels stay open", CELLS + "cell_surface.cpp",
-             "{.topology = without.topology}", "{.topology = without.topology || true}", "CellOccluders.SheetWithWindowsThatMayClose"),
     Mutation("topology_cut", "as no collapse that would close them is repeated", SPLITS + "surface_motion.cpp",
-             "if (!keeps && !without_.topology) return false;", "", {"viewcells": "CellOccluders.SheetWithWindowsThatMayClose", "hierarchy": "MotionCut.TopologyStays"}),
+             "if (!keeps) return false;", "static_cast<void>(keeps);", {"viewcells": "CellOccluders.SheetWithWindowsThatMayClose", "hierarchy": "MotionCut.TopologyStays"}),
     Mutation("motion_limit", "what has moved too far stays", SPLITS + "surface_motion.cpp",
              "if (!(after <= max_motion_)) return false;", "", {"viewcells": "CellOccluders.*:HullTest.*", "hierarchy": "MotionCut.*"}),
     Mutation("motion_sum", "motions of one collapse after another add up", SPLITS + "surface_motion.cpp",
@@ -96,12 +101,12 @@ MUTATIONS = [
              "glm::max(a, glm::max(b, c))}, surface.moved(t));", "glm::max(a, glm::max(b, c))}, 0.0 * surface.moved(t));", "InnerBoxes.*"),
     # Cuts.
     Mutation("g", "boxes are grown by g", CELLS + "cell_refinement.cpp",
-             "without_.growth ? 0.0 : static_cast<double>(error)", "0.0 * static_cast<double>(error)", "CellPromise.HoldsBesideAWall"),
+             "double growth = static_cast<double>(error);", "double growth = 0.0 * static_cast<double>(error);", "CellPromise.HoldsBesideAWall"),
     Mutation("g_faces", "and the boxes of faces to draw", CELLS + "cell_refinement.cpp",
              "const CellBox box = grown_box(view, bounding_box(std::array{a, b, c}), error);", "const CellBox box = grown_box(view, bounding_box(std::array{a, b, c}), 0.0F * error);",
              "CellPromise.HoldsBesideAWall"),
     Mutation("near_cut", "the near plane reaches the hull test", CELLS + "cell_refinement.cpp",
-             "without_.near ? 0.0 : options_.eyes.near / options_.eyes.cos_corner_angle", "0.0", "CellPromise.HoldsBehindWhatIsClipped"),
+             "const double near_reach = options_.eyes.near / options_.eyes.cos_corner_angle;", "const double near_reach = 0.0;", "CellPromise.HoldsBehindWhatIsClipped"),
     Mutation("near_corner", "in the corners of an image it is farther away", CELLS + "cell_refinement.cpp",
              "options_.eyes.near / options_.eyes.cos_corner_angle", "options_.eyes.near", "CellGuards.TheNearPlaneIsFartherInTheCorners"),
     Mutation("two_sided", "backs of two-sided objects are drawn", CELLS + "cell_refinement.cpp",

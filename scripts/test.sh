@@ -15,7 +15,7 @@ case $choice in
 esac
 
 scripts/setup.sh
-scripts/build.sh release -DOCCLOD_BUILD_TESTS=ON -DOCCLOD_WARNINGS_AS_ERRORS=ON -DOCCLOD_TEST_PCH=ON -DOCCLOD_UNITY=ON
+scripts/build.sh release -U "OCCLOD_BUILD_*" -U "OCCLOD_WITH_*" -DOCCLOD_BUILD_TESTS=ON -DOCCLOD_WARNINGS_AS_ERRORS=ON -DOCCLOD_TEST_PCH=ON -DOCCLOD_UNITY=ON
 
 results=build/release/Testing
 rm -rf "$results/gtest" "$results/junit.xml"

@@ -196,6 +196,14 @@ void for_each_task(std::size_t count, unsigned threads, const MakeWorker& make_w
   others.join();
 }
 
+// The same without workers.
+template <typename Visit>
+void for_each_task(std::size_t count, unsigned threads, const Visit& visit) {
+  struct Nothing {};
+  for_each_task(
+      count, threads, [] { return Nothing{}; }, [&](Nothing, std::size_t i) { visit(i); }, [] {});
+}
+
 // Calls visit(begin, end, part) for `threads` consecutive parts of [0, count), each on a thread of its own where the
 // system grants as many.
 template <typename Visit>

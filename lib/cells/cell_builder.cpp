@@ -352,7 +352,7 @@ std::shared_ptr<const CellSurface> surface_of(std::span<const RefineObject> obje
       throw Error({"cell occluders", "", "an object has no hierarchy", "build one with build_hierarchy()"});
     require_placement(object.object_to_world);
   }
-  return std::make_shared<const CellSurface>(objects, max_motion, CellSurface::Without{});
+  return std::make_shared<const CellSurface>(objects, max_motion);
 }
 
 }  // namespace
@@ -402,7 +402,7 @@ class CellBuilder::Work {
       sampling_.emplace(checked(objects, options), options);
     else
       refinement_.emplace(checked(objects, options), occluders == nullptr ? nullptr : &occluders->surface(),
-                          occluders == nullptr ? nullptr : &occluders->boxes(), options, CellRefinement::Without{});
+                          occluders == nullptr ? nullptr : &occluders->boxes(), options);
   }
   const CellCut& build(const CellBox& cell) { return sampling_ ? sampling_->build(cell) : refinement_->build(cell); }
 

@@ -161,8 +161,8 @@ constexpr std::size_t max_faces_at_once = 8;
 }  // namespace
 
 CellRefinement::CellRefinement(std::span<const RefineObject> objects, const CellSurface* surface,
-                               const InnerBoxes* boxes, const CellOptions& options, const Without& without)
-    : objects_(objects.begin(), objects.end()), options_(options), without_(without) {
+                               const InnerBoxes* boxes, const CellOptions& options)
+    : objects_(objects.begin(), objects.end()), options_(options) {
   result_.objects.resize(objects.size());
   for (const RefineObject& object : objects) {
     object.hierarchy->require_all();
@@ -178,7 +178,7 @@ const CellCut& CellRefinement::build(const CellBox& cell) {
   result_.triangles = result_.drawn_triangles = 0;
   result_.error_px = 0.0;
   if (hull_test_) {
-    const double near_reach = without_.near ? 0.0 : options_.eyes.near / options_.eyes.cos_corner_angle;
+    const double near_reach = options_.eyes.near / options_.eyes.cos_corner_angle;
     hull_test_->set_cell(cell, near_reach);
     images_->draw(cell, near_reach);
   }
@@ -284,7 +284,7 @@ bool CellRefinement::is_fine(float error, float scale_px) {
 }
 
 CellBox CellRefinement::grown_box(const CellView& view, const Box& box, float error) const {
-  double growth = without_.growth ? 0.0 : static_cast<double>(error);
+  double growth = static_cast<double>(error);
   if (options_.budget == 0) growth = std::min(growth, options_.tolerance_px / view.smallest_scale_px(box));
   return view.world_box(box, growth);
 }

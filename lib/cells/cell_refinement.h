@@ -108,15 +108,9 @@ class CellImages {
 // version of it does not.
 class CellRefinement {
  public:
-  // What is left out, for tests: then the result is not what it promises.
-  struct Without {
-    bool growth = false;  // boxes are not grown by g
-    bool near = false;    // what the near plane clips away hides
-  };
-
   // `surface`: nothing is hidden without it. `boxes`: of the surface, or none.
   CellRefinement(std::span<const RefineObject> objects, const CellSurface* surface, const InnerBoxes* boxes,
-                 const CellOptions& options, const Without& without);
+                 const CellOptions& options);
 
   const CellCut& build(const CellBox& cell);
 
@@ -157,7 +151,6 @@ class CellRefinement {
 
   std::vector<RefineObject> objects_;
   CellOptions options_;
-  Without without_;
   std::vector<Cut> cuts_;
   std::vector<CellView> views_;  // of objects
   std::size_t triangles_ = 0;    // active

@@ -85,13 +85,13 @@ void TriangleBvh::build(std::span<const CellBox> boxes, std::span<std::uint32_t>
   build(boxes, order.subspan(half));
 }
 
-CellSurface::CellSurface(std::span<const RefineObject> objects, double max_motion, const Without& without) {
+CellSurface::CellSurface(std::span<const RefineObject> objects, double max_motion) {
   std::map<std::pair<const Hierarchy*, double>, MotionCut> cuts;  // instances of one hierarchy may share them
   for (const RefineObject& object : objects) {
     const double stretch = stretch_of(glm::dmat3(object.object_to_world));
     const auto [cut, is_new] = cuts.try_emplace({object.hierarchy, max_motion / stretch});
-    if (is_new) cut->second = cut_of(*object.hierarchy, max_motion / stretch, without);
-    add(object, cut->second, without.motion ? 0.0 : stretch);
+    if (is_new) cut->second = cut_of(*object.hierarchy, max_motion / stretch);
+    add(object, cut->second, stretch);
   }
   finish();
 }
@@ -104,8 +104,8 @@ CellSurface::CellSurface(std::vector<glm::dvec3> positions, std::span<const Tria
   finish();
 }
 
-MotionCut CellSurface::cut_of(const Hierarchy& hierarchy, double max_motion, const Without& without) {
-  if (max_motion > 0.0) return cut_to_motion(hierarchy, max_motion, {.topology = without.topology});
+MotionCut CellSurface::cut_of(const Hierarchy& hierarchy, double max_motion) {
+  if (max_motion > 0.0) return cut_to_motion(hierarchy, max_motion);
   MotionCut cut{triangles_of(hierarchy, full_cut(hierarchy)), {}};
   cut.moved.assign(cut.triangles.size(), 0.0F);
   return cut;

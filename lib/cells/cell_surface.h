@@ -146,14 +146,8 @@ inline void TriangleBvh::push_children(const Entry& entry, bool left_first, Stac
 // the same three corners one is kept; what has less than three corners is left out.
 class CellSurface {
  public:
-  // What is left out, for tests: then what is said to be hidden need not be.
-  struct Without {
-    bool motion = false;    // triangles are taken to be exactly where the input is
-    bool topology = false;  // windows and tunnels may have closed
-  };
-
   // Of each object the cut whose faces have moved by no more than max_motion (world units); with 0 the input itself.
-  CellSurface(std::span<const RefineObject> objects, double max_motion, const Without& without);
+  CellSurface(std::span<const RefineObject> objects, double max_motion);
   // Of triangles given as they are, for tests. `moved`: of each, world units; or none.
   CellSurface(std::vector<glm::dvec3> positions, std::span<const Triangle> triangles, std::span<const float> moved);
 
@@ -183,7 +177,7 @@ class CellSurface {
 
  private:
   // `max_motion`: object units.
-  [[nodiscard]] static MotionCut cut_of(const Hierarchy& hierarchy, double max_motion, const Without& without);
+  [[nodiscard]] static MotionCut cut_of(const Hierarchy& hierarchy, double max_motion);
   // `scale`: of motions, from object to world.
   void add(const RefineObject& object, const MotionCut& cut, double scale);
   void add_triangle(const Triangle& t, double moved);

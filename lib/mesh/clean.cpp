@@ -92,8 +92,8 @@ class PositionTable {
 
 class Cleaner {
  public:
-  Cleaner(TriangleMesh mesh, const MeshReport& report, const std::string& subject)
-      : mesh_(std::move(mesh)), report_(report), subject_(subject) {
+  Cleaner(TriangleMesh mesh, const MeshReport& report, const std::string& subject, int threads)
+      : mesh_(std::move(mesh)), report_(report), subject_(subject), threads_(threads) {
     assert(mesh_.normals.empty() || mesh_.normals.size() == mesh_.wedge_count());
     assert(mesh_.colors.empty() || mesh_.colors.size() == mesh_.wedge_count());
     assert(mesh_.texture_coordinates.empty() || mesh_.texture_coordinates.size() == mesh_.wedge_count());
@@ -125,7 +125,7 @@ class Cleaner {
     }
     repair_normals();
     drop_unused_vertices(std::move(read_corners));
-    count_topology(mesh_, report_);
+    count_topology(mesh_, report_, threads_);
     return {std::move(mesh_), report_};
   }
 
@@ -322,14 +322,15 @@ class Cleaner {
   TriangleMesh mesh_;
   MeshReport report_;
   const std::string& subject_;
+  int threads_;
   std::vector<std::uint8_t> used_;  // as read
   std::vector<VertexId> leader_;    // the first used vertex at the position of each; empty where none is welded
 };
 
 }  // namespace
 
-CleanMesh clean(TriangleMesh mesh, const MeshReport& report, const std::string& subject) {
-  return Cleaner(std::move(mesh), report, subject).run();
+CleanMesh clean(TriangleMesh mesh, const MeshReport& report, const std::string& subject, int threads) {
+  return Cleaner(std::move(mesh), report, subject, threads).run();
 }
 
 float lattice_step(const Box& box, int bits) {

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "mesh/share_tasks.h"
+#include "base/threads.h"
 #include "occlod/mesh.h"
 
 namespace occlod {
@@ -53,13 +53,12 @@ bool has_zero_area(const TriangleMesh& mesh, const Triangle& t) {
 // vertices near each other.
 class VertexRanges {
  public:
-  explicit VertexRanges(const TriangleMesh& mesh) : mesh_(mesh), ranges_((mesh.triangle_count() + run - 1) / run) {
+  VertexRanges(const TriangleMesh& mesh, unsigned threads)
+      : mesh_(mesh), ranges_((mesh.triangle_count() + run - 1) / run) {
     constexpr std::size_t runs_a_task = 256;
-    share_tasks(1 + ranges_.size() / runs_a_task, [&](TaskQueue& queue) {
-      while (const auto task = queue.next()) {
-        const std::size_t end = std::min((*task + 1) * runs_a_task, ranges_.size());
-        for (std::size_t i = *task * runs_a_task; i < end; ++i) ranges_[i] = range_of(i);
-      }
+    for_each_task(1 + ranges_.size() / runs_a_task, threads, [&](std::size_t task) {
+      const std::size_t end = std::min((task + 1) * runs_a_task, ranges_.size());
+      for (std::size_t i = task * runs_a_task; i < end; ++i) ranges_[i] = range_of(i);
     });
   }
 
@@ -254,11 +253,16 @@ std::uint64_t count_zero_areas(const TriangleMesh& mesh, std::size_t begin, std:
 // Splits the counting into tasks for any thread: sums do not depend on which thread did what.
 class TopologyCounter {
  public:
-  explicit TopologyCounter(const TriangleMesh& mesh)
-      : mesh_(mesh), ranges_(mesh), parts_(1 + std::min<std::size_t>(15, mesh.vertex_count() / min_vertices)) {}
+  TopologyCounter(const TriangleMesh& mesh, unsigned threads)
+      : mesh_(mesh),
+        threads_(threads),
+        ranges_(mesh, threads),
+        parts_(1 + std::min<std::size_t>(15, mesh.vertex_count() / min_vertices)) {}
 
   MeshReport run() {
-    share_tasks(parts_ + 1, [this](TaskQueue& queue) { work(queue); });
+    for_each_task(
+        parts_ + 1, threads_, [this] { return Worker(*this); },
+        [](Worker& worker, std::size_t task) { worker.count(task); }, [] {});
     return total_;
   }
 
@@ -266,35 +270,50 @@ class TopologyCounter {
   // Fewer are not worth a part; 16 parts keep the lists of a large mesh small and are many enough for its threads.
   static constexpr std::size_t min_vertices = 32768;
 
-  void work(TaskQueue& queue) {
-    StarCounter stars(mesh_, ranges_);
-    std::uint64_t zero_areas = 0;
-    std::uint64_t components = 0;
-    while (const auto task = queue.next()) {
-      if (*task == 0) {  // the longest comes first
-        components = count_components(mesh_);
-        continue;
+  // What one thread counts, added to the total at its end.
+  class Worker {
+   public:
+    explicit Worker(TopologyCounter& counter) : counter_(counter), stars_(counter.mesh_, counter.ranges_) {}
+    Worker(const Worker&) = delete;
+    Worker& operator=(const Worker&) = delete;
+    ~Worker() { counter_.add(stars_.report(), zero_areas_, components_); }
+
+    void count(std::size_t task) {
+      const TriangleMesh& mesh = counter_.mesh_;
+      if (task == 0) {  // the longest comes first
+        components_ = count_components(mesh);
+        return;
       }
-      const std::size_t part = *task - 1;
+      const std::size_t part = task - 1, parts = counter_.parts_;
       const auto part_of = [&](std::size_t count) {
-        return std::pair{part * count / parts_, (part + 1) * count / parts_};
+        return std::pair{part * count / parts, (part + 1) * count / parts};
       };
-      const auto [first_vertex, last_vertex] = part_of(mesh_.vertex_count());
-      stars.count(static_cast<VertexId>(first_vertex), static_cast<VertexId>(last_vertex));
-      const auto [first_triangle, last_triangle] = part_of(mesh_.triangle_count());
-      zero_areas += count_zero_areas(mesh_, first_triangle, last_triangle);
+      const auto [first_vertex, last_vertex] = part_of(mesh.vertex_count());
+      stars_.count(static_cast<VertexId>(first_vertex), static_cast<VertexId>(last_vertex));
+      const auto [first_triangle, last_triangle] = part_of(mesh.triangle_count());
+      zero_areas_ += count_zero_areas(mesh, first_triangle, last_triangle);
     }
+
+   private:
+    TopologyCounter& counter_;
+    StarCounter stars_;
+    std::uint64_t zero_areas_ = 0;
+    std::uint64_t components_ = 0;
+  };
+
+  void add(const MeshReport& stars, std::uint64_t zero_areas, std::uint64_t components) {
     const std::scoped_lock lock(mutex_);
     total_.zero_area_triangles += zero_areas;
     total_.components += components;
-    total_.repeated_triangles += stars.report().repeated_triangles;
-    total_.boundary_edges += stars.report().boundary_edges;
-    total_.nonmanifold_edges += stars.report().nonmanifold_edges;
-    total_.inconsistent_edges += stars.report().inconsistent_edges;
-    total_.nonmanifold_vertices += stars.report().nonmanifold_vertices;
+    total_.repeated_triangles += stars.repeated_triangles;
+    total_.boundary_edges += stars.boundary_edges;
+    total_.nonmanifold_edges += stars.nonmanifold_edges;
+    total_.inconsistent_edges += stars.inconsistent_edges;
+    total_.nonmanifold_vertices += stars.nonmanifold_vertices;
   }
 
   const TriangleMesh& mesh_;
+  const unsigned threads_;
   const VertexRanges ranges_;
   const std::size_t parts_;
   std::mutex mutex_;
@@ -303,8 +322,8 @@ class TopologyCounter {
 
 }  // namespace
 
-void count_topology(const TriangleMesh& mesh, MeshReport& report) {
-  const MeshReport counted = TopologyCounter(mesh).run();
+void count_topology(const TriangleMesh& mesh, MeshReport& report, int threads) {
+  const MeshReport counted = TopologyCounter(mesh, thread_count(threads)).run();
   report.zero_area_triangles = counted.zero_area_triangles;
   report.repeated_triangles = counted.repeated_triangles;
   report.boundary_edges = counted.boundary_edges;

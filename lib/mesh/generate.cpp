@@ -11,8 +11,8 @@
 
 #include "base/arithmetic.h"
 #include "base/option_checker.h"
+#include "base/threads.h"
 #include "mesh/part_giver.h"
-#include "mesh/share_tasks.h"
 #include "occlod/mesh.h"
 
 namespace occlod {
@@ -289,17 +289,16 @@ TriangleMesh bands(const OctahedronLattice& lattice, std::size_t first_ring, std
   const std::size_t end =
       last_ring + 1 < lattice.ring_count() ? lattice.ring_start(last_ring + 1) : lattice.vertex_count();
   mesh.positions.resize(end - first);
-  share_tasks(last_ring + 1 - first_ring, [&](TaskQueue& rings) {
-    FractalNoise noise(options);
-    while (const auto task = rings.next()) {
-      const std::size_t ring = first_ring + *task;
-      auto position = mesh.positions.begin() + static_cast<std::ptrdiff_t>(lattice.ring_start(ring) - first);
-      lattice.for_each_direction(ring, [&](const glm::dvec3& direction) {
-        const double radius = 1.0 + options.amplitude * noise.at(direction);
-        *position++ = direction * radius;
-      });
-    }
-  });
+  const auto displace = [&](FractalNoise& noise, std::size_t task) {
+    const std::size_t ring = first_ring + task;
+    auto position = mesh.positions.begin() + static_cast<std::ptrdiff_t>(lattice.ring_start(ring) - first);
+    lattice.for_each_direction(ring, [&](const glm::dvec3& direction) {
+      const double radius = 1.0 + options.amplitude * noise.at(direction);
+      *position++ = direction * radius;
+    });
+  };
+  for_each_task(
+      last_ring + 1 - first_ring, thread_count(0), [&] { return FractalNoise(options); }, displace, [] {});
   lattice.append_bands(first_ring, last_ring, 0, mesh.triangles);
   return mesh;
 }

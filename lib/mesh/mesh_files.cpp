@@ -228,13 +228,13 @@ PolygonSoup parse_mesh(MeshFormat format, InputBytes& input, const FileErrors& e
   return {};
 }
 
-CleanMesh read_mesh(const std::filesystem::path& path, const std::function<void(double)>& progress) {
+CleanMesh read_mesh(const std::filesystem::path& path, const std::function<void(double)>& progress, int threads) {
   const FileErrors errors(path);
   PolygonSoup soup = parse_file(path, errors, progress);
   MeshReport report;
   TriangleMesh mesh = take_mesh(soup, report, errors);
   if (progress) progress(1.0);
-  return clean(std::move(mesh), report, errors.subject());
+  return clean(std::move(mesh), report, errors.subject(), threads);
 }
 
 }  // namespace occlod

@@ -29,8 +29,7 @@ double safe_ratio(double a, double b) {
 
 }  // namespace
 
-void TileOccluder::begin(const View& view, const Without& without) {
-  without_ = without;
+void TileOccluder::begin(const View& view) {
   glm::dmat4 from_eye(1.0);
   from_eye[3] = glm::dvec4(view.camera().eye, 1.0);
   eye_to_clip_ = view.world_to_clip() * from_eye;
@@ -102,7 +101,6 @@ TileOccluder::Corner TileOccluder::project(const glm::vec3& position, const Obje
 
 // A point that moves by `moved` and is then in the image, has moved by no more pixels than this.
 double TileOccluder::radius_of(double moved, double min_depth) const {
-  if (without_.erosion) return 0.0;
   return slack_px + focal_length_px_ * moved * stretch_ / (is_orthographic_ ? 1.0 : min_depth);
 }
 
@@ -123,7 +121,7 @@ void TileOccluder::join_faces() {
     if (end == i + 2 && edges_[i].is_forward != edges_[i + 1].is_forward) {
       const Edge &a = edges_[i], &b = edges_[i + 1];
       const unsigned both = (1U << a.corner) | (1U << ((a.corner + 1U) % 3U));
-      if (without_.marks || (faces_[a.face].marked & both) != both) {
+      if ((faces_[a.face].marked & both) != both) {
         faces_[a.face].beyond[a.corner] = b.face;
         faces_[b.face].beyond[b.corner] = a.face;
         // So that what the edge is near both its faces are near.
@@ -191,13 +189,11 @@ void TileOccluder::add_borders(std::uint32_t f) {
     add_border(f, face.corners[k], face.corners[(k + 1) % 3]);
     ends |= (1U << k) | (1U << ((k + 1U) % 3U));
   }
-  if (without_.marks) return;
   for (std::size_t k = 0; k < 3; ++k)
     if (((face.marked & ~ends) >> k & 1U) != 0) add_border(f, face.corners[k], face.corners[k]);
 }
 
 void TileOccluder::add_border(std::uint32_t f, const Corner& a, const Corner& b) {
-  if (without_.erosion) return;
   const Face& face = faces_[f];
   constexpr double half_diagonal = 0.7072 * tile_size;
   const Rect rect = tiles_near(glm::min(a.pixel, b.pixel), glm::max(a.pixel, b.pixel), face.radius);
@@ -358,7 +354,7 @@ std::span<const OccluderPart> Occluder::build(std::span<const RefineObject> obje
 void Occluder::build_conservative(std::span<const RefineObject> objects, CutSet& cuts, const View& view,
                                   std::span<const ObjectView> views) {
   hold_motions(cuts);
-  tiles_.begin(view, without_.tiles);
+  tiles_.begin(view);
   for (std::uint32_t i = 0; i < cuts.size(); ++i) {
     cuts.active_triangles(i, parts_[i].triangles, true);  // sorts its splits
     find_vertices(cuts[i], *motions_[i]);
@@ -413,11 +409,9 @@ const Occluder::CutVertex& Occluder::vertex(const Cut& cut, VertexId v) const {
 void Occluder::find_faces(const Cut& cut, const SurfaceMotion& motion) {
   faces_.clear();
   cut.for_each_active([&](const FaceRef& ref, const Triangle& t) {
-    MovedFace face{t, without_.motion ? 0.0F : motion.moved(ref)};
+    MovedFace face{t, motion.moved(ref)};
     for (int k = 0; k < 3; ++k) {
       const CutVertex& corner = vertex(cut, t[k]);
-      if (without_.motion && corner.first_left != no_id)
-        face.moved = std::max(face.moved, cut.hierarchy().node(corner.first_left).guaranteed_error);
       face.marked = static_cast<std::uint8_t>(face.marked | (corner.is_marked ? 1U << static_cast<unsigned>(k) : 0U));
     }
     faces_.push_back(face);

@@ -47,14 +47,8 @@ class TileOccluder {
  public:
   static constexpr int tile_size = 8;  // pixels
 
-  // What is left out, for tests: then the result is not what it promises.
-  struct Without {
-    bool marks = false;    // marks are no border
-    bool erosion = false;  // borders and faces are not grown on the screen
-  };
-
   // Forgets what was added.
-  void begin(const View& view, const Without& without);
+  void begin(const View& view);
   // `faces` index `positions` (object space). O(n log n + tiles touched).
   void add(std::uint32_t object, std::span<const MovedFace> faces, std::span<const glm::vec3> positions,
            const ObjectView& view, bool two_sided);
@@ -112,7 +106,6 @@ class TileOccluder {
                   std::span<const Border> borders);
   [[nodiscard]] std::uint32_t root(std::uint32_t i);
 
-  Without without_;
   glm::dmat4 eye_to_clip_{1.0}, clip_to_eye_{1.0};  // from and to world space relative to the eye
   glm::dvec3 direction_{0.0};
   double near_ = 0.0, focal_length_px_ = 0.0, stretch_ = 1.0;
@@ -142,15 +135,6 @@ class TileOccluder {
 // that show their backs, except of two-sided objects. In mode conservative, they are squares on tiles of the image.
 class Occluder {
  public:
-  // What conservative mode leaves out, for tests: then the result is not what it promises.
-  struct Without {
-    bool motion = false;  // guaranteed errors in place of how far faces have moved
-    TileOccluder::Without tiles;
-  };
-
-  Occluder() = default;
-  explicit Occluder(const Without& without) : without_(without) {}
-
   // `cuts` and `views`, of `view`, by object. The result is valid until the next call. O(n) for n triangles; in mode
   // conservative O(n log n + tiles touched), and once for each hierarchy the time of motion_of().
   std::span<const OccluderPart> build(std::span<const RefineObject> objects, CutSet& cuts, const View& view,
@@ -175,7 +159,6 @@ class Occluder {
   void find_faces(const Cut& cut, const SurfaceMotion& motion);
   [[nodiscard]] const CutVertex& vertex(const Cut& cut, VertexId v) const;
 
-  Without without_;
   std::vector<Part> parts_;
   std::vector<OccluderPart> result_;
   std::vector<std::shared_ptr<const SurfaceMotion>> motions_;  // by object

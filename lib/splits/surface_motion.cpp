@@ -20,10 +20,9 @@ namespace {
 
 class LimitedReplay {
  public:
-  LimitedReplay(const Hierarchy& hierarchy, double max_motion, const MotionCutWithout& without)
+  LimitedReplay(const Hierarchy& hierarchy, double max_motion)
       : h_(hierarchy),
         max_motion_(max_motion),
-        without_(without),
         mesh_(triangles_of(hierarchy, full_cut(hierarchy)), hierarchy.vertex_count()),
         positions_(hierarchy.positions()),
         stays_(hierarchy.split_count(), false) {
@@ -82,7 +81,7 @@ class LimitedReplay {
     const std::optional<std::size_t> place = ring_.place_of(u);
     if (!place) return false;
     const bool keeps = is_plain(star) && keeps_topology(mesh_, ring_, *place);
-    if (!keeps && !without_.topology) return false;
+    if (!keeps) return false;
     float before = 0.0F;
     for (std::uint32_t slot = 0; slot < star.inserted_count(); ++slot)
       before = std::max(before, moved_[place_of({s, slot})]);
@@ -110,7 +109,6 @@ class LimitedReplay {
 
   const Hierarchy& h_;
   double max_motion_;
-  MotionCutWithout without_;
   StarMesh mesh_;
   PositionView positions_;
   std::vector<bool> stays_;  // of splits: applied in the cut
@@ -124,15 +122,11 @@ class LimitedReplay {
 
 }  // namespace
 
-MotionCut cut_to_motion(const Hierarchy& hierarchy, double max_motion, const MotionCutWithout& without) {
+MotionCut cut_to_motion(const Hierarchy& hierarchy, double max_motion) {
   hierarchy.require_all();
-  LimitedReplay replay(hierarchy, max_motion, without);
+  LimitedReplay replay(hierarchy, max_motion);
   replay.run();
   return replay.result();
-}
-
-MotionCut cut_to_motion(const Hierarchy& hierarchy, double max_motion) {
-  return cut_to_motion(hierarchy, max_motion, {});
 }
 
 namespace {

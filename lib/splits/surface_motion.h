@@ -31,12 +31,6 @@ struct MotionCut {
 // where a mapped file is damaged. O(n log n).
 [[nodiscard]] MotionCut cut_to_motion(const Hierarchy& hierarchy, double max_motion);
 
-// What is left out, for tests: then the cut is not what it promises.
-struct MotionCutWithout {
-  bool topology = false;  // collapses that change the topology are repeated as well
-};
-[[nodiscard]] MotionCut cut_to_motion(const Hierarchy& hierarchy, double max_motion, const MotionCutWithout& without);
-
 // How far the surface moves while it is simplified, and where its topology changes on the way.
 
 // Every collapse is a motion that carries the star of v to what is left of it: along the heights between both, or by

@@ -25,7 +25,6 @@ struct Sweep {
   OccluderMode mode = OccluderMode::conservative;
   bool two_sided = false;
   ErrorBound error_bound = ErrorBound::accumulated;
-  Occluder::Without without{};
   double from_above = 0.0;  // added to the z of all directions in which the eye may be: 0 = from all around
   bool orthographic = false;
 };
@@ -50,7 +49,7 @@ Count count_wrongly_hidden(const TriangleMesh& mesh, const Sweep& sweep) {
   std::mt19937 random(5);
   std::normal_distribution<double> normal;
   const auto direction = [&] { return glm::normalize(glm::dvec3(normal(random), normal(random), normal(random))); };
-  Occluder occluder(sweep.without);
+  Occluder occluder;
   Count count;
   for (int n = 0; n < 12; ++n) {
     CutSet cuts;
@@ -114,26 +113,6 @@ TEST(ConservativeOccluder, SheetWithWindows) { expect_conservative(test::sheet_w
 
 TEST(ConservativeOccluder, BlockWithTunnels) { expect_conservative(test::block(true), {.from_above = 2.0}, 500); }
 TEST(ConservativeOccluder, BlockWithGrooves) { expect_conservative(test::block(false), {.from_above = 1.0}, 500); }
-
-// Each of the three remedies is needed.
-TEST(ConservativeOccluder, IsWrongWithoutMotionBounds) {
-  Sweep sweep = sheet;
-  sweep.error_bound = ErrorBound::measured;
-  sweep.without.motion = true;
-  EXPECT_GT(count_wrongly_hidden(test::sheet_with_windows(), sweep).wrong, 0);
-}
-TEST(ConservativeOccluder, IsWrongWithoutMarks) {
-  Sweep sweep = sheet;
-  sweep.without.tiles.marks = true;
-  EXPECT_GT(count_wrongly_hidden(test::sheet_with_windows(), sweep).wrong, 0);
-}
-TEST(ConservativeOccluder, IsWrongWithoutErosion) {
-  EXPECT_GT(count_wrongly_hidden(
-                test::block(false),
-                {.without = {.motion = false, .tiles = {.marks = false, .erosion = true}}, .from_above = 1.0})
-                .wrong,
-            0);
-}
 
 // Some cut of a sphere, and the occluder that is made of it as it is.
 struct SphereCut {

@@ -60,7 +60,7 @@ Hiding hide(const Squares& squares, bool two_sided = false, const View& view = f
             const glm::dmat4& object_to_world = glm::dmat4(1.0)) {
   const ObjectView object(view, object_to_world);
   TileOccluder occluder;
-  occluder.begin(view, {});
+  occluder.begin(view);
   occluder.add(0, squares.faces, squares.positions, object, two_sided);
   std::vector<glm::vec3> positions;
   std::vector<Triangle> triangles;

@@ -207,7 +207,7 @@ TEST(OccluderGuards, MotionsAreWorldUnitsAndRoundedUp) {
   const Hierarchy ball = build_hierarchy(test::noisy_sphere(4, 6));
   const MotionCut cut = cut_to_motion(ball, 0.15 / 3.0);
   const RefineObject objects[] = {{&ball, glm::scale(glm::dmat4(1.0), glm::dvec3(3.0))}};
-  const CellSurface surface(objects, 0.15, {});
+  const CellSurface surface(objects, 0.15);
   ASSERT_EQ(surface.triangle_count(), cut.triangles.size());
   std::vector<double> expected, found;
   for (std::uint32_t t = 0; t < surface.triangle_count(); ++t) {

@@ -189,7 +189,7 @@ TEST(HardScenes, PlacedObjectsHideAsIfBaked) {
       positions.push_back(glm::dmat4x3(object.object_to_world) * glm::dvec4(p, 1.0));
     for (const Triangle& t : ball.triangles) triangles.emplace_back(first + t.x, first + t.y, first + t.z);
   }
-  const CellSurface placed(objects, 0.0, {}), baked(positions, triangles, {});
+  const CellSurface placed(objects, 0.0), baked(positions, triangles, {});
   HullTest of_placed(placed), of_baked(baked);
   test::RandomShapes random(19);
   int hidden = 0;
@@ -208,7 +208,7 @@ TEST(HardScenes, PlacedObjectsHideAsIfBaked) {
 TEST(HardScenes, PartsOfWhatIsHiddenAreHidden) {
   const Hierarchy ball = build_hierarchy(test::noisy_sphere(4, 2));
   const RefineObject objects[] = {{&ball}, {&ball, glm::translate(glm::dmat4(1.0), {1.5, 0, -2})}};
-  const CellSurface surface(objects, 0.01, {});
+  const CellSurface surface(objects, 0.01);
   HullTest whole(surface), part(surface);
   test::RandomShapes random(29);
   const auto inside = [&](const CellBox& box) {

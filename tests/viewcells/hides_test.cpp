@@ -181,10 +181,10 @@ struct Count {
 
 // Cells and boxes on either side of points of a mesh of about unit size. Segments go from any point of one to any of
 // the other.
-Count count_wrongly_hidden(const TriangleMesh& mesh, double max_motion, const CellSurface::Without& without = {}) {
+Count count_wrongly_hidden(const TriangleMesh& mesh, double max_motion) {
   const Hierarchy hierarchy = build_hierarchy(mesh);
   const RefineObject objects[] = {{.hierarchy = &hierarchy}};
-  const CellSurface surface(objects, max_motion, without);
+  const CellSurface surface(objects, max_motion);
   const test::RayScene input(mesh.positions, mesh.triangles);
   HullTest test(surface);
   test::RandomShapes random(11);
@@ -286,14 +286,6 @@ TEST(CellOccluders, Soup) {
     mesh.triangles.emplace_back(3 * i, 3 * i + 1, 3 * i + 2);
   }
   expect_conservative(mesh, 0.1, 1000);
-}
-
-TEST(CellOccluders, AreWrongWithoutMotionBounds) {
-  EXPECT_GT(count_wrongly_hidden(test::sheet_with_windows(), 0.03, {.motion = true}).wrong, 0);
-}
-
-TEST(CellOccluders, AreWrongWhereTopologyChanges) {
-  EXPECT_GT(count_wrongly_hidden(test::sheet_with_windows(), 0.05, {.topology = true}).wrong, 0);
 }
 
 }  // namespace

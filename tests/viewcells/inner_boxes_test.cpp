@@ -170,7 +170,7 @@ TEST(InnerBoxes, HullTestsAskThemFirst) {
 void expect_conservative(const TriangleMesh& mesh, double max_motion, int min_hidden) {
   const Hierarchy hierarchy = build_hierarchy(mesh);
   const RefineObject objects[] = {{.hierarchy = &hierarchy}};
-  const CellSurface surface(objects, max_motion, {});
+  const CellSurface surface(objects, max_motion);
   const InnerBoxes boxes(surface);
   InnerBoxTest test(surface, boxes);
   const test::RayScene input(mesh.positions, mesh.triangles);

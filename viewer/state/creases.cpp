@@ -7,7 +7,7 @@
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
 
-#include "mesh/share_tasks.h"
+#include "base/threads.h"
 
 namespace occlod::viewer {
 namespace {
@@ -104,14 +104,14 @@ std::vector<std::uint8_t> find_creases(std::span<const glm::vec3> positions, std
   const Stars stars(positions.size(), triangles);
   std::vector<std::uint8_t> creases(positions.size());
   constexpr std::size_t a_task = 16'384;
-  share_tasks(1 + positions.size() / a_task, [&](TaskQueue& queue) {
-    CreaseFinder finder(positions, triangles);
-    while (const auto task = queue.next())
-      for (std::size_t v = *task * a_task; v < std::min((*task + 1) * a_task, positions.size()); ++v) {
-        const double angle = finder.angle_deg(static_cast<VertexId>(v), stars.around(v));
-        creases[v] = static_cast<std::uint8_t>(std::lround(angle / crease_unit_deg));
-      }
-  });
+  const auto find = [&](CreaseFinder& finder, std::size_t task) {
+    for (std::size_t v = task * a_task; v < std::min((task + 1) * a_task, positions.size()); ++v) {
+      const double angle = finder.angle_deg(static_cast<VertexId>(v), stars.around(v));
+      creases[v] = static_cast<std::uint8_t>(std::lround(angle / crease_unit_deg));
+    }
+  };
+  for_each_task(
+      1 + positions.size() / a_task, thread_count(0), [&] { return CreaseFinder(positions, triangles); }, find, [] {});
   return creases;
 }
 

@@ -39,6 +39,7 @@ namespace {
 // Keeps what a source gives.
 class PieceCollector final : public TriangleSink {
  public:
+  explicit PieceCollector(int threads) : threads_(threads) {}
   // Cleans the piece. Throws Error as TriangleSink says.
   void add(const TriangleMesh& piece) override;
   // Of all pieces so far.
@@ -49,7 +50,7 @@ class PieceCollector final : public TriangleSink {
   // After all pieces: the mesh with its vertices along a Morton curve, those of one cell in the order in which
   // triangles use them first. Vertices at one position become one, equal attributes there one wedge. Takes what was
   // collected. O(n log n).
-  [[nodiscard]] WedgeMesh weld(unsigned threads);
+  [[nodiscard]] WedgeMesh weld();
   // Sums of what cleaning has counted, but for topology.
   [[nodiscard]] const MeshReport& report() const { return report_; }
 
@@ -62,6 +63,7 @@ class PieceCollector final : public TriangleSink {
   WedgeMesh raw_;  // a vertex for each wedge of each piece; `triangles` only
   std::size_t pieces_ = 0;
   MeshReport report_;
+  int threads_;
 };
 
 using PositionBits = std::array<std::uint32_t, 3>;
@@ -111,7 +113,7 @@ void PieceCollector::add(const TriangleMesh& piece) {
     report_.repeated_index_triangles += piece.triangle_count();
     return;
   }
-  const CleanMesh cleaned = clean(piece, MeshReport{}, fmt::format("piece {}", pieces_));
+  const CleanMesh cleaned = clean(piece, MeshReport{}, fmt::format("piece {}", pieces_), threads_);
   count(cleaned.report);
   append(cleaned.mesh);
   ++pieces_;
@@ -347,7 +349,7 @@ class PieceCollector::Welder {
   std::vector<Kind> kinds_;
 };
 
-WedgeMesh PieceCollector::weld(unsigned threads) { return Welder(std::move(raw_), threads).run(report_); }
+WedgeMesh PieceCollector::weld() { return Welder(std::move(raw_), thread_count(threads_)).run(report_); }
 
 constexpr double min_progress = 0.97;  // a level with a larger share of the triangles below it is left out
 constexpr double grouped = 0.15, simplified = 0.85;  // shares of the whole time
@@ -464,20 +466,20 @@ Hlod build_hlod(const TriangleMesh& mesh, const BuildOptions& options) {
   if (step == 0.0F) return build(to_wedge_mesh(mesh, threads), step, options, journal.get());
   TriangleMesh rounded = mesh;
   round_to_lattice(rounded, step);
-  return build(to_wedge_mesh(clean(std::move(rounded), {}, "rounded mesh").mesh, threads), step, options,
-               journal.get());
+  return build(to_wedge_mesh(clean(std::move(rounded), {}, "rounded mesh", options.threads).mesh, threads), step,
+               options, journal.get());
 }
 
 Hlod build_hlod(const TriangleSource& source, const BuildOptions& options, MeshReport& report) {
   check_options(options);
   const std::unique_ptr<BuildJournal> journal = open_journal(options);
-  PieceCollector pieces;
+  PieceCollector pieces(options.threads);
   source(pieces);
   if (pieces.report().triangles_read == pieces.report().repeated_index_triangles)
     throw Error({"hlod build", "", "the source has no triangle with three different corners", "give one at least"});
   const float step = step_of(pieces.positions(), options);
   if (step > 0.0F) pieces.round(step);
-  WedgeMesh mesh = pieces.weld(thread_count(options.threads));
+  WedgeMesh mesh = pieces.weld();
   report = pieces.report();
   return build(std::move(mesh), step, options, journal.get());
 }

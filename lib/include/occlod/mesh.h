@@ -159,13 +159,14 @@ struct CleanMesh {
 // `report` holds what the reader counted and is completed; an empty one is filled as if `mesh` had been read. Vertices
 // from report.vertices_read on count as wedges of those before. `subject` names the mesh in errors. Throws Error when a
 // triangle uses a vertex that is not finite or beyond farthest_coordinate, for an index out of range, or when no
-// triangle is left. Expected O(n).
-[[nodiscard]] CleanMesh clean(TriangleMesh mesh, const MeshReport& report, const std::string& subject);
+// triangle is left. `threads`: that it may use, 0: one for each core; the result does not depend on it. Expected O(n).
+[[nodiscard]] CleanMesh clean(TriangleMesh mesh, const MeshReport& report, const std::string& subject, int threads = 0);
 
 // Counts edges, fans and components of a mesh.
 
-// Counts the topology fields of a mesh with valid indices into `report`. O(n), on all cores.
-void count_topology(const TriangleMesh& mesh, MeshReport& report);
+// Counts the topology fields of a mesh with valid indices into `report`. `threads` as for clean().
+// O(n).
+void count_topology(const TriangleMesh& mesh, MeshReport& report, int threads = 0);
 
 // Normals for meshes that have none: smooth over surfaces, hard at their edges.
 

@@ -15,8 +15,9 @@ namespace occlod {
 // triangles: convex ones as fans, others by ear clipping in their plane. Throws Error that names the file, the line or
 // element and the remedy for anything missing, empty, truncated, malformed or not finite. Expected O(n) time; memory is
 // a small multiple of the file's size. `progress` is called now and then with the share of the file that has been read,
-// in [0, 1], and with 1 before cleaning; what it throws ends the reading.
-[[nodiscard]] CleanMesh read_mesh(const std::filesystem::path& path, const std::function<void(double)>& progress = {});
+// in [0, 1], and with 1 before cleaning; what it throws ends the reading. `threads` as for clean().
+[[nodiscard]] CleanMesh read_mesh(const std::filesystem::path& path, const std::function<void(double)>& progress = {},
+                                  int threads = 0);
 
 // Writes a mesh as PLY (little endian), OBJ, GLB, OFF or STL (binary).
 
