@@ -25,7 +25,6 @@
 #include "papers/trial_command.h"
 #include "papers/trial_devices.h"
 #include "progress.h"
-#include "render_path.h"
 #include "support/run_app.h"
 
 namespace occlod::tool {
@@ -57,7 +56,9 @@ std::vector<hlod::TrialStrategy> chosen_strategies(const Options& options) {
 
 // Of the nodes drawn in frame `frame`, numbered where there are several.
 std::filesystem::path boxes_file(const Options& options, int frames, int frame) {
-  return frames > 1 ? numbered(options.boxes, frame) : std::filesystem::path(options.boxes);
+  const std::filesystem::path file = options.boxes;
+  if (frames == 1) return file;
+  return file.parent_path() / fmt::format("{}_{:05}{}", file.stem().string(), frame, file.extension().string());
 }
 
 void check(const Options& options, const HlodRequest& request) {

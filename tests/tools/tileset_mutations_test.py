@@ -92,7 +92,7 @@ class Mutations(ToolTest):
     def other_exports(self):
         """Quantised and, where occlod can, compressed contents; and one with a texture."""
         self.json_of("hlod", "export", "planet.ohlod", "quantised", "--quantise", 12)
-        if "has no EXT_meshopt_compression" not in self.run_tool("hlod", "export", "planet.ohlod", "packed", "--compression", "meshopt").stderr:
+        if "has no EXT_meshopt_compression" not in self.run_tool("hlod", "export", "planet.ohlod", "packed", "--compress", "meshopt").stderr:
             yield self.folder / "packed"
         yield self.folder / "quantised"
         (self.folder / "a.obj").write_text("mtllib a.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n")

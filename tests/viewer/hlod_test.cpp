@@ -149,9 +149,10 @@ TEST_F(HlodSession, AViewThatStandsStillIsDrawnUntilItsFrontStays) {
   EXPECT_FALSE(session_.frame()->goes_on);
   EXPECT_EQ(stats().delayed, 0U);  // which only the first frames have
   EXPECT_GT(stats().queries, 0U);
-  const std::uint64_t number = side().front->number;
   set("settle", false);
-  set("strategy", "nohc");
+  set("strategy", "vfc");
+  const std::uint64_t number = side().front->number;
+  set("strategy", "coh");
   EXPECT_EQ(side().front->number, number + 1);
   EXPECT_GT(stats().delayed, 0U);
 }
