@@ -1,4 +1,4 @@
-// occlod hlod export FILE.ohlod FOLDER: as 3D Tiles 1.1, with glTF contents.
+// occlod hlod export FILE.ohlod -o FOLDER: as 3D Tiles 1.1, with glTF contents.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
@@ -110,8 +110,9 @@ void add_hlod_export(CLI::App& hlod) {
   const auto options = std::make_shared<Options>();
   tiles::TilesetOptions& tileset = options->tileset;
   add_file(command, "FILE", options->file, "An .ohlod file, built with --grouping nested --borders free")->required();
-  add_file(command, "FOLDER", options->folder, "Folder to write: new, empty, or with --replace that of a tileset")
-      ->required();
+  add_file(command, "-o,--output", options->folder, "Folder to write: new, empty, or with --replace that of a tileset")
+      ->required()
+      ->type_name("FOLDER");
   add_choice(command, "--compress", tileset.compression,
              {{"none", tiles::Compression::none}, {"meshopt", tiles::Compression::meshopt}},
              "meshopt: EXT_meshopt_compression, which CesiumJS and three.js read");
