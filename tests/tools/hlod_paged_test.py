@@ -88,6 +88,10 @@ class HlodPaged(Paged):
             self.assertIn(told, done.stderr)
         self.assertIn(".ohlod", self.failure_of("hlod", "render", "planet.ply", "--cache", "1M"))
 
+    def on_a_simulated_disk(self, frames):
+        return [os.environ["HLOD_COMPARE"], "planet.ohlod", "--scene", "scene.json", "--path", "by", *SIZE, "--strategies", "vfc", "--cache", "64M",
+                "--load", "simulated:0.5", "--frames", str(frames), "--json"]
+
     def changed_while_open(self, change, *more, program=None):
         """How it ends when `change` is done while the file is open and the thread that reads it runs."""
         path = str(self.folder / "planet.ohlod")
@@ -113,14 +117,14 @@ class HlodPaged(Paged):
         """What has not been read never comes: coarser nodes are drawn, and a line tells of each."""
         path = self.folder / "planet.ohlod"
         whole = path.read_bytes()
-        more = ("--cache", "64M", "--frames", 100)
+        slow = self.on_a_simulated_disk(100)
         told = []
         # How far it has read when it is stopped is chance, so it may have read all.
         for bytes_left in (0, 4096, len(whole) // 2) * 5:
             if told:
                 break
             path.write_bytes(whole)
-            code, output, errors = self.changed_while_open(lambda size=bytes_left: os.truncate(path, size), *more)
+            code, output, errors = self.changed_while_open(lambda size=bytes_left: os.truncate(path, size), program=slow)
             if code == 0:  # else it had not been opened yet
                 told += errors.splitlines()
                 self.assertEqual(len(json.loads(output)["frames"]), 100)
@@ -134,8 +138,7 @@ class HlodPaged(Paged):
         """With a simulated disk all runs draw the same."""
         path, other = self.folder / "planet.ohlod", self.folder / "other.ohlod"
         whole = path.read_bytes()
-        compare = [os.environ["HLOD_COMPARE"], "planet.ohlod", "--scene", "scene.json", "--path", "by", *SIZE, "--strategies", "vfc", "--cache", "64M",
-                   "--load", "simulated:0.5", "--frames", "60", "--json"]
+        compare = self.on_a_simulated_disk(60)
         expected = self.hashes(json.loads(subprocess.run(compare, cwd=self.folder, env=self.environment, capture_output=True, check=True).stdout))
         for change in (path.unlink, lambda: other.replace(path)):
             for program in (compare, None):
