@@ -14,7 +14,7 @@
 
 #include "occlod/build_hlod.h"
 #include "occlod/generate.h"
-#include "occlod/trial_devices.h"
+#include "papers/trial_devices.h"
 #include "support/bench_meshes.h"
 #include "support/run_benchmarks.h"
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Builds the HLODs and makes the runs that scripts/hlod_tables.py prints. Each run is one JSON object in its own file.
 
-hlod_runs.py --occlod FILE --cover FILE --out FOLDER [--quick | --small] [--reuse] [--only PART,PART,...] [--crack-frames N]
+hlod_runs.py --occlod FILE --compare FILE --cover FILE --out FOLDER [--quick | --small] [--reuse] [--only PART,PART,...] [--crack-frames N]
              [--devices NAME,NAME,...] [--scenes FOLDER]"""
 import argparse
 import concurrent.futures
@@ -65,7 +65,7 @@ SMALL = Effort(session_frames=6, walk_frames=8, slow_frames=8, compared=2, crack
 
 class Runs:
     def __init__(self, programs, out, scenes, effort, reuse):
-        self.occlod, self.cover_probability = programs
+        self.occlod, self.compare_program, self.cover_probability = programs
         self.out, self.scene_files, self.effort, self.reuse = out, scenes, effort, reuse
         self.size = ("--size", effort.size)
 
@@ -105,7 +105,7 @@ class Runs:
 
     def compare_along(self, name, cameras, scene, kind, path, *options, **environment):
         """Keeps the frames of each run as well, as NAME.csv."""
-        self.run(name, "compare", self.hlod(scene, kind), "--scene", cameras, "--path", path, "--csv", self.out / f"{name}.csv", *options, **environment)
+        self.run_program(name, self.compare_program, self.hlod(scene, kind), "--scene", cameras, "--path", path, "--csv", self.out / f"{name}.csv", *options, **environment)
 
     def first_paper(self, devices):
         """B = mu and alpha as in Charalambos 2006."""
@@ -252,7 +252,7 @@ def make(options, effort, about):
         for file in (*options.out.glob("*.json"), *options.out.glob("*.csv")):
             file.unlink()
     (options.out / "about.json").write_text(json.dumps(about))
-    runs = Runs((options.occlod.resolve(), options.cover.resolve()), options.out.resolve(), options.scenes.resolve(), effort, options.reuse)
+    runs = Runs((options.occlod.resolve(), options.compare.resolve(), options.cover.resolve()), options.out.resolve(), options.scenes.resolve(), effort, options.reuse)
     chosen = options.only or list(PARTS)
     if set(chosen) - OF_GUTHE - OF_SCENES:
         for scene in effort.scenes:
@@ -267,6 +267,7 @@ def make(options, effort, about):
 def read_options():
     parser = argparse.ArgumentParser()
     parser.add_argument("--occlod", type=pathlib.Path, required=True)
+    parser.add_argument("--compare", type=pathlib.Path, required=True, help="bench_hlod_compare")
     parser.add_argument("--cover", type=pathlib.Path, required=True, help="bench_cover_probability")
     parser.add_argument("--out", type=pathlib.Path, required=True)
     parser.add_argument("--scenes", type=pathlib.Path, default=ROOT / "meshes/scenes")

@@ -24,7 +24,7 @@ while [ $# -gt 0 ]; do
     *) echo "hlod_tables.sh: unknown option $1; see the head of $0" >&2; exit 2 ;;
   esac
 done
-runs=(python3 -B scripts/hlod_runs.py --occlod build/bench/tools/occlod --cover build/bench/bench/cover/bench_cover_probability --out out/hlod "${options[@]}")
+runs=(python3 -B scripts/hlod_runs.py --occlod build/bench/tools/occlod --compare build/bench/bench/papers/bench_hlod_compare --cover build/bench/bench/cover/bench_cover_probability --out out/hlod "${options[@]}")
 "${runs[@]}" --check
 
 scripts/setup.sh

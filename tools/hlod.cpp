@@ -1,4 +1,4 @@
-// occlod hlod build|info|validate|render|compare|export|serve
+// occlod hlod build|info|validate|render|export|serve
 #include "hlod.h"
 
 #include <fmt/format.h>
@@ -135,7 +135,6 @@ void add_hlod(CLI::App& app) {
   add_hlod_info(command);
   add_hlod_validate(command);
   add_hlod_render(command);
-  add_hlod_compare(command);
   add_hlod_export(command);
 #ifdef OCCLOD_HAS_SERVER
   add_hlod_serve(command);

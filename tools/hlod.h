@@ -14,7 +14,6 @@
 namespace occlod::tool {
 
 void add_hlod_build(CLI::App& hlod);
-void add_hlod_compare(CLI::App& hlod);
 void add_hlod_export(CLI::App& hlod);
 void add_hlod_info(CLI::App& hlod);
 void add_hlod_render(CLI::App& hlod);

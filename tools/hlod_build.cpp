@@ -21,7 +21,6 @@
 namespace occlod::tool {
 namespace {
 
-constexpr double largest_boundary_weight = 1e6, largest_attribute_weight = 1e6;
 constexpr std::uint64_t min_node_triangles = 16, max_node_triangles = 4096;
 constexpr int min_bits = 8, max_bits = 23;
 
@@ -171,14 +170,6 @@ void add_hlod_build(CLI::App& hlod) {
              {{"geomorph", hlod::Within::geomorph}, {"splits", hlod::Within::splits}},
              "geomorph: vertices can slide to the coarser level; splits: also keep each node's collapses, so that its "
              "error can be anything between two levels, for about twice the bytes");
-  add_number(command, "--boundary-weight", options->build.boundary_weight, RealRange{0.0, largest_boundary_weight},
-             "Weight of the error at boundary edges, relative to the error of the surface")
-      ->capture_default_str();
-  add_number(
-      command, "--attribute-weight", options->build.attribute_weight, RealRange{0.0, largest_attribute_weight},
-      "Weight of how far texture coordinates, hard normals and colours slip, relative to distances; 0: errors are "
-      "of the surface alone")
-      ->capture_default_str();
   add_number(command, "--threads", options->build.threads, WholeRange{0, max_threads},
              "Threads; 0: one per core. The result does not depend on it")
       ->capture_default_str();

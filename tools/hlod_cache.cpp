@@ -5,7 +5,6 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <set>
-#include <string_view>
 
 #include "option_values.h"
 #include "standard_streams.h"
@@ -13,37 +12,12 @@
 namespace occlod::tool {
 namespace {
 
-constexpr std::string_view simulated_prefix = "simulated:";
-constexpr double min_speed = 1e-6, max_speed = 1e6;  // MB a second
-
 void set_budget(hlod::CacheOptions& options, const std::string& text) {
   const auto bytes = byte_count(text);
   if (!bytes || *bytes == 0)
     throw CLI::ValidationError("--cache",
                                fmt::format("{} is not a number of bytes above 0, or one with K, M or G", shown(text)));
   options.budget_bytes = *bytes;
-}
-
-void set_load(hlod::CacheOptions& options, const std::string& text) {
-  if (text == "blocking" || text == "async") {
-    options.load = text == "async" ? hlod::LoadMode::async : hlod::LoadMode::blocking;
-    return;
-  }
-  double speed = 0.0;
-  if (!text.starts_with(simulated_prefix) || !CLI::detail::lexical_cast(text.substr(simulated_prefix.size()), speed) ||
-      !(speed >= min_speed && speed <= max_speed))
-    throw CLI::ValidationError("--load",
-                               fmt::format("{} is not blocking, async or simulated:MBPS, megabytes a second from {} to "
-                                           "{}",
-                                           shown(text), min_speed, max_speed));
-  options.load = hlod::LoadMode::simulated;
-  options.simulated_mb_per_s = speed;
-}
-
-std::string name_of(const hlod::CacheOptions& options) {
-  if (options.load == hlod::LoadMode::simulated)
-    return fmt::format("{}{}", simulated_prefix, options.simulated_mb_per_s);
-  return options.load == hlod::LoadMode::async ? "async" : "blocking";
 }
 
 std::set<hlod::NodeStore*> stores_of(std::span<const hlod::PlacedHlod> placed) {
@@ -70,19 +44,20 @@ CLI::Option* add_cache_options(CLI::App& command, std::optional<hlod::CacheOptio
       .add_option_function<std::string>(
           "--load",
           [&options, chosen](const std::string& text) {
-            set_load(*chosen, text);
+            chosen->load = text == "blocking" ? hlod::LoadMode::blocking : hlod::LoadMode::async;
             if (options) *options = *chosen;
           },
           "How meshes are read: async: by a thread of its own, coarser ones are drawn until they are there; blocking: "
-          "frames wait for them; simulated: as async, but by a disk of so many megabytes a second at 60 frames a "
-          "second, the same in every run")
-      ->option_text("async|blocking|simulated:MBPS [async]")
+          "frames wait for them")
+      ->transform(one_of({"async", "blocking"}))
+      ->option_text("async|blocking [async]")
       ->needs(cache);
   return cache;
 }
 
 Json to_json(const hlod::CacheOptions& options) {
-  return {{"budget_bytes", options.budget_bytes}, {"load", name_of(options)}};
+  return {{"budget_bytes", options.budget_bytes},
+          {"load", options.load == hlod::LoadMode::async ? "async" : "blocking"}};
 }
 
 std::optional<hlod::StoreStats> store_stats(std::span<const hlod::PlacedHlod> placed) {

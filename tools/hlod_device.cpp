@@ -1,20 +1,15 @@
 #include "hlod_device.h"
 
-#include <string_view>
 #include <utility>
 
 #include "occlod/base.h"
 #include "occlod/device.h"
-#include "occlod/device_costs.h"
-#include "occlod/trial_devices.h"
 #ifdef OCCLOD_HAS_GL
 #include "occlod/gl.h"
 #endif
 
 namespace occlod::tool {
 namespace {
-
-constexpr std::string_view virtual_prefix = "virtual:";
 
 #ifdef OCCLOD_HAS_GL
 HlodDevice make_gl(const std::string& name) {
@@ -37,17 +32,8 @@ HlodDevice make_gl(const std::string& name) {
 
 HlodDevice make_hlod_device(const std::string& name) {
   if (name == "software") return {name, std::make_unique<hlod::SoftwareDevice>(), nullptr};
-  if (name.starts_with(virtual_prefix))
-    return {name, std::make_unique<hlod::VirtualDevice>(hlod::device_preset(name.substr(virtual_prefix.size()))),
-            nullptr};
   if (name == "gl" || name == "egl" || name == "osmesa") return make_gl(name);
   throw Error({"--device", name, "there is no such device", std::string("use ") + hlod_device_names});
-}
-
-HlodDevice replaying_device(const std::string& file) {
-  auto device = std::make_unique<hlod::ReplayingDevice>(hlod::read_recording(file));
-  const std::string name(device->name());
-  return {name, std::move(device), nullptr};
 }
 
 }  // namespace occlod::tool

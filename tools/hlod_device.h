@@ -15,14 +15,11 @@ struct HlodDevice {
   Json gl;  // platform, renderer, version; null without OpenGL
 };
 
-// software, virtual:PRESET, gl, egl or osmesa. Throws Error for any other name, and when this machine or build has no
+// software, gl, egl or osmesa. Throws Error for any other name, and when this machine or build has no
 // such device.
 [[nodiscard]] HlodDevice make_hlod_device(const std::string& name);
 
-// Answers as the recording says. Throws Error.
-[[nodiscard]] HlodDevice replaying_device(const std::string& file);
-
 // For help.
-inline constexpr const char* hlod_device_names = "software, virtual:PRESET, gl, egl or osmesa";
+inline constexpr const char* hlod_device_names = "software, gl, egl or osmesa";
 
 }  // namespace occlod::tool

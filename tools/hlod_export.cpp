@@ -1,4 +1,4 @@
-// occlod hlod export FILE.ohlod FOLDER --to 3dtiles
+// occlod hlod export FILE.ohlod -o FOLDER: as 3D Tiles 1.1, with glTF contents.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
@@ -26,12 +26,9 @@ namespace {
 constexpr std::uint64_t max_tiles_per_file = 1'000'000;
 constexpr int min_bits = 8, max_bits = 16;
 
-enum class Format { tiles_3d };
-
 struct Options {
   std::string file;
   std::string folder;
-  Format to = Format::tiles_3d;
   std::string origin;
   std::string images;
   tiles::TilesetOptions tileset;
@@ -113,13 +110,10 @@ void add_hlod_export(CLI::App& hlod) {
   const auto options = std::make_shared<Options>();
   tiles::TilesetOptions& tileset = options->tileset;
   add_file(command, "FILE", options->file, "An .ohlod file, built with --grouping nested --borders free")->required();
-  add_file(command, "FOLDER", options->folder, "Folder to write: new, empty, or with --replace that of a tileset")
-      ->required();
-  add_choice(command, "--to", options->to, {{"3dtiles", Format::tiles_3d}}, "3D Tiles 1.1, with glTF contents");
-  add_choice(command, "--error", tileset.error,
-             {{"guaranteed", tiles::TileError::guaranteed}, {"quadric", tiles::TileError::quadric}},
-             "What geometricError is: a bound on the distance to the input, or the smaller error of hlod render");
-  add_choice(command, "--compression", tileset.compression,
+  add_file(command, "-o,--output", options->folder, "Folder to write: new, empty, or with --replace that of a tileset")
+      ->required()
+      ->type_name("FOLDER");
+  add_choice(command, "--compress", tileset.compression,
              {{"none", tiles::Compression::none}, {"meshopt", tiles::Compression::meshopt}},
              "meshopt: EXT_meshopt_compression, which CesiumJS and three.js read");
   command
@@ -135,9 +129,6 @@ void add_hlod_export(CLI::App& hlod) {
       ->type_name("N");
   command.add_flag("--skirts", tileset.skirts,
                    "Hang strips from the borders of tiles, which cover gaps between levels");
-  add_number(command, "--crease", tileset.crease_deg, RealRange{0.0, 180.0},
-             "Of meshes without normals: the largest angle in degrees between triangles that smooth into each other")
-      ->capture_default_str();
   add_choice(command, "--up", tileset.up, {{"z", tiles::UpAxis::z}, {"y", tiles::UpAxis::y}},
              "The axis of the input that points up");
   command

@@ -2,13 +2,12 @@
 
 #include "base/timing.h"
 #include "drawing.h"
-#include "occlod/trial_devices.h"
 #include "stopwatch.h"
 
 namespace occlod::tool {
 
 HlodMeasurement::HlodMeasurement(std::span<const hlod::PlacedHlod> placed, const hlod::TraverseOptions& options)
-    : placed_(placed), options_(options), traverser_(placed), timed_(placed) {}
+    : placed_(placed), options_(options), traverser_(placed) {}
 
 void HlodMeasurement::begin() {
   traverse_ms_.clear();
@@ -16,16 +15,11 @@ void HlodMeasurement::begin() {
 }
 
 void HlodMeasurement::repeat(const View& view) {
-  hlod::RecordingDevice recorder(software_);
-  const hlod::Frame& frame = traverser_.draw_frame(view, recorder, options_);
+  const hlod::Frame& frame = traverser_.draw_frame(view, software_, options_);
   stats_ = frame.stats;
   front_hash_ = frame.front_hash;
   mesh_.assign(front_of(frame), placed_);
-
-  hlod::ReplayingDevice replay(recorder.recording());
-  const Stopwatch traversal;
-  (void)timed_.draw_frame(view, replay, options_);
-  traverse_ms_.push_back(traversal.milliseconds());
+  traverse_ms_.push_back(frame.times.cpu_ms - frame.times.gpu_ms);
 
   const Stopwatch drawing;
   redraw(items_, mesh_.objects(), view);

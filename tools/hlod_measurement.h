@@ -22,13 +22,13 @@ struct HlodTimes {
 
 class HlodMeasurement {
  public:
-  // What `placed` points to outlives it. The strategy needs no costs and no oracle.
+  // What `placed` points to outlives it. The strategy needs no costs.
   HlodMeasurement(std::span<const hlod::PlacedHlod> placed, const hlod::TraverseOptions& options);
 
   // Forgets earlier times.
   void begin();
-  // One more frame; what the accessors tell is that of the last one. It is traversed twice: once on `software`, and
-  // once more, timed, with the answers that this gave.
+  // One more frame; what the accessors tell is that of the last one. What the device `software` takes to draw and
+  // answer is subtracted from the time of the traversal.
   void repeat(const View& view);
 
   [[nodiscard]] const hlod::FrameStats& stats() const { return stats_; }
@@ -41,7 +41,7 @@ class HlodMeasurement {
   std::span<const hlod::PlacedHlod> placed_;
   hlod::TraverseOptions options_;
   hlod::SoftwareDevice software_;
-  hlod::Traverser traverser_, timed_;  // of the same frames
+  hlod::Traverser traverser_;
   hlod::FrameStats stats_;
   std::uint64_t front_hash_ = 0;
   FrontMesh mesh_;

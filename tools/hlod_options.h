@@ -1,11 +1,8 @@
-// Options that `occlod hlod render` and `hlod compare` share.
+// Options of `occlod hlod render` that decide what is drawn.
 #pragma once
 
-#include <string>
-#include <utility>
-#include <vector>
-
 #include "json_output.h"
+#include "occlod/device_costs.h"
 #include "occlod/traverser.h"
 
 namespace CLI {
@@ -14,9 +11,10 @@ class App;
 
 namespace occlod::tool {
 
-// --tolerance, --bias, --metric, --alpha, --coherence, --cover-model, --geomorph, --within.
+// --tolerance, --geomorph, --within.
 void add_traverse_options(CLI::App& command, hlod::TraverseOptions& options);
-// All but the strategy.
+// All but the strategy and the costs.
 [[nodiscard]] Json to_json(const hlod::TraverseOptions& options);
+[[nodiscard]] Json to_json(const hlod::DeviceCosts& costs);
 
 }  // namespace occlod::tool

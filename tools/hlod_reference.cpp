@@ -7,6 +7,7 @@
 
 #include "accuracy.h"
 #include "drawing.h"
+#include "hlod/draw/trial.h"
 #include "raster/clip.h"
 
 namespace occlod::tool {
@@ -89,8 +90,14 @@ DepthBuffer where_shown(DepthBuffer depth, const DepthBuffer& other, const std::
 
 }  // namespace
 
-HlodReference::HlodReference(std::span<const hlod::PlacedHlod> placed, const hlod::TraverseOptions& options)
-    : placed_(placed), options_(without_occlusion(options)), unculled_(placed) {}
+HlodReference::HlodReference(std::span<const hlod::PlacedHlod> placed, const hlod::TraverseOptions& options,
+                             const hlod::Trial* trial)
+    : placed_(placed), options_(without_occlusion(options)), unculled_(placed) {
+  if (trial == nullptr) return;
+  hlod::Trial without_rival = *trial;
+  without_rival.rival = nullptr;
+  unculled_.set_trial(without_rival);
+}
 
 void HlodReference::draw(Picture& picture, const Front& front) {
   picture.mesh.assign(front, placed_);

@@ -29,8 +29,9 @@ struct HlodDistance {
 // Draws every picture itself, with our own rasteriser. Reuses its memory from frame to frame.
 class HlodReference {
  public:
-  // The HLODs and what `placed` points to outlive it. `options`: of the frames that are compared.
-  HlodReference(std::span<const hlod::PlacedHlod> placed, const hlod::TraverseOptions& options);
+  // The HLODs and what `placed` points to outlive it. `options`, `trial` (null: none): of the frames that are compared.
+  HlodReference(std::span<const hlod::PlacedHlod> placed, const hlod::TraverseOptions& options,
+                const hlod::Trial* trial);
 
   // Draws what frames of this view are compared with. `last`: the view of the frame before. The view outlives
   // comparisons. O(triangles of the input inside the frustum + pixels).

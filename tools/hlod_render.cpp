@@ -13,9 +13,7 @@
 #include "command_files.h"
 #include "drawing.h"
 #include "hlod.h"
-#include "hlod_boxes.h"
 #include "hlod_cache.h"
-#include "hlod_costs.h"
 #include "hlod_device.h"
 #include "hlod_options.h"
 #include "hlod_report.h"
@@ -24,8 +22,7 @@
 #include "hlod_strategies.h"
 #include "interrupt.h"
 #include "object_textures.h"
-#include "occlod/base.h"
-#include "occlod/trial_devices.h"
+#include "occlod/device.h"
 #include "option_values.h"
 #include "render_path.h"
 #include "stopwatch.h"
@@ -37,14 +34,9 @@ struct Options {
   HlodSceneOptions scene;
   hlod::TraverseOptions traverse;
   std::string device = "software";
-  HlodCostOptions costs;
-  std::string record;
-  std::string replay;  // instead of the device
   int compared_frames = 0;
   std::string png;
   TextureChoice texture = TextureChoice::automatic;
-  std::string boxes;
-  std::string csv;
   bool json = false;
 };
 
@@ -56,28 +48,19 @@ std::filesystem::path picture_file(const std::string& file, int frames, int fram
 void check_files(const Options& options, const HlodRequest& request) {
   CommandFiles files;
   for (const auto& [what, path] : files_of(options.scene, request)) files.add_input(what, path);
-  if (!options.replay.empty()) files.add_input("the recording to replay", options.replay);
-  if (!options.csv.empty()) files.add_output("--csv", options.csv);
-  if (!options.record.empty()) files.add_output("--record", options.record);
-  add_files(files, options.costs);
-  for (const auto& [option, file] : {std::pair("--png", options.png), std::pair("--boxes", options.boxes)})
-    for (int i = 0; !file.empty() && i < request.frames; ++i)
-      files.add_output(option, picture_file(file, request.frames, i));
+  for (int i = 0; !options.png.empty() && i < request.frames; ++i)
+    files.add_output("--png", picture_file(options.png, request.frames, i));
 }
 
-void write_pictures(const Options& options, const HlodScene& scene, const HlodTextures& textures, const Front& front,
-                    int frame) {
+void write_picture(const Options& options, const HlodScene& scene, const HlodTextures& textures, const Front& front,
+                   int frame) {
   const View view(camera_at(scene.path, frame));
-  if (!options.png.empty()) {
-    FrontMesh mesh;
-    mesh.assign(front, scene.placed);
-    ItemBuffer items;
-    redraw(items, mesh.objects(), view);
-    write_png(picture_file(options.png, scene.path.frames, frame),
-              shade_without_wire(items, mesh.objects(), view, mesh.textures(textures.materials())));
-  }
-  if (!options.boxes.empty())
-    write_png(picture_file(options.boxes, scene.path.frames, frame), picture_of_boxes(front, scene.placed, view));
+  FrontMesh mesh;
+  mesh.assign(front, scene.placed);
+  ItemBuffer items;
+  redraw(items, mesh.objects(), view);
+  write_png(picture_file(options.png, scene.path.frames, frame),
+            shade_without_wire(items, mesh.objects(), view, mesh.textures(textures.materials())));
 }
 
 Json report_of(const Options& options, const HlodScene& scene, const HlodDevice& device, const hlod::DeviceCosts& costs,
@@ -115,22 +98,14 @@ void run(const Options& options) {
   handle_interrupts("hlod render");
   const HlodRequest request = describe_hlod_request(options.scene);
   check_files(options, request);
-  std::vector<HlodDevice> devices;
-  devices.push_back(options.replay.empty() ? make_hlod_device(options.device) : replaying_device(options.replay));
-  const HlodDevice& device = devices.front();
+  const HlodDevice device = make_hlod_device(options.device);
   hlod::TraverseOptions traverse = options.traverse;
-  if (hlod::needs_costs(traverse.strategy) && !options.replay.empty() && options.costs.calibration.empty())
-    throw Error({"--replay", options.replay, "a recording does not tell what the device's commands cost",
-                 "give the calibration of the recorded run, --calibration"});
-  traverse.costs = costs_of(devices, options.costs, {traverse.strategy}).front();
-  std::optional<hlod::RecordingDevice> recorder;
-  if (!options.record.empty()) recorder.emplace(*device.device);
+  if (hlod::needs_costs(traverse.strategy)) traverse.costs = hlod::measure_costs(*device.device);
   const Stopwatch opening;
   const HlodScene scene = load_hlod_scene(options.scene, request);
   const HlodTextures textures(scene.hlods, options.scene.file.parent_path(),
                               options.png.empty() ? TextureChoice::none : options.texture);
-  hlod::RenderDevice* drawn_on = recorder ? &*recorder : device.device.get();
-  HlodRuns runs(scene, {{traverse, drawn_on}}, options.compared_frames);
+  HlodRuns runs(scene, {{traverse, device.device.get()}}, options.compared_frames);
   const bool is_paged = options.scene.paged.has_value();
   const auto columns = frame_columns(options.compared_frames > 0, is_paged);
   if (!options.json) print_titles(columns);
@@ -140,11 +115,9 @@ void run(const Options& options) {
     runs.draw(i);
     if (i == 0) first_picture_ms = opening.milliseconds();
     print_failures(scene.placed);
-    write_pictures(options, scene, textures, runs.front(0), i);
+    if (!options.png.empty()) write_picture(options, scene, textures, runs.front(0), i);
     if (!options.json) print_row(columns, runs.told(0));
   }
-  if (!options.csv.empty()) write_csv(options.csv, runs.rows(0));
-  if (recorder) write_recording(options.record, recorder->recording());
   Json report = report_of(options, scene, device, traverse.costs, runs);
   report["first_picture_ms"] = first_picture_ms;
   if (options.json) return print_json(report);
@@ -167,13 +140,8 @@ void add_hlod_render(CLI::App& hlod) {
   add_traverse_options(command, options->traverse);
   command.get_option("--within")->excludes(cache);  // splits are not read in parts
   command.option_defaults()->group("Device");
-  CLI::Option* device =
-      add_name(command, "--device", options->device, fmt::format("What draws and answers: {}", hlod_device_names))
-          ->capture_default_str();
-  add_hlod_cost_options(command, options->costs);
-  add_file(command, "--record", options->record, "Write what the device was told and answered, to repeat this run");
-  add_file(command, "--replay", options->replay, "Take the answers and times of such a recording instead of a device")
-      ->excludes(device);
+  add_name(command, "--device", options->device, fmt::format("What draws and answers: {}", hlod_device_names))
+      ->capture_default_str();
   command.option_defaults()->group("Output");
   add_number(command, "--reference", options->compared_frames, WholeRange{0, 1'000'000},
              "Compare so many frames, spread evenly, with the input and with what vfc draws; 0: none")
@@ -182,10 +150,6 @@ void add_hlod_render(CLI::App& hlod) {
   add_file(command, "--png", options->png,
            "Write a picture; of several frames one each: view.png becomes view_00000.png, ...");
   add_texture_option(command, options->texture, "--png lays");
-  add_file(
-      command, "--boxes", options->boxes,
-      "Likewise of the nodes drawn and their boxes from above: blue where errors counted in full, red where hardly");
-  add_file(command, "--csv", options->csv, "Write what is told of each frame as comma-separated values");
   command.add_flag("--json", options->json, "Print the result as one JSON object");
   command.callback([options] { run(*options); });
 }

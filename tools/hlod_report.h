@@ -1,4 +1,4 @@
-// What `occlod hlod render` and `hlod compare` print for people.
+// What `occlod hlod render` prints for people.
 #pragma once
 
 #include <string>

@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "hlod/draw/trial.h"
 #include "hlod_cache.h"
 #include "hlod_strategies.h"
 #include "stopwatch.h"
@@ -117,10 +118,10 @@ bool is_ratio(const std::string& key) { return key.find("psnr") != std::string::
 
 HlodRuns::HlodRuns(const HlodScene& scene, std::vector<HlodRun> runs, int compared_frames)
     : scene_(scene), compared_frames_(std::min(compared_frames, scene.path.frames)) {
-  if (compared_frames_ > 0) reference_.emplace(scene.placed, runs.front().options);
-  for (HlodRun& run : runs) {
-    run.options.oracle = &oracle_;
+  if (compared_frames_ > 0) reference_.emplace(scene.placed, runs.front().options, runs.front().trial);
+  for (const HlodRun& run : runs) {
     states_.push_back({run, hlod::Traverser(scene.placed), nullptr, {}, {}});
+    if (run.trial != nullptr) states_.back().traverser.set_trial(*run.trial);
   }
 }
 

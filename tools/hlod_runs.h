@@ -17,12 +17,13 @@ namespace occlod::tool {
 struct HlodRun {
   hlod::TraverseOptions options;
   hlod::RenderDevice* device = nullptr;  // may be that of other runs too
+  const hlod::Trial* trial = nullptr;    // for comparisons with papers; null: none
 };
 
 class HlodRuns {
  public:
   // `compared_frames`, spread evenly over the path, are compared with the truth; all when there are no more. All runs
-  // have the tolerance, metric and geomorphs of the first. The scene and the devices outlive it.
+  // have the tolerance, metric and geomorphs of the first. The scene, the devices and the trials outlive it.
   HlodRuns(const HlodScene& scene, std::vector<HlodRun> runs, int compared_frames);
 
   // Draws frame `frame` of the path by each run. In order, from frame 0.
@@ -51,7 +52,6 @@ class HlodRuns {
 
   const HlodScene& scene_;
   int compared_frames_;
-  hlod::SoftwareDevice oracle_;  // of Strategy::ideal and optimum
   std::vector<State> states_;
   std::optional<HlodReference> reference_;
 };

@@ -1,4 +1,4 @@
-// What `occlod hlod render` and `hlod compare` are given: HLODs and where they are seen from.
+// What `occlod hlod render` is given: HLODs and where they are seen from.
 #pragma once
 
 #include <filesystem>

@@ -6,12 +6,11 @@ namespace occlod::tool {
 
 const std::vector<std::pair<std::string, hlod::Strategy>>& strategies() {
   using hlod::Strategy;
-  static const std::vector<std::pair<std::string, Strategy>> all = {
-      {"vfc", Strategy::vfc},           {"sw", Strategy::sw},         {"sw-b", Strategy::sw_b},
-      {"bool", Strategy::boolean},      {"simp", Strategy::simp},     {"coh", Strategy::coh},
-      {"ideal", Strategy::ideal},       {"nohc", Strategy::nohc},     {"chc++", Strategy::chc_plus},
-      {"two-pass", Strategy::two_pass}, {"cesium", Strategy::cesium}, {"optimum", Strategy::optimum},
-      {"batch", Strategy::batch},       {"auto", Strategy::automatic}};
+  static const std::vector<std::pair<std::string, Strategy>> all = {{"vfc", Strategy::vfc},
+                                                                    {"coh", Strategy::coh},
+                                                                    {"nohc", Strategy::nohc},
+                                                                    {"batch", Strategy::batch},
+                                                                    {"auto", Strategy::automatic}};
   return all;
 }
 

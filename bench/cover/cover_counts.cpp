@@ -8,7 +8,7 @@
 #include <limits>
 #include <string>
 
-#include "occlod/traverser.h"
+#include "hlod/draw/cover_model.h"
 
 namespace occlod::bench {
 namespace {

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "occlod/traverser.h"
+#include "hlod/draw/cover_model.h"
 
 namespace occlod::bench {
 namespace {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "chosen_views.h"
+#include "hlod/draw/cover_model.h"
 #include "hlod/draw/frame_scene.h"
 #include "occlod/device.h"
 #include "occlod/node_store.h"

@@ -186,10 +186,9 @@ void BuildCache::store(const std::string& key, const hlod::Hlod& hlod, const Mes
 using SharedHlod = std::shared_ptr<const hlod::Hlod>;
 
 std::string describe(const hlod::BuildOptions& options) {
-  std::string text = fmt::format(
-      "hlod node_triangles={} nested={} free={} splits={} boundary_weight={} attribute_weight={}",
-      options.node_triangles, options.grouping == hlod::Grouping::nested, options.borders == hlod::Borders::free,
-      options.within == hlod::Within::splits, options.boundary_weight, options.attribute_weight);
+  std::string text = fmt::format("hlod node_triangles={} nested={} free={} splits={}", options.node_triangles,
+                                 options.grouping == hlod::Grouping::nested, options.borders == hlod::Borders::free,
+                                 options.within == hlod::Within::splits);
   if (options.quantise_bits != 0) text += fmt::format(" quantise_bits={}", options.quantise_bits);
   return text;
 }

@@ -1,16 +1,11 @@
-// Devices that draw HLODs, what their commands cost, and recordings of them.
+// Devices that draw HLODs, and what their commands cost.
 #include "device.h"
 
-#include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
-#include <nanobind/stl/vector.h>
-
-#include <filesystem>
 
 #include "occlod/device.h"
-#include "occlod/trial_devices.h"
 #ifdef OCCLOD_HAS_GL
 #include "occlod/gl.h"
 #endif
@@ -20,7 +15,6 @@ namespace {
 
 using namespace nb::literals;
 using hlod::DeviceCosts;
-using hlod::Recording;
 
 ItemBuffer without_items(DepthBuffer depth) {
   ItemBuffer picture;
@@ -37,15 +31,6 @@ std::shared_ptr<PythonDevice> make_software(bool items) {
   auto made = std::make_shared<PythonDevice>();
   auto device = std::make_unique<hlod::SoftwareDevice>(hlod::SoftwareDeviceOptions{items});
   made->picture = picture_of(*device, items);
-  made->device = std::move(device);
-  return made;
-}
-
-std::shared_ptr<PythonDevice> make_virtual(const std::string& preset, bool items) {
-  auto made = std::make_shared<PythonDevice>();
-  auto device = std::make_unique<hlod::VirtualDevice>(hlod::device_preset(preset), hlod::SoftwareDeviceOptions{items});
-  made->picture = picture_of(device->software(), items);
-  made->costs = device->costs();
   made->device = std::move(device);
   return made;
 }
@@ -67,26 +52,11 @@ std::shared_ptr<PythonDevice> make_gl(bool /*quality*/) {
 }
 #endif
 
-std::shared_ptr<PythonDevice> make_replay(const Recording& recording, const std::optional<DeviceCosts>& costs) {
-  auto made = std::make_shared<PythonDevice>();
-  made->device = std::make_unique<hlod::ReplayingDevice>(recording);
-  made->costs = costs;
-  return made;
-}
-
 ItemBuffer picture(PythonDevice& device) {
   const nb::gil_scoped_release release;
   const std::scoped_lock lock(device.in_use);
-  if (!device.picture) throw Error({"device", "", "a recording has no picture", "look at the recorded device"});
   if (device.drawn == nullptr) throw Error({"device", "", "has drawn nothing", "draw a frame first"});
   return device.picture();
-}
-
-Recording recording(PythonDevice& device) {
-  const nb::gil_scoped_release release;
-  const std::scoped_lock lock(device.in_use);
-  if (!device.recorder) throw Error({"device", "", "is not recorded", "call start_recording() before the first frame"});
-  return device.recorder->recording();
 }
 
 DeviceCosts measured_costs(PythonDevice& device) {
@@ -97,7 +67,7 @@ DeviceCosts measured_costs(PythonDevice& device) {
 
 void bind_costs(nb::module_& m) {
   nb::class_<DeviceCosts>(m, "DeviceCosts", "What the commands of a device cost, ns (docs/guide/hlod.md). Of a device.")
-      .def_ro("name", &DeviceCosts::name, "Of a preset, or empty.")
+      .def_ro("name", &DeviceCosts::name, "Of the device, or empty.")
       .def_ro("draw_ns", &DeviceCosts::draw_ns, "Set-up of a draw.")
       .def_ro("triangle_ns", &DeviceCosts::triangle_ns)
       .def_ro("fragment_ns", &DeviceCosts::fragment_ns)
@@ -110,75 +80,25 @@ void bind_costs(nb::module_& m) {
       .def_ro("visit_ns", &DeviceCosts::visit_ns, "Of the processor: looking at one node.");
 }
 
-void bind_recording(nb::module_& m) {
-  nb::class_<Recording>(m, "Recording", "What a device was told and answered. Immutable.")
-      .def_prop_ro("device_name", &Recording::device_name)
-      .def_prop_ro("frame_count", &Recording::frame_count)
-      .def_prop_ro("command_count", &Recording::command_count)
-      .def(
-          "write",
-          [](const Recording& r, const std::filesystem::path& path) {
-            const nb::gil_scoped_release release;
-            write_recording(path, r);
-          },
-          "path"_a, "As .orec.");
-  m.def(
-      "read_recording",
-      [](const std::filesystem::path& path) {
-        const nb::gil_scoped_release release;
-        return hlod::read_recording(path);
-      },
-      "path"_a, "Reads .orec. Error for a file that is missing or damaged.");
-}
-
 }  // namespace
 
 const DeviceCosts& PythonDevice::needed_costs() {
-  if (!costs) {
-    if (!picture)
-      throw Error({"device", std::string(device->name()), "a recording does not tell what the device's commands cost",
-                   "give those of the recorded device: Device.replay(recording, costs)"});
-    costs = hlod::measure_costs(*device);
-  }
+  if (!costs) costs = hlod::measure_costs(*device);
   return *costs;
 }
 
 void bind_device(nb::module_& m) {
   bind_costs(m);
-  bind_recording(m);
-  m.def(
-      "device_presets",
-      [] {
-        std::vector<std::string> names;
-        for (const DeviceCosts& costs : hlod::device_presets()) names.push_back(costs.name);
-        return names;
-      },
-      "Names for Device.virtual().");
   nb::class_<PythonDevice>(m, "Device",
                            "What HLODs are drawn with, and asked about. Several traversers may use one in turn.")
       .def_static("software", &make_software, nb::kw_only(), "items"_a = false,
                   "Our rasteriser, with exact counts at once. `items`: keep which triangle owns each pixel.")
-      .def_static("virtual", &make_virtual, "preset"_a, nb::kw_only(), "items"_a = false,
-                  "The same under a simulated clock: frame times are the same on every machine.")
       .def_static(
           "gl", &make_gl, nb::kw_only(), "quality"_a = false,
           "OpenGL, off screen, on the thread that makes it. `quality`: four samples a pixel and a dear shader.\n"
           "Error where the package was built without OpenGL or no context can be had.")
-      .def_static(
-          "replay", &make_replay, "recording"_a, "costs"_a = nb::none(),
-          "Answers as the recorded device did, without drawing, to the same frames; Error for others. `costs`:\n"
-          "of the recorded device, for strategies that go by them.")
       .def_prop_ro("name", [](const PythonDevice& d) { return std::string(d.device->name()); })
-      .def("costs", &measured_costs, "What commands cost: simulated, or measured at the first call, in about a second.")
-      .def(
-          "start_recording",
-          [](PythonDevice& d) {
-            const nb::gil_scoped_release release;
-            const std::scoped_lock lock(d.in_use);
-            d.recorder = std::make_unique<hlod::RecordingDevice>(*d.device);
-          },
-          "Writes down all frames from now on; drops those of an earlier call.")
-      .def("recording", &recording, "The frames since start_recording().")
+      .def("costs", &measured_costs, "What commands cost: measured at the first call, in about a second.")
       .def("picture", &picture,
            "A copy of the last frame's depth and, where items are kept, of which triangle owns each pixel: triangle i "
            "of\n"

@@ -10,7 +10,6 @@
 #include "occlod/device.h"
 #include "occlod/device_costs.h"
 #include "occlod/item_buffer.h"
-#include "occlod/trial_devices.h"
 
 namespace occlod::python {
 
@@ -35,15 +34,12 @@ struct KeptHlods {
 
 struct PythonDevice {
   std::unique_ptr<hlod::RenderDevice> device;
-  std::function<ItemBuffer()> picture;              // of the last frame; none where nothing is drawn
-  std::optional<hlod::DeviceCosts> costs;           // simulated, given, or measured when first needed
-  std::unique_ptr<hlod::RecordingDevice> recorder;  // once start_recording() has been called
+  std::function<ItemBuffer()> picture;     // of the last frame
+  std::optional<hlod::DeviceCosts> costs;  // measured when first needed
   std::shared_ptr<const KeptHlods> drawn;
   std::mutex in_use;
 
-  // What frames are drawn with.
-  [[nodiscard]] hlod::RenderDevice& active() const { return recorder ? *recorder : *device; }
-  // What its commands cost. Throws Error for a recording that was given without.
+  // What its commands cost.
   [[nodiscard]] const hlod::DeviceCosts& needed_costs();
 };
 

@@ -226,16 +226,13 @@ void bind_hlod(nb::module_& m) {
   m.def(
       "build_hlod",
       [](const TriangleMesh& mesh, std::uint32_t node_triangles, hlod::Grouping grouping, hlod::Borders borders,
-         hlod::Within within, double boundary_weight, double attribute_weight, int quantise_bits, int threads,
-         const std::optional<std::filesystem::path>& journal, const std::optional<nb::callable>& resumed,
-         const std::optional<nb::callable>& progress) {
+         hlod::Within within, int quantise_bits, int threads, const std::optional<std::filesystem::path>& journal,
+         const std::optional<nb::callable>& resumed, const std::optional<nb::callable>& progress) {
         hlod::BuildOptions options;
         options.node_triangles = node_triangles;
         options.grouping = grouping;
         options.borders = borders;
         options.within = within;
-        options.boundary_weight = boundary_weight;
-        options.attribute_weight = attribute_weight;
         options.quantise_bits = quantise_bits;
         options.threads = threads;
         if (journal && journal->empty())
@@ -251,8 +248,7 @@ void bind_hlod(nb::module_& m) {
         return hlod::build_hlod(mesh, options);
       },
       "mesh"_a, nb::kw_only(), "node_triangles"_a = standard.node_triangles, "grouping"_a = standard.grouping,
-      "borders"_a = standard.borders, "within"_a = standard.within, "boundary_weight"_a = standard.boundary_weight,
-      "attribute_weight"_a = standard.attribute_weight, "quantise_bits"_a = standard.quantise_bits,
+      "borders"_a = standard.borders, "within"_a = standard.within, "quantise_bits"_a = standard.quantise_bits,
       "threads"_a = standard.threads, "journal"_a = nb::none(), "resumed"_a = nb::none(), "progress"_a = nb::none(),
       "Builds the HLOD of any triangle soup with welded vertices. The same bytes for any number of threads. "
       "`progress`\n"

@@ -77,51 +77,24 @@ std::vector<HlodObject> to_hlods(nb::handle objects) {
 }
 
 std::unique_ptr<PythonFrame> draw_frame(PythonTraverser& self, const ViewLike& view, PythonDevice& device,
-                                        const std::optional<TraverseOptions>& options, PythonDevice* oracle) {
+                                        const std::optional<TraverseOptions>& options) {
   const View seen = view.get();
   TraverseOptions chosen = options.value_or(TraverseOptions{});
-  if (oracle == &device) throw nb::value_error("oracle: give another device than the one that is drawn on");
-  chosen.oracle = oracle != nullptr ? oracle->device.get() : nullptr;
   const nb::gil_scoped_release release;
-  std::mutex nobody;
-  const std::scoped_lock lock(self.in_use, device.in_use, oracle != nullptr ? oracle->in_use : nobody);
+  const std::scoped_lock lock(self.in_use, device.in_use);
   if (hlod::needs_costs(chosen.strategy)) chosen.costs = device.needed_costs();
   device.drawn = self.hlods;
-  if (oracle != nullptr) oracle->drawn = self.hlods;
-  return std::make_unique<PythonFrame>(self.traverser.draw_frame(seen, device.active(), chosen));
+  return std::make_unique<PythonFrame>(self.traverser.draw_frame(seen, *device.device, chosen));
 }
 
 void bind_traverse_enums(nb::module_& m) {
   using hlod::Strategy;
   nb::enum_<Strategy>(m, "Strategy", "Which nodes are drawn, and which queries decide it.")
       .value("vfc", Strategy::vfc, "All inside the frustum; no queries.")
-      .value("sw", Strategy::sw, "Asks every node and waits.")
-      .value("sw_b", Strategy::sw_b, "The same by biased error: the fewest nodes, the most waiting.")
-      .value("boolean", Strategy::boolean, "Coherent hierarchical culling (Bittner and others 2004).")
-      .value("simp", Strategy::simp, "Charalambos 2006.")
-      .value("coh", Strategy::coh, "Charalambos and others 2007.")
-      .value("ideal", Strategy::ideal, "What sw_b draws, known beforehand: needs an oracle.")
+      .value("coh", Strategy::coh, "Charalambos and others 2007: predicted from the last frame.")
       .value("nohc", Strategy::nohc, "Guthe and others 2006: asks where cost and benefit say so.")
-      .value("optimum", Strategy::optimum, "What single queries can reach at best: needs an oracle.")
       .value("batch", Strategy::batch, "Ours: predicted as by coh, asked together.")
-      .value("automatic", Strategy::automatic, "Ours: vfc, nohc, coh or batch, by what they are found to cost.")
-      .value("chc_plus", Strategy::chc_plus, "CHC++, Mattausch and others 2008.")
-      .value("two_pass", Strategy::two_pass, "What was visible is drawn, the rest tested against it once.")
-      .value("cesium", Strategy::cesium, "What is hidden is not refined, but drawn.");
-  nb::enum_<hlod::Metric>(m, "Metric", "How the error of a node on the screen is bounded.")
-      .value("box", hlod::Metric::box)
-      .value("sphere", hlod::Metric::sphere, "As published.")
-      .value("guaranteed", hlod::Metric::guaranteed, "A bound of how far the surface is off.");
-  nb::enum_<hlod::Coherence>(m, "Coherence", "When Strategy.coh asks about nodes.")
-      .value("mended", hlod::Coherence::mended, "When all that is known to be visible has been drawn.")
-      .value("published", hlod::Coherence::published, "In turn, as Charalambos and others 2007 do.");
-  nb::enum_<hlod::Alpha>(m, "Alpha", "How the pixels of a node's box on an empty screen are counted.")
-      .value("exact", hlod::Alpha::exact)
-      .value("paper", hlod::Alpha::paper);
-  nb::enum_<hlod::CoverModel>(m, "CoverModel", "How probable it is that all of a box is covered.")
-      .value("printed", hlod::CoverModel::printed,
-             "Boxes may stick out of the image: as Guthe and others 2006 print it.")
-      .value("corrected", hlod::CoverModel::corrected, "They lie inside it.");
+      .value("automatic", Strategy::automatic, "Ours: batch or vfc, whichever is found to take less.");
 }
 
 void bind_traverse_options(nb::module_& m) {
@@ -130,25 +103,18 @@ void bind_traverse_options(nb::module_& m) {
       .def(
           "__init__",
           [](TraverseOptions* self, hlod::Strategy strategy, double tolerance_px, double bias_s, double bias_t,
-             bool biased, hlod::Metric metric, hlod::Alpha alpha, hlod::Coherence coherence, bool geomorph, bool within,
-             hlod::CoverModel cover_model) {
+             bool geomorph, bool within) {
             TraverseOptions made;
             made.strategy = strategy;
             made.tolerance_px = tolerance_px;
             made.bias = {bias_s, bias_t};
-            made.biased = biased;
-            made.metric = metric;
-            made.alpha = alpha;
-            made.coherence = coherence;
             made.geomorph = geomorph;
             made.within = within;
-            made.cover_model = cover_model;
             new (self) TraverseOptions(made);
           },
           nb::kw_only(), "strategy"_a = standard.strategy, "tolerance_px"_a = standard.tolerance_px,
-          "bias_s"_a = standard.bias.s, "bias_t"_a = standard.bias.t, "biased"_a = standard.biased,
-          "metric"_a = standard.metric, "alpha"_a = standard.alpha, "coherence"_a = standard.coherence,
-          "geomorph"_a = standard.geomorph, "within"_a = standard.within, "cover_model"_a = standard.cover_model)
+          "bias_s"_a = standard.bias.s, "bias_t"_a = standard.bias.t, "geomorph"_a = standard.geomorph,
+          "within"_a = standard.within)
       .def_rw("strategy", &TraverseOptions::strategy, "A change forgets what was visible.")
       .def_rw("tolerance_px", &TraverseOptions::tolerance_px, ">= 0; 0: the input itself.")
       .def_prop_rw(
@@ -157,15 +123,10 @@ void bind_traverse_options(nb::module_& m) {
       .def_prop_rw(
           "bias_t", [](const TraverseOptions& o) { return o.bias.t; },
           [](TraverseOptions& o, double t) { o.bias.t = t; }, "Its turning point, in [0, 1].")
-      .def_rw("biased", &TraverseOptions::biased, "False: whatever is visible counts in full.")
-      .def_rw("metric", &TraverseOptions::metric)
-      .def_rw("alpha", &TraverseOptions::alpha)
-      .def_rw("coherence", &TraverseOptions::coherence, "Of Strategy.coh.")
       .def_rw("geomorph", &TraverseOptions::geomorph,
               "Vertices slide to the parent's while its error goes from twice tolerance_px to tolerance_px.")
       .def_rw("within", &TraverseOptions::within,
-              "Of HLODs with Within.splits: nodes are refined within, by collapses of their own. Not with geomorph.")
-      .def_rw("cover_model", &TraverseOptions::cover_model, "Of Strategy.nohc and batch.");
+              "Of HLODs with Within.splits: nodes are refined within, by collapses of their own. Not with geomorph.");
 }
 
 void bind_traverse_frame(nb::module_& m) {
@@ -182,7 +143,7 @@ void bind_traverse_frame(nb::module_& m) {
       .def_ro("wasted_queries", &FrameStats::wasted_queries, "Answered visible, and nothing was decided by it.")
       .def_ro("hidden_nodes", &FrameStats::hidden_nodes)
       .def_ro("largest_sse_px", &FrameStats::largest_sse_px, "The largest screen-space error drawn, without bias.");
-  nb::class_<FrameTimes>(m, "FrameTimes", "What one frame took on the device, ms; simulated where its clock is.")
+  nb::class_<FrameTimes>(m, "FrameTimes", "What one frame took on the device, ms.")
       .def_ro("frame_ms", &FrameTimes::frame_ms)
       .def_ro("cpu_ms", &FrameTimes::cpu_ms, "Of the calling thread, waiting included.")
       .def_ro("gpu_ms", &FrameTimes::gpu_ms, "That the device was busy.")
@@ -264,11 +225,10 @@ void bind_traverse(nb::module_& m) {
           "objects"_a,
           nb::sig(
               "def __init__(self, objects: HlodObject | Hlod | collections.abc.Iterable[HlodObject | Hlod]) -> None"))
-      .def("draw_frame", &draw_frame, "view"_a, "device"_a, "options"_a = nb::none(), "oracle"_a = nb::none(),
-           "Draws one frame. `oracle`: another device, of Strategy.ideal and optimum alone. What commands cost, which "
-           "nohc,\n"
-           "optimum, batch and automatic go by, is measured when first needed, or simulated. Error for options out of\n"
-           "their range.")
+      .def(
+          "draw_frame", &draw_frame, "view"_a, "device"_a, "options"_a = nb::none(),
+          "Draws one frame. What commands cost, which nohc, batch and automatic go by, is measured when first needed.\n"
+          "Error for options out of their range.")
       .def(
           "set_transform",
           [](PythonTraverser& t, std::size_t object, const ArrayLike& transform) {

@@ -74,7 +74,7 @@ class HlodReport(unittest.TestCase):
         cls.out = pathlib.Path(os.environ.get("REPORT_OUT") or folder.name)
         shutil.rmtree(cls.out, ignore_errors=True)  # of an earlier test: nothing is reused
         done = subprocess.run([ROOT / "scripts/hlod_report.sh", "--small", "--out", cls.out, "--occlod", os.environ["OCCLOD_TOOL"],
-                               "--cover", os.environ["COVER_PROBABILITY"]], capture_output=True, text=True)
+                               "--compare", os.environ["HLOD_COMPARE"], "--cover", os.environ["COVER_PROBABILITY"]], capture_output=True, text=True)
         if done.returncode != 0:
             raise AssertionError(done.stderr)
         cls.stderr = done.stderr
@@ -154,7 +154,7 @@ class HlodReport(unittest.TestCase):
 
     def test_runs_of_another_length_are_not_mixed(self):
         before = sorted(file.name for file in self.out.iterdir())
-        done = subprocess.run([sys.executable, "-B", ROOT / "scripts/hlod_runs.py", "--occlod", "none", "--cover", "none", "--out", self.out, "--quick", "--reuse"],
+        done = subprocess.run([sys.executable, "-B", ROOT / "scripts/hlod_runs.py", "--occlod", "none", "--compare", "none", "--cover", "none", "--out", self.out, "--quick", "--reuse"],
                               capture_output=True, text=True)
         self.assertNotEqual(done.returncode, 0)
         self.assertRegex(done.stderr, "^hlod_runs.py: .*holds runs of another length.*\n$")

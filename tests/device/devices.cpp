@@ -1,6 +1,6 @@
 #include "device/tested_devices.h"
 #include "occlod/device.h"
-#include "occlod/trial_devices.h"
+#include "papers/trial_devices.h"
 
 namespace occlod::hlod::test {
 

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "occlod/device.h"
-#include "occlod/trial_devices.h"
+#include "papers/trial_devices.h"
 
 namespace occlod::hlod {
 namespace {

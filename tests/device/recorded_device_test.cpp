@@ -1,5 +1,5 @@
 // Recordings: replayed call by call, refused where a call differs, and kept in files.
-#include "hlod/draw/recorded_device.h"
+#include "papers/recorded_device.h"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@
 
 #include "device/small_scenes.h"
 #include "occlod/base.h"
-#include "occlod/trial_devices.h"
+#include "papers/trial_devices.h"
 
 namespace occlod::hlod {
 namespace {

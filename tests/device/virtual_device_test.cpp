@@ -1,14 +1,13 @@
 // Frame times of sequences of commands, added up by hand.
-#include "hlod/draw/virtual_device.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
 #include "device/small_scenes.h"
+#include "hlod/draw/virtual_clock.h"
 #include "occlod/base.h"
-#include "occlod/trial_devices.h"
+#include "papers/trial_devices.h"
 
 namespace occlod::hlod {
 namespace {

@@ -15,8 +15,6 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 PREAMBLE = """#include <occlod/occlod.h>
 #include <occlod/base.h>
-#include <occlod/trial_devices.h>
-#include <occlod/trial_devices.h>
 #include <occlod/gl.h>
 #include <occlod/build_hlod.h>
 #include <occlod/build_hlod.h>

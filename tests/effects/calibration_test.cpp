@@ -10,6 +10,7 @@
 #include "occlod/auto_refiner.h"
 #include "occlod/base.h"
 #include "occlod/visibility.h"
+#include "papers/trial_devices.h"
 
 namespace occlod::test {
 namespace {

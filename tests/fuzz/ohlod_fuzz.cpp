@@ -19,6 +19,7 @@
 #include "occlod/build_hlod.h"
 #include "occlod/hlod.h"
 #include "occlod/node_store.h"
+#include "papers/simulated_link.h"
 
 namespace occlod::ohlod {
 namespace {
@@ -146,17 +147,19 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const occlod::fuzz::MemoryFile file(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
   occlod::hlod::Hlod whole;
   const bool is_valid = occlod::ohlod::read(file.path(), whole);
-  using occlod::hlod::LoadMode;
+  using occlod::hlod::TrialLoad;
   struct Way {
-    LoadMode load;
+    TrialLoad load;
     std::size_t budget;
   };
   constexpr std::size_t plenty = std::size_t{1} << 24U;
-  for (const Way& way : {Way{LoadMode::blocking, plenty}, Way{LoadMode::blocking, size / 3},
-                         Way{LoadMode::simulated, plenty}, Way{LoadMode::simulated, size / 2}})
+  for (const Way& way : {Way{TrialLoad::blocking, plenty}, Way{TrialLoad::blocking, size / 3},
+                         Way{TrialLoad::simulated, plenty}, Way{TrialLoad::simulated, size / 2}})
     try {
-      const occlod::hlod::CacheOptions options{.budget_bytes = way.budget, .load = way.load};
-      occlod::ohlod::page(occlod::open_ohlod(file.path(), options).hlod, is_valid ? &whole : nullptr);
+      const occlod::hlod::TrialCacheOptions options{.budget_bytes = way.budget, .load = way.load};
+      const occlod::hlod::Hlod paged = occlod::open_ohlod(file.path(), options.cache()).hlod;
+      occlod::hlod::simulate_link(*paged.store(), options);
+      occlod::ohlod::page(paged, is_valid ? &whole : nullptr);
     } catch (const occlod::Error&) {
       occlod::ohlod::require(!is_valid || way.budget < plenty);
     }

@@ -9,9 +9,9 @@
 
 #include "fuzz/memory_file.h"
 #include "fuzz/section_signer.h"
-#include "hlod/draw/recorded_device.h"
 #include "occlod/base.h"
-#include "occlod/trial_devices.h"
+#include "papers/recorded_device.h"
+#include "papers/trial_devices.h"
 
 namespace occlod::hlod {
 namespace {

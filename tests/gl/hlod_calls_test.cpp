@@ -6,7 +6,7 @@
 #include "gl/hlod_cases.h"
 #include "occlod/build_hlod.h"
 #include "occlod/generate.h"
-#include "occlod/traverser.h"
+#include "papers/trial_traverser.h"
 #include "support/scripted_device.h"
 
 namespace occlod::gl {
@@ -169,10 +169,11 @@ TEST_P(HlodCalls, TheFrontsAreTheSame) {
   const auto many = make_from(context, true), one = make_from(context, false);
   occlod::test::PromptDevice prompt_many(*many), prompt_one(*one);
   std::size_t hidden = 0;
-  for (const hlod::Strategy strategy : {hlod::Strategy::sw_b, hlod::Strategy::coh, hlod::Strategy::nohc,
-                                        hlod::Strategy::batch, hlod::Strategy::two_pass}) {
-    hlod::Traverser traverser({&placed, 1}), expected({&placed, 1});
-    hlod::TraverseOptions options;
+  for (const hlod::TrialStrategy strategy :
+       {hlod::TrialStrategy::sw_b, hlod::TrialStrategy::coh, hlod::TrialStrategy::nohc, hlod::TrialStrategy::batch,
+        hlod::TrialStrategy::two_pass}) {
+    hlod::TrialTraverser traverser({&placed, 1}), expected({&placed, 1});
+    hlod::TrialOptions options;
     options.strategy = strategy;
     options.costs = {.draw_ns = 2000, .triangle_ns = 5, .fragment_ns = 0.2, .query_ns = 100};
     for (int i = 0; i < 4; ++i) {

@@ -160,8 +160,6 @@ TEST(BuildHlod, RefusesOptionsOutOfTheirRange) {
   expect_refused(mesh, "option node_triangles", [](BuildOptions& o) { o.node_triangles = 4097; });
   expect_refused(mesh, "option threads", [](BuildOptions& o) { o.threads = -1; });
   expect_refused(mesh, "option threads", [](BuildOptions& o) { o.threads = 1025; });
-  for (const double bad : {-1.0, 1e7, std::numeric_limits<double>::quiet_NaN()})
-    expect_refused(mesh, "option boundary_weight", [bad](BuildOptions& o) { o.boundary_weight = bad; });
   expect_refused(mesh, "need locked borders", [](BuildOptions& o) { o.borders = Borders::free; });
 }
 

@@ -270,7 +270,7 @@ TEST_F(Journal, NodesKeepTheirOrder) {
   }
   // One of another build, in the same place.
   BuildOptions other = story.options;
-  other.boundary_weight = 2.0;
+  other.grouping = Grouping::nested;
   std::filesystem::remove(path());
   (void)build(story.mesh, other);
   const std::string theirs = content();
@@ -301,10 +301,6 @@ TEST_F(Journal, OtherOptionsAreRefused) {
                  [](BuildOptions& o) { o.borders = Borders::free; });
   expect_refused("within: is geomorph in the build that left the journal, splits",
                  [](BuildOptions& o) { o.within = Within::splits; });
-  expect_refused("boundary_weight: is 1 in the build that left the journal, 0.5",
-                 [](BuildOptions& o) { o.boundary_weight = 0.5; });
-  expect_refused("attribute_weight: is 0.7 in the build that left the journal, 0",
-                 [](BuildOptions& o) { o.attribute_weight = 0.0; });
 }
 
 TEST_F(Journal, AnotherMeshIsRefused) {

@@ -16,6 +16,7 @@
 #include "hlod/store/mesh_loader.h"
 #include "occlod/base.h"
 #include "occlod/node_store.h"
+#include "papers/simulated_link.h"
 
 namespace occlod::hlod::test {
 
@@ -62,14 +63,17 @@ class MemorySource final : public MeshSource {
 };
 
 // The same HLOD with a store.
-[[nodiscard]] inline Hlod paged(const Hlod& hlod, const CacheOptions& options,
+[[nodiscard]] inline Hlod paged(const Hlod& hlod, const TrialCacheOptions& options,
                                 const std::shared_ptr<ReadFaults>& faults = std::make_shared<ReadFaults>()) {
   HlodView view = hlod.data();
   view.meshes = {};
   view.within = {};
   view.splits = {};
   const auto owner = std::make_shared<const Hlod>(hlod);
-  return paged_hlod(std::make_shared<NodeStore>(view, owner, std::make_unique<MemorySource>(hlod, faults), options));
+  const auto store =
+      std::make_shared<NodeStore>(view, owner, std::make_unique<MemorySource>(hlod, faults), options.cache());
+  simulate_link(*store, options);
+  return paged_hlod(store);
 }
 
 [[nodiscard]] inline std::size_t bytes_of(const Hlod& hlod, std::span<const NodeId> nodes) {

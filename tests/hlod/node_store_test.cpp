@@ -15,8 +15,8 @@ using namespace test;
 
 constexpr std::size_t plenty = std::size_t{1} << 30U;
 
-CacheOptions cache(LoadMode load, std::size_t budget = plenty) {
-  CacheOptions options;
+TrialCacheOptions cache(TrialLoad load, std::size_t budget = plenty) {
+  TrialCacheOptions options;
   options.budget_bytes = budget;
   options.load = load;
   return options;
@@ -67,7 +67,7 @@ std::string problem_of(const std::function<void()>& work) {
 }
 
 TEST(NodeStore, HoldsTheMeshesThatAreThere) {
-  const Hlod hlod = paged(good(), cache(LoadMode::blocking));
+  const Hlod hlod = paged(good(), cache(TrialLoad::blocking));
   EXPECT_EQ(resident(hlod), std::vector<NodeId>(good().data().roots.begin(), good().data().roots.end()));
   NodeStore& store = *hlod.store();
   store.begin_frame();
@@ -91,7 +91,7 @@ TEST(NodeStore, HoldsTheMeshesThatAreThere) {
 }
 
 TEST(NodeStore, WithoutAMeshThereIsAnErrorAndNotACrash) {
-  const Hlod hlod = paged(good(), cache(LoadMode::async));
+  const Hlod hlod = paged(good(), cache(TrialLoad::async));
   EXPECT_NO_THROW(hlod.require(root()));
   EXPECT_NE(problem_of([&] { hlod.require(last_leaf()); }).find("is not in memory"), std::string::npos);
   EXPECT_THROW(hlod.require_all(), Error);
@@ -99,31 +99,31 @@ TEST(NodeStore, WithoutAMeshThereIsAnErrorAndNotACrash) {
 
 TEST(NodeStore, NamesTheLeastBudget) {
   const std::size_t least = bytes_of(good(), good().data().roots);
-  EXPECT_NO_THROW((void)paged(good(), cache(LoadMode::async, least)));
-  EXPECT_NE(problem_of([&] { (void)paged(good(), cache(LoadMode::async, least - 1)); }).find(std::to_string(least)),
+  EXPECT_NO_THROW((void)paged(good(), cache(TrialLoad::async, least)));
+  EXPECT_NE(problem_of([&] { (void)paged(good(), cache(TrialLoad::async, least - 1)); }).find(std::to_string(least)),
             std::string::npos);
-  const Hlod hlod = paged(good(), cache(LoadMode::async));
+  const Hlod hlod = paged(good(), cache(TrialLoad::async));
   EXPECT_THROW(hlod.store()->set_budget(least - 1), Error);
   EXPECT_EQ(hlod.store()->stats().budget_bytes, plenty);
 }
 
 TEST(NodeStore, RefusesOptionsOutOfTheirRange) {
-  CacheOptions options = cache(LoadMode::simulated);
+  TrialCacheOptions options = cache(TrialLoad::simulated);
   for (const double speed : {0.0, -1.0, std::nan("")}) {
     options.simulated_mb_per_s = speed;
     EXPECT_THROW((void)paged(good(), options), Error);
   }
-  options = cache(LoadMode::simulated);
+  options = cache(TrialLoad::simulated);
   options.simulated_delay = -1;
   EXPECT_THROW((void)paged(good(), options), Error);
-  options = cache(LoadMode::simulated);
+  options = cache(TrialLoad::simulated);
   options.frame_bytes = 0;
   EXPECT_THROW((void)paged(good(), options), Error);
 }
 
 // A leaf comes with all that is above it and nothing else.
 TEST(NodeStore, WhatIsThereIsClosedUpwards) {
-  const Hlod hlod = paged(good(), cache(LoadMode::blocking));
+  const Hlod hlod = paged(good(), cache(TrialLoad::blocking));
   const NodeId leaf = last_leaf();
   hlod.store()->begin_frame();
   EXPECT_TRUE(hlod.store()->fetch({&leaf, 1}));
@@ -140,7 +140,7 @@ TEST(NodeStore, TheLongestUnusedLeaves) {
   std::ranges::set_difference(other, one, std::back_inserter(only_other));
   ASSERT_GT(one.size(), shared.size() + 1);
   const std::size_t budget = std::max(bytes_of(good(), one), bytes_of(good(), other));
-  const Hlod hlod = paged(good(), cache(LoadMode::blocking, budget));
+  const Hlod hlod = paged(good(), cache(TrialLoad::blocking, budget));
   NodeStore& store = *hlod.store();
   store.begin_frame();
   EXPECT_TRUE(store.fetch({&first, 1}));
@@ -167,7 +167,7 @@ TEST(NodeStore, SimulatedLoadsComeInTheFrameThatTheirBytesSay) {
   const std::size_t bytes = bytes_of(good(), child);
   for (const int delay : {0, 1, 7})
     for (const double frames : {0.5, 1.0, 2.5, 20.0}) {
-      CacheOptions options = cache(LoadMode::simulated, bytes + bytes_of(good(), root()));
+      TrialCacheOptions options = cache(TrialLoad::simulated, bytes + bytes_of(good(), root()));
       options.simulated_delay = delay;
       options.simulated_mb_per_s = 60e-6 * static_cast<double>(bytes) / frames * (1.0 + 1e-9);
       const Hlod hlod = paged(good(), options);
@@ -180,7 +180,7 @@ TEST(NodeStore, SimulatedLoadsComeInTheFrameThatTheirBytesSay) {
 
 // Everything is wanted at once, and comes in portions.
 TEST(NodeStore, NoMoreComesInAFrameThanMay) {
-  CacheOptions options = cache(LoadMode::simulated);
+  TrialCacheOptions options = cache(TrialLoad::simulated);
   options.simulated_mb_per_s = 1e6;
   options.frame_bytes = 20'000;
   const Hlod hlod = paged(good(), options);
@@ -204,7 +204,7 @@ TEST(NodeStore, WhatIsWantedTogetherComesTogetherOrNotAtAll) {
   const std::span<const NodeId> children = good().children(root());
   ASSERT_GT(children.size(), 2U);
   const std::size_t budget = bytes_of(good(), root()) + bytes_of(good(), children) - 1;
-  CacheOptions options = cache(LoadMode::simulated, budget);
+  TrialCacheOptions options = cache(TrialLoad::simulated, budget);
   options.simulated_mb_per_s = 1e3;
   const Hlod hlod = paged(good(), options);
   NodeStore& store = *hlod.store();
@@ -224,8 +224,8 @@ TEST(NodeStore, WhatIsWantedTogetherComesTogetherOrNotAtAll) {
 TEST(NodeStore, PrioritiesAddUp) {
   const std::span<const NodeId> children = good().children(root());
   const NodeId a = children[0], b = children[children.size() - 1];
-  CacheOptions options =
-      cache(LoadMode::simulated, bytes_of(good(), root()) + bytes_of(good(), a) + bytes_of(good(), b));
+  TrialCacheOptions options =
+      cache(TrialLoad::simulated, bytes_of(good(), root()) + bytes_of(good(), a) + bytes_of(good(), b));
   options.simulated_mb_per_s = 60e-6 * static_cast<double>(std::max(bytes_of(good(), a), bytes_of(good(), b)));
   options.simulated_delay = 0;
   const Hlod hlod = paged(good(), options);
@@ -244,7 +244,7 @@ TEST(NodeStore, PrioritiesAddUp) {
 TEST(NodeStore, PrefetchedMeshesTakeFreeRoomOnly) {
   const std::span<const NodeId> children = good().children(root());
   const std::size_t budget = bytes_of(good(), root()) + bytes_of(good(), children.first(2)) + 16;
-  CacheOptions options = cache(LoadMode::simulated, budget);
+  TrialCacheOptions options = cache(TrialLoad::simulated, budget);
   options.simulated_mb_per_s = 1e3;
   const Hlod hlod = paged(good(), options);
   NodeStore& store = *hlod.store();
@@ -273,7 +273,7 @@ TEST(NodeStore, WhatFailsIsToldOnceAndWantedNoMore) {
   const auto faults = std::make_shared<ReadFaults>();
   faults->damaged = {children[0]};
   faults->unreadable = {children[1]};
-  CacheOptions options = cache(LoadMode::simulated);
+  TrialCacheOptions options = cache(TrialLoad::simulated);
   options.simulated_mb_per_s = 1e3;
   const Hlod hlod = paged(good(), options, faults);
   NodeStore& store = *hlod.store();
@@ -293,12 +293,12 @@ TEST(NodeStore, WhatFailsIsToldOnceAndWantedNoMore) {
 TEST(NodeStore, WithoutTheRootsThereIsNothing) {
   const auto faults = std::make_shared<ReadFaults>();
   faults->damaged = {root()};
-  EXPECT_EQ(problem_of([&] { (void)paged(good(), cache(LoadMode::async), faults); }), "memory: node 0: is damaged");
+  EXPECT_EQ(problem_of([&] { (void)paged(good(), cache(TrialLoad::async), faults); }), "memory: node 0: is damaged");
 }
 
 TEST(NodeStore, ASmallerBudgetIsKeptAtOnce) {
-  for (const LoadMode load : {LoadMode::async, LoadMode::simulated}) {
-    CacheOptions options = cache(load, good().data().meshes.size());
+  for (const TrialLoad load : {TrialLoad::async, TrialLoad::simulated}) {
+    TrialCacheOptions options = cache(load, good().data().meshes.size());
     options.simulated_mb_per_s = 1.0;
     const auto faults = std::make_shared<ReadFaults>();
     faults->before = [](NodeId) { std::this_thread::sleep_for(std::chrono::milliseconds(2)); };
@@ -324,7 +324,7 @@ TEST(NodeStore, TheCoarsestNodesStay) {
   const std::span<const NodeId> children = good().children(root());
   const std::size_t coarse = bytes_of(good(), root()) + bytes_of(good(), children.first(2));
   ASSERT_EQ(children[1], 2U);
-  CacheOptions options = cache(LoadMode::simulated, 16 * coarse);
+  TrialCacheOptions options = cache(TrialLoad::simulated, 16 * coarse);
   options.simulated_mb_per_s = 1e3;
   const Hlod hlod = paged(good(), options);
   NodeStore& store = *hlod.store();
@@ -344,7 +344,7 @@ TEST(NodeStore, FramesDoNotWaitForTheDisk) {
   faults->before = [&](NodeId) {
     if (is_open) gone.wait();
   };
-  const Hlod hlod = paged(good(), cache(LoadMode::async), faults);
+  const Hlod hlod = paged(good(), cache(TrialLoad::async), faults);
   is_open = true;
   NodeStore& store = *hlod.store();
   const std::span<const NodeId> children = good().children(root());

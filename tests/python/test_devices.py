@@ -1,4 +1,4 @@
-"""Devices that draw HLODs: recordings, OpenGL where it is built; refinement within nodes; scenes as HLODs."""
+"""Devices that draw HLODs: OpenGL where it is built; refinement within nodes; scenes as HLODs."""
 import pathlib
 import tempfile
 import unittest
@@ -13,72 +13,6 @@ def walk(traverser, device, options, frames=3):
         camera = occlod.Camera(eye=(0.2 * frame, 0, 3), width=256, height=192)
         result.append(traverser.draw_frame(camera, device, options))
     return result
-
-
-class Recordings(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.hlod = occlod.build_hlod(occlod.generate_rough_planet(level=5), node_triangles=300)
-
-    def record(self, strategy):
-        device = occlod.Device.virtual("modern")
-        device.start_recording()
-        options = occlod.TraverseOptions(strategy=strategy)
-        return walk(occlod.Traverser(self.hlod), device, options), device, options
-
-    def test_answer_as_the_device_did(self):
-        frames, device, options = self.record(occlod.Strategy.coh)
-        recording = device.recording()
-        self.assertEqual((recording.frame_count, recording.device_name), (3, "virtual:modern"))
-        self.assertGreater(recording.command_count, sum(len(frame.draws) for frame in frames))
-        with tempfile.TemporaryDirectory() as folder:
-            path = pathlib.Path(folder, "a.orec")
-            recording.write(path)
-            again = occlod.Device.replay(occlod.read_recording(path))
-            path.write_bytes(path.read_bytes()[:-1])
-            with self.assertRaisesRegex(occlod.Error, "a.orec"):
-                occlod.read_recording(path)
-        self.assertEqual(again.name, "recorded:virtual:modern")
-        for one, other in zip(frames, walk(occlod.Traverser(self.hlod), again, options)):
-            self.assertEqual(one.front_hash, other.front_hash)
-            self.assertEqual(one.times.frame_ms, other.times.frame_ms)
-            numpy.testing.assert_array_equal(one.draws, other.draws)
-        with self.assertRaisesRegex(occlod.Error, "no picture"):
-            again.picture()
-        with self.assertRaises(occlod.Error):  # there is no fourth frame
-            walk(occlod.Traverser(self.hlod), again, options, 1)
-
-    def test_other_frames_are_refused(self):
-        _, device, options = self.record(occlod.Strategy.vfc)
-        options.tolerance_px = 9
-        with self.assertRaisesRegex(occlod.Error, "frame"):
-            walk(occlod.Traverser(self.hlod), occlod.Device.replay(device.recording()), options)
-
-    def test_need_costs_where_strategies_do(self):
-        frames, device, options = self.record(occlod.Strategy.nohc)
-        with self.assertRaisesRegex(occlod.Error, "cost"):
-            walk(occlod.Traverser(self.hlod), occlod.Device.replay(device.recording()), options)
-        again = occlod.Device.replay(device.recording(), device.costs())
-        self.assertEqual(device.costs().name, "modern")
-        self.assertEqual([f.front_hash for f in walk(occlod.Traverser(self.hlod), again, options)], [f.front_hash for f in frames])
-
-    def test_have_to_be_started(self):
-        with self.assertRaisesRegex(occlod.Error, "start_recording"):
-            occlod.Device.software().recording()
-
-
-class CoverModels(unittest.TestCase):
-    def test_decide_what_is_asked(self):
-        # The corrected probability is never the smaller one: more nodes are worth a question where much is hidden.
-        city = occlod.build_hlod(occlod.generate_city(blocks=4, facade_cells=4), node_triangles=200)
-        camera = occlod.Camera(eye=(60, 0, 1.7), target=(60, 200, 10), up=(0, 0, 1), width=256, height=192, far=1000)
-        queries = {}
-        for model in occlod.CoverModel:
-            options = occlod.TraverseOptions(strategy=occlod.Strategy.nohc, cover_model=model)
-            self.assertEqual(options.cover_model, model)
-            traverser, device = occlod.Traverser(city), occlod.Device.virtual("query-cheap")
-            queries[model] = sum(traverser.draw_frame(camera, device, options).stats.queries for _ in range(3))
-        self.assertNotEqual(queries[occlod.CoverModel.printed], queries[occlod.CoverModel.corrected])
 
 
 class OpenGL(unittest.TestCase):

@@ -97,7 +97,7 @@ else:
     print("{{}}")
 """)
         occlod.chmod(0o755)
-        done = subprocess.run([sys.executable, "-B", SCRIPTS / "hlod_runs.py", "--occlod", occlod, "--cover", occlod, "--out", self.folder / "out",
+        done = subprocess.run([sys.executable, "-B", SCRIPTS / "hlod_runs.py", "--occlod", occlod, "--compare", occlod, "--cover", occlod, "--out", self.folder / "out",
                                "--quick", "--only", "cracks", *options], capture_output=True, text=True)
         self.assertEqual(done.returncode, 0, done.stderr)
         return log.read_text().split()
@@ -108,7 +108,7 @@ else:
         self.assertEqual(self.cracks("--reuse"), [])
         self.assertEqual(self.cracks("--reuse", "--crack-frames", "5"), ["5"] * 12)
         self.assertEqual(self.cracks("--reuse", "--crack-frames", "5"), [])
-        done = subprocess.run([sys.executable, "-B", SCRIPTS / "hlod_runs.py", "--occlod", "x", "--cover", "x", "--out", self.folder, "--crack-frames", "0"],
+        done = subprocess.run([sys.executable, "-B", SCRIPTS / "hlod_runs.py", "--occlod", "x", "--compare", "x", "--cover", "x", "--out", self.folder, "--crack-frames", "0"],
                               capture_output=True, text=True)
         self.assertEqual(done.returncode, 2)
         self.assertIn("--crack-frames: '0' is not a whole number above 0", done.stderr)

@@ -9,7 +9,7 @@
 
 namespace occlod::test {
 
-using hlod::Strategy;
+using hlod::TrialStrategy;
 
 namespace {
 
@@ -38,7 +38,7 @@ const std::string second_row_new = "ask 2, get 2, ask 6, get 6, draw 6, ask 7, g
 void hide_second_row(ScriptedDevice& device) { device.answer(0, 2, 0); }
 
 // Every node is asked about in every frame, after all that is nearer has been drawn.
-Story stop_and_wait(Strategy strategy) {
+Story stop_and_wait(TrialStrategy strategy) {
   Story story{"everything is asked and waited for", strategy};
   story.script = [](ScriptedDevice& device) {
     hide_second_row(device);
@@ -52,7 +52,7 @@ Story stop_and_wait(Strategy strategy) {
 
 // With a tolerance of 1 px all that is visible is refined to the leaves. The second row comes into sight and goes
 // again.
-Story comes_and_goes(Strategy strategy) {
+Story comes_and_goes(TrialStrategy strategy) {
   Story story{"the second row comes and goes", strategy};
   story.script = [](ScriptedDevice& device) {
     hide_second_row(device);
@@ -73,7 +73,7 @@ Story comes_and_goes(Strategy strategy) {
 
 // Node 8 rises above the first row: half of it is seen; its siblings are hidden and asked about in every frame. So the
 // mean bias of node 2's children is 0.21 or more, and its error 0.77 px: with a tolerance of 0.5 px it stays refined.
-Story hidden_siblings(Strategy strategy) {
+Story hidden_siblings(TrialStrategy strategy) {
   Story story{"siblings of a visible node are hidden", strategy, 0.5};
   story.last_rises = true;
   story.script = [](ScriptedDevice& device) {
@@ -87,7 +87,7 @@ Story hidden_siblings(Strategy strategy) {
 }
 
 // With the eye in its box a node is visible, whatever the device would say, and not asked about.
-Story enters_a_node(Strategy strategy) {
+Story enters_a_node(TrialStrategy strategy) {
   Story story{"the eye goes into the box of node 0", strategy};
   story.script = [](ScriptedDevice& device) {
     hide_second_row(device);
@@ -103,7 +103,7 @@ Story enters_a_node(Strategy strategy) {
 // visible by 1 - 1/6, where B is 1 - (1/6)^2 / 0.7 = 0.96: 4.8 px, stop. All of it is visible, so it is refined after
 // all, and its children, seen in the last frame, are drawn over it at once. Places are the same in each later frame.
 Story wrong_stop_by_place() {
-  Story story{"a place in the queue says too little", Strategy::simp, 4.9};
+  Story story{"a place in the queue says too little", TrialStrategy::simp, 4.9};
   story.script = hide_second_row;
   const std::string again = "ask 1, draw 1, get 1, " + first_row_again + ", ask 2, get 2";
   story.frames = {{ahead, false, all_new}, {ahead, false, again, 1}, {ahead, false, again, 1}};
@@ -112,7 +112,7 @@ Story wrong_stop_by_place() {
 
 // Tolerance 4 px; behind the occluder the bias of all nodes is 0.
 Story front_moves_up_and_down() {
-  Story story{"the front moves up behind an occluder and down when it goes", Strategy::coh, 4.0};
+  Story story{"the front moves up behind an occluder and down when it goes", TrialStrategy::coh, 4.0};
   story.script = [](ScriptedDevice& device) {
     hide_second_row(device);
     for (const hlod::NodeId n : {0U, 1U, 3U, 4U, 5U}) {
@@ -144,7 +144,7 @@ Story front_moves_up_and_down() {
 // that may stand for its children again is asked about while these are drawn once more. What is not known to be visible
 // is asked about first.
 Story front_moves_without_holes() {
-  Story story{"the front moves without holes", Strategy::coh, 4.0};
+  Story story{"the front moves without holes", TrialStrategy::coh, 4.0};
   story.coherence = hlod::Coherence::mended;
   story.script = [](ScriptedDevice& device) {
     hide_second_row(device);
@@ -177,7 +177,7 @@ Story front_moves_without_holes() {
 
 // Nothing is asked, so nothing is hidden.
 Story frustum_only() {
-  Story story{"nothing is asked", Strategy::vfc};
+  Story story{"nothing is asked", TrialStrategy::vfc};
   story.script = [](ScriptedDevice&) {};
   const std::string all = "draw 3, draw 4, draw 5, draw 6, draw 7, draw 8";
   story.frames = {{ahead, false, all}, {between, false, "draw 6, draw 7"}, {above, false, all}};
@@ -187,8 +187,8 @@ Story frustum_only() {
 }  // namespace
 
 std::vector<Story> stories() {
-  std::vector<Story> all = {frustum_only(), stop_and_wait(Strategy::sw), stop_and_wait(Strategy::sw_b)};
-  for (const Strategy strategy : {Strategy::boolean, Strategy::simp, Strategy::coh}) {
+  std::vector<Story> all = {frustum_only(), stop_and_wait(TrialStrategy::sw), stop_and_wait(TrialStrategy::sw_b)};
+  for (const TrialStrategy strategy : {TrialStrategy::boolean, TrialStrategy::simp, TrialStrategy::coh}) {
     all.push_back(comes_and_goes(strategy));
     all.push_back(hidden_siblings(strategy));
     all.push_back(enters_a_node(strategy));
@@ -205,9 +205,9 @@ void expect_story(const Story& story, hlod::RenderDevice& device, bool whole_log
   const hlod::Hlod occluder = one_panel({-3.0F, -0.6F, 5.0F}, {4.5F, 1.0F});
   const glm::dmat4 away = glm::translate(glm::dmat4(1.0), glm::dvec3(0.0, 0.0, 100.0));
   const std::array<hlod::PlacedHlod, 2> objects = {{{&rows}, {&occluder, away}}};
-  hlod::Traverser traverser(objects);
+  hlod::TrialTraverser traverser(objects);
   LoggedDevice logged(device);
-  hlod::TraverseOptions options;
+  hlod::TrialOptions options;
   options.strategy = story.strategy;
   options.tolerance_px = story.tolerance_px;
   options.coherence = story.coherence;

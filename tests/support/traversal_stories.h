@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "occlod/traverser.h"
+#include "papers/trial_traverser.h"
 #include "support/scripted_device.h"
 
 namespace occlod::test {
@@ -22,7 +22,7 @@ struct StoryFrame {
 // About two_rows(), which is object 0, and the occluder, object 1.
 struct Story {
   std::string name;
-  hlod::Strategy strategy = hlod::Strategy::sw;
+  hlod::TrialStrategy strategy = hlod::TrialStrategy::sw;
   double tolerance_px = 1.0;
   bool last_rises = false;  // of two_rows()
   hlod::Coherence coherence = hlod::Coherence::published;

@@ -87,8 +87,6 @@ TEST(WriteTileset, RefusesBadOptions) {
       {"quantise_bits", [](TilesetOptions& o) { o.quantise_bits = 7; }},
       {"quantise_bits", [](TilesetOptions& o) { o.quantise_bits = 17; }},
       {"quantise_bits", [](TilesetOptions& o) { o.quantise_bits = -1; }},
-      {"crease_deg", [](TilesetOptions& o) { o.crease_deg = 181.0; }},
-      {"crease_deg", [&](TilesetOptions& o) { o.crease_deg = nan; }},
       {"tiles_per_file", [](TilesetOptions& o) { o.tiles_per_file = 0; }},
       {"longitude_deg",
        [](TilesetOptions& o) {

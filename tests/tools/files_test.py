@@ -52,12 +52,7 @@ class Files(ToolTest):
                 ("scene.json", ["hlod", "build", "planet.ply", "scene.json"], "--output"),
                 ("planet.olod", ["hlod", "build", "scene.json"], "--output"),
                 ("planet.ply", ["hlod", "render", "planet.ply"], "--png"),
-                ("planet.olod", ["hlod", "render", "scene.json"], "--boxes"),
-                ("calibration.json", ["hlod", "render", "planet.ply", "--replay", "calibration.json"], "--record"),
-                ("scene.json", ["hlod", "render", "planet.ply", "--scene", "scene.json"], "--csv"),
-                ("planet.ply", ["hlod", "compare", "planet.ply"], "--csv"),
-                ("planet.ply", ["hlod", "compare", "planet.ply"], "--save-calibration"),
-                ("scene.json", ["hlod", "render", "scene.json"], "--save-calibration"),
+                ("scene.json", ["hlod", "render", "planet.ply", "--scene", "scene.json"], "--png"),
                 ("planet.ply", [*render, "planet.ply"], "--png"),
                 ("planet.ply", [*render, "planet.ply"], "--mesh"),
                 ("planet.olod", [*render, "planet.olod"], "--png"),
@@ -82,9 +77,6 @@ class Files(ToolTest):
         for other in ("new.png", "./new.png", "sub/../new.png", "link.png", str(self.folder / "new.png")):
             self.assert_refused([*render, "new.png", "--birdseye", other], 2, f"--birdseye: would overwrite {other}, which --png writes")
         self.assert_refused([*render, "new.ply", "--mesh", "new.ply"], 2, "--mesh: would overwrite new.ply, which --png writes")
-        self.assert_refused(["hlod", "render", "planet.ply", "--png", "new.png", "--boxes", "./new.png"], 2, "--boxes: would overwrite ./new.png, which --png writes")
-        self.assert_refused(["hlod", "render", "planet.ply", "--frames", 3, "--png", "a.png", "--csv", "a_00002.png"], 2,
-                            "--png: would overwrite a_00002.png, which --csv writes")
         self.assert_refused(["render", "scene.json", "--budget", 100, "--path", "p", "--png", "a.png", "--save-calibration", "a_00002.png"], 2,
                             "--png: would overwrite a_00002.png, which --save-calibration writes")
 
@@ -104,9 +96,7 @@ class Files(ToolTest):
         yield from ((["build", "bad.ply"], "--output", "olod"), (["cut", "bad.olod", "--error", 0], "--output", "ply"),
                     (["generate", "rough-planet", "--level", 11], "--output", "ply"), (["render", "bad.olod"], "--png", "png"),
                     (["render", "bad.olod"], "--birdseye", "png"), (["render", "bad.ply"], "--mesh", "obj"),
-                    (["render", "bad.ply"], "--save-calibration", "json"), (["hlod", "render", "bad.ohlod"], "--png", "png"),
-                    (["hlod", "render", "bad.ply"], "--boxes", "png"), (["hlod", "render", "bad.ohlod"], "--csv", "csv"), (["hlod", "render", "bad.ohlod"], "--record", "orec"),
-                    (["hlod", "compare", "bad.ohlod"], "--csv", "csv"))
+                    (["render", "bad.ply"], "--save-calibration", "json"), (["hlod", "render", "bad.ohlod"], "--png", "png"))
         if "GPL" in self.succeed("repair", "--help"):
             yield ["repair", "bad.ply"], "--output", "off"
 

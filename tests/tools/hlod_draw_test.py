@@ -1,12 +1,11 @@
-"""`occlod hlod render` and `occlod hlod compare` as people and scripts use them."""
-import csv
+"""`occlod hlod render` as people and scripts use it."""
 import json
 import unittest
 
 from tool_case import TRIANGLES, ToolTest
 
 SIZE = ("--size", "160x120")
-STRATEGIES = ["vfc", "sw", "sw-b", "bool", "simp", "coh", "ideal", "nohc", "chc++", "two-pass", "cesium", "optimum", "batch", "auto"]
+STRATEGIES = ["vfc", "coh", "nohc", "batch", "auto"]
 
 
 class HlodDraw(ToolTest):
@@ -26,13 +25,9 @@ class HlodDraw(ToolTest):
     def render(self, *arguments):
         return self.json_of("hlod", "render", "planets.ohlod", "--scene", "scene.json", *SIZE, *arguments)
 
-    def compare(self, *arguments):
-        report = self.json_of("hlod", "compare", "planets.ohlod", "--scene", "scene.json", "--path", "by", *SIZE, *arguments)
-        return {(run["device"], run["strategy"]): run for run in report["runs"]}
-
     def test_render_reports(self):
         report = self.render("--path", "by", "--reference", 3)
-        self.assert_has_keys(report, "scene path strategy tolerance_px bias metric alpha geomorph within device hlods mean frames")
+        self.assert_has_keys(report, "scene path strategy tolerance_px bias geomorph within device hlods mean frames")
         self.assertEqual((report["scene"], report["path"], report["strategy"], report["bias"]), ("planets", "by", "coh", {"s": 1.0, "t": 0.3}))
         self.assertEqual(report["hlods"][0]["triangles"], 3 * TRIANGLES)
         frames = report["frames"]
@@ -58,44 +53,29 @@ class HlodDraw(ToolTest):
         self.assertEqual([line.split()[0] for line in lines], ["frame", *map(str, range(7)), "mean"])
 
     def test_what_strategies_promise(self):
-        """Those without a bias show what vfc shows; ideal draws what sw-b draws, and nobody asks for it."""
-        runs = self.compare("--strategies", "all", "--reference", 7)
-        self.assertEqual([strategy for _, strategy in runs], STRATEGIES)
-        run = {strategy: runs["software", strategy] for strategy in STRATEGIES}
-        for strategy in ("vfc", "sw", "bool", "nohc", "chc++", "two-pass", "optimum"):
+        """What is asked about whether it is visible, and is, is drawn in full by those without a bias: they show what vfc shows."""
+        run = {strategy: self.render("--path", "by", "--strategy", strategy, "--reference", 7)["mean"] for strategy in STRATEGIES}
+        for strategy in ("vfc", "nohc"):
             self.assertEqual((run[strategy]["equal_pictures"], run[strategy]["unculled_psnr_y"], run[strategy]["wrongly_hidden_px"]), (7, None, 0), strategy)
-            self.assertEqual(run[strategy]["crack_px"], 0, strategy)
-        self.assertEqual(run["ideal"]["hash"], run["sw-b"]["hash"])
-        self.assertLess(run["sw-b"]["drawn_nodes"], run["sw"]["drawn_nodes"])
-        self.assertLess(run["sw"]["drawn_nodes"], run["vfc"]["drawn_nodes"])
-        for strategy in ("sw", "sw-b", "bool", "simp", "coh", "chc++", "two-pass", "cesium", "optimum"):
-            self.assertGreater(run[strategy]["queries"], 0, strategy)
-        self.assertEqual((run["vfc"]["queries"], run["ideal"]["queries"]), (0, 0))
-
-    def test_compare_agrees_with_render(self):
-        runs = self.compare("--strategies", "coh,vfc", "--device", "virtual:modern,software", "--tolerance", 2)
-        self.assertEqual(list(runs), [(device, strategy) for device in ("virtual:modern", "software") for strategy in ("vfc", "coh")])
-        alone = self.render("--path", "by", "--device", "virtual:modern", "--tolerance", 2)["mean"]
-        for key, value in runs["virtual:modern", "coh"].items():
-            if key not in ("device", "strategy"):
-                self.assertEqual(value, alone[key], key)
+        for strategy in STRATEGIES:
+            self.assertLessEqual(run[strategy]["drawn_nodes"], run["vfc"]["drawn_nodes"], strategy)
+        self.assertEqual(run["vfc"]["crack_px"], 0)
+        self.assertGreater(run["coh"]["queries"], 0)
+        self.assertLess(run["coh"]["drawn_nodes"], run["vfc"]["drawn_nodes"])
 
     def test_options_are_used(self):
-        usual = self.render("--path", "by", "--strategy", "sw-b")["mean"]
-        other = lambda *options: self.render("--path", "by", "--strategy", "sw-b", *options)["mean"]
+        usual = self.render("--path", "by")["mean"]
+        other = lambda *options: self.render("--path", "by", *options)["mean"]
         self.assertLess(other("--tolerance", 4)["drawn_triangles"], usual["drawn_triangles"])
-        self.assertNotEqual(other("--bias", "0,0.3")["hash"], usual["hash"])
-        self.assertNotEqual(other("--bias", "1,0.9")["hash"], usual["hash"])
-        self.assertEqual(other("--bias", "none")["hash"], self.render("--path", "by", "--strategy", "sw")["mean"]["hash"])
-        self.assertGreater(other("--metric", "sphere", "--bias", "none")["drawn_triangles"], other("--bias", "none")["drawn_triangles"])
-        self.assertNotEqual(other("--alpha", "paper")["hash"], usual["hash"])
-        coh = lambda *options: self.render("--path", "by", "--strategy", "coh", "--device", "virtual:modern", *options)
-        self.assertNotEqual(coh("--coherence", "published")["mean"]["hash"], coh()["mean"]["hash"])
-        self.assertEqual([coh("--coherence", name)["coherence"] for name in ("mended", "published")], ["mended", "published"])
-        nohc = lambda *options: self.render("--path", "by", "--strategy", "nohc", "--device", "virtual:fill-bound", *options)
-        self.assertEqual(nohc("--cover-model", "corrected")["cover_model"], "corrected")
         self.assertNotEqual(other("--geomorph", "--reference", 7)["depth_rms_px"], other("--reference", 7)["depth_rms_px"])
         self.assertNotEqual(self.render("--orthographic")["mean"]["hash"], self.render()["mean"]["hash"])
+
+    def test_pictures(self):
+        self.render("--path", "by", "--frames", 2, "--png", "view.png")
+        for name in ("view_00000.png", "view_00001.png"):
+            self.assertEqual((self.folder / name).read_bytes()[:8], b"\x89PNG\r\n\x1a\n")
+        self.render("--png", "one.png", "--geomorph")
+        self.assertTrue((self.folder / "one.png").exists())
 
     def test_nodes_are_refined_within(self):
         self.succeed("hlod", "build", "scene.json", "-o", "planets.ohlod", "--node-triangles", 64, "--within", "splits")
@@ -117,45 +97,10 @@ class HlodDraw(ToolTest):
         frame = self.render("--strategy", "vfc", "--tolerance", 0, "--reference", 1)["frames"][0]
         self.assertEqual((frame["drawn_triangles"], frame["psnr_y"], frame["depth_rms_px"]), (3 * TRIANGLES, None, 0))
 
-    def test_times_of_virtual_devices_are_simulated(self):
-        for preset in ("query-cheap", "query-dear", "fill-bound", "modern"):
-            first, second = (self.render("--path", "by", "--device", f"virtual:{preset}") for _ in range(2))
-            self.assertEqual(first["frames"], second["frames"], preset)
-            self.assertGreater(first["mean"]["frame_ms"], 0)
-
-    def test_saved_costs_give_the_same_nodes(self):
-        """What a strategy draws depends on the costs that it is given, and on nothing that differs from run to run."""
-        for strategy in ("nohc", "optimum", "batch", "auto"):
-            arguments = ("--path", "by", "--bias", "none", "--strategy", strategy)
-            saved = self.render(*arguments, "--save-calibration", "costs.json")
-            again = self.render(*arguments, "--calibration", "costs.json")
-            self.assertEqual(again["mean"]["hash"], saved["mean"]["hash"], strategy)
-            self.assertEqual(again["costs"], saved["costs"], strategy)
-        devices = json.loads((self.folder / "costs.json").read_text())["devices"]
-        self.assertEqual([device["name"] for device in devices], ["software"])
-        self.assertIn("virtual:modern", self.failure_of("hlod", "render", "planets.ohlod", "--strategy", "nohc", "--device", "virtual:modern", "--calibration", "costs.json"))
-        own = self.render("--strategy", "nohc", "--device", "virtual:modern")["costs"]
-        self.assertEqual((own["draw_ns"], own["query_ns"]), (1000, 2000))
-        dear = dict(own, query_ns=1e9, name="virtual:modern")
-        calibration = json.loads((self.folder / "costs.json").read_text())
-        calibration["devices"].append(dear)
-        (self.folder / "dear.json").write_text(json.dumps(calibration))
-        self.assertEqual(self.render("--path", "by", "--strategy", "nohc", "--device", "virtual:modern", "--calibration", "dear.json")["mean"]["queries"], 0)
-
     def test_auto_tells_who_drew(self):
-        frames = self.render("--path", "by", "--strategy", "auto", "--device", "virtual:modern", "--frames", 20)["frames"]
+        frames = self.render("--path", "by", "--strategy", "auto", "--frames", 20)["frames"]
         self.assertEqual([frame["drawn_by"] for frame in frames[:16]], 15 * ["batch"] + ["vfc"])  # which is tried
         self.assertEqual(["forecast_vfc_ms" in frame for frame in frames], 15 * [False] + 5 * [True])
-
-    def test_recordings_are_replayed(self):
-        """Answers, what was available, and times, so that another machine draws and tells the same."""
-        drawn = self.render("--path", "by", "--device", "virtual:query-dear", "--record", "run.orec")
-        again = self.render("--path", "by", "--replay", "run.orec")
-        self.assertEqual(again["frames"], drawn["frames"])
-        self.assertEqual(again["device"], "recorded:virtual:query-dear")
-        line = self.failure_of("hlod", "render", "planets.ohlod", "--scene", "scene.json", "--path", "by", *SIZE, "--json", "--replay", "run.orec", "--tolerance", 3)
-        self.assertIn("frame", line)
-        self.assertIn("planet.ply", self.failure_of("hlod", "render", "planets.ohlod", "--replay", "planet.ply"))
 
     def test_frames(self):
         self.assertEqual(len(self.render("--path", "by", "--frames", 3)["frames"]), 3)
@@ -187,21 +132,6 @@ class HlodDraw(ToolTest):
         flat = self.render("--strategy", "vfc", "--reference", 1)
         self.assertAlmostEqual(placed["frames"][0]["depth_complexity"], flat["frames"][0]["depth_complexity"], 2)
 
-    def test_pictures_and_tables(self):
-        self.render("--path", "by", "--frames", 2, "--png", "view.png", "--boxes", "boxes.png", "--csv", "frames.csv")
-        for name in ("view_00000.png", "view_00001.png", "boxes_00000.png", "boxes_00001.png"):
-            self.assertEqual((self.folder / name).read_bytes()[:8], b"\x89PNG\r\n\x1a\n")
-        self.render("--png", "one.png", "--geomorph")
-        self.assertTrue((self.folder / "one.png").exists())
-        with open(self.folder / "frames.csv", newline="") as file:
-            rows = list(csv.DictReader(file))
-        self.assertEqual([row["frame"] for row in rows], ["0", "1"])
-        self.assertEqual(len(rows[0]["hash"]), 16)
-        self.compare("--strategies", "coh,bool", "--frames", 3, "--csv", "all.csv")
-        with open(self.folder / "all.csv", newline="") as file:
-            self.assertEqual([(row["strategy"], row["frame"]) for row in csv.DictReader(file)],
-                             [(strategy, str(frame)) for strategy in ("bool", "coh") for frame in range(3)])
-
     def test_mistakes_are_told_in_one_line(self):
         (self.folder / "text.ohlod").write_text("no HLOD")
         for parts, arguments in (
@@ -212,19 +142,15 @@ class HlodDraw(ToolTest):
                 (['scene.json: /cameras: has no "other"', "default"], ["render", "scene.json", "--camera", "other"]),
                 (["scene.json: --scene: this scene has cameras of its own"], ["render", "scene.json", "--scene", "scene.json"]),
                 (["planet.ply: --scene: is not a scene file"], ["render", "planets.ohlod", "--scene", "planet.ply"]),
-                (["--device: magic: there is no such device; use software, virtual:PRESET"], ["render", "planets.ohlod", "--device", "magic"]),
-                (["query-cheap, query-dear, fill-bound, modern"], ["compare", "planets.ohlod", "--device", "software,virtual:magic"]),
-                (["nowhere/a.csv: the folder nowhere does not exist"], ["compare", "planets.ohlod", "--csv", "nowhere/a.csv"])):
+                (["--device: magic: there is no such device; use software, gl"], ["render", "planets.ohlod", "--device", "magic"]),
+                (["nowhere/a.png: the folder nowhere does not exist"], ["render", "planets.ohlod", "--png", "nowhere/a.png"])):
             line = self.failure_of("hlod", *arguments)
             for part in parts:
                 self.assertIn(part, line)
         self.assertIn("draw it with occlod hlod render", self.failure_of("render", "planets.ohlod"))
-        for arguments in (["--strategy", "magic"], ["--metric", "cube"], ["--bias", "1"], ["--bias", "1,2"], ["--bias", "x,0"], ["--bias", "nan,0"],
-                          ["--path", "by", "--camera", "default"], ["--device", "software", "--replay", "a.orec"], ["--bias", "0,0,0"]):
+        for arguments in (["--strategy", "magic"], ["--path", "by", "--camera", "default"], ["--within", "--geomorph"], ["--strategy", "sw"]):
             done = self.run_tool("hlod", "render", "planets.ohlod", *arguments)
             self.assertEqual((done.returncode, done.stdout, done.stderr.count("\n")), (2, "", 1), f"{arguments}: {done.stderr}")
-        done = self.run_tool("hlod", "compare", "planets.ohlod", "--strategies", "coh,magic")
-        self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1), done.stderr)
 
 
 if __name__ == "__main__":

@@ -106,12 +106,6 @@ class Hlod(ToolTest):
         for command in (["info", "--check"], ["validate"]):
             self.assertIn("checksum is wrong", self.failure_of("hlod", *command, "planet.ohlod"))
 
-    def test_boundary_weight_is_used(self):
-        """Where there is a boundary: free borders of nodes are one."""
-        self.build("--grouping", "nested", "--borders", "free", output="a.ohlod")
-        self.build("--grouping", "nested", "--borders", "free", "--boundary-weight", 0, output="b.ohlod")
-        self.assertFalse(self.same_bytes("a.ohlod", "b.ohlod"))
-
     def test_threads_do_not_change_the_file(self):
         for threads in (1, 2, 5):
             self.build("--threads", threads, output=f"{threads}.ohlod")

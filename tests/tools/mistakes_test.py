@@ -94,13 +94,13 @@ class Mistakes(ToolTest):
     def test_help_and_version(self):
         self.assertRegex(self.succeed("--version"), r"^\d+\.\d+\.\d+\n$")
         for command in ([], ["generate"], ["generate", "city"], ["build"], ["info"], ["validate"], ["render"], ["cut"], ["hlod"],
-                        ["hlod", "build"], ["hlod", "info"], ["hlod", "validate"], ["hlod", "render"], ["hlod", "compare"], ["hlod", "export"]):
+                        ["hlod", "build"], ["hlod", "info"], ["hlod", "validate"], ["hlod", "render"], ["hlod", "export"]):
             self.assertIn("Usage", self.succeed(*command, "--help"))
 
     def test_help_is_for_people(self):
         """Lines that fit, no types of the implementation, and what conservative mode promises."""
         for command in (["generate", "rough-planet"], ["build"], ["info"], ["validate"], ["render"], ["cut"], ["compare"], ["repair"],
-                        ["hlod"], ["hlod", "build"], ["hlod", "info"], ["hlod", "validate"], ["hlod", "render"], ["hlod", "compare"], ["hlod", "export"]):
+                        ["hlod"], ["hlod", "build"], ["hlod", "info"], ["hlod", "validate"], ["hlod", "render"], ["hlod", "export"]):
             text = self.succeed(*command, "--help")
             self.assertLessEqual(max(map(len, text.splitlines())), 100, text)
             self.assertNotRegex(text, r"\b(U?INT|FLOAT|TEXT|ENUM|NONNEGATIVE|POSITIVE|value in)\b|->|\{")

@@ -5,6 +5,7 @@
 
 #include "occlod/device.h"
 #include "occlod/device_costs.h"
+#include "papers/trial_devices.h"
 #include "support/counted_allocations.h"
 #include "traverse/small_scenes.h"
 
@@ -17,12 +18,13 @@ TEST(Allocations, NoFrameOfAPathThatIsKnownAllocates) {
   const Hlod& hlod = test::city(Grouping::shifted);
   const PlacedHlod placed[] = {
       {&hlod}, {&hlod, glm::dmat4(2.0, 0.0, 0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 0.0, 1.0)}};
-  for (const Strategy strategy :
-       {Strategy::vfc, Strategy::sw, Strategy::sw_b, Strategy::boolean, Strategy::simp, Strategy::coh, Strategy::ideal,
-        Strategy::nohc, Strategy::optimum, Strategy::chc_plus, Strategy::two_pass, Strategy::cesium}) {
+  for (const TrialStrategy strategy :
+       {TrialStrategy::vfc, TrialStrategy::sw, TrialStrategy::sw_b, TrialStrategy::boolean, TrialStrategy::simp,
+        TrialStrategy::coh, TrialStrategy::ideal, TrialStrategy::nohc, TrialStrategy::optimum, TrialStrategy::chc_plus,
+        TrialStrategy::two_pass, TrialStrategy::cesium}) {
     SoftwareDevice device, oracle;
-    Traverser traverser(placed);
-    TraverseOptions options;
+    TrialTraverser traverser(placed);
+    TrialOptions options;
     options.strategy = strategy;
     options.oracle = &oracle;
     options.costs = device_preset("modern");

@@ -7,7 +7,7 @@
 
 #include "hlod/draw/frame_scene.h"
 #include "occlod/device.h"
-#include "occlod/traverser.h"
+#include "papers/trial_traverser.h"
 #include "support/hand_made_hlod.h"
 #include "support/scripted_device.h"
 
@@ -128,13 +128,13 @@ Camera straight_ahead() {
 // A cube of volume 8 has an edge of 2. From 10 away it covers (2 * 100 / 10)^2 pixels, whatever shape the box has.
 TEST(Alpha, OfThePaperIsAFaceOfACube) {
   const Hlod hlod = occlod::test::one_panel({0.0F, 0.0F, 0.0F}, {1.0F, 1.0F});
-  TraverseOptions options;
-  options.alpha = Alpha::paper;
+  Trial trial;
+  trial.alpha = Alpha::paper;
   Node node;
   node.box = {glm::vec3(-2.0F, -1.0F, -0.5F), glm::vec3(2.0F, 1.0F, 0.5F)};
   const View view(straight_ahead());
   const auto pixels = [&](const glm::dmat4& place) {
-    return *ObjectFrame(view, {&hlod, place}, options).box_pixels(node);
+    return *ObjectFrame(view, {&hlod, place}, trial).box_pixels(node);
   };
   EXPECT_NEAR(pixels(glm::dmat4(1.0)), 400.0, 1e-6);
   EXPECT_NEAR(pixels(glm::rotate(glm::dmat4(1.0), 1.0, glm::dvec3(1.0, 2.0, 3.0))), 400.0, 1e-6);
@@ -150,9 +150,9 @@ TEST(Alpha, OfThePaperIsAFaceOfACube) {
 TEST(Alpha, ThereIsNoneWhereDevicesWouldNotDrawTheBox) {
   const Hlod hlod = occlod::test::one_panel({0.0F, 0.0F, 0.0F}, {1.0F, 1.0F});
   for (const Alpha alpha : {Alpha::exact, Alpha::paper}) {
-    TraverseOptions options;
-    options.alpha = alpha;
-    const ObjectFrame frame(View(straight_ahead()), {&hlod}, options);
+    Trial trial;
+    trial.alpha = alpha;
+    const ObjectFrame frame(View(straight_ahead()), {&hlod}, trial);
     Node node;
     node.box = {glm::vec3(-1.0F, -1.0F, 0.0F), glm::vec3(1.0F, 1.0F, 20.0F)};  // around the eye
     EXPECT_FALSE(frame.box_pixels(node));
@@ -170,14 +170,14 @@ TEST(Alpha, ThereIsNoneWhereDevicesWouldNotDrawTheBox) {
 TEST(Geomorph, GoesByTheParentsError) {
   const Hlod rows = occlod::test::two_rows();
   const PlacedHlod placed{&rows};
-  Traverser traverser({&placed, 1});
+  TrialTraverser traverser({&placed, 1});
   occlod::test::ScriptedDevice device;
   Camera camera = straight_ahead();
   camera.eye = {-2.0, 0.0, 10.0};
   camera.target = {-2.0, 0.0, 0.0};
   camera.width = camera.height = 100;
-  TraverseOptions options;
-  options.strategy = Strategy::vfc;
+  TrialOptions options;
+  options.strategy = TrialStrategy::vfc;
   options.geomorph = true;
   const auto morph_of = [&](NodeId node, double tolerance_px) -> double {
     options.tolerance_px = tolerance_px;

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "hlod/store/structure.h"
-#include "occlod/traverser.h"
+#include "papers/trial_traverser.h"
 
 namespace occlod::hlod::test {
 

@@ -11,7 +11,7 @@
 
 #include "occlod/base.h"
 #include "occlod/device.h"
-#include "occlod/trial_devices.h"
+#include "papers/trial_devices.h"
 #include "support/hand_made_hlod.h"
 #include "support/meshes.h"
 #include "support/scripted_device.h"
@@ -31,13 +31,13 @@ TEST(StandingStill, TheFrontIsTheSameFromTheThirdFrameOn) {
   for (const Grouping grouping : {Grouping::nested, Grouping::shifted})
     for (const Hlod* hlod : {&city(grouping), &planet(grouping)}) {
       const PlacedHlod placed{hlod};
-      for (const Strategy strategy : asking_strategies) {
+      for (const TrialStrategy strategy : asking_strategies) {
         const std::size_t third = 2;
-        const std::size_t at_rest = strategy == Strategy::coh ? std::max(third, 2 * hlod->level_count()) : third;
-        TraverseOptions options = with(strategy, 2.0);
-        options.biased = strategy != Strategy::simp;
+        const std::size_t at_rest = strategy == TrialStrategy::coh ? std::max(third, 2 * hlod->level_count()) : third;
+        TrialOptions options = with(strategy, 2.0);
+        options.biased = strategy != TrialStrategy::simp;
         SoftwareDevice device;
-        Traverser traverser({&placed, 1});
+        TrialTraverser traverser({&placed, 1});
         std::mt19937_64 random(3);
         for (int view = 0; view < 12; ++view) {
           const View place(view % 2 == 0 ? random_camera(hlod->data().box, random) : walk(hlod->data().box, view, 12));
@@ -62,16 +62,16 @@ TEST(Teleports, TheNextFrameShowsEverything) {
   const Camera near = walk(hlod.data().box, 0, 10);
   Camera far = near;
   far.eye = near.target + glm::dvec3(0.0, -40.0, 20.0);
-  for (const Strategy strategy : asking_strategies) {
+  for (const TrialStrategy strategy : asking_strategies) {
     SoftwareDevice device, truth;
-    Traverser traverser({&placed, 1}), all({&placed, 1});
+    TrialTraverser traverser({&placed, 1}), all({&placed, 1});
     for (int i = 0; i < 9; ++i) {
       const View view(i % 4 < 2 ? near : far);
-      TraverseOptions options = with(strategy, 1.0);
+      TrialOptions options = with(strategy, 1.0);
       options.biased = false;
       const Frame& frame = traverser.draw_frame(view, device, options);
       EXPECT_EQ(frame.stats.rarn, 0U);
-      options.strategy = Strategy::vfc;
+      options.strategy = TrialStrategy::vfc;
       all.draw_frame(view, truth, options);
       EXPECT_EQ(device.depth().nearness, truth.depth().nearness);
     }
@@ -86,9 +86,9 @@ TEST(Tolerance, ZeroIsTheInputAndHugeTheRoots) {
   Camera camera;
   camera.eye = {0.5, 0.5, 2.0};
   camera.target = {0.5, 0.5, 0.0};
-  for (const Strategy strategy : asking_strategies) {
+  for (const TrialStrategy strategy : asking_strategies) {
     SoftwareDevice device;
-    Traverser traverser({&placed, 1});
+    TrialTraverser traverser({&placed, 1});
     for (int i = 0; i < 3; ++i) {
       const FrameStats& finest = traverser.draw_frame(View(camera), device, with(strategy, 0.0)).stats;
       EXPECT_EQ(finest.drawn_triangles, flat.data().input_triangle_count);
@@ -106,17 +106,17 @@ TEST(BiasAtItsEnds, IsTraversed) {
   const Hlod& hlod = city(Grouping::shifted);
   const PlacedHlod placed{&hlod};
   std::size_t drawn_by[2][2] = {};
-  for (const Strategy strategy : asking_strategies)
+  for (const TrialStrategy strategy : asking_strategies)
     for (const double s : {0.0, 1.0})
       for (const double t : {0.0, 1.0}) {
         SoftwareDevice device;
-        Traverser traverser({&placed, 1});
+        TrialTraverser traverser({&placed, 1});
         for (int i = 0; i < 6; ++i) {
-          TraverseOptions options = with(strategy, 1.0);
+          TrialOptions options = with(strategy, 1.0);
           options.bias = {s, t};
           const FrameStats& stats = traverser.draw_frame(View(walk(hlod.data().box, i, 100)), device, options).stats;
           EXPECT_GT(stats.drawn_nodes, 0U);
-          if (strategy == Strategy::sw_b) drawn_by[s > 0.0 ? 1 : 0][t > 0.0 ? 1 : 0] += stats.drawn_triangles;
+          if (strategy == TrialStrategy::sw_b) drawn_by[s > 0.0 ? 1 : 0][t > 0.0 ? 1 : 0] += stats.drawn_triangles;
         }
       }
   EXPECT_EQ(drawn_by[0][0], drawn_by[0][1]);  // mu itself, whatever t
@@ -149,17 +149,17 @@ TEST(Frustum, OfAnySizeIsTraversed) {
     camera.up = {0.0, 1.0, 0.0};
     cameras.push_back(camera);
   }
-  for (const Strategy strategy : asking_strategies) {
+  for (const TrialStrategy strategy : asking_strategies) {
     SoftwareDevice device, truth;
-    Traverser traverser({&placed, 1}), all({&placed, 1});
+    TrialTraverser traverser({&placed, 1}), all({&placed, 1});
     for (std::size_t i = 0; i < cameras.size(); ++i) {
-      TraverseOptions options = with(strategy, 1.0);
+      TrialOptions options = with(strategy, 1.0);
       options.biased = false;
       const View view(cameras[i]);
       const FrameStats& stats = traverser.draw_frame(view, device, options).stats;
       EXPECT_EQ(stats.visits > 0, cameras[i].near < 1e4) << i;
       EXPECT_TRUE(std::isfinite(stats.largest_sse_px));
-      options.strategy = Strategy::vfc;
+      options.strategy = TrialStrategy::vfc;
       all.draw_frame(view, truth, options);
       EXPECT_EQ(device.depth().nearness, truth.depth().nearness) << i;
     }
@@ -172,10 +172,10 @@ TEST(Eye, OnAFaceOfABox) {
   const Hlod& hlod = planet(Grouping::shifted);
   const PlacedHlod placed{&hlod};
   std::mt19937_64 random(43);
-  for (const Strategy strategy : asking_strategies) {
+  for (const TrialStrategy strategy : asking_strategies) {
     occlod::test::ScriptedDevice device;
     occlod::test::LoggedDevice logged(device);
-    Traverser traverser({&placed, 1});
+    TrialTraverser traverser({&placed, 1});
     std::size_t drawn = 0;
     for (int i = 0; i < 20; ++i) {
       const auto n = static_cast<NodeId>(random() % hlod.node_count());
@@ -200,19 +200,19 @@ TEST(Placements, MirroredIsTheSameFront) {
   const PlacedHlod placed{&hlod};
   const PlacedHlod mirrored{&hlod, glm::scale(glm::dmat4(1.0), glm::dvec3(-1.0, 1.0, 1.0))};
   std::mt19937_64 random(47);
-  for (const Strategy strategy : {Strategy::vfc, Strategy::sw, Strategy::coh}) {
+  for (const TrialStrategy strategy : {TrialStrategy::vfc, TrialStrategy::sw, TrialStrategy::coh}) {
     SoftwareDevice one, other;
-    Traverser a({&placed, 1}), b({&mirrored, 1});
+    TrialTraverser a({&placed, 1}), b({&mirrored, 1});
     for (int i = 0; i < 10; ++i) {
       Camera camera = random_camera(hlod.data().box, random);
       camera.width = 161;  // an odd number: pixels have mirror images
-      TraverseOptions options = with(strategy, 1.0);
+      TrialOptions options = with(strategy, 1.0);
       options.biased = false;
       const Frame& straight = a.draw_frame(View(camera), one, options);
       camera.eye.x = -camera.eye.x;
       camera.target.x = -camera.target.x;
       const Frame& turned = b.draw_frame(View(camera), other, options);
-      EXPECT_TRUE(strategy != Strategy::vfc || straight.front_hash == turned.front_hash);
+      EXPECT_TRUE(strategy != TrialStrategy::vfc || straight.front_hash == turned.front_hash);
       EXPECT_NEAR(static_cast<double>(straight.stats.drawn_nodes), static_cast<double>(turned.stats.drawn_nodes),
                   0.05 * static_cast<double>(straight.stats.drawn_nodes) + 1.0);
     }
@@ -222,14 +222,14 @@ TEST(Placements, MirroredIsTheSameFront) {
 // Everything larger by a power of two is the same to the last bit: fronts, questions, answers.
 TEST(Placements, PowersOfTwoAreTheSameFront) {
   const Hlod& hlod = city(Grouping::shifted);
-  for (const Strategy strategy : {Strategy::sw_b, Strategy::simp, Strategy::coh})
+  for (const TrialStrategy strategy : {TrialStrategy::sw_b, TrialStrategy::simp, TrialStrategy::coh})
     for (const bool parallel : {false, true}) {
       std::vector<std::uint64_t> fronts;
       for (const int exponent : {0, -20, 7, 30}) {
         const double scale = std::exp2(exponent);
         const PlacedHlod placed{&hlod, glm::scale(glm::dmat4(1.0), glm::dvec3(scale))};
         SoftwareDevice device;
-        Traverser traverser({&placed, 1});
+        TrialTraverser traverser({&placed, 1});
         for (std::size_t i = 0; i < 8; ++i) {
           Camera camera = walk(hlod.data().box, static_cast<int>(i), 100);
           if (parallel) camera.orthographic_height = 2.0 * scale;
@@ -252,18 +252,18 @@ TEST(Placements, FarFromTheOrigin) {
   const Hlod& hlod = city(Grouping::shifted);
   const glm::dvec3 away(1e9, -1e9, 1e9);
   const PlacedHlod placed{&hlod, glm::translate(glm::dmat4(1.0), away)};
-  for (const Strategy strategy : asking_strategies) {
+  for (const TrialStrategy strategy : asking_strategies) {
     SoftwareDevice device, truth;
-    Traverser traverser({&placed, 1}), all({&placed, 1});
+    TrialTraverser traverser({&placed, 1}), all({&placed, 1});
     for (int i = 0; i < 6; ++i) {
       Camera camera = walk(hlod.data().box, i, 100);
       camera.eye += away;
       camera.target += away;
-      TraverseOptions options = with(strategy, 1.0);
+      TrialOptions options = with(strategy, 1.0);
       options.biased = false;
       const Frame& frame = traverser.draw_frame(View(camera), device, options);
       EXPECT_GT(frame.stats.drawn_nodes, 0U);
-      options.strategy = Strategy::vfc;
+      options.strategy = TrialStrategy::vfc;
       EXPECT_GT(all.draw_frame(View(camera), truth, options).stats.drawn_nodes, frame.stats.drawn_nodes);
       EXPECT_EQ(device.depth().nearness, truth.depth().nearness);
     }
@@ -282,38 +282,38 @@ std::string error_of(const std::function<void()>& call) {
 TEST(BadInput, IsRefusedInOneLine) {
   const Hlod panel = occlod::test::one_panel({0.0F, 0.0F, 0.0F}, {1.0F, 1.0F});
   const Hlod nothing;
-  const auto make = [](const PlacedHlod& placed) { Traverser traverser({&placed, 1}); };
-  EXPECT_EQ(error_of([] { Traverser traverser(std::span<const PlacedHlod>{}); }),
+  const auto make = [](const PlacedHlod& placed) { TrialTraverser traverser({&placed, 1}); };
+  EXPECT_EQ(error_of([] { TrialTraverser traverser(std::span<const PlacedHlod>{}); }),
             "traverser: has no objects; give at least one HLOD");
   EXPECT_EQ(error_of([&] { make({}); }), "traverser: object 0: has no HLOD; build one first");
   EXPECT_EQ(error_of([&] { make({&nothing}); }),
             "traverser: object 0: has an HLOD without nodes; build it from a mesh with triangles");
   EXPECT_NE(error_of([&] { make({&panel, glm::dmat4(0.0)}); }).find("transform"), std::string::npos);
   const PlacedHlod placed{&panel};
-  Traverser traverser({&placed, 1});
+  TrialTraverser traverser({&placed, 1});
   EXPECT_EQ(error_of([&] { traverser.set_transform(1, glm::dmat4(1.0)); }),
             "traverser: object 1: is not there; there are 1, counted from 0");
   EXPECT_NE(error_of([&] { traverser.set_transform(0, glm::dmat4(std::nan(""))); }).find("transform"),
             std::string::npos);
   occlod::test::ScriptedDevice device;
-  const auto draw = [&](const std::function<void(TraverseOptions&)>& change) {
-    TraverseOptions options;
+  const auto draw = [&](const std::function<void(TrialOptions&)>& change) {
+    TrialOptions options;
     change(options);
     return error_of([&] { traverser.draw_frame(View(Camera()), device, options); });
   };
   for (const double bad : {-1.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
-    EXPECT_NE(draw([&](TraverseOptions& o) { o.tolerance_px = bad; }).find("tolerance_px"), std::string::npos);
-    EXPECT_NE(draw([&](TraverseOptions& o) { o.bias.s = bad; }).find("bias.s"), std::string::npos);
-    EXPECT_NE(draw([&](TraverseOptions& o) { o.bias.t = bad; }).find("bias.t"), std::string::npos);
+    EXPECT_NE(draw([&](TrialOptions& o) { o.tolerance_px = bad; }).find("tolerance_px"), std::string::npos);
+    EXPECT_NE(draw([&](TrialOptions& o) { o.bias.s = bad; }).find("bias.s"), std::string::npos);
+    EXPECT_NE(draw([&](TrialOptions& o) { o.bias.t = bad; }).find("bias.t"), std::string::npos);
   }
-  EXPECT_NE(draw([&](TraverseOptions& o) { o.strategy = Strategy::ideal; }).find("oracle: is missing"),
+  EXPECT_NE(draw([&](TrialOptions& o) { o.strategy = TrialStrategy::ideal; }).find("oracle: is missing"),
             std::string::npos);
-  EXPECT_NE(draw([&](TraverseOptions& o) {
-              o.strategy = Strategy::ideal;
+  EXPECT_NE(draw([&](TrialOptions& o) {
+              o.strategy = TrialStrategy::ideal;
               o.oracle = &device;
             }).find("oracle: is the device"),
             std::string::npos);
-  EXPECT_EQ(draw([](TraverseOptions&) {}), "");
+  EXPECT_EQ(draw([](TrialOptions&) {}), "");
 }
 
 // Answers so many questions more.
@@ -331,37 +331,37 @@ TEST(Failure, TheNextFrameIsLikeTheFirst) {
   const PlacedHlod placed{&rows};
   FailingDevice device;
   occlod::test::LoggedDevice logged(device);
-  Traverser traverser({&placed, 1});
+  TrialTraverser traverser({&placed, 1});
   Camera camera;
   camera.eye = {-2.0, 0.0, 10.0};
   camera.target = {-2.0, 0.0, 0.0};
-  const auto log = [&](Strategy strategy) {
+  const auto log = [&](TrialStrategy strategy) {
     traverser.draw_frame(View(camera), logged, with(strategy, 1.0));
     return logged.log();
   };
-  const auto log_of_first = [&](Strategy strategy) {
+  const auto log_of_first = [&](TrialStrategy strategy) {
     occlod::test::ScriptedDevice untouched;
     occlod::test::LoggedDevice fresh_log(untouched);
-    Traverser fresh({&placed, 1});
+    TrialTraverser fresh({&placed, 1});
     fresh.draw_frame(View(camera), fresh_log, with(strategy, 1.0));
     return fresh_log.log();
   };
-  const std::string first = log(Strategy::coh), second = log(Strategy::coh);
+  const std::string first = log(TrialStrategy::coh), second = log(TrialStrategy::coh);
   EXPECT_NE(first, second);
-  EXPECT_EQ(log(Strategy::coh), second);
+  EXPECT_EQ(log(TrialStrategy::coh), second);
   device.answers = 2;  // nodes 3 and 4 have been seen
-  EXPECT_EQ(error_of([&] { log(Strategy::coh); }), "device: has failed");
+  EXPECT_EQ(error_of([&] { log(TrialStrategy::coh); }), "device: has failed");
   device.answers = 1000;
-  EXPECT_EQ(log(Strategy::coh), first);
-  EXPECT_EQ(log(Strategy::coh), second);
+  EXPECT_EQ(log(TrialStrategy::coh), first);
+  EXPECT_EQ(log(TrialStrategy::coh), second);
   traverser.reset();
-  EXPECT_EQ(log(Strategy::coh), first);
+  EXPECT_EQ(log(TrialStrategy::coh), first);
   // A strategy begins with nothing that another has left.
-  EXPECT_EQ(log(Strategy::simp), log_of_first(Strategy::simp));
-  EXPECT_EQ(log(Strategy::coh), first);
+  EXPECT_EQ(log(TrialStrategy::simp), log_of_first(TrialStrategy::simp));
+  EXPECT_EQ(log(TrialStrategy::coh), first);
   // What is refused changes nothing.
-  EXPECT_NE(error_of([&] { traverser.draw_frame(View(camera), logged, with(Strategy::coh, -1.0)); }), "");
-  EXPECT_EQ(log(Strategy::coh), second);
+  EXPECT_NE(error_of([&] { traverser.draw_frame(View(camera), logged, with(TrialStrategy::coh, -1.0)); }), "");
+  EXPECT_EQ(log(TrialStrategy::coh), second);
 }
 
 // Two objects at one place: the first goes first, and of its nodes the coarser.
@@ -370,8 +370,8 @@ TEST(Ties, GoByObjectThenByNode) {
   const PlacedHlod placed[] = {{&panel}, {&panel}, {&panel}};
   occlod::test::ScriptedDevice device;
   occlod::test::LoggedDevice logged(device);
-  Traverser traverser(placed);
-  traverser.draw_frame(View(Camera()), logged, with(Strategy::sw, 1.0));
+  TrialTraverser traverser(placed);
+  traverser.draw_frame(View(Camera()), logged, with(TrialStrategy::sw, 1.0));
   EXPECT_EQ(occlod::test::commands_of(logged.log()), "ask 0, draw 0, ask 1/0, draw 1/0, ask 2/0, draw 2/0");
 }
 

@@ -7,7 +7,7 @@
 #include "hlod/draw/strategy_choice.h"
 #include "occlod/base.h"
 #include "occlod/device.h"
-#include "occlod/trial_devices.h"
+#include "papers/trial_devices.h"
 #include "support/hand_made_hlod.h"
 #include "support/scripted_device.h"
 #include "traverse/small_scenes.h"
@@ -22,7 +22,7 @@ using occlod::test::ScriptedDevice;
 // 2 6 7 8 (see the stories).
 class Frames {
  public:
-  explicit Frames(Strategy strategy) : objects_{{{&rows_}}}, traverser_(objects_), logged_(device) {
+  explicit Frames(TrialStrategy strategy) : objects_{{{&rows_}}}, traverser_(objects_), logged_(device) {
     options.strategy = strategy;
     options.biased = false;
     options.cover_model = CoverModel::corrected;
@@ -35,13 +35,13 @@ class Frames {
   }
 
   ScriptedDevice device, oracle;
-  TraverseOptions options;
+  TrialOptions options;
   FrameStats stats;
 
  private:
   Hlod rows_ = occlod::test::two_rows();
   std::array<PlacedHlod, 1> objects_;
-  Traverser traverser_;
+  TrialTraverser traverser_;
   LoggedDevice logged_;
 };
 
@@ -49,7 +49,7 @@ const std::string all_drawn = "draw 3, draw 4, draw 5, draw 6, draw 7, draw 8";
 
 // A question costs more than all that it can save: as vfc.
 TEST(NearOptimal, AsksNothingWhereQuestionsAreDear) {
-  Frames frames(Strategy::nohc);
+  Frames frames(TrialStrategy::nohc);
   frames.options.costs.query_ns = 1e9;
   for (int i = 0; i < 4; ++i) EXPECT_EQ(frames.next(), all_drawn);
   EXPECT_EQ(frames.stats.queries, 0U);
@@ -60,7 +60,7 @@ TEST(NearOptimal, AsksNothingWhereQuestionsAreDear) {
 // 0.75, so c_scr is 0.0025 after 3, 0.005 after 4: 5 is the first to be asked about. The second row's leaves have 2500
 // * 2.88 / 6 / (196 * 10^4) = 0.0006. All of it is new, so nothing is waited for.
 TEST(NearOptimal, AsksOnAnyLevelAndDropsWhatIsBelowAHiddenNode) {
-  Frames frames(Strategy::nohc);
+  Frames frames(TrialStrategy::nohc);
   frames.device.answer(0, 2, 0);
   // Node 2 would be refined at once, but its answer is there before its children's turn: they are dropped.
   EXPECT_EQ(frames.next(), "draw 3, draw 4, ask 5, draw 5, get 5, ask 2, get 2");
@@ -76,7 +76,7 @@ TEST(NearOptimal, AsksOnAnyLevelAndDropsWhatIsBelowAHiddenNode) {
 
 // With late answers the children of a hidden node are on their way when it turns out to be hidden.
 TEST(NearOptimal, LooksAtAnswersWhenTheyMustBeThere) {
-  Frames frames(Strategy::nohc);
+  Frames frames(TrialStrategy::nohc);
   frames.device.delay(4);
   frames.device.answer(0, 2, 0);
   // N_q = ceil((1e-3 + 0) / 1e-3) + 1 = 2: with two questions under way the first must be answered. Of 5 after ask 2;
@@ -88,7 +88,7 @@ TEST(NearOptimal, LooksAtAnswersWhenTheyMustBeThere) {
 
 // Only what is hidden is asked about, and nothing is waited for; or drawn, where that is cheaper.
 TEST(Optimum, AsksWhatIsHiddenAndNothingElse) {
-  Frames frames(Strategy::optimum);
+  Frames frames(TrialStrategy::optimum);
   frames.oracle.answer(0, 2, 0);
   frames.device.delay(100);
   for (int i = 0; i < 3; ++i) EXPECT_EQ(frames.next(), "draw 3, draw 4, draw 5, ask 2");
@@ -100,7 +100,7 @@ TEST(Optimum, AsksWhatIsHiddenAndNothingElse) {
 }
 
 TEST(TwoPass, DrawsWhatWasVisibleAndTestsEverythingOnce) {
-  Frames frames(Strategy::two_pass);
+  Frames frames(TrialStrategy::two_pass);
   frames.device.answer(0, 2, 0);
   // Nothing was visible: the root is tested, and all of it drawn.
   EXPECT_EQ(frames.next(), "ask each 0, get 0, " + all_drawn);
@@ -115,7 +115,7 @@ TEST(TwoPass, DrawsWhatWasVisibleAndTestsEverythingOnce) {
 
 // One level a frame; what is hidden is drawn as it is.
 TEST(Cesium, RefinesWhatWasSeenInTheLastFrame) {
-  Frames frames(Strategy::cesium);
+  Frames frames(TrialStrategy::cesium);
   frames.device.answer(0, 2, 0);
   EXPECT_EQ(frames.next(), "ask 0, draw 0, get 0");
   EXPECT_EQ(frames.next(), "ask 0, get 0, ask 1, draw 1, get 1, ask 2, draw 2, get 2");
@@ -129,7 +129,7 @@ TEST(Cesium, RefinesWhatWasSeenInTheLastFrame) {
 // Late answers are waited for when everything is drawn, not before: refinement does not stand still where frames are
 // shorter than an answer takes.
 TEST(Cesium, WaitsOnlyAtTheEnd) {
-  Frames frames(Strategy::cesium);
+  Frames frames(TrialStrategy::cesium);
   frames.device.delay(100);
   EXPECT_EQ(frames.next(), "ask 0, draw 0, wait 0");
   EXPECT_EQ(frames.next(), "ask 0, ask 1, draw 1, ask 2, draw 2, wait 0, wait 1, wait 2");
@@ -140,7 +140,7 @@ TEST(Cesium, WaitsOnlyAtTheEnd) {
 // Hidden nodes are kept until nothing else is left. Siblings 6 and 7, hidden once, are asked about together:
 // V = 1 / (1 + 0.27) = 0.79 of one, 2 / (1 + 0.46 * 2) = 1.04 of both (p_keep = 0.99 - 0.7 / e = 0.73).
 TEST(Grouping, AsksAboutHiddenNodesTogether) {
-  Frames frames(Strategy::chc_plus);
+  Frames frames(TrialStrategy::chc_plus);
   frames.device.answer(0, 6, 0);
   frames.device.answer(0, 7, 0);
   // The root's box is larger than those of its grandchildren together: it is asked about by them.
@@ -157,7 +157,7 @@ TEST(Grouping, AsksAboutHiddenNodesTogether) {
 
 // Visible leaves are asked about every ten frames at least, and not all in the same.
 TEST(Grouping, AsksAboutVisibleLeavesNowAndThen) {
-  Frames frames(Strategy::chc_plus);
+  Frames frames(TrialStrategy::chc_plus);
   std::map<std::string, int> asked;
   std::size_t most = 0;
   frames.next();
@@ -176,7 +176,7 @@ TEST(Grouping, AsksAboutVisibleLeavesNowAndThen) {
 
 // What is new is drawn where nothing covers it; 5 and the second row may be covered, and are asked about together.
 TEST(Batch, AsksInRoundsWhereThatPays) {
-  Frames frames(Strategy::batch);
+  Frames frames(TrialStrategy::batch);
   frames.options.costs.query_ns = 1.0;
   frames.device.answer(0, 2, 0);
   EXPECT_EQ(frames.next(), "draw 3, draw 4, ask each 5+2, get 5+2, draw 5");
@@ -190,7 +190,7 @@ TEST(Batch, AsksInRoundsWhereThatPays) {
 
 // One query costs less than a batch: what was visible is asked about when nothing else is to do.
 TEST(Batch, AsksInGroupsWhereBatchesAreDear) {
-  Frames frames(Strategy::batch);
+  Frames frames(TrialStrategy::batch);
   frames.options.costs.batch_ns = 1.0;
   frames.device.answer(0, 2, 0);
   frames.next();
@@ -201,7 +201,7 @@ TEST(Batch, AsksInGroupsWhereBatchesAreDear) {
 // been found hidden.
 TEST(Batch, AsksAboutVisibleNodesAsOftenAsTheyDisappear) {
   const auto questions = [](double query_ns, bool others_disappear) {
-    Frames frames(Strategy::batch);
+    Frames frames(TrialStrategy::batch);
     frames.options.costs.batch_ns = 1e12;
     frames.options.costs.query_ns = query_ns;
     std::size_t asked = 0;
@@ -230,9 +230,9 @@ TEST(Batch, HasThreeRoundsAtMost) {
     }
     int batches = 0;
   } counting(device);
-  Traverser traverser({&placed, 1});
-  TraverseOptions options;
-  options.strategy = Strategy::batch;
+  TrialTraverser traverser({&placed, 1});
+  TrialOptions options;
+  options.strategy = TrialStrategy::batch;
   options.costs = device_preset("modern");
   options.costs.batch_ns = 1.0;
   options.costs.readback_ns = 0.0;
@@ -291,7 +291,8 @@ TEST(Choice, ChangesItsMind) {
 }
 
 TEST(Costs, AreNeeded) {
-  for (const Strategy strategy : {Strategy::nohc, Strategy::optimum, Strategy::batch, Strategy::automatic}) {
+  for (const TrialStrategy strategy :
+       {TrialStrategy::nohc, TrialStrategy::optimum, TrialStrategy::batch, TrialStrategy::automatic}) {
     Frames frames(strategy);
     frames.options.costs = {};
     EXPECT_THROW(frames.next(), Error);
@@ -305,12 +306,12 @@ TEST(Costs, AreNeeded) {
 TEST(Determinism, SavedCostsGiveTheSameFronts) {
   const Hlod& hlod = test::city(Grouping::shifted);
   const PlacedHlod placed{&hlod};
-  for (const Strategy strategy : test::later_strategies) {
+  for (const TrialStrategy strategy : test::later_strategies) {
     std::array<std::vector<std::uint64_t>, 2> hashes;
     for (auto& run : hashes) {
       SoftwareDevice device, oracle;
-      Traverser traverser({&placed, 1});
-      TraverseOptions options;
+      TrialTraverser traverser({&placed, 1});
+      TrialOptions options;
       options.strategy = strategy;
       options.oracle = &oracle;
       options.costs = device_preset("query-dear");

@@ -22,14 +22,14 @@ TEST(LegalFronts, WhateverIsAnswered) {
     for (const Hlod* hlod : {&city(grouping), &planet(grouping)}) {
       EXPECT_EQ(validate(*hlod), std::vector<std::string>());
       const PlacedHlod placed{hlod};
-      for (const Strategy strategy : asking_strategies)
+      for (const TrialStrategy strategy : asking_strategies)
         for (const double hidden : {0.0, 0.2, 0.5}) {
           RandomDevice device(17, hidden);
-          Traverser traverser({&placed, 1});
+          TrialTraverser traverser({&placed, 1});
           std::mt19937_64 random(23);
           std::size_t rarn = 0, blocked = 0, drawn = 0;
           for (int i = 0; i < 60; ++i) {
-            TraverseOptions options;
+            TrialOptions options;
             options.strategy = strategy;
             options.tolerance_px = i % 3 == 0 ? 8.0 : 2.0;
             const Camera camera = i % 2 == 0 ? random_camera(hlod->data().box, random) : walk(hlod->data().box, i, 200);
@@ -40,9 +40,9 @@ TEST(LegalFronts, WhateverIsAnswered) {
             drawn += frame.stats.drawn_nodes;
           }
           EXPECT_GT(drawn, 60U);
-          const bool predicts_bias = strategy == Strategy::simp || strategy == Strategy::coh;
+          const bool predicts_bias = strategy == TrialStrategy::simp || strategy == TrialStrategy::coh;
           EXPECT_EQ(rarn > 0, predicts_bias) << static_cast<int>(strategy);
-          const bool biased = predicts_bias || strategy == Strategy::sw_b;
+          const bool biased = predicts_bias || strategy == TrialStrategy::sw_b;
           EXPECT_EQ(blocked > 0, biased && grouping == Grouping::shifted) << static_cast<int>(strategy);
         }
     }
@@ -54,19 +54,19 @@ TEST(LegalFronts, AreThatOfVfcWhereNothingIsHidden) {
   for (const Grouping grouping : {Grouping::nested, Grouping::shifted}) {
     const Hlod& hlod = city(grouping);
     const PlacedHlod placed{&hlod};
-    for (const Strategy strategy : asking_strategies) {
+    for (const TrialStrategy strategy : asking_strategies) {
       RandomDevice device(5, 0.0), unasked(5, 0.0);
-      Traverser traverser({&placed, 1}), all({&placed, 1});
+      TrialTraverser traverser({&placed, 1}), all({&placed, 1});
       std::mt19937_64 random(29);
       for (int i = 0; i < 40; ++i) {
-        TraverseOptions options;
+        TrialOptions options;
         options.strategy = strategy;
         options.biased = false;
         options.tolerance_px = i % 3 == 0 ? 8.0 : 1.0;
         const View view(random_camera(hlod.data().box, random));
         const Frame& frame = traverser.draw_frame(view, device, options);
         EXPECT_EQ(illegal_nodes(hlod, frame), 0U);
-        options.strategy = Strategy::vfc;
+        options.strategy = TrialStrategy::vfc;
         const Frame& truth = all.draw_frame(view, unasked, options);
         EXPECT_EQ(frame.front_hash, truth.front_hash);
         EXPECT_EQ(frame.stats.drawn_patches, truth.stats.drawn_patches);
@@ -82,13 +82,13 @@ TEST(LegalFronts, AreWholeWhereEverythingIsInSight) {
   for (const Grouping grouping : {Grouping::nested, Grouping::shifted})
     for (const Hlod* hlod : {&city(grouping), &planet(grouping)}) {
       const PlacedHlod placed{hlod};
-      for (const Strategy strategy : asking_strategies) {
+      for (const TrialStrategy strategy : asking_strategies) {
         RandomDevice device(5, 0.0);
-        Traverser traverser({&placed, 1});
+        TrialTraverser traverser({&placed, 1});
         std::mt19937_64 random(37);
         std::set<std::uint64_t> fronts;
         for (int i = 0; i < 40; ++i) {
-          TraverseOptions options;
+          TrialOptions options;
           options.strategy = strategy;
           options.tolerance_px = std::exp2(uniform(random, -9.0, 0.0));
           const Frame& frame = traverser.draw_frame(View(from_afar(*hlod, random)), device, options);
@@ -109,13 +109,13 @@ TEST(Vfc, ShowsTheFrontOfTheTolerance) {
   for (const Grouping grouping : {Grouping::nested, Grouping::shifted})
     for (const Hlod* hlod : {&city(grouping), &planet(grouping)}) {
       const PlacedHlod placed{hlod};
-      Traverser traverser({&placed, 1});
+      TrialTraverser traverser({&placed, 1});
       SoftwareDevice device, truth;
       std::mt19937_64 random(31);
       std::size_t drawn = 0, whole = 0;
       for (int i = 0; i < 40; ++i) {
-        TraverseOptions options;
-        options.strategy = Strategy::vfc;
+        TrialOptions options;
+        options.strategy = TrialStrategy::vfc;
         options.tolerance_px = i % 8 == 0 ? 0.0 : 2.0;
         Camera camera = random_camera(hlod->data().box, random);
         if (i % 5 == 0) camera.orthographic_height = 1.0;
@@ -145,16 +145,16 @@ TEST(Ideal, IsTheFrontOfStopAndWait) {
   for (const bool biased : {false, true}) {
     const Hlod& hlod = city(Grouping::shifted);
     const PlacedHlod placed{&hlod};
-    Traverser waiting({&placed, 1}), ideal({&placed, 1});
+    TrialTraverser waiting({&placed, 1}), ideal({&placed, 1});
     SoftwareDevice device, drawn_on, oracle;
     for (int i = 0; i < 20; ++i) {
-      TraverseOptions options;
+      TrialOptions options;
       options.biased = biased;
-      options.strategy = biased ? Strategy::sw_b : Strategy::sw;
+      options.strategy = biased ? TrialStrategy::sw_b : TrialStrategy::sw;
       const View view(walk(hlod.data().box, i, 100));
       const Frame& asked = waiting.draw_frame(view, device, options);
       EXPECT_GT(asked.stats.queries, asked.stats.drawn_nodes);
-      options.strategy = Strategy::ideal;
+      options.strategy = TrialStrategy::ideal;
       options.oracle = &oracle;
       const Frame& known = ideal.draw_frame(view, drawn_on, options);
       EXPECT_EQ(known.front_hash, asked.front_hash);

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "occlod/traverser.h"
+#include "papers/trial_traverser.h"
 
 namespace occlod::hlod {
 namespace {

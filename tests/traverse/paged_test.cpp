@@ -21,8 +21,8 @@ using namespace test;
 
 constexpr std::size_t plenty = std::size_t{1} << 30U;
 
-CacheOptions cache(LoadMode load, std::size_t budget = plenty) {
-  CacheOptions options;
+TrialCacheOptions cache(TrialLoad load, std::size_t budget = plenty) {
+  TrialCacheOptions options;
   options.load = load;
   options.budget_bytes = budget;
   return options;
@@ -41,14 +41,15 @@ void expect_kept(const Hlod& hlod, const Frame& frame) {
 TEST(Paged, TheSameFrontsWhereAllIsThere) {
   for (const Grouping grouping : {Grouping::nested, Grouping::shifted}) {
     const Hlod& whole = city(grouping);
-    const Hlod hlod = paged(whole, cache(LoadMode::blocking));
+    const Hlod hlod = paged(whole, cache(TrialLoad::blocking));
     const PlacedHlod placed{&hlod}, truth{&whole};
-    for (const Strategy strategy : {Strategy::vfc, Strategy::sw, Strategy::sw_b, Strategy::boolean, Strategy::simp,
-                                    Strategy::coh, Strategy::ideal, Strategy::nohc, Strategy::optimum, Strategy::batch,
-                                    Strategy::automatic, Strategy::chc_plus, Strategy::two_pass, Strategy::cesium}) {
-      Traverser traverser({&placed, 1}), expected({&truth, 1});
+    for (const TrialStrategy strategy :
+         {TrialStrategy::vfc, TrialStrategy::sw, TrialStrategy::sw_b, TrialStrategy::boolean, TrialStrategy::simp,
+          TrialStrategy::coh, TrialStrategy::ideal, TrialStrategy::nohc, TrialStrategy::optimum, TrialStrategy::batch,
+          TrialStrategy::automatic, TrialStrategy::chc_plus, TrialStrategy::two_pass, TrialStrategy::cesium}) {
+      TrialTraverser traverser({&placed, 1}), expected({&truth, 1});
       SoftwareDevice device, oracle;
-      TraverseOptions options = with(strategy, 2.0);
+      TrialOptions options = with(strategy, 2.0);
       options.oracle = &oracle;
       options.costs = {.draw_ns = 2000, .triangle_ns = 5, .fragment_ns = 0.2, .query_ns = 1000};
       for (int i = 0; i < 20; ++i) {
@@ -73,17 +74,17 @@ TEST(Paged, TheSameFrontsWhereAllIsThere) {
 // Standing still, the front becomes that of the whole HLOD, and is a coarser one until then.
 TEST(Paged, TheFrontBecomesThatOfAllMeshes) {
   for (const Hlod* whole : {&city(Grouping::shifted), &planet(Grouping::shifted), &city(Grouping::nested)}) {
-    CacheOptions options = cache(LoadMode::simulated, whole->data().meshes.size());
+    TrialCacheOptions options = cache(TrialLoad::simulated, whole->data().meshes.size());
     options.simulated_mb_per_s = 0.2;
     const Hlod hlod = paged(*whole, options);
     const PlacedHlod placed{&hlod}, truth{whole};
-    Traverser traverser({&placed, 1}), expected({&truth, 1});
+    TrialTraverser traverser({&placed, 1}), expected({&truth, 1});
     SoftwareDevice device;
     const View view(walk(whole->data().box, 3, 60));
-    const Frame wanted = expected.draw_frame(view, device, with(Strategy::vfc, 1.0));
+    const Frame wanted = expected.draw_frame(view, device, with(TrialStrategy::vfc, 1.0));
     std::vector<std::size_t> triangles;
     for (int i = 0; i < 2000; ++i) {
-      const Frame& frame = traverser.draw_frame(view, device, with(Strategy::vfc, 1.0));
+      const Frame& frame = traverser.draw_frame(view, device, with(TrialStrategy::vfc, 1.0));
       expect_kept(hlod, frame);
       EXPECT_EQ(illegal_nodes(hlod, frame), 0U);
       EXPECT_EQ(frame.front_hash == wanted.front_hash, frame.stats.waiting_nodes == 0);
@@ -102,7 +103,7 @@ TEST(Paged, TheFrontBecomesThatOfAllMeshes) {
 // The same loads in the same frames, whatever the machine does meanwhile.
 TEST(Paged, SimulatedRunsRepeat) {
   const auto fly = [](int delay) {
-    CacheOptions options = cache(LoadMode::simulated, 200'000);
+    TrialCacheOptions options = cache(TrialLoad::simulated, 200'000);
     options.simulated_mb_per_s = 5.0;
     options.simulated_delay = delay;
     const auto faults = std::make_shared<ReadFaults>();
@@ -110,12 +111,12 @@ TEST(Paged, SimulatedRunsRepeat) {
     faults->before = [&](NodeId) { std::this_thread::sleep_for(std::chrono::microseconds(random() % 300)); };
     const Hlod hlod = paged(city(Grouping::shifted), options, faults);
     const PlacedHlod placed{&hlod};
-    Traverser traverser({&placed, 1});
+    TrialTraverser traverser({&placed, 1});
     SoftwareDevice device;
     std::vector<std::uint64_t> hashes;
     for (int i = 0; i < 60; ++i)
       hashes.push_back(
-          traverser.draw_frame(View(walk(hlod.data().box, i, 60)), device, with(Strategy::coh, 1.0)).front_hash);
+          traverser.draw_frame(View(walk(hlod.data().box, i, 60)), device, with(TrialStrategy::coh, 1.0)).front_hash);
     hashes.push_back(hlod.store()->stats().bytes_loaded);
     return hashes;
   };
@@ -125,16 +126,17 @@ TEST(Paged, SimulatedRunsRepeat) {
 
 // What never comes leaves the coarsest picture, whole.
 TEST(Paged, ALoaderThatNeverDelivers) {
-  CacheOptions options = cache(LoadMode::simulated);
+  TrialCacheOptions options = cache(TrialLoad::simulated);
   options.simulated_mb_per_s = 1e-9;
   const Hlod hlod = paged(planet(Grouping::shifted), options);
   const PlacedHlod placed{&hlod};
-  for (const Strategy strategy : {Strategy::vfc, Strategy::coh, Strategy::sw_b, Strategy::boolean}) {
-    Traverser traverser({&placed, 1});
+  for (const TrialStrategy strategy :
+       {TrialStrategy::vfc, TrialStrategy::coh, TrialStrategy::sw_b, TrialStrategy::boolean}) {
+    TrialTraverser traverser({&placed, 1});
     RandomDevice device(3, 0.0);
     std::mt19937_64 random(41);
     for (int i = 0; i < 30; ++i) {
-      TraverseOptions traverse = with(strategy, 0.0);
+      TrialOptions traverse = with(strategy, 0.0);
       traverse.biased = false;
       const Frame& frame = traverser.draw_frame(View(from_afar(hlod, random)), device, traverse);
       EXPECT_EQ(drawn_patches(hlod, frame), patches_of(hlod, Refined(hlod.node_count(), 0)));
@@ -145,16 +147,16 @@ TEST(Paged, ALoaderThatNeverDelivers) {
 }
 
 TEST(Paged, ACacheOfTheLeastSize) {
-  for (const LoadMode load : {LoadMode::blocking, LoadMode::async, LoadMode::simulated}) {
+  for (const TrialLoad load : {TrialLoad::blocking, TrialLoad::async, TrialLoad::simulated}) {
     const Hlod& whole = planet(Grouping::shifted);
     const Hlod hlod = paged(whole, cache(load, min_budget(whole)));
     const PlacedHlod placed{&hlod};
-    Traverser traverser({&placed, 1});
+    TrialTraverser traverser({&placed, 1});
     SoftwareDevice device;
     std::mt19937_64 random(43);
     for (int i = 0; i < 30; ++i) {
       const Frame& frame =
-          traverser.draw_frame(View(from_afar(hlod, random)), device, with(Strategy::coh, std::exp2(-9)));
+          traverser.draw_frame(View(from_afar(hlod, random)), device, with(TrialStrategy::coh, std::exp2(-9)));
       expect_kept(hlod, frame);
       EXPECT_EQ(frame.stats.drawn_nodes, whole.data().roots.size());
     }
@@ -166,21 +168,21 @@ TEST(Paged, ACacheOfTheLeastSize) {
 TEST(Paged, ADamagedNodeLeavesItsParentsCoarse) {
   const Hlod& whole = planet(Grouping::shifted);
   const NodeId damaged = whole.data().levels[1].first_node + 5;
-  for (const LoadMode load : {LoadMode::blocking, LoadMode::simulated}) {
+  for (const TrialLoad load : {TrialLoad::blocking, TrialLoad::simulated}) {
     const auto faults = std::make_shared<ReadFaults>();
     faults->damaged = {damaged};
-    CacheOptions options = cache(load);
+    TrialCacheOptions options = cache(load);
     options.simulated_mb_per_s = 1e3;
     const Hlod hlod = paged(whole, options, faults);
     const PlacedHlod placed{&hlod};
-    Traverser traverser({&placed, 1});
+    TrialTraverser traverser({&placed, 1});
     SoftwareDevice device;
     std::mt19937_64 random(47);
     const View view(from_afar(hlod, random));
     std::size_t told = 0;
     const Frame* frame = nullptr;
     for (int i = 0; i < 50; ++i) {
-      frame = &traverser.draw_frame(view, device, with(Strategy::vfc, 0.0));
+      frame = &traverser.draw_frame(view, device, with(TrialStrategy::vfc, 0.0));
       told += hlod.store()->take_failures().size();
     }
     EXPECT_EQ(told, 1U);
@@ -199,13 +201,13 @@ TEST(Paged, ADamagedNodeLeavesItsParentsCoarse) {
 // What the camera is going to see is there when it gets there.
 TEST(Paged, FetchesAhead) {
   const auto waiting = [](int prefetch_frames) {
-    CacheOptions options = cache(LoadMode::simulated, city(Grouping::shifted).data().meshes.size());
+    TrialCacheOptions options = cache(TrialLoad::simulated, city(Grouping::shifted).data().meshes.size());
     options.simulated_mb_per_s = 2.0;
     const Hlod hlod = paged(city(Grouping::shifted), options);
     const PlacedHlod placed{&hlod};
-    Traverser traverser({&placed, 1});
+    TrialTraverser traverser({&placed, 1});
     RandomDevice device(1, 0.0);
-    TraverseOptions traverse = with(Strategy::vfc, 2.0);
+    TrialOptions traverse = with(TrialStrategy::vfc, 2.0);
     traverse.prefetch_frames = prefetch_frames;
     std::size_t sum = 0;
     for (int i = 0; i < 400; ++i) {
@@ -222,21 +224,21 @@ TEST(Paged, FetchesAhead) {
 
 // Two of one HLOD, and two traversers, share one store.
 TEST(Paged, ManyUsersOfOneStore) {
-  CacheOptions options = cache(LoadMode::simulated);
+  TrialCacheOptions options = cache(TrialLoad::simulated);
   options.simulated_mb_per_s = 20.0;
   const Hlod hlod = paged(planet(Grouping::shifted), options);
   const Hlod copy = hlod;
   std::vector<PlacedHlod> placed = {{&hlod}, {&copy}};
   placed[1].object_to_world[3] = glm::dvec4(10.0, 0.0, 0.0, 1.0);
-  Traverser one(placed), other({placed.data(), 1});
+  TrialTraverser one(placed), other({placed.data(), 1});
   SoftwareDevice device;
   std::mt19937_64 random(53);
   const View view(from_afar(hlod, random));
   for (int i = 0; i < 2000; ++i) {
-    const Frame& frame = one.draw_frame(view, device, with(Strategy::vfc, 0.5));
+    const Frame& frame = one.draw_frame(view, device, with(TrialStrategy::vfc, 0.5));
     expect_kept(hlod, frame);
     const std::size_t left = frame.stats.waiting_nodes;
-    const Frame& second = other.draw_frame(view, device, with(Strategy::coh, 0.25));
+    const Frame& second = other.draw_frame(view, device, with(TrialStrategy::coh, 0.25));
     expect_kept(hlod, second);
     if (left + second.stats.waiting_nodes == 0) return;
   }
@@ -258,7 +260,7 @@ TEST(PagedFronts, AreLegalWhateverComesAndFails) {
     const auto faults = std::make_shared<ReadFaults>();
     for (int i = s % 3; i > 0; --i)
       faults->damaged.insert(1 + static_cast<NodeId>(random() % (whole.node_count() - 1)));
-    CacheOptions options = cache(s % 4 == 3 ? LoadMode::blocking : LoadMode::simulated);
+    TrialCacheOptions options = cache(s % 4 == 3 ? TrialLoad::blocking : TrialLoad::simulated);
     const double share = std::exp2(uniform(random, -6.0, 0.5));
     options.budget_bytes =
         std::max(min_budget(whole), static_cast<std::size_t>(share * static_cast<double>(whole.data().meshes.size())));
@@ -267,10 +269,10 @@ TEST(PagedFronts, AreLegalWhateverComesAndFails) {
     options.frame_bytes = 1 + random() % 200'000;
     const Hlod hlod = paged(whole, options, faults);
     const PlacedHlod placed{&hlod};
-    Traverser traverser({&placed, 1});
+    TrialTraverser traverser({&placed, 1});
     RandomDevice device(random(), s % 5 == 0 ? 0.0 : 0.3);
-    TraverseOptions traverse;
-    traverse.strategy = s % 7 == 6 ? Strategy::vfc : asking_strategies[static_cast<std::size_t>(s) % 5];
+    TrialOptions traverse;
+    traverse.strategy = s % 7 == 6 ? TrialStrategy::vfc : asking_strategies[static_cast<std::size_t>(s) % 5];
     std::optional<Camera> camera;
     for (int i = 0; i < frames; ++i) {
       const bool is_far = s % 5 == 0;

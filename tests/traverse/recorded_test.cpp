@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "occlod/base.h"
-#include "occlod/traverser.h"
-#include "occlod/trial_devices.h"
+#include "papers/trial_devices.h"
+#include "papers/trial_traverser.h"
 #include "traverse/small_scenes.h"
 
 namespace occlod::hlod {
@@ -25,16 +25,16 @@ struct FrameResult {
   bool operator==(const FrameResult&) const = default;
 };
 
-TraverseOptions options_of(Strategy strategy, double tolerance_px) {
-  TraverseOptions options;
+TrialOptions options_of(TrialStrategy strategy, double tolerance_px) {
+  TrialOptions options;
   options.strategy = strategy;
   options.tolerance_px = tolerance_px;
   return options;
 }
 
-std::vector<FrameResult> walk_through(const Hlod& hlod, RenderDevice& device, const TraverseOptions& options) {
+std::vector<FrameResult> walk_through(const Hlod& hlod, RenderDevice& device, const TrialOptions& options) {
   const PlacedHlod placed{&hlod};
-  Traverser traverser({&placed, 1});
+  TrialTraverser traverser({&placed, 1});
   std::vector<FrameResult> results;
   for (int i = 0; i < frames; ++i) {
     const Frame& frame = traverser.draw_frame(View(walk(hlod.data().box, i, frames)), device, options);
@@ -46,8 +46,8 @@ std::vector<FrameResult> walk_through(const Hlod& hlod, RenderDevice& device, co
 // On a device whose answers come late, and at times that depend on what is drawn.
 TEST(RecordedTraversal, HasTheSameFronts) {
   const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "occlod_recorded_traversal.orec";
-  for (const Strategy strategy : asking_strategies) {
-    const TraverseOptions options = options_of(strategy, 0.5);
+  for (const TrialStrategy strategy : asking_strategies) {
+    const TrialOptions options = options_of(strategy, 0.5);
     VirtualDevice device(device_preset("query-dear"));
     RecordingDevice recorder(device);
     const std::vector<FrameResult> run = walk_through(city(Grouping::shifted), recorder, options);
@@ -62,8 +62,8 @@ TEST(RecordedTraversal, HasTheSameFronts) {
 TEST(RecordedTraversal, SaysWhereAnotherRunLeavesIt) {
   VirtualDevice device(device_preset("query-dear"));
   RecordingDevice recorder(device);
-  (void)walk_through(city(Grouping::shifted), recorder, options_of(Strategy::coh, 0.5));
-  const auto refusal = [&](const Hlod& hlod, const TraverseOptions& options) -> std::string {
+  (void)walk_through(city(Grouping::shifted), recorder, options_of(TrialStrategy::coh, 0.5));
+  const auto refusal = [&](const Hlod& hlod, const TrialOptions& options) -> std::string {
     ReplayingDevice replay(recorder.recording());
     try {
       (void)walk_through(hlod, replay, options);
@@ -72,10 +72,10 @@ TEST(RecordedTraversal, SaysWhereAnotherRunLeavesIt) {
     }
     return "";
   };
-  EXPECT_EQ(refusal(city(Grouping::shifted), options_of(Strategy::coh, 0.5)), "");
-  EXPECT_EQ(refusal(city(Grouping::shifted), options_of(Strategy::sw, 0.5)).rfind("replay: frame 0", 0), 0U);
-  EXPECT_EQ(refusal(city(Grouping::shifted), options_of(Strategy::coh, 2.0)).rfind("replay: frame ", 0), 0U);
-  EXPECT_EQ(refusal(planet(Grouping::shifted), options_of(Strategy::coh, 0.5))
+  EXPECT_EQ(refusal(city(Grouping::shifted), options_of(TrialStrategy::coh, 0.5)), "");
+  EXPECT_EQ(refusal(city(Grouping::shifted), options_of(TrialStrategy::sw, 0.5)).rfind("replay: frame 0", 0), 0U);
+  EXPECT_EQ(refusal(city(Grouping::shifted), options_of(TrialStrategy::coh, 2.0)).rfind("replay: frame ", 0), 0U);
+  EXPECT_EQ(refusal(planet(Grouping::shifted), options_of(TrialStrategy::coh, 0.5))
                 .rfind("replay: frame 0, command 0: is told begin_frame in another view or with other HLODs", 0),
             0U);
 }

@@ -8,18 +8,19 @@
 
 #include "occlod/build_hlod.h"
 #include "occlod/mesh.h"
-#include "occlod/traverser.h"
 #include "occlod/view.h"
+#include "papers/trial_traverser.h"
 
 namespace occlod::hlod::test {
 
 // All but ideal, which draws what another draws.
-inline constexpr std::array asking_strategies = {Strategy::sw, Strategy::sw_b, Strategy::boolean, Strategy::simp,
-                                                 Strategy::coh};
+inline constexpr std::array asking_strategies = {TrialStrategy::sw, TrialStrategy::sw_b, TrialStrategy::boolean,
+                                                 TrialStrategy::simp, TrialStrategy::coh};
 
 // Those that come after: whatever is visible counts in full with them, or may.
-inline constexpr std::array later_strategies = {Strategy::nohc,      Strategy::optimum,  Strategy::batch,
-                                                Strategy::automatic, Strategy::chc_plus, Strategy::two_pass};
+inline constexpr std::array later_strategies = {TrialStrategy::nohc,     TrialStrategy::optimum,
+                                                TrialStrategy::batch,    TrialStrategy::automatic,
+                                                TrialStrategy::chc_plus, TrialStrategy::two_pass};
 
 // In nodes of at most 64 triangles on level 0, so of several levels; nested groups have free borders.
 [[nodiscard]] Hlod small_hlod(const TriangleMesh& mesh, Grouping grouping);

@@ -16,8 +16,8 @@ using occlod::test::ScriptedDevice;
 using occlod::test::Story;
 
 // Questions are asked in turn, so that their order tells what a strategy does.
-TraverseOptions with(Strategy strategy, double tolerance_px) {
-  TraverseOptions options = test::with(strategy, tolerance_px);
+TrialOptions with(TrialStrategy strategy, double tolerance_px) {
+  TrialOptions options = test::with(strategy, tolerance_px);
   options.coherence = Coherence::published;
   return options;
 }
@@ -46,7 +46,7 @@ TEST(Stories, AreToldToAScriptedDevice) {
 class Frames {
  public:
   Frames(const Hlod& hlod, RenderDevice& device) : objects_{{{&hlod}}}, traverser_(objects_), logged_(device) {}
-  std::string log_of_next(const TraverseOptions& options) {
+  std::string log_of_next(const TrialOptions& options) {
     stats_ = traverser_.draw_frame(View(occlod::test::camera_ahead()), logged_, options).stats;
     return logged_.log();
   }
@@ -54,7 +54,7 @@ class Frames {
 
  private:
   std::array<PlacedHlod, 1> objects_;
-  Traverser traverser_;
+  TrialTraverser traverser_;
   LoggedDevice logged_;
   FrameStats stats_;
 };
@@ -64,7 +64,7 @@ class Frames {
 // hidden.
 TEST(Delays, NothingIsWaitedForWhileThereIsSomethingToDo) {
   const Hlod rows = occlod::test::two_rows();
-  for (const Strategy strategy : {Strategy::boolean, Strategy::simp, Strategy::coh}) {
+  for (const TrialStrategy strategy : {TrialStrategy::boolean, TrialStrategy::simp, TrialStrategy::coh}) {
     ScriptedDevice device;
     device.delay(3);
     for (const NodeId n : {2U, 6U, 7U, 8U}) device.answer(1, n, 0);
@@ -90,15 +90,16 @@ TEST(Delays, NothingIsWaitedForWhileThereIsSomethingToDo) {
   device.delay(3);
   device.answer(0, 2, 0);
   Frames frames(rows, device);
-  EXPECT_EQ(frames.log_of_next(with(Strategy::sw, 1.0)),
+  EXPECT_EQ(frames.log_of_next(with(TrialStrategy::sw, 1.0)),
             "ask 0, wait 0, ask 1, wait 1, ask 3, wait 3, draw 3, ask 4, wait 4, draw 4, ask 5, wait 5, draw 5, ask 2, "
             "wait 2");
 }
 
 TEST(Leaves, ARootIsAskedAboutAndDrawn) {
   const Hlod panel = occlod::test::one_panel({-3.0F, 0.0F, 0.0F}, {1.0F, 1.0F});
-  for (const Strategy strategy : {Strategy::sw, Strategy::sw_b, Strategy::boolean, Strategy::simp, Strategy::coh}) {
-    const bool waits = strategy == Strategy::sw || strategy == Strategy::sw_b;
+  for (const TrialStrategy strategy :
+       {TrialStrategy::sw, TrialStrategy::sw_b, TrialStrategy::boolean, TrialStrategy::simp, TrialStrategy::coh}) {
+    const bool waits = strategy == TrialStrategy::sw || strategy == TrialStrategy::sw_b;
     ScriptedDevice device;
     device.answer(2, 0, 0);
     device.answer(4, 0, 1);
@@ -123,7 +124,8 @@ const char* const all_refined =
 
 TEST(TwoParents, AreBothDecidedBeforeTheirChildIsRefined) {
   const Hlod shared = occlod::test::shared_child();
-  for (const Strategy strategy : {Strategy::sw, Strategy::sw_b, Strategy::boolean, Strategy::simp, Strategy::coh}) {
+  for (const TrialStrategy strategy :
+       {TrialStrategy::sw, TrialStrategy::sw_b, TrialStrategy::boolean, TrialStrategy::simp, TrialStrategy::coh}) {
     ScriptedDevice device;
     Frames frames(shared, device);
     EXPECT_EQ(frames.log_of_next(with(strategy, 1.0)), all_refined);
@@ -137,15 +139,15 @@ TEST(TwoParents, EachAllowsItsPatch) {
   const Hlod shared = occlod::test::shared_child();
   ScriptedDevice device;
   Frames frames(shared, device);
-  EXPECT_EQ(frames.log_of_next(with(Strategy::sw, 6.0)),
+  EXPECT_EQ(frames.log_of_next(with(TrialStrategy::sw, 6.0)),
             "ask 0, get 0, ask 1, get 1, ask 3, get 3, draw 3, ask 4, get 4, draw 4 for 1, ask 2, get 2, draw 4 for 2, "
             "ask 5, get 5, draw 5");
   EXPECT_EQ(frames.stats().drawn_nodes, 3U);
   EXPECT_EQ(frames.stats().drawn_patches, 4U);
   EXPECT_EQ(frames.stats().drawn_triangles, 8U);  // of four panels on level 1
   // Coherent ones go through node 2 unasked, but after node 4.
-  frames.log_of_next(with(Strategy::coh, 6.0));
-  EXPECT_EQ(frames.log_of_next(with(Strategy::coh, 6.0)),
+  frames.log_of_next(with(TrialStrategy::coh, 6.0));
+  EXPECT_EQ(frames.log_of_next(with(TrialStrategy::coh, 6.0)),
             "ask 3, draw 3, get 3, ask 4, draw 4 for 1, get 4, draw 4 for 2, ask 5, draw 5, get 5");
 }
 
@@ -154,9 +156,9 @@ TEST(TwoParents, AHiddenOneIsNoObstacleAndShowsNothing) {
   ScriptedDevice device;
   device.answer(0, 2, 0);
   Frames frames(shared, device);
-  EXPECT_EQ(frames.log_of_next(with(Strategy::sw, 6.0)),
+  EXPECT_EQ(frames.log_of_next(with(TrialStrategy::sw, 6.0)),
             "ask 0, get 0, ask 1, get 1, ask 3, get 3, draw 3, ask 4, get 4, draw 4 for 1, ask 2, get 2");
-  EXPECT_EQ(frames.log_of_next(with(Strategy::sw, 1.0)),
+  EXPECT_EQ(frames.log_of_next(with(TrialStrategy::sw, 1.0)),
             "ask 0, get 0, ask 1, get 1, ask 3, get 3, ask 6, get 6, draw 6, ask 4, get 4, ask 2, get 2, ask 7, get 7, "
             "draw 7");
 }
@@ -166,7 +168,7 @@ TEST(TwoParents, AHiddenOneIsNoObstacleAndShowsNothing) {
 // does.
 TEST(TwoParents, OneThatIsDrawnDeniesAndGivesWayInTheNextFrame) {
   const Hlod shared = occlod::test::shared_child();
-  for (const Strategy strategy : {Strategy::sw_b, Strategy::coh}) {
+  for (const TrialStrategy strategy : {TrialStrategy::sw_b, TrialStrategy::coh}) {
     ScriptedDevice device;
     device.answer(0, 2, 1);
     Frames frames(shared, device);
@@ -174,7 +176,7 @@ TEST(TwoParents, OneThatIsDrawnDeniesAndGivesWayInTheNextFrame) {
               "ask 0, get 0, ask 1, get 1, ask 3, get 3, ask 6, get 6, draw 6, ask 4, get 4, ask 2, get 2, draw 2, "
               "draw 4 for 1");
     EXPECT_EQ(frames.stats().blocked, 1U);
-    if (strategy == Strategy::sw_b) {  // and as long as it is needed
+    if (strategy == TrialStrategy::sw_b) {  // and as long as it is needed
       for (int frame = 1; frame < 4; ++frame) EXPECT_EQ(frames.log_of_next(with(strategy, 1.0)), all_refined);
       EXPECT_EQ(frames.stats().blocked, 0U);
       continue;
@@ -193,16 +195,16 @@ TEST(TwoParents, OneThatIsDrawnDeniesAndGivesWayInTheNextFrame) {
 // unasked in the next frame.
 TEST(TwoParents, OneThatIsRefinedLateHasBeenSeenToo) {
   const Hlod shared = occlod::test::shared_child();
-  for (const Strategy strategy : {Strategy::boolean, Strategy::coh}) {
+  for (const TrialStrategy strategy : {TrialStrategy::boolean, TrialStrategy::coh}) {
     ScriptedDevice device;
     device.answer(0, 5, 0);
     Frames frames(shared, device);
-    TraverseOptions options = with(strategy, 6.0);
+    TrialOptions options = with(strategy, 6.0);
     options.biased = false;
     frames.log_of_next(options);
     for (int frame = 1; frame < 4; ++frame)
       EXPECT_EQ(frames.log_of_next(options),
-                strategy == Strategy::boolean
+                strategy == TrialStrategy::boolean
                     ? "ask 3, draw 3, get 3, ask 4, draw 4 for 1, get 4, draw 4 for 2, ask 5, get 5"
                     // Its children's mean bias is 1/2, and 4.9 px would do: asked, to see whether the front moves up.
                     : "ask 3, draw 3, get 3, ask 4, draw 4 for 1, get 4, ask 2, get 2, draw 4 for 2, ask 5, get 5");
@@ -214,7 +216,7 @@ TEST(TwoParents, OneThatIsRefinedLateHasBeenSeenToo) {
 // once 2 is decided. Both then have biases that let them be refined.
 TEST(TwoParents, OneThatIsNeverReachedDeniesAsItsOwnParentIsDrawn) {
   const Hlod shared = occlod::test::shared_grandchild();
-  for (const Strategy strategy : {Strategy::sw_b, Strategy::coh}) {
+  for (const TrialStrategy strategy : {TrialStrategy::sw_b, TrialStrategy::coh}) {
     ScriptedDevice device;
     device.answer(0, 2, 1);
     device.answer(0, 4, 1);
@@ -227,7 +229,7 @@ TEST(TwoParents, OneThatIsNeverReachedDeniesAsItsOwnParentIsDrawn) {
     const std::string not_denied = "ask 4, get 4, ask 7, get 7, draw 7, ask 6, get 6";
     for (int frame = 1; frame < 4; ++frame) {
       const std::string log = frames.log_of_next(with(strategy, 1.0));
-      if (strategy == Strategy::sw_b)
+      if (strategy == TrialStrategy::sw_b)
         EXPECT_EQ(log, "ask 0, get 0, ask 1, get 1, ask 3, get 3, ask 5, get 5, ask 2, get 2, " + not_denied);
       else
         EXPECT_EQ(log, frame == 1 ? not_denied : "ask 7, draw 7, get 7, ask 6, get 6");
@@ -242,7 +244,7 @@ TEST(TwoParents, OneThatIsNeverReachedSinceItsParentIsHiddenIsNoObstacle) {
   ScriptedDevice device;
   device.answer(0, 2, 0);
   Frames frames(shared, device);
-  EXPECT_EQ(frames.log_of_next(with(Strategy::sw, 1.0)),
+  EXPECT_EQ(frames.log_of_next(with(TrialStrategy::sw, 1.0)),
             "ask 0, get 0, ask 1, get 1, ask 3, get 3, ask 5, get 5, ask 2, get 2, ask 7, get 7, draw 7");
 }
 
@@ -254,12 +256,12 @@ TEST(Prediction, LeavesOutChildrenThatWereNotVisited) {
   ScriptedDevice device;
   device.answer(0, 8, 0);
   LoggedDevice logged(device);
-  Traverser traverser({&placed, 1});
+  TrialTraverser traverser({&placed, 1});
   Camera between = occlod::test::camera_ahead();
   between.eye = {-2.0, 0.0, -2.0};
   between.target = between.eye + glm::dvec3(0.515, 0.0, -0.857);  // 31 degrees to the right: node 8 is at 60 to 67
   const auto log = [&] {
-    traverser.draw_frame(View(between), logged, with(Strategy::coh, 20.0));
+    traverser.draw_frame(View(between), logged, with(TrialStrategy::coh, 20.0));
     return logged.log();
   };
   EXPECT_EQ(log(), "ask 2, get 2, ask 6, get 6, draw 6, ask 7, get 7, draw 7, ask 8, get 8");
@@ -273,7 +275,7 @@ TEST(Ideal, DrawsWhatStopAndWaitDrawsWithoutAQuestion) {
   ScriptedDevice device, oracle;
   oracle.answer(0, 2, 0);
   Frames frames(rows, device);
-  TraverseOptions options = with(Strategy::ideal, 1.0);
+  TrialOptions options = with(TrialStrategy::ideal, 1.0);
   options.oracle = &oracle;
   EXPECT_EQ(frames.log_of_next(options), "draw 3, draw 4, draw 5");
   EXPECT_EQ(frames.stats().drawn_nodes, 3U);

@@ -7,6 +7,7 @@
 
 #include "occlod/device.h"
 #include "occlod/device_costs.h"
+#include "papers/trial_devices.h"
 #include "support/hand_made_hlod.h"
 #include "support/scripted_device.h"
 #include "traverse/small_scenes.h"
@@ -49,8 +50,8 @@ std::string drawn(const Frame& frame) {
 
 class Told : public testing::Test {
  protected:
-  const Frame& next(Traverser& traverser, Strategy strategy) {
-    TraverseOptions options;
+  const Frame& next(TrialTraverser& traverser, TrialStrategy strategy) {
+    TrialOptions options;
     options.strategy = strategy;
     options.coherence = Coherence::published;  // whose stories are short
     return traverser.draw_frame(View(camera()), device_, options);
@@ -62,24 +63,24 @@ class Told : public testing::Test {
 TEST_F(Told, WhatTheFirstFramesOfCoherentRefinementDo) {
   const Hlod rows = occlod::test::two_rows();
   const PlacedHlod placed[] = {{&rows}};
-  Traverser traverser(placed);
+  TrialTraverser traverser(placed);
   for (const NodeId n : {2U, 6U, 7U, 8U}) device_.answer(1, n, 0);
   // Nothing was visible before: all wait for their answers, and each answer decides something.
-  const Frame& first = next(traverser, Strategy::coh);
+  const Frame& first = next(traverser, TrialStrategy::coh);
   EXPECT_EQ(asked(first),
             "0 visible, 1 visible, 3 visible, 4 visible, 5 visible, 2 visible, 6 visible, 7 visible, 8 visible");
   EXPECT_EQ(drawn(first),
             "3 asked delayed, 4 asked delayed, 5 asked delayed, 6 asked delayed, 7 asked delayed, 8 asked delayed");
   // All are predicted to stop. The first row is seen, as predicted: wasted.
-  const Frame& second = next(traverser, Strategy::coh);
+  const Frame& second = next(traverser, TrialStrategy::coh);
   EXPECT_EQ(asked(second), "3 wasted, 4 wasted, 5 wasted, 6 hidden, 7 hidden, 8 hidden");
   EXPECT_EQ(drawn(second), "3 asked, 4 asked, 5 asked, 6 asked, 7 asked, 8 asked");
   // The second row is asked about as one.
-  const Frame& third = next(traverser, Strategy::coh);
+  const Frame& third = next(traverser, TrialStrategy::coh);
   EXPECT_EQ(asked(third), "3 wasted, 4 wasted, 5 wasted, 2 hidden");
   EXPECT_EQ(drawn(third), "3 asked, 4 asked, 5 asked");
   // Nobody asks.
-  const Frame& unasked = next(traverser, Strategy::vfc);
+  const Frame& unasked = next(traverser, TrialStrategy::vfc);
   EXPECT_EQ(asked(unasked), "");
   EXPECT_EQ(drawn(unasked), "3, 4, 5, 6, 7, 8");
 }
@@ -88,11 +89,11 @@ TEST_F(Told, WhatTheFirstFramesOfCoherentRefinementDo) {
 TEST_F(Told, ANodeThatIsRefinedAfterItWasDrawn) {
   const Hlod rows = occlod::test::two_rows();
   const PlacedHlod placed[] = {{&rows}};
-  Traverser traverser(placed);
+  TrialTraverser traverser(placed);
   device_.answer(0, 2, 1);
   device_.answer(1, 2, 1'000'000);
-  next(traverser, Strategy::coh);
-  const Frame& frame = next(traverser, Strategy::coh);
+  next(traverser, TrialStrategy::coh);
+  const Frame& frame = next(traverser, TrialStrategy::coh);
   EXPECT_EQ(frame.stats.rarn, 1U);
   EXPECT_NE(drawn(frame).find("2 asked refined"), std::string::npos) << drawn(frame);
   EXPECT_NE(asked(frame).find("2 visible"), std::string::npos) << asked(frame);
@@ -102,9 +103,9 @@ TEST_F(Told, ANodeThatIsRefinedAfterItWasDrawn) {
 TEST_F(Told, ANodeThatAParentBlocks) {
   const Hlod shared = occlod::test::shared_child();
   const PlacedHlod placed[] = {{&shared}};
-  Traverser traverser(placed);
+  TrialTraverser traverser(placed);
   device_.answer(0, 2, 1);
-  const Frame& frame = next(traverser, Strategy::sw_b);
+  const Frame& frame = next(traverser, TrialStrategy::sw_b);
   EXPECT_EQ(drawn(frame), "6 asked delayed, 2 asked delayed, 4 asked delayed blocked");
 }
 
@@ -136,11 +137,11 @@ Counts count(const Frame& frame) {
 TEST(ToldOfACity, AddsUpToTheStatistics) {
   const Hlod& hlod = test::city(Grouping::shifted);
   const PlacedHlod placed[] = {{&hlod}};
-  for (int s = 0; s <= static_cast<int>(Strategy::cesium); ++s) {
+  for (int s = 0; s <= static_cast<int>(TrialStrategy::cesium); ++s) {
     SoftwareDevice device, oracle;
-    Traverser traverser(placed);
-    TraverseOptions options;
-    options.strategy = static_cast<Strategy>(s);
+    TrialTraverser traverser(placed);
+    TrialOptions options;
+    options.strategy = static_cast<TrialStrategy>(s);
     options.oracle = &oracle;
     options.costs = device_preset("modern");
     for (int i = 0; i < 8; ++i) {
@@ -151,8 +152,8 @@ TEST(ToldOfACity, AddsUpToTheStatistics) {
       EXPECT_EQ(counts.refined, frame.stats.rarn) << s;
       EXPECT_EQ(counts.hidden, frame.stats.hidden_nodes) << s;
       // Those ask about groups too: fewer queries than nodes, of which those that are visible are wasted.
-      const bool in_groups = options.strategy == Strategy::chc_plus || options.strategy == Strategy::batch ||
-                             options.strategy == Strategy::automatic;
+      const bool in_groups = options.strategy == TrialStrategy::chc_plus || options.strategy == TrialStrategy::batch ||
+                             options.strategy == TrialStrategy::automatic;
       EXPECT_LE(counts.wasted, frame.stats.wasted_queries) << s;
       if (!in_groups) {
         EXPECT_EQ(counts.asked, frame.stats.queries) << s;

@@ -1,12 +1,12 @@
 // What tests of traversal draw with.
 #pragma once
 
-#include "occlod/traverser.h"
+#include "papers/trial_traverser.h"
 
 namespace occlod::hlod::test {
 
-[[nodiscard]] inline TraverseOptions with(Strategy strategy, double tolerance_px) {
-  TraverseOptions options;
+[[nodiscard]] inline TrialOptions with(TrialStrategy strategy, double tolerance_px) {
+  TrialOptions options;
   options.strategy = strategy;
   options.tolerance_px = tolerance_px;
   return options;

@@ -7,7 +7,7 @@
 #include <set>
 
 #include "occlod/device.h"
-#include "occlod/trial_devices.h"
+#include "papers/trial_devices.h"
 #include "traverse/small_scenes.h"
 
 namespace occlod::hlod {
@@ -15,8 +15,8 @@ namespace {
 
 using namespace test;
 
-TraverseOptions unbiased(Strategy strategy, double tolerance_px, RenderDevice* oracle = nullptr) {
-  TraverseOptions options;
+TrialOptions unbiased(TrialStrategy strategy, double tolerance_px, RenderDevice* oracle = nullptr) {
+  TrialOptions options;
   options.strategy = strategy;
   options.tolerance_px = tolerance_px;
   options.biased = false;
@@ -37,10 +37,10 @@ std::vector<PlacedHlod> two_copies(const Hlod& hlod) {
   return {{&hlod}, {&hlod, place}};
 }
 
-std::vector<Strategy> strategies() {
-  std::vector<Strategy> all(asking_strategies.begin(), asking_strategies.end());
+std::vector<TrialStrategy> strategies() {
+  std::vector<TrialStrategy> all(asking_strategies.begin(), asking_strategies.end());
   all.insert(all.end(), later_strategies.begin(), later_strategies.end());
-  all.push_back(Strategy::ideal);
+  all.push_back(TrialStrategy::ideal);
   return all;
 }
 
@@ -53,21 +53,21 @@ double expect_nothing_lost(const std::vector<PlacedHlod>& objects, const std::ve
   std::vector<std::vector<float>> truth;
   std::size_t all = 0, asked = 0;
   SoftwareDevice device, oracle;
-  Traverser traverser(objects);
+  TrialTraverser traverser(objects);
   for (const Camera& camera : cameras) {
-    all += traverser.draw_frame(View(camera), device, unbiased(Strategy::vfc, 2.0)).stats.drawn_nodes;
+    all += traverser.draw_frame(View(camera), device, unbiased(TrialStrategy::vfc, 2.0)).stats.drawn_nodes;
     truth.push_back(picture(device));
   }
-  for (const Strategy strategy : strategies()) {
+  for (const TrialStrategy strategy : strategies()) {
     const std::unique_ptr<Device> tested = make();
-    Traverser one(objects);
+    TrialTraverser one(objects);
     for (std::size_t i = 0; i < cameras.size(); ++i) {
       const FrameStats& stats = one.draw_frame(View(cameras[i]), *tested, unbiased(strategy, 2.0, &oracle)).stats;
       EXPECT_EQ(picture(software(*tested)), truth[i]) << "strategy " << static_cast<int>(strategy) << ", frame " << i;
       EXPECT_EQ(stats.rarn, 0U);
       EXPECT_EQ(stats.blocked, 0U);
       EXPECT_LE(stats.largest_sse_px, 2.0);
-      if (strategy == Strategy::sw) asked += stats.drawn_nodes;
+      if (strategy == TrialStrategy::sw) asked += stats.drawn_nodes;
     }
   }
   return static_cast<double>(asked) / static_cast<double>(all);
@@ -110,8 +110,8 @@ TEST(NothingVisibleIsLost, WhileObjectsMove) {
   const Hlod& hlod = city(Grouping::shifted);
   std::vector<PlacedHlod> objects = two_copies(hlod);
   SoftwareDevice device, truth, oracle;
-  for (const Strategy strategy : strategies()) {
-    Traverser traverser(objects), all(objects);
+  for (const TrialStrategy strategy : strategies()) {
+    TrialTraverser traverser(objects), all(objects);
     for (int i = 0; i < 30; ++i) {
       // The second passes before the first.
       const glm::dmat4 place = glm::translate(objects[1].object_to_world, glm::dvec3(-0.1 * i, -0.05 * i, 0.0));
@@ -119,7 +119,7 @@ TEST(NothingVisibleIsLost, WhileObjectsMove) {
       all.set_transform(1, place);
       const View view(walk(hlod.data().box, i, 400));
       traverser.draw_frame(view, device, unbiased(strategy, 2.0, &oracle));
-      all.draw_frame(view, truth, unbiased(Strategy::vfc, 2.0));
+      all.draw_frame(view, truth, unbiased(TrialStrategy::vfc, 2.0));
       EXPECT_EQ(picture(device), picture(truth)) << i;
     }
   }
@@ -130,12 +130,12 @@ TEST(VisibleFront, EveryStrategyDrawsASupersetOfIt) {
   const Hlod& hlod = city(Grouping::shifted);
   const PlacedHlod placed{&hlod};
   SoftwareDevice with_items({.items = true}), oracle;
-  for (const Strategy strategy : strategies()) {
+  for (const TrialStrategy strategy : strategies()) {
     VirtualDevice late(device_preset("query-dear"));
-    Traverser waiting({&placed, 1}), tested({&placed, 1});
+    TrialTraverser waiting({&placed, 1}), tested({&placed, 1});
     for (int i = 0; i < 20; ++i) {
       const View view(walk(hlod.data().box, i, 200));
-      const Frame& truth = waiting.draw_frame(view, with_items, unbiased(Strategy::sw, 2.0));
+      const Frame& truth = waiting.draw_frame(view, with_items, unbiased(TrialStrategy::sw, 2.0));
       std::set<NodeId> drawn;
       for (const DrawnNode& node : tested.draw_frame(view, late, unbiased(strategy, 2.0, &oracle)).draws)
         drawn.insert(node.node);

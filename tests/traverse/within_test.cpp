@@ -27,8 +27,8 @@ const Hlod& refinable() {
   return hlod;
 }
 
-TraverseOptions options_for(Strategy strategy, double tolerance_px, bool biased) {
-  TraverseOptions options;
+TrialOptions options_for(TrialStrategy strategy, double tolerance_px, bool biased) {
+  TrialOptions options;
   options.strategy = strategy;
   options.tolerance_px = tolerance_px;
   options.biased = biased;
@@ -90,9 +90,9 @@ Drawn drawn_by(const Hlod& hlod, const Frame& frame) {
 TEST(TraverseWithin, AClosedSurfaceInSightStaysClosedWhateverIsAnswered) {
   const Hlod& hlod = refinable();
   const PlacedHlod placed{&hlod};
-  for (const Strategy strategy : asking_strategies) {
+  for (const TrialStrategy strategy : asking_strategies) {
     RandomDevice device(5, 0.0);
-    Traverser traverser({&placed, 1});
+    TrialTraverser traverser({&placed, 1});
     std::mt19937_64 random(37);
     std::size_t cuts = 0, recuts = 0, blocked = 0;
     for (int i = 0; i < 60; ++i) {
@@ -107,9 +107,9 @@ TEST(TraverseWithin, AClosedSurfaceInSightStaysClosedWhateverIsAnswered) {
       blocked += frame.stats.blocked;
     }
     EXPECT_GT(cuts, 100U) << static_cast<int>(strategy);
-    const bool predicts_bias = strategy == Strategy::simp || strategy == Strategy::coh;
+    const bool predicts_bias = strategy == TrialStrategy::simp || strategy == TrialStrategy::coh;
     EXPECT_EQ(recuts > 0, predicts_bias) << static_cast<int>(strategy);
-    EXPECT_EQ(blocked > 0, predicts_bias || strategy == Strategy::sw_b) << static_cast<int>(strategy);
+    EXPECT_EQ(blocked > 0, predicts_bias || strategy == TrialStrategy::sw_b) << static_cast<int>(strategy);
   }
 }
 
@@ -119,10 +119,10 @@ TEST(TraverseWithin, GuaranteedErrorsAreMetByChildrenOnly) {
   const Hlod& hlod = refinable();
   const PlacedHlod placed{&hlod};
   RandomDevice device(5, 0.0);
-  Traverser traverser({&placed, 1});
+  TrialTraverser traverser({&placed, 1});
   std::mt19937_64 random(31);
   for (int i = 0; i < 30; ++i) {
-    TraverseOptions options = options_for(Strategy::vfc, std::exp2(uniform(random, -2.0, 4.0)), false);
+    TrialOptions options = options_for(TrialStrategy::vfc, std::exp2(uniform(random, -2.0, 4.0)), false);
     options.metric = Metric::guaranteed;
     const View view(random_camera(hlod.data().box, random));
     const ScreenScale scale = screen_scale(view, ObjectView(view, placed.object_to_world));
@@ -141,13 +141,13 @@ TEST(TraverseWithin, EveryStrategyKeepsTheToleranceAndDrawsTheSame) {
   const Hlod& hlod = refinable();
   const PlacedHlod placed{&hlod};
   std::size_t usual = 0, within = 0, usual_nodes = 0, within_nodes = 0, cuts = 0;
-  for (const Strategy strategy : asking_strategies)
+  for (const TrialStrategy strategy : asking_strategies)
     for (const Metric metric : {Metric::box, Metric::sphere}) {
       RandomDevice device(5, 0.0), unasked(5, 0.0);
-      Traverser traverser({&placed, 1}), all({&placed, 1});
+      TrialTraverser traverser({&placed, 1}), all({&placed, 1});
       std::mt19937_64 random(29);
       for (int i = 0; i < 30; ++i) {
-        TraverseOptions options = options_for(strategy, std::exp2(uniform(random, -4.0, 2.0)), false);
+        TrialOptions options = options_for(strategy, std::exp2(uniform(random, -4.0, 2.0)), false);
         options.metric = metric;
         Camera camera = random_camera(hlod.data().box, random);
         if (i % 5 == 0) camera.orthographic_height = 2.0;
@@ -157,7 +157,7 @@ TEST(TraverseWithin, EveryStrategyKeepsTheToleranceAndDrawsTheSame) {
         EXPECT_EQ(frame.stats.blocked, 0U) << "without a bias cuts are always allowed";
         EXPECT_EQ(frame.stats.recut_nodes, 0U);
         cuts += frame.stats.cut_nodes;
-        options.strategy = Strategy::vfc;
+        options.strategy = TrialStrategy::vfc;
         const Frame& truth = all.draw_frame(view, unasked, options);
         EXPECT_EQ(frame.front_hash, truth.front_hash);
         EXPECT_EQ(frame.stats.drawn_triangles, truth.stats.drawn_triangles);
@@ -177,16 +177,16 @@ TEST(TraverseWithin, EveryStrategyKeepsTheToleranceAndDrawsTheSame) {
 TEST(TraverseWithin, NothingVisibleIsLost) {
   const Hlod& hlod = refinable();
   const std::vector<PlacedHlod> placed = {{&hlod}, {&hlod, glm::dmat4(glm::dmat3(0.5))}};
-  for (const Strategy strategy : {Strategy::boolean, Strategy::coh, Strategy::ideal}) {
+  for (const TrialStrategy strategy : {TrialStrategy::boolean, TrialStrategy::coh, TrialStrategy::ideal}) {
     SoftwareDevice device, truth, oracle;
-    Traverser traverser(placed), all(placed);
+    TrialTraverser traverser(placed), all(placed);
     std::size_t hidden = 0;
     for (int i = 0; i < 12; ++i) {
       const View view(walk(hlod.data().box, i, 100));
-      TraverseOptions options = options_for(strategy, 1.0, false);
+      TrialOptions options = options_for(strategy, 1.0, false);
       options.oracle = &oracle;
       const FrameStats stats = traverser.draw_frame(view, device, options).stats;
-      const FrameStats all_stats = all.draw_frame(view, truth, options_for(Strategy::vfc, 1.0, false)).stats;
+      const FrameStats all_stats = all.draw_frame(view, truth, options_for(TrialStrategy::vfc, 1.0, false)).stats;
       EXPECT_EQ(device.depth().nearness, truth.depth().nearness) << static_cast<int>(strategy) << ", frame " << i;
       EXPECT_GT(stats.cut_nodes, 0U);
       hidden += all_stats.drawn_nodes - stats.drawn_nodes;
@@ -198,12 +198,12 @@ TEST(TraverseWithin, NothingVisibleIsLost) {
 TEST(TraverseWithin, IdealDrawsWhatStopAndWaitDraws) {
   const Hlod& hlod = refinable();
   const PlacedHlod placed{&hlod};
-  Traverser waiting({&placed, 1}), ideal({&placed, 1});
+  TrialTraverser waiting({&placed, 1}), ideal({&placed, 1});
   SoftwareDevice device, drawn_on, oracle;
   for (int i = 0; i < 10; ++i) {
     const View view(walk(hlod.data().box, i, 100));
-    const Frame& asked = waiting.draw_frame(view, device, options_for(Strategy::sw_b, 1.0, true));
-    TraverseOptions options = options_for(Strategy::ideal, 1.0, true);
+    const Frame& asked = waiting.draw_frame(view, device, options_for(TrialStrategy::sw_b, 1.0, true));
+    TrialOptions options = options_for(TrialStrategy::ideal, 1.0, true);
     options.oracle = &oracle;
     const Frame& known = ideal.draw_frame(view, drawn_on, options);
     EXPECT_EQ(known.front_hash, asked.front_hash);
@@ -215,12 +215,12 @@ TEST(TraverseWithin, IdealDrawsWhatStopAndWaitDraws) {
 
 TEST(TraverseWithin, WithoutSplitsNothingChanges) {
   const PlacedHlod placed{&city(Grouping::shifted)};
-  for (const Strategy strategy : asking_strategies) {
-    Traverser plain({&placed, 1}), within({&placed, 1});
+  for (const TrialStrategy strategy : asking_strategies) {
+    TrialTraverser plain({&placed, 1}), within({&placed, 1});
     SoftwareDevice device;
     for (int i = 0; i < 8; ++i) {
       const View view(walk(placed.hlod->data().box, i, 100));
-      TraverseOptions options = options_for(strategy, 2.0, true);
+      TrialOptions options = options_for(strategy, 2.0, true);
       const std::uint64_t hash = within.draw_frame(view, device, options).front_hash;
       options.within = false;
       EXPECT_EQ(plain.draw_frame(view, device, options).front_hash, hash);
@@ -231,20 +231,20 @@ TEST(TraverseWithin, WithoutSplitsNothingChanges) {
 TEST(TraverseWithin, AToleranceOfNothingIsTheInput) {
   const Hlod& hlod = refinable();
   const PlacedHlod placed{&hlod};
-  Traverser traverser({&placed, 1});
+  TrialTraverser traverser({&placed, 1});
   SoftwareDevice device;
   std::mt19937_64 random(1);
   const Frame& frame =
-      traverser.draw_frame(View(from_afar(hlod, random)), device, options_for(Strategy::vfc, 0.0, false));
+      traverser.draw_frame(View(from_afar(hlod, random)), device, options_for(TrialStrategy::vfc, 0.0, false));
   EXPECT_EQ(frame.stats.drawn_triangles, hlod.data().input_triangle_count);
   EXPECT_EQ(frame.stats.cut_nodes, 0U);
 }
 
 TEST(TraverseWithin, DoesNotGoWithGeomorphs) {
   const PlacedHlod placed{&refinable()};
-  Traverser traverser({&placed, 1});
+  TrialTraverser traverser({&placed, 1});
   SoftwareDevice device;
-  TraverseOptions options = options_for(Strategy::coh, 1.0, true);
+  TrialOptions options = options_for(TrialStrategy::coh, 1.0, true);
   options.geomorph = true;
   EXPECT_THROW(traverser.draw_frame(View(Camera{.eye = {0, 0, 3}}), device, options), Error);
 }

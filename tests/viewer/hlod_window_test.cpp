@@ -44,7 +44,7 @@ class Hlod : public WindowTest {
 
 // Each control shows what it is set to, and each value of it can be drawn.
 TEST_F(Hlod, EveryControlShowsItsValue) {
-  set("device", "virtual:modern");  // whose costs are known
+  set("device", "software");
   act({{"do", "picture_size"}, {"width", 120}, {"height", 90}});
   act({{"do", "window_size"}, {"width", 700}, {"height", 1040}});  // the whole panel
   set("graph", false);
@@ -108,7 +108,7 @@ TEST_F(Hlod, SplitScreenOfTwoStrategies) {
   act({{"do", "picture_size"}, {"width", 160}, {"height", 120}});
   act({{"do", "go_to"}, {"name", "default"}});
   set("hlod_color_by", "bias");
-  set("other_strategy", "bool");
+  set("other_strategy", "vfc");
   set("compare", true);
   expect_golden("hlod_split_screen");
   // Both halves say what they are.

@@ -27,7 +27,7 @@ void draw_bias_curve(const hlod::TraverseOptions& options, float scale) {
   std::vector<ImVec2> curve;
   for (int i = 0; i <= pieces; ++i) {
     const double share = static_cast<double>(i) / pieces;
-    curve.push_back(place(share, options.biased ? options.bias(share) : hlod::no_bias(share)));
+    curve.push_back(place(share, options.bias(share)));
   }
   list.AddPolyline(curve.data(), static_cast<int>(curve.size()), IM_COL32(226, 164, 84, 255), ImDrawFlags_None, 2.0F);
   list.AddText(ImVec2(low.x + 6.0F, low.y + 4.0F), ImGui::GetColorU32(ImGuiCol_TextDisabled), "B(visible share)");
@@ -36,7 +36,6 @@ void draw_bias_curve(const hlod::TraverseOptions& options, float scale) {
 }
 
 void draw_bias(Panels& panels) {
-  draw_setting(panels, "biased");
   draw_setting(panels, "bias_s");
   draw_setting(panels, "bias_t");
   draw_bias_curve(panels.session.state().settings.hlod.traverse, panels.scale);
@@ -84,7 +83,7 @@ void draw_device(Panels& panels) {
     draw_costs(*frame->device_costs);
   else
     draw_row("Costs", "not measured yet");
-  draw_help_of_item("Measured when a strategy needs to know them: nohc, optimum, batch and auto");
+  draw_help_of_item("Measured when a strategy needs to know them: nohc, batch and auto");
 }
 
 std::string megabytes(std::uint64_t bytes) { return fmt::format("{:.1f} MB", static_cast<double>(bytes) * 1e-6); }
@@ -128,7 +127,7 @@ void draw_hlod(Panels& panels) {
   draw_setting(panels, "other_strategy");
   draw_setting(panels, "hlod_tolerance");
   draw_bias(panels);
-  for (const char* name : {"alpha", "coherence", "metric", "cover_model", "between"}) draw_setting(panels, name);
+  draw_setting(panels, "between");
   if (frame && frame->cache) draw_cache(*frame->cache);
   draw_device(panels);
   draw_setting(panels, "settle");

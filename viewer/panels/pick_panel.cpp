@@ -37,7 +37,7 @@ void draw_node(const Session& session, const PlacedObject& object, const Pick& p
   if (!frame || frame->hlod_sides.empty()) return;
   for (const hlod::DrawnNode& draw : frame->hlod_sides[0].front->frame.draws) {
     if (draw.node != pick.node || (*frame->job.objects)[draw.object].id != object.id) continue;
-    const double px = error_px(draw, object, View(frame->job.camera), frame->job.hlod.traverse.metric);
+    const double px = error_px(draw, object, View(frame->job.camera));
     draw_row("On the screen", fmt::format("{:.2f} px, counted {:.0f} %", px, 100.0F * draw.bias));
     draw_row("State", word_of(drawn_as(draw)));
     return;

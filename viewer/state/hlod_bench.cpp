@@ -1,13 +1,11 @@
 #include "hlod_bench.h"
 
 #include <algorithm>
-#include <string_view>
 #include <utility>
 
 #include "hlod_cache.h"
 #include "occlod/base.h"
 #include "occlod/device.h"
-#include "occlod/trial_devices.h"
 
 namespace occlod::viewer {
 namespace {
@@ -15,11 +13,6 @@ namespace {
 // A view that stands still is drawn until so many frames after the first have drawn the same, or so many in all.
 constexpr int min_repeats = 3;
 constexpr int max_frames_at_rest = 24;
-
-std::string_view preset_of(HlodDevice device) {
-  const std::string_view name = name_of(device);
-  return name.substr(name.find(':') + 1);
-}
 
 bool are_same_hlods(const Objects& a, const Objects& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const PlacedObject& x, const PlacedObject& y) {
@@ -30,9 +23,8 @@ bool are_same_hlods(const Objects& a, const Objects& b) {
 }  // namespace
 
 std::unique_ptr<hlod::RenderDevice> make_portable_device(HlodDevice device) {
-  if (device == HlodDevice::gl) throw Error({"device", "gl", "needs a window", "choose software or a virtual one"});
-  if (device == HlodDevice::software) return std::make_unique<hlod::SoftwareDevice>();
-  return std::make_unique<hlod::VirtualDevice>(hlod::device_preset(preset_of(device)));
+  if (device == HlodDevice::gl) throw Error({"device", "gl", "needs a window", "choose software"});
+  return std::make_unique<hlod::SoftwareDevice>();
 }
 
 void HlodBench::draw(RefinedFrame& frame) {
@@ -90,7 +82,6 @@ hlod::TraverseOptions HlodBench::options_of(const RefineJob& job, hlod::Strategy
   options.strategy = strategy;
   options.geomorph = job.hlod.between == HlodBetween::geomorph;
   options.within = job.hlod.between == HlodBetween::within;
-  options.oracle = &oracle_;
   if (hlod::needs_costs(strategy)) options.costs = *costs(job.hlod.device, true);
   return options;
 }
@@ -102,7 +93,6 @@ hlod::RenderDevice& HlodBench::device(HlodDevice device) {
 }
 
 std::optional<hlod::DeviceCosts> HlodBench::costs(HlodDevice device, bool needed) {
-  if (is_virtual(device)) return hlod::device_preset(preset_of(device));
   if (const auto known = costs_.find(device); known != costs_.end()) return known->second;
   if (calibration_)
     for (const hlod::DeviceCosts& known : calibration_->devices)

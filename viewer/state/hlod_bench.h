@@ -56,7 +56,6 @@ class HlodBench {
   std::shared_ptr<const Objects> objects_;
   std::map<HlodDevice, std::unique_ptr<hlod::RenderDevice>> devices_;
   std::map<HlodDevice, hlod::DeviceCosts> costs_;
-  hlod::SoftwareDevice oracle_;
   std::vector<Side> sides_;
   std::uint64_t fronts_ = 0;
   int frames_at_rest_ = 0;

@@ -1,4 +1,4 @@
-// How HLODs are traversed and shown: one entry for each field of TraverseOptions that is not the device's.
+// How HLODs are traversed and shown.
 #include <vector>
 
 #include "hlod_devices.h"
@@ -33,42 +33,21 @@ std::span<const Setting> hlod_settings() {
       number(
           {"hlod_tolerance", "Tolerance", "Nodes whose error covers more pixels are refined; 0: the input itself"},
           {0.0, 64.0, false, "px"}, [](auto& s) -> auto& { return s.hlod.traverse.tolerance_px; }),
-      toggle(
-          {"biased", "Bias",
-           "Errors count less where little of a node is visible, with sw-b, simp, coh, ideal, batch and auto"},
-          [](auto& s) -> auto& { return s.hlod.traverse.biased; }),
       number(
-          {"bias_s", "s", "Bias: from the visible share itself (0) to a sigmoid of it (1)"}, {0.0, 1.0, false, ""},
-          [](auto& s) -> auto& { return s.hlod.traverse.bias.s; }),
+          {"bias_s", "s",
+           "Bias of coh, batch and auto, by which errors count less where little of a node is visible: from the "
+           "visible "
+           "share itself (0) to a sigmoid of it (1)"},
+          {0.0, 1.0, false, ""}, [](auto& s) -> auto& { return s.hlod.traverse.bias.s; }),
       number(
           {"bias_t", "t", "Bias: visible share where the sigmoid turns; the smaller, the more is refined"},
           {0.0, 1.0, false, ""}, [](auto& s) -> auto& { return s.hlod.traverse.bias.t; }),
-      choice(
-          {"alpha", "Alpha",
-           "Pixels of a node's box on an empty screen. exact: of its outline; paper: of a cube of its volume"},
-          {"exact", "paper"}, [](auto& s) -> auto& { return s.hlod.traverse.alpha; }),
-      choice(
-          {"coherence", "Coherence",
-           "When coh asks. mended: once all that is known to be visible has been drawn; published: in turn"},
-          {"mended", "published"}, [](auto& s) -> auto& { return s.hlod.traverse.coherence; }),
-      choice(
-          {"metric", "Metric",
-           "Where a node is nearest to the eye: of its box, or of its sphere, as published. guaranteed: by a bound of "
-           "how far its surface is off"},
-          {"box", "sphere", "guaranteed"}, [](auto& s) -> auto& { return s.hlod.traverse.metric; }),
-      choice(
-          {"cover_model", "Cover model",
-           "nohc and batch: how probable it is that a box is covered. printed: as in the paper; corrected: for boxes "
-           "inside the image"},
-          {"printed", "corrected"}, [](auto& s) -> auto& { return s.hlod.traverse.cover_model; }),
       choice(
           {"between", "Between levels",
            "geomorph: vertices slide to where the parent has them; within: nodes built with splits are refined within"},
           {"nothing", "geomorph", "within"}, [](auto& s) -> auto& { return s.hlod.between; }),
       choice(
-          {"device", "Device",
-           "What answers queries and is timed. gl: OpenGL; software: the rasteriser, exact; virtual: the same with "
-           "simulated times"},
+          {"device", "Device", "What answers queries and is timed. gl: OpenGL; software: the rasteriser, exact"},
           {hlod_device_names.begin(), hlod_device_names.end()}, [](auto& s) -> auto& { return s.hlod.device; }),
       toggle(
           {"settle", "Settle", "Draw more frames of a view that stands still until the same nodes are drawn; off: one"},

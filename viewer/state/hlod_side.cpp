@@ -55,7 +55,7 @@ glm::u8vec4 color_of_draw(const hlod::DrawnNode& draw, const PlacedObject& objec
     case HlodColorBy::level:
       return hlod_level_color(hlod.node(draw.node).level, hlod.level_count());
     case HlodColorBy::error:
-      return error_color(error_px(draw, object, view, settings.traverse.metric));
+      return error_color(error_px(draw, object, view));
     case HlodColorBy::bias:
       return bias_color(draw.bias);
     case HlodColorBy::state:
@@ -98,16 +98,13 @@ std::size_t draw_of(const HlodFront& front, std::size_t object, std::size_t tria
   return found;
 }
 
-double error_px(const hlod::DrawnNode& draw, const PlacedObject& object, const View& view, hlod::Metric metric) {
+double error_px(const hlod::DrawnNode& draw, const PlacedObject& object, const View& view) {
   const hlod::Hlod& hlod = *object.hlod->hlod;
   const hlod::Node& node = hlod.node(draw.node);
   const hlod::ScreenScale scale = hlod::screen_scale(view, ObjectView(view, object.object_to_world));
-  if (metric == hlod::Metric::guaranteed) return guaranteed_error_px(node, scale);
-  const bool by_box = metric == hlod::Metric::box;
-  if (draw.splits == 0) return by_box ? screen_error_px(node, scale) : sphere_error_px(node, scale);
-  const double least = by_box ? min_screen_error_px(node, scale) : min_sphere_error_px(node, scale);
-  const double a_pixel = by_box ? screen_error_limit(node, scale, 1.0) : sphere_error_limit(node, scale, 1.0);
-  return std::max(error_of_splits(hlod, draw.node, draw.splits) / a_pixel, least);
+  if (draw.splits == 0) return screen_error_px(node, scale);
+  const double a_pixel = screen_error_limit(node, scale, 1.0);
+  return std::max(error_of_splits(hlod, draw.node, draw.splits) / a_pixel, min_screen_error_px(node, scale));
 }
 
 std::vector<std::vector<glm::u8vec4>> colors_of(const HlodFront& front, const Objects& objects, const View& view,

@@ -47,9 +47,8 @@ struct HlodSide {
 // The draw that a triangle of an object comes from, an index into Frame::draws. O(draws).
 [[nodiscard]] std::size_t draw_of(const HlodFront& front, std::size_t object, std::size_t triangle);
 
-// In pixels of the view: TraverseOptions::metric of the node as it was drawn.
-[[nodiscard]] double error_px(const hlod::DrawnNode& draw, const PlacedObject& object, const View& view,
-                              hlod::Metric metric);
+// The screen-space error of the node as it was drawn, in pixels of the view.
+[[nodiscard]] double error_px(const hlod::DrawnNode& draw, const PlacedObject& object, const View& view);
 
 // By object and triangle; those of an object are none where they tell nothing. The front was drawn for the view.
 [[nodiscard]] std::vector<std::vector<glm::u8vec4>> colors_of(const HlodFront& front, const Objects& objects,

@@ -28,7 +28,7 @@ enum class ColorBy {
 enum class LoadAs { hierarchy, hlod };
 
 // What draws HLODs and answers questions about their nodes.
-enum class HlodDevice { gl, software, query_cheap, query_dear, fill_bound, modern };
+enum class HlodDevice { gl, software };
 
 // How nodes change between levels.
 enum class HlodBetween { nothing, geomorph, within };
@@ -53,8 +53,8 @@ enum class NodeBoxes {
 };
 
 struct HlodSettings {
-  hlod::TraverseOptions traverse;                           // without what `between`, the device and an oracle give
-  hlod::Strategy other_strategy = hlod::Strategy::boolean;  // of the right half of the split screen
+  hlod::TraverseOptions traverse;                       // without what `between` and the device give
+  hlod::Strategy other_strategy = hlod::Strategy::vfc;  // of the right half of the split screen
   HlodBetween between = HlodBetween::nothing;
   HlodDevice device = HlodDevice::gl;
   bool settle = true;  // a view that stands still is drawn until its front stays

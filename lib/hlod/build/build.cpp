@@ -357,8 +357,6 @@ constexpr double grouped = 0.15, simplified = 0.85;  // shares of the whole time
 void check_options(const BuildOptions& options) {
   const OptionChecker check("hlod build");
   check.in_range("node_triangles", options.node_triangles, 16, 4096);
-  check.in_range("boundary_weight", options.boundary_weight, 0.0, 1e6);
-  check.in_range("attribute_weight", options.attribute_weight, 0.0, 1e6);
   if (options.quantise_bits != 0) check.in_range("quantise_bits", options.quantise_bits, 8, 23);
   check.in_range("threads", options.threads, 0, 1024);
   if (options.grouping == Grouping::shifted && options.borders == Borders::free)

@@ -109,8 +109,6 @@ BuildJournal::BuildJournal(std::filesystem::path path, const BuildOptions& optio
   wanted_.grouping = static_cast<std::uint32_t>(options.grouping);
   wanted_.borders = static_cast<std::uint32_t>(options.borders);
   wanted_.within = static_cast<std::uint32_t>(options.within);
-  wanted_.boundary_weight = options.boundary_weight;
-  wanted_.attribute_weight = options.attribute_weight;
   if (std::error_code ignored; std::filesystem::exists(path_, ignored)) open();
 }
 
@@ -157,8 +155,6 @@ void BuildJournal::check(const Header& found) const {
   compare("grouping", name(grouping_names, found.grouping), name(grouping_names, wanted_.grouping));
   compare("borders", name(borders_names, found.borders), name(borders_names, wanted_.borders));
   compare("within", name(within_names, found.within), name(within_names, wanted_.within));
-  compare("boundary_weight", found.boundary_weight, wanted_.boundary_weight);
-  compare("attribute_weight", found.attribute_weight, wanted_.attribute_weight);
 }
 
 void BuildJournal::begin(const WedgeMesh& mesh) {

@@ -47,7 +47,7 @@ class BuildJournal {
     std::array<char, 8> magic{};
     std::array<char, 64> builder{};  // a hash of all sources that decide what is in the rest
     std::uint32_t node_triangles = 0, grouping = 0, borders = 0, within = 0;
-    double boundary_weight = 0.0, attribute_weight = 0.0;
+    double boundary_weight = build_weights.boundary, attribute_weight = build_weights.attributes;
     std::uint64_t mesh = 0;      // XXH3-64 of its arrays
     std::uint64_t checksum = 0;  // XXH3-64 of what is above
   };

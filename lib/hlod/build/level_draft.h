@@ -15,6 +15,15 @@
 
 namespace occlod::hlod {
 
+// What decides which collapse is next, beside how far the surface moves. With weight `boundary`, relative to the
+// triangles beside them, planes hold boundary edges in place; `attributes`: how far texture coordinates, normals and
+// colours slip on the surface.
+struct BuildWeights {
+  double boundary = 1.0;
+  double attributes = 0.7;
+};
+inline constexpr BuildWeights build_weights;
+
 // An open hash table. Reused, it allocates only when it has to grow.
 class LocalIds {
  public:

@@ -130,8 +130,8 @@ class NodeSimplifier::Worker {
 
   [[nodiscard]] SimplifiedGroup simplify(float max_cost, std::size_t min_triangles) const {
     return simplify_group(input_, locked_,
-                          {all_.scale_, all_.options_.boundary_weight, max_cost, min_triangles,
-                           all_.options_.within == Within::splits, all_.options_.attribute_weight});
+                          {all_.scale_, build_weights.boundary, max_cost, min_triangles,
+                           all_.options_.within == Within::splits, build_weights.attributes});
   }
 
   [[nodiscard]] Box box() const {

@@ -87,14 +87,14 @@ double hull_area_inside(std::span<const glm::dvec2> points, const glm::dvec2& si
   return std::max(twice / 2.0, 0.0);
 }
 
-ObjectFrame::ObjectFrame(const View& view, const PlacedHlod& placed, const TraverseOptions& options)
+ObjectFrame::ObjectFrame(const View& view, const PlacedHlod& placed, const Trial& trial)
     : view_(view, placed.object_to_world),
       scale_(screen_scale(view, view_)),
       screen_(view),
       proxy_space_(proxy_space(screen_, view, view_)),
       volume_scale_(std::abs(glm::determinant(glm::dmat3(placed.object_to_world)))),
-      metric_(options.metric),
-      alpha_(options.alpha) {
+      metric_(trial.metric),
+      alpha_(trial.alpha) {
   const glm::dmat4x3& to_eye = view_.object_to_eye();
   const glm::dvec3& ahead = view.direction();
   depth_ = {glm::dot(ahead, to_eye[0]), glm::dot(ahead, to_eye[1]), glm::dot(ahead, to_eye[2]),
@@ -181,13 +181,14 @@ void FrameScene::forget() {
 }
 
 void FrameScene::begin_frame(const View& view, std::span<const PlacedHlod> objects, const TraverseOptions& options,
-                             bool biased) {
+                             const Trial& trial, bool biased) {
   if (frame_ == std::numeric_limits<std::uint32_t>::max() - 1) forget();
   ++frame_;
   options_ = options;
-  biased_ = biased && options.biased;
+  trial_ = trial;
+  biased_ = biased && trial.biased;
   frames_.clear();
-  for (const PlacedHlod& object : objects) frames_.emplace_back(view, object, options);
+  for (const PlacedHlod& object : objects) frames_.emplace_back(view, object, trial);
 }
 
 bool FrameScene::is_within_tolerance(NodeRef n, double bias) const {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "hlod/draw/box_proxy.h"
+#include "hlod/draw/trial.h"
 #include "occlod/build_hlod.h"
 #include "occlod/hlod.h"
 #include "occlod/node_store.h"
@@ -22,11 +23,14 @@ namespace occlod::hlod {
 // Pixels of the part of the convex hull of at most 8 points that lies in [0, size.x] x [0, size.y].
 [[nodiscard]] double hull_area_inside(std::span<const glm::dvec2> points, const glm::dvec2& size);
 
+// Everything visible counts in full: plain screen-space error.
+[[nodiscard]] constexpr double no_bias(double mu) noexcept { return mu > 0.0 ? 1.0 : 0.0; }
+
 // One object in one view: what traversal computes of a node from its bounds.
 
 class ObjectFrame {
  public:
-  ObjectFrame(const View& view, const PlacedHlod& placed, const TraverseOptions& options);
+  ObjectFrame(const View& view, const PlacedHlod& placed, const Trial& trial = {});
 
   [[nodiscard]] double error_px(const Node& node) const;
   // Refined within as far as possible.
@@ -179,8 +183,9 @@ class FrameScene {
 
   // Forgets all that is known of nodes.
   void forget();
-  // biased: errors are compared by what is visible of nodes, where the options say so too.
-  void begin_frame(const View& view, std::span<const PlacedHlod> objects, const TraverseOptions& options, bool biased);
+  // biased: errors are compared by what is visible of nodes, where the trial says so too.
+  void begin_frame(const View& view, std::span<const PlacedHlod> objects, const TraverseOptions& options,
+                   const Trial& trial, bool biased);
 
   // Nodes that were reached in this frame.
   void end_frame(std::uint32_t reached) noexcept { reached_last_ = reached; }
@@ -189,6 +194,7 @@ class FrameScene {
 
   [[nodiscard]] std::uint32_t frame() const noexcept { return frame_; }
   [[nodiscard]] const TraverseOptions& options() const noexcept { return options_; }
+  [[nodiscard]] const Trial& trial() const noexcept { return trial_; }
   [[nodiscard]] std::uint32_t object_count() const noexcept { return static_cast<std::uint32_t>(hlods_.size()); }
   [[nodiscard]] const Hlod& hlod(NodeRef n) const noexcept { return *hlods_[n.object]; }
   [[nodiscard]] const Node& node(NodeRef n) const noexcept { return hlod(n).node(n.node); }
@@ -249,6 +255,7 @@ class FrameScene {
   std::vector<std::vector<NodeState>> states_;  // by object, then by node
   std::vector<ObjectFrame> frames_;             // by object
   TraverseOptions options_;
+  Trial trial_;
   bool biased_ = false;
   std::uint32_t frame_ = 0;
   std::uint32_t reached_last_ = 0;

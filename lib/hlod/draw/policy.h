@@ -80,21 +80,9 @@ class Policy {
 // What Coh(B) does about a node that is inside the frustum (Charalambos and others 2007, fig. 3).
 [[nodiscard]] Action predict_coherent(FrameScene& scene, NodeRef n, Coherence coherence);
 
-// One file each.
-[[nodiscard]] std::unique_ptr<Policy> make_frustum_policy();
-[[nodiscard]] std::unique_ptr<Policy> make_waiting_policy(bool biased);
-[[nodiscard]] std::unique_ptr<Policy> make_boolean_policy();
-[[nodiscard]] std::unique_ptr<Policy> make_queue_place_policy();
-[[nodiscard]] std::unique_ptr<Policy> make_coherent_policy();
-[[nodiscard]] std::unique_ptr<Policy> make_near_optimal_policy();
-[[nodiscard]] std::unique_ptr<Policy> make_grouping_policy();
-[[nodiscard]] std::unique_ptr<Policy> make_two_pass_policy();
-[[nodiscard]] std::unique_ptr<Policy> make_cesium_policy();
-[[nodiscard]] std::unique_ptr<Policy> make_optimum_policy();
-[[nodiscard]] std::unique_ptr<Policy> make_batch_policy();
-
-// For `ideal` that of the pass by which it knows what to draw: `sw_b`. None for `automatic`, which is one of the
-// others.
+// Those of users, but for `automatic`, which is one of the others. Rivals are in bench/papers.
 [[nodiscard]] std::unique_ptr<Policy> make_policy(Strategy strategy);
+[[nodiscard]] std::unique_ptr<Policy> make_near_optimal_policy();
+[[nodiscard]] std::unique_ptr<Policy> make_batch_policy();
 
 }  // namespace occlod::hlod

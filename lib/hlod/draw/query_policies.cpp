@@ -1,138 +1,15 @@
-// Strategy::chc_plus: CHC++ (Mattausch, Bittner and Wimmer, "CHC++: Coherent Hierarchical Culling Revisited", 2008).
+// Strategies that weigh what queries cost: those of Guthe and others 2006, and ours.
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <span>
+#include <vector>
 
 #include "hlod/draw/policy.h"
 #include "hlod/draw/query_value.h"
 
 namespace occlod::hlod {
-namespace {
-
-// Which hidden nodes are asked about in one query: the multi-queries of CHC++ (Mattausch and others 2008, sec. 5.2).
-
-class HiddenGroups {
- public:
-  void begin_frame(const FrameScene& scene) { hidden_frames_.fit(scene); }
-  void note_answer(NodeRef n, bool visible) { hidden_frames_[n] = visible ? 0 : hidden_frames_[n] + 1; }
-
-  // The largest V = m / (1 + p_fail m), greedily; first those that are most likely to stay hidden. They go to the
-  // front; returns their number.
-  [[nodiscard]] std::size_t group(std::span<NodeRef> hidden) const {
-    std::sort(hidden.begin(), hidden.end(), [this](NodeRef a, NodeRef b) {
-      if (hidden_frames_[a] != hidden_frames_[b]) return hidden_frames_[a] > hidden_frames_[b];
-      return a.object != b.object ? a.object < b.object : a.node < b.node;
-    });
-    double keep = 1.0, best = 0.0;
-    for (std::size_t m = 1; m <= hidden.size(); ++m) {
-      keep *= 0.99 - 0.7 * std::exp(-static_cast<double>(hidden_frames_[hidden[m - 1]]));
-      const auto size = static_cast<double>(m);
-      const double value = size / (1.0 + (1.0 - keep) * size);
-      if (value < best) return m - 1;
-      best = value;
-    }
-    return hidden.size();
-  }
-
- private:
-  PerNode<std::uint32_t> hidden_frames_;
-};
-
-constexpr std::uint32_t min_wait = 5, max_wait = 10;  // frames between questions about visible leaves (sec. 4.1)
-constexpr int deepest = 3;                            // levels down to which boxes are refined (sec. 4.3)
-constexpr double max_area = 1.4;                      // of them, relative to the node's
-
-// A mixer of integers (SplitMix64): the same on every machine.
-std::uint64_t mixed(std::uint64_t x) {
-  x += 0x9e3779b97f4a7c15U;
-  x = (x ^ (x >> 30U)) * 0xbf58476d1ce4e5b9U;
-  x = (x ^ (x >> 27U)) * 0x94d049bb133111ebU;
-  return x ^ (x >> 31U);
-}
-
-class GroupingPolicy : public Policy {
- public:
-  void begin_frame(const FrameScene& scene) override {
-    memory_.fit(scene);
-    groups_.begin_frame(scene);
-  }
-
-  [[nodiscard]] Action predict(FrameScene& scene, const ReachedNode& reached) override {
-    const NodeRef n = reached.ref;
-    const LastFrame last = scene.last(n);
-    if (!last.visible) return Action::delay;
-    if (!scene.is_fine(n, 1.0)) return Action::refine;
-    Memory& memory = memory_[n];
-    if (memory.next_question == 0) memory.next_question = scene.frame() + wait(scene, n, 1);
-    if (scene.frame() < memory.next_question) return Action::draw;
-    memory.next_question = scene.frame() + wait(scene, n, min_wait);
-    return Action::stop;
-  }
-
-  void note_answer(const FrameScene&, NodeRef n, bool visible) override {
-    groups_.note_answer(n, visible);
-    if (!visible) memory_[n].next_question = 0;
-  }
-
-  [[nodiscard]] std::size_t group(const FrameScene&, std::span<NodeRef> hidden) override {
-    return groups_.group(hidden);
-  }
-
-  // The boxes below it, as long as they are hardly larger together. Only nodes that will be refined have all that is
-  // drawn inside the boxes of their children.
-  void add_boxes(const FrameScene& scene, NodeRef n, std::vector<BoxRef>& boxes) override {
-    level_.assign(1, n);
-    const double limit = max_area * box_area(scene.node(n).box);
-    for (int i = 0; i < deepest && refine_level(scene, limit); ++i) {
-    }
-    for (const NodeRef below : level_) boxes.push_back({below.object, scene.node(below).box});
-  }
-
-  [[nodiscard]] bool biased() const noexcept override { return false; }
-  [[nodiscard]] Asking asking() const noexcept override { return Asking::by_groups; }
-
- private:
-  struct Memory {
-    std::uint32_t next_question = 0;  // frame; 0: none
-  };
-
-  static std::uint32_t wait(const FrameScene& scene, NodeRef n, std::uint32_t least) {
-    const std::uint64_t seed = mixed((std::uint64_t{n.object} << 32U | n.node) ^ mixed(scene.frame()));
-    return least + static_cast<std::uint32_t>(seed % (max_wait - least + 1));
-  }
-
-  // Replaces level_ by what is below it. False if that is too large, or nothing.
-  bool refine_level(const FrameScene& scene, double limit) {
-    next_.clear();
-    double area = 0.0;
-    bool refined = false;
-    for (const NodeRef n : level_) {
-      const bool is_fine = scene.is_fine(n, 1.0);
-      refined = refined || !is_fine;
-      if (is_fine) next_.push_back(n);
-      if (is_fine) area += box_area(scene.node(n).box);
-      if (is_fine) continue;
-      for (const NodeId child : scene.hlod(n).children(n.node)) {
-        next_.push_back({n.object, child});
-        area += box_area(scene.node(next_.back()).box);
-        if (area > limit) return false;
-      }
-    }
-    if (refined && area <= limit) level_.swap(next_);
-    return refined && area <= limit;
-  }
-
-  PerNode<Memory> memory_;
-  HiddenGroups groups_;
-  std::vector<NodeRef> level_, next_;
-};
-
-}  // namespace
-
-std::unique_ptr<Policy> make_grouping_policy() { return std::make_unique<GroupingPolicy>(); }
 
 // Strategy::nohc: near optimal hierarchical culling (Guthe, Balazs and Klein 2006, secs. 3 and 4).
 
@@ -144,8 +21,8 @@ class NearOptimalPolicy : public Policy {
     work_.begin_frame(scene);
     if (memory_.fit(scene)) count(scene);
     covered_ = 0.0;
-    depth_ = scene.options().cover_model == CoverModel::printed ? std::log2(static_cast<double>(nodes_) + 1.0)
-                                                                : static_cast<double>(levels_);
+    depth_ = scene.trial().cover_model == CoverModel::printed ? std::log2(static_cast<double>(nodes_) + 1.0)
+                                                              : static_cast<double>(levels_);
     max_asked_ = static_cast<std::size_t>(std::min(max_parallel_queries(scene.options().costs), 1e6));
   }
 
@@ -193,7 +70,7 @@ class NearOptimalPolicy : public Policy {
     const DeviceCosts& costs = scene.options().costs;
     const ObjectFrame& view = scene.view_of(n);
     const double coverage = view.coverage(scene.node(n).box);
-    const double covered = cover_probability(covered_, coverage, scene.options().cover_model);
+    const double covered = cover_probability(covered_, coverage, scene.trial().cover_model);
     Weighed result;
     result.work = work_.of(scene, n, coverage);
     result.occlusion_probability = occlusion_probability(covered, last);
@@ -232,93 +109,6 @@ class NearOptimalPolicy : public Policy {
 }  // namespace
 
 std::unique_ptr<Policy> make_near_optimal_policy() { return std::make_unique<NearOptimalPolicy>(); }
-
-// Strategy::optimum: what single queries can reach at best (Guthe, Balazs and Klein 2006, sec. 5.1). An oracle tells
-// what is hidden; of each hidden part the cheapest is done: asking, asking about its children, or drawing.
-
-namespace {
-
-struct Plan {
-  std::uint32_t frame = 0;  // of the oracle
-  Action action = Action::drop;
-};
-
-// Stop-and-wait, which notes what is hidden and plans what to do about it.
-class PlanningPolicy : public Policy {
- public:
-  explicit PlanningPolicy(PerNode<Plan>& plans) : plans_(plans) {}
-
-  void begin_frame(const FrameScene& scene) override {
-    plans_.fit(scene);
-    hidden_.clear();
-  }
-  [[nodiscard]] Action predict(FrameScene&, const ReachedNode&) override { return Action::delay; }
-  void note_answer(const FrameScene&, NodeRef n, bool visible) override {
-    if (!visible) hidden_.push_back(n);
-  }
-  void end_frame(const FrameScene& scene) override {
-    for (const NodeRef n : hidden_) plan(scene, n);
-  }
-  [[nodiscard]] bool biased() const noexcept override { return false; }
-  [[nodiscard]] bool waits() const noexcept override { return true; }
-
- private:
-  // ns. A node that another hidden one has planned already costs nothing more, and one that another parent shows is not
-  // hidden.
-  double plan(const FrameScene& scene, NodeRef n) {
-    const NodeState& state = scene.state(n);
-    if (plans_[n].frame == scene.frame() || (state.frame == scene.frame() && state.visible)) return 0.0;
-    if (!scene.view_of(n).may_be_inside(scene.node(n).box)) return 0.0;
-    const DeviceCosts& costs = scene.options().costs;
-    const std::optional<double> pixels = scene.view_of(n).box_pixels(scene.node(n));
-    const double query_ns = pixels ? query_time_ns(costs, *pixels) : std::numeric_limits<double>::infinity();
-    Plan& plan = plans_[n] = {scene.frame(), Action::drop};
-    const double other_ns = scene.is_fine(n, 1.0) ? draw_ns(scene, n) : children_ns(scene, n, query_ns);
-    if (query_ns <= other_ns) return query_ns;
-    plan.action = scene.is_fine(n, 1.0) ? Action::draw : Action::refine;
-    return other_ns;
-  }
-
-  static double draw_ns(const FrameScene& scene, NodeRef n) {
-    return draw_time_ns(scene.options().costs, own_work(scene, n, scene.view_of(n).coverage(scene.node(n).box)));
-  }
-
-  // Or something that is not less than `enough`.
-  double children_ns(const FrameScene& scene, NodeRef n, double enough) {
-    const DeviceCosts& costs = scene.options().costs;
-    double min_ns = 0.0, sum_ns = 0.0;
-    for (const NodeId id : scene.hlod(n).children(n.node))
-      if (scene.view_of(n).may_be_inside(scene.hlod(n).node(id).box)) min_ns += std::min(costs.draw_ns, costs.query_ns);
-    if (min_ns >= enough) return min_ns;
-    for (const NodeId id : scene.hlod(n).children(n.node)) {
-      sum_ns += plan(scene, {n.object, id});
-      if (sum_ns >= enough) break;
-    }
-    return sum_ns;
-  }
-
-  PerNode<Plan>& plans_;
-  std::vector<NodeRef> hidden_;
-};
-
-class OptimumPolicy : public Policy {
- public:
-  [[nodiscard]] Action predict(FrameScene& scene, const ReachedNode& n) override {
-    if (plans_[n.ref].frame + 1 == scene.frame()) return plans_[n.ref].action;
-    return scene.is_fine(n.ref, 1.0) ? Action::draw : Action::refine;
-  }
-  [[nodiscard]] bool biased() const noexcept override { return false; }
-  [[nodiscard]] bool answers_decide() const noexcept override { return false; }
-  [[nodiscard]] Policy* oracle() noexcept override { return &oracle_; }
-
- private:
-  PerNode<Plan> plans_;
-  PlanningPolicy oracle_{plans_};
-};
-
-}  // namespace
-
-std::unique_ptr<Policy> make_optimum_policy() { return std::make_unique<OptimumPolicy>(); }
 
 // Strategy::batch: Coh(B)'s prediction, but what it would ask is counted together, in at most three rounds a frame, or
 // hidden nodes in groups. What is asked, and whether anything is, is decided by what it costs and saves, as in NOHC.
@@ -417,7 +207,7 @@ class BatchPolicy : public Policy {
   }
 
   [[nodiscard]] double cover_probability_of(const FrameScene& scene, double coverage) const {
-    return cover_probability(covered_, coverage, scene.options().cover_model);
+    return cover_probability(covered_, coverage, scene.trial().cover_model);
   }
 
   // What asking about the node is expected to save.

@@ -182,4 +182,20 @@ double HidingRates::of_new(double cover_probability) const {
   return (count.hidden + prior_nodes * cover_probability) / (count.all + prior_nodes);
 }
 
+std::size_t HiddenGroups::group(std::span<NodeRef> hidden) const {
+  std::sort(hidden.begin(), hidden.end(), [this](NodeRef a, NodeRef b) {
+    if (hidden_frames_[a] != hidden_frames_[b]) return hidden_frames_[a] > hidden_frames_[b];
+    return a.object != b.object ? a.object < b.object : a.node < b.node;
+  });
+  double keep = 1.0, best = 0.0;
+  for (std::size_t m = 1; m <= hidden.size(); ++m) {
+    keep *= 0.99 - 0.7 * std::exp(-static_cast<double>(hidden_frames_[hidden[m - 1]]));
+    const auto size = static_cast<double>(m);
+    const double value = size / (1.0 + (1.0 - keep) * size);
+    if (value < best) return m - 1;
+    best = value;
+  }
+  return hidden.size();
+}
+
 }  // namespace occlod::hlod

@@ -4,8 +4,10 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
+#include "hlod/draw/cover_model.h"
 #include "hlod/draw/frame_scene.h"
 #include "occlod/device_costs.h"
 #include "occlod/traverser.h"
@@ -156,6 +158,21 @@ class HidingRates {
 
   std::array<Count, classes> visible_;  // all: frames
   std::array<Count, classes> new_;      // all: nodes
+};
+
+// Which hidden nodes are asked about in one query: the multi-queries of CHC++ (Mattausch and others 2008, sec. 5.2).
+
+class HiddenGroups {
+ public:
+  void begin_frame(const FrameScene& scene) { hidden_frames_.fit(scene); }
+  void note_answer(NodeRef n, bool visible) { hidden_frames_[n] = visible ? 0 : hidden_frames_[n] + 1; }
+
+  // The largest V = m / (1 + p_fail m), greedily; first those that are most likely to stay hidden. They go to the
+  // front; returns their number.
+  [[nodiscard]] std::size_t group(std::span<NodeRef> hidden) const;
+
+ private:
+  PerNode<std::uint32_t> hidden_frames_;
 };
 
 }  // namespace occlod::hlod

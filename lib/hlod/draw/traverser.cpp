@@ -13,10 +13,12 @@
 #include "base/option_checker.h"
 #include "base/placement.h"
 #include "hlod/draw/frame_scene.h"
+#include "hlod/draw/policy.h"
 #include "hlod/draw/query_value.h"
 #include "hlod/draw/strategy_choice.h"
 #include "hlod/draw/traversal.h"
-#include "hlod/draw/virtual_device.h"
+#include "hlod/draw/trial.h"
+#include "hlod/draw/virtual_clock.h"
 #include "occlod/base.h"
 #include "occlod/node_store.h"
 
@@ -35,10 +37,10 @@ class Prefetcher {
   // the objects from `ahead`, if given, without regard to occlusion; then the siblings of what `frame` has drawn.
   // O(nodes drawn, and inside that frustum), but at most some thousand of the latter.
   void run(std::span<const PlacedHlod> objects, const Frame& frame, const std::optional<View>& ahead,
-           const TraverseOptions& options);
+           double tolerance_px, const Trial& trial);
 
  private:
-  void look_ahead(const PlacedHlod& object, const View& ahead, const TraverseOptions& options);
+  void look_ahead(const PlacedHlod& object, const View& ahead, double tolerance_px, const Trial& trial);
 
   std::vector<NodeId> reached_;  // scratch: in turn, each once
   std::vector<bool> marks_;      // by node, whether it is among them; all false between calls
@@ -63,9 +65,9 @@ std::optional<View> view_ahead(const Camera& before, const View& now, int frames
 }
 
 void Prefetcher::run(std::span<const PlacedHlod> objects, const Frame& frame, const std::optional<View>& ahead,
-                     const TraverseOptions& options) {
+                     double tolerance_px, const Trial& trial) {
   for (const PlacedHlod& object : objects)
-    if (object.hlod->store() != nullptr && ahead) look_ahead(object, *ahead, options);
+    if (object.hlod->store() != nullptr && ahead) look_ahead(object, *ahead, tolerance_px, trial);
   for (const DrawnNode& drawn : frame.draws) {
     const Hlod& hlod = *objects[drawn.object].hlod;
     if (hlod.store() == nullptr) continue;
@@ -78,17 +80,17 @@ void Prefetcher::run(std::span<const PlacedHlod> objects, const Frame& frame, co
 }
 
 // As vfc does, down to what is not there.
-void Prefetcher::look_ahead(const PlacedHlod& object, const View& ahead, const TraverseOptions& options) {
+void Prefetcher::look_ahead(const PlacedHlod& object, const View& ahead, double tolerance_px, const Trial& trial) {
   const Hlod& hlod = *object.hlod;
   if (marks_.size() < hlod.node_count()) marks_.resize(hlod.node_count(), false);
-  const ObjectFrame view(ahead, object, options);
+  const ObjectFrame view(ahead, object, trial);
   reached_.assign(hlod.data().roots.begin(), hlod.data().roots.end());
   for (std::size_t i = 0; i < reached_.size() && reached_.size() < max_reached; ++i) {
     const NodeId n = reached_[i];
     const Node& node = hlod.node(n);
     if (!view.may_be_inside(node.box)) continue;
     hlod.store()->prefetch(n);
-    const bool is_fine = options.tolerance_px > 0.0 && view.error_px(node) <= options.tolerance_px;
+    const bool is_fine = tolerance_px > 0.0 && view.error_px(node) <= tolerance_px;
     if (is_fine || !hlod.is_resident(n)) continue;
     for (const NodeId child : hlod.children(n)) {
       if (marks_[child]) continue;
@@ -237,26 +239,26 @@ void StrategyChoice::write_forecasts(std::vector<StrategyForecast>& forecasts) c
 
 namespace {
 
-void check_costs(const TraverseOptions& options) {
-  if (!needs_costs(options.strategy)) return;
+void check_costs(const TraverseOptions& options, const Rival* rival) {
+  if (!(rival != nullptr ? rival->needs_costs : needs_costs(options.strategy))) return;
   check_device_costs("traversal options: costs", options.costs);
   if (!(options.costs.draw_ns > 0.0 && options.costs.query_ns > 0.0))
     throw Error({"traversal options", "costs", "are missing", "measure those of the device: measure_costs()"});
 }
 
-void check(const TraverseOptions& options, const RenderDevice& device) {
+void check(const TraverseOptions& options, const Trial& trial, const RenderDevice& device) {
   const OptionChecker checker("traversal options");
   checker.at_least("tolerance_px", options.tolerance_px, 0.0);
   checker.in_range("bias.s", options.bias.s, 0.0, 1.0);
   checker.in_range("bias.t", options.bias.t, 0.0, 1.0);
   checker.in_range("prefetch_frames", options.prefetch_frames, 0, 1000);
-  check_costs(options);
+  check_costs(options, trial.rival);
   if (options.within && options.geomorph)
     throw Error({"traversal options", "within", "does not go with geomorph", "choose one of them"});
-  if (!needs_oracle(options.strategy)) return;
-  if (options.oracle == nullptr)
+  if (trial.rival == nullptr || !trial.rival->needs_oracle) return;
+  if (trial.oracle == nullptr)
     throw Error({"traversal options", "oracle", "is missing", "give the strategy a device of its own to ask"});
-  if (options.oracle == &device)
+  if (trial.oracle == &device)
     throw Error(
         {"traversal options", "oracle", "is the device that is drawn on", "give the strategy a second one to ask"});
 }
@@ -313,11 +315,8 @@ void forget_questions(Frame& frame) {
 }  // namespace
 
 bool needs_costs(Strategy strategy) noexcept {
-  return strategy == Strategy::nohc || strategy == Strategy::optimum || strategy == Strategy::batch ||
-         strategy == Strategy::automatic;
+  return strategy == Strategy::nohc || strategy == Strategy::batch || strategy == Strategy::automatic;
 }
-
-bool needs_oracle(Strategy strategy) noexcept { return strategy == Strategy::ideal || strategy == Strategy::optimum; }
 
 class Traverser::Impl {
  public:
@@ -341,14 +340,19 @@ class Traverser::Impl {
     choice_.reset();
   }
 
+  void set_trial(const Trial& trial) {
+    if (trial.rival != trial_.rival) reset();
+    trial_ = trial;
+  }
+
   const Frame& draw_frame(const View& view, RenderDevice& device, const TraverseOptions& options) {
-    check(options, device);
+    check(options, trial_, device);
     if (broken_off_ || options.strategy != strategy_) reset();
     strategy_ = options.strategy;
     broken_off_ = true;  // unless the end is reached
     clear(frame_);
     for (NodeStore* const store : stores_) store->begin_frame();
-    if (options.strategy == Strategy::automatic)
+    if (options.strategy == Strategy::automatic && trial_.rival == nullptr)
       draw_by_choice(view, device, options);
     else
       draw(way(0, options.strategy), view, device, options);
@@ -362,25 +366,26 @@ class Traverser::Impl {
  private:
   // A strategy, and all that it knows of nodes.
   struct Way {
-    Way(std::span<const PlacedHlod> objects, Strategy by) : scene(objects), policy(make_policy(by)), strategy(by) {}
+    Way(std::span<const PlacedHlod> objects, Strategy by, const Rival* rival)
+        : scene(objects), policy(rival != nullptr ? rival->make() : make_policy(by)), strategy(by) {}
     FrameScene scene;
     std::unique_ptr<Policy> policy;
     Strategy strategy;
   };
 
   Way& way(std::size_t index, Strategy strategy) {
-    if (!ways_[index]) ways_[index] = std::make_unique<Way>(objects_, strategy);
+    if (!ways_[index]) ways_[index] = std::make_unique<Way>(objects_, strategy, trial_.rival);
     return *ways_[index];
   }
 
   void draw(Way& way, const View& view, RenderDevice& device, const TraverseOptions& options) {
     frame_.strategy = way.strategy;
-    const bool is_ideal = way.strategy == Strategy::ideal;
+    const bool is_ideal = trial_.rival != nullptr && trial_.rival->is_ideal;
     if (Policy* const oracle = way.policy->oracle()) {
-      traverse(way.scene, *oracle, view, *options.oracle, options);
+      traverse(way.scene, *oracle, view, *trial_.oracle, options);
       clear(frame_);
     }
-    traverse(way.scene, *way.policy, view, is_ideal ? *options.oracle : device, options);
+    traverse(way.scene, *way.policy, view, is_ideal ? *trial_.oracle : device, options);
     if (is_ideal) draw_again(view, device);
   }
 
@@ -396,7 +401,7 @@ class Traverser::Impl {
 
   void traverse(FrameScene& scene, Policy& policy, const View& view, RenderDevice& device,
                 const TraverseOptions& options) {
-    scene.begin_frame(view, objects_, options, policy.biased());
+    scene.begin_frame(view, objects_, options, trial_, policy.biased());
     device.begin_frame(view, objects_);
     Traversal(scene, policy, device, memory_, frame_).run();
     tell(frame_, scene);
@@ -409,7 +414,7 @@ class Traverser::Impl {
     if (frame_.stats.waiting_nodes == 0 && options.prefetch_frames > 0) {
       const auto ahead =
           last_camera_ ? view_ahead(*last_camera_, view, options.prefetch_frames) : std::optional<View>();
-      prefetcher_.run(objects_, frame_, ahead, options);
+      prefetcher_.run(objects_, frame_, ahead, options.tolerance_px, trial_);
     }
     last_camera_ = view.camera();
     for (NodeStore* const store : stores_) {
@@ -442,7 +447,8 @@ class Traverser::Impl {
   TraversalMemory memory_;
   Frame frame_;
   Strategy strategy_ = Strategy::coh;  // of the last frame
-  bool broken_off_ = false;            // the last frame ended with an error
+  Trial trial_;
+  bool broken_off_ = false;  // the last frame ended with an error
 };
 
 Traverser::Traverser(std::span<const PlacedHlod> objects) : impl_(std::make_unique<Impl>(objects)) {}
@@ -461,5 +467,7 @@ const Frame& Traverser::draw_frame(const View& view, RenderDevice& device, const
 }
 
 std::span<const PlacedHlod> Traverser::objects() const noexcept { return impl_->objects(); }
+
+void Traverser::set_trial(const Trial& trial) { impl_->set_trial(trial); }
 
 }  // namespace occlod::hlod

@@ -171,31 +171,24 @@ class MeshLoader {
   std::thread thread_;
 };
 
-// A link of limited speed between a store and its file, counted in frames: which load comes in which of them depends on
-// bytes only.
-
-class SimulatedLink {
+// What loads pass on their way from a store to its loader: in which frame they come.
+class MeshLink {
  public:
-  // That of CacheOptions::simulated_mb_per_s and simulated_delay.
-  explicit SimulatedLink(const CacheOptions& options);
+  MeshLink() = default;
+  MeshLink(const MeshLink&) = delete;
+  MeshLink& operator=(const MeshLink&) = delete;
+  virtual ~MeshLink() = default;
 
   // To be transferred after all that were pushed before.
-  void push(std::vector<MeshLoad> loads);
+  virtual void push(std::vector<MeshLoad> loads) = 0;
   // Those whose transfer has not begun.
-  [[nodiscard]] std::vector<MeshLoad> withdraw();
+  [[nodiscard]] virtual std::vector<MeshLoad> withdraw() = 0;
   // One frame goes by: what has been transferred meanwhile.
-  [[nodiscard]] std::vector<MeshLoad> pass_frame();
+  [[nodiscard]] virtual std::vector<MeshLoad> pass_frame() = 0;
   // How many of the loads so transferred, from the first on, come in this frame. Each is counted once.
-  [[nodiscard]] std::size_t take_due();
+  [[nodiscard]] virtual std::size_t take_due() = 0;
   // Loads that were transferred are forgotten. Returns all others.
-  [[nodiscard]] std::vector<MeshLoad> clear();
-
- private:
-  double frame_bytes_;
-  std::size_t delay_;
-  double transferred_ = 0.0;  // bytes, of the load at the front of line_
-  std::deque<MeshLoad> line_;
-  std::deque<std::size_t> coming_;  // by load transferred: frames to go
+  [[nodiscard]] virtual std::vector<MeshLoad> clear() = 0;
 };
 
 }  // namespace occlod::hlod

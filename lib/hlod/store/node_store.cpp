@@ -20,10 +20,7 @@ using Urgency = NodeCache::Urgency;
 constexpr std::size_t max_read_bytes = std::size_t{1} << 20U;
 
 void check(const CacheOptions& options) {
-  const OptionChecker checker("cache options");
-  checker.at_least("frame_bytes", static_cast<double>(options.frame_bytes), 1.0);
-  checker.positive("simulated_mb_per_s", options.simulated_mb_per_s);
-  checker.in_range("simulated_delay", options.simulated_delay, 0, 1000);
+  OptionChecker("cache options").at_least("frame_bytes", static_cast<double>(options.frame_bytes), 1.0);
 }
 
 }  // namespace
@@ -38,7 +35,6 @@ class NodeStore::Impl {
     cache_.set_budget(options.budget_bytes);
     read_roots();
     if (options.load != LoadMode::blocking) loader_.emplace(*source_);
-    if (options.load == LoadMode::simulated) link_.emplace(options);
   }
 
   [[nodiscard]] const HlodView& view() const noexcept { return view_; }
@@ -57,6 +53,11 @@ class NodeStore::Impl {
     for (const Arrival& arrival : arrivals_) cache_.release(arrival.node);
     arrivals_.clear();
     cache_.set_budget(bytes);
+  }
+
+  void set_link(std::unique_ptr<MeshLink> link) {
+    assert(loader_);
+    link_ = std::move(link);
   }
 
   [[nodiscard]] StoreStats stats() const {
@@ -355,7 +356,7 @@ class NodeStore::Impl {
   std::unique_ptr<MeshSource> source_;
   CacheOptions options_;
   NodeCache cache_;
-  std::optional<SimulatedLink> link_;
+  std::unique_ptr<MeshLink> link_;    // null: none
   std::vector<NodeId> wanted_;        // of this frame, group by group
   std::vector<Group> groups_;         // of this frame
   std::vector<Priority> priorities_;  // of what is missing
@@ -376,6 +377,7 @@ NodeStore::NodeStore(const HlodView& view, std::shared_ptr<const void> owner, st
 NodeStore::~NodeStore() = default;
 
 void NodeStore::set_budget(std::size_t bytes) { impl_->set_budget(bytes); }
+void NodeStore::set_link(std::unique_ptr<MeshLink> link) { impl_->set_link(std::move(link)); }
 StoreStats NodeStore::stats() const { return impl_->stats(); }
 std::vector<std::string> NodeStore::take_failures() { return impl_->take_failures(); }
 void NodeStore::begin_frame() { impl_->begin_frame(); }

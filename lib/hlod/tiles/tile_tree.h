@@ -14,6 +14,12 @@
 
 namespace occlod::tiles {
 
+// What a tile's geometricError is.
+enum class TileError {
+  guaranteed,  // Node::guaranteed_error: no point of the tile is farther from the input
+  quadric,     // Node::error: smaller, and not a bound; for comparisons
+};
+
 struct Tile {
   double error = 0.0;        // geometricError: 0 at leaves, else more than any child's
   TileBox box;               // of the content and of the children's boxes

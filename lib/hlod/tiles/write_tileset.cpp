@@ -29,6 +29,8 @@
 namespace occlod::tiles {
 namespace {
 
+constexpr double crease_deg = 60.0;  // of HLODs without normals
+
 // The images of a tileset's textures: files that its contents share.
 
 // Writes each image once, in the folder textures/. Those that are not there or neither PNG nor JPEG, which is all that
@@ -142,7 +144,6 @@ void check(const TilesetOptions& options) {
   const OptionChecker checker("tileset options");
   if (options.quantise_bits && *options.quantise_bits != 0)
     checker.in_range("quantise_bits", *options.quantise_bits, 8, 16);
-  checker.in_range("crease_deg", options.crease_deg, 0.0, 180.0);
   checker.in_range("tiles_per_file", options.tiles_per_file, 1, 1e6);
   if (options.origin) {
     checker.in_range("longitude_deg", options.origin->longitude_deg, -180.0, 180.0);
@@ -191,7 +192,7 @@ class TilesetWriter {
       step();
       write_tile(n);
     }
-    tree_.complete(options_.error, options_.tiles_per_file);
+    tree_.complete(TileError::guaranteed, options_.tiles_per_file);
     counts_.tileset_files = write_tileset_json(folder_, tree_, transform_of(options_));
     counts_.bytes = folder_.bytes();
     folder_.commit();
@@ -207,7 +208,7 @@ class TilesetWriter {
   void write_tile(hlod::NodeId n) {
     if (hlod_.node(n).triangles == 0) return;
     hlod_.require(n);
-    TileMesh tile = tile_mesh(hlod_, n, options_.crease_deg, borders_);
+    TileMesh tile = tile_mesh(hlod_, n, crease_deg, borders_);
     if (tile.mesh.triangles.empty()) return;
     const hlod::NodeId parent = parent_of(hlod_, n);
     if (options_.skirts && parent != no_id) add_skirts(tile, hlod_.node(parent).error, borders_);

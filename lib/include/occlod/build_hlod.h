@@ -27,11 +27,6 @@ struct BuildOptions {
   Grouping grouping = Grouping::shifted;  // how triangles are grouped from level to level
   Borders borders = Borders::locked;      // what happens at the borders of groups; `free` with nested groups only
   Within within = Within::geomorph;       // what is kept for the way from a node to its parent
-  double boundary_weight = 1.0;   // weight of the planes that hold boundary edges in place, relative to the triangles
-                                  // beside them; in [0, 1e6]
-  double attribute_weight = 0.7;  // of how far texture coordinates, normals and colours slip on the surface, relative
-                                  // to how far the surface moves, in which collapse is next; in [0, 1e6]; 0: errors
-                                  // are of the surface alone. For meshes with texture coordinates or seams
   // 0: positions stay as they are; in [8, 23]: they are rounded to a lattice of so many bits for the longest side of
   // the mesh's box (lattice_step() in mesh/quantise.h), so that files take fewer bytes. What falls together is cleaned.
   // All errors are relative to the rounded mesh.

@@ -3,9 +3,7 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <string>
-#include <string_view>
 
 namespace occlod::hlod {
 
@@ -35,11 +33,5 @@ struct DeviceCosts {
 
 // Throws Error for a cost that is negative or not finite. `subject` says in errors what has these costs.
 void check_device_costs(const char* subject, const DeviceCosts& costs);
-
-// `query-cheap`, `query-dear`, `fill-bound` and `modern`. What they stand for: docs/guide/hlod.md.
-[[nodiscard]] std::span<const DeviceCosts> device_presets();
-
-// The preset of this name. Throws Error that lists the names.
-[[nodiscard]] const DeviceCosts& device_preset(std::string_view name);
 
 }  // namespace occlod::hlod

@@ -18,9 +18,8 @@ namespace occlod::hlod {
 
 // How meshes come.
 enum class LoadMode {
-  blocking,   // at once, on the thread that traverses, which waits for the disk
-  async,      // read by a thread of the store; frames never wait
-  simulated,  // likewise, but in which frame a mesh comes depends on its bytes only: the same in every run
+  blocking,  // at once, on the thread that traverses, which waits for the disk
+  async,     // read by a thread of the store; frames never wait
 };
 
 // What a store may use, and how it reads.
@@ -29,8 +28,6 @@ struct CacheOptions {
   LoadMode load = LoadMode::async;                     // how meshes come
   // That come in one frame at most, if it is more than one mesh; with blocking there is no such limit. > 0
   std::size_t frame_bytes = std::size_t{4} << 20U;
-  double simulated_mb_per_s = 50.0;  // with simulated, at 60 frames a second: 10^6 bytes a second, > 0
-  int simulated_delay = 1;           // likewise: frames from the transfer of a mesh's bytes to its coming, in [0, 1000]
 };
 
 // What a store holds and has done.
@@ -47,6 +44,7 @@ struct StoreStats {
   std::uint64_t evictions = 0;     // meshes that left since then
 };
 
+class MeshLink;
 class MeshSource;
 
 // The meshes that are there are closed upwards: where a node's mesh is there, so are its parents', and those of roots
@@ -72,6 +70,10 @@ class NodeStore {
   [[nodiscard]] StoreStats stats() const;
   // One line for each node that has failed since the last call.
   [[nodiscard]] std::vector<std::string> take_failures();
+
+  // For comparisons with papers, before the first frame and with LoadMode::async: what slows the file down
+  // (bench/papers).
+  void set_link(std::unique_ptr<MeshLink> link);
 
   // What follows is for traversal. A frame begins: what has been read comes.
   void begin_frame();

@@ -13,12 +13,6 @@
 
 namespace occlod::tiles {
 
-// What a tile's geometricError is.
-enum class TileError {
-  guaranteed,  // Node::guaranteed_error: no point of the tile is farther from the input
-  quadric,     // Node::error: smaller, and not a bound
-};
-
 // How the contents of tiles are compressed.
 enum class Compression {
   none,
@@ -35,9 +29,9 @@ struct GeodeticOrigin {
   double height_m = 0.0;       // above the ellipsoid, not the sea; in [-1e7, 1e9]
 };
 
-// How a tileset is written. One unit of the HLOD is a metre.
+// How a tileset is written. One unit of the HLOD is a metre. Clients refine by Node::guaranteed_error: no point of a
+// tile is farther from the input. An HLOD without normals gets those of crease_normals() at 60 degrees.
 struct TilesetOptions {
-  TileError error = TileError::guaranteed;      // what clients refine by
   Compression compression = Compression::none;  // of contents
   // Bits of each coordinate within its tile, by KHR_mesh_quantization, in [8, 16]; normals then have 8. 0: positions
   // and normals are floats, and those of the finest tiles the input's, bit for bit. Nothing: 14 with compression, else
@@ -46,7 +40,6 @@ struct TilesetOptions {
   // Where the edge of a tile is none of the input, a strip hangs from it against the normals, as deep as the parent's
   // Node::error: it covers gaps between tiles of different levels.
   bool skirts = false;
-  double crease_deg = 60.0;              // of HLODs without normals: as in crease_normals(), in [0, 180]
   UpAxis up = UpAxis::z;                 // of the HLOD
   std::optional<GeodeticOrigin> origin;  // where the HLOD's origin is, x to the east; nothing: no place on Earth
   std::uint32_t tiles_per_file = 1000;   // the most tiles in a .json, or else one with its children; in [1, 1e6]

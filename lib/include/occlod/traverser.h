@@ -26,129 +26,35 @@ struct Bias {
   friend bool operator==(const Bias&, const Bias&) = default;
 };
 
-// Everything visible counts in full: plain screen-space error.
-[[nodiscard]] constexpr double no_bias(double mu) noexcept { return mu > 0.0 ? 1.0 : 0.0; }
-
-// How probable it is that a node is hidden before anybody has asked: Guthe, Balazs and Klein, "Near Optimal
-// Hierarchical Culling: Performance Driven Use of Hardware Occlusion Queries" (2006), sec. 3.1. Shares are of the
-// pixels of the image, in [0, 1].
-
-// How large things look.
-struct ImageScale {
-  double focal_length_px = 1.0;  // View::focal_length_px()
-  double pixels = 1.0;           // of the image, > 0
-  bool orthographic = false;     // rays are parallel
-};
-
-// c_bb: the share that a box covers, reckoned as a cube with its surface area (square world units) whose face is at
-// `distance` from the eye (world units). 1 at a distance of 0.
-[[nodiscard]] double box_coverage(double box_area, double distance, const ImageScale& image) noexcept;
-
-// R_cov = 3/2 A / A_bb: what a mesh covers of what its box covers, reckoned as a sphere with the mesh's area. The paper
-// words it as the reciprocal. Above 1 where surface lies in several layers. 1 for a box without area.
-[[nodiscard]] double coverage_ratio(double mesh_area, double box_area) noexcept;
-
-// c: the share that the mesh covers; a ratio above 1 counts as 1.
-[[nodiscard]] double mesh_coverage(double box_share, double ratio) noexcept;
-
-// c_scr after something with this coverage has been drawn as well, placed at random.
-[[nodiscard]] double covered_with(double covered, double share) noexcept;
-
-// How probable it is that all of a box is covered, for squares placed at random.
-enum class CoverModel {
-  printed,    // (sqrt c_scr - sqrt c_bb)^2: boxes may stick out of the image
-  corrected,  // ((sqrt c_scr - sqrt c_bb) / (1 - sqrt c_bb))^2: they lie inside it
-};
-
-// p_cov: of a box that covers `box_share` behind what covers `covered`. 0 where the box is the larger.
-[[nodiscard]] double cover_probability(double covered, double box_share, CoverModel model) noexcept;
-
-// What was known of a node in the last frame.
-enum class LastSight {
-  visible,
-  outside,  // of the frustum, or not reached
-  hidden,
-};
-
-// p_occl, from p_cov: what was visible has to be hidden for two frames to be worth a query; what was hidden stays so.
-[[nodiscard]] double occlusion_probability(double cover_probability, LastSight last) noexcept;
-
 // Chooses and draws the nodes of HLODs for a view, front to back, refined and culled by occlusion queries.
 
 // Which nodes are drawn, and which queries decide it.
 enum class Strategy {
-  vfc,      // all inside the frustum, by screen-space error; no queries
-  sw,       // asks every node and waits, by screen-space error
-  sw_b,     // the same by biased error: the fewest nodes, the most waiting
-  boolean,  // coherent hierarchical culling (Bittner and others 2004; Gobetti & Marton 2005), by screen-space error
-  simp,     // Charalambos 2006: visibility predicted by the place in the queue
-  coh,      // Charalambos and others 2007: refining, stopping or delaying predicted from the last frame
-  ideal,    // what sw_b draws, known beforehand and drawn without a query: an oracle for comparison
-  // Which queries are asked is decided by what they cost (TraverseOptions::costs):
-  nohc,       // Guthe and others 2006: nodes on any level, where cost and benefit say so
-  optimum,    // what single queries can reach at best: only hidden nodes are asked, where that is cheapest; an oracle
+  vfc,        // all inside the frustum, by screen-space error; no queries
+  coh,        // Charalambos and others 2007: refining, stopping or delaying predicted from the last frame
+  nohc,       // Guthe and others 2006: asks about nodes on any level, where cost and benefit say so
   batch,      // ours: predicted as by coh, asked together in at most three rounds, and only where that pays
-  automatic,  // ours: vfc, nohc, coh or batch, by what they are found to cost
-  // For comparison:
-  chc_plus,  // CHC++, Mattausch and others 2008: hidden nodes in groups, visible ones now and then
-  two_pass,  // as GPU-driven engines: what was visible is drawn, the rest tested against it once
-  cesium,    // cesium-native's rule: what is hidden is not refined, but drawn
+  automatic,  // ours: batch or vfc, whichever is found to take less; the other is tried now and then
 };
 
-// Whether a strategy decides by TraverseOptions::costs.
+// Whether a strategy decides by TraverseOptions::costs: all but vfc and coh.
 [[nodiscard]] bool needs_costs(Strategy strategy) noexcept;
-// Whether a strategy is told what is hidden by TraverseOptions::oracle.
-[[nodiscard]] bool needs_oracle(Strategy strategy) noexcept;
-
-// How the error of a node on the screen is bounded.
-enum class Metric {
-  box,         // screen_error_px()
-  sphere,      // sphere_error_px(), as published
-  guaranteed,  // guaranteed_error_px(): a bound, several times the others; nodes are not refined within
-};
-
-// How the pixels of a node's box on an empty screen are counted.
-enum class Alpha {
-  exact,  // area of the box's outline inside the image
-  paper,  // Charalambos 2006, sec. 4.3: a cube of the box's volume seen from the front
-};
-
-// When coh asks about nodes.
-enum class Coherence {
-  // When all that is known to be visible has been drawn. A node that may stand for its children again is asked about
-  // while these are drawn once more. So nothing is taken for visible that shows only through a hole where something is
-  // still to be drawn.
-  mended,
-  published,  // Charalambos and others 2007: in turn; such a node is drawn when its answer comes, not its children
-};
 
 // How a frame is traversed.
 struct TraverseOptions {
-  Strategy strategy = Strategy::coh;        // a change forgets what was visible
-  double tolerance_px = 1.0;                // >= 0; 0: the input itself
-  Bias bias;                                // of sw_b, simp, coh, ideal, batch and automatic
-  bool biased = true;                       // false: whatever is visible counts in full, with every strategy
-  Metric metric = Metric::box;              // of the error that is compared with the tolerance
-  Alpha alpha = Alpha::exact;               // how mu is computed for the bias
-  Coherence coherence = Coherence::mended;  // of coh
+  Strategy strategy = Strategy::coh;  // a change forgets what was visible
+  double tolerance_px = 1.0;          // >= 0; 0: the input itself
+  Bias bias;                          // of coh, batch and automatic
   bool geomorph = false;  // vertices slide to the parent's while its error goes from twice tolerance_px to tolerance_px
   // Of HLODs with splits: a node whose error is too large, but whose children's is not, is refined within, to the error
   // that covers tolerance_px, instead of being replaced by children that are better than asked for (Charalambos 2006,
-  // sec. 4.4; within.h). Not with geomorph.
+  // sec. 4.4; build_hlod.h). Not with geomorph.
   bool within = false;
-  // Of strategies that need it (needs_oracle()): draws and asks as sw_b does, so that it is known what to draw. Not the
-  // device that is drawn on; its time is nobody's.
-  RenderDevice* oracle = nullptr;
-  // Of strategies that need them (needs_costs()): of the device that is drawn on. measure_costs(), or those of a
-  // simulated device.
-  DeviceCosts costs = {};
+  DeviceCosts costs = {};  // of the device that is drawn on, where needs_costs(): measure_costs()
   // Of HLODs with a store (node_store.h): what the camera would see after so many more frames like the last is asked
   // for when nothing is missing, and so are the siblings of what is drawn. At 60 frames a second, a quarter of a
   // second. In [0, 1000]; 0: nothing is asked for before it is needed.
   int prefetch_frames = 15;
-  // Of nohc and batch. `printed` also means that benefits are spread over log2 of the nodes, as in a binary tree; else
-  // over the levels.
-  CoverModel cover_model = CoverModel::printed;
 
   friend bool operator==(const TraverseOptions&, const TraverseOptions&) = default;
 };
@@ -172,7 +78,7 @@ struct DrawnNode {
   // If not empty, the node refined within: see NodeDraw. Valid as long as the frame.
   std::span<const std::uint16_t> cut = {};
   std::uint32_t splits = 0;  // of the cut
-  // What became of the node in this frame, of `ideal` without what its oracle did:
+  // What became of the node in this frame:
   bool asked = false;    // it was asked about; false: drawn without a question of its own
   bool delayed = false;  // drawn only when its answer came
   bool blocked = false;  // it was to be refined, and a parent was drawn
@@ -228,6 +134,8 @@ struct Frame {
   std::vector<StrategyForecast> forecasts;  // with `automatic`, of those that have been tried
 };
 
+struct Trial;
+
 // Remembers from frame to frame what was visible, as long as the strategy stays. One thread at a time.
 class Traverser {
  public:
@@ -257,6 +165,9 @@ class Traverser {
 
   // As given, with the transforms as they are now.
   [[nodiscard]] std::span<const PlacedHlod> objects() const noexcept;
+
+  // For comparisons with papers, from the next frame on: bench/papers.
+  void set_trial(const Trial& trial);
 
  private:
   class Impl;

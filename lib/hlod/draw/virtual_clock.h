@@ -1,7 +1,7 @@
-// The two clocks of a simulated device.
+// The two clocks of a device whose time is computed, not measured.
 #pragma once
 
-#include <cstddef>
+#include <algorithm>
 #include <cstdint>
 
 #include "occlod/device.h"
@@ -16,14 +16,29 @@ class VirtualClock {
   // The processor does something by itself.
   void work(double ns) { cpu_ns_ += ns; }
   // The processor gives a command, for submit_ns, which then takes the device command_ns. Returns when it is done.
-  double command(double submit_ns, double command_ns);
+  double command(double submit_ns, double command_ns) {
+    cpu_ns_ += submit_ns;
+    const double start = std::max(cpu_ns_, gpu_ns_);
+    if (commands_ > 0) starve_ns_ += start - gpu_ns_;
+    gpu_ns_ = start + command_ns;
+    busy_ns_ += command_ns;
+    ++commands_;
+    return gpu_ns_;
+  }
   // The processor waits until then.
-  void wait_until(double ns);
+  void wait_until(double ns) {
+    if (ns <= cpu_ns_) return;
+    stall_ns_ += ns - cpu_ns_;
+    cpu_ns_ = ns;
+  }
 
   [[nodiscard]] double cpu_ns() const noexcept { return cpu_ns_; }
   // That have been given.
   [[nodiscard]] std::uint64_t commands() const noexcept { return commands_; }
-  [[nodiscard]] FrameTimes times() const noexcept;
+  [[nodiscard]] FrameTimes times() const noexcept {
+    constexpr double ms = 1e-6;
+    return {std::max(cpu_ns_, gpu_ns_) * ms, cpu_ns_ * ms, busy_ns_ * ms, stall_ns_ * ms, starve_ns_ * ms};
+  }
 
  private:
   double cpu_ns_ = 0.0, gpu_ns_ = 0.0;

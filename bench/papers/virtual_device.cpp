@@ -1,37 +1,72 @@
-#include "hlod/draw/virtual_device.h"
-
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "occlod/trial_devices.h"
+#include "base/file_input.h"
+#include "hlod/draw/virtual_clock.h"
+#include "occlod/base.h"
+#include "papers/trial_devices.h"
 
 namespace occlod::hlod {
-
-double VirtualClock::command(double submit_ns, double command_ns) {
-  cpu_ns_ += submit_ns;
-  const double start = std::max(cpu_ns_, gpu_ns_);
-  if (commands_ > 0) starve_ns_ += start - gpu_ns_;
-  gpu_ns_ = start + command_ns;
-  busy_ns_ += command_ns;
-  ++commands_;
-  return gpu_ns_;
-}
-
-void VirtualClock::wait_until(double ns) {
-  if (ns <= cpu_ns_) return;
-  stall_ns_ += ns - cpu_ns_;
-  cpu_ns_ = ns;
-}
-
-FrameTimes VirtualClock::times() const noexcept {
-  constexpr double ms = 1e-6;
-  return {std::max(cpu_ns_, gpu_ns_) * ms, cpu_ns_ * ms, busy_ns_ * ms, stall_ns_ * ms, starve_ns_ * ms};
-}
-
 namespace {
+
+// Grounds: docs/guide/hlod.md.
+const std::array<DeviceCosts, 4>& presets() {
+  static const std::array<DeviceCosts, 4> all{{
+      {.name = "query-cheap",
+       .draw_ns = 10'000.0,
+       .triangle_ns = 8.0,
+       .fragment_ns = 0.3,
+       .query_ns = 3'000.0,
+       .query_fragment_ns = 0.1,
+       .wrapped_query_ns = 3'000.0,
+       .readback_ns = 15'000.0,
+       .batch_ns = 200'000.0,
+       .batch_item_ns = 200.0,
+       .submit_ns = 3'000.0,
+       .visit_ns = 500.0},
+      {.name = "query-dear",
+       .draw_ns = 15'000.0,
+       .triangle_ns = 14.0,
+       .fragment_ns = 1.5,
+       .query_ns = 12'000.0,
+       .query_fragment_ns = 0.5,
+       .wrapped_query_ns = 12'000.0,
+       .readback_ns = 50'000.0,
+       .batch_ns = 400'000.0,
+       .batch_item_ns = 500.0,
+       .submit_ns = 5'000.0,
+       .visit_ns = 1'000.0},
+      {.name = "fill-bound",
+       .draw_ns = 10'000.0,
+       .triangle_ns = 8.0,
+       .fragment_ns = 4.0,
+       .query_ns = 4'000.0,
+       .query_fragment_ns = 0.4,
+       .wrapped_query_ns = 4'000.0,
+       .readback_ns = 15'000.0,
+       .batch_ns = 300'000.0,
+       .batch_item_ns = 200.0,
+       .submit_ns = 3'000.0,
+       .visit_ns = 500.0},
+      {.name = "modern",
+       .draw_ns = 1'000.0,
+       .triangle_ns = 0.3,
+       .fragment_ns = 0.05,
+       .query_ns = 2'000.0,
+       .query_fragment_ns = 0.01,
+       .wrapped_query_ns = 2'000.0,
+       .readback_ns = 20'000.0,
+       .batch_ns = 40'000.0,
+       .batch_item_ns = 10.0,
+       .submit_ns = 500.0,
+       .visit_ns = 50.0},
+  }};
+  return all;
+}
 
 // Of a box.
 constexpr double box_triangles = 12.0;
@@ -144,5 +179,16 @@ void VirtualDevice::visit(std::size_t nodes) { impl_->visit(nodes); }
 FrameTimes VirtualDevice::end_frame() { return impl_->end(); }
 const SoftwareDevice& VirtualDevice::software() const noexcept { return impl_->software(); }
 const DeviceCosts& VirtualDevice::costs() const noexcept { return impl_->costs(); }
+
+std::span<const DeviceCosts> device_presets() { return presets(); }
+
+const DeviceCosts& device_preset(std::string_view name) {
+  const auto found =
+      std::find_if(presets().begin(), presets().end(), [&](const DeviceCosts& costs) { return costs.name == name; });
+  if (found != presets().end()) return *found;
+  std::string names;
+  for (const DeviceCosts& costs : presets()) names += (names.empty() ? "" : ", ") + costs.name;
+  throw Error({"virtual device", "preset " + in_quotes(name), "is none of " + names, "choose one of them"});
+}
 
 }  // namespace occlod::hlod

@@ -1,4 +1,4 @@
-#include "hlod_boxes.h"
+#include "papers/hlod_boxes.h"
 
 #include <vector>
 

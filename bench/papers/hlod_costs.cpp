@@ -1,4 +1,4 @@
-#include "hlod_costs.h"
+#include "papers/hlod_costs.h"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -8,10 +8,8 @@
 
 #include "occlod/auto_refiner.h"
 #include "occlod/device.h"
-#include "occlod/trial_devices.h"
 #include "occlod/visibility.h"
 #include "option_values.h"
-#include "raster/device_cost_fields.h"
 
 namespace occlod::tool {
 namespace {
@@ -56,10 +54,10 @@ void add_files(CommandFiles& files, const HlodCostOptions& options) {
   if (!options.save_calibration.empty()) files.add_output("--save-calibration", options.save_calibration);
 }
 
-std::vector<hlod::DeviceCosts> costs_of(const std::vector<HlodDevice>& devices, const HlodCostOptions& options,
-                                        const std::vector<hlod::Strategy>& strategies) {
-  const bool needed =
-      !options.save_calibration.empty() || std::any_of(strategies.begin(), strategies.end(), hlod::needs_costs);
+std::vector<hlod::DeviceCosts> costs_of(const std::vector<TrialDevice>& devices, const HlodCostOptions& options,
+                                        const std::vector<hlod::TrialStrategy>& strategies) {
+  const bool needed = !options.save_calibration.empty() ||
+                      std::ranges::any_of(strategies, [](hlod::TrialStrategy s) { return hlod::needs_costs(s); });
   std::vector<hlod::DeviceCosts> costs(devices.size());
   if (!options.calibration.empty()) {
     const Calibration calibration = read_calibration(options.calibration);
@@ -67,19 +65,12 @@ std::vector<hlod::DeviceCosts> costs_of(const std::vector<HlodDevice>& devices, 
       costs[i] = device_costs_of(calibration, without_prefix(devices[i].name, "recorded:"));
   } else if (needed) {
     for (std::size_t i = 0; i < devices.size(); ++i) {
-      const auto* const simulated = dynamic_cast<const hlod::VirtualDevice*>(devices[i].device.get());
-      costs[i] = simulated != nullptr ? simulated->costs() : hlod::measure_costs(*devices[i].device);
+      costs[i] = devices[i].costs ? *devices[i].costs : hlod::measure_costs(*devices[i].device);
       costs[i].name = devices[i].name;
     }
   }
   if (!options.save_calibration.empty()) save(options.save_calibration, costs);
   return costs;
-}
-
-Json to_json(const hlod::DeviceCosts& costs) {
-  Json json = {{"latency_commands", costs.latency_commands}};
-  hlod::for_each_device_cost(costs, [&](const char* key, double value) { json[key] = value; });
-  return json;
 }
 
 }  // namespace occlod::tool

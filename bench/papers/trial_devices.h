@@ -1,10 +1,13 @@
-// The device `virtual`: the answers of `software` under a simulated clock, so that frame times can be repeated.
+// Devices of trials, for comparisons that can be repeated to the bit. `virtual`: the answers of `software` under a
+// simulated clock, so that frame times can be repeated.
 #pragma once
 
 #include <cstddef>
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <string>
+#include <string_view>
 
 #include "occlod/device.h"
 #include "occlod/device_costs.h"
@@ -43,6 +46,12 @@ class VirtualDevice final : public RenderDevice {
   class Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+// `query-cheap`, `query-dear`, `fill-bound` and `modern`. What they stand for: docs/guide/hlod.md.
+[[nodiscard]] std::span<const DeviceCosts> device_presets();
+
+// The preset of this name. Throws Error that lists the names.
+[[nodiscard]] const DeviceCosts& device_preset(std::string_view name);
 
 // The device `recorded`: what a device was told and answered, kept in a file and replayed, so that a run on any machine
 // can be repeated to the bit.

@@ -1,4 +1,4 @@
-// What the devices of `occlod hlod render` and `hlod compare` cost, for the strategies that need to know.
+// What the devices of bench_hlod_compare cost, for the strategies that need to know.
 #pragma once
 
 #include <string>
@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "command_files.h"
-#include "hlod_device.h"
 #include "occlod/device_costs.h"
-#include "occlod/traverser.h"
+#include "papers/trial_command.h"
+#include "papers/trial_traverser.h"
 
 namespace CLI {
 class App;
@@ -28,10 +28,8 @@ void add_files(CommandFiles& files, const HlodCostOptions& options);
 // Of the devices, in their order: from the calibration file if one is named, by definition of simulated devices, else
 // measured where one of the strategies needs them or they are to be saved; otherwise nothing. Saves what was asked for.
 // Throws Error.
-[[nodiscard]] std::vector<hlod::DeviceCosts> costs_of(const std::vector<HlodDevice>& devices,
+[[nodiscard]] std::vector<hlod::DeviceCosts> costs_of(const std::vector<TrialDevice>& devices,
                                                       const HlodCostOptions& options,
-                                                      const std::vector<hlod::Strategy>& strategies);
-
-[[nodiscard]] Json to_json(const hlod::DeviceCosts& costs);
+                                                      const std::vector<hlod::TrialStrategy>& strategies);
 
 }  // namespace occlod::tool

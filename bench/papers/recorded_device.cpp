@@ -1,4 +1,4 @@
-#include "hlod/draw/recorded_device.h"
+#include "papers/recorded_device.h"
 
 #include <fmt/format.h>
 
@@ -17,7 +17,7 @@
 #include "mesh/section_file.h"
 #include "occlod/base.h"
 #include "occlod/device.h"
-#include "occlod/trial_devices.h"
+#include "papers/trial_devices.h"
 
 namespace occlod::hlod {
 namespace {
