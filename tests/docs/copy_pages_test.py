@@ -19,7 +19,7 @@ class CopyPages(unittest.TestCase):
         self.expect("![a](../images/a.png)", "docs/guide/occlusion.md", "![a](../images/a.png)")
 
     def test_headers_lead_to_the_reference(self):
-        self.expect("[a](../../lib/include/occlod/refiner.h)", "docs/guide/frames.md", "[a](../reference/refine/refiner.md)")
+        self.expect("[a](../../lib/include/occlod/refiner.h)", "docs/guide/frames.md", "[a](../reference/refiner.md)")
 
     def test_markdown_outside_of_docs_becomes_a_page(self):
         self.expect("[a](../../meshes/README.md)", "docs/guide/scenes.md", "[a](../meshes.md)")
