@@ -16,6 +16,7 @@
 #include "peers/openmesh_vdpm.h"
 #include "support/bench_meshes.h"
 #include "support/frame_log.h"
+#include "refine/tuning.h"
 
 namespace occlod::bench {
 namespace {
@@ -89,7 +90,7 @@ void print_row(const std::string& way, const Pair& times, const Pair& vdpm) {
 struct Ours {
   Ours(const std::vector<RefineObject>& objects, Culling culling, std::size_t budget)
       : scratch(objects), path(objects) {
-    options.priority.culling = culling;
+    tune(options).culling = culling;
     options.budget = budget;
   }
 

@@ -21,6 +21,7 @@
 #include "render_input.h"
 #include "stopwatch.h"
 #include "support/run_app.h"
+#include "refine/tuning.h"
 
 namespace occlod::bench {
 namespace {
@@ -232,7 +233,7 @@ void compare(const Options& options, const Scene& scene, const char* way, Cullin
   Parts parts;
   RefineOptions refine;
   refine.budget = options.budget;
-  refine.priority.culling = culling;
+  tune(refine).culling = culling;
   const std::unique_ptr<Visibility> software = make_software_occlusion();
   NoOcclusion none;
   RecordingVisibility recording;

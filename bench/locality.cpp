@@ -17,6 +17,7 @@
 #include "support/planet_views.h"
 #include "support/renumber.h"
 #include "support/run_app.h"
+#include "refine/tuning.h"
 
 namespace occlod::bench {
 namespace {
@@ -45,7 +46,7 @@ void run(const Options& options) {
     for (const Culling culling : {Culling::subtree, Culling::star})
       for (const std::size_t budget : options.budgets) {
         RefineOptions refine_options;
-        refine_options.priority.culling = culling;
+        tune(refine_options).culling = culling;
         refine_options.budget = budget;
         std::array<std::vector<double>, 2> ms;
         for (int round = 0; round <= options.repeat; ++round)

@@ -16,6 +16,7 @@
 #include "support/memory.h"
 #include "support/planet_views.h"
 #include "support/run_app.h"
+#include "refine/tuning.h"
 
 namespace occlod::bench {
 namespace {
@@ -87,7 +88,7 @@ void measure(const std::vector<Planet>& planets, const NamedCamera& view, const 
     if (runs[i].ms.empty()) continue;
     const double ms = median(runs[i].ms);
     fmt::print("| {} | {} | {} | {} | {} | {} | {:.2f} | {:.2f} | {:.1f} | {} | {:016x} |\n", view.name,
-               tool::name_of(options.priority.culling), options.budget, planets[i].level, runs[i].stats.triangles,
+               tool::name_of(tuning_of(options).culling), options.budget, planets[i].level, runs[i].stats.triangles,
                runs[i].stats.visits, runs[i].first_ms, ms, static_cast<double>(runs[i].stats.triangles) / ms / 1e3,
                runs[0].ms.empty() ? "" : fmt::format("{:.2f}", ms / median(runs[0].ms)), runs[i].hash);
   }
@@ -112,7 +113,7 @@ void run(const Options& options) {
       for (const std::size_t budget : options.budgets) {
         RefineOptions refine_options;
         refine_options.budget = budget;
-        refine_options.priority.culling = culling;
+        tune(refine_options).culling = culling;
         measure(planets, view, refine_options, options.repeat);
       }
 }

@@ -15,6 +15,7 @@
 #include "render_input.h"
 #include "support/frame_log.h"
 #include "support/run_app.h"
+#include "refine/tuning.h"
 
 namespace occlod::bench {
 namespace {
@@ -50,7 +51,7 @@ std::vector<Way> ways_of(const Options& options) {
                 {}};
         way.options.budget = budget;
         way.options.threads = threads;
-        way.options.priority.culling = name.starts_with("star") ? Culling::star : Culling::subtree;
+        tune(way.options).culling = name.starts_with("star") ? Culling::star : Culling::subtree;
         ways.push_back(std::move(way));
       }
   return ways;

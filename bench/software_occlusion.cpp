@@ -24,6 +24,7 @@
 #include "support/bench_meshes.h"
 #include "support/planet_views.h"
 #include "support/run_app.h"
+#include "refine/tuning.h"
 
 namespace occlod::bench {
 namespace {
@@ -80,7 +81,7 @@ std::vector<Scene> make_scenes(std::vector<std::vector<glm::vec3>>& hulls) {
       NoOcclusion none;
       RefineOptions options;
       options.budget = budget;
-      options.priority.culling = Culling::subtree;
+      tune(options).culling = Culling::subtree;
       scene.occluders.push_back({refiner.refine(view, options, none).objects[0].triangles});
     }
   }

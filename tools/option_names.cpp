@@ -1,4 +1,5 @@
 #include "option_names.h"
+#include "refine/tuning.h"
 
 namespace occlod::tool {
 

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "option_values.h"
+#include "refine/tuning.h"
 
 namespace occlod::tool {
 namespace {
@@ -46,13 +47,13 @@ void add_refine_options(CLI::App& command, RefineOptions& refine) {
              "Stop when no visible split has a larger guaranteed screen error, in pixels; 0: spend the whole budget")
       ->capture_default_str();
   add_choice(
-      command, "--culling", refine.priority.culling, {{"subtree", Culling::subtree}, {"star", Culling::star}},
+      command, "--culling", tuning_of(refine).culling, {{"subtree", Culling::subtree}, {"star", Culling::star}},
       "What is tested before a split: subtree (as in the paper): whether anything below it may be visible; star: "
       "also whether the faces that it changes are");
-  add_exponent(command, "--visible-exponent", refine.priority.visible_exponent, "the visible share of its faces");
-  add_exponent(command, "--grazing-exponent", refine.priority.grazing_exponent,
+  add_exponent(command, "--visible-exponent", tuning_of(refine).visible_exponent, "the visible share of its faces");
+  add_exponent(command, "--grazing-exponent", tuning_of(refine).grazing_exponent,
                "1 / cosine of the angle between its faces and the view");
-  add_exponent(command, "--forced-exponent", refine.priority.forced_exponent, "1 / (1 + unseen splits that it forces)");
+  add_exponent(command, "--forced-exponent", tuning_of(refine).forced_exponent, "1 / (1 + unseen splits that it forces)");
   add_number(command, "--threads", refine.threads, WholeRange{0, max_threads},
              "Threads that refinement from scratch may use; 0: one per core; more than 2 are not used. The result does "
              "not depend on it")
@@ -83,7 +84,7 @@ void add_effect_options(CLI::App& command, RenderOptions& options) {
       .add_option_function<std::uint32_t>(
           "--levels",
           [&refine, note](const std::uint32_t& levels) {
-            refine.queries.level_step = levels;
+            tune(refine).level_step = levels;
             note("--levels");
           },
           "Test subtrees on every N-th level of the hierarchy only; 2 if not given")
@@ -93,7 +94,7 @@ void add_effect_options(CLI::App& command, RenderOptions& options) {
       .add_option_function<std::vector<std::string>>(
           "--occluder-splits",
           [&refine, note](const std::vector<std::string>& steps) {
-            refine.occluder.splits = parse_occluder_splits(steps);
+            tune(refine).occluder_splits = parse_occluder_splits(steps);
             note("--occluder-splits");
           },
           "Draw the occluder after these numbers of splits, e.g. 300,2500; adaptive (if not given): at a third of "
@@ -110,9 +111,9 @@ void add_effect_options(CLI::App& command, RenderOptions& options) {
         },
         about);
   };
-  add_switch("--no-retest", refine.occluder.retest_hidden, "Do not test again what an older occluder hid");
-  add_switch("--no-final-check", refine.queries.final_check, "Do not test what is hidden again before the final mesh");
-  add_switch("--no-stars", refine.queries.ask_stars, "star: test subtrees only, not the faces that each split changes");
+  add_switch("--no-retest", tuning_of(refine).retest_hidden, "Do not test again what an older occluder hid");
+  add_switch("--no-final-check", tuning_of(refine).final_check, "Do not test what is hidden again before the final mesh");
+  add_switch("--no-stars", tuning_of(refine).ask_stars, "star: test subtrees only, not the faces that each split changes");
 }
 
 void add_occlusion_options(CLI::App& command, RenderOptions& options) {
@@ -129,12 +130,12 @@ void add_occlusion_options(CLI::App& command, RenderOptions& options) {
       "What answers occlusion queries; auto: in each view whatever pays. If not given: software; auto with --path but "
       "without --frame-to-frame, and with --explain, --backends or a calibration, unless an option fixes what it would "
       "choose");
-  add_choice(command, "--mode", refine.occluder.mode,
+  add_choice(command, "--mode", refine.mode,
              {{"paper", OccluderMode::paper}, {"conservative", OccluderMode::conservative}},
              "paper: the current mesh is the occluder as it is; where it bulges out of the true surface it hides too "
              "much. conservative: only what stays hidden wherever collapses may have moved the surface, on squares of "
              "8x8 pixels; hides nothing that the full mesh shows, hides less, and takes longer");
-  add_choice(command, "--proxy", refine.queries.proxy,
+  add_choice(command, "--proxy", tuning_of(refine).proxy,
              {{"box", Proxy::box}, {"cylinder", Proxy::cylinder}, {"sphere", Proxy::sphere}},
              "Bounding volume by which a subtree is tested");
   add_effect_options(command, options);
@@ -181,20 +182,20 @@ void add_following_options(CLI::App& command, RenderOptions& options) {
                     "With --path: start from the mesh of the frame before instead of from scratch; not with --repeat")
           ->needs(command.get_option("--path"))
           ->excludes(command.get_option("--repeat"));
-  add_number(command, "--hysteresis", refine.update.hysteresis, RealRange{0.0, largest_hysteresis},
+  add_number(command, "--hysteresis", tuning_of(refine).hysteresis, RealRange{0.0, largest_hysteresis},
              "Relative margin by which a candidate must exceed an applied split to replace it")
       ->capture_default_str()
       ->needs(following);
-  add_number(command, "--max-changes", refine.update.max_changes, WholeRange{0, max_triangles},
+  add_number(command, "--max-changes", refine.max_changes, WholeRange{0, max_triangles},
              "Most splits and merges in one frame, except what the budget forces; 0: no limit")
       ->capture_default_str()
       ->needs(following);
   add_number(
-      command, "--time-limit", refine.update.time_limit_ms, RealRange{},
+      command, "--time-limit", refine.time_limit_ms, RealRange{},
       "Milliseconds after which a frame splits and merges no more; 0: no limit. Results then depend on the clock")
       ->capture_default_str()
       ->needs(following);
-  add_number(command, "--geomorph-frames", refine.update.geomorph_frames, WholeRange{0, max_frames},
+  add_number(command, "--geomorph-frames", refine.geomorph_frames, WholeRange{0, max_frames},
              "Frames in which a new vertex slides from its parent to its place; 0: at once")
       ->capture_default_str()
       ->needs(following);

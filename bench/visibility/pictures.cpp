@@ -7,6 +7,7 @@
 #include "drawing.h"
 #include "occlod/picture.h"
 #include "visibility/subjects.h"
+#include "refine/tuning.h"
 
 namespace occlod::bench {
 namespace {

@@ -11,6 +11,7 @@
 
 #include "accuracy.h"
 #include "visibility/subjects.h"
+#include "refine/tuning.h"
 
 namespace occlod::bench {
 namespace {

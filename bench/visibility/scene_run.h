@@ -13,6 +13,7 @@
 #include "occlod/scene.h"
 #include "occlod/view.h"
 #include "render_input.h"
+#include "refine/tuning.h"
 
 namespace occlod::bench {
 

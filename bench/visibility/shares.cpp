@@ -9,6 +9,7 @@
 #include "option_names.h"
 #include "visibility/subjects.h"
 #include "visibility/views.h"
+#include "refine/tuning.h"
 
 namespace occlod::bench {
 namespace {
@@ -23,7 +24,7 @@ void add_shares_of(Table& table, SceneRun& run, const NamedView& named, std::siz
   const Share none = measure_share(run.without, view, without, run.none);
   for (const OccluderMode mode : {OccluderMode::paper, OccluderMode::conservative}) {
     RefineOptions with = without;
-    with.occluder.mode = mode;
+    with.mode = mode;
     const Share software = measure_share(run.with, view, with, *run.software);
     table.add({{"scene", run.description.name},
                {"view", named.name},

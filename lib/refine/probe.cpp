@@ -10,6 +10,7 @@
 #include "raster/clip.h"
 #include "refine/forecast.h"
 #include "refine/queue.h"
+#include "refine/tuning.h"
 
 namespace occlod {
 namespace {
@@ -100,9 +101,9 @@ void Probe::set_transform(std::size_t object, const glm::dmat4& object_to_world)
 const Probe::Result& Probe::look_ahead(const View& view, const RefineOptions& options) {
   RefineOptions coarse = options;
   coarse.budget = std::min(options.budget, scout_.base_triangles() + coarse_triangles);
-  coarse.occluder.splits.clear();
-  coarse.occluder.retest_hidden = coarse.queries.final_check = coarse.queries.ask_stars = false;
-  coarse.queries.level_step = no_levels;
+  tune(coarse).occluder_splits.clear();
+  tune(coarse).retest_hidden = tune(coarse).final_check = tune(coarse).ask_stars = false;
+  tune(coarse).level_step = no_levels;
   coarse.effects = {};
   (void)scout_.refine(view, coarse, *visibility_);
   begin(view, options);

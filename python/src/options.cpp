@@ -5,6 +5,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "occlod/refiner.h"
+#include "refine/tuning.h"
 
 namespace occlod::python {
 namespace {
@@ -99,7 +100,7 @@ void bind_options(nb::module_& m) {
   const RefineOptions standard;
   nb::class_<RefineOptions>(m, "RefineOptions",
                             "All that can be set for one call, but for effects by object. Its parts may be changed in\n"
-                            "place: options.queries.proxy = Proxy.sphere.")
+                            "place: tune(options).proxy = Proxy.sphere.")
       .def(
           "__init__",
           [](RefineOptions* self, std::size_t budget, double tolerance_px, const PriorityOptions& priority,

@@ -5,6 +5,7 @@
 #include "occlod/refiner.h"
 #include "support/bad_options.h"
 #include "support/meshes.h"
+#include "refine/tuning.h"
 
 namespace occlod::test {
 namespace {
@@ -18,16 +19,16 @@ TEST(CheckOptions, AcceptsTheEndsOfTheRanges) {
   EXPECT_NO_THROW(check_options(options));
   options.tolerance_px = 0.0;
   options.priority = {Culling::star, 0.0, 8.0, 0.0};
-  options.occluder.splits = {0, 1};
-  options.queries.level_step = 1;
-  options.update.hysteresis = 0.0;
-  options.update.time_limit_ms = 1e9;
+  tune(options).occluder_splits = {0, 1};
+  tune(options).level_step = 1;
+  tune(options).hysteresis = 0.0;
+  options.time_limit_ms = 1e9;
   EXPECT_NO_THROW(check_options(options));
 }
 
 TEST(CheckOptions, SaysTheRange) {
   RefineOptions options;
-  options.update.hysteresis = 2.0;
+  tune(options).hysteresis = 2.0;
   try {
     check_options(options);
     FAIL();

@@ -11,6 +11,7 @@
 #include "occlod/visibility.h"
 #include "pick.h"
 #include "recorded_occlusion.h"
+#include "refine/tuning.h"
 
 namespace occlod::viewer {
 namespace {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "setting_kinds.h"
+#include "refine/tuning.h"
 
 namespace occlod::viewer {
 namespace {
@@ -27,41 +28,41 @@ std::vector<Setting> view_settings() {
       choice(
           {"mode", "Occluder mode",
            "paper: the coarse mesh as it is; conservative: only what stays hidden wherever the true surface may be"},
-          {"paper", "conservative"}, [](auto& s) -> auto& { return s.refine.occluder.mode; }),
+          {"paper", "conservative"}, [](auto& s) -> auto& { return s.refine.mode; }),
       choice(
           {"culling", "Culling",
            "subtree: one test for each subtree, as in the paper; star: also test what each split itself changes"},
-          {"subtree", "star"}, [](auto& s) -> auto& { return s.refine.priority.culling; }),
+          {"subtree", "star"}, [](auto& s) -> auto& { return tune(s.refine).culling; }),
       choice(
           {"proxy", "Proxy", "Bounding volume of a subtree that occlusion queries test"}, {"sphere", "box", "cylinder"},
-          [](auto& s) -> auto& { return s.refine.queries.proxy; }),
+          [](auto& s) -> auto& { return tune(s.refine).proxy; }),
       number(
           {"visible_exponent", "Visible weight",
            "Exponent: priority is multiplied by (visible share of a split's faces)^exponent"},
-          {0.0, 8.0, false, ""}, [](auto& s) -> auto& { return s.refine.priority.visible_exponent; }),
+          {0.0, 8.0, false, ""}, [](auto& s) -> auto& { return tune(s.refine).visible_exponent; }),
       number(
           {"grazing_exponent", "Grazing weight",
            "Exponent: priority is divided by (cosine of the viewing angle)^exponent, so that silhouettes come first"},
-          {0.0, 8.0, false, ""}, [](auto& s) -> auto& { return s.refine.priority.grazing_exponent; }),
+          {0.0, 8.0, false, ""}, [](auto& s) -> auto& { return tune(s.refine).grazing_exponent; }),
       number(
           {"forced_exponent", "Forced weight",
            "Exponent: priority is divided by (1 + unseen splits that a split forces)^exponent"},
-          {0.0, 8.0, false, ""}, [](auto& s) -> auto& { return s.refine.priority.forced_exponent; }),
+          {0.0, 8.0, false, ""}, [](auto& s) -> auto& { return tune(s.refine).forced_exponent; }),
       integer(
           {"level_step", "Level step", "Query subtrees on every n-th level of the hierarchy only"}, {1, 16, false, ""},
-          [](auto& s) -> auto& { return s.refine.queries.level_step; }),
+          [](auto& s) -> auto& { return tune(s.refine).level_step; }),
       integers(
           {"occluder_splits", "Occluder after",
            "Draw the occluder after these numbers of splits, e.g. 300, 2500; empty: at a third of the budget in "
            "triangles and at sixths of that"},
-          [](auto& s) -> auto& { return s.refine.occluder.splits; }),
+          [](auto& s) -> auto& { return tune(s.refine).occluder_splits; }),
       toggle(
           {"retest_hidden", "Retest hidden",
            "Query again what an older occluder hid, each time a new occluder is drawn"},
-          [](auto& s) -> auto& { return s.refine.occluder.retest_hidden; }),
+          [](auto& s) -> auto& { return tune(s.refine).retest_hidden; }),
       toggle(
           {"final_check", "Final check", "Query everything that is hidden once more before the mesh is final"},
-          [](auto& s) -> auto& { return s.refine.queries.final_check; }),
+          [](auto& s) -> auto& { return tune(s.refine).final_check; }),
   };
 }
 
@@ -74,18 +75,18 @@ std::vector<Setting> frame_settings() {
       number(
           {"hysteresis", "Hysteresis",
            "Frame to frame: relative margin by which a candidate must exceed an applied split to replace it"},
-          {0.0, 0.9, false, ""}, [](auto& s) -> auto& { return s.refine.update.hysteresis; }),
+          {0.0, 0.9, false, ""}, [](auto& s) -> auto& { return tune(s.refine).hysteresis; }),
       integer(
           {"max_changes", "Most changes", "Frame to frame: limit on splits and merges per frame; 0: no limit"},
-          {0, 100'000, true, ""}, [](auto& s) -> auto& { return s.refine.update.max_changes; }),
+          {0, 100'000, true, ""}, [](auto& s) -> auto& { return s.refine.max_changes; }),
       number(
           {"time_limit", "Time limit",
            "Frame to frame: no further splits and merges in a frame after this time; 0: no limit"},
-          {0.0, 100.0, false, "ms"}, [](auto& s) -> auto& { return s.refine.update.time_limit_ms; }),
+          {0.0, 100.0, false, "ms"}, [](auto& s) -> auto& { return s.refine.time_limit_ms; }),
       integer(
           {"geomorph_frames", "Geomorphs",
            "Frame to frame: frames in which a new vertex moves from its parent to its own position; 0: at once"},
-          {0, 120, false, ""}, [](auto& s) -> auto& { return s.refine.update.geomorph_frames; }),
+          {0, 120, false, ""}, [](auto& s) -> auto& { return s.refine.geomorph_frames; }),
       not_kept(toggle(
           {"freeze", "Freeze", "Keep the mesh as it is now and move only the camera that views it"},
           [](auto& s) -> auto& { return s.freeze; })),
