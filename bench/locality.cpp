@@ -11,7 +11,6 @@
 #include "base/timing.h"
 #include "occlod/build_hierarchy.h"
 #include "occlod/refiner.h"
-#include "option_names.h"
 #include "stopwatch.h"
 #include "support/bench_meshes.h"
 #include "support/planet_views.h"
@@ -56,7 +55,7 @@ void run(const Options& options) {
           }
         const double as_built = median(ms[0]), as_shuffled = median(ms[1]);
         fmt::print("| {} | {} | {} | {} | {:.2f} | {:.2f} | {:.2f} |\n", options.mesh, view.name,
-                   tool::name_of(culling), budget, as_built, as_shuffled, as_shuffled / as_built);
+                   name_of(culling), budget, as_built, as_shuffled, as_shuffled / as_built);
       }
 }
 

@@ -18,7 +18,6 @@ namespace occlod::tool {
 
 // `--occlusion auto`.
 struct AutoWayOptions {
-  std::vector<std::string> backends = {"software"};  // to choose from
   std::filesystem::path calibration;                 // read; empty = measured
   std::filesystem::path save_calibration;            // written; empty = not
 };

@@ -6,7 +6,6 @@
 
 #include "explanation.h"
 #include "option_names.h"
-#include "refine/tuning.h"
 
 namespace occlod::tool {
 namespace {
@@ -33,25 +32,14 @@ Json asked_of(const RenderInput& input, const RefineOptions& options, const Refi
   Json report;
   report["scene"] = input.name;
   if (input.path) report["path"] = input.path_name;
-  report["culling"] = name_of(tuning_of(options).culling);
+  report["method"] = name_of(options.method);
   report["mode"] = name_of(options.mode);
   report["occlusion"] = way.name();
   if (!way.gl().is_null()) report["gl"] = way.gl();
   report["budget"] = options.budget;
   report["tolerance_px"] = options.tolerance_px;
-  report["visible_exponent"] = tuning_of(options).visible_exponent;
-  report["proxy"] = name_of(tuning_of(options).proxy);
-  report["grazing_exponent"] = tuning_of(options).grazing_exponent;
-  report["forced_exponent"] = tuning_of(options).forced_exponent;
-  if (way.chooser() != nullptr) {  // what it chooses is told view by view
+  if (way.chooser() != nullptr)  // what it chooses is told view by view
     report["calibration"] = Json::parse(calibration_json(way.chooser()->calibration()));
-    return report;
-  }
-  report["level_step"] = tuning_of(options).level_step;
-  report["ask_stars"] = tuning_of(options).ask_stars;
-  report["occluder_splits"] = tuning_of(options).occluder_splits.empty() ? Json("adaptive") : Json(tuning_of(options).occluder_splits);
-  report["retest_hidden"] = tuning_of(options).retest_hidden;
-  report["final_check"] = tuning_of(options).final_check;
   return report;
 }
 
@@ -88,8 +76,7 @@ Json stats_of(const Measurement& measurement) {
 }
 
 Json following_asked_of(const RefineOptions& options) {
-  return {{"hysteresis", tuning_of(options).hysteresis},
-          {"max_changes", options.max_changes},
+  return {{"max_changes", options.max_changes},
           {"time_limit_ms", options.time_limit_ms},
           {"geomorph_frames", options.geomorph_frames}};
 }

@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "option_names.h"
 #include "visibility/subjects.h"
 #include "refine/tuning.h"
 
@@ -65,7 +64,7 @@ void add_variants_of(Table& table, SceneRun& run, const VisibilityOptions& optio
     const tool::RenderTimes times = measurements[i].times();
     const Share share{stats.triangles, measurements[i].visible_triangles(), {}};
     table.add({{"scene", run.description.name},
-               {"culling", tool::name_of(culling)},
+               {"culling", name_of(culling)},
                {"variant", all[i].name},
                {"budget", options.table_budget},
                {"triangles", stats.triangles},
@@ -100,7 +99,7 @@ void add_times(Table& table, SceneRun& run, const VisibilityOptions& options) {
       }
       const tool::RenderTimes without = run.without.times(), with = run.with.times();
       table.add({{"scene", run.description.name},
-                 {"culling", tool::name_of(culling)},
+                 {"culling", name_of(culling)},
                  {"budget", budget},
                  {"refine_ms_without", without.refine_ms},
                  {"draw_ms_without", without.draw_ms},

@@ -28,7 +28,7 @@ void add_shares_of(Table& table, SceneRun& run, const NamedView& named, std::siz
     const Share software = measure_share(run.with, view, with, *run.software);
     table.add({{"scene", run.description.name},
                {"view", named.name},
-               {"culling", tool::name_of(culling)},
+               {"culling", name_of(culling)},
                {"budget", budget},
                {"mode", tool::name_of(mode)},
                {"triangles_without", none.triangles},

@@ -215,8 +215,9 @@ class AutoRefiner::Impl {
     placed_ = false;
     RefineOptions chosen = report_.choice.with(options);
     // Each frame draws one occluder, whatever these are; where they changed it would be refined from scratch.
-    tune(chosen).occluder_splits.clear();
-    tune(chosen).retest_hidden = true;
+    Tuning& tuning = tune(chosen);
+    tuning.occluder_splits.clear();
+    tuning.retest_hidden = true;
     const Refinement& refinement = refiner_.update(view, chosen, chosen_backend());
     report_.objects = refinement.effects;
     if (stands) return refinement;
@@ -248,7 +249,7 @@ class AutoRefiner::Impl {
   [[nodiscard]] bool is_far_from_last_look(const View& view, const RefineOptions& options) const {
     const double growth = static_cast<double>(options.budget) / static_cast<double>(looked_with_.budget);
     const double zoom = view.focal_length_px() / looked_from_->focal_length_px();
-    return tuning_of(options).culling != looked_wtuning_of(ith_).culling ||
+    return tuning_of(options).culling != tuning_of(looked_with_).culling ||
            options.mode != looked_with_.mode || growth > same_budget_factor ||
            growth * same_budget_factor < 1.0 || zoom > same_zoom_factor || zoom * same_zoom_factor < 1.0 ||
            view.is_orthographic() != looked_from_->is_orthographic() ||

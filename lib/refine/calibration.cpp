@@ -235,7 +235,8 @@ double Workload::query_ns(Visibility& backend, const Calibration& calibration) c
   Refiner refiner(objects);
   RefineOptions options = half_budget();
   tune(options).occluder_splits = {64};
-  tune(options).retest_hidden = tune(options).final_check = false;
+  tune(options).retest_hidden = false;
+  tune(options).final_check = false;
   std::array<double, 2> ns{}, queries{};
   for (const std::size_t asks : {0U, 1U}) {
     tune(options).ask_stars = asks != 0;

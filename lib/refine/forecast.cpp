@@ -221,12 +221,13 @@ std::string_view name_of(OcclusionEffort effort) noexcept {
 
 RefineOptions EffectChoice::with(RefineOptions options) const {
   const bool renewed = effort == OcclusionEffort::renewed_subtrees || effort == OcclusionEffort::renewed_stars;
-  tune(options).occluder_splits.clear();
-  if (!renewed) tune(options).occluder_splits.push_back(single_occluder_splits(options.budget));
-  tune(options).ask_stars = effort == OcclusionEffort::stars || effort == OcclusionEffort::renewed_stars;
-  tune(options).level_step = level_step;
-  tune(options).retest_hidden = renewed;
-  tune(options).final_check = false;
+  Tuning& tuning = tune(options);
+  tuning.occluder_splits.clear();
+  if (!renewed) tuning.occluder_splits.push_back(single_occluder_splits(options.budget));
+  tuning.ask_stars = effort == OcclusionEffort::stars || effort == OcclusionEffort::renewed_stars;
+  tuning.level_step = level_step;
+  tuning.retest_hidden = renewed;
+  tuning.final_check = false;
   options.effects = objects;
   return options;
 }

@@ -1,10 +1,11 @@
 #include "refine/frames.h"
-#include "refine/tuning.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
+
+#include "refine/tuning.h"
 
 namespace occlod {
 namespace {

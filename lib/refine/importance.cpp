@@ -1,8 +1,9 @@
 #include "refine/importance.h"
-#include "refine/tuning.h"
 
 #include <algorithm>
 #include <cmath>
+
+#include "refine/tuning.h"
 
 namespace occlod {
 namespace {

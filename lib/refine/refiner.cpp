@@ -31,8 +31,8 @@ constexpr double largest_exponent = 8.0;  // weights beyond leave the range of f
 void check_ascending(const std::vector<std::uint32_t>& splits) {
   for (std::size_t i = 1; i < splits.size(); ++i)
     if (splits[i] <= splits[i - 1])
-      throw Error({"refinement", "option tuning.occluder_splits", fmt::format("{} follows {}", splits[i], splits[i - 1]),
-                   "give ascending numbers"});
+      throw Error({"refinement", "option tuning.occluder_splits",
+                   fmt::format("{} follows {}", splits[i], splits[i - 1]), "give ascending numbers"});
 }
 
 }  // namespace

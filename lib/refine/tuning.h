@@ -16,6 +16,11 @@ enum class Culling {
   star,     // two: descend where the bounds of the subtree may be seen, apply where the split's own faces may be
 };
 
+// In tables of benchmarks.
+[[nodiscard]] inline const char* name_of(Culling culling) noexcept {
+  return culling == Culling::subtree ? "subtree" : "star";
+}
+
 // The bounds of a subtree that occlusion queries ask about.
 enum class Proxy { sphere, box, cylinder };
 

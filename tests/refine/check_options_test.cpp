@@ -18,7 +18,7 @@ TEST(CheckOptions, AcceptsTheEndsOfTheRanges) {
   RefineOptions options;
   EXPECT_NO_THROW(check_options(options));
   options.tolerance_px = 0.0;
-  options.priority = {Culling::star, 0.0, 8.0, 0.0};
+  tune(options) = {.visible_exponent = 0.0, .grazing_exponent = 8.0, .forced_exponent = 0.0};
   tune(options).occluder_splits = {0, 1};
   tune(options).level_step = 1;
   tune(options).hysteresis = 0.0;
@@ -34,7 +34,7 @@ TEST(CheckOptions, SaysTheRange) {
     FAIL();
   } catch (const Error& error) {
     EXPECT_STREQ(error.what(),
-                 "refinement: option update.hysteresis: 2 is out of range; choose a value from 0 to below 1");
+                 "refinement: option tuning.hysteresis: 2 is out of range; choose a value from 0 to below 1");
   }
 }
 

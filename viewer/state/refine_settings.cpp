@@ -1,4 +1,4 @@
-// How the mesh is refined: one entry for each field of RefineOptions, the backend, and whether from frame to frame.
+// How the mesh is refined: the fields of RefineOptions, knobs worth a look, the backend, and whether from frame to frame.
 #include <algorithm>
 #include <iterator>
 #include <vector>
@@ -8,6 +8,10 @@
 
 namespace occlod::viewer {
 namespace {
+
+// Settings are read from constant ones, too.
+Tuning& knobs(RefineOptions& options) { return tune(options); }
+const Tuning& knobs(const RefineOptions& options) { return tuning_of(options); }
 
 // For every view.
 std::vector<Setting> view_settings() {
@@ -21,8 +25,8 @@ std::vector<Setting> view_settings() {
           {0.0, 16.0, false, "px"}, [](auto& s) -> auto& { return s.refine.tolerance_px; }),
       choice(
           {"occlusion", "Occlusion",
-           "Backend of occlusion queries. auto: picks the culling techniques that pay off in each view; Level step, "
-           "Occluder after, Retest hidden and Final check then have no effect"},
+           "Backend of occlusion queries. auto: picks the culling techniques that pay off in each view; "
+           "Occluder after then has no effect"},
           {"none", "software", "gl-query", "gl-mark", "gl-compute", "auto"},
           [](auto& s) -> auto& { return s.occlusion; }),
       choice(
@@ -32,37 +36,15 @@ std::vector<Setting> view_settings() {
       choice(
           {"culling", "Culling",
            "subtree: one test for each subtree, as in the paper; star: also test what each split itself changes"},
-          {"subtree", "star"}, [](auto& s) -> auto& { return tune(s.refine).culling; }),
+          {"subtree", "star"}, [](auto& s) -> auto& { return knobs(s.refine).culling; }),
       choice(
           {"proxy", "Proxy", "Bounding volume of a subtree that occlusion queries test"}, {"sphere", "box", "cylinder"},
-          [](auto& s) -> auto& { return tune(s.refine).proxy; }),
-      number(
-          {"visible_exponent", "Visible weight",
-           "Exponent: priority is multiplied by (visible share of a split's faces)^exponent"},
-          {0.0, 8.0, false, ""}, [](auto& s) -> auto& { return tune(s.refine).visible_exponent; }),
-      number(
-          {"grazing_exponent", "Grazing weight",
-           "Exponent: priority is divided by (cosine of the viewing angle)^exponent, so that silhouettes come first"},
-          {0.0, 8.0, false, ""}, [](auto& s) -> auto& { return tune(s.refine).grazing_exponent; }),
-      number(
-          {"forced_exponent", "Forced weight",
-           "Exponent: priority is divided by (1 + unseen splits that a split forces)^exponent"},
-          {0.0, 8.0, false, ""}, [](auto& s) -> auto& { return tune(s.refine).forced_exponent; }),
-      integer(
-          {"level_step", "Level step", "Query subtrees on every n-th level of the hierarchy only"}, {1, 16, false, ""},
-          [](auto& s) -> auto& { return tune(s.refine).level_step; }),
+          [](auto& s) -> auto& { return knobs(s.refine).proxy; }),
       integers(
           {"occluder_splits", "Occluder after",
            "Draw the occluder after these numbers of splits, e.g. 300, 2500; empty: at a third of the budget in "
            "triangles and at sixths of that"},
-          [](auto& s) -> auto& { return tune(s.refine).occluder_splits; }),
-      toggle(
-          {"retest_hidden", "Retest hidden",
-           "Query again what an older occluder hid, each time a new occluder is drawn"},
-          [](auto& s) -> auto& { return tune(s.refine).retest_hidden; }),
-      toggle(
-          {"final_check", "Final check", "Query everything that is hidden once more before the mesh is final"},
-          [](auto& s) -> auto& { return tune(s.refine).final_check; }),
+          [](auto& s) -> auto& { return knobs(s.refine).occluder_splits; }),
   };
 }
 
@@ -75,7 +57,7 @@ std::vector<Setting> frame_settings() {
       number(
           {"hysteresis", "Hysteresis",
            "Frame to frame: relative margin by which a candidate must exceed an applied split to replace it"},
-          {0.0, 0.9, false, ""}, [](auto& s) -> auto& { return tune(s.refine).hysteresis; }),
+          {0.0, 0.9, false, ""}, [](auto& s) -> auto& { return knobs(s.refine).hysteresis; }),
       integer(
           {"max_changes", "Most changes", "Frame to frame: limit on splits and merges per frame; 0: no limit"},
           {0, 100'000, true, ""}, [](auto& s) -> auto& { return s.refine.max_changes; }),
