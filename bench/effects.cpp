@@ -16,9 +16,9 @@
 #include "effects/scores.h"
 #include "occlod/auto_refiner.h"
 #include "occlod/visibility.h"
+#include "refine/tuning.h"
 #include "support/run_app.h"
 #include "visibility/table.h"
-#include "refine/tuning.h"
 
 namespace occlod::bench {
 namespace {

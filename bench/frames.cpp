@@ -22,10 +22,10 @@
 #include "occlod/scene.h"
 #include "occlod/visibility.h"
 #include "oracle/cut_error.h"
+#include "refine/tuning.h"
 #include "render_input.h"
 #include "support/frame_log.h"
 #include "support/run_app.h"
-#include "refine/tuning.h"
 
 namespace occlod::bench {
 namespace {

@@ -14,9 +14,9 @@
 #include "occlod/build_hierarchy.h"
 #include "occlod/refiner.h"
 #include "peers/openmesh_vdpm.h"
+#include "refine/tuning.h"
 #include "support/bench_meshes.h"
 #include "support/frame_log.h"
-#include "refine/tuning.h"
 
 namespace occlod::bench {
 namespace {

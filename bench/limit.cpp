@@ -17,11 +17,11 @@
 #include "occlod/visibility.h"
 #include "refine/cut.h"
 #include "refine/star_visibility.h"
+#include "refine/tuning.h"
 #include "refine/weigh.h"
 #include "render_input.h"
 #include "stopwatch.h"
 #include "support/run_app.h"
-#include "refine/tuning.h"
 
 namespace occlod::bench {
 namespace {

@@ -11,12 +11,12 @@
 #include "base/timing.h"
 #include "occlod/build_hierarchy.h"
 #include "occlod/refiner.h"
+#include "refine/tuning.h"
 #include "stopwatch.h"
 #include "support/bench_meshes.h"
 #include "support/planet_views.h"
 #include "support/renumber.h"
 #include "support/run_app.h"
-#include "refine/tuning.h"
 
 namespace occlod::bench {
 namespace {
@@ -54,8 +54,8 @@ void run(const Options& options) {
             if (round > 0) ms[i].push_back(once);
           }
         const double as_built = median(ms[0]), as_shuffled = median(ms[1]);
-        fmt::print("| {} | {} | {} | {} | {:.2f} | {:.2f} | {:.2f} |\n", options.mesh, view.name,
-                   name_of(culling), budget, as_built, as_shuffled, as_shuffled / as_built);
+        fmt::print("| {} | {} | {} | {} | {:.2f} | {:.2f} | {:.2f} |\n", options.mesh, view.name, name_of(culling),
+                   budget, as_built, as_shuffled, as_shuffled / as_built);
       }
 }
 

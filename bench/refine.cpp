@@ -10,12 +10,12 @@
 #include "base/timing.h"
 #include "occlod/build_hierarchy.h"
 #include "occlod/refiner.h"
+#include "refine/tuning.h"
 #include "stopwatch.h"
 #include "support/bench_meshes.h"
 #include "support/memory.h"
 #include "support/planet_views.h"
 #include "support/run_app.h"
-#include "refine/tuning.h"
 
 namespace occlod::bench {
 namespace {

@@ -12,10 +12,10 @@
 #include "base/timing.h"
 #include "occlod/refiner.h"
 #include "occlod/visibility.h"
+#include "refine/tuning.h"
 #include "render_input.h"
 #include "support/frame_log.h"
 #include "support/run_app.h"
-#include "refine/tuning.h"
 
 namespace occlod::bench {
 namespace {

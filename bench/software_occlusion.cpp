@@ -20,11 +20,11 @@
 #include "occlod/visibility.h"
 #include "oracle/ray_oracle.h"
 #include "raster/depth_pyramid.h"
+#include "refine/tuning.h"
 #include "stopwatch.h"
 #include "support/bench_meshes.h"
 #include "support/planet_views.h"
 #include "support/run_app.h"
-#include "refine/tuning.h"
 
 namespace occlod::bench {
 namespace {

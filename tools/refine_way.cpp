@@ -8,8 +8,7 @@
 namespace occlod::tool {
 namespace {
 
-std::unique_ptr<AutoRefiner> make_auto(const std::vector<LoadedObject>& objects,
-                                       const AutoWayOptions& auto_options) {
+std::unique_ptr<AutoRefiner> make_auto(const std::vector<LoadedObject>& objects, const AutoWayOptions& auto_options) {
   AutoOptions result;
   if (!auto_options.calibration.empty()) result.calibration = read_calibration(auto_options.calibration);
   auto refiner = std::make_unique<AutoRefiner>(refine_objects(objects), std::move(result));

@@ -1,9 +1,10 @@
 #include "effects/fixed_settings.h"
-#include "refine/tuning.h"
 
 #include <fmt/format.h>
 
 #include <cstdint>
+
+#include "refine/tuning.h"
 
 namespace occlod::bench {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "base/timing.h"
 #include "drawing.h"
-#include "report/coarse_occlusion.h"
 #include "refine/tuning.h"
+#include "report/coarse_occlusion.h"
 
 namespace occlod::bench {
 namespace {

@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
+#include "refine/tuning.h"
 #include "visibility/scene_run.h"
 #include "visibility/table.h"
-#include "refine/tuning.h"
 
 namespace occlod::bench {
 namespace {
@@ -25,7 +25,8 @@ Change tolerance(double px) {
 }
 
 Change steps(const std::string& name, const std::vector<std::uint32_t>& splits) {
-  return {name, fmt::format("(occluder after {} splits)", name), [splits](S& s) { tune(s.refine).occluder_splits = splits; }};
+  return {name, fmt::format("(occluder after {} splits)", name),
+          [splits](S& s) { tune(s.refine).occluder_splits = splits; }};
 }
 
 Change levels(std::uint32_t step) {
@@ -79,8 +80,7 @@ const std::vector<Change>& series() {
          s.occlusion = false;
        }},
       {"occlod, no occlusion", "--occlusion none", [](S& s) { s.occlusion = false; }},
-      {"occlod, conservative", "--mode conservative",
-       [](S& s) { s.refine.mode = OccluderMode::conservative; }},
+      {"occlod, conservative", "--mode conservative", [](S& s) { s.refine.mode = OccluderMode::conservative; }},
       {"paper's LOD", joined(paper_flags, "--occlusion none"),
        [](S& s) {
          choose_as_the_paper(s);

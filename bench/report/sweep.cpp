@@ -12,9 +12,9 @@
 
 #include "accuracy.h"
 #include "occlod/base.h"
+#include "refine/tuning.h"
 #include "report/setting_run.h"
 #include "visibility/views.h"
-#include "refine/tuning.h"
 
 namespace occlod::bench {
 namespace {

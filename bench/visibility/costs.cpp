@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "visibility/subjects.h"
 #include "refine/tuning.h"
+#include "visibility/subjects.h"
 
 namespace occlod::bench {
 namespace {

@@ -6,8 +6,8 @@
 
 #include "drawing.h"
 #include "occlod/picture.h"
-#include "visibility/subjects.h"
 #include "refine/tuning.h"
+#include "visibility/subjects.h"
 
 namespace occlod::bench {
 namespace {

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "accuracy.h"
-#include "visibility/subjects.h"
 #include "refine/tuning.h"
+#include "visibility/subjects.h"
 
 namespace occlod::bench {
 namespace {

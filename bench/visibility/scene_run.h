@@ -12,8 +12,8 @@
 #include "occlod/refiner.h"
 #include "occlod/scene.h"
 #include "occlod/view.h"
-#include "render_input.h"
 #include "refine/tuning.h"
+#include "render_input.h"
 
 namespace occlod::bench {
 

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "option_names.h"
+#include "refine/tuning.h"
 #include "visibility/subjects.h"
 #include "visibility/views.h"
-#include "refine/tuning.h"
 
 namespace occlod::bench {
 namespace {

@@ -249,10 +249,9 @@ class AutoRefiner::Impl {
   [[nodiscard]] bool is_far_from_last_look(const View& view, const RefineOptions& options) const {
     const double growth = static_cast<double>(options.budget) / static_cast<double>(looked_with_.budget);
     const double zoom = view.focal_length_px() / looked_from_->focal_length_px();
-    return tuning_of(options).culling != tuning_of(looked_with_).culling ||
-           options.mode != looked_with_.mode || growth > same_budget_factor ||
-           growth * same_budget_factor < 1.0 || zoom > same_zoom_factor || zoom * same_zoom_factor < 1.0 ||
-           view.is_orthographic() != looked_from_->is_orthographic() ||
+    return tuning_of(options).culling != tuning_of(looked_with_).culling || options.mode != looked_with_.mode ||
+           growth > same_budget_factor || growth * same_budget_factor < 1.0 || zoom > same_zoom_factor ||
+           zoom * same_zoom_factor < 1.0 || view.is_orthographic() != looked_from_->is_orthographic() ||
            glm::dot(view.direction(), looked_from_->direction()) < near_cosine ||
            glm::distance(view.camera().eye, looked_from_->camera().eye) > near_share * extent_ || has_moved_far();
   }

@@ -23,8 +23,8 @@
 #include "raster/clip.h"
 #include "raster/device_cost_fields.h"
 #include "refine/star_visibility.h"
-#include "refine/weigh.h"
 #include "refine/tuning.h"
+#include "refine/weigh.h"
 
 namespace occlod {
 namespace {

@@ -6,8 +6,8 @@
 #include "base/threads.h"
 #include "base/timing.h"
 #include "refine/refined_scene.h"
-#include "refine/weigh.h"
 #include "refine/tuning.h"
+#include "refine/weigh.h"
 
 namespace occlod {
 namespace {

@@ -7,8 +7,8 @@
 #include <numbers>
 
 #include "base/arithmetic.h"
-#include "refine/weigh.h"
 #include "refine/tuning.h"
+#include "refine/weigh.h"
 
 namespace occlod {
 namespace {

@@ -18,8 +18,8 @@
 #include "occlod/view.h"
 #include "occlod/visibility.h"
 #include "refine/cut.h"
-#include "splits/surface_motion.h"
 #include "refine/tuning.h"
+#include "splits/surface_motion.h"
 
 namespace occlod {
 

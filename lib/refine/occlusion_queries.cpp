@@ -51,8 +51,9 @@ void OcclusionQueries::begin(Visibility& visibility, const QueriedScene& scene) 
 
 bool OcclusionQueries::asks(const Entry& entry) const {
   const RefineOptions* const options = scene_.options;
-  if (entry.kind == Entry::Kind::apply ? !asks_stars()
-                                       : entry.level % tuning_of(*options).level_step != tuning_of(*options).level_step - 1)
+  if (entry.kind == Entry::Kind::apply
+          ? !asks_stars()
+          : entry.level % tuning_of(*options).level_step != tuning_of(*options).level_step - 1)
     return false;
   return asks_in_region(entry.object, entry.split);
 }

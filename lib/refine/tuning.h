@@ -44,16 +44,14 @@ struct Tuning {
   bool ask_stars = true;         // Culling::star: ask about each split's own faces before it is applied
   bool final_check = true;       // ask again about all that is hidden before the result; what turns out to be visible
                                  // replaces splits of lower priority
-  double hysteresis = 0.03;  // update(): relative margin by which a candidate must exceed an applied split; [0, 1)
+  double hysteresis = 0.03;      // update(): relative margin by which a candidate must exceed an applied split; [0, 1)
 
   friend bool operator==(const Tuning&, const Tuning&) = default;
 };
 
 // Birkholz & Rahn, sec. 3: one question a subtree, bounding cylinders, occluders after 300 and 2,500 splits.
-inline const Tuning paper_tuning{.culling = Culling::subtree,
-                                 .proxy = Proxy::cylinder,
-                                 .occluder_splits = {300, 2500},
-                                 .final_check = false};
+inline const Tuning paper_tuning{
+    .culling = Culling::subtree, .proxy = Proxy::cylinder, .occluder_splits = {300, 2500}, .final_check = false};
 inline const Tuning standard_tuning;
 
 // What these options refine with.

@@ -47,8 +47,7 @@ void bind_options(nb::module_& m) {
               "Stop when no visible split has a larger bound on its screen error; 0: spend the budget.")
       .def_rw("method", &RefineOptions::method)
       .def_rw("mode", &RefineOptions::mode, "What occluders hide.")
-      .def_rw("max_changes", &RefineOptions::max_changes,
-              "update() only: splits and merges in one call; 0: no limit.")
+      .def_rw("max_changes", &RefineOptions::max_changes, "update() only: splits and merges in one call; 0: no limit.")
       .def_rw("time_limit_ms", &RefineOptions::time_limit_ms,
               "update() only: no further changes after so long; 0: no limit.")
       .def_rw("geomorph_frames", &RefineOptions::geomorph_frames,

@@ -8,8 +8,8 @@
 
 #include "occlod/visibility.h"
 #include "refine/refine_support.h"
-#include "support/counted_allocations.h"
 #include "refine/tuning.h"
+#include "support/counted_allocations.h"
 
 namespace occlod {
 namespace {

@@ -3,9 +3,9 @@
 
 #include "occlod/build_hierarchy.h"
 #include "occlod/refiner.h"
+#include "refine/tuning.h"
 #include "support/bad_options.h"
 #include "support/meshes.h"
-#include "refine/tuning.h"
 
 namespace occlod::test {
 namespace {

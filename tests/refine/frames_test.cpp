@@ -16,8 +16,8 @@
 #include "occlod/visibility.h"
 #include "oracle/cut_error.h"
 #include "refine/refine_support.h"
-#include "splits/hierarchy_data.h"
 #include "refine/tuning.h"
+#include "splits/hierarchy_data.h"
 
 namespace occlod {
 namespace {

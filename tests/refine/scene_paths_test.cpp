@@ -13,8 +13,8 @@
 #include "occlod/visibility.h"
 #include "oracle/cut_error.h"
 #include "refine/refine_support.h"
-#include "support/shipped_scenes.h"
 #include "refine/tuning.h"
+#include "support/shipped_scenes.h"
 
 namespace occlod {
 namespace {

@@ -13,8 +13,8 @@
 #include "occlod/refiner.h"
 #include "occlod/visibility.h"
 #include "oracle/random_view.h"
-#include "support/shipped_scenes.h"
 #include "refine/tuning.h"
+#include "support/shipped_scenes.h"
 
 namespace occlod::tool {
 namespace {

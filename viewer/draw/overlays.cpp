@@ -10,8 +10,8 @@
 #include <numbers>
 
 #include "palette.h"
-#include "scene/frustum_edges.h"
 #include "refine/tuning.h"
+#include "scene/frustum_edges.h"
 
 namespace occlod::viewer {
 namespace {

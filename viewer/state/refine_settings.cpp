@@ -1,10 +1,11 @@
-// How the mesh is refined: the fields of RefineOptions, knobs worth a look, the backend, and whether from frame to frame.
+// How the mesh is refined: the fields of RefineOptions, knobs worth a look, the backend, and whether from frame to
+// frame.
 #include <algorithm>
 #include <iterator>
 #include <vector>
 
-#include "setting_kinds.h"
 #include "refine/tuning.h"
+#include "setting_kinds.h"
 
 namespace occlod::viewer {
 namespace {

@@ -31,9 +31,9 @@ inline constexpr std::uint64_t all_effect_regions = ~std::uint64_t{0};
 
 // The tests that are made for one object.
 struct ObjectEffects {
-  bool cones = true;      // drop subtrees whose normal cone faces away; with Method::occlod this saves time and does not
-                          // change which splits are worth a triangle
-  bool occlusion = true;  // ask whether parts of it are hidden; it hides others in any case
+  bool cones = true;  // drop subtrees whose normal cone faces away; with Method::occlod this saves time and does not
+                      // change which splits are worth a triangle
+  bool occlusion = true;                       // ask whether parts of it are hidden; it hides others in any case
   std::uint64_t regions = all_effect_regions;  // occlusion: only in the regions whose bits are set
 
   // Number of regions in which occlusion is asked about.
@@ -101,7 +101,7 @@ struct RefineOptions {
   std::uint32_t geomorph_frames = 0;  // calls in which a new vertex slides from its parent to its place; 0: at once
   int threads = 1;  // that refinement from scratch may use, in [0, 1024]; 0: one for each core. More than 2 are not
                     // used. The result does not depend on it
-  std::vector<ObjectEffects> effects = {};  // what works on each object, by object; empty: everything on all of them
+  std::vector<ObjectEffects> effects = {};    // what works on each object, by object; empty: everything on all of them
   std::shared_ptr<const Tuning> tuning = {};  // for benchmarks and tests, in place of the method's own; null for users
 
   // Of what is meant: a tuning equals one with the same values.
@@ -266,8 +266,8 @@ class Refiner {
   // Goes on from the cut of the call before: merges splits that have lost priority, applies those that have gained.
   // Refines from the base meshes when there is no such cut, when options.method or options.mode has
   // changed, or when a quarter of the cut has lost its worth at once (a jump of the camera; not with limits). Draws an
-  // occluder in each frame. The same budget, errors thrown and validity as refine(), nearly the same screen errors; deterministic for the same sequence
-  // of calls, unless time_limit_ms is set.
+  // occluder in each frame. The same budget, errors thrown and validity as refine(), nearly the same screen errors;
+  // deterministic for the same sequence of calls, unless time_limit_ms is set.
   const Refinement& update(const View& view, const RefineOptions& options, Visibility& visibility);
 
   // Gives the last result away with its memory, so that what points into its arrays stays valid beyond the next call;
