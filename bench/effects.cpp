@@ -16,6 +16,7 @@
 #include "effects/scores.h"
 #include "occlod/auto_refiner.h"
 #include "occlod/visibility.h"
+#include "refine/tuning.h"
 #include "support/run_app.h"
 #include "visibility/table.h"
 
@@ -169,11 +170,11 @@ class Contest {
 std::vector<Contestant> followed_settings(std::size_t budget) {
   RefineOptions options;
   options.budget = budget;
-  options.queries.final_check = false;
-  options.queries.level_step = 1;
+  tune(options).final_check = false;
+  tune(options).level_step = 1;
   std::vector<Contestant> contestants = {{{"none", options, false}, {}}};
   contestants.push_back({{"stars", options}, {}});
-  options.queries.ask_stars = false;
+  tune(options).ask_stars = false;
   contestants.push_back({{"subtrees", options}, {}});
   return contestants;
 }

@@ -22,6 +22,7 @@
 #include "occlod/scene.h"
 #include "occlod/visibility.h"
 #include "oracle/cut_error.h"
+#include "refine/tuning.h"
 #include "render_input.h"
 #include "support/frame_log.h"
 #include "support/run_app.h"
@@ -146,7 +147,7 @@ double mean_percent(const std::vector<double>& shares) {
 }
 
 const char* culling_name(const Subject& subject) {
-  return subject.options.priority.culling == Culling::star ? "star" : "subtree";
+  return tuning_of(subject.options).culling == Culling::star ? "star" : "subtree";
 }
 const char* occlusion_name(const Subject& subject) { return subject.occlusion ? "software" : "none"; }
 
@@ -193,7 +194,7 @@ void compare_path(const Options& options, const std::string& scene, const tool::
       for (const bool occlusion : {false, true}) {
         Subject subject{scene, input.path_name, &*input.path, &input.objects, {}, occlusion};
         subject.options.budget = std::max(budget, least);
-        subject.options.priority.culling = culling;
+        tune(subject.options).culling = culling;
         const Comparison result = PathComparison(options, subject).run();
         print_row(subject, result);
         rows.push_back(json_row(subject, result));

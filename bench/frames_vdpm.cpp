@@ -14,6 +14,7 @@
 #include "occlod/build_hierarchy.h"
 #include "occlod/refiner.h"
 #include "peers/openmesh_vdpm.h"
+#include "refine/tuning.h"
 #include "support/bench_meshes.h"
 #include "support/frame_log.h"
 
@@ -89,7 +90,7 @@ void print_row(const std::string& way, const Pair& times, const Pair& vdpm) {
 struct Ours {
   Ours(const std::vector<RefineObject>& objects, Culling culling, std::size_t budget)
       : scratch(objects), path(objects) {
-    options.priority.culling = culling;
+    tune(options).culling = culling;
     options.budget = budget;
   }
 

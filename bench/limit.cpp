@@ -17,6 +17,7 @@
 #include "occlod/visibility.h"
 #include "refine/cut.h"
 #include "refine/star_visibility.h"
+#include "refine/tuning.h"
 #include "refine/weigh.h"
 #include "render_input.h"
 #include "stopwatch.h"
@@ -232,7 +233,7 @@ void compare(const Options& options, const Scene& scene, const char* way, Cullin
   Parts parts;
   RefineOptions refine;
   refine.budget = options.budget;
-  refine.priority.culling = culling;
+  tune(refine).culling = culling;
   const std::unique_ptr<Visibility> software = make_software_occlusion();
   NoOcclusion none;
   RecordingVisibility recording;

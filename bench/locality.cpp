@@ -11,7 +11,7 @@
 #include "base/timing.h"
 #include "occlod/build_hierarchy.h"
 #include "occlod/refiner.h"
-#include "option_names.h"
+#include "refine/tuning.h"
 #include "stopwatch.h"
 #include "support/bench_meshes.h"
 #include "support/planet_views.h"
@@ -45,7 +45,7 @@ void run(const Options& options) {
     for (const Culling culling : {Culling::subtree, Culling::star})
       for (const std::size_t budget : options.budgets) {
         RefineOptions refine_options;
-        refine_options.priority.culling = culling;
+        tune(refine_options).culling = culling;
         refine_options.budget = budget;
         std::array<std::vector<double>, 2> ms;
         for (int round = 0; round <= options.repeat; ++round)
@@ -54,8 +54,8 @@ void run(const Options& options) {
             if (round > 0) ms[i].push_back(once);
           }
         const double as_built = median(ms[0]), as_shuffled = median(ms[1]);
-        fmt::print("| {} | {} | {} | {} | {:.2f} | {:.2f} | {:.2f} |\n", options.mesh, view.name,
-                   tool::name_of(culling), budget, as_built, as_shuffled, as_shuffled / as_built);
+        fmt::print("| {} | {} | {} | {} | {:.2f} | {:.2f} | {:.2f} |\n", options.mesh, view.name, name_of(culling),
+                   budget, as_built, as_shuffled, as_shuffled / as_built);
       }
 }
 

@@ -10,7 +10,7 @@
 #include "base/timing.h"
 #include "occlod/build_hierarchy.h"
 #include "occlod/refiner.h"
-#include "option_names.h"
+#include "refine/tuning.h"
 #include "stopwatch.h"
 #include "support/bench_meshes.h"
 #include "support/memory.h"
@@ -87,7 +87,7 @@ void measure(const std::vector<Planet>& planets, const NamedCamera& view, const 
     if (runs[i].ms.empty()) continue;
     const double ms = median(runs[i].ms);
     fmt::print("| {} | {} | {} | {} | {} | {} | {:.2f} | {:.2f} | {:.1f} | {} | {:016x} |\n", view.name,
-               tool::name_of(options.priority.culling), options.budget, planets[i].level, runs[i].stats.triangles,
+               name_of(tuning_of(options).culling), options.budget, planets[i].level, runs[i].stats.triangles,
                runs[i].stats.visits, runs[i].first_ms, ms, static_cast<double>(runs[i].stats.triangles) / ms / 1e3,
                runs[0].ms.empty() ? "" : fmt::format("{:.2f}", ms / median(runs[0].ms)), runs[i].hash);
   }
@@ -112,7 +112,7 @@ void run(const Options& options) {
       for (const std::size_t budget : options.budgets) {
         RefineOptions refine_options;
         refine_options.budget = budget;
-        refine_options.priority.culling = culling;
+        tune(refine_options).culling = culling;
         measure(planets, view, refine_options, options.repeat);
       }
 }

@@ -12,6 +12,7 @@
 #include "base/timing.h"
 #include "occlod/refiner.h"
 #include "occlod/visibility.h"
+#include "refine/tuning.h"
 #include "render_input.h"
 #include "support/frame_log.h"
 #include "support/run_app.h"
@@ -50,7 +51,7 @@ std::vector<Way> ways_of(const Options& options) {
                 {}};
         way.options.budget = budget;
         way.options.threads = threads;
-        way.options.priority.culling = name.starts_with("star") ? Culling::star : Culling::subtree;
+        tune(way.options).culling = name.starts_with("star") ? Culling::star : Culling::subtree;
         ways.push_back(std::move(way));
       }
   return ways;

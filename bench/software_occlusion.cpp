@@ -20,6 +20,7 @@
 #include "occlod/visibility.h"
 #include "oracle/ray_oracle.h"
 #include "raster/depth_pyramid.h"
+#include "refine/tuning.h"
 #include "stopwatch.h"
 #include "support/bench_meshes.h"
 #include "support/planet_views.h"
@@ -80,7 +81,7 @@ std::vector<Scene> make_scenes(std::vector<std::vector<glm::vec3>>& hulls) {
       NoOcclusion none;
       RefineOptions options;
       options.budget = budget;
-      options.priority.culling = Culling::subtree;
+      tune(options).culling = Culling::subtree;
       scene.occluders.push_back({refiner.refine(view, options, none).objects[0].triangles});
     }
   }

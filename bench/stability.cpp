@@ -215,7 +215,7 @@ void measure_occluder(const Hierarchy& hierarchy, const Options& options, Table&
       return [&, mode] {
         RefineOptions refine_options;
         refine_options.budget = options.budget;
-        refine_options.occluder.mode = mode;
+        refine_options.mode = mode;
         return static_cast<double>(refiner.refine(View(named.camera), refine_options, *occlusion).stats.queries);
       };
     };

@@ -9,6 +9,7 @@ import argparse
 import csv
 import dataclasses
 import datetime
+import functools
 import hashlib
 import json
 import os
@@ -24,10 +25,11 @@ ROOT = pathlib.Path(__file__).resolve().parents[1]
 SCENES = ROOT / "meshes" / "scenes"
 PAPER_SCENES = ("armadillo", "armadillo_group", "planet_full", "planet_near")
 INNER_SCENES = ("sponza", "sibenik", "city", "ww2_city")
-STAR_SOFTWARE = ("--culling", "star", "--occlusion", "software")
-STAR = ("--culling", "star", "--occlusion", "none")
-PAPERS_OWN = ("--culling", "subtree", "--proxy", "cylinder", "--occluder-splits", "300,2500", "--no-final-check")
-MILLION = ("--culling", "subtree", "--occlusion", "none", "--budget", "1000000")
+STAR_SOFTWARE = ("--occlusion", "software")
+STAR = ("--occlusion", "none")
+PAPERS_OWN = ("--paper",)
+PAPERS_OWN_EARLIER = ("--culling", "subtree", "--proxy", "cylinder", "--occluder-splits", "300,2500", "--no-final-check")  # before --paper
+MILLION = (*PAPERS_OWN, "--occlusion", "none", "--budget", "1000000")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -72,7 +74,13 @@ class Version:
     def run(self, *command):
         return run(command, XDG_CACHE_HOME=str(self.cache))
 
+    @functools.cached_property
+    def knows_paper(self):
+        return "--paper" in self.run(self.occlod, "render", "--help")
+
     def render(self, scene, *options):
+        if "--paper" in options and not self.knows_paper:
+            options = (*(option for option in options if option != "--paper"), *PAPERS_OWN_EARLIER)
         return json.loads(self.run(self.occlod, "render", scene, "--json", *options))
 
 
@@ -138,7 +146,7 @@ def path_subjects(effort, folder):
     orbit_1 = changed_scene(folder, "armadillo_1_degree", "armadillo", slower(3))
     subjects = [
         PathSubject("star_software", armadillo, STAR_SOFTWARE, True, effort.rounds),
-        PathSubject("subtree_software", armadillo, ("--culling", "subtree", "--occlusion", "software"), False, effort.rounds),
+        PathSubject("subtree_software", armadillo, (*PAPERS_OWN, "--occlusion", "software"), False, effort.rounds),
         PathSubject("star", armadillo, STAR, False, effort.rounds),
         PathSubject("frames_3_degrees", armadillo, (*STAR_SOFTWARE, "--frame-to-frame"), False, effort.rounds),
         PathSubject("frames_1_degree", orbit_1, (*STAR_SOFTWARE, "--frame-to-frame"), False, effort.rounds),
@@ -155,7 +163,7 @@ def measure_frame(scene, versions, rounds):
     result = {version.name: {"none": [], "software": []} for version in versions}
     for at in range(rounds):
         for version, occlusion in ways[at % len(ways):] + ways[:at % len(ways)]:
-            report = version.render(SCENES / f"{scene}.json", "--culling", "star", "--occlusion", occlusion, "--repeat", 5)
+            report = version.render(SCENES / f"{scene}.json", "--occlusion", occlusion, "--repeat", 5)
             result[version.name][occlusion].append(report["refine_ms"] + report["occlusion_ms"] + report["draw_ms"])
     return result
 

@@ -25,10 +25,10 @@ for scene in "${scenes[@]}"; do
     for backend in "${backends[@]}"; do
       name=$out/${scene}_${culling}_${backend}
       options=()
-      [ "$culling" = star ] || options=(--proxy cylinder --occluder-splits 300,2500 --no-final-check)  # the paper's own
+      [ "$culling" = star ] || options=(--paper)
       echo "$scene, $culling culling, $backend" >&2
       if ! build/release/tools/occlod render "meshes/scenes/$scene.json" --json --budget "$budget" --repeat "$repeat" --reference \
-          --culling "$culling" "${options[@]}" --occlusion "$backend" --png "${name}.png" --birdseye "${name}_birdseye.png" >"$name.json"; then
+          "${options[@]}" --occlusion "$backend" --png "${name}.png" --birdseye "${name}_birdseye.png" >"$name.json"; then
         rm -f "$name.json"
         # A machine without any OpenGL can still show everything else.
         [ "$backend" = gl-query ] || failed=1

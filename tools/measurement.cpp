@@ -29,13 +29,13 @@ void Measurement::begin() {
 void Measurement::repeat(const View& view, const RefineOptions& options, Visibility& visibility) {
   take(following_ == Following::frame_to_frame ? refiner_.update(view, options, visibility)
                                                : refiner_.refine(view, options, visibility));
-  draw(view, following_ == Following::frame_to_frame && options.update.geomorph_frames > 0);
+  draw(view, following_ == Following::frame_to_frame && options.geomorph_frames > 0);
 }
 
 void Measurement::repeat(const View& view, const RefineOptions& options, AutoRefiner& refiner) {
   take(following_ == Following::frame_to_frame ? refiner.update(view, options) : refiner.refine(view, options));
   refine_ms_.back() += refiner.report().look_ms;
-  draw(view, following_ == Following::frame_to_frame && options.update.geomorph_frames > 0);
+  draw(view, following_ == Following::frame_to_frame && options.geomorph_frames > 0);
 }
 
 void Measurement::take(const Refinement& refinement) {

@@ -2,21 +2,9 @@
 
 namespace occlod::tool {
 
-const char* name_of(Culling culling) { return culling == Culling::subtree ? "subtree" : "star"; }
+const char* name_of(Method method) { return method == Method::paper ? "paper" : "occlod"; }
 
 const char* name_of(OccluderMode mode) { return mode == OccluderMode::conservative ? "conservative" : "paper"; }
-
-const char* name_of(Proxy proxy) {
-  switch (proxy) {
-    case Proxy::sphere:
-      return "sphere";
-    case Proxy::box:
-      return "box";
-    case Proxy::cylinder:
-      break;
-  }
-  return "cylinder";
-}
 
 const char* name_of(CellOcclusion occlusion) {
   switch (occlusion) {

@@ -6,9 +6,8 @@
 
 namespace occlod::tool {
 
-[[nodiscard]] const char* name_of(Culling culling);
+[[nodiscard]] const char* name_of(Method method);
 [[nodiscard]] const char* name_of(OccluderMode mode);
-[[nodiscard]] const char* name_of(Proxy proxy);
 [[nodiscard]] const char* name_of(CellOcclusion occlusion);
 [[nodiscard]] const char* name_of(CellDivision division);
 

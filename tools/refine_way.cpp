@@ -8,16 +8,8 @@
 namespace occlod::tool {
 namespace {
 
-std::unique_ptr<AutoRefiner> make_auto(const std::vector<LoadedObject>& objects, const BackendOptions& options,
-                                       const AutoWayOptions& auto_options, Json& gl) {
+std::unique_ptr<AutoRefiner> make_auto(const std::vector<LoadedObject>& objects, const AutoWayOptions& auto_options) {
   AutoOptions result;
-  for (const std::string& name : auto_options.backends) {
-    BackendOptions one = options;
-    one.occlusion = name;
-    Backend backend = make_backend(one);
-    if (!backend.gl.is_null()) gl = backend.gl;
-    result.backends.push_back(std::move(backend.visibility));
-  }
   if (!auto_options.calibration.empty()) result.calibration = read_calibration(auto_options.calibration);
   auto refiner = std::make_unique<AutoRefiner>(refine_objects(objects), std::move(result));
   if (!auto_options.save_calibration.empty()) write_calibration(auto_options.save_calibration, refiner->calibration());
@@ -29,7 +21,7 @@ std::unique_ptr<AutoRefiner> make_auto(const std::vector<LoadedObject>& objects,
 RefineWay::RefineWay(const std::vector<LoadedObject>& objects, const BackendOptions& options,
                      const AutoWayOptions& auto_options) {
   if (options.occlusion == "auto") {
-    auto_ = make_auto(objects, options, auto_options, gl_);
+    auto_ = make_auto(objects, auto_options);
     return;
   }
   if (!auto_options.calibration.empty() || !auto_options.save_calibration.empty())

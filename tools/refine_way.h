@@ -18,9 +18,8 @@ namespace occlod::tool {
 
 // `--occlusion auto`.
 struct AutoWayOptions {
-  std::vector<std::string> backends = {"software"};  // to choose from
-  std::filesystem::path calibration;                 // read; empty = measured
-  std::filesystem::path save_calibration;            // written; empty = not
+  std::filesystem::path calibration;       // read; empty = measured
+  std::filesystem::path save_calibration;  // written; empty = not
 };
 
 class RefineWay {

@@ -78,22 +78,19 @@ void render_view(const RenderInput& input, const RenderOptions& options, RefineW
   print_ways(ways);
 }
 
-// Choosing takes looks that pay over a path and not in a single view. Effects that are given leave nothing to choose.
+// Choosing takes looks that pay over a path and not in a single view.
 // From frame to frame occlusion costs so little that it is asked about in any case unless a choice is asked for.
 std::string default_occlusion(const RenderOptions& options) {
   const AutoWayOptions& way = options.auto_way;
-  const bool is_asked_for = options.explain || !way.calibration.empty() || !way.save_calibration.empty() ||
-                            way.backends != AutoWayOptions().backends;
+  const bool is_asked_for = options.explain || !way.calibration.empty() || !way.save_calibration.empty();
   const bool pays = !options.input.path.empty() && !options.frame_to_frame;
-  return options.fixed_effects.empty() && (is_asked_for || pays) ? "auto" : "software";
+  return is_asked_for || pays ? "auto" : "software";
 }
 
 BackendOptions backend_options(const RenderOptions& options) {
   BackendOptions backend = options.backend;
   if (backend.occlusion.empty()) backend.occlusion = default_occlusion(options);
   const bool is_auto = backend.occlusion == "auto";
-  if (is_auto && !options.fixed_effects.empty())
-    throw Error({"auto", options.fixed_effects.front(), "fixes what auto chooses", "leave it out or name a backend"});
   if (!is_auto && options.explain)
     throw Error({backend.occlusion, "--explain", "has no choice to explain", "use it with --occlusion auto"});
   return backend;

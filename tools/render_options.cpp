@@ -13,10 +13,7 @@ namespace occlod::tool {
 namespace {
 
 constexpr std::uint64_t max_triangles = 1'000'000'000'000;  // of a scene: its objects may share hierarchies
-constexpr std::uint64_t max_questions = 1'000'000;
 constexpr std::uint64_t max_frames = 1'000'000;
-constexpr double largest_exponent = 8.0;
-constexpr double largest_hysteresis = 0.999;
 
 void add_input_options(CLI::App& command, RenderOptions& options) {
   add_file(command, "SCENE", options.input.file, "A scene (.json), a mesh or a hierarchy (.olod)")->required();
@@ -31,12 +28,6 @@ void add_input_options(CLI::App& command, RenderOptions& options) {
       "Build the hierarchies of meshes again, and do not keep them for the next time");
 }
 
-void add_exponent(CLI::App& command, const std::string& name, double& exponent, const std::string& of) {
-  add_number(command, name, exponent, RealRange{0.0, largest_exponent},
-             "star: exponent of " + of + " in the priority of a split; 0: ignored")
-      ->capture_default_str();
-}
-
 void add_refine_options(CLI::App& command, RefineOptions& refine) {
   command.option_defaults()->group("Refinement");
   add_number(command, "--budget", refine.budget, WholeRange{1, max_triangles},
@@ -45,74 +36,14 @@ void add_refine_options(CLI::App& command, RefineOptions& refine) {
   add_number(command, "--tolerance", refine.tolerance_px, RealRange{},
              "Stop when no visible split has a larger guaranteed screen error, in pixels; 0: spend the whole budget")
       ->capture_default_str();
-  add_choice(
-      command, "--culling", refine.priority.culling, {{"subtree", Culling::subtree}, {"star", Culling::star}},
-      "What is tested before a split: subtree (as in the paper): whether anything below it may be visible; star: "
-      "also whether the faces that it changes are");
-  add_exponent(command, "--visible-exponent", refine.priority.visible_exponent, "the visible share of its faces");
-  add_exponent(command, "--grazing-exponent", refine.priority.grazing_exponent,
-               "1 / cosine of the angle between its faces and the view");
-  add_exponent(command, "--forced-exponent", refine.priority.forced_exponent, "1 / (1 + unseen splits that it forces)");
+  command.add_flag_callback(
+      "--paper", [&refine] { refine.method = Method::paper; },
+      "Refine as Birkholz & Rahn published it, to compare with: whole subtrees are tested, by cylinders, against the "
+      "mesh after 300 and 2,500 splits");
   add_number(command, "--threads", refine.threads, WholeRange{0, max_threads},
              "Threads that refinement from scratch may use; 0: one per core; more than 2 are not used. The result does "
              "not depend on it")
       ->capture_default_str();
-}
-
-// Of "adaptive" or ascending numbers.
-std::vector<std::uint32_t> parse_occluder_splits(const std::vector<std::string>& steps) {
-  std::vector<std::uint32_t> splits;
-  if (steps.size() == 1 && steps[0] == "adaptive") return splits;
-  for (const std::string& step : steps) {
-    const auto value = whole_number(step);
-    if (!value || *value > max_elements || (!splits.empty() && *value <= splits.back()))
-      throw CLI::ValidationError(
-          "--occluder-splits",
-          fmt::format("{} is neither adaptive alone nor one of ascending whole numbers from 0 to {}", shown(step),
-                      max_elements));
-    splits.push_back(static_cast<std::uint32_t>(*value));
-  }
-  return splits;
-}
-
-// Options that fix what `auto` would choose.
-void add_effect_options(CLI::App& command, RenderOptions& options) {
-  RefineOptions& refine = options.refine;
-  const auto note = [&options](const char* name) { options.fixed_effects.emplace_back(name); };
-  command
-      .add_option_function<std::uint32_t>(
-          "--levels",
-          [&refine, note](const std::uint32_t& levels) {
-            refine.queries.level_step = levels;
-            note("--levels");
-          },
-          "Test subtrees on every N-th level of the hierarchy only; 2 if not given")
-      ->transform(in_range(WholeRange{1, 1000}))
-      ->type_name("N");
-  command
-      .add_option_function<std::vector<std::string>>(
-          "--occluder-splits",
-          [&refine, note](const std::vector<std::string>& steps) {
-            refine.occluder.splits = parse_occluder_splits(steps);
-            note("--occluder-splits");
-          },
-          "Draw the occluder after these numbers of splits, e.g. 300,2500; adaptive (if not given): at a third of "
-          "the budget in triangles and at sixths of that")
-      ->delimiter(',')
-      ->allow_extra_args(false)
-      ->option_text("N,N,...|adaptive");
-  const auto add_switch = [&command, note](const char* name, bool& on, const char* about) {
-    command.add_flag_callback(
-        name,
-        [&on, note, name] {
-          on = false;
-          note(name);
-        },
-        about);
-  };
-  add_switch("--no-retest", refine.occluder.retest_hidden, "Do not test again what an older occluder hid");
-  add_switch("--no-final-check", refine.queries.final_check, "Do not test what is hidden again before the final mesh");
-  add_switch("--no-stars", refine.queries.ask_stars, "star: test subtrees only, not the faces that each split changes");
 }
 
 void add_occlusion_options(CLI::App& command, RenderOptions& options) {
@@ -127,40 +58,22 @@ void add_occlusion_options(CLI::App& command, RenderOptions& options) {
        {"gl-mark", "gl-mark"},
        {"gl-compute", "gl-compute"}},
       "What answers occlusion queries; auto: in each view whatever pays. If not given: software; auto with --path but "
-      "without --frame-to-frame, and with --explain, --backends or a calibration, unless an option fixes what it would "
-      "choose");
-  add_choice(command, "--mode", refine.occluder.mode,
+      "without --frame-to-frame, and with --explain or a calibration");
+  add_choice(command, "--mode", refine.mode,
              {{"paper", OccluderMode::paper}, {"conservative", OccluderMode::conservative}},
              "paper: the current mesh is the occluder as it is; where it bulges out of the true surface it hides too "
              "much. conservative: only what stays hidden wherever collapses may have moved the surface, on squares of "
              "8x8 pixels; hides nothing that the full mesh shows, hides less, and takes longer");
-  add_choice(command, "--proxy", refine.queries.proxy,
-             {{"box", Proxy::box}, {"cylinder", Proxy::cylinder}, {"sphere", Proxy::sphere}},
-             "Bounding volume by which a subtree is tested");
-  add_effect_options(command, options);
 }
 
 void add_gl_options(CLI::App& command, BackendOptions& backend) {
   command.option_defaults()->group("Occlusion by OpenGL (--occlusion gl-...)");
   add_choice<std::string>(command, "--gl-platform", backend.gl_platform, {{"egl", "egl"}, {"osmesa", "osmesa"}},
                           "How to create the OpenGL context; whatever the machine offers if not given");
-  add_number(command, "--flight", backend.flight, WholeRange{1, max_questions},
-             "Queries under way at once; the backend's own number if not given");
-  add_number(command, "--query-window", backend.window, WholeRange{0, max_questions},
-             "gl-query: of those, queries that OpenGL holds at once; measured if 0 or not given");
-  add_number(command, "--occlusion-divisor", backend.divisor, WholeRange{1, 1024},
-             "gl-query, gl-mark: test at a resolution so many times smaller in each direction");
-  command.add_flag("--conservative-queries", backend.conservative,
-                   "gl-query: let the driver answer visible where that is faster (OpenGL 4.3)");
 }
 
 void add_auto_options(CLI::App& command, RenderOptions& options) {
   command.option_defaults()->group("Choice of occlusion (--occlusion auto)");
-  command.add_option("--backends", options.auto_way.backends, "Backends to choose from")
-      ->delimiter(',')
-      ->allow_extra_args(false)
-      ->transform(one_of({"software", "gl-query", "gl-mark", "gl-compute"}))
-      ->option_text("NAME,NAME,... [software]");
   add_file(command, "--calibration", options.auto_way.calibration,
            "Read what the parts of a frame cost on this machine; measured if not given");
   add_file(command, "--save-calibration", options.auto_way.save_calibration,
@@ -181,20 +94,16 @@ void add_following_options(CLI::App& command, RenderOptions& options) {
                     "With --path: start from the mesh of the frame before instead of from scratch; not with --repeat")
           ->needs(command.get_option("--path"))
           ->excludes(command.get_option("--repeat"));
-  add_number(command, "--hysteresis", refine.update.hysteresis, RealRange{0.0, largest_hysteresis},
-             "Relative margin by which a candidate must exceed an applied split to replace it")
-      ->capture_default_str()
-      ->needs(following);
-  add_number(command, "--max-changes", refine.update.max_changes, WholeRange{0, max_triangles},
+  add_number(command, "--max-changes", refine.max_changes, WholeRange{0, max_triangles},
              "Most splits and merges in one frame, except what the budget forces; 0: no limit")
       ->capture_default_str()
       ->needs(following);
   add_number(
-      command, "--time-limit", refine.update.time_limit_ms, RealRange{},
+      command, "--time-limit", refine.time_limit_ms, RealRange{},
       "Milliseconds after which a frame splits and merges no more; 0: no limit. Results then depend on the clock")
       ->capture_default_str()
       ->needs(following);
-  add_number(command, "--geomorph-frames", refine.update.geomorph_frames, WholeRange{0, max_frames},
+  add_number(command, "--geomorph-frames", refine.geomorph_frames, WholeRange{0, max_frames},
              "Frames in which a new vertex slides from its parent to its place; 0: at once")
       ->capture_default_str()
       ->needs(following);

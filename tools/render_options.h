@@ -21,7 +21,6 @@ struct RenderOptions {
   RefineOptions refine;
   BackendOptions backend;  // `occlusion` is empty when it is not given
   AutoWayOptions auto_way;
-  std::vector<std::string> fixed_effects;  // of the options given, those that auto would choose
   bool explain = false;
   std::string png;
   std::string birdseye;

@@ -32,25 +32,14 @@ Json asked_of(const RenderInput& input, const RefineOptions& options, const Refi
   Json report;
   report["scene"] = input.name;
   if (input.path) report["path"] = input.path_name;
-  report["culling"] = name_of(options.priority.culling);
-  report["mode"] = name_of(options.occluder.mode);
+  report["method"] = name_of(options.method);
+  report["mode"] = name_of(options.mode);
   report["occlusion"] = way.name();
   if (!way.gl().is_null()) report["gl"] = way.gl();
   report["budget"] = options.budget;
   report["tolerance_px"] = options.tolerance_px;
-  report["visible_exponent"] = options.priority.visible_exponent;
-  report["proxy"] = name_of(options.queries.proxy);
-  report["grazing_exponent"] = options.priority.grazing_exponent;
-  report["forced_exponent"] = options.priority.forced_exponent;
-  if (way.chooser() != nullptr) {  // what it chooses is told view by view
+  if (way.chooser() != nullptr)  // what it chooses is told view by view
     report["calibration"] = Json::parse(calibration_json(way.chooser()->calibration()));
-    return report;
-  }
-  report["level_step"] = options.queries.level_step;
-  report["ask_stars"] = options.queries.ask_stars;
-  report["occluder_splits"] = options.occluder.splits.empty() ? Json("adaptive") : Json(options.occluder.splits);
-  report["retest_hidden"] = options.occluder.retest_hidden;
-  report["final_check"] = options.queries.final_check;
   return report;
 }
 
@@ -87,10 +76,9 @@ Json stats_of(const Measurement& measurement) {
 }
 
 Json following_asked_of(const RefineOptions& options) {
-  return {{"hysteresis", options.update.hysteresis},
-          {"max_changes", options.update.max_changes},
-          {"time_limit_ms", options.update.time_limit_ms},
-          {"geomorph_frames", options.update.geomorph_frames}};
+  return {{"max_changes", options.max_changes},
+          {"time_limit_ms", options.time_limit_ms},
+          {"geomorph_frames", options.geomorph_frames}};
 }
 
 Json changes_of(const RefineStats& stats) {

@@ -4,6 +4,8 @@
 
 #include <cstdint>
 
+#include "refine/tuning.h"
+
 namespace occlod::bench {
 namespace {
 
@@ -36,11 +38,11 @@ std::vector<FixedSetting> fixed_settings(std::size_t budget) {
       for (const bool stars : {false, true})
         for (const bool retest : {false, true})
           for (const bool check : {false, true}) {
-            options.occluder.splits = steps.splits;
-            options.queries.level_step = levels;
-            options.queries.ask_stars = stars;
-            options.occluder.retest_hidden = retest;
-            options.queries.final_check = check;
+            tune(options).occluder_splits = steps.splits;
+            tune(options).level_step = levels;
+            tune(options).ask_stars = stars;
+            tune(options).retest_hidden = retest;
+            tune(options).final_check = check;
             settings.push_back({fmt::format("steps {}, levels {}{}{}{}", steps.name, levels, stars ? ", stars" : "",
                                             retest ? ", retest" : "", check ? ", final check" : ""),
                                 options});

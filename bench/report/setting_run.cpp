@@ -8,6 +8,7 @@
 
 #include "base/timing.h"
 #include "drawing.h"
+#include "refine/tuning.h"
 #include "report/coarse_occlusion.h"
 
 namespace occlod::bench {
@@ -33,10 +34,10 @@ std::unique_ptr<Visibility> make_visibility(const Setting& setting) {
 std::string what_hides(const Setting& setting) {
   const RefineOptions& o = setting.refine;
   if (!setting.occlusion) return {};
-  return fmt::format("{} {} {} {} {} {} {} {} {} {} {}", setting.raster_divisor, static_cast<int>(o.priority.culling),
-                     o.priority.visible_exponent, o.priority.grazing_exponent, o.priority.forced_exponent,
-                     fmt::join(o.occluder.splits, ","), o.occluder.retest_hidden, o.queries.final_check,
-                     static_cast<int>(o.occluder.mode), static_cast<int>(o.queries.proxy), o.queries.level_step);
+  return fmt::format("{} {} {} {} {} {} {} {} {} {} {}", setting.raster_divisor, static_cast<int>(tuning_of(o).culling),
+                     tuning_of(o).visible_exponent, tuning_of(o).grazing_exponent, tuning_of(o).forced_exponent,
+                     fmt::join(tuning_of(o).occluder_splits, ","), tuning_of(o).retest_hidden, tuning_of(o).final_check,
+                     static_cast<int>(o.mode), static_cast<int>(tuning_of(o).proxy), tuning_of(o).level_step);
 }
 
 SettingRun::SettingRun(const Setting& setting, std::vector<LoadedObject> objects)
@@ -47,8 +48,8 @@ SettingRun::SettingRun(const Setting& setting, std::vector<LoadedObject> objects
 
 void SettingRun::start(const View& view) {
   RefineOptions unlimited = setting_.refine;
-  unlimited.update.max_changes = 0;
-  unlimited.update.time_limit_ms = 0.0;
+  unlimited.max_changes = 0;
+  unlimited.time_limit_ms = 0.0;
   measurement_.repeat(view, unlimited, *visibility_);
   record();
 }

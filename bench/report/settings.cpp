@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "refine/tuning.h"
 #include "visibility/scene_run.h"
 #include "visibility/table.h"
 
@@ -12,7 +13,7 @@ using S = Setting;
 
 void choose_as_the_paper(S& setting) { setting.refine = refine_options(setting.refine.budget, Culling::subtree); }
 
-constexpr const char* paper_flags = "--culling subtree --proxy cylinder --occluder-splits 300,2500 --no-final-check";
+constexpr const char* paper_flags = "--paper";
 
 // Stops at a promised error; the budget only keeps it from the full mesh.
 Change tolerance(double px) {
@@ -24,16 +25,17 @@ Change tolerance(double px) {
 }
 
 Change steps(const std::string& name, const std::vector<std::uint32_t>& splits) {
-  return {name, "--occluder-splits " + name, [splits](S& s) { s.refine.occluder.splits = splits; }};
+  return {name, fmt::format("(occluder after {} splits)", name),
+          [splits](S& s) { tune(s.refine).occluder_splits = splits; }};
 }
 
 Change levels(std::uint32_t step) {
-  return {fmt::format("every {}", step), fmt::format("--levels {}", step),
-          [step](S& s) { s.refine.queries.level_step = step; }};
+  return {fmt::format("every {}", step), fmt::format("(subtrees asked on every {}. level)", step),
+          [step](S& s) { tune(s.refine).level_step = step; }};
 }
 
 Change proxy(const std::string& name, Proxy proxy) {
-  return {name, "--proxy " + name, [proxy](S& s) { s.refine.queries.proxy = proxy; }};
+  return {name, fmt::format("(proxy {})", name), [proxy](S& s) { tune(s.refine).proxy = proxy; }};
 }
 
 Change raster(int divisor) {
@@ -53,14 +55,14 @@ Change work_limit(std::size_t changes) {
   return {fmt::format("{}", changes), fmt::format("--path NAME --frame-to-frame --max-changes {}", changes),
           [changes](S& s) {
             go_on(s);
-            s.refine.update.max_changes = changes;
+            s.refine.max_changes = changes;
           }};
 }
 
 Change hysteresis(double part) {
-  return {fmt::format("{}", part), fmt::format("--path NAME --frame-to-frame --hysteresis {}", part), [part](S& s) {
+  return {fmt::format("{}", part), fmt::format("--path NAME --frame-to-frame (hysteresis {})", part), [part](S& s) {
             go_on(s);
-            s.refine.update.hysteresis = part;
+            tune(s.refine).hysteresis = part;
           }};
 }
 
@@ -78,8 +80,7 @@ const std::vector<Change>& series() {
          s.occlusion = false;
        }},
       {"occlod, no occlusion", "--occlusion none", [](S& s) { s.occlusion = false; }},
-      {"occlod, conservative", "--mode conservative",
-       [](S& s) { s.refine.occluder.mode = OccluderMode::conservative; }},
+      {"occlod, conservative", "--mode conservative", [](S& s) { s.refine.mode = OccluderMode::conservative; }},
       {"paper's LOD", joined(paper_flags, "--occlusion none"),
        [](S& s) {
          choose_as_the_paper(s);
@@ -116,8 +117,8 @@ const std::vector<Knob>& knobs() {
        {raster(2), raster(4)}},
       {"checks",
        "what is asked again when the occluder has changed",
-       {{"no retest", "--no-retest", [](S& s) { s.refine.occluder.retest_hidden = false; }},
-        {"no final check", "--no-final-check", [](S& s) { s.refine.queries.final_check = false; }}}},
+       {{"no retest", "(no retest)", [](S& s) { tune(s.refine).retest_hidden = false; }},
+        {"no final check", "(no final check)", [](S& s) { tune(s.refine).final_check = false; }}}},
       {"textures",
        "triangles go where the shape is wrong alone, however far texture coordinates, normals and colours slip",
        {free_to_slip()}},

@@ -12,6 +12,7 @@
 
 #include "accuracy.h"
 #include "occlod/base.h"
+#include "refine/tuning.h"
 #include "report/setting_run.h"
 #include "visibility/views.h"
 
@@ -28,8 +29,8 @@ class HiddenCounts {
     if (setting.frame_to_frame) return std::numeric_limits<double>::quiet_NaN();
     const auto [found, is_new] = counts_.try_emplace(what_hides(setting), 0.0);
     if (!is_new || !setting.occlusion) return found->second;
-    if (!culling_ || *culling_ != setting.refine.priority.culling) counter_.set_view(view_, setting.refine);
-    culling_ = setting.refine.priority.culling;
+    if (!culling_ || *culling_ != tuning_of(setting.refine).culling) counter_.set_view(view_, setting.refine);
+    culling_ = tuning_of(setting.refine).culling;
     found->second = static_cast<double>(counter_.count(setting.refine, *make_visibility(setting)));
     return found->second;
   }

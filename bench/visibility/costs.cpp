@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "option_names.h"
+#include "refine/tuning.h"
 #include "visibility/subjects.h"
 
 namespace occlod::bench {
@@ -26,29 +26,29 @@ std::vector<Variant> variants(const RefineOptions& base) {
   using O = RefineOptions;
   return {
       {"as it is", base},
-      {"proxy box", with(base, [](O& o) { o.queries.proxy = Proxy::box; })},
-      {"proxy sphere", with(base, [](O& o) { o.queries.proxy = Proxy::sphere; })},
-      {"proxy cylinder", with(base, [](O& o) { o.queries.proxy = Proxy::cylinder; })},
-      {"levels 1", with(base, [](O& o) { o.queries.level_step = 1; })},
-      {"levels 3", with(base, [](O& o) { o.queries.level_step = 3; })},
-      {"levels 4", with(base, [](O& o) { o.queries.level_step = 4; })},
-      {"steps adaptive", with(base, [](O& o) { o.occluder.splits.clear(); })},
-      {"no occluder", with(base, [](O& o) { o.occluder.splits = {no_id}; })},  // so many splits there are never
-      {"steps 300", with(base, [](O& o) { o.occluder.splits = {300}; })},
+      {"proxy box", with(base, [](O& o) { tune(o).proxy = Proxy::box; })},
+      {"proxy sphere", with(base, [](O& o) { tune(o).proxy = Proxy::sphere; })},
+      {"proxy cylinder", with(base, [](O& o) { tune(o).proxy = Proxy::cylinder; })},
+      {"levels 1", with(base, [](O& o) { tune(o).level_step = 1; })},
+      {"levels 3", with(base, [](O& o) { tune(o).level_step = 3; })},
+      {"levels 4", with(base, [](O& o) { tune(o).level_step = 4; })},
+      {"steps adaptive", with(base, [](O& o) { tune(o).occluder_splits.clear(); })},
+      {"no occluder", with(base, [](O& o) { tune(o).occluder_splits = {no_id}; })},  // so many splits there are never
+      {"steps 300", with(base, [](O& o) { tune(o).occluder_splits = {300}; })},
       {"steps 300,2500", with(base,
                               [](O& o) {
-                                o.occluder.splits = {300, 2500};
+                                tune(o).occluder_splits = {300, 2500};
                               })},
       {"steps 300,1000,2500,5000", with(base,
                                         [](O& o) {
-                                          o.occluder.splits = {300, 1000, 2500, 5000};
+                                          tune(o).occluder_splits = {300, 1000, 2500, 5000};
                                         })},
-      {"no retest", with(base, [](O& o) { o.occluder.retest_hidden = false; })},
-      {"no final check", with(base, [](O& o) { o.queries.final_check = false; })},
-      {"no weight of the visible share", with(base, [](O& o) { o.priority.visible_exponent = 0.0; })},
-      {"no weight of grazing faces", with(base, [](O& o) { o.priority.grazing_exponent = 0.0; })},
-      {"no weight of what is forced", with(base, [](O& o) { o.priority.forced_exponent = 0.0; })},
-      {"conservative", with(base, [](O& o) { o.occluder.mode = OccluderMode::conservative; })},
+      {"no retest", with(base, [](O& o) { tune(o).retest_hidden = false; })},
+      {"no final check", with(base, [](O& o) { tune(o).final_check = false; })},
+      {"no weight of the visible share", with(base, [](O& o) { tune(o).visible_exponent = 0.0; })},
+      {"no weight of grazing faces", with(base, [](O& o) { tune(o).grazing_exponent = 0.0; })},
+      {"no weight of what is forced", with(base, [](O& o) { tune(o).forced_exponent = 0.0; })},
+      {"conservative", with(base, [](O& o) { o.mode = OccluderMode::conservative; })},
   };
 }
 
@@ -64,7 +64,7 @@ void add_variants_of(Table& table, SceneRun& run, const VisibilityOptions& optio
     const tool::RenderTimes times = measurements[i].times();
     const Share share{stats.triangles, measurements[i].visible_triangles(), {}};
     table.add({{"scene", run.description.name},
-               {"culling", tool::name_of(culling)},
+               {"culling", name_of(culling)},
                {"variant", all[i].name},
                {"budget", options.table_budget},
                {"triangles", stats.triangles},
@@ -99,7 +99,7 @@ void add_times(Table& table, SceneRun& run, const VisibilityOptions& options) {
       }
       const tool::RenderTimes without = run.without.times(), with = run.with.times();
       table.add({{"scene", run.description.name},
-                 {"culling", tool::name_of(culling)},
+                 {"culling", name_of(culling)},
                  {"budget", budget},
                  {"refine_ms_without", without.refine_ms},
                  {"draw_ms_without", without.draw_ms},

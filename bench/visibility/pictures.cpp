@@ -6,6 +6,7 @@
 
 #include "drawing.h"
 #include "occlod/picture.h"
+#include "refine/tuning.h"
 #include "visibility/subjects.h"
 
 namespace occlod::bench {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "accuracy.h"
+#include "refine/tuning.h"
 #include "visibility/subjects.h"
 
 namespace occlod::bench {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "occlod/visibility.h"
+#include "refine/tuning.h"
 
 namespace occlod::bench {
 namespace {
@@ -64,11 +65,11 @@ Share measure_share(tool::Measurement& measurement, const View& view, const Refi
 RefineOptions refine_options(std::size_t budget, Culling culling) {
   RefineOptions options;
   options.budget = budget;
-  options.priority.culling = culling;
+  tune(options).culling = culling;
   if (culling == Culling::subtree) {
-    options.occluder.splits = {300, 2500};
-    options.queries.proxy = Proxy::cylinder;
-    options.queries.final_check = false;
+    tune(options).occluder_splits = {300, 2500};
+    tune(options).proxy = Proxy::cylinder;
+    tune(options).final_check = false;
   }
   return options;
 }

@@ -12,6 +12,7 @@
 #include "occlod/refiner.h"
 #include "occlod/scene.h"
 #include "occlod/view.h"
+#include "refine/tuning.h"
 #include "render_input.h"
 
 namespace occlod::bench {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "option_names.h"
+#include "refine/tuning.h"
 #include "visibility/subjects.h"
 #include "visibility/views.h"
 
@@ -23,11 +24,11 @@ void add_shares_of(Table& table, SceneRun& run, const NamedView& named, std::siz
   const Share none = measure_share(run.without, view, without, run.none);
   for (const OccluderMode mode : {OccluderMode::paper, OccluderMode::conservative}) {
     RefineOptions with = without;
-    with.occluder.mode = mode;
+    with.mode = mode;
     const Share software = measure_share(run.with, view, with, *run.software);
     table.add({{"scene", run.description.name},
                {"view", named.name},
-               {"culling", tool::name_of(culling)},
+               {"culling", name_of(culling)},
                {"budget", budget},
                {"mode", tool::name_of(mode)},
                {"triangles_without", none.triangles},

@@ -72,7 +72,7 @@ class Hunt {
       return false;
     }
     for (std::size_t i = 0; i < modes.size(); ++i) {
-      refine.occluder.mode = modes[i];
+      refine.mode = modes[i];
       const std::size_t pixels = counter_.count(refine, *run_.software);
       tallies_[i].add(pixels, counter_.allowed_px());
       if (pixels == 0) continue;

@@ -17,6 +17,7 @@
 #include "occlod/visibility.h"
 #include "refine/forecast.h"
 #include "refine/probe.h"
+#include "refine/tuning.h"
 
 namespace occlod {
 namespace {
@@ -214,8 +215,9 @@ class AutoRefiner::Impl {
     placed_ = false;
     RefineOptions chosen = report_.choice.with(options);
     // Each frame draws one occluder, whatever these are; where they changed it would be refined from scratch.
-    chosen.occluder.splits.clear();
-    chosen.occluder.retest_hidden = true;
+    Tuning& tuning = tune(chosen);
+    tuning.occluder_splits.clear();
+    tuning.retest_hidden = true;
     const Refinement& refinement = refiner_.update(view, chosen, chosen_backend());
     report_.objects = refinement.effects;
     if (stands) return refinement;
@@ -247,10 +249,9 @@ class AutoRefiner::Impl {
   [[nodiscard]] bool is_far_from_last_look(const View& view, const RefineOptions& options) const {
     const double growth = static_cast<double>(options.budget) / static_cast<double>(looked_with_.budget);
     const double zoom = view.focal_length_px() / looked_from_->focal_length_px();
-    return options.priority.culling != looked_with_.priority.culling ||
-           options.occluder.mode != looked_with_.occluder.mode || growth > same_budget_factor ||
-           growth * same_budget_factor < 1.0 || zoom > same_zoom_factor || zoom * same_zoom_factor < 1.0 ||
-           view.is_orthographic() != looked_from_->is_orthographic() ||
+    return tuning_of(options).culling != tuning_of(looked_with_).culling || options.mode != looked_with_.mode ||
+           growth > same_budget_factor || growth * same_budget_factor < 1.0 || zoom > same_zoom_factor ||
+           zoom * same_zoom_factor < 1.0 || view.is_orthographic() != looked_from_->is_orthographic() ||
            glm::dot(view.direction(), looked_from_->direction()) < near_cosine ||
            glm::distance(view.camera().eye, looked_from_->camera().eye) > near_share * extent_ || has_moved_far();
   }
@@ -403,7 +404,7 @@ class AutoRefiner::Impl {
     const std::size_t views = renewal_.known() ? views_before_later_look_back : views_before_look_back;
     const bool has_settled =
         (unlooked_ == 0 && views_since_look_ > views) || jumps_ >= (renewal_.known() ? jumps_per_look_back : 2);
-    if (back_due_ && has_settled && options.occluder.mode == OccluderMode::paper)
+    if (back_due_ && has_settled && options.mode == OccluderMode::paper)
       look_back(view, options, refinement, std::max(level_px, stats.level_px));
   }
 

@@ -23,6 +23,7 @@
 #include "raster/clip.h"
 #include "raster/device_cost_fields.h"
 #include "refine/star_visibility.h"
+#include "refine/tuning.h"
 #include "refine/weigh.h"
 
 namespace occlod {
@@ -233,12 +234,13 @@ double Workload::query_ns(Visibility& backend, const Calibration& calibration) c
   const RefineObject objects[] = {{.hierarchy = &hierarchy_}};
   Refiner refiner(objects);
   RefineOptions options = half_budget();
-  options.occluder.splits = {64};
-  options.occluder.retest_hidden = options.queries.final_check = false;
+  tune(options).occluder_splits = {64};
+  tune(options).retest_hidden = false;
+  tune(options).final_check = false;
   std::array<double, 2> ns{}, queries{};
   for (const std::size_t asks : {0U, 1U}) {
-    options.queries.ask_stars = asks != 0;
-    options.queries.level_step = asks != 0 ? 1 : no_levels;
+    tune(options).ask_stars = asks != 0;
+    tune(options).level_step = asks != 0 ? 1 : no_levels;
     RefineStats stats;
     const double all = fastest_ns([&] { stats = refiner.refine(near_, options, backend).stats; });
     ns[asks] = all - static_cast<double>(stats.visits) * calibration.visit_ns -

@@ -5,6 +5,7 @@
 
 #include "occlod/auto_refiner.h"
 #include "refine/occluder.h"
+#include "refine/tuning.h"
 
 namespace occlod {
 namespace {
@@ -220,12 +221,13 @@ std::string_view name_of(OcclusionEffort effort) noexcept {
 
 RefineOptions EffectChoice::with(RefineOptions options) const {
   const bool renewed = effort == OcclusionEffort::renewed_subtrees || effort == OcclusionEffort::renewed_stars;
-  options.occluder.splits.clear();
-  if (!renewed) options.occluder.splits.push_back(single_occluder_splits(options.budget));
-  options.queries.ask_stars = effort == OcclusionEffort::stars || effort == OcclusionEffort::renewed_stars;
-  options.queries.level_step = level_step;
-  options.occluder.retest_hidden = renewed;
-  options.queries.final_check = false;
+  Tuning& tuning = tune(options);
+  tuning.occluder_splits.clear();
+  if (!renewed) tuning.occluder_splits.push_back(single_occluder_splits(options.budget));
+  tuning.ask_stars = effort == OcclusionEffort::stars || effort == OcclusionEffort::renewed_stars;
+  tuning.level_step = level_step;
+  tuning.retest_hidden = renewed;
+  tuning.final_check = false;
   options.effects = objects;
   return options;
 }

@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "refine/tuning.h"
+
 namespace occlod {
 namespace {
 
@@ -95,7 +97,7 @@ float UnseenNeeds::unseen_part(std::uint32_t object, SplitId s) {
 
 float UnseenNeeds::weight(float unseen) const {
   const RefineOptions* const options = evaluation_.scene().options;
-  const double exponent = options->priority.forced_exponent;
+  const double exponent = tuning_of(*options).forced_exponent;
   return exponent == 1.0 ? 1.0F / (1.0F + unseen) : std::pow(1.0F + unseen, -static_cast<float>(exponent));
 }
 
@@ -228,7 +230,7 @@ void SplitExchange::gather_candidates(float low, float high) {
     select(evaluation_.priorities(i),
            {.all = Front::reached | Front::descended, .none = Front::applied | Front::hidden, .may_exceed = low},
            found_);
-    if (options->priority.culling == Culling::subtree) evaluation_.evaluate(i, found_);
+    if (tuning_of(*options).culling == Culling::subtree) evaluation_.evaluate(i, found_);
     leave_out_low(i, low);
     constexpr std::size_t ahead = 4;
     for (std::size_t at = 0; at < found_.size(); ++at) {
@@ -300,12 +302,12 @@ void SplitExchange::gather_leaves(float low, float high) {
   const RefineOptions* const options = evaluation_.scene().options;
   const float may_be_below = options->tolerance_px > 0.0 ? infinity : high;
   for (std::uint32_t i = 0; i < evaluation_.object_count(); ++i) {
-    if (options->priority.culling == Culling::star) weigh_leaves(i);
+    if (tuning_of(*options).culling == Culling::star) weigh_leaves(i);
     found_.clear();
     select(evaluation_.errors(i), {.all = wanted | Front::hidden, .none = Front::is_new}, found_);
     select(evaluation_.leaf_priorities(i),
            {.all = wanted, .none = Front::is_new | Front::hidden, .may_be_below = may_be_below}, found_);
-    if (options->priority.culling == Culling::subtree) evaluation_.evaluate(i, found_);
+    if (tuning_of(*options).culling == Culling::subtree) evaluation_.evaluate(i, found_);
     for (const Front::Index k : found_) {
       const float priority = leaf_priority(i, k);
       if (priority >= low && priority < high) enqueue_leaf(i, evaluation_.front(i).node(k).split, priority);
@@ -323,8 +325,8 @@ bool SplitExchange::gather_more_leaves() {
 
 bool SplitExchange::limit_reached() const {
   const RefineOptions* const options = evaluation_.scene().options;
-  if (options->update.max_changes > 0 && changes_ >= options->update.max_changes) return true;
-  return options->update.time_limit_ms > 0.0 && milliseconds_since(start_) >= options->update.time_limit_ms;
+  if (options->max_changes > 0 && changes_ >= options->max_changes) return true;
+  return options->time_limit_ms > 0.0 && milliseconds_since(start_) >= options->time_limit_ms;
 }
 
 void SplitExchange::descend(const Entry& entry) {
@@ -359,7 +361,7 @@ bool SplitExchange::step_back(const Entry& entry) {
 // Gives up the least important leaf, if that is worth it for what matters so much.
 bool SplitExchange::make_room(float /*turn_priority*/, float priority) {
   const RefineOptions* const options = evaluation_.scene().options;
-  const float most = priority * (1.0F - static_cast<float>(options->update.hysteresis));
+  const float most = priority * (1.0F - static_cast<float>(tuning_of(*options).hysteresis));
   // What is not queued yet matters more than the queue's limit.
   if (leaves_.empty() && (most <= leaves_below_ || !gather_more_leaves())) return false;
   if (!(1.0F / leaves_.top().priority < most)) return false;
@@ -384,7 +386,7 @@ void SplitExchange::apply_closure(const Entry& entry, const Cut::Closure& closur
 }
 
 void SplitExchange::note_forced(const Entry& entry, const Cut::Closure& closure) {
-  const bool by_star = evaluation_.scene().options->priority.culling == Culling::star;
+  const bool by_star = tuning_of(*evaluation_.scene().options).culling == Culling::star;
   Front& front = evaluation_.front(entry.object);
   for (const SplitId s : closure.splits) {
     const Front::Index k = front.find(s);
@@ -453,7 +455,7 @@ void SplitExchange::enqueue_new_leaf(std::uint32_t object, SplitId s) {
   if (front.is(k, Front::is_new)) return;
   // It may well be hidden too, and then its room is wanted now.
   queries_.ask_about_new_leaf(object, k);
-  if (evaluation_.scene().options->priority.culling == Culling::star) weigh_leaf(object, k);
+  if (tuning_of(*evaluation_.scene().options).culling == Culling::star) weigh_leaf(object, k);
   const float priority = leaf_priority(object, k);
   if (priority < leaves_below_) enqueue_leaf(object, s, priority);
 }
@@ -467,7 +469,7 @@ void SplitExchange::enqueue_leaf(std::uint32_t object, SplitId s, float priority
 float SplitExchange::leaf_priority(std::uint32_t object, Front::Index k) {
   const SplitWorth worth = evaluation_.worth(object, k);
   const RefineOptions* const options = evaluation_.scene().options;
-  const double needless = options->tolerance_px * (1.0 - options->update.hysteresis);
+  const double needless = options->tolerance_px * (1.0 - tuning_of(*options).hysteresis);
   if (static_cast<double>(worth.error.guaranteed_px) <= needless) return 0.0F;
   return std::min(worth.priority, std::numeric_limits<float>::max());
 }
@@ -549,7 +551,7 @@ void Frames::exchange_splits(bool moved, RefineStats& stats) {
   else
     queries_.forget_hidden();
   exchange_.run();
-  if (!can_hide || !moved || !scene.options->queries.final_check || exchange_.changes() == 0) return;
+  if (!can_hide || !moved || !tuning_of(*scene.options).final_check || exchange_.changes() == 0) return;
   if (checks_since_useful_ > max_useless_checks && frame_ % rare_checks != 0) return;
   const std::span<const Entry> shown = queries_.check_hidden(exchange_.level());
   stats.readmitted += shown.size();
@@ -579,7 +581,7 @@ void Frames::emit(std::span<RefinedObject> out, RefineStats& stats) {
     Front& front = evaluation_.front(i);
     for (const SplitId s : meshes_[i].born())
       if (const Front::Index k = front.find(s); k != Front::none) front.set(k, Front::is_new, false);
-    meshes_[i].emit((*scene.cuts)[i], options->update.geomorph_frames, out[i], stats);
+    meshes_[i].emit((*scene.cuts)[i], options->geomorph_frames, out[i], stats);
     for (const SplitId s : meshes_[i].born()) {
       const Front::Index k = front.find(s);
       if (front.is(k, Front::forced)) ++stats.forced_splits;

@@ -6,6 +6,7 @@
 #include "base/threads.h"
 #include "base/timing.h"
 #include "refine/refined_scene.h"
+#include "refine/tuning.h"
 #include "refine/weigh.h"
 
 namespace occlod {
@@ -120,7 +121,7 @@ void EntryQueries::draw_occluder(EntryQueues& queues, const Growth& now) {
   queries_->draw_occluder(*scene_.cuts);
   steps_.drawn(now);
   ++occluder_;
-  if (!options->occluder.retest_hidden) return;
+  if (!tuning_of(*options).retest_hidden) return;
   for (const Entry& entry : hidden_) {  // (Birkholz & Rahn, sec. 3.2)
     forget_verdict(entry);
     queues.push(entry);
@@ -178,7 +179,7 @@ void NodeVisits::evaluate_object(std::span<const Entry> visits, std::span<Found>
   const Hierarchy& hierarchy = scene_.hierarchy(object);
   const ObjectView& view = scene_.views[object];
   const RefineOptions* const options = scene_.options;
-  const bool wants_stars = options->priority.culling == Culling::star;
+  const bool wants_stars = tuning_of(*options).culling == Culling::star;
   const bool attributes = scene_.objects[object].attributes;
   splits.clear();
   children.clear();
@@ -235,7 +236,7 @@ void FromScratch::refine(const RefinedScene& scene, RefineStats& stats) {
   run();
   end_level_ = queues_.top_priority();
   const RefineOptions* const options = scene_.options;
-  if (options->queries.final_check) readmit();
+  if (tuning_of(*options).final_check) readmit();
   finish();
 }
 
@@ -294,7 +295,7 @@ void FromScratch::start_visits() {
   visits_.begin(scene_, entries_, taken_visits_);
   visits_known_ = false;
   const RefineOptions* const options = scene_.options;
-  const bool is_worth_it = options->priority.culling == Culling::star || waits_for_memory_;
+  const bool is_worth_it = tuning_of(*options).culling == Culling::star || waits_for_memory_;
   if (threads_ > 1 && is_worth_it && visits_.piece_count() > 0 && scene_.queries->many_threads_may_ask())
     companion_.start(work_beside_);
 }
@@ -309,7 +310,7 @@ void FromScratch::finish_visits() {
 
 void FromScratch::enqueue_found() {
   const RefineOptions* const options = scene_.options;
-  const bool by_star = options->priority.culling == Culling::star;
+  const bool by_star = tuning_of(*options).culling == Culling::star;
   for (const NodeVisits::Piece& piece : visits_.pieces()) {
     if (!by_star) apply_visited(piece.visits);
     for (std::size_t i = 0; i < piece.visits.size(); ++i) {
@@ -385,7 +386,7 @@ bool FromScratch::step_back(const Entry& entry) {
 // What the splits and those that they will force want from memory, in steps; and how the latter are seen, together.
 void FromScratch::look_at_needed() {
   const RefineOptions* const options = scene_.options;
-  const bool by_star = options->priority.culling == Culling::star;
+  const bool by_star = tuning_of(*options).culling == Culling::star;
   if (!by_star && !waits_for_memory_) return;
   for (const Entry& entry : applies_) prefetch(&scene_.hierarchy(entry.object).node(entry.split));
   for (const Entry& entry : applies_) {
@@ -531,7 +532,7 @@ void FromScratch::apply_closure(const Entry& entry, const Cut::Closure& closure)
   rejections_in_a_row_ = 0;
   entries_.steps().split_applied(entry.error.quadric_px);
   stats_->splits += closure.splits.size();
-  const bool by_star = scene_.options->priority.culling == Culling::star;
+  const bool by_star = tuning_of(*scene_.options).culling == Culling::star;
   for (const SplitId s : closure.splits.subspan(1))
     forced_.push_back({entry.object, s, by_star && scene_.importances[entry.object].visible_share(s) == 0.0F});
   scene_.cuts->apply_closure(entry.object);
@@ -547,7 +548,7 @@ bool FromScratch::step_due() { return scene_.queries->can_hide() && !level_ && e
 // At its step, and when all that is left is hidden by an occluder that has since been refined.
 bool FromScratch::occluder_due() {
   if (step_due()) return true;
-  return scene_.queries->can_hide() && !level_ && scene_.options->occluder.retest_hidden && queues_.empty() &&
+  return scene_.queries->can_hide() && !level_ && tuning_of(*scene_.options).retest_hidden && queues_.empty() &&
          !hidden().empty() && stats_->splits > entries_.steps().last().splits;
 }
 

@@ -18,6 +18,7 @@
 #include "refine/queue.h"
 #include "refine/refined_scene.h"
 #include "refine/star_visibility.h"
+#include "refine/tuning.h"
 
 namespace occlod {
 

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "base/arithmetic.h"
+#include "refine/tuning.h"
 #include "refine/weigh.h"
 
 namespace occlod {
@@ -168,7 +169,7 @@ void FrontEvaluation::move(std::uint32_t object) {
     of.motion.rotation_rad += moved->rotation_rad;
     if (is_small_motion(of.motion, box)) {
       of.front.scales().update(of.motion);
-      if (options->priority.culling == Culling::star) of.front.priorities().update(of.motion);
+      if (tuning_of(*options).culling == Culling::star) of.front.priorities().update(of.motion);
       return;
     }
   }
@@ -195,14 +196,14 @@ BoundedProducts FrontEvaluation::guaranteed_errors(std::uint32_t object) const {
 
 BoundedProducts FrontEvaluation::priorities(std::uint32_t object) const {
   const RefineOptions* const options = scene_.options;
-  if (options->priority.culling == Culling::subtree) return errors(object);
+  if (tuning_of(*options).culling == Culling::subtree) return errors(object);
   const Front& front = objects_[object].front;
   return {front.priorities(), {}, front.flags()};
 }
 
 BoundedProducts FrontEvaluation::leaf_priorities(std::uint32_t object) const {
   const RefineOptions* const options = scene_.options;
-  if (options->priority.culling == Culling::subtree) return errors(object);
+  if (tuning_of(*options).culling == Culling::subtree) return errors(object);
   const Front& front = objects_[object].front;
   return {front.priorities(), front.forced_weights(), front.flags()};
 }
@@ -210,14 +211,14 @@ BoundedProducts FrontEvaluation::leaf_priorities(std::uint32_t object) const {
 float FrontEvaluation::most_grazing() const {
   constexpr float rounding = 1.001F;
   const RefineOptions* const options = scene_.options;
-  return rounding * std::pow(min_cosine, -static_cast<float>(options->priority.grazing_exponent));
+  return rounding * std::pow(min_cosine, -static_cast<float>(tuning_of(*options).grazing_exponent));
 }
 
 float FrontEvaluation::priority_at_most(std::uint32_t object, Front::Index k) const {
   const Front& front = objects_[object].front;
   const RefineOptions* const options = scene_.options;
   const float by_subtree = front.scales().error_factor[k] * front.error_at_most(k).quadric_px;
-  if (options->priority.culling == Culling::subtree) return by_subtree;
+  if (tuning_of(*options).culling == Culling::subtree) return by_subtree;
   if (front.priorities().is_outdated(k)) return most_grazing() * by_subtree;
   return front.priorities().error_factor[k] * front.priorities().value[k];
 }
@@ -244,7 +245,7 @@ SplitWorth FrontEvaluation::worth(std::uint32_t object, Front::Index k) {
   Object& of = objects_[object];
   Front& front = of.front;
   const RefineOptions* const options = scene_.options;
-  const bool by_star = options->priority.culling == Culling::star;
+  const bool by_star = tuning_of(*options).culling == Culling::star;
   // A star has a scale of its own: whether the node is seen is known from frames before.
   if (!by_star || front.scales().is_outdated(k)) evaluate(object, {&k, 1});
   if (front.is(k, Front::hidden)) return {};
@@ -268,7 +269,7 @@ SplitWorth FrontEvaluation::worth_by_star(std::uint32_t object, Front::Index k) 
   if (!star.has_too_many && is_wholly_inside(star.sphere, view))
     found = front_priority(
         star, {of.front.errors()[k], of.front.guaranteed_errors()[k]},
-        {view, importance, scene_.objects[object].two_sided, static_cast<float>(options->priority.grazing_exponent),
+        {view, importance, scene_.objects[object].two_sided, static_cast<float>(tuning_of(*options).grazing_exponent),
          static_cast<float>(2.0 * tan_corner_angle(view)), center_of(scene_.hierarchy(object).box())});
   else
     found.value = importance.of(of.front.node(k).split);
@@ -299,7 +300,7 @@ void FrontEvaluation::count_nodes(RefineStats& stats) const {
     stats.culled_frustum += count(of, {.all = Front::reached | Front::outside});
     stats.culled_backface += count(of, {.all = Front::reached | Front::facing_away});
     stats.culled_occlusion += count(of, {.all = Front::reached | Front::hidden, .none = unseen});
-    if (scene_.options->priority.culling == Culling::subtree) continue;
+    if (tuning_of(*scene_.options).culling == Culling::subtree) continue;
     constexpr std::uint16_t all = Front::reached | Front::descended;
     constexpr std::uint16_t none = Front::applied | Front::hidden | unseen;
     const BoundedProducts own = priorities(i);  // without an entry for what has expired, which may be anything
@@ -340,7 +341,7 @@ void FrontEvaluation::measure_unapplied(std::uint32_t object, const BoundedProdu
   const BoundedValues& known = priorities(object).values;
   Front& front = objects_[object].front;
   for (const Front::Index k : found_) {
-    if (options->priority.culling == Culling::subtree || known.is_outdated(k))
+    if (tuning_of(*options).culling == Culling::subtree || known.is_outdated(k))
       left.include(worth(object, k).error);
     else if (known.value[k] > 0.0F)  // still seen
       left.include({front.errors()[k], front.guaranteed_errors()[k],

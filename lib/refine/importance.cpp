@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "refine/tuning.h"
+
 namespace occlod {
 namespace {
 
@@ -46,8 +48,8 @@ Importance::Value Importance::of(const StarView& star, const SplitErrors& errors
   value.visible_share = star.visible_share;
   value.error = ScreenError(errors, star.scale_px);
   if (star.visible_share == 0.0F) return value;  // even where the eye is inside the star and the error has no limit
-  value.priority = value.error.quadric_px * power(star.visible_share, options_->priority.visible_exponent) /
-                   power(std::max(star.cosine, min_cosine), options_->priority.grazing_exponent);
+  value.priority = value.error.quadric_px * power(star.visible_share, tuning_of(*options_).visible_exponent) /
+                   power(std::max(star.cosine, min_cosine), tuning_of(*options_).grazing_exponent);
   return value;
 }
 
@@ -55,7 +57,7 @@ float Importance::forced_weight(std::span<const SplitId> closure) {
   float unseen = 0.0F;
   find_shares(closure.subspan(1));
   for (const SplitId s : closure.subspan(1)) unseen += 1.0F - visible_share(s);
-  return 1.0F / power(1.0F + unseen, options_->priority.forced_exponent);
+  return 1.0F / power(1.0F + unseen, tuning_of(*options_).forced_exponent);
 }
 
 float Importance::visible_share(SplitId s) {

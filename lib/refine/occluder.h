@@ -18,6 +18,7 @@
 #include "occlod/view.h"
 #include "occlod/visibility.h"
 #include "refine/cut.h"
+#include "refine/tuning.h"
 #include "splits/surface_motion.h"
 
 namespace occlod {
@@ -204,13 +205,13 @@ class OccluderSteps {
   void split_applied(float quadric_error_px) { moved_px_ = std::max(moved_px_, quadric_error_px); }
 
   [[nodiscard]] bool due(const Growth& now) const {
-    const std::vector<std::uint32_t>& given = options_->occluder.splits;
+    const std::vector<std::uint32_t>& given = tuning_of(*options_).occluder_splits;
     if (!given.empty()) return next_ < given.size() && now.splits >= given[next_];
     return static_cast<double>(now.triangles) >= next_triangles_ && moved_px_ >= min_move_px;
   }
 
   void drawn(const Growth& now) {
-    if (!options_->occluder.splits.empty())
+    if (!tuning_of(*options_).occluder_splits.empty())
       while (due(now)) ++next_;
     while (next_triangles_ <= static_cast<double>(now.triangles)) next_triangles_ *= factor;
     last_ = now;

@@ -7,6 +7,7 @@
 #include "base/timing.h"
 #include "occlod/base.h"
 #include "refine/star_visibility.h"
+#include "refine/tuning.h"
 
 namespace occlod {
 
@@ -50,8 +51,9 @@ void OcclusionQueries::begin(Visibility& visibility, const QueriedScene& scene) 
 
 bool OcclusionQueries::asks(const Entry& entry) const {
   const RefineOptions* const options = scene_.options;
-  if (entry.kind == Entry::Kind::apply ? !asks_stars()
-                                       : entry.level % options->queries.level_step != options->queries.level_step - 1)
+  if (entry.kind == Entry::Kind::apply
+          ? !asks_stars()
+          : entry.level % tuning_of(*options).level_step != tuning_of(*options).level_step - 1)
     return false;
   return asks_in_region(entry.object, entry.split);
 }
@@ -62,17 +64,17 @@ bool OcclusionQueries::asks_in_region(std::uint32_t object, SplitId s) const {
 
 bool OcclusionQueries::asks_stars() const {
   const RefineOptions* const options = scene_.options;
-  return options->priority.culling == Culling::star && options->queries.ask_stars;
+  return tuning_of(*options).culling == Culling::star && tuning_of(*options).ask_stars;
 }
 
 bool OcclusionQueries::asks_splits() const {
   const RefineOptions* const options = scene_.options;
-  return options->priority.culling == Culling::subtree || asks_stars();
+  return tuning_of(*options).culling == Culling::subtree || asks_stars();
 }
 
 Entry::Kind OcclusionQueries::split_question() const {
   const RefineOptions* const options = scene_.options;
-  return options->priority.culling == Culling::star ? Entry::Kind::apply : Entry::Kind::visit;
+  return tuning_of(*options).culling == Culling::star ? Entry::Kind::apply : Entry::Kind::visit;
 }
 
 void OcclusionQueries::ask(std::span<const Entry> entries, std::span<Verdict> verdicts) {
@@ -156,7 +158,7 @@ void OcclusionQueries::ask_about_bounds(std::span<const Entry> entries, std::spa
 VisibilityQuery OcclusionQueries::query_about(const Entry& entry) const {
   const SplitNode& node = scene_.cuts->hierarchy(entry.object).node(entry.split);
   const RefineOptions* const options = scene_.options;
-  switch (options->queries.proxy) {
+  switch (tuning_of(*options).proxy) {
     case Proxy::sphere:
       return {entry.object, node.sphere};
     case Proxy::cylinder:
@@ -170,7 +172,7 @@ VisibilityQuery OcclusionQueries::query_about(const Entry& entry) const {
 void OcclusionQueries::draw_occluder(CutSet& cuts) {
   const RefineOptions* const options = scene_.options;
   const std::span<const OccluderPart> parts =
-      occluder_.build(scene_.objects, cuts, *scene_.view, scene_.views, options->occluder.mode);
+      occluder_.build(scene_.objects, cuts, *scene_.view, scene_.views, options->mode);
   const Clock::time_point start = Clock::now();
   visibility_->draw_occluder(parts);
   milliseconds_ += milliseconds_since(start);

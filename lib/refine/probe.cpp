@@ -10,6 +10,7 @@
 #include "raster/clip.h"
 #include "refine/forecast.h"
 #include "refine/queue.h"
+#include "refine/tuning.h"
 
 namespace occlod {
 namespace {
@@ -100,9 +101,10 @@ void Probe::set_transform(std::size_t object, const glm::dmat4& object_to_world)
 const Probe::Result& Probe::look_ahead(const View& view, const RefineOptions& options) {
   RefineOptions coarse = options;
   coarse.budget = std::min(options.budget, scout_.base_triangles() + coarse_triangles);
-  coarse.occluder.splits.clear();
-  coarse.occluder.retest_hidden = coarse.queries.final_check = coarse.queries.ask_stars = false;
-  coarse.queries.level_step = no_levels;
+  Tuning& tuning = tune(coarse);
+  tuning.occluder_splits.clear();
+  tuning.retest_hidden = tuning.final_check = tuning.ask_stars = false;
+  tuning.level_step = no_levels;
   coarse.effects = {};
   (void)scout_.refine(view, coarse, *visibility_);
   begin(view, options);

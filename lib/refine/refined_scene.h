@@ -9,6 +9,7 @@
 #include "refine/importance.h"
 #include "refine/occlusion_queries.h"
 #include "refine/queue.h"
+#include "refine/tuning.h"
 
 namespace occlod {
 
@@ -42,7 +43,7 @@ bool apply_split(const RefinedScene& scene, Entry& entry, Loop& loop) {
   if (cuts[entry.object].applied(entry.split)) return true;
   const float turn_priority = entry.priority;
   Cut::Closure closure = cuts.closure(entry.object, entry.split);
-  if (options->priority.culling == Culling::star && !entry.weighed) {
+  if (tuning_of(*options).culling == Culling::star && !entry.weighed) {
     const float weight = loop.forced_weight(entry, closure);
     entry.weighed = true;
     entry.priority *= weight;

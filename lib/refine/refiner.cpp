@@ -15,6 +15,7 @@
 #include "refine/frames.h"
 #include "refine/from_scratch.h"
 #include "refine/refined_scene.h"
+#include "refine/tuning.h"
 
 namespace occlod {
 
@@ -30,8 +31,8 @@ constexpr double largest_exponent = 8.0;  // weights beyond leave the range of f
 void check_ascending(const std::vector<std::uint32_t>& splits) {
   for (std::size_t i = 1; i < splits.size(); ++i)
     if (splits[i] <= splits[i - 1])
-      throw Error({"refinement", "option occluder.splits", fmt::format("{} follows {}", splits[i], splits[i - 1]),
-                   "give ascending numbers"});
+      throw Error({"refinement", "option tuning.occluder_splits",
+                   fmt::format("{} follows {}", splits[i], splits[i - 1]), "give ascending numbers"});
 }
 
 }  // namespace
@@ -39,14 +40,22 @@ void check_ascending(const std::vector<std::uint32_t>& splits) {
 void check_options(const RefineOptions& options) {
   const OptionChecker check("refinement");
   check.at_least("tolerance_px", options.tolerance_px, 0.0);
-  check.in_range("priority.visible_exponent", options.priority.visible_exponent, 0.0, largest_exponent);
-  check.in_range("priority.grazing_exponent", options.priority.grazing_exponent, 0.0, largest_exponent);
-  check.in_range("priority.forced_exponent", options.priority.forced_exponent, 0.0, largest_exponent);
-  check_ascending(options.occluder.splits);
-  check.at_least("queries.level_step", options.queries.level_step, 1.0);
-  check.below("update.hysteresis", options.update.hysteresis, 0.0, 1.0);
-  check.at_least("update.time_limit_ms", options.update.time_limit_ms, 0.0);
+  check.at_least("time_limit_ms", options.time_limit_ms, 0.0);
   check.in_range("threads", options.threads, 0, 1024);
+  const Tuning& tuning = tuning_of(options);
+  check.in_range("tuning.visible_exponent", tuning.visible_exponent, 0.0, largest_exponent);
+  check.in_range("tuning.grazing_exponent", tuning.grazing_exponent, 0.0, largest_exponent);
+  check.in_range("tuning.forced_exponent", tuning.forced_exponent, 0.0, largest_exponent);
+  check_ascending(tuning.occluder_splits);
+  check.at_least("tuning.level_step", tuning.level_step, 1.0);
+  check.below("tuning.hysteresis", tuning.hysteresis, 0.0, 1.0);
+}
+
+bool operator==(const RefineOptions& a, const RefineOptions& b) {
+  return a.budget == b.budget && a.tolerance_px == b.tolerance_px && a.mode == b.mode &&
+         a.max_changes == b.max_changes && a.time_limit_ms == b.time_limit_ms &&
+         a.geomorph_frames == b.geomorph_frames && a.threads == b.threads && a.effects == b.effects &&
+         a.method == b.method && tuning_of(a) == tuning_of(b);
 }
 
 std::uint64_t Refinement::hash() const noexcept {
@@ -65,7 +74,13 @@ namespace {
 // Whether a cut that was refined with one can be gone on with by the other. What else is asked about occlusion may
 // change: each frame forgets what it would not ask.
 bool go_on_alike(const RefineOptions& a, const RefineOptions& b) {
-  return a.priority == b.priority && a.occluder == b.occluder && a.queries.proxy == b.queries.proxy;
+  Tuning before = tuning_of(a);
+  const Tuning& now = tuning_of(b);
+  before.level_step = now.level_step;
+  before.ask_stars = now.ask_stars;
+  before.final_check = now.final_check;
+  before.hysteresis = now.hysteresis;
+  return a.mode == b.mode && before == now;
 }
 
 }  // namespace
@@ -170,7 +185,7 @@ class Refiner::Impl {
 
   // The cuts of update().
   void choose(const View& view, bool moved, Clock::time_point start) {
-    const bool limited = options_.update.max_changes > 0 || options_.update.time_limit_ms > 0.0;
+    const bool limited = options_.max_changes > 0 || options_.time_limit_ms > 0.0;
     if (frames_ && (frames_->move_to(scene(view)) || limited)) {
       frames_->advance(moved, start, stats_);
     } else {

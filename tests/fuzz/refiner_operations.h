@@ -17,6 +17,7 @@
 #include "occlod/generate.h"
 #include "occlod/refiner.h"
 #include "occlod/visibility.h"
+#include "refine/tuning.h"
 
 namespace occlod::fuzz {
 
@@ -71,27 +72,27 @@ class RefinerOperations {
         options_.budget = refiner_.base_triangles() + bytes.number(5000);
         break;
       case 1:
-        options_.priority.culling = bytes.number(2) == 0 ? Culling::subtree : Culling::star;
+        tune(options_).culling = bytes.number(2) == 0 ? Culling::subtree : Culling::star;
         break;
       case 2:
         occlusion_ = bytes.number(2) == 0;
         break;
       case 3:
-        options_.update.max_changes = bytes.number(100);
+        options_.max_changes = bytes.number(100);
         break;
       case 4:
         options_.tolerance_px = bytes.number(2) == 0 ? 0.0 : bytes.real(0.0, 20.0);
         break;
       case 5:
-        options_.occluder.mode = bytes.number(2) == 0 ? OccluderMode::paper : OccluderMode::conservative;
+        options_.mode = bytes.number(2) == 0 ? OccluderMode::paper : OccluderMode::conservative;
         break;
       case 6:
-        options_.queries.proxy = static_cast<Proxy>(bytes.number(3));
-        options_.queries.level_step = 1 + bytes.number(4);
+        tune(options_).proxy = static_cast<Proxy>(bytes.number(3));
+        tune(options_).level_step = 1 + bytes.number(4);
         break;
       case 7:
-        options_.update.hysteresis = bytes.real(0.0, 0.99);
-        options_.update.geomorph_frames = bytes.number(5);
+        tune(options_).hysteresis = bytes.real(0.0, 0.99);
+        options_.geomorph_frames = bytes.number(5);
         break;
       case 8:
         camera_.eye = {bytes.real(-6.0, 6.0), bytes.real(-6.0, 6.0), bytes.real(-6.0, 6.0)};

@@ -22,6 +22,7 @@
 #include "occlod/refiner.h"
 #include "occlod/visibility.h"
 #include "raster/every_target.h"
+#include "refine/tuning.h"
 
 namespace occlod {
 namespace {
@@ -74,12 +75,12 @@ std::vector<Scene> scenes() {
 std::vector<Way> ways() {
   const RefineOptions star{.budget = 4'000};
   RefineOptions subtree = star, conservative = star, steps = star;
-  subtree.priority.culling = Culling::subtree;
-  subtree.queries.proxy = Proxy::cylinder;
-  subtree.queries.final_check = false;
-  conservative.occluder.mode = OccluderMode::conservative;
-  conservative.queries.proxy = Proxy::sphere;
-  steps.occluder.splits = {100, 400, 900};
+  tune(subtree).culling = Culling::subtree;
+  tune(subtree).proxy = Proxy::cylinder;
+  tune(subtree).final_check = false;
+  conservative.mode = OccluderMode::conservative;
+  tune(conservative).proxy = Proxy::sphere;
+  tune(steps).occluder_splits = {100, 400, 900};
   return {{"star.none", false, star},          {"star.software", true, star},        {"subtree.none", false, subtree},
           {"subtree.software", true, subtree}, {"conservative", true, conservative}, {"steps", true, steps}};
 }

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "refine/refine_support.h"
+#include "refine/tuning.h"
 
 namespace occlod {
 namespace {
@@ -68,7 +69,7 @@ TEST_F(ImportanceTest, GrazingSurfaceWeighsMoreSinceItsErrorRunsAlongTheRay) {
   // Under 60 degrees the cosine is a half, so the weight is 2^exponent.
   const double angle = std::acos(0.5);
   for (const double exponent : {0.0, 0.5, 1.0, 2.0}) {
-    options_.priority.grazing_exponent = exponent;
+    tune(options_).grazing_exponent = exponent;
     const Importance::Value value = seen_from({0, 50 * std::sin(angle), 50 * std::cos(angle)}).of(0);
     ASSERT_EQ(value.visible_share, 1.0F);
     const double weight = std::pow(2.0, exponent);
@@ -80,7 +81,7 @@ TEST_F(ImportanceTest, ForcedWeightCountsWhatIsNotSeen) {
   // Of three forced splits one is hidden: (1 + 1)^-exponent. The first of a closure is what forces, and does not count.
   const std::array<SplitId, 4> closure = {0, 1, 2, 3};
   for (const double exponent : {0.0, 0.5, 1.0}) {
-    options_.priority.forced_exponent = exponent;
+    tune(options_).forced_exponent = exponent;
     Importance& importance = seen_from({0, 0, 50});
     EXPECT_EQ(importance.forced_weight(closure), 1.0F);
     importance.set_hidden(2, true);

@@ -91,7 +91,7 @@ class Results(unittest.TestCase):
 
     def test_geomorphs_slide_home(self):
         refiner = occlod.Refiner(self.hierarchy)
-        options = occlod.RefineOptions(budget=4000, update=occlod.UpdateOptions(geomorph_frames=4))
+        options = occlod.RefineOptions(budget=4000, geomorph_frames=4)
         morphed = occlod.MorphedPositions(self.hierarchy)
         positions = morphed.positions
         refiner.update(orbit(0), options=options)
@@ -123,17 +123,16 @@ class Options(unittest.TestCase):
     def test_parts_are_changed_in_place(self):
         options = occlod.RefineOptions()
         self.assertEqual(options.budget, 10_000)
-        options.queries.proxy = occlod.Proxy.sphere
-        options.priority.culling = occlod.Culling.subtree
-        self.assertEqual(options.queries.proxy, occlod.Proxy.sphere)
+        options.method = occlod.Method.paper
+        self.assertEqual(options.method, occlod.Method.paper)
         self.assertNotEqual(options, occlod.RefineOptions())
-        self.assertEqual(occlod.RefineOptions(queries=occlod.QueryOptions(level_step=3)).queries.level_step, 3)
+        self.assertEqual(occlod.RefineOptions(max_changes=3).max_changes, 3)
 
     def test_change_what_comes_out(self):
         _, hierarchy = planet(6)
         refiner = occlod.Refiner(hierarchy)
         default = refiner.refine(VIEW, 1000).hash
-        self.assertNotEqual(refiner.refine(VIEW, 1000, options=occlod.RefineOptions(priority=occlod.PriorityOptions(culling=occlod.Culling.subtree))).hash, default)
+        self.assertNotEqual(refiner.refine(VIEW, 1000, options=occlod.RefineOptions(method=occlod.Method.paper)).hash, default)
         self.assertEqual(refiner.refine(VIEW, options=occlod.RefineOptions(budget=1000, threads=2)).hash, default)
         loose = refiner.refine(VIEW, options=occlod.RefineOptions(tolerance_px=50))
         self.assertLessEqual(loose.stats.max_error_px, 50)
@@ -142,8 +141,8 @@ class Options(unittest.TestCase):
     def test_bad_ones_are_told(self):
         _, hierarchy = planet(2)
         refiner = occlod.Refiner(hierarchy)
-        with self.assertRaisesRegex(occlod.Error, "level_step"):
-            refiner.refine(VIEW, options=occlod.RefineOptions(queries=occlod.QueryOptions(level_step=0)))
+        with self.assertRaisesRegex(occlod.Error, "threads"):
+            refiner.refine(VIEW, options=occlod.RefineOptions(threads=-1))
         with self.assertRaisesRegex(occlod.Error, "fov_y_deg"):
             refiner.refine(occlod.Camera(fov_y_deg=180))
         with self.assertRaises(TypeError):

@@ -16,7 +16,7 @@ def use() -> None:
     refiner = occlod.Refiner([hierarchy, occlod.Object(hierarchy, numpy.eye(4), two_sided=True)])
     camera = occlod.Camera(eye=(0, 0, 3), width=800)
     refined: occlod.Refinement = refiner.update(camera, 1000, occlod.Visibility("software"))
-    options = occlod.RefineOptions(budget=1000, queries=occlod.QueryOptions(proxy=occlod.Proxy.box))
+    options = occlod.RefineOptions(budget=1000, method=occlod.Method.paper)
     refiner.refine(occlod.View(camera), options=options)
     triangles: numpy.typing.NDArray[numpy.uint32] = refined.triangles(0)
     count: int = refined.stats.triangles

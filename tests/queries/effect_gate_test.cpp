@@ -3,6 +3,7 @@
 #include "occlod/base.h"
 #include "refine/occlusion_queries.h"
 #include "refine/refine_support.h"
+#include "refine/tuning.h"
 
 namespace occlod::test {
 namespace {
@@ -34,7 +35,9 @@ struct TwoSpheres {
   View view{front_camera()};
 
   const Refinement& refine(const std::vector<ObjectEffects>& effects, bool ask_stars = true) {
-    return refiner.refine(view, {.budget = 2'000, .queries = {.ask_stars = ask_stars}, .effects = effects}, visibility);
+    RefineOptions options{.budget = 2'000, .effects = effects};
+    tune(options).ask_stars = ask_stars;
+    return refiner.refine(view, options, visibility);
   }
 };
 

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "refine/occluder.h"
+#include "refine/tuning.h"
 
 namespace occlod {
 namespace {
@@ -23,15 +24,15 @@ std::vector<std::size_t> draws(const RefineOptions& options, std::size_t splits,
 
 TEST(OccluderSteps, GivenStepsAreKept) {
   RefineOptions options;
-  options.occluder.splits = {300, 2500};
+  tune(options).occluder_splits = {300, 2500};
   EXPECT_EQ(draws(options, 5000, 0.0F), (std::vector<std::size_t>{300, 2500}));
-  options.occluder.splits = {10'000};
+  tune(options).occluder_splits = {10'000};
   EXPECT_TRUE(draws(options, 5000, 100.0F).empty());
 }
 
 TEST(OccluderSteps, AnExtraDrawDoesNotUseUpALaterStep) {
   RefineOptions options;
-  options.occluder.splits = {300, 2500};
+  tune(options).occluder_splits = {300, 2500};
   OccluderSteps steps;
   steps.begin(options);
   steps.drawn({100, 100});  // since all that was left was hidden

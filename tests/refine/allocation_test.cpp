@@ -8,6 +8,7 @@
 
 #include "occlod/visibility.h"
 #include "refine/refine_support.h"
+#include "refine/tuning.h"
 #include "support/counted_allocations.h"
 
 namespace occlod {
@@ -32,7 +33,7 @@ TEST_P(Allocations, NoFrameOfAPathThatIsKnownAllocates) {
   Refiner refiner(objects);
   RefineOptions options;
   options.budget = 3000;
-  options.priority.culling = GetParam().culling;
+  tune(options).culling = GetParam().culling;
   constexpr int frames = 20, known_ways = 14;
   const auto step = [&](int frame) {
     Camera camera = test::front_camera();

@@ -6,6 +6,7 @@
 #include "occlod/base.h"
 #include "occlod/build_hierarchy.h"
 #include "refine/refine_support.h"
+#include "refine/tuning.h"
 
 namespace occlod {
 namespace {
@@ -19,7 +20,7 @@ TEST(Budget, IsNeverExceededAndNearlyUsedUpAtAnySize) {
     for (std::size_t budget = refiner.base_triangles(); budget <= refiner.full_triangles() + 2; ++budget) {
       RefineOptions options;
       options.budget = budget;
-      options.priority.culling = culling;
+      tune(options).culling = culling;
       const Refinement& result = refiner.refine(View(test::front_camera()), options, none);
       ASSERT_LE(result.stats.triangles, budget);
       ASSERT_EQ(result.stats.triangles, result.objects[0].triangles.size());
@@ -123,7 +124,7 @@ TEST(Budget, ShrinksWithTheEyeInsideAllBounds) {
     camera.eye = {0.1, 0.0, 0.0};
     camera.target = {1.0, 0.0, 0.0};
     RefineOptions options;
-    options.priority.culling = culling;
+    tune(options).culling = culling;
     NoOcclusion none;
     for (const std::size_t more : {1000U, 500U, 20U, 1U}) {
       options.budget = refiner.base_triangles() + more;

@@ -3,6 +3,7 @@
 
 #include "occlod/build_hierarchy.h"
 #include "occlod/refiner.h"
+#include "refine/tuning.h"
 #include "support/bad_options.h"
 #include "support/meshes.h"
 
@@ -17,23 +18,23 @@ TEST(CheckOptions, AcceptsTheEndsOfTheRanges) {
   RefineOptions options;
   EXPECT_NO_THROW(check_options(options));
   options.tolerance_px = 0.0;
-  options.priority = {Culling::star, 0.0, 8.0, 0.0};
-  options.occluder.splits = {0, 1};
-  options.queries.level_step = 1;
-  options.update.hysteresis = 0.0;
-  options.update.time_limit_ms = 1e9;
+  tune(options) = {.visible_exponent = 0.0, .grazing_exponent = 8.0, .forced_exponent = 0.0};
+  tune(options).occluder_splits = {0, 1};
+  tune(options).level_step = 1;
+  tune(options).hysteresis = 0.0;
+  options.time_limit_ms = 1e9;
   EXPECT_NO_THROW(check_options(options));
 }
 
 TEST(CheckOptions, SaysTheRange) {
   RefineOptions options;
-  options.update.hysteresis = 2.0;
+  tune(options).hysteresis = 2.0;
   try {
     check_options(options);
     FAIL();
   } catch (const Error& error) {
     EXPECT_STREQ(error.what(),
-                 "refinement: option update.hysteresis: 2 is out of range; choose a value from 0 to below 1");
+                 "refinement: option tuning.hysteresis: 2 is out of range; choose a value from 0 to below 1");
   }
 }
 

@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "refine/refine_support.h"
+#include "refine/tuning.h"
 
 namespace occlod {
 namespace {
@@ -17,7 +18,7 @@ std::size_t splits_of(const Hierarchy& hierarchy, const glm::dmat4& transform, C
   NoOcclusion none;
   RefineOptions options;
   options.budget = refiner.full_triangles();
-  options.priority.culling = culling;
+  tune(options).culling = culling;
   return refiner.refine(View(test::front_camera()), options, none).stats.splits;
 }
 
@@ -87,7 +88,7 @@ TEST_F(StarCulling, SplitsAreTakenOnlyWhereTheirOwnFacesAreSeen) {
   for (const SplitId s : test::unforced_splits(hierarchy_, star.objects[0]))
     EXPECT_TRUE(star_is_seen(hierarchy_, s, view_));
   // The paper's one question takes splits whose own faces all turn away: that is what the second question is for.
-  options.priority.culling = Culling::subtree;
+  tune(options).culling = Culling::subtree;
   const Refinement& subtree = refiner_.refine(view_, options, none_);
   test::expect_valid_cut(hierarchy_, subtree.objects[0]);
   std::size_t wasted = 0;
@@ -109,7 +110,7 @@ TEST_F(StarCulling, WeightMovesTrianglesOffTheSilhouette) {
   const auto front_faces = [&](double exponent) {
     RefineOptions options;
     options.budget = 1500;
-    options.priority.visible_exponent = exponent;
+    tune(options).visible_exponent = exponent;
     const Refinement& result = refiner_.refine(view_, options, none_);
     return std::count_if(result.objects[0].triangles.begin(), result.objects[0].triangles.end(),
                          [&](const Triangle& t) {

@@ -16,6 +16,7 @@
 #include "occlod/visibility.h"
 #include "oracle/cut_error.h"
 #include "refine/refine_support.h"
+#include "refine/tuning.h"
 #include "splits/hierarchy_data.h"
 
 namespace occlod {
@@ -58,7 +59,7 @@ class Frames : public testing::TestWithParam<Way> {
   RefineOptions options(std::size_t budget) const {
     RefineOptions options;
     options.budget = budget;
-    options.priority.culling = GetParam().culling;
+    tune(options).culling = GetParam().culling;
     return options;
   }
 };
@@ -212,7 +213,7 @@ TEST_P(Frames, WorkIsLimitedAndFollows) {
   Refiner refiner(objects);
   RefineOptions limited = options(3000);
   static_cast<void>(refiner.update(View(orbiting(0.0, 6.0)), limited, *backend_));
-  limited.update.max_changes = 40;
+  limited.max_changes = 40;
   const View view(orbiting(100.0, 6.0));
   int frames = 0;
   bool pending = true;
@@ -225,7 +226,7 @@ TEST_P(Frames, WorkIsLimitedAndFollows) {
   }
   EXPECT_GT(frames, 5);
   EXPECT_LT(frames, 500);
-  limited.update.max_changes = 0;
+  limited.max_changes = 0;
   const Refinement& caught_up = refiner.update(view, limited, *backend_);
   Refiner scratch(objects);
   const double fresh = oracle::cut_error(objects, scratch.refine(view, limited, *backend_), view, *backend_).quadric_px;
@@ -256,7 +257,7 @@ TEST(FramesOptions, AnotherWeighingStartsFromTheBaseMeshes) {
   RefineOptions options;
   options.budget = 3000;
   for (int i = 0; i < 5; ++i) static_cast<void>(kept.update(View(orbiting(3.0 * i)), options, none));
-  options.priority.visible_exponent = 0.0;
+  tune(options).visible_exponent = 0.0;
   const View view(orbiting(15.0));
   const std::uint64_t hash = kept.update(view, options, none).hash();
   EXPECT_EQ(hash, fresh.update(view, options, none).hash());
@@ -276,11 +277,11 @@ TEST(FramesOptions, OtherQuestionsGoOn) {
     for (const RefinedObject& object : next.objects) expect_valid(planet(), object);
     return next.stats.new_splits < next.stats.splits / 2;
   };
-  options.queries.ask_stars = false;
+  tune(options).ask_stars = false;
   EXPECT_TRUE(goes_on(1.0));
-  options.queries.level_step = 1;
+  tune(options).level_step = 1;
   EXPECT_TRUE(goes_on(2.0));
-  options.queries.final_check = false;
+  tune(options).final_check = false;
   EXPECT_TRUE(goes_on(3.0));
   options.effects = {{}, {.occlusion = false}};
   EXPECT_TRUE(goes_on(5.0));
@@ -361,7 +362,7 @@ TEST(FramesGeomorph, VerticesSlideFromTheirParents) {
   NoOcclusion none;
   RefineOptions options;
   options.budget = 2000;
-  options.update.geomorph_frames = 4;
+  options.geomorph_frames = 4;
   EXPECT_TRUE(refiner.update(View(orbiting(0.0)), options, none).objects[0].geomorphs.empty());
   const Refinement first = refiner.update(View(orbiting(3.0)), options, none);
   ASSERT_FALSE(first.objects[0].geomorphs.empty());
@@ -408,7 +409,7 @@ TEST(FramesGeomorph, ParentsComeBeforeTheirChildren) {
   NoOcclusion none;
   RefineOptions options;
   options.budget = 1500;
-  options.update.geomorph_frames = 6;
+  options.geomorph_frames = 6;
   std::size_t pairs = 0;
   for (int i = 0; i < 12; ++i) {
     options.budget += 150;

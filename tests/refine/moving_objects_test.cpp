@@ -12,6 +12,7 @@
 #include "occlod/base.h"
 #include "occlod/visibility.h"
 #include "refine/refine_support.h"
+#include "refine/tuning.h"
 
 namespace occlod::test {
 namespace {
@@ -34,7 +35,7 @@ class MovingObjects : public testing::TestWithParam<Case> {
  protected:
   MovingObjects() {
     options_.budget = 3'000;
-    options_.priority.culling = GetParam().culling;
+    tune(options_).culling = GetParam().culling;
   }
 
   Visibility& visibility() { return GetParam().occlusion ? *software_ : static_cast<Visibility&>(none_); }

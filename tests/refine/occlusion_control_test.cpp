@@ -7,6 +7,7 @@
 #include <glm/ext/matrix_transform.hpp>
 
 #include "refine/refine_support.h"
+#include "refine/tuning.h"
 
 namespace occlod {
 namespace {
@@ -63,7 +64,7 @@ class OcclusionControl : public ::testing::Test {
     objects_[0].object_to_world = glm::translate(glm::dmat4(1.0), {-1.2, 0, 0});
     objects_[1].object_to_world = glm::translate(glm::dmat4(1.0), {1.2, 0, 0});
     options_.budget = 3000;
-    options_.occluder.splits = {100, 600};
+    tune(options_).occluder_splits = {100, 600};
   }
   const Refinement& refine(Visibility& visibility) {
     refiner_ = std::make_unique<Refiner>(objects_);
@@ -79,8 +80,8 @@ class OcclusionControl : public ::testing::Test {
 TEST_F(OcclusionControl, HiddenObjectIsLeftAtTheFirstOccluder) {
   for (const Culling culling : {Culling::subtree, Culling::star})
     for (const std::size_t flight : {1U, 8U}) {
-      options_.priority.culling = culling;
-      options_.queries.level_step = 1;
+      tune(options_).culling = culling;
+      tune(options_).level_step = 1;
       ScriptedVisibility second_hidden([](const VisibilityQuery& q, std::size_t) { return q.object != 1; }, flight);
       const Refinement& result = refine(second_hidden);
       // Until the first occluder both are refined alike: 100 splits and what the last one forced. After it nothing but
@@ -128,14 +129,14 @@ TEST_F(OcclusionControl, OccludersAreDrawnAtTheStepsAndWhatTheyHidIsAskedAgain) 
 TEST_F(OcclusionControl, FinalCheckReadmitsWhatTheFinalMeshShows) {
   for (const std::size_t flight : {1U, 8U}) {
     const auto rule = [](const VisibilityQuery& q, std::size_t occluders) { return occluders >= 3 || q.object != 1; };
-    options_.queries.final_check = false;
+    tune(options_).final_check = false;
     ScriptedVisibility unchecked(rule, flight);
     const Refinement& without = refine(unchecked);
     EXPECT_EQ(without.stats.occluder_draws, 2U);
     EXPECT_LE(without.objects[1].splits.size(), 110U);
     const double max_error_px = without.stats.max_quadric_error_px;
 
-    options_.queries.final_check = true;
+    tune(options_).final_check = true;
     ScriptedVisibility checked(rule, flight);
     const Refinement& result = refine(checked);
     EXPECT_EQ(result.stats.occluder_draws, 3U);
@@ -155,8 +156,8 @@ TEST_F(OcclusionControl, FinalCheckReadmitsWhatTheFinalMeshShows) {
 TEST_F(OcclusionControl, WithoutRetestHiddenStaysHiddenUntilTheFinalCheck) {
   ScriptedVisibility recovering(
       [](const VisibilityQuery& q, std::size_t occluders) { return occluders >= 2 || q.object != 1; });
-  options_.occluder.retest_hidden = false;
-  options_.queries.final_check = false;
+  tune(options_).retest_hidden = false;
+  tune(options_).final_check = false;
   const Refinement& result = refine(recovering);
   EXPECT_EQ(result.stats.occluder_draws, 2U);
   EXPECT_LE(result.objects[1].splits.size(), 110U);
@@ -165,9 +166,9 @@ TEST_F(OcclusionControl, WithoutRetestHiddenStaysHiddenUntilTheFinalCheck) {
 
 TEST_F(OcclusionControl, SplitsThatForceUnseenOnesWait) {
   NoOcclusion none;
-  options_.priority.forced_exponent = 0.0;
+  tune(options_).forced_exponent = 0.0;
   const std::size_t careless = refine(none).stats.forced_unseen_splits;
-  options_.priority.forced_exponent = 0.5;
+  tune(options_).forced_exponent = 0.5;
   const Refinement& result = refine(none);
   EXPECT_LT(result.stats.forced_unseen_splits, careless * 3 / 4);
   EXPECT_GE(result.stats.triangles + 1, options_.budget);
@@ -175,14 +176,14 @@ TEST_F(OcclusionControl, SplitsThatForceUnseenOnesWait) {
 }
 
 TEST_F(OcclusionControl, NoOccluderNoQuestions) {
-  options_.occluder.splits = {1'000'000};
+  tune(options_).occluder_splits = {1'000'000};
   ScriptedVisibility hides_all([](const VisibilityQuery&, std::size_t) { return false; });
   EXPECT_EQ(refine(hides_all).stats.queries, 0U);
   EXPECT_EQ(hides_all.views, 2U);
 }
 
 TEST_F(OcclusionControl, SubtreesAreAskedAboutOnOddLevelsOnly) {
-  options_.queries.proxy = Proxy::sphere;
+  tune(options_).proxy = Proxy::sphere;
   ScriptedVisibility visible([](const VisibilityQuery&, std::size_t) { return true; });
   (void)refine(visible);
   ASSERT_FALSE(visible.spheres.empty());
@@ -200,7 +201,7 @@ TEST_F(OcclusionControl, SubtreesAreAskedAboutOnOddLevelsOnly) {
   };
   EXPECT_TRUE(std::all_of(visible.spheres.begin(), visible.spheres.end(), on_odd_level));
   const std::size_t odd = visible.spheres.size();
-  options_.queries.level_step = 1;
+  tune(options_).level_step = 1;
   ScriptedVisibility all_levels([](const VisibilityQuery&, std::size_t) { return true; });
   (void)refine(all_levels);
   EXPECT_GT(all_levels.spheres.size(), odd * 3 / 2);
@@ -208,7 +209,7 @@ TEST_F(OcclusionControl, SubtreesAreAskedAboutOnOddLevelsOnly) {
 
 TEST_F(OcclusionControl, ProxyChoosesTheShape) {
   const auto count = [&](Proxy proxy) {
-    options_.queries.proxy = proxy;
+    tune(options_).proxy = proxy;
     auto visible = std::make_unique<ScriptedVisibility>([](const VisibilityQuery&, std::size_t) { return true; });
     (void)refine(*visible);
     return visible;
@@ -218,13 +219,13 @@ TEST_F(OcclusionControl, ProxyChoosesTheShape) {
   EXPECT_EQ(count(Proxy::box)->cylinders, 0U);
   EXPECT_GT(count(Proxy::sphere)->spheres.size(), 0U);
   EXPECT_GT(count(Proxy::sphere)->stars, 0U);
-  options_.priority.culling = Culling::subtree;
+  tune(options_).culling = Culling::subtree;
   EXPECT_EQ(count(Proxy::sphere)->stars, 0U);  // the paper asks one question
 }
 
 TEST_F(OcclusionControl, FlightsAreFilledAndNeverOverfilled) {
   for (const Culling culling : {Culling::subtree, Culling::star}) {
-    options_.priority.culling = culling;
+    tune(options_).culling = culling;
     ScriptedVisibility visible([](const VisibilityQuery&, std::size_t) { return true; }, 8);
     const Refinement& result = refine(visible);
     EXPECT_EQ(visible.max_open, 8U);

@@ -10,6 +10,7 @@
 #include "occlod/generate.h"
 #include "occlod/visibility.h"
 #include "refine/refine_support.h"
+#include "refine/tuning.h"
 
 namespace occlod {
 namespace {
@@ -78,8 +79,8 @@ TEST(Scale, SameTrianglesAtEveryPowerOfTwo) {
           for (std::size_t backend = 0; backend < backends.size(); ++backend) {
             RefineOptions options;
             options.budget = 1500;
-            options.priority.culling = culling;
-            options.occluder.mode = mode;
+            tune(options).culling = culling;
+            options.mode = mode;
             auto at_unit = unit.results(options, two_sided, backends[backend]);
             if (!scaled.reaches_parallel_rays()) at_unit.resize(at_unit.size() - 9);  // three frames
             EXPECT_EQ(at_unit, scaled.results(options, two_sided, backends[backend]))

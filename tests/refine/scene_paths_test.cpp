@@ -13,6 +13,7 @@
 #include "occlod/visibility.h"
 #include "oracle/cut_error.h"
 #include "refine/refine_support.h"
+#include "refine/tuning.h"
 #include "support/shipped_scenes.h"
 
 namespace occlod {
@@ -43,7 +44,7 @@ class ScenePaths : public testing::TestWithParam<const char*> {
     Refiner frames(objects), scratch(objects);
     RefineOptions options;
     options.budget = std::max(budget, 2 * frames.base_triangles());  // enough to have a choice
-    options.priority.culling = way.culling;
+    tune(options).culling = way.culling;
     std::vector<double> ratios;
     for (int i = 0; i < frames_of_a_path; ++i) {
       SCOPED_TRACE(i);

@@ -10,6 +10,7 @@
 
 #include "occlod/visibility.h"
 #include "refine/refine_support.h"
+#include "refine/tuning.h"
 
 namespace occlod::test {
 namespace {
@@ -33,7 +34,7 @@ class Stats : public testing::TestWithParam<Case> {
  protected:
   Stats() {
     options_.budget = 3'000;
-    options_.priority.culling = GetParam().culling;
+    tune(options_).culling = GetParam().culling;
   }
 
   static Camera camera(int frame) {

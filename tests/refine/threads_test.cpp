@@ -5,6 +5,7 @@
 #include "occlod/base.h"
 #include "occlod/visibility.h"
 #include "refine/refine_support.h"
+#include "refine/tuning.h"
 
 namespace occlod {
 namespace {
@@ -16,7 +17,7 @@ class ThreadsTest : public ::testing::TestWithParam<Culling> {
         small_(build_hierarchy(test::noisy_sphere(4, 2))),
         objects_{{{&large_}, {&small_}}} {
     objects_[1].object_to_world[3] = {0.4, 0.3, -1.5, 1.0};
-    options_.priority.culling = GetParam();
+    tune(options_).culling = GetParam();
     options_.budget = 4000;
   }
   [[nodiscard]] Refinement refine(int threads, double distance, bool occlusion) {

@@ -3,6 +3,7 @@
 #include <array>
 
 #include "refine/refine_support.h"
+#include "refine/tuning.h"
 
 namespace occlod {
 namespace {
@@ -19,7 +20,7 @@ TEST_P(Tolerance, IsKeptWithTheFewestTrianglesThatTheLoopFinds) {
     RefineOptions options;
     options.budget = refiner.full_triangles();
     options.tolerance_px = tolerance;
-    options.priority.culling = GetParam();
+    tune(options).culling = GetParam();
     const Refinement& result = refiner.refine(View(test::front_camera()), options, none);
     EXPECT_LE(result.stats.max_error_px, tolerance);
     EXPECT_GT(result.stats.max_error_px, 0.0);
@@ -47,7 +48,7 @@ TEST(MaxError, IsTheLargestOfWhatIsLeftWhenTheBudgetEnds) {
   Refiner refiner(objects);
   NoOcclusion none;
   RefineOptions options;
-  options.priority.culling = Culling::subtree;
+  tune(options).culling = Culling::subtree;
   options.budget = 1000;
   const Refinement& result = refiner.refine(View(test::front_camera()), options, none);
   // The front of the refinement: splits that are not applied though their forest parent is (or that are roots).

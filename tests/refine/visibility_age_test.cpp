@@ -9,6 +9,7 @@
 
 #include "occlod/visibility.h"
 #include "refine/refine_support.h"
+#include "refine/tuning.h"
 
 namespace occlod {
 namespace {
@@ -21,7 +22,7 @@ class VisibilityAges : public testing::Test {
     camera.eye.x += 0.05 * frame_++;
     RefineOptions options;
     options.budget = 1'500;
-    options.queries.final_check = false;  // one occluder a frame
+    tune(options).final_check = false;  // one occluder a frame
     return refiner_.update(View(camera), options, visibility);
   }
   [[nodiscard]] std::size_t count(std::uint32_t age) const {

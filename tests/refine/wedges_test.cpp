@@ -110,7 +110,7 @@ TEST(RefinedWedges, GeomorphsDoNotTearSeams) {
   NoOcclusion none;
   RefineOptions options;
   options.budget = 1500;
-  options.update.geomorph_frames = 5;
+  options.geomorph_frames = 5;
   MorphedPositions drawn(hierarchy.positions());
   std::size_t wedges_under_way = 0;
   for (int frame = 0; frame < 12; ++frame) {

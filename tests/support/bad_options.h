@@ -10,6 +10,7 @@
 
 #include "occlod/base.h"
 #include "occlod/refiner.h"
+#include "refine/tuning.h"
 
 namespace occlod::test {
 
@@ -25,22 +26,22 @@ struct BadOptions {
   const auto add = [&rows](const char* field, auto spoil) { rows.push_back({field, spoil}); };
   for (const double value : {nan, infinite, -1.0}) {
     add("tolerance_px", [value](RefineOptions& o) { o.tolerance_px = value; });
-    add("priority.visible_exponent", [value](RefineOptions& o) { o.priority.visible_exponent = value; });
-    add("priority.grazing_exponent", [value](RefineOptions& o) { o.priority.grazing_exponent = value; });
-    add("priority.forced_exponent", [value](RefineOptions& o) { o.priority.forced_exponent = value; });
-    add("update.hysteresis", [value](RefineOptions& o) { o.update.hysteresis = value; });
-    add("update.time_limit_ms", [value](RefineOptions& o) { o.update.time_limit_ms = value; });
+    add("tuning.visible_exponent", [value](RefineOptions& o) { tune(o).visible_exponent = value; });
+    add("tuning.grazing_exponent", [value](RefineOptions& o) { tune(o).grazing_exponent = value; });
+    add("tuning.forced_exponent", [value](RefineOptions& o) { tune(o).forced_exponent = value; });
+    add("tuning.hysteresis", [value](RefineOptions& o) { tune(o).hysteresis = value; });
+    add("time_limit_ms", [value](RefineOptions& o) { o.time_limit_ms = value; });
   }
-  add("priority.visible_exponent", [](RefineOptions& o) { o.priority.visible_exponent = 8.001; });
-  add("priority.grazing_exponent", [](RefineOptions& o) { o.priority.grazing_exponent = 8.001; });
-  add("priority.forced_exponent", [](RefineOptions& o) { o.priority.forced_exponent = 8.001; });
-  add("update.hysteresis", [](RefineOptions& o) { o.update.hysteresis = 1.0; });
-  add("update.hysteresis", [](RefineOptions& o) { o.update.hysteresis = 2.0; });
+  add("tuning.visible_exponent", [](RefineOptions& o) { tune(o).visible_exponent = 8.001; });
+  add("tuning.grazing_exponent", [](RefineOptions& o) { tune(o).grazing_exponent = 8.001; });
+  add("tuning.forced_exponent", [](RefineOptions& o) { tune(o).forced_exponent = 8.001; });
+  add("tuning.hysteresis", [](RefineOptions& o) { tune(o).hysteresis = 1.0; });
+  add("tuning.hysteresis", [](RefineOptions& o) { tune(o).hysteresis = 2.0; });
   add("threads", [](RefineOptions& o) { o.threads = -1; });
   add("threads", [](RefineOptions& o) { o.threads = 1025; });
-  add("queries.level_step", [](RefineOptions& o) { o.queries.level_step = 0; });
-  add("occluder.splits", [](RefineOptions& o) { o.occluder.splits = {300, 200}; });
-  add("occluder.splits", [](RefineOptions& o) { o.occluder.splits = {100, 200, 200}; });
+  add("tuning.level_step", [](RefineOptions& o) { tune(o).level_step = 0; });
+  add("tuning.occluder_splits", [](RefineOptions& o) { tune(o).occluder_splits = {300, 200}; });
+  add("tuning.occluder_splits", [](RefineOptions& o) { tune(o).occluder_splits = {100, 200, 200}; });
   return rows;
 }
 

@@ -50,12 +50,6 @@ class Auto(ToolTest):
         result = self.render("ground.json")
         self.assertEqual((result["auto"]["effort"], result["queries"], result["occluder_draws"]), ("none", 0, 0))
 
-    def test_effects_that_are_given_are_not_chosen(self):
-        """Options that fix an effect mean the software backend."""
-        for options in (["--occluder-splits", 64], ["--levels", 1], ["--no-retest"], ["--no-final-check"], ["--no-stars"]):
-            self.assertEqual(self.json_of("render", "wall.json", "--budget", 3000, *options)["occlusion"], "software", options)
-            self.assertIn(options[0], self.failure_of("render", "wall.json", "--budget", 3000, "--occlusion", "auto", *options))
-
     def test_a_calibration_repeats_a_run(self):
         self.json_of("render", "wall.json", "--budget", 5000, "--save-calibration", "measured.json")
         runs = [self.json_of("render", "wall.json", "--budget", 5000, "--path", "aside", "--calibration", "measured.json", "--save-calibration", copy)

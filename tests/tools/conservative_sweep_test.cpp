@@ -13,6 +13,7 @@
 #include "occlod/refiner.h"
 #include "occlod/visibility.h"
 #include "oracle/random_view.h"
+#include "refine/tuning.h"
 #include "support/shipped_scenes.h"
 
 namespace occlod::tool {
@@ -70,7 +71,8 @@ CheckedOcclusion checked(const std::vector<RefineObject>& objects) {
 void refine_in(const View& view, const std::vector<RefineObject>& objects, CheckedOcclusion& occlusion) {
   Refiner refiner(objects);
   RefineOptions options;
-  options.occluder = {.mode = OccluderMode::conservative, .splits = {30, 300, 1000, 3000}};
+  options.mode = OccluderMode::conservative;
+  tune(options).occluder_splits = {30, 300, 1000, 3000};
   options.budget = std::max(refiner.base_triangles(), refiner.full_triangles() / 10);
   refiner.refine(view, options, occlusion);
 }

@@ -13,7 +13,7 @@ class GlTest(ToolTest):
         self.make_hierarchy()
 
     def arguments(self, *options):
-        return ["render", "--budget", 1000, "--size", "320x240", "--occluder-splits", "50,200", "planet.olod", *options]
+        return ["render", "--budget", 1000, "--size", "320x240", "planet.olod", *options]
 
     def render(self, *options):
         return self.json_of(*self.arguments(*options))
@@ -49,35 +49,17 @@ class GlBackends(GlTest):
     def test_is_reproducible(self):
         """Whatever the measured window, which depends on the machine's mood."""
         for platform in self.platforms():
-            hashes = {self.render("--occlusion", "gl-query", "--gl-platform", platform, *options)["hash"]
-                      for options in ([], [], ["--query-window", 0], ["--query-window", 1], ["--query-window", 64])}
+            hashes = {self.render("--occlusion", "gl-query", "--gl-platform", platform)["hash"]
+                      for _ in range(3)}
             self.assertEqual(len(hashes), 1)
 
     def test_marks_refine_as_queries(self):
         """The same proxies in the same order, so that the same triangles are left."""
         for platform in self.modern_platforms():
-            hashes = {self.render("--occlusion", backend, "--gl-platform", platform, "--flight", 16)["hash"]
+            hashes = {self.render("--occlusion", backend, "--gl-platform", platform)["hash"]
                       for backend in ("gl-query", "gl-mark")}
             self.assertEqual(len(hashes), 1)
 
-    def test_flight_is_as_given(self):
-        platform = self.modern_platforms()[0]
-        for backend in BACKENDS:
-            result = self.render("--occlusion", backend, "--gl-platform", platform, "--flight", 5)
-            self.assertEqual(result["gl"]["flight"], 5)
-
-    def test_smaller_targets_and_conservative_queries(self):
-        platform = self.modern_platforms()[0]
-        for options in (["gl-query", "--occlusion-divisor", 2], ["gl-mark", "--occlusion-divisor", 3], ["gl-query", "--conservative-queries"]):
-            self.assertGreater(self.render("--gl-platform", platform, "--occlusion", *options)["queries"], 0)
-
-    def test_options_of_other_backends_are_refused(self):
-        for backend, option, owner in (("software", ["--flight", 8], "gl-query"), ("none", ["--occlusion-divisor", 2], "gl-mark"),
-                                       ("gl-compute", ["--occlusion-divisor", 2], "gl-mark"), ("gl-mark", ["--query-window", 4], "gl-query"),
-                                       ("gl-compute", ["--conservative-queries"], "gl-query")):
-            line = self.failure_of(*self.arguments("--occlusion", backend, *option))
-            self.assertIn(option[0], line)
-            self.assertIn(owner, line)
 
 
 class GlFaults(GlTest):

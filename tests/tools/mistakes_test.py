@@ -75,15 +75,15 @@ class Mistakes(ToolTest):
     def test_wrong_use(self):
         for arguments in [[], ["paint"], ["build"], ["build", "a.ply"], ["info", "a", "b"], ["generate"], ["generate", "rough-planet"],
                           ["render"], ["render", "x", "--budget", "many"], ["render", "x", "--occlusion", "magic"],
-                          ["render", "x", "--culling", "all"], ["render", "x", "--size", "0x3"], ["render", "x", "--size", "3"],
+                          ["render", "x", "--culling", "star"], ["render", "x", "--size", "0x3"], ["render", "x", "--size", "3"],
                           ["render", "x", "--repeat", "0"], ["render", "x", "--colour"], ["render", "x", "--path", "p", "--camera", "c"],
                           ["render", "x", "--path", "p", "--birdseye", "b.png"], ["render", "x", "--path", "p", "--mesh", "m.ply"],
                           ["render", "x", "--path", "p", "--reference"], ["render", "x", "--frame-to-frame"],
                           ["render", "x", "--path", "p", "--frame-to-frame", "--repeat", "2"],
                           *(["render", "x", "--path", "p", option, "0"]
-                            for option in ("--hysteresis", "--max-changes", "--time-limit", "--geomorph-frames")),
+                            for option in ("--max-changes", "--time-limit", "--geomorph-frames")),
                           *(["render", "x", "--path", "p", "--frame-to-frame", *option]
-                            for option in (["--hysteresis", "1"], ["--hysteresis", "-0.1"], ["--max-changes", "-1"],
+                            for option in (["--max-changes", "-1"],
                                            ["--time-limit", "-1"], ["--geomorph-frames", "x"]))]:
             done = self.run_tool(*arguments)
             self.assertEqual(done.returncode, 2, f"{arguments}: {done.stderr}")

@@ -47,11 +47,6 @@ WHOLE = [
     (CELLS_WALK, "--every", 1, 10**6),
     (RENDER, "--budget", 1, LARGEST),
     (RENDER, "--threads", 0, 1024),
-    (RENDER, "--levels", 1, 1000),
-    (RENDER, "--occluder-splits", 0, ELEMENTS),
-    (RENDER, "--flight", 1, 10**6),
-    (RENDER, "--query-window", 0, 10**6),
-    (RENDER, "--occlusion-divisor", 1, 1024),
     (RENDER, "--repeat", 1, 10**6),
     (FRAMES, "--max-changes", 0, LARGEST),
     (FRAMES, "--geomorph-frames", 0, 10**6),
@@ -68,10 +63,6 @@ REAL = [
     (CELLS_WALK, "--speed", 1e-3, 10**6),
     (HLOD_RENDER, "--tolerance", 0, None),
     (RENDER, "--tolerance", 0, None),
-    (RENDER, "--visible-exponent", 0, 8),
-    (RENDER, "--grazing-exponent", 0, 8),
-    (RENDER, "--forced-exponent", 0, 8),
-    (FRAMES, "--hysteresis", 0, 0.999),
     (FRAMES, "--time-limit", 0, None),
 ]
 WITH_CGAL = ([(COMPARE, "--samples", 1, 10**9), (COMPARE, "--seed", 0, SEEDS), (REPAIR, "--fill-holes", 0, ELEMENTS)], [(REPAIR, "--weld", 0, None)])
@@ -112,7 +103,7 @@ class Options(ToolTest):
         for command, option, low, high in self.rows(0):
             bounds = [low] if high == SEEDS else [low, high]
             for value in ("", "x", "-1", "1.5", "1e3", "nan", "inf", "0x10", "+1", " 1", "1 ", high + 1, 10**30, *([low - 1] if low > 0 else [])):
-                self.assert_refused(command, option, value, *([] if option == "--occluder-splits" else bounds))
+                self.assert_refused(command, option, value, *bounds)
 
     def test_real_numbers(self):
         for command, option, low, high in self.rows(1):
@@ -135,10 +126,6 @@ class Options(ToolTest):
             self.assert_refused(HLOD_RENDER, "--cache", value, "number of bytes")
         for value in ("", "x", "Async", "async ", "blocking:1", "simulated:1"):
             self.assert_refused([*HLOD_RENDER, "--cache", "1M"], "--load", value, "blocking", "async")
-        for value in ("300,200", "300,300", "adaptive,300", "300,x"):
-            done = self.run_tool(*RENDER, "--occluder-splits", value)
-            self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1), done.stderr)
-            self.assertIn("--occluder-splits: ", done.stderr)
 
     def test_names_that_are_empty(self):
         for command, option in ((BUILD[:2], "--output"), (CUT[:2] + ["--triangles", 5], "--output"), (["generate", "city"], "--output"), (VALIDATE, "--input"),
@@ -168,8 +155,6 @@ class Options(ToolTest):
                 continue
             for value in (low, high if high is not None else 1e300):
                 arguments = [*command, option, value]
-                if option in ("--flight", "--query-window", "--occlusion-divisor"):
-                    arguments += ["--occlusion", "software"]  # which has no such option, and says so
                 done = self.run_tool(*arguments)
                 self.assertEqual(done.returncode, 1, f"{arguments}: {done.stderr}")
 

@@ -116,7 +116,7 @@ class Render(ToolTest):
         self.make_hierarchy()
 
     def render(self, *arguments, budget=BUDGET):
-        return self.json_of("render", "--budget", budget, "--size", "320x240", "--occluder-splits", "50,200", "planet.olod", *arguments)
+        return self.json_of("render", "--budget", budget, "--size", "320x240", "planet.olod", *arguments)
 
     def test_threads_do_not_change_the_mesh(self):
         one = self.render("--threads", 1)
@@ -125,10 +125,10 @@ class Render(ToolTest):
 
     def test_report(self):
         result = self.render()
-        self.assert_has_keys(result, "scene culling occlusion budget triangles visible_triangles visible_share splits forced_splits "
+        self.assert_has_keys(result, "scene method occlusion budget triangles visible_triangles visible_share splits forced_splits "
                                      "queries refine_ms occlusion_ms draw_ms max_error_px hash camera objects")
         self.assert_has_keys(result["camera"], "eye target up fov_y_deg width height near far")
-        self.assertEqual((result["scene"], result["culling"], result["occlusion"]), ("planet", "star", "software"))
+        self.assertEqual((result["scene"], result["method"], result["occlusion"]), ("planet", "occlod", "software"))
         # Two triangles a split on a closed surface: a budget that is used up is missed by a few forced ones at most.
         self.assertTrue(0.9 * self.BUDGET < result["triangles"] <= self.BUDGET, result["triangles"])
         self.assertEqual(result["visible_share"], result["visible_triangles"] / result["triangles"])
@@ -151,28 +151,22 @@ class Render(ToolTest):
         self.assertEqual(len(hashes), 1)
 
     def test_options_change_the_refinement(self):
-        hashes = [self.render(*options)["hash"] for options in ([], ["--culling", "subtree"], ["--visible-exponent", 0])]
+        hashes = [self.render(*options)["hash"] for options in ([], ["--paper"], ["--mode", "conservative"])]
         hashes.append(self.render(budget=500)["hash"])
         # Whole subtrees are hidden only once there is more budget than they can do without.
-        hashes += [self.render("--culling", "subtree", "--occlusion", backend, budget=1500)["hash"] for backend in ("none", "software")]
+        hashes += [self.render("--paper", "--occlusion", backend, budget=1500)["hash"] for backend in ("none", "software")]
         self.assertEqual(len(set(hashes)), len(hashes), hashes)
 
     def test_without_occlusion_nothing_is_asked(self):
         self.assertEqual(self.render("--occlusion", "none")["queries"], 0)
         self.assertGreater(self.render("--occlusion", "software")["queries"], 0)
 
-    def test_proxy_and_levels_reach_the_backend(self):
-        sparse = self.render("--levels", 4)
-        self.assertEqual(sparse["level_step"], 4)
-        self.assertNotEqual(sparse["queries"], self.render("--levels", 1)["queries"])
-        self.assertEqual(self.render("--proxy", "box")["proxy"], "box")
-
     def test_tolerance_stops_early(self):
         self.assertLess(self.render("--tolerance", 50)["triangles"], self.BUDGET)
 
     def test_whole_budget_is_the_full_mesh(self):
         """Everything that is seen is refined, so that the picture is the full mesh's own."""
-        result = self.render("--culling", "subtree", "--occlusion", "none", "--reference", budget=TRIANGLES)
+        result = self.render("--paper", "--occlusion", "none", "--reference", budget=TRIANGLES)
         self.assertEqual((result["depth_rms_px"], result["silhouette_mismatch"]), (0, 0))
         self.assertEqual((result["psnr_y"], result["psnr_cb"], result["psnr_cr"]), (None, None, None))  # infinite
 
@@ -412,7 +406,7 @@ class Render(ToolTest):
         self.write_scene_with_orbit()
         result = self.json_of("render", "scene.json", "--budget", 500, "--path", "orbit", "--frame-to-frame")
         self.assertTrue(result["frame_to_frame"])
-        self.assert_has_keys(result, "hysteresis max_changes time_limit_ms geomorph_frames")
+        self.assert_has_keys(result, "max_changes time_limit_ms geomorph_frames")
         frames = result["frames"]
         scratch = self.json_of("render", "scene.json", "--budget", 500, "--path", "orbit")
         self.assertFalse(scratch["frame_to_frame"])
@@ -446,11 +440,6 @@ class Render(ToolTest):
         self.assertLess(changes(limited), changes(free))
         self.assertTrue(any(frame["pending"] for frame in limited))
         self.assertFalse(any(frame["pending"] for frame in free))
-
-    def test_hysteresis_keeps_splits(self):
-        self.write_scene_with_orbit()
-        steady, nervous = [sum(frame["merged_splits"] for frame in self.frames_of("--hysteresis", h)[1:]) for h in (0.6, 0)]
-        self.assertLess(steady, nervous)
 
     def test_geomorphs_are_drawn(self):
         """The same triangles, in the first frame, which nothing precedes, at the same places: later vertices lag behind."""

@@ -17,6 +17,7 @@
 #ifdef OCCLOD_HAS_GL
 #include "occlod/base.h"
 #include "occlod/gl.h"
+#include "refine/tuning.h"
 #endif
 
 namespace occlod::tool {
@@ -58,8 +59,8 @@ LoadedObject loaded(const TriangleMesh& mesh, std::size_t base_triangles = Build
 // Coarse first occluders: the coarser, the farther they bulge.
 RefineOptions options_of(OccluderMode mode) {
   RefineOptions options;
-  options.occluder.mode = mode;
-  options.occluder.splits = {30, 300};
+  options.mode = mode;
+  tune(options).occluder_splits = {30, 300};
   return options;
 }
 
@@ -164,11 +165,11 @@ TEST(WronglyHiddenMeasure, CountsWhatACoarseOccluderHidesInPaperModeOnly) {
   const View view(camera);
   FirstOccluderOnly first;
   RefineOptions options;
-  options.occluder.splits = {0};
+  tune(options).occluder_splits = {0};
   const std::size_t wrong = count_wrong(objects, view, options, first);
   EXPECT_GT(wrong, 60U);
   EXPECT_LT(wrong, 110U);
-  options.occluder.mode = OccluderMode::conservative;
+  options.mode = OccluderMode::conservative;
   EXPECT_EQ(count_wrong(objects, view, options, first), 0U);
 }
 

@@ -11,6 +11,7 @@
 #include "occlod/visibility.h"
 #include "pick.h"
 #include "recorded_occlusion.h"
+#include "refine/tuning.h"
 
 namespace occlod::viewer {
 namespace {
@@ -21,7 +22,9 @@ class Explain : public ::testing::Test {
   void refine(const Camera& camera, Visibility& visibility) {
     const RefineObject objects[] = {{object_.mesh->hierarchy.get(), object_.object_to_world, false}};
     Refiner refiner(objects);
-    refinement_ = refiner.refine(View(camera), {.budget = 1500, .occluder = {.splits = {100}}}, visibility);
+    RefineOptions options{.budget = 1500};
+    tune(options).occluder_splits = {100};
+    refinement_ = refiner.refine(View(camera), options, visibility);
   }
   [[nodiscard]] const Hierarchy& hierarchy() const { return *object_.mesh->hierarchy; }
 
@@ -149,7 +152,9 @@ TEST_F(Explain, ErrorsAreZeroWhereNothingIsLeft) {
   Refiner refiner(objects);
   object_.two_sided = true;
   const View view{Camera{}};
-  refinement_ = refiner.refine(view, {.budget = 1'000'000, .priority = {.culling = Culling::subtree}}, none);
+  RefineOptions options{.budget = 1'000'000};
+  tune(options).culling = Culling::subtree;
+  refinement_ = refiner.refine(view, options, none);
   ASSERT_EQ(refinement_.stats.triangles, hierarchy().input_triangle_count());
   for (const double error : errors_px(object_, refinement_.objects[0], view)) EXPECT_EQ(error, 0.0);
 }

@@ -10,6 +10,7 @@
 #include <numbers>
 
 #include "palette.h"
+#include "refine/tuning.h"
 #include "scene/frustum_edges.h"
 
 namespace occlod::viewer {
@@ -105,9 +106,9 @@ void add_split(ObjectLines& lines, const Settings& settings, const Hierarchy& hi
   };
   const SplitNode& node = hierarchy.node(split);
   hierarchy.star(split).for_each_inserted([&](const Triangle& t) { lines.triangle(corners(t), star_pen); });
-  if (settings.look.bounds && settings.refine.queries.proxy == Proxy::sphere) add_sphere(lines, node.sphere);
-  if (settings.look.bounds && settings.refine.queries.proxy == Proxy::box) add_box(lines, node.box(), bounds_pen);
-  if (settings.look.bounds && settings.refine.queries.proxy == Proxy::cylinder) add_cylinder(lines, node.cylinder());
+  if (settings.look.bounds && tuning_of(settings.refine).proxy == Proxy::sphere) add_sphere(lines, node.sphere);
+  if (settings.look.bounds && tuning_of(settings.refine).proxy == Proxy::box) add_box(lines, node.box(), bounds_pen);
+  if (settings.look.bounds && tuning_of(settings.refine).proxy == Proxy::cylinder) add_cylinder(lines, node.cylinder());
   if (settings.look.cone) add_cone(lines, node);
 }
 

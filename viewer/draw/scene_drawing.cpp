@@ -90,7 +90,7 @@ std::size_t SceneDrawing::upload(Side& side, const RefinedSide& refined) {
 }
 
 std::size_t SceneDrawing::upload_morphs(Drawn& drawn, const PlacedObject& object, std::span<const Geomorph> geomorphs) {
-  if (frame_->job.options.update.geomorph_frames == 0) drawn.morphs.reset();
+  if (frame_->job.options.geomorph_frames == 0) drawn.morphs.reset();
   if (!drawn.morphs && geomorphs.empty()) return 0;
   if (!drawn.morphs) drawn.morphs.emplace(*gl_, vertices_.at(object.mesh), object.mesh->hierarchy->positions());
   return drawn.morphs->update(geomorphs);

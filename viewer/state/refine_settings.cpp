@@ -1,12 +1,18 @@
-// How the mesh is refined: one entry for each field of RefineOptions, the backend, and whether from frame to frame.
+// How the mesh is refined: the fields of RefineOptions, knobs worth a look, the backend, and whether from frame to
+// frame.
 #include <algorithm>
 #include <iterator>
 #include <vector>
 
+#include "refine/tuning.h"
 #include "setting_kinds.h"
 
 namespace occlod::viewer {
 namespace {
+
+// Settings are read from constant ones, too.
+Tuning& knobs(RefineOptions& options) { return tune(options); }
+const Tuning& knobs(const RefineOptions& options) { return tuning_of(options); }
 
 // For every view.
 std::vector<Setting> view_settings() {
@@ -20,48 +26,26 @@ std::vector<Setting> view_settings() {
           {0.0, 16.0, false, "px"}, [](auto& s) -> auto& { return s.refine.tolerance_px; }),
       choice(
           {"occlusion", "Occlusion",
-           "Backend of occlusion queries. auto: picks the culling techniques that pay off in each view; Level step, "
-           "Occluder after, Retest hidden and Final check then have no effect"},
+           "Backend of occlusion queries. auto: picks the culling techniques that pay off in each view; "
+           "Occluder after then has no effect"},
           {"none", "software", "gl-query", "gl-mark", "gl-compute", "auto"},
           [](auto& s) -> auto& { return s.occlusion; }),
       choice(
           {"mode", "Occluder mode",
            "paper: the coarse mesh as it is; conservative: only what stays hidden wherever the true surface may be"},
-          {"paper", "conservative"}, [](auto& s) -> auto& { return s.refine.occluder.mode; }),
+          {"paper", "conservative"}, [](auto& s) -> auto& { return s.refine.mode; }),
       choice(
           {"culling", "Culling",
            "subtree: one test for each subtree, as in the paper; star: also test what each split itself changes"},
-          {"subtree", "star"}, [](auto& s) -> auto& { return s.refine.priority.culling; }),
+          {"subtree", "star"}, [](auto& s) -> auto& { return knobs(s.refine).culling; }),
       choice(
           {"proxy", "Proxy", "Bounding volume of a subtree that occlusion queries test"}, {"sphere", "box", "cylinder"},
-          [](auto& s) -> auto& { return s.refine.queries.proxy; }),
-      number(
-          {"visible_exponent", "Visible weight",
-           "Exponent: priority is multiplied by (visible share of a split's faces)^exponent"},
-          {0.0, 8.0, false, ""}, [](auto& s) -> auto& { return s.refine.priority.visible_exponent; }),
-      number(
-          {"grazing_exponent", "Grazing weight",
-           "Exponent: priority is divided by (cosine of the viewing angle)^exponent, so that silhouettes come first"},
-          {0.0, 8.0, false, ""}, [](auto& s) -> auto& { return s.refine.priority.grazing_exponent; }),
-      number(
-          {"forced_exponent", "Forced weight",
-           "Exponent: priority is divided by (1 + unseen splits that a split forces)^exponent"},
-          {0.0, 8.0, false, ""}, [](auto& s) -> auto& { return s.refine.priority.forced_exponent; }),
-      integer(
-          {"level_step", "Level step", "Query subtrees on every n-th level of the hierarchy only"}, {1, 16, false, ""},
-          [](auto& s) -> auto& { return s.refine.queries.level_step; }),
+          [](auto& s) -> auto& { return knobs(s.refine).proxy; }),
       integers(
           {"occluder_splits", "Occluder after",
            "Draw the occluder after these numbers of splits, e.g. 300, 2500; empty: at a third of the budget in "
            "triangles and at sixths of that"},
-          [](auto& s) -> auto& { return s.refine.occluder.splits; }),
-      toggle(
-          {"retest_hidden", "Retest hidden",
-           "Query again what an older occluder hid, each time a new occluder is drawn"},
-          [](auto& s) -> auto& { return s.refine.occluder.retest_hidden; }),
-      toggle(
-          {"final_check", "Final check", "Query everything that is hidden once more before the mesh is final"},
-          [](auto& s) -> auto& { return s.refine.queries.final_check; }),
+          [](auto& s) -> auto& { return knobs(s.refine).occluder_splits; }),
   };
 }
 
@@ -74,18 +58,18 @@ std::vector<Setting> frame_settings() {
       number(
           {"hysteresis", "Hysteresis",
            "Frame to frame: relative margin by which a candidate must exceed an applied split to replace it"},
-          {0.0, 0.9, false, ""}, [](auto& s) -> auto& { return s.refine.update.hysteresis; }),
+          {0.0, 0.9, false, ""}, [](auto& s) -> auto& { return knobs(s.refine).hysteresis; }),
       integer(
           {"max_changes", "Most changes", "Frame to frame: limit on splits and merges per frame; 0: no limit"},
-          {0, 100'000, true, ""}, [](auto& s) -> auto& { return s.refine.update.max_changes; }),
+          {0, 100'000, true, ""}, [](auto& s) -> auto& { return s.refine.max_changes; }),
       number(
           {"time_limit", "Time limit",
            "Frame to frame: no further splits and merges in a frame after this time; 0: no limit"},
-          {0.0, 100.0, false, "ms"}, [](auto& s) -> auto& { return s.refine.update.time_limit_ms; }),
+          {0.0, 100.0, false, "ms"}, [](auto& s) -> auto& { return s.refine.time_limit_ms; }),
       integer(
           {"geomorph_frames", "Geomorphs",
            "Frame to frame: frames in which a new vertex moves from its parent to its own position; 0: at once"},
-          {0, 120, false, ""}, [](auto& s) -> auto& { return s.refine.update.geomorph_frames; }),
+          {0, 120, false, ""}, [](auto& s) -> auto& { return s.refine.geomorph_frames; }),
       not_kept(toggle(
           {"freeze", "Freeze", "Keep the mesh as it is now and move only the camera that views it"},
           [](auto& s) -> auto& { return s.freeze; })),

@@ -62,8 +62,8 @@ void SideRefiner::explain_choice() {
 }
 
 void SideRefiner::morph(const RefineOptions& options) {
-  if (options.update.geomorph_frames == 0) morphed_.clear();
-  if (options.update.geomorph_frames > 0 && morphed_.empty())
+  if (options.geomorph_frames == 0) morphed_.clear();
+  if (options.geomorph_frames > 0 && morphed_.empty())
     for (const RefineObject& object : objects_) morphed_.emplace_back(object.hierarchy->positions());
   for (std::size_t i = 0; i < morphed_.size(); ++i) morphed_[i].update(result_->objects[i].geomorphs);
 }

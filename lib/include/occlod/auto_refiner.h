@@ -85,8 +85,7 @@ struct EffectChoice {
   std::uint32_t level_step = 1;                    // queries about subtrees on every n-th forest level
   std::vector<ObjectEffects> objects;              // by object
 
-  // `options` with this choice in place of options.occluder but its mode, of options.queries but its proxy, and of
-  // options.effects.
+  // `options` with this choice in place of options.effects, and of what the method asks and draws.
   [[nodiscard]] RefineOptions with(RefineOptions options) const;
 
   friend bool operator==(const EffectChoice&, const EffectChoice&) = default;
@@ -187,8 +186,8 @@ class AutoRefiner {
   // As Refiner::set_transform().
   void set_transform(std::size_t object, const glm::dmat4& object_to_world);
 
-  // As Refiner::refine(), with effects chosen for the view in place of options.occluder but its mode, of
-  // options.queries but its proxy, and of options.effects. Throws Error likewise.
+  // As Refiner::refine(), with effects chosen for the view in place of options.effects, and of what
+  // the method asks and draws. Throws Error likewise.
   const Refinement& refine(const View& view, const RefineOptions& options);
   // As Refiner::update(), with effects chosen for each view; a change of effects does not start from scratch. They stay
   // the same while the same view and options are given again, and where another choice would be only a little better.

@@ -31,9 +31,9 @@ inline constexpr std::uint64_t all_effect_regions = ~std::uint64_t{0};
 
 // The tests that are made for one object.
 struct ObjectEffects {
-  bool cones = true;      // drop subtrees whose normal cone faces away; with Culling::star this saves time and does not
-                          // change which splits are worth a triangle
-  bool occlusion = true;  // ask whether parts of it are hidden; it hides others in any case
+  bool cones = true;  // drop subtrees whose normal cone faces away; with Method::occlod this saves time and does not
+                      // change which splits are worth a triangle
+  bool occlusion = true;                       // ask whether parts of it are hidden; it hides others in any case
   std::uint64_t regions = all_effect_regions;  // occlusion: only in the regions whose bits are set
 
   // Number of regions in which occlusion is asked about.
@@ -71,14 +71,11 @@ struct ObjectEffectStats {
 // What a caller asks of refinement. Options belong to a call and not to a Refiner, so that a program may change any of
 // them from frame to frame, as a slider does; Refiner::update() starts from scratch by itself where it has to.
 
-// Which question decides that a split is applied.
-enum class Culling {
-  subtree,  // one, as in the paper: may the bounds of its subtree be seen?
-  star,     // two: descend where the bounds of the subtree may be seen, apply where the split's own faces may be
+// How a mesh is refined.
+enum class Method {
+  occlod,  // our own: what a split changes decides, and what is seen of it
+  paper,   // as Birkholz & Rahn published it, to compare with
 };
-
-// The bounds of a subtree that occlusion queries ask about.
-enum class Proxy { sphere, box, cylinder };
 
 // What the current mesh hides.
 enum class OccluderMode {
@@ -89,69 +86,30 @@ enum class OccluderMode {
                 // (docs/guide/occlusion.md)
 };
 
-// What a split is worth in a view. With Culling::subtree the priority of a split is its error in pixels; with
-// Culling::star that error * (visible share of its faces)^visible_exponent
-// * (cosine under which the eye sees them)^-grazing_exponent * (1 + unseen splits that it forces)^-forced_exponent.
-// A change makes Refiner::update() refine from scratch.
-struct PriorityOptions {
-  Culling culling = Culling::star;  // which question decides
-  double visible_exponent = 1.0;    // in [0, 8]
-  double grazing_exponent = 0.5;    // in [0, 8]
-  double forced_exponent = 0.5;     // in [0, 8]
-
-  friend bool operator==(const PriorityOptions&, const PriorityOptions&) = default;
-};
-
-// When and how the current mesh is drawn as an occluder. A change makes Refiner::update() refine from scratch.
-struct OccluderOptions {
-  OccluderMode mode = OccluderMode::paper;  // what it hides
-  // From scratch: draw it when so many splits are applied; ascending. Empty: at a third of the
-  // budget in triangles and at sixths of that, as far as the mesh has moved by a pixel since the one before.
-  std::vector<std::uint32_t> splits = {};
-  // From scratch: whenever a new one is drawn, ask again about what an older one hid.
-  bool retest_hidden = true;
-
-  friend bool operator==(const OccluderOptions&, const OccluderOptions&) = default;
-};
-
-// What is asked about occlusion.
-struct QueryOptions {
-  Proxy proxy = Proxy::box;      // a change makes Refiner::update() refine from scratch
-  std::uint32_t level_step = 2;  // ask about subtrees on every n-th forest level (2: odd levels, as in the paper); >= 1
-  bool ask_stars = true;         // Culling::star: ask about each split's own faces before it is applied
-  bool final_check = true;       // ask again about all that is hidden before the result; what turns out to be visible
-                                 // replaces splits of lower priority
-
-  friend bool operator==(const QueryOptions&, const QueryOptions&) = default;
-};
-
-// Refiner::update() only: how fast the mesh may follow the camera.
-struct UpdateOptions {
-  double hysteresis = 0.03;  // relative margin by which a candidate must exceed an applied split to replace it; [0, 1)
-  std::size_t max_changes = 0;        // splits and merges in one call, except what the budget forces; 0: no limit
-  double time_limit_ms = 0.0;         // no further splits and merges after so long; 0: no limit. Depends on a clock
-  std::uint32_t geomorph_frames = 0;  // calls in which a new vertex slides from its parent to its place; 0: at once
-
-  friend bool operator==(const UpdateOptions&, const UpdateOptions&) = default;
-};
+// What benchmarks and tests may turn besides: lib/refine/tuning.h, which is not installed.
+struct Tuning;
 
 // All that can be set for one call.
 struct RefineOptions {
   std::size_t budget = 10'000;  // triangles over all objects, never exceeded; at least Refiner::base_triangles()
   double tolerance_px = 0.0;  // stop when no visible split has a larger bound on its screen error; 0: spend the budget
-  PriorityOptions priority = {};  // what a split is worth
-  OccluderOptions occluder = {};  // when and how occluders are drawn
-  QueryOptions queries = {};      // what is asked about occlusion
-  UpdateOptions update = {};      // how fast Refiner::update() may go
+  Method method = Method::occlod;           // a change makes Refiner::update() refine from scratch
+  OccluderMode mode = OccluderMode::paper;  // what occluders hide; a change makes Refiner::update() refine from scratch
+  // Refiner::update() only: how fast the mesh may follow the camera.
+  std::size_t max_changes = 0;        // splits and merges in one call, except what the budget forces; 0: no limit
+  double time_limit_ms = 0.0;         // no further splits and merges after so long; 0: no limit. Depends on a clock
+  std::uint32_t geomorph_frames = 0;  // calls in which a new vertex slides from its parent to its place; 0: at once
   int threads = 1;  // that refinement from scratch may use, in [0, 1024]; 0: one for each core. More than 2 are not
                     // used. The result does not depend on it
-  std::vector<ObjectEffects> effects = {};  // what works on each object, by object; empty: everything on all of them
+  std::vector<ObjectEffects> effects = {};    // what works on each object, by object; empty: everything on all of them
+  std::shared_ptr<const Tuning> tuning = {};  // for benchmarks and tests, in place of the method's own; null for users
 
-  friend bool operator==(const RefineOptions&, const RefineOptions&) = default;
+  // Of what is meant: a tuning equals one with the same values.
+  friend bool operator==(const RefineOptions& a, const RefineOptions& b);
 };
 
 // Throws Error that names the first field that is not finite or out of its range, and the range. What depends on the
-// objects, the budget and the number of effects, is not looked at. Refiner and AutoRefiner call it. O(occluder.splits).
+// objects, the budget and the number of effects, is not looked at. Refiner and AutoRefiner call it.
 void check_options(const RefineOptions& options);
 
 // What refinement gives back: the triangles of every object for one view, and numbers about how they came about.
@@ -306,11 +264,10 @@ class Refiner {
   const Refinement& refine(const View& view, const RefineOptions& options, Visibility& visibility);
 
   // Goes on from the cut of the call before: merges splits that have lost priority, applies those that have gained.
-  // Refines from the base meshes when there is no such cut, when options.priority, options.occluder or the proxies have
+  // Refines from the base meshes when there is no such cut, when options.method or options.mode has
   // changed, or when a quarter of the cut has lost its worth at once (a jump of the camera; not with limits). Draws an
-  // occluder in each frame: occluder.splits and occluder.retest_hidden concern refinement from scratch only. The same
-  // budget, errors thrown and validity as refine(), nearly the same screen errors; deterministic for the same sequence
-  // of calls, unless update.time_limit_ms is set.
+  // occluder in each frame. The same budget, errors thrown and validity as refine(), nearly the same screen errors;
+  // deterministic for the same sequence of calls, unless time_limit_ms is set.
   const Refinement& update(const View& view, const RefineOptions& options, Visibility& visibility);
 
   // Gives the last result away with its memory, so that what points into its arrays stays valid beyond the next call;

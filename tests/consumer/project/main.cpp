@@ -30,8 +30,7 @@ int main() {
   occlod::Refiner refiner(objects);
   const occlod::View view{occlod::Camera{}};
   const auto visibility = occlod::make_software_occlusion();
-  const occlod::Refinement& refined =
-      refiner.refine(view, {.budget = budget, .occluder = {.splits = {50, 200}}}, *visibility);
+  const occlod::Refinement& refined = refiner.refine(view, {.budget = budget}, *visibility);
 
   const std::vector<occlod::Triangle>& triangles = refined.objects[0].triangles;
   occlod::ItemBuffer items;
