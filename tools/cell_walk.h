@@ -17,6 +17,7 @@
 #include "occlod/refiner.h"
 #include "occlod/scene.h"
 #include "occlod/view.h"
+#include "simulated_disk.h"
 
 namespace occlod::tool {
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "command_files.h"
+#include "global_options.h"
 #include "hlod.h"
 #include "interrupt.h"
 #include "occlod/base.h"
@@ -179,9 +180,6 @@ void add_hlod_build(CLI::App& hlod) {
       "Weight of how far texture coordinates, hard normals and colours slip, relative to distances; 0: errors are "
       "of the surface alone")
       ->capture_default_str();
-  add_number(command, "--threads", options->build.threads, WholeRange{0, max_threads},
-             "Threads; 0: one per core. The result does not depend on it")
-      ->capture_default_str();
   command
       .add_option_function<int>(
           "--quantise",
@@ -210,9 +208,11 @@ void add_hlod_build(CLI::App& hlod) {
   command.add_flag("--resume", options->resume,
                    "Keep finished nodes in OUTPUT.journal until the output is there. A build that was killed goes on "
                    "from it when the same command runs again");
-  add_progress_option(command, options->progress);
-  command.add_flag("--json", options->json, "Print the result as one JSON object");
-  command.callback([options] { run(*options); });
+  command.callback([options, &command] {
+    read_global_options(command,
+                        {.json = &options->json, .progress = &options->progress, .threads = &options->build.threads});
+    run(*options);
+  });
 }
 
 }  // namespace occlod::tool

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "command_files.h"
+#include "global_options.h"
 #include "hlod.h"
 #include "hlod_costs.h"
 #include "hlod_device.h"
@@ -121,8 +122,10 @@ void add_hlod_compare(CLI::App& hlod) {
              "Compare so many frames, spread evenly, with the input and with what vfc draws; 0: none")
       ->capture_default_str();
   add_file(command, "--csv", options->csv, "Write what is told of each frame of each run as comma-separated values");
-  command.add_flag("--json", options->json, "Print the result as one JSON object");
-  command.callback([options] { run(*options); });
+  command.callback([options, &command] {
+    read_global_options(command, {.json = &options->json, .use_cache = &options->scene.use_cache});
+    run(*options);
+  });
 }
 
 }  // namespace occlod::tool

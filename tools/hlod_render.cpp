@@ -12,6 +12,7 @@
 #include "accuracy.h"
 #include "command_files.h"
 #include "drawing.h"
+#include "global_options.h"
 #include "hlod.h"
 #include "hlod_boxes.h"
 #include "hlod_cache.h"
@@ -186,8 +187,10 @@ void add_hlod_render(CLI::App& hlod) {
       command, "--boxes", options->boxes,
       "Likewise of the nodes drawn and their boxes from above: blue where errors counted in full, red where hardly");
   add_file(command, "--csv", options->csv, "Write what is told of each frame as comma-separated values");
-  command.add_flag("--json", options->json, "Print the result as one JSON object");
-  command.callback([options] { run(*options); });
+  command.callback([options, &command] {
+    read_global_options(command, {.json = &options->json, .use_cache = &options->scene.use_cache});
+    run(*options);
+  });
 }
 
 }  // namespace occlod::tool

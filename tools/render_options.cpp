@@ -26,9 +26,6 @@ void add_input_options(CLI::App& command, RenderOptions& options) {
            "Refine every frame of this camera path of the scene; not with --camera, --birdseye, --mesh and --reference")
       ->excludes(camera);
   add_size_options(command, options.input);
-  command.add_flag_callback(
-      "--no-cache", [&options] { options.input.use_cache = false; },
-      "Build the hierarchies of meshes again, and do not keep them for the next time");
 }
 
 void add_exponent(CLI::App& command, const std::string& name, double& exponent, const std::string& of) {
@@ -53,10 +50,6 @@ void add_refine_options(CLI::App& command, RefineOptions& refine) {
   add_exponent(command, "--grazing-exponent", refine.priority.grazing_exponent,
                "1 / cosine of the angle between its faces and the view");
   add_exponent(command, "--forced-exponent", refine.priority.forced_exponent, "1 / (1 + unseen splits that it forces)");
-  add_number(command, "--threads", refine.threads, WholeRange{0, max_threads},
-             "Threads that refinement from scratch may use; 0: one per core; more than 2 are not used. The result does "
-             "not depend on it")
-      ->capture_default_str();
 }
 
 // Of "adaptive" or ascending numbers.
@@ -218,7 +211,6 @@ void add_output_options(CLI::App& command, RenderOptions& options) {
       ->excludes(path);
   add_number(command, "--repeat", options.repeat, WholeRange{1, 1'000'000}, "Refine so many times; times are medians")
       ->capture_default_str();
-  command.add_flag("--json", options.json, "Print the result as one JSON object");
 }
 
 }  // namespace
