@@ -122,7 +122,7 @@ void add_cells_info(CLI::App& cells) {
       .add_option_function<std::string>(
           "--cell", [options](const std::string& text) { choose_cell(*options, text); },
           "Describe this node of the tree of cells, or the cell that holds this point")
-      ->type_name("N|X,Y,Z");
+      ->type_name("ID|X,Y,Z");
   command.callback([options, &command] {
     read_global_options(command, {.json = &options->json});
     run(*options);

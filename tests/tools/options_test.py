@@ -143,7 +143,7 @@ class Options(ToolTest):
             text = self.succeed("generate", "--help")
             for option, low, high in options:
                 is_real = option in ("amplitude", "frequency")
-                for value in ("", "x", "-1", "nan", "inf", "1e999", "0x10", *([] if is_real else ["1.5", "1e3", "+1"]), high + (1e-3 if is_real else 1), *([low - 1] if low > 0 else [])):
+                for value in ("", "x", "-1", "nan", "inf", "1e999", *([] if is_real else ["0x10", "1.5", "1e3", "+1"]), high + (1e-3 if is_real else 1), *([low - 1] if low > 0 else [])):
                     done = self.run_tool(*command, f"{option}={value}")
                     self.assertEqual((done.returncode, done.stdout, done.stderr.count("\n")), (2, "", 1), done.stderr)
                     self.assertTrue(done.stderr.startswith(f'occlod: error: {option}: "{value}" '), done.stderr)
