@@ -11,6 +11,7 @@
 #include <memory>
 #include <vector>
 
+#include "gl/backend_options.h"
 #include "occlod/base.h"
 #include "occlod/build_hlod.h"
 #include "occlod/gl.h"
@@ -60,11 +61,11 @@ gl::HlodDevice& device(const Setting& setting) {
   auto& chosen = devices[(setting.quality ? 1U : 0U) + (setting.tiny ? 2U : 0U) + (setting.indirect ? 4U : 0U) +
                          (setting.marks ? 8U : 0U)];
   if (!chosen)
-    chosen = gl::make_hlod_device(
-        context, {.quality = setting.quality,
-                  .mesh_bytes = setting.tiny ? std::size_t{512} << 10 : gl::HlodDeviceOptions{}.mesh_bytes,
-                  .indirect = setting.indirect,
-                  .marks = setting.marks});
+    chosen =
+        gl::make_hlod_device(context,
+                             {.quality = setting.quality,
+                              .mesh_bytes = setting.tiny ? std::size_t{512} << 10 : gl::HlodDeviceOptions{}.mesh_bytes},
+                             {.indirect = setting.indirect, .marks = setting.marks});
   return *chosen;
 }
 

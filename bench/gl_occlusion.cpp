@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "base/timing.h"
+#include "gl/backend_options.h"
 #include "gl/objects.h"
 #include "occlod/base.h"
 #include "occlod/gl.h"

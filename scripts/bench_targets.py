@@ -204,7 +204,7 @@ def measure_building(version, bench, effort, folder):
 def measure_built_files(versions, folder):
     """SHA-256 of a hierarchy's file by version and threads."""
     mesh = folder / "planet.ply"
-    versions[-1].run(versions[-1].occlod, "generate", "rough-planet", "--level", 7, "-o", mesh)
+    versions[-1].run(versions[-1].occlod, "generate", "rough-planet", "level=7", "-o", mesh)
     result = {}
     for version in versions:
         for threads in (1, 2):

@@ -41,7 +41,7 @@ QUICK = Effort(scenes=("vlod_city",), folder="bench/scenes/small", cost_model="5
                order=("--side", "16", "--columns", "9000", "--sort", "1000000"), shrunk=("--sampled", "--blocks", "8", "--edges", "2,4,8", "--image-size", "512"),
                rays=("--blocks", "8", "--edges", "4", "--seconds", "5", "--eyes", "16", "--image-size", "256"))
 # Whether everything is there, not what it is worth.
-SMALL = Effort(scenes=("vlod_city",), folder="bench/scenes/small", cost_model="160x120,60,0.1", divide=("--root-cell", "8", "--levels", "1"), viewcells=("--quick",), compared=6, cost_cells=1, eyes=2, image_size=64,
+SMALL = Effort(scenes=("vlod_city",), folder="bench/scenes/small", cost_model="160x120,60,0.1", divide=("--root-cell", "8", "--smallest-cell", "4"), viewcells=("--quick",), compared=6, cost_cells=1, eyes=2, image_size=64,
                order=("--side", "4", "--columns", "1000", "--sort", "10000"), shrunk=("--blocks", "2", "--edges", "2,4", "--image-size", "128"),
                rays=("--blocks", "2", "--facade-cells", "4", "--edges", "2", "--seconds", "0.3", "--eyes", "2", "--image-size", "64"))
 
@@ -85,7 +85,7 @@ class Runs:
         for mode in MODES:
             for tolerance in TOLERANCES:
                 cost = f"{name}_cost_{mode}_{tolerance:g}"
-                self.build(cost, scene, "--region", region, "--levels", 0, "--threads", 1, "--occlusion", mode, "--tolerance", tolerance,
+                self.build(cost, scene, "--region", region, "--max-triangles", 10**12, "--threads", 1, "--occlusion", mode, "--tolerance", tolerance,
                            eyes=self.effort.cost_model)
                 self.run(f"{cost}_check.json", self.occlod, "cells", "check", self.out / f"{cost}.vlod", scene, "--cells", self.effort.cost_cells**2,
                          "--eyes", self.effort.eyes, "--image-size", self.effort.image_size, "--json", may_fail=True)

@@ -5,7 +5,7 @@
 #include "occlod/base.h"
 #include "occlod/visibility.h"
 #ifdef OCCLOD_HAS_GL
-#include "occlod/gl.h"
+#include "gl/backend_options.h"
 #endif
 
 namespace occlod::tool {

@@ -9,6 +9,7 @@
 
 #include "command_files.h"
 #include "commands.h"
+#include "global_options.h"
 #include "interrupt.h"
 #include "json_output.h"
 #include "occlod/build_hierarchy.h"
@@ -125,15 +126,14 @@ void add_build(CLI::App& app) {
   add_choice(command, "--error-bound", options->build.error_bound,
              {{"accumulated", ErrorBound::accumulated}, {"measured", ErrorBound::measured}},
              "Guaranteed errors: accumulated (fast to build, loose) or measured (tight, several times the build time)");
-  add_number(command, "--threads", options->build.threads, WholeRange{0, max_threads},
-             "Threads; 0: one per core. The result does not depend on it")
-      ->capture_default_str();
   add_choice(command, "--compress", options->compression,
              {{"none", OlodCompression::none}, {"zstd", OlodCompression::zstd}},
              "none: the file is mapped into memory when used; zstd: smaller, but unpacked when used");
-  add_progress_option(command, options->progress);
-  command.add_flag("--json", options->json, "Print the result as one JSON object");
-  command.callback([options] { run(*options); });
+  command.callback([options, &command] {
+    read_global_options(command,
+                        {.json = &options->json, .progress = &options->progress, .threads = &options->build.threads});
+    run(*options);
+  });
 }
 
 }  // namespace occlod::tool

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <ctime>
 #include <utility>
 
@@ -30,14 +29,6 @@ std::uint64_t hash_of(const WalkedFrame& frame) {
       sum += h ^ h >> 32U;
     }
   return sum;
-}
-
-CameraPath at_speed(const CameraPath& path, double speed) {
-  CameraPath result = path;
-  const double frames = std::round((path.frames - 1) / speed) + 1.0;
-  const double least = path.jump ? static_cast<double>(path.keys.size()) : 2.0;
-  if (path.keys.size() > 1) result.frames = static_cast<int>(std::clamp(frames, least, 1e6));
-  return result;
 }
 
 CellWalk::CellWalk(std::shared_ptr<const VlodFile> file, std::span<const RefineObject> objects,

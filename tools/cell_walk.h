@@ -17,6 +17,7 @@
 #include "occlod/refiner.h"
 #include "occlod/scene.h"
 #include "occlod/view.h"
+#include "simulated_disk.h"
 
 namespace occlod::tool {
 
@@ -28,7 +29,6 @@ struct CellWalkOptions {
   // Loads take what this disk takes and the processor time that they need, of time that passes from frame to frame.
   // None: a disk that takes no time.
   std::optional<DiskSpeed> disk;
-  double speed = 1.0;  // of the path's own, > 0
   std::function<void(const std::string& line)> note = {};
 };
 
@@ -48,9 +48,6 @@ struct CellWalkFrame {
 // with 14695981039346656037 + the number of the object, and for each bit pattern of the nine coordinates becomes
 // (h ^ bits) * 1099511628211.
 [[nodiscard]] std::uint64_t hash_of(const WalkedFrame& frame);
-
-// The same path for everybody: key by key, at another speed.
-[[nodiscard]] CameraPath at_speed(const CameraPath& path, double speed);
 
 class CellWalk {
  public:

@@ -143,12 +143,6 @@ std::size_t hierarchy_bytes(std::span<const RefineObject> objects) {
   return bytes;
 }
 
-void add_no_cache(CLI::App& command, bool& use_cache) {
-  command.add_flag_callback(
-      "--no-cache", [&use_cache] { use_cache = false; },
-      "Build the hierarchies of the scene again, and do not keep them for the next time");
-}
-
 std::optional<std::vector<double>> numbers_in(const std::string& text, std::size_t count) {
   std::vector<double> numbers;
   for (const std::string& part : CLI::detail::split(text, ',')) {
@@ -181,7 +175,7 @@ void add_cells(CLI::App& app) {
   command.footer(
       "For example:\n"
       "  occlod cells build city.json -o city.vlod\n"
-      "  occlod cells info city.vlod --eye 100,200,1.7");
+      "  occlod cells info city.vlod --cell 100,200,1.7");
 }
 
 }  // namespace occlod::tool

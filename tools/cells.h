@@ -38,9 +38,6 @@ struct CellScene {
 // Of different hierarchies.
 [[nodiscard]] std::size_t hierarchy_bytes(std::span<const RefineObject> objects);
 
-// --no-cache. `use_cache` outlives the command.
-void add_no_cache(CLI::App& command, bool& use_cache);
-
 // Numbers of the form "1,2.5,-3": so many, finite. Nothing for anything else.
 [[nodiscard]] std::optional<std::vector<double>> numbers_in(const std::string& text, std::size_t count);
 

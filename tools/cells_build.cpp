@@ -14,6 +14,7 @@
 #include "cells.h"
 #include "chosen_views.h"
 #include "command_files.h"
+#include "global_options.h"
 #include "interrupt.h"
 #include "occlod/base.h"
 #include "occlod/build_cells.h"
@@ -42,7 +43,6 @@ struct Options {
   std::optional<double> root_cell, smallest_cell;
   std::optional<std::uint64_t> max_triangles;
   std::optional<Shard> shard;
-  bool resume = false;
   bool use_cache = true;
   int threads = 0;
   ShowProgress progress = ShowProgress::automatic;
@@ -106,8 +106,6 @@ CellTreeOptions chosen_options(const Options& options, const SceneDescription& s
 void check(const Options& options, const SceneDescription& scene) {
   if (options.shard && options.work.empty())
     throw CLI::ValidationError("--shard", "needs --work: the folder for its part");
-  if (options.resume && options.work.empty())
-    throw CLI::ValidationError("--resume", "needs --work: the folder with the parts that are there");
   if (options.shard && !options.output.empty())
     throw CLI::ValidationError("--shard", "makes parts; leave --output out and merge them with 'occlod cells merge'");
   if (!options.shard && options.output.empty()) throw CLI::ValidationError("--output", "is required without --shard");
@@ -143,7 +141,7 @@ class Building {
     for (std::uint32_t first = all.first; first < all.first + all.count; first += roots_in_part) {
       const CellRange range{first, std::min(roots_in_part, all.first + all.count - first)};
       parts.push_back(options_.work / build_.part_name(range));
-      if (options_.resume && build_.has_part(parts.back(), range)) {
+      if (build_.has_part(parts.back(), range)) {
         ++found_;
         continue;
       }
@@ -246,13 +244,8 @@ void add_space_options(CLI::App& command, const std::shared_ptr<Options>& option
              "Longest edge of a cell before it is divided, world units; else what the scene says, or 16");
   add_number(command, "--smallest-cell", options->smallest_cell, RealRange{min_length, max_length},
              "No edge becomes shorter, world units; else what the scene says, or 1");
-  add_number(command, "--levels", options->tree.levels, WholeRange{0, 32}, "How often a cell may be divided")
-      ->capture_default_str();
   add_number(command, "--max-triangles", options->max_triangles, WholeRange{0, max_drawn},
              "Divide a cell that draws more; else what the scene says, or 200000");
-  add_choice(
-      command, "--division", options->tree.division, {{"halving", CellDivision::halving}, {"gain", CellDivision::gain}},
-      "halving: divide if a part draws less than half, as in the paper; gain: if parts draw a tenth less on average");
 }
 
 }  // namespace
@@ -275,20 +268,19 @@ void add_cells_build(CLI::App& cells) {
   add_text(command, "--eyes", "WxH,FOV,NEAR",
            "Image, field of view from top to bottom and near plane of all eyes [1024x768,60,0.01]",
            [options](const std::string& text) { options->tree.cell.eyes = parse_eyes(text); });
-  add_number(command, "--occluder-error", options->tree.occluder_motion, RealRange{0.0},
-             "How far the surfaces that hide may have moved, world units; else a quarter of --smallest-cell");
   add_space_options(command, options);
-  add_file(command, "--work", options->work, "Keep what is done in parts in this folder")->type_name("FOLDER");
+  add_file(command, "--work", options->work,
+           "Keep what is done in parts in this folder, and build only parts that are not there, or damaged")
+      ->type_name("FOLDER");
   add_text(command, "--shard", "I/N", "Build the I-th of N shares of all cells, as parts in --work",
            [options](const std::string& text) { options->shard = parse_shard(text); });
-  command.add_flag("--resume", options->resume, "Build only parts that are not in --work, or damaged");
-  add_number(command, "--threads", options->threads, WholeRange{0, max_threads},
-             "Threads; 0: one per core. The result does not depend on it")
-      ->capture_default_str();
-  add_no_cache(command, options->use_cache);
-  add_progress_option(command, options->progress);
-  command.add_flag("--json", options->json, "Print the result as one JSON object");
-  command.callback([options] { run(*options); });
+  command.callback([options, &command] {
+    read_global_options(command, {.json = &options->json,
+                                  .progress = &options->progress,
+                                  .threads = &options->threads,
+                                  .use_cache = &options->use_cache});
+    run(*options);
+  });
 }
 
 }  // namespace occlod::tool

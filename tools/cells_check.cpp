@@ -16,6 +16,7 @@
 #include "base/threads.h"
 #include "cell_sight.h"
 #include "cells.h"
+#include "global_options.h"
 #include "occlod/base.h"
 #include "option_values.h"
 #include "stopwatch.h"
@@ -196,12 +197,11 @@ void add_cells_check(CLI::App& cells) {
              "Pixels along each side of an image")
       ->capture_default_str();
   add_number(command, "--seed", options->eyes.seed, WholeRange{}, "Random seed")->capture_default_str();
-  add_number(command, "--threads", options->threads, WholeRange{0, max_threads},
-             "Threads, each with a cell of its own; 0: one per core. The result does not depend on it")
-      ->capture_default_str();
-  add_no_cache(command, options->use_cache);
-  command.add_flag("--json", options->json, "Print the result as one JSON object");
-  command.callback([options] { run(*options); });
+  command.callback([options, &command] {
+    read_global_options(command,
+                        {.json = &options->json, .threads = &options->threads, .use_cache = &options->use_cache});
+    run(*options);
+  });
 }
 
 }  // namespace occlod::tool

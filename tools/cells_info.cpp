@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "cells.h"
+#include "global_options.h"
 #include "occlod/base.h"
 #include "option_values.h"
 
@@ -46,8 +47,20 @@ CellId chosen_cell(const Options& options, const CellTree& tree) {
   }
   const CellId leaf = tree.leaf_of(*options.eye);
   if (leaf == no_id)
-    throw Error({options.file.string(), "--eye", "no cell holds this point", "give a point in one of its regions"});
+    throw Error({options.file.string(), "--cell", "no cell holds this point", "give a point in one of its regions"});
   return leaf;
+}
+
+void choose_cell(Options& options, const std::string& text) {
+  if (const auto point = numbers_in(text, 3)) {
+    options.eye = {(*point)[0], (*point)[1], (*point)[2]};
+    return;
+  }
+  options.cell = whole_number(text);
+  if (!options.cell || *options.cell > max_elements)
+    throw CLI::ValidationError(
+        "--cell", fmt::format("{} is not a whole number from 0 to {}, or X,Y,Z: three finite numbers", shown(text),
+                              max_elements));
 }
 
 // What is to be drawn in a cell, or shared by all below a node.
@@ -105,21 +118,15 @@ void add_cells_info(CLI::App& cells) {
   const auto options = std::make_shared<Options>();
   add_file(command, "FILE", options->file, "A .vlod file")->required();
   command.add_flag("--check", options->check, "Read and check what all cells draw too");
-  CLI::Option* cell = add_number(command, "--cell", options->cell, WholeRange{0, max_elements},
-                                 "Describe this node of the tree of cells");
   command
       .add_option_function<std::string>(
-          "--eye",
-          [options](const std::string& text) {
-            const auto numbers = numbers_in(text, 3);
-            if (!numbers) throw CLI::ValidationError("--eye", shown(text) + " is not X,Y,Z: three finite numbers");
-            options->eye = {(*numbers)[0], (*numbers)[1], (*numbers)[2]};
-          },
-          "Describe the cell that holds this point")
-      ->type_name("X,Y,Z")
-      ->excludes(cell);
-  command.add_flag("--json", options->json, "Print the result as one JSON object");
-  command.callback([options] { run(*options); });
+          "--cell", [options](const std::string& text) { choose_cell(*options, text); },
+          "Describe this node of the tree of cells, or the cell that holds this point")
+      ->type_name("ID|X,Y,Z");
+  command.callback([options, &command] {
+    read_global_options(command, {.json = &options->json});
+    run(*options);
+  });
 }
 
 }  // namespace occlod::tool

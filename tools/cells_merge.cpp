@@ -6,6 +6,7 @@
 
 #include "cells.h"
 #include "command_files.h"
+#include "global_options.h"
 #include "interrupt.h"
 #include "occlod/base.h"
 #include "occlod/build_cells.h"
@@ -49,9 +50,10 @@ void add_cells_merge(CLI::App& cells) {
   const auto options = std::make_shared<Options>();
   add_file(command, "FOLDER", options->folder, "Folder with the parts of one build")->required();
   add_file(command, "-o,--output", options->output, "File to write, .vlod")->required();
-  add_progress_option(command, options->progress);
-  command.add_flag("--json", options->json, "Print the result as one JSON object");
-  command.callback([options] { run(*options); });
+  command.callback([options, &command] {
+    read_global_options(command, {.json = &options->json, .progress = &options->progress});
+    run(*options);
+  });
 }
 
 }  // namespace occlod::tool

@@ -6,6 +6,7 @@
 
 #include "cells.h"
 #include "command_files.h"
+#include "global_options.h"
 #include "interrupt.h"
 #include "occlod/build_cells.h"
 #include "option_values.h"
@@ -72,10 +73,11 @@ void add_cells_pack(CLI::App& cells) {
   add_number(command, "--level", options->level, WholeRange{0, 19},
              "How hard to compress, as zstd has it; 0: the geometry is not compressed")
       ->capture_default_str();
-  add_no_cache(command, options->use_cache);
-  add_progress_option(command, options->progress);
-  command.add_flag("--json", options->json, "Print the result as one JSON object");
-  command.callback([options] { run(*options); });
+  command.callback([options, &command] {
+    read_global_options(command,
+                        {.json = &options->json, .progress = &options->progress, .use_cache = &options->use_cache});
+    run(*options);
+  });
 }
 
 }  // namespace occlod::tool

@@ -17,6 +17,7 @@
 #include "cells.h"
 #include "chosen_views.h"
 #include "command_files.h"
+#include "global_options.h"
 #include "object_textures.h"
 #include "occlod/base.h"
 #include "occlod/visibility.h"
@@ -27,7 +28,6 @@
 namespace occlod::tool {
 namespace {
 
-constexpr double min_speed = 1e-3, max_speed = 1e6;
 constexpr std::size_t most_refined = 1'000'000;  // triangles by refinement, where the tolerance needs more
 constexpr std::uint64_t max_every = 1'000'000;
 
@@ -40,16 +40,6 @@ struct Options {
   bool use_cache = true;
   bool json = false;
 };
-
-DiskSpeed parse_disk(const std::string& text) {
-  const auto numbers = numbers_in(text, 2);
-  if (!numbers || !((*numbers)[0] > 0.0) || !((*numbers)[1] >= 0.0))
-    throw CLI::ValidationError(
-        "--throttle",
-        fmt::format("{} is not MB/S,MS: megabytes a second above 0, and milliseconds a read of at least 0",
-                    shown(text)));
-  return {1e6 * (*numbers)[0], 1e-3 * (*numbers)[1]};
-}
 
 // Compares with the full mesh, and with refinement to the same tolerance.
 class Comparison {
@@ -178,7 +168,7 @@ Json summary_of(const Json& frames) {
 }
 
 CameraPath walked_path(const Options& options, const SceneDescription& scene) {
-  const CameraPath path = at_speed(chosen_path(scene, options.view), options.walk.speed);
+  const CameraPath path = chosen_path(scene, options.view);
   for (int i = 0; i < path.frames; ++i)
     if (View(camera_at(path, i)).is_orthographic())
       throw Error({options.scene.string(), "/paths/" + options.view.path, "has no eye in an orthographic frame",
@@ -262,15 +252,8 @@ void add_cells_walk(CLI::App& cells) {
       ->required();
   add_name(command, "--path", options->view.path, "Camera path of the scene; a frame is a sixtieth of a second")
       ->required();
-  add_size_options(command, options->view);
+  add_size_option(command, options->view);
   add_number(command, "--memory", options->walk.memory, WholeRange{1}, "Bytes for cells in memory")
-      ->capture_default_str();
-  command
-      .add_option_function<std::string>(
-          "--throttle", [options](const std::string& text) { options->walk.disk = parse_disk(text); },
-          "Simulate a disk of so many megabytes a second and milliseconds a read; else reading takes no time")
-      ->type_name("MB/S,MS");
-  add_number(command, "--speed", options->walk.speed, RealRange{min_speed, max_speed}, "Go so many times as fast")
       ->capture_default_str();
   command.add_flag_callback(
       "--no-prefetch", [options] { options->walk.prefetch = false; }, "Load cells only when the eye is in them");
@@ -279,9 +262,10 @@ void add_cells_walk(CLI::App& cells) {
   add_number(command, "--every", options->every, WholeRange{1, max_every}, "With --reference: every N-th frame")
       ->capture_default_str();
   add_file(command, "--png", options->png, "Picture of the last frame to write");
-  add_no_cache(command, options->use_cache);
-  command.add_flag("--json", options->json, "Print the result as one JSON object");
-  command.callback([options] { run(*options); });
+  command.callback([options, &command] {
+    read_global_options(command, {.json = &options->json, .use_cache = &options->use_cache});
+    run(*options);
+  });
 }
 
 }  // namespace occlod::tool

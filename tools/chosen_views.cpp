@@ -49,7 +49,7 @@ std::optional<ImageSize> parse_size(const std::string& text) {
   return ImageSize{static_cast<int>(*width), static_cast<int>(*height)};
 }
 
-void add_size_options(CLI::App& command, ViewOptions& options) {
+void add_size_option(CLI::App& command, ViewOptions& options) {
   const auto set_size = [&options](const std::string& text) {
     options.size = parse_size(text);
     if (!options.size)
@@ -59,6 +59,10 @@ void add_size_options(CLI::App& command, ViewOptions& options) {
   command
       .add_option_function<std::string>("--size", set_size, "Size of the image in pixels instead of the camera's own")
       ->type_name("WxH");
+}
+
+void add_size_options(CLI::App& command, ViewOptions& options) {
+  add_size_option(command, options);
   command.add_flag("--orthographic", options.orthographic,
                    "Parallel projection that shows as much at the distance of the camera's target");
 }

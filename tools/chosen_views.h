@@ -29,7 +29,9 @@ struct ViewOptions {
 // "640x480"; nothing for anything else.
 [[nodiscard]] std::optional<ImageSize> parse_size(const std::string& text);
 
-// --size and --orthographic.
+// --size.
+void add_size_option(CLI::App& command, ViewOptions& options);
+// The same and --orthographic.
 void add_size_options(CLI::App& command, ViewOptions& options);
 
 // Of a scene file, as the options change them. Throw Error for a name that it does not have.

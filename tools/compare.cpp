@@ -9,6 +9,7 @@
 #include <string>
 
 #include "commands.h"
+#include "global_options.h"
 #include "json_output.h"
 #include "measure/attribute_distance.h"
 #include "measure/surface_distance.h"
@@ -139,8 +140,10 @@ void add_compare(CLI::App& app) {
       ->capture_default_str();
   add_number(command, "--seed", options->sampling.seed, WholeRange{}, "Random seed of the points")
       ->capture_default_str();
-  command.add_flag("--json", options->json, "Print the result as one JSON object");
-  command.callback([options] { run(*options); });
+  command.callback([options, &command] {
+    read_global_options(command, {.json = &options->json});
+    run(*options);
+  });
 }
 
 }  // namespace occlod::tool

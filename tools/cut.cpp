@@ -9,6 +9,7 @@
 
 #include "command_files.h"
 #include "commands.h"
+#include "global_options.h"
 #include "interrupt.h"
 #include "json_output.h"
 #include "occlod/base.h"
@@ -78,9 +79,8 @@ void add_cut(CLI::App& app) {
              "Instead: as few triangles as possible within this guaranteed distance to the full mesh, object units")
       ->excludes(triangles);
   add_file(command, "-o,--output", options->output, "Mesh to write: .ply, .obj, .glb, .off or .stl")->required();
-  add_progress_option(command, options->progress);
-  command.add_flag("--json", options->json, "Print the result as one JSON object");
-  command.callback([options] {
+  command.callback([options, &command] {
+    read_global_options(command, {.json = &options->json, .progress = &options->progress});
     if (!options->triangles && !options->error) throw CLI::RequiredError("--triangles or --error");
     run(*options);
   });

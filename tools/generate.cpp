@@ -1,15 +1,23 @@
-// occlod generate KIND ... -o FILE
+// occlod generate KIND [NAME=VALUE ...] -o FILE
 #include "occlod/generate.h"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "command_files.h"
 #include "commands.h"
+#include "global_options.h"
 #include "interrupt.h"
 #include "json_output.h"
+#include "mesh/generators.h"
 #include "occlod/mesh_file.h"
 #include "option_values.h"
 #include "peak_bytes.h"
@@ -19,40 +27,87 @@
 namespace occlod::tool {
 namespace {
 
-struct Output {
+struct Request {
+  std::string kind;
+  std::vector<std::string> settings;  // "name=value"
   std::string file;
   bool stream = false;
   ShowProgress progress = ShowProgress::automatic;
   bool json = false;
 };
 
-// One kind of mesh, as a whole and in parts.
+// What a value of an option may be, as a range of the right type.
 template <class Options>
-struct Generator {
-  TriangleMesh (*generate)(const Options& options);
-  void (*stream)(const Options& options, const PartVisitor& visit);
-};
+WholeRange range_of(const GeneratorOption<Options, int>& option) {
+  return {static_cast<std::uint64_t>(option.low), static_cast<std::uint64_t>(option.high)};
+}
+template <class Options>
+WholeRange range_of(const GeneratorOption<Options, std::uint64_t>&) {
+  return {};
+}
+template <class Options>
+RealRange range_of(const GeneratorOption<Options, double>& option) {
+  return {option.low, option.high};
+}
+
+template <class Options, class Value>
+void assign(Value& value, std::string text, const GeneratorOption<Options, Value>& option) {
+  if (const std::string wrong = in_range(range_of(option))(text); !wrong.empty())
+    throw CLI::ValidationError(option.name, wrong);
+  CLI::detail::lexical_cast(text, value);  // checked
+}
 
 template <class Options>
-Json write_whole(const Options& options, const Output& output, const Generator<Options>& generator,
-                 Progress& progress) {
-  progress.show("generating " + output.file, std::nullopt);
+std::string names_of_options() {
+  std::string names;
+  const Options options;
+  for_each_option(options, [&](const auto& option, const auto&) {
+    names += (names.empty() ? "" : ", ") + std::string(option.name);
+  });
+  return names;
+}
+
+template <class Options>
+Options read_settings(const std::vector<std::string>& settings) {
+  Options options;
+  std::vector<std::string> known;
+  for (const std::string& setting : settings) {
+    const std::size_t equals = setting.find('=');
+    const std::string name = setting.substr(0, equals);
+    bool is_known = false;
+    for_each_option(options, [&](const auto& option, auto& value) {
+      if (name != option.name) return;
+      is_known = true;
+      assign(value, equals == std::string::npos ? "" : setting.substr(equals + 1), option);
+    });
+    if (!is_known)
+      throw CLI::ValidationError(fmt::format("{} of {} is not one of {}, each followed by =VALUE", shown(name),
+                                             Generator<Options>::name, names_of_options<Options>()));
+    if (std::find(known.begin(), known.end(), name) != known.end())
+      throw CLI::ValidationError(name + " is given more than once");
+    known.push_back(name);
+  }
+  return options;
+}
+
+template <class Options>
+Json write_whole(const Options& options, const Request& request, Progress& progress) {
+  progress.show("generating " + request.file, std::nullopt);
   const Stopwatch stopwatch;
-  const TriangleMesh mesh = generator.generate(options);
+  const TriangleMesh mesh = Generator<Options>::generate(options);
   const double generate_ms = stopwatch.milliseconds();
-  write_interruptibly(output.file, 0, progress, [&] { write_mesh(output.file, mesh); });
+  write_interruptibly(request.file, 0, progress, [&] { write_mesh(request.file, mesh); });
   return {{"vertices", mesh.vertex_count()}, {"triangles", mesh.triangle_count()}, {"generate_ms", generate_ms}};
 }
 
 template <class Options>
-Json write_streamed(const Options& options, const Output& output, const Generator<Options>& generator,
-                    Progress& progress) {
-  check_mesh_parts_output(output.file);
+Json write_streamed(const Options& options, const Request& request, Progress& progress) {
+  check_mesh_parts_output(request.file);
   const Stopwatch stopwatch;
   WrittenCounts counts;
-  write_interruptibly(output.file, 0, progress, [&] {
-    counts = write_mesh_parts(output.file, [&](const PartVisitor& visit) {
-      generator.stream(options, [&](const TriangleMesh& part, std::size_t repeated) {
+  write_interruptibly(request.file, 0, progress, [&] {
+    counts = write_mesh_parts(request.file, [&](const PartVisitor& visit) {
+      Generator<Options>::stream(options, [&](const TriangleMesh& part, std::size_t repeated) {
         note_interrupts();  // also while parts are only counted
         visit(part, repeated);
       });
@@ -62,82 +117,58 @@ Json write_streamed(const Options& options, const Output& output, const Generato
 }
 
 template <class Options>
-void run(const std::string& kind, const Options& options, const Output& output, const Generator<Options>& generator) {
+void run(const Options& options, const Request& request) {
   handle_interrupts("generate");
-  CommandFiles().add_mesh_output("--output", output.file);
-  Progress progress(output.progress);
-  Json result = {{"generator", kind}, {"file", output.file}};
-  result.update(output.stream ? write_streamed(options, output, generator, progress)
-                              : write_whole(options, output, generator, progress));
+  CommandFiles().add_mesh_output("--output", request.file);
+  Progress progress(request.progress);
+  Json result = {{"generator", request.kind}, {"file", request.file}};
+  result.update(request.stream ? write_streamed(options, request, progress) : write_whole(options, request, progress));
   result["peak_bytes"] = peak_bytes();
   progress.clear();
-  output.json ? print_json(result) : print_lines(result);
+  request.json ? print_json(result) : print_lines(result);
 }
 
-// One kind of scene; `add_options` adds the options of its own.
-template <class Options, class AddOptions>
-void add_kind(CLI::App& generate_command, const std::string& kind, const std::string& about,
-              const Generator<Options>& generator, const AddOptions& add_options) {
-  CLI::App& command = *generate_command.add_subcommand(kind, about);
-  const auto options = std::make_shared<Options>();
-  const auto output = std::make_shared<Output>();
-  add_options(command, *options);
-  add_number(command, "--seed", options->seed, WholeRange{}, "Random seed")->capture_default_str();
-  add_file(command, "-o,--output", output->file, "Mesh to write: .ply, .obj, .glb, .off or .stl")->required();
-  command.add_flag("--stream", output->stream,
-                   "Write the same .ply or .obj piece by piece: slower, and for meshes larger than memory");
-  add_progress_option(command, output->progress);
-  command.add_flag("--json", output->json, "Print the result as one JSON object");
-  command.callback([=] { run(kind, *options, *output, generator); });
+std::vector<std::string> kinds() {
+  std::vector<std::string> names;
+  for_each_generator([&]<class Options>(const Options&) { names.emplace_back(Generator<Options>::name); });
+  return names;
 }
 
-template <class Value, class Range>
-void add(CLI::App& kind, const std::string& name, Value& value, Range range, const std::string& about) {
-  add_number(kind, name, value, range, about)->capture_default_str();
+// "  level=8             subdivisions, 0 to 11"
+std::string table_of_options() {
+  std::string text = "Kinds, and their options as they are when not given:\n";
+  for_each_generator([&]<class Options>(const Options& defaults) {
+    text += fmt::format("  {}: {}\n", Generator<Options>::name, Generator<Options>::about);
+    for_each_option(defaults, [&](const auto& option, const auto& value) {
+      const auto range = range_of(option);
+      const bool has_limits = option.low < option.high;
+      text += fmt::format("    {:<20} {}{}\n", fmt::format("{}={}", option.name, value), option.about,
+                          has_limits ? fmt::format(", {} to {}", range.low, range.high) : "");
+    });
+  });
+  return text + "For example:\n  occlod generate city blocks=4 -o city.ply";
 }
 
 }  // namespace
 
 void add_generate(CLI::App& app) {
   CLI::App& command = *app.add_subcommand("generate", "Generate a test mesh");
-  command.require_subcommand(1);
-  add_kind<RoughPlanetOptions>(
-      command, "rough-planet", "A sphere with random hills: 8 * 4^level triangles",
-      {generate_rough_planet, stream_rough_planet}, [](CLI::App& kind, RoughPlanetOptions& options) {
-        add(kind, "--level", options.level, WholeRange{0, 11}, "Subdivisions");
-        add(kind, "--amplitude", options.amplitude, RealRange{0.0, 0.99}, "Largest height of a hill, of the radius");
-        add(kind, "--frequency", options.frequency, RealRange{0.0, 1e6}, "Noise cells per radius");
-        add(kind, "--octaves", options.octaves, WholeRange{0, 30}, "Octaves of noise");
-      });
-  add_kind<CityOptions>(command, "city", "Blocks of buildings on a plane, z up", {generate_city, stream_city},
-                        [](CLI::App& kind, CityOptions& options) {
-                          add(kind, "--blocks", options.blocks, WholeRange{1, 256}, "Blocks along each side");
-                          add(kind, "--facade-cells", options.facade_cells, WholeRange{1, 256},
-                              "Cells along each edge of a wall; two triangles per cell");
-                        });
-  add_kind<PipesOptions>(command, "pipes", "A bundle of bent pipes in a unit cube", {generate_pipes, stream_pipes},
-                         [](CLI::App& kind, PipesOptions& options) {
-                           add(kind, "--pipes", options.pipes, WholeRange{1, 1'000'000}, "Number of pipes");
-                           add(kind, "--bends", options.bends, WholeRange{1, 100'000}, "Straight pieces per pipe");
-                           add(kind, "--sides", options.sides, WholeRange{3, 4096}, "Corners of the cross-section");
-                         });
-  add_kind<PlantOptions>(
-      command, "plant", "Storeys of rooms full of pipes, with floors, walls and doors, z up",
-      {generate_plant, stream_plant}, [](CLI::App& kind, PlantOptions& options) {
-        add(kind, "--storeys", options.storeys, WholeRange{1, 64}, "Number of storeys");
-        add(kind, "--bays", options.bays, WholeRange{1, 256}, "Rooms along the aisle of each storey");
-        add(kind, "--pipes", options.pipes, WholeRange{1, 10'000}, "Pipes on each side of a room");
-        add(kind, "--bends", options.bends, WholeRange{1, 100'000}, "Straight pieces per pipe");
-        add(kind, "--sides", options.sides, WholeRange{3, 4096}, "Corners of the cross-section");
-      });
-  add_kind<SpheresBehindWallOptions>(
-      command, "spheres-behind-wall", "Spheres that a wall hides from +x",
-      {generate_spheres_behind_wall, stream_spheres_behind_wall},
-      [](CLI::App& kind, SpheresBehindWallOptions& options) {
-        add(kind, "--spheres", options.spheres, WholeRange{1, 1'000'000}, "Number of spheres");
-        add(kind, "--level", options.level, WholeRange{0, 8}, "Subdivisions of each sphere");
-        add(kind, "--wall-cells", options.wall_cells, WholeRange{1, 4096}, "Cells along each edge of the wall");
-      });
+  const auto request = std::make_shared<Request>();
+  command.add_option("KIND", request->kind, "What to generate, see below")
+      ->transform(one_of(kinds()))
+      ->required()
+      ->type_name("");
+  command.add_option("NAME=VALUE", request->settings, "Options of this kind, see below")->type_name("");
+  add_file(command, "-o,--output", request->file, "Mesh to write: .ply, .obj, .glb, .off or .stl")->required();
+  command.add_flag("--stream", request->stream,
+                   "Write the same .ply or .obj piece by piece: slower, and for meshes larger than memory");
+  command.footer(table_of_options());
+  command.callback([request, &command] {
+    read_global_options(command, {.json = &request->json, .progress = &request->progress});
+    for_each_generator([&]<class Options>(const Options&) {
+      if (request->kind == Generator<Options>::name) run(read_settings<Options>(request->settings), *request);
+    });
+  });
 }
 
 }  // namespace occlod::tool

@@ -36,4 +36,11 @@ std::string HelpFormatter::make_option_desc(const CLI::Option* option) const {
   return wrap(option->get_description(), page_width - get_column_width());
 }
 
+std::string HelpFormatter::make_footer(const CLI::App* command) const {
+  const std::string footer = CLI::Formatter::make_footer(command);
+  if (command->get_parent() == nullptr) return footer;
+  return "Of the program, see occlod --help: --json, --progress, --threads, --no-cache\n" +
+         (footer.empty() ? "" : "\n" + footer);
+}
+
 }  // namespace occlod::tool

@@ -11,6 +11,8 @@ class HelpFormatter : public CLI::Formatter {
   // "N [10000]"
   std::string make_option_opts(const CLI::Option* option) const override;
   std::string make_option_desc(const CLI::Option* option) const override;
+  // With a line that tells of the options of the program.
+  std::string make_footer(const CLI::App* command) const override;
 };
 
 }  // namespace occlod::tool

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "command_files.h"
+#include "global_options.h"
 #include "hlod.h"
 #include "interrupt.h"
 #include "occlod/base.h"
@@ -170,9 +171,6 @@ void add_hlod_build(CLI::App& hlod) {
              {{"geomorph", hlod::Within::geomorph}, {"splits", hlod::Within::splits}},
              "geomorph: vertices can slide to the coarser level; splits: also keep each node's collapses, so that its "
              "error can be anything between two levels, for about twice the bytes");
-  add_number(command, "--threads", options->build.threads, WholeRange{0, max_threads},
-             "Threads; 0: one per core. The result does not depend on it")
-      ->capture_default_str();
   command
       .add_option_function<int>(
           "--quantise",
@@ -201,9 +199,11 @@ void add_hlod_build(CLI::App& hlod) {
   command.add_flag("--resume", options->resume,
                    "Keep finished nodes in OUTPUT.journal until the output is there. A build that was killed goes on "
                    "from it when the same command runs again");
-  add_progress_option(command, options->progress);
-  command.add_flag("--json", options->json, "Print the result as one JSON object");
-  command.callback([options] { run(*options); });
+  command.callback([options, &command] {
+    read_global_options(command,
+                        {.json = &options->json, .progress = &options->progress, .threads = &options->build.threads});
+    run(*options);
+  });
 }
 
 }  // namespace occlod::tool

@@ -10,6 +10,7 @@
 
 #include "base/text.h"
 #include "command_files.h"
+#include "global_options.h"
 #include "hlod.h"
 #include "interrupt.h"
 #include "occlod/base.h"
@@ -142,9 +143,10 @@ void add_hlod_export(CLI::App& hlod) {
            "What names of image files are relative to: the folder of the scene or mesh [that of FILE]")
       ->type_name("FOLDER");
   command.add_flag("--replace", tileset.replace, "Replace the tileset that FOLDER holds");
-  add_progress_option(command, options->progress);
-  command.add_flag("--json", options->json, "Print the result as one JSON object");
-  command.callback([options] { run(*options); });
+  command.callback([options, &command] {
+    read_global_options(command, {.json = &options->json, .progress = &options->progress});
+    run(*options);
+  });
 }
 
 }  // namespace occlod::tool

@@ -3,6 +3,7 @@
 #include <memory>
 #include <string>
 
+#include "global_options.h"
 #include "hlod.h"
 #include "occlod/node_store.h"
 #include "option_values.h"
@@ -42,8 +43,10 @@ void add_hlod_info(CLI::App& hlod) {
   const auto options = std::make_shared<Options>();
   add_file(command, "FILE", options->file, "An .ohlod file")->required();
   command.add_flag("--check", options->check, "Read and check the meshes and splits of all nodes too");
-  command.add_flag("--json", options->json, "Print the result as one JSON object");
-  command.callback([options] { run(*options); });
+  command.callback([options, &command] {
+    read_global_options(command, {.json = &options->json});
+    run(*options);
+  });
 }
 
 }  // namespace occlod::tool

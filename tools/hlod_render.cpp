@@ -12,6 +12,7 @@
 #include "accuracy.h"
 #include "command_files.h"
 #include "drawing.h"
+#include "global_options.h"
 #include "hlod.h"
 #include "hlod_cache.h"
 #include "hlod_device.h"
@@ -150,8 +151,10 @@ void add_hlod_render(CLI::App& hlod) {
   add_file(command, "--png", options->png,
            "Write a picture; of several frames one each: view.png becomes view_00000.png, ...");
   add_texture_option(command, options->texture, "--png lays");
-  command.add_flag("--json", options->json, "Print the result as one JSON object");
-  command.callback([options] { run(*options); });
+  command.callback([options, &command] {
+    read_global_options(command, {.json = &options->json, .use_cache = &options->scene.use_cache});
+    run(*options);
+  });
 }
 
 }  // namespace occlod::tool

@@ -75,9 +75,6 @@ void add_hlod_scene_options(CLI::App& command, HlodSceneOptions& options) {
              "With --path: go along it in so many frames instead of its own number; else stand still for so many")
       ->option_text("N");
   add_size_options(command, options.view);
-  command.add_flag_callback(
-      "--no-cache", [&options] { options.use_cache = false; },
-      "Build the HLOD of a scene or mesh again, and do not keep it for the next time");
 }
 
 HlodRequest describe_hlod_request(const HlodSceneOptions& options) {

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "file_server.h"
+#include "global_options.h"
 #include "hlod.h"
 #include "occlod/base.h"
 #include "option_values.h"
@@ -63,7 +64,10 @@ void add_hlod_serve(CLI::App& hlod) {
       fmt::format("Folder Build/Cesium of the npm package cesium; without, the page loads CesiumJS {} from cesium.com",
                   cesium_version))
       ->type_name("FOLDER");
-  command.callback([options] { run(*options); });
+  command.callback([options, &command] {
+    read_global_options(command, {});
+    run(*options);
+  });
 }
 
 }  // namespace occlod::tool

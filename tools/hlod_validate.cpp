@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "global_options.h"
 #include "hlod.h"
 #include "occlod/hlod.h"
 #include "occlod/node_store.h"
@@ -57,8 +58,10 @@ void add_hlod_validate(CLI::App& hlod) {
   add_number(command, "--fronts", options->validate.random_fronts, WholeRange{0, max_fronts},
              "Number of random fronts to check for cracks")
       ->capture_default_str();
-  command.add_flag("--json", options->json, "Print the result as one JSON object");
-  command.callback([options] { run(*options); });
+  command.callback([options, &command] {
+    read_global_options(command, {.json = &options->json});
+    run(*options);
+  });
 }
 
 }  // namespace occlod::tool

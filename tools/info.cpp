@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "commands.h"
+#include "global_options.h"
 #include "json_output.h"
 #include "occlod/base.h"
 #include "occlod/build_hierarchy.h"
@@ -106,8 +107,8 @@ void add_info(CLI::App& app) {
   command.add_flag(
       "--check", options->check,
       "Read and check all of an .olod file, and count dependencies and levels; meshes are read in full anyway");
-  command.add_flag("--json", options->json, "Print the result as one JSON object");
-  command.callback([options] {
+  command.callback([options, &command] {
+    read_global_options(command, {.json = &options->json});
     refuse_hlod(options->file);
     is_hierarchy(options->file) ? tell_hierarchy(*options) : tell_mesh(*options);
   });

@@ -12,6 +12,7 @@
 
 #include "commands.h"
 #include "file_faults.h"
+#include "global_options.h"
 #include "help_formatter.h"
 #include "interrupt.h"
 #include "occlod/base.h"
@@ -66,7 +67,7 @@ int wrong_use(const CLI::App& app, const CLI::ParseError& error) {
 // A command that says why it is not there.
 void add_without_cgal(CLI::App& app, const std::string& name) {
   CLI::App& command = *app.add_subcommand(name, "Left out: this program was built without CGAL");
-  command.allow_extras();
+  command.allow_extras()->fallthrough(false);
   command.callback([name] {
     throw Error({name, "", "this program was built without CGAL", "configure the build with -DOCCLOD_WITH_CGAL=ON"});
   });
@@ -95,6 +96,7 @@ int run(int argc, char** argv) {
   app.formatter(std::make_shared<HelpFormatter>());
   app.set_version_flag("--version", version());
   app.require_subcommand(1);
+  add_global_options(app);
   add_generate(app);
   add_build(app);
   add_info(app);

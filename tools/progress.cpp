@@ -3,11 +3,9 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 
-#include "option_values.h"
 #include "standard_streams.h"
 
 namespace occlod::tool {
@@ -36,13 +34,6 @@ std::string rate_and_rest(double done, double elapsed_ms, std::size_t triangles)
 }
 
 }  // namespace
-
-void add_progress_option(CLI::App& command, ShowProgress& when) {
-  add_choice(command, "--progress", when,
-             {{"always", ShowProgress::always}, {"auto", ShowProgress::automatic}, {"never", ShowProgress::never}},
-             "Show progress on standard error: always (as lines if that is not a terminal), auto (only on a terminal) "
-             "or never");
-}
 
 Progress::Progress(ShowProgress when)
     : is_terminal_(isatty(STDERR_FILENO) == 1),

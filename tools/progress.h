@@ -7,15 +7,9 @@
 
 #include "stopwatch.h"
 
-namespace CLI {
-class App;
-}
-
 namespace occlod::tool {
 
 enum class ShowProgress { always, automatic, never };  // automatic: where standard error is a terminal
-
-void add_progress_option(CLI::App& command, ShowProgress& when);
 
 class Progress {
  public:

@@ -14,6 +14,7 @@
 #include "commands.h"
 #include "drawing.h"
 #include "explanation.h"
+#include "global_options.h"
 #include "hlod_scene.h"
 #include "json_output.h"
 #include "measurement.h"
@@ -151,7 +152,11 @@ void add_render(CLI::App& app) {
       *app.add_subcommand("render", "Refine a view or a camera path of a scene, and measure, draw or save the result");
   const auto options = std::make_shared<RenderOptions>();
   add_render_options(command, *options);
-  command.callback([options] { run(*options); });
+  command.callback([options, &command] {
+    read_global_options(
+        command, {.json = &options->json, .threads = &options->refine.threads, .use_cache = &options->input.use_cache});
+    run(*options);
+  });
 }
 
 }  // namespace occlod::tool

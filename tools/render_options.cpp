@@ -23,9 +23,6 @@ void add_input_options(CLI::App& command, RenderOptions& options) {
            "Refine every frame of this camera path of the scene; not with --camera, --birdseye, --mesh and --reference")
       ->excludes(camera);
   add_size_options(command, options.input);
-  command.add_flag_callback(
-      "--no-cache", [&options] { options.input.use_cache = false; },
-      "Build the hierarchies of meshes again, and do not keep them for the next time");
 }
 
 void add_refine_options(CLI::App& command, RefineOptions& refine) {
@@ -40,10 +37,6 @@ void add_refine_options(CLI::App& command, RefineOptions& refine) {
       "--paper", [&refine] { refine.method = Method::paper; },
       "Refine as Birkholz & Rahn published it, to compare with: whole subtrees are tested, by cylinders, against the "
       "mesh after 300 and 2,500 splits");
-  add_number(command, "--threads", refine.threads, WholeRange{0, max_threads},
-             "Threads that refinement from scratch may use; 0: one per core; more than 2 are not used. The result does "
-             "not depend on it")
-      ->capture_default_str();
 }
 
 void add_occlusion_options(CLI::App& command, RenderOptions& options) {
@@ -127,7 +120,6 @@ void add_output_options(CLI::App& command, RenderOptions& options) {
       ->excludes(path);
   add_number(command, "--repeat", options.repeat, WholeRange{1, 1'000'000}, "Refine so many times; times are medians")
       ->capture_default_str();
-  command.add_flag("--json", options.json, "Print the result as one JSON object");
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 
 #include "command_files.h"
 #include "commands.h"
+#include "global_options.h"
 #include "interrupt.h"
 #include "json_output.h"
 #include "occlod/base.h"
@@ -141,9 +142,10 @@ void add_repair(CLI::App& app) {
   add_number(command, "--fill-holes", options->repair.fill_holes, WholeRange{0, max_elements},
              "Close holes with at most so many edges; 0: none")
       ->capture_default_str();
-  add_progress_option(command, options->progress);
-  command.add_flag("--json", options->json, "Print the result as one JSON object");
-  command.callback([options] { run(*options); });
+  command.callback([options, &command] {
+    read_global_options(command, {.json = &options->json, .progress = &options->progress});
+    run(*options);
+  });
 }
 
 }  // namespace occlod::tool

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "commands.h"
+#include "global_options.h"
 #include "occlod/build_hierarchy.h"
 #include "occlod/mesh_file.h"
 #include "option_values.h"
@@ -43,8 +44,10 @@ void add_validate(CLI::App& app) {
   add_number(command, "--cuts", options->validate.random_cuts, WholeRange{0, max_cuts},
              "Number of random cuts to check for cracks")
       ->capture_default_str();
-  command.add_flag("--json", options->json, "Print the result as one JSON object");
-  command.callback([options] { run(*options); });
+  command.callback([options, &command] {
+    read_global_options(command, {.json = &options->json});
+    run(*options);
+  });
 }
 
 }  // namespace occlod::tool

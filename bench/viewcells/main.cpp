@@ -32,7 +32,7 @@ using tool::CellWalk;
 using tool::CellWalkFrame;
 using tool::Json;
 
-constexpr DiskSpeed disk{100e6, 5e-3};
+constexpr tool::DiskSpeed disk{100e6, 5e-3};
 constexpr std::size_t most_refined = 1'000'000;  // triangles by refinement, where the tolerance needs more
 
 struct Options {

@@ -124,7 +124,7 @@ inline constexpr sections::FileKind part_kind{{'V', 'P', 'R', 'T', '\r', '\n', '
                                               vlod_version,
                                               ".vpart",
                                               "make one with 'occlod cells build --work'",
-                                              "remove it, and build again with --resume"};
+                                              "remove it, and build again"};
 
 // `trees`: of the root cells of the range. Throws Error that names the file.
 void write_part(const std::filesystem::path& path, const Scene& scene, const CellRange& range,
@@ -403,7 +403,7 @@ class Parts {
     const auto expect_at = [&](std::uint64_t next) {
       if (next > end)
         throw Error({folder.string(), "", fmt::format("lacks the root cells {} to {}", end, next - 1),
-                     "build them with 'occlod cells build --work --resume', or the shard that has them"});
+                     "build them with 'occlod cells build --work', or the shard that has them"});
     };
     for (const auto& reader : readers_) {
       expect_at(reader->range().first);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "gl/backend.h"
+#include "gl/backend_options.h"
 #include "gl/objects.h"
 #include "gl/proxy_stage.h"
 #include "hlod/draw/box_proxy.h"
@@ -359,6 +360,10 @@ std::unique_ptr<Visibility> make_compute_occlusion(std::shared_ptr<Context> cont
   require_options(context.get(), options.flight, 1, "gl-compute");
   require_version(context->functions(), 43, "gl-compute");
   return std::make_unique<ComputeOcclusion>(std::move(context), options);
+}
+
+std::unique_ptr<Visibility> make_compute_occlusion(std::shared_ptr<Context> context) {
+  return make_compute_occlusion(std::move(context), ComputeOcclusionOptions{});
 }
 
 }  // namespace occlod::gl

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "gl/backend.h"
+#include "gl/backend_options.h"
 #include "gl/hlod_stage.h"
 #include "gl/objects.h"
 #include "occlod/base.h"
@@ -135,8 +136,9 @@ constexpr std::size_t draws_at_a_time = 8;
 
 // Everything that lives in the context, and what is under way there.
 struct Resources {
-  Resources(const Functions& gl, const HlodDeviceOptions& options, std::string_view renderer)
-      : stage(gl, options), pool(GL_SAMPLES_PASSED), timer(gl, renderer), on_cpu(draws_on_cpu(renderer)) {}
+  Resources(const Functions& gl, const HlodDeviceOptions& options, const HlodDeviceCalls& calls,
+            std::string_view renderer)
+      : stage(gl, options, calls), pool(GL_SAMPLES_PASSED), timer(gl, renderer), on_cpu(draws_on_cpu(renderer)) {}
 
   HlodStage stage;
   QueryPool pool;
@@ -155,8 +157,9 @@ struct Resources {
 
 class GlHlodDevice final : public HlodDevice {
  public:
-  GlHlodDevice(std::shared_ptr<Context> context, const HlodDeviceOptions& options, const std::string& renderer)
-      : resources_(std::move(context), options, renderer) {}
+  GlHlodDevice(std::shared_ptr<Context> context, const HlodDeviceOptions& options, const HlodDeviceCalls& calls,
+               const std::string& renderer)
+      : resources_(std::move(context), options, calls, renderer) {}
 
   [[nodiscard]] std::string_view name() const noexcept override { return "gl"; }
   void begin_frame(const View& view, std::span<const hlod::PlacedHlod> objects) override;
@@ -355,12 +358,17 @@ hlod::FrameTimes GlHlodDevice::end_frame() {
 
 }  // namespace
 
-std::unique_ptr<HlodDevice> make_hlod_device(std::shared_ptr<Context> context, const HlodDeviceOptions& options) {
+std::unique_ptr<HlodDevice> make_hlod_device(std::shared_ptr<Context> context, const HlodDeviceOptions& options,
+                                             const HlodDeviceCalls& calls) {
   if (context == nullptr) throw Error({"gl device", "", "has no OpenGL context", "make one with create_context()"});
   if (options.mesh_bytes == 0) throw Error({"gl device", "mesh_bytes", "is 0", "use some megabytes"});
   context->make_current();
   const std::string renderer = context->renderer();
-  return std::make_unique<GlHlodDevice>(std::move(context), options, renderer);
+  return std::make_unique<GlHlodDevice>(std::move(context), options, calls, renderer);
+}
+
+std::unique_ptr<HlodDevice> make_hlod_device(std::shared_ptr<Context> context, const HlodDeviceOptions& options) {
+  return make_hlod_device(std::move(context), options, HlodDeviceCalls{});
 }
 
 }  // namespace occlod::gl

@@ -153,15 +153,15 @@ constexpr int quality_samples = 4;
 
 }  // namespace
 
-HlodStage::HlodStage(const Functions& gl, const HlodDeviceOptions& options)
+HlodStage::HlodStage(const Functions& gl, const HlodDeviceOptions& options, const HlodDeviceCalls& calls)
     : gl_(&gl),
       target_(gl, options.quality ? quality_samples : 1),
       arena_(gl, options.mesh_bytes, [this] { submit(); }),
       nodes_(gl, options.quality),
       plain_(gl),
       proxies_(gl) {
-  if (options.indirect && gl.MultiDrawElementsIndirect != nullptr) gathered_.emplace(gl);
-  if (options.marks && !options.quality && gl.version >= 43) marks_.emplace(gl, Marking::pixels);
+  if (calls.indirect && gl.MultiDrawElementsIndirect != nullptr) gathered_.emplace(gl);
+  if (calls.marks && !options.quality && gl.version >= 43) marks_.emplace(gl, Marking::pixels);
   check(gl, "set-up of the device");
 }
 

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "gl/backend_options.h"
 #include "gl/mesh_arena.h"
 #include "gl/objects.h"
 #include "gl/programs.h"
@@ -61,7 +62,7 @@ class HlodTarget {
 // draws are gathered until submit() is called, by others or by whatever depends on what they draw.
 class HlodStage {
  public:
-  HlodStage(const Functions& gl, const HlodDeviceOptions& options);
+  HlodStage(const Functions& gl, const HlodDeviceOptions& options, const HlodDeviceCalls& calls);
   HlodStage(const HlodStage&) = delete;
   HlodStage& operator=(const HlodStage&) = delete;
 

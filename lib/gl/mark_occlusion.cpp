@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "gl/backend.h"
+#include "gl/backend_options.h"
 #include "gl/objects.h"
 #include "gl/proxy_stage.h"
 #include "occlod/gl.h"
@@ -78,6 +79,10 @@ std::unique_ptr<Visibility> make_mark_occlusion(std::shared_ptr<Context> context
   require_options(context.get(), options.flight, options.divisor, "gl-mark");
   require_version(context->functions(), 43, "gl-mark");
   return std::make_unique<MarkOcclusion>(std::move(context), options);
+}
+
+std::unique_ptr<Visibility> make_mark_occlusion(std::shared_ptr<Context> context) {
+  return make_mark_occlusion(std::move(context), MarkOcclusionOptions{});
 }
 
 }  // namespace occlod::gl

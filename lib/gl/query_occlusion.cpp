@@ -12,6 +12,7 @@
 
 #include "base/timing.h"
 #include "gl/backend.h"
+#include "gl/backend_options.h"
 #include "gl/objects.h"
 #include "gl/proxy_stage.h"
 #include "occlod/base.h"
@@ -160,6 +161,10 @@ std::unique_ptr<Visibility> make_query_occlusion(std::shared_ptr<Context> contex
   if (options.target == QueryTarget::any_conservative)
     require_version(context->functions(), 43, "gl-query with conservative queries");
   return std::make_unique<QueryOcclusion>(std::move(context), options);
+}
+
+std::unique_ptr<Visibility> make_query_occlusion(std::shared_ptr<Context> context) {
+  return make_query_occlusion(std::move(context), QueryOcclusionOptions{});
 }
 
 }  // namespace occlod::gl

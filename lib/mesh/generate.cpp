@@ -12,6 +12,7 @@
 #include "base/arithmetic.h"
 #include "base/option_checker.h"
 #include "base/threads.h"
+#include "mesh/generators.h"
 #include "mesh/part_giver.h"
 #include "occlod/mesh.h"
 
@@ -273,13 +274,7 @@ class FractalNoise {
   std::vector<ValueNoise> octaves_;
 };
 
-void check(const RoughPlanetOptions& options) {
-  const OptionChecker check("rough planet");
-  check.in_range("level", options.level, 0, 11);
-  check.in_range("amplitude", options.amplitude, 0.0, 0.99);
-  check.in_range("frequency", options.frequency, 0.0, 1e6);
-  check.in_range("octaves", options.octaves, 0, 30);
-}
+void check(const RoughPlanetOptions& options) { check_ranges(options, OptionChecker("rough planet")); }
 
 // Between two rings, both with their vertices.
 TriangleMesh bands(const OctahedronLattice& lattice, std::size_t first_ring, std::size_t last_ring,
@@ -388,8 +383,7 @@ Building plan_building(glm::ivec2 block, glm::ivec2 quarter, int blocks, RandomS
 
 void append_city(const CityOptions& options, PartGiver& parts) {
   const OptionChecker check("city");
-  check.in_range("blocks", options.blocks, 1, 256);
-  check.in_range("facade_cells", options.facade_cells, 1, 256);
+  check_ranges(options, check);
   const double walls = 4.0 * options.blocks * options.blocks * 6.0 * options.facade_cells * options.facade_cells;
   check.in_range("blocks^2 * facade_cells^2 * 48", 2.0 * walls, 0.0, 1e9);
 
@@ -450,9 +444,7 @@ void append_sphere(TriangleMesh& mesh, const OctahedronLattice& lattice, RandomS
 
 void append_spheres_behind_wall(const SpheresBehindWallOptions& options, PartGiver& parts) {
   const OptionChecker check("spheres behind wall");
-  check.in_range("spheres", options.spheres, 1, 1'000'000);
-  check.in_range("level", options.level, 0, 8);
-  check.in_range("wall_cells", options.wall_cells, 1, 4096);
+  check_ranges(options, check);
   check.in_range("spheres * 4^level", static_cast<double>(options.spheres) * (1 << (2 * options.level)), 0.0, 1e8);
 
   RandomStream random(options.seed);

@@ -7,6 +7,7 @@
 
 #include "base/arithmetic.h"
 #include "base/option_checker.h"
+#include "mesh/generators.h"
 #include "mesh/part_giver.h"
 #include "occlod/generate.h"
 
@@ -131,9 +132,7 @@ class PipeBuilder {
 
 void append_pipes(const PipesOptions& options, PartGiver& parts) {
   const OptionChecker check("pipes");
-  check.in_range("pipes", options.pipes, 1, 1'000'000);
-  check.in_range("bends", options.bends, 1, 100'000);
-  check.in_range("sides", options.sides, 3, 4096);
+  check_ranges(options, check);
   check.in_range("pipes * (bends + 1) * sides", double{1.0} * options.pipes * (options.bends + 1) * options.sides, 0.0,
                  1e9);
 
@@ -262,11 +261,7 @@ void append_bundle(PartGiver& parts, const PipesOptions& options, const glm::dve
 
 void append_plant(const PlantOptions& options, PartGiver& parts) {
   const OptionChecker check("plant");
-  check.in_range("storeys", options.storeys, 1, 64);
-  check.in_range("bays", options.bays, 1, 256);
-  check.in_range("pipes", options.pipes, 1, 10'000);
-  check.in_range("bends", options.bends, 1, 100'000);
-  check.in_range("sides", options.sides, 3, 4096);
+  check_ranges(options, check);
   const double bundles = 2.0 * options.storeys * options.bays;
   check.in_range("2 * storeys * bays * pipes * (bends + 1) * sides",
                  bundles * options.pipes * (options.bends + 1) * options.sides, 0.0, 1e9);

@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "mesh/generators.h"
 #include "occlod/base.h"
 #include "occlod/mesh_file.h"
 #include "scene/find_mesh.h"
@@ -15,37 +16,13 @@
 namespace occlod {
 namespace {
 
-std::string describe(const RoughPlanetOptions& o) {
-  return fmt::format("rough-planet level={} seed={} amplitude={} frequency={} octaves={}", o.level, o.seed, o.amplitude,
-                     o.frequency, o.octaves);
-}
-std::string describe(const CityOptions& o) {
-  return fmt::format("city blocks={} facade_cells={} seed={}", o.blocks, o.facade_cells, o.seed);
-}
-std::string describe(const PipesOptions& o) {
-  return fmt::format("pipes pipes={} bends={} sides={} seed={}", o.pipes, o.bends, o.sides, o.seed);
-}
-std::string describe(const PlantOptions& o) {
-  return fmt::format("plant storeys={} bays={} pipes={} bends={} sides={} seed={}", o.storeys, o.bays, o.pipes, o.bends,
-                     o.sides, o.seed);
-}
-std::string describe(const SpheresBehindWallOptions& o) {
-  return fmt::format("spheres-behind-wall spheres={} level={} wall_cells={} seed={}", o.spheres, o.level, o.wall_cells,
-                     o.seed);
-}
-
-TriangleMesh generate(const RoughPlanetOptions& options) { return generate_rough_planet(options); }
-TriangleMesh generate(const CityOptions& options) { return generate_city(options); }
-TriangleMesh generate(const PipesOptions& options) { return generate_pipes(options); }
-TriangleMesh generate(const PlantOptions& options) { return generate_plant(options); }
-TriangleMesh generate(const SpheresBehindWallOptions& options) { return generate_spheres_behind_wall(options); }
-
-void stream(const RoughPlanetOptions& options, const PartVisitor& visit) { stream_rough_planet(options, visit); }
-void stream(const CityOptions& options, const PartVisitor& visit) { stream_city(options, visit); }
-void stream(const PipesOptions& options, const PartVisitor& visit) { stream_pipes(options, visit); }
-void stream(const PlantOptions& options, const PartVisitor& visit) { stream_plant(options, visit); }
-void stream(const SpheresBehindWallOptions& options, const PartVisitor& visit) {
-  stream_spheres_behind_wall(options, visit);
+// "city blocks=16 facade_cells=8 seed=1": caches know meshes by it.
+template <class Options>
+std::string describe(const Options& options) {
+  std::string text = Generator<Options>::name;
+  for_each_option(options,
+                  [&](const auto& option, const auto& value) { text += fmt::format(" {}={}", option.name, value); });
+  return text;
 }
 
 std::string find_file(const MeshFile& file, const std::filesystem::path& folder, Diagnosis missing) {
@@ -103,8 +80,9 @@ bool is_ohlod_file(const std::filesystem::path& path) { return has_extension(pat
 void stream_generated(const MeshSource& source, const std::function<void(const TriangleMesh& piece)>& take) {
   std::visit(
       [&](const auto& options) {
-        if constexpr (!std::is_same_v<std::decay_t<decltype(options)>, MeshFile>)
-          stream(options, [&](const TriangleMesh& part, std::size_t) { take(part); });
+        using Source = std::decay_t<decltype(options)>;
+        if constexpr (!std::is_same_v<Source, MeshFile>)
+          Generator<Source>::stream(options, [&](const TriangleMesh& part, std::size_t) { take(part); });
       },
       source);
 }
@@ -113,10 +91,11 @@ CleanMesh read_source(const MeshSource& source, const std::string& name,
                       const std::function<void(const std::string& what, double done)>& progress) {
   return std::visit(
       [&](const auto& options) {
-        if constexpr (std::is_same_v<std::decay_t<decltype(options)>, MeshFile>)
+        using Source = std::decay_t<decltype(options)>;
+        if constexpr (std::is_same_v<Source, MeshFile>)
           return read_file(name, progress);
         else
-          return clean(generate(options), MeshReport{}, name);
+          return clean(Generator<Source>::generate(options), MeshReport{}, name);
       },
       source);
 }

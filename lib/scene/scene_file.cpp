@@ -6,10 +6,13 @@
 #include <glm/gtc/type_ptr.hpp>
 #include <glm/trigonometric.hpp>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
+#include <tuple>
 
 #include "base/atomic_file.h"
 #include "base/strict_json.h"
+#include "mesh/generators.h"
 #include "occlod/base.h"
 #include "occlod/scene.h"
 #include "occlod/view.h"
@@ -58,55 +61,11 @@ void read_into(std::uint64_t& target, const JsonPlace& options, const char* key)
   if (const auto place = options.find(key)) target = place->unsigned_integer();
 }
 
-RoughPlanetOptions read_rough_planet(const JsonPlace& options) {
-  options.expect_keys({"level", "seed", "amplitude", "frequency", "octaves"});
-  RoughPlanetOptions result;
-  read_into(result.level, options, "level");
-  read_into(result.seed, options, "seed");
-  read_into(result.amplitude, options, "amplitude");
-  read_into(result.frequency, options, "frequency");
-  read_into(result.octaves, options, "octaves");
-  return result;
-}
-
-CityOptions read_city(const JsonPlace& options) {
-  options.expect_keys({"blocks", "facade_cells", "seed"});
-  CityOptions result;
-  read_into(result.blocks, options, "blocks");
-  read_into(result.facade_cells, options, "facade_cells");
-  read_into(result.seed, options, "seed");
-  return result;
-}
-
-PipesOptions read_pipes(const JsonPlace& options) {
-  options.expect_keys({"pipes", "bends", "sides", "seed"});
-  PipesOptions result;
-  read_into(result.pipes, options, "pipes");
-  read_into(result.bends, options, "bends");
-  read_into(result.sides, options, "sides");
-  read_into(result.seed, options, "seed");
-  return result;
-}
-
-PlantOptions read_plant(const JsonPlace& options) {
-  options.expect_keys({"storeys", "bays", "pipes", "bends", "sides", "seed"});
-  PlantOptions result;
-  read_into(result.storeys, options, "storeys");
-  read_into(result.bays, options, "bays");
-  read_into(result.pipes, options, "pipes");
-  read_into(result.bends, options, "bends");
-  read_into(result.sides, options, "sides");
-  read_into(result.seed, options, "seed");
-  return result;
-}
-
-SpheresBehindWallOptions read_spheres_behind_wall(const JsonPlace& options) {
-  options.expect_keys({"spheres", "level", "wall_cells", "seed"});
-  SpheresBehindWallOptions result;
-  read_into(result.spheres, options, "spheres");
-  read_into(result.level, options, "level");
-  read_into(result.wall_cells, options, "wall_cells");
-  read_into(result.seed, options, "seed");
+template <class Options>
+Options read_options(const JsonPlace& place) {
+  Options result;
+  std::apply([&](const auto&... option) { place.expect_keys({option.name...}); }, Generator<Options>::options);
+  for_each_option(result, [&](const auto& option, auto& value) { read_into(value, place, option.name); });
   return result;
 }
 
@@ -116,12 +75,14 @@ MeshSource read_generator(const JsonPlace& object) {
   static const nlohmann::json no_options = nlohmann::json::object();
   static const std::string no_file;
   const JsonPlace options = object.find("options").value_or(JsonPlace(no_options, no_file));
-  if (name == "rough-planet") return read_rough_planet(options);
-  if (name == "city") return read_city(options);
-  if (name == "pipes") return read_pipes(options);
-  if (name == "plant") return read_plant(options);
-  if (name == "spheres-behind-wall") return read_spheres_behind_wall(options);
-  generator.fail("is not a generator", "use one of: rough-planet, city, pipes, plant, spheres-behind-wall");
+  std::optional<MeshSource> source;
+  std::string names;
+  for_each_generator([&]<class Options>(const Options&) {
+    if (name == Generator<Options>::name) source = read_options<Options>(options);
+    names += (names.empty() ? "" : ", ") + std::string(Generator<Options>::name);
+  });
+  if (!source) generator.fail("is not a generator", "use one of: " + names);
+  return *source;
 }
 
 MeshFile read_mesh_file(const JsonPlace& mesh) {
@@ -295,36 +256,11 @@ using Json = nlohmann::ordered_json;
 Json vector_json(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
 
 Json source_json(const MeshFile& file) { return {{"mesh", file.names}}; }
-Json source_json(const RoughPlanetOptions& o) {
-  return {{"generator", "rough-planet"},
-          {"options",
-           {{"level", o.level},
-            {"seed", o.seed},
-            {"amplitude", o.amplitude},
-            {"frequency", o.frequency},
-            {"octaves", o.octaves}}}};
-}
-Json source_json(const CityOptions& o) {
-  return {{"generator", "city"},
-          {"options", {{"blocks", o.blocks}, {"facade_cells", o.facade_cells}, {"seed", o.seed}}}};
-}
-Json source_json(const PipesOptions& o) {
-  return {{"generator", "pipes"},
-          {"options", {{"pipes", o.pipes}, {"bends", o.bends}, {"sides", o.sides}, {"seed", o.seed}}}};
-}
-Json source_json(const PlantOptions& o) {
-  return {{"generator", "plant"},
-          {"options",
-           {{"storeys", o.storeys},
-            {"bays", o.bays},
-            {"pipes", o.pipes},
-            {"bends", o.bends},
-            {"sides", o.sides},
-            {"seed", o.seed}}}};
-}
-Json source_json(const SpheresBehindWallOptions& o) {
-  return {{"generator", "spheres-behind-wall"},
-          {"options", {{"spheres", o.spheres}, {"level", o.level}, {"wall_cells", o.wall_cells}, {"seed", o.seed}}}};
+template <class Options>
+Json source_json(const Options& source) {
+  Json options;
+  for_each_option(source, [&](const auto& option, const auto& value) { options[option.name] = value; });
+  return {{"generator", Generator<Options>::name}, {"options", options}};
 }
 
 Json object_json(const SceneObject& object) {

@@ -3,6 +3,7 @@
 #include <deque>
 #include <random>
 
+#include "gl/backend_options.h"
 #include "gl/backends.h"
 #include "gl/counting_context.h"
 #include "occlod/base.h"

@@ -3,6 +3,7 @@
 #include <array>
 #include <utility>
 
+#include "gl/backend_options.h"
 #include "occlod/gl.h"
 #include "occlod/visibility.h"
 

@@ -2,6 +2,7 @@
 #include <array>
 #include <glm/ext/matrix_transform.hpp>
 
+#include "gl/backend_options.h"
 #include "gl/counting_context.h"
 #include "gl/hlod_cases.h"
 #include "occlod/build_hlod.h"
@@ -48,7 +49,7 @@ class HlodCalls : public EachHlodDevice {
   }
   [[nodiscard]] std::unique_ptr<HlodDevice> make_from(std::shared_ptr<Context> context, bool indirect,
                                                       std::size_t mesh_bytes = HlodDeviceOptions{}.mesh_bytes) const {
-    return make_hlod_device(std::move(context), {GetParam().quality, mesh_bytes, indirect});
+    return make_hlod_device(std::move(context), {GetParam().quality, mesh_bytes}, {.indirect = indirect});
   }
   // Two spheres side by side, the left one morphing patch by patch, with gaps in some nodes; boxes are asked about near
   // the end.

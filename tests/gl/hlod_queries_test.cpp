@@ -1,6 +1,7 @@
 // What the device `gl` counts, beyond what tests/device asks of every device.
 #include <array>
 
+#include "gl/backend_options.h"
 #include "gl/counting_context.h"
 #include "gl/hlod_cases.h"
 #include "occlod/base.h"
@@ -135,7 +136,7 @@ TEST_P(HlodQueries, CountsAreBelievedOnlyAsFarAsTheBoxReaches) {
 // once, behind draws that come in between, and of boxes that are not drawn.
 TEST_P(HlodQueries, BatchesAreOneCall) {
   const bool marks = !GetParam().quality && context_->functions().version >= 43;
-  const auto plain = make_hlod_device(context_, {.quality = GetParam().quality, .marks = false});
+  const auto plain = make_hlod_device(context_, {.quality = GetParam().quality}, {.marks = false});
   std::vector<hlod::BoxRef> boxes;
   for (int i = 0; i < 40; ++i)
     boxes.push_back(

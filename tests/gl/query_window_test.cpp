@@ -1,6 +1,7 @@
 // What gl-query alone has: a window of queries, their pool, and a wait for each.
 #include <array>
 
+#include "gl/backend_options.h"
 #include "gl/counting_context.h"
 #include "gl/support.h"
 #include "occlod/base.h"

@@ -9,7 +9,8 @@ from tool_case import OCCLOD, TRIANGLES, ToolTest
 
 # Eight root cells beside a planet of radius 1.
 SPACE = ["--region", "1.5,-0.5,-0.5,2.5,0.5,0.5", "--root-cell", 0.5, "--smallest-cell", 0.125, "--eyes", "320x240,60,0.01", "--tolerance", 1.5]
-DIVIDED = [*SPACE, "--max-triangles", 400, "--division", "gain", "--levels", 1]
+# Four root cells in a row away from it: what is farther draws less than half, so some are divided.
+DIVIDED = ["--region", "1.5,-4,-4,33.5,4,4", "--root-cell", 8, "--smallest-cell", 1, *SPACE[6:], "--max-triangles", 100]
 
 
 class Cells(ToolTest):
@@ -47,7 +48,7 @@ class Cells(ToolTest):
 
     def test_info_of_a_cell(self):
         self.build(*DIVIDED)
-        cell = self.json_of("cells", "info", "planet.vlod", "--eye", "1.6,0.1,-0.3")
+        cell = self.json_of("cells", "info", "planet.vlod", "--cell", "1.6,0.1,-0.3")
         self.assertTrue(cell["is_leaf"])
         self.assertTrue(all(low <= x <= high for low, x, high in zip(cell["min"], (1.6, 0.1, -0.3), cell["max"])), cell)
         self.assertEqual(self.json_of("cells", "info", "planet.vlod", "--cell", cell["cell"]), cell)
@@ -57,7 +58,7 @@ class Cells(ToolTest):
         for neighbour in cell["neighbours"]:
             self.assertIn(cell["cell"], self.json_of("cells", "info", "planet.vlod", "--cell", neighbour)["neighbours"])
         self.assertFalse(self.json_of("cells", "info", "planet.vlod", "--cell", 0)["is_leaf"])
-        self.assertIn("no cell holds this point", self.failure_of("cells", "info", "planet.vlod", "--eye", "9,9,9"))
+        self.assertIn("no cell holds this point", self.failure_of("cells", "info", "planet.vlod", "--cell", "9,9,9"))
         self.assertIn("numbered from 0", self.failure_of("cells", "info", "planet.vlod", "--cell", 100000))
 
     def test_options_are_used(self):
@@ -67,16 +68,15 @@ class Cells(ToolTest):
         self.assertGreater(fine["drawn_mean"], usual["drawn_mean"])
         self.assertGreater(self.build(*[word if word != "320x240,60,0.01" else "1280x960,60,0.01" for word in SPACE])["drawn_mean"], usual["drawn_mean"])
         self.assertEqual(self.build(*[word if word != 0.5 else 1 for word in SPACE])["cells"], 1)
-        self.assertEqual(self.build(*SPACE, "--max-triangles", 0, "--division", "gain", "--levels", 0)["cells"], 8)
+        self.assertEqual(self.build(*SPACE, "--max-triangles", 0)["cells"], 8)
         self.assertEqual(self.build(*SPACE, "--region", "3,0,0,3,0,0")["cells"], 9, "the eye may be at one point, too")
-        self.assertEqual(self.build(*SPACE, "--occluder-error", 0.5)["occluder_motion"], 0.5)
         self.assertEqual((usual["occlusion"], usual["budget"]), ("hull", 0))
         less = self.build(*SPACE, "--budget", 600)
         self.assertEqual(less["budget"], 600)
         self.assertLessEqual(less["triangles_mean"], 600)
         self.assertLess(less["triangles_mean"], usual["triangles_mean"])
         self.assertGreater(less["error_px"], usual["error_px"])
-        everything, sampled = self.build(*SPACE, "--occlusion", "none"), self.build(*SPACE, "--occlusion", "sampled", "--levels", 0)
+        everything, sampled = self.build(*SPACE, "--occlusion", "none"), self.build(*SPACE, "--occlusion", "sampled")
         self.assertEqual((everything["occlusion"], sampled["occlusion"]), ("none", "sampled"))
         self.assertGreater(everything["drawn_mean"], usual["drawn_mean"])
         self.assertLess(sampled["drawn_mean"], everything["drawn_mean"])
@@ -97,7 +97,7 @@ class Cells(ToolTest):
         space = [word if word != 0.5 else 0.25 for word in SPACE]  # 64 root cells: four parts
         whole = self.build(*space)
         self.assertEqual(whole["cells"], 64)
-        self.assertEqual(self.build(*space, "--work", "parts", "--resume", output="a.vlod")["parts_found"], 0)
+        self.assertEqual(self.build(*space, "--work", "parts", output="a.vlod")["parts_found"], 0)
         self.assertTrue(self.same_bytes("planet.vlod", "a.vlod"))
         parts = sorted((self.folder / "parts").iterdir())
         self.assertEqual(len(parts), 4)
@@ -106,10 +106,10 @@ class Cells(ToolTest):
         damaged[-1] ^= 1
         parts[2].write_bytes(damaged)
         self.assertIn("checksum", self.failure_of("cells", "merge", "parts", "-o", "b.vlod"))
-        again = self.build(*space, "--work", "parts", "--resume", output="b.vlod")
+        again = self.build(*space, "--work", "parts", output="b.vlod")
         self.assertEqual((again["parts"], again["parts_found"], again["cuts"]), (4, 2, 32))
         self.assertTrue(self.same_bytes("planet.vlod", "b.vlod"))
-        other = self.build(*space, "--occluder-error", 0, "--work", "parts", "--resume", output="b.vlod")
+        other = self.build(*space[:-1], 1.25, "--work", "parts", output="b.vlod")
         self.assertEqual(other["parts_found"], 0, "parts of other options do not count")
         self.assertIn("is of another scene or of other options", self.failure_of("cells", "merge", "parts", "-o", "b.vlod"))
         parts[1].unlink()
@@ -142,7 +142,7 @@ class Cells(ToolTest):
 
     def test_pack_says_what_is_wrong(self):
         self.build(*SPACE)
-        self.succeed("generate", "rough-planet", "--level", 2, "-o", "other.ply")
+        self.succeed("generate", "rough-planet", "level=2", "-o", "other.ply")
         self.assertRegex(self.failure_of("cells", "pack", "planet.vlod", "other.ply", "-o", "packed.vlod"), r"object 0 \(.*other.ply\): has changed since")
         self.assertIn("would overwrite", self.run_tool("cells", "pack", "planet.vlod", "planet.olod", "-o", "planet.vlod").stderr)
         self.assertIn("is not an .vlod file", self.failure_of("cells", "pack", "planet.olod", "planet.olod", "-o", "packed.vlod"))
@@ -162,7 +162,7 @@ class Cells(ToolTest):
 
     def test_wrong_use(self):
         for arguments, told in ((["-o", "a.vlod", "--shard", "1/2", "--work", "w"], "leave --output out"), (["--shard", "1/2"], "--shard: needs --work"),
-                                (["-o", "a.vlod", "--resume"], "--resume: needs --work"), ([], "--output: is required without --shard"),
+                                ([], "--output: is required without --shard"),
                                 (["-o", "planet.olod"], "would overwrite planet.olod, which is the input")):
             done = self.run_tool("cells", "build", "planet.olod", *SPACE, *arguments)
             self.assertEqual((done.returncode, done.stdout, done.stderr.count("\n")), (2, "", 1), done.stderr)

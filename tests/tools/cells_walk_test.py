@@ -64,14 +64,9 @@ class Walk(ToolTest):
         hidden.rename(self.folder / "planet.olod")
         compared = self.json_of("cells", "walk", "packed.vlod", "scene.json", "--path", "along", "--reference", "--every", 20)
         self.assertEqual([frame["unexplained_px"] for frame in compared["frame"] if "unexplained_px" in frame][1:], [0, 0])
-        slow = [self.json_of("cells", "walk", "packed.vlod", "scene.json", "--path", "along", "--throttle", disk)["late"] for disk in ("1000,0", "0.01,1")]
-        self.assertGreater(slow[1], slow[0])
 
-    def test_a_slow_disk_makes_frames_late(self):
-        self.assertEqual(self.walk("along", "--throttle", "100,5", "--speed", 0.1)["crossings"], 3)
-        late = [self.walk("along", *options)["late"] for options in (["--no-prefetch"], ["--throttle", "1,200"], ["--throttle", "1,200", "--speed", 0.05])]
-        self.assertEqual(late[0], 1 + 3, "the first frame and one for each crossing")
-        self.assertGreater(late[1], late[0])
+    def test_frames_are_late_without_prefetching(self):
+        self.assertEqual(self.walk("along", "--no-prefetch")["late"], 1 + 3, "the first frame and one for each crossing")
 
     def test_compares(self):
         walked = self.walk("along", "--reference", "--every", 10)
@@ -88,10 +83,8 @@ class Walk(ToolTest):
         self.assertLessEqual(some["resident_bytes_max"], 100_000)
         self.assertGreater(self.walk("away")["outside"], 0)
         self.assertEqual(self.walk("jumps")["late"], 2)
-        self.assertEqual(self.walk("along", "--speed", 2)["frames"], 21)
         self.assertIn("orthographic", self.failure_of("cells", "walk", "a.vlod", "scene.json", "--path", "flat"))
         self.assertIn("nowhere", self.failure_of("cells", "walk", "a.vlod", "scene.json", "--path", "nowhere"))
-        self.assertEqual(self.run_tool("cells", "walk", "a.vlod", "scene.json", "--path", "along", "--throttle", "0,5").returncode, 2)
 
     def change_while_open(self, change, *arguments):
         """Stops the command once it has a.vlod open for good, which is after it has mapped the hierarchy, calls change(), and lets it go on."""

@@ -46,7 +46,7 @@ class Faults(ToolTest):
         return sorted(path.name for path in self.folder.iterdir())
 
     def make_large_hierarchy(self, level=8):
-        self.succeed("generate", "rough-planet", "--level", level, "-o", "planet.ply")
+        self.succeed("generate", "rough-planet", f"level={level}", "-o", "planet.ply")
         self.succeed("build", "planet.ply", "-o", "planet.olod")
         return self.folder / "planet.olod"
 
@@ -82,7 +82,7 @@ class ChangingFiles(Faults):
             self.assertEqual((self.folder / "target.obj").read_bytes(), OLD)
 
     def test_hlod_cut_short_while_mapped(self):
-        self.succeed("generate", "rough-planet", "--level", 8, "-o", "planet.ply")
+        self.succeed("generate", "rough-planet", "level=8", "-o", "planet.ply")
         self.succeed("hlod", "build", "planet.ply", "-o", "planet.ohlod")
         path = self.folder / "planet.ohlod"
         whole = path.read_bytes()
@@ -113,7 +113,7 @@ class Writing(Faults):
     def commands(self):
         """Each writes a file of more than 64 kB."""
         self.make_hierarchy()
-        return {"target.olod": ["build", "planet.ply"], "target.ohlod": ["hlod", "build", "planet.ply"], "target.ply": ["generate", "rough-planet", "--level", 6], "target.obj": ["cut", "planet.olod", "--error", 0],
+        return {"target.olod": ["build", "planet.ply"], "target.ohlod": ["hlod", "build", "planet.ply"], "target.ply": ["generate", "rough-planet", "level=6"], "target.obj": ["cut", "planet.olod", "--error", 0],
                 "target.png": ["render", "planet.olod", "--budget", 3000, "--size", "1024x768", "--png"]}
 
     def test_disk_full(self):
@@ -147,11 +147,11 @@ class Writing(Faults):
     def test_killed_while_writing(self):
         """The old file stays. What is left beside it goes when the same file is written next: once it is a minute old and its process has ended, so
         that no file is taken from somebody who still writes it."""
-        self.succeed("generate", "rough-planet", "--level", 8, "-o", "planet.ply")
+        self.succeed("generate", "rough-planet", "level=8", "-o", "planet.ply")
         target = self.folder / "target.obj"
         target.write_bytes(OLD)
         for _ in range(ATTEMPTS):
-            process = self.start("generate", "rough-planet", "--level", 8, "-o", target.name)
+            process = self.start("generate", "rough-planet", "level=8", "-o", target.name)
             while process.poll() is None and not any(name.endswith(".tmp") for name in self.names()):
                 continue
             process.kill()
@@ -168,7 +168,7 @@ class Writing(Faults):
         for name in others:
             (self.folder / name).write_bytes(OLD)
             os.utime(self.folder / name, (long_ago, long_ago))
-        write = ["generate", "rough-planet", "--level", 2, "-o", target.name]
+        write = ["generate", "rough-planet", "level=2", "-o", target.name]
         self.succeed(*write)
         self.assertIn(leftovers[0], self.names())  # may be written by another machine
         os.utime(self.folder / leftovers[0], (long_ago, long_ago))
@@ -182,7 +182,7 @@ class HlodBuildCase(Faults):
 
     def setUp(self):
         super().setUp()
-        self.succeed("generate", "rough-planet", "--level", 8, "-o", "planet.ply")
+        self.succeed("generate", "rough-planet", "level=8", "-o", "planet.ply")
         (self.folder / "scratch").mkdir()
 
 
@@ -372,9 +372,9 @@ class Permissions(Faults):
             self.assert_failed(self.as_nobody("info", f"closed/{name}"), f"closed/{name}")
             (self.folder / name).chmod(0)
             self.assert_failed(self.as_nobody("info", name), name, "cannot be opened")
-        self.assert_failed(self.as_nobody("generate", "rough-planet", "--level", 2, "-o", "closed/target.ply"), "closed/target.ply")
+        self.assert_failed(self.as_nobody("generate", "rough-planet", "level=2", "-o", "closed/target.ply"), "closed/target.ply")
         closed.chmod(0o755)
-        self.assert_failed(self.as_nobody("generate", "rough-planet", "--level", 2, "-o", "closed/target.ply"), "closed/target.ply", "cannot be written",
+        self.assert_failed(self.as_nobody("generate", "rough-planet", "level=2", "-o", "closed/target.ply"), "closed/target.ply", "cannot be written",
                            "permissions of the folder")
 
 
@@ -405,7 +405,7 @@ class StandardStreams(Faults):
     def test_files_are_right_all_the_same(self):
         """Standard error has the number of the first file that is opened where it is closed, and shows progress while that is written."""
         self.make_hierarchy()
-        commands = {"copy.ply": ["generate", "rough-planet", "--level", 4, "-o"], "copy.olod": ["build", "planet.ply", "-o"],
+        commands = {"copy.ply": ["generate", "rough-planet", "level=4", "-o"], "copy.olod": ["build", "planet.ply", "-o"],
                     "copy.off": ["cut", "planet.olod", "--error", 0, "-o"]}
         for target, command in commands.items():
             self.succeed(*command, target)
@@ -433,7 +433,7 @@ class Memory(Faults):
     def test_too_little(self):
         """From hardly enough to start up to enough: each build succeeds, or fails in one line and leaves the old file. Threads beside the calling one
         run out of it as well."""
-        self.succeed("generate", "rough-planet", "--level", 7, "-o", "planet.ply")
+        self.succeed("generate", "rough-planet", "level=7", "-o", "planet.ply")
         target = self.folder / "target.olod"
         target.write_bytes(OLD)
         before = self.names()

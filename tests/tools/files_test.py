@@ -94,7 +94,7 @@ class Files(ToolTest):
         for name in ("bad.ply", "bad.olod", "bad.ohlod"):
             (self.folder / name).write_bytes(GARBAGE)
         yield from ((["build", "bad.ply"], "--output", "olod"), (["cut", "bad.olod", "--error", 0], "--output", "ply"),
-                    (["generate", "rough-planet", "--level", 11], "--output", "ply"), (["render", "bad.olod"], "--png", "png"),
+                    (["generate", "rough-planet", "level=11"], "--output", "ply"), (["render", "bad.olod"], "--png", "png"),
                     (["render", "bad.olod"], "--birdseye", "png"), (["render", "bad.ply"], "--mesh", "obj"),
                     (["render", "bad.ply"], "--save-calibration", "json"), (["hlod", "render", "bad.ohlod"], "--png", "png"))
         if "GPL" in self.succeed("repair", "--help"):

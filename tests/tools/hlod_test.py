@@ -77,7 +77,7 @@ class Hlod(ToolTest):
         self.assertIn("5 is not 0 or in [8, 23]", done.stderr)
 
     def test_triangles_that_quantising_drops_are_told(self):
-        self.run_tool("generate", "rough-planet", "--level", 7, "-o", "fine.ply")
+        self.run_tool("generate", "rough-planet", "level=7", "-o", "fine.ply")
         for more in ([], ["--memory", "64M"]):
             built = self.build("--quantise", 8, *more, inputs=("fine.ply",), output="coarse.ohlod")
             read, dropped = built["report"]["triangles_read"], built["report"]["repeated_index_triangles"]
@@ -129,7 +129,7 @@ class Hlod(ToolTest):
 
     def test_a_file_larger_than_the_limit_is_streamed(self):
         """Read as a whole, it takes 130 MiB."""
-        self.json_of("generate", "rough-planet", "--level", 9, "-o", "large.obj")
+        self.json_of("generate", "rough-planet", "level=9", "-o", "large.obj")
         told = self.build("--memory", "96M", inputs=["large.obj"], output="large.ohlod")
         self.assertLess(told["peak_bytes"], 1.1 * (96 << 20))
 

@@ -75,7 +75,7 @@ class Interrupting(ToolTest):
         self.fail(f"{command} was not caught while it wrote in {ATTEMPTS} attempts")
 
     def make_large_planet(self, level):
-        self.succeed("generate", "rough-planet", "--level", level, "-o", "planet.ply")
+        self.succeed("generate", "rough-planet", f"level={level}", "-o", "planet.ply")
 
 
 class Interrupt(Interrupting):
@@ -129,7 +129,7 @@ class Interrupt(Interrupting):
             self.assert_cancelled(end, "cells build", signal.SIGINT)
             self.assertFalse((self.folder / "a.vlod").exists())
         self.assertEqual([path.name for path in (self.folder / "parts").iterdir() if path.suffix != ".vpart"], [])
-        again = self.json_of(*space, "-o", "a.vlod", "--work", "parts", "--resume")
+        again = self.json_of(*space, "-o", "a.vlod", "--work", "parts")
         self.assertEqual(again["cuts"] + 16 * again["parts_found"], 64)
         self.succeed(*space, "-o", "b.vlod")
         self.assertTrue(self.same_bytes("a.vlod", "b.vlod"))
@@ -165,9 +165,9 @@ class Interrupt(Interrupting):
             self.cancel("packing", number, "cells pack", "a.vlod", "planet.olod", "--level", 19, target="target.vlod")
 
     def test_generate(self):
-        self.cancel("generating", signal.SIGINT, "generate", "rough-planet", "--level", 10, target="target.ply")
+        self.cancel("generating", signal.SIGINT, "generate", "rough-planet", "level=10", target="target.ply")
         for number in (signal.SIGINT, signal.SIGTERM):
-            self.cancel_while_writing(number, "generate", "rough-planet", "--level", 8, target="target.obj")
+            self.cancel_while_writing(number, "generate", "rough-planet", "level=8", target="target.obj")
 
     def test_cut(self):
         self.make_large_planet(7)
@@ -176,7 +176,7 @@ class Interrupt(Interrupting):
 
     def test_ignored_signals_stay_ignored(self):
         """As for nohup and for the background jobs of scripts."""
-        process = subprocess.Popen([OCCLOD, "generate", "rough-planet", "--level", "8", "-o", "planet.ply", "--progress", "always"],
+        process = subprocess.Popen([OCCLOD, "generate", "rough-planet", "level=8", "-o", "planet.ply", "--progress", "always"],
                                    cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                                    preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_IGN))
         self.wait_for_stage(process, "generating")

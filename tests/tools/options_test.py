@@ -33,10 +33,8 @@ WHOLE = [
     (HLOD_EXPORT, "--tiles-per-file", 1, 10**6),
     *((HLOD_RENDER, option, low, 10**6) for option, low in (("--frames", 1), ("--reference", 0))),
     (CELLS_BUILD, "--budget", 1, LARGEST),
-    (CELLS_BUILD, "--levels", 0, 32),
     (CELLS_BUILD, "--max-triangles", 0, LARGEST),
     (CELLS_BUILD, "--threads", 0, 1024),
-    (CELLS_INFO, "--cell", 0, ELEMENTS),
     (CELLS_CHECK, "--cells", 1, 10**6),
     (CELLS_CHECK, "--eyes", 0, 10**6),
     (CELLS_CHECK, "--image-size", 1, 8192),
@@ -59,8 +57,6 @@ REAL = [
     (CELLS_BUILD, "--tolerance", 1e-6, None),
     (CELLS_BUILD, "--root-cell", 1e-6, LARGEST),
     (CELLS_BUILD, "--smallest-cell", 1e-6, LARGEST),
-    (CELLS_BUILD, "--occluder-error", 0, None),
-    (CELLS_WALK, "--speed", 1e-3, 10**6),
     (HLOD_RENDER, "--tolerance", 0, None),
     (RENDER, "--tolerance", 0, None),
     (FRAMES, "--time-limit", 0, None),
@@ -68,17 +64,14 @@ REAL = [
 WITH_CGAL = ([(COMPARE, "--samples", 1, 10**9), (COMPARE, "--seed", 0, SEEDS), (REPAIR, "--fill-holes", 0, ELEMENTS)], [(REPAIR, "--weld", 0, None)])
 
 
-def generator(kind, ranges):
-    command = ["generate", kind, "-o", "a.ply"]
-    return [(command, option, low, high) for option, low, high in (*ranges, ("--seed", 0, SEEDS))]
-
-
-WHOLE += generator("rough-planet", [("--level", 0, 11), ("--octaves", 0, 30)])
-WHOLE += generator("city", [("--blocks", 1, 256), ("--facade-cells", 1, 256)])
-WHOLE += generator("pipes", [("--pipes", 1, 10**6), ("--bends", 1, 10**5), ("--sides", 3, 4096)])
-WHOLE += generator("plant", [("--storeys", 1, 64), ("--bays", 1, 256), ("--pipes", 1, 10**4), ("--bends", 1, 10**5), ("--sides", 3, 4096)])
-WHOLE += generator("spheres-behind-wall", [("--spheres", 1, 10**6), ("--level", 0, 8), ("--wall-cells", 1, 4096)])
-REAL += [row for row in generator("rough-planet", [("--amplitude", 0, 0.99), ("--frequency", 0, 10**6)]) if row[1] != "--seed"]
+# Of each kind of mesh: option, smallest and largest value.
+GENERATORS = {
+    "rough-planet": [("level", 0, 11), ("octaves", 0, 30), ("seed", 0, SEEDS), ("amplitude", 0, 0.99), ("frequency", 0, 10**6)],
+    "city": [("blocks", 1, 256), ("facade_cells", 1, 256), ("seed", 0, SEEDS)],
+    "pipes": [("pipes", 1, 10**6), ("bends", 1, 10**5), ("sides", 3, 4096), ("seed", 0, SEEDS)],
+    "plant": [("storeys", 1, 64), ("bays", 1, 256), ("pipes", 1, 10**4), ("bends", 1, 10**5), ("sides", 3, 4096), ("seed", 0, SEEDS)],
+    "spheres-behind-wall": [("spheres", 1, 10**6), ("level", 0, 8), ("wall_cells", 1, 4096), ("seed", 0, SEEDS)],
+}
 
 
 class Options(ToolTest):
@@ -120,12 +113,53 @@ class Options(ToolTest):
                                ("--shard", ("", "1", "0/3", "4/3", "1/0", "-1/3", "1/3x", "1/1000001"))):
             for value in values:
                 self.assert_refused(CELLS_BUILD, option, value)
-        for value in ("", "1,2", "1,2,x", "1,2,nan", "1,2,3,4"):
-            self.assert_refused(CELLS_INFO, "--eye", value, "X,Y,Z")
+        for value in ("", "x", "-1", "1.5", "1,2", "1,2,x", "1,2,nan", "1,2,3,4", 2**32):
+            self.assert_refused(CELLS_INFO, "--cell", value, ELEMENTS, "X,Y,Z")
         for value in ("", "x", "-1", "0", "0M", "1.5", "1e3", "nan", "0x10", "+1", " 1", "1 ", "M", "1T", "1KB", 2**64, f"{2**34}G", 10**30):
             self.assert_refused(HLOD_RENDER, "--cache", value, "number of bytes")
         for value in ("", "x", "Async", "async ", "blocking:1", "simulated:1"):
             self.assert_refused([*HLOD_RENDER, "--cache", "1M"], "--load", value, "blocking", "async")
+
+    def test_what_generators_take(self):
+        for kind, options in GENERATORS.items():
+            command = ["generate", kind, "-o", "a.ply"]
+            text = self.succeed("generate", "--help")
+            for option, low, high in options:
+                is_real = option in ("amplitude", "frequency")
+                for value in ("", "x", "-1", "nan", "inf", "1e999", *([] if is_real else ["0x10", "1.5", "1e3", "+1"]), high + (1e-3 if is_real else 1), *([low - 1] if low > 0 else [])):
+                    done = self.run_tool(*command, f"{option}={value}")
+                    self.assertEqual((done.returncode, done.stdout, done.stderr.count("\n")), (2, "", 1), done.stderr)
+                    self.assertTrue(done.stderr.startswith(f'occlod: error: {option}: "{value}" '), done.stderr)
+                    for bound in [low] if high == SEEDS else [low, high]:
+                        self.assertIn(str(bound), done.stderr)
+                self.assertIn(f"{option}=", text)
+            for wrong in ("", "what=1", "what", "--level"):
+                done = self.run_tool(*command, wrong)
+                self.assertEqual((done.returncode, done.stdout, done.stderr.count("\n")), (2, "", 1), done.stderr)
+                if not wrong.startswith("-"):
+                    self.assertIn(f'"{wrong.split("=")[0]}" of {kind} is not one of ', done.stderr)
+                    for option, _, _ in options:
+                        self.assertIn(option, done.stderr)
+            done = self.run_tool(*command, "seed=1", "seed=2")
+            self.assertEqual((done.returncode, done.stdout), (2, ""))
+            self.assertIn("seed is given more than once", done.stderr)
+
+    def test_options_of_the_program(self):
+        """Before and after the command, and refused where nothing reads them."""
+        self.make_planet()
+        text = self.succeed("--json", "info", "planet.ply")
+        self.assertEqual(text, self.succeed("info", "planet.ply", "--json"))
+        self.succeed("--threads", 1, "build", "planet.ply", "-o", "a.olod")
+        self.succeed("build", "planet.ply", "-o", "b.olod", "--threads", 0, "--progress", "never")
+        self.assertTrue(self.same_bytes("a.olod", "b.olod"))
+        for command, option in ((["info", "planet.ply"], ["--threads", 2]), (["info", "planet.ply"], ["--no-cache"]), (["cut", "a.olod", "-o", "a.ply", "--error", 1], ["--no-cache"]),
+                                (["cells", "info", "a.vlod"], ["--threads", 0]), (["hlod", "info", "a.ohlod"], ["--no-cache"]), (["validate", "a.olod"], ["--progress", "always"])):
+            words = " ".join(command[:2] if command[0] in ("cells", "hlod") else command[:1])
+            for arguments in ([*command, *option], [*option, *command]):
+                done = self.run_tool(*arguments)
+                self.assertEqual((done.returncode, done.stdout, done.stderr.count("\n")), (2, "", 1), done.stderr)
+                self.assertIn(f"{option[0]} is not used by occlod {words}", done.stderr)
+        self.assertIn("--threads", self.succeed("build", "--help"))
 
     def test_names_that_are_empty(self):
         for command, option in ((BUILD[:2], "--output"), (CUT[:2] + ["--triangles", 5], "--output"), (["generate", "city"], "--output"), (VALIDATE, "--input"),
@@ -149,10 +183,8 @@ class Options(ToolTest):
         self.assertTrue((self.folder / "--json").exists())
 
     def test_ends_of_ranges_are_taken(self):
-        """What is allowed gets as far as the file that is not there. Threads and what a generator makes would take too long at the upper ends."""
+        """What is allowed gets as far as the file that is not there."""
         for command, option, low, high in itertools.chain(self.rows(0), self.rows(1)):
-            if command[0] == "generate":
-                continue
             for value in (low, high if high is not None else 1e300):
                 arguments = [*command, option, value]
                 done = self.run_tool(*arguments)
@@ -165,11 +197,10 @@ class Options(ToolTest):
 
     def test_every_numeric_option_is_here(self):
         """Help shows what a number is with N."""
-        rows = {(row[0][0], row[0][1] if row[0][0] in ("cells", "generate", "hlod") else "", row[1]) for row in self.rows(0) + self.rows(1)}
-        commands = ["build", "cut", "info", "validate", "render", *(["compare", "repair"] if self.has_cgal() else [])]
-        kinds = ["rough-planet", "city", "pipes", "plant", "spheres-behind-wall"]
+        rows = {(row[0][0], row[0][1] if row[0][0] in ("cells", "hlod") else "", row[1]) for row in self.rows(0) + self.rows(1)}
+        commands = ["build", "cut", "generate", "info", "validate", "render", *(["compare", "repair"] if self.has_cgal() else [])]
         hlod, cells = ["build", "export", "info", "validate", "render"], ["build", "check", "info", "merge", "pack", "walk"]
-        for command, kind in [(command, "") for command in commands] + [("generate", kind) for kind in kinds] + [("hlod", kind) for kind in hlod] + [("cells", kind) for kind in cells]:
+        for command, kind in [(command, "") for command in commands] + [("hlod", kind) for kind in hlod] + [("cells", kind) for kind in cells]:
             text = self.succeed(*([command, kind] if kind else [command]), "--help")
             self.assertNotRegex(text, "INT|FLOAT|309")
             for option in re.findall(r"^ +(--[a-z-]+) N\b", text, re.MULTILINE):

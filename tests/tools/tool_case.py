@@ -43,7 +43,7 @@ class ToolTest(unittest.TestCase):
         return result
 
     def make_planet(self, name="planet.ply", seed=1):
-        return self.json_of("generate", "rough-planet", "--level", LEVEL, "--seed", seed, "-o", name)
+        return self.json_of("generate", "rough-planet", f"level={LEVEL}", f"seed={seed}", "-o", name)
 
     def make_hierarchy(self):
         self.make_planet()

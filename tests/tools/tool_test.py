@@ -13,17 +13,17 @@ class GenerateBuildValidate(ToolTest):
         self.assertEqual((result["vertices"], result["triangles"]), (VERTICES, TRIANGLES))
 
     def test_generate_every_kind_in_every_format(self):
-        for kind, options in [("rough-planet", ["--level", "1"]), ("city", ["--blocks", "1", "--facade-cells", "1"]),
-                              ("pipes", ["--pipes", "1"]),
-                              ("plant", ["--storeys", "1", "--bays", "1", "--pipes", "1", "--bends", "2", "--sides", "3"]),
-                              ("spheres-behind-wall", ["--spheres", "1", "--level", "0"])]:
+        for kind, options in [("rough-planet", ["level=1"]), ("city", ["blocks=1", "facade_cells=1"]),
+                              ("pipes", ["pipes=1"]),
+                              ("plant", ["storeys=1", "bays=1", "pipes=1", "bends=2", "sides=3"]),
+                              ("spheres-behind-wall", ["spheres=1", "level=0"])]:
             for extension in ("ply", "obj", "off", "stl"):
                 made = self.json_of("generate", kind, *options, "-o", f"m.{extension}")
                 built = self.json_of("build", f"m.{extension}", "-o", "m.olod")
                 self.assertEqual(built["triangles"], made["triangles"], f"{kind} {extension}")
 
     def test_generate_streams_the_same_file(self):
-        for kind, options in [("rough-planet", ["--level", 8]), ("plant", ["--storeys", 1, "--bays", 2])]:
+        for kind, options in [("rough-planet", ["level=8"]), ("plant", ["storeys=1", "bays=2"])]:
             for extension in ("ply", "obj"):
                 whole = self.json_of("generate", kind, *options, "-o", f"whole.{extension}")
                 streamed = self.json_of("generate", kind, *options, "-o", f"streamed.{extension}", "--stream")
@@ -35,7 +35,7 @@ class GenerateBuildValidate(ToolTest):
         self.assertEqual((self.folder / "m.off").read_text(), "old")
 
     def test_a_mesh_that_is_streamed_is_never_whole(self):
-        plant = ("generate", "plant", "--storeys", 2, "--bays", 4, "-o", "plant.ply")
+        plant = ("generate", "plant", "storeys=2", "bays=4", "-o", "plant.ply")
         self.assertLess(2 * self.json_of(*plant, "--stream")["peak_bytes"], self.json_of(*plant)["peak_bytes"])
 
     def test_generate_is_reproducible_and_seeded(self):

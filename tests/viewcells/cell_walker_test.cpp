@@ -20,6 +20,7 @@
 #include "occlod/build_cells.h"
 #include "occlod/build_hierarchy.h"
 #include "occlod/picture.h"
+#include "simulated_disk.h"
 #include "small_cells.h"
 
 namespace occlod {
@@ -178,9 +179,9 @@ TEST_F(CellWalkerTest, IsInTimeOnADiskThatIsFastEnough) {
     WalkOptions options = by_hand();
     options.prefetch = prefetch;
     bool is_open = false;  // the root is read before the walk
-    options.reader =
-        throttled([&](CellId cell, std::span<const CellAdditions* const> above) { return file_->read(cell, above); },
-                  *file_, {1e6, latency}, [&](double seconds) { clock += is_open ? seconds : 0.0; });
+    options.reader = tool::throttled(
+        [&](CellId cell, std::span<const CellAdditions* const> above) { return file_->read(cell, above); }, *file_,
+        {1e6, latency}, [&](double seconds) { clock += is_open ? seconds : 0.0; });
     CellWalker walker(file_, objects_, options);
     is_open = true;
     CellLoader loader(walker);
@@ -493,13 +494,13 @@ TEST_F(CellWalkerTest, DrawsWhatIsInTheFrustum) {
 
 TEST_F(CellWalkerTest, WaitsAsLongAsADiskWould) {
   double waited = 0.0;
-  const CellReader reader =
-      throttled([&](CellId cell, std::span<const CellAdditions* const> above) { return file_->read(cell, above); },
-                *file_, {1e6, 0.25}, [&](double seconds) { waited += seconds; });
+  const CellReader reader = tool::throttled(
+      [&](CellId cell, std::span<const CellAdditions* const> above) { return file_->read(cell, above); }, *file_,
+      {1e6, 0.25}, [&](double seconds) { waited += seconds; });
   static_cast<void>(reader(0, {}));
   EXPECT_DOUBLE_EQ(waited, 0.25 + 1e-6 * file_->tree().node(0).payload_bytes);
-  EXPECT_THROW(throttled(reader, *file_, {0.0, 0.0}, [](double) {}), Error);
-  EXPECT_THROW(throttled(reader, *file_, {1.0, -1.0}, [](double) {}), Error);
+  EXPECT_THROW(tool::throttled(reader, *file_, {0.0, 0.0}, [](double) {}), Error);
+  EXPECT_THROW(tool::throttled(reader, *file_, {1.0, -1.0}, [](double) {}), Error);
 }
 
 TEST_F(CellWalkerTest, RefusesWrongOptions) {

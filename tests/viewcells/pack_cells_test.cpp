@@ -15,6 +15,7 @@
 #include "occlod/build_cells.h"
 #include "occlod/cell_walker.h"
 #include "packed_files.h"
+#include "simulated_disk.h"
 #include "small_cells.h"
 
 namespace occlod {
@@ -311,7 +312,7 @@ TEST_F(PackCells, AreWalkedThroughByManyThreads) {
 TEST_F(PackCells, TellWhatIsReadOfThem) {
   std::uint64_t told = 0, waited = 0;
   double seconds = 0.0;
-  const auto wait = throttled_geometry({1e6, 0.5}, [&](double s) {
+  const auto wait = tool::throttled_geometry({1e6, 0.5}, [&](double s) {
     seconds += s;
     ++waited;
   });
@@ -331,7 +332,7 @@ TEST_F(PackCells, TellWhatIsReadOfThem) {
   EXPECT_GT(waited, reads_at_first);
   EXPECT_LE(told, packed->packed_counts().bytes) << "no frame is read twice while there is memory";
   EXPECT_GT(read, told - at_first) << "payloads come on top";
-  EXPECT_THROW(static_cast<void>(throttled_geometry({0.0, 0.0}, [](double) {})), Error);
+  EXPECT_THROW(static_cast<void>(tool::throttled_geometry({0.0, 0.0}, [](double) {})), Error);
 }
 
 // The last frame is needed by few cells: those are shown by what lies above them, others as ever.

@@ -214,7 +214,7 @@ class Script(unittest.TestCase):
     def test_hlod_within_a_cache(self):
         """All meshes are asked for: what there is no room for does not come, what is damaged is told once."""
         hlod = self.path / "city.ohlod"
-        subprocess.run([os.environ["OCCLOD"], "generate", "city", "--blocks", "6", "--facade-cells", "2", "-o", self.path / "city.ply"], check=True, capture_output=True)
+        subprocess.run([os.environ["OCCLOD"], "generate", "city", "blocks=6", "facade_cells=2", "-o", self.path / "city.ply"], check=True, capture_output=True)
         subprocess.run([os.environ["OCCLOD"], "hlod", "build", self.path / "city.ply", "-o", hlod, "--node-triangles", "64"], check=True, capture_output=True)
         whole = hlod.read_bytes()
         damaged = bytearray(whole)
@@ -306,7 +306,7 @@ class Script(unittest.TestCase):
         """Pages that are gone raise SIGBUS, on the thread that refines or the one that draws. The viewer waits between two budgets when the file is
         cut short; should it have gone on before, the next attempt counts."""
         mesh, file = self.path / "planet.ply", self.path / "planet.olod"
-        for command in (["generate", "rough-planet", "--level", "7", "-o", mesh], ["build", mesh, "-o", file]):
+        for command in (["generate", "rough-planet", "level=7", "-o", mesh], ["build", mesh, "-o", file]):
             subprocess.run([os.environ["OCCLOD"], *command], capture_output=True, check=True, timeout=300)
         whole = file.read_bytes()
         pictures = [self.path / "coarse.png", self.path / "fine.png"]

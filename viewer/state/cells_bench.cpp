@@ -21,7 +21,7 @@ tool::CellWalkOptions options_of(const CellSettings& settings) {
   tool::CellWalkOptions options;
   options.memory = static_cast<std::size_t>(settings.memory_mb * 1e6);
   options.prefetch = settings.prefetch;
-  if (settings.disk_mb_s > 0.0) options.disk = DiskSpeed{settings.disk_mb_s * 1e6, settings.latency_ms * 1e-3};
+  if (settings.disk_mb_s > 0.0) options.disk = tool::DiskSpeed{settings.disk_mb_s * 1e6, settings.latency_ms * 1e-3};
   return options;
 }
 

@@ -22,21 +22,6 @@ namespace occlod {
 // What a node adds: as VlodFile::read(), which it calls in the end. Any number of threads may call it.
 using CellReader = std::function<CellAdditions(CellId cell, std::span<const CellAdditions* const> ancestors)>;
 
-// A disk to be simulated.
-struct DiskSpeed {
-  double bytes_per_second = 100e6;  // > 0
-  double latency_seconds = 5e-3;    // of each read, >= 0
-};
-
-// `reader`, after waiting as long as this disk would take for what the node adds. `wait`: called with seconds, on the
-// thread that reads; it sleeps, or moves a clock of its own. The file outlives the reader.
-[[nodiscard]] CellReader throttled(CellReader reader, const VlodFile& file, const DiskSpeed& disk,
-                                   std::function<void(double seconds)> wait);
-
-// The same for WalkOptions::before_geometry.
-[[nodiscard]] std::function<void(std::uint64_t bytes)> throttled_geometry(const DiskSpeed& disk,
-                                                                          std::function<void(double seconds)> wait);
-
 // How a walk runs.
 struct WalkOptions {
   // Bytes that may be in memory of what nodes add, of triangles to draw, and of the geometry of a packed file: a hard

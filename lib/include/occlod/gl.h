@@ -61,76 +61,39 @@ class Context {
 
 // The backend `gl-query`: OpenGL occlusion queries in flights, as in Birkholz & Rahn, sec. 3.1 and 3.3.
 
-// What OpenGL is asked for.
-enum class QueryTarget {
-  any,               // GL_ANY_SAMPLES_PASSED
-  any_conservative,  // GL_ANY_SAMPLES_PASSED_CONSERVATIVE, OpenGL 4.3: may say visible where nothing is, never hidden
-  count,             // GL_SAMPLES_PASSED: answers with a number of pixels
-};
-
-// How the backend `gl-query` asks.
-struct QueryOcclusionOptions {
-  // Queries that refinement keeps under way, >= 1. The order of its queries, hence its result, depends on this.
-  std::size_t flight = 32;
-  // Of those, queries that OpenGL holds at a time; only time depends on it. 0: measured in the first view, as many as
-  // can be issued between issuing one and its answer, and at most the flight.
-  std::size_t window = 0;
-  QueryTarget target = QueryTarget::any;  // the kind of query
-  // Proxies are drawn into a target with one sample for divisor x divisor pixels, >= 1. A sample holds the farthest
-  // depth of the occluder on its pixels, and proxies are enlarged accordingly: as conservative, less tight.
-  int divisor = 1;
-};
-
 // Draws both sides of the occluder into a depth target of the view's size and asks with proxy volumes: boxes of 12
 // triangles (for PointHull too), spheres of 32 and cylinders of 64, each circumscribed and enlarged by 3/4 pixel so
-// that a bound is never missed between two samples. Answered visible without a query: bounds that are not finite or
-// inside out, whose proxy reaches the near plane, or whose image is larger than the screen in both directions or more
-// than eight times as large in one. Answered hidden without a query: bounds off the screen. A count is at most the
-// pixels of the proxy's screen rectangle, and all pixels of the image where nothing is known.
+// that a bound is never missed between two samples. Refinement keeps 32 queries under way. Answered visible without a
+// query: bounds that are not finite or inside out, whose proxy reaches the near plane, or whose image is larger than
+// the screen in both directions or more than eight times as large in one. Answered hidden without a query: bounds off
+// the screen.
 //
 // Between begin_view() and the last collect() the context belongs to this backend, which does not restore the state
-// that it sets. Throws Error for no context, a flight of 0, a divisor below 1, or a target that the context is too old
-// for; collect() when the driver has not answered after 10 s; begin_view(), draw_occluder() and the collect() after
-// which no query is under way when OpenGL reports an error.
-[[nodiscard]] std::unique_ptr<Visibility> make_query_occlusion(std::shared_ptr<Context> context,
-                                                               const QueryOcclusionOptions& options = {});
+// that it sets. Throws Error for no context; collect() when the driver has not answered after 10 s; begin_view(),
+// draw_occluder() and the collect() after which no query is under way when OpenGL reports an error.
+[[nodiscard]] std::unique_ptr<Visibility> make_query_occlusion(std::shared_ptr<Context> context);
 
 // The backend `gl-mark`: all proxies of a flight in one draw, whose fragments mark what is visible.
 
-// How the backend `gl-mark` asks.
-struct MarkOcclusionOptions {
-  std::size_t flight = 64;    // queries that refinement keeps under way, >= 1: answered together
-  bool count_pixels = false;  // answer with a number of pixels instead of 0 or 1
-  int divisor = 1;            // one sample for divisor x divisor pixels, >= 1; see QueryOcclusionOptions
-};
-
 // Draws the occluder and proxies of gl-query and gives its answers, without query objects. When the oldest answer is
 // collected, the proxies of all queries submitted since the last time are drawn, one instanced draw for each kind of
-// proxy, with the depth test before the fragment shader; each fragment writes (with count_pixels: adds) to its proxy's
+// proxy, with the depth test before the fragment shader; each fragment writes to its proxy's
 // word of a storage buffer, which is read back once. Needs OpenGL 4.3.
 //
-// The context is used as by gl-query. Throws Error for no context, one older than 4.3, a flight of 0 or a divisor below
-// 1; collect() when the driver has not answered after 10 s.
-[[nodiscard]] std::unique_ptr<Visibility> make_mark_occlusion(std::shared_ptr<Context> context,
-                                                              const MarkOcclusionOptions& options = {});
+// The context is used as by gl-query. Throws Error for no context or one older than 4.3; collect() when the driver has
+// not answered after 10 s.
+[[nodiscard]] std::unique_ptr<Visibility> make_mark_occlusion(std::shared_ptr<Context> context);
 
 // The backend `gl-compute`: a depth pyramid on the GPU, and all tests of a flight in one dispatch.
-
-// How the backend `gl-compute` asks.
-struct ComputeOcclusionOptions {
-  std::size_t flight = 64;    // queries that refinement keeps under way, >= 1: answered together
-  bool count_pixels = false;  // answer with the number of visible pixels of the bound's screen rectangle
-};
 
 // Tests as the software backend does: the bound's screen rectangle and nearest depth, computed on the CPU, against the
 // farthest depths of the occluder. OpenGL draws the occluder as nearness, pushed away by 1/64 of what one pixel spans,
 // since rasterisers may move it by 1/256 pixel: what software hides by a smaller margin is visible here. A test that
 // has not ended after 16,384 texels answers visible too. The occluder is clipped at the far plane. Needs OpenGL 4.3.
 //
-// The context is used as by gl-query. Throws Error for no context, one older than 4.3 or a flight of 0; draw_occluder
+// The context is used as by gl-query. Throws Error for no context or one older than 4.3; draw_occluder
 // and collect() when OpenGL reports an error, collect() when the driver has not answered after 10 s.
-[[nodiscard]] std::unique_ptr<Visibility> make_compute_occlusion(std::shared_ptr<Context> context,
-                                                                 const ComputeOcclusionOptions& options = {});
+[[nodiscard]] std::unique_ptr<Visibility> make_compute_occlusion(std::shared_ptr<Context> context);
 
 // The device `gl`: draws HLODs by OpenGL and asks it by occlusion queries.
 
@@ -142,13 +105,6 @@ struct HlodDeviceOptions {
   // The most that meshes of nodes may occupy in OpenGL's memory, bytes, > 0: 28 for each vertex and 6 for each
   // triangle.
   std::size_t mesh_bytes = std::size_t{256} << 20;
-  // Nodes that are drawn one after the other, without a question in between, are given to OpenGL by one call for each
-  // object and buffer of meshes, where the context has OpenGL 4.3, or ARB_multi_draw_indirect and ARB_base_instance.
-  // The depths and counts are the same, and so is the picture but for equal depths.
-  bool indirect = true;
-  // The boxes of ask_each() are drawn by one call, and each counts its pixels in a word of a storage buffer, where the
-  // context has OpenGL 4.3; not with `quality`. The counts are the same as by a query for each.
-  bool marks = true;
 };
 
 // What the device holds of meshes and has done about them.
@@ -184,10 +140,11 @@ class HlodDevice : public hlod::RenderDevice {
   [[nodiscard]] virtual bool measures_gpu() const noexcept = 0;
 };
 
-// Draws into an image of its own, of the view's size; surfaces are clipped at the far plane. Meshes are uploaded when
-// they are first drawn, again for each number of splits within a node, and those leave that were drawn longest ago. A
-// count is that of GL_SAMPLES_PASSED around the grown boxes, or the same by additions in a shader; with several samples
-// a pixel it is divided by their number and rounded up. It is at most the pixels of the boxes' screen rectangles.
+// Draws into an image of its own, of the view's size, many nodes and boxes by one call where OpenGL can; surfaces are
+// clipped at the far plane. Meshes are uploaded when they are first drawn, again for each number of splits within a
+// node, and those leave that were drawn longest ago. A count is that of GL_SAMPLES_PASSED around the grown boxes, or
+// the same by additions in a shader; with several samples a pixel it is divided by their number and rounded up. It is
+// at most the pixels of the boxes' screen rectangles.
 //
 // frame_ms is by the clock, until all commands are done; cpu_ms until all are given. gpu_ms is from the first to the
 // last command between two waits, added up, by timer queries; starve_ms what lies between, within the frame.

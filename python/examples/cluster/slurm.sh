@@ -5,4 +5,4 @@
 #SBATCH --cpus-per-task=16
 #SBATCH --requeue
 set -euo pipefail
-occlod cells build "$1" --work "$2" --resume --shard "$SLURM_ARRAY_TASK_ID/$SLURM_ARRAY_TASK_COUNT" --threads "${SLURM_CPUS_PER_TASK:-0}"
+occlod cells build "$1" --work "$2" --shard "$SLURM_ARRAY_TASK_ID/$SLURM_ARRAY_TASK_COUNT" --threads "${SLURM_CPUS_PER_TASK:-0}"
