@@ -21,6 +21,7 @@ namespace occlod::bench {
 namespace {
 
 struct Options {
+  std::filesystem::path scenes = OCCLOD_SCENES;
   std::string scene = "armadillo";
   std::string path = "orbit";
   std::vector<std::string> ways = {"subtree", "subtree+software", "star", "star+software"};
@@ -88,7 +89,7 @@ void run_round(const Options& options, const CameraPath& path, const std::vector
 
 void run(const Options& options) {
   tool::RenderInputOptions input_options;
-  input_options.file = std::filesystem::path(OCCLOD_SCENES) / (options.scene + ".json");
+  input_options.file = options.scenes / (options.scene + ".json");
   input_options.path = options.path;
   const tool::RenderInput input = tool::load_render_input(input_options);
   std::vector<RefineObject> objects;
@@ -112,7 +113,8 @@ void run(const Options& options) {
 int run(int argc, char** argv) {
   CLI::App app("Refinement from scratch along a path.", "bench_scratch");
   Options options;
-  app.add_option("--scene", options.scene, "A name in meshes/scenes")->capture_default_str();
+  app.add_option("--scenes", options.scenes, "Folder of scenes")->check(CLI::ExistingDirectory);
+  app.add_option("--scene", options.scene, "A name in it")->capture_default_str();
   app.add_option("--path", options.path, "A path of the scene")->capture_default_str();
   app.add_option("--ways", options.ways, "Culling, and what is hidden")
       ->capture_default_str()

@@ -40,12 +40,13 @@ struct Options {
 };
 
 CleanMesh read(const Options& options, Progress& progress) {
-  return read_mesh(options.input, [&](double done) {
+  const auto show = [&](double done) {
     if (done < 1.0)
       progress.show("reading " + options.input, done);
     else
       progress.show("cleaning " + options.input, std::nullopt);
-  });
+  };
+  return read_mesh(options.input, show, options.build.threads);
 }
 
 // Whether it has made normals: where the file has none.

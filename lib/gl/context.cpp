@@ -6,11 +6,13 @@
 #include <EGL/eglext.h>
 #include <dlfcn.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <mutex>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "occlod/base.h"
@@ -68,7 +70,34 @@ std::string reason(const Error& error) {
   throw Error({subject, "", "no OpenGL context (" + reasons + ")", remedy});
 }
 
+// Mesa's switch to draw on the processor although there is a GPU.
+bool asks_for_software() {
+  const char* value = std::getenv("LIBGL_ALWAYS_SOFTWARE");
+  const std::string_view asked = value != nullptr ? value : "";
+  return !asked.empty() && asked != "0" && asked != "false";
+}
+
+// Whose library answers for the platform without surfaces is a matter of order: where it is Mesa, and has no driver for
+// the GPU, it draws on the processor, though another vendor's library knows the GPU as a device.
+std::unique_ptr<Context> on_gpu_if_any(std::unique_ptr<Context> found) {
+  if (!draws_on_cpu(found->renderer()) || asks_for_software()) return found;
+  try {
+    auto on_gpu = create_egl_context(EglDisplayKind::gpu);
+    if (!draws_on_cpu(on_gpu->renderer())) return on_gpu;
+  } catch (const Error&) {
+    // There is none, or none that starts.
+  }
+  found->make_current();
+  return found;
+}
+
 }  // namespace
+
+bool draws_on_cpu(std::string_view renderer) {
+  constexpr std::array<std::string_view, 4> names{"llvmpipe", "softpipe", "swrast", "SwiftShader"};
+  return std::any_of(names.begin(), names.end(),
+                     [&](std::string_view name) { return renderer.find(name) != std::string_view::npos; });
+}
 
 std::string ContextBase::renderer() const { return text(functions_, GL_RENDERER); }
 std::string ContextBase::version() const { return text(functions_, GL_VERSION); }
@@ -96,7 +125,7 @@ std::unique_ptr<Context> create_context(Platform platform) {
   calm_llvmpipe();
   if (platform == Platform::osmesa) return create_osmesa_context();
   try {
-    return create_egl_context(EglDisplayKind::surfaceless);
+    return on_gpu_if_any(create_egl_context(EglDisplayKind::surfaceless));
   } catch (const Error& surfaceless) {
     try {
       return create_egl_context(EglDisplayKind::device);
@@ -126,6 +155,14 @@ namespace {
 constexpr const char* driver_mend =
     "install a driver with OpenGL 3.3 for EGL (Debian, Ubuntu: libegl-mesa0), or use OSMesa";
 
+// all: names with blanks between them, or null.
+bool lists(const char* all, const std::string& name) {
+  std::istringstream names(all != nullptr ? all : "");
+  for (std::string one; names >> one;)
+    if (one == name) return true;
+  return false;
+}
+
 struct Egl {
   SharedLibrary library{{"libEGL.so.1", "libEGL.so"},
                         "install libEGL (Debian, Ubuntu: libegl1 and libegl-mesa0), or use OSMesa"};
@@ -147,12 +184,7 @@ struct Egl {
   }
 
   [[nodiscard]] bool has_extension(EGLDisplay display, const std::string& name) const {
-    const char* all = query_string(display, EGL_EXTENSIONS);
-    if (all == nullptr) return false;
-    std::istringstream names(all);
-    for (std::string one; names >> one;)
-      if (one == name) return true;
-    return false;
+    return lists(query_string(display, EGL_EXTENSIONS), name);
   }
 
   template <class Function>
@@ -184,20 +216,35 @@ EGLDisplay surfaceless_display() {
   return display;
 }
 
-EGLDisplay device_display() {
+std::vector<EGLDeviceEXT> all_devices() {
   if (!egl().has_extension(EGL_NO_DISPLAY, "EGL_EXT_platform_device"))
     throw Error({"EGL", "device", "EGL_EXT_platform_device is missing", driver_mend});
   const auto query_devices = egl().extension_function<PFNEGLQUERYDEVICESEXTPROC>("eglQueryDevicesEXT");
-  const auto get_display = egl().extension_function<PFNEGLGETPLATFORMDISPLAYEXTPROC>("eglGetPlatformDisplayEXT");
-  std::array<EGLDeviceEXT, 16> devices{};
+  std::vector<EGLDeviceEXT> devices(64);
   EGLint count = 0;
   if (query_devices(static_cast<EGLint>(devices.size()), devices.data(), &count) != EGL_TRUE)
     throw egl().failure("device", "devices cannot be listed");
-  for (EGLint i = 0; i < count; ++i) {
-    const EGLDisplay display = get_display(EGL_PLATFORM_DEVICE_EXT, devices[static_cast<std::size_t>(i)], nullptr);
+  devices.resize(static_cast<std::size_t>(count));
+  return devices;
+}
+
+// Mesa's devices that draw on the processor say so.
+bool is_gpu(EGLDeviceEXT device) {
+  const auto query_string = egl().extension_function<PFNEGLQUERYDEVICESTRINGEXTPROC>("eglQueryDeviceStringEXT");
+  return !lists(query_string(device, EGL_EXTENSIONS), "EGL_MESA_device_software");
+}
+
+// Of the first device that starts: GPUs first, or GPUs only.
+EGLDisplay device_display(bool only_gpus) {
+  std::vector<EGLDeviceEXT> devices = all_devices();
+  const auto rest = std::stable_partition(devices.begin(), devices.end(), is_gpu);
+  if (only_gpus) devices.erase(rest, devices.end());
+  const auto get_display = egl().extension_function<PFNEGLGETPLATFORMDISPLAYEXTPROC>("eglGetPlatformDisplayEXT");
+  for (EGLDeviceEXT device : devices) {
+    const EGLDisplay display = get_display(EGL_PLATFORM_DEVICE_EXT, device, nullptr);
     if (starts(display)) return display;
   }
-  throw egl().failure("device", "none of " + std::to_string(count) + " devices starts");
+  throw egl().failure("device", "none of " + std::to_string(devices.size()) + " devices starts");
 }
 
 EGLConfig any_config(EGLDisplay display) {
@@ -211,10 +258,14 @@ EGLConfig any_config(EGLDisplay display) {
   return config;
 }
 
+struct Version {
+  EGLint major, minor;
+};
+
 // Null when the driver has no such context. With `tells_resets` it is lost, and says so, when the GPU is reset.
-EGLContext try_core_context(EGLDisplay display, EGLConfig config, bool tells_resets) {
-  std::vector<EGLint> attributes{EGL_CONTEXT_MAJOR_VERSION,       3,
-                                 EGL_CONTEXT_MINOR_VERSION,       3,
+EGLContext try_core_context(EGLDisplay display, EGLConfig config, const Version& version, bool tells_resets) {
+  std::vector<EGLint> attributes{EGL_CONTEXT_MAJOR_VERSION,       version.major,
+                                 EGL_CONTEXT_MINOR_VERSION,       version.minor,
                                  EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT};
 #ifndef NDEBUG
   // The driver explains its errors: see Functions::driver_message.
@@ -227,13 +278,17 @@ EGLContext try_core_context(EGLDisplay display, EGLConfig config, bool tells_res
   return egl().create_context(display, config, EGL_NO_CONTEXT, attributes.data());
 }
 
+// The newest. Asked for 3.3, Mesa gives the newest that it has, NVIDIA's driver just 3.3.
 EGLContext create_core_context(EGLDisplay display) {
   if (egl().bind_api(EGL_OPENGL_API) != EGL_TRUE) throw egl().failure("", "OpenGL is not offered");
   const EGLConfig config = any_config(display);
-  EGLContext context = try_core_context(display, config, true);
-  if (context == EGL_NO_CONTEXT) context = try_core_context(display, config, false);
-  if (context == EGL_NO_CONTEXT) throw egl().failure("", "no OpenGL 3.3 core context can be made");
-  return context;
+  constexpr std::array<Version, 8> versions{{{4, 6}, {4, 5}, {4, 4}, {4, 3}, {4, 2}, {4, 1}, {4, 0}, {3, 3}}};
+  for (const Version& version : versions)
+    for (const bool tells_resets : {true, false}) {
+      const EGLContext context = try_core_context(display, config, version, tells_resets);
+      if (context != EGL_NO_CONTEXT) return context;
+    }
+  throw egl().failure("", "no OpenGL 3.3 core context can be made");
 }
 
 class EglContext final : public ContextBase {
@@ -280,7 +335,7 @@ class EglContext final : public ContextBase {
 std::unique_ptr<Context> create_egl_context(EglDisplayKind kind) {
   if (kind == EglDisplayKind::surfaceless)
     return std::make_unique<EglContext>("egl-surfaceless", surfaceless_display());
-  return std::make_unique<EglContext>("egl-device", device_display());
+  return std::make_unique<EglContext>("egl-device", device_display(kind == EglDisplayKind::gpu));
 }
 
 // OSMesa, opened at run time. Its header is not needed to build (Mesa dropped the library in 2025): the few

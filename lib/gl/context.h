@@ -56,7 +56,15 @@ class ContextBase : public Context {
   Functions functions_;
 };
 
-enum class EglDisplayKind { surfaceless, device };
+// Whether this renderer (GL_RENDERER) is a program on the processor. Such gather commands and work through them tile by
+// tile.
+[[nodiscard]] bool draws_on_cpu(std::string_view renderer);
+
+enum class EglDisplayKind {
+  surfaceless,
+  device,  // GPUs first, then what draws on the processor
+  gpu,     // a device that does not draw on the processor
+};
 [[nodiscard]] std::unique_ptr<Context> create_egl_context(EglDisplayKind kind);
 [[nodiscard]] std::unique_ptr<Context> create_osmesa_context();
 

@@ -12,6 +12,7 @@
 
 #include "gl/backend.h"
 #include "gl/backend_options.h"
+#include "gl/context.h"
 #include "gl/hlod_stage.h"
 #include "gl/objects.h"
 #include "occlod/base.h"
@@ -21,10 +22,6 @@ namespace occlod::gl {
 namespace {
 
 // When the device worked during a frame, by timer queries.
-
-// Whether this renderer (GL_RENDERER) is a program on the processor. Such gather commands and work through them tile by
-// tile.
-[[nodiscard]] bool draws_on_cpu(std::string_view renderer);
 
 // Between start() and stop() commands are given; between stop() and start() the device may run out of them. Its context
 // is current in every call.
@@ -61,12 +58,6 @@ bool has_timer(const Functions& gl) {
   GLint bits = 0;
   gl.GetQueryiv(GL_TIMESTAMP, GL_QUERY_COUNTER_BITS, &bits);
   return bits > 0;
-}
-
-bool draws_on_cpu(std::string_view renderer) {
-  constexpr std::array<std::string_view, 4> names{"llvmpipe", "softpipe", "swrast", "SwiftShader"};
-  return std::any_of(names.begin(), names.end(),
-                     [&](std::string_view name) { return renderer.find(name) != std::string_view::npos; });
 }
 
 FrameTimer::FrameTimer(const Functions& gl, std::string_view renderer)

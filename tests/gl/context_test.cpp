@@ -107,6 +107,33 @@ TEST(Contexts, EglDevicesAreAWayOfTheirOwn) {
   }
 }
 
+// Mesa names its device that draws on the processor, so that one never counts as a GPU.
+TEST(Contexts, AGpuDoesNotDrawOnTheProcessor) {
+  try {
+    const auto context = create_egl_context(EglDisplayKind::gpu);
+    EXPECT_EQ(context->platform_name(), "egl-device");
+    EXPECT_FALSE(draws_on_cpu(context->renderer())) << context->renderer();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.diagnosis().subject, "EGL");
+    GTEST_SKIP() << "no GPU: " << error.what();
+  }
+}
+
+// Whichever library answers for the platform without surfaces.
+TEST(Contexts, EglPrefersAGpu) {
+  std::string egl_missing;
+  const std::shared_ptr<Context> egl = context_or_null(Platform::egl, egl_missing);
+  if (!egl) GTEST_SKIP() << "no context: " << egl_missing;
+  bool has_gpu = false;
+  try {
+    has_gpu = !draws_on_cpu(create_egl_context(EglDisplayKind::gpu)->renderer());
+  } catch (const Error&) {
+  }
+  EXPECT_FALSE(has_gpu && draws_on_cpu(egl->renderer())) << egl->renderer();
+  egl->make_current();
+  EXPECT_NO_THROW(check(egl->functions(), "after looking for a GPU"));
+}
+
 TEST(Contexts, AnyContextPrefersEgl) {
   std::string egl_missing;
   const std::shared_ptr<Context> egl = context_or_null(Platform::egl, egl_missing);

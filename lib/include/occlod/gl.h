@@ -17,11 +17,11 @@ struct Functions;
 
 // Where a context comes from.
 enum class Platform {
-  egl,     // surfaceless, else a device; a GPU or llvmpipe
+  egl,     // surfaceless, else a device; a GPU where there is one, unless LIBGL_ALWAYS_SOFTWARE is set; else llvmpipe
   osmesa,  // Mesa's off-screen library, opened at run time; always on the CPU
 };
 
-// An OpenGL core context of version 3.3 or newer: drivers give the newest that is compatible. Several may live in one
+// An OpenGL core context of version 3.3 or newer: the newest that the driver has, up to 4.6. Several may live in one
 // process. Create, use and destroy it on one thread; what uses it calls make_current() first and destroys its own
 // objects before the context.
 //
