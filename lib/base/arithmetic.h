@@ -1,4 +1,4 @@
-// What rounding may add to the question whether a cone faces away, for those who ask it.
+// Floating-point helpers. First: bounds on the rounding error of the test whether a normal cone faces away.
 #pragma once
 
 #include <algorithm>
@@ -13,13 +13,14 @@
 
 namespace occlod {
 
-constexpr double facing_slack = 1e-6;  // of the lengths: the axis is a unit vector of floats
-constexpr double eye_slack = 1.2e-7;   // of its largest coordinate: the eye was rounded to floats
+constexpr double facing_slack = 1e-6;  // relative to the lengths: the axis is a unit vector of floats
+constexpr double eye_slack = 1.2e-7;   // relative to the eye's largest coordinate: the eye was rounded to floats
 
-// Brings lengths near 1, where products of several of them stay in the range of floats. Products with a power of two
-// are exact, so what is computed from such lengths is the same, bit by bit, at every size.
+// These functions scale lengths to near 1, so that products of several of them stay in the range of floats. Multiplying
+// by a power of two is exact, so results computed from scaled lengths are the same, bit by bit, at every size.
 
-// 2^-e for 2^e <= length < 2^(e + 1), within 2^-126 and 2^126, so that it has an inverse. `length` is not negative.
+// Returns 2^-e where 2^e <= length < 2^(e + 1), clamped to [2^-126, 2^126] so that its inverse is a float too. `length`
+// is not negative.
 inline float inverse_power_of_two(float length) noexcept {
   constexpr int mantissa_bits = 23;
   constexpr std::uint32_t least = 1, most = 253;  // biased exponents; 127 is that of 1
@@ -27,21 +28,21 @@ inline float inverse_power_of_two(float length) noexcept {
   return std::bit_cast<float>((2 * 127 - exponent) << mantissa_bits);
 }
 
-// Between 2^-20 and 2^20: areas, and the squares of those that are not smaller than 2^-20 of what their length allows,
-// are in range as they are.
+// True when `length` is in [2^-20, 2^20]. Areas computed from such lengths, and the squares of those areas that are at
+// least 2^-20 of the largest that the length allows, stay in the range of floats without scaling.
 inline bool is_near_one(float length) noexcept { return length >= 0x1p-20F && length <= 0x1p20F; }
 
 inline float largest_coordinate(const glm::vec3& p) noexcept {
   return std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
 }
 
-// By its largest coordinate.
+// Returns inverse_power_of_two() of the largest coordinate of `v`.
 inline float inverse_power_of_two(const glm::vec3& v) noexcept { return inverse_power_of_two(largest_coordinate(v)); }
 
-// Arithmetic for the generators: only +, -, *, / and sqrt on doubles, which IEEE 754 fixes to the bit, so that the same
-// options give the same bytes under every C++ library. (The build switches contraction to fused multiply-add off.)
+// The generators use only +, -, *, / and sqrt on doubles, which IEEE 754 fixes to the bit, so that the same options
+// give the same bytes with every C++ library. (The build switches off contraction to fused multiply-add.)
 
-// sin(t * pi / 2) for t in [0, 1]: the Taylor polynomial of degree 15, absolute error below 1e-11.
+// Returns sin(t * pi / 2) for t in [0, 1], by the Taylor polynomial of degree 15; the absolute error is below 1e-11.
 [[nodiscard]] inline double sine_of_quarter_turns(double t) noexcept {
   constexpr double half_pi = 1.57079632679489661923;
   const double x = half_pi * t;
@@ -51,7 +52,8 @@ inline float inverse_power_of_two(const glm::vec3& v) noexcept { return inverse_
   return x * sum;
 }
 
-// Corner `corner` of the regular polygon with `corners` corners on the unit circle, counter-clockwise from (1, 0).
+// Returns corner `corner` of the regular polygon with `corners` corners on the unit circle, counter-clockwise from (1,
+// 0).
 [[nodiscard]] inline glm::dvec2 unit_circle_corner(int corner, int corners) noexcept {
   const std::int64_t quarters = std::int64_t{4} * (corner % corners);
   const double t = static_cast<double>(quarters % corners) / corners;
@@ -81,9 +83,9 @@ class RandomStream {
  public:
   explicit RandomStream(std::uint64_t seed) noexcept : state_(seed) {}
 
-  // Below `bound`, which is small against 2^64 and not 0.
+  // Returns a number in [0, bound). `bound` is small compared with 2^64 and not 0.
   [[nodiscard]] int below(int bound) noexcept { return static_cast<int>(next() % static_cast<std::uint64_t>(bound)); }
-  // In [low, high).
+  // Returns a number in [low, high).
   [[nodiscard]] double between(double low, double high) noexcept {
     return low + (high - low) * (static_cast<double>(next() >> 11) * 0x1p-53);
   }
@@ -94,9 +96,7 @@ class RandomStream {
   std::uint64_t state_;
 };
 
-// Boxes around boxes.
-
-// The smallest box around both.
+// Returns the smallest box that contains both boxes.
 [[nodiscard]] inline Box unite(const Box& a, const Box& b) { return {glm::min(a.min, b.min), glm::max(a.max, b.max)}; }
 
 }  // namespace occlod

@@ -23,22 +23,21 @@
 namespace occlod {
 namespace {
 
-// Hidden names beside a file or folder, under which it is written before it is renamed.
-
-// Unique among the running processes and among the files of this one. `target`: with links followed.
+// Returns the hidden name beside `target` under which it is written before it is renamed. It is unique among the
+// running processes and among the files of this one. `target` has its links followed.
 [[nodiscard]] std::filesystem::path hidden_neighbour(const std::filesystem::path& target);
 
-// Removes what processes that were killed while they wrote `target` have left beside it, when it is a minute old.
+// Removes hidden files beside `target` that killed processes left, once they are a minute old.
 void remove_leftovers(const std::filesystem::path& target);
 
-// Of a path without one: ".".
+// Returns the folder of a file, or "." for a path without one.
 [[nodiscard]] std::filesystem::path folder_of(const std::filesystem::path& file);
 
 namespace fs = std::filesystem;
 
 constexpr std::string_view hidden_suffix = ".tmp";
 
-// Of the target's name the hidden one has no more bytes: a name may be as long as the file system allows.
+// The hidden name takes at most this many bytes of the target's name, which may be as long as the file system allows.
 constexpr std::size_t longest_stem = 100;
 
 std::string hidden_prefix(const fs::path& target) {
@@ -47,12 +46,12 @@ std::string hidden_prefix(const fs::path& target) {
   const auto continues_a_character = [&](std::size_t i) {
     return (static_cast<unsigned char>(name[i]) & 0xC0U) == 0x80;
   };
-  while (size > 0 && size < name.size() && continues_a_character(size)) --size;  // UTF-8
+  while (size > 0 && size < name.size() && continues_a_character(size)) --size;  // does not cut a UTF-8 character
   return fmt::format(".{}.", name.substr(0, size));
 }
 
-// What a process that was killed while it wrote `target` has left beside it. A process on another machine may be at
-// work in the same folder: then its file is new.
+// True for a file that a killed process left while it wrote `target`. A process on another machine may be writing in
+// the same folder; its file is younger than a minute.
 bool is_leftover(const fs::directory_entry& entry, const std::string& prefix) {
   const std::string name = entry.path().filename().string();
   if (!name.starts_with(prefix) || !name.ends_with(hidden_suffix)) return false;
@@ -93,7 +92,7 @@ constexpr std::size_t block_bytes = std::size_t{1} << 22;
 
 thread_local WriteMonitor* innermost_monitor = nullptr;
 
-// Of what is at `path`, links followed; throws when nothing could be there.
+// Returns the status of `path` with links followed; throws when no file can be there.
 fs::file_status status_of(const fs::path& path) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
@@ -122,7 +121,7 @@ void AtomicFile::check(const fs::path& path) { require_writable(path, target_of(
 
 fs::path AtomicFile::target_of(const fs::path& path) {
   fs::path target = path;
-  (void)status_of(path);  // links that lead back to themselves end here
+  (void)status_of(path);  // throws for links that lead back to themselves
   std::error_code ignored;
   while (fs::is_symlink(fs::symlink_status(target, ignored)))
     target = target.parent_path() / fs::read_symlink(target, ignored);
@@ -156,7 +155,7 @@ AtomicFile::~AtomicFile() {
 void AtomicFile::write(std::span<const std::byte> bytes) {
   while (!bytes.empty()) {
     WriteMonitor::notify(written_);
-    make_room();  // which `bytes` may take
+    make_room();  // the array behind `bytes` may have filled memory
     const std::span<const std::byte> block = bytes.first(std::min(bytes.size(), block_bytes));
     errno = 0;
     stream_.write(reinterpret_cast<const char*>(block.data()), static_cast<std::streamsize>(block.size()));
@@ -206,7 +205,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Without a slash at its end, which would leave no name.
+// Removes a slash at the end, which would leave an empty file name.
 fs::path without_slash(fs::path path) {
   if (path.filename().empty() && path.has_parent_path() && path != path.root_path()) path = path.parent_path();
   return path;
@@ -228,7 +227,7 @@ void require_writable_folder(const fs::path& path, const fs::path& target) {
          "check the permissions of the folder that it is in");
 }
 
-// Under whose name nothing is.
+// True when nothing has this name.
 bool is_free(const fs::path& target) {
   std::error_code unknown;
   return !fs::exists(fs::symlink_status(target, unknown));
@@ -271,7 +270,7 @@ void AtomicFolder::commit() {
     fs::rename(temporary_, target_, error);
     if (!error) temporary_.clear();
   } else if (!exchange_names(temporary_.c_str(), target_.c_str())) {
-    // The file system cannot do it at once: for a moment nothing has the name.
+    // The file system cannot swap names: for a moment nothing has the target's name.
     const fs::path old = hidden_neighbour(target_);
     fs::rename(target_, old, error);
     if (!error) {
@@ -280,7 +279,7 @@ void AtomicFolder::commit() {
       if (error)
         fs::rename(old, target_, ignored);
       else
-        temporary_ = old;  // for the destructor
+        temporary_ = old;  // removed by the destructor
     }
   }
   if (error)

@@ -32,7 +32,7 @@ bool faces_away(const NormalCone& cone, const Sphere& sphere, const glm::vec3& e
   const glm::dvec3 axis(cone.axis), d = glm::dvec3(sphere.center) - glm::dvec3(eye);
   const double along = glm::dot(d, axis);
   if (!(along > 0.0)) return false;
-  // Not the root of |d|^2 - along^2, which is rounding only where d is along the axis.
+  // This is more exact than the root of |d|^2 - along^2, which is mostly rounding error where d is near the axis.
   const double across = glm::length(d - along * axis);
   const double cos_angle = cone.cos_angle, sin_angle = std::sqrt((1.0 - cos_angle) * (1.0 + cos_angle));
   const double smallest = along * cos_angle - across * sin_angle;

@@ -13,7 +13,7 @@
 namespace occlod {
 namespace {
 
-// What `use` makes of a path; Error that names it for what the system refuses.
+// Returns use(path); turns the system's refusals into an Error that names the path.
 template <typename Use>
 auto with_path(const std::filesystem::path& path, const Use& use) try {
   return use(path.c_str());
@@ -25,7 +25,7 @@ auto with_path(const std::filesystem::path& path, const Use& use) try {
 }  // namespace
 
 MappedFile::MappedFile(const std::filesystem::path& path)
-    // An empty mapping is an error.
+    // Mapping no bytes would be an error.
     : bytes_(with_path(path, [](const char* name) {
         const InputFile file(name);
         return file.size() == 0 ? std::span<const std::byte>() : file.map();
@@ -94,7 +94,7 @@ std::string_view InputBytes::window(std::size_t least) {
     buffer_ = std::move(larger);
     capacity_ = wanted;
   } else {
-    std::ranges::copy(window_, buffer_.get());  // to the front, over what has been skipped
+    std::ranges::copy(window_, buffer_.get());  // move the unread bytes to the front
   }
   read_to(wanted);
   return window_;
@@ -103,7 +103,7 @@ std::string_view InputBytes::window(std::size_t least) {
 // Reads until the window, which is at the beginning of the buffer, has `bytes` bytes.
 void InputBytes::read_to(std::size_t bytes) {
   for (std::size_t have = window_.size(); have < bytes;) {
-    make_room();  // what was read before has filled arrays
+    make_room();  // the block before may have been parsed into large arrays
     if (progress_) progress_(static_cast<double>(offset_ + have) / static_cast<double>(size_));
     const std::size_t block = std::min(bytes - have, block_bytes);
     stream_.read(buffer_.get() + have, static_cast<std::streamsize>(block));

@@ -1,4 +1,4 @@
-// A file's bytes in memory without reading them.
+// Reads files: mapped, as a whole, or block by block, with errors that name the file.
 #pragma once
 
 #include <cstddef>
@@ -18,28 +18,29 @@ namespace occlod {
 
 class MappedFile {
  public:
-  // Throws Error when there is no such regular file, or it cannot be mapped.
+  // Throws Error when there is no such regular file or it cannot be mapped.
   explicit MappedFile(const std::filesystem::path& path);
   ~MappedFile();
   MappedFile(const MappedFile&) = delete;
   MappedFile& operator=(const MappedFile&) = delete;
 
-  // Starts at a page, so at any alignment. Pages are loaded when they are first read.
+  // Returns the bytes of the file. They start at a page, so at any alignment; pages are loaded when they are first
+  // read.
   [[nodiscard]] std::span<const std::byte> bytes() const noexcept { return bytes_; }
 
  private:
   std::span<const std::byte> bytes_;
 };
 
-// The same bytes in memory, at any alignment up to 64. Throws Error likewise, and when they cannot all be read.
+// Reads the whole file into memory that is aligned to 64 bytes. Throws Error when there is no such regular file or not
+// all of it can be read.
 [[nodiscard]] LargeVector<std::byte> read_whole(const std::filesystem::path& path);
 
-// A file to be read in parts, whatever becomes of its name. Throws Error when there is no such regular file.
+// Opens a file to be read in parts; it stays readable when its name is removed or replaced. Throws Error when there is
+// no such regular file.
 [[nodiscard]] std::shared_ptr<const InputFile> open_file(const std::filesystem::path& path);
 
-// A file read in blocks or as a whole, and errors that name it.
-
-// Makes the errors of one file.
+// Makes the errors of one file, which all name it.
 class FileErrors {
  public:
   explicit FileErrors(const std::filesystem::path& path) : subject_(path.string()) {}
@@ -52,26 +53,26 @@ class FileErrors {
   std::string subject_;
 };
 
-// `text` in quotation marks, on one line, printable and short, for messages.
+// Returns `text` in quotation marks for a message: on one line, printable and short.
 [[nodiscard]] std::string in_quotes(std::string_view text);
 
-// The bytes of a file, or of a text in memory, from its beginning to its end.
+// The bytes of a file or of a text in memory, read once from beginning to end.
 class InputBytes {
  public:
-  // Throws Error for a file that is missing, empty, not regular or not readable. `progress` is called before each
-  // block with the share that has been read.
+  // Throws Error for a file that is missing, empty, not regular or not readable. `progress` is called before each block
+  // with the share of the file that has been read, in [0, 1].
   InputBytes(const std::filesystem::path& path, const FileErrors& errors, std::function<void(double)> progress);
-  // `bytes` outlives it.
+  // Reads `bytes`, which must outlive this object.
   explicit InputBytes(std::string_view bytes) : size_(bytes.size()), window_(bytes) {}
 
   [[nodiscard]] std::uint64_t size() const noexcept { return size_; }
-  // Of the window's first byte.
+  // Returns the position of the window's first byte in the file or text.
   [[nodiscard]] std::uint64_t offset() const noexcept { return offset_; }
 
-  // The bytes from here on: `least` or more, or all that are left. Valid until the next call. Throws Error when the
-  // file cannot be read.
+  // Returns the bytes from the current position on: at least `least`, or all that are left. The view is valid until the
+  // next call. Throws Error when the file cannot be read.
   [[nodiscard]] std::string_view window(std::size_t least);
-  // Goes on by `count` bytes, no more than the window has.
+  // Advances by `count` bytes, at most the size of the window.
   void skip(std::size_t count) {
     window_.remove_prefix(count);
     offset_ += count;
@@ -85,9 +86,9 @@ class InputBytes {
   std::ifstream stream_;
   std::uint64_t size_ = 0;
   std::uint64_t offset_ = 0;
-  std::unique_ptr<char[]> buffer_;  // of a file
+  std::unique_ptr<char[]> buffer_;  // the block buffer of a file; null for a text
   std::size_t capacity_ = 0;
-  std::string_view window_;  // into buffer_, or what is left of the text
+  std::string_view window_;  // points into buffer_, or is the rest of the text
 };
 
 }  // namespace occlod

@@ -22,17 +22,18 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr auto pause = std::chrono::milliseconds(1);
-constexpr auto look_interval = std::chrono::microseconds(100);  // of a thread that fills memory
-// Of what the process may have, when pages leave: at most and at least. The rest is for what comes meanwhile.
+constexpr auto look_interval = std::chrono::microseconds(100);  // between two looks of make_room()
+// The bounds of the threshold above which pages leave, as fractions of the limit. The margin above the threshold is for
+// memory that fills up meanwhile.
 constexpr double most_used = 0.8, least_used = 0.4;
 constexpr std::size_t min_limit = std::size_t{1} << 26U;
 
-// All files that are mapped, also those that outlive their MemoryLimit.
+// All mapped scratch files, including those that outlive their MemoryLimit.
 struct Scratch {
   std::mutex mutex;
-  std::optional<std::filesystem::path> folder;  // while one lives
-  std::map<void*, ScratchFile> files;           // by its begin
-  std::size_t bytes = 0, max_bytes = 0;         // of `files`
+  std::optional<std::filesystem::path> folder;  // set while a MemoryLimit lives
+  std::map<void*, ScratchFile> files;           // by start address
+  std::size_t bytes = 0, max_bytes = 0;         // of all `files` together
 };
 
 Scratch& scratch() noexcept {
@@ -40,10 +41,10 @@ Scratch& scratch() noexcept {
   return all;
 }
 
-// Decides when pages leave. Whoever looks meanwhile waits.
+// Decides when pages leave. Threads that call look() meanwhile wait.
 class Pager {
  public:
-  // 0: never.
+  // A limit of 0 switches paging off.
   void set_limit(std::size_t limit) {
     const std::scoped_lock lock(mutex_);
     limit_ = limit;
@@ -51,15 +52,17 @@ class Pager {
     fastest_ = 0;
   }
 
-  // `coming`: bytes that are about to be filled.
+  // Makes all scratch pages leave when the process is near its limit. `coming` is the number of bytes that are about to
+  // be filled.
   void look(std::size_t coming = 0) noexcept {
     const std::scoped_lock lock(mutex_);
     if (limit_ == 0) return;
     const ResidentMemory now = resident_memory();
-    // What has come between two looks may come again, and in loops that do not look that may be much.
+    // Expect as much growth until the next look as there ever was between two looks; loops that do not call make_room()
+    // may fill much.
     fastest_ = std::max(fastest_, now.all - std::min(now.all, last_));
     last_ = now.all;
-    if (now.all + coming < threshold() || now.of_files < limit_ / 16) return;  // the rest cannot leave
+    if (now.all + coming < threshold() || now.of_files < limit_ / 16) return;  // other memory cannot leave
     const std::scoped_lock files(scratch().mutex);
     for (const auto& [begin, file] : scratch().files) file.page_out();
     last_ = now.all - std::min(now.all, now.of_files);
@@ -83,7 +86,7 @@ Pager& pager() noexcept {
 
 }  // namespace
 
-// The thread that looks for those that do not.
+// The thread that looks on behalf of loops that do not call make_room().
 class MemoryLimit::Watch {
  public:
   explicit Watch(std::size_t limit) {
@@ -150,7 +153,7 @@ void memory_limit::make_room() noexcept {
   next_look = Clock::now() + look_interval;
 }
 
-// Making and ending files takes long: the thread that watches does not wait for it.
+// Files are made and removed outside the lock, because that takes long and the watching thread must not wait for it.
 void* allocate_scratch(std::size_t bytes) {
   Scratch& all = scratch();
   std::filesystem::path folder;
@@ -181,7 +184,8 @@ void* allocate_scratch(std::size_t bytes) {
 
 bool free_scratch(void* memory) noexcept {
   Scratch& all = scratch();
-  std::map<void*, ScratchFile>::node_type gone;  // ends when the lock has
+  std::map<void*, ScratchFile>::node_type gone;  // declared before the lock, so that the file is removed after
+                                                 // unlocking
   const std::scoped_lock lock(all.mutex);
   const auto found = all.files.find(memory);
   if (found == all.files.end()) return false;
@@ -195,10 +199,10 @@ namespace {
 constexpr std::size_t huge_page = std::size_t{2} << 20U;
 constexpr std::align_val_t page_alignment{huge_page}, cache_line{64};
 
-// Below a few pages the rounding up to whole pages would cost more than they save.
+// For less than a few pages, rounding up to whole pages would cost more than huge pages save.
 bool is_large(std::size_t bytes) { return bytes >= 4 * huge_page; }
 
-// Memory that was given back.
+// Freed large blocks, kept for reuse while a LargeMemoryReuse lives.
 class KeptMemory {
  public:
   void begin() noexcept {
@@ -212,7 +216,7 @@ class KeptMemory {
     count_ = 0;
   }
 
-  // False: it is not kept.
+  // Returns false when the block is not kept.
   bool put(void* memory, std::size_t bytes) noexcept {
     const std::scoped_lock lock(mutex_);
     if (users_ == 0 || count_ == blocks_.size()) return false;
@@ -220,7 +224,8 @@ class KeptMemory {
     return true;
   }
 
-  // The smallest that holds so many bytes, without the pages that they do not need; null when there is none.
+  // Returns the smallest kept block of at least `bytes` bytes and gives its surplus pages back to the system; null when
+  // there is none.
   void* take(std::size_t bytes) noexcept {
     const std::scoped_lock lock(mutex_);
     Block* best = nullptr;

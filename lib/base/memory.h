@@ -1,4 +1,4 @@
-// Large memory in files, while a MemoryLimit lives.
+// Memory for large arrays: in scratch files while a MemoryLimit lives, from huge pages otherwise.
 #pragma once
 
 #include <algorithm>
@@ -14,30 +14,30 @@
 namespace occlod {
 
 namespace memory_limit {
-inline std::atomic<bool> lives = false;  // while a MemoryLimit lives
+inline std::atomic<bool> lives = false;  // true while a MemoryLimit lives
 void make_room() noexcept;
 }  // namespace memory_limit
 
-// Null when there is no limit. Throws Error when the disk is full.
+// Returns memory in a scratch file, or null when there is no limit. Throws Error when the disk is full.
 [[nodiscard]] void* allocate_scratch(std::size_t bytes);
-// Whether it was memory from there, which it no longer is.
+// Frees memory from allocate_scratch(). Returns false, and does nothing, for any other memory.
 bool free_scratch(void* memory) noexcept;
 
-// For loops over large arrays, after some hundred steps. Returns when the process is below its limit, or nothing more
-// can leave: so the thread that fills memory waits for room, on a busy machine too. Without a limit it does nothing.
+// Waits until the process is below its MemoryLimit or no more pages can leave main memory. Loops over large arrays call
+// it every few hundred steps, so that the thread that fills memory waits for room, even on a busy machine. Does nothing
+// without a limit.
 inline void make_room() noexcept {
   if (memory_limit::lives.load(std::memory_order_relaxed)) memory_limit::make_room();
 }
 
-// Arrays of many megabytes that are read in no order.
-
-// Memory for an array, at a cache line: from huge pages when it is large and the system has them, which saves most of
-// the time that address translation and first touches take. Throws std::bad_alloc.
+// Allocates memory for an array, aligned to a cache line. Large arrays get huge pages where the system has them, which
+// saves most of the time of address translation and of first touches when an array is read in no order. Throws
+// std::bad_alloc.
 [[nodiscard]] void* allocate_large(std::size_t bytes);
 void free_large(void* memory, std::size_t bytes) noexcept;
 
-// While one of these lives, large memory that is given back is kept for the next that asks for no more: a first touch
-// of what comes from the system costs more than several passes over it. For any thread.
+// While one of these lives, freed large blocks are kept and given to the next request that is no larger: the first
+// touch of new memory from the system costs more than several passes over it. Works for all threads.
 class LargeMemoryReuse {
  public:
   LargeMemoryReuse() noexcept;
@@ -65,7 +65,7 @@ struct LargeAllocator {
 template <typename T>
 using LargeVector = std::vector<T, LargeAllocator<T>>;
 
-// Leaves new elements without a value where none is given.
+// Leaves new elements uninitialised unless a value is given.
 template <typename T>
 struct UninitializedAllocator : LargeAllocator<T> {
   static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);
@@ -84,16 +84,16 @@ struct UninitializedAllocator : LargeAllocator<T> {
   friend bool operator==(const UninitializedAllocator&, const UninitializedAllocator&) { return true; }
 };
 
-// For arrays that several threads fill: resize() does not touch new elements, which then have to be written first.
+// A vector for arrays that several threads fill: resize() does not touch new elements, which must be written before
+// they are read.
 template <typename T>
 using UninitializedVector = std::vector<T, UninitializedAllocator<T>>;
-
-// One value per split of a hierarchy that may be larger than any view of it.
 
 template <typename T>
 using ZeroedArray = std::unique_ptr<T[], decltype(&std::free)>;
 
-// All zero. From calloc: pages that are never touched are never allocated. Throws std::bad_alloc.
+// Returns an array of zeros from calloc(): pages that are never touched are never allocated, so an array with one value
+// per split of a large hierarchy costs only what is used. Throws std::bad_alloc.
 template <typename T>
 [[nodiscard]] ZeroedArray<T> zeroed_array(std::size_t count) {
   static_assert(std::is_trivial_v<T>);

@@ -1,12 +1,12 @@
-// Checks of options, which come from programs, scene files and command lines.
+// Checks options, which come from programs, scene files and command lines.
 #pragma once
 
 namespace occlod {
 
-// Each check throws Error unless the value is in the range that it names; NaN is in none.
+// Each check throws Error unless the value is in the range that it names; NaN is in no range.
 class OptionChecker {
  public:
-  // `subject` says in errors what the options are of, and outlives the checker.
+  // `subject` says in errors what has these options; it must outlive the checker.
   explicit OptionChecker(const char* subject) noexcept : subject_(subject) {}
 
   void in_range(const char* option, double value, double low, double high) const;  // low <= value <= high

@@ -23,7 +23,7 @@ namespace {
 
 [[noreturn]] void fail(int error_number) { throw std::system_error(error_number, std::generic_category()); }
 
-// Throws std::system_error when it is no regular file.
+// Throws std::system_error when it is not a regular file.
 std::size_t size_of_file(int descriptor) {
   struct stat status {};
   if (fstat(descriptor, &status) != 0) fail(errno);
@@ -31,7 +31,7 @@ std::size_t size_of_file(int descriptor) {
   return static_cast<std::size_t>(status.st_size);
 }
 
-// The bytes from `offset` on. Throws std::system_error, also when the file ends before.
+// Reads from `offset` until `bytes` is full. Throws std::system_error, also when the file ends earlier.
 void read_at(int descriptor, std::span<std::byte> bytes, std::uint64_t offset) {
   while (!bytes.empty()) {
     const ssize_t got = pread(descriptor, bytes.data(), bytes.size(), static_cast<off_t>(offset));
@@ -42,7 +42,8 @@ void read_at(int descriptor, std::span<std::byte> bytes, std::uint64_t offset) {
   }
 }
 
-// Sets errno where it is below 0. Where the file system cannot do without, the file has a name for a moment.
+// Returns a descriptor, or a negative number with errno set. Where the file system cannot make files without a name,
+// the file has one for a moment.
 int open_without_name(const char* folder) {
 #if defined(O_TMPFILE)
   if (const int descriptor = open(folder, O_TMPFILE | O_RDWR | O_CLOEXEC, S_IRUSR | S_IWUSR); descriptor >= 0)
@@ -58,7 +59,7 @@ int open_without_name(const char* folder) {
 
 void advise_huge_pages([[maybe_unused]] void* memory, [[maybe_unused]] std::size_t bytes) noexcept {
 #if defined(MADV_HUGEPAGE)
-  static_cast<void>(madvise(memory, bytes, MADV_HUGEPAGE));  // advice only: without huge pages nothing changes
+  static_cast<void>(madvise(memory, bytes, MADV_HUGEPAGE));  // only advice: without huge pages nothing changes
 #endif
 }
 
@@ -96,7 +97,7 @@ ScratchFile::~ScratchFile() {
   close(descriptor_);
 }
 
-// Mapped again at the same place: advice would let other threads bring pages back while the rest leaves.
+// Maps the file again at the same place: with madvise() other threads could bring pages back while the rest leaves.
 void ScratchFile::page_out() const noexcept {
   static_cast<void>(
       mmap(mapped_.data(), mapped_.size(), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_FIXED, descriptor_, 0));
@@ -139,7 +140,7 @@ InputFile::~InputFile() { close(descriptor_); }
 void InputFile::read(std::span<std::byte> bytes, std::uint64_t offset) const { read_at(descriptor_, bytes, offset); }
 
 void InputFile::read(std::span<const std::span<std::byte>> parts, std::uint64_t offset) const {
-  constexpr std::size_t max_parts = 64;  // of one call; every system takes 16, this one 1,024
+  constexpr std::size_t max_parts = 64;  // in one call; every system allows 16, Linux 1,024
   std::array<iovec, max_parts> vectors{};
   while (!parts.empty()) {
     const std::size_t count = std::min(parts.size(), max_parts);
@@ -151,7 +152,7 @@ void InputFile::read(std::span<const std::span<std::byte>> parts, std::uint64_t 
     for (; !parts.empty() && static_cast<std::size_t>(got) >= parts.front().size(); parts = parts.subspan(1))
       got -= static_cast<ssize_t>(parts.front().size());
     if (got == 0) continue;
-    // The rest of an array that was filled in part.
+    // The call may have filled an array in part.
     const std::span<std::byte> rest = parts.front().subspan(static_cast<std::size_t>(got));
     read(rest, offset);
     offset += rest.size();
@@ -170,7 +171,7 @@ void unmap(std::span<const std::byte> bytes) noexcept { munmap(const_cast<std::b
 JournalFile::JournalFile(const char* path) : descriptor_(open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0666)) {
   if (descriptor_ < 0) fail(errno);
   try {
-    // Some file systems have no locks: there nobody is kept out.
+    // Where the file system has no locks, other objects are not kept out.
     if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) fail(EAGAIN);
     size_ = size_of_file(descriptor_);
   } catch (...) {

@@ -1,5 +1,5 @@
-// All that the library asks of the operating system and the compiler beyond C++, but for OpenGL's drivers. platform.cpp
-// is for POSIX: another system needs another one.
+// Everything that the library asks of the operating system and the compiler beyond C++, except OpenGL drivers.
+// platform.cpp implements it for POSIX; another system needs its own implementation.
 #pragma once
 
 #include <cstddef>
@@ -8,14 +8,14 @@
 
 namespace occlod {
 
-// A hint: the cache line at `address` will soon be read or written.
+// Hints that the cache line at `address` will soon be read or written.
 inline void prefetch([[maybe_unused]] const void* address) noexcept {
 #if defined(__GNUC__)
   __builtin_prefetch(address);
 #endif
 }
 
-// A hint: this thread looks at the same place again and again.
+// Hints that this thread is in a spin loop.
 inline void relax() noexcept {
 #if defined(__x86_64__) || defined(__i386__)
   __builtin_ia32_pause();
@@ -24,15 +24,15 @@ inline void relax() noexcept {
 #endif
 }
 
-// Huge pages, where the system has them, may back these bytes.
+// Allows the system to back these bytes with huge pages.
 void advise_huge_pages(void* memory, std::size_t bytes) noexcept;
-// Whole pages among these bytes may lose their contents, and take no memory until they are used again.
+// Frees the whole pages among these bytes: they lose their contents and take no memory until they are used again.
 void give_pages_back(void* memory, std::size_t bytes) noexcept;
 
-// A file without a name in a folder, with room for all its bytes, in memory for reading and writing.
+// A file without a name in a folder, mapped for reading and writing, with disk space reserved for all its bytes.
 class ScratchFile {
  public:
-  // Throws std::system_error with the system's reason, such as a full disk.
+  // Throws std::system_error with the system's reason, for instance a full disk.
   ScratchFile(const char* folder, std::size_t bytes);
   ~ScratchFile();
   ScratchFile(ScratchFile&& other) noexcept;
@@ -41,8 +41,8 @@ class ScratchFile {
   ScratchFile& operator=(ScratchFile&&) = delete;
 
   [[nodiscard]] std::span<std::byte> bytes() const noexcept { return mapped_; }
-  // Its pages leave this process and stay in the file. Threads that touch them wait until all have left; then what they
-  // touch comes back.
+  // Drops the file's pages from this process; their contents stay in the file. Threads that touch them meanwhile wait
+  // until all pages have left; after that, touched pages come back.
   void page_out() const noexcept;
 
  private:
@@ -50,21 +50,21 @@ class ScratchFile {
   std::span<std::byte> mapped_;
 };
 
-// Main memory that this process has now, bytes; 0 where the system does not tell.
+// The main memory that this process occupies now, in bytes; 0 where the system does not tell.
 struct ResidentMemory {
   std::size_t all = 0;
-  std::size_t of_files = 0;  // that are mapped
+  std::size_t of_files = 0;  // of mapped files
 };
 [[nodiscard]] ResidentMemory resident_memory() noexcept;
 
 [[nodiscard]] int process_id() noexcept;
-// False only when there is surely no such process on this machine.
+// Returns false only when there is surely no such process on this machine.
 [[nodiscard]] bool may_be_running(int process) noexcept;
 
-// 0, or the number of the error that keeps this process from making files in a folder.
+// Returns 0, or the error number that keeps this process from making files in a folder.
 [[nodiscard]] int why_no_files_can_be_made(const char* folder) noexcept;
 
-// A regular file, open for reading. What fails throws std::system_error with the system's reason.
+// A regular file, open for reading. Failures throw std::system_error with the system's reason.
 class InputFile {
  public:
   explicit InputFile(const char* path);
@@ -73,11 +73,13 @@ class InputFile {
   InputFile& operator=(const InputFile&) = delete;
 
   [[nodiscard]] std::size_t size() const noexcept { return size_; }
-  // The bytes of the file from `offset` on; fails when it has become shorter than that. For any thread.
+  // Reads from `offset` until `bytes` is full; fails when the file ends earlier. Any thread may call it.
   void read(std::span<std::byte> bytes, std::uint64_t offset = 0) const;
-  // Likewise into several arrays in turn, in few calls of the system.
+  // Reads consecutive bytes from `offset` on into several arrays, one after the other, in few system calls. Any thread
+  // may call it.
   void read(std::span<const std::span<std::byte>> parts, std::uint64_t offset) const;
-  // The whole file in memory, of at least one byte, without reading it. Outlives this object; end it with unmap().
+  // Maps the whole file, which has at least one byte, without reading it. The mapping outlives this object; end it with
+  // unmap().
   [[nodiscard]] std::span<const std::byte> map() const;
 
  private:
@@ -87,8 +89,9 @@ class InputFile {
 
 void unmap(std::span<const std::byte> bytes) noexcept;
 
-// A regular file, made where there is none, that one object at a time on this machine reads and appends to. What fails
-// throws std::system_error with the system's reason: std::errc::resource_unavailable_try_again while another has it.
+// A regular file, created if missing, that at most one object on this machine opens at a time, to read and to append.
+// Failures throw std::system_error with the system's reason: std::errc::resource_unavailable_try_again while another
+// object has the file open.
 class JournalFile {
  public:
   explicit JournalFile(const char* path);
@@ -97,11 +100,12 @@ class JournalFile {
   JournalFile& operator=(const JournalFile&) = delete;
 
   [[nodiscard]] std::uint64_t size() const noexcept { return size_; }
-  // The bytes from `offset` on; fails when the file ends before.
+  // Reads from `offset` until `bytes` is full; fails when the file ends earlier.
   void read(std::span<std::byte> bytes, std::uint64_t offset) const;
-  // At the end, in the system's hands when this returns: they outlive the process. What fails leaves a part of them.
+  // Appends at the end. When it returns, the system has the bytes, so they outlive the process; when it fails, a part
+  // of them may be in the file.
   void append(std::span<const std::byte> bytes);
-  // To its first `size` bytes, at most size().
+  // Truncates the file to its first `size` bytes; `size` is at most size().
   void cut(std::uint64_t size);
 
  private:
@@ -109,9 +113,7 @@ class JournalFile {
   std::uint64_t size_ = 0;
 };
 
-// Two names of a file system swapped.
-
-// Gives each of two files or folders the other's name, at once. False where the system or the file system cannot.
+// Swaps the names of two files or folders atomically. Returns false where the system or the file system cannot.
 [[nodiscard]] bool exchange_names(const char* a, const char* b) noexcept;
 
 }  // namespace occlod

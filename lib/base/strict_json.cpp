@@ -30,14 +30,14 @@ std::size_t line_of(const std::string& text, std::size_t byte) {
   return 1 + static_cast<std::size_t>(std::count(text.begin(), end, '\n'));
 }
 
-// The library says "[json.exception.parse_error.101] parse error at line 1, column 2: what"; users need the last part.
+// Keeps the last part of messages like "[json.exception.parse_error.101] parse error at line 1, column 2: what".
 std::string without_prefix(const char* what) {
   const std::string_view text = what;
   const std::size_t colon = text.find(": ");
   return std::string(colon == std::string_view::npos ? text : text.substr(colon + 2));
 }
 
-// nlohmann::json silently keeps the last of two equal keys.
+// Finds repeated keys, of which nlohmann::json silently keeps the last.
 class RepeatedKeys {
  public:
   bool operator()(int depth, json::parse_event_t event, json& value) {
@@ -54,7 +54,7 @@ class RepeatedKeys {
   [[nodiscard]] const std::string& repeated() const noexcept { return repeated_; }
 
  private:
-  std::vector<std::set<std::string>> keys_;  // of the objects that are open, by depth
+  std::vector<std::set<std::string>> keys_;  // keys of the open objects, by depth
   std::string repeated_;
 };
 
@@ -135,7 +135,7 @@ double JsonPlace::number() const {
 
 int JsonPlace::integer(int least) const {
   constexpr int most = std::numeric_limits<int>::max();
-  // The parser makes every integer >= 0 an unsigned one, so that a signed one is negative.
+  // The parser stores every integer >= 0 as unsigned, so a signed one is negative.
   const bool fits =
       value_->is_number_unsigned() ? value_->get<std::uint64_t>() <= std::uint64_t{most} : value_->is_number_integer();
   if (!fits || value_->get<int>() < least) fail(fmt::format("is not an integer between {} and {}", least, most));

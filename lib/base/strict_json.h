@@ -14,32 +14,32 @@
 
 namespace occlod {
 
-// Parses a file. Throws Error for a file that cannot be read, syntax errors (with the line) and keys given twice.
+// Parses a file. Throws Error for a file that cannot be read, for syntax errors (with the line) and for repeated keys.
 [[nodiscard]] nlohmann::json parse_json_file(const std::filesystem::path& path);
 
-// A value and its place. Refers to the document and the file name; both outlive it.
+// A value and its place in a document. Refers to the document and the file name, which must outlive it.
 class JsonPlace {
  public:
   JsonPlace(const nlohmann::json& value, const std::string& file) : value_(&value), file_(&file) {}
 
-  // Throws Error with this place.
+  // Throws Error that names the file and this place.
   [[noreturn]] void fail(const std::string& problem, const std::string& remedy = {}) const;
 
-  // Of an object: it is one, with no other keys than these.
+  // Throws Error unless the value is an object whose keys are all among `keys`.
   void expect_keys(std::span<const std::string_view> keys) const;
   void expect_keys(std::initializer_list<std::string_view> keys) const { expect_keys(std::span(keys)); }
   [[nodiscard]] bool has(std::string_view key) const;
-  [[nodiscard]] JsonPlace at(std::string_view key) const;  // the key must be there
+  [[nodiscard]] JsonPlace at(std::string_view key) const;  // throws Error when the key is missing
   [[nodiscard]] std::optional<JsonPlace> find(std::string_view key) const;
   [[nodiscard]] std::vector<std::pair<std::string, JsonPlace>> members() const;
-  // Of an array with at least so many elements.
+  // Returns the elements of an array. Throws Error unless the value is an array with at least `least` elements.
   [[nodiscard]] std::vector<JsonPlace> elements(std::size_t least = 1) const;
 
   [[nodiscard]] double number() const;
-  [[nodiscard]] int integer(int least) const;  // >= least
+  [[nodiscard]] int integer(int least) const;  // throws Error when it is less than `least`
   [[nodiscard]] std::uint64_t unsigned_integer() const;
   [[nodiscard]] bool boolean() const;
-  [[nodiscard]] std::string string() const;  // not empty
+  [[nodiscard]] std::string string() const;  // throws Error when it is empty
   [[nodiscard]] std::vector<double> numbers(std::size_t count) const;
   [[nodiscard]] bool is_string() const noexcept { return value_->is_string(); }
 

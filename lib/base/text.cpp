@@ -26,7 +26,7 @@ constexpr char lower_case(char c) { return c >= 'A' && c <= 'Z' ? static_cast<ch
 
 const char* skip_digits(const char* at, const char* last) { return std::find_if_not(at, last, is_digit); }
 
-// The end of digits with at most one point, or `first` when there is no digit.
+// Returns the end of a run of digits with at most one point, or `first` when there is no digit.
 const char* end_of_digits(const char* first, const char* last) {
   const char* const point = skip_digits(first, last);
   if (point == last || *point != '.') return point;
@@ -34,7 +34,7 @@ const char* end_of_digits(const char* first, const char* last) {
   return end - first > 1 ? end : first;
 }
 
-// The end of an exponent, or `first` when there is none.
+// Returns the end of an exponent, or `first` when there is none.
 const char* end_of_exponent(const char* first, const char* last) {
   if (first == last || lower_case(*first) != 'e') return first;
   const char* const digits = last - first > 1 && (first[1] == '-' || first[1] == '+') ? first + 2 : first + 1;
@@ -42,7 +42,7 @@ const char* end_of_exponent(const char* first, const char* last) {
   return end == digits ? first : end;
 }
 
-// The end of what is not finite, or `first`.
+// Returns the end of "infinity", "inf" or "nan" in any case, or `first` when there is none.
 const char* end_of_name(const char* first, const char* last) {
   for (const std::string_view name : {"infinity", "inf", "nan"}) {
     const std::string_view text(first, std::min(name.size(), static_cast<std::size_t>(last - first)));
@@ -178,7 +178,7 @@ namespace {
 
 constexpr std::string_view utf8_mark = "\xef\xbb\xbf";
 constexpr char32_t byte_order_mark = 0xfeff;
-constexpr char32_t replacement = 0xfffd;  // for half of a surrogate pair
+constexpr char32_t replacement = 0xfffd;  // stands for an unpaired surrogate
 constexpr char32_t first_surrogate = 0xd800, first_low_surrogate = 0xdc00, last_surrogate = 0xdfff;
 
 std::uint16_t unit_at(std::string_view bytes, std::size_t at, std::endian order) {
@@ -187,7 +187,7 @@ std::uint16_t unit_at(std::string_view bytes, std::size_t at, std::endian order)
 
 bool is_ascii(std::uint16_t unit) { return unit > 0 && unit < 0x80; }
 
-// The byte order of UTF-16, none where the bytes are not UTF-16.
+// Returns the byte order of UTF-16 text, or nothing when the bytes are not UTF-16.
 std::optional<std::endian> utf16_order(std::string_view bytes) {
   for (const std::endian order : {std::endian::little, std::endian::big}) {
     if (bytes.size() >= 2 && unit_at(bytes, 0, order) == byte_order_mark) return order;
@@ -220,7 +220,7 @@ void append(char32_t c, std::string& text) {
   }
 }
 
-// `units` has an even number of bytes.
+// Converts UTF-16 to UTF-8. `units` has an even number of bytes.
 std::string from_utf16(std::string_view units, std::endian order) {
   std::string text;
   text.reserve(units.size() / 2);
@@ -260,7 +260,8 @@ std::string_view as_utf8(std::string_view bytes, std::string& converted, const F
 
 namespace {
 
-// The bytes up to the last line feed that ends a line; 0 where there is none.
+// Returns the size of the text up to and including the last line feed that no backslash continues; 0 where there is
+// none.
 std::size_t whole_lines(std::string_view text) {
   for (std::size_t end = text.rfind('\n'); end != std::string_view::npos && end > 0; end = text.rfind('\n', end - 1)) {
     const char before = text[end - 1] == '\r' && end > 1 ? text[end - 2] : text[end - 1];

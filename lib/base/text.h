@@ -1,4 +1,4 @@
-// Digits of numbers to base 16.
+// Reads text: numbers, words and lines, in the encodings that editors and exporters write.
 #pragma once
 
 #include <algorithm>
@@ -17,16 +17,14 @@
 
 namespace occlod {
 
-// 0 to 15, or -1 for what is no digit.
+// Returns 0 to 15, or -1 for a character that is no hexadecimal digit.
 [[nodiscard]] constexpr int hex_digit(char c) noexcept {
   if (c >= '0' && c <= '9') return c - '0';
   if (c >= 'a' && c <= 'f') return c - 'a' + 10;
   return c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
 }
 
-// Numbers in files of either byte order.
-
-// The sizeof(Number) bytes at `at`, which need not be aligned.
+// Reads the sizeof(Number) bytes at `at` in the given byte order. `at` need not be aligned.
 template <class Number>
 [[nodiscard]] Number load(const char* at, std::endian order) noexcept {
   std::array<char, sizeof(Number)> bytes;
@@ -35,9 +33,9 @@ template <class Number>
   return std::bit_cast<Number>(bytes);
 }
 
-// std::from_chars for decimal fractions, which libc++ before 20 does not have.
+// parse_double() does what std::from_chars does for decimal fractions, which libc++ before 20 lacks.
 
-// The same, from strtod.
+// Does the same as std::from_chars, with strtod.
 [[nodiscard]] std::from_chars_result parse_double_portably(const char* first, const char* last, double& value);
 
 [[nodiscard]] inline std::from_chars_result parse_double(const char* first, const char* last, double& value) {
@@ -48,9 +46,8 @@ template <class Number>
 #endif
 }
 
-// Walks through the words of a text, line by line, and reads numbers without regard to the locale.
-
-// Lines end with LF, CR LF or CR. Words are separated by blanks. Views and errors outlive the cursor.
+// Walks through the words of a text, line by line, and reads numbers independently of the locale. Lines end with LF, CR
+// LF or CR; blanks separate words. The text and the errors outlive the cursor.
 class TextCursor {
  public:
   struct Syntax {
@@ -65,18 +62,18 @@ class TextCursor {
   [[nodiscard]] std::size_t offset() const noexcept { return static_cast<std::size_t>(at_ - begin_); }
   [[nodiscard]] const FileErrors& errors() const noexcept { return *errors_; }
 
-  // Skips blanks; true where no word is left on this line.
+  // Skips blanks; returns true where no word is left on this line.
   [[nodiscard]] bool at_line_end();
-  // Goes to the next line that has a word; false at the end of the text. The current line counts.
+  // Moves to the next line that has a word, the current line included; returns false at the end of the text.
   [[nodiscard]] bool find_word();
   void skip_line();
 
-  // The next word of this line, empty where there is none.
+  // Returns the next word of this line, empty where there is none.
   [[nodiscard]] std::string_view word();
-  // What is left of this line, without the blanks around it: a name that may have blanks and '#' within. Is not joined
-  // with the next line.
+  // Returns the rest of this line without the blanks around it, for a name that may contain blanks and '#'. The line is
+  // not joined with the next one.
   [[nodiscard]] std::string_view rest_of_line();
-  // The next word of this line as a number; `what` names it in errors, e.g. "x of a vertex".
+  // Reads the next word of this line as a number; `what` names it in errors, e.g. "x of a vertex".
   [[nodiscard]] double number(const char* what);
   [[nodiscard]] std::int64_t integer(const char* what);
 
@@ -100,41 +97,40 @@ class TextCursor {
   Syntax syntax_;
 };
 
-// Of OBJ files.
+// The syntax of OBJ files.
 inline constexpr TextCursor::Syntax obj_syntax{.hash_comments = true, .backslash_continues = true};
 
-// Text in the encodings that editors and exporters write.
-
-// A text as UTF-8 without a byte order mark: a view of `bytes` or, where they are UTF-16 of either byte order, of
-// `converted`, which holds the text afterwards. UTF-16 is recognised by its byte order mark or, without one, by two
-// ASCII characters at the beginning. Throws Error for UTF-16 that ends within a character and for UTF-32.
+// Returns a text as UTF-8 without a byte order mark: a view of `bytes` or, where they are UTF-16 of either byte order,
+// of `converted`, which then holds the text. UTF-16 is recognised by its byte order mark or, without one, by two ASCII
+// characters at the beginning. Throws Error for UTF-16 that ends within a character and for UTF-32.
 [[nodiscard]] std::string_view as_utf8(std::string_view bytes, std::string& converted, const FileErrors& errors);
 
-// Whether the text that begins like this is UTF-16 or UTF-32, which as_utf8() has to see as a whole.
+// True when a text with this beginning is UTF-16 or UTF-32, which as_utf8() must see as a whole.
 [[nodiscard]] bool is_wide_text(std::string_view beginning);
 
-// Of the byte order mark that a text in UTF-8 begins with, or 0.
+// Returns the size in bytes of the byte order mark at the beginning of a UTF-8 text, or 0.
 [[nodiscard]] std::size_t utf8_mark_bytes(std::string_view beginning);
 
-// A text read in runs of whole lines, so that it need not lie in memory.
+// A text read in runs of whole lines, so that it need not be in memory as a whole.
 
 class TextChunks {
  public:
-  // The UTF-8 text from where `input` is, which outlives this as `errors` does.
+  // Reads UTF-8 text from the current position of `input`. `input` and `errors` must outlive this object.
   TextChunks(InputBytes& input, const FileErrors& errors, TextCursor::Syntax syntax)
       : input_(input), errors_(errors), syntax_(syntax) {}
 
-  // Puts the cursor, which is at the end of the lines before, on the next ones; what it gave out before is void. False
-  // at the end of the text. No line is cut, also one that a backslash continues.
+  // Puts the cursor, which must be at the end of the previous lines, on the next run of lines; views that it returned
+  // before become invalid. Returns false at the end of the text. No line is cut, and neither is one that a backslash
+  // continues.
   [[nodiscard]] bool next(TextCursor& cursor);
-  // The same lines as a text, which is valid until the next call.
+  // Returns the next run of lines as a text that is valid until the next call; returns false at the end of the text.
   [[nodiscard]] bool next(std::string_view& lines);
 
  private:
   InputBytes& input_;
   const FileErrors& errors_;
   TextCursor::Syntax syntax_;
-  std::size_t taken_ = 0;  // of the window, by the cursor
+  std::size_t taken_ = 0;  // bytes of the window that were given to the cursor
 };
 
 }  // namespace occlod

@@ -3,10 +3,10 @@
 namespace occlod {
 namespace {
 
-// About as long as falling asleep and being woken takes.
+// Spinning takes about as long as falling asleep and being woken.
 constexpr int max_looks = 4000;
 
-// Until it is another state than `state`.
+// Waits until `current` is no longer `state`: spins first, then sleeps.
 void wait_while(const std::atomic<std::uint32_t>& current, std::uint32_t state) noexcept {
   for (int i = 0; i < max_looks; ++i) {
     if (current.load(std::memory_order_acquire) != state) return;

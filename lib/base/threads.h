@@ -1,4 +1,4 @@
-// One thread beside the calling one, for pieces of work of a few microseconds.
+// Threads: a companion for pieces of work of a few microseconds, helpers, and parallel loops.
 #pragma once
 
 #include <algorithm>
@@ -17,8 +17,8 @@
 
 namespace occlod {
 
-// Waits for work without giving up its core for a moment, so that a piece is begun within a fraction of a microsecond;
-// without work for longer it sleeps. Used by one thread at a time.
+// One thread beside the calling one. It spins briefly while it waits for work, so that a piece starts within a fraction
+// of a microsecond, and sleeps when there is no work for longer. Used by one thread at a time.
 class CompanionThread {
  public:
   CompanionThread() = default;
@@ -26,20 +26,20 @@ class CompanionThread {
   CompanionThread(const CompanionThread&) = delete;
   CompanionThread& operator=(const CompanionThread&) = delete;
 
-  // Runs `work` on the other thread; it must live until finish(). Where the system has no more threads, it is run here.
-  // Precondition: none is under way.
+  // Runs `work`, which must live until finish(), on the other thread, or on this one when the system has no more
+  // threads. Precondition: no work is running.
   template <typename Work>
   void start(const Work& work) {
     work_ = &work;
     call_ = [](const void* it) { (*static_cast<const Work*>(it))(); };
     start();
   }
-  // Waits for it, if one is under way; throws what it has thrown.
+  // Waits for the running work, if any, and rethrows its exception.
   void finish() {
     wait();
     if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
   }
-  // Waits for it, if one is under way, and forgets what it has thrown.
+  // Waits for the running work, if any, and drops its exception.
   void abandon() noexcept {
     wait();
     failure_ = nullptr;
@@ -57,12 +57,10 @@ class CompanionThread {
   const void* work_ = nullptr;
   void (*call_)(const void*) = nullptr;
   std::exception_ptr failure_;
-  std::thread thread_;  // begun with the first work
+  std::thread thread_;  // started with the first work
 };
 
-// Threads that help the calling one.
-
-// Waits for its threads when it ends.
+// Threads that help the calling one; the destructor waits for them.
 class HelperThreads {
  public:
   HelperThreads() = default;
@@ -70,7 +68,7 @@ class HelperThreads {
   HelperThreads(const HelperThreads&) = delete;
   HelperThreads& operator=(const HelperThreads&) = delete;
 
-  // Runs `work` on a thread of its own. False, and nothing is run, when the system has no more threads.
+  // Runs `work` on a new thread. Returns false, and runs nothing, when the system has no more threads.
   template <typename Work>
   [[nodiscard]] bool start(Work work) {
     try {
@@ -87,7 +85,7 @@ class HelperThreads {
     }
   }
 
-  // Waits for all; throws what one of them has thrown, the first to do so.
+  // Waits for all threads; rethrows the first exception that one of them threw.
   void join() {
     wait();
     if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
@@ -106,20 +104,18 @@ class HelperThreads {
 
   std::mutex mutex_;
   std::exception_ptr failure_;
-  std::vector<std::thread> threads_;  // std::jthread is not in every standard library
+  std::vector<std::thread> threads_;  // not std::jthread, which some standard libraries lack
 };
 
-// Loops over index ranges on several threads.
-
-// `asked` threads, or one for each core when it is not positive.
+// Returns `asked`, or the number of cores when it is not positive.
 [[nodiscard]] inline unsigned thread_count(int asked) {
   return asked > 0 ? static_cast<unsigned>(asked) : std::max(1U, std::thread::hardware_concurrency());
 }
 
 inline constexpr std::size_t range_size = 8192;
-inline constexpr std::size_t steps_for_room = 16;  // between two calls of make_room(): each may bring in 2 MB
+inline constexpr std::size_t steps_for_room = 16;  // between two calls of make_room(): each step may bring in 2 MB
 
-// Calls visit(begin, end) for consecutive ranges that together are [begin, end), small enough for make_room().
+// Calls visit(begin, end) for consecutive ranges that together are [begin, end), and make_room() between them.
 template <typename Visit>
 void for_each_short_range(std::size_t begin, std::size_t end, const Visit& visit) {
   while (begin < end) {
@@ -130,9 +126,10 @@ void for_each_short_range(std::size_t begin, std::size_t end, const Visit& visit
   }
 }
 
-// Calls visit(begin, end) for consecutive ranges of range_size that together are [0, count), each on some thread;
-// visits must not touch what others write. Between its ranges the calling thread calls between(next), where all ranges
-// before `next` are done or under way. Should it or a visit throw, all end after their range, and it is thrown here.
+// Calls visit(begin, end) for consecutive ranges of range_size that together are [0, count), each on any thread; a
+// visit must not touch what others write. Between its ranges the calling thread calls between(next): all ranges before
+// `next` are done or running. If between() or a visit throws, every thread stops after its current range and the
+// exception is rethrown here.
 template <typename Visit, typename Between>
 void for_each_range(std::size_t count, unsigned threads, const Visit& visit, const Between& between) {
   std::atomic<std::size_t> next = 0;
@@ -159,7 +156,8 @@ void for_each_range(std::size_t count, unsigned threads, const Visit& visit) {
   for_each_range(count, threads, visit, [](std::size_t) {});
 }
 
-// Calls visit(i) for every i of [0, count), likewise, one thread in this order; all are ids, so below 2^32.
+// Calls visit(i) for every i in [0, count), in ranges as for_each_range() does; with one thread in ascending order.
+// Every i is an id, so count <= 2^32.
 template <typename Visit>
 void for_each_id(std::size_t count, unsigned threads, const Visit& visit) {
   for_each_range(count, threads, [&](std::size_t begin, std::size_t end) {
@@ -169,9 +167,10 @@ void for_each_id(std::size_t count, unsigned threads, const Visit& visit) {
   });
 }
 
-// Calls visit(worker, i) for every i of [0, count), in this order on each thread but each on any; visits must not touch
-// what others write. Every thread has a worker of its own, made by make_worker(). After each of its visits the calling
-// thread calls between(). Should it or a visit throw, all end after their visit, and it is thrown here.
+// Calls visit(worker, i) for every i in [0, count), each on any thread, in ascending order on each thread; a visit must
+// not touch what others write. Every thread has its own worker, made by make_worker(). The calling thread calls
+// between() after each of its visits. If between() or a visit throws, every thread stops after its current visit and
+// the exception is rethrown here.
 template <typename MakeWorker, typename Visit, typename Between>
 void for_each_task(std::size_t count, unsigned threads, const MakeWorker& make_worker, const Visit& visit,
                    const Between& between) {
@@ -196,7 +195,8 @@ void for_each_task(std::size_t count, unsigned threads, const MakeWorker& make_w
   others.join();
 }
 
-// The same without workers.
+// Calls visit(i) for every i in [0, count), each on any thread, in ascending order on each thread; a visit must not
+// touch what others write.
 template <typename Visit>
 void for_each_task(std::size_t count, unsigned threads, const Visit& visit) {
   struct Nothing {};
@@ -204,8 +204,8 @@ void for_each_task(std::size_t count, unsigned threads, const Visit& visit) {
       count, threads, [] { return Nothing{}; }, [&](Nothing, std::size_t i) { visit(i); }, [] {});
 }
 
-// Calls visit(begin, end, part) for `threads` consecutive parts of [0, count), each on a thread of its own where the
-// system grants as many.
+// Calls visit(begin, end, part) for `threads` consecutive parts of [0, count), each on its own thread as far as the
+// system has threads.
 template <typename Visit>
 void for_each_part(std::size_t count, unsigned threads, const Visit& visit) {
   HelperThreads others;

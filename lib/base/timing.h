@@ -8,7 +8,8 @@
 
 namespace occlod {
 
-// The middle of the values, of an even number the larger one of the two. At least one value, none of them NaN. O(n).
+// Returns the median; for an even number of values, the larger of the two in the middle. There must be at least one
+// value and no NaN. O(n).
 template <typename Value>
 [[nodiscard]] Value median(std::vector<Value> values) {
   assert(!values.empty());

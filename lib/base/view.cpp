@@ -17,7 +17,7 @@
 
 namespace occlod {
 
-// The smaller side of the image decides.
+// The sphere must fit the smaller side of the image.
 double fitting_distance(const Camera& camera, double radius) {
   const double half_y = glm::radians(camera.fov_y_deg) / 2.0;
   const double half = std::atan(std::tan(half_y) * std::min(1.0, static_cast<double>(camera.width) / camera.height));
@@ -40,7 +40,7 @@ bool finite(const glm::dmat4& m) {
   return true;
 }
 
-// a * b - c * d to 1.5 units in the last place (Kahan; Jeannerod, Louvet & Muller 2013): std::fma rounds once.
+// Returns a * b - c * d to 1.5 units in the last place (Kahan; Jeannerod, Louvet & Muller 2013): std::fma rounds once.
 double difference_of_products(double a, double b, double c, double d) noexcept {
   const double cd = c * d;
   return std::fma(a, b, -cd) - std::fma(c, d, -cd);
@@ -80,8 +80,8 @@ void require_placement(const glm::dmat4& object_to_world) {
 
 namespace {
 
-// A plane as the dot product with a point, object space. `normal` and `offset`: in world space relative to the eye.
-// Moved outwards by what sums in double precision may be off by.
+// Returns a plane for dot products with points in object space. `normal` and `offset` are in world space relative to
+// the eye. The plane is moved outwards by the possible rounding error of sums in double precision.
 glm::vec4 unit_plane(const glm::dvec3& normal, double offset, const glm::dmat4x3& object_to_eye) {
   const glm::dvec3 in_object = normal * glm::dmat3(object_to_eye);
   const glm::dvec3 terms = normal * object_to_eye[3];
@@ -89,12 +89,13 @@ glm::vec4 unit_plane(const glm::dvec3& normal, double offset, const glm::dmat4x3
   return glm::vec4(glm::dvec4(in_object, terms.x + terms.y + terms.z + offset + rounding) / glm::length(in_object));
 }
 
-// From the axes of the view and not, as usual, from sums of rows of the matrix to clip space: where the far plane is
-// 1e9 times as far away as the near one, or the eye far from the origin, their difference is rounding only.
+// Computes the planes from the axes of the view and not, as is usual, from sums of rows of world_to_clip: where the far
+// plane is 1e9 times as far away as the near one, or the eye is far from the origin, such a sum is mostly rounding
+// error.
 std::array<glm::vec4, 6> frustum_planes(const View& view, const glm::dmat4x3& object_to_eye) {
   const glm::dvec3 across(glm::row(view.world_to_clip(), 0)), along(glm::row(view.world_to_clip(), 1));
   const glm::dvec3& ahead = view.direction();
-  // w relative to the eye: w_per_unit * distance along the axis + w_at_eye.
+  // w relative to the eye is w_per_unit * (distance along the axis) + w_at_eye.
   const glm::dvec3 w_per_unit = view.is_orthographic() ? glm::dvec3(0.0) : ahead;
   const double w_at_eye = view.is_orthographic() ? 1.0 : 0.0;
   const auto plane = [&](const glm::dvec3& normal, double offset) { return unit_plane(normal, offset, object_to_eye); };
@@ -103,8 +104,8 @@ std::array<glm::vec4, 6> frustum_planes(const View& view, const glm::dmat4x3& ob
           plane(ahead, -view.camera().near),    plane(-ahead, view.camera().far)};
 }
 
-// As far as anything that the view shows can be from the object's origin, in its space, rounded up to a power of two,
-// and no less than the least normal float, so that a multiple of it has all digits.
+// Returns a bound on the distance from the object's origin of anything that the view shows, in object space, rounded up
+// to a power of two. It is at least the smallest normal float, so that a multiple of it has all digits.
 double shown_reach(const View& view, const glm::dmat3& linear, const glm::dvec3& eye) {
   const Camera& camera = view.camera();
   const glm::dvec2 half = glm::dvec2(camera.width, camera.height) / (2.0 * view.focal_length_px());
@@ -115,10 +116,10 @@ double shown_reach(const View& view, const glm::dmat3& linear, const glm::dvec3&
   return std::exp2(std::ceil(std::log2(std::max(reach, 0x1p-126))));
 }
 
-// A stand-in for the eye of an orthographic view, e: a normal n turns away from all rays iff dot(n, -e) > 0. For a
-// sphere of centre c and radius r faces_away() finds that dot(n, c - e) > r + slack, and where it touches what is shown
-// |c| is no more than the reach + r. The slack is 1.2e-7 of the largest coordinate of e, of which the rounding of e
-// takes sqrt(3) * 2^-24 at most: the rest is more than the reach.
+// Returns a point e that stands in for the eye of an orthographic view: a normal n faces away from all rays iff dot(n,
+// -e) > 0. For a sphere with centre c and radius r, faces_away() tests dot(n, c - e) > r + slack, and where the sphere
+// touches what is shown, |c| is at most reach + r. The slack is 1.2e-7 of the largest coordinate of e, of which the
+// rounding of e takes at most sqrt(3) * 2^-24; the remainder is more than the reach.
 glm::dvec3 far_eye(const View& view, const glm::dmat3& linear, const glm::dvec3& eye) {
   constexpr double times_as_far = 1 << 27;
   return shown_reach(view, linear, eye) * times_as_far * glm::normalize(solve(linear, -view.direction()));
@@ -130,7 +131,8 @@ ObjectView::ObjectView(const View& view, const glm::dmat4& object_to_world) {
   require_placement(object_to_world);
   const glm::dmat3 linear(object_to_world);
   object_to_clip_ = glm::mat4(view.world_to_clip() * object_to_world);
-  // Far from the origin the difference of two places is rounded once, and little; their images under a matrix are not.
+  // Far from the origin the difference of two positions is rounded only once, and little; positions multiplied by a
+  // matrix lose more digits.
   object_to_eye_ = glm::dmat4x3(object_to_world);
   object_to_eye_[3] -= view.camera().eye;
   orthographic_ = view.is_orthographic();
@@ -152,12 +154,12 @@ bool ObjectView::may_be_inside(const Sphere& sphere) const noexcept {
     const glm::vec3 terms = glm::vec3(plane) * sphere.center;
     const float slack =
         1e-6F * (std::abs(terms.x) + std::abs(terms.y) + std::abs(terms.z) + std::abs(plane.w) + sphere.radius);
-    // Written so that NaN counts as inside.
+    // The comparison is negated so that NaN counts as inside.
     return !(terms.x + terms.y + terms.z + plane.w < -(sphere.radius + slack));
   });
 }
 
-// In double precision: the centre may be far from the object's origin and near the eye, and squares of tiny or huge
+// Uses double precision: the centre may be far from the object's origin and near the eye, and squares of tiny or huge
 // lengths leave the range of floats.
 float ObjectView::largest_scale_px(const Sphere& sphere) const noexcept {
   if (orthographic_) return rounded_up(focal_length_px_ * largest_stretch_);
@@ -166,9 +168,9 @@ float ObjectView::largest_scale_px(const Sphere& sphere) const noexcept {
   const double distance = glm::length(center);
   const double nearest = distance - radius;
   if (!(nearest > 0.0)) return std::numeric_limits<float>::infinity();
-  // A displacement at distance d and angle a from the axis covers at most f / (d cos^2 a) pixels per unit: f / z for
-  // the depth z = d cos a, and once more 1 / cos a in the radial direction. The largest angle: that of the centre plus
-  // that under which the sphere is seen; the image ends at its corners.
+  // A displacement at distance d and at angle a from the axis covers at most f / (d cos^2 a) pixels per unit: f / z for
+  // the depth z = d cos a, and another factor 1 / cos a in the radial direction. The largest angle is the angle of the
+  // centre plus the angular radius of the sphere, at most the angle of the image's corners.
   const double cos_center = std::clamp(glm::dot(center, direction_) / distance, -1.0, 1.0);
   const double sin_center = std::sqrt(1.0 - cos_center * cos_center);
   const double sin_radius = radius / distance;
@@ -209,7 +211,7 @@ View::View(const Camera& camera) : camera_(camera) {
   check(camera);
   direction_ = glm::normalize(camera.target - camera.eye);
   project();
-  // Extreme distances and angles overflow.
+  // Extreme distances and angles overflow to infinity.
   bool is_finite = std::isfinite(focal_length_px_);
   for (int column = 0; column < 4; ++column)
     for (int row = 0; row < 4; ++row) is_finite = is_finite && std::isfinite(world_to_clip_[column][row]);

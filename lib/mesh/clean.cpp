@@ -22,7 +22,7 @@ bool is_finite(const glm::vec3& p) { return std::isfinite(p.x) && std::isfinite(
 
 bool has_repeated_corner(const Triangle& t) { return t.x == t.y || t.y == t.z || t.z == t.x; }
 
-// Equal for equal positions, +0 and -0 being equal.
+// Equal positions have equal hashes, and +0 equals -0.
 std::size_t hash_of(const glm::vec3& p) {
   const glm::vec3 positive_zero = p + 0.0f;
   std::uint32_t bits[3];
@@ -46,7 +46,7 @@ class SharedSlots {
     else
       taken_[word] |= bit;
   }
-  // Whether another position has been added that equals `p` or happens to have its slot.
+  // True when another added position equals `p` or happens to have its slot.
   [[nodiscard]] bool is_shared(const glm::vec3& p) const {
     const auto [word, bit] = slot_of(p);
     return (shared_[word] & bit) != 0;
@@ -67,7 +67,7 @@ class SharedSlots {
 
   std::size_t mask_;
   std::vector<std::uint64_t> taken_;
-  std::vector<std::uint64_t> shared_;  // taken twice or more often
+  std::vector<std::uint64_t> shared_;  // slots that were taken at least twice
 };
 
 // Finds the first vertex with the same coordinates: open addressing over vertex ids, at most half full.
@@ -76,7 +76,7 @@ class PositionTable {
   PositionTable(const std::vector<glm::vec3>& positions, std::size_t max_vertices)
       : positions_(positions), slots_(std::bit_ceil(2 * max_vertices + 1), no_id) {}
 
-  // The vertex inserted earlier at the position of `vertex`, or `vertex` itself.
+  // Returns the vertex inserted earlier at the position of `vertex`, or `vertex` itself.
   VertexId find_or_insert(VertexId vertex) {
     const std::size_t mask = slots_.size() - 1;
     std::size_t slot = hash_of(positions_[vertex]) & mask;
@@ -103,7 +103,7 @@ class Cleaner {
       report_.vertices_read = mesh_.vertex_count();
       report_.triangles_read = report_.polygons_read = mesh_.triangle_count();
     }
-    // Wedges that are there already are formed anew.
+    // Existing wedges are formed anew.
     if (!mesh_.corners.empty()) mesh_.triangles = std::move(mesh_.corners);
     mesh_.corners.clear();
     mesh_.extra_wedges.clear();
@@ -149,7 +149,7 @@ class Cleaner {
     }
   }
 
-  // Also drops materials by triangle that say nothing.
+  // Checks materials and drops triangle_materials when all triangles have the first material.
   void check_materials() {
     for (std::size_t m = 0; m < mesh_.materials.size(); ++m) {
       const TextureId texture = mesh_.materials[m].texture;
@@ -159,7 +159,7 @@ class Cleaner {
            "export the mesh again");
     }
     const std::size_t materials = std::max<std::size_t>(mesh_.materials.size(), 1);
-    bool has_others = false;  // than the first
+    bool has_others = false;  // than the first material
     for (std::size_t t = 0; t < mesh_.triangle_materials.size(); ++t) {
       const MaterialId material = mesh_.triangle_materials[t];
       has_others |= material != 0;
@@ -171,7 +171,7 @@ class Cleaner {
     if (!has_others) mesh_.triangle_materials.clear();
   }
 
-  // 1 for each vertex that a triangle uses. Bytes rather than bits, so that a store needs no load.
+  // Returns 1 for each vertex that a triangle uses. Bytes are used instead of bits so that a store needs no load.
   [[nodiscard]] std::vector<std::uint8_t> used_vertices() const {
     std::vector<std::uint8_t> used(mesh_.vertex_count(), 0);
     for (const Triangle& t : mesh_.triangles) used[t.x] = used[t.y] = used[t.z] = 1;
@@ -193,7 +193,7 @@ class Cleaner {
     }
   }
 
-  // Whether it is not another wedge of one before: those come last.
+  // True unless the vertex is a further wedge of an earlier one; those come last.
   [[nodiscard]] bool is_of_file(VertexId v) const { return v < report_.vertices_read; }
 
   void repair_texture_coordinates() {
@@ -205,7 +205,7 @@ class Cleaner {
     }
   }
 
-  // Used vertices that may lie at the position of another, ascending.
+  // Returns the used vertices that may have the position of another one, ascending.
   [[nodiscard]] std::vector<VertexId> maybe_shared() const {
     SharedSlots slots(mesh_.vertex_count());
     for (VertexId v = 0; v < mesh_.vertex_count(); ++v) {
@@ -233,13 +233,14 @@ class Cleaner {
     }
   }
 
-  // Whether two corners of a vertex may differ in what they look like.
+  // True when two corners of a vertex may differ in attributes or material.
   [[nodiscard]] bool may_have_extra_wedges() const {
     const bool has_attributes = !mesh_.normals.empty() || !mesh_.colors.empty() || !mesh_.texture_coordinates.empty();
     return (!leader_.empty() && has_attributes) || !mesh_.triangle_materials.empty();
   }
 
-  // Drops triangles of which welding made a line or a point, and what `read_corners`, where given, says of them.
+  // Replaces vertices by the ones into which they were welded, and drops triangles that then repeat a corner, with
+  // their entries in `read_corners`, if given.
   void relabel_triangles(std::vector<Triangle>& read_corners) {
     if (!leader_.empty()) {
       for (Triangle& t : mesh_.triangles) t = {leader_[t.x], leader_[t.y], leader_[t.z]};
@@ -263,7 +264,7 @@ class Cleaner {
     if (!materials.empty()) materials.resize(kept);
   }
 
-  // Also drops leaders whose triangles were all dropped.
+  // Drops unused vertices, including those whose triangles were all dropped after welding.
   void drop_unused_vertices(std::vector<Triangle> read_corners) {
     const bool triangles_changed = !leader_.empty() || report_.repeated_index_triangles > 0;
     const std::vector<std::uint8_t> still_used = triangles_changed ? used_vertices() : used_;
@@ -297,8 +298,8 @@ class Cleaner {
     for (Triangle& t : mesh_.triangles) t = {new_id[t.x], new_id[t.y], new_id[t.z]};
   }
 
-  // Unit length for all; one that is zero or not finite becomes the area-weighted normal of the triangles at its
-  // position, or +z where those cancel out.
+  // Gives all normals unit length; one that is zero or not finite becomes the area-weighted normal of the triangles at
+  // its position, or +z where those cancel out.
   void repair_normals() {
     if (mesh_.normals.empty()) return;
     std::vector<bool> unusable(mesh_.vertex_count());
@@ -323,8 +324,8 @@ class Cleaner {
   MeshReport report_;
   const std::string& subject_;
   int threads_;
-  std::vector<std::uint8_t> used_;  // as read
-  std::vector<VertexId> leader_;    // the first used vertex at the position of each; empty where none is welded
+  std::vector<std::uint8_t> used_;  // before welding
+  std::vector<VertexId> leader_;    // by vertex: first used vertex at its position; empty when no vertices are welded
 };
 
 }  // namespace
@@ -351,7 +352,7 @@ float lattice_step(const Box& box, int bits) {
 glm::vec3 round_to_lattice(const glm::vec3& p, float step) {
   if (!(step > 0.0F)) return p;
   glm::vec3 rounded;
-  for (int k = 0; k < 3; ++k) rounded[k] = std::nearbyint(p[k] / step) * step + 0.0F;  // no negative zero
+  for (int k = 0; k < 3; ++k) rounded[k] = std::nearbyint(p[k] / step) * step + 0.0F;  // + 0.0F avoids -0
   return rounded;
 }
 

@@ -12,7 +12,7 @@
 namespace occlod {
 namespace {
 
-// Sets of vertices or triangles that are joined step by step.
+// Disjoint sets of vertices or triangles (union-find).
 class DisjointSets {
  public:
   void reset(std::size_t count) {
@@ -20,7 +20,7 @@ class DisjointSets {
     std::iota(parent_.begin(), parent_.end(), 0u);
   }
 
-  // False when the two were in one set already.
+  // Returns false when the two were in one set already.
   bool join(std::uint32_t a, std::uint32_t b) {
     a = root(a);
     b = root(b);
@@ -40,8 +40,8 @@ class DisjointSets {
 
 bool has_repeated_corner(const Triangle& t) { return t.x == t.y || t.y == t.z || t.z == t.x; }
 
-// Exact while the coordinates of a triangle are less than 2^26 units in the last place apart, as they nearly always
-// are: the products of such differences fit in a double.
+// Exact while the coordinates of a triangle are less than 2^26 units in the last place apart, which is nearly always
+// so: the products of such differences fit in a double.
 bool has_zero_area(const TriangleMesh& mesh, const Triangle& t) {
   const glm::dvec3 a(mesh.positions[t.x]);
   const glm::dvec3 u = glm::dvec3(mesh.positions[t.y]) - a;
@@ -49,7 +49,7 @@ bool has_zero_area(const TriangleMesh& mesh, const Triangle& t) {
   return u.y * v.z == u.z * v.y && u.z * v.x == u.x * v.z && u.x * v.y == u.y * v.x;
 }
 
-// Smallest and largest vertex of each run of triangles: in most meshes triangles near each other in the list use
+// The smallest and largest vertex of each run of triangles: in most meshes, triangles near each other in the list use
 // vertices near each other.
 class VertexRanges {
  public:
@@ -62,8 +62,8 @@ class VertexRanges {
     });
   }
 
-  // Calls visit(vertex, triangle) for every corner at a vertex in [begin, end), by ascending triangles; triangles with
-  // a repeated corner are left out.
+  // Calls visit(vertex, triangle) for every corner at a vertex in [begin, end), by ascending triangles; skips triangles
+  // with a repeated corner.
   template <class Visit>
   void for_each_corner(VertexId begin, VertexId end, Visit visit) const {
     for (std::size_t i = 0; i < ranges_.size(); ++i) {
@@ -101,7 +101,7 @@ class VertexRanges {
   std::vector<Range> ranges_;
 };
 
-// The triangles round each of some consecutive vertices, as one array with offsets.
+// The triangles around each of some consecutive vertices, as one array with offsets.
 class Stars {
  public:
   void collect(const VertexRanges& ranges, VertexId begin, VertexId end) {
@@ -124,8 +124,8 @@ class Stars {
   std::vector<std::uint32_t> triangles_;
 };
 
-// Counts what can be seen in the star of one vertex at a time; an edge counts at its smaller vertex, a triangle at its
-// smallest.
+// Counts the topology at one vertex at a time, from the star of its triangles; an edge counts at its smaller vertex, a
+// triangle at its smallest.
 class StarCounter {
  public:
   StarCounter(const TriangleMesh& mesh, const VertexRanges& ranges) : mesh_(mesh), ranges_(ranges) {}
@@ -166,10 +166,10 @@ class StarCounter {
     count_repeated();
   }
 
-  // Whether the rim is one loop of three edges or more through different vertices, as round nearly every vertex. Every
-  // edge at the centre then has two triangles that run through it in opposite directions, they are one fan, and no two
-  // have the same corners: there is nothing to count. Puts the edges into the loop's order as far as it gets. Long
-  // rims, where looking for each next edge takes longer than sorting them all, are not tried.
+  // True when the rim is one loop of at least three edges through different vertices, as around nearly every vertex.
+  // Every edge at the centre then has two triangles that run through it in opposite directions, they are one fan, and
+  // no two have the same corners: there is nothing to count. Sorts the edges into the loop's order, as far as it gets.
+  // Long rims are not tried, because a search for each next edge takes longer than sorting them all.
   [[nodiscard]] bool sort_closed_rim() {
     constexpr std::size_t longest = 64;
     if (rim_.size() < 3 || rim_.size() > longest) return false;
@@ -222,7 +222,7 @@ class StarCounter {
   const TriangleMesh& mesh_;
   const VertexRanges& ranges_;
   Stars stars_;
-  MeshReport report_;  // of all vertices so far; topology only
+  MeshReport report_;  // counts of all vertices so far; topology only
   std::vector<RimEdge> rim_;
   std::vector<Spoke> spokes_;
   std::vector<std::pair<VertexId, VertexId>> opposite_;  // the other two corners of each triangle counted here
@@ -250,7 +250,7 @@ std::uint64_t count_zero_areas(const TriangleMesh& mesh, std::size_t begin, std:
   return count;
 }
 
-// Splits the counting into tasks for any thread: sums do not depend on which thread did what.
+// Divides the counting into tasks for any thread: the sums do not depend on which thread did what.
 class TopologyCounter {
  public:
   TopologyCounter(const TriangleMesh& mesh, unsigned threads)
@@ -267,10 +267,10 @@ class TopologyCounter {
   }
 
  private:
-  // Fewer are not worth a part; 16 parts keep the lists of a large mesh small and are many enough for its threads.
+  // Fewer vertices are not worth a part; 16 parts keep the lists of a large mesh small and are enough for its threads.
   static constexpr std::size_t min_vertices = 32768;
 
-  // What one thread counts, added to the total at its end.
+  // The counts of one thread, which its destructor adds to the total.
   class Worker {
    public:
     explicit Worker(TopologyCounter& counter) : counter_(counter), stars_(counter.mesh_, counter.ranges_) {}

@@ -19,13 +19,14 @@
 namespace occlod {
 namespace {
 
-// The surface lattice of a box: cells.x by cells.y by cells.z, welded along its edges, counter-clockwise from outside.
+// The surface lattice of a box: cells.x by cells.y by cells.z, welded along its edges, triangles counter-clockwise seen
+// from outside.
 
 class BoxLattice {
  public:
   explicit BoxLattice(glm::ivec3 cells) : cells_(cells) {}  // each >= 1
 
-  // Calls place(glm::ivec3 lattice point) once a vertex, in the order of their indices: layer by layer upwards.
+  // Calls place(glm::ivec3 lattice point) once per vertex, in the order of their indices: layer by layer upwards.
   template <class Place>
   void for_each_point(Place place) const;
 
@@ -80,7 +81,7 @@ void BoxLattice::append_triangles(VertexId first_vertex, std::vector<Triangle>& 
   }
 }
 
-// The side across `axis` through the origin, or the far one.
+// Appends the side that is normal to `axis` and contains the origin, or the opposite side when `far`.
 void BoxLattice::append_side(int axis, bool far, VertexId first_vertex, std::vector<Triangle>& triangles) const {
   const int u = (axis + 1) % 3;
   const int v = (axis + 2) % 3;
@@ -101,8 +102,8 @@ void BoxLattice::append_side(int axis, bool far, VertexId first_vertex, std::vec
   }
 }
 
-// The lattice |x| + |y| + |z| = n on an octahedron, in rings of equal z from the north pole (0, 0, n) down: ring m has
-// 4 m points (the poles one), so indices follow from (ring, place in the ring) and no map of edges is needed.
+// The lattice |x| + |y| + |z| = n on an octahedron, in rings of equal z from the north pole (0, 0, n) down. Ring m has
+// 4 m points (each pole one), so indices follow from (ring, place in the ring) without a map of edges.
 
 class OctahedronLattice {
  public:
@@ -111,21 +112,22 @@ class OctahedronLattice {
   [[nodiscard]] std::size_t vertex_count() const noexcept { return 4 * size_t_n() * size_t_n() + 2; }
   [[nodiscard]] std::size_t triangle_count() const noexcept { return 8 * size_t_n() * size_t_n(); }
 
-  // Rings of equal z, from 0 at the north pole.
+  // Number of rings of equal z; ring 0 is the north pole.
   [[nodiscard]] std::size_t ring_count() const noexcept { return 2 * size_t_n() + 1; }
-  // The index of the first vertex of a ring.
+  // Returns the index of the first vertex of a ring.
   [[nodiscard]] std::size_t ring_start(std::size_t ring) const noexcept;
 
-  // Calls visit(direction) once a vertex of a ring in the order of their indices. Directions have unit length (to a few
-  // ulp).
+  // Calls visit(direction) once per vertex of a ring in the order of their indices. Directions have unit length (to a
+  // few ulp).
   template <class Visit>
   void for_each_direction(std::size_t ring, Visit visit) const;
 
-  // Appends the triangles, counter-clockwise from outside, with `first_vertex` added to every index.
+  // Appends the triangles, counter-clockwise seen from outside, with `first_vertex` added to every index.
   void append_triangles(VertexId first_vertex, std::vector<Triangle>& triangles) const {
     append_bands(0, ring_count() - 1, first_vertex, triangles);
   }
-  // The same of those between the rings first_ring and last_ring, whose first vertex gets the number first_vertex.
+  // Appends the triangles between the rings first_ring and last_ring; the first vertex of first_ring gets the index
+  // first_vertex.
   void append_bands(std::size_t first_ring, std::size_t last_ring, VertexId first_vertex,
                     std::vector<Triangle>& triangles) const;
 
@@ -138,7 +140,8 @@ class OctahedronLattice {
   void append_band(VertexId narrow, VertexId wide, int m, bool north, std::vector<Triangle>& triangles) const;
 
   int n_;                     // edges along each edge of the octahedron
-  std::vector<double> warp_;  // sin(pi/2 * i/n): with it, areas on the sphere differ by a factor of 1.7 instead of 5.2
+  std::vector<double> warp_;  // sin(pi/2 * i/n): with this warp, areas on the sphere differ by a factor of 1.7 instead
+                              // of 5.2
 };
 
 template <class Visit>
@@ -184,7 +187,8 @@ std::size_t OctahedronLattice::ring_start(std::size_t ring) const noexcept {
   return vertex_count() - 1 - 2 * m * (m + 1);
 }
 
-// The band between the ring of 4 m points that starts at `narrow` and that of 4 (m + 1) points at `wide`.
+// Appends the band between the ring of 4 m points that starts at `narrow` and the ring of 4 (m + 1) points that starts
+// at `wide`.
 void OctahedronLattice::append_band(VertexId narrow, VertexId wide, int m, bool north,
                                     std::vector<Triangle>& triangles) const {
   const auto inner = static_cast<VertexId>(m);
@@ -206,8 +210,8 @@ double mix(double a, double b, double t) noexcept { return a + (b - a) * t; }
 
 double smoothstep(double t) noexcept { return t * t * (3.0 - 2.0 * t); }
 
-// Value noise in [-1, 1]: random numbers on the integer lattice, blended smoothly between. The numbers round the last
-// point are kept: the next point is near it, and mostly in the same cell.
+// Value noise in [-1, 1]: random numbers on the integer lattice, blended smoothly between lattice points. Keeps the
+// numbers around the last point, because the next point is usually in the same cell.
 class ValueNoise {
  public:
   explicit ValueNoise(std::uint64_t seed) noexcept : seed_(seed) {}
@@ -242,11 +246,12 @@ class ValueNoise {
   }
 
   std::uint64_t seed_;
-  glm::dvec3 below_{std::numeric_limits<double>::infinity()};  // the smallest corner of the cell; of none yet
-  double corners_[2][2][2] = {};                               // along x, y, z
+  glm::dvec3 below_{std::numeric_limits<double>::infinity()};  // smallest corner of the current cell; infinite when
+                                                               // there is none yet
+  double corners_[2][2][2] = {};                               // values at the cell's corners, by x, y, z
 };
 
-// Octaves with halving heights whose sum is 1: the result lies in [-1, 1].
+// Sums octaves of noise with halving heights that add up to 1, so the result is in [-1, 1].
 class FractalNoise {
  public:
   explicit FractalNoise(const RoughPlanetOptions& options) : frequency_(options.frequency) {
@@ -276,7 +281,7 @@ class FractalNoise {
 
 void check(const RoughPlanetOptions& options) { check_ranges(options, OptionChecker("rough planet")); }
 
-// Between two rings, both with their vertices.
+// Returns the bands between two rings, including the vertices of both.
 TriangleMesh bands(const OctahedronLattice& lattice, std::size_t first_ring, std::size_t last_ring,
                    const RoughPlanetOptions& options) {
   TriangleMesh mesh;
@@ -314,7 +319,7 @@ void stream_rough_planet(const RoughPlanetOptions& options, const PartVisitor& v
   for (std::size_t first = 0; first < last;) {
     std::size_t end = first + 1;
     while (end < last && lattice.ring_start(end + 1) - lattice.ring_start(first) < max_vertices) ++end;
-    // A ring of the part before begins each but the first.
+    // Every part but the first begins with the last ring of the part before.
     const std::size_t repeated = first == 0 ? 0 : lattice.ring_start(first + 1) - lattice.ring_start(first);
     visit(bands(lattice, first, end, options), repeated);
     first = end;
@@ -323,12 +328,12 @@ void stream_rough_planet(const RoughPlanetOptions& options, const PartVisitor& v
 
 namespace {
 
-// Metres.
+// Lengths are in metres.
 constexpr double block_pitch = 60.0;  // from block to block: the block itself and one street
 constexpr double block_width = 46.0;
 constexpr double alley = 4.0;         // between the buildings of one block
-constexpr double ground_depth = 4.0;  // the ground is a slab whose top is z = 0; buildings stand one metre in it
-constexpr double recess = 0.6;        // of windows
+constexpr double ground_depth = 4.0;  // the ground is a slab whose top is z = 0; buildings reach one metre into it
+constexpr double recess = 0.6;        // depth of windows
 
 struct Building {
   glm::dvec2 low;   // corner on the ground
@@ -336,7 +341,8 @@ struct Building {
   double height;
 };
 
-// A lattice point strictly inside a wall is a window, set back, or flush with the wall.
+// Places a lattice point of a facade: points strictly inside a wall are windows, set back or flush with the wall at
+// random.
 glm::dvec3 facade_point(const Building& building, glm::ivec3 p, int cells, RandomStream& random) {
   const glm::dvec3 low(building.low, -1.0);
   const glm::dvec3 size(building.size, building.height + 1.0);
@@ -365,12 +371,12 @@ void append_ground(TriangleMesh& mesh, int blocks) {
   lattice.append_triangles(0, mesh.triangles);
 }
 
-// Heights grow towards the middle of the city.
+// Plans a building; heights grow towards the middle of the city.
 Building plan_building(glm::ivec2 block, glm::ivec2 quarter, int blocks, RandomStream& random) {
   constexpr double plot = (block_width - alley) / 2.0;
   const glm::dvec2 street((block_pitch - block_width) / 2.0);
   const glm::dvec2 corner = block_pitch * glm::dvec2(block) + street + (plot + alley) * glm::dvec2(quarter);
-  // One number after the other: the order of arguments and of sums is the compiler's.
+  // One random number per statement: C++ does not fix the evaluation order of arguments and operands.
   glm::dvec2 size;
   size.y = random.between(0.75, 1.0) * plot;
   size.x = random.between(0.75, 1.0) * plot;

@@ -15,7 +15,7 @@ namespace occlod {
 namespace {
 
 constexpr int lattice_cells = 48;  // pipes run along the edges of a lattice in the unit cube
-constexpr int shortest_piece = 2;  // lattice edges; longer than a diameter, so that mitres do not cross
+constexpr int shortest_piece = 2;  // in lattice edges; longer than a pipe's diameter, so that mitres do not cross
 constexpr double thinnest = 0.003;
 constexpr double thickest = 0.009;
 
@@ -71,7 +71,7 @@ class PipeBuilder {
     return heading.sign > 0 ? lattice_cells - 1 - place_[heading.axis] : place_[heading.axis] - 1;
   }
 
-  // Either way at random, unless there is too little room that way.
+  // Chooses the direction along the axis at random, unless there is too little room that way.
   void choose_sign(Heading& heading) {
     if (random_.below(2) == 0) heading.sign = -heading.sign;
     if (room(heading) < shortest_piece) heading.sign = -heading.sign;
@@ -88,8 +88,8 @@ class PipeBuilder {
     return next;
   }
 
-  // The ring where the pipe goes over from its heading into `next`: each line of its hull runs on to the mitre plane,
-  // and the offsets turn with the pipe. With next = heading, a straight cut.
+  // Appends the ring where the pipe turns from its heading into `next`: each line along its surface is extended to the
+  // mitre plane, and the offsets turn with the pipe. With next = heading the cut is straight.
   void append_ring(const glm::dvec3& next) {
     const glm::dvec3 along = heading_.direction();
     for (glm::dvec3& offset : offsets_) {
@@ -104,8 +104,8 @@ class PipeBuilder {
 
   [[nodiscard]] glm::dvec3 center() const { return glm::dvec3(place_) / static_cast<double>(lattice_cells); }
 
-  // Vertices: the first cap's centre, the rings, the last cap's centre. Rings run counter-clockwise seen against the
-  // heading.
+  // Appends triangles. The vertices are the first cap's centre, the rings and the last cap's centre. Rings run
+  // counter-clockwise seen against the heading.
   void append_triangles() {
     const auto sides = static_cast<VertexId>(options_.sides);
     const auto rings = static_cast<VertexId>(options_.bends) + 1;
@@ -127,7 +127,7 @@ class PipeBuilder {
   VertexId first_vertex_ = 0;
   glm::ivec3 place_{0};  // of the pipe's axis, in lattice edges
   Heading heading_{0, 1};
-  std::vector<glm::dvec3> offsets_;  // of the hull's lines from the axis
+  std::vector<glm::dvec3> offsets_;  // from the axis to the lines along the pipe's surface
 };
 
 void append_pipes(const PipesOptions& options, PartGiver& parts) {
@@ -160,7 +160,7 @@ void stream_pipes(const PipesOptions& options, const PartVisitor& visit) {
 
 namespace {
 
-// Metres.
+// Lengths are in metres.
 constexpr double wall = 0.3;   // thickness of walls and floors
 constexpr double room = 5.0;   // height of a storey, length of a bay, edge of a bundle of pipes
 constexpr double aisle = 3.0;  // between the bundles on both sides of it
@@ -168,7 +168,8 @@ constexpr double door_width = 1.2;
 constexpr double door_height = 2.2;
 constexpr double inset = 0.05;  // of bundles from walls, floor and ceiling
 
-// Floors and walls as one solid: some boxes of a grid with uneven steps. Doors, bays and the shaft are those left out.
+// Floors and walls as one solid: some boxes of a grid with uneven steps. Doors, bays and the shaft are the boxes left
+// out.
 class Structure {
  public:
   Structure(int storeys, int bays) : storeys_(storeys), bays_(bays) {
@@ -193,7 +194,7 @@ class Structure {
           if (is_solid(p)) append_box(mesh, p);
   }
 
-  // Where the bundle of a bay begins, on one side of the aisle or the other.
+  // Returns the corner of a bay's bundle with the smallest coordinates, on one side of the aisle or the other.
   [[nodiscard]] glm::dvec3 bundle_corner(int storey, int bay, int side) const {
     return glm::dvec3(places_[0][static_cast<std::size_t>(2 * bay + 1)], places_[1][side == 0 ? 1 : 5],
                       places_[2][static_cast<std::size_t>(3 * storey + 1)]) +
@@ -207,13 +208,14 @@ class Structure {
     if (p.x < 0 || p.y < 0 || p.z < 0 || p.x >= count(0) || p.y >= count(1) || p.z >= count(2)) return false;
     const bool outside = p.y == 0 || p.y == count(1) - 1 || p.x == 0 || p.x == count(0) - 1;
     if (outside || p.z == 0 || p.z == count(2) - 1) return true;
-    // The last bay of several has no floors in its aisle: a shaft through all storeys.
+    // The last of several bays has no floors in its aisle: a shaft goes through all storeys.
     if (p.z % 3 == 0) return bays_ == 1 || storeys_ == 1 || p.x != count(0) - 2 || p.y < 2 || p.y > 4;
     const bool is_door = p.y == 3 && p.z % 3 == 1;
     return p.x % 2 == 0 && !is_door;
   }
 
-  // Its sides towards boxes that are not solid, each as two triangles, counter-clockwise from outside.
+  // Appends the sides of a box towards boxes that are not solid, each as two triangles, counter-clockwise seen from
+  // outside.
   void append_box(TriangleMesh& mesh, const glm::ivec3& p) {
     for (int axis = 0; axis < 3; ++axis) {
       for (int side = 0; side < 2; ++side) {
@@ -243,8 +245,8 @@ class Structure {
   }
 
   int storeys_, bays_;
-  std::vector<double> steps_[3];   // of the grid, along each axis
-  std::vector<double> places_[3];  // where they begin and end
+  std::vector<double> steps_[3];   // widths of the grid's steps, along each axis
+  std::vector<double> places_[3];  // coordinates at which the steps begin and end
   std::unordered_map<int, VertexId> vertices_;
 };
 

@@ -143,7 +143,7 @@ std::uint16_t linear_color(std::uint8_t encoded) {
   return static_cast<std::uint16_t>(std::lround(65535.0 * srgb_to_linear(encoded / 255.0)));
 }
 
-// Our own writer of binary glTF: tinygltf's holds the whole file in memory several times.
+// Our own writer of binary glTF: tinygltf's writer holds the whole file in memory several times.
 
 namespace {
 
@@ -168,7 +168,7 @@ class GlbWriter {
     return document_.add_accessor(bytes, target, component_type, count, type);
   }
 
-  // In the order in which write() writes.
+  // Describes a primitive, with its data in the order in which write() writes them.
   void describe(const GlbPrimitive& primitive) {
     const std::size_t count = primitive.wedges.size();
     Json attributes;

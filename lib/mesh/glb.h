@@ -1,4 +1,4 @@
-// Meshes as glTF has them: a primitive for each material.
+// Binary glTF (GLB) for writers: a mesh as primitives, one per material, and the JSON of the file.
 #pragma once
 
 #include <cstddef>
@@ -13,28 +13,28 @@
 
 namespace occlod {
 
-// What has one material: its wedges, and its triangles by places in them.
+// The part of a mesh with one material: its wedges, and its triangles as indices into them.
 struct GlbPrimitive {
   MaterialId material = 0;
   std::vector<WedgeId> wedges;
   std::vector<Triangle> triangles;
 
-  // 65535 is no index.
+  // True when 16-bit indices suffice; 65535 is not a valid index.
   [[nodiscard]] bool has_short_indices() const noexcept { return wedges.size() < 65535; }
 };
 
-// A material's wedges come in the order of their first use; those of a mesh of one material as they are.
+// Splits a mesh into primitives. A material's wedges come in the order of their first use; those of a mesh with a
+// single material keep their order.
 [[nodiscard]] std::vector<GlbPrimitive> glb_primitives(const TriangleMesh& mesh);
 
-// The JSON of a binary glTF file and the places of what its buffer holds. The bytes of the buffer are the caller's.
-
-// What glTF numbers.
+// Constants of glTF.
 namespace gltf {
 inline constexpr int type_int8 = 5120, type_uint16 = 5123, type_uint32 = 5125, type_float = 5126;
 inline constexpr int array_buffer = 34962, element_array_buffer = 34963;
 }  // namespace gltf
 
-// One scene of one node of one mesh without primitives, at first.
+// The JSON of a binary glTF file and the layout of its buffer; the caller writes the bytes of the buffer. It starts
+// with one scene of one node of one mesh without primitives.
 class GlbDocument {
  public:
   using Json = nlohmann::ordered_json;
@@ -45,29 +45,30 @@ class GlbDocument {
   [[nodiscard]] Json& node() { return json_["nodes"][0]; }
   [[nodiscard]] Json& primitives() { return json_["meshes"][0]["primitives"]; }
 
-  // Makes room in the buffer, of a multiple of four bytes, and says from which byte on.
+  // Reserves a multiple of four bytes in the buffer and returns the position of the first.
   std::uint64_t reserve(std::uint64_t bytes);
-  // The same with a buffer view of it, whose number it returns. `target`: 0 for none.
+  // Reserves bytes in the buffer with a buffer view over them, and returns the view's number. `target` is 0 for none.
   std::size_t add_view(std::uint64_t bytes, int target);
-  // With a view of its own.
+  // Reserves bytes in the buffer for an accessor with its own buffer view, and returns the accessor's number.
   std::size_t add_accessor(std::uint64_t bytes, int target, int component_type, std::size_t count, const char* type);
-  // Not metallic, and blended where it is transparent.
+  // Adds a material that is not metallic, and blended when its base colour is transparent.
   void add_material(const Material& material);
-  // `image`: where it is, as glTF has it.
+  // `image` is the image object of glTF, with its URI or buffer view.
   void add_texture(const Texture& texture, Json image);
 
-  // All that comes before the bytes of the buffer. Fails when the file would be larger than GLB files can be.
+  // Returns everything in the file before the bytes of the buffer. Throws Error when the file would exceed the size of
+  // GLB files.
   [[nodiscard]] std::string head(const FileErrors& errors);
 
  private:
   Json json_;
-  std::uint64_t bytes_ = 0;  // of the buffer
+  std::uint64_t bytes_ = 0;  // size of the buffer
 };
 
-// The name of a file as a URI.
+// Returns the name of a file as a URI.
 [[nodiscard]] std::string uri_of(const std::string& file);
 
-// Of an sRGB channel: glTF's are linear.
+// Converts an sRGB channel to linear light, which glTF stores.
 [[nodiscard]] std::uint16_t linear_color(std::uint8_t encoded);
 
 }  // namespace occlod

@@ -17,9 +17,9 @@
 namespace occlod {
 namespace {
 
-// EXT_meshopt_compression of glTF files, by meshoptimizer where the library is built with it.
+// EXT_meshopt_compression is decoded by meshoptimizer, if the library is built with it.
 
-// What the extension says of a buffer view.
+// The properties that the extension gives to a buffer view.
 struct MeshoptView {
   std::span<const std::uint8_t> bytes;  // compressed
   std::size_t count = 0;                // of elements
@@ -28,8 +28,8 @@ struct MeshoptView {
   std::string filter;                   // empty, NONE, OCTAHEDRAL, QUATERNION or EXPONENTIAL
 };
 
-// count * stride bytes. Throws Error at `place` for a mode or size that the extension does not allow, for data that
-// are cut short or damaged, and always in a build without meshoptimizer.
+// Decodes to count * stride bytes. Throws Error at `place` for a mode or size that the extension does not allow, for
+// data that are cut short or damaged, and always in a build without meshoptimizer.
 [[nodiscard]] std::vector<std::uint8_t> decode_meshopt(const MeshoptView& view, const std::string& place,
                                                        const FileErrors& errors);
 
@@ -37,7 +37,8 @@ struct MeshoptView {
 
 constexpr const char* remedy = "export the mesh again, or without compression";
 
-// The codecs spend at least so much: a larger promise is not believed, and no memory taken for it.
+// False when the data are too short for that many elements: the codecs have a least size, so no memory is allocated for
+// such a promise.
 bool is_possible(const MeshoptView& view) {
   constexpr std::size_t max_bytes_of_one = 4096;
   const std::size_t bytes = view.bytes.size();
@@ -51,7 +52,7 @@ bool has_valid_layout(const MeshoptView& view) {
   return (view.mode == "TRIANGLES" || view.mode == "INDICES") && (view.stride == 2 || view.stride == 4);
 }
 
-// False where the filter does not fit the elements.
+// Returns false when the filter does not fit the elements.
 bool unfilter(const MeshoptView& view, std::vector<std::uint8_t>& bytes) {
   if (view.filter.empty() || view.filter == "NONE") return true;
   if (view.mode != "ATTRIBUTES") return false;
@@ -97,7 +98,7 @@ std::vector<std::uint8_t> decode_meshopt(const MeshoptView&, const std::string& 
 constexpr const char* compression_name = "EXT_meshopt_compression";
 constexpr const char* beyond = "reaches beyond its buffer: the file was cut or is malformed";
 
-// Whether `count` elements lie inside so many bytes.
+// True when `count` elements fit in `bytes` bytes.
 bool fits(std::size_t bytes, std::size_t offset, std::size_t count, std::size_t stride, std::size_t size) {
   return offset <= bytes && (count == 0 || (size <= bytes - offset && count - 1 <= (bytes - offset - size) / stride));
 }
@@ -179,7 +180,7 @@ void GltfAccessor::read_base(GltfViews& views, const tinygltf::Accessor& accesso
   data_ = view.bytes.data() + accessor.byteOffset;
 }
 
-// A copy without gaps, or zeros.
+// Makes a packed copy of the elements, or zeros when there are none.
 void GltfAccessor::make_own(std::size_t size) {
   own_.assign(count_ * size, 0);
   for (std::size_t i = 0; data_ != nullptr && i < count_; ++i)
@@ -191,7 +192,7 @@ void GltfAccessor::make_own(std::size_t size) {
 void GltfAccessor::replace_sparse(GltfViews& views, const tinygltf::Accessor& accessor, std::size_t size,
                                   const std::string& place) {
   const FileErrors& errors = views.errors();
-  // Zeros that nobody wrote down may not take more memory than the file.
+  // Implicit zeros may not take more memory than the file.
   std::size_t file_bytes = 0;
   for (const tinygltf::Buffer& buffer : views.model().buffers) file_bytes += buffer.data.size();
   if (data_ == nullptr && count_ > file_bytes)
@@ -214,7 +215,7 @@ void GltfAccessor::replace_sparse(GltfViews& views, const tinygltf::Accessor& ac
   const std::uint8_t* const indices = bytes_of(sparse.indices.bufferView, sparse.indices.byteOffset, index_size);
   const std::uint8_t* const values = bytes_of(sparse.values.bufferView, sparse.values.byteOffset, size);
   for (std::size_t i = 0; i < count; ++i) {
-    std::uint32_t index = 0;  // little-endian, as this machine is
+    std::uint32_t index = 0;  // little-endian, like this machine
     std::memcpy(&index, indices + i * index_size, index_size);
     if (index >= count_)
       errors.fail(place, fmt::format("has a sparse value for element {} of {}", index, count_), gltf_remedy);

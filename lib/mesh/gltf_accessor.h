@@ -1,5 +1,5 @@
-// The numbers of glTF files: accessors, plain and sparse, over buffer views, plain and compressed by meshoptimizer.
-// tinygltf leaves unchecked that they stay inside their buffers; that is checked here.
+// Reads the numbers of glTF files: accessors, plain and sparse, over buffer views, plain and compressed by
+// meshoptimizer. Checks that they stay inside their buffers, which tinygltf does not.
 #pragma once
 
 #include <algorithm>
@@ -19,17 +19,17 @@ namespace occlod {
 
 inline constexpr const char* gltf_remedy = "export the mesh again";
 
-// Finds the bytes of buffer views, and keeps those that had to be decoded. The model and errors outlive it.
+// Finds the bytes of buffer views and keeps those that had to be decoded. The model and the errors outlive it.
 class GltfViews {
  public:
   GltfViews(const tinygltf::Model& model, const FileErrors& errors) : model_(model), errors_(errors) {}
 
   struct View {
-    std::span<const std::uint8_t> bytes;  // from its beginning to the end of its buffer
-    std::size_t length = 0;               // its own bytes, which may be more than there are
-    std::size_t stride = 0;               // of elements; 0: they are packed
+    std::span<const std::uint8_t> bytes;  // from the view's beginning to the end of its buffer
+    std::size_t length = 0;               // size of the view, which may exceed `bytes` in a damaged file
+    std::size_t stride = 0;               // bytes between elements; 0: they are packed
   };
-  // `place` names what needs it in errors.
+  // Returns a buffer view. `place` names in errors what needs it.
   [[nodiscard]] View view(int index, const std::string& place);
 
   [[nodiscard]] const tinygltf::Model& model() const { return model_; }
@@ -40,13 +40,13 @@ class GltfViews {
 
   const tinygltf::Model& model_;
   const FileErrors& errors_;
-  std::map<int, std::vector<std::uint8_t>> decoded_;  // by view
+  std::map<int, std::vector<std::uint8_t>> decoded_;  // by index of the view
 };
 
-// Typed reading of one accessor.
+// Reads the numbers of one accessor.
 class GltfAccessor {
  public:
-  // Of at least so many components.
+  // Opens an accessor. Throws Error when it has fewer than `components` components.
   GltfAccessor(GltfViews& views, int index, int components);
   GltfAccessor(const GltfAccessor&) = delete;
   GltfAccessor& operator=(const GltfAccessor&) = delete;
@@ -54,7 +54,7 @@ class GltfAccessor {
   [[nodiscard]] std::size_t count() const { return count_; }
   [[nodiscard]] int components() const { return components_; }
 
-  // Component k of element i; normalized integers become fractions.
+  // Returns component k of element i; normalized integers become fractions.
   [[nodiscard]] double value(std::size_t i, int k) const {
     switch (component_type_) {
       case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
@@ -77,7 +77,7 @@ class GltfAccessor {
   }
 
  private:
-  // `size`: of an element.
+  // `size` is the number of bytes of an element.
   void read_base(GltfViews& views, const tinygltf::Accessor& accessor, std::size_t size, const std::string& place);
   void make_own(std::size_t size);
   void replace_sparse(GltfViews& views, const tinygltf::Accessor& accessor, std::size_t size, const std::string& place);
@@ -96,7 +96,7 @@ class GltfAccessor {
   }
 
   const std::uint8_t* data_ = nullptr;
-  std::vector<std::uint8_t> own_;  // what data_ points to, of a sparse accessor
+  std::vector<std::uint8_t> own_;  // the data of a sparse accessor, to which data_ points
   std::size_t count_ = 0;
   std::size_t stride_ = 0;
   int component_type_ = 0;

@@ -38,14 +38,14 @@ bool is_number(std::string_view word) {
   return first != last && parse_double(first, last, value).ptr == last;
 }
 
-// Whether the word is one that a double can hold, too.
+// Reads a number; returns false when the word is none or exceeds the range of double.
 bool read_number(std::string_view word, double& value) {
   const char* const first = word.data() + (word.starts_with('+') ? 1 : 0);
   return is_number(word) && parse_double(first, word.data() + word.size(), value).ec == std::errc{};
 }
 
-// An option of a map_ line and what follows it: a number of words, of which all but the first may be missing where
-// they are numbers.
+// An option of a map_ line and the number of words after it; all words but the first may be missing if they are
+// numbers.
 struct MapOption {
   std::string_view name;
   int words;
@@ -98,7 +98,7 @@ class MtlParser {
     return materials_.back();
   }
 
-  // r [g b]; a spectral curve is not followed and CIE XYZ not converted.
+  // Reads "r [g b]"; spectral curves are not followed and CIE XYZ is not converted.
   void read_color() {
     Material& material = current().material;
     const std::string_view line = cursor_.rest_of_line();
@@ -114,7 +114,7 @@ class MtlParser {
       material.base_color[static_cast<int>(i)] = static_cast<float>(srgb_to_linear(color[i]));
   }
 
-  // [-halo] opacity
+  // Reads "[-halo] opacity".
   void read_dissolve() {
     Words words(cursor_.rest_of_line());
     if (words.front() == "-halo") words.take();
@@ -122,7 +122,7 @@ class MtlParser {
     has_dissolve_ = true;
   }
 
-  // "[options] file", where the name of the file may have blanks.
+  // Reads "[options] file", where the name of the file may contain blanks.
   void read_map() {
     MtlMaterial& material = current();
     Texture texture;
@@ -144,7 +144,7 @@ class MtlParser {
     material.placement = placement;
   }
 
-  // u [v [w]]; w is for textures in three dimensions.
+  // Reads "u [v [w]]"; w is for textures in three dimensions.
   glm::dvec2 take_pair(std::string_view option, Words& words, double missing) const {
     glm::dvec2 pair(missing);
     for (int i = 0; i < 3 && (i == 0 || is_number(words.front())); ++i) {
@@ -158,7 +158,7 @@ class MtlParser {
     return pair;
   }
 
-  // The opposite; some programs write Tr 1 beside d 1 for what is opaque.
+  // Reads Tr, which is 1 - d. Some programs write Tr 1 beside d 1 for opaque materials.
   void read_transparency() {
     Words words(cursor_.rest_of_line());
     Material& material = current().material;
@@ -178,7 +178,7 @@ class MtlParser {
 
   TextCursor cursor_;
   std::vector<MtlMaterial> materials_;
-  bool has_dissolve_ = false;  // the current one
+  bool has_dissolve_ = false;  // true when the current material has d
 };
 
 }  // namespace

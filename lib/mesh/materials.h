@@ -1,4 +1,5 @@
-// Between sRGB, in which files and meshes have the colours of vertices, and linear light (IEC 61966-2-1).
+// Materials while a file is read: conversion of colours, material libraries of OBJ files, and a table of materials by
+// name.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +18,8 @@
 
 namespace occlod {
 
-// Both take and give values in [0, 1]; others are clamped and NaN is 0.
+// These functions convert between sRGB, in which files and meshes have vertex colours, and linear light (IEC
+// 61966-2-1). Arguments and results are in [0, 1]; other arguments are clamped and NaN becomes 0.
 [[nodiscard]] inline double srgb_to_linear(double encoded) noexcept {
   const double v = encoded > 0.0 ? std::min(encoded, 1.0) : 0.0;
   return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
@@ -27,41 +29,36 @@ namespace occlod {
   return v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1.0 / 2.4) - 0.055;
 }
 
-// Material libraries of OBJ files.
-
-// What a map_ line does with texture coordinates: it shows its image at scale * coordinate + offset.
+// How a map_ line transforms texture coordinates: it shows its image at scale * coordinate + offset.
 struct MapPlacement {
   glm::dvec2 scale{1.0};   // -s, finite
   glm::dvec2 offset{0.0};  // -o, finite
   [[nodiscard]] bool operator==(const MapPlacement&) const = default;
 };
 
-// A newmtl block, as far as a Material says it.
+// The contents of a newmtl block, as far as Material has fields for them.
 struct MtlMaterial {
-  Material material;            // its texture is not set
-  Texture texture;              // its file is empty where there is none
-  MapPlacement placement = {};  // of the texture
+  Material material;            // without its texture
+  Texture texture;              // its file is empty when the material has no texture
+  MapPlacement placement = {};  // how the texture is placed
 };
 
-// newmtl, Kd, d, Tr and map_Kd, of which the options but -clamp, -o and -s are skipped; the rest is ignored. `text` is
-// UTF-8.
-// Throws Error for numbers that cannot be read and for what comes before the first newmtl. O(n).
+// Reads newmtl, Kd, d, Tr and map_Kd, with the options -clamp, -o and -s of map_Kd; everything else is ignored. `text`
+// is UTF-8. Throws Error for numbers that cannot be read and for values before the first newmtl. O(n).
 [[nodiscard]] std::vector<MtlMaterial> parse_mtl(std::string_view text, const FileErrors& errors);
 
-// The name of a file as it stands in a text, with slashes for the backslashes of Windows.
+// Returns a file name from a text with slashes instead of the backslashes of Windows.
 [[nodiscard]] std::string with_slashes(std::string_view name);
 
-// The materials and textures of a file while it is read.
-
-// Ids are 16 bits, of which the last is no texture.
+// Ids have 16 bits, and the last one means "no texture".
 inline constexpr std::size_t max_materials = no_texture;
 
-// Adds to the lists of a soup, which outlives it.
+// The materials and textures of a file while it is read. Adds to the lists of a soup, which outlives it.
 class MaterialTable {
  public:
   explicit MaterialTable(SoupTables& soup) : soup_(soup) {}
 
-  // The material of this name, which is added where there is none. False where there are too many.
+  // Finds the material of this name and adds it if it is missing. Returns false when there are too many.
   [[nodiscard]] bool find_or_add(std::string_view name, MaterialId& id) {
     const auto found = by_name_.find(name);
     if (found != by_name_.end()) {
@@ -74,13 +71,13 @@ class MaterialTable {
     by_name_.emplace(name, id);
     return true;
   }
-  // The material of this name, or null.
+  // Returns the material of this name, or null.
   [[nodiscard]] Material* find(std::string_view name) {
     const auto found = by_name_.find(name);
     return found == by_name_.end() ? nullptr : &soup_.materials[found->second];
   }
-  // The texture of a file that repeats like this, which is added where there is none. There are no more textures than
-  // materials.
+  // Returns the texture with this file and these wrap modes and adds it if it is missing. There are at most as many
+  // textures as materials.
   [[nodiscard]] TextureId texture(Texture texture) {
     const auto [found, added] = textures_.try_emplace({texture.file, texture.wrap_s, texture.wrap_t},
                                                       static_cast<TextureId>(soup_.textures.size()));

@@ -55,7 +55,7 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr const char* extension = "EXT_meshopt_compression";
-constexpr std::size_t header_bytes = 20;  // of a binary file and its first chunk
+constexpr std::size_t header_bytes = 20;  // size of the headers of a binary file and its first chunk
 
 std::uint32_t word_at(std::string_view bytes, std::size_t offset) {
   return load<std::uint32_t>(bytes.data() + offset, std::endian::little);
@@ -63,7 +63,7 @@ std::uint32_t word_at(std::string_view bytes, std::size_t offset) {
 
 bool is_binary(std::string_view bytes) { return bytes.substr(0, 4) == "glTF"; }
 
-// Empty where nothing has to be replaced, or where the text is none.
+// Returns an empty text when nothing has to be replaced or the text is not JSON.
 std::string with_placeholders(std::string_view text, bool has_chunk) {
   if (text.find(extension) == std::string_view::npos) return {};
   Json json = Json::parse(text, nullptr, false);
@@ -124,7 +124,7 @@ std::string_view without_quotes(std::string_view name) {
   return quoted ? name.substr(1, name.size() - 2) : name;
 }
 
-// Looks at no line without the keyword: files are large, and have one such line or none.
+// Reads only lines with the keyword: files are large and have one such line or none.
 std::vector<fs::path> libraries_of(InputBytes& input, const fs::path& folder, const FileErrors& errors) {
   constexpr std::string_view keyword = "mtllib";
   std::vector<fs::path> files;
@@ -132,7 +132,7 @@ std::vector<fs::path> libraries_of(InputBytes& input, const fs::path& folder, co
   for (std::string_view lines; chunks.next(lines);) {
     for (std::size_t at = lines.find(keyword); at != std::string_view::npos;
          at = lines.find(keyword, at + keyword.size())) {
-      const std::size_t line = lines.find_last_of("\r\n", at) + 1;  // 0 where there is none before
+      const std::size_t line = lines.find_last_of("\r\n", at) + 1;  // 0 when there is no line before
       TextCursor cursor(lines.substr(line), errors, obj_syntax);
       if (!cursor.find_word() || cursor.word() != keyword) continue;
       for (const std::string& name : library_names(cursor.rest_of_line(), folder)) files.push_back(folder / name);
@@ -198,7 +198,7 @@ std::string file_name_of_uri(std::string_view uri) {
 
 namespace {
 
-// The bytes of the file are freed on return.
+// Reads and parses a file; its bytes are freed on return.
 PolygonSoup parse_file(const std::filesystem::path& path, const FileErrors& errors,
                        const std::function<void(double)>& progress) {
   const MeshFormat format = format_of(path, errors);
@@ -220,7 +220,7 @@ PolygonSoup parse_mesh(MeshFormat format, InputBytes& input, const FileErrors& e
       return parse_off(text, errors);
     case MeshFormat::gltf:
       return parse_gltf(text, errors);
-    case MeshFormat::ply:  // above
+    case MeshFormat::ply:  // parsed by their own functions above
     case MeshFormat::obj:
     case MeshFormat::stl:
       break;

@@ -1,4 +1,4 @@
-// Text and numbers on their way into a file.
+// Writers of formats with materials, which write_mesh() calls, and the buffered output that they share.
 #pragma once
 
 #include <fmt/format.h>
@@ -31,7 +31,7 @@ class ChunkedWriter {
     fmt::format_to(std::back_inserter(chunk_), format, std::forward<Args>(args)...);
     if (chunk_.size() >= chunk_size) flush();
   }
-  // The bytes of `values` in little-endian order, without gaps.
+  // Writes the bytes of `values` in little-endian order, without gaps.
   template <class... Numbers>
   void numbers(Numbers... values) {
     constexpr std::size_t size = (sizeof(Numbers) + ...);
@@ -60,22 +60,21 @@ class ChunkedWriter {
   fmt::memory_buffer chunk_;
 };
 
-// The writers of formats with materials, which write_mesh() calls.
-
-// Also writes PATH with the extension .mtl where the mesh has materials. `path`: of the mesh.
+// Writes OBJ, and a file PATH with the extension .mtl when the mesh has materials. `path` is that of the mesh.
 void write_obj(ChunkedWriter& out, const TriangleMesh& mesh, const std::filesystem::path& path);
 
-// Throws Error that names `path` for a mesh of more than 4 GiB, which a GLB file cannot be.
+// Writes GLB. Throws Error that names `path` for a mesh of more than 4 GiB, which a GLB file cannot hold.
 void write_glb(ChunkedWriter& out, const TriangleMesh& mesh, const std::filesystem::path& path);
 
-// The files of the textures, as a mesh at `path` names them. Images that the mesh holds are written beside it, as
-// STEM_<number>.png or what they are.
+// Returns the names of the texture files as a mesh at `path` refers to them. Images that the mesh holds are written
+// beside it, as STEM_<number>.png or with the extension of their format.
 [[nodiscard]] std::vector<std::string> texture_files(const TriangleMesh& mesh, const std::filesystem::path& path);
 
-// Of an image's first bytes, where the mesh does not say it: image/png, image/jpeg or application/octet-stream.
+// Returns the MIME type of an image from its first bytes when the mesh does not give it: image/png, image/jpeg or
+// application/octet-stream.
 [[nodiscard]] std::string mime_type_of(const Texture& texture);
 
-// The second texture coordinate where the other origin counts from.
+// Converts the second texture coordinate to the other texture origin.
 [[nodiscard]] inline float from_other_origin(float v) noexcept { return 1.0F - v; }
 
 }  // namespace occlod

@@ -1,5 +1,5 @@
-// glTF 2.0, text and binary, through tinygltf: the triangles of every mesh that the default scene places, in world
-// space. tinygltf parses; what it leaves unchecked, that nodes form a tree, is checked here.
+// Reads glTF 2.0, text and binary, through tinygltf: the triangles of every mesh that the default scene places, in
+// world space. tinygltf parses; that nodes form a tree is checked here.
 
 #include <fmt/format.h>
 
@@ -30,26 +30,26 @@
 namespace occlod {
 namespace {
 
-// Materials and textures of glTF files, as far as the base colour goes.
-
 // How a material looks up its base colour texture.
 struct GltfLookup {
   int set = 0;                  // TEXCOORD_<set>
-  bool is_transformed = false;  // KHR_texture_transform, applied from here on:
+  bool is_transformed = false;  // KHR_texture_transform, given by the fields below:
   glm::dvec2 row_u{1.0, 0.0};   // u' = dot(row_u, uv) + offset.x
   glm::dvec2 row_v{0.0, 1.0};   // v' = dot(row_v, uv) + offset.y
   glm::dvec2 offset{0.0};
 };
 
-// Fills the materials and textures of a soup: all materials of the file in their order, and, where a primitive has
-// none, one without a name behind them. Throws Error for textures and images that are not there.
+// Fills the materials and textures of a soup, as far as the base colour needs them: all materials of the file in their
+// order, followed by one without a name if a primitive has no material. Throws Error for textures and images that do
+// not exist.
 class GltfMaterials {
  public:
   GltfMaterials(GltfViews& views, PolygonSoup& soup);
 
-  // The id of a material of the file; negative: of a primitive without. Throws Error where it is not there.
+  // Returns the id of a material of the file; a negative number stands for a primitive without material. Throws Error
+  // when the material does not exist.
   [[nodiscard]] MaterialId id_of(int material);
-  // The same material's.
+  // Returns the texture lookup of a material.
   [[nodiscard]] const GltfLookup& lookup(MaterialId id) const { return lookups_[id]; }
 
  private:
@@ -80,8 +80,8 @@ glm::dvec2 pair_or(const tinygltf::Value& value, double otherwise) {
   return pair;
 }
 
-// Counter-clockwise seen with v upwards, so that the example of the extension (offset 0 1, a quarter turn, scale 0.5)
-// shows the lower left quarter of the image, as it says.
+// The rotation is counter-clockwise seen with v upwards, so that the example of the extension (offset 0 1, a quarter
+// turn, scale 0.5) shows the lower left quarter of the image, as the extension says.
 GltfLookup lookup_of(const tinygltf::TextureInfo& info) {
   GltfLookup lookup;
   lookup.set = std::max(info.texCoord, 0);
@@ -98,7 +98,7 @@ GltfLookup lookup_of(const tinygltf::TextureInfo& info) {
   return lookup;
 }
 
-// The image of a texture whose own format is an extension.
+// Returns the image of a texture, also when an extension gives its format.
 int source_of(const tinygltf::Texture& texture) {
   if (texture.source >= 0) return texture.source;
   for (const char* name : {"EXT_texture_webp", "KHR_texture_basisu", "MSFT_texture_dds"}) {
@@ -176,7 +176,7 @@ void GltfMaterials::fill(Texture& texture, int image_index) {
     return;
   }
   texture.mime_type = image.mimeType;
-  texture.bytes = image.image;  // of a data URI
+  texture.bytes = image.image;  // from a data URI
   if (image.bufferView < 0) return;
   const std::string place = fmt::format("image {}", image_index);
   const GltfViews::View view = views_.view(image.bufferView, place);
@@ -186,7 +186,7 @@ void GltfMaterials::fill(Texture& texture, int image_index) {
 }
 
 constexpr const char* remedy = gltf_remedy;
-constexpr std::size_t max_depth = 256;  // of the node tree: deeper ones are taken for cycles
+constexpr std::size_t max_depth = 256;  // depth of the node tree; a deeper one is treated as a cycle
 
 glm::dmat4 local_transform(const tinygltf::Node& node) {
   if (node.matrix.size() == 16) return glm::make_mat4(node.matrix.data());
@@ -212,7 +212,8 @@ class GltfReader {
   }
 
  private:
-  // Those of images do not matter here: whoever draws decodes them.
+  // Refuses required extensions that are not supported. Extensions of images do not matter here: the program that draws
+  // decodes them.
   void check_extension(const std::string& name) const {
     constexpr std::array<std::string_view, 6> known{"KHR_mesh_quantization",   "KHR_texture_transform",
                                                     "EXT_meshopt_compression", "EXT_texture_webp",
@@ -226,7 +227,7 @@ class GltfReader {
                  "decompress the file: gltf-transform copy IN OUT, or export it without Draco");
   }
 
-  // The nodes of the default scene, or every node without a parent.
+  // Returns the root nodes of the default scene, or all nodes without a parent.
   [[nodiscard]] std::vector<int> roots() const {
     const int scene = model_.defaultScene >= 0 ? model_.defaultScene : 0;
     if (static_cast<std::size_t>(scene) < model_.scenes.size())
@@ -275,7 +276,7 @@ class GltfReader {
           to_world * glm::dvec4(positions.value(i, 0), positions.value(i, 1), positions.value(i, 2), 1.0);
       soup_.add_vertex(p.x, p.y, p.z, 0);
     }
-    // Files without materials need none.
+    // A file without materials gets none.
     std::optional<MaterialId> material;
     if (!model_.materials.empty()) material = materials_.id_of(primitive.material);
     const GltfLookup lookup = material ? materials_.lookup(*material) : GltfLookup{};
@@ -360,7 +361,7 @@ class GltfReader {
         mode == TINYGLTF_MODE_TRIANGLES ? indices.size() / 3 : std::max<std::size_t>(indices.size(), 2) - 2;
     for (std::size_t t = 0; t < triangles; ++t) {
       std::array<std::uint64_t, 3> corners = corners_of(indices, mode, t);
-      if (mirrored) std::swap(corners[1], corners[2]);  // as glTF asks: the front stays the front
+      if (mirrored) std::swap(corners[1], corners[2]);  // as glTF requires: the front stays the front
       for (const std::uint64_t corner : corners) soup_.add_corner(static_cast<VertexId>(first + corner));
       soup_.end_polygon(0);
     }
@@ -369,11 +370,11 @@ class GltfReader {
   static std::array<std::uint64_t, 3> corners_of(const std::vector<std::uint64_t>& indices, int mode, std::size_t t) {
     if (mode == TINYGLTF_MODE_TRIANGLES) return {indices[3 * t], indices[3 * t + 1], indices[3 * t + 2]};
     if (mode == TINYGLTF_MODE_TRIANGLE_FAN) return {indices[0], indices[t + 1], indices[t + 2]};
-    // Every second triangle of a strip runs the other way round.
+    // Every second triangle of a strip is reversed.
     return {indices[t], indices[t + 1 + t % 2], indices[t + 2 - t % 2]};
   }
 
-  // Primitives without an attribute that others have get a neutral one.
+  // Gives primitives a neutral value for attributes that only other primitives have.
   void pad_attributes() {
     if (!soup_.normals.empty()) soup_.normals.resize(soup_.positions.size(), glm::vec3(0.0F));
     if (!soup_.colors.empty()) soup_.colors.resize(soup_.positions.size(), glm::u8vec4(255));
@@ -390,7 +391,7 @@ class GltfReader {
   std::size_t visits_ = 0;
 };
 
-// tinygltf's own callbacks expand names through the shell and read from anything of that name, even an endless device.
+// tinygltf's own callbacks expand names through the shell and read any kind of file, even an endless device.
 tinygltf::FsCallbacks plain_files() {
   tinygltf::FsCallbacks files{};
   files.FileExists = [](const std::string& name, void*) {
@@ -408,7 +409,7 @@ tinygltf::FsCallbacks plain_files() {
 PolygonSoup parse_gltf(std::string_view bytes, const FileErrors& errors) {
   tinygltf::TinyGLTF loader;
   loader.SetFsCallbacks(plain_files());
-  // Images are not decoded. Those in buffer views are looked up later, where the view is checked.
+  // Images are not decoded; those in buffer views are looked up later, where the view is checked.
   loader.SetImageLoader(
       [](tinygltf::Image* image, const int, std::string*, std::string*, int, int, const unsigned char* data, int size,
          void*) {
@@ -430,7 +431,7 @@ PolygonSoup parse_gltf(std::string_view bytes, const FileErrors& errors) {
                : loader.LoadASCIIFromString(&model, &problem, &warning, bytes.data(), size, folder);
   } catch (const std::bad_alloc&) {
     throw;
-  } catch (const std::exception&) {  // it assumes that all parts of a binary file are there
+  } catch (const std::exception&) {  // tinygltf assumes that all parts of a binary file exist
     problem = "its parts do not fit together";
   }
   if (!read) {

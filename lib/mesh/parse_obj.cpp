@@ -1,5 +1,5 @@
-// Our own reader: OpenMesh's skips vertex lines that it cannot parse, which shifts the index of every later vertex, and
-// names no line in its messages.
+// Our own OBJ reader: OpenMesh's reader skips vertex lines that it cannot parse, which shifts the index of every later
+// vertex, and its messages name no line.
 
 #include <fmt/format.h>
 
@@ -25,17 +25,16 @@
 namespace occlod {
 namespace {
 
-// Texture coordinates of materials that scale and move their textures: OBJ.
-
-// Gives the corners of polygons whose material places its texture coordinates of their own, at the end of those there
-// are; others stay as they are, and corners without any have none. `placements`: by material, of a soup whose polygons
-// have materials; indices of corners have been checked. Throws Error when ids cannot count the texture coordinates.
-// O(corners); a copy of a coordinate for each run of polygons of one placement that uses it.
+// Applies the texture placements of materials: corners of polygons whose material scales or moves its texture get new
+// texture coordinates at the end of the list; other corners stay as they are. `placements` is by material, for a soup
+// whose polygons have materials; indices of corners have been checked. Throws Error when there are not enough ids for
+// the texture coordinates. O(corners); a coordinate is copied once for each run of polygons of one placement that uses
+// it.
 template <class Storage>
 void place_textures(const BasicPolygonSoup<Storage>& soup, std::span<const MapPlacement> placements,
                     CornerAttributes<Storage>& attributes, const FileErrors& errors);
 
-constexpr std::size_t polygons_between_looks = 4096;  // whether memory has room
+constexpr std::size_t polygons_between_looks = 4096;  // between two calls of make_room()
 
 glm::vec2 placed(const glm::vec2& at, const MapPlacement& by) {
   const glm::dvec2 there = by.scale * glm::dvec2(at) + by.offset;
@@ -49,8 +48,8 @@ void place_textures(const BasicPolygonSoup<Storage>& soup, std::span<const MapPl
   auto& corners = attributes.corners;
   auto& coordinates = attributes.texture_coordinates;
   if (coordinates.empty() || std::ranges::count(placements, as_it_is) == std::ssize(placements)) return;
-  typename Storage::template Array<std::uint32_t> copies(coordinates.size(), 0);  // by coordinate: its latest
-  std::size_t run = coordinates.size();                                           // from here on copies are placed by:
+  typename Storage::template Array<std::uint32_t> copies(coordinates.size(), 0);  // latest copy, by coordinate
+  std::size_t run = coordinates.size();                                           // first copy that is placed by `by`
   const MapPlacement* by = &as_it_is;
   std::size_t corner = 0;
   for (std::size_t polygon = 0; polygon < soup.polygon_count() && corner < corners.size(); ++polygon) {
@@ -83,26 +82,24 @@ template void place_textures(const PolygonSoup&, std::span<const MapPlacement>, 
 template void place_textures(const ScratchSoup&, std::span<const MapPlacement>, CornerAttributes<InScratch>&,
                              const FileErrors&);
 
-// The materials of an OBJ file: usemtl lines and the files that mtllib lines name.
-
-// Fills the materials and textures of a soup, in the order of their names on usemtl lines. The soup outlives
-// it.
+// Fills the materials and textures of a soup from usemtl lines and from the files that mtllib lines name, in the order
+// of their names on usemtl lines. The soup outlives it.
 class ObjMaterials {
  public:
   explicit ObjMaterials(SoupTables& soup) : soup_(soup), table_(soup) {}
 
-  // Of the polygons from here on. Those before the first have a material without a name: true for the first where there
-  // are some.
+  // Sets the material of the polygons from here on. Polygons before the first usemtl line get a material without a
+  // name: returns true for the first line when there are such polygons.
   [[nodiscard]] bool use(std::string_view name, bool has_polygons, const TextCursor& cursor);
-  // What follows mtllib: a name, or several between blanks.
+  // Takes the text after mtllib: one name, or several separated by blanks.
   void add_library(std::string_view names) { libraries_.emplace_back(names); }
-  // Whether polygons have materials, and that of the next one.
+  // any() is true when polygons have materials; current() is the material of the next polygon.
   [[nodiscard]] bool any() const { return !soup_.materials.empty(); }
   [[nodiscard]] MaterialId current() const { return current_; }
   // Looks up the materials. One that no library has keeps its name and counts as left out. Throws Error that names the
   // library for one that cannot be read, but not for one that does not exist.
   void read_libraries(const FileErrors& errors);
-  // Of the textures, by material; after read_libraries().
+  // Returns the texture placements by material; call it after read_libraries().
   [[nodiscard]] std::span<const MapPlacement> placements() const { return placements_; }
 
  private:
@@ -113,7 +110,7 @@ class ObjMaterials {
   MaterialId current_ = 0;
   std::vector<std::string> libraries_;
   std::vector<bool> is_defined_;          // by material
-  std::vector<MapPlacement> placements_;  // likewise
+  std::vector<MapPlacement> placements_;  // by material
 };
 
 namespace fs = std::filesystem;
@@ -140,7 +137,8 @@ void ObjMaterials::read_libraries(const FileErrors& errors) {
     soup_.left_out.materials += !is_defined_[m] && !soup_.materials[m].name.empty();
 }
 
-// The first definition of a name counts. Names of textures become relative to the folder of the OBJ file.
+// Reads a library. The first definition of a name counts. Names of textures become relative to the folder of the OBJ
+// file.
 void ObjMaterials::read_library(const fs::path& path, const fs::path& folder) {
   const FileErrors errors(path);
   std::error_code unknown;
@@ -164,9 +162,9 @@ void ObjMaterials::read_library(const fs::path& path, const fs::path& folder) {
   }
 }
 
-// The largest index that faces use into a list, which may follow them.
+// The largest index that faces use into a list, which may come after them in the file.
 struct LargestIndex {
-  std::uint64_t end = 0;  // one more than it
+  std::uint64_t end = 0;  // the largest index plus one
   std::uint64_t line = 0;
 
   void add(std::uint32_t index, std::uint64_t at_line) {
@@ -176,7 +174,7 @@ struct LargestIndex {
   }
 };
 
-// A face's corner. The file's indices count from 1, or back from the newest element with -1; ours count from 0.
+// A corner of a face. The file's indices count from 1, or back from the newest element with -1; ours count from 0.
 struct ObjCorner {
   VertexId vertex;
   AttributeCorner attributes;
@@ -224,7 +222,7 @@ class ObjParser {
       soup_.polygon_materials.resize(soup_.polygon_count(), MaterialId{0});
   }
 
-  // x y z, x y z w (w only weighs curves) or x y z r g b; what follows is ignored.
+  // Reads "x y z", "x y z w" (w is a weight for curves) or "x y z r g b"; the rest of the line is ignored.
   void read_vertex() {
     const std::uint64_t line = cursor_.line();
     const double x = cursor_.number("x of a vertex");
@@ -251,7 +249,7 @@ class ObjParser {
     attributes_.normals.emplace_back(x, y, z);
   }
 
-  // u [v [w]]
+  // Reads "u [v [w]]".
   void read_texture_coordinate() {
     const float u = to_float(cursor_.number("u of a texture coordinate"));
     const float v = cursor_.at_line_end() ? 0.0F : to_float(cursor_.number("v of a texture coordinate"));
@@ -275,7 +273,7 @@ class ObjParser {
     if (materials_.any()) soup_.polygon_materials.push_back(materials_.current());
   }
 
-  // v, v/vt, v//vn or v/vt/vn.
+  // Reads "v", "v/vt", "v//vn" or "v/vt/vn".
   ObjCorner parse_corner(std::string_view text) {
     const char* at = text.data();
     const char* const end = at + text.size();
@@ -290,7 +288,7 @@ class ObjParser {
     return corner;
   }
 
-  // Skips a slash that is followed by something.
+  // Skips a slash if something follows it.
   static bool skip_slash(const char*& at, const char* end) {
     if (*at != '/' || end - at < 2) return false;
     ++at;
@@ -346,7 +344,7 @@ class ObjParser {
     return static_cast<std::uint64_t>(std::ranges::count(used, false));
   }
 
-  // Components go up to 1, or up to 255 where any is larger than 1.
+  // Scales colours: components go up to 1, or up to 255 when any is larger than 1.
   void resolve_colors() {
     if (raw_colors_.empty()) return;
     float largest = 0.0f;
@@ -360,13 +358,14 @@ class ObjParser {
     }
   }
 
-  static constexpr glm::vec3 no_color{-1.0f};  // of vertices in a file where only others have one: white
+  static constexpr glm::vec3 no_color{-1.0f};  // marks vertices without a colour in a file that has colours; they
+                                               // become white
 
   TextChunks chunks_;
   TextCursor cursor_;
   const FileErrors& errors_;
   BasicPolygonSoup<Storage> soup_;
-  CornerAttributes<Storage> attributes_;  // checked at the end: a value may follow the face that uses it
+  CornerAttributes<Storage> attributes_;  // checked at the end, because a value may follow the face that uses it
   std::size_t corner_count_ = 0;
   LargestIndex largest_texture_, largest_normal_;
   ObjMaterials materials_;

@@ -1,5 +1,5 @@
-// Our own reader: OpenMesh's trusts the counts in the header, goes on after a failed extraction and reads through
-// the stream's locale; its messages name no line.
+// Our own OFF reader: OpenMesh's reader trusts the counts in the header, continues after a failed extraction and
+// depends on the stream's locale, and its messages name no line.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 namespace occlod {
 namespace {
 
-// What each vertex line holds after its coordinates: [ST][C][N]OFF, in the order normal, colour, texture.
+// The values on each vertex line after its coordinates: [ST][C][N]OFF, in the order normal, colour, texture.
 struct OffFormat {
   bool texture = false;
   bool color = false;
@@ -26,7 +26,7 @@ class OffParser {
     read_keyword();
     const std::uint64_t vertices = read_count("the number of vertices");
     const std::uint64_t faces = read_count("the number of faces");
-    // Shortest lines: "0 0 0" and "3"; the number of edges is optional, often wrong and not used.
+    // The shortest lines are "0 0 0" and "3"; the number of edges is optional, often wrong and not used.
     check_room("vertices", vertices, 6);
     check_room("faces", faces, 2);
     cursor_.skip_line();
@@ -39,7 +39,7 @@ class OffParser {
   }
 
  private:
-  // The keyword may be missing; the counts may follow it on its line.
+  // Reads the keyword, which may be missing; the counts may follow it on the same line.
   void read_keyword() {
     find_line("the header");
     TextCursor ahead = cursor_;
@@ -68,7 +68,7 @@ class OffParser {
     if (!cursor_.find_word()) cursor_.fail(fmt::format("the file ends before {}", what), "export the mesh again");
   }
 
-  // The line of element `i` of `count`.
+  // Moves to the line of element `i` of `count`.
   void find_line(const char* what, std::uint64_t i, std::uint64_t count) {
     if (cursor_.find_word()) return;
     cursor_.fail(fmt::format("the file ends before {} {} of {}", what, i + 1, count),
@@ -106,7 +106,8 @@ class OffParser {
     soup_.normals.emplace_back(x, y, z);
   }
 
-  // Three or four components, whole up to 255 or with a point up to 1; only their number tells whether alpha is there.
+  // Reads a colour of three or four components, integers up to 255 or fractions up to 1; only their number tells
+  // whether there is alpha.
   void read_color() {
     int words = 0;
     bool fractional = false;
@@ -123,7 +124,7 @@ class OffParser {
     soup_.colors.push_back(color);
   }
 
-  // The colour that may follow the corners is counted only.
+  // Reads a face; a colour after its corners is only counted.
   void read_face(std::uint64_t i, std::uint64_t count) {
     find_line("face", i, count);
     const std::int64_t corners = cursor_.integer("the number of corners of a face");

@@ -1,5 +1,5 @@
-// Our own reader: OpenMesh's allocates as many list values as the file claims, reads double as float and names no
-// place in its messages.
+// Our own PLY reader: OpenMesh's reader allocates as many list values as the file claims and reads double as float, and
+// its messages name no place.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@
 namespace occlod {
 namespace {
 
-// Where a vertex property goes; coordinates, normals, colours and texture coordinates lie next to each other.
+// The use of a vertex property; coordinates, normals, colours and texture coordinates are each consecutive.
 enum Slot : std::size_t {
   slot_x,
   slot_normal = 3,
@@ -28,7 +28,7 @@ enum Slot : std::size_t {
   no_slot = slot_count
 };
 
-// The names of texture coordinates, as different programs write them.
+// Names of texture coordinates in files of different programs.
 constexpr std::array<std::array<std::string_view, 2>, 5> texture_names{
     {{"u", "v"}, {"s", "t"}, {"texture_u", "texture_v"}, {"texture_s", "texture_t"}, {"s0", "t0"}}};
 
@@ -42,7 +42,7 @@ Slot slot_of(std::string_view name) {
   return place < names.size() ? static_cast<Slot>(place) : no_slot;
 }
 
-// What one unit of a colour of this type is worth.
+// Returns the factor that scales a colour of this type to [0, 1].
 double color_scale(PlyType type) {
   if (!is_integer(type)) return 1.0;
   return type == PlyType::uint16 ? 1.0 / 65535.0 : 1.0 / 255.0;
@@ -60,7 +60,7 @@ struct VertexLayout {
     }
     find_texture_coordinates(element);
   }
-  // Whether x, y and z come first, as float32, and nothing else is of use.
+  // True when x, y and z come first, as float32, and no other property is used.
   [[nodiscard]] bool is_float_xyz(const PlyElement& element) const {
     for (std::size_t i = 0; i < 3; ++i) {
       if (slots[i] != slot_x + i || element.properties[i].type != PlyType::float32) return false;
@@ -73,7 +73,7 @@ struct VertexLayout {
                        present.begin() + static_cast<std::ptrdiff_t>(first + count), [](bool p) { return p; });
   }
 
-  // The first pair of names that the element has both of.
+  // Uses the first pair of names of which the element has both.
   void find_texture_coordinates(const PlyElement& element) {
     const auto place_of = [&](std::string_view name) {
       const auto found = std::ranges::find_if(element.properties,
@@ -90,7 +90,7 @@ struct VertexLayout {
     }
   }
 
-  std::vector<Slot> slots;  // of each property
+  std::vector<Slot> slots;  // one for each property
   std::array<bool, slot_count> present{};
   std::array<double, 4> color_scales;
 };
@@ -126,7 +126,7 @@ class BodyParser {
   }
 
  private:
-  // One for each texture: faces name textures, and the file says nothing else about how they look.
+  // Adds one material for each texture: faces name textures, and the file says nothing else about their look.
   void add_materials(const PlyHeader& header) {
     texture_count_ = header.texture_files.size();
     if (texture_count_ >= max_materials)
@@ -145,7 +145,7 @@ class BodyParser {
     const bool colors = layout.has(slot_red, 3);
     const bool texture = layout.has(slot_texture, 2);
     soup_.positions.reserve(element.count);
-    std::array<double, slot_count + 1> value{};  // the last takes what is not used
+    std::array<double, slot_count + 1> value{};  // the last entry takes unused properties
     value[slot_alpha] = 1.0;                     // opaque where there is no alpha
     const bool is_float_xyz = layout.is_float_xyz(element);
     for (std::uint64_t i = 0; i < element.count; ++i) {
@@ -181,7 +181,7 @@ class BodyParser {
     return result;
   }
 
-  // What the header tells of it.
+  // Counts the vertex properties that are left out, according to the header.
   void count_left_out(const PlyElement& element) {
     LeftOut& left_out = soup_.left_out;
     const VertexLayout layout(element);
@@ -236,7 +236,7 @@ class BodyParser {
     for (std::uint64_t i = 0; i < count; ++i) coordinates_.push_back(to_float(values_.next(property.type)));
   }
 
-  // A pair for each corner of the face that has been read, or none.
+  // Adds a pair of texture coordinates for each corner of the current face, if it has them.
   void add_texture_coordinates(std::size_t first_corner) {
     if (coordinates_.empty()) return;
     const std::size_t corners = corner_count_ - first_corner;
@@ -254,7 +254,7 @@ class BodyParser {
       values_.fail("there are too many texture coordinates", "split the mesh into parts");
   }
 
-  // The number of the face that has been read; below 0: it has no texture.
+  // Sets the texture number of the current face; a negative number means that it has no texture.
   void set_texture(double number) {
     if (number == 0.0) {
       if (!soup_.polygon_materials.empty()) soup_.polygon_materials.resize(soup_.polygon_count(), MaterialId{0});
@@ -270,7 +270,7 @@ class BodyParser {
     soup_.polygon_materials.push_back(material);
   }
 
-  // Whether faces are nothing but lists of 32-bit indices with a count of one byte.
+  // True when faces are only lists of 32-bit indices with a count of one byte.
   static bool has_short_lists_only(const PlyElement& element) {
     if (element.properties.size() != 1) return false;
     const PlyProperty& property = element.properties[0];
@@ -304,11 +304,11 @@ class BodyParser {
     }
   }
 
-  // Strips one after the other, each but the last ended by -1. Every second triangle of a strip runs the other way
-  // round. Those that only lead from strip to strip, with a corner twice, are left for clean() to drop and count.
+  // Reads triangle strips one after the other, each but the last ended by -1. Every second triangle of a strip is
+  // reversed. Triangles that only connect strips repeat a corner and are left for clean() to drop and count.
   void read_strip(const PlyProperty& property) {
     const std::uint64_t count = next_count(property);
-    Triangle last(no_id);  // the three newest corners
+    Triangle last(no_id);  // the three latest corners
     std::uint64_t length = 0;
     for (std::uint64_t entry = 0; entry < count; ++entry) {
       const double index = values_.next(property.type);
@@ -331,7 +331,7 @@ class BodyParser {
     corner_count_ += 3;
   }
 
-  // Some write -1 into a list of unsigned integers; no vertex has that index.
+  // True for -1, also in a list of unsigned integers, where some programs write it; no vertex has that index.
   static bool is_strip_end(double index, PlyType type) {
     return index == -1.0 || (type == PlyType::uint32 && index == 4294967295.0);
   }
@@ -375,7 +375,7 @@ class BodyParser {
       static_cast<void>(values_.next(property.type));
   }
 
-  // Returns how many values the list has.
+  // Skips a list and returns its number of values.
   std::uint64_t skip_list(const PlyProperty& property) {
     const std::uint64_t count = next_count(property);
     for (std::uint64_t i = 0; i < count; ++i) static_cast<void>(values_.next(property.type));
@@ -386,16 +386,16 @@ class BodyParser {
 
   Values values_;
   const FileErrors& errors_;
-  std::uint64_t vertex_count_ = 0;  // as the header has it
+  std::uint64_t vertex_count_ = 0;  // from the header
   std::size_t texture_count_ = 0;
-  std::size_t corner_count_ = 0;    // of the polygons so far, where faces may have texture coordinates
-  std::vector<float> coordinates_;  // of the face that is read
+  std::size_t corner_count_ = 0;    // corners of the polygons so far, if faces may have texture coordinates
+  std::vector<float> coordinates_;  // of the current face
   CornerAttributes<Storage> attributes_;
   BasicPolygonSoup<Storage> soup_;
 };
 
-// The beginning of the file with the whole header. Its last line is looked for as nearly every file has it; for others
-// this is the whole file.
+// Returns the beginning of the file with the whole header. Searches for the usual form of the header's last line; for
+// other forms it returns the whole file.
 std::string_view window_with_header(InputBytes& input) {
   constexpr std::string_view last_line = "\nend_header";
   std::string_view head = input.window(1);

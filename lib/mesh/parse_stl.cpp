@@ -1,5 +1,5 @@
-// Our own reader: OpenMesh's drops degenerate facets silently and merges corners through a std::map. Here every facet
-// keeps three vertices of its own; clean() welds and counts.
+// Our own STL reader: OpenMesh's reader drops degenerate facets silently and merges corners through a std::map. Here
+// every facet keeps its own three vertices; clean() welds and counts.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -28,7 +28,7 @@ class AsciiStlParser {
  public:
   AsciiStlParser(std::string_view bytes, const FileErrors& errors) : cursor_(bytes, errors, {}) {}
 
-  // Any number of solids, one after the other.
+  // Reads any number of solids, one after the other.
   PolygonSoup parse() && {
     while (cursor_.find_word()) {
       expect("solid");
@@ -71,7 +71,7 @@ class AsciiStlParser {
     if (!equal_ignoring_case(word, keyword)) unexpected(word, fmt::format("'{}'", keyword));
   }
 
-  // True for `keyword`, false for `end`.
+  // Returns true for `keyword`, false for `end`.
   bool next_keyword(const char* keyword, const char* end) {
     const std::string_view word = next_word(end);
     if (equal_ignoring_case(word, keyword)) return true;
@@ -114,7 +114,7 @@ bool begins_with_solid(std::string_view bytes) {
 
 }  // namespace
 
-// Binary files are recognised by their size, because many binary files begin with "solid" as well.
+// Recognises binary files by their size, because many binary files begin with "solid" as well.
 PolygonSoup parse_stl(std::string_view bytes, const FileErrors& errors) {
   std::string converted;
   if (bytes.size() < stl_prefix_size) return AsciiStlParser(as_utf8(bytes, converted, errors), errors).parse();

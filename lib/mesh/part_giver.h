@@ -1,4 +1,4 @@
-// Meshes that are generated component by component, as a whole or in parts.
+// Gives generated meshes as a whole or in parts.
 #pragma once
 
 #include <cstddef>
@@ -7,18 +7,18 @@
 
 namespace occlod {
 
-// Components are appended to `part`, which is the whole mesh where there is no visitor.
+// Collects components in `part`, and passes parts to a visitor; without a visitor `part` becomes the whole mesh.
 class PartGiver {
  public:
   PartGiver() = default;
   explicit PartGiver(const PartVisitor& visit) : visit_(&visit) {}
 
-  // After a component, which is never cut.
+  // Call after each component; components are never cut.
   void end_component() {
     constexpr std::size_t enough = std::size_t{1} << 18U;  // triangles
     if (visit_ != nullptr && part.triangle_count() >= enough) finish();
   }
-  // After the last one.
+  // Call after the last component.
   void finish() {
     if (part.triangles.empty()) return;
     (*visit_)(part, 0);

@@ -129,13 +129,14 @@ class HeaderParser {
     cursor_.fail(fmt::format("the type {} is unknown", in_quotes(name)), "export the mesh again");
   }
 
-  // A number takes at least one digit and a blank in text; an empty list only its count.
+  // Throws Error when the file is too short for the element's count. In text a number takes at least a digit and a
+  // blank, and an empty list at least its count.
   void check_room(const PlyElement& element) const {
     std::size_t smallest = 0;
     for (const PlyProperty& property : element.properties) {
       smallest += header_.binary_order ? size_of(property.count_type.value_or(property.type)) : 2;
     }
-    // There need be no break after the last line.
+    // The last line may have no line break.
     const std::uint64_t room = file_bytes_ - header_.body_offset + (header_.binary_order ? 0 : 1);
     if (smallest == 0 || element.count <= room / smallest) return;
     cursor_.errors().fail(

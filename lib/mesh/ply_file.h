@@ -1,4 +1,4 @@
-// The header of a PLY file: elements with their properties, in the order of the body.
+// PLY files: the header, with elements and their properties in the order of the body, and the values of the body.
 #pragma once
 
 #include <fmt/format.h>
@@ -26,8 +26,8 @@ enum class PlyType : std::uint8_t { int8, uint8, int16, uint16, int32, uint32, f
 
 struct PlyProperty {
   std::string name;
-  PlyType type = PlyType::float32;    // of the value, or of each value of a list
-  std::optional<PlyType> count_type;  // a list's; always an integer type
+  PlyType type = PlyType::float32;    // type of the value, or of each value of a list
+  std::optional<PlyType> count_type;  // of a list; always an integer type
 };
 
 struct PlyElement {
@@ -37,18 +37,19 @@ struct PlyElement {
 };
 
 struct PlyHeader {
-  std::optional<std::endian> binary_order;  // none for ascii
+  std::optional<std::endian> binary_order;  // empty for ascii
   std::vector<PlyElement> elements;
   std::size_t body_offset = 0;  // in bytes
   std::uint64_t body_line = 1;
-  std::vector<std::string> texture_files;  // of comments "TextureFile NAME"
+  std::vector<std::string> texture_files;  // from comments "TextureFile NAME"
 };
 
-// Throws Error for anything that is not a PLY header, or that promises more elements than the file has room for.
-// `bytes` is the beginning of a file of `file_bytes` bytes, up to the end of its header or beyond.
+// Parses a header. Throws Error for anything that is not a PLY header, or that promises more elements than the file has
+// room for. `bytes` is the beginning of a file of `file_bytes` bytes, up to the end of its header or beyond.
 [[nodiscard]] PlyHeader parse_ply_header(std::string_view bytes, std::uint64_t file_bytes, const FileErrors& errors);
 
-// The values of a PLY body, as numbers: a double holds every PLY type exactly. A record is one instance of an element.
+// The classes below read the values of a body as doubles, which hold every PLY type exactly. A record is one instance
+// of an element.
 
 inline constexpr const char* ply_cut_short = "the file is cut short or its header is wrong; export the mesh again";
 
@@ -124,8 +125,8 @@ class BinaryValues {
   }
   void end_record() {}
 
-  // Takes up to `most` vertices whose records begin with x, y and z as float32; returns how many. Those at the end of
-  // the window are left to next().
+  // Takes up to `most` vertices whose records begin with x, y and z as float32; returns how many. Vertices at the end
+  // of the window are left to next().
   template <class Soup>
   std::uint64_t take_float_vertices(std::uint64_t most, std::size_t record_bytes, Soup& soup) {
     const std::uint64_t count = std::min<std::uint64_t>(most, left_.size() / record_bytes);
@@ -137,8 +138,9 @@ class BinaryValues {
     return count;
   }
 
-  // The same for triangles whose records are a count of one byte and three indices of 32 bits, up to the first face
-  // that is not a triangle or has an index that next() has to refuse.
+  // Takes up to `most` triangles whose records are a count of one byte and three indices of 32 bits; returns how many.
+  // Stops at the first face that is not a triangle or has an index that next() must refuse, and at the end of the
+  // window.
   template <class Soup>
   std::uint64_t take_triangles(std::uint64_t most, Soup& soup) {
     const std::uint64_t count = std::min<std::uint64_t>(most, left_.size() / ply_triangle_bytes);
@@ -173,7 +175,7 @@ class BinaryValues {
   }
 
   InputBytes& input_;
-  std::string_view left_;  // of the window
+  std::string_view left_;  // unread part of the window
   std::size_t seen_ = 0;   // size of the window
   std::endian order_;
   const FileErrors& errors_;

@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::size_t max_steps = std::size_t{1} << 28;
 
-// Twice the signed area of a, b, c: positive for a left turn.
+// Returns twice the signed area of a, b, c, which is positive for a left turn.
 double turn(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c) {
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
@@ -44,8 +44,8 @@ bool Triangulator::append(std::span<const VertexId> corners, Triangles& triangle
   return clipping != Clipping::takes_too_long;
 }
 
-// Drops the coordinate along which the area vector is longest: that keeps orientation and convexity. False for zero
-// area.
+// Drops the coordinate along which the area vector is longest, which keeps orientation and convexity. Returns false for
+// zero area.
 bool Triangulator::project(std::span<const VertexId> corners) {
   const glm::dvec3 origin(positions_[corners[0]]);
   glm::dvec3 area(0.0);
@@ -65,8 +65,8 @@ bool Triangulator::project(std::span<const VertexId> corners) {
   return true;
 }
 
-// A star polygon that winds several times also turns left everywhere; it crosses itself, so it may become a fan as
-// well.
+// A star polygon that winds around several times also turns left everywhere; it crosses itself, so it may become a fan
+// as well.
 bool Triangulator::is_strictly_convex() const {
   const std::size_t n = points_.size();
   for (std::size_t i = 0; i < n; ++i) {
@@ -91,7 +91,8 @@ Triangulator::Clipping Triangulator::clip_ears(std::span<const VertexId> corners
   std::size_t tip = 0;
   std::size_t refused = 0;  // consecutive corners that are not ears
   for (std::size_t left = n; left > 3;) {
-    // Flat ears, whose triangles have no area, only where nothing else is left: corners on a straight edge.
+    // Flat ears, whose triangles have no area, are cut only when no other ear is left; they are corners on a straight
+    // edge.
     if (refused == 2 * left) return Clipping::crosses_itself;
     if (steps_ > max_steps) return Clipping::takes_too_long;
     if (!is_ear(tip, refused >= left)) {
@@ -101,7 +102,7 @@ Triangulator::Clipping Triangulator::clip_ears(std::span<const VertexId> corners
     }
     emit(tip);
     unlink(tip);
-    tip = next_[next_[tip]];  // not the neighbour: that would make a fan of slivers
+    tip = next_[next_[tip]];  // not the neighbour, which would make a fan of slivers
     --left;
     refused = 0;
   }
@@ -119,8 +120,8 @@ double Triangulator::turn_at(std::size_t corner) const {
   return turn(points_[previous_[corner]], points_[corner], points_[next_[corner]]);
 }
 
-// An ear is a corner that turns left and whose triangle holds no other corner. Only corners that do not turn left need
-// to be tested: if any corner is inside, one of those is.
+// True for an ear, a corner that turns left and whose triangle contains no other corner. Only corners that do not turn
+// left need to be tested: if any corner is inside, one of those is.
 bool Triangulator::is_ear(std::size_t tip, bool allow_flat) {
   ++steps_;
   const double area = turn_at(tip);
@@ -143,7 +144,7 @@ template bool Triangulator::append(std::span<const VertexId> corners, LargeVecto
 
 namespace {
 
-constexpr std::size_t polygons_between_looks = 4096;  // whether memory has room
+constexpr std::size_t polygons_between_looks = 4096;  // between two calls of make_room()
 
 }  // namespace
 
@@ -185,7 +186,7 @@ void BasicPolygonSoup<Storage>::add_polygon(const Triangle& triangle) {
   end_polygon(0);
 }
 
-// corners_ holds the first polygon that is not a triangle.
+// On entry corners_ holds the first polygon that is not a triangle.
 template <class Storage>
 void BasicPolygonSoup<Storage>::unpack_triangles() {
   const Array<VertexId> last = std::move(corners_);
@@ -327,7 +328,7 @@ namespace {
 
 using Corner = AttributeCorner;
 
-constexpr std::size_t corners_between_looks = 4096;  // whether memory has room
+constexpr std::size_t corners_between_looks = 4096;  // between two calls of make_room()
 
 template <class Storage>
 class VertexSplitter {
@@ -340,7 +341,7 @@ class VertexSplitter {
         is_used_(vertices_),
         slots_(64, no_id) {}
 
-  // False where there are more vertices than ids.
+  // Returns false when there are more vertices than ids.
   [[nodiscard]] bool run() {
     const std::span<VertexId> ids = soup_.corners();
     for (std::size_t i = 0; i < ids.size(); ++i) {
@@ -360,7 +361,7 @@ class VertexSplitter {
   using Array = typename Storage::template Array<T>;
 
   struct Added {
-    VertexId vertex;  // that it repeats
+    VertexId vertex;  // the vertex that it repeats
     Corner corner;
   };
 
@@ -392,7 +393,7 @@ class VertexSplitter {
     return std::bit_cast<std::uint32_t>(a) | std::uint64_t{std::bit_cast<std::uint32_t>(b)} << 32;
   }
 
-  // By value, to the bit: many files have equal values under several indices, and some have NaN.
+  // Compares values bit by bit: many files have equal values under several indices, and some have NaN.
   [[nodiscard]] bool is_same(const Corner& a, const Corner& b) const {
     if (a == b) return true;
     const glm::vec2 s = texture_of(a), t = texture_of(b);
@@ -443,11 +444,11 @@ class VertexSplitter {
 
   BasicPolygonSoup<Storage>& soup_;
   const CornerAttributes<Storage>& values_;
-  std::size_t vertices_;   // before
+  std::size_t vertices_;   // number of vertices before any was added
   Array<Corner> first_;    // by vertex
   Array<bool> is_used_;    // by vertex
-  Array<Added> added_;     // vertices_ on
-  Array<VertexId> slots_;  // into added_: open addressing, at most half full
+  Array<Added> added_;     // vertices with ids from vertices_ on
+  Array<VertexId> slots_;  // indices into added_: open addressing, at most half full
   bool has_texture_ = false;
   bool has_normal_ = false;
 };

@@ -1,4 +1,5 @@
-// Counts the different names in a text.
+// What every reader makes: vertices and polygons as the file has them, and the steps that turn them into a triangle
+// mesh.
 #pragma once
 
 #include <cstddef>
@@ -24,7 +25,7 @@ namespace occlod {
 
 class DistinctNames {
  public:
-  // Empty names are none.
+  // Ignores empty names.
   void add(std::string_view name) {
     if (!name.empty() && !names_.contains(name)) names_.emplace(name);
   }
@@ -37,17 +38,15 @@ class DistinctNames {
   std::unordered_set<std::string, Hash, std::equal_to<>> names_;
 };
 
-// Cuts polygons into triangles.
-
-// Keeps its scratch memory from polygon to polygon. `positions` outlives it.
+// Cuts polygons into triangles. Keeps its scratch memory from polygon to polygon. `positions` outlives it.
 class Triangulator {
  public:
   explicit Triangulator(std::span<const glm::vec3> positions) : positions_(positions) {}
 
-  // Appends corners.size() - 2 triangles with the polygon's winding: a fan where it is strictly convex, otherwise ears
-  // clipped in the plane of its area vector (Newell). One that crosses itself or lies on a line becomes a fan. At least
-  // three corners with finite positions. False, with nothing appended, where clipping takes more than 2^28 steps:
-  // 16,384 corners can need that many.
+  // Appends corners.size() - 2 triangles with the polygon's winding: a fan if it is strictly convex, otherwise ears
+  // clipped in the plane of its area vector (Newell). A polygon that crosses itself or lies on a line becomes a fan.
+  // There must be at least three corners, with finite positions. Returns false, with nothing appended, when clipping
+  // takes more than 2^28 steps, which 16,384 corners can need.
   template <class Triangles>  // a vector or a LargeVector
   [[nodiscard]] bool append(std::span<const VertexId> corners, Triangles& triangles);
 
@@ -63,23 +62,21 @@ class Triangulator {
 
   std::span<const glm::vec3> positions_;
   std::vector<glm::dvec2> points_;  // the polygon in its plane, counter-clockwise
-  std::vector<std::size_t> next_;   // the ring of the corners that are left
+  std::vector<std::size_t> next_;   // next remaining corner of each corner
   std::vector<std::size_t> previous_;
   std::size_t steps_ = 0;  // corners looked at while clipping the current polygon
 };
 
-// The result of every reader: vertices and polygons as the file has them, indices not checked yet.
-
-// What a soup has whatever its arrays are.
+// The fields of a soup that do not depend on where its arrays are stored.
 struct SoupTables {
   std::vector<Material> materials;
   std::vector<Texture> textures;
   TextureOrigin texture_origin = TextureOrigin::bottom_left;
-  std::uint64_t added_vertices = 0;  // at the end, which repeat others with other attributes
+  std::uint64_t added_vertices = 0;  // vertices at the end that repeat others with other attributes
   LeftOut left_out;
 };
 
-// Where a soup's arrays lie. InScratch: in scratch files while a MemoryLimit lives.
+// Where a soup's arrays are stored. InScratch uses scratch files while a MemoryLimit lives.
 struct InMemory {
   template <class T>
   using Array = std::vector<T>;
@@ -101,12 +98,12 @@ class BasicPolygonSoup : public SoupTables {
   Array<glm::vec2> texture_coordinates;  // empty or one per vertex
   Array<MaterialId> polygon_materials;   // empty or one per polygon
 
-  // `line` is 0 in binary files.
+  // Adds a vertex. `line` is 0 in binary files.
   void add_vertex(double x, double y, double z, std::uint64_t line);
-  // A polygon is begun, given its corners, and ended.
+  // Adds a corner to the current polygon, which end_polygon() ends.
   void add_corner(VertexId vertex) { corners_.push_back(vertex); }
   void end_polygon(std::uint64_t line);
-  // A whole polygon of a binary file, which numbers no lines.
+  // Adds a whole polygon of a binary file, which has no line numbers.
   void add_triangle(const Triangle& triangle) {
     if (polygon_ends_.empty())
       triangles_.push_back(triangle);
@@ -114,17 +111,18 @@ class BasicPolygonSoup : public SoupTables {
       add_polygon(triangle);
   }
   [[nodiscard]] std::size_t polygon_count() const { return triangles_.size() + polygon_ends_.size(); }
-  // The corners of all polygons, one after the other.
+  // Returns the corners of all polygons, one after the other.
   [[nodiscard]] std::span<VertexId> corners();
-  // polygon < polygon_count().
+  // Returns the number of corners of polygon < polygon_count().
   [[nodiscard]] std::size_t corner_count(std::size_t polygon) const { return corners_of(polygon).size(); }
   void reserve_polygons(std::size_t count) { triangles_.reserve(count); }
 
-  // Throws Error when a polygon has fewer than three corners, uses a vertex that does not exist or is not finite,
-  // or when there is no polygon. The file calls its first vertex `first_index`.
+  // Throws Error when a polygon has fewer than three corners or uses a vertex that does not exist or is not finite, or
+  // when there is no polygon. `first_index` is the number of the first vertex in the file.
   void check(const FileErrors& errors, std::uint64_t first_index = 0) const;
 
-  // Cuts the polygons of a checked soup into triangles. Afterwards it has none, and a material for each triangle.
+  // Cuts the polygons of a checked soup into triangles. Afterwards the soup has no polygons, and a material for each
+  // triangle.
   [[nodiscard]] Array<Triangle> take_triangles(MeshReport& report, const FileErrors& errors);
 
  private:
@@ -142,10 +140,10 @@ class BasicPolygonSoup : public SoupTables {
   void add_polygon(const Triangle& triangle);
   void unpack_triangles();
 
-  // Triangles only, as long as every polygon is one; then all polygons are unpacked into corners_.
+  // Used as long as every polygon is a triangle; then all polygons are unpacked into corners_.
   Array<Triangle> triangles_;
-  Array<VertexId> corners_;             // of all polygons, one after the other; the last may not have ended
-  Array<std::size_t> polygon_ends_;     // into corners_
+  Array<VertexId> corners_;             // of all polygons, one after the other; the last may be unfinished
+  Array<std::size_t> polygon_ends_;     // indices into corners_
   Array<std::uint32_t> polygon_lines_;  // empty for binary files
   std::vector<NonfiniteVertex> nonfinite_;
 };
@@ -153,57 +151,57 @@ class BasicPolygonSoup : public SoupTables {
 using PolygonSoup = BasicPolygonSoup<InMemory>;
 using ScratchSoup = BasicPolygonSoup<InScratch>;
 
-// All of a checked soup, its polygons cut into triangles. Leaves the soup empty.
+// Turns a checked soup into a mesh and cuts its polygons into triangles. Leaves the soup empty.
 [[nodiscard]] TriangleMesh take_mesh(PolygonSoup& soup, MeshReport& report, const FileErrors& errors);
 
-// The largest number of vertices that ids can count.
+// The largest number of vertices for which there are ids.
 inline constexpr std::uint64_t max_vertices = no_id;
 
-// The nearest float; infinite where that would be beyond its range.
+// Rounds to the nearest float; values beyond the range of floats become infinite.
 [[nodiscard]] inline float to_float(double value) noexcept {
   static_assert(std::numeric_limits<float>::is_iec559);
   return static_cast<float>(value);
 }
 
-// A colour component from [0, 1]; values outside are clamped, NaN is 0.
+// Converts a colour component from [0, 1]; values outside are clamped and NaN becomes 0.
 [[nodiscard]] std::uint8_t color_component(double unit_value) noexcept;
 
-// Parses a whole file in any encoding (see text_encoding.h); `input` is at its beginning.
+// Parses a whole file in any encoding that as_utf8() reads; `input` is at its beginning.
 [[nodiscard]] PolygonSoup parse_mesh(MeshFormat format, InputBytes& input, const FileErrors& errors);
 
-// The parsers, which parse_mesh() calls. Texts are UTF-8; STL, text or binary, is as it is in the file.
+// parse_mesh() calls these parsers. Texts are UTF-8, except STL, text or binary, which is as it is in the file.
 [[nodiscard]] PolygonSoup parse_off(std::string_view text, const FileErrors& errors);
 [[nodiscard]] PolygonSoup parse_gltf(std::string_view bytes, const FileErrors& errors);
 [[nodiscard]] PolygonSoup parse_stl(std::string_view bytes, const FileErrors& errors);
-// These read a file as it is, in any encoding, block by block. UTF-16 alone is converted as a whole.
+// These parsers read a file as it is, in any encoding, block by block. Only UTF-16 is converted as a whole.
 template <class Storage>
 [[nodiscard]] BasicPolygonSoup<Storage> parse_ply(InputBytes& input, const FileErrors& errors);
 template <class Storage>
 [[nodiscard]] BasicPolygonSoup<Storage> parse_obj(InputBytes& input, const FileErrors& errors);
 
-// Attributes that a file gives to the corners of polygons rather than to vertices: OBJ, and PLY with `texcoord`.
-
-// Indices into the values of CornerAttributes; no_id: none, which is (0, 0) and a zero normal.
+// Indices into the values of CornerAttributes. no_id means that the corner has none, which gives (0, 0) or a zero
+// normal.
 struct AttributeCorner {
   std::uint32_t texture = no_id;
   std::uint32_t normal = no_id;
   [[nodiscard]] bool operator==(const AttributeCorner&) const = default;
 };
 
-// Of a soup with the same Storage.
+// Attributes that a file gives to corners of polygons and not to vertices, as OBJ does, and PLY with `texcoord`. They
+// belong to a soup with the same Storage.
 template <class Storage>
 struct CornerAttributes {
   template <class T>
   using Array = typename Storage::template Array<T>;
-  Array<AttributeCorner> corners;  // of all polygons, in order; those missing at the end have none
+  Array<AttributeCorner> corners;  // of all polygons, in order; corners missing at the end have no attributes
   Array<glm::vec2> texture_coordinates;
   Array<glm::vec3> normals;
 };
 
-// Gives each vertex of a checked soup the attributes of the first corner that uses it and adds vertices at the end,
-// which repeat an earlier one, for corners with others. Sets the arrays of the soup of which any corner has a value;
-// the vertices that are added have the others of the one that they repeat. Throws Error when ids cannot count the
-// vertices. Expected O(n).
+// Gives each vertex of a checked soup the attributes of the first corner that uses it; for corners with other
+// attributes, vertices are added at the end, which repeat an earlier one. Sets those attribute arrays of the soup for
+// which any corner has a value; added vertices copy the other attributes of the vertex that they repeat. Throws Error
+// when there are not enough ids for the vertices. Expected O(n).
 template <class Storage>
 void split_vertices(BasicPolygonSoup<Storage>& soup, const CornerAttributes<Storage>& attributes,
                     const FileErrors& errors);

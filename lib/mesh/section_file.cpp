@@ -20,10 +20,10 @@
 namespace occlod::olod {
 namespace {
 
-constexpr std::size_t packed_run = std::size_t{4} << 20U;  // raw bytes of a frame
-constexpr int level = 3;  // higher levels gain some percent here and cost many times the time
+constexpr std::size_t packed_run = std::size_t{4} << 20U;  // raw bytes per frame
+constexpr int level = 3;  // higher levels compress a few percent better and take several times as long
 
-// Whole elements, so that frames do not depend on each other.
+// Returns the size of a run of whole elements, so that frames do not depend on each other.
 std::size_t run_of(std::size_t element_bytes) { return packed_run / element_bytes * element_bytes; }
 
 }  // namespace
@@ -56,7 +56,7 @@ std::vector<std::byte> pack(std::span<const std::byte> raw, std::size_t element_
     packed.resize(before + ZSTD_compressBound(run.size()));
     const std::size_t size = ZSTD_compressCCtx(context.get(), packed.data() + before, packed.size() - before,
                                                planes.data(), run.size(), level);
-    if (ZSTD_isError(size) != 0) throw std::bad_alloc();  // the only way to fail with room for the worst case
+    if (ZSTD_isError(size) != 0) throw std::bad_alloc();  // the only way to fail with enough room
     packed.resize(before + size);
     raw = raw.subspan(run.size());
   }
@@ -81,8 +81,8 @@ bool unpack(std::span<const std::byte> packed, std::size_t element_bytes, std::s
 namespace occlod::sections {
 namespace {
 
-// The counts of a MeshReport without what was left out. That is a section of its own, a LeftOut, which is there only
-// when one of its numbers is not 0.
+// The counts of a MeshReport without left_out, which is a section of its own that exists only when one of its numbers
+// is not 0.
 using StoredReport = std::array<std::uint64_t, 16>;
 static_assert(offsetof(MeshReport, left_out) == sizeof(StoredReport));
 static_assert(sizeof(MeshReport) == sizeof(StoredReport) + sizeof(LeftOut) && sizeof(LeftOut) == 40);
@@ -110,7 +110,7 @@ void SectionWriter::add_bytes(std::string_view name, std::span<const std::byte> 
   contents_.push_back(bytes);
   packed_.emplace_back();
   if (codec == Codec::zstd && !bytes.empty()) packed_.back() = olod::pack(bytes, element_bytes);
-  // What packs better than readers believe, as the normals of a plane do, is stored.
+  // Data that pack better than is_plausible() accepts, such as the normals of a plane, are stored.
   if (!packed_.back().empty() && olod::is_plausible(packed_.back().size(), bytes.size())) {
     contents_.back() = packed_.back();
     section.bytes = packed_.back().size();
@@ -245,7 +245,7 @@ std::span<const std::byte> SectionReader::stored(const Section& section) {
   return bytes_at(section.offset, section.bytes);
 }
 
-// Inside the file.
+// Returns bytes at a position that is inside the file.
 std::span<const std::byte> SectionReader::bytes_at(std::uint64_t offset, std::size_t bytes) {
   if (open_file_ == nullptr) return bytes_.subspan(offset, bytes);
   UninitializedVector<std::byte>& part = parts_.emplace_back(bytes);
@@ -267,7 +267,7 @@ std::span<const std::byte> SectionReader::unpacked(const Section& section) {
 MeshReport SectionReader::read_report() {
   MeshReport report;
   const auto stored_report = read_one<StoredReport>(report_name, "report");
-  std::memcpy(static_cast<void*>(&report), stored_report.data(), sizeof(StoredReport));  // all but left_out
+  std::memcpy(static_cast<void*>(&report), stored_report.data(), sizeof(StoredReport));  // all fields but left_out
   if (has(left_out_name)) report.left_out = read_one<LeftOut>(left_out_name, "count of what was left out");
   return report;
 }
@@ -345,7 +345,7 @@ void MaterialSections::pack(std::span<const Material> materials, std::span<const
     json["textures"].push_back(to_json(texture));
     images_.insert(images_.end(), texture.bytes.begin(), texture.bytes.end());
   }
-  // Names may hold anything.
+  // Names may contain invalid UTF-8.
   text_ = json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 

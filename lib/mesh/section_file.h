@@ -1,4 +1,4 @@
-// Compression of the sections of .olod files.
+// Files of named, checksummed sections, the common layout of .olod and .ohlod files, with compression and materials.
 #pragma once
 
 #include <array>
@@ -19,20 +19,22 @@
 
 namespace occlod::olod {
 
-// The k-th bytes of all elements, for every k, one after the other: neighbouring elements resemble each other byte by
-// byte. A rest that is no whole element stays at the end. Spans of the same size.
+// Writes the first bytes of all elements, then their second bytes and so on: neighbouring elements are similar byte by
+// byte, so this compresses better. Bytes at the end that make no whole element stay at the end. The spans have the same
+// size.
 void separate(std::span<const std::byte> elements, std::size_t element_bytes, std::span<std::byte> planes);
-// The reverse.
+// Undoes separate().
 void join(std::span<const std::byte> planes, std::size_t element_bytes, std::span<std::byte> elements);
 
-// zstd frames of up to packed_run raw bytes each, whose elements are separated.
+// Compresses to zstd frames of up to packed_run raw bytes each, whose elements are separated.
 [[nodiscard]] std::vector<std::byte> pack(std::span<const std::byte> raw, std::size_t element_bytes);
 
-// The reverse; false when `packed` is damaged or does not hold exactly `raw.size()` bytes. Never writes outside `raw`.
+// Undoes pack(); returns false when `packed` is damaged or does not hold exactly `raw.size()` bytes. Never writes
+// outside `raw`.
 [[nodiscard]] bool unpack(std::span<const std::byte> packed, std::size_t element_bytes, std::span<std::byte> raw);
 
-// Whether a section can decompress to so many bytes: files hold nothing that compresses better, so one that claims more
-// is refused before memory is allocated.
+// True when a section may decompress to this many bytes. Nothing in our files compresses better than that, so a section
+// that claims more is refused before memory is allocated.
 [[nodiscard]] constexpr bool is_plausible(std::uint64_t packed_bytes, std::uint64_t raw_bytes) {
   return raw_bytes / 64 <= packed_bytes;
 }
@@ -41,18 +43,16 @@ void join(std::span<const std::byte> planes, std::size_t element_bytes, std::spa
 
 namespace occlod::sections {
 
-// Files of named, checksummed sections: what .olod and .ohlod files have in common.
-
 static_assert(std::endian::native == std::endian::little, "these files are little-endian and read as they are");
 
-// One format. `name`: its extension. The rest is for messages.
+// One file format. `name` is its extension; `make` and `rebuild` are for messages.
 struct FileKind {
   std::array<char, 8> magic;
   std::uint32_t version;
   const char* name;
-  const char* make;                  // where to get such a file
-  const char* rebuild;               // what to do about a damaged one
-  std::uint32_t oldest_version = 0;  // that is read, too; 0: only `version`
+  const char* make;                  // says where to get such a file
+  const char* rebuild;               // says what to do about a damaged file
+  std::uint32_t oldest_version = 0;  // oldest version that can still be read; 0: only `version`
 };
 
 inline constexpr std::uint64_t alignment = 64;  // of every section
@@ -73,24 +73,24 @@ struct Section {
   std::array<char, 4> name{};
   std::uint32_t element_bytes = 0;
   std::uint64_t offset = 0;     // from the start of the file
-  std::uint64_t bytes = 0;      // in the file
-  std::uint64_t raw_bytes = 0;  // unpacked; the same when stored
-  std::uint64_t checksum = 0;   // XXH3-64 of the unpacked section; 0 for those whose parts have their own
+  std::uint64_t bytes = 0;      // size in the file
+  std::uint64_t raw_bytes = 0;  // unpacked size; equal to `bytes` when stored
+  std::uint64_t checksum = 0;   // XXH3-64 of the unpacked section; 0 for sections whose parts have their own checksums
   Codec codec = Codec::stored;
   std::uint32_t reserved = 0;
 };
 static_assert(sizeof(Section) == 48);
 
-// XXH3-64.
+// Returns the XXH3-64 checksum.
 [[nodiscard]] std::uint64_t checksum_of(std::span<const std::byte> bytes);
 
-// Whose business the checksum of a section is.
+// Who checks the checksum of a section.
 enum class Check {
-  whole,  // the table's
-  parts,  // the caller's, part by part
+  whole,  // the reader, as a whole
+  parts,  // the caller, part by part
 };
 
-// Collects sections, which have to stay where they are, then writes them.
+// Collects sections, whose memory must stay valid, and then writes them.
 class SectionWriter {
  public:
   template <typename T>
@@ -98,9 +98,9 @@ class SectionWriter {
     static_assert(std::is_trivially_copyable_v<T> && alignof(T) <= alignment);
     add_bytes(name, std::as_bytes(values), sizeof(T), check, codec);
   }
-  // In one or two sections, which read_report() reads.
+  // Adds a report in one or two sections, which read_report() reads.
   void add_report(const MeshReport& report);
-  // Through an AtomicFile. Throws Error that names `path`.
+  // Writes the file through an AtomicFile. Throws Error that names `path`.
   void write(const std::filesystem::path& path, const FileKind& kind);
 
  private:
@@ -110,43 +110,45 @@ class SectionWriter {
   std::vector<Section> table_;
   std::vector<std::span<const std::byte>> contents_;
   std::vector<std::vector<std::byte>> packed_;
-  std::vector<std::vector<std::byte>> own_;  // copies of what has no owner
+  std::vector<std::vector<std::byte>> own_;  // copies of sections without another owner
 };
 
-// Owns what is made from a file: its mapping or copy, and the sections that had to be decompressed.
+// Reads a file and owns its mapping or copy and the sections that had to be decompressed.
 class SectionReader {
  public:
-  // Checks header and table. Throws Error.
+  // Checks the header and the table. Throws Error.
   SectionReader(const std::filesystem::path& path, const FileKind& kind, bool is_mapped);
-  // Of an open file, for messages at `path`: sections are copied when they are read. Likewise.
+  // Reads an open file and copies sections when they are read; `path` names it in messages. Checks the header and the
+  // table. Throws Error.
   SectionReader(std::shared_ptr<const InputFile> file, const std::filesystem::path& path, const FileKind& kind);
 
   [[noreturn]] void refuse(const std::string& place, const std::string& problem, const std::string& remedy) const;
-  // The remedy is to build the file again.
+  // Throws Error with the remedy to build the file again.
   [[noreturn]] void refuse(const std::string& place, const std::string& problem) const;
 
-  // Elements of a section, in the mapping or decompressed. Throws Error when it is missing, damaged or of other
-  // elements.
+  // Returns the elements of a section, in the mapping or decompressed. Throws Error when the section is missing,
+  // damaged or has elements of another size.
   template <typename T>
   [[nodiscard]] std::span<const T> read(std::string_view name, Check check = Check::whole) {
     static_assert(std::is_trivially_copyable_v<T> && alignof(T) <= alignment);
     const std::span<const std::byte> bytes = read_bytes(name, sizeof(T), check);
     return {reinterpret_cast<const T*>(bytes.data()), bytes.size() / sizeof(T)};
   }
-  // The only element of a section. `what`: for messages.
+  // Returns the only element of a section. `what` names it in messages.
   template <typename T>
   [[nodiscard]] T read_one(std::string_view name, const char* what) {
     const std::span<const T> values = read<T>(name);
     if (values.size() != 1) refuse("", std::string("does not hold one ") + what);
     return values[0];
   }
-  // From the start of the file, of a section that is not compressed. Throws Error when it is missing or compressed.
+  // Returns the position in the file of a section that is not compressed. Throws Error when it is missing or
+  // compressed.
   [[nodiscard]] std::uint64_t offset_of(std::string_view name) const { return stored_section(name).offset; }
-  // Its bytes. Likewise.
+  // Returns the size in bytes of a section that is not compressed. Throws Error when it is missing or compressed.
   [[nodiscard]] std::uint64_t bytes_of(std::string_view name) const { return stored_section(name).bytes; }
-  // What is at the start of the file.
+  // Returns the header at the start of the file.
   [[nodiscard]] const FileHeader& header() const noexcept { return header_; }
-  // Whether there is a section of this name.
+  // True when there is a section of this name.
   [[nodiscard]] bool has(std::string_view name) const { return find(name) != table_.end(); }
   [[nodiscard]] MeshReport read_report();
 
@@ -164,18 +166,16 @@ class SectionReader {
 
   std::string path_;
   FileKind kind_;
-  std::optional<MappedFile> file_;  // or a copy
+  std::optional<MappedFile> file_;  // the mapping, unless the file was copied or is read in parts
   LargeVector<std::byte> copy_;
   std::span<const std::byte> bytes_;
-  std::shared_ptr<const InputFile> open_file_;         // or parts of a file
-  std::vector<UninitializedVector<std::byte>> parts_;  // read so far
+  std::shared_ptr<const InputFile> open_file_;         // the file that is read in parts
+  std::vector<UninitializedVector<std::byte>> parts_;  // parts read so far
   std::uint64_t size_ = 0;                             // of the file
   FileHeader header_;
   std::vector<Section> table_;
   std::vector<std::vector<std::byte>> unpacked_;
 };
-
-// The materials of .olod and .ohlod files.
 
 struct Materials {
   std::vector<Material> materials;
@@ -183,10 +183,11 @@ struct Materials {
   TextureOrigin origin = TextureOrigin::bottom_left;
 };
 
-// As JSON text, and the bytes of embedded images, one after the other. Stays where it is while a SectionWriter has it.
+// Writes materials as JSON text and the bytes of embedded images, one after the other. Must stay valid while a
+// SectionWriter uses it.
 class MaterialSections {
  public:
-  // `view`: HierarchyView or HlodView.
+  // `view` is a HierarchyView or an HlodView.
   template <typename View>
   void add(const View& view, SectionWriter& writer) {
     pack(view.materials, view.textures, view.texture_origin);
@@ -201,7 +202,7 @@ class MaterialSections {
   std::vector<std::uint8_t> images_;
 };
 
-// Nothing but the defaults when the file has no such sections. Refuses what MaterialSections does not write.
+// Returns the defaults when the file has no material sections. Refuses anything that MaterialSections does not write.
 [[nodiscard]] Materials read_materials(SectionReader& reader);
 
 }  // namespace occlod::sections

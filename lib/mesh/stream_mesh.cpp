@@ -16,7 +16,7 @@
 namespace occlod {
 
 TriangleMesh PieceCutter::cut(std::size_t begin, std::size_t end) {
-  constexpr std::size_t triangles_between_looks = 1024;  // whether memory has room
+  constexpr std::size_t triangles_between_looks = 1024;  // between two calls of make_room()
   TriangleMesh piece;
   wedges_.clear();
   for (std::size_t t = begin; t < end; ++t) {
@@ -51,7 +51,7 @@ TriangleMesh PieceCutter::cut(std::size_t begin, std::size_t end) {
 
 namespace {
 
-// Calls what(i) for all i below `count`, and looks now and then whether memory has room.
+// Calls what(i) for all i below `count`, and make_room() from time to time.
 template <class What>
 void for_each_index(std::size_t count, const What& what) {
   constexpr std::size_t between_looks = 1024;
@@ -61,11 +61,11 @@ void for_each_index(std::size_t count, const What& what) {
   }
 }
 
-// Sums of area vectors at some positions; +0 and -0 are one.
+// Sums of area vectors at selected positions; +0 and -0 are equal.
 class AreaSums {
  public:
   void add_place(const glm::vec3& p) { places_.push_back(key_of(p)); }
-  // After all places.
+  // Call after all places have been added.
   void begin() {
     std::sort(places_.begin(), places_.end());
     places_.erase(std::unique(places_.begin(), places_.end()), places_.end());
@@ -74,7 +74,7 @@ class AreaSums {
   void add(const glm::vec3& p, const glm::dvec3& area) {
     if (glm::dvec3* const sum = find(p)) *sum += area;
   }
-  // Of a place that has been added.
+  // Returns the sum at a place that has been added.
   [[nodiscard]] const glm::dvec3& at(const glm::vec3& p) { return *find(p); }
 
  private:

@@ -1,4 +1,4 @@
-// Cuts large meshes into pieces.
+// Reads mesh files that are too large for memory and cuts meshes into pieces.
 #pragma once
 
 #include <cstddef>
@@ -16,13 +16,13 @@
 
 namespace occlod {
 
-// Of a mesh, wherever they lie. Attributes are empty or one per wedge.
+// The arrays of a mesh, wherever they are stored. Attributes are empty or one per wedge.
 struct MeshArrays {
   std::span<const glm::vec3> positions;  // one per wedge
   std::span<const glm::vec3> normals;
   std::span<const glm::u8vec4> colors;
   std::span<const glm::vec2> texture_coordinates;
-  std::span<const Triangle> triangles;             // into wedges
+  std::span<const Triangle> triangles;             // indices of wedges
   std::span<const MaterialId> triangle_materials;  // empty or one per triangle
   TextureOrigin texture_origin = TextureOrigin::bottom_left;
 };
@@ -34,33 +34,31 @@ struct MeshArrays {
 
 class PieceCutter {
  public:
-  // The arrays outlive it.
+  // The arrays of `mesh` outlive it.
   explicit PieceCutter(const MeshArrays& mesh) : mesh_(mesh), local_(mesh.positions.size(), no_id) {}
 
-  // A run of triangles and the wedges that they use as vertices, in the order of their first use. Without materials and
-  // textures.
+  // Returns a run of triangles with the wedges that they use as vertices, in the order of their first use, without
+  // materials and textures.
   [[nodiscard]] TriangleMesh cut(std::size_t begin, std::size_t end);
 
  private:
   MeshArrays mesh_;
-  LargeVector<VertexId> local_;  // by wedge, of the piece that is cut
+  LargeVector<VertexId> local_;  // vertex in the current piece, by wedge
   std::vector<WedgeId> wedges_;
 };
 
-// Mesh files that are too large for memory.
-
-// Whether the file has a format that a StreamedMesh reads: PLY or OBJ, by its extension.
+// True when the file has a format that a StreamedMesh reads: PLY or OBJ, by its extension.
 [[nodiscard]] bool is_streamable(const std::filesystem::path& path);
 
-// What read_mesh() reads from a PLY or OBJ file, block by block into arrays, which lie in scratch files while a
-// MemoryLimit lives.
+// Reads what read_mesh() reads from a PLY or OBJ file, block by block into arrays that are stored in scratch files
+// while a MemoryLimit lives.
 class StreamedMesh {
  public:
   // `progress` may be empty. Throws Error as read_mesh() does.
   StreamedMesh(const std::filesystem::path& path, const std::function<void(double)>& progress);
 
-  // Gives all triangles with three different corners in the order of the file, in pieces of `most` or fewer. Vertices
-  // at one position are not one yet. Each piece has all materials and textures.
+  // Gives all triangles with three different corners in the order of the file, in pieces of at most `most` triangles.
+  // Vertices with equal positions are not welded yet. Each piece has all materials and textures.
   void visit(std::size_t most, const std::function<void(const TriangleMesh& piece)>& take) const;
 
  private:
@@ -70,9 +68,9 @@ class StreamedMesh {
   void repair_normals();
   [[nodiscard]] bool has_repeated_corner(const Triangle& t) const;
 
-  ScratchSoup soup_;  // but for its polygons
+  ScratchSoup soup_;  // without its polygons
   LargeVector<Triangle> triangles_;
-  LargeVector<bool> is_used_;  // by vertex: by a triangle of the file
+  LargeVector<bool> is_used_;  // by vertex; true when a triangle of the file uses it
 };
 
 }  // namespace occlod

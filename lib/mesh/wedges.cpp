@@ -20,17 +20,18 @@ namespace {
 
 // The attributes that a corner may have: those of a vertex as read, and a material.
 struct Attributes {
-  VertexId vertex;  // of the corner, welded
-  VertexId source;  // as read
+  VertexId vertex;  // the welded vertex of the corner
+  VertexId source;  // the vertex as read
   MaterialId material;
 };
 
-// Finds wedges beyond the first of their vertices by vertex and attributes: open addressing, at most half full.
+// A hash table of wedges beyond the first of their vertices, by vertex and attributes: open addressing, at most half
+// full.
 class ExtraWedges {
  public:
   explicit ExtraWedges(const TriangleMesh& mesh) : mesh_(mesh), slots_(64, no_id) {}
 
-  // The number of the wedge with these attributes, in the order in which they were first asked for.
+  // Returns the number of the wedge with these attributes, in the order in which they were first requested.
   std::uint32_t find_or_add(const Attributes& wanted) {
     if (2 * wedges_.size() >= slots_.size()) grow();
     std::size_t slot = hash_of(wanted) & (slots_.size() - 1);
@@ -55,7 +56,7 @@ class ExtraWedges {
     return a.vertex == b.vertex && a.material == b.material && have_equal_attributes(a.source, b.source);
   }
 
-  // Of +0 also for -0.
+  // Returns the same bits for -0 as for +0.
   static std::uint64_t bits(float a, float b) {
     return std::bit_cast<std::uint32_t>(a + 0.0F) | std::uint64_t{std::bit_cast<std::uint32_t>(b + 0.0F)} << 32;
   }
@@ -85,7 +86,7 @@ class ExtraWedges {
 
   const TriangleMesh& mesh_;
   std::vector<Attributes> wedges_;
-  std::vector<std::uint32_t> slots_;  // into wedges_
+  std::vector<std::uint32_t> slots_;  // indices into wedges_
 };
 
 class WedgeFormer {
@@ -107,7 +108,8 @@ class WedgeFormer {
   }
 
  private:
-  // Replaces the vertex as read at a corner by its wedge: the vertex itself for its first, then those of extra_.
+  // Replaces the vertex as read at a corner by its wedge: the vertex itself for its first wedge, else a number from
+  // extra_.
   void find_wedge(VertexId vertex, VertexId& corner, MaterialId material) {
     VertexId& first = first_[vertex];
     if (first == no_id) {
@@ -128,7 +130,7 @@ class WedgeFormer {
     }
   }
 
-  // Sorts the extra wedges by vertex, those of one vertex in their order: counted, then placed.
+  // Sorts the extra wedges by vertex with a stable counting sort.
   void number_extra_wedges() {
     const std::vector<Attributes>& wedges = extra_.wedges();
     if (wedges.empty()) return;
@@ -149,7 +151,7 @@ class WedgeFormer {
     gather(mesh_.normals, sources);
     gather(mesh_.colors, sources);
     gather(mesh_.texture_coordinates, sources);
-    // All wedges of a vertex have its place to the bit, also where -0 was welded to +0.
+    // All wedges of a vertex get the same bits as position, even when -0 was welded to +0.
     for (std::size_t v = 0; v < first_.size(); ++v) {
       if (first_[v] != no_id) sources[new_id_[v]] = static_cast<VertexId>(v);
     }
@@ -182,8 +184,9 @@ class WedgeFormer {
 
   TriangleMesh& mesh_;
   std::vector<Triangle> corners_;
-  std::vector<VertexId> first_;  // by vertex: whose attributes its first wedge has; no_id where it is not used
-  std::vector<MaterialId> first_material_;  // by vertex; empty where all triangles have one
+  std::vector<VertexId> first_;  // by vertex: the vertex as read whose attributes its first wedge has; no_id when
+                                 // unused
+  std::vector<MaterialId> first_material_;  // by vertex; empty when all triangles have one material
   ExtraWedges extra_;
   std::vector<VertexId> new_id_;       // by vertex
   std::vector<WedgeId> new_extra_id_;  // by number in extra_
@@ -198,7 +201,7 @@ bool form_wedges(TriangleMesh& mesh, std::vector<Triangle> read_corners) {
 
 namespace {
 
-// Calls merge(vertex, first, last) for each vertex with more than one wedge: of the others, those in [first, last) of
+// Calls merge(vertex, first, last) for each vertex with more than one wedge; its extra wedges are [first, last) of
 // extra_wedges.
 template <class Merge>
 void for_each_seam_vertex(const TriangleMesh& mesh, Merge merge) {
@@ -255,7 +258,7 @@ struct StarCorner {
   int corner;  // 0, 1 or 2
 };
 
-// The corners at each vertex, by ascending triangles.
+// The corners at each vertex, in ascending order of triangles.
 class Stars {
  public:
   explicit Stars(const TriangleMesh& mesh) : offsets_(mesh.vertex_count() + 1) {
@@ -301,15 +304,15 @@ class Creaser {
 
  private:
   static constexpr double radians = 0.017453292519943295;
-  static constexpr double slack = 1e-12;  // of cosines, for rounding: triangles in one plane are smooth at 0 degrees
+  static constexpr double slack = 1e-12;  // rounding error of cosines: triangles in one plane are smooth at 0 degrees
 
   // A triangle's use of an edge at the vertex.
   struct Spoke {
     VertexId rim;
-    std::uint32_t slot;  // of the triangle in the star
+    std::uint32_t slot;  // place of the triangle in the star
   };
 
-  // Sets group_ of each slot of the star: the smallest slot that it is joined with.
+  // Sets group_ for each slot of the star to the smallest slot with which it is joined.
   void group(VertexId v) {
     const std::size_t size = stars_.size(v);
     spokes_.clear();
@@ -332,7 +335,8 @@ class Creaser {
     for (std::uint32_t slot = 0; slot < size; ++slot) group_[slot] = root(slot);
   }
 
-  // A triangle without area has no angle and is smooth with any.
+  // True when two triangles are smoothed across their edge; a triangle without area has no angle and is smooth with
+  // any.
   [[nodiscard]] bool are_smooth(std::uint32_t a, std::uint32_t b) const {
     const double lengths = glm::length(areas_[a]) * glm::length(areas_[b]);
     return smooths_all_ || !(lengths > 0.0) || glm::dot(areas_[a], areas_[b]) >= min_cosine_ * lengths;
@@ -348,8 +352,8 @@ class Creaser {
     group_[std::max(a, b)] = std::min(a, b);
   }
 
-  // A vertex of the result for each pair of a group and a wedge that are met at the same corner; clean() makes wedges
-  // of them.
+  // Makes a vertex of the result for each pair of a group and a wedge that meet at a corner; clean() turns them into
+  // wedges.
   void take_groups(VertexId v) {
     const std::size_t size = stars_.size(v);
     sums_.assign(size, glm::dvec3(0.0));
@@ -372,13 +376,13 @@ class Creaser {
   void add_vertex(WedgeId wedge, const glm::dvec3& sum) {
     const double length = glm::length(sum);
     result_.positions.push_back(mesh_.positions[wedge]);
-    // Without an area clean() finds one.
+    // Where the sum is zero, clean() computes a normal.
     result_.normals.push_back(length > 0.0 ? glm::vec3(sum / length) : glm::vec3(0.0F));
     if (!mesh_.colors.empty()) result_.colors.push_back(mesh_.colors[wedge]);
     if (!mesh_.texture_coordinates.empty()) result_.texture_coordinates.push_back(mesh_.texture_coordinates[wedge]);
   }
 
-  // By group, then by wedge.
+  // Sorted by group, then by wedge.
   struct Ordered {
     std::uint32_t group;
     WedgeId wedge;
@@ -392,9 +396,9 @@ class Creaser {
   const Stars stars_;
   const bool smooths_all_;
   const double min_cosine_;
-  std::vector<glm::dvec3> areas_;  // of triangles, twice
+  std::vector<glm::dvec3> areas_;  // area vectors of triangles, with twice their area as length
   TriangleMesh result_;
-  std::vector<Spoke> spokes_;  // of the current vertex, as are those below
+  std::vector<Spoke> spokes_;  // of the current vertex, as are the members below
   std::vector<std::uint32_t> group_;
   std::vector<glm::dvec3> sums_;  // by group
   std::vector<Ordered> order_;

@@ -28,14 +28,15 @@ std::string extension_of(const Texture& texture) {
   return type.starts_with("image/") ? "." + type.substr(6) : ".bin";
 }
 
-// Whether readers find such a name again: on one line, without blanks around it, and no comment.
+// True when readers find the name again: it is on one line, has no blanks around it, and is no comment.
 bool is_plain(const std::string& name) {
   if (name.empty() || name.front() == '#' || name.front() == ' ' || name.back() == ' ' || name.back() == '\\')
     return false;
   return std::ranges::all_of(name, [](char c) { return static_cast<unsigned char>(c) >= ' ' && c != 0x7f; });
 }
 
-// The materials' own names where they can be told apart.
+// Returns a different name for each material: its own if readers find it again and no earlier material has it,
+// otherwise a new one.
 std::vector<std::string> material_names(const TriangleMesh& mesh) {
   std::vector<std::string> names;
   std::set<std::string> taken;
@@ -73,7 +74,8 @@ void write_mtl(const TriangleMesh& mesh, const std::vector<std::string>& names, 
   file.commit();
 }
 
-// A colour stands on the line of its vertex: where there are colours, each wedge is a vertex, at the place of its own.
+// Writes vertices. A colour is on the line of its vertex, so when there are colours, each wedge becomes a vertex with
+// its own position.
 void write_vertices(ChunkedWriter& out, const TriangleMesh& mesh) {
   const std::size_t count = mesh.colors.empty() ? mesh.vertex_count() : mesh.wedge_count();
   for (std::size_t v = 0; v < count; ++v) {
@@ -94,7 +96,7 @@ void write_attributes(ChunkedWriter& out, const TriangleMesh& mesh) {
   for (const glm::vec3& n : mesh.normals) out.text("vn {} {} {}\n", n.x, n.y, n.z);
 }
 
-// Names them in their order where the faces do not, so that they are numbered as they are.
+// Names the materials in their order before the first face when the faces do not, so that readers number them alike.
 void declare_materials(ChunkedWriter& out, const TriangleMesh& mesh, const std::vector<std::string>& names) {
   MaterialId next = 0;
   for (const MaterialId material : mesh.triangle_materials) {
@@ -167,11 +169,11 @@ std::vector<std::string> texture_files(const TriangleMesh& mesh, const fs::path&
 }
 
 // Our own writers: OpenMesh's exporters need a half-edge mesh behind an interface of forty functions, and round
-// coordinates in text. Numbers in text are the shortest that read back to the same bits.
+// coordinates in text. Our text has the shortest numbers that read back to the same bits.
 
 namespace {
 
-// Without those of extra wedges.
+// Returns the positions of the vertices, without those of extra wedges.
 std::span<const glm::vec3> vertices_of(const TriangleMesh& mesh) {
   return std::span(mesh.positions).first(mesh.vertex_count());
 }
@@ -180,12 +182,12 @@ glm::vec2 from_bottom_left(const TriangleMesh& mesh, const glm::vec2& at) {
   return mesh.texture_origin == TextureOrigin::bottom_left ? at : glm::vec2(at.x, from_other_origin(at.y));
 }
 
-// Of each texture's number, where faces have to name one: there are several, or some have none.
+// True when faces have to name their textures by number: there are several, or some faces have none.
 bool needs_texture_numbers(const TriangleMesh& mesh) {
   return !mesh.textures.empty() && (mesh.textures.size() > 1 || mesh.materials.size() > 1);
 }
 
-// `counts`: of the file, of which `mesh` says all else.
+// `counts` are those of the file; everything else is taken from `mesh`.
 void write_ply_header(ChunkedWriter& out, const TriangleMesh& mesh, const WrittenCounts& counts,
                       const std::filesystem::path& path) {
   out.text("ply\nformat binary_little_endian 1.0\n");
@@ -204,8 +206,8 @@ void write_ply_header(ChunkedWriter& out, const TriangleMesh& mesh, const Writte
   out.text("end_header\n");
 }
 
-// A vertex for each wedge: readers that weld make one of those at one position, others show seams as they are. Faces
-// repeat the texture coordinates where they name a texture, as MeshLab has it.
+// Writes a vertex for each wedge: readers that weld merge those with equal positions, and others show seams correctly.
+// When faces name a texture they repeat the texture coordinates, as MeshLab does.
 void write_ply(ChunkedWriter& out, const TriangleMesh& mesh, const std::filesystem::path& path) {
   write_ply_header(out, mesh, {mesh.wedge_count(), mesh.triangle_count()}, path);
   for (std::size_t w = 0; w < mesh.wedge_count(); ++w) {
@@ -266,7 +268,7 @@ MeshFormat format_to_write(const std::filesystem::path& path) {
   return format;
 }
 
-// Calls what(part, repeated, first): `first` is the number of the part's first vertex in the whole.
+// Calls what(part, repeated, first), where `first` is the number of the part's first vertex in the whole mesh.
 template <class What>
 WrittenCounts for_each_part(const MeshParts& parts, const std::filesystem::path& path, const What& what) {
   WrittenCounts counts;

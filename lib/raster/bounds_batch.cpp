@@ -16,15 +16,15 @@
 #define OCCLOD_OCCLUSION_BOUNDS_BATCH_ONCE
 namespace occlod {
 
-// Of each kind the fields that it has. Lanes from `size` on hold any numbers.
+// The fields of all kinds of bounds; each kind uses some of them. Lanes from `size` on hold arbitrary numbers.
 struct BoundsInput {
   std::size_t size = 0;
-  std::array<PerBound<float>, 3> center, axis;  // spheres; cylinders
+  std::array<PerBound<float>, 3> center, axis;  // of spheres and cylinders
   PerBound<float> radius, t_min, t_max;
-  std::array<PerBound<float>, 3> low, high;  // boxes
+  std::array<PerBound<float>, 3> low, high;  // of boxes
 };
 
-// Points of hulls: those of one hull in a lane, one after the other; shorter ones repeat their first.
+// Points of hulls, one hull per lane; shorter hulls repeat their first point.
 struct HullsInput {
   std::size_t size = 0;
   std::size_t longest = 0;
@@ -75,7 +75,7 @@ HWY_INLINE Vec at(const glm::dvec4& row, const Vec3& p) {
 HWY_INLINE Vec3 abs(const Vec3& v) { return {hn::Abs(v.x), hn::Abs(v.y), hn::Abs(v.z)}; }
 HWY_INLINE Vec3 max(const Vec3& a, const Vec3& b) { return {hn::Max(a.x, b.x), hn::Max(a.y, b.y), hn::Max(a.z, b.z)}; }
 
-// The inner products whose unit balls are the shapes, as in screen_bounds.
+// The inner products whose unit balls are the shapes, as for add_round() in screen_bounds.cpp.
 struct BallProduct {
   HWY_INLINE Vec operator()(const Vec3& a, const Vec3& b) const { return dot(a, b); }
 };
@@ -86,7 +86,7 @@ struct DiscProduct {
   }
 };
 
-// A row of the matrix at the corners of a box, numbered as by corner().
+// A row of the matrix times the corners of a box, in the order of corner().
 struct BoxRow {
   HWY_INLINE BoxRow(const glm::dvec4& row, const Vec3& low, const Vec3& high) : w(constant(row.w)) {
     const Vec3 r = constant(glm::dvec3(row));
@@ -104,7 +104,7 @@ struct BoxRow {
   Vec xy[4], z[2], w;
 };
 
-// As Extent in screen_bounds.cpp, operation by operation.
+// Does what Extent in screen_bounds.cpp does, operation by operation.
 class ExtentLanes {
  public:
   HWY_INLINE explicit ExtentLanes(const BoundsView& view)
@@ -118,7 +118,7 @@ class ExtentLanes {
         largest_(constant(glm::dvec3(0.0))),
         trusted_(hn::Eq(low_x_, low_x_)) {}
 
-  // Corners share the products of their coordinates and the sums of the first two.
+  // Corners share the products of their coordinates and the sums of the first two products.
   HWY_INLINE void add_box(const Vec3& low, const Vec3& high) {
     const BoxRow x(view_.x, low, high), y(view_.y, low, high), w(view_.w, low, high),
         near(view_.z + view_.w, low, high);
@@ -127,7 +127,7 @@ class ExtentLanes {
     for (int i = 0; i < 8; ++i) add_projected(x.at(i), y.at(i), w.at(i), near.at(i));
   }
 
-  // x / w and y / w of a point.
+  // The quotients x / w and y / w of a point.
   struct Projected {
     Vec x, y;
   };
@@ -151,7 +151,8 @@ class ExtentLanes {
     add_silhouette(view_.y, center, radius, w, product, low_y_, high_y_);
   }
 
-  // Pixels from the middle of the image. Precondition: of the points that have been added.
+  // Stores diagonals from ranges in pixels from the middle of the image. Precondition: the points of the ranges have
+  // been added.
   HWY_INLINE void store_diagonals(Vec low_sum, Vec high_sum, Vec low_difference, Vec high_difference,
                                   DiagonalsOutput& output, std::size_t i) const {
     const Doubles d;
@@ -250,14 +251,15 @@ class ExtentLanes {
     return hn::Mul(hn::Add(hn::Mul(ratio, constant(0.5)), constant(0.5)), constant(size));
   }
 
-  // Pixels [*begin, *end) of one axis from the range of x / w or -y / w; false where it is no range.
+  // Stores the pixels [*begin, *end) of one axis from the range of x / w or -y / w; false where the range is empty or
+  // NaN.
   static HWY_INLINE Mask store_range(Vec low_ratio, Vec high_ratio, Vec error, double size, std::int32_t* begin,
                                      std::int32_t* end) {
     const Vec zero = constant(0.0), limit = constant(size);
     const Vec slack = hn::Add(hn::Mul(error, constant(size / 2.0)), constant(bounds_slack_px));
     const Vec low = hn::Sub(to_pixels(low_ratio, size), slack);
     const Vec high = hn::Add(to_pixels(high_ratio, size), slack);
-    // Truncation is floor where nothing is negative; a negative high end has its floor + 1 at 0 or below.
+    // Truncation is floor for numbers that are not negative; for a negative high end, floor + 1 is at most 0.
     const Ints ints;
     const IntVec last = hn::DemoteTo(ints, hn::Min(hn::Max(high, zero), limit));
     const IntVec one = hn::DemoteTo(ints, hn::IfThenElseZero(hn::Ge(high, zero), constant(1.0)));
@@ -266,7 +268,7 @@ class ExtentLanes {
     return hn::Le(low, high);
   }
 
-  // Rounded and then one step up: std::nextafter of what is positive, infinity included.
+  // Rounds and then steps up once, as std::nextafter does for positive numbers, including infinity.
   static HWY_INLINE void store_nearest(Vec value, float* out) {
     const Ints ints;
     const IntVec infinity = hn::BitCast(ints, hn::Set(Floats(), std::numeric_limits<float>::infinity()));
@@ -322,7 +324,7 @@ void bound_hulls(const BoundsView& view, const HullsInput& input, BoundsOutput& 
     Vec low_sum = infinity, high_sum = hn::Neg(infinity), low_difference = low_sum, high_difference = high_sum;
     for (std::size_t k = 0; k < input.longest; ++k) {
       const ExtentLanes::Projected at = extent.add_point(load(input.points[k], i));
-      const Vec x = hn::Mul(at.x, half_width), y = hn::Mul(at.y, half_height);  // clip space's y is up
+      const Vec x = hn::Mul(at.x, half_width), y = hn::Mul(at.y, half_height);  // y points up in clip space
       low_sum = hn::Min(low_sum, hn::Sub(x, y));
       high_sum = hn::Max(high_sum, hn::Sub(x, y));
       low_difference = hn::Min(low_difference, hn::Add(x, y));

@@ -10,7 +10,7 @@
 namespace occlod::raster {
 namespace {
 
-// Inside: limit * w >= sign * v[axis].
+// A point is inside when limit * w >= sign * v[axis].
 struct Plane {
   int axis;
   double sign;
@@ -19,8 +19,8 @@ struct Plane {
   [[nodiscard]] double distance(const glm::dvec4& v) const { return limit * v.w - sign * v[axis]; }
 };
 
-// Always walks from the inside to the outside corner: the same result for both triangles of an edge. Huge corners
-// cancel badly, so the coordinate that is known is set.
+// Always goes from the inside to the outside corner, so that both triangles of an edge get the same result. The known
+// coordinate is set explicitly, because it would lose its digits by cancellation for huge corners.
 glm::dvec4 intersect(const Plane& plane, const glm::dvec4& inside, const glm::dvec4& outside) {
   const double distance = plane.distance(inside);
   glm::dvec4 v = inside + distance / (distance - plane.distance(outside)) * (outside - inside);
@@ -28,7 +28,7 @@ glm::dvec4 intersect(const Plane& plane, const glm::dvec4& inside, const glm::dv
   return v;
 }
 
-// Sutherland & Hodgman 1974.
+// Clips a polygon (Sutherland & Hodgman 1974).
 void clip_against(const Plane& plane, ClipPolygon& polygon) {
   ClipPolygon result;
   for (std::size_t i = 0; i < polygon.size; ++i) {
@@ -47,7 +47,7 @@ bool finite(const glm::dvec4& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z) && std::isfinite(v.w);
 }
 
-// All corners beyond one side of the image or before the near plane.
+// True when all corners are beyond one side of the image or in front of the near plane.
 bool outside_image(const std::array<glm::dvec4, 3>& triangle) {
   const auto all = [&](auto beyond) { return std::all_of(triangle.begin(), triangle.end(), beyond); };
   return all([](const glm::dvec4& v) { return v.x < -v.w; }) || all([](const glm::dvec4& v) { return v.x > v.w; }) ||
@@ -75,7 +75,7 @@ ClipPolygon clip_triangle(const std::array<glm::dvec4, 3>& triangle, const glm::
 namespace occlod {
 namespace {
 
-// The part of the image, whose area is 4 in normalised device coordinates, that the triangle covers.
+// Returns the part of the image, whose area is 4 in normalised device coordinates, that the triangle covers.
 double covered_part(const std::array<glm::dvec4, 3>& triangle) {
   const raster::ClipPolygon polygon = raster::clip_triangle(triangle, {1.0, 1.0});
   if (polygon.size < 3) return 0.0;
@@ -101,7 +101,7 @@ MeshFragments count_fragments(std::span<const glm::vec3> positions, std::span<co
     const FragmentCount one{weight, weight * covered_part({to_clip * glm::dvec4(a, 1.0), to_clip * glm::dvec4(b, 1.0),
                                                            to_clip * glm::dvec4(c, 1.0)})};
     result.all += one;
-    // As Occluder does.
+    // the same test as in Occluder
     if (two_sided || !(glm::dot(glm::cross(b - a, c - a), view.eye() - a) < 0.0F)) result.front += one;
   }
   return result;

@@ -1,4 +1,4 @@
-// Depth images in memory of the caller's, and rectangles of their pixels.
+// Depth images in the caller's memory, rectangles of their pixels, and drawing into them.
 #pragma once
 
 #include <cstddef>
@@ -12,8 +12,8 @@
 
 namespace occlod {
 
-// What a DepthBuffer holds, row y at nearness + y * stride. A stride that is a multiple of 1024 makes drawing a third
-// slower: the pixels of a column then share their place in the cache.
+// Pixels as in a DepthBuffer, with row y at nearness + y * stride. A stride that is a multiple of 1024 makes drawing a
+// third slower, because the pixels of a column then map to the same cache set.
 struct DepthImage {
   float* nearness = nullptr;
   int width = 0;
@@ -21,7 +21,7 @@ struct DepthImage {
   std::ptrdiff_t stride = 0;  // >= width
 };
 
-// Pixels [x0, x1) x [y0, y1).
+// The pixels [x0, x1) x [y0, y1).
 struct PixelRect {
   int x0 = 0;
   int y0 = 0;
@@ -31,26 +31,26 @@ struct PixelRect {
   [[nodiscard]] bool empty() const noexcept { return (x0 >= x1) | (y0 >= y1); }
 };
 
-// The smallest rectangle around both; an empty one adds nothing.
+// Returns the smallest rectangle that contains both; an empty one adds nothing.
 [[nodiscard]] constexpr PixelRect united(const PixelRect& a, const PixelRect& b) noexcept {
   if (a.x0 >= a.x1 || a.y0 >= a.y1) return b;
   if (b.x0 >= b.x1 || b.y0 >= b.y1) return a;
   return {a.x0 < b.x0 ? a.x0 : b.x0, a.y0 < b.y0 ? a.y0 : b.y0, a.x1 > b.x1 ? a.x1 : b.x1, a.y1 > b.y1 ? a.y1 : b.y1};
 }
 
-// As draw_depth() into a DepthBuffer. Returns a rectangle that holds every pixel drawn.
+// Draws as draw_depth() into a DepthBuffer does. Returns a rectangle that contains every pixel drawn.
 PixelRect draw_depth(const DepthImage& target, std::span<const glm::vec3> positions,
                      std::span<const Triangle> triangles, const glm::mat4& object_to_clip);
 
 struct DrawnPixels {
-  PixelRect rect;               // holds every pixel drawn
-  std::uint64_t fragments = 0;  // pixels covered, those of each triangle, whether they pass the depth test or not
+  PixelRect rect;               // contains every pixel drawn
+  std::uint64_t fragments = 0;  // covered pixels of all triangles, whether they pass the depth test or not
 };
 
-// The same with a count.
+// Draws as draw_depth() does and counts fragments.
 DrawnPixels draw_depth_counted(const DepthImage& target, std::span<const glm::vec3> positions,
                                std::span<const Triangle> triangles, const glm::mat4& object_to_clip);
-// As draw_items(), with a count.
+// Draws as draw_items() does and counts fragments.
 DrawnPixels draw_items_counted(ItemBuffer& target, std::span<const glm::vec3> positions,
                                std::span<const Triangle> triangles, const glm::mat4& object_to_clip,
                                std::uint32_t first_item);

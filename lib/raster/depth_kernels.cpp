@@ -17,7 +17,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Floats = hn::CappedTag<float, depth_row_texels / 2>;
 using Vec = hn::Vec<Floats>;
 
-// The smallest of each pair of neighbours in `low` and then `high`.
+// Returns the smaller of each pair of neighbours in `low` and then in `high`.
 HWY_INLINE Vec smallest_of_pairs(Vec low, Vec high) {
 #if HWY_TARGET == HWY_SCALAR
   return hn::Min(low, high);
@@ -58,7 +58,7 @@ using FloatLanes = hn::Rebind<float, Lanes>;
 using IntVec = hn::Vec<Lanes>;
 using FloatVec = hn::Vec<FloatLanes>;
 
-// The range of texels [low, high] that pixels [begin, end) meet along one axis, in steps of one: three at most.
+// The range of texels [low, high], at most three, that pixels [begin, end) meet along one axis.
 struct TexelLanes {
   HWY_INLINE TexelLanes(IntVec begin, IntVec end, IntVec level, IntVec last)
       : low(hn::Min(hn::Shr(begin, level), last)),
@@ -69,8 +69,8 @@ struct TexelLanes {
   IntVec low, high, middle;
 };
 
-// The finest level on which a rectangle of `size` pixels meets at most three texels: the bits that (size - 2) / 2 has,
-// read from the exponent of its float.
+// Returns the finest level on which a rectangle of `size` pixels meets at most three texels along each axis: the number
+// of bits of (size - 2) / 2, read from the exponent of its float.
 HWY_INLINE IntVec first_level_lanes(IntVec size, std::int32_t top) {
   const Lanes d;
   const IntVec half = hn::ShiftRight<1>(hn::Sub(hn::Max(size, hn::Set(d, 2)), hn::Set(d, 2)));

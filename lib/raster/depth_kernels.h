@@ -1,4 +1,5 @@
-// The arithmetic of screen_bounds for many bounds at once, one to a lane: the same bits, with every instruction set.
+// Vectorised kernels of occlusion tests: screen bounds for many shapes at once, one per lane, and loops of the depth
+// pyramid. Results have the same bits with every instruction set.
 #pragma once
 
 #include <array>
@@ -15,12 +16,12 @@
 
 namespace occlod {
 
-// A multiple of the lanes of every vector.
+// A multiple of the lane count of every instruction set.
 inline constexpr std::size_t bounds_batch_size = 32;
 
-// What a view of an object adds to every bound.
+// The parameters of a view of an object that all its bounds share.
 struct BoundsView {
-  // `nearness_scale`: a power of two that nearness is multiplied by.
+  // `nearness_scale` is a power of two by which nearness is multiplied.
   BoundsView(const View& view, const ObjectView& object, float nearness_scale = 1.0F);
 
   glm::dvec4 x, y, z, w;  // rows of object_to_clip
@@ -31,36 +32,34 @@ struct BoundsView {
 template <class T>
 using PerBound = std::array<T, bounds_batch_size>;
 
-// ScreenBounds in lanes; no rectangle where not trusted.
+// ScreenBounds, one per lane; the rectangle is empty where `trusted` is 0.
 struct BoundsOutput {
   PerBound<std::int32_t> x0, y0, x1, y1, trusted;
   PerBound<float> largest_nearness;
 };
 
-// At most bounds_batch_size shapes.
+// Computes screen_bounds() for at most bounds_batch_size shapes.
 void find_screen_bounds(const BoundsView& view, std::span<const Sphere> spheres, BoundsOutput& output);
 void find_screen_bounds(const BoundsView& view, std::span<const Box> boxes, BoundsOutput& output);
 void find_screen_bounds(const BoundsView& view, std::span<const Cylinder> cylinders, BoundsOutput& output);
-// As screen_diagonals() where trusted.
+// The results of screen_diagonals(), one per lane, where `trusted` is not 0.
 struct DiagonalsOutput {
   PerBound<double> sum_low, sum_high, difference_low, difference_high;
 };
-// Of no more than max_hull_points points each.
+// Computes screen bounds and diagonals for at most bounds_batch_size hulls of at most max_hull_points points each.
 void find_screen_bounds(const BoundsView& view, std::span<const PointHull> hulls, BoundsOutput& output,
                         DiagonalsOutput& diagonals);
 inline constexpr std::size_t max_hull_points = 32;
 
-// Pixels that points fall into.
+// The pixels that contain points, one per lane.
 struct PointsOutput {
-  PerBound<std::int32_t> x, y, on_screen;  // 0, 0 where they are not on the screen
+  PerBound<std::int32_t> x, y, on_screen;  // 0, 0 for points that are not on the screen
   PerBound<float> nearness;
 };
-// At most bounds_batch_size points.
+// Finds the pixels of at most bounds_batch_size points.
 void find_pixels(const BoundsView& view, std::span<const glm::vec3> points, PointsOutput& output);
 
-// The loops of the depth pyramid, with the widest vectors that the machine has.
-
-// Rows of every level are padded to a multiple of this many texels, so that vectors need no remainder.
+// Rows of every level are padded to a multiple of this many texels, so that vector loops need no remainder.
 inline constexpr int depth_row_texels = 32;
 
 struct DepthLevelView {
@@ -69,15 +68,15 @@ struct DepthLevelView {
   std::ptrdiff_t stride;
 };
 
-// Each texel of `level` in `changed` becomes the smallest of 2x2 texels of `below`; what lies beyond the last column or
-// row is infinite, and stays so.
+// Sets each texel of `level` in `changed` to the minimum of 2x2 texels of `below`. Texels beyond the last column or row
+// are infinite and stay so.
 void reduce_depth(const DepthLevelView& below, const DepthLevelView& level, const PixelRect& changed);
 
-// How many of `count` texels are <= limit.
+// Returns how many of `count` texels are <= limit.
 [[nodiscard]] std::uint32_t count_not_nearer(const float* texels, int count, float limit);
 
-// DepthPyramid::quick_verdict of the rectangles [0, count) of `bounds`. Verdicts are numbers of DepthPyramid::Verdict;
-// those from count on mean nothing. Every rectangle, used or not, begins at no negative pixel.
+// Computes DepthPyramid::quick_verdict() of the rectangles [0, count) of `bounds`. `verdicts` are numbers of
+// DepthPyramid::Verdict; those from `count` on are undefined. No rectangle, used or not, begins at a negative pixel.
 void find_quick_verdicts(const DepthPyramid::Levels& levels, const BoundsOutput& bounds, std::size_t count,
                          PerBound<std::int32_t>& verdicts);
 

@@ -26,9 +26,9 @@ PixelRect middle_pixel(const PixelRect& rect) {
   return {x, y, x + 1, y + 1};
 }
 
-// The finest level on which the rectangle meets at most three texels in each direction.
+// Returns the finest level on which the rectangle meets at most three texels in each direction.
 int first_level(const PixelRect& rect) {
-  // That of at most 2 * 2^level + 1 pixels.
+  // On that level the rectangle has at most 2 * 2^level + 1 pixels a side.
   const int size = std::max(std::max(rect.x1 - rect.x0, rect.y1 - rect.y0), 2);
   return static_cast<int>(std::bit_width(static_cast<unsigned>(size - 2) / 2));
 }
@@ -105,7 +105,7 @@ DepthPyramid::Levels DepthPyramid::levels() const noexcept {
 DepthPyramid::Verdict DepthPyramid::quick_verdict(const PixelRect& rect, float largest_nearness) const noexcept {
   const int index = first_level(rect);
   const Level& level = levels_[static_cast<std::size_t>(index)];
-  // Inside the image even where the rectangle is empty.
+  // The texels are inside the image even when the rectangle is empty.
   const int x0 = std::min(rect.x0 >> index, level.width - 1), x2 = std::max((rect.x1 - 1) >> index, x0);
   const int y0 = std::min(rect.y0 >> index, level.height - 1), y2 = std::max((rect.y1 - 1) >> index, y0);
   const int x1 = std::min(x0 + 1, x2), y1 = std::min(y0 + 1, y2);
@@ -131,7 +131,7 @@ bool DepthPyramid::any_visible(const PixelRect& rect, float largest_nearness, co
 }
 
 bool DepthPyramid::search_visible(const PixelRect& rect, float largest_nearness, const Diagonals& diagonals) const {
-  // Where the middle is hidden, the border is often visible: half of a bound behind an edge of the occluder.
+  // Where the middle is hidden, the border is often visible: half of the bound is behind an edge of the occluder.
   const int middle_x = (rect.x0 + rect.x1) / 2, middle_y = (rect.y0 + rect.y1) / 2;
   for (const int y : {rect.y0, middle_y, rect.y1 - 1})
     for (const int x : {rect.x0, middle_x, rect.x1 - 1})
@@ -149,7 +149,7 @@ bool DepthPyramid::any_visible_at(int level, const PixelRect& rect, const Diagon
       const PixelRect part = intersection(rect, texel);
       if (!diagonals.meet(part)) continue;
       const bool whole = part.x0 == texel.x0 && part.y0 == texel.y0 && part.x1 == texel.x1 && part.y1 == texel.y1;
-      // The farthest pixel of the texel is visible; when the texel is asked about as a whole, so is that pixel.
+      // Some pixel of the texel, its farthest, is visible; when the query contains the whole texel, that decides.
       if (level == 0 || (whole && diagonals.hold(texel)) || any_visible_at(level - 1, part, diagonals, nearest))
         return true;
     }
@@ -162,7 +162,7 @@ std::uint32_t DepthPyramid::count_visible(const PixelRect& rect, float largest_n
   if (quick_verdict(rect, largest_nearness) == Verdict::hidden) return 0;
   std::uint32_t count = 0;
   for (int y = rect.y0; y < rect.y1; ++y) {
-    // The pixels that meet the diagonals follow each other.
+    // The pixels of a row that meet the diagonals are consecutive.
     int x0 = rect.x0, x1 = rect.x1;
     while (x0 < x1 && !diagonals.meet({x0, y, x0 + 1, y + 1})) ++x0;
     while (x0 < x1 && !diagonals.meet({x1 - 1, y, x1, y + 1})) --x1;

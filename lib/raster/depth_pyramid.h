@@ -1,4 +1,4 @@
-// Hierarchical z-buffer (Greene, Kass, Miller 1993): each level holds the farthest depth of 2x2 texels of the level
+// A hierarchical z-buffer (Greene, Kass, Miller 1993): each level holds the farthest depth of 2x2 texels of the level
 // below.
 #pragma once
 
@@ -13,19 +13,19 @@
 
 namespace occlod {
 
-// Cuts off the corners of a rectangle: x + y and x - y of the points that are left, in pixels; y down.
+// Ranges of x + y and of x - y in pixels, y down, which cut off the corners of a rectangle.
 struct Diagonals {
   double sum_low = -std::numeric_limits<double>::infinity();
   double sum_high = std::numeric_limits<double>::infinity();
   double difference_low = -std::numeric_limits<double>::infinity();
   double difference_high = std::numeric_limits<double>::infinity();
 
-  // False when no point of `rect` is left.
+  // False when the ranges leave no point of `rect`.
   [[nodiscard]] bool meet(const PixelRect& rect) const noexcept {
     return rect.x1 + rect.y1 >= sum_low && rect.x0 + rect.y0 <= sum_high && rect.x1 - rect.y0 >= difference_low &&
            rect.x0 - rect.y1 <= difference_high;
   }
-  // True when all of it is left.
+  // True when the ranges leave all of `rect`.
   [[nodiscard]] bool hold(const PixelRect& rect) const noexcept {
     return rect.x0 + rect.y0 >= sum_low && rect.x1 + rect.y1 <= sum_high && rect.x0 - rect.y1 >= difference_low &&
            rect.x1 - rect.y0 <= difference_high;
@@ -34,42 +34,45 @@ struct Diagonals {
 
 class DepthPyramid {
  public:
-  // Lays out levels for an image of at least one pixel and empties level 0, which the caller then draws into. Odd sizes
-  // round up. The image is valid until the next begin(). Reuses its memory.
-  // `clears`: what was drawn before is taken away; else it stays, for pictures in which everything is nearer than that.
+  // Lays out levels for an image of at least one pixel and returns level 0 for the caller to draw into. Odd sizes round
+  // up. The image is valid until the next begin(). Reuses its memory. With `clears` level 0 is emptied; without, it
+  // keeps the previous picture, for pictures in which everything is nearer than that.
   [[nodiscard]] DepthImage begin(int width, int height, bool clears = true);
-  // Reduces level 0 until one texel is left, where it has changed. drawn: holds every pixel that is not empty.
-  // Everything below needs it. O(pixels drawn now or before).
+  // Reduces level 0 where it has changed, until one texel is left. `drawn` contains every pixel that is not empty. Must
+  // be called before the functions below. O(pixels drawn now or before).
   void finish(const PixelRect& drawn);
-  // Both, with a copy of `depth` as level 0.
+  // Calls begin() and finish() with a copy of `depth` as level 0.
   void build(const DepthBuffer& depth);
 
   [[nodiscard]] int level_count() const noexcept { return static_cast<int>(levels_.size()); }
   [[nodiscard]] int width() const noexcept { return levels_.empty() ? 0 : levels_[0].width; }
   [[nodiscard]] int height() const noexcept { return levels_.empty() ? 0 : levels_[0].height; }
-  // Smallest nearness (farthest occluder) of the texel.
+  // Returns the smallest nearness of the texel, that of the farthest occluder.
   [[nodiscard]] float farthest(int level, int x, int y) const noexcept;
 
   // True iff at some pixel of `rect` (inside the image) the occluder is not nearer than largest_nearness, that is
-  // farthest <= nearest. Exact: descends only where a coarser texel cannot decide. An empty rectangle shows nothing.
-  // With diagonals only of those that they meet.
+  // farthest <= nearest. Exact: descends only where a coarser texel cannot decide. False for an empty rectangle. With
+  // diagonals, only pixels that they meet count.
   [[nodiscard]] bool any_visible(const PixelRect& rect, float largest_nearness, const Diagonals& diagonals = {}) const;
-  // The same where a few texels and the pixel in the middle decide it, which is most often; without branches.
+  // The answer of any_visible() from a few texels and the pixel in the middle, without branches; `unknown` where these
+  // do not decide, which is rare.
   enum class Verdict : std::uint8_t { hidden, visible, unknown };
   [[nodiscard]] Verdict quick_verdict(const PixelRect& rect, float largest_nearness) const noexcept;
 
-  // any_visible() of what quick_verdict() does not tell.
+  // Answers any_visible() where quick_verdict() is unknown.
   [[nodiscard]] bool search_visible(const PixelRect& rect, float largest_nearness, const Diagonals& diagonals) const;
 
-  // The levels as vectors gather them. Images have at most 2^14 pixels a side, so at most 15 levels.
+  // The levels as vector loops gather from them. Images have at most 2^14 pixels a side, so there are at most 15
+  // levels.
   struct Levels {
     static constexpr std::size_t capacity = 16;
     const float* texels = nullptr;
-    std::int32_t top = 0;                                                      // the last level
+    std::int32_t top = 0;                                                      // index of the last level
     std::array<std::int32_t, capacity> first{}, stride{}, last_x{}, last_y{};  // texel (x, y) at first + y * stride + x
   };
   [[nodiscard]] Levels levels() const noexcept;
-  // How many such pixels there are. O(pixels of the rectangle).
+  // Counts the pixels of `rect` at which the occluder is not nearer than largest_nearness. With diagonals, only pixels
+  // that they meet count. O(pixels of the rectangle).
   [[nodiscard]] std::uint32_t count_visible(const PixelRect& rect, float largest_nearness,
                                             const Diagonals& diagonals = {}) const;
 
@@ -78,7 +81,7 @@ class DepthPyramid {
     int width = 0;
     int height = 0;
     std::ptrdiff_t stride = 0;  // texels beyond the width are infinite
-    std::size_t first = 0;      // into texels_
+    std::size_t first = 0;      // index in texels_
   };
   void lay_out(int width, int height);
   [[nodiscard]] const float* row(const Level& level, int y) const noexcept {
@@ -86,9 +89,9 @@ class DepthPyramid {
   }
   [[nodiscard]] bool any_visible_at(int level, const PixelRect& rect, const Diagonals& diagonals, float nearest) const;
 
-  // All levels are empty outside of it.
+  // All levels are empty outside this rectangle.
   PixelRect drawn_;
-  bool cleared_ = true;  // by the last begin()
+  bool cleared_ = true;  // true when the last begin() cleared level 0
   std::vector<Level> levels_;
   std::vector<float> texels_;
 };

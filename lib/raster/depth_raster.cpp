@@ -10,28 +10,28 @@
 #define OCCLOD_RASTER_DEPTH_RASTER_ONCE
 namespace occlod::raster {
 
-// Small triangles, of at most depth_reach pixels a side, are drawn by edge functions, larger ones by rows. Seen from a
-// corner, a pixel of a block is then less than 2^14 + 2 * 16 * 2^8 subpixels away, and edge functions stay below 2^30.
+// Small triangles, at most depth_reach pixels a side, are drawn by edge functions, larger ones by rows. A pixel of a
+// block is then less than 2^14 + 2 * 16 * 2^8 subpixels away from any corner, and edge functions stay below 2^30.
 static_assert(depth_reach <= 64);
 
-// Pixels.
+// Width of the widest block of pixels.
 inline constexpr int widest_block = 16;
 
 template <class T>
 using PerTriangle = std::array<T, batch_triangles>;
 
-// A pixel centre is inside where start + step_column * columns + step_row * rows >= 0, counted from the first pixel of
-// the triangle's box.
+// A pixel centre is inside where start + step_column * columns + step_row * rows >= 0; columns and rows are counted
+// from the first pixel of the triangle's bounding box.
 struct EdgeFunctions {
   PerTriangle<std::int32_t> start, step_column, step_row;
 };
 
-// A batch that is set up. Boxes are in the image: [first, end).
+// A batch of triangles after set-up. Bounding boxes [first, end) are inside the image.
 struct SetupBatch {
   PerTriangle<std::int32_t> first_column, end_column, first_row, end_row;
-  PerTriangle<std::int32_t> kind;                 // of TriangleKind
+  PerTriangle<std::int32_t> kind;                 // a TriangleKind
   std::array<EdgeFunctions, 3> edges;             // of small triangles
-  PerTriangle<float> depth, per_column, per_row;  // from the first pixel of the box
+  PerTriangle<float> depth, per_column, per_row;  // depth is at the first pixel of the bounding box
   PerTriangle<float> smallest, largest;
 };
 
@@ -46,7 +46,7 @@ namespace {
 
 #if HWY_TARGET == HWY_SCALAR
 
-// One pixel to a vector: rows are faster.
+// Vectors would have one lane here, so drawing by rows is faster.
 bool draw_batch(const TriangleBatch&, const DepthImage&, PixelRect&) { return false; }
 bool draw_batch_counted(const TriangleBatch&, const DepthImage&, DrawnPixels&) { return false; }
 
@@ -54,7 +54,7 @@ bool draw_batch_counted(const TriangleBatch&, const DepthImage&, DrawnPixels&) {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// ---- Setting up: a triangle to a lane.
+// Set-up works with one triangle per lane.
 
 using Doubles = hn::ScalableTag<double>;
 using Ints = hn::Rebind<std::int32_t, Doubles>;
@@ -82,15 +82,15 @@ HWY_INLINE V largest_of(V a, V b, V c) {
   return hn::Max(hn::Max(a, b), c);
 }
 
-// As first_pixel.
+// Computes first_pixel() per lane.
 HWY_INLINE IntVec first_pixel_lanes(IntVec subpixel) {
   return hn::ShiftRight<subpixel_bits>(hn::Add(subpixel, hn::Set(Ints(), half_pixel - 1)));
 }
 
 HWY_INLINE DoubleVec difference(IntVec a, IntVec b) { return hn::PromoteTo(Doubles(), hn::Sub(a, b)); }
 
-// The edge from a to b of a triangle whose inside is where the function is positive once `flip` (0 or -1) has been
-// applied to its sign. Pixel centres on the edge belong to it when it is a top or a left edge.
+// Stores the edge from a to b of a triangle whose inside is where the edge function, with its sign flipped by `flip` (0
+// or -1), is positive. Pixel centres on the edge belong to the triangle when it is a top or a left edge.
 HWY_INLINE void store_edge(const CornerLanes& a, const CornerLanes& b, IntVec flip, IntVec first_x, IntVec first_y,
                            EdgeFunctions& edge, std::size_t i) {
   const Ints d;
@@ -108,7 +108,7 @@ struct BoxLanes {
   IntVec first_column, end_column, first_row, end_row;
 };
 
-// The arithmetic of depth_plane and DepthPlane::at.
+// Uses the same arithmetic as depth_plane() and DepthPlane::at().
 HWY_INLINE void store_plane(const CornerLanes& a, const CornerLanes& b, const CornerLanes& c, DoubleVec twice_area,
                             const BoxLanes& box, SetupBatch& setup, std::size_t i) {
   const Doubles d;
@@ -145,7 +145,7 @@ HWY_INLINE BoxLanes pixel_box(const CornerLanes& a, const CornerLanes& b, const 
           hn::Min(first_pixel_lanes(largest_of(a.y, b.y, c.y)), hn::Set(d, target.height))};
 }
 
-// Of the triangle along one axis, whether inside the image or not.
+// Returns the size of the triangle along one axis, inside the image or not.
 HWY_INLINE IntVec extent(IntVec a, IntVec b, IntVec c) { return hn::Sub(largest_of(a, b, c), smallest_of(a, b, c)); }
 
 HWY_INLINE void set_up_lanes(const TriangleBatch& batch, std::size_t i, const DepthImage& target, SetupBatch& setup,
@@ -158,11 +158,11 @@ HWY_INLINE void set_up_lanes(const TriangleBatch& batch, std::size_t i, const De
   hn::StoreU(box.first_row, d, setup.first_row.data() + i);
   hn::StoreU(box.end_row, d, setup.end_row.data() + i);
 
-  // Exact: products below 2^48.
+  // This is exact, because the products are below 2^48.
   const DoubleVec twice_area =
       hn::Sub(hn::Mul(difference(b.x, a.x), difference(c.y, a.y)), hn::Mul(difference(c.x, a.x), difference(b.y, a.y)));
   store_plane(a, b, c, twice_area, box, setup, i);
-  // -1, 0 or 1.
+  // The sign is -1, 0 or 1.
   const Doubles dd;
   const IntVec sign = hn::DemoteTo(Ints(), hn::Min(hn::Max(twice_area, hn::Set(dd, -1.0)), hn::Set(dd, 1.0)));
   const IntVec flip = hn::ShiftRight<31>(sign);
@@ -194,7 +194,7 @@ HWY_INLINE PixelRect reduced(const BoxLanes& box) {
           hn::GetLane(hn::MaxOfLanes(d, box.end_column)), hn::GetLane(hn::MaxOfLanes(d, box.end_row))};
 }
 
-// ---- Filling: a pixel to a lane.
+// Filling works with one pixel per lane.
 
 using Pixels = hn::CappedTag<float, widest_block>;
 using PixelInts = hn::RebindToSigned<Pixels>;
@@ -202,7 +202,7 @@ using PixelVec = hn::Vec<Pixels>;
 using PixelIntVec = hn::Vec<PixelInts>;
 constexpr int block = static_cast<int>(hn::MaxLanes(Pixels()));
 
-// first, first + 1, ... A constant and a broadcast; hn::Iota of a variable goes through memory.
+// Returns first, first + 1, ... as the sum of a constant and a broadcast; hn::Iota of a variable goes through memory.
 template <class D>
 HWY_INLINE hn::Vec<D> counting_from(D d, hn::TFromD<D> first) {
   return hn::Add(hn::Iota(d, hn::TFromD<D>{0}), hn::Set(d, first));
@@ -222,14 +222,14 @@ HWY_INLINE PixelVec clamp(PixelVec z, PixelVec smallest, PixelVec largest) {
   return hn::Min(hn::Max(z, smallest), largest);
 }
 
-// Draws the nearer depth where the sign bit of `outside` is clear.
+// Draws the nearer depth in lanes where the sign bit of `outside` is clear.
 HWY_INLINE void draw_block(PixelVec z, PixelIntVec outside, float* depth) {
   const Pixels d;
 #if HWY_TARGET == HWY_SSSE3
-  outside = hn::BroadcastSignBit(outside);  // Highway 1.0 forgets to, and would choose bit by bit
+  outside = hn::BroadcastSignBit(outside);  // Highway 1.0 omits this and would choose bit by bit
 #endif
   const PixelVec old = hn::LoadU(d, depth);
-#if HWY_TARGET == HWY_EMU128  // compares floats with zero there: most negative integers are NaN
+#if HWY_TARGET == HWY_EMU128  // HWY_EMU128 compares with zero as floats, and most negative integers are NaN as floats
   const auto is_outside = hn::RebindMask(d, hn::Lt(outside, hn::Zero(PixelInts())));
   hn::StoreU(hn::IfThenElse(is_outside, old, hn::Max(old, z)), d, depth);
 #else
@@ -237,10 +237,10 @@ HWY_INLINE void draw_block(PixelVec z, PixelIntVec outside, float* depth) {
 #endif
 }
 
-// Adds up lanes whose sign bit is clear, but for those that an earlier block has counted.
+// Counts lanes whose sign bit is clear, except those that an earlier block has counted.
 class FragmentCount {
  public:
-  // Lanes of negative `fresh` have been counted.
+  // Lanes with negative `fresh` have been counted.
   HWY_INLINE explicit FragmentCount(PixelIntVec fresh) : fresh_(fresh), outside_(hn::Zero(PixelInts())) {}
   HWY_INLINE void add(PixelIntVec outside) {
     outside_ = hn::Add(outside_, hn::ShiftRight<31>(hn::Or(outside, fresh_)));
@@ -253,7 +253,7 @@ class FragmentCount {
   PixelIntVec fresh_, outside_;
 };
 
-// All rows of a small triangle in the block of columns from x on. Counts fragments from column `first` on.
+// Draws all rows of a small triangle in the block of columns from x on, and counts fragments from column `first` on.
 template <bool counts>
 HWY_INLINE std::int32_t draw_columns(const SetupBatch& setup, std::size_t i, std::int32_t x, std::int32_t first,
                                      const DepthImage& target) {
@@ -286,7 +286,7 @@ HWY_INLINE std::int32_t draw_columns(const SetupBatch& setup, std::size_t i, std
   return counts ? count.after(rows) : 0;
 }
 
-// Returns fragments, where they are counted.
+// Returns the number of fragments if `counts`, else 0.
 template <bool counts>
 HWY_INLINE std::int32_t draw_small(const SetupBatch& setup, std::size_t i, const DepthImage& target) {
   std::int32_t fragments = 0;
@@ -295,8 +295,8 @@ HWY_INLINE std::int32_t draw_small(const SetupBatch& setup, std::size_t i, const
   return fragments;
 }
 
-// Pixels [begin, end) of a row of a large triangle, all within the reach of `depth`. `last` is the last column from
-// which a block stays inside the image.
+// Draws pixels [begin, end) of a row of a large triangle, all within the reach of `depth`. `last` is the last column at
+// which a block fits into the image.
 HWY_INLINE void draw_span(const DepthRow& depth, const DepthPlane& plane, std::int32_t begin, std::int32_t end,
                           std::int32_t last, float* row) {
   const Pixels d;
@@ -315,7 +315,7 @@ HWY_INLINE void draw_span(const DepthRow& depth, const DepthPlane& plane, std::i
   }
 }
 
-// Returns fragments.
+// Returns the number of fragments.
 HWY_INLINE std::int32_t draw_large(const TriangleBatch& batch, std::size_t i, const DepthImage& target) {
   TriangleSetup setup;
   std::int32_t fragments = 0;

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// Pairs of corners that differ in one bit.
+// The edges of a box are the pairs of corners whose numbers differ in one bit.
 struct Edge {
   std::size_t from, to;
 };
@@ -24,21 +24,22 @@ constexpr std::array<Edge, 12> edges{
 constexpr std::array<std::array<std::size_t, 4>, 6> faces{
     {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}}};
 
-// Pixels. What is seen of a face that is less wide than this is next to nothing, and its plane would be all rounding.
+// Least width in pixels of a front face that counts: narrower ones hardly show, and their planes would be mostly
+// rounding error.
 constexpr double thinnest_face = 1.0 / 128.0;
 
-// The first pixel whose centre is not before x, in [0, size].
+// Returns the first pixel whose centre is not before x, in [0, size].
 std::int32_t first_pixel_at(double x, int size) {
   return static_cast<std::int32_t>(std::clamp(std::ceil(x - 0.5), 0.0, static_cast<double>(size)));
 }
 
-// Of x and y.
+// Returns the cross product of x and y.
 double cross_on_screen(const glm::dvec3& a, const glm::dvec3& b) { return a.x * b.y - a.y * b.x; }
 
 }  // namespace
 
-// A row's centre line cuts the outline where it cuts the leftmost and the rightmost of the twelve edges that it meets;
-// which of them make the outline need not be known.
+// A row's centre line crosses the outline where it crosses the leftmost and the rightmost of the twelve edges that it
+// meets, so we need not know which edges form the outline.
 void BoxOutline::assign(const ProjectedBox& box, int width, int height) {
   double top = infinity, bottom = -infinity;
   for (const glm::dvec3& corner : box.corners) {
@@ -75,17 +76,19 @@ BoxFront::BoxFront(const ProjectedBox& box) : least_(infinity), most_(0.0) {
     least_ = std::min(least_, corner.z);
     most_ = std::max(most_, corner.z);
   }
-  least_ = std::max(least_, 0.0);  // what lies beyond the far plane of an orthographic view shows before nothing
+  least_ = std::max(least_, 0.0);  // what is beyond the far plane of an orthographic view has nearness 0 and still
+                                   // passes on empty pixels
   planes_.fill({infinity, 0.0, 0.0});
   std::size_t count = 0;
   for (const auto& face : faces) {
     const glm::dvec3 first = box.corners[face[2]] - box.corners[face[0]];
     const glm::dvec3 second = box.corners[face[3]] - box.corners[face[1]];
-    // Twice the face's area, negative where it is counter-clockwise on the screen, where y points down.
+    // area is twice the face's area; it is negative when the face is counter-clockwise on the screen, where y points
+    // down.
     const double area = cross_on_screen(first, second) * (box.mirrored ? -1.0 : 1.0);
     const double longest = std::max(glm::length(glm::dvec2(first)), glm::length(glm::dvec2(second)));
     if (count == max_planes || !(-area > thinnest_face * longest)) continue;
-    // Through the diagonals, which span the face's plane, and one corner.
+    // The plane passes through one corner and is spanned by the diagonals.
     const double scale = 1.0 / cross_on_screen(first, second);
     Plane plane{};
     plane.per_column = (first.z * second.y - second.z * first.y) * scale;
@@ -97,7 +100,7 @@ BoxFront::BoxFront(const ProjectedBox& box) : least_(infinity), most_(0.0) {
 }
 
 BoxFront::Range BoxFront::range(std::int32_t x0, std::int32_t y0, std::int32_t x1, std::int32_t y1) const noexcept {
-  // Each plane is least and most at a corner, in the very arithmetic of single pixels.
+  // Each plane has its minimum and maximum at a corner, computed with the same arithmetic as single pixels.
   const Row upper = row(y0), lower = row(y1 - 1);
   const double left = x0, right = x1 - 1;
   Range range{most_, most_};
@@ -114,7 +117,7 @@ namespace {
 
 constexpr int tiles_over(int pixels) { return (pixels + DepthTiles::size - 1) / DepthTiles::size; }
 
-// Of [begin, end) of a row.
+// Counts the pixels [begin, end) of a row that pass the depth test.
 std::uint32_t count_passed(const float* depth, const BoxFront::Row& front, std::int32_t begin, std::int32_t end) {
   std::uint32_t passed = 0;
   for (std::int32_t x = begin; x < end; ++x)

@@ -1,4 +1,4 @@
-// Boxes on the screen: which pixels they cover, each once, and how near they are there.
+// Depth tests of boxes without drawing: which pixels a box covers, how near it is there, and how many of them pass.
 #pragma once
 
 #include <array>
@@ -11,30 +11,30 @@
 
 namespace occlod::raster {
 
-// A box, or what an affine map makes of it, wholly before the near plane.
+// A box, or its image under an affine map, that is wholly in front of the near plane.
 struct ProjectedBox {
-  // Numbered as by corner(). x, y: pixels from the top left of the image; z: nearness, see DepthBuffer.
+  // Corners in the order of corner(). x, y: pixels from the top left of the image; z: nearness, see DepthBuffer.
   std::array<glm::dvec3, 8> corners{};
-  bool mirrored = false;  // the map from box to clip space turns right-handed into left-handed
+  bool mirrored = false;  // the map from the box to clip space turns right-handed into left-handed
 };
 
-// The pixels of an image whose centres a box covers. Reuses its memory.
+// The pixels of an image whose centres a box covers, as one span per row. Reuses its memory.
 class BoxOutline {
  public:
   struct Span {
     std::int32_t begin = 0, end = 0;  // columns [begin, end); begin <= end
   };
 
-  // Throws away what it held. O(rows covered).
+  // Replaces the outline by that of `box`. O(rows covered).
   void assign(const ProjectedBox& box, int width, int height);
 
-  // Rows [first_row(), end_row()) have spans.
+  // The rows [first_row(), end_row()) have spans.
   [[nodiscard]] std::int32_t first_row() const noexcept { return first_row_; }
   [[nodiscard]] std::int32_t end_row() const noexcept { return first_row_ + static_cast<std::int32_t>(spans_.size()); }
   [[nodiscard]] const Span& span(std::int32_t row) const noexcept {
     return spans_[static_cast<std::size_t>(row - first_row_)];
   }
-  // Of all rows.
+  // Returns the number of covered pixels.
   [[nodiscard]] std::uint32_t pixels() const noexcept { return pixels_; }
 
  private:
@@ -48,19 +48,20 @@ class BoxOutline {
   std::uint32_t pixels_ = 0;
 };
 
-// Nearness of the front of a box, pixel by pixel. A ray enters a convex body where it has passed the last of the planes
-// that face it: the least near.
+// Nearness of a box's front at each pixel. A ray enters a convex body at the last plane of its front faces, so the
+// front has the smallest nearness of these planes.
 class BoxFront {
  public:
   explicit BoxFront(const ProjectedBox& box);
 
   struct Plane {
-    double at_origin, per_column, per_row;  // at the centre of pixel (0, 0)
+    double at_origin, per_column, per_row;  // at_origin is the nearness at the centre of pixel (0, 0)
   };
-  // At most three faces of a box face an eye; those beyond are so near everywhere that they do not count.
+  // At most three faces of a box face an eye; unused planes are infinitely near everywhere, so they do not count.
   static constexpr std::size_t max_planes = 3;
 
-  // On one row. Rounding keeps the order: where a plane rises from pixel to pixel, so does what is computed.
+  // The planes on one row. Rounding keeps the order: where a plane rises from pixel to pixel, so do the computed
+  // values.
   struct Row {
     std::array<double, max_planes> start, step;
     double least, most;
@@ -86,7 +87,7 @@ class BoxFront {
   struct Range {
     double least, most;
   };
-  // No pixel of columns [x0, x1) x rows [y0, y1), not empty, has a nearness outside of it.
+  // Returns a range that contains the nearness of every pixel of columns [x0, x1) x rows [y0, y1), which are not empty.
   [[nodiscard]] Range range(std::int32_t x0, std::int32_t y0, std::int32_t x1, std::int32_t y1) const noexcept;
 
  private:
@@ -94,24 +95,23 @@ class BoxFront {
   double least_, most_;
 };
 
-// Counts how many pixels of boxes pass the depth test, between draws, without drawing.
-
 struct DepthCount {
-  std::uint32_t passed = 0;   // pixels at which nothing is nearer than the box
-  std::uint32_t covered = 0;  // by the box
+  std::uint32_t passed = 0;   // covered pixels at which nothing is nearer than the box
+  std::uint32_t covered = 0;  // pixels that the box covers
 };
 
-// A depth image cut into squares. The nearest and the farthest depth of a square decide about many boxes without
-// looking at its pixels; they are found when they are first asked for after something has been drawn there.
+// Counts the pixels of boxes that pass the depth test, between draws, without drawing. The depth image is divided into
+// square tiles, and the nearest and the farthest depth of a tile decide about many boxes without reading its pixels.
+// They are computed when they are first needed after a draw into the tile.
 class DepthTiles {
  public:
   static constexpr int size = 16;  // pixels a side
 
-  // An image of which nothing is known. It is the caller's, and stays where it is until the next begin().
+  // Starts with an image of unknown contents. The image is the caller's and must stay valid until the next begin().
   void begin(const DepthImage& image);
-  // Something has been drawn inside the rectangle.
+  // Must be called after drawing inside the rectangle.
   void change(const PixelRect& drawn);
-  // Exact, whatever the tiles. O(rows + tiles of the box + pixels of the tiles that do not decide).
+  // Counts exactly; tiles only save time. O(rows + tiles of the box + pixels of the tiles that do not decide).
   [[nodiscard]] DepthCount count(const ProjectedBox& box);
 
  private:
@@ -128,7 +128,7 @@ class DepthTiles {
   DepthImage image_;
   int columns_ = 0;
   std::vector<Tile> tiles_;
-  BoxOutline outline_;  // of the box that is counted
+  BoxOutline outline_;  // of the box that is being counted
 };
 
 }  // namespace occlod::raster

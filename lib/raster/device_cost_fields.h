@@ -1,4 +1,4 @@
-// The times of a device by name.
+// Names the times of DeviceCosts.
 #pragma once
 
 #include "occlod/device_costs.h"

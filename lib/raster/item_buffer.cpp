@@ -14,7 +14,7 @@ using raster::ScreenVertex;
 using raster::TriangleBatch;
 using raster::TriangleSetup;
 
-// Nearness of the pixels [begin, end) of a row, each handed to write(pixel - begin, depth).
+// Calls write(pixel - begin, nearness) for the pixels [begin, end) of a row.
 template <class Write>
 inline void for_each_depth(const TriangleSetup& triangle, std::int32_t row, std::int32_t begin, std::int32_t end,
                            Write write) {
@@ -36,13 +36,13 @@ PixelRect rect_of(const TriangleSetup& triangle) {
   return {triangle.first_column, triangle.first_row, triangle.end_column, triangle.end_row};
 }
 
-// Where spans are written to.
+// Writes spans to a depth image.
 template <bool counts>
 struct DepthWriter {
   DepthImage image;
-  DrawnPixels* drawn;  // grows
+  DrawnPixels* drawn;  // extended by each span
 
-  // True when it has drawn all that is drawable without clipping.
+  // Returns true when it has drawn all triangles that need no clipping.
   bool draw_batch(const TriangleBatch& batch) const {
     if constexpr (counts) return raster::draw_depth_batch_counted(batch, image, *drawn);
     return raster::draw_depth_batch(batch, image, drawn->rect);
@@ -63,7 +63,7 @@ struct ItemWriter {
   float* nearness;
   std::uint32_t* items;
   std::size_t width;
-  DrawnPixels* drawn;  // grows
+  DrawnPixels* drawn;  // extended by each span
 
   static bool draw_batch(const TriangleBatch&) { return false; }
 

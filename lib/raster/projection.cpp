@@ -19,21 +19,21 @@ using Vec = hn::Vec<Doubles>;
 constexpr hn::Rebind<std::int32_t, Doubles> ints;
 constexpr hn::Rebind<float, Doubles> floats;
 
-// Row `row` of the matrix times (x, y, z, 1), summed from the left.
+// Returns row `row` of the matrix times (x, y, z, 1), summed from the left.
 HWY_INLINE Vec transform(const glm::dmat4& m, int row, Vec x, Vec y, Vec z) {
   const Doubles d;
   const Vec xy = hn::Add(hn::Mul(hn::Set(d, m[0][row]), x), hn::Mul(hn::Set(d, m[1][row]), y));
   return hn::Add(hn::Add(xy, hn::Mul(hn::Set(d, m[2][row]), z)), hn::Set(d, m[3][row]));
 }
 
-// Rounds to the nearest integer, halves up, as round_subpixel.
+// Rounds to the nearest integer, halves up, as round_subpixel() does.
 HWY_INLINE hn::Vec<decltype(ints)> round_to_subpixel(Vec value) {
   const Doubles d;
   return hn::Sub(hn::DemoteTo(ints, hn::Add(value, hn::Set(d, rounding_bias + 0.5))),
                  hn::Set(ints, static_cast<std::int32_t>(rounding_bias)));
 }
 
-// The corners from i on, one to a lane.
+// Projects the corners from i on, one per lane.
 HWY_INLINE void project_lanes(const Projection& projection, std::size_t k, std::size_t i, TriangleBatch& batch) {
   const Doubles d;
   const Vec px = hn::PromoteTo(d, hn::LoadU(floats, batch.object_x[k].data() + i));
@@ -48,8 +48,8 @@ HWY_INLINE void project_lanes(const Projection& projection, std::size_t k, std::
   hn::StoreU(z, d, batch.clip_z[k].data() + i);
   hn::StoreU(w, d, batch.clip_w[k].data() + i);
 
-  // False for NaN. An infinite x, y or w fails a comparison; an infinite z with a finite w cannot come from finite
-  // positions.
+  // These comparisons are false for NaN. An infinite x, y or w fails one of them; an infinite z with a finite w cannot
+  // come from finite positions.
   const Vec guard_x = hn::Mul(hn::Set(d, projection.guard().x), w);
   const Vec guard_y = hn::Mul(hn::Set(d, projection.guard().y), w);
   const auto before = hn::And(hn::And(hn::Gt(w, hn::Zero(d)), hn::Lt(w, hn::Set(d, 1e300))), hn::Ge(z, hn::Neg(w)));
@@ -82,7 +82,7 @@ namespace {
 HWY_EXPORT(project_batch);
 
 // Rounds to the nearest integer, halves up. The bias makes the operand positive, where truncation is floor and has a
-// SIMD instruction. |value| <= 2^24.
+// SIMD instruction. Precondition: |value| <= 2^24.
 std::int32_t round_subpixel(double value) {
   return static_cast<std::int32_t>(value + (rounding_bias + 0.5)) - static_cast<std::int32_t>(rounding_bias);
 }
@@ -103,7 +103,7 @@ void Projection::project(std::span<const glm::vec3> positions, std::span<const T
   batch.size = triangles.size();
   for (std::size_t corner = 0; corner < 3; ++corner) {
     for (std::size_t i = 0; i < batch_triangles; ++i) {
-      // Lanes beyond the last triangle hold a point three times, which covers nothing.
+      // Lanes beyond the last triangle repeat one point three times, which covers nothing.
       const glm::vec3& p =
           i < triangles.size() ? positions[triangles[i][static_cast<int>(corner)]] : positions[triangles[0][0]];
       batch.object_x[corner][i] = p.x;

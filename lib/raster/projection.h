@@ -1,4 +1,5 @@
-// From object space to snapped pixel coordinates, a batch of triangles at a time.
+// Projects batches of triangles from object space to snapped pixel coordinates, and sets up and scans triangles
+// exactly.
 #pragma once
 
 #include <algorithm>
@@ -18,36 +19,36 @@ namespace occlod::raster {
 
 inline constexpr int subpixel_bits = 8;
 inline constexpr int subpixels = 1 << subpixel_bits;  // per pixel
-// Corners this far from the middle of the image or nearer are drawn as they are: at most 2^24 subpixels apart, so that
-// products of two differences are exact in int64 and in double. Images have at most 2^14 pixels a side and are always
-// inside.
+// Corners at most this far from the middle of the image are drawn without clipping: they are at most 2^24 subpixels
+// apart, so that products of two differences are exact in int64 and in double. Images have at most 2^14 pixels a side
+// and are always inside the guard band.
 inline constexpr double guard_band_px = 32768.0;
 
-// A corner on the screen: subpixels from the top left, exact from here on.
+// A corner on the screen, in subpixels from the top left; computations with x and y are exact.
 struct ScreenVertex {
   std::int32_t x = 0;
   std::int32_t y = 0;
   double nearness = 0.0;  // see DepthBuffer
 };
 
-// Added before truncation so that coordinates within the guard band are rounded as positive numbers.
+// This bias is added before truncation, so that coordinates within the guard band are rounded as positive numbers.
 inline constexpr double rounding_bias = 1 << 25;
 
-// A multiple of the lanes of every vector.
+// A multiple of the lane count of every instruction set.
 inline constexpr std::size_t batch_triangles = 64;
 
-// Corner k of triangle i is at [k][i].
+// The corners of a batch: corner k of triangle i is at [k][i].
 template <class T>
 using Corners = std::array<std::array<T, batch_triangles>, 3>;
 
-// Loops over a batch may write up to the end of its arrays, whatever its size.
+// A batch of triangles. Loops over it may write up to the end of its arrays, whatever its size.
 struct TriangleBatch {
   std::size_t size = 0;
   Corners<float> object_x, object_y, object_z;
   Corners<double> clip_x, clip_y, clip_z, clip_w;
   Corners<std::int32_t> x, y;  // subpixels; 0 where not drawable
   Corners<double> nearness;
-  Corners<std::int32_t> drawable;  // 1 when finite, before the near plane and inside the guard band
+  Corners<std::int32_t> drawable;  // 1 when finite, in front of the near plane and inside the guard band
 
   [[nodiscard]] glm::dvec4 clip_position(std::size_t corner, std::size_t i) const noexcept {
     return {clip_x[corner][i], clip_y[corner][i], clip_z[corner][i], clip_w[corner][i]};
@@ -61,15 +62,16 @@ class Projection {
  public:
   Projection(const glm::mat4& object_to_clip, int width, int height);
 
-  // Fills the batch with one to batch_triangles triangles. The same bits with every instruction set.
+  // Fills the batch with one to batch_triangles triangles. The result has the same bits with every instruction set.
   void project(std::span<const glm::vec3> positions, std::span<const Triangle> triangles, TriangleBatch& batch) const;
-  // The same arithmetic for one corner that is before the near plane and inside the guard band.
+  // Snaps one corner, which is in front of the near plane and inside the guard band, with the same arithmetic as
+  // project().
   [[nodiscard]] ScreenVertex snap(const glm::dvec4& clip) const noexcept;
   [[nodiscard]] const glm::dmat4& to_clip() const noexcept { return to_clip_; }
   [[nodiscard]] const glm::dvec2& half_size() const noexcept { return half_size_; }  // subpixels
-  // Of an affine matrix; see DepthBuffer.
+  // True when the matrix is affine; see DepthBuffer.
   [[nodiscard]] bool is_orthographic() const noexcept { return orthographic_; }
-  // |x| <= guard().x * w and |y| <= guard().y * w inside the guard band.
+  // A corner is inside the guard band when |x| <= guard().x * w and |y| <= guard().y * w.
   [[nodiscard]] const glm::dvec2& guard() const noexcept { return guard_; }
 
  private:
@@ -79,17 +81,15 @@ class Projection {
   bool orthographic_;
 };
 
-// Triangle setup and rows of pixels: integer corners in, exact pixel spans out.
-
 inline constexpr std::int32_t half_pixel = subpixels / 2;
 
-// The first pixel whose centre is not before `subpixel`, in one axis: ceil((subpixel - 128) / 256).
+// Returns the first pixel along one axis whose centre is not before `subpixel`: ceil((subpixel - 128) / 256).
 [[nodiscard]] inline std::int32_t first_pixel(std::int32_t subpixel) noexcept {
   return (subpixel + half_pixel - 1) >> subpixel_bits;
 }
 
-// A non-horizontal edge, asked row by row which pixel is the first whose centre is on it or right of it. The same
-// number starts the span of the triangle on its right and ends that of the one on its left, which is the top-left rule
+// A non-horizontal edge that gives, row by row, the first pixel whose centre is on it or right of it. The same number
+// starts the span of the triangle on its right and ends that of the triangle on its left, which is the top-left rule
 // and leaves neither gap nor overlap.
 //
 // On the row with centre Y the edge from p to q is at X = p.x + (Y - p.y) dx / dy, and the pixel is ceil((X - 128) /
@@ -98,7 +98,7 @@ inline constexpr std::int32_t half_pixel = subpixels / 2;
 // double are below 2^-36: evaluating it in double is exact.
 class EdgeWalk {
  public:
-  // p.y < q.y; `row` is the first row that next() is asked for.
+  // Precondition: p.y < q.y. `row` is the first row for which next() is called.
   EdgeWalk(const ScreenVertex& p, const ScreenVertex& q, std::int32_t row) noexcept {
     const std::int64_t dx = q.x - p.x;
     const std::int64_t dy = q.y - p.y;
@@ -107,9 +107,9 @@ class EdgeWalk {
     step_ = static_cast<double>(dx * subpixels);
     inverse_ = 1.0 / static_cast<double>(dy * subpixels);
   }
-  // Clamped to [0, limit].
+  // Returns the pixel of the current row, clamped to [0, limit], and advances to the next row.
   [[nodiscard]] std::int32_t next(double limit) noexcept {
-    // Written as the SIMD minimum and maximum; std::min and std::max become branches here.
+    // This form compiles to SIMD minimum and maximum; std::min and std::max become branches here.
     double crossing = numerator_ * inverse_;
     numerator_ += step_;
     crossing = crossing > -1.0 ? crossing : -1.0;
@@ -121,9 +121,9 @@ class EdgeWalk {
   double numerator_, step_, inverse_;
 };
 
-// Nearness as a linear function of the pixel centre, and the range that it may not leave by rounding.
+// Nearness as a linear function of the pixel centre, and the range to which it is clamped against rounding.
 struct DepthPlane {
-  double at_origin;  // at the centre of pixel (0, 0)
+  double at_origin;  // nearness at the centre of pixel (0, 0)
   double per_column, per_row;
   float smallest, largest;
 
@@ -132,8 +132,8 @@ struct DepthPlane {
   }
 };
 
-// Single precision reaches this many pixels: it is then wrong by less than the slope times 2^-16 of a pixel, little
-// beside the 2^-9 by which corners are moved to whole subpixels.
+// Nearness is interpolated in single precision over at most this many pixels: its error is then less than the slope
+// times 2^-16 of a pixel, which is little compared with the 2^-9 by which corners are moved to whole subpixels.
 inline constexpr std::int32_t depth_reach = 64;
 
 // Nearness along one row: clamp((start + step * (column - origin)) + row_term). A pixel's depth depends on the
@@ -143,17 +143,17 @@ struct DepthRow {
   std::int32_t origin;
 };
 
-// A triangle that is ready to be scanned: corners from top to bottom.
+// A triangle that is ready to be scanned, with its corners from top to bottom.
 struct TriangleSetup {
   ScreenVertex top, middle, bottom;
   std::int32_t first_row, middle_row, end_row;  // [first, middle) and [middle, end), inside the image
-  bool middle_is_right;                         // of the long edge from top to bottom
-  std::int32_t first_column, end_column;        // of the box, inside the image
+  bool middle_is_right;                         // right of the long edge from top to bottom
+  std::int32_t first_column, end_column;        // of the bounding box, inside the image
   bool small;                                   // at most depth_reach pixels in both directions
   DepthPlane depth;
 
-  // For columns from `column` on: in small triangles from the corner of the triangle's box, in large ones from the last
-  // multiple of depth_reach, up to the next.
+  // Returns the nearness for columns from `column` on. In small triangles it starts at the corner of the triangle's
+  // bounding box; in large ones it starts at the last multiple of depth_reach and is valid up to the next one.
   [[nodiscard]] DepthRow depth_row(std::int32_t column, std::int32_t row) const noexcept {
     const auto step = static_cast<float>(depth.per_column);
     if (small)
@@ -164,7 +164,7 @@ struct TriangleSetup {
   }
 };
 
-// Of the corners in subpixels; exact.
+// Returns twice the signed area in square subpixels; exact.
 [[nodiscard]] inline std::int64_t twice_area(const ScreenVertex& a, const ScreenVertex& b,
                                              const ScreenVertex& c) noexcept {
   return std::int64_t{b.x - a.x} * (c.y - a.y) - std::int64_t{c.x - a.x} * (b.y - a.y);
@@ -185,7 +185,7 @@ inline DepthPlane depth_plane(const ScreenVertex& a, const ScreenVertex& b, cons
   return plane;
 }
 
-// False when the triangle has no area or its box holds no pixel centre of the image.
+// Returns false when the triangle has no area or its bounding box contains no pixel centre of the image.
 [[nodiscard]] inline bool set_up(ScreenVertex a, ScreenVertex b, ScreenVertex c, int width, int height,
                                  TriangleSetup& setup) noexcept {
   const std::int32_t first_column = std::max(first_pixel(std::min({a.x, b.x, c.x})), 0);
@@ -240,13 +240,12 @@ void scan(const TriangleSetup& t, int width, Span&& span) {
   half(t.middle, t.bottom, t.middle_row, t.end_row);
 }
 
-// Draws batches of projected triangles into nearness, with the widest vectors that the machine has.
-
-// Draws the triangles of the batch that are drawable at all corners; the others are left to the caller. The same bits
-// with every instruction set, and those of scan() and DepthRow. False, and nothing drawn, where the image is narrower
-// than a block of pixels or the machine has no vectors. `drawn` grows around every pixel drawn.
+// Draws those triangles of the batch whose corners are all drawable and leaves the others to the caller, with the
+// widest vectors of the machine. The result has the same bits with every instruction set, and as scan() and DepthRow
+// give. Returns false, and draws nothing, when the image is narrower than a block of pixels or the machine has no
+// vectors. `drawn` grows around every pixel drawn.
 bool draw_depth_batch(const TriangleBatch& batch, const DepthImage& target, PixelRect& drawn);
-// The same; fragments are added to what is there.
+// Draws as draw_depth_batch() does and adds the fragments to drawn.fragments.
 bool draw_depth_batch_counted(const TriangleBatch& batch, const DepthImage& target, DrawnPixels& drawn);
 
 }  // namespace occlod::raster

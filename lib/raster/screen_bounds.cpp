@@ -11,8 +11,8 @@
 namespace occlod {
 namespace {
 
-// Grows around the convex parts of one bound: the range of x / w and y / w, and the smallest w. With `diagonal` the
-// ranges are those of the sum and the difference of the pixel coordinates, from the middle of the image.
+// Collects the convex parts of one bound: the range of x / w and y / w, and the smallest w. With `diagonal` the ranges
+// are those of the sum and the difference of the pixel coordinates, measured from the middle of the image.
 class Extent {
  public:
   Extent(const View& view, const ObjectView& object, bool diagonal)
@@ -22,7 +22,7 @@ class Extent {
         w_(glm::row(object.object_to_clip(), 3)),
         orthographic_(object.is_orthographic()),
         size_(view.width(), view.height()),
-        // Clip space's y is up.
+        // y points up in clip space.
         first_(diagonal ? (size_.x * x_ - size_.y * y_) * 0.5 : x_),
         second_(diagonal ? (size_.x * x_ + size_.y * y_) * 0.5 : y_) {}
 
@@ -38,7 +38,7 @@ class Extent {
     add_round(center, radius, [](const glm::dvec3& a, const glm::dvec3& b) { return glm::dot(a, b); });
   }
 
-  // A disc around `center`, normal to the unit vector `axis`.
+  // Adds a disc around `center` that is normal to the unit vector `axis`.
   void add_disc(const glm::dvec3& center, double radius, const glm::dvec3& axis) {
     add_round(center, radius, [&](const glm::dvec3& a, const glm::dvec3& b) {
       return glm::dot(a, b) - glm::dot(a, axis) * glm::dot(b, axis);
@@ -60,7 +60,7 @@ class Extent {
     const glm::dvec2 low = (glm::dvec2(low_.x, -high_.y) * 0.5 + 0.5) * size_ - slack;
     const glm::dvec2 high = (glm::dvec2(high_.x, -low_.y) * 0.5 + 0.5) * size_ + slack;
     if (!(low.x <= high.x && low.y <= high.y)) return std::nullopt;
-    // The last pixel is the one that holds the high end, even at its very border.
+    // The last pixel contains the high end, even when that is exactly on its border.
     bounds.rect.x0 = static_cast<int>(std::clamp(std::floor(low.x), 0.0, size_.x));
     bounds.rect.y0 = static_cast<int>(std::clamp(std::floor(low.y), 0.0, size_.y));
     bounds.rect.x1 = static_cast<int>(std::clamp(std::floor(high.x) + 1.0, 0.0, size_.x));
@@ -83,26 +83,27 @@ class Extent {
  private:
   static double at(const glm::dvec4& row, const glm::dvec3& p) { return glm::dot(glm::dvec3(row), p) + row.w; }
 
-  // How large the sum row * p can be before its terms cancel, for every point seen so far: rounding is relative to
-  // this.
+  // Returns a bound on the terms of row * p before they cancel, for every point added so far; rounding errors are
+  // relative to it.
   [[nodiscard]] double magnitude(const glm::dvec4& row) const {
     return glm::dot(glm::abs(glm::dvec3(row)), largest_coordinate_) + std::abs(row.w);
   }
-  // Of orthographic views, where z + w falls from 2 on the near plane to 0 on the far plane; w = 1 does not round.
+  // Returns the largest nearness in an orthographic view, where z + w falls from 2 on the near plane to 0 on the far
+  // plane; w = 1 does not round.
   [[nodiscard]] double largest_nearness() const {
     const double rounding = bounds_rounding * (magnitude(z_) + 1.0);
     return std::max(1.0 - 0.5 * smallest_before_near_ + rounding, 0.0);
   }
   [[nodiscard]] double largest_ratio(int axis) const { return std::max(std::abs(low_[axis]), std::abs(high_[axis])); }
 
-  // Takes the part's smallest w and its distance to the near plane z = -w; spread(v) is how far v . p reaches below its
+  // Adds the smallest w of a part and its distance to the near plane z = -w; spread(v) is how far v . p goes below its
   // value at the centre. Returns w at the centre.
   template <class Spread>
   double add_depths(const glm::dvec3& center, Spread spread) {
     const double w = at(w_, center);
     const double smallest_w = w - spread(glm::dvec3(w_));
     const double before_near = at(z_ + w_, center) - spread(glm::dvec3(z_ + w_));
-    // Written so that NaN is not trusted; infinite corners make one of these NaN or infinite.
+    // The comparison is negated so that NaN is not trusted; infinite corners make one of these numbers NaN or infinite.
     if (!(smallest_w > 0.0 && smallest_w < std::numeric_limits<double>::infinity() && before_near >= 0.0))
       trusted_ = false;
     smallest_w_ = std::min(smallest_w_, smallest_w);
@@ -111,8 +112,8 @@ class Extent {
     return w;
   }
 
-  // `dot` is the inner product whose unit ball is the shape: a plane n . p + d = 0 touches the shape of radius r around
-  // c iff (n . c + d)^2 = r^2 dot(n, n).
+  // Adds a shape that is the unit ball of the inner product `dot`, scaled by `radius` r around `center` c: a plane n .
+  // p + d = 0 touches it iff (n . c + d)^2 = r^2 dot(n, n).
   template <class Dot>
   void add_round(const glm::dvec3& center, double radius, Dot dot) {
     const double w =
@@ -124,8 +125,9 @@ class Extent {
     add_silhouette(1, second_, center, radius, w, dot);
   }
 
-  // The planes through the eye with x = s w touch the shape where (X - s W)^2 = r^2 |a - s b|^2: a quadratic equation
-  // for the two ends of x / w. With a, b the directions of the rows for x and w, and X, W their values at the centre.
+  // The planes through the eye with x = s w touch the shape where (X - s W)^2 = r^2 |a - s b|^2, a quadratic equation
+  // for the two ends s of the range of x / w. Here a, b are the directions of the rows for x and w, and X, W their
+  // values at the centre.
   template <class Dot>
   void add_silhouette(int axis, const glm::dvec4& row, const glm::dvec3& center, double radius, double w, Dot dot) {
     const glm::dvec3 a(row);
@@ -134,10 +136,10 @@ class Extent {
     const double aa = dot(a, a), ab = dot(a, b), bb = dot(b, b);
     const double rr = radius * radius;
     const glm::dvec3 across = x * b - w * a;
-    // Not negative where w > r |b|; rounding may make it slightly so.
+    // The root's argument is not negative where w > r |b|, except for rounding.
     const double root = radius * std::sqrt(std::max(dot(across, across) - rr * (aa * bb - ab * ab), 0.0));
     const double middle = x * w - rr * ab;
-    const double lead = w * w - rr * bb;  // > 0: the whole shape has w > 0
+    const double lead = w * w - rr * bb;  // > 0 when the whole shape has w > 0
     if (!(lead > 0.0)) {
       trusted_ = false;
       return;
@@ -171,7 +173,7 @@ struct AddShape {
   void operator()(const Box& box) const {
     for (int i = 0; i < 8; ++i) extent.add_point(corner(box, i));
   }
-  // The hull of its two end discs.
+  // A cylinder is the convex hull of its two end discs.
   void operator()(const Cylinder& cylinder) const {
     const glm::dvec3 axis(cylinder.axis);
     for (const float t : {cylinder.t_min, cylinder.t_max})

@@ -20,18 +20,18 @@
 namespace occlod {
 namespace {
 
-// By which powers of two nearness is multiplied, so that one picture can be drawn over another without clearing it.
-
-// Whatever is left of earlier pictures is then smaller than anything that the view shows: as if nothing were there. A
-// power of two changes no bit of a number but its exponent, so answers are those of pictures that have been cleared.
+// Chooses powers of two by which nearness is multiplied, so that a picture can be drawn over the previous one without
+// clearing it. Everything left from earlier pictures is then smaller than anything that the view shows, as if the
+// pixels were empty. A power of two changes only the exponent of a number, so answers are the same as with cleared
+// pictures.
 class DepthEpochs {
  public:
-  // Begins a picture of a view of objects; false when it must be cleared first.
+  // Begins a picture of a view of objects; returns false when the depth image must be cleared first.
   [[nodiscard]] bool begin(const View& view, std::span<const ObjectView> objects);
 
-  // Nearness is multiplied by this, and object_to_clip divided by it, which comes to the same.
+  // Returns the factor by which nearness is multiplied and object_to_clip divided, which is equivalent.
   [[nodiscard]] float scale() const noexcept { return scale_; }
-  // Less is farther than anything in the view, times scale().
+  // Returns scale() times a nearness that is smaller than anything in the view.
   [[nodiscard]] float least() const noexcept { return least_; }
 
  private:
@@ -40,12 +40,12 @@ class DepthEpochs {
     int width, height;
     friend bool operator==(const Range&, const Range&) = default;
   };
-  std::optional<Range> range_;  // of the pictures since the last that was cleared
+  std::optional<Range> range_;  // of the pictures since the last clear; nothing if pictures are not scaled
   int exponent_ = 0;
   float scale_ = 1.0F, least_ = 0.0F;
 };
 
-// Numbers up to 2^60 and down to 2^-60 stay in the range of floats when they are multiplied or divided by as much.
+// Numbers in [2^-60, 2^60] stay in the range of floats when multiplied or divided by up to 2^60.
 constexpr int max_exponent = 60;
 
 bool is_in_range(double number) { return number == 0.0 || (std::abs(number) <= 0x1p60 && std::abs(number) >= 0x1p-60); }
@@ -68,7 +68,7 @@ bool DepthEpochs::begin(const View& view, std::span<const ObjectView> objects) {
     least_ = 0.0F;
     return false;
   }
-  // From the nearest of one picture to beyond the farthest of the next.
+  // The step leads from the nearest nearness of one picture to beyond that of the farthest point of the next.
   const int step = static_cast<int>(std::ceil(std::log2(range.far / range.near))) + 3;
   const bool goes_on = range_ == range && exponent_ + step <= max_exponent;
   exponent_ = goes_on ? exponent_ + step : -max_exponent;
@@ -78,7 +78,7 @@ bool DepthEpochs::begin(const View& view, std::span<const ObjectView> objects) {
   return goes_on;
 }
 
-// Bounds of one kind and one object that are not tested yet, and where their answers belong.
+// Bounds of one kind and one object that are not tested yet, and the places of their answers.
 template <class Shape>
 struct Pending {
   std::size_t size = 0;
@@ -120,11 +120,12 @@ class SoftwareOcclusion final : public Visibility {
     occluder_drawn_ = true;
   }
 
-  // Queries are kept until an answer is needed: many cost less than one by one.
+  // Queries wait until an answer is needed, because many together cost less than one by one.
   void submit(const VisibilityQuery& query) override {
     assert(query.object < objects_.size());
     if (next_answer_ == answers_.size()) forget_answers();
-    const bool waits = !std::holds_alternative<PointHull>(query.shape);  // whose points need not outlive the call
+    const bool waits = !std::holds_alternative<PointHull>(query.shape);  // the points of a hull need not outlive the
+                                                                         // call
     if (waits) {
       waiting_.push_back(query);
       places_.push_back(answers_.size());
@@ -166,7 +167,7 @@ class SoftwareOcclusion final : public Visibility {
   }
 
  private:
-  // The queries of one call: tested whenever there are as many of one kind and one object as vectors take.
+  // Sorts the queries of one call into batches by kind and object, and tests a batch when it fills the vectors.
   class Batches {
    public:
     Batches(const SoftwareOcclusion& occlusion, std::span<std::uint32_t> answers)
@@ -195,7 +196,7 @@ class SoftwareOcclusion final : public Visibility {
     template <class Shape>
     void test_any(const Pending<Shape>& batch);
 
-    // Boxes gain hardly anything from an octagon.
+    // Boxes gain hardly anything from an octagon, so their diagonals are infinite.
     static Diagonals diagonals_of(const Pending<Box>& /*batch*/, std::size_t /*i*/) { return {}; }
     [[nodiscard]] Diagonals diagonals_of(const Pending<PointHull>& /*batch*/, std::size_t i) const {
       return {diagonals_.sum_low[i], diagonals_.sum_high[i], diagonals_.difference_low[i],
@@ -221,7 +222,7 @@ class SoftwareOcclusion final : public Visibility {
     DiagonalsOutput diagonals_;
   };
 
-  // What is computed of bounds from now on is in these units of nearness.
+  // Sets the scale of nearness for all bounds that are computed from now on.
   void set_scale(float scale, float least) {
     nearness_scale_ = scale;
     min_nearness_ = least;
@@ -258,7 +259,7 @@ class SoftwareOcclusion final : public Visibility {
     const float nearest = bounds->largest_nearness;
     const DepthPyramid::Verdict verdict = pyramid_.quick_verdict(bounds->rect, nearest);
     if (verdict == DepthPyramid::Verdict::hidden) return 0;
-    // The middle of the rectangle is assumed to be inside the outline, which errs towards visible.
+    // This assumes that the middle of the rectangle is inside the outline; the error is towards visible.
     const std::uint32_t at_least = verdict == DepthPyramid::Verdict::visible ? 1 : 0;
     if (at_least != 0 && !options_.count_pixels) return 1;
     const Diagonals diagonals = std::holds_alternative<Box>(query.shape)
@@ -268,8 +269,8 @@ class SoftwareOcclusion final : public Visibility {
     return pyramid_.any_visible(bounds->rect, nearest, diagonals) ? 1 : 0;
   }
 
-  // Most bounds show, and one of their points says so at once. Gives no other answer than the whole test: the point's
-  // pixel is one that the bound touches, and the bound's nearest point is no farther.
+  // True when one point of the bound is visible, as for most bounds. The full test would then give the same answer: the
+  // bound touches the point's pixel, and its nearest point is no farther than the point.
   [[nodiscard]] bool one_point_shows(const VisibilityQuery& query) const {
     const BoundsView& view = bounds_views_[query.object];
     if (const auto* hull = std::get_if<PointHull>(&query.shape)) return shows(view, hull->points.front());
@@ -278,7 +279,7 @@ class SoftwareOcclusion final : public Visibility {
     return false;
   }
 
-  // Whether the occluder is no nearer than p at p's pixel. False where p is not on the screen.
+  // True when the occluder is not nearer than p at p's pixel. False when p is not on the screen.
   [[nodiscard]] bool shows(const BoundsView& view, const glm::dvec3& p) const {
     const glm::dvec4 point(p, 1.0);
     const double w = glm::dot(view.w, point);
@@ -299,20 +300,20 @@ class SoftwareOcclusion final : public Visibility {
   std::vector<ObjectView> objects_;
   std::vector<BoundsView> bounds_views_;
   DepthEpochs epochs_;
-  float nearness_scale_ = 1.0F, min_nearness_ = 0.0F;  // in the picture, see DepthEpochs
+  float nearness_scale_ = 1.0F, min_nearness_ = 0.0F;  // of the current picture, see DepthEpochs
   DepthPyramid pyramid_;
   DepthPyramid::Levels levels_;
   bool occluder_drawn_ = false;
   std::vector<std::uint32_t> answers_;  // since the queue was last empty; those before next_answer_ are collected
   std::size_t next_answer_ = 0;
-  std::vector<VisibilityQuery> waiting_;  // that have no answer yet
-  std::vector<std::size_t> places_;       // of their answers
+  std::vector<VisibilityQuery> waiting_;  // queries without an answer
+  std::vector<std::size_t> places_;       // places of their answers
   std::vector<std::uint32_t> found_;      // scratch
 };
 
 template <class Shape>
 void SoftwareOcclusion::Batches::test(Pending<Shape>& batch) {
-  if (batch.size == 1) {  // vectors would have one lane to work on
+  if (batch.size == 1) {  // a vector would use a single lane
     answers_[batch.answer[0]] = occlusion_.visible_pixels(batch.query(0));
   } else if (batch.size > 1) {
     const BoundsView& view = occlusion_.bounds_views_[batch.object];
@@ -332,7 +333,7 @@ void SoftwareOcclusion::Batches::test(Pending<Shape>& batch) {
   batch.size = 0;
 }
 
-// First what a few texels decide, without unpredictable branches, then the rest.
+// Tests a batch: first what a few texels decide, without unpredictable branches, then the remaining bounds.
 template <class Shape>
 void SoftwareOcclusion::Batches::test_any(const Pending<Shape>& batch) {
   PerBound<std::int32_t> verdicts;

@@ -1,4 +1,5 @@
-// Builds the hierarchy of a mesh by half-edge collapses in the order of their quadric error (Garland & Heckbert 1997).
+// Builds the hierarchy of a mesh by half-edge collapses in the order of their quadric error (Garland & Heckbert 1997),
+// and validates, cuts, writes and reads hierarchies.
 #pragma once
 
 #include <cstddef>
@@ -15,88 +16,86 @@
 
 namespace occlod {
 
-// How SplitNode::guaranteed_error is computed. Both are upper bounds.
+// How SplitNode::guaranteed_error is computed. Both ways give upper bounds.
 enum class ErrorBound {
   accumulated,  // the movements of all collapses that led to a face, added up: several times too large on coarse meshes
   measured      // against the input mesh: tight, at several times the building time
 };
 
-// How a hierarchy is built.
+// Options of build_hierarchy().
 struct BuildOptions {
-  std::size_t base_triangles = 64;  // stop at a base mesh of no more triangles than this; it may have fewer
+  std::size_t base_triangles = 64;  // collapsing stops at a base mesh of at most this many triangles; it may have fewer
   double boundary_weight = 1.0;     // weight of the planes that hold boundary and non-manifold edges in place, relative
                                     // to the triangles beside them; in [0, 1e6]
-  double attribute_weight = 0.7;    // weight of how far texture coordinates, normals and colours slip, relative to
-                                    // distances, where a mesh has texture coordinates or seams; in [0, 1e6]
+  double attribute_weight = 0.7;    // weight of the shift of texture coordinates, normals and colours, relative to
+                                    // distances, for meshes with texture coordinates or seams; in [0, 1e6]
   ErrorBound error_bound = ErrorBound::accumulated;  // how bounds on the distance to the input are computed
-  int threads = 0;  // in [0, 1024]; 0: one for each core. The result does not depend on it
-  // Called now and then on the calling thread with the share done, in [0, 1]; returning false cancels the build, which
-  // then throws Error. What it throws ends the build too.
+  int threads = 0;                                   // in [0, 1024]; 0: one per core. The result does not depend on it
+  // Called from time to time on the calling thread with the share done, in [0, 1]; when it returns false, the build is
+  // cancelled and throws Error. An exception that it throws ends the build too.
   std::function<bool(double)> progress = {};
 };
 
-// Any triangle soup that clean() accepts can be built; the same mesh and options give the same bytes, whatever the
-// number of threads. Throws Error for an
-// option out of its range, for a mesh without triangles, with an index out of range or a position that is not finite or
-// has a coordinate beyond farthest_coordinate, and when cancelled.
-// O(n log n) time; about 270 bytes a vertex beside the result while building.
+// Builds the hierarchy of any triangle soup that clean() accepts. The same mesh and options give the same bytes,
+// whatever the number of threads. Throws Error for an option out of its range, for a mesh without triangles, with an
+// index out of range, with a position that is not finite or with a coordinate beyond farthest_coordinate, and when
+// cancelled. O(n log n) time; needs about 270 bytes a vertex besides the result while building.
 [[nodiscard]] Hierarchy build_hierarchy(const TriangleMesh& mesh, const BuildOptions& options = {});
-
-// The invariants of a hierarchy, checked without trusting anything in it. Tests call this after every build and load.
 
 // Checks that sizes and indices of the arrays fit together, so that a Hierarchy made from them can be traversed safely:
 // each star ends where the next begins, ids are in range, dependencies and forest parents come first, every split is in
 // the forest once. Returns what is wrong, or nothing. O(size).
 [[nodiscard]] std::optional<std::string> check_structure(const HierarchyView& data);
 
-// How thoroughly validate() looks.
+// Options of validate().
 struct ValidateOptions {
-  int random_cuts = 16;  // random dependency-closed sets that are extracted and checked for conformity
+  int random_cuts = 16;  // number of random dependency-closed sets that are extracted and checked for conformity
 };
 
-// Checks four invariants: (1) no error is smaller than that of a split that depends on it or is below it in the forest;
-// (2) sphere, box and cylinder contain all faces of the split and those below it; (3) the normal cone contains their
-// normals; (4) applying the splits in order removes only active faces and ends with the input triangles, and every
-// random closed set gives a conforming mesh, in which each edge that is no boundary of the input is shared. Returns one
-// line per violation (at most 20), none when all hold. Throws Error when a mapped file is damaged. O(size *
-// random_cuts).
+// Checks the invariants of a hierarchy without trusting anything in it: (1) no error is smaller than that of a split
+// that depends on it or is below it in the forest; (2) sphere, box and cylinder contain all faces of the split and
+// those below it; (3) the normal cone contains their normals; (4) applying the splits in order removes only active
+// faces and ends with the input triangles, and every random closed set gives a conforming mesh, in which each edge that
+// is no boundary of the input is shared. Returns one line per violation (at most 20), none when all hold. Throws Error
+// when a mapped file is damaged. O(size * random_cuts).
 [[nodiscard]] std::vector<std::string> validate(const Hierarchy& hierarchy, const ValidateOptions& options = {});
 
 // True iff applying all splits gives exactly the triangles of `mesh`: the same positions in the same rotational order,
-// each as often, with the same materials, and at each corner the same normal, colour and texture coordinate, bit for
-// bit, of those that the mesh has. O(n log n).
+// the same number of times, with the same materials, and at each corner the same normal, colour and texture coordinate,
+// bit for bit, as far as the mesh has them. O(n log n).
 [[nodiscard]] bool restores(const Hierarchy& hierarchy, const TriangleMesh& mesh);
 
-// Cuts that do not depend on a view. All are closed under dependency, because splits depend on smaller ids only and
-// errors are saturated; so their faces form a conforming mesh.
-
-// Which splits are applied, and what that gives.
+// A cut that does not depend on a view: which splits are applied, and what that gives. All cuts below are closed under
+// dependency, because splits depend on smaller ids only and errors never grow from a split to those that depend on it;
+// so their faces form a conforming mesh.
 struct FixedCut {
   std::vector<bool> applied;      // one per split
-  std::size_t splits = 0;         // how many of them are applied
+  std::size_t splits = 0;         // number of applied splits
   std::size_t triangles = 0;      // of the cut
   float guaranteed_error = 0.0F;  // bound on the distance between the cut and the input, object units; 0 = the input
   float error = 0.0F;             // largest quadric error of a split that is not applied, object units
 };
 
-// All splits applied: the input mesh. O(n). Like all functions here it throws Error when a mapped file is damaged.
+// Applies all splits, which gives the input mesh. O(n). Like all functions for cuts it throws Error when a mapped file
+// is damaged.
 [[nodiscard]] FixedCut full_cut(const Hierarchy& hierarchy);
 
-// As many of the first splits, which undo the last and costliest collapses, as give no more than `max_triangles`; the
-// base mesh when even that has more. O(n).
+// Applies as many of the first splits, which undo the last and costliest collapses, as give at most `max_triangles`;
+// returns the base mesh when even that has more. O(n).
 [[nodiscard]] FixedCut cut_to_triangles(const Hierarchy& hierarchy, std::size_t max_triangles);
 
-// The smallest cut whose guaranteed error is at most `max_error` (>= 0, object units): exactly the splits with a larger
-// bound are applied. O(n).
+// Returns the smallest cut whose guaranteed error is at most `max_error` (>= 0, object units): exactly the splits with
+// a larger bound are applied. O(n).
 [[nodiscard]] FixedCut cut_to_error(const Hierarchy& hierarchy, double max_error);
 
-// The triangles of a cut, as ids of the hierarchy's vertices: base faces first, then by split and slot. O(n).
+// Returns the triangles of a cut as ids of the hierarchy's vertices: base faces first, then by split and slot. O(n).
 [[nodiscard]] std::vector<Triangle> triangles_of(const Hierarchy& hierarchy, const FixedCut& cut);
 
-// The same triangles as ids of wedges: what to draw. The same where no vertex has more than one. O(n).
+// Returns the triangles of a cut as ids of wedges, in the order of triangles_of(): these are the triangles to draw.
+// Equal to triangles_of() when no vertex has more than one wedge. O(n).
 [[nodiscard]] std::vector<Triangle> wedge_triangles_of(const Hierarchy& hierarchy, const FixedCut& cut);
 
-// The wedges at the corners of a face with these vertices, in the same order.
+// Returns the wedges at the corners of a face with these vertices, in the same order.
 [[nodiscard]] inline Triangle wedges_of_face(const Hierarchy& hierarchy, const FaceRef& face,
                                              const Triangle& vertices) {
   if (!hierarchy.has_seams()) return vertices;
@@ -104,16 +103,15 @@ struct FixedCut {
                              : hierarchy.corners(face.split).inserted(face.slot);
 }
 
-// Triangles of wedges, as RefinedObject has them, as a mesh of their own, with the hierarchy's attributes and without
-// vertices and wedges that no triangle uses. Vertices are numbered as triangles first use them. O(n).
+// Makes a separate mesh from triangles of wedges, such as those of RefinedObject, with the hierarchy's attributes and
+// without vertices and wedges that no triangle uses. Vertices are numbered as triangles first use them. O(n).
 [[nodiscard]] TriangleMesh mesh_of(const Hierarchy& hierarchy, std::span<const Triangle> wedge_triangles);
 
-// The same of a cut. O(n).
+// Makes a separate mesh from a cut, as mesh_of() does. O(n).
 [[nodiscard]] TriangleMesh cut_mesh(const Hierarchy& hierarchy, const FixedCut& cut);
 
-// The .olod file: a hierarchy as versioned, checksummed sections. The layout is described in docs/guide/file_format.md.
-
-// Of the files that write_olod() writes; read_olod() refuses any other.
+// Version of the .olod files that write_olod() writes; read_olod() refuses any other. An .olod file holds a hierarchy
+// as versioned, checksummed sections; docs/guide/file_format.md describes the layout.
 inline constexpr std::uint32_t olod_version = 3;
 
 // How the arrays of a file are stored.
@@ -124,29 +122,29 @@ enum class OlodCompression {
 
 // How a file without compression is read.
 enum class OlodAccess {
-  mapped,  // opening takes no time; pages are loaded as they are used
-  copied,  // read into memory as a whole: independent of what happens to the file afterwards
+  mapped,  // opening is immediate; pages are loaded as they are used
+  copied,  // read into memory as a whole; later changes of the file have no effect
 };
 
-// What a file holds.
+// The contents of an .olod file.
 struct OlodFile {
   Hierarchy hierarchy;                                  // mapped or in memory
-  MeshReport report;                                    // of the mesh that it was built from
-  OlodCompression compression = OlodCompression::none;  // of the file
+  MeshReport report;                                    // report on the mesh from which it was built
+  OlodCompression compression = OlodCompression::none;  // compression of the file
 };
 
-// Writes beside `path` and renames, so that a file that was there stays as it was when writing fails. The same
-// arguments give the same bytes. Throws Error that names the file. O(bytes).
+// Writes beside `path` and renames, so that an existing file stays as it was when writing fails. The same arguments
+// give the same bytes. Throws Error that names the file. O(bytes).
 void write_olod(const std::filesystem::path& path, const Hierarchy& hierarchy, const MeshReport& report,
                 OlodCompression compression = OlodCompression::none);
 
-// Checks magic, version, sizes, the table of sections and the base mesh. The rest is checked (checksum and structure)
-// block by block when Hierarchy::require() is first called for a split of the block; require_all() checks the whole
-// file. Both throw Error that says what failed and where.
+// Reads a file and checks magic, version, sizes, the table of sections and the base mesh. The rest is checked (checksum
+// and structure) block by block when Hierarchy::require() is first called for a split of the block; require_all()
+// checks the whole file. Both throw Error that says what failed and where.
 //
-// A mapped file must stay as it is while the hierarchy lives. It may be removed, or replaced by renaming another file
-// over it, as write_olod() does; but when it is truncated, or its disk fails, POSIX systems answer the next access to a
-// missing page with SIGBUS. Where that cannot be ruled out, handle the signal or ask for a copy.
+// A mapped file must not change while the hierarchy lives. It may be removed, or replaced by renaming another file over
+// it, as write_olod() does; but when it is truncated, or its disk fails, POSIX systems answer the next access to a
+// missing page with SIGBUS. Where that cannot be ruled out, handle the signal or use OlodAccess::copied.
 [[nodiscard]] OlodFile read_olod(const std::filesystem::path& path, OlodAccess access = OlodAccess::mapped);
 
 }  // namespace occlod

@@ -1,4 +1,5 @@
-// The few faces that one split changes, read in place from the words that hold them.
+// The hierarchy of splits of one mesh: its arrays, the records of its splits, and the immutable Hierarchy that holds
+// them.
 #pragma once
 
 #include <array>
@@ -18,15 +19,16 @@
 
 namespace occlod {
 
-// Face `slot` of those that `split` inserts; of the base mesh when there is no split.
+// Names face `slot` of those that `split` inserts, or of the base mesh when there is no split.
 struct FaceRef {
-  SplitId split = no_id;   // that inserts the face; no_id for the base mesh
-  std::uint32_t slot = 0;  // index among the faces that it inserts
+  SplitId split = no_id;   // inserts the face; no_id for the base mesh
+  std::uint32_t slot = 0;  // index among the faces that the split inserts
   friend bool operator==(const FaceRef&, const FaceRef&) = default;
 };
 
-// A split brings vertex v back beside its parent vertex u: it inserts the faces around v, its star, and removes the
-// faces that take their place without v. A SplitStar points into HierarchyView::stars and is valid as long as that is.
+// The faces that one split changes, read in place from HierarchyView::stars and valid as long as those words are. A
+// split brings vertex v back beside its parent vertex u: it inserts the faces around v, its star, and removes the faces
+// that take their place without v.
 //
 // Nearly every star is one fan: its outer vertices in winding order, of which u is one. Face `slot` is (v, ring[slot],
 // ring[slot + 1]); for each face without u, (u, ring[slot], ring[slot + 1]) is removed. Any other star lists its faces.
@@ -37,7 +39,7 @@ struct FaceRef {
 //   dependencies; for each removed face the split that inserted it or no_id, its slot, three corners
 class SplitStar {
  public:
-  // Of the record that begins at `record`, of the split that brings back `vertex`.
+  // Reads the record that begins at `record`, of the split that brings back `vertex`.
   SplitStar(const std::uint32_t* record, VertexId vertex) noexcept : vertex_(vertex) {
     const std::uint32_t header = *record;
     if ((header & other_bit) == 0) {
@@ -59,22 +61,22 @@ class SplitStar {
     }
   }
 
-  // Whether the faces form one fan, so that ring() describes them.
+  // True when the faces form one fan, so that ring() describes them.
   [[nodiscard]] bool is_fan() const noexcept { return faces_ == nullptr; }
-  // v, which the split brings back.
+  // Returns v, which the split brings back.
   [[nodiscard]] VertexId vertex() const noexcept { return vertex_; }
-  // u, which v had been collapsed into.
+  // Returns u, into which v had been collapsed.
   [[nodiscard]] VertexId parent_vertex() const noexcept { return is_fan() ? ring_[parent_place_] : parent_place_; }
-  // Faces that the split inserts, one per slot.
+  // Number of faces that the split inserts, one per slot.
   [[nodiscard]] std::uint32_t inserted_count() const noexcept { return inserted_count_; }
-  // Faces that the split removes, no more than it inserts.
+  // Number of faces that the split removes, at most inserted_count().
   [[nodiscard]] std::uint32_t removed_count() const noexcept { return removed_count_; }
-  // The splits that must be applied before this one: ascending, all smaller than it.
+  // Returns the splits that must be applied before this one, ascending; all are smaller than it.
   [[nodiscard]] std::span<const SplitId> dependencies() const noexcept { return {dependencies_, dependency_count_}; }
-  // Of a fan: the outer vertices in winding order.
+  // Returns the outer vertices in winding order. Only for fans.
   [[nodiscard]] std::span<const VertexId> ring() const noexcept { return {ring_, ring_size_}; }
 
-  // Face `slot` < inserted_count(), by its vertices.
+  // Returns the vertices of face `slot` < inserted_count().
   [[nodiscard]] Triangle inserted(std::uint32_t slot) const noexcept {
     if (is_fan()) return {vertex_, ring_[slot], ring_[next(slot)]};
     const std::uint32_t* const corners = faces_ + 3 * slot;
@@ -89,7 +91,8 @@ class SplitStar {
   // Calls visit(FaceRef, Triangle) for each removed face.
   template <typename Visit>
   void for_each_removed(const Visit& visit) const;
-  // Calls visit(FaceRef) for each removed face, in the same order; quicker, where corners are not needed.
+  // Calls visit(FaceRef) for each removed face, in the same order as for_each_removed(); faster when corners are not
+  // needed.
   template <typename Visit>
   void for_each_removed_ref(const Visit& visit) const;
 
@@ -100,34 +103,35 @@ class SplitStar {
     for_each_removed([&](const FaceRef&, const Triangle& t) { visit(t); });
   }
 
-  // Length of the record, in words of 32 bits.
+  // Length of the record in words of 32 bits.
   [[nodiscard]] std::size_t word_count() const noexcept {
     const std::size_t head = dependency_count_ + std::size_t{is_fan() ? 1 + ring_size_ : 5 + 3 * inserted_count_};
     return head + (is_fan() ? (removed_count_ + 3) / 4 : 5 * std::size_t{removed_count_});
   }
 
-  static constexpr std::uint32_t max_ring = 30;          // outer vertices of a fan
-  static constexpr std::uint32_t max_dependencies = 16;  // of a fan
-  static constexpr std::uint32_t max_slots = 16;  // a fan removes faces with smaller slots only, and none of the base
-  static constexpr std::uint32_t closed_bit = 1U << 24U;  // of a fan's header: the ring is closed
-  static constexpr std::uint32_t other_bit = 1U << 31U;   // of a header: no fan
+  static constexpr std::uint32_t max_ring = 30;          // largest number of outer vertices of a fan
+  static constexpr std::uint32_t max_dependencies = 16;  // largest number of dependencies of a fan
+  static constexpr std::uint32_t max_slots = 16;  // a fan removes only faces with smaller slots, and none of the base
+                                                  // mesh
+  static constexpr std::uint32_t closed_bit = 1U << 24U;  // in a fan's header: the ring is closed
+  static constexpr std::uint32_t other_bit = 1U << 31U;   // in a header: the star is no fan
 
  private:
   [[nodiscard]] std::uint32_t next(std::uint32_t place) const noexcept {
     return place + 1 == ring_size_ ? 0 : place + 1;
   }
-  // The i-th.
+  // Returns the i-th face that a fan removes.
   [[nodiscard]] FaceRef removed_from_fan(std::uint32_t i) const noexcept {
     const std::uint32_t code = dependencies_[dependency_count_ + i / 4] >> (8 * (i % 4));
     return {dependencies_[code & 0xFU], (code >> 4U) & 0xFU};
   }
 
   VertexId vertex_;
-  const std::uint32_t* ring_ = nullptr;   // of a fan
-  const std::uint32_t* faces_ = nullptr;  // of any other star
+  const std::uint32_t* ring_ = nullptr;   // of a fan; null for any other star
+  const std::uint32_t* faces_ = nullptr;  // of any other star; null for a fan
   const std::uint32_t* dependencies_ = nullptr;
   std::uint32_t ring_size_ = 0;
-  std::uint32_t parent_place_ = 0;  // of u in the ring; of any other star u itself
+  std::uint32_t parent_place_ = 0;  // place of u in the ring; u itself where the star is no fan
   std::uint32_t inserted_count_ = 0;
   std::uint32_t removed_count_ = 0;
   std::uint32_t dependency_count_ = 0;
@@ -156,10 +160,9 @@ void SplitStar::for_each_removed_ref(const Visit& visit) const {
     for_each_removed([&](const FaceRef& face, const Triangle&) { visit(face); });
 }
 
-// The wedges at the corners of the faces that one split inserts, read in place from the words that hold them.
-
-// Points into HierarchyView::corners and is valid as long as that and the star are. A split whose faces use the first
-// wedge of each of their vertices has no words. Words of a record:
+// The wedges at the corners of the faces that one split inserts, read in place from HierarchyView::corners and valid as
+// long as those words and the star are. A split whose faces use the first wedge of each of their vertices has no words.
+// Words of a record:
 //   of a fan: two masks of places in its ring. The first names places whose wedge is not the vertex's first; the second
 //   places whose faces on both sides use different wedges. Then the wedges of the places of the first mask, in order;
 //   then, for those of the second, the wedge of the face that ends there. Bit 31 of the second mask: v has more than
@@ -167,13 +170,13 @@ void SplitStar::for_each_removed_ref(const Visit& visit) const {
 //   of any star: explicit_bit, then the three corners of each inserted face
 class SplitCorners {
  public:
-  // Of a star and its words, which may be none. O(1).
+  // Reads the words of a star; `words` may be empty. O(1).
   SplitCorners(const SplitStar& star, std::span<const std::uint32_t> words) noexcept : star_(star), words_(words) {}
 
-  // Whether all corners are the first wedges of their vertices.
+  // True when all corners are the first wedges of their vertices.
   [[nodiscard]] bool are_first() const noexcept { return words_.empty(); }
 
-  // The wedges of face `slot` < inserted_count(), in the order of SplitStar::inserted().
+  // Returns the wedges of face `slot` < inserted_count(), in the order of SplitStar::inserted().
   [[nodiscard]] Triangle inserted(std::uint32_t slot) const noexcept {
     if (words_.empty()) return star_.inserted(slot);
     if ((words_[0] & explicit_bit) != 0) {
@@ -187,11 +190,11 @@ class SplitCorners {
             ends != 0 ? wedges[count(words_[0]) + count(words_[1] & below(next))] : begin_wedge(next)};
   }
 
-  static constexpr std::uint32_t explicit_bit = 1U << 31U;  // of the first word: no masks
-  static constexpr std::uint32_t apex_bit = 1U << 31U;      // of the second mask: v has more wedges than its first
-  static constexpr std::uint32_t max_apex_wedges = 16;      // of v, in a record with masks
+  static constexpr std::uint32_t explicit_bit = 1U << 31U;  // in the first word: the record has no masks
+  static constexpr std::uint32_t apex_bit = 1U << 31U;      // in the second mask: v has more wedges than its first
+  static constexpr std::uint32_t max_apex_wedges = 16;      // largest number of wedges of v in a record with masks
 
-  // The words of a record with these masks, of a star that inserts so many faces.
+  // Number of words of a record with these masks, for a star that inserts `inserted_count` faces.
   [[nodiscard]] static std::size_t word_count(std::uint32_t first_mask, std::uint32_t second_mask,
                                               std::uint32_t inserted_count) noexcept {
     return 2 + count(first_mask) + count(second_mask & ~apex_bit) +
@@ -203,11 +206,11 @@ class SplitCorners {
     return static_cast<std::size_t>(std::popcount(mask));
   }
   [[nodiscard]] static std::uint32_t below(std::uint32_t place) noexcept { return (1U << place) - 1; }
-  // Of the vertex at a place of the ring, in the face that begins there.
+  // Returns the wedge of the vertex at a place of the ring, in the face that begins there.
   [[nodiscard]] WedgeId begin_wedge(std::uint32_t place) const noexcept {
     return (words_[0] >> place & 1U) != 0 ? words_[2 + count(words_[0] & below(place))] : star_.ring()[place];
   }
-  // Of v in a face.
+  // Returns the wedge of v in a face.
   [[nodiscard]] WedgeId apex(std::uint32_t slot) const noexcept {
     if ((words_[1] & apex_bit) == 0) return star_.vertex();
     const std::uint32_t* const at = words_.data() + 2 + count(words_[0]) + count(words_[1] & ~apex_bit);
@@ -219,178 +222,177 @@ class SplitCorners {
   std::span<const std::uint32_t> words_;
 };
 
-// What refinement reads for every split it looks at: one cache line.
-
 // Cone, cylinder and box of a subtree, relative to its sphere, in steps of 1/65535 of their ranges. Packing rounds
 // outwards: unpacked bounds contain what was packed.
 struct PackedBounds {
-  std::array<std::uint16_t, 2> axis{};        // octahedral; of the cone and of the cylinder
+  std::array<std::uint16_t, 2> axis{};        // octahedral; axis of the cone and of the cylinder
   std::uint16_t cone_cos = 0;                 // [0, 1]; 0 = no cone
   std::uint16_t cylinder_radius = 0;          // [0, radius of the sphere]
   std::array<std::uint16_t, 2> cylinder_t{};  // [-radius, radius]: t_min, t_max
   std::array<std::uint16_t, 3> box_min{};     // [center - radius, center + radius]
-  std::array<std::uint16_t, 3> box_max{};     // likewise
+  std::array<std::uint16_t, 3> box_max{};     // [center - radius, center + radius]
 
-  // Unit length. To be set first: cone and cylinder are packed around the axis as it unpacks.
+  // Sets the axis (unit length). Call it first: cone and cylinder are packed around the axis as it unpacks.
   void set_axis(const glm::vec3& direction);
-  // Unit length.
+  // Returns the unpacked axis, unit length.
   [[nodiscard]] glm::vec3 unpack_axis() const noexcept;
-  // A cone around unpack_axis(); see NormalCone.
+  // Packs a cone around unpack_axis(); see NormalCone.
   void set_cone(float cos_angle);
-  // The cylinder around `sphere.center` and unpack_axis(), inside the sphere.
+  // Packs the cylinder around `sphere.center` and unpack_axis(); it is inside the sphere.
   void set_cylinder(const Sphere& sphere, const Cylinder& cylinder);
-  // A box inside the box around the sphere.
+  // Packs a box, which is inside the box around the sphere.
   void set_box(const Sphere& sphere, const Box& box);
 
-  // Contains what was packed.
+  // Returns a cone that contains the packed one.
   [[nodiscard]] NormalCone cone() const noexcept;
-  // Contains what was packed with the same sphere.
+  // Returns a cylinder that contains the one packed with the same sphere.
   [[nodiscard]] Cylinder cylinder(const Sphere& sphere) const noexcept;
-  // Contains what was packed with the same sphere.
+  // Returns a box that contains the one packed with the same sphere.
   [[nodiscard]] Box box(const Sphere& sphere) const noexcept;
 };
 
-// Split s brings back vertex base_vertex_count + s. Its bounds contain every face that it or a split below it in the
-// forest removes or inserts. Object space, object units.
+// What refinement reads for every split that it visits: one cache line. Split s brings back vertex base_vertex_count +
+// s. Its bounds contain every face that it or a split below it in the forest removes or inserts. Object space, object
+// units.
 struct SplitNode {
   Sphere sphere;       // around the subtree
-  float error = 0.0F;  // quadric error, about a root mean square distance; no less than that of any split that depends
-                       // on this one or is below it in the forest
-  float guaranteed_error = 0.0F;  // bound on the distance between the surface without this split and the input; no less
-                                  // than below, likewise
+  float error = 0.0F;  // quadric error, about a root mean square distance; at least that of any split that depends on
+                       // this one or is below it in the forest
+  float guaranteed_error = 0.0F;  // bound on the distance between the surface without this split and the input; at
+                                  // least that of any split that depends on this one or is below it in the forest
   SplitId child_u = no_id;        // forest: the next split of the same parent vertex
   SplitId child_v = no_id;        // forest: the first split of the vertex that this one brings back
   SplitId parent = no_id;         // forest; none at roots
-  std::uint32_t star = 0;         // where its SplitStar starts; that of the next node is where it ends
+  std::uint32_t star = 0;         // where its SplitStar starts; it ends where that of the next node starts
   PackedBounds bounds;            // of the subtree
 
-  // Contains the normals of all faces of the subtree.
+  // Returns a cone that contains the normals of all faces of the subtree.
   [[nodiscard]] NormalCone cone() const noexcept { return bounds.cone(); }
-  // Contains the subtree, and so does box().
+  // Returns a cylinder that contains all faces of the subtree.
   [[nodiscard]] Cylinder cylinder() const noexcept { return bounds.cylinder(sphere); }
-  // Contains the subtree.
+  // Returns a box that contains all faces of the subtree.
   [[nodiscard]] Box box() const noexcept { return bounds.box(sphere); }
 };
 static_assert(sizeof(SplitNode) == 64, "one cache line");
 
-// The recorded collapse sequence of one mesh: a multi-triangulation over one static vertex buffer (De Floriani,
-// Magillo, Puppo). Built once, immutable, flat arrays, parents before children. All lengths are object units.
-
-// The arrays of a hierarchy, in memory of its own or of a file.
+// The arrays of a hierarchy: the recorded collapse sequence of one mesh as a multi-triangulation over one static vertex
+// buffer (De Floriani, Magillo, Puppo). Parents come before children. All lengths are in object units.
 struct HierarchyView {
-  // Wedges: first those of the vertices of the base mesh, then of vertex base_vertex_count + s for each split s, then
+  // Wedges: first one for each vertex of the base mesh, then one for vertex base_vertex_count + s of each split s, then
   // the extra ones. See TriangleMesh.
   std::span<const glm::vec3> positions;    // object space
   std::span<const glm::vec3> normals;      // unit length, one per wedge; empty when the input had none
   std::span<const glm::u8vec4> colors;     // sRGB and alpha, one per wedge; empty when the input had none
-  std::span<const SplitNode> nodes;        // from coarse to fine, and a sentinel that ends the last one's star
-  std::span<const std::uint32_t> stars;    // the records of all splits in their order, see SplitStar
+  std::span<const SplitNode> nodes;        // from coarse to fine, and a sentinel that ends the last split's star
+  std::span<const std::uint32_t> stars;    // records of all splits in their order, see SplitStar
   std::span<const SplitId> roots;          // splits without a forest parent, ascending
-  std::span<const Triangle> base_faces;    // of the base mesh, to which no split is applied
-  Box box;                                 // of all positions
-  std::uint64_t input_triangle_count = 0;  // when all splits are applied
-  std::uint64_t face_count = 0;            // that ever existed: of the base mesh and of all stars
+  std::span<const Triangle> base_faces;    // faces of the base mesh, to which no split is applied
+  Box box;                                 // around all positions
+  std::uint64_t input_triangle_count = 0;  // triangles when all splits are applied
+  std::uint64_t face_count = 0;            // all faces that ever existed: of the base mesh and of all stars
   float error_bound = 0.0F;  // the largest guaranteed error of any split: the base mesh is no farther from the input
 
-  // What seams and materials add. All of it is empty for an input without.
+  // The arrays for seams and materials are empty for an input without them.
   std::span<const glm::vec2> texture_coordinates;   // as the input has them, one per wedge
-  std::span<const VertexId> extra_wedges;           // their vertices, ascending
+  std::span<const VertexId> extra_wedges;           // vertices of the extra wedges, ascending
   std::span<const MaterialId> wedge_materials;      // one per wedge; empty: all triangles have the first, if any
-  std::span<const std::uint32_t> corners;           // the records of all splits in their order, see SplitCorners
-  std::span<const std::uint32_t> corner_starts;     // where each split's record starts; one more, where the last ends
+  std::span<const std::uint32_t> corners;           // records of all splits in their order, see SplitCorners
+  std::span<const std::uint32_t> corner_starts;     // where each split's record starts; one more entry, where the last
+                                                    // ends
   std::span<const Triangle> base_corners;           // wedges of the corners of base_faces
-  std::span<const Material> materials;              // that wedge_materials indexes
-  std::span<const Texture> textures;                // that materials index
-  std::span<const std::uint16_t> attribute_errors;  // by split, see Hierarchy::attribute_error()
-  TextureOrigin texture_origin = TextureOrigin::bottom_left;  // of texture_coordinates
+  std::span<const Material> materials;              // indexed by wedge_materials
+  std::span<const Texture> textures;                // indexed by materials
+  std::span<const std::uint16_t> attribute_errors;  // one per split, see Hierarchy::attribute_error()
+  TextureOrigin texture_origin = TextureOrigin::bottom_left;  // origin of texture_coordinates
 };
 
 class SplitGuard;
 
-// Immutable; copies share their arrays. Any number of threads may read one.
+// The recorded collapses of one mesh, which build_hierarchy() makes. Immutable; copies share their arrays. Any number
+// of threads may read one.
 class Hierarchy {
  public:
-  // Of nothing: neither vertices nor splits.
+  // Makes an empty hierarchy without vertices and splits.
   Hierarchy() = default;
-  // Arrays that `owner` keeps alive and that do not change. Their sizes and indices fit together: check_structure() in
-  // validate.h returns nothing.
+  // Uses arrays that `owner` keeps alive and that do not change. Their sizes and indices fit together:
+  // check_structure() in occlod/build_hierarchy.h returns nothing.
   Hierarchy(const HierarchyView& view, std::shared_ptr<const void> owner);
 
-  // Of a hierarchy in a mapped file only what require() was called for has been checked.
+  // Returns the arrays. In a mapped file only the parts for which require() was called have been checked.
   [[nodiscard]] const HierarchyView& data() const noexcept { return view_; }
 
-  // Of the input mesh.
+  // Number of vertices of the input mesh.
   [[nodiscard]] std::size_t vertex_count() const noexcept { return wedge_count() - view_.extra_wedges.size(); }
-  // Vertices with their attributes: those of the input mesh, and those that collapses across seams have added.
+  // Number of vertices with their attributes: those of the input mesh and those that collapses across seams have added.
   [[nodiscard]] std::size_t wedge_count() const noexcept { return view_.positions.size(); }
-  // Recorded collapses, each undone by one split.
+  // Number of recorded collapses; one split undoes each.
   [[nodiscard]] std::size_t split_count() const noexcept { return view_.nodes.empty() ? 0 : view_.nodes.size() - 1; }
-  // Of the base mesh, to which no split is applied.
+  // Number of vertices of the base mesh, to which no split is applied.
   [[nodiscard]] std::size_t base_vertex_count() const noexcept { return vertex_count() - split_count(); }
-  // The fewest triangles that a cut can have.
+  // Number of triangles of the base mesh, the fewest that a cut can have.
   [[nodiscard]] std::size_t base_triangle_count() const noexcept { return view_.base_faces.size(); }
-  // Triangles of the base mesh and of all splits' stars.
+  // Number of triangles of the base mesh and of all splits' stars.
   [[nodiscard]] std::size_t face_count() const noexcept { return view_.face_count; }
-  // Triangles when all splits are applied.
+  // Number of triangles when all splits are applied.
   [[nodiscard]] std::size_t input_triangle_count() const noexcept { return view_.input_triangle_count; }
 
-  // Call before the first use of split s and its vertex: checks the part of a mapped file that holds them, and throws
-  // Error when it is damaged. Nothing to do for no_id, for other hierarchies and when that part has been checked
-  // before.
+  // Checks the part of a mapped file that holds split s and its vertex, and throws Error when it is damaged. Call it
+  // before the first use of the split. Does nothing for no_id, for hierarchies that are not mapped and for parts that
+  // were checked before.
   void require(SplitId s) const {
     if (checked_ != nullptr && s < split_count() && !checked_[s >> block_bits].load(std::memory_order_acquire))
       check_block(s >> block_bits);
   }
-  // The same for a vertex; those of the base mesh have been checked on opening.
+  // Does what require() does, for a vertex; vertices of the base mesh have been checked on opening.
   void require_vertex(VertexId v) const {
     if (v >= base_vertex_count()) require(static_cast<SplitId>(v - base_vertex_count()));
   }
-  // The same for all of them. O(bytes) the first time.
+  // Does what require() does, for all splits. O(bytes) the first time.
   void require_all() const;
 
-  // s < split_count(), and required.
+  // Returns the node of split s < split_count(), for which require() has been called.
   [[nodiscard]] const SplitNode& node(SplitId s) const noexcept { return view_.nodes[s]; }
-  // The faces that split s changes. The same preconditions.
+  // Returns the faces that split s changes. Preconditions as for node().
   [[nodiscard]] SplitStar star(SplitId s) const noexcept {
     return {view_.stars.data() + view_.nodes[s].star, vertex_of(s)};
   }
-  // The vertex that split s brings back.
+  // Returns the vertex that split s brings back.
   [[nodiscard]] VertexId vertex_of(SplitId s) const noexcept { return static_cast<VertexId>(base_vertex_count() + s); }
-  // Whether some vertex has more than one wedge.
+  // True when some vertex has more than one wedge.
   [[nodiscard]] bool has_seams() const noexcept { return !view_.extra_wedges.empty(); }
-  // The wedges of the faces that split s inserts. The preconditions of star().
+  // Returns the wedges of the faces that split s inserts. Preconditions as for node().
   [[nodiscard]] SplitCorners corners(SplitId s) const noexcept {
     if (view_.corner_starts.empty()) return {star(s), {}};
     return {star(s),
             view_.corners.subspan(view_.corner_starts[s], view_.corner_starts[s + 1] - view_.corner_starts[s])};
   }
-  // How far attributes are off without split s, as a length on the surface: about the root mean square over the surface
-  // that the split restores, object units; no less than that of any split that depends on this one or is below it in
-  // the forest. 0 for an input without seams and texture coordinates. The preconditions of node().
+  // Returns how far attributes are off without split s, as a length on the surface in object units: about the root mean
+  // square over the surface that the split restores, and at least that of any split that depends on this one or is
+  // below it in the forest. 0 for an input without seams and texture coordinates. Preconditions as for node().
   [[nodiscard]] float attribute_error(SplitId s) const noexcept {
     return view_.attribute_errors.empty() ? 0.0F
                                           : std::bit_cast<float>(std::uint32_t{view_.attribute_errors[s]} << 16U);
   }
-  // The vertex of a wedge.
+  // Returns the vertex of a wedge.
   [[nodiscard]] VertexId vertex_of_wedge(WedgeId wedge) const noexcept {
     return wedge < vertex_count() ? wedge : view_.extra_wedges[wedge - vertex_count()];
   }
-  // The material of a face with that wedge: an index into HierarchyView::materials. 0 too when there are none.
+  // Returns the material of a face with this wedge, an index into HierarchyView::materials; also 0 when there are none.
   [[nodiscard]] MaterialId material_of(WedgeId wedge) const noexcept {
     return view_.wedge_materials.empty() ? MaterialId{0} : view_.wedge_materials[wedge];
   }
-  // Of all wedges, object space: what the triangles of a refinement index.
+  // Returns the positions of all wedges, object space: the triangles of a refinement index them.
   [[nodiscard]] std::span<const glm::vec3> positions() const noexcept { return view_.positions; }
 
-  // Around all positions.
+  // Returns the box around all positions.
   [[nodiscard]] const Box& box() const noexcept { return view_.box; }
-  // No cut is farther from the input than this, object units.
+  // Bound on the distance of any cut from the input, object units.
   [[nodiscard]] float error_bound() const noexcept { return view_.error_bound; }
-  // That the arrays occupy.
+  // Number of bytes that the arrays occupy.
   [[nodiscard]] std::size_t bytes() const noexcept;
 
  private:
-  static constexpr std::uint32_t block_bits = 10;  // SplitGuard::block_bits
+  static constexpr std::uint32_t block_bits = 10;  // equals SplitGuard::block_bits
   friend Hierarchy guarded_hierarchy(const HierarchyView& view, std::shared_ptr<const void> owner,
                                      std::shared_ptr<SplitGuard> guard);
   void check_block(std::size_t block) const;
@@ -398,7 +400,7 @@ class Hierarchy {
   HierarchyView view_;
   std::shared_ptr<const void> owner_;
   std::shared_ptr<SplitGuard> guard_;
-  const std::atomic<bool>* checked_ = nullptr;  // by block of splits, the guard's; null without a guard
+  const std::atomic<bool>* checked_ = nullptr;  // the guard's flags by block of splits; null without a guard
 };
 
 }  // namespace occlod

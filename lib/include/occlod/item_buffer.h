@@ -1,6 +1,5 @@
 // Exact z-buffer rasterisation on the CPU: one sample at each pixel centre, watertight (top-left rule), clipped at the
-// near plane, both sides of every triangle. The software occlusion backend and everything that measures or draws
-// pictures use it.
+// near plane, both sides of every triangle. The software occlusion backend, measurements and pictures use it.
 #pragma once
 
 #include <cstddef>
@@ -15,27 +14,27 @@
 
 namespace occlod {
 
-// Depth as nearness, which is linear over the image of a plane. In perspective it is 1 / w, where w is the distance
-// from the eye plane in world units; drawn through an affine matrix, which is orthographic, it runs from 1 on the near
-// plane to 0 on the far plane. 0: nothing there.
+// A depth image. Depth is stored as nearness, which is linear in screen space over a plane. In perspective it is 1 / w,
+// where w is the distance from the eye plane in world units; through an affine matrix, which is orthographic, it runs
+// from 1 on the near plane to 0 on the far plane. 0 means that the pixel is empty.
 struct DepthBuffer {
   int width = 0;                // pixels
   int height = 0;               // pixels
   std::vector<float> nearness;  // width * height, rows from the top
 
-  // Resizes, and empties every pixel. Reuses its memory.
+  // Resizes the buffer and empties every pixel. Reuses its memory.
   void reset(int new_width, int new_height);
 };
 
-// What owns a pixel of the background.
+// The item of background pixels.
 inline constexpr std::uint32_t no_item = no_id;
 
-// Depth, and which triangle owns each pixel.
+// A depth image with the triangle that owns each pixel.
 struct ItemBuffer {
   DepthBuffer depth;                 // of the nearest triangle at each pixel
   std::vector<std::uint32_t> items;  // width * height, rows from the top; no_item: background
 
-  // As DepthBuffer::reset().
+  // Resizes the buffer and empties every pixel. Reuses its memory.
   void reset(int width, int height);
 };
 
@@ -45,13 +44,13 @@ struct ItemBuffer {
 void draw_depth(DepthBuffer& target, std::span<const glm::vec3> positions, std::span<const Triangle> triangles,
                 const glm::mat4& object_to_clip);
 
-// The same; triangle i of the call owns its pixels as item first_item + i.
+// Draws triangles as draw_depth() does; triangle i of the call owns its pixels as item first_item + i.
 void draw_items(ItemBuffer& target, std::span<const glm::vec3> positions, std::span<const Triangle> triangles,
                 const glm::mat4& object_to_clip, std::uint32_t first_item);
 
-// Which items own at least one pixel. item_count: larger than every item. O(pixels + item_count).
+// Returns which items own at least one pixel. item_count is larger than every item. O(pixels + item_count).
 [[nodiscard]] std::vector<bool> visible_items(const ItemBuffer& buffer, std::size_t item_count);
-// How many items own at least one pixel, likewise.
+// Counts the items that own at least one pixel. item_count is larger than every item. O(pixels + item_count).
 [[nodiscard]] std::size_t count_visible_items(const ItemBuffer& buffer, std::size_t item_count);
 
 }  // namespace occlod

@@ -1,4 +1,5 @@
-// Images to be laid over surfaces in pictures. Who decodes image files is up to the program.
+// Draws pictures of refinements on the CPU: textures, shading and bird's-eye views. Decoding image files is up to the
+// program.
 #pragma once
 
 #include <cstdint>
@@ -32,21 +33,22 @@ struct TextureAddress {
   TextureOrigin origin = TextureOrigin::bottom_left;  // where (0, 0) is
 };
 
-// An image and smaller versions of it, to be sampled at any scale. Immutable.
+// An image with smaller versions of it, to be sampled at any scale. Immutable.
 class TextureImage {
  public:
-  // An image of at least one pixel. The smaller versions, each half the size, average light; alpha is left out.
-  // O(pixels) time; memory is a third more than the image's.
+  // Takes an image of at least one pixel. Each smaller version has half the size of the one before and averages its
+  // pixels in linear light; alpha is ignored. O(pixels) time; memory is a third more than the image's.
   explicit TextureImage(Image image, const TextureAddress& address = {});
 
-  // In pixels.
+  // Width of the image, pixels.
   [[nodiscard]] int width() const noexcept { return levels_[0].width; }
-  // In pixels.
+  // Height of the image, pixels.
   [[nodiscard]] int height() const noexcept { return levels_[0].height; }
 
-  // Linear RGB at a texture coordinate. across, down: how much the coordinate changes from one pixel of the picture to
-  // the next. Bilinear within and between two sizes of the image, at up to 16 places along the longer of the two steps,
-  // so that surfaces seen at a flat angle stay sharp. White where a number is not finite.
+  // Returns linear RGB at a texture coordinate. `across` and `down` are the changes of the coordinate from one pixel of
+  // the picture to the next. Filters bilinearly within and linearly between two sizes of the image, at up to 16
+  // positions along the longer of the two steps, so that surfaces seen at a flat angle stay sharp. Returns white when a
+  // number is not finite.
   [[nodiscard]] glm::vec3 sample(const glm::dvec2& coordinate, const glm::dvec2& across, const glm::dvec2& down) const;
 
  private:
@@ -57,27 +59,25 @@ class TextureImage {
   TextureAddress address_;
 };
 
-// Squares, light and dark in turns, in colours that change from place to place: every slip is seen. squares: along each
-// side, at least 1; square_px: pixels along each side of one, at least 1.
+// Makes a checkerboard whose colours change from place to place, so that every shift of a texture can be seen.
+// `squares` is the number along each side, at least 1; `square_px` the pixels along each side of a square, at least 1.
 [[nodiscard]] Image checker_image(int squares = 32, int square_px = 32);
 
-// How a surface looks, with the image that its material names.
+// A material with the image that it names.
 struct DrawMaterial {
   glm::vec3 base_color{1.0F};           // linear RGB in [0, 1]
-  const TextureImage* image = nullptr;  // multiplies it; null: none
+  const TextureImage* image = nullptr;  // multiplies base_color; null: no image
 };
 
-// What is laid over one object. The spans need live only during a call.
+// The texture of one object. The spans need only stay valid during a call.
 struct ObjectTexture {
   std::span<const glm::vec2> coordinates = {};        // one per vertex that triangles index, or empty: no images
-  std::span<const MaterialId> vertex_materials = {};  // one per vertex; a triangle's first corner says its material;
-                                                      // empty: all have the first
-  std::span<const DrawMaterial> materials = {};       // that vertex_materials index; empty: no texture
+  std::span<const MaterialId> vertex_materials = {};  // one per vertex; a triangle has the material of its first
+                                                      // corner; empty: all have the first
+  std::span<const DrawMaterial> materials = {};       // indexed by vertex_materials; empty: no texture
 };
 
-// Pictures of a refinement, made from item buffers: the same on every machine, no GL.
-
-// The active triangles of one placed object. The spans need live only during a call.
+// The active triangles of one placed object. The spans need only stay valid during a call.
 struct DrawObject {
   std::span<const glm::vec3> positions;  // object space
   std::span<const glm::u8vec4> colors;   // sRGB, one per vertex, or empty
@@ -89,23 +89,23 @@ struct DrawObject {
 // triangles of the objects before k) + i. O(triangles + pixels covered).
 void draw_items(ItemBuffer& target, std::span<const DrawObject> objects, const View& view);
 
-// How shade() looks.
+// Options of shade().
 struct ShadeOptions {
-  bool wire = true;  // dark lines along triangle edges, where triangles are large enough on screen to show them
-  glm::vec3 base{0.80F, 0.70F, 0.58F};  // linear RGB in [0, 1] of objects without vertex colours and materials
-  // One for each object, or empty: no textures. Materials and their images multiply vertex colours.
+  bool wire = true;  // dark lines along triangle edges, where triangles are large enough on the screen to show them
+  glm::vec3 base{0.80F, 0.70F, 0.58F};  // linear RGB in [0, 1], for objects without vertex colours and materials
+  // One for each object, or empty for no textures. Materials and their images multiply vertex colours.
   std::span<const ObjectTexture> textures = {};
 };
 
-// Flat two-sided shading by a head light and a key light over the viewer's left shoulder, from an item buffer that
-// draw_items() filled with the same objects and view. Steps in depth are outlined; the background is a vertical
-// gradient. O(pixels).
+// Shades an item buffer that draw_items() filled with the same objects and view: flat and two-sided, with a head light
+// and a key light over the viewer's left shoulder. Steps in depth are outlined; the background is a vertical gradient.
+// The result is the same on every machine. O(pixels).
 [[nodiscard]] Image shade(const ItemBuffer& items, std::span<const DrawObject> objects, const View& view,
                           const ShadeOptions& options = {});
 
-// The same objects seen from `view`, usually from above, to show where refinement spent its triangles: those that own a
-// pixel of `main_items`, which was drawn for `main_view`, are bright and warm, the others dark and cool. The frustum of
-// main_view is drawn in yellow lines as far as the scene extends.
+// Draws the objects as seen from `view`, usually from above, to show where refinement spent its triangles: those that
+// own a pixel of `main_items`, which was drawn for `main_view`, are bright and warm, the others dark and cool. The
+// frustum of main_view is drawn in yellow lines as far as the scene extends.
 [[nodiscard]] Image birdseye(std::span<const DrawObject> objects, const ItemBuffer& main_items, const View& main_view,
                              const View& view);
 
@@ -115,15 +115,16 @@ struct MarkedObject {
   glm::vec3 color{0.0F};  // linear RGB in [0, 1]
 };
 
-// The same objects seen from `view` in colours of their own, with the edges of their boxes in brighter lines and the
-// frustum of main_view as above. marks: one for each object.
+// Draws the objects as seen from `view` in the colours of `marks`, one for each object, with the edges of their boxes
+// in brighter lines and the frustum of main_view in yellow lines.
 [[nodiscard]] Image birdseye_boxes(std::span<const DrawObject> objects, std::span<const MarkedObject> marks,
                                    const View& main_view, const View& view);
 
-// A camera above the scene that sees the box of all objects and the eye of main_view, looking against its up direction.
+// Returns a camera above the scene that sees the box of all objects and the eye of main_view and looks against the up
+// direction of main_view.
 [[nodiscard]] Camera birdseye_camera(std::span<const DrawObject> objects, const View& main_view);
 
-// Writes a PNG file of 8 bits a channel beside `path` and renames. Throws Error that names the file.
+// Writes a PNG file of 8 bits a channel beside `path` and renames it. Throws Error that names the file.
 void write_png(const std::filesystem::path& path, const Image& image);
 
 }  // namespace occlod

@@ -1,4 +1,5 @@
-// A camera as data: what scene files hold and what every report prints.
+// Cameras as data, as scene files hold them and reports print them, and views: what refinement, occlusion and drawing
+// need to know about a camera, computed once per view.
 #pragma once
 
 #include <array>
@@ -11,31 +12,30 @@
 
 namespace occlod {
 
-// Right-handed; a camera at `eye` looks at `target`, in perspective unless it has an orthographic height. World units;
-// pixels are square.
+// A right-handed camera at `eye` that looks at `target`, in perspective unless it has an orthographic height. All
+// lengths are in world units; pixels are square.
 struct Camera {
   glm::dvec3 eye{0.0, 0.0, 3.0};  // world space
   glm::dvec3 target{0.0};         // world space, not the eye
-  glm::dvec3 up{0.0, 1.0, 0.0};   // of any length, not along the line of sight
+  glm::dvec3 up{0.0, 1.0, 0.0};   // any length, not along the line of sight
   double fov_y_deg = 45.0;        // full vertical angle, in (0, 180); an orthographic camera ignores it
   int width = 1024;               // pixels, 1 to 16,384
   int height = 768;               // pixels, 1 to 16,384
   double near = 0.01;             // distance to the near plane, > 0
   double far = 100.0;             // distance to the far plane, > near
-  // World units from the lower to the upper border of the image, > 0: all rays are parallel to the line of sight.
+  // World units from the lower to the upper border of the image, > 0. When set, all rays are parallel to the line of
+  // sight.
   std::optional<double> orthographic_height = std::nullopt;
 
   friend bool operator==(const Camera&, const Camera&) = default;
 };
 
-// The distance, world units, from which the camera sees all of a sphere of this radius (world units) in the middle of
-// its image, with a fiftieth to spare; an orthographic camera is taken as if it were in perspective.
+// Returns the distance (world units) at which a sphere of this radius (world units) in the middle of the image is seen
+// whole, with a fiftieth to spare. An orthographic camera is treated as if it were in perspective.
 [[nodiscard]] double fitting_distance(const Camera& camera, double radius);
 
-// The same camera with parallel rays, showing as much at the distance of its target.
+// Returns the same camera with parallel rays; at the distance of its target it shows as much.
 [[nodiscard]] Camera orthographic(const Camera& camera);
-
-// What refinement, occlusion and drawing need to know about a camera, computed once per view.
 
 // An immutable view in world space. Clip space is OpenGL's: x, y, z in [-w, w], z = -w on the near plane,
 // w = distance from the eye plane, or 1 when orthographic. Pixel (0, 0) is the top left; its centre is (0.5, 0.5).
@@ -45,26 +45,27 @@ class View {
   // that makes no image.
   explicit View(const Camera& camera);
 
-  // As given.
+  // Returns the camera as given.
   [[nodiscard]] const Camera& camera() const noexcept { return camera_; }
-  // Pixels.
+  // Width of the image, pixels.
   [[nodiscard]] int width() const noexcept { return camera_.width; }
-  // Pixels.
+  // Height of the image, pixels.
   [[nodiscard]] int height() const noexcept { return camera_.height; }
-  // From world space to OpenGL clip space.
+  // Transforms world space to OpenGL clip space.
   [[nodiscard]] const glm::dmat4& world_to_clip() const noexcept { return world_to_clip_; }
-  // Of the line of sight, unit length, world space, from the eye.
+  // Direction of the line of sight from the eye, unit length, world space.
   [[nodiscard]] const glm::dvec3& direction() const noexcept { return direction_; }
-  // Whether rays are parallel.
+  // True when all rays are parallel.
   [[nodiscard]] bool is_orthographic() const noexcept { return camera_.orthographic_height.has_value(); }
-  // Pixels that one world unit across the line of sight covers where w = 1: at distance 1, or anywhere when
+  // Pixels that one world unit across the line of sight covers where w = 1: at distance 1 in perspective, anywhere when
   // orthographic.
   [[nodiscard]] double focal_length_px() const noexcept { return focal_length_px_; }
-  // The distance from the eye plane, world units, at which depth images hold this nearness > 0 (see DepthBuffer).
+  // Returns the distance from the eye plane (world units) at which depth images hold this nearness > 0; see
+  // DepthBuffer.
   [[nodiscard]] double distance_at(double nearness) const noexcept {
     return is_orthographic() ? camera_.far - nearness * (camera_.far - camera_.near) : 1.0 / nearness;
   }
-  // Pixels that one world unit across the line of sight covers there.
+  // Pixels that one world unit across the line of sight covers at this nearness > 0.
   [[nodiscard]] double scale_px_at(double nearness) const noexcept {
     return is_orthographic() ? focal_length_px_ : focal_length_px_ * nearness;
   }
@@ -84,42 +85,44 @@ class View {
 // A view in the space of one object. Immutable.
 class ObjectView {
  public:
-  // Throws Error when `object_to_world` is not finite, not affine or cannot be inverted, and when an orthographic view
-  // shows what is 1e29 object units or more from the object.
+  // Throws Error when `object_to_world` is not finite, not affine or cannot be inverted, or when something that an
+  // orthographic view shows is 1e29 object units or more from the object.
   ObjectView(const View& view, const glm::dmat4& object_to_world);
 
-  // From object space to OpenGL clip space.
+  // Transforms object space to OpenGL clip space.
   [[nodiscard]] const glm::mat4& object_to_clip() const noexcept { return object_to_clip_; }
-  // The eye in object space. For an orthographic view a point 2^27 times as far away as anything that it shows, in the
-  // direction from which its rays come: what faces away from there, give or take rounding, faces away from the rays.
+  // The eye in object space. For an orthographic view it is a point 2^27 times as far away as anything that the view
+  // shows, in the direction from which its rays come: what faces away from this point faces away from the rays, up to
+  // rounding.
   [[nodiscard]] const glm::vec3& eye() const noexcept { return eye_; }
-  // Whether rays are parallel.
+  // True when all rays are parallel.
   [[nodiscard]] bool is_orthographic() const noexcept { return orthographic_; }
-  // True when the transform turns triangles inside out: its determinant is negative.
+  // True when the transform turns triangles inside out, because its determinant is negative.
   [[nodiscard]] bool mirrored() const noexcept { return mirrored_; }
   // False only when no point of the sphere (object space) is inside the frustum. Conservative.
   [[nodiscard]] bool may_be_inside(const Sphere& sphere) const noexcept;
   // The frustum planes in object space, with unit normals that point inwards: left, right, bottom, top, near, far. A
-  // point p is inside when dot(plane.xyz, p) + plane.w >= 0 for all.
+  // point p is inside when dot(plane.xyz, p) + plane.w >= 0 for all of them.
   [[nodiscard]] const std::array<glm::vec4, 6>& planes() const noexcept { return planes_; }
-  // Pixels that a displacement of one object unit can cover on the screen, at most, at any point of the sphere (object
-  // space) inside the frustum. Infinite when the eye of a perspective view may be inside the sphere.
+  // Upper bound on the pixels that a displacement of one object unit can cover on the screen, at any point of the
+  // sphere (object space) inside the frustum. Infinite when the eye of a perspective view may be inside the sphere.
   [[nodiscard]] float largest_scale_px(const Sphere& sphere) const noexcept;
 
-  // The parts of largest_scale_px(), to compute it for many spheres at once. To world space relative to the eye:
+  // Transforms object space to world space relative to the eye. This function and the next four give the parts of
+  // largest_scale_px(), to compute it for many spheres at once.
   [[nodiscard]] const glm::dmat4x3& object_to_eye() const noexcept { return object_to_eye_; }
   // The line of sight of the view, unit length, world space.
   [[nodiscard]] const glm::dvec3& direction() const noexcept { return direction_; }
   // World units per object unit, in the direction in which the transform stretches most.
   [[nodiscard]] double largest_stretch() const noexcept { return largest_stretch_; }
-  // As View::focal_length_px().
+  // The same as View::focal_length_px().
   [[nodiscard]] double focal_length_px() const noexcept { return focal_length_px_; }
-  // As View::cos_corner_angle().
+  // The same as View::cos_corner_angle().
   [[nodiscard]] double cos_corner_angle() const noexcept { return cos_corner_angle_; }
 
  private:
   glm::mat4 object_to_clip_{1.0F};
-  glm::dmat4x3 object_to_eye_{1.0};  // world units, relative to the eye
+  glm::dmat4x3 object_to_eye_{1.0};  // to world units relative to the eye
   std::array<glm::vec4, 6> planes_{};
   glm::vec3 eye_{0.0F};
   glm::dvec3 direction_{0.0, 0.0, -1.0};  // world space

@@ -1,4 +1,4 @@
-// What refinement asks about occlusion, and the interface that every backend implements.
+// Occlusion queries of refinement: the interface that every backend implements, and the backends without a GPU.
 #pragma once
 
 #include <cstddef>
@@ -16,28 +16,29 @@
 
 namespace occlod {
 
-// The convex hull of a few points, e.g. the star of one split. The span need live only while it is asked about.
+// The convex hull of a few points, e.g. of the star of one split. The span need only stay valid during the call that
+// takes it.
 struct PointHull {
   std::span<const glm::vec3> points;  // object space, at least one
 };
 
-// Is any of this in front of the occluder?
+// Asks whether any part of a bound is in front of the occluder.
 struct VisibilityQuery {
   std::uint32_t object = 0;                              // index into the objects of begin_view
   std::variant<Sphere, Box, Cylinder, PointHull> shape;  // object space
 };
 
-// Part of the occluder: triangles of one object. The spans need live only during draw_occluder().
+// Part of the occluder: triangles of one object. The spans need only stay valid during draw_occluder().
 struct OccluderPart {
   std::uint32_t object = 0;              // index into the objects of begin_view
   std::span<const glm::vec3> positions;  // object space
   std::span<const Triangle> triangles;   // into positions
 };
 
-// A backend. All are conservative: a bound that has a point in front of the occluder at some pixel that it touches is
-// never answered 0. Bounds that cross the near plane, contain the eye, are not finite or whose screen rectangle cannot
-// be bounded are answered visible. Queries are answered in the order in which they were submitted. One thread at a
-// time, but for answers_many_threads().
+// An occlusion backend. All backends are conservative: a bound with a point in front of the occluder at some pixel that
+// it touches is never answered 0. Bounds that cross the near plane, contain the eye, are not finite or whose screen
+// rectangle cannot be bounded are answered visible. Queries are answered in the order in which they were submitted. One
+// thread at a time may use a backend, except as answers_many_threads() allows.
 class Visibility {
  public:
   Visibility() = default;
@@ -45,32 +46,32 @@ class Visibility {
   Visibility& operator=(const Visibility&) = delete;
   virtual ~Visibility() = default;
 
-  // As in calibrations and reports, e.g. "software".
+  // Returns the name for calibrations and reports, e.g. "software".
   [[nodiscard]] virtual std::string_view name() const noexcept = 0;
-  // False for a backend that never hides anything: then no occluder is drawn and nothing is asked.
+  // False for a backend that never hides anything; then no occluder is drawn and no query is submitted.
   [[nodiscard]] virtual bool can_hide() const noexcept { return true; }
-  // How many queries should be under way at a time; 1 for backends that answer immediately.
+  // Number of queries that should be in flight at a time; 1 for backends that answer immediately.
   [[nodiscard]] virtual std::size_t flight() const noexcept { return 1; }
 
-  // Starts a view: forgets the occluder and every unanswered query of an earlier one. objects[i] is the view of object
-  // i; the span need live only during the call.
+  // Starts a view and forgets the occluder and every unanswered query of the previous one. objects[i] is the view of
+  // object i; the span need only stay valid during the call.
   virtual void begin_view(const View& view, std::span<const ObjectView> objects) = 0;
-  // Replaces the occluder. Precondition: every query submitted before has been collected.
+  // Replaces the occluder. Precondition: all submitted queries have been collected.
   virtual void draw_occluder(std::span<const OccluderPart> parts) = 0;
-  // Asks one query, answered by a later collect().
+  // Submits one query, which a later collect() answers.
   virtual void submit(const VisibilityQuery& query) = 0;
-  // The answer to the oldest unanswered query: the number of visible pixels, 0 when hidden. Backends may stop counting
-  // at the first visible pixel and answer 1. Precondition: some query is unanswered.
+  // Returns the answer to the oldest unanswered query: the number of visible pixels, 0 when hidden. Backends may stop
+  // counting at the first visible pixel and answer 1. Precondition: some query is unanswered.
   [[nodiscard]] virtual std::uint32_t collect() = 0;
 
-  // Whether several threads may call the following two at once. False if not told otherwise.
+  // True when several threads may call answer() and find_visible_points() at once. False by default.
   [[nodiscard]] virtual bool answers_many_threads() const noexcept { return false; }
-  // As submit() and collect() of each, for backends that can do more at once. Precondition: every query submitted
-  // before has been collected; `answers` has as many places.
+  // Answers each query as submit() and collect() do, for backends that are faster with many at once. Precondition: all
+  // submitted queries have been collected; `answers` has the size of `queries`.
   virtual void answer(std::span<const VisibilityQuery> queries, std::span<std::uint32_t> answers);
-  // Of points of an object (object space): 1 for those that surely are before the occluder, so that no bound that holds
-  // them can be hidden; 0 for all others. For backends to which a point is much less work than a bound; by default none
-  // is known. `visible` has as many places.
+  // Sets visible[i] to 1 when points[i] of the object (object space) is surely in front of the occluder, so that no
+  // bound that contains it can be hidden, and to 0 otherwise. For backends that test a point much faster than a bound;
+  // by default all are 0. `visible` has the size of `points`.
   virtual void find_visible_points(std::uint32_t object, std::span<const glm::vec3> points,
                                    std::span<std::uint8_t> visible);
 };
@@ -78,38 +79,37 @@ class Visibility {
 // The backend `none`: everything inside the frustum and facing the eye is visible.
 class NoOcclusion final : public Visibility {
  public:
-  // "none".
+  // Returns "none".
   [[nodiscard]] std::string_view name() const noexcept override { return "none"; }
-  // False.
+  // Returns false.
   [[nodiscard]] bool can_hide() const noexcept override { return false; }
-  // True.
+  // Returns true.
   [[nodiscard]] bool answers_many_threads() const noexcept override { return true; }
   // Forgets unanswered queries.
   void begin_view(const View& view, std::span<const ObjectView> objects) override;
-  // Does nothing.
+  // Does nothing, because nothing is ever hidden.
   void draw_occluder(std::span<const OccluderPart> parts) override;
-  // Counts the query, for collect().
+  // Counts the query for collect().
   void submit(const VisibilityQuery& query) override;
-  // 1: visible.
+  // Returns 1: visible.
   [[nodiscard]] std::uint32_t collect() override;
 
  private:
   std::size_t unanswered_ = 0;
 };
 
-// The backend `software`: a CPU depth raster and a depth pyramid. No GPU, no display, no driver.
-
-// How the software backend answers.
+// Options of the software backend.
 struct SoftwareOcclusionOptions {
   bool count_pixels = false;  // answer with the number of visible pixels that the bound may touch instead of 0 or 1
 };
 
-// Works at the resolution of the view. A bound is hidden only if the occluder is strictly nearer than the bound's
-// nearest point at every pixel that it may touch: those of an octagon around its outline, or of a rectangle for boxes.
-// The same answers on every machine. Many queries in one answer() or submitted before the first is collected cost a
-// third of the same queries asked one by one. A bound that lies beside the image touches no pixel and is answered 0;
-// one whose screen rectangle cannot be bounded is visible (with count_pixels: all pixels). Until an occluder is drawn
-// in a view, everything in the image is visible. Does not allocate once its buffers have grown.
+// Makes the backend `software`: a CPU rasteriser and a depth pyramid, without GPU, display or driver. It works at the
+// resolution of the view. A bound is hidden only if the occluder is strictly nearer than the bound's nearest point at
+// every pixel that the bound may touch: the pixels of an octagon around its outline, or of a rectangle for boxes.
+// Answers are the same on every machine. Many queries in one answer(), or submitted before the first is collected, cost
+// a third of the same queries asked one by one. A bound beside the image touches no pixel and is answered 0; one whose
+// screen rectangle cannot be bounded is visible (with count_pixels: all pixels). Until an occluder is drawn in a view,
+// everything in the image is visible. Does not allocate once its buffers have grown.
 [[nodiscard]] std::unique_ptr<Visibility> make_software_occlusion(const SoftwareOcclusionOptions& options = {});
 
 }  // namespace occlod
