@@ -71,7 +71,7 @@ float AttributeStar::choose(VertexId u) {
     area += chart_area;
     largest = std::max(largest, deviation);
   }
-  // Scaled so that the whole mesh has an extent of about 1.
+  // The deviation is at most 1, because the whole mesh has an extent of about 1 in this scale.
   const float mean = area > 0.0F ? total / area : largest;
   return mean < 1.0F ? mean : 1.0F;
 }

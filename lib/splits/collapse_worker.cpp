@@ -240,7 +240,7 @@ CollapseWorker::Choice CollapseWorker::choose_in_ring() {
   return best.u == no_id ? break_topology(neighbours, v) : best;
 }
 
-// Chooses like choose_in_fan() or for a general star, but with attribute errors added to the cost. These are expensive
+// Chooses like choose_in_fan() or choose_in_ring(), but with attribute errors added to the cost. These are expensive
 // to compute, so neighbours are tried by ascending quadric cost until that alone exceeds the best total.
 CollapseWorker::Choice CollapseWorker::choose_with_attributes(std::span<const VertexId> ring, bool is_fan) {
   const VertexId v = is_fan ? fan_.vertex() : ring_.vertex();
