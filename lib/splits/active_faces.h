@@ -1,4 +1,4 @@
-// Which faces are active while splits are applied.
+// Tracks which faces are active while splits are applied.
 #pragma once
 
 #include <cstdint>
@@ -9,14 +9,14 @@
 
 namespace occlod {
 
-// Removal of every face of a hierarchy as a bit, base faces first, then those of each split. O(faces) memory.
+// Stores one bit per face of a hierarchy: base faces first, then the faces of each split. O(faces) memory.
 class ActiveFaces {
  public:
   explicit ActiveFaces(const Hierarchy& hierarchy);
 
-  // The faces that s inserts become active.
+  // Activates the faces that split s inserts.
   void apply(SplitId s);
-  // A face stops being active; false when it is not, or is none.
+  // Deactivates a face. Returns false when the face is not active or does not exist.
   bool remove(const FaceRef& ref);
   [[nodiscard]] std::size_t count() const noexcept { return count_; }
   [[nodiscard]] std::size_t face_count() const noexcept { return active_.size(); }  // active or not
@@ -28,21 +28,21 @@ class ActiveFaces {
   }
 
   const Hierarchy& hierarchy_;
-  std::vector<std::uint32_t> first_;  // place of the first face of each split, and the end
+  std::vector<std::uint32_t> first_;  // per split, index of its first face; then one more, the total
   std::vector<bool> active_;
   std::size_t count_ = 0;
 };
 
-// The face that ref names.
+// Returns the corners of the face that ref names.
 [[nodiscard]] Triangle face_at(const Hierarchy& hierarchy, const FaceRef& ref);
 
-// True iff both have the same corners in the same rotational order.
+// Returns true iff both triangles have the same corners in the same rotational order.
 [[nodiscard]] bool same_triangle(const Triangle& a, const Triangle& b);
 
-// The faces of the base mesh and of applied splits that no applied split removes: base faces first, then by split and
-// slot. `applied` is closed under dependency.
+// Returns the faces of the base mesh and of applied splits that no applied split removes: base faces first, then by
+// split and slot. `applied` is closed under dependency.
 [[nodiscard]] std::vector<Triangle> active_triangles(const Hierarchy& hierarchy, const std::vector<bool>& applied);
-// The same by their wedges.
+// Returns the same faces as active_triangles(), with wedge ids instead of vertex ids.
 [[nodiscard]] std::vector<Triangle> active_wedge_triangles(const Hierarchy& hierarchy,
                                                            const std::vector<bool>& applied);
 

@@ -24,27 +24,27 @@
 namespace occlod {
 namespace {
 
-// The wedges of a hierarchy: the input's, and those that collapses across seams add.
+// Numbers the wedges of a hierarchy: those of the input and those that collapses across seams add.
 
-// Numbers pairs of a vertex and a wedge of the input whose attributes it has. Vertices as in the hierarchy, wedges as
-// in the mesh.
+// Numbers pairs of a vertex and the input wedge whose attributes it has. Vertex ids are those of the hierarchy, wedge
+// ids those of the mesh.
 class WedgeNumbers {
  public:
-  // `new_ids`: by vertex of the mesh its number in the hierarchy. Both outlive it, and so does the sequence. O(n log
-  // n).
+  // `new_ids` maps each vertex of the mesh to its number in the hierarchy. The mesh, the sequence and new_ids must
+  // outlive this object. O(n log n).
   WedgeNumbers(const TriangleMesh& mesh, const CollapseSequence& sequence, std::span<const VertexId> new_ids);
 
-  // The new number of a wedge at a corner of this vertex of the mesh. O(log n).
+  // Returns the new number of a wedge at a corner of this vertex of the mesh. O(log n).
   [[nodiscard]] WedgeId operator()(VertexId vertex, WedgeId wedge) const;
   [[nodiscard]] Triangle operator()(const Triangle& vertices, const Triangle& wedges) const;
 
-  // Attributes and materials of all wedges.
+  // Copies the attributes and materials of all wedges into `data`.
   void copy_attributes(HierarchyData& data) const;
 
  private:
   struct Extra {
-    VertexId vertex;  // of the hierarchy
-    WedgeId wedge;    // of the mesh
+    VertexId vertex;  // id in the hierarchy
+    WedgeId wedge;    // id in the mesh
     friend bool operator==(const Extra&, const Extra&) = default;
     friend bool operator<(const Extra& a, const Extra& b) {
       return a.vertex != b.vertex ? a.vertex < b.vertex : a.wedge < b.wedge;
@@ -104,14 +104,14 @@ void WedgeNumbers::copy_attributes(HierarchyData& data) const {
   }
 }
 
-// The wedges of all faces of a hierarchy, from a collapse sequence.
+// Writes the wedges of all faces of a hierarchy, given the collapse sequence.
 
-// Fills in corners, corner_starts and base_corners of `data`, whose star records are written: that of split s starts at
-// star_starts[s]. The result does not depend on the number of threads. O(n).
+// Fills in corners, corner_starts and base_corners of `data`, whose star records are already written; the record of
+// split s starts at star_starts[s]. The result does not depend on the number of threads. O(n).
 void write_corners(const CollapseSequence& sequence, const WedgeNumbers& numbers,
                    std::span<const std::uint32_t> star_starts, unsigned threads, HierarchyData& data);
 
-// Writes the records of one split after the other.
+// Writes the corner records of a range of splits in order.
 class CornerWriter {
  public:
   CornerWriter(const CollapseSequence& sequence, const WedgeNumbers& numbers)
@@ -164,7 +164,7 @@ void write_corners(const CollapseSequence& sequence, const WedgeNumbers& numbers
     data.base_corners.push_back(numbers(sequence.base[f].corners, sequence.base_corners[f]));
 }
 
-// A face that a split removes, in no place that the faces of its star imply.
+// Describes a removed face whose place the star's own faces do not imply.
 struct RemovedElsewhere {
   SplitId split = no_id;
   FaceRef face;
@@ -192,7 +192,7 @@ class Assembler {
   }
 
  private:
-  // Split s undoes the s-th last collapse. Either from the place of the other.
+  // Split s undoes the s-th last collapse, so the same function converts places in both directions.
   [[nodiscard]] std::uint32_t reversed(std::uint32_t place) const { return split_count_ - 1 - place; }
   [[nodiscard]] SplitId split_of(CollapseId id) const { return reversed(sequence_.places[id]); }
   [[nodiscard]] const Collapse& collapse_of(SplitId s) const { return *sequence_.collapses[reversed(s)]; }
@@ -234,7 +234,7 @@ class Assembler {
     result_.data.input_triangle_count = mesh_.triangle_count();
   }
 
-  // A face dies with the split that undoes the collapse which made it.
+  // A face is removed by the split that undoes the collapse which made it.
   void list_misplaced() {
     for (std::uint32_t slot = 0; slot < sequence_.base.size(); ++slot)
       if (const LevelFace& face = sequence_.base[slot]; face.made_by != no_id)
@@ -244,10 +244,10 @@ class Assembler {
     std::sort(misplaced_.begin(), misplaced_.end());
   }
 
-  // Ranges of splits write their records on their own; then these are joined.
+  // Each range of splits writes its records independently; the ranges are then joined.
   void write_stars() {
     result_.stars.resize(split_count_ + 1);
-    result_.patches.reserve(split_count_ + 1);  // as much memory as nodes need afterwards
+    result_.patches.reserve(split_count_ + 1);  // reserves as much memory as the nodes need later
     result_.patches.resize(split_count_);
     std::vector<std::vector<std::uint32_t>> ranges((split_count_ + range_size - 1) / range_size);
     std::atomic<std::size_t> faces = sequence_.base.size();
@@ -302,7 +302,7 @@ class Assembler {
     [[nodiscard]] std::size_t face_count() const noexcept { return face_count_; }
 
    private:
-    // The usual star: a closed fan, all of whose removed faces have places.
+    // Writes the common case: a closed fan all of whose removed faces have implied places.
     bool write_fan(std::vector<std::uint32_t>& words) {
       if (collapse_->shape() != StarShape::closed_fan) return false;
       const std::span<const VertexId> around = collapse_->ring();
@@ -325,7 +325,7 @@ class Assembler {
       return append_fan({{ring.data(), size}, parent_place, {removed.data(), removed_count}}, words);
     }
 
-    // Collapses are where they were recorded.
+    // Prefetches ahead because collapses lie in memory in the order in which they were recorded, not in split order.
     void prefetch_after(SplitId s) const {
       constexpr SplitId ahead = 5;
       if (s + 2 * ahead < a_.split_count_) {
@@ -364,9 +364,9 @@ class Assembler {
       }
     }
 
-    // A split needs the faces that it removes, so the splits that inserted them; and every other corner of the faces
-    // that it inserts, which matters only where no removed face brings it along: at ears of a boundary and for
-    // components that vanish. The faces that a closed fan removes have all of its ring as corners.
+    // A split depends on the splits that inserted the faces it removes. It also depends on the splits that bring any
+    // other corner of its inserted faces, which matters only where no removed face has that corner: at ears of a
+    // boundary and for components that vanish. The faces that a closed fan removes have its whole ring as corners.
     void find_dependencies(SplitId s) {
       dependencies_.clear();
       for (const RemovedFace& face : removed_)
@@ -395,12 +395,12 @@ class Assembler {
     std::size_t face_count_ = 0;
     std::vector<Triangle> inserted_;
     std::vector<RemovedFace> removed_;
-    bool in_places_ = true;          // of the star's own faces, all of removed_
-    std::vector<VertexId> corners_;  // of removed faces
+    bool in_places_ = true;          // whether removed_ holds exactly the faces at the star's own places
+    std::vector<VertexId> corners_;  // corners of removed faces
     std::vector<SplitId> dependencies_;
   };
 
-  // Bounds the stars of a range.
+  // Bounds the stars of a range of splits.
   class StarBounder {
    public:
     explicit StarBounder(Assembler& assembler) : a_(assembler) {}
@@ -418,7 +418,7 @@ class Assembler {
       if (batch.fans.size() == FanPatches::capacity) bound(batch);
     }
 
-    // `words` holds the range's records.
+    // Bounds the remaining stars. `words` holds the records of the range.
     void finish(const std::vector<std::uint32_t>& words) {
       for (Batch& batch : batches_)
         if (batch.fans.size() > 0) bound(batch);
@@ -453,7 +453,7 @@ class Assembler {
     result_.parents.resize(split_count_);
     result_.children_u.assign(split_count_, no_id);
     result_.children_v.assign(split_count_, no_id);
-    // The newest split that has the vertex at one of its ends.
+    // For each vertex, the newest split that has it at one of its ends.
     LargeVector<SplitId> last_at(mesh_.vertex_count(), no_id);
     for (SplitId s = 0; s < split_count_; ++s) {
       const VertexId u = new_id_[collapse_of(s).u];
@@ -468,7 +468,7 @@ class Assembler {
     }
   }
 
-  // From fine to coarse, so that each split has its final errors before they are handed on.
+  // Goes from fine to coarse, so that the errors of each split are final before they are propagated.
   void saturate_errors() {
     UninitializedVector<Assembly::Errors>& errors = result_.errors;
     errors.resize(split_count_);
@@ -488,7 +488,7 @@ class Assembler {
       result_.data.error_bound = std::max(result_.data.error_bound, errors[root].guaranteed);
   }
 
-  // Rounded up to the upper half of a float's bits.
+  // Rounds attribute errors up to the upper half of a float's bits.
   void saturate_attribute_errors() {
     std::vector<float> errors(split_count_);
     for_each_split([&](SplitId s) { errors[s] = sequence_.attributes[reversed(s)].error; });
@@ -510,8 +510,8 @@ class Assembler {
   unsigned threads_;
   SplitId split_count_ = 0;
   VertexId base_vertices_ = 0;
-  LargeVector<VertexId> new_id_;         // of each input vertex
-  std::optional<WedgeNumbers> numbers_;  // where attributes count
+  LargeVector<VertexId> new_id_;         // per input vertex
+  std::optional<WedgeNumbers> numbers_;  // set only when attributes count
   std::vector<RemovedElsewhere> misplaced_;
   Assembly result_;
 };

@@ -11,10 +11,9 @@
 namespace occlod {
 namespace {
 
-// A turn of the normal by 1 radian, or a change of colour from black to white, counts as this share of the edge's
-// length.
+// Turning the normal by 1 radian, or changing the colour from black to white, counts as this share of the edge length.
 constexpr float normal_weight = 0.25F, color_weight = 0.25F;
-// Wedges of u that are tried for a chart without an edge to u, beside a new one.
+// For a chart without an edge to u, this many wedges of u are tried, besides a new one.
 constexpr std::size_t max_candidates = 16;
 
 template <typename T>
@@ -72,7 +71,7 @@ float AttributeStar::choose(VertexId u) {
     area += chart_area;
     largest = std::max(largest, deviation);
   }
-  // The whole mesh is about as large as 1.
+  // The deviation is at most 1, because the whole mesh has an extent of about 1 in this scale.
   const float mean = area > 0.0F ? total / area : largest;
   return mean < 1.0F ? mean : 1.0F;
 }
@@ -85,10 +84,10 @@ AttributeStar::Place AttributeStar::place_in(std::size_t face, const glm::vec3& 
   const glm::vec3 c = glm::vec3(glm::dot(glm::cross(a, b), normal), glm::dot(glm::cross(b, u), normal),
                                 glm::dot(glm::cross(u, a), normal)) /
                       area2;
-  if (!(std::max({std::abs(c.x), std::abs(c.y), std::abs(c.z)}) < 1e6F)) return {};  // hardly an area
+  if (!(std::max({std::abs(c.x), std::abs(c.y), std::abs(c.z)}) < 1e6F)) return {};  // the area is nearly zero
   Place place{c, c, 0.0F, true};
   if (std::min({c.x, c.y, c.z}) >= 0.0F) return place;
-  // Nearest on one of the edges, as seen from the projection.
+  // The nearest point lies on one of the edges that face the projection.
   const glm::vec3 p = c.x * u + c.y * a + c.z * b;
   place.distance2 = std::numeric_limits<float>::infinity();
   const std::array<glm::vec3, 3> corners{u, a, b};
@@ -107,7 +106,8 @@ AttributeStar::Place AttributeStar::place_in(std::size_t face, const glm::vec3& 
   return place;
 }
 
-// How far v's attributes are from those at a place in the face, squared, if u has that wedge.
+// Returns the squared difference between v's attributes and those interpolated at `place` in the face, if u has that
+// wedge.
 float AttributeStar::deviation2(std::size_t face, const glm::vec3& place, WedgeId wedge_of_u, float length2) const {
   const TriangleMesh& mesh = state_->input;
   const WedgeId v = wedges_[face].x;
@@ -117,7 +117,7 @@ float AttributeStar::deviation2(std::size_t face, const glm::vec3& place, WedgeI
     const glm::vec2 slip = mesh.texture_coordinates[v] - interpolate(mesh.texture_coordinates, corners, place);
     sum += state_->texture_lengths[v] * state_->texture_lengths[v] * glm::dot(slip, slip);
   }
-  // Normals and colours mean nothing beyond the corners.
+  // Normals and colours must not be extrapolated beyond the corners.
   glm::vec3 within = glm::max(place, 0.0F);
   within /= within.x + within.y + within.z;
   if (!mesh.normals.empty()) {
@@ -135,7 +135,7 @@ float AttributeStar::deviation2(std::size_t face, const glm::vec3& place, WedgeI
   return sum;
 }
 
-// Of the faces order_[begin, end). Returns the squared deviation.
+// Chooses the wedge of u for the faces order_[begin, end), which form one chart. Returns the squared deviation.
 float AttributeStar::choose_for_chart(std::size_t begin, std::size_t end, VertexId u, float length2) {
   candidates_.clear();
   std::size_t best_place = no_id;
@@ -169,7 +169,7 @@ float AttributeStar::choose_for_chart(std::size_t begin, std::size_t end, Vertex
     }
     return best;
   };
-  // Where u has a seam that ends at v, the chart's two sides have wedges of their own.
+  // If u has a seam that ends at v, the two sides of the chart have different wedges.
   const bool is_split = has_edge && candidates_.size() > 1;
   const WedgeId of_all = candidates_.size() == 1 || is_split ? candidates_.front() : cheapest(begin, end);
   for (std::size_t i = begin; i < end; ++i)
@@ -197,13 +197,14 @@ void AttributeStar::list_merges(VertexId v, VertexId u, std::vector<WedgeMerge>&
   }
 }
 
-// Wedges at u in the chart's material, and at last the chart's own at v, for a new wedge of u.
+// Lists wedges of u with the chart's material, and last the chart's own wedge at v, which stands for a new wedge of u.
 void AttributeStar::list_candidates(WedgeId own, VertexId u) {
   state_->corners.wedges_at(u, own, max_candidates, candidates_);
   candidates_.push_back(own);
 }
 
-// The mean squared distance between a chart's faces, all of which end, and the edges that they end at.
+// Returns the mean squared distance between the faces of a chart, all of which vanish, and the edges onto which they
+// collapse.
 float AttributeStar::extent2(std::size_t begin, std::size_t end) const {
   float total = 0.0F, area = 0.0F;
   for (std::size_t i = begin; i < end; ++i) {

@@ -55,7 +55,7 @@ WedgeId CornerMap::find(VertexId w, const StarFace& face, std::size_t rank, Mate
 Triangle CornerMap::wedges(VertexId v, const StarFace& face, std::size_t rank) const {
   WedgeId at_v = single_[v];
   if (!lists_[v].empty()) {
-    std::size_t alike = 0;  // of the same material, before this one
+    std::size_t alike = 0;  // equal faces of the same material before this one
     for (auto corner = lists_[v].begin(); corner != lists_[v].end(); ++corner) {
       if (corner->face != face) continue;
       at_v = corner->wedge;
@@ -90,12 +90,12 @@ void CornerMap::collapse(const StarMesh& mesh, VertexId v, VertexId u, CollapseI
   if (differs && lists_[u].empty()) {
     for (const StarFace f : mesh.star(u))
       if (f.made_by != id) lists_[u].push_back({f, single_[u]});
-    for (const LevelFace& face : folded)  // which are no longer there
+    for (const LevelFace& face : folded)  // folded faces no longer exist
       lists_[u].push_back({{face.corners.y, face.corners.z, face.made_by}, single_[u]});
   }
   for (std::size_t i = 0; i < star.size(); ++i) {
     const StarFace& f = star[i];
-    if (contains(f, u)) {  // and so do all faces that are equal
+    if (contains(f, u)) {  // then all equal faces contain u too
       erase(f.next, {f.last, v, f.made_by}, no_id);
       erase(f.last, {v, f.next, f.made_by}, no_id);
       continue;
@@ -115,7 +115,7 @@ void CornerMap::collapse(const StarMesh& mesh, VertexId v, VertexId u, CollapseI
   }
 }
 
-// The first with that wedge, or any for no_id, if there is one.
+// Erases the first corner with that wedge, or with any wedge for no_id, if there is one.
 void CornerMap::erase(VertexId w, const StarFace& face, WedgeId wedge) {
   std::vector<Corner>& list = lists_[w];
   const auto at = std::find_if(list.begin(), list.end(),
@@ -123,7 +123,7 @@ void CornerMap::erase(VertexId w, const StarFace& face, WedgeId wedge) {
   if (at != list.end()) list.erase(at);
 }
 
-// Of one face, the first of those that are equal.
+// Erases the first of the faces that are equal to this one.
 void CornerMap::erase_at_corners(const Triangle& corners, CollapseId made_by) {
   const Triangle of = wedges(corners.x, {corners.y, corners.z, made_by}, 0);
   for (int i = 0; i < 3; ++i) erase(corners[i], {corners[(i + 1) % 3], corners[(i + 2) % 3], made_by}, of[i]);
@@ -135,7 +135,7 @@ void CornerMap::replace(VertexId w, const StarFace& face, const StarFace& by) {
   if (at != list.end()) at->face = by;
 }
 
-// Does without a list where all corners have become one.
+// Drops the list of a vertex once all its corners have one wedge.
 void CornerMap::settle(VertexId w) {
   std::vector<Corner>& list = lists_[w];
   if (list.empty()) return;
@@ -147,17 +147,18 @@ void CornerMap::settle(VertexId w) {
 
 namespace {
 
-// As long as twice the area.
+// Returns a normal whose length is twice the area.
 glm::dvec3 normal_of(const TriangleMesh& mesh, const Triangle& t) {
   const glm::dvec3 a(mesh.positions[t.x]);
   return glm::cross(glm::dvec3(mesh.positions[t.y]) - a, glm::dvec3(mesh.positions[t.z]) - a);
 }
 
-// Of the squared edges, in texture space: faces of less area there have a line of the texture, but for rounding, and
-// their area says nothing.
+// Relative to the sum of squared edges in texture space: a face of less area there is a line of the texture up to
+// rounding, so its area is meaningless.
 constexpr double min_area = 1e-4;
 
-// sqrt(area / area in texture space), of the faces at each wedge. Where texture space has no area, that of the mesh.
+// Returns sqrt(area / area in texture space) over the faces at each wedge. Where texture space has no area, returns the
+// value of the whole mesh.
 std::vector<float> lengths_of_texture(const TriangleMesh& mesh, float scale) {
   if (mesh.texture_coordinates.empty()) return {};
   struct Areas {
@@ -183,7 +184,7 @@ std::vector<float> lengths_of_texture(const TriangleMesh& mesh, float scale) {
   return lengths;
 }
 
-// Faces that share wedges are one chart. About its mean square width, by wedge.
+// Returns, for each wedge, roughly the mean squared width of its chart. Faces that share wedges form one chart.
 std::vector<float> chart_extents2(const TriangleMesh& mesh, float scale) {
   std::vector<WedgeId> chart(mesh.wedge_count());
   std::iota(chart.begin(), chart.end(), WedgeId{0});

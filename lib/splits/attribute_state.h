@@ -1,4 +1,4 @@
-// Which attributes the corners of faces have while a mesh is simplified.
+// Tracks the attributes at the corners of faces while a mesh is simplified.
 #pragma once
 
 #include <cstddef>
@@ -13,43 +13,46 @@
 
 namespace occlod {
 
-// Faces of one star that cannot be told apart.
+// Ranks faces of one star that have equal corners and maker.
 class EqualFaces {
  public:
-  // O(n log n).
+  // Finds the equal faces of a star. O(n log n).
   void find(const Star& star);
-  // How many faces before the i-th are equal to it.
+  // Returns how many faces before the i-th are equal to it.
   [[nodiscard]] std::size_t rank(std::size_t i) const noexcept { return ranks_.empty() ? 0 : ranks_[i]; }
 
  private:
-  std::vector<std::uint32_t> ranks_;  // empty: all are 0
+  std::vector<std::uint32_t> ranks_;  // empty when all are 0
   std::vector<std::pair<StarFace, std::uint32_t>> sorted_;
 };
 
-// A vertex all of whose corners have one wedge, as nearly all have, needs no more than its id. Collapses of vertices
-// whose stars are disjoint may change a map in parallel.
+// Maps corners to wedges. A vertex whose corners all have one wedge, which is the common case, stores only that id.
+// Collapses of vertices with disjoint stars may change the map in parallel.
 class CornerMap {
  public:
-  // Of the faces of `mesh`; `materials`: by wedge, or empty. Both outlive it.
+  // Starts from the faces of `mesh`. `materials` holds one material per wedge, or is empty. Both must outlive this
+  // object.
   CornerMap(const TriangleMesh& mesh, std::span<const MaterialId> materials);
 
-  // The wedges of a face at v: of the input, whose attributes its corners have; their vertices may be others. They have
-  // one material. `rank`: how many faces before it in star(v) StarMesh cannot tell from it, so that each takes its own.
+  // Returns the wedges of a face at v: the input wedges whose attributes its corners have; the vertices of these wedges
+  // may differ from the corners. They have one material. `rank` is the number of earlier faces in star(v) that StarMesh
+  // cannot tell from it, so that each gets its own wedges.
   [[nodiscard]] Triangle wedges(VertexId v, const StarFace& face, std::size_t rank) const;
-  // Whether the corners of v have several wedges.
+  // Returns whether the corners of v have several wedges.
   [[nodiscard]] bool is_on_seam(VertexId v) const noexcept { return !lists_[v].empty(); }
-  // The first wedges at the corners of v in the material of `like`, each once, in an order that depends on the mesh
-  // only. Appends no more than `most` to `out`.
+  // Appends to `out` at most `most` of the wedges at the corners of v that have the material of `like`, each once, in
+  // an order that depends only on the mesh.
   void wedges_at(VertexId v, WedgeId like, std::size_t most, std::vector<WedgeId>& out) const;
 
-  // After `mesh` has merged v into u: the faces that were at v, and the wedge that u has now in each; for those with u
-  // it is not read. `folded`: older faces, with u as their first corner, that ended with moved ones.
+  // Updates the map after `mesh` has merged v into u. `star` holds the faces that were at v, and `wedges_of_u` the
+  // wedge that u now has in each; entries of faces that contain u are not read. `folded` holds older faces, with u as
+  // their first corner, that moved faces cancelled.
   void collapse(const StarMesh& mesh, VertexId v, VertexId u, CollapseId id, std::span<const StarFace> star,
                 std::span<const WedgeId> wedges_of_u, std::span<const LevelFace> folded);
 
  private:
   struct Corner {
-    StarFace face;  // as the vertex sees it
+    StarFace face;  // as seen from the vertex
     WedgeId wedge;
   };
 
@@ -63,31 +66,30 @@ class CornerMap {
   void settle(VertexId w);
 
   std::span<const MaterialId> materials_;
-  std::vector<WedgeId> single_;             // of a vertex without a list
-  std::vector<std::vector<Corner>> lists_;  // of a vertex whose corners differ, in the order of faces
+  std::vector<WedgeId> single_;             // per vertex, used when it has no list
+  std::vector<std::vector<Corner>> lists_;  // per vertex whose corners differ, in the order of its faces
 };
 
-// What threads share of attributes while they simplify a mesh that has texture coordinates or seams.
-
-// Whether a mesh has attributes that simplification takes into account.
+// Returns whether a mesh has attributes that simplification takes into account.
 [[nodiscard]] inline bool has_wedge_attributes(const TriangleMesh& mesh) {
   return !mesh.extra_wedges.empty() || !mesh.texture_coordinates.empty();
 }
 
-// The material of each wedge; empty when triangles name none.
+// Returns the material of each wedge; empty when triangles name none.
 [[nodiscard]] std::vector<MaterialId> wedge_materials(const TriangleMesh& mesh);
 
-// Indexed by wedge or by vertex of the input. A worker touches only vertices of its block.
+// Holds the attribute data that threads share while they simplify a mesh with texture coordinates or seams. Indexed by
+// wedge or vertex of the input. A worker accesses only vertices of its block.
 struct AttributeState {
-  // `scale`: from object units to those of the state. `mesh` outlives it.
+  // `scale` converts object units to the state's units. `mesh` must outlive this object.
   AttributeState(const TriangleMesh& mesh, float scale);
 
   const TriangleMesh& input;
-  std::vector<MaterialId> materials;   // by wedge, or empty
-  std::vector<float> texture_lengths;  // by wedge: of a step of 1 in texture space, in the state's scale
-  std::vector<float> extents2;         // by wedge: a sixth of the area of its chart; what has left it slips no farther
+  std::vector<MaterialId> materials;   // per wedge, or empty
+  std::vector<float> texture_lengths;  // per wedge: length of a step of 1 in texture space, in the state's scale
+  std::vector<float> extents2;         // per wedge: a sixth of its chart's area; caps the deviation
   CornerMap corners;
-  std::vector<float> sums;  // by vertex: weight times squared deviation, over all collapses that led to it
+  std::vector<float> sums;  // per vertex: weight times squared deviation, over all collapses that led to it
 };
 
 }  // namespace occlod

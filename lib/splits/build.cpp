@@ -38,7 +38,8 @@ void check_sizes(const TriangleMesh& mesh) {
   if (mesh.corners.empty() && !mesh.extra_wedges.empty()) fail("", "has extra wedges that no triangle uses");
 }
 
-// Extra wedges ascend and lie at their vertices; corners have wedges of their vertices, each in one material only.
+// Checks that extra wedges are sorted by vertex and lie at their vertices, and that corners use wedges of their
+// vertices, each with only one material.
 void check_wedges(const TriangleMesh& mesh) {
   VertexId last = 0;
   for (std::size_t i = 0; i < mesh.extra_wedges.size(); ++i) {

@@ -1,4 +1,4 @@
-// Reports the progress of a build, and ends it when the callback asks for that.
+// Reports the progress of a build and cancels the build when the callback asks for it.
 #pragma once
 
 #include <algorithm>
@@ -11,17 +11,17 @@
 
 namespace occlod {
 
-// The callback is only ever called by the thread that builds, with shares that never fall: after 20 ms, or sooner when
-// a twentieth more is done.
+// Calls the callback only from the building thread, with shares that never decrease: at most every 20 ms, or sooner
+// when another twentieth is done.
 class BuildProgress {
  public:
   explicit BuildProgress(const std::function<bool(double)>& callback) : callback_(callback) {}
 
-  // For any thread: whether to go on.
+  // Returns whether the build was cancelled. Any thread may call it.
   [[nodiscard]] bool is_cancelled() const noexcept { return is_cancelled_; }
 
-  // For the thread that builds: so much is done. Throws Error when the callback says that the build is to end, after
-  // which is_cancelled(), and whatever the callback throws, likewise.
+  // Reports that this share is done; only the building thread may call it. Throws Error when the callback cancels the
+  // build, and rethrows whatever the callback throws; in both cases is_cancelled() is true afterwards.
   void reach(double share) {
     if (!callback_) return;
     const auto now = Clock::now();
@@ -31,7 +31,7 @@ class BuildProgress {
     try {
       if (!callback_(last_share_)) throw Error({"build", "", "was cancelled", ""});
     } catch (...) {
-      is_cancelled_ = true;  // or the other threads would go on to the end
+      is_cancelled_ = true;  // otherwise the other threads would run to the end
       throw;
     }
   }
@@ -45,11 +45,11 @@ class BuildProgress {
   Clock::time_point next_call_{};
 };
 
-// The part of the whole that one piece of work is. `done` and its unit are the caller's.
+// Maps one piece of work to its part of the whole. The caller chooses the unit of `done`.
 struct ProgressPart {
   BuildProgress& progress;
   double first = 0.0, last = 1.0;  // shares of the whole
-  double total = 1.0;              // what there is to do
+  double total = 1.0;              // amount of work, in the unit of `done`
 
   void reach(std::size_t done) const {
     progress.reach(first + (last - first) * std::min(static_cast<double>(done) / total, 1.0));

@@ -1,4 +1,4 @@
-// What builders ask of a mesh.
+// Checks the meshes that builders accept.
 #pragma once
 
 #include <cstdint>
@@ -18,35 +18,31 @@ void check_input(const TriangleMesh& mesh);
 // Throws Error when two vertices have the same position; +0 and -0 are one. Expected O(n).
 void check_welded(const TriangleMesh& mesh);
 
-// Guaranteed errors that are measured instead of added up. docs/guide/error_metric.md has the proofs.
-
-// Sets guaranteed_error of all collapses of `sequence`, which simplify() made of `mesh`, so that no cut is farther from
-// the input, both ways, than the largest of the collapses that it has made: measured against the input where errors are
-// larger than its triangles; below that they stay added up, as simplify() left them. The mesh is scaled for the time of
-// the call. O(n log n).
+// Sets guaranteed_error of all collapses of `sequence`, which simplify() made of `mesh`. The two-sided distance of any
+// cut from the input is at most the largest guaranteed error of the collapses that it has made. Errors larger than the
+// input's triangles are measured against the input; smaller ones stay accumulated, as simplify() left them. The mesh is
+// scaled during the call. docs/guide/error_metric.md has the proofs. O(n log n).
 void measure_errors(TriangleMesh& mesh, CollapseSequence& sequence);
 
-// From a collapse sequence to the arrays of a hierarchy.
+// Converts a collapse sequence to the arrays of a hierarchy.
 
-// A hierarchy but for its nodes, and what goes into them, split by split.
+// Holds a hierarchy without its nodes, and the per-split data from which the nodes are made.
 struct Assembly {
   struct Errors {
     float quadric = 0.0F, guaranteed = 0.0F;  // saturated
   };
   HierarchyData data;
-  UninitializedVector<std::uint32_t> stars;  // where records start; one more, where the last ends
+  UninitializedVector<std::uint32_t> stars;  // start of each record; one more entry marks the end of the last
   UninitializedVector<SplitId> parents, children_u, children_v;
   UninitializedVector<Errors> errors;
   UninitializedVector<BoundedPatch> patches;
 };
 
-// `mesh` is what the sequence was made from. O(n).
+// Assembles the arrays. `mesh` is the input of the sequence. O(n).
 [[nodiscard]] Assembly assemble(const TriangleMesh& mesh, CollapseSequence sequence, unsigned threads);
 
-// Bounds and normal cones of split subtrees.
-
-// Makes the nodes: with them the hierarchy is complete. O(n * depth / 64 + n * 128) worst case; close to O(n) on meshes
-// as they are. The result does not depend on the number of threads.
+// Makes the nodes with the bounds and normal cones of split subtrees, which completes the hierarchy. O(n * depth / 64 +
+// n * 128) in the worst case; close to O(n) on real meshes. The result does not depend on the number of threads.
 [[nodiscard]] HierarchyData bound_subtrees(Assembly assembly, unsigned threads);
 
 }  // namespace occlod

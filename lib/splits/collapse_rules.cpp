@@ -11,7 +11,7 @@ namespace occlod {
 namespace {
 
 constexpr double min_cos_turn = 0.25;  // cosine of the largest turn of a face's normal in one collapse
-// A corner flatter than this, as the square of its sine, is what rounding makes of three points on a line.
+// Squared sine below which the corner counts as collinear: three points on a line give such values by rounding.
 constexpr double min_sin2_corner = 1e-11;
 
 std::size_t index_of(std::span<const VertexId> sorted, VertexId v) {
@@ -56,7 +56,7 @@ std::optional<std::size_t> VertexRing::place_of(VertexId u) const {
 }
 
 bool VertexRing::one_fan(const StarMesh& mesh) const {
-  // Union-find over the neighbours; every face at v joins two of them.
+  // Run union-find over the neighbours: every face at v joins two of them.
   fan_of_.resize(neighbours_.size());
   std::iota(fan_of_.begin(), fan_of_.end(), 0U);
   const auto root = [&](std::size_t i) {
@@ -98,10 +98,10 @@ bool keeps_topology(const StarMesh& mesh, const VertexRing& ring, std::size_t i)
     if (w == u) continue;
     const int degree_uw = mesh.edge_degree(u, w);
     if (degree_uw == 0) continue;
-    // A vertex of both links is one of the edge's link, and the edges to it are not both features.
+    // A vertex in both links must also be in the link of the edge, and the edges to it must not both be feature edges.
     if (!has_face(mesh, v, u, w) || (degree_uw != 2 && ring.degree(k) != 2)) return false;
   }
-  // No edge is in both links: no moved face meets an old one.
+  // The links must share no edge, so that no moved face meets an old one.
   for (const StarFace f : mesh.star(v))
     if (!contains(f, u) && has_face(mesh, u, f.next, f.last)) return false;
   return true;
@@ -140,7 +140,7 @@ glm::dvec3 closest_on_segment(const glm::dvec3& p, const glm::dvec3& a, const gl
   return a + std::clamp(glm::dot(p - a, ab) / length2, 0.0, 1.0) * ab;
 }
 
-// An orthonormal frame whose third axis is `normal` (unit).
+// Projects onto an orthonormal frame whose third axis is `normal` (unit).
 struct Projection {
   glm::dvec3 x, y;
   explicit Projection(const glm::dvec3& normal) {
@@ -159,7 +159,7 @@ double ChangeBound::operator()(const StarMesh& mesh, const PositionView& positio
   const glm::dvec3 target(positions[u]);
   const double slide = glm::distance(v, target);
   if (!ring.movable()) return slide;
-  // Where the feature line runs once v is gone: from u to the neighbour on v's other side.
+  // After the collapse, the feature line runs from u to the neighbour on v's other side.
   glm::dvec3 apex = v;
   if (ring.on_feature())
     for (std::size_t i = 0; i < ring.neighbours().size(); ++i)
@@ -176,15 +176,15 @@ double ChangeBound::operator()(const StarMesh& mesh, const PositionView& positio
   return bound * (1.0 + 1e-12);
 }
 
-// Takes the faces of one fan out of open_faces_ and puts their outer corners into page_ in order. False when they do
-// not form a fan.
+// Takes the faces of one fan out of open_faces_ and puts their outer corners into page_ in order. Returns false when
+// they do not form a fan.
 bool ChangeBound::next_page(const PositionView& positions, const VertexRing& ring) {
   const auto is_feature = [&](VertexId w) {
     const auto neighbours = ring.neighbours();
     const auto at = std::lower_bound(neighbours.begin(), neighbours.end(), w);
     return ring.degree(static_cast<std::size_t>(at - neighbours.begin())) != 2;
   };
-  // Start at a feature edge if there is one, so that the walk to the other end covers the whole fan.
+  // Starts at a feature edge if there is one, so that the walk to the other end covers the whole fan.
   VertexId start = no_id;
   for (const StarFace& f : open_faces_) {
     if (is_feature(f.next)) start = f.next;
@@ -206,7 +206,7 @@ bool ChangeBound::next_page(const PositionView& positions, const VertexRing& rin
   return true;
 }
 
-// The largest height between the fan from `apex` and the fan from `target` (one of the corners) over the page's
+// Returns the largest height between the fan from `apex` and the fan from `target` (one of the corners) over the page's
 // polygon.
 double ChangeBound::page_bound(const glm::dvec3& apex, const glm::dvec3& target) {
   const std::vector<glm::dvec3>& p = page_.corners;
@@ -222,8 +222,8 @@ double ChangeBound::page_bound(const glm::dvec3& apex, const glm::dvec3& target)
   const glm::dvec2 t = project(target);
   flat_.resize(n);
   std::transform(p.begin(), p.end(), flat_.begin(), [&](const glm::dvec3& corner) { return project(corner); });
-  // Both fans must cover the same polygon once: no triangle is flipped. An old one may be perpendicular: its heights
-  // are those of its edges.
+  // Both fans must cover the same polygon once, so that no triangle is flipped. An old triangle may be perpendicular:
+  // its heights are those of its edges.
   const double smallest = 1e-12 * length;
   for (std::size_t i = 0; i < edges; ++i) {
     const glm::dvec2& b = flat_[i];
@@ -233,7 +233,8 @@ double ChangeBound::page_bound(const glm::dvec3& apex, const glm::dvec3& target)
   }
   double largest = 0.0;
   bool apex_found = false;
-  // The apex lies in one new triangle (target, c_i, c_i+1); the fan is checked, so in the first that holds it.
+  // The apex lies in exactly one new triangle (target, c_i, c_i+1) because the fan is checked; use the first that
+  // contains it.
   for (std::size_t i = 0; i < edges; ++i) {
     const std::size_t j = (i + 1) % n;
     if (p[i] == target || p[j] == target) continue;
@@ -245,7 +246,7 @@ double ChangeBound::page_bound(const glm::dvec3& apex, const glm::dvec3& target)
     apex_found = true;
   }
   if (!apex_found) return unbounded;
-  // Crossings of an old spoke (apex, c_i) with a new diagonal (target, c_j).
+  // Old spokes (apex, c_i) cross new diagonals (target, c_j).
   for (std::size_t j = 0; j < n; ++j) {
     if (p[j] == target) continue;
     const glm::dvec2 diagonal = flat_[j] - t;

@@ -1,4 +1,4 @@
-// Which half-edge collapses keep the topology and do not flip a face.
+// Decides which half-edge collapses keep the topology and do not flip a face.
 #pragma once
 
 #include <cstddef>
@@ -14,21 +14,21 @@
 
 namespace occlod {
 
-// What the collapses of one vertex have in common. Computed once for v, then asked for each target.
+// Holds the data that all collapses of one vertex v share: computed once for v, then evaluated for each target.
 class VertexRing {
  public:
   void gather(const StarMesh& mesh, VertexId v);
 
   [[nodiscard]] VertexId vertex() const noexcept { return vertex_; }
   [[nodiscard]] std::span<const VertexId> neighbours() const noexcept { return neighbours_; }
-  // Of u among the neighbours, if it is one. O(log neighbours).
+  // Returns the index of u among the neighbours, if it is one. O(log neighbours).
   [[nodiscard]] std::optional<std::size_t> place_of(VertexId u) const;
-  // Faces at the edge from v to neighbour i.
+  // Returns the number of faces at the edge from v to neighbour i.
   [[nodiscard]] int degree(std::size_t i) const noexcept { return degrees_[i]; }
-  // False when v is a corner of the complex: several fans, or feature edges (those without exactly two faces) that do
-  // not pass through v as one line of constant degree. Nothing that starts at such a vertex keeps the topology.
+  // Returns false when v is a non-manifold corner: it has several fans, or feature edges (those without exactly two
+  // faces) that do not pass through v as one line of constant degree. No collapse of such a vertex keeps the topology.
   [[nodiscard]] bool movable() const noexcept { return movable_; }
-  // True when v lies on a line of feature edges; it may then move only along that line.
+  // Returns true when v lies on a line of feature edges; it may then move only along that line.
   [[nodiscard]] bool on_feature() const noexcept { return on_feature_; }
 
  private:
@@ -42,20 +42,20 @@ class VertexRing {
   mutable std::vector<std::uint32_t> fan_of_;
 };
 
-// Whether the faces at the vertex that a split adds are those that it inserts there, so that the collapse it undoes can
-// be repeated.
+// Returns whether the faces at the vertex that a split adds are those that it inserts there, so that the collapse it
+// undoes can be repeated.
 [[nodiscard]] bool has_inserted_star(const StarMesh& mesh, const SplitStar& star);
 
-// The link condition for merging v into its i-th neighbour (Dey, Edelsbrunner, Guha, Nekhayev 1999): the links of both
-// ends meet only in the link of the edge, feature edges coned to an extra vertex included. Then the result is
-// homeomorphic to what was there.
+// Tests the link condition for merging v into its i-th neighbour (Dey, Edelsbrunner, Guha, Nekhayev 1999): the links of
+// both ends meet only in the link of the edge, where feature edges are coned to an extra vertex. The result is then
+// homeomorphic to the mesh before.
 [[nodiscard]] bool keeps_topology(const StarMesh& mesh, const VertexRing& ring, std::size_t i);
 
-// True iff no face that merging v into u moves turns by more than about 75 degrees or degenerates. Faces without area
-// before may do anything.
+// Returns true iff no face that moves when v is merged into u turns by more than about 75 degrees or degenerates. Faces
+// that had no area before are not tested.
 [[nodiscard]] bool keeps_orientation(const StarMesh& mesh, const PositionView& positions, VertexId v, VertexId u);
 
-// How far one collapse can move the surface: a bound that holds, not an estimate.
+// Bounds how far one collapse can move the surface. The bound is guaranteed, not an estimate.
 
 // Bounds the two-way distance between the star of v and what is left of it after v is merged into u. Two maps between
 // the surfaces are tried and the smaller bound wins:
@@ -69,12 +69,13 @@ class VertexRing {
 // reduction".)
 class ChangeBound {
  public:
-  // Object units, rounded upwards. `ring` has been gathered for v.
+  // Returns the bound in object units, rounded upwards. `ring` must have been gathered for v.
   [[nodiscard]] double operator()(const StarMesh& mesh, const PositionView& positions, const VertexRing& ring,
                                   VertexId u);
 
  private:
-  // One fan of faces around v: its corners in 3D and in the projection, in order; closed when the last joins the first.
+  // Holds one fan of faces around v: its corners in 3D and in the projection, in order; closed when the last joins the
+  // first.
   struct Page {
     std::vector<glm::dvec3> corners;
     bool closed = false;

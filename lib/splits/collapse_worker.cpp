@@ -12,7 +12,7 @@
 namespace occlod {
 namespace {
 
-// No vertex of the ring twice: then no two faces have the same outer edge.
+// Returns whether no vertex appears twice in the ring, so that no two faces have the same outer edge.
 bool is_simple(std::span<const LevelFace> fan) {
   const VertexId last = fan.back().corners.z;
   for (std::size_t i = 0; i < fan.size(); ++i) {
@@ -33,9 +33,9 @@ bool is_closed_fan(std::span<const LevelFace> faces) {
   return true;
 }
 
-// Brings faces at v that are one open fan into ring order.
+// Sorts faces at v that form one open fan into ring order.
 bool order_open_fan(std::span<LevelFace> faces) {
-  // It starts at the face that none leads to.
+  // The fan starts at the face that follows no other.
   const auto follows_another = [&](const LevelFace& f) {
     return std::any_of(faces.begin(), faces.end(), [&](const LevelFace& g) { return g.corners.z == f.corners.y; });
   };
@@ -51,12 +51,14 @@ bool order_open_fan(std::span<LevelFace> faces) {
   return true;
 }
 
-// A split removes the faces that its collapse made. Those of a fan lie where the star's own faces will be: the one in
-// place of slot j has the outer edge of slot j. Returns j, or the number of slots when there is no such place.
+// Finds the slot of a removed face. A split removes the faces that its collapse made; those of a fan take the places of
+// the star's own faces: the face in place of slot j has the outer edge of slot j. Returns j, or the number of slots
+// when there is no such place.
 std::uint32_t find_slot(const Collapse& maker, const Triangle& corners) {
   const std::uint32_t slots = maker.ended_count();
   if (!maker.is_fan() || !contains(corners, maker.u)) return slots;
-  // The other two in winding order; chosen, like the slot, without branches that nobody could predict.
+  // Takes the other two corners in winding order; like the slot search, it uses selects instead of unpredictable
+  // branches.
   const VertexId next = corners.x == maker.u ? corners.y : corners.y == maker.u ? corners.z : corners.x;
   const VertexId last = corners.x == maker.u ? corners.z : corners.y == maker.u ? corners.x : corners.y;
   const std::span<const VertexId> ring = maker.ring();
@@ -110,8 +112,8 @@ Collapse& CollapseMemory::add(std::span<const LevelFace> ended, StarShape shape)
   return collapse;
 }
 
-// Each face of a manifold fan has its own place, so threads do not meet; elsewhere two faces may ask for one place, and
-// those stars are lists.
+// Each face of a manifold fan has its own place, so threads do not conflict; elsewhere two faces may share a place, and
+// those stars are stored as lists.
 void CollapseRecords::add(std::size_t block, Collapse& collapse, std::span<const LevelFace> ended) {
   BlockRecord& record = records_[block];
   const auto id = static_cast<CollapseId>(first_id(block) + record.collapses.size());
@@ -132,7 +134,7 @@ namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
 constexpr float round_up = 1.0F + 1e-6F;
-// Neighbours of a vertex whose attributes are looked at: all, but for the hubs of large wheels.
+// Attributes are evaluated for at most this many neighbours of a vertex; only hubs of large wheels have more.
 constexpr std::size_t max_evaluated = 32;
 
 }  // namespace
@@ -156,7 +158,7 @@ void CollapseWorker::start(const Block& block) {
   }
 }
 
-// Some more of the block, less than a millisecond's work; false when nothing is left to do.
+// Processes a part of the block that takes less than a millisecond. Returns false when nothing is left to do.
 bool CollapseWorker::take_steps() {
   constexpr int steps = 512;
   for (int step = 0; step < steps; ++step) {
@@ -169,7 +171,7 @@ bool CollapseWorker::take_steps() {
   return true;
 }
 
-// What consider() will read first.
+// Prefetches the data that consider() will read first.
 void CollapseWorker::prefetch_next() const {
   const std::uint32_t next = queue_.likely_next();
   if (next == CollapseQueue::none) return;
@@ -180,7 +182,7 @@ void CollapseWorker::prefetch_next() const {
   state_.mesh.prefetch_place(block_->vertices[later]);
 }
 
-// Of a vertex of the block.
+// Sets the cost of a vertex of the block and queues it.
 void CollapseWorker::set_cost(VertexId v, float cost) {
   state_.vertices[v].cost = cost;
   const std::uint32_t item = state_.turns[v].place - block_->first_turn;
@@ -188,7 +190,7 @@ void CollapseWorker::set_cost(VertexId v, float cost) {
   if (cost <= block_->threshold) queue_.push(item, cost);
 }
 
-// Checks a vertex whose turn has come; makes its collapse, or puts it back where it belongs.
+// Checks the vertex at the front of the queue: makes its collapse, or puts it back with its updated cost.
 void CollapseWorker::consider(VertexId v) {
   const bool is_fan = fan_.gather(state_.mesh, v);
   if (!is_fan) ring_.gather(state_.mesh, v);
@@ -209,7 +211,7 @@ bool CollapseWorker::in_block(std::span<const VertexId> vertices) const {
                      [&](VertexId w) { return state_.turns[w].place - block_->first_turn < block_->vertices.size(); });
 }
 
-// The cheapest collapse that the rules allow. Where they allow none, the cheapest that breaks the topology.
+// Returns the cheapest collapse that the rules allow; if they allow none, the cheapest that breaks the topology.
 CollapseWorker::Choice CollapseWorker::choose_in_fan() {
   fan_.measure_offsets(state_.position_of());
   fan_.measure_normals();
@@ -238,8 +240,8 @@ CollapseWorker::Choice CollapseWorker::choose_in_ring() {
   return best.u == no_id ? break_topology(neighbours, v) : best;
 }
 
-// Both of the above, at the price of what happens to attributes too. That costs more to find out, so neighbours are
-// tried by their quadric costs until these alone exceed the best.
+// Chooses like choose_in_fan() or choose_in_ring(), but with attribute errors added to the cost. These are expensive
+// to compute, so neighbours are tried by ascending quadric cost until that alone exceeds the best total.
 CollapseWorker::Choice CollapseWorker::choose_with_attributes(std::span<const VertexId> ring, bool is_fan) {
   const VertexId v = is_fan ? fan_.vertex() : ring_.vertex();
   const VertexQuadric& quadric = state_.vertices[v].quadric;
@@ -275,8 +277,8 @@ CollapseWorker::Choice CollapseWorker::choose_with_attributes(std::span<const Ve
   return best.u == no_id ? break_topology(ring, v) : best;
 }
 
-// A handle, a sliver or a component goes when errors have reached its size: at the price of the mean square of lengths
-// spread evenly about the middle of its extent.
+// Chooses a collapse that removes a handle, a sliver or a component once errors have reached its size. Its cost is the
+// mean square of lengths that are spread evenly about the middle of its extent.
 CollapseWorker::Choice CollapseWorker::break_topology(std::span<const VertexId> neighbours, VertexId v) const {
   Choice cheapest{no_id, infinity, false};
   float extent2 = 0.0F;
@@ -286,13 +288,14 @@ CollapseWorker::Choice CollapseWorker::break_topology(std::span<const VertexId> 
     const float c = state_.cost(v, u);
     if (c < cheapest.cost) cheapest = {u, c, false};
   }
-  // A star without area has no weight to order it by.
+  // A star without area has no weight to order it by, so its extent is used instead.
   const float order = std::max(state_.vertices[v].quadric.order(), std::sqrt(extent2));
   cheapest.cost = std::max(cheapest.cost, order * extent2 / 12.0F);
   return cheapest;
 }
 
-// A bound on how far a collapse that keeps the topology moves the surface. That of a fan follows with those of others.
+// Bounds how far a collapse that keeps the topology moves the surface. The bound of a fan is computed later, in a
+// batch.
 float CollapseWorker::movement(const Choice& choice, bool is_fan) {
   if (!is_fan) return static_cast<float>(change_bound_(state_.mesh, state_.positions(), ring_, choice.u)) * round_up;
   Batch& batch = batches_[fan_.size()];
@@ -308,7 +311,7 @@ void CollapseWorker::compute_movements(Batch& batch) {
   batch.fans.clear();
 }
 
-// `moved`: how far the surface moves at most, if the topology is kept.
+// Makes the collapse. `moved` bounds how far the surface moves, if the topology is kept.
 void CollapseWorker::collapse(VertexId v, const Choice& choice, std::span<const VertexId> ring, float moved) {
   const VertexId u = choice.u;
   const auto id = static_cast<CollapseId>(CollapseRecords::first_id(block_->record) + made_.size());
@@ -317,7 +320,7 @@ void CollapseWorker::collapse(VertexId v, const Choice& choice, std::span<const 
   faces_gone_ += state_.mesh.collapse(v, u, id, !choice.keeps_topology, arena_, ended_);
   const glm::vec3 edge = state_.edge(v, u);
   float error = std::sqrt(state_.vertices[v].quadric.mean_square(edge));
-  // What ended without keeping the topology may have left nothing near it: its own extent is missing.
+  // A collapse that breaks the topology may leave nothing near the faces it ends, so their own extent is added.
   if (!choice.keeps_topology) {
     moved = longest_edge(std::span(ended_).subspan(first_ended));
     error = std::max(error, moved);
@@ -336,7 +339,7 @@ void CollapseWorker::collapse(VertexId v, const Choice& choice, std::span<const 
   for (const VertexId w : ring) update(w, u);
 }
 
-// Of what v stands for. Returns the root mean square over all collapses that led to it.
+// Adds a squared deviation to the sum of v. Returns the root mean square over all collapses that led to v.
 float CollapseWorker::add_deviation(VertexId v, float deviation2) {
   const float weight = state_.vertices[v].quadric.weight;
   float& sum = state_.attributes->sums[v];
@@ -344,7 +347,8 @@ float CollapseWorker::add_deviation(VertexId v, float deviation2) {
   return std::sqrt(weight > 0.0F ? sum / weight : deviation2);
 }
 
-// Records the wedges of what v's collapse has ended, and gives the faces that it made theirs. attributes_ has chosen.
+// Records the wedges of the faces that v's collapse ended, and assigns wedges to the faces that it made. attributes_
+// has already chosen them.
 void CollapseWorker::move_corners(VertexId v, VertexId u, CollapseId id, std::size_t first_ended) {
   const auto add = [&](const LevelFace& face, const Triangle& wedges) {
     if (wedges != face.corners) corners_.push_back({face, wedges});
@@ -363,7 +367,7 @@ void CollapseWorker::move_corners(VertexId v, VertexId u, CollapseId id, std::si
   map.collapse(state_.mesh, v, u, id, star, attributes_.wedges_of_u(), folded);
 }
 
-// Records what has been made.
+// Records all collapses made.
 void CollapseWorker::finish() {
   for (Batch& batch : batches_)
     if (batch.fans.size() > 0) compute_movements(batch);
@@ -393,14 +397,14 @@ void CollapseWorker::finish() {
   record.faces_gone = faces_gone_;
 }
 
-// By the slots of what i has ended, which are in their final order.
+// Records corners by the slots of the faces that collapse i ended, which are in their final order.
 void CollapseWorker::record_corners(std::size_t i, std::span<const LevelFace> ended, BlockRecord& record) {
   record.first_corners.push_back(record.corners.size());
   const std::size_t first = made_[i].first_corners;
   const std::size_t end = i + 1 < made_.size() ? made_[i + 1].first_corners : corners_.size();
   const auto corners = std::span<const CornerFace>(corners_).subspan(first, end - first);
   taken_.assign(corners.size(), false);
-  std::size_t first_left = 0;  // most are in order
+  std::size_t first_left = 0;  // most faces are already in order
   for (std::uint32_t slot = 0; first_left < corners.size() && slot < ended.size(); ++slot) {
     while (first_left < corners.size() && taken_[first_left]) ++first_left;
     for (std::size_t c = first_left; c < corners.size(); ++c) {
@@ -413,13 +417,13 @@ void CollapseWorker::record_corners(std::size_t i, std::span<const LevelFace> en
   }
 }
 
-// What i has ended.
+// Returns the faces that collapse i ended.
 std::span<LevelFace> CollapseWorker::ended_by(std::size_t i) {
   const std::size_t end = i + 1 < made_.size() ? made_[i + 1].first_ended : ended_.size();
   return std::span(ended_).subspan(made_[i].first_ended, end - made_[i].first_ended);
 }
 
-// Collapses of earlier passes are anywhere in memory.
+// Prefetches the makers, because collapses of earlier passes are scattered in memory.
 void CollapseWorker::prefetch_makers(std::size_t i) {
   constexpr std::size_t ahead = 4;
   const auto for_each_maker = [&](std::size_t later, const auto& visit) {
@@ -431,11 +435,11 @@ void CollapseWorker::prefetch_makers(std::size_t i) {
   for_each_maker(i + ahead, [](Collapse* const& place) { prefetch(place); });
 }
 
-// Faces that a collapse makes are as far from the input as the worst of those that it ends, plus how far it moves the
-// surface. Each vertex of the ring, a corner of what ended, has one of them. Returns their error.
+// Sets the error of the faces that a collapse makes: the largest error of the faces that it ends, plus how far it moves
+// the surface. Each ring vertex is a corner of an ended face and has one of the new faces. Returns their error.
 float CollapseWorker::pass_on_errors(const Made& made, std::span<const LevelFace> ended) {
   float before = state_.vertices[made.v].error;
-  // Faces that others were folded onto lie at the ring.
+  // Faces onto which others were folded lie at the ring.
   if (!made.keeps_topology)
     for (const LevelFace& face : ended)
       for (int k = 0; k < 3; ++k) before = std::max(before, state_.vertices[face.corners[k]].error);
@@ -451,8 +455,9 @@ float CollapseWorker::pass_on_errors(const Made& made, std::span<const LevelFace
   return after;
 }
 
-// What a collapse comes after had its vertex in the ring: it made faces there, or holds a corner that this one needs.
-// Faces that others are folded onto are not at v, but all their corners are in its ring.
+// Updates the rank of the collapse, which must not be less than the ranks of the collapses it depends on. Each of these
+// had the vertex in its ring: it made faces there, or has a corner that this one needs. Faces onto which others are
+// folded are not at v, but all their corners are in its ring.
 void CollapseWorker::rank(VertexId v, const Choice& choice, std::span<const VertexId> ring) {
   float rank = std::max(choice.cost, state_.turns[v].rank);
   if (!choice.keeps_topology)
@@ -461,8 +466,8 @@ void CollapseWorker::rank(VertexId v, const Choice& choice, std::span<const Vert
   ranks_.push_back(rank);
 }
 
-// After a collapse into u: w, of the ring, has lost one neighbour, which leaves its cost a lower bound, and may have
-// gained u. Only u's quadric has changed.
+// Updates ring vertex w after a collapse into u. It has lost one neighbour, which leaves its cost a valid lower bound,
+// and may have gained u. Only u's quadric has changed.
 void CollapseWorker::update(VertexId w, VertexId u) {
   if (state_.is_locked(w)) return;
   const float old_cost = state_.vertices[w].cost;

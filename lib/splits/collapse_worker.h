@@ -1,4 +1,4 @@
-// A queue of vertices by the cost of their collapses, exact to some per cent.
+// A queue of vertices by the cost of their collapses, exact to a few per cent.
 #pragma once
 
 #include <algorithm>
@@ -18,11 +18,12 @@
 
 namespace occlod {
 
-// Items are small numbers, each there at most once. Costs fall into levels of 1/32 octave; within a level the last to
-// come is the first to go. Every operation takes constant time, but for the search of the next level that is not empty.
+// Items are small numbers, each queued at most once. Costs are grouped into levels of 1/32 octave; within a level the
+// last item pushed is popped first. Every operation takes constant time, except for the search for the next level that
+// is not empty.
 class CollapseQueue {
  public:
-  // Empties the queue, for items in [0, count).
+  // Empties the queue and prepares it for items in [0, count).
   void reset(std::size_t count) {
     links_.assign(count, {});
     heads_.fill(none);
@@ -34,7 +35,7 @@ class CollapseQueue {
     return std::clamp(bits, lowest_bits, highest_bits) - lowest_bits;
   }
 
-  // The item is not in the queue. cost >= 0.
+  // Adds an item that is not in the queue. cost >= 0.
   void push(std::uint32_t item, float cost) {
     const std::uint32_t at = level(cost);
     links_[item] = {none, heads_[at], at};
@@ -51,7 +52,7 @@ class CollapseQueue {
     link.level = none;
   }
 
-  // The cheapest item, or `none` when there is none; it leaves the queue.
+  // Removes and returns the cheapest item, or `none` when the queue is empty.
   std::uint32_t pop() {
     while (cursor_ < level_count && heads_[cursor_] == none) ++cursor_;
     if (cursor_ >= level_count) return none;
@@ -60,17 +61,17 @@ class CollapseQueue {
     return item;
   }
 
-  // Most likely the next item to pop; `none` when unknown.
+  // Returns the item that will probably be popped next; `none` when unknown.
   [[nodiscard]] std::uint32_t likely_next() const { return cursor_ < level_count ? heads_[cursor_] : none; }
-  // Most likely the one to pop after that item.
+  // Returns the item that will probably be popped after the given one.
   [[nodiscard]] std::uint32_t likely_after(std::uint32_t item) const { return links_[item].after; }
 
   static constexpr std::uint32_t none = UINT32_MAX;
 
  private:
   struct Link {
-    std::uint32_t before = none, after = none;  // in the same level
-    std::uint32_t level = none;                 // none: not in the queue
+    std::uint32_t before = none, after = none;  // neighbours in the same level
+    std::uint32_t level = none;                 // none: not queued
   };
   static constexpr std::uint32_t lowest_bits = (127U - 80U) << 5, highest_bits = (127U + 8U) << 5;  // 2^-80 to 2^8
   static constexpr std::uint32_t level_count = highest_bits - lowest_bits + 1;
@@ -80,22 +81,22 @@ class CollapseQueue {
   std::uint32_t cursor_ = level_count;
 };
 
-// What blocks record of their collapses, found again by the ids of these.
+// Stores the collapses that blocks record, which can be found by their ids.
 
 struct BlockRecord {
   std::vector<Collapse*> collapses;
-  std::vector<float> ranks;  // of each collapse: its cost, no less than that of any that it comes after
+  std::vector<float> ranks;  // per collapse: its cost, at least that of any collapse it depends on
   std::vector<MisplacedFace> misplaced;
-  // Where attributes count, of each collapse: how far they are off, and where the wedges of what it ended begin.
+  // Per collapse, where attributes count: its attribute error, and where the wedges of the faces that it ended begin.
   std::vector<float> attribute_errors;
   std::vector<std::size_t> first_corners;
   std::vector<EndedCorners> corners;
-  std::vector<AttributeStar::WedgeMerge> wedge_merges;  // of all collapses, in their order, where they are wanted
+  std::vector<AttributeStar::WedgeMerge> wedge_merges;  // of all collapses, in order, if requested
   std::size_t faces_gone = 0;
 };
 
-// The ids of a block's collapses ascend from a multiple of block_size: only the last block may have more of them.
-// Blocks that run at the same time may add collapses, each to its own record.
+// The ids of a block's collapses ascend from a multiple of block_size; only the last block may have more than
+// block_size. Blocks that run at the same time may add collapses, each to its own record.
 class CollapseRecords {
  public:
   static constexpr std::size_t block_size = 8192;
@@ -107,7 +108,7 @@ class CollapseRecords {
   [[nodiscard]] static CollapseId first_id(std::size_t block) noexcept {
     return static_cast<CollapseId>(block * block_size);
   }
-  // No id is larger.
+  // Returns an upper bound: all ids are smaller.
   [[nodiscard]] std::size_t end_id() const noexcept {
     return records_.empty() ? 0 : first_id(size() - 1) + records_.back().collapses.size();
   }
@@ -115,39 +116,39 @@ class CollapseRecords {
     const std::size_t block = std::min(id / block_size, size() - 1);
     return records_[block].collapses[id - first_id(block)];
   }
-  // Adds one to the record of this block, which ended faces of these makers. The faces in whose place those were made
-  // learn of it.
+  // Adds a collapse to the record of this block, given the faces that it ended. The faces in whose place those were
+  // made are updated to name this collapse.
   void add(std::size_t block, Collapse& collapse, std::span<const LevelFace> ended);
 
  private:
   std::vector<BlockRecord> records_;
 };
 
-// The shape of the faces that one collapse of v ended, brought into ring order if they are one fan.
+// Returns the shape of the faces that one collapse of v ended, and sorts them into ring order if they form one fan.
 [[nodiscard]] StarShape shape_of(VertexId v, std::span<LevelFace> faces);
 
-// Greedy simplification of one block of vertices, as far as a threshold of cost.
+// Simplifies one block of vertices greedily, up to a cost threshold.
 
 struct Block {
   std::span<const VertexId> vertices;
-  std::uint32_t first_turn = 0;  // theirs ascend from here
-  std::size_t record = 0;        // where its collapses are recorded
-  float threshold = 0.0F;        // collapses that cost no more are made, cheapest first
-  std::size_t stop_after = 0;    // ends early when so many faces have gone
+  std::uint32_t first_turn = 0;  // ids ascend from here
+  std::size_t record = 0;        // record that receives its collapses
+  float threshold = 0.0F;        // collapses that cost at most this are made, cheapest first
+  std::size_t stop_after = 0;    // ends early when this many faces are gone
 };
 
 class CollapseWorker {
  public:
   CollapseWorker(SimplifyState& state, CollapseRecords& records) : state_(state), records_(records) {}
-  // Vertices whose ring leaves the block are left alone. Now and then it calls go_on(faces gone) and ends when the
-  // answer is no.
+  // Runs the block. Vertices whose ring leaves the block are not changed. Calls go_on(faces gone) from time to time and
+  // ends when it returns false.
   template <typename GoOn>
   void run(const Block& block, const GoOn& go_on) {
     start(block);
     while (go_on(faces_gone_) && take_steps()) continue;
     finish();
   }
-  // The memory of what has been recorded.
+  // Moves out the memory that holds the recorded collapses.
   [[nodiscard]] CollapseMemory take_memory() { return std::move(memory_); }
 
  private:
@@ -155,25 +156,25 @@ class CollapseWorker {
     VertexId u = no_id;
     float cost = 0.0F;
     bool keeps_topology = false;
-    std::size_t place = 0;  // of u in the ring
+    std::size_t place = 0;  // index of u in the ring
   };
 
-  // A collapse that has been made, but for what does not decide about others.
+  // Holds the data of a collapse that later collapses do not need.
   struct Made {
     VertexId v = no_id, u = no_id;
-    std::size_t first_ended = 0;  // into ended_
+    std::size_t first_ended = 0;  // index into ended_
     float error = 0.0F;
-    float moved = 0.0F;  // of a fan: once its batch has been computed
+    float moved = 0.0F;  // for a fan: set once its batch has been computed
     bool keeps_topology = false;
     float attribute_error = 0.0F;
-    std::size_t first_corners = 0;  // into corners_
+    std::size_t first_corners = 0;  // index into corners_
   };
-  // A face that ended, and the wedges at its corners.
+  // Holds a face that ended and the wedges at its corners.
   struct CornerFace {
     LevelFace face;
     Triangle wedges;
   };
-  // Fans of one size whose movements are computed together, and their places in made_.
+  // Collects fans of one size whose movements are computed together, with their indices in made_.
   struct Batch {
     FanMovements fans;
     FanMovements::PerFan<std::size_t> made;
@@ -215,13 +216,13 @@ class CollapseWorker {
   std::vector<float> ranks_;
   std::vector<LevelFace> ended_;
   AttributeStar attributes_;
-  std::vector<CornerFace> corners_;  // of faces that ended, where some wedge is not its vertex's first
+  std::vector<CornerFace> corners_;  // ended faces with a wedge that is not its vertex's first
   std::vector<AttributeStar::WedgeMerge> wedge_merges_;
   std::vector<bool> taken_;
   std::vector<float> ring_costs_;
   std::vector<StarFace> folded_;
   std::size_t faces_gone_ = 0;
-  std::array<Batch, Fan::max_neighbours + 1> batches_;  // by the number of corners
+  std::array<Batch, Fan::max_neighbours + 1> batches_;  // by number of corners
   CollapseRecords& records_;
   CollapseMemory memory_;
 };

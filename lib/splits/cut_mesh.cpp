@@ -43,7 +43,7 @@ bool same_triangle(const Triangle& a, const Triangle& b) {
 
 namespace {
 
-// Calls visit(FaceRef, Triangle) for each.
+// Calls visit(FaceRef, Triangle) for each active face.
 template <typename Visit>
 void for_each_active(const Hierarchy& hierarchy, const std::vector<bool>& applied, const Visit& visit) {
   ActiveFaces active(hierarchy);
@@ -81,7 +81,7 @@ std::vector<Triangle> active_wedge_triangles(const Hierarchy& hierarchy, const s
 
 namespace {
 
-// How many triangles there are after split s when there were `triangles` before it.
+// Returns the number of triangles after split s, given the number before it.
 std::size_t grown(const Hierarchy& hierarchy, std::size_t triangles, SplitId s) {
   const SplitStar star = hierarchy.star(s);
   return triangles + star.inserted_count() - star.removed_count();
@@ -107,7 +107,7 @@ FixedCut make_cut(const Hierarchy& hierarchy, const IsApplied& is_applied) {
   return cut;
 }
 
-// Keeps what triangles use: vertices in the order of their first use, then extra wedges by their vertices.
+// Keeps only what triangles use: vertices in the order of their first use, then extra wedges sorted by vertex.
 class Compaction {
  public:
   explicit Compaction(const Hierarchy& hierarchy)
@@ -121,9 +121,10 @@ class Compaction {
     for (int corner = 0; corner < 3; ++corner) triangle[corner] = new_id(triangle[corner]);
     mesh_.triangles.push_back(triangle);
   }
-  // By their wedges; after add() of the same faces. A vertex whose first wedge is not used has another one first.
+  // Adds the faces with their wedges, after add() of the same faces. A vertex whose first wedge is not used gets
+  // another one as its first.
   void add_wedges(std::span<const Triangle> wedges) {
-    std::vector<WedgeId> first(mesh_.positions.size(), no_id);  // by new vertex
+    std::vector<WedgeId> first(mesh_.positions.size(), no_id);  // by new vertex id
     std::vector<std::pair<VertexId, WedgeId>> extras;
     for (const Triangle& t : wedges)
       for (int k = 0; k < 3; ++k)

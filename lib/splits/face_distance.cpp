@@ -12,7 +12,7 @@ namespace occlod {
 LevelFaces::LevelFaces(const CollapseSequence& sequence) : sequence_(sequence) {
   list_ended();
   find_makers();
-  // Counting sort by maker; afterwards first_made_[c + 1] has moved up to where the next one's faces begin.
+  // Counting sort by maker; afterwards first_made_[c + 1] has advanced to where the faces of the next maker begin.
   first_made_.assign(collapse_count() + 2, 0);
   for (FaceId f = 0; f < face_count(); ++f)
     if (const CollapseIndex c = maker(f); c != no_id) ++first_made_[c + 2];
@@ -48,8 +48,8 @@ void PointBatch::resize(std::size_t count) {
   z.resize(count);
 }
 
-// The frame is made in double precision, so that slivers have one as exact as others; only those whose normal is lost
-// even then are taken for their edges, which are part of them.
+// Computes the frame in double precision, so that the frames of slivers are as exact as others. Only triangles whose
+// normal is lost even then are replaced by their edges, which are part of them.
 TriangleBatch::TriangleBatch(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) : origin_(a) {
   const std::array<glm::dvec3, 3> corners = {glm::dvec3(0.0), glm::dvec3(b) - glm::dvec3(a),
                                              glm::dvec3(c) - glm::dvec3(a)};
@@ -74,7 +74,7 @@ TriangleBatch::TriangleBatch(const glm::vec3& a, const glm::vec3& b, const glm::
   }
 }
 
-// Every choice is a select of values that are there anyway: a loop over this has no branch.
+// Uses only selects between values that are computed anyway, so that a loop over this has no branch.
 inline float TriangleBatch::squared_distance(float x, float y, float z) const {
   x -= origin_.x;
   y -= origin_.y;
@@ -99,12 +99,12 @@ inline float TriangleBatch::squared_distance(float x, float y, float z) const {
   return inside >= 0.0F ? height2 : outside2;
 }
 
-// In runs: distances first, then choices, so that each loop is simple enough to be vectorised.
+// Works in runs: first distances, then choices, so that each loop is simple enough to vectorise.
 void TriangleBatch::choose_nearer(const PointBatch& points, std::uint32_t number, float* __restrict least,
                                   std::uint32_t* __restrict chosen) const {
   constexpr std::size_t run = 256;
   std::array<float, run> squares;
-  const TriangleBatch triangle = *this;  // a local: nothing that is written can be part of it
+  const TriangleBatch triangle = *this;  // a local copy cannot alias what is written
   for (std::size_t begin = 0; begin < points.size(); begin += run) {
     const float* const x = points.x.data() + begin;
     const float* const y = points.y.data() + begin;
@@ -132,7 +132,7 @@ float TriangleBatch::squared_distance(const glm::vec3& point) const {
 ReferenceMesh::ReferenceMesh(std::span<const glm::vec3> positions, const LevelFaces& levels, CollapseIndex time,
                              std::span<const float> maker_errors)
     : number_of_(positions.size(), no_id) {
-  // What ended before is gone; of the rest, what was made by then is there.
+  // Faces that ended before `time` are gone; of the others, those made before `time` exist.
   for (FaceId f = levels.first_ended(time); f < levels.face_count(); ++f) {
     const CollapseIndex maker = levels.maker(f);
     if (maker != no_id && maker >= time) continue;
@@ -174,12 +174,12 @@ namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
 constexpr float near_exact = 1.125F;
-// In radii of the widest face and `wanted` together: a piece wider than that is seldom near one face, and is halved
-// without a look.
+// In radii of the widest face plus `wanted`: a wider piece is seldom near a single face, so it is halved without a
+// test.
 constexpr float too_wide = 0.35F;
-// Beside `wanted`: how far away a face may be and still be looked at.
+// In units of `wanted`: how far away a face may be and still be considered.
 constexpr float reach_of_faces = 0.6F;
-constexpr std::size_t max_pieces = 1000;  // of one triangle; where that is not enough the bound is loose
+constexpr std::size_t max_pieces = 1000;  // per triangle; if that is not enough the bound is loose
 
 glm::vec3 centroid(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
   return a + ((b - a) + (c - a)) * (1.0F / 3.0F);
@@ -210,7 +210,7 @@ float FaceDistance::bound(const Triangle& corners, float wanted, float useful) {
   return infinity;
 }
 
-// Into near_ and candidates_: the faces near the triangle, as far as they hang together with its corners.
+// Gathers into near_ and candidates_ the faces near the triangle that are connected with its corners.
 void FaceDistance::gather(const Triangle& corners) {
   near_.clear();
   triangles_.clear();
@@ -226,7 +226,7 @@ void FaceDistance::gather(const Triangle& corners) {
   };
   for (int k = 0; k < 3; ++k) take_star(corners[k]);
   const TriangleBatch triangle(mesh_.position(corners.x), mesh_.position(corners.y), mesh_.position(corners.z));
-  // taken_ grows on the way.
+  // taken_ grows during the loop.
   std::size_t next = 0;
   while (next < taken_.size()) {
     const std::uint32_t f = taken_[next++];
@@ -252,7 +252,7 @@ const TriangleBatch& FaceDistance::triangle_of(NearFace& near) {
   return triangles_[near.triangle];
 }
 
-// The piece's candidates are those from `first` on.
+// Refines one piece. Its candidates start at index `first`.
 void FaceDistance::refine(const Piece& piece, std::size_t first) {
   const std::size_t end = candidates_.size();
   const glm::vec3 center = centroid(piece[0], piece[1], piece[2]);
@@ -281,8 +281,8 @@ void FaceDistance::halve(const Piece& piece, std::size_t first) {
   if (bound_ < useful_) refine({middle, b, apex}, first);
 }
 
-// Appends those of the candidates [first, end) that can be near enough to some part of the piece, the most central one
-// first: it is often near enough for all.
+// Appends those of the candidates [first, end) that can be close enough to some part of the piece, the most central one
+// first, because it is often close enough to all of it.
 void FaceDistance::keep_close(const glm::vec3& center, float radius, std::size_t first, std::size_t end) {
   const float reach = radius + enough();
   float nearest2 = infinity;
@@ -298,7 +298,7 @@ void FaceDistance::keep_close(const glm::vec3& center, float radius, std::size_t
   }
 }
 
-// A bound on the distance of the piece from the nearest candidate. Raises at_least_.
+// Returns a bound on the distance of the piece from the nearest candidate. Raises at_least_.
 float FaceDistance::measure(const Piece& piece, const glm::vec3& center, std::size_t first, std::size_t end) {
   const TriangleBatch::Four x = {piece[0].x, piece[1].x, piece[2].x, center.x},
                             y = {piece[0].y, piece[1].y, piece[2].y, center.y},

@@ -1,4 +1,4 @@
-// A collapse sequence read face by face: which collapse made each, which ended it.
+// Reads a collapse sequence face by face: which collapse made each face and which ended it.
 #pragma once
 
 #include <array>
@@ -12,11 +12,11 @@
 
 namespace occlod {
 
-using CollapseIndex = CollapseId;  // into CollapseSequence::collapses
-using FaceId = std::uint32_t;      // of LevelFaces
+using CollapseIndex = CollapseId;  // index into CollapseSequence::collapses
+using FaceId = std::uint32_t;      // index into LevelFaces
 
 // Numbers all faces that ever existed: those that ended, in their order, then those of the base mesh. Keeps a view of
-// the sequence.
+// the sequence, which must outlive it.
 class LevelFaces {
  public:
   explicit LevelFaces(const CollapseSequence& sequence);
@@ -28,9 +28,9 @@ class LevelFaces {
 
   [[nodiscard]] FaceId face_count() const noexcept { return static_cast<FaceId>(faces_.size()); }
   [[nodiscard]] const Triangle& corners(FaceId f) const noexcept { return faces_[f].corners; }
-  // The collapse that made the face; no_id for faces of the input.
+  // Returns the collapse that made the face; no_id for faces of the input.
   [[nodiscard]] CollapseIndex maker(FaceId f) const noexcept { return faces_[f].made_by; }
-  // The faces that collapse c ended: [first_ended(c), first_ended(c + 1)).
+  // Collapse c ended the faces [first_ended(c), first_ended(c + 1)).
   [[nodiscard]] FaceId first_ended(CollapseIndex c) const noexcept { return first_ended_[c]; }
   [[nodiscard]] std::span<const FaceId> made(CollapseIndex c) const noexcept {
     return {made_.data() + first_made_[c], first_made_[c + 1] - first_made_[c]};
@@ -41,15 +41,15 @@ class LevelFaces {
   void find_makers();
 
   const CollapseSequence& sequence_;
-  std::vector<LevelFace> faces_;  // made by places
+  std::vector<LevelFace> faces_;  // made_by holds places
   std::vector<FaceId> first_ended_;
   std::vector<std::uint32_t> first_made_;
   std::vector<FaceId> made_;
 };
 
-// The distances of many points from one triangle, in single precision.
+// Computes the distances of many points from one triangle, in single precision.
 
-// Points as one array a coordinate, so that compilers vectorise the loops over them.
+// Stores points with one array per coordinate, so that compilers vectorise the loops over them.
 struct PointBatch {
   std::vector<float> x, y, z;
 
@@ -62,22 +62,23 @@ class TriangleBatch {
  public:
   TriangleBatch(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c);
 
-  // For every point whose squared distance is less than `least` has for it: that, and `number` into `chosen`.
+  // For every point whose squared distance is less than its entry in `least`, stores that distance there and `number`
+  // in `chosen`.
   void choose_nearer(const PointBatch& points, std::uint32_t number, float* least, std::uint32_t* chosen) const;
   [[nodiscard]] float squared_distance(const glm::vec3& point) const;
-  // Of four points, a coordinate at a time.
+  // One coordinate of four points.
   using Four = std::array<float, 4>;
   [[nodiscard]] Four squared_distances(const Four& x, const Four& y, const Four& z) const;
-  // To be added to a distance so that it is an upper bound whatever was lost in rounding.
+  // Returns the term to add to a distance so that it is an upper bound despite rounding.
   [[nodiscard]] float rounding(float distance) const { return 2e-6F * (distance + longest_edge_); }
 
  private:
   struct Edge {
-    glm::vec3 start;    // from origin_
-    glm::vec3 along;    // to its end
-    glm::vec3 inwards;  // in the plane, unit length; zero where the triangle has no inside to speak of
+    glm::vec3 start;    // relative to origin_
+    glm::vec3 along;    // from start to end
+    glm::vec3 inwards;  // in the plane, unit length; zero where the triangle has no numerically valid inside
     float inverse_squared_length = 0.0F;
-    float offset = 0.0F;  // added to the distance from the line: negative where there is no inside
+    float offset = 0.0F;  // added to the distance from the line; negative where there is no inside
   };
   [[nodiscard]] float squared_distance(float x, float y, float z) const;
 
@@ -87,19 +88,19 @@ class TriangleBatch {
   float longest_edge_ = 0.0F;
 };
 
-// One mesh of the sequence, kept to measure the faces of coarser ones against.
+// Keeps one mesh of the sequence as the reference for measuring faces of coarser ones.
 
-// The faces that are there before collapse `time`. Vertices have numbers of their own.
+// Holds the faces that exist just before collapse `time`. Its vertices have their own numbers.
 class ReferenceMesh {
  public:
-  // `maker_errors`: one for each collapse before `time`, how far the faces that it made are from the input at most.
+  // `maker_errors` bounds, for each collapse before `time`, the distance of the faces that it made from the input.
   ReferenceMesh(std::span<const glm::vec3> positions, const LevelFaces& levels, CollapseIndex time,
                 std::span<const float> maker_errors);
 
   [[nodiscard]] std::uint32_t vertex_count() const noexcept { return static_cast<std::uint32_t>(positions_.size()); }
   [[nodiscard]] std::uint32_t face_count() const noexcept { return static_cast<std::uint32_t>(faces_.size()); }
   [[nodiscard]] const glm::vec3& position(std::uint32_t v) const noexcept { return positions_[v]; }
-  // By the number that the vertex has in the input; no_id when it is not there any more.
+  // Returns the number of an input vertex in this mesh; no_id when it no longer exists.
   [[nodiscard]] std::uint32_t vertex_of(VertexId v) const noexcept { return number_of_[v]; }
   [[nodiscard]] const Triangle& corners(std::uint32_t face) const noexcept { return faces_[face]; }
   [[nodiscard]] float error(std::uint32_t face) const noexcept { return errors_[face]; }
@@ -107,7 +108,7 @@ class ReferenceMesh {
   [[nodiscard]] std::span<const std::uint32_t> star(std::uint32_t v) const noexcept {
     return {stars_.data() + first_star_[v], first_star_[v + 1] - first_star_[v]};
   }
-  // Holds the face.
+  // Bounding ball of a face.
   struct Ball {
     glm::vec3 center;
     float radius;
@@ -128,24 +129,25 @@ class ReferenceMesh {
   std::vector<std::uint32_t> stars_;
 };
 
-// How far triangles are from a mesh: an upper bound that holds for every point of them.
+// Bounds the distance of triangles from a mesh: an upper bound that holds for every point of them.
 
-// Halves the triangle until every piece is near one face of the mesh. A face is convex, so its distance is a convex
-// function: a piece is no farther from it than the farthest of the piece's corners. Nothing is asked of the mesh.
+// Halves the triangle until every piece is near one face of the mesh. A face is convex, so the distance from it is a
+// convex function: a piece is no farther from it than the farthest of the piece's corners. The mesh may have any
+// topology.
 class FaceDistance {
  public:
   explicit FaceDistance(const ReferenceMesh& mesh) : mesh_(mesh), is_taken_(mesh.face_count(), 0) {}
 
-  // A bound on the distance of every point of the triangle from the input: that from a face of the mesh and the face's
-  // own error together. Refined until it is at most `wanted` or nearly exact; infinite when it is not below `useful`.
-  // The corners are vertices of the mesh.
+  // Bounds the distance of every point of the triangle from the input: the distance from a face of the mesh plus that
+  // face's own error. Refined until it is at most `wanted` or nearly exact; infinite when it is not below `useful`. The
+  // corners are vertices of the mesh.
   [[nodiscard]] float bound(const Triangle& corners, float wanted, float useful);
 
  private:
   using Piece = std::array<glm::vec3, 3>;
   struct NearFace {
-    std::uint32_t face;      // of the mesh
-    std::uint32_t triangle;  // into triangles_, no_id until it is needed
+    std::uint32_t face;      // index in the mesh
+    std::uint32_t triangle;  // index into triangles_; no_id until it is needed
   };
 
   void gather(const Triangle& corners);
@@ -157,17 +159,18 @@ class FaceDistance {
   [[nodiscard]] float enough() const;
 
   const ReferenceMesh& mesh_;
-  std::vector<char> is_taken_;  // of each face
+  std::vector<char> is_taken_;  // per face
   std::vector<std::uint32_t> taken_;
   std::vector<NearFace> near_;
   std::vector<TriangleBatch> triangles_;
   float widest_ = 0.0F;  // radius of the widest face in near_
-  // One triangle's state.
+  // State of the current triangle.
   float wanted_ = 0.0F, useful_ = 0.0F;
-  float at_least_ = 0.0F;  // no bound is smaller: the distance of some point of the triangle
-  float bound_ = 0.0F;     // of the pieces that are done
+  float at_least_ = 0.0F;  // lower limit of every bound: the distance of some point of the triangle
+  float bound_ = 0.0F;     // maximum over the pieces that are done
   std::size_t pieces_left_ = 0;
-  std::vector<std::uint32_t> candidates_;  // into near_; a stack: a piece's from some index on, then those of its parts
+  // indices into near_, as a stack: those of a piece start at some index, followed by those of its parts
+  std::vector<std::uint32_t> candidates_;
 };
 
 }  // namespace occlod

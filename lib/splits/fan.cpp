@@ -6,7 +6,7 @@
 namespace occlod {
 namespace {
 
-// As in collapse_rules.cpp.
+// Same value as in collapse_rules.cpp.
 constexpr float min_cos_turn = 0.25F;
 constexpr float min_sin2_corner = 1e-11F;
 
@@ -42,7 +42,7 @@ VertexQuadric Fan::quadric() const {
   for (std::size_t i = 0; i < size_; ++i) {
     const float twice_area = std::sqrt(area2_[i]);
     if (!(twice_area > 0.0F)) continue;
-    const float inverse = 1.0F / twice_area;  // unit normals, weighted by area
+    const float inverse = 1.0F / twice_area;  // normals have unit length, weighted by area
     const float x = normal_x_[i], y = normal_y_[i], z = normal_z_[i];
     q.xx += x * x * inverse, q.xy += x * y * inverse, q.xz += x * z * inverse;
     q.yy += y * y * inverse, q.yz += y * z * inverse, q.zz += z * z * inverse;
@@ -58,7 +58,7 @@ glm::vec3 Fan::normal_sum() const {
 }
 
 std::span<float> Fan::costs(const VertexQuadric& quadric) {
-  const VertexQuadric q = quadric;  // no alias of the rows
+  const VertexQuadric q = quadric;  // a copy cannot alias the rows
   const float inverse = q.inverse_weight(), order = q.order();
   const float bx = 2.0F * q.b.x, by = 2.0F * q.b.y, bz = 2.0F * q.b.z;
   const std::size_t n = columns();
@@ -72,8 +72,8 @@ std::span<float> Fan::costs(const VertexQuadric& quadric) {
   return {costs_.data(), size_};
 }
 
-// The vertex is inside the surface, so its link is the ring, and only the plain link condition is left: the ring meets
-// the link of ring_[i] in the two corners beside it, and in no edge.
+// The vertex is inside the surface, so its link is the ring and only the plain link condition is left: the ring must
+// meet the link of ring_[i] in exactly the two corners beside it, and in no edge.
 bool Fan::keeps_topology(const StarMesh& mesh, std::size_t i) const {
   const VertexId u = ring_[i];
   const Star star = mesh.star(u);
@@ -114,7 +114,7 @@ bool Fan::keeps_orientation(std::size_t i) const {
     const std::int32_t counts = area2_[k] == 0.0F ? 0 : 1;
     fails[k] = (turns | far | flat) & counts;
   }
-  fails[i] = fails[before(i)] = 0;  // these end
+  fails[i] = fails[before(i)] = 0;  // these two faces vanish
   std::int32_t fail = 0;
   for (std::size_t k = 0; k < n; ++k) fail |= fails[k];
   return fail == 0;

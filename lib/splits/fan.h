@@ -1,4 +1,4 @@
-// Quadric error of planes (Garland & Heckbert 1997), weighted by area, around the vertex itself.
+// Quadric error of planes (Garland & Heckbert 1997), weighted by area and centred on the vertex itself.
 #pragma once
 
 #include <algorithm>
@@ -14,31 +14,31 @@
 
 namespace occlod {
 
-// The sum over planes of weight * distance^2 at position + x, as x^T A x + 2 b^T x + c. Being centred on the vertex,
-// all numbers are of the size of its neighbourhood, so single precision holds them: the error of a distance is some
-// 1e-4 of the length of the edge it is taken over.
+// Represents the sum over planes of weight * distance^2 at position + x, as x^T A x + 2 b^T x + c. Because it is
+// centred on the vertex, all numbers have the magnitude of its neighbourhood and single precision is enough: the error
+// of a distance is about 1e-4 of the length of the edge over which it is taken.
 struct VertexQuadric {
   float xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
   glm::vec3 b{0.0F};
   float c = 0;
-  float weight = 0;  // sum of the weights of surface planes; those that hold boundaries do not count
+  float weight = 0;  // sum of the weights of surface planes; boundary planes do not count
 
-  // A plane through the vertex.
+  // Adds a plane through the vertex.
   void add_plane(const glm::vec3& normal, float plane_weight) {
     const glm::vec3 n = plane_weight * normal;
     xx += n.x * normal.x, xy += n.x * normal.y, xz += n.x * normal.z;
     yy += n.y * normal.y, yz += n.y * normal.z, zz += n.z * normal.z;
   }
 
-  // Of two collapses of equal quadric error the shorter goes first: on flat surface, where every error is zero, this
-  // keeps triangles well shaped.
+  // Orders collapses of equal quadric error by edge length: on a flat surface, where every error is zero, this keeps
+  // triangles well shaped.
   static constexpr float edge_length_weight = 1e-8F;
   [[nodiscard]] float inverse_weight() const { return weight > 0.0F ? 1.0F / weight : 0.0F; }
-  // Collapses are ordered by this times their mean square: half-way, in powers of the weight, between the mean and the
-  // sum of squares. The mean spends triangles on small features, the sum loses them; see
+  // Collapses are ordered by this factor times their mean square error: in powers of the weight, half-way between the
+  // mean and the sum of squares. The mean spends triangles on small features, the sum loses them; see
   // docs/decisions/010-between_mean_and_sum_of_squares.md.
   [[nodiscard]] float order() const { return std::sqrt(weight); }
-  // What merging the vertex into the one at position + x costs.
+  // Returns the cost of merging the vertex into the one at position + x.
   [[nodiscard]] float cost(const glm::vec3& x) const {
     return order() * (mean_square(x) + edge_length_weight * glm::dot(x, x));
   }
@@ -47,7 +47,7 @@ struct VertexQuadric {
     return {xx * x.x + xy * x.y + xz * x.z, xy * x.x + yy * x.y + yz * x.z, xz * x.x + yz * x.y + zz * x.z};
   }
   [[nodiscard]] float sum_at(const glm::vec3& x) const { return glm::dot(x, times(x) + 2.0F * b) + c; }
-  // The mean square distance at position + x; 0 when no surface was added.
+  // Returns the mean squared distance at position + x; 0 when no surface was added.
   [[nodiscard]] float mean_square(const glm::vec3& x) const {
     return weight > 0.0F ? std::max(sum_at(x), 0.0F) / weight : 0.0F;
   }
@@ -61,54 +61,56 @@ struct VertexQuadric {
   }
 };
 
-// The fast path for the usual vertex: one closed fan of faces, all wound alike, none at a feature edge.
+// Handles the most common vertex fast: one closed fan of faces, all wound alike, none at a feature edge.
 
-// The ring of neighbours of such a vertex, in order, and what its collapses have in common. Positions are relative to
-// the vertex. Loops run over arrays of one coordinate each, filled up to a multiple of four, so that they vectorize.
+// Holds the ring of neighbours of such a vertex, in order, and the data that its collapses share. Positions are
+// relative to the vertex. Each coordinate has its own array, padded to a multiple of four, so that loops vectorize.
 class Fan {
  public:
   static constexpr std::size_t max_neighbours = 24;
 
-  // False when the star of v is no ring, or too large; nothing else may be asked then.
+  // Returns false when the star of v is not such a ring, or is too large; then no other member may be called.
   [[nodiscard]] bool gather(const StarMesh& mesh, VertexId v);
-  // After gather(): where the neighbours are; position_of(w) is a glm::vec3.
+  // Stores the positions of the neighbours, after gather(); position_of(w) returns a glm::vec3.
   template <typename PositionOf>
   void measure_offsets(const PositionOf& position_of);
-  // After measure_offsets(): the normals of the fan.
+  // Computes the normals of the fan, after measure_offsets().
   void measure_normals();
 
   [[nodiscard]] VertexId vertex() const noexcept { return vertex_; }
   [[nodiscard]] std::size_t size() const noexcept { return size_; }
   [[nodiscard]] std::span<const VertexId> ring() const noexcept { return {ring_.data(), size_}; }
 
-  // After measure_normals(): the planes of its faces, weighted by area.
+  // Returns the quadric of the fan's planes, weighted by area, after measure_normals().
   [[nodiscard]] VertexQuadric quadric() const;
-  // After measure_normals(): twice the area of each face along its normal, all together.
+  // Returns the sum over the faces of their normals times twice their area, after measure_normals().
   [[nodiscard]] glm::vec3 normal_sum() const;
-  // After measure_offsets(): where ring()[i] is from the vertex.
+  // Returns ring()[i] minus the vertex's position, after measure_offsets().
   [[nodiscard]] glm::vec3 offset(std::size_t i) const noexcept { return {x_[i], y_[i], z_[i]}; }
-  // After measure_offsets(): the cost of merging the vertex, whose quadric is given, into each of its neighbours.
+  // Returns the cost of merging the vertex, whose quadric is given, into each of its neighbours, after
+  // measure_offsets().
   [[nodiscard]] std::span<float> costs(const VertexQuadric& quadric);
 
-  // The same two questions that collapse_rules.h answers for any star, for merging v into ring()[i]; change_bound.h's
-  // is answered by FanMovements.
+  // Answers, for merging v into ring()[i], the two questions that collapse_rules.h answers for any star. FanMovements
+  // computes the bound of ChangeBound.
   [[nodiscard]] bool keeps_topology(const StarMesh& mesh, std::size_t i) const;
   [[nodiscard]] bool keeps_orientation(std::size_t i) const;
 
  private:
-  using Row = std::array<float, max_neighbours + 4>;  // a column for each neighbour; the first once more at the end
+  using Row = std::array<float, max_neighbours + 4>;  // one column per neighbour; the first is repeated at the end
 
   [[nodiscard]] std::size_t after(std::size_t i) const noexcept { return i + 1 == size_ ? 0 : i + 1; }
   [[nodiscard]] std::size_t before(std::size_t i) const noexcept { return i == 0 ? size_ - 1 : i - 1; }
-  [[nodiscard]] std::size_t columns() const noexcept { return padded_ & ~std::size_t{3}; }  // so that compilers know
+  // the mask shows compilers a multiple of four
+  [[nodiscard]] std::size_t columns() const noexcept { return padded_ & ~std::size_t{3}; }
 
   VertexId vertex_ = no_id;
   std::size_t size_ = 0;
   std::size_t padded_ = 0;  // size_, rounded up to a multiple of four
   std::array<VertexId, max_neighbours> ring_{};
   alignas(16) Row x_{}, y_{}, z_{};                       // ring()[i] - v
-  alignas(16) Row normal_x_{}, normal_y_{}, normal_z_{};  // of the face between ring i and its next, twice its area
-  alignas(16) Row area2_{};                               // their squared lengths
+  alignas(16) Row normal_x_{}, normal_y_{}, normal_z_{};  // of the face between ring i and i + 1, twice its area long
+  alignas(16) Row area2_{};                               // squared lengths of these normals
   alignas(16) Row costs_{};
 };
 
@@ -128,31 +130,32 @@ void Fan::measure_offsets(const PositionOf& position_of) {
   }
 }
 
-// How far the collapses of many fans move the surface: the bound of change_bound.h, a fan to a lane.
+// Bounds how far the collapses of many fans move the surface: the bound of ChangeBound, with one fan per SIMD lane.
 
-// Fans with equally many corners, each with the corner that its vertex is merged into.
+// Holds fans with equally many corners, each with the corner into which its vertex is merged.
 class FanMovements {
  public:
-  static constexpr std::size_t capacity = 16;  // fans
+  static constexpr std::size_t capacity = 16;  // number of fans
   template <class T>
   using PerFan = std::array<T, capacity>;
 
   [[nodiscard]] std::size_t size() const noexcept { return size_; }
   void clear() noexcept { size_ = 0; }
-  // Another one, to merge its vertex into its corner i. After Fan::measure_normals(). Precondition: there is room, and
+  // Adds a fan whose vertex is merged into its corner i, after Fan::measure_normals(). Precondition: there is room, and
   // it has as many corners as the others.
   void add(const Fan& fan, std::size_t i);
 
-  // Of each fan, in the units of its offsets. The same bits with every instruction set and whatever else is here.
+  // Returns the bound of each fan, in the units of its offsets. The bits are the same with every instruction set and do
+  // not depend on the other fans.
   [[nodiscard]] PerFan<float> bounds() const;
 
-  // For bounds(). Relative to the vertex, in ring order, beginning with the one that it is merged into.
+  // Input of bounds(): corners relative to the vertex, in ring order, beginning with the one into which it is merged.
   struct Corners {
     alignas(64) std::array<PerFan<float>, Fan::max_neighbours> x, y, z;
     alignas(64) PerFan<float> normal_x, normal_y, normal_z;  // Fan::normal_sum()
   };
   [[nodiscard]] const Corners& corners() const noexcept { return corners_; }
-  [[nodiscard]] std::size_t corner_count() const noexcept { return corner_count_; }  // of each fan
+  [[nodiscard]] std::size_t corner_count() const noexcept { return corner_count_; }  // per fan
 
  private:
   Corners corners_{};

@@ -29,8 +29,8 @@ HWY_INLINE FanVec dot(FanVec ax, FanVec ay, FanVec az, FanVec bx, FanVec by, Fan
   return hn::Add(hn::Add(hn::Mul(ax, bx), hn::Mul(ay, by)), hn::Mul(az, bz));
 }
 
-// Fans in frames along their mean normals. Their apices are the origin, new triangles are (0, k, k + 1), and heights
-// are linear over each triangle.
+// Represents fans in frames along their mean normals. Their apices are the origin, new triangles are (0, k, k + 1), and
+// heights are linear over each triangle.
 class Overlay {
  public:
   HWY_INLINE Overlay(const FanMovements& fans, std::size_t i) : n_(fans.corner_count()) {
@@ -41,7 +41,7 @@ class Overlay {
     make_diagonals();
   }
 
-  // See change_bound.h.
+  // Computes the bound described at ChangeBound in collapse_rules.h.
   HWY_INLINE FanVec bound() const {
     const FanVec slide = hn::Mul(hn::Sqrt(slide2_), set(round_up));
     FanVec home, gap;
@@ -58,7 +58,7 @@ class Overlay {
   [[nodiscard]] HWY_INLINE FanVec get(const PerFan& row) const { return hn::LoadU(Fans(), row.data()); }
   HWY_INLINE void put(FanVec values, PerFan& row) { hn::StoreU(values, Fans(), row.data()); }
 
-  // Two axes that with the normal make an orthonormal frame (Duff et al. 2017).
+  // Computes two axes that form an orthonormal frame with the normal (Duff et al. 2017).
   HWY_INLINE void project(const FanMovements::Corners& corners, std::size_t i, FanVec nx, FanVec ny, FanVec nz) {
     const FanVec one = set(1.0F), sign = hn::CopySign(one, nz);
     const FanVec a = hn::Div(set(-1.0F), hn::Add(sign, nz)), b = hn::Mul(hn::Mul(nx, ny), a);
@@ -77,7 +77,7 @@ class Overlay {
     }
   }
 
-  // side: negative where the apex is on the left of the diagonal from corner 0 to k.
+  // Computes the diagonals from corner 0 to k; `side` is negative where the apex is on the left of one.
   HWY_INLINE void make_diagonals() {
     const FanVec x0 = get(x_[0]), y0 = get(y_[0]);
     for (std::size_t k = 0; k < n_; ++k) {
@@ -88,7 +88,7 @@ class Overlay {
     }
   }
 
-  // Both fans must cover the polygon once. An old face may be perpendicular.
+  // Returns whether both fans cover the polygon once. An old face may be perpendicular.
   HWY_INLINE FanMask covers_once() const {
     const FanVec smallest = hn::Mul(set(1e-6F), length_), least = hn::Neg(smallest);
     FanMask covers = hn::Ge(length_, hn::Zero(Fans()));
@@ -105,7 +105,7 @@ class Overlay {
     return difference(get(dx_[k]), get(dy_[k + 1]), get(dy_[k]), get(dx_[k + 1]));
   }
 
-  // The new triangle above or below the apex, and the distance between them. False when rounding leaves none.
+  // Finds the new triangle above or below the apex, and the distance between them. False where rounding leaves none.
   HWY_INLINE FanMask find_home(FanVec& home, FanVec& gap) const {
     const FanVec zero = hn::Zero(Fans()), h0 = get(height_[0]);
     home = gap = zero;
@@ -121,7 +121,8 @@ class Overlay {
     return found;
   }
 
-  // The largest distance where old spokes cross new diagonals: those to corners beyond the diagonal do.
+  // Returns the largest height at crossings of old spokes with new diagonals: spokes to corners beyond a diagonal cross
+  // it.
   HWY_INLINE FanVec at_crossings(FanVec home) const {
     const FanVec x0 = get(x_[0]), y0 = get(y_[0]), h0 = get(height_[0]);
     FanVec largest = hn::Zero(Fans());
@@ -134,7 +135,7 @@ class Overlay {
         const FanVec det = difference(jx, y, jy, x), along_new = difference(y0, x, x0, y);
         const FanVec above = hn::Div(difference(along_old, get(height_[k]), along_new, rise), det);
         const FanVec gap = hn::Abs(hn::Sub(above, h0));
-        // Within both lines, but for rounding.
+        // The crossing must lie within both segments, up to rounding.
         const FanVec reach = hn::Abs(det);
         const FanMask crosses = hn::And(hn::Le(hn::Abs(along_new), reach), hn::Le(hn::Abs(along_old), reach));
         const FanMask is_beyond = k < j ? is_before_home : hn::Not(is_before_home);
@@ -150,8 +151,8 @@ class Overlay {
   using Row = std::array<PerFan, Fan::max_neighbours>;
 
   std::size_t n_;
-  FanVec length_;           // of the sum of normals
-  FanVec slide2_, reach2_;  // squared distances of corner 0 and of the farthest
+  FanVec length_;           // length of the sum of normals
+  FanVec slide2_, reach2_;  // squared distances of corner 0 and of the farthest corner
   Row x_, y_, height_, dx_, dy_, side_;
 };
 

@@ -36,12 +36,12 @@ HWY_INLINE FanVec difference(FanVec a, FanVec b, FanVec c, FanVec d) { return hn
 HWY_INLINE Vectors cross(const Vectors& a, const Vectors& b) {
   return {difference(a.y, b.z, b.y, a.z), difference(a.z, b.x, b.z, a.x), difference(a.x, b.y, b.x, a.y)};
 }
-// As std::min and std::max, zeros of either sign included.
+// Match std::min and std::max, including zeros of either sign.
 HWY_INLINE FanVec min(FanVec a, FanVec b) { return hn::IfThenElse(hn::Lt(b, a), b, a); }
 HWY_INLINE FanVec max(FanVec a, FanVec b) { return hn::IfThenElse(hn::Lt(a, b), b, a); }
 HWY_INLINE FanVec middle(FanVec low, FanVec high) { return hn::Add(hn::Mul(set(0.5F), low), hn::Mul(set(0.5F), high)); }
 
-// The fans of some lanes.
+// Bounds one fan per SIMD lane.
 class Bounder {
  public:
   HWY_INLINE Bounder(const FanPatches& fans, std::size_t i)
@@ -126,7 +126,7 @@ class Bounder {
     store(hn::Add(hn::Sqrt(sin2), slack), results.sin_angle, i_);
   }
 
-  // Of the triangle from apex to two corners; zero where it is not there.
+  // Adds the normal of the triangle from apex to two corners; zero where it does not exist.
   HWY_INLINE void add_normal(std::size_t k, const Vectors& apex, const Vectors& corner, const Vectors& next,
                              FanMask is_there) {
     const Vectors a = corner - apex, b = next - apex;

@@ -114,32 +114,33 @@ float down(double x) {
 }
 float up(double x) { return -down(-x); }
 
-// Step q of the range [middle - half, middle + half], before rounding to single precision.
+// Returns step q of the range [middle - half, middle + half], before rounding to single precision.
 double step_of(double middle, double half, std::uint16_t q) { return middle + (2.0 * q / steps - 1.0) * half; }
-// Step q of [0, end].
+// Returns step q of [0, end].
 double step_of(double end, std::uint16_t q) { return end * (q / steps); }
 
 float unpack_cos(std::uint16_t cone_cos) {
   return cone_cos == 0 ? -1.0F : static_cast<float>(cone_cos) * static_cast<float>(1.0 / steps);
 }
 
-// Truncates: steps are not negative.
+// Truncates, because steps are not negative.
 std::uint16_t clamped(double q) { return static_cast<std::uint16_t>(std::clamp(q, 0.0, steps)); }
 
-// Where x lies in the range, in steps. Wrong by rounding by far less than step_slack: differences of single-precision
-// numbers are exact in double precision, or the range is smaller than the last place of what it unpacks to.
+// Returns where x lies in the range, in steps. The rounding error is far below step_slack: either differences of
+// single-precision numbers are exact in double precision, or the range is smaller than the last place of the unpacked
+// value.
 double steps_to(double middle, double half, float x) {
   return ((static_cast<double>(x) - middle) / half + 1.0) * (0.5 * steps);
 }
 constexpr double step_slack = 1e-6;
 
-// The last step that unpacks to no more than x, or one before it.
+// Returns the last step that unpacks to at most x, or the one before it.
 std::uint16_t pack_down(double middle, double half, float x) {
   const std::uint16_t q = half > 0.0 ? clamped(steps_to(middle, half, x) - step_slack) : std::uint16_t{0};
   assert(down(step_of(middle, half, q)) <= x);
   return q;
 }
-// The first that unpacks to no less, or one after it.
+// Returns the first step that unpacks to at least x, or the one after it.
 std::uint16_t pack_up(double middle, double half, float x) {
   const std::uint16_t q = half > 0.0 ? clamped(steps_to(middle, half, x) + step_slack + 1.0) : std::uint16_t{65535};
   assert(up(step_of(middle, half, q)) >= x);
@@ -148,8 +149,8 @@ std::uint16_t pack_up(double middle, double half, float x) {
 
 }  // namespace
 
-// Octahedral: the direction is projected onto |x| + |y| + |z| = 1, whose lower half is folded over the diagonals
-// (Meyer et al. 2010, "On floating-point normal vectors").
+// Encodes the direction octahedrally: projects it onto |x| + |y| + |z| = 1, whose lower half is folded over the
+// diagonals (Meyer et al. 2010, "On floating-point normal vectors").
 void PackedBounds::set_axis(const glm::vec3& direction) {
   const glm::dvec3 n =
       glm::dvec3(direction) / (std::abs(static_cast<double>(direction.x)) + std::abs(static_cast<double>(direction.y)) +
@@ -179,7 +180,7 @@ void PackedBounds::set_cone(float cos_angle) {
     return;
   }
   cone_cos = clamped(static_cast<double>(cos_angle) * steps);
-  if (cone_cos > 0 && unpack_cos(cone_cos) > cos_angle) --cone_cos;  // unpacked with a rounding of its own
+  if (cone_cos > 0 && unpack_cos(cone_cos) > cos_angle) --cone_cos;  // unpacking rounds as well
 }
 
 NormalCone PackedBounds::cone() const noexcept { return {unpack_axis(), unpack_cos(cone_cos)}; }

@@ -1,4 +1,4 @@
-// The arrays of a hierarchy where they are built.
+// Holds the arrays of a hierarchy during building.
 #pragma once
 
 #include <atomic>
@@ -15,7 +15,7 @@
 
 namespace occlod {
 
-// The fields of a HierarchyView.
+// Owns the arrays that a HierarchyView refers to.
 struct HierarchyData {
   UninitializedVector<glm::vec3> positions;
   UninitializedVector<glm::vec3> normals;
@@ -41,13 +41,13 @@ struct HierarchyData {
 };
 
 [[nodiscard]] HierarchyView view_of(const HierarchyData& data);
-// Takes arrays whose sizes and indices fit together.
+// Makes a hierarchy from arrays whose sizes and indices are consistent.
 [[nodiscard]] Hierarchy make_hierarchy(HierarchyData data);
 [[nodiscard]] HierarchyData copy_data(const Hierarchy& hierarchy);
 
 // Lets a hierarchy be used before all of it has been read: each block of splits is checked when it is first needed.
 
-// Blocks are runs of splits. Any number of threads may ask.
+// Checks blocks, which are runs of splits. Thread-safe.
 class SplitGuard {
  public:
   static constexpr std::uint32_t block_bits = 10;
@@ -58,14 +58,14 @@ class SplitGuard {
   SplitGuard& operator=(const SplitGuard&) = delete;
   virtual ~SplitGuard() = default;
 
-  // Throws Error when the block is damaged, and marks it as checked otherwise.
+  // Marks the block as checked, or throws Error when it is damaged.
   void check(std::size_t block) {
     check_block(block);
     checked_[block].store(true, std::memory_order_release);
   }
 
   [[nodiscard]] std::size_t block_count() const noexcept { return checked_.size(); }
-  // By block: what has been checked may be used by whoever has seen the mark.
+  // Returns one flag per block; a thread that has seen the flag set may use the block's data.
   [[nodiscard]] const std::atomic<bool>* checked() const noexcept { return checked_.data(); }
 
  private:
@@ -74,7 +74,7 @@ class SplitGuard {
   std::vector<std::atomic<bool>> checked_;
 };
 
-// Arrays that `owner` keeps alive, of which `guard` checks each block before it is used for the first time.
+// Makes a hierarchy from arrays that `owner` keeps alive and of which `guard` checks each block before its first use.
 [[nodiscard]] Hierarchy guarded_hierarchy(const HierarchyView& view, std::shared_ptr<const void> owner,
                                           std::shared_ptr<SplitGuard> guard);
 

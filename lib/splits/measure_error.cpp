@@ -20,14 +20,14 @@
 namespace occlod {
 namespace {
 
-// An input mesh cut into small cells, each around one sample point.
+// Cuts an input mesh into small cells, each around one sample point.
 
 using SampleId = std::uint32_t;
 
-// The cell of a vertex is its share of its triangles: of each, the quadrilateral between the vertex, the middles of
-// two edges and the centroid. Triangles with an edge longer than a limit are cut into a regular lattice of small ones
-// instead, each a cell around its own centroid. The limit is as small as leaves at most an eighth as many lattice cells
-// as there are triangles. Keeps views of mesh and levels.
+// The cell of a vertex is its share of its triangles: in each, the quadrilateral between the vertex, the midpoints of
+// two edges and the centroid. Triangles with an edge longer than a limit are instead cut into a regular lattice of
+// small triangles, each a cell around its own centroid. The limit is the smallest that keeps the number of lattice
+// cells at most an eighth of the number of triangles. Keeps references to mesh and levels.
 class SurfaceSamples {
  public:
   SurfaceSamples(const TriangleMesh& mesh, const LevelFaces& levels);
@@ -36,10 +36,10 @@ class SurfaceSamples {
   [[nodiscard]] glm::vec3 point(SampleId s) const noexcept {
     return s < mesh_.vertex_count() ? mesh_.positions[s] : lattice_[s - mesh_.vertex_count()].point;
   }
-  // The cell lies in the ball of this radius round the point. Negative: the vertex has no cell.
+  // Returns the radius of a ball around the point that contains the cell. Negative: the vertex has no cell.
   [[nodiscard]] float radius(SampleId s) const noexcept { return radii_[s]; }
   [[nodiscard]] float max_radius() const noexcept { return max_radius_; }
-  // One face of the input for every sample that has a cell; it holds the point. Calls put(face, sample).
+  // Calls put(face, sample) for every sample that has a cell, with one face of the input that contains the point.
   template <typename Put>
   void place(const Put& put) const;
   // Appends the corners of the cell's convex pieces: no point of the cell is farther from a triangle than they are.
@@ -48,7 +48,7 @@ class SurfaceSamples {
  private:
   struct LatticeCell {
     FaceId face;
-    std::uint32_t number;  // in the lattice of its triangle, row by row
+    std::uint32_t number;  // index in the lattice of its triangle, row by row
     glm::vec3 point;
   };
   using Corners = std::array<glm::vec3, 3>;
@@ -62,9 +62,9 @@ class SurfaceSamples {
 
   const TriangleMesh& mesh_;
   const LevelFaces& levels_;
-  float limit_ = 0.0F;  // longest edge of a triangle that is shared out among its corners
+  float limit_ = 0.0F;  // longest edge of a triangle that is divided among its corners
   std::vector<std::uint32_t> first_star_;
-  std::vector<std::uint32_t> stars_;  // the shared triangles at each vertex
+  std::vector<std::uint32_t> stars_;  // the divided triangles at each vertex
   std::vector<LatticeCell> lattice_;
   std::vector<float> radii_;
   float max_radius_ = 0.0F;
@@ -86,7 +86,7 @@ void SurfaceSamples::place(const Put& put) const {
 }
 
 constexpr float round_up = 1.0F + 1e-5F;
-constexpr double max_lattice_cells = 1.0 / 8.0;  // of the number of triangles
+constexpr double max_lattice_cells = 1.0 / 8.0;  // as a fraction of the number of triangles
 
 glm::vec3 centroid(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
   return a + ((b - a) + (c - a)) * (1.0F / 3.0F);
@@ -118,7 +118,7 @@ std::uint32_t SurfaceSamples::divisions(const Triangle& t) const {
   return static_cast<std::uint32_t>(std::ceil(longest_edge(t) / limit_));
 }
 
-// Starts at the root mean square of the longest edges: few lattices on an even mesh.
+// Starts at the root mean square of the longest edges, so that an even mesh gets few lattices.
 void SurfaceSamples::choose_limit() {
   std::vector<float> lengths;
   lengths.reserve(mesh_.triangle_count());
@@ -166,7 +166,8 @@ void SurfaceSamples::add_lattices() {
   }
 }
 
-// Row i of the lattice, i = 0 at corner x, has 2 i + 1 triangles, every other one upside down: i^2 lie before it.
+// Returns the corners of one lattice triangle. Row i, with i = 0 at corner x, has 2 i + 1 triangles, every other one
+// upside down; i^2 triangles lie before it.
 SurfaceSamples::Corners SurfaceSamples::lattice_corners(const Triangle& t, std::uint32_t number) const {
   const auto row = static_cast<std::uint32_t>(std::sqrt(static_cast<double>(number)));
   const std::uint32_t column = number - row * row;
@@ -197,19 +198,20 @@ void SurfaceSamples::append_corners(SampleId s, std::vector<glm::vec3>& out) con
   }
 }
 
-// How far the input is from any cut: one half of the guaranteed error.
+// Bounds the distance of the input from any cut: one half of the guaranteed error.
 
-// Every cell of the input (surface_samples.h) is, in every cut, the charge of exactly one face: it starts with one that
-// holds its sample, and when a collapse ends that face the nearest of those that the collapse makes takes over.
+// In every cut, each cell of the input (see SurfaceSamples) is assigned to exactly one face. It starts with a face that
+// contains its sample; when a collapse ends that face, the nearest of the faces that the collapse makes takes over.
 struct ForwardErrors {
-  std::vector<float> errors;  // for each collapse a bound on the distance of every cell that faces made by it are
-                              // charged with from the face; at least `floor`
-  float floor = 0.0F;         // more than cells are away from the faces of the input that they start with
+  // per collapse: a bound on the distance between the faces that it made and every cell assigned to them; at least
+  // `floor`
+  std::vector<float> errors;
+  float floor = 0.0F;  // exceeds the distance of any cell from the input face it starts with
 };
 [[nodiscard]] ForwardErrors forward_errors(const TriangleMesh& mesh, const LevelFaces& levels);
 
-// The floor in radii of the widest cell, at least 1. A cell that hangs over the edge of its face counts as away from it
-// although another face is right there: errors about as small as cells are wide cannot be measured like this.
+// The floor in radii of the widest cell, at least 1. A cell that extends over the edge of its face counts as away from
+// it although another face is right there, so errors of about the cell size cannot be measured like this.
 constexpr float floor_in_radii = 1.25F;
 
 class ForwardPass {
@@ -250,7 +252,7 @@ class ForwardPass {
     head = no_id;
   }
 
-  // Into orphans_: what was charged to the faces that collapse c ends and to the vertex that it removes.
+  // Moves into orphans_ the samples assigned to the faces that collapse c ends and to the vertex that it removes.
   void take_charges(CollapseIndex c) {
     orphans_.clear();
     for (FaceId f = levels_.first_ended(c); f < levels_.first_ended(c + 1); ++f) take(charge_of_face_[f]);
@@ -264,13 +266,13 @@ class ForwardPass {
       for (int k = 0; k < 3; ++k) ++faces_at_[levels_.corners(f)[k]];
   }
 
-  // Returns how far the cells are from what they are charged to now.
+  // Assigns the orphans to new faces. Returns the largest distance of a cell from the face to which it is now assigned.
   float hand_on(CollapseIndex c, float floor) {
     if (orphans_.empty()) return 0.0F;
     const std::span<const FaceId> made = levels_.made(c);
     if (made.empty()) return hand_to_vertex(c);
     find_nearest(made);
-    // The farthest sample first: few cells can be farther away than its own.
+    // Starts with the farthest sample, because few cells can extend farther than its own.
     const auto farthest =
         static_cast<std::size_t>(std::max_element(squares_.begin(), squares_.end()) - squares_.begin());
     float error = std::max(floor, cell_distance(farthest));
@@ -283,8 +285,8 @@ class ForwardPass {
     return error;
   }
 
-  // An ear of a boundary, or two faces that cancel out: vertex u is still there as long as nothing removes it. Where
-  // it has no face left its component has vanished, and with it the cells.
+  // Assigns the orphans to vertex u, at an ear of a boundary or where two faces cancel out: u exists as long as nothing
+  // removes it. Where u has no face left, its component has vanished, and the cells with it.
   float hand_to_vertex(CollapseIndex c) {
     const VertexId u = levels_.collapse(c).u;
     float error = levels_.collapse(c).moved;
@@ -317,7 +319,7 @@ class ForwardPass {
     return (distance + triangle.rounding(distance)) * round_up;
   }
 
-  // Of the k-th orphan's whole cell.
+  // Returns the distance of the k-th orphan's whole cell.
   float cell_distance(std::size_t k) {
     const TriangleBatch& triangle = triangles_[chosen_[k]];
     corners_.clear();
@@ -330,13 +332,13 @@ class ForwardPass {
   const TriangleMesh& mesh_;
   const LevelFaces& levels_;
   SurfaceSamples samples_;
-  // Charges are lists of samples: one a face and, where nothing else is left, one a vertex.
+  // Links the samples assigned to one face, or to one vertex where no face is left, into a list.
   std::vector<SampleId> next_;
   std::vector<SampleId> charge_of_face_;
   std::vector<SampleId> charge_of_vertex_;
-  std::vector<std::uint32_t> faces_at_;  // of each vertex
+  std::vector<std::uint32_t> faces_at_;  // per vertex
 
-  // Scratch: the samples that lose their face, and for each the nearest of the new ones.
+  // Scratch: the samples that lose their face, and for each the nearest of the new faces.
   std::vector<SampleId> orphans_;
   PointBatch points_;
   std::vector<float> squares_;
@@ -349,22 +351,22 @@ ForwardErrors forward_errors(const TriangleMesh& mesh, const LevelFaces& levels)
   return ForwardPass(mesh, levels).run();
 }
 
-// How far any cut is from the input: the other half of the guaranteed error.
+// Bounds the distance of any cut from the input: the other half of the guaranteed error.
 
-// For each collapse a bound on the distance of every point of the faces that it made from the input: that of the faces
-// that it ended and its own movement together, or where that is much more than `wanted` what is measured against a
-// finer mesh of the sequence.
+// Returns, for each collapse, a bound on the distance of every point of the faces that it made from the input: the
+// bound of the faces that it ended plus its own movement, or, where that is much more than `wanted`, the distance
+// measured against a finer mesh of the sequence.
 [[nodiscard]] std::vector<float> backward_errors(const TriangleMesh& mesh, const LevelFaces& levels,
                                                  std::span<const float> wanted);
 
 constexpr float round_sum_up = 1.0F + 1e-6F;
-// The sequence's meshes are kept at every halving of the number of faces, the latest of them.
+// Reference meshes are kept at every halving of the number of faces; only the latest of them stay.
 constexpr std::size_t max_references = 4;
-// Faces are measured against the coarsest that has so many times as many as there are now. Its errors add to what is
-// measured; finer ones are tighter and take longer.
+// Faces are measured against the coarsest reference that has at least this many times as many faces as the current
+// mesh. A reference's own errors add to the measured distance; finer references are tighter and take longer.
 constexpr std::size_t reference_ratio = 4;
-// What may be added up before a face is measured, and how closely it is measured then, beside what is wanted. The gap
-// lets several collapses pass before the next measurement.
+// Limit of what is accumulated before a face is measured, and precision of the measurement, both relative to `wanted`.
+// The gap lets several collapses pass before the next measurement.
 constexpr float tolerated = 1.5F;
 constexpr float goal = 0.9F;
 
@@ -427,8 +429,8 @@ class BackwardPass {
   const TriangleMesh& mesh_;
   const LevelFaces& levels_;
   std::span<const float> wanted_;
-  std::size_t faces_;         // of the mesh before the next collapse
-  std::size_t renew_at_ = 0;  // faces
+  std::size_t faces_;         // in the mesh before the next collapse
+  std::size_t renew_at_ = 0;  // number of faces
   std::vector<float> errors_;
   std::vector<std::unique_ptr<Reference>> references_;  // from fine to coarse
 };
@@ -437,7 +439,7 @@ std::vector<float> backward_errors(const TriangleMesh& mesh, const LevelFaces& l
   return BackwardPass(mesh, levels, wanted).run();
 }
 
-// No error is smaller than those of the collapses on which it stands.
+// Raises each error to at least those of the collapses on which it depends.
 std::vector<float> saturated(const LevelFaces& levels, std::vector<float> errors) {
   for (CollapseIndex c = 0; c < levels.collapse_count(); ++c)
     for (FaceId f = levels.first_ended(c); f < levels.first_ended(c + 1); ++f)
@@ -445,14 +447,14 @@ std::vector<float> saturated(const LevelFaces& levels, std::vector<float> errors
   return errors;
 }
 
-// What points made in single precision may be off, wherever the mesh is.
+// Bounds the rounding error of points computed in single precision, wherever the mesh is.
 float position_rounding(const TriangleMesh& mesh) {
   float largest = 0.0F;
   for (const glm::vec3& p : mesh.positions) largest = std::max({largest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
   return 16.0F * std::numeric_limits<float>::epsilon() * largest;
 }
 
-// Of a mesh and a sequence in units in which squares stay in range.
+// Measures a mesh and a sequence whose units keep squares in range.
 void measure_scaled(const TriangleMesh& mesh, CollapseSequence& sequence) {
   const LevelFaces levels(sequence);
   const ForwardErrors forward = forward_errors(mesh, levels);

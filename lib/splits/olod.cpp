@@ -26,7 +26,7 @@ class Digest {
   void add(std::span<const T> values) {
     XXH3_64bits_update(&state_, values.data(), values.size_bytes());
   }
-  // Attributes may be absent.
+  // Adds a range of an array to the digest; attribute arrays may be empty.
   template <typename T>
   void add(std::span<const T> values, std::size_t first, std::size_t count) {
     if (!values.empty()) add(values.subspan(first, count));
@@ -47,7 +47,7 @@ void add_wedges(const HierarchyView& view, std::size_t first, std::size_t count,
 
 std::size_t split_count(const HierarchyView& view) { return view.nodes.size() - 1; }
 
-// Vertices and their extra wedges, which ascend with them.
+// Adds vertices and their extra wedges, which are sorted by vertex.
 void add_vertices(const HierarchyView& view, std::size_t first, std::size_t count, Digest& digest) {
   add_wedges(view, first, count, digest);
   const WedgeRange extra = extra_wedges_of(view, first, count);
@@ -127,7 +127,7 @@ class FileGuard final : public SplitGuard {
   std::span<const std::uint64_t> digests_;
 };
 
-// What a hierarchy in a file keeps alive.
+// Keeps alive what a hierarchy in a file refers to.
 struct Owner {
   std::shared_ptr<const SectionReader> reader;
   Materials materials;
@@ -171,7 +171,7 @@ namespace {
 using namespace olod;
 using namespace sections;
 
-// That of the base mesh, then those of the blocks.
+// Returns the digest of the base mesh, then those of the blocks.
 std::vector<std::uint64_t> digests_of(const HierarchyView& view) {
   std::vector<std::uint64_t> digests{digest_of_base(view)};
   for (std::size_t block = 0; range_of_block(view, block).first < view.nodes.size() - 1; ++block)

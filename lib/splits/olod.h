@@ -1,4 +1,4 @@
-// The parts that writing and reading .olod files share.
+// Declares what the writer and the reader of .olod files share.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,7 @@
 
 namespace occlod::olod {
 
-// Of files without texture coordinates, materials and seams.
+// Version of files without texture coordinates, materials and seams.
 inline constexpr std::uint32_t plain_version = 2;
 
 // The carriage returns and the end-of-file byte reveal a transfer in text mode, as in PNG.
@@ -23,7 +23,7 @@ inline constexpr sections::FileKind file_kind{
     {'O', 'L', 'O', 'D', '\r', '\n', '\x1a', '\n'}, olod_version, ".olod", "make one with 'occlod build'",
     "build it again with 'occlod build'",           plain_version};
 
-// Everything in a hierarchy that is not an array.
+// Holds everything in a hierarchy that is not an array.
 struct Summary {
   Box box;
   std::uint64_t input_triangle_count = 0;
@@ -35,7 +35,7 @@ static_assert(sizeof(Summary) == 48);
 
 inline constexpr std::string_view summary_name = "INFO", digests_name = "BLOK";
 
-// Calls visit(name, array, has_blocks) for every array of a hierarchy: the one list of what a file holds. Those with
+// Calls visit(name, array, has_blocks) for every array of a hierarchy: the one list of what a file holds. Arrays with
 // blocks are checked block by block.
 template <typename View, typename Visit>
 void for_each_array(View& view, const Visit& visit) {
@@ -48,7 +48,7 @@ void for_each_array(View& view, const Visit& visit) {
   visit("BASE", view.base_faces, false);
 }
 
-// The same for the arrays that only version 3 has, and of those only what is not empty.
+// Calls visit in the same way for the arrays that only version 3 has, skipping empty ones.
 template <typename View, typename Visit>
 void for_each_wedge_array(View& view, const Visit& visit) {
   visit("UVS0", view.texture_coordinates, true);
@@ -60,13 +60,13 @@ void for_each_wedge_array(View& view, const Visit& visit) {
   visit("AERR", view.attribute_errors, true);
 }
 
-// Whether a hierarchy needs version 3.
+// Returns whether a hierarchy needs version 3.
 [[nodiscard]] bool needs_wedges(const HierarchyView& view);
 
-// XXH3-64 of what belongs to the base vertices: the attributes of their wedges.
+// Returns the XXH3-64 of the attributes of the base vertices' wedges.
 [[nodiscard]] std::uint64_t digest_of_base(const HierarchyView& view);
-// And of what belongs to a block of SplitGuard::block_size splits: nodes, stars, corners, and the attributes of the
-// wedges of their vertices. The places of stars and corners have been checked.
+// Returns the XXH3-64 of a block of SplitGuard::block_size splits: nodes, stars, corners, and the attributes of the
+// wedges of their vertices. The places of stars and corners must have been checked.
 [[nodiscard]] std::uint64_t digest_of_block(const HierarchyView& view, std::size_t block);
 
 struct BlockRange {

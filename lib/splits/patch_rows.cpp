@@ -35,7 +35,7 @@ HWY_INLINE NodeVec difference(NodeVec a, NodeVec b, NodeVec c, NodeVec d) {
   return hn::Sub(hn::Mul(a, b), hn::Mul(c, d));
 }
 
-// A lane is a node, or some patches of one.
+// Accumulates extents; a lane is a node, or a part of the patches of one node.
 class Extents {
  public:
   HWY_INLINE Extents(const Vectors& center, const Vectors& axis)
@@ -49,7 +49,7 @@ class Extents {
         has_normal_(hn::Gt(radius_, radius_)),
         is_extreme_(has_normal_) {}
 
-  // The patch at `place` into the first lane, and so on.
+  // Includes the patch at `place` in the first lane, the next patch in the next lane, and so on.
   HWY_INLINE void include(const PatchRows& patches, std::size_t place, NodeMask counts) {
     const auto row = [&](PatchRows::Row r) HWY_ATTR { return load(patches.row(r) + place); };
     const Vectors offset = {hn::Sub(row(PatchRows::x), center_.x), hn::Sub(row(PatchRows::y), center_.y),
@@ -80,7 +80,7 @@ class Extents {
     hn::StoreU(hn::BitCast(Counts(), hn::IfThenElseZero(is_extreme_, one)), Counts(), nodes.is_extreme.data() + i);
   }
 
-  // All lanes are one node, which has other patches too.
+  // Merges all lanes into one node, which has other patches too.
   HWY_INLINE void add_to(NodeExtents& nodes, std::size_t i) const {
     const Nodes d;
     const auto most = [&](NodeVec v) HWY_ATTR { return hn::GetLane(hn::MaxOfLanes(d, v)); };
@@ -95,7 +95,7 @@ class Extents {
   }
 
  private:
-  // As length_of(), where that needs no double precision.
+  // Matches length_of() where that needs no double precision.
   HWY_INLINE NodeVec length(const Vectors& v, NodeMask counts) {
     const NodeVec square = dot(v, v), zero = hn::Zero(Nodes());
     const NodeMask is_usual = hn::And(hn::Gt(square, set(1e-30F)), hn::Lt(square, set(1e30F)));
@@ -104,7 +104,7 @@ class Extents {
     return hn::Sqrt(square);
   }
 
-  // See the scalar one.
+  // Vector form of widened() below.
   HWY_INLINE NodeVec widened(const Vectors& axis, NodeVec cos_angle, NodeVec sin_angle) const {
     const NodeVec zero = hn::Zero(Nodes()), cos_between = dot(axis_, axis);
     const Vectors cross = {difference(axis_.y, axis.z, axis.y, axis_.z), difference(axis_.z, axis.x, axis.z, axis_.x),
@@ -215,7 +215,7 @@ void include_run(const PatchRows& patches, std::size_t first, std::size_t end, N
 float widened(const glm::vec3& axis, const Patch& patch) {
   const float cos_between = glm::dot(axis, patch.axis);
   if (cos_between <= 0.0F || patch.cos_angle <= 0.0F) return -1.0F;
-  // From the cross product: the root of 1 - cos^2 is all rounding error for small angles.
+  // Uses the cross product, because the root of 1 - cos^2 is mostly rounding error for small angles.
   const float sin_between = glm::length(glm::cross(axis, patch.axis));
   return cos_between * patch.cos_angle - sin_between * patch.sin_angle - cone_slack;
 }

@@ -1,4 +1,4 @@
-// Numbers distinct positions in the order in which they are met.
+// Numbers distinct positions in the order in which they are added.
 #pragma once
 
 #include <algorithm>
@@ -17,16 +17,16 @@
 
 namespace occlod {
 
-// An open hash table. Finite positions; +0 and -0 are one.
+// An open-addressing hash table. Positions must be finite; +0 and -0 are equal.
 class PositionIds {
  public:
-  // Holds up to so many.
+  // Reserves room for this many positions.
   explicit PositionIds(std::size_t max_positions)
       : slots_(std::bit_ceil(2 * max_positions + 1), no_id), mask_(slots_.size() - 1) {
     positions_.reserve(max_positions);
   }
 
-  // The number of p, a new one when it has none.
+  // Returns the number of p; assigns a new one when it has none.
   std::uint32_t add(const glm::vec3& p) {
     std::uint32_t& slot = slots_[find_slot(p)];
     if (slot == no_id) {
@@ -35,9 +35,9 @@ class PositionIds {
     }
     return slot;
   }
-  // The number of p, or no_id.
+  // Returns the number of p, or no_id.
   [[nodiscard]] std::uint32_t find(const glm::vec3& p) const { return slots_[find_slot(p)]; }
-  // By number.
+  // Returns the positions by number.
   [[nodiscard]] const LargeVector<glm::vec3>& positions() const { return positions_; }
 
  private:
@@ -55,9 +55,9 @@ class PositionIds {
   std::size_t mask_;
 };
 
-// Positions wherever they are kept.
+// Reads positions from different memory layouts.
 
-// Does not own them; of an array of positions, or of records that hold one each.
+// A non-owning view of an array of positions, or of records that hold one position each.
 class PositionView {
  public:
   PositionView(std::span<const glm::vec3> positions) : first_(positions.data()), stride_(sizeof(glm::vec3)) {}
@@ -75,10 +75,11 @@ class PositionView {
   std::size_t stride_;
 };
 
-// Between object units and units in which a mesh is about 1 wide, so that squares and their products stay in range.
+// Converts between object units and units in which a mesh is about 1 wide, so that squares and their products stay in
+// range.
 
-// The power of two, exact to multiply with, that takes the extent of the positions into [1/2, 1]; within 2^-126 and
-// 2^126, so that it has an inverse.
+// Returns the power of two, exact to multiply with, that scales the extent of the positions into [1/2, 1]; within
+// 2^-126 and 2^126, so that its inverse exists.
 [[nodiscard]] inline float power_of_two_scale(std::span<const glm::vec3> positions) {
   const Box box = bounding_box(positions);
   const glm::dvec3 size = glm::dvec3(box.max) - glm::dvec3(box.min);
@@ -87,7 +88,7 @@ class PositionView {
   return std::ldexp(1.0F, -std::clamp(exponent, -126, 126));
 }
 
-// length * factor, never less where the product is denormal.
+// Returns length * factor, never less than the exact product even where it is denormal.
 [[nodiscard]] inline float scaled_up(float length, float factor) {
   const float product = length * factor;
   const bool may_be_less = product < std::numeric_limits<float>::min() && length > 0.0F;

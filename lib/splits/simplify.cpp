@@ -18,16 +18,16 @@
 namespace occlod {
 namespace {
 
-// One collapse sequence from the records of all blocks.
+// Joins the records of all blocks into one collapse sequence.
 
-// Fills in the sequence's collapses, their places and the misplaced faces. Records are in an order in which their
-// collapses can be made. The sequence is in the order of ranks, which is another such order. `records` is taken apart.
+// Fills in the sequence's collapses, their places and the misplaced faces. The records are in an order in which their
+// collapses can be made; the sequence is in the order of ranks, which is another such order. Consumes `records`.
 void join_records(CollapseRecords& records, CollapseSequence& sequence, unsigned threads, const ProgressPart& progress);
 
-// The ids of all collapses by ascending rank, equal ranks as recorded.
+// Returns the ids of all collapses by ascending rank; equal ranks keep the order of recording.
 UninitializedVector<Keyed> by_rank(const CollapseRecords& records, unsigned threads) {
-  // Ranks are not negative, so their bits ascend with them. Three bits of the mantissa are kept: equals stay
-  // as recorded, that is, neighbours in space stay neighbours in memory.
+  // Ranks are not negative, so their bits ascend with them. Only three bits of the mantissa are kept: equal keys stay
+  // in recorded order, so neighbours in space stay neighbours in memory.
   constexpr unsigned dropped_bits = 20;
   std::size_t count = 0;
   for (std::size_t block = 0; block < records.size(); ++block) count += records[block].ranks.size();
@@ -42,7 +42,7 @@ UninitializedVector<Keyed> by_rank(const CollapseRecords& records, unsigned thre
   return keyed;
 }
 
-// Only where attributes count.
+// Joins the attributes; called only where they count.
 void join_attributes(CollapseRecords& records, const UninitializedVector<Keyed>& order, CollapseSequence& sequence) {
   if (!sequence.has_attributes) return;
   sequence.attributes.resize(order.size());
@@ -83,16 +83,16 @@ void join_records(CollapseRecords& records, CollapseSequence& sequence, unsigned
   records.resize(0);
 }
 
-// Vertices of a block: large enough for a good order, small enough for a cache. Once no more are left, the rest is one
-// block.
+// Number of vertices in a block: large enough for a good order, small enough for a cache. Once no more are left, the
+// rest forms one block.
 constexpr std::size_t block_size = CollapseRecords::block_size;
-constexpr double cheap_share = 0.5;  // of the vertices, those with the cheapest collapses have their turn in a pass
-constexpr double min_progress = 1.0 / 128;  // of the vertices; a pass that collapses fewer is the last
+constexpr double cheap_share = 0.5;  // this share of the vertices, with the cheapest collapses, is processed in a pass
+constexpr double min_progress = 1.0 / 128;  // share of the vertices; a pass that collapses fewer is the last
 
-// Shares of the whole build's time: passes begin and end, the sequence is joined. The rest is for what comes after.
+// Shares of the whole build's time at which passes begin and end and the sequence is joined. Later steps take the rest.
 constexpr double passes_first = 0.15, passes_last = 0.7, joined = 0.75;
 
-// The fractional parts of multiples of irrational numbers: no two passes cut space in the same place.
+// Returns the fractional parts of multiples of irrational numbers, so that no two passes cut space in the same place.
 glm::dvec3 shift_of(std::size_t pass) {
   const glm::dvec3 shift = static_cast<double>(pass) * glm::dvec3(0.6180339887, 0.4142135624, 0.7320508076);
   return shift - glm::floor(shift);
@@ -105,10 +105,10 @@ Box scaled_box(const TriangleMesh& mesh, float scale) {
   return box;
 }
 
-// Passes over all blocks, each as far as a threshold of cost below which half of the vertices lie; then the rest in
-// one. Blocks are runs of vertices along a Morton curve, another curve in each pass, so that what a border kept has its
-// turn in the next. Blocks do not touch each other, and their records are joined in their order: the result does not
-// depend on which thread ran which.
+// Runs passes over all blocks, each up to a cost threshold below which half of the vertices lie, then finishes in one
+// block. Blocks are runs of vertices along a Morton curve that differs in each pass, so that vertices left alone at a
+// border are processed in the next pass. Blocks do not touch each other, and their records are joined in their order,
+// so the result does not depend on which thread ran which block.
 class Simplifier {
  public:
   Simplifier(const TriangleMesh& mesh, const BuildOptions& options)
@@ -133,7 +133,7 @@ class Simplifier {
       if (static_cast<double>(made) < min_progress * static_cast<double>(live_.size())) break;
       drop_dead();
     }
-    // Down to the base, however long that takes: each run ends with a block that has nothing left or is small enough.
+    // Run down to the base mesh, however long it takes: each run ends with a block that is exhausted or small enough.
     drop_dead();
     if (live_faces_ > options_.base_triangles) run_pass(make_blocks(live_.size(), std::numeric_limits<float>::max()));
     return join();
@@ -147,19 +147,20 @@ class Simplifier {
     return setup;
   }
 
-  // Blocks may take away far more than a fine base mesh allows, so they stop well before it.
+  // Returns whether many faces are left. Blocks may remove far more than a fine base mesh allows, so they stop well
+  // before it.
   [[nodiscard]] bool many_left() const {
     return live_.size() > block_size && live_faces_ > 4 * options_.base_triangles;
   }
 
-  // Coarse cells do to cut blocks: some hundred for each on a surface.
+  // Coarse cells are enough to cut blocks: a block has some hundred of them on a surface.
   void sort_live(std::size_t pass) {
     const auto blocks = static_cast<unsigned>(live_.size() / block_size + 1);
     const unsigned bits = std::min(10U, 5U + static_cast<unsigned>(std::bit_width(blocks)) / 2);
     sort_spatially(state_->positions(), {box_, shift_of(pass), bits}, live_, threads_);
   }
 
-  // The cost below which the cheap share lies, by every sixteenth vertex.
+  // Returns the cost below which the cheap share lies, estimated from every sixteenth vertex.
   [[nodiscard]] float threshold() const {
     std::vector<float> costs;
     for (std::size_t i = 0; i < live_.size(); i += 16) costs.push_back(state_->vertices[live_[i]].cost);
@@ -179,7 +180,7 @@ class Simplifier {
     return blocks;
   }
 
-  // Returns how many collapses were made.
+  // Returns the number of collapses made.
   std::size_t run_pass(const std::vector<Block>& blocks) {
     const std::size_t first_record = records_.size();
     records_.resize(first_record + blocks.size());
@@ -191,7 +192,7 @@ class Simplifier {
           faces_gone_ += records_[blocks[i].record].faces_gone;
         }
       } catch (...) {
-        next = blocks.size();  // or the other threads would go on to the end
+        next = blocks.size();  // otherwise the other threads would run to the end
         throw;
       }
     };
@@ -215,7 +216,8 @@ class Simplifier {
     std::erase_if(live_, [&](VertexId v) { return state_->mesh.star(v).empty(); });
   }
 
-  // StarMesh lists faces by their smallest corners, in the order of these corners' stars.
+  // Lists the corners of the base faces. StarMesh lists faces by their smallest corners, in the order of these corners'
+  // stars.
   void list_base_corners(CollapseSequence& sequence) const {
     sequence.has_attributes = true;
     std::vector<StarFace> before;
@@ -230,7 +232,7 @@ class Simplifier {
     }
   }
 
-  // The records of all blocks as one sequence, in the order of their ranks. The state goes first: both need much
+  // Joins the records of all blocks into one sequence, ordered by rank. Frees the state first, because both need much
   // memory.
   CollapseSequence join() {
     CollapseSequence sequence;
@@ -251,7 +253,7 @@ class Simplifier {
   Box box_;
   CollapseRecords records_;
   std::vector<std::unique_ptr<CollapseWorker>> workers_;
-  std::vector<VertexId> live_;  // in the order of the pass
+  std::vector<VertexId> live_;  // in the order of the current pass
   std::size_t live_faces_ = 0;
   std::atomic<std::size_t> faces_gone_ = 0;
 };

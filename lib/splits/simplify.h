@@ -1,4 +1,4 @@
-// Half-edge collapses from the input mesh down to the base mesh, cheapest first, recorded.
+// Records half-edge collapses, cheapest first, from the input mesh down to the base mesh.
 #pragma once
 
 #include <cstdint>
@@ -13,20 +13,20 @@
 
 namespace occlod {
 
-// Names a collapse while the mesh is simplified. Where collapses are in order, CollapseSequence::place() of it is its
-// place.
+// Identifies a collapse while the mesh is simplified. CollapseSequence::place() converts it to an index in the final
+// order.
 using CollapseId = std::uint32_t;
 
-// One face of one level: its corners, and the collapse that made it; no_id for faces of the input.
+// Describes one face of one level: its corners and the collapse that made it; no_id for faces of the input.
 struct LevelFace {
   Triangle corners;
   CollapseId made_by = no_id;
 };
 
-// v was merged into u. The faces that this ended follow in memory; see CollapseMemory.
+// Describes the collapse of v into u. The faces that it ended follow in memory; see CollapseMemory.
 class Collapse {
  public:
-  // A face that a collapse ended: its place among them.
+  // Names a face that a collapse ended by its index among them.
   struct EndedFace {
     CollapseId ended_by = no_id;
     std::uint32_t slot = 0;
@@ -35,15 +35,15 @@ class Collapse {
   VertexId v = no_id;
   VertexId u = no_id;
   float error = 0.0F;             // quadric error, object units
-  float guaranteed_error = 0.0F;  // distance of the faces made from the input, object units
-  float moved = 0.0F;  // bound on the distance between what the collapse ended and what it made, object units
+  float guaranteed_error = 0.0F;  // distance of its new faces from the input, object units
+  float moved = 0.0F;             // bound on the distance between the faces it ended and those it made, object units
 
-  // Faces that ended: first the star of v, each face with v as its first corner; a fan in ring order. Then faces
-  // without v, which others were folded onto.
+  // Returns how many faces ended: first the star of v, each face with v as its first corner, a fan in ring order; then
+  // faces without v, onto which others were folded.
   [[nodiscard]] std::uint32_t ended_count() const noexcept { return ended_count_; }
   [[nodiscard]] StarShape shape() const noexcept { return shape_; }
   [[nodiscard]] bool is_fan() const noexcept { return shape_ != StarShape::other; }
-  // Of a fan: its outer vertices; face j is (v, ring[j], ring[j + 1]).
+  // Returns the outer vertices of a fan; face j is (v, ring[j], ring[j + 1]).
   [[nodiscard]] std::span<const VertexId> ring() const noexcept {
     return {words(), ended_count_ + (shape_ == StarShape::open_fan ? 1U : 0U)};
   }
@@ -52,8 +52,8 @@ class Collapse {
     const auto around = ring();
     return {v, around[slot], around[slot + 1 == around.size() ? 0 : slot + 1]};
   }
-  // Of a fan: the face that the collapse made in place of that one, by what became of it; ended_by is no_id when there
-  // is none, or it is a MisplacedFace.
+  // Returns, for a fan, how the face ended that the collapse made in place of this one; ended_by is no_id when there is
+  // no such face, or when it is a MisplacedFace.
   [[nodiscard]] EndedFace successor(std::uint32_t slot) const noexcept {
     const std::uint32_t* const ids = words() + ring().size();
     return {ids[slot], reinterpret_cast<const std::uint8_t*>(ids + ended_count_)[slot]};
@@ -66,7 +66,8 @@ class Collapse {
 
  private:
   friend class CollapseMemory;
-  // Fan: ring, an id for each successor, a byte for the slot of each. Other: three corners of each face.
+  // Layout of a fan: the ring, an id for each successor, a byte for the slot of each. Layout of any other star: three
+  // corners of each face.
   [[nodiscard]] std::uint32_t* words() noexcept { return reinterpret_cast<std::uint32_t*>(this + 1); }
   [[nodiscard]] const std::uint32_t* words() const noexcept { return reinterpret_cast<const std::uint32_t*>(this + 1); }
 
@@ -74,34 +75,34 @@ class Collapse {
   StarShape shape_ = StarShape::other;
 };
 
-// Memory for collapses; they stay where they are.
+// Allocates collapses; their addresses do not change.
 class CollapseMemory {
  public:
-  // A new one that ended these faces, which are in ring order if they are a fan.
+  // Adds a collapse that ended these faces, which are in ring order if they are a fan.
   [[nodiscard]] Collapse& add(std::span<const LevelFace> ended, StarShape shape);
 
  private:
   [[nodiscard]] std::uint32_t* allocate(std::size_t words);
 
   std::vector<UninitializedVector<std::uint32_t>> chunks_;
-  std::size_t left_ = 0;  // words of the last chunk
+  std::size_t left_ = 0;  // unused words of the last chunk
 };
 
-// A face that was not made in the place of one of those that its maker ended.
+// Describes a face that was not made in the place of one of those that its maker ended.
 struct MisplacedFace {
   CollapseId made_by = no_id;
   CollapseId ended_by = no_id;
-  std::uint32_t slot = 0;  // there
+  std::uint32_t slot = 0;  // index there
 };
 
-// The corners of a face that a collapse ended: wedges of the input, whose attributes they have. Their vertices may be
-// others.
+// Holds the corners of a face that a collapse ended: the input wedges whose attributes they have. Their vertices may
+// differ from the face's.
 struct EndedCorners {
-  std::uint32_t slot = 0;  // of the face among those that ended
+  std::uint32_t slot = 0;  // index of the face among those that ended
   Triangle wedges;
 };
 
-// What a collapse does to attributes, where they count.
+// Describes how a collapse changes attributes, where they count.
 struct CollapseAttributes {
   float error = 0.0F;                     // see Hierarchy::attribute_error(), object units; not saturated
   std::span<const EndedCorners> corners;  // of faces with a wedge that is not its vertex's first; ascending
@@ -109,22 +110,23 @@ struct CollapseAttributes {
 
 struct CollapseSequence {
   std::vector<Collapse*> collapses;        // in order
-  UninitializedVector<CollapseId> places;  // of each id
-  std::vector<LevelFace> base;             // faces that are left
+  UninitializedVector<CollapseId> places;  // per id
+  std::vector<LevelFace> base;             // remaining faces
   std::vector<MisplacedFace> misplaced;
   std::vector<CollapseMemory> memory;
-  // Where attributes count: what each collapse does, in order, and the wedges of the faces that are left.
+  // Where attributes count, the following hold the changes of each collapse, in order, and the wedges of the remaining
+  // faces.
   bool has_attributes = false;
   std::vector<CollapseAttributes> attributes;
   std::vector<Triangle> base_corners;
-  std::vector<std::vector<EndedCorners>> corner_memory;  // that `attributes` points into
+  std::vector<std::vector<EndedCorners>> corner_memory;  // memory to which `attributes` points
 
-  // Where in `collapses` the one with this id is; no_id for no_id.
+  // Returns the index in `collapses` of the collapse with this id; no_id for no_id.
   [[nodiscard]] CollapseId place(CollapseId id) const noexcept { return id == no_id ? no_id : places[id]; }
 };
 
-// `mesh` has passed build_hierarchy's checks. Quick when its vertices are in spatial order. The result does not depend
-// on the number of threads.
+// Simplifies `mesh`, which has passed build_hierarchy's checks. Fast when its vertices are in spatial order. The result
+// does not depend on the number of threads.
 [[nodiscard]] CollapseSequence simplify(const TriangleMesh& mesh, const BuildOptions& options);
 
 }  // namespace occlod

@@ -14,12 +14,12 @@
 namespace occlod {
 namespace {
 
-// Where one wedge went.
+// Records the wedge into which one wedge was merged.
 struct Merge {
   WedgeId from = no_id, into = no_id;
 };
 
-// Numbers wedges by their vertices and the wedges of the input whose attributes they have, and follows them.
+// Numbers wedges by their vertices and the input wedges whose attributes they have, and tracks their merges.
 class GroupWedges {
  public:
   explicit GroupWedges(const TriangleMesh& mesh) : mesh_(mesh) {
@@ -28,7 +28,7 @@ class GroupWedges {
     for (WedgeId w = 0; w < mesh.wedge_count(); ++w) wedges_at_[mesh.vertex_of(w)].push_back(w);
   }
 
-  // The number of a wedge; a new one when it has none. Without extra wedges it is the vertex.
+  // Returns the number of a wedge; assigns a new one when it has none. Without extra wedges it is the vertex.
   WedgeId number(VertexId vertex, WedgeId attributes) {
     if (wedges_at_.empty() || mesh_.vertex_of(attributes) == vertex) return attributes;
     const std::uint64_t key = std::uint64_t{vertex} << 32U | attributes;
@@ -40,7 +40,7 @@ class GroupWedges {
     return found->second;
   }
 
-  // Follows all that v had into u: `merges` are where its corners went, the other wedges of v have none any more.
+  // Moves all wedges of v into u. `merges` lists where its corners went; the other wedges of v no longer have corners.
   void collapse(VertexId v, VertexId u, std::span<const AttributeStar::WedgeMerge> merges) {
     const std::size_t first = merges_.size();
     first_merge_.push_back(first);
@@ -59,17 +59,17 @@ class GroupWedges {
         merges_.push_back({wedge, with_corners.empty() ? u : with_corners.front().into});
   }
 
-  // Of the i-th collapse, in the order in which they came.
+  // Returns the merges of the i-th collapse, in the order in which collapses were made.
   [[nodiscard]] std::span<const Merge> merges_of(std::size_t i) const {
     const std::size_t end = i + 1 < first_merge_.size() ? first_merge_[i + 1] : merges_.size();
     return std::span(merges_).subspan(first_merge_[i], end - first_merge_[i]);
   }
   [[nodiscard]] const std::vector<AddedWedge>& added() const { return added_; }
-  // Whether corners with one wedge went to several.
+  // Returns whether corners with one wedge went to several.
   [[nodiscard]] bool is_split() const { return is_split_; }
 
-  // Whatever a wedge is merged into is merged later or never, so going through the collapses backwards, targets are
-  // final when they are looked at.
+  // A wedge's target is merged later or never, so when the collapses are visited backwards, every target is already
+  // final.
   [[nodiscard]] std::vector<WedgeId> final_targets() const {
     std::vector<WedgeId> target(mesh_.wedge_count() + added_.size());
     std::iota(target.begin(), target.end(), 0U);
@@ -80,14 +80,14 @@ class GroupWedges {
  private:
   const TriangleMesh& mesh_;
   std::vector<Merge> merges_;
-  std::vector<std::size_t> first_merge_;                // of each collapse
-  std::vector<std::vector<WedgeId>> wedges_at_;         // by vertex; empty without extra wedges
-  std::unordered_map<std::uint64_t, WedgeId> numbers_;  // of those that were added, by vertex and attributes
+  std::vector<std::size_t> first_merge_;                // per collapse
+  std::vector<std::vector<WedgeId>> wedges_at_;         // per vertex; empty without extra wedges
+  std::unordered_map<std::uint64_t, WedgeId> numbers_;  // of added wedges, by vertex and attributes
   std::vector<AddedWedge> added_;
   bool is_split_ = false;
 };
 
-// Of each collapse; with how far attributes have slipped where they count.
+// Returns the error of each collapse, including its attribute deviation where attributes count.
 std::vector<float> errors_of(const BlockRecord& record, bool with_attributes) {
   std::vector<float> errors;
   for (std::size_t i = 0; i < record.collapses.size(); ++i)
@@ -96,9 +96,9 @@ std::vector<float> errors_of(const BlockRecord& record, bool with_attributes) {
   return errors;
 }
 
-// Of the faces that are left.
+// Lists the remaining faces.
 void list_faces(const SimplifyState& state, bool has_seams, GroupWedges& wedges, SimplifiedGroup& result) {
-  std::vector<StarFace> before;  // at the same vertex
+  std::vector<StarFace> before;  // earlier faces at the same vertex
   VertexId v = no_id;
   for (const LevelFace& face : state.mesh.faces()) {
     result.triangles.push_back(face.corners);
@@ -115,11 +115,12 @@ void list_faces(const SimplifyState& state, bool has_seams, GroupWedges& wedges,
   }
 }
 
-// A collapse comes after those that made faces around its vertex, or need it as a corner: those that ended faces at
-// that vertex. One that folds faces onto others comes after whatever happened at any corner of what it ends.
+// Makes errors monotone. A collapse depends on those that made faces around its vertex or need that vertex as a corner:
+// those that ended faces at it. A collapse that folds faces onto others depends on everything that happened at any
+// corner of the faces it ends.
 std::vector<GroupCollapse> saturated(std::span<Collapse* const> collapses, std::span<const float> errors,
                                      const GroupWedges& wedges, std::size_t vertex_count) {
-  std::vector<float> reached(vertex_count, 0.0F);  // the largest error of what happened at each vertex
+  std::vector<float> reached(vertex_count, 0.0F);  // the largest error so far at each vertex
   std::vector<std::pair<float, std::size_t>> placed;
   for (std::size_t i = 0; i < collapses.size(); ++i) {
     const Collapse* const c = collapses[i];

@@ -13,8 +13,8 @@
 namespace occlod {
 namespace {
 
-// Of the planes that hold seams, relative to those of a boundary, and the mean square width, in squared edges, that a
-// chart needs for all of it. See docs/decisions/037-wedges_beside_positions.md.
+// Weight of the planes that hold seams, relative to those of a boundary; and the mean squared width, in squared edges,
+// from which a chart's seams are held with full weight. See docs/decisions/037-wedges_beside_positions.md.
 constexpr float seam_weight = 0.3F, min_held = 4.0F / 3.0F;
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
@@ -43,7 +43,7 @@ SimplifyState::SimplifyState(const TriangleMesh& input, const SimplifySetup& set
       [&](std::size_t done) { part.reach(done); });
 }
 
-// And proposes. What is never merged needs neither.
+// Makes the quadric and proposes a collapse. A vertex that is never merged needs neither.
 void SimplifyState::make_quadric(VertexId v, Fan& fan, double boundary_weight) {
   if (is_locked(v)) return;
   if (fan.gather(mesh, v)) {
@@ -67,7 +67,7 @@ void SimplifyState::make_quadric(VertexId v, Fan& fan, double boundary_weight) {
   vertices[v].cost = propose(v, fan);
 }
 
-// Planes through the feature edges at v, upright on their faces: leaving the line costs.
+// Adds planes through the feature edges at v, perpendicular to their faces, so that leaving the feature line costs.
 void SimplifyState::hold_edges(VertexId v, double boundary_weight) {
   for (const StarFace f : mesh.star(v)) {
     const glm::vec3 to_next = edge(v, f.next), to_last = edge(v, f.last);
@@ -82,8 +82,8 @@ void SimplifyState::hold_edges(VertexId v, double boundary_weight) {
   }
 }
 
-// Planes through the seams at v, upright on their faces, likewise: a chart keeps its outline. Charts of a few faces are
-// not worth it.
+// Adds planes through the seams at v, perpendicular to their faces, so that a chart keeps its outline. Charts of a few
+// faces get less weight.
 void SimplifyState::hold_seams(VertexId v) {
   struct Side {
     VertexId w;
@@ -102,7 +102,7 @@ void SimplifyState::hold_seams(VertexId v) {
     sides.push_back({f.next, wedges.x, wedges.y, glm::cross(to_next, normal)});
     sides.push_back({f.last, wedges.x, wedges.z, glm::cross(to_last, normal)});
   }
-  // By their neighbours, to find those whose wedges differ.
+  // Sorts the sides by their neighbours, to find those whose wedges differ.
   std::vector<std::uint32_t> order(sides.size());
   std::iota(order.begin(), order.end(), 0U);
   std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return sides[a].w < sides[b].w; });

@@ -1,4 +1,4 @@
-// What all threads share while they simplify one mesh.
+// Holds the data that all threads share while they simplify one mesh.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@
 
 namespace occlod {
 
-// Fields of a vertex that are read together. All lengths are in the state's scale.
+// Holds the fields of a vertex that are read together. All lengths are in the state's scale.
 struct alignas(64) VertexState {
   glm::vec3 position;
   float cost;   // of the cheapest collapse; a lower bound until checked; infinite without faces
@@ -25,22 +25,22 @@ struct alignas(64) VertexState {
 static_assert(sizeof(VertexState) == 64, "one cache line");
 
 struct Turn {
-  std::uint32_t place = 0;  // in the order of the pass that runs
+  std::uint32_t place = 0;  // index in the order of the current pass
   float rank = 0.0F;        // the largest of any collapse that had the vertex in its ring
 };
 
-// How a state is set up.
+// Configures a SimplifyState.
 struct SimplifySetup {
   double boundary_weight = 1.0;
   unsigned threads = 1;
-  float scale = 0.0F;  // a power of two; 0: the one that takes the extent of the input into [1/2, 1]
-  std::span<const std::uint8_t> locked{};  // by vertex: not 0 = is never merged into another; empty = none is
-  bool keeps_attributes = false;           // if the mesh has any that count: then it outlives the state
-  double attribute_weight = 1.0;           // of deviations of attributes, relative to distances
+  float scale = 0.0F;  // a power of two; 0: the one that scales the extent of the input into [1/2, 1]
+  std::span<const std::uint8_t> locked{};  // per vertex: nonzero = never merged into another; empty = none locked
+  bool keeps_attributes = false;           // if the mesh has any that count; the mesh must then outlive the state
+  double attribute_weight = 1.0;           // weight of attribute deviations, relative to distances
   bool keeps_wedge_merges = false;         // whether BlockRecord::wedge_merges is wanted
 };
 
-// Indexed by vertex. A worker touches only vertices of its block and reads stars of those.
+// Holds per-vertex data. A worker accesses only vertices of its block and reads only their stars.
 struct SimplifyState {
   SimplifyState(const TriangleMesh& input, const SimplifySetup& setup, const ProgressPart& progress);
 
@@ -49,8 +49,8 @@ struct SimplifyState {
   UninitializedVector<VertexState> vertices;
   StarMesh mesh;
   LargeVector<Turn> turns;
-  std::unique_ptr<AttributeState> attributes;  // null: none count
-  float attribute_weight2 = 1.0F;              // of squared deviations
+  std::unique_ptr<AttributeState> attributes;  // null: attributes do not count
+  float attribute_weight2 = 1.0F;              // weight of squared deviations
   bool keeps_wedge_merges = false;
 
   [[nodiscard]] PositionView positions() const {
@@ -60,10 +60,10 @@ struct SimplifyState {
     return [first = vertices.data()](VertexId v) -> const glm::vec3& { return first[v].position; };
   }
   [[nodiscard]] glm::vec3 edge(VertexId v, VertexId u) const { return vertices[u].position - vertices[v].position; }
-  // A locked vertex has infinite cost.
+  // Returns whether the vertex is locked; a locked vertex has infinite cost.
   [[nodiscard]] bool is_locked(VertexId v) const { return !locked.empty() && locked[v] != 0; }
   [[nodiscard]] float cost(VertexId v, VertexId u) const { return vertices[v].quadric.cost(edge(v, u)); }
-  // The cost of v's cheapest collapse, unchecked.
+  // Returns the cost of v's cheapest collapse without checking the collapse.
   [[nodiscard]] float propose(VertexId v, Fan& fan) const;
 
  private:

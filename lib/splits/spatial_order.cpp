@@ -12,7 +12,8 @@
 
 namespace occlod {
 
-// Each thread has a part of the items: with parts in order within each digit, their number does not change the result.
+// Each thread sorts a part of the items. Parts stay in order within each digit, so their number does not change the
+// result.
 void sort_by_key(UninitializedVector<Keyed>& items, unsigned key_bits, unsigned threads) {
   if (items.empty()) return;
   const unsigned rounds = std::max(1U, (key_bits + 10) / 11), digit_bits = (key_bits + rounds - 1) / rounds;
@@ -50,7 +51,7 @@ std::vector<T> permuted(const std::vector<T>& values, const std::vector<VertexId
   return result;
 }
 
-// Extra wedges follow in the new order of their vertices, those of one as they were.
+// Appends extra wedges in the new order of their vertices; the wedges of one vertex keep their order.
 void add_extra_wedges(const TriangleMesh& mesh, WedgeOrder& order) {
   const std::size_t vertices = mesh.vertex_count();
   for (auto w = static_cast<WedgeId>(vertices); w < mesh.wedge_count(); ++w) order.old_id.push_back(w);

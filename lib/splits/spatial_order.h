@@ -1,4 +1,4 @@
-// Stable radix sort on several threads.
+// Declares a stable, multi-threaded radix sort.
 #pragma once
 
 #include <algorithm>
@@ -22,34 +22,35 @@ struct Keyed {
   std::uint32_t item;
 };
 
-// Ascending keys, all below 2^key_bits, equal keys in their old order. The result does not depend on the threads. O(n).
+// Sorts by ascending key; all keys are below 2^key_bits, and equal keys keep their order. The result does not depend on
+// the number of threads. O(n).
 void sort_by_key(UninitializedVector<Keyed>& items, unsigned key_bits, unsigned threads);
 
-// Neighbours in space become neighbours in memory.
+// Reorders vertices so that neighbours in space are neighbours in memory.
 
-// The same mesh with its vertices along a Morton curve through its box; triangles keep their order. O(n).
+// Returns the same mesh with its vertices along a Morton curve through its box; triangles keep their order. O(n).
 [[nodiscard]] TriangleMesh in_spatial_order(const TriangleMesh& mesh, unsigned threads = 1);
 
-// The wedges of a mesh by their new numbers, and the new numbers of its wedges.
+// Maps new wedge numbers to wedges of a mesh and back.
 struct WedgeOrder {
   std::vector<WedgeId> old_id, new_id;
 };
 
-// That of in_spatial_order().
+// Returns the order that in_spatial_order() uses.
 [[nodiscard]] WedgeOrder spatial_order_of(const TriangleMesh& mesh, unsigned threads);
 
 struct MortonCurve {
-  Box box;                // around all positions
-  glm::dvec3 shift{0.0};  // of its grid, in [0, 1] of the box's extent along each axis: curves with different shifts
-                          // cut space in different places
-  unsigned bits = 10;     // the grid has 2^bits cells along each axis, over twice the box's extent; at most 10
+  Box box;  // around all positions
+  // shift of the grid, in [0, 1] of the box's extent along each axis; different shifts cut space in different places
+  glm::dvec3 shift{0.0};
+  unsigned bits = 10;  // the grid has 2^bits cells along each axis, over twice the box's extent; at most 10
 };
 
-// Sorts vertices along a Morton curve; those in one cell of its grid keep their order. O(n).
+// Sorts vertices along a Morton curve; vertices in one cell of its grid keep their order. O(n).
 void sort_spatially(const PositionView& positions, const MortonCurve& curve, std::span<VertexId> vertices,
                     unsigned threads = 1);
 
-// Codes of positions along a Morton curve.
+// Computes codes of positions along a Morton curve.
 
 // Spreads the lower 10 bits of x to every third bit.
 [[nodiscard]] inline std::uint32_t spread_bits(std::uint32_t x) {
@@ -59,7 +60,7 @@ void sort_spatially(const PositionView& positions, const MortonCurve& curve, std
   return (x | x << 2) & 0x09249249U;
 }
 
-// Positions to places along a MortonCurve, in 3 * bits bits.
+// Maps positions to codes of 3 * bits bits along a MortonCurve.
 class MortonGrid {
  public:
   explicit MortonGrid(const MortonCurve& curve) {
@@ -68,7 +69,7 @@ class MortonGrid {
     const double cells = static_cast<double>(1U << curve.bits);
     last_cell_ = static_cast<float>(cells - 1.0);
     origin_ = glm::vec3(glm::dvec3(curve.box.min) - curve.shift * extent);
-    // Finite also where the extent is denormal: cells are wider than it then.
+    // Stay finite also where the extent is denormal: cells are wider than it then.
     constexpr double most = std::numeric_limits<float>::max();
     cells_per_unit_ = extent > 0.0 ? static_cast<float>(std::min(cells / (2.0 * extent), most)) : 0.0F;
   }

@@ -18,18 +18,19 @@ namespace {
 
 // Searches in stars of any size, from three faces to a hundred thousand.
 
-// Puts faces into ring order, starting with the first. False, in any order, when they are not one closed fan.
+// Puts faces into ring order, starting with the first. Returns false, and leaves them in any order, when they are not
+// one closed fan.
 [[nodiscard]] bool chain(std::span<StarFace> faces);
 
-// Where v is in a ring, or its size. Without a branch for each of many.
+// Returns the index of v in a ring, or the ring's size. Avoids a branch per vertex.
 [[nodiscard]] std::uint32_t position_of(std::span<const VertexId> ring, VertexId v);
 
-// The same, of a vertex that is there, starting near `hint`.
+// Returns the index of a vertex that is in the ring, searching from `hint`.
 [[nodiscard]] std::uint32_t position_near(std::span<const VertexId> ring, VertexId v, std::size_t hint);
 
-// chain() of so many faces that looking for each next one would take too long.
+// Chains faces when there are too many for a linear search for each next one.
 bool chain_by_sorting(std::span<StarFace> faces) {
-  // In a ring each vertex is once the next and once the last.
+  // In a ring each vertex is the next of exactly one face and the last of exactly one face.
   std::uint32_t difference = 0;
   for (const StarFace& f : faces) difference += f.next - f.last;
   if (difference != 0) return false;
@@ -57,7 +58,7 @@ bool chain(std::span<StarFace> faces) {
   if (n > max_by_search) return chain_by_sorting(faces);
   for (std::size_t i = 1; i < n; ++i) {
     const VertexId from = faces[i - 1].last;
-    // Closed too early: there is another fan, or the ring passes a neighbour twice.
+    // The chain closed too early: there is another fan, or the ring passes a neighbour twice.
     for (std::size_t k = 0; k < i; ++k)
       if (faces[k].next == from) return false;
     std::size_t k = i;
@@ -89,10 +90,10 @@ std::uint32_t position_near(std::span<const VertexId> ring, VertexId v, std::siz
   }
 }
 
-constexpr std::uint32_t first_capacity = 8;  // with as many CollapseIds, one cache line
+constexpr std::uint32_t first_capacity = 8;  // with as many CollapseIds this fills one cache line
 
-// Calls visit(v, next, last) for each corner of each face, next and last being the others in winding order. Each thread
-// goes through all faces and takes the vertices of its part.
+// Calls visit(v, next, last) for each corner of each face, where next and last are the other corners in winding order.
+// Each thread goes through all faces and handles the vertices of its part.
 template <typename Visit>
 void for_each_corner(std::span<const Triangle> faces, std::size_t vertices, unsigned threads, const Visit& visit) {
   for_each_part(vertices, threads, [&](std::size_t begin, std::size_t end, std::size_t) {
@@ -129,7 +130,7 @@ StarMesh::StarMesh(std::span<const Triangle> faces, std::size_t vertex_count, un
     place.size = 0;
     next_place += 2 * std::size_t{place.capacity};
   }
-  // First the two others of each face, in all of the place: capacity is no less than size.
+  // First store the two other corners of each face, using the whole place: capacity is at least size.
   for_each_corner(faces, vertex_count, threads, [&](VertexId v, VertexId next, VertexId last) {
     std::uint32_t* const ids = places_[v].ids + 2 * std::size_t{places_[v].size++};
     ids[0] = next;
@@ -214,7 +215,7 @@ void StarMesh::make_list(Place& place, StarArena& arena) {
   place.is_ring = 0;
 }
 
-// From a list that has it.
+// Removes a face from a list that contains it.
 void StarMesh::remove(Place& place, const StarFace& face) noexcept {
   const Star star = view(place);
   std::size_t i = 0;
@@ -226,7 +227,7 @@ void StarMesh::remove(Place& place, const StarFace& face) noexcept {
   --place.size;
 }
 
-// Makes v u in a list; faces with both end.
+// Replaces v by u in a list; faces that contain both end.
 void StarMesh::replace_in_list(Place& place, VertexId v, VertexId u, CollapseId id) noexcept {
   std::uint32_t* const ids = place.ids;
   std::uint32_t* const made_by = ids + place.capacity;
@@ -250,7 +251,7 @@ void StarMesh::replace_in_list(Place& place, VertexId v, VertexId u, CollapseId 
   place.size = static_cast<std::uint32_t>(kept);
 }
 
-// Where v is in the ring of w, which has it. Without a branch in the usual first place.
+// Returns the index of v in the ring of w, which contains it. Avoids a branch where v is in its usual first place.
 std::uint32_t StarMesh::find_in_ring(VertexId w, VertexId v, StarArena& arena) const noexcept {
   const Place& place = places_[w];
   std::uint32_t at = 0;
@@ -263,7 +264,7 @@ std::uint32_t StarMesh::find_in_ring(VertexId w, VertexId v, StarArena& arena) c
   return at;
 }
 
-// In a ring: what is at place `at` becomes u.
+// Replaces the neighbour at index `at` of a ring by u.
 void StarMesh::replace_in_ring(Place& place, std::uint32_t at, VertexId u, CollapseId id) noexcept {
   std::uint32_t* const made_by = place.ids + place.capacity;
   place.ids[at] = u;
@@ -271,7 +272,7 @@ void StarMesh::replace_in_ring(Place& place, std::uint32_t at, VertexId u, Colla
   made_by[at == 0 ? place.size - 1 : at - 1] = id;
 }
 
-// In a ring that has it beside the vertex that it is merged into: what is at place `at` goes.
+// Removes the neighbour at index `at` from a ring that has it beside the vertex into which it is merged.
 void StarMesh::remove_from_ring(Place& place, std::uint32_t at, CollapseId id) noexcept {
   std::uint32_t* const ids = place.ids;
   std::uint32_t* const made_by = ids + place.capacity;
@@ -291,7 +292,7 @@ void StarMesh::remove_from_ring(Place& place, std::uint32_t at, CollapseId id) n
   std::copy(made_by + at + 1, made_by + place.size + 1, made_by + at);
 }
 
-// Makes v u in the star of a neighbour w of both. In a ring they may be neighbours only.
+// Replaces v by u in the star of a neighbour w of both. In a ring, v and u must be adjacent.
 void StarMesh::replace(VertexId w, VertexId v, VertexId u, CollapseId id, StarArena& arena) noexcept {
   Place& place = places_[w];
   if (place.is_ring == 0) return replace_in_list(place, v, u, id);
@@ -301,8 +302,8 @@ void StarMesh::replace(VertexId w, VertexId v, VertexId u, CollapseId id, StarAr
   is_beside ? remove_from_ring(place, at, id) : replace_in_ring(place, at, u, id);
 }
 
-// Puts the ring of v into that of u = ring[i], where v was: all but ring[i] and the neighbours beside it, which are
-// there already.
+// Inserts the ring of v into that of u = ring[i] in place of v, except for ring[i] and the neighbours beside it, which
+// are already there.
 void StarMesh::splice(VertexId u, std::span<const VertexId> ring, std::size_t i, VertexId v, CollapseId id,
                       StarArena& arena) {
   Place& place = places_[u];
@@ -329,7 +330,7 @@ void StarMesh::splice(VertexId u, std::span<const VertexId> ring, std::size_t i,
   place.size = static_cast<std::uint32_t>(n + added - 1);
 }
 
-// Gives u, as a list, the faces of v.
+// Appends the faces of v to u, stored as a list.
 void StarMesh::take_over(VertexId v, VertexId u, CollapseId id, StarArena& arena) {
   Place& place = places_[u];
   arena.scratch.clear();
@@ -347,7 +348,8 @@ void StarMesh::take_over(VertexId v, VertexId u, CollapseId id, StarArena& arena
   }
 }
 
-// Among lists: faces of v that moved to u and met an older one turned over, which may end, end with it.
+// Ends pairs of faces in lists: a face of v that moved to u and coincides with an older face of opposite winding that
+// may_end accepts.
 template <typename MayEnd>
 std::size_t StarMesh::cancel_folds(VertexId v, VertexId u, CollapseId id, const MayEnd& may_end,
                                    std::vector<LevelFace>& ended) {
@@ -374,7 +376,7 @@ std::size_t StarMesh::cancel_folds(VertexId v, VertexId u, CollapseId id, const 
   return gone;
 }
 
-// Makes rings of what has become one.
+// Converts lists that now form one closed fan to rings.
 void StarMesh::settle(VertexId v, StarArena& arena) {
   const auto settle_one = [&](Place& place) {
     if (place.is_ring != 0) return;

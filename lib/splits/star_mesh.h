@@ -1,4 +1,4 @@
-// The mesh while it is being simplified: around every vertex the edges opposite to it, any topology.
+// Stores the mesh during simplification: for every vertex, the edges opposite to it. Any topology is allowed.
 #pragma once
 
 #include <array>
@@ -19,13 +19,14 @@ namespace occlod {
   return t.x == v || t.y == v || t.z == v;
 }
 
-// The same face with v as its first corner; v is a corner.
+// Returns the same face with v, one of its corners, as its first corner.
 [[nodiscard]] constexpr Triangle rotated(const Triangle& t, VertexId v) noexcept {
   if (t.x == v) return t;
   return t.y == v ? Triangle(t.y, t.z, t.x) : Triangle(t.z, t.x, t.y);
 }
 
-// A face as one of its vertices sees it: its other corners, in winding order, and the collapse that made it.
+// Describes a face as seen from one of its vertices: its other corners, in winding order, and the collapse that made
+// it.
 struct StarFace {
   VertexId next;
   VertexId last;
@@ -34,9 +35,9 @@ struct StarFace {
 };
 [[nodiscard]] constexpr bool contains(const StarFace& f, VertexId w) noexcept { return f.next == w || f.last == w; }
 
-// The faces at one vertex. A star that is one closed fan of at least three faces, all wound alike, is kept as a ring:
-// its neighbours in order, face i being that between neighbour i and the next; any other as a list of faces. Views stay
-// valid until the star changes.
+// Views the faces at one vertex. A star that is one closed fan of at least three faces, all wound alike, is stored as a
+// ring: its neighbours in order, where face i lies between neighbour i and the next. Any other star is stored as a list
+// of faces. Views stay valid until the star changes.
 class Star {
  public:
   Star(const VertexId* ids, const CollapseId* made_by, std::size_t size, bool is_ring) noexcept
@@ -45,7 +46,7 @@ class Star {
   [[nodiscard]] std::size_t size() const noexcept { return size_; }
   [[nodiscard]] bool empty() const noexcept { return size_ == 0; }
   [[nodiscard]] bool is_ring() const noexcept { return is_ring_; }
-  [[nodiscard]] std::span<const VertexId> ring() const noexcept { return {ids_, size_}; }  // of a ring only
+  [[nodiscard]] std::span<const VertexId> ring() const noexcept { return {ids_, size_}; }  // only for a ring
   [[nodiscard]] StarFace operator[](std::size_t i) const noexcept {
     if (is_ring_) return {ids_[i], ids_[i + 1 == size_ ? 0 : i + 1], made_by_[i]};
     return {ids_[2 * i], ids_[2 * i + 1], made_by_[2 * i]};
@@ -72,14 +73,15 @@ class Star {
   bool is_ring_;
 };
 
-// Memory for stars that outgrow their first place. Given back all at once, so it outlives the mesh; one for each thread
-// that collapses.
+// Provides memory for stars that outgrow their first place. It is freed all at once, so the arena must outlive the
+// mesh; each thread that collapses needs its own.
 class StarArena {
  public:
   [[nodiscard]] std::uint32_t* allocate(std::size_t count);
-  std::vector<StarFace> scratch;  // for whoever works on a star
-  std::vector<VertexId> ring;     // or on its neighbours
-  // Where in the long ring of a vertex with this remainder something was last found: the next is most likely near.
+  std::vector<StarFace> scratch;  // for operations on a star
+  std::vector<VertexId> ring;     // for operations on its neighbours
+  // Where something was last found in the long ring of a vertex with this remainder; the next search will probably end
+  // nearby.
   std::array<std::uint32_t, 64> hints{};
 
  private:
@@ -88,41 +90,42 @@ class StarArena {
   std::size_t left_ = 0;
 };
 
-// Collapses whose stars, rings included, are disjoint may run in parallel, each with an arena of its own.
+// Stores all stars. Collapses whose stars, rings included, are disjoint may run in parallel, each with its own arena.
 class StarMesh {
  public:
   StarMesh(std::span<const Triangle> faces, std::size_t vertex_count, unsigned threads = 1);
 
   [[nodiscard]] std::size_t vertex_count() const noexcept { return places_.size(); }
   [[nodiscard]] Star star(VertexId v) const noexcept { return view(places_[v]); }
-  // A hint that the star of v will soon be asked for.
+  // Prefetches the star of v.
   void prefetch(VertexId v) const noexcept { occlod::prefetch(places_[v].ids); }
-  // Earlier still: that v will soon be given to prefetch().
+  // Prefetches the data that prefetch(v) will read.
   void prefetch_place(VertexId v) const noexcept { occlod::prefetch(&places_[v]); }
-  // The number of faces at edge ab.
+  // Returns the number of faces at edge ab.
   [[nodiscard]] int edge_degree(VertexId a, VertexId b) const noexcept;
-  // The vertices that share a face with v, each once, ascending. `out` is cleared first.
+  // Lists the vertices that share a face with v, each once, ascending. `out` is cleared first.
   void neighbours(VertexId v, std::vector<VertexId>& out) const;
-  // All faces, by their smallest corners.
+  // Returns all faces, sorted by their smallest corners.
   [[nodiscard]] std::vector<LevelFace> faces() const;
 
-  // Merges v into u: faces with both end, the others at v get u in its place and are made by `id`. `may_fold`: a moved
-  // face may meet an old one turned over; then both end, so that the oriented boundary (as a chain) stays that of the
-  // merged input. Without it, the collapse keeps the topology (see collapse_rules.h). Appends every face that ends or
-  // moves to `ended`: those at v in the order of its star, with v first; then those that others were folded onto.
-  // Returns how many faces there are fewer.
+  // Merges v into u: faces that contain both end; in the others at v, u replaces v, and their maker becomes `id`. With
+  // `may_fold`, a moved face may coincide with an older one of opposite winding; then both end, so that the oriented
+  // boundary (as a chain) stays that of the merged input. Without it, the collapse must keep the topology (see
+  // collapse_rules.h). Appends every face that ends or moves to `ended`: those at v in the order of its star, with v
+  // first; then those onto which others were folded. Returns by how much the number of faces decreases.
   std::size_t collapse(VertexId v, VertexId u, CollapseId id, bool may_fold, StarArena& arena,
                        std::vector<LevelFace>& ended);
-  // The same where it may fold, but of the older faces only these end, which have u as their first corner. A collapse
-  // that is repeated in another order may meet faces that were not there, or not yet turned over, the first time.
+  // Repeats a collapse that may fold, but ends only those older faces that are in `folded`, which have u as their first
+  // corner. A collapse repeated in another order may meet faces that did not exist, or had not yet flipped, the first
+  // time.
   std::size_t collapse_again(VertexId v, VertexId u, CollapseId id, std::span<const Triangle> folded, StarArena& arena,
                              std::vector<LevelFace>& ended);
 
  private:
-  // Where a star is: `capacity` ids, then as many CollapseIds. Rings use one of each for a face, lists two.
+  // Locates a star: `capacity` ids, then as many CollapseIds. Rings use one of each per face, lists two.
   struct Place {
     std::uint32_t* ids = nullptr;
-    std::uint32_t size = 0;  // faces
+    std::uint32_t size = 0;  // number of faces
     std::uint32_t capacity : 31 = 0;
     std::uint32_t is_ring : 1 = 0;
   };
@@ -155,8 +158,8 @@ class StarMesh {
   };
 
   LargeVector<Place> places_;
-  std::unique_ptr<std::uint32_t, Delete> pool_;  // the first places of all stars
-  StarArena arena_;                              // for those that are longer from the start
+  std::unique_ptr<std::uint32_t, Delete> pool_;  // the initial places of all stars
+  StarArena arena_;                              // for stars that are longer from the start
 };
 
 }  // namespace occlod

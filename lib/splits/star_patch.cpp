@@ -9,7 +9,7 @@
 namespace occlod {
 namespace {
 
-// Zero for a face without area. In double precision: the corners of a sliver are nearly on a line.
+// Returns zero for a face without area. Uses double precision, because the corners of a sliver are nearly collinear.
 glm::vec3 unit_normal(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
   const glm::dvec3 from(a);
   const glm::dvec3 normal = glm::cross(glm::dvec3(b) - from, glm::dvec3(c) - from);
@@ -22,12 +22,12 @@ glm::vec3 axis_of(const glm::vec3& sum) {
   return length2 > 1e-12F ? sum / std::sqrt(length2) : glm::vec3(0, 0, 1);
 }
 
-// Extends the cone around patch.axis so that it holds one more normal.
+// Extends the cone around patch.axis so that it contains one more normal.
 void include_normal(Patch& patch, const glm::vec3& normal) {
   patch.has_normal = true;
   patch.cos_angle = std::min(patch.cos_angle, glm::dot(patch.axis, normal));
   const glm::vec3 cross = glm::cross(patch.axis, normal);
-  patch.sin_angle = std::max(patch.sin_angle, glm::dot(cross, cross));  // the square, until close_cone
+  patch.sin_angle = std::max(patch.sin_angle, glm::dot(cross, cross));  // squared until close_cone
 }
 
 void close_cone(Patch& patch) {
@@ -35,7 +35,7 @@ void close_cone(Patch& patch) {
   patch.cos_angle = patch.cos_angle > normal_slack ? patch.cos_angle - normal_slack : -1.0F;
 }
 
-// The corners of a fan.
+// Bounds the corners and faces of a fan.
 class FanPatch {
  public:
   FanPatch(const SplitStar& star, std::span<const glm::vec3> positions)
@@ -86,7 +86,7 @@ class FanPatch {
     }
   }
 
-  // Of the triangle from apex to two places of the ring.
+  // Adds the normal of the triangle from apex to two places of the ring.
   void add_normal(const glm::vec3& apex, std::size_t i, std::size_t j) {
     const glm::vec3 a = corners_[i] - apex, b = corners_[j] - apex;
     const glm::vec3 normal = glm::cross(a, b);

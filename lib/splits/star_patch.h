@@ -1,4 +1,4 @@
-// What the own faces of one split occupy.
+// Bounds the own faces of one split.
 #pragma once
 
 #include <array>
@@ -17,13 +17,13 @@
 
 namespace occlod {
 
-// What the faces of one split, or of a run of splits, occupy: a sphere and the cone of their normals.
+// Bounds the faces of one split, or of a run of splits, by a sphere and a cone of their normals.
 struct Patch {
   Sphere sphere;
   glm::vec3 axis{0.0F};
   float cos_angle = 1.0F;  // of the half angle; -1 = every direction
   float sin_angle = 0.0F;
-  bool has_normal = false;  // false: only faces without area, which cover no pixel and face nowhere
+  bool has_normal = false;  // false: all faces are degenerate, so they cover no pixel and have no direction
 };
 
 struct BoundedPatch {
@@ -31,35 +31,35 @@ struct BoundedPatch {
   Box box;
 };
 
-// Of the faces that the split inserts and removes.
+// Bounds the faces that the split inserts and removes.
 [[nodiscard]] BoundedPatch bound_star(const SplitStar& star, std::span<const glm::vec3> positions);
 
-// Factors that keep bounds outside through roundings: differences of single-precision positions are correct to half a
-// unit in their own last place, and no sum is longer than a dozen terms.
+// Factors that keep bounds conservative under rounding: differences of single-precision positions are correct to half a
+// unit in the last place, and no sum has more than a dozen terms.
 inline constexpr float grow = 1.0F + 4e-6F;
 inline constexpr float cone_slack = 4e-6F;
-// A corner whose squared sine is that small or smaller needs double precision; of any other, single precision gives the
-// normal to within normal_slack.
+// A corner whose squared sine is at most this needs double precision; for any other, single precision gives the normal
+// to within normal_slack.
 inline constexpr float min_sin2 = 0.0025F;
 inline constexpr float normal_slack = 1e-5F;
-// What roundings make of numbers so small that their last place no longer shrinks with them: some twenty of it.
+// Rounding error of numbers so small that their last place no longer shrinks with them: some twenty units of it.
 inline constexpr float denormal_slack = 3e-44F;
 
-// Also of vectors whose squares no float holds.
+// Returns the length, also for vectors whose squares overflow or underflow a float.
 [[nodiscard]] inline float length_of(const glm::vec3& v) {
   const float square = glm::dot(v, v);
   return square > 1e-30F && square < 1e30F ? std::sqrt(square) : static_cast<float>(glm::length(glm::dvec3(v)));
 }
 
-// Spheres and cones of patches, and how far they reach from the middles of nodes, many at once.
+// Computes, for many patches at once, how far their spheres and cones reach from the centres of nodes.
 
-// One row for each number of a patch.
+// Stores one row per number of a patch.
 class PatchRows {
  public:
-  static constexpr std::size_t padding = 16;  // places that may be read behind the last
+  static constexpr std::size_t padding = 16;  // places that may be read past the end
   enum Row : std::uint8_t { x, y, z, radius, axis_x, axis_y, axis_z, cos_angle, sin_angle, row_count };
 
-  // Not initialised, but for the padding.
+  // Leaves the rows uninitialised, except for the padding.
   explicit PatchRows(std::size_t size);
 
   [[nodiscard]] std::size_t size() const noexcept { return size_; }
@@ -67,7 +67,7 @@ class PatchRows {
   void set(std::size_t i, const Patch& patch) noexcept;
   [[nodiscard]] Patch operator[](std::size_t i) const noexcept;
 
-  static constexpr float no_normal = 2.0F;  // cos_angle of a patch without one
+  static constexpr float no_normal = 2.0F;  // cos_angle of a patch without a normal
 
  private:
   struct Delete {
@@ -79,49 +79,51 @@ class PatchRows {
   std::unique_ptr<float, Delete> values_;
 };
 
-// Nodes whose patches begin one after the other.
+// Holds nodes whose patches are stored one after the other.
 struct NodeExtents {
   static constexpr std::size_t capacity = 16;
   template <class T>
   using PerNode = std::array<T, capacity>;
 
-  // Given: the middle of the node, the axis of its cone and of its cylinder, its number of patches.
+  // Input: the centre of the node, the axes of its cone and of its cylinder, its number of patches.
   alignas(64) PerNode<float> center_x, center_y, center_z, axis_x, axis_y, axis_z;
   alignas(64) PerNode<std::int32_t> size;
-  // Wanted: of a sphere and of a cylinder around the middle; of a cone, at most 0 without one.
+  // Output: the extents of a sphere and of a cylinder around the centre, and of a cone; cos_angle is at most 0 without
+  // a cone.
   alignas(64) PerNode<float> radius, cylinder_radius, t_min, t_max, cos_angle;
   alignas(64) PerNode<std::int32_t> has_normal;
-  // Squares of lengths left the range of floats; the results are to be computed otherwise.
+  // Nonzero when squared lengths leave the range of floats; the extents must then be computed in another way.
   alignas(64) PerNode<std::int32_t> is_extreme;
 
   void start(std::size_t node, const glm::vec3& center, const glm::vec3& axis);
 };
 
 // Includes the patches [first + i, first + i + size[i]) in node i. All nodes are smaller than NodeExtents::capacity or
-// empty. The same bits with every instruction set.
+// empty. The bits are the same with every instruction set.
 void include_patches(const PatchRows& patches, std::size_t first, NodeExtents& nodes);
 
 // Includes the patches [first, end) in one node.
 void include_run(const PatchRows& patches, std::size_t first, std::size_t end, NodeExtents& nodes, std::size_t node);
 
-// A cone around `axis` that holds the patch's cone, by the cosine of its angle; -1 when that is a half space or more.
+// Returns the cosine of the angle of a cone around `axis` that contains the patch's cone; -1 when that is a half space
+// or more.
 [[nodiscard]] float widened(const glm::vec3& axis, const Patch& patch);
 
-// What the own faces of many splits occupy: those of bound_star(), a closed fan to a lane.
+// Bounds the own faces of many splits as bound_star() does, with one closed fan per SIMD lane.
 
-// Of each fan what bound_star() says of it.
+// Holds the result of bound_star() for each fan.
 struct FanPatchBounds {
-  static constexpr std::size_t capacity = 16;  // fans
+  static constexpr std::size_t capacity = 16;  // number of fans
   using PerFan = std::array<float, capacity>;
 
   alignas(64) PerFan min_x, min_y, min_z, max_x, max_y, max_z;
   alignas(64) PerFan center_x, center_y, center_z, radius, axis_x, axis_y, axis_z, cos_angle, sin_angle;
-  alignas(64) PerFan is_bounded;  // 0: only bound_star() can tell, for there are slivers, or lengths are extreme
+  alignas(64) PerFan is_bounded;  // 0: use bound_star(), because there are slivers or extreme lengths
 
   [[nodiscard]] BoundedPatch operator[](std::size_t i) const noexcept;
 };
 
-// Closed fans with equally many corners.
+// Collects closed fans with equally many corners.
 class FanPatches {
  public:
   static constexpr std::size_t capacity = FanPatchBounds::capacity;
@@ -129,23 +131,23 @@ class FanPatches {
 
   [[nodiscard]] std::size_t size() const noexcept { return size_; }
   void clear() noexcept { size_ = 0; }
-  // Another one, of the split that brings back v beside the corner `parent`. Precondition: there is room, and it has as
+  // Adds the fan of the split that restores v beside the corner `parent`. Precondition: there is room, and it has as
   // many corners as the others.
   void add(VertexId v, std::span<const VertexId> ring, VertexId parent, std::span<const glm::vec3> positions);
 
-  // The same bits with every instruction set and whatever else is here.
+  // Returns the bounds. The bits are the same with every instruction set and do not depend on the other fans.
   [[nodiscard]] FanPatchBounds bounds() const;
 
-  // For bounds(). In ring order.
+  // Input of bounds(): corners in ring order.
   struct Corners {
     using PerFan = FanPatchBounds::PerFan;
     alignas(64) std::array<PerFan, max_corners> x, y, z;
-    alignas(64) PerFan vertex_x, vertex_y, vertex_z;  // in the middle
-    alignas(64) PerFan parent_x, parent_y, parent_z;  // that removed faces meet in
+    alignas(64) PerFan vertex_x, vertex_y, vertex_z;  // the centre of the fan
+    alignas(64) PerFan parent_x, parent_y, parent_z;  // the apex of the removed faces
     alignas(64) PerFan parent_place;
   };
   [[nodiscard]] const Corners& corners() const noexcept { return corners_; }
-  [[nodiscard]] std::size_t corner_count() const noexcept { return corner_count_; }  // of each fan
+  [[nodiscard]] std::size_t corner_count() const noexcept { return corner_count_; }  // per fan
 
  private:
   Corners corners_{};

@@ -8,7 +8,7 @@
 namespace occlod {
 namespace {
 
-// The outer vertices of a fan.
+// Returns the number of outer vertices of a fan.
 std::size_t ring_size(const StarContents& star) {
   return star.inserted.size() + (star.shape == StarShape::open_fan ? 1 : 0);
 }
@@ -16,7 +16,7 @@ VertexId ring_at(const StarContents& star, std::size_t place) {
   return place < star.inserted.size() ? star.inserted[place].y : star.inserted.back().z;
 }
 
-// Sorts the removed faces to the order of slots; false when they are not those that the fan implies.
+// Sorts the removed faces into the order of slots; returns false when they are not the faces that the fan implies.
 bool match_removed(const StarContents& star, std::size_t parent_place) {
   const std::size_t size = ring_size(star);
   std::size_t found = 0;
@@ -71,7 +71,7 @@ bool is_fan_header(std::uint32_t header) {
          ((header >> 16U) & 0xFFU) <= SplitStar::max_dependencies;
 }
 
-// The bytes after the dependencies name dependencies that are there.
+// Checks that the bytes after the dependencies refer to existing dependencies.
 bool names_dependencies(const SplitStar& star, std::span<const std::uint32_t> record) {
   const std::size_t first = record.size() - (star.removed_count() + 3) / 4;
   for (std::uint32_t i = 0; i < star.removed_count(); ++i)
@@ -129,7 +129,7 @@ std::optional<std::string> check_star(std::span<const std::uint32_t> record, Spl
   if (record.empty()) return wrong_size();
   const bool is_fan = (record[0] & SplitStar::other_bit) == 0;
   if (is_fan && !is_fan_header(record[0])) return fmt::format("the star of split {} has a header that no fan has", s);
-  // Three counts below 2^32, times at most 5, fit 64 bits.
+  // Three counts below 2^32, times at most 5, fit into 64 bits.
   if (!is_fan &&
       (record.size() < 5 ||
        std::uint64_t{5} + std::uint64_t{3} * record[2] + record[3] + std::uint64_t{5} * record[4] != record.size()))
@@ -162,7 +162,7 @@ std::optional<std::string> check_star(std::span<const std::uint32_t> record, Spl
 
 namespace {
 
-// The masks of a fan's places and the wedges that they list.
+// Holds the masks of a fan's places and the wedges that they list.
 struct FanCorners {
   std::uint32_t first_mask = 0, second_mask = 0;
   std::array<WedgeId, SplitStar::max_ring> firsts{}, seconds{};
@@ -189,7 +189,7 @@ FanCorners corners_of_fan(const SplitStar& star, std::span<const Triangle> wedge
   return result;
 }
 
-// The second wedge of v, and which one each slot has; false where 4 bits are too few.
+// Appends the second wedge of v and which wedge each slot has; returns false where 4 bits are not enough.
 bool append_apexes(const SplitStar& star, std::span<const Triangle> wedges, WedgeId second,
                    std::vector<std::uint32_t>& words) {
   const std::size_t begin = words.size();

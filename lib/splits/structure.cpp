@@ -40,7 +40,7 @@ Problem check_sizes(const HierarchyView& d) {
 
 bool is_finite(const glm::vec3& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
 
-// They lie at their vertex and have materials that are there.
+// Checks that the wedges lie at their vertex and have valid materials.
 Problem check_wedges_of(const HierarchyView& d, VertexId vertex) {
   const auto has_material = [&](std::size_t w) {
     return d.wedge_materials.empty() || d.wedge_materials[w] < d.materials.size();
@@ -54,7 +54,7 @@ Problem check_wedges_of(const HierarchyView& d, VertexId vertex) {
   return std::nullopt;
 }
 
-// The record of split s, whose star has been checked.
+// Checks the corner record of split s, whose star has been checked.
 Problem check_split_corners(const HierarchyView& d, SplitId s, VertexId vertex) {
   const std::uint32_t begin = d.corner_starts[s], end = d.corner_starts[s + 1];
   if (begin > end || end > d.corners.size())
@@ -63,8 +63,8 @@ Problem check_split_corners(const HierarchyView& d, SplitId s, VertexId vertex) 
   return check_corners(star, d.corners.subspan(begin, end - begin), s, d.extra_wedges, vertex_count(d));
 }
 
-// Extra wedges are those of vertices that are there, ascending, at their places; faces of the base mesh use wedges of
-// their vertices; materials and textures are there.
+// Checks that extra wedges belong to existing vertices, ascend and lie at their positions, that faces of the base mesh
+// use wedges of their vertices, and that materials and textures exist.
 Problem check_wedges(const HierarchyView& d) {
   const std::size_t vertices = vertex_count(d);
   VertexId last = 0;
@@ -86,7 +86,7 @@ Problem check_wedges(const HierarchyView& d) {
   return std::nullopt;
 }
 
-// Of a split whose star need not have been checked yet, of which no more than the header is read.
+// Returns the number of inserted faces. Reads only the header of the star, which need not have been checked yet.
 std::uint32_t inserted_count_of(const HierarchyView& d, SplitId s) {
   constexpr std::size_t longest_header = 5;
   const std::size_t begin = d.nodes[s].star;
@@ -96,7 +96,7 @@ std::uint32_t inserted_count_of(const HierarchyView& d, SplitId s) {
   return SplitStar(d.stars.data() + begin, no_id).inserted_count();
 }
 
-// The faces that split s removes are faces that the splits before it insert. Its star has been checked.
+// Checks that earlier splits insert the faces that split s removes. The star of s has been checked.
 Problem check_removed_slots(const HierarchyView& d, SplitId s, VertexId vertex) {
   bool are_there = true;
   SplitStar(d.stars.data() + d.nodes[s].star, vertex).for_each_removed_ref([&](const FaceRef& face) {
@@ -170,7 +170,7 @@ std::optional<std::string> check_structure(const HierarchyView& d) {
     return "the stars do not begin and end with their list";
   if (!d.corner_starts.empty() && (d.corner_starts[0] != 0 || d.corner_starts[splits] != d.corners.size()))
     return "the wedges of the corners do not begin and end with their list";
-  // Every split is a root or the child of the split that it names as its parent.
+  // Checks that every split is a root or the child of the split that it names as its parent.
   std::size_t children = 0;
   for (SplitId s = 0; s < splits; ++s)
     for (const SplitId child : {d.nodes[s].child_u, d.nodes[s].child_v}) {

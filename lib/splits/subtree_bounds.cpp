@@ -18,7 +18,7 @@ glm::vec3 unit_or(const glm::vec3& v, const glm::vec3& otherwise) {
   return length > 1e-6F && std::isfinite(length) ? v / length : otherwise;
 }
 
-// Works in depth-first order: subtrees become runs, that of the split at place p is places [p, p + size).
+// Works in depth-first order, where subtrees are runs: that of the split at place p is places [p, p + size).
 class SubtreeBounds {
  public:
   SubtreeBounds(Assembly assembly, unsigned threads)
@@ -42,11 +42,11 @@ class SubtreeBounds {
  private:
   static constexpr std::size_t block_size = 64;
 
-  // What own faces occupy, later whole subtrees.
+  // Bounds the own faces of a split, and later its whole subtree.
   struct Region {
     Box box;
     glm::vec3 normal{0.0F};        // sum of unit normals
-    std::uint32_t parent = no_id;  // place of the forest parent
+    std::uint32_t parent = no_id;  // place of the parent in the forest
     SplitId split = no_id;
     std::uint32_t size = 0;  // of the subtree
   };
@@ -98,7 +98,7 @@ class SubtreeBounds {
     UninitializedVector<BoundedPatch>().swap(assembly_.patches);
   }
 
-  // From own faces to subtrees: below a split means behind it in the order.
+  // Extends bounds from own faces to subtrees: descendants of a split follow it in the order.
   void join_boxes() {
     for (std::size_t p = splits_; p-- > 0;) {
       const Region& region = regions_[p];
@@ -110,7 +110,7 @@ class SubtreeBounds {
     }
   }
 
-  // One patch for each block_size patches in a row.
+  // Merges each run of block_size patches into one.
   void join_patches(const PatchRows& patches, PatchRows& blocks) const {
     blocks = PatchRows((patches.size() + block_size - 1) / block_size);
     for_each_id(blocks.size(), threads_, [&](std::uint32_t block) {
@@ -145,8 +145,8 @@ class SubtreeBounds {
     return block;
   }
 
-  // Calls visit(rows, first, end) for patches that together hold places [first, end): single ones at the ragged ends,
-  // blocks between.
+  // Calls visit(rows, first, end) for patches that together cover places [first, end): single patches at the ends,
+  // blocks in between.
   template <typename Visit>
   void for_each_run(std::size_t first, std::size_t end, const Visit& visit) const {
     const auto up = [](std::size_t place) { return (place + block_size - 1) / block_size; };
@@ -161,12 +161,12 @@ class SubtreeBounds {
     visit(large_blocks_, first_large, end_large);
   }
 
-  // The largest distance from `center` to a point of the box.
+  // Returns the largest distance from `center` to a point of the box.
   static float reach(const glm::vec3& center, const Box& box) {
     return length_of(glm::max(box.max - center, center - box.min)) * grow + denormal_slack;
   }
 
-  // All but the bounds, and the sentinel.
+  // Sets all fields of a node except its bounds; also makes the sentinel.
   void start_node(SplitId s) {
     SplitNode& node = data().nodes[s] = {};
     node.star = assembly_.stars[s];
@@ -178,7 +178,7 @@ class SubtreeBounds {
     node.parent = assembly_.parents[s];
   }
 
-  // In depth-first order patches are in the cache, but nodes are anywhere in memory.
+  // In depth-first order patches are in the cache, but nodes are scattered in memory.
   void bound_nodes(std::size_t first, std::size_t end) {
     NodeExtents nodes;
     nodes.size.fill(0);
@@ -199,8 +199,8 @@ class SubtreeBounds {
     }
   }
 
-  // All bounds are around the middle of the box. The paper's axis is the normal of the split vertex; the mean normal of
-  // the subtree is that of its surface at every level.
+  // Centres all bounds on the middle of the box. The paper uses the normal of the split vertex as the axis; we use the
+  // mean normal of the subtree, which is that of its surface at every level.
   void start_bounds(NodeExtents& nodes, std::size_t i, const Region& region) {
     PackedBounds& bounds = data().nodes[region.split].bounds;
     bounds.set_axis(unit_or(region.normal, glm::vec3(0, 0, 1)));
@@ -210,7 +210,7 @@ class SubtreeBounds {
 
   static glm::vec3 center_of(const Box& box) { return 0.5F * box.min + 0.5F * box.max; }
 
-  // The extents of the node at `place`, where squares of lengths leave the range of floats.
+  // Measures the extents of the node at `place` where squared lengths leave the range of floats.
   void measure_exactly(NodeExtents& nodes, std::size_t i, std::size_t place) const {
     const glm::vec3 center(nodes.center_x[i], nodes.center_y[i], nodes.center_z[i]);
     const glm::vec3 axis(nodes.axis_x[i], nodes.axis_y[i], nodes.axis_z[i]);
@@ -231,7 +231,7 @@ class SubtreeBounds {
     const glm::vec3 center = center_of(box);
     const float radius = nodes.radius[i];
     const float slack = radius * (grow - 1.0F) + denormal_slack;
-    // A sphere around the box holds everything as well.
+    // A sphere around the box is a valid bound as well.
     node.sphere = {center, std::min(radius + slack, reach(center, box))};
     const Cylinder cylinder{center, std::min(nodes.cylinder_radius[i] + slack, node.sphere.radius), glm::vec3(0.0F),
                             std::max(nodes.t_min[i] - slack, -node.sphere.radius),
@@ -244,9 +244,9 @@ class SubtreeBounds {
   Assembly assembly_;
   unsigned threads_;
   SplitId splits_;
-  UninitializedVector<std::uint32_t> place_;  // of each split
-  LargeVector<std::uint32_t> sizes_;          // of each split's subtree
-  // By place:
+  UninitializedVector<std::uint32_t> place_;  // per split
+  LargeVector<std::uint32_t> sizes_;          // per split: size of its subtree
+  // The rows of patches, by place, and of blocks of them.
   PatchRows rows_{0}, blocks_{0}, large_blocks_{0};
   UninitializedVector<Region> regions_;
 };

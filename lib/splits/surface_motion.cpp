@@ -71,7 +71,7 @@ class LimitedReplay {
     return ref.slot + (ref.split == no_id ? std::size_t{0} : first_face_[ref.split]);
   }
 
-  // False when the collapse has to be left out.
+  // Undoes a split; returns false when its collapse has to be left out.
   bool undo(SplitId s) {
     const SplitStar star = h_.star(s);
     if (star.inserted_count() == 0) return false;
@@ -96,7 +96,8 @@ class LimitedReplay {
     return true;
   }
 
-  // Whether the faces that the split removes are those that it inserts without u, with u for v: nothing was folded.
+  // Returns whether the faces that the split removes are those that it inserts without u, with v replaced by u: nothing
+  // was folded.
   [[nodiscard]] static bool is_plain(const SplitStar& star) {
     std::uint32_t others = 0;
     for (std::uint32_t slot = 0; slot < star.inserted_count(); ++slot) {
@@ -111,9 +112,9 @@ class LimitedReplay {
   double max_motion_;
   StarMesh mesh_;
   PositionView positions_;
-  std::vector<bool> stays_;  // of splits: applied in the cut
+  std::vector<bool> stays_;  // per split: applied in the cut
   std::vector<std::uint32_t> first_face_;
-  std::vector<float> moved_;  // of faces that ever existed
+  std::vector<float> moved_;  // per face that ever existed
   VertexRing ring_;
   ChangeBound change_bound_;
   StarArena arena_;
@@ -133,7 +134,7 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// Of the next single precision number that has no lower half; rounds up.
+// Rounds up to a single-precision number whose lower half is zero, and returns the upper half.
 std::uint16_t upper_half(double length) {
   if (length == 0.0) return 0;
   const float single = std::nextafter(static_cast<float>(length), std::numeric_limits<float>::infinity());
@@ -151,7 +152,7 @@ class SurfaceMotion::Replay {
         positions_(hierarchy.positions()),
         has_marks_(hierarchy.vertex_count(), false) {}
 
-  // False when what is recorded did not happen.
+  // Returns false when the recorded collapses are inconsistent.
   bool run() {
     for (auto s = static_cast<SplitId>(h_.split_count()); s-- > 0;)
       if (!undo(s)) return false;
@@ -180,7 +181,7 @@ class SurfaceMotion::Replay {
     return gone == star.inserted_count() - star.removed_count();
   }
 
-  // Older faces that faces at v are folded onto, from u.
+  // Returns the older faces onto which faces at v are folded, as seen from u.
   [[nodiscard]] std::span<const Triangle> folded_by(const SplitStar& star) {
     folded_.clear();
     star.for_each_inserted([&](const Triangle& t) {
@@ -190,7 +191,7 @@ class SurfaceMotion::Replay {
     return folded_;
   }
 
-  // u, and what is a neighbour of both ends.
+  // Marks u and the vertices that were neighbours of both ends.
   void mark(VertexId u) {
     ++result_.topology_changes_;
     const auto set = [&](VertexId w) { result_.marked_[w] = has_marks_[w] = true; };
@@ -199,7 +200,8 @@ class SurfaceMotion::Replay {
       if (w != u && mesh_.edge_degree(u, w) > 0) set(w);
   }
 
-  // Faces that the collapse makes have moved as far as the farthest of those that it ends, and then this far.
+  // Propagates motion: faces that the collapse makes have moved as far as the farthest of the faces that it ends, plus
+  // this distance.
   void pass_on(SplitId s, const SplitStar& star, double moved) {
     float before = 0.0F;
     for (std::uint32_t slot = 0; slot < star.inserted_count(); ++slot)
@@ -215,7 +217,7 @@ class SurfaceMotion::Replay {
   SurfaceMotion& result_;
   StarMesh mesh_;
   PositionView positions_;
-  std::vector<bool> has_marks_;  // of vertices: what has been merged into them until now
+  std::vector<bool> has_marks_;  // per vertex: whether a mark has been merged into it so far
   VertexRing ring_;
   ChangeBound change_bound_;
   StarArena arena_;
@@ -244,7 +246,7 @@ SurfaceMotion::SurfaceMotion(const Hierarchy& hierarchy)
 
 std::shared_ptr<const SurfaceMotion> motion_of(const Hierarchy& hierarchy) {
   static std::mutex mutex;
-  static std::map<const void*, std::weak_ptr<const SurfaceMotion>> held;  // by the arrays that they are about
+  static std::map<const void*, std::weak_ptr<const SurfaceMotion>> held;  // keyed by the arrays they describe
   const std::lock_guard lock(mutex);
   std::erase_if(held, [](const auto& entry) { return entry.second.expired(); });
   std::weak_ptr<const SurfaceMotion>& place = held[hierarchy.positions().data()];

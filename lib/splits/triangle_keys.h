@@ -1,4 +1,4 @@
-// Triangles by what they cover, whatever their vertices are called.
+// Identifies triangles by their geometry, independent of vertex numbers.
 #pragma once
 
 #include <algorithm>
@@ -16,9 +16,9 @@
 namespace occlod {
 
 using TriangleKey =
-    std::array<std::uint32_t, 9>;  // the bits of three corners, the smallest corner first, in winding order
+    std::array<std::uint32_t, 9>;  // bits of the three corners, the smallest corner first, in winding order
 
-// The bits of the number that the coordinate is: -0 is 0.
+// Returns the bits of the coordinate, with -0 mapped to 0.
 [[nodiscard]] inline std::uint32_t bits_of(float x) { return std::bit_cast<std::uint32_t>(x + 0.0F); }
 
 [[nodiscard]] inline TriangleKey key_of(const Triangle& t, std::span<const glm::vec3> positions) {
@@ -34,16 +34,16 @@ using TriangleKey =
   return key;
 }
 
-// Triangles by what is to be drawn at their corners, whatever their wedges are called.
+// Identifies triangles by the attributes drawn at their corners, independent of wedge numbers.
 
-// One for each wedge, or empty.
+// Holds one value per wedge, or none.
 struct CornerAttributes {
   std::span<const glm::vec3> positions, normals;
   std::span<const glm::u8vec4> colors;
   std::span<const glm::vec2> texture_coordinates;
 };
 
-// `restored` without those attributes that `given` does not have; nothing where it lacks some of them.
+// Removes from `restored` the attributes that `given` does not have. Returns false where `restored` lacks some of them.
 [[nodiscard]] inline bool keep_those_of(const CornerAttributes& given, CornerAttributes& restored) {
   const auto keep = [](const auto& wanted, auto& found) {
     if (wanted.empty()) found = {};
@@ -53,7 +53,7 @@ struct CornerAttributes {
          keep(given.texture_coordinates, restored.texture_coordinates);
 }
 
-// A triangle by its material and the bits at its corners, the smallest corner first, in winding order.
+// Identifies a triangle by its material and the bits at its corners, the smallest corner first, in winding order.
 struct CornerKey {
   std::array<std::array<std::uint32_t, 9>, 3> corners{};
   MaterialId material = 0;
@@ -80,14 +80,14 @@ struct CornerKey {
   return key;
 }
 
-// Oriented boundaries, compared exactly.
+// Compares oriented boundaries exactly.
 
-// The sum of directed edges, or of wound triangles, as an oriented chain: one and its reverse cancel, what repeats a
-// corner vanishes. As a fingerprint of 128 bits: equal chains have equal sums, others differ but for one chance in
-// 2^128.
+// Sums directed edges, or wound triangles, as an oriented chain: one and its reverse cancel, and one that repeats a
+// corner vanishes. The sum is a fingerprint of 128 bits: equal chains have equal sums; different chains have equal sums
+// with probability 2^-128.
 class ChainSum {
  public:
-  // A triangle, in a chain of triangles.
+  // Adds a triangle to a chain of triangles.
   void add(const Triangle& t) {
     if (t.x == t.y || t.y == t.z || t.z == t.x) return;
     const VertexId low = std::min({t.x, t.y, t.z}), high = std::max({t.x, t.y, t.z});
@@ -95,7 +95,7 @@ class ChainSum {
     const bool ascends = ((t.x > t.y) + (t.y > t.z) + (t.z > t.x)) == 1;
     add(scramble(std::uint64_t{low} << 32U | middle) + high, ascends);
   }
-  // An edge, in a chain of edges.
+  // Adds an edge to a chain of edges.
   void add(VertexId from, VertexId to) {
     if (from == to) return;
     const std::uint64_t edge = std::uint64_t{std::min(from, to)} << 32U | std::max(from, to);
@@ -113,7 +113,7 @@ class ChainSum {
     first_ += is_forward ? first : 0 - first;
     second_ += is_forward ? second : 0 - second;
   }
-  // Steele, Lea, Flood 2014, "Fast splittable pseudorandom number generators".
+  // Mixes bits as in Steele, Lea, Flood 2014, "Fast splittable pseudorandom number generators".
   static std::uint64_t scramble(std::uint64_t x) {
     x += 0x9e3779b97f4a7c15ULL;
     x = (x ^ (x >> 30U)) * 0xbf58476d1ce4e5b9ULL;

@@ -34,7 +34,7 @@ bool restores_positions(const Hierarchy& hierarchy, const TriangleMesh& mesh) {
   return are_same(std::move(restored), std::move(input));
 }
 
-// Of those attributes that the mesh has.
+// Compares only the attributes that the mesh has.
 bool restores_corners(const Hierarchy& hierarchy, const TriangleMesh& mesh) {
   const HierarchyView& view = hierarchy.data();
   const CornerAttributes input{mesh.positions, mesh.normals, mesh.colors, mesh.texture_coordinates};
@@ -92,7 +92,7 @@ class Validator {
     if (violations_.size() < max_violations) violations_.push_back(fmt::format(format, std::forward<Args>(args)...));
   }
 
-  // Invariant 1.
+  // Checks invariant 1.
   void check_saturation() {
     const auto check = [&](SplitId coarse, SplitId fine, const char* relation) {
       const SplitNode &a = d_.nodes[coarse], &b = d_.nodes[fine];
@@ -107,9 +107,9 @@ class Validator {
     }
   }
 
-  // Part of invariant 4: every corner of a face that a split inserts is there when it is applied, because it is in the
-  // base mesh, is the split's own vertex, is a corner of a removed face or is brought by a split that this one depends
-  // on.
+  // Checks part of invariant 4: every corner of a face that a split inserts exists when the split is applied, because
+  // it is in the base mesh, is the split's own vertex, is a corner of a removed face or comes from a split on which
+  // this one depends.
   void check_corners() {
     const std::size_t base_vertices = h_.base_vertex_count();
     std::vector<VertexId> corners;
@@ -129,9 +129,9 @@ class Validator {
     }
   }
 
-  // Invariants 2 and 3. Subtrees are runs of a depth-first order; segment trees of boxes over that order, one of points
-  // and one of normals, let a whole run be accepted by its box, since all bounds are convex: even a forest that is one
-  // long chain is checked in reasonable time.
+  // Checks invariants 2 and 3. Subtrees are runs of a depth-first order. Segment trees of boxes over that order, one of
+  // points and one of normals, let a whole run be accepted by its box, since all bounds are convex; so even a forest
+  // that is one long chain is checked in reasonable time.
   void check_bounds() {
     order_depth_first();
     make_segments();
@@ -189,7 +189,7 @@ class Validator {
     }
   }
 
-  // The corners of the faces that the split removes or inserts.
+  // Visits the corners of the faces that the split removes or inserts.
   template <typename Visit>
   void for_each_own_point(SplitId s, const Visit& visit) const {
     visit(d_.positions[h_.vertex_of(s)]);
@@ -197,7 +197,7 @@ class Validator {
       for (int k = 0; k < 3; ++k) visit(d_.positions[t[k]]);
     });
   }
-  // The unit normals of those that have an area.
+  // Visits the unit normals of the own faces that have an area.
   template <typename Visit>
   void for_each_own_normal(SplitId s, const Visit& visit) const {
     h_.star(s).for_each_face([&](const Triangle& t) {
@@ -228,7 +228,8 @@ class Validator {
       }
   }
 
-  // True iff `inside` (of a convex bound) is true for every corner, or normal, of every face of the subtree of s.
+  // Returns true iff `inside` (of a convex bound) is true for every corner, or normal, of every face of the subtree of
+  // s.
   template <typename Inside>
   [[nodiscard]] bool holds_points(SplitId s, const Inside& inside) const {
     return holds_run(point_segments_, {place_[s], subtree_end_[s]}, 1, {0, leaves_}, inside, [&](SplitId t) {
@@ -264,8 +265,8 @@ class Validator {
            holds_run(tree, wanted, 2 * entry + 1, {middle, covered.end}, inside, own_inside);
   }
 
-  // Invariant 4, first half: splits applied in order remove only active faces, those that they say, and what is left
-  // has as many faces as the input.
+  // Checks the first half of invariant 4: splits applied in order remove only active faces, exactly those they name,
+  // and the result has as many faces as the input.
   void replay() {
     ActiveFaces active(h_);
     for (SplitId s = 0; s < splits_; ++s) {
@@ -283,7 +284,7 @@ class Validator {
       report("all splits together leave {} triangles, not {}", active.count(), h_.input_triangle_count());
   }
 
-  // The corners of every face have wedges of one material.
+  // Checks that the corners of every face have wedges of one material.
   void check_materials() {
     if (d_.wedge_materials.empty()) return;
     const auto is_one = [&](const Triangle& t) {
@@ -298,14 +299,14 @@ class Validator {
     }
   }
 
-  // Invariant 4, second half. In a closed set every vertex that is not brought back stands for its nearest ancestor
-  // that is. The cut conforms iff its oriented boundary is that of the input with the vertices so replaced: then every
-  // edge inside is shared exactly as often as in the input, and no crack opens.
+  // Checks the second half of invariant 4. In a closed set, every vertex that is not restored is represented by its
+  // nearest ancestor that is. The cut is conforming iff its oriented boundary is that of the input with the vertices so
+  // replaced: then every inner edge is shared exactly as often as in the input, and no crack opens.
   void check_random_cuts() {
     const std::vector<Triangle> input = triangles_of(h_, full_cut(h_));
     std::mt19937_64 random(20070308);  // any fixed seed
     for (int i = 0; i <= options_.random_cuts && splits_ > 0; ++i) {
-      // From no split at all to nearly all of them, in random places.
+      // The cuts range from no split at all to nearly all of them, in random places.
       std::vector<bool> applied(splits_, false);
       const std::uint64_t wanted = i == 0 ? 0
                                           : 1 + random() % ((std::uint64_t{splits_} * static_cast<std::uint64_t>(i)) /
@@ -352,7 +353,7 @@ class Validator {
   SplitId splits_;
   std::vector<std::string> violations_;
   std::vector<SplitId> order_;              // depth-first
-  std::vector<std::uint32_t> place_;        // of each split in that order
+  std::vector<std::uint32_t> place_;        // per split, in that order
   std::vector<std::uint32_t> subtree_end_;  // the place after its subtree
   std::vector<Box> point_segments_;
   std::vector<Box> normal_segments_;
