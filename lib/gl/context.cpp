@@ -24,7 +24,7 @@ SharedLibrary::SharedLibrary(std::initializer_list<const char*> names, const cha
     name_ = name;
     if (handle_ != nullptr) return;
   }
-  // The last reason only: that of the plainest name.
+  // Reports only the last reason, that of the name without a version.
   const char* reason = dlerror();
   throw Error({name_, "", reason != nullptr ? reason : "cannot be opened", remedy});
 }
@@ -38,14 +38,13 @@ void* SharedLibrary::address(const char* name) const {
 
 namespace {
 
-// The context that this thread made current last. Mesa's EGL and OSMesa share one slot for it, and each platform
-// believes its own context to be current still after the other has taken the slot: so the platform's word alone is not
-// enough.
+// The context that this thread made current last. Mesa's EGL and OSMesa share one slot for it, and each platform still
+// reports its own context as current after the other has taken the slot. So the platform's answer alone is not enough.
 thread_local ContextBase* bound_here = nullptr;
 
-// llvmpipe reads LP_NUM_THREADS when it first starts in a process. 0 = it draws on the calling thread, where waking a
-// worker for each query costs more than drawing it: 14 instead of 85 us for a query that is waited for. Other drivers
-// ignore it. A value set by the user is kept.
+// Sets LP_NUM_THREADS to 0, which llvmpipe reads when it first starts in a process: it then draws on the calling
+// thread. Waking a worker for each query costs more than drawing: a query that is waited for takes 14 instead of 85 us.
+// Other drivers ignore the variable. A value set by the user is kept.
 void calm_llvmpipe() {
   static std::once_flag once;
   std::call_once(once, [] { setenv("LP_NUM_THREADS", "0", 0); });
@@ -61,7 +60,7 @@ std::string reason(const Error& error) {
   return d.subject + (d.place.empty() ? "" : " " + d.place) + ": " + d.problem;
 }
 
-// When both fail for the same reason (no library), it is reported once.
+// When both fail for the same reason (no library), the reason is reported once.
 [[noreturn]] void refuse_both(const char* subject, const Error& first, const Error& second, const std::string& remedy) {
   std::string reasons = reason(first);
   if (reason(second) != reasons) reasons += ", " + reason(second);
@@ -119,7 +118,8 @@ std::unique_ptr<Context> create_any_context() {
   }
 }
 
-// EGL without a window: EGL_MESA_platform_surfaceless, or a device of EGL_EXT_platform_device, and no surface at all.
+// Makes EGL contexts without a window: EGL_MESA_platform_surfaceless, or a device of EGL_EXT_platform_device, and no
+// surface at all.
 
 namespace {
 
@@ -168,8 +168,8 @@ const Egl& egl() {
   return instance;
 }
 
-// A display, once initialised, stays so: EGL hands the same one to everybody in the process who asks for it, and ending
-// it would end theirs.
+// Initialises a display, which is never terminated: EGL returns the same one to everybody in the process who asks for
+// it, and terminating it would end theirs.
 bool starts(EGLDisplay display) {
   return display != EGL_NO_DISPLAY && egl().initialize(display, nullptr, nullptr) == EGL_TRUE &&
          egl().has_extension(display, "EGL_KHR_surfaceless_context");
@@ -211,13 +211,14 @@ EGLConfig any_config(EGLDisplay display) {
   return config;
 }
 
-// Null when the driver has no such context. With `tells_resets` it is lost, and says so, when the GPU is reset.
+// Returns null when the driver has no such context. With `tells_resets` the context is lost, and reports it, when the
+// GPU is reset.
 EGLContext try_core_context(EGLDisplay display, EGLConfig config, bool tells_resets) {
   std::vector<EGLint> attributes{EGL_CONTEXT_MAJOR_VERSION,       3,
                                  EGL_CONTEXT_MINOR_VERSION,       3,
                                  EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT};
 #ifndef NDEBUG
-  // The driver explains its errors: see Functions::driver_message.
+  // Lets the driver explain its errors: see Functions::driver_message.
   if (egl().has_extension(display, "EGL_KHR_create_context"))
     attributes.insert(attributes.end(), {EGL_CONTEXT_FLAGS_KHR, EGL_CONTEXT_OPENGL_DEBUG_BIT_KHR});
 #endif
@@ -283,8 +284,8 @@ std::unique_ptr<Context> create_egl_context(EglDisplayKind kind) {
   return std::make_unique<EglContext>("egl-device", device_display());
 }
 
-// OSMesa, opened at run time. Its header is not needed to build (Mesa dropped the library in 2025): the few
-// declarations are repeated here from Mesa 22's GL/osmesa.h.
+// Makes OSMesa contexts; the library is opened at run time. Its header is not needed to build (Mesa dropped the library
+// in 2025): the few declarations are repeated here from Mesa 22's GL/osmesa.h.
 
 namespace {
 

@@ -19,30 +19,30 @@
 namespace occlod::gl {
 namespace {
 
-// When the device worked during a frame, by timer queries.
+// Measures with timer queries when the device worked during a frame.
 
-// Whether this renderer (GL_RENDERER) is a program on the processor. Such gather commands and work through them tile by
+// Returns whether this renderer (GL_RENDERER) runs on the CPU. Such renderers collect commands and execute them tile by
 // tile.
 [[nodiscard]] bool draws_on_cpu(std::string_view renderer);
 
-// Between start() and stop() commands are given; between stop() and start() the device may run out of them. Its context
-// is current in every call.
+// Commands are issued between start() and stop(); between stop() and start() the device may run out of them. The
+// context must be current in every call.
 class FrameTimer {
  public:
-  // renderer: GL_RENDERER. Of drivers that draw on the CPU, what timers say of single commands is the time of the last
-  // tile, so they are not asked.
+  // `renderer` is GL_RENDERER. Timers are not used with drivers that draw on the CPU, because they would measure only
+  // the last tile.
   FrameTimer(const Functions& gl, std::string_view renderer);
 
   [[nodiscard]] bool is_meaningful() const noexcept { return meaningful_; }
   void begin_frame();
-  void start();  // nothing when started already
-  void stop();   // nothing when stopped already
+  void start();  // has no effect when already started
+  void stop();   // has no effect when already stopped
 
   struct Times {
-    double busy_ms = 0.0;  // from each start to the next stop
-    double idle_ms = 0.0;  // from each stop to the next start
+    double busy_ms = 0.0;  // sum of the times from each start to the next stop
+    double idle_ms = 0.0;  // sum of the times from each stop to the next start
   };
-  // Of the frame, when all commands are done; zeros where timers are not meaningful.
+  // Returns the times of the frame, when all commands are done; zeros where timers are not meaningful.
   [[nodiscard]] Times read() const;
 
  private:
@@ -53,7 +53,7 @@ class FrameTimer {
   bool meaningful_;
   bool started_ = false;
   std::vector<Query> stamps_;
-  std::size_t used_ = 0;  // of stamps_: starts and stops by turns
+  std::size_t used_ = 0;  // entries of stamps_: starts and stops alternate
 };
 
 bool has_timer(const Functions& gl) {
@@ -110,30 +110,30 @@ using Clock = std::chrono::steady_clock;
 
 double milliseconds(Clock::duration duration) { return std::chrono::duration<double, std::milli>(duration).count(); }
 
-// Pixels of one box or several that OpenGL counts.
+// Counts the pixels of one or several boxes.
 struct Count {
-  std::optional<Query> query;  // until the answer is taken; none when it was known at once, or is counted by marks
-  std::uint32_t most = 0;      // pixels that it can be
+  std::optional<Query> query;  // until the answer is taken; empty when it was known at once or marks count it
+  std::uint32_t most = 0;      // upper bound of the pixels
 };
 
-// Where the boxes of a batch count.
+// Holds the words in which the boxes of a batch count.
 struct Marks {
-  Buffer words;  // one for each count of the batch
+  Buffer words;  // one per count of the batch
   Fence written;
 };
 
-// A call of ask() or ask_each().
+// Describes one call of ask() or ask_each().
 struct Batch {
-  std::size_t first = 0;  // into the counts of the frame
+  std::size_t first = 0;  // index into the counts of the frame
   std::size_t count = 0;
-  std::optional<Marks> marks = {};  // until the answers are taken; none when there are queries or nothing is drawn
+  std::optional<Marks> marks = {};  // until the answers are taken; empty when there are queries or nothing is drawn
 };
 
-// A driver on the processor draws so many nodes at a time: what it gathers for more no longer fits into caches. Frames
-// of 540 nodes without a query take 0.65 to 0.8 times as long as in one go (llvmpipe on one thread).
+// Number of nodes that a CPU driver draws at a time: with more, the commands that it collects no longer fit into
+// caches. Frames of 540 nodes without a query take 0.65 to 0.8 times as long as in one go (llvmpipe on one thread).
 constexpr std::size_t draws_at_a_time = 8;
 
-// Everything that lives in the context, and what is under way there.
+// Owns everything that lives in the context, including pending queries.
 struct Resources {
   Resources(const Functions& gl, const HlodDeviceOptions& options, std::string_view renderer)
       : stage(gl, options), pool(GL_SAMPLES_PASSED), timer(gl, renderer), on_cpu(draws_on_cpu(renderer)) {}
@@ -142,14 +142,14 @@ struct Resources {
   QueryPool pool;
   FrameTimer timer;
   bool on_cpu;
-  // Of the frame:
+  // State of the current frame.
   std::size_t draws = 0;
   std::vector<Batch> batches;
   std::vector<Count> counts;
-  std::vector<std::uint32_t> answers;  // as many as counts
+  std::vector<std::uint32_t> answers;  // one per count
   std::vector<BoxProxy> proxies;       // of one count
   MarkedProxies marked;                // of one batch
-  std::vector<std::uint32_t> words;    // likewise
+  std::vector<std::uint32_t> words;    // of one batch
   std::vector<Buffer> idle_words;
 };
 
@@ -184,7 +184,7 @@ std::span<Count> counts_of(Resources& resources, const Batch& batch) {
   return std::span(resources.counts).subspan(batch.first, batch.count);
 }
 
-// Of boxes that are not drawn `most` is 0, and the answer is there already.
+// Takes the answers of a batch. For boxes that are not drawn, `most` is 0 and the answer is already known.
 void take_marks(Resources& resources, Batch& batch) {
   Marks marks = *std::exchange(batch.marks, std::nullopt);
   const Functions& gl = resources.stage.gl();
@@ -207,11 +207,11 @@ void take_answers(Resources& resources, Batch& batch) {
     // Drivers may count too many: llvmpipe has been seen to add 63,000.
     resources.answers[i] = std::min((passed + samples - 1) / samples, count.most);
   }
-  // A lost context may answer anything.
+  // A lost context may return any answer, so check first.
   check(resources.stage.gl(), "occlusion query");
 }
 
-// Of the counts that were added since the last one.
+// Adds a batch of the counts that were added since the last batch.
 hlod::QueryId add_batch(Resources& resources, std::size_t count) {
   resources.batches.push_back({resources.counts.size() - count, count, std::nullopt});
   return static_cast<hlod::QueryId>(resources.batches.size() - 1);
@@ -247,7 +247,7 @@ void GlHlodDevice::draw(const hlod::NodeDraw& draw) {
   resources.stage.gl().Flush();
 }
 
-// Asks for one count of all boxes.
+// Queries one count for all boxes.
 void add_count(Resources& resources, std::span<const hlod::BoxRef> boxes) {
   HlodStage& stage = resources.stage;
   const std::uint32_t all = stage.pixels();
@@ -275,7 +275,7 @@ void add_count(Resources& resources, std::span<const hlod::BoxRef> boxes) {
   resources.answers.push_back(0);
 }
 
-// Asks for a count of each box.
+// Queries a count for each box.
 hlod::QueryId add_marks(Resources& resources, std::span<const hlod::BoxRef> boxes) {
   HlodStage& stage = resources.stage;
   std::vector<MarkedProxy>& marked = resources.marked[static_cast<std::size_t>(ProxyShape::box)];
