@@ -75,36 +75,36 @@ class CellImages {
 };
 
 // Computes the cuts of all objects for one cell.
-
-// Walks the forests from their roots. A subtree is dropped if its error is within the tolerance for every eye, or if
+//
+// Walks the forests from their roots. A subtree is skipped if its error is within the tolerance for every eye, or if
 // its box, grown by g, is hidden from the cell. Otherwise its children are visited; and if the faces of its own split
-// are not within the tolerance and their box, grown by g, is not hidden, the split is applied with all that it needs.
-// g(box) is the smaller of the subtree's guaranteed error and of what covers the tolerance at the point of the box
-// where that is most (all in object units). With a budget it is the error alone, as the tolerance that is reached in
-// the end is not known before: nodes are visited in the order of their error on the screen, and where a split does not
-// fit, all that are left are within that of the node.
+// are not within the tolerance and their box, grown by g, is not hidden, the split is applied with all splits on which
+// it depends. g(box) is the smaller of the subtree's guaranteed error and the length that covers the tolerance at the
+// point of the box where it is largest (all in object units). With a budget, g is the error alone, because the
+// tolerance that is reached in the end is not known in advance: nodes are visited in the order of their error on the
+// screen, and where a split does not fit, all remaining nodes have at most the error of that node.
 //
 // *Why this keeps the promise.* Let an eye in the cell see a point x of the input. Follow x through the collapses: one
 // that ends its face moves it to a point of a face that it makes. Let t_1, ..., t_k be the splits of these collapses
-// from coarse to fine, f_j the face with x that t_j inserts, x_j its place there; f_0 is of the base mesh, or there is
-// none because the component of x vanishes. t_(j+1) removes f_j, so it depends on t_j and is applied only with it, and
-// |x - x_j| <= error(t_(j+1)). Call t_j fine if it, its own faces or a subtree that holds it is within the tolerance.
-// Bounds of all of these hold f_(j-1), which t_j removes, and errors are saturated: so x is within the tolerance of
-// x_(j-1), as measured at x_(j-1), if t_j is fine, and closer than any error of a split before t_j.
-//   Let t_j be the last that is not fine; if none is, x is within the tolerance wherever it is in the cut, or its
-// component is smaller than that. x is no farther from x_j than error(t_j), and, if j < k, than the tolerance at x_j.
-// (If j = k, x = x_j.) So it is no farther than the g of any box that holds f_j: that of t_j's own faces and those of
-// all subtrees that hold t_j. Grown by g they hold x, which is seen, and are not hidden. So t_j is reached and applied,
-// and t_1, ..., t_(j-1) with it. Then x is in the cut on some f_i, i >= j, and within the tolerance of it. The box of
-// f_i, grown by its own g, holds x as well; so f_i is not left out because it is hidden.
+// from coarse to fine, f_j the face with x that t_j inserts, and x_j the position of x there; f_0 is in the base mesh,
+// or does not exist because the component of x vanishes. t_(j+1) removes f_j, so it depends on t_j and is applied only
+// with it, and |x - x_j| <= error(t_(j+1)). Call t_j fine if it, its own faces or a subtree that contains it is within
+// the tolerance. The bounds of all of these contain f_(j-1), which t_j removes, and errors are saturated. So if t_j is
+// fine, x is within the tolerance of x_(j-1), as measured at x_(j-1), and closer than any error of a split before t_j.
+//   Let t_j be the last that is not fine; if there is none, x is within the tolerance wherever it is in the cut, or its
+// component is smaller than the tolerance. x is no farther from x_j than error(t_j), and, if j < k, than the tolerance
+// at x_j. (If j = k, x = x_j.) So it is no farther than the g of any box that contains f_j: that of t_j's own faces and
+// those of all subtrees that contain t_j. Grown by g, these boxes contain x, which is visible, so they are not hidden.
+// So t_j is reached and applied, and t_1, ..., t_(j-1) with it. Then x is in the cut on some f_i, i >= j, and within
+// the tolerance of it. The box of f_i, grown by its own g, contains x as well; so f_i is not left out as hidden.
 //
-// *Attributes.* The error that has to be within the tolerance is the larger of the guaranteed one and of how far
-// attributes slip, where these count: a split that is fine in that sense is fine in the sense above, so all of this
-// holds. A point x that is seen is then in the cut on a face f_i, and all splits on its path after t_i are fine: its
-// texel has slipped by no more than the tolerance since then, as far as Hierarchy::attribute_error() tells. Boxes are
-// grown by the guaranteed error only, as slipping moves no surface.
+// *Attributes.* Where attributes count, the error that must be within the tolerance is the larger of the guaranteed
+// error and the attribute error. A split that is fine in that sense is fine in the sense above, so the proof holds. A
+// visible point x is then in the cut on a face f_i, and all splits on its path after t_i are fine: its texel has been
+// displaced by no more than the tolerance since then, as far as Hierarchy::attribute_error() tells. Boxes are grown by
+// the guaranteed error only, because displaced texels move no surface.
 //
-// Whether faces turn away decides only what is drawn, never what is refined: the input may face an eye where a coarse
+// Which faces turn away decides only what is drawn, never what is refined: the input may face an eye where a coarse
 // version of it does not.
 class CellRefinement {
  public:
@@ -141,8 +141,7 @@ class CellRefinement {
   void add_face(std::uint32_t object, const CellView& view, const FaceRef& ref, const Triangle& t, std::uint32_t place);
   void drop_hidden(std::span<Face> faces);
   [[nodiscard]] CellBox grown_box(const CellView& view, const Box& box, float error) const;
-  // Returns whether the box is visible from the centre of the cell, which is tested before anything is tested as
-  // hidden.
+  // Returns whether the box is visible from the centre of the cell, in front of everything that hides.
   [[nodiscard]] bool is_seen(const CellBox& what);
   [[nodiscard]] bool is_hidden(const CellBox& what);
   [[nodiscard]] bool is_hidden(const CellView& view, const Box& box, float error);

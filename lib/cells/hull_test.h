@@ -52,20 +52,21 @@ class InnerBoxTest {
 };
 
 // Tests whether a box is hidden from all of a cell.
-
+//
 // Let S be a finite set of triangles and dS the edges that an odd number of them share. If one segment from the cell to
 // the box meets S an odd number of times, no triangle of S meets the cell or the box, and dS does not meet the hull of
-// both, then every segment from the cell to the box meets S: as its ends move, the number of times modulo 2 changes
-// only where an end crosses S or the segment crosses dS. So one connected surface, thin, concave or open, hides the
-// box; there are no silhouettes, no shrunk occluders and no pixels.
+// both, then every segment from the cell to the box meets S: as its ends move, the parity of the intersections changes
+// only where an end crosses S or the segment crosses dS. So one connected surface, which may be thin, concave or open,
+// hides the box. The test needs no silhouettes, no shrunk occluders and no pixels.
 //
-// Where S stands for a set S' of the input that is carried to S by motions of at most m (see motion_cut.h), the same
-// holds for S' if S keeps its distance m from cell and box, and dS from the hull. And what the near plane of an eye may
-// clip away hides nothing, so S keeps the distance of that from the cell as well.
+// If S represents a set S' of the input that motions of at most m carry to S (see SurfaceMotion), the same holds for S'
+// if S keeps a distance of m from cell and box, and dS from the hull. Triangles that the near plane of an eye may clip
+// hide nothing, so S also keeps the near plane's reach from the cell.
 //
-// S is found by a flood from a triangle over all edges that meet the hull. What hides is crossed by every segment, so
-// floods begin at the triangles on one of them; first at those that hid another box from the same cell. What cannot be
-// decided counts as not hidden. Reuses its memory, four bytes a triangle; one thread each.
+// S is found by a flood from a triangle over all edges that meet the hull. Every segment crosses the surface that hides
+// the box, so floods begin at the triangles on one of them; first at those that hid another box from the same cell.
+// Where the test cannot decide, the box counts as not hidden. Reuses its memory, four bytes per triangle; each thread
+// needs its own.
 class HullTest {
  public:
   // Counts over all calls.

@@ -113,8 +113,8 @@ namespace occlod::gl {
   X(VIEWPORT, Viewport)
 
 // Functions of OpenGL 4.2 and 4.3, null where the driver does not have them. Callers call require_version(43) first.
-// The exception is MultiDrawElementsIndirect: it is available exactly where ARB_multi_draw_indirect and
-// ARB_base_instance are, so that each draw has its base instance, and null everywhere else.
+// The exception is MultiDrawElementsIndirect: it is also available in older contexts that have ARB_multi_draw_indirect
+// and ARB_base_instance, so that each draw has its base instance, and null in all others.
 #define OCCLOD_GL_NEWER_FUNCTIONS(X)                                      \
   X(DISPATCHCOMPUTE, DispatchCompute)                                     \
   X(DRAWELEMENTSINSTANCEDBASEINSTANCE, DrawElementsInstancedBaseInstance) \
