@@ -139,7 +139,7 @@ class CellForecast {
 
   const CellTree& tree_;
   CellId here_ = no_id;
-  std::vector<CellId> neighbours_;  // of here_
+  std::vector<CellId> neighbours_;  // of the cell here_
   std::vector<CellId> found_;       // scratch
   std::vector<ExpectedCell> expected_;
 };

@@ -148,7 +148,7 @@ struct FrameRow {
   std::uint64_t checksum = 0;  // XXH3-64
   std::uint32_t bytes = 0;
   std::uint32_t raw_bytes = 0;    // decoded size; equal to the stored size when uncompressed
-  std::uint32_t first_piece = 0;  // of its pieces
+  std::uint32_t first_piece = 0;  // index of its first piece
   std::uint32_t pieces = 0;       // >= 1
 };
 static_assert(sizeof(FrameRow) == 32);

@@ -48,7 +48,7 @@ class SubtreeBounds {
     glm::vec3 normal{0.0F};        // sum of unit normals
     std::uint32_t parent = no_id;  // place of the parent in the forest
     SplitId split = no_id;
-    std::uint32_t size = 0;  // of the subtree
+    std::uint32_t size = 0;  // number of splits in the subtree
   };
 
   [[nodiscard]] HierarchyData& data() noexcept { return assembly_.data; }
