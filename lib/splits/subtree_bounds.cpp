@@ -166,7 +166,7 @@ class SubtreeBounds {
     return length_of(glm::max(box.max - center, center - box.min)) * grow + denormal_slack;
   }
 
-  // Sets all fields of a node except its bounds; also makes the sentinel.
+  // Sets all fields of a node except its bounds; of the sentinel behind the last node, only the star.
   void start_node(SplitId s) {
     SplitNode& node = data().nodes[s] = {};
     node.star = assembly_.stars[s];
