@@ -47,7 +47,7 @@ bool finite(const glm::dvec4& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z) && std::isfinite(v.w);
 }
 
-// True when all corners are beyond one side of the image or in front of the near plane.
+// True when all corners are beyond one side of the image or nearer than the near plane.
 bool outside_image(const std::array<glm::dvec4, 3>& triangle) {
   const auto all = [&](auto beyond) { return std::all_of(triangle.begin(), triangle.end(), beyond); };
   return all([](const glm::dvec4& v) { return v.x < -v.w; }) || all([](const glm::dvec4& v) { return v.x > v.w; }) ||

@@ -251,9 +251,9 @@ struct PackedBounds {
   [[nodiscard]] Box box(const Sphere& sphere) const noexcept;
 };
 
-// What refinement reads for every split that it visits: one cache line. Split s brings back vertex base_vertex_count +
-// s. Its bounds contain every face that it or a split below it in the forest removes or inserts. Object space, object
-// units.
+// The record of one split, one cache line, which refinement reads for every split that it visits. Split s brings back
+// vertex base_vertex_count + s. Its bounds contain every face that it or a split below it in the forest removes or
+// inserts. Object space, object units.
 struct SplitNode {
   Sphere sphere;       // around the subtree
   float error = 0.0F;  // quadric error, about a root mean square distance; at least that of any split that depends on
