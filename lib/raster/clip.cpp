@@ -101,7 +101,7 @@ MeshFragments count_fragments(std::span<const glm::vec3> positions, std::span<co
     const FragmentCount one{weight, weight * covered_part({to_clip * glm::dvec4(a, 1.0), to_clip * glm::dvec4(b, 1.0),
                                                            to_clip * glm::dvec4(c, 1.0)})};
     result.all += one;
-    // the same test as in Occluder
+    // Occluder uses the same test.
     if (two_sided || !(glm::dot(glm::cross(b - a, c - a), view.eye() - a) < 0.0F)) result.front += one;
   }
   return result;
