@@ -235,7 +235,9 @@ bool is_free(const fs::path& target) {
 
 }  // namespace
 
-void AtomicFolder::check(const fs::path& path) { require_writable_folder(path, AtomicFile::target_of(without_slash(path))); }
+void AtomicFolder::check(const fs::path& path) {
+  require_writable_folder(path, AtomicFile::target_of(without_slash(path)));
+}
 
 AtomicFolder::AtomicFolder(fs::path path)
     : path_(std::move(path)), target_(AtomicFile::target_of(without_slash(path_))) {

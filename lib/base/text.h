@@ -112,7 +112,6 @@ inline constexpr TextCursor::Syntax obj_syntax{.hash_comments = true, .backslash
 [[nodiscard]] std::size_t utf8_mark_bytes(std::string_view beginning);
 
 // A text read in runs of whole lines, so that it need not be in memory as a whole.
-
 class TextChunks {
  public:
   // Reads UTF-8 text from the current position of `input`. `input` and `errors` must outlive this object.

@@ -32,7 +32,7 @@ namespace {
 
 // Writes .vlod files.
 
-// `tree`: finished. Throws Error that names the file.
+// Writes a finished tree. Throws Error that names the file.
 void write_vlod(const std::filesystem::path& path, const vlod::Scene& scene, const CellSubtree& tree);
 
 using namespace vlod;
@@ -49,14 +49,14 @@ void write_vlod(const std::filesystem::path& path, const Scene& scene, const Cel
   writer.write(path, file_kind);
 }
 
-// Trees of root cells in a tenth of the memory, until they are joined.
+// Stores finished trees of root cells in a tenth of the memory until they are joined.
 
-// Elements of the sets of a tree.
+// Numbers of elements of the sets of a tree.
 struct SetCounts {
   std::uint64_t splits = 0, candidates = 0, hidden = 0, used = 0, drawn = 0;
 };
 
-// The sets of a tree, coded: what all leaves share, and what some have.
+// Holds the encoded sets of a tree: what all leaves share, and what some have.
 struct PackedSets {
   std::vector<std::byte> shared, used;
   SetCounts counts;
@@ -70,7 +70,8 @@ struct PackedTree {
 [[nodiscard]] PackedTree pack(CellSubtree tree);
 [[nodiscard]] CellSubtree unpack(PackedTree packed, const vlod::GlobalIds& ids);
 
-// Of the same bytes in a file. Nothing, and what is wrong in `problem`, when they do not hold so many elements.
+// Decodes the same bytes from a file. Returns nothing, and describes the problem in `problem`, when they do not contain
+// exactly this many elements.
 [[nodiscard]] std::optional<CellSets> unpack(std::span<const std::byte> shared, std::span<const std::byte> used,
                                              const SetCounts& counts, const vlod::GlobalIds& ids, std::string& problem);
 
@@ -106,7 +107,7 @@ std::optional<CellSets> unpack(std::span<const std::byte> shared, std::span<cons
 CellSubtree unpack(PackedTree packed, const vlod::GlobalIds& ids) {
   std::string problem;
   auto sets = unpack(packed.sets.shared, packed.sets.used, packed.sets.counts, ids, problem);
-  assert(sets.has_value());  // what pack() has made
+  assert(sets.has_value());  // pack() has made these bytes
   packed.tree.sets = std::move(*sets);
   return std::move(packed.tree);
 }
@@ -118,7 +119,7 @@ CellSubtree unpack(PackedTree packed, const vlod::GlobalIds& ids) {
 namespace occlod::vlod {
 namespace {
 
-// The .vpart file: the trees of a run of root cells, to be merged into a .vlod file.
+// Reads and writes .vpart files: the trees of a run of root cells, to be merged into a .vlod file.
 
 inline constexpr sections::FileKind part_kind{{'V', 'P', 'R', 'T', '\r', '\n', '\x1a', '\n'},
                                               vlod_version,
@@ -126,11 +127,11 @@ inline constexpr sections::FileKind part_kind{{'V', 'P', 'R', 'T', '\r', '\n', '
                                               "make one with 'occlod cells build --work'",
                                               "remove it, and build again"};
 
-// `trees`: of the root cells of the range. Throws Error that names the file.
+// Writes the trees of the root cells of the range. Throws Error that names the file.
 void write_part(const std::filesystem::path& path, const Scene& scene, const CellRange& range,
                 std::span<const PackedTree> trees);
 
-// Where the tree of a root cell is.
+// Locates the tree of a root cell in the file.
 struct PartTree {
   std::uint64_t first_node = 0, nodes = 0;        // in section CELL
   std::uint64_t payloads = 0, payload_bytes = 0;  // in section DATA
@@ -142,13 +143,13 @@ static_assert(sizeof(PartTree) == 96);
 
 class PartReader {
  public:
-  // Checks all of the file but what sets hold. Throws Error.
+  // Opens the file and checks everything except the contents of sets. Throws Error.
   explicit PartReader(const std::filesystem::path& path);
 
   [[nodiscard]] const Scene& scene() const noexcept { return scene_; }
   [[nodiscard]] const Key& key() const noexcept { return key_; }
   [[nodiscard]] const CellRange& range() const noexcept { return range_; }
-  // Of this root cell, which is in the range. Throws Error.
+  // Returns the tree of a root cell of the range. Throws Error.
   [[nodiscard]] CellSubtree tree(std::uint32_t root) const;
 
  private:
@@ -237,19 +238,19 @@ CellSubtree PartReader::tree(std::uint32_t root) const {
 namespace occlod {
 namespace {
 
-// One for all threads.
+// Reports the progress of all threads together.
 class SharedProgress {
  public:
   SharedProgress(const CellBuildRun& run, std::size_t roots) : run_(run), roots_(static_cast<double>(roots)) {}
 
-  // A share of a root cell is done. Throws Error when the build is cancelled.
+  // Reports that this share of a root cell is done. Throws Error when the build is cancelled.
   void advance(double share) {
     if (failure_set_) throw Error({"cells", "", "the build has ended", ""});
     const double done = done_.fetch_add(share / roots_) + share / roots_;
     if (!run_.progress || std::this_thread::get_id() != caller_) return;
     if (!run_.progress(std::min(done, 1.0))) throw Error({"cells", "", "the build was cancelled", ""});
   }
-  // Ends the work of all threads; the first failure counts.
+  // Stops the work of all threads; the first failure is kept.
   void fail(std::exception_ptr failure) {
     const std::scoped_lock lock(mutex_);
     if (!failure_) failure_ = std::move(failure);
@@ -300,7 +301,7 @@ class CellBuild::Impl {
   vlod::GlobalIds ids_;
   vlod::Key key_;
   std::vector<RootCell> roots_;
-  std::optional<CellOccluders> occluders_;  // once something is built
+  std::optional<CellOccluders> occluders_;  // set once something is built
   std::atomic<std::size_t> cuts_ = 0;
 };
 
@@ -358,7 +359,7 @@ bool CellBuild::has_part(const std::filesystem::path& part, const CellRange& ran
   const vlod::PartReader reader(part);
   return reader.key() == impl_->key() && reader.range() == range;
 } catch (const Error&) {
-  return false;  // missing or damaged: it will be written again
+  return false;  // missing or damaged: it will be rebuilt
 }
 
 void CellBuild::write_part(const std::filesystem::path& part, const CellRange& range, const CellBuildRun& run) {
@@ -381,7 +382,7 @@ namespace {
 
 using vlod::PartReader;
 
-// The parts of one build, which are asked for root cells in ascending order.
+// Holds the parts of one build; root cells must be requested in ascending order.
 class Parts {
  public:
   explicit Parts(std::span<const std::filesystem::path> paths) {
@@ -397,7 +398,7 @@ class Parts {
 
   [[nodiscard]] const vlod::Scene& scene() const { return readers_.front()->scene(); }
 
-  // Throws Error that says which of the first `count` root cells are in no part.
+  // Throws Error that lists which of the first `count` root cells are in no part.
   void expect(std::size_t count, const std::filesystem::path& folder) const {
     std::uint64_t end = 0;
     const auto expect_at = [&](std::uint64_t next) {

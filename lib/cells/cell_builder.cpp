@@ -26,12 +26,13 @@
 namespace occlod {
 namespace {
 
-// The cuts of all objects for one cell, from what some of its eyes see.
+// Computes the cuts of all objects for one cell by sampling what some of its eye points see.
 
-// Draws the cuts from a grid of eyes to all six sides, with as many pixels as the eye model has. A face that owns a
-// pixel is split while that changes it by more than the tolerance, until every eye sees faces that may stay. Those are
-// drawn, and all that share a vertex with them and may show their front. (After Nirenstein and Blake 2004, whose images
-// decide about triangles.) What is seen only between eyes or pixels is missing. The same for any number of threads.
+// Draws the cuts from a grid of eye points in all six directions, at the resolution of the eye model. A face that owns
+// a pixel is split while the split changes it by more than the tolerance, until every eye point sees only faces that
+// may stay. Those faces are drawn, plus all faces that share a vertex with them and may show their front. (After
+// Nirenstein and Blake 2004, who decide about triangles from images.) What is visible only between eye points or pixels
+// is missing. The result does not depend on the number of threads.
 class CellSampling {
  public:
   CellSampling(std::span<const RefineObject> objects, const CellOptions& options);
@@ -48,20 +49,20 @@ class CellSampling {
 
     RefineObject placed;
     Cut cut;
-    std::vector<std::uint32_t> first_face;  // of each split, among all faces that ever exist; base faces come first
-    std::vector<SplitId> remover;           // of each such face, or none
+    std::vector<std::uint32_t> first_face;  // per split, among all faces that ever exist; base faces come first
+    std::vector<SplitId> remover;           // per face: the split that removes it, or none
     std::vector<FaceRef> faces;             // active
-    std::vector<Triangle> triangles;        // these
-    std::vector<bool> seen;                 // of all faces that ever exist
+    std::vector<Triangle> triangles;        // of these faces
+    std::vector<bool> seen;                 // per face that ever exists
   };
 
   void begin(const CellBox& cell);
   void gather(Object& object);
-  // Until all that this eye sees to this side may stay. False when that was so before.
+  // Refines until everything that this view sees may stay. Returns false when that was already so.
   bool refine(const View& view);
   void draw(const View& view);
   bool split_seen();
-  // Whether the split changes its faces by more than the tolerance.
+  // Returns whether the split changes its faces by more than the tolerance.
   [[nodiscard]] bool must_split(std::size_t place, SplitId s);
   void find_drawn(std::size_t place);
 
@@ -74,7 +75,7 @@ class CellSampling {
 
 constexpr int max_pixels = 4096;  // along each side of an image
 
-// To one side of a cube around the eye.
+// Returns a view through one side of a cube around the eye.
 View view_to(const glm::dvec3& eye, int side, const EyeModel& eyes) {
   glm::dvec3 direction(0.0), up(0.0);
   direction[side / 2] = side % 2 == 0 ? 1.0 : -1.0;
@@ -87,7 +88,7 @@ View view_to(const glm::dvec3& eye, int side, const EyeModel& eyes) {
   return View(camera);
 }
 
-// From the least corner of the cell to its largest; of one eye, the middle.
+// Returns eye points from the least corner of the cell to its largest; if there is only one, the centre.
 std::vector<glm::dvec3> eyes_of(const CellBox& cell, int along) {
   const auto share = [&](int i) { return along == 1 ? 0.5 : static_cast<double>(i) / (along - 1); };
   std::vector<glm::dvec3> eyes;
@@ -131,7 +132,7 @@ const CellCut& CellSampling::build(const CellBox& cell) {
   return result_;
 }
 
-// What no face stands for cannot be seen to be missing: splits that remove none are made at once.
+// A split that removes no face is applied at once, because no face would show that its geometry is missing.
 void CellSampling::begin(const CellBox& cell) {
   result_.stats = {};
   result_.triangles = result_.drawn_triangles = 0;
@@ -233,7 +234,7 @@ void CellSampling::find_drawn(std::size_t place) {
   result_.drawn_triangles += result.triangles.size();
 }
 
-// Of sums and products of a few terms in double precision, relative to the largest of them.
+// Relative rounding error of sums and products of a few terms in double precision, as a share of the largest term.
 constexpr double rounding = 1e-14;
 
 bool finite(const glm::dvec3& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
@@ -275,7 +276,7 @@ CellView::CellView(const CellBox& cell, const EyeModel& eyes, const glm::dmat4& 
   scale_at_near_px_ = eyes.focal_length_px * largest_stretch_ / (eyes.near * eyes.cos_corner_angle);
   const double reach =
       occlod::largest_coordinate(cell) + occlod::largest_coordinate(CellBox{object_to_world_[3], object_to_world_[3]});
-  double steps = 0.0;  // object units per world unit, at most
+  double steps = 0.0;  // upper bound, object units per world unit
   for (int axis = 0; axis < 3; ++axis) {
     glm::dvec3 step(0.0);
     step[axis] = 1.0;
@@ -407,7 +408,7 @@ class CellBuilder::Work {
   const CellCut& build(const CellBox& cell) { return sampling_ ? sampling_->build(cell) : refinement_->build(cell); }
 
  private:
-  // One of them.
+  // Exactly one of these is used.
   std::optional<CellRefinement> refinement_;
   std::optional<CellSampling> sampling_;
 };

@@ -23,14 +23,14 @@ constexpr double max_root_cells = 1U << 24U;
 
 double edge(const CellBox& box, int axis) { return box.max[axis] - box.min[axis]; }
 
-// The i-th of n + 1 planes that cut the box into n.
+// Returns the i-th of n + 1 planes that cut the box into n parts.
 double plane(const CellBox& box, int axis, std::uint32_t i, std::uint32_t n) {
   return i == n ? box.max[axis] : box.min[axis] + edge(box, axis) * (static_cast<double>(i) / n);
 }
 
 std::array<std::uint32_t, 3> counts_of(const CellBox& region, double root_cell) {
   std::array<double, 3> counts{};
-  for (int axis = 0; axis < 3; ++axis)  // rounding makes no cell more
+  for (int axis = 0; axis < 3; ++axis)  // rounding must not add cells
     counts[static_cast<std::size_t>(axis)] = std::max(1.0, std::ceil(edge(region, axis) / root_cell - 1e-9));
   if (!(counts[0] * counts[1] * counts[2] <= max_root_cells) ||
       *std::max_element(counts.begin(), counts.end()) > static_cast<double>(1U << hilbert_bits))
@@ -91,7 +91,7 @@ std::vector<RootCell> root_cells(const CellTreeOptions& options) {
 }
 
 std::vector<CellBox> parts_of(const CellBox& box, double smallest) {
-  constexpr double long_enough = 0.7;  // of the longest axis
+  constexpr double long_enough = 0.7;  // as a share of the longest axis
   const double longest = std::max({edge(box, 0), edge(box, 1), edge(box, 2)});
   std::vector<CellBox> parts = {box};
   for (int axis = 2; axis >= 0; --axis) {
@@ -124,7 +124,7 @@ constexpr auto in_both = [](auto... args) { std::set_intersection(args...); };
 constexpr auto in_either = [](auto... args) { std::set_union(args...); };
 constexpr auto not_in = [](auto... args) { std::set_difference(args...); };
 
-// Of one tree of all parts.
+// Joins the sets of all parts into those of one tree.
 CellSets joined_sets(std::span<const CellSubtree> parts) {
   CellSets sets = parts.front().sets;
   sets.candidates.clear();
@@ -140,7 +140,7 @@ CellSets joined_sets(std::span<const CellSubtree> parts) {
   return sets;
 }
 
-// What the root of a tree adds to what is above it becomes its payload, behind all others.
+// Appends to the payloads what the root of a tree adds beyond the nodes above it.
 void add_payload(CellSubtree& tree, const CellSets& above) {
   const vlod::Additions additions{combined(tree.sets.splits, above.splits, not_in), std::move(tree.sets.candidates),
                                   combined(tree.sets.hidden, above.hidden, not_in)};
@@ -157,7 +157,7 @@ void add_payload(CellSubtree& tree, const CellSets& above) {
   tree.payloads.insert(tree.payloads.end(), bytes.begin(), bytes.end());
 }
 
-// `part` becomes a child of the first node of `tree`.
+// Appends `part` as a child of the first node of `tree`.
 void append(CellSubtree& tree, CellSubtree part) {
   const auto first = static_cast<CellId>(tree.nodes.size());
   for (CellNode& node : part.nodes) {
@@ -198,7 +198,7 @@ void set_levels(CellSubtree& tree) {
 void finish(CellSubtree& tree) {
   add_payload(tree, {});
   set_levels(tree);
-  // In the order of the nodes, whatever order the tree has grown in.
+  // Stores payloads in the order of the nodes, whatever order the tree has grown in.
   std::vector<std::byte> payloads;
   payloads.reserve(tree.payloads.size());
   for (CellNode& node : tree.nodes) {
@@ -211,7 +211,7 @@ void finish(CellSubtree& tree) {
 
 namespace {
 
-// The recursion of divide_cell().
+// Implements the recursion of divide_cell().
 class Division {
  public:
   Division(const CellTreeOptions& options, const std::function<CellContent(const CellBox&)>& content_of,
@@ -253,7 +253,7 @@ class Division {
 bool is_worth_dividing(const CellTreeOptions& options, std::size_t drawn, std::span<const std::size_t> drawn_by_parts) {
   if (options.division == CellDivision::halving)
     return drawn > 2 * *std::min_element(drawn_by_parts.begin(), drawn_by_parts.end());
-  // The parts are of one volume: an eye is as likely in each.
+  // The parts have equal volumes, so an eye is equally likely in each.
   const std::size_t sum = std::accumulate(drawn_by_parts.begin(), drawn_by_parts.end(), std::size_t{0});
   return 10 * sum < 9 * drawn * drawn_by_parts.size();
 }
@@ -300,9 +300,9 @@ CellContent CellDivider::content_of(const CellBox& box) {
 
 namespace {
 
-constexpr unsigned regions_level = 22;  // above blocks of 2^21 root cells to every side
+constexpr unsigned regions_level = 22;  // above blocks of 2^21 root cells along each axis
 
-// Whether two root cells are in one block of 2^level to every side.
+// Returns whether two root cells are in one block of 2^level root cells along each axis.
 bool together(const RootCell& a, const RootCell& b, unsigned level) {
   if (level >= regions_level) return true;
   bool same = a.region == b.region;
@@ -310,7 +310,7 @@ bool together(const RootCell& a, const RootCell& b, unsigned level) {
   return same;
 }
 
-// Of roots [first, end), which are together at this level.
+// Joins roots [first, end), which are in one block at this level.
 CellSubtree join_block(std::span<const RootCell> roots, std::size_t first, std::size_t end, unsigned level,
                        const std::function<CellSubtree(std::size_t)>& take) {
   if (end - first == 1) return take(first);

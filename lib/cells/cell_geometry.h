@@ -1,4 +1,4 @@
-// Small questions about cells as boxes.
+// Computes simple geometric properties of cells as boxes.
 #pragma once
 
 #include <algorithm>
@@ -25,7 +25,7 @@ namespace occlod {
          a.max.z >= b.min.z;
 }
 
-// Smallest and largest distance between a point of one box and a point of the other.
+// Returns the smallest and the largest distance between a point of one box and a point of the other.
 [[nodiscard]] inline double smallest_distance(const CellBox& a, const CellBox& b) {
   return glm::length(glm::max(glm::max(a.min - b.max, b.min - a.max), glm::dvec3(0.0)));
 }
@@ -43,9 +43,9 @@ namespace occlod {
   return size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
 }
 
-// A box around what a split changes.
+// Bounds the faces that a split changes by a box.
 
-// Around the faces that it inserts, object space.
+// Returns a box around the faces that the split inserts, object space.
 [[nodiscard]] inline Box box_of(const SplitStar& star, std::span<const glm::vec3> positions) {
   Box box{positions[star.vertex()], positions[star.vertex()]};
   star.for_each_face([&](const Triangle& t) {

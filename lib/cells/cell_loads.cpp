@@ -82,7 +82,7 @@ void CellLoads::want(std::span<const CellId> cells) {
   {
     const std::lock_guard lock(mutex_);
     wanted_.assign(cells.rbegin(), cells.rend());
-    // What has ended meanwhile has not been collected yet.
+    // Skip loads that have ended meanwhile but have not been collected yet.
     for (const CellLoad& load : ended_) std::erase(wanted_, load.cell);
   }
   changed_.notify_all();
@@ -116,8 +116,8 @@ void CellLoads::stop() {
 
 namespace {
 
-// For each triangle that is drawn, about: two thirds of a vertex with its normal. What is left out makes borders, so
-// there are more than half as many vertices as triangles.
+// Estimated bytes per drawn triangle: two thirds of a vertex with its normal. Hidden faces leave borders, so there are
+// more than half as many vertices as triangles.
 constexpr std::size_t packed_vertex_bytes = 2 * (sizeof(glm::vec3) + sizeof(glm::vec3)) / 3;
 
 }  // namespace
@@ -146,7 +146,7 @@ std::size_t CellResidents::bytes_of(CellId cell) const {
   if (const auto known = known_bytes_.find(cell); known != known_bytes_.end()) return known->second;
   std::size_t triangles = tree_.node(cell).drawn_triangles;
   if (!tree_.is_leaf(cell)) {
-    // A split mostly adds two faces to a cut.
+    // A split usually adds two faces to a cut.
     triangles = base_triangles_;
     for (CellId node = cell; node != no_id; node = tree_.node(node).parent)
       triangles += 2 * std::size_t{tree_.node(node).splits};
@@ -175,9 +175,9 @@ void CellResidents::shrink(std::span<const CellId> kept, std::size_t bytes) {
 namespace {
 
 constexpr double memory_seconds = 0.2;
-constexpr double slope = 0.25;         // how far the eye may leave its course, of the way that it goes
-constexpr double walking_speed = 1.4;  // m/s: that an eye may take up at any time
-constexpr int max_samples = 64;        // of the course
+constexpr double slope = 0.25;         // how far the eye may leave its course, relative to the distance travelled
+constexpr double walking_speed = 1.4;  // m/s: a speed that an eye may reach at any time
+constexpr int max_samples = 64;        // along the course
 
 double distance_to(const CellBox& box, const glm::dvec3& p) {
   return glm::distance(p, glm::clamp(p, box.min, box.max));
@@ -211,13 +211,13 @@ const std::vector<ExpectedCell>& CellForecast::expect(CellId leaf, const glm::dv
   expected_.clear();
   const double speed = glm::length(velocity), at_least = std::max(speed, walking_speed);
   for (const CellId other : neighbours_) {
-    // Ahead it is entered when it is reached, elsewhere only after a turn.
+    // A cell ahead is entered when it is reached, any other only after a turn.
     const CellBox& box = tree_.node(other).box;
     const glm::dvec3 there = glm::clamp(eye, box.min, box.max) - eye;
     const double distance = distance_to(box, eye);
     add(other, distance / at_least + (glm::dot(there, velocity) < 0.0 ? memory_seconds : 0.0));
   }
-  // Along the course, in steps of half a cell; the first and the last sample are its ends.
+  // Samples the course in steps of half a cell; the first and the last sample are its ends.
   const CellBox& box = tree_.node(leaf).box;
   const double reach = speed * horizon, edge = std::max(glm::length(box.max - box.min) / 2.0, 1e-12);
   const int samples = static_cast<int>(std::clamp(std::ceil(2.0 * reach / edge), 1.0, double{max_samples}));

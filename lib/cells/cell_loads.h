@@ -1,4 +1,4 @@
-// What a walker wants to be loaded, and what has been: shared by the walker and its loaders.
+// Tracks which cells a walker wants loaded and which have been loaded; shared by the walker and its loaders.
 #pragma once
 
 #include <condition_variable>
@@ -22,35 +22,35 @@ namespace occlod {
 
 using SharedAdditions = std::shared_ptr<const CellAdditions>;
 
-// A load that has ended.
+// Describes a load that has ended.
 struct CellLoad {
   CellId cell = no_id;
-  std::shared_ptr<const CellMesh> mesh;                       // none where it failed
-  std::vector<std::pair<CellId, SharedAdditions>> additions;  // that were read for it, of nodes with others below
-  std::uint64_t bytes_read = 0;                               // of the file
-  CellId failed = no_id;                                      // what could not be read: on the path to `cell`
-  std::string problem;                                        // in one line
+  std::shared_ptr<const CellMesh> mesh;                       // null where it failed
+  std::vector<std::pair<CellId, SharedAdditions>> additions;  // read for it, of nodes that have children
+  std::uint64_t bytes_read = 0;                               // from the file
+  CellId failed = no_id;                                      // node that could not be read, on the path to `cell`
+  std::string problem;                                        // one line
 };
 
-// Thread-safe. Locks are held for as long as it takes to look something up, never while anything is read or prepared.
+// Thread-safe. Locks are held only for look-ups, never while anything is read or prepared.
 class CellLoads {
  public:
   CellLoads(const VlodFile& file, CellReader reader) : file_(file), reader_(std::move(reader)) {}
 
-  // For loaders. What is wanted most and nobody loads yet; take_or_wait() waits for it, and returns nothing when there
-  // is nothing more to come.
+  // For loaders: returns the most urgent cell that nobody loads yet. take_or_wait() waits for one, and returns nothing
+  // when no more will come.
   [[nodiscard]] std::optional<CellId> take();
   [[nodiscard]] std::optional<CellId> take_or_wait();
-  // Reads what is not at hand of the path to the cell, and prepares it. Does not throw.
+  // Reads what is missing of the path to the cell, and prepares the cell. Does not throw.
   [[nodiscard]] CellLoad load(CellId cell, CellMeshMaker& maker) const;
   void finish(CellLoad load);
 
-  // For the walker. In place of what was wanted before, the most urgent first.
+  // For the walker: replaces the list of wanted cells, the most urgent first.
   void want(std::span<const CellId> cells);
-  // What has ended since the last call. Clears `out`.
+  // Returns in `out` what has ended since the last call. Clears `out` first.
   void collect(std::vector<CellLoad>& out);
   [[nodiscard]] std::size_t addition_bytes() const;
-  // Forgets what other nodes add than those of the path.
+  // Drops the additions of all nodes that are not on the path.
   void keep_additions(std::span<const CellId> path);
   void stop();
 
@@ -66,51 +66,52 @@ class CellLoads {
   std::vector<CellId> wanted_;  // the most urgent last
   std::vector<CellId> under_way_;
   std::vector<CellLoad> ended_;
-  std::map<CellId, SharedAdditions> additions_;  // of nodes with others below
+  std::map<CellId, SharedAdditions> additions_;  // of nodes that have children
 };
 
-// The prepared cells of a walk, within its memory.
+// Holds the prepared cells of a walk within its memory limit.
 
 class CellResidents {
  public:
-  // `base_triangles`: of the base meshes of all objects, which have no bytes of their own for vertices unless the file
-  // is packed.
+  // `base_triangles` is the number of triangles of the base meshes of all objects; unless the file is packed, they need
+  // no bytes for vertices.
   CellResidents(const VlodFile& file, std::size_t base_triangles);
 
   void add(CellId cell, std::shared_ptr<const CellMesh> mesh);
-  // None if it is not there.
+  // Returns the mesh of the cell, or null if it is not resident.
   [[nodiscard]] const std::shared_ptr<const CellMesh>& find(CellId cell) const;
-  // Of all.
+  // Returns the bytes of all resident cells.
   [[nodiscard]] std::size_t bytes() const noexcept { return bytes_; }
-  // What this one takes, or takes about if it has never been there.
+  // Returns the bytes of this cell, estimated if it has never been resident.
   [[nodiscard]] std::size_t bytes_of(CellId cell) const;
-  // Drops others than these and the root, those first that have been wanted least lately, until there are no more bytes
-  // than that.
+  // Evicts cells other than these and the root, the least recently wanted first, until at most this many bytes are
+  // left.
   void shrink(std::span<const CellId> kept, std::size_t bytes);
 
  private:
   struct Resident {
     std::shared_ptr<const CellMesh> mesh;
-    std::size_t wanted = 0;  // when: calls of shrink()
+    std::size_t wanted = 0;  // time of the last use, in calls of shrink()
   };
 
   const CellTree& tree_;
-  std::size_t triangle_bytes_;  // with its share of the vertices
+  std::size_t triangle_bytes_;  // includes its share of the vertices
   std::size_t base_triangles_ = 0, objects_ = 0;
   std::map<CellId, Resident> residents_;
-  std::map<CellId, std::size_t> known_bytes_;  // of cells that are there or have been
+  std::map<CellId, std::size_t> known_bytes_;  // of cells that are or were resident
   std::size_t bytes_ = 0, calls_ = 0;
 };
 
-// How the eye moves, and which cells it may enter soon.
+// Predicts how the eye moves and which cells it may enter soon.
 
-// A cell that may be entered.
+// Describes a cell that may be entered.
 struct ExpectedCell {
   CellId leaf = no_id;
-  double seconds = 0.0;  // until then, at the soonest
+  double seconds = 0.0;  // earliest time until then
 };
 
-// Velocity as an exponential mean over 0.2 s. A step longer than a root cell is a jump, and tells nothing of it.
+// Estimates the velocity as an exponential mean over 0.2 s. A step longer than a root cell is a jump and does not
+// count.
 class WalkMotion {
  public:
   explicit WalkMotion(double jump) : jump_(jump) {}
@@ -124,12 +125,12 @@ class WalkMotion {
   glm::dvec3 eye_{0.0}, velocity_{0.0};
 };
 
-// The cells that may be entered within `horizon` seconds, the soonest first; that of the eye is not among them: the
-// neighbours across its faces, and what lies in a cone of slope 1/4 around straight ahead. At most `most`.
+// Finds the cells that may be entered within `horizon` seconds, the soonest first, at most `most`, without the cell of
+// the eye: the neighbours across its faces, and the cells in a cone of slope 1/4 around the direction of motion.
 class CellForecast {
  public:
   explicit CellForecast(const CellTree& tree) : tree_(tree) {}
-  // Valid until the next call.
+  // Returns the expected cells, valid until the next call.
   const std::vector<ExpectedCell>& expect(CellId leaf, const glm::dvec3& eye, const glm::dvec3& velocity,
                                           double horizon, std::size_t most);
 
@@ -138,7 +139,7 @@ class CellForecast {
 
   const CellTree& tree_;
   CellId here_ = no_id;
-  std::vector<CellId> neighbours_;  // of here_
+  std::vector<CellId> neighbours_;  // of the cell here_
   std::vector<CellId> found_;       // scratch
   std::vector<ExpectedCell> expected_;
 };

@@ -22,7 +22,7 @@ Box box_around(std::span<const Triangle> triangles, std::span<const glm::vec3> p
   return box;
 }
 
-// Halves at the median of the longest axis until blocks are small.
+// Halves ranges at the median of the longest axis until blocks are small.
 void divide(std::span<Triangle> triangles, std::uint32_t first, std::span<const glm::vec3> positions,
             std::vector<TriangleBlock>& blocks) {
   const Box box = box_around(triangles, positions);
@@ -98,7 +98,7 @@ void CellMeshMaker::draw(CellId cell, std::uint32_t object, const CellView& view
   faces_.drawn(object, view, cut_.hidden, drawn_.triangles);
 }
 
-// Errors of subtrees are in their topmost splits, so those next to the cut tell the most.
+// The topmost splits of subtrees have their largest errors, so the splits next to the cut determine the error.
 double CellMeshMaker::error_of(std::uint32_t object, const CellView& view) const {
   const Hierarchy& hierarchy = *objects_[object].hierarchy;
   double error = 0.0;

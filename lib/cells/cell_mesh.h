@@ -1,4 +1,4 @@
-// What is drawn for a node of a tree of cells, ready to be drawn: its triangles, in blocks for the frustum.
+// Holds what is drawn for a node of a tree of cells: its triangles, in blocks for frustum culling.
 #pragma once
 
 #include <cstddef>
@@ -15,24 +15,24 @@
 
 namespace occlod {
 
-// Immutable once it is made.
+// Immutable after construction.
 struct CellMesh {
   std::vector<Triangle> triangles;    // of all objects
   std::vector<TriangleBlock> blocks;  // of all objects
   struct Object {
     std::uint32_t first_triangle = 0, triangles = 0, first_block = 0, blocks = 0;
-    // Its wedges, of a packed file; else there are none, and triangles are of the hierarchy's.
+    // Wedges of the object, for a packed file; otherwise empty, and triangles refer to the hierarchy's wedges.
     struct Part {
       std::uint32_t first = 0, count = 0;
     };
     Part positions, normals, colors, coordinates, materials;
   };
   std::vector<glm::vec3> positions, normals;  // of all objects, in object space
-  std::vector<glm::u8vec4> colors;            // of all objects, as what follows
+  std::vector<glm::u8vec4> colors;            // of all objects, as are the following
   std::vector<glm::vec2> coordinates;
   std::vector<MaterialId> materials;
   std::vector<Object> objects;
-  double error_px = 0.0;  // of a leaf as the file has it; of other nodes for all eyes in its box, see CellMeshMaker
+  double error_px = 0.0;  // of a leaf as stored in the file; of other nodes for all eyes in its box, see CellMeshMaker
 
   [[nodiscard]] std::size_t bytes() const noexcept {
     return sizeof(*this) + triangles.capacity() * sizeof(Triangle) + blocks.capacity() * sizeof(TriangleBlock) +
@@ -42,21 +42,23 @@ struct CellMesh {
   }
 };
 
-// Reuses its memory; one thread each.
+// Makes cell meshes, reusing its memory; each thread needs its own.
 class CellMeshMaker {
  public:
-  // Both outlive it.
+  // Both arguments must outlive this object.
   CellMeshMaker(const VlodFile& file, std::span<const RefineObject> objects);
-  // Of a packed file, whose objects have no hierarchies; the cache outlives it. `max_bytes`: see PackedFaces.
+  // For a packed file, whose objects have no hierarchies. The cache must outlive this object. `max_bytes`: see
+  // PackedFaces.
   CellMeshMaker(const VlodFile& file, vlod::GeometryCache& cache, std::size_t max_bytes);
 
-  // `path`: what the nodes from the root to this one add. A leaf is drawn as read_cell() gives it. Of another node all
-  // faces are drawn that do not turn away from its box: those hidden in the leaves below are hidden by what these
-  // have. Its error is that of all splits that it lacks, seen or not. O(size of the cut).
+  // Makes the mesh of a node. `path` holds what the nodes from the root to this one add. A leaf is drawn as read_cell()
+  // returns it. Of another node all faces are drawn that do not face away from its box, because faces hidden in the
+  // leaves below are hidden by geometry of those leaves. Its error is that of all splits that it lacks, visible or not.
+  // O(size of the cut).
   [[nodiscard]] CellMesh make(CellId cell, std::span<const CellAdditions* const> path);
-  // The error alone, of a node that is no leaf. Not of a packed file, which has it in its nodes.
+  // Returns only the error, of a node that is no leaf. Not for packed files, which store the errors of their nodes.
   [[nodiscard]] double error_px(CellId cell, std::span<const CellAdditions* const> path);
-  // That was read of geometry since the last call of this.
+  // Returns the bytes of geometry read since the last call.
   [[nodiscard]] std::uint64_t take_bytes_read() noexcept { return packed_ ? packed_->take_bytes_read() : 0; }
 
  private:
@@ -67,10 +69,10 @@ class CellMeshMaker {
 
   const VlodFile& file_;
   std::vector<RefineObject> objects_;
-  LeafFaces faces_;                          // of hierarchies
-  std::optional<vlod::PackedFaces> packed_;  // or of a packed file
-  PathCut cut_;                              // of the object at hand
-  CellObjectMesh drawn_;                     // of it; wedges only of a packed file
+  LeafFaces faces_;                          // used with hierarchies
+  std::optional<vlod::PackedFaces> packed_;  // used with a packed file
+  PathCut cut_;                              // of the current object
+  CellObjectMesh drawn_;                     // of the current object; wedges only for a packed file
 };
 
 }  // namespace occlod

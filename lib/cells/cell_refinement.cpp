@@ -16,9 +16,9 @@
 namespace occlod {
 namespace {
 
-constexpr std::uint32_t group_size = 128;  // triangles that are drawn at once
+constexpr std::uint32_t group_size = 128;  // triangles that are drawn together
 
-// The first pixel whose middle is not before the share of the half image, in [-1, 1].
+// Returns the first pixel whose centre is not before `share` of the half image, in [-1, 1].
 int first_pixel(double share, int size) {
   return static_cast<int>(std::clamp(std::ceil(0.5 * size * (share + 1.0) - 0.5), 0.0, static_cast<double>(size)));
 }
@@ -64,11 +64,11 @@ void CellImages::draw_group(Side& side, const TriangleBvh::Group& group) {
     for (const glm::dvec3& p : {a, b, c}) positions_.emplace_back(p - eye_);
     triangles_.emplace_back(first, first + 1, first + 2);
   }
-  // Depth is what w is; two axes of the world are those of the image.
+  // The depth is w; two axes of the world are those of the image.
   glm::mat4 to_clip(0.0F);
   const auto sign = static_cast<float>(side.sign);
   to_clip[(side.axis + 1) % 3].x = 1.0F;
-  to_clip[(side.axis + 2) % 3].y = -1.0F;  // rows from the top
+  to_clip[(side.axis + 2) % 3].y = -1.0F;  // rows start at the top
   to_clip[side.axis].z = to_clip[side.axis].w = sign;
   to_clip[3].z = static_cast<float>(-2.0 * near_);
   const PixelRect drawn = draw_depth({side.nearness.data(), size, size, stride}, positions_, triangles_, to_clip);
@@ -121,7 +121,8 @@ bool CellImages::show(Side& side, const CellBox& what) {
   return false;
 }
 
-// A ray is in the box from where it has passed the last of three planes to where it passes the first of three others.
+// A ray is inside the box from where it has passed the last of three planes to where it passes the first of the other
+// three.
 bool CellImages::shows_in_tile(const Side& side, const Image& image, const PixelRect& rect) const {
   for (int y = rect.y0; y < rect.y1; ++y) {
     const double by_row = inverse_steps_[static_cast<std::size_t>(y)];
@@ -155,7 +156,7 @@ float CellImages::farthest(Side& side, int x, int y) {
 
 namespace {
 
-// Of faces that are asked about at once before each is: larger groups are seldom hidden.
+// Number of faces that are tested together before each is tested alone: larger groups are seldom hidden.
 constexpr std::size_t max_faces_at_once = 8;
 
 }  // namespace
@@ -335,7 +336,7 @@ void CellRefinement::add_face(std::uint32_t object, const CellView& view, const 
   if (!is_seen(box)) faces_.push_back({box, place});
 }
 
-// Halves of them by place in space, like TriangleBvh.
+// Halves the faces by their place in space, like TriangleBvh.
 void CellRefinement::drop_hidden(std::span<Face> faces) {
   CellBox box = faces[0].box;
   for (const Face& face : faces) box = unite(box, face.box);

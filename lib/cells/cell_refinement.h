@@ -1,4 +1,4 @@
-// What the middle of a cell sees of boxes: the cheapest proof that one is not hidden.
+// Tests which boxes are visible from the centre of a cell: the cheapest proof that a box is not hidden.
 #pragma once
 
 #include <array>
@@ -18,39 +18,39 @@
 
 namespace occlod {
 
-// Depth images of a surface to all six sides. Reuses its memory, 25 MB; one thread each.
+// Renders depth images of a surface in all six directions. Reuses its memory, 25 MB; each thread needs its own.
 class CellImages {
  public:
-  // Pixels along each side of an image, a multiple of the size of tiles. Half as many leave a third more boxes to the
-  // hull test where triangles are small; twice as many take longer to draw than they save.
+  // Pixels along each side of an image, a multiple of the tile size. Half as many leave a third more boxes to the hull
+  // test where triangles are small; twice as many take longer to draw than they save.
   static constexpr int size = 1024;
 
-  // The surface outlives it.
+  // The surface must outlive this object.
   explicit CellImages(const CellSurface& surface);
 
-  // From the middle of the cell. Triangles that come within `near_reach` (world units) of the cell are left out, as
-  // they hide nothing. O(what is seen), mostly.
+  // Draws from the centre of the cell. Triangles that come within `near_reach` (world units) of the cell are left out,
+  // as they hide nothing. Typically O(visible triangles).
   void draw(const CellBox& cell, double near_reach);
 
-  // Whether a ray through the middle of a pixel enters the box before it meets the surface: up to rounding, no set of
-  // triangles hides the box then. Some that touch the box hide it here, though not in the hull test, so false says
-  // nothing. O(pixels of the box), mostly less.
+  // Returns whether a ray through the centre of a pixel enters the box before it meets the surface: up to rounding, no
+  // set of triangles hides the box then. Triangles that touch the box can hide it here, though not in the hull test, so
+  // false proves nothing. O(pixels of the box), usually less.
   [[nodiscard]] bool show(const CellBox& what);
 
  private:
-  static constexpr int tile_size = 16;  // pixels
+  static constexpr int tile_size = 16;  // in pixels
   static constexpr int tiles = size / tile_size;
   static constexpr int stride = size + tile_size;  // see DepthImage
 
-  // What lies before one side of the eye. In its space the third axis points away from the eye.
+  // Describes one direction from the eye. In its space the third axis points away from the eye.
   struct Side {
-    int axis = 0;                      // of the world: the third
+    int axis = 0;                      // world axis that is the third axis
     double sign = 1.0;                 // its direction
     std::vector<float> nearness;       // see DepthBuffer
-    std::vector<float> farthest;       // nearness of the farthest pixel, by tile
-    std::vector<bool> farthest_known;  // by tile; not where something has been drawn since
+    std::vector<float> farthest;       // per tile: nearness of the farthest pixel
+    std::vector<bool> farthest_known;  // per tile; false where something has been drawn since
   };
-  // A box before a side, and the pixels that it may cover.
+  // Describes the image of a box on one side, and the pixels that it may cover.
   struct Image {
     glm::dvec3 min{0.0}, max{0.0};
     PixelRect rect;
@@ -70,65 +70,65 @@ class CellImages {
   double near_ = 0.0;                                   // plane
   std::array<double, size> steps_{}, inverse_steps_{};  // of rays, per unit along the third axis, by pixel
   std::array<Side, 6> sides_;
-  std::vector<glm::vec3> positions_;  // of a group, from the eye
+  std::vector<glm::vec3> positions_;  // of a group, relative to the eye
   std::vector<Triangle> triangles_;
 };
 
-// The cuts of all objects for one cell.
-
-// Walks the forests from their roots. A subtree is dropped if its error is within the tolerance for every eye, or if
+// Computes the cuts of all objects for one cell.
+//
+// Walks the forests from their roots. A subtree is skipped if its error is within the tolerance for every eye, or if
 // its box, grown by g, is hidden from the cell. Otherwise its children are visited; and if the faces of its own split
-// are not within the tolerance and their box, grown by g, is not hidden, the split is applied with all that it needs.
-// g(box) is the smaller of the subtree's guaranteed error and of what covers the tolerance at the point of the box
-// where that is most (all in object units). With a budget it is the error alone, as the tolerance that is reached in
-// the end is not known before: nodes are visited in the order of their error on the screen, and where a split does not
-// fit, all that are left are within that of the node.
+// are not within the tolerance and their box, grown by g, is not hidden, the split is applied with all splits on which
+// it depends. g(box) is the smaller of the subtree's guaranteed error and the length that covers the tolerance at the
+// point of the box where it is largest (all in object units). With a budget, g is the error alone, because the
+// tolerance that is reached in the end is not known in advance: nodes are visited in the order of their error on the
+// screen, and where a split does not fit, all remaining nodes have at most the error of that node.
 //
 // *Why this keeps the promise.* Let an eye in the cell see a point x of the input. Follow x through the collapses: one
 // that ends its face moves it to a point of a face that it makes. Let t_1, ..., t_k be the splits of these collapses
-// from coarse to fine, f_j the face with x that t_j inserts, x_j its place there; f_0 is of the base mesh, or there is
-// none because the component of x vanishes. t_(j+1) removes f_j, so it depends on t_j and is applied only with it, and
-// |x - x_j| <= error(t_(j+1)). Call t_j fine if it, its own faces or a subtree that holds it is within the tolerance.
-// Bounds of all of these hold f_(j-1), which t_j removes, and errors are saturated: so x is within the tolerance of
-// x_(j-1), as measured at x_(j-1), if t_j is fine, and closer than any error of a split before t_j.
-//   Let t_j be the last that is not fine; if none is, x is within the tolerance wherever it is in the cut, or its
-// component is smaller than that. x is no farther from x_j than error(t_j), and, if j < k, than the tolerance at x_j.
-// (If j = k, x = x_j.) So it is no farther than the g of any box that holds f_j: that of t_j's own faces and those of
-// all subtrees that hold t_j. Grown by g they hold x, which is seen, and are not hidden. So t_j is reached and applied,
-// and t_1, ..., t_(j-1) with it. Then x is in the cut on some f_i, i >= j, and within the tolerance of it. The box of
-// f_i, grown by its own g, holds x as well; so f_i is not left out because it is hidden.
+// from coarse to fine, f_j the face with x that t_j inserts, and x_j the position of x there; f_0 is in the base mesh,
+// or does not exist because the component of x vanishes. t_(j+1) removes f_j, so it depends on t_j and is applied only
+// with it, and |x - x_j| <= error(t_(j+1)). Call t_j fine if it, its own faces or a subtree that contains it is within
+// the tolerance. The bounds of all of these contain f_(j-1), which t_j removes, and errors are saturated. So if t_j is
+// fine, x is within the tolerance of x_(j-1), as measured at x_(j-1), and closer than any error of a split before t_j.
+//   Let t_j be the last that is not fine; if there is none, x is within the tolerance wherever it is in the cut, or its
+// component is smaller than the tolerance. x is no farther from x_j than error(t_j), and, if j < k, than the tolerance
+// at x_j. (If j = k, x = x_j.) So it is no farther than the g of any box that contains f_j: that of t_j's own faces and
+// those of all subtrees that contain t_j. Grown by g, these boxes contain x, which is visible, so they are not hidden.
+// So t_j is reached and applied, and t_1, ..., t_(j-1) with it. Then x is in the cut on some f_i, i >= j, and within
+// the tolerance of it. The box of f_i, grown by its own g, contains x as well; so f_i is not left out as hidden.
 //
-// *Attributes.* The error that has to be within the tolerance is the larger of the guaranteed one and of how far
-// attributes slip, where these count: a split that is fine in that sense is fine in the sense above, so all of this
-// holds. A point x that is seen is then in the cut on a face f_i, and all splits on its path after t_i are fine: its
-// texel has slipped by no more than the tolerance since then, as far as Hierarchy::attribute_error() tells. Boxes are
-// grown by the guaranteed error only, as slipping moves no surface.
+// *Attributes.* Where attributes count, the error that must be within the tolerance is the larger of the guaranteed
+// error and the attribute error. A split that is fine in that sense is fine in the sense above, so the proof holds. A
+// visible point x is then in the cut on a face f_i, and all splits on its path after t_i are fine: its texel has been
+// displaced by no more than the tolerance since then, as far as Hierarchy::attribute_error() tells. Boxes are grown by
+// the guaranteed error only, because displaced texels move no surface.
 //
-// Whether faces turn away decides only what is drawn, never what is refined: the input may face an eye where a coarse
+// Which faces turn away decides only what is drawn, never what is refined: the input may face an eye where a coarse
 // version of it does not.
 class CellRefinement {
  public:
-  // `surface`: nothing is hidden without it. `boxes`: of the surface, or none.
+  // Without `surface` nothing is hidden. `boxes` are those of the surface, or null.
   CellRefinement(std::span<const RefineObject> objects, const CellSurface* surface, const InnerBoxes* boxes,
                  const CellOptions& options);
 
   const CellCut& build(const CellBox& cell);
 
  private:
-  // A node to visit.
+  // Describes a node to visit.
   struct Candidate {
     float px = 0.0F;  // its error on the screen, see error_of()
     std::uint32_t object = 0;
     SplitId split = 0;
 
-    // Smaller is visited later.
+    // Orders the heap: smaller candidates are visited later.
     friend bool operator<(const Candidate& a, const Candidate& b) {
       return std::tie(a.px, b.object, b.split) < std::tie(b.px, a.object, a.split);
     }
   };
   struct Face {
     CellBox box;              // grown by g
-    std::uint32_t place = 0;  // in active_
+    std::uint32_t place = 0;  // index in active_
   };
 
   void refine(std::uint32_t object, const CellView& view);
@@ -136,31 +136,34 @@ class CellRefinement {
   void visit(std::uint32_t object, const CellView& view, SplitId s);
   void try_split(std::uint32_t object, const CellView& view, SplitId s);
   void find_drawn(std::uint32_t object, const CellView& view);
-  // Unless it turns its back on the cell, it is drawn; unless the middle of the cell sees it, drop_hidden() decides.
+  // Adds a face: it is drawn unless it faces away from the cell; unless the centre of the cell sees it, drop_hidden()
+  // decides.
   void add_face(std::uint32_t object, const CellView& view, const FaceRef& ref, const Triangle& t, std::uint32_t place);
   void drop_hidden(std::span<Face> faces);
   [[nodiscard]] CellBox grown_box(const CellView& view, const Box& box, float error) const;
-  // From the middle of the cell, before anything that hides.
+  // Returns whether the box is visible from the centre of the cell, in front of everything that hides.
   [[nodiscard]] bool is_seen(const CellBox& what);
   [[nodiscard]] bool is_hidden(const CellBox& what);
   [[nodiscard]] bool is_hidden(const CellView& view, const Box& box, float error);
-  // What has to be within the tolerance: the guaranteed error, or how far attributes slip where that is more.
+  // Returns the error that must be within the tolerance: the guaranteed error, or the attribute error where that is
+  // larger.
   [[nodiscard]] float error_of(std::uint32_t object, SplitId s) const;
-  // Whether the error, of so many pixels a unit, is within the tolerance; then it counts.
+  // Returns whether the error, at this many pixels per unit, is within the tolerance; if so, it counts towards the
+  // cell's error.
   [[nodiscard]] bool is_fine(float error, float scale_px);
 
   std::vector<RefineObject> objects_;
   CellOptions options_;
   std::vector<Cut> cuts_;
-  std::vector<CellView> views_;  // of objects
-  std::size_t triangles_ = 0;    // active
-  bool is_full_ = false;         // a split has not fitted into the budget
+  std::vector<CellView> views_;  // per object
+  std::size_t triangles_ = 0;    // number of active triangles
+  bool is_full_ = false;         // whether a split did not fit into the budget
   std::optional<HullTest> hull_test_;
   std::optional<CellImages> images_;
   std::vector<SplitId> stack_;    // nodes to visit, of one object
-  std::vector<Candidate> heap_;   // of all objects, with a budget
-  std::vector<Triangle> active_;  // by their wedges
-  std::vector<bool> drawn_;       // of active_
+  std::vector<Candidate> heap_;   // nodes to visit, of all objects, with a budget
+  std::vector<Triangle> active_;  // by wedges
+  std::vector<bool> drawn_;       // per entry of active_
   std::vector<Face> faces_;
   CellCut result_;
 };

@@ -39,7 +39,7 @@ bool TriangleBvh::meets(const Node& node, const glm::dvec3& from, const glm::dve
   return first <= last + 1e-12;
 }
 
-// Moeller and Trumbore 1997.
+// Implements the test of Moeller and Trumbore 1997.
 bool TriangleBvh::meets(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const glm::dvec3& from,
                         const glm::dvec3& along) {
   const glm::dvec3 u = b - a, v = c - a, p = glm::cross(along, v);
@@ -173,8 +173,8 @@ void CellSurface::sort(std::span<const std::uint32_t> order) {
   positions_ = std::move(positions);
 }
 
-// A sheet that is given once for each side would have no inside and no border that is crossed an odd number of times.
-// Any set of triangles may be asked about, so also one without the second.
+// Drops duplicates: a sheet that is given once for each side would have no inside and no border that an odd number of
+// triangles share. The hull test allows any set of triangles, so also one without the second copies.
 void CellSurface::drop_duplicates() {
   struct Entry {
     std::uint32_t a, b, c;  // ascending

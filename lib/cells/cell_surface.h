@@ -1,4 +1,4 @@
-// A tree of boxes over triangles, to find those that a segment meets or a region holds.
+// Builds a tree of boxes over triangles, to find those that a segment meets or a region contains.
 #pragma once
 
 #include <array>
@@ -16,61 +16,63 @@
 
 namespace occlod {
 
-// Halved at the median of the longest axis; ties by number, so the tree depends on the triangles only. It is built over
-// triangles in any order and says in which they have to be kept: those below a node follow each other.
+// Halves ranges at the median of the longest axis, with ties resolved by number, so the tree depends only on the
+// triangles. It is built over triangles in any order and returns the order in which they must be stored: those below a
+// node are consecutive.
 class TriangleBvh {
  public:
   TriangleBvh() = default;
-  // `order`: resized; which triangle comes where. O(n log n).
+  // Builds the tree. `order` is resized and receives which triangle comes where. O(n log n).
   TriangleBvh(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles,
               std::vector<std::uint32_t>& order);
 
   // Calls visit(triangle) for triangles that the segment meets, roughly from its start to its end, until it returns
-  // false. Rounding may miss one whose edge it passes. The same positions and triangles as given to the constructor,
-  // the triangles in the order that it gave. O(log n + hits) mostly.
+  // false. Rounding may miss a triangle whose edge it passes. Takes the positions and triangles that were given to the
+  // constructor, with the triangles in the order that it returned. Typically O(log n + hits).
   template <typename Visit>
   void for_each_hit(std::span<const glm::dvec3> positions, std::span<const Triangle> triangles, const glm::dvec3& from,
                     const glm::dvec3& to, const Visit& visit) const;
 
-  // Calls visit(triangle), until it returns false, for triangles of leaves whose boxes the segment meets: none that it
-  // meets is missed.
+  // Calls visit(triangle), until it returns false, for all triangles of leaves whose boxes the segment meets; these
+  // include every triangle that it meets.
   template <typename Visit>
   void for_each_near(const glm::dvec3& from, const glm::dvec3& to, const Visit& visit) const;
 
-  // Whether the segment meets the triangle, up to rounding.
+  // Returns whether the segment meets the triangle, up to rounding.
   [[nodiscard]] static bool meets(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const glm::dvec3& from,
                                   const glm::dvec3& along);
 
-  // Some triangles that follow each other, and a box around them.
+  // Holds some consecutive triangles and a box around them.
   struct Group {
     CellBox box;
     std::uint32_t first = 0;
     std::uint32_t count = 0;
   };
-  // Calls enter(group) for nodes, roughly from the nearest to the farthest from `eye`. Below a node for which it
-  // returns true it goes on, down to groups of no more than `most` triangles, for which it calls visit(group).
+  // Calls enter(group) for nodes, roughly from the nearest to the farthest from `eye`. Where it returns true, continues
+  // below the node, down to groups of at most `most` triangles, for which it calls visit(group).
   template <typename Enter, typename Visit>
   void for_each_group(const glm::dvec3& eye, std::uint32_t most, const Enter& enter, const Visit& visit) const;
 
  private:
   static constexpr std::uint32_t leaf_size = 4;
-  // Nodes over more triangles have two children: the left one, over half of them rounded down, is the next node.
+  // Nodes over more triangles than a leaf have two children; the left one, over half of them rounded down, is the next
+  // node.
   struct Node {
     std::array<float, 3> min{};  // rounded outwards
-    std::uint32_t right = 0;     // the other child
+    std::uint32_t right = 0;     // index of the other child
     std::array<float, 3> max{};
-    std::uint32_t axis = 0;  // in which the left child comes first
+    std::uint32_t axis = 0;  // along which the left child comes first
   };
   static_assert(sizeof(Node) == 32);
   struct Entry {
     std::uint32_t node = 0, first = 0, count = 0;
   };
-  using Stack = std::array<Entry, 64>;  // halves of 2^32 triangles
+  using Stack = std::array<Entry, 64>;  // deep enough for halving 2^32 triangles
 
-  // `inverse`: of the segment's direction, by axis. Where that is infinite the product may be no number, which std::min
-  // and std::max then pass over.
+  // `inverse` holds the reciprocals of the segment's direction, by axis. Where one is infinite, the product may be NaN,
+  // which std::min and std::max then ignore.
   [[nodiscard]] static bool meets(const Node& node, const glm::dvec3& from, const glm::dvec3& inverse);
-  // The children of the node, the one to visit first on top.
+  // Pushes the children of the node, the one to visit first on top.
   void push_children(const Entry& entry, bool left_first, Stack& stack, std::size_t& size) const;
   void build(std::span<const CellBox> boxes, std::span<std::uint32_t> order);
 
@@ -140,26 +142,26 @@ inline void TriangleBvh::push_children(const Entry& entry, bool left_first, Stac
   stack[size++] = left_first ? left : right;
 }
 
-// What hides from cells: the surfaces of all objects in world space, as they are or coarser.
+// Holds the surfaces that hide geometry from cells: those of all objects in world space, original or coarser.
 
-// Triangles, what lies beyond their edges, and a tree over them, in whose order they are. Immutable. Of triangles with
-// the same three corners one is kept; what has less than three corners is left out.
+// Stores triangles, their adjacency over edges, and a tree over them, in whose order they are stored. Immutable. Of
+// triangles with the same three corners only one is kept; degenerate triangles are left out.
 class CellSurface {
  public:
-  // Of each object the cut whose faces have moved by no more than max_motion (world units); with 0 the input itself.
+  // Takes from each object the cut whose faces have moved by at most max_motion (world units); with 0 the input itself.
   CellSurface(std::span<const RefineObject> objects, double max_motion);
-  // Of triangles given as they are, for tests. `moved`: of each, world units; or none.
+  // Takes given triangles, for tests. `moved` holds the motion of each in world units, or is empty.
   CellSurface(std::vector<glm::dvec3> positions, std::span<const Triangle> triangles, std::span<const float> moved);
 
   [[nodiscard]] std::uint32_t triangle_count() const noexcept { return static_cast<std::uint32_t>(triangles_.size()); }
   [[nodiscard]] const glm::dvec3& corner(std::uint32_t t, int k) const noexcept { return positions_[triangles_[t][k]]; }
-  // How far the input that the triangle stands for may be from it, world units.
+  // Returns a bound on how far the part of the input that the triangle represents may be from it, world units.
   [[nodiscard]] double moved(std::uint32_t t) const noexcept { return moved_[t]; }
 
-  // Edge 3 t + k runs from corner k of triangle t to the next. The next one of those between the same corners, in a
-  // circle: itself at a border.
+  // Returns the next edge between the same two corners, in a circle; a border edge returns itself. Edge 3 t + k runs
+  // from corner k of triangle t to the next corner.
   [[nodiscard]] std::uint32_t beyond(std::uint32_t edge) const noexcept { return beyond_[edge]; }
-  // Whether an odd number of triangles share it.
+  // Returns whether an odd number of triangles share the edge.
   [[nodiscard]] bool is_border(std::uint32_t edge) const noexcept { return is_border_[edge]; }
 
   // Calls visit(triangle) for triangles that the segment meets, until it returns false. See TriangleBvh.
@@ -167,29 +169,30 @@ class CellSurface {
   void for_each_hit(const glm::dvec3& from, const glm::dvec3& to, const Visit& visit) const {
     bvh_.for_each_hit(positions_, triangles_, from, to, visit);
   }
-  // Whether the segment meets the triangle, up to rounding.
+  // Returns whether the segment meets the triangle, up to rounding.
   [[nodiscard]] bool meets(std::uint32_t t, const glm::dvec3& from, const glm::dvec3& to) const {
     return TriangleBvh::meets(corner(t, 0), corner(t, 1), corner(t, 2), from, to - from);
   }
   [[nodiscard]] const TriangleBvh& bvh() const noexcept { return bvh_; }
-  // The largest coordinate of any corner.
+  // Returns the largest absolute coordinate of any corner.
   [[nodiscard]] double largest_coordinate() const noexcept { return largest_coordinate_; }
 
  private:
-  // `max_motion`: object units.
+  // Returns the cut for `max_motion`, in object units.
   [[nodiscard]] static MotionCut cut_of(const Hierarchy& hierarchy, double max_motion);
-  // `scale`: of motions, from object to world.
+  // Adds a cut; `scale` converts motions from object to world units.
   void add(const RefineObject& object, const MotionCut& cut, double scale);
   void add_triangle(const Triangle& t, double moved);
   void finish();
   void drop_duplicates();
-  // Triangles in this order, corners in that in which they ask for them: neighbours lie near each other in memory.
+  // Sorts triangles into this order, and corners into the order of their first use, so that neighbours are near each
+  // other in memory.
   void sort(std::span<const std::uint32_t> order);
   void join_edges();
 
   std::vector<glm::dvec3> positions_;
   std::vector<Triangle> triangles_;
-  std::vector<float> moved_;  // of triangles, rounded up
+  std::vector<float> moved_;  // per triangle, rounded up
   std::vector<std::uint32_t> beyond_;
   std::vector<bool> is_border_;
   double largest_coordinate_ = 0.0;

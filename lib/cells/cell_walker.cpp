@@ -22,7 +22,7 @@ namespace {
 constexpr std::size_t max_expected = 64;  // cells
 constexpr int max_tries = 3;
 constexpr double retry_seconds = 1.0;
-// How far ahead cells are loaded: several times what a load has taken lately.
+// Sets how far ahead cells are loaded: several times the recent duration of a load, within limits in seconds.
 constexpr double shortest_horizon = 0.5, longest_horizon = 2.0, loads_ahead = 4.0;
 
 CellReader reader_of(const VlodFile& file, const WalkOptions& options) {
@@ -34,7 +34,7 @@ bool is_outside(const Box& box, const ObjectView& view) {
   const glm::vec3 center = 0.5F * (box.min + box.max), half = 0.5F * (box.max - box.min);
   return std::ranges::any_of(view.planes(), [&](const glm::vec4& plane) {
     const glm::vec3 normal(plane);
-    // The rounding of a plane, of which there is more where coordinates are larger.
+    // Bounds the rounding error of a plane, which grows with the coordinates.
     const float slack = 1e-5F * (std::abs(plane.w) + glm::dot(glm::abs(normal), glm::abs(center)));
     return glm::dot(normal, center) + plane.w + glm::dot(glm::abs(normal), half) < -slack;
   });
@@ -66,7 +66,7 @@ void ranges_in_view(const WalkedFrame& frame, std::span<const RefineObject> obje
 
 class CellWalker::Work {
  public:
-  // Without objects: through a packed file.
+  // Without objects, the file must be packed.
   Work(std::shared_ptr<const VlodFile> file, std::span<const RefineObject> objects, const WalkOptions& options)
       : file_(std::move(file)),
         objects_(objects.begin(), objects.end()),
@@ -105,7 +105,7 @@ class CellWalker::Work {
   }
 
   [[nodiscard]] CellLoads& loads() { return loads_; }
-  // For one loader.
+  // Returns a mesh maker for one loader.
   [[nodiscard]] CellMeshMaker maker() { return maker(options_.memory); }
 
  private:
@@ -194,7 +194,7 @@ class CellWalker::Work {
     std::ranges::reverse(path_);
   }
 
-  // Whether it may be asked for now. `forever`: set when it never may again.
+  // Returns whether the cell may be requested now. `forever` is set when it can never be loaded again.
   [[nodiscard]] bool can_load(CellId cell, bool* forever = nullptr) const {
     if (failures_.empty()) return true;
     for (CellId node = cell; node != no_id; node = file_->tree().node(node).parent) {
@@ -207,7 +207,7 @@ class CellWalker::Work {
     return true;
   }
 
-  // The deepest node of the path that can be had.
+  // Chooses the deepest node of the path that can be loaded.
   void choose_target() {
     frame_.missing = false;
     target_ = 0;
@@ -232,17 +232,17 @@ class CellWalker::Work {
     if (geometry_) limit_geometry();
   }
 
-  // A quarter of the memory, but for what it takes to show the target.
+  // Limits geometry to a quarter of the memory, minus what showing the target takes.
   void limit_geometry() {
     const std::size_t others = residents_.bytes_of(0) + residents_.bytes_of(target_) + loads_.addition_bytes();
     geometry_bytes_ = std::min(options_.memory / 4, options_.memory - std::min(options_.memory, others));
     geometry_->limit(geometry_bytes_);
   }
 
-  // Bytes that are not for prepared cells: what nodes add, and what the geometry may take.
+  // Returns the bytes that are not available for prepared cells: what nodes add, and the limit of the geometry.
   [[nodiscard]] std::size_t other_bytes() const { return loads_.addition_bytes() + geometry_bytes_; }
 
-  // Bytes of memory to show it, about: it, the root, and what the nodes above it add.
+  // Estimates the bytes of memory needed to show the cell: the cell, the root, and what the nodes above it add.
   [[nodiscard]] std::size_t needed_for(CellId cell) const {
     std::size_t bytes = residents_.bytes_of(0) + residents_.bytes_of(cell);
     const CellTree& tree = file_->tree();
@@ -251,7 +251,7 @@ class CellWalker::Work {
     return bytes;
   }
 
-  // What is kept and asked for, as far as there is memory: what is drawn, what may be entered, what is above.
+  // Decides what is kept and requested, as far as memory allows: what is drawn, what may be entered, what is above.
   void plan(const glm::dvec3& eye) {
     kept_.clear();
     wanted_.clear();
@@ -275,7 +275,7 @@ class CellWalker::Work {
     for (const CellId cell : wanted_) wanted_since_.try_emplace(cell, clock_);
   }
 
-  // False: there is no memory for it.
+  // Returns false when there is no memory left for the cell.
   bool consider(CellId cell) {
     if (cell == 0 || std::ranges::find(kept_, cell) != kept_.end()) return true;
     const std::size_t bytes = residents_.bytes_of(cell);
@@ -339,21 +339,21 @@ class CellWalker::Work {
   WalkOptions options_;
   CellLoads loads_;
   std::optional<vlod::GeometryCache> geometry_;  // of a packed file
-  std::size_t fixed_bytes_ = 0;                  // of it, always in memory; not in options_.memory
-  std::size_t geometry_bytes_ = 0;               // that its frames may take
+  std::size_t fixed_bytes_ = 0;                  // geometry that is always in memory; not part of options_.memory
+  std::size_t geometry_bytes_ = 0;               // limit for its frames
   CellResidents residents_;
   WalkMotion motion_;
   CellForecast forecast_;
   double clock_ = 0.0;   // seconds, of all steps
-  double waited_ = 0.0;  // for a load, the longest lately
+  double waited_ = 0.0;  // seconds: the longest recent wait for a load
   std::map<CellId, double> wanted_since_;
-  std::map<CellId, Failure> failures_;  // by what could not be read
+  std::map<CellId, Failure> failures_;  // by the node that could not be read
   std::set<CellId> told_too_large_;
   std::vector<CellId> path_;  // from the cell of the eye up
   std::vector<CellId> target_path_;
-  CellId target_ = 0;                  // the node of it that is to be drawn
+  CellId target_ = 0;                  // the node of the path to draw
   std::vector<CellId> kept_, wanted_;  // the most urgent first
-  std::size_t left_ = 0;               // bytes
+  std::size_t left_ = 0;               // in bytes
   std::vector<CellLoad> ended_;
   std::shared_ptr<const CellMesh> shown_;
   WalkedFrame frame_;

@@ -12,11 +12,11 @@
 namespace occlod {
 namespace {
 
-// The part of a segment that is left, from 0 at its start to 1 at its end.
+// Holds the remaining part of a segment, from 0 at its start to 1 at its end.
 struct Part {
   double first = 0.0, last = 1.0;
 
-  // Cuts off where what runs from `at_start` to `at_end` is above 0. False when nothing is left.
+  // Clips where a linear function from `at_start` to `at_end` is above 0. Returns false when nothing is left.
   bool cut(double at_start, double at_end) {
     if (at_start <= 0.0 && at_end <= 0.0) return true;
     if (at_start > 0.0 && at_end > 0.0) return false;
@@ -29,7 +29,7 @@ struct Part {
   }
 };
 
-// Whether [low, high], which runs over the projections of the corners onto an axis, is apart from the box's.
+// Returns whether [low, high], the projection of the corners onto an axis, is disjoint from the box's projection.
 bool apart(const glm::dvec3& axis, const std::array<glm::dvec3, 3>& corners, const glm::dvec3& half) {
   const double p = glm::dot(axis, corners[0]), q = glm::dot(axis, corners[1]), r = glm::dot(axis, corners[2]);
   const double reach = glm::dot(glm::abs(axis), half);
@@ -42,8 +42,8 @@ Hull::Hull(const CellBox& eyes, const CellBox& what) : around_(unite(eyes, what)
   for (int axis = 0; axis < 3; ++axis) add_planes(eyes, what, axis, (axis + 1) % 3);
 }
 
-// Of two rectangles: the hull has an edge between their corners of one side each iff neither corner lies beyond the
-// other in both axes.
+// Adds the planes of two rectangles: the hull has an edge between their corners of one side iff neither corner lies
+// beyond the other in both axes.
 void Hull::add_planes(const CellBox& eyes, const CellBox& what, int u, int v) {
   for (const double sign_u : {-1.0, 1.0})
     for (const double sign_v : {-1.0, 1.0}) {
@@ -91,7 +91,7 @@ bool triangle_meets(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& 
 
 namespace {
 
-// Of volumes spanned by differences of coordinates.
+// Relative rounding error of volumes spanned by differences of coordinates.
 constexpr double volume_rounding = 1e-12;
 
 constexpr std::array<std::array<double, 6>, inner_segments> shares = {{{0.5, 0.5, 0.5, 0.5, 0.5, 0.5},
@@ -103,20 +103,20 @@ constexpr std::array<std::array<double, 6>, inner_segments> shares = {{{0.5, 0.5
                                                                        {0.54, 0.93, 0.72, 0.27, 0.09, 0.47},
                                                                        {0.94, 0.07, 0.57, 0.46, 0.51, 0.81}}};
 
-// 1, -1, or 0 where rounding decides.
+// Returns 1, -1, or 0 where rounding decides.
 int sign_of(double volume, double size) {
   return std::abs(volume) <= volume_rounding * size ? 0 : volume > 0.0 ? 1 : -1;
 }
 
-// The sign of x.cross(y, z), or 0 where rounding decides.
+// Returns the sign of x.cross(y, z), or 0 where rounding decides.
 int turn_of(const glm::dvec3& x, const glm::dvec3& y, const glm::dvec3& z) {
   const double volume = glm::dot(x, glm::cross(y, z));
-  // Squares, so that no root is taken.
+  // Compares squares to avoid a square root.
   if (volume * volume <= volume_rounding * volume_rounding * glm::dot(x, x) * glm::dot(y, y) * glm::dot(z, z)) return 0;
   return volume > 0.0 ? 1 : -1;
 }
 
-// As crosses(), of the segment from the origin to d.
+// Tests, like crosses(), the segment from the origin to d.
 std::optional<bool> crosses_from_origin(const glm::dvec3& d, const glm::dvec3& a, const glm::dvec3& b,
                                         const glm::dvec3& c) {
   const int ab = turn_of(d, a, b), bc = turn_of(d, b, c);

@@ -13,10 +13,10 @@
 namespace occlod {
 namespace {
 
-// Of coordinates in world space, each a sum of a few products in double precision.
+// Relative rounding error of world-space coordinates, each a sum of a few products in double precision.
 constexpr double relative_rounding = 1e-9;
 
-// Whether the segment meets the box, up to rounding.
+// Returns whether the segment meets the box, up to rounding.
 bool meets(const glm::dvec3& from, const glm::dvec3& to, const CellBox& box) {
   double first = 0.0, last = 1.0;
   for (int axis = 0; axis < 3; ++axis) {
@@ -78,8 +78,8 @@ bool InnerBoxTest::hides(const CellBox& what, std::uint32_t part) {
   return false;
 }
 
-// Whether all segments from the cell to `what` meet the box. From a point, what lies in or behind a convex set is
-// convex; so all of a box does if its corners do. The same holds the other way round.
+// Returns whether all segments from the cell to `what` meet the box. As seen from a point, the region in or behind a
+// convex set is convex, so a box is entirely inside it if its corners are. The same holds in the other direction.
 bool InnerBoxTest::is_between(const CellBox& what, const CellBox& box) const {
   const double rounding = relative_rounding * std::max(largest_coordinate(cell_), largest_coordinate(what));
   const CellBox inner = grown(box, -rounding);
@@ -94,7 +94,7 @@ bool InnerBoxTest::is_hidden(std::uint32_t box) {
   return states_[box] == State::hidden;
 }
 
-// The hull test of the whole part.
+// Runs the hull test of the whole part.
 InnerBoxTest::State InnerBoxTest::find_state(std::uint32_t box) const {
   const CellBox& what = boxes_.boxes()[box];
   const std::uint32_t part = boxes_.owner(box);
@@ -103,7 +103,7 @@ InnerBoxTest::State InnerBoxTest::find_state(std::uint32_t box) const {
   for (const std::uint32_t edge : boxes_.borders(boxes_.part(part))) {
     const std::uint32_t t = edge / 3;
     const auto k = static_cast<int>(edge % 3);
-    // The motion of others between the same corners is in the list as well.
+    // Other triangles between the same corners are in the list as well, with their own motion.
     if (hull.may_meet(surface_.corner(t, k), surface_.corner(t, k == 2 ? 0 : k + 1), surface_.moved(t) + rounding))
       return State::seen;
   }
@@ -131,7 +131,7 @@ void InnerBoxTest::remember(std::uint32_t box) {
 
 namespace {
 
-// Where a segment meets more, those near the cell hide most.
+// Where a segment meets more triangles, those near the cell hide most.
 constexpr std::size_t max_seeds = 16;
 
 }  // namespace
@@ -170,7 +170,7 @@ bool HullTest::hides(const CellBox& what) {
 }
 
 void HullTest::begin_floods() {
-  // A query makes one flood a seed at most. Before their numbers run out they begin anew.
+  // A query starts at most one flood per seed. Restart the numbering before it overflows.
   if (flood_ > std::numeric_limits<std::uint32_t>::max() - max_seeds) {
     std::fill_n(reached_by_.get(), surface_.triangle_count(), 0U);
     flood_ = 0;
@@ -179,7 +179,7 @@ void HullTest::begin_floods() {
   reached_count_ = 0;
 }
 
-// Triangles on the segment that may hide, `most` of them or fewer, roughly from the cell to the box.
+// Finds at most `most` triangles on the segment that may hide the box, roughly in order from the cell to the box.
 void HullTest::find_hits(const CellBox& what, std::size_t segment, std::size_t most,
                          std::vector<std::uint32_t>& hits) const {
   const CellSegment s = segment_between(cell_, what, segment);
@@ -190,7 +190,7 @@ void HullTest::find_hits(const CellBox& what, std::size_t segment, std::size_t m
   });
 }
 
-// By a box inside one of the parts that the first segment meets.
+// Returns whether a box inside one of the parts that the first segment meets hides `what`.
 bool HullTest::is_boxed(const CellBox& what) {
   std::uint32_t last = no_id;
   for (const std::uint32_t t : seeds_) {
@@ -201,7 +201,7 @@ bool HullTest::is_boxed(const CellBox& what) {
   return false;
 }
 
-// Whether there is nothing on some other segment that may hide.
+// Returns whether some other segment meets nothing that may hide the box.
 bool HullTest::is_free(const CellBox& what) {
   constexpr std::size_t count = inner_segments + outer_segments;
   for (std::size_t i = 1; i < count; ++i) {
@@ -213,7 +213,7 @@ bool HullTest::is_free(const CellBox& what) {
   return false;
 }
 
-// What has done so for another box often does so again.
+// Tests the triangle that blocked this segment for another box first, because it often does so again.
 bool HullTest::is_blocked(const CellBox& what, std::size_t segment) {
   const CellSegment s = segment_between(cell_, what, segment);
   std::uint32_t& blocker = blockers_[segment];
@@ -224,7 +224,7 @@ bool HullTest::is_blocked(const CellBox& what, std::size_t segment) {
   return true;
 }
 
-// What hides does not touch the ends of segments.
+// Returns whether the triangle must not be used, because an occluder must not touch the ends of segments.
 bool HullTest::must_avoid(std::uint32_t t, const CellBox& what) const {
   const glm::dvec3 &a = surface_.corner(t, 0), &b = surface_.corner(t, 1), &c = surface_.corner(t, 2);
   const double margin = growth(t);
@@ -235,13 +235,13 @@ bool HullTest::flood_any(const Hull& hull, const CellBox& what, std::span<const 
   return std::any_of(seeds.begin(), seeds.end(), [&](std::uint32_t seed) { return flood(hull, what, seed); });
 }
 
-// False where it meets what it must not.
+// Floods from a triangle; returns false where the flood meets a triangle that must not be used.
 bool HullTest::flood(const Hull& hull, const CellBox& what, std::uint32_t first) {
   reached_.clear();
   ++flood_;
   if (!reach(first)) return false;
   ++counts_.floods;
-  std::size_t visited = 0;  // more are reached on the way
+  std::size_t visited = 0;  // more are reached meanwhile
   while (visited < reached_.size()) {
     ++counts_.triangles;
     if (!visit(hull, what, reached_[visited++])) return false;
@@ -270,15 +270,15 @@ bool HullTest::visit(const Hull& hull, const CellBox& what, std::uint32_t t) {
   return true;
 }
 
-// Whether this flood has reached all triangles beyond the edge.
+// Returns whether this flood has reached all triangles beyond the edge.
 bool HullTest::is_crossed_already(std::uint32_t edge) const {
   for (std::uint32_t other = surface_.beyond(edge); other != edge; other = surface_.beyond(other))
     if (reached_by_[other / 3] != flood_) return false;
   return true;
 }
 
-// False where an earlier flood of this query has been, which did not hide and would have come here as well; and when
-// there are too many.
+// Adds a triangle to the flood. Returns false where an earlier flood of this query has been, because that flood did not
+// hide the box and would have come here as well; also when there are too many triangles.
 bool HullTest::reach(std::uint32_t t) {
   if (reached_by_[t] >= first_flood_) return reached_by_[t] == flood_;
   if (reached_count_ == max_triangles) return false;
@@ -294,7 +294,7 @@ bool HullTest::is_crossed(const CellBox& what) const {
   return false;
 }
 
-// An odd number of times.
+// Returns whether the flood crosses the segment an odd number of times.
 std::optional<bool> HullTest::is_crossed(const CellSegment& segment) const {
   bool odd = false;
   for (const std::uint32_t t : reached_) {

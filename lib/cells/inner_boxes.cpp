@@ -41,7 +41,8 @@ std::optional<VoxelGrid::Block> VoxelGrid::next_block() {
   return block;
 }
 
-// A cube ends with a voxel if three of one voxel less end with the neighbours before it, and with those between them.
+// The largest free cube that ends at a voxel has edge n if cubes of edge n - 1 end at the preceding neighbours along
+// all axes and diagonals.
 std::optional<VoxelGrid::Block> VoxelGrid::largest_cube() {
   std::uint8_t most = 0;
   Place last{};
@@ -99,11 +100,12 @@ namespace {
 
 constexpr CellBox empty_box{glm::dvec3(std::numeric_limits<double>::infinity()),
                             glm::dvec3(-std::numeric_limits<double>::infinity())};
-// Of coordinates.
+// Relative rounding error of coordinates.
 constexpr double relative_rounding = 1e-9;
-// A block of a part is given up that is this many times smaller than its first.
+// A block is rejected when it is this many times smaller than the first block of its part.
 constexpr double min_share = 1.0 / 16.0;
-// Of the six sides of a voxel inside a solid, those with surface before the end of the grid: a house may stand open.
+// A voxel counts as inside a solid if this many of its six directions meet surface before the end of the grid; a house
+// may be open on one side.
 constexpr int min_sides = 5;
 
 CellBox bounds_of(const CellSurface& surface, std::uint32_t t) {
@@ -123,7 +125,7 @@ double volume_of(const CellBox& box) {
   return size.x * size.y * size.z;
 }
 
-// Voxels of a part.
+// Voxelizes a part.
 class PartGrid {
  public:
   PartGrid(const CellSurface& surface, std::span<const std::uint32_t> triangles) : surface_(surface) {
@@ -139,14 +141,14 @@ class PartGrid {
     take_outside();
   }
 
-  // Nothing where there is none, or only flat ones.
+  // Returns the next box, or nothing where there is none, or only flat ones.
   [[nodiscard]] std::optional<CellBox> next_box() {
     const std::optional<VoxelGrid::Block> block = grid_.next_block();
     if (!block) return std::nullopt;
     return CellBox{corner(block->first), corner(block->end)};
   }
   [[nodiscard]] const CellBox& bounds() const noexcept { return bounds_; }
-  [[nodiscard]] double edge() const noexcept { return edge_; }  // of a voxel
+  [[nodiscard]] double edge() const noexcept { return edge_; }  // edge length of a voxel
 
  private:
   [[nodiscard]] glm::dvec3 corner(const VoxelGrid::Place& p) const {
@@ -162,7 +164,7 @@ class PartGrid {
       const auto place = [&](double x) {
         return std::clamp(static_cast<int>(std::floor((x - bounds_.min[axis]) / edge_)), 0, grid_.size()[k] - 1);
       };
-      // One more to each side, as it may touch the border of a voxel.
+      // Takes one more voxel to each side, because the triangle may touch the border of a voxel.
       first[k] = std::max(place(box.min[axis]) - 1, 0);
       last[k] = std::min(place(box.max[axis]) + 1, grid_.size()[k] - 1);
     }
@@ -176,7 +178,7 @@ class PartGrid {
         }
   }
 
-  // Which are outside is a guess only, so that no boxes are kept that can hide nothing.
+  // Marks voxels outside the solid as taken. This is only a heuristic that avoids boxes that can hide nothing.
   void take_outside() {
     const VoxelGrid::Place& size = grid_.size();
     std::vector<std::uint8_t> sides(
@@ -211,7 +213,7 @@ class PartGrid {
   VoxelGrid grid_;
 };
 
-// Moves its faces outwards, one after the other, up to `gap` before the bounds of the first triangle that is in the
+// Moves the faces of the box outwards, one after the other, up to `gap` before the bounds of the first triangle in the
 // way.
 CellBox widened(const CellBox& box, const CellBox& limits, std::span<const CellBox> obstacles, double gap) {
   CellBox wide = box;
@@ -266,7 +268,7 @@ void InnerBoxes::find_parts(const CellSurface& surface) {
   }
 }
 
-// Those with the largest bounds, in the order of their numbers.
+// Returns the parts with the largest bounds, in the order of their numbers.
 std::vector<std::uint32_t> InnerBoxes::parts_worth_a_look(const CellSurface& surface) const {
   std::vector<CellBox> bounds(parts_.size(), empty_box);
   std::vector<std::uint32_t> counts(parts_.size(), 0);
@@ -288,7 +290,7 @@ std::vector<std::uint32_t> InnerBoxes::parts_worth_a_look(const CellSurface& sur
 
 void InnerBoxes::add_boxes(const CellSurface& surface, std::uint32_t part, std::span<const std::uint32_t> triangles) {
   std::vector<std::uint32_t> borders;
-  std::vector<CellBox> obstacles;  // also what is around borders: a box that reaches to one cannot be hidden
+  std::vector<CellBox> obstacles;  // includes regions around borders: a box that touches one cannot be hidden
   obstacles.reserve(triangles.size());
   for (const std::uint32_t t : triangles) {
     obstacles.push_back(bounds_of(surface, t));

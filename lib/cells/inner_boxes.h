@@ -1,4 +1,4 @@
-// A grid of voxels, and the largest blocks of those that are free.
+// Finds the largest free blocks in a grid of voxels.
 #pragma once
 
 #include <array>
@@ -16,20 +16,20 @@ namespace occlod {
 class VoxelGrid {
  public:
   using Place = std::array<int, 3>;
-  // Voxels from `first` to before `end`, in each axis.
+  // Holds voxels from `first` to before `end`, in each axis.
   struct Block {
     Place first{}, end{};
   };
 
-  // Clears it.
+  // Resizes and clears the grid.
   void resize(const Place& size);
   [[nodiscard]] const Place& size() const noexcept { return size_; }
 
   void take(const Place& p) { taken_[index(p)] = 1; }
   [[nodiscard]] bool is_taken(const Place& p) const { return taken_[index(p)] != 0; }
-  // The largest cube without taken voxels, the last in order of x, y and z among equals; then as many layers at each
-  // side as are free. Its voxels are given away: no later block starts with them, though it may grow over them.
-  // Nothing where no voxel is left. O(voxels).
+  // Returns the largest cube without taken voxels, the last in order of x, y and z among equals, extended by as many
+  // layers at each side as are free. Its voxels are marked as used: no later block starts with them, though it may grow
+  // over them. Returns nothing where no voxel is left. O(voxels).
   [[nodiscard]] std::optional<Block> next_block();
 
  private:
@@ -43,24 +43,25 @@ class VoxelGrid {
   void grow(Block& block) const;
 
   Place size_{};
-  std::vector<std::uint8_t> taken_;  // of voxels
-  std::vector<std::uint8_t> given_;  // to earlier blocks
-  std::vector<std::uint8_t> edge_;   // of the largest free cube that ends with the voxel
+  std::vector<std::uint8_t> taken_;  // per voxel
+  std::vector<std::uint8_t> given_;  // per voxel: used by an earlier block
+  std::vector<std::uint8_t> edge_;   // per voxel: edge of the largest free cube that ends there
 };
 
-// Boxes of space inside the solids of a surface: the quickest proof that something is hidden.
+// Finds boxes of space inside the solids of a surface: the fastest proof that something is hidden.
 
-// A *part* is what is connected over edges. Where a part as a whole hides a box of space from a cell (see HullTest), it
-// hides all that can be seen through that box only: each segment from the cell to it meets the part before the box.
-// That is quickly told, as both are convex: it is so iff the segments from corners to corners meet the box.
+// A *part* is a set of triangles connected over edges. If a part as a whole hides a box of space from a cell (see
+// HullTest), it hides everything that is visible only through that box, because each segment from the cell to it meets
+// the part before the box. That test is fast, as both are convex: it succeeds iff the segments from corners to corners
+// meet the box.
 //
-// So boxes inside solids are found here, once. No triangle comes closer to one than it may have moved. Which of them
-// are hidden from a cell has to be asked. Immutable.
+// So boxes inside solids are found here, once. No triangle comes closer to one than it may have moved. Whether a box is
+// hidden from a cell has to be tested per cell. Immutable.
 class InnerBoxes {
  public:
-  static constexpr std::size_t max_boxes = 4;       // of a part
-  static constexpr std::size_t max_parts = 4096;    // that are looked at: those with the largest bounds
-  static constexpr std::size_t max_borders = 4096;  // edges of a part with boxes
+  static constexpr std::size_t max_boxes = 4;       // per part
+  static constexpr std::size_t max_parts = 4096;    // that are examined: those with the largest bounds
+  static constexpr std::size_t max_borders = 4096;  // of a part with boxes
   static constexpr int resolution = 32;             // voxels along the longest edge of a part's bounds
   static constexpr std::size_t min_triangles = 8;   // of a part with boxes
 
@@ -70,22 +71,22 @@ class InnerBoxes {
   };
 
   InnerBoxes() = default;
-  // O(n) mostly, and some thousand steps for each part that is looked at.
+  // Finds the boxes. Typically O(n), plus some thousand steps for each part that is examined.
   explicit InnerBoxes(const CellSurface& surface);
 
-  // Of a triangle.
+  // Returns the part of a triangle.
   [[nodiscard]] std::uint32_t part_of(std::uint32_t t) const { return part_of_[t]; }
   [[nodiscard]] const Part& part(std::uint32_t p) const { return parts_[p]; }
   [[nodiscard]] std::size_t part_count() const noexcept { return parts_.size(); }
-  // Of all parts; those of a part follow each other.
+  // Returns the boxes of all parts; those of one part are consecutive.
   [[nodiscard]] std::span<const CellBox> boxes() const noexcept { return boxes_; }
-  // The part of a box.
+  // Returns the part of a box.
   [[nodiscard]] std::uint32_t owner(std::uint32_t box) const { return owners_[box]; }
-  // Edges (see CellSurface::beyond) that an odd number of the part's triangles share.
+  // Returns the edges (see CellSurface::beyond) that an odd number of the part's triangles share.
   [[nodiscard]] std::span<const std::uint32_t> borders(const Part& part) const {
     return std::span(borders_).subspan(part.first_border, part.border_count);
   }
-  // How far any triangle may be from the input, at most.
+  // Returns the largest distance of any triangle from the input.
   [[nodiscard]] double largest_motion() const noexcept { return largest_motion_; }
 
  private:

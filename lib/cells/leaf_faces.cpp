@@ -14,7 +14,7 @@ void LeafFaces::set(std::uint32_t object, std::span<const SplitId> applied) {
   Cut& cut = cuts_[object];
   cut.clear();
   for (const SplitId s : applied) {
-    if (cut.applied(s)) continue;  // never, if they are closed
+    if (cut.applied(s)) continue;  // never happens if they are closed under dependency
     static_cast<void>(cut.closure(s));
     cut.apply_closure();
   }

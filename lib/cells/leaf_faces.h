@@ -1,4 +1,4 @@
-// The faces of the cut of a leaf: which are drawn, which are hidden, which face away.
+// Classifies the faces of the cut of a leaf as drawn, hidden, or facing away.
 #pragma once
 
 #include <cstdint>
@@ -17,20 +17,21 @@ namespace occlod {
   return face.split == no_id ? face.slot : (face.split + std::uint64_t{1}) << 32U | face.slot;
 }
 
-// Reuses its memory from cell to cell; one thread each.
+// Reuses its memory from cell to cell; each thread needs its own.
 class LeafFaces {
  public:
-  // Their hierarchies outlive it.
+  // The hierarchies of the objects must outlive this object.
   explicit LeafFaces(std::span<const RefineObject> objects);
 
-  // The cut of this object, from now on. `applied`: ascending, closed under dependency. O(applied).
+  // Sets the cut of this object. `applied` is ascending and closed under dependency. O(applied).
   void set(std::uint32_t object, std::span<const SplitId> applied);
 
-  // The faces that are in `drawn`, and of all others those that do not face away: ascending. `drawn`: active triangles
-  // of wedges in the order of their faces. Clears both. O(faces).
+  // Returns, ascending, the faces that are in `drawn`, and those of the others that do not face away. `drawn` holds
+  // active triangles of wedges in the order of their faces. Clears both outputs first. O(faces).
   void classify(std::uint32_t object, const CellView& view, std::span<const Triangle> drawn,
                 std::vector<FaceRef>& drawn_faces, std::vector<FaceRef>& hidden_faces);
-  // The wedges of the faces that are not in `hidden`, ascending, and do not face away. Clears `drawn`. O(faces).
+  // Returns, ascending, the wedges of the faces that are not in `hidden` and do not face away. Clears `drawn` first.
+  // O(faces).
   void drawn(std::uint32_t object, const CellView& view, std::span<const FaceRef> hidden, std::vector<Triangle>& drawn);
 
  private:
@@ -40,15 +41,15 @@ class LeafFaces {
   std::vector<Cut> cuts_;
 };
 
-// The cut of one object at a node of the tree of cells.
+// Holds the cut of one object at a node of the tree of cells.
 
 // Reuses its memory.
 struct PathCut {
   std::vector<SplitId> applied;  // ascending
   std::vector<FaceRef> hidden;   // in the order of face_key()
 
-  // `path`: what the nodes from the root to this one add. Faces that are hidden count in leaves only: those of other
-  // nodes are hidden by what the leaves below have.
+  // Gathers the cut from `path`: what the nodes from the root to this one add. Hidden faces count only in leaves: those
+  // of other nodes are hidden by geometry of the leaves below.
   void gather(std::uint32_t object, std::span<const CellAdditions* const> path, bool is_leaf);
 };
 

@@ -24,25 +24,26 @@
 namespace occlod::vlod {
 namespace {
 
-// The stars and vertices of a hierarchy under the numbers of a packed file.
+// Renumbers the stars and vertices of a hierarchy for a packed file.
 
-// One mesh of a packed file: which splits it has, in their order there.
+// Describes one mesh of a packed file: which splits it has, in the order of the file.
 class PackedStars {
  public:
-  // `splits`: of the hierarchy, which outlives this: each after those that it needs, all of which are there.
+  // `splits` are splits of the hierarchy, which must outlive this object; each comes after those on which it depends,
+  // all of which are included.
   PackedStars(const Hierarchy& hierarchy, std::vector<SplitId> splits);
 
   [[nodiscard]] MeshRow row() const;
   [[nodiscard]] std::span<const SplitId> splits() const noexcept { return splits_; }
   [[nodiscard]] const Hierarchy& hierarchy() const noexcept { return hierarchy_; }
-  // no_id: it is not there.
+  // Returns the number of a split; no_id if it is not included.
   [[nodiscard]] SplitId number_of(SplitId split) const noexcept { return split == no_id ? no_id : numbers_[split]; }
 
-  // Behind what the frame has: split `number` of the file.
+  // Appends split `number` of the file to the frame.
   void append(SplitId number, GeometryFrame& frame) const;
 
-  // Calls visit(wedge) for each that the file has of a vertex: its first one, and those of the others that some face of
-  // the file has. They are numbered in this order.
+  // Calls visit(wedge) for each wedge of a vertex that the file has: its first one, and those of the others that some
+  // face of the file uses. They are numbered in this order.
   template <typename Visit>
   void for_each_wedge(VertexId v, const Visit& visit) const {
     visit(v);
@@ -50,7 +51,7 @@ class PackedStars {
     for (WedgeId w = extra.first; w < extra.first + extra.count; ++w)
       if (number_of_wedge(w) != no_id) visit(w);
   }
-  // Of a face: for each corner the number of its wedge.
+  // Returns, for each corner of a face, the number of its wedge.
   [[nodiscard]] Triangle corners(const Triangle& wedges) const noexcept {
     return {number_of_wedge(wedges.x), number_of_wedge(wedges.y), number_of_wedge(wedges.z)};
   }
@@ -65,8 +66,8 @@ class PackedStars {
   [[nodiscard]] Triangle triangle(const Triangle& t) const noexcept { return {vertex(t.x), vertex(t.y), vertex(t.z)}; }
 
   const Hierarchy& hierarchy_;
-  std::vector<SplitId> splits_, numbers_;     // by the other number
-  std::vector<std::uint32_t> wedge_numbers_;  // of extra wedges: from 1 on, or no_id where no face of the file has it
+  std::vector<SplitId> splits_, numbers_;     // each maps the other's numbering
+  std::vector<std::uint32_t> wedge_numbers_;  // of extra wedges: from 1 on, or no_id where no face of the file uses it
 };
 
 PackedStars::PackedStars(const Hierarchy& hierarchy, std::vector<SplitId> splits)
@@ -163,9 +164,10 @@ using namespace vlod;
 namespace {
 
 constexpr int max_level = 19;
-// Splits of a frame. It ends where splits begin that another node adds first, unless it would be small.
+// Limits the number of splits in a frame. A frame ends where splits begin that another node adds first, unless the
+// frame would be small.
 constexpr std::uint32_t min_in_frame = 128, max_in_frame = 512;
-constexpr double read_share = 0.4;  // of the time, about
+constexpr double read_share = 0.4;  // estimated share of the time
 
 class Packing {
  public:
@@ -213,15 +215,15 @@ class Packing {
 
   const VlodFile& file_;
   const PackOptions& options_;
-  std::vector<std::uint32_t> mesh_of_;  // by object
+  std::vector<std::uint32_t> mesh_of_;  // per object
   GlobalIds ids_;
-  std::vector<const Hierarchy*> hierarchies_;     // by mesh
-  std::vector<std::uint32_t> first_split_ = {0};  // of each mesh, numbered through, and their number
-  std::vector<CellAdditions> additions_;          // by node
-  std::vector<CellId> adders_;        // of each split, numbered through, the first node that adds it, or no_id
-  std::vector<std::uint32_t> order_;  // splits, numbered through, in the order of the file
-  std::vector<PackedStars> stars_;    // by mesh
-  // What is written.
+  std::vector<const Hierarchy*> hierarchies_;     // per mesh
+  std::vector<std::uint32_t> first_split_ = {0};  // per mesh, in global numbering; then the total
+  std::vector<CellAdditions> additions_;          // per node
+  std::vector<CellId> adders_;        // per split in global numbering: the first node that adds it, or no_id
+  std::vector<std::uint32_t> order_;  // splits in global numbering, in the order of the file
+  std::vector<PackedStars> stars_;    // per mesh
+  // Data that is written.
   std::vector<CellNode> nodes_;
   std::vector<std::byte> payloads_, geometry_;
   std::vector<MeshRow> meshes_;
@@ -238,7 +240,7 @@ class Packing {
   struct {
     std::vector<Material> materials;
     std::vector<Texture> textures;
-    TextureOrigin texture_origin = TextureOrigin::bottom_left;  // each mesh says its own
+    TextureOrigin texture_origin = TextureOrigin::bottom_left;  // each mesh stores its own
   } surface_;                                                   // of all meshes
 };
 
@@ -263,7 +265,7 @@ void Packing::read_nodes(std::span<const RefineObject> objects) {
   }
 }
 
-// By node, then object: ids of splits numbered through all meshes.
+// Returns, by node and then object, the ids of splits in the global numbering of all meshes.
 std::vector<std::vector<std::uint32_t>> Packing::added_splits() const {
   std::vector<std::vector<std::uint32_t>> added;
   for (const CellAdditions& node : additions_)
@@ -274,8 +276,9 @@ std::vector<std::vector<std::uint32_t>> Packing::added_splits() const {
   return added;
 }
 
-// Objects of one mesh have one numbering. For places_by_nodes() a node and an object are a node: what it proves holds
-// for these as well, because a split that another needs is applied to each object to which the other is.
+// Objects of one mesh share one numbering. places_by_nodes() sees each pair of a node and an object as a node. Its
+// guarantee still holds, because a split on which another depends is applied to each object to which the other is
+// applied.
 void Packing::number_splits() {
   const std::uint32_t count = first_split_.back();
   adders_.assign(count, no_id);
@@ -283,7 +286,7 @@ void Packing::number_splits() {
     for (const ObjectAdditions& object : additions_[n].objects)
       for (const SplitId split : object.splits) adders_[first_split_[mesh_of_[object.object]] + split] = n;
   const std::vector<std::uint32_t> places = places_by_nodes(added_splits(), count);
-  order_.resize(count - static_cast<std::size_t>(std::ranges::count(adders_, no_id)));  // those come last
+  order_.resize(count - static_cast<std::size_t>(std::ranges::count(adders_, no_id)));  // unused splits come last
   for (std::uint32_t split = 0; split < count; ++split)
     if (adders_[split] != no_id) order_[places[split]] = split;
   std::vector<std::vector<SplitId>> of_mesh(hierarchies_.size());
@@ -304,7 +307,7 @@ void Packing::encode_nodes() {
         additions.splits.push_back(ids_.split(object.object, stars.number_of(split)));
       for (const FaceRef& face : object.hidden) {
         const SplitId split = stars.number_of(face.split);
-        if (split == no_id && face.split != no_id) continue;  // no cell has it
+        if (split == no_id && face.split != no_id) continue;  // not used by any cell
         additions.hidden.push_back(ids_.owner(object.object, split) << 32U | face.slot);
       }
     }
@@ -337,7 +340,7 @@ void Packing::make_frames() {
 }
 
 void Packing::add_frame(std::span<const std::uint32_t> splits) {
-  // Those of a mesh follow each other in its numbering, whatever lies between them here.
+  // Splits of one mesh are consecutive in its own numbering, whatever lies between them here.
   const std::size_t first_piece = pieces_.size();
   for (const std::uint32_t split : splits) {
     const std::uint32_t mesh = mesh_with(split);

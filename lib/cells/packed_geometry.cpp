@@ -23,8 +23,8 @@ namespace {
 
 constexpr std::size_t vector_bytes = sizeof(glm::vec3), word_bytes = sizeof(std::uint32_t);
 
-// Ids become how far they lie before the split or its vertex, modulo 2^32, and back again: neighbours have similar
-// ones.
+// Converts ids to their distance before the split or its vertex, modulo 2^32, and back, because neighbours have similar
+// distances.
 void turn_ids(std::span<std::uint32_t> record, SplitId s, VertexId vertex) {
   const auto vertices = [&](std::size_t first, std::size_t count) {
     for (std::uint32_t& word : record.subspan(first, count)) word = vertex - word;
@@ -49,7 +49,8 @@ void turn_ids(std::span<std::uint32_t> record, SplitId s, VertexId vertex) {
   }
 }
 
-// Words of the record that begins here, whatever they hold; more than there are where it does not fit.
+// Returns the number of words of the record that begins here, whatever its contents; more than available where it does
+// not fit.
 std::uint64_t length_of(std::span<const std::uint32_t> words) {
   if (words.empty()) return 1;
   if ((words[0] & SplitStar::other_bit) == 0) return SplitStar(words.data(), 0).word_count();
@@ -62,7 +63,8 @@ bool have_seams(std::span<const PieceRow> pieces, std::span<const MeshRow> meshe
                              [&](const PieceRow& piece) { return (meshes[piece.mesh].attributes & has_seams) != 0; });
 }
 
-// What wedges of the pieces have, and where each piece begins. `extra`: as GeometryFrame::extra_wedges.
+// Holds the attribute counts of the pieces' wedges, and where each piece begins. `extra`: as
+// GeometryFrame::extra_wedges.
 struct Counts {
   std::uint64_t splits = 0, normals = 0, colors = 0, coordinates = 0, materials = 0;
   std::vector<WedgePlace> pieces;
@@ -90,13 +92,13 @@ Counts count(std::span<const PieceRow> pieces, std::span<const MeshRow> meshes, 
   return counts;
 }
 
-// Of ascending places the steps between them; and back.
+// Converts ascending places to the steps between them.
 std::vector<std::uint32_t> steps_of(std::span<const std::uint32_t> places) {
   std::vector<std::uint32_t> steps;
   for (std::size_t i = 1; i < places.size(); ++i) steps.push_back(places[i] - places[i - 1]);
   return steps;
 }
-// Nothing where they add up to more than `most`.
+// Converts steps to places; returns nothing where they add up to more than `most`.
 std::vector<std::uint32_t> places_of(std::span<const std::uint32_t> steps, std::uint64_t most) {
   std::vector<std::uint32_t> places{0};
   std::uint64_t sum = 0;
@@ -115,7 +117,7 @@ void put(std::span<const T> values, std::vector<std::byte>& raw) {
   olod::separate(bytes, sizeof(T), std::span(raw).subspan(before));
 }
 
-// So many values, of what is left.
+// Takes `count` values from the front of `raw`.
 template <typename T>
 void take(std::span<const std::byte>& raw, std::size_t count, std::vector<T>& values) {
   values.resize(count);
@@ -128,12 +130,13 @@ std::vector<std::byte> compressed(std::span<const std::byte> raw, int level) {
   const std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)> context(ZSTD_createCCtx(), &ZSTD_freeCCtx);
   if (!context) throw std::bad_alloc();
   const std::size_t size = ZSTD_compressCCtx(context.get(), bytes.data(), bytes.size(), raw.data(), raw.size(), level);
-  if (ZSTD_isError(size) != 0) throw std::bad_alloc();  // the only way to fail with room for the worst case
+  if (ZSTD_isError(size) != 0) throw std::bad_alloc();  // the only possible failure with room for the worst case
   bytes.resize(size);
   return bytes;
 }
 
-// What is behind all else: how many extra wedges and corners each split has, and the corners. False: it does not fit.
+// Takes the last part of a frame: how many extra wedges and corners each split has, and the corners. Returns false when
+// the sizes do not match.
 bool take_seams(std::span<const std::byte>& raw, GeometryFrame& frame, std::span<const PieceRow> pieces) {
   std::size_t splits = 0;
   for (const PieceRow& piece : pieces) splits += piece.count;
@@ -152,7 +155,7 @@ bool take_seams(std::span<const std::byte>& raw, GeometryFrame& frame, std::span
   return true;
 }
 
-// Calls visit(split, its number in the frame, its vertex, its mesh) for each.
+// Calls visit(split, its number in the frame, its vertex, its mesh) for each split.
 template <typename Visit>
 void for_each_split(std::span<const PieceRow> pieces, std::span<const MeshRow> meshes, const Visit& visit) {
   std::uint32_t place = 0;
@@ -161,7 +164,7 @@ void for_each_split(std::span<const PieceRow> pieces, std::span<const MeshRow> m
       visit(piece.first + i, place, meshes[piece.mesh].base_vertices + piece.first + i, meshes[piece.mesh]);
 }
 
-// Finds where records begin and turns their ids back. Returns what is wrong, or nothing.
+// Finds where records begin and restores their ids. Returns a description of the problem, or nothing.
 std::string read_stars(GeometryFrame& frame, std::span<const PieceRow> pieces, std::span<const MeshRow> meshes) {
   std::string problem;
   std::size_t at = 0;
@@ -216,7 +219,7 @@ EncodedFrame encode_frame(const GeometryFrame& frame, std::span<const PieceRow> 
   }
   const auto raw_bytes = static_cast<std::uint32_t>(raw.size());
   std::vector<std::byte> bytes = level == 0 ? raw : compressed(raw, level);
-  // Of the same size it would be taken as not compressed.
+  // Bytes of equal size would be read as uncompressed, so store the raw bytes then.
   return {bytes.size() < raw.size() ? std::move(bytes) : std::move(raw), raw_bytes};
 }
 
@@ -350,7 +353,7 @@ void PackedGeometry::take_base(SectionReader& reader) {
       std::ranges::any_of(meshes_, [](const MeshRow& mesh) { return mesh.attributes >= has_coordinates; }))
     reader.refuse("section MESH", "claims attributes that are not there");
   First next;
-  std::size_t at = 0;  // of `extra`
+  std::size_t at = 0;  // index in `extra`
   for (const MeshRow& mesh : meshes_) {
     first_.push_back(next);
     std::uint64_t wedges = mesh.base_vertices;
@@ -509,7 +512,7 @@ std::size_t PackedGeometry::bytes() const noexcept {
 
 namespace {
 
-constexpr std::uint64_t max_at_once = 1U << 20U;  // bytes in the file, about
+constexpr std::uint64_t max_at_once = 1U << 20U;  // approximate, in bytes of the file
 
 }  // namespace
 

@@ -15,7 +15,7 @@ namespace {
 
 using Ids = std::vector<std::uint32_t>;
 
-// The nodes that add each id, in depth-first order.
+// Stores the nodes that add each id, in depth-first order.
 class Adders {
  public:
   Adders(std::span<const Ids> added, std::uint32_t count) : first_(count + std::size_t{1}, 0) {
@@ -28,7 +28,7 @@ class Adders {
       for (const std::uint32_t id : added[n]) nodes_[next[id]++] = static_cast<std::uint32_t>(n);
   }
 
-  // Of the first two nodes; what ends comes last.
+  // Returns a sort key from the first two nodes; lists that end sort last.
   [[nodiscard]] std::uint64_t key(std::uint32_t id) const {
     const auto list = of(id);
     return std::uint64_t{list.empty() ? no_id : list[0]} << 32U | (list.size() < 2 ? no_id : list[1]);
@@ -94,7 +94,7 @@ PackedNumbers::PackedNumbers(sections::SectionReader& reader, const PackedGeomet
     reader.refuse("section PERM", fmt::format("has {} splits, the meshes have {}", differences.size(), count));
   std::size_t at = 0;
   for (std::uint32_t i = 0; i < objects.size(); ++i) {
-    if (geometry.mesh_of(i) != numbers_.size()) continue;  // not the first object of its mesh
+    if (geometry.mesh_of(i) != numbers_.size()) continue;  // skip all but the first object of each mesh
     const std::size_t splits = geometry.mesh(geometry.mesh_of(i)).splits;
     if (!take(differences.subspan(at, splits), objects[i].split_count))
       reader.refuse("section PERM", fmt::format("does not number the splits of object {}", i));

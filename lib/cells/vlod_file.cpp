@@ -23,7 +23,7 @@
 namespace occlod {
 namespace {
 
-// 32 below root cells, 22 above; no more, so that programs may go down by recursion.
+// Limits the depth so that programs may descend by recursion: 32 levels below root cells, 22 above.
 constexpr std::uint32_t max_levels = 64;
 
 [[noreturn]] void refuse(const std::string& subject, CellId cell, const char* problem) {
@@ -38,7 +38,7 @@ bool is_box(const CellBox& box) {
   return true;
 }
 
-// Whether a box that meets the other does so in more than an edge: in a piece of a face, where a face has a size.
+// Returns whether two boxes that meet share more than an edge: a piece of a face, where a face has a size.
 bool share_face(const CellBox& a, const CellBox& b) {
   int touching = 0;
   for (int axis = 0; axis < 3; ++axis) {
@@ -130,7 +130,7 @@ using sections::SectionReader;
 
 namespace {
 
-// What a node and those above it add for one object.
+// Holds what a node and those above it add for one object.
 class PathOfObject {
  public:
   PathOfObject(const ObjectAdditions& own, std::span<const CellAdditions* const> ancestors) : own_(&own) {
@@ -157,7 +157,7 @@ class PathOfObject {
   std::vector<std::span<const SplitId>> above_;
 };
 
-// Nothing, or what is wrong.
+// Returns a description of the problem, or nothing.
 std::string problem_of(const ObjectAdditions& additions, const Hierarchy& hierarchy, const PathOfObject& path) {
   for (const SplitId s : additions.splits) {
     if (path.has_above(s)) return fmt::format("split {} is there twice", s);
@@ -172,7 +172,7 @@ std::string problem_of(const ObjectAdditions& additions, const Hierarchy& hierar
   return {};
 }
 
-// By object.
+// Returns the additions sorted by object.
 CellAdditions sorted(const Additions& additions, const GlobalIds& ids) {
   std::map<std::uint32_t, ObjectAdditions> objects;
   for (const std::uint64_t split : additions.splits) {
@@ -217,7 +217,7 @@ class VlodFile::Impl {
     if (reader_->has(geometry_name)) geometry_.emplace(*reader_, scene_.objects, file_, path_);
     if (geometry_ && has_objects) numbers_.emplace(*reader_, *geometry_, scene_.objects);
     take_nodes();
-    reader_.reset();  // and with it the mapping
+    reader_.reset();  // also closes the mapping
   }
 
   void expect(std::span<const RefineObject> objects, std::span<const std::string> names);
@@ -233,7 +233,7 @@ class VlodFile::Impl {
   [[nodiscard]] bool has_objects() const noexcept { return !hierarchies_.empty(); }
 
  private:
-  // What begins like no file of ours is taken as one that is not packed, and refused as such.
+  // A file that begins with no known signature is treated as not packed, and rejected as such.
   static const sections::FileKind& kind_of(const InputFile& file) {
     sections::FileHeader header;
     if (file.size() >= sizeof(header)) file.read(std::as_writable_bytes(std::span(&header, 1)));
@@ -272,22 +272,21 @@ class VlodFile::Impl {
     }
   }
 
-  // Whether all splits are there, which then get the numbers that they have in their hierarchies, where these are
-  // given.
+  // Returns whether all splits exist; if hierarchies are given, converts the splits to the hierarchies' numbers.
   [[nodiscard]] bool take_packed(CellAdditions& additions) const;
 
   std::string path_;
   InputFile file_;
   std::uint32_t version_ = 0;
-  std::optional<SectionReader> reader_;  // while the file is opened
+  std::optional<SectionReader> reader_;  // used only while the file is opened
   Key key_{};
   Scene scene_;
   std::optional<GlobalIds> ids_;
   std::optional<CellTree> tree_;
-  std::uint64_t data_ = 0;                     // where the section begins
+  std::uint64_t data_ = 0;                     // start of the section
   std::optional<PackedGeometry> geometry_;     // of a packed file
-  std::optional<PackedNumbers> numbers_;       // likewise, if it was opened with its objects
-  std::vector<const Hierarchy*> hierarchies_;  // by object, if it was opened with them
+  std::optional<PackedNumbers> numbers_;       // of a packed file that was opened with its objects
+  std::vector<const Hierarchy*> hierarchies_;  // per object, if it was opened with them
 };
 
 void VlodFile::Impl::expect(std::span<const RefineObject> objects, std::span<const std::string> names) {

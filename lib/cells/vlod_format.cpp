@@ -16,7 +16,7 @@
 namespace occlod::vlod {
 namespace {
 
-constexpr int max_sampled_eyes = 64;  // along each axis, as CellBuilder has it
+constexpr int max_sampled_eyes = 64;  // along each axis, as in CellBuilder
 
 class Hash {
  public:
@@ -43,7 +43,7 @@ class Hash {
   std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state_;
 };
 
-// What wedges and materials add to a hierarchy.
+// Adds wedges and materials of a hierarchy to the hash.
 void add_wedges(const HierarchyView& view, Hash& hash) {
   olod::for_each_wedge_array(view, [&](std::string_view, const auto& array, bool) { hash.add(array); });
   const auto add_text = [&](const std::string& text) { hash.add(std::span<const char>(text)); };
@@ -79,7 +79,7 @@ std::vector<VlodObject> describe(std::span<const RefineObject> objects) {
   for (std::size_t i = 0; i < objects.size(); ++i) {
     const RefineObject& object = objects[i];
     VlodObject& it = described.emplace_back();
-    // Objects often share a hierarchy.
+    // Objects often share a hierarchy, so look for an earlier description.
     const auto same = std::find_if(objects.begin(), objects.begin() + static_cast<std::ptrdiff_t>(i),
                                    [&](const RefineObject& other) { return other.hierarchy == object.hierarchy; });
     const auto earlier = static_cast<std::size_t>(same - objects.begin());

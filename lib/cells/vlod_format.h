@@ -1,4 +1,4 @@
-// The parts that writing and reading .vlod files share.
+// Declares what the writer and the reader of .vlod files share.
 #pragma once
 
 #include <array>
@@ -20,17 +20,17 @@ inline constexpr sections::FileKind file_kind{{'V', 'L', 'O', 'D', '\r', '\n', '
                                               "make one with 'occlod cells build'",
                                               "build it again with 'occlod cells build'"};
 
-// With geometry. Of another version, so that programs that do not know it refuse them.
+// Kind of files with geometry. It has another version, so that programs that do not support it reject them.
 inline constexpr sections::FileKind packed_kind{
     file_kind.magic,    textured_vlod_version, file_kind.name, file_kind.make, "pack it again with 'occlod cells pack'",
     packed_vlod_version};
 
 using Key = std::array<std::uint64_t, 2>;
 
-// CellTreeOptions without the regions, and all else that decides what is in a file.
+// Holds CellTreeOptions without the regions, and everything else that determines the contents of a file.
 struct StoredOptions {
   Key key{};                // of all that follows, the regions and the objects
-  std::uint32_t epoch = 0;  // of the way in which cells are made
+  std::uint32_t epoch = 0;  // version of the algorithm that makes cells
   std::uint32_t division = 0;
   std::uint32_t levels = 0;
   std::uint32_t occlusion = 0;
@@ -42,37 +42,39 @@ struct StoredOptions {
 };
 static_assert(sizeof(StoredOptions) == 128);
 
-// Files of another epoch were made in another way: shards of them do not fit together.
+// Version of the algorithm that makes cells: shards of different epochs are incompatible.
 inline constexpr std::uint32_t epoch = 2;
 
 inline constexpr std::string_view options_name = "OPTS", regions_name = "REGN", objects_name = "OBJS",
                                   nodes_name = "CELL", data_name = "DATA";
 
 inline constexpr std::uint32_t max_payload_bytes = 16U << 20U;
-// Ids that a payload may hold, for each byte of it: what a file claims takes no more than 64 times its size in memory.
+// Maximum number of ids per byte of a payload: decoding takes at most 64 times the size of the file in memory, whatever
+// the file claims.
 inline constexpr std::uint32_t max_ids_per_byte = 8;
-// In packed files, where ids are a few runs. No node has more than there are in the geometry.
+// Maximum number of ids per byte in packed files, where ids form few runs. No node has more ids than the geometry.
 inline constexpr std::uint32_t max_packed_ids_per_byte = 64;
 
-// What decides what is in a file.
+// Holds everything that determines the contents of a file.
 struct Scene {
   CellTreeOptions options;
   std::vector<VlodObject> objects;
 };
 
-// Reads all of the hierarchies, which must not be missing.
+// Describes the objects. Reads all of their hierarchies, which must not be null.
 [[nodiscard]] std::vector<VlodObject> describe(std::span<const RefineObject> objects);
-// With its key.
+// Returns the options with their key.
 [[nodiscard]] StoredOptions store(const Scene& scene);
 [[nodiscard]] CellTreeOptions restore(const StoredOptions& stored, std::span<const CellBox> regions);
 
-// What files of either kind begin with, checked, and its key.
+// Reads and checks the start of files of either kind, and their key.
 [[nodiscard]] Scene read_options(sections::SectionReader& reader, const std::string& subject, Key& key);
 
-// Throws Error that names the option, or the field of the file that was read.
+// Throws Error that names the invalid option or field of the file.
 void check(const CellTreeOptions& options, const char* subject);
 
-// Splits of all objects are numbered through, and so are what faces belong to: a base mesh, then its splits.
+// Numbers the splits of all objects consecutively, and likewise the owners of faces: per object a base mesh, then its
+// splits.
 class GlobalIds {
  public:
   // Throws Error when there are 2^32 or more.
@@ -81,7 +83,7 @@ class GlobalIds {
   [[nodiscard]] std::uint64_t split_count() const noexcept { return first_.back(); }
   [[nodiscard]] std::uint64_t owner_count() const noexcept { return first_.back() + first_.size() - 1; }
   [[nodiscard]] std::uint64_t split(std::uint32_t object, SplitId s) const { return first_[object] + s; }
-  // no_id: the base mesh.
+  // Returns the owner's number; no_id for the base mesh.
   [[nodiscard]] std::uint64_t owner(std::uint32_t object, SplitId s) const {
     return first_[object] + object + (s == no_id ? 0 : s + std::uint64_t{1});
   }
@@ -93,7 +95,7 @@ class GlobalIds {
   [[nodiscard]] Place place_of_owner(std::uint64_t owner) const;
 
  private:
-  std::vector<std::uint64_t> first_;  // split of each object, and their number
+  std::vector<std::uint64_t> first_;  // first split of each object, then the total
 };
 
 }  // namespace occlod::vlod

@@ -10,14 +10,14 @@ namespace {
 
 constexpr unsigned number_bits = 40;
 constexpr unsigned tag_bits = 4;
-constexpr unsigned varint_bits = 7;  // in a group; one more says whether another group follows
+constexpr unsigned varint_bits = 7;  // in a group; one more bit tells whether another group follows
 
 unsigned gamma_bits(std::uint64_t value) { return 2 * static_cast<unsigned>(std::bit_width(value + 1)) - 1; }
 unsigned varint_groups(std::uint64_t value) {
   return value == 0 ? 1 : (static_cast<unsigned>(std::bit_width(value)) + varint_bits - 1) / varint_bits;
 }
 
-// Of all codes, by tag.
+// Returns the size in bits under each code, by tag.
 std::array<std::uint64_t, 16> bits_of(std::span<const std::uint64_t> numbers) {
   std::array<std::uint64_t, 16> bits{};
   for (const std::uint64_t n : numbers) {
@@ -35,7 +35,7 @@ void put_varint(BitWriter& writer, std::uint64_t value) {
   }
 }
 
-// 2^40 where it is too large.
+// Returns 2^40 where the number is too large.
 std::uint64_t get_varint(BitReader& reader) {
   std::uint64_t value = 0;
   for (unsigned shift = 0; shift < number_bits; shift += varint_bits) {
@@ -75,7 +75,7 @@ void put_numbers(BitWriter& writer, std::span<const std::uint64_t> numbers) {
 bool get_numbers(BitReader& reader, std::size_t count, std::vector<std::uint64_t>& numbers) {
   numbers.clear();
   const auto tag = static_cast<unsigned>(reader.get(tag_bits));
-  if (count > reader.bits_left()) return false;  // every number takes a bit at least
+  if (count > reader.bits_left()) return false;  // every number takes at least one bit
   for (std::size_t i = 0; i < count; ++i) {
     numbers.push_back(get_number(reader, tag));
     if (reader.failed() || numbers.back() >> number_bits != 0) return false;
@@ -123,7 +123,7 @@ namespace {
 
 using Set = std::vector<std::uint64_t>;
 
-// Places of what is known, then the rest.
+// Writes the places of known splits, then the other splits.
 void put_splits(BitWriter& writer, std::span<const std::uint64_t> splits, std::span<const std::uint64_t> known) {
   Set places, rest;
   auto at = known.begin();
@@ -138,7 +138,7 @@ void put_splits(BitWriter& writer, std::span<const std::uint64_t> splits, std::s
   put_set(writer, rest);
 }
 
-// `end`: of their numbers; `count`: of them.
+// Reads `count` splits, all below `end`.
 bool get_splits(BitReader& reader, std::uint64_t end, std::size_t count, std::span<const std::uint64_t> known,
                 Set& splits) {
   Set places, rest;
@@ -155,7 +155,8 @@ Set without(std::span<const std::uint64_t> set, const Set& left_out) {
   return result;
 }
 
-// Faces as what they belong to, how many each has, less one, and their slots: each the gap to the one before.
+// Writes faces as their owners, the number of faces of each minus one, and their slots, each as the gap to the one
+// before.
 void put_faces(BitWriter& writer, std::span<const std::uint64_t> faces) {
   std::vector<std::uint64_t> owners, counts, slots;
   for (std::size_t i = 0; i < faces.size(); ++i) {

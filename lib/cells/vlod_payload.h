@@ -1,4 +1,4 @@
-// Numbers of some bits each, one after the other.
+// Packs numbers of different bit widths one after the other.
 #pragma once
 
 #include <bit>
@@ -14,24 +14,24 @@ namespace occlod {
 // Writes from the lowest bit of each byte up.
 class BitWriter {
  public:
-  // The lowest `count` <= 57 bits of `bits`; those above are 0.
+  // Writes the lowest `count` <= 57 bits of `bits`; the bits above must be 0.
   void put(std::uint64_t bits, unsigned count) {
     pending_ |= bits << pending_count_;
     pending_count_ += count;
     for (; pending_count_ >= 8; pending_count_ -= 8, pending_ >>= 8U) bytes_.push_back(std::byte(pending_ & 0xFFU));
   }
-  // So many zeros and a one.
+  // Writes `zeros` zero bits and a one.
   void put_unary(std::uint64_t zeros) {
     for (; zeros >= 32; zeros -= 32) put(0, 32);
     put(std::uint64_t{1} << zeros, static_cast<unsigned>(zeros) + 1);
   }
-  // Elias gamma of value >= 1.
+  // Writes the Elias gamma code of value >= 1.
   void put_gamma(std::uint64_t value) {
     const auto low_bits = static_cast<unsigned>(std::bit_width(value)) - 1;
     put_unary(low_bits);
     put(value ^ (std::uint64_t{1} << low_bits), low_bits);
   }
-  // All that was written, filled up with zeros to whole bytes.
+  // Returns everything written, padded with zeros to whole bytes.
   [[nodiscard]] std::vector<std::byte> take() {
     if (pending_count_ > 0) bytes_.push_back(std::byte(pending_));
     pending_ = pending_count_ = 0;
@@ -44,12 +44,12 @@ class BitWriter {
   unsigned pending_count_ = 0;  // < 8 between calls
 };
 
-// Reads what a BitWriter wrote. Beyond the end there are zeros, and failed() is true from then on.
+// Reads what a BitWriter wrote. Past the end it returns zeros, and failed() is true from then on.
 class BitReader {
  public:
   explicit BitReader(std::span<const std::byte> bytes) noexcept : bytes_(bytes) {}
 
-  // count <= 57.
+  // Reads `count` <= 57 bits.
   [[nodiscard]] std::uint64_t get(unsigned count) noexcept {
     fill(count);
     const std::uint64_t bits = pending_ & ((std::uint64_t{1} << count) - 1);
@@ -80,11 +80,11 @@ class BitReader {
     }
     return get(static_cast<unsigned>(low_bits)) | (std::uint64_t{1} << low_bits);
   }
-  // Whether more was read than there is, or a number was too large.
+  // Returns whether more was read than available, or a number was too large.
   [[nodiscard]] bool failed() const noexcept { return failed_; }
-  // Bits that have not been read, no less.
+  // Returns the number of bits not yet read.
   [[nodiscard]] std::uint64_t bits_left() const noexcept { return 8 * (bytes_.size() - at_) + pending_count_; }
-  // Whether only zeros are left.
+  // Returns whether only zeros are left.
   [[nodiscard]] bool rest_is_zero() const noexcept {
     if (pending_ != 0) return false;
     for (std::size_t i = at_; i < bytes_.size(); ++i)
@@ -113,47 +113,49 @@ class BitReader {
   bool failed_ = false;
 };
 
-// Sets of numbers in few bits: runs, whose gaps and lengths are each coded in the way that is shortest for them.
+// Encodes sets of numbers compactly as runs, whose gaps and lengths are each coded in the shortest available way.
 
-// Ways to code a sequence of numbers; the tag, 4 bits, stands before them. 0 to 13: Rice codes, of which the tag is how
-// many bits of a number are written as they are, after the rest in unary. (Golomb 1966, Rice 1979; Elias 1975.)
+// Tags of the codes for a sequence of numbers; the tag, 4 bits, precedes them. 0 to 13 are Rice codes, whose tag is the
+// number of low bits that are written verbatim, after the rest in unary. (Golomb 1966, Rice 1979; Elias 1975.)
 inline constexpr unsigned rice_codes = 14, gamma_tag = 14, varint_tag = 15;
 
-// Numbers < 2^40. The way that takes the fewest bits, that with the smallest tag among equals. O(numbers * codes).
+// Writes numbers < 2^40 with the code that takes the fewest bits; ties go to the smallest tag. O(numbers * codes).
 void put_numbers(BitWriter& writer, std::span<const std::uint64_t> numbers);
-// So many numbers. False when there are not so many, or one is >= 2^40.
+// Reads `count` numbers. Returns false when there are fewer, or one is >= 2^40.
 [[nodiscard]] bool get_numbers(BitReader& reader, std::size_t count, std::vector<std::uint64_t>& numbers);
 
-// Ascending, different, < 2^40. The number of runs, then gaps, then lengths.
+// Writes a set of ascending, distinct numbers < 2^40: the number of runs, then gaps, then lengths.
 void put_set(BitWriter& writer, std::span<const std::uint64_t> set);
-// Appends a set of numbers < end to `set`. False when it is damaged, reaches beyond `end`, or has more than `most`
-// elements; then `set` has been given at most those.
+// Appends a set of numbers < end to `set`. Returns false when it is damaged, reaches beyond `end`, or has more than
+// `most` elements; `set` has then received at most that many.
 [[nodiscard]] bool get_set(BitReader& reader, std::uint64_t end, std::size_t most, std::vector<std::uint64_t>& set);
 
 }  // namespace occlod
 
 namespace occlod::vlod {
 
-// What a node of the tree of cells adds, as bytes.
+// Encodes what a node of the tree of cells adds.
 
-// By the numbers of GlobalIds; all ascending.
+// Holds ascending numbers of GlobalIds.
 struct Additions {
   std::vector<std::uint64_t> splits;
-  std::vector<std::uint64_t> candidates;  // splits; none that is added
+  std::vector<std::uint64_t> candidates;  // splits; none of them is added
   std::vector<std::uint64_t> hidden;      // faces: owner << 32 | slot
 };
 
-// Splits that are among `known`, ascending, are coded as places there, which takes about half the bits: what the node
-// above has as candidates. `max_ids_per_byte`: filled up with zeros, so that there are no more.
+// Encodes additions. Splits that are in `known` (ascending; the candidates of the node above) are coded as places
+// there, which takes about half the bits. The result is padded with zeros so that no byte has more than
+// `max_ids_per_byte` ids.
 [[nodiscard]] std::vector<std::byte> encode(const Additions& additions, std::span<const std::uint64_t> known,
                                             std::uint32_t max_ids_per_byte);
 
-// What was encoded must have.
+// Holds the counts that encoded data must have.
 struct Expected {
   std::uint64_t split_count = 0, owner_count = 0;      // of GlobalIds
   std::size_t splits = 0, candidates = 0, hidden = 0;  // numbers of elements
 };
-// Nothing, and what is wrong in `problem`, when the bytes do not hold that.
+// Decodes additions. Returns nothing, and describes the problem in `problem`, when the bytes do not contain what is
+// expected.
 [[nodiscard]] std::optional<Additions> decode(std::span<const std::byte> bytes, const Expected& expected,
                                               std::span<const std::uint64_t> known, std::string& problem);
 

@@ -46,9 +46,10 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Drivers answer within milliseconds; after this long they never will.
+// Drivers answer within milliseconds; after this time they never will.
 constexpr std::chrono::seconds longest_wait{10};
-// A lost context should answer at once; this is for drivers that do not. So many polls take a millisecond.
+// Polls between two checks for a lost context; this many take a millisecond. A lost context should answer at once, but
+// some drivers do not.
 constexpr int looks_for_each_check = 1024;
 
 void wait_for(const Functions& gl, const Query& query) {

@@ -1,4 +1,4 @@
-// What every OpenGL backend refuses.
+// Checks the options that every OpenGL backend shares.
 #pragma once
 
 #include <cstddef>
@@ -16,12 +16,12 @@
 
 namespace occlod::gl {
 
-// Throws Error that names `user` for no context, a flight of 0 or a divisor below 1.
+// Throws Error that names `user` when the context is null, flight is 0 or divisor is below 1.
 void require_options(const Context* context, std::size_t flight, int divisor, const char* user);
 
-// Questions that are answered together: what gl-mark and gl-compute share.
+// Batches queries that are answered together; gl-mark and gl-compute share it.
 
-// Questions gather until the oldest answer is wanted; then all of them are put to the device at once.
+// Collects queries until the oldest answer is wanted, then sends all of them to the device at once.
 class BatchedVisibility : public Visibility {
  public:
   [[nodiscard]] std::size_t flight() const noexcept final { return flight_; }
@@ -33,22 +33,22 @@ class BatchedVisibility : public Visibility {
  protected:
   explicit BatchedVisibility(std::size_t flight) : flight_(flight) {}
 
-  virtual void start_view(const View& view, std::span<const ObjectView> objects) = 0;  // forgets what has gathered
+  virtual void start_view(const View& view, std::span<const ObjectView> objects) = 0;  // drops collected queries
   virtual void start_occluder(std::span<const OccluderPart> parts) = 0;
-  // The answer when it is known at once; else the question gathers.
+  // Returns the answer when it is known at once; otherwise collects the query.
   [[nodiscard]] virtual std::optional<std::uint32_t> ask(const VisibilityQuery& query) = 0;
-  // Replaces `answers` by those to all questions that have gathered, in their order, and forgets these.
+  // Replaces `answers` by the answers to all collected queries, in their order, and drops the queries.
   virtual void answer_all(std::vector<std::uint32_t>& answers) = 0;
 
  private:
-  std::deque<std::optional<std::uint32_t>> answers_;  // oldest first; those that gather have none yet
+  std::deque<std::optional<std::uint32_t>> answers_;  // oldest first; empty for collected queries
   std::vector<std::uint32_t> batch_;
   std::size_t flight_;
 };
 
-// What lives in a context, ended there.
+// Owns a value that lives in a context and is destroyed there.
 
-// A T made of (functions, arguments...) while the context is current, and destroyed so.
+// Makes a T from (functions, arguments...) while the context is current, and destroys it while the context is current.
 template <class T>
 class InContext {
  public:
@@ -65,17 +65,17 @@ class InContext {
     try {
       context_->make_current();
     } catch (const Error&) {
-      // Deleting now would hit the objects of another context. Ours end with the context.
+      // Deleting now would affect the objects of another context. Ours are freed with their context.
       static_cast<void>(value_.release());
     }
   }
 
-  // The value, with the context current.
+  // Makes the context current and returns the value.
   [[nodiscard]] T& use() const {
     context_->make_current();
     return *value_;
   }
-  // The value for what needs no context.
+  // Returns the value without making the context current, for members that do not need it.
   [[nodiscard]] const T& look() const noexcept { return *value_; }
 
  private:
@@ -83,23 +83,23 @@ class InContext {
   std::unique_ptr<T> value_;
 };
 
-// Query objects that are used again, and waiting for their answers.
+// Reuses query objects and waits for their answers.
 
-// Idle query objects of one target: an object keeps the target of its first use. Their context is current in every
-// call.
+// Holds idle query objects of one target, because an object keeps the target of its first use. The context must be
+// current in every call.
 class QueryPool {
  public:
   explicit QueryPool(GLenum target) : target_(target) {}
 
-  // What is drawn between begin() and end() is counted.
+  // Begins a query that counts what is drawn between begin() and end().
   [[nodiscard]] Query begin(const Functions& gl);
   void end(const Functions& gl) const { gl.EndQuery(target_); }
-  // Never waits, as far as the driver holds to that.
+  // Returns whether the answer is available. Never waits, if the driver follows the specification.
   [[nodiscard]] static bool is_available(const Functions& gl, const Query& query);
-  // Waits for the answer; the object may then be used again. Throws Error when there is none after 10 s, and
-  // ContextLost when the context is lost meanwhile.
+  // Waits for the answer and recycles the object. Throws Error when there is none after 10 s, and ContextLost when the
+  // context is lost meanwhile.
   [[nodiscard]] std::uint32_t take(const Functions& gl, Query query);
-  // For a query whose answer nobody wants any more.
+  // Recycles a query whose answer is no longer wanted.
   void drop(Query query) { idle_.push_back(std::move(query)); }
 
  private:

@@ -15,9 +15,9 @@
 namespace occlod::gl {
 namespace {
 
-// The depth pyramid of the software backend in a storage buffer: levels of farthest nearness, finest first.
+// Stores the depth pyramid of the software backend in a storage buffer: levels of farthest nearness, finest first.
 
-// Lives in a context of OpenGL 4.3 that is current in every call.
+// Lives in a context of OpenGL 4.3 that must be current in every call.
 class GpuPyramid {
  public:
   explicit GpuPyramid(const Functions& gl);
@@ -25,12 +25,12 @@ class GpuPyramid {
   // Draws the occluder into an image of this size, rows from the top, and reduces it until one texel is left. Odd sizes
   // round up.
   void build(const OccluderMesh& occluder, const View& view);
-  // Binds the texels to a storage buffer and the levels' (first texel, width) to an array of ivec2.
+  // Binds the texels to a storage buffer and sets the array of ivec2 with (first texel, width) of each level.
   void use(GLuint binding, GLint levels_uniform) const;
 
  private:
   struct Level {
-    GLint first = 0;  // texel
+    GLint first = 0;  // index of its first texel
     GLint width = 0;
     GLint height = 0;
   };
@@ -53,8 +53,8 @@ layout(location = 0) in vec4 position;
 void main() { gl_Position = vec4(position.x, -position.y, position.zw); }
 )";
 
-// The rasteriser may move a surface by 1/256 pixel, and the last bits of 1 / w and z are the driver's own: pushed away
-// by 1/64 of what one pixel spans and by four steps of a float.
+// The rasteriser may move a surface by 1/256 pixel, and the last bits of 1 / w and z depend on the driver. So surfaces
+// are pushed away by 1/64 of the depth that one pixel spans plus four steps of a float.
 constexpr const char* draw_fragment = R"(#version 330 core
 uniform bool orthographic;
 out float nearness;
@@ -65,7 +65,7 @@ void main() {
 }
 )";
 
-// One level from the one below, of which the last column or row may be missing.
+// Reduces one level from the finer one, whose last column or row may be missing.
 constexpr const char* reduce_source = R"(#version 430 core
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(std430, binding = 0) buffer Pyramid { float texels[]; };
@@ -115,7 +115,7 @@ void GpuPyramid::lay_out(int width, int height) {
   gl_->BufferData(GL_SHADER_STORAGE_BUFFER, static_cast<GLsizeiptr>(sizeof(float)) * size, nullptr, GL_DYNAMIC_COPY);
 }
 
-// No depth buffer: the nearest wins by blending, at full precision however far away it is.
+// Blending keeps the nearest value instead of a depth buffer, at full precision at any distance.
 void GpuPyramid::draw(const OccluderMesh& occluder, bool orthographic) const {
   gl_->Viewport(0, 0, levels_[0].width, levels_[0].height);
   for (const int capability : {GL_SCISSOR_TEST, GL_STENCIL_TEST, GL_CULL_FACE, GL_DEPTH_TEST, GL_POLYGON_OFFSET_FILL,
@@ -164,9 +164,9 @@ void GpuPyramid::use(GLuint binding, GLint levels_uniform) const {
   gl_->Uniform2iv(levels_uniform, static_cast<GLsizei>(levels_.size()), levels.data());
 }
 
-// One invocation a question: from the level where the rectangle meets at most three texels in each direction down, in
-// the order of a Z curve, without a stack. llvmpipe leaves every loop after 65,535 rounds: a test that would come near
-// that says visible before.
+// Runs one invocation per query. It descends from the level where the rectangle meets at most three texels in each
+// direction, in Z order, without a stack. llvmpipe leaves every loop after 65,535 iterations, so a test that comes near
+// that limit returns visible before.
 constexpr const char* test_source = R"(#version 430 core
 layout(local_size_x = 64) in;
 struct Question { ivec4 rect; float nearest; };
@@ -216,7 +216,7 @@ void main() {
 }
 )";
 
-// The groups of one column share a question, and their invocations its rectangle's pixels.
+// The workgroups of one column share a query; their invocations share the pixels of its rectangle.
 constexpr const char* count_source = R"(#version 430 core
 layout(local_size_x = 64) in;
 struct Question { ivec4 rect; float nearest; };
@@ -239,7 +239,7 @@ void main() {
 }
 )";
 
-// As std430 lays it out.
+// Follows the std430 layout.
 struct Question {
   std::array<std::int32_t, 4> rect;
   float nearest;
@@ -247,12 +247,12 @@ struct Question {
 };
 static_assert(sizeof(Question) == 32);
 
-// Groups in one dispatch that every driver takes.
+// Number of workgroups in one dispatch that every driver supports.
 constexpr std::size_t max_groups = 65'535;
-// Pixels that one group counts at most: half of llvmpipe's rounds.
+// Number of pixels that one workgroup counts at most: half of llvmpipe's loop iterations.
 constexpr std::uint32_t pixels_per_group = 64 * 32'768;
 
-// Everything that lives in the context.
+// Owns everything that lives in the context.
 struct Resources {
   Resources(const Functions& functions, bool counts)
       : gl(functions),
@@ -320,7 +320,7 @@ class ComputeOcclusion final : public BatchedVisibility {
   bool counts_;
   std::optional<View> view_;
   std::vector<ObjectView> objects_;
-  std::vector<glm::dmat4> object_to_clip_;  // of the occluder
+  std::vector<glm::dmat4> object_to_clip_;  // per object of the occluder
   OccluderMesh mesh_;
   bool occluder_drawn_ = false;
   std::vector<Question> questions_;

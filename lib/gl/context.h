@@ -1,4 +1,5 @@
-// A shared library opened at run time, so that its absence is a message and not a failure to link or to start.
+// Opens a shared library at run time, so that its absence causes an error message instead of a failure to link or to
+// start.
 #pragma once
 
 #include <initializer_list>
@@ -13,11 +14,11 @@ namespace occlod::gl {
 
 class SharedLibrary {
  public:
-  // Opens the first of `names` that is found. Throws Error with `remedy` when none is. Never closed again: drivers
-  // leave thread-local destructors behind that point into themselves.
+  // Opens the first of `names` that is found. Throws Error with `remedy` when none is. Never closes the library:
+  // drivers leave thread-local destructors behind that point into it.
   SharedLibrary(std::initializer_list<const char*> names, const char* remedy);
 
-  // Throws Error when the library has no such symbol.
+  // Returns the symbol. Throws Error when the library does not have it.
   template <class Function>
   [[nodiscard]] Function symbol(const char* name) const {
     return reinterpret_cast<Function>(address(name));
@@ -30,7 +31,7 @@ class SharedLibrary {
   std::string name_;
 };
 
-// What EGL and OSMesa contexts share: the function table and the rule which of them is current.
+// Implements what EGL and OSMesa contexts share: the function table, and tracking which context is current.
 
 class ContextBase : public Context {
  public:
@@ -44,10 +45,10 @@ class ContextBase : public Context {
   explicit ContextBase(std::string_view platform_name) : platform_name_(platform_name) {}
   // Makes the context current for the first time and loads its functions.
   void start(GetProc get_proc);
-  // To be called first in the destructor of the derived class, which ends the context.
+  // Must be called first in the destructor of the derived class, which destroys the context.
   void retire() noexcept;
 
-  [[nodiscard]] virtual bool is_current() const noexcept = 0;  // as the platform sees it
+  [[nodiscard]] virtual bool is_current() const noexcept = 0;  // according to the platform
   virtual void bind() = 0;                                     // throws Error
   virtual void unbind() noexcept = 0;
 

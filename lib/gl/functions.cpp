@@ -53,7 +53,7 @@ bool has_extension(const Functions& gl, std::string_view wanted) {
   return false;
 }
 
-// Asked for only where it is offered: drivers hand out addresses of functions that they do not have.
+// Loads the function only where it is supported: drivers return addresses of functions that they do not have.
 PFNGLGETGRAPHICSRESETSTATUSPROC find_reset_status(const Functions& gl, GetProc get_proc) {
   const char* name = gl.version >= 45 || has_extension(gl, "GL_KHR_robustness") ? "glGetGraphicsResetStatus"
                      : has_extension(gl, "GL_ARB_robustness")                   ? "glGetGraphicsResetStatusARB"
@@ -61,7 +61,7 @@ PFNGLGETGRAPHICSRESETSTATUSPROC find_reset_status(const Functions& gl, GetProc g
   return name != nullptr ? reinterpret_cast<PFNGLGETGRAPHICSRESETSTATUSPROC>(get_proc(name)) : nullptr;
 }
 
-// Likewise.
+// Returns whether the context supports indirect draws; the address alone does not show it.
 bool has_indirect_draws(const Functions& gl) {
   return gl.version >= 43 ||
          (has_extension(gl, "GL_ARB_multi_draw_indirect") && has_extension(gl, "GL_ARB_base_instance"));
@@ -83,7 +83,7 @@ void listen_to_driver(Functions& gl, GetProc get_proc) {
 }
 #endif
 
-// All but what extensions decide about.
+// Loads everything except what depends on extensions.
 Functions load_table(GetProc get_proc, const std::string& subject) {
   Functions gl;
 #define OCCLOD_GL_LOAD(TYPE, name)                                     \
@@ -125,12 +125,12 @@ ContextLost::ContextLost(const char* where, GLenum reset)
     : Error({"OpenGL", where, reset_reason(reset), "run again, or use the software backend"}) {}
 
 void check(const Functions& gl, const char* where) {
-  // In this order: what is lost in between is noticed with its reason.
+  // Called in this order, so that a context lost in between is reported with its reason.
   const GLenum first = gl.GetError();
   const GLenum reset = gl.GetGraphicsResetStatus != nullptr ? gl.GetGraphicsResetStatus() : GLenum{GL_NO_ERROR};
   if (reset != GL_NO_ERROR || first == GL_CONTEXT_LOST) throw ContextLost(where, reset);
   if (first == GL_NO_ERROR) return;
-  // One flag for each kind of error; bounded, because a lost context never runs out of them.
+  // OpenGL keeps one flag for each kind of error; the loop is bounded, because a lost context never runs out of them.
   for (int i = 0; i < 8 && gl.GetError() != GL_NO_ERROR; ++i) {
   }
   std::string problem = error_name(first);

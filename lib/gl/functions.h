@@ -1,5 +1,5 @@
-// The OpenGL entry points we use, one table for each context: EGL and OSMesa answer with different addresses in one
-// process, which process-wide loaders (epoxy, GLEW) cannot hold.
+// Holds the OpenGL entry points we use, in one table per context: EGL and OSMesa return different addresses in one
+// process, which process-wide loaders (epoxy, GLEW) cannot represent.
 #pragma once
 
 #include <GL/glcorearb.h>
@@ -11,7 +11,7 @@
 
 namespace occlod::gl {
 
-// X(the middle of the PFNGL...PROC type, the name without "gl")
+// The arguments of X are the middle of the PFNGL...PROC type and the name without "gl".
 #define OCCLOD_GL_FUNCTIONS(X)                                      \
   X(ACTIVETEXTURE, ActiveTexture)                                   \
   X(ATTACHSHADER, AttachShader)                                     \
@@ -112,9 +112,9 @@ namespace occlod::gl {
   X(VERTEXATTRIBPOINTER, VertexAttribPointer)                       \
   X(VIEWPORT, Viewport)
 
-// Of OpenGL 4.2 and 4.3: null where the driver has none. Whoever calls them asks require_version(43) first, but for
-// MultiDrawElementsIndirect: it is also there, each draw with its base instance, where ARB_multi_draw_indirect and
-// ARB_base_instance are, and null everywhere else.
+// Functions of OpenGL 4.2 and 4.3, null where the driver does not have them. Callers call require_version(43) first.
+// The exception is MultiDrawElementsIndirect: it is also available in older contexts that have ARB_multi_draw_indirect
+// and ARB_base_instance, so that each draw has its base instance, and null in all others.
 #define OCCLOD_GL_NEWER_FUNCTIONS(X)                                      \
   X(DISPATCHCOMPUTE, DispatchCompute)                                     \
   X(DRAWELEMENTSINSTANCEDBASEINSTANCE, DrawElementsInstancedBaseInstance) \
@@ -125,35 +125,37 @@ struct Functions {
 #define OCCLOD_GL_MEMBER(TYPE, name) PFNGL##TYPE##PROC name = nullptr;
   OCCLOD_GL_FUNCTIONS(OCCLOD_GL_MEMBER)
   OCCLOD_GL_NEWER_FUNCTIONS(OCCLOD_GL_MEMBER)
-  // Of OpenGL 4.5, KHR_robustness or ARB_robustness. Null where the driver has none: it never says that it was reset.
+  // Function of OpenGL 4.5, KHR_robustness or ARB_robustness. Null where the driver does not have it; such a driver
+  // never reports a reset.
   OCCLOD_GL_MEMBER(GETGRAPHICSRESETSTATUS, GetGraphicsResetStatus)
 #undef OCCLOD_GL_MEMBER
   int version = 0;  // 10 * major + minor
-  // The driver's last message, filled in debug builds where it offers KHR_debug; check() quotes it. Otherwise null.
+  // Holds the driver's last message, set in debug builds if the driver supports KHR_debug; check() quotes it. Otherwise
+  // null.
   std::shared_ptr<std::string> driver_message;
 };
 
 using Proc = void (*)();
 using GetProc = Proc (*)(const char* name);
 
-// Needs the context to be current. `subject` names it in errors. Throws Error that names a missing function, or for a
-// context older than 3.3.
+// Loads the functions of the current context. `subject` names the context in errors. Throws Error that names a missing
+// function, or when the context is older than 3.3.
 [[nodiscard]] Functions load_functions(GetProc get_proc, const std::string& subject);
 
 // Throws Error that names `user` and what to use instead when the context is older than `version` (43 = 4.3).
 void require_version(const Functions& gl, int version, const char* user);
 
-// The context is lost with everything in it, since the GPU or its driver was reset. Calls no longer have an effect and
-// may return anything; objects may still be deleted, and another context may be created.
+// Thrown when the context is lost with everything in it, because the GPU or its driver was reset. Calls no longer have
+// an effect and may return anything; objects may still be deleted, and another context may be created.
 class ContextLost : public Error {
  public:
-  // `reset`: what glGetGraphicsResetStatus has said; GL_NO_ERROR when it is only known that the context is lost.
+  // `reset` is the value of glGetGraphicsResetStatus; GL_NO_ERROR when it is only known that the context is lost.
   ContextLost(const char* where, GLenum reset);
 };
 
-// Throws Error when OpenGL has recorded one since the last check, and ContextLost when the context is lost: a driver
-// may tell that once only. `where`: the step that has just been done. May cost a call into the kernel: once for many
-// questions, not for each.
+// Throws Error when OpenGL has recorded an error since the last check, and ContextLost when the context is lost, which
+// a driver may report only once. `where` names the step just done. May cost a call into the kernel, so call it once for
+// many queries, not for each.
 void check(const Functions& gl, const char* where);
 
 }  // namespace occlod::gl

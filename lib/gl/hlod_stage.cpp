@@ -18,7 +18,7 @@ std::size_t pixel_count(int width, int height) {
   return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
 }
 
-// OpenGL's rows run from the bottom.
+// OpenGL's rows start at the bottom.
 std::size_t from_bottom(std::size_t row, int height) { return static_cast<std::size_t>(height) - 1 - row; }
 
 glm::u8vec4 background(std::size_t row, int height) {
@@ -27,7 +27,7 @@ glm::u8vec4 background(std::size_t row, int height) {
   return picture::to_srgb(glm::mix(top, bottom, (static_cast<float>(row) + 0.5F) / static_cast<float>(height)));
 }
 
-// As DepthBuffer has it, from a depth in [0, 1].
+// Converts a depth in [0, 1] to the nearness that DepthBuffer stores.
 float nearness(const Camera& camera, float depth) {
   if (depth >= 1.0F) return 0.0F;
   if (camera.orthographic_height) return 1.0F - depth;
@@ -126,7 +126,7 @@ Image HlodTarget::read_image() const {
   for (std::size_t y = 0; y < static_cast<std::size_t>(height_); ++y) {
     const glm::vec4 behind(background(y, height_));
     for (std::size_t x = 0; x < width; ++x) {
-      // What is drawn has been multiplied by its share of the pixel.
+      // Drawn colours have been multiplied by their coverage of the pixel.
       const glm::vec4 drawn(found[from_bottom(y, height_) * width + x]);
       const glm::vec4 mixed = drawn + behind * (1.0F - drawn.w / 255.0F);
       image.pixels.emplace_back(glm::u8vec4(glm::vec3(mixed) + 0.5F, 255));
@@ -240,7 +240,7 @@ void HlodStage::submit() {
   gathered_->clear();
 }
 
-// Ranges that morph alike; adjacent ones are one.
+// Draws ranges that morph alike; adjacent ranges are merged.
 void HlodStage::draw_run(const ArenaPlace& place, std::span<const hlod::DrawRange> ranges) {
   counts_.clear();
   first_indices_.clear();
@@ -302,9 +302,10 @@ void HlodStage::start_proxies() {
 }
 
 glm::mat4 HlodStage::unit_to_clip(const BoxProxy& proxy) {
-  // Clip space has no scale of its own: the middle is at w = 1, so that nothing leaves the range of single precision.
+  // Clip space is homogeneous: scaling so that the centre is at w = 1 keeps everything in the range of single
+  // precision.
   glm::dmat4 to_clip = proxy.unit_to_clip / proxy.unit_to_clip[3].w;
-  // The cube is its own mirror image: one more reflection turns the winding and nothing else.
+  // The cube is symmetric, so one more reflection only flips the winding.
   if (proxy.image.mirrored) to_clip[2] = -to_clip[2];
   return glm::mat4(to_clip);
 }

@@ -1,4 +1,4 @@
-// The image that HLODs are drawn into, and how it is read.
+// Manages the image into which HLODs are drawn, and its read-back.
 #pragma once
 
 #include <cstddef>
@@ -22,15 +22,15 @@
 
 namespace occlod::gl {
 
-// Colours of 8 bits and depths of 32, with one or several samples a pixel.
+// Stores colours of 8 bits and depths of 32 bits, with one or several samples per pixel.
 class HlodTarget {
  public:
-  // Throws Error when the driver has fewer samples.
+  // Throws Error when the driver does not support that many samples.
   HlodTarget(const Functions& gl, int samples);
-  // Makes it what is drawn into, of the view's size and empty: alpha is 0 where nothing is drawn. Throws Error for a
-  // size that the driver cannot hold.
+  // Binds the target for drawing, with the view's size and empty: alpha is 0 where nothing is drawn. Throws Error for a
+  // size that the driver does not support.
   void begin(const View& view);
-  // What has been drawn, before the background of shade(). Drawing may go on.
+  // Returns what has been drawn, without the background of shade(). Drawing may continue afterwards.
   [[nodiscard]] Image read_image() const;
   [[nodiscard]] DepthBuffer read_depth() const;
   [[nodiscard]] int samples() const noexcept { return samples_; }
@@ -49,17 +49,17 @@ class HlodTarget {
   const Functions* gl_;
   int samples_;
   Storage drawn_;
-  std::optional<Storage> resolved_;  // with several samples
+  std::optional<Storage> resolved_;  // when there are several samples per pixel
   Camera camera_;
   int width_ = 0;  // of the storage
   int height_ = 0;
 };
 
-// Nodes of HLODs and proxies of boxes, drawn by turns into one image: what the device `gl` does without queries.
+// Draws nodes of HLODs and box proxies alternately into one image: the part of the `gl` device that needs no queries.
 
-// Lives in a context that is current in every call. Everything that draws depend on is set in begin_frame() and after
-// it, so that others may have used the context since the last frame. Where OpenGL can draw many nodes by one call,
-// draws are gathered until submit() is called, by others or by whatever depends on what they draw.
+// Lives in a context that must be current in every call. begin_frame() and later calls set all state that draws depend
+// on, so other code may use the context between frames. Where OpenGL can draw many nodes by one call, draws are
+// collected until submit(), which is called from outside or by whatever depends on the drawn result.
 class HlodStage {
  public:
   HlodStage(const Functions& gl, const HlodDeviceOptions& options, const HlodDeviceCalls& calls);
@@ -68,29 +68,29 @@ class HlodStage {
 
   void begin_frame(const View& view, std::span<const hlod::PlacedHlod> objects);
   void draw(const hlod::NodeDraw& draw);
-  // Gives OpenGL the draws that are gathered.
+  // Submits the collected draws to OpenGL.
   void submit();
-  // What is drawn in place of a box; see project_box().
+  // Returns the proxy that is drawn for a box; see project_box().
   [[nodiscard]] BoxProxy project(const hlod::BoxRef& box) const;
-  // The most pixels of the image that a proxy which is to be drawn can cover.
+  // Returns the largest number of pixels of the image that a drawn proxy can cover.
   [[nodiscard]] std::uint32_t max_pixels(const BoxProxy& proxy) const;
-  // To be called after draw() and before draw_proxy(). Submits.
+  // Prepares for proxies; call it after draw() and before draw_proxy(). Submits.
   void start_proxies();
   void draw_proxy(const BoxProxy& proxy);
-  // Whether mark_proxies() may be called.
+  // Returns whether mark_proxies() may be called.
   [[nodiscard]] bool can_mark() const noexcept { return marks_.has_value(); }
-  // Of a proxy that is to be drawn: from the unit cube to clip space.
+  // Returns, for a proxy that is drawn, the transform from the unit cube to clip space.
   [[nodiscard]] static glm::mat4 unit_to_clip(const BoxProxy& proxy);
-  // Draws all of them by one call; each adds the pixels of it that pass to its word. Submits.
+  // Draws all proxies by one call; each adds the number of its pixels that pass the depth test to its word. Submits.
   void mark_proxies(const MarkedProxies& proxies, const Buffer& words);
 
-  // Of the image.
+  // Returns the number of pixels of the image.
   [[nodiscard]] std::uint32_t pixels() const;
   [[nodiscard]] std::uint32_t samples_per_pixel() const { return static_cast<std::uint32_t>(target_.samples()); }
-  // Of all draws so far.
+  // Returns the image with all draws so far.
   [[nodiscard]] Image read_image();
   [[nodiscard]] DepthBuffer read_depth();
-  // Since begin_frame().
+  // Returns the calls since begin_frame().
   [[nodiscard]] const CallCounts& calls() const noexcept { return calls_; }
   [[nodiscard]] const MeshMemory& mesh_memory() const noexcept { return arena_.memory(); }
   [[nodiscard]] const Functions& gl() const noexcept { return *gl_; }
@@ -115,13 +115,13 @@ class HlodStage {
   NodeProgram nodes_;
   PlainProgram plain_;
   ProxyBuffer proxies_;
-  std::optional<GatheredDraws> gathered_;  // where many nodes may be drawn by one call
-  std::optional<ProxyMarks> marks_;        // where many boxes may
+  std::optional<GatheredDraws> gathered_;  // if one call can draw many nodes
+  std::optional<ProxyMarks> marks_;        // if one call can draw many boxes
 
   Screen screen_;
   std::vector<Object> objects_;
   Mode mode_ = Mode::nothing;
-  std::uint32_t object_ = no_id;  // whose uniforms are set
+  std::uint32_t object_ = no_id;  // the object whose uniforms are set
   CallCounts calls_;
   std::vector<GLsizei> counts_;  // of one draw call
   std::vector<const void*> first_indices_;

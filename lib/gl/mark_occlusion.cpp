@@ -12,7 +12,7 @@
 namespace occlod::gl {
 namespace {
 
-// Everything that lives in the context.
+// Owns everything that lives in the context.
 struct Resources {
   Resources(const Functions& gl, const MarkOcclusionOptions& options)
       : stage(gl, options.divisor), proxies(gl, options.count_pixels ? Marking::pixels : Marking::visible), marks(gl) {}
@@ -47,7 +47,7 @@ class MarkOcclusion final : public BatchedVisibility {
   InContext<Resources> resources_;
   bool counts_;
   MarkedProxies proxies_;
-  std::vector<std::uint32_t> max_pixels_;  // of each question
+  std::vector<std::uint32_t> max_pixels_;  // per query
 };
 
 std::optional<std::uint32_t> MarkOcclusion::ask(const VisibilityQuery& query) {

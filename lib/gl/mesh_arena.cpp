@@ -48,15 +48,15 @@ void RangeAllocator::give_back(std::size_t first, std::size_t count) {
 
 namespace {
 
-// Larger ones are harder to come by, smaller ones mean more changes of the vertex array.
+// Larger chunks are harder to allocate; smaller ones cause more changes of the vertex array.
 constexpr std::size_t usual_chunk_bytes = std::size_t{16} << 20;
 
-// Vertices whose room the vertices and indices of a mesh take.
+// Returns the size of a mesh's vertices and indices in units of vertices.
 std::size_t room_for(std::size_t vertices, std::size_t indices) {
   return vertices + (indices * sizeof(std::uint16_t) + sizeof(ArenaVertex) - 1) / sizeof(ArenaVertex);
 }
 
-// For node n as it is or with all its splits, whatever takes more.
+// Returns the size of node n, either as it is or with all its splits, whichever is larger.
 std::size_t max_room(const hlod::HlodView& data, hlod::NodeId n) {
   const hlod::Node& node = data.nodes[n];
   const std::size_t plain = room_for(node.vertices, 3 * std::size_t{node.triangles});
@@ -66,16 +66,16 @@ std::size_t max_room(const hlod::HlodView& data, hlod::NodeId n) {
   return std::max(plain, room_for(vertices, 3 * std::size_t{within.triangles}));
 }
 
-// Tells meshes of one HLOD apart: a node's own, and those with so many splits.
+// Returns the key of a mesh within one HLOD: a node's own mesh, or its mesh with this many splits.
 std::uint64_t key_of(hlod::NodeId node) { return node; }
 std::uint64_t key_of_cut(hlod::NodeId node, std::uint32_t splits) { return (std::uint64_t{splits} + 1) << 32U | node; }
 
-// As a driver takes offsets into the bound buffer.
+// Converts an offset into the bound buffer to the pointer that OpenGL expects.
 const void* offset(std::size_t bytes) {
   return reinterpret_cast<const void*>(bytes);  // NOLINT(performance-no-int-to-ptr)
 }
 
-// Vertices that do not slide; `colors` may be empty.
+// Fills vertices that do not morph; `colors` may be empty.
 void fill_vertices(std::span<ArenaVertex> vertices, std::span<const glm::vec3> positions,
                    std::span<const glm::u8vec4> colors) {
   const glm::u8vec4 base = picture::to_srgb(ShadeOptions{}.base);
@@ -83,7 +83,7 @@ void fill_vertices(std::span<ArenaVertex> vertices, std::span<const glm::vec3> p
     vertices[v] = {positions[v], colors.empty() ? base : colors[v], positions[v]};
 }
 
-// Vertices slide to the mesh of the parent whose patch uses them.
+// Fills vertices that morph towards the mesh of the parent whose patch uses them.
 void fill_merged(std::span<ArenaVertex> vertices, const hlod::Hlod& hlod, hlod::NodeId node) {
   const hlod::NodeMesh mesh = hlod.mesh(node);
   for (const hlod::Patch& patch : hlod.patches(node)) {
@@ -147,7 +147,7 @@ void MeshArena::drop_unwanted() {
   std::erase_if(held_, [](const auto& entry) { return !entry.second.wanted; });
 }
 
-// A chunk has room for any mesh of the frame.
+// Makes chunks large enough for any mesh of the frame.
 void MeshArena::fit_chunks() {
   std::size_t largest = 0;
   for (const auto& [nodes, held] : held_) largest = std::max(largest, held.largest);
@@ -198,7 +198,7 @@ ArenaPlace MeshArena::place_cut(std::uint32_t object, hlod::NodeId node, std::ui
   return place_of(slot);
 }
 
-// The one with this key, new and empty where there was none, as the last used.
+// Returns the slot with this key, marked as most recently used; a new empty one if there was none.
 MeshArena::Slot& MeshArena::slot_of(Held& held, std::uint64_t key, std::size_t vertices, std::size_t indices) {
   if (const auto found = held.slots.find(key); found != held.slots.end()) {
     slots_.splice(slots_.end(), slots_, found->second);
@@ -228,7 +228,7 @@ bool MeshArena::take_range(Slot& slot) {
   return false;
 }
 
-// What is left of the budget is a smaller chunk. False when nothing is left.
+// Adds a chunk; what is left of the budget becomes a smaller one. Returns false when nothing is left.
 bool MeshArena::add_chunk() {
   std::size_t size = budget_;
   for (const Chunk& chunk : chunks_) size -= chunk.ranges.size();
@@ -237,7 +237,7 @@ bool MeshArena::add_chunk() {
   return true;
 }
 
-// The vertices are in staging_.
+// Uploads a mesh whose vertices are in staging_.
 void MeshArena::upload(Slot& slot, std::span<const std::uint16_t> indices) {
   std::memcpy(static_cast<void*>(staging_.data() + slot.vertices), indices.data(), indices.size_bytes());
   gl_->BindBuffer(GL_ARRAY_BUFFER, chunks_[slot.chunk].buffer.id());
@@ -302,7 +302,7 @@ void GatheredDraws::draw(const DrawKind& kind) {
   gl_->DisableVertexAttribArray(NodeProgram::morph_location);
 }
 
-// As an array only where they differ: single draws from the same vertex array have one factor for all vertices.
+// Uses an array only where factors differ: single draws from the same vertex array have one factor for all vertices.
 void GatheredDraws::set_morphs(std::span<const GLfloat> morphs) {
   if (std::all_of(morphs.begin(), morphs.end(), [&](GLfloat morph) { return morph == morphs.front(); }))
     return gl_->VertexAttrib1f(NodeProgram::morph_location, morphs.front());

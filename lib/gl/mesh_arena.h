@@ -1,4 +1,4 @@
-// Which parts of a buffer are in use. No OpenGL here.
+// Tracks which parts of a buffer are in use. Does not call OpenGL.
 #pragma once
 
 #include <cstddef>
@@ -17,59 +17,59 @@
 
 namespace occlod::gl {
 
-// Ranges of [0, size) that do not overlap; free neighbours are one.
+// Manages disjoint ranges of [0, size); adjacent free ranges are merged.
 class RangeAllocator {
  public:
   explicit RangeAllocator(std::size_t size);
   [[nodiscard]] std::size_t size() const noexcept { return size_; }
-  // The start of a free range of so many, > 0: the first in the smallest gap that has room. O(gaps).
+  // Takes `count` > 0 elements from the start of the first of the smallest free ranges that are large enough. O(gaps).
   [[nodiscard]] std::optional<std::size_t> take(std::size_t count);
-  // Frees a range as take() gave it. O(log gaps).
+  // Frees a range that take() returned. O(log gaps).
   void give_back(std::size_t first, std::size_t count);
 
  private:
   std::size_t size_;
-  std::map<std::size_t, std::size_t> gaps_;  // first to count
+  std::map<std::size_t, std::size_t> gaps_;  // from first element to count
 };
 
-// Meshes of nodes in OpenGL's buffers: uploaded when they are wanted, the longest unused ones given up for others.
+// Stores meshes of nodes in OpenGL buffers: uploads them on demand and evicts the least recently used ones.
 
-// A vertex as the node program reads it.
+// Defines a vertex as the node program reads it.
 struct ArenaVertex {
   glm::vec3 position{0.0F};  // location 0; object space
   glm::u8vec4 color{0};      // location 1; sRGB
-  glm::vec3 merged{0.0F};    // location 2; where it slides to
+  glm::vec3 merged{0.0F};    // location 2; the position it morphs to
 };
 static_assert(sizeof(ArenaVertex) == 28);
 
-// Where a mesh lies.
+// Tells where a mesh is stored.
 struct ArenaPlace {
   GLuint array = 0;             // vertex array to bind
-  GLint base_vertex = 0;        // of the mesh, for draws by its own indices
+  GLint base_vertex = 0;        // of the mesh, for draws with its own indices
   std::size_t first_index = 0;  // bytes from the start of the index buffer
 
-  // Of an index of the mesh, as OpenGL takes it: the offset into the bound buffer as a pointer.
+  // Returns an index of the mesh as OpenGL expects it: the offset into the bound buffer as a pointer.
   [[nodiscard]] const void* index_pointer(std::uint32_t index) const noexcept {
     const std::size_t bytes = first_index + index * sizeof(std::uint16_t);
     return reinterpret_cast<const void*>(bytes);  // NOLINT(performance-no-int-to-ptr)
   }
 };
 
-// Buffers of equal size, each holding vertices and indices, as many as the budget has room for. Lives in a context that
-// is current in every call.
+// Holds buffers of equal size, each with vertices and indices, as many as fit into the budget. Lives in a context that
+// must be current in every call.
 class MeshArena {
  public:
-  // before_eviction: called before any mesh makes room for another, so that what is to be drawn from it is given to
-  // OpenGL.
+  // `before_eviction` is called before any mesh is evicted, so that pending draws from it can be submitted first.
   MeshArena(const Functions& gl, std::size_t budget_bytes, std::function<void()> before_eviction);
 
-  // Meshes of these objects may be wanted until the next call; those of other HLODs are given up. Throws Error when a
-  // mesh is larger than the budget.
+  // Starts a frame: meshes of these objects may be requested until the next call, and those of other HLODs are evicted.
+  // Throws Error when a mesh is larger than the budget.
   void begin_frame(std::span<const hlod::PlacedHlod> objects);
-  // The mesh of a node, without or with the places that its vertices slide to; uploaded where it is not there. It may
-  // take the place of any other. Throws Error when the mesh is damaged.
+  // Returns the mesh of a node, with or without morph targets; uploads it if necessary, which may evict any other mesh.
+  // Throws Error when the mesh is damaged.
   [[nodiscard]] ArenaPlace place(std::uint32_t object, hlod::NodeId node, bool morphs);
-  // Likewise a node refined within: NodeDraw::splits and NodeDraw::cut, whose vertices do not slide.
+  // Returns the mesh of a node refined by part of its splits (NodeDraw::splits and NodeDraw::cut), whose vertices do
+  // not morph. Uploads, evicts and throws like place().
   [[nodiscard]] ArenaPlace place_cut(std::uint32_t object, hlod::NodeId node, std::uint32_t splits,
                                      std::span<const std::uint16_t> cut);
 
@@ -77,25 +77,25 @@ class MeshArena {
 
  private:
   struct Held;
-  // A mesh that is there.
+  // Describes an uploaded mesh.
   struct Slot {
     Held* of = nullptr;
-    std::uint64_t key = 0;     // key_of()
-    std::size_t chunk = 0;     // into chunks_
-    std::size_t first = 0;     // vertices
-    std::size_t vertices = 0;  // of the mesh
-    std::size_t count = 0;     // vertices that vertices and indices take the room of
-    bool filled = false;       // uploaded
-    bool morphs = false;       // likewise, with where vertices slide to
+    std::uint64_t key = 0;     // see key_of()
+    std::size_t chunk = 0;     // index into chunks_
+    std::size_t first = 0;     // in vertices
+    std::size_t vertices = 0;  // number of vertices of the mesh
+    std::size_t count = 0;     // size of vertices and indices, in vertices
+    bool filled = false;       // whether it is uploaded
+    bool morphs = false;       // whether it is uploaded with morph targets
   };
   using Slots = std::list<Slot>;
-  // An HLOD and which of its meshes are there. The copy keeps its arrays, and so what identifies it, from being
-  // replaced by those of another.
+  // Holds an HLOD and its uploaded meshes. The copy keeps the HLOD's arrays alive, so that their addresses, which
+  // identify it, are not reused for another HLOD.
   struct Held {
     hlod::Hlod hlod;
     std::unordered_map<std::uint64_t, Slots::iterator> slots;  // by key
-    std::size_t largest = 0;                                   // room that its largest mesh takes
-    bool wanted = false;                                       // by this frame
+    std::size_t largest = 0;                                   // size of its largest mesh, in vertices
+    bool wanted = false;                                       // whether this frame uses it
   };
   struct Chunk {
     Chunk(const Functions& gl, std::size_t vertices);
@@ -115,50 +115,50 @@ class MeshArena {
   [[nodiscard]] ArenaPlace place_of(const Slot& slot) const;
 
   const Functions* gl_;
-  std::size_t budget_;      // vertices
-  std::size_t chunk_size_;  // vertices
+  std::size_t budget_;      // in vertices
+  std::size_t chunk_size_;  // in vertices
   std::function<void()> before_eviction_;
   std::vector<Chunk> chunks_;
-  std::unordered_map<const hlod::Node*, Held> held_;  // by where their nodes lie
-  std::vector<Held*> objects_;                        // of the frame
-  Slots slots_;                                       // the longest unused first
+  std::unordered_map<const hlod::Node*, Held> held_;  // keyed by the address of their nodes
+  std::vector<Held*> objects_;                        // per object of the frame
+  Slots slots_;                                       // least recently used first
   std::vector<ArenaVertex> staging_;
   MeshMemory memory_;
 };
 
-// Draws of nodes that are gathered, and then given to OpenGL by one call for each object and buffer of meshes.
+// Collects draws of nodes and submits them by one call per object and mesh buffer.
 
-// As glMultiDrawElementsIndirect reads it.
+// Matches the layout that glMultiDrawElementsIndirect reads.
 struct DrawCommand {
   GLuint count = 0;
   GLuint instances = 1;
-  GLuint first_index = 0;  // into the index buffer
+  GLuint first_index = 0;  // index into the index buffer
   GLint base_vertex = 0;
-  GLuint base_instance = 0;  // into the factors by which draws morph
+  GLuint base_instance = 0;  // index into the morph factors of draws
 };
 static_assert(sizeof(DrawCommand) == 20);
 
-// Draws of one object from one buffer of meshes.
+// Holds the draws of one object from one mesh buffer.
 struct DrawKind {
   std::uint32_t object = 0;
   GLuint array = 0;                   // vertex array
   std::vector<DrawCommand> commands;  // at least one
-  std::vector<GLfloat> morphs;        // by command
+  std::vector<GLfloat> morphs;        // one per command
 };
 
-// Lives in a context that is current in every call and has Functions::MultiDrawElementsIndirect.
+// Lives in a context that must be current in every call and must have Functions::MultiDrawElementsIndirect.
 class GatheredDraws {
  public:
   explicit GatheredDraws(const Functions& gl) : gl_(&gl), commands_(gl), morphs_(gl) {}
 
-  // Ranges of a mesh, at least one, ascending; adjacent ones that morph alike are one.
+  // Adds ranges of a mesh, at least one, ascending; adjacent ranges that morph alike are merged.
   void add(std::uint32_t object, const ArenaPlace& place, std::span<const hlod::DrawRange> ranges);
   [[nodiscard]] bool empty() const noexcept { return used_ == 0; }
-  // In the order in which each had its first draw.
+  // Returns the kinds in the order in which each had its first draw.
   [[nodiscard]] std::span<const DrawKind> kinds() const noexcept { return std::span(kinds_).first(used_); }
-  // Draws all of a kind by one call, in the order in which they were added, with the program in use.
+  // Draws everything of a kind by one call, in the order in which it was added, with the program in use.
   void draw(const DrawKind& kind);
-  // Forgets all of them.
+  // Drops all collected draws.
   void clear() noexcept { used_ = 0; }
 
  private:
@@ -168,7 +168,7 @@ class GatheredDraws {
   const Functions* gl_;
   Buffer commands_;
   Buffer morphs_;
-  std::vector<DrawKind> kinds_;  // those beyond used_ keep their memory
+  std::vector<DrawKind> kinds_;  // entries from used_ on only keep their memory
   std::size_t used_ = 0;
 };
 

@@ -11,7 +11,7 @@ namespace occlod::gl {
 namespace {
 
 constexpr GLsizei longest_log = 2048;  // characters
-// Drivers answer within milliseconds; after this long they never will.
+// Drivers answer within milliseconds; after this time they never will.
 constexpr std::uint64_t longest_wait_ns = 10'000'000'000;
 
 [[noreturn]] void refuse_shader(const Functions& gl, const char* stage, const std::string& log) {
@@ -110,7 +110,7 @@ void FloatTarget::allocate() const {
                  "try another driver, or use the software backend"});
 }
 
-// Of a context that is lost it is over, and wait() tells.
+// A fence of a lost context counts as over, and wait() reports the loss.
 bool Fence::is_over() const { return gl_->ClientWaitSync(sync_, GL_SYNC_FLUSH_COMMANDS_BIT, 0) != GL_TIMEOUT_EXPIRED; }
 
 void Fence::wait(const char* work) const {

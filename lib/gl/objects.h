@@ -1,4 +1,4 @@
-// Owners of OpenGL objects. All need their context to be current when they are made, used and destroyed.
+// Owns OpenGL objects. The context must be current when they are made, used and destroyed.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace occlod::gl {
 
-// One object made by `generate` and ended by `destroy`, both members of Functions.
+// Owns one object that `generate` makes and `destroy` deletes, both members of Functions.
 template <auto generate, auto destroy>
 class Object {
  public:
@@ -47,7 +47,7 @@ struct ShaderSource {
 
 class Program {
  public:
-  // Throws Error with the compiler's or linker's log.
+  // Builds the program. Throws Error with the compiler's or linker's log.
   Program(const Functions& gl, std::initializer_list<ShaderSource> sources);
   Program(const Program&) = delete;
   Program(Program&&) = delete;
@@ -62,12 +62,13 @@ class Program {
   GLuint id_ = 0;
 };
 
-// A framebuffer with one image, of 32-bit floats, that shaders can read: a depth buffer or one channel of colour.
+// A framebuffer with one image of 32-bit floats that shaders can read: a depth buffer or one colour channel.
 class FloatTarget {
  public:
   enum class Kind { depth, red };
   FloatTarget(const Functions& gl, Kind kind);
-  // Binds the framebuffer, with storage of this size in pixels. Throws Error for more than the driver can hold.
+  // Binds the framebuffer, with storage of this size in pixels. Throws Error for sizes that the driver does not
+  // support.
   void bind(int width, int height);
   [[nodiscard]] GLuint texture() const noexcept { return texture_.id(); }
 
@@ -82,7 +83,7 @@ class FloatTarget {
   int height_ = 0;
 };
 
-// A moment in the stream of commands: when it is made.
+// Marks the point in the command stream at which it is made.
 class Fence {
  public:
   explicit Fence(const Functions& gl) : gl_(&gl), sync_(gl.FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0)) {}
@@ -97,10 +98,10 @@ class Fence {
   ~Fence() {
     if (sync_ != nullptr) gl_->DeleteSync(sync_);
   }
-  // Whether wait() would not wait. Never waits itself, as far as the driver holds to that.
+  // Returns whether wait() would return at once. Never waits itself, if the driver follows the specification.
   [[nodiscard]] bool is_over() const;
-  // Waits until all commands before it are done. Throws Error that names `work` when they are not after 10 s, or
-  // failed.
+  // Waits until all commands before it are done. Throws Error that names `work` when they fail or are not done after 10
+  // s.
   void wait(const char* work) const;
 
  private:
@@ -108,19 +109,20 @@ class Fence {
   GLsync sync_;
 };
 
-// Replaces what the buffer bound to `target` holds.
+// Replaces the contents of the buffer bound to `target`.
 template <class T>
 void fill(const Functions& gl, GLenum target, std::span<const T> data, GLenum usage) {
   gl.BufferData(target, static_cast<GLsizeiptr>(data.size_bytes()), data.data(), usage);
 }
 
-// Waits until all commands so far are done. Throws Error that names `work` when they are not after 10 s, or failed.
+// Waits until all commands so far are done. Throws Error that names `work` when they fail or are not done after 10 s.
 void finish(const Functions& gl, const char* work);
 
-// What shaders have written into the start of the buffer bound to GL_SHADER_STORAGE_BUFFER. Waits until `work` is done;
-// throws Error that names it when it is not after 10 s, or failed.
+// Reads what shaders have written to the start of the buffer bound to GL_SHADER_STORAGE_BUFFER. Waits until `work` is
+// done; throws Error that names it when it fails or is not done after 10 s.
 void read_back(const Functions& gl, std::span<std::uint32_t> words, const char* work);
-// The same when there is a fence behind the work, and behind a barrier for updates of buffers after it.
+// Reads back like the overload above, but waits only for `written`: a fence after the work and after a barrier for
+// buffer updates.
 void read_back(const Functions& gl, std::span<std::uint32_t> words, const Fence& written, const char* work);
 
 }  // namespace occlod::gl

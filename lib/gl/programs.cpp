@@ -13,7 +13,7 @@
 namespace occlod::gl {
 namespace {
 
-// By this much of the depth that one pixel spans, and so many steps of the depth buffer.
+// Depth bias: this share of the depth that one pixel spans, plus this many steps of the depth buffer.
 constexpr float bias_slope = 1.0F / 64.0F;
 constexpr float bias_steps = 4.0F;
 
@@ -24,7 +24,7 @@ void set_surface_state(const Functions& gl) {
   gl.Disable(GL_SCISSOR_TEST);
   gl.Disable(GL_STENCIL_TEST);
   gl.Disable(GL_CULL_FACE);
-  // What the near plane cuts off must not hide anything.
+  // Disabled because what the near plane cuts off must not hide anything.
   gl.Disable(GL_DEPTH_CLAMP);
   gl.Enable(GL_DEPTH_TEST);
   gl.DepthFunc(GL_LESS);
@@ -37,7 +37,7 @@ void set_proxy_state(const Functions& gl) {
   gl.Enable(GL_CULL_FACE);
   gl.CullFace(GL_BACK);
   gl.FrontFace(GL_CCW);
-  // What reaches beyond the far plane must not vanish there.
+  // Enabled because what reaches beyond the far plane must not vanish there.
   gl.Enable(GL_DEPTH_CLAMP);
   gl.DepthFunc(GL_LEQUAL);
   gl.DepthMask(GL_FALSE);
@@ -146,13 +146,13 @@ void main() {
 }
 )";
 
-// With a gamma of 2: where the CPU draws, powers cost more than everything else together.
+// Uses a gamma of 2: where the CPU draws, powers cost more than everything else together.
 constexpr const char* plain_encoding = R"(
 vec3 to_linear(vec3 srgb) { return srgb * srgb; }
 vec3 to_srgb(vec3 linear) { return sqrt(clamp(linear, 0.0, 1.0)); }
 )";
 
-// IEC 61966-2-1.
+// Follows IEC 61966-2-1.
 constexpr const char* exact_encoding = R"(
 vec3 to_linear(vec3 srgb) {
   return mix(srgb / 12.92, pow((srgb + 0.055) / 1.055, vec3(2.4)), greaterThan(srgb, vec3(0.04045)));
@@ -169,7 +169,7 @@ vec3 sky(vec3 normal, vec3 to_eye) {
 }
 )";
 
-// About the same light, as eight lights with highlights at the corners of a cube.
+// Approximates the same light by eight lights with highlights at the corners of a cube.
 constexpr const char* dear_sky = R"(
 vec3 sky(vec3 normal, vec3 to_eye) {
   vec3 sum = vec3(0.0);

@@ -15,8 +15,8 @@
 namespace occlod::gl {
 namespace {
 
-// Proxies whose image is so many times the screen are not drawn: far outside, single precision is coarser than
-// the growth allows.
+// Proxies whose image is this many times the screen are not drawn: far outside, single precision is coarser than the
+// proxy's safety margin.
 constexpr double largest_image = 8.0;
 
 bool finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
@@ -46,12 +46,13 @@ std::optional<Placement> place_shape(const Cylinder& cylinder) {
 }
 
 std::optional<Placement> place_shape(const PointHull& hull) {
-  // Checked one by one: a minimum over coordinates passes over NaN.
+  // Checks every point, because a minimum over coordinates ignores NaN.
   if (hull.points.empty() || !std::all_of(hull.points.begin(), hull.points.end(), finite)) return std::nullopt;
   return place_shape(bounding_box(hull.points));
 }
 
-// Where the corners of a placed proxy are on the screen, in pixels, and how far before the near plane, unclipped.
+// Holds the corners of a placed proxy on the screen, in pixels, and the smallest distance from the near plane,
+// unclipped.
 struct Image {
   glm::dvec2 min{std::numeric_limits<double>::infinity()};
   glm::dvec2 max{-std::numeric_limits<double>::infinity()};
@@ -78,12 +79,12 @@ glm::dmat4 unit_to_object(const Placement& placement) {
   return matrix;
 }
 
-// To the clip space of a target that reaches beyond the image at its right and upper border.
+// Returns the transform to the clip space of a target that extends beyond the image at its right and upper border.
 glm::dmat4 target_from_clip(const Screen& screen) {
   const glm::dvec2 share =
       glm::dvec2(screen.width, screen.height) /
       (static_cast<double>(screen.divisor) * glm::dvec2(screen.target_width(), screen.target_height()));
-  // The left and lower borders stay: x' + w = share (x + w).
+  // The left and lower borders stay fixed: x' + w = share (x + w).
   glm::dmat4 matrix(1.0);
   matrix[0].x = share.x;
   matrix[1].y = share.y;
@@ -110,8 +111,8 @@ QueryPlan plan_query(const Screen& screen, const ProxySpace& space, const Visibi
   if (!placement) return {std::nullopt, true};
   const glm::dmat4 unit_to_clip = space.object_to_clip * unit_to_object(grown(*placement, screen, space));
   const Image image = project(screen, unit_to_clip, placement->shape);
-  // The near plane lies in front of the eye, so this holds back bounds around the eye too. Written so that NaN counts
-  // as visible.
+  // The near plane lies in front of the eye, so this also rejects bounds around the eye. Written so that NaN counts as
+  // visible.
   if (!(image.before_near > 0.0) || !all_finite(glm::mat4(unit_to_clip))) return {std::nullopt, true};
   const glm::dvec2 size(screen.width, screen.height);
   if (glm::any(glm::lessThan(image.max, glm::dvec2(0.0))) || glm::any(glm::greaterThan(image.min, size)))
@@ -122,7 +123,7 @@ QueryPlan plan_query(const Screen& screen, const ProxySpace& space, const Visibi
     return {std::nullopt, true};
   const glm::dvec2 pixels = glm::ceil(glm::min(image.max, size)) - glm::floor(glm::max(image.min, glm::dvec2(0.0)));
   glm::dmat4 unit_to_target = screen.divisor == 1 ? unit_to_clip : target_from_clip(screen) * unit_to_clip;
-  // Unit proxies are their own mirror images, so one more reflection turns the winding and nothing else.
+  // Unit proxies are symmetric, so one more reflection only flips the winding.
   if (space.mirrored) unit_to_target[2] = -unit_to_target[2];
   return {ProxyDraw{placement->shape, glm::mat4(unit_to_target), static_cast<std::uint32_t>(pixels.x * pixels.y)},
           false};
@@ -136,7 +137,7 @@ void add(ProxyMesh& mesh, const Corners& corners) {
   mesh.indices.insert(mesh.indices.end(), corners.begin(), corners.end());
 }
 
-// Rounding of vertices must not cut into the exact shape.
+// Enlarges proxies so that rounding of vertices does not cut into the exact shape.
 constexpr double outwards = 1.000001;
 
 ProxyMesh make_box() {
@@ -159,9 +160,9 @@ ProxyMesh make_box() {
   return mesh;
 }
 
-// An octahedron, each face cut into four, with all 32 planes tangent to the unit ball: the eight middle planes x+y+z =
-// sqrt 3 put the middle of an edge at sqrt(3)/2 (1, 1, 0); the planes 5x+y+z = sqrt 27 through two such middles put the
-// corners at 3 sqrt(3)/5.
+// Makes an octahedron with each face cut into four and all 32 planes tangent to the unit ball: the eight middle planes
+// x+y+z = sqrt 3 put the midpoint of an edge at sqrt(3)/2 (1, 1, 0); the planes 5x+y+z = sqrt 27 through two such
+// midpoints put the corners at 3 sqrt(3)/5.
 ProxyMesh make_sphere() {
   ProxyMesh mesh;
   const auto corner_radius = static_cast<float>(outwards * 3.0 * std::numbers::sqrt3 / 5.0);
@@ -184,7 +185,7 @@ ProxyMesh make_sphere() {
   for (int octant = 0; octant < 8; ++octant) {
     const std::array<int, 3> sign{octant & 1, (octant >> 1) & 1, (octant >> 2) & 1};
     const int a = 3 * sign[0];
-    // An odd number of negative axes turns x, y, z clockwise.
+    // An odd number of negative axes turns the order x, y, z clockwise.
     const bool turned = (sign[0] + sign[1] + sign[2]) % 2 == 1;
     const int b = turned ? 2 + 3 * sign[2] : 1 + 3 * sign[1];
     const int c = turned ? 1 + 3 * sign[1] : 2 + 3 * sign[2];

@@ -1,4 +1,5 @@
-// The volumes that are drawn in place of bounds, and the cases that are decided without drawing. No OpenGL here.
+// Makes the volumes that are drawn in place of bounds, and decides the cases that need no drawing. Does not call
+// OpenGL.
 #pragma once
 
 #include <array>
@@ -18,8 +19,8 @@ namespace occlod::gl {
 
 inline constexpr std::size_t proxy_shape_count = 3;
 
-// Convex, closed, counter-clockwise seen from outside, circumscribed: contains the unit ball (32 triangles), the cube
-// [-1, 1]^3 (12), or the cylinder of radius 1 around z in [-1, 1] (64). Symmetric about z = 0.
+// Convex, closed, counter-clockwise seen from outside, and circumscribed: contains the unit ball (32 triangles), the
+// cube [-1, 1]^3 (12), or the cylinder of radius 1 around z in [-1, 1] (64). Symmetric about z = 0.
 struct ProxyMesh {
   std::vector<glm::vec3> vertices;
   std::vector<std::uint16_t> indices;
@@ -28,35 +29,35 @@ struct ProxyMesh {
 
 struct ProxyDraw {
   ProxyShape shape = ProxyShape::box;
-  glm::mat4 unit_to_clip{1.0F};  // of the target; front faces are counter-clockwise, also for mirrored objects
-  std::uint32_t max_pixels = 0;  // of the view that the proxy can cover
+  glm::mat4 unit_to_clip{1.0F};  // to the target; front faces are counter-clockwise, also for mirrored objects
+  std::uint32_t max_pixels = 0;  // pixels of the view that the proxy can cover
 };
 
-// What to do about one query: draw, or answer at once.
+// Decides one query: draw a proxy, or answer at once.
 struct QueryPlan {
   std::optional<ProxyDraw> draw;
   bool visible = true;  // the answer when nothing is drawn
 };
 
-// Nothing for bounds that are not finite or inside out.
+// Places a proxy around the bound; returns nothing for bounds that are not finite or are inverted.
 [[nodiscard]] std::optional<Placement> place(const VisibilityQuery& query);
 [[nodiscard]] QueryPlan plan_query(const Screen& screen, const ProxySpace& space, const VisibilityQuery& query);
 
-// The three proxies in one static buffer.
+// Stores the three proxies in one static buffer.
 
 class ProxyBuffer {
  public:
   struct Part {
     GLsizei count = 0;       // indices, GL_UNSIGNED_SHORT
-    std::size_t offset = 0;  // bytes
-    // As OpenGL takes it: the offset into the bound buffer as a pointer.
+    std::size_t offset = 0;  // in bytes
+    // Returns the offset into the bound buffer as the pointer that OpenGL expects.
     [[nodiscard]] const void* pointer() const noexcept {
       return reinterpret_cast<const void*>(offset);  // NOLINT(performance-no-int-to-ptr)
     }
   };
 
   explicit ProxyBuffer(const Functions& gl);
-  // Binds the vertex array: positions at location 0.
+  // Binds the vertex array, with positions at location 0.
   void bind(const Functions& gl) const { gl.BindVertexArray(array_.id()); }
   [[nodiscard]] const Part& part(ProxyShape shape) const { return parts_[static_cast<std::size_t>(shape)]; }
 

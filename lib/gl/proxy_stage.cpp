@@ -55,7 +55,7 @@ void OccluderBuffer::draw(const Functions& gl, const OccluderMesh& mesh) const {
 
 namespace {
 
-// A triangle over the whole target, whose every sample takes the farthest depth of its pixels.
+// Draws a triangle over the whole target; each sample takes the farthest depth of its pixels.
 constexpr const char* reduction_vertex = R"(#version 330 core
 void main() { gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0); }
 )";
@@ -157,7 +157,7 @@ std::uint32_t ProxyStage::answer(const QueryPlan& plan, bool counts) const {
 
 std::uint32_t ProxyStage::pixels(std::uint32_t samples, std::uint32_t max_pixels) const {
   const std::uint64_t pixels = std::uint64_t{samples} * static_cast<std::uint64_t>(divisor_ * divisor_);
-  // llvmpipe has been seen to count some 60,000 too many, so a count is believed only as far as the proxy reaches.
+  // llvmpipe has been seen to count some 60,000 too many, so a count is limited to the pixels that the proxy can cover.
   return static_cast<std::uint32_t>(std::min<std::uint64_t>(pixels, max_pixels));
 }
 
@@ -169,7 +169,7 @@ void ProxyStage::draw(const ProxyDraw& draw) const {
 
 namespace {
 
-// As PlainProgram does it, to the bit.
+// Computes positions bit for bit like PlainProgram.
 constexpr const char* vertex_source = R"(#version 430 core
 layout(location = 0) in vec4 position;
 layout(location = 1) in mat4 to_clip;
@@ -182,7 +182,7 @@ void main() {
 }
 )";
 
-// Front faces of a convex proxy cover each pixel once, so additions are pixels.
+// Front faces of a convex proxy cover each pixel once, so the sum of additions is the number of pixels.
 constexpr const char* mark_source = R"(#version 430 core
 layout(early_fragment_tests) in;
 layout(std430, binding = 0) buffer Marks { uint marks[]; };

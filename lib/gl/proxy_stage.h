@@ -1,4 +1,4 @@
-// The occluder of one view as a single indexed mesh in clip space.
+// Builds the occluder of one view as a single indexed mesh in clip space.
 #pragma once
 
 #include <array>
@@ -17,13 +17,14 @@
 
 namespace occlod::gl {
 
-// Only the vertices that some triangle uses, each once, transformed in double precision: the product of a matrix and a
-// point close to the eye cancels, and single precision would move the occluder there. An occluder uses few of its
-// object's vertices, so streaming them costs less than telling whether a copy of them all on the GPU is still the same.
-// Reuses its memory. No OpenGL here.
+// Contains only the vertices that some triangle uses, each once, transformed in double precision: the product of a
+// matrix and a point close to the eye suffers from cancellation, and single precision would move the occluder there. An
+// occluder uses few of its object's vertices, so streaming them costs less than checking whether a copy of all of them
+// on the GPU is still current. Reuses its memory. Does not call OpenGL.
 class OccluderMesh {
  public:
-  // object_to_clip by object. O(triangles), and O(vertices) the first time that a part is so large.
+  // Replaces the mesh. `object_to_clip` is indexed by object. O(triangles), plus O(vertices) when a part is larger than
+  // all before.
   void assign(std::span<const OccluderPart> parts, std::span<const glm::dmat4> object_to_clip);
 
   [[nodiscard]] std::span<const glm::vec4> vertices() const noexcept { return vertices_; }  // clip space
@@ -34,10 +35,10 @@ class OccluderMesh {
 
   std::vector<glm::vec4> vertices_;
   std::vector<std::uint32_t> indices_;
-  std::vector<std::uint32_t> slots_;  // of a part's vertices in vertices_; all no_id between calls
+  std::vector<std::uint32_t> slots_;  // index in vertices_ of each vertex of a part; all no_id between calls
 };
 
-// The same on its way to OpenGL: positions at location 0, in clip space.
+// Uploads an OccluderMesh to OpenGL: positions at location 0, in clip space.
 class OccluderBuffer {
  public:
   explicit OccluderBuffer(const Functions& gl);
@@ -49,14 +50,15 @@ class OccluderBuffer {
   Buffer indices_;
 };
 
-// The occluder in a depth buffer and the proxies before it: what gl-query and gl-mark share.
+// Draws the occluder into a depth buffer and tests proxies against it; gl-query and gl-mark share it.
 
-// Lives in a context that is current in every call. After begin_view and draw_occluder the target is bound and all is
-// set for drawing front faces of proxies, with depth test and without depth writes. Everything that the draws depend on
-// is set there, so that others may have used the context since the last view.
+// Lives in a context that must be current in every call. After begin_view and draw_occluder the target is bound and the
+// state is set for drawing front faces of proxies, with depth test and without depth writes. All state that the draws
+// depend on is set there, so other code may use the context between views.
 class ProxyStage {
  public:
-  // divisor: one sample of the target for divisor x divisor pixels, at the farthest depth that the occluder has there.
+  // With a `divisor`, the target has one sample for divisor x divisor pixels, at the farthest depth that the occluder
+  // has there.
   ProxyStage(const Functions& gl, int divisor);
 
   void begin_view(const View& view, std::span<const ObjectView> objects);
@@ -65,11 +67,11 @@ class ProxyStage {
   [[nodiscard]] const Functions& gl() const noexcept { return *gl_; }
   [[nodiscard]] const ProxyBuffer& proxies() const noexcept { return proxies_; }
   [[nodiscard]] QueryPlan plan(const VisibilityQuery& query) const;
-  // The answer to a query that is not drawn: with `counts` all pixels where nothing is known.
+  // Returns the answer to a query that is not drawn; with `counts`, all pixels where nothing is known.
   [[nodiscard]] std::uint32_t answer(const QueryPlan& plan, bool counts) const;
-  // Pixels of the view from samples of the target that passed; max_pixels as in ProxyDraw.
+  // Converts samples of the target that passed to pixels of the view; max_pixels as in ProxyDraw.
   [[nodiscard]] std::uint32_t pixels(std::uint32_t samples, std::uint32_t max_pixels) const;
-  // Draws one proxy, all by itself.
+  // Draws one proxy on its own.
   void draw(const ProxyDraw& draw) const;
 
  private:
@@ -85,38 +87,38 @@ class ProxyStage {
   std::vector<ProxySpace> spaces_;
   OccluderMesh mesh_;
   FloatTarget full_;
-  std::optional<FloatTarget> reduced_;  // with a divisor above 1
+  std::optional<FloatTarget> reduced_;  // when the divisor is above 1
   PlainProgram plain_;
   std::optional<Program> reduction_;
-  VertexArray nothing_;  // OpenGL draws nothing without a vertex array, not even without attributes
+  VertexArray nothing_;  // OpenGL draws nothing without a vertex array, even without attributes
   OccluderBuffer occluder_;
   ProxyBuffer proxies_;
 };
 
-// Many proxies drawn by one call for each shape, each of which marks or counts in a word of a storage buffer what of it
-// passes the depth test.
+// Draws many proxies by one call per shape; each marks or counts, in a word of a storage buffer, the pixels that pass
+// the depth test.
 
-// What a word says in the end, if it was 0.
+// Defines what a word contains after drawing, if it was 0 before.
 enum class Marking {
-  visible,  // 1 if anything of the proxy passed
-  pixels,   // how many passed; of an image with one sample a pixel
+  visible,  // 1 if any pixel of the proxy passed
+  pixels,   // number of pixels that passed, in an image with one sample per pixel
 };
 
-// A proxy to be drawn, as the shaders read it.
+// Describes a drawn proxy as the shaders read it.
 struct MarkedProxy {
   glm::mat4 unit_to_clip{1.0F};  // front faces are counter-clockwise
-  std::uint32_t word = 0;        // of the storage buffer
+  std::uint32_t word = 0;        // index into the storage buffer
 };
 static_assert(sizeof(MarkedProxy) == 68);
 
 using MarkedProxies = std::array<std::vector<MarkedProxy>, proxy_shape_count>;  // by shape
 
-// Lives in a context of OpenGL 4.3 that is current in every call.
+// Lives in a context of OpenGL 4.3 that must be current in every call.
 class ProxyMarks {
  public:
   ProxyMarks(const Functions& gl, Marking marking);
-  // Into a buffer that has room for all their words. The state is that of set_proxy_state(). Whoever reads the words
-  // does so behind a barrier.
+  // Draws into a buffer that has room for all words. Requires the state of set_proxy_state(). Readers of the words need
+  // a barrier first.
   void draw(const MarkedProxies& proxies, const Buffer& words) const;
 
  private:

@@ -34,7 +34,7 @@ GLenum gl_target(QueryTarget target) {
   }
 }
 
-// One proxy as a query of its own.
+// Draws one proxy with its own query.
 Query draw_query(QueryPool& pool, const ProxyStage& stage, const ProxyDraw& draw) {
   Query query = pool.begin(stage.gl());
   stage.draw(draw);
@@ -42,12 +42,12 @@ Query draw_query(QueryPool& pool, const ProxyStage& stage, const ProxyDraw& draw
   return query;
 }
 
-// How many queries can be issued between issuing one and its answer: with so many under way, the wait for the oldest is
-// over when the youngest has been issued. Twice that, since neither time is steady.
+// Measures how many queries can be issued between issuing one and its answer: with that many pending, the oldest is
+// answered when the youngest has been issued. Returns twice that number, since neither time is steady.
 std::size_t measured_window(const ProxyStage& stage, QueryPool& pool, std::size_t most) {
   constexpr int warm_up = 3;
   constexpr int rounds = 9;
-  // A box of some ten pixels in the middle of the screen.
+  // Draws a box of about ten pixels in the middle of the screen.
   const ProxyDraw box{ProxyShape::box, glm::scale(glm::mat4(1.0F), glm::vec3(0.005F)), 1};
   std::vector<double> issue;
   std::vector<double> answer;
@@ -65,18 +65,18 @@ std::size_t measured_window(const ProxyStage& stage, QueryPool& pool, std::size_
 }
 
 struct Pending {
-  std::optional<ProxyDraw> draw;  // none: answered without drawing
-  std::optional<Query> query;     // once it is issued
-  std::uint32_t answer = 0;       // when nothing is drawn
+  std::optional<ProxyDraw> draw;  // empty: answered without drawing
+  std::optional<Query> query;     // set once it is issued
+  std::uint32_t answer = 0;       // used when nothing is drawn
 };
 
-// Everything that lives in the context.
+// Owns everything that lives in the context.
 struct Resources {
   Resources(const Functions& gl, const QueryOcclusionOptions& options)
       : stage(gl, options.divisor), pool(gl_target(options.target)) {}
   ProxyStage stage;
   QueryPool pool;
-  std::deque<Pending> pending;  // oldest first; those that are issued before those that are not
+  std::deque<Pending> pending;  // oldest first; issued ones before the others
 };
 
 class QueryOcclusion final : public Visibility {
@@ -99,15 +99,15 @@ class QueryOcclusion final : public Visibility {
 
   InContext<Resources> resources_;
   std::size_t flight_;
-  std::size_t window_;  // queries that OpenGL holds at once; 0 = not measured yet
+  std::size_t window_;  // maximum of queries pending in OpenGL; 0 = not measured yet
   bool counts_;
-  std::size_t looked_at_ = 0;  // at the head of the pending: issued, or answered without drawing
-  std::size_t issued_ = 0;     // of those, queries
+  std::size_t looked_at_ = 0;  // number of processed entries at the front: issued, or answered without drawing
+  std::size_t issued_ = 0;     // number of issued queries among them
 };
 
 void QueryOcclusion::begin_view(const View& view, std::span<const ObjectView> objects) {
   Resources& resources = resources_.use();
-  // Unanswered queries end with their objects: a late answer of an older view has nowhere to arrive.
+  // Unanswered queries are destroyed, so that a late answer of an older view cannot arrive.
   resources.pending.clear();
   looked_at_ = 0;
   issued_ = 0;
@@ -128,7 +128,7 @@ void QueryOcclusion::submit(const VisibilityQuery& query) {
   issue(resources);
 }
 
-// As many as the window has room for.
+// Issues as many queries as the window has room for.
 void QueryOcclusion::issue(Resources& resources) {
   for (; issued_ < window_ && looked_at_ < resources.pending.size(); ++looked_at_) {
     Pending& next = resources.pending[looked_at_];
@@ -148,7 +148,7 @@ std::uint32_t QueryOcclusion::collect() {
   --issued_;
   const std::uint32_t passed = resources.pool.take(resources.stage.gl(), *std::move(oldest.query));
   issue(resources);
-  // Checked once for all queries between two occluders: a lost context may answer anything.
+  // Checks once for all queries between two occluders, because a lost context may return any answer.
   if (issued_ == 0) check(resources.stage.gl(), "occlusion query");
   return counts_ ? resources.stage.pixels(passed, oldest.draw->max_pixels) : std::min(passed, 1U);
 }

@@ -21,7 +21,6 @@ namespace {
 
 // The surface lattice of a box: cells.x by cells.y by cells.z, welded along its edges, triangles counter-clockwise seen
 // from outside.
-
 class BoxLattice {
  public:
   explicit BoxLattice(glm::ivec3 cells) : cells_(cells) {}  // each >= 1
@@ -104,7 +103,6 @@ void BoxLattice::append_side(int axis, bool far, VertexId first_vertex, std::vec
 
 // The lattice |x| + |y| + |z| = n on an octahedron, in rings of equal z from the north pole (0, 0, n) down. Ring m has
 // 4 m points (each pole one), so indices follow from (ring, place in the ring) without a map of edges.
-
 class OctahedronLattice {
  public:
   explicit OctahedronLattice(int subdivisions);

@@ -181,7 +181,7 @@ class BodyParser {
     return result;
   }
 
-  // Counts the vertex properties that are left out, according to the header.
+  // Counts what is left out according to the header: normals and colours of faces, and materials.
   void count_left_out(const PlyElement& element) {
     LeftOut& left_out = soup_.left_out;
     const VertexLayout layout(element);

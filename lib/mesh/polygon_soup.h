@@ -1,5 +1,5 @@
-// What every reader makes: vertices and polygons as the file has them, and the steps that turn them into a triangle
-// mesh.
+// Polygon soups: vertices and polygons as a reader finds them in a file, and the steps that make a triangle mesh of
+// them.
 #pragma once
 
 #include <cstddef>

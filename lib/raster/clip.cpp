@@ -47,7 +47,7 @@ bool finite(const glm::dvec4& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z) && std::isfinite(v.w);
 }
 
-// True when all corners are beyond one side of the image or in front of the near plane.
+// True when all corners are beyond one side of the image or nearer than the near plane.
 bool outside_image(const std::array<glm::dvec4, 3>& triangle) {
   const auto all = [&](auto beyond) { return std::all_of(triangle.begin(), triangle.end(), beyond); };
   return all([](const glm::dvec4& v) { return v.x < -v.w; }) || all([](const glm::dvec4& v) { return v.x > v.w; }) ||
@@ -101,7 +101,7 @@ MeshFragments count_fragments(std::span<const glm::vec3> positions, std::span<co
     const FragmentCount one{weight, weight * covered_part({to_clip * glm::dvec4(a, 1.0), to_clip * glm::dvec4(b, 1.0),
                                                            to_clip * glm::dvec4(c, 1.0)})};
     result.all += one;
-    // the same test as in Occluder
+    // Occluder uses the same test.
     if (two_sided || !(glm::dot(glm::cross(b - a, c - a), view.eye() - a) < 0.0F)) result.front += one;
   }
   return result;

@@ -11,7 +11,7 @@
 
 namespace occlod::raster {
 
-// A box, or its image under an affine map, that is wholly in front of the near plane.
+// A box, or its image under an affine map, that lies wholly beyond the near plane.
 struct ProjectedBox {
   // Corners in the order of corner(). x, y: pixels from the top left of the image; z: nearness, see DepthBuffer.
   std::array<glm::dvec3, 8> corners{};

@@ -48,7 +48,7 @@ struct TriangleBatch {
   Corners<double> clip_x, clip_y, clip_z, clip_w;
   Corners<std::int32_t> x, y;  // subpixels; 0 where not drawable
   Corners<double> nearness;
-  Corners<std::int32_t> drawable;  // 1 when finite, in front of the near plane and inside the guard band
+  Corners<std::int32_t> drawable;  // 1 when finite, not nearer than the near plane and inside the guard band
 
   [[nodiscard]] glm::dvec4 clip_position(std::size_t corner, std::size_t i) const noexcept {
     return {clip_x[corner][i], clip_y[corner][i], clip_z[corner][i], clip_w[corner][i]};
@@ -64,7 +64,7 @@ class Projection {
 
   // Fills the batch with one to batch_triangles triangles. The result has the same bits with every instruction set.
   void project(std::span<const glm::vec3> positions, std::span<const Triangle> triangles, TriangleBatch& batch) const;
-  // Snaps one corner, which is in front of the near plane and inside the guard band, with the same arithmetic as
+  // Snaps one corner, which is not nearer than the near plane and is inside the guard band, with the same arithmetic as
   // project().
   [[nodiscard]] ScreenVertex snap(const glm::dvec4& clip) const noexcept;
   [[nodiscard]] const glm::dmat4& to_clip() const noexcept { return to_clip_; }

@@ -68,7 +68,7 @@ bool DepthEpochs::begin(const View& view, std::span<const ObjectView> objects) {
     least_ = 0.0F;
     return false;
   }
-  // The step leads from the nearest nearness of one picture to beyond that of the farthest point of the next.
+  // With this step the nearest point of one picture is scaled to less than the farthest point of the next.
   const int step = static_cast<int>(std::ceil(std::log2(range.far / range.near))) + 3;
   const bool goes_on = range_ == range && exponent_ + step <= max_exponent;
   exponent_ = goes_on ? exponent_ + step : -max_exponent;
@@ -124,8 +124,7 @@ class SoftwareOcclusion final : public Visibility {
   void submit(const VisibilityQuery& query) override {
     assert(query.object < objects_.size());
     if (next_answer_ == answers_.size()) forget_answers();
-    const bool waits = !std::holds_alternative<PointHull>(query.shape);  // the points of a hull need not outlive the
-                                                                         // call
+    const bool waits = !std::holds_alternative<PointHull>(query.shape);  // a hull's points may be freed after the call
     if (waits) {
       waiting_.push_back(query);
       places_.push_back(answers_.size());

@@ -17,7 +17,7 @@
 namespace occlod::picture {
 namespace {
 
-// Lines over a picture.
+// Draws lines over a picture.
 
 struct Pen {
   glm::vec3 color;  // linear
@@ -25,11 +25,11 @@ struct Pen {
   float width_px = 2.0F;
 };
 
-// A smooth line between two points of the world, over everything that the picture shows; what lies before the near
-// plane of `view` is left out.
+// Draws an antialiased line between two points in world space over everything in the picture; the part in front of the
+// near plane of `view` is left out.
 void draw_line(Image& image, const View& view, const glm::dvec3& from, const glm::dvec3& to, const Pen& pen);
 
-// Cuts a segment in clip space at the near plane; false when all of it lies before.
+// Clips a segment in clip space at the near plane; returns false when nothing is left.
 bool clip_near(glm::dvec4& a, glm::dvec4& b) {
   const double da = a.z + a.w;
   const double db = b.z + b.w;
@@ -86,7 +86,7 @@ void draw_line(Image& image, const View& view, const glm::dvec3& from, const glm
 namespace occlod {
 namespace {
 
-// The corners of the boxes of all objects, in world space.
+// Returns the corners of the boxes of all objects, in world space.
 std::vector<glm::dvec3> scene_corners(std::span<const DrawObject> objects) {
   std::vector<glm::dvec3> corners;
   for (const DrawObject& object : objects) {
@@ -97,8 +97,8 @@ std::vector<glm::dvec3> scene_corners(std::span<const DrawObject> objects) {
   return corners;
 }
 
-// How far along the axis the frustum is drawn: to the farthest part of the scene, to the far plane when nothing of it
-// lies ahead.
+// Returns the length at which the frustum is drawn: to the farthest part of the scene, or to the far plane when nothing
+// of the scene lies ahead.
 double frustum_length(std::span<const glm::dvec3> corners, const View& view) {
   double farthest = 0.0;
   for (const glm::dvec3& p : corners) farthest = std::max(farthest, glm::dot(p - view.camera().eye, view.direction()));
@@ -111,7 +111,7 @@ void draw_frustum(Image& image, const View& view, const View& main_view, double 
     picture::draw_line(image, view, from, to, pen);
 }
 
-// The main eye is at the bottom of the picture: light from there shines on what it sees.
+// The main eye is at the bottom of the picture, so the light comes from there and shines on what it sees.
 constexpr picture::Style dark_style{.background_top = {0.045F, 0.055F, 0.075F},
                                     .background_bottom = {0.10F, 0.115F, 0.14F},
                                     .key_light = {-0.35, -0.55, 0.75}};
@@ -120,7 +120,7 @@ void draw_box(Image& image, const View& view, const DrawObject& object, const Ma
   const picture::Pen pen{glm::mix(mark.color, glm::vec3(1.0F), 0.25F), 0.8F, 1.0F};
   const auto at = [&](int i) { return glm::dvec3(object.object_to_world * glm::dvec4(corner(mark.box, i), 1.0)); };
   for (int i = 0; i < 8; ++i)
-    for (int axis = 1; axis < 8; axis *= 2)  // bits of a corner's number are its sides
+    for (int axis = 1; axis < 8; axis *= 2)  // bits of a corner's number give its sides
       if ((i & axis) == 0) picture::draw_line(image, view, at(i), at(i | axis), pen);
 }
 
@@ -161,7 +161,7 @@ Camera birdseye_camera(std::span<const DrawObject> objects, const View& main_vie
   points.push_back(main.eye);
   const glm::dvec3 up = glm::normalize(main.up);
   const glm::dvec3 right = glm::normalize(glm::cross(main_view.direction(), up));
-  const glm::dvec3 ahead = glm::cross(up, right);  // upwards in the picture
+  const glm::dvec3 ahead = glm::cross(up, right);  // up in the picture
 
   // Extents along the three axes of the camera, relative to the main eye.
   glm::dvec3 low(0.0), high(0.0);
@@ -181,7 +181,7 @@ Camera birdseye_camera(std::span<const DrawObject> objects, const View& main_vie
   camera.fov_y_deg = 30.0;
   const double half_tangent = std::tan(glm::radians(camera.fov_y_deg) / 2.0);
   const double half_height = std::max(size.y, size.x * camera.height / camera.width) / 2.0;
-  // The whole box fits when its top does; a twentieth is left free around it.
+  // The whole box fits when its top does; a margin of a twentieth is left around it.
   const double distance = std::max(1.05 * half_height / half_tangent, 0.05 * scale);
   const glm::dvec3 middle = (low + high) / 2.0;
   camera.target = main.eye + middle.x * right + middle.y * ahead + middle.z * up;

@@ -24,11 +24,11 @@ std::optional<BadFrame> check_frame(const CameraPath& path, int frame) {
   return std::nullopt;
 }
 
-// Whether all cameras between two of one segment have a view. Their lines of sight and up directions are combinations,
-// with weights of at least 0, of those at the ends, so the cross products of the two are combinations of the four at
-// the ends. When these lie in one half-space, none of the former is 0.
+// Returns whether all cameras between two of one segment have a view. Their lines of sight and up directions are
+// combinations, with non-negative weights, of those at the ends, so the cross products of the two are combinations of
+// the four at the ends. When these lie in one half-space, none of the former is 0.
 bool is_clear_between(const Camera& a, const Camera& b) {
-  constexpr double margin = 1e-8;  // sine of the angle between line of sight and up; View asks for 1e-9
+  constexpr double margin = 1e-8;  // sine of the angle between line of sight and up; View requires 1e-9
   const glm::dvec3 sights[] = {glm::normalize(a.target - a.eye), glm::normalize(b.target - b.eye)};
   const glm::dvec3 ups[] = {glm::normalize(a.up), glm::normalize(b.up)};
   glm::dvec3 sum(0.0);
@@ -42,7 +42,7 @@ bool is_clear_between(const Camera& a, const Camera& b) {
   return true;
 }
 
-// The first bad frame from `first` to `last`, both of one segment and `first` good.
+// Returns the first bad frame from `first` to `last`, both of one segment and `first` good.
 std::optional<BadFrame> check_segment(const CameraPath& path, int first, int last) {
   if (first == last) return std::nullopt;
   if (last - first == 1) return check_frame(path, last);
@@ -52,7 +52,7 @@ std::optional<BadFrame> check_segment(const CameraPath& path, int first, int las
   return check_segment(path, middle, last);
 }
 
-// The first and the last frame between two neighbouring keys or on them; the first is the later one where there is
+// Holds the first and the last frame between two neighbouring keys or on them; `first` is the later one where there is
 // none.
 struct Segment {
   int first, last;
@@ -108,7 +108,7 @@ Camera camera_at(const CameraPath& path, int frame) {
   camera.target = glm::mix(a.target, b.target, t);
   camera.up = glm::normalize(glm::mix(glm::normalize(a.up), glm::normalize(b.up), t));
   camera.fov_y_deg = glm::mix(a.fov_y_deg, b.fov_y_deg, t);
-  if (camera.orthographic_height)  // of all keys or none
+  if (camera.orthographic_height)  // set in all keys or none
     camera.orthographic_height = glm::mix(*a.orthographic_height, *b.orthographic_height, t);
   camera.near = glm::mix(a.near, b.near, t);
   camera.far = glm::mix(a.far, b.far, t);

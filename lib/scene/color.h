@@ -1,4 +1,4 @@
-// Linear light to what a file holds.
+// Converts linear light to the values that a file stores.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 
 namespace occlod::picture {
 
-// IEC 61966-2-1.
+// Follows IEC 61966-2-1.
 inline std::uint8_t to_srgb(float linear) {
   const float v = std::clamp(linear, 0.0F, 1.0F);
   const float encoded = v <= 0.0031308F ? 12.92F * v : 1.055F * std::pow(v, 1.0F / 2.4F) - 0.055F;

@@ -25,7 +25,7 @@ struct SquaredDifferences {
   double cr = 0.0;
 };
 
-// Sums over all pixels. ITU-R BT.601, of the encoded values; the colour differences at JPEG's scale.
+// Sums over all pixels, using the encoded values and ITU-R BT.601; the colour differences are at JPEG's scale.
 SquaredDifferences squared_differences(const Image& image, const Image& reference) {
   SquaredDifferences sum;
   for (std::size_t i = 0; i < image.pixels.size(); ++i) {
@@ -43,14 +43,14 @@ double psnr(double squared_sum, std::size_t pixels) {
   return 10.0 * std::log10(255.0 * 255.0 * static_cast<double>(pixels) / squared_sum);
 }
 
-// Infinite when there is something and nothing is expected.
+// Returns infinity when `part` is positive and `whole` is 0.
 double percent(std::size_t part, std::size_t whole) {
   if (part == 0) return 0.0;
   return whole == 0 ? std::numeric_limits<double>::infinity()
                     : 100.0 * static_cast<double>(part) / static_cast<double>(whole);
 }
 
-// The smallest (or, by std::greater, the largest) value within `radius` along rows, then along columns.
+// Returns the smallest (or, by std::greater, the largest) value within `radius` along rows, then along columns.
 template <typename Better>
 std::vector<float> extreme_around(const DepthBuffer& depth, int radius, const Better& better) {
   const int width = depth.width, height = depth.height;
@@ -76,7 +76,7 @@ std::vector<float> extreme_around(const DepthBuffer& depth, int radius, const Be
   return result;
 }
 
-// Every value by the best within one pixel around it; `rows` is scratch.
+// Replaces every value by the best within one pixel around it; `rows` is scratch.
 template <typename Pick>
 void spread(std::vector<float>& values, std::vector<float>& rows, int width, int height, const Pick& pick) {
   const auto w = static_cast<std::size_t>(width), h = static_cast<std::size_t>(height);
@@ -97,8 +97,8 @@ void spread(std::vector<float>& values, std::vector<float>& rows, int width, int
   }
 }
 
-// The share of its own depth that a pixel must be allowed to move by, to lie between `farthest` and `nearest`, where 0
-// is infinitely far.
+// Returns by what share of its own depth a pixel must be allowed to move to lie between `farthest` and `nearest`, where
+// 0 is infinitely far.
 double depth_share(double nearness, double nearest, double farthest) {
   double share = 0.0;
   if (nearness > nearest) share = nearest > 0.0 ? nearness / nearest - 1.0 : std::numeric_limits<double>::infinity();
@@ -106,7 +106,7 @@ double depth_share(double nearness, double nearest, double farthest) {
   return share;
 }
 
-// The same in pixels at that depth.
+// Returns the depth motion of depth_share() in pixels at that depth.
 double depth_motion_px(const View& view, double nearness, double nearest, double farthest) {
   if (!view.is_orthographic()) return view.focal_length_px() * depth_share(nearness, nearest, farthest);
   const auto apart = [&](double near, double far) {
@@ -117,28 +117,29 @@ double depth_motion_px(const View& view, double nearness, double nearest, double
   return std::max(apart(nearness, nearest), apart(farthest, nearness));
 }
 
-// Whether a pixel lies between `farthest` and `nearest`, give or take so many pixels at its depth.
+// Returns whether a pixel lies between `farthest` and `nearest`, within a tolerance of this many pixels at its depth.
 bool is_within(const View& view, double nearness, double nearest, double farthest, double allowed_px) {
   if (view.is_orthographic()) return depth_motion_px(view, nearness, nearest, farthest) <= allowed_px;
-  // They are allowed_px * d / f long at depth d: depths d (1 -+ share), nearnesses divided by (1 -+ share).
+  // The tolerance has length allowed_px * d / f at depth d: depths become d (1 -+ share), nearnesses are divided by (1
+  // -+ share).
   const double share = allowed_px / view.focal_length_px();
   return nearest >= nearness / (1.0 + share) && (share >= 1.0 || farthest <= nearness / (1.0 - share));
 }
 
-// How many pixels away one has to look to allow for so many.
+// Returns the radius in whole pixels in which to search for this tolerance.
 int whole_pixels(double allowed_px, const DepthBuffer& depth) {
   return static_cast<int>(std::min(std::ceil(allowed_px), static_cast<double>(std::max(depth.width, depth.height))));
 }
 
-// By how many pixels, at the depth of b, the depth at b departs from a straight line from a to c. Nearness is linear
-// over the image of a plane.
+// Returns by how many pixels, at the depth of b, the depth at b departs from a straight line from a to c. Nearness is
+// linear over the image of a plane.
 double bend_px(const View& view, float a, float b, float c) {
   const double straight = (static_cast<double>(a) + c) / 2.0;
   if (b == straight) return 0.0;
   return depth_motion_px(view, b, straight, straight);
 }
 
-// 1 where there is a step in depth, or may be one just outside the image; 0 elsewhere.
+// Returns 1 where there is a step in depth, or may be one just outside the image; 0 elsewhere.
 DepthBuffer depth_steps(const View& view, const DepthBuffer& depth) {
   constexpr double largest_bend_px = 2.0;
   DepthBuffer steps;
@@ -161,7 +162,7 @@ DepthBuffer depth_steps(const View& view, const DepthBuffer& depth) {
   return steps;
 }
 
-// The largest motion of any pixel of `expected`.
+// Returns the largest motion of any pixel of `expected`.
 double motion_into(const View& view, const DepthBuffer& expected, const DepthBuffer& found, double max_px) {
   std::vector<float> nearest = found.nearness, farthest = found.nearness, rows;
   std::vector<std::size_t> open(expected.nearness.size());
@@ -255,7 +256,7 @@ std::size_t count_crack_pixels(const View& view, const DepthBuffer& full, const 
 
 namespace {
 
-// Of one item, for all its pixels.
+// Computes the texels of one item, for all its pixels.
 class TexelsOfItem {
  public:
   TexelsOfItem(const picture::ItemTable::Owner& owner, std::size_t object, const ObjectTexture& texture,
@@ -288,24 +289,25 @@ class TexelsOfItem {
 
 double cross(const glm::dvec2& a, const glm::dvec2& b) { return a.x * b.y - a.y * b.x; }
 
-// Less than a ten-thousandth in the other direction is rounding.
+// Returns whether texture coordinates change in two independent directions; a change in the second direction of less
+// than a ten-thousandth counts as rounding.
 bool has_place(const Texel& texel) {
   constexpr double least = 1e-4;
   const double changes = glm::dot(texel.across, texel.across) + glm::dot(texel.down, texel.down);
   return texel.surface != 0 && std::abs(cross(texel.across, texel.down)) > least * changes;
 }
 
-// A pixel near another.
+// Describes a pixel near another.
 struct Offset {
   int x;
   int y;
   double distance;
 };
 
-// How far beyond its pixel a texel may be looked for: half a diagonal, and some more for what is not linear.
+// Limits how far outside its pixel a texel is searched for: half a diagonal, plus a margin for nonlinearity.
 constexpr double reach_px = 0.75;
 
-// All that a texel can be found from, the nearest first.
+// Returns all offsets from which a texel can be found, the nearest first.
 std::vector<Offset> offsets_by_distance() {
   constexpr double most = largest_slip_px + reach_px;
   const int radius = static_cast<int>(most);
@@ -318,7 +320,7 @@ std::vector<Offset> offsets_by_distance() {
   return offsets;
 }
 
-// Where texels of the full mesh's picture are.
+// Locates texels in the picture of the full mesh.
 class Places {
  public:
   explicit Places(const TexelBuffer& full) : full_(full), offsets_(offsets_by_distance()) {}
@@ -328,7 +330,8 @@ class Places {
         .texels[static_cast<std::size_t>(y) * static_cast<std::size_t>(full_.width) + static_cast<std::size_t>(x)];
   }
 
-  // From the pixel (x, y), at which it is shown, to the nearest place.
+  // Returns the distance from the pixel (x, y), which shows the texel, to the nearest place where the full mesh shows
+  // it.
   [[nodiscard]] double distance_to(const Texel& texel, int x, int y) const {
     double nearest = largest_slip_px;
     for (const Offset& offset : offsets_) {

@@ -9,7 +9,7 @@
 namespace occlod {
 namespace {
 
-// The specification: relative paths in these variables are to be ignored.
+// The XDG specification says that relative paths in these variables are ignored.
 std::filesystem::path absolute_from_environment(const char* variable) {
   const char* value = std::getenv(variable);
   std::filesystem::path path = value == nullptr ? "" : value;

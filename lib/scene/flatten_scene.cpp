@@ -26,25 +26,25 @@
 namespace occlod {
 namespace {
 
-// The materials and textures of meshes that become one.
+// Merges the materials and textures of meshes that become one.
 
-// The materials and textures of all meshes, each mesh's once.
+// Collects the materials and textures of all meshes, each mesh's once.
 class SceneMaterials {
  public:
-  // `all` gets them; names of image files become relative to `folder`, or absolute where they lie elsewhere. `name`: of
-  // the whole, for errors.
+  // Writes to `all`; names of image files become relative to `folder`, or absolute where they lie elsewhere. `name`
+  // names the whole in errors.
   SceneMaterials(TriangleMesh& all, std::string name, std::filesystem::path folder);
 
-  // Those of the triangles of a mesh, the last ones of `all`. `name`: of its source.
+  // Adds the materials of a mesh, whose triangles are the last ones of `all`. `name` names its source.
   void add_triangles(const TriangleMesh& mesh, const std::string& name);
 
-  // The first of the mesh's materials among those of all. Throws Error when there would be too many.
+  // Returns the id in the merged list of the mesh's first material. Throws Error when there would be too many.
   MaterialId first_of(const TriangleMesh& mesh, const std::string& name);
 
-  // Whether any mesh so far has some.
+  // Returns whether any mesh so far has materials.
   [[nodiscard]] bool any() const;
 
-  // After all objects. A scene without materials says nothing of them.
+  // Finishes after all objects. A scene without materials gets no material ids.
   void finish();
 
  private:
@@ -54,7 +54,8 @@ class SceneMaterials {
   TriangleMesh& all_;
   std::string name_;
   std::filesystem::path folder_;
-  std::map<std::optional<std::string>, MaterialId> first_of_;  // by the mesh's name; nothing: of those that have none
+  // by the mesh's name; nullopt: shared by meshes without materials
+  std::map<std::optional<std::string>, MaterialId> first_of_;
 };
 
 SceneMaterials::SceneMaterials(TriangleMesh& all, std::string name, std::filesystem::path folder)
@@ -85,7 +86,8 @@ void SceneMaterials::finish() {
 
 MaterialId SceneMaterials::add_materials(const TriangleMesh& mesh, const std::string& name) {
   const std::size_t first = all_.materials.size(), first_texture = all_.textures.size();
-  const std::size_t count = std::max<std::size_t>(mesh.materials.size(), 1);  // plain where it has none
+  // meshes without materials get a plain one
+  const std::size_t count = std::max<std::size_t>(mesh.materials.size(), 1);
   constexpr std::size_t most = std::numeric_limits<MaterialId>::max();
   if (first + count > most || first_texture + mesh.textures.size() > most)
     throw Error({name_, name, "makes more than 65,535 materials or textures of all objects",
@@ -104,7 +106,7 @@ MaterialId SceneMaterials::add_materials(const TriangleMesh& mesh, const std::st
 
 std::string SceneMaterials::name_of_image(std::string file, const std::filesystem::path& mesh_folder) const {
   if (file.empty()) return file;
-  std::replace(file.begin(), file.end(), '\\', '/');  // in files made on other systems
+  std::replace(file.begin(), file.end(), '\\', '/');  // paths in files made on other systems
   const auto absolute = [](const std::filesystem::path& path) {
     return std::filesystem::absolute(path).lexically_normal();
   };
@@ -113,34 +115,34 @@ std::string SceneMaterials::name_of_image(std::string file, const std::filesyste
   return (near.empty() || *near.begin() == ".." ? image : near).generic_string();
 }
 
-// Meshes at their places as one, a vertex for each wedge.
+// Joins placed meshes into one, with a vertex for each wedge.
 
-// All but materials. Where `all` has texture coordinates of meshes before, those without get (0, 0) once others follow.
+// Appends everything except materials. Once any mesh has texture coordinates, earlier vertices without them get (0, 0).
 void append_placed(TriangleMesh& all, const TriangleMesh& mesh, const glm::dmat4& object_to_world);
 
 class MeshJoiner {
  public:
-  // `name`: of the whole, for errors. `folder`: see SceneMaterials.
+  // `name` names the whole in errors. `folder`: see SceneMaterials.
   MeshJoiner(std::string name, const std::filesystem::path& folder);
   MeshJoiner(const MeshJoiner&) = delete;
   MeshJoiner& operator=(const MeshJoiner&) = delete;
   ~MeshJoiner() = default;
 
-  // `source_name`: of its file or generator; meshes of one name share their materials. Throws Error when all together
-  // have 2^32 vertices or more, or too many materials.
+  // Adds a mesh. `source_name` is that of its file or generator; meshes of one name share their materials. Throws Error
+  // when all together have 2^32 vertices or more, or too many materials.
   void add(const TriangleMesh& mesh, const glm::dmat4& object_to_world, const std::string& source_name);
 
-  // Without extra wedges. Normals and colours only when every mesh has them.
+  // Returns the joined mesh, without extra wedges. It has normals and colours only when every mesh has them.
   [[nodiscard]] TriangleMesh finish();
 
  private:
   std::string name_;
   TriangleMesh all_;
   SceneMaterials materials_;  // of all_
-  std::size_t count_ = 0;     // of meshes
+  std::size_t count_ = 0;     // number of meshes
 };
 
-// Objects without any have (0, 0).
+// Appends texture coordinates; (0, 0) for objects without any.
 void append_texture_coordinates(TriangleMesh& all, const TriangleMesh& mesh, VertexId first) {
   if (mesh.texture_coordinates.empty()) return;
   all.texture_coordinates.resize(first, glm::vec2(0.0F));
@@ -196,7 +198,7 @@ CleanMesh read_finest(const std::string& file) {
   return {cut_mesh(olod.hierarchy, full_cut(olod.hierarchy)), olod.report};
 }
 
-// What the object is made of; the same mesh only once.
+// Reads the meshes of objects; reads the same mesh only once.
 class MeshReader {
  public:
   MeshReader(const SceneDescription& scene, const std::filesystem::path& folder, const Progress& progress)
@@ -206,7 +208,7 @@ class MeshReader {
     return name_of_source(scene_.objects[object].source, scene_, object, folder_);
   }
 
-  // The same, with no other mesh in memory.
+  // Reads an object's mesh after freeing all others.
   const CleanMesh& read_alone(std::size_t object) {
     if (!read_.contains(name(object))) read_.clear();
     return read(object);
@@ -238,15 +240,15 @@ void add(LeftOut& sum, const LeftOut& more) {
   sum.groups += more.groups;
 }
 
-// HLODs and hierarchies are no mesh files.
+// Excludes HLODs and hierarchies, which are not mesh files.
 bool is_streamable_file(const std::string& name) {
   return !is_olod_file(name) && !is_ohlod_file(name) && is_streamable(name);
 }
 
 constexpr std::size_t piece_triangles = std::size_t{1} << 18U;
 
-// Gives the objects of a scene to a sink, one mesh at a time; generated ones and those of PLY and OBJ files are never
-// whole in memory.
+// Passes the objects of a scene to a sink, one mesh at a time; generated meshes and those of PLY and OBJ files are
+// never completely in memory.
 class SceneStreamer {
  public:
   SceneStreamer(const SceneDescription& scene, const std::filesystem::path& folder, const Progress& progress,
@@ -281,7 +283,7 @@ class SceneStreamer {
   }
 
  private:
-  // Copies that follow each other are read once.
+  // Reads consecutive copies of a file once.
   void add_file(std::size_t object, const std::string& name) {
     reader_.forget();
     if (!streamed_ || streamed_name_ != name) {
@@ -316,7 +318,7 @@ class SceneStreamer {
   TriangleMesh table_;  // materials and textures so far
   SceneMaterials materials_;
   std::optional<TextureOrigin> origin_;
-  std::unique_ptr<StreamedMesh> streamed_;  // the newest file
+  std::unique_ptr<StreamedMesh> streamed_;  // the most recent file
   std::string streamed_name_;
 };
 
@@ -344,7 +346,7 @@ hlod::TriangleSource stream_scene(SceneDescription scene, std::filesystem::path 
 
 namespace {
 
-// The vertex of each wedge of a joined mesh, by number among all wedges.
+// Maps each wedge of a joined mesh, by its number among all wedges, to a vertex.
 std::vector<WedgeId> first_wedges(std::span<const PlacedMesh> meshes) {
   std::vector<WedgeId> first;
   for (const PlacedMesh& placed : meshes) {
@@ -364,7 +366,7 @@ void reorder(std::vector<T>& values, const std::vector<WedgeId>& order) {
   values = std::move(result);
 }
 
-// Makes extra wedges of those vertices that are not their own first one: these move to the end.
+// Moves vertices that are not their own first wedge to the end and makes them extra wedges.
 void make_wedges(TriangleMesh& mesh, const std::vector<WedgeId>& first) {
   std::vector<WedgeId> order, extra, new_ids(first.size());
   for (WedgeId wedge = 0; wedge < first.size(); ++wedge) (first[wedge] == wedge ? order : extra).push_back(wedge);

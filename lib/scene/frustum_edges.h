@@ -1,4 +1,4 @@
-// The frustum of a view, to be drawn in another.
+// Makes the frustum of a view as lines that can be drawn in another view.
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@
 
 namespace occlod::picture {
 
-// From the eye as far ahead as `length`, in world space: a pyramid, or a box where rays are parallel.
+// Returns the edges from the eye to `length` ahead, in world space: a pyramid, or a box for parallel projection.
 [[nodiscard]] std::vector<std::array<glm::dvec3, 2>> frustum_edges(const View& view, double length);
 
 }  // namespace occlod::picture

@@ -27,14 +27,15 @@
 namespace occlod {
 namespace {
 
-// Hierarchies and HLODs that have been built before, in the user's cache folder.
+// Caches built hierarchies and HLODs in the user's cache folder.
 
-// Throws nothing but std::bad_alloc: a cache that cannot be used is reported to `note` and does nothing.
+// Throws only std::bad_alloc: a cache that cannot be used is reported to `note` and has no effect.
 class BuildCache {
  public:
   BuildCache(std::filesystem::path folder, std::function<void(const std::string&)> note);
 
-  // Every part of what they return has been checked. An entry that fails is reported to `note` and removed.
+  // Finds an entry. Every part of the returned value has been checked. An entry that fails is reported to `note` and
+  // removed.
   [[nodiscard]] std::optional<Hierarchy> find_hierarchy(const std::string& key) const;
   [[nodiscard]] std::optional<hlod::Hlod> find_hlod(const std::string& key) const;
   void store(const std::string& key, const Hierarchy& hierarchy, const MeshReport& report) const;
@@ -54,12 +55,13 @@ class BuildCache {
   std::function<void(const std::string&)> note_;
 };
 
-// 32 hexadecimal digits that change whenever what is built might: the bytes of the input (the content of a file and of
-// those that it names, or a generator's options), the build options, the versions of the formats and of the sources of
-// the builders. Throws Error when the file cannot be read.
+// Returns 32 hexadecimal digits that change whenever the result of the build might: they hash the bytes of the input
+// (the content of a file and of those that it names, or a generator's options), the build options, the versions of the
+// formats and of the builders' sources. Throws Error when the file cannot be read.
 [[nodiscard]] std::string cache_key_of_file(const std::filesystem::path& path, const std::string& build_options);
 [[nodiscard]] std::string cache_key_of_text(const std::string& text, const std::string& build_options);
-// The same for all objects of a scene together and where they are. Throws Error also for a mesh that is nowhere.
+// Returns the key for all objects of a scene together with their placements. Throws Error when a file cannot be read or
+// a mesh cannot be found.
 [[nodiscard]] std::string cache_key_of_scene(const SceneDescription& scene, const std::filesystem::path& folder,
                                              const std::string& build_options);
 
@@ -69,7 +71,7 @@ class Hasher {
  public:
   Hasher() : state_(XXH3_createState(), &XXH3_freeState) { XXH3_128bits_reset(state_.get()); }
   void add(const void* bytes, std::size_t size) { XXH3_128bits_update(state_.get(), bytes, size); }
-  // And how long it is, so that what follows needs no separator.
+  // Also adds the length, so that what follows needs no separator.
   void add_file(const fs::path& path) {
     std::ifstream stream(path, std::ios::binary);
     std::array<char, 1 << 16> block;
@@ -90,7 +92,7 @@ class Hasher {
   std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state_;
 };
 
-// First in every hash, so that what follows needs no separator.
+// Comes first in every hash, so that what follows needs no separator.
 void add_builder(Hasher& hasher, const std::string& build_options) {
   const std::string text = fmt::format("occlod {} builder {} olod {} ohlod {} {}\n", version(), builder_id,
                                        olod_version, ohlod_version, build_options);
@@ -134,8 +136,8 @@ BuildCache::BuildCache(fs::path folder, std::function<void(const std::string&)> 
   if (!note_) note_ = [](const std::string&) {};
 }
 
-// Checks all of the entry, because a block that is found damaged in the middle of a frame cannot be built again there.
-// That takes a tenth of a second for 120 MB, the largest hierarchy of the shipped scenes, which takes seconds to build.
+// Checks all of the entry, because a block that is found damaged in the middle of a frame cannot be rebuilt there. That
+// takes a tenth of a second for 120 MB, the largest hierarchy of the shipped scenes, which takes seconds to build.
 template <class Read>
 auto BuildCache::find(const fs::path& path, const char* what, const Read& read) const
     -> std::optional<decltype(read(path))> {
@@ -150,7 +152,7 @@ auto BuildCache::find(const fs::path& path, const char* what, const Read& read) 
     const auto& [file, place, problem, remedy] = error.diagnosis();
     note_(fmt::format("{} is built again: {}: {}{}{}", what, file, place, place.empty() ? "" : ": ", problem));
   }
-  // Makes room for the new entry: a folder cannot be replaced, and the permissions of a file would be kept.
+  // Removes the old entry first: a folder cannot be replaced, and a replaced file would keep its permissions.
   fs::remove(path, ignored);
   return std::nullopt;
 }
@@ -219,7 +221,7 @@ SharedHlod read(const std::string& file, const std::optional<hlod::CacheOptions>
   return hlod;
 }
 
-// A file's share of the budget.
+// Returns a file's share of the budget.
 std::optional<hlod::CacheOptions> share_of(std::optional<hlod::CacheOptions> paged, const SceneDescription& scene,
                                            const std::filesystem::path& folder) {
   if (!paged) return paged;
@@ -239,7 +241,7 @@ std::optional<hlod::CacheOptions> share_of(std::optional<hlod::CacheOptions> pag
 
 std::vector<LoadedHlod> load_hlods(const SceneDescription& scene, const std::filesystem::path& folder,
                                    const HlodLoadOptions& options) {
-  SceneDescription meshes = scene;  // without the .ohlod files
+  SceneDescription meshes = scene;  // without .ohlod files
   meshes.objects.clear();
   std::vector<LoadedHlod> hlods;
   std::map<std::string, SharedHlod> files;  // by name

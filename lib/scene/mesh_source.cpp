@@ -37,7 +37,7 @@ std::string find_file(const MeshFile& file, const std::filesystem::path& folder,
   throw Error(missing);
 }
 
-// In lower case, with its point.
+// Compares the extension, which includes the dot, ignoring case; `wanted` is in lower case.
 bool has_extension(const std::filesystem::path& path, const char* wanted) {
   std::string extension = path.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),

@@ -45,7 +45,7 @@ SceneDescription describe_file(const fs::path& path) {
   return scene;
 }
 
-// The format is described in docs/guide/scenes.md.
+// Reads scene files. docs/guide/scenes.md describes the format.
 
 namespace {
 
@@ -121,7 +121,7 @@ glm::dmat4 read_rotation(const JsonPlace& place) {
   return glm::rotate(glm::dmat4(1.0), glm::radians(place.at("degrees").number()), axis);
 }
 
-// Scaled first, then rotated, then moved.
+// Combines the transforms: scale first, then rotation, then translation.
 glm::dmat4 read_placement(const JsonPlace& object) {
   if (const auto matrix = object.find("matrix")) {
     for (const char* key : {"position", "rotation", "scale"})
@@ -247,7 +247,7 @@ SceneDescription read_scene(const std::filesystem::path& path) {
   return scene;
 }
 
-// The format is described in docs/guide/scenes.md.
+// Writes scene files. docs/guide/scenes.md describes the format.
 
 namespace {
 

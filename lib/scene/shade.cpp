@@ -14,7 +14,7 @@ namespace occlod {
 namespace picture {
 namespace {
 
-// Lights, relative to the viewer so that no side of an object that faces the camera is dark.
+// Computes lights that move with the viewer, so that no side of an object that faces the camera is dark.
 class Lights {
  public:
   Lights(const View& view, const glm::dvec3& key_light) : view_(view) {
@@ -24,7 +24,7 @@ class Lights {
     key_ = glm::normalize(key_light.x * right + key_light.y * up_ - key_light.z * forward);
   }
 
-  // Light on a flat two-sided surface through `position`.
+  // Returns the light on a flat two-sided surface through `position`.
   [[nodiscard]] glm::vec3 on(const glm::dvec3& position, glm::dvec3 normal) const {
     const glm::dvec3 to_eye =
         view_.is_orthographic() ? -view_.direction() : glm::normalize(view_.camera().eye - position);
@@ -47,7 +47,7 @@ double smooth_step(double low, double high, double x) {
   return t * t * (3.0 - 2.0 * t);
 }
 
-// What is the same for all pixels of one item.
+// Holds what is the same for all pixels of one item.
 struct Appearance {
   Appearance(const ItemTable::Owner& owner, const View& view, const Lights& lights, const ItemColor& item_color)
       : Appearance(world_corners(owner), view, lights, item_color) {
@@ -68,7 +68,8 @@ struct Appearance {
   ScreenTriangle screen;
   ItemColor color;
   glm::vec3 light{0.0F};
-  bool faces_viewer = false;  // its corners run counter-clockwise as seen, clockwise where the object is mirrored
+  // its corners run counter-clockwise as seen by the viewer, or clockwise for a mirrored object
+  bool faces_viewer = false;
   double wire_strength = 0.0;
 };
 
@@ -79,8 +80,8 @@ int shared_corners(const Triangle& a, const Triangle& b) {
   return shared;
 }
 
-// The nearness by which depths are as far apart as a surface at this nearness is from the eye; of orthographic views,
-// as far as the camera would be to show as much in perspective, at 45 degrees.
+// Returns the difference of nearness that corresponds to a step in depth as long as the distance from the eye. For
+// orthographic views, uses the distance from which a perspective camera with 45 degrees would show as much.
 float outline_unit(const View& view, float nearness) {
   if (!view.is_orthographic()) return nearness;
   const Camera& camera = view.camera();
@@ -88,8 +89,8 @@ float outline_unit(const View& view, float nearness) {
   return static_cast<float>(distance_per_height * *camera.orthographic_height / (camera.far - camera.near));
 }
 
-// How dark the outline is at a pixel that something farther shows up beside, in [0, 1]. A plane has a linear nearness
-// on the screen: only what falls faster to one side than it rises from the other is a step.
+// Returns how dark the outline is at a pixel beside which something farther is visible, in [0, 1]. A plane has a linear
+// nearness on the screen, so it is a step only where nearness falls faster to one side than it rises from the other.
 float outline(const View& view, const DepthBuffer& depth, int x, int y) {
   const auto at = [&](int px, int py) {
     return depth
@@ -146,9 +147,9 @@ class Painter {
         .items[static_cast<std::size_t>(y) * static_cast<std::size_t>(depth.width) + static_cast<std::size_t>(x)];
   }
 
-  // At a contour a front face and the back face behind it meet, and rounding can make the back face the nearer one, in
-  // single pixels. Those are shaded as the front face beside them that has the most corners in common with the back
-  // face; everything else as what owns it.
+  // Returns the item whose shading a pixel uses. At a contour a front face and the back face behind it meet, and
+  // rounding can make the back face the nearer one in single pixels. Those are shaded as the front face beside them
+  // that has the most corners in common with the back face; all other pixels use their own item.
   [[nodiscard]] std::uint32_t shown_item(std::uint32_t item, int x, int y) {
     if (appearance(item).faces_viewer || !is_single(item, x, y)) return item;
     const ItemTable::Owner owner = table_.owner(item);
@@ -165,7 +166,7 @@ class Painter {
     return shown;
   }
 
-  // None of the four pixels beside it has the same owner.
+  // Returns whether none of the four neighbouring pixels shows the same item.
   [[nodiscard]] bool is_single(std::uint32_t item, int x, int y) const {
     return item_at(x - 1, y) != item && item_at(x + 1, y) != item && item_at(x, y - 1) != item &&
            item_at(x, y + 1) != item;
@@ -192,7 +193,7 @@ class Painter {
                                  at(a.screen.barycentric_step(pixel, 1)));
   }
 
-  // Neighbouring pixels mostly belong to one item.
+  // Returns the appearance of an item; caches the last one, because neighbouring pixels mostly belong to one item.
   const Appearance& appearance(std::uint32_t item) {
     if (!last_ || last_item_ != item) {
       const ItemTable::Owner owner = table_.owner(item);
@@ -212,7 +213,7 @@ class Painter {
   std::uint32_t last_item_ = no_item;
 };
 
-// Of the corners; `base` without vertex colours.
+// Returns the colours of the corners; `base` if there are no vertex colours.
 ItemColor vertex_color(const ItemTable::Owner& owner, const glm::vec3& base) {
   const auto& colors = owner.object->colors;
   if (colors.empty()) return base;

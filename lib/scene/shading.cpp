@@ -84,7 +84,7 @@ glm::dvec3 ScreenTriangle::exact_barycentric(const glm::dvec2& pixel) const {
 }
 
 glm::dvec3 ScreenTriangle::barycentric_step(const glm::dvec2& pixel, int axis) const {
-  // d (e / s) = (e' s - e s') / s^2.
+  // Quotient rule: d (e / s) = (e' s - e s') / s^2.
   const glm::dvec3 e = at(pixel), slope(edges_[0][axis], edges_[1][axis], edges_[2][axis]);
   const double sum = e.x + e.y + e.z, sum_slope = slope.x + slope.y + slope.z;
   return (slope * sum - e * sum_slope) / (sum * sum);

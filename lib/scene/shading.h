@@ -1,4 +1,4 @@
-// From the number of an item back to the triangle.
+// Maps the number of an item back to its triangle.
 #pragma once
 
 #include <array>
@@ -15,7 +15,7 @@
 
 namespace occlod::picture {
 
-// Items are numbered as draw_items() does: object by object.
+// Uses the numbering of draw_items(): object by object.
 class ItemTable {
  public:
   explicit ItemTable(std::span<const DrawObject> objects);
@@ -27,57 +27,59 @@ class ItemTable {
     const DrawObject* object;
     const Triangle* triangle;
   };
-  // Precondition: item < size().
+  // Returns the triangle of an item. Precondition: item < size().
   [[nodiscard]] Owner owner(std::uint32_t item) const;
 
  private:
   std::span<const DrawObject> objects_;
-  std::vector<std::uint32_t> first_items_;  // of each object, and the end
+  std::vector<std::uint32_t> first_items_;  // of each object, then the total
 };
 
-// The corners in world space.
+// Returns the corners in world space.
 [[nodiscard]] std::array<glm::dvec3, 3> world_corners(const ItemTable::Owner& owner);
 
-// A triangle on the screen, to interpolate what belongs to its corners.
+// Interpolates corner values over a triangle on the screen.
 
-// The three edge functions of a triangle in homogeneous pixel coordinates (Olano & Greer 1997): linear over the image
-// and valid for triangles that reach behind the eye. Their ratios are perspective-correct barycentric coordinates.
+// Holds the three edge functions of a triangle in homogeneous pixel coordinates (Olano & Greer 1997): they are linear
+// over the image and valid for triangles that reach behind the eye. Their ratios are perspective-correct barycentric
+// coordinates.
 class ScreenTriangle {
  public:
-  // In world space.
+  // Takes the corners in world space.
   ScreenTriangle(const std::array<glm::dvec3, 3>& corners, const View& view);
 
   [[nodiscard]] glm::vec3 barycentric(const glm::dvec2& pixel) const;
-  // The same beyond the triangle's edges too, and not rounded. The triangle must have an area on the screen.
+  // Returns barycentric coordinates that are neither clamped to the triangle nor rounded. The triangle must have an
+  // area on the screen.
   [[nodiscard]] glm::dvec3 exact_barycentric(const glm::dvec2& pixel) const;
 
-  // How much they change a pixel; axis 0: across, 1: down.
+  // Returns how much the barycentric coordinates change per pixel; axis 0: to the right, 1: down.
   [[nodiscard]] glm::dvec3 barycentric_step(const glm::dvec2& pixel, int axis) const;
 
-  // From the pixel to the nearest edge.
+  // Returns the distance from the pixel to the nearest edge.
   [[nodiscard]] double edge_distance_px(const glm::dvec2& pixel) const;
 
-  // Of the inscribed circle; infinite when the triangle reaches behind the eye.
+  // Returns the diameter of the inscribed circle; infinite when the triangle reaches behind the eye.
   [[nodiscard]] double diameter_px() const { return diameter_px_; }
 
  private:
-  // Of the edge functions.
+  // Evaluates the edge functions.
   [[nodiscard]] glm::dvec3 at(const glm::dvec2& pixel) const;
 
   std::array<glm::dvec3, 3> edges_;
   double diameter_px_;
 };
 
-// The shading that all pictures share; what differs is the colour of a triangle.
+// Shades all pictures alike; they differ only in the colour of a triangle.
 
-// Linear colours of the three corners of an item, and an image that multiplies them.
+// Holds linear colours of the three corners of an item, and an image that multiplies them.
 struct ItemColor {
-  ItemColor(const glm::vec3& color) : corners{color, color, color} {}  // NOLINT: the same everywhere
+  ItemColor(const glm::vec3& color) : corners{color, color, color} {}  // NOLINT: the same colour everywhere
   ItemColor(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) : corners{a, b, c} {}
 
   std::array<glm::vec3, 3> corners;
   const TextureImage* image = nullptr;
-  std::array<glm::dvec2, 3> coordinates{};  // of the image
+  std::array<glm::dvec2, 3> coordinates{};  // texture coordinates
 };
 using ColorOfItem = std::function<ItemColor(std::uint32_t item, const ItemTable::Owner& owner)>;
 

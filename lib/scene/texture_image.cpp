@@ -22,7 +22,7 @@
 namespace occlod {
 namespace {
 
-// An exception is kept until the encoder, which is not exception-safe, has freed its memory.
+// Keeps an exception until the encoder, which is not exception-safe, has freed its memory.
 struct Output {
   AtomicFile file;
   std::exception_ptr failure;
@@ -50,7 +50,7 @@ void write_png(const std::filesystem::path& path, const Image& image) {
 
 namespace {
 
-constexpr double max_taps = 16.0;  // along the longer step
+constexpr double max_taps = 16.0;  // along the longer footprint axis
 
 const std::array<float, 256>& linear_of_byte() {
   static const std::array<float, 256> table = [] {
@@ -68,7 +68,7 @@ glm::vec3 linear_at(const Image& image, int x, int y) {
   return {linear[p.x], linear[p.y], linear[p.z]};
 }
 
-// Half the size, rounded down, at least 1. Each pixel is the mean of those that it covers.
+// Returns an image of half the size, rounded down, at least 1. Each pixel is the mean of those that it covers.
 Image halved(const Image& image) {
   Image half{std::max(image.width / 2, 1), std::max(image.height / 2, 1), {}};
   half.pixels.reserve(static_cast<std::size_t>(half.width) * static_cast<std::size_t>(half.height));
@@ -85,7 +85,7 @@ Image halved(const Image& image) {
   return half;
 }
 
-// The pixel of a row of `size` that pixel i of an endless row shows.
+// Returns the pixel of a row of `size` that pixel i of the infinitely repeated row shows.
 int wrapped(double i, int size, TextureWrap wrap) {
   if (wrap == TextureWrap::clamp) return static_cast<int>(std::clamp(i, 0.0, size - 1.0));
   const double period = wrap == TextureWrap::mirror ? 2.0 * size : size;
@@ -136,7 +136,7 @@ glm::vec3 TextureImage::sample_between(const glm::dvec2& coordinate, double leve
 glm::vec3 TextureImage::sample_level(const glm::dvec2& coordinate, std::size_t level) const {
   const Image& image = levels_[level];
   const double t = address_.origin == TextureOrigin::bottom_left ? 1.0 - coordinate.y : coordinate.y;
-  // Pixel i is at i + 1/2.
+  // The centre of pixel i is at i + 1/2.
   const double x = coordinate.x * image.width - 0.5, y = t * image.height - 0.5;
   const double left = std::floor(x), top = std::floor(y);
   const int x0 = wrapped(left, image.width, address_.wrap_s), x1 = wrapped(left + 1.0, image.width, address_.wrap_s);

@@ -57,14 +57,13 @@ class VertexRing {
 
 // Bounds how far one collapse can move the surface. The bound is guaranteed, not an estimate.
 
-// Bounds the two-way distance between the star of v and what is left of it after v is merged into u. Two maps between
-// the surfaces are tried and the smaller bound wins:
+// Bounds the two-sided distance between the star of v and the faces that replace it after v is merged into u. Two maps
+// between the surfaces are tried and the smaller bound wins:
 // - sliding v to u, which moves every point by at most |vu|;
 // - the identity of a common projection: where the old and the new triangles of one fan project without overlap onto
-// the same polygon, the height between them is
-//   linear in each cell of the overlay of both triangulations, hence largest at one of its corners (v itself and
-//   crossings of old with new edges). A vertex on a feature line is first slid onto the line's new course, which adds
-//   that distance.
+//   the same polygon, the height between them is linear in each cell of the overlay of both triangulations, hence
+//   largest at one of its corners (v itself and crossings of old with new edges). A vertex on a feature line is first
+//   slid onto the line's new course, which adds that distance.
 // (After Cohen, Varshney, Manocha et al. 1996, "Simplification envelopes", and Bajaj & Schikore 1996, "Error-bounded
 // reduction".)
 class ChangeBound {

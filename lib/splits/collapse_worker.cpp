@@ -182,7 +182,7 @@ void CollapseWorker::prefetch_next() const {
   state_.mesh.prefetch_place(block_->vertices[later]);
 }
 
-// Sets the cost of a vertex of the block and queues it.
+// Sets the cost of a vertex of the block, and queues the vertex if the cost is within the threshold.
 void CollapseWorker::set_cost(VertexId v, float cost) {
   state_.vertices[v].cost = cost;
   const std::uint32_t item = state_.turns[v].place - block_->first_turn;

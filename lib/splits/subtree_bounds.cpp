@@ -48,7 +48,7 @@ class SubtreeBounds {
     glm::vec3 normal{0.0F};        // sum of unit normals
     std::uint32_t parent = no_id;  // place of the parent in the forest
     SplitId split = no_id;
-    std::uint32_t size = 0;  // of the subtree
+    std::uint32_t size = 0;  // number of splits in the subtree
   };
 
   [[nodiscard]] HierarchyData& data() noexcept { return assembly_.data; }
@@ -166,7 +166,7 @@ class SubtreeBounds {
     return length_of(glm::max(box.max - center, center - box.min)) * grow + denormal_slack;
   }
 
-  // Sets all fields of a node except its bounds; also makes the sentinel.
+  // Sets all fields of a node except its bounds; of the sentinel behind the last node, only the star.
   void start_node(SplitId s) {
     SplitNode& node = data().nodes[s] = {};
     node.star = assembly_.stars[s];

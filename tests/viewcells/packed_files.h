@@ -9,9 +9,9 @@
 #include <string_view>
 #include <vector>
 
+#include "cells/packed_geometry.h"
 #include "fuzz/memory_file.h"
 #include "mesh/section_file.h"
-#include "cells/packed_geometry.h"
 
 namespace occlod::test {
 

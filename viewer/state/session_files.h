@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "objects.h"
 #include "base/strict_json.h"
+#include "objects.h"
 
 namespace occlod::viewer {
 

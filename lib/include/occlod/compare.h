@@ -43,6 +43,7 @@ struct PictureDistance {
 // Counts the pixels of `found` at which one sees through a gap, 1 or 2 pixels wide, between two parts of a surface that
 // should meet. `full` shows the full mesh, which `found` should show to within allowed_px pixels (>= 0). A pixel counts
 // when all of this holds; background is infinitely far:
+//
 // - It is farther, by more than allowed_px pixels at its depth, than everything that `full` has within max(2,
 //   allowed_px) pixels.
 // - `full` has no step in depth there, where silhouettes may have moved: along rows and columns its depth departs from
@@ -50,6 +51,7 @@ struct PictureDistance {
 //   count.
 // - Some pixel of `found` right beside it is as near as `full` is, to within allowed_px; this tells a gap from a
 //   surface that is missing altogether.
+//
 // O(pixels * allowed_px).
 [[nodiscard]] std::size_t count_crack_pixels(const View& view, const DepthBuffer& full, const DepthBuffer& found,
                                              double allowed_px);

@@ -67,9 +67,9 @@ class SplitStar {
   [[nodiscard]] VertexId vertex() const noexcept { return vertex_; }
   // Returns u, into which v had been collapsed.
   [[nodiscard]] VertexId parent_vertex() const noexcept { return is_fan() ? ring_[parent_place_] : parent_place_; }
-  // Number of faces that the split inserts, one per slot.
+  // Returns the number of faces that the split inserts, one per slot.
   [[nodiscard]] std::uint32_t inserted_count() const noexcept { return inserted_count_; }
-  // Number of faces that the split removes, at most inserted_count().
+  // Returns the number of faces that the split removes, at most inserted_count().
   [[nodiscard]] std::uint32_t removed_count() const noexcept { return removed_count_; }
   // Returns the splits that must be applied before this one, ascending; all are smaller than it.
   [[nodiscard]] std::span<const SplitId> dependencies() const noexcept { return {dependencies_, dependency_count_}; }
@@ -103,7 +103,7 @@ class SplitStar {
     for_each_removed([&](const FaceRef&, const Triangle& t) { visit(t); });
   }
 
-  // Length of the record in words of 32 bits.
+  // Returns the length of the record in words of 32 bits.
   [[nodiscard]] std::size_t word_count() const noexcept {
     const std::size_t head = dependency_count_ + std::size_t{is_fan() ? 1 + ring_size_ : 5 + 3 * inserted_count_};
     return head + (is_fan() ? (removed_count_ + 3) / 4 : 5 * std::size_t{removed_count_});
@@ -194,7 +194,7 @@ class SplitCorners {
   static constexpr std::uint32_t apex_bit = 1U << 31U;      // in the second mask: v has more wedges than its first
   static constexpr std::uint32_t max_apex_wedges = 16;      // largest number of wedges of v in a record with masks
 
-  // Number of words of a record with these masks, for a star that inserts `inserted_count` faces.
+  // Returns the number of words of a record with these masks, for a star that inserts `inserted_count` faces.
   [[nodiscard]] static std::size_t word_count(std::uint32_t first_mask, std::uint32_t second_mask,
                                               std::uint32_t inserted_count) noexcept {
     return 2 + count(first_mask) + count(second_mask & ~apex_bit) +
@@ -251,9 +251,9 @@ struct PackedBounds {
   [[nodiscard]] Box box(const Sphere& sphere) const noexcept;
 };
 
-// What refinement reads for every split that it visits: one cache line. Split s brings back vertex base_vertex_count +
-// s. Its bounds contain every face that it or a split below it in the forest removes or inserts. Object space, object
-// units.
+// The record of one split, one cache line, which refinement reads for every split that it visits. Split s brings back
+// vertex base_vertex_count + s. Its bounds contain every face that it or a split below it in the forest removes or
+// inserts. Object space, object units.
 struct SplitNode {
   Sphere sphere;       // around the subtree
   float error = 0.0F;  // quadric error, about a root mean square distance; at least that of any split that depends on
@@ -321,19 +321,20 @@ class Hierarchy {
   // Returns the arrays. In a mapped file only the parts for which require() was called have been checked.
   [[nodiscard]] const HierarchyView& data() const noexcept { return view_; }
 
-  // Number of vertices of the input mesh.
+  // Returns the number of vertices of the input mesh.
   [[nodiscard]] std::size_t vertex_count() const noexcept { return wedge_count() - view_.extra_wedges.size(); }
-  // Number of vertices with their attributes: those of the input mesh and those that collapses across seams have added.
+  // Returns the number of vertices with their attributes: those of the input mesh and those that collapses across seams
+  // have added.
   [[nodiscard]] std::size_t wedge_count() const noexcept { return view_.positions.size(); }
-  // Number of recorded collapses; one split undoes each.
+  // Returns the number of recorded collapses; one split undoes each.
   [[nodiscard]] std::size_t split_count() const noexcept { return view_.nodes.empty() ? 0 : view_.nodes.size() - 1; }
-  // Number of vertices of the base mesh, to which no split is applied.
+  // Returns the number of vertices of the base mesh, to which no split is applied.
   [[nodiscard]] std::size_t base_vertex_count() const noexcept { return vertex_count() - split_count(); }
-  // Number of triangles of the base mesh, the fewest that a cut can have.
+  // Returns the number of triangles of the base mesh, the fewest that a cut can have.
   [[nodiscard]] std::size_t base_triangle_count() const noexcept { return view_.base_faces.size(); }
-  // Number of triangles of the base mesh and of all splits' stars.
+  // Returns the number of triangles of the base mesh and of all splits' stars.
   [[nodiscard]] std::size_t face_count() const noexcept { return view_.face_count; }
-  // Number of triangles when all splits are applied.
+  // Returns the number of triangles when all splits are applied.
   [[nodiscard]] std::size_t input_triangle_count() const noexcept { return view_.input_triangle_count; }
 
   // Checks the part of a mapped file that holds split s and its vertex, and throws Error when it is damaged. Call it
@@ -386,9 +387,9 @@ class Hierarchy {
 
   // Returns the box around all positions.
   [[nodiscard]] const Box& box() const noexcept { return view_.box; }
-  // Bound on the distance of any cut from the input, object units.
+  // Returns a bound on the distance of any cut from the input, object units.
   [[nodiscard]] float error_bound() const noexcept { return view_.error_bound; }
-  // Number of bytes that the arrays occupy.
+  // Returns the number of bytes that the arrays occupy.
   [[nodiscard]] std::size_t bytes() const noexcept;
 
  private:

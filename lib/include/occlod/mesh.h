@@ -69,11 +69,11 @@ struct TriangleMesh {
   std::vector<Texture> textures;               // indexed by materials
   TextureOrigin texture_origin = TextureOrigin::bottom_left;  // origin of texture_coordinates
 
-  // Number of vertices; extra wedges do not count.
+  // Returns the number of vertices; extra wedges do not count.
   [[nodiscard]] std::size_t vertex_count() const noexcept { return positions.size() - extra_wedges.size(); }
-  // Number of wedges, including the first of each vertex.
+  // Returns the number of wedges, including the first of each vertex.
   [[nodiscard]] std::size_t wedge_count() const noexcept { return positions.size(); }
-  // Number of triangles.
+  // Returns the number of triangles.
   [[nodiscard]] std::size_t triangle_count() const noexcept { return triangles.size(); }
   // Returns the vertex of a wedge.
   [[nodiscard]] VertexId vertex_of(WedgeId wedge) const noexcept {

@@ -40,9 +40,9 @@ class TextureImage {
   // pixels in linear light; alpha is ignored. O(pixels) time; memory is a third more than the image's.
   explicit TextureImage(Image image, const TextureAddress& address = {});
 
-  // Width of the image, pixels.
+  // Returns the width of the image, pixels.
   [[nodiscard]] int width() const noexcept { return levels_[0].width; }
-  // Height of the image, pixels.
+  // Returns the height of the image, pixels.
   [[nodiscard]] int height() const noexcept { return levels_[0].height; }
 
   // Returns linear RGB at a texture coordinate. `across` and `down` are the changes of the coordinate from one pixel of

@@ -169,9 +169,9 @@ struct HlodLoadOptions {
   // When set, .ohlod files are opened by open_ohlod() and their meshes are paged. The budget is shared equally by all
   // files. Objects that are not .ohlod files are then an error.
   std::optional<hlod::CacheOptions> paged = {};
-  // as LoadOptions::progress
+  // Is used like LoadOptions::progress.
   std::function<void(const std::string& what, double done)> progress = {};
-  // as LoadOptions::note
+  // Is used like LoadOptions::note.
   std::function<void(const std::string& line)> note = {};
 };
 

@@ -47,29 +47,29 @@ class View {
 
   // Returns the camera as given.
   [[nodiscard]] const Camera& camera() const noexcept { return camera_; }
-  // Width of the image, pixels.
+  // Returns the width of the image, pixels.
   [[nodiscard]] int width() const noexcept { return camera_.width; }
-  // Height of the image, pixels.
+  // Returns the height of the image, pixels.
   [[nodiscard]] int height() const noexcept { return camera_.height; }
   // Transforms world space to OpenGL clip space.
   [[nodiscard]] const glm::dmat4& world_to_clip() const noexcept { return world_to_clip_; }
-  // Direction of the line of sight from the eye, unit length, world space.
+  // Returns the direction of the line of sight from the eye, unit length, world space.
   [[nodiscard]] const glm::dvec3& direction() const noexcept { return direction_; }
   // True when all rays are parallel.
   [[nodiscard]] bool is_orthographic() const noexcept { return camera_.orthographic_height.has_value(); }
-  // Pixels that one world unit across the line of sight covers where w = 1: at distance 1 in perspective, anywhere when
-  // orthographic.
+  // Returns the pixels that one world unit across the line of sight covers where w = 1: at distance 1 in perspective,
+  // anywhere when orthographic.
   [[nodiscard]] double focal_length_px() const noexcept { return focal_length_px_; }
   // Returns the distance from the eye plane (world units) at which depth images hold this nearness > 0; see
   // DepthBuffer.
   [[nodiscard]] double distance_at(double nearness) const noexcept {
     return is_orthographic() ? camera_.far - nearness * (camera_.far - camera_.near) : 1.0 / nearness;
   }
-  // Pixels that one world unit across the line of sight covers at this nearness > 0.
+  // Returns the pixels that one world unit across the line of sight covers at this nearness > 0.
   [[nodiscard]] double scale_px_at(double nearness) const noexcept {
     return is_orthographic() ? focal_length_px_ : focal_length_px_ * nearness;
   }
-  // Cosine of the angle between the line of sight and the rays to the corners of the image.
+  // Returns the cosine of the angle between the line of sight and the rays to the corners of the image.
   [[nodiscard]] double cos_corner_angle() const noexcept { return cos_corner_angle_; }
 
  private:
@@ -91,9 +91,9 @@ class ObjectView {
 
   // Transforms object space to OpenGL clip space.
   [[nodiscard]] const glm::mat4& object_to_clip() const noexcept { return object_to_clip_; }
-  // The eye in object space. For an orthographic view it is a point 2^27 times as far away as anything that the view
-  // shows, in the direction from which its rays come: what faces away from this point faces away from the rays, up to
-  // rounding.
+  // Returns the eye in object space. For an orthographic view it is a point 2^27 times as far away as anything that the
+  // view shows, in the direction from which its rays come: what faces away from this point faces away from the rays, up
+  // to rounding.
   [[nodiscard]] const glm::vec3& eye() const noexcept { return eye_; }
   // True when all rays are parallel.
   [[nodiscard]] bool is_orthographic() const noexcept { return orthographic_; }
@@ -101,23 +101,24 @@ class ObjectView {
   [[nodiscard]] bool mirrored() const noexcept { return mirrored_; }
   // False only when no point of the sphere (object space) is inside the frustum. Conservative.
   [[nodiscard]] bool may_be_inside(const Sphere& sphere) const noexcept;
-  // The frustum planes in object space, with unit normals that point inwards: left, right, bottom, top, near, far. A
-  // point p is inside when dot(plane.xyz, p) + plane.w >= 0 for all of them.
+  // Returns the frustum planes in object space, with unit normals that point inwards: left, right, bottom, top, near,
+  // far. A point p is inside when dot(plane.xyz, p) + plane.w >= 0 for all of them.
   [[nodiscard]] const std::array<glm::vec4, 6>& planes() const noexcept { return planes_; }
-  // Upper bound on the pixels that a displacement of one object unit can cover on the screen, at any point of the
-  // sphere (object space) inside the frustum. Infinite when the eye of a perspective view may be inside the sphere.
+  // Returns an upper bound on the pixels that a displacement of one object unit can cover on the screen, at any point
+  // of the sphere (object space) inside the frustum. Infinite when the eye of a perspective view may be inside the
+  // sphere.
   [[nodiscard]] float largest_scale_px(const Sphere& sphere) const noexcept;
 
   // Transforms object space to world space relative to the eye. This function and the next four give the parts of
   // largest_scale_px(), to compute it for many spheres at once.
   [[nodiscard]] const glm::dmat4x3& object_to_eye() const noexcept { return object_to_eye_; }
-  // The line of sight of the view, unit length, world space.
+  // Returns the line of sight of the view, unit length, world space.
   [[nodiscard]] const glm::dvec3& direction() const noexcept { return direction_; }
-  // World units per object unit, in the direction in which the transform stretches most.
+  // Returns the world units per object unit in the direction in which the transform stretches most.
   [[nodiscard]] double largest_stretch() const noexcept { return largest_stretch_; }
-  // The same as View::focal_length_px().
+  // Returns View::focal_length_px() of the view.
   [[nodiscard]] double focal_length_px() const noexcept { return focal_length_px_; }
-  // The same as View::cos_corner_angle().
+  // Returns View::cos_corner_angle() of the view.
   [[nodiscard]] double cos_corner_angle() const noexcept { return cos_corner_angle_; }
 
  private:

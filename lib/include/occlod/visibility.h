@@ -50,7 +50,7 @@ class Visibility {
   [[nodiscard]] virtual std::string_view name() const noexcept = 0;
   // False for a backend that never hides anything; then no occluder is drawn and no query is submitted.
   [[nodiscard]] virtual bool can_hide() const noexcept { return true; }
-  // Number of queries that should be in flight at a time; 1 for backends that answer immediately.
+  // Returns the number of queries that should be in flight at a time; 1 for backends that answer immediately.
   [[nodiscard]] virtual std::size_t flight() const noexcept { return 1; }
 
   // Starts a view and forgets the occluder and every unanswered query of the previous one. objects[i] is the view of
