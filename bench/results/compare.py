@@ -13,7 +13,7 @@ import sys
 KEYS = ("scene", "place", "cell_edge", "max_motion", "way", "path", "mesh", "view", "culling", "occlusion", "mode", "method",
         "openmesh_build", "backend", "settings", "setting", "variant", "bound", "target", "tool", "threads", "level", "budget",
         "to_triangles", "degrees_per_frame", "what", "row", "run", "within", "tolerance_px", "strategy", "device",
-        "columns", "order", "boxes", "size", "limit_mib")
+        "columns", "order", "boxes", "size", "limit_mib", "renderer", "input")
 # In these tables the number of triangles is what was asked for, not a result.
 TRIANGLES_ARE_A_KEY = ("software_draw", "software_total", "software_found", "scratch")
 
