@@ -255,7 +255,7 @@ TEST_F(SessionTest, AgesAreOfTheLastAnswers) {
   for (const glm::u8vec4& color : session_.frame()->sides[0].colors[0])
     EXPECT_TRUE(color == age_color(0) || color == base_mesh_color);
   set("frame_to_frame", true);
-  set("hysteresis", 0.1);
+  set("final_check", false);
   for (int i = 0; i < 3; ++i) act(session_, {{"do", "orbit"}, {"right", 0.3}, {"up", 0}});
   const std::vector<glm::u8vec4>& colors = session_.frame()->sides[0].colors[0];
   for (const std::uint32_t age : {0U, 1U, 2U})

@@ -27,7 +27,7 @@ std::vector<Setting> view_settings() {
       choice(
           {"occlusion", "Occlusion",
            "Backend of occlusion queries. auto: picks the culling techniques that pay off in each view; "
-           "Occluder after then has no effect"},
+           "Occluder after and Final check then have no effect"},
           {"none", "software", "gl-query", "gl-mark", "gl-compute", "auto"},
           [](auto& s) -> auto& { return s.occlusion; }),
       choice(
@@ -46,6 +46,9 @@ std::vector<Setting> view_settings() {
            "Draw the occluder after these numbers of splits, e.g. 300, 2500; empty: at a third of the budget in "
            "triangles and at sixths of that"},
           [](auto& s) -> auto& { return knobs(s.refine).occluder_splits; }),
+      toggle(
+          {"final_check", "Final check", "Query everything that is hidden once more before the mesh is final"},
+          [](auto& s) -> auto& { return knobs(s.refine).final_check; }),
   };
 }
 
