@@ -11,6 +11,10 @@
 #include "occlod/mesh.h"
 #include "progress.h"
 
+namespace CLI {
+class App;
+}
+
 namespace occlod::tool {
 
 void add_hlod_build(CLI::App& hlod);
