@@ -1,15 +1,14 @@
-# Sources of programs compiled in groups, each a source that includes up to eight of them: most of the time goes to the
-# headers of GoogleTest, CLI11 and JSON. That hides includes that sources lack, names in one file shadow those of another,
-# and one change compiles a whole group again, so only scripts/test.sh asks for it. Layers of the library are compiled as
-# ever, and so are targets whose property UNITY_BUILD says OFF.
-option(OCCLOD_UNITY "Compile tools, viewer and tests in groups of sources, in about three fifths of the processor time" OFF)
+# Compiles sources in groups, each a source that includes up to eight of them: most of the time goes to the headers of the
+# C++ library, GoogleTest, CLI11 and JSON. That hides includes that sources lack, names in one file shadow those of another,
+# and one change compiles a whole group again, so scripts/demo.sh, scripts/test.sh and the Python package ask for it and
+# nobody else. Targets whose property UNITY_BUILD says OFF are compiled as ever.
+option(OCCLOD_UNITY "Compile sources in groups, in about half of the processor time" OFF)
 
-# All targets of the project but those of the library, after the last of them.
+# Groups the sources of all targets of the project, after the last of them.
 function(occlod_compile_in_groups)
   find_package(Python3 REQUIRED COMPONENTS Interpreter)
   set(pairs "")
   get_property(folders DIRECTORY ${PROJECT_SOURCE_DIR} PROPERTY SUBDIRECTORIES)
-  list(FILTER folders EXCLUDE REGEX "/lib$")
   foreach(folder IN LISTS folders)
     occlod_list_sources(${folder} pairs)
   endforeach()

@@ -37,14 +37,14 @@ using TriangleKey =
 // Identifies triangles by the attributes drawn at their corners, independent of wedge numbers.
 
 // Holds one value per wedge, or none.
-struct CornerAttributes {
+struct WedgeAttributes {
   std::span<const glm::vec3> positions, normals;
   std::span<const glm::u8vec4> colors;
   std::span<const glm::vec2> texture_coordinates;
 };
 
 // Removes from `restored` the attributes that `given` does not have. Returns false where `restored` lacks some of them.
-[[nodiscard]] inline bool keep_those_of(const CornerAttributes& given, CornerAttributes& restored) {
+[[nodiscard]] inline bool keep_those_of(const WedgeAttributes& given, WedgeAttributes& restored) {
   const auto keep = [](const auto& wanted, auto& found) {
     if (wanted.empty()) found = {};
     return wanted.empty() || !found.empty();
@@ -63,7 +63,7 @@ struct CornerKey {
   }
 };
 
-[[nodiscard]] inline CornerKey corners_of(const Triangle& wedges, const CornerAttributes& of, MaterialId material) {
+[[nodiscard]] inline CornerKey corners_of(const Triangle& wedges, const WedgeAttributes& of, MaterialId material) {
   CornerKey key;
   key.material = material;
   for (std::size_t k = 0; k < 3; ++k) {

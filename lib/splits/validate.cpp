@@ -37,8 +37,8 @@ bool restores_positions(const Hierarchy& hierarchy, const TriangleMesh& mesh) {
 // Compares only the attributes that the mesh has.
 bool restores_corners(const Hierarchy& hierarchy, const TriangleMesh& mesh) {
   const HierarchyView& view = hierarchy.data();
-  const CornerAttributes input{mesh.positions, mesh.normals, mesh.colors, mesh.texture_coordinates};
-  CornerAttributes restored{view.positions, view.normals, view.colors, view.texture_coordinates};
+  const WedgeAttributes input{mesh.positions, mesh.normals, mesh.colors, mesh.texture_coordinates};
+  WedgeAttributes restored{view.positions, view.normals, view.colors, view.texture_coordinates};
   if (!keep_those_of(input, restored)) return false;
   std::vector<CornerKey> of_mesh, of_hierarchy;
   of_mesh.reserve(mesh.triangle_count());

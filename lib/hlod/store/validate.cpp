@@ -317,7 +317,7 @@ namespace {
 // As restores(), of a mesh that has been rounded.
 bool is_level_zero(const Hlod& hlod, const TriangleMesh& mesh) {
   if (hlod.data().input_triangle_count != mesh.triangle_count()) return false;
-  const CornerAttributes input{mesh.positions, mesh.normals, mesh.colors, mesh.texture_coordinates};
+  const WedgeAttributes input{mesh.positions, mesh.normals, mesh.colors, mesh.texture_coordinates};
   std::vector<CornerKey> restored, given;
   restored.reserve(mesh.triangle_count());
   given.reserve(mesh.triangle_count());
@@ -325,7 +325,7 @@ bool is_level_zero(const Hlod& hlod, const TriangleMesh& mesh) {
     if (hlod.node(n).level > 0) continue;
     hlod.require(n);
     const NodeMesh node = hlod.mesh(n);
-    CornerAttributes attributes{node.positions, node.normals, node.colors, node.texture_coordinates};
+    WedgeAttributes attributes{node.positions, node.normals, node.colors, node.texture_coordinates};
     if (!node.positions.empty() && !keep_those_of(input, attributes)) return false;
     for (std::size_t i = 0; i < node.indices.size(); i += 3)
       restored.push_back(corners_of({node.indices[i], node.indices[i + 1], node.indices[i + 2]}, attributes,
