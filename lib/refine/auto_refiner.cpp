@@ -22,10 +22,8 @@
 namespace occlod {
 namespace {
 
-// What looks back find beyond looks ahead.
-
-// How much more the refined mesh hides than a coarse one, and how much more it fills the image: from places where both
-// have been looked at, for those where only a coarse one has been.
+// Estimates what a look back would find from what a look ahead has found: learns how much more a refined mesh hides and
+// fills the image than a coarse one, at places where both have been looked at.
 class Renewal {
  public:
   void learn(const HiddenShares& ahead, const HiddenShares& back) {
@@ -39,7 +37,7 @@ class Renewal {
     known_ = true;
   }
   [[nodiscard]] bool known() const noexcept { return known_; }
-  // What a look back would find where `ahead` has been found; until anything is known, the same.
+  // Returns what a look back would find where `ahead` has been found; until anything is known, `ahead` itself.
   [[nodiscard]] HiddenShares of(HiddenShares ahead) const {
     ahead.visits_hidden = hidden(visits_shown_ * shown(ahead.visits_hidden));
     ahead.splits_hidden = hidden(splits_shown_ * shown(ahead.splits_hidden));
@@ -61,13 +59,11 @@ class Renewal {
   double layers_ = 1.0, front_layers_ = 1.0, front_share_ = 1.0;
 };
 
-// How large a scene is, and how far its objects have moved.
-
-// Over all hierarchies, each counted once.
+// Returns the number of splits of all hierarchies, each counted once.
 [[nodiscard]] std::size_t splits_of(std::span<const RefineObject> objects);
-// The diagonal of the box around the boxes of all objects, world units.
+// Returns the diagonal of the box around the boxes of all objects, world units.
 [[nodiscard]] double extent_of(std::span<const RefineObject> objects);
-// The largest distance between two places of a corner of its box, world units.
+// Returns the largest distance that a corner of the object's box has moved, world units.
 [[nodiscard]] double moved_by(const RefineObject& from, const RefineObject& to);
 
 std::size_t splits_of(std::span<const RefineObject> objects) {
@@ -101,32 +97,32 @@ double moved_by(const RefineObject& from, const RefineObject& to) {
 }
 
 constexpr std::size_t look_interval = 30;  // views from one look ahead to the next while the camera stays near
-// The same from frame to frame, where a frame takes a fraction of the time; sooner when the camera moves far, but never
-// before the least interval.
+// From frame to frame, where a frame takes a fraction of the time, the interval is longer. A camera that moves far
+// shortens it, but not below the minimum.
 constexpr std::size_t frame_look_interval = 90;
 constexpr std::size_t min_frame_look_interval = 30;
-// A camera that jumps in every view is followed by looks ahead alone, but for one look back in so many.
+// A camera that jumps in every view gets only looks ahead, but for one look back after this many of them.
 constexpr std::size_t jumps_per_look_back = 7;
-// Views from the same place before the first look back, and before later ones.
+// Number of views from the same place before the first look back, and before later ones.
 constexpr std::size_t views_before_look_back = 1, views_before_later_look_back = 3;
-// Views from elsewhere that go without a look ahead, at most, when more looks ahead in turn than these have found that
-// queries do not pay.
+// When more than vain_looks_in_turn consecutive looks ahead have found that queries do not pay, up to max_unlooked
+// views from elsewhere get no look ahead.
 constexpr std::size_t max_unlooked = 3, vain_looks_in_turn = 2;
 constexpr double near_cosine = 0.94;  // cosine of the angle by which the camera may turn: 20 degrees
 constexpr double near_share = 0.1;    // share of the scene's extent by which the eye may move
 constexpr double same_budget_factor = 2.0;
 constexpr double same_zoom_factor = 1.25;
-constexpr double min_gain = 0.1;              // relative gain of the score for which a frame changes the choice
-constexpr double min_gain_of_queries = 0.07;  // from scratch, of the score, for which queries are made at all
+constexpr double min_gain = 0.1;              // relative gain of the score for which update() changes the choice
+constexpr double min_gain_of_queries = 0.07;  // relative gain of the score for which refine() makes any queries
 constexpr double new_share = 0.25;            // weight of the last frame in the running means of frames
-// The first frames after a new choice, until everything has been queried in turn, do not predict later ones.
+// The first frames after a new choice, until everything has been queried once, do not predict later ones.
 constexpr std::size_t settling_frames = 8;
-constexpr double min_queries = 24.0;          // before a region is judged
-constexpr std::size_t min_cone_tests = 128;   // before an object's cones are judged
-constexpr std::size_t min_samples = 12;       // before an object of which nothing is hidden is judged
-constexpr double visits_saved_by_cone = 4.0;  // at least, for each culled subtree
+constexpr double min_queries = 24.0;          // queries before a region is judged
+constexpr std::size_t min_cone_tests = 128;   // tests before an object's cones are judged
+constexpr std::size_t min_samples = 12;       // samples, none hidden, before an object is no longer queried
+constexpr double visits_saved_by_cone = 4.0;  // lower bound, for each culled subtree
 
-// The calibration's backends in the order of those given.
+// Returns the calibration with its backends in the order of `backends`. Throws Error when one is missing.
 Calibration matched(Calibration calibration, std::span<const std::unique_ptr<Visibility>> backends) {
   check_calibration(calibration);
   std::vector<BackendCosts> costs;
@@ -148,7 +144,8 @@ std::vector<std::unique_ptr<Visibility>> or_software(std::vector<std::unique_ptr
   return backends;
 }
 
-// A coarse occluder that bulges out of the surface seems to hide more than a fine one.
+// Returns the smaller shares of both, because a coarse occluder that bulges out of the surface seems to hide more than
+// a fine one.
 HiddenShares smaller(HiddenShares coarse, const HiddenShares& fine) {
   coarse.visits_hidden = std::min(coarse.visits_hidden, fine.visits_hidden);
   coarse.splits_hidden = std::min(coarse.splits_hidden, fine.splits_hidden);
@@ -159,8 +156,8 @@ HiddenShares smaller(HiddenShares coarse, const HiddenShares& fine) {
 
 }  // namespace
 
-// A look ahead when one is due, a choice by forecast, refinement, then its counts are recorded, and a look back when
-// one is due. Looks are rare, so a scene without occlusion pays hardly anything for them.
+// Looks ahead when a look is due, chooses by forecast, refines, records the counts, and looks back when a look is due.
+// Looks are rare, so a scene without occlusion pays hardly anything for them.
 class AutoRefiner::Impl {
  public:
   Impl(std::span<const RefineObject> objects, AutoOptions options)
@@ -193,7 +190,7 @@ class AutoRefiner::Impl {
 
   const Refinement& refine(const View& view, const RefineOptions& options) {
     check_options(options);
-    if (options.budget < refiner_.base_triangles()) return refiner_.refine(view, options, none_);  // throws
+    if (options.budget < refiner_.base_triangles()) return refiner_.refine(view, options, none_);  // throws Error
     last_.reset();
     choose(Way::from_scratch, view, options);
     const Refinement& refinement = refiner_.refine(view, report_.choice.with(options), chosen_backend());
@@ -203,7 +200,7 @@ class AutoRefiner::Impl {
 
   const Refinement& update(const View& view, const RefineOptions& options) {
     check_options(options);
-    if (options.budget < refiner_.base_triangles()) return refiner_.update(view, options, none_);  // throws
+    if (options.budget < refiner_.base_triangles()) return refiner_.update(view, options, none_);  // throws Error
     const bool stands = !placed_ && last_ && last_->camera == view.camera() && last_->options == options;
     if (stands) {
       report_.looked_ahead = report_.looked_back = false;
@@ -214,7 +211,7 @@ class AutoRefiner::Impl {
     last_ = {view.camera(), options};
     placed_ = false;
     RefineOptions chosen = report_.choice.with(options);
-    // Each frame draws one occluder, whatever these are; where they changed it would be refined from scratch.
+    // Each frame draws one occluder whatever these options are; changing them would restart from scratch.
     Tuning& tuning = tune(chosen);
     tuning.occluder_splits.clear();
     tuning.retest_hidden = true;
@@ -227,7 +224,7 @@ class AutoRefiner::Impl {
   }
 
  private:
-  // Counts since the camera was last far away.
+  // Holds counts of earlier views. look_ahead() forgets `known` when the camera has moved far.
   struct Counted {
     std::array<std::optional<FrameCounts>, occlusion_effort_count> known;
     QueryRates rates{};
@@ -266,7 +263,7 @@ class AutoRefiner::Impl {
     const Clock::time_point start = Clock::now();
     const Probe::Result& result = probe_.look_ahead(view, options);
     ahead_ = result.all;
-    // From frame to frame, the counts follow the camera.
+    // From frame to frame the counts follow the camera, so they are kept.
     const bool forgets = way == Way::from_scratch || options.budget != looked_with_.budget;
     if (looked_from_ && forgets && is_far_from_last_look(view, options)) {
       back_.reset();
@@ -306,7 +303,7 @@ class AutoRefiner::Impl {
     report_.look_ms += milliseconds_since(start);
   }
 
-  // Before the view, with a look ahead when one is due.
+  // Chooses the effects for a view, after a look ahead when one is due.
   void choose(Way way, const View& view, const RefineOptions& options) {
     const bool had_choice = way == Way::going_on && last_;
     const EffectChoice choice_before = std::move(report_.choice);
@@ -331,7 +328,8 @@ class AutoRefiner::Impl {
     report_.same_error_without = same_error_without(calibration_, prospect, *best, refiner_.full_triangles());
   }
 
-  // Without occlusion: in views near this one, else in others of the scene, else of the shipped scenes.
+  // Returns the counts without occlusion: those of views near this one, else of other views of the scene, else the
+  // usual ones of the shipped scenes.
   [[nodiscard]] FrameCounts counts_so_far(Way way, std::size_t budget, const View& view) const {
     const Counted& past = way == Way::going_on ? going_on_ : from_scratch_;
     if (past.known.front()) return *past.known.front();
@@ -357,14 +355,16 @@ class AutoRefiner::Impl {
     return prospect;
   }
 
-  // The best of what may be chosen. Where no object may be queried, occluders would be drawn for nothing.
+  // Returns the forecast to follow. Where no object may be queried, it is the one without occlusion, because occluders
+  // would be drawn for nothing.
   [[nodiscard]] const EffortForecast* best_forecast(Way way, const EffectChoice* before) {
     const bool may_ask =
         std::any_of(effects_.begin(), effects_.end(), [](const auto& e) { return e.occlusion && e.regions != 0; });
     const std::span<const EffortForecast> all(report_.forecasts.data(), may_ask ? report_.forecasts.size() : 1);
     const auto best =
         std::min_element(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.score() < b.score(); });
-    // From scratch no queries, the first forecast: what they cost is surer than what they gain.
+    // From scratch, other forecasts compete with the first one, without queries: what they cost is surer than what they
+    // gain.
     const auto same = std::find_if(all.begin(), all.end(), [&](const EffortForecast& forecast) {
       if (before == nullptr) return way == Way::from_scratch;
       return forecast.effort == before->effort && forecast.backend == before->backend;
@@ -374,7 +374,7 @@ class AutoRefiner::Impl {
     return report_.held ? &*same : &*best;
   }
 
-  // After the view, with a look back when one is due.
+  // Records the counts of a view, judges what was tested, and looks back when a look is due.
   void learn(Way way, const View& view, const RefineOptions& options, const Refinement& refinement) {
     const RefineStats& stats = refinement.stats;
     report_.objects = refinement.effects;
@@ -422,14 +422,14 @@ class AutoRefiner::Impl {
     return counts;
   }
 
-  // Counts change little from one frame to the next, with few exceptions.
+  // Averages what differs between frames; counts change little from one frame to the next, with few exceptions.
   [[nodiscard]] static FrameCounts mixed(const FrameCounts& before, FrameCounts now) {
     now.splits = std::lerp(before.splits, now.splits, new_share);
     now.visits = std::lerp(before.visits, now.visits, new_share);
     return now;
   }
 
-  // What does not pay on an object stays off until the next look ahead.
+  // Switch off what does not pay on an object, until the next look ahead.
   void judge_cones(const ObjectEffectStats& stats, ObjectEffects& effects) const {
     if (stats.cone_tests < min_cone_tests) return;
     effects.cones = static_cast<double>(stats.cone_culled) * visits_saved_by_cone * calibration_.visit_ns >=
@@ -457,13 +457,13 @@ class AutoRefiner::Impl {
   }
 
   std::vector<RefineObject> objects_;
-  bool placed_ = false;  // some of them elsewhere, since the last update()
+  bool placed_ = false;  // whether objects have been moved since the last update()
   Refiner refiner_;
   Probe probe_;
   NoOcclusion none_;
   std::vector<std::unique_ptr<Visibility>> backends_;
   Calibration calibration_;
-  std::vector<RefineObject> looked_at_;  // where they were then
+  std::vector<RefineObject> looked_at_;  // the objects at the last look ahead
   double extent_ = 0.0;
   double far_share_ = 0.0;
 
@@ -472,10 +472,10 @@ class AutoRefiner::Impl {
   std::size_t views_since_look_ = 0;
   bool back_due_ = false;
   std::size_t jumps_ = 0;       // looks ahead since the last look back
-  std::size_t vain_looks_ = 0;  // looks ahead in turn after which nothing was queried
+  std::size_t vain_looks_ = 0;  // consecutive looks ahead after which nothing was queried
   std::size_t unlooked_ = 0;    // views from elsewhere since the last look ahead
   Renewal renewal_;
-  std::optional<double> visits_per_triangle_;  // from scratch without occlusion, wherever the camera was
+  std::optional<double> visits_per_triangle_;  // from scratch without occlusion, mean over all views
   HiddenShares ahead_;
   std::optional<HiddenShares> back_;
   Counted from_scratch_{{}, usual_query_rates(Way::from_scratch)};
@@ -484,15 +484,15 @@ class AutoRefiner::Impl {
     Camera camera;
     RefineOptions options;
   };
-  std::optional<Last> last_;            // from update(), since the last refine()
-  std::size_t frames_with_choice_ = 0;  // from frame to frame, before the last
+  std::optional<Last> last_;            // camera and options of the last update(), unless refine() followed
+  std::size_t frames_with_choice_ = 0;  // frames before the last one with the same choice
   std::vector<ObjectEffects> effects_;
   struct Worth {
     double queries = 0.0;
-    double splits = 0.0;  // freed
+    double splits = 0.0;  // number freed by hidden answers
   };
   std::vector<std::array<Worth, effect_region_count>> worths_;  // since the last look ahead
-  std::vector<bool> was_judged_;  // by what its queries took, since then: found not worth it
+  std::vector<bool> was_judged_;  // per object: whether its queries were found not worth it since the last look ahead
   EffectReport report_;
 };
 

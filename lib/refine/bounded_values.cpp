@@ -23,7 +23,7 @@ HWY_INLINE hn::Mask<D> has_flags(D d, const std::uint16_t* flags, std::uint32_t 
   return hn::RebindMask(d, hn::Eq(hn::And(found, hn::Set(ints, all | none)), hn::Set(ints, all)));
 }
 
-// How far what a value depends on has moved relative to the camera.
+// Returns how far what each value depends on has moved relative to the camera since it was computed, object units.
 template <class D>
 HWY_INLINE hn::Vec<D> moved(D d, const BoundedValues& of, const ViewMotion& now, std::size_t k) {
   const auto radius = hn::LoadU(d, &of.radius[k]);
@@ -33,7 +33,7 @@ HWY_INLINE hn::Vec<D> moved(D d, const BoundedValues& of, const ViewMotion& now,
   return hn::Sub(hn::Mul(hn::Set(d, 1.0F + motion_rounding), at), hn::LoadU(d, &of.motion_then[k]));
 }
 
-// How far the eye has moved.
+// Returns how far the eye has moved since each value was computed, object units.
 template <class D>
 HWY_INLINE hn::Vec<D> went(D d, const BoundedValues& of, const ViewMotion& now, std::size_t k) {
   return hn::Sub(hn::Set(d, (1.0F + motion_rounding) * static_cast<float>(now.eye_distance)),
@@ -50,7 +50,8 @@ HWY_INLINE hn::Vec<D> error_factor_of(D d, const BoundedValues& of, const ViewMo
   return hn::IfThenElse(holds, factor, hn::Set(d, std::numeric_limits<float>::quiet_NaN()));
 }
 
-// Where BoundedProducts are: read once, as what is appended might be them for all that the compiler knows.
+// Holds the arrays of BoundedProducts. They are read once, because for all the compiler knows, appending to a result
+// might change them.
 struct ProductArrays {
   explicit ProductArrays(const BoundedProducts& of)
       : size(of.flags.size()),
@@ -71,10 +72,10 @@ HWY_INLINE hn::Vec<D> product(D d, const ProductArrays& of, std::size_t k) {
   const auto value = hn::LoadU(d, of.value + k);
   if (of.weight == nullptr) return value;
   const auto weight = hn::LoadU(d, of.weight + k);
-  return hn::IfThenElseZero(hn::Gt(weight, hn::Zero(d)), hn::Mul(value, weight));  // 0 times an infinite scale
+  return hn::IfThenElseZero(hn::Gt(weight, hn::Zero(d)), hn::Mul(value, weight));  // avoids 0 times an infinite scale
 }
 
-// Written so that NaN is selected.
+// Returns which nodes are selected. The comparisons are written so that NaN, an expired value, is selected.
 template <class D>
 HWY_INLINE hn::Mask<D> is_selected(D d, const ProductArrays& of, const Selection& selection, std::size_t k) {
   const auto flagged = has_flags(d, of.flags + k, selection.all, selection.none);
@@ -88,7 +89,7 @@ HWY_INLINE hn::Mask<D> is_selected(D d, const ProductArrays& of, const Selection
 
 template <class D>
 HWY_INLINE void append(D d, hn::Mask<D> mask, std::size_t first, std::vector<std::uint32_t>& out) {
-  std::array<std::uint8_t, 8> bytes{};  // at least, for any number of lanes
+  std::array<std::uint8_t, 8> bytes{};  // enough for any number of lanes
   hn::StoreMaskBits(d, mask, bytes.data());
   for (std::uint64_t bits = std::bit_cast<std::uint64_t>(bytes); bits != 0; bits &= bits - 1)
     out.push_back(static_cast<std::uint32_t>(first) + static_cast<std::uint32_t>(std::countr_zero(bits)));

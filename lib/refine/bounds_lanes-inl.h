@@ -1,4 +1,4 @@
-// What is asked of bounds in a view, a node to a lane, for every instruction set.
+// Tests the bounds of nodes in a view, one node per lane, for every instruction set.
 #if defined(OCCLOD_PRIORITY_BOUNDS_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef OCCLOD_PRIORITY_BOUNDS_LANES_INL_H_
 #undef OCCLOD_PRIORITY_BOUNDS_LANES_INL_H_
@@ -24,7 +24,7 @@ using Doubles = hn::ScalableTag<double>;
 using Floats = hn::Rebind<float, Doubles>;
 using Ints = hn::Rebind<std::int32_t, Doubles>;
 
-// Lanes of floats or of doubles.
+// Holds vectors of floats or of doubles.
 template <typename Tag>
 struct Vec3 {
   hn::Vec<Tag> x, y, z;
@@ -37,7 +37,7 @@ HWY_INLINE Vec3<Doubles> constant(const glm::dvec3& v) { return {constant(v.x), 
 HWY_INLINE hn::Vec<Doubles> wide(hn::Vec<Floats> v) { return hn::PromoteTo(Doubles(), v); }
 HWY_INLINE Vec3<Doubles> wide(const Vec3<Floats>& v) { return {wide(v.x), wide(v.y), wide(v.z)}; }
 
-// As static_cast<float>: Highway's plain C++ would make the largest float of what is infinite.
+// Converts like static_cast<float>. Highway's plain C++ would turn infinity into the largest float.
 HWY_INLINE hn::Vec<Floats> narrow(hn::Vec<Doubles> v) {
   const hn::Vec<Floats> result = hn::DemoteTo(Floats(), v);
   const hn::Mask<Floats> is_infinite = hn::Ge(hn::Abs(result), constant(std::numeric_limits<float>::max()));
@@ -57,7 +57,7 @@ HWY_INLINE hn::Vec<Tag> dot(const Vec3<Tag>& a, const Vec3<Tag>& b) {
 }
 HWY_INLINE hn::Vec<Doubles> length(const Vec3<Doubles>& v) { return hn::Sqrt(dot(v, v)); }
 
-// The members of nodes that are read, a vector each: nodes of either kind are one cache line and begin with a sphere.
+// Reads one member of several nodes into a vector. Nodes of either kind are one cache line and begin with a sphere.
 template <typename Node>
 class NodeLanes {
  public:
@@ -70,7 +70,7 @@ class NodeLanes {
   HWY_INLINE Vec3<Floats> read3(std::size_t offset) const {
     return {read(offset), read(offset + sizeof(float)), read(offset + 2 * sizeof(float))};
   }
-  // Two 16-bit numbers, the first of which is in the lower half.
+  // Reads two 16-bit numbers, the first of which is in the lower half.
   HWY_INLINE hn::Vec<Ints> read_pair(std::size_t offset) const { return hn::BitCast(Ints(), read(offset)); }
 
  private:
@@ -80,14 +80,15 @@ class NodeLanes {
 
 HWY_INLINE hn::Vec<Doubles> infinite() { return constant(std::numeric_limits<double>::infinity()); }
 
-// Whether something is so, and how far the eye may move, or the middle of the sphere from planes, before it is not.
+// Holds whether something is so, and how far the eye may move, or the center of the sphere relative to planes, before
+// that can change.
 template <typename Tag>
 struct Verdict {
   hn::Mask<Tag> is_so;
   hn::Vec<Tag> margin;
 };
 
-// As ObjectView::may_be_inside, operation by operation.
+// Returns the opposite of ObjectView::may_be_inside(), computed by the same operations.
 HWY_INLINE Verdict<Floats> is_outside(const Vec3<Floats>& center, hn::Vec<Floats> radius, const ObjectView& view) {
   hn::Vec<Floats> inside = constant(std::numeric_limits<float>::infinity()), rounding = hn::Zero(Floats());
   for (const glm::vec4& plane : view.planes()) {
@@ -103,7 +104,7 @@ HWY_INLINE Verdict<Floats> is_outside(const Vec3<Floats>& center, hn::Vec<Floats
   return {hn::Lt(inside, hn::Zero(Floats())), hn::Sub(hn::Abs(inside), rounding)};
 }
 
-// As faces_away. Both of what it compares change by no more than the eye moves.
+// Returns the result of faces_away(). Both quantities that it compares change by no more than the eye moves.
 HWY_INLINE Verdict<Doubles> is_facing_away(const Vec3<Doubles>& center, hn::Vec<Doubles> radius,
                                            const Vec3<Doubles>& axis, hn::Vec<Doubles> cos_angle,
                                            const glm::vec3& eye) {
@@ -119,18 +120,19 @@ HWY_INLINE Verdict<Doubles> is_facing_away(const Vec3<Doubles>& center, hn::Vec<
   const hn::Mask<Doubles> away =
       hn::And(hn::And(has_cone, hn::Gt(along, zero)), hn::Gt(smallest, hn::Add(radius, slack)));
   const hn::Vec<Doubles> beyond = hn::Sub(smallest, hn::Add(radius, slack));
-  const hn::Vec<Doubles> nearer = hn::Min(along, beyond);  // both must stay positive, or one of them negative
+  const hn::Vec<Doubles> nearer = hn::Min(along, beyond);  // for no change, both must stay positive, or one of them
+                                                           // negative
   const hn::Vec<Doubles> rounding = hn::Mul(constant(4.0), hn::Abs(slack));
   return {away, hn::IfThenElse(has_cone, hn::Sub(hn::Abs(nearer), rounding), infinite())};
 }
 
-// Pixels per unit, and what that follows from: world units, and doubles of which no more is needed than the size.
-// `nearest` is 0 where the scale does not follow from it: in orthographic views.
+// Holds the scale in pixels per object unit, and the distance of the nearest point of the sphere and its radius, which
+// bound its growth, in world units. `nearest` is 0 in orthographic views, where the scale does not depend on it.
 struct ScaleLanes {
   hn::Vec<Floats> scale_px, nearest, radius;
 };
 
-// As ObjectView::largest_scale_px.
+// Returns the result of ObjectView::largest_scale_px() and what it depends on.
 HWY_INLINE ScaleLanes scale_px(const Vec3<Doubles>& center_in_object, hn::Vec<Doubles> object_radius,
                                const ObjectView& view) {
   const hn::Vec<Doubles> radius = hn::Mul(object_radius, constant(view.largest_stretch()));
@@ -157,7 +159,7 @@ HWY_INLINE ScaleLanes scale_px(const Vec3<Doubles>& center_in_object, hn::Vec<Do
                                           hn::Mul(hn::Mul(nearest, cos_largest), cos_largest));
   const hn::Mask<Doubles> is_before = hn::Gt(nearest, hn::Zero(Doubles()));
   const hn::Vec<Doubles> seen = hn::IfThenElse(is_before, result, infinite());
-  // Rounded up.
+  // The scale is rounded up.
   return {hn::Add(narrow(hn::Mul(seen, constant(1.0 + 2e-7))), constant(std::numeric_limits<float>::denorm_min())),
           narrow(nearest), narrow(radius)};
 }

@@ -29,8 +29,6 @@
 namespace occlod {
 namespace {
 
-// The numbers of a calibration by name.
-
 // Calls visit(key, value) for each number. `Costs` may be const.
 template <typename Costs, typename Visit>
 void for_each_backend_cost(Costs& costs, const Visit& visit) {
@@ -51,12 +49,12 @@ void for_each_cost(Costs& costs, const Visit& visit) {
   visit("fragment_ns", costs.fragment_ns);
 }
 
-constexpr std::size_t passes = 5;  // over everything
-constexpr int rounds = 2;          // of each thing in a pass
+constexpr std::size_t passes = 5;  // passes over all measurements
+constexpr int rounds = 2;          // repetitions of each measurement in a pass
 constexpr int image_side = 1024;   // a usual size; smaller images would fit into caches
 constexpr double min_ns = 0.01;    // the resolution of the clock
 
-// The shorter of two rounds, in ns: other load on the machine can only make a round longer.
+// Returns the shorter time of two rounds, ns: other load on the machine can only make a round longer.
 template <typename Work>
 double fastest_ns(const Work& work) {
   double best = std::numeric_limits<double>::infinity();
@@ -80,11 +78,11 @@ View view_from(double distance) {
   return View(camera);
 }
 
-// About as many as refinement visits together.
+// Refinement visits about as many nodes together.
 constexpr std::size_t visits_at_once = 64;
 
-// Visits each split once, many at a time. `stride`: from one to the next; all are visited unless it divides their
-// number.
+// Visits splits many at a time. `stride` is the step from one to the next; each is visited once if it has no common
+// divisor with their number.
 template <typename Visit>
 void visit_all(SplitId splits, SplitId stride, const Visit& visit) {
   std::array<SplitId, visits_at_once> some;
@@ -97,7 +95,8 @@ void visit_all(SplitId splits, SplitId stride, const Visit& visit) {
   }
 }
 
-// In an order that prefetchers cannot predict, after filling the caches with other data.
+// Returns the time of a visit, ns, in an order that prefetchers cannot predict, after filling the caches with other
+// data.
 template <typename Visit>
 double far_visit_ns(SplitId splits, const Visit& visit) {
   constexpr std::size_t cache_bytes = std::size_t{24} << 20U;
@@ -110,15 +109,15 @@ double far_visit_ns(SplitId splits, const Visit& visit) {
   return per(1e6 * milliseconds_since(start), splits);
 }
 
-// O+ of Guthe's sec. 3.2.2, whose cost is by triangles, and O-, whose cost is by fragments: the same mesh from far and
-// from near.
+// Measures on one mesh: from far, where the cost depends on triangles, and from near, where it depends on fragments (O+
+// and O- of Guthe et al., sec. 3.2.2).
 class Workload {
  public:
   void measure_refinement(Calibration& calibration) const;
-  // `calibration`: with what refinement from scratch costs.
+  // `calibration` holds the costs of refinement from scratch.
   [[nodiscard]] double kept_split_ns(const Calibration& calibration) const;
   void measure_drawing(Calibration& calibration) const;
-  // `calibration`: with what refinement costs.
+  // `calibration` holds the costs of refinement.
   [[nodiscard]] BackendCosts costs_of(Visibility& backend, const Calibration& calibration) const;
 
  private:
@@ -180,7 +179,7 @@ void Workload::measure_refinement(Calibration& calibration) const {
   calibration.kept_split_ns = kept_split_ns(calibration);
 }
 
-// What a frame takes besides visits and changes.
+// Returns the time per kept split of a frame, ns, without visits and changes.
 double Workload::kept_split_ns(const Calibration& calibration) const {
   const RefineObject objects[] = {{.hierarchy = &hierarchy_}};
   Refiner refiner(objects);
@@ -197,15 +196,15 @@ double Workload::kept_split_ns(const Calibration& calibration) const {
   return per(all - changes - static_cast<double>(stats.visits) * calibration.visit_ns, stats.splits);
 }
 
-// What one more planet takes. `draw`: draws parts in a view and tells how long it took, ns; what is done once for an
-// image cancels.
+// Returns the time that one more planet takes, ns. `draw` draws parts in a view and returns the time, ns; what is done
+// once per image cancels.
 template <typename Draw>
 double Workload::one_planet_ns(const Draw& draw, const View& view) const {
   constexpr std::size_t more = 4;
   return (draw(planets(1 + more), view) - draw(planets(1), view)) / static_cast<double>(more);
 }
 
-// What is left of it when it is near and its triangles have been paid for.
+// Returns the time per fragment, ns: what a near planet takes beyond the cost of its triangles.
 template <typename Draw>
 double Workload::fragment_ns(const Draw& draw, double triangle_ns) const {
   const ObjectView view(near_, glm::dmat4(1.0));
@@ -227,10 +226,10 @@ void Workload::measure_drawing(Calibration& calibration) const {
   calibration.fragment_ns = per(draw(walls(1), near_), std::size_t{image_side} * image_side);
 }
 
-// The extra time per query when refinement queries all that it can instead of nothing. The cost of the occluder
-// cancels, and collecting the queries and keeping the answers are included.
+// Returns the extra time per query, ns, when refinement queries all that it can instead of nothing. The cost of the
+// occluder cancels; collecting the queries and keeping the answers are included.
 double Workload::query_ns(Visibility& backend, const Calibration& calibration) const {
-  constexpr std::uint32_t no_levels = 1U << 30U;  // no forest is so deep
+  constexpr std::uint32_t no_levels = 1U << 30U;  // no forest is this deep
   const RefineObject objects[] = {{.hierarchy = &hierarchy_}};
   Refiner refiner(objects);
   RefineOptions options = half_budget();
@@ -273,16 +272,15 @@ BackendCosts Workload::costs_of(Visibility& backend, const Calibration& calibrat
                            (void)backend.collect();
                          }),
                          1);
-  // As a difference of two times it is the least certain: on the shipped scenes a query among many takes between half
-  // of the time of one that is waited for and all of it.
+  // This difference of two times is the least certain cost: on the shipped scenes, a query among many takes between
+  // half the time of a query that is waited for and all of it.
   costs.query_ns = std::clamp(query_ns(backend, calibration), 0.5 * costs.latency_ns, costs.latency_ns);
   return costs;
 }
 
 }  // namespace
 
-// Each number is the median of what the passes found: of differences, too, which other load can make smaller as well as
-// larger.
+// Returns the medians over all passes, also of differences, which other load can make smaller as well as larger.
 Calibration measure_calibration(std::span<const std::unique_ptr<Visibility>> backends) {
   const Workload workload;
   std::array<Calibration, passes> found;
@@ -346,7 +344,7 @@ hlod::DeviceCosts read_device(const JsonPlace& place) {
   return costs;
 }
 
-// Of the elements of an array so far, the last must have a name of its own.
+// Throws Error when the last element of an array so far has the name of an earlier one.
 template <typename Costs>
 void expect_new_name(const std::vector<Costs>& costs, const JsonPlace& place) {
   for (std::size_t i = 0; i + 1 < costs.size(); ++i)

@@ -21,7 +21,7 @@ std::ptrdiff_t gain_of(const SplitStar& star) {
   return static_cast<std::ptrdiff_t>(star.inserted_count()) - static_cast<std::ptrdiff_t>(star.removed_count());
 }
 
-// Ascending, by their digits from the last on. `scratch`: as many.
+// Sorts ids in ascending order by their digits. `scratch` becomes as large as `ids`.
 void sort_ids(std::vector<SplitId>& ids, std::vector<SplitId>& scratch) {
   constexpr unsigned digit_bits = 11;
   constexpr std::size_t digits = std::size_t{1} << digit_bits;
@@ -37,7 +37,7 @@ void sort_ids(std::vector<SplitId>& ids, std::vector<SplitId>& scratch) {
   }
 }
 
-// Reading a file split by split does not find it.
+// Throws Error for damage that checking the splits of a file one by one does not find.
 [[noreturn]] void fail_removed_twice(SplitId s) {
   throw Error(
       {"hierarchy", "split " + std::to_string(s), "removes a face that is not there any more", "build it again"});
@@ -154,7 +154,7 @@ void Cut::drop_taken_back() {
   some_taken_back_ = false;
 }
 
-// Only ears of a boundary and stars that are no fan have any.
+// Only ears of a boundary and stars that are not a fan have corner needs.
 template <typename Visit>
 void Cut::for_each_corner_need(const SplitStar& star, const Visit& visit) {
   if (star.is_fan() && star.inserted_count() == star.ring().size()) return;

@@ -1,4 +1,4 @@
-// The state of one refined object: which splits are applied. Always closed under dependency.
+// Holds which splits of the objects are applied. The set is always closed under dependency.
 #pragma once
 
 #include <algorithm>
@@ -20,43 +20,43 @@ class Cut {
  public:
   explicit Cut(const Hierarchy& hierarchy);
 
-  // Back to the base mesh. O(applied splits).
+  // Returns to the base mesh. O(applied splits).
   void clear();
 
   [[nodiscard]] const Hierarchy& hierarchy() const noexcept { return *hierarchy_; }
   [[nodiscard]] bool applied(SplitId s) const noexcept { return (state_[s] & applied_bit) != 0; }
-  // In the order of application until active_triangles() sorts them. Where some have been taken back, only
-  // active_triangles() drops those.
+  // Returns applied splits in the order of application until active_triangles() sorts them. Splits that have been taken
+  // back stay listed until active_triangles() drops them.
   [[nodiscard]] std::span<const SplitId> applied_splits() const noexcept { return applied_; }
   [[nodiscard]] std::size_t triangle_count() const noexcept { return triangles_; }
 
-  // What it takes to apply s: itself and every unapplied split that it needs, directly or not.
+  // Lists what it takes to apply s: s itself and every unapplied split that it needs, directly or not.
   struct Closure {
     std::span<const SplitId> splits;  // valid until the next call
-    std::size_t triangles = 0;        // that the cut would gain; splits never lose any on balance
+    std::size_t triangles = 0;        // net number that the cut would gain, never negative
   };
-  // Precondition: s is not applied. O(closure). Throws Error when a needed split is damaged.
+  // Returns the closure of s. Precondition: s is not applied. O(closure). Throws Error when a needed split is damaged.
   [[nodiscard]] Closure closure(SplitId s);
-  // Whether s may be applied will soon be asked. Its star should be at hand.
+  // Prefetches what a coming closure(s) reads. The star of s should be in the caches already.
   void prefetch_needs(SplitId s) const noexcept {
     prefetch(&state_[s]);
     for (const SplitId needed : hierarchy_->star(s).dependencies()) prefetch(&state_[needed]);
   }
-  // Applies what the last closure() found. Throws Error for a split that removes a face which another has removed; only
+  // Applies the result of the last closure(). Throws Error when a split removes a face that another has removed; only
   // clear() may follow.
   void apply_closure();
 
-  // Whether no applied split needs s. Precondition: s is applied.
+  // Returns whether no applied split needs s. Precondition: s is applied.
   [[nodiscard]] bool is_leaf(SplitId s) const;
-  // How many of the faces that s inserts have been removed by applied splits. Precondition: s is applied.
+  // Returns how many faces that s inserts have been removed by applied splits. Precondition: s is applied.
   [[nodiscard]] std::uint32_t removed_faces(SplitId s) const;
-  // Takes a leaf back.
+  // Takes back a split. Precondition: it is a leaf.
   void take_back(SplitId s);
 
-  // Active faces: base faces and faces of applied splits that no applied split removes; base faces first, then by
-  // split and slot iff `sorted`; sorting also sorts applied_splits().
+  // Writes the active faces: faces of the base mesh and of applied splits that no applied split removes. Base faces
+  // come first; iff `sorted`, the others follow by split and slot, and applied_splits() is sorted as well.
   void active_triangles(std::vector<Triangle>& out, bool sorted);
-  // The same by their wedges: what to draw.
+  // Writes the same faces with wedge ids, as they are drawn.
   void active_wedge_triangles(std::vector<Triangle>& out, bool sorted);
   // Calls visit(FaceRef, Triangle) for each active face in the order of applied_splits().
   template <typename Visit>
@@ -65,8 +65,8 @@ class Cut {
  private:
   static constexpr std::uint32_t applied_bit = 1U << 31U;
   static constexpr std::uint32_t closure_bit = 1U << 30U;
-  static constexpr std::uint32_t listed_bit = 1U << 29U;  // is in applied_, where a split stays that is taken back
-  static constexpr std::uint32_t mask_slots = 29;         // low bits: the faces of these slots have been removed
+  static constexpr std::uint32_t listed_bit = 1U << 29U;  // is in applied_, where a split stays after it is taken back
+  static constexpr std::uint32_t mask_slots = 29;  // low bits: whether the faces of these slots have been removed
   static constexpr std::uint32_t mask_bits = (1U << mask_slots) - 1;
 
   [[nodiscard]] bool needs_no_other(const SplitStar& star) const;
@@ -75,16 +75,16 @@ class Cut {
   void set_removed(const FaceRef& face, bool removed);
   [[nodiscard]] bool removed(const FaceRef& face) const;
   [[nodiscard]] bool removed(SplitId s, std::uint32_t slot) const;
-  // Calls visit(SplitId) for each split that s needs though s removes no face of it, for a corner alone.
+  // Calls visit(SplitId) for each split that s needs only for a corner, without removing a face of it.
   template <typename Visit>
   void for_each_corner_need(const SplitStar& star, const Visit& visit);
 
   const Hierarchy* hierarchy_;
-  ZeroedArray<std::uint32_t> state_;                         // of each split
-  std::vector<bool> base_removed_;                           // of each base face
-  std::unordered_set<std::uint64_t> others_removed_;         // split << 32 | slot, of slots that have no bit
+  ZeroedArray<std::uint32_t> state_;                         // per split
+  std::vector<bool> base_removed_;                           // per base face
+  std::unordered_set<std::uint64_t> others_removed_;         // split << 32 | slot, for slots without a bit
   std::unordered_map<SplitId, std::uint32_t> corner_needs_;  // how many applied splits need this one for a corner alone
-  std::vector<SplitId> applied_;                             // and splits that have been taken back, if any
+  std::vector<SplitId> applied_;                             // also splits that have been taken back, if any
   bool some_taken_back_ = false;
   std::vector<SplitId> closure_;
   std::vector<SplitId> removed_from_, sorting_;  // scratch
@@ -94,7 +94,7 @@ class Cut {
 
 template <typename Visit>
 void Cut::for_each_active(const Visit& visit) const {
-  constexpr std::size_t ahead = 8;  // stars are read in no order of memory
+  constexpr std::size_t ahead = 8;  // stars are not read in the order of memory
   const std::span<const Triangle> base = hierarchy_->data().base_faces;
   for (std::uint32_t f = 0; f < base.size(); ++f)
     if (!base_removed_[f]) visit(FaceRef{no_id, f}, base[f]);
@@ -115,14 +115,12 @@ void Cut::for_each_active(const Visit& visit) const {
   }
 }
 
-// The cuts of all objects, which share one budget.
-
-// Knows how many triangles all of them have.
+// Holds the cuts of all objects, which share one budget, and the number of their triangles.
 class CutSet {
  public:
   void add(const Hierarchy& hierarchy);
 
-  // All back to their base meshes. O(applied splits).
+  // Returns to the base meshes. O(applied splits).
   void clear();
 
   [[nodiscard]] std::uint32_t size() const noexcept { return static_cast<std::uint32_t>(cuts_.size()); }
@@ -131,7 +129,7 @@ class CutSet {
   [[nodiscard]] std::size_t triangle_count() const noexcept { return triangles_; }
   [[nodiscard]] std::size_t base_triangle_count() const noexcept { return base_triangles_; }
 
-  // As those of Cut.
+  // These do for one object what those of Cut do.
   [[nodiscard]] Cut::Closure closure(std::uint32_t object, SplitId s) { return cuts_[object].closure(s); }
   void apply_closure(std::uint32_t object);
   void active_triangles(std::uint32_t object, std::vector<Triangle>& out, bool sorted) {
@@ -141,7 +139,7 @@ class CutSet {
     cuts_[object].active_wedge_triangles(out, sorted);
   }
 
-  // Takes a leaf back, then calls visit_leaf(SplitId) for each split that this has made a leaf.
+  // Takes a leaf back, then calls visit_leaf(SplitId) for each split that has become a leaf thereby.
   template <typename Visit>
   void take_back(std::uint32_t object, SplitId s, const Visit& visit_leaf);
 

@@ -30,7 +30,7 @@ void FaceList::assign(const Cut& cut) {
     if (face.split != no_id && blocks_[face.split] == 0) new_block_of(face.split);
     add(face, drawn(face, triangle));
   });
-  for (const SplitId s : cut.applied_splits())  // of which no face is active
+  for (const SplitId s : cut.applied_splits())  // also if none of its faces is active
     if (cut.applied(s) && blocks_[s] == 0) new_block_of(s);
 }
 
@@ -59,7 +59,7 @@ void FaceList::take_back(SplitId s) {
   assert(holes_.empty());
   for (std::uint32_t slot = 0; slot < star.inserted_count(); ++slot) holes_.push_back(place_of({s, slot}));
   free_block_of(s);
-  // With the corners in the order in which they were: the removed list may start at another.
+  // Keeps the corners in their original order: the removed list may start at another corner.
   star.for_each_removed([&](const FaceRef& face, const Triangle&) {
     add(face, drawn(face, face.split == no_id ? hierarchy_->data().base_faces[face.slot]
                                               : hierarchy_->star(face.split).inserted(face.slot)));
@@ -94,7 +94,7 @@ void FaceList::add(const FaceRef& face, const Triangle& triangle) {
   put(place, face, triangle);
 }
 
-// With the last triangles.
+// Moves the last triangles into the holes.
 void FaceList::fill_holes() {
   std::sort(holes_.begin(), holes_.end(), std::greater<>());
   for (const std::uint32_t hole : holes_) {
@@ -193,7 +193,7 @@ void DrawnMesh::emit_all_splits(const Cut& cut, std::vector<SplitId>& out, Refin
 }
 
 void DrawnMesh::emit_splits(const Cut& cut, std::vector<SplitId>& out, RefineStats& stats) {
-  // What came and went, or went and came, is no change.
+  // A split that was applied and taken back in one frame, or the reverse, is no change.
   const auto keep_changes = [&](std::vector<SplitId>& splits, bool applied) {
     std::sort(splits.begin(), splits.end());
     splits.erase(std::unique(splits.begin(), splits.end()), splits.end());
@@ -228,8 +228,8 @@ void DrawnMesh::emit_geomorphs(const Cut& cut, std::uint32_t geomorph_frames, st
   }
 }
 
-// Each wedge of the vertex slides from the wedge of its parent in the faces where their charts meet, or in the face
-// that took its face's place.
+// Lets each wedge of the vertex slide from a wedge of its parent: the one in a face that has both, or the one in the
+// removed face whose place the wedge's face takes.
 void DrawnMesh::emit_wedge_geomorphs(const Hierarchy& hierarchy, SplitId s, float t, std::vector<Geomorph>& out) {
   const SplitStar star = hierarchy.star(s);
   const SplitCorners corners = hierarchy.corners(s);
@@ -260,7 +260,7 @@ void DrawnMesh::emit_wedge_geomorphs(const Hierarchy& hierarchy, SplitId s, floa
       if (shared == 2 && of_v != no_id && corner_of(face, face, u) == no_id) add(of_v, of_u);
     }
   });
-  // Wedges that other cuts use come along: all of a vertex lie at one place.
+  // Wedges that only other cuts use slide too, because all wedges of a vertex lie at one place.
   add(star.vertex(), u);
   const WedgeRange extra = extra_wedges_of(hierarchy.data(), star.vertex());
   for (WedgeId w = extra.first; w < extra.first + extra.count; ++w) add(w, u);

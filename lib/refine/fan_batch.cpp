@@ -42,7 +42,7 @@ HWY_INLINE Point corner(const FanBatch::Corners& corners, std::size_t place, std
   return {load(corners.x[place], i), load(corners.y[place], i), load(corners.z[place], i)};
 }
 
-// The faces of a fan around one of its vertices.
+// Sums over the faces of a fan around one of its vertices that face the eye.
 struct SeenFaces {
   HWY_INLINE SeenFaces(const Point& vertex, const glm::vec3& eye, bool both_sides)
       : apex(vertex),
@@ -50,7 +50,7 @@ struct SeenFaces {
         facing(hn::Zero(Fans())),
         two_sided(both_sides) {}
 
-  // From a to b, as seen from the apex. Adds to the sums of both kinds of faces.
+  // Adds the face (apex, a, b). `faces` and `whole` are sums over inserted and removed faces.
   HWY_INLINE void add(const Point& a, const Point& b, FanMask is_face, FanVec& faces, FanVec& whole) {
     const FanVec zero = hn::Zero(Fans());
     const Point normal = cross(subtract(a, apex), subtract(b, apex));
@@ -63,7 +63,7 @@ struct SeenFaces {
     whole = hn::Add(whole, hn::IfThenElseZero(is_face, hn::Sqrt(dot(normal, normal))));
     facing = hn::Add(facing, hn::IfThenElseZero(is_face, towards));
   }
-  // The sum along the direction to the eye.
+  // Returns the sum with the direction to the eye scaled to unit length.
   HWY_INLINE FanVec facing_sum() const { return hn::Div(facing, hn::Sqrt(dot(to_eye, to_eye))); }
 
   Point apex, to_eye;
@@ -165,7 +165,7 @@ void FanBatch::add(const SplitStar& star, std::span<const glm::vec3> positions) 
   corners_.inserted[i] = static_cast<float>(star.inserted_count());
   corners_.parent_place[i] = static_cast<float>(parent_place);
   corners_.place_before_parent[i] = static_cast<float>(parent_place == 0 ? ring.size() - 1 : parent_place - 1);
-  // Longer rings than before need what shorter ones repeat.
+  // Rings repeat their first vertex up to the length of the longest one, which may be the new one.
   const std::size_t before = std::exchange(longest_, std::max(longest_, ring.size()));
   for (std::size_t place = ring.size(); place <= longest_; ++place) put(place, first);
   for (std::size_t place = before + 1; place <= longest_; ++place)

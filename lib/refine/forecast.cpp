@@ -21,12 +21,12 @@ bool asks_stars(OcclusionEffort effort) {
 
 struct OccluderCounts {
   double draws = 0.0;
-  double triangles = 0.0;  // that face the eye, of all draws
-  double layers = 0.0;     // fragments for each pixel, of all draws
+  double triangles = 0.0;  // triangles that face the eye, summed over draws
+  double layers = 0.0;     // fragments per pixel, summed over draws
 };
 
-// Fragments for each pixel that an occluder of so many triangles has: looks have counted those of a coarse mesh and of
-// that of the budget, and each doubling in between adds as much.
+// Returns the fragments per pixel of an occluder with this many triangles. Looks have counted those of a coarse mesh
+// and of one that uses the budget; each doubling in between adds as much.
 double layers_of(double triangles, const Prospect& prospect) {
   const double coarse = prospect.ahead.coverage.front_layers, fine = prospect.back.coverage.front_layers;
   const double doublings = std::log2(std::max(prospect.counts.triangles / coarse_triangles, 2.0));
@@ -52,14 +52,15 @@ OccluderCounts occluders_of(const Prospect& prospect, OcclusionEffort effort) {
   return counts;
 }
 
-// Visits saved on hidden surface are spent elsewhere, where the freed triangles go. They never save more: refinement
-// without occlusion does not visit all of what is hidden either.
+// Returns the factor by which occlusion changes the visits. Visits saved on hidden surface are spent elsewhere, where
+// the freed triangles go. The factor has a lower bound, because refinement without occlusion does not visit all hidden
+// nodes either.
 double visits_factor(const HiddenShares& shares) {
   constexpr double least = 0.4;
   return std::clamp((1.0 - shares.visits_hidden) / (1.0 - std::min(shares.splits_hidden, max_hidden)), least, 1.0);
 }
 
-// Counted with this effort if known, else with another, else estimated from the shares.
+// Returns the counts measured with this effort if known, else with another, else an estimate from the shares.
 FrameCounts counts_with(OcclusionEffort effort, const Prospect& prospect, const HiddenShares& shares) {
   if (const auto& known = prospect.known[static_cast<std::size_t>(effort)]) return *known;
   const auto other = std::find_if(prospect.known.begin() + 1, prospect.known.end(),
@@ -74,8 +75,9 @@ const HiddenShares& shares_for(OcclusionEffort effort, const Prospect& prospect)
   return is_renewed(effort) ? prospect.back : prospect.ahead;
 }
 
-// The share of splits that an effort frees. From frame to frame only star queries test again what is applied: without
-// them what becomes hidden stays, and the error falls by 0.4 times as many octaves (0.2 to 0.45 on the shipped scenes).
+// Returns the share of splits that an effort frees. From frame to frame only star queries test applied splits again:
+// without them what becomes hidden stays, and the error falls by 0.4 times as many octaves (0.2 to 0.45 on the shipped
+// scenes).
 double hidden_with(OcclusionEffort effort, const Prospect& prospect, const HiddenShares& shares) {
   constexpr double found_anew = 0.4;
   if (asks_stars(effort)) return std::min(shares.stars_hidden, max_hidden);
@@ -119,7 +121,7 @@ FrameCounts counts_without(const FrameCounts& with, const HiddenShares& shares) 
   return without;
 }
 
-// What depends on the number of triangles grows with it; pixels do not.
+// Counts that depend on the number of triangles grow with it; pixels do not.
 FrameForecast same_error_without(const Calibration& calibration, const Prospect& prospect, const EffortForecast& chosen,
                                  std::size_t full_triangles) {
   FrameCounts counts = prospect.counts;
@@ -149,7 +151,8 @@ double triangles_for(double error, const FinerCounts& finer) {
   return finer[i] * std::pow(finer[i + 1] / finer[i], halvings - static_cast<double>(i));
 }
 
-// What is hidden has no part in it, in squares. Fitted to the shipped scenes, where it is 0.5 to 1.2 times the level.
+// Hidden surface adds nothing to the squared error. The factor is fitted to the shipped scenes, where the error is 0.5
+// to 1.2 times the level.
 double picture_error_px(double level_px, double hidden) { return 0.8 * level_px * std::sqrt(1.0 - hidden); }
 
 std::vector<EffortForecast> forecasts(const Calibration& calibration, const Prospect& prospect) {
@@ -164,8 +167,8 @@ std::vector<EffortForecast> forecasts(const Calibration& calibration, const Pros
   return all;
 }
 
-// A hidden star is one split. The splits below a node are taken to be more the larger its error is by the law by which
-// they become more below the level, all hidden subtrees of a region to have their mean error.
+// A hidden star is one split. The larger the error of a node, the more splits are assumed below it, by the law by which
+// they become more below the level; all hidden subtrees of a region are assumed to have their mean error.
 double splits_freed(const ObjectEffectStats::Region& region, double level_px, const FinerCounts& finer) {
   constexpr double min_level_px = 0.1;
   const auto subtrees = static_cast<double>(region.hidden - region.hidden_stars);
@@ -184,8 +187,8 @@ QueryRates usual_query_rates(Way way) noexcept {
   return {0.0, 0.68, 0.71, 0.92, 0.95};
 }
 
-// A node, its star and the positions that it names are some 250 bytes: half of the visits are far where there are four
-// times as many as fill the caches of the machines that this was fitted on.
+// A node, its star and the positions that it names take some 250 bytes. Half of the visits miss the caches when there
+// are four times as many splits as fill the caches of the machines that this was fitted on.
 double far_share(std::size_t splits) noexcept {
   constexpr double half_far = 400'000.0;
   const auto count = static_cast<double>(splits);

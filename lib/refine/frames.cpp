@@ -10,11 +10,12 @@
 namespace occlod {
 namespace {
 
-// Of what needs what: no file can use up the stack.
+// Limits the depth of dependencies that are followed, so that no file can use up the stack.
 constexpr int max_depth = 64;
-// In frames, for which what a split needs is held to be known.
+// Number of frames for which the charges of a split are kept.
 constexpr std::uint16_t max_age = 4;
-// In splits: more than this counts as this, so that what is kept by others anyway sinks to a third at most.
+// Larger charges count as this many splits, so that the priority of a leaf whose needs are kept by others anyway does
+// not sink too far.
 constexpr float max_kept = 2.0F;
 
 std::uint32_t count_removed(const SplitStar& star, SplitId from) {
@@ -38,7 +39,7 @@ float UnseenNeeds::weight_of_closure(std::uint32_t object, const Cut::Closure& c
   return weight(std::min(kept, max_kept) + forced);
 }
 
-// What removes several faces of one is charged for each.
+// Returns the charges of a split. If it removes several faces of another split, it is charged for each.
 float UnseenNeeds::needed_by(std::uint32_t object, SplitId s, int depth) {
   const Cut& cut = (*evaluation_.scene().cuts)[object];
   const SplitStar star = evaluation_.scene().hierarchy(object).star(s);
@@ -50,7 +51,7 @@ float UnseenNeeds::needed_by(std::uint32_t object, SplitId s, int depth) {
   return unseen;
 }
 
-// Of what is applied already.
+// Returns the charges for splits that are already applied.
 float UnseenNeeds::needed_by_unapplied(std::uint32_t object, SplitId s) {
   const Cut& cut = (*evaluation_.scene().cuts)[object];
   const SplitStar star = evaluation_.scene().hierarchy(object).star(s);
@@ -63,7 +64,7 @@ float UnseenNeeds::needed_by_unapplied(std::uint32_t object, SplitId s) {
   return unseen;
 }
 
-// For each of `own` faces among those removed.
+// Returns the charge per face for `own` of the `removed` faces of s.
 float UnseenNeeds::charge(std::uint32_t object, SplitId s, std::uint32_t own, std::uint32_t removed, int depth) {
   const float part = unseen_part(object, s);
   if (part == 0.0F) return 0.0F;
@@ -71,7 +72,7 @@ float UnseenNeeds::charge(std::uint32_t object, SplitId s, std::uint32_t own, st
   return part * whole / std::sqrt(static_cast<float>(own) * static_cast<float>(removed));
 }
 
-// What an applied split needs.
+// Returns the charges of an applied split, cached for max_age frames.
 float UnseenNeeds::below(std::uint32_t object, Front::Index k, int depth) {
   Front& front = evaluation_.front(object);
   const auto now = static_cast<std::uint16_t>(frame_);
@@ -106,12 +107,12 @@ namespace {
 constexpr float infinity = std::numeric_limits<float>::infinity();
 // When so many candidates need more triangles than are left, the budget counts as used up.
 constexpr std::size_t max_rejections = 16;
-constexpr std::size_t min_gain = 1;  // of triangles, by a split: one at a border
-// Where the candidates that are queued do not suffice, less important ones follow, so much at a time.
+constexpr std::size_t min_gain = 1;  // smallest number of triangles that a split adds: one at a boundary
+// Where the queued candidates do not suffice, those down to this factor below them follow.
 constexpr float band_step = 1.25F;
-// From scratch leaves do not pay for what they keep, so the budget ends at a higher level than from frame to frame. The
-// frames after it come down in steps that grow by this factor, rather than the first of them at once, until they are so
-// far below.
+// Refinement from scratch does not charge leaves for what they keep, so its budget ends at a higher level than that of
+// later frames. Those lower the level in steps that grow by settling_growth, rather than all at once, until it is
+// settled_part of the adopted level.
 constexpr float settling_growth = 1.12F, settled_part = 0.25F;
 // A budget with less room than this, in triangles, counts as used up.
 constexpr std::size_t min_room = 16;
@@ -183,7 +184,7 @@ void SplitExchange::exchange() {
     if (entry.kind == Entry::Kind::visit) {
       descend(entry);
     } else if (!apply_split(evaluation_.scene(), entry, *this)) {
-      // What comes later matters less and takes no room from leaves either: it can only fit into what is left.
+      // Later candidates matter less and take no room from leaves either: they can only use what is left.
       level_ = std::max(level_, entry.priority);
       ++stats_->rejected_splits;
       rejected_.include(entry.error);
@@ -202,13 +203,13 @@ void SplitExchange::gather() {
   candidates_above_ = level_ / level_band;
   last_step_ = worthless_part * level_;
   leaves_below_ = level_ * level_band;
-  // All of them where the budget is enough: some may be needless.
+  // If the budget is enough, all leaves are queued, because some may be needless.
   if (level_ == 0.0F && options->tolerance_px > 0.0) leaves_below_ = infinity;
   gather_candidates(candidates_above_, infinity);
   gather_leaves(0.0F, leaves_below_);
 }
 
-// Reached nodes, at which refinement may go on.
+// Queues candidates with priorities in (low, high]: reached nodes at which refinement may go on.
 void SplitExchange::gather_candidates(float low, float high) {
   const RefineOptions* const options = evaluation_.scene().options;
   const auto is_wanted = [&](float priority, const ScreenError& error) {
@@ -250,7 +251,7 @@ bool SplitExchange::weighs_again(const Front& front, Front::Index k) const {
   return !front.is(k, Front::weighed) || (front.node(k).split + frame_) % weighing_rounds == 0;
 }
 
-// Of found_.
+// Drops nodes from found_ whose priorities are at most `low`.
 void SplitExchange::leave_out_low(std::uint32_t object, float low) {
   const Front& front = evaluation_.front(object);
   std::size_t kept = 0;
@@ -263,15 +264,16 @@ void SplitExchange::leave_out_low(std::uint32_t object, float low) {
   found_.resize(kept);
 }
 
-// A tolerance is kept in each frame.
+// Returns whether other candidates are left to later frames. With a tolerance none are, because it is kept in each
+// frame.
 bool SplitExchange::waits_for_later_frames() const {
   const RefineOptions* const options = evaluation_.scene().options;
   return candidates_above_ <= settling_level_ && !(options->tolerance_px > 0.0) &&
          evaluation_.scene().cuts->triangle_count() + min_room > options->budget;
 }
 
-// Until there is one that comes before all that is not queued yet: a little less important ones each time, then the
-// rest; as far as this frame goes.
+// Queues candidates until one precedes all that are not queued yet: a little less important ones each time, then all
+// others, as far as this frame goes.
 void SplitExchange::gather_more_candidates() {
   while (candidates_above_ > 0.0F && !waits_for_later_frames() &&
          (candidates_.empty() || candidates_.top().priority <= candidates_above_)) {
@@ -281,7 +283,7 @@ void SplitExchange::gather_more_candidates() {
   }
 }
 
-// In turn.
+// Weighs the leaves whose turn it is in this frame.
 void SplitExchange::weigh_leaves(std::uint32_t object) {
   found_.clear();
   select(evaluation_.errors(object), {.all = Front::applied | Front::leaf, .none = Front::is_new | Front::hidden},
@@ -296,7 +298,7 @@ void SplitExchange::weigh_leaf(std::uint32_t object, Front::Index k) {
   front.forced_weight(k) = unseen_needs_.weight_of_applied(object, front.node(k).split);
 }
 
-// Applied splits that none needs.
+// Queues applied splits that no other needs and whose priorities are in [low, high).
 void SplitExchange::gather_leaves(float low, float high) {
   constexpr std::uint16_t wanted = Front::applied | Front::leaf;
   const RefineOptions* const options = evaluation_.scene().options;
@@ -315,7 +317,7 @@ void SplitExchange::gather_leaves(float low, float high) {
   }
 }
 
-// The rest.
+// Queues all other leaves. Returns false when no leaf is queued then.
 bool SplitExchange::gather_more_leaves() {
   if (leaves_below_ == infinity) return false;
   const float from = std::exchange(leaves_below_, infinity);
@@ -337,7 +339,7 @@ void SplitExchange::descend(const Entry& entry) {
   if (!front.is(k, Front::applied)) enqueue_split(i, k);
 }
 
-// The split of a node that is reached, if it is worth anything.
+// Queues the split of a reached node if it is worth anything.
 void SplitExchange::enqueue_split(std::uint32_t object, Front::Index k) {
   const SplitWorth worth = evaluation_.worth(object, k);
   const FrontNode& node = evaluation_.front(object).node(k);
@@ -358,11 +360,12 @@ bool SplitExchange::step_back(const Entry& entry) {
   return true;
 }
 
-// Gives up the least important leaf, if that is worth it for what matters so much.
+// Takes back the least important leaf if `priority` exceeds that of the leaf by the hysteresis. Returns false
+// otherwise.
 bool SplitExchange::make_room(float /*turn_priority*/, float priority) {
   const RefineOptions* const options = evaluation_.scene().options;
   const float most = priority * (1.0F - static_cast<float>(tuning_of(*options).hysteresis));
-  // What is not queued yet matters more than the queue's limit.
+  // Leaves that are not queued yet matter at least as much as leaves_below_.
   if (leaves_.empty() && (most <= leaves_below_ || !gather_more_leaves())) return false;
   if (!(1.0F / leaves_.top().priority < most)) return false;
   return take_back_least();
@@ -372,7 +375,7 @@ void SplitExchange::apply_closure(const Entry& entry, const Cut::Closure& closur
   CutSet& cuts = *evaluation_.scene().cuts;
   Front& front = evaluation_.front(entry.object);
   sorted_.assign(closure.splits.begin(), closure.splits.end());
-  std::sort(sorted_.begin(), sorted_.end());  // what is needed comes first
+  std::sort(sorted_.begin(), sorted_.end());  // puts dependencies first
   cuts.apply_closure(entry.object);
   for (const SplitId s : sorted_) {
     meshes_[entry.object].apply(s);
@@ -399,7 +402,7 @@ void SplitExchange::note_forced(const Entry& entry, const Cut::Closure& closure)
   }
 }
 
-// Still what it was when it was queued.
+// Returns whether a queued leaf is still an applied leaf of earlier frames.
 bool SplitExchange::is_old_leaf(const Entry& leaf) const {
   if (!(*evaluation_.scene().cuts)[leaf.object].applied(leaf.split)) return false;
   const Front& front = evaluation_.front(leaf.object);
@@ -407,7 +410,7 @@ bool SplitExchange::is_old_leaf(const Entry& leaf) const {
   return front.is(k, Front::leaf) && !front.is(k, Front::is_new);
 }
 
-// False when there is none left.
+// Takes back the least important leaf. Returns false when none is left.
 bool SplitExchange::take_back_least() {
   while (!leaves_.empty() || gather_more_leaves()) {
     const Entry leaf = leaves_.pop();
@@ -443,7 +446,7 @@ void SplitExchange::take_back(std::uint32_t object, SplitId s) {
   meshes_[object].take_back(s);
   evaluation_.scene().cuts->take_back(object, s, note_leaves);
   if (front.is(k, Front::reached))
-    enqueue_split(object, k);  // it may be wanted again once better leaves have come up
+    enqueue_split(object, k);  // it may be applied again when less important leaves have appeared
   else
     front.remove(k);
 }
@@ -453,7 +456,7 @@ void SplitExchange::enqueue_new_leaf(std::uint32_t object, SplitId s) {
   const Front::Index k = front.find(s);
   front.set(k, Front::leaf, true);
   if (front.is(k, Front::is_new)) return;
-  // It may well be hidden too, and then its room is wanted now.
+  // The new leaf may well be hidden too, and then its room is wanted now.
   queries_.ask_about_new_leaf(object, k);
   if (tuning_of(*evaluation_.scene().options).culling == Culling::star) weigh_leaf(object, k);
   const float priority = leaf_priority(object, k);
@@ -461,11 +464,11 @@ void SplitExchange::enqueue_new_leaf(std::uint32_t object, SplitId s) {
 }
 
 void SplitExchange::enqueue_leaf(std::uint32_t object, SplitId s, float priority) {
-  leaves_.push({1.0F / priority, {}, s, object});  // infinite for what is worth nothing
+  leaves_.push({1.0F / priority, {}, s, object});  // infinite for a priority of 0
 }
 
-// 0 for what a tolerance makes needless; finite, also with the eye inside the bounds, so that everything can be given
-// up.
+// Returns 0 for leaves that a tolerance makes needless. The result is finite even with the eye inside the bounds, so
+// that every leaf can be given up.
 float SplitExchange::leaf_priority(std::uint32_t object, Front::Index k) {
   const SplitWorth worth = evaluation_.worth(object, k);
   const RefineOptions* const options = evaluation_.scene().options;
@@ -476,15 +479,15 @@ float SplitExchange::leaf_priority(std::uint32_t object, Front::Index k) {
 
 namespace {
 
-// More than this part of the applied splits matters much less than what the budget goes to.
+// When more than this share of the applied splits has become worthless, it is better to start from scratch.
 constexpr double lost_part = 0.25;
 
-// In a view that does not move: what is exchanged after so many frames goes to and fro.
+// In a view that does not move, exchanges after this many frames only go back and forth.
 constexpr std::uint32_t max_restless_frames = 4 * weighing_rounds;
 
 // What the mesh of a frame turns out to show matters when its error is this many times the level.
 constexpr float much_error = 4.0F;
-// After so many checks in a row that found nothing of the kind, one frame in so many is checked.
+// After this many consecutive checks that found nothing that matters, one frame in rare_checks is checked.
 constexpr std::uint32_t max_useless_checks = 16, rare_checks = 4;
 
 std::vector<DrawnMesh> meshes_of(std::span<const RefineObject> objects, std::span<RefinedObject> result) {
@@ -541,8 +544,8 @@ void Frames::advance(bool moved, Clock::time_point start, RefineStats& stats) {
   measure(stats);
 }
 
-// Hidden things give way. The mesh of this frame hides less than that of the frame before where that bulged: what turns
-// out to be visible comes in after all.
+// Exchanges splits, where hidden ones give way. Where the mesh of the frame before bulged, this mesh hides less: what
+// turns out to be visible is applied after all.
 void Frames::exchange_splits(bool moved, RefineStats& stats) {
   const RefinedScene& scene = evaluation_.scene();
   const bool can_hide = scene.queries->can_hide();
@@ -589,7 +592,7 @@ void Frames::emit(std::span<RefinedObject> out, RefineStats& stats) {
     }
     at_rest_ = at_rest_ && out[i].geomorphs.empty();
   }
-  // A split may be given up in vain again and again, for what finds no room all the same.
+  // A split may be taken back in vain again and again, for a candidate that finds no room anyway.
   const bool same_mesh = stats.new_splits + stats.merged_splits == 0;
   same_frames_ = same_mesh && frame_ != moved_frame_ ? same_frames_ + 1 : 0;
   at_rest_ = at_rest_ && (exchange_.changes() == 0 || same_frames_ >= weighing_rounds ||

@@ -1,4 +1,4 @@
-// What nobody sees of the cut, and is applied all the same because something else needs it.
+// Refines from frame to frame by exchanging splits of the cut of the frame before.
 #pragma once
 
 #include <cstddef>
@@ -17,23 +17,24 @@
 
 namespace occlod {
 
-// A split is charged, as far as its star is not seen, to those that remove faces of it, with what it needs itself: what
-// removes a part f of its removed faces pays sqrt(f) of it. Were it f, several leaves would keep for good what none of
-// them is worth; were it all, what is needed most would cost the most.
+// Charges splits for unseen ones that they need. As far as the star of a split is not seen, the split and what it needs
+// itself are charged to those that remove its faces: one that removes a part f of its removed faces pays sqrt(f). If it
+// paid f, several leaves would keep for good what none of them is worth; if it paid all, what is needed most would cost
+// the most.
 class UnseenNeeds {
  public:
   explicit UnseenNeeds(FrontEvaluation& evaluation) : evaluation_(evaluation) {}
 
   void begin_frame(std::uint32_t frame) noexcept { frame_ = frame; }
 
-  // The factor by which the priority of an applied split sinks, in (0, 1]. O(what it needs directly), as what those
-  // are charged with is known for some frames.
+  // Returns the factor by which the priority of an applied split sinks, in (0, 1]. O(direct dependencies), because
+  // their charges are kept for some frames.
   [[nodiscard]] float weight_of_applied(std::uint32_t object, SplitId s);
-  // Of closure.splits[0] once the closure is applied. O(closure).
+  // Returns the factor of closure.splits[0] once the closure is applied. O(closure).
   [[nodiscard]] float weight_of_closure(std::uint32_t object, const Cut::Closure& closure);
 
  private:
-  // All of these count splits.
+  // These return numbers of splits, except weight(), which returns a factor.
   [[nodiscard]] float needed_by(std::uint32_t object, SplitId s, int depth);
   [[nodiscard]] float needed_by_unapplied(std::uint32_t object, SplitId s);
   [[nodiscard]] float charge(std::uint32_t object, SplitId s, std::uint32_t own, std::uint32_t removed, int depth);
@@ -45,48 +46,46 @@ class UnseenNeeds {
   std::uint32_t frame_ = 0;
 };
 
-// Which splits of the frame before give way to which others.
-
-// What a split forces, and what a leaf keeps, is looked at again in one frame of so many.
+// What a split forces, and what a leaf keeps, is weighed again once in this many frames.
 inline constexpr std::uint32_t weighing_rounds = 8;
 
-// By how much the level may sink in the first frame after refinement from scratch.
+// Factor by which the level may sink in the first frame after refinement from scratch.
 inline constexpr float first_settling_step = 1.06F;
 
-// Worst first, candidates are descended or applied, and take the place of applied leaves that matter less (the dual
-// queues of Duchaineau et al., ROAMing Terrain, 1997, here over the dependencies of splits). The priority where the
-// budget ended is kept: only what is near it is queued, and more when that does not suffice. Cuts, fronts and drawn
-// meshes have the same splits before and after each exchange.
+// Descends or applies candidates, worst first, in place of applied leaves that matter less (the dual queues of
+// Duchaineau et al., ROAMing Terrain, 1997, here over the dependencies of splits). The priority at which the budget
+// ended is kept: only what is near it is queued, and more when that does not suffice. Cuts, fronts and drawn meshes
+// have the same splits before and after each exchange.
 class SplitExchange {
  public:
-  // These outlive it.
+  // All arguments must outlive this object.
   SplitExchange(FrontEvaluation& evaluation, FrontForest& forest, FrontQueries& queries, std::span<DrawnMesh> meshes);
 
-  // After refinement from scratch, which came to the end of the budget at this priority.
+  // Takes over from refinement from scratch, whose budget ended at this priority.
   void adopt(float level) noexcept {
     level_ = adopted_level_ = settling_level_ = level;
     settling_step_ = first_settling_step;
   }
-  // Of frames that go on. `frame`: its number; `start`: when time_limit_ms begins.
+  // Starts a frame that goes on from the one before. `frame` is its number; time_limit_ms begins at `start`.
   void begin_frame(std::uint32_t frame, Clock::time_point start, RefineStats& stats);
 
-  // Until no candidate matters more than what is applied, or the budget or a limit ends it.
+  // Exchanges splits until no candidate matters more than what is applied, or the budget or a limit ends it.
   void run();
-  // As run(), after it: goes on with these, which have turned out to be visible.
+  // Goes on after run() with entries that have turned out to be visible.
   void run_on(std::span<const Entry> shown);
-  // Where the budget is enough: takes back leaves that nobody sees, or that are well within the tolerance.
+  // If the budget is enough, takes back leaves that nobody sees or that are well within the tolerance.
   void take_back_needless();
 
-  // The priority where the budget ended.
+  // Returns the priority at which the budget ended.
   [[nodiscard]] float level() const noexcept { return level_; }
-  // Whether nothing is left to later frames because refinement from scratch is not long ago.
+  // Returns false while candidates are left to later frames because refinement from scratch was recent.
   [[nodiscard]] bool has_settled() const noexcept { return settling_level_ == 0.0F; }
-  // Splits and merges in this frame.
+  // Returns the number of splits and merges in this frame.
   [[nodiscard]] std::size_t changes() const noexcept { return changes_; }
-  // The largest error of what found no room.
+  // Returns the largest error of candidates that found no room.
   [[nodiscard]] const ScreenError& rejected_error() const noexcept { return rejected_; }
 
-  // For apply_split().
+  // apply_split() calls these.
   [[nodiscard]] float forced_weight(const Entry& entry, const Cut::Closure& closure);
   bool step_back(const Entry& entry);
   bool make_room(float turn_priority, float priority);
@@ -126,12 +125,12 @@ class SplitExchange {
   std::uint32_t frame_ = 0;
   float level_ = 0.0F;
   float adopted_level_ = 0.0F, settling_step_ = 1.0F;
-  float settling_level_ = 0.0F;  // what matters less is left to later frames, while the budget is used up
+  float settling_level_ = 0.0F;  // less important candidates are left to later frames while the budget is used up
   Queue candidates_;
-  Queue leaves_;                   // by 1 / priority
-  float candidates_above_ = 0.0F;  // queued are candidates with larger priorities
-  float last_step_ = 0.0F;         // below which all the others are queued
-  float leaves_below_ = 0.0F;      // and leaves with smaller ones
+  Queue leaves_;                   // ordered by 1 / priority
+  float candidates_above_ = 0.0F;  // candidates with larger priorities are queued
+  float last_step_ = 0.0F;         // below it, all other candidates are queued at once
+  float leaves_below_ = 0.0F;      // leaves with smaller priorities are queued
   std::size_t changes_ = 0;
   ScreenError rejected_;
   UnseenNeeds unseen_needs_;
@@ -139,41 +138,40 @@ class SplitExchange {
   std::vector<SplitId> sorted_;
 };
 
-// Refinement that goes on from the frame before.
-
-// One frame:
-//   evaluate the front in the new view, as far as what is known of it has expired or matters;
-//   ask again about what is hidden, and about a part of what is applied;
-//   exchange splits, worst candidates first;
-//   check what is hidden against the mesh that has come about, where such checks have been of use lately.
-// The nodes are about twice as many as applied splits and are looked through in vectors; what is evaluated and queued
+// Refines by going on from the frame before. One frame:
+//   evaluates the front in the new view, where the last evaluation has expired or matters;
+//   asks again about hidden nodes, and about a part of the applied splits;
+//   exchanges splits, worst candidates first;
+//   checks hidden nodes against the new mesh, where such checks have been of use lately.
+// There are about twice as many nodes as applied splits, and they are scanned in vectors; what is evaluated and queued
 // is in proportion to what changes.
 class Frames {
  public:
-  // Keeps the triangles of the objects in `result`, which outlives it.
+  // Keeps the triangles of the objects in `result`, which must outlive this object.
   Frames(std::span<const RefineObject> objects, std::span<RefinedObject> result);
   Frames(const Frames&) = delete;
   Frames& operator=(const Frames&) = delete;
 
-  // Takes over cuts that refinement from scratch has made: `level` is the priority where the budget ended, `hidden`
-  // what was hidden at the end. The scene outlives the frame.
+  // Takes over cuts from refinement from scratch. `level` is the priority at which the budget ended; `hidden` lists
+  // what was hidden at the end. The scene must outlive the frame.
   void adopt(const RefinedScene& scene, float level, std::span<const Entry> hidden);
 
-  // Evaluates the front in a new view. False when a quarter of the cut has become worth little: then it is better to
-  // start from scratch. Options that differ from those of the frame before are no reason to.
+  // Evaluates the front in a new view. Returns false when a quarter of the cut has become worthless, so that it is
+  // better to start from scratch. Changed options are no reason to.
   [[nodiscard]] bool move_to(const RefinedScene& scene);
-  // After move_to(). `moved`: the view, or what the backend would answer, differs from that of the frame before.
+  // Refines after move_to(). `moved`: the view, or what the backend would answer, differs from that of the frame
+  // before.
   void advance(bool moved, Clock::time_point start, RefineStats& stats);
   void forget_hidden() { queries_.forget_hidden(); }
 
-  // After adopt() or advance(), into what the frame before got.
+  // Updates the result of the frame before, after adopt() or advance().
   void emit(std::span<RefinedObject> out, RefineStats& stats);
-  // Of applied splits of one object: see Refiner::visibility_ages().
+  // Returns the ages of applied splits of one object: see Refiner::visibility_ages().
   [[nodiscard]] std::vector<std::uint32_t> visibility_ages(std::uint32_t object,
                                                            std::span<const SplitId> splits) const {
     return queries_.visibility_ages(object, splits);
   }
-  // The next frame will change nothing unless the view or the options do.
+  // Returns whether the next frame will change nothing unless the view or the options change.
   [[nodiscard]] bool at_rest() const noexcept { return at_rest_; }
 
  private:
@@ -188,10 +186,10 @@ class Frames {
   std::vector<DrawnMesh> meshes_;
   SplitExchange exchange_;
   std::uint32_t frame_ = 0;
-  std::uint32_t moved_frame_ = 0;  // in which the view moved last
-  AppliedCount before_;            // when the last frame ended
-  std::uint32_t same_frames_ = 0;  // in a row that have ended with the mesh that they began with, in one view
-  // Of what is hidden, by the mesh of the frame itself: how many, from the last that found something that matters on.
+  std::uint32_t moved_frame_ = 0;  // last frame in which the view moved
+  AppliedCount before_;            // counts at the end of the last frame
+  std::uint32_t same_frames_ = 0;  // consecutive frames in one view that kept the mesh
+  // Number of checks of hidden nodes against a frame's own mesh, from the last that found something that matters on.
   std::uint32_t checks_since_useful_ = 0;
   bool at_rest_ = false;
 };

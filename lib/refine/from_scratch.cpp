@@ -12,7 +12,7 @@
 namespace occlod {
 namespace {
 
-// For a heap with the least important on top; ties by object and split, fine ones first.
+// Orders a heap with the least important on top; ties go by object and split, fine ones first.
 bool less_urgent(const Victims::Victim& a, const Victims::Victim& b) {
   if (a.priority != b.priority) return a.priority > b.priority;
   if (a.object != b.object) return a.object > b.object;
@@ -48,7 +48,7 @@ std::optional<Victims::Victim> Victims::take_back_below(float priority, CutSet& 
     const Victim victim = heap_.back();
     heap_.pop_back();
     const Cut& cut = cuts[victim.object];
-    if (!cut.applied(victim.split) || !cut.is_leaf(victim.split)) continue;  // since it was put here
+    if (!cut.applied(victim.split) || !cut.is_leaf(victim.split)) continue;  // changed since it was pushed
     cuts.take_back(victim.object, victim.split,
                    [&](SplitId needed) { push(victim.object, needed, importances[victim.object]); });
     return victim;
@@ -75,7 +75,7 @@ void EntryQueries::hide(const Entry& entry) {
   if (entry.kind == Entry::Kind::apply) scene_.importances[entry.object].set_hidden(entry.split, true);
 }
 
-// An older occluder hid it: that is no longer held to be true.
+// Forgets that an older occluder hid the entry, because that may no longer be true.
 void EntryQueries::forget_verdict(const Entry& entry) const {
   if (entry.kind == Entry::Kind::apply) scene_.importances[entry.object].set_hidden(entry.split, false);
 }
@@ -122,7 +122,7 @@ void EntryQueries::draw_occluder(EntryQueues& queues, const Growth& now) {
   steps_.drawn(now);
   ++occluder_;
   if (!tuning_of(*options).retest_hidden) return;
-  for (const Entry& entry : hidden_) {  // (Birkholz & Rahn, sec. 3.2)
+  for (const Entry& entry : hidden_) {  // as in Birkholz & Rahn, sec. 3.2
     forget_verdict(entry);
     queues.push(entry);
   }
@@ -172,7 +172,7 @@ void NodeVisits::evaluate(Piece& piece, Scratch& scratch) const {
   }
 }
 
-// In steps, so that what one of them wants from memory is on its way while others are at work.
+// Evaluates nodes of one object, in steps, so that memory is fetched for some while others are processed.
 void NodeVisits::evaluate_object(std::span<const Entry> visits, std::span<Found> found, Scratch& scratch) const {
   auto& [star_visibility, splits, children, stars, scales_px] = scratch;
   const std::uint32_t object = visits.front().object;
@@ -216,11 +216,11 @@ void NodeVisits::evaluate_object(std::span<const Entry> visits, std::span<Found>
 
 namespace {
 
-// When so many visible splits in a row need more triangles than are left, or in the final check than less important
-// ones have, the budget counts as used up.
+// After this many consecutive visible splits have needed more triangles than are left, or in the final check than less
+// important splits have, the budget counts as used up.
 constexpr std::size_t max_rejections_in_a_row = 64, max_in_final_check = 256;
 
-// What a larger budget looks at is not in the caches.
+// Larger budgets look at more data than the caches hold.
 constexpr std::size_t max_cached_triangles = 100'000;
 
 std::uint64_t key_of(std::uint32_t object, SplitId s) { return std::uint64_t{object} << 32U | s; }
@@ -267,7 +267,7 @@ void FromScratch::run() {
     start_visits();
     const bool applied = apply_above_visits();
     if (taken_visits_.empty() && !applied) break;
-    if (used_up() && !visits_known_) {  // for nothing
+    if (used_up() && !visits_known_) {  // the visits would be useless
       for (const Entry& entry : taken_visits_) queues_.push(entry);
       break;
     }
@@ -276,7 +276,8 @@ void FromScratch::run() {
   }
 }
 
-// All of the worst band that matter; of as many bands as a backend needs that answers many as fast as one.
+// Takes all nodes of the worst band that matter, or as many bands as a backend needs that answers many queries as fast
+// as one.
 void FromScratch::take_visits() {
   const std::size_t least = entries_.occluder() > 0 && scene_.queries->in_flights() ? scene_.queries->flight() : 1;
   taken_visits_.clear();
@@ -290,7 +291,7 @@ void FromScratch::take_visits() {
   if (!std::ranges::is_sorted(taken_visits_, {}, object_of)) std::ranges::stable_sort(taken_visits_, {}, object_of);
 }
 
-// Until the next occluder is drawn, another thread may look at them while splits are applied.
+// Starts visits, which another thread may work on while splits are applied, until the next occluder is drawn.
 void FromScratch::start_visits() {
   visits_.begin(scene_, entries_, taken_visits_);
   visits_known_ = false;
@@ -322,14 +323,14 @@ void FromScratch::enqueue_found() {
   }
 }
 
-// Culling::subtree: what may be seen is applied.
+// Applies what may be seen, with Culling::subtree.
 void FromScratch::apply_visited(std::span<const Entry> visits) {
   applies_.assign(visits.begin(), visits.end());
   for (Entry& entry : applies_) entry.kind = Entry::Kind::apply;
   apply_taken();
 }
 
-// Worst first, as far as no node that is as bad is being looked at. False when there is none.
+// Applies splits, worst first, while they are worse than the nodes being visited. Returns false when there is none.
 bool FromScratch::apply_above_visits() {
   bool any = false;
   while (!used_up() && take_applies()) {
@@ -339,7 +340,7 @@ bool FromScratch::apply_above_visits() {
   return any;
 }
 
-// The next ones. False when there is none whose turn it is.
+// Takes the next splits. Returns false when there is none whose turn it is.
 bool FromScratch::take_applies() {
   const std::size_t max_at_once = std::max<std::size_t>(128, scene_.queries->flight());
   Queue& applies = queues_.applies;
@@ -349,7 +350,7 @@ bool FromScratch::take_applies() {
   return !applies_.empty();
 }
 
-// Those that are seen, until the budget is used up.
+// Applies the splits that are seen, until the budget is used up.
 void FromScratch::apply_taken() {
   entries_.take_out_hidden(applies_, about_applies_);
   entries_.note_answers(about_applies_);
@@ -363,12 +364,12 @@ void FromScratch::apply_taken() {
     applies_.pop_back();
   }
   if (!used_up() && step_due()) {
-    finish_visits();  // they have been asked about before this one
+    finish_visits();  // they have been asked about with the old occluder
     draw_occluder();
   }
 }
 
-// To its place among those that are taken, or into the queue behind them.
+// Puts an entry in its place among the taken ones, or into the queue behind them. Returns false when it is next anyway.
 bool FromScratch::step_back(const Entry& entry) {
   const auto next = applies_.begin() + static_cast<std::ptrdiff_t>(turn_) + 1;
   const auto place =
@@ -383,7 +384,8 @@ bool FromScratch::step_back(const Entry& entry) {
   return true;
 }
 
-// What the splits and those that they will force want from memory, in steps; and how the latter are seen, together.
+// Prefetches, in steps, what the splits and those that they will force read from memory, and finds the visible shares
+// of the latter together.
 void FromScratch::look_at_needed() {
   const RefineOptions* const options = scene_.options;
   const bool by_star = tuning_of(*options).culling == Culling::star;
@@ -419,8 +421,8 @@ bool FromScratch::used_up() const {
   return !level_ && scene_.cuts->triangle_count() >= scene_.options->budget;
 }
 
-// What earlier occluders hid is asked about once more, before the mesh as it is now. What this mesh shows takes the
-// place of what matters less.
+// Asks once more about what earlier occluders hid, with the current mesh as occluder. What this shows takes the place
+// of what matters less.
 void FromScratch::readmit() {
   if (entries_.occluder() == 0 || hidden().empty() || stats_->splits == entries_.steps().last().splits) return;
   level_ = queues_.top_priority();
@@ -443,7 +445,7 @@ void FromScratch::finish() {
   stats_->max_quadric_error_px = static_cast<double>(left_.quadric_px);
 }
 
-// Of the splits that are still applied.
+// Counts forced splits that are still applied.
 void FromScratch::count_forced() {
   for (std::size_t i = 0; i < forced_.size(); ++i) {
     const auto back = taken_back_.find(key_of(forced_[i].object, forced_[i].split));
@@ -466,7 +468,7 @@ void FromScratch::enqueue_roots(std::uint32_t object) {
   }
 }
 
-// A node comes into sight of the refinement: dropped for good, or enqueued.
+// Drops a newly reached node for good, or queues it.
 void FromScratch::enqueue_node(const Place& at, const NodeVisits::Child& node) {
   ++stats_->visits;
   if (node.scale_px == scale_outside) {
@@ -481,7 +483,7 @@ void FromScratch::enqueue_node(const Place& at, const NodeVisits::Child& node) {
   queues_.push({node.error.quadric_px, node.error, node.split, at.object, at.level, 0, Entry::Kind::visit});
 }
 
-// Culling::star: does the split itself change anything that is seen, and how much of what it changes?
+// Queues a node's own split if it changes anything that is seen, with Culling::star.
 void FromScratch::enqueue_split(const Entry& node, const Importance::Value& value) {
   if ((*scene_.cuts)[node.object].applied(node.split)) return;
   scene_.importances[node.object].remember(node.split, value.visible_share);
@@ -494,7 +496,7 @@ void FromScratch::enqueue_split(const Entry& node, const Importance::Value& valu
                 node.star_shows ? node.asked_occluder : 0, Entry::Kind::apply});
 }
 
-// Whether it is small enough to be left as it is; if so, it is counted as such.
+// Returns whether an error is small enough to be left; if so, counts it as left.
 bool FromScratch::leaves(const ScreenError& error) {
   if (!error.is_within(scene_.options->tolerance_px)) return false;
   left_.include(error);
@@ -512,7 +514,7 @@ float FromScratch::forced_weight(const Entry& entry, const Cut::Closure& closure
   return closure.splits.size() == 1 ? 1.0F : scene_.importances[entry.object].forced_weight(closure.splits);
 }
 
-// After the final check: gives up the least important leaf, if it matters less. It may come back.
+// Takes back the least important leaf if it matters less, in the final check only. The leaf may come back.
 bool FromScratch::make_room(float turn_priority, float /*priority*/) {
   if (!level_) return false;
   if (!victims_.gathered()) victims_.gather(*scene_.cuts, scene_.importances);
@@ -542,10 +544,10 @@ Growth FromScratch::growth() const {
   return {stats_->splits, scene_.cuts->triangle_count() - scene_.cuts->base_triangle_count()};
 }
 
-// Whether the mesh has come to the next step at which it is drawn.
+// Returns whether the mesh has reached the next step at which it is drawn.
 bool FromScratch::step_due() { return scene_.queries->can_hide() && !level_ && entries_.steps().due(growth()); }
 
-// At its step, and when all that is left is hidden by an occluder that has since been refined.
+// Returns true at a step, and when everything left is hidden by an occluder that has since been refined.
 bool FromScratch::occluder_due() {
   if (step_due()) return true;
   return scene_.queries->can_hide() && !level_ && tuning_of(*scene_.options).retest_hidden && queues_.empty() &&

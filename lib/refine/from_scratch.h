@@ -1,4 +1,4 @@
-// Applied splits that could be given up for something better.
+// Refines from the base meshes to the end of the budget.
 #pragma once
 
 #include <algorithm>
@@ -22,22 +22,22 @@
 
 namespace occlod {
 
-// Leaves of the cuts of all objects, the least important on top.
+// Holds leaves of the cuts of all objects that could be given up for something better, the least important on top.
 class Victims {
  public:
   void clear() noexcept;
   [[nodiscard]] bool gathered() const noexcept { return gathered_; }
 
-  // Looks at every applied split. O(n).
+  // Collects the leaves from all applied splits. O(n).
   void gather(const CutSet& cuts, std::span<Importance> importances);
 
   struct Victim {
     std::uint32_t object = 0;
     SplitId split = no_id;
-    float priority = 0.0F;  // as in Importance::Value; of splits that change nothing that is seen 0
+    float priority = 0.0F;  // as in Importance::Value; 0 if the split changes nothing that is seen
     ScreenError error;
   };
-  // Takes back the least important leaf, if that is worth less than `priority`.
+  // Takes back the least important leaf, if its priority is below `priority`, and returns it.
   std::optional<Victim> take_back_below(float priority, CutSet& cuts, std::span<Importance> importances);
 
  private:
@@ -45,17 +45,16 @@ class Victims {
 
   bool gathered_ = false;
   std::vector<Victim> heap_;
-  std::vector<SplitId> leaves_;  // scratch, both of one object
+  std::vector<SplitId> leaves_;  // scratch for one object, like the next one
   std::vector<Importance::Value> values_;
 };
 
-// What refinement from scratch may do next: nodes to look at, and splits to apply.
-
+// Holds what refinement from scratch may do next: nodes to visit and splits to apply.
 struct EntryQueues {
   Queue visits, applies;
 
   [[nodiscard]] bool empty() const noexcept { return visits.empty() && applies.empty(); }
-  // Of what is most important, 0 where there is nothing.
+  // Returns the largest priority, 0 when there is no entry.
   [[nodiscard]] float top_priority() const noexcept {
     return std::max(visits.empty() ? 0.0F : visits.top().priority, applies.empty() ? 0.0F : applies.top().priority);
   }
@@ -72,35 +71,34 @@ struct EntryQueues {
   }
 };
 
-// Which entries of the queues of refinement from scratch are asked about, when, and which are hidden.
-
-// An entry is asked about once for each occluder at most, when its turn comes. Reuses its memory.
+// Asks about entries of the queues of refinement from scratch and keeps the hidden ones. An entry is asked about once
+// for each occluder at most, when its turn comes. Reuses its memory.
 class EntryQueries {
  public:
   void begin(const RefinedScene& scene);
 
-  // How many occluders have been drawn.
+  // Returns how many occluders have been drawn.
   [[nodiscard]] std::uint32_t occluder() const noexcept { return occluder_; }
-  // Entries that the occluder of their time hid.
+  // Returns the entries that were hidden when they were asked about.
   [[nodiscard]] std::span<const Entry> hidden() const noexcept { return hidden_; }
-  // Some entries, and what is asked about them. Reuses its memory.
+  // Holds some entries and the answers about them. Reuses its memory.
   struct Questions {
     std::vector<Entry> asked;
-    std::vector<std::size_t> places;  // of these among all
+    std::vector<std::size_t> places;  // their indices among all entries
     std::vector<OcclusionQueries::Verdict> verdicts;
     OcclusionQueries::Scratch scratch;
-    double milliseconds = 0.0;  // that it took
+    double milliseconds = 0.0;  // time that asking took
   };
-  // Asks about those that must be asked about. What is hidden is taken out; the others stay in their order. Then
-  // note_answers() is to be called. On any thread, where many may ask; only the time of the caller's own counts.
+  // Asks about entries that must be asked about and removes the hidden ones; the others keep their order.
+  // note_answers() must follow. May run on any thread if the backend allows that; only the caller's own time counts.
   void take_out_hidden(std::vector<Entry>& entries, Questions& questions) const;
   void note_answers(const Questions& questions, bool own_time = true);
 
-  // When it is time for an occluder.
+  // Returns the steps at which occluders are drawn.
   [[nodiscard]] OccluderSteps& steps() noexcept { return steps_; }
-  // The cuts as they are. Where options say so, what older ones hid is put back into the queues.
+  // Draws the current cuts. With Tuning::retest_hidden, puts what older occluders hid back into the queues.
   void draw_occluder(EntryQueues& queues, const Growth& now);
-  // Asks about all that is hidden before an occluder drawn now; what it shows is put into the queues. Returns how many.
+  // Draws an occluder, asks about all hidden entries and queues those that it shows. Returns their number.
   std::size_t ask_again_about_hidden(EntryQueues& queues, const Growth& now);
 
  private:
@@ -115,49 +113,47 @@ class EntryQueries {
   OccluderSteps steps_;
   std::uint32_t occluder_ = 0;
   std::vector<Entry> hidden_;
-  std::vector<Entry> doubtful_;  // scratch: what earlier occluders hid
+  std::vector<Entry> doubtful_;  // scratch: entries that earlier occluders hid
   Questions about_doubtful_;
 };
 
-// What nodes of the forest have to offer when refinement comes to them: their own splits, and their children.
-
-// Many nodes at once, in pieces that one or two threads work on. Whether nodes are seen and what they have to offer
-// depends on hierarchies, views and the occluder alone, on nothing that refinement does meanwhile. Reuses its memory.
+// Visits many nodes at once, in pieces that one or two threads work on, and finds their own splits and their children.
+// The result depends on hierarchies, views and the occluder alone, not on what refinement does meanwhile. Reuses its
+// memory.
 class NodeVisits {
  public:
   struct Child {
-    SplitId split = no_id;  // no_id: there is none
-    float scale_px = 0.0F;  // what weigh_splits() tells
+    SplitId split = no_id;  // no_id: no child
+    float scale_px = 0.0F;  // result of weigh_splits()
     ScreenError error;
   };
   struct Found {
-    Importance::Value value;  // of the split itself, with Culling::star
+    Importance::Value value;  // value of the node's own split, with Culling::star
     std::array<Child, 2> children;
   };
   struct Piece {
-    std::vector<Entry> visits;  // that are not hidden
-    std::vector<Found> found;   // of each of them
+    std::vector<Entry> visits;  // nodes that are not hidden
+    std::vector<Found> found;   // one for each visit
     EntryQueries::Questions questions;
-    bool by_caller = false;  // and not by the other thread
+    bool by_caller = false;  // whether the calling thread worked on it
   };
 
-  // All of them outlive the work. `visits`: those of one object should be side by side.
+  // Starts new visits. All arguments must outlive the work. Entries of one object should be adjacent in `visits`.
   void begin(const RefinedScene& scene, const EntryQueries& entries, std::span<const Entry> visits);
   [[nodiscard]] std::size_t piece_count() const noexcept { return piece_count_; }
-  // Works on pieces until all are done or under way. Throws Error when a node is damaged or is not where its parent
-  // says.
+  // Work on pieces until all are done or under way. Throw Error when a node is damaged or is not where its parent says.
   void work_as_caller() { work(0); }
   void work_beside() { work(1); }
-  // No other piece is begun.
+  // Lets no further piece begin.
   void end() noexcept { next_ = piece_count_; }
-  // When all are done.
+  // Returns all pieces, when they are done.
   [[nodiscard]] std::span<const Piece> pieces() const noexcept { return std::span(pieces_).first(piece_count_); }
 
  private:
-  // Of a thread.
+  // Holds the scratch memory of one thread.
   struct Scratch {
     StarVisibility star_visibility;
-    std::vector<SplitId> splits, children;  // of one object; children of an entry at twice its place
+    std::vector<SplitId> splits, children;  // of one object; children of splits[i] from 2 * i on
     std::vector<StarView> stars;
     std::vector<float> scales_px;
   };
@@ -173,26 +169,25 @@ class NodeVisits {
   std::array<Scratch, 2> scratch_;
 };
 
-// Refinement from the base meshes.
-
-// One refinement, from the base meshes to the end of the budget:
-//   while there is something that may matter: take the worst; ask whether it is seen; descend below it, or apply it.
-// (Birkholz & Rahn, sec. 3.2 and 3.3.) Deviations: nodes that are about as bad are looked at together, so that memory
-// and vectors work for many at once, and splits are applied, worst first, when all nodes that are worse have been.
-// Nodes are asked about when their turn comes rather than when they are found, so that nothing is spent on those whose
-// turn never comes. With Culling::star a node is descended and applied by separate questions, and a split waits for as
-// long as what it forces is not worth it; and what is hidden at the end is asked about once more. Reuses its memory.
+// Refines once, from the base meshes to the end of the budget:
+//   while something may matter: take the worst; ask whether it is seen; descend below it, or apply it.
+// This is Birkholz & Rahn, sec. 3.2 and 3.3, with deviations. Nodes that are about equally bad are visited together, so
+// that memory and vectors serve many at once, and splits are applied, worst first, after all worse nodes have been
+// visited. Nodes are asked about when their turn comes, not when they are found, so that nothing is spent on those
+// whose turn never comes. With Culling::star, separate questions decide about descending and applying, and a split
+// waits as long as what it forces is not worth it. What is hidden at the end is asked about once more. Reuses its
+// memory.
 class FromScratch {
  public:
-  // The cuts are what is left; all arguments outlive the call. Adds to `stats`.
+  // Leaves the result in the scene's cuts and adds to `stats`. All arguments must outlive the call.
   void refine(const RefinedScene& scene, RefineStats& stats);
 
-  // The priority where the budget ended, before the final check.
+  // Returns the priority at which the budget ended, before the final check.
   [[nodiscard]] float end_level() const noexcept { return end_level_; }
-  // What was hidden at the end.
+  // Returns what was hidden at the end.
   [[nodiscard]] std::span<const Entry> hidden() const noexcept { return entries_.hidden(); }
 
-  // For apply_split().
+  // apply_split() calls these.
   [[nodiscard]] float forced_weight(const Entry& entry, const Cut::Closure& closure) const;
   bool step_back(const Entry& entry);
   bool make_room(float turn_priority, float priority);
@@ -223,7 +218,7 @@ class FromScratch {
   void enqueue_roots(std::uint32_t object);
   struct Place {
     std::uint32_t object;
-    std::uint32_t level;  // in the forest
+    std::uint32_t level;  // level in the forest
   };
   void enqueue_node(const Place& at, const NodeVisits::Child& node);
   void enqueue_split(const Entry& node, const Importance::Value& value);
@@ -240,9 +235,9 @@ class FromScratch {
   EntryQueries entries_;
   Victims victims_;
   unsigned threads_ = 1;
-  bool waits_for_memory_ = false;  // the budget is too large for caches
+  bool waits_for_memory_ = false;  // whether the budget is too large for the caches
 
-  // The nodes that are looked at, by objects, and what they have to offer.
+  // The nodes being visited, sorted by object, and what is found there.
   std::vector<Entry> taken_visits_;
   std::size_t visits_band_ = 0;
   bool visits_known_ = true;
@@ -253,12 +248,12 @@ class FromScratch {
   } work_beside_{visits_};
   CompanionThread companion_;
 
-  // The next splits, in order, and the one of them whose turn it is.
+  // The next splits, in order, and the index of the one whose turn it is.
   std::vector<Entry> applies_;
   std::size_t turn_ = 0;
   EntryQueries::Questions about_applies_;
   std::vector<SplitId> needed_;        // scratch
-  std::vector<float> root_scales_px_;  // of one object
+  std::vector<float> root_scales_px_;  // scratch for one object
 
   struct Forced {
     std::uint32_t object;
@@ -266,12 +261,12 @@ class FromScratch {
     bool unseen;
   };
   std::vector<Forced> forced_;  // in the order of application
-  // Of splits that have been taken back (object << 32 | split): how many had been forced until then.
+  // By object << 32 | split, for splits that have been taken back: the size of forced_ at that time.
   std::unordered_map<std::uint64_t, std::size_t> taken_back_;
   std::size_t rejections_in_a_row_ = 0;
-  std::optional<float> level_;  // of priorities, where the budget ended: set when what was hidden is checked
+  std::optional<float> level_;  // priority at which the budget ended; set in the final check
   float end_level_ = 0.0F;
-  ScreenError left_;  // the largest of what is held to be visible and is not refined
+  ScreenError left_;  // largest error of what is held to be visible and is not refined
 };
 
 }  // namespace occlod

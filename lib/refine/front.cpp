@@ -12,20 +12,21 @@
 namespace occlod {
 namespace {
 
-// From world space to the axes of the camera.
+// Returns the rotation from world space to the axes of the camera.
 glm::dmat3 axes_of(const View& view) {
   const glm::dvec3 right = glm::normalize(glm::cross(view.direction(), view.camera().up));
   return glm::transpose(glm::dmat3(right, glm::cross(right, view.direction()), view.direction()));
 }
 
-// Cameras of a path are interpolated: what they share is the same but for rounding.
+// Returns whether two cameras have the same lens but for rounding, because cameras of a path are interpolated.
 bool have_one_lens(const Camera& a, const Camera& b) {
   const auto alike = [](double x, double y) { return std::abs(x - y) <= 1e-13 * x; };
   return !a.orthographic_height && !b.orthographic_height && a.width == b.width && a.height == b.height &&
          alike(a.fov_y_deg, b.fov_y_deg) && alike(a.near, b.near) && alike(a.far, b.far);
 }
 
-// Of the largest singular value; the others are no smaller when all columns are as long and at right angles.
+// Returns whether m stretches all directions by `stretch`, its largest singular value: then all columns are equally
+// long and at right angles.
 bool is_uniform(const glm::dmat3& m, double stretch) {
   const glm::dmat3 square = glm::transpose(m) * m;
   for (int i = 0; i < 3; ++i)
@@ -45,15 +46,14 @@ std::optional<ViewMotion> motion_between(const PlacedView& from, const PlacedVie
   if (!is_uniform(glm::dmat3(to.object.object_to_eye()), stretch)) return std::nullopt;
   const glm::dmat3 axes_from = axes_of(from.view), axes_to = axes_of(to.view);
   glm::dmat3 change = axes_to - axes_from;
-  if (is_turned) {  // the object itself
+  if (is_turned) {  // the object itself is turned
     const glm::dmat3 linear_from(from.object.object_to_eye()), linear_to(to.object.object_to_eye());
     const double stretch_from = from.object.largest_stretch();
     if (!is_uniform(linear_from, stretch_from) || !(std::abs(stretch_from - stretch) <= 1e-12 * stretch))
       return std::nullopt;
     change = (axes_to * linear_to - axes_from * linear_from) / stretch;
   }
-  // Of a difference of two rotations, the Frobenius norm is sqrt 2 times as long as the largest change of a unit
-  // vector.
+  // The Frobenius norm of a difference of two rotations is sqrt 2 times the largest change of a unit vector.
   const double frobenius =
       glm::dot(change[0], change[0]) + glm::dot(change[1], change[1]) + glm::dot(change[2], change[2]);
   const glm::dvec4 at_center(center, 1.0);
@@ -77,7 +77,7 @@ std::optional<ViewMotion> motion_between(const PlacedView& from, const PlacedVie
 
 namespace {
 
-// Around the corners of all faces.
+// Returns a sphere around the corners of all faces.
 Sphere sphere_around(const SplitStar& star, std::span<const glm::vec3> positions) {
   Box box{positions[star.vertex()], positions[star.vertex()]};
   const auto for_each_corner = [&](const auto& visit) {

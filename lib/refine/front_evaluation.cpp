@@ -13,7 +13,7 @@
 namespace occlod {
 namespace {
 
-// How far the eye may move while none of the faces turns its other side towards it, but for rounding.
+// Returns how far the eye may move while none of the faces turns its other side towards it, but for rounding.
 float distance_from_planes(const FrontStar::Lanes& facing, const FrontStar::Lanes& length) {
   FrontStar::Lanes distance;
   for (std::size_t i = 0; i < FrontStar::max_faces; ++i)
@@ -23,7 +23,7 @@ float distance_from_planes(const FrontStar::Lanes& facing, const FrontStar::Lane
   return distance[0];
 }
 
-// The rays to all of its faces count as parallel.
+// Returns how the star is seen. The rays to all of its faces count as parallel.
 StarView view_of(const FrontStar& star, FrontStar::Lanes& facing, const glm::vec3& eye, const FrontView& front_view) {
   const bool two_sided = front_view.two_sided;
   if (two_sided)
@@ -45,7 +45,7 @@ StarView view_of(const FrontStar& star, FrontStar::Lanes& facing, const glm::vec
   return result;
 }
 
-// How far the sphere is from the nearest plane of the frustum, inside.
+// Returns the distance of the sphere from the nearest plane of the frustum, positive inside.
 float room_inside(const Sphere& sphere, const ObjectView& view) {
   float room = std::numeric_limits<float>::infinity();
   for (const glm::vec4& plane : view.planes())
@@ -53,19 +53,18 @@ float room_inside(const Sphere& sphere, const ObjectView& view) {
   return room;
 }
 
-// By how much of itself a cosine to a power between `cosine` and the least that counts changes at most while it loses
-// or gains `change`.
+// Returns the largest relative change of max(cosine, min_cosine)^exponent while the cosine loses or gains `change`.
 float power_change(float cosine, float change, float exponent) {
   const float now = std::max(cosine, min_cosine);
   const float ratio = std::max(now / std::max(now - change, min_cosine), std::min(now + change, 1.0F) / now);
   return (exponent == 0.5F ? std::sqrt(ratio) : std::pow(ratio, exponent)) - 1.0F;
 }
 
-// See the lanes of weigh_nodes.cpp. While the eye moves by no more than a fifth of its distance, the cosine, that of
-// the mean of unit normals at most, changes by no more than 1.25 times the way in distances, but for the star's size;
-// what it does to the priority is steepest where it ends.
+// Bounds the growth of errors as error_growth_of() in weigh_nodes.cpp does. While the eye moves by no more than a fifth
+// of its distance, the cosine, the product of a direction and a mean of unit normals, changes by no more than 1.25
+// times the way divided by the distance, but for the star's size; the change of the priority is steepest at the end.
 ErrorGrowth error_growth_of(const StarView& seen, float from_eye, const FrontView& front_view) {
-  if (front_view.view.is_orthographic()) return {};  // see motion_between
+  if (front_view.view.is_orthographic()) return {};  // see motion_between()
   const Sphere& sphere = seen.sphere;
   const auto stretch = static_cast<float>(front_view.view.largest_stretch());
   const float radius = sphere.radius * stretch;
@@ -103,7 +102,7 @@ FrontPriority front_priority(const FrontStar& star, const SplitErrors& errors, c
   const float rounding =
       4e-6F * (star.sphere.radius + glm::length(star.sphere.center) + glm::length(front_view.view.eye()));
   ErrorGrowth& growth = result.growth;
-  // What shows no face shows none outside either.
+  // A star that shows no face shows none outside the frustum either.
   if (seen.visible_share == 0.0F)
     growth = {0.0F, 0.0F, std::numeric_limits<float>::max(), 0.0F, std::numeric_limits<float>::max()};
   else
@@ -114,9 +113,9 @@ FrontPriority front_priority(const FrontStar& star, const SplitErrors& errors, c
 
 namespace {
 
-// Sums of motion from here on count as rounded too much: in diagonals of the object, and in radians.
+// Larger sums of motion count as rounded too much: in diagonals of the object, and in radians.
 constexpr double max_motion = 64.0;
-// Diagonals of objects beyond which sums of squares of what is seen near them might be out of the range of floats.
+// Beyond these diagonals of objects, sums of squares near them might leave the range of floats.
 constexpr double min_diagonal = 0x1p-40, max_diagonal = 0x1p40;
 constexpr ErrorGrowth while_unseen = {0.0F, 0.0F, std::numeric_limits<float>::max(), 0.0F,
                                       std::numeric_limits<float>::max()};
@@ -155,7 +154,7 @@ void FrontEvaluation::move_to(const RefinedScene& scene) {
   last_view_ = *scene_.view;
 }
 
-// To the view of this frame. Nothing is known any more when that is of another kind.
+// Moves an object to the view of this frame. Everything expires when the motion is unknown or too large.
 void FrontEvaluation::move(std::uint32_t object) {
   Object& of = objects_[object];
   const RefineOptions* const options = scene_.options;
@@ -246,7 +245,7 @@ SplitWorth FrontEvaluation::worth(std::uint32_t object, Front::Index k) {
   Front& front = of.front;
   const RefineOptions* const options = scene_.options;
   const bool by_star = tuning_of(*options).culling == Culling::star;
-  // A star has a scale of its own: whether the node is seen is known from frames before.
+  // A star has its own scale; whether the node is seen is known from earlier frames.
   if (!by_star || front.scales().is_outdated(k)) evaluate(object, {&k, 1});
   if (front.is(k, Front::hidden)) return {};
   if (!(front.scales().value[k] > 0.0F)) {
@@ -303,7 +302,7 @@ void FrontEvaluation::count_nodes(RefineStats& stats) const {
     if (tuning_of(*scene_.options).culling == Culling::subtree) continue;
     constexpr std::uint16_t all = Front::reached | Front::descended;
     constexpr std::uint16_t none = Front::applied | Front::hidden | unseen;
-    const BoundedProducts own = priorities(i);  // without an entry for what has expired, which may be anything
+    const BoundedProducts own = priorities(i);  // expired priorities, which may be anything, cancel out
     stats.culled_backface +=
         count(own, {.all = all, .none = none}) - count(own, {.all = all, .none = none, .may_exceed = 0.0F});
   }
@@ -320,7 +319,7 @@ void FrontEvaluation::measure_errors(ScreenError& left) {
   }
 }
 
-// By the bounds of subtrees that have not been descended.
+// Includes the bounds of subtrees that have not been descended.
 void FrontEvaluation::measure_unreached(std::uint32_t object, const BoundedProducts& of, float so_far,
                                         ScreenError& left) {
   constexpr std::uint16_t all = Front::reached, none = Front::descended | Front::subtree_hidden;
@@ -331,7 +330,7 @@ void FrontEvaluation::measure_unreached(std::uint32_t object, const BoundedProdu
   for (const Front::Index k : found_) left.include(objects_[object].front.error_at_most(k));
 }
 
-// By stars of splits, where their subtree's bounds leave room for a larger one.
+// Includes the errors of stars of splits, where their subtree's bounds leave room for a larger one.
 void FrontEvaluation::measure_unapplied(std::uint32_t object, const BoundedProducts& of, float so_far,
                                         ScreenError& left) {
   constexpr std::uint16_t all = Front::reached | Front::descended, none = Front::applied | Front::hidden;
@@ -343,7 +342,7 @@ void FrontEvaluation::measure_unapplied(std::uint32_t object, const BoundedProdu
   for (const Front::Index k : found_) {
     if (tuning_of(*options).culling == Culling::subtree || known.is_outdated(k))
       left.include(worth(object, k).error);
-    else if (known.value[k] > 0.0F)  // still seen
+    else if (known.value[k] > 0.0F)  // the star is still seen
       left.include({front.errors()[k], front.guaranteed_errors()[k],
                     scene_.views[object].largest_scale_px(front.star(k).sphere)});
   }

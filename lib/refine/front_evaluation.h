@@ -1,4 +1,4 @@
-// What the split of a node is worth by how its own faces are seen, and for how long.
+// Evaluates what the nodes on the fronts of all objects are worth in a view, and for how long.
 #pragma once
 
 #include <cstddef>
@@ -25,33 +25,32 @@ struct FrontView {
   bool two_sided = false;
   float grazing_exponent = 0.0F;
   float steepness = 0.0F;  // twice the tangent of the angle of the image's corners
-  glm::vec3 center{0.0F};  // that motion is counted from
+  glm::vec3 center{0.0F};  // center that motion is counted from, object space
 };
 
-// Of a star with no more than FrontStar::max_faces that is wholly inside the frustum, of a split with these errors.
+// Returns the priority of a split with this star and these errors. Precondition: the star has at most
+// FrontStar::max_faces faces and is wholly inside the frustum.
 [[nodiscard]] FrontPriority front_priority(const FrontStar& star, const SplitErrors& errors,
                                            const FrontView& front_view);
 
-// What the nodes on the fronts of all objects are worth in the view of this frame.
-
-// What matters within this factor of the level, the priority where the budget ended, is looked at first.
+// Priorities within this factor of the level, the priority at which the budget ended, are looked at first.
 inline constexpr float level_band = 1.06F;
-// What matters less than this part of the level is worthless: nodes are no longer descended.
+// Below this part of the level, nodes are worthless: they are no longer descended.
 inline constexpr float worthless_part = 0.5F;
 
-// Of a split.
+// Holds what a split is worth.
 struct SplitWorth {
-  float priority = 0.0F;      // 0 = changes nothing that is seen
-  float own_priority = 0.0F;  // without what it forces
+  float priority = 0.0F;      // 0: changes nothing that is seen
+  float own_priority = 0.0F;  // priority without what the split forces
   ScreenError error;
 };
 
 struct AppliedCount {
-  std::size_t all = 0;        // splits
-  std::size_t worthless = 0;  // of those, that matter much less than what the budget goes to
+  std::size_t all = 0;        // applied splits
+  std::size_t worthless = 0;  // of these, splits that matter much less than the level
 };
 
-// For each node on a front the last evaluation is kept, and how far the view may move before that expires. After
+// Keeps for each node on a front the last evaluation, and how far the view may move before that expires. After
 // restart() or move_to() every scale holds in this frame's view to within its error factor.
 class FrontEvaluation {
  public:
@@ -59,7 +58,7 @@ class FrontEvaluation {
 
   // Starts with empty fronts in this view.
   void restart(const RefinedScene& scene);
-  // Goes on in this view: what has expired is evaluated anew.
+  // Goes on in this view and evaluates anew what has expired.
   void move_to(const RefinedScene& scene);
 
   [[nodiscard]] const RefinedScene& scene() const noexcept { return scene_; }
@@ -68,28 +67,29 @@ class FrontEvaluation {
   [[nodiscard]] const Front& front(std::uint32_t object) const noexcept { return objects_[object].front; }
   [[nodiscard]] std::size_t node_count() const noexcept;
 
-  // What is known of all nodes of an object, for select().
+  // These return what is known of all nodes of an object, for select().
   [[nodiscard]] BoundedProducts errors(std::uint32_t object) const;
   [[nodiscard]] BoundedProducts guaranteed_errors(std::uint32_t object) const;
   [[nodiscard]] BoundedProducts priorities(std::uint32_t object) const;
   [[nodiscard]] BoundedProducts leaf_priorities(std::uint32_t object) const;
 
-  // Finds the scales of these nodes for this view, if that has not been done.
+  // Finds the scales of these nodes for this view, unless that has been done.
   void evaluate(std::uint32_t object, std::span<const Front::Index> nodes);
-  // Of all that have none.
+  // Evaluates all nodes whose scales have expired.
   void evaluate_expired(std::uint32_t object);
-  // A split's priority is at most its subtree's error times this.
+  // Returns the largest ratio of a split's priority to its subtree's error.
   [[nodiscard]] float most_grazing() const;
-  // Of the split of a node, at most, as far as it is known; NaN when nothing is.
+  // Returns an upper bound on the priority of a node's split, as far as it is known; NaN when nothing is.
   [[nodiscard]] float priority_at_most(std::uint32_t object, Front::Index k) const;
-  // Of the split of a node.
+  // Returns what the split of a node is worth.
   [[nodiscard]] SplitWorth worth(std::uint32_t object, Front::Index k);
 
-  // Of applied splits, by whether their subtrees matter more than `least`.
+  // Counts applied splits, and those whose subtrees matter no more than `least`.
   [[nodiscard]] AppliedCount count_applied(float least) const;
-  // How many nodes have been reached, and why nothing is done at some of them.
+  // Adds to `stats` how many nodes have been reached, and why nothing is done at some of them.
   void count_nodes(RefineStats& stats) const;
-  // The largest error of what is held to be visible and is not refined. Only what may be it is evaluated.
+  // Raises `left` to the largest error of what is held to be visible and is not refined. Evaluates only nodes that may
+  // have it.
   void measure_errors(ScreenError& left);
 
  private:
@@ -97,7 +97,7 @@ class FrontEvaluation {
     explicit Object(const RefineObject& object) : front(*object.hierarchy, object.attributes) {}
 
     Front front;
-    std::optional<ObjectView> view;  // of the last frame
+    std::optional<ObjectView> view;  // view in the last frame
     ViewMotion motion;               // since the front was last evaluated as a whole
   };
 

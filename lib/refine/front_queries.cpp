@@ -23,7 +23,7 @@ void FrontForest::adopt_forest(std::uint32_t object, float level) {
   reached_.clear();
   for (const SplitId root : roots) reach(object, root, no_id, 0);
   open_.assign(roots.begin(), roots.end());
-  while (!open_.empty()) {  // level by level
+  while (!open_.empty()) {  // descends level by level
     evaluation_.evaluate(object, reached_);
     reached_.clear();
     level_.swap(open_);
@@ -40,7 +40,7 @@ void FrontForest::adopt_forest(std::uint32_t object, float level) {
     const auto at = static_cast<Front::Index>(k);
     if (!front.is(at, Front::reached) && !front.is(at, Front::applied)) front.remove(at);
   }
-  evaluation_.evaluate_expired(object);  // what is applied without being reached
+  evaluation_.evaluate_expired(object);  // evaluates applied nodes that were not reached
 }
 
 std::span<const Front::Index> FrontForest::descend(std::uint32_t object, SplitId s) {
@@ -50,7 +50,7 @@ std::span<const Front::Index> FrontForest::descend(std::uint32_t object, SplitId
   return reached_;
 }
 
-// What it is worth is not known yet.
+// Adds a node to the front. What it is worth is not known yet.
 void FrontForest::reach(std::uint32_t object, SplitId s, SplitId parent, std::uint16_t level) {
   const Hierarchy& hierarchy = evaluation_.scene().hierarchy(object);
   hierarchy.require(s);
@@ -108,7 +108,7 @@ bool FrontForest::close_one(std::uint32_t object, SplitId s, float least) {
 
 namespace {
 
-constexpr std::uint32_t max_age = 0xFFFF;  // that a node can tell, in occluders
+constexpr std::uint32_t max_age = 0xFFFF;  // largest age that a node can tell, in occluders
 
 }  // namespace
 
@@ -152,7 +152,7 @@ void FrontQueries::draw_occluder() {
   asked_.clear();
 }
 
-// Of a subtree that may matter.
+// Returns the smallest error in pixels of a subtree that may matter.
 float FrontQueries::min_error(float level) const { return level / level_band / evaluation_.most_grazing(); }
 
 void FrontQueries::ask_all() {
@@ -164,7 +164,7 @@ void FrontQueries::ask_all() {
   asked_.resize(shown);
 }
 
-// Nothing stays hidden that no question could show again.
+// Unmarks hidden nodes that no question could show again.
 void FrontQueries::forget_what_is_not_asked(std::uint32_t object) {
   const OcclusionQueries& queries = *evaluation_.scene().queries;
   Front& front = evaluation_.front(object);
@@ -184,7 +184,7 @@ void FrontQueries::ask_about(std::uint32_t object, Front::Index k, Entry::Kind k
     asked_.push_back({0.0F, front.error_at_most(k), node.split, object, node.level, 0, kind});
 }
 
-// `least`: the smallest error of a subtree that may matter.
+// Asks about hidden nodes whose errors may exceed `least`.
 void FrontQueries::ask_about_hidden(std::uint32_t object, float least) {
   const Front& front = evaluation_.front(object);
   const Entry::Kind about_splits = evaluation_.scene().queries->split_question();
@@ -194,7 +194,7 @@ void FrontQueries::ask_about_hidden(std::uint32_t object, float least) {
     ask_about(object, k, front.is(k, Front::subtree_hidden) ? Entry::Kind::visit : about_splits);
 }
 
-// A backend that likes many questions at once is asked about whatever may come up.
+// Asks a backend that prefers many questions at once about everything that may come up.
 void FrontQueries::ask_about_unapplied(std::uint32_t object, float least) {
   const OcclusionQueries& queries = *evaluation_.scene().queries;
   const Front& front = evaluation_.front(object);
@@ -205,7 +205,8 @@ void FrontQueries::ask_about_unapplied(std::uint32_t object, float least) {
               front.is(k, Front::descended) && queries.asks_splits() ? queries.split_question() : Entry::Kind::visit);
 }
 
-// What this view has shown is not asked about again until it moves: it would come and go.
+// Asks about a part of the leaves. What this view has shown is not asked about again until it moves, or it would come
+// and go.
 void FrontQueries::ask_about_leaves(std::uint32_t object) {
   const OcclusionQueries& queries = *evaluation_.scene().queries;
   if (!queries.asks_splits()) return;
@@ -218,14 +219,14 @@ void FrontQueries::ask_about_leaves(std::uint32_t object) {
       ask_about(object, k, queries.split_question());
 }
 
-// Whether it was found visible before that occluder or a later one.
+// Returns whether the node was found visible with occluder `draw` or a later one.
 bool FrontQueries::is_shown_since(std::uint32_t draw, const FrontNode& node, Entry::Kind kind) const {
   if (draw > draw_) return false;
   const std::uint16_t shown = kind == Entry::Kind::visit ? node.subtree_shown : node.star_shown;
   return static_cast<std::uint16_t>(draw_ - shown) <= std::min(draw_ - draw, max_age);
 }
 
-// True when it was hidden and is no longer.
+// Records an answer. Returns true when the node was hidden and is no longer.
 bool FrontQueries::note(const Entry& entry, bool visible) {
   Front& front = evaluation_.front(entry.object);
   const Front::Index k = front.find(entry.split);
@@ -253,7 +254,7 @@ void FrontQueries::forget_hidden() {
 bool FrontQueries::is_hidden(const Entry& entry) {
   OcclusionQueries& queries = *evaluation_.scene().queries;
   if (!queries.can_hide() || queries.counts().draws == 0 || !queries.asks(entry)) return false;
-  if (queries.in_flights()) return false;  // it would be waited for: asked about before the next frame
+  if (queries.in_flights()) return false;  // the answer would be waited for, so the next frame asks
   const Front& front = evaluation_.front(entry.object);
   if (is_shown_since(draw_, front.node(front.find(entry.split)), entry.kind)) return false;
   OcclusionQueries::Verdict verdict;
@@ -270,9 +271,9 @@ void FrontQueries::ask_about_new_leaf(std::uint32_t object, Front::Index k) {
   static_cast<void>(is_hidden({0.0F, front.error_at_most(k), node.split, object, node.level, 0, kind}));
 }
 
-// Nodes keep the low bits of the numbers of the occluders before which they were shown: ages are right up to 65,535
-// occluders, and begin at 0 again beyond them. Bounds of a subtree hold those of all below: what shows a split shows
-// those that it descends from, and ids rise along the forest.
+// Nodes keep the low bits of the numbers of the occluders that showed them, so ages are right up to 65,535 occluders
+// and begin at 0 again beyond them. The bounds of a subtree contain those of all splits below: what shows a split shows
+// its ancestors, and ids rise along the forest.
 std::vector<std::uint32_t> FrontQueries::visibility_ages(std::uint32_t object, std::span<const SplitId> splits) const {
   const std::uint32_t since_adopted = draw_ - adopted_draw_;
   std::vector<std::uint32_t> ages(splits.size(), since_adopted == 0 ? 0 : never_asked);

@@ -1,4 +1,4 @@
-// How fronts grow and shrink along the forest.
+// Grows and shrinks fronts along the forest, and asks about their nodes.
 #pragma once
 
 #include <cstddef>
@@ -10,18 +10,20 @@
 
 namespace occlod {
 
-// A node is reached when it is a root or its parent has been descended; on a front is what is reached or applied.
+// Grows and shrinks fronts. A node is reached when it is a root or its parent has been descended; a front holds what is
+// reached or applied.
 class FrontForest {
  public:
   explicit FrontForest(FrontEvaluation& evaluation) : evaluation_(evaluation) {}
 
-  // What refinement from scratch has applied, on an empty front.
+  // Adds what refinement from scratch has applied to an empty front.
   void adopt_splits(std::uint32_t object);
-  // Then, where what is hidden is marked: descends from the roots to what matters no more than `level`.
+  // Descends from the roots to nodes that matter no more than `level`. Call it after adopt_splits(), when hidden nodes
+  // are marked.
   void adopt_forest(std::uint32_t object, float level);
 
-  // Reaches the children of s and evaluates them; the result is valid until the next call. Throws Error for a file that
-  // lies about its forest.
+  // Reaches the children of s and evaluates them; the result is valid until the next call. Throws Error when the forest
+  // in the file is inconsistent.
   std::span<const Front::Index> descend(std::uint32_t object, SplitId s);
   // Gives up descending nodes that are hidden or whose errors are no larger than `least`.
   void close(std::uint32_t object, float least);
@@ -37,37 +39,35 @@ class FrontForest {
   std::vector<SplitId> open_, level_;  // scratch
 };
 
-// What a frame asks about occlusion, and what is known of it from frames before.
-
-// Of what is asked again, one in so many is asked about in each frame.
+// Each frame asks again about one in this many leaves.
 inline constexpr std::uint32_t asking_rounds = 2;
 
-// A node on a front is marked as hidden as long as the last answer about it said so and the options would still let it
-// be asked about.
+// Asks about the nodes of fronts and keeps the answers from frame to frame. A node is marked as hidden as long as the
+// last answer about it said so and the options still let it be asked about.
 class FrontQueries {
  public:
   explicit FrontQueries(FrontEvaluation& evaluation) : evaluation_(evaluation) {}
 
-  // After refinement from scratch, which found this hidden.
+  // Takes over what refinement from scratch found hidden.
   void adopt(std::span<const Entry> hidden);
-  // Of frames that go on. `frame`: its number. `moved`: answers from frames before are out of date.
+  // Starts a frame that goes on from the one before. `frame` is its number; `moved`: earlier answers are out of date.
   void begin_frame(std::uint32_t frame, bool moved);
-  // Nothing that has been answered before holds any more.
+  // Unmarks all hidden nodes, because no earlier answer holds any more.
   void forget_hidden();
 
-  // Draws an occluder, then asks about hidden things that would matter; so is a rotating share of what the budget has
-  // been spent on. What is met for the first time is asked about when its turn comes. `level`: the priority where the
-  // budget ended. Returns how many hidden things are shown now.
+  // Draws an occluder, then asks about hidden nodes that would matter and about a rotating share of the leaves. What is
+  // met for the first time is asked about when its turn comes. `level` is the priority at which the budget ended.
+  // Returns how many hidden nodes are shown now.
   std::size_t ask_again(float level);
-  // Draws an occluder, then asks about hidden things that would matter. Returns those that are shown now; valid until
+  // Draws an occluder, then asks about hidden nodes that would matter. Returns those that are shown now; valid until
   // the next question.
   std::span<const Entry> check_hidden(float level);
-  // Whether the occluder of this frame hides it: asked now, unless it has been.
+  // Returns whether the occluder of this frame hides the entry. Asks unless it has been asked already.
   [[nodiscard]] bool is_hidden(const Entry& entry);
-  // When a split has become a leaf. What this view has shown is not asked about again.
+  // Asks about a split that has become a leaf, unless this view has shown it.
   void ask_about_new_leaf(std::uint32_t object, Front::Index k);
 
-  // Of applied splits of one object: see Refiner::visibility_ages().
+  // Returns the ages of applied splits of one object: see Refiner::visibility_ages().
   [[nodiscard]] std::vector<std::uint32_t> visibility_ages(std::uint32_t object, std::span<const SplitId> splits) const;
 
  private:
@@ -85,10 +85,10 @@ class FrontQueries {
 
   FrontEvaluation& evaluation_;
   std::uint32_t frame_ = 0;
-  std::uint32_t draw_ = 0;          // occluders so far
-  std::uint32_t adopted_draw_ = 0;  // the last of them before the cut was taken over
-  std::uint32_t fresh_draw_ = 0;    // verdicts before earlier ones are out of date
-  std::vector<Entry> asked_;        // scratch, all of them
+  std::uint32_t draw_ = 0;          // occluders drawn so far
+  std::uint32_t adopted_draw_ = 0;  // draw_ when the cut was taken over
+  std::uint32_t fresh_draw_ = 0;    // answers with earlier occluders are out of date
+  std::vector<Entry> asked_;        // scratch, like the next two
   std::vector<OcclusionQueries::Verdict> verdicts_;
   std::vector<Front::Index> found_;
 };

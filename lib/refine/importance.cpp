@@ -10,7 +10,7 @@ namespace {
 
 constexpr float max_steps = 254.0F;
 
-// Most exponents are 1, a half or 0.
+// Returns base^exponent; most exponents are 1, a half or 0.
 float power(float base, double exponent) {
   if (exponent == 1.0) return base;
   if (exponent == 0.5) return std::sqrt(base);
@@ -47,7 +47,7 @@ Importance::Value Importance::of(const StarView& star, const SplitErrors& errors
   Value value;
   value.visible_share = star.visible_share;
   value.error = ScreenError(errors, star.scale_px);
-  if (star.visible_share == 0.0F) return value;  // even where the eye is inside the star and the error has no limit
+  if (star.visible_share == 0.0F) return value;  // also where the eye is inside the star and the error has no limit
   value.priority = value.error.quadric_px * power(star.visible_share, tuning_of(*options_).visible_exponent) /
                    power(std::max(star.cosine, min_cosine), tuning_of(*options_).grazing_exponent);
   return value;
@@ -69,7 +69,7 @@ void Importance::find_shares(std::span<const SplitId> splits) {
   unknown_.clear();
   for (const SplitId s : splits) {
     if (shares_[s] != 0) continue;
-    remember(s, 0.0F);  // once
+    remember(s, 0.0F);  // so that it is listed once
     unknown_.push_back(s);
   }
   if (unknown_.empty()) return;

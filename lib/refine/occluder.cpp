@@ -13,15 +13,15 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// Faces that may be elsewhere by more pixels hide too little for what they cost.
+// Faces that may be off by more pixels hide too little for what they cost.
 constexpr double largest_radius_px = 48.0;
-// What rasterisers and single precision may move: pixels, and shares of depths.
+// What rasterisers and single precision may change: pixels, and shares of depths.
 constexpr double slack_px = 0.02;
 constexpr double slack_depth = 2e-5;
 
 double cross2(const glm::dvec2& a, const glm::dvec2& b) { return a.x * b.y - a.y * b.x; }
 
-// Inverse: infinite where it is not a number.
+// Returns a / b, or infinity when that is not finite.
 double safe_ratio(double a, double b) {
   const double ratio = a / b;
   return std::isfinite(ratio) ? ratio : infinity;
@@ -63,7 +63,8 @@ void TileOccluder::add(std::uint32_t object, std::span<const MovedFace> faces, s
   find_depths(object);
 }
 
-// False for what is no use: backs, edge-on faces, what reaches the near plane, what may be far from where it is.
+// Returns false for useless faces: back faces, edge-on ones, those that reach the near plane, and those that may be far
+// from where they are.
 bool TileOccluder::make_face(const MovedFace& face, std::span<const glm::vec3> positions, const ObjectView& view,
                              bool two_sided, Face& result) const {
   for (int k = 0; k < 3; ++k) {
@@ -78,7 +79,7 @@ bool TileOccluder::make_face(const MovedFace& face, std::span<const glm::vec3> p
   result.radius = radius_of(result.moved, min_depth);
   result.reach = result.radius;
   if (!(result.radius <= largest_radius_px)) return false;
-  // Pixels run downwards: what is counter-clockwise has a negative area there.
+  // Pixel rows run downwards, so counter-clockwise faces have a negative area.
   const double area = cross2(c[1].pixel - c[0].pixel, c[2].pixel - c[0].pixel);
   const bool is_front = view.mirrored() ? area > 0.0 : area < 0.0;
   if (!std::isfinite(area) || area == 0.0 || !(is_front || two_sided)) return false;
@@ -99,12 +100,13 @@ TileOccluder::Corner TileOccluder::project(const glm::vec3& position, const Obje
           depth};
 }
 
-// A point that moves by `moved` and is then in the image, has moved by no more pixels than this.
+// Returns how many pixels a point moves at most when it moves by `moved` and is then in the image.
 double TileOccluder::radius_of(double moved, double min_depth) const {
   return slack_px + focal_length_px_ * moved * stretch_ / (is_orthographic_ ? 1.0 : min_depth);
 }
 
-// Edges that have one face on either side as seen from the eye are no border.
+// Joins faces over edges that are no border: those with one face on either side, as seen from the eye, whose ends are
+// not both marks.
 void TileOccluder::join_faces() {
   edges_.clear();
   for (std::uint32_t f = 0; f < faces_.size(); ++f)
@@ -124,7 +126,7 @@ void TileOccluder::join_faces() {
       if ((faces_[a.face].marked & both) != both) {
         faces_[a.face].beyond[a.corner] = b.face;
         faces_[b.face].beyond[b.corner] = a.face;
-        // So that what the edge is near both its faces are near.
+        // What is near the edge is then near both its faces.
         const double reach = std::max(faces_[a.face].radius, faces_[b.face].radius);
         for (const std::uint32_t f : {a.face, b.face}) faces_[f].reach = std::max(faces_[f].reach, reach);
       }
@@ -146,7 +148,7 @@ void TileOccluder::add_intervals(std::uint32_t f) {
   const auto& [a, b, c] = face.corners;
   const Rect rect = tiles_near(glm::min(glm::min(a.pixel, b.pixel), c.pixel),
                                glm::max(glm::max(a.pixel, b.pixel), c.pixel), face.reach);
-  // Outward normals, unit length, and the nearness as a function of the pixel.
+  // Finds outward unit normals, and the nearness as a function of the pixel.
   std::array<glm::dvec2, 3> normals;
   for (std::size_t k = 0; k < 3; ++k) {
     const glm::dvec2 edge = face.corners[(k + 1) % 3].pixel - face.corners[k].pixel;
@@ -200,7 +202,7 @@ void TileOccluder::add_border(std::uint32_t f, const Corner& a, const Corner& b)
   const glm::dvec2 along = b.pixel - a.pixel;
   const double length2 = glm::dot(along, along);
   const double reach = half_diagonal + face.radius;
-  const double change = length2 > 0.0 ? reach / std::sqrt(length2) : 1.0;  // of the place on the edge, in [0, 1]
+  const double change = length2 > 0.0 ? reach / std::sqrt(length2) : 1.0;  // change of the place on the edge
   for (int y = rect.top; y < rect.bottom; ++y)
     for (int x = rect.left; x < rect.right; ++x) {
       const glm::dvec2 middle((x + 0.5) * tile_size, (y + 0.5) * tile_size);
@@ -269,7 +271,7 @@ void TileOccluder::find_depth(std::uint32_t tile, std::uint32_t object, std::spa
   });
   for (std::uint32_t k = 0; k < count;) {
     const std::uint32_t set = roots_[order_[k]];
-    // Groups of intervals that overlap, from near to far, until one hides.
+    // Visits groups of intervals that overlap, from near to far, until one hides.
     bool hides = false;
     while (!hides && k < count && roots_[order_[k]] == set) {
       double last = 0.0;
@@ -301,7 +303,7 @@ void TileOccluder::write(std::uint32_t object, const ObjectView& view, std::vect
       const double share = safe_ratio(depth - glm::dot(from, direction_), glm::dot(to - from, direction_));
       return to_object * (from + share * (to - from) - origin);
     };
-    // Single precision may take away this much; far from its origin an object has no room for tiles.
+    // Single precision may change the depth by this much. Objects far from their origin have no room for tiles.
     const glm::dvec3 there = place(x + tile_size / 2, y + tile_size / 2, tile.depth);
     const double largest = std::max({std::abs(there.x), std::abs(there.y), std::abs(there.z)});
     const double rounding = 1e-6 * (largest * view.largest_stretch() + tile.depth);
@@ -318,8 +320,8 @@ void TileOccluder::write(std::uint32_t object, const ObjectView& view, std::vect
 
 namespace {
 
-// What shows its back is not drawn, and so hides nothing; of a closed surface it lies behind what shows its front.
-// Faces that are no numbers or too small to tell stay.
+// Drops faces that show their backs: they are not drawn and so hide nothing, and on a closed surface they lie behind
+// its front faces. Faces that are not finite or too small to tell stay.
 void drop_back_faces(std::span<const glm::vec3> positions, const glm::vec3& eye, std::vector<Triangle>& triangles) {
   std::size_t kept = 0;
   for (const Triangle& t : triangles) {
@@ -356,7 +358,7 @@ void Occluder::build_conservative(std::span<const RefineObject> objects, CutSet&
   hold_motions(cuts);
   tiles_.begin(view);
   for (std::uint32_t i = 0; i < cuts.size(); ++i) {
-    cuts.active_triangles(i, parts_[i].triangles, true);  // sorts its splits
+    cuts.active_triangles(i, parts_[i].triangles, true);  // also sorts the applied splits
     find_vertices(cuts[i], *motions_[i]);
     find_faces(cuts[i], *motions_[i]);
     tiles_.add(i, faces_, cuts[i].hierarchy().positions(), views[i], objects[i].two_sided);
@@ -368,7 +370,7 @@ void Occluder::build_conservative(std::span<const RefineObject> objects, CutSet&
   }
 }
 
-// Those of a Refiner stay the same.
+// Finds the motions of hierarchies that are not held yet; those of a Refiner stay the same.
 void Occluder::hold_motions(const CutSet& cuts) {
   motions_.resize(cuts.size());
   held_.resize(cuts.size(), nullptr);

@@ -1,5 +1,4 @@
-// What hides although the mesh is not exactly where it is said to be: for each tile of the image a depth behind which
-// nothing can be seen.
+// Builds occluders from cuts, either from their triangles or conservatively, and decides when they are drawn.
 #pragma once
 
 #include <algorithm>
@@ -30,30 +29,32 @@ struct MovedFace {
   std::uint8_t marked = 0;  // bit k: corner k is a mark
 };
 
-// Orient the faces that are drawn towards the eye, and let S be a set of them. Where as many faces of S lie on the left
-// of an edge as on its right, seen from the eye, the edge is none of its border. What stands for S in the input is
-// carried to S, and its border to the border of S and to marks, by motions that are bounded. So take a ray from the
-// near plane to a point x that is farther from each face of S than what that stands for has moved, and likewise from
-// the border of S and from marks all along. It meets the input as often as S, counted with sign: as often as it meets
-// S, since all of S faces the eye. **If it meets S at all, the input hides x.**
+// Finds, for each tile of the image, a depth behind which nothing can be seen, although the mesh is not exactly where
+// the input is. Orient the faces that are drawn towards the eye, and let S be a set of them. Where as many faces of S
+// lie on the left of an edge as on its right, seen from the eye, the edge is no part of the border of S. Bounded
+// motions carry what S stands for in the input to S, and its border to the border of S and to marks. So take a ray from
+// the near plane to a point x, where x is farther from each face of S than what the face stands for has moved, and all
+// of the ray is likewise farther from the border of S and from marks. The ray meets the input as often as S, counted
+// with sign; that is how often it meets S at all, since all of S faces the eye. **If it meets S at all, the input hides
+// x.**
 //
-// This is used for all rays of a tile at once. Everything is grown by how far it may have moved, on the screen by as
-// many pixels as that covers at most. Of the faces that touch the tile so, those that are joined over edges which are
-// no border are one S. A face is near the rays between two depths; x has to be in none of these intervals, behind the
-// first group of them in which a face holds the middle of the tile, and before the nearest border. Nothing depends on
-// where pixels have their centres.
+// The test is made for all rays of a tile at once. Everything is grown by how far it may have moved, on the screen by
+// the pixels that this covers at most. Of the grown faces that touch the tile, those that are joined over edges that
+// are no border are one S. A face is near the rays between two depths. The point x must lie in none of these intervals,
+// behind the first group of them in which a face holds the middle of the tile, and before the nearest border. Nothing
+// depends on where pixels have their centres.
 //
 // Reuses its memory.
 class TileOccluder {
  public:
   static constexpr int tile_size = 8;  // pixels
 
-  // Forgets what was added.
+  // Starts a view and forgets what was added.
   void begin(const View& view);
-  // `faces` index `positions` (object space). O(n log n + tiles touched).
+  // Adds faces of an object. `faces` index `positions` (object space). O(n log n + tiles touched).
   void add(std::uint32_t object, std::span<const MovedFace> faces, std::span<const glm::vec3> positions,
            const ObjectView& view, bool two_sided);
-  // Appends a square for each tile where this object hides most, object space.
+  // Appends a square (object space) for each tile where this object hides most.
   void write(std::uint32_t object, const ObjectView& view, std::vector<glm::vec3>& positions,
              std::vector<Triangle>& triangles) const;
 
@@ -63,14 +64,14 @@ class TileOccluder {
     double nearness;  // linear over the image of a plane: 1 / depth, or -depth in orthographic views
     double depth;     // from the eye plane, world units
   };
-  // Of a set S: corners counter-clockwise as seen.
+  // A face of a set S, with its corners counter-clockwise as seen.
   struct Face {
     std::array<Corner, 3> corners;
     std::array<VertexId, 3> vertices;
     std::array<std::uint32_t, 3> beyond;  // the face over the edge that begins at corner k; no_face: a border
-    double moved;                         // world units
-    double radius;                        // pixels that this covers at most
-    double reach;                         // the largest radius of the face and of those beyond its edges
+    double moved;                         // bound on its motion, world units
+    double radius;                        // pixels that this motion covers at most
+    double reach;                         // largest radius of the face and of those beyond its edges
     std::uint8_t marked;
   };
   struct Interval {
@@ -83,11 +84,11 @@ class TileOccluder {
     float first;
   };
   struct Tile {
-    double depth;  // nothing behind can be seen
+    double depth;  // nothing behind this depth can be seen
     std::uint32_t object;
   };
   struct Rect {
-    int left, top, right, bottom;  // tiles, exclusive
+    int left, top, right, bottom;  // in tiles; right and bottom are exclusive
   };
   static constexpr std::uint32_t no_face = ~std::uint32_t{0};
 
@@ -107,11 +108,11 @@ class TileOccluder {
                   std::span<const Border> borders);
   [[nodiscard]] std::uint32_t root(std::uint32_t i);
 
-  glm::dmat4 eye_to_clip_{1.0}, clip_to_eye_{1.0};  // from and to world space relative to the eye
+  glm::dmat4 eye_to_clip_{1.0}, clip_to_eye_{1.0};  // between clip space and world space relative to the eye
   glm::dvec3 direction_{0.0};
   double near_ = 0.0, focal_length_px_ = 0.0, stretch_ = 1.0;
   bool is_orthographic_ = false;
-  int width_ = 0, height_ = 0, columns_ = 0, rows_ = 0;  // pixels; tiles
+  int width_ = 0, height_ = 0, columns_ = 0, rows_ = 0;  // in pixels; in tiles
   std::vector<Tile> tiles_;
 
   std::vector<Face> faces_;
@@ -124,29 +125,29 @@ class TileOccluder {
   std::vector<Edge> edges_;
   std::vector<Interval> intervals_, unsorted_intervals_;
   std::vector<Border> borders_, unsorted_borders_;
-  std::vector<std::uint32_t> first_interval_, first_border_;  // of tiles
-  std::vector<std::uint32_t> place_;                          // of faces in the tile that is looked at
+  std::vector<std::uint32_t> first_interval_, first_border_;  // per tile
+  std::vector<std::uint32_t> place_;                          // per face, its index in the current tile
   std::vector<std::uint32_t> roots_, order_;
   std::vector<double> min_border_;
 };
 
-// The mesh that hides: the current cuts of all objects.
-
-// Reuses its memory. In mode paper, the parts are triangles of the hierarchy's own vertices, in no order; without those
-// that show their backs, except of two-sided objects. In mode conservative, they are squares on tiles of the image.
+// Builds the mesh that hides from the current cuts of all objects. Reuses its memory. In mode paper, the parts are
+// triangles of the hierarchy's own vertices, in no order, without back faces except for two-sided objects. In mode
+// conservative, they are squares on tiles of the image.
 class Occluder {
  public:
-  // `cuts` and `views`, of `view`, by object. The result is valid until the next call. O(n) for n triangles; in mode
-  // conservative O(n log n + tiles touched), and once for each hierarchy the time of motion_of().
+  // Builds the occluder. `cuts` and `views`, of `view`, are per object. The result is valid until the next call. O(n)
+  // for n triangles; in mode conservative O(n log n + tiles touched), and once for each hierarchy the time of
+  // motion_of().
   std::span<const OccluderPart> build(std::span<const RefineObject> objects, CutSet& cuts, const View& view,
                                       std::span<const ObjectView> views, OccluderMode mode);
 
  private:
   struct Part {
-    std::vector<glm::vec3> positions;  // of squares; conservative only
+    std::vector<glm::vec3> positions;  // corners of squares; conservative only
     std::vector<Triangle> triangles;
   };
-  // A vertex of a cut: the first split of its chain that is not applied.
+  // A vertex of a cut, with the first split of its chain that is not applied.
   struct CutVertex {
     SplitId first_left = no_id;
     bool is_marked = false;
@@ -163,28 +164,26 @@ class Occluder {
   std::vector<Part> parts_;
   std::vector<OccluderPart> result_;
   std::vector<std::shared_ptr<const SurfaceMotion>> motions_;  // by object
-  std::vector<const glm::vec3*> held_;                         // whose they are, by their positions
-  std::vector<CutVertex> vertices_;  // of one cut: of the base, then of its applied splits in their order
+  std::vector<const glm::vec3*> held_;                         // positions of the hierarchy of each motion
+  std::vector<CutVertex> vertices_;  // of one cut: base vertices, then those of applied splits in their order
   std::vector<SplitId> base_roots_;
-  std::vector<MovedFace> faces_;  // of one cut
+  std::vector<MovedFace> faces_;  // faces of one cut
   TileOccluder tiles_;
 };
 
-// When the occluder is drawn anew.
-
-// How far refinement has come.
+// Measures how far refinement has come.
 struct Growth {
-  std::size_t splits = 0;     // applied
-  std::size_t triangles = 0;  // more than the base meshes have
+  std::size_t splits = 0;     // applied splits
+  std::size_t triangles = 0;  // triangles beyond those of the base meshes
 };
 
-// Either at given numbers of applied splits or, where none are given, when the mesh has grown to a third of the budget,
-// or to that divided by powers of some factor, and some split has moved its surface far enough to be worth it. So the
-// work of drawing is a geometric series, and the last one but that of the final check still decides about most of the
-// budget.
+// Decides when the occluder is drawn anew: either at given numbers of applied splits or, where none are given, when the
+// mesh has grown to a third of the budget, or to that divided by powers of `factor`, and some split has moved its
+// surface far enough to be worth it. So the work of drawing is a geometric series, and the last occluder before the
+// final check still decides about most of the budget.
 class OccluderSteps {
  public:
-  // Where no numbers are given: of how many triangles the first is, and the next ones times how many.
+  // Where no numbers are given, the first occluder has first() triangles and each later one `factor` times as many.
   static constexpr double factor = 6.0;
   [[nodiscard]] static double first(double budget) {
     const double last = budget / last_part;
@@ -217,20 +216,20 @@ class OccluderSteps {
     last_ = now;
     moved_px_ = 0.0F;
   }
-  // When it was drawn last.
+  // Returns the growth at the last occluder.
   [[nodiscard]] const Growth& last() const noexcept { return last_; }
 
  private:
-  // That a first one has: at least; and where two of them are drawn anyway.
+  // The first occluder has at least min_triangles, or enough_triangles where two are drawn anyway.
   static constexpr double min_triangles = 32.0, enough_triangles = 128.0;
-  static constexpr double last_part = 3.0;  // of the budget, at the last of them
+  static constexpr double last_part = 3.0;  // budget divided by the triangles of the last occluder
   static constexpr float min_move_px = 1.0F;
 
   const RefineOptions* options_ = nullptr;
-  std::size_t next_ = 0;         // of the given ones
-  double next_triangles_ = 0.0;  // where none are given
+  std::size_t next_ = 0;         // index of the next given number
+  double next_triangles_ = 0.0;  // next number where none are given
   Growth last_;
-  float moved_px_ = 0.0F;  // since then
+  float moved_px_ = 0.0F;  // largest motion by a split since the last occluder
 };
 
 }  // namespace occlod

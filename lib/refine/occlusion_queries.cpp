@@ -83,7 +83,7 @@ void OcclusionQueries::ask(std::span<const Entry> entries, std::span<Verdict> ve
   count(entries, verdicts, milliseconds_since(start));
 }
 
-// In pieces that stay in the cache: by their vertices, which decide most, then by their bounds.
+// Asks in pieces that stay in the cache: tests vertices, which decide most questions, then asks about bounds.
 void OcclusionQueries::find(std::span<const Entry> entries, std::span<Verdict> verdicts, Scratch& scratch) const {
   const std::size_t max_at_once = std::max(min_at_once, flight_);
   for (std::size_t first = 0; first < entries.size(); first += max_at_once) {
@@ -124,7 +124,7 @@ void OcclusionQueries::find_vertices_that_show(std::span<const Entry> entries, s
   for (std::size_t i = 0; i < entries.size(); ++i) verdicts[i] = {true, scratch.vertex_shows[i] != 0};
 }
 
-// Those whose vertices do not show.
+// Asks about those whose vertices do not show.
 void OcclusionQueries::ask_about_bounds(std::span<const Entry> entries, std::span<Verdict> verdicts,
                                         Scratch& scratch) const {
   auto& [vertices, vertex_shows, asked, first_points, points, queries, answers] = scratch;
@@ -154,7 +154,7 @@ void OcclusionQueries::ask_about_bounds(std::span<const Entry> entries, std::spa
   for (std::size_t k = 0; k < asked.size(); ++k) verdicts[asked[k]].visible = answers[k] != 0;
 }
 
-// The bounds of its subtree.
+// Returns a query about the bounds of the entry's subtree.
 VisibilityQuery OcclusionQueries::query_about(const Entry& entry) const {
   const SplitNode& node = scene_.cuts->hierarchy(entry.object).node(entry.split);
   const RefineOptions* const options = scene_.options;

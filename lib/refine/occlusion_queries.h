@@ -1,4 +1,4 @@
-// Lets through what the options switch on, object by object and region by region, and counts.
+// Asks a backend what is hidden, where the options allow it, and counts the answers by object and region.
 #pragma once
 
 #include <algorithm>
@@ -16,7 +16,8 @@
 
 namespace occlod {
 
-// The cell of effect_regions_per_axis^3 over `box` that holds p; points outside belong to the cell next to them.
+// Finds the cell of effect_regions_per_axis^3 over `box` that holds a point; points outside belong to the cell next to
+// them.
 class RegionGrid {
  public:
   explicit RegionGrid(const Box& box);
@@ -36,26 +37,27 @@ inline std::size_t RegionGrid::region_of(const glm::vec3& p) const noexcept {
   return cell(0) + effect_regions_per_axis * (cell(1) + effect_regions_per_axis * cell(2));
 }
 
-// Reuses its memory from view to view.
+// Allows the tests that the options switch on, by object and region, and counts them. Reuses its memory from view to
+// view.
 class EffectGate {
  public:
-  // Throws Error when options.effects are neither none nor one an object.
+  // Starts a view. Throws Error unless options.effects is empty or has one element per object.
   void begin(std::span<const RefineObject> objects, const RefineOptions& options);
 
   [[nodiscard]] bool tests_cone(std::uint32_t object) const noexcept { return objects_[object].tests_cone; }
-  // Counts a test; returns its outcome.
+  // Counts a test and returns its outcome.
   bool cone_culled(std::uint32_t object, bool culled) noexcept {
     ++stats_[object].cone_tests;
     stats_[object].cone_culled += culled ? 1 : 0;
     return culled;
   }
-  // About what lies around `center`.
+  // Returns whether the options allow questions around `center` (object space).
   [[nodiscard]] bool asks(std::uint32_t object, const glm::vec3& center) const noexcept {
     const std::uint64_t regions = objects_[object].regions;
     if (regions == all_effect_regions) return true;
     return regions != 0 && ((regions >> objects_[object].grid.region_of(center)) & 1U) != 0;
   }
-  // A question about what lies around `center`, a star or a subtree with an error of error_px.
+  // Counts the answer about a star or subtree around `center` whose error is error_px.
   void answered(std::uint32_t object, Entry::Kind kind, const glm::vec3& center, float error_px,
                 bool visible) noexcept {
     using Region = ObjectEffectStats::Region;
@@ -80,9 +82,7 @@ class EffectGate {
   std::vector<ObjectEffectStats> stats_;
 };
 
-// What refinement asks a backend: the rules by which it asks, its questions, and the occluder.
-
-// What is asked about in one view. All outlive it.
+// Refers to what is asked about in one view. All of it must outlive the questions.
 struct QueriedScene {
   std::span<const RefineObject> objects;
   std::span<const ObjectView> views;
@@ -92,60 +92,62 @@ struct QueriedScene {
   const RefineOptions* options = nullptr;
 };
 
-// Each answer is told to the gate. Reuses its memory.
+// Asks a backend by the rules of the options, draws its occluders, and tells each answer to the gate. Reuses its
+// memory.
 class OcclusionQueries {
  public:
   void begin(Visibility& visibility, const QueriedScene& scene);
 
   [[nodiscard]] bool can_hide() const noexcept { return can_hide_; }
-  // How many questions should be asked at once, at least.
+  // Returns how many questions should be asked at once, at least.
   [[nodiscard]] std::size_t flight() const noexcept { return flight_; }
-  // Whether one question is waited for nearly as long as many.
+  // Returns whether waiting for one answer takes nearly as long as for many.
   [[nodiscard]] bool in_flights() const noexcept { return flight_ > 1; }
 
-  // Whether the options let this question be asked: by its kind, its level in the forest and its region.
+  // Returns whether the options let this question be asked: by its kind, its level in the forest and its region.
   [[nodiscard]] bool asks(const Entry& entry) const;
-  // Whether the options let anything about this split be asked.
+  // Returns whether the options let anything about this split be asked.
   [[nodiscard]] bool asks_in_region(std::uint32_t object, SplitId s) const;
-  // Whether stars are asked about; and whether splits are, before and while they are applied.
+  // Return whether stars are asked about, and whether splits are, before and while they are applied.
   [[nodiscard]] bool asks_stars() const;
   [[nodiscard]] bool asks_splits() const;
-  // What is asked about a split to know whether it should be applied.
+  // Returns the question that decides whether a split should be applied.
   [[nodiscard]] Entry::Kind split_question() const;
 
   struct Verdict {
     bool visible = true;
-    bool vertex_shows = false;  // that the split brings back: its own star is visible too
+    bool vertex_shows = false;  // whether the vertex that the split brings back shows: then its own star is visible too
   };
-  // Reuses its memory.
+  // Holds scratch memory of find().
   struct Scratch {
     std::vector<glm::vec3> vertices;
     std::vector<std::uint8_t> vertex_shows;
-    // Of what is asked about by bounds: its place, and where its points begin if it is a star.
+    // For entries asked about by bounds: their indices, and where the points of stars begin.
     std::vector<std::size_t> asked, first_points;
     std::vector<glm::vec3> points;
     std::vector<VisibilityQuery> queries;
     std::vector<std::uint32_t> answers;
   };
-  // Asks about each of them; `verdicts` has as many places. Several threads may, each with a scratch of its own, where
-  // the backend says so; then the answers are to be counted.
+  // Asks about each entry; `verdicts` has the size of `entries`. Several threads may call this where the backend allows
+  // it, each with its own scratch. count() must follow.
   void find(std::span<const Entry> entries, std::span<Verdict> verdicts, Scratch& scratch) const;
-  // entry.error tells the gate what a hidden subtree is worth. `milliseconds`: that the caller has spent on them.
+  // Counts answers. entry.error tells the gate what a hidden subtree is worth; the caller has spent `milliseconds` on
+  // them.
   void count(std::span<const Entry> entries, std::span<const Verdict> verdicts, double milliseconds);
-  // Both, and the time that it takes.
+  // Calls find() and count(), and measures the time.
   void ask(std::span<const Entry> entries, std::span<Verdict> verdicts);
   [[nodiscard]] bool many_threads_may_ask() const noexcept { return visibility_->answers_many_threads(); }
-  // The cuts as they are.
+  // Draws the current cuts as the occluder.
   void draw_occluder(CutSet& cuts);
 
-  // In this view.
+  // Counts of this view.
   struct Counts {
     std::size_t asked = 0;
     std::size_t hidden = 0;
     std::size_t draws = 0;
   };
   [[nodiscard]] const Counts& counts() const noexcept { return counts_; }
-  // Spent on questions and occluders.
+  // Returns the time spent on questions and occluders.
   [[nodiscard]] double milliseconds() const noexcept { return milliseconds_; }
 
  private:

@@ -19,11 +19,11 @@ constexpr int image_divisor = 4;
 constexpr std::size_t walks_ahead = 128;
 constexpr std::size_t walks_back = 512;  // more than ahead: looks back are rarer and decide for longer
 constexpr std::size_t max_roots = 256;   // limits the roots that are sampled in scenes of thousands of components
-constexpr double max_finer = 16.0;       // times the budget: nodes that the last node of a walk may stand for
-constexpr std::uint32_t no_levels = 1U << 30U;  // no forest is so deep: nothing is asked
-constexpr std::size_t max_counted = 2048;       // triangles whose area is taken, to know how much they fill the image
-constexpr float min_level_px = 1e-3F;           // the level of a fully refined mesh
-constexpr float largest_error_px = 1e4F;        // for nodes whose bounds contain the eye
+constexpr double max_finer = 16.0;       // a walk ends at a node that stands for more nodes than this many budgets
+constexpr std::uint32_t no_levels = 1U << 30U;  // no forest is this deep, so nothing is asked
+constexpr std::size_t max_counted = 2048;  // about as many triangles are measured to know how much they fill the image
+constexpr float min_level_px = 1e-3F;      // level of a fully refined mesh
+constexpr float largest_error_px = 1e4F;   // error of nodes whose bounds contain the eye
 
 Camera smaller(Camera camera) {
   camera.width = std::max(1, camera.width / image_divisor);
@@ -31,12 +31,12 @@ Camera smaller(Camera camera) {
   return camera;
 }
 
-// None of nothing.
+// Returns part / whole, or 0 if `whole` is 0.
 double share(double part, double whole) { return whole > 0.0 ? part / whole : 0.0; }
 
 }  // namespace
 
-// Passed to the refiner as its backend: draws occluders into a smaller image and answers every query with visible.
+// Serves the refiner as its backend: draws occluders into a smaller image and answers every query with visible.
 class Probe::SmallVisibility final : public Visibility {
  public:
   explicit SmallVisibility(std::span<const RefineObject> objects) : objects_(objects) {}
@@ -150,8 +150,8 @@ void Probe::begin(const View& view, const RefineOptions& options) {
   sums_.assign(objects_.size(), {});
 }
 
-// Evenly spread walks, which go on below the level at which the budget ends, to nodes that stand for more than
-// max_nodes. All take a step in turn: their nodes are anywhere in memory, and so it fetches many at a time.
+// Takes evenly spread walks, which go on below the level at which the budget ends, to nodes that stand for more than
+// max_nodes. All walks take a step in turn, so that many nodes, which are anywhere in memory, are fetched at a time.
 void Probe::take_walks(std::size_t walks, double max_nodes) {
   find_roots();
   walks_.clear();
@@ -174,8 +174,8 @@ void Probe::take_walks(std::size_t walks, double max_nodes) {
   }
 }
 
-// The error of which so many nodes are at least: each step counts as the nodes that it stands for (Knuth, "Estimating
-// the efficiency of backtrack programs", 1975). The smallest error found when there are fewer.
+// Returns the error that this many nodes reach: each step counts as the nodes that it stands for (Knuth, "Estimating
+// the efficiency of backtrack programs", 1975). Returns the smallest error found when there are fewer.
 double Probe::level_of(std::size_t nodes) {
   sorted_.clear();
   for (std::size_t i = 0; i < walks_.size(); ++i) sorted_.insert(sorted_.end(), paths_[i].begin(), paths_[i].end());
@@ -211,8 +211,8 @@ void Probe::Sums::add(const Sums& o) {
   for (std::size_t i = 0; i < seen.size(); ++i) seen[i] += o.seen[i];
 }
 
-// Samples of very different weights are worth fewer equal ones (Kish). Some that found nothing hidden, and errors that
-// fall with one over the number of splits, are added, so that few samples do not claim much.
+// Estimates the shares. Samples of very different weights are worth fewer equal ones (Kish). Some that found nothing
+// hidden, and errors that fall with one over the number of splits, are added, so that few samples do not claim much.
 HiddenShares Probe::Sums::shares() const {
   constexpr double added = 4.0;
   const double equal = share(splits * splits, splits_squared);
@@ -229,7 +229,7 @@ HiddenShares Probe::Sums::shares() const {
   return result;
 }
 
-// Every n-th root of all forests, at most max_roots.
+// Takes every n-th root of all forests, at most max_roots.
 void Probe::find_roots() {
   std::size_t count = 0;
   for (const RefineObject& object : objects_) count += object.hierarchy->data().roots.size();
@@ -248,7 +248,7 @@ void Probe::find_roots() {
   }
 }
 
-// The screen error of a node; 0 where refinement would cull it.
+// Returns the screen error of a node; 0 where refinement would cull it.
 float Probe::error_px(std::uint32_t object, SplitId s) const {
   const Hierarchy& hierarchy = *objects_[object].hierarchy;
   hierarchy.require(s);
@@ -259,9 +259,10 @@ float Probe::error_px(std::uint32_t object, SplitId s) const {
   return std::min(ScreenError::in_pixels(node.error, view.largest_scale_px(node.sphere)), largest_error_px);
 }
 
-// At a root. Errors fall with about one over the number of triangles, so a node has about as many nodes of a given
-// error below it as its own is times that; where a mesh ends, fewer. So a walk begins at a root, and goes on to a
-// child, with a probability in proportion to the root of its error. `place`, in [0, 1), decides all its steps.
+// Begins a walk at a root. Errors fall with about one over the number of triangles, so the number of nodes of a given
+// error below a node is proportional to the node's own error, or smaller where the mesh ends. So a walk begins at a
+// root, and goes on to a child, with a probability in proportion to the square root of its error. `place`, in [0, 1),
+// decides all its steps.
 Probe::Walk Probe::begin_walk(double place) const {
   const double total = roots_.back().weight_until;
   const auto root = std::upper_bound(roots_.begin(), roots_.end() - 1, place * total,
@@ -280,7 +281,7 @@ void Probe::prefetch_children(const Step& at) const {
     if (child < hierarchy.split_count()) prefetch(&hierarchy.node(child));
 }
 
-// False at a leaf of the forest, and where everything below is culled.
+// Moves a walk to a child. Returns false at a leaf of the forest, and where everything below is culled.
 bool Probe::take_step(Walk& walk) const {
   Step& at = walk.at;
   const SplitNode& node = objects_[at.object].hierarchy->node(at.split);
@@ -290,7 +291,7 @@ bool Probe::take_step(Walk& walk) const {
   const double share_u = share(weight_u, weight_u + std::sqrt(static_cast<double>(v)));
   const bool to_u = walk.place < share_u;
   const float error = to_u ? u : v;
-  // Ids rise along the forest, also in a corrupt file, so every walk ends.
+  // Ids must rise along the forest, so every walk ends, even in a corrupt file.
   const SplitId next = to_u ? node.child_u : node.child_v;
   if (!(error > 0.0F) || next <= at.split) return false;
   const double probability = to_u ? share_u : 1.0 - share_u;
@@ -301,7 +302,7 @@ bool Probe::take_step(Walk& walk) const {
   return true;
 }
 
-// The last node of a walk whose error is not below the level, as all nodes that it stands for.
+// Counts the last node of a walk whose error is not below the level, as all nodes that it stands for.
 void Probe::count(std::span<const Step> path, float level_px) {
   std::size_t last = 0;
   while (last + 1 < path.size() && path[last + 1].error_px >= level_px) ++last;
@@ -314,7 +315,7 @@ void Probe::count(std::span<const Step> path, float level_px) {
   sums.visits += weight;
   const float priority = importances_[at.object].of(at.split).priority;
   const bool is_split = priority > 0.0F && priority >= level_px;
-  // Bounds contain the star, and the parent's bounds contain both: what is visible is visible above.
+  // A node's bounds contain its star, and its parent's bounds contain both: what is visible is visible above.
   if (is_split) {
     ++sums.split_samples;
     sums.splits += weight;

@@ -13,8 +13,8 @@
 
 namespace occlod {
 
-// Queries a backend of its own at a fraction of the view's resolution, so that a look costs a small share of a frame.
-// The answers only decide which queries are worth asking, so they need not be conservative.
+// Queries its own backend at a fraction of the view's resolution, so that a look costs a small share of a frame. The
+// answers only decide which queries are worth asking, so they need not be conservative.
 class Probe {
  public:
   explicit Probe(std::span<const RefineObject> objects);
@@ -22,35 +22,36 @@ class Probe {
   Probe& operator=(const Probe&) = delete;
   ~Probe();
 
-  // As Refiner::set_transform().
+  // Places an object as Refiner::set_transform() does.
   void set_transform(std::size_t object, const glm::dmat4& object_to_world);
 
   struct Result {
     HiddenShares all;
     std::vector<HiddenShares> objects;
   };
-  // Before a view is refined: the occluder is a coarse mesh refined for this purpose. Deterministic.
+  // Samples a view before it is refined, with a coarse mesh refined for this purpose as the occluder. Deterministic.
   const Result& look_ahead(const View& view, const RefineOptions& options);
-  // From the last look ahead: the priority at which refinement from scratch should use up its budget.
+  // Returns the priority at which refinement from scratch should use up its budget, from the last look ahead.
   [[nodiscard]] double level_ahead_px() const noexcept { return level_ahead_px_; }
-  // After a view: the occluder is the refined mesh, whose splits have priorities down to level_px.
+  // Samples a view after it is refined, with the refined mesh as the occluder; its splits have priorities down to
+  // level_px.
   const Result& look_back(const View& view, const RefineOptions& options, const Refinement& refinement,
                           double level_px);
 
  private:
   class SmallVisibility;
-  // A node that a walk has come to.
+  // A node that a walk has reached.
   struct Step {
     std::uint32_t object = 0;
     SplitId split = no_id;
     float error_px = 0.0F;
-    double stands_for = 1.0;  // nodes: one over the probability with which a walk comes to it
+    double stands_for = 1.0;  // number of nodes: one over the probability that a walk reaches it
   };
   struct Walk {
     Step at;
-    double place = 0.0;  // of its next step, in [0, 1)
+    double place = 0.0;  // decides its next step, in [0, 1)
   };
-  // Sums over samples; all except the first two are weighted by what the samples stand for.
+  // Adds up samples; all fields except the first two are weighted by what the samples stand for.
   struct Sums {
     std::size_t samples = 0;
     std::size_t split_samples = 0;
@@ -85,16 +86,16 @@ class Probe {
   RefineOptions options_;
   struct Root {
     Step node;
-    double weight_until = 0.0;  // the root of its error and those of all before it
+    double weight_until = 0.0;  // sum of the square roots of the errors up to this root
   };
   std::vector<Root> roots_;
-  double root_step_ = 1.0;  // each of them stands for so many
+  double root_step_ = 1.0;  // number of roots that each of them stands for
   std::vector<Walk> walks_;
-  std::vector<std::vector<Step>> paths_;  // of walks: all steps, from a root on
+  std::vector<std::vector<Step>> paths_;  // all steps of each walk, from a root on
   std::vector<std::size_t> active_;       // indices of walks that go on
   std::vector<Step> sorted_;
   StarVisibility star_;
-  std::vector<std::vector<glm::vec3>> corners_;  // of the occluder of look_back(), by object
+  std::vector<std::vector<glm::vec3>> corners_;  // corners of the occluder of look_back(), by object
   std::vector<std::vector<Triangle>> corner_triangles_;
   std::vector<Sums> sums_;  // by object
   double level_ahead_px_ = 0.0;

@@ -1,4 +1,4 @@
-// What both ways of refinement work on.
+// Holds what both ways of refinement work on, and applies splits for both.
 #pragma once
 
 #include <span>
@@ -13,7 +13,7 @@
 
 namespace occlod {
 
-// One view of all objects. Everything outlives the call that it is given to.
+// Refers to one view of all objects. Everything must outlive the call that it is given to.
 struct RefinedScene {
   std::span<const RefineObject> objects;
   std::span<const ObjectView> views;
@@ -27,12 +27,11 @@ struct RefinedScene {
   [[nodiscard]] const Hierarchy& hierarchy(std::uint32_t object) const { return cuts->hierarchy(object); }
 };
 
-// How a split is applied with all that it needs, from scratch and from frame to frame alike.
-
-// False when there is no room for the split at its priority with what it forces; true also when it is applied already
-// or steps back. The loop tells by which factor the priority sinks and takes what steps back, makes room by taking some
-// split back or says that it cannot, and applies:
-//   float forced_weight(const Entry&, const Cut::Closure&);  // see Importance::forced_weight
+// Applies a split with all that it needs, from scratch and from frame to frame alike. Returns false when there is no
+// room for the split at its priority with what it forces; true also when it is applied already or steps back. The loop
+// weighs the priority, takes entries that step back, makes room by taking back some split or says that it cannot, and
+// applies:
+//   float forced_weight(const Entry&, const Cut::Closure&);  // see Importance::forced_weight()
 //   bool step_back(const Entry&);  // with Culling::star, once: false when it is its turn all the same
 //   bool make_room(float turn_priority, float priority);  // at which its turn came, and with what it forces
 //   void apply_closure(const Entry&, const Cut::Closure&);
@@ -57,10 +56,7 @@ bool apply_split(const RefinedScene& scene, Entry& entry, Loop& loop) {
   return true;
 }
 
-// The forest of splits as files tell it.
-
-// Throws Error when the forest parent of s is another one: a file that lies about its forest could be walked without an
-// end.
+// Throws Error when the forest parent of s is not `parent`: a file with a wrong forest could be walked without an end.
 void require_parent(const Hierarchy& hierarchy, SplitId s, SplitId parent);
 
 }  // namespace occlod

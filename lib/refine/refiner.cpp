@@ -26,7 +26,7 @@ void require_parent(const Hierarchy& hierarchy, SplitId s, SplitId parent) {
 
 namespace {
 
-constexpr double largest_exponent = 8.0;  // weights beyond leave the range of floats
+constexpr double largest_exponent = 8.0;  // larger ones take weights out of the range of floats
 
 void check_ascending(const std::vector<std::uint32_t>& splits) {
   for (std::size_t i = 1; i < splits.size(); ++i)
@@ -71,7 +71,7 @@ std::uint64_t Refinement::hash() const noexcept {
 
 namespace {
 
-// Whether a cut that was refined with one can be gone on with by the other. What else is asked about occlusion may
+// Returns whether a cut that was refined with one can go on with the other. What else is asked about occlusion may
 // change: each frame forgets what it would not ask.
 bool go_on_alike(const RefineOptions& a, const RefineOptions& b) {
   Tuning before = tuning_of(a);
@@ -134,7 +134,7 @@ class Refiner::Impl {
     if (frames_ && !same_backend) frames_->forget_hidden();
     try {
       choose(view, moved, start);
-    } catch (...) {  // in the middle of a frame: the next one cannot go on from it
+    } catch (...) {  // the next frame cannot go on from the middle of this one
       frames_.reset();
       throw;
     }
@@ -145,7 +145,7 @@ class Refiner::Impl {
     return result_;
   }
 
-  // What goes on from the result refers to its objects, so these stay where they are.
+  // Swaps the objects, which stay in place because Frames refers to them.
   [[nodiscard]] Refinement take_result() {
     Refinement taken = result_;
     for (std::size_t i = 0; i < taken.objects.size(); ++i) std::swap(taken.objects[i], result_.objects[i]);
@@ -183,7 +183,7 @@ class Refiner::Impl {
     return {objects_, views_, importances_, &cuts_, &gate_, &queries_, &view, &options_};
   }
 
-  // The cuts of update().
+  // Refines the cuts for update(), from the frame before or from scratch.
   void choose(const View& view, bool moved, Clock::time_point start) {
     const bool limited = options_.max_changes > 0 || options_.time_limit_ms > 0.0;
     if (frames_ && (frames_->move_to(scene(view)) || limited)) {
@@ -207,7 +207,7 @@ class Refiner::Impl {
     stats_.changed_triangles = stats_.triangles;
   }
 
-  // Nothing has changed since the call before.
+  // Repeats the result of the call before, because nothing has changed since.
   const Refinement& repeat(Clock::time_point start) {
     for (RefinedObject& object : result_.objects) object.changes.clear();
     const RefineStats& last = result_.stats;
@@ -251,9 +251,9 @@ class Refiner::Impl {
     Camera camera;
     const Visibility* visibility;  // only compared
   };
-  bool placed_ = false;           // objects elsewhere, since the last update()
-  std::optional<Last> last_;      // of update()
-  std::optional<Frames> frames_;  // of update(), since the last refine()
+  bool placed_ = false;           // whether objects have been moved since the last update()
+  std::optional<Last> last_;      // camera and backend of the last update()
+  std::optional<Frames> frames_;  // set by update(), until the next refine()
 };
 
 const Refinement& Refiner::update(const View& view, const RefineOptions& options, Visibility& visibility) {

@@ -11,7 +11,7 @@
 namespace occlod {
 namespace {
 
-// What lengths are multiplied with.
+// These scale vectors by 1 and by a factor.
 struct Unscaled {
   glm::vec3 operator()(const glm::vec3& v) const { return v; }
 };
@@ -20,7 +20,7 @@ struct Scaled {
   glm::vec3 operator()(const glm::vec3& v) const { return factor * v; }
 };
 
-// False only when all corners are outside one plane.
+// Returns false only when all corners are outside one plane.
 bool may_be_inside(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, const ObjectView& view) {
   return std::all_of(view.planes().begin(), view.planes().end(), [&](const glm::vec4& plane) {
     const auto inside = [&](const glm::vec3& p) { return !(glm::dot(glm::vec3(plane), p) + plane.w < 0.0F); };
@@ -30,8 +30,8 @@ bool may_be_inside(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, c
 
 struct SeenFaces {
   float count = 0.0F;
-  float whole = 0.0F;   // sum of twice their areas
-  float facing = 0.0F;  // of the parts of these that face the eye
+  float whole = 0.0F;   // twice the sum of their areas
+  float facing = 0.0F;  // twice the sum of their areas as seen from the eye
 };
 
 class FaceSums {
@@ -39,13 +39,13 @@ class FaceSums {
   FaceSums(std::span<const glm::vec3> positions, const ObjectView& view, bool inside, bool two_sided)
       : positions_(positions), view_(view), inside_(inside), two_sided_(two_sided) {}
 
-  // `edges` and `rays` bring these to sizes near 1.
+  // Returns sums over the faces that are seen. `edges` and `rays` scale these to sizes near 1.
   template <class Scale>
   [[nodiscard]] SeenFaces of(const SplitStar& star, const Scale& edges, const Scale& rays) const {
     SeenFaces result;
     star.for_each_face([&](const Triangle& t) {
       const glm::vec3 &a = positions_[t.x], &b = positions_[t.y], &c = positions_[t.z];
-      // Which side of its plane the eye is on does not change under an affine map, mirrored or not.
+      // An affine map, mirrored or not, does not change the side of a face's plane on which the eye is.
       const glm::vec3 normal = glm::cross(edges(b - a), edges(c - a)), to_eye = rays(view_.eye() - a);
       const float facing = glm::dot(normal, to_eye);
       if (!((two_sided_ || facing > 0.0F) && (inside_ || may_be_inside(a, b, c, view_)))) return;
@@ -59,7 +59,7 @@ class FaceSums {
  private:
   std::span<const glm::vec3> positions_;
   const ObjectView& view_;
-  bool inside_;  // the whole star
+  bool inside_;  // whether the whole star is inside the frustum
   bool two_sided_;
 };
 
@@ -73,12 +73,12 @@ StarView star_view(const SplitStar& star, const Sphere& sphere, float scale_px, 
   result.scale_px = scale_px;
   const std::uint32_t faces = star.inserted_count() + star.removed_count();
   if (faces > 0) result.visible_share = seen.count / static_cast<float>(faces);
-  // 1 also for what is no number: with the eye on a corner.
+  // The result is 1 also for NaN, with the eye on a corner.
   if (seen.whole > 0.0F) result.cosine = std::min(1.0F, seen.facing / seen.whole);
   return result;
 }
 
-// All of it is inside, and squares of what is computed stay in the range of floats.
+// Returns whether all of the fan is inside the frustum, and squares of what is computed stay in the range of floats.
 bool is_found(const FanViews& fans, std::size_t i, const ObjectView& view) {
   return fans.room_inside[i] > 0.0F && is_near_one(fans.radius[i]) && is_near_one(distance_to(fans.sphere(i), view));
 }
@@ -91,7 +91,7 @@ bool is_wholly_inside(const Sphere& sphere, const ObjectView& view) {
   });
 }
 
-// In steps, so that what one of them wants from memory is on its way while others are at work.
+// Evaluates fans in batches and other stars one by one.
 void StarVisibility::evaluate(const Hierarchy& hierarchy, std::span<const SplitId> splits, const ObjectView& view,
                               bool two_sided, std::span<StarView> stars) {
   assert(stars.size() >= splits.size());
@@ -122,7 +122,7 @@ void StarVisibility::evaluate(const Hierarchy& hierarchy, std::span<const SplitI
   if (fans_.size() > 0) evaluate_fans();
 }
 
-// Face by face, whatever they are.
+// Evaluates a star of any kind face by face.
 StarView StarVisibility::evaluate_faces(const Hierarchy& hierarchy, SplitId s, const ObjectView& view, bool two_sided) {
   const SplitStar star = hierarchy.star(s);
   const Box box = bounding_box(points(hierarchy, s));
@@ -150,7 +150,7 @@ void StarVisibility::append_points(const Hierarchy& hierarchy, SplitId s, std::v
     points.push_back(hierarchy.positions()[v]);
   };
   append(star.vertex());
-  if (star.is_fan()) {  // u and the corners of removed faces are in the ring
+  if (star.is_fan()) {  // the ring contains u and the corners of removed faces
     std::for_each(star.ring().begin(), star.ring().end(), append);
     return;
   }

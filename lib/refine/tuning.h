@@ -1,4 +1,4 @@
-// The knobs of refinement that only experiments turn: benchmarks, tests and the viewer's research panels.
+// Holds the options of refinement that only experiments change: benchmarks, tests and the viewer's research panels.
 #pragma once
 
 #include <cstdint>
@@ -10,32 +10,32 @@
 
 namespace occlod {
 
-// Which question decides that a split is applied.
+// Selects the question that decides whether a split is applied.
 enum class Culling {
-  subtree,  // one, as in the paper: may the bounds of its subtree be seen?
-  star,     // two: descend where the bounds of the subtree may be seen, apply where the split's own faces may be
+  subtree,  // one question, as in the paper: may the bounds of its subtree be seen?
+  star,  // two questions: descend where the bounds of the subtree may be seen, apply where the split's own faces may be
 };
 
-// In tables of benchmarks.
+// Returns the name for tables of benchmarks.
 [[nodiscard]] inline const char* name_of(Culling culling) noexcept {
   return culling == Culling::subtree ? "subtree" : "star";
 }
 
-// The bounds of a subtree that occlusion queries ask about.
+// Selects the bounds of a subtree that occlusion queries ask about.
 enum class Proxy { sphere, box, cylinder };
 
 // With Culling::subtree the priority of a split is its error in pixels; with Culling::star that
 // error * (visible share of its faces)^visible_exponent * (cosine under which the eye sees them)^-grazing_exponent
 // * (1 + unseen splits that it forces)^-forced_exponent.
 struct Tuning {
-  // A change of these makes Refiner::update() refine from scratch.
+  // Changing one of these makes Refiner::update() refine from scratch.
   Culling culling = Culling::star;
   double visible_exponent = 1.0;  // in [0, 8]
   double grazing_exponent = 0.5;  // in [0, 8]
   double forced_exponent = 0.5;   // in [0, 8]
   Proxy proxy = Proxy::box;
-  // From scratch: draw the occluder when so many splits are applied; ascending. Empty: at a third of the
-  // budget in triangles and at sixths of that, as far as the mesh has moved by a pixel since the one before.
+  // From scratch, the occluder is drawn when so many splits are applied; ascending. Empty: at a third of the budget in
+  // triangles and at sixths of that, if the mesh has moved by a pixel since the one before.
   std::vector<std::uint32_t> occluder_splits = {};
   bool retest_hidden = true;  // from scratch: whenever a new occluder is drawn, ask again about what an older one hid
 
@@ -49,18 +49,20 @@ struct Tuning {
   friend bool operator==(const Tuning&, const Tuning&) = default;
 };
 
-// Birkholz & Rahn, sec. 3: one question a subtree, bounding cylinders, occluders after 300 and 2,500 splits.
+// Birkholz & Rahn, sec. 3, ask one question per subtree, about bounding cylinders, with occluders after 300 and 2,500
+// splits.
 inline const Tuning paper_tuning{
     .culling = Culling::subtree, .proxy = Proxy::cylinder, .occluder_splits = {300, 2500}, .final_check = false};
 inline const Tuning standard_tuning;
 
-// What these options refine with.
+// Returns the tuning that these options refine with.
 [[nodiscard]] inline const Tuning& tuning_of(const RefineOptions& options) noexcept {
   if (options.tuning) return *options.tuning;
   return options.method == Method::paper ? paper_tuning : standard_tuning;
 }
 
-// To change single knobs of these options: tune(options).proxy = Proxy::sphere. Copies of the options do not change.
+// Returns a tuning that only these options use, to change single fields: tune(options).proxy = Proxy::sphere. Copies of
+// the options do not change.
 [[nodiscard]] inline Tuning& tune(RefineOptions& options) {
   auto own = std::make_shared<Tuning>(tuning_of(options));
   Tuning& tuning = *own;

@@ -1,4 +1,4 @@
-// How large an object unit is on the screen at nodes of a front, and for how long that is so.
+// Finds how large an object unit is on the screen at nodes, and for how long that holds.
 #pragma once
 
 #include <array>
@@ -16,39 +16,37 @@ namespace occlod {
 struct WeighingView {
   const ObjectView& view;
   bool tests_cones = true;  // whether nodes may face away
-  ViewMotion motion;        // so far
-  glm::vec3 center{0.0F};   // that it is counted from
+  ViewMotion motion;        // motion so far
+  glm::vec3 center{0.0F};   // center that motion is counted from, object space
 };
 
-// Finds anew for these nodes: Front::scales(), what largest_scale_px() of the view tells; whether they are outside or
-// face away, as flags. Many at once, the same on every instruction set.
+// Updates Front::scales() of these nodes with the result of ObjectView::largest_scale_px(), and their flags for being
+// outside and facing away. Many nodes are weighed at once, with the same result on every instruction set.
 void weigh_nodes(Front& front, std::span<const Front::Index> which, const WeighingView& now);
 
-// How large an object unit is on the screen at nodes as the hierarchy has them.
-
+// Results of weigh_splits() where nothing of the subtree is seen.
 inline constexpr float scale_outside = -1.0F;
 inline constexpr float scale_facing_away = -2.0F;  // inside the frustum
 
-// In pixels per object unit, what largest_scale_px() of the view tells, or why nothing of the subtree is seen. Many at
-// once, the same on every instruction set.
+// Finds the results of ObjectView::largest_scale_px(), pixels per object unit, or why nothing of the subtree is seen.
+// Many nodes are weighed at once, with the same result on every instruction set.
 void weigh_splits(std::span<const SplitNode> nodes, const ObjectView& view, bool tests_cones,
                   std::span<float> scales_px);
-// The same for nodes of a hierarchy; nothing is told where there is no_id. Throws Error when one is damaged.
+// Does the same for nodes of a hierarchy, with no meaningful result for no_id. Throws Error when a node is damaged.
 void weigh_splits(const Hierarchy& hierarchy, std::span<const SplitId> splits, const ObjectView& view, bool tests_cones,
                   std::span<float> scales_px);
 
-// What weighing a vector of nodes finds, on its way from vectors to a front.
-
-// A bit for each lane, as hn::StoreMaskBits stores them.
+// Holds one bit per lane, as hn::StoreMaskBits stores them.
 struct LaneBits {
-  std::array<std::uint8_t, 8> bytes{};  // at least, for any number of lanes
+  std::array<std::uint8_t, 8> bytes{};  // enough for any number of lanes
 
   [[nodiscard]] bool operator[](std::size_t lane) const noexcept {
     return (static_cast<std::uint32_t>(bytes[lane / 8]) >> (lane % 8) & 1U) != 0;
   }
 };
 
-// Has room for the vectors of every instruction set that Highway knows at a fixed width.
+// Carries the results for one vector of nodes to a front. Has room for the vectors of every instruction set that
+// Highway knows at a fixed width.
 struct WeighedLanes {
   static constexpr std::size_t most = 16;
 
@@ -61,7 +59,7 @@ struct WeighedLanes {
     front.set(k, Front::facing_away, away);
     BoundedValues& scales = front.scales();
     const float scale = out || away ? 0.0F : scale_px[lane];
-    // What is not seen has no priority whatever its faces look like.
+    // What is not seen has priority 0 whatever its faces look like, so the priority expires when that changes.
     if ((scale > 0.0F) != (scales.value[k] > 0.0F)) front.priorities().forget(k);
     scales.put(k, scale, {radius[lane], per_motion[lane], motion_limit[lane], 0.0F, eye_distance_limit[lane]},
                now.motion);

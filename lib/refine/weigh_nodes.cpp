@@ -19,15 +19,15 @@ HWY_BEFORE_NAMESPACE();
 namespace occlod::HWY_NAMESPACE {
 namespace {
 
-// Relative change of a scale per unit of displacement, at most, up to displacements of `motion_limit`.
+// Bounds the relative change of a scale per unit of displacement, up to displacements of `motion_limit`.
 struct ScaleGrowth {
   hn::Vec<Floats> per_motion, motion_limit;
 };
 
-// Of f / (nearest * cos^2 a). While the eye goes no farther than a quarter of the way to the sphere, ln(1 / nearest)
-// grows by at most 1 / nearest for each unit, ln(cos^-2 a) by 2 tan a for each radian, and a, the angle to the center
-// and half of that under which the sphere is seen, by 1 / distance each, the latter divided by the cosine of that half.
-// What grows exponentially to twice its size lies below the chord.
+// Bounds the growth of f / (nearest * cos^2 a). While the eye goes no farther than a quarter of the way to the sphere,
+// ln(1 / nearest) grows by at most 1 / nearest for each unit, and ln(cos^-2 a) by 2 tan a for each radian. The angle a
+// is the sum of the angle to the center and half of that under which the sphere is seen; these grow by 1 / distance
+// each, the latter divided by the cosine of that half. What grows exponentially to twice its size lies below the chord.
 HWY_INLINE ScaleGrowth error_growth_of(const ScaleLanes& scale, const ObjectView& view) {
   const hn::Vec<Floats> one = constant(1.0F), zero = hn::Zero(Floats());
   const auto stretch = static_cast<float>(view.largest_stretch());
@@ -44,7 +44,7 @@ HWY_INLINE ScaleGrowth error_growth_of(const ScaleLanes& scale, const ObjectView
           hn::IfThenElse(is_before, motion_limit, hn::Mul(constant(-1.0F / stretch), scale.nearest))};
 }
 
-// One vector of nodes.
+// Weighs one vector of nodes.
 HWY_INLINE void weigh_vector(Front& front, const std::int32_t* which, const WeighingView& now) {
   const NodeLanes<FrontNode> node(&front.node(0), hn::LoadU(Ints(), which));
   const Vec3<Floats> center = node.read3(offsetof(FrontNode, sphere));

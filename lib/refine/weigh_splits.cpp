@@ -31,7 +31,7 @@ HWY_INLINE hn::Vec<Floats> high_half(hn::Vec<Ints> pair) {
   return hn::ConvertTo(Floats(), hn::And(hn::ShiftRight<16>(pair), hn::Set(Ints(), 0xFFFF)));
 }
 
-// As PackedBounds::cone, operation by operation.
+// Reads PackedBounds::cone() of each node by the same operations.
 HWY_INLINE ConeLanes read_cones(const NodeLanes<SplitNode>& nodes) {
   constexpr float step = 2.0F / 65535.0F;
   const hn::Vec<Floats> one = constant(1.0F), zero = constant(0.0F);
@@ -51,7 +51,7 @@ HWY_INLINE ConeLanes read_cones(const NodeLanes<SplitNode>& nodes) {
   return {{hn::Mul(x, scale), hn::Mul(y, scale), hn::Mul(z, scale)}, cos_angle};
 }
 
-// The first of them, whole vectors; returns how many.
+// Weighs the first nodes, in whole vectors, and returns their number.
 std::size_t weigh_vectors(std::span<const SplitNode> nodes, const ObjectView& view, bool tests_cones, float* scales) {
   const std::size_t lanes = hn::Lanes(Doubles());
   HWY_ALIGN std::array<float, hn::MaxLanes(Floats())> seen;
@@ -105,7 +105,7 @@ void weigh_splits(std::span<const SplitNode> nodes, const ObjectView& view, bool
 
 void weigh_splits(const Hierarchy& hierarchy, std::span<const SplitId> splits, const ObjectView& view, bool tests_cones,
                   std::span<float> scales_px) {
-  constexpr std::size_t batch_size = 32, lanes = 8;  // of vectors, or a multiple of that
+  constexpr std::size_t batch_size = 32, lanes = 8;  // lanes is a multiple of the lanes of a vector
   std::array<SplitNode, batch_size> nodes;
   std::array<float, batch_size> scales;
   for (std::size_t first = 0; first < splits.size(); first += batch_size) {
@@ -116,7 +116,7 @@ void weigh_splits(const Hierarchy& hierarchy, std::span<const SplitId> splits, c
     }
     for (std::size_t i = 0; i < batch.size(); ++i)
       if (batch[i] != no_id) nodes[i] = hierarchy.node(batch[i]);
-    // Whole vectors: whatever is in the rest of the last one does no harm.
+    // The last vector is weighed as a whole: whatever is in the rest of it does no harm.
     const std::size_t weighed = (batch.size() + lanes - 1) / lanes * lanes;
     weigh_splits(std::span(nodes.data(), weighed), view, tests_cones, scales);
     std::copy_n(scales.begin(), batch.size(), scales_px.begin() + static_cast<std::ptrdiff_t>(first));
