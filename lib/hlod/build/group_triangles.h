@@ -50,7 +50,7 @@ class TriangleGrouping {
   const BuildOptions& options_;
   unsigned threads_;
   OctreeGrid grid_;
-  // for nested groups: code of a point in the cell of each node of the last level
+  // With nested groups, holds the code of a point in the cell of each node of the last level.
   std::vector<std::uint64_t> node_codes_;
 };
 
