@@ -10,6 +10,7 @@
 
 namespace occlod::hlod {
 
+// Makes draws on a device and records them in the frame.
 class DrawRecorder {
  public:
   // The references must outlive the recorder.

@@ -14,6 +14,7 @@
 
 namespace occlod::hlod {
 
+// Holds one value for each node of the scene.
 template <typename T>
 class PerNode {
  public:
