@@ -15,7 +15,7 @@ namespace occlod::viewer {
 enum class Seen : std::uint8_t {
   visible,      // owns a pixel
   hidden,       // behind others, or too small to own a pixel
-  back_facing,  // shows its back, which is not drawn
+  back_facing,  // faces away, and owns no pixel
   off_screen,
 };
 inline constexpr std::size_t seen_count = 4;
