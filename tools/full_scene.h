@@ -14,7 +14,7 @@
 
 namespace occlod::tool {
 
-// Immutable: any number of threads may draw it, each into its own buffer. Triangles are kept in chunks of neighbours;
+// Never changes: any number of threads may draw it, each into its own buffer. Triangles are kept in chunks of neighbours;
 // chunks outside the frustum, or behind what is already drawn, are not drawn.
 class FullScene {
  public:

@@ -30,7 +30,7 @@ struct Layout {
   Area sidebar;
   Area graph;
   Area view;  // the rest
-  // Inside the view: one, or two with the split screen, with the proportions of the picture.
+  // Lie inside the view: one, or two with the split screen, with the proportions of the picture.
   std::vector<Area> pictures;
 };
 

@@ -25,7 +25,7 @@ struct FrontObject {
   std::vector<std::uint32_t> patches;          // per triangle, number of its patch in HlodView::patches; no_id in cuts
 };
 
-// Immutable once it is handed over.
+// Never changes once it is handed over.
 struct HlodFront {
   std::uint64_t number = 0;                 // ascending over all fronts
   hlod::Frame frame;                        // without the indices of cuts

@@ -62,7 +62,7 @@ struct RefinedSide {
   std::shared_ptr<const DepthPyramid> occluder;       // if asked for and drawn
 };
 
-// Immutable once it is handed over.
+// Never changes once it is handed over.
 struct RefinedFrame {
   RefineJob job;
   // One of these is filled: as asked, and with `compare` also without occlusion, or by the other strategy. With cells,

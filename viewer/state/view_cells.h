@@ -12,7 +12,7 @@
 
 namespace occlod::viewer {
 
-// Immutable.
+// Never changes.
 struct ViewCells {
   std::filesystem::path path;
   std::shared_ptr<const Objects> objects;  // the meshes that the file was opened with, and refers to

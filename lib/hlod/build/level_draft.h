@@ -139,7 +139,7 @@ struct LevelDraft {
   LargeVector<Triangle> triangles;  // vertex ids, node by node
   LargeVector<Triangle> corners;    // wedges of the triangles; empty without seams
   LargeVector<Merge> merges;        // node by node
-  // Per triangle, the place on the next level of the node that replaces it; empty on the last level.
+  // Holds, per triangle, the place on the next level of the node that replaces it; empty on the last level.
   LargeVector<std::uint32_t> parent_of;
 
   [[nodiscard]] std::span<const Merge> merges_of(const NodeDraft& node) const {

@@ -47,9 +47,9 @@ class NodeSimplifier {
   LargeVector<AddedWedge> added_;
   // The next three arrays are indexed by vertex of the input mesh.
   LargeVector<Box> boxes_;  // around the level-0 vertices that were merged into it
-  // Set, with locked borders, when several nodes of the level share the vertex or `lost_` is set.
+  // Is 1, with locked borders, if several nodes of the level share the vertex or `lost_` is 1.
   LargeVector<std::uint8_t> locked_;
-  // Set when a node that had locked the vertex no longer has it as a corner: it stays locked for ever.
+  // Is 1 once a node that had locked the vertex no longer has it as a corner: it stays locked for ever.
   LargeVector<std::uint8_t> lost_;
   LargeVector<std::uint32_t> members_;       // triangles of the level below, group by group
   std::vector<std::uint32_t> first_member_;  // per group, place of its first triangle in members_; then a sentinel

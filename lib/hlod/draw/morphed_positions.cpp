@@ -12,7 +12,7 @@ DrawRange shared_part(const DrawRange& range, const Patch& patch) {
   return {first, end > first ? end - first : 0, range.morph};
 }
 
-// Interpolates; exact at both ends.
+// Interpolates exactly at both ends.
 glm::vec3 between(const glm::vec3& from, const glm::vec3& to, float morph) {
   return from * (1.0F - morph) + to * morph;
 }
