@@ -14,8 +14,8 @@
 
 namespace occlod::tool {
 
-// Never changes: any number of threads may draw it, each into its own buffer. Triangles are kept in chunks of neighbours;
-// chunks outside the frustum, or behind what is already drawn, are not drawn.
+// Never changes: any number of threads may draw it, each into its own buffer. Triangles are kept in chunks of
+// neighbours; chunks outside the frustum, or behind what is already drawn, are not drawn.
 class FullScene {
  public:
   // Hierarchies must outlive it. Throws Error for 2^32 triangles or more. O(n log n), where meshes that repeat count
