@@ -85,7 +85,6 @@ struct Placement {
 [[nodiscard]] Placement grown(const Placement& placement, const Screen& screen, const ProxySpace& space);
 
 // Describes the grown box that every device draws for a queried box, however it counts pixels.
-
 struct BoxProxy {
   enum class Kind {
     beside,     // touches no pixel: before the near plane or beside the image; counts 0

@@ -27,7 +27,6 @@ namespace occlod::hlod {
 [[nodiscard]] constexpr double no_bias(double mu) noexcept { return mu > 0.0 ? 1.0 : 0.0; }
 
 // Computes from a node's bounds what traversal needs of one object in one view.
-
 class ObjectFrame {
  public:
   ObjectFrame(const View& view, const PlacedHlod& placed, const Trial& trial = {});
@@ -104,7 +103,7 @@ struct NodeState {
   bool denied : 1 = false;        // was to be refined, but a parent was drawn
   bool floored : 1 = false;       // would have stopped without its bias_floor
   bool gone : 1 = false;          // found hidden after it was refined, or all its parents are gone or culled
-  bool held_to_stop : 1 = false;  // held, and then drawn refined within
+  bool held_to_stop : 1 = false;  // held, and to be drawn refined within
   bool cut : 1 = false;           // drawn refined within
   bool delayed : 1 = false;       // drawn only when its answer came
   bool hidden : 1 = false;        // the answer was that it is hidden
@@ -140,15 +139,14 @@ inline void enter_frame(NodeState& state, std::uint32_t frame) noexcept {
   state.frame = frame;
 }
 
-// Orders the reached nodes by distance, nearest first.
-
 struct ReachedNode {
   double distance = 0.0;  // see ObjectFrame::distance()
   NodeRef ref;
   std::uint32_t place = 0;  // number of nodes that were reached before it in this frame
 };
 
-// Breaks ties by object, then by node id, so coarse nodes come first.
+// Orders the reached nodes by distance, nearest first. Breaks ties by object, then by node id, so coarse nodes come
+// first.
 class DistanceQueue {
  public:
   void clear() noexcept { heap_.clear(); }
@@ -175,7 +173,6 @@ class DistanceQueue {
 };
 
 // Holds the objects in the view of a frame, the options, and the states of all nodes.
-
 class FrameScene {
  public:
   explicit FrameScene(std::span<const PlacedHlod> objects);

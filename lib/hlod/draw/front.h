@@ -49,8 +49,6 @@ class DrawRecorder {
   std::size_t first_range_ = 0;  // first range of the draw that is being made
 };
 
-// Applies the rules for nodes with several parents. For a node with one parent they never intervene.
-
 // Tells whether a node may be refined.
 enum class Permission {
   granted,  // every parent is refined or culled
@@ -58,6 +56,7 @@ enum class Permission {
   denied,   // a parent is drawn, so the node must not be replaced
 };
 
+// Decides by the rules for nodes with several parents. For a node with one parent they never intervene.
 class Front {
  public:
   // The references must outlive the front. Empties the queue.

@@ -6,7 +6,6 @@ namespace occlod::hlod {
 namespace {
 
 // Implements Strategy::vfc.
-
 class FrustumPolicy : public Policy {
  public:
   [[nodiscard]] Action predict(FrameScene& scene, const ReachedNode& n) override {

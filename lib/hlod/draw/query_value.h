@@ -161,7 +161,6 @@ class HidingRates {
 };
 
 // Chooses hidden nodes for one query: the multi-queries of CHC++ (Mattausch and others 2008, sec. 5.2).
-
 class HiddenGroups {
  public:
   void begin_frame(const FrameScene& scene) { hidden_frames_.fit(scene); }

@@ -17,7 +17,6 @@ namespace occlod::hlod {
 namespace {
 
 // Stores the counts of the queries of one frame.
-
 class Answers {
  public:
   void clear() {

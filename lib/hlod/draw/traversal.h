@@ -69,9 +69,6 @@ class Questions {
   std::vector<BoxRef> boxes_;    // of the query that is being made
 };
 
-// Runs the loop that strategies share, with one queue of nodes by distance and one of queries in order (Bittner and
-// others 2004; Charalambos 2006, sec. 2.2.1; Charalambos and others 2007, fig. 2).
-
 // Keeps memory from frame to frame.
 struct TraversalMemory {
   DistanceQueue reached;
@@ -79,6 +76,8 @@ struct TraversalMemory {
   Questions questions;
 };
 
+// Runs the loop that strategies share, with one queue of nodes by distance and one of queries in order (Bittner and
+// others 2004; Charalambos 2006, sec. 2.2.1; Charalambos and others 2007, fig. 2).
 class Traversal {
  public:
   // The references must outlive the traversal. `scene` and `device` have begun their frame.

@@ -100,7 +100,6 @@ void Prefetcher::look_ahead(const PlacedHlod& object, const View& ahead, double 
 }
 
 // Adds up the time that a frame would take by calibrated costs, while it is drawn.
-
 // Passes every command on to a device. Fragments are estimated from bounds, so times depend on counts and answers only.
 class ModelledDevice final : public RenderDevice {
  public:

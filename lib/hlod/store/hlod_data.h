@@ -94,7 +94,6 @@ constexpr std::uint64_t align_mesh(std::uint64_t offset) {
 
 // Lets an HLOD be used before all of it has been read: mesh and splits of each node are checked when they are first
 // needed. Any number of threads may use it.
-
 class NodeGuard {
  public:
   // `within_count` is the number of nodes whose splits are checked: none or all.

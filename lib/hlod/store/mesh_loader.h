@@ -49,7 +49,6 @@ class MeshSource {
 
 // Decides which meshes of an HLOD are in memory, within a budget, and which are evicted for others. Reads nothing
 // itself.
-
 class NodeCache {
  public:
   enum class State : std::uint8_t {

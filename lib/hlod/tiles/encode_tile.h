@@ -47,9 +47,8 @@ class ByteStream {
   std::string bytes_;
 };
 
-// These functions implement EXT_meshopt_compression, if the library is built with meshoptimizer.
-
-// Returns whether it is; otherwise the other functions must not be called.
+// Returns whether the library is built with meshoptimizer. Otherwise the next three functions, which implement
+// EXT_meshopt_compression, must not be called.
 [[nodiscard]] bool has_meshopt() noexcept;
 
 // Orders triangles for vertex caches and wedges by first use, which helps the codecs.
@@ -90,7 +89,6 @@ class TileLattice {
 };
 
 // Holds the box of a tile in double precision, because contents may lie beside the floats of the HLOD. It starts empty.
-
 struct TileBox {
   glm::dvec3 min{std::numeric_limits<double>::infinity()};
   glm::dvec3 max{-std::numeric_limits<double>::infinity()};

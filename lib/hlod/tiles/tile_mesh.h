@@ -35,7 +35,6 @@ struct BorderEdge {
                                                 std::span<const std::uint32_t> first);
 
 // Describes a vertex on the border of a node of level 0. Borders of coarser nodes run along the same vertices.
-
 struct BorderVertex {
   glm::vec3 position{0.0F};
   glm::vec3 normal{0.0F};  // area-weighted mean over all triangles of level 0 there; zero where that mean is zero
